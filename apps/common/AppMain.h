@@ -80,41 +80,82 @@ inline std::string unknownOption(const CLI::App& app, const std::string& word)
   return word + ": unknown option" + (nearest.empty() ? "" : "; did you mean " + nearest + "?");
 }
 
+/** Whether an option names files or a folder that the program writes. */
+inline bool namesOutput(const CLI::Option& option)
+{
+  const auto names = {"--output",  "--json",         "--csv",      "--plot",
+                      "--profile", "--labelled-map", "--distances"};
+  return std::any_of(names.begin(), names.end(),
+                     [&option](const char* name) { return option.check_name(name); });
+}
+
+/** \throws UserError if one of the inputs is the file `output`. */
+inline void requireNotAmong(const std::vector<const CLI::Option*>& inputs,
+                            const std::string& output,
+                            const CLI::Option& output_option)
+{
+  std::error_code ignored;
+  if (!std::filesystem::is_regular_file(output, ignored))
+  {
+    return;
+  }
+  for (const CLI::Option* input : inputs)
+  {
+    for (const std::string& file : input->results())
+    {
+      if (std::filesystem::equivalent(output, file, ignored))
+      {
+        throw UserError(output + ": is an input, too (" + input->get_name() + "); choose another " +
+                        output_option.get_name());
+      }
+    }
+  }
+}
+
 /** \throws UserError if a file that the program is to write is given as an input, too. */
 inline void requireNoInputReplaced(const CLI::App& app)
 {
-  const auto writes = [](const CLI::Option& option)
+  const auto isGiven = [](const CLI::Option* option) { return option->count() > 0; };
+  std::vector<const CLI::Option*> inputs;
+  std::vector<const CLI::Option*> outputs;
+  for (const CLI::Option* option : app.get_options(isGiven))
   {
-    const auto names = {"--output", "--json", "--csv", "--plot", "--profile", "--labelled-map"};
-    return std::any_of(names.begin(), names.end(),
-                       [&option](const char* name) { return option.check_name(name); });
-  };
-  const auto given = [](const CLI::Option* option) { return option->count() > 0; };
-  const auto options = app.get_options(given);
-  for (const CLI::Option* output : options)
+    (namesOutput(*option) ? outputs : inputs).push_back(option);
+  }
+  for (const CLI::Option* output : outputs)
   {
-    for (const std::string& file : writes(*output) ? output->results() : std::vector<std::string>{})
+    for (const std::string& file : output->results())
     {
-      for (const CLI::Option* input : options)
-      {
-        for (const std::string& read :
-             writes(*input) ? std::vector<std::string>{} : input->results())
-        {
-          std::error_code ignored;
-          if (std::filesystem::is_regular_file(file, ignored) &&
-              std::filesystem::equivalent(file, read, ignored))
-          {
-            throw UserError(file + ": is an input, too (" + input->get_name() +
-                            "); choose another " + output->get_name());
-          }
-        }
-      }
+      requireNotAmong(inputs, file, *output);
     }
   }
   for (const CLI::App* command : app.get_subcommands())
   {
     requireNoInputReplaced(*command);
   }
+}
+
+/** What the user did wrong, where the parser failed with `error`. */
+inline std::string parseErrorMessage(const CLI::App& app, const CLI::ParseError& error)
+{
+  // CLI11 names a missing option first, even if it is missing because of a mistyped one.
+  for (const std::string& word : app.remaining(true))
+  {
+    if (word.size() > 1 && word[0] == '-')
+    {
+      return unknownOption(app, word);
+    }
+  }
+  const auto rest = app.remaining();
+  if (!rest.empty() && app.get_require_subcommand_min() > 0 && app.get_subcommands().empty())
+  {
+    return unknownCommand(app, rest.front());
+  }
+  if (!rest.empty() && app.get_option_no_throw("--input") != nullptr)
+  {
+    return rest.front() + ": not expected; the recording is given with --input";
+  }
+  return firstMeaningfulLine(error.what());
 }
 
 /** The program ended normally, but the result is unusable: exit code 2. */
@@ -161,25 +202,7 @@ inline int runApp(int argc,
       app.exit(error);
       return 0;
     }
-    // CLI11 names a missing option first, even if it is missing because of a mistyped one.
-    for (const std::string& word : app.remaining(true))
-    {
-      if (word.size() > 1 && word[0] == '-')
-      {
-        return fail(unknownOption(app, word) + " (see " + name + " --help)");
-      }
-    }
-    const auto rest = app.remaining();
-    if (!rest.empty() && app.get_require_subcommand_min() > 0 && app.get_subcommands().empty())
-    {
-      return fail(unknownCommand(app, rest.front()) + " (see " + name + " --help)");
-    }
-    if (!rest.empty() && app.get_option_no_throw("--input") != nullptr)
-    {
-      return fail(rest.front() + ": not expected; the recording is given with --input (see " +
-                  name + " --help)");
-    }
-    return fail(firstMeaningfulLine(error.what()) + " (see " + name + " --help)");
+    return fail(parseErrorMessage(app, error) + " (see " + name + " --help)");
   }
   catch (const UnusableResult& result)
   {

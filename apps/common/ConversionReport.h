@@ -14,8 +14,9 @@
 
 namespace dyslam
 {
-/** Final report of a converter: notes and warnings on stderr, one line of counts on stdout. */
-inline void report(const ConversionResult& result, const std::string& output)
+/** Final report of a converter: notes and warnings on stderr, one line of counts on stdout.
+ * \param are_true whether the poses are ground truth, not an estimate */
+inline void report(const ConversionResult& result, const std::string& output, bool are_true = true)
 {
   for (const std::string& note : result.notes)
   {
@@ -29,8 +30,12 @@ inline void report(const ConversionResult& result, const std::string& output)
             << " points";
   if (result.poses + result.label_files + result.boxes > 0)
   {
-    std::cout << "; truth" << (result.ground_truth.empty() ? "" : " in " + result.ground_truth)
-              << ": " << counted(result.poses, "pose")
+    std::cout << "; "
+              << (are_true
+                      ? "truth" +
+                            (result.ground_truth.empty() ? "" : " in " + result.ground_truth) + ": "
+                      : "")
+              << counted(result.poses, "pose")
               << (result.pose_source.empty() ? "" : " (from " + result.pose_source + ")") << ", "
               << result.label_files << " label files, " << result.boxes << " boxes";
   }

@@ -28,11 +28,11 @@ struct SlamArguments
   std::optional<int> only_first_n;
   std::optional<double> start;
   std::optional<double> end;
-  bool resume = false;                //!< resume a killed run
+  bool resume = false;                //!< resume a run that was stopped or killed
   int passes = 1;                     //!< over the recording
   std::future<void> loading;          //!< loadAhead()
-  std::vector<std::string> messages;  //!< about sensor and settings, at the first scan
-  std::vector<std::string> told;      //!< warnings that were printed during the run
+  std::vector<std::string> messages;  //!< about sensor and settings, printed at the first scan
+  std::vector<std::string> printed_warnings;  //!< those that were printed during the run
 
   [[nodiscard]] bool quiet() const { return verbosity == "ERROR"; }
 };
@@ -65,7 +65,7 @@ inline void declareSlamArguments(CLI::App& app, SlamArguments& a)
          "--passes", a.passes,
          "2: process the recording twice, with segmentation and odometry of the second pass "
          "without the points that the first one labelled moving (dense traffic); --resume goes on "
-         "with the second pass, a run killed in the first one starts anew")
+         "with the second pass, a run stopped or killed in the first one starts anew")
       ->check(CLI::IsMember({1, 2}))
       ->capture_default_str();
   app.add_option("--profile", a.settings.profile_csv, "CSV file for the times of every stage");
@@ -131,14 +131,14 @@ inline void chooseSettings(const std::string& program, SlamArguments& a)
   }
 }
 
-/** Fills the config with what is given, for a run that is resumed and has all settings.
- * \throws UserError. */
-inline void checkSettings(SlamArguments& a)
+/** Fills the config with the settings that are given, for a run that is resumed: its checkpoint has
+ * all of them. \throws UserError. */
+inline void readSettingsToResume(SlamArguments& a)
 {
   a.settings.config = readGivenSettings(a.config, assignmentsOf(a)).merged();
 }
 
-/** \throws UserError */
+/** \throws UserError if no recording is given. */
 inline void requireGiven(const std::string& rawlog)
 {
   if (rawlog.empty())

@@ -37,20 +37,25 @@ inline void printAtFirstScan(SlamArguments& a)
   a.messages.clear();
 }
 
-/** \param printed number of the warnings, the first ones, that were printed at the beginning.
- * \param told others that were printed. */
-inline void print(const SlamRunReport& report,
-                  const std::string& folder,
-                  std::size_t printed,
-                  const std::vector<std::string>& told)
+/** Prints the warnings of a run that were not printed yet. \param about_settings number of those
+ * about the settings, the first ones, which were printed at the first scan. \param printed others
+ * that were printed. */
+inline void printWarnings(const SlamRunReport& report,
+                          std::size_t about_settings,
+                          const std::vector<std::string>& printed)
 {
-  for (std::size_t i = printed; i < report.warnings.size(); ++i)
+  for (std::size_t i = about_settings; i < report.warnings.size(); ++i)
   {
-    if (std::find(told.begin(), told.end(), report.warnings[i]) == told.end())
+    if (std::find(printed.begin(), printed.end(), report.warnings[i]) == printed.end())
     {
       std::printf("warning: %s\n", printable(report.warnings[i]).c_str());
     }
   }
+}
+
+/** Prints the result of a run. \param folder of its files */
+inline void printResult(const SlamRunReport& report, const std::string& folder)
+{
   std::printf("%s\n", report.method.c_str());
   std::printf("%s, %.1f m, %s, %s, %s, %s\n", counted(report.frames, "scan").c_str(),
               report.path_length, counted(report.keyframes, "keyframe").c_str(),
@@ -64,20 +69,23 @@ inline void print(const SlamRunReport& report,
   }
   if (report.unconverged > 0)
   {
-    std::printf("%zu scans could not be registered; their motion is predicted\n",
-                report.unconverged);
+    std::printf("%s could not be registered; %s motion is predicted\n",
+                counted(report.unconverged, "scan").c_str(),
+                report.unconverged == 1 ? "its" : "their");
   }
   std::printf("%.1f ms per scan, all stages added up", report.ms_per_scan);
   if (report.frames > 0 && report.run_time > 0)
   {
-    std::printf("; %.1f ms of wall time, as stages run in parallel",
-                1e3 * report.run_time / static_cast<double>(report.frames));
+    std::printf(
+        "; %.1f ms of wall time, as stages run in parallel",
+        1e3 * (report.run_time - report.first_pass_time) / static_cast<double>(report.frames));
   }
   std::printf("\n");
   if (report.recording_time > 0)
   {
-    std::printf("real-time factor %.2f: %.1f s of recording in %.1f s\n", report.realtimeFactor(),
-                report.recording_time, report.run_time);
+    std::printf("real-time factor %.2f: %.1f s of recording in %.1f s%s\n", report.realtimeFactor(),
+                report.recording_time, report.run_time,
+                report.first_pass_time > 0 ? ", both passes" : "");
   }
   std::printf("results in %s: %s\n", folder.c_str(), counted(report.files.size(), "file").c_str());
   if (std::find(report.files.begin(), report.files.end(), "report.html") != report.files.end())
@@ -90,15 +98,26 @@ inline void print(const SlamRunReport& report,
   }
 }
 
-/** \throws UserError if the folder has the checkpoint of a killed run, unless it may be replaced.
- */
-inline void requireNoKilledRun(const SlamRunSettings& settings)
+/** \throws UserError if the folder has the checkpoint of a run that was stopped or killed, unless
+ * it may be replaced. */
+inline void requireNoUnfinishedRun(const SlamRunSettings& settings)
 {
   if (!settings.force && hasCheckpoint(settings.output_folder))
   {
-    throw UserError(settings.output_folder +
-                    ": has the checkpoint of a killed run; continue it with dyslam --resume, or "
-                    "start anew with --force");
+    throw UserError(
+        settings.output_folder +
+        ": has the checkpoint of an unfinished run; continue it with dyslam --resume, or "
+        "start anew with --force");
+  }
+}
+
+/** Prints what happens after a Ctrl-C, which may take a while. */
+inline void printStopping(const SlamArguments& a)
+{
+  if (!a.quiet())
+  {
+    std::fprintf(stderr, "%sstopping: the results so far are written; Ctrl-C again ends at once\n",
+                 isatty(2) == 1 ? "\r\033[K" : "");
   }
 }
 
@@ -111,11 +130,17 @@ inline SlamRunReport runWithProgress(const std::string& title,
                                      const SlamRunner& run)
 {
   Progress progress(title, "scans", a.quiet());
+  bool is_stopping = false;
   SlamRunReport report = run(a.settings,
                              [&](double fraction, std::size_t frames)
                              {
                                printAtFirstScan(a);
                                progress.update(fraction, frames);
+                               if (!is_stopping && a.settings.stop && a.settings.stop())
+                               {
+                                 is_stopping = true;
+                                 printStopping(a);
+                               }
                              });
   progress.finish(report.frames);
   return report;
@@ -130,10 +155,10 @@ inline void requireNotStopped(const SlamArguments& a, const std::string& when)
   }
 }
 
-/** Prints a warning during a run, beside the line of progress. */
-inline void tell(SlamArguments& a, const std::string& warning)
+/** Prints a warning during a run, in place of the line of progress, which comes again. */
+inline void printWarning(SlamArguments& a, const std::string& warning)
 {
-  a.told.push_back(warning);
+  a.printed_warnings.push_back(warning);
   if (!a.quiet())
   {
     std::fprintf(stderr, "%swarning: %s\n", isatty(2) == 1 ? "\r\033[K" : "",
@@ -145,6 +170,7 @@ inline void tell(SlamArguments& a, const std::string& warning)
 struct FirstPass
 {
   double path_length = 0;             //!< [m]
+  double run_time = 0;                //!< [s]
   std::vector<std::string> warnings;  //!< beyond those about the settings, which both passes have
 };
 
@@ -159,12 +185,13 @@ inline FirstPass runFirstPass(const std::string& program, SlamArguments& a, cons
   const SlamRunReport report = runWithProgress(program + ", first pass", first, run);
   FirstPass result;
   result.path_length = report.path_length;
+  result.run_time = report.run_time;
   for (std::size_t i = first.settings.warnings.size(); i < report.warnings.size(); ++i)
   {
     if (report.warnings[i].find("--passes 2") == std::string::npos)  // which this is
     {
       result.warnings.push_back("first pass: " + report.warnings[i]);
-      tell(a, result.warnings.back());
+      printWarning(a, result.warnings.back());
     }
   }
   if (!report.failure.empty())
@@ -176,12 +203,12 @@ inline FirstPass runFirstPass(const std::string& program, SlamArguments& a, cons
   return result;
 }
 
-/** A warning where the passes disagree about the length of the path; empty where they do not. */
+/** A warning if the passes disagree about the length of the path [m], else empty. */
 inline std::string comparePaths(double first, double second)
 {
-  constexpr double most = 0.1;  // of the longer path
-  constexpr double metres = 1;  // as of a vehicle that stands
-  if (std::abs(first - second) <= std::max(metres, most * std::max(first, second)))
+  constexpr double max_ratio = 0.1;     // of the longer path
+  constexpr double max_difference = 1;  // [m], as of a vehicle that stands
+  if (std::abs(first - second) <= std::max(max_difference, max_ratio * std::max(first, second)))
   {
     return "";
   }
@@ -198,11 +225,11 @@ inline void runSlamProgram(const std::string& program, SlamArguments& a, const S
 {
   stopOnSignals();
   a.settings.stop = [] { return stop_asked.load(); };
-  a.settings.warn = [&a](const std::string& warning) { tell(a, warning); };
+  a.settings.warn = [&a](const std::string& warning) { printWarning(a, warning); };
   std::optional<FirstPass> first;
   if (a.resume)
   {
-    checkSettings(a);
+    readSettingsToResume(a);
     const std::string& folder = a.settings.output_folder;
     if (a.passes == 2 && !isSecondPass(settingsOfCheckpoint(folder), folder))
     {
@@ -214,7 +241,7 @@ inline void runSlamProgram(const std::string& program, SlamArguments& a, const S
   {
     requireGiven(a.settings.rawlog);
     requireConverted(a.settings.rawlog);
-    requireNoKilledRun(a.settings);
+    requireNoUnfinishedRun(a.settings);
     if (a.passes == 2)
     {
       first = runFirstPass(program, a, run);
@@ -224,6 +251,7 @@ inline void runSlamProgram(const std::string& program, SlamArguments& a, const S
     if (first)
     {
       a.messages.clear();  // those of the first pass
+      a.settings.first_pass_time = first->run_time;
       std::vector<std::string>& warnings = a.settings.warnings;
       warnings.insert(warnings.end(), first->warnings.begin(), first->warnings.end());
     }
@@ -240,7 +268,8 @@ inline void runSlamProgram(const std::string& program, SlamArguments& a, const S
   }
   if (!a.quiet())
   {
-    print(report, a.settings.output_folder, a.settings.warnings.size(), a.told);
+    printWarnings(report, a.settings.warnings.size(), a.printed_warnings);
+    printResult(report, a.settings.output_folder);
   }
   if (!report.failure.empty())
   {

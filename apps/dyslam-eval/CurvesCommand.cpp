@@ -2,12 +2,13 @@
 #include "CurvesCommand.h"
 
 #include <dyslam/core/Files.h>
-#include <dyslam/core/PendingFile.h>
 #include <dyslam/eval/LearningCurves.h>
 
 #include <cstdio>
 #include <filesystem>
 #include <memory>
+
+#include "OutputFiles.h"
 
 namespace dyslam
 {
@@ -29,7 +30,7 @@ Subcommand curvesCommand(CLI::App& app)
       const auto picture = renderLearningCurves(parseLearningLog(
           readWhole(file, "give a log.csv or validation.csv of dyslam-train"), file));
       const auto to = std::filesystem::path(file).replace_extension(".png").string();
-      writeWhole(to, {reinterpret_cast<const char*>(picture.data()), picture.size()});
+      writePng(to, picture);
       std::printf("%s\n", to.c_str());
     }
   };

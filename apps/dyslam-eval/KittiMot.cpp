@@ -15,16 +15,12 @@
 #include <type_traits>
 #include <utility>
 
-#include "KittiTracking.h"
-
 namespace fs = std::filesystem;
 
 namespace dyslam
 {
 namespace
 {
-constexpr double sweep_period = 0.1036;  // of KITTI's lidar [s]
-
 /** Projection of a box in the lidar frame, clipped to the image [px]. */
 Eigen::Vector4d inImage(const Box& box, const KittiCalib& calib)
 {
@@ -186,7 +182,7 @@ void collect(const std::vector<TrackedObject>& objects,
     box.box = transformed(object.box, T_velo_world);
     if (interval > 0)
     {
-      box.box = skewed(box.box, motion, interval, {sweep_period, true});
+      box.box = skewed(box.box, motion, interval, {kitti_scan_period, true});
     }
     box.score = object.score;
     box.image_box = object.detection >= 0
@@ -215,7 +211,7 @@ void trackSequence(Recording& recording,
       // Constant velocity since the previous frame.
       motion = recording.poses[f - 1].inverse() * recording.poses[f];
       interval = recording.stamps[f] - recording.stamps[f - 1];
-      deskewDetections(recording.detections[f], motion, interval, {sweep_period, true});
+      deskewDetections(recording.detections[f], motion, interval, {kitti_scan_period, true});
     }
     const auto start = std::chrono::steady_clock::now();
     const std::vector<TrackedObject> objects =

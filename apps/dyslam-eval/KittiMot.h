@@ -8,6 +8,8 @@
 #include <string>
 #include <vector>
 
+#include "KittiTracking.h"
+
 namespace dyslam
 {
 /** What is tracked, and how the detections are degraded before. */
@@ -17,11 +19,11 @@ struct KittiMotSetup
   std::string detections;  //!< folder of NNNN.txt, or with one such folder for each class
   TrackerOptions tracker;
   DetectionNoiseOptions noise;
-  double frame_time = 0.1036;  //!< between scans, of sequences without times [s]
-  bool deskew = true;          //!< boxes are of scans that are not deskewed
-  double added_noise = 0;      //!< standard deviation added to x and y of the detections [m]
-  int seed = 1;                //!< of that noise
-  int every = 1;               //!< only every n-th frame is used and evaluated
+  double frame_time = kitti_scan_period;  //!< between scans, of sequences without times [s]
+  bool deskew = true;                     //!< boxes are of scans that are not deskewed
+  double added_noise = 0;  //!< standard deviation added to x and y of the detections [m]
+  int seed = 1;            //!< of that noise
+  int every = 1;           //!< only every n-th frame is used and evaluated
 };
 
 /** Tracks of several sequences, in the protocol of AB3DMOT's benchmark. */

@@ -12,12 +12,12 @@
 #include <memory>
 #include <random>
 
+#include "KittiTracking.h"
+
 namespace dyslam
 {
 namespace
 {
-constexpr double scan_time = 0.1036;  // of KITTI's lidar; the data have no time stamps [s]
-
 /** Scale of the visual odometry: ratio of the distance by OXTS along its steps. */
 double scaleOf(const std::vector<Pose>& visual, const std::vector<Pose>& measured)
 {
@@ -101,7 +101,7 @@ KittiDrive readKittiDrive(const std::string& folder,
   drive.detections.resize(drive.truth.size());
   for (std::size_t i = 0; i < drive.truth.size(); ++i)
   {
-    drive.stamps.push_back(static_cast<double>(i) * scan_time);
+    drive.stamps.push_back(static_cast<double>(i) * kitti_scan_period);
   }
   drive.labels = readKittiTracking(folder + "/label_02/" + file, calib.T_cam_velo);
   const std::vector<LabelledBox> boxes =
@@ -179,8 +179,8 @@ KittiSlamRun runKittiSlam(const KittiDrive& drive,
     }
     frame.motion.converged = true;
     frame.detections = drive.detections[i];
-    deskewDetections(frame.detections, frame.motion.T_previous_current, scan_time,
-                     {scan_time, true});
+    deskewDetections(frame.detections, frame.motion.T_previous_current, kitti_scan_period,
+                     {kitti_scan_period, true});
     tracker.update(frame);
     backend.addOdometry(frame);
     backend.optimise(frame);

@@ -20,17 +20,17 @@ struct OdometryNoise
   std::string name;
   double per_step = 0;   //!< standard deviation along each axis per step [m] ...
   double per_metre = 0;  //!< ... and this share of the step
-  double turn = 0;       //!< about each axis per step [rad]
+  double turn = 0;       //!< standard deviation about each axis per step [rad]
 };
 
-/** One sequence of KITTI tracking: detections and ego-motion, lidar frame. */
+/** One sequence of KITTI tracking: detections and labels in the lidar frame, and the ego-motion. */
 struct KittiDrive
 {
   std::string name;  //!< "0004"
   std::vector<double> stamps;
   std::vector<Pose> truth;  //!< T_world_velo, smoothed from OXTS without any object
   std::vector<std::vector<Detection>> detections;  //!< per scan, as the detector gave them
-  std::vector<Pose> visual;  //!< of the visual odometry in the data; empty if there is none
+  std::vector<Pose> visual;  //!< T_odom_velo by the visual odometry in the data, per scan
   std::vector<LabelledBox> labels;
 };
 
@@ -56,12 +56,15 @@ struct KittiSlamRun
   std::vector<std::string> warnings;
 };
 
-/** \param odometry T_odom_velo per scan \param step covariance of a step [m^2, rad^2], tangent */
+/** Runs tracker and backend. \param odometry T_odom_velo per scan \param step_information of the
+ * motion from the scan before to each scan, tangent [translation, rotation] [1/m^2, 1/rad^2]; that
+ * of the first scan is not used */
 [[nodiscard]] KittiSlamRun runKittiSlam(const KittiDrive& drive,
                                         const std::vector<Pose>& odometry,
                                         const std::vector<Matrix6>& step_information,
                                         const TrackerOptions& tracker,
                                         const BackendConfig& backend);
+
 /** Errors of moving vehicles against their labels, RMSE over all scans that observed them. */
 struct KittiObjectErrors
 {
@@ -88,7 +91,9 @@ struct KittiVehicleSpeeds
 [[nodiscard]] std::map<int, KittiVehicleSpeeds> kittiVehicleSpeeds(
     const KittiDrive& drive, const std::vector<Pose>& odometry, const KittiSlamRun& run);
 
-/** Information of each step of an odometry with this noise. */
+/** Information of each step of an odometry with this noise, one per pose, as runKittiSlam() takes
+ * it.
+ */
 [[nodiscard]] std::vector<Matrix6> stepInformation(const std::vector<Pose>& odometry,
                                                    const OdometryNoise& noise);
 }  // namespace dyslam

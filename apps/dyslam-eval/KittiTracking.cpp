@@ -13,8 +13,8 @@ namespace dyslam
 {
 namespace
 {
-constexpr double frame_time =
-    0.1;  // between scans; positions predicted by fits do not depend on it [s]
+// Between scans, in round numbers: positions that a fit predicts do not depend on it [s].
+constexpr double frame_time = 0.1;
 
 Eigen::Vector2d inWorld(const LabelledBox& box, const std::vector<Pose>& poses)
 {

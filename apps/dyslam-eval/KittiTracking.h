@@ -13,6 +13,10 @@
 
 namespace dyslam
 {
+/** Mean time between the scans of KITTI's lidar, and of a revolution [s]: for data without time
+ * stamps. */
+constexpr double kitti_scan_period = 0.1036;
+
 /** One object of KITTI tracking with its true and observed positions. World frame: x east, y north,
  * from OXTS and the calibration. */
 struct KittiTarget

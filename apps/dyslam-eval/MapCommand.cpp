@@ -2,6 +2,9 @@
 #include "MapCommand.h"
 
 #include <dyslam/core/Error.h>
+#include <dyslam/core/PendingFile.h>
+#include <dyslam/core/Printable.h>
+#include <dyslam/eval/MapDistance.h>
 #include <dyslam/eval/MapMetrics.h>
 #include <dyslam/formats/LabelFiles.h>
 #include <dyslam/formats/ScanFiles.h>
@@ -9,9 +12,11 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <iostream>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "../common/Checks.h"
@@ -26,6 +31,8 @@ struct MapArguments
 {
   std::string reference;
   std::string labels;
+  std::string distances;      //!< PLY to write
+  bool needs_labels = false;  //!< flags were given that need them
   std::vector<std::string> estimates;
   MapMetricsOptions metrics;
   MapSelfArguments self;
@@ -33,13 +40,20 @@ struct MapArguments
   OutputFlags output;
 };
 
+/** Labels of a reference, or why it has none. */
+struct ReferenceLabels
+{
+  std::vector<Label> labels;
+  std::string missing;  //!< reason; empty: there are labels
+};
+
 /** Labels stored in the intensity: 0 static and 1 dynamic (KTH's benchmark), or SemanticKITTI
  * classes (ERASOR's maps). */
-std::vector<Label> labelsFromIntensity(const Scan& cloud, const std::string& path)
+ReferenceLabels labelsFromIntensity(const Scan& cloud)
 {
   if (cloud.intensity.size() != cloud.size())
   {
-    throw UserError(path + ": has no labels; give --labels F.label, or put them in the intensity");
+    return {{}, "no intensity, no .label file"};
   }
   const bool only_flags = std::all_of(cloud.intensity.begin(), cloud.intensity.end(),
                                       [](float v) { return v == 0.0F || v == 1.0F; });
@@ -48,24 +62,23 @@ std::vector<Label> labelsFromIntensity(const Scan& cloud, const std::string& pat
   {
     if (!(v >= 0) || v != std::floor(v) || v > 65535)
     {
-      throw UserError(path + ": intensity " + std::to_string(v) +
-                      " is no label (0 static, 1 dynamic, or SemanticKITTI classes)");
+      return {{}, "intensity " + std::to_string(v) + " is none"};
     }
     labels.push_back(only_flags ? (v == 1.0F ? label_moving : label_static)
                                 : static_cast<Label>(v));
   }
-  return labels;
+  return {std::move(labels), ""};
 }
 
-std::vector<Label> referenceLabels(const MapArguments& a, const Scan& cloud)
+ReferenceLabels referenceLabels(const MapArguments& a, const Scan& cloud)
 {
   const std::string beside =
       std::filesystem::path(a.reference).replace_extension(".label").string();
   if (!a.labels.empty() || std::filesystem::exists(beside))
   {
-    return readLabels(a.labels.empty() ? beside : a.labels, cloud.size());
+    return {readLabels(a.labels.empty() ? beside : a.labels, cloud.size()), ""};
   }
-  return labelsFromIntensity(cloud, a.reference);
+  return labelsFromIntensity(cloud);
 }
 
 nlohmann::ordered_json toJson(const MapScores& s)
@@ -80,6 +93,91 @@ nlohmann::ordered_json toJson(const MapScores& s)
           {"preservation", orNull(s.preservation())},
           {"rejection", orNull(s.rejection())},
           {"harmonic_mean", orNull(harmonicMean(s.preservation(), s.rejection()))}};
+}
+
+nlohmann::ordered_json toJson(const DistanceSummary& s)
+{
+  nlohmann::ordered_json json{{"points", s.count},
+                              {"mean_m", s.mean},
+                              {"median_m", s.median},
+                              {"rmse_m", s.rmse},
+                              {"quantile95_m", s.quantile95},
+                              {"max_m", s.max}};
+  json["shares"] = nlohmann::ordered_json::array();
+  for (std::size_t i = 0; i < s.shares.size(); ++i)
+  {
+    json["shares"].push_back({{"within_m", DistanceSummary::limits[i]}, {"share", s.shares[i]}});
+  }
+  return json;
+}
+
+void addDistanceRow(Table& table,
+                    const std::string& name,
+                    const std::string& points_of,
+                    const DistanceSummary& s)
+{
+  std::vector<TableCell> cells{name, points_of, TableCell(static_cast<double>(s.count), 0)};
+  for (const double distance : {s.mean, s.median, s.rmse, s.quantile95, s.max})
+  {
+    cells.emplace_back(distance, 4);
+  }
+  for (const double share : s.shares)
+  {
+    cells.emplace_back(100 * share, 2);
+  }
+  table.addRow(std::move(cells));
+}
+
+/** \throws UserError if the map has no finite point. */
+void requirePoints(const Scan& cloud, const std::string& path)
+{
+  if (std::none_of(cloud.points.begin(), cloud.points.end(),
+                   [](const Eigen::Vector3f& point) { return point.allFinite(); }))
+  {
+    throw UserError(path + ": has no points");
+  }
+}
+
+/** Maps without labels: distances of the points of both from those of the other. */
+void compareByDistance(const MapArguments& a, const Scan& reference)
+{
+  requirePoints(reference, a.reference);
+  Table table({"map", "points of", "points", "mean [m]", "median [m]", "RMSE [m]", "95 % [m]",
+               "max [m]", "0.1 m [%]", "0.2 m [%]", "0.5 m [%]"});
+  nlohmann::ordered_json json;
+  json["reference"] = a.reference;
+  json["maps"] = nlohmann::ordered_json::array();
+  const auto names = shortNames(a.estimates);
+  for (std::size_t i = 0; i < a.estimates.size(); ++i)
+  {
+    const Scan estimate = readCloud(a.estimates[i]);
+    requirePoints(estimate, a.estimates[i]);
+    const MapDistance distance = mapDistance(reference.points, estimate.points);
+    addDistanceRow(table, names[i], "estimate", distance.estimate);
+    addDistanceRow(table, names[i], "reference", distance.reference);
+    json["maps"].push_back({{"name", names[i]},
+                            {"estimate", toJson(distance.estimate)},
+                            {"reference", toJson(distance.reference)}});
+    if (!a.distances.empty())
+    {
+      writeWhole(a.distances, distancePly(estimate.points, distance.of_estimate));
+    }
+  }
+  a.output.write(table, textOf(json));
+}
+
+/** \throws UserError for a file that distances cannot be written to. */
+void requireDistancesFile(const MapArguments& a)
+{
+  if (!a.distances.empty() && lowerExtension(a.distances) != ".ply")
+  {
+    throw UserError("--distances " + a.distances + ": the ending must be .ply");
+  }
+  if (!a.distances.empty() && a.estimates.size() > 1)
+  {
+    throw UserError("--distances writes the points of one --estimate, but " +
+                    std::to_string(a.estimates.size()) + " were given");
+  }
 }
 
 /** `--self`: evaluates trajectories by their maps. */
@@ -123,8 +221,26 @@ void runMap(const MapArguments& a)
   {
     throw UserError("map: give --reference MAP, or --self RAWLOG for quality without ground truth");
   }
+  requireDistancesFile(a);
   const Scan reference = readCloud(a.reference);
-  const std::vector<Label> labels = referenceLabels(a, reference);
+  if (!a.distances.empty())
+  {
+    compareByDistance(a, reference);
+    return;
+  }
+  const auto [labels, missing] = referenceLabels(a, reference);
+  if (!missing.empty() && a.needs_labels)
+  {
+    throw UserError(a.reference + ": has no labels (" + missing +
+                    "), which --radius and --voxel need; give --labels F.label, or omit them");
+  }
+  if (!missing.empty())
+  {
+    std::cerr << "note: " << printable(a.reference) << " has no labels (" << missing
+              << "): the maps are compared by the distances of their points\n";
+    compareByDistance(a, reference);
+    return;
+  }
   Table table({"map", "points", "SA [%]", "DA [%]", "HA [%]", "AA [%]", "PR [%]", "RR [%]", "F1"});
   nlohmann::ordered_json json;
   json["reference"] = a.reference;
@@ -161,7 +277,7 @@ void declareSelf(CLI::App& sub, MapArguments& a)
   { return sub.add_option(name, value, help)->group(group)->capture_default_str(); };
   CLI::Option* without_truth =
       option("--self", self.rawlog, "rawlog of the scans; --estimate are then trajectories");
-  for (const char* other : {"--reference", "--labels", "--radius", "--voxel"})
+  for (const char* other : {"--reference", "--labels", "--radius", "--voxel", "--distances"})
   {
     without_truth->excludes(other);
   }
@@ -189,24 +305,38 @@ Subcommand mapCommand(CLI::App& app)
   const auto a = std::make_shared<MapArguments>();
   CLI::App* sub = app.add_subcommand(
       "map",
-      "Static points preserved and dynamic points rejected by a map; with --self, the sharpness of "
-      "the map of a trajectory, without ground truth");
+      "Static points preserved and dynamic points rejected by a map; of maps without labels, the "
+      "distances of their points; with --self, the sharpness of the map of a trajectory, without "
+      "ground truth");
   sub->add_option("--reference", a->reference,
                   "map (pcd, ply) of all points; labels in F.label beside it or in its intensity");
-  sub->add_option("--labels", a->labels, "SemanticKITTI labels of the reference's points");
+  CLI::Option* labels =
+      sub->add_option("--labels", a->labels, "SemanticKITTI labels of the reference's points");
   sub->add_option(
          "--estimate", a->estimates,
          "maps to evaluate (pcd, ply), or trajectories (TUM, KITTI) with --self; any number")
       ->required();
-  sub->add_option("--radius", a->metrics.point_radius,
-                  "largest distance of a map point from a reference point (SA, DA) [m]")
-      ->check(positive())
-      ->capture_default_str();
-  sub->add_option("--voxel", a->metrics.voxel_size, "side of the voxels (PR, RR) [m]")
-      ->check(positive())
-      ->capture_default_str();
+  CLI::Option* radius =
+      sub->add_option("--radius", a->metrics.point_radius,
+                      "largest distance of a map point from a reference point (SA, DA) [m]")
+          ->check(positive())
+          ->capture_default_str();
+  CLI::Option* voxel =
+      sub->add_option("--voxel", a->metrics.voxel_size, "side of the voxels (PR, RR) [m]")
+          ->check(positive())
+          ->capture_default_str();
+  sub->add_option("--distances", a->distances,
+                  "compare by distance and write the estimate, coloured by the distance of each "
+                  "point from the reference, to this PLY file")
+      ->excludes(labels)
+      ->excludes(radius)
+      ->excludes(voxel);
   declareSelf(*sub, *a);
   a->output.declare(*sub);
-  return {sub, [a] { runMap(*a); }};
+  return {sub, [a, radius, voxel]
+          {
+            a->needs_labels = radius->count() + voxel->count() > 0;
+            runMap(*a);
+          }};
 }
 }  // namespace dyslam

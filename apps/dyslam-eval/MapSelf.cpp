@@ -4,8 +4,8 @@
 #include <dyslam/core/Error.h>
 #include <dyslam/core/SharedFiles.h>
 #include <dyslam/formats/TrajectoryFiles.h>
+#include <dyslam/mapbuilder/ScanReading.h>
 #include <dyslam/odometry/Preprocessor.h>
-#include <dyslam/odometry/ScanClock.h>
 #include <dyslam/odometry/ScanPoses.h>
 
 #include <algorithm>
@@ -25,20 +25,30 @@ namespace
 {
 using Points = std::vector<Eigen::Vector3f>;
 
+/** Shows on stderr how much of the recording has been read. */
+class ReadingProgress : public MapListener
+{
+ public:
+  void beginReading(const std::string& purpose) override { progress_.emplace(purpose); }
+  void update(double fraction, std::size_t count) override { progress_->update(fraction, count); }
+  void finish(std::size_t count) override { progress_->finish(count); }
+
+ private:
+  std::optional<Progress> progress_;
+};
+
+/** \return number of scans \throws UserError for a damaged recording. */
 std::size_t forEachScan(const MapSelfArguments& a,
-                        const std::string& what,
+                        const std::string& purpose,
                         const std::function<void(const Frame&)>& use)
 {
   RawlogSource source(a.rawlog, a.source);
-  Progress progress(what);
-  ScanClock clock;
-  while (auto frame = source.next())
+  ReadingProgress progress;
+  const std::string damage = readScans(source, purpose, progress, use);
+  if (!damage.empty())
   {
-    frame->sweep_duration = clock.nextSweep(frame->scan.stamp);
-    use(*frame);
-    progress.update(source.progress(), source.framesRead());
+    throw UserError(damage);
   }
-  progress.finish(source.framesRead());
   return source.framesRead();
 }
 

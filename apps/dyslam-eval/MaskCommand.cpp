@@ -2,7 +2,6 @@
 #include "MaskCommand.h"
 
 #include <dyslam/core/Files.h>
-#include <dyslam/core/PendingFile.h>
 #include <dyslam/eval/MaskPicture.h>
 #include <dyslam/eval/Table.h>
 
@@ -10,6 +9,8 @@
 #include <cstdio>
 #include <filesystem>
 #include <memory>
+
+#include "OutputFiles.h"
 
 namespace dyslam
 {
@@ -46,7 +47,7 @@ Subcommand maskCommand(CLI::App& app)
       scan.name = path.stem().string();
       const auto picture = renderMaskScan(scan);
       const auto to = std::filesystem::path(file).replace_extension(".png").string();
-      writeWhole(to, {reinterpret_cast<const char*>(picture.data()), picture.size()});
+      writePng(to, picture);
       table.addRow({scan.name, TableCell(sampled(scan, MaskScan::Truth::stationary), 0),
                     TableCell(sampled(scan, MaskScan::Truth::moving), 0),
                     TableCell(areaUnderCurve(scan), 3), to});

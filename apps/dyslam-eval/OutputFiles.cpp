@@ -48,6 +48,11 @@ void OutputFlags::write(const Table& table, const std::string& json_text) const
   }
 }
 
+void writePng(const std::string& path, const std::vector<std::uint8_t>& png)
+{
+  writeWhole(path, {reinterpret_cast<const char*>(png.data()), png.size()});
+}
+
 std::vector<std::string> shortNames(const std::vector<std::string>& paths)
 {
   for (int parts = 1; parts < 6; ++parts)

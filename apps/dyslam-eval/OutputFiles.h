@@ -4,6 +4,7 @@
 #include <dyslam/eval/Table.h>
 
 #include <CLI/CLI.hpp>
+#include <cstdint>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
@@ -26,6 +27,9 @@ struct OutputFlags
 {
   return json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";
 }
+
+/** Writes an encoded picture. \throws UserError. */
+void writePng(const std::string& path, const std::vector<std::uint8_t>& png);
 
 /** Shortest unambiguous names of files, without extension, and of folders for a table. */
 [[nodiscard]] std::vector<std::string> shortNames(const std::vector<std::string>& paths);

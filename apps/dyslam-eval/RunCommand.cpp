@@ -61,7 +61,8 @@ void addRow(Table& table,
   cells.emplace_back(labels ? labels->iou() : Value(), 4);
   cells.emplace_back(labels ? labels->precision() : Value(), 4);
   cells.emplace_back(labels ? labels->recall() : Value(), 4);
-  cells.emplace_back(whole ? number(run.report, "ms_per_scan") : Value(), 1);
+  const Value ms = whole ? number(run.report, "ms_per_scan") : Value();
+  cells.emplace_back(ms.value_or(0) > 0 ? ms : Value(), 1);  // 0 of a run that did not finish
   table.addRow(std::move(cells));
 }
 
@@ -208,17 +209,45 @@ std::string runJson(const std::vector<RunScores>& runs)
   return textOf(json);
 }
 
+/** The folders of runs among several, as of a pattern, with a note on each other one; a single one
+ * as it is. \throws UserError if none is left. */
+std::vector<std::string> runsAmong(const std::vector<std::string>& folders)
+{
+  if (folders.size() == 1)
+  {
+    return folders;
+  }
+  std::vector<std::string> runs;
+  for (const std::string& folder : folders)
+  {
+    const std::string reason = whyNoRun(folder);
+    if (reason.empty())
+    {
+      runs.push_back(folder);
+      continue;
+    }
+    std::cerr << "note: " << printable(folder) << ": left out: " << reason << '\n';
+  }
+  if (runs.empty())
+  {
+    throw UserError("run: none of the " + std::to_string(folders.size()) +
+                    " folders is that of a run; give output folders of dyslam");
+  }
+  return runs;
+}
+
 void evaluateRuns(const RunArguments& a)
 {
   if (!a.truth.empty() && !fs::is_directory(a.truth))
   {
     throw UserError("--truth " + a.truth + ": is not a folder");
   }
-  const auto names = shortNames(a.folders);
+  const auto folders = runsAmong(a.folders);
+  const auto names = shortNames(folders);
   std::vector<RunScores> runs;
-  for (std::size_t i = 0; i < a.folders.size(); ++i)
+  for (std::size_t i = 0; i < folders.size(); ++i)
   {
-    runs.push_back(scoresOf(a.folders[i], a.truth, a.metrics.options()));
+    runs.push_back(scoresOf(folders[i], a.truth, a.metrics.options()));
     runs.back().name = names[i];
   }
   a.output.write(runTable(runs), runJson(runs));
@@ -249,7 +278,9 @@ Subcommand runCommand(CLI::App& app)
   const auto a = std::make_shared<RunArguments>();
   CLI::App* sub = app.add_subcommand(
       "run", "All metrics available for the output folders of runs, in one table");
-  sub->add_option("folders", a->folders, "output folders of dyslam")->required();
+  sub->add_option("folders", a->folders,
+                  "output folders of dyslam; of several, those that are none are left out")
+      ->required();
   sub->add_option("--truth", a->truth,
                   "ground-truth folder (.gt) for labels and, where the run has none, "
                   "poses; default: next to the rawlog");

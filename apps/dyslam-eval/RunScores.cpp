@@ -62,7 +62,14 @@ std::size_t scansTaken(const fs::path& folder, const Trajectory& recorded)
   return most > 0 ? std::min(taken, most) : taken;
 }
 
-/** Prints the progress of a killed run. \return whether it is one */
+std::string textIn(const Json& json, const char* key)
+{
+  const auto it = json.find(key);
+  return it != json.end() && it->is_string() ? it->get<std::string>() : "";
+}
+
+/** Prints the progress of a run that was stopped or killed, or whose recording is damaged.
+ * \return whether it is one */
 bool noteUnfinished(const std::string& folder, const Json& report, const std::string& truth)
 {
   const auto finished = report.find("finished");
@@ -71,15 +78,21 @@ bool noteUnfinished(const std::string& folder, const Json& report, const std::st
     return false;
   }
   const auto frames = report.find("frames");
-  std::string scans =
-      frames != report.end() && frames->is_number() ? std::to_string(frames->get<long>()) : "?";
+  const bool has_frames = frames != report.end() && frames->is_number_unsigned();
+  std::string scans = has_frames ? counted(frames->get<std::size_t>(), "scan") : "? scans";
   const fs::path poses = fs::path(truth) / "poses_tum.txt";
   if (!truth.empty() && fs::exists(poses))
   {
-    scans += " of " + std::to_string(scansTaken(folder, readTum(poses.string())));
+    scans = (has_frames ? std::to_string(frames->get<std::size_t>()) : "?") + " of " +
+            counted(scansTaken(folder, readTum(poses.string())), "scan");
   }
-  std::cerr << "note: " << folder << ": unfinished: " << scans << " scans; dyslam --resume -o "
-            << folder << " goes on\n";
+  const std::string reason = textIn(report, "ended_early");
+  std::cerr << "note: " << folder << ": unfinished: " << scans
+            << (reason.empty() ? "" : "; " + printable(reason))
+            << (fs::exists(fs::path(folder) / "resume.state")
+                    ? "; continue with: dyslam --resume -o " + folder
+                    : "")
+            << '\n';
   return true;
 }
 
@@ -88,12 +101,6 @@ fs::path referenceOf(const fs::path& folder, const std::string& truth)
 {
   const fs::path own = folder / "reference_tum.txt";
   return fs::exists(own) || truth.empty() ? own : fs::path(truth) / "poses_tum.txt";
-}
-
-std::string textIn(const Json& json, const char* key)
-{
-  const auto it = json.find(key);
-  return it != json.end() && it->is_string() ? it->get<std::string>() : "";
 }
 
 /** Where the poses of referenceOf() are from: as the run recorded it, else as the ground-truth
@@ -191,20 +198,28 @@ std::string truthFolder(const std::string& given, const Json& report)
 
 }  // namespace
 
+std::string whyNoRun(const std::string& folder)
+{
+  if (!fs::is_directory(folder))
+  {
+    return "is not a folder";
+  }
+  if (fs::exists(fs::path(folder) / "trajectory_tum.txt"))
+  {
+    return "";
+  }
+  return fs::exists(fs::path(folder) / "odometry_tum.txt.tmp")
+             ? "unfinished, without a checkpoint: has no trajectory_tum.txt"
+             : "has no trajectory_tum.txt: is it the output folder of a run?";
+}
+
 RunScores scoresOf(const std::string& folder,
                    const std::string& given_truth,
                    const TrajectoryMetricsOptions& metrics)
 {
-  if (!fs::is_directory(folder))
+  if (const std::string reason = whyNoRun(folder); !reason.empty())
   {
-    throw UserError(folder + ": is not a folder");
-  }
-  if (!fs::exists(fs::path(folder) / "trajectory_tum.txt"))
-  {
-    throw UserError(folder +
-                    (fs::exists(fs::path(folder) / "odometry_tum.txt.tmp")
-                         ? ": unfinished, without a checkpoint: has no trajectory_tum.txt"
-                         : ": has no trajectory_tum.txt: is it the output folder of a run?"));
+    throw UserError(folder + ": " + reason);
   }
   RunScores scores;
   scores.report = readReport(folder);

@@ -27,6 +27,9 @@ struct RunScores
   std::optional<SimulatedWorld> world;  //!< nothing if the recording is not known to be simulated
 };
 
+/** Why this is no output folder of a run; empty if it is one. */
+[[nodiscard]] std::string whyNoRun(const std::string& folder);
+
 /** Prints notes about missing data on stderr. \param truth folder of the ground truth; empty: the
  * one beside the rawlog \throws UserError if it is no folder of a run. */
 [[nodiscard]] RunScores scoresOf(const std::string& folder,

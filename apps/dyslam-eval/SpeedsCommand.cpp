@@ -2,7 +2,6 @@
 #include "SpeedsCommand.h"
 
 #include <dyslam/core/Error.h>
-#include <dyslam/core/PendingFile.h>
 #include <dyslam/eval/LinePlot.h>
 #include <dyslam/formats/TextFile.h>
 
@@ -20,8 +19,6 @@ namespace dyslam
 {
 namespace
 {
-constexpr double frame_time = 0.1036;  // KITTI's mean [s]
-
 struct SpeedsArguments
 {
   std::string data;
@@ -50,11 +47,11 @@ Speeds centredSpeeds(const PlanarTrack& track, int window)
     for (auto at = track.lower_bound(frame - half); at != track.end() && at->first <= frame + half;
          ++at)
     {
-      fit.add({at->first * frame_time, at->second});
+      fit.add({at->first * kitti_scan_period, at->second});
     }
     if (static_cast<int>(fit.size()) == window)
     {
-      speeds[frame] = fit.predict(frame * frame_time).velocity.norm();
+      speeds[frame] = fit.predict(frame * kitti_scan_period).velocity.norm();
     }
   }
   return speeds;
@@ -70,7 +67,7 @@ Speeds rawSpeeds(const PlanarTrack& track)
     {
       const auto before = std::prev(at);
       speeds[at->first] =
-          (at->second - before->second).norm() / ((at->first - before->first) * frame_time);
+          (at->second - before->second).norm() / ((at->first - before->first) * kitti_scan_period);
     }
   }
   return speeds;
@@ -83,8 +80,8 @@ Speeds causalSpeeds(const PlanarTrack& track, Model model)
   Speeds speeds;
   for (const auto& [frame, position] : track)
   {
-    model.add({frame * frame_time, position});
-    const MotionPrediction now = model.predict(frame * frame_time);
+    model.add({frame * kitti_scan_period, position});
+    const MotionPrediction now = model.predict(frame * kitti_scan_period);
     if (now.samples > 2)
     {
       speeds[frame] = now.velocity.norm();
@@ -106,7 +103,7 @@ Speeds readSpeeds(const std::string& path)
   while (file.next())
   {
     file.requireFields(2, "time,speed");
-    speeds[static_cast<int>(std::lround(file.number(0) / frame_time))] = file.number(1);
+    speeds[static_cast<int>(std::lround(file.number(0) / kitti_scan_period))] = file.number(1);
   }
   return speeds;
 }
@@ -137,7 +134,7 @@ LineSeries lineOf(const std::string& name, const Speeds& speeds)
   LineSeries line{name, {}};
   for (const auto& [frame, speed] : speeds)
   {
-    line.points.emplace_back(frame * frame_time, speed);
+    line.points.emplace_back(frame * kitti_scan_period, speed);
   }
   return line;
 }
@@ -194,8 +191,7 @@ void runSpeeds(const SpeedsArguments& a)
     options.x_label = "time [s]";
     options.y_label = "speed [m/s]";
     options.quantile = 0.995;
-    const auto png = renderLinePlot(lines, options);
-    writeWhole(a.plot, {reinterpret_cast<const char*>(png.data()), png.size()});
+    writePng(a.plot, renderLinePlot(lines, options));
   }
   a.output.write(table, textOf(json));
 }

@@ -2,7 +2,6 @@
 #include "TrajectoryCommand.h"
 
 #include <dyslam/core/Error.h>
-#include <dyslam/core/PendingFile.h>
 #include <dyslam/core/Printable.h>
 #include <dyslam/eval/Axes.h>
 #include <dyslam/eval/TrajectoryPlot.h>
@@ -14,6 +13,7 @@
 #include <filesystem>
 #include <iostream>
 #include <memory>
+#include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
 #include <vector>
@@ -98,6 +98,20 @@ void requireNoTimeFlags(const TrajectoryArguments& a, const std::string& file)
                     ": has no time stamps (KITTI), its poses are paired line by line; leave " +
                     (a.tolerance ? "--tolerance" : "--time-offset") + " out, or give a TUM file");
   }
+}
+
+/** Those whose position is finite. */
+Trajectory finitePoses(const Trajectory& trajectory)
+{
+  Trajectory finite;
+  for (const StampedPose& pose : trajectory)
+  {
+    if (pose.pose.translation().allFinite())
+    {
+      finite.push_back(pose.stamp, pose.pose);
+    }
+  }
+  return finite;
 }
 
 PosePairs associate(const std::string& reference_path,
@@ -186,11 +200,69 @@ void addMeanRow(Table& table, const std::vector<TrajectoryReport>& reports)
   table.addRow(std::move(cells));
 }
 
+/** Without a reference: how far the estimates travel, and where. */
+void runPaths(const TrajectoryArguments& a)
+{
+  if (a.camera == "reference")
+  {
+    throw UserError("--camera reference: there is no --reference");
+  }
+  Table table({"trajectory", "poses", "duration [s]", "length [m]", "start to end [m]"});
+  nlohmann::ordered_json json;
+  json["trajectories"] = nlohmann::ordered_json::array();
+  const std::vector<std::string> names = shortNames(a.estimates);
+  std::vector<NamedPath> paths;
+  for (std::size_t i = 0; i < a.estimates.size(); ++i)
+  {
+    const TrajectoryFile file = readPoses(a.estimates[i], a.camera == "estimate", a.calib);
+    const Trajectory trajectory = finitePoses(file.trajectory);
+    if (trajectory.empty())
+    {
+      throw UserError(a.estimates[i] + ": has no poses");
+    }
+    const StampedPose& first = trajectory[0];
+    const StampedPose& last = trajectory[trajectory.size() - 1];
+    const auto duration = file.format == TrajectoryFormat::tum
+                              ? std::optional<double>(last.stamp - first.stamp)
+                              : std::nullopt;
+    const double length = trajectory.pathLengths().back();
+    const double apart = (last.pose.translation() - first.pose.translation()).norm();
+    table.addRow({names[i], TableCell(static_cast<double>(trajectory.size()), 0),
+                  TableCell(duration, 1), TableCell(length, 1), TableCell(apart, 3)});
+    json["trajectories"].push_back(
+        {{"name", names[i]},
+         {"estimated_poses", trajectory.size()},
+         {"duration_s", duration ? nlohmann::ordered_json(*duration) : nlohmann::ordered_json()},
+         {"length_m", length},
+         {"start_to_end_m", apart}});
+    paths.push_back({names[i], {}});
+    for (const StampedPose& pose : trajectory)
+    {
+      paths.back().poses.push_back(pose.pose);
+    }
+  }
+  std::cerr << "note: no --reference: path lengths, but no errors\n";
+  a.output.write(table, textOf(json));
+  if (!a.plot.empty())
+  {
+    writePng(a.plot, renderPaths(paths));
+  }
+}
+
 void runTrajectory(const TrajectoryArguments& a)
 {
   if (!a.plot.empty() && std::filesystem::path(a.plot).extension() != ".png")
   {
     throw UserError("--plot " + a.plot + ": the ending must be .png");
+  }
+  if (!a.calib.empty() && a.camera.empty())
+  {
+    throw UserError("--calib goes with --camera, which says whose poses are the camera's");
+  }
+  if (a.references.empty())
+  {
+    runPaths(a);
+    return;
   }
   if (!a.plot.empty() && a.references.size() > 1)
   {
@@ -201,10 +273,6 @@ void runTrajectory(const TrajectoryArguments& a)
     throw UserError("give one --reference, or as many as there are estimates (" +
                     std::to_string(a.references.size()) + " and " +
                     std::to_string(a.estimates.size()) + " given)");
-  }
-  if (!a.calib.empty() && a.camera.empty())
-  {
-    throw UserError("--calib goes with --camera, which says whose poses are the camera's");
   }
   const TrajectoryMetricsOptions metrics = a.metrics.options();
   const std::vector<std::string> names = shortNames(a.estimates);
@@ -233,22 +301,22 @@ void runTrajectory(const TrajectoryArguments& a)
   {
     std::cout << '\n' << driftTable(reports).toText();
   }
-  if (a.plot.empty())
+  if (!a.plot.empty())
   {
-    return;
+    writePng(a.plot, renderTrajectoryPlot(plots, {"", metrics.alignment}));
   }
-  const auto png = renderTrajectoryPlot(plots, {"", metrics.alignment});
-  writeWhole(a.plot, {reinterpret_cast<const char*>(png.data()), png.size()});
 }
 }  // namespace
 
 Subcommand trajectoryCommand(CLI::App& app)
 {
   const auto a = std::make_shared<TrajectoryArguments>();
-  CLI::App* sub = app.add_subcommand(
-      "trajectory", "Errors of trajectories (TUM or KITTI files) against a reference");
-  sub->add_option("--reference", a->references, "true poses; one file, or one for each estimate")
-      ->required();
+  CLI::App* sub = app.add_subcommand("trajectory",
+                                     "Errors of trajectories (TUM or KITTI files) against a "
+                                     "reference; without one, their lengths");
+  CLI::Option* reference = sub->add_option("--reference", a->references,
+                                           "true poses; one file, or one for each estimate; "
+                                           "without, lengths and --plot only");
   sub->add_option("--estimate", a->estimates, "poses to evaluate; any number of files")->required();
   a->metrics.declare(*sub);
   sub->add_option("--tolerance", a->tolerance, "largest difference of time stamps (TUM) [s]")
@@ -268,6 +336,11 @@ Subcommand trajectoryCommand(CLI::App& app)
   sub->add_option("--paper", a->paper,
                   "add the paper's results for a sequence: odometry/00-10, tracking/04, campus/01");
   sub->add_option("--plot", a->plot, "plot the trajectories and their errors to this PNG file");
+  for (const char* of_errors : {"--align", "--lengths", "--tolerance", "--time-offset",
+                                "--statistics", "--per-length", "--paper"})
+  {
+    sub->get_option(of_errors)->needs(reference);
+  }
   a->output.declare(*sub);
   return {sub, [a] { runTrajectory(*a); }};
 }

@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <dyslam/backend/FactorGraphFile.h>
 #include <dyslam/core/Heap.h>
-#include <dyslam/graphslam/GraphFileRun.h>
 #include <dyslam/graphslam/GraphSlamPlugins.h>
 #include <dyslam/graphslam/GraphSlamRun.h>
 
 #include "../common/SlamProgram.h"
+#include "GraphOptimization.h"
 
 namespace
 {
@@ -66,94 +65,32 @@ bool showLists(const Arguments& a)
   return a.list_registrars || a.list_optimizers;
 }
 
-void printCounts(const char* title, const std::map<std::string, std::size_t>& counts)
+/** Optimises the graph of --optimize. \throws UserError, also for flags of a recording. */
+void optimizeSavedGraph(const Arguments& a)
 {
-  std::printf("%s:", title);
-  const char* separator = " ";
-  for (const auto& [kind, count] : counts)
+  if (!a.slam.settings.rawlog.empty())
   {
-    std::printf("%s%zu %s", separator, count, kind.c_str());
-    separator = ", ";
+    throw UserError("--optimize takes a saved graph instead of a rawlog; give one of them");
   }
-  std::printf("\n");
-}
-
-/** A graph with objects. */
-void optimizeFactorGraph(const Arguments& a,
-                         const std::string& output,
-                         const dyslam::Config& config)
-{
-  const auto report = dyslam::optimizeFactorGraphFile(a.graph, output, config);
-  const dyslam::OptimisationResult& result = report.result;
-  for (const auto& warnings : {report.warnings, result.warnings})
-  {
-    for (const std::string& warning : warnings)
-    {
-      std::fprintf(stderr, "warning: %s\n", dyslam::printable(warning).c_str());
-    }
-  }
-  if (a.slam.quiet())
-  {
-    return;
-  }
-  printCounts("variables", report.variables);
-  printCounts("factors", report.factors);
-  std::printf("chi2 of the file %.9g, final %.9g; %zu loops left out\n", result.initial_chi2,
-              result.final_chi2, result.false_loops);
-  std::printf("%d iterations, %.3f s: %s\n", result.iterations, report.seconds,
-              result.reason.c_str());
-  if (!output.empty())
-  {
-    std::printf("written: %s\n", output.c_str());
-  }
-}
-
-void optimizeGraph(const Arguments& a)
-{
   if (!a.slam.settings.output_folder.empty() && !a.plugins.optimizer.empty())
   {
     throw UserError("--optimize writes one file: give -o or --output, not both");
   }
-  if (!a.slam.config.empty() || !a.slam.settings.rawlog.empty() || a.slam.only_first_n ||
-      a.slam.skip_first_n || a.slam.start || a.slam.end || a.slam.passes > 1)
+  if (!a.slam.config.empty() || a.slam.only_first_n || a.slam.skip_first_n || a.slam.start ||
+      a.slam.end || a.slam.passes > 1)
   {
     throw UserError(
         "--optimize takes a saved graph and --set only, no -c and nothing of a recording");
   }
-  const std::string& output =
-      a.plugins.optimizer.empty() ? a.slam.settings.output_folder : a.plugins.optimizer;
-  dyslam::Config config;
+  dyslam::GraphOptimization job;
+  job.input = a.graph;
+  job.output = a.plugins.optimizer.empty() ? a.slam.settings.output_folder : a.plugins.optimizer;
+  job.quiet = a.slam.quiet();
   for (const auto& assignment : a.slam.assignments)
   {
-    config.set(assignment);
+    job.config.set(assignment);
   }
-  const bool has_objects = dyslam::isFactorGraphFile(a.graph);
-  config.requireKnownSections({has_objects ? "solver" : "pose_graph"});
-  if (has_objects)
-  {
-    optimizeFactorGraph(a, output, config);
-    return;
-  }
-  const auto report = dyslam::optimizeGraphFile(a.graph, output, config);
-  if (a.slam.quiet())
-  {
-    return;
-  }
-  const dyslam::PoseGraphResult& result = report.result;
-  std::printf("%s: %zu nodes, %zu edges\n", a.graph.c_str(), report.nodes, report.edges);
-  std::printf("chi2 of the file %.9g, where the optimisation began %.9g, final %.9g\n",
-              result.start_chi2, result.initial_chi2, result.final_chi2);
-  std::printf("%d iterations, %.3f s: %s\n", result.iterations, report.seconds,
-              result.reason.c_str());
-  if (result.projected_edges > 0)
-  {
-    std::printf("%zu edges had no positive definite information; the nearest was used\n",
-                result.projected_edges);
-  }
-  if (!output.empty())
-  {
-    std::printf("written: %s\n", output.c_str());
-  }
+  dyslam::optimizeGraph(job);
 }
 
 void run(Arguments& a)
@@ -164,11 +101,7 @@ void run(Arguments& a)
   }
   if (!a.graph.empty())
   {
-    if (!a.slam.settings.rawlog.empty())
-    {
-      throw UserError("--optimize takes a saved graph instead of a rawlog; give one of them");
-    }
-    optimizeGraph(a);
+    optimizeSavedGraph(a);
     return;
   }
   if (a.slam.settings.rawlog.empty())

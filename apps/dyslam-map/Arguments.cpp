@@ -71,12 +71,22 @@ std::string effectiveIniBeside(const std::string& trajectory)
   return std::filesystem::is_regular_file(ini) ? ini.string() : "";
 }
 
+/** The ini of the run that the map is of; empty where it is of none. \throws UserError. */
+std::string effectiveIniOf(const Arguments& a)
+{
+  if (!a.runs.empty())
+  {
+    return effectiveIniOfRun(a.runs.front());
+  }
+  return a.run.empty() || !a.config.empty() ? effectiveIniBeside(a.recording.trajectory)
+                                            : settingsOfRun(a.run);
+}
+
 /** The settings under those of --set: of the ini, of the run, or as dyslam chooses them for the
  * sensor. \param messages where they are from */
 Config baseSettings(const Arguments& a, std::vector<std::string>& messages)
 {
-  const std::string of_run = a.runs.empty() ? effectiveIniBeside(a.recording.trajectory)
-                                            : effectiveIniOfRun(a.runs.front());
+  const std::string of_run = effectiveIniOf(a);
   if (!a.runs.empty())
   {
     Config merged = readGivenSettings(of_run).ini;
@@ -175,6 +185,10 @@ void declare(CLI::App& app, Arguments& a)
          "--poses-of", [&a](const std::string& body) { a.recording.of_lidar = body == "lidar"; },
          "what the poses are of: vehicle (default) or lidar, as KISS-ICP and others write them")
       ->check(CLI::IsMember({"vehicle", "lidar"}));
+  CLI::Option* run = app.add_option(
+      "--run", a.run,
+      "DIR: output folder of dyslam, which names the recording and has trajectory, settings, "
+      "labels and tracks; --input, --trajectory, --config, --labels and --tracks replace its own");
   CLI::Option* merge = app.add_option(
       "--merge", a.runs,
       "RUN RUN...: merge the output folders of several runs of one place, in order of time, to one "
@@ -193,11 +207,14 @@ void declare(CLI::App& app, Arguments& a)
                  "is red");
   app.add_option("--labels", a.recording.scans.labels,
                  "folder of .label files: moving points are left out");
-  app.add_option("--tracks", a.recording.scans.tracks, "tracks.txt: moving objects are left out");
-  app.add_option("-c,--config", a.config,
-                 "ini file with [map], [labels], [preprocess], [input], [map_export], [memory] and "
-                 "backend.keyframe_distance (default: effective.ini beside the trajectory, else "
-                 "the shipped one that fits the sensor)");
+  app.add_option("--tracks", a.recording.scans.tracks,
+                 "tracks.txt: moving objects are left out, by tracks.csv beside it those that are "
+                 "dynamic at some time, otherwise those that move by more than 1 m");
+  app.add_option(
+      "-c,--config", a.config,
+      "ini file with [map], [labels], [preprocess], [input], [map_export], [memory] and "
+      "backend.keyframe_distance (default: effective.ini of the run or beside the trajectory, else "
+      "the shipped one that fits the sensor)");
   app.add_option("--set", a.assignments, "one setting, overrides the ini; repeatable")
       ->type_name("SECTION.KEY=VALUE")
       ->take_all()
@@ -224,10 +241,12 @@ void declare(CLI::App& app, Arguments& a)
   app.add_flag("--force", a.force, "replace files that a run wrote");
   app.add_flag("-q,--quiet", a.quiet, "no progress");
   for (const char* single : {"--input", "--trajectory", "--poses-of", "--labels", "--tracks",
-                             "--skip-first-n", "--only-first-n", "--labelled-map"})
+                             "--skip-first-n", "--only-first-n", "--labelled-map", "--run"})
   {
     merge->excludes(app.get_option(single));
   }
+  run->excludes(app.get_option("--labelled-map"));  // a run has no true labels
+  app.get_option("--poses-of")->needs(app.get_option("--trajectory"));
 }
 
 void loadConfig(Arguments& a)
@@ -296,9 +315,10 @@ void checkOutputs(const Arguments& a)
 {
   if (a.runs.empty() && (a.recording.rawlog.empty() || a.recording.trajectory.empty()))
   {
-    throw UserError(std::string(a.recording.rawlog.empty() ? "--input" : "--trajectory") +
-                    " is required: give a recording and its trajectory, or --merge RUN RUN (see "
-                    "dyslam-map --help)");
+    throw UserError(
+        std::string(a.recording.rawlog.empty() ? "--input" : "--trajectory") +
+        " is required: give a recording and its trajectory, --run DIR, or --merge RUN RUN "
+        "(see dyslam-map --help)");
   }
   if (a.outputs.maps.empty() && a.outputs.labelled_map.empty() && a.outputs.picture.empty() &&
       a.outputs.comparison.empty())
@@ -310,6 +330,12 @@ void checkOutputs(const Arguments& a)
     if (!path.empty() && lowerExtension(path) != ".png")
     {
       throw UserError(path + ": pictures are .png");
+    }
+    if (!path.empty() && isGridImage(path))
+    {
+      throw UserError(path + ": is the image of the occupancy grid " +
+                      std::filesystem::path(path).replace_extension(".yaml").string() +
+                      "; choose another name for the picture");
     }
   }
   for (const auto& path : a.outputs.maps)

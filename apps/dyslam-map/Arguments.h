@@ -18,6 +18,7 @@ namespace dyslam
 struct Arguments
 {
   RecordingOnTrajectory recording;
+  std::string run;                //!< folder of a run that has what is not given of the recording
   std::vector<std::string> runs;  //!< to be merged, instead of a recording
   std::string config;
   std::vector<std::string> assignments;
@@ -34,8 +35,8 @@ struct Arguments
 
 void declare(CLI::App& app, Arguments& a);
 /** Reads our sections of the ini; an ini of a whole run may hold others. Without an ini it is
- * `effective.ini` beside the trajectory, if there is one, or of the first merged run.
- * \throws UserError. */
+ * `effective.ini` of the run, or beside the trajectory, if there is one, or of the first merged
+ * run. \throws UserError. */
 void loadConfig(Arguments& a);
 /** Finds bad endings, folders, flags and files of a run that would be replaced before the work
  * starts. \throws UserError. */

@@ -72,6 +72,10 @@ void requireComplete(const dyslam::MapReport& report)
 
 void runSingle(dyslam::Arguments& a)
 {
+  if (!a.run.empty())
+  {
+    dyslam::completeFromRun(a.run, a.recording);
+  }
   dyslam::requireConverted(a.recording.rawlog);
   dyslam::checkOutputs(a);
   dyslam::loadConfig(a);

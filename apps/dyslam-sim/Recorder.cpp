@@ -84,6 +84,41 @@ LabelledBox labelledBox(const SimulatedObject& object, std::size_t frame)
   box.box = object.box_seen;
   return box;
 }
+
+/** Flow from the recorded points, not from the deskewed ones: to the position of the same surface
+ * point one period later, in the lidar frame at the next stamp. */
+std::vector<Eigen::Vector3f> flowOfRecorded(const SimulatedScan& scan)
+{
+  std::vector<Eigen::Vector3f> flow(scan.flow.size());
+  for (std::size_t i = 0; i < flow.size(); ++i)
+  {
+    flow[i] = scan.deskewed[i] + scan.flow[i] - scan.scan.points[i];
+  }
+  return flow;
+}
+
+/** Writes the ground truth of a scan. \param ids gets those of the observed objects */
+void writeTruth(const SimulatedScan& scan,
+                std::size_t number,
+                bool with_flow,
+                GroundTruthWriter& truth,
+                std::set<int>& ids)
+{
+  truth.addPose(scan.scan.stamp, scan.T_map_vehicle);
+  truth.addLabels(number, scan.label);
+  if (with_flow)
+  {
+    truth.addFlow(number, flowOfRecorded(scan));
+  }
+  for (const SimulatedObject& object : scan.objects)
+  {
+    if (object.points > 0)
+    {
+      truth.addBox(labelledBox(object, number));
+      ids.insert(object.id);
+    }
+  }
+}
 }  // namespace
 
 RecordingResult record(const Recording& recording,
@@ -106,32 +141,14 @@ RecordingResult record(const Recording& recording,
   for (std::size_t i = 0; i < most; ++i)
   {
     SimulatedScan scan = simulator.next();
-    // The flow file's vectors start at the recorded (not deskewed) points.
-    std::vector<Eigen::Vector3f> flow(scan.flow.size());
     if (recording.compact)
     {
       makeCompact(scan);
     }
-    for (std::size_t k = 0; k < flow.size(); ++k)
-    {
-      flow[k] = scan.deskewed[k] + scan.flow[k] - scan.scan.points[k];
-      result.moving_points += scan.moving[k];
-    }
     writeScan(scan, rawlog);
-    truth.addPose(scan.scan.stamp, scan.T_map_vehicle);
-    truth.addLabels(i, scan.label);
-    if (recording.flow)
-    {
-      truth.addFlow(i, flow);
-    }
-    for (const auto& object : scan.objects)
-    {
-      if (object.points > 0)
-      {
-        truth.addBox(labelledBox(object, i));
-        ids.insert(object.id);
-      }
-    }
+    writeTruth(scan, i, recording.flow, truth, ids);
+    result.moving_points += static_cast<std::size_t>(
+        std::accumulate(scan.moving.begin(), scan.moving.end(), std::size_t{0}));
     ++result.scans;
     result.points += scan.scan.size();
     result.distance += i == 0 ? 0.0 : (scan.T_map_vehicle.translation() - last).norm();

@@ -27,7 +27,6 @@ void declareCommon(CLI::App& app, TrainArguments& a)
       ->take_all()
       ->allow_extra_args(false);
 }
-
 }  // namespace
 
 Config TrainArguments::loadConfig() const
@@ -68,11 +67,9 @@ CLI::App& declareDylo(CLI::App& app, TrainArguments& arguments)
       "folder for a validation scan's points with their static confidence, per recording");
   parser.footer(
       "Writes dylo.safetensors (the weights), checkpoint.safetensors (to continue from), log.csv, "
-      "validation.csv "
-      "and\n"
+      "validation.csv and\n"
       "effective.ini. --start takes a checkpoint.safetensors, or of a dylo.safetensors the layers "
-      "that the network "
-      "of\n"
+      "that the network of\n"
       "the config has too. Ctrl-C ends a training after a last checkpoint.");
   return parser;
 }
@@ -85,8 +82,7 @@ CLI::App& declareDyseg(CLI::App& app, TrainArguments& arguments)
       "Writes dyseg.safetensors (the weights), checkpoint.safetensors (to continue from), "
       "train.csv, validation.csv and\n"
       "effective.ini. --start takes a dyseg.safetensors of the same [grid]. Ctrl-C ends a training "
-      "after a last "
-      "checkpoint.");
+      "after a last checkpoint.");
   return parser;
 }
 

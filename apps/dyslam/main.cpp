@@ -3,18 +3,22 @@
 #include <dyslam/pipeline/SlamRun.h>
 
 #include "../common/SlamProgram.h"
+#include "InputConversion.h"
 
 namespace
 {
-void declare(CLI::App& app, dyslam::SlamArguments& a)
+void declare(CLI::App& app, dyslam::SlamArguments& a, dyslam::RecordingOptions& conversion)
 {
-  app.description("Replays a rawlog of 3D LiDAR scans: trajectory, moving objects, static map");
-  app.add_option("-i,--input", a.settings.rawlog, "rawlog to replay");
+  app.description("Replays a recording of 3D LiDAR scans: trajectory, moving objects, static map");
+  app.add_option("-i,--input", a.settings.rawlog,
+                 "rawlog to replay; or ROS bag, Velodyne .pcap, KITTI folder or folder of .bin, "
+                 ".pcd or .ply scans, converted to recording.rawlog in --output first");
   app.add_option("-o,--output", a.settings.output_folder, "folder for the results")->required();
   app.add_flag("--resume", a.resume,
-               "resume the killed run in --output from its last checkpoint "
+               "resume the stopped or killed run in --output from its last checkpoint "
                "(output.checkpoint_seconds); --input only if the rawlog has been moved");
   dyslam::declareSlamArguments(app, a);
+  dyslam::declareConversion(app, conversion);
 }
 }  // namespace
 
@@ -22,8 +26,12 @@ int main(int argc, char** argv)
 {
   dyslam::tuneHeap();
   dyslam::SlamArguments a;
+  dyslam::RecordingOptions conversion;
   return dyslam::runApp(
-      argc, argv, [&](CLI::App& app) { declare(app, a); },
+      argc, argv, [&](CLI::App& app) { declare(app, a, conversion); },
       [&]
-      { dyslam::runSlamProgram("dyslam", a, a.resume ? dyslam::resumeSlam : dyslam::runSlam); });
+      {
+        dyslam::convertInput(a, conversion);
+        dyslam::runSlamProgram("dyslam", a, a.resume ? dyslam::resumeSlam : dyslam::runSlam);
+      });
 }

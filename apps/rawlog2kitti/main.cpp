@@ -49,7 +49,7 @@ void run(const Arguments& arguments)
       [&](const ConversionProgress& progress)
       { return exportKitti(arguments.input, arguments.output, arguments.options, progress); });
   const std::string folder = arguments.output + "/sequences/" + arguments.options.sequence;
-  report(result, folder);
+  report(result, folder, arguments.options.trajectory.empty());
 }
 }  // namespace
 

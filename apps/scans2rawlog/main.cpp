@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/core/Error.h>
+#include <dyslam/core/Printable.h>
 #include <dyslam/formats/Bag.h>
 #include <dyslam/formats/RecordingKind.h>
 #include <dyslam/io/Converters.h>
@@ -70,6 +72,9 @@ void declare(CLI::App& app, Arguments& arguments)
   app.add_option("--sensor-pose", o.sensor_pose,
                  "pose of the lidar on the vehicle: 'x y z yaw pitch roll' [m, deg]");
   app.add_option("--dt", o.dt, "seconds between scans; default: their own times, else 0.1");
+  app.add_flag("--by-number", o.by_number,
+               "times of a folder's scans: the number in the file name times --dt (default 0.1), "
+               "where numbers have gaps");
   app.add_flag("--keep-partial", o.keep_partial,
                "also a pcap's incomplete first and last revolutions");
   declareRange(app, o, o.every_n);

@@ -6,10 +6,12 @@ dyslam_add_library(NAME train_dyseg INTERNAL HEADERS torch
     src/DysegCrop.cpp
     src/DysegData.cpp
     src/DysegLosses.cpp
+    src/DysegPairLoss.cpp
     src/DysegPairs.cpp
     src/DysegScores.cpp
     src/DysegSources.cpp
     src/DysegTrainer.cpp
+    src/DysegTrainerOptions.cpp
     src/DysegValidation.cpp
   PUBLIC dyslam::core dyslam::nets_dyseg dyslam::sim dyslam::train_common
   PRIVATE dyslam::formats ${TORCH_LIBRARIES})

@@ -134,7 +134,6 @@ TEST_F(BadInput, FilesThatAreNoRawlog)
   {
     expectRefusal(program, "-i " + at("none.rawlog") + rest, {"none.rawlog", "no such file"});
     expectRefusal(program, "-i " + at("empty") + rest, {"empty: is empty", "kitti2rawlog"});
-    expectRefusal(program, "-i " + at("") + rest, {"is a folder", "a file is needed"});
     expectRefusal(program, "-i " + text + rest, {"text.rawlog: is not a rawlog", "kitti2rawlog"});
     expectRefusal(program, "-i " + noise + rest, {"noise.rawlog: is not a rawlog"});
     expectRefusal(program, "-i " + simplemap + rest,
@@ -142,6 +141,8 @@ TEST_F(BadInput, FilesThatAreNoRawlog)
     expectRefusal(program, "-i " + flat + rest,
                   {"flat.rawlog: has no 3D scans", "1 CObservation2DRangeScan", "3D LiDAR"});
   }
+  expectRefusal("dyslam-map", "-i " + at("") + programs[1].second,
+                {"is a folder", "a file is needed"});
   EXPECT_FALSE(fs::exists(at("never")));
   EXPECT_FALSE(fs::exists(at("m.pcd")));
 }
@@ -183,7 +184,7 @@ TEST_F(BadInput, ATruncatedRawlogLeavesWhatCameBefore)
   expectRefusal("dyslam-map",
                 "-q -i " + cut + " --trajectory " + at("cut") + "/trajectory_tum.txt -o " + map,
                 {"is cut short", "map of the " + std::to_string(scans) + " scans"});
-  EXPECT_EQ(run("dyslam-eval", "map --reference " + map + " --estimate " + map).code, 1);
+  EXPECT_EQ(run("dyslam-eval", "map --reference " + map + " --estimate " + map).code, 0);
   EXPECT_GT(fs::file_size(map), 1000U);
 }
 
@@ -212,7 +213,8 @@ TEST_F(BadInput, PointsThatAreNoneAndAnEmptyScanAreSurvived)
   const Outcome outcome = run("dyslam", slam(at("spoiled.rawlog"), "spoiled") + " --labels");
   EXPECT_EQ(outcome.code, 0) << outcome.err;
   EXPECT_NE(outcome.out.find("an empty scan (scan 6)"), std::string::npos) << outcome.out;
-  EXPECT_NE(outcome.out.find("1 scans could not be registered"), std::string::npos) << outcome.out;
+  EXPECT_NE(outcome.out.find("1 scan could not be registered; its motion"), std::string::npos)
+      << outcome.out;
   EXPECT_EQ(posesIn("spoiled"), scan_count);
   const auto truth = readTum(at("spoiled") + "/reference_tum.txt");
   const auto found = readTum(at("spoiled") + "/trajectory_tum.txt");
@@ -388,7 +390,8 @@ TEST_F(BadInput, WordsOfTheCommandLine)
   expectRefusal("dyslam-map", "-i x --trajectory t -o a.pcd -o ./a.pcd", {"is given twice"});
   expectRefusal("dyslam", "-i x --skip-first-n -3 -o " + at("never"),
                 {"'-3' is not a number of 0 or more"});
-  expectRefusal("dyslam", "-i " + write("a.pcap", "x") + " -o " + at("never"), {"scans2rawlog"});
+  expectRefusal("dyslam", "-i " + write("a.pcap", "x") + " -o " + at("never"),
+                {"a.pcap: is not a network capture"});
   expectRefusal("dyslam-eval", "run --truth /nope " + at(""), {"/nope: is not a folder"});
   const std::string box = write("tracks.txt", "0 1 Car 0 0 0 0 0 0 0 1.5 1.8 4 10 2 0 0\n");
   const std::string tracks = "tracks --reference " + box + " --estimate " + box;

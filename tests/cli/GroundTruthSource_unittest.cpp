@@ -2,6 +2,7 @@
 // What a run and its evaluation say about the ground truth: where the true poses are from, which
 // part of a run and which tracks they cover, and flags that do not go with the files given.
 #include <dyslam/formats/LabelFiles.h>
+#include <dyslam/formats/ScanFiles.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -288,6 +289,101 @@ TEST(RunNames, KeepTheirDotsAndFilesLoseTheirEnding)
   const std::string poses = folder.file("b/x.1/trajectory_tum.txt");
   EXPECT_EQ(Names({"trajectory_tum"}),
             namesIn("trajectory --reference " + poses + " --estimate " + poses, "trajectories"));
+}
+
+TEST(Runs, ThoseAmongOtherFoldersAreEvaluated)
+{
+  const TestFolder folder;
+  folder.write("out/a/trajectory_tum.txt", posesOf(3));
+  folder.write("out/a/report.json", R"({"frames": 3, "finished": false, "ms_per_scan": 0.0})");
+  folder.write("out/batch/table.txt", "");
+  folder.write("out/list.txt", "");
+  const Outcome some = runProgram("dyslam-eval", "run " + folder.path() + "/out/*", folder.path());
+  EXPECT_EQ(0, some.code) << some.err;
+  EXPECT_TRUE(contains(some.err, "out/batch: left out: has no trajectory_tum.txt")) << some.err;
+  EXPECT_TRUE(contains(some.err, "out/list.txt: left out: is not a folder")) << some.err;
+  EXPECT_FALSE(contains(some.out, "0.0")) << some.out;  // ms/scan
+  const Outcome none = runProgram(
+      "dyslam-eval", "run " + folder.file("out/batch") + " " + folder.file("out"), folder.path());
+  EXPECT_EQ(1, none.code);
+  EXPECT_TRUE(contains(none.err, "none of the 2 folders is that of a run")) << none.err;
+}
+
+TEST(TrajectoryPaths, NeedNoReference)
+{
+  const TestFolder folder;
+  const std::string a = folder.write("a.txt", posesOf(11));
+  const std::string b = folder.write("b.txt", posesOf(5));
+  const auto evaluate = [&](const std::string& flags)
+  {
+    return runProgram("dyslam-eval", "trajectory --estimate " + a + " " + b + " " + flags,
+                      folder.path());
+  };
+  const Outcome plotted =
+      evaluate("--plot " + folder.file("p.png") + " --json " + folder.file("e.json"));
+  EXPECT_EQ(0, plotted.code) << plotted.err;
+  EXPECT_TRUE(contains(plotted.err, "note: no --reference")) << plotted.err;
+  EXPECT_TRUE(contains(contentOf(folder.file("p.png")), "PNG"));
+  const auto json = nlohmann::json::parse(contentOf(folder.file("e.json")));
+  const auto& first = json.at("trajectories").at(0);
+  EXPECT_NEAR(10, first.at("length_m"), 1e-6);
+  EXPECT_NEAR(10, first.at("duration_s"), 1e-6);
+  EXPECT_NEAR(4, json.at("trajectories").at(1).at("start_to_end_m"), 1e-6);
+  for (const std::string flag : {"--align none", "--lengths 5", "--tolerance 1", "--time-offset 1",
+                                 "--statistics", "--per-length", "--paper odometry/07"})
+  {
+    const Outcome outcome = evaluate(flag);
+    EXPECT_EQ(1, outcome.code) << flag;
+    EXPECT_TRUE(contains(outcome.err, flag.substr(0, flag.find(' ')) + " requires --reference"))
+        << outcome.err;
+  }
+  EXPECT_TRUE(contains(evaluate("--camera reference").err, "there is no --reference"));
+}
+
+TEST(MapDistances, OfMapsWithoutLabels)
+{
+  const TestFolder folder;
+  std::vector<Eigen::Vector3f> points;
+  for (int i = 0; i < 100; ++i)
+  {
+    points.emplace_back(static_cast<float>(i), 0.F, 0.F);
+  }
+  const std::string a = folder.file("a.ply");
+  writePly(a, points, std::vector<float>(points.size(), 0.123F));
+  points.emplace_back(0.F, 3.F, 0.F);  // is new
+  const std::string b = folder.file("b.ply");
+  writePly(b, points);
+  const std::string maps = "map --reference " + a + " --estimate " + b + " ";
+  const auto evaluate = [&](const std::string& flags)
+  { return runProgram("dyslam-eval", maps + flags, folder.path()); };
+  const Outcome outcome = evaluate("--json " + folder.file("e.json"));
+  EXPECT_EQ(0, outcome.code) << outcome.err;
+  EXPECT_TRUE(contains(outcome.err, "a.ply has no labels (intensity 0.123000 is none)"))
+      << outcome.err;
+  const auto json = nlohmann::json::parse(contentOf(folder.file("e.json")));
+  const auto& map = json.at("maps").at(0);
+  EXPECT_EQ(101, map.at("estimate").at("points"));
+  EXPECT_NEAR(3, map.at("estimate").at("max_m"), 1e-6);
+  EXPECT_NEAR(100.0 / 101, map.at("estimate").at("shares").at(0).at("share"), 1e-9);
+  EXPECT_EQ(0, map.at("reference").at("max_m"));
+
+  const std::string made = folder.file("d.ply");
+  const Outcome written = evaluate("--distances " + made);
+  EXPECT_EQ(0, written.code) << written.err;
+  EXPECT_EQ("", written.err);
+  EXPECT_EQ(101U, readCloud(made).size());
+  EXPECT_TRUE(contains(contentOf(made), "property float scalar_distance"));
+  const auto expect = [&](const std::string& flags, const std::string& part)
+  {
+    const Outcome refused = evaluate(flags);
+    EXPECT_EQ(1, refused.code) << flags;
+    EXPECT_TRUE(contains(refused.err, part)) << refused.err;
+  };
+  expect("--distances " + folder.file("d.png"), "the ending must be .ply");
+  expect("--distances " + b, "is an input, too");
+  expect("--distances " + made + " --radius 0.2", "excludes");
+  expect("--radius 0.2", "which --radius and --voxel need");
+  expect(a + " --distances " + made, "writes the points of one --estimate");
 }
 
 TEST(EvaluationFlags, ThoseWithoutAnEffectAreErrors)

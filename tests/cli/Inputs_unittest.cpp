@@ -258,8 +258,8 @@ TEST_F(Inputs, TheLidarIsTakenAmongOtherScans)
   }
   test::writeBag(at("three.mcap"), all);
   const Outcome three = run("scans2rawlog", "-q -i " + at("three.mcap") + " -o " + at("o.rawlog"));
-  EXPECT_NE(three.err.find("warning: takes the scans of /"), std::string::npos) << three.err;
-  EXPECT_NE(three.err.find("--topic: /"), std::string::npos) << three.err;
+  EXPECT_NE(three.err.find("warning: the scans of /"), std::string::npos) << three.err;
+  EXPECT_NE(three.err.find("--topic chooses others: /"), std::string::npos) << three.err;
 }
 
 TEST_F(Inputs, ATruthTopicOfOnePoseIsNamed)
@@ -319,13 +319,12 @@ TEST_F(Inputs, PosesOfTheLidar)
   EXPECT_GT(different(mistaken), static_cast<std::ptrdiff_t>(expected.size() / 2));
 }
 
-TEST_F(Inputs, EveryProgramSaysWhatToDoWithABag)
+TEST_F(Inputs, ProgramsThatReadRawlogsSayWhatToDoWithABag)
 {
   for (const std::string name : {"drive.bag", "drive.db3", "drive.mcap"})
   {
     const std::string path = bag(name);
     for (const auto& [program, arguments] : std::vector<std::pair<std::string, std::string>>{
-             {"dyslam", "-o " + at("never") + " -i "},
              {"dyslam-map", "--trajectory t.txt -o " + at("never.pcd") + " -i "},
              {"kitti2rawlog", "--kind raw -o " + at("never.rawlog") + " -i "},
              {"rawlog2kitti", "-o " + at("never") + " -i "},
@@ -504,6 +503,13 @@ TEST_F(Inputs, ARawlogAsKittiAndBack)
   const Outcome there = run("rawlog2kitti", "-i " + at("truth.rawlog") + " -o " + at("kitti"));
   EXPECT_EQ(0, there.code) << there.err;
   EXPECT_NE(there.out.find("sequences/00: 6 scans"), std::string::npos) << there.out;
+  EXPECT_NE(there.out.find("; truth: 6 poses (from the rawlog)"), std::string::npos) << there.out;
+  const std::string estimate = at("kitti/poses/00.txt");
+  const Outcome estimated =
+      run("rawlog2kitti", "--no-scans --sequence 01 --trajectory " + estimate + " -i " +
+                              at("truth.rawlog") + " -o " + at("kitti"));
+  EXPECT_NE(estimated.out.find("; 6 poses (from " + estimate + ")"), std::string::npos)
+      << estimated.out << estimated.err;
   const auto frames =
       converted("kitti2rawlog", "--kind odometry -i " + at("kitti/sequences/00"), {"deskewed"});
   expectOriginal(frames);

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Ctrl-C during a conversion: a word, and nothing half-written.
+// Ctrl-C during a conversion: a word, and nothing half-written; during a run: all results so far,
+// and a checkpoint.
 #include <dyslam/formats/ScanFiles.h>
 #include <gtest/gtest.h>
 #include <signal.h>
@@ -82,5 +83,43 @@ TEST(Interrupt, AConversionSaysAWordAndLeavesNothing)
   EXPECT_TRUE(contains(said, "x.rawlog was not written")) << said;
   EXPECT_FALSE(fs::exists(folder.file("x.rawlog.tmp")));
   EXPECT_EQ("an earlier one", folder.read("x.rawlog"));
+}
+
+TEST(Interrupt, ARunKeepsItsResultsAndCanBeResumed)
+{
+  const TestFolder folder;
+  const std::string bin = DYSLAM_BIN_DIR;
+  const std::string recording = std::string(DYSLAM_SOURCE_DIR) + "/rawlog/campus16.rawlog";
+  const std::string run = folder.file("run");
+  const auto said = [&](const std::string& program, const std::string& arguments)
+  { return runProgram(program, arguments, folder.file(".")); };
+  const std::string settings = "-q -c vlp16.ini --labels --set labels.window=3 -i " + recording;
+  EXPECT_EQ(0, said("dyslam", settings + " -o " + folder.file("w/run")).code);
+  const int code = interrupted({bin + "/dyslam", "-q", "-c", "vlp16.ini", "--labels", "--set",
+                                "labels.window=3", "-i", recording, "-o", run},
+                               folder.file("err.txt"), run + "/labels/000005.label");
+  const std::string err = folder.read("err.txt");
+  EXPECT_EQ(1, code) << err;
+  EXPECT_TRUE(contains(err, "dyslam: " + recording + ": stopped on request after ")) << err;
+  EXPECT_TRUE(contains(err, "; continue with: dyslam --resume -o " + run + "\n")) << err;
+  const std::string report = folder.read("run/report.json");
+  EXPECT_TRUE(contains(report, "\"finished\": false")) << report;
+  EXPECT_TRUE(contains(report, "\"the run is not complete: stopped on request")) << report;
+
+  const Outcome scores = said("dyslam-eval", "run " + run);
+  EXPECT_TRUE(contains(scores.err, "; stopped on request after ")) << scores.err;
+  EXPECT_TRUE(contains(scores.err, "; continue with: dyslam --resume -o " + run)) << scores.err;
+  const Outcome anew = said("dyslam", settings + " -o " + run);
+  EXPECT_EQ(1, anew.code);
+  EXPECT_TRUE(contains(anew.err, "has the checkpoint of an unfinished run")) << anew.err;
+
+  const Outcome resumed = said("dyslam", "-q --resume -o " + run);
+  EXPECT_EQ(0, resumed.code) << resumed.err;
+  EXPECT_TRUE(contains(folder.read("run/report.json"), "\"finished\": true"));
+  for (const std::string file :
+       {"trajectory_tum.txt", "tracks.csv", "replay.rawlog", "map_static.ply"})
+  {
+    EXPECT_TRUE(folder.read("w/run/" + file) == folder.read("run/" + file)) << file;
+  }
 }
 }  // namespace dyslam

@@ -217,4 +217,68 @@ TEST(Settings, AMapIsMadeWithThoseOfItsRunAndLeavesTheRunsFilesAlone)
   EXPECT_EQ(0, runProgram("dyslam-map", map + force, folder.path()).code);
   EXPECT_NE(picture, contentOf(folder.file("run/map.png")));
 }
+
+TEST(Settings, AMapIsMadeOfTheFolderOfARun)
+{
+  const TestFolder folder;
+  ASSERT_EQ(0, slam(folder, "run", "--labels --set map.voxel_size=0.77").code);
+  const std::string trajectory = " --trajectory " + folder.file("run/trajectory_tum.txt");
+  const std::string labels = " --labels " + folder.file("run/labels");
+  const Outcome flags =
+      runProgram("dyslam-map",
+                 "-i " + campus16 + trajectory + labels + " --tracks " +
+                     folder.file("run/tracks.txt") + " -o " + folder.file("flags.las"),
+                 folder.path());
+  EXPECT_EQ(0, flags.code) << flags.err;
+  const std::string of_run = "--run " + folder.file("run");
+  const Outcome made =
+      runProgram("dyslam-map", of_run + " -o " + folder.file("run.las"), folder.path());
+  EXPECT_EQ(0, made.code) << made.err;
+  EXPECT_TRUE(contains(made.err, "settings: " + folder.file("run/effective.ini"))) << made.err;
+  EXPECT_EQ(contentOf(folder.file("flags.las")), contentOf(folder.file("run.las")));
+  EXPECT_TRUE(contains(contentOf(folder.file("run.effective.ini")), "voxel_size = 0.77"));
+
+  const std::string report = folder.file("run/report.json");
+  const std::string moved = folder.write("run/report.json", "{\"input\": \"/moved/r.rawlog\"}");
+  EXPECT_EQ(report, moved);
+  const auto refusal = [&](const std::string& arguments)
+  {
+    const Outcome outcome =
+        runProgram("dyslam-map", arguments + " -o " + folder.file("never.las"), folder.path());
+    EXPECT_EQ(1, outcome.code);
+    EXPECT_EQ(1U, lines(outcome.err).size()) << outcome.err;
+    return outcome.err;
+  };
+  const std::string lost = refusal(of_run);
+  EXPECT_TRUE(contains(lost, "/moved/r.rawlog: the recording of ")) << lost;
+  EXPECT_TRUE(contains(lost, "give --input RECORDING")) << lost;
+  const Outcome given = runProgram(
+      "dyslam-map", of_run + " -i " + campus16 + " -o " + folder.file("given.las"), folder.path());
+  EXPECT_EQ(0, given.code) << given.err;
+  EXPECT_EQ(contentOf(folder.file("flags.las")), contentOf(folder.file("given.las")));
+  EXPECT_TRUE(contains(refusal(of_run + " --merge a b"), "--run"));
+  EXPECT_TRUE(contains(refusal(of_run + " --poses-of lidar"), "--trajectory"));
+  EXPECT_FALSE(std::filesystem::exists(folder.file("never.las")));
+}
+
+TEST(Settings, APictureDoesNotReplaceTheImageOfAGrid)
+{
+  const TestFolder folder;
+  const std::string map = "-q -i " + campus16 + " --only-first-n 2 --trajectory " +
+                          DYSLAM_SOURCE_DIR + "/rawlog/campus16.gt/poses_tum.txt ";
+  const std::string grid = folder.file("m.png");
+  ASSERT_EQ(0, runProgram("dyslam-map", map + "-o " + grid, folder.path()).code);
+  const std::string image = contentOf(grid);
+  for (const char* flag : {"--picture ", "--compare "})
+  {
+    const Outcome refused = runProgram("dyslam-map", map + flag + grid, folder.path());
+    EXPECT_EQ(1, refused.code);
+    EXPECT_EQ(1U, lines(refused.err).size()) << refused.err;
+    EXPECT_TRUE(contains(refused.err, "m.png: is the image of the occupancy grid ")) << refused.err;
+    EXPECT_EQ(image, contentOf(grid));
+  }
+  const std::string picture = folder.file("picture.png");
+  EXPECT_EQ(0, runProgram("dyslam-map", map + "--picture " + picture, folder.path()).code);
+  EXPECT_EQ(0, runProgram("dyslam-map", map + "--picture " + picture, folder.path()).code);
+}
 }  // namespace dyslam

@@ -52,6 +52,8 @@ class SlamProgramTest : public ::testing::Test
       }
       SlamRunReport report = report_;
       report.path_length += runs_.size() == 2 ? longer_ : 0;
+      report.first_pass_time = settings.first_pass_time;
+      report.run_time += settings.first_pass_time;
       report.warnings.insert(report.warnings.begin(), settings.warnings.begin(),
                              settings.warnings.end());
       return report;
@@ -190,6 +192,27 @@ TEST_F(SlamProgramTest, TheWallTimeOfAScanIsPrinted)
   report_.run_time = 0.1;
   EXPECT_TRUE(
       contains(printedByRun(), "60.0 ms per scan, all stages added up; 50.0 ms of wall time"));
+}
+
+TEST_F(SlamProgramTest, TheTimeOfBothPassesIsPrinted)
+{
+  a_.passes = 2;
+  report_.run_time = 0.1;
+  report_.recording_time = 0.3;
+  const std::string printed = printedByRun();
+  EXPECT_TRUE(
+      contains(printed, "real-time factor 1.50: 0.3 s of recording in 0.2 s, both passes\n"))
+      << printed;
+  EXPECT_TRUE(contains(printed, "; 50.0 ms of wall time, as stages run in parallel")) << printed;
+}
+
+TEST_F(SlamProgramTest, OneScanIsNamedAsOne)
+{
+  report_.unconverged = 1;
+  EXPECT_TRUE(contains(printedByRun(), "1 scan could not be registered; its motion is predicted"));
+  report_.unconverged = 2;
+  EXPECT_TRUE(
+      contains(printedByRun(), "2 scans could not be registered; their motion is predicted"));
 }
 
 /** The folder as a kill during the run with these settings leaves it, but with labels. */

@@ -3,7 +3,7 @@
 // fills in pose, moving points and objects. Here the scans are of a vehicle that drives through a
 // simulated hall; exit code 0 if its path is found.
 #include <dyslam/core/Error.h>
-#include <dyslam/mapping/MapExport.h>
+#include <dyslam/mapexport/MapExport.h>
 #include <dyslam/pipeline/GivenSettings.h>
 #include <dyslam/pipeline/Pipeline.h>
 #include <dyslam/pipeline/StartSpeed.h>

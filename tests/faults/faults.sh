@@ -71,8 +71,10 @@ terminal_lost() {
   check slam_in_background c
   kill -HUP "$run" && go_on
   check test $? -eq 1
-  check grep -q 'stopped; results of the' c.err
+  check grep -q 'stopped on request after [0-9]* scans, whose results are in c; continue with: dyslam --resume -o c$' c.err
   whole_results c
+  check grep -q '"finished": false' c/report.json
+  check timeout 120 "$bin/dyslam" -v ERROR --resume -o c
 }
 killed() {
   local before

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Runs that were killed go on from their last checkpoint to the same bytes.
+// Runs that were stopped or killed go on from their last checkpoint to the same bytes.
 #include <dyslam/core/Error.h>
 #include <dyslam/core/Files.h>
 #include <dyslam/io/RawlogWriter.h>
@@ -189,8 +189,83 @@ class Resume : public ::testing::Test
     }
   }
 
+  /** Runs, or resumes, until so many scans are done and stops there. \return scans of its results
+   */
+  static std::size_t stopAfter(SlamRunSettings s, std::size_t scans, bool is_resumed)
+  {
+    std::size_t done = 0;
+    s.stop = [&] { return done >= scans; };
+    const auto count = [&done](double, std::size_t frames) { done = frames; };
+    try
+    {
+      (void)(is_resumed ? resumeSlam(s, count) : runSlam(s, count));
+      ADD_FAILURE() << "not stopped";
+    }
+    catch (const UserError& error)
+    {
+      const std::string what = error.what();
+      EXPECT_NE(what.find("stopped on request after " + std::to_string(done) + " scan"),
+                std::string::npos)
+          << what;
+      EXPECT_NE(what.find("dyslam --resume -o " + s.output_folder), std::string::npos) << what;
+    }
+    return done;
+  }
+
+  /** Stops runs after each of `stops` scans, and resumes them. Checkpoints are made there only. */
+  static void expectResumesStopped(const std::string& name,
+                                   const std::vector<std::string>& assignments,
+                                   const std::vector<std::size_t>& stops)
+  {
+    const SlamRunSettings whole = settings(name, assignments);
+    (void)runSlam(whole);
+    for (const std::size_t stop : stops)
+    {
+      SCOPED_TRACE(name + ", stopped after scan " + std::to_string(stop));
+      const SlamRunSettings stopped = settings(name + "_" + std::to_string(stop), assignments);
+      const fs::path folder = stopped.output_folder;
+      const std::size_t done = stopAfter(stopped, stop, false);
+      EXPECT_LT(done, static_cast<std::size_t>(street_scans));
+      for (const auto& [file, content] : comparableFiles(whole.output_folder))
+      {
+        const bool later = fs::path(file).has_parent_path() &&  // numbered
+                           std::stoul(fs::path(file).stem().string()) >= done;
+        EXPECT_EQ(fs::exists(folder / file), !later) << file;
+      }
+      EXPECT_NE(readWhole(folder / "report.json").find("\"finished\": false"), std::string::npos);
+      EXPECT_EQ(resume(folder).frames, static_cast<std::size_t>(street_scans));
+      expectSameFiles(whole.output_folder, folder);
+    }
+  }
+
   static inline fs::path folder_;
 };
+
+TEST_F(Resume, StoppedRunsWithHindsightGiveTheSameBytes)
+{
+  expectResumesStopped("stop_tracks", {"labels.window=6"}, {1, 9, 14});
+}
+
+TEST_F(Resume, StoppedRunsWithObjectsInTheGraphGiveTheSameBytes)
+{
+  expectResumesStopped(
+      "stop_full", {"backend.mode=full", "backend.keyframe_distance=0.5", "labels.hindsight=false"},
+      {6, 15});
+}
+
+TEST_F(Resume, StoppedRunsCanBeStoppedAgain)
+{
+  const std::vector<std::string> some{"labels.window=6"};
+  const SlamRunSettings whole = settings("stop_again", some);
+  (void)runSlam(whole);
+  const SlamRunSettings stopped = settings("stop_again_twice", some);
+  (void)stopAfter(stopped, 5, false);
+  SlamRunSettings again;
+  again.output_folder = stopped.output_folder;
+  (void)stopAfter(again, 14, true);
+  (void)resume(stopped.output_folder);
+  expectSameFiles(whole.output_folder, stopped.output_folder);
+}
 
 TEST_F(Resume, ObjectsLoopsAndHindsightGiveTheSameBytes)
 {

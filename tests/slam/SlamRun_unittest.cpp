@@ -243,19 +243,61 @@ TEST_F(SlamRun, ATruncatedRawlogLeavesTheResultsBeforeTheCut)
   const auto errors = errorsOf(s.output_folder);
   EXPECT_GT(errors.pairs, 15U);
   EXPECT_LT(errors.pairs, static_cast<std::size_t>(scan_count));
-  EXPECT_GT(readWhole(s.output_folder + "/report.json").size(), 0U);
+  const std::string report = readWhole(s.output_folder + "/report.json");
+  EXPECT_NE(report.find("\"finished\": false"), std::string::npos) << report;
+  EXPECT_NE(report.find("\"ended_early\": \"" + cut), std::string::npos) << report;
+  EXPECT_NE(report.find("\"the run is not complete: " + cut), std::string::npos) << report;
+  EXPECT_NE(readWhole(s.output_folder + "/report.html").find("the run is not complete: "),
+            std::string::npos);
+  EXPECT_FALSE(hasCheckpoint(s.output_folder)) << "the same damage would end it again";
 }
 
 TEST_F(SlamRun, AStoppedRunLeavesItsResults)
 {
   auto s = settings("stopped");
   s.labels = false;
+  s.config.set("output.checkpoint_seconds=0");
   int asked = 0;
   s.stop = [&] { return ++asked == 7; };  // first before the first scan
   const std::string error = errorOf(s);
-  EXPECT_NE(error.find("stopped; results of the 6 scans"), std::string::npos) << error;
-  EXPECT_EQ(readTum(s.output_folder + "/trajectory_tum.txt").size(), 6U);
-  EXPECT_GT(readWhole(s.output_folder + "/report.json").size(), 0U);
+  const std::size_t scans = readTum(s.output_folder + "/trajectory_tum.txt").size();
+  EXPECT_GE(scans, 6U);
+  EXPECT_LE(scans, 12U) << "those in work when it was asked";
+  const std::string reason = "stopped on request after " + std::to_string(scans) + " scans";
+  EXPECT_EQ(error, s.rawlog + ": " + reason + ", whose results are in " + s.output_folder);
+  const std::string report = readWhole(s.output_folder + "/report.json");
+  EXPECT_NE(report.find("\"finished\": false"), std::string::npos) << report;
+  EXPECT_NE(report.find("\"ended_early\": \"" + reason + "\""), std::string::npos) << report;
+  EXPECT_NE(report.find("\"the run is not complete: " + reason + "\""), std::string::npos)
+      << report;
+  EXPECT_NE(readWhole(s.output_folder + "/report.html").find(reason), std::string::npos);
+  EXPECT_FALSE(hasCheckpoint(s.output_folder));
+}
+
+TEST_F(SlamRun, StoppedAtTheLastScanItIsComplete)
+{
+  auto s = settings("at_the_end");
+  s.labels = false;
+  s.config.set("input.only_first_n=4");
+  int asked = 0;
+  s.stop = [&] { return ++asked == 5; };
+  EXPECT_EQ(runSlam(s).frames, 4U);
+  const std::string report = readWhole(s.output_folder + "/report.json");
+  EXPECT_NE(report.find("\"finished\": true"), std::string::npos) << report;
+  EXPECT_NE(report.find("\"ended_early\": \"\""), std::string::npos) << report;
+  EXPECT_FALSE(hasCheckpoint(s.output_folder));
+}
+
+TEST_F(SlamRun, TheTimeOfAFirstPassCounts)
+{
+  auto s = settings("second_pass");
+  s.labels = false;
+  s.config.set("input.only_first_n=3");
+  s.first_pass_time = 1000;
+  const SlamRunReport report = runSlam(s);
+  EXPECT_GT(report.run_time, 1000);
+  EXPECT_EQ(report.first_pass_time, 1000);
+  EXPECT_LT(report.realtimeFactor(), 0.001);
 }
 
 TEST_F(SlamRun, StoppedBeforeTheFirstScanItLeavesTheEarlierRun)

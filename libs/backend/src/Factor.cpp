@@ -64,7 +64,7 @@ Factor::Factor(std::vector<Key> keys, const Matrix6& information)
     {
       if (keys_[i] == keys_[j])
       {
-        throw std::invalid_argument("factor " + namesOf(keys_) + ": joins a variable to itself");
+        throw std::invalid_argument("factor " + namesOf(keys_) + ": connects a variable to itself");
       }
     }
   }
@@ -80,6 +80,11 @@ Factor::Factor(std::vector<Key> keys, const Matrix6& information)
                                 ": its information is not positive definite");
   }
   whitening_ = cholesky.matrixU();
+}
+
+Vector6 Factor::whitenedResidual(ValueBlocks blocks) const
+{
+  return whitening_ * residual(blocks, nullptr);
 }
 
 void packPose(const Pose& pose, double* block)

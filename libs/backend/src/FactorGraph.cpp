@@ -29,7 +29,6 @@ void requireFinite(const Key& key, bool finite)
                                 ": its value has numbers that are not finite");
   }
 }
-
 }  // namespace
 
 void FactorGraphOptions::describe(OptionsVisitor& visitor)
@@ -250,7 +249,7 @@ double FactorGraph::whitenedResidual(FactorId id) const
   {
     blocks[i] = variable(f.keys()[i]).block.data();
   }
-  return (f.whitening() * f.residual(blocks.data(), nullptr)).norm();
+  return f.whitenedResidual(blocks.data()).norm();
 }
 
 double FactorGraph::chi2() const

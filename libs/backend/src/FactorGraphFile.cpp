@@ -296,7 +296,7 @@ void readVariable(const TextFile& file, FactorGraph& graph)
   if (key.isPose() &&
       std::abs(Eigen::Map<const Eigen::Vector4d>(block.data() + 3).norm() - 1) > unit_tolerance)
   {
-    file.fail("the quaternion of " + toString(key) + " has not length 1");
+    file.fail("the quaternion of " + toString(key) + " is not of unit length");
   }
   graph.addBlock(key, block);
 }

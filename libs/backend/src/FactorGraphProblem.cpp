@@ -7,6 +7,7 @@
 #include <array>
 #include <cmath>
 
+#include "CeresOptions.h"
 #include "RobustLosses.h"
 
 namespace dyslam
@@ -65,11 +66,6 @@ ceres::Problem::Options problemOptions()
   options.manifold_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
   options.disable_all_safety_checks = true;
   return options;
-}
-
-int stepsOf(const ceres::Solver::Summary& summary)
-{
-  return std::max(0, static_cast<int>(summary.iterations.size()) - 1);
 }
 }  // namespace
 
@@ -142,18 +138,9 @@ ceres::Solver::Summary FactorGraphProblem::solve(double loop_loss_width,
                                                  double tolerance)
 {
   loop_loss_.Reset(makeLoss(options_.loop_loss, loop_loss_width).release(), ceres::TAKE_OWNERSHIP);
-  ceres::Solver::Options options;
-  options.linear_solver_type = ceres::SPARSE_NORMAL_CHOLESKY;
-  options.sparse_linear_algebra_library_type = ceres::SUITE_SPARSE;
-  options.max_num_iterations = max_iterations;
-  options.function_tolerance = tolerance;
-  options.gradient_tolerance = 1e-14;
-  options.parameter_tolerance = 1e-12;
-  options.initial_trust_region_radius = 1e8;
-  options.num_threads = 1;
-  options.logging_type = ceres::SILENT;
+  constexpr int threads = 1;  // the same graph gives the same bytes
   ceres::Solver::Summary summary;
-  ceres::Solve(options, &problem_, &summary);
+  ceres::Solve(sparseSolverOptions(max_iterations, tolerance, threads), &problem_, &summary);
   return summary;
 }
 
@@ -162,8 +149,7 @@ double FactorGraphProblem::chi2() const
   double sum = 0;
   for (const Block& block : blocks_)
   {
-    sum += (block.factor->whitening() * block.factor->residual(block.values.data(), nullptr))
-               .squaredNorm();
+    sum += block.factor->whitenedResidual(block.values.data()).squaredNorm();
   }
   return sum;
 }
@@ -175,9 +161,7 @@ double FactorGraphProblem::worstLoop() const
   {
     if (block.factor->kind() == FactorKind::loop)
     {
-      worst = std::max(
-          worst, (block.factor->whitening() * block.factor->residual(block.values.data(), nullptr))
-                     .norm());
+      worst = std::max(worst, block.factor->whitenedResidual(block.values.data()).norm());
     }
   }
   return worst;

@@ -81,17 +81,15 @@ void FactorGraph::leaveOutContradicted(const FactorGraphOptions& options,
     result.converged = again.converged;
     result.reason = again.reason;
   };
+  const auto contradicted = [&]
+  { return contradictedLoops(*this, options.loop_loss_width, options.odometry_sigma_scale); };
   // While there is a contradiction, loops with large residuals stay: without the false one they may
   // fit.
-  for (auto worst = contradictedLoops(*this, left_out_, options.loop_loss_width,
-                                      options.odometry_sigma_scale);
-       !worst.empty(); worst = contradictedLoops(*this, left_out_, options.loop_loss_width,
-                                                 options.odometry_sigma_scale))
+  for (auto worst = contradicted(); !worst.empty(); worst = contradicted())
   {
     solve_without(worst);
   }
-  const std::set<FactorId> inconsistent =
-      inconsistentLoops(*this, left_out_, options.loop_loss_width);
+  const std::set<FactorId> inconsistent = inconsistentLoops(*this, options.loop_loss_width);
   if (!inconsistent.empty())
   {
     solve_without(inconsistent);
@@ -104,8 +102,13 @@ void FactorGraph::leaveOutFalseLoops(const FactorGraphOptions& options,
                                      OptimisationResult& result)
 {
   leaveOutContradicted(options, free, result);
+  const auto used = [this]
+  {
+    const std::vector<FactorId> loops = usedLoops();
+    return std::set<FactorId>(loops.begin(), loops.end());
+  };
   // One group of consistent but false loops may have won over several correct ones.
-  const std::set<FactorId> kept = keptLoops(*this, left_out_);
+  const std::set<FactorId> kept = used();
   const std::size_t groups = independentGroups(*this, kept);
   if (!kept.empty() && independentGroups(*this, left_out_) > groups)
   {
@@ -116,7 +119,7 @@ void FactorGraph::leaveOutFalseLoops(const FactorGraphOptions& options,
     const OptimisationResult without = optimiseVariables(options, free);
     result.iterations += without.iterations;
     leaveOutContradicted(options, free, result);
-    if (independentGroups(*this, keptLoops(*this, left_out_)) <= groups)
+    if (independentGroups(*this, used()) <= groups)
     {
       variables_ = solution;
       left_out_ = solution_left_out;

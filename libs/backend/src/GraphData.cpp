@@ -48,7 +48,7 @@ void requireGood(const GraphData& data, const GraphEdge& edge)
 {
   if (edge.from == edge.to)
   {
-    throw UserError("pose graph: " + nameOf(data, edge) + " joins a node to itself; remove it");
+    throw UserError("pose graph: " + nameOf(data, edge) + " connects a node to itself; remove it");
   }
   if (!edge.T_from_to.matrix().allFinite() || !edge.information.allFinite())
   {
@@ -175,7 +175,8 @@ GraphData unroll(const mrpt::graphs::CNetworkOfPoses3DInf& graph, IndefiniteInfo
     data.has_pose[i] = true;
     if (!data.poses[i].matrix().allFinite())
     {
-      throw UserError("pose graph: the pose of node " + std::to_string(id) + " is not finite");
+      throw UserError("pose graph: the pose of node " + std::to_string(id) +
+                      " is not finite; correct it or remove it");
     }
   }
   data.has_pose[data.root] = true;

@@ -29,20 +29,7 @@ bool fits(const FactorGraph& graph, FactorId id, double loss_width)
   return residual * residual <= 2 * loss_width * loss_width;
 }
 
-std::vector<FactorId> loopsOf(const FactorGraph& graph, const std::set<FactorId>& left_out)
-{
-  std::vector<FactorId> loops;
-  for (const FactorId id : graph.factorIds())
-  {
-    if (graph.factor(id).kind() == FactorKind::loop && left_out.count(id) == 0)
-    {
-      loops.push_back(id);
-    }
-  }
-  return loops;
-}
-
-/** Neighbouring loops together. */
+/** Groups of neighbouring loops. */
 std::vector<std::vector<FactorId>> grouped(const FactorGraph& graph, std::vector<FactorId> loops)
 {
   const auto ends = [&graph](FactorId id)
@@ -81,79 +68,74 @@ std::vector<std::vector<FactorId>> grouped(const FactorGraph& graph, std::vector
   return groups;
 }
 
-/** An LDL^T factorisation for covariances of a few rows: only the columns of L that these rows
- * reach in its elimination tree are visited. */
-class SelectedCovariance
+using Factorisation = Eigen::SimplicialLDLT<SparseMatrix>;
+
+/** Columns of L between the entries of some rows and the root of the elimination tree, sorted.
+ * \param order column of L for each column of `jacobian` */
+template <typename Order>
+std::vector<Eigen::Index> reachedColumns(const SparseMatrix& L,
+                                         const Order& order,
+                                         const RowSparseMatrix& jacobian,
+                                         const std::vector<Eigen::Index>& rows)
 {
- public:
-  using Factorisation = Eigen::SimplicialLDLT<SparseMatrix>;
-
-  /** J Sigma J^T of some rows of `jacobian`, for the inverse Sigma of what was factorised. */
-  [[nodiscard]] static Eigen::MatrixXd of(const Factorisation& factored,
-                                          const RowSparseMatrix& jacobian,
-                                          const std::vector<Eigen::Index>& rows)
+  std::set<Eigen::Index> visited;
+  for (const Eigen::Index row : rows)
   {
-    const SparseMatrix& L = factored.matrixL().nestedExpression();
-    const auto& order = factored.permutationP().indices();
-    std::vector<Eigen::Index> visited = reach(L, order, jacobian, rows);
-    const auto slot = [&visited](Eigen::Index column)
-    { return std::lower_bound(visited.begin(), visited.end(), column) - visited.begin(); };
-
-    using RowMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
-    const auto count = static_cast<Eigen::Index>(rows.size());
-    RowMatrix v = RowMatrix::Zero(static_cast<Eigen::Index>(visited.size()), count);
-    for (Eigen::Index i = 0; i < count; ++i)
+    for (RowSparseMatrix::InnerIterator entry(jacobian, row); entry; ++entry)
     {
-      for (RowSparseMatrix::InnerIterator entry(jacobian, rows[static_cast<std::size_t>(i)]); entry;
-           ++entry)
+      Eigen::Index column = order[entry.col()];
+      while (visited.insert(column).second)
       {
-        v(slot(order[entry.col()]), i) = entry.value();
-      }
-    }
-    // Forward substitution, v <- L^-1 v: every row that is written to is visited, too.
-    Eigen::VectorXd weights(v.rows());
-    for (Eigen::Index k = 0; k < v.rows(); ++k)
-    {
-      const Eigen::Index column = visited[static_cast<std::size_t>(k)];
-      weights[k] = 1 / factored.vectorD()[column];
-      auto below = visited.begin() + k;
-      for (SparseMatrix::InnerIterator entry(L, column); entry; ++entry)
-      {
-        below = std::lower_bound(below, visited.end(), entry.row());
-        v.row(below - visited.begin()) -= entry.value() * v.row(k);
-      }
-    }
-    return v.transpose() * weights.asDiagonal() * v;
-  }
-
- private:
-  /** Columns of L between the entries of these rows and the root of the tree, sorted. */
-  template <typename Order>
-  [[nodiscard]] static std::vector<Eigen::Index> reach(const SparseMatrix& L,
-                                                       const Order& order,
-                                                       const RowSparseMatrix& jacobian,
-                                                       const std::vector<Eigen::Index>& rows)
-  {
-    std::set<Eigen::Index> visited;
-    for (const Eigen::Index row : rows)
-    {
-      for (RowSparseMatrix::InnerIterator entry(jacobian, row); entry; ++entry)
-      {
-        Eigen::Index column = order[entry.col()];
-        while (visited.insert(column).second)
+        const SparseMatrix::InnerIterator parent(L, column);
+        if (!parent)
         {
-          const SparseMatrix::InnerIterator parent(L, column);
-          if (!parent)
-          {
-            break;
-          }
-          column = parent.row();
+          break;
         }
+        column = parent.row();
       }
     }
-    return {visited.begin(), visited.end()};
   }
-};
+  return {visited.begin(), visited.end()};
+}
+
+/** J Sigma J^T, where J are some rows of `jacobian` and Sigma is the inverse of the matrix that was
+ * factorised to L D L^T. Only the columns of L that these rows reach are visited. */
+Eigen::MatrixXd selectedCovariance(const Factorisation& factored,
+                                   const RowSparseMatrix& jacobian,
+                                   const std::vector<Eigen::Index>& rows)
+{
+  const SparseMatrix& L = factored.matrixL().nestedExpression();
+  const auto& order = factored.permutationP().indices();
+  std::vector<Eigen::Index> visited = reachedColumns(L, order, jacobian, rows);
+  const auto slot = [&visited](Eigen::Index column)
+  { return std::lower_bound(visited.begin(), visited.end(), column) - visited.begin(); };
+
+  using RowMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+  const auto count = static_cast<Eigen::Index>(rows.size());
+  RowMatrix v = RowMatrix::Zero(static_cast<Eigen::Index>(visited.size()), count);
+  for (Eigen::Index i = 0; i < count; ++i)
+  {
+    for (RowSparseMatrix::InnerIterator entry(jacobian, rows[static_cast<std::size_t>(i)]); entry;
+         ++entry)
+    {
+      v(slot(order[entry.col()]), i) = entry.value();
+    }
+  }
+  // Forward substitution, v <- L^-1 v: every row that is written to is visited, too.
+  Eigen::VectorXd weights(v.rows());
+  for (Eigen::Index k = 0; k < v.rows(); ++k)
+  {
+    const Eigen::Index column = visited[static_cast<std::size_t>(k)];
+    weights[k] = 1 / factored.vectorD()[column];
+    auto below = visited.begin() + k;
+    for (SparseMatrix::InnerIterator entry(L, column); entry; ++entry)
+    {
+      below = std::lower_bound(below, visited.end(), entry.row());
+      v.row(below - visited.begin()) -= entry.value() * v.row(k);
+    }
+  }
+  return v.transpose() * weights.asDiagonal() * v;
+}
 
 /** Odometry and loops between the free ego poses, linear about the present values. */
 class LinearEgoGraph
@@ -205,7 +187,7 @@ class LinearEgoGraph
       }
     }
     const Eigen::MatrixXd rest =
-        Eigen::MatrixXd::Identity(size, size) - SelectedCovariance::of(solver_, by_row_, rows);
+        Eigen::MatrixXd::Identity(size, size) - selectedCovariance(solver_, by_row_, rows);
     const Eigen::LDLT<Eigen::MatrixXd> factored(rest);
     // Loops that are the only constraint of a part of the graph contradict nothing.
     constexpr double least = 1e-9;
@@ -273,17 +255,15 @@ class LinearEgoGraph
   Triplets triplets_;
   SparseMatrix jacobian_;
   RowSparseMatrix by_row_;
-  SelectedCovariance::Factorisation solver_;
+  Factorisation solver_;
   Eigen::VectorXd optimal_residuals_;
 };
 }  // namespace
 
-std::set<FactorId> inconsistentLoops(const FactorGraph& graph,
-                                     const std::set<FactorId>& left_out,
-                                     double loss_width)
+std::set<FactorId> inconsistentLoops(const FactorGraph& graph, double loss_width)
 {
   std::set<FactorId> result;
-  for (const FactorId id : loopsOf(graph, left_out))
+  for (const FactorId id : graph.usedLoops())
   {
     if (!fits(graph, id, loss_width))
     {
@@ -298,18 +278,11 @@ std::size_t independentGroups(const FactorGraph& graph, const std::set<FactorId>
   return grouped(graph, {loops.begin(), loops.end()}).size();
 }
 
-std::set<FactorId> keptLoops(const FactorGraph& graph, const std::set<FactorId>& left_out)
-{
-  const std::vector<FactorId> loops = loopsOf(graph, left_out);
-  return {loops.begin(), loops.end()};
-}
-
 std::set<FactorId> contradictedLoops(const FactorGraph& graph,
-                                     const std::set<FactorId>& left_out,
                                      double loss_width,
                                      double odometry_sigma_scale)
 {
-  std::vector<FactorId> loops = loopsOf(graph, left_out);
+  std::vector<FactorId> loops = graph.usedLoops();
   loops.erase(std::remove_if(loops.begin(), loops.end(),
                              [&](FactorId id) { return !fits(graph, id, loss_width); }),
               loops.end());

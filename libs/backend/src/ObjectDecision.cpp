@@ -56,7 +56,7 @@ double ObjectGraph::staticLimit(const Object& object) const
   return options_.max_static_motion + 2 * std::sqrt(std::max(0.0, variance));
 }
 
-bool ObjectGraph::stands(const Object& object) const
+bool ObjectGraph::isStanding(const Object& object) const
 {
   const double duration = object.observations.back().time - object.observations.front().time;
   if (duration < options_.min_static_time)
@@ -65,7 +65,7 @@ bool ObjectGraph::stands(const Object& object) const
   }
   // A line through the whole sighting reveals slow motion.
   const auto all = recent(object, duration);
-  const SpeedEstimate speed = fitSpeed(all, 0, all.size());
+  const SpeedEstimate speed = fitSpeed(all);
   return speed.atMost() < options_.moving_speed &&
          speed.velocity.norm() * duration < staticLimit(object);
 }
@@ -80,7 +80,7 @@ void ObjectGraph::decide(const ObjectKey& key, Object& object) const
   const auto window = recent(object, options_.speed_window);
   if (window.size() >= min_for_speed)
   {
-    const bool fast = fitSpeed(window, 0, window.size()).atLeast() > options_.moving_speed;
+    const bool fast = fitSpeed(window).atLeast() > options_.moving_speed;
     object.fast = fast ? object.fast + 1 : 0;
   }
   if (object.state == State::stationary && !window.empty())
@@ -99,7 +99,7 @@ void ObjectGraph::decide(const ObjectKey& key, Object& object) const
     object.state = State::moving;
   }
   else if (object.state == State::undecided && object.fast == 0 &&
-           (object.landmark || !landmarks_) && stands(object))
+           (object.landmark || !landmarks_) && isStanding(object))
   {
     object.state = landmarks_ ? State::stationary : State::moving;  // moving, at rest
   }

@@ -4,6 +4,7 @@
 #include <dyslam/backend/factors/ObjectMotionFactor.h>
 #include <dyslam/backend/factors/ObservationFactor.h>
 #include <dyslam/backend/factors/SmoothMotionFactor.h>
+#include <dyslam/core/Motion.h>
 #include <dyslam/core/StateArchive.h>
 
 #include <Eigen/Dense>
@@ -38,15 +39,17 @@ Matrix6 tangentCovariance(const Eigen::Matrix4d& covariance, double yaw, double 
   return result;
 }
 
-Pose turnedBack(const Pose& pose)
+/** The same box with its other end as the front. */
+Pose reversed(const Pose& pose)
 {
   return pose * poseFromYpr(0, 0, 0, M_PI, 0, 0);
 }
 
-/** Covariance over the tangent of turnedBack(pose), of that over the tangent of the pose. */
-Matrix6 turnedBack(const Matrix6& covariance)
+/** Covariance over the tangent of reversed(pose).
+ * \param covariance over the tangent of the pose */
+Matrix6 reversed(const Matrix6& covariance)
 {
-  Eigen::Matrix<double, 6, 1> sign;
+  Vector6 sign;
   sign << -1, -1, 1, -1, -1, 1;  // x, y and z of translation and rotation
   return sign.asDiagonal() * covariance * sign.asDiagonal();
 }
@@ -112,20 +115,8 @@ void ObjectGraph::add(const Frame& frame, const View& view)
     {
       continue;
     }
-    const Pose T_odom_object = poseOf(tracked.observation);
-    const Pose T_vehicle_object = T_vehicle_odom * T_odom_object;
-    Observation observation;
-    observation.scan = frame.index;
-    observation.stamp = frame.scan.stamp;
-    observation.time = frame.time();
-    observation.keyframe = view.keyframe;
-    observation.T_keyframe_object = view.T_keyframe_vehicle * T_vehicle_object;
-    observation.drift = view.drift;
-    observation.drift_angle = view.drift_angle;
-    const Matrix6 carry = adjointSE3(T_vehicle_object.inverse());
-    observation.covariance = tangentCovariance(tracked.observation_covariance,
-                                               tracked.observation.yaw, options_.tilt_sigma) +
-                             carry * view.covariance * carry.transpose();
+    const Pose T_vehicle_object = T_vehicle_odom * poseOf(tracked.observation);
+    const Observation observation = observationOf(tracked, T_vehicle_object, frame, view);
     if (!observation.T_keyframe_object.matrix().allFinite() ||
         Eigen::LLT<Matrix6>(observation.covariance).info() != Eigen::Success)
     {
@@ -162,6 +153,26 @@ void ObjectGraph::add(const Frame& frame, const View& view)
                            frame.time() - it->second.observations.back().time > forget_after;
     it = forgotten ? objects_.erase(it) : std::next(it);
   }
+}
+
+ObjectGraph::Observation ObjectGraph::observationOf(const TrackedObject& tracked,
+                                                    const Pose& T_vehicle_object,
+                                                    const Frame& frame,
+                                                    const View& view) const
+{
+  Observation observation;
+  observation.scan = frame.index;
+  observation.stamp = frame.scan.stamp;
+  observation.time = frame.time();
+  observation.keyframe = view.keyframe;
+  observation.T_keyframe_object = view.T_keyframe_vehicle * T_vehicle_object;
+  observation.drift = view.drift;
+  observation.drift_angle = view.drift_angle;
+  const Matrix6 A = adjointSE3(T_vehicle_object.inverse());
+  observation.covariance = tangentCovariance(tracked.observation_covariance,
+                                             tracked.observation.yaw, options_.tilt_sigma) +
+                           A * view.covariance * A.transpose();
+  return observation;
 }
 
 void ObjectGraph::insertNew(const ObjectKey& key, Object& object)
@@ -211,8 +222,8 @@ void ObjectGraph::insertStanding(const ObjectKey& object_key,
   Matrix6 covariance = observation.covariance;
   if (isReversed(graph_.pose(Key::ego(observation.keyframe)) * T, graph_.pose(key)))
   {
-    T = turnedBack(T);
-    covariance = turnedBack(covariance);
+    T = reversed(T);
+    covariance = reversed(covariance);
   }
   MeanObservation& mean = object.mean;
   if (mean.count == 0 || mean.keyframe != observation.keyframe)
@@ -243,8 +254,8 @@ void ObjectGraph::insertMoving(const ObjectKey& object_key, Object& object, std:
   if (i > 0 && isReversed(graph_.pose(Key::objectPose(id, object.observations[i - 1].scan)),
                           T_map_keyframe * now.T_keyframe_object))
   {
-    now.T_keyframe_object = turnedBack(now.T_keyframe_object);
-    now.covariance = turnedBack(now.covariance);
+    now.T_keyframe_object = reversed(now.T_keyframe_object);
+    now.covariance = reversed(now.covariance);
   }
   graph_.addPose(key, T_map_keyframe * now.T_keyframe_object);
   graph_.add(std::make_unique<ObservationFactor>(
@@ -252,40 +263,33 @@ void ObjectGraph::insertMoving(const ObjectKey& object_key, Object& object, std:
       informationOf(now.covariance, options_.moving_sigma_scale)));
   if (i > 0 && now.time - object.observations[i - 1].time <= options_.max_gap)
   {
-    joinMotion(id, object.observations[i - 1], now);
+    addMotionFactors(id, object.observations[i - 1], now);
   }
 }
 
-void ObjectGraph::joinMotion(int id, const Observation& before, const Observation& now)
+void ObjectGraph::addMotionFactors(int id, const Observation& before, const Observation& now)
 {
   const double dt = now.time - before.time;
   const Key key_before = Key::objectVelocity(id, before.scan);
   const Vector6 motion = logSE3(graph_.pose(Key::objectPose(id, before.scan)).inverse() *
                                 graph_.pose(Key::objectPose(id, now.scan)));
-  const bool goes_on = graph_.contains(key_before);
-  const Vector6 expected = goes_on ? Vector6(dt * graph_.velocity(key_before)) : motion;
+  const bool has_velocity = graph_.contains(key_before);
+  const Vector6 expected = has_velocity ? Vector6(dt * graph_.velocity(key_before)) : motion;
   if ((motion - expected).head<3>().norm() > options_.max_jump)
   {
     ++jumps_;
     return;
   }
-  const auto diagonal = [](double sigma, double sigma_angle, double sigma_tilt)
-  {
-    Vector6 sigmas;
-    sigmas << sigma, sigma, sigma, sigma_tilt, sigma_tilt, sigma_angle;
-    return Matrix6(sigmas.array().square().inverse().matrix().asDiagonal());
-  };
   graph_.addVelocity(Key::objectVelocity(id, now.scan), motion / dt);
   graph_.add(std::make_unique<ObjectMotionFactor>(
       id, before.scan, now.scan, dt,
-      diagonal(options_.motion_sigma * dt, options_.angular_motion_sigma * dt,
-               options_.angular_motion_sigma * dt)));
-  if (goes_on)
+      informationFromSigmas(options_.motion_sigma * dt, options_.angular_motion_sigma * dt)));
+  if (has_velocity)
   {
     graph_.add(std::make_unique<SmoothMotionFactor>(
         id, before.scan, now.scan,
-        diagonal(options_.acceleration_sigma * dt, options_.angular_acceleration_sigma * dt,
-                 options_.angular_acceleration_sigma * dt)));
+        informationFromSigmas(options_.acceleration_sigma * dt,
+                              options_.angular_acceleration_sigma * dt)));
   }
 }
 
@@ -319,7 +323,7 @@ void ObjectGraph::finish()
 {
   for (auto& [key, object] : objects_)
   {
-    if (object.state == State::stationary && !stands(object))
+    if (object.state == State::stationary && !isStanding(object))
     {
       object.state = State::moving;
       insertNew(key, object);

@@ -45,7 +45,8 @@ class ObjectGraph
     double drift = 0;
     double drift_angle = 0;
   };
-  /** Adds the observations of the frame's confirmed objects. */
+  /** Adds the observations of the frame's objects; those of an object that is not confirmed or not
+   * decided yet are kept until it is. */
   void add(const Frame& frame, const View& view);
 
   /** The objects' variables to be optimised with the newest scans. */
@@ -106,22 +107,33 @@ class ObjectGraph
   /** Id and number of the sighting: a track may jump from one parked car to the next. */
   using ObjectKey = std::pair<int, int>;
 
+  [[nodiscard]] Observation observationOf(const TrackedObject& tracked,
+                                          const Pose& T_vehicle_object,
+                                          const Frame& frame,
+                                          const View& view) const;
+  /** Whether a static object is observed far from its position. */
   [[nodiscard]] bool isStray(const ObjectKey& key,
                              const Object& object,
                              const Observation& observation) const;
+  /** Decides from the observations so far whether the object is static or moving. */
   void decide(const ObjectKey& key, Object& object) const;
   [[nodiscard]] static Key staticKey(const ObjectKey& key)
   {
     return Key::staticObject(key.first, key.second);
   }
+  /** The observations of the last `duration` seconds, the newest first. */
   [[nodiscard]] std::vector<PlanarObservation> recent(const Object& object, double duration) const;
-  [[nodiscard]] bool stands(const Object& object) const;
+  /** Whether the whole sighting shows the object at rest. */
+  [[nodiscard]] bool isStanding(const Object& object) const;
   [[nodiscard]] double staticLimit(const Object& object) const;
   void limitInformation(const ObjectKey& key);
+  /** Adds the observations that are not in the graph yet, if the object is decided. */
   void insertNew(const ObjectKey& key, Object& object);
   void insertStanding(const ObjectKey& key, Object& object, const Observation& observation);
   void insertMoving(const ObjectKey& key, Object& object, std::size_t i);
-  void joinMotion(int id, const Observation& before, const Observation& now);
+  /** Adds the velocity between two successive observations with its motion factors, unless the
+   * object jumped. */
+  void addMotionFactors(int id, const Observation& before, const Observation& now);
   void removeFromGraph(const ObjectKey& key, Object& object);
   [[nodiscard]] Matrix6 informationOf(const Matrix6& covariance, double sigma_scale) const;
   void appendSmoothed(const ObjectKey& key,

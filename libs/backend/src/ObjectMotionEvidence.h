@@ -2,7 +2,6 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <cstddef>
 #include <vector>
 
 namespace dyslam
@@ -20,14 +19,13 @@ struct SpeedEstimate
 {
   Eigen::Vector2d velocity = Eigen::Vector2d::Zero();  //!< [m/s]
   double sigma = 0;                                    //!< of each coordinate [m/s]
+  /** Bounds of the speed at two sigmas [m/s]. */
   [[nodiscard]] double atLeast() const { return velocity.norm() - 2 * sigma; }
   [[nodiscard]] double atMost() const { return velocity.norm() + 2 * sigma; }
 };
 
-/** Velocity of the straight line through observations [first, last); its sigma is that of the
- * observations or their scatter about the line, whichever is larger.
+/** Velocity of the straight line through the observations (least squares); its sigma follows from
+ * that of the observations or from their scatter about the line, whichever is larger.
  * \pre at least three observations at different times. */
-[[nodiscard]] SpeedEstimate fitSpeed(const std::vector<PlanarObservation>& observations,
-                                     std::size_t first,
-                                     std::size_t last);
+[[nodiscard]] SpeedEstimate fitSpeed(const std::vector<PlanarObservation>& observations);
 }  // namespace dyslam

@@ -7,6 +7,7 @@
 #include <array>
 #include <utility>
 
+#include "CeresOptions.h"
 #include "EdgeCost.h"
 #include "GraphData.h"
 #include "InitialGuess.h"
@@ -104,18 +105,9 @@ class GraphProblem
 
   ceres::Solver::Summary solve()
   {
-    ceres::Solver::Options ceres_options;
-    ceres_options.linear_solver_type = ceres::SPARSE_NORMAL_CHOLESKY;
-    ceres_options.sparse_linear_algebra_library_type = ceres::SUITE_SPARSE;
-    ceres_options.max_num_iterations = options_.max_iterations;
-    ceres_options.function_tolerance = options_.tolerance;
-    ceres_options.gradient_tolerance = 1e-14;
-    ceres_options.parameter_tolerance = 1e-12;
-    ceres_options.initial_trust_region_radius = 1e8;
-    ceres_options.num_threads = options_.threads;
-    ceres_options.logging_type = ceres::SILENT;
     ceres::Solver::Summary summary;
-    ceres::Solve(ceres_options, &problem_, &summary);
+    ceres::Solve(sparseSolverOptions(options_.max_iterations, options_.tolerance, options_.threads),
+                 &problem_, &summary);
     return summary;
   }
 
@@ -143,7 +135,7 @@ void optimise(GraphData& data, const PoseGraphSolverOptions& options, PoseGraphR
 {
   GraphProblem problem(data, options);
   const ceres::Solver::Summary summary = problem.solve();
-  result.iterations = std::max(0, static_cast<int>(summary.iterations.size()) - 1);
+  result.iterations = stepsOf(summary);
   result.converged = summary.termination_type == ceres::CONVERGENCE;
   result.reason = summary.message;
   for (std::size_t i = 0; i < data.size(); ++i)
@@ -209,6 +201,10 @@ PoseGraphResult PoseGraphSolver::solve(PoseGraph& graph) const
 double PoseGraphSolver::chi2(const PoseGraph& graph) const
 {
   GraphData data = unroll(graph, options_.indefinite_information);
+  if (data.edges.empty())
+  {
+    return 0;
+  }
   completePoses(data);
   return chi2Of(data, options_);
 }

@@ -32,7 +32,15 @@ struct Run
   bool joined = false;
 };
 
-/** Loops that agree on the pose of a run, the best supported one first. */
+/** Loops by appearance between two runs: each suggests their relative pose. */
+struct Seeds
+{
+  std::size_t run_a = 0;
+  std::size_t run_b = 0;
+  std::vector<Loop> loops;
+};
+
+/** Loops that agree on the pose of a run; the first one places it. */
 struct Placement
 {
   std::size_t run = 0;
@@ -57,17 +65,22 @@ struct RunMerger::State
     validate(config.solver, "solver");
   }
 
-  /** Seeds of all pairs of runs. */
+  /** Fills the seeds of all pairs of runs. */
   void findSeeds();
   /** The best supported placement of a run that is not joined. */
   [[nodiscard]] Placement bestPlacement() const;
-  [[nodiscard]] std::vector<Loop> largestGroup(const std::vector<Loop>& seeds) const;
+  /** Of some loops between two runs, the most that agree with one of them, that one first. */
+  [[nodiscard]] std::vector<Loop> largestGroup(const std::vector<Loop>& all) const;
   /** \return false: the rest of the path contradicts it, nothing is changed */
   [[nodiscard]] bool join(const Placement& placement);
+  /** Removes the loops of a placement that is contradicted from the seeds. */
   void refuse(const Placement& placement);
+  /** Moves the keyframes of the run to the pose that the placement's first loop gives it. */
   void place(const Placement& placement);
   /** Loops of the run to all joined ones, from the present poses. */
   [[nodiscard]] NearLoops loopsAround(const Run& run, const std::vector<Loop>& known) const;
+  /** Largest expected error of the poses of the run's keyframes [m]: it grows with the path to the
+   * nearest known loop; without known loops the poses are taken for solved. */
   [[nodiscard]] std::vector<double> reachOf(const Run& run, const std::vector<Loop>& known) const;
   /** Solves the joined runs and these loops between them; moves the keyframes. */
   void solve();
@@ -78,9 +91,8 @@ struct RunMerger::State
   KeyframeStore keyframes;
   mutable RunLoops finder;
   std::vector<Run> runs;
-  std::size_t ready = 0;                 //!< keyframes with points
-  std::vector<std::vector<Loop>> seeds;  //!< of each pair of runs
-  std::vector<std::pair<std::size_t, std::size_t>> pairs;
+  std::size_t ready = 0;              //!< keyframes with points
+  std::vector<Seeds> seeds;           //!< of each pair of runs
   std::vector<Loop> loops;            //!< between joined runs
   std::set<std::size_t> false_loops;  //!< of those, by number
   OptimisationResult optimisation;
@@ -102,8 +114,7 @@ void RunMerger::State::findSeeds()
   {
     for (std::size_t a = 0; a < b; ++a)
     {
-      pairs.emplace_back(a, b);
-      seeds.push_back(finder.byAppearance(runs[a].range, runs[b].range));
+      seeds.push_back({a, b, finder.byAppearance(runs[a].range, runs[b].range)});
     }
   }
 }
@@ -132,19 +143,17 @@ std::vector<Loop> RunMerger::State::largestGroup(const std::vector<Loop>& all) c
 Placement RunMerger::State::bestPlacement() const
 {
   Placement best;
-  for (std::size_t p = 0; p < pairs.size(); ++p)
+  const auto least = static_cast<std::size_t>(config.loops.appearance_support);
+  for (const Seeds& pair : seeds)
   {
-    const auto [a, b] = pairs[p];
-    if (runs[a].joined == runs[b].joined)
+    if (runs[pair.run_a].joined == runs[pair.run_b].joined)
     {
       continue;
     }
-    std::vector<Loop> group = largestGroup(seeds[p]);
-    if (group.size() >
-        std::max<std::size_t>(best.loops.size(),
-                              static_cast<std::size_t>(config.loops.appearance_support)))
+    std::vector<Loop> group = largestGroup(pair.loops);
+    if (group.size() > std::max(best.loops.size(), least))
     {
-      best = {runs[a].joined ? b : a, std::move(group)};
+      best = {runs[pair.run_a].joined ? pair.run_b : pair.run_a, std::move(group)};
     }
   }
   return best;
@@ -158,9 +167,10 @@ void RunMerger::State::refuse(const Placement& placement)
                        [&](const Loop& other)
                        { return other.from == loop.from && other.to == loop.to; });
   };
-  for (std::vector<Loop>& some : seeds)
+  for (Seeds& pair : seeds)
   {
-    some.erase(std::remove_if(some.begin(), some.end(), isRefused), some.end());
+    pair.loops.erase(std::remove_if(pair.loops.begin(), pair.loops.end(), isRefused),
+                     pair.loops.end());
   }
 }
 

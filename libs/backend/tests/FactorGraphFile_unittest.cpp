@@ -168,7 +168,7 @@ TEST_F(FactorGraphFile, UnusableFactorsAreReportedAndLeftOut)
   const char* parts[] = {":8: left out: factor x0 -> x1: its information is not positive definite",
                          ":9: left out: has numbers that are not finite",
                          ":10: left out: factor of kind loop: its variable x9 is not in the graph",
-                         ":11: left out: factor x1 -> x1: joins a variable to itself",
+                         ":11: left out: factor x1 -> x1: connects a variable to itself",
                          ":12: left out: its measurement is no rotation",
                          ":13: left out: observation of x1: not an object's pose",
                          ":14: left out: motion of l4@1: its time step must be above 0"};
@@ -192,7 +192,7 @@ TEST_F(FactorGraphFile, DamagedFilesAreNamed)
       {header + "EGO 0 0 0 x 0 0 0 1\n", "graph.txt:2: 'x' is not a number"},
       {header + "EGO 0 0 0 nan 0 0 0 1\n", "graph.txt:2: 'nan' is not a finite number"},
       {header + "EGO -1 0 0 0 0 0 0 1\n", "graph.txt:2: '-1' must be 0 or more"},
-      {header + "EGO 0 0 0 0 0 0 0 2\n", "graph.txt:2: the quaternion of x0 has not length 1"},
+      {header + "EGO 0 0 0 0 0 0 0 2\n", "graph.txt:2: the quaternion of x0 is not of unit length"},
       {header + "EGO 0 0 0 0 0 0 0 1\nEGO 0 0 0 0 0 0 0 1\n", "graph.txt:3: x0 is there twice"},
       {header + "FIX EGO 3\n", "graph.txt:2: fixes x3, which no line before gives a value"},
       {header + "FIX TREE 3\n", "graph.txt:2: 'TREE' is no kind of variable"},

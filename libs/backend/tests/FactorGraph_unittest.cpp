@@ -159,7 +159,7 @@ TEST(FactorGraph, WrongUseIsRefusedAndChangesNothing)
   EXPECT_TRUE(graph.pose(Key::ego(0)).isApprox(at(0), 1e-12));
 }
 
-TEST(FactorGraph, OfDifferentTypesAreRefused)
+TEST(FactorGraph, ValuesOfTheOtherTypeAreRefused)
 {
   FactorGraph graph;
   graph.addPose(Key::ego(0), at(0));
@@ -230,7 +230,7 @@ TEST(FactorGraph, CovariancesAreThoseOfTheDenseInverse)
   EXPECT_LT(conditional.trace(), graph.covariances({parked}).front().trace());
 }
 
-TEST(FactorGraph, OpenDirectionsHaveNoCovariance)
+TEST(FactorGraph, UnconstrainedDirectionsHaveNoCovariance)
 {
   FactorGraph graph = smallGraph(3);
   graph.setFixed(Key::ego(0), false);
@@ -256,7 +256,7 @@ TEST(FactorGraph, OnlyTheNamedVariablesMove)
   EXPECT_EQ(graph.pose(Key::ego(2)).matrix(), fixed.matrix());
 }
 
-TEST(FactorGraph, LoosePartIsReportedAndTheRestIsSolved)
+TEST(FactorGraph, UnconnectedPartIsReportedAndTheRestIsSolved)
 {
   FactorGraph graph;
   for (std::size_t i = 0; i < 4; ++i)

@@ -243,8 +243,9 @@ TEST(Factor, BadMeasurementsKeysAndTimesAreNamed)
   expectMessage(messageOf([&] { LoopFactor(3, 9, bad, one); }),
                 "factor x3 -> x9: its measurement has numbers that are not finite");
   expectMessage(messageOf([&] { OdometryFactor(3, 3, Pose::Identity(), one); }),
-                "joins a variable to itself");
-  expectMessage(messageOf([&] { SmoothMotionFactor(7, 3, 3, one); }), "joins a variable to itself");
+                "connects a variable to itself");
+  expectMessage(messageOf([&] { SmoothMotionFactor(7, 3, 3, one); }),
+                "connects a variable to itself");
   for (const double dt : {0.0, -0.1, nan_value, std::numeric_limits<double>::infinity()})
   {
     expectMessage(messageOf([&] { ObjectMotionFactor(7, 1, 2, dt, one); }),

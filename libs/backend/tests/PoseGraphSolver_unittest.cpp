@@ -159,6 +159,7 @@ TEST(PoseGraphSolver, EmptyAndSingleNodeGraphsConverge)
 {
   PoseGraph graph;
   EXPECT_TRUE(PoseGraphSolver({}).solve(graph).converged);
+  EXPECT_EQ(PoseGraphSolver({}).chi2(graph), 0);
   static_cast<mrpt::poses::CPose3D&>(graph.nodes[0]) = toMrpt(poseFromYpr(1, 2, 3, 1, 0, 0));
   const PoseGraphResult result = PoseGraphSolver({}).solve(graph);
   EXPECT_TRUE(result.converged);
@@ -255,7 +256,7 @@ TEST(PoseGraphSolver, BadGraphsAreNamed)
             std::string::npos);
   graph = world.graph;
   addEdge(graph, 3, 3, Pose::Identity(), Matrix6::Identity());
-  EXPECT_NE(messageOf(graph).find("edge 3 -> 3 joins a node to itself"), std::string::npos);
+  EXPECT_NE(messageOf(graph).find("edge 3 -> 3 connects a node to itself"), std::string::npos);
 }
 
 TEST(PoseGraphSolver, OptionsAreChecked)

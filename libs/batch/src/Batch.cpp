@@ -43,9 +43,7 @@ class Runner
         results_(results),
         watch_(watch),
         cores_(usableCores()),
-        slots_(std::min<std::size_t>(
-            results.size(),
-            settings.jobs > 0 ? static_cast<std::size_t>(settings.jobs) : cores_.size())),
+        slots_(std::min(results.size(), slotsFor(settings.jobs))),
         budget_(settings.memory > 0
                     ? settings.memory
                     : static_cast<std::uint64_t>(share_of_available *
@@ -99,7 +97,17 @@ class Runner
              begins(program_prefix + nameOfFile(settings_.config) + ":")));
   }
 
-  /** Equal parts; with more slots than cores, each has all. */
+  /** Runs at a time. \param jobs as asked for; 0: as many as there are cores */
+  [[nodiscard]] std::size_t slotsFor(int jobs) const
+  {
+    if (jobs > 0)
+    {
+      return static_cast<std::size_t>(jobs);
+    }
+    return cores_.empty() ? std::max(1U, std::thread::hardware_concurrency()) : cores_.size();
+  }
+
+  /** Equal parts of the cores; with more slots than cores, each has all of them. */
   [[nodiscard]] std::vector<int> coresOf(std::size_t slot) const
   {
     const std::size_t each = cores_.size() / slots_;
@@ -236,7 +244,7 @@ class Runner
   std::deque<Task> failed_;  //!< to be run again when all others have ended
   std::size_t running_ = 0;
   std::size_t ended_ = 0;
-  std::string refusal_;  //!< of the settings, by the first run that said so
+  std::string refusal_;  //!< message of the first run that refused the common settings
   std::atomic<bool> refused_ = false;
 };
 }  // namespace

@@ -112,7 +112,10 @@ std::vector<int> usableCores()
 {
   cpu_set_t set;
   CPU_ZERO(&set);
-  ::sched_getaffinity(0, sizeof set, &set);
+  if (::sched_getaffinity(0, sizeof set, &set) != 0)
+  {
+    return {};
+  }
   std::vector<int> cores;
   for (int core = 0; core < CPU_SETSIZE; ++core)
   {

@@ -4,6 +4,7 @@
 #include <dyslam/core/Printable.h>
 
 #include <algorithm>
+#include <cctype>
 #include <cstdio>
 #include <filesystem>
 #include <nlohmann/json.hpp>
@@ -99,9 +100,7 @@ std::string row(const BatchResult& r, const std::string& folder, const Json& err
   const std::size_t warnings =
       report.is_object() && report.contains("warnings") ? report["warnings"].size() : 0;
   const std::string words =
-      m.reason.empty() && warnings > 0
-          ? std::to_string(warnings) + (warnings == 1 ? " warning" : " warnings")
-          : m.reason;
+      m.reason.empty() && warnings > 0 ? counted(warnings, "warning") : m.reason;
   const bool has_log = fs::is_regular_file(results / "log.txt");
   html += "<td class=\"words\">" + escapedHtml(words) +
           (has_log ? " <a href=\"" + link + "/log.txt\">log</a>" : "") + "</td></tr>\n";

@@ -7,6 +7,7 @@
 #include <dyslam/formats/RunFiles.h>
 
 #include <algorithm>
+#include <cstdlib>
 #include <cstring>
 #include <exception>
 #include <filesystem>
@@ -89,7 +90,10 @@ void requireOwnFolder(const std::string& folder, const std::string& option)
   }
 }
 
-void judge(const ChildOutcome& outcome, bool stopped, const std::string& log, Manifest& m)
+/** Sets state and figures from the end of a run. \param log of the run, whose last line is the
+ * reason
+ */
+void recordOutcome(const ChildOutcome& outcome, bool stopped, const std::string& log, Manifest& m)
 {
   m.seconds = outcome.seconds;
   m.peak_memory = outcome.peak_memory;
@@ -114,6 +118,7 @@ void judge(const ChildOutcome& outcome, bool stopped, const std::string& log, Ma
                                    : lastLine(tailOf(log));
   }
 }
+
 /** Whether the folder has a run of the same work that was killed, with a checkpoint. */
 bool canResume(const std::string& folder, const Work& work)
 {
@@ -134,7 +139,7 @@ double progressIn(const std::string& log)
 {
   const std::string text = tailOf(log);
   const auto percent = text.rfind("% ");
-  if (percent == std::string::npos)
+  if (percent == std::string::npos || percent == 0)
   {
     return 0;
   }
@@ -197,7 +202,7 @@ bool runOne(const BatchSettings& settings,
   command.cores = cores;
   bool stopped = false;
   const ChildOutcome outcome = runChild(command, [&] { return stopped = stopped || stop(); });
-  judge(outcome, stopped, command.log, m);
+  recordOutcome(outcome, stopped, command.log, m);
   if (m.hasResults())
   {
     m.settings_checksum = checksumOfFile((fs::path(folder) / "effective.ini").string());

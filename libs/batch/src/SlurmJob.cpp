@@ -15,7 +15,7 @@ namespace dyslam::batch
 {
 namespace
 {
-/** As one word of a shell. */
+/** The text as one word of a shell command. */
 std::string quoted(const std::string& text)
 {
   std::string result = "'";
@@ -76,7 +76,7 @@ std::string submitted(const std::string& command)
 {
   const std::string answer = answerOf(command);
   const auto digits = answer.find_first_not_of("0123456789");
-  if (digits == 0)
+  if (answer.empty() || digits == 0)
   {
     throw UserError("--slurm: sbatch gave no job number but: " + answer);
   }
@@ -117,10 +117,11 @@ std::size_t arrayTasks(std::size_t recordings)
   const std::string key = "MaxArraySize";
   const auto at = config.find(key);
   const auto digit = config.find_first_of("0123456789", at);
+  // Slurm's limit is one above the highest task number; its default where it does not say.
   const std::size_t limit = at == std::string::npos || digit == std::string::npos
                                 ? 1001
                                 : std::stoul(config.substr(digit));
-  return std::max<std::size_t>(1, std::min(recordings, limit - 1));
+  return std::min(std::max<std::size_t>(1, recordings), std::max<std::size_t>(2, limit) - 1);
 }
 
 SubmittedJob submit(const SlurmJob& job)

@@ -8,6 +8,7 @@
 
 #include <filesystem>
 #include <nlohmann/json.hpp>
+#include <sstream>
 
 namespace fs = std::filesystem;
 
@@ -17,7 +18,7 @@ namespace
 {
 using Json = nlohmann::ordered_json;
 
-/** That of the page of a run, so that both look alike. */
+/** The style sheet of a run's page, so that both look alike. */
 std::string reportStyle()
 {
   const std::string page = readWhole(findGivenOrShared("page.html", "report", ".html"));

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/batch/SlurmJob.h>
+#include <dyslam/core/Error.h>
 #include <gtest/gtest.h>
 
 #include <cstdlib>
@@ -101,6 +102,10 @@ TEST(SlurmJob, IsSubmittedWithAJobBehindIt)
   const SubmittedJob numbers = submit(jobIn(folder));
   EXPECT_EQ(arrayTasks(3), 3U);
   EXPECT_EQ(arrayTasks(1000), 4U);
+  writeProgram(folder, "scontrol", "echo 'MaxArraySize            = 0'\n");
+  EXPECT_EQ(arrayTasks(1000), 1U) << "arrays are switched off";
+  writeProgram(folder, "sbatch", "exit 0\n");
+  EXPECT_THROW((void)submit(jobIn(folder)), UserError) << "no job number";
   ::setenv("PATH", path.c_str(), 1);
   EXPECT_EQ(numbers.array, "12");
   EXPECT_TRUE(contains(folder.read("asked.txt"), "--dependency=afterany:12 "));

@@ -38,7 +38,8 @@ double finiteUnassignedCost(const CostMatrix& cost, double unassigned_cost)
   return high + (most + 1) * (high - low) + 1;
 }
 
-Assignment summarised(const CostMatrix& cost, const std::vector<int>& column_of_row)
+/** Derives the other fields from the columns of the rows. */
+Assignment assignmentOf(const CostMatrix& cost, const std::vector<int>& column_of_row)
 {
   Assignment result;
   result.column_of_row = column_of_row;
@@ -291,7 +292,8 @@ Assignment assignShortestPaths(const CostMatrix& cost, double unassigned_cost)
     // Comparisons drop NaN and +infinity by themselves; -infinity must be excluded.
     return assignShortestPaths((cost.array() == -infinity).select(infinity, cost), unassigned_cost);
   }
-  return summarised(cost, ShortestPaths(cost, finiteUnassignedCost(cost, unassigned_cost)).solve());
+  return assignmentOf(cost,
+                      ShortestPaths(cost, finiteUnassignedCost(cost, unassigned_cost)).solve());
 }
 
 Assignment assignGreedy(const CostMatrix& cost, double unassigned_cost)
@@ -320,6 +322,6 @@ Assignment assignGreedy(const CostMatrix& cost, double unassigned_cost)
       taken[static_cast<std::size_t>(column)] = true;
     }
   }
-  return summarised(cost, column_of_row);
+  return assignmentOf(cost, column_of_row);
 }
 }  // namespace dyslam

@@ -56,8 +56,9 @@ struct Config::Parser
 
   Config read(const std::string& text, const std::string& name)
   {
-    const std::string mark = "\xEF\xBB\xBF";  // with which some editors begin a file
-    std::istringstream lines(text.rfind(mark, 0) == 0 ? text.substr(mark.size()) : text);
+    const std::string byte_order_mark = "\xEF\xBB\xBF";  // some editors begin a file with it
+    std::istringstream lines(
+        text.rfind(byte_order_mark, 0) == 0 ? text.substr(byte_order_mark.size()) : text);
     Config included;
     Config own;
     std::string section;
@@ -143,7 +144,7 @@ struct Config::Parser
       if (fs::equivalent(open, path, ignored))
       {
         throw UserError(what + " = " + value.text +
-                        ": that file includes this one; remove one of " + "the two lines");
+                        ": that file includes this one; remove one of the two lines");
       }
     }
     return readFile(path);

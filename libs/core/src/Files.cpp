@@ -13,6 +13,7 @@ namespace fs = std::filesystem;
 
 namespace
 {
+/** The advice as the end of a message; empty without. */
 std::string hintOf(const std::string& advice)
 {
   return advice.empty() ? "" : "; " + advice;
@@ -23,6 +24,10 @@ std::ifstream openBinary(const std::string& path, const std::string& advice)
 {
   std::error_code error;
   const auto status = fs::status(path, error);
+  if (!fs::status_known(status))  // such as a folder above it that may not be searched
+  {
+    throw UserError(path + ": cannot be read: " + error.message());
+  }
   if (!fs::exists(status))
   {
     throw UserError(path + ": no such file" + hintOf(advice));
@@ -35,7 +40,8 @@ std::ifstream openBinary(const std::string& path, const std::string& advice)
   std::ifstream file(path, std::ios::binary);
   if (!file)
   {
-    throw UserError(path + ": cannot be read: " + std::strerror(errno));
+    throw UserError(path +
+                    ": cannot be read: " + (errno != 0 ? std::strerror(errno) : "unknown reason"));
   }
   return file;
 }

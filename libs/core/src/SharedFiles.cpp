@@ -3,6 +3,7 @@
 #include <dyslam/core/Error.h>
 #include <dyslam/core/SharedFiles.h>
 
+#include <cstdlib>
 #include <filesystem>
 #include <map>
 #include <vector>
@@ -15,8 +16,17 @@ namespace dyslam
 {
 namespace
 {
+/** \throws UserError if $DYSLAM_SHARE names no folder: the files of another version would be used.
+ */
 std::vector<fs::path> sharedFolders()
 {
+  const char* given = std::getenv("DYSLAM_SHARE");
+  std::error_code ignored;
+  if (given != nullptr && *given != '\0' && !fs::is_directory(given, ignored))
+  {
+    throw UserError("DYSLAM_SHARE = " + std::string(given) +
+                    ": is not a folder; set it to the folder share/dyslam, or unset it");
+  }
   return ProgramFolders{"DYSLAM_SHARE", DYSLAM_SOURCE_SHARE, fs::path("share") / "dyslam",
                         DYSLAM_INSTALLED_SHARE}
       .candidates();

@@ -84,7 +84,7 @@ TEST(Options, KeysNotGivenKeepTheirDefaults)
   EXPECT_EQ(options.voxel_size, SampleOptions().voxel_size);
 }
 
-TEST(Options, ErrorsNamePlaceAndMend)
+TEST(Options, ErrorsNamePlaceAndFix)
 {
   EXPECT_EQ(errorOf("[sample]\nvoxel_sise = 1\n"),
             "a.ini:2: [sample] has no key 'voxel_sise'; did you mean 'voxel_size'?");

@@ -43,13 +43,13 @@ Rings ringAfterRing(int rings, int columns)
   return scan;
 }
 
-TEST(AzimuthColumn, RingsAreTakenFromTheOrderOfAFile)
+TEST(Rings, AreTakenFromTheOrderOfAFile)
 {
   const Rings scan = ringAfterRing(24, 360);
   EXPECT_EQ(estimateRings(scan.points), scan.ring);
 }
 
-TEST(AzimuthColumn, RingsAreTakenFromTheElevationsWhereTheOrderIsLost)
+TEST(Rings, AreTakenFromTheElevationsWhereTheOrderIsLost)
 {
   Rings scan = ringAfterRing(24, 360);
   std::vector<std::size_t> order(scan.points.size());
@@ -75,7 +75,7 @@ TEST(AzimuthColumn, RingsAreTakenFromTheElevationsWhereTheOrderIsLost)
 }
 
 /** As in nuScenes, where lasers without a return have points on the sensor. */
-TEST(AzimuthColumn, PointsOnTheSensorDoNotHideTheRings)
+TEST(Rings, AreFoundDespitePointsAtTheSensor)
 {
   const Rings scan = ringAfterRing(24, 360);
   std::vector<Eigen::Vector3f> points;
@@ -103,7 +103,7 @@ TEST(AzimuthColumn, PointsOnTheSensorDoNotHideTheRings)
   }
 }
 
-TEST(AzimuthColumn, NoRingsWithoutReturnsOrOrder)
+TEST(Rings, AreUnknownWithoutReturnsOrOrder)
 {
   EXPECT_TRUE(estimateRings({}).empty());
   EXPECT_TRUE(estimateRings(std::vector<Eigen::Vector3f>(100, Eigen::Vector3f::Zero())).empty());

@@ -3,6 +3,7 @@
 #include <dyslam/core/SharedFiles.h>
 #include <gtest/gtest.h>
 
+#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 
@@ -69,6 +70,25 @@ TEST_F(SharedFiles, AFolderThatIsNotFoundNamesTheVariable)
     EXPECT_NE(std::string(error.what()).find("set DYSLAM_SHARE"), std::string::npos)
         << error.what();
   }
+}
+
+TEST_F(SharedFiles, AVariableThatNamesNoFolderIsAnError)
+{
+  const char* given = std::getenv("DYSLAM_SHARE");
+  const std::string before = given == nullptr ? "" : given;
+  ASSERT_EQ(setenv("DYSLAM_SHARE", "/no/such/folder", 1), 0);
+  try
+  {
+    (void)found("kitti64");
+    ADD_FAILURE() << "found without the folder";
+  }
+  catch (const UserError& error)
+  {
+    EXPECT_NE(std::string(error.what()).find("DYSLAM_SHARE = /no/such/folder: is not a folder"),
+              std::string::npos)
+        << error.what();
+  }
+  (void)(before.empty() ? unsetenv("DYSLAM_SHARE") : setenv("DYSLAM_SHARE", before.c_str(), 1));
 }
 
 TEST_F(SharedFiles, UnknownNameListsTheKnown)

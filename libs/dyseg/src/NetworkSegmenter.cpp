@@ -51,13 +51,26 @@ MotionEstimate motionOf(const RigidFlowFit& fit, const Eigen::Vector3d& sensor)
       1 / (tilt_sigma * tilt_sigma), 1 / (tilt_sigma * tilt_sigma), plane * lever * lever;
   return m;
 }
-}  // namespace
 
-namespace
+float logOdds(float probability)
 {
+  const float p = std::clamp(probability, 1e-3F, 1 - 1e-3F);
+  return std::log(p / (1 - p));
+}
+
+/** Shifts the log-odds such that `threshold` becomes 0.5; a probability of 0 stays. */
+void calibrate(double threshold, std::vector<float>& probability)
+{
+  const float shift = logOdds(static_cast<float>(threshold));
+  for (auto& p : probability)
+  {
+    p = p > 0 ? 1 / (1 + std::exp(shift - logOdds(p))) : p;
+  }
+}
+
 struct EncodedPoints : EncodedCloud
 {
-  std::vector<Eigen::Vector3f> points;  //!< of the vehicle's axes, from the sensor [m]
+  std::vector<Eigen::Vector3f> points;  //!< relative to the sensor, axes of the vehicle frame [m]
   std::shared_ptr<const DysegModel::Encoded> encoded;
 };
 }  // namespace
@@ -101,10 +114,10 @@ struct NetworkSegmenter::Impl
                    const Frame& frame,
                    const Eigen::Vector3d& sensor);
   /** Segments by comparison with the scan `back` scans ago; keeps the flow. */
-  [[nodiscard]] std::vector<float> judge(const DysegModel::Encoded& current,
-                                         const Frame& frame,
-                                         std::size_t back,
-                                         const Eigen::Vector3d& sensor);
+  [[nodiscard]] std::vector<float> compareWith(const DysegModel::Encoded& current,
+                                               const Frame& frame,
+                                               std::size_t back,
+                                               const Eigen::Vector3d& sensor);
 };
 
 NetworkSegmenter::NetworkSegmenter(const NetworkSegmenterOptions& options)
@@ -155,25 +168,6 @@ const SceneFlow* NetworkSegmenter::sceneFlow() const
   return impl_->flow ? &*impl_->flow : nullptr;
 }
 
-namespace
-{
-float logOdds(float probability)
-{
-  const float p = std::clamp(probability, 1e-3F, 1 - 1e-3F);
-  return std::log(p / (1 - p));
-}
-
-/** Moves log-odds such that `threshold` becomes 0.5; 0 stays. */
-void shiftTo(double threshold, std::vector<float>& probability)
-{
-  const float shift = logOdds(static_cast<float>(threshold));
-  for (auto& p : probability)
-  {
-    p = p > 0 ? 1 / (1 + std::exp(shift - logOdds(p))) : p;
-  }
-}
-}  // namespace
-
 void NetworkSegmenter::Impl::followOdometry(const Frame& frame, const Eigen::Vector3d& sensor)
 {
   const Pose to_vehicle = Pose(Eigen::Translation3d(sensor));
@@ -202,10 +196,10 @@ void NetworkSegmenter::Impl::followScans(const DysegModel::Encoded& current,
   }
 }
 
-std::vector<float> NetworkSegmenter::Impl::judge(const DysegModel::Encoded& current,
-                                                 const Frame& frame,
-                                                 std::size_t back,
-                                                 const Eigen::Vector3d& sensor)
+std::vector<float> NetworkSegmenter::Impl::compareWith(const DysegModel::Encoded& current,
+                                                       const Frame& frame,
+                                                       std::size_t back,
+                                                       const Eigen::Vector3d& sensor)
 {
   const Past& earlier = past[back - 1];
   const PlanarPrior guess{earlier.from_current, searchesAroundPrior(frame)
@@ -300,8 +294,8 @@ void NetworkSegmenter::segmentEncoded(Frame& frame,
       }
     }
     const auto back = std::min(s.past.size(), static_cast<std::size_t>(s.options.first_gap));
-    frame.moving_probability = s.judge(encoded, frame, back, sensor);
-    shiftTo(s.options.threshold, frame.moving_probability);
+    frame.moving_probability = s.compareWith(encoded, frame, back, sensor);
+    calibrate(s.options.threshold, frame.moving_probability);
     MovingGroupsOptions groups;
     groups.reach = static_cast<double>(s.model.grid().halfExtent());
     groups.min_points = s.options.min_points;

@@ -77,8 +77,8 @@ void render(const Actor& actor, std::int32_t id, DysegClip& clip)
         ground.heightAt(static_cast<float>(flat.x()), static_cast<float>(flat.y()));
     DysegClip::Object object;
     object.T_sensor_object = poseFromYpr(flat.x(), flat.y(), height, yawPitchRoll(place).x(), 0, 0);
-    object.moving = std::abs(speed) > moving_over;
-    object.doubtful = !object.moving && std::abs(speed) > cast_moving_over;
+    object.moving = std::abs(speed) > min_moving_speed;
+    object.doubtful = !object.moving && std::abs(speed) > min_cast_moving_speed;
     RandomDraws noise(static_cast<std::uint64_t>(id), f);
     const auto hit = castBody(body, object.T_sensor_object, 0.02F, noise, frame.points);
     frame.objects[id] = object;

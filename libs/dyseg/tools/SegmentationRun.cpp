@@ -96,14 +96,14 @@ std::map<std::int32_t, ObjectCounts> count(const Frame& frame,
     const bool predicted = frame.moving_probability[k] > 0.5F;
     if (label[i] == DysegSample::moving_point)
     {
-      (predicted ? counts.hits : counts.misses) += 1;
+      (predicted ? counts.true_positives : counts.false_negatives) += 1;
       ObjectCounts& object = by_object[from.object[i]];
       object.points += 1;
       object.hits += predicted ? 1 : 0;
     }
     else if (label[i] == DysegSample::static_point)
     {
-      counts.alarms += predicted ? 1 : 0;
+      counts.false_positives += predicted ? 1 : 0;
       ++counts.static_points;
     }
   }

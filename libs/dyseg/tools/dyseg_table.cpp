@@ -77,13 +77,9 @@ void printInstances(const SegmentedInstances& network, const SegmentedInstances&
 /** A body of a shape absent from the training data: an arch on two legs. */
 CastBody arch()
 {
-  CastBody body;
-  body.kind = "arch";
-  body.parts.push_back({{0, 1.1F, 0.8F}, {0.25F, 0.2F, 0.8F}, false});
-  body.parts.push_back({{0, -1.1F, 0.8F}, {0.25F, 0.2F, 0.8F}, false});
-  body.parts.push_back({{0, 0, 1.8F}, {0.3F, 1.4F, 0.2F}, false});
-  body.radius = 1.5F;
-  return body;
+  return assembleBody(BodyKind::random, {{{0, 1.1F, 0.8F}, {0.25F, 0.2F, 0.8F}, false},
+                                         {{0, -1.1F, 0.8F}, {0.25F, 0.2F, 0.8F}, false},
+                                         {{0, 0, 1.8F}, {0.3F, 1.4F, 0.2F}, false}});
 }
 
 void checkIdenticalScan(const DysegModel& model, const SegmentationSet& set)
@@ -103,7 +99,8 @@ void checkIdenticalScan(const DysegModel& model, const SegmentationSet& set)
   std::printf(
       "%-22s identical scan, transformed: %.3f %% false positives, ego-motion error "
       "%.3f m, %.4f rad\n",
-      set.name.c_str(), 100.0 * static_cast<double>(sum.alarms) / static_cast<double>(points),
+      set.name.c_str(),
+      100.0 * static_cast<double>(sum.false_positives) / static_cast<double>(points),
       sum.translation_error / static_cast<double>(sum.pairs),
       sum.yaw_error / static_cast<double>(sum.pairs));
 }
@@ -296,13 +293,14 @@ void printScenarios(const Arguments& a)
       }
       evaluated += set.clip.frames.size() - set.first;
     }
-    std::printf(
-        "%-26s %15.0f", scenario.name.c_str(),
-        static_cast<double>(sums[0].hits + sums[0].misses) / static_cast<double>(evaluated));
+    std::printf("%-26s %15.0f", scenario.name.c_str(),
+                static_cast<double>(sums[0].true_positives + sums[0].false_negatives) /
+                    static_cast<double>(evaluated));
     for (const auto& c : sums)
     {
-      std::printf("  recall %.3f FPR %.4f %%", c.recall(),
-                  100 * static_cast<double>(c.alarms) / static_cast<double>(c.static_points));
+      std::printf(
+          "  recall %.3f FPR %.4f %%", c.recall(),
+          100 * static_cast<double>(c.false_positives) / static_cast<double>(c.static_points));
     }
     std::printf("\n");
     std::fflush(stdout);

@@ -4,12 +4,14 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <optional>
 
 namespace dyslam
 {
 namespace
 {
+/** Normalised squared errors of several motions. */
 struct Values
 {
   std::vector<double> all;
@@ -40,14 +42,20 @@ struct Values
   }
 };
 
+/** Index of the pair nearest in time, if it is within the tolerance. */
 std::optional<std::size_t> pairAt(const PosePairs& pairs, double stamp, double tolerance)
 {
-  const auto at = std::lower_bound(pairs.stamps.begin(), pairs.stamps.end(), stamp - tolerance);
-  if (at == pairs.stamps.end() || *at > stamp + tolerance)
+  auto nearest = std::lower_bound(pairs.stamps.begin(), pairs.stamps.end(), stamp);
+  if (nearest != pairs.stamps.begin() &&
+      (nearest == pairs.stamps.end() || stamp - *std::prev(nearest) <= *nearest - stamp))
+  {
+    --nearest;
+  }
+  if (nearest == pairs.stamps.end() || std::abs(*nearest - stamp) > tolerance)
   {
     return std::nullopt;
   }
-  return static_cast<std::size_t>(at - pairs.stamps.begin());
+  return static_cast<std::size_t>(nearest - pairs.stamps.begin());
 }
 
 /** log(T_estimated^-1 T_true) of the motion from one pose to another. */

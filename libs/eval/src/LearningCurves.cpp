@@ -22,15 +22,21 @@ constexpr int panel_height = 360 * supersampling;
 constexpr std::size_t max_unsmoothed_rows = 60;
 constexpr std::size_t windows_per_curve = 50;
 
+constexpr const char* blanks = " \t\r";
+
+/** The fields of a row without the blanks around them; none of a blank line. */
 std::vector<std::string> cellsOf(const std::string& line)
 {
   std::vector<std::string> cells;
-  std::string cell;
-  std::istringstream in(line);
-  while (std::getline(in, cell, ','))
+  if (line.find_first_not_of(blanks) == std::string::npos)
   {
-    const auto first = cell.find_first_not_of(" \t\r");
-    const auto last = cell.find_last_not_of(" \t\r");
+    return cells;
+  }
+  std::istringstream in(line + ",");  // getline() would not give an empty last field
+  for (std::string cell; std::getline(in, cell, ',');)
+  {
+    const auto first = cell.find_first_not_of(blanks);
+    const auto last = cell.find_last_not_of(blanks);
     cells.push_back(first == std::string::npos ? "" : cell.substr(first, last - first + 1));
   }
   return cells;

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <stdexcept>
 #include <unordered_map>
+#include <unordered_set>
 
 namespace dyslam
 {
@@ -123,12 +124,12 @@ MapScores scoreVoxels(const std::vector<Eigen::Vector3f>& reference,
     const auto [entry, is_new] = is_dynamic.try_emplace(cellOf(reference[i], size), dynamic);
     entry->second = entry->second && dynamic;
   }
-  std::unordered_map<Cell, bool, CellHash> estimated;
+  std::unordered_set<Cell, CellHash> estimated;
   for (const auto& p : estimate)
   {
     if (p.allFinite())
     {
-      estimated.try_emplace(cellOf(p, size), true);
+      estimated.insert(cellOf(p, size));
     }
   }
   for (const auto& [cell, dynamic] : is_dynamic)

@@ -106,6 +106,10 @@ View viewOf(const std::vector<const MapPictureContent*>& contents, const MapPict
   for (const MapPictureContent* content : contents)
   {
     include(view, content->path);
+    for (const PictureRun& run : content->runs)
+    {
+      include(view, run.path);
+    }
   }
   const Eigen::Vector2d margin(options.margin, options.margin);
   view.low -= margin;
@@ -296,10 +300,36 @@ void drawScale(const View& view, cv::Mat& page)
   text(page, words, {(left.x + right.x) / 2, right.y - 12 * supersampling}, Anchor::middle);
 }
 
+const char* const ends_text = " (green dot: start, red dot: end)";
+
+/** Entries of the legend. */
+std::vector<Curve> runEntries(const std::vector<PictureRun>& runs)
+{
+  std::vector<Curve> entries;
+  for (const PictureRun& run : runs)
+  {
+    entries.push_back({"path of " + run.name + (entries.empty() ? ends_text : ""),
+                       {},
+                       curveColour(entries.size())});
+  }
+  return entries;
+}
+
+/** A strip below. */
+cv::Mat addLegend(const std::vector<Curve>& entries, int lines, cv::Mat& page)
+{
+  cv::Mat strip = addStrip(page, (lines * 24 + 12) * supersampling, false);
+  drawLegend(strip, {20 * supersampling, 18 * supersampling}, entries);
+  return strip;
+}
+
 void drawLegendOf(const MapPictureContent& content, const View& view, cv::Mat& page)
 {
-  std::vector<Curve> entries{
-      {"path of the sensor (green dot: start, red dot: end)", {}, path_colour}};
+  std::vector<Curve> entries = runEntries(content.runs);
+  if (entries.empty())
+  {
+    entries.push_back({std::string("path of the sensor") + ends_text, {}, path_colour});
+  }
   std::map<std::string, cv::Scalar> kinds;
   for (const auto& object : content.objects)
   {
@@ -314,11 +344,10 @@ void drawLegendOf(const MapPictureContent& content, const View& view, cv::Mat& p
   {
     entries.push_back({"loop", {}, loop_colour});
   }
-  cv::Mat strip =
-      addStrip(page, (static_cast<int>(entries.size() + 1) * 24 + 12) * supersampling, false);
-  drawLegend(strip, {20 * supersampling, 18 * supersampling}, entries);
+  cv::Mat strip = addLegend(entries, static_cast<int>(entries.size()) + 1, page);
   drawScale(view, strip);
 }
+
 void requireValid(const MapPictureOptions& options)
 {
   if (options.pixels <= 0 || !(options.margin > 0) || !(options.min_pixel > 0))
@@ -329,8 +358,10 @@ void requireValid(const MapPictureOptions& options)
 
 bool hasPath(const MapPictureContent& content)
 {
-  return std::any_of(content.path.begin(), content.path.end(),
-                     [](const auto& p) { return p.allFinite(); });
+  const auto isPath = [](const std::vector<Eigen::Vector3d>& path)
+  { return std::any_of(path.begin(), path.end(), [](const auto& p) { return p.allFinite(); }); };
+  return isPath(content.path) || std::any_of(content.runs.begin(), content.runs.end(),
+                                             [&](const auto& run) { return isPath(run.path); });
 }
 
 cv::Mat drawMap(const MapPictureContent& content, const View& view)
@@ -356,7 +387,15 @@ cv::Mat drawMap(const MapPictureContent& content, const View& view)
     drawPath({from, to}, view, page, loop_colour, supersampling);
   }
   drawPath(content.path, view, page, path_colour, 3 * supersampling);
+  for (std::size_t r = 0; r < content.runs.size(); ++r)
+  {
+    drawPath(content.runs[r].path, view, page, curveColour(r), 3 * supersampling);
+  }
   drawEnds(content.path, view, page);
+  for (const PictureRun& run : content.runs)
+  {
+    drawEnds(run.path, view, page);
+  }
   return page;
 }
 
@@ -406,6 +445,11 @@ std::vector<std::uint8_t> renderMapComparison(
   pages.insert(pages.begin() + 1, cv::Mat(border, CV_8UC3, ink));
   cv::Mat both;
   wide ? cv::vconcat(pages, both) : cv::hconcat(pages, both);
+  const auto& runs = first.second.runs.empty() ? second.second.runs : first.second.runs;
+  if (!runs.empty())
+  {
+    (void)addLegend(runEntries(runs), static_cast<int>(runs.size()), both);
+  }
   constexpr int levels = 8;
   return encodePage(both, levels);
 }

@@ -28,6 +28,26 @@ constexpr int curve_pixels = 420 * supersampling;
 const cv::Scalar faint_grey(205, 205, 205);
 const cv::Scalar dark_red(40, 40, 140);
 
+/** A sampled point whose true label is known. */
+struct Sample
+{
+  float confidence;  //!< that it is static
+  bool moving;       //!< by its label
+};
+
+std::vector<Sample> labelledSamples(const MaskScan& scan)
+{
+  std::vector<Sample> samples;
+  for (const auto& point : scan.points)
+  {
+    if (point.confidence >= 0 && point.truth != MaskScan::Truth::unknown)
+    {
+      samples.push_back({point.confidence, point.truth == MaskScan::Truth::moving});
+    }
+  }
+  return samples;
+}
+
 bool parseRow(std::string_view row, std::array<float, 5>& values)
 {
   const char* at = row.data();
@@ -171,19 +191,7 @@ MaskScan parseMaskScan(const std::string& content, const std::string& name)
 
 std::vector<Eigen::Vector2d> rocCurve(const MaskScan& scan)
 {
-  struct Sample
-  {
-    float confidence;
-    bool moving;
-  };
-  std::vector<Sample> samples;
-  for (const auto& point : scan.points)
-  {
-    if (point.confidence >= 0 && point.truth != MaskScan::Truth::unknown)
-    {
-      samples.push_back({point.confidence, point.truth == MaskScan::Truth::moving});
-    }
-  }
+  std::vector<Sample> samples = labelledSamples(scan);
   const auto all_moving = static_cast<double>(
       std::count_if(samples.begin(), samples.end(), [](const Sample& s) { return s.moving; }));
   const double all_static = static_cast<double>(samples.size()) - all_moving;
@@ -212,12 +220,9 @@ double areaUnderCurve(const MaskScan& scan)
 {
   std::vector<float> still;
   std::vector<float> moving;
-  for (const auto& point : scan.points)
+  for (const Sample& sample : labelledSamples(scan))
   {
-    if (point.confidence >= 0 && point.truth != MaskScan::Truth::unknown)
-    {
-      (point.truth == MaskScan::Truth::moving ? moving : still).push_back(point.confidence);
-    }
+    (sample.moving ? moving : still).push_back(sample.confidence);
   }
   return areaUnderCurve(std::move(still), moving);
 }

@@ -23,15 +23,14 @@ Pose motionError(const PosePairs& pairs, std::size_t i, std::size_t j)
   return estimated.inverse() * truth;
 }
 
-/** Whether the reference's positions are so nearly collinear that the orientations determine the
- * rotation about their line better: the spread across is less than a fifth of the spread along,
- * and less than a hundred times the residual error across after alignment with R.
- * \param[out] direction of the line. */
-bool isDegenerateLine(const PosePairs& pairs,
-                      const Eigen::Vector3d& reference_mean,
-                      const Eigen::Vector3d& estimate_mean,
-                      const Eigen::Matrix3d& R,
-                      Eigen::Vector3d& direction)
+/** Direction of the line of the reference's positions, if these are so nearly collinear that the
+ * orientations determine the rotation about it better: the spread across is less than a fifth of
+ * the spread along, and less than a hundred times the residual error across after alignment with R.
+ */
+std::optional<Eigen::Vector3d> degenerateLine(const PosePairs& pairs,
+                                              const Eigen::Vector3d& reference_mean,
+                                              const Eigen::Vector3d& estimate_mean,
+                                              const Eigen::Matrix3d& R)
 {
   constexpr double max_aspect_ratio = 0.2;
   constexpr double min_signal_to_noise = 100;
@@ -46,10 +45,11 @@ bool isDegenerateLine(const PosePairs& pairs,
   }
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(spread);
   const Eigen::Vector3d& squares = solver.eigenvalues();  // in ascending order
-  direction = solver.eigenvectors().col(2);
+  const Eigen::Vector3d direction = solver.eigenvectors().col(2);
   const double error_across = error.trace() - direction.dot(error * direction);
-  return squares[1] < max_aspect_ratio * max_aspect_ratio * squares[2] &&
-         squares[1] < min_signal_to_noise * min_signal_to_noise * error_across;
+  const bool is_degenerate = squares[1] < max_aspect_ratio * max_aspect_ratio * squares[2] &&
+                             squares[1] < min_signal_to_noise * min_signal_to_noise * error_across;
+  return is_degenerate ? std::optional<Eigen::Vector3d>(direction) : std::nullopt;
 }
 
 /** The rotation Q about `axis` that minimises sum |R_r - Q R R_e|^2.
@@ -90,10 +90,8 @@ Eigen::Matrix3d optimalRotation(const PosePairs& pairs,
   Eigen::Matrix3d mirror = Eigen::Matrix3d::Identity();
   mirror(2, 2) = (svd.matrixU() * svd.matrixV().transpose()).determinant() < 0 ? -1 : 1;
   const Eigen::Matrix3d R = svd.matrixU() * mirror * svd.matrixV().transpose();
-  Eigen::Vector3d line;
-  return isDegenerateLine(pairs, reference_mean, estimate_mean, R, line)
-             ? optimalRotationAbout(line, orientations, R) * R
-             : R;
+  const auto line = degenerateLine(pairs, reference_mean, estimate_mean, R);
+  return line ? Eigen::Matrix3d(optimalRotationAbout(*line, orientations, R) * R) : R;
 }
 }  // namespace
 

@@ -18,12 +18,12 @@ constexpr int page_width = 1600 * supersampling;
 constexpr int page_height = 800 * supersampling;
 
 /** Axes of the ground plane. Vehicles and lidars have x forward and z up, cameras z forward. */
-std::pair<int, int> groundAxes(const PosePairs& pairs)
+std::pair<int, int> groundAxes(const std::vector<Pose>& poses)
 {
   Eigen::Vector3d distance = Eigen::Vector3d::Zero();  // along each body axis
-  for (std::size_t i = 0; i + 1 < pairs.size(); ++i)
+  for (std::size_t i = 0; i + 1 < poses.size(); ++i)
   {
-    distance += (pairs.reference[i].inverse() * pairs.reference[i + 1]).translation().cwiseAbs();
+    distance += (poses[i].inverse() * poses[i + 1]).translation().cwiseAbs();
   }
   return distance.z() > distance.head<2>().norm() ? std::pair{0, 2} : std::pair{0, 1};
 }
@@ -76,11 +76,12 @@ Curve stepErrorCurve(const PosePairs& pairs)
   return curve;
 }
 
-void drawTopView(cv::Mat& page,
-                 const std::vector<TrajectoryPlotItem>& items,
-                 const TrajectoryPlotOptions& options)
+/** Reference and aligned estimates in the plane of these axes. */
+std::vector<Curve> alignedCurves(const std::vector<TrajectoryPlotItem>& items,
+                                 Alignment alignment,
+                                 std::pair<int, int> axes)
 {
-  const auto [a, b] = groundAxes(items.front().pairs);
+  const auto [a, b] = axes;
   std::vector<Curve> curves;
   Curve reference;
   reference.name = "reference";
@@ -93,7 +94,7 @@ void drawTopView(cv::Mat& page,
   curves.push_back(reference);
   for (std::size_t i = 0; i < items.size(); ++i)
   {
-    const Pose T = alignEstimate(items[i].pairs, options.alignment);
+    const Pose T = alignEstimate(items[i].pairs, alignment);
     Curve curve;
     curve.name = items[i].name;
     curve.colour = curveColour(i);
@@ -104,6 +105,16 @@ void drawTopView(cv::Mat& page,
     }
     curves.push_back(curve);
   }
+  return curves;
+}
+
+/** Start and end of the first curve are marked. */
+void drawTopView(cv::Mat& page,
+                 cv::Rect area,
+                 const std::vector<Curve>& curves,
+                 const std::string& title,
+                 std::pair<int, int> axes)
+{
   Range x;
   Range y;
   for (const auto& curve : curves)
@@ -114,13 +125,10 @@ void drawTopView(cv::Mat& page,
       y.add(p.y());
     }
   }
-  const cv::Rect area(100 * supersampling, 70 * supersampling, 690 * supersampling,
-                      660 * supersampling);
   equalScales(x, y, static_cast<double>(area.width) / area.height);
   Panel panel(page, area, x, y, 9);
   const char* const axis_names[] = {"x [m]", "y [m]", "z [m]"};
-  panel.drawAxes("From above, aligned: " + toString(options.alignment), axis_names[a],
-                 axis_names[b]);
+  panel.drawAxes(title, axis_names[axes.first], axis_names[axes.second]);
   for (const auto& curve : curves)
   {
     panel.drawCurve(curve);
@@ -189,7 +197,11 @@ std::vector<std::uint8_t> renderTrajectoryPlot(const std::vector<TrajectoryPlotI
   const int legend_height = (static_cast<int>(legend.size()) * 24 + 12) * supersampling;
   cv::Mat page(page_height + legend_height, page_width, CV_8UC3, white);
   text(page, options.title, {page_width / 2, 24 * supersampling}, Anchor::middle, 0.7);
-  drawTopView(page, items, options);
+  const auto axes = groundAxes(items.front().pairs.reference);
+  const cv::Rect left(100 * supersampling, 70 * supersampling, 690 * supersampling,
+                      660 * supersampling);
+  drawTopView(page, left, alignedCurves(items, options.alignment, axes),
+              "From above, aligned: " + toString(options.alignment), axes);
   const cv::Rect upper(900 * supersampling, 70 * supersampling, 660 * supersampling,
                        270 * supersampling);
   drawErrors(page, upper, position_errors, "Position error after alignment");
@@ -197,6 +209,42 @@ std::vector<std::uint8_t> renderTrajectoryPlot(const std::vector<TrajectoryPlotI
   drawErrors(page, lower, step_errors, "Translation error of each step");
   drawLegend(page, {100 * supersampling, page_height}, legend);
 
+  return encodePage(page);
+}
+
+std::vector<std::uint8_t> renderPaths(const std::vector<NamedPath>& paths)
+{
+  if (paths.empty())
+  {
+    throw std::invalid_argument("renderPaths: nothing to draw");
+  }
+  const auto axes = groundAxes(paths.front().poses);
+  std::vector<Curve> curves;
+  for (std::size_t i = 0; i < paths.size(); ++i)
+  {
+    Curve curve;
+    curve.name = paths[i].name + (i == 0 ? " (dot: start, square: end)" : "");
+    curve.colour = curveColour(i);
+    for (const Pose& pose : paths[i].poses)
+    {
+      const Eigen::Vector3d& p = pose.translation();
+      if (p.allFinite())
+      {
+        curve.points.emplace_back(p[axes.first], p[axes.second]);
+      }
+    }
+    if (curve.points.empty())
+    {
+      throw std::invalid_argument("renderPaths: " + paths[i].name + " has no poses");
+    }
+    curves.push_back(curve);
+  }
+  const int legend_height = (static_cast<int>(curves.size()) * 24 + 12) * supersampling;
+  cv::Mat page(page_height + legend_height, page_width, CV_8UC3, white);
+  const cv::Rect area(100 * supersampling, 70 * supersampling, 1460 * supersampling,
+                      660 * supersampling);
+  drawTopView(page, area, curves, "From above, as in the files", axes);
+  drawLegend(page, {100 * supersampling, page_height}, curves);
   return encodePage(page);
 }
 }  // namespace dyslam

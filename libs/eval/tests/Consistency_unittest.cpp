@@ -69,6 +69,16 @@ TEST(Consistency, TwiceTheSigmaScoresAQuarter)
   EXPECT_NEAR(b.keyframes.all.mean, a.keyframes.all.mean / 4, 1e-6);
 }
 
+TEST(Consistency, MotionsGetThePosesNearestInTime)
+{
+  const Drive d = drive(200, 1);
+  const OdometryConsistency narrow = odometryConsistency(d.pairs, d.motions, 1e-3);
+  const OdometryConsistency wide = odometryConsistency(d.pairs, d.motions, 0.15);
+  EXPECT_EQ(wide.steps.all.count, narrow.steps.all.count);
+  EXPECT_EQ(wide.steps.all.mean, narrow.steps.all.mean);
+  EXPECT_EQ(wide.keyframes.all.mean, narrow.keyframes.all.mean);
+}
+
 TEST(Consistency, MotionsWithoutTruthOrCovarianceAreLeftOut)
 {
   Drive d = drive(41, 1);

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <opencv2/imgcodecs.hpp>
 #include <string>
 #include <vector>
@@ -43,6 +44,17 @@ TEST(LearningCurves, WhatCannotBeDrawnIsLeftOut)
     const auto log = parseLearningLog("step,loss\n" + rows, "a.csv");
     EXPECT_EQ(colouredPixels(renderLearningCurves(log)), 0) << rows;
   }
+}
+
+TEST(LearningCurves, CellsWithoutANumberAreNaN)
+{
+  const auto log = parseLearningLog("step,loss,score\r\n1,0.5,\r\n\r\n2,,0.7\r\n", "a.csv");
+  ASSERT_EQ(log.columns.size(), 2U);
+  EXPECT_EQ(log.step, (std::vector<double>{1, 2}));
+  EXPECT_EQ(log.columns[0].value[0], 0.5);
+  EXPECT_TRUE(std::isnan(log.columns[0].value[1]));
+  EXPECT_TRUE(std::isnan(log.columns[1].value[0]));
+  EXPECT_EQ(log.columns[1].value[1], 0.7);
 }
 
 TEST(LearningCurves, DamagedLogsAreRefused)

@@ -5,6 +5,7 @@
 #include <limits>
 #include <opencv2/imgcodecs.hpp>
 #include <stdexcept>
+#include <utility>
 
 namespace dyslam
 {
@@ -115,6 +116,45 @@ TEST(MapPicture, ComparisonShowsThePartAroundThePathsOfBoth)
     EXPECT_GT(shown[0], 150) << "the path is blue";
     EXPECT_LT(shown[2], 60);
     EXPECT_EQ(picture.at<cv::Vec3b>(first ? below : above, 600), cv::Vec3b(255, 255, 255));
+  }
+}
+
+/** Two runs 10 m apart, the second from right to left. */
+TEST(MapPicture, EachRunHasItsColourItsEndsAndALegend)
+{
+  MapPictureContent content;
+  content.runs = {{"monday", {}}, {"tuesday", {}}};
+  for (int i = 0; i <= 20; ++i)
+  {
+    content.runs[0].path.emplace_back(i, 5, 0);
+    content.runs[1].path.emplace_back(20 - i, -5, 0);
+  }
+  const cv::Mat picture = cv::imdecode(renderMapPicture(content, options), cv::IMREAD_COLOR);
+  const cv::Mat both =
+      cv::imdecode(renderMapComparison({"a", content}, {"b", content}, options), cv::IMREAD_COLOR);
+  ASSERT_EQ(800, picture.cols);  // 20 pixels a metre, 30 m high
+  ASSERT_EQ(600 + 3 * 24 + 12, picture.rows);
+  ASSERT_EQ(2 * (36 + 600) + 6 + 2 * 24 + 12, both.rows);
+  for (const bool alone : {true, false})
+  {
+    const cv::Mat& image = alone ? picture : both;
+    const int top = alone ? 0 : 36;
+    const int legend = alone ? 600 : 2 * (36 + 600) + 6;
+    const auto at = [&](int x, int y) { return image.at<cv::Vec3b>(y, x); };
+    const auto distance = [](const cv::Vec3b& a, const cv::Vec3b& b)
+    { return cv::norm(cv::Vec3i(a) - cv::Vec3i(b)); };
+    const cv::Vec3b monday = at(400, top + 200);
+    const cv::Vec3b tuesday = at(400, top + 400);
+    EXPECT_GT(monday[0], monday[2] + 100) << "blue";
+    EXPECT_GT(tuesday[2], tuesday[0] + 100) << "orange";
+    EXPECT_LT(distance(monday, at(30, legend + 18)), 60) << "the sample in the legend";
+    EXPECT_LT(distance(tuesday, at(30, legend + 42)), 60);
+    for (const auto& [start, end] : {std::pair(at(200, top + 200), at(600, top + 200)),
+                                     {at(600, top + 400), at(200, top + 400)}})
+    {
+      EXPECT_GT(start[1], start[2] + 60) << "green";
+      EXPECT_GT(end[2], end[1] + 60) << "red";
+    }
   }
 }
 

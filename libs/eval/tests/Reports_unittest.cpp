@@ -126,6 +126,19 @@ TEST(TrajectoryPlot, IsAPngContainingTheCurvesColour)
   EXPECT_GT(blue, 500U);
 }
 
+TEST(TrajectoryPlot, PathsNeedNoReference)
+{
+  std::vector<Pose> poses = circle(0).reference;
+  poses[3].translation().x() = std::numeric_limits<double>::quiet_NaN();
+  const auto bytes = renderPaths({{"a", poses}, {"b", circle(0.05).estimate}});
+  EXPECT_EQ(bytes, renderPaths({{"a", poses}, {"b", circle(0.05).estimate}}));
+  EXPECT_NE(bytes, renderPaths({{"a", poses}}));
+  EXPECT_EQ(1600, cv::imdecode(bytes, cv::IMREAD_COLOR).cols);
+  EXPECT_FALSE(renderPaths({{"still", {Pose::Identity()}}}).empty());
+  EXPECT_THROW((void)renderPaths({}), std::invalid_argument);
+  EXPECT_THROW((void)renderPaths({{"empty", {}}}), std::invalid_argument);
+}
+
 TEST(TrajectoryPlot, HandlesOnePoseStationaryAndEmptyInput)
 {
   PosePairs one;

@@ -9,7 +9,7 @@
 #include <cstdio>
 #include <filesystem>
 
-#include "ChunkedBag.h"
+#include "BagFormats.h"
 
 namespace dyslam
 {
@@ -88,23 +88,15 @@ class BagSequence : public Bag
   /** \return the topic's position among those of all parts. */
   std::size_t include(const BagTopic& topic)
   {
-    const auto found = std::find_if(topics_.begin(), topics_.end(),
-                                    [&topic](const BagTopic& other)
-                                    {
-                                      return other.name == topic.name && other.type == topic.type &&
-                                             other.encoding == topic.encoding;
-                                    });
+    const auto found =
+        std::find_if(topics_.begin(), topics_.end(),
+                     [&topic](const BagTopic& other) { return isSameTopic(topic, other); });
     if (found == topics_.end())
     {
       topics_.push_back(topic);
       return topics_.size() - 1;
     }
-    if (topic.messages > 0)
-    {
-      found->first = found->messages == 0 ? topic.first : std::min(found->first, topic.first);
-      found->last = found->messages == 0 ? topic.last : std::max(found->last, topic.last);
-    }
-    found->messages += topic.messages;
+    addMessages(MessageSpan{topic.messages, topic.first, topic.last}, *found);
     return static_cast<std::size_t>(found - topics_.begin());
   }
 
@@ -202,9 +194,7 @@ std::string listingOf(Bag& bag)
   const std::vector<RosScanTopic> scans = scanTopics(bag);
   std::vector<std::vector<std::string>> rows{
       {"topic", "type", "messages", "rate [1/s]", "points", "frame"}};
-  double first = 0;
-  double last = 0;
-  bool any = false;
+  MessageSpan whole;
   for (const BagTopic& topic : bag.topics())
   {
     const double span = topic.last - topic.first;
@@ -214,12 +204,7 @@ std::string listingOf(Bag& bag)
                         ? fixed(static_cast<double>(topic.messages - 1) / span, "%.2f")
                         : "-"});
     addScanCells(bag, scans, topic, rows.back());
-    if (topic.messages > 0)
-    {
-      first = any ? std::min(first, topic.first) : topic.first;
-      last = any ? std::max(last, topic.last) : topic.last;
-      any = true;
-    }
+    whole.add(MessageSpan{topic.messages, topic.first, topic.last});
   }
   std::vector<std::size_t> widths(rows.front().size(), 0);
   for (const auto& cells : rows)
@@ -234,7 +219,7 @@ std::string listingOf(Bag& bag)
   {
     text += row(cells, widths);
   }
-  return text + fixed(last - first, "duration %.2f s") +
-         fixed(first, ", from %.3f s since 1970\n") + sensorPosesOf(bag, scans);
+  return text + fixed(whole.last - whole.first, "duration %.2f s") +
+         fixed(whole.first, ", from %.3f s since 1970\n") + sensorPosesOf(bag, scans);
 }
 }  // namespace dyslam

@@ -48,6 +48,13 @@ class ByteReader
   std::uint64_t u64() { return number<std::uint64_t>(); }
   double f64() { return number<double>(); }
 
+  /** Seconds and nanoseconds as uint32 each, ROS's `time` [s]. */
+  double rosTime()
+  {
+    const std::uint32_t seconds = u32();
+    return static_cast<double>(seconds) + 1e-9 * static_cast<double>(u32());
+  }
+
   /** The next `count` bytes; they stay where they are. */
   std::string_view take(std::uint64_t count)
   {

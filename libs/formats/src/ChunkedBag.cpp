@@ -5,6 +5,7 @@
 #include <dyslam/core/Files.h>
 #include <libdeflate.h>
 
+#include <algorithm>
 #include <filesystem>
 
 #include "Decompression.h"
@@ -45,20 +46,14 @@ void ChunkedBag::define(std::uint32_t connection, const BagTopic& topic)
   {
     return;
   }
-  std::size_t at = 0;
-  for (; at < topics_.size(); ++at)
-  {
-    if (topics_[at].name == topic.name && topics_[at].type == topic.type &&
-        topics_[at].encoding == topic.encoding)
-    {
-      break;
-    }
-  }
-  if (at == topics_.size())
+  const auto found =
+      std::find_if(topics_.begin(), topics_.end(),
+                   [&topic](const BagTopic& other) { return isSameTopic(topic, other); });
+  topic_of_[connection] = static_cast<std::size_t>(found - topics_.begin());
+  if (found == topics_.end())
   {
     topics_.push_back(topic);
   }
-  topic_of_[connection] = at;
 }
 
 void ChunkedBag::beginChunk(Chunk chunk)
@@ -66,11 +61,11 @@ void ChunkedBag::beginChunk(Chunk chunk)
   chunks_.push_back(std::move(chunk));
 }
 
-void ChunkedBag::addIndex(std::uint32_t connection, std::size_t messages, double first, double last)
+void ChunkedBag::addIndex(std::uint32_t connection, const MessageSpan& messages)
 {
-  if (!chunks_.empty() && messages > 0)
+  if (!chunks_.empty() && messages.messages > 0)
   {
-    chunks_.back().index[connection] = Span{messages, first, last};
+    chunks_.back().index[connection] = messages;
   }
 }
 
@@ -97,10 +92,7 @@ void ChunkedBag::finishIndex()
   {
     for (const auto& [connection, span] : chunk.index)
     {
-      BagTopic& topic = topics_[topic_of_.at(connection)];
-      topic.first = topic.messages == 0 ? span.first : std::min(topic.first, span.first);
-      topic.last = topic.messages == 0 ? span.last : std::max(topic.last, span.last);
-      topic.messages += span.messages;
+      addMessages(span, topics_[topic_of_.at(connection)]);
     }
   }
   select({});
@@ -118,12 +110,7 @@ void ChunkedBag::countByReading(Chunk& chunk)
     {
       continue;
     }
-    auto [found, added] =
-        chunk.index.try_emplace(record->connection, Span{0, record->stamp, record->stamp});
-    Span& span = found->second;
-    ++span.messages;
-    span.first = std::min(span.first, record->stamp);
-    span.last = std::max(span.last, record->stamp);
+    chunk.index[record->connection].add(record->stamp);
   }
 }
 

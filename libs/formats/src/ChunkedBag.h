@@ -8,6 +8,7 @@
 #include <optional>
 #include <set>
 
+#include "BagFormats.h"
 #include "ByteReader.h"
 
 namespace dyslam
@@ -24,22 +25,15 @@ class ChunkedBag : public Bag
   [[nodiscard]] std::vector<std::string> warnings() const override { return warnings_; }
 
  protected:
-  /** Messages of one connection in a chunk. */
-  struct Span
-  {
-    std::size_t messages = 0;
-    double first = 0;  //!< [s]
-    double last = 0;   //!< [s]
-  };
   /** A stretch of the file that holds messages. */
   struct Chunk
   {
     std::uint64_t offset = 0;  //!< of the data, which may be compressed
     std::uint64_t size = 0;
     std::string compression = "none";
-    std::uint64_t unpacked = 0;           //!< size of the data without compression; 0: unknown
-    std::uint32_t crc = 0;                //!< CRC-32 of the data without compression; 0: unknown
-    std::map<std::uint32_t, Span> index;  //!< of each connection's messages in it
+    std::uint64_t unpacked = 0;  //!< size of the data without compression; 0: unknown
+    std::uint32_t crc = 0;       //!< CRC-32 of the data without compression; 0: unknown
+    std::map<std::uint32_t, MessageSpan> index;  //!< by connection
   };
 
   explicit ChunkedBag(const std::string& path);
@@ -56,9 +50,10 @@ class ChunkedBag : public Bag
   /** Notes the topic of a connection (ROS 1) or channel (mcap); once is enough. */
   void define(std::uint32_t connection, const BagTopic& topic);
   void beginChunk(Chunk chunk);
-  /** The newest chunk has `messages` of a connection, from `first` to `last` [s]. */
-  void addIndex(std::uint32_t connection, std::size_t messages, double first, double last);
-  /** Counts the messages; chunks without an index are read for that. Call it once, at last. */
+  /** Notes the messages of a connection in the newest chunk. */
+  void addIndex(std::uint32_t connection, const MessageSpan& messages);
+  /** Counts the messages; chunks without an index are read for that. Call it once, after all else.
+   */
   void finishIndex();
 
   /** `count` bytes from there. \throws UserError where the file ends before. */
@@ -89,11 +84,4 @@ class ChunkedBag : public Bag
   std::string content_;  //!< of the chunk at hand
   std::optional<ByteReader> reader_;
 };
-
-/** "sensor_msgs/PointCloud2" for ROS 2's "sensor_msgs/msg/PointCloud2". */
-[[nodiscard]] std::string plainRosType(std::string type);
-
-[[nodiscard]] std::unique_ptr<Bag> openRos1Bag(const std::string& path);
-[[nodiscard]] std::unique_ptr<Bag> openMcap(const std::string& path);
-[[nodiscard]] std::unique_ptr<Bag> openSqliteBag(const std::string& path);
 }  // namespace dyslam

@@ -2,9 +2,9 @@
 #include "CloudColumns.h"
 
 #include <dyslam/core/Error.h>
+#include <dyslam/formats/TextFile.h>
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <cstring>
 
@@ -21,39 +21,37 @@ double as(const char* bytes)
   std::memcpy(&value, bytes, sizeof value);
   return static_cast<double>(value);
 }
-
 }  // namespace
 
 double cloudNumber(const char* bytes, CloudNumber type)
 {
   using Kind = CloudNumber::Kind;
-  const bool natural = type.kind == Kind::natural;
+  const bool is_unsigned = type.kind == Kind::unsigned_integer;
   switch (type.size)
   {
     case 1:
-      return natural ? as<std::uint8_t>(bytes) : as<std::int8_t>(bytes);
+      return is_unsigned ? as<std::uint8_t>(bytes) : as<std::int8_t>(bytes);
     case 2:
-      return natural ? as<std::uint16_t>(bytes) : as<std::int16_t>(bytes);
+      return is_unsigned ? as<std::uint16_t>(bytes) : as<std::int16_t>(bytes);
     case 4:
-      return type.kind == Kind::real ? as<float>(bytes)
-             : natural               ? as<std::uint32_t>(bytes)
-                                     : as<std::int32_t>(bytes);
+      return type.kind == Kind::floating ? as<float>(bytes)
+             : is_unsigned               ? as<std::uint32_t>(bytes)
+                                         : as<std::int32_t>(bytes);
     default:
-      return type.kind == Kind::real ? as<double>(bytes)
-             : natural               ? as<std::uint64_t>(bytes)
-                                     : as<std::int64_t>(bytes);
+      return type.kind == Kind::floating ? as<double>(bytes)
+             : is_unsigned               ? as<std::uint64_t>(bytes)
+                                         : as<std::int64_t>(bytes);
   }
 }
 
 double cloudNumber(std::string_view word, const std::string& path)
 {
-  double value = 0;
-  const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
-  if (error == std::errc::invalid_argument || end != word.data() + word.size())
+  const std::optional<double> value = parseNumber<double>(word);
+  if (!value)
   {
     throw UserError(path + ": '" + std::string(word) + "' is not a number");
   }
-  return value;
+  return *value;
 }
 
 template <typename Names>
@@ -70,7 +68,8 @@ void CloudColumns::offer(Role role, const Names& names, const std::string& name,
   {
     roles_[column.field] = none;
   }
-  column = {true, rank, roles_.size() - 1, name, type, false, {}};
+  const bool exact = type.isInteger() || type.size == 8;
+  column = {true, rank, roles_.size() - 1, name, type, exact, {}};
   roles_.back() = role;
 }
 
@@ -100,7 +99,6 @@ void CloudColumns::addBytes(std::size_t field, const char* bytes)
   {
     Column& column = columns_[roles_[field]];
     column.values.push_back(cloudNumber(bytes, column.type));
-    column.exact = column.type.kind != CloudNumber::Kind::real || column.type.size == 8;
   }
 }
 
@@ -141,8 +139,7 @@ void CloudColumns::fillTimes(FieldConventions& conventions, Scan& scan) const
   if (!column.values.empty())
   {
     conventions.fillTimesAndStamp(
-        {column.name, column.type.kind != CloudNumber::Kind::real, !column.exact, column.values},
-        scan);
+        {column.name, column.type.isInteger(), !column.exact, column.values}, scan);
   }
 }
 

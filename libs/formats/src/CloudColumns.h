@@ -13,21 +13,22 @@
 
 namespace dyslam
 {
-/** Type of a number in a cloud file. */
+/** Type of a number in the bytes of a cloud file or message. */
 struct CloudNumber
 {
   enum class Kind
   {
-    natural,
-    whole,
-    real
+    unsigned_integer,
+    signed_integer,
+    floating
   };
-  Kind kind = Kind::real;
+  Kind kind = Kind::floating;
   std::size_t size = 4;  //!< [bytes]
 
+  [[nodiscard]] bool isInteger() const { return kind != Kind::floating; }
   [[nodiscard]] bool valid() const
   {
-    return size == 4 || size == 8 || (kind != Kind::real && (size == 1 || size == 2));
+    return size == 4 || size == 8 || (isInteger() && (size == 1 || size == 2));
   }
 };
 
@@ -88,7 +89,7 @@ class CloudColumns
   std::array<Column, none> columns_;
 };
 
-/** \param bytes little-endian */
+/** \param bytes little-endian \param type a valid one */
 [[nodiscard]] double cloudNumber(const char* bytes, CloudNumber type);
 /** \param path of the file, for messages. \throws UserError if it is not a number. */
 [[nodiscard]] double cloudNumber(std::string_view word, const std::string& path);

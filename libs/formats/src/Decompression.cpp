@@ -10,6 +10,7 @@
 #include <functional>
 #include <limits>
 #include <memory>
+#include <new>
 #include <vector>
 
 namespace dyslam
@@ -17,7 +18,7 @@ namespace dyslam
 namespace
 {
 constexpr std::size_t buffer_size = std::size_t{1} << 18U;
-constexpr std::uint64_t largest = std::uint64_t{1} << 32U;
+constexpr std::uint64_t largest = std::uint64_t{1} << 32U;  //!< where the size is unknown [bytes]
 
 /** What one step of an unpacker did. */
 struct Step
@@ -37,7 +38,10 @@ Unpacker bz2Unpacker()
     delete stream;
   };
   const std::shared_ptr<bz_stream> stream(new bz_stream{}, close);
-  BZ2_bzDecompressInit(stream.get(), 0, 0);
+  if (BZ2_bzDecompressInit(stream.get(), 0, 0) != BZ_OK)
+  {
+    throw std::bad_alloc();
+  }
   return [stream](std::string_view in, std::vector<char>& out)
   {
     const auto part = static_cast<unsigned>(
@@ -59,7 +63,10 @@ Unpacker bz2Unpacker()
 Unpacker lz4Unpacker()
 {
   LZ4F_dctx* context = nullptr;
-  LZ4F_createDecompressionContext(&context, LZ4F_VERSION);
+  if (LZ4F_isError(LZ4F_createDecompressionContext(&context, LZ4F_VERSION)) != 0)
+  {
+    throw std::bad_alloc();
+  }
   const std::shared_ptr<LZ4F_dctx> owned(context, LZ4F_freeDecompressionContext);
   return [owned](std::string_view in, std::vector<char>& out)
   {
@@ -76,6 +83,10 @@ Unpacker lz4Unpacker()
 Unpacker zstdUnpacker()
 {
   const std::shared_ptr<ZSTD_DCtx> context(ZSTD_createDCtx(), ZSTD_freeDCtx);
+  if (!context)
+  {
+    throw std::bad_alloc();
+  }
   return [context](std::string_view in, std::vector<char>& out)
   {
     ZSTD_inBuffer from{in.data(), in.size(), 0};

@@ -40,7 +40,7 @@ struct TimeRange
   }
 };
 
-/** Unit of times that differ by `span` within a scan; 0: they last no scan in any. */
+/** Unit [s] in which a scan whose times differ by `span` lasts 5 ms to 2 s; 0 if there is none. */
 double unitOfSpan(double span)
 {
   for (const double unit : {1.0, 1e-3, 1e-6, 1e-9})
@@ -73,6 +73,22 @@ void appendTimes(
                                 : static_cast<float>(value * unit - zero));
   }
 }
+/** The last ring of a lidar of which `last` is the highest ring with a return so far: of those with
+ * a usual number of rings, if only a few are missing, as those that meet the sky or nothing within
+ * range. */
+std::uint16_t lastRingOf(std::uint16_t last)
+{
+  constexpr int part = 16;  // one in 16 rings may be missing
+  const int seen = last + 1;
+  for (const int rings : {16, 32, 40, 64, 80, 128})
+  {
+    if (seen <= rings && rings - seen <= rings / part)
+    {
+      return static_cast<std::uint16_t>(rings - 1);
+    }
+  }
+  return last;
+}
 }  // namespace
 
 double unitOfDate(double time)
@@ -99,7 +115,7 @@ const std::string& FieldConventions::intensityField(const std::string& usual,
 /** Times since 1970 have the unit that makes a date of them, unless the scan then lasts too long:
  * the clock may count from the start of the lidar in a finer unit. All others have the unit in
  * which a scan lasts 5 ms to 2 s. */
-FieldConventions::TimeScale FieldConventions::scaleOf(double first, double last, bool whole)
+FieldConventions::TimeScale FieldConventions::scaleOf(double first, double last, bool is_integer)
 {
   constexpr double earliest_date = 9e8;    // [s since 1970], in 1998
   constexpr double latest_date = 4.1e9;    // [s since 1970], in 2099
@@ -112,7 +128,7 @@ FieldConventions::TimeScale FieldConventions::scaleOf(double first, double last,
     return {date_unit, true, true};
   }
   const double span_unit = unitOfSpan(span);
-  const double unit = span_unit != 0 ? span_unit : whole ? 1e-9 : 1.0;
+  const double unit = span_unit != 0 ? span_unit : is_integer ? 1e-9 : 1.0;
   return {unit, std::abs(first) * unit > largest_relative, span_unit != 0};
 }
 
@@ -132,14 +148,14 @@ void FieldConventions::learnTimes(const TimeField& field)
     return;
   }
   // A float32 resolves one part in 2^24.
-  if (field.coarse &&
+  if (field.is_float32 &&
       std::max(std::abs(range.first), std::abs(range.last)) > (range.last - range.first) * 1e5)
   {
     times_unusable_ = true;
     warn("field " + field.name + " is too coarse for the times of points (absolute, as float32)");
     return;
   }
-  const TimeScale scale = scaleOf(range.first, range.last, field.whole);
+  const TimeScale scale = scaleOf(range.first, range.last, field.is_integer);
   setTimes(field.name, scale.unit, scale.absolute);
   if (!scale.certain)
   {
@@ -201,8 +217,8 @@ void FieldConventions::fillTimesAndStamp(const TimeField& field, Scan& scan)
 {
   learnTimes(field);
   const TimeRange range(field.values);
-  const TimeScale scale = scale_.value_or(scaleOf(range.first, range.last, field.whole));
-  const bool unusable = times_unusable_ || (!scale_ && scale.absolute && field.coarse);
+  const TimeScale scale = scale_.value_or(scaleOf(range.first, range.last, field.is_integer));
+  const bool unusable = times_unusable_ || (!scale_ && scale.absolute && field.is_float32);
   if (unusable || (scale.absolute && range.first == 0))
   {
     return;
@@ -232,7 +248,7 @@ void FieldConventions::restamp(Scan& scan, double stamp)
   scan.stamp = stamp;
 }
 
-void FieldConventions::orderRings(const std::string& source, Scan& scan)
+void FieldConventions::orderRings(const std::string& source, Scan& scan, bool has_all)
 {
   constexpr double least_returns = 16;  // fewer may be in any order by chance
   if (ring_order_ == Order::unknown)
@@ -252,10 +268,14 @@ void FieldConventions::orderRings(const std::string& source, Scan& scan)
     {
       return;
     }
-    const double covariance = sum_re - sum_r * sum_e / n;
-    const double spread = std::sqrt((sum_rr - sum_r * sum_r / n) * (sum_ee - sum_e * sum_e / n));
-    constexpr double clear = 0.5;  // a Livox's lines have no order by height
-    ring_order_ = covariance < -clear * spread ? Order::from_highest : Order::from_lowest;
+    // Reversed if ring and elevation have a correlation below -0.5; a Livox's lines have none.
+    constexpr double min_correlation = 0.5;
+    const double covariance = sum_re - sum_r * sum_e / n;  // both times n, which cancels out
+    const double deviations =
+        std::sqrt((sum_rr - sum_r * sum_r / n) * (sum_ee - sum_e * sum_e / n));
+    ring_order_ =
+        covariance < -min_correlation * deviations ? Order::from_highest : Order::from_lowest;
+    last_ring_ = has_all ? last_ring_ : lastRingOf(last_ring_);
     note("ring: " + source +
          (ring_order_ == Order::from_highest ? ", reversed: 0 is the lowest" : ""));
   }

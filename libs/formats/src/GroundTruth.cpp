@@ -169,19 +169,15 @@ std::vector<LabelledBox> readTracks(const std::string& path)
 
 std::string trackLine(const LabelledBox& box)
 {
-  std::string type = box.type.empty() ? toString(box.object_class) : box.type;
-  // One word: blanks separate the fields.
-  std::replace_if(
-      type.begin(), type.end(), [](unsigned char c) { return c <= ' ' || c == ',' || c == 0x7F; },
-      '_');
-  std::string text = std::to_string(box.frame) + ' ' + std::to_string(box.id) + ' ' + type + ' ' +
-                     std::to_string(box.truncated) + ' ' + std::to_string(box.occluded);
+  std::string text = std::to_string(box.frame) + ' ' + std::to_string(box.id) + ' ' +
+                     typeWord(box) + ' ' + std::to_string(box.truncated) + ' ' +
+                     std::to_string(box.occluded);
   const auto append = [&text](double value)
   {
     text += ' ';
     appendNumber(text, value, 9);
   };
-  append(-10);  // alpha, an angle of the camera's: unknown
+  append(-10);  // alpha, the observation angle in the camera image: unknown
   for (int i = 0; i < 4; ++i)
   {
     append(box.image_box[i]);

@@ -12,6 +12,7 @@
 #include <limits>
 #include <map>
 
+#include "RotationCheck.h"
 #include "TrackLines.h"
 
 namespace dyslam
@@ -75,22 +76,27 @@ const std::vector<double>& require(const CalibEntries& entries,
   return *values;
 }
 
-Pose poseFrom34(const std::vector<double>& values)
+/** The pose whose upper 3 rows of `columns` numbers each are the entry, row by row: 4 for a
+ * transformation, 3 for a rotation alone.
+ * \throws UserError if the file has none of the keys, or its matrix is not a rotation. */
+Pose requirePose(const CalibEntries& entries,
+                 std::initializer_list<const char*> keys,
+                 std::size_t columns,
+                 const std::string& path)
 {
+  const std::vector<double>& values = require(entries, keys, 3 * columns, path);
   Pose pose = Pose::Identity();
-  for (std::size_t i = 0; i < 12; ++i)
+  for (std::size_t i = 0; i < values.size(); ++i)
   {
-    pose.matrix()(static_cast<int>(i / 4), static_cast<int>(i % 4)) = values[i];
+    pose.matrix()(static_cast<int>(i / columns), static_cast<int>(i % columns)) = values[i];
   }
-  return orthonormalized(pose);
-}
-
-Pose rotationFrom33(const std::vector<double>& values)
-{
-  Pose pose = Pose::Identity();
-  for (std::size_t i = 0; i < 9; ++i)
+  if (!isRotation(pose.linear()))
   {
-    pose.matrix()(static_cast<int>(i / 3), static_cast<int>(i % 3)) = values[i];
+    const auto* const key = std::find_if(keys.begin(), keys.end(),
+                                         [&](const char* one) { return entries.count(one) > 0; });
+    throw UserError(path + ": the matrix of " + *key +
+                    " is not a rotation: its rows must be unit vectors at right angles, with a "
+                    "determinant of 1");
   }
   return orthonormalized(pose);
 }
@@ -98,7 +104,7 @@ Pose rotationFrom33(const std::vector<double>& values)
 Pose poseFromRT(const std::string& path)
 {
   const auto entries = readEntries(path);
-  Pose pose = rotationFrom33(require(entries, {"R"}, 9, path));
+  Pose pose = requirePose(entries, {"R"}, 3, path);
   const auto& t = require(entries, {"T"}, 3, path);
   pose.translation() = Eigen::Vector3d(t[0], t[1], t[2]);
   return pose;
@@ -122,8 +128,7 @@ KittiCalib readRawFolder(const fs::path& folder)
   if (calib.has_camera)
   {
     const auto entries = readEntries(camera);
-    calib.T_cam_velo =
-        rotationFrom33(require(entries, {"R_rect_00"}, 9, camera)) * poseFromRT(lidar);
+    calib.T_cam_velo = requirePose(entries, {"R_rect_00"}, 3, camera) * poseFromRT(lidar);
     if (const auto* P2 = find(entries, {"P_rect_02"}, 12, camera))
     {
       setP2(*P2, calib);
@@ -141,7 +146,8 @@ OxtsReading oxtsFrom(const TextFile& file)
 {
   if (file.fields().size() < 25)
   {
-    file.fail("has " + std::to_string(file.fields().size()) + " numbers; oxts data have 30");
+    file.fail("has " + std::to_string(file.fields().size()) +
+              " numbers; oxts data have 30, of which the first 25 are needed");
   }
   OxtsReading r;
   r.latitude = file.number(0);
@@ -165,16 +171,6 @@ OxtsReading oxtsFrom(const TextFile& file)
   }
   return r;
 }
-
-/** Columns `first` to `first` + 5: height width length x y z. */
-CameraBox cameraBoxFrom(const TextFile& file, std::size_t first, double ry)
-{
-  return {{file.number(first + 3), file.number(first + 4), file.number(first + 5)},
-          file.number(first),
-          file.number(first + 1),
-          file.number(first + 2),
-          ry};
-}
 }  // namespace
 
 KittiCalib readKittiCalib(const std::string& file_or_folder)
@@ -193,19 +189,19 @@ KittiCalib readKittiCalib(const std::string& file_or_folder)
   }
   const auto entries = readEntries(path);
   KittiCalib calib;
-  if (const auto* Tr = find(entries, {"Tr"}, 12, path))
+  if (entries.count("Tr") > 0)
   {
-    calib.T_cam_velo = poseFrom34(*Tr);
+    calib.T_cam_velo = requirePose(entries, {"Tr"}, 4, path);
   }
   else
   {
-    const auto& rectification = require(entries, {"R_rect", "R0_rect"}, 9, path);
-    const auto& mounting = require(entries, {"Tr_velo_cam", "Tr_velo_to_cam"}, 12, path);
-    calib.T_cam_velo = rotationFrom33(rectification) * poseFrom34(mounting);
+    const Pose rectification = requirePose(entries, {"R_rect", "R0_rect"}, 3, path);
+    calib.T_cam_velo =
+        rectification * requirePose(entries, {"Tr_velo_cam", "Tr_velo_to_cam"}, 4, path);
   }
-  if (const auto* imu = find(entries, {"Tr_imu_velo", "Tr_imu_to_velo"}, 12, path))
+  if (entries.count("Tr_imu_velo") + entries.count("Tr_imu_to_velo") > 0)
   {
-    calib.T_velo_imu = poseFrom34(*imu);
+    calib.T_velo_imu = requirePose(entries, {"Tr_imu_velo", "Tr_imu_to_velo"}, 4, path);
     calib.has_imu = true;
   }
   if (const auto* P2 = find(entries, {"P2"}, 12, path))
@@ -382,7 +378,7 @@ std::vector<LabelledBox> readKittiTracking(const std::string& path,
     if (keep_dont_care || box.type != "DontCare")
     {
       box.id = file.integerPart(1);
-      box.box = toLidar(cameraBoxFrom(file, 10, file.number(16)), T_cam_velo);
+      box.box = toLidar(cameraBoxFrom(file, 10), T_cam_velo);
       boxes.push_back(box);
     }
   }
@@ -409,7 +405,7 @@ std::vector<LabelledBox> readDetectionsCsv(const std::string& path, const Pose& 
     box.type = toString(box.object_class);
     box.image_box = {file.number(2), file.number(3), file.number(4), file.number(5)};
     box.score = file.number(6);
-    box.box = toLidar(cameraBoxFrom(file, 7, file.number(13)), T_cam_velo);
+    box.box = toLidar(cameraBoxFrom(file, 7), T_cam_velo);
     boxes.push_back(box);
   }
   return boxes;

@@ -61,12 +61,7 @@ LabelledBox readWithoutId(const TextFile& file, const Pose& T_cam_velo)
   box.type = std::string(file.fields()[1]);
   box.object_class = objectClassFromString(box.type);
   box.image_box = {file.number(5), file.number(6), file.number(7), file.number(8)};
-  box.box = toLidar({{file.number(12), file.number(13), file.number(14)},
-                     file.number(9),
-                     file.number(10),
-                     file.number(11),
-                     file.number(15)},
-                    T_cam_velo);
+  box.box = toLidar(cameraBoxFrom(file, 9), T_cam_velo);
   box.score = file.number(16);
   return box;
 }
@@ -95,7 +90,6 @@ std::vector<LabelledBox> readDetections(const std::string& path, const Pose& T_c
   {
     return {};
   }
-  std::vector<LabelledBox> boxes;
   switch (layoutOf(file))
   {
     case Layout::csv:
@@ -104,17 +98,16 @@ std::vector<LabelledBox> readDetections(const std::string& path, const Pose& T_c
       do
       {
         file.requireFields(18, "KITTI's tracking columns with a score");
-        (void)file.number(17);
       } while (file.next());
-      boxes = readKittiTracking(path, T_cam_velo);
-      break;
+      return readKittiTracking(path, T_cam_velo);
     case Layout::without_id:
-      do
-      {
-        boxes.push_back(readWithoutId(file, T_cam_velo));
-      } while (file.next());
       break;
   }
+  std::vector<LabelledBox> boxes;
+  do
+  {
+    boxes.push_back(readWithoutId(file, T_cam_velo));
+  } while (file.next());
   boxes.erase(std::remove_if(boxes.begin(), boxes.end(),
                              [](const LabelledBox& box) { return box.type == "DontCare"; }),
               boxes.end());
@@ -131,8 +124,7 @@ void writeKittiTracks(const std::string& path,
   {
     const CameraBox camera = toCamera(box.box, T_cam_velo);
     const double alpha = wrapAngle(camera.ry - std::atan2(camera.bottom.x(), camera.bottom.z()));
-    text += std::to_string(box.frame) + ' ' + std::to_string(box.id) + ' ' +
-            (box.type.empty() ? toString(box.object_class) : box.type) + ' ' +
+    text += std::to_string(box.frame) + ' ' + std::to_string(box.id) + ' ' + typeWord(box) + ' ' +
             std::to_string(box.truncated) + ' ' + std::to_string(box.occluded);
     for (const double value :
          {alpha, box.image_box[0], box.image_box[1], box.image_box[2], box.image_box[3],

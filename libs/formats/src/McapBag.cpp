@@ -19,12 +19,6 @@ enum McapOp : std::uint8_t
   message_index = 0x07,
 };
 
-double seconds(std::uint64_t nanoseconds)
-{
-  return static_cast<double>(nanoseconds / 1000000000U) +
-         1e-9 * static_cast<double>(nanoseconds % 1000000000U);
-}
-
 class McapBag : public ChunkedBag
 {
  public:
@@ -75,7 +69,7 @@ class McapBag : public ChunkedBag
     Record record;
     record.connection = reader.u16();
     (void)reader.u32();  // sequence
-    record.stamp = seconds(reader.u64());
+    record.stamp = secondsOfNanoseconds(reader.u64());
     (void)reader.u64();  // published
     record.data = reader.take(reader.left());
     return record;
@@ -145,17 +139,13 @@ class McapBag : public ChunkedBag
     ByteReader reader(content, where);
     const std::uint32_t connection = reader.u16();
     ByteReader entries(reader.block(), where);
-    std::size_t count = 0;
-    double first = 0;
-    double last = 0;
-    for (; entries.left() > 0; ++count)
+    MessageSpan span;
+    while (entries.left() > 0)
     {
-      const double time = seconds(entries.u64());
+      span.add(secondsOfNanoseconds(entries.u64()));
       (void)entries.u64();  // offset in the chunk
-      first = count == 0 ? time : std::min(first, time);
-      last = count == 0 ? time : std::max(last, time);
     }
-    addIndex(connection, count, first, last);
+    addIndex(connection, span);
   }
 
   void defineBy(std::uint8_t op, std::string_view content, const std::string& where)

@@ -126,9 +126,9 @@ std::vector<Field> fieldsOf(const PcdHeader& header, const std::string& path)
   {
     Field field;
     field.name = header.names[i];
-    field.type.kind = header.types[i] == "F"   ? CloudNumber::Kind::real
-                      : header.types[i] == "I" ? CloudNumber::Kind::whole
-                                               : CloudNumber::Kind::natural;
+    field.type.kind = header.types[i] == "F"   ? CloudNumber::Kind::floating
+                      : header.types[i] == "I" ? CloudNumber::Kind::signed_integer
+                                               : CloudNumber::Kind::unsigned_integer;
     field.type.size = static_cast<std::size_t>(numberIn(header.sizes[i], path));
     if (!field.type.valid() ||
         (header.types[i] != "F" && header.types[i] != "I" && header.types[i] != "U"))

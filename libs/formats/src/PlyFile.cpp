@@ -45,22 +45,22 @@ CloudNumber typeOf(std::string_view word, const std::string& path)
     const char* text;
     CloudNumber type;
   };
-  static constexpr std::array<Name, 16> names{{{"char", {Kind::whole, 1}},
-                                               {"int8", {Kind::whole, 1}},
-                                               {"uchar", {Kind::natural, 1}},
-                                               {"uint8", {Kind::natural, 1}},
-                                               {"short", {Kind::whole, 2}},
-                                               {"int16", {Kind::whole, 2}},
-                                               {"ushort", {Kind::natural, 2}},
-                                               {"uint16", {Kind::natural, 2}},
-                                               {"int", {Kind::whole, 4}},
-                                               {"int32", {Kind::whole, 4}},
-                                               {"uint", {Kind::natural, 4}},
-                                               {"uint32", {Kind::natural, 4}},
-                                               {"float", {Kind::real, 4}},
-                                               {"float32", {Kind::real, 4}},
-                                               {"double", {Kind::real, 8}},
-                                               {"float64", {Kind::real, 8}}}};
+  static constexpr std::array<Name, 16> names{{{"char", {Kind::signed_integer, 1}},
+                                               {"int8", {Kind::signed_integer, 1}},
+                                               {"uchar", {Kind::unsigned_integer, 1}},
+                                               {"uint8", {Kind::unsigned_integer, 1}},
+                                               {"short", {Kind::signed_integer, 2}},
+                                               {"int16", {Kind::signed_integer, 2}},
+                                               {"ushort", {Kind::unsigned_integer, 2}},
+                                               {"uint16", {Kind::unsigned_integer, 2}},
+                                               {"int", {Kind::signed_integer, 4}},
+                                               {"int32", {Kind::signed_integer, 4}},
+                                               {"uint", {Kind::unsigned_integer, 4}},
+                                               {"uint32", {Kind::unsigned_integer, 4}},
+                                               {"float", {Kind::floating, 4}},
+                                               {"float32", {Kind::floating, 4}},
+                                               {"double", {Kind::floating, 8}},
+                                               {"float64", {Kind::floating, 8}}}};
   for (const Name& name : names)
   {
     if (word == name.text)

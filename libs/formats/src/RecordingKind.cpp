@@ -25,15 +25,39 @@ bool isKittiFolder(const fs::path& folder)
   return fs::is_directory(folder / "velodyne") || fs::is_directory(folder / "velodyne_points");
 }
 
-/** Argument of kitti2rawlog's --kind, by what lies beside the scans. */
-std::string kittiKind(const fs::path& folder)
+/** By the official layouts, then by what lies beside the scans. */
+RecordingKind kittiKind(const fs::path& folder)
 {
-  if (fs::is_directory(folder / "velodyne_points") || fs::exists(folder / "oxts.txt"))
+  if (fs::is_directory(folder / "velodyne_points"))
   {
-    return "raw";
+    return RecordingKind::kitti_raw;
   }
-  return fs::is_directory(folder / "label_02") || fs::is_directory(folder / "oxts") ? "tracking"
-                                                                                    : "odometry";
+  if (!hasFile(folder / "velodyne", isCloudFile) &&
+      hasFile(folder / "velodyne", [](const std::string& path) { return fs::is_directory(path); }))
+  {
+    return RecordingKind::kitti_tracking;  // a folder for each sequence
+  }
+  const fs::path path = fs::absolute(folder / "").lexically_normal().parent_path();
+  if (path.parent_path().filename() == "sequences")
+  {
+    return RecordingKind::kitti_odometry;
+  }
+  if (fs::exists(folder / "oxts.txt"))
+  {
+    return RecordingKind::kitti_raw;
+  }
+  return fs::is_directory(folder / "label_02") || fs::is_directory(folder / "oxts")
+             ? RecordingKind::kitti_tracking
+             : RecordingKind::kitti_odometry;
+}
+
+/** Argument of kitti2rawlog's --kind; empty for a recording that is no KITTI folder. */
+std::string kittiWord(RecordingKind kind)
+{
+  return kind == RecordingKind::kitti_odometry   ? "odometry"
+         : kind == RecordingKind::kitti_raw      ? "raw"
+         : kind == RecordingKind::kitti_tracking ? "tracking"
+                                                 : "";
 }
 
 std::string firstMake(const std::string& program, const std::string& path)
@@ -63,31 +87,44 @@ bool isBag(const std::string& path)
                                 : isBagFile(path);
 }
 
-std::string conversionAdvice(const std::string& path)
+RecordingKind recordingKind(const std::string& path)
 {
   if (isBag(path))
   {
-    return "is a ROS bag" + firstMake("scans2rawlog", path);
+    return RecordingKind::bag;
+  }
+  if (fs::is_directory(path))
+  {
+    return isKittiFolder(path)          ? kittiKind(path)
+           : hasFile(path, isCloudFile) ? RecordingKind::scans
+                                        : RecordingKind::unknown;
   }
   const std::string ending = lowerExtension(path);
-  if (ending == ".pcap" || ending == ".pcapng")
+  return ending == ".pcap" || ending == ".pcapng" ? RecordingKind::capture : RecordingKind::unknown;
+}
+
+std::string conversionAdvice(const std::string& path)
+{
+  const RecordingKind kind = recordingKind(path);
+  switch (kind)
   {
-    return "is a network capture" + firstMake("scans2rawlog", path);
+    case RecordingKind::bag:
+      return "is a ROS bag" + firstMake("scans2rawlog", path);
+    case RecordingKind::capture:
+      return "is a network capture" + firstMake("scans2rawlog", path);
+    case RecordingKind::scans:
+      return "is a folder of scans" + firstMake("scans2rawlog", path);
+    case RecordingKind::kitti_odometry:
+    case RecordingKind::kitti_raw:
+    case RecordingKind::kitti_tracking:
+      return "is a KITTI recording" + firstMake("kitti2rawlog --kind " + kittiWord(kind), path) +
+             " (--kind is raw, odometry or tracking)";
+    case RecordingKind::unknown:
+      break;
   }
-  if (!fs::is_directory(path))
-  {
-    return "";
-  }
-  if (isKittiFolder(path))
-  {
-    return "is a KITTI recording" + firstMake("kitti2rawlog --kind " + kittiKind(path), path) +
-           " (--kind is raw, odometry or tracking)";
-  }
-  if (hasFile(path, isCloudFile))
-  {
-    return "is a folder of scans" + firstMake("scans2rawlog", path);
-  }
-  return "is a folder, a file is needed: kitti2rawlog makes a rawlog of a KITTI recording, "
-         "scans2rawlog of a folder of scans";
+  return fs::is_directory(path)
+             ? "is a folder, a file is needed: kitti2rawlog makes a rawlog of a KITTI recording, "
+               "scans2rawlog of a folder of scans"
+             : "";
 }
 }  // namespace dyslam

@@ -43,8 +43,7 @@ class Fields
   [[nodiscard]] double time(const char* name) const
   {
     ByteReader value(text(name), reader_.place() + ", field " + name);
-    const auto seconds = value.u32();
-    return static_cast<double>(seconds) + 1e-9 * static_cast<double>(value.u32());
+    return value.rosTime();
   }
   [[nodiscard]] std::string_view text(const char* name) const
   {
@@ -182,18 +181,14 @@ class Ros1Bag : public ChunkedBag
     {
       throw UserError(where + ": damaged: the index announces another count than it has");
     }
-    double first = 0;
-    double last = 0;
+    MessageSpan span;
     ByteReader reader(data, where);
     for (std::size_t i = 0; i < count; ++i)
     {
-      const auto seconds = reader.u32();
-      const double time = static_cast<double>(seconds) + 1e-9 * static_cast<double>(reader.u32());
-      (void)reader.u32();
-      first = i == 0 ? time : std::min(first, time);
-      last = i == 0 ? time : std::max(last, time);
+      span.add(reader.rosTime());
+      (void)reader.u32();  // offset in the chunk
     }
-    addIndex(fields.number<std::uint32_t>("conn"), count, first, last);
+    addIndex(fields.number<std::uint32_t>("conn"), span);
   }
 
   void defineBy(const Fields& fields, std::string_view data, const std::string& where)

@@ -3,30 +3,37 @@
 
 #include <dyslam/formats/RosMessages.h>
 
+#include <array>
+#include <optional>
+
+#include "CloudColumns.h"
 #include "RosReader.h"
 
 namespace dyslam
 {
+/** A sensor_msgs/PointField. */
 struct PointField
 {
   std::string name;
-  std::uint32_t offset = 0;
-  std::uint8_t type = 0;  //!< 1 int8, 2 uint8, 3 int16, ... 7 float32, 8 float64
-
-  [[nodiscard]] std::size_t size() const
-  {
-    constexpr std::array<std::size_t, 9> sizes{0, 1, 1, 2, 2, 4, 4, 4, 8};
-    return type < sizes.size() ? sizes[type] : 0;
-  }
-  [[nodiscard]] bool isWhole() const { return type < 7; }
+  std::uint32_t offset = 0;         //!< in a point [bytes]
+  std::optional<CloudNumber> type;  //!< nothing: not one of sensor_msgs/PointField
 };
 
-template <typename T>
-[[nodiscard]] double numberAt(const char* at)
+/** The type that `PointField::datatype` stands for: 1 int8, 2 uint8, 3 int16, ... 7 float32,
+ * 8 float64. */
+[[nodiscard]] inline std::optional<CloudNumber> rosPointType(std::uint8_t datatype)
 {
-  T value;
-  std::memcpy(&value, at, sizeof value);
-  return static_cast<double>(value);
+  using Kind = CloudNumber::Kind;
+  constexpr std::array<CloudNumber, 8> types{{{Kind::signed_integer, 1},
+                                              {Kind::unsigned_integer, 1},
+                                              {Kind::signed_integer, 2},
+                                              {Kind::unsigned_integer, 2},
+                                              {Kind::signed_integer, 4},
+                                              {Kind::unsigned_integer, 4},
+                                              {Kind::floating, 4},
+                                              {Kind::floating, 8}}};
+  return datatype >= 1 && datatype <= types.size() ? std::optional(types[datatype - 1U])
+                                                   : std::nullopt;
 }
 
 /** A sensor_msgs/PointCloud2, its points as views into the message. */
@@ -51,7 +58,7 @@ struct RosScanDecoder::Cloud2
     {
       for (const PointField& field : fields)
       {
-        if (field.name == name && field.size() > 0)
+        if (field.name == name && field.type)
         {
           return &field;
         }
@@ -64,32 +71,15 @@ struct RosScanDecoder::Cloud2
     return findAny(std::array<std::string, 1>{name});
   }
 
+  /** \pre the field has a type */
   [[nodiscard]] double value(const PointField& field, std::size_t point) const
   {
     const char* at =
         data.data() + point / width * row_step + point % width * point_step + field.offset;
-    switch (field.type)
-    {
-      case 1:
-        return numberAt<std::int8_t>(at);
-      case 2:
-        return numberAt<std::uint8_t>(at);
-      case 3:
-        return numberAt<std::int16_t>(at);
-      case 4:
-        return numberAt<std::uint16_t>(at);
-      case 5:
-        return numberAt<std::int32_t>(at);
-      case 6:
-        return numberAt<std::uint32_t>(at);
-      case 7:
-        return numberAt<float>(at);
-      default:
-        return numberAt<double>(at);
-    }
+    return cloudNumber(at, *field.type);
   }
 
-  /** Of every point. */
+  /** The field's value of every point. */
   [[nodiscard]] std::vector<double> values(const PointField& field) const
   {
     std::vector<double> all(size());

@@ -52,14 +52,15 @@ void RosScanDecoder::fillTimes(const Cloud2& cloud, Scan& scan)
   {
     return;
   }
-  constexpr std::uint8_t float32 = 7;
+  const bool is_integer = field->type->isInteger();
   conventions_.fillTimes(
-      {field->name, field->isWhole(), field->type == float32, cloud.values(*field)}, scan);
+      {field->name, is_integer, !is_integer && field->type->size == 4, cloud.values(*field)}, scan);
 }
 
+/** The ring of a point is the value of its field or, in an organised cloud, its row. */
 void RosScanDecoder::fillRings(const Cloud2& cloud, Scan& scan)
 {
-  constexpr std::uint32_t most_rows = 256;
+  constexpr std::uint32_t most_rows = 256;  // more are a depth image's
   const PointField* field = ringField(cloud);
   const bool rows = cloud.height > 1 && cloud.height <= most_rows && cloud.width > cloud.height;
   if ((field == nullptr && !rows) || scan.points.empty())
@@ -73,6 +74,7 @@ void RosScanDecoder::fillRings(const Cloud2& cloud, Scan& scan)
         field != nullptr ? cloud.value(*field, i) : static_cast<double>(i / cloud.width);
     scan.ring.push_back(static_cast<std::uint16_t>(ring > 0 ? std::min(ring, 65535.0) : 0.0));
   }
-  conventions_.orderRings(field != nullptr ? "field " + field->name : "rows of the cloud", scan);
+  conventions_.orderRings(field != nullptr ? "field " + field->name : "rows of the cloud", scan,
+                          field == nullptr);
 }
 }  // namespace dyslam

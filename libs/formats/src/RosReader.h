@@ -7,13 +7,15 @@
 
 namespace dyslam
 {
+/** A std_msgs/Header. */
 struct RosHeader
 {
   double stamp = 0;  //!< UNIX time [s]
   std::string frame;
 };
 
-/** A reader that stands at the first field of a message, whichever way it is serialised. */
+/** A reader that stands at the first field of a message, whichever way it is serialised.
+ * \throws UserError if it is neither ROS 1 nor plain CDR. */
 inline ByteReader rosReader(const BagTopic& topic, const BagMessage& message)
 {
   ByteReader reader(message.data, message.place + " of " + topic.name);
@@ -50,8 +52,7 @@ inline RosHeader rosHeader(ByteReader& reader, RosEncoding encoding)
     (void)reader.u32();  // sequence number
   }
   RosHeader header;
-  const auto seconds = reader.u32();
-  header.stamp = static_cast<double>(seconds) + 1e-9 * static_cast<double>(reader.u32());
+  header.stamp = reader.rosTime();
   header.frame = rosString(reader);
   return header;
 }

@@ -15,7 +15,8 @@ namespace dyslam
 {
 namespace
 {
-/** Calls `use` with the first message of each of the topics; a damaged one ends it. */
+/** Calls `use` with the first message of each of the topics. Ends at a damaged message, or one that
+ * `use` throws a UserError for. */
 template <typename Use>
 void forFirstMessages(Bag& bag, const std::vector<std::size_t>& topics, const Use& use)
 {
@@ -41,14 +42,12 @@ void forFirstMessages(Bag& bag, const std::vector<std::size_t>& topics, const Us
 /** "x y z yaw pitch roll" [m, deg]. */
 std::string sensorPoseText(const Pose& pose)
 {
-  const Eigen::Matrix3d R = pose.rotation();
   const Eigen::Vector3d t = pose.translation();
+  const Eigen::Vector3d angles = degrees_per_radian * yawPitchRoll(pose);
   char text[160];
   // Adding zero makes a negative zero positive.
   std::snprintf(text, sizeof text, "%.7g %.7g %.7g %.7g %.7g %.7g", t.x() + 0.0, t.y() + 0.0,
-                t.z() + 0.0, degrees_per_radian * std::atan2(R(1, 0), R(0, 0)) + 0.0,
-                degrees_per_radian * std::asin(std::clamp(-R(2, 0), -1.0, 1.0)) + 0.0,
-                degrees_per_radian * std::atan2(R(2, 1), R(2, 2)) + 0.0);
+                t.z() + 0.0, angles.x() + 0.0, angles.y() + 0.0, angles.z() + 0.0);
   return text;
 }
 

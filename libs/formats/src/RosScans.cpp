@@ -24,7 +24,7 @@ RosScanDecoder::Cloud2 RosScanDecoder::Cloud2::read(ByteReader reader, RosEncodi
     PointField field;
     field.name = rosString(reader);
     field.offset = reader.u32();
-    field.type = reader.u8();
+    field.type = rosPointType(reader.u8());
     (void)reader.u32();  // count
     cloud.fields.push_back(field);
   }
@@ -44,7 +44,8 @@ void RosScanDecoder::Cloud2::check(const ByteReader& reader) const
 {
   for (const PointField& field : fields)
   {
-    if (static_cast<std::uint64_t>(field.offset) + field.size() > point_step)
+    const std::size_t size = field.type ? field.type->size : 0;
+    if (static_cast<std::uint64_t>(field.offset) + size > point_step)
     {
       reader.fail("damaged: field " + field.name + " lies outside of a point");
     }

@@ -12,6 +12,7 @@
 #include <cstring>
 #include <filesystem>
 #include <set>
+#include <string_view>
 
 #include "PcdFile.h"
 #include "PlyFile.h"
@@ -22,52 +23,47 @@ namespace fs = std::filesystem;
 
 namespace
 {
+/** Takes the number at the front of a text off it. \return its digits without leading zeros. */
+std::string_view takeDigits(std::string_view& text)
+{
+  text.remove_prefix(std::min(text.find_first_not_of('0'), text.size()));
+  const std::size_t count = std::min(text.find_first_not_of("0123456789"), text.size());
+  const std::string_view digits = text.substr(0, count);
+  text.remove_prefix(count);
+  return digits;
+}
+
 /** Orders names so that 2 comes before 10. */
 bool naturalLess(const std::string& a, const std::string& b)
 {
-  const auto digit = [](char c) { return c >= '0' && c <= '9'; };
-  std::size_t i = 0;
-  std::size_t j = 0;
-  while (i < a.size() && j < b.size())
+  const auto isDigit = [](char c) { return c >= '0' && c <= '9'; };
+  std::string_view rest_a = a;
+  std::string_view rest_b = b;
+  while (!rest_a.empty() && !rest_b.empty())
   {
-    if (digit(a[i]) && digit(b[j]))
+    if (isDigit(rest_a.front()) && isDigit(rest_b.front()))
     {
-      const std::size_t begin_a = a.find_first_not_of('0', i);
-      const std::size_t begin_b = b.find_first_not_of('0', j);
-      i = begin_a == std::string::npos ? a.size() : begin_a;
-      j = begin_b == std::string::npos ? b.size() : begin_b;
-      std::size_t end_i = i;
-      std::size_t end_j = j;
-      for (; end_i < a.size() && digit(a[end_i]); ++end_i)
+      const std::string_view number_a = takeDigits(rest_a);
+      const std::string_view number_b = takeDigits(rest_b);
+      if (number_a != number_b)
       {
+        return number_a.size() != number_b.size() ? number_a.size() < number_b.size()
+                                                  : number_a < number_b;
       }
-      for (; end_j < b.size() && digit(b[end_j]); ++end_j)
-      {
-      }
-      if (end_i - i != end_j - j)
-      {
-        return end_i - i < end_j - j;
-      }
-      const int order = a.compare(i, end_i - i, b, j, end_j - j);
-      if (order != 0)
-      {
-        return order < 0;
-      }
-      i = end_i;
-      j = end_j;
     }
-    else if (a[i] != b[j])
+    else if (rest_a.front() != rest_b.front())
     {
-      return a[i] < b[j];
+      return rest_a.front() < rest_b.front();
     }
     else
     {
-      ++i;
-      ++j;
+      rest_a.remove_prefix(1);
+      rest_b.remove_prefix(1);
     }
   }
-  return a.size() - i < b.size() - j || (a.size() - i == b.size() - j && a < b);
+  return rest_a.size() != rest_b.size() ? rest_a.size() < rest_b.size() : a < b;
 }
+
 void requireSameLength(const std::vector<Eigen::Vector3f>& points,
                        const std::vector<float>& intensity)
 {

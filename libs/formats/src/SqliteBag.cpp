@@ -1,8 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/core/Error.h>
 #include <dyslam/core/Files.h>
 #include <sqlite3.h>
 
-#include "ChunkedBag.h"
+#include <algorithm>
+#include <string_view>
+#include <vector>
+
+#include "BagFormats.h"
 #include "Decompression.h"
 
 namespace dyslam
@@ -67,12 +72,6 @@ class Query
   std::unique_ptr<sqlite3_stmt, CloseStatement> statement_;
 };
 
-double seconds(std::int64_t nanoseconds)
-{
-  return static_cast<double>(nanoseconds / 1000000000) +
-         1e-9 * static_cast<double>(nanoseconds % 1000000000);
-}
-
 class SqliteBag : public Bag
 {
  public:
@@ -128,7 +127,7 @@ class SqliteBag : public Bag
     ++done_;
     const auto id = std::find(ids_.begin(), ids_.end(), query_->integer(1));
     message.topic = static_cast<std::size_t>(id - ids_.begin());
-    message.recorded = seconds(query_->integer(2));
+    message.recorded = secondsOfNanoseconds(query_->integer(2));
     message.place = path_ + ": message " + std::to_string(query_->integer(0));
     message.data = query_->blob(3);
     if (message.data.substr(0, zstd_magic.size()) == zstd_magic)
@@ -159,8 +158,8 @@ class SqliteBag : public Bag
       {
         BagTopic& topic = topics_[static_cast<std::size_t>(id - ids_.begin())];
         topic.messages = static_cast<std::size_t>(counts.integer(1));
-        topic.first = seconds(counts.integer(2));
-        topic.last = seconds(counts.integer(3));
+        topic.first = secondsOfNanoseconds(counts.integer(2));
+        topic.last = secondsOfNanoseconds(counts.integer(3));
       }
     }
   }

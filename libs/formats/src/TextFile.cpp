@@ -61,34 +61,19 @@ bool TextFile::nextOrEmpty()
 
 double TextFile::number(std::size_t field) const
 {
-  std::string_view text = fields_.at(field);
-  if (text.size() > 1 && text.front() == '+')
-  {
-    text.remove_prefix(1);
-  }
-  double value = 0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (error == std::errc::result_out_of_range)
-  {
-    // Too near to 0 or too large: from_chars() does not distinguish, a stream does.
-    std::istringstream stream{std::string(text)};
-    stream.imbue(std::locale::classic());
-    stream >> value;
-    if (std::abs(value) > 1)
-    {
-      fail("'" + std::string(text) + "' is too large a number");
-    }
-    return 0;  // negligible in all our files
-  }
-  if (error != std::errc() || end != text.data() + text.size())
+  const std::string_view text = fields_.at(field);
+  const std::optional<double> value = parseNumber<double>(text);
+  if (!value)
   {
     fail("'" + std::string(text) + "' is not a number");
   }
-  if (!std::isfinite(value))
+  if (!std::isfinite(*value))
   {
-    fail("'" + std::string(text) + "' is not a finite number");
+    const bool has_digits = text.find_first_of("0123456789") != std::string_view::npos;
+    fail("'" + std::string(text) + "' is " +
+         (has_digits ? "too large a number" : "not a finite number"));
   }
-  return value;
+  return *value;
 }
 
 int TextFile::integer(std::size_t field) const
@@ -141,6 +126,33 @@ void TextFile::fail(const std::string& what) const
 {
   throw UserError(position() + ": " + what);
 }
+
+template <typename Real>
+std::optional<Real> parseNumber(std::string_view word)
+{
+  if (word.size() > 1 && word.front() == '+')
+  {
+    word.remove_prefix(1);
+  }
+  Real value = 0;
+  const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
+  if (error == std::errc::invalid_argument || end != word.data() + word.size())
+  {
+    return std::nullopt;
+  }
+  if (error == std::errc::result_out_of_range)
+  {
+    // from_chars() does not tell too small from too large, a stream does.
+    std::istringstream stream{std::string(word)};
+    stream.imbue(std::locale::classic());
+    stream >> value;
+    return std::abs(value) > 1 ? std::copysign(std::numeric_limits<Real>::infinity(), value)
+                               : Real{0};
+  }
+  return value;
+}
+template std::optional<float> parseNumber<float>(std::string_view word);
+template std::optional<double> parseNumber<double>(std::string_view word);
 
 void appendNumber(std::string& text, double value, int digits)
 {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "TrackLines.h"
 
+#include <algorithm>
 #include <string>
 
 namespace dyslam
@@ -23,5 +24,25 @@ LabelledBox readTrackLine(const TextFile& file, const char* box_columns)
   box.image_box = {file.number(6), file.number(7), file.number(8), file.number(9)};
   box.score = has_score ? file.number(17) : 1;
   return box;
+}
+
+CameraBox cameraBoxFrom(const TextFile& file, std::size_t first)
+{
+  CameraBox box;
+  box.height = file.number(first);
+  box.width = file.number(first + 1);
+  box.length = file.number(first + 2);
+  box.bottom = {file.number(first + 3), file.number(first + 4), file.number(first + 5)};
+  box.ry = file.number(first + 6);
+  return box;
+}
+
+std::string typeWord(const LabelledBox& box)
+{
+  std::string type = box.type.empty() ? toString(box.object_class) : box.type;
+  std::replace_if(
+      type.begin(), type.end(), [](unsigned char c) { return c <= ' ' || c == ',' || c == 0x7F; },
+      '_');
+  return type;
 }
 }  // namespace dyslam

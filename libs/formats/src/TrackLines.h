@@ -2,7 +2,11 @@
 #pragma once
 
 #include <dyslam/core/Objects.h>
+#include <dyslam/formats/KittiFiles.h>
 #include <dyslam/formats/TextFile.h>
+
+#include <cstddef>
+#include <string>
 
 namespace dyslam
 {
@@ -10,4 +14,10 @@ namespace dyslam
  * the box. \param box_columns what columns 10 to 16 hold, for the message. \throws UserError unless
  * there are 17 columns, or 18 with the score. */
 [[nodiscard]] LabelledBox readTrackLine(const TextFile& file, const char* box_columns);
+/** A box in KITTI's camera frame from seven columns, `first` being the first one: height width
+ * length x y z ry [m, rad]. \throws UserError "file:line: what". */
+[[nodiscard]] CameraBox cameraBoxFrom(const TextFile& file, std::size_t first);
+
+/** The type of an object as one word of a track line, whose columns are separated by blanks. */
+[[nodiscard]] std::string typeWord(const LabelledBox& box);
 }  // namespace dyslam

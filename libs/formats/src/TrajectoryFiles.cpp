@@ -4,8 +4,9 @@
 #include <dyslam/formats/TextFile.h>
 #include <dyslam/formats/TrajectoryFiles.h>
 
-#include <Eigen/LU>
 #include <cmath>
+
+#include "RotationCheck.h"
 
 namespace dyslam
 {
@@ -23,14 +24,13 @@ Pose poseFromRow(const TextFile& file, const std::vector<double>& row)
       pose.matrix()(i, j) = row[static_cast<std::size_t>(4 * i + j)];
     }
   }
-  const Eigen::Matrix3d R = pose.linear();
-  // Text with few digits and float products drift a little; anything beyond is another file.
-  if (!(R * R.transpose()).isIdentity(0.02) || R.determinant() < 0)
+  if (!isRotation(pose.linear()))
   {
     file.fail("columns 1-3, 5-7, 9-11 are not a rotation matrix");
   }
   return orthonormalized(pose);
 }
+
 /** Poses at 0, 1, 2, ... */
 Trajectory numbered(const std::vector<Pose>& poses)
 {

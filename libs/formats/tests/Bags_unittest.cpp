@@ -316,6 +316,35 @@ TEST(Bags, AdviceForRecordings)
   folder.write("scans/1.bin", "");
   EXPECT_TRUE(contains(conversionAdvice(folder.file("scans")), "scans2rawlog"));
   folder.write("kitti/velodyne/1.bin", "");
-  EXPECT_TRUE(contains(conversionAdvice(folder.file("kitti")), "kitti2rawlog"));
+  EXPECT_TRUE(contains(conversionAdvice(folder.file("kitti")), "kitti2rawlog --kind odometry"));
+}
+
+TEST(Bags, KindsOfRecordings)
+{
+  const TestFolder folder;
+  const auto kindOf = [&folder](const std::string& name)
+  { return recordingKind(folder.file(name)); };
+  EXPECT_EQ(RecordingKind::bag, kindOf("a.db3"));
+  EXPECT_EQ(RecordingKind::capture, kindOf("A.PCAPNG"));
+  EXPECT_EQ(RecordingKind::unknown, kindOf("a.rawlog"));
+  EXPECT_EQ(RecordingKind::unknown, kindOf("a.pcd"));
+  folder.write("recording/metadata.yaml", "");
+  EXPECT_EQ(RecordingKind::unknown, kindOf("recording"));
+  folder.write("recording/recording_0.mcap", "");
+  EXPECT_EQ(RecordingKind::bag, kindOf("recording"));
+  folder.write("scans/1.pcd", "");
+  EXPECT_EQ(RecordingKind::scans, kindOf("scans"));
+  folder.write("drive_sync/velodyne_points/data/1.bin", "");
+  EXPECT_EQ(RecordingKind::kitti_raw, kindOf("drive_sync"));
+  folder.write("plain/velodyne/1.bin", "");
+  EXPECT_EQ(RecordingKind::kitti_odometry, kindOf("plain"));
+  folder.write("plain/oxts.txt", "");
+  EXPECT_EQ(RecordingKind::kitti_raw, kindOf("plain"));
+  folder.write("sequences/00/velodyne/1.bin", "");
+  folder.write("sequences/00/oxts.txt", "");
+  EXPECT_EQ(RecordingKind::kitti_odometry, kindOf("sequences/00"));
+  EXPECT_EQ(RecordingKind::kitti_odometry, kindOf("sequences/00/"));
+  folder.write("testing/velodyne/0000/1.bin", "");
+  EXPECT_EQ(RecordingKind::kitti_tracking, kindOf("testing"));
 }
 }  // namespace dyslam

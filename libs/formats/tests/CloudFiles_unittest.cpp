@@ -3,6 +3,7 @@
 #include <dyslam/formats/ScanFiles.h>
 #include <sys/resource.h>
 
+#include <cmath>
 #include <cstdio>
 #include <cstring>
 #include <functional>
@@ -386,6 +387,19 @@ TEST(CloudFiles, CompressedPcd)
   }
   EXPECT_THROW((void)readCloud(file(packed, 25)), UserError);
   EXPECT_THROW((void)readCloud(file("\xC0\x07" + packed, 24)), UserError);  // copies from nowhere
+}
+
+TEST(CloudFiles, NumbersOutsideOfTheRangeOfDouble)
+{
+  const TestFolder folder;
+  const std::string path = folder.write(
+      "a.pcd", pcd_header + "WIDTH 2\nPOINTS 2\nDATA ascii\n1e-999 -1e999 +1.5\nnan 2 3\n");
+  const Scan scan = readCloud(path);
+  ASSERT_EQ(scan.size(), 2U);
+  EXPECT_EQ(scan.points[0].x(), 0.0F);
+  EXPECT_EQ(scan.points[0].y(), -std::numeric_limits<float>::infinity()) << "not a point at 0";
+  EXPECT_EQ(scan.points[0].z(), 1.5F);
+  EXPECT_TRUE(std::isnan(scan.points[1].x()));
 }
 
 TEST(CloudFiles, NoCountTakesMemoryThatTheFileHasNot)

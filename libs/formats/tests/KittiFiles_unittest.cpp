@@ -64,6 +64,12 @@ TEST(KittiCalib, Errors)
   EXPECT_TRUE(contains(message("P0: 1 2 3\n"), "has no R_rect"));
   EXPECT_TRUE(contains(message("Tr: 1 2 3\n"), "Tr has 3 numbers, needs 12"));
   EXPECT_TRUE(contains(message("Tr: 1 2 x\n"), "c.txt:1: 'x'"));
+  const std::string of_zeros = "0 0 0 0 0 0 0 0 0 0 0 0\n";
+  const std::string mirrored = "-1 0 0 0 0 1 0 0 0 0 1 0\n";
+  EXPECT_TRUE(contains(message("Tr: " + of_zeros), "the matrix of Tr is not a rotation"));
+  EXPECT_TRUE(contains(message("Tr: " + mirrored), "the matrix of Tr is not a rotation"));
+  EXPECT_TRUE(contains(message("R0_rect: 1 0 0 0 1 0 0 0 1\nTr_velo_to_cam: " + of_zeros),
+                       "the matrix of Tr_velo_to_cam is not a rotation"));
 }
 
 TEST(KittiBoxes, KnownCase)

@@ -127,4 +127,16 @@ TEST(KittiTracks, WrittenTracksReadBack)
     EXPECT_EQ(again[i].image_box, boxes[i].image_box);
   }
 }
+
+TEST(KittiTracks, TypesOfSeveralWordsTakeOneColumn)
+{
+  const TestFolder folder;
+  LabelledBox box;
+  box.type = "Scooter Rider";
+  box.box.size = {2, 1, 1.7};
+  writeKittiTracks(folder.file("t.txt"), {box}, tiltedMounting());
+  const auto again = readDetections(folder.file("t.txt"), tiltedMounting());
+  ASSERT_EQ(again.size(), 1U);
+  EXPECT_EQ(again[0].type, "Scooter_Rider");
+}
 }  // namespace dyslam

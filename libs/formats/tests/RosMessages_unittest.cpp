@@ -114,6 +114,35 @@ TEST(RosScans, OusterCountsRingsFromTheHighest)
   EXPECT_TRUE(contains(decoder.notes()[2], "reversed"));
 }
 
+/** Of a lidar with 32 rings, numbered from the highest, the lowest has no return in the first scan,
+ * or is not in the cloud at all. */
+TEST(RosScans, RingsThatAreMissingInTheFirstScanCount)
+{
+  constexpr std::uint16_t rings = 32;
+  Scan scan;
+  scan.stamp = stamp;
+  for (std::uint16_t ring = 1; ring < rings; ++ring)
+  {
+    scan.points.emplace_back(5, 1, 0.1F * static_cast<float>(ring) - 1);
+    scan.ring.push_back(ring);
+  }
+  const auto decodedRings = [&scan](std::uint16_t last)
+  {
+    auto fields = coordinates(scan);
+    fields.push_back({"ring", 2, mapped(scan, [&](std::size_t i) { return last - scan.ring[i]; })});
+    RosScanDecoder decoder;
+    return decoded(decoder, fields).ring;
+  };
+  // 0 to 30 from the highest: ring 31, the lowest, is missing.
+  EXPECT_EQ(scan.ring, decodedRings(rings - 1));
+  // Twenty rings are no usual number, and none is missing.
+  scan.points.resize(20);
+  scan.ring.resize(20);
+  const std::vector<std::uint16_t> read = decodedRings(20);
+  EXPECT_EQ(0, read.front());
+  EXPECT_EQ(19, read.back());
+}
+
 TEST(RosScans, HesaiAndRoboSenseHaveAbsoluteSeconds)
 {
   const Scan scan = sweepOf(50);

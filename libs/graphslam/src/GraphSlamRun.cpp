@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/core/Error.h>
+#include <dyslam/core/PendingFile.h>
 #include <dyslam/graphslam/FactorGraphOptimizer.h>
 #include <dyslam/graphslam/GraphSlamEngine.h>
 #include <dyslam/graphslam/GraphSlamRun.h>
@@ -9,7 +10,6 @@
 #include <dyslam/pipeline/Pipeline.h>
 
 #include <filesystem>
-#include <fstream>
 #include <utility>
 
 namespace dyslam
@@ -19,25 +19,21 @@ namespace
 namespace fs = std::filesystem;
 using OnFrame = std::function<void(double, std::size_t)>;
 
-/** The engine's own settings. */
+/** Writes the engine's own settings. \return the path of the ini. \throws UserError. */
 std::string writeEngineIni(const fs::path& folder)
 {
   const std::string path = (folder / "engine.ini").string();
-  std::ofstream file(path);
-  file << "[GeneralConfiguration]\n"
-          "class_verbosity = 1\n"
-          "user_decides_about_output_dir = false\n"
-          "[VisualizationParameters]\n"
-          "visualize_map = false\n"
-          "visualize_odometry_poses = false\n"
-          "visualize_estimated_trajectory = false\n"
-          "visualize_SLAM_metric = false\n"
-          "visualize_ground_truth = false\n"
-          "enable_curr_pos_viewport = false\n";
-  if (!file.flush())
-  {
-    throw UserError(path + ": cannot be written; free the disk or choose another folder");
-  }
+  writeWhole(path,
+             "[GeneralConfiguration]\n"
+             "class_verbosity = 1\n"
+             "user_decides_about_output_dir = false\n"
+             "[VisualizationParameters]\n"
+             "visualize_map = false\n"
+             "visualize_odometry_poses = false\n"
+             "visualize_estimated_trajectory = false\n"
+             "visualize_SLAM_metric = false\n"
+             "visualize_ground_truth = false\n"
+             "enable_curr_pos_viewport = false\n");
   return path;
 }
 
@@ -111,8 +107,8 @@ class Engine
   GraphSlamEngine engine_;
 };
 
-/** Every observation through the engine. */
-void replay(const SlamRunSettings& settings,
+/** Every observation through the engine. \return whether it was stopped */
+bool replay(const SlamRunSettings& settings,
             const SlamRun& run,
             const GraphSlamContext& context,
             RawlogStream& stream,
@@ -135,9 +131,10 @@ void replay(const SlamRunSettings& settings,
     }
     if (settings.stop && settings.stop())
     {
-      throw UserError(settings.rawlog + ": stopped");
+      return true;
     }
   }
+  return false;
 }
 }  // namespace
 
@@ -159,25 +156,26 @@ SlamRunReport runGraphSlam(const SlamRunSettings& settings,
       static_cast<std::size_t>(run.input().only_first_n),
       [&run](Frame frame) { run.add(std::move(frame)); });
   Engine engine(plugins, context, settings);
-  std::string damage;
+  EarlyEnd end;
   try
   {
-    replay(settings, run, *context, stream, engine, on_frame);
+    end.is_stopped = replay(settings, run, *context, stream, engine, on_frame);
   }
   catch (const UserError& error)
   {
-    damage = error.what();  // the frames before it are kept
+    end.damage = error.what();  // the frames before it are kept
   }
   engine.finish();
   if (run.frames() == 0)
   {
-    throw UserError(damage);
+    throw UserError(end.damage.empty() ? settings.rawlog + ": no scan could be processed"
+                                       : end.damage);
   }
   const auto files = engine.writeReports();
   std::vector<std::string> warnings = context->decoder().warnings();
   const std::vector<std::string> of_file = stream.warnings();
   warnings.insert(warnings.end(), of_file.begin(), of_file.end());
-  SlamRunReport report = run.finish(warnings, damage);
+  SlamRunReport report = run.finish(warnings, end);
   report.files.insert(report.files.end(), files.begin(), files.end());
   return report;
 }

@@ -98,9 +98,10 @@ TEST_F(GraphFileRun, BadFilesAreNamed)
       write("nan.g2o", squareText() + "EDGE_SE3:QUAT 0 2 nan 0 0 0 0 0 1" + information);
   EXPECT_EQ(errorOf(nan).rfind(nan, 0), 0U) << errorOf(nan);
 }
+
 TEST_F(GraphFileRun, OptimisesAFactorGraphWithObjects)
 {
-  const std::string unit = " 1 0 0 0 0 0 1 0 0 0 0 1 0 0 0 1e9 0 0 1e9 0 1e9\n";
+  const std::string unit = information;
   const std::string input =
       write("factor_graph.txt",
             "DYSLAM_FACTOR_GRAPH 1\nEGO 0 0 0 0 0 0 0 1\nFIX EGO 0\nEGO 1 1 0 0 0 0 0 1\n"

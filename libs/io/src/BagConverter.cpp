@@ -6,6 +6,7 @@
 #include <dyslam/formats/RosMessages.h>
 
 #include <map>
+#include <sstream>
 #include <utility>
 
 #include "BagMotion.h"
@@ -35,8 +36,8 @@ void reportOtherTopics(const Bag& bag, const std::vector<RosScanTopic>& candidat
   }
   if (!likely.empty())
   {
-    sink.warn("takes the scans of " + bag.topics()[taken.topic].name +
-              ", the most bytes of points; if others are meant, --topic: " + likely);
+    sink.warn("the scans of " + bag.topics()[taken.topic].name +
+              " are converted, which have the most bytes; --topic chooses others: " + likely);
   }
   if (!others.empty())
   {
@@ -169,8 +170,10 @@ class BagReader
     motion_.report();
     if (!truth_.empty() && held_.withoutPose() > 0)
     {
-      sink_.warn(truth_topic + ": has no pose within 0.2 s of " +
-                 std::to_string(held_.withoutPose()) + " scans");
+      std::ostringstream text;
+      text << truth_topic << ": has no pose within " << truth_max_gap << " s of "
+           << held_.withoutPose() << " scans";
+      sink_.warn(text.str());
     }
     for (const std::string& note : decoder_.notes())
     {

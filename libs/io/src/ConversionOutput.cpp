@@ -17,8 +17,8 @@ namespace
 /** Makes the folder of a file. \return the file. */
 const std::string& inFolder(const std::string& path)
 {
-  const auto folder = std::filesystem::path(path).parent_path();
-  if (!folder.empty() && !std::filesystem::is_directory(folder))
+  const fs::path folder = fs::path(path).parent_path();
+  if (!folder.empty() && !fs::is_directory(folder))
   {
     makeFolder(folder.string(), "choose another --output for " + nameOfFile(path));
   }
@@ -128,7 +128,7 @@ GroundTruthWriter& ConversionOutput::truth()
   return *truth_;
 }
 
-void ConversionOutput::tell(const ConversionProgress& progress, double fraction)
+void ConversionOutput::reportProgress(const ConversionProgress& progress, double fraction)
 {
   if (!progress)
   {

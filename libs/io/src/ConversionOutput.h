@@ -12,7 +12,7 @@
 
 namespace dyslam
 {
-/** Longest time from a scan to the true poses that its own is interpolated between [s], as
+/** Longest time between a scan and the true poses from which its own is interpolated [s], as
  * RawlogSourceOptions::ground_truth_max_gap. */
 constexpr double truth_max_gap = 0.2;
 
@@ -46,6 +46,7 @@ class ConversionOutput
   ConversionOutput(const ConversionOutput&) = delete;
   ConversionOutput& operator=(const ConversionOutput&) = delete;
 
+  /** \param T_world_lidar true pose at the scan's stamp, if it is known */
   void write(const Scan& scan, const std::optional<Pose>& T_world_lidar);
   /** To be written before the first scan that is not older. */
   void write(const ImuSample& sample) { writer_.write(sample); }
@@ -54,12 +55,14 @@ class ConversionOutput
   void setPoseOrigin(const PoseOrigin& origin) { origin_ = origin; }
   /** For the scan written last. */
   void addLabels(const std::vector<Label>& labels);
+  /** For the scan written last, lidar frame; LabelledBox::frame is set here. */
   void addBox(LabelledBox box);
-  /** Reports the scan written last. If `progress` throws, all that was written is removed. */
-  void tell(const ConversionProgress& progress, double fraction);
+  /** Calls `progress` for the scan written last. If `progress` throws, all that was written is
+   * removed. */
+  void reportProgress(const ConversionProgress& progress, double fraction);
   ConversionResult close();
 
-  /** Number of the scan written last. */
+  /** Number of the scan written last. \pre there is one */
   [[nodiscard]] std::size_t lastFrame() const { return result_.scans - 1; }
 
  private:

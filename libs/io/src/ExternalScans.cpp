@@ -2,6 +2,7 @@
 #include "ExternalScans.h"
 
 #include <dyslam/core/Error.h>
+#include <dyslam/formats/ScanFiles.h>
 #include <dyslam/formats/TextFile.h>
 #include <mrpt/io/lazy_load_path.h>
 #include <mrpt/maps/CColouredPointsMap.h>
@@ -9,11 +10,11 @@
 #include <mrpt/math/CMatrixF.h>
 
 #include <array>
-#include <charconv>
 #include <cmath>
 #include <cstring>
 #include <filesystem>
 #include <mutex>
+#include <optional>
 #include <stdexcept>
 #include <string>
 
@@ -23,12 +24,14 @@
 namespace dyslam
 {
 namespace fs = std::filesystem;
+
 namespace
 {
 using mrpt::obs::CObservation3DRangeScan;
 using mrpt::obs::CObservationPointCloud;
 
-/** MRPT finds external files by one folder per process: set and load must not be parted. */
+/** MRPT finds external files in one folder per process: no other thread may set it before load().
+ */
 std::mutex external_folder_mutex;
 
 /** A recording must not cause arbitrary files of this machine to be read.
@@ -53,7 +56,10 @@ std::string pathInside(const std::string& name, const ExternalFiles& external)
 /** Checks the one object in a file. \return its bytes, valid as long as the window.
  * \throws UserError. */
 template <typename Walk>
-std::string_view walked(const std::string& path, ByteWindow& window, const Walk& walk)
+std::string_view walked(const std::string& path,
+                        GzInput& file,
+                        ByteWindow& window,
+                        const Walk& walk)
 {
   try
   {
@@ -62,6 +68,10 @@ std::string_view walked(const std::string& path, ByteWindow& window, const Walk&
   }
   catch (const NewerMrpt& error)
   {
+    if (file.checkMember())
+    {
+      throw UserError(path + ": is damaged: the compressed data are broken");
+    }
     throw UserError(path + ": has " + error.what() + "; " + newer_mrpt_advice);
   }
   catch (const std::exception& error)
@@ -76,7 +86,7 @@ Scan readPointsMap(const std::string& path)
   GzInput file(path);
   ByteWindow window(file);
   const std::string_view bytes =
-      walked(path, window, [](ObjectLayout& layout) { layout.pointsMap(); });
+      walked(path, file, window, [](ObjectLayout& layout) { layout.pointsMap(); });
   const auto map = std::dynamic_pointer_cast<mrpt::maps::CPointsMap>(objectFrom(bytes));
   return map ? scanFromPointsMap(*map) : Scan();
 }
@@ -126,11 +136,12 @@ Scan readTextRows(const std::string& path)
     for (std::size_t i = 0; i < count; ++i)
     {
       const std::string_view text = file.fields()[i];
-      const auto [end, error] = std::from_chars(text.begin(), text.end(), values[i]);
-      if (error == std::errc::invalid_argument || end != text.end())
+      const std::optional<float> value = parseNumber<float>(text);
+      if (!value)
       {
         file.fail("'" + std::string(text) + "' is not a number");
       }
+      values[i] = *value;
     }
     scan.points.emplace_back(values[0], values[1], values[2]);
     if (count > 3)
@@ -152,13 +163,9 @@ struct Format : CObservationPointCloud
 
 bool isText(const std::string& path)
 {
-  std::string extension = fs::path(path).extension().string();
-  for (char& c : extension)
-  {
-    c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
-  }
-  return extension == ".txt";
+  return lowerExtension(path) == ".txt";
 }
+
 /** A matrix of 16 bits or, before version 9 of the class, a CMatrixF [m]. */
 void loadRangeImage(const std::string& path, CObservation3DRangeScan& observation)
 {
@@ -173,8 +180,9 @@ void loadRangeImage(const std::string& path, CObservation3DRangeScan& observatio
   ByteWindow window(file);
   const bool old = window.ahead(1 + old_class.size()).substr(0, 1 + old_class.size()) ==
                    '\x88' + std::string(old_class);
-  const std::string_view bytes = walked(
-      path, window, [old](ObjectLayout& layout) { old ? layout.matrix() : layout.rangeMatrix(); });
+  const std::string_view bytes =
+      walked(path, file, window,
+             [old](ObjectLayout& layout) { old ? layout.matrix() : layout.rangeMatrix(); });
   if (!old)
   {
     std::array<std::uint32_t, 2> size{};
@@ -264,7 +272,7 @@ void loadExternalParts(CObservation3DRangeScan& observation, const ExternalFiles
           (void)layout.numbers(sizeof(float));
         }
       };
-      (void)walked(path, window, walk);
+      (void)walked(path, file, window, walk);
     }
   }
   if (observation.hasRangeImage && observation.rangeImage_isExternallyStored())

@@ -37,18 +37,16 @@ class LineReader
   [[nodiscard]] double number(const char* name)
   {
     const std::string_view text = word();
-    double value = 0;
-    const char* begin = text.data() + (!text.empty() && text.front() == '+' ? 1 : 0);
-    const auto [end, error] = std::from_chars(begin, text.data() + text.size(), value);
-    if (text.empty() || error != std::errc() || end != text.data() + text.size())
+    const std::optional<double> value = parseNumber<double>(text);
+    if (!value)
     {
       fail(name, text, "a number");
     }
-    if (!std::isfinite(value))
+    if (!std::isfinite(*value))
     {
       fail(name, text, "a finite number");
     }
-    return value;
+    return *value;
   }
 
   [[nodiscard]] TNodeID id(const char* name)

@@ -82,6 +82,7 @@ bool GzInput::beginMember()
   }
   isal_inflate_reset(inflate_.get());
   inflate_->crc_flag = ISAL_GZIP;
+  ++members_;
   return true;
 }
 
@@ -159,6 +160,20 @@ bool GzInput::atEnd()
 {
   fillContent();
   return content_begin_ == content_end_;
+}
+
+bool GzInput::checkMember()
+{
+  const bool was_cut = cut_;
+  for (const std::size_t member = members_; !ended_ && member > 0 && members_ == member;)
+  {
+    content_begin_ = content_end_;
+    fillContent();
+  }
+  cut_ = was_cut;
+  content_begin_ = content_end_;
+  ended_ = true;
+  return broken_;
 }
 
 double GzInput::progress() const

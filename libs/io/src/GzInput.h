@@ -26,6 +26,9 @@ class GzInput
   std::size_t Read(void* buffer, std::size_t count);
   /** Up to `count` bytes. \return their number; 0 at the end, also of a truncated file. */
   std::size_t readSome(void* buffer, std::size_t count);
+  /** Unpacks the rest of the present gzip member, whose checksum is behind its data: data that make
+   * no sense may be damaged ones. Nothing can be read afterwards. \return broken() */
+  bool checkMember();
   /** Records that data are missing at the end. */
   void noteCut() { cut_ = true; }
 
@@ -63,6 +66,7 @@ class GzInput
   std::size_t content_begin_ = 0;
   std::size_t content_end_ = 0;
   std::unique_ptr<inflate_state> inflate_;  //!< null: the file is not compressed
+  std::size_t members_ = 0;                 //!< of gzip, that were begun
   bool ended_ = false;                      //!< nothing more can be unpacked
   bool cut_ = false;
   bool broken_ = false;

@@ -21,6 +21,6 @@ class IntensityScaler
 
  private:
   double scale_;          //!< 0: not known yet
-  bool by_data_ = false;  //!< scale_ is
+  bool by_data_ = false;  //!< scale_ was found by the data, not given
 };
 }  // namespace dyslam

@@ -185,7 +185,7 @@ ConversionResult convertKitti(const std::string& input,
     }
     const auto range = boxes.equal_range(static_cast<int>(entry.number));
     std::for_each(range.first, range.second, [&out](const auto& box) { out.addBox(*box.second); });
-    out.tell(progress, static_cast<double>(i + 1) / static_cast<double>(entries.size()));
+    out.reportProgress(progress, static_cast<double>(i + 1) / static_cast<double>(entries.size()));
   }
   ConversionResult result = out.close();
   result.warnings = layout.warnings;

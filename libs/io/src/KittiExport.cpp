@@ -10,8 +10,9 @@
 #include <dyslam/io/KittiExport.h>
 #include <dyslam/io/RawlogSource.h>
 
-#include <cmath>
+#include <algorithm>
 #include <filesystem>
+#include <optional>
 
 namespace dyslam
 {
@@ -55,8 +56,8 @@ void appendRows(std::string& text, const std::string& key, const Matrix& matrix)
   text += '\n';
 }
 
-/** With the axes of a camera at the origin of the lidar. */
-KittiCalib atTheLidar()
+/** The calibration of a camera at the origin of the lidar that looks forward. */
+KittiCalib calibAtLidar()
 {
   KittiCalib calib;
   calib.T_cam_velo = cameraAxes();
@@ -244,7 +245,7 @@ class Sequence
   fs::path pending_;
   std::optional<TrajectoryFile> given_;
   std::optional<GroundTruthReader> truth_;
-  KittiCalib calib_ = atTheLidar();
+  KittiCalib calib_ = calibAtLidar();
   std::string times_;
   double first_stamp_ = 0;
   std::vector<Pose> poses_;  //!< T_world_lidar

@@ -17,6 +17,7 @@
 #include <limits>
 
 #include "ConversionOutput.h"
+#include "KittiCalibFinder.h"
 #include "KittiScans.h"
 
 namespace dyslam
@@ -27,43 +28,47 @@ namespace
 {
 constexpr double kitti_dt = 0.1034;  //!< [s] HDL-64E at about 9.67 Hz
 
+/** The folder of the recording without a slash at its end. \throws UserError if it is none. */
+fs::path recordingFolder(const std::string& input)
+{
+  if (isBag(input))
+  {
+    throw UserError(input + ": " + conversionAdvice(input));
+  }
+  if (!fs::is_directory(input))
+  {
+    throw UserError(input + ": no such folder");
+  }
+  const fs::path folder = fs::path(input).lexically_normal();
+  return folder.has_filename() ? folder : folder.parent_path();
+}
+
 /** Gathers one layout; each method finds one kind of file. */
 class LayoutReader
 {
  public:
-  LayoutReader(const std::string& input, const KittiConverterOptions& options)
-      : input_(fs::path(input).lexically_normal()), options_(options)
+  LayoutReader(const fs::path& input, KittiScans scans, const KittiConverterOptions& options)
+      : input_(input),
+        options_(options),
+        sequence_(scans.sequence),
+        calib_(input, scans.sequence, options)
   {
-    if (isBag(input))
-    {
-      throw UserError(input + ": " + conversionAdvice(input));
-    }
-    if (!fs::is_directory(input))
-    {
-      throw UserError(input + ": no such folder");
-    }
-    if (!input_.has_filename())
-    {
-      input_ = input_.parent_path();
-    }
+    layout_.entries = std::move(scans.entries);
   }
 
   KittiLayout read()
   {
-    KittiScans scans = findKittiScans(input_, options_);
-    layout_.entries = std::move(scans.entries);
-    sequence_ = scans.sequence;
     readStamps();
     if (!options_.calib.empty())
     {
-      readCalib();
+      calib_.read();
     }
     if (!options_.no_truth)
     {
       findLabels();
-      orWithout("poses", !options_.poses.empty() || !options_.oxts.empty(),
+      readTruth("poses", !options_.poses.empty() || !options_.oxts.empty(),
                 [this] { readPoses(); });
-      orWithout("boxes", !options_.boxes.empty(), [this] { readBoxes(); });
+      readTruth("boxes", !options_.boxes.empty(), [this] { readBoxes(); });
     }
     if (options_.imu)
     {
@@ -73,8 +78,8 @@ class LayoutReader
   }
 
  private:
-  /** Ground truth that was found but not requested must not make the conversion fail. */
-  void orWithout(const char* what, bool asked, const std::function<void()>& read)
+  /** Reads one kind of ground truth. If that was found but not requested, an error is a warning. */
+  void readTruth(const char* what, bool requested, const std::function<void()>& read)
   {
     try
     {
@@ -82,106 +87,13 @@ class LayoutReader
     }
     catch (const UserError& error)
     {
-      if (asked || !options_.calib.empty())
+      if (requested || !options_.calib.empty())
       {
         throw;
       }
       layout_.warnings.push_back("converted without true " + std::string(what) + ": " +
                                  error.what());
     }
-  }
-
-  [[nodiscard]] std::string firstExisting(const std::string& given,
-                                          const std::vector<fs::path>& candidates) const
-  {
-    if (!given.empty())
-    {
-      if (!fs::exists(given))
-      {
-        throw UserError(given + ": no such file or folder");
-      }
-      return given;
-    }
-    for (const fs::path& candidate : candidates)
-    {
-      if (fs::exists(candidate))
-      {
-        return candidate.string();
-      }
-    }
-    return {};
-  }
-
-  /** Folders that raw's three calibration files may lie in: the day's, or the drive's. */
-  [[nodiscard]] std::vector<fs::path> rawCalibFolders() const
-  {
-    const std::string day = input_.filename().string().substr(0, 10);  // of 2011_09_26_drive_0001
-    return {input_, input_.parent_path(), input_.parent_path() / day,
-            input_.parent_path().parent_path() / day};
-  }
-
-  /** \throws UserError for a file or folder that was named and is not there or is damaged. */
-  void readCalib()
-  {
-    std::vector<fs::path> candidates{input_ / "calib.txt"};
-    if (!sequence_.empty())
-    {
-      candidates.insert(candidates.begin(), input_ / "calib" / (sequence_ + ".txt"));
-    }
-    if (options_.kind == KittiKind::raw)
-    {
-      for (const fs::path& folder : rawCalibFolders())
-      {
-        if (fs::exists(folder / "calib_velo_to_cam.txt") ||
-            fs::exists(folder / "calib_imu_to_velo.txt"))
-        {
-          candidates.push_back(folder);
-        }
-      }
-    }
-    calib_path_ = firstExisting(options_.calib, candidates);
-    if (!calib_path_.empty())
-    {
-      calib_ = readKittiCalib(calib_path_);
-    }
-  }
-
-  [[nodiscard]] std::string missingCalib(const std::string& for_what) const
-  {
-    if (options_.kind == KittiKind::raw)
-    {
-      return input_.string() + ": neither " + input_.parent_path().string() +
-             " nor the drive's folder has calib_cam_to_cam.txt, calib_velo_to_cam.txt and "
-             "calib_imu_to_velo.txt, needed for " +
-             for_what + "; put them there, or name their folder with --calib";
-    }
-    return input_.string() + ": has no calib.txt, which is needed for " + for_what +
-           "; name it with --calib";
-  }
-
-  const KittiCalib& requireCalib(const std::string& for_what)
-  {
-    if (calib_path_.empty())
-    {
-      readCalib();
-    }
-    if (calib_path_.empty())
-    {
-      throw UserError(missingCalib(for_what));
-    }
-    return calib_;
-  }
-
-  const KittiCalib& requireCamera(const std::string& for_what)
-  {
-    if (!requireCalib(for_what).has_camera)
-    {
-      throw UserError(calib_path_ +
-                      ": has no calib_cam_to_cam.txt and calib_velo_to_cam.txt, "
-                      "needed for " +
-                      for_what);
-    }
-    return calib_;
   }
 
   void findLabels()
@@ -237,7 +149,7 @@ class LayoutReader
             "no times.txt: 0.1034 s between scans is assumed (give --times or --dt)");
       }
     }
-    has_times_ = !times.empty();
+    has_times_ = !source.empty();  // a file without times is an error below
     has_raw_times_ =
         has_times_ && options_.times.empty() && fs::path(source).filename() == "timestamps.txt";
     const double dt = options_.dt > 0 ? options_.dt : kitti_dt;
@@ -285,7 +197,7 @@ class LayoutReader
     }
     if (isCameraFrame(path, file.format))
     {
-      poses = cameraToLidarPoses(poses, requireCamera("poses of the camera").T_cam_velo);
+      poses = cameraToLidarPoses(poses, calib_.requireCamera("poses of the camera"));
     }
     if (file.format == TrajectoryFormat::tum && has_times_)
     {
@@ -303,7 +215,7 @@ class LayoutReader
     {
       assign(path, poses);
     }
-    took(PoseSource::given, path);
+    setPoseSource(PoseSource::given, path);
   }
 
   [[nodiscard]] bool isCameraFrame(const std::string& path, TrajectoryFormat format) const
@@ -332,18 +244,6 @@ class LayoutReader
     return firstExisting(options_.oxts, candidates);
   }
 
-  /** T_velo_imu. \throws UserError without it. */
-  const Pose& requireImuMounting(const std::string& for_what)
-  {
-    if (!requireCalib(for_what).has_imu)
-    {
-      throw UserError(calib_path_ + ": has no IMU mounting (" +
-                      (fs::is_directory(calib_path_) ? "calib_imu_to_velo.txt" : "Tr_imu_velo") +
-                      "), needed for oxts");
-    }
-    return calib_.T_velo_imu;
-  }
-
   void readOxtsPoses()
   {
     const std::string path = oxtsPath();
@@ -351,9 +251,9 @@ class LayoutReader
     {
       return;
     }
-    const Pose& T_velo_imu = requireImuMounting("poses of oxts");
+    const Pose& T_velo_imu = calib_.requireImu("poses of oxts");
     assign(path, imuToLidarPoses(oxtsPoses(readOxts(path)), T_velo_imu));
-    took(PoseSource::gnss_ins, path);
+    setPoseSource(PoseSource::gnss_ins, path);
   }
 
   void readImu()
@@ -365,7 +265,7 @@ class LayoutReader
                       ": has no oxts, which is needed for --imu; name it with --oxts");
     }
     const Pose T_vehicle_imu =
-        poseFromOption("--sensor-pose", options_.sensor_pose) * requireImuMounting("--imu");
+        poseFromOption("--sensor-pose", options_.sensor_pose) * calib_.requireImu("--imu");
     const std::vector<OxtsReading> readings = readOxts(path);
     const std::vector<double> times = oxtsTimes(path, readings.size());
     for (std::size_t i = 0; i < readings.size(); ++i)
@@ -460,11 +360,11 @@ class LayoutReader
     }
   }
 
-  void took(PoseSource source, const std::string& path)
+  void setPoseSource(PoseSource source, const std::string& path)
   {
     layout_.pose_file = path;
-    const bool is_said = options_.pose_source != PoseSource::unknown;
-    layout_.pose_origin = {is_said ? options_.pose_source : source, nameOfFile(path)};
+    const bool is_given = options_.pose_source != PoseSource::unknown;
+    layout_.pose_origin = {is_given ? options_.pose_source : source, nameOfFile(path)};
     warnAboutMissing(path);
   }
 
@@ -494,7 +394,7 @@ class LayoutReader
     }
     if (!fs::is_directory(path))
     {
-      layout_.boxes = readKittiTracking(path, requireCamera("boxes of the camera").T_cam_velo);
+      layout_.boxes = readKittiTracking(path, calib_.requireCamera("boxes of the camera"));
       return;
     }
     for (auto& entry : layout_.entries)
@@ -510,24 +410,24 @@ class LayoutReader
     {
       throw UserError(path + ": has no .json boxes named as a scan");
     }
-    nameBoxes(path);
+    assignMissingIds(path);
   }
 
   /** Boxes without a usable id become objects of their own, each of one scan. */
-  void nameBoxes(const std::string& path)
+  void assignMissingIds(const std::string& path)
   {
     int last = -1;
-    std::size_t nameless = 0;
+    std::size_t without_id = 0;
     for (const LabelledBox& box : layout_.boxes)
     {
       last = std::max(last, box.id);
-      nameless += box.id < 0 ? 1 : 0;
+      without_id += box.id < 0 ? 1 : 0;
     }
-    if (nameless == 0)
+    if (without_id == 0)
     {
       return;
     }
-    layout_.warnings.push_back(path + ": " + std::to_string(nameless) + " of " +
+    layout_.warnings.push_back(path + ": " + std::to_string(without_id) + " of " +
                                std::to_string(layout_.boxes.size()) +
                                " boxes have no usable obj_id; each gets one of its own, from " +
                                std::to_string(last + 1) + " on");
@@ -539,10 +439,9 @@ class LayoutReader
 
   fs::path input_;
   const KittiConverterOptions& options_;
-  KittiLayout layout_;
   std::string sequence_;
-  std::string calib_path_;
-  KittiCalib calib_;
+  KittiCalibFinder calib_;
+  KittiLayout layout_;
   bool has_times_ = false;
   bool has_raw_times_ = false;  //!< those of velodyne_points/timestamps.txt
 };
@@ -550,6 +449,7 @@ class LayoutReader
 
 KittiLayout readKittiLayout(const std::string& input, const KittiConverterOptions& options)
 {
-  return LayoutReader(input, options).read();
+  const fs::path folder = recordingFolder(input);
+  return LayoutReader(folder, findKittiScans(folder, options), options).read();
 }
 }  // namespace dyslam

@@ -23,7 +23,7 @@ struct KittiLayout
     std::string scan;        //!< .bin file
     std::string labels;      //!< .label file, empty if there is none
     std::size_t number = 0;  //!< in KITTI's counting: other files refer to it
-    double stamp = 0;
+    double stamp = 0;        //!< [s]
     std::optional<Pose> T_world_lidar;
   };
   std::vector<Entry> entries;

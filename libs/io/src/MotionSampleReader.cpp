@@ -234,7 +234,7 @@ std::vector<std::string> MotionSampleReader::missing() const
     if (choice->misses())
     {
       lines.push_back(choice->pattern().option() + " = " + choice->pattern().pattern() +
-                      " fits no such sensor of the recording");
+                      " matches the label of no such sensor in the recording");
     }
   }
   return lines;

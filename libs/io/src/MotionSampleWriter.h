@@ -13,8 +13,9 @@
 
 namespace dyslam
 {
-/** Writes the samples of other sensors before the scans: sources deliver them in the order of their
- * reception, before each scan of the rawlog they are in order of time. */
+/** Writes the samples of IMU and wheel odometry to the rawlog, each before the first scan that is
+ * not older. They may be added in any order, as a bag has them; between two scans they are written
+ * in order of time. */
 class MotionSampleWriter
 {
  public:

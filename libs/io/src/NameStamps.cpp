@@ -87,6 +87,31 @@ std::vector<std::string> timesInNames(const std::vector<std::string>& files)
 }
 }  // namespace
 
+std::vector<int> numbersFromNames(const std::vector<std::string>& files)
+{
+  constexpr std::size_t most_digits = 9;  // an int holds them
+  std::vector<int> numbers;
+  std::string prefix;
+  for (const std::string& file : files)
+  {
+    const std::string stem = fs::path(file).stem().string();
+    const std::size_t begin = stem.find_last_not_of("0123456789") + 1;
+    const std::size_t digits = stem.size() - begin;
+    if (digits == 0 || digits > most_digits)
+    {
+      return {};
+    }
+    const int number = std::stoi(stem.substr(begin));
+    if (!numbers.empty() && (stem.compare(0, begin, prefix) != 0 || number <= numbers.back()))
+    {
+      return {};
+    }
+    prefix = stem.substr(0, begin);
+    numbers.push_back(number);
+  }
+  return numbers;
+}
+
 double secondsOf(double time)
 {
   return time * unitOfDate(time);

@@ -13,4 +13,8 @@ namespace dyslam
  * milliseconds or seconds by their size; nothing unless all names are such. Puts the files in the
  * order of these times, which differs from that of names such as 12.05 and 12.5. */
 [[nodiscard]] std::vector<double> stampsFromNames(std::vector<std::string>& files);
+
+/** Numbers at the end of file names such as 000024.bin or scan_24.pcd, which are equal before them;
+ * nothing unless all names are such, with numbers of at most nine digits that ascend. */
+[[nodiscard]] std::vector<int> numbersFromNames(const std::vector<std::string>& files);
 }  // namespace dyslam

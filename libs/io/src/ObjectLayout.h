@@ -27,6 +27,10 @@ class NewerMrpt : public std::runtime_error
   }
 };
 
+/** \throws NewerMrpt for a version above `newest`. \throws std::runtime_error for one below
+ * `oldest`, or so far above `newest` that no MRPT writes it: the byte is damaged. */
+void requireVersion(const std::string& class_name, int version, int oldest, int newest);
+
 /** What to do about it, for messages. */
 constexpr const char* newer_mrpt_advice =
     "record with MRPT 2.5.8, or export the scans as .pcd, .ply or .bin for scans2rawlog";

@@ -170,14 +170,14 @@ Scan fromRotatingScan(const CObservationRotatingScan& observation)
 Scan fromRangeImage(CObservation3DRangeScan& observation, const ExternalFiles& external)
 {
   loadExternalParts(observation, external);
-  Scan scan;
   if (observation.hasPoints3D)
   {
     if (observation.points3D_y.size() != observation.points3D_x.size() ||
         observation.points3D_z.size() != observation.points3D_x.size())
     {
-      throw UserError("points whose coordinates are of different numbers");
+      throw UserError("its points have x, y and z of different numbers; the file is damaged");
     }
+    Scan scan;
     for (std::size_t i = 0; i < observation.points3D_x.size(); ++i)
     {
       scan.points.emplace_back(observation.points3D_x[i], observation.points3D_y[i],
@@ -189,12 +189,7 @@ Scan fromRangeImage(CObservation3DRangeScan& observation, const ExternalFiles& e
   mrpt::obs::T3DPointsProjectionParams parameters;
   parameters.takeIntoAccountSensorPoseOnRobot = false;
   observation.unprojectInto(map, parameters);
-  for (std::size_t i = 0; i < map.size(); ++i)
-  {
-    scan.points.emplace_back(map.getPointsBufferRef_x()[i], map.getPointsBufferRef_y()[i],
-                             map.getPointsBufferRef_z()[i]);
-  }
-  return scan;
+  return scanFromPointsMap(map);
 }
 }  // namespace
 

@@ -1,17 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/core/Error.h>
 #include <dyslam/core/Quantile.h>
-#include <dyslam/formats/TextFile.h>
 #include <dyslam/io/PcapSource.h>
-#include <pcap/pcap.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <cstring>
 #include <deque>
-#include <filesystem>
+#include <utility>
 
+#include "VelodyneCapture.h"
 #include "VelodynePackets.h"
 
 namespace dyslam
@@ -19,151 +16,20 @@ namespace dyslam
 namespace
 {
 constexpr std::size_t probe_packets = 64;  //!< looked at to find the model
-constexpr double clock_jump = 1.0;         //!< [s] most between packets of a running clock
+constexpr double clock_jump = 1.0;         //!< longest step between packets of a running clock [s]
+constexpr double max_range = 250;          //!< [m], beyond the reach of every model
+constexpr int turn = 36000;                //!< [0.01 deg], as all azimuths here
 constexpr int whole_turn_tolerance = 300;  //!< [0.01 deg]
-
-struct CapturedPacket
-{
-  std::array<std::uint8_t, velodyne_packet_size> bytes{};
-  double captured = 0;  //!< UNIX time [s]
-
-  [[nodiscard]] VelodynePacketView view() const { return {bytes.data()}; }
-};
-
-std::uint16_t bigEndian(const std::uint8_t* at)
-{
-  return static_cast<std::uint16_t>((at[0] << 8U) | at[1]);
-}
-
-/** Bytes before the IP header; VLAN tags are not counted. */
-std::size_t headerSize(int link)
-{
-  switch (link)
-  {
-    case DLT_EN10MB:
-      return 14;
-    case DLT_LINUX_SLL:
-      return 16;
-    case DLT_LINUX_SLL2:  // of tcpdump -i any
-      return 20;
-    case DLT_NULL:
-      return 4;
-    default:
-      return 0;
-  }
-}
-
-struct UdpPacket
-{
-  const std::uint8_t* data = nullptr;  //!< null: none
-  std::size_t size = 0;
-  std::uint64_t stream = 0;  //!< sender's address and receiver's port: one of each lidar
-};
-
-/** The UDP packet in a captured frame. */
-UdpPacket udpPacket(int link, const std::uint8_t* data, std::size_t size)
-{
-  std::size_t at = headerSize(link);
-  if (link == DLT_EN10MB && size > 18 && bigEndian(data + 12) == 0x8100)
-  {
-    at += 4;
-  }
-  if (size < at + 28 || (data[at] >> 4U) != 4 || data[at + 9] != 17)
-  {
-    return {};
-  }
-  std::uint64_t stream = 0;
-  for (std::size_t i = 12; i < 16; ++i)
-  {
-    stream = stream << 8U | data[at + i];
-  }
-  at += static_cast<std::size_t>(data[at] & 0x0fU) * 4;
-  if (size < at + 8)
-  {
-    return {};
-  }
-  return {data + at + 8, std::min<std::size_t>(size - at - 8, bigEndian(data + at + 4) - 8U),
-          stream << 16U | bigEndian(data + at + 2)};
-}
-
-/** Data packets of a capture file one by one, those of its first lidar. */
-class PacketReader
-{
- public:
-  explicit PacketReader(const std::string& path) : path_(path)
-  {
-    (void)openBinary(path);
-    size_ = std::filesystem::file_size(path);
-    std::array<char, PCAP_ERRBUF_SIZE> message{};
-    file_ = pcap_open_offline(path.c_str(), message.data());
-    if (file_ == nullptr)
-    {
-      throw UserError(path + ": is not a network capture: " + message.data() +
-                      "; give a folder, .pcap, .bag, .db3 or .mcap");
-    }
-  }
-  ~PacketReader() { pcap_close(file_); }
-  PacketReader(const PacketReader&) = delete;
-  PacketReader& operator=(const PacketReader&) = delete;
-
-  /** False at the end; `damage` then tells whether the file is damaged. */
-  [[nodiscard]] bool next(CapturedPacket& packet)
-  {
-    pcap_pkthdr* header = nullptr;
-    const u_char* data = nullptr;
-    int code = 0;
-    while ((code = pcap_next_ex(file_, &header, &data)) == 1)
-    {
-      const UdpPacket udp = udpPacket(pcap_datalink(file_), data, header->caplen);
-      if (udp.data != nullptr && udp.size == velodyne_packet_size)
-      {
-        stream_ = stream_.value_or(udp.stream);
-        if (udp.stream != *stream_)
-        {
-          ++of_others_;
-          continue;
-        }
-        std::memcpy(packet.bytes.data(), udp.data, udp.size);
-        packet.captured =
-            static_cast<double>(header->ts.tv_sec) + 1e-6 * static_cast<double>(header->ts.tv_usec);
-        ++count_;
-        return true;
-      }
-    }
-    if (code == PCAP_ERROR)
-    {
-      damage_ = pcap_geterr(file_);
-    }
-    return false;
-  }
-
-  [[nodiscard]] const std::string& damage() const { return damage_; }
-  [[nodiscard]] std::size_t count() const { return count_; }
-  /** Data packets of other lidars than the first. */
-  [[nodiscard]] std::size_t ofOthers() const { return of_others_; }
-  [[nodiscard]] double progress() const
-  {
-    const long at = std::ftell(pcap_file(file_));
-    return at < 0 || size_ == 0 ? 1.0 : static_cast<double>(at) / static_cast<double>(size_);
-  }
-
- private:
-  std::string path_;
-  pcap_t* file_ = nullptr;
-  std::uintmax_t size_ = 0;
-  std::size_t count_ = 0;
-  std::size_t of_others_ = 0;
-  std::optional<std::uint64_t> stream_;  //!< of the first data packet
-  std::string damage_;
-};
+constexpr std::uint8_t hdl32e_byte = 0x21;
+constexpr std::uint8_t vlp16_byte = 0x22;
 
 /** A revolution while it is read, with the data that show whether it is complete. */
 struct Revolution
 {
   Scan scan;
   bool begun = false;
-  int first_azimuth = 0;  //!< after the cut [0.01 deg]
-  int last_azimuth = 0;
+  int first_azimuth = 0;  //!< from the cut on [0.01 deg]
+  int last_azimuth = 0;   //!< from the cut on [0.01 deg]
 };
 
 std::string nameOf(VelodyneModel model)
@@ -196,12 +62,12 @@ struct PcapSource::Impl
 {
   std::string path;
   PcapSourceOptions options;
-  PacketReader reader;
+  VelodyneCapture reader;
   VelodyneModel model = VelodyneModel::automatic;
   std::unique_ptr<VelodyneDecoder> decoder;
   std::deque<CapturedPacket> probed;
   std::vector<std::string> notes;
-  int cut = 18000;
+  int cut = turn / 2;  //!< azimuth where scans are cut [0.01 deg]
 
   Revolution current;
   std::deque<Revolution> ready;
@@ -210,7 +76,8 @@ struct PcapSource::Impl
   bool first_revolution = true;
   bool finished = false;
   std::size_t bad_blocks = 0;
-  double stamp_offset = 0;  //!< capture's clock minus the sensor's unrolled one
+  std::size_t taken = 0;    //!< revolutions out of `ready`, delivered or not
+  double stamp_offset = 0;  //!< capture's clock minus the sensor's unrolled one [s]
   double sensor_time = 0;   //!< unrolled [s]
   std::optional<std::uint32_t> last_clock;
   double last_captured = 0;  //!< UNIX time [s]
@@ -218,7 +85,7 @@ struct PcapSource::Impl
   Impl(const std::string& path_in, const PcapSourceOptions& options_in)
       : path(path_in), options(options_in), reader(path_in)
   {
-    cut = static_cast<int>(std::lround(options.cut_azimuth * 18000 / M_PI)) % 36000;
+    cut = static_cast<int>(std::lround(options.cut_azimuth * 18000 / M_PI)) % turn;
     CapturedPacket packet;
     while (probed.size() < probe_packets && reader.next(packet))
     {
@@ -230,10 +97,10 @@ struct PcapSource::Impl
                       (reader.damage().empty() ? "" : "; " + reader.damage()));
     }
     model = options.model == VelodyneModel::automatic ? guessModel() : options.model;
-    decoder = std::make_unique<VelodyneDecoder>(calibration(), options.min_range, 250.0);
+    decoder = std::make_unique<VelodyneDecoder>(calibration(), options.min_range, max_range);
   }
 
-  /** By the blocks' headers and the packets' pace: some firmware gives the wrong model byte. */
+  /** By the blocks' headers and the packets' rate: some firmware gives the wrong model byte. */
   VelodyneModel guessModel()
   {
     for (const CapturedPacket& packet : probed)
@@ -245,47 +112,60 @@ struct PcapSource::Impl
       }
     }
     const std::uint8_t byte = probed.front().view().modelByte();
-    const char* other = byte == 0x24   ? "Puck Hi-Res"
+    requireDecodable(byte);
+    const VelodyneModel stated = byte == hdl32e_byte  ? VelodyneModel::hdl32e
+                                 : byte == vlp16_byte ? VelodyneModel::vlp16
+                                                      : VelodyneModel::automatic;
+    const VelodyneModel model_by_rate = modelByRate().value_or(stated);
+    if (model_by_rate == VelodyneModel::automatic)
+    {
+      throw UserError(path + ": unknown lidar (model byte " + std::to_string(byte) +
+                      "); name VLP16, HDL32E or HDL64E");
+    }
+    if (stated != model_by_rate)
+    {
+      notes.push_back(path + ": taken as " + nameOf(model_by_rate) + " by the rate of its packets" +
+                      (stated == VelodyneModel::automatic
+                           ? ""
+                           : ", not as the " + nameOf(stated) + " that they claim to be"));
+    }
+    return model_by_rate;
+  }
+
+  /** \throws UserError for the model byte of a lidar that VelodyneDecoder does not support. */
+  void requireDecodable(std::uint8_t byte) const
+  {
+    constexpr std::uint8_t hi_res = 0x24;  // a VLP-16 with other beam angles
+    const char* other = byte == hi_res ? "Puck Hi-Res"
                         : byte == 0x28 ? "VLP-32C"
                         : byte == 0xA1 ? "VLS-128"
                                        : nullptr;
     if (other != nullptr)
     {
       throw UserError(path + ": is of a " + other + ", which is not decoded" +
-                      (byte == 0x24 ? "; with --sensor VLP16 and its --calibration it is"
-                                    : "; record the clouds of its driver in a ROS bag"));
+                      (byte == hi_res ? "; with --sensor VLP16 and its --calibration it is"
+                                      : "; record the clouds of its driver in a ROS bag"));
     }
-    VelodyneModel stated = byte == 0x21   ? VelodyneModel::hdl32e
-                           : byte == 0x22 ? VelodyneModel::vlp16
-                                          : VelodyneModel::automatic;
-    std::vector<double> paces;
+  }
+
+  /** The model that sends a packet every 1327 us (VLP-16) or 553 us (HDL-32E), or nothing. */
+  [[nodiscard]] std::optional<VelodyneModel> modelByRate() const
+  {
+    std::vector<double> periods;
     for (std::size_t i = 1; i < probed.size(); ++i)
     {
-      paces.push_back(microsecondsBetween(probed[i - 1].view().clock(), probed[i].view().clock()));
+      periods.push_back(
+          microsecondsBetween(probed[i - 1].view().clock(), probed[i].view().clock()));
     }
-    if (!paces.empty())
+    if (periods.empty())
     {
-      const bool dual = probed.front().view().returnMode() == VelodynePacketView::dual_return;
-      const double pace = upperMedian(paces) * (dual ? 2 : 1);
-      // 1327 us for VLP-16, 553 us for HDL-32E.
-      const auto paced = pace > 1200 && pace < 1450 ? VelodyneModel::vlp16
-                         : pace > 480 && pace < 630 ? VelodyneModel::hdl32e
-                                                    : stated;
-      if (stated != paced)
-      {
-        notes.push_back(path + ": taken as " + nameOf(paced) + " by the pace of its packets" +
-                        (stated == VelodyneModel::automatic
-                             ? ""
-                             : ", not as the " + nameOf(stated) + " that they claim to be"));
-        stated = paced;
-      }
+      return std::nullopt;
     }
-    if (stated == VelodyneModel::automatic)
-    {
-      throw UserError(path + ": unknown lidar (model byte " + std::to_string(byte) +
-                      "); name VLP16, HDL32E or HDL64E");
-    }
-    return stated;
+    const bool dual = probed.front().view().returnMode() == VelodynePacketView::dual_return;
+    const double period = upperMedian(periods) * (dual ? 2 : 1);
+    return period > 1200 && period < 1450 ? std::optional(VelodyneModel::vlp16)
+           : period > 480 && period < 630 ? std::optional(VelodyneModel::hdl32e)
+                                          : std::nullopt;
   }
 
   [[nodiscard]] mrpt::obs::VelodyneCalibration calibration() const
@@ -315,9 +195,9 @@ struct PcapSource::Impl
     return reader.next(packet);
   }
 
-  /** The sensor's clock unrolled over hours and set to the time of the first packet's capture.
-   * Where it goes back or jumps, it was set, or packets are missing: the time that passed is that
-   * of the capture's clock. */
+  /** The stamp of a packet [s]: the sensor's clock, unrolled over hours and set to the time of the
+   * first packet's capture. Where it goes back or jumps, it was set, or packets are missing: the
+   * time that passed is that of the capture's clock. */
   double stampOf(const CapturedPacket& packet)
   {
     const std::uint32_t clock = packet.view().clock();
@@ -346,8 +226,8 @@ struct PcapSource::Impl
     const VelodynePacketView view = packet.view();
     for (std::size_t block = 0; block < velodyne_blocks; ++block)
     {
-      const int azimuth = (view.azimuth(block) + 36000 - cut) % 36000;
-      if (current.last_azimuth - azimuth > 18000)
+      const int azimuth = (view.azimuth(block) + turn - cut) % turn;
+      if (current.last_azimuth - azimuth > turn / 2)
       {
         finishRevolution();
       }
@@ -389,16 +269,15 @@ struct PcapSource::Impl
       return true;
     }
     const bool begins = !first || near(revolution.first_azimuth, typical_first.value_or(0));
-    const bool ends = !last || near(revolution.last_azimuth, typical_last.value_or(35999));
+    const bool ends = !last || near(revolution.last_azimuth, typical_last.value_or(turn - 1));
     return begins && ends;
   }
 
-  std::size_t taken = 0;
-
-  std::optional<Scan> next()
+  /** Reads on until two revolutions are ready: one is held back, so that the last is known as
+   * such. */
+  void fillReady()
   {
     CapturedPacket packet;
-    // One revolution is held back, so that the last is known as such.
     while (ready.size() < 2 && !finished)
     {
       if (nextPacket(packet))
@@ -409,7 +288,11 @@ struct PcapSource::Impl
       finished = true;
       finishRevolution();
     }
-    while (!ready.empty())
+  }
+
+  std::optional<Scan> next()
+  {
+    for (fillReady(); !ready.empty(); fillReady())
     {
       Revolution revolution = std::move(ready.front());
       ready.pop_front();
@@ -423,10 +306,6 @@ struct PcapSource::Impl
       {
         revolution.scan.sensor_label = nameOf(model);
         return std::move(revolution.scan);
-      }
-      if (ready.size() < 2 && !finished)
-      {
-        return next();
       }
     }
     if (!reader.damage().empty())

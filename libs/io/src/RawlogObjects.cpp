@@ -183,14 +183,7 @@ bool RawlogObjects::observation(const ObjectHeader& header,
 
 void RawlogObjects::sensoryFrame(int version, std::deque<CObservation::Ptr>& observations)
 {
-  if (version > 2)
-  {
-    throw NewerMrpt("a CSensoryFrame of version " + std::to_string(version));
-  }
-  if (version < 1)
-  {
-    throw std::runtime_error("a CSensoryFrame of version 0, which is not known");
-  }
+  requireVersion("CSensoryFrame", version, 1, 2);
   window_.skip(version < 2 ? sizeof(std::uint32_t) : 0);  // a number
   const std::uint32_t count = window_.u32();
   if (count > most_in_frame)

@@ -87,7 +87,7 @@ void RawlogStream::failReading(const std::string& reason) const
                     (reason.empty() ? "" : ": " + reason) + "; " + advice);
   }
   const std::string count = std::to_string(objects_);
-  if (file_->broken())
+  if (file_->broken() || (!file_->cut() && file_->checkMember()))
   {
     throw UserError(path_ + ": the compressed data are damaged after " + count +
                     " objects; copy or record the file again");
@@ -110,7 +110,7 @@ void RawlogStream::readObject()
   }
   catch (const NewerMrpt& error)
   {
-    if (file_->readError().empty() && !file_->broken() && !file_->cut())
+    if (file_->readError().empty() && !file_->cut() && !file_->checkMember())
     {
       throw UserError(path_ + ": has " + error.what() + "; " + newer_mrpt_advice);
     }

@@ -10,8 +10,6 @@
 #include <mrpt/obs/CObservationIMU.h>
 #include <mrpt/obs/CObservationOdometry.h>
 #include <mrpt/obs/CObservationPointCloud.h>
-#include <mrpt/obs/CObservationRobotPose.h>
-#include <mrpt/serialization/CArchive.h>
 
 #include <algorithm>
 #include <cmath>
@@ -20,6 +18,7 @@
 #include <stdexcept>
 #include <vector>
 
+#include "ObservationOutput.h"
 #include "ObservationScans.h"
 
 namespace dyslam
@@ -175,13 +174,6 @@ struct RawlogWriter::Impl
     }
   }
 
-  void put(const mrpt::serialization::CSerializable& object)
-  {
-    auto archive = mrpt::serialization::archiveFrom(file);
-    archive << object;
-    file.check();
-  }
-
   void putCloud(const Scan& scan, const std::string& label, const mrpt::maps::CPointsMap::Ptr& map)
   {
     CObservationPointCloud observation;
@@ -193,7 +185,7 @@ struct RawlogWriter::Impl
     {
       putExternally(observation, label);
     }
-    put(observation);
+    writeObject(observation, file);
   }
 
   void putExternally(CObservationPointCloud& observation, const std::string& label)
@@ -202,21 +194,10 @@ struct RawlogWriter::Impl
     std::replace(name.begin(), name.end(), '/', '_');
     external.push_back(name);
     GzOutput out((fs::path(pendingFolder()) / name).string(), options.compression_level);
-    auto archive = mrpt::serialization::archiveFrom(out);
-    archive << *observation.pointcloud;
+    writeObject(*observation.pointcloud, out);
     out.close();
     observation.setAsExternalStorage(
         name, CObservationPointCloud::ExternalStorageFormat::MRPT_Serialization);
-  }
-
-  void putTruth(const Scan& scan, const Pose& truth)
-  {
-    mrpt::obs::CObservationRobotPose observation;
-    observation.timestamp = toMrptTime(scan.stamp);
-    observation.sensorLabel = options.ground_truth_label;
-    observation.pose.mean = toMrpt(truth);
-    observation.pose.cov.setZero();
-    put(observation);
   }
 
   /** Integrates the mean of both velocities since the sample before. */
@@ -265,7 +246,7 @@ void RawlogWriter::write(const Scan& scan, const std::optional<Pose>& truth)
       scan.sensor_label.empty() ? impl_->options.sensor_label : scan.sensor_label;
   if (truth)
   {
-    impl_->putTruth(scan, *truth);
+    writeObject(robotPose(scan.stamp, impl_->options.ground_truth_label, *truth), impl_->file);
   }
   if (!scan.time.empty() || !scan.ring.empty())
   {
@@ -289,7 +270,7 @@ void RawlogWriter::write(const ImuSample& sample)
     setVector(observation, mrpt::obs::IMU_X_ACC, mrpt::obs::IMU_Y_ACC, mrpt::obs::IMU_Z_ACC,
               *sample.acceleration);
   }
-  impl_->put(observation);
+  writeObject(observation, impl_->file);
 }
 
 void RawlogWriter::write(const WheelSample& sample)
@@ -304,7 +285,7 @@ void RawlogWriter::write(const WheelSample& sample)
       mrpt::poses::CPose2D(pose.translation().x(), pose.translation().y(), yawPitchRoll(pose).x());
   observation.hasVelocities = true;
   observation.velocityLocal = mrpt::math::TTwist2D(sample.forward_speed, 0, sample.yaw_rate);
-  impl_->put(observation);
+  writeObject(observation, impl_->file);
 }
 
 void RawlogWriter::close()

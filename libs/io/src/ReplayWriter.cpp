@@ -7,16 +7,15 @@
 #include <mrpt/maps/CPointsMapXYZI.h>
 #include <mrpt/obs/CObservation3DScene.h>
 #include <mrpt/obs/CObservationPointCloud.h>
-#include <mrpt/obs/CObservationRobotPose.h>
 #include <mrpt/opengl/COpenGLScene.h>
 #include <mrpt/opengl/stock_objects.h>
-#include <mrpt/serialization/CArchive.h>
 
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <stdexcept>
 
+#include "ObservationOutput.h"
 #include "SceneParts.h"
 
 namespace dyslam
@@ -164,30 +163,13 @@ struct ReplayWriter::Impl
     saved(seen, written, path_stride, odometry_path);
   }
 
-  void put(const mrpt::serialization::CSerializable& object)
-  {
-    auto archive = mrpt::serialization::archiveFrom(file);
-    archive << object;
-    file.check();
-  }
-
   void putCloud(const Frame& frame, const char* label, const Part& part)
   {
     mrpt::obs::CObservationPointCloud observation;
     observation.timestamp = toMrptTime(frame.scan.stamp);
     observation.sensorLabel = label;
     observation.pointcloud = pointsMap(part);
-    put(observation);
-  }
-
-  void putPose(const Frame& frame, const char* label, const Pose& pose)
-  {
-    mrpt::obs::CObservationRobotPose observation;
-    observation.timestamp = toMrptTime(frame.scan.stamp);
-    observation.sensorLabel = label;
-    observation.pose.mean = toMrpt(pose);
-    observation.pose.cov.setZero();
-    put(observation);
+    writeObject(observation, file);
   }
 
   /** Appends the position; every other one is dropped where the path gets too long. */
@@ -242,7 +224,7 @@ struct ReplayWriter::Impl
         }
       }
     }
-    put(observation);
+    writeObject(observation, file);
   }
 };
 
@@ -289,11 +271,11 @@ void ReplayWriter::write(const Frame& frame)
   const Part moving_part = partOf(frame, moving, true, 0);
   if (frame.T_map_vehicle().matrix().allFinite())
   {
-    m.putPose(frame, "estimate", frame.T_map_vehicle());
+    writeObject(robotPose(frame.scan.stamp, "estimate", frame.T_map_vehicle()), m.file);
   }
   if (frame.T_world_vehicle_truth)
   {
-    m.putPose(frame, "ground_truth", *frame.T_world_vehicle_truth);
+    writeObject(robotPose(frame.scan.stamp, "ground_truth", *frame.T_world_vehicle_truth), m.file);
   }
   m.putCloud(frame, "static", standing_part);
   m.putCloud(frame, "moving", moving_part);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/core/Error.h>
 #include <dyslam/core/Files.h>
+#include <dyslam/core/Printable.h>
 #include <dyslam/formats/FieldConventions.h>
 #include <dyslam/formats/KittiFiles.h>
 #include <dyslam/formats/RecordingKind.h>
@@ -13,6 +14,7 @@
 #include <array>
 #include <cmath>
 #include <filesystem>
+#include <sstream>
 #include <utility>
 
 #include "NameStamps.h"
@@ -43,6 +45,86 @@ std::vector<Pose> readPosesFor(const std::string& path, std::size_t scans)
   return poses;
 }
 
+std::string stepText(double dt)
+{
+  std::ostringstream text;
+  text << dt;
+  return text.str();
+}
+
+/** Times by the numbers in the files' names, counted from the first. \throws UserError. */
+std::vector<double> stampsByNumber(const std::vector<std::string>& files,
+                                   const ScanConverterOptions& options,
+                                   ScanSink& sink)
+{
+  const std::vector<int> numbers = numbersFromNames(files);
+  if (numbers.empty())
+  {
+    throw UserError(fs::path(files.front()).parent_path().string() +
+                    ": --by-number: the file names do not end in ascending numbers of at most nine "
+                    "digits, with the same text before them; give --times");
+  }
+  const double dt = options.dt > 0 ? options.dt : assumed_dt;
+  std::vector<double> stamps;
+  stamps.reserve(numbers.size());
+  for (const int number : numbers)
+  {
+    stamps.push_back(static_cast<double>(number - numbers.front()) * dt);
+  }
+  sink.note("time stamps: numbers in the file names, " + stepText(dt) + " s apart");
+  return stamps;
+}
+
+/** What is unusual about the scans of a folder. */
+struct FolderFindings
+{
+  bool assumed_times = false;  //!< scans that are taken as equally far apart
+  std::size_t empty = 0;       //!< files without points
+  std::string first_empty;
+
+  void add(const Scan& scan, bool has_stamp, const std::string& file)
+  {
+    assumed_times = assumed_times || !has_stamp;
+    if (scan.size() == 0)
+    {
+      first_empty = empty == 0 ? fs::path(file).filename().string() : first_empty;
+      ++empty;
+    }
+  }
+};
+
+/** Warns if the files are taken as `dt` apart, though numbers are missing between them. */
+void warnAboutGaps(const std::vector<std::string>& files, double dt, ScanSink& sink)
+{
+  const std::vector<int> numbers = numbersFromNames(files);
+  const auto gap =
+      std::adjacent_find(numbers.begin(), numbers.end(), [](int a, int b) { return b - a > 1; });
+  if (gap == numbers.end())
+  {
+    return;
+  }
+  const auto before = static_cast<std::size_t>(gap - numbers.begin());
+  sink.warn("file numbers have gaps: " + fs::path(files[before + 1]).filename().string() +
+            " follows " + fs::path(files[before]).filename().string() + "; scans are taken as " +
+            stepText(dt) + " s apart (--by-number takes their times from their numbers)");
+}
+
+void warnAbout(const FolderFindings& findings,
+               const std::vector<std::string>& files,
+               const ScanConverterOptions& options,
+               ScanSink& sink)
+{
+  if (findings.assumed_times)
+  {
+    warnAboutGaps(files, options.dt > 0 ? options.dt : assumed_dt, sink);
+  }
+  if (findings.empty > 0)
+  {
+    sink.warn(counted(findings.empty, "file") + " without points, the first is " +
+              findings.first_empty + ": empty scans are written");
+  }
+}
+
 /** A time for each scan of a folder; empty if only the scans themselves have times. May put the
  * files in another order. */
 std::vector<double> stampsFor(std::vector<std::string>& files,
@@ -63,6 +145,10 @@ std::vector<double> stampsFor(std::vector<std::string>& files,
     }
     sink.note("time stamps: " + options.times);
     return stamps;
+  }
+  if (options.by_number)
+  {
+    return stampsByNumber(files, options, sink);
   }
   if (options.dt > 0)
   {
@@ -108,15 +194,22 @@ void convertFolder(const std::string& input,
     sink.setPoseOrigin(PoseSource::given, nameOfFile(options.poses));
   }
   FieldConventions conventions;
+  FolderFindings findings;
+  findings.assumed_times = options.dt > 0 && !options.by_number;
   for (std::size_t i = 0; i < files.size(); ++i)
   {
     Scan scan =
         layout == BinLayout::xyzir ? readBin(files[i], layout) : readCloud(files[i], conventions);
-    if (!stamps.empty())
+    if (options.by_number)
+    {
+      scan.stamp = stamps[i];
+    }
+    else if (!stamps.empty())
     {
       conventions.restamp(scan, stamps[i]);
     }
     const bool has_stamp = !stamps.empty() || scan.stamp != 0;
+    findings.add(scan, has_stamp, files[i]);
     if (!sink.put(std::move(scan), has_stamp,
                   i < poses.size() ? std::optional<Pose>(poses[i]) : std::nullopt,
                   static_cast<double>(i + 1) / static_cast<double>(files.size())))
@@ -129,6 +222,7 @@ void convertFolder(const std::string& input,
     throw UserError(input + ": " + emptyRange(options) + " of the " + std::to_string(files.size()) +
                     " scans");
   }
+  warnAbout(findings, files, options, sink);
   for (const std::string& note : conventions.notes())
   {
     sink.note(note);
@@ -230,6 +324,7 @@ void requireFitting(InputKind kind, const ScanConverterOptions& options)
        {Use{"--bin-layout", options.bin_layout.has_value(), InputKind::folder, "a folder of scans"},
         Use{"--poses", !options.poses.empty(), InputKind::folder, "a folder of scans"},
         Use{"--times", !options.times.empty(), InputKind::folder, "a folder of scans"},
+        Use{"--by-number", options.by_number, InputKind::folder, "a folder of scans"},
         Use{"--calibration", !options.calibration.empty(), InputKind::pcap, "a .pcap"},
         Use{"--keep-partial", options.keep_partial, InputKind::pcap, "a .pcap"},
         Use{"--topic", !options.topic.empty(), InputKind::bag, "a bag"},
@@ -251,6 +346,10 @@ void requireFitting(InputKind kind, const ScanConverterOptions& options)
   if (!options.times.empty() && options.dt > 0)
   {
     throw UserError("--times and --dt exclude each other");
+  }
+  if (!options.times.empty() && options.by_number)
+  {
+    throw UserError("--times and --by-number exclude each other");
   }
   if (options.pose_source != PoseSource::unknown && options.poses.empty() &&
       options.truth_topic.empty())
@@ -288,6 +387,8 @@ void ScanConverterOptions::describe(OptionsVisitor& visitor)
   visitor.text("sensor_pose", sensor_pose,
                "pose of the lidar on the vehicle, x y z yaw pitch roll; empty: identity [m, deg]");
   visitor.real("dt", dt, 0, 3600, "time between scans; 0: the scans' own times, else 0.1 [s]");
+  visitor.flag("by_number", by_number,
+               "times of a folder's scans by the numbers in their names, dt apart");
   visitor.flag("keep_partial", keep_partial, "convert also incomplete first and last revolutions");
   describePoseSource(
       visitor, "pose_source", pose_source,

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/core/Error.h>
 #include <dyslam/core/Printable.h>
-#include <dyslam/core/Trajectory.h>
 #include <dyslam/io/RawlogSource.h>
 #include <dyslam/io/ScanDecoder.h>
 #include <dyslam/mrpt/Conversions.h>
@@ -10,7 +9,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <deque>
 #include <map>
 #include <sstream>
 #include <utility>
@@ -21,6 +19,7 @@
 #include "MrptErrors.h"
 #include "ObservationScans.h"
 #include "RecordingNotes.h"
+#include "TruePoses.h"
 
 namespace dyslam
 {
@@ -31,7 +30,6 @@ using mrpt::obs::CObservation;
 constexpr std::size_t max_dropped_in_a_row = 10;
 constexpr std::size_t scans_after_step = 4;  //!< regular scans that show a clock set back
 constexpr double same_time = 1e-6;           //!< stamps this near are one [s]
-constexpr double truth_memory = 2.0;         //!< how long old true poses are kept [s]
 
 bool endsWith(const std::string& text, const std::string& end)
 {
@@ -48,7 +46,8 @@ struct ScanDecoder::Impl
         wanted("sensor_label", options_in.sensor_label),
         motion(options_in),
         scale_intensity(options_in.intensity_scale),
-        selection(options_in)
+        selection(options_in),
+        truths(options_in.ground_truth_max_gap)
   {
   }
 
@@ -84,8 +83,7 @@ struct ScanDecoder::Impl
       if (!options.ground_truth_label.empty() &&
           robot_pose->sensorLabel == options.ground_truth_label)
       {
-        truths.push_back(
-            {toStamp(robot_pose->timestamp), toPose(robot_pose->pose.mean), clock_shift});
+        truths.add(toStamp(robot_pose->timestamp), toPose(robot_pose->pose.mean), clock_shift);
       }
       return false;
     }
@@ -155,7 +153,7 @@ struct ScanDecoder::Impl
     }
     const double period = (stamp - stamps_gone_back.front()) / static_cast<double>(n - 1);
     const double shift = *last_stamp + static_cast<double>(n) * period - stamp;
-    shiftTruths(shift);
+    truths.shiftClock(clock_shift, shift);
     motion.shiftClock(shift);
     clock_shift += shift;
     char text[160];
@@ -165,27 +163,6 @@ struct ScanDecoder::Impl
                   clock_shift);
     notes.add(text, index);
     return true;
-  }
-
-  /** The true poses read since the clock was set back are by the new clock. They begin where the
-   * times go back farthest. */
-  void shiftTruths(double shift)
-  {
-    std::size_t begin = truths.size();
-    double farthest = 0;
-    for (std::size_t i = 1; i < truths.size(); ++i)
-    {
-      const double back = truths[i - 1].stamp - truths[i].stamp;
-      if (truths[i - 1].clock_shift == clock_shift && back > farthest)
-      {
-        begin = i;
-        farthest = back;
-      }
-    }
-    for (; begin < truths.size(); ++begin)
-    {
-      truths[begin].clock_shift += shift;
-    }
   }
 
   void addTimeRing(CObservation* own, std::size_t index, Scan& scan)
@@ -201,45 +178,6 @@ struct ScanDecoder::Impl
     {
       notes.add("times and rings that do not fit their scan were ignored", index);
     }
-  }
-
-  [[nodiscard]] std::optional<Pose> truthAt(double shifted_stamp, double scan_shift)
-  {
-    const double stamp = shifted_stamp - scan_shift;
-    while (!truths.empty() &&
-           (truths.front().clock_shift < scan_shift || truths.front().stamp < stamp - truth_memory))
-    {
-      truths.pop_front();
-    }
-    const Truth* before = nullptr;
-    const Truth* after = nullptr;
-    for (const Truth& truth : truths)
-    {
-      if (truth.clock_shift > scan_shift)
-      {
-        break;  // the clock was set back; its times may be like those before
-      }
-      if (std::abs(truth.stamp - stamp) <= same_time)
-      {
-        return truth.pose;
-      }
-      if (truth.stamp < stamp && (before == nullptr || truth.stamp > before->stamp))
-      {
-        before = &truth;
-      }
-      if (truth.stamp > stamp && (after == nullptr || truth.stamp < after->stamp))
-      {
-        after = &truth;
-      }
-    }
-    if (before == nullptr || after == nullptr ||
-        stamp - before->stamp > options.ground_truth_max_gap ||
-        after->stamp - stamp > options.ground_truth_max_gap)
-    {
-      return std::nullopt;
-    }
-    const double fraction = (stamp - before->stamp) / (after->stamp - before->stamp);
-    return interpolate(before->pose, after->pose, fraction);
   }
 
   /** Why the options leave no scan. */
@@ -283,13 +221,7 @@ struct ScanDecoder::Impl
   std::string label;  //!< of the lidar in use, once it is known
 
   CObservation::Ptr companion;  //!< read, its scan not yet
-  struct Truth
-  {
-    double stamp = 0;  //!< as recorded [s]
-    Pose pose = Pose::Identity();
-    double clock_shift = 0;  //!< of the scans with the same clock [s]
-  };
-  std::deque<Truth> truths;
+  TruePoses truths;
 
   std::size_t scans_seen = 0;            //!< with the wanted label, delivered or not
   std::optional<double> first_stamp;     //!< of those with a good stamp
@@ -352,6 +284,7 @@ Frame ScanDecoder::decode(const RecordedScan& scan)
   try
   {
     frame.scan = scanFromObservation(*scan.observation, s.external);
+    s.addTimeRing(scan.time_ring.get(), scan.index, frame.scan);
   }
   catch (const UserError& error)
   {
@@ -362,7 +295,6 @@ Frame ScanDecoder::decode(const RecordedScan& scan)
     throw UserError(s.recording + ": scan " + std::to_string(frame.index) +
                     " is damaged: " + messageOf(error));
   }
-  s.addTimeRing(scan.time_ring.get(), scan.index, frame.scan);
   frame.scan.stamp += scan.clock_shift;
   s.scale_intensity(frame.scan);
   if (frame.scan.size() == 0)
@@ -374,7 +306,7 @@ Frame ScanDecoder::decode(const RecordedScan& scan)
 
 std::optional<Pose> ScanDecoder::truthAt(double stamp, double clock_shift)
 {
-  return impl_->truthAt(stamp, clock_shift);
+  return impl_->truths.at(stamp - clock_shift, clock_shift);
 }
 std::size_t ScanDecoder::framesDropped() const
 {

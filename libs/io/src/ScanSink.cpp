@@ -9,8 +9,6 @@ namespace dyslam
 {
 namespace
 {
-constexpr double default_dt = 0.1;  //!< [s]
-
 /** Whether the points have two different times or more. */
 bool haveDifferentTimes(const Scan& scan)
 {
@@ -46,8 +44,8 @@ bool ScanSink::put(Scan scan,
 {
   const std::size_t number = seen_++;
   const auto first = static_cast<std::size_t>(options_.skip_first_n);
-  const bool assume_rate = options_.dt > 0 || !has_stamp;
-  const double dt = options_.dt > 0 ? options_.dt : default_dt;
+  const bool assume_rate = (options_.dt > 0 && !options_.by_number) || !has_stamp;
+  const double dt = options_.dt > 0 ? options_.dt : assumed_dt;
   const double recorded = assume_rate ? static_cast<double>(number) * dt : scan.stamp;
   if (!selection_.takes(number, recorded))
   {
@@ -75,7 +73,7 @@ bool ScanSink::put(Scan scan,
   motion_.writeUpTo(scan.stamp, out_);
   out_.write(scan, T_world_lidar);
   ++written_;
-  out_.tell(progress_, progress);
+  out_.reportProgress(progress_, progress);
   return options_.only_first_n == 0 || written_ < static_cast<std::size_t>(options_.only_first_n);
 }
 

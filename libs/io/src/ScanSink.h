@@ -12,6 +12,8 @@
 
 namespace dyslam
 {
+constexpr double assumed_dt = 0.1;  //!< between scans without times [s]
+
 /** Skips, limits and re-times scans on their way into the rawlog. */
 class ScanSink
 {

@@ -5,11 +5,11 @@
 #include <mrpt/opengl/CGridPlaneXY.h>
 #include <mrpt/opengl/COpenGLScene.h>
 #include <mrpt/opengl/stock_objects.h>
-#include <mrpt/serialization/CArchive.h>
 
 #include <algorithm>
 #include <cmath>
 
+#include "ObservationOutput.h"
 #include "SceneParts.h"
 
 namespace dyslam
@@ -151,8 +151,7 @@ void writeScene(const SceneContent& content, const std::string& path)
 {
   constexpr int compression_level = 6;
   GzOutput file(path, compression_level);
-  auto archive = mrpt::serialization::archiveFrom(file);
-  archive << sceneOf(content);
+  writeObject(sceneOf(content), file);
   file.close();
 }
 }  // namespace dyslam

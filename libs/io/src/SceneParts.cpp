@@ -11,6 +11,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdint>
+#include <cstdlib>
 #include <memory>
 
 namespace dyslam
@@ -61,7 +63,7 @@ class FilledPoints : public mrpt::opengl::CPointCloudColoured
 };
 }  // namespace
 
-TColor rampColour(float share)
+TColor rampColour(float value)
 {
   constexpr std::array<std::array<float, 3>, 6> stops{{{48, 70, 200},
                                                        {30, 170, 220},
@@ -69,7 +71,7 @@ TColor rampColour(float share)
                                                        {200, 220, 60},
                                                        {250, 150, 40},
                                                        {220, 50, 40}}};
-  const float at = std::clamp(share, 0.0F, 1.0F) * static_cast<float>(stops.size() - 1);
+  const float at = std::clamp(value, 0.0F, 1.0F) * static_cast<float>(stops.size() - 1);
   const auto low = std::min(static_cast<std::size_t>(at), stops.size() - 2);
   const float rest = at - static_cast<float>(low);
   const auto mix = [&](std::size_t c)
@@ -87,7 +89,7 @@ TColor objectColour(int id)
                                                                 {190, 70, 220},
                                                                 {70, 220, 230},
                                                                 {240, 90, 200}}};
-  const auto& c = colours[static_cast<std::size_t>(std::abs(id)) % colours.size()];
+  const auto& c = colours[static_cast<std::size_t>(std::abs(std::int64_t{id})) % colours.size()];
   return TColor(c[0], c[1], c[2]);
 }
 

@@ -13,9 +13,9 @@
 
 namespace dyslam
 {
-/** Colour of a share in [0, 1]: dark blue over green and yellow to red. */
-[[nodiscard]] mrpt::img::TColor rampColour(float share);
-/** One of a few well told apart colours, by an object's id. */
+/** Colour of a value in [0, 1]: dark blue over green and yellow to red. */
+[[nodiscard]] mrpt::img::TColor rampColour(float value);
+/** One of eight colours that are easy to tell apart, by an object's id. */
 [[nodiscard]] mrpt::img::TColor objectColour(int id);
 
 /** Points coloured by height between the 2nd and the 98th percentile, brightness by intensity (may
@@ -27,7 +27,7 @@ namespace dyslam
 [[nodiscard]] mrpt::opengl::CPointCloudColoured::Ptr plainColoured(
     const std::vector<Eigen::Vector3f>& points, const mrpt::img::TColor& colour, float point_size);
 
-/** Wire box with a bar at its front. \param T takes the box's frame to the scene's. */
+/** Wire box with a cross at its front. \param T takes the box's frame to the scene's. */
 [[nodiscard]] mrpt::opengl::CRenderizable::Ptr wireBox(const Box& box,
                                                        const Pose& T,
                                                        const mrpt::img::TColor& colour);

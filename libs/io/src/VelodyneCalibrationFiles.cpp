@@ -8,6 +8,7 @@
 #include <cmath>
 #include <filesystem>
 #include <set>
+#include <sstream>
 #include <string_view>
 
 #include "VelodynePackets.h"
@@ -61,6 +62,18 @@ double numberAfter(std::string_view text, const std::string& key)
                     "' is not a number");
   }
   return value;
+}
+
+/** \throws UserError unless the value is the number of a laser. */
+std::size_t laserId(double value)
+{
+  if (!(value >= 0 && value < most_lasers && value == std::floor(value)))
+  {
+    std::ostringstream text;
+    text << "laser_id " << value << " is not an integer from 0 to " << most_lasers - 1;
+    throw UserError(text.str());
+  }
+  return static_cast<std::size_t>(value);
 }
 
 /** The items of a list, `- {key: value, ...}` or `- key: value` with further lines. */
@@ -127,8 +140,10 @@ Calibration fromYaml(const std::string& text)
       }
       const double value = numberAfter(laser_text.substr(colon + 1), key);
       setField(laser, key, value);
-      id = key == "laser_id" && value >= 0 && value < most_lasers ? static_cast<std::size_t>(value)
-                                                                  : id;
+      if (key == "laser_id")
+      {
+        id = laserId(value);
+      }
     }
     if (calibration.laser_corrections.size() >= most_lasers && id >= most_lasers)
     {

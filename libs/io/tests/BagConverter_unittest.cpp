@@ -163,7 +163,7 @@ TEST(BagConverter, ChoosesTheTopicThatLooksMostLikeTheLidars)
   ASSERT_FALSE(all.notes.empty());
   EXPECT_EQ("scans: /points (sensor_msgs/PointCloud2)", all.notes[0]);
   ASSERT_FALSE(all.warnings.empty());
-  EXPECT_TRUE(contains(all.warnings[0], "--topic: /rear")) << all.warnings[0];
+  EXPECT_TRUE(contains(all.warnings[0], "--topic chooses others: /rear")) << all.warnings[0];
   options.topic = "/rear";
   EXPECT_EQ(4U, convertScans(folder.file("x.bag"), folder.file("x.rawlog"), options).scans);
   options.skip_first_n = 1;

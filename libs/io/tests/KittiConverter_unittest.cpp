@@ -457,6 +457,18 @@ TEST(KittiConverter, TimesAndSensorPose)
       convertKitti(folder.file("in"), folder.file("x.rawlog"), options).warnings.at(0), "0.1034"));
 }
 
+TEST(KittiConverter, AFileWithoutTimesIsAnError)
+{
+  const TestFolder folder;
+  writeBins(folder, "in/velodyne", 2);
+  KittiConverterOptions options;
+  options.times = folder.write("t.txt", "# none yet\n");
+  EXPECT_TRUE(contains(
+      messageOfError<UserError>(
+          [&] { (void)convertKitti(folder.file("in"), folder.file("x.rawlog"), options); }),
+      "t.txt: has 0 times, none for scan 0"));
+}
+
 /** A pose within 0.2 s before and after a scan is needed; poses of the camera are converted. */
 TEST(KittiConverter, PosesWithTimes)
 {

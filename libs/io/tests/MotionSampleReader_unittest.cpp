@@ -306,7 +306,8 @@ TEST(MotionSampleReader, OneSensorOfAKindIsChosenByItsLabel)
 
   options.odometry_label = "legs";
   EXPECT_TRUE(framesOf(path, options).at(0).wheels.empty());
-  EXPECT_TRUE(contains(linesOf(path, options), "odometry_label = legs fits no such sensor"));
+  EXPECT_TRUE(contains(linesOf(path, options),
+                       "odometry_label = legs matches the label of no such sensor"));
   options.imu_label = "(";
   const auto said = messageOfError<UserError>([&] { RawlogSource(path, options); });
   EXPECT_TRUE(contains(said, "imu_label = ( is not a regular expression")) << said;

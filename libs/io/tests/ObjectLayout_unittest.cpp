@@ -268,9 +268,9 @@ TEST(ObjectLayout, ObjectsOfANewerMrptAreCalledSo)
     return messageOfError<UserError>([&]
                                      { (void)readStream(folder.write("a.rawlog", bytes + xyzi)); });
   };
-  const auto ofNextVersion = [](std::string bytes, const std::string& class_name)
+  const auto ofVersion = [](std::string bytes, const std::string& class_name, int version)
   {
-    bytes.at(bytes.find(class_name) + class_name.size()) = 100;
+    bytes.at(bytes.find(class_name) + class_name.size()) = static_cast<char>(version);
     return bytes;
   };
   const std::string generic = renamed(xyzi, "CPointsMapXYZI", "CPointsMapIRTX");
@@ -280,14 +280,18 @@ TEST(ObjectLayout, ObjectsOfANewerMrptAreCalledSo)
       << said(generic);
   for (const char* class_name : {"CObservationPointCloud", "CPointsMapXYZI"})
   {
-    const std::string text = said(xyzi + ofNextVersion(xyzi, class_name));
+    const std::string text = said(xyzi + ofVersion(xyzi, class_name, 12));
     EXPECT_TRUE(contains(text, "has a " + std::string(class_name) +
-                                   " of version 100, written by a newer MRPT than 2.5.8; "))
+                                   " of version 12, written by a newer MRPT than 2.5.8; "))
         << text;
+    const std::string damaged = said(xyzi + ofVersion(xyzi, class_name, 116));
+    EXPECT_TRUE(contains(damaged, "is damaged after 1 objects: a " + std::string(class_name) +
+                                      " of version 116, which is not known; copy or record"))
+        << damaged;
   }
   CSensoryFrame frame;
   frame.insert(cloud<mrpt::maps::CPointsMapXYZI>());
-  EXPECT_TRUE(contains(said(ofNextVersion(bytesOf(frame), "CSensoryFrame")), "a newer MRPT"));
+  EXPECT_TRUE(contains(said(ofVersion(bytesOf(frame), "CSensoryFrame", 12)), "a newer MRPT"));
   // Neither is a name that was damaged.
   EXPECT_FALSE(contains(said(renamed(xyzi, "CPointsMapXYZI", "CPoints\x01\x02pXYZI")), "newer"));
 }

@@ -255,6 +255,10 @@ TEST(PcapSource, OwnCalibration)
   const auto again = revolutionsOf(path, options).scans;
   ASSERT_EQ(again.size(), scans.size());
   EXPECT_EQ(again[0].points, scans[0].points);
+  options.calibration_file = folder.write("c.yaml", block + "- laser_id: 200\n");
+  EXPECT_TRUE(contains(messageOfError<UserError>([&] { revolutionsOf(path, options); }),
+                       "c.yaml: laser_id 200 is not an integer from 0 to 127"));
+  options.calibration_file = folder.file("b.yaml");
   options.model = VelodyneModel::hdl64e;
   EXPECT_THROW(revolutionsOf(path, options), UserError);
   options.calibration_file = "";

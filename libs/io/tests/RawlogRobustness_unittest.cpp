@@ -151,6 +151,32 @@ TEST(RawlogRobustness, FlippedBytesNeverCrash)
   }
 }
 
+/** Not taken for a file of another version of MRPT. */
+TEST(RawlogRobustness, OverwrittenBytesAreDamage)
+{
+  const TestFolder folder;
+  writeScans(folder.file("a.rawlog"), 6);
+  const std::string whole = folder.read("a.rawlog");
+  constexpr std::size_t header = 32;  // of gzip, and the beginning of the data
+  constexpr std::size_t length = 16;
+  for (const char byte : {'\0', '\xA5', '\xFF', 't'})
+  {
+    for (std::size_t at = header; at + length < whole.size(); at += 29)
+    {
+      std::string damaged = whole;
+      damaged.replace(at, length, length, byte);
+      if (damaged == whole)
+      {
+        continue;
+      }
+      const std::string error = outcomeOf(folder.write("damaged.rawlog", damaged)).error;
+      EXPECT_TRUE(contains(error, "damaged") || contains(error, "is cut short"))
+          << at << ": " << error;
+      EXPECT_FALSE(contains(error, "newer MRPT")) << at << ": " << error;
+    }
+  }
+}
+
 TEST(RawlogRobustness, RotatingScansMustHaveTheRowsTheySay)
 {
   const TestFolder folder;

@@ -5,6 +5,8 @@
 #include <dyslam/io/Converters.h>
 #include <dyslam/io/RawlogSource.h>
 
+#include <algorithm>
+
 #include "ScanFolders.h"
 
 namespace dyslam
@@ -271,6 +273,70 @@ TEST(ScanConverter, CountedNamesAndTimesOfAFile)
       messageOfError<UserError>(
           [&] { (void)convertScans(folder.file("in"), folder.file("x.rawlog"), options); }),
       "has 1 times, but there are 2 scans"));
+}
+
+TEST(ScanConverter, GapsInTheNumbersOfFiles)
+{
+  const TestFolder folder;
+  makeFolderOf(folder, "in");
+  for (const char* name : {"f_000000", "f_000024", "f_000048", "f_000049"})
+  {
+    const Scan scan = someScan(0, 5);
+    writeBin(folder.file("in/" + std::string(name) + ".bin"), scan.points, scan.intensity);
+  }
+  const auto converted = [&](const ScanConverterOptions& options)
+  {
+    const auto warnings =
+        convertScans(folder.file("in"), folder.file("x.rawlog"), options).warnings;
+    return std::any_of(warnings.begin(), warnings.end(),
+                       [](const std::string& warning)
+                       {
+                         return contains(warning,
+                                         "file numbers have gaps: f_000024.bin follows "
+                                         "f_000000.bin; scans are taken as 0.");
+                       });
+  };
+  const auto stampsOfScans = [&]
+  {
+    std::vector<double> stamps;
+    for (const auto& frame : readAll(folder.file("x.rawlog")))
+    {
+      stamps.push_back(frame.scan.stamp);
+    }
+    return stamps;
+  };
+  ScanConverterOptions options;
+  EXPECT_TRUE(converted(options));
+  options.dt = 0.25;
+  EXPECT_TRUE(converted(options));
+  EXPECT_NEAR(0.75, stampsOfScans().at(3), 1e-6);
+  options.by_number = true;
+  EXPECT_FALSE(converted(options));
+  EXPECT_NEAR(6, stampsOfScans().at(1), 1e-6);
+  EXPECT_NEAR(12.25, stampsOfScans().at(3), 1e-6);
+  options.dt = 0;
+  EXPECT_FALSE(converted(options));
+  EXPECT_NEAR(4.9, stampsOfScans().at(3), 1e-6);
+
+  writeBins(folder, "whole", 3);
+  EXPECT_FALSE(contains(
+      convertScans(folder.file("whole"), folder.file("x.rawlog"), {}).warnings.at(0), "gaps"));
+  folder.write("in/g_7.bin", "");
+  EXPECT_TRUE(contains(
+      messageOfError<UserError>(
+          [&] { (void)convertScans(folder.file("in"), folder.file("x.rawlog"), options); }),
+      "in: --by-number: the file names do not end in ascending numbers"));
+}
+
+TEST(ScanConverter, FilesWithoutPointsAreReported)
+{
+  const TestFolder folder;
+  writeBins(folder, "in", 3);
+  folder.write("in/000001.bin", "");
+  const auto result = convertScans(folder.file("in"), folder.file("x.rawlog"), {});
+  EXPECT_EQ(3U, result.scans);
+  EXPECT_EQ("1 file without points, the first is 000001.bin: empty scans are written",
+            result.warnings.at(0));
 }
 
 TEST(ScanConverter, FoldersOfEachKind)

@@ -98,6 +98,7 @@ bool MapBuilder::isKeyframe(const Pose& T_map_vehicle) const
 void MapBuilder::add(Frame frame)
 {
   RunScans& run = runs_.back();
+  recorded_ = recorded_.value_or(frame.scan.stamp);
   const auto pose = run.poseOf(frame);
   if (!pose)
   {

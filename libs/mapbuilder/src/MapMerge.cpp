@@ -3,6 +3,7 @@
 #include <dyslam/core/PendingFile.h>
 #include <dyslam/formats/TrajectoryFiles.h>
 #include <dyslam/mapbuilder/MapRun.h>
+#include <dyslam/mapbuilder/ScanReading.h>
 
 #include <algorithm>
 #include <utility>
@@ -11,7 +12,6 @@
 #include "MapWriting.h"
 #include "MergeTable.h"
 #include "RunMerging.h"
-#include "ScanReading.h"
 
 namespace dyslam
 {
@@ -60,6 +60,7 @@ std::string addRecording(const RunFolder& run,
                          std::size_t& scans)
 {
   RunScansOptions options = run.scans;
+  options.name = run.name;
   options.tracks.clear();  // labels or hindsight give the moving points
   builder.beginRun(merged, options);
   RawlogSource source(run.rawlog, run.source);
@@ -100,7 +101,7 @@ MergeReport mergeMaps(const std::vector<RunFolder>& runs,
                       const MapOutputs& outputs,
                       MapListener& listener)
 {
-  validate(outputs.exports, "map_export");
+  requireValidExports(outputs);
   const MapBuilderOptions own = withNeedsOf(outputs, options);
   RunMergerConfig limited = merger;
   limited.memory = MemoryLimit(own.memory, own.temporary_folder);

@@ -6,7 +6,6 @@
 #include <dyslam/formats/ScanFiles.h>
 #include <dyslam/mapping/MapDifference.h>
 
-#include <cmath>
 #include <cstdint>
 #include <filesystem>
 #include <string_view>
@@ -22,18 +21,14 @@ void writePng(const std::vector<std::uint8_t>& png, const std::string& path)
   writeWhole(path, std::string_view(reinterpret_cast<const char*>(png.data()), png.size()));
 }
 
-void addPath(const Trajectory& trajectory, std::vector<Eigen::Vector3d>& path)
+std::vector<Eigen::Vector3d> pathOf(const Trajectory& trajectory)
 {
+  std::vector<Eigen::Vector3d> path;
   for (const auto& [stamp, pose] : trajectory)
   {
     path.emplace_back(pose.translation());
   }
-}
-
-/** Between the paths of two runs. */
-Eigen::Vector3d interruption()
-{
-  return Eigen::Vector3d::Constant(NAN);
+  return path;
 }
 
 /** Paths and objects of all runs, without points. */
@@ -42,11 +37,15 @@ MapPictureContent pathsOf(const MapBuilder& builder)
   MapPictureContent content;
   for (const RunScans& run : builder.runs())
   {
-    if (!content.path.empty())
+    if (builder.runs().size() == 1)
     {
-      content.path.push_back(interruption());
+      content.path = pathOf(run.trajectory());
     }
-    addPath(run.trajectory(), content.path);
+    else
+    {
+      const std::string number = "run " + std::to_string(content.runs.size() + 1);
+      content.runs.push_back({run.name().empty() ? number : run.name(), pathOf(run.trajectory())});
+    }
     for (const auto& [id, object] : run.movingObjects())
     {
       content.objects.push_back({object.last.object_class, object.path, object.last.box});
@@ -99,8 +98,7 @@ void writeMergePicture(const std::vector<RunFolder>& runs,
       const Scan scan = readCloud(map.string());
       points.insert(points.end(), scan.points.begin(), scan.points.end());
     }
-    before.path.push_back(interruption());
-    addPath(runs[r].trajectory, before.path);
+    before.runs.push_back({runs[r].name, pathOf(runs[r].trajectory)});
   }
   before.points = &points;
   MapPictureContent after = pathsOf(builder);

@@ -2,11 +2,12 @@
 #include <dyslam/core/Error.h>
 #include <dyslam/core/Printable.h>
 #include <dyslam/mapbuilder/MapRun.h>
+#include <dyslam/mapbuilder/ScanReading.h>
 
 #include <utility>
 
 #include "MapWriting.h"
-#include "ScanReading.h"
+#include "PoseReading.h"
 
 namespace dyslam
 {
@@ -37,7 +38,7 @@ MapReport buildMap(const RecordingOnTrajectory& recording,
                    const MapOutputs& outputs,
                    MapListener& listener)
 {
-  validate(outputs.exports, "map_export");
+  requireValidExports(outputs);
   MapBuilderOptions own = withNeedsOf(outputs, options);
   own.uncleaned_map = !outputs.comparison.empty();
   MapBuilder builder(own);

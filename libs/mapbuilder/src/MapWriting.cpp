@@ -5,7 +5,7 @@
 #include <dyslam/core/PendingFile.h>
 #include <dyslam/formats/LabelFiles.h>
 #include <dyslam/formats/ScanFiles.h>
-#include <dyslam/mapping/MapClouds.h>
+#include <dyslam/mapexport/MapClouds.h>
 
 #include <cstdio>
 #include <filesystem>
@@ -79,24 +79,19 @@ std::size_t writeClouds(MapBuilder& builder,
                         const MapExportOptions& exports,
                         MapListener& listener)
 {
-  const MapClouds clouds(builder.options().map, exports, builder.origin(), builder.pool());
+  const MapClouds clouds(builder.options().map, exports, builder.origin(), builder.pool(),
+                         builder.recorded());
   if (exports.tile_size > 0)
   {
-    constexpr double farthest = 2;  // m beyond its border that a tile is built of
-    if (exports.normals && exports.normal_radius > farthest)
-    {
-      throw UserError(
-          "map_export.normal_radius: with tiles at most 2 m; lower it, or set tile_size "
-          "to 0");
-    }
     listener.beginWriting(namesOf(paths), "tiles");
     std::size_t tiles = 0;
-    const std::size_t points = clouds.writeTiles(*builder.scans(), paths,
-                                                 [&](std::size_t done, std::size_t all)
-                                                 {
-                                                   tiles = all;
-                                                   listener.update(fractionOf(done, all), done);
-                                                 });
+    const std::size_t points =
+        clouds.writeTiles(*builder.scans(), paths,
+                          [&](std::size_t done, std::size_t all, std::size_t written)
+                          {
+                            tiles = written;
+                            listener.update(fractionOf(done, all), written);
+                          });
     listener.finish(tiles);
     return points;
   }
@@ -109,7 +104,7 @@ std::size_t writeClouds(MapBuilder& builder,
   return points;
 }
 
-/** What is no cloud. */
+/** Writes a map that is no cloud. */
 void writeOther(MapBuilder& builder,
                 const std::string& path,
                 const MapExportOptions& exports,
@@ -157,6 +152,22 @@ void writeLabelledMap(const LabelledMap& map, const std::string& path)
   writeLabels(fs::path(path).replace_extension(".label").string(), map.labels());
 }
 }  // namespace
+
+void requireValidExports(const MapOutputs& outputs)
+{
+  const MapExportOptions& exports = outputs.exports;
+  validate(exports, "map_export");
+  const bool in_tiles = exports.tile_size > 0 && !cloudsOf(outputs).empty();
+  if (in_tiles && exports.normals && exports.normal_radius > TileMap::margin)
+  {
+    char text[160];
+    std::snprintf(text, sizeof text,
+                  "[map_export] normal_radius = %g is too large for tiles; use at most %g (m), or "
+                  "tile_size = 0 for one file",
+                  exports.normal_radius, TileMap::margin);
+    throw UserError(text);
+  }
+}
 
 MapBuilderOptions withNeedsOf(const MapOutputs& outputs, MapBuilderOptions options)
 {

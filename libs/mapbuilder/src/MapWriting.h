@@ -8,6 +8,9 @@
 
 namespace dyslam
 {
+/** Finds what is wrong with the export options before anything is read. \throws UserError. */
+void requireValidExports(const MapOutputs& outputs);
+
 /** The options with what the outputs need of a MapBuilder, but for the uncleaned map. */
 [[nodiscard]] MapBuilderOptions withNeedsOf(const MapOutputs& outputs, MapBuilderOptions options);
 

@@ -3,8 +3,10 @@
 #include <dyslam/core/Error.h>
 #include <dyslam/core/Files.h>
 #include <dyslam/core/Options.h>
+#include <dyslam/formats/LabelFiles.h>
 #include <dyslam/formats/MotionFiles.h>
 #include <dyslam/formats/TrajectoryFiles.h>
+#include <dyslam/mapbuilder/MapRun.h>
 #include <dyslam/mapbuilder/RunFolder.h>
 
 #include <filesystem>
@@ -18,17 +20,39 @@ namespace
 {
 namespace fs = std::filesystem;
 
-std::string fileOf(const std::string& folder, const std::string& name, const std::string& what)
+/** \param advice what to give instead */
+std::string fileOf(const std::string& folder,
+                   const std::string& name,
+                   const std::string& what,
+                   const std::string& advice = "output folders of dyslam (--merge)")
 {
   const std::string path = (fs::path(folder) / name).string();
   if (!fs::exists(path))
   {
-    throw UserError(folder + ": has no " + name + ", which " + what +
-                    "; give output folders of dyslam (--merge)");
+    throw UserError(folder + ": has no " + name + ", which " + what + "; give " + advice);
   }
   return path;
 }
 
+/** Empty if the folder does not have it. */
+std::string fileIfThere(const std::string& folder, const std::string& name)
+{
+  const fs::path path = fs::path(folder) / name;
+  return fs::exists(path) ? path.string() : std::string();
+}
+
+/** \throws UserError if the recording of a run is not there. \param advice what to give then */
+void requireRecording(const std::string& rawlog, const std::string& run, const std::string& advice)
+{
+  if (!fs::exists(rawlog))
+  {
+    throw UserError(rawlog + ": the recording of " + run + " is not there; if it was moved, give " +
+                    advice);
+  }
+}
+
+/** The recording that a report names, or one of that name in its folder, which may have been moved
+ * with it. */
 std::string inputOf(const std::string& report)
 {
   const auto json = nlohmann::json::parse(readWhole(report), nullptr, false);
@@ -36,7 +60,9 @@ std::string inputOf(const std::string& report)
   {
     throw UserError(report + ": does not name the recording (\"input\"); is it of dyslam?");
   }
-  return json["input"].get<std::string>();
+  const auto input = json["input"].get<std::string>();
+  const fs::path beside = fs::path(report).parent_path() / fs::path(input).filename();
+  return !fs::exists(input) && fs::exists(beside) ? beside.string() : input;
 }
 
 std::vector<double> keyframeStamps(const std::string& motions)
@@ -74,11 +100,7 @@ RunFolder readRun(const std::string& argument, double tolerance)
   }
   const std::string report = fileOf(run.folder, "report.json", "names the recording");
   run.rawlog = run.rawlog.empty() ? inputOf(report) : run.rawlog;
-  if (!fs::exists(run.rawlog))
-  {
-    throw UserError(run.rawlog + ": the recording of " + run.folder +
-                    " is not there; if it was moved, give " + run.folder + "=RECORDING");
-  }
+  requireRecording(run.rawlog, run.folder, run.folder + "=RECORDING");
   run.trajectory = readTum(fileOf(run.folder, "trajectory_tum.txt", "has the poses"));
   run.graph = readFactorGraph(fileOf(run.folder, "factor_graph.txt", "has the odometry"));
   const std::string motions = fileOf(run.folder, "motions.csv", "has the times of the keyframes");
@@ -94,14 +116,9 @@ RunFolder readRun(const std::string& argument, double tolerance)
   run.source = loader.get<RawlogSourceOptions>("input");
   run.scans.preprocess = loader.get<PreprocessOptions>("preprocess");
   run.scans.tolerance = tolerance;
-  const auto optional = [&](const char* name)
-  {
-    const fs::path path = fs::path(run.folder) / name;
-    return fs::exists(path) ? path.string() : std::string();
-  };
-  run.scans.scan_table = optional("scans.csv");
-  run.scans.labels = optional("labels");
-  run.scans.tracks = run.scans.labels.empty() ? optional("tracks.txt") : "";
+  run.scans.scan_table = fileIfThere(run.folder, "scans.csv");
+  run.scans.labels = fileIfThere(run.folder, "labels");
+  run.scans.tracks = run.scans.labels.empty() ? fileIfThere(run.folder, "tracks.txt") : "";
   return run;
 }
 
@@ -152,6 +169,36 @@ RunArgument::RunArgument(const std::string& argument) : folder(argument)
     folder = argument.substr(0, split);
     rawlog = argument.substr(split + 1);
   }
+}
+
+void completeFromRun(const std::string& folder, RecordingOnTrajectory& recording)
+{
+  if (!fs::is_directory(folder))
+  {
+    throw UserError(folder + ": is not a folder; give the output folder of dyslam (--run)");
+  }
+  if (recording.rawlog.empty())
+  {
+    recording.rawlog =
+        inputOf(fileOf(folder, "report.json", "names the recording", "the recording with --input"));
+    requireRecording(recording.rawlog, folder, "--input RECORDING");
+  }
+  if (recording.trajectory.empty())
+  {
+    recording.trajectory =
+        fileOf(folder, "trajectory_tum.txt", "has the poses", "them with --trajectory");
+  }
+  RunScansOptions& scans = recording.scans;
+  if (scans.labels.empty() && !anyLabelFile((fs::path(folder) / "labels").string()).empty())
+  {
+    scans.labels = (fs::path(folder) / "labels").string();
+  }
+  scans.tracks = scans.tracks.empty() ? fileIfThere(folder, "tracks.txt") : scans.tracks;
+}
+
+std::string settingsOfRun(const std::string& folder)
+{
+  return fileOf(folder, "effective.ini", "has the settings", "them with --config");
 }
 
 std::vector<RunFolder> readRunFolders(const std::vector<std::string>& folders, double tolerance)

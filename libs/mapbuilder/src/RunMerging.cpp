@@ -3,12 +3,11 @@
 
 #include <dyslam/core/Error.h>
 #include <dyslam/formats/GroundTruth.h>
+#include <dyslam/mapbuilder/ScanReading.h>
 #include <dyslam/mapping/MovingInMap.h>
 
 #include <cmath>
 #include <string>
-
-#include "ScanReading.h"
 
 namespace dyslam
 {

@@ -10,6 +10,8 @@
 #include <algorithm>
 #include <filesystem>
 
+#include "TrackFlags.h"
+
 namespace dyslam
 {
 namespace
@@ -52,10 +54,16 @@ RunScans::RunScans(const Trajectory& trajectory, const RunScansOptions& options,
   {
     return;
   }
-  for (const auto& box : readTracks(options_.tracks))
+  const TrackFiles files(options_.tracks);
+  if (!files.table.empty())
+  {
+    dynamic_ = dynamicTracks(files.table, files.table == options_.tracks);
+  }
+  for (const auto& box : readTracks(files.boxes))
   {
     boxes_.emplace(box.frame, box);
-    moves_[box.id] = false;
+    const auto known = dynamic_.find(box.id);
+    moves_[box.id] = known != dynamic_.end() && known->second;
   }
 }
 
@@ -132,7 +140,10 @@ void RunScans::noteObjects(const Frame& frame)
     object.path.push_back(box.box.center);
     object.last = box;
     const double moved = (object.path.back() - object.path.front()).norm();
-    moves_[box.id] = moves_[box.id] || moved > min_distance;
+    if (dynamic_.count(box.id) == 0)
+    {
+      moves_[box.id] = moves_[box.id] || moved > min_distance;
+    }
   }
 }
 

@@ -6,6 +6,10 @@
 #include <dyslam/mapbuilder/MapRun.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <string>
+#include <utility>
+
 #include "SyntheticScans.h"
 #include "TestFolder.h"
 #include "TestRun.h"
@@ -81,6 +85,18 @@ TEST_F(MapRun, TilesAreCountedAndTheScansAreRemoved)
   EXPECT_EQ("writing t.las, tiles", listener.log.at(2));
   EXPECT_TRUE(fs::exists(folder.file("t.las.tiles.yaml")));
   EXPECT_FALSE(fs::exists(folder.file("t.las.scans.tmp")));
+  const auto isTile = [](const auto& entry) { return entry.path().extension() == ".las"; };
+  const auto files =
+      std::count_if(fs::directory_iterator(folder.path()), fs::directory_iterator(), isTile);
+  EXPECT_EQ("finished " + std::to_string(files), listener.log.at(3));
+}
+
+TEST_F(MapRun, ALasHasTheDateOfTheFirstScan)
+{
+  outputs.maps = {folder.file("m.las")};
+  (void)build();
+  EXPECT_EQ(std::string("\x01\x00\xB2\x07", 4), folder.read("m.las").substr(90, 4))
+      << "day 1 of 1970: stamps from 1000 s on";
 }
 
 TEST_F(MapRun, TheSceneHasAPointPerTenCentimetresInFullResolution)
@@ -245,6 +261,19 @@ TEST_F(MapRun, TilesThatAreTooSmallAreRefusedBeforeAnythingIsRead)
       messageOfError<UserError>([&] { (void)mergeMaps(runs, {}, options, outputs, listener); }),
       "tile_size"));
   EXPECT_TRUE(listener.log.empty());
+}
+
+TEST_F(MapRun, NormalsOfTilesNeedANeighbourhoodWithinTheirMarginBeforeAnythingIsRead)
+{
+  outputs.maps = {folder.file("t.las")};
+  outputs.exports.tile_size = 10;
+  outputs.exports.normal_radius = 2.1;
+  const std::string rawlog = std::exchange(recording.rawlog, folder.file("none.rawlog"));
+  EXPECT_TRUE(contains(messageOfError<UserError>([&] { (void)build(); }), "normal_radius = 2.1"));
+  EXPECT_TRUE(listener.log.empty());
+  recording.rawlog = rawlog;
+  outputs.exports.normals = false;
+  EXPECT_GT(build().points, 1000U);
 }
 }  // namespace
 }  // namespace dyslam

@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/core/Error.h>
+#include <dyslam/mapbuilder/MapRun.h>
 #include <dyslam/mapbuilder/RunFolder.h>
 #include <gtest/gtest.h>
+
+#include <utility>
 
 #include "TestFolder.h"
 #include "TestRun.h"
@@ -104,6 +107,73 @@ TEST_F(RunFolderTest, WhatIsNoRunIsNamed)
   }
   folder.write("tuesday/report.json", "{\"input\": 7}");
   EXPECT_TRUE(contains(said("tuesday"), "does not name the recording"));
+}
+
+TEST_F(RunFolderTest, CompletesARecording)
+{
+  const std::string monday = folder.file("monday");
+  RecordingOnTrajectory plain;
+  completeFromRun(monday, plain);
+  EXPECT_EQ(folder.file("r.rawlog"), plain.rawlog);
+  EXPECT_EQ(folder.file("monday/trajectory_tum.txt"), plain.trajectory);
+  EXPECT_EQ("", plain.scans.labels);
+  EXPECT_EQ("", plain.scans.tracks);
+  folder.write("monday/labels/000000.label", "");
+  folder.write("monday/tracks.txt", "");
+  RecordingOnTrajectory full;
+  completeFromRun(monday, full);
+  EXPECT_EQ(folder.file("monday/labels"), full.scans.labels);
+  EXPECT_EQ(folder.file("monday/tracks.txt"), full.scans.tracks);
+  EXPECT_EQ(folder.file("monday/effective.ini"), settingsOfRun(monday));
+  fs::remove(folder.file("monday/trajectory_tum.txt"));
+  fs::remove(folder.file("monday/report.json"));
+  RecordingOnTrajectory given;
+  given.rawlog = "other.rawlog";
+  given.trajectory = "other.txt";
+  given.scans.labels = "other_labels";
+  given.scans.tracks = "other_tracks.txt";
+  completeFromRun(monday, given);
+  EXPECT_EQ("other.rawlog", given.rawlog);
+  EXPECT_EQ("other.txt", given.trajectory);
+  EXPECT_EQ("other_labels", given.scans.labels);
+  EXPECT_EQ("other_tracks.txt", given.scans.tracks);
+}
+
+TEST_F(RunFolderTest, ARecordingIsMovedWithItsFolder)
+{
+  folder.write("tuesday/recording.rawlog", "");
+  folder.write("tuesday/report.json", "{\"input\": \"/before/tuesday/recording.rawlog\"}");
+  RecordingOnTrajectory recording;
+  completeFromRun(folder.file("tuesday"), recording);
+  EXPECT_EQ(folder.file("tuesday/recording.rawlog"), recording.rawlog);
+}
+
+TEST_F(RunFolderTest, WhatARecordingLacksIsNamedWithItsFlag)
+{
+  const auto lacking = [&](const std::string& name)
+  {
+    return messageOfError<UserError>(
+        [&]
+        {
+          RecordingOnTrajectory recording;
+          completeFromRun(folder.file(name), recording);
+          (void)settingsOfRun(folder.file(name));
+        });
+  };
+  EXPECT_TRUE(contains(lacking("none"), "none: is not a folder")) << lacking("none");
+  for (const auto& [file, flag] : {std::pair("report.json", "the recording with --input"),
+                                   std::pair("trajectory_tum.txt", "them with --trajectory"),
+                                   std::pair("effective.ini", "them with --config")})
+  {
+    const std::string name = folder.file(std::string("tuesday/") + file);
+    fs::rename(name, name + ".gone");
+    EXPECT_TRUE(contains(lacking("tuesday"), std::string("has no ") + file)) << lacking("tuesday");
+    EXPECT_TRUE(contains(lacking("tuesday"), flag)) << lacking("tuesday");
+    fs::rename(name + ".gone", name);
+  }
+  fs::remove(folder.file("r.rawlog"));
+  EXPECT_TRUE(contains(lacking("monday"), "r.rawlog: the recording of")) << lacking("monday");
+  EXPECT_TRUE(contains(lacking("monday"), "--input RECORDING")) << lacking("monday");
 }
 
 TEST_F(RunFolderTest, KeyframesOfAnotherRunAreNoticed)

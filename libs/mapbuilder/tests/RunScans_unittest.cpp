@@ -3,6 +3,9 @@
 #include <dyslam/mapbuilder/RunScans.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <vector>
+
 #include "TestFolder.h"
 #include "TestRecording.h"
 
@@ -180,6 +183,62 @@ TEST_F(RunScansTest, ObjectsMoveInAllScansIfTheyMoveAtAll)
     EXPECT_EQ(object.id == 2, object.dynamic);
     EXPECT_TRUE(object.box.center.isApprox(Eigen::Vector3d(10, 0, 0.75), 1e-6));
   }
+}
+
+constexpr const char* track_header = "frame,stamp,id,class,dynamic,score\n";
+
+/** The boxes of a parked car whose box grows as more of it comes into view, and of one that drives
+ * off at last. */
+TEST_F(RunScansTest, TheTableOfARunSaysWhatMoves)
+{
+  const std::string boxes = folder.file("tracks.txt");
+  writeTracks(boxes, {boxAt(0, 1, 10), boxAt(1, 1, 10.5), boxAt(2, 1, 11), boxAt(0, 2, 20),
+                      boxAt(1, 2, 19), boxAt(2, 2, 18.5), boxAt(0, 3, 30), boxAt(2, 3, 31)});
+  const Trajectory drive = test::straightDrive(3, 1);
+  const auto moving = [&]
+  {
+    RunScans run = scans(drive);
+    for (std::size_t i = 0; i < 3; ++i)
+    {
+      run.noteObjects(test::frameFrom(drive[i].pose, i));
+    }
+    std::vector<int> ids;
+    for (const auto& [id, object] : run.movingObjects())
+    {
+      ids.push_back(id);
+    }
+    Frame first = test::frameFrom(drive[0].pose, 0);
+    run.fillMoving(first);
+    for (const TrackedObject& object : first.objects)
+    {
+      EXPECT_EQ(std::count(ids.begin(), ids.end(), object.id) == 1, object.dynamic) << object.id;
+    }
+    return ids;
+  };
+  options.tracks = boxes;
+  EXPECT_EQ((std::vector<int>{1, 3}), moving()) << "by their displacement";
+  folder.write("tracks.csv", std::string(track_header) +
+                                 "0,0,1,Car,0,1\n1,0,1,Car,0,1\n0,0,2,Car,0,1\n1,0,2,Car,0,1\n"
+                                 "2,0,2,Car,1,1\n");
+  EXPECT_EQ((std::vector<int>{2, 3}), moving()) << "the table does not have 3";
+  options.tracks = folder.file("tracks.csv");
+  EXPECT_EQ((std::vector<int>{2, 3}), moving());
+}
+
+TEST_F(RunScansTest, TablesOfTracksThatAreNone)
+{
+  const Trajectory drive = test::straightDrive(3, 1);
+  const auto said = [&] { return messageOfError<UserError>([&] { (void)scans(drive); }); };
+  options.tracks = folder.write("tracks.csv", std::string(track_header) + "0,0,1,Car,0,1\n");
+  EXPECT_TRUE(contains(said(), "tracks.csv: tracks.txt, which has the boxes")) << said();
+  writeTracks(folder.file("tracks.txt"), {boxAt(0, 1, 10)});
+  EXPECT_NO_THROW((void)scans(drive));
+  folder.write("tracks.csv", std::string(track_header) + "0,0,one,Car,0,1\n");
+  EXPECT_TRUE(contains(said(), "tracks.csv:2")) << said();
+  folder.write("tracks.csv", "id,x\n1,2\n");
+  EXPECT_TRUE(contains(said(), "has no columns 'id' and 'dynamic'")) << said();
+  options.tracks = folder.file("tracks.txt");
+  EXPECT_NO_THROW((void)scans(drive)) << "a table of another program beside it";
 }
 
 TEST_F(RunScansTest, ScansWithoutAPoseHaveNoObjects)

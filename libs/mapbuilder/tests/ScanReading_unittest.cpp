@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "ScanReading.h"
-
 #include <dyslam/core/Error.h>
 #include <dyslam/formats/TrajectoryFiles.h>
+#include <dyslam/mapbuilder/ScanReading.h>
 #include <gtest/gtest.h>
 
+#include "PoseReading.h"
 #include "TestFolder.h"
 #include "TestRecording.h"
 

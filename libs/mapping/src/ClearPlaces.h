@@ -10,8 +10,8 @@ namespace dyslam
 {
 class StateArchive;
 
-/** Places of the map that other scans observed, and never free. They stay known for the next scans,
- * for which nearly the same rays decide. */
+/** Places (their voxels in the odometry frame) that other scans observed, and never free. They stay
+ * known for the next scans, for which nearly the same rays decide. */
 class ClearPlaces
 {
  public:

@@ -16,7 +16,7 @@ namespace dyslam
 namespace
 {
 constexpr float square = 2.0F;  // side [m]
-constexpr float step = 0.3F;    // highest above the middle of the neighbouring squares [m]
+constexpr float step = 0.3F;    // of the ground above the median of the squares around, at most [m]
 constexpr float nothing = std::numeric_limits<float>::infinity();
 constexpr float last_square = (1U << 20U) - 2;  // the neighbours of which have keys of their own
 
@@ -33,7 +33,7 @@ VoxelCell squareOf(const Eigen::Vector3f& p)
 }  // namespace
 
 LowestReturns::LowestReturns(const std::vector<Eigen::Vector3f>& points,
-                             const Eigen::Isometry3f& T_map_vehicle)
+                             const Eigen::Isometry3f& T_odom_vehicle)
 {
   VoxelHash index;
   std::vector<std::array<float, 3>> lowest;
@@ -41,7 +41,7 @@ LowestReturns::LowestReturns(const std::vector<Eigen::Vector3f>& points,
   std::uint32_t found = VoxelHash::none;
   for (const Eigen::Vector3f& point : points)
   {
-    const Eigen::Vector3f p = T_map_vehicle * point;
+    const Eigen::Vector3f p = T_odom_vehicle * point;
     const std::uint64_t key = voxelKey(squareOf(p));
     if (found == VoxelHash::none ||
         keys[found] != key)  // most are in the same square as the one before
@@ -129,7 +129,6 @@ std::vector<float> GroundHeights::heightsOf(const std::vector<Eigen::Vector3f>& 
   return heights;
 }
 
-/** \param own height of the square, no higher than its neighbours allow. */
 float GroundHeights::limited(const VoxelCell& square, float own) const
 {
   std::array<float, 9> around{};

@@ -12,16 +12,17 @@ namespace dyslam
 {
 class StateArchive;
 
-/** Lowest returns of one scan in squares of the map. */
+/** Lowest returns of one scan in squares of 2 m of the odometry frame. */
 class LowestReturns
 {
  public:
   LowestReturns() = default;
-  /** \param T_map_vehicle pose of the vehicle at the scan. */
-  LowestReturns(const std::vector<Eigen::Vector3f>& points, const Eigen::Isometry3f& T_map_vehicle);
+  /** \param points vehicle frame [m] \param T_odom_vehicle pose of the vehicle at the scan. */
+  LowestReturns(const std::vector<Eigen::Vector3f>& points,
+                const Eigen::Isometry3f& T_odom_vehicle);
 
-  /** Key of the square and height: a low order statistic, because multipath echoes lie below the
-   * road. */
+  /** Key of each square and the height of its third lowest return (the highest of fewer) [m]:
+   * multipath echoes lie below the road. */
   [[nodiscard]] const std::vector<std::pair<std::uint64_t, float>>& heights() const
   {
     return heights_;
@@ -37,11 +38,13 @@ class GroundHeights
 {
  public:
   explicit GroundHeights(const std::vector<const LowestReturns*>& scans);
-  /** Heights of points (map frame) over the ground [m]; the ground of a square is limited by the
-   * neighbouring squares because of roofs. */
+  /** Heights of points over the ground [m]. The ground of a square is at most 0.3 m above the
+   * median of the squares around it, so that a roof is no ground. \param points odometry frame [m]
+   */
   [[nodiscard]] std::vector<float> heightsOf(const std::vector<Eigen::Vector3f>& points) const;
 
  private:
+  /** Ground of a square: its own height, as far as the squares around it allow [m]. */
   [[nodiscard]] float limited(const VoxelCell& square, float own) const;
 
   VoxelHash index_;

@@ -139,7 +139,7 @@ struct CellMotion
 };
 
 /** Probability of each place that its points move. \param voxels of the places \param points of
- * the scan, map frame */
+ * the scan, odometry frame [m] */
 std::vector<float> probabilitiesOf(const std::vector<PlaceFeatures>& features,
                                    const std::vector<std::uint64_t>& voxels,
                                    const std::vector<Eigen::Vector3f>& points,
@@ -166,7 +166,8 @@ std::vector<float> probabilitiesOf(const std::vector<PlaceFeatures>& features,
   return probability;
 }
 
-/** Points near the ground are moving if the points above them are. */
+/** Points below `ground_clearance`, which have no place, are moving if the points above them are.
+ */
 void adaptLow(const Segments& segments,
               const std::vector<float>& place_probability,
               const std::vector<Eigen::Vector3f>& points,
@@ -176,11 +177,11 @@ void adaptLow(const Segments& segments,
   std::vector<CellMotion> cells(segments.cells.size());
   for (std::size_t g = 0; g < place_probability.size(); ++g)
   {
-    cells[segments.cell_of_group[g]].add(place_probability[g]);
+    cells[segments.cell_of_place[g]].add(place_probability[g]);
   }
   for (std::size_t i = 0; i < points.size(); ++i)
   {
-    if (segments.group_of_point[i] == Segments::none)
+    if (segments.place_of_point[i] == Segments::none)
     {
       probability[i] = 0;
       for (int above = 0; above < cells_above && heights[i] > lowest_of_object; ++above)
@@ -260,6 +261,7 @@ struct HindsightLabels::Impl
   Impl(const HindsightOptions& given, int threads)
       : options(given), offsets(scanOffsets(given.window)), pool(threads)
   {
+    validate(options, "labels");
   }
 
   /** Of the scan to be decided, as they were added. */
@@ -361,9 +363,9 @@ std::vector<PlaceEvidence> HindsightLabels::Impl::causalEvidence(const Segments&
   std::vector<PlaceEvidence> evidence(segments.first_point.size());
   const std::vector<float> tracked = trackedShare(frame);
   std::vector<float> points(evidence.size(), 0.0F);
-  for (std::size_t i = 0; i < segments.group_of_point.size(); ++i)
+  for (std::size_t i = 0; i < segments.place_of_point.size(); ++i)
   {
-    const std::uint32_t g = segments.group_of_point[i];
+    const std::uint32_t g = segments.place_of_point[i];
     if (g != Segments::none)
     {
       points[g] += 1;
@@ -389,17 +391,17 @@ void HindsightLabels::Impl::addRays(const Segments& segments,
   const Frame& frame = *scans[next].frame;
   std::vector<Eigen::Vector3f> places;
   std::vector<RayEffort> efforts;
-  std::vector<std::size_t> groups;
+  std::vector<std::size_t> evaluated;  // index of each of `places` in `evidence`
   for (std::size_t g = 0; g < evidence.size(); ++g)
   {
     const bool suspected = evidence[g].tracked > 0 || evidence[g].probability > suspicious;
-    if (!suspected && clear.contain(segments.voxel_of_group[g]))
+    if (!suspected && clear.contain(segments.voxel_of_place[g]))
     {
       evidence[g].known = 1;
       continue;
     }
     const std::uint32_t first = segments.first_point[g];
-    groups.push_back(g);
+    evaluated.push_back(g);
     places.push_back(frame.cloud.points[first]);
     efforts.push_back(suspected                         ? RayEffort::all
                       : heights[first] > vehicle_height ? RayEffort::few
@@ -411,7 +413,7 @@ void HindsightLabels::Impl::addRays(const Segments& segments,
   for (std::size_t i = 0; i < counts.size(); ++i)
   {
     const RayCounts& c = counts[i];
-    PlaceEvidence& e = evidence[groups[i]];
+    PlaceEvidence& e = evidence[evaluated[i]];
     const int known = c.free + c.occupied;
     e.known = known > 0 ? 1.0F : 0.0F;
     e.free = static_cast<float>(c.free) / static_cast<float>(std::max(1, known));
@@ -419,7 +421,7 @@ void HindsightLabels::Impl::addRays(const Segments& segments,
     e.change_after = shareOf(c.change_after);
     if (isClear(c))
     {
-      clear.add(segments.voxel_of_group[groups[i]]);
+      clear.add(segments.voxel_of_place[evaluated[i]]);
     }
   }
 }
@@ -491,12 +493,12 @@ void HindsightLabels::Impl::decide(WindowScan& scan)
   addRays(segments, heights, evidence);
   const std::vector<PlaceFeatures> features = placeFeatures(segments, evidence, points, heights);
   const std::vector<float> place_probability =
-      probabilitiesOf(features, segments.voxel_of_group, points, recent);
+      probabilitiesOf(features, segments.voxel_of_place, points, recent);
   frame.moving_probability.resize(frame.cloud.size(), 0);
   frame.moving.resize(frame.cloud.size());
   for (std::size_t i = 0; i < points.size(); ++i)
   {
-    const std::uint32_t g = segments.group_of_point[i];
+    const std::uint32_t g = segments.place_of_point[i];
     frame.moving_probability[i] = g == Segments::none ? 0 : place_probability[g];
   }
   adaptLow(segments, place_probability, points, heights, frame.moving_probability);

@@ -24,8 +24,6 @@ struct StoredPoint
   float phase;
 };
 
-constexpr double tile_margin = 2.0;  // so that normals and ground are correct up to the border [m]
-
 double distanceTo(const MapRegion& region, const Eigen::Vector2d& p)
 {
   return (p - p.cwiseMax(region.low).cwiseMin(region.high)).norm();
@@ -150,14 +148,14 @@ std::vector<MapTile> tilesOf(const ScanStore& scans, const StaticMapOptions& opt
 }
 
 TileMap::TileMap(ScanStore& store, const StaticMapOptions& options, const MapTile& tile)
-    : map(options, keyframes, widened(tile.region, tile_margin))
+    : map(options, keyframes, widened(tile.region, margin))
 {
-  const double reach = std::max(options.max_range, options.visibility_range) + tile_margin;
+  // Of the tile with its margin, whose corners are less than two margins from the tile.
+  const double reach = std::max(options.max_range, options.visibility_range) + 2 * margin;
   for (std::size_t k = 0; k < store.size(); ++k)
   {
     const Pose& T = store.pose(k);
-    if (T.matrix().allFinite() &&
-        distanceTo(tile.region, T.translation().head<2>()) <= reach + tile_margin)
+    if (T.matrix().allFinite() && distanceTo(tile.region, T.translation().head<2>()) <= reach)
     {
       const Frame frame = store.read(k);
       if (!scans.empty() && store.run(k) != store.run(scans.back()))
@@ -176,11 +174,10 @@ MapPoints pointsWithin(const MapPoints& points, const MapRegion& region)
   MapPoints result;
   for (std::size_t i = 0; i < points.size(); ++i)
   {
-    if (!region.contains(points.points[i].cast<double>()))
+    if (region.contains(points.points[i].cast<double>()))
     {
-      continue;
+      result.add(points, i);
     }
-    result.add(points, i);
   }
   return result;
 }

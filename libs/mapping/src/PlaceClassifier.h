@@ -27,10 +27,10 @@ struct PlaceFeatures
   PlaceEvidence around;      //!< of the cells that touch it
   PlaceEvidence segment;     //!< of the segment it belongs to
   float height = 0;          //!< over the ground [m]
-  float length = 0;          //!< longest side of the segment, along an axis of the map [m]
-  float segment_height = 0;  //!< [m]
-  float places = 0;          //!< of the segment
-  float doubt = 0;           //!< of free rays in this scan, in [0, 1]
+  float length = 0;          //!< of the segment along x or y of the odometry frame, the longer [m]
+  float segment_height = 0;  //!< of the segment from bottom to top [m]
+  float places = 0;          //!< number of places of the segment
+  float doubt = 0;           //!< how doubtful free rays are in this scan, in [0, 1]
 };
 
 /** Lowers the shares of free rays by that of static objects in this scan. \param false_free share

@@ -50,11 +50,11 @@ class EvidenceSum
   PlaceEvidence sum_;
 };
 
-/** Box of a segment. */
+/** Bounding box of a segment. */
 struct Extent
 {
-  Eigen::Vector3f low = Eigen::Vector3f::Constant(1e9F);    //!< map frame [m]
-  Eigen::Vector3f high = Eigen::Vector3f::Constant(-1e9F);  //!< map frame [m]
+  Eigen::Vector3f low = Eigen::Vector3f::Constant(1e9F);    //!< odometry frame [m]
+  Eigen::Vector3f high = Eigen::Vector3f::Constant(-1e9F);  //!< odometry frame [m]
 
   void add(const Eigen::Vector3f& p)
   {
@@ -95,9 +95,9 @@ std::vector<PlaceFeatures> placeFeatures(const Segments& segments,
   std::vector<Extent> extent(segments.segments);
   for (std::size_t g = 0; g < evidence.size(); ++g)
   {
-    of_cell[segments.cell_of_group[g]].add(evidence[g]);
-    of_segment[segments.segment_of_group[g]].add(evidence[g]);
-    extent[segments.segment_of_group[g]].add(points[segments.first_point[g]]);
+    of_cell[segments.cell_of_place[g]].add(evidence[g]);
+    of_segment[segments.segment_of_place[g]].add(evidence[g]);
+    extent[segments.segment_of_place[g]].add(points[segments.first_point[g]]);
   }
   std::vector<PlaceEvidence> around;
   for (std::uint32_t c = 0; c < of_cell.size(); ++c)
@@ -115,10 +115,10 @@ std::vector<PlaceFeatures> placeFeatures(const Segments& segments,
   for (std::size_t g = 0; g < evidence.size(); ++g)
   {
     PlaceFeatures& f = features[g];
-    const std::uint32_t s = segments.segment_of_group[g];
+    const std::uint32_t s = segments.segment_of_place[g];
     f.point = segments.first_point[g];
     f.own = evidence[g];
-    f.around = around[segments.cell_of_group[g]];
+    f.around = around[segments.cell_of_place[g]];
     f.segment = whole[s];
     f.height = heights[f.point];
     const Eigen::Vector3f size = extent[s].high - extent[s].low;

@@ -9,9 +9,9 @@
 
 namespace dyslam
 {
-/** The places of a scan with the evidence of themselves, their neighbours and their segments.
- * \param evidence by place \param points of the scan, map frame [m] \param heights of them over the
- * ground [m] */
+/** The features of every place of a scan: the evidence of the place itself, of its neighbours and
+ * of its segment. \param evidence one per place \param points of the scan, odometry frame [m]
+ * \param heights over the ground, one per point [m] */
 [[nodiscard]] std::vector<PlaceFeatures> placeFeatures(const Segments& segments,
                                                        const std::vector<PlaceEvidence>& evidence,
                                                        const std::vector<Eigen::Vector3f>& points,

@@ -17,7 +17,7 @@ namespace dyslam
 class Posts
 {
  public:
-  /** \param places map frame [m]; kept by reference */
+  /** \param places odometry frame, z up [m]; kept by reference */
   explicit Posts(const std::vector<Eigen::Vector3f>& places);
 
   /** Whether the place belongs to a post: the places within 0.4 m horizontally are higher than 1.2

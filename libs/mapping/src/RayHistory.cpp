@@ -11,13 +11,15 @@ constexpr std::size_t chunk = 256;       // of places in a thread
 constexpr std::size_t probe_stride = 3;  // of the scans that are evaluated first; odd: both sides
 constexpr int sufficient_scans = 6;      // of these that observed a place
 
-/** Scans before or those after, from the nearest in time to the farthest. */
+/** Running sum over the scans before or those after, which are added from the nearest in time to
+ * the farthest: 1 for a scan that observed the place free, -2 for one that observed it occupied. */
 struct Side
 {
-  std::int16_t sum = 0;  //!< of those that observed the place free, less `weight` times the others
-  std::int16_t lowest = 0;
+  std::int16_t sum = 0;
+  std::int16_t lowest = 0;  //!< so far
 
-  /** \return the largest sum of the farthest ones. */
+  /** \return the largest sum over the scans that are farther away than some moment, up to this one;
+   * RayCounts::change_before or change_after */
   std::uint16_t add(bool free)
   {
     constexpr std::int16_t weight = 2;
@@ -74,7 +76,8 @@ class ChunkEvidence
     {
       if (isProbe(o))
       {
-        others_[o].image->at(places_, count_, others_[o].T_other_this, size_, margin_, row(o));
+        others_[o].image->evaluate(places_, count_, others_[o].T_other_this, size_, margin_,
+                                   row(o));
       }
     }
   }
@@ -92,8 +95,8 @@ class ChunkEvidence
     {
       if (!isProbe(o))
       {
-        others_[o].image->at(places.data(), places.size(), others_[o].T_other_this, size_, margin_,
-                             seen.data());
+        others_[o].image->evaluate(places.data(), places.size(), others_[o].T_other_this, size_,
+                                   margin_, seen.data());
         for (std::size_t k = 0; k < chosen.size(); ++k)
         {
           row(o)[chosen[k]] = seen[k];

@@ -47,8 +47,8 @@ enum class RayEffort
  * through, for which a few scans suffice.
  * \param others those before and those after each in order of their distance in time
  * \param places vehicle frame of the scan to be decided [m] \param efforts one value per place
- * \param size of a place and \param margin of a ray behind it, see VisibilityImage::at() [m]. Same
- * result for any number of threads. */
+ * \param size of a place and \param margin of a ray behind it, see VisibilityImage::evaluate() [m].
+ * Same result for any number of threads. */
 [[nodiscard]] std::vector<RayCounts> countRays(const std::vector<OtherScan>& others,
                                                const std::vector<Eigen::Vector3f>& places,
                                                const std::vector<RayEffort>& efforts,

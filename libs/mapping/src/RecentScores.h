@@ -21,7 +21,8 @@ class RecentScores
   void beginScan(std::size_t scan);
   /** Smooths the score of a place, unless it is sure: the mean with the smoothed score of the same
    * place in one of the two scans before, if it has one. Remembers the result. \param voxel of the
-   * place in the map \param score log odds that it moves. \return the smoothed score */
+   * place, see Segments::voxel_of_place \param score log odds that it moves \return the smoothed
+   * score */
   [[nodiscard]] float smooth(std::uint64_t voxel, float score);
   void exchangeState(StateArchive& archive);
 

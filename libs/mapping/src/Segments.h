@@ -10,18 +10,19 @@
 
 namespace dyslam
 {
-/** Points joined to groups (one voxel each) and groups to segments (neighbouring cells). */
+/** The points of a scan clustered to places (the points of one voxel) and these to segments (places
+ * in cells that touch). Indices of places are in the order of their first points. */
 struct Segments
 {
   static constexpr std::uint32_t none = 0xFFFFFFFFU;
 
-  std::vector<std::uint32_t> group_of_point;    //!< or none
-  std::vector<std::uint32_t> first_point;       //!< of each group
-  std::vector<std::uint64_t> voxel_of_group;    //!< its voxelKey()
-  std::vector<std::uint32_t> segment_of_group;  //!< numbered in order of their first points
-  std::size_t segments = 0;
-  std::vector<VoxelCell> cells;  //!< that hold groups
-  std::vector<std::uint32_t> cell_of_group;
+  std::vector<std::uint32_t> place_of_point;    //!< or none
+  std::vector<std::uint32_t> first_point;       //!< of each place
+  std::vector<std::uint64_t> voxel_of_place;    //!< its voxelKey()
+  std::vector<std::uint32_t> segment_of_place;  //!< numbered in order of their first points
+  std::size_t segments = 0;                     //!< number of segments
+  std::vector<VoxelCell> cells;                 //!< that hold places
+  std::vector<std::uint32_t> cell_of_place;
   VoxelHash cell_index;         //!< from voxelKey() to position in `cells`
   float inverse_cell_size = 1;  //!< [1/m]
 
@@ -42,8 +43,10 @@ struct Segments
   }
 };
 
-/** \param points to be joined \param use which of them; the others get no group
- * \param voxel_size of a group \param cell_size of the cells whose 26 neighbours touch [m]. */
+/** \param points odometry frame [m] \param use which of them are clustered; the others get no place
+ * \param voxel_size of a place [m] \param cell_size of the cells, each of which touches 26 others
+ * [m].
+ */
 [[nodiscard]] Segments findSegments(const std::vector<Eigen::Vector3f>& points,
                                     const std::vector<bool>& use,
                                     double voxel_size,

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/core/VoxelGrid.h>
-#include <dyslam/mapping/MapExport.h>
+#include <dyslam/mapping/ThinnedPoints.h>
 
+#include <cstdint>
 #include <optional>
 #include <stdexcept>
 
@@ -36,7 +37,7 @@ MapPoints thinnedPoints(const StaticMap& map, std::size_t most)
 {
   if (most == 0)
   {
-    throw std::invalid_argument("thinnedPoints: at least one point");
+    throw std::invalid_argument("thinnedPoints: most must be at least 1");
   }
   if (map.pointCount() <= most)
   {

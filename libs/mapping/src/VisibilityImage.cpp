@@ -132,10 +132,10 @@ VisibilityImage::VisibilityImage(const Cloud& cloud, const Eigen::Vector3f& sens
       if (row >= 0 && row < rows_)
       {
         constexpr float farthest = resolution * (no_return - 1);
-        const auto nearest_multiple =
+        const auto rounded =
             static_cast<std::uint16_t>(std::min(range, farthest) / resolution + 0.5F);
         std::uint16_t& pixel = pixels_[static_cast<std::size_t>(row * cols + col)];
-        pixel = std::min(pixel, nearest_multiple);
+        pixel = std::min(pixel, rounded);
       }
     }
   }
@@ -283,7 +283,7 @@ Evidence VisibilityImage::evidenceInRow(int row, int col, float range, float mar
     float seen = std::numeric_limits<float>::infinity();
     for (int gap = 1; gap <= widest_side && !std::isfinite(seen); ++gap)
     {
-      seen = seenAt(row, col + side * gap);
+      seen = rangeAt(row, col + side * gap);
     }
     if (std::abs(seen - range) <= margin)
     {
@@ -298,12 +298,12 @@ Evidence VisibilityImage::evidenceInRow(int row, int col, float range, float mar
   return passed == 0 ? Evidence::none : passed == 2 ? Evidence::free : Evidence::passed_by;
 }
 
-void VisibilityImage::at(const Eigen::Vector3f* places,
-                         std::size_t count,
-                         const Eigen::Isometry3f& T,
-                         float size,
-                         float margin,
-                         Evidence* evidence) const
+void VisibilityImage::evaluate(const Eigen::Vector3f* places,
+                               std::size_t count,
+                               const Eigen::Isometry3f& T_vehicle_places,
+                               float size,
+                               float margin,
+                               Evidence* evidence) const
 {
   Rays rays;
   for (std::size_t begin = 0; begin < count; begin += block)
@@ -311,7 +311,7 @@ void VisibilityImage::at(const Eigen::Vector3f* places,
     rays.count = std::min(block, count - begin);
     for (std::size_t i = 0; i < rays.count; ++i)
     {
-      rays.set(i, T * places[begin + i]);
+      rays.set(i, T_vehicle_places * places[begin + i]);
     }
     fromSensor(rays);
     for (std::size_t i = 0; i < rays.count; ++i)

@@ -41,16 +41,18 @@ class VisibilityImage
    * if all of them ended more than `margin` behind it, and there were such rays: directions without
    * a return (sky, black cars) prove nothing. It is occupied if one ended within `margin`. */
   [[nodiscard]] Evidence at(const Eigen::Vector3f& p, float size, float margin) const;
-  /** at() of `count` places, which is faster than one by one. Where no ray passed through a place
+  /** As at() for each of `count` places, but with sparse rays: where no ray passed through a place
    * or ended there, those above and below are evaluated, up to 2.4 degrees away as between the
-   * rings of a sensor with 16: `enclosed` or `occupied`. \param T takes the places to the vehicle
-   * frame. */
-  void at(const Eigen::Vector3f* places,
-          std::size_t count,
-          const Eigen::Isometry3f& T,
-          float size,
-          float margin,
-          Evidence* evidence) const;
+   * rings of a sensor with 16: `enclosed` or `occupied`. Faster than one by one.
+   * \param T_vehicle_places takes the places to the vehicle frame \param[out] evidence one value
+   * per place */
+  void evaluate(const Eigen::Vector3f* places,
+                std::size_t count,
+                const Eigen::Isometry3f& T_vehicle_places,
+                float size,
+                float margin,
+                Evidence* evidence) const;
+  /** at(): rays passed through the place, or at least around it. */
   [[nodiscard]] bool observesFree(const Eigen::Vector3f& p, float size, float margin) const
   {
     const Evidence seen = at(p, size, margin);
@@ -61,7 +63,7 @@ class VisibilityImage
 
  private:
   static constexpr int cols = 900;
-  static constexpr float resolution = 0.01F;  // of ranges [m]
+  static constexpr float resolution = 0.01F;  // of the ranges in pixels_ [m]
   static constexpr std::uint16_t no_return = 0xFFFF;
 
   struct Rays;
@@ -78,7 +80,7 @@ class VisibilityImage
     return pixel == no_return ? std::numeric_limits<float>::infinity()
                               : resolution * static_cast<float>(pixel);
   }
-  [[nodiscard]] float seenAt(int row, int col) const
+  [[nodiscard]] float rangeAt(int row, int col) const
   {
     return rangeOf(pixels_[static_cast<std::size_t>(row * cols + (col + cols) % cols)]);
   }

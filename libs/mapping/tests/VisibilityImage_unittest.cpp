@@ -37,7 +37,7 @@ Evidence at(const Cloud& cloud, const Eigen::Vector3f& place)
 {
   const VisibilityImage image(cloud, Eigen::Vector3f::Zero());
   Evidence evidence = Evidence::none;
-  image.at(&place, 1, Eigen::Isometry3f::Identity(), 0.2F, 0.5F, &evidence);
+  image.evaluate(&place, 1, Eigen::Isometry3f::Identity(), 0.2F, 0.5F, &evidence);
   return evidence;
 }
 

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "OccupiedProducts.h"
+#include "TensorViews.h"
 
 namespace dyslam
 {
@@ -20,14 +21,9 @@ using torch::Tensor;
 using torch::autograd::AutogradContext;
 using torch::autograd::tensor_list;
 
-using Matrix = Eigen::Matrix<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+using Matrix = RowMajorMatrix<float>;
 using Row = Eigen::Matrix<float, 1, Eigen::Dynamic>;
 constexpr std::int64_t block = 256;  // cells per block, to fit the cache
-
-Eigen::Map<const Matrix> viewOf(const Tensor& t)
-{
-  return {t.data_ptr<float>(), t.size(0), t.size(1)};
-}
 
 /** Concatenated rows of `table` for `count` cells from `first` on, zeros for -1. */
 void gatherBlock(
@@ -134,9 +130,9 @@ class GatheredLinear : public torch::autograd::Function<GatheredLinear>
     const auto leak = static_cast<float>(context->saved_data["slope"].toDouble());
     const auto& table = saved[1];
     const auto gradient = gradients[0].contiguous();
-    const auto w = viewOf(saved[2]);
-    const auto y = viewOf(saved[3]);
-    const auto g = viewOf(gradient);
+    const auto w = viewOf<float>(saved[2]);
+    const auto y = viewOf<float>(saved[3]);
+    const auto g = viewOf<float>(gradient);
     auto to_rows = torch::zeros_like(saved[0]);
     auto to_weight = torch::zeros_like(saved[2]);
     auto to_bias = torch::zeros({w.rows()}, gradient.options());

@@ -10,7 +10,9 @@ namespace dyslam
 {
 namespace
 {
-/** Pyramid level of a coarse stage. */
+constexpr std::size_t coarse_stages = 4;
+
+/** Pyramid level of a coarse stage: 3, by the first cost volume, then 3, 2 and 1. */
 std::size_t coarseLevel(std::size_t stage)
 {
   return stage == 0 ? 3 : 4 - stage;
@@ -76,7 +78,7 @@ DyloNetworkImpl::DyloNetworkImpl(const DyloNetworkOptions& options) : options_(o
     encoder_.push_back(
         register_module("encoder" + std::to_string(l + 1), SetConv(in, mlps[l], spacing[l + 1])));
   }
-  first_join_ = register_module("first_join", Mlp(Sizes{size(16) + 8, size(16)}));
+  first_fusion_ = register_module("first_join", Mlp(Sizes{size(16) + 8, size(16)}));
 
   const std::int64_t embedding = size(64);
   const std::int64_t hidden = size(128);
@@ -89,33 +91,9 @@ DyloNetworkImpl::DyloNetworkImpl(const DyloNetworkOptions& options) : options_(o
   cost_up_ =
       register_module("cost_up", SetUpConv(embedding + featureSize(w, 4),
                                            embedding + featureSize(w, 3), embedding, spacing[4]));
-  // Stage 0 is level 3 with its own mask; the later stages are levels 3, 2 and 1.
-  for (std::size_t stage = 0; stage < 4; ++stage)
+  for (std::size_t stage = 0; stage < coarse_stages; ++stage)
   {
-    const std::size_t level = stage == 0 ? 3 : 4 - stage;
-    mask_.push_back(register_module("mask" + std::to_string(stage),
-                                    DynamicMask(options.mask, embedding, featureSize(w, level))));
-    if (options.head == DyloHead::regression)
-    {
-      Mlp head(Sizes{embedding + moment_size, hidden, 7}, true);
-      head->scaleOutput(0.01);
-      regression_.push_back(register_module("regression" + std::to_string(stage), head));
-    }
-    if (stage == 0)
-    {
-      continue;
-    }
-    const std::string name = std::to_string(level);
-    cost_.push_back(register_module(
-        "cost" + name,
-        AttentiveCostVolume(featureSize(w, level), hidden, embedding, 1, 2, 6, spacing[level])));
-    up_.emplace_back(nullptr);
-    if (level < 3)
-    {
-      up_.back() = register_module(
-          "up" + name, SetUpConv(embedding, featureSize(w, level), embedding, spacing[level + 1]));
-    }
-    join_.push_back(register_module("join" + name, Mlp(Sizes{2 * embedding, hidden, embedding})));
+    addCoarseStage(stage, embedding, hidden);
   }
   isotropic_ = register_parameter("isotropic", torch::tensor({-2.F, -4.F, -6.F, -8.F}));
   noise_ = register_parameter("noise", torch::tensor({-0.7F, -1.F, -1.5F, -2.F, -3.F}));
@@ -127,6 +105,35 @@ DyloNetworkImpl::DyloNetworkImpl(const DyloNetworkOptions& options) : options_(o
     fine_mask_ =
         register_module("fine_mask", DynamicMask(options.mask, embedding, featureSize(w, 1)));
   }
+}
+
+void DyloNetworkImpl::addCoarseStage(std::size_t stage, std::int64_t embedding, std::int64_t hidden)
+{
+  const double w = options_.width;
+  const std::size_t level = coarseLevel(stage);
+  mask_.push_back(register_module("mask" + std::to_string(stage),
+                                  DynamicMask(options_.mask, embedding, featureSize(w, level))));
+  if (options_.head == DyloHead::regression)
+  {
+    Mlp head(Sizes{embedding + moment_size, hidden, 7}, true);
+    head->scaleOutput(0.01);
+    regression_.push_back(register_module("regression" + std::to_string(stage), head));
+  }
+  if (stage == 0)
+  {
+    return;  // its cost volume is the first one
+  }
+  const std::string name = std::to_string(level);
+  cost_.push_back(register_module(
+      "cost" + name,
+      AttentiveCostVolume(featureSize(w, level), hidden, embedding, 1, 2, 6, spacing[level])));
+  up_.emplace_back(nullptr);
+  if (level < 3)
+  {
+    up_.back() = register_module(
+        "up" + name, SetUpConv(embedding, featureSize(w, level), embedding, spacing[level + 1]));
+  }
+  fusion_.push_back(register_module("join" + name, Mlp(Sizes{2 * embedding, hidden, embedding})));
 }
 
 const Window& DyloNetworkImpl::window(
@@ -158,7 +165,7 @@ EncodedScan DyloNetworkImpl::encode(const ScanTensors& scan)
                                                scan.levels[l], around);
     if (l == 1)
     {
-      x = first_join_->forward(torch::cat({x, nodeGeometry(scan.levels[1])}, 1));
+      x = first_fusion_->forward(torch::cat({x, nodeGeometry(scan.levels[1])}, 1));
     }
     encoded.features[l] = x;
   }
@@ -235,7 +242,7 @@ DyloStage DyloNetworkImpl::coarseStage(std::size_t stage,
             ? embedding
             : up_[stage - 1]->forward(embedding, scan1.scan.levels[level_before], features, nodes,
                                       window(level_before, level, scan1, 2, 4));
-    embedding = join_[stage - 1]->forward(torch::cat({correlation.embedding, up}, 1));
+    embedding = fusion_[stage - 1]->forward(torch::cat({correlation.embedding, up}, 1));
   }
   const MaskLogits logits = mask_[stage]->forward(embedding, features, nodes.valid);
   DyloStage result = poseStage(stage, level, start, warped, correlation, logits, embedding);
@@ -251,7 +258,7 @@ std::vector<DyloStage> DyloNetworkImpl::forward(const EncodedScan& scan1,
   std::vector<DyloStage> stages;
   PoseTensors pose = start;
   torch::Tensor embedding;
-  for (std::size_t stage = 0; stage < 4; ++stage)
+  for (std::size_t stage = 0; stage < coarse_stages; ++stage)
   {
     const std::size_t level_before = stage == 0 ? 0 : stages.back().level;
     stages.push_back(coarseStage(stage, scan1, scan2, pose, level_before, embedding));

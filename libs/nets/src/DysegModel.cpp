@@ -5,8 +5,10 @@
 #include <dyslam/nets/Threads.h>
 #include <torch/torch.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
+#include <utility>
 
 namespace dyslam
 {

@@ -16,7 +16,7 @@ namespace
 constexpr std::int64_t motion_channels = 24;
 constexpr std::int64_t segment_channels = 32;
 constexpr std::int64_t cell_features = 24;
-constexpr std::int64_t anchor_channels = 16;
+constexpr std::int64_t static_channels = 16;
 constexpr std::int64_t subcells = 4;
 
 /** The view itself, or a copy while gradients are recorded: the graph outlives the scan's memory.
@@ -133,8 +133,9 @@ DysegNetImpl::DysegNetImpl(const DysegNetworkOptions& options) : options_(option
   wide_third_ = register_module("wide_third", CellConv(o.quarter_channels, o.quarter_channels));
   fine_matching_ = register_module("fine_matching", RowLinear(o.half_channels, o.fine_channels));
   matching_ = register_module("matching", RowLinear(o.quarter_channels, o.matching_channels));
-  anchor_ = register_module("anchor", RowLinear(o.quarter_channels, anchor_channels));
-  anchor_logit_ = register_module("anchor_logit", RowLinear(anchor_channels, 1));
+  // The head of the appearance prior; checkpoints have it by these names.
+  static_hidden_ = register_module("anchor", RowLinear(o.quarter_channels, static_channels));
+  static_logit_ = register_module("anchor_logit", RowLinear(static_channels, 1));
   state_ = register_module("state", RowLinear(o.quarter_channels, o.hidden));
   update_ = register_module("update", FlowUpdate(o.hidden, motion_channels, o.radius));
   segment_ = register_module("segment", CellConv(o.hidden + o.quarter_channels, segment_channels));
@@ -152,8 +153,8 @@ DysegNetImpl::DysegNetImpl(const DysegNetworkOptions& options) : options_(option
 Tensor DysegNetImpl::surroundings(const Tensor& quarter, const DysegCells& cells)
 {
   const auto coarse = averageChildren(quarter, cells.eighth_children);
-  auto wide = wide_first_(coarse, cells.eighth_neighbours, rectified);
-  wide = wide + wide_second_(wide, cells.eighth_neighbours, rectified);
+  auto wide = wide_first_(coarse, cells.eighth_neighbours, relu);
+  wide = wide + wide_second_(wide, cells.eighth_neighbours, relu);
   return gatherRows(wide_third_(wide, cells.eighth_neighbours), cells.quarter_parent);
 }
 
@@ -165,17 +166,17 @@ DysegEncoding DysegNetImpl::encode(const BevScan& scan)
   cells->to(device);
   const auto& full = cells->level.full;
   const auto row = tableTensor(full.row_of_point, 1).squeeze(1).to(device);
-  e.points = pillar_deep_(pillar_(featuresOf(scan).to(device), rectified), rectified);
+  e.points = pillar_deep_(pillar_(featuresOf(scan).to(device), relu), relu);
   const auto pillars = pillarMax(e.points, row, static_cast<std::int64_t>(full.size()));
-  auto half = half_(pillars, cells->half_from_full, rectified);
-  half = half_deep_(half, cells->half_neighbours, rectified);
-  auto quarter = quarter_(half, cells->quarter_from_half, rectified);
-  const auto first = quarter_first_(quarter, cells->quarter_neighbours, rectified);
+  auto half = half_(pillars, cells->half_from_full, relu);
+  half = half_deep_(half, cells->half_neighbours, relu);
+  auto quarter = quarter_(half, cells->quarter_from_half, relu);
+  const auto first = quarter_first_(quarter, cells->quarter_neighbours, relu);
   quarter = (quarter + quarter_second_(first, cells->quarter_neighbours)).relu();
   quarter = (quarter + surroundings(quarter, *cells)).relu();
   e.context = quarter;
   e.fine = fine_matching_(half);
-  e.static_logit = anchor_logit_(anchor_(quarter, rectified)).squeeze(1);
+  e.static_logit = static_logit_(static_hidden_(quarter, relu)).squeeze(1);
   e.middle = matching_(quarter);
   e.coarse = averageChildren(e.middle, cells->eighth_children);
   e.cells = std::move(cells);
@@ -242,11 +243,11 @@ DysegCellOutput DysegNetImpl::segmentCells(const BevScan& scan,
   }
 
   const auto segment =
-      segment_(torch::cat({state, current.context}, 1), occupied.quarter_neighbours, rectified);
+      segment_(torch::cat({state, current.context}, 1), occupied.quarter_neighbours, relu);
   const auto residual_flow = residual.detach();
   const auto peak = peakOffset(static_window, radius);
   out.feature = cell_(
-      torch::cat({segment, residual_flow, residual_flow.abs(), static_window, peak}, 1), rectified);
+      torch::cat({segment, residual_flow, residual_flow.abs(), static_window, peak}, 1), relu);
   out.logit = cell_logit_(out.feature).squeeze(1);
   out.upsampling = upsampling_(state);
   return out;
@@ -324,7 +325,7 @@ Tensor DysegNetImpl::segmentPoints(const BevScan& scan,
        correlate(source, past_fine, moved, options_.fine_radius),
        current.points.index_select(0, index), features.index_select(0, index), g.rays.to(device)},
       1);
-  return point_logit_(point_second_(point_first_(input, rectified), rectified)).squeeze(1);
+  return point_logit_(point_second_(point_first_(input, relu), relu)).squeeze(1);
 }
 
 Tensor DysegNetImpl::pointFlow(const BevScan& scan,

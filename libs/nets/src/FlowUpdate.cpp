@@ -44,11 +44,11 @@ FlowUpdateImpl::Result FlowUpdateImpl::forward(const Tensor& state,
                                                const Tensor& neighbours)
 {
   const auto peak = peakOffset(correlation, radius_);
-  const auto first = motion_(torch::cat({correlation, flow, peak}, 1), rectified);
-  const auto motion = motion_deep_(first, rectified);
+  const auto first = motion_(torch::cat({correlation, flow, peak}, 1), relu);
+  const auto motion = motion_deep_(first, relu);
   Result result;
   result.state = gru_(state, motion, neighbours);
-  result.change = head_out_(head_(torch::cat({result.state, motion, peak}, 1), rectified));
+  result.change = head_out_(head_(torch::cat({result.state, motion, peak}, 1), relu));
   return result;
 }
 

@@ -6,24 +6,16 @@
 #include <algorithm>
 #include <limits>
 
+#include "TensorViews.h"
+
 namespace dyslam
 {
 namespace
 {
 constexpr std::int64_t block = 1024;  //!< group members per block
 
-using Matrix = Eigen::Matrix<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+using Matrix = RowMajorMatrix<float>;
 using Row = Eigen::Matrix<float, 1, Eigen::Dynamic>;
-
-Eigen::Map<const Matrix> viewOf(const torch::Tensor& t)
-{
-  return {t.data_ptr<float>(), t.size(0), t.size(1)};
-}
-
-bool onCpu(const torch::Tensor& t)
-{
-  return t.device().is_cpu() && t.scalar_type() == torch::kFloat;
-}
 
 /** The product with the features is computed once per node and then gathered: nodes are fewer. */
 class GroupedLinearFunction : public torch::autograd::Function<GroupedLinearFunction>
@@ -42,18 +34,18 @@ class GroupedLinearFunction : public torch::autograd::Function<GroupedLinearFunc
     const std::int64_t out = weight.size(0);
     const std::int64_t group = own.numel() > 0 ? geometry.size(0) / own.size(0) : 0;
     torch::Tensor y = torch::empty({geometry.size(0), out});
-    const auto w = viewOf(weight);
+    const auto w = viewOf<float>(weight);
     const Matrix w_geometry = w.leftCols(g).transpose();
     Matrix per_node;
     if (features.numel() > 0)
     {
-      per_node.noalias() = viewOf(features) * w.rightCols(w.cols() - g).transpose();
+      per_node.noalias() = viewOf<float>(features) * w.rightCols(w.cols() - g).transpose();
     }
-    const auto in = viewOf(geometry);
+    const auto in = viewOf<float>(geometry);
     const Eigen::Map<const Row> b(bias.data_ptr<float>(), out);
     Eigen::Map<Matrix> result(y.data_ptr<float>(), y.size(0), out);
     const std::int64_t* node = index.data_ptr<std::int64_t>();
-    const auto of_group = viewOf(own);
+    const auto of_group = viewOf<float>(own);
     const auto leak = static_cast<float>(slope);
     forBlocks(geometry.size(0), block,
               [&](std::int64_t begin, std::int64_t count)
@@ -87,10 +79,10 @@ class GroupedLinearFunction : public torch::autograd::Function<GroupedLinearFunc
     const auto saved = context->get_saved_variables();
     const auto leak = static_cast<float>(context->saved_data["slope"].toDouble());
     const torch::Tensor grad_in = grads[0].contiguous();
-    const auto in = viewOf(saved[0]);
-    const auto w = viewOf(saved[3]);
-    const auto y = viewOf(saved[4]);
-    const auto g = viewOf(grad_in);
+    const auto in = viewOf<float>(saved[0]);
+    const auto w = viewOf<float>(saved[3]);
+    const auto y = viewOf<float>(saved[4]);
+    const auto g = viewOf<float>(grad_in);
     const std::int64_t* node = saved[2].data_ptr<std::int64_t>();
     const bool has_features = saved[1].numel() > 0;
     const std::int64_t geometry = in.cols();
@@ -140,7 +132,7 @@ class GroupedLinearFunction : public torch::autograd::Function<GroupedLinearFunc
     }
     if (has_features)
     {
-      const auto features = viewOf(saved[1]);
+      const auto features = viewOf<float>(saved[1]);
       gw.rightCols(w.cols() - geometry).noalias() = per_node.transpose() * features;
       Eigen::Map<Matrix>(grad_features.data_ptr<float>(), features.rows(), features.cols())
           .noalias() = per_node * w.rightCols(w.cols() - geometry);

@@ -7,7 +7,10 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
+#include <utility>
+#include <vector>
+
+#include "TensorViews.h"
 
 namespace dyslam
 {
@@ -44,11 +47,6 @@ struct ImagePosition
 std::int64_t wrapColumn(std::int64_t col, std::int64_t cols)
 {
   return col < 0 ? col + cols : (col >= cols ? col - cols : col);
-}
-
-bool onCpu(const torch::Tensor& t)
-{
-  return t.device().is_cpu() && t.scalar_type() == torch::kFloat;
 }
 }  // namespace
 
@@ -133,9 +131,10 @@ torch::Tensor groupOffsets(const torch::Tensor& xyz,
   torch::Tensor result = torch::empty({n, k, 3});
   const torch::Tensor centres = centre.contiguous();
   const torch::Tensor from = xyz.contiguous();
+  const torch::Tensor nodes = index.contiguous();
   const float* c_data = centres.data_ptr<float>();
   const float* q_data = from.data_ptr<float>();
-  const std::int64_t* node = index.data_ptr<std::int64_t>();
+  const std::int64_t* node = nodes.data_ptr<std::int64_t>();
   float* out = result.data_ptr<float>();
   forRows(n, grain,
           [&](std::int64_t begin, std::int64_t end)

@@ -169,7 +169,7 @@ SetUpConvImpl::SetUpConvImpl(std::int64_t coarse,
     : spacing_(spacing)
 {
   gather_ = register_module("gather", GroupedMlp(3, coarse, Sizes{out}));
-  join_ = register_module("join", Mlp(Sizes{out + fine, out}));
+  fusion_ = register_module("join", Mlp(Sizes{out + fine, out}));
 }
 
 torch::Tensor SetUpConvImpl::forward(const torch::Tensor& coarse_features,
@@ -181,7 +181,7 @@ torch::Tensor SetUpConvImpl::forward(const torch::Tensor& coarse_features,
   const torch::Tensor offsets = groupOffsets(coarse.xyz, fine.xyz, window.index, spacing_);
   const torch::Tensor x = gather_->forward(offsets, coarse_features, window.index);
   const torch::Tensor gathered = groupMax(x, usableOf(coarse.valid, window));
-  return join_->forward(torch::cat({gathered, fine_features}, 1));
+  return fusion_->forward(torch::cat({gathered, fine_features}, 1));
 }
 
 DynamicMaskImpl::DynamicMaskImpl(DyloMask kind, std::int64_t embedding, std::int64_t features)

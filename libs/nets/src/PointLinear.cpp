@@ -7,20 +7,13 @@
 #include <algorithm>
 #include <vector>
 
+#include "TensorViews.h"
+
 namespace dyslam
 {
 namespace
 {
 constexpr std::int64_t block = 1024;
-
-template <typename T>
-using Matrix = Eigen::Matrix<T, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
-
-template <typename T>
-Eigen::Map<const Matrix<T>> viewOf(const torch::Tensor& t)
-{
-  return {t.data_ptr<T>(), t.size(0), t.size(1)};
-}
 
 template <typename T>
 void linearForward(const torch::Tensor& x,
@@ -32,8 +25,8 @@ void linearForward(const torch::Tensor& x,
   const auto in = viewOf<T>(x);
   const auto w = viewOf<T>(weight);
   const Eigen::Map<const Eigen::Matrix<T, 1, Eigen::Dynamic>> b(bias.data_ptr<T>(), bias.size(0));
-  Eigen::Map<Matrix<T>> out(y.data_ptr<T>(), y.size(0), y.size(1));
-  const Matrix<T> w_t = w.transpose();
+  Eigen::Map<RowMajorMatrix<T>> out(y.data_ptr<T>(), y.size(0), y.size(1));
+  const RowMajorMatrix<T> w_t = w.transpose();
   forBlocks(x.size(0), block,
             [&](std::int64_t first, std::int64_t count)
             {
@@ -61,19 +54,21 @@ void linearBackward(const torch::Tensor& x,
   const auto w = viewOf<T>(weight);
   const auto out = viewOf<T>(y);
   const auto g = viewOf<T>(grad);
-  Eigen::Map<Matrix<T>> gx(grad_x.data_ptr<T>(), grad_x.size(0), grad_x.size(1));
-  Eigen::Map<Matrix<T>> gw(grad_weight.data_ptr<T>(), grad_weight.size(0), grad_weight.size(1));
+  Eigen::Map<RowMajorMatrix<T>> gx(grad_x.data_ptr<T>(), grad_x.size(0), grad_x.size(1));
+  Eigen::Map<RowMajorMatrix<T>> gw(grad_weight.data_ptr<T>(), grad_weight.size(0),
+                                   grad_weight.size(1));
   Eigen::Map<Eigen::Matrix<T, 1, Eigen::Dynamic>> gb(grad_bias.data_ptr<T>(), grad_bias.size(0));
   const std::int64_t rows = x.size(0);
-  Matrix<T> part;
+  RowMajorMatrix<T> part;
   for (std::int64_t first = 0; first < rows; first += block)
   {
     const std::int64_t count = std::min(block, rows - first);
     part = g.middleRows(first, count);
     if (slope != T(1))
     {
-      part.array() *= (out.middleRows(first, count).array() > T(0))
-                          .select(Matrix<T>::Constant(count, y.size(1), T(1)).array(), slope);
+      part.array() *=
+          (out.middleRows(first, count).array() > T(0))
+              .select(RowMajorMatrix<T>::Constant(count, y.size(1), T(1)).array(), slope);
     }
     gx.middleRows(first, count).noalias() = part * w;
     gw.noalias() += part.transpose() * in.middleRows(first, count);

@@ -175,4 +175,16 @@ TEST(BevRays, DistinguishesFreeOccupiedAndUnobserved)
   rays.compare({-20.0F, 0.3F, 0.0F}, out);  // not observed
   EXPECT_FLOAT_EQ(out[2], 0);
 }
+
+TEST(BevRays, DirectionsAboveAndBelowTheImageAreUnobserved)
+{
+  const std::vector<Eigen::Vector3f> steep = {{0, 0, 1e30F}, {0, 0, -1e30F}, {1, 0, 5}, {1, 0, -5}};
+  const BevRays rays(steep);
+  for (const Eigen::Vector3f& p : steep)
+  {
+    float out[BevRays::channels];
+    rays.compare(p, out);
+    EXPECT_FLOAT_EQ(out[2], 0) << p.transpose();
+  }
+}
 }  // namespace

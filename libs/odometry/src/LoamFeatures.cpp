@@ -2,6 +2,7 @@
 #include "LoamFeatures.h"
 
 #include <dyslam/core/Rings.h>
+#include <dyslam/core/Scan.h>
 #include <dyslam/core/VoxelGrid.h>
 
 #include <algorithm>
@@ -73,9 +74,9 @@ std::vector<std::vector<RingPoint>> sortedRings(const std::vector<Eigen::Vector3
   for (std::size_t i = 0; i < rings.size(); ++i)
   {
     const Eigen::Vector3f& q = seen[i];
-    if (!q.allFinite())
+    if (!isReturn(q))
     {
-      continue;
+      continue;  // the curvature is relative to the range, which must not be 0
     }
     sorted.resize(std::max<std::size_t>(sorted.size(), rings[i] + 1U));
     sorted[rings[i]].push_back({std::atan2(q.y(), q.x()), static_cast<std::uint32_t>(i)});

@@ -10,6 +10,7 @@
 #include <cstdio>
 #include <future>
 #include <stdexcept>
+#include <string>
 
 #include "CloudCheck.h"
 #include "ScanSample.h"
@@ -49,6 +50,52 @@ double sizeOf(const Pose& T)
   return T.translation().norm() + lever * rotationAngle(T);
 }
 
+void copyStatistics(const ScanToMapResult& found, RegistrationResult& result)
+{
+  result.inlier_share = found.inlier_share;
+  result.surface_share = found.surface_share;
+  result.inlier_ratio = found.inlier_ratio;
+  result.motion.iterations = found.iterations;
+  result.motion.inliers = found.inliers;
+  result.motion.rmse = found.rmse;
+}
+
+/** What is wrong with a registration, as a sentence; empty if it may be accepted. Values are
+ * rounded down, so that none reads as its limit. */
+std::string failureReason(const ScanToMapResult& found, const RefineOptions& options)
+{
+  char text[240];
+  if (!found.finite)
+  {
+    return "the registration has no finite solution";
+  }
+  if (found.surface_share < options.min_surface_share)
+  {
+    std::snprintf(text, sizeof text,
+                  "%.0f %% of the points have a surface in the local map, the limit is %g %% "
+                  "(refine.min_surface_share): the map's cells are too small for the sensor, raise "
+                  "refine.levels or refine.cell_size",
+                  std::floor(100 * found.surface_share), 100 * options.min_surface_share);
+    return text;
+  }
+  if (found.inliers < min_inliers)
+  {
+    std::snprintf(text, sizeof text,
+                  "the scan does not fit the local map: %zu inliers, the limit is %zu",
+                  found.inliers, min_inliers);
+    return text;
+  }
+  if (found.inlier_ratio < options.min_inlier_ratio)
+  {
+    std::snprintf(text, sizeof text,
+                  "the scan does not fit the local map: inlier ratio %.2f, the limit is %g "
+                  "(refine.min_inlier_ratio)",
+                  std::floor(100 * found.inlier_ratio) / 100, options.min_inlier_ratio);
+    return text;
+  }
+  return {};
+}
+
 /** What integrate() does with the frame registered last. */
 enum class Pending
 {
@@ -57,55 +104,6 @@ enum class Pending
   restart
 };
 }  // namespace
-
-void RefineOptions::describe(OptionsVisitor& v)
-{
-  v.choice("method", method,
-           {{"none", RefineMethod::none},
-            {"point_to_plane", RefineMethod::point_to_plane},
-            {"gicp", RefineMethod::gicp}},
-           "method of the registration to the local map");
-  v.real("cell_size", cell_size, 0.05, 10, "least side of the local map's smallest cells [m]");
-  v.integer(
-      "levels", levels, 0, SurfacePyramid::max_levels,
-      "levels of the local map, each with cells twice as large; 0: by the spacing of the rings");
-  v.real("min_incidence", min_incidence, 0, 20,
-         "least angle between ray and surface, for maps of several levels [ring spacings]");
-  v.real("max_points_per_cell", max_points_per_cell, 6, 1e6,
-         "upper limit of the points per cell of the local map");
-  v.real("map_spacing", map_spacing, 0, 10,
-         "least distance of successive points of a ring that are added to the local map [m]");
-  v.real("map_radius", map_radius, 5, 1000,
-         "distance from the vehicle beyond which cells of the local map are dropped [m]");
-  v.real("sample_size", sample_size, 0.05, 20,
-         "side of the cubes with one registered point each, for maps of one level [m]");
-  v.real("sparse_sample_size", sparse_sample_size, 0.05, 20,
-         "side of the cubes with one registered point each, for maps of several levels [m]");
-  v.integer("max_points", max_points, 100, 1000000,
-            "upper limit of the registered points per scan");
-  v.integer("max_iterations", max_iterations, 1, 200,
-            "upper limit of the registration's iterations per level");
-  v.real("loss_width", loss_width, 0.001, 10,
-         "final width of the robust loss of the residuals [m]");
-  v.real("max_loss_width", max_loss_width, 0.001, 10,
-         "largest initial width of the robust loss, after bad initial guesses [m]");
-  v.real("initial_sigma", initial_sigma, 0, 50,
-         "sigma of the initial guess at the first registration to a map [m]");
-  v.real("guess_sigma", guess_sigma, 1e-4, 1e3,
-         "sigma of the translation of an initial guess that is not the prior [m]");
-  v.degrees("guess_sigma_angle_deg", guess_sigma_angle, 1e-3, 180,
-            "sigma of the rotation of an initial guess that is not the prior [deg]");
-  v.real("points_per_measurement", points_per_measurement, 1, 1e6,
-         "number of correlated points that count as one measurement");
-  v.real("max_ground_weight_ratio", max_ground_weight_ratio, 1e-3, 1e9,
-         "upper limit of the weight of ground surfaces, relative to all other surfaces");
-  v.real("min_surface_share", min_surface_share, 0, 1,
-         "share of points with a surface in the map below which registration has failed (cells too "
-         "small)");
-  v.real("min_inlier_ratio", min_inlier_ratio, 0, 1,
-         "share of inliers among the points with a surface in the map below which registration has "
-         "failed");
-}
 
 /** What the registration of a frame changes for later ones; tryFrame() restores it. */
 struct RegistrationProgress
@@ -133,7 +131,8 @@ struct LocalMapRegistration::State : RegistrationProgress
   ScanToMapResult alignSecond(const Pose& T_guess, double guess_error, double dt);
   /** The map of the first frame anew, deskewed by the motion of its sweep. */
   void rebuildFromFirst(const Pose& T_sweep);
-  void fail(const ScanToMapResult& found, RegistrationResult& result);
+  /** Keeps the guess. \param reason failureReason() */
+  void fail(const std::string& reason, RegistrationResult& result);
   void succeed(const Pose& T_guess, const ScanToMapResult& found, RegistrationResult& result);
   void add(const std::vector<Eigen::Vector3f>& points, const Pose& T);
   /** Starts adding the current frame to the map in a thread beside the caller, if the pool has more
@@ -321,48 +320,18 @@ ScanToMapResult LocalMapRegistration::State::alignSecond(const Pose& T_guess,
   return result;
 }
 
-void LocalMapRegistration::State::fail(const ScanToMapResult& found, RegistrationResult& result)
+void LocalMapRegistration::State::fail(const std::string& reason, RegistrationResult& result)
 {
   if (frames == 1 && !first.phase.empty())
   {
     // The rejected motion has deskewed it.
     rebuildFromFirst(result.motion.T_previous_current);
   }
-  // Values are rounded down, so that none reads as its limit.
-  char text[240];
   const bool poor_first = frames == 1 && first.size() < points.scan.size() / poor_first_ratio;
-  if (poor_first)
-  {
-    std::snprintf(text, sizeof text,
-                  "the local map has one scan of %zu points only, a part of a revolution",
-                  first.size());
-  }
-  else if (!found.finite)
-  {
-    std::snprintf(text, sizeof text, "the registration has no finite solution");
-  }
-  else if (result.surface_share < options.min_surface_share)
-  {
-    std::snprintf(text, sizeof text,
-                  "%.0f %% of the points have a surface in the local map, the limit is %g %% "
-                  "(refine.min_surface_share): the map's cells are too small for the sensor, raise "
-                  "refine.levels or refine.cell_size",
-                  std::floor(100 * result.surface_share), 100 * options.min_surface_share);
-  }
-  else if (result.motion.inliers < min_inliers)
-  {
-    std::snprintf(text, sizeof text,
-                  "the scan does not fit the local map: %zu inliers, the limit is %zu",
-                  result.motion.inliers, min_inliers);
-  }
-  else
-  {
-    std::snprintf(text, sizeof text,
-                  "the scan does not fit the local map: inlier ratio %.2f, the limit is %g "
-                  "(refine.min_inlier_ratio)",
-                  std::floor(100 * result.inlier_ratio) / 100, options.min_inlier_ratio);
-  }
-  result.motion.reason = text;
+  result.motion.reason = poor_first
+                             ? "the local map has one scan of " + std::to_string(first.size()) +
+                                   " points only, a part of a revolution"
+                             : reason;
   if (++failures >= max_failures || poor_first)
   {
     pending = Pending::restart;
@@ -438,7 +407,8 @@ LocalMapRegistration::LocalMapRegistration(const RefineOptions& options, ThreadP
   validate(options, "refine");
   if (options.loss_width > options.max_loss_width)
   {
-    throw UserError("[refine] loss_width: is above max_loss_width; lower it, or raise that");
+    throw UserError(
+        "[refine] loss_width: is above max_loss_width; lower loss_width or raise max_loss_width");
   }
   state_ = std::make_unique<State>(options, pool);
 }
@@ -492,22 +462,16 @@ RegistrationResult LocalMapRegistration::registerFrame(const Frame& frame,
   const ScanToMapResult found =
       s.frames == 1 ? s.alignSecond(T_guess, guess_error, frame.dt) : s.align(T_guess, guess_error);
   result.points = s.points.sample.size();
-  result.inlier_share = found.inlier_share;
-  result.surface_share = found.surface_share;
-  result.inlier_ratio = found.inlier_ratio;
-  result.motion.iterations = found.iterations;
-  result.motion.inliers = found.inliers;
-  result.motion.rmse = found.rmse;
+  copyStatistics(found, result);
   result.loss_width = s.settings(guess_error).start_loss_width;
-  if (!found.finite || found.inliers < min_inliers ||
-      found.surface_share < s.options.min_surface_share ||
-      found.inlier_ratio < s.options.min_inlier_ratio)
+  const std::string reason = failureReason(found, s.options);
+  if (reason.empty())
   {
-    s.fail(found, result);
+    s.succeed(T_guess, found, result);
   }
   else
   {
-    s.succeed(T_guess, found, result);
+    s.fail(reason, result);
   }
   return result;
 }

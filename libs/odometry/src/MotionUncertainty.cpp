@@ -67,14 +67,14 @@ void MotionUncertainty::measureJitter(double dt, const MotionEstimate& motion)
   velocity_ = velocity;
 }
 
-double MotionUncertainty::share(double calibrated, const MotionEstimate& motion) const
+double MotionUncertainty::covarianceScale(double calibrated, const MotionEstimate& motion) const
 {
   return motion.converged && samples_ >= min_samples ? calibrated : 1;
 }
 
-void MotionUncertainty::state(const Matrix6& of_points,
-                              const Matrix6& drift,
-                              MotionEstimate& motion)
+void MotionUncertainty::setCovariance(const Matrix6& of_points,
+                                      const Matrix6& drift,
+                                      MotionEstimate& motion)
 {
   Vector6 jitter = jitter_;
   jitter.head<3>() *= options_.jitter_translation;
@@ -101,8 +101,9 @@ void MotionUncertainty::calibrate(double dt, const Matrix6& in_map, MotionEstima
   // The estimate weighs points and prior by their information: its covariance has a part of each.
   const Matrix6 of_points =
       motion.converged ? symmetric(own * in_map * own) : Matrix6(Matrix6::Zero());
-  state(share(options_.registration_covariance_scale, motion) * of_points,
-        share(options_.motion_covariance_scale, motion) * (own - of_points), motion);
+  setCovariance(covarianceScale(options_.registration_covariance_scale, motion) * of_points,
+                covarianceScale(options_.motion_covariance_scale, motion) * (own - of_points),
+                motion);
 }
 
 void MotionUncertainty::calibrateMatch(double dt, const Matrix6& prior, MotionEstimate& motion)
@@ -112,13 +113,13 @@ void MotionUncertainty::calibrateMatch(double dt, const Matrix6& prior, MotionEs
     return;
   }
   measureJitter(dt, motion);
-  const double own_share = std::max(share(options_.motion_covariance_scale, motion), 1e-6);
+  const double scale = std::max(covarianceScale(options_.motion_covariance_scale, motion), 1e-6);
   Matrix6 information = prior;
   if (motion.converged && motion.information.allFinite())
   {
-    information += motion.information / own_share;
+    information += motion.information / scale;
   }
-  state(Matrix6::Zero(), symmetric(information.llt().solve(Matrix6::Identity())), motion);
+  setCovariance(Matrix6::Zero(), symmetric(information.llt().solve(Matrix6::Identity())), motion);
 }
 
 void MotionUncertainty::exchangeState(StateArchive& archive)

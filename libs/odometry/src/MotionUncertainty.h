@@ -45,7 +45,7 @@ class MotionUncertainty
 
   /** Replaces motion.information by the calibrated one and sets motion.pose_noise.
    *
-   * For a registration to a map. Before, motion.information is that of the estimate, prior
+   * For a registration to a map. On entry, motion.information is that of the estimate, prior
    * included, and positive definite.
    * \param dt since the previous scan [s]; up to 0: there is no motion, nothing is done
    * \param in_map information of the points about the pose in the local map */
@@ -62,10 +62,11 @@ class MotionUncertainty
  private:
   void measureJitter(double dt, const MotionEstimate& motion);
   /** Factor on the estimate's covariance: 1 after few motions, or if this one failed. */
-  [[nodiscard]] double share(double calibrated, const MotionEstimate& motion) const;
-  /** \param of_points covariance of the pose in the map \param drift of the motion, both without
-   * the jitter */
-  void state(const Matrix6& of_points, const Matrix6& drift, MotionEstimate& motion);
+  [[nodiscard]] double covarianceScale(double calibrated, const MotionEstimate& motion) const;
+  /** Sets the pose noise and the information of `motion`.
+   * \param of_points covariance of the pose in the map \param drift covariance of the motion that
+   * remains in all later poses; both without the jitter */
+  void setCovariance(const Matrix6& of_points, const Matrix6& drift, MotionEstimate& motion);
 
   UncertaintyOptions options_;
   Vector6 velocity_ = Vector6::Zero();      //!< of the last motion [m/s, rad/s]

@@ -158,8 +158,7 @@ Preprocessor::Preprocessor(const PreprocessOptions& options, ThreadPool& pool)
   if (options_.min_range >= options_.max_range)
   {
     throw UserError(
-        "[preprocess] min_range and max_range: leave nothing in between; lower the one "
-        "or raise the other");
+        "[preprocess] min_range: is not below max_range; lower min_range or raise max_range");
   }
 }
 

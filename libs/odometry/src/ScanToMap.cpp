@@ -22,7 +22,19 @@ constexpr double min_ground_weight = 0.2;
 /** Residuals beyond this many scales of the robust loss are outliers. */
 constexpr float kernel_gate = 4;
 /** A surface is looked up again when the point moved by this share of a cell. */
-constexpr float reread_share = 0.2F;
+constexpr float lookup_share = 0.2F;
+/** Added to the covariance of two distributions, which are otherwise flat [m^2]: 2 cm. */
+constexpr float distribution_variance = 4e-4F;
+/** Factor on the weight of two distributions, so that the sums of both methods are comparable:
+ * where their covariance along the normal is this, the error is the squared distance to a plane
+ * [m^2]. */
+constexpr double distribution_weight = 8e-4;
+/** Steps below which the registration is settled, and below which it counts as converged after the
+ * last iteration: translation [m] and rotation [rad]. */
+constexpr double settled_step = 3e-4;
+constexpr double settled_step_angle = 3e-5;
+constexpr double converged_step = 1e-2;
+constexpr double converged_step_angle = 1e-3;
 /** Noise of a range measurement [m]: a floor under all residuals' spread. */
 constexpr double sensor_sigma = 0.015;
 constexpr double loss_width_decay = 0.6;
@@ -46,20 +58,20 @@ Vector6 priorWeight(const Matrix6& information, const Vector6& off)
 
 NormalEquations ScanToMap::Sums::balanced(double max_ground_weight_ratio) const
 {
-  NormalEquations all = upright;
-  const double within = max_ground_weight_ratio * upright.weight / std::max(ground.weight, 1e-9);
+  NormalEquations all = others;
+  const double within = max_ground_weight_ratio * others.weight / std::max(ground.weight, 1e-9);
   all.add(ground, std::clamp(within, min_ground_weight, 1.0));
   return all;
 }
 
 void ScanToMap::Sums::add(const Sums& other)
 {
-  upright.add(other.upright);
+  others.add(other.others);
   ground.add(other.ground);
   error += other.error;
   weight += other.weight;
-  compared += other.compared;
-  agreeing += other.agreeing;
+  matched_weight += other.matched_weight;
+  inlier_weight += other.inlier_weight;
   inliers += other.inliers;
 }
 
@@ -68,7 +80,7 @@ void ScanToMap::refresh(Match& match,
                         const SurfacePyramid& map,
                         const Iteration& iteration) const
 {
-  match.at = q;
+  match.looked_up_at = q;
   match.surface = map.surfaceAt(q, iteration.base, min_planarity);
   match.offset = match.surface.normal.dot(match.surface.mean);
   match.weight = match.surface.planarity * match.surface.planarity;
@@ -105,15 +117,15 @@ void ScanToMap::addDistributions(const Match& match,
                                  double weight,
                                  NormalEquations& equations)
 {
-  const Eigen::Matrix3f C =
-      R.transpose() * match.surface.covariance * R + shape + Eigen::Matrix3f::Identity() * 4e-4F;
+  const Eigen::Matrix3f C = R.transpose() * match.surface.covariance * R + shape +
+                            Eigen::Matrix3f::Identity() * distribution_variance;
   const Eigen::Matrix3d M = C.inverse().cast<double>();
   const Eigen::Vector3d e = (R.transpose() * (q - match.surface.mean)).cast<double>();
   Eigen::Matrix<double, 3, 6> J;
   J.leftCols<3>().setIdentity();
   J.rightCols<3>() = -skew(p.cast<double>());
   // In units of a plane's residual, so that the sums of both methods are comparable.
-  const double w = weight * 8e-4;
+  const double w = weight * distribution_weight;
   const Eigen::Matrix<double, 6, 3> JtM = w * J.transpose() * M;
   equations.H.noalias() += JtM * J;
   equations.g.noalias() += JtM * e;
@@ -129,7 +141,7 @@ void ScanToMap::accumulate(const RawPoints& scan,
   const SweepMotion motion(iteration.T_motion, 0);
   const Eigen::Matrix3f& R = iteration.R;
   const float k2 = iteration.loss_width * iteration.loss_width;
-  const float reread = reread_share * map.cellSize();
+  const float lookup_distance = lookup_share * map.cellSize();
   const bool skewed = !scan.phase.empty();
   const bool weighted = !scan.weight.empty();
   parts_.resize(ThreadPool::chunkCount(scan.size(), row_chunk));
@@ -142,7 +154,7 @@ void ScanToMap::accumulate(const RawPoints& scan,
           skewed ? motion.toReference(scan.points[i], scan.phase[i]) : scan.points[i];
       const Eigen::Vector3f q = R * p + iteration.t;
       Match& match = matches_[i];
-      if (!((q - match.at).lpNorm<Eigen::Infinity>() <= reread))
+      if (!((q - match.looked_up_at).lpNorm<Eigen::Infinity>() <= lookup_distance))
       {
         refresh(match, q, map, iteration);
       }
@@ -152,7 +164,7 @@ void ScanToMap::accumulate(const RawPoints& scan,
       {
         continue;
       }
-      sums.compared += static_cast<double>(own_weight);
+      sums.matched_weight += static_cast<double>(own_weight);
       const float r = match.surface.normal.dot(q) - match.offset;
       const float r2 = r * r;
       if (!(r2 <= kernel_gate * kernel_gate * k2))
@@ -163,7 +175,7 @@ void ScanToMap::accumulate(const RawPoints& scan,
       const float robust = k2 / (k2 + r2);
       const float base_weight = own_weight * robust * robust;
       const bool is_ground = std::abs(match.surface.normal.z()) > ground_cosine;
-      NormalEquations& equations = is_ground ? sums.ground : sums.upright;
+      NormalEquations& equations = is_ground ? sums.ground : sums.others;
       const auto w = static_cast<double>(base_weight);
       if (iteration.distributions)
       {
@@ -174,7 +186,7 @@ void ScanToMap::accumulate(const RawPoints& scan,
         addPlaneRow(match, p, r, R, w, equations);
       }
       sums.error += static_cast<double>(base_weight * r2);
-      sums.agreeing += static_cast<double>(base_weight);
+      sums.inlier_weight += static_cast<double>(base_weight);
       ++sums.inliers;
     }
     parts_[chunk] = sums;
@@ -199,7 +211,7 @@ ScanToMapResult ScanToMap::align(const RawPoints& scan,
   matches_.resize(scan.size());
   for (Match& match : matches_)
   {
-    match.at.setConstant(1e9F);
+    match.looked_up_at.setConstant(1e9F);
   }
   Iteration iteration;
   iteration.base = map.baseAt(T_guess.translation());
@@ -218,14 +230,14 @@ ScanToMapResult ScanToMap::align(const RawPoints& scan,
     const NormalEquations equations = sums.balanced(settings.max_ground_weight_ratio);
     ++result.iterations;
 
-    const double variance = sums.error / std::max(sums.agreeing, 1e-9);
+    const double variance = sums.error / std::max(sums.inlier_weight, 1e-9);
     const double unit =
         (variance + sensor_sigma * sensor_sigma) * std::max(1.0, settings.points_per_measurement);
     result.rmse = std::sqrt(variance);
     result.inliers = sums.inliers;
-    result.inlier_share = sums.weight > 0 ? sums.agreeing / sums.weight : 0;
-    result.surface_share = sums.weight > 0 ? sums.compared / sums.weight : 0;
-    result.inlier_ratio = sums.compared > 0 ? sums.agreeing / sums.compared : 0;
+    result.inlier_share = sums.weight > 0 ? sums.inlier_weight / sums.weight : 0;
+    result.surface_share = sums.weight > 0 ? sums.matched_weight / sums.weight : 0;
+    result.inlier_ratio = sums.matched_weight > 0 ? sums.inlier_weight / sums.matched_weight : 0;
     result.information = equations.H / unit;
 
     const Vector6 off_prior = logSE3(T_prior.inverse() * result.T);
@@ -242,13 +254,14 @@ ScanToMapResult ScanToMap::align(const RawPoints& scan,
       break;
     }
     result.T = orthonormalized(result.T * expSE3(step));
-    if (loss_width <= settings.loss_width && step.head<3>().norm() < 3e-4 &&
-        step.tail<3>().norm() < 3e-5)
+    if (loss_width <= settings.loss_width && step.head<3>().norm() < settled_step &&
+        step.tail<3>().norm() < settled_step_angle)
     {
       result.converged = true;
       break;
     }
-    result.converged = step.head<3>().norm() < 1e-2 && step.tail<3>().norm() < 1e-3;
+    result.converged =
+        step.head<3>().norm() < converged_step && step.tail<3>().norm() < converged_step_angle;
     loss_width = std::max(settings.loss_width, loss_width_decay * loss_width);
   }
   return result;

@@ -60,19 +60,19 @@ class ScanToMap
  private:
   struct Match
   {
-    Eigen::Vector3f at;  //!< where the surface was looked up
+    Eigen::Vector3f looked_up_at;  //!< relative to the base [m]
     Surface surface;
-    float offset = 0;  //!< of the plane along its normal
-    float weight = 0;
+    float offset = 0;  //!< of the plane along its normal, from the base [m]
+    float weight = 0;  //!< 0 where there is no surface to compare with
   };
   struct Sums
   {
-    NormalEquations upright;  //!< all surfaces but the ground's
     NormalEquations ground;
-    double error = 0;
-    double weight = 0;
-    double compared = 0;  //!< of the points with a surface in the map
-    double agreeing = 0;
+    NormalEquations others;     //!< all surfaces but the ground's
+    double error = 0;           //!< weighted squared residuals of the inliers [m^2]
+    double weight = 0;          //!< of all points
+    double matched_weight = 0;  //!< of the points with a surface in the map
+    double inlier_weight = 0;   //!< robust weight of the inliers
     std::size_t inliers = 0;
 
     void add(const Sums& other);

@@ -48,5 +48,24 @@ TEST(LoamFeatures, DoNotDependOnWhereTheVehicleHasItsOrigin)
     expectSame(found.planes, from_lidar.planes, T);
   }
 }
+
+TEST(LoamFeatures, PointsAtTheLidarAreNone)
+{
+  Frame frame = test::StreetScene().frame(Pose::Identity(), 0.01, 1);
+  const Eigen::Vector3f lidar = frame.scan.T_vehicle_lidar.translation().cast<float>();
+  for (std::size_t i = 0; i < frame.cloud.size(); i += 3)
+  {
+    frame.cloud.points[i] = lidar;
+  }
+  const LoamFeatures found = loamFeatures(frame, LoamOptions());
+  EXPECT_GT(found.planes.size(), 100U);
+  for (const auto* features : {&found.target_edges, &found.target_planes})
+  {
+    for (const LoamPoint& feature : *features)
+    {
+      EXPECT_GT((feature.p - lidar).norm(), 0.1F);
+    }
+  }
+}
 }  // namespace
 }  // namespace dyslam

@@ -99,11 +99,14 @@ struct Pipeline::Stages
     }
   }
 
-  void insertInMap(const Frame& decided);
-  void use(Frame decided);
+  void insertInMap(const Frame& final_frame);
+  /** Tracks its objects again, where that is on, and hands it to the map and to on_final. */
+  void handOn(Frame final_frame);
+  /** What must be kept of a frame until it is handed on. */
   [[nodiscard]] FrameParts keptOf(const Frame& frame) const;
-  void decide(const Frame& frame);
-  void decideFirst();
+  /** Takes the next frame, and hands on those whose moving points are final now. */
+  void finalise(const Frame& frame);
+  void finaliseFirst();
 
   mrpt::system::CTimeLogger& times;
   PipelineOptions options;
@@ -115,43 +118,43 @@ struct Pipeline::Stages
   Backend backend;
   std::optional<HindsightLabels> hindsight;
   std::optional<Tracker> tracker_again;  //!< of final frames
-  std::optional<Frame> first;            //!< until the second one has come
+  std::optional<Frame> first;            //!< until the motion of the second one deskews it
   StaticMap map;
   std::function<void(Frame)> on_final;
   FrameParts final_parts = FrameParts::points;  //!< of frames, for on_final
 };
 
-void Pipeline::Stages::insertInMap(const Frame& decided)
+void Pipeline::Stages::insertInMap(const Frame& final_frame)
 {
-  if (!options.mapping || !decided.is_keyframe)
+  if (!options.mapping || !final_frame.is_keyframe)
   {
     return;
   }
   const CTimeLoggerEntry timed(times, "map");
-  if (decided.motion.converged)
+  if (final_frame.motion.converged)
   {
-    map.insert(decided);
+    map.insert(final_frame);
   }
   else
   {
-    map.insertWithoutPoints(decided);
+    map.insertWithoutPoints(final_frame);
   }
 }
 
-void Pipeline::Stages::use(Frame decided)
+void Pipeline::Stages::handOn(Frame final_frame)
 {
   if (tracker_again)
   {
     const CTimeLoggerEntry timed(times, "hindsight.tracking");
-    decided.reported_before = pointsOfReported(decided);
-    tracker_again->markPredicted(decided);
-    detector.detect(decided);
-    tracker_again->update(decided);
+    final_frame.reported_before = pointsOfReported(final_frame);
+    tracker_again->markPredicted(final_frame);
+    detector.detect(final_frame);
+    tracker_again->update(final_frame);
   }
-  insertInMap(decided);
+  insertInMap(final_frame);
   if (on_final)
   {
-    on_final(std::move(decided));
+    on_final(std::move(final_frame));
   }
 }
 
@@ -231,7 +234,7 @@ FrameParts Pipeline::Stages::keptOf(const Frame& frame) const
   return std::max({for_map, for_tracker, for_user});
 }
 
-void Pipeline::Stages::decide(const Frame& frame)
+void Pipeline::Stages::finalise(const Frame& frame)
 {
   if (!hindsight)
   {
@@ -242,22 +245,22 @@ void Pipeline::Stages::decide(const Frame& frame)
     }
     return;
   }
-  std::vector<Frame> decided;
+  std::vector<Frame> final_frames;
   {
     const CTimeLoggerEntry timed(times, "hindsight");
-    hindsight->add(frame, keptOf(frame), [&](Frame f) { decided.push_back(std::move(f)); });
+    hindsight->add(frame, keptOf(frame), [&](Frame f) { final_frames.push_back(std::move(f)); });
   }
-  for (Frame& f : decided)
+  for (Frame& f : final_frames)
   {
-    use(std::move(f));
+    handOn(std::move(f));
   }
 }
 
-void Pipeline::Stages::decideFirst()
+void Pipeline::Stages::finaliseFirst()
 {
   if (first)
   {
-    decide(*std::exchange(first, std::nullopt));
+    finalise(*std::exchange(first, std::nullopt));
   }
 }
 
@@ -270,11 +273,11 @@ void Pipeline::finaliseFrames(const Frame& frame)
     {
       redeskew(frame.motion.T_previous_current, frame.dt, s.pool, s.first->cloud);
     }
-    s.decideFirst();
+    s.finaliseFirst();
   }
   if (frame.dt > 0)
   {
-    s.decide(frame);
+    s.finalise(frame);
   }
   else
   {
@@ -300,19 +303,19 @@ void Pipeline::finish()
     const CTimeLoggerEntry timed(s.times, "backend.finish");
     s.backend.finish();
   }
-  s.decideFirst();
+  s.finaliseFirst();
   if (s.hindsight)
   {
     const CTimeLoggerEntry timed(s.times, "hindsight.finish");
-    // No scan is estimated any more: a frame is inserted in the map while the next one is decided.
-    JobThread users;
+    // No scan is estimated any more: a frame is handed on while the next one is labelled.
+    JobThread receiver;
     s.hindsight->finish(
         [&](Frame frame)
         {
-          users.add([&s, decided = std::make_shared<Frame>(std::move(frame))]
-                    { s.use(std::move(*decided)); });
+          receiver.add([&s, final_frame = std::make_shared<Frame>(std::move(frame))]
+                       { s.handOn(std::move(*final_frame)); });
         });
-    users.finish();
+    receiver.finish();
   }
   if (s.options.mapping)
   {

@@ -2,6 +2,7 @@
 #include "RunHistory.h"
 
 #include <algorithm>
+#include <utility>
 
 namespace dyslam
 {
@@ -42,6 +43,11 @@ void forEachField(Object& o, const Field& field)
   field(o.dynamic);
   field(o.observed);
   field(o.reported);
+}
+/** Which of two tracks of the same object counts at a scan. */
+bool isPreferred(const PastObject& a, const PastObject& b)
+{
+  return std::make_pair(!a.observed, a.id) < std::make_pair(!b.observed, b.id);
 }
 }  // namespace
 
@@ -182,6 +188,37 @@ void RunHistory::forEachObject(const std::function<void(const PastObject&)>& use
       }
     }
   }
+}
+
+void RunHistory::forEachObject(const std::map<int, int>& merged,
+                               const std::function<void(const PastObject&)>& use) const
+{
+  std::map<int, PastObject> of_scan;  // by the id of the object
+  const auto use_scan = [&]
+  {
+    for (auto& [id, object] : of_scan)
+    {
+      object.id = id;
+      use(object);
+    }
+    of_scan.clear();
+  };
+  forEachObject(
+      [&](const PastObject& object)
+      {
+        if (!of_scan.empty() && of_scan.begin()->second.scan != object.scan)
+        {
+          use_scan();
+        }
+        const auto into = merged.find(object.id);
+        const int id = into == merged.end() ? object.id : into->second;
+        const auto [other, is_first] = of_scan.emplace(id, object);
+        if (!is_first && isPreferred(object, other->second))
+        {
+          other->second = object;
+        }
+      });
+  use_scan();
 }
 
 void RunHistory::exchangeState(StateArchive& archive)

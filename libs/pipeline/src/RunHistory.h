@@ -71,6 +71,11 @@ class RunHistory
   /** Calls `use` with every object at each scan at which it counts, by scan, then in the order of
    * Frame::objects. */
   void forEachObject(const std::function<void(const PastObject&)>& use) const;
+  /** The same with merged tracks. Where several tracks of one object are at a scan, the one that is
+   * observed counts; if several are, the one with the smallest id. \param merged of
+   * findMergedTracks(): the id of each merged track's object */
+  void forEachObject(const std::map<int, int>& merged,
+                     const std::function<void(const PastObject&)>& use) const;
 
  private:
   /** Positions in scans_ of a track's first and last observation. */
@@ -88,12 +93,14 @@ class RunHistory
     [[nodiscard]] static Part fromBytes(std::string_view bytes);
   };
 
-  std::vector<PastScan> scans_;
-  std::vector<Pose> mounts_;
   void add(std::size_t scan, const TrackedObject& object);
+  /** Updates first and last observation of the tracks. \param scan position in scans_ */
   void noteObservations(std::size_t scan, const std::vector<TrackedObject>& objects);
+  /** Whether the object counts at its scan, see TrackLife. */
   [[nodiscard]] bool counts(const PastObject& object) const;
 
+  std::vector<PastScan> scans_;
+  std::vector<Pose> mounts_;
   SwappedStore<Part> objects_;
   std::size_t in_last_part_ = 0;
   std::map<int, Observations> whole_;       //!< of reported tracks that count as a whole

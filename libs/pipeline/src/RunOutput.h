@@ -31,6 +31,7 @@ struct RunResults
   MapPoints map_points;   //!< of the map; a few millions of them, evenly, if it has more
   Trajectory trajectory;  //!< of the vehicle in the map frame, a pose per frame
   std::vector<SmoothedObject> objects;  //!< smoothed ones of graph and tracks, by scan, then id
+  std::map<int, int> merged_tracks;     //!< id of the object of each track that was merged
   Trajectory reference;  //!< ground truth in the map frame, where the recording has it
   std::map<std::string, double> stage_ms;   //!< mean per frame [ms]
   std::map<std::string, double> wait_ms;    //!< of each thread for the others, mean per frame [ms]
@@ -62,9 +63,11 @@ struct OutputName
 enum class FrameKind
 {
   causal,
-  final_objects,  //!< final, maybe with the points of the cloud alone
-  final_points,   //!< final, with points and intensities; causal if no scan need be decided
-  decided         //!< final, whole
+  final_objects,  //!< final objects; of the cloud its points alone, unless others want more
+  /** Final, with points and intensities of the cloud. Causal in a run that does not track again, if
+   * no output wants final_scan. */
+  final_points,
+  final_scan  //!< final, with the whole cloud and the scan
 };
 
 /** Arguments of an output. An output's own options are a section of the config. */
@@ -135,6 +138,8 @@ struct RunOutputKind
   const char* help = nullptr;
   /** Setting that must be on as well; null: none. */
   bool SlamRunSettings::*flag = nullptr;
+  bool changes_files =
+      false;  //!< later scans change its numbered files of earlier ones; its first name is theirs
 };
 
 /** Every output, in the order in which they finish: the most important first. */

@@ -20,7 +20,7 @@ std::vector<RunOutputKind> runOutputKinds()
       {makeScanTableOutput},
       {makeMotionOutput},
       {makeTrackOutput},
-      {makeLabelOutput, nullptr, nullptr, &SlamRunSettings::labels},
+      {makeLabelOutput, nullptr, nullptr, &SlamRunSettings::labels, true},
       {makeProbabilityOutput, nullptr, nullptr, &SlamRunSettings::probabilities},
       {makeStaticScanOutput, nullptr, nullptr, &SlamRunSettings::static_scans},
       {makeReplayOutput, "replay", "write replay.rawlog, for RawLogViewer"},

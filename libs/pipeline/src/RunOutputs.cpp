@@ -10,6 +10,7 @@
 #include <algorithm>
 #include <exception>
 #include <filesystem>
+#include <future>
 #include <map>
 #include <utility>
 
@@ -96,12 +97,27 @@ void attempt(Entry& entry, const Action& action)
   }
   entry.output.reset();  // its partial file may be what fills the disk
 }
+
+/** Waits until all that was written in the folder is on the disk. */
+void synchronise(const std::string& folder)
+{
+  const int file = ::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+  if (file >= 0)
+  {
+    ::syncfs(file);
+    ::close(file);
+  }
+}
 }  // namespace
 
 RunOutputs::RunOutputs(const SlamRunSettings& settings,
                        ConfigLoader& config,
                        const std::vector<RunOutputKind>& kinds)
-    : folder_(settings.output_folder), force_(settings.force), config_(config), warn_(settings.warn)
+    : folder_(settings.output_folder),
+      force_(settings.force),
+      config_(config),
+      kept_files_(folder_),
+      warn_(settings.warn)
 {
   inputs_ = settings.inputs;
   inputs_.push_back(settings.rawlog);
@@ -116,6 +132,10 @@ RunOutputs::RunOutputs(const SlamRunSettings& settings,
     entry.slow = entry.output->isSlow();
     entry.wants = entry.output->wants();
     names_.insert(names_.end(), entry.names.begin(), entry.names.end());
+    if (kind.changes_files)
+    {
+      names_.push_back(kept_files_.add(entry.names.front()));
+    }
     const bool asked = kind.flag == nullptr || settings.*kind.flag;
     if (asked && (kind.key == nullptr || options.on.at(kind.key)))
     {
@@ -145,20 +165,6 @@ void RunOutputs::open()
   writer_ = std::make_unique<JobThread>();
 }
 
-namespace
-{
-/** Waits until all that was written in the folder is on the disk. */
-void synchronise(const std::string& folder)
-{
-  const int file = ::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
-  if (file >= 0)
-  {
-    ::syncfs(file);
-    ::close(file);
-  }
-}
-}  // namespace
-
 void RunOutputs::exchangeState(StateArchive& archive, bool slow)
 {
   for (Entry& entry : entries_)
@@ -181,8 +187,13 @@ void RunOutputs::exchangeState(StateArchive& archive, bool slow)
 }
 
 void RunOutputs::checkpoint(const std::function<void(StateFileWriter&)>& add_state,
-                            const RunResults& results)
+                            const RunResults& results,
+                            bool is_last)
 {
+  if (is_last)
+  {
+    waitForWriter();
+  }
   if (!state_.expired())
   {
     return;
@@ -214,6 +225,36 @@ void RunOutputs::checkpoint(const std::function<void(StateFileWriter&)>& add_sta
   catch (const std::exception& error)
   {
     noteCheckpoint(error.what());  // the previous state is kept
+  }
+  if (is_last)
+  {
+    is_stopped_ = true;
+    writer_->add([this] { keepFiles(); });
+  }
+}
+
+void RunOutputs::waitForWriter()
+{
+  auto done = std::make_shared<std::promise<void>>();
+  const std::future<void> reached = done->get_future();
+  writer_->add([promise = std::move(done)] { promise->set_value(); });
+  reached.wait();
+}
+
+void RunOutputs::keepFiles()
+{
+  try
+  {
+    kept_files_.keep();
+    are_files_kept_ = true;
+  }
+  catch (const std::exception& error)
+  {
+    {
+      const std::lock_guard<std::mutex> lock(checkpoint_mutex_);
+      has_checkpoint_ = false;  // none that the files fit to
+    }
+    noteCheckpoint(error.what());
   }
 }
 
@@ -267,6 +308,7 @@ void RunOutputs::resume(RunToResume& run)
   run.load(StatePart::outputs, [this](StateArchive& archive) { exchangeState(archive, false); });
   run.load(StatePart::slow_outputs,
            [this](StateArchive& archive) { exchangeState(archive, true); });
+  kept_files_.restore();
   writer_ = std::make_unique<JobThread>();
 }
 
@@ -277,13 +319,13 @@ void RunOutputs::add(Frame frame)
 
 void RunOutputs::preferCausal()
 {
-  const bool all_final =
+  const bool is_any_scan_final =
       std::any_of(entries_.begin(), entries_.end(),
-                  [](const Entry& entry) { return entry.wants == FrameKind::decided; });
+                  [](const Entry& entry) { return entry.wants == FrameKind::final_scan; });
   for (Entry& entry : entries_)
   {
     if (entry.wants == FrameKind::final_objects ||
-        (entry.wants == FrameKind::final_points && !all_final))
+        (entry.wants == FrameKind::final_points && !is_any_scan_final))
     {
       entry.wants = FrameKind::causal;
     }
@@ -305,7 +347,7 @@ FrameParts RunOutputs::finalParts() const
       case FrameKind::final_points:
         parts = std::max(parts, FrameParts::intensity);
         break;
-      case FrameKind::decided:
+      case FrameKind::final_scan:
         parts = FrameParts::all;
         break;
     }
@@ -318,23 +360,22 @@ void RunOutputs::addFinal(Frame frame)
   add(std::move(frame), true);
 }
 
-void RunOutputs::add(Frame frame, bool decided)
+void RunOutputs::add(Frame frame, bool is_final)
 {
-  addTo(frame, false, decided);
+  addTo(frame, false, is_final);
   if (std::any_of(entries_.begin(), entries_.end(),
-                  [&](const Entry& entry)
-                  { return entry.slow && entry.wantsDecided() == decided; }))
+                  [&](const Entry& entry) { return entry.slow && entry.wantsFinal() == is_final; }))
   {
-    writer_->add([this, decided, shared = std::make_shared<const Frame>(std::move(frame))]
-                 { addTo(*shared, true, decided); });
+    writer_->add([this, is_final, shared = std::make_shared<const Frame>(std::move(frame))]
+                 { addTo(*shared, true, is_final); });
   }
 }
 
-void RunOutputs::addTo(const Frame& frame, bool slow, bool decided)
+void RunOutputs::addTo(const Frame& frame, bool slow, bool is_final)
 {
   for (Entry& entry : entries_)
   {
-    if (entry.slow == slow && entry.wantsDecided() == decided)
+    if (entry.slow == slow && entry.wantsFinal() == is_final)
     {
       attempt(entry, [&](RunOutput& output) { output.add(frame); });
     }
@@ -371,8 +412,19 @@ void RunOutputs::finish(RunResults& results)
     listFiles(entry, results.report);
   }
   writer_->finish();  // a checkpoint may be on its way to the disk
+  removeState();
+}
+
+void RunOutputs::removeState()
+{
+  if (is_stopped_ && are_files_kept_)
+  {
+    kept_files_.removeUnchanged();
+    return;
+  }
   std::error_code ignored;
   fs::remove(fs::path(folder_) / state_file_name, ignored);
+  kept_files_.removeAll();
 }
 
 void RunOutputs::listFiles(const Entry& entry, SlamRunReport& report) const

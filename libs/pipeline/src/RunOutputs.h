@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "JobThread.h"
+#include "KeptFiles.h"
 #include "OutputFolder.h"
 #include "RunOutput.h"
 #include "SavedRun.h"
@@ -33,7 +34,8 @@ class RunOutputs
   /** Takes the frame; slow outputs write in another thread. */
   void add(Frame frame);
   /** For runs that do not track again: outputs that want the objects of final frames get causal
-   * frames, which have the same; and so does the replay unless every scan is decided anyway. */
+   * frames, which have the same; and so do those that want final points, unless an output wants
+   * final scans. */
   void preferCausal();
   /** What the outputs need of final frames; `none` if no output wants these. */
   [[nodiscard]] FrameParts finalParts() const;
@@ -45,9 +47,12 @@ class RunOutputs
    * final name in the writing thread once all frames so far are written. If that fails, or while
    * the previous state is still being written, it is left for the next checkpoint; a failure is a
    * warning of the run unless a later checkpoint succeeds.
-   * \param add_state adds the parts of the state before those of the outputs */
+   * \param add_state adds the parts of the state before those of the outputs
+   * \param is_last the run is stopped here: waits for the previous state, and finish() leaves this
+   *   one and what is needed to resume from it */
   void checkpoint(const std::function<void(StateFileWriter&)>& add_state,
-                  const RunResults& results);
+                  const RunResults& results,
+                  bool is_last = false);
   /** Instead of open(): goes on with the files of a run that was killed. \throws UserError. */
   void resume(RunToResume& run);
   /** Waiting times of the writing thread and of those that pass frames to it. */
@@ -63,13 +68,14 @@ class RunOutputs
     std::vector<OutputName> names;
     bool slow = false;
     FrameKind wants = FrameKind::causal;
+    std::string failure;  //!< why it has failed; empty if it has not
 
-    [[nodiscard]] bool wantsDecided() const { return wants != FrameKind::causal; }
-    std::string failure;
+    [[nodiscard]] bool wantsFinal() const { return wants != FrameKind::causal; }
   };
 
-  void add(Frame frame, bool decided);
-  void addTo(const Frame& frame, bool slow, bool decided);
+  void add(Frame frame, bool is_final);
+  /** Hands the frame to the slow or fast outputs that want final or causal ones. */
+  void addTo(const Frame& frame, bool slow, bool is_final);
   /** Adds those files of the output that are there. */
   void listFiles(const Entry& entry, SlamRunReport& report) const;
   /** Notes how a checkpoint ended. \param failure empty if it succeeded */
@@ -78,6 +84,12 @@ class RunOutputs
   [[nodiscard]] std::string checkpointWarning();
   /** In the writing thread: adds its part and gives the state its name. */
   void finishState(StateFileWriter& state);
+  /** Waits for all that the writing thread has to do. */
+  void waitForWriter();
+  /** In the writing thread, behind the last state. */
+  void keepFiles();
+  /** At the end: removes the state, unless the run was stopped and can be resumed. */
+  void removeState();
   /** State of the outputs of one thread. */
   void exchangeState(StateArchive& archive, bool slow);
 
@@ -88,10 +100,13 @@ class RunOutputs
   std::vector<std::string> inputs_;  //!< files that the run reads
   std::unique_ptr<OutputFolder> made_;
   std::vector<OutputName> names_;  //!< of all kinds, those switched off too
+  KeptFiles kept_files_;
+  bool is_stopped_ = false;      //!< by the last checkpoint
+  bool are_files_kept_ = false;  //!< read once the writing thread has ended
   std::vector<Entry> entries_;
   std::weak_ptr<StateFileWriter> state_;  //!< while it is written
   std::function<void(const std::string&)> warn_;
-  std::mutex checkpoint_mutex_;  //!< for the next three, as both threads write checkpoints
+  std::mutex checkpoint_mutex_;  //!< guards the next three: both threads note how checkpoints ended
   std::string checkpoint_failure_;
   bool has_checkpoint_ = false;
   bool has_warned_ = false;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // A recording from its first scan to the last file: the threads of a run, and resumed runs.
 #include <dyslam/core/Error.h>
+#include <dyslam/core/Printable.h>
 #include <dyslam/core/StateArchive.h>
 #include <dyslam/io/RawlogSource.h>
 #include <dyslam/pipeline/FrontEnd.h>
@@ -10,6 +11,7 @@
 #include <atomic>
 #include <chrono>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <utility>
 
@@ -52,31 +54,37 @@ class NotedWaits
   ReadAhead& front_end_;
 };
 
-/** Saves the front end, in its thread, where a checkpoint is due after this frame. */
+/** Saves the front end, in its thread, where a checkpoint is due after this frame.
+ * \param is_last the run is stopped behind it */
 void beginCheckpoint(Pipeline& pipeline,
                      std::size_t frame,
                      const ScanSum& scans,
+                     bool is_last,
                      Checkpoints& checkpoints)
 {
-  if (checkpoints.due())
+  if (checkpoints.due(is_last))
   {
     StateArchive archive;
     pipeline.exchangeFrontEndState(archive);
-    checkpoints.begin(frame, {archive.bytes(), scans});
+    checkpoints.begin(frame, {archive.bytes(), scans, is_last});
   }
 }
 
 /** Every frame through the pipeline and on to the outputs: reading, front end, back end and writing
  * each in a thread of its own, all frames in order in each. A checkpoint passes through them with
  * the frame behind which it is made; none waits for another.
- * \param scans those before, of a run that is resumed */
-void replay(const SlamRunSettings& settings,
+ * \param scans those before, of a run that is resumed
+ * \return whether it was stopped, behind a last checkpoint: with the frame that the front end
+ *   processes then, for it cannot go back */
+bool replay(const SlamRunSettings& settings,
             RawlogSource& source,
             SlamRun& run,
             ScanSum scans,
             const OnFrame& on_frame)
 {
   std::atomic<double> read = 0;  // share of the file; only the reading thread may use the source
+  std::atomic<bool> is_stopping = false;
+  bool is_stopped = false;  // of the front end's thread; of this one once there are no more frames
   Checkpoints checkpoints(run.checkpointSeconds());
   ReadAhead reader(
       [&]
@@ -86,14 +94,15 @@ void replay(const SlamRunSettings& settings,
         return frame;
       });
   ReadAhead front_end(
-      [&]
+      [&]() -> std::optional<Frame>
       {
-        auto frame = reader.next();
+        auto frame = is_stopped ? std::nullopt : reader.next();
         if (frame)
         {
           scans.add(*frame);
           run.pipeline().runFrontEnd(*frame, reader.peek());
-          beginCheckpoint(run.pipeline(), frame->index, scans, checkpoints);
+          is_stopped = is_stopping && reader.peek() != nullptr;
+          beginCheckpoint(run.pipeline(), frame->index, scans, is_stopped, checkpoints);
         }
         return frame;
       });
@@ -106,7 +115,7 @@ void replay(const SlamRunSettings& settings,
     if (auto begun = checkpoints.take(index))
     {
       const auto start = std::chrono::steady_clock::now();
-      run.checkpoint(begun->front_end, begun->scans);
+      run.checkpoint(begun->front_end, begun->scans, begun->is_last);
       checkpoints.took(
           std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
     }
@@ -114,11 +123,9 @@ void replay(const SlamRunSettings& settings,
     {
       on_frame(run.progress(read), run.frames());
     }
-    if (settings.stop && settings.stop())
-    {
-      throw UserError(settings.rawlog + ": stopped");
-    }
+    is_stopping = is_stopping || (settings.stop && settings.stop());
   }
+  return is_stopped;
 }
 
 /** \throws UserError if the run is to end before it has changed anything. */
@@ -137,10 +144,10 @@ SlamRunReport replayToTheEnd(const SlamRunSettings& settings,
                              const ScanSum& scans,
                              const OnFrame& on_frame)
 {
-  std::string damage;
+  EarlyEnd end;
   try
   {
-    replay(settings, source, run, scans, on_frame);
+    end.is_stopped = replay(settings, source, run, scans, on_frame);
   }
   catch (const std::exception& error)  // from libraries, too
   {
@@ -148,7 +155,7 @@ SlamRunReport replayToTheEnd(const SlamRunSettings& settings,
     {
       throw;
     }
-    damage = error.what();  // the frames before it are kept
+    end.damage = error.what();  // the frames before it are kept
   }
   try
   {
@@ -156,9 +163,9 @@ SlamRunReport replayToTheEnd(const SlamRunSettings& settings,
   }
   catch (const std::exception& error)
   {
-    damage += (damage.empty() ? "" : "; ") + std::string(error.what());
+    end.damage += (end.damage.empty() ? "" : "; ") + std::string(error.what());
   }
-  return run.finish(source.warnings(), damage);
+  return run.finish(source.warnings(), end);
 }
 
 /** \throws UserError if an output is asked for that the run did not have from its first scan on. */
@@ -210,8 +217,8 @@ ScanSum skipSeen(const SavedRun& saved, const std::string& rawlog, RawlogSource&
   }
   if (scans.scans() != saved.scans || scans.sum() != saved.scans_checksum)
   {
-    throw UserError(rawlog + ": its first " + std::to_string(saved.scans) +
-                    " scans are not those that the run has seen" + advice);
+    throw UserError(rawlog + ": differs from the recording of the run in its first " +
+                    counted(saved.scans, "scan") + advice);
   }
   return scans;
 }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "RunStatistics.h"
 
+#include <dyslam/core/Printable.h>
 #include <dyslam/core/StateArchive.h>
 
 #include <algorithm>
@@ -98,7 +99,7 @@ std::vector<std::string> RunStatistics::warnings(bool has_labels) const
 {
   constexpr double many = 0.2;  // of all scans
   const auto limit = many * static_cast<double>(frames);
-  const std::string of_all = " of " + std::to_string(frames) + " scans";
+  const std::string of_all = " of " + counted(frames, "scan");
   std::vector<std::string> result;
   if (static_cast<double>(odometry_failures.total()) > limit)
   {
@@ -130,9 +131,10 @@ std::vector<std::string> RunStatistics::warnings(bool has_labels) const
   }
   if (unregistered_keyframes > 0)
   {
-    result.push_back("the points of " + std::to_string(unregistered_keyframes) +
-                     (unregistered_keyframes == 1 ? " keyframe" : " keyframes") +
-                     " are not in the map, as these scans could not be registered");
+    result.push_back("the points of " + counted(unregistered_keyframes, "keyframe") +
+                     " are not in the map, as " +
+                     (unregistered_keyframes == 1 ? "this scan" : "these scans") +
+                     " could not be registered");
   }
   return result;
 }
@@ -143,8 +145,8 @@ std::string RunStatistics::failure(bool has_ini) const
   {
     return {};
   }
-  return std::to_string(registration_failures.total()) + " of " + std::to_string(frames) +
-         " scans could not be registered: do not trust trajectory and map; most often because: " +
+  return std::to_string(registration_failures.total()) + " of " + counted(frames, "scan") +
+         " could not be registered: do not trust trajectory and map; most often because: " +
          registration_failures.mostFrequent() + "; " +
          adviceFor(registration_failures.mostFrequent(), has_ini);
 }

@@ -32,7 +32,7 @@ std::unique_ptr<OutputFolder> lockedFolder(const std::string& folder)
   if (!fs::is_regular_file(fs::path(folder) / state_file_name, ignored))
   {
     throw UserError(folder + ": nothing to resume: there is no " + state_file_name +
-                    "; the run has ended, or was killed before its first checkpoint "
+                    "; the run has ended, or has no checkpoint yet "
                     "(output.checkpoint_seconds)");
   }
   return std::make_unique<OutputFolder>(folder);
@@ -65,11 +65,11 @@ void ScanSum::add(const Frame& frame)
   ++scans_;
 }
 
-bool Checkpoints::due()
+bool Checkpoints::due(bool at_once)
 {
   constexpr double share = 0.05;  // of the time
   const auto now = std::chrono::steady_clock::now();
-  const double least = std::max(seconds_, cost_ / share);
+  const double least = at_once ? 0 : std::max(seconds_, cost_ / share);
   if (seconds_ <= 0 || std::chrono::duration<double>(now - last_).count() < least)
   {
     return false;

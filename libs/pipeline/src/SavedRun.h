@@ -36,6 +36,7 @@ struct SavedRun
   std::size_t scans = 0;             //!< done
   std::uint32_t scans_checksum = 0;  //!< ScanSum of these
   double seconds = 0;                //!< that the run has taken
+  double first_pass_time = 0;        //!< of these [s]
 };
 
 /** Parts of the state of a run, which different threads make. */
@@ -91,14 +92,16 @@ class Checkpoints
   {
     std::string front_end;
     ScanSum scans;
+    bool is_last = false;  //!< the run is stopped behind it
   };
 
   /** \param seconds between checkpoints; 0: none. */
   explicit Checkpoints(double seconds) : seconds_(seconds) {}
 
   // The front end's thread:
-  /** Whether a checkpoint is due; if so, the next one is in so many seconds. */
-  [[nodiscard]] bool due();
+  /** Whether a checkpoint is due; if so, the next one is in so many seconds.
+   * \param at_once it is due now, if there are checkpoints at all */
+  [[nodiscard]] bool due(bool at_once);
   void begin(std::size_t frame, Begun begun);
 
   // The back end's thread:

@@ -396,7 +396,7 @@ ChosenSettings settingsFor(const RecordedSensor& sensor,
   {
     chosen.warnings.push_back(name + " is for " + wantedBy(wanted) + "; this recording has " +
                               ringsOf(sensor.pattern) +
-                              (shipped ? "; without -c " + shipped->name + " is taken" : ""));
+                              (shipped ? "; omit -c to use " + shipped->name : ""));
   }
   return chosen;
 }

@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/backend/Backend.h>
 #include <dyslam/core/Error.h>
+#include <dyslam/core/Printable.h>
 #include <dyslam/core/StateArchive.h>
 #include <dyslam/core/Version.h>
 #include <dyslam/dyseg/MovingSegmenter.h>
 #include <dyslam/io/RawlogSource.h>
-#include <dyslam/mapping/MapExport.h>
+#include <dyslam/mapping/ThinnedPoints.h>
 #include <dyslam/pipeline/Pipeline.h>
 #include <dyslam/pipeline/SensorSettings.h>
 #include <dyslam/pipeline/SlamRun.h>
@@ -103,17 +104,36 @@ void append(std::vector<std::string>& all, const std::vector<std::string>& more)
   all.insert(all.end(), more.begin(), more.end());
 }
 
-/** \param damage why the run ended early; empty if it did not. */
-void throwWhatFailed(const std::string& damage,
-                     const RunResults& results,
-                     const std::string& folder)
+/** Why the run ended early; empty if it did not. */
+std::string reasonOf(const EarlyEnd& end, std::size_t frames)
 {
-  std::string what = damage;
-  if (!damage.empty())
+  const std::string stopped =
+      end.is_stopped ? "stopped on request after " + counted(frames, "scan") : "";
+  return stopped + (stopped.empty() || end.damage.empty() ? "" : "; ") + end.damage;
+}
+
+/** For the user, with what to do. \return empty if the run did not end early */
+std::string messageOf(const EarlyEnd& end, std::size_t frames, const SlamRunSettings& settings)
+{
+  const std::string& folder = settings.output_folder;
+  std::string what;
+  if (end.is_stopped)
   {
-    what += "; results of the " + std::to_string(results.report.frames) +
-            " scans before it are in " + folder;
+    what = settings.rawlog + ": " + reasonOf(end, frames) + ", whose results are in " + folder;
+    what += hasCheckpoint(folder) ? "; continue with: dyslam --resume -o " + folder : "";
   }
+  else if (!end.damage.empty())
+  {
+    what =
+        end.damage + "; results of the " + counted(frames, "scan") + " before it are in " + folder;
+  }
+  return what;
+}
+
+/** \param early messageOf() */
+void throwWhatFailed(const std::string& early, const RunResults& results, const std::string& folder)
+{
+  std::string what = early;
   for (const std::string& failure : results.failures)
   {
     what += (what.empty() ? "" : "; ") + failure;
@@ -146,6 +166,7 @@ struct SlamRun::Impl
         outputs(settings, config)
   {
     times.setMinLoggingLevel(mrpt::system::LVL_ERROR);  // else it prints its table at the end
+    beginEarlier(settings.first_pass_time);
     config.requireAllUsed();
     if (!pipeline.tracksWithHindsight())
     {
@@ -159,6 +180,12 @@ struct SlamRun::Impl
   }
 
   void addFinal(Frame frame);
+  /** Counts what was done before. \param seconds that it took */
+  void beginEarlier(double seconds)
+  {
+    begin -= std::chrono::duration_cast<std::chrono::steady_clock::duration>(
+        std::chrono::duration<double>(seconds));
+  }
   /** Scans of this process, whose times are known: not those before a resumed run. */
   [[nodiscard]] std::size_t timedScans() const { return statistics.frames - resumed_after; }
   [[nodiscard]] std::map<std::string, double> waitMilliseconds() const;
@@ -168,7 +195,7 @@ struct SlamRun::Impl
   /** \throws UserError if the settings are not those of the state. */
   void requireSame(const SavedRun& saved) const;
   /** Of the graph, and those that it does not have from earlier and later scans alone. */
-  [[nodiscard]] std::vector<SmoothedObject> smoothedObjects(const Trajectory& trajectory) const;
+  void setObjects(RunResults& results) const;
   void fillReport(SlamRunReport& report, const RunResults& results) const;
 
   std::chrono::steady_clock::time_point begin = std::chrono::steady_clock::now();
@@ -221,7 +248,7 @@ RunResults SlamRun::Impl::results(const std::vector<std::string>& source_warning
   results.map_points =
       results.map == nullptr ? MapPoints() : thinnedPoints(*results.map, max_shown_points);
   results.trajectory = pipeline.trajectory();
-  results.objects = smoothedObjects(results.trajectory);
+  setObjects(results);
   results.reference = statistics.referenceInMap(results.trajectory);
   results.stage_ms = stageMilliseconds(times, timedScans());
   results.wait_ms = waitMilliseconds();
@@ -234,21 +261,21 @@ RunResults SlamRun::Impl::results(const std::vector<std::string>& source_warning
   return results;
 }
 
-std::vector<SmoothedObject> SlamRun::Impl::smoothedObjects(const Trajectory& trajectory) const
+void SlamRun::Impl::setObjects(RunResults& results) const
 {
   const std::vector<SmoothedObject> of_graph = pipeline.backend().smoothedObjects();
-  std::vector<SmoothedObject> of_tracks =
-      smoothReported(history, trajectory, track_smoothing, complete_boxes);
-  if (of_graph.empty())
+  TrackSmoothingOptions smoothing = track_smoothing;
+  if (!of_graph.empty())
   {
-    return of_tracks;
+    smoothing.merge_overlap = 1;  // the graph has every track as an object of its own
   }
-  std::vector<SmoothedObject> objects;
-  std::set_union(of_graph.begin(), of_graph.end(), of_tracks.begin(), of_tracks.end(),
-                 std::back_inserter(objects),
+  TracksInHindsight of_tracks =
+      smoothReported(history, results.trajectory, smoothing, complete_boxes);
+  results.merged_tracks = std::move(of_tracks.merged);
+  std::set_union(of_graph.begin(), of_graph.end(), of_tracks.objects.begin(),
+                 of_tracks.objects.end(), std::back_inserter(results.objects),
                  [](const SmoothedObject& a, const SmoothedObject& b)
                  { return std::tie(a.scan, a.id) < std::tie(b.scan, b.id); });
-  return objects;
 }
 
 void SlamRun::Impl::fillReport(SlamRunReport& report, const RunResults& results) const
@@ -271,6 +298,7 @@ void SlamRun::Impl::fillReport(SlamRunReport& report, const RunResults& results)
   }
   report.has_reference = !results.reference.empty();
   report.recording_time = statistics.recordingTime();
+  report.first_pass_time = settings.first_pass_time;
 }
 
 SlamRun::SlamRun(const SlamRunSettings& settings) : impl_(std::make_unique<Impl>(settings)) {}
@@ -332,10 +360,11 @@ SavedRun SlamRun::Impl::saved(const ScanSum& scans) const
   run.scans = scans.scans();
   run.scans_checksum = scans.sum();
   run.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+  run.first_pass_time = settings.first_pass_time;
   return run;
 }
 
-void SlamRun::checkpoint(const std::string& front_end, const ScanSum& scans)
+void SlamRun::checkpoint(const std::string& front_end, const ScanSum& scans, bool is_last)
 {
   Impl& m = *impl_;
   const mrpt::system::CTimeLoggerEntry timed(m.times, "checkpoint.back_end");
@@ -356,7 +385,7 @@ void SlamRun::checkpoint(const std::string& front_end, const ScanSum& scans)
               archive(m.statistics, m.history);
             });
       },
-      m.resultsSoFar());
+      m.resultsSoFar(), is_last);
 }
 
 void SlamRun::Impl::requireSame(const SavedRun& saved) const
@@ -394,8 +423,8 @@ void SlamRun::resume(RunToResume& saved)
                archive(m.statistics, m.history);
              });
   m.resumed_after = m.statistics.frames;
-  m.begin -= std::chrono::duration_cast<std::chrono::steady_clock::duration>(
-      std::chrono::duration<double>(saved.run.seconds));
+  m.beginEarlier(saved.run.seconds);
+  m.settings.first_pass_time = saved.run.first_pass_time;
   m.outputs.resume(saved);
 }
 
@@ -426,17 +455,24 @@ double SlamRun::progress(double read) const
   return limit > 0 ? std::max(read, static_cast<double>(frames()) / limit) : read;
 }
 
-SlamRunReport SlamRun::finish(const std::vector<std::string>& source_warnings,
-                              const std::string& damage)
+SlamRunReport SlamRun::finish(const std::vector<std::string>& source_warnings, const EarlyEnd& end)
 {
   RunResults results = impl_->results(source_warnings);
+  SlamRunReport& report = results.report;
+  report.ended_early = reasonOf(end, report.frames);
+  if (!report.ended_early.empty())
+  {
+    report.warnings.insert(report.warnings.begin(),
+                           "the run is not complete: " + report.ended_early);
+  }
   impl_->outputs.finish(results);
-  results.report.run_time = results.runTime();
+  report.run_time = results.runTime();
   if (!impl_->settings.profile_csv.empty())
   {
     impl_->times.saveToCSVFile(impl_->settings.profile_csv);
   }
-  throwWhatFailed(damage, results, impl_->settings.output_folder);
-  return results.report;
+  throwWhatFailed(messageOf(end, report.frames, impl_->settings), results,
+                  impl_->settings.output_folder);
+  return report;
 }
 }  // namespace dyslam

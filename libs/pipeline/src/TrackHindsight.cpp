@@ -4,6 +4,7 @@
 #include <dyslam/core/BoxOverlap.h>
 #include <dyslam/core/Quantile.h>
 #include <dyslam/tracking/Detector.h>
+#include <dyslam/tracking/TrackMerging.h>
 
 #include <algorithm>
 #include <cmath>
@@ -161,6 +162,24 @@ ObjectClass classOf(const Track& track)
   return most->first;
 }
 
+/** Boxes that are much larger than the vehicle contain something beside it: they get its size, and
+ * count as predicted. \return whether there are any. */
+bool rejectLargeBoxes(const Eigen::Vector3d& size, Track& track)
+{
+  constexpr double excess = 1;  // of width or length [m]
+  bool any = false;
+  for (Sighting& s : track)
+  {
+    if (((s.box.size - size).head<2>().array() > excess).any())
+    {
+      s.box.size = s.box.size.cwiseMin(size);
+      s.observed = false;
+      any = true;
+    }
+  }
+  return any;
+}
+
 /** Gives the boxes of a vehicle their size as if the hidden sides had been seen, so that a body
  * which comes into view by and by does not seem slower or faster than it is. */
 void completeVehicle(const Eigen::Vector3d& size, Track& track)
@@ -206,39 +225,32 @@ double medianSpeed(const std::vector<TrackState>& states)
   return upperMedian(speeds);
 }
 
-SmoothedObject smoothedObject(int id,
-                              ObjectClass object_class,
-                              const Sighting& sighting,
-                              const TrackState& smooth,
-                              bool moving)
+SmoothedObject smoothedObject(int id, const Sighting& sighting)
 {
   SmoothedObject object;
   object.id = id;
   object.from_graph = false;
   object.scan = sighting.scan;
   object.stamp = sighting.stamp;
-  object.T_map_object = Eigen::Translation3d(smooth.center) *
+  object.T_map_object = Eigen::Translation3d(sighting.box.center) *
                         Eigen::AngleAxisd(sighting.box.yaw, Eigen::Vector3d::UnitZ());
-  object.velocity = smooth.velocity;
-  object.moving = moving;
+  object.velocity = sighting.velocity;
+  object.moving = sighting.dynamic;
   object.size = sighting.box.size;
-  object.object_class = object_class;
+  object.object_class = sighting.object_class;
   return object;
 }
-}  // namespace
 
-std::vector<SmoothedObject> smoothReported(const RunHistory& history,
-                                           const Trajectory& trajectory,
-                                           const TrackSmoothingOptions& options,
-                                           bool complete_boxes)
+using Tracks = std::map<int, Track>;  //!< by the id of the object
+
+/** The sightings of all objects that were reported at some scan. */
+Tracks reportedTracks(const RunHistory& history,
+                      const Trajectory& trajectory,
+                      const std::map<int, int>& merged)
 {
-  std::vector<SmoothedObject> objects;
-  if (options.window <= 0)
-  {
-    return objects;
-  }
-  std::map<int, Track> tracks;
+  Tracks tracks;
   history.forEachObject(
+      merged,
       [&](const PastObject& report)
       {
         const PastScan& scan = history.scans()[report.scan];
@@ -249,38 +261,101 @@ std::vector<SmoothedObject> smoothReported(const RunHistory& history,
           track.push_back(sightingOf(report, scan, history.mounts()[scan.mount], pose));
         }
       });
-  for (auto& [id, track] : tracks)
+  for (auto track = tracks.begin(); track != tracks.end();)
   {
-    if (std::none_of(track.begin(), track.end(), [](const Sighting& s) { return s.reported; }))
+    const bool reported = std::any_of(track->second.begin(), track->second.end(),
+                                      [](const Sighting& s) { return s.reported; });
+    track = reported ? std::next(track) : tracks.erase(track);
+  }
+  return tracks;
+}
+
+/** Sets class, box, velocity and motion of every sighting to those of the whole object, smoothed.
+ */
+void completeAndSmooth(const TrackSmoothingOptions& options, bool complete_boxes, Track& track)
+{
+  alignEarlyBoxes(track);
+  ObjectClass object_class = classOf(track);
+  if (complete_boxes)
+  {
+    const std::vector<TrackState> states = smoothed(track, options);
+    object_class = refineClass(object_class, sizeOf(track), medianSpeed(states));
+    if (isVehicle(object_class))
     {
-      continue;
-    }
-    alignEarlyBoxes(track);
-    ObjectClass object_class = classOf(track);
-    std::vector<TrackState> states = smoothed(track, options);
-    if (complete_boxes)
-    {
-      object_class = refineClass(object_class, sizeOf(track), medianSpeed(states));
-      if (isVehicle(object_class))
+      alignWithCourse(states, track);
+      const Eigen::Vector3d size = sizeOf(track);
+      if (rejectLargeBoxes(size, track))
       {
-        alignWithCourse(states, track);
-        completeVehicle(sizeOf(track).cwiseMax(leastSize(object_class)), track);
+        alignWithCourse(smoothed(track, options), track);
       }
-      else
-      {
-        enlarge(leastSize(object_class), track);
-      }
-      states = smoothed(track, options);
+      object_class = refineVehicle(object_class, size);
+      completeVehicle(size.cwiseMax(leastSize(object_class)), track);
     }
-    const std::vector<bool> moving = movingOf(track, states);
-    for (std::size_t i = 0; i < states.size(); ++i)
+    else
     {
-      objects.push_back(smoothedObject(id, object_class, track[i], states[i], moving[i]));
+      enlarge(leastSize(object_class), track);
     }
   }
-  std::sort(objects.begin(), objects.end(),
+  const std::vector<TrackState> states = smoothed(track, options);
+  const std::vector<bool> moving = movingOf(track, states);
+  for (std::size_t i = 0; i < track.size(); ++i)
+  {
+    track[i].object_class = object_class;
+    track[i].box.center = states[i].center;
+    track[i].velocity = states[i].velocity;
+    track[i].dynamic = moving[i];
+  }
+}
+
+std::vector<TrackBox> boxesOf(const Tracks& tracks)
+{
+  std::vector<TrackBox> boxes;
+  for (const auto& [id, track] : tracks)
+  {
+    for (const Sighting& sighting : track)
+    {
+      boxes.push_back({sighting.scan, id, sighting.box});
+    }
+  }
+  return boxes;
+}
+}  // namespace
+
+TracksInHindsight smoothReported(const RunHistory& history,
+                                 const Trajectory& trajectory,
+                                 const TrackSmoothingOptions& options,
+                                 bool complete_boxes)
+{
+  TracksInHindsight result;
+  if (options.window <= 0)
+  {
+    return result;
+  }
+  const auto completed_tracks = [&]
+  {
+    Tracks tracks = reportedTracks(history, trajectory, result.merged);
+    for (auto& [id, track] : tracks)
+    {
+      completeAndSmooth(options, complete_boxes, track);
+    }
+    return tracks;
+  };
+  Tracks tracks = completed_tracks();
+  result.merged = findMergedTracks(boxesOf(tracks), options.merge_overlap);
+  if (!result.merged.empty())
+  {
+    tracks = completed_tracks();
+  }
+  for (const auto& [id, track] : tracks)
+  {
+    for (const Sighting& sighting : track)
+    {
+      result.objects.push_back(smoothedObject(id, sighting));
+    }
+  }
+  std::sort(result.objects.begin(), result.objects.end(),
             [](const SmoothedObject& a, const SmoothedObject& b)
             { return std::tie(a.scan, a.id) < std::tie(b.scan, b.id); });
-  return objects;
+  return result;
 }
 }  // namespace dyslam

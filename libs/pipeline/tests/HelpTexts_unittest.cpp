@@ -8,7 +8,7 @@
 #include <dyslam/io/KittiExport.h>
 #include <dyslam/io/PcapSource.h>
 #include <dyslam/io/RawlogWriter.h>
-#include <dyslam/mapping/MapExport.h>
+#include <dyslam/mapexport/MapExport.h>
 #include <dyslam/pipeline/SlamRun.h>
 #include <dyslam/tracking/DetectionNoise.h>
 #include <gtest/gtest.h>

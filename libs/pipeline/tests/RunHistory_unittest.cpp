@@ -104,5 +104,35 @@ TEST(RunHistory, TracksCountWhereReportedOrFromFirstToLastObservation)
   EXPECT_EQ(scansOfSeven(TrackLife::reported), (std::vector<std::size_t>{3, 4, 6, 7, 8, 9}));
   EXPECT_EQ(scansOfSeven(TrackLife::whole), (std::vector<std::size_t>{2, 3, 4, 5, 6, 7}));
 }
+
+TEST(RunHistory, OfMergedTracksTheObservedOneCounts)
+{
+  RunHistory history;
+  for (std::size_t i = 0; i < 3; ++i)
+  {
+    Frame frame;
+    frame.index = i;
+    for (const int id : {2, 5, 6})
+    {
+      TrackedObject object;
+      object.id = id;
+      object.reported = true;
+      object.observed = id == 2 ? i == 0 : i <= 1;
+      object.score = id;  // tells which track it was
+      frame.objects.push_back(object);
+    }
+    history.addScan(frame);
+    history.addObjects(i, frame.objects, TrackLife::reported);
+  }
+  std::vector<std::vector<int>> seen;  // scan, id, track
+  history.forEachObject(
+      {{6, 2}},
+      [&](const PastObject& object) {
+        seen.push_back({static_cast<int>(object.scan), object.id, static_cast<int>(object.score)});
+      });
+  const std::vector<std::vector<int>> expected = {{0, 2, 2}, {0, 5, 5}, {1, 2, 6},
+                                                  {1, 5, 5}, {2, 2, 2}, {2, 5, 5}};
+  EXPECT_EQ(seen, expected);
+}
 }  // namespace
 }  // namespace dyslam

@@ -90,7 +90,7 @@ class DecidedOutput : public RunOutput
 {
  public:
   explicit DecidedOutput(const RunOutputContext& context) : RunOutput(context, {"decided.txt"}) {}
-  [[nodiscard]] FrameKind wants() const override { return FrameKind::decided; }
+  [[nodiscard]] FrameKind wants() const override { return FrameKind::final_scan; }
   void add(const Frame& frame) override { frames_ += std::to_string(frame.index) + " "; }
   void finish(const RunResults& /*results*/) override { writeWhole(path("decided.txt"), frames_); }
 
@@ -261,6 +261,55 @@ TEST_F(RunOutputsTest, AStateThatCannotBeWrittenIsAWarning)
   ASSERT_EQ(results.report.warnings.size(), 1U);
   EXPECT_NE(results.report.warnings[0].find("resume.state"), std::string::npos)
       << results.report.warnings[0];
+}
+
+TEST_F(RunOutputsTest, ChangedFilesAreKeptForAResumedRun)
+{
+  const auto write = [this](const std::string& name, const std::string& text)
+  { writeWhole((folder_ / name).string(), text); };
+  fs::create_directories(folder_ / "labels");
+  write("labels/000000.label", "same");
+  write("labels/000001.label", "before");
+  KeptFiles kept(folder_.string());
+  EXPECT_EQ(kept.add({"labels", ".label"}).name, "resume.labels");
+  kept.keep();
+  write("labels/000001.label", "changed");
+  write("labels/000002.label", "new");
+  kept.removeUnchanged();
+  EXPECT_FALSE(has("resume.labels/000000.label"));
+  EXPECT_EQ(content("resume.labels/000001.label"), "before");
+  EXPECT_EQ(content("labels/000001.label"), "changed");
+  kept.restore();
+  EXPECT_EQ(content("labels/000000.label"), "same");
+  EXPECT_EQ(content("labels/000001.label"), "before");
+  EXPECT_FALSE(has("resume.labels"));
+
+  kept.keep();  // and ended before anything was removed
+  kept.restore();
+  EXPECT_EQ(content("labels/000001.label"), "before");
+  EXPECT_FALSE(has("resume.labels"));
+  kept.keep();
+  kept.removeAll();
+  EXPECT_FALSE(has("resume.labels"));
+}
+
+TEST_F(RunOutputsTest, TheLastCheckpointStaysForAResumedRun)
+{
+  for (const bool is_last : {false, true})
+  {
+    const Config given;
+    ConfigLoader config(given);
+    RunOutputs outputs(settings_, config, {settings_row, {makeB<true>}, report_row});
+    outputs.open();
+    outputs.checkpoint([](StateFileWriter&) {}, RunResults());
+    outputs.checkpoint([](StateFileWriter&) {}, RunResults(), is_last);
+    RunResults results;
+    results.report.ended_early = is_last ? "stopped" : "";
+    outputs.finish(results);
+    EXPECT_EQ(has("resume.state"), is_last);
+    EXPECT_EQ(content("report.json").find("\"finished\": true") == std::string::npos, is_last);
+    EXPECT_TRUE(has("b.txt"));
+  }
 }
 
 TEST_F(RunOutputsTest, WhatIsSwitchedOffIsRemovedAllTheSame)

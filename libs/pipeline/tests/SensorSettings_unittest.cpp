@@ -89,7 +89,7 @@ TEST(SensorSettings, AnIniForOtherSensorsIsTakenWithAWarning)
   EXPECT_EQ(kitti.toIni(), chosen.config.toIni());
   ASSERT_EQ(1U, chosen.warnings.size());
   for (const char* part : {"kitti64.ini is for sensors with rings", "has 16 rings, 2.0 deg apart",
-                           "without -c vlp16.ini is taken"})
+                           "omit -c to use vlp16.ini"})
   {
     EXPECT_NE(chosen.warnings[0].find(part), std::string::npos) << chosen.warnings[0];
   }
@@ -115,7 +115,7 @@ TEST(SensorSettings, RingsThatAreTooCloseAreRings)
   EXPECT_EQ("", warningFor(dense, "kitti64.ini"));
   EXPECT_EQ(
       "solid_state.ini is for sensors without rings; this recording has rings too close to "
-      "tell apart, 120000 points a scan; without -c kitti64.ini is taken",
+      "tell apart, 120000 points a scan; omit -c to use kitti64.ini",
       warningFor(dense, "solid_state.ini"));
   EXPECT_EQ("", warningFor(dense, "handheld.ini"));
   RecordedSensor solid = dense;
@@ -123,7 +123,7 @@ TEST(SensorSettings, RingsThatAreTooCloseAreRings)
   EXPECT_EQ("", warningFor(solid, "solid_state.ini"));
   EXPECT_EQ(
       "kitti64.ini is for sensors with rings up to 0.8 deg apart; this recording has no "
-      "rings, 120000 points a scan; without -c solid_state.ini is taken",
+      "rings, 120000 points a scan; omit -c to use solid_state.ini",
       warningFor(solid, "kitti64.ini"));
 }
 

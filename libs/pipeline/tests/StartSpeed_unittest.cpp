@@ -36,7 +36,7 @@ TEST(StartSpeed, IsWhereDriftsLeadFromAfar)
   EXPECT_NEAR(*speed, 27, 0.5);
 }
 
-TEST(StartSpeed, IsNoNewsWhereTheOdometryFindsIt)
+TEST(StartSpeed, IsNotReportedWhereTheOdometryFindsIt)
 {
   EXPECT_FALSE(speedOfDrifts(driftsOf(driftBetweenGuardRails), 27.5, {}));
   EXPECT_FALSE(speedOfDrifts(driftsOf(driftBetweenGuardRails), 25.5, {}));

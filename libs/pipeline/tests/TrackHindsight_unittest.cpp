@@ -44,7 +44,7 @@ TEST(TrackHindsight, VehiclesHaveTheirWholeSizeFromTheFirstScanOn)
 {
   Trajectory trajectory;
   const RunHistory history = vehicleThatComesIntoView(40, trajectory);
-  const auto objects = smoothReported(history, trajectory, {}, true);
+  const auto objects = smoothReported(history, trajectory, {}, true).objects;
   ASSERT_EQ(objects.size(), 40U);
   for (std::size_t i = 0; i < objects.size(); ++i)
   {
@@ -58,7 +58,7 @@ TEST(TrackHindsight, VehiclesHaveTheirWholeSizeFromTheFirstScanOn)
     EXPECT_NEAR(object.velocity.x(), speed, 0.1) << i;
   }
   // Boxes of a detector are those of whole objects.
-  const auto given = smoothReported(history, trajectory, {}, false);
+  const auto given = smoothReported(history, trajectory, {}, false).objects;
   EXPECT_NEAR(given.front().size->x(), 0.5, 1e-9);
   EXPECT_GT(given.front().velocity.x(), speed + 1);
 }
@@ -69,7 +69,7 @@ TEST(TrackHindsight, VelocitiesDoNotDependOnStepsOfTheClock)
   {
     Trajectory trajectory;
     const RunHistory history = vehicleThatComesIntoView(40, trajectory, step);
-    const auto objects = smoothReported(history, trajectory, {}, true);
+    const auto objects = smoothReported(history, trajectory, {}, true).objects;
     ASSERT_EQ(objects.size(), 40U);
     for (std::size_t i = 0; i < objects.size(); ++i)
     {
@@ -91,8 +91,8 @@ TEST(TrackHindsight, PositionsAreInTheMapFrame)
   {
     moved.push_back(stamp, T_map_odom * pose);
   }
-  const auto objects = smoothReported(history, trajectory, {}, true);
-  const auto in_map = smoothReported(history, moved, {}, true);
+  const auto objects = smoothReported(history, trajectory, {}, true).objects;
+  const auto in_map = smoothReported(history, moved, {}, true).objects;
   ASSERT_EQ(objects.size(), in_map.size());
   for (std::size_t i = 0; i < objects.size(); ++i)
   {
@@ -131,7 +131,7 @@ TEST(TrackHindsight, VehiclesHeadWhereTheyDriveAndAreAsLongAsACar)
 {
   Trajectory trajectory;
   const RunHistory history = rearOfCar(trajectory);
-  const auto objects = smoothReported(history, trajectory, {}, true);
+  const auto objects = smoothReported(history, trajectory, {}, true).objects;
   ASSERT_EQ(objects.size(), 30U);
   for (const SmoothedObject& object : objects)
   {
@@ -148,7 +148,7 @@ TEST(TrackHindsight, BoxesOfADetectorAreNotEnlarged)
 {
   Trajectory trajectory;
   const RunHistory history = rearOfCar(trajectory);
-  const auto objects = smoothReported(history, trajectory, {}, false);
+  const auto objects = smoothReported(history, trajectory, {}, false).objects;
   ASSERT_EQ(objects.size(), 30U);
   EXPECT_NEAR(objects.back().size->x(), 1.8, 1e-9);
   EXPECT_NEAR(std::abs(yawPitchRoll(objects.back().T_map_object).x()), 0, 1e-9);
@@ -173,12 +173,52 @@ TEST(TrackHindsight, FastPeopleAreCyclistsAndHaveTheirSize)
     history.addObjects(frame.index, {object}, TrackLife::whole);
     trajectory.push_back(frame.scan.stamp, Pose::Identity());
   }
-  for (const SmoothedObject& object : smoothReported(history, trajectory, {}, true))
+  const auto objects = smoothReported(history, trajectory, {}, true).objects;
+  ASSERT_EQ(objects.size(), 20U);
+  for (const SmoothedObject& object : objects)
   {
     EXPECT_EQ(object.object_class, ObjectClass::cyclist);
     EXPECT_TRUE(object.size->isApprox(Eigen::Vector3d(1.6, 0.6, 1.7), 1e-9));
     EXPECT_NEAR(object.T_map_object.translation().x(), 5 + speed * object.stamp, 0.01);
   }
+}
+
+TEST(TrackHindsight, TracksThatAlternateAreMerged)
+{
+  // One vehicle; every third scan observes the second track instead of the first one.
+  Trajectory trajectory;
+  RunHistory history;
+  for (int i = 0; i < 30; ++i)
+  {
+    Frame frame;
+    frame.index = static_cast<std::size_t>(i);
+    frame.scan.stamp = 0.1 * i;
+    for (const int id : {4, 9})
+    {
+      TrackedObject object;
+      object.id = id;
+      object.object_class = ObjectClass::car;
+      object.observed = (i % 3 == 2) == (id == 9);
+      object.reported = object.dynamic = true;
+      object.box.size = {4.5, 1.8, 1.5};
+      object.box.center = {5 + speed * frame.scan.stamp + (object.observed ? 0 : 0.7), -3, 0.9};
+      frame.objects.push_back(object);
+    }
+    history.addScan(frame);
+    history.addObjects(frame.index, frame.objects, TrackLife::whole);
+    trajectory.push_back(frame.scan.stamp, Pose::Identity());
+  }
+  const TracksInHindsight tracks = smoothReported(history, trajectory, {}, true);
+  EXPECT_EQ(tracks.merged, (std::map<int, int>{{9, 4}}));
+  ASSERT_EQ(tracks.objects.size(), 30U);
+  for (const SmoothedObject& object : tracks.objects)
+  {
+    EXPECT_EQ(object.id, 4);
+    EXPECT_NEAR(object.T_map_object.translation().x(), 5 + speed * object.stamp, 0.01);
+  }
+  TrackSmoothingOptions apart;
+  apart.merge_overlap = 1;
+  EXPECT_GT(smoothReported(history, trajectory, apart, true).objects.size(), 50U);
 }
 
 TEST(TrackHindsight, NoneWithoutWindow)
@@ -187,7 +227,7 @@ TEST(TrackHindsight, NoneWithoutWindow)
   const RunHistory history = vehicleThatComesIntoView(5, trajectory);
   TrackSmoothingOptions options;
   options.window = 0;
-  EXPECT_TRUE(smoothReported(history, trajectory, options, true).empty());
+  EXPECT_TRUE(smoothReported(history, trajectory, options, true).objects.empty());
 }
 }  // namespace
 }  // namespace dyslam

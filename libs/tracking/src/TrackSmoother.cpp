@@ -96,12 +96,14 @@ bool fitAt(const std::vector<Position>& observations,
       centers.row(i) += weight * (time - o.time) * velocity;
     }
   }
-  const Eigen::MatrixXd coefficients = basis.colPivHouseholderQr().solve(centers);
-  fit.center = coefficients.row(0);
+  const Eigen::MatrixXd plane = basis.colPivHouseholderQr().solve(centers.leftCols<2>());
+  const Eigen::VectorXd height =
+      basis.leftCols(std::min(degree, 1) + 1).colPivHouseholderQr().solve(centers.col(2));
+  fit.center << plane.row(0), height[0];
   fit.velocity = velocity;
   if (degree > 0)
   {
-    fit.velocity = coefficients.row(1) / options.window;
+    fit.velocity << plane.row(1) / options.window, height[1] / options.window;
   }
   return true;
 }
@@ -131,6 +133,8 @@ void TrackSmoothingOptions::describe(OptionsVisitor& v)
       "window", window, 0, 100,
       "time before and after a state whose observations smooth it; 0: tracks are not smoothed [s]");
   v.integer("degree", degree, 0, 5, "degree of the polynomials that smooth a track");
+  v.real("merge_overlap", merge_overlap, 0.01, 1,
+         "share of the smaller footprint above which two tracks are one object; 1: never");
 }
 
 std::vector<TrackState> smoothTrack(const std::vector<TrackState>& track,

@@ -61,14 +61,15 @@ std::vector<Recording> loadRecordings(const std::string& list,
                                       Split split)
 {
   const bool training = split == Split::training;
+  const std::string field = training ? "[data] recordings" : "[data] validation";
   std::vector<Recording> recordings;
   for (const std::string& item : listItems(list, '|'))
   {
-    const RecordingDescription description = parseRecording(item, base);
+    const RecordingDescription description = parseRecording(item, base, field);
     const std::vector<std::string> files = listBinFiles(description.folder);
     for (std::size_t k = description.first; k <= description.last && k < files.size(); ++k)
     {
-      splits.requireScan(files[k], split, training ? "[data] recordings" : "[data] validation");
+      splits.requireScan(files[k], split, field);
     }
     recordings.push_back(loadRecording(description, training));
   }

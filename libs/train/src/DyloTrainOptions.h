@@ -13,6 +13,7 @@
 
 namespace dyslam
 {
+/** Ini section `[train]` of DyLO's training. */
 struct TrainOptions : Options
 {
   int seed = 1;      //!< seed of the initial weights and of all data
@@ -30,6 +31,7 @@ struct TrainOptions : Options
   void describe(OptionsVisitor& visitor) override;
 };
 
+/** Ini section `[data]` of DyLO's training. */
 struct DataOptions : Options
 {
   std::string base = "$DYSLAM_DATA";

@@ -3,7 +3,6 @@
 #include <dyslam/core/Files.h>
 #include <dyslam/core/Parallel.h>
 #include <dyslam/core/PendingFile.h>
-#include <dyslam/formats/ScanFiles.h>
 #include <dyslam/nets/Devices.h>
 #include <dyslam/nets/DyloFile.h>
 #include <dyslam/nets/TensorFile.h>
@@ -14,18 +13,14 @@
 #include <dyslam/train/DyloTrainer.h>
 #include <dyslam/train/NetworkWeights.h>
 #include <dyslam/train/PairGradients.h>
-#include <dyslam/train/RandomDraws.h>
-#include <dyslam/train/RecordingPairSource.h>
-#include <dyslam/train/ScanFiles.h>
 
-#include <algorithm>
 #include <chrono>
-#include <cmath>
 #include <cstdio>
 #include <filesystem>
-#include <limits>
+#include <memory>
 #include <sstream>
 
+#include "DyloPairs.h"
 #include "DyloTrainOptions.h"
 #include "DyloValidation.h"
 #include "SimulatorPairSource.h"
@@ -44,112 +39,6 @@ double secondsSince(Clock::time_point begin)
 {
   return std::chrono::duration<double>(Clock::now() - begin).count();
 }
-
-std::unique_ptr<PairSource> makeSource(const DataOptions& data,
-                                       const AugmentationOptions& augmentation,
-                                       const std::string& base,
-                                       const DataSplits& splits,
-                                       std::uint64_t seed)
-{
-  std::vector<Body> bodies;
-  for (const std::string& folder : listItems(data.bodies, '|'))
-  {
-    for (const std::string& file : listBinFiles(base + "/" + folder))
-    {
-      splits.requireScan(file, Split::training, "[data] bodies");
-    }
-    for (Body& body : loadBodies(base + "/" + folder, 120))
-    {
-      bodies.push_back(std::move(body));
-    }
-  }
-  auto mixed = std::make_unique<MixedPairSource>(seed);
-  if (data.recordings_weight > 0 && !data.recordings.empty())
-  {
-    mixed->add(std::make_unique<RecordingPairSource>(
-                   loadRecordings(data.recordings, base, splits, Split::training), bodies,
-                   augmentation, data.max_gap, seed),
-               data.recordings_weight);
-  }
-  if (data.singles_weight > 0 && !data.singles.empty())
-  {
-    std::vector<std::vector<Eigen::Vector3f>> scans;
-    for (const std::string& folder : listItems(data.singles, '|'))
-    {
-      for (const std::string& file : listBinFiles(base + "/" + folder))
-      {
-        splits.requireScan(file, Split::training, "[data] singles");
-        scans.push_back(readTrainingPoints(file, std::numeric_limits<float>::quiet_NaN()));
-      }
-    }
-    mixed->add(std::make_unique<SingleScanSource>(std::move(scans), bodies, augmentation, seed),
-               data.singles_weight);
-  }
-  if (data.simulator_weight > 0)
-  {
-    mixed->add(makeSimulatorPairSource(listItems(data.simulator_worlds, '|'), augmentation,
-                                       data.max_gap, splits.trainingSeeds(), seed),
-               data.simulator_weight);
-  }
-  if (mixed->empty())
-  {
-    throw UserError("[data]: no training data; set recordings, singles or simulator_weight");
-  }
-  return mixed;
-}
-
-/** Labels of the nodes of levels 1 to 4. */
-std::vector<torch::Tensor> nodeLabels(const PreparedScan& scan,
-                                      const std::vector<PointLabel>& labels)
-{
-  std::vector<torch::Tensor> result(PreparedScan::level_count);
-  for (std::size_t l = 1; l < PreparedScan::level_count; ++l)
-  {
-    const auto& cells = scan.levels[l].cell;
-    result[l] = torch::zeros({static_cast<std::int64_t>(cells.size())}, torch::kLong);
-    for (std::size_t n = 0; n < cells.size(); ++n)
-    {
-      const std::int32_t source =
-          cells[n] >= 0 ? scan.source[static_cast<std::size_t>(cells[n])] : -1;
-      if (source >= 0 && !labels.empty())
-      {
-        result[l].data_ptr<std::int64_t>()[n] =
-            static_cast<std::int64_t>(labels[static_cast<std::size_t>(source)]);
-      }
-    }
-  }
-  return result;
-}
-
-/** Initial guess of the network: zero motion, or the truth with the errors of a prediction. */
-Pose drawInitialGuess(const Pose& truth,
-                      double perturbed_starts,
-                      std::uint64_t seed,
-                      std::uint64_t index)
-{
-  RandomDraws draws(seed ^ 0x57A27ULL, index);
-  constexpr double reach = 1.5;  // m, range of a search from zero motion
-  const double share =
-      truth.translation().norm() > reach ? std::max(perturbed_starts, 0.8) : perturbed_starts;
-  if (perturbed_starts <= 0 || !draws.chance(share))
-  {
-    return Pose::Identity();
-  }
-  const double meters = 0.02 * std::pow(25.0, draws.uniform());
-  const double radians = 0.001 * std::pow(15.0, draws.uniform());
-  return truth * poseFromYpr(draws.normal(meters), draws.normal(0.3 * meters),
-                             draws.normal(0.15 * meters), draws.normal(radians),
-                             draws.normal(0.3 * radians), draws.normal(0.3 * radians));
-}
-
-/** A pair of a step, ready for the network. */
-struct PreparedPair
-{
-  ScanTensors scan1, scan2;
-  std::vector<torch::Tensor> labels;  //!< nodeLabels() of scan 1
-  Pose T_2_1 = Pose::Identity();
-  Pose start = Pose::Identity();  //!< initial guess
-};
 
 /** A thread's copy of what is trained. */
 struct ThreadCopy
@@ -177,14 +66,15 @@ class Trainer
  private:
   void save();
   void writeCheckpoint(const std::string& path);
+  /** Loads a checkpoint. \param weights_only without the optimizer's state and the step */
   void load(const std::string& checkpoint, bool weights_only);
   void startFrom(const std::string& path);
   void validate();
   /** Makes the threads, their copies of the network, and the pairs of the first step. */
   void begin();
-  [[nodiscard]] PreparedPair preparePair(std::uint64_t index) const;
+  [[nodiscard]] PreparedDyloPair preparePair(std::uint64_t index) const;
   /** Loss of a pair; adds to the gradients of the copy. */
-  DyloLossImpl::Terms backward(ThreadCopy& copy, const PreparedPair& pair) const;
+  DyloLossImpl::Terms backward(ThreadCopy& copy, const PreparedDyloPair& pair) const;
   /** Sets the gradients of a step and prepares the pairs of the next one. */
   std::vector<DyloLossImpl::Terms> computeGradients();
   /** \param pairs those of the step. */
@@ -202,7 +92,7 @@ class Trainer
   std::unique_ptr<ThreadPool> pool_;
   std::vector<ThreadCopy> copies_;  //!< one per thread
   std::unique_ptr<PairGradients> gradients_;
-  std::vector<PreparedPair> prepared_;  //!< the pairs of this step
+  std::vector<PreparedDyloPair> prepared_;  //!< the pairs of this step
   std::vector<Recording> validation_;
   torch::Device device_;
   std::int64_t step_ = 0;
@@ -265,8 +155,8 @@ Trainer::Trainer(const Config& config, const DyloTrainRequest& request)
   if (!request.validate_only)
   {
     writeWhole(request.output + "/effective.ini", loader.effective().toIni());
-    source_ =
-        makeSource(data_, augmentation_, base, splits, static_cast<std::uint64_t>(options_.seed));
+    source_ = makeDyloPairSource(data_, augmentation_, base, splits,
+                                 static_cast<std::uint64_t>(options_.seed));
   }
 }
 
@@ -290,25 +180,13 @@ void Trainer::begin()
                    { prepared_[i] = preparePair(first + i); });
 }
 
-PreparedPair Trainer::preparePair(std::uint64_t index) const
+PreparedDyloPair Trainer::preparePair(std::uint64_t index) const
 {
-  const TrainingPair drawn = source_->pair(index);
-  const PreparedScan prepared1 = prepareScan(drawn.points1);
-  PreparedPair pair;
-  pair.scan1 = toTensors(prepared1, device_);
-  pair.scan2 = toTensors(prepareScan(drawn.points2), device_);
-  pair.labels = nodeLabels(prepared1, drawn.labels1);
-  for (torch::Tensor& label : pair.labels)
-  {
-    label = label.defined() ? label.to(device_) : label;
-  }
-  pair.T_2_1 = drawn.T_2_1;
-  pair.start = drawInitialGuess(drawn.T_2_1, options_.perturbed_starts,
-                                static_cast<std::uint64_t>(options_.seed), index);
-  return pair;
+  return prepareDyloPair(source_->pair(index), options_.perturbed_starts,
+                         static_cast<std::uint64_t>(options_.seed), index, device_);
 }
 
-DyloLossImpl::Terms Trainer::backward(ThreadCopy& copy, const PreparedPair& pair) const
+DyloLossImpl::Terms Trainer::backward(ThreadCopy& copy, const PreparedDyloPair& pair) const
 {
   useTorchThreads(1);  // of this thread
   const auto options = torch::dtype(torch::kFloat).device(device_);
@@ -331,7 +209,7 @@ std::vector<DyloLossImpl::Terms> Trainer::computeGradients()
   const std::size_t batch = prepared_.size();
   const auto next_step = static_cast<std::uint64_t>(step_ + 1) * batch;
   std::vector<DyloLossImpl::Terms> terms(batch);
-  std::vector<PreparedPair> next(batch);
+  std::vector<PreparedDyloPair> next(batch);
   gradients_->computeStep(
       *pool_, batch,
       [&](std::size_t i, std::size_t copy) { terms[i] = backward(copies_[copy], prepared_[i]); },
@@ -521,7 +399,9 @@ void Trainer::load(const std::string& path, bool weights_only)
 {
   if (!std::filesystem::exists(path))
   {
-    throw UserError(path + ": there is no checkpoint to continue from");
+    throw UserError(path + ": no such file; " +
+                    (weights_only ? "give a checkpoint.safetensors or a dylo.safetensors"
+                                  : "there is no training in this folder to continue"));
   }
   const TensorFile checkpoint(path);
   checkpoint.loadWeights("network.", *network_);

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 namespace dyslam
 {
@@ -15,20 +16,21 @@ constexpr float nothing = std::numeric_limits<float>::max();
 class Builder
 {
  public:
-  Builder(CastBody& body, RandomDraws& draws) : body_(body), draws_(draws) {}
+  explicit Builder(RandomDraws& draws) : draws_(draws) {}
   /** These sizes, varied by up to 12 %. */
   Builder& add(bool round, float x, float y, float z, float length, float width, float height)
   {
     const Eigen::Vector3f half =
         0.5F * Eigen::Vector3f(length * vary(), width * vary(), height * vary());
-    body_.parts.push_back({{x, y, z}, half, round});
+    parts_.push_back({{x, y, z}, half, round});
     return *this;
   }
   float vary() { return static_cast<float>(draws_.uniform(0.88, 1.12)); }
+  [[nodiscard]] const std::vector<BodyPart>& parts() const { return parts_; }
 
  private:
-  CastBody& body_;
   RandomDraws& draws_;
+  std::vector<BodyPart> parts_;
 };
 
 void makePerson(Builder& b, float z, float length)
@@ -89,45 +91,11 @@ bool CastBody::covers(const Eigen::Vector2f& p, float margin) const
   return (p.array() > low).all() && (p.array() < high).all();
 }
 
-CastBody makeBody(BodyKind kind, RandomDraws& draws)
+CastBody assembleBody(BodyKind kind, std::vector<BodyPart> parts)
 {
   CastBody body;
-  Builder b(body, draws);
-  switch (kind)
-  {
-    case BodyKind::car:
-      body.kind = "car";
-      b.add(false, 0, 0, 0.62F, 4.2F, 1.75F, 0.7F);
-      b.add(draws.chance(0.4), static_cast<float>(draws.uniform(-0.5, 0.1)), 0, 1.2F, 2.4F, 1.55F,
-            0.65F);
-      break;
-    case BodyKind::van:
-      body.kind = "van";
-      b.add(false, 0, 0, 1.2F, 4.8F, 1.9F, 1.8F);
-      break;
-    case BodyKind::truck:
-    {
-      body.kind = "truck";
-      const auto length = static_cast<float>(draws.uniform(4, 10));
-      b.add(false, -0.5F, 0, 2.1F, length, 2.4F, 2.6F);
-      b.add(false, 0.5F * length + 0.7F, 0, 1.5F, 2.0F, 2.3F, 2.4F);
-      b.add(false, -0.3F * length, 0, 0.55F, 1.2F, 2.2F, 0.9F);
-      break;
-    }
-    case BodyKind::pedestrian:
-      body.kind = "pedestrian";
-      makePerson(b, 0, static_cast<float>(draws.uniform(0, 0.7)));
-      break;
-    case BodyKind::cyclist:
-      body.kind = "cyclist";
-      makePerson(b, 0.15F, 0.3F);
-      b.add(false, 0, 0, 0.5F, 1.7F, 0.12F, 0.7F);
-      break;
-    case BodyKind::random:
-      body.kind = "random";
-      makeRandom(b, draws);
-      break;
-  }
+  body.kind = kind;
+  body.parts = std::move(parts);
   for (const auto& part : body.parts)
   {
     body.radius = std::max(body.radius, part.centre.head<2>().norm() + part.half.head<2>().norm());
@@ -135,6 +103,41 @@ CastBody makeBody(BodyKind kind, RandomDraws& draws)
     body.bounds.extend(part.centre + part.half);
   }
   return body;
+}
+
+CastBody makeBody(BodyKind kind, RandomDraws& draws)
+{
+  Builder b(draws);
+  switch (kind)
+  {
+    case BodyKind::car:
+      b.add(false, 0, 0, 0.62F, 4.2F, 1.75F, 0.7F);
+      b.add(draws.chance(0.4), static_cast<float>(draws.uniform(-0.5, 0.1)), 0, 1.2F, 2.4F, 1.55F,
+            0.65F);
+      break;
+    case BodyKind::van:
+      b.add(false, 0, 0, 1.2F, 4.8F, 1.9F, 1.8F);
+      break;
+    case BodyKind::truck:
+    {
+      const auto length = static_cast<float>(draws.uniform(4, 10));
+      b.add(false, -0.5F, 0, 2.1F, length, 2.4F, 2.6F);
+      b.add(false, 0.5F * length + 0.7F, 0, 1.5F, 2.0F, 2.3F, 2.4F);
+      b.add(false, -0.3F * length, 0, 0.55F, 1.2F, 2.2F, 0.9F);
+      break;
+    }
+    case BodyKind::pedestrian:
+      makePerson(b, 0, static_cast<float>(draws.uniform(0, 0.7)));
+      break;
+    case BodyKind::cyclist:
+      makePerson(b, 0.15F, 0.3F);
+      b.add(false, 0, 0, 0.5F, 1.7F, 0.12F, 0.7F);
+      break;
+    case BodyKind::random:
+      makeRandom(b, draws);
+      break;
+  }
+  return assembleBody(kind, b.parts());
 }
 
 std::vector<std::uint32_t> castBody(const CastBody& body,

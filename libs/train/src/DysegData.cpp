@@ -49,12 +49,12 @@ ObjectTruth truthOf(const DysegClip::Object& now, const DysegClip::Object* then,
       (then->T_sensor_object.translation() - ego * now.T_sensor_object.translation())
           .head<2>()
           .norm();
-  if (stands && displacement < shown_displacement)
+  if (stands && displacement < min_visible_displacement)
   {
     return truth;  // the ego-motion is more accurate than the poses of labelled boxes
   }
   truth.T_past_current = (then->T_sensor_object * now.T_sensor_object.inverse()).cast<float>();
-  if (stands ? displacement > standing_displacement : displacement < shown_displacement)
+  if (stands ? displacement > max_static_displacement : displacement < min_visible_displacement)
   {
     truth.label = DysegSample::ignored_point;
   }
@@ -188,11 +188,11 @@ BodyKind drawKind(bool beside, RandomDraws& draws)
 
 double drawSpeed(const CastBody& body, RandomDraws& draws)
 {
-  if (body.kind == "pedestrian")
+  if (body.kind == BodyKind::pedestrian)
   {
     return draws.uniform(0.6, 2.2);
   }
-  if (body.kind == "random" && draws.chance(0.5))
+  if (body.kind == BodyKind::random && draws.chance(0.5))
   {
     return draws.uniform(0.6, 4);
   }
@@ -315,7 +315,8 @@ void castOne(const DysegAugmentOptions& options,
       (motion.moving ? T_then * T_now.inverse() : sample.T_past_current).cast<float>();
   const double displacement =
       (T_then.translation() - sample.T_past_current * T_now.translation()).head<2>().norm();
-  const bool shown = motion.speed >= cast_moving_over && displacement >= shown_displacement;
+  const bool shown =
+      motion.speed >= min_cast_moving_speed && displacement >= min_visible_displacement;
   const auto label = !motion.moving ? DysegSample::static_point
                      : shown        ? DysegSample::moving_point
                                     : DysegSample::ignored_point;

@@ -17,24 +17,24 @@ double ratio(std::uint64_t part, std::uint64_t whole)
 
 double DysegScores::iou() const
 {
-  return ratio(hits, hits + alarms + misses);
+  return ratio(true_positives, true_positives + false_positives + false_negatives);
 }
 
 double DysegScores::precision() const
 {
-  return ratio(hits, hits + alarms);
+  return ratio(true_positives, true_positives + false_positives);
 }
 
 double DysegScores::recall() const
 {
-  return ratio(hits, hits + misses);
+  return ratio(true_positives, true_positives + false_negatives);
 }
 
 void DysegScores::add(const DysegScores& o)
 {
-  hits += o.hits;
-  alarms += o.alarms;
-  misses += o.misses;
+  true_positives += o.true_positives;
+  false_positives += o.false_positives;
+  false_negatives += o.false_negatives;
   static_error += o.static_error;
   moving_error += o.moving_error;
   static_cells += o.static_cells;
@@ -66,9 +66,9 @@ DysegScores scorePair(const DysegModel& model,
     }
     const bool moves = sample.label[i] == DysegSample::moving_point;
     const bool called = result.moving_probability[i] > 0.5F;
-    s.hits += moves && called ? 1 : 0;
-    s.alarms += !moves && called ? 1 : 0;
-    s.misses += moves && !called ? 1 : 0;
+    s.true_positives += moves && called ? 1 : 0;
+    s.false_positives += !moves && called ? 1 : 0;
+    s.false_negatives += moves && !called ? 1 : 0;
   }
   const PlanarMotion ego = PlanarMotion::fromPose(sample.T_past_current);
   s.pairs = 1;

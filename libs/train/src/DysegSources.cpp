@@ -58,6 +58,15 @@ constexpr int least_positions = 4;  // of an object whose speed is known
 // relative to the sensor.
 constexpr std::int32_t first_parked = 500;
 constexpr std::int32_t last_parked = 599;
+constexpr double boxed_revolution = 0.091;  // of the VLS-128 of runs with boxes [s]
+constexpr double labelled_period = 0.1034;  // between scans of the HDL-64E of labelled runs [s]
+
+UserError tooFewPoses(const std::string& file, std::size_t poses, std::size_t last_frame)
+{
+  return UserError(file + ": has " + std::to_string(poses) + " poses, but frame " +
+                   std::to_string(last_frame) +
+                   " is requested (frames count from 0); request fewer frames");
+}
 }  // namespace
 
 double SweepDrift::revolutions() const
@@ -158,14 +167,14 @@ DysegClip loadBoxedRun(const std::string& folder,
                        std::size_t last,
                        const SweepDrift& drift)
 {
-  constexpr double revolution = 0.091;  // [s]
   DysegClip clip;
   clip.name = folder;
-  clip.period = revolution * drift.revolutions();
-  const auto matched = readKittiPoses(folder + "/poses_icp_frame_to_frame.txt");
+  clip.period = boxed_revolution * drift.revolutions();
+  const std::string pose_file = folder + "/poses_icp_frame_to_frame.txt";
+  const auto matched = readKittiPoses(pose_file);
   if (matched.size() <= last)
   {
-    throw UserError(folder + ": fewer poses than requested frames");
+    throw tooFewPoses(pose_file, matched.size(), last);
   }
   const Sweeps sweeps(matched, drift);
   std::vector<std::vector<LabelledBox>> boxes;
@@ -199,8 +208,8 @@ DysegClip loadBoxedRun(const std::string& folder,
       const double speed = known ? fittedVelocity(begin, end).norm() / clip.period : 0;
       DysegClip::Object object;
       object.T_sensor_object = sweeps.deskewed(f, poseOf(labelled.box));
-      object.moving = speed > moving_over;
-      object.doubtful = !object.moving && (speed > standing_under || !known);
+      object.moving = speed > min_moving_speed;
+      object.doubtful = !object.moving && (speed > max_static_speed || !known);
       frame.objects[labelled.id] = object;
       claimPoints(labelled, object.moving, frame);
     }
@@ -217,11 +226,11 @@ DysegClip loadLabelledRun(const std::string& folder,
 {
   DysegClip clip;
   clip.name = folder;
-  clip.period = 0.1034;
+  clip.period = labelled_period;
   const auto poses = readKittiPoses(pose_file);
   if (poses.size() <= last)
   {
-    throw UserError(pose_file + ": fewer poses than requested frames");
+    throw tooFewPoses(pose_file, poses.size(), last);
   }
   std::int32_t last_id = 0;
   for (std::size_t f = first; f <= last; ++f)
@@ -283,8 +292,8 @@ DysegClip::Frame simulatedFrame(sim::SimulatedScan scan, bool deskewed)
     object.T_sensor_object =
         poseFromYpr(box.center.x(), box.center.y(), box.center.z(), box.yaw, 0, 0);
     const double speed = o.velocity.norm();
-    object.moving = speed > moving_over;
-    object.doubtful = !object.moving && speed > standing_under;
+    object.moving = speed > min_moving_speed;
+    object.doubtful = !object.moving && speed > max_static_speed;
     frame.objects[o.id] = object;
   }
   for (std::size_t i = 0; i < frame.points.size(); ++i)

@@ -32,8 +32,9 @@ namespace
 namespace fs = std::filesystem;
 using Clock = std::chrono::steady_clock;
 
-constexpr int most_pairs = 64;  // in a step
 constexpr double clip_norm = 2;
+constexpr int report_every = 20;  // steps
+
 constexpr const char* checkpoint_file = "checkpoint.safetensors";  // in the folder of output
 constexpr const char* before_decay_file = "checkpoint_before_decay.safetensors";
 constexpr const char* weights_file = "dyseg.safetensors";
@@ -47,6 +48,16 @@ struct PreparedPair
   Eigen::Vector2f centre = Eigen::Vector2f::Zero();
   RandomDraws draws{0, 0};
 };
+
+/** Adds the terms of a loss, each divided by `divisor`; not its total. */
+void addTerms(const DysegLoss& loss, int divisor, DysegLoss& sum)
+{
+  sum.matching += loss.matching / divisor;
+  sum.flow += loss.flow / divisor;
+  sum.static_probability += loss.static_probability / divisor;
+  sum.cell += loss.cell / divisor;
+  sum.point += loss.point / divisor;
+}
 
 /** The network's inputs are computed on the grid; only its extent may differ.
  * \throws UserError naming the file, the key and both values. */
@@ -73,68 +84,6 @@ void requireSameGrid(const BevOptions& of_weights, const BevOptions& grid, const
   }
 }
 }  // namespace
-
-void DysegTrainerOptions::describe(OptionsVisitor& v)
-{
-  v.text("data", data, "folder with the real data; empty: simulated data only");
-  v.text("splits", splits,
-         "splits of the frames (training, validation, test): a file, or the name of a shipped one");
-  v.text("boxed_run", boxed_run, "training run with boxes, a folder under data; empty: none");
-  v.integer("boxed_last", boxed_last, 1, 1000000, "last training frame of boxed_run");
-  v.degrees("boxed_start_azimuth_deg", boxed_drift.start_azimuth, -360, 360,
-            "azimuth at which scan 0 of the runs with boxes begins and ends, from +x towards +y "
-            "[deg]");
-  v.degrees("boxed_azimuth_step_deg", boxed_drift.step, -180, 0,
-            "drift of that azimuth per scan; 0: none, the scans are not deskewed [deg]");
-  v.text("boxed_validation", boxed_validation,
-         "validation run with boxes, a folder under data; empty: none");
-  v.integer("boxed_validation_first", boxed_validation_first, 8, 1000000,
-            "first frame of boxed_validation that is evaluated");
-  v.integer("boxed_validation_last", boxed_validation_last, 8, 1000000,
-            "last frame of boxed_validation that is evaluated");
-  v.text("labelled_validation", labelled_validation,
-         "validation run with point labels, a folder under data; empty: none");
-  v.text("labelled_poses", labelled_poses,
-         "name of the pose file in the folder of labelled_validation");
-  v.integer("labelled_validation_first", labelled_validation_first, 1, 1000000,
-            "first frame of labelled_validation that is evaluated");
-  v.integer("labelled_validation_last", labelled_validation_last, 1, 1000000,
-            "last frame of labelled_validation that is evaluated");
-  v.text("single_scans", single_scans, "folders of single scans under data, separated by commas");
-  v.real("simulated_share", simulated_share, 0, 1, "share of pairs that are simulated");
-  v.real("single_share", single_share, 0, 1, "share of real pairs that are made from single scans");
-  v.real("same_scan_share", same_scan_share, 0, 1,
-         "share of pairs of runs and clips that are made from one scan");
-  v.integer("gap", gap, 1, 10, "gap between the scans that the application compares [scans]");
-  v.real("gap_share", gap_share, 0, 1,
-         "share of pairs of runs and clips that are gap scans apart; the others are 1 to 10");
-  v.real("campus_share", campus_share, 0, 1,
-         "share of simulated clips that are on a campus (many pedestrians)");
-  v.real("highway_share", highway_share, 0, 1,
-         "share of simulated clips that are on a highway, of those that are not on a campus");
-  v.real("few_beams_share", few_beams_share, 0, 1,
-         "share of simulated clips that are scanned with 16 beams");
-  v.integer("simulated_pool", simulated_pool, 1, 100000,
-            "number of simulated clips kept in memory");
-  v.integer("simulate_every", simulate_every, 1, 100000, "steps between new simulated clips");
-  v.integer("crop", crop, 64, 2048,
-            "cells along each side of the grid in training, a multiple of 16");
-  requireMultipleOf16("[train] crop", crop);
-  v.real("crop_reach", crop_reach, 0, 1000,
-         "largest distance of the centre of a crop from the sensor, in x and in y [m]");
-  v.integer("steps", steps, 1, 100000000, "number of optimiser steps");
-  v.integer("batch", batch, 1, most_pairs, "number of pairs per step");
-  rate.describe(v);
-  v.real("ema_decay", ema_decay, 0, 1,
-         "decay per step of the exponential moving average of the weights, which is saved");
-  v.real("weight_decay", weight_decay, 0, 1, "weight decay of AdamW");
-  v.integer("checkpoint_every", checkpoint_every, 1, 1000000, "steps between checkpoints");
-  v.integer("validate_every", validate_every, 0, 1000000,
-            "steps between validations; 0: no validation");
-  v.integer("threads", threads, 1, 256,
-            "pairs computed at a time, each in a thread; in validation, threads of the network");
-  v.integer("seed", seed, 0, 2000000000, "random seed of weights and data");
-}
 
 struct DysegTrainer::Impl
 {
@@ -175,6 +124,8 @@ struct DysegTrainer::Impl
   DysegLoss trainStep();
   /** One line for the user. \param sum of the losses of the last `counted` steps. */
   [[nodiscard]] std::string progress(const DysegLoss& sum, int counted) const;
+  /** The same as a row of train.csv. */
+  [[nodiscard]] std::string logRow(const DysegLoss& sum, int counted) const;
   void save();
   void writeCheckpoint(const std::string& path);
   /** Saves and evaluates the weights, and appends the scores to validation.csv; once per step. */
@@ -186,8 +137,9 @@ struct DysegTrainer::Impl
 PreparedPair DysegTrainer::Impl::preparePair(int of_step, std::size_t number) const
 {
   PreparedPair pair;
-  pair.draws = RandomDraws(static_cast<std::uint64_t>(options.seed),
-                           static_cast<std::uint64_t>(of_step) * most_pairs + number);
+  pair.draws =
+      RandomDraws(static_cast<std::uint64_t>(options.seed),
+                  static_cast<std::uint64_t>(of_step) * DysegTrainerOptions::max_batch + number);
   pair.sample = pairs->draw(pair.draws);
   augment(augmentation, pair.draws, pair.sample);
   pair.centre = drawCentre(pair.sample, grid, crop, options.crop_reach, pair.draws);
@@ -238,20 +190,17 @@ DysegLoss DysegTrainer::Impl::trainStep()
       [&](std::size_t i, std::size_t copy) { losses[i] = backward(copies[copy], prepared[i]); },
       [&](std::size_t i) { next[i] = preparePair(step + 1, i); });
   prepared = std::move(next);
-  DysegLoss sum;
+  DysegLoss mean_loss;
   bool has_loss = false;
   for (const DysegLoss& loss : losses)
   {
     has_loss = has_loss || loss.total.defined();
-    sum.matching += loss.matching / options.batch;
-    sum.flow += loss.flow / options.batch;
-    sum.static_probability += loss.static_probability / options.batch;
-    sum.cell += loss.cell / options.batch;
-    sum.point += loss.point / options.batch;
+    addTerms(loss, options.batch, mean_loss);
   }
   if (!has_loss)
   {
-    return sum;  // crops with too few points: no step, else momentum alone would change the weights
+    // Crops with too few points: no step, else momentum alone would change the weights.
+    return mean_loss;
   }
   static_cast<torch::optim::AdamWOptions&>(optimizer->param_groups()[0].options())
       .lr(options.rate.rateAt(step, options.steps));
@@ -259,7 +208,7 @@ DysegLoss DysegTrainer::Impl::trainStep()
   {
     updateMean(*mean, *net, step, options.ema_decay);
   }
-  return sum;
+  return mean_loss;
 }
 
 std::string DysegTrainer::Impl::progress(const DysegLoss& sum, int counted) const
@@ -274,6 +223,16 @@ std::string DysegTrainer::Impl::progress(const DysegLoss& sum, int counted) cons
                 sum.static_probability / counted, sum.cell / counted, sum.point / counted,
                 60e3 * per_step / options.batch, per_step * (options.steps - step));
   return line;
+}
+
+std::string DysegTrainer::Impl::logRow(const DysegLoss& sum, int counted) const
+{
+  char row[200];
+  std::snprintf(row, sizeof(row), "%d,%.2f,%.6f,%.4f,%.4f,%.4f,%.4f,%.4f", step, minutes(),
+                options.rate.rateAt(step - 1, options.steps), sum.matching / counted,
+                sum.flow / counted, sum.static_probability / counted, sum.cell / counted,
+                sum.point / counted);
+  return row;
 }
 
 void DysegTrainer::Impl::save()
@@ -301,11 +260,12 @@ void DysegTrainer::Impl::writeCheckpoint(const std::string& path)
 
 std::vector<std::string> DysegTrainer::Impl::evaluate(const std::string& weights)
 {
+  // First the file: without it, the user need not wait for the validation data.
+  const DysegModel model(weights, options.threads, device.is_cuda() ? "cuda" : "cpu");
   if (validation.empty())
   {
     validation = makeDysegValidation(options);
   }
-  const DysegModel model(weights, options.threads, device.is_cuda() ? "cuda" : "cpu");
   std::vector<std::string> rows;
   for (const DysegValidationSet& set : validation)
   {
@@ -398,7 +358,7 @@ void DysegTrainer::resume()
   const auto path = impl_->file(checkpoint_file);
   if (!fs::exists(path))
   {
-    throw UserError(path + ": no state to resume from");
+    throw UserError(path + ": no such file; there is no training in this folder to continue");
   }
   const TensorFile checkpoint(path);
   checkpoint.loadWeights("net.", *impl_->net);
@@ -438,7 +398,7 @@ void DysegTrainer::run(const std::function<void(const std::string&)>& report,
            t.step);
   t.validated_step = static_cast<int>(
       beginLog(t.file("validation.csv"), std::string("step,") + score_names, t.step));
-  DysegLoss mean;
+  DysegLoss sum;
   int counted = 0;
   while (t.step < t.options.steps)
   {
@@ -448,24 +408,14 @@ void DysegTrainer::run(const std::function<void(const std::string&)>& report,
       report("stopped at step " + std::to_string(t.step) + "; --resume continues from here");
       return;
     }
-    const auto loss = t.trainStep();
-    mean.matching += loss.matching;
-    mean.flow += loss.flow;
-    mean.static_probability += loss.static_probability;
-    mean.cell += loss.cell;
-    mean.point += loss.point;
+    addTerms(t.trainStep(), 1, sum);
     ++counted;
     ++t.step;
-    if (t.step % 20 == 0)
+    if (t.step % report_every == 0)
     {
-      char line[200];
-      std::snprintf(line, sizeof(line), "%d,%.2f,%.6f,%.4f,%.4f,%.4f,%.4f,%.4f", t.step,
-                    t.minutes(), t.options.rate.rateAt(t.step - 1, t.options.steps),
-                    mean.matching / counted, mean.flow / counted, mean.static_probability / counted,
-                    mean.cell / counted, mean.point / counted);
-      appendRows(t.file("train.csv"), {line});
-      report(t.progress(mean, counted));
-      mean = DysegLoss();
+      appendRows(t.file("train.csv"), {t.logRow(sum, counted)});
+      report(t.progress(sum, counted));
+      sum = DysegLoss();
       counted = 0;
     }
     if (t.step % t.options.checkpoint_every == 0)

@@ -71,7 +71,7 @@ torch::Tensor stored(const TensorFile& file, const std::string& name, const torc
   const torch::Tensor& value = file.tensor(name);
   if (value.sizes() != like.sizes())
   {
-    throw UserError(name + " in the checkpoint is of a network of another size");
+    throw UserError(file.path() + ": " + name + " is of a network of another size");
   }
   return value.to(like.device(), like.scalar_type(), false, true);
 }
@@ -104,7 +104,9 @@ void copyWeights(torch::nn::Module& to, const torch::nn::Module& from, const std
     const torch::Tensor* given = theirs.find(weight.key());
     if (given == nullptr || given->sizes() != weight.value().sizes())
     {
-      throw UserError(file + ": weights of another shape of network");
+      throw UserError(file + ": " + weight.key() +
+                      " is missing or of another shape; give weights of a network with the same "
+                      "[network] settings");
     }
     weight.value().copy_(*given);
   }

@@ -8,7 +8,6 @@
 #include <dyslam/train/Recordings.h>
 #include <dyslam/train/ScanFiles.h>
 
-#include <algorithm>
 #include <filesystem>
 #include <limits>
 #include <stdexcept>
@@ -60,7 +59,8 @@ Recording loadRecording(const RecordingDescription& description, bool by_own_mot
   {
     throw UserError(description.folder + ": frames " + std::to_string(description.first) + " to " +
                     std::to_string(description.last) + " are requested, but there are " +
-                    std::to_string(std::min(files.size(), poses.size())));
+                    std::to_string(files.size()) + " scans, and " + std::to_string(poses.size()) +
+                    " poses in " + description.pose_file + "; frames count from 0");
   }
   if (description.first >= description.last)
   {
@@ -93,13 +93,15 @@ Recording loadRecording(const RecordingDescription& description, bool by_own_mot
   return recording;
 }
 
-RecordingDescription parseRecording(const std::string& text, const std::string& base)
+RecordingDescription parseRecording(const std::string& text,
+                                    const std::string& base,
+                                    const std::string& field)
 {
+  const std::string subject = field + ": '" + text + "'";
   const std::vector<std::string> parts = splitFields(text, ';');
   if (parts.size() < 4)
   {
-    throw UserError("recording '" + text +
-                    "': write folder;pose file;first;last[;deskew][;labels=folder]");
+    throw UserError(subject + ": write folder;pose file;first;last[;deskew][;labels=folder]");
   }
   const auto path = [&](const std::string& name)
   { return (std::filesystem::path(base) / name).string(); };
@@ -119,7 +121,7 @@ RecordingDescription parseRecording(const std::string& text, const std::string& 
   }
   catch (const std::logic_error&)
   {
-    throw UserError("recording '" + text + "': first and last must be frame numbers");
+    throw UserError(subject + ": first and last must be frame numbers");
   }
   for (std::size_t i = 4; i < parts.size(); ++i)
   {
@@ -133,7 +135,7 @@ RecordingDescription parseRecording(const std::string& text, const std::string& 
     }
     else
     {
-      throw UserError("recording '" + text + "': '" + parts[i] + "' is neither deskew nor labels=");
+      throw UserError(subject + ": '" + parts[i] + "' is neither deskew nor labels=");
     }
   }
   return description;

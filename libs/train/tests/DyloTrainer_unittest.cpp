@@ -214,8 +214,8 @@ TEST(DyloTrainer, AskedToStopItSavesWhatItHas)
 
 TEST(Recordings, DescribedByATextOfFields)
 {
-  const RecordingDescription d =
-      parseRecording("run/velodyne; run/poses.txt ;3; 20;deskew;labels=run/labels", "/data");
+  const RecordingDescription d = parseRecording(
+      "run/velodyne; run/poses.txt ;3; 20;deskew;labels=run/labels", "/data", "[data] recordings");
   EXPECT_EQ(d.folder, "/data/run/velodyne");
   EXPECT_EQ(d.pose_file, "/data/run/poses.txt");
   EXPECT_EQ(d.label_folder, "/data/run/labels");
@@ -225,7 +225,7 @@ TEST(Recordings, DescribedByATextOfFields)
   for (const char* wrong : {"run;poses;1", "run;poses;1;20x", "run;poses;-1;20", "run;poses;a;20",
                             "run;poses;1;20;unskew"})
   {
-    EXPECT_THROW((void)parseRecording(wrong, "/data"), UserError) << wrong;
+    EXPECT_THROW((void)parseRecording(wrong, "/data", "[data] recordings"), UserError) << wrong;
   }
 }
 

@@ -18,6 +18,18 @@ TEST(RandomDraws, TheSameSeedAndIndexGiveTheSameDraws)
   }
 }
 
+TEST(RandomDraws, AreThoseOfEarlierTrainings)
+{
+  RandomDraws draws(7, 3);
+  EXPECT_EQ(draws.bits(), 0x014CCAC5E052070CULL);
+  EXPECT_EQ(draws.bits(), 0xE8BF0259B17AAD85ULL);
+  EXPECT_EQ(draws.bits(), 0xD4E08DB901F10507ULL);
+  EXPECT_DOUBLE_EQ(draws.uniform(), 0.83650922245536552);
+  EXPECT_EQ(draws.below(1000), 9U);
+  EXPECT_EQ(draws.byWeight({1, 2, 3}), 1U);
+  EXPECT_NEAR(draws.normal(2), 0.65858658895143229, 1e-12);
+}
+
 TEST(RandomDraws, NeighbouringSeedsAndIndicesHaveNoDrawInCommon)
 {
   constexpr std::uint64_t seeds = 20;

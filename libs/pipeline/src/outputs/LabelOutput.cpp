@@ -7,6 +7,7 @@
 #include <map>
 #include <vector>
 
+#include "../RunHistory.h"
 #include "../RunOutput.h"
 #include "ScanLabels.h"
 
@@ -29,7 +30,7 @@ struct UnnamedPoints
 
 /** `labels/NNNNNN.label`: SemanticKITTI labels of every point of the input scan. With hindsight an
  * object has its number from its first detection on: it is entered in the files of the scans before
- * it was reported. */
+ * it was reported. At the end merged tracks get the number of their object. */
 class LabelOutput : public RunOutput
 {
  public:
@@ -39,7 +40,7 @@ class LabelOutput : public RunOutput
   {
   }
   [[nodiscard]] bool isSlow() const override { return true; }
-  [[nodiscard]] FrameKind wants() const override { return FrameKind::decided; }
+  [[nodiscard]] FrameKind wants() const override { return FrameKind::final_scan; }
   void open() override { makeFolder(path(label_folder)); }
   void exchangeState(StateArchive& archive) override
   {
@@ -55,6 +56,13 @@ class LabelOutput : public RunOutput
     if (hindsight_)
     {
       nameEarlierPoints(frame);
+    }
+  }
+  void finish(const RunResults& results) override
+  {
+    for (const auto& [scan, instances] : mergedInstances(results))
+    {
+      renameObjects(scan, instances);
     }
   }
 
@@ -87,6 +95,40 @@ class LabelOutput : public RunOutput
       unnamed[object.id] = std::move(earlier);
     }
     unnamed_ = std::move(unnamed);
+  }
+
+  using Renaming = std::map<std::uint16_t, std::uint16_t>;  //!< of instances
+
+  /** Of each scan (Frame::index) the instances of merged tracks, and those of their objects. */
+  static std::map<std::size_t, Renaming> mergedInstances(const RunResults& results)
+  {
+    std::map<std::size_t, Renaming> scans;
+    results.history->forEachObject(
+        [&](const PastObject& object)
+        {
+          const auto into = results.merged_tracks.find(object.id);
+          if (into != results.merged_tracks.end())
+          {
+            const PastScan& scan = results.history->scans()[object.scan];
+            scans[scan.index][instanceOfTrack(object.id)] = instanceOfTrack(into->second);
+          }
+        });
+    return scans;
+  }
+
+  void renameObjects(std::size_t scan, const Renaming& instances) const
+  {
+    const std::string file = numberedPath(path(label_folder), scan, label_extension);
+    std::vector<Label> labels = readLabels(file);
+    for (Label& label : labels)
+    {
+      const auto renamed = instances.find(instanceOf(label));
+      if (renamed != instances.end())
+      {
+        label = makeLabel(semanticOf(label), renamed->second);
+      }
+    }
+    writeLabels(file, labels);
   }
 
   void nameObject(const UnnamedPoints& scan, Label label) const

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <dyslam/mapping/MapExport.h>
+#include <dyslam/mapexport/MapCloudFile.h>
 
 #include "../RunOutput.h"
 

@@ -14,7 +14,7 @@ namespace dyslam
 {
 namespace
 {
-constexpr const char* name = "report.json";
+constexpr const char* report_name = "report.json";
 using Json = nlohmann::ordered_json;
 
 /** To nine digits, more than the accuracy of any figure here. */
@@ -25,20 +25,23 @@ double rounded(double value)
   return std::strtod(text, nullptr);
 }
 
-/** `report.json`: figures of the run. It is written last: it marks a complete run, and names files
- * that could not be written. */
+/** `report.json`: figures of the run. It is written last: it marks the end of a run, and names
+ * files that could not be written. */
 class ReportOutput : public RunOutput
 {
  public:
   explicit ReportOutput(const RunOutputContext& context)
-      : RunOutput(context, {name}),
+      : RunOutput(context, {report_name}),
         input_(std::filesystem::absolute(context.settings.rawlog).lexically_normal().string()),
         sensor_(context.settings.sensor),
         truth_(poseOrigin(groundTruthFolder(context.settings.rawlog)))
   {
   }
   void checkpoint(const RunResults& results) override { write(results, false); }
-  void finish(const RunResults& results) override { write(results, true); }
+  void finish(const RunResults& results) override
+  {
+    write(results, results.report.ended_early.empty());
+  }
 
  private:
   void write(const RunResults& results, bool finished) const
@@ -46,7 +49,7 @@ class ReportOutput : public RunOutput
     constexpr int indent = 2;
     const std::string text =
         jsonOf(results, finished).dump(indent, ' ', false, Json::error_handler_t::replace);
-    writeWhole(path(name), text + "\n");
+    writeWhole(path(report_name), text + "\n");
   }
 
   [[nodiscard]] Json jsonOf(const RunResults& results, bool finished) const
@@ -62,6 +65,7 @@ class ReportOutput : public RunOutput
     }
     json["method"] = report.method;
     json["finished"] = finished;
+    json["ended_early"] = report.ended_early;
     json["frames"] = report.frames;
     json["unconverged"] = report.unconverged;
     json["odometry_failed"] = report.odometry_failed;
@@ -94,7 +98,7 @@ class ReportOutput : public RunOutput
     json["warnings"] = report.warnings;
     json["not_written"] = results.failures;
     json["files"] = report.files;
-    json["files"].push_back(name);
+    json["files"].push_back(report_name);
     return json;
   }
 

@@ -31,12 +31,13 @@ std::uint16_t movingLabel(ObjectClass object_class)
   return semanticOf(label_moving);
 }
 
-/** Labels have 16 bits for the instance, of which 0 is none: numbers repeat in long recordings. */
+}  // namespace
+
 std::uint16_t instanceOfTrack(int id)
 {
+  // There are 16 bits, of which 0 is no object: numbers repeat in long recordings.
   return static_cast<std::uint16_t>(1 + id % 65535);
 }
-}  // namespace
 
 Label labelOf(const TrackedObject& object)
 {

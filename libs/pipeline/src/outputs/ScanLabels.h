@@ -18,6 +18,9 @@ namespace dyslam
 /** Label of a reported object's points. */
 [[nodiscard]] Label labelOf(const TrackedObject& object);
 
+/** The number of a track's object in labels: its instance. */
+[[nodiscard]] std::uint16_t instanceOfTrack(int id);
+
 /** The points of the scan that an object was detected in. */
 [[nodiscard]] std::vector<std::uint32_t> sourcesOf(const Frame& frame, const TrackedObject& object);
 }  // namespace dyslam

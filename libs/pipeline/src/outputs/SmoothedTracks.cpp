@@ -59,6 +59,7 @@ void forEachReported(const RunResults& results,
                      const std::function<void(const ReportedState&)>& use)
 {
   results.history->forEachObject(
+      results.merged_tracks,
       [&](const PastObject& report)
       {
         const PastScan& scan = results.history->scans()[report.scan];

@@ -58,7 +58,7 @@ class StaticScanOutput : public RunOutput
   {
   }
   [[nodiscard]] bool isSlow() const override { return true; }
-  [[nodiscard]] FrameKind wants() const override { return FrameKind::decided; }
+  [[nodiscard]] FrameKind wants() const override { return FrameKind::final_scan; }
   void open() override
   {
     makeFolder(path(scan_folder));

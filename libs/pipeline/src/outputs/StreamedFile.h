@@ -28,6 +28,8 @@ class StreamedFile
     }
     write(header);
   }
+  /** As PendingFile::keep(). */
+  void keep() { pending_->keep(); }
   /** \throws UserError if it could not be written. */
   void write(const std::string& text)
   {

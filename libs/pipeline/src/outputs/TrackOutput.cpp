@@ -1,10 +1,15 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/core/BoxOverlap.h>
+#include <dyslam/core/Files.h>
 #include <dyslam/core/PendingFile.h>
+#include <dyslam/core/StateArchive.h>
 #include <dyslam/formats/GroundTruth.h>
 
-#include <cmath>
 #include <cstdio>
+#include <cstdlib>
+#include <filesystem>
 #include <functional>
+#include <sstream>
 #include <string>
 
 #include "../RunHistory.h"
@@ -21,18 +26,7 @@ constexpr const char* kitti_tracks = "tracks.txt";
 constexpr const char* header =
     "frame,stamp,id,class,x,y,z,length,width,height,yaw,vx,vy,vz,speed,dynamic,observed,score\n";
 
-/** Box of the odometry frame in the lidar frame of a scan. */
-Box inLidarFrame(const Box& box, const PastScan& scan, const Pose& T_vehicle_lidar)
-{
-  const Pose T_lidar_odom = (scan.T_odom_vehicle * T_vehicle_lidar).inverse();
-  Box result = box;
-  result.center = T_lidar_odom * box.center;
-  const Eigen::Vector3d heading =
-      T_lidar_odom.linear() * Eigen::Vector3d(std::cos(box.yaw), std::sin(box.yaw), 0);
-  result.yaw = std::atan2(heading.y(), heading.x());
-  return result;
-}
-
+/** The object's box in the lidar frame of a scan. \param object its box is in the odometry frame */
 LabelledBox labelledBox(const TrackedObject& object,
                         const PastScan& scan,
                         const Pose& T_vehicle_lidar)
@@ -42,7 +36,7 @@ LabelledBox labelledBox(const TrackedObject& object,
   box.id = object.id;
   box.object_class = object.object_class;
   box.type = toString(object.object_class);
-  box.box = inLidarFrame(object.box, scan, T_vehicle_lidar);
+  box.box = transformed(object.box, (scan.T_odom_vehicle * T_vehicle_lidar).inverse());
   box.score = object.score;
   return box;
 }
@@ -83,9 +77,20 @@ class TrackOutput : public RunOutput
       }
     }
     rows_.write(rows);
+    next_frame_ = frame.index + 1;
   }
   void checkpoint(const RunResults& results) override { writeBoxes(results); }
-  void exchangeState(StateArchive& archive) override { rows_.exchangeState(path(table), archive); }
+  void exchangeState(StateArchive& archive) override
+  {
+    archive(next_frame_);
+    if (archive.isLoading())
+    {
+      rows_.open(path(table), rowsSoFar());
+      rows_.keep();
+      std::error_code ignored;
+      std::filesystem::remove(path(table), ignored);
+    }
+  }
   void finish(const RunResults& results) override
   {
     eachByItself({[&] { writeBoxes(results); },
@@ -104,6 +109,26 @@ class TrackOutput : public RunOutput
   }
 
  private:
+  /** Header and rows of the frames so far, of the growing table or, after the end of a run that was
+   * stopped, of the final one: its rows are others, but so are those at the end of this run. */
+  [[nodiscard]] std::string rowsSoFar() const
+  {
+    const std::string growing = path(table) + ".tmp";
+    const std::string file = std::filesystem::exists(growing) ? growing : path(table);
+    std::string rows = header;
+    std::istringstream lines(std::filesystem::exists(file) ? readWhole(file) : "");
+    std::string line;
+    std::getline(lines, line);  // the header
+    while (std::getline(lines, line) && !lines.eof())
+    {
+      if (std::strtoull(line.c_str(), nullptr, 10) < next_frame_)
+      {
+        rows += line + '\n';
+      }
+    }
+    return rows;
+  }
+
   void writeBoxes(const RunResults& results) const
   {
     writeWhole(path(kitti_tracks),
@@ -120,6 +145,7 @@ class TrackOutput : public RunOutput
   }
 
   StreamedFile rows_;
+  std::size_t next_frame_ = 0;  //!< number after that of the last frame with rows
 };
 }  // namespace
 

@@ -55,6 +55,8 @@ class Factor
   [[nodiscard]] virtual FactorKind kind() const = 0;
   /** Before whitening. \param jacobians filled for the factor's keys unless null. */
   [[nodiscard]] virtual Vector6 residual(ValueBlocks blocks, FactorJacobians* jacobians) const = 0;
+  /** whitening() * residual(): in units of its standard deviations. */
+  [[nodiscard]] Vector6 whitenedResidual(ValueBlocks blocks) const;
   /** The measured pose where there is one, identity else; for export. */
   [[nodiscard]] virtual Pose measurement() const { return Pose::Identity(); }
 
@@ -69,6 +71,7 @@ class Factor
   Matrix6 whitening_;
 };
 
+/** Converts a pose to its block of pose_block_size numbers, see ValueBlocks, and back. */
 void packPose(const Pose& pose, double* block);
 [[nodiscard]] Pose unpackPose(const double* block);
 }  // namespace dyslam

@@ -110,6 +110,9 @@ class FactorGraph
    * Unless the loss of loops is none, it also decides which loops contradict the rest of the graph:
    * these are left out until the next such call. */
   OptimisationResult optimise(const FactorGraphOptions& options);
+  /** Optimises the given variables alone; all others keep their values, and no loop is decided. */
+  OptimisationResult optimise(const FactorGraphOptions& options, const std::set<Key>& free);
+
   /** Whether the last optimisation of all variables left this loop out. */
   [[nodiscard]] bool isLeftOut(FactorId id) const { return left_out_.count(id) != 0; }
   /** Leaves a loop out, until the next optimisation of all variables decides again.
@@ -118,8 +121,6 @@ class FactorGraph
   /** Loops that are not left out, in order of their ids. */
   [[nodiscard]] std::vector<FactorId> usedLoops() const;
   [[nodiscard]] std::size_t leftOutLoops() const { return left_out_.size(); }
-  /** Optimises the given variables alone; all others keep their values. */
-  OptimisationResult optimise(const FactorGraphOptions& options, const std::set<Key>& free);
 
   /** Marginal covariances over the tangents (poses) or components (velocities) of some variables at
    * the present values, without robust loss; given the fixed variables, and where `free` is not
@@ -137,12 +138,13 @@ class FactorGraph
   [[nodiscard]] const Variable& variable(const Key& key) const;
   [[nodiscard]] OptimisationResult optimiseVariables(const FactorGraphOptions& options,
                                                      const std::vector<Key>& free);
-  /** Leaves out, one group after the other, what the rest contradicts, and at last what does not
-   * fit. */
+  /** Solves without the groups of loops that the rest contradicts, the worst first, and at last
+   * without the loops that do not fit. */
   void leaveOutContradicted(const FactorGraphOptions& options,
                             const std::vector<Key>& free,
                             OptimisationResult& result);
-  /** The same, and the other way round where more groups of loops were left out than kept.
+  /** The same; where more groups of loops were left out than kept, also tries the solution without
+   * those that were kept, and takes it if it keeps more groups.
    * \param start values before the first optimisation */
   void leaveOutFalseLoops(const FactorGraphOptions& options,
                           const std::vector<Key>& free,

@@ -28,7 +28,7 @@ enum class GraphStart
 enum class IndefiniteInformation
 {
   error,    //!< refuse the graph, naming the edge
-  project,  //!< use the nearest positive definite matrix (its negative eigenvalues raised to zero)
+  project,  //!< raise its eigenvalues to at least 1e-9 of the largest
 };
 
 struct PoseGraphSolverOptions : Options
@@ -72,7 +72,8 @@ class PoseGraphSolver
    * information is too uneven for start = chordal. */
   PoseGraphResult solve(PoseGraph& graph) const;
 
-  /** Sum of e' Omega e of the graph as it is. \throws UserError as solve(). */
+  /** Sum of e' Omega e of the graph as it is; nodes without a pose are initialised from their
+   * neighbours. 0 without edges. \throws UserError as solve(). */
   [[nodiscard]] double chi2(const PoseGraph& graph) const;
 
   [[nodiscard]] const PoseGraphSolverOptions& options() const { return options_; }

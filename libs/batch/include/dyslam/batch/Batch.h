@@ -32,21 +32,24 @@ struct BatchResult
   bool skipped = false;  //!< had been done before
 };
 
+/** Callbacks of a running batch; each may be empty. */
 struct BatchWatch
 {
-  std::function<bool()> stop;  //!< polled: true ends the batch
-  /** Share of the bytes done, recordings ended. */
+  std::function<bool()> stop;  //!< polled, from several threads at a time: true ends the batch
+  /** Gets the share of the bytes done and the number of recordings ended, a few times a second. */
   std::function<void(double, std::size_t)> progress;
-  std::function<void(const BatchResult&, std::size_t ended)> ended;  //!< after each recording
+  /** Gets each recording when it has ended, and how many have; never from two threads at a time. */
+  std::function<void(const BatchResult&, std::size_t ended)> ended;
 };
 
 /** Folder of a recording's results. */
 [[nodiscard]] std::string folderOf(const BatchSettings& settings, const Recording& recording);
 
 /** Runs dyslam on every recording that is not done, as child processes, each on cores of its own;
- * what failed is run once more after all others. One entry per recording, in their order; those not
- * reached before a stop are `unknown` or `running`.
- * \throws UserError if the output folder cannot be made. */
+ * what failed is run again after all others, up to `attempts` times in all. One entry per
+ * recording, in their order; those not reached before a stop are `unknown` or `running`. \throws
+ * UserError if the output folder cannot be made, and if dyslam refuses the settings that all runs
+ * have in common. */
 std::vector<BatchResult> runBatch(const BatchSettings& settings,
                                   const std::vector<Recording>& recordings,
                                   const BatchWatch& watch);

@@ -28,7 +28,8 @@ struct ChildOutcome
  * \throws UserError if it cannot be started. */
 ChildOutcome runChild(const ChildCommand& command, const std::function<bool()>& stop = {});
 
-/** The cores that this program may use. */
+/** The cores that this program may use; empty if the system does not tell, as with more than 1024.
+ */
 [[nodiscard]] std::vector<int> usableCores();
 /** Memory that this program may still take: the least of what the machine and its control
  * groups leave [bytes]. */

@@ -34,8 +34,8 @@ constexpr double always_assign = std::numeric_limits<double>::infinity();
 [[nodiscard]] Assignment assignShortestPaths(const CostMatrix& cost,
                                              double unassigned_cost = always_assign);
 
-/** Greedy: the cheapest pair first, then the cheapest of the rest; not optimal, for comparison.
- */
+/** Greedy, for comparison: the cheapest pair first, then the cheapest of the rest, as long as they
+ * cost less than `unassigned_cost`. Not optimal. */
 [[nodiscard]] Assignment assignGreedy(const CostMatrix& cost,
                                       double unassigned_cost = always_assign);
 }  // namespace dyslam

@@ -11,8 +11,8 @@ namespace dyslam
 /** A relative motion with its information matrix. */
 struct MotionEstimate
 {
-  Pose T_previous_current =
-      Pose::Identity();  //!< takes this scan's vehicle frame to the previous one's
+  /** Takes points of this scan's vehicle frame to the previous scan's. */
+  Pose T_previous_current = Pose::Identity();
   /** Of r = log(T_measured^-1 T), [translation, rotation]; units 1/m^2, 1/rad^2. */
   Matrix6 information = Matrix6::Identity();
   /** Covariance of the part of this scan's pose error that does not accumulate: a registration to a

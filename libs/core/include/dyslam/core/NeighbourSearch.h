@@ -32,13 +32,14 @@ class KdTree
   /** Number of searchable points. */
   [[nodiscard]] std::size_t size() const { return points_.size(); }
 
-  /** Up to k nearest within `max_distance` [m]; fewer where there are fewer. */
+  /** Up to k nearest within `max_distance` [m], the nearest first; fewer where there are fewer.
+   * \param result is replaced; its memory is used again */
   void nearest(const Eigen::Vector3f& query,
                std::size_t k,
                std::vector<Neighbour>& result,
                float max_distance = std::numeric_limits<float>::infinity()) const;
 
-  /** The nearest point within `max_distance`; false if there is none. */
+  /** The nearest point within `max_distance` [m]; false if there is none. */
   [[nodiscard]] bool nearest(const Eigen::Vector3f& query,
                              Neighbour& result,
                              float max_distance = std::numeric_limits<float>::infinity()) const;

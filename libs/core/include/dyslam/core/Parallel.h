@@ -23,14 +23,16 @@ class ThreadPool
   ThreadPool(const ThreadPool&) = delete;
   ThreadPool& operator=(const ThreadPool&) = delete;
 
+  /** Threads that were asked for; the machine's number for 0. */
   [[nodiscard]] int size() const;
 
-  /** Calls body(begin, end, chunk) for every chunk of [0, count). An exception ends the loop and
-   * reaches the caller. */
+  /** Calls body(begin, end, chunk) for every chunk of [0, count), chunks numbered from 0. An
+   * exception ends the loop and reaches the caller. */
   void forChunks(std::size_t count,
                  std::size_t chunk_size,
                  const std::function<void(std::size_t, std::size_t, std::size_t)>& body);
 
+  /** Number of chunks that forChunks() makes. \param chunk_size above 0 */
   [[nodiscard]] static std::size_t chunkCount(std::size_t count, std::size_t chunk_size)
   {
     return (count + chunk_size - 1) / chunk_size;

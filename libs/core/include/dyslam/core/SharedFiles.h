@@ -14,7 +14,7 @@ namespace dyslam
  * in the prefix that the library was configured to be installed in.
  * \param field the setting that named it, for the message; empty for none
  * \param program for inis: those of other programs are not named in the message; empty: all are
- * \throws UserError naming the shared files of that kind. */
+ * \throws UserError naming the shared files of that kind, or if $DYSLAM_SHARE is no folder. */
 [[nodiscard]] std::string findGivenOrShared(const std::string& path,
                                             const std::string& folder,
                                             const std::string& extension,
@@ -22,7 +22,7 @@ namespace dyslam
                                             const std::string& program = "");
 
 /** Paths of all shared files of a folder, by name; where two have one name, the one that
- * findGivenOrShared() finds. */
+ * findGivenOrShared() finds. \throws UserError if $DYSLAM_SHARE is no folder. */
 [[nodiscard]] std::vector<std::string> sharedFiles(const std::string& folder,
                                                    const std::string& extension);
 }  // namespace dyslam

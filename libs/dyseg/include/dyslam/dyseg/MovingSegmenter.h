@@ -59,6 +59,7 @@ class MovingSegmenter
   virtual void exchangeState(StateArchive& archive) = 0;
 };
 
+/** Ini section `[dyseg]`. */
 struct MovingSegmenterOptions : Options
 {
   std::string method = "residual";

@@ -9,6 +9,7 @@
 
 namespace dyslam
 {
+/** Ini section `[dyseg_network]`. */
 struct NetworkSegmenterOptions : Options
 {
   std::string weights = "dyseg";  //!< a file, or the name of weights that come with DySLAM

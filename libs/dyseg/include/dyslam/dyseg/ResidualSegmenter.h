@@ -7,6 +7,7 @@
 
 namespace dyslam
 {
+/** Ini section `[residual]`. */
 struct ResidualSegmenterOptions : Options
 {
   int history = 30;                //!< age of the oldest scan that is compared [scans]

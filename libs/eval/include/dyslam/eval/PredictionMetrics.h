@@ -27,7 +27,7 @@ struct PredictionError
 {
   std::size_t predictions = 0;
   double rmse = 0;    //!< root of the mean squared distance in the plane [m]
-  double median = 0;  //!< [m]
+  double median = 0;  //!< the upper of the two middle errors where their number is even [m]
   double max = 0;     //!< [m]
 };
 

@@ -17,8 +17,8 @@ namespace dyslam
 struct TimeField
 {
   std::string name;
-  bool whole = false;          //!< of a type without fractions
-  bool coarse = false;         //!< in single precision
+  bool is_integer = false;
+  bool is_float32 = false;     //!< too coarse for times since 1970
   std::vector<double> values;  //!< one per point; not finite, or 0 among absolute times: unknown
 };
 
@@ -52,8 +52,11 @@ class FieldConventions
   /** Sets what the format of the recording prescribes. \param unit [s] */
   void setTimes(const std::string& field, double unit, bool absolute);
 
-  /** Renumbers Scan::ring so that 0 is the lowest. \param source of the rings, for the note */
-  void orderRings(const std::string& source, Scan& scan);
+  /** Renumbers Scan::ring so that 0 is the lowest. Rings that are numbered from the highest are
+   * taken to be as many as lidars usually have, if the scans up to the first one with 16 returns
+   * lack a few. \param source of the rings, for the note \param has_all whether no ring can be
+   * missing in the scan */
+  void orderRings(const std::string& source, Scan& scan, bool has_all = false);
 
   void note(const std::string& what) { notes_.push_back(what); }
   void warn(const std::string& what) { warnings_.push_back(what); }
@@ -81,7 +84,7 @@ class FieldConventions
     from_lowest,
     from_highest
   };
-  static TimeScale scaleOf(double first, double last, bool whole);
+  static TimeScale scaleOf(double first, double last, bool is_integer);
   void learnTimes(const TimeField& field);
   double zeroOf(double first, double last, double stamp);
 

@@ -27,7 +27,8 @@ struct KittiCalib
 /** Reads an odometry (`Tr`), tracking or object (`R_rect`/`R0_rect`, `Tr_velo_cam`/
  * `Tr_velo_to_cam`, `Tr_imu_velo`/...) calib file, or a raw day's folder with
  * `calib_velo_to_cam.txt` and `calib_cam_to_cam.txt`, `calib_imu_to_velo.txt`, or all three (or one
- * of them, for its folder). \throws UserError.
+ * of them, for its folder).
+ * \throws UserError, also for a matrix that is not a rotation.
  */
 [[nodiscard]] KittiCalib readKittiCalib(const std::string& file_or_folder);
 
@@ -40,22 +41,22 @@ struct KittiCalib
  * \throws UserError. */
 [[nodiscard]] std::vector<double> readTimesOrTimestamps(const std::string& path);
 
-/** One GNSS/INS reading: the 30 numbers of KITTI's oxts, those that we use. */
+/** One GNSS/INS reading: those of the 30 numbers of KITTI's oxts that are used. */
 struct OxtsReading
 {
-  double latitude = 0;   //!< [deg]
-  double longitude = 0;  //!< [deg]
-  double altitude = 0;   //!< [m]
-  double roll = 0;       //!< [rad]
-  double pitch = 0;      //!< [rad]
-  double yaw = 0;        //!< [rad], 0 = east, counter-clockwise
-  double velocity_forward = 0;
-  double velocity_left = 0;
-  double velocity_up = 0;
+  double latitude = 0;           //!< [deg]
+  double longitude = 0;          //!< [deg]
+  double altitude = 0;           //!< [m]
+  double roll = 0;               //!< [rad]
+  double pitch = 0;              //!< [rad]
+  double yaw = 0;                //!< [rad], 0 = east, counter-clockwise
+  double velocity_forward = 0;   //!< [m/s], parallel to the ground
+  double velocity_left = 0;      //!< [m/s], parallel to the ground
+  double velocity_up = 0;        //!< [m/s], perpendicular to it
   double position_accuracy = 0;  //!< [m]
-  /** About and along the axes of the unit: x forward, y left, z up [rad/s], [m/s^2]. */
-  Eigen::Vector3d angular_velocity = Eigen::Vector3d::Zero();
-  Eigen::Vector3d acceleration = Eigen::Vector3d::Zero();  //!< with gravity
+  // About and along the axes of the unit: x forward, y left, z up.
+  Eigen::Vector3d angular_velocity = Eigen::Vector3d::Zero();  //!< [rad/s]
+  Eigen::Vector3d acceleration = Eigen::Vector3d::Zero();      //!< with gravity [m/s^2]
 };
 
 /** Tracking's one file for all frames, or raw's folder (`oxts/data/NNNNNNNNNN.txt`, `oxts/` or
@@ -70,15 +71,14 @@ struct OxtsReading
 [[nodiscard]] std::vector<Pose> imuToLidarPoses(const std::vector<Pose>& poses,
                                                 const Pose& T_velo_imu);
 
-/** Box in KITTI's camera frame: x right, y down, z ahead; the centre of the bottom face; `ry` turns
- * about y, 0 along x. */
+/** Box in KITTI's camera frame: x right, y down, z ahead. */
 struct CameraBox
 {
-  Eigen::Vector3d bottom = Eigen::Vector3d::Zero();
-  double height = 0;
-  double width = 0;
-  double length = 0;
-  double ry = 0;
+  Eigen::Vector3d bottom = Eigen::Vector3d::Zero();  //!< centre of the bottom face [m]
+  double height = 0;                                 //!< [m]
+  double width = 0;                                  //!< [m]
+  double length = 0;                                 //!< [m]
+  double ry = 0;                                     //!< heading about y, 0 along x [rad]
 };
 /** The same box, upright in the other frame: the two differ in tilt by less than a degree, which
  * the heading ignores. */

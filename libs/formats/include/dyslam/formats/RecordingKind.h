@@ -12,6 +12,21 @@ namespace dyslam
 /** True for such a file, and for a folder that has such files and no point clouds. */
 [[nodiscard]] bool isBag(const std::string& path);
 
+/** What a path holds, as far as the converters tell it apart. */
+enum class RecordingKind
+{
+  unknown,  //!< a file that may be a rawlog, or a folder without a recording
+  bag,
+  capture,  //!< of a network
+  kitti_odometry,
+  kitti_raw,
+  kitti_tracking,
+  scans  //!< a folder of point clouds
+};
+
+/** By name, and by what a folder holds. */
+[[nodiscard]] RecordingKind recordingKind(const std::string& path);
+
 /** What to do with a recording that is no rawlog: "is a ROS bag; make a rawlog of it first:
  * scans2rawlog -i drive.bag -o drive.rawlog". Empty for everything else. By name, and by what a
  * folder holds. */

@@ -80,6 +80,7 @@ class RosScanDecoder
  * transforms: "--sensor-pose 'x y z yaw pitch roll'  (frame in parent, /tf_static)" [m, deg]. */
 [[nodiscard]] std::string sensorPosesOf(Bag& bag, const std::vector<RosScanTopic>& scans);
 
+/** A pose or a transform: T_parent_child. */
 struct RosPose
 {
   double stamp = 0;    //!< of the header [s]
@@ -92,9 +93,9 @@ struct RosPose
  * `nav_msgs/Odometry` and `tf2_msgs/TFMessage` (`tf/tfMessage`). */
 [[nodiscard]] bool isRosPose(const BagTopic& topic);
 /** The pose of such a message, or the transforms of a TFMessage, without those that are no pose
- * (not a number, or a quaternion that is none), as a receiver sends before its first fix. \param
- * left_out counts these, if given \throws UserError naming the message and what is wrong with it.
- */
+ * (not a number, or a quaternion that is none), as a receiver sends before its first fix.
+ * \param left_out is increased by the number of these, unless null
+ * \throws UserError naming the message and what is wrong with it. */
 [[nodiscard]] std::vector<RosPose> decodeRosPoses(const BagTopic& topic,
                                                   const BagMessage& message,
                                                   std::size_t* left_out = nullptr);
@@ -110,6 +111,7 @@ using RosTransforms = std::map<std::string, RosPose>;  //!< by child frame
  * \pre its messages begin with a header. */
 [[nodiscard]] std::string frameOfTopic(Bag& bag, std::size_t topic);
 
+/** A sample of an IMU, in the sensor's axes. */
 struct RosImu
 {
   double stamp = 0;   //!< of the header, else of the recording [s]
@@ -124,6 +126,7 @@ struct RosImu
  * with it. */
 [[nodiscard]] std::optional<RosImu> decodeRosImu(const BagTopic& topic, const BagMessage& message);
 
+/** The velocity of a body, in its axes. */
 struct RosTwist
 {
   double stamp = 0;   //!< of the header, else of the recording [s]

@@ -20,9 +20,10 @@ enum class BinLayout
 /** A scan of a .bin file, every point kept. A file of the same name ending in `.ring` (one byte a
  * point) fills Scan::ring, if there is no such column. \throws UserError. */
 [[nodiscard]] Scan readBin(const std::string& path, BinLayout layout = BinLayout::xyzi);
-/** Columns of a .bin file by its content: xyzir if every fifth number is a whole one, as the
- * numbers of rings are, and the others are not, as in no scan of four columns. \throws UserError
- * if it cannot be read. */
+/** Columns of a .bin file, recognised by its content: xyzir if every fifth number is an integer in
+ * [0, 255] and takes 4 values or more, as ring numbers do, and some coordinate is not an integer;
+ * xyzi for all others, and for files of fewer than 100 points. \throws UserError if it cannot be
+ * read. */
 [[nodiscard]] BinLayout binLayoutOf(const std::string& path);
 /** \param intensity empty (0 is written) or one per point. \throws UserError. */
 void writeBin(const std::string& path,

@@ -5,6 +5,7 @@
 
 #include <cstddef>
 #include <fstream>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -49,6 +50,12 @@ class TextFile
   std::vector<std::string_view> fields_;
   std::size_t line_number_ = 0;
 };
+
+/** The number that a word holds, in the C locale; a leading + is accepted. Numbers too near to 0
+ * for the type are 0, those too large for it infinite. \tparam Real float or double \return nothing
+ * if the word is no number. */
+template <typename Real>
+[[nodiscard]] std::optional<Real> parseNumber(std::string_view word);
 
 /** Appends a number with `digits` significant digits in the C locale. */
 void appendNumber(std::string& text, double value, int digits);

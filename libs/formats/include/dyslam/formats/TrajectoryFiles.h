@@ -14,9 +14,9 @@ enum class TrajectoryFormat
   kitti  //!< 12 numbers: the upper 3x4 of the pose, row by row; no time
 };
 
-/** All readers skip empty lines and lines that begin with `#`, accept spaces, tabs and commas
- * between numbers, and throw UserError "file:line: what" for anything else that is not as the
- * format says. Rotations are made orthonormal; one that is no rotation at all is an error. */
+// All readers skip empty lines and lines that begin with `#`, accept spaces, tabs and commas
+// between numbers, and throw UserError "file:line: what" for anything else that is not as the
+// format says. Rotations are made orthonormal; one that is no rotation at all is an error.
 
 /** TUM: `t x y z qx qy qz qw` a line. */
 [[nodiscard]] Trajectory readTum(const std::string& path);

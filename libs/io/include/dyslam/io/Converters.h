@@ -110,6 +110,7 @@ struct ScanConverterOptions : Options, ScanRange
   std::optional<BinLayout> bin_layout;  //!< of .bin files; nothing: by their content
   std::string sensor_pose;    //!< T_vehicle_lidar: x y z yaw pitch roll [m, deg]; empty: identity
   double dt = 0;              //!< seconds between scans; 0: the recording's times, else 0.1
+  bool by_number = false;     //!< scans of a folder are dt times the number in their name apart
   bool keep_partial = false;  //!< also incomplete first and last revolutions of a pcap
   int every_n = 1;            //!< of the scans behind those skipped, every n-th is converted
   bool external_storage = false;

@@ -14,7 +14,7 @@ namespace dyslam
 {
 enum class VelodyneModel
 {
-  automatic,  //!< from the packets; not for HDL-64E: name it
+  automatic,  //!< recognised from the packets
   vlp16,
   hdl32e,
   hdl64e

@@ -17,11 +17,10 @@ struct RawlogSourceOptions : Options, ScanRange
 {
   std::string sensor_label;  //!< regex for the lidar's label; empty: the first lidar of the file
   std::string ground_truth_label = "ground_truth";  //!< sensor label of the CObservationRobotPose
-  /** Ground truth without the scan's own time stamp is interpolated if both neighbours are this
-   * near.
-   */
-  double ground_truth_max_gap = 0.2;  //!< [s]
-  bool external_anywhere = false;     //!< external files may lie outside of the recording's folder
+  /** Where no true pose has the scan's own time stamp, it is interpolated if the poses before and
+   * after the scan are at most this far from it [s]. */
+  double ground_truth_max_gap = 0.2;
+  bool external_anywhere = false;  //!< external files may lie outside of the recording's folder
   double intensity_scale =
       0;                  //!< multiplies the file's intensities; 0: 1, or 1/255 for 0..255 data
   std::string imu_label;  //!< regex for the IMU's label; empty: the first IMU with a gyroscope
@@ -38,9 +37,9 @@ struct RawlogSourceOptions : Options, ScanRange
  * ground-truth sidecar whatever is skipped. See doc/formats.md for how per-point time and ring are
  * stored.
  *
- * CObservationIMU and CObservationOdometry are read beside the scans. Those recorded since the scan
- * before are in Frame::imu and Frame::wheels, and some that are not later than the scan before may
- * be, where they stand behind it in the file. Damaged ones are left out.
+ * CObservationIMU and CObservationOdometry are read beside the scans. Frame::imu and Frame::wheels
+ * hold those recorded since the scan before, and older ones that follow that scan in the file.
+ * Damaged ones are left out.
  *
  * Observations of classes that MRPT does not have are left out, with a warning for each class.
  *

@@ -53,7 +53,7 @@ class MapBuilder
   [[nodiscard]] std::size_t trackedScans() const { return runs_.back().trackedScans(); }
 
   /** The next scan of the recording, in order. Those the trajectory has no pose for are skipped,
-   * and those that the run could not register. */
+   * and those that the run could not register. \pre beginRun() */
   void add(Frame frame);
   /** After the last scan. */
   void finish();
@@ -70,6 +70,8 @@ class MapBuilder
   /** The scans that make the map; null without `scan_store`. */
   [[nodiscard]] ScanStore* scans() { return scans_ ? &*scans_ : nullptr; }
   [[nodiscard]] std::size_t keyframes() const { return keyframes_.size(); }
+  /** UNIX time of the first scan added, with a pose or not [s]. */
+  [[nodiscard]] const std::optional<double>& recorded() const { return recorded_; }
   /** Why the map stayed in memory; empty if all is well. */
   [[nodiscard]] const std::string& memoryProblem() const { return memory_.file->problem(); }
   [[nodiscard]] ThreadPool& pool() { return pool_; }
@@ -109,6 +111,7 @@ class MapBuilder
   std::optional<ScanStore> scans_;
   std::optional<HindsightLabels> hindsight_;  // without moving labels
   std::optional<Pose> last_keyframe_;
+  std::optional<double> recorded_;
   std::size_t skipped_ = 0;
   std::size_t unregistered_ = 0;
   LabelledMap labelled_;

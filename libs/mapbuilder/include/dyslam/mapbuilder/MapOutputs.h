@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <dyslam/mapping/MapExport.h>
+#include <dyslam/mapexport/MapExport.h>
 
 #include <string>
 #include <vector>

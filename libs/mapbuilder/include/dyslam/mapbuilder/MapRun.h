@@ -25,6 +25,14 @@ struct RecordingOnTrajectory
   RunScansOptions scans;
 };
 
+/** Adds what is not given of a recording from the output folder of a run: the recording that
+ * report.json names, the trajectory, and labels and tracks where the folder has them.
+ * \throws UserError naming what is missing and its flag. */
+void completeFromRun(const std::string& folder, RecordingOnTrajectory& recording);
+
+/** effective.ini of a run. \throws UserError if its folder has none. */
+[[nodiscard]] std::string settingsOfRun(const std::string& folder);
+
 /** What was built and written. */
 struct MapReport
 {

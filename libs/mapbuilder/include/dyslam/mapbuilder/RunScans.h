@@ -22,11 +22,14 @@ namespace dyslam
 struct RunScansOptions
 {
   PreprocessOptions preprocess;
-  std::string labels;      //!< folder of NNNNNN.label, or one with such a `labels` folder
-  std::string tracks;      //!< objects' boxes; those that move are left out of the map
+  std::string labels;  //!< folder of NNNNNN.label, or one with such a `labels` folder
+  /** Objects' boxes, those that move are left out of the map: tracks.txt, or tracks.csv of a run
+   * with its tracks.txt beside it. */
+  std::string tracks;
   std::string scan_table;  //!< scans.csv of the run: scans that were not registered are left out
   /** Largest difference of time stamps where the pose cannot be interpolated [s]. */
   double tolerance = 0.01;
+  std::string name;  //!< of the run in pictures; may be empty
 };
 
 /** A moving object: its path and last box. */
@@ -53,24 +56,29 @@ class RunScans
   }
   [[nodiscard]] bool hasLabels() const { return !label_folder_.empty(); }
 
-  /** Scans that the tracks' boxes need: the number of the last with a box, and 1. */
+  /** Number of scans that the tracks' boxes need: the index of the last one with a box, plus 1. */
   [[nodiscard]] std::size_t trackedScans() const
   {
     return boxes_.empty() ? 0 : static_cast<std::size_t>(boxes_.rbegin()->first) + 1;
   }
 
   /** First pass, if there are tracks: the objects of a scan. Every scan comes here before
-   * fillMoving(), for an object that moves at all moves in all scans. */
+   * fillMoving(), for an object that moves at all moves in all scans: one that is dynamic in any
+   * scan of the tracks.csv beside tracks.txt; an object that such a table lacks, and without a
+   * table each, if its box moves by more than 1 m. */
   void noteObjects(const Frame& frame);
   /** The cloud, deskewed by the motion along the trajectory. */
   void fillCloud(Frame& frame) const;
-  /** What moves by labels, and the objects. \pre cloud and T_odom_vehicle */
+  /** What moves by labels, and the objects. \pre cloud and T_odom_vehicle; `moving` and `objects`
+   * are empty */
   void fillMoving(Frame& frame) const;
   /** One label per point of the cloud. \pre hasLabels() \throws UserError. */
   [[nodiscard]] std::vector<Label> labelsOf(const Frame& frame) const;
 
-  /** By id, those that move. */
+  /** Those that move, by track id. \pre noteObjects() of every scan */
   [[nodiscard]] std::map<int, ObjectPath> movingObjects() const;
+  /** RunScansOptions::name. */
+  [[nodiscard]] const std::string& name() const { return options_.name; }
 
  private:
   ScanPoses poses_;
@@ -80,6 +88,7 @@ class RunScans
   std::multimap<int, LabelledBox> boxes_;  // by frame, lidar frame
   std::map<int, ObjectPath> objects_;
   std::map<int, bool> moves_;
+  std::map<int, bool> dynamic_;         // by the table of the tracks, where it has the object
   std::set<std::size_t> unregistered_;  // Frame::index
 };
 }  // namespace dyslam

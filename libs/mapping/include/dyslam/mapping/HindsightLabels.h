@@ -59,7 +59,7 @@ class HindsightLabels
  public:
   using Use = std::function<void(Frame)>;
 
-  /** \param threads 0: as many as the machine has. */
+  /** \param threads 0: as many as the machine has. \throws UserError for options out of range. */
   explicit HindsightLabels(const HindsightOptions& options, int threads = 0);
   ~HindsightLabels();
 
@@ -72,7 +72,7 @@ class HindsightLabels
   /** Decides the remaining frames. */
   void finish(const Use& use);
 
-  /** The scans of the window. */
+  /** The scans of the window and before it, and what is known of places and tracks. */
   void exchangeState(StateArchive& archive);
 
  private:

@@ -15,13 +15,13 @@ namespace dyslam
 class LabelledMap
 {
  public:
-  /** Adds a scan at `T_odom_vehicle`. Points in the boxes of `dynamic` objects move, except those
-   * near the ground of a box.
-   * \param labels one per point of the cloud, or empty: all static; points without a valid label
-   * are left out \throws std::invalid_argument for another number of labels */
+  /** Adds a scan at `T_odom_vehicle`. Points in the boxes of `dynamic` objects (odometry frame,
+   * too) move, except those near the ground of a box. \param labels one per point of the cloud, or
+   * empty: all static; points without a valid label are left out \throws std::invalid_argument for
+   * another number of labels */
   void add(const Frame& frame, const std::vector<Label>& labels);
 
-  /** Map frame [m]; of a cube the first point. */
+  /** Odometry frame of the scans [m]; of a cube the first point. */
   [[nodiscard]] const std::vector<Eigen::Vector3f>& points() const { return points_; }
   /** One per point; a cube that ever held something static is static. */
   [[nodiscard]] const std::vector<Label>& labels() const { return labels_; }

@@ -74,7 +74,12 @@ struct MapTile
  * map: each of its voxels is hit by the same scans. A margin around the tile is in it as well. */
 struct TileMap
 {
+  /** Width of the margin, so that normals and ground are correct up to the border [m]. */
+  static constexpr double margin = 2;
+
   TileMap(ScanStore& scans, const StaticMapOptions& options, const MapTile& tile);
+  TileMap(const TileMap&) = delete;  // `map` refers to `keyframes`
+  TileMap& operator=(const TileMap&) = delete;
 
   std::vector<std::size_t> scans;  //!< that can reach it
   KeyframeStore keyframes;

@@ -146,10 +146,11 @@ class StaticMap
   [[nodiscard]] double voxelSize() const;
   /** Voxels held, cleaned ones too. */
   [[nodiscard]] std::size_t voxelCount() const;
-  /** Of the voxels in memory [bytes]. */
+  /** Size of the voxels that are in memory, not on disk [bytes]. */
   [[nodiscard]] std::size_t memory() const;
 
-  /** The voxels; the keyframes are saved by themselves. */
+  /** The voxels; the keyframes are saved by themselves. \pre no beginRun(): runs are not part of it
+   */
   void exchangeState(StateArchive& archive);
 
  private:

@@ -15,7 +15,7 @@ namespace dyslam
  * \throws UserError naming `field` if `cells` is not a multiple of 16. */
 void requireMultipleOf16(const std::string& field, int cells);
 
-/** Bird's-eye-view grid of DySeg's input. */
+/** Bird's-eye-view grid of DySeg's input; ini section `[grid]` of its training. */
 struct BevOptions : Options
 {
   int cells = 512;                //!< number of cells along each side; a multiple of 16

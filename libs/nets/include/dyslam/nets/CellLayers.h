@@ -9,7 +9,7 @@
 
 namespace dyslam
 {
-constexpr double rectified = 0;  //!< the slope of gatheredLinear for a ReLU
+constexpr double relu = 0;  //!< slope of a leaky ReLU that is a ReLU
 
 /** Concatenated rows: for each of N x K indices the row of `rows`, or zeros for -1.
  *

@@ -38,8 +38,8 @@ struct DyloMatch
 class DyloMatcher
 {
  public:
-  /** \param weights file of saveDylo() \throws UserError if it is missing, damaged or of another
-   * shape. */
+  /** \param weights file of saveDylo() \param threads of the CPU
+   * \throws UserError if the file is missing, damaged or of another shape. */
   explicit DyloMatcher(const std::string& weights, int threads = 1);
   ~DyloMatcher();
   DyloMatcher(DyloMatcher&&) noexcept;

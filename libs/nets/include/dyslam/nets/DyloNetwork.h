@@ -6,6 +6,7 @@
 #include <dyslam/nets/GaussNewton.h>
 #include <dyslam/nets/Layers.h>
 
+#include <array>
 #include <map>
 #include <tuple>
 #include <vector>
@@ -67,6 +68,10 @@ class DyloNetworkImpl : public torch::nn::Module
   [[nodiscard]] const DyloNetworkOptions& options() const { return options_; }
 
  private:
+  /** Registers the layers of a coarse stage. \param embedding, hidden channels. The order of the
+   * registrations is that of the optimizer's states in checkpoints. */
+  void addCoarseStage(std::size_t stage, std::int64_t embedding, std::int64_t hidden);
+  /** Windows between two levels of a scan, kept from call to call; see windowBetween(). */
   [[nodiscard]] const Window& window(std::size_t from,
                                      std::size_t to,
                                      const EncodedScan& scan,
@@ -103,14 +108,14 @@ class DyloNetworkImpl : public torch::nn::Module
 
   DyloNetworkOptions options_;
   std::vector<SetConv> encoder_;
-  Mlp first_join_{nullptr};
+  Mlp first_fusion_{nullptr};
   AttentiveCostVolume first_cost_{nullptr};
   SetConv cost_down_{nullptr};
   DynamicMask coarsest_mask_{nullptr};
   SetUpConv cost_up_{nullptr};
   std::vector<AttentiveCostVolume> cost_;  //!< at levels 3, 2 and 1
   std::vector<SetUpConv> up_;
-  std::vector<Mlp> join_;
+  std::vector<Mlp> fusion_;
   std::vector<DynamicMask> mask_;
   std::vector<Mlp> regression_;
   torch::Tensor isotropic_;  //!< logarithm, per stage

@@ -22,7 +22,8 @@ enum class DyloHead : std::uint8_t
   gauss_newton  //!< a mask-weighted point-to-plane Gauss-Newton step to soft correspondences
 };
 
-/** Network shape. Weights load only into the shape they were trained for. */
+/** Network shape, ini section `[network]` of DyLO's training. Weights load only into the shape they
+ * were trained for. */
 struct DyloNetworkOptions : Options
 {
   DyloMask mask = DyloMask::attention;

@@ -149,8 +149,8 @@ class DysegNetImpl : public torch::nn::Module
   CellConv wide_third_{nullptr};
   RowLinear fine_matching_{nullptr};
   RowLinear matching_{nullptr};
-  RowLinear anchor_{nullptr};
-  RowLinear anchor_logit_{nullptr};
+  RowLinear static_hidden_{nullptr};
+  RowLinear static_logit_{nullptr};
   RowLinear state_{nullptr};
   FlowUpdate update_{nullptr};
   CellConv segment_{nullptr};

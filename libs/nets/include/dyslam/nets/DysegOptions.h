@@ -5,7 +5,8 @@
 
 namespace dyslam
 {
-/** Network shape. Weights load only into the shape they were trained for. */
+/** Network shape, ini section `[network]` of DySeg's training. Weights load only into the shape
+ * they were trained for. */
 struct DysegNetworkOptions : Options
 {
   int pillar_channels = 16;    //!< channels of the point features that are pooled per cell

@@ -131,7 +131,7 @@ class SetUpConvImpl : public torch::nn::Module
  private:
   double spacing_;
   GroupedMlp gather_{nullptr};
-  Mlp join_{nullptr};
+  Mlp fusion_{nullptr};
 };
 TORCH_MODULE(SetUpConv);
 

@@ -26,6 +26,9 @@ class TensorFile
    * written. */
   void write(const std::string& path) const;
 
+  /** The file that it was read from; empty if none. */
+  [[nodiscard]] const std::string& path() const { return path_; }
+
   void setText(const std::string& name, const std::string& text) { texts_[name] = text; }
   /** Empty if there is none. */
   [[nodiscard]] std::string text(const std::string& name) const;

@@ -57,7 +57,7 @@ class MotionSensors
   MotionSensors(MotionSensors&&) noexcept;
 
   /** Adds the samples of a frame. Left out: those that are not finite, not later than the ones
-   * before, or more than a second later than the scan. */
+   * before, more than a second later than the scan, or more than 10 s earlier. */
   void add(const Frame& frame);
 
   /** \param begin,end stamps of two scans in a row [s]

@@ -67,10 +67,10 @@ struct FusionOptions : Options
 class Odometry
 {
  public:
-  /** Loads [odometry], [fusion], [motion], [refine], [uncertainty] and the sections of all scan
-   * matchers.
-   * \param pool must outlive the object \param times gets the times of `odometry` (the matcher) and
-   * `refine` (the registration). \throws UserError for bad options. */
+  /** Loads [odometry], [fusion], [motion], [refine], [motion_sensors], [uncertainty] and the
+   * sections of all scan matchers. \param pool must outlive the object \param times gets the times
+   * of `odometry` (the matcher) and `refine` (the registration). \throws UserError for bad options.
+   */
   Odometry(ConfigLoader& config, ThreadPool& pool, mrpt::system::CTimeLogger& times);
   /** The same with a scan matcher of your own in place of the one that [odometry] method names. */
   Odometry(ConfigLoader& config,

@@ -29,11 +29,12 @@ struct SlamRunSettings
   std::vector<std::string> warnings;  //!< about the settings; for the report
   bool force = false;                 //!< replace files that no run wrote
   bool probabilities = false;         //!< write the moving probability of each point, .bin files
-  bool static_scans = false;  //!< write the scans without moving points: .bin files and a rawlog
-  bool labels = false;        //!< write labels/NNNNNN.label, one entry per point of the input scan
-  std::string profile_csv;    //!< times of every stage, if not empty
+  bool static_scans = false;   //!< write the scans without moving points: .bin files and a rawlog
+  bool labels = false;         //!< write labels/NNNNNN.label, one entry per point of the input scan
+  std::string profile_csv;     //!< times of every stage, if not empty
+  double first_pass_time = 0;  //!< that a pass before this one took, part of the run's time [s]
   /** Polled before the output folder is opened, where true leaves it as it is, and after every
-   * scan: true ends the run there. */
+   * scan: true ends the run after the scans that are in work then, a few at most. */
   std::function<bool()> stop;
   /** Gets warnings that should not wait for the report, which has them too; from any thread. */
   std::function<void(const std::string&)> warn;
@@ -53,11 +54,16 @@ struct SlamRunReport
   std::size_t map_points = 0;
   double path_length = 0;      //!< [m]
   double ms_per_scan = 0;      //!< mean of all stages, without reading and writing files
-  double run_time = 0;         //!< from the construction of SlamRun to its last file [s]
+  double run_time = 0;         //!< from the construction of SlamRun to its last file, and that of
+                               //!< the first of two passes [s]
+  double first_pass_time = 0;  //!< of these [s]
   double recording_time = 0;   //!< of the scans that were processed [s]
   bool has_reference = false;  //!< the recording had ground truth; reference_tum.txt was written
   /** Why the result is unusable: most scans could not be registered; empty if it is usable. */
   std::string failure;
+  /** Why the run ended before its last scan: stopped, or the recording is damaged; empty if it did
+   * not. Among the warnings, too. */
+  std::string ended_early;
   std::vector<std::string> warnings;
   std::vector<std::string> files;  //!< written, in the output folder
 
@@ -66,6 +72,13 @@ struct SlamRunReport
   {
     return run_time > 0 ? recording_time / run_time : 0;
   }
+};
+
+/** Whether and why a run ended before the last scan of its recording. */
+struct EarlyEnd
+{
+  bool is_stopped = false;  //!< on request (SlamRunSettings::stop)
+  std::string damage;       //!< error that ended it; empty if there was none
 };
 
 /** The pipeline and the results of a run, for programs that hand over the frames themselves. */
@@ -87,8 +100,9 @@ class SlamRun
    * \throws UserError if that cannot be. */
   void resume(RunToResume& saved);
   /** Between two frames: writes a checkpoint: the results so far and the state.
-   * \param front_end Pipeline::exchangeFrontEndState() after the last frame \param scans so far */
-  void checkpoint(const std::string& front_end, const ScanSum& scans);
+   * \param front_end Pipeline::exchangeFrontEndState() after the last frame \param scans so far
+   * \param is_last the run is stopped here: finish() leaves the checkpoint for resumeSlam() */
+  void checkpoint(const std::string& front_end, const ScanSum& scans, bool is_last = false);
   /** `output.checkpoint_seconds` */
   [[nodiscard]] double checkpointSeconds() const;
   /** A frame that the pipeline has processed: counted, and handed to the outputs. */
@@ -99,9 +113,9 @@ class SlamRun
   /** Share of the work done, given the share of the file read. */
   [[nodiscard]] double progress(double read) const;
   /** After Pipeline::finish(): writes all results that are known at the end only.
-   * \param source_warnings about the recording \param damage why it ended early; empty if it did
-   * not. \throws UserError for damage, and if files could not be written: the others are. */
-  SlamRunReport finish(const std::vector<std::string>& source_warnings, const std::string& damage);
+   * \param source_warnings about the recording
+   * \throws UserError for an early end, and if files could not be written: the others are. */
+  SlamRunReport finish(const std::vector<std::string>& source_warnings, const EarlyEnd& end);
 
  private:
   struct Impl;
@@ -112,14 +126,15 @@ class SlamRun
  *
  * A recording that turns out damaged halfway, and a run that is stopped, still leave complete
  * results of the frames before; then the error is thrown. So does a run one of whose files could
- * not be written: the others are, and report.json names those that are not.
+ * not be written: the others are, and report.json names those that are not. A
+ * stopped run leaves a checkpoint, too, unless `output.checkpoint_seconds` is 0.
  * \param on_frame called after each frame with the share of the work done and the number of
  * frames. \throws UserError for bad input, config or output folder. */
 SlamRunReport runSlam(const SlamRunSettings& settings,
                       const std::function<void(double, std::size_t)>& on_frame = {});
 
-/** Goes on with a run that was killed, from its last checkpoint: the files become those of a run
- * that was not interrupted, byte for byte, but for times in the reports.
+/** Goes on with a run that was stopped or killed, from its last checkpoint: the files become those
+ * of a run that was not interrupted, byte for byte, but for times in the reports.
  *
  * Settings and recording are those that the run had; its scans are read again up to the checkpoint
  * and must be the same.

@@ -12,6 +12,9 @@ struct TrackSmoothingOptions : Options
 {
   double window = 1.5;  //!< time before and after whose observations are used [s]; 0: not smoothed
   int degree = 2;       //!< degree of the polynomials; 0: velocities stay as they are
+  /** Share of the smaller footprint above which two tracks are of one object (findMergedTracks());
+   * 1: none are. */
+  double merge_overlap = 0.3;
 
   void describe(OptionsVisitor& visitor) override;
 };
@@ -29,10 +32,11 @@ struct TrackState
  * weighted regression with polynomials (Cleveland, 1979), a centred form of the sliding window of
  * the paper's Eqs. 2-5. The velocity is their derivative.
  *
- * The degree is reduced where there are few observations. At degree 0 (one observation in the
- * window) a state keeps its velocity; without observations in its window it stays as it is. Same
- * bytes for the same input. \param track by time, which increases \throws std::invalid_argument if
- * it does not. */
+ * Heights are fitted by straight lines: roads slope slowly, and the visible height of an object
+ * varies. The degree is reduced where there are few observations. At degree 0 (one observation in
+ * the window) a state keeps its velocity; without observations in its window it stays as it is.
+ * Same bytes for the same input. \param track by time, which increases \throws
+ * std::invalid_argument if it does not. */
 [[nodiscard]] std::vector<TrackState> smoothTrack(const std::vector<TrackState>& track,
                                                   const TrackSmoothingOptions& options);
 }  // namespace dyslam

@@ -9,6 +9,7 @@
 
 namespace dyslam
 {
+/** Ini section `[augmentation]` of DyLO's training. */
 struct AugmentationOptions : Options
 {
   double translation =

@@ -9,6 +9,7 @@
 
 namespace dyslam
 {
+/** Ini section `[loss]` of DyLO's training. */
 struct DyloLossOptions : Options
 {
   double flow = 0.2;      //!< weight of the error of the soft correspondences

@@ -6,7 +6,7 @@
 
 #include <Eigen/Core>
 #include <Eigen/Geometry>
-#include <string>
+#include <cstdint>
 #include <vector>
 
 namespace dyslam
@@ -19,19 +19,6 @@ struct BodyPart
   bool round = false;      //!< an ellipsoid
 };
 
-/** A synthetic body for ray casting. */
-struct CastBody
-{
-  std::string kind;
-  std::vector<BodyPart> parts;
-  float radius = 0;  //!< of a circle around the body's origin that holds it, seen from above [m]
-  Eigen::AlignedBox3f bounds;  //!< of all parts, body frame [m]
-
-  /** Whether the place lies within `margin` [m] of the bounds, seen from above. \param p body frame
-   * [m] */
-  [[nodiscard]] bool covers(const Eigen::Vector2f& p, float margin) const;
-};
-
 enum class BodyKind
 {
   car,
@@ -42,6 +29,23 @@ enum class BodyKind
   random  //!< some boxes and ellipsoids, of no class
 };
 
+/** A synthetic body for ray casting. */
+struct CastBody
+{
+  BodyKind kind = BodyKind::random;
+  std::vector<BodyPart> parts;
+  float radius = 0;  //!< of a circle around the body's origin that holds it, seen from above [m]
+  Eigen::AlignedBox3f bounds;  //!< of all parts, body frame [m]
+
+  /** Whether the place lies within `margin` [m] of the bounds, seen from above. \param p body frame
+   * [m] */
+  [[nodiscard]] bool covers(const Eigen::Vector2f& p, float margin) const;
+};
+
+/** A body of given parts; computes its radius and bounds. */
+[[nodiscard]] CastBody assembleBody(BodyKind kind, std::vector<BodyPart> parts);
+
+/** A body of a kind, with random sizes. */
 [[nodiscard]] CastBody makeBody(BodyKind kind, RandomDraws& draws);
 
 /** Casts the rays of a scan against a body: a point whose ray hits the body first is moved onto the

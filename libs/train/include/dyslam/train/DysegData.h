@@ -16,16 +16,16 @@ namespace dyslam
 {
 /** Speeds above and below which objects are labelled moving and static; in between they are ignored
  * [m/s]. */
-constexpr double moving_over = 0.5;
-constexpr double standing_under = 0.25;
-/** The motion of cast bodies is known exactly: those that are faster than this are moving. */
-constexpr double cast_moving_over = 0.3;  // m/s
+constexpr double min_moving_speed = 0.5;
+constexpr double max_static_speed = 0.25;
+/** Speed above which cast bodies, whose motion is known exactly, are labelled moving [m/s]. */
+constexpr double min_cast_moving_speed = 0.3;
 /** A pair of scans does not show a smaller displacement of an object [m]: moving objects that are
  * displaced by less are ignored. */
-constexpr double shown_displacement = 0.1;
+constexpr double min_visible_displacement = 0.1;
 /** Static objects that are displaced by more than this between the scans of a pair are ignored [m].
  */
-constexpr double standing_displacement = 0.2;
+constexpr double max_static_displacement = 0.2;
 /** Moving objects with fewer points are not listed for the choice of crops. */
 constexpr std::size_t min_mover_points = 16;
 /** Seeds of simulated clips to validate on, from here on (splits.ini). */
@@ -90,6 +90,7 @@ struct DysegSample
                                      const Pose& T_past_current,
                                      RandomDraws& draws);
 
+/** Ini section `[augmentation]` of DySeg's training. */
 struct DysegAugmentOptions : Options
 {
   int bodies = 7;                 //!< most bodies cast into a pair

@@ -5,6 +5,7 @@
 
 namespace dyslam
 {
+/** Ini section `[loss]` of DySeg's training. */
 struct DysegLossOptions : Options
 {
   int iterations = 2;          //!< flow updates in training

@@ -12,11 +12,11 @@ namespace dyslam
 /** Sums from which the scores of moving-object segmentation and flow come. */
 struct DysegScores
 {
-  std::uint64_t hits = 0;    //!< true positives: moving, predicted moving
-  std::uint64_t alarms = 0;  //!< false positives: static, predicted moving
-  std::uint64_t misses = 0;  //!< false negatives: moving, predicted static
-  double static_error = 0;   //!< sum of end-point errors of static cells [m]
-  double moving_error = 0;   //!< of moving cells [m]
+  std::uint64_t true_positives = 0;   //!< moving points, predicted moving
+  std::uint64_t false_positives = 0;  //!< static points, predicted moving
+  std::uint64_t false_negatives = 0;  //!< moving points, predicted static
+  double static_error = 0;            //!< sum of end-point errors of static cells [m]
+  double moving_error = 0;            //!< of moving cells [m]
   std::uint64_t static_cells = 0;
   std::uint64_t moving_cells = 0;
   double translation_error = 0;  //!< sum of the static flow's errors [m]

@@ -14,6 +14,7 @@
 
 namespace dyslam
 {
+/** Ini section `[train]` of DySeg's training. */
 struct DysegTrainerOptions : Options
 {
   std::string data;               //!< folder with the real data; empty: simulated data only
@@ -45,7 +46,10 @@ struct DysegTrainerOptions : Options
   int crop = 256;                //!< cells along each side in training
   double crop_reach = 26;        //!< largest distance of a crop's centre, in x and in y [m]
   int steps = 100000;
-  int batch = 2;  //!< pairs in a step, up to 64
+  /** Largest batch. The random draws of a pair depend on it: number of the pair = step * max_batch
+   * + place in the batch. */
+  static constexpr int max_batch = 64;
+  int batch = 2;  //!< pairs in a step
   LearningRateOptions rate;
   double ema_decay = 0.998;  //!< decay of the exponential moving average of the weights
   double weight_decay = 1e-4;

@@ -10,7 +10,7 @@
 namespace dyslam
 {
 /** Copies the weights of a network of the same shape. \param file where they are from, for the
- * message \throws UserError if one is missing there, or is of another shape. */
+ * message \throws UserError naming the first that is missing there or of another shape. */
 void copyWeights(torch::nn::Module& to, const torch::nn::Module& from, const std::string& file);
 
 /** Exponential moving average of the weights of a training, which scores better than the last
@@ -30,6 +30,8 @@ double clippedStep(torch::optim::Optimizer& optimizer, double clip);
 /** State of Adam (or AdamW) for each of its parameters, for a checkpoint. */
 void setOptimizerState(TensorFile& file, torch::optim::Optimizer& optimizer);
 
-/** \throws UserError if the file lacks one or has it in another shape. */
+/** Replaces the state of each parameter that has one in the file; a parameter that had no gradient
+ * before the checkpoint has none. \throws UserError naming the file if a state is incomplete or of
+ * another shape. */
 void loadOptimizerState(const TensorFile& file, torch::optim::Optimizer& optimizer);
 }  // namespace dyslam

@@ -10,7 +10,9 @@
 namespace dyslam
 {
 /** Small seeded random numbers (splitmix64) whose draws are the same on every platform. Those of
- * different seeds or indices are independent, also of neighbouring ones. */
+ * different seeds or indices are independent, also of neighbouring ones. The order of several draws
+ * among the arguments of one call is the compiler's, though: data that are drawn like that are the
+ * same for one compiler only. */
 class RandomDraws
 {
  public:

@@ -35,7 +35,9 @@ struct Recording
  * scans. */
 [[nodiscard]] Recording loadRecording(const RecordingDescription& description, bool by_own_motion);
 
-/** "folder;poses;first;last[;deskew][;labels=folder]", paths relative to `base`. \throws UserError.
- */
-[[nodiscard]] RecordingDescription parseRecording(const std::string& text, const std::string& base);
+/** "folder;poses;first;last[;deskew][;labels=folder]", paths relative to `base`. \param field the
+ * setting that the text is from, for the message \throws UserError. */
+[[nodiscard]] RecordingDescription parseRecording(const std::string& text,
+                                                  const std::string& base,
+                                                  const std::string& field);
 }  // namespace dyslam

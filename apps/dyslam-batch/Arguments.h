@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <dyslam/batch/Manifest.h>
+
+#include <string>
+#include <vector>
+
+namespace CLI
+{
+class App;
+}
+
+namespace dyslam::batch
+{
+/** Arguments of dyslam-batch. */
+struct Arguments
+{
+  std::vector<std::string> entries;  //!< recordings, see listRecordings()
+  std::string output;
+  std::string config;
+  std::string scratch;
+  std::string shard;
+  std::string slurm_options;
+  std::vector<std::string> assignments;
+  bool labels = false;
+  bool probabilities = false;
+  bool static_scans = false;
+  int skip_first_n = 0;
+  int only_first_n = 0;
+  int passes = 1;
+  int jobs = 0;
+  double memory = 0;  //!< [GiB]
+  bool quiet = false;
+  bool no_summary = false;
+  bool gather = false;
+  bool slurm = false;
+};
+
+void declare(CLI::App& app, Arguments& a);
+
+/** The arguments of dyslam that change results, as words of a command line. */
+[[nodiscard]] std::vector<std::string> runArguments(const Arguments& a);
+
+/** What all runs have in common: version and checksum of the program, and the settings, with the
+ * values of the ini instead of its name. \param program path of dyslam \throws UserError. */
+[[nodiscard]] Work commonWork(const Arguments& a, const std::string& program);
+}  // namespace dyslam::batch

@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "Slurm.h"
+
+#include <dyslam/batch/SlurmJob.h>
+#include <dyslam/core/Error.h>
+#include <dyslam/core/Files.h>
+#include <dyslam/core/PendingFile.h>
+
+#include <filesystem>
+#include <iostream>
+#include <sstream>
+#include <string>
+
+namespace dyslam::batch
+{
+void submitToSlurm(const Arguments& a, const std::vector<Recording>& recordings)
+{
+  SlurmJob job;
+  job.program = std::filesystem::read_symlink("/proc/self/exe").string();
+  job.output = std::filesystem::absolute(a.output).lexically_normal().string();
+  job.list = job.output + "/slurm/recordings.txt";
+  job.scratch =
+      a.scratch.empty() ? "" : std::filesystem::absolute(a.scratch).lexically_normal().string();
+  Arguments absolute = a;
+  if (std::filesystem::is_regular_file(a.config))
+  {
+    absolute.config = std::filesystem::absolute(a.config).string();
+  }
+  job.arguments = runArguments(absolute);
+  std::istringstream options(a.slurm_options);
+  for (std::string option; options >> option;)
+  {
+    job.options.push_back(option);
+  }
+  std::string list;
+  for (const Recording& recording : recordings)
+  {
+    if (recording.path.find_first_of("#\n") != std::string::npos)
+    {
+      throw UserError(recording.path + ": has a # or a line break in its name; rename it");
+    }
+    list += recording.path + "\n";
+  }
+  job.tasks = arrayTasks(recordings.size());
+  makeFolder(job.output + "/slurm", "choose another --output");
+  writeWhole(job.list, list);
+  const SubmittedJob numbers = submit(job);
+  std::cout << recordings.size() << " recordings in job " << numbers.array << ", " << job.tasks
+            << " tasks; job " << numbers.gather << " gathers into " << job.output
+            << "/index.html; logs in " << job.output << "/slurm\n";
+}
+}  // namespace dyslam::batch

@@ -1,0 +1,95 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "GraphOptimization.h"
+
+#include <dyslam/backend/FactorGraphFile.h>
+#include <dyslam/core/Printable.h>
+#include <dyslam/graphslam/GraphFileRun.h>
+
+#include <cstddef>
+#include <cstdio>
+#include <map>
+
+namespace dyslam
+{
+namespace
+{
+void printCounts(const char* title, const std::map<std::string, std::size_t>& counts)
+{
+  std::printf("%s:", title);
+  const char* separator = " ";
+  for (const auto& [kind, count] : counts)
+  {
+    std::printf("%s%zu %s", separator, count, kind.c_str());
+    separator = ", ";
+  }
+  std::printf("\n");
+}
+
+void printWritten(const std::string& output)
+{
+  if (!output.empty())
+  {
+    std::printf("written: %s\n", output.c_str());
+  }
+}
+
+void optimizeFactorGraph(const GraphOptimization& job)
+{
+  const FactorGraphFileReport report = optimizeFactorGraphFile(job.input, job.output, job.config);
+  const OptimisationResult& result = report.result;
+  for (const auto& warnings : {report.warnings, result.warnings})
+  {
+    for (const std::string& warning : warnings)
+    {
+      std::fprintf(stderr, "warning: %s\n", printable(warning).c_str());
+    }
+  }
+  if (job.quiet)
+  {
+    return;
+  }
+  printCounts("variables", report.variables);
+  printCounts("factors", report.factors);
+  std::printf("chi2 of the file %.9g, final %.9g; %zu loops left out\n", result.initial_chi2,
+              result.final_chi2, result.false_loops);
+  std::printf("%d iterations, %.3f s: %s\n", result.iterations, report.seconds,
+              result.reason.c_str());
+  printWritten(job.output);
+}
+
+void optimizePoseGraph(const GraphOptimization& job)
+{
+  const GraphFileReport report = optimizeGraphFile(job.input, job.output, job.config);
+  if (job.quiet)
+  {
+    return;
+  }
+  const PoseGraphResult& result = report.result;
+  std::printf("%s: %zu nodes, %zu edges\n", job.input.c_str(), report.nodes, report.edges);
+  std::printf("chi2 of the file %.9g, where the optimisation began %.9g, final %.9g\n",
+              result.start_chi2, result.initial_chi2, result.final_chi2);
+  std::printf("%d iterations, %.3f s: %s\n", result.iterations, report.seconds,
+              result.reason.c_str());
+  if (result.projected_edges > 0)
+  {
+    std::printf("%zu edges had no positive definite information; the nearest was used\n",
+                result.projected_edges);
+  }
+  printWritten(job.output);
+}
+}  // namespace
+
+void optimizeGraph(const GraphOptimization& job)
+{
+  const bool has_objects = isFactorGraphFile(job.input);
+  job.config.requireKnownSections({has_objects ? "solver" : "pose_graph"});
+  if (has_objects)
+  {
+    optimizeFactorGraph(job);
+  }
+  else
+  {
+    optimizePoseGraph(job);
+  }
+}
+}  // namespace dyslam

@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "Recorder.h"
+
+namespace CLI
+{
+class App;
+}
+
+namespace dyslam::sim
+{
+/** Arguments of dyslam-sim. */
+struct Arguments
+{
+  Recording recording;
+  std::string world = "urban";
+  std::string sensor = "HDL64E";
+  std::string ego = "automatic";
+  std::string benchmark;  //!< folder for the benchmark set; empty: a recording or a series
+  std::string split;      //!< whose drives are the benchmark set; empty: the standing set
+  std::string only;       //!< the one recording of the set; empty: all
+  std::string shard;
+  int count = 0;  //!< recordings of a series; 0: a single one
+  std::optional<double> seconds;
+  bool no_noise = false;
+  bool no_distortion = false;
+  bool no_stops = false;
+  bool no_flow = false;
+  bool force = false;
+  bool quiet = false;
+};
+
+void declare(CLI::App& app, Arguments& a);
+
+/** The recording of the arguments, without those of a set. \throws UserError for a bad one. */
+[[nodiscard]] Recording recordingOf(const Arguments& a);
+}  // namespace dyslam::sim

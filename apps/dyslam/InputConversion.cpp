@@ -1,0 +1,224 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "InputConversion.h"
+
+#include <dyslam/core/Error.h>
+#include <dyslam/core/Files.h>
+#include <dyslam/core/PendingFile.h>
+#include <dyslam/core/Printable.h>
+#include <fcntl.h>
+#include <sys/file.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <cstdio>
+#include <filesystem>
+#include <ostream>
+#include <sstream>
+#include <string>
+
+#include "../common/ConversionReport.h"
+#include "../common/SlamProgram.h"
+
+namespace dyslam
+{
+namespace fs = std::filesystem;
+
+namespace
+{
+/** Files of a converted input. */
+struct ConvertedFiles
+{
+  explicit ConvertedFiles(const std::string& output)
+      : folder(output),
+        rawlog((fs::path(output) / "recording.rawlog").string()),
+        origin((fs::path(output) / "recording.ini").string())
+  {
+  }
+
+  std::string folder;
+  std::string rawlog;
+  std::string origin;  //!< says what the rawlog is made of
+};
+
+/** \throws UserError if a run would write among the scans that it reads. */
+void requireApart(const std::string& input, const std::string& output)
+{
+  const auto resolved = [](const std::string& path)
+  { return fs::weakly_canonical(fs::absolute(path)); };
+  if (fs::is_directory(input) &&
+      *resolved(input).lexically_relative(resolved(output)).begin() != "..")
+  {
+    throw UserError(input + ": a run writes and removes files in --output, where this folder is; " +
+                    "choose another --output");
+  }
+}
+
+/** \throws UserError while a run holds the folder. */
+void requireNoOtherRun(const std::string& folder)
+{
+  const int file =
+      ::open((fs::path(folder) / ".dyslam.lock").c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW);
+  if (file < 0)
+  {
+    return;
+  }
+  const bool held = ::flock(file, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK;
+  ::close(file);
+  if (held)
+  {
+    throw UserError(folder + ": another run is writing to it; wait for its end, or choose " +
+                    "another --output");
+  }
+}
+
+void writeOrigin(const std::string& input, const std::string& program, const ConvertedFiles& files)
+{
+  writeWhole(files.origin,
+             [&](std::ostream& out)
+             {
+               out << "[recording]\ninput = " << fs::absolute(input).lexically_normal().string()
+                   << "\nconverter = " << program << '\n';
+             });
+}
+
+/** The first option in a message that only the converters have; empty if there is none. */
+std::string optionOfConverters(const std::string& message)
+{
+  constexpr std::array<const char*, 9> known{"--topic",  "--imu-topic",   "--odometry-topic",
+                                             "--sensor", "--sensor-pose", "--dt",
+                                             "--output", "--force",       "--input"};
+  std::istringstream words(message);
+  for (std::string word; words >> word;)
+  {
+    word.erase(std::find_if(word.begin(), word.end(),
+                            [](char c) { return c == ':' || c == ',' || c == ';' || c == ')'; }),
+               word.end());
+    word.erase(0, word.rfind('(', 0) == 0 ? 1 : 0);
+    if (word.rfind("--", 0) == 0 && std::find(known.begin(), known.end(), word) == known.end())
+    {
+      return word;
+    }
+  }
+  return "";
+}
+
+/** An error of a converter, in the words of a user of dyslam. */
+std::string inDyslam(const std::string& message,
+                     const std::string& input,
+                     const std::string& program)
+{
+  const std::string option = optionOfConverters(message);
+  if (option.empty())
+  {
+    return message;
+  }
+  const std::string command = program + " -i " + input + " " + option;
+  return message + (option == "--list" ? " (" + command + ")"
+                                       : " (an option of the converter: " + command +
+                                             " ... -o x.rawlog, then dyslam -i x.rawlog)");
+}
+
+/** Converts, and leaves the files so that a rerun may replace them. \throws UserError. */
+void convertTo(const ConvertedFiles& files,
+               const RecordingConverter& converter,
+               const RecordingOptions& options,
+               const SlamArguments& a)
+{
+  const std::string& input = a.settings.rawlog;
+  const bool had_folder = fs::exists(files.folder);
+  const bool had_rawlog = fs::exists(files.rawlog);
+  try
+  {
+    const ConversionResult result =
+        convertWithProgress("dyslam, conversion", files.rawlog, a.quiet(),
+                            [&](const ConversionProgress& progress)
+                            { return converter.convert(files.rawlog, options, progress); });
+    writeOrigin(input, converter.program(), files);
+    if (!a.quiet())
+    {
+      report(result, files.rawlog);
+      std::printf("%s stays: -i %s saves the conversion next time\n", files.rawlog.c_str(),
+                  files.rawlog.c_str());
+      std::fflush(stdout);
+    }
+  }
+  catch (const UserError& error)
+  {
+    std::string message = inDyslam(error.what(), input, converter.program());
+    std::error_code ignored;
+    if (!had_rawlog && fs::exists(files.rawlog, ignored))
+    {
+      writeOrigin(input, converter.program(), files);
+      message += "; the scans before it are in " + files.rawlog;
+    }
+    if (!had_folder)
+    {
+      fs::remove(files.folder, ignored);  // only if it is empty
+    }
+    throw UserError(message);
+  }
+}
+}  // namespace
+
+void declareConversion(CLI::App& app, RecordingOptions& options)
+{
+  const std::string group = "Input that is no rawlog (the converters have more options)";
+  app.add_option("--topic", options.topic,
+                 "a bag's topic of scans (default: the most likely lidar; scans2rawlog --list "
+                 "prints the topics)")
+      ->group(group);
+  app.add_option("--imu-topic", options.imu_topic, "a bag's sensor_msgs/Imu")->group(group);
+  app.add_option("--odometry-topic", options.odometry_topic, "a bag's speed by the wheels")
+      ->group(group);
+  app.add_option("--sensor", options.sensor,
+                 "a pcap's lidar: VLP16 or HDL32E (default: from the packets); otherwise the "
+                 "scans' sensor label")
+      ->group(group);
+  app.add_option("--sensor-pose", options.sensor_pose,
+                 "pose of the lidar on the vehicle: 'x y z yaw pitch roll' [m, deg]")
+      ->group(group);
+  app.add_option(
+         "--dt", options.dt,
+         "seconds between the scans of a folder; default: their own times, else 0.1 (KITTI: "
+         "0.1034)")
+      ->check(positive())
+      ->group(group);
+}
+
+void convertInput(SlamArguments& a, const RecordingOptions& options)
+{
+  const std::string input = a.settings.rawlog;
+  if (input.empty())
+  {
+    return;  // an error of its own, but for --resume
+  }
+  const RecordingConverter converter(input);
+  const ConvertedFiles files(a.settings.output_folder);
+  const std::string flag = options.givenFlag();
+  if (!flag.empty() && (a.resume || !converter.isNeeded()))
+  {
+    throw UserError(flag + ": is for an input that is converted; " +
+                    (a.resume ? "a resumed run reads what was converted" : input + " is not") +
+                    "; leave it out");
+  }
+  if (!converter.isNeeded())
+  {
+    return;
+  }
+  if (a.resume)
+  {
+    throw UserError(input + ": --resume reads the rawlog of the run, such as " + files.rawlog +
+                    "; leave out --input");
+  }
+  requireNoUnfinishedRun(a.settings);
+  requireApart(input, files.folder);
+  requireNoOtherRun(files.folder);
+  (void)readGivenSettings(a.config, assignmentsOf(a)).merged();  // errors before the long work
+  const bool own = fs::is_regular_file(files.origin);
+  requireNewRecording(files.rawlog, a.settings.force || own);
+  convertTo(files, converter, options, a);
+  a.settings.rawlog = files.rawlog;
+}
+}  // namespace dyslam

@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+namespace dyslam
+{
+/** Distances of the points of a cloud from the nearest point of another [m]. All zero without
+ * points. */
+struct DistanceSummary
+{
+  /** Limits of `shares` [m]. */
+  static constexpr std::array<double, 3> limits{0.1, 0.2, 0.5};
+
+  std::size_t count = 0;  //!< points of the cloud that are finite
+  double mean = 0;
+  double median = 0;
+  double rmse = 0;
+  double quantile95 = 0;           //!< 95 % of the points are at most that far away
+  double max = 0;                  //!< the Hausdorff distance in this direction
+  std::array<double, 3> shares{};  //!< of the points that are at most so far away, in [0, 1]
+};
+
+/** Cloud-to-cloud distances of two maps in one frame, without labels. */
+struct MapDistance
+{
+  DistanceSummary estimate;   //!< of the estimate's points from the reference
+  DistanceSummary reference;  //!< of the reference's points from the estimate
+  /** Distance of each point of the estimate from the reference [m]; NaN for one that is not
+   * finite. */
+  std::vector<float> of_estimate;
+};
+
+/** The result does not depend on the number of threads. Points that are not finite are ignored.
+ * \param threads 0: all \throws std::invalid_argument if one of the clouds has no finite point. */
+[[nodiscard]] MapDistance mapDistance(const std::vector<Eigen::Vector3f>& reference,
+                                      const std::vector<Eigen::Vector3f>& estimate,
+                                      int threads = 0);
+
+/** Red, green and blue of a distance: blue at 0 m, over green and yellow, to red at `largest` [m]
+ * and beyond; grey for NaN. */
+[[nodiscard]] std::array<std::uint8_t, 3> colourOfDistance(float distance, float largest = 0.5F);
+
+/** A binary PLY of the points, coloured by colourOfDistance(), with their distances as the scalar
+ * field `scalar_distance`, which CloudCompare shows as "distance".
+ * \throws std::invalid_argument unless there is a distance for each point. */
+[[nodiscard]] std::string distancePly(const std::vector<Eigen::Vector3f>& points,
+                                      const std::vector<float>& distances);
+}  // namespace dyslam

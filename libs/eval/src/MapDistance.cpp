@@ -1,0 +1,148 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/core/NeighbourSearch.h>
+#include <dyslam/core/Parallel.h>
+#include <dyslam/core/Quantile.h>
+#include <dyslam/eval/MapDistance.h>
+#include <dyslam/eval/Statistics.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <iterator>
+#include <limits>
+#include <stdexcept>
+
+namespace dyslam
+{
+namespace
+{
+std::vector<float> distancesFrom(const KdTree& tree,
+                                 const std::vector<Eigen::Vector3f>& points,
+                                 ThreadPool& pool)
+{
+  constexpr std::size_t chunk_size = 10000;
+  std::vector<float> distances(points.size(), std::numeric_limits<float>::quiet_NaN());
+  pool.forChunks(points.size(), chunk_size,
+                 [&](std::size_t begin, std::size_t end, std::size_t)
+                 {
+                   for (std::size_t i = begin; i < end; ++i)
+                   {
+                     Neighbour nearest;
+                     if (points[i].allFinite() && tree.nearest(points[i], nearest))
+                     {
+                       distances[i] = std::sqrt(nearest.squared_distance);
+                     }
+                   }
+                 });
+  return distances;
+}
+
+DistanceSummary distanceSummary(const std::vector<float>& distances)
+{
+  std::vector<double> values;
+  values.reserve(distances.size());
+  std::copy_if(distances.begin(), distances.end(), std::back_inserter(values),
+               [](float distance) { return std::isfinite(distance); });
+  DistanceSummary summary;
+  if (values.empty())
+  {
+    return summary;
+  }
+  const Statistics statistics = statisticsOf(values);
+  summary.count = statistics.count;
+  summary.mean = statistics.mean;
+  summary.median = statistics.median;
+  summary.rmse = statistics.rmse;
+  summary.max = statistics.max;
+  for (std::size_t i = 0; i < summary.shares.size(); ++i)
+  {
+    // As float, as the distances are: one of 0.1 m counts as within 0.1 m.
+    const auto limit = static_cast<double>(static_cast<float>(DistanceSummary::limits[i]));
+    const auto within =
+        std::count_if(values.begin(), values.end(), [limit](double v) { return v <= limit; });
+    summary.shares[i] = static_cast<double>(within) / static_cast<double>(values.size());
+  }
+  constexpr double most = 0.95;
+  summary.quantile95 = quantile(values, most);
+  return summary;
+}
+
+template <typename T>
+void appendRaw(std::string& bytes, T value)
+{
+  char raw[sizeof value];
+  std::memcpy(raw, &value, sizeof value);
+  bytes.append(raw, sizeof value);
+}
+}  // namespace
+
+MapDistance mapDistance(const std::vector<Eigen::Vector3f>& reference,
+                        const std::vector<Eigen::Vector3f>& estimate,
+                        int threads)
+{
+  const KdTree of_reference(reference);
+  const KdTree of_estimate(estimate);
+  if (of_reference.size() == 0 || of_estimate.size() == 0)
+  {
+    throw std::invalid_argument("mapDistance: a cloud without points");
+  }
+  ThreadPool pool(threads);
+  MapDistance result;
+  result.of_estimate = distancesFrom(of_reference, estimate, pool);
+  result.estimate = distanceSummary(result.of_estimate);
+  result.reference = distanceSummary(distancesFrom(of_estimate, reference, pool));
+  return result;
+}
+
+std::array<std::uint8_t, 3> colourOfDistance(float distance, float largest)
+{
+  if (!std::isfinite(distance))
+  {
+    return {128, 128, 128};
+  }
+  // Blue, green, yellow, red, at equal steps.
+  constexpr std::array<std::array<float, 3>, 4> colours{
+      {{0, 64, 255}, {0, 200, 80}, {255, 220, 0}, {230, 0, 0}}};
+  const float place =
+      std::clamp(distance / largest, 0.F, 1.F) * static_cast<float>(colours.size() - 1);
+  const auto low = std::min(static_cast<std::size_t>(place), colours.size() - 2);
+  const float part = place - static_cast<float>(low);
+  std::array<std::uint8_t, 3> colour{};
+  for (std::size_t i = 0; i < colour.size(); ++i)
+  {
+    colour[i] = static_cast<std::uint8_t>(
+        std::lround(colours[low][i] + part * (colours[low + 1][i] - colours[low][i])));
+  }
+  return colour;
+}
+
+std::string distancePly(const std::vector<Eigen::Vector3f>& points,
+                        const std::vector<float>& distances)
+{
+  if (points.size() != distances.size())
+  {
+    throw std::invalid_argument("distancePly: " + std::to_string(points.size()) + " points, but " +
+                                std::to_string(distances.size()) + " distances");
+  }
+  std::string bytes = "ply\nformat binary_little_endian 1.0\nelement vertex " +
+                      std::to_string(points.size()) +
+                      "\nproperty float x\nproperty float y\nproperty float z\n"
+                      "property uchar red\nproperty uchar green\nproperty uchar blue\n"
+                      "property float scalar_distance\nend_header\n";
+  constexpr std::size_t size = 4 * sizeof(float) + 3;
+  bytes.reserve(bytes.size() + size * points.size());
+  for (std::size_t i = 0; i < points.size(); ++i)
+  {
+    for (const float coordinate : points[i])
+    {
+      appendRaw(bytes, coordinate);
+    }
+    for (const std::uint8_t channel : colourOfDistance(distances[i]))
+    {
+      appendRaw(bytes, channel);
+    }
+    appendRaw(bytes, distances[i]);
+  }
+  return bytes;
+}
+}  // namespace dyslam

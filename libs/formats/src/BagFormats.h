@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// What the readers of bags have in common, and the functions that make them.
+#pragma once
+
+#include <dyslam/formats/Bag.h>
+
+#include <algorithm>
+#include <cstddef>
+#include <memory>
+#include <string>
+
+namespace dyslam
+{
+/** Messages of a topic or connection: their number and the times of the first and the last. */
+struct MessageSpan
+{
+  std::size_t messages = 0;
+  double first = 0;  //!< recording time, UNIX time [s]
+  double last = 0;   //!< ... of the last message
+
+  /** Adds a message recorded at that time [s]. */
+  void add(double recorded) { add(MessageSpan{1, recorded, recorded}); }
+  void add(const MessageSpan& other)
+  {
+    if (other.messages > 0)
+    {
+      first = messages == 0 ? other.first : std::min(first, other.first);
+      last = messages == 0 ? other.last : std::max(last, other.last);
+      messages += other.messages;
+    }
+  }
+};
+
+/** Adds messages to those that a topic has. */
+inline void addMessages(const MessageSpan& added, BagTopic& topic)
+{
+  MessageSpan all{topic.messages, topic.first, topic.last};
+  all.add(added);
+  topic.messages = all.messages;
+  topic.first = all.first;
+  topic.last = all.last;
+}
+
+/** Whether two topics, of connections or of parts of a recording, are one. */
+[[nodiscard]] inline bool isSameTopic(const BagTopic& a, const BagTopic& b)
+{
+  return a.name == b.name && a.type == b.type && a.encoding == b.encoding;
+}
+
+/** Whole seconds and the rest are converted apart, to lose no digits. */
+template <typename Integer>
+[[nodiscard]] double secondsOfNanoseconds(Integer nanoseconds)
+{
+  constexpr Integer second = 1000000000;
+  return static_cast<double>(nanoseconds / second) +
+         1e-9 * static_cast<double>(nanoseconds % second);
+}
+
+/** "sensor_msgs/PointCloud2" for ROS 2's "sensor_msgs/msg/PointCloud2". */
+[[nodiscard]] std::string plainRosType(std::string type);
+
+[[nodiscard]] std::unique_ptr<Bag> openRos1Bag(const std::string& path);
+[[nodiscard]] std::unique_ptr<Bag> openMcap(const std::string& path);
+[[nodiscard]] std::unique_ptr<Bag> openSqliteBag(const std::string& path);
+}  // namespace dyslam

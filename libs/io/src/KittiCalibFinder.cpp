@@ -1,0 +1,116 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "KittiCalibFinder.h"
+
+#include <dyslam/core/Error.h>
+
+namespace dyslam
+{
+namespace fs = std::filesystem;
+
+std::string firstExisting(const std::string& named, const std::vector<fs::path>& candidates)
+{
+  if (!named.empty())
+  {
+    if (!fs::exists(named))
+    {
+      throw UserError(named + ": no such file or folder");
+    }
+    return named;
+  }
+  for (const fs::path& candidate : candidates)
+  {
+    if (fs::exists(candidate))
+    {
+      return candidate.string();
+    }
+  }
+  return {};
+}
+
+KittiCalibFinder::KittiCalibFinder(const fs::path& input,
+                                   const std::string& sequence,
+                                   const KittiConverterOptions& options)
+    : input_(input), sequence_(sequence), options_(options)
+{
+}
+
+/** Folders that raw's three calibration files may lie in: the day's, or the drive's. */
+std::vector<fs::path> KittiCalibFinder::rawFolders() const
+{
+  const std::string day = input_.filename().string().substr(0, 10);  // of 2011_09_26_drive_0001
+  return {input_, input_.parent_path(), input_.parent_path() / day,
+          input_.parent_path().parent_path() / day};
+}
+
+void KittiCalibFinder::read()
+{
+  std::vector<fs::path> candidates{input_ / "calib.txt"};
+  if (!sequence_.empty())
+  {
+    candidates.insert(candidates.begin(), input_ / "calib" / (sequence_ + ".txt"));
+  }
+  if (options_.kind == KittiKind::raw)
+  {
+    for (const fs::path& folder : rawFolders())
+    {
+      if (fs::exists(folder / "calib_velo_to_cam.txt") ||
+          fs::exists(folder / "calib_imu_to_velo.txt"))
+      {
+        candidates.push_back(folder);
+      }
+    }
+  }
+  path_ = firstExisting(options_.calib, candidates);
+  if (!path_.empty())
+  {
+    calib_ = readKittiCalib(path_);
+  }
+}
+
+std::string KittiCalibFinder::missingText(const std::string& for_what) const
+{
+  if (options_.kind == KittiKind::raw)
+  {
+    return input_.string() + ": neither " + input_.parent_path().string() +
+           " nor the drive's folder has calib_cam_to_cam.txt, calib_velo_to_cam.txt and "
+           "calib_imu_to_velo.txt, needed for " +
+           for_what + "; put them there, or name their folder with --calib";
+  }
+  return input_.string() + ": has no calib.txt, which is needed for " + for_what +
+         "; name it with --calib";
+}
+
+const KittiCalib& KittiCalibFinder::require(const std::string& for_what)
+{
+  if (path_.empty())
+  {
+    read();
+  }
+  if (path_.empty())
+  {
+    throw UserError(missingText(for_what));
+  }
+  return calib_;
+}
+
+const Pose& KittiCalibFinder::requireCamera(const std::string& for_what)
+{
+  if (!require(for_what).has_camera)
+  {
+    throw UserError(path_ + ": has no calib_cam_to_cam.txt and calib_velo_to_cam.txt, needed for " +
+                    for_what);
+  }
+  return calib_.T_cam_velo;
+}
+
+const Pose& KittiCalibFinder::requireImu(const std::string& for_what)
+{
+  if (!require(for_what).has_imu)
+  {
+    throw UserError(path_ + ": has no IMU mounting (" +
+                    (fs::is_directory(path_) ? "calib_imu_to_velo.txt" : "Tr_imu_velo") +
+                    "), needed for oxts");
+  }
+  return calib_.T_velo_imu;
+}
+}  // namespace dyslam

@@ -1,0 +1,144 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/core/Error.h>
+#include <dyslam/formats/ScanFiles.h>
+#include <dyslam/io/RecordingConverter.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <optional>
+#include <vector>
+
+namespace dyslam
+{
+namespace fs = std::filesystem;
+
+namespace
+{
+/** The kind of KITTI's layouts, or nothing for other recordings. */
+std::optional<KittiKind> kittiKindOf(RecordingKind kind)
+{
+  switch (kind)
+  {
+    case RecordingKind::kitti_odometry:
+      return KittiKind::odometry;
+    case RecordingKind::kitti_raw:
+      return KittiKind::raw;
+    case RecordingKind::kitti_tracking:
+      return KittiKind::tracking;
+    default:
+      return std::nullopt;
+  }
+}
+
+/** A file that is no rawlog and about which convertScans() says what to give instead. */
+bool isPartOfRecording(const std::string& file)
+{
+  return isCloudFile(file) || fs::path(file).filename() == "metadata.yaml";
+}
+
+/** The files and folders in a folder, sorted; none if it cannot be read. */
+std::vector<fs::path> contentOfFolder(const fs::path& folder)
+{
+  std::vector<fs::path> paths;
+  std::error_code unreadable;
+  for (fs::directory_iterator it(folder, unreadable), end; !unreadable && it != end;
+       it.increment(unreadable))
+  {
+    paths.push_back(it->path());
+  }
+  std::sort(paths.begin(), paths.end());
+  return paths;
+}
+
+/** The recording in a folder that was probably meant, for the message; empty if there is none. */
+std::string recordingWithin(const fs::path& folder)
+{
+  for (const fs::path& root : {folder, folder / "sequences", folder / "dataset" / "sequences"})
+  {
+    for (const fs::path& path : contentOfFolder(root))
+    {
+      const std::string name = path.string();
+      if (lowerExtension(name) == ".rawlog" || recordingKind(name) != RecordingKind::unknown)
+      {
+        return name;
+      }
+    }
+  }
+  return "";
+}
+
+std::string whyNoRecording(const std::string& folder)
+{
+  const std::string within = recordingWithin(folder);
+  return folder + ": is no rawlog, bag, capture or folder of scans: " +
+         (within.empty() ? "it has no .bin, .pcd, .ply, .bag, .db3 or .mcap files and no folder "
+                           "velodyne or velodyne_points"
+                         : "give one of the recordings in it, such as " + within);
+}
+
+void requireNone(const char* flag, const std::string& value, const char* with)
+{
+  if (!value.empty())
+  {
+    throw UserError(std::string(flag) + " works with " + with + " only");
+  }
+}
+}  // namespace
+
+std::string RecordingOptions::givenFlag() const
+{
+  return !topic.empty()            ? "--topic"
+         : !imu_topic.empty()      ? "--imu-topic"
+         : !odometry_topic.empty() ? "--odometry-topic"
+         : !sensor.empty()         ? "--sensor"
+         : !sensor_pose.empty()    ? "--sensor-pose"
+         : dt > 0                  ? "--dt"
+                                   : "";
+}
+
+RecordingConverter::RecordingConverter(const std::string& input)
+    : input_(input),
+      kind_(recordingKind(input)),
+      needed_(kind_ != RecordingKind::unknown || isPartOfRecording(input))
+{
+  if (!needed_ && fs::is_directory(input))
+  {
+    throw UserError(whyNoRecording(input));
+  }
+}
+
+std::string RecordingConverter::program() const
+{
+  const auto kitti = kittiKindOf(kind_);
+  return !kitti                          ? "scans2rawlog"
+         : *kitti == KittiKind::odometry ? "kitti2rawlog --kind odometry"
+         : *kitti == KittiKind::raw      ? "kitti2rawlog --kind raw"
+                                         : "kitti2rawlog --kind tracking";
+}
+
+ConversionResult RecordingConverter::convert(const std::string& output,
+                                             const RecordingOptions& options,
+                                             const ConversionProgress& progress) const
+{
+  if (const auto kitti = kittiKindOf(kind_))
+  {
+    requireNone("--topic", options.topic, "a bag");
+    requireNone("--imu-topic", options.imu_topic, "a bag");
+    requireNone("--odometry-topic", options.odometry_topic, "a bag");
+    requireNone("--sensor", options.sensor, "a .pcap, a bag or a folder of scans");
+    KittiConverterOptions of_kitti;
+    of_kitti.kind = *kitti;
+    of_kitti.sensor_pose = options.sensor_pose;
+    of_kitti.dt = options.dt;
+    return convertKitti(input_, output, of_kitti, progress);
+  }
+  ScanConverterOptions of_scans;
+  of_scans.topic = options.topic;
+  of_scans.imu_topic = options.imu_topic;
+  of_scans.odometry_topic = options.odometry_topic;
+  of_scans.sensor = options.sensor;
+  of_scans.sensor_pose = options.sensor_pose;
+  of_scans.dt = options.dt;
+  return convertScans(input_, output, of_scans, progress);
+}
+}  // namespace dyslam

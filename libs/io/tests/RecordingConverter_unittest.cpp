@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/core/Error.h>
+#include <dyslam/io/RecordingConverter.h>
+
+#include "ScanFolders.h"
+
+namespace dyslam
+{
+TEST(RecordingConverter, DoesWhatTheConverterDoes)
+{
+  const TestFolder folder;
+  writeBins(folder, "scans", 3);
+  const RecordingConverter scans(folder.file("scans"));
+  ASSERT_TRUE(scans.isNeeded());
+  EXPECT_EQ("scans2rawlog", scans.program());
+  RecordingOptions options;
+  options.dt = 0.5;
+  options.sensor_pose = "1 0 2 0 0 0";
+  EXPECT_EQ(3U, scans.convert(folder.file("a.rawlog"), options).scans);
+  ScanConverterOptions of_scans;
+  of_scans.dt = 0.5;
+  of_scans.sensor_pose = "1 0 2 0 0 0";
+  (void)convertScans(folder.file("scans"), folder.file("b.rawlog"), of_scans);
+  EXPECT_EQ(folder.read("b.rawlog"), folder.read("a.rawlog"));
+
+  writeBins(folder, "sequences/00/velodyne", 3);
+  const RecordingConverter kitti(folder.file("sequences/00"));
+  EXPECT_EQ("kitti2rawlog --kind odometry", kitti.program());
+  (void)kitti.convert(folder.file("a.rawlog"), options);
+  KittiConverterOptions of_kitti;
+  of_kitti.dt = 0.5;
+  of_kitti.sensor_pose = "1 0 2 0 0 0";
+  (void)convertKitti(folder.file("sequences/00"), folder.file("b.rawlog"), of_kitti);
+  EXPECT_EQ(folder.read("b.rawlog"), folder.read("a.rawlog"));
+  options.topic = "/points";
+  EXPECT_EQ(
+      "--topic works with a bag only",
+      messageOfError<UserError>([&] { (void)kitti.convert(folder.file("a.rawlog"), options); }));
+}
+
+TEST(RecordingConverter, WhatIsNoRecording)
+{
+  const TestFolder folder;
+  EXPECT_FALSE(RecordingConverter(folder.file("x.rawlog")).isNeeded());
+  EXPECT_FALSE(RecordingConverter(folder.file("x")).isNeeded());
+  EXPECT_TRUE(RecordingConverter(folder.file("x.bag")).isNeeded());
+  const auto refusal = [&folder](const std::string& name)
+  { return messageOfError<UserError>([&] { (void)RecordingConverter(folder.file(name)); }); };
+  folder.write("pictures/1.png", "");
+  EXPECT_TRUE(contains(
+      refusal("pictures"),
+      "pictures: is no rawlog, bag, capture or folder of scans: it has no .bin, .pcd, .ply"));
+  writeBins(folder, "dataset/sequences/04/velodyne", 1);
+  EXPECT_TRUE(contains(refusal("dataset"), "such as " + folder.file("dataset/sequences/04")));
+  folder.write("rawlogs/a.rawlog", "");
+  EXPECT_TRUE(contains(refusal("rawlogs"), "such as " + folder.file("rawlogs/a.rawlog")));
+
+  const RecordingConverter single(folder.write("1.pcd", ""));
+  ASSERT_TRUE(single.isNeeded());
+  EXPECT_TRUE(contains(
+      messageOfError<UserError>([&] { (void)single.convert(folder.file("a.rawlog"), {}); }),
+      "is a single scan; give the folder of the scans"));
+}
+}  // namespace dyslam

@@ -1,0 +1,84 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <dyslam/core/Options.h>
+#include <dyslam/mapping/StaticMap.h>
+
+#include <Eigen/Core>
+#include <cstddef>
+#include <functional>
+#include <string>
+
+// The static map as files. Every writer throws UserError where the file cannot be written, and
+// renames it to its final name when it is complete. The same map gives the same bytes. An empty map
+// gives a valid file without points. `origin` is the origin of the map frame in the coordinates of
+// the file [m], for maps far from zero.
+
+namespace dyslam
+{
+/** Ini section `[map_export]`. */
+struct MapExportOptions : Options
+{
+  bool full_resolution = false;      //!< clouds with every static point, not one per voxel
+  bool normals = true;               //!< clouds with normals
+  double normal_radius = 0.8;        //!< radius of the neighbourhood of a normal [m]
+  double tile_size = 0;              //!< clouds in tiles of this side, at least 5 [m]; 0: one file
+  double octree_resolution = 0.2;    //!< side of octomap's leaves [m]
+  double octree_range = 40.0;        //!< rays are cut off here [m]
+  double grid_resolution = 0.1;      //!< side of the occupancy grid's cells [m]
+  double obstacle_min_height = 0.3;  //!< above ground: lower objects can be driven over [m]
+  double obstacle_max_height = 2.2;  //!< above ground: higher objects can be driven under [m]
+  int obstacle_min_hits = 2;  //!< least keyframes that observed an obstacle, if the map has so many
+  int grid_max_cells = 100000000;  //!< a larger grid gets coarser cells
+
+  void describe(OptionsVisitor& visitor) override;
+};
+
+/** Called with the number of keyframes done after each of them; may be empty. */
+using MapProgress = std::function<void(std::size_t)>;
+
+/** A MapCloudFile of these points, with normals if they have some. */
+void writeMapCloud(const MapPoints& points,
+                   const std::string& path,
+                   const Eigen::Vector3d& origin = Eigen::Vector3d::Zero());
+
+/** MRPT's CSimpleMap: per keyframe its pose and the static points as CObservationPointCloud. */
+void writeSimplemap(const StaticMap& map,
+                    const std::string& path,
+                    const Eigen::Vector3d& origin = Eigen::Vector3d::Zero(),
+                    const MapProgress& on_keyframe = {});
+
+/** octomap's `.bt` (binary) or `.ot` (full): keyframes' static points and the rays to them. Stays
+ * relative to the origin. \throws UserError for another ending, and for a map beyond the reach of
+ * octomap's keys. */
+void writeOctomap(const StaticMap& map,
+                  const std::string& path,
+                  const MapExportOptions& options,
+                  const MapProgress& on_keyframe = {});
+
+/** 2D occupancy grid for navigation: `x.gridmap` (MRPT's COccupancyGridMap2D, which stays relative
+ * to the origin), or with any other ending a PNG, and `x.yaml` for ROS's map_server beside it. In a
+ * grid finer than the voxels, obstacles in neighbouring columns of voxels are connected.
+ * \throws UserError if obstacle_min_height is not below obstacle_max_height. */
+void writeOccupancyGrid(const StaticMap& map,
+                        const std::string& path,
+                        const MapExportOptions& options,
+                        const Eigen::Vector3d& origin = Eigen::Vector3d::Zero(),
+                        const MapProgress& on_keyframe = {});
+
+/** Whether the file exists and is the image of an occupancy grid: `x.png` that `x.yaml` names. */
+[[nodiscard]] bool isGridImage(const std::string& path);
+
+/** Kind of an output file, by the ending of its name. */
+enum class MapFormat
+{
+  cloud,
+  octree,
+  simplemap,
+  scene,  //!< `.3Dscene`: see SceneExport of dyslam::io
+  grid
+};
+/** \throws UserError for another ending than pcd, ply, las, bt, ot, simplemap, 3Dscene, png,
+ * gridmap. */
+[[nodiscard]] MapFormat mapFormatOf(const std::string& path);
+}  // namespace dyslam

@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <dyslam/mapexport/MapCloudFile.h>
+#include <dyslam/mapping/StaticMap.h>
+
+#include <Eigen/Core>
+#include <array>
+#include <cstdint>
+#include <cstring>
+#include <limits>
+#include <memory>
+#include <string>
+
+namespace dyslam
+{
+/** Fields of a cloud's header that are known at the end only. */
+struct CloudSummary
+{
+  std::uint64_t count = 0;
+  /** Of the coordinates relative to the origin [m]. */
+  Eigen::Vector3d low = Eigen::Vector3d::Constant(std::numeric_limits<double>::infinity());
+  Eigen::Vector3d high = Eigen::Vector3d::Constant(-std::numeric_limits<double>::infinity());
+};
+
+/** Binary layout of a kind of cloud: a header of fixed length, then the points. */
+class CloudFormat
+{
+ public:
+  virtual ~CloudFormat() = default;
+  /** Most points that a file can hold. */
+  [[nodiscard]] virtual std::uint64_t maxPoints() const
+  {
+    return std::numeric_limits<std::uint64_t>::max();
+  }
+  [[nodiscard]] virtual std::string header(const CloudSummary& summary) const = 0;
+  /** Appends point `i`. \pre normals, if the layout has them */
+  virtual void append(const MapPoints& points, std::size_t i, std::string& out) const = 0;
+};
+
+std::unique_ptr<CloudFormat> makePcdFormat(const CloudDescription& layout);
+std::unique_ptr<CloudFormat> makePlyFormat(const CloudDescription& layout);
+std::unique_ptr<CloudFormat> makeLasFormat(const CloudDescription& layout);
+
+/** Appends a number as little-endian bytes. */
+template <typename T>
+void appendNumber(std::string& out, T value)
+{
+  std::array<char, sizeof value> bytes{};
+  std::memcpy(bytes.data(), &value, sizeof value);
+  out.append(bytes.data(), bytes.size());
+}
+}  // namespace dyslam

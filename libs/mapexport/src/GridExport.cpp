@@ -1,0 +1,256 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/core/Error.h>
+#include <dyslam/core/PendingFile.h>
+#include <dyslam/io/GzOutput.h>
+#include <dyslam/mapexport/MapExport.h>
+#include <mrpt/maps/COccupancyGridMap2D.h>
+#include <mrpt/serialization/CArchive.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+#include <limits>
+#include <opencv2/imgcodecs.hpp>
+#include <string>
+#include <vector>
+
+#include "GridGround.h"
+#include "GridObstacles.h"
+#include "OccupancyCells.h"
+#include "YamlText.h"
+
+namespace dyslam
+{
+namespace
+{
+const std::string image_key = "image: ";
+
+constexpr int azimuth_bins = 1440;
+constexpr double ray_range = 40.0;  // farther returns do not clear cells [m]
+
+using Grid = OccupancyCells;
+
+/** Sets the origin of a grid from `low` to `high`. \return its columns and rows */
+Eigen::Vector2d fitGrid(const Eigen::Vector2d& low, const Eigen::Vector2d& high, Grid& grid)
+{
+  grid.origin = (low / grid.resolution).array().floor() * grid.resolution;
+  Eigen::Vector2d size;
+  for (const int axis : {0, 1})
+  {
+    if (grid.numberOf(low[axis], axis) < 0)  // the origin was rounded up
+    {
+      grid.origin[axis] -= grid.resolution;
+    }
+    size[axis] = grid.numberOf(high[axis], axis) + 1;
+  }
+  return size;
+}
+
+Grid emptyGrid(const MapPoints& map, const MapExportOptions& options)
+{
+  Grid grid;
+  grid.resolution = options.grid_resolution;
+  if (map.size() == 0)
+  {
+    grid.cells = cv::Mat(1, 1, CV_8U, cv::Scalar(Grid::unknown));
+    return grid;
+  }
+  Eigen::Vector2d low = Eigen::Vector2d::Constant(std::numeric_limits<double>::infinity());
+  Eigen::Vector2d high = -low;
+  for (const auto& p : map.points)
+  {
+    const Eigen::Vector2d q = p.head<2>().cast<double>();
+    low = low.cwiseMin(q);
+    high = high.cwiseMax(q);
+  }
+  Eigen::Vector2d size = fitGrid(low, high, grid);
+  while (size.x() * size.y() > options.grid_max_cells)
+  {
+    grid.resolution *= 2;
+    size = fitGrid(low, high, grid);
+  }
+  grid.cells = cv::Mat(static_cast<int>(size.y()), static_cast<int>(size.x()), CV_8U,
+                       cv::Scalar(Grid::unknown));
+  return grid;
+}
+
+/** Marks the cells from a to b (b excluded) as free. */
+void clearRay(Grid& grid, const Eigen::Vector2d& a, const Eigen::Vector2d& b)
+{
+  const double length = (b - a).norm();
+  const int steps = static_cast<int>(length / (0.5 * grid.resolution));
+  for (int i = 0; i < steps; ++i)
+  {
+    const Eigen::Vector2d p = a + (b - a) * (static_cast<double>(i) / steps);
+    const cv::Point cell = grid.cellOf(p.x(), p.y());
+    grid.set(cell, Grid::free_space);
+  }
+}
+
+/** In every direction the ray to the farthest return below the obstacles' upper border is free. */
+void clearRays(Grid& grid,
+               const StaticMap& map,
+               const GridGround& ground,
+               double highest,
+               const MapProgress& on_keyframe)
+{
+  map.forEachStaticCloud(
+      [&](std::size_t k, const KeyframeCloud& cloud)
+      {
+        const Pose& T = map.poses()[k];
+        const Eigen::Vector2d sensor = (T * map.keyframes()[k].sensor.cast<double>()).head<2>();
+        std::vector<double> farthest(azimuth_bins, 0.0);
+        std::vector<Eigen::Vector2d> ends(azimuth_bins);
+        for (const auto& point : cloud.points)
+        {
+          const Eigen::Vector3d p = T * point.cast<double>();
+          const Eigen::Vector2d d = p.head<2>() - sensor;
+          const double range = d.norm();
+          if (range > ray_range || !(ground.above(p) <= highest))
+          {
+            continue;
+          }
+          const auto bin = static_cast<std::size_t>((std::atan2(d.y(), d.x()) + M_PI) / (2 * M_PI) *
+                                                    (azimuth_bins - 1));
+          if (range > farthest[bin])
+          {
+            farthest[bin] = range;
+            ends[bin] = p.head<2>();
+          }
+        }
+        for (std::size_t bin = 0; bin < ends.size(); ++bin)
+        {
+          if (farthest[bin] > 0)
+          {
+            clearRay(grid, sensor, ends[bin]);
+          }
+        }
+        if (on_keyframe)
+        {
+          on_keyframe(k + 1);
+        }
+      });
+}
+
+void markPoints(Grid& grid,
+                const StaticMap& map,
+                const MapPoints& points,
+                const GridGround& ground,
+                const MapExportOptions& o)
+{
+  const ObstacleColumns columns(points, ground, map.voxelSize(), map.keyframes().size(), o);
+  for (const bool obstacles : {false, true})
+  {
+    for (const auto& point : points.points)
+    {
+      const Eigen::Vector3d p = point.cast<double>();
+      if (obstacles ? columns.isObstacle(p) : ground.above(p) < o.obstacle_min_height)
+      {
+        grid.set(grid.cellOf(p.x(), p.y()), obstacles ? Grid::occupied : Grid::free_space);
+      }
+    }
+  }
+  if (grid.resolution < map.voxelSize())
+  {
+    markFineObstacles(map, columns, grid);
+  }
+}
+
+std::string yamlOf(const Grid& grid, const std::string& image, const Eigen::Vector3d& origin)
+{
+  char text[512];
+  std::snprintf(text, sizeof text,
+                "\nmode: trinary\nresolution: %.6g\norigin: [%.6f, %.6f, 0.0]\n"
+                "negate: 0\noccupied_thresh: 0.65\nfree_thresh: 0.196\n",
+                grid.resolution, grid.origin.x() + origin.x(), grid.origin.y() + origin.y());
+  return image_key + yamlText(image) + text;
+}
+
+std::string yamlPath(const std::string& image)
+{
+  return std::filesystem::path(image).replace_extension(".yaml").string();
+}
+
+void writePngAndYaml(const Grid& grid, const std::string& path, const Eigen::Vector3d& origin)
+{
+  std::vector<std::uint8_t> png;
+  if (!cv::imencode(".png", grid.cells, png))
+  {
+    throw UserError(path + ": encoding the picture failed");
+  }
+  writeWhole(path, std::string_view(reinterpret_cast<const char*>(png.data()), png.size()));
+  const std::filesystem::path file(path);
+  writeWhole(yamlPath(path), yamlOf(grid, file.filename().string(), origin));
+}
+
+/** MRPT's cells hold the probability of being free. Its coordinates are float32, so that the grid
+ * stays relative to the origin. */
+void writeGridmap(const Grid& grid, const std::string& path)
+{
+  const auto side = [&](int cells) { return static_cast<float>(cells * grid.resolution); };
+  const auto x0 = static_cast<float>(grid.origin.x());
+  const auto y0 = static_cast<float>(grid.origin.y());
+  mrpt::maps::COccupancyGridMap2D map(x0, x0 + side(grid.cells.cols), y0,
+                                      y0 + side(grid.cells.rows),
+                                      static_cast<float>(grid.resolution));
+  for (int row = 0; row < grid.cells.rows; ++row)
+  {
+    for (int col = 0; col < grid.cells.cols; ++col)
+    {
+      const std::uint8_t cell = grid.cells.at<std::uint8_t>(row, col);
+      const float free = cell == Grid::occupied ? 0.02F : cell == Grid::free_space ? 0.98F : 0.5F;
+      map.setCell(col, grid.cells.rows - 1 - row, free);
+    }
+  }
+  constexpr int compression_level = 6;
+  GzOutput file(path, compression_level);
+  auto archive = mrpt::serialization::archiveFrom(file);
+  archive << map;
+  file.close();
+}
+}  // namespace
+
+void writeOccupancyGrid(const StaticMap& map,
+                        const std::string& path,
+                        const MapExportOptions& options,
+                        const Eigen::Vector3d& origin,
+                        const MapProgress& on_keyframe)
+{
+  validate(options, "map_export");
+  if (options.obstacle_min_height >= options.obstacle_max_height)
+  {
+    throw UserError("map_export: obstacle_min_height must be below obstacle_max_height");
+  }
+  const MapPoints points = map.points();
+  Grid grid = emptyGrid(points, options);
+  const GridGround ground(points);
+  clearRays(grid, map, ground, options.obstacle_max_height, on_keyframe);
+  markPoints(grid, map, points, ground, options);
+  if (std::filesystem::path(path).extension() == ".gridmap")
+  {
+    writeGridmap(grid, path);
+  }
+  else
+  {
+    writePngAndYaml(grid, path, origin);
+  }
+}
+
+bool isGridImage(const std::string& path)
+{
+  std::error_code ignored;
+  std::ifstream yaml(yamlPath(path));
+  for (std::string line; std::filesystem::exists(path, ignored) && std::getline(yaml, line);)
+  {
+    if (line.rfind(image_key, 0) == 0)
+    {
+      const std::string image = fromYamlText(line.substr(image_key.size()));
+      return std::filesystem::path(image).filename() == std::filesystem::path(path).filename();
+    }
+  }
+  return false;
+}
+}  // namespace dyslam

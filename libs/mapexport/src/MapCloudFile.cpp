@@ -1,0 +1,132 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/core/Error.h>
+#include <dyslam/core/PendingFile.h>
+#include <dyslam/mapexport/MapCloudFile.h>
+#include <dyslam/mapexport/MapExport.h>
+
+#include <cerrno>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <stdexcept>
+
+#include "CloudFormat.h"
+
+namespace dyslam
+{
+namespace
+{
+std::unique_ptr<CloudFormat> formatOf(const std::string& path, const CloudDescription& layout)
+{
+  const std::string ending = std::filesystem::path(path).extension().string();
+  if (ending == ".pcd")
+  {
+    return makePcdFormat(layout);
+  }
+  if (ending == ".ply")
+  {
+    return makePlyFormat(layout);
+  }
+  if (ending == ".las")
+  {
+    return makeLasFormat(layout);
+  }
+  throw UserError(path + ": a map's points are written as .pcd, .ply or .las");
+}
+}  // namespace
+
+struct MapCloudFile::Impl
+{
+  Impl(const std::string& path, const CloudDescription& with)
+      : layout(with), format(formatOf(path, with)), pending(path)
+  {
+    errno = 0;
+    file.open(pending.temporary(), std::ios::binary);
+    write(format->header(summary));
+  }
+
+  void write(const std::string& bytes)
+  {
+    file.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
+    requireGood();
+  }
+  void requireGood() const
+  {
+    if (!file)
+    {
+      throw UserError(pending.path() + ": cannot be written: " +
+                      (errno != 0 ? std::strerror(errno) : "unknown reason"));
+    }
+  }
+
+  CloudDescription layout;
+  std::unique_ptr<CloudFormat> format;
+  PendingFile pending;
+  std::ofstream file;
+  CloudSummary summary;
+};
+
+MapCloudFile::MapCloudFile(const std::string& path, const CloudDescription& description)
+    : impl_(std::make_unique<Impl>(path, description))
+{
+}
+MapCloudFile::MapCloudFile(const std::string& path, bool normals)
+    : MapCloudFile(path, CloudDescription{normals, Eigen::Vector3d::Zero(), std::nullopt})
+{
+}
+MapCloudFile::~MapCloudFile() = default;
+
+void MapCloudFile::add(const MapPoints& points)
+{
+  Impl& m = *impl_;
+  if (m.layout.normals && points.normals.size() != points.size())
+  {
+    throw std::invalid_argument("MapCloudFile: points without normals");
+  }
+  if (points.size() > m.format->maxPoints() - m.summary.count)
+  {
+    throw UserError(m.pending.path() + ": the format holds " +
+                    std::to_string(m.format->maxPoints()) +
+                    " points, but the map has more; set map_export.tile_size, or write .ply");
+  }
+  constexpr std::size_t buffer_size = 1 << 20;
+  std::string buffer;
+  for (std::size_t i = 0; i < points.size(); ++i)
+  {
+    const Eigen::Vector3d p = points.points[i].cast<double>();
+    m.summary.low = m.summary.low.cwiseMin(p);
+    m.summary.high = m.summary.high.cwiseMax(p);
+    m.format->append(points, i, buffer);
+    if (buffer.size() >= buffer_size)
+    {
+      m.write(buffer);
+      buffer.clear();
+    }
+  }
+  m.write(buffer);
+  m.summary.count += points.size();
+}
+
+std::size_t MapCloudFile::count() const
+{
+  return impl_->summary.count;
+}
+
+void MapCloudFile::close()
+{
+  Impl& m = *impl_;
+  m.file.seekp(0);
+  m.write(m.format->header(m.summary));
+  m.file.close();
+  m.requireGood();
+  m.pending.commit();
+}
+
+void writeMapCloud(const MapPoints& points, const std::string& path, const Eigen::Vector3d& origin)
+{
+  const bool has_normals = points.size() > 0 && points.normals.size() == points.size();
+  MapCloudFile file(path, CloudDescription{has_normals, origin, std::nullopt});
+  file.add(points);
+  file.close();
+}
+}  // namespace dyslam

@@ -1,0 +1,81 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/core/Error.h>
+#include <dyslam/mapexport/MapExport.h>
+
+#include <array>
+#include <cstdio>
+#include <filesystem>
+#include <utility>
+#include <vector>
+
+namespace dyslam
+{
+namespace
+{
+constexpr double smallest_tile = 5;  // [m]; a scan would reach millions of tiles that are too small
+}  // namespace
+
+void MapExportOptions::describe(OptionsVisitor& v)
+{
+  v.flag("full_resolution", full_resolution,
+         "write clouds with every static point, not one per voxel");
+  v.flag("normals", normals, "write clouds with normals, which point towards the sensor");
+  v.real("normal_radius", normal_radius, 0.01, 100, "radius of the neighbourhood of a normal [m]");
+  v.real("tile_size", tile_size, 0, 100000,
+         "side of the tiles in which clouds are written, at least 5; 0: one file [m]");
+  if (tile_size > 0 && tile_size < smallest_tile)
+  {
+    char text[120];
+    std::snprintf(
+        text, sizeof text,
+        "[map_export] tile_size = %g is too small; use at least %g (m), or 0 for one file",
+        tile_size, smallest_tile);
+    throw UserError(text);
+  }
+  v.real("octree_resolution", octree_resolution, 0.01, 10, "side of the octree's leaves [m]");
+  v.real("octree_range", octree_range, 1, 300,
+         "range at which rays into the octree are cut off [m]");
+  v.real("grid_resolution", grid_resolution, 0.01, 10, "side of the occupancy grid's cells [m]");
+  v.real("obstacle_min_height", obstacle_min_height, -10, 100,
+         "height above ground up to which objects can be driven over [m]");
+  v.real("obstacle_max_height", obstacle_max_height, -10, 100,
+         "height above ground from which objects can be driven under [m]");
+  v.integer(
+      "obstacle_min_hits", obstacle_min_hits, 1, 1000,
+      "least number of keyframes that observed an obstacle; 1: ghosts of moving objects stay");
+  v.integer("grid_max_cells", grid_max_cells, 100, 2000000000,
+            "upper limit of the occupancy grid's cells; a larger grid gets coarser cells");
+}
+
+MapFormat mapFormatOf(const std::string& path)
+{
+  constexpr std::array<std::pair<const char*, MapFormat>, 9> formats{
+      {{".pcd", MapFormat::cloud},
+       {".ply", MapFormat::cloud},
+       {".las", MapFormat::cloud},
+       {".bt", MapFormat::octree},
+       {".ot", MapFormat::octree},
+       {".simplemap", MapFormat::simplemap},
+       {".3Dscene", MapFormat::scene},
+       {".png", MapFormat::grid},
+       {".gridmap", MapFormat::grid}}};
+  const std::string ending = std::filesystem::path(path).extension().string();
+  std::vector<std::string> known;
+  for (const auto& [name, format] : formats)
+  {
+    if (ending == name)
+    {
+      return format;
+    }
+    known.emplace_back(name);
+  }
+  if (ending == ".laz")
+  {
+    throw UserError(path + ": compressed LAS is not written; give .las and compress it after");
+  }
+  const std::string near = nearestWord(ending, known);
+  throw UserError(
+      path + ": the ending is none of .pcd .ply .las .bt .ot .simplemap .3Dscene .png .gridmap" +
+      (near.empty() || ending.empty() ? "" : "; did you mean " + near + "?"));
+}
+}  // namespace dyslam

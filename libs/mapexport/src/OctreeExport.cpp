@@ -1,0 +1,186 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/core/Error.h>
+#include <dyslam/core/PendingFile.h>
+#include <dyslam/mapexport/MapExport.h>
+#include <octomap/OcTree.h>
+
+#include <algorithm>
+#include <cstdio>
+#include <filesystem>
+
+#include "RayCells.h"
+
+namespace dyslam
+{
+namespace
+{
+octomap::point3d toOctomap(const Eigen::Vector3d& p)
+{
+  const Eigen::Vector3f q = p.cast<float>();
+  return {q.x(), q.y(), q.z()};
+}
+
+/** octomap counts cells by 16 bits, half of them on each side of the origin. \throws UserError for
+ * a map that reaches beyond, where octomap would leave the points out. */
+void requireWithinKeys(const StaticMap& map,
+                       const std::string& path,
+                       const MapExportOptions& options)
+{
+  constexpr double cells = 32768;
+  double farthest = 0;
+  map.forEachPart(
+      [&](const MapPoints& part)
+      {
+        for (const auto& p : part.points)
+        {
+          farthest = std::max(farthest, static_cast<double>(p.cwiseAbs().maxCoeff()));
+        }
+      });
+  for (const Pose& pose : map.poses())
+  {
+    farthest = pose.matrix().allFinite()
+                   ? std::max(farthest, pose.translation().cwiseAbs().maxCoeff())
+                   : farthest;
+  }
+  const double margin = 2 * options.octree_resolution;
+  if (farthest + margin < cells * options.octree_resolution)
+  {
+    return;
+  }
+  double enough = options.octree_resolution;
+  while (farthest + 2 * enough >= cells * enough)
+  {
+    enough *= 2;
+  }
+  char text[256];
+  std::snprintf(text, sizeof text,
+                ": the map reaches %.0f m from its origin, but octomap's 16-bit keys reach %.0f m "
+                "at map_export.octree_resolution=%g; take %g, or parts of the recording "
+                "(--skip-first-n, --only-first-n)",
+                farthest, cells * options.octree_resolution, options.octree_resolution, enough);
+  throw UserError(path + text);
+}
+
+/** octomap's insertPointCloud() with one ray per cell, with a faster set of cells. */
+class ScanInserter
+{
+ public:
+  ScanInserter(octomap::OcTree& tree, double range) : tree_(tree), range_(range) {}
+
+  void insert(const std::vector<octomap::point3d>& points, const octomap::point3d& sensor)
+  {
+    free_.clear();
+    ends_.clear();
+    occupied_.clear();
+    for (const octomap::point3d& point : points)
+    {
+      const octomap::OcTreeKey end = tree_.coordToKey(point);
+      if (ends_.insert(end))
+      {
+        castRay(sensor, end);
+      }
+    }
+    for (const octomap::OcTreeKey& key : occupied_)
+    {
+      free_.erase(key);
+    }
+    free_.forEach([&](const octomap::OcTreeKey& key) { tree_.updateNode(key, false, lazy); });
+    for (const octomap::OcTreeKey& key : occupied_)
+    {
+      tree_.updateNode(key, true, lazy);
+    }
+  }
+
+ private:
+  static constexpr bool lazy = true;
+
+  /** Of a ray that is too long, the part within range is free. */
+  void castRay(const octomap::point3d& sensor, const octomap::OcTreeKey& end)
+  {
+    octomap::point3d to = tree_.keyToCoord(end);
+    if ((to - sensor).norm() <= range_)
+    {
+      occupied_.push_back(end);
+    }
+    else
+    {
+      to = sensor + (to - sensor).normalized() * static_cast<float>(range_);
+    }
+    if (tree_.computeRayKeys(sensor, to, ray_))
+    {
+      for (const octomap::OcTreeKey& key : ray_)
+      {
+        free_.insert(key);
+      }
+    }
+  }
+
+  octomap::OcTree& tree_;
+  double range_;
+  CellSet free_;
+  CellSet ends_;
+  std::vector<octomap::OcTreeKey> occupied_;
+  octomap::KeyRay ray_;
+};
+
+/** What OcTree::writeBinary() writes; that prints " done." on stderr. */
+void writeBinaryTree(octomap::OcTree& tree, std::ostream& out)
+{
+  tree.toMaxLikelihood();
+  tree.prune();
+  out << "# Octomap OcTree binary file\n"
+         "# (feel free to add / change comments, but leave the first line as it is!)\n#\n"
+      << "id " << tree.getTreeType() << "\nsize " << tree.size() << "\nres " << tree.getResolution()
+      << "\ndata\n";
+  tree.writeBinaryData(out);
+}
+}  // namespace
+
+void writeOctomap(const StaticMap& map,
+                  const std::string& path,
+                  const MapExportOptions& options,
+                  const MapProgress& on_keyframe)
+{
+  validate(options, "map_export");
+  const std::string ending = std::filesystem::path(path).extension().string();
+  if (ending != ".bt" && ending != ".ot")
+  {
+    throw UserError(path + ": octomap's files end in .bt (binary) or .ot (full)");
+  }
+  requireWithinKeys(map, path, options);
+  octomap::OcTree tree(options.octree_resolution);
+  ScanInserter inserter(tree, options.octree_range);
+  std::vector<octomap::point3d> points;
+  map.forEachStaticCloud(
+      [&](std::size_t k, const KeyframeCloud& cloud)
+      {
+        const Pose& T = map.poses()[k];
+        points.clear();
+        for (const auto& p : cloud.points)
+        {
+          points.push_back(toOctomap(T * p.cast<double>()));
+        }
+        if (!points.empty())
+        {
+          inserter.insert(points, toOctomap(T * map.keyframes()[k].sensor.cast<double>()));
+        }
+        if (on_keyframe)
+        {
+          on_keyframe(k + 1);
+        }
+      });
+  tree.updateInnerOccupancy();
+  writeWhole(path,
+             [&](std::ostream& out)
+             {
+               if (ending == ".bt")
+               {
+                 writeBinaryTree(tree, out);
+               }
+               else if (!tree.write(out))
+               {
+                 out.setstate(std::ios::failbit);
+               }
+             });
+}
+}  // namespace dyslam

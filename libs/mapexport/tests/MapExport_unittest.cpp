@@ -1,0 +1,724 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/core/Error.h>
+#include <dyslam/formats/ScanFiles.h>
+#include <dyslam/mapexport/MapCloudFile.h>
+#include <dyslam/mapexport/MapExport.h>
+#include <gtest/gtest.h>
+#include <mrpt/io/CFileGZInputStream.h>
+#include <mrpt/maps/COccupancyGridMap2D.h>
+#include <mrpt/maps/CSimpleMap.h>
+#include <mrpt/maps/registerAllClasses.h>
+#include <mrpt/obs/CObservationPointCloud.h>
+#include <mrpt/obs/CSensoryFrame.h>
+#include <mrpt/serialization/CArchive.h>
+#include <octomap/OcTree.h>
+#include <unistd.h>
+
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <functional>
+#include <limits>
+#include <opencv2/imgcodecs.hpp>
+#include <optional>
+#include <sstream>
+#include <utility>
+
+#include "FullDisk.h"
+#include "TestMap.h"
+
+namespace dyslam
+{
+namespace
+{
+namespace fs = std::filesystem;
+
+class MapExport : public testing::Test
+{
+ protected:
+  void SetUp() override
+  {
+    folder_ = fs::temp_directory_path() / ("dyslam_map_export_" + std::to_string(getpid()));
+    fs::create_directories(folder_);
+  }
+  void TearDown() override { fs::remove_all(folder_); }
+
+  [[nodiscard]] std::string path(const std::string& name) const
+  {
+    return (folder_ / name).string();
+  }
+
+  [[nodiscard]] static std::string bytes(const std::string& file)
+  {
+    std::ifstream in(file, std::ios::binary);
+    std::ostringstream out;
+    out << in.rdbuf();
+    return out.str();
+  }
+
+  /** A flat floor of 20 m by 20 m with a wall 1.5 m high at x = 8, seen from three places. */
+  [[nodiscard]] static test::TestMap room()
+  {
+    test::TestMap map;
+    for (std::size_t k = 0; k < 3; ++k)
+    {
+      Frame frame;
+      frame.index = 10 * k;
+      frame.scan.stamp = 1000 + static_cast<double>(k);
+      frame.scan.T_vehicle_lidar.translation().z() = 1.7;
+      frame.T_odom_vehicle = poseFromYpr(static_cast<double>(k), 0, 0, 0.2, 0, 0);
+      const Pose T_vehicle_map = frame.T_odom_vehicle.inverse();
+      const auto add = [&](double x, double y, double z)
+      {
+        frame.cloud.points.push_back((T_vehicle_map * Eigen::Vector3d(x, y, z)).cast<float>());
+        frame.cloud.intensity.push_back(0.25F);
+        frame.cloud.source.push_back(0);
+      };
+      for (double y = -9.95; y < 10; y += 0.1)
+      {
+        for (double x = -9.95; x < 8; x += 0.1)
+        {
+          add(x, y, 0.02);
+        }
+        for (double z = 0.05; z < 1.5; z += 0.1)
+        {
+          add(8.05, y, z);
+        }
+      }
+      map.insert(frame);
+    }
+    return map;
+  }
+
+  fs::path folder_;
+};
+
+TEST_F(MapExport, CloudsRoundTrip)
+{
+  const auto points = room().map.points();
+  ASSERT_GT(points.size(), 1000U);
+  for (const std::string name : {"m.pcd", "m.ply"})
+  {
+    writeMapCloud(points, path(name));
+    const Scan back = readCloud(path(name));
+    ASSERT_EQ(back.size(), points.size());
+    EXPECT_EQ(back.points, points.points);
+    EXPECT_EQ(back.intensity, points.intensity);
+    const auto first = bytes(path(name));
+    writeMapCloud(points, path(name));
+    EXPECT_EQ(bytes(path(name)), first);
+  }
+  EXPECT_THROW(writeMapCloud(points, path("m.xyz")), UserError);
+}
+
+template <typename T>
+T numberAt(const std::string& bytes, std::size_t at)
+{
+  T value{};
+  std::memcpy(&value, &bytes.at(at), sizeof value);
+  return value;
+}
+
+/** By the offsets of the specifications: LAS 1.2, and 1.4 for the extra bytes. */
+TEST_F(MapExport, LasIsAsSpecifiedAndExactFarFromZero)
+{
+  MapPoints points;
+  points.points = {{1.0004F, -2, 0.5F}, {-70.25F, 900.125F, -3}, {0, 0, 0}};
+  points.intensity = {0, 1, 0.5F};
+  points.normals = {{0, 0, 1}, {1, 0, 0}, {0, -1, 0}};
+  const Eigen::Vector3d origin(448000, 5428000, 0);
+  writeMapCloud(points, path("m.las"), origin);
+  const std::string las = bytes(path("m.las"));
+  ASSERT_GT(las.size(), 227U);
+  EXPECT_EQ(las.substr(0, 4), "LASF");
+  EXPECT_EQ(las.substr(24, 2), "\x01\x02");
+  EXPECT_EQ(numberAt<std::uint16_t>(las, 94), 227);
+  const auto data = numberAt<std::uint32_t>(las, 96);
+  EXPECT_EQ(data, 227U + 54 + 3 * 192);
+  EXPECT_EQ(numberAt<std::uint32_t>(las, 100), 1U);
+  EXPECT_EQ(las[104], 0);
+  const auto record = numberAt<std::uint16_t>(las, 105);
+  EXPECT_EQ(record, 20 + 12);
+  ASSERT_EQ(las.size(), data + 3U * record);
+  EXPECT_EQ(numberAt<std::uint32_t>(las, 107), 3U);
+  EXPECT_EQ(numberAt<std::uint32_t>(las, 111), 3U);
+  for (std::size_t i = 0; i < 3; ++i)
+  {
+    const std::size_t at = data + i * record;
+    for (std::size_t axis = 0; axis < 3; ++axis)
+    {
+      const double value =
+          numberAt<std::int32_t>(las, at + 4 * axis) * numberAt<double>(las, 131 + 8 * axis) +
+          numberAt<double>(las, 155 + 8 * axis);
+      const auto k = static_cast<Eigen::Index>(axis);
+      EXPECT_NEAR(value, origin[k] + static_cast<double>(points.points[i][k]), 0.00051);
+      EXPECT_GE(value, numberAt<double>(las, 187 + 16 * axis));
+      EXPECT_LE(value, numberAt<double>(las, 179 + 16 * axis));
+      EXPECT_EQ(numberAt<float>(las, at + 20 + 4 * axis), points.normals[i][k]);
+    }
+    EXPECT_NEAR(numberAt<std::uint16_t>(las, at + 12) / 65535.0,
+                static_cast<double>(points.intensity[i]), 1e-5);
+    EXPECT_EQ(las[at + 14], 0x09);
+  }
+  EXPECT_EQ(las.substr(227 + 2, 9), "LASF_Spec");
+  EXPECT_EQ(numberAt<std::uint16_t>(las, 227 + 18), 4);
+  for (std::size_t axis = 0; axis < 3; ++axis)
+  {
+    const std::size_t at = 227 + 54 + 192 * axis;
+    EXPECT_EQ(las[at + 2], 9);
+    EXPECT_EQ(las.substr(at + 4, 7), std::string("Normal") + "XYZ"[axis]);
+    EXPECT_EQ(las.substr(at + 160, 10), "towards th");
+  }
+}
+
+/** Bytes 90 to 93: day of the year and year, in UTC. */
+TEST_F(MapExport, TheDateOfALasIsThatOfTheRecording)
+{
+  const auto dateOf = [&](std::optional<double> recorded)
+  {
+    MapCloudFile file(path("m.las"), {false, Eigen::Vector3d::Zero(), recorded});
+    file.close();
+    const std::string las = bytes(path("m.las"));
+    return std::pair<int, int>(numberAt<std::uint16_t>(las, 90), numberAt<std::uint16_t>(las, 92));
+  };
+  EXPECT_EQ((std::pair<int, int>(269, 2011)), dateOf(1317042752.9));  // 26 September, 13:12
+  EXPECT_EQ((std::pair<int, int>(366, 2020)), dateOf(1609459199));    // 31 December, 23:59:59
+  EXPECT_EQ((std::pair<int, int>(1, 1970)), dateOf(1000));
+  for (const std::optional<double> none :
+       {std::optional<double>(), std::optional<double>(-1),
+        std::optional<double>(std::numeric_limits<double>::quiet_NaN()),
+        std::optional<double>(1e300)})
+  {
+    EXPECT_EQ((std::pair<int, int>(0, 0)), dateOf(none));
+  }
+}
+
+TEST_F(MapExport, CloudsFarFromZeroKeepTheirPrecision)
+{
+  MapPoints points;
+  points.points = {{1.25F, -2, 0.5F}};
+  points.intensity = {0.5F};
+  const Eigen::Vector3d origin(448000, 5428000, 0);
+  writeMapCloud(points, path("m.ply"), origin);
+  const std::string ply = bytes(path("m.ply"));
+  const std::size_t data = ply.find("end_header\n") + 11;
+  EXPECT_NE(ply.find("property double x\n"), std::string::npos);
+  EXPECT_EQ(numberAt<double>(ply, data), 448001.25);
+  EXPECT_EQ(numberAt<double>(ply, data + 8), 5427998.0);
+  writeMapCloud(points, path("m.pcd"), origin);
+  EXPECT_EQ(readCloud(path("m.pcd")).points, points.points);
+  EXPECT_NE(bytes(path("m.pcd")).find("VIEWPOINT 448000 5428000 0 1 0 0 0\n"), std::string::npos);
+}
+
+TEST_F(MapExport, ACloudWithNormalsNeedsThemOfAllPoints)
+{
+  MapPoints points;
+  points.points = {{1, 2, 3}};
+  points.intensity = {0.5F};
+  MapCloudFile file(path("m.ply"), true);
+  EXPECT_THROW(file.add(points), std::invalid_argument);
+  points.normals = {{0, 0, 1}};
+  file.add(points);
+  EXPECT_EQ(file.count(), 1U);
+  EXPECT_FALSE(fs::exists(path("m.ply"))) << "it is not closed";
+  file.close();
+  EXPECT_EQ(readCloud(path("m.ply")).points, points.points);
+}
+
+TEST_F(MapExport, KeyframesAreCountedWhenTheyAreDone)
+{
+  test::TestMap held = room();
+  Frame lost;
+  lost.index = 100;
+  lost.T_odom_vehicle.translation().setConstant(std::numeric_limits<double>::quiet_NaN());
+  held.insert(lost);
+  const std::vector<std::size_t> all{1, 2, 3, 4};
+  for (const std::string name : {"m.bt", "m.gridmap", "m.simplemap"})
+  {
+    std::vector<std::size_t> done;
+    const MapProgress count = [&](std::size_t keyframes) { done.push_back(keyframes); };
+    switch (mapFormatOf(name))
+    {
+      case MapFormat::octree:
+        writeOctomap(held.map, path(name), {}, count);
+        break;
+      case MapFormat::grid:
+        writeOccupancyGrid(held.map, path(name), {}, Eigen::Vector3d::Zero(), count);
+        break;
+      default:
+        writeSimplemap(held.map, path(name), Eigen::Vector3d::Zero(), count);
+    }
+    EXPECT_EQ(done, all) << name;
+  }
+}
+
+TEST_F(MapExport, OctomapIsWhatItsOwnInsertionMakes)
+{
+  const test::TestMap held = room();
+  MapExportOptions options;
+  options.octree_range = 6.0;  // some rays are cut off
+  writeOctomap(held.map, path("m.ot"), options);
+  octomap::OcTree tree(options.octree_resolution);
+  held.map.forEachStaticCloud(
+      [&](std::size_t k, const KeyframeCloud& cloud)
+      {
+        const Pose& T = held.map.poses()[k];
+        const auto toOctomap = [&](const Eigen::Vector3f& p)
+        {
+          const Eigen::Vector3f q = (T * p.cast<double>()).cast<float>();
+          return octomap::point3d(q.x(), q.y(), q.z());
+        };
+        octomap::Pointcloud points;
+        for (const auto& p : cloud.points)
+        {
+          points.push_back(toOctomap(p));
+        }
+        tree.insertPointCloud(points, toOctomap(held.map.keyframes()[k].sensor),
+                              options.octree_range, true, true);
+      });
+  tree.updateInnerOccupancy();
+  std::ostringstream expected;
+  ASSERT_TRUE(tree.write(expected));
+  EXPECT_EQ(bytes(path("m.ot")), expected.str());
+  testing::internal::CaptureStderr();
+  testing::internal::CaptureStdout();
+  writeOctomap(held.map, path("m.bt"), options);
+  EXPECT_EQ(testing::internal::GetCapturedStderr(), "");
+  EXPECT_EQ(testing::internal::GetCapturedStdout(), "");
+  std::ostringstream binary;
+  ASSERT_TRUE(tree.writeBinary(binary));
+  EXPECT_EQ(bytes(path("m.bt")), binary.str());
+}
+
+TEST_F(MapExport, OctomapBeyondItsKeysIsAnError)
+{
+  test::TestMap map;
+  Frame frame;
+  frame.T_odom_vehicle = poseFromYpr(6540, 0, 0, 0, 0, 0);
+  for (int i = 0; i < 100; ++i)
+  {
+    frame.cloud.points.emplace_back(5.0F + 0.3F * static_cast<float>(i), 0.0F, 0.0F);
+    frame.cloud.source.push_back(0);
+  }
+  map.insert(frame);
+  try
+  {
+    writeOctomap(map.map, path("m.bt"), {});
+    FAIL() << "points were lost";
+  }
+  catch (const UserError& error)
+  {
+    EXPECT_NE(std::string(error.what()).find("octree_resolution=0.2; take 0.4"), std::string::npos)
+        << error.what();
+  }
+  MapExportOptions coarser;
+  coarser.octree_resolution = 0.4;
+  writeOctomap(map.map, path("m.bt"), coarser);
+  octomap::OcTree tree(0.4);
+  ASSERT_TRUE(tree.readBinary(path("m.bt")));
+  EXPECT_NE(tree.search(6540 + 20, 0, 0), nullptr);
+}
+
+TEST_F(MapExport, GridmapIsWhatMrptReads)
+{
+  const test::TestMap held = room();
+  writeOccupancyGrid(held.map, path("m.gridmap"), {});
+  mrpt::io::CFileGZInputStream file(path("m.gridmap"));
+  auto archive = mrpt::serialization::archiveFrom(file);
+  mrpt::maps::COccupancyGridMap2D grid;
+  archive >> grid;
+  EXPECT_FLOAT_EQ(grid.getResolution(), 0.1F);
+  writeOccupancyGrid(held.map, path("m.png"), {});
+  const cv::Mat image = cv::imread(path("m.png"), cv::IMREAD_UNCHANGED);
+  const std::string yaml = bytes(path("m.yaml"));
+  double x0 = 0;
+  double y0 = 0;
+  ASSERT_EQ(std::sscanf(yaml.c_str() + yaml.find("origin:"), "origin: [%lf, %lf", &x0, &y0), 2);
+  std::size_t occupied = 0;
+  for (int row = 0; row < image.rows; ++row)
+  {
+    for (int column = 0; column < image.cols; ++column)
+    {
+      const double x = x0 + (column + 0.5) * 0.1;
+      const double y = y0 + (image.rows - row - 0.5) * 0.1;
+      const float free = grid.getPos(static_cast<float>(x), static_cast<float>(y));
+      const int cell = image.at<std::uint8_t>(row, column);
+      ASSERT_NEAR(free, cell == 0 ? 0.02F : cell == 254 ? 0.98F : 0.5F, 0.01F) << x << " " << y;
+      occupied += free < 0.1F ? 1 : 0;
+    }
+  }
+  EXPECT_GT(occupied, 80U);
+}
+
+TEST_F(MapExport, SimplemapHoldsPosesAndClouds)
+{
+  const test::TestMap held = room();
+  const StaticMap& map = held.map;
+  writeSimplemap(map, path("m.simplemap"));
+  const auto first = bytes(path("m.simplemap"));
+  writeSimplemap(map, path("m.simplemap"));
+  EXPECT_EQ(bytes(path("m.simplemap")), first);
+
+  mrpt::maps::registerAllClasses_mrpt_maps();
+  mrpt::maps::CSimpleMap back;
+  ASSERT_TRUE(back.loadFromFile(path("m.simplemap")));
+  ASSERT_EQ(back.size(), 3U);
+  std::size_t points = 0;
+  for (std::size_t k = 0; k < back.size(); ++k)
+  {
+    const auto [pose, frame] = back.getAsPair(k);
+    const auto mean = pose->getMeanVal();
+    EXPECT_NEAR(mean.x(), static_cast<double>(k), 1e-9);
+    EXPECT_NEAR(mean.yaw(), 0.2, 1e-9);
+    const auto cloud = frame->getObservationByClass<mrpt::obs::CObservationPointCloud>();
+    ASSERT_TRUE(cloud);
+    EXPECT_EQ(cloud->sensorLabel, "lidar");
+    points += cloud->pointcloud->size();
+  }
+  EXPECT_EQ(points, held.pointCount());
+}
+
+TEST_F(MapExport, SimplemapIsWhatMrptWouldWrite)
+{
+  mrpt::maps::registerAllClasses_mrpt_maps();
+  writeSimplemap(room().map, path("a.simplemap"), {1000, 2000, 0});
+  mrpt::maps::CSimpleMap map;
+  ASSERT_TRUE(map.loadFromFile(path("a.simplemap")));
+  std::vector<std::uint8_t> expected;
+  mrpt::serialization::ObjectToOctetVector(&map, expected);
+  mrpt::io::CFileGZInputStream file(path("a.simplemap"));
+  std::vector<std::uint8_t> written(2 * expected.size());
+  written.resize(file.Read(written.data(), written.size()));
+  EXPECT_EQ(written, expected);
+}
+
+TEST_F(MapExport, OctomapKnowsOccupiedAndFree)
+{
+  const test::TestMap held = room();
+  const StaticMap& map = held.map;
+  for (const std::string name : {"m.bt", "m.ot"})
+  {
+    writeOctomap(map, path(name), {});
+    const auto first = bytes(path(name));
+    writeOctomap(map, path(name), {});
+    EXPECT_EQ(bytes(path(name)), first);
+  }
+  octomap::OcTree tree(0.2);
+  ASSERT_TRUE(tree.readBinary(path("m.bt")));
+  const auto* wall = tree.search(8.05, 0, 1.0);
+  ASSERT_NE(wall, nullptr);
+  EXPECT_TRUE(tree.isNodeOccupied(wall));
+  const auto* air = tree.search(4.0, 0, 1.3);
+  ASSERT_NE(air, nullptr);
+  EXPECT_FALSE(tree.isNodeOccupied(air));
+  EXPECT_EQ(tree.search(12.0, 0, 1.0), nullptr);
+  EXPECT_THROW(writeOctomap(map, path("m.oct"), {}), UserError);
+}
+
+TEST_F(MapExport, GridIsWhatMapServersRead)
+{
+  const test::TestMap held = room();
+  const StaticMap& map = held.map;
+  writeOccupancyGrid(map, path("m.png"), {});
+  const cv::Mat grid = cv::imread(path("m.png"), cv::IMREAD_UNCHANGED);
+  ASSERT_EQ(grid.type(), CV_8UC1);
+  const std::string yaml = bytes(path("m.yaml"));
+  EXPECT_NE(yaml.find("image: m.png\n"), std::string::npos) << yaml;
+  EXPECT_NE(yaml.find("resolution: 0.1\n"), std::string::npos) << yaml;
+  double x0 = 0;
+  double y0 = 0;
+  ASSERT_EQ(std::sscanf(yaml.c_str() + yaml.find("origin:"), "origin: [%lf, %lf", &x0, &y0), 2);
+  const auto at = [&](double x, double y)
+  {
+    const int column = static_cast<int>(std::floor((x - x0) / 0.1));
+    const int row = grid.rows - 1 - static_cast<int>(std::floor((y - y0) / 0.1));
+    return static_cast<int>(grid.at<std::uint8_t>(row, column));
+  };
+  EXPECT_EQ(at(2.0, 1.0), 254);
+  EXPECT_EQ(at(7.0, -3.0), 254);
+  int occupied = 0;
+  for (double y = -9; y < 9; y += 0.1)
+  {
+    occupied += at(8.05, y) == 0 ? 1 : 0;
+  }
+  EXPECT_GT(occupied, 80);
+  for (double y = -9; y < 9; y += 0.1)
+  {
+    for (double x = -9; x < 7.5; x += 0.1)
+    {
+      ASSERT_NE(at(x, y), 0) << x << " " << y;
+    }
+  }
+}
+
+/** One keyframe sees a post 1 m high at x = 3, all of them one at x = 5. */
+test::TestMap twoPosts(std::size_t keyframes)
+{
+  test::TestMap map;
+  for (std::size_t k = 0; k < keyframes; ++k)
+  {
+    Frame frame;
+    frame.index = k;
+    frame.scan.T_vehicle_lidar.translation().z() = 1.7;
+    const auto add = [&](float x, float y, float z)
+    {
+      frame.cloud.points.emplace_back(x, y, z);
+      frame.cloud.intensity.push_back(0.25F);
+      frame.cloud.source.push_back(0);
+    };
+    for (int i = 0; i < 6400; ++i)  // floor of 8 m by 8 m
+    {
+      add(0.1F * static_cast<float>(i % 80) + 0.05F, 0.1F * static_cast<float>(i / 80) - 3.95F,
+          0.02F);
+    }
+    for (float z = 0.5F; z < 1; z += 0.1F)
+    {
+      add(5.05F, 0.05F, z);
+      if (k == 0)
+      {
+        add(3.05F, 0.05F, z);
+      }
+    }
+    map.insert(frame);
+  }
+  return map;
+}
+
+TEST_F(MapExport, ObstaclesOfTheGridAreSeenByTwoKeyframes)
+{
+  const auto occupied = [&](std::size_t keyframes, int min_hits, double x)
+  {
+    MapExportOptions options;
+    options.obstacle_min_hits = min_hits;
+    writeOccupancyGrid(twoPosts(keyframes).map, path("m.gridmap"), options);
+    mrpt::io::CFileGZInputStream file(path("m.gridmap"));
+    mrpt::maps::COccupancyGridMap2D grid;
+    auto archive = mrpt::serialization::archiveFrom(file);
+    archive >> grid;
+    return grid.getPos(static_cast<float>(x), 0.05F) < 0.4F;
+  };
+  EXPECT_TRUE(occupied(3, 1, 3.05));
+  EXPECT_FALSE(occupied(3, 2, 3.05)) << "seen once";
+  EXPECT_TRUE(occupied(3, 2, 5.05));
+  EXPECT_TRUE(occupied(1, 2, 3.05)) << "there is but one keyframe";
+}
+
+/** Multipath echoes lie below the road; a quarter of the columns with one is no obstacle. */
+TEST_F(MapExport, EchoesBelowTheRoadLeaveItFree)
+{
+  test::TestMap map;
+  for (std::size_t k = 0; k < 3; ++k)
+  {
+    Frame frame;
+    frame.index = k;
+    frame.scan.T_vehicle_lidar.translation().z() = 1.7;
+    const auto add = [&](double x, double y, double z)
+    {
+      frame.cloud.points.emplace_back(static_cast<float>(x), static_cast<float>(y),
+                                      static_cast<float>(z));
+      frame.cloud.source.push_back(0);
+    };
+    for (int i = 0; i < 6400; ++i)  // road of 8 m by 8 m
+    {
+      add(0.1 * (i % 80) + 0.05, 0.1 * (i / 80) - 3.95, 0.02);
+    }
+    for (int i = 0; k == 1 && i < 64; ++i)  // an echo in every second column, seen once
+    {
+      if (i % 2 == 0)
+      {
+        add(i % 8 + 0.55, i / 8 - 3.45, -0.8);
+      }
+    }
+    map.insert(frame);
+  }
+  writeOccupancyGrid(map.map, path("m.gridmap"), MapExportOptions());
+  mrpt::io::CFileGZInputStream file(path("m.gridmap"));
+  mrpt::maps::COccupancyGridMap2D grid;
+  auto archive = mrpt::serialization::archiveFrom(file);
+  archive >> grid;
+  for (float x = 0.55F; x < 7.5F; x += 0.1F)
+  {
+    EXPECT_GT(grid.getPos(x, 0.05F), 0.4F) << x;
+  }
+}
+
+/** A ramp of 12 degrees with a box on it. */
+TEST_F(MapExport, RampsAreFreeAndWhatStandsOnThemIsNot)
+{
+  test::TestMap map;
+  for (std::size_t k = 0; k < 3; ++k)
+  {
+    Frame frame;
+    frame.index = k;
+    frame.scan.T_vehicle_lidar.translation().z() = 1.7;
+    const auto add = [&](double x, double y, double height)
+    {
+      frame.cloud.points.emplace_back(static_cast<float>(x), static_cast<float>(y),
+                                      static_cast<float>(std::tan(12 * M_PI / 180) * x + height));
+      frame.cloud.source.push_back(0);
+    };
+    for (int i = 0; i < 10000; ++i)  // 10 m by 10 m
+    {
+      add(3.05 + 0.1 * (i % 100), 0.1 * (i / 100) - 4.95, 0);
+    }
+    for (double y = 1.05; y < 2; y += 0.1)
+    {
+      for (double height = 0.2; height < 1; height += 0.1)
+      {
+        add(7.05, y, height);
+      }
+    }
+    map.insert(frame);
+  }
+  writeOccupancyGrid(map.map, path("m.gridmap"), MapExportOptions());
+  mrpt::io::CFileGZInputStream file(path("m.gridmap"));
+  mrpt::maps::COccupancyGridMap2D grid;
+  auto archive = mrpt::serialization::archiveFrom(file);
+  archive >> grid;
+  int occupied = 0;
+  for (float y = -4.45F; y < 4.5F; y += 0.1F)
+  {
+    for (float x = 3.55F; x < 12.5F; x += 0.1F)
+    {
+      const bool is_box = std::abs(x - 7.05F) < 0.3F && std::abs(y - 1.5F) < 0.7F;
+      const bool is_occupied = grid.getPos(x, y) < 0.4F;
+      EXPECT_TRUE(is_box || !is_occupied) << x << " " << y;
+      occupied += is_occupied ? 1 : 0;
+    }
+  }
+  EXPECT_GE(occupied, 4);
+}
+
+/** Where `(high - origin) / resolution` is rounded up to a whole number, and where the origin is
+ * rounded to above `low`. */
+TEST_F(MapExport, EveryPointHasACellOfTheGrid)
+{
+  const auto freeCells =
+      [&](double low, double high, double resolution, const Eigen::Vector3d& axis)
+  {
+    StaticMapOptions options;
+    options.voxel_size = 0.5;
+    options.min_range = 0;
+    options.visibility = false;
+    test::TestMap map(options);
+    for (const double at : {low, high})
+    {
+      Frame frame;
+      frame.T_odom_vehicle.translation() = at * axis;
+      frame.cloud.points.emplace_back(0.0F, 0.0F, 0.0F);
+      frame.cloud.source.push_back(0);
+      map.insert(frame);
+    }
+    MapExportOptions exports;
+    exports.grid_resolution = resolution;
+    writeOccupancyGrid(map.map, path("m.png"), exports);
+    const cv::Mat grid = cv::imread(path("m.png"), cv::IMREAD_UNCHANGED);
+    return cv::countNonZero(grid == 254);
+  };
+  for (const Eigen::Vector3d& axis : {Eigen::Vector3d(1, 0, 0), Eigen::Vector3d(0, 1, 0)})
+  {
+    EXPECT_EQ(2, freeCells(-823.125, 28, 0.07, axis)) << axis.transpose();
+    EXPECT_EQ(2, freeCells(-3.625, 5, 0.145, axis)) << axis.transpose();
+  }
+}
+
+TEST_F(MapExport, LargeGridsGetCoarserCells)
+{
+  MapExportOptions options;
+  options.grid_max_cells = 5000;
+  writeOccupancyGrid(room().map, path("m.png"), options);
+  const cv::Mat grid = cv::imread(path("m.png"), cv::IMREAD_UNCHANGED);
+  EXPECT_LE(grid.rows * grid.cols, 5000);
+  EXPECT_NE(bytes(path("m.yaml")).find("resolution: 0.4"), std::string::npos)
+      << bytes(path("m.yaml"));
+}
+
+TEST_F(MapExport, EmptyMapGivesValidFiles)
+{
+  const test::TestMap held;
+  const StaticMap& map = held.map;
+  writeMapCloud(map.points(), path("e.ply"));
+  EXPECT_EQ(readCloud(path("e.ply")).size(), 0U);
+  writeMapCloud(map.points(), path("e.pcd"));
+  EXPECT_EQ(readCloud(path("e.pcd")).size(), 0U);
+  writeSimplemap(map, path("e.simplemap"));
+  mrpt::maps::CSimpleMap back;
+  EXPECT_TRUE(back.loadFromFile(path("e.simplemap")));
+  EXPECT_EQ(back.size(), 0U);
+  writeOctomap(map, path("e.bt"), {});
+  octomap::OcTree tree(0.2);
+  EXPECT_TRUE(tree.readBinary(path("e.bt")));
+  EXPECT_EQ(tree.size(), 0U);
+  writeOccupancyGrid(map, path("e.png"), {});
+  EXPECT_EQ(cv::imread(path("e.png"), cv::IMREAD_UNCHANGED).total(), 1U);
+}
+
+TEST_F(MapExport, AFullDiskLeavesTheEarlierFiles)
+{
+  const MapPoints points = room().map.points();
+  for (const char* name : {"f.simplemap", "f.las", "f.pcd", "f.gridmap"})
+  {
+    std::ofstream(path(name)) << "an earlier one";
+  }
+  {
+    // Few bytes are written by the close only.
+    const test::FullDisk full_disk(10);
+    EXPECT_THROW(writeSimplemap(test::TestMap().map, path("f.simplemap")), UserError);
+    EXPECT_THROW(writeMapCloud(points, path("f.las")), UserError);
+    EXPECT_THROW(writeMapCloud({}, path("f.pcd")), UserError);
+    EXPECT_THROW(writeOccupancyGrid(test::TestMap().map, path("f.gridmap"), {}), UserError);
+  }
+  for (const char* name : {"f.simplemap", "f.las", "f.pcd", "f.gridmap"})
+  {
+    EXPECT_EQ(bytes(path(name)), "an earlier one") << name;
+    EXPECT_FALSE(fs::exists(path(name) + ".tmp")) << name;
+  }
+}
+
+TEST_F(MapExport, UnwritableFoldersAndBadEndings)
+{
+  const test::TestMap held = room();
+  const StaticMap& map = held.map;
+  const std::string nowhere = path("no/such/folder/m");
+  EXPECT_THROW(writeMapCloud(map.points(), nowhere + ".ply"), UserError);
+  EXPECT_THROW(writeSimplemap(map, nowhere + ".simplemap"), UserError);
+  EXPECT_THROW(writeOctomap(map, nowhere + ".bt", {}), UserError);
+  EXPECT_THROW(writeOccupancyGrid(map, nowhere + ".png", {}), UserError);
+  try
+  {
+    (void)mapFormatOf("map.3dscene");
+    FAIL() << "a bad ending was accepted";
+  }
+  catch (const UserError& error)
+  {
+    EXPECT_NE(std::string(error.what()).find("did you mean .3Dscene"), std::string::npos)
+        << error.what();
+  }
+}
+
+TEST(MapExportOptions, TilesAreNotTooSmall)
+{
+  const auto loaded = [](const std::string& tile_size)
+  {
+    MapExportOptions options;
+    load(options, Config::fromText("[map_export]\ntile_size = " + tile_size + "\n", "test.ini"),
+         "map_export");
+    return options.tile_size;
+  };
+  EXPECT_EQ(0, loaded("0"));
+  EXPECT_EQ(5, loaded("5"));
+  EXPECT_THROW((void)loaded("4.9"), UserError);
+  try
+  {
+    (void)loaded("0.01");
+    FAIL() << "millions of tiles";
+  }
+  catch (const UserError& error)
+  {
+    EXPECT_STREQ(
+        "[map_export] tile_size = 0.01 is too small; use at least 5 (m), or 0 for one file",
+        error.what());
+  }
+}
+}  // namespace
+}  // namespace dyslam

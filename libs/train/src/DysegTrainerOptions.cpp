@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/train/DysegTrainer.h>
+
+namespace dyslam
+{
+void DysegTrainerOptions::describe(OptionsVisitor& v)
+{
+  v.text("data", data, "folder with the real data; empty: simulated data only");
+  v.text("splits", splits,
+         "splits of the frames (training, validation, test): a file, or the name of a shipped one");
+  v.text("boxed_run", boxed_run, "training run with boxes, a folder under data; empty: none");
+  v.integer("boxed_last", boxed_last, 1, 1000000, "last training frame of boxed_run");
+  v.degrees("boxed_start_azimuth_deg", boxed_drift.start_azimuth, -360, 360,
+            "azimuth at which scan 0 of the runs with boxes begins and ends, from +x towards +y "
+            "[deg]");
+  v.degrees("boxed_azimuth_step_deg", boxed_drift.step, -180, 0,
+            "drift of that azimuth per scan; 0: none, the scans are not deskewed [deg]");
+  v.text("boxed_validation", boxed_validation,
+         "validation run with boxes, a folder under data; empty: none");
+  v.integer("boxed_validation_first", boxed_validation_first, 8, 1000000,
+            "first frame of boxed_validation that is evaluated");
+  v.integer("boxed_validation_last", boxed_validation_last, 8, 1000000,
+            "last frame of boxed_validation that is evaluated");
+  v.text("labelled_validation", labelled_validation,
+         "validation run with point labels, a folder under data; empty: none");
+  v.text("labelled_poses", labelled_poses,
+         "name of the pose file in the folder of labelled_validation");
+  v.integer("labelled_validation_first", labelled_validation_first, 1, 1000000,
+            "first frame of labelled_validation that is evaluated");
+  v.integer("labelled_validation_last", labelled_validation_last, 1, 1000000,
+            "last frame of labelled_validation that is evaluated");
+  v.text("single_scans", single_scans, "folders of single scans under data, separated by commas");
+  v.real("simulated_share", simulated_share, 0, 1, "share of pairs that are simulated");
+  v.real("single_share", single_share, 0, 1, "share of real pairs that are made from single scans");
+  v.real("same_scan_share", same_scan_share, 0, 1,
+         "share of pairs of runs and clips that are made from one scan");
+  v.integer("gap", gap, 1, 10, "gap between the scans that the application compares [scans]");
+  v.real("gap_share", gap_share, 0, 1,
+         "share of pairs of runs and clips that are gap scans apart; the others are 1 to 10");
+  v.real("campus_share", campus_share, 0, 1,
+         "share of simulated clips that are on a campus (many pedestrians)");
+  v.real("highway_share", highway_share, 0, 1,
+         "share of simulated clips that are on a highway, of those that are not on a campus");
+  v.real("few_beams_share", few_beams_share, 0, 1,
+         "share of simulated clips that are scanned with 16 beams");
+  v.integer("simulated_pool", simulated_pool, 1, 100000,
+            "number of simulated clips kept in memory");
+  v.integer("simulate_every", simulate_every, 1, 100000, "steps between new simulated clips");
+  v.integer("crop", crop, 64, 2048,
+            "cells along each side of the grid in training, a multiple of 16");
+  requireMultipleOf16("[train] crop", crop);
+  v.real("crop_reach", crop_reach, 0, 1000,
+         "largest distance of the centre of a crop from the sensor, in x and in y [m]");
+  v.integer("steps", steps, 1, 100000000, "number of optimiser steps");
+  v.integer("batch", batch, 1, max_batch, "number of pairs per step");
+  rate.describe(v);
+  v.real("ema_decay", ema_decay, 0, 1,
+         "decay per step of the exponential moving average of the weights, which is saved");
+  v.real("weight_decay", weight_decay, 0, 1, "weight decay of AdamW");
+  v.integer("checkpoint_every", checkpoint_every, 1, 1000000, "steps between checkpoints");
+  v.integer("validate_every", validate_every, 0, 1000000,
+            "steps between validations; 0: no validation");
+  v.integer("threads", threads, 1, 256,
+            "pairs computed at a time, each in a thread; in validation, threads of the network");
+  v.integer("seed", seed, 0, 2000000000, "random seed of weights and data");
+}
+}  // namespace dyslam

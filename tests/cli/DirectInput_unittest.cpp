@@ -1,0 +1,192 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// dyslam on a recording that is no rawlog: the results are those of converting it first.
+#include <dyslam/formats/ScanFiles.h>
+#include <dyslam/formats/TrajectoryFiles.h>
+#include <dyslam/sim/Simulator.h>
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "BagWriters.h"
+#include "RunProgram.h"
+#include "SyntheticCapture.h"
+#include "TestFolder.h"
+
+namespace fs = std::filesystem;
+
+namespace dyslam
+{
+namespace
+{
+class DirectInput : public ::testing::Test
+{
+ protected:
+  static void SetUpTestSuite()
+  {
+    sim::SimulatorOptions options;
+    options.sensor = sim::SensorKind::vlp16;
+    options.columns = 600;
+    options.seed = 5;
+    sim::Simulator simulator(options, 1);
+    for (std::size_t i = 0; i < 6; ++i)
+    {
+      auto simulated = simulator.next();
+      simulated.scan.stamp += 1.6e9;  // bags count from 1970
+      scans_.push_back(simulated.scan);
+      poses_.push_back(static_cast<double>(i), simulated.T_map_vehicle);
+    }
+  }
+  static void TearDownTestSuite()
+  {
+    scans_.clear();
+    poses_ = {};
+  }
+
+  [[nodiscard]] std::string at(const std::string& name) const { return folder_.file(name); }
+  [[nodiscard]] Outcome run(const std::string& program, const std::string& arguments) const
+  {
+    return runProgram(program, arguments, folder_.path());
+  }
+
+  void bins(const std::string& name) const
+  {
+    fs::create_directories(at(name));
+    for (std::size_t i = 0; i < scans_.size(); ++i)
+    {
+      writeCloud(at(name + "/00000" + std::to_string(i) + ".bin"), scans_[i].points,
+                 scans_[i].intensity);
+    }
+  }
+
+  /** Two topics of scans; that of the lidar is /points. */
+  void bag(const std::string& name) const
+  {
+    std::vector<test::TestMessage> all;
+    for (const Scan& scan : scans_)
+    {
+      for (const char* topic : {"/points", "/rear"})
+      {
+        const Scan& content = topic == std::string("/points") ? scan : scans_[0];
+        all.push_back({topic, "sensor_msgs/PointCloud2", scan.stamp,
+                       test::pointCloud2(true, scan.stamp, test::velodyneFields(content))});
+      }
+    }
+    test::writeBag(at(name), all);
+  }
+
+  /** \param flags of dyslam and of the converter alike */
+  void expectSameAsConvertedFirst(const std::string& converter,
+                                  const std::string& input,
+                                  const std::string& flags = "")
+  {
+    const std::string given = " -i " + at(input) + " " + flags;
+    ASSERT_EQ(0, run(converter, given + " -q -o " + at("first.rawlog") + " --force").code);
+    const Outcome expected =
+        run("dyslam", "-q --force -i " + at("first.rawlog") + " -o " + at("first"));
+    const Outcome direct = run("dyslam", given + " -o " + at("direct_" + input));
+    EXPECT_EQ(expected.code, direct.code) << input << '\n' << direct.err;
+    const std::string out = "direct_" + input + "/";
+    EXPECT_FALSE(folder_.read("first/trajectory_tum.txt").empty()) << expected.err;
+    EXPECT_EQ(folder_.read("first/trajectory_tum.txt"), folder_.read(out + "trajectory_tum.txt"));
+    EXPECT_EQ(folder_.read("first.rawlog"), folder_.read(out + "recording.rawlog"));
+    EXPECT_EQ(folder_.read("first.gt/poses_tum.txt"),
+              folder_.read(out + "recording.gt/poses_tum.txt"));
+    EXPECT_TRUE(contains(folder_.read(out + "recording.ini"), "input = " + at(input)));
+    EXPECT_TRUE(contains(direct.err, "dyslam, conversion: 100%")) << direct.err;
+    EXPECT_TRUE(contains(direct.out, out + "recording.rawlog stays")) << direct.out;
+  }
+
+  /** \param says parts of the one line on stderr */
+  void expectRefused(const std::string& arguments, const std::vector<std::string>& says)
+  {
+    const Outcome outcome = run("dyslam", arguments);
+    EXPECT_EQ(1, outcome.code) << arguments << '\n' << outcome.err;
+    EXPECT_EQ(1, std::count(outcome.err.begin(), outcome.err.end(), '\n')) << outcome.err;
+    for (const std::string& part : says)
+    {
+      EXPECT_TRUE(contains(outcome.err, part)) << part << "\nnot in\n" << outcome.err;
+    }
+  }
+
+  TestFolder folder_;
+  static std::vector<Scan> scans_;
+  static Trajectory poses_;
+};
+std::vector<Scan> DirectInput::scans_;
+Trajectory DirectInput::poses_;
+}  // namespace
+
+TEST_F(DirectInput, AFolderOfScans)
+{
+  bins("scans");
+  expectSameAsConvertedFirst("scans2rawlog", "scans", "--dt 0.2 --sensor-pose '0 0 1.7 0 0 0'");
+}
+
+TEST_F(DirectInput, ABag)
+{
+  bag("drive.mcap");
+  expectSameAsConvertedFirst("scans2rawlog", "drive.mcap", "--topic /points");
+}
+
+TEST_F(DirectInput, ACapture)
+{
+  folder_.write("drive.pcap", captured(400));
+  expectSameAsConvertedFirst("scans2rawlog", "drive.pcap");
+}
+
+TEST_F(DirectInput, KittiFolders)
+{
+  bins("drive_sync/velodyne_points/data");
+  writeKittiPoses(at("drive_sync/poses.txt"), poses_);
+  expectSameAsConvertedFirst("kitti2rawlog --kind raw", "drive_sync");
+  EXPECT_FALSE(folder_.read("direct_drive_sync/recording.gt/poses_tum.txt").empty());
+}
+
+TEST_F(DirectInput, ARerunConvertsAgain)
+{
+  bins("scans");
+  const std::string words = "-q -i " + at("scans") + " -o " + at("run");
+  ASSERT_EQ(0, run("dyslam", words).code);
+  const std::string earlier = folder_.read("run/recording.rawlog");
+  fs::remove(at("scans/000005.bin"));
+  const Outcome again = run("dyslam", words);
+  EXPECT_EQ(0, again.code) << again.err;
+  EXPECT_NE(earlier, folder_.read("run/recording.rawlog"));
+
+  fs::remove(at("run/recording.ini"));  // a recording that no run wrote
+  expectRefused(words, {"run/recording.rawlog: is there already", "--force"});
+  EXPECT_EQ(0, run("dyslam", words + " --force").code);
+}
+
+TEST_F(DirectInput, WhatCannotBeConverted)
+{
+  const std::string out = " -o " + at("never");
+  folder_.write("pictures/1.png", "");
+  expectRefused("-i " + at("pictures") + out,
+                {"pictures: is no rawlog, bag, capture or folder of scans: it has no .bin"});
+  bins("day/drive_sync/velodyne_points/data");
+  expectRefused("-i " + at("day") + out, {"such as " + at("day/drive_sync")});
+  expectRefused("-i " + folder_.write("x.pcap", "x") + out, {"x.pcap: is not a network capture"});
+  expectRefused("-i " + at("day/drive_sync") + out + " --topic /points",
+                {"--topic works with a bag only"});
+  expectRefused("-i x.rawlog --dt 0.1" + out, {"--dt: is for an input that is converted"});
+  fs::create_directories(at("tracking/velodyne/0001"));
+  bins("tracking/velodyne/0000");
+  expectRefused("-i " + at("tracking") + out,
+                {"choose one with --sequence",
+                 "kitti2rawlog --kind tracking -i " + at("tracking") + " --sequence ..."});
+  bag("drive.mcap");
+  expectRefused("-i " + at("drive.mcap") + out + " --topic /nothing", {"/nothing is not in it"});
+  expectRefused("-i " + at("drive.mcap") + out + " --set odometry.methd", {"odometry.methd"});
+  expectRefused("--resume -i " + at("drive.mcap") + out, {"leave out --input"});
+  EXPECT_FALSE(fs::exists(at("never")));
+
+  bins("scans");
+  expectRefused("-i " + at("scans") + " -o " + at("scans"), {"choose another --output"});
+  EXPECT_FALSE(fs::exists(at("scans/recording.rawlog")));
+}
+}  // namespace dyslam
