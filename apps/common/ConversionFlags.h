@@ -13,7 +13,7 @@
 namespace dyslam
 {
 /** Which scans of a recording a converter takes. */
-inline void declareRange(CLI::App& app, ScanRange& range, int& every_n)
+inline void declareRange(CLI::App& app, ScanRange& range)
 {
   app.add_option("--skip-first-n", range.skip_first_n, "scans to skip");
   app.add_option("--only-first-n", range.only_first_n, "scans to convert after those");
@@ -21,6 +21,12 @@ inline void declareRange(CLI::App& app, ScanRange& range, int& every_n)
       ->check(notNegative());
   app.add_option("--end", range.end, "convert scans before this time [s since the first scan]")
       ->check(positive());
+}
+
+/** The same with a part of these scans. */
+inline void declareRange(CLI::App& app, ScanRange& range, int& every_n)
+{
+  declareRange(app, range);
   app.add_option("--every", every_n, "convert every n-th scan only")->check(positive());
 }
 

@@ -8,6 +8,7 @@
 #include <cstddef>
 #include <cstdio>
 #include <map>
+#include <string>
 
 namespace dyslam
 {
@@ -33,6 +34,13 @@ void printWritten(const std::string& output)
   }
 }
 
+void printSolution(int iterations, double seconds, const std::string& reason)
+{
+  std::printf("%s, %.3f s: %s\n",
+              counted(static_cast<std::size_t>(iterations), "iteration").c_str(), seconds,
+              reason.c_str());
+}
+
 void optimizeFactorGraph(const GraphOptimization& job)
 {
   const FactorGraphFileReport report = optimizeFactorGraphFile(job.input, job.output, job.config);
@@ -50,10 +58,9 @@ void optimizeFactorGraph(const GraphOptimization& job)
   }
   printCounts("variables", report.variables);
   printCounts("factors", report.factors);
-  std::printf("chi2 of the file %.9g, final %.9g; %zu loops left out\n", result.initial_chi2,
-              result.final_chi2, result.false_loops);
-  std::printf("%d iterations, %.3f s: %s\n", result.iterations, report.seconds,
-              result.reason.c_str());
+  std::printf("chi2 of the file %.9g, final %.9g; %s left out\n", result.initial_chi2,
+              result.final_chi2, counted(result.false_loops, "loop").c_str());
+  printSolution(result.iterations, report.seconds, result.reason);
   printWritten(job.output);
 }
 
@@ -65,15 +72,15 @@ void optimizePoseGraph(const GraphOptimization& job)
     return;
   }
   const PoseGraphResult& result = report.result;
-  std::printf("%s: %zu nodes, %zu edges\n", job.input.c_str(), report.nodes, report.edges);
+  std::printf("%s: %s, %s\n", job.input.c_str(), counted(report.nodes, "node").c_str(),
+              counted(report.edges, "edge").c_str());
   std::printf("chi2 of the file %.9g, where the optimisation began %.9g, final %.9g\n",
               result.start_chi2, result.initial_chi2, result.final_chi2);
-  std::printf("%d iterations, %.3f s: %s\n", result.iterations, report.seconds,
-              result.reason.c_str());
+  printSolution(result.iterations, report.seconds, result.reason);
   if (result.projected_edges > 0)
   {
-    std::printf("%zu edges had no positive definite information; the nearest was used\n",
-                result.projected_edges);
+    std::printf("%s had no positive definite information; the nearest was used\n",
+                counted(result.projected_edges, "edge").c_str());
   }
   printWritten(job.output);
 }

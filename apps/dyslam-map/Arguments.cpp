@@ -231,6 +231,10 @@ void declare(CLI::App& app, Arguments& a)
   app.add_option("--skip-first-n", a.skip_first_n, "scans to skip")->check(notNegative());
   app.add_option("--only-first-n", a.only_first_n, "scans to use after those; 0: all")
       ->check(notNegative());
+  app.add_option("--start", a.start, "use scans from this time on [s since the first scan]")
+      ->check(notNegative());
+  app.add_option("--end", a.end, "use scans before this time [s since the first scan]")
+      ->check(positive());
   app.add_option(
       "--labelled-map", a.outputs.labelled_map,
       "also write all points with the true labels of --labels or --tracks (F.ply, F.pcd or F.bin, "
@@ -240,8 +244,9 @@ void declare(CLI::App& app, Arguments& a)
       ->capture_default_str();
   app.add_flag("--force", a.force, "replace files that a run wrote");
   app.add_flag("-q,--quiet", a.quiet, "no progress");
-  for (const char* single : {"--input", "--trajectory", "--poses-of", "--labels", "--tracks",
-                             "--skip-first-n", "--only-first-n", "--labelled-map", "--run"})
+  for (const char* single :
+       {"--input", "--trajectory", "--poses-of", "--labels", "--tracks", "--skip-first-n",
+        "--only-first-n", "--start", "--end", "--labelled-map", "--run"})
   {
     merge->excludes(app.get_option(single));
   }
@@ -280,6 +285,8 @@ void loadConfig(Arguments& a)
     a.recording.source = loader.get<RawlogSourceOptions>("input");
     a.recording.source.skip_first_n = a.skip_first_n.value_or(a.recording.source.skip_first_n);
     a.recording.source.only_first_n = a.only_first_n.value_or(a.recording.source.only_first_n);
+    a.recording.source.start = a.start.value_or(a.recording.source.start);
+    a.recording.source.end = a.end.value_or(a.recording.source.end);
   }
   else
   {

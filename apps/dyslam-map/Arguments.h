@@ -27,6 +27,8 @@ struct Arguments
   MapOutputs outputs;
   std::optional<int> skip_first_n;
   std::optional<int> only_first_n;
+  std::optional<double> start;
+  std::optional<double> end;
   std::optional<double> keyframe_distance;
   bool full = false;
   bool force = false;  //!< replace files of a run

@@ -14,6 +14,7 @@
 #include <cerrno>
 #include <cstdio>
 #include <filesystem>
+#include <optional>
 #include <ostream>
 #include <sstream>
 #include <string>
@@ -120,6 +121,14 @@ std::string inDyslam(const std::string& message,
                                              " ... -o x.rawlog, then dyslam -i x.rawlog)");
 }
 
+/** When a file was last written; nothing if it is not there. */
+std::optional<fs::file_time_type> timeOf(const std::string& file)
+{
+  std::error_code missing;
+  const auto time = fs::last_write_time(file, missing);
+  return missing ? std::nullopt : std::make_optional(time);
+}
+
 /** Converts, and leaves the files so that a rerun may replace them. \throws UserError. */
 void convertTo(const ConvertedFiles& files,
                const RecordingConverter& converter,
@@ -128,7 +137,7 @@ void convertTo(const ConvertedFiles& files,
 {
   const std::string& input = a.settings.rawlog;
   const bool had_folder = fs::exists(files.folder);
-  const bool had_rawlog = fs::exists(files.rawlog);
+  const auto earlier = timeOf(files.rawlog);
   try
   {
     const ConversionResult result =
@@ -148,7 +157,7 @@ void convertTo(const ConvertedFiles& files,
   {
     std::string message = inDyslam(error.what(), input, converter.program());
     std::error_code ignored;
-    if (!had_rawlog && fs::exists(files.rawlog, ignored))
+    if (const auto now = timeOf(files.rawlog); now && now != earlier)
     {
       writeOrigin(input, converter.program(), files);
       message += "; the scans before it are in " + files.rawlog;

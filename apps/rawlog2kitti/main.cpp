@@ -4,6 +4,7 @@
 #include <string>
 
 #include "../common/AppMain.h"
+#include "../common/ConversionFlags.h"
 #include "../common/ConversionReport.h"
 
 namespace
@@ -37,8 +38,7 @@ void declare(CLI::App& app, Arguments& arguments)
                  "axes at the lidar)");
   app.add_flag("--no-scans", o.no_scans, "only times, calibration and poses");
   app.add_flag("--rings", o.rings, "NNNNNN.ring beside each scan, a byte for each point");
-  app.add_option("--skip-first-n", o.skip_first_n, "scans to skip");
-  app.add_option("--only-first-n", o.only_first_n, "scans to write after those");
+  declareRange(app, o);
   app.add_flag("-q,--quiet", arguments.quiet, "no progress");
 }
 

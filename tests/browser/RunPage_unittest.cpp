@@ -246,6 +246,27 @@ TEST(RunPageInBrowser, StatesTheSensorAndWhereTheTruthIsFrom)
   EXPECT_EQ(browser.errors(), "");
 }
 
+/** The page has no threshold of its own: scans that were not registered alone are no verdict. */
+TEST(RunPageInBrowser, ShowsTheVerdictOfTheRun)
+{
+  DYSLAM_REQUIRE_BROWSER();
+  RunPage page = smallRun();
+  for (PageScan& scan : page.scans)
+  {
+    scan.registered = false;
+  }
+  Browser browser;
+  browser.open(written(page, "usable.html"));
+  ASSERT_TRUE(browser.waitFor(all_drawn)) << browser.errors();
+  EXPECT_NE(textOf(browser, "verdict").find("No warnings."), std::string::npos);
+  page.verdict = "doubtful";
+  page.warnings = {"7 of 20 scans could not be registered: check trajectory and map"};
+  browser.open(written(page, "doubtful.html"));
+  ASSERT_TRUE(browser.waitFor(all_drawn)) << browser.errors();
+  EXPECT_EQ(textOf(browser, "verdict").find("Check trajectory and map."), 0U);
+  EXPECT_NE(textOf(browser, "verdict").find(page.warnings[0]), std::string::npos);
+}
+
 TEST(RunPageInBrowser, SaysWhichScansOfALongRunAreShownAndWhichLoopsAreLeftOut)
 {
   DYSLAM_REQUIRE_BROWSER();

@@ -162,6 +162,26 @@ TEST_F(DirectInput, ARerunConvertsAgain)
   EXPECT_EQ(0, run("dyslam", words + " --force").code);
 }
 
+TEST_F(DirectInput, ADamagedInputReplacesAnEarlierRecording)
+{
+  bins("scans");
+  ASSERT_EQ(0, run("dyslam", "-q -i " + at("scans") + " -o " + at("run")).code);
+  const std::string earlier = folder_.read("run/recording.rawlog");
+  bins("damaged");
+  fs::resize_file(at("damaged/000003.bin"), 1001);
+  expectRefused("-q -i " + at("damaged") + " -o " + at("run"),
+                {"000003.bin", "the scans before it are in " + at("run/recording.rawlog")});
+  EXPECT_NE(earlier, folder_.read("run/recording.rawlog"));
+  EXPECT_TRUE(contains(folder_.read("run/recording.ini"), "input = " + at("damaged") + "\n"));
+
+  fs::remove(at("damaged/000000.bin"));  // no scan before that
+  fs::remove(at("damaged/000001.bin"));
+  fs::remove(at("damaged/000002.bin"));
+  const Outcome nothing = run("dyslam", "-q -i " + at("damaged") + " -o " + at("run"));
+  EXPECT_EQ(1, nothing.code);
+  EXPECT_FALSE(contains(nothing.err, "the scans before it")) << nothing.err;
+}
+
 TEST_F(DirectInput, WhatCannotBeConverted)
 {
   const std::string out = " -o " + at("never");

@@ -184,6 +184,32 @@ TEST(Settings, ARangeOfTimeIsProcessedAndEvaluated)
                  folder.path());
   EXPECT_EQ(0, map.code) << map.err;
   EXPECT_TRUE(contains(map.out, "3 scans, 0 without a pose")) << map.out;
+  const Outcome part = runProgram("dyslam-map",
+                                  "-q --run " + folder.file("run") +
+                                      " --start 0.35 --end 0.45 --keyframe-distance 0"
+                                      " -o " +
+                                      folder.file("part.pcd"),
+                                  folder.path());
+  EXPECT_EQ(0, part.code) << part.err;
+  EXPECT_TRUE(contains(part.out, "1 scan, 0 without a pose")) << part.out;
+  EXPECT_TRUE(contains(folder.read("part.effective.ini"), "end = 0.45"))
+      << folder.read("part.effective.ini");
+}
+
+TEST(Settings, ARangeOfTimeIsExported)
+{
+  const TestFolder folder;
+  const std::string options = "-i " + campus16 + " --no-scans -o " + folder.file("kitti");
+  const Outcome outcome =
+      runProgram("rawlog2kitti", options + " --start 0.25 --end 0.55", folder.path());
+  EXPECT_EQ(0, outcome.code) << outcome.err;
+  EXPECT_TRUE(contains(outcome.out, "sequences/00: 3 scans")) << outcome.out;
+  EXPECT_EQ(3U, lines(folder.read("kitti/sequences/00/times.txt")).size());
+  EXPECT_EQ(3U, lines(folder.read("kitti/poses/00.txt")).size());
+  const Outcome none =
+      runProgram("rawlog2kitti", options + " --sequence 01 --start 2 --end 1", folder.path());
+  EXPECT_EQ(1, none.code);
+  EXPECT_TRUE(contains(none.err, "end = 1 s is not after start = 2 s")) << none.err;
 }
 
 TEST(Settings, OnlyInisOfTheProgramAreOffered)

@@ -400,6 +400,7 @@ TEST_F(SlamRun, ARunThatFailedSaysSo)
   EXPECT_NE(report.failure.find("of 12 scans could not be registered"), std::string::npos)
       << report.failure;
   EXPECT_NE(report.failure.find("inlier ratio"), std::string::npos) << report.failure;
+  EXPECT_EQ(report.verdict, "unusable");
   EXPECT_NE(readWhole(fs::path(s.output_folder) / "report.json").find("could not be registered"),
             std::string::npos);
 }

@@ -66,11 +66,11 @@ Loop RunLoops::verify(const LoopCandidate& candidate,
   return loop;
 }
 
-std::vector<Loop> RunLoops::byAppearance(const KeyframeRange& older, const KeyframeRange& newer)
+SimilarLoops RunLoops::byAppearance(const KeyframeRange& older, const KeyframeRange& newer)
 {
   LoopAgreement agreement(options_.appearance_support, options_.appearance_support,
                           options_.support_window);
-  std::vector<Loop> accepted;
+  SimilarLoops result;
   for (std::size_t k = newer.begin; k < newer.end; k += static_cast<std::size_t>(options_.interval))
   {
     std::vector<Loop> fitting;
@@ -87,11 +87,12 @@ std::vector<Loop> RunLoops::byAppearance(const KeyframeRange& older, const Keyfr
     if (fitting.size() == 1)  // of several places that fit, none is accepted
     {
       agreement.add(fitting.front(), keyframes_);
+      ++result.fitting;
     }
-    takeAccepted(agreement.decide(k), accepted);
+    takeAccepted(agreement.decide(k), result.accepted);
   }
-  takeAccepted(agreement.finish(), accepted);
-  return accepted;
+  takeAccepted(agreement.finish(), result.accepted);
+  return result;
 }
 
 NearLoops RunLoops::byPosition(const KeyframeRange& older,

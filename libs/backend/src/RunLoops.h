@@ -22,6 +22,13 @@ struct NearLoops
   std::size_t confirmed = 0;  //!< of those, registered and supported
 };
 
+/** Loops found by appearance. */
+struct SimilarLoops
+{
+  std::vector<Loop> accepted;
+  std::size_t fitting = 0;  //!< registered, accepted or not: others need to agree
+};
+
 /** Finds loops between the keyframes of different runs, which lie in one store one after the other.
  * Deterministic; not thread-safe. */
 class RunLoops
@@ -35,8 +42,7 @@ class RunLoops
 
   /** Loops from keyframes of one run to another's, by appearance alone: positions are not compared,
    * since the relative pose of the two runs is unknown. */
-  [[nodiscard]] std::vector<Loop> byAppearance(const KeyframeRange& older,
-                                               const KeyframeRange& newer);
+  [[nodiscard]] SimilarLoops byAppearance(const KeyframeRange& older, const KeyframeRange& newer);
 
   /** Loops to the nearest keyframe of the other run. \param reach for every keyframe of `newer`,
    * largest expected error of the poses [m] */

@@ -30,6 +30,7 @@ struct Run
   KeyframeRange range;
   std::vector<Edge> edges;
   bool joined = false;
+  JoinEvidence evidence;
 };
 
 /** Loops by appearance between two runs: each suggests their relative pose. */
@@ -38,6 +39,7 @@ struct Seeds
   std::size_t run_a = 0;
   std::size_t run_b = 0;
   std::vector<Loop> loops;
+  std::size_t found = 0;  //!< with those that no others agree with
 };
 
 /** Loops that agree on the pose of a run; the first one places it. */
@@ -85,6 +87,8 @@ struct RunMerger::State
   /** Solves the joined runs and these loops between them; moves the keyframes. */
   void solve();
   [[nodiscard]] std::size_t runOf(std::size_t keyframe) const;
+  /** Why the run was or would be rejected, by the last attempt. */
+  [[nodiscard]] JoinEvidence evidenceOf(std::size_t run) const;
   [[nodiscard]] RunMerge result() const;
 
   RunMergerConfig config;
@@ -114,7 +118,8 @@ void RunMerger::State::findSeeds()
   {
     for (std::size_t a = 0; a < b; ++a)
     {
-      seeds.push_back({a, b, finder.byAppearance(runs[a].range, runs[b].range)});
+      SimilarLoops similar = finder.byAppearance(runs[a].range, runs[b].range);
+      seeds.push_back({a, b, std::move(similar.accepted), similar.fitting});
     }
   }
 }
@@ -297,6 +302,10 @@ bool RunMerger::State::join(const Placement& placement)
   const std::size_t added = found.accepted.size();
   const auto left_out = static_cast<std::size_t>(
       std::distance(false_loops.lower_bound(joined_loops.size()), false_loops.end()));
+  run.evidence.placed = true;
+  run.evidence.tried = found.tried;
+  run.evidence.confirmed = found.confirmed;
+  run.evidence.consistent = added - left_out;
   const bool is_confirmed = static_cast<double>(found.confirmed) >=
                             config.merge.min_confirmed * static_cast<double>(found.tried);
   if (is_confirmed && added > left_out + static_cast<std::size_t>(config.loops.appearance_support))
@@ -311,12 +320,29 @@ bool RunMerger::State::join(const Placement& placement)
   return false;
 }
 
+JoinEvidence RunMerger::State::evidenceOf(std::size_t run) const
+{
+  JoinEvidence evidence = runs[run].evidence;
+  evidence.needed = static_cast<std::size_t>(config.loops.appearance_support) + 1;
+  evidence.min_confirmed = config.merge.min_confirmed;
+  for (const Seeds& pair : seeds)
+  {
+    if ((pair.run_a == run && runs[pair.run_b].joined) ||
+        (pair.run_b == run && runs[pair.run_a].joined))
+    {
+      evidence.loops += pair.found;
+    }
+  }
+  return evidence;
+}
+
 RunMerge RunMerger::State::result() const
 {
   RunMerge merge;
   merge.optimisation = optimisation;
   for (const Run& run : runs)
   {
+    merge.evidence.push_back(evidenceOf(merge.poses.size()));
     merge.poses.emplace_back();
     for (std::size_t k = run.range.begin; run.joined && k < run.range.end; ++k)
     {

@@ -177,6 +177,10 @@ TEST(RunMerger, RunsWithoutACommonPlaceAreNotJoined)
   EXPECT_TRUE(merge.joined(0));
   EXPECT_FALSE(merge.joined(1));
   EXPECT_TRUE(merge.loops.empty());
+  ASSERT_EQ(merge.evidence.size(), 2U);
+  EXPECT_EQ(merge.evidence[1].needed, 4U);
+  EXPECT_FALSE(merge.evidence[1].placed);
+  EXPECT_LT(merge.evidence[1].loops, 4U);
 }
 
 TEST(RunMerger, APlaceThatExistsFourTimesIsNoEvidence)
@@ -197,7 +201,13 @@ TEST(RunMerger, AStreetThatLooksLikeAnotherForAWhileIsFoundOut)
   {
     alike.scans[k] = here.scans[k];
   }
-  EXPECT_FALSE(merged({&here, &alike}).joined(1));
+  const RunMerge refused = merged({&here, &alike});
+  EXPECT_FALSE(refused.joined(1));
+  ASSERT_EQ(refused.evidence.size(), 2U);
+  const JoinEvidence& evidence = refused.evidence[1];
+  EXPECT_TRUE(evidence.placed);
+  EXPECT_GE(evidence.loops, evidence.needed);
+  EXPECT_LT(2 * evidence.confirmed, evidence.tried);
   RunMergerConfig unconfirmed;
   unconfirmed.merge.min_confirmed = 0;
   EXPECT_TRUE(merged({&here, &alike}, unconfirmed).joined(1)) << "what the check is there for";

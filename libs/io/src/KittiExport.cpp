@@ -14,6 +14,8 @@
 #include <filesystem>
 #include <optional>
 
+#include "ConversionOutput.h"
+
 namespace dyslam
 {
 namespace fs = std::filesystem;
@@ -85,11 +87,13 @@ class Sequence
     if (!options.trajectory.empty())
     {
       given_ = readTrajectory(options.trajectory);
-      if (given_->format == TrajectoryFormat::kitti && options.skip_first_n > 0)
+      if (given_->format == TrajectoryFormat::kitti &&
+          (options.skip_first_n > 0 || options.start > 0))
       {
         throw UserError(options.trajectory +
-                        ": has no times, so its lines cannot be assigned with --skip-first-n; give "
-                        "the TUM file of the run");
+                        ": has no times, so its lines cannot be assigned with " +
+                        (options.skip_first_n > 0 ? "--skip-first-n" : "--start") +
+                        "; give the TUM file of the run");
       }
     }
     if (!options.calib.empty())
@@ -261,10 +265,7 @@ void KittiExportOptions::describe(OptionsVisitor& visitor)
   visitor.text("calib", calib, "calibration file or folder; empty: camera axes at the lidar");
   visitor.flag("no_scans", no_scans, "write only times, calibration and poses");
   visitor.flag("rings", rings, "write NNNNNN.ring beside the scans");
-  visitor.integer("skip_first_n", skip_first_n, 0, 1000000000,
-                  "number of first scans that are skipped");
-  visitor.integer("only_first_n", only_first_n, 0, 1000000000,
-                  "most scans that are written, after the skipped ones; 0: all");
+  describeRange(visitor);
 }
 
 ConversionResult exportKitti(const std::string& rawlog,
@@ -278,8 +279,7 @@ ConversionResult exportKitti(const std::string& rawlog,
     throw UserError("--sequence '" + options.sequence + "': is not a valid folder name");
   }
   RawlogSourceOptions source_options;
-  source_options.skip_first_n = options.skip_first_n;
-  source_options.only_first_n = options.only_first_n;
+  static_cast<ScanRange&>(source_options) = options;
   RawlogSource source(rawlog, source_options);
   Sequence sequence(rawlog, folder, options);
   std::size_t count = 0;
@@ -294,7 +294,7 @@ ConversionResult exportKitti(const std::string& rawlog,
   }
   if (count == 0)
   {
-    throw UserError(rawlog + ": --skip-first-n leaves no scan");
+    throw UserError(rawlog + ": " + emptyRange(options) + " of the scans");
   }
   ConversionResult result = sequence.finish();
   const auto warnings = source.warnings();

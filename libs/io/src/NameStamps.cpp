@@ -89,19 +89,19 @@ std::vector<std::string> timesInNames(const std::vector<std::string>& files)
 
 std::vector<int> numbersFromNames(const std::vector<std::string>& files)
 {
-  constexpr std::size_t most_digits = 9;  // an int holds them
+  constexpr std::size_t most_digits = 9;  // without leading zeros; an int holds them
   std::vector<int> numbers;
   std::string prefix;
   for (const std::string& file : files)
   {
     const std::string stem = fs::path(file).stem().string();
     const std::size_t begin = stem.find_last_not_of("0123456789") + 1;
-    const std::size_t digits = stem.size() - begin;
-    if (digits == 0 || digits > most_digits)
+    const std::size_t first = std::min(stem.find_first_not_of('0', begin), stem.size());
+    if (begin == stem.size() || stem.size() - first > most_digits)
     {
       return {};
     }
-    const int number = std::stoi(stem.substr(begin));
+    const int number = std::stoi("0" + stem.substr(first));
     if (!numbers.empty() && (stem.compare(0, begin, prefix) != 0 || number <= numbers.back()))
     {
       return {};

@@ -15,6 +15,7 @@ namespace dyslam
 [[nodiscard]] std::vector<double> stampsFromNames(std::vector<std::string>& files);
 
 /** Numbers at the end of file names such as 000024.bin or scan_24.pcd, which are equal before them;
- * nothing unless all names are such, with numbers of at most nine digits that ascend. */
+ * nothing unless all names are such, with numbers that ascend, of at most nine digits after leading
+ * zeros. */
 [[nodiscard]] std::vector<int> numbersFromNames(const std::vector<std::string>& files);
 }  // namespace dyslam

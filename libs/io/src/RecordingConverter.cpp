@@ -50,6 +50,21 @@ std::vector<fs::path> contentOfFolder(const fs::path& folder)
   return paths;
 }
 
+/** Whether a folder has the results of a run: the clouds in it are its maps, no scans. */
+bool isRunFolder(const fs::path& folder)
+{
+  std::error_code ignored;
+  return fs::is_regular_file(folder / "effective.ini", ignored) &&
+         fs::is_regular_file(folder / "report.json", ignored);
+}
+
+std::string whyNotRunFolder(const std::string& folder)
+{
+  const fs::path converted = fs::path(folder) / "recording.rawlog";
+  return folder + ": is the output folder of a run; give its recording, " +
+         (fs::exists(converted) ? converted.string() : "which is \"input\" in its report.json");
+}
+
 /** The recording in a folder that was probably meant, for the message; empty if there is none. */
 std::string recordingWithin(const fs::path& folder)
 {
@@ -58,7 +73,8 @@ std::string recordingWithin(const fs::path& folder)
     for (const fs::path& path : contentOfFolder(root))
     {
       const std::string name = path.string();
-      if (lowerExtension(name) == ".rawlog" || recordingKind(name) != RecordingKind::unknown)
+      if (lowerExtension(name) == ".rawlog" ||
+          (recordingKind(name) != RecordingKind::unknown && !isRunFolder(path)))
       {
         return name;
       }
@@ -101,6 +117,10 @@ RecordingConverter::RecordingConverter(const std::string& input)
       kind_(recordingKind(input)),
       needed_(kind_ != RecordingKind::unknown || isPartOfRecording(input))
 {
+  if (isRunFolder(input))
+  {
+    throw UserError(whyNotRunFolder(input));
+  }
   if (!needed_ && fs::is_directory(input))
   {
     throw UserError(whyNoRecording(input));

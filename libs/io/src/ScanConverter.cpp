@@ -62,7 +62,7 @@ std::vector<double> stampsByNumber(const std::vector<std::string>& files,
   {
     throw UserError(fs::path(files.front()).parent_path().string() +
                     ": --by-number: the file names do not end in ascending numbers of at most nine "
-                    "digits, with the same text before them; give --times");
+                    "digits after leading zeros, with the same text before them; give --times");
   }
   const double dt = options.dt > 0 ? options.dt : assumed_dt;
   std::vector<double> stamps;

@@ -55,6 +55,16 @@ TEST(RecordingConverter, WhatIsNoRecording)
   folder.write("rawlogs/a.rawlog", "");
   EXPECT_TRUE(contains(refusal("rawlogs"), "such as " + folder.file("rawlogs/a.rawlog")));
 
+  for (const char* result : {"effective.ini", "report.json", "map_static.pcd"})
+  {
+    folder.write("out/run/" + std::string(result), "");
+  }
+  EXPECT_TRUE(contains(refusal("out/run"),
+                       "out/run: is the output folder of a run; give its recording, which is"));
+  EXPECT_FALSE(contains(refusal("out"), "such as"));
+  folder.write("out/run/recording.rawlog", "");
+  EXPECT_TRUE(contains(refusal("out/run"), folder.file("out/run/recording.rawlog")));
+
   const RecordingConverter single(folder.write("1.pcd", ""));
   ASSERT_TRUE(single.isNeeded());
   EXPECT_TRUE(contains(

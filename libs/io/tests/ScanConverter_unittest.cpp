@@ -328,6 +328,29 @@ TEST(ScanConverter, GapsInTheNumbersOfFiles)
       "in: --by-number: the file names do not end in ascending numbers"));
 }
 
+/** As KITTI's raw recordings have them. */
+TEST(ScanConverter, NumbersOfTenDigits)
+{
+  const TestFolder folder;
+  makeFolderOf(folder, "in");
+  for (const char* name : {"0000000000", "0000000008", "0000000010"})
+  {
+    const Scan scan = someScan(0, 5);
+    writeBin(folder.file("in/" + std::string(name) + ".bin"), scan.points, scan.intensity);
+  }
+  ScanConverterOptions options;
+  const auto warnings = convertScans(folder.file("in"), folder.file("x.rawlog"), options).warnings;
+  EXPECT_TRUE(std::any_of(warnings.begin(), warnings.end(),
+                          [](const std::string& warning)
+                          { return contains(warning, "0000000008.bin follows 0000000000.bin"); }));
+  options.by_number = true;
+  (void)convertScans(folder.file("in"), folder.file("x.rawlog"), options);
+  const auto frames = readAll(folder.file("x.rawlog"));
+  ASSERT_EQ(3U, frames.size());
+  EXPECT_NEAR(0.8, frames[1].scan.stamp, 1e-6);
+  EXPECT_NEAR(1.0, frames[2].scan.stamp, 1e-6);
+}
+
 TEST(ScanConverter, FilesWithoutPointsAreReported)
 {
   const TestFolder folder;

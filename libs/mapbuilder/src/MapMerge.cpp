@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/core/Error.h>
 #include <dyslam/core/PendingFile.h>
+#include <dyslam/core/Printable.h>
 #include <dyslam/formats/TrajectoryFiles.h>
 #include <dyslam/mapbuilder/MapRun.h>
 #include <dyslam/mapbuilder/ScanReading.h>
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 #include "MapPictures.h"
@@ -17,21 +19,36 @@ namespace dyslam
 {
 namespace
 {
-/** "`b`, `c`: no place in common ..."; empty if all are joined. */
+/** What was found of a run that is not joined, and what is needed. */
+std::string reasonOf(const JoinEvidence& evidence)
+{
+  const std::string needed = std::to_string(evidence.needed);
+  if (!evidence.placed)
+  {
+    return counted(evidence.loops, "loop") + " found, " + needed +
+           " that agree with each other are needed, about 12 m of common path";
+  }
+  const auto percent = static_cast<int>(std::lround(100 * evidence.min_confirmed));
+  return counted(evidence.loops, "loop") + " found, but the rest of the path contradicts them: " +
+         std::to_string(evidence.confirmed) + " of " + counted(evidence.tried, "keyframe") +
+         " confirmed, " + std::to_string(percent) + " % are needed (merge.min_confirmed); " +
+         counted(evidence.consistent, "consistent loop") + ", " + needed + " are needed";
+}
+
+/** "`b`: no place in common ...; `c`: no ..."; empty if all are joined. */
 std::string unjoined(const std::vector<RunFolder>& runs, const RunMerge& merge)
 {
-  std::string names;
+  std::string text;
   for (std::size_t r = 0; r < runs.size(); ++r)
   {
     if (!merge.joined(r))
     {
-      names += (names.empty() ? "" : ", ") + runs[r].folder;
+      text += (text.empty() ? "" : "; ") + runs[r].folder + ": no place in common with " +
+              runs.front().folder + (runs.size() > 2 ? " or with a run joined to it" : "") +
+              " was recognised (" + reasonOf(merge.evidence[r]) + ")";
     }
   }
-  return names.empty()
-             ? names
-             : names + ": no place in common with " + runs.front().folder +
-                   (runs.size() > 2 ? " or with a run joined to it" : "") + " was recognised";
+  return text;
 }
 
 std::size_t joinedRuns(const RunMerge& merge)

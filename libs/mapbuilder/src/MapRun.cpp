@@ -24,7 +24,8 @@ void noteObjects(const RecordingOnTrajectory& recording, MapListener& listener, 
                     scans = frame.index + 1;
                     builder.noteObjects(frame);
                   });
-  if (recording.source.only_first_n == 0 && builder.trackedScans() > scans)
+  if (recording.source.only_first_n == 0 && recording.source.end == 0 &&
+      builder.trackedScans() > scans)
   {
     listener.warn(recording.scans.tracks + ": has boxes up to scan " +
                   std::to_string(builder.trackedScans() - 1) + ", but " + recording.rawlog +

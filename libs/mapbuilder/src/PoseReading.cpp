@@ -37,11 +37,11 @@ Trajectory withScanTimes(const Trajectory& poses,
   const std::size_t in_file = source.framesRead() + source.framesDropped();
   if (poses.size() != scans.size() && poses.size() != in_file)
   {
-    throw UserError(
-        recording.trajectory + ": has " + counted(poses.size(), "pose") + ", but " +
-        std::to_string(scans.size()) + " scans are used and " + recording.rawlog + " has " +
-        std::to_string(in_file) +
-        "; give the run's --skip-first-n and --only-first-n, or its trajectory_tum.txt");
+    throw UserError(recording.trajectory + ": has " + counted(poses.size(), "pose") + ", but " +
+                    std::to_string(scans.size()) + " scans are used and " + recording.rawlog +
+                    " has " + std::to_string(in_file) +
+                    "; give the run's --skip-first-n, --only-first-n, --start and --end, or its "
+                    "trajectory_tum.txt");
   }
   Trajectory timed;
   for (std::size_t i = 0; i < scans.size(); ++i)

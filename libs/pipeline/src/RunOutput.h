@@ -138,8 +138,9 @@ struct RunOutputKind
   const char* help = nullptr;
   /** Setting that must be on as well; null: none. */
   bool SlamRunSettings::*flag = nullptr;
-  bool changes_files =
-      false;  //!< later scans change its numbered files of earlier ones; its first name is theirs
+  /** Later scans change its numbered files of earlier ones; its first name is theirs. For slow
+   * outputs: their thread keeps these files at the last checkpoint. */
+  bool changes_files = false;
 };
 
 /** Every output, in the order in which they finish: the most important first. */

@@ -417,7 +417,7 @@ void RunOutputs::finish(RunResults& results)
 
 void RunOutputs::removeState()
 {
-  if (is_stopped_ && are_files_kept_)
+  if (is_stopped_ && are_files_kept_ && has_checkpoint_)
   {
     kept_files_.removeUnchanged();
     return;

@@ -11,6 +11,9 @@ namespace dyslam
 {
 namespace
 {
+constexpr double unusable_share = 0.5;  // of all scans, not registered; more: do not trust it
+constexpr double doubtful_share = 0.2;  // more: to be checked
+
 /** What to try, by the most frequent reason of reasonUnusable() or of the registration.
  * \param has_ini an ini was given, which may be the reason */
 std::string adviceFor(const std::string& reason, bool has_ini)
@@ -97,8 +100,7 @@ Trajectory RunStatistics::referenceInMap(const Trajectory& trajectory) const
 
 std::vector<std::string> RunStatistics::warnings(bool has_labels) const
 {
-  constexpr double many = 0.2;  // of all scans
-  const auto limit = many * static_cast<double>(frames);
+  const auto limit = doubtful_share * static_cast<double>(frames);
   const std::string of_all = " of " + counted(frames, "scan");
   std::vector<std::string> result;
   if (static_cast<double>(odometry_failures.total()) > limit)
@@ -107,14 +109,12 @@ std::vector<std::string> RunStatistics::warnings(bool has_labels) const
                      std::to_string(odometry_failures.total()) + of_all + ", most often because: " +
                      odometry_failures.mostFrequent() + " (scans.csv has the reason of each)");
   }
-  if (static_cast<double>(registration_failures.total()) > limit && failure(false).empty())
+  if (failedOnMoreThan(doubtful_share) && !failedOnMoreThan(unusable_share))
   {
-    result.push_back(
-        std::to_string(registration_failures.total()) + of_all +
-        " could not be registered, most often because: " + registration_failures.mostFrequent());
+    result.push_back(registrationSentence("check trajectory and map"));
   }
   constexpr double dense_traffic = 0.15;  // of the points
-  if (!has_labels && failure(false).empty() &&
+  if (!has_labels && !failedOnMoreThan(unusable_share) &&
       static_cast<double>(moving_points) > dense_traffic * static_cast<double>(points))
   {
     result.push_back(
@@ -126,8 +126,8 @@ std::vector<std::string> RunStatistics::warnings(bool has_labels) const
   {
     result.push_back("the local map was restarted " +
                      (map_restarts == 1 ? "once" : std::to_string(map_restarts) + " times") +
-                     ", as scans in a row could not be registered: the trajectory before and after "
-                     "is joined by prediction only");
+                     ", as scans in a row could not be registered: check trajectory and map; the "
+                     "trajectory before and after is joined by prediction only");
   }
   if (unregistered_keyframes > 0)
   {
@@ -141,14 +141,33 @@ std::vector<std::string> RunStatistics::warnings(bool has_labels) const
 
 std::string RunStatistics::failure(bool has_ini) const
 {
-  if (2 * registration_failures.total() <= frames)
+  if (!failedOnMoreThan(unusable_share))
   {
     return {};
   }
-  return std::to_string(registration_failures.total()) + " of " + counted(frames, "scan") +
-         " could not be registered: do not trust trajectory and map; most often because: " +
-         registration_failures.mostFrequent() + "; " +
+  return registrationSentence("do not trust trajectory and map") + "; " +
          adviceFor(registration_failures.mostFrequent(), has_ini);
+}
+
+std::string RunStatistics::verdict() const
+{
+  if (failedOnMoreThan(unusable_share))
+  {
+    return "unusable";
+  }
+  return failedOnMoreThan(doubtful_share) || map_restarts > 0 ? "doubtful" : "usable";
+}
+
+bool RunStatistics::failedOnMoreThan(double share) const
+{
+  return static_cast<double>(registration_failures.total()) > share * static_cast<double>(frames);
+}
+
+std::string RunStatistics::registrationSentence(const std::string& consequence) const
+{
+  return std::to_string(registration_failures.total()) + " of " + counted(frames, "scan") +
+         " could not be registered: " + consequence +
+         "; most often because: " + registration_failures.mostFrequent();
 }
 
 void Reasons::exchangeState(StateArchive& archive)

@@ -51,6 +51,11 @@ struct RunStatistics
    * \param has_ini an ini was given, which may be the reason */
   [[nodiscard]] std::string failure(bool has_ini) const;
 
+  /** How far the result can be trusted: "unusable" (there is a failure()), "doubtful" (more than a
+   * fifth of the scans could not be registered, or the local map was restarted; the warnings say
+   * so) or "usable". */
+  [[nodiscard]] std::string verdict() const;
+
   std::size_t frames = 0;
   double first_time = 0;  //!< Frame::time() of the first frame [s]
   double last_time = 0;
@@ -61,5 +66,11 @@ struct RunStatistics
   std::size_t points = 0;         //!< of all clouds
   std::size_t moving_points = 0;  //!< of these, by the causal labels
   Trajectory reference;           //!< ground truth as recorded
+
+ private:
+  /** Registration failed on more scans than this share of all. */
+  [[nodiscard]] bool failedOnMoreThan(double share) const;
+  /** "N of M scans could not be registered: `consequence`; most often because: ..." */
+  [[nodiscard]] std::string registrationSentence(const std::string& consequence) const;
 };
 }  // namespace dyslam

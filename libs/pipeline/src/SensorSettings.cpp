@@ -64,7 +64,7 @@ std::string ringsOf(const ScanPattern& pattern)
     return std::to_string(pattern.rings.size()) + " rings, " + degrees(pattern.ring_spacing, 1) +
            " deg apart";
   }
-  return (isDenseRevolution(pattern) ? "rings too close to tell apart, " : "no rings, ") +
+  return (isDenseRevolution(pattern) ? "rings not separable (no ring numbers), " : "no rings, ") +
          std::to_string(pattern.returns) + " points a scan";
 }
 

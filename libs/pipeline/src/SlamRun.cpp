@@ -284,6 +284,7 @@ void SlamRun::Impl::fillReport(SlamRunReport& report, const RunResults& results)
   report.frames = statistics.frames;
   report.unconverged = statistics.registration_failures.total();
   report.failure = statistics.failure(!settings.inputs.empty());
+  report.verdict = statistics.verdict();
   report.odometry_failed = statistics.odometry_failures.total();
   report.keyframes = pipeline.backend().keyframes().size();
   report.loops = pipeline.backend().factorGraph().usedLoops().size();

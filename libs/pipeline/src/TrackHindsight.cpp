@@ -344,6 +344,7 @@ TracksInHindsight smoothReported(const RunHistory& history,
   result.merged = findMergedTracks(boxesOf(tracks), options.merge_overlap);
   if (!result.merged.empty())
   {
+    tracks.clear();  // first: there may be millions of sightings
     tracks = completed_tracks();
   }
   for (const auto& [id, track] : tracks)

@@ -103,6 +103,31 @@ std::unique_ptr<RunOutput> makeDecided(const RunOutputContext& context)
   return std::make_unique<DecidedOutput>(context);
 }
 
+/** Changes a numbered file at the end. */
+class NumberedOutput : public RunOutput
+{
+ public:
+  explicit NumberedOutput(const RunOutputContext& context)
+      : RunOutput(context, {{"numbered", ".txt"}})
+  {
+  }
+  [[nodiscard]] bool isSlow() const override { return true; }
+  void open() override
+  {
+    makeFolder(path("numbered"));
+    write("open");
+  }
+  void finish(const RunResults& /*results*/) override { write("finished"); }
+
+ private:
+  void write(const std::string& text) const { writeWhole(path("numbered") + "/000000.txt", text); }
+};
+
+std::unique_ptr<RunOutput> makeNumbered(const RunOutputContext& context)
+{
+  return std::make_unique<NumberedOutput>(context);
+}
+
 class RunOutputsTest : public ::testing::Test
 {
  protected:
@@ -309,6 +334,31 @@ TEST_F(RunOutputsTest, TheLastCheckpointStaysForAResumedRun)
     EXPECT_EQ(has("resume.state"), is_last);
     EXPECT_EQ(content("report.json").find("\"finished\": true") == std::string::npos, is_last);
     EXPECT_TRUE(has("b.txt"));
+  }
+}
+
+TEST_F(RunOutputsTest, WithoutAStateNoFilesAreKept)
+{
+  for (const bool fails : {false, true})
+  {
+    const Config given;
+    ConfigLoader config(given);
+    RunOutputs outputs(settings_, config,
+                       {settings_row, {makeNumbered, nullptr, nullptr, nullptr, true}});
+    outputs.open();
+    const auto add_state = [fails](StateFileWriter& /*state*/)
+    {
+      if (fails)
+      {
+        throw UserError("disk full");
+      }
+    };
+    outputs.checkpoint(add_state, RunResults(), true);
+    RunResults results;
+    outputs.finish(results);
+    EXPECT_EQ(content("numbered/000000.txt"), "finished");
+    EXPECT_NE(has("resume.state"), fails);
+    EXPECT_NE(has("resume.numbered/000000.txt"), fails);
   }
 }
 

@@ -66,6 +66,41 @@ TEST(RunStatistics, AdvisesByTheMostFrequentReason)
   EXPECT_FALSE(has(range, "start_speed")) << range;
 }
 
+/** One threshold and one wording for console, report.json and report.html. */
+TEST(RunStatistics, TheVerdictFitsWarningsAndFailure)
+{
+  const auto statisticsOf = [](int failures, int restarts)
+  {
+    RunStatistics statistics;
+    for (int i = 0; i < 30; ++i)
+    {
+      Frame frame = failed(i < restarts, "no overlap");
+      frame.motion.converged = i >= failures;
+      statistics.add(frame);
+    }
+    return statistics;
+  };
+  const RunStatistics few = statisticsOf(6, 0);
+  EXPECT_EQ(few.verdict(), "usable");
+  EXPECT_FALSE(hasWarning(few, "check trajectory and map"));
+  const RunStatistics many = statisticsOf(10, 2);
+  EXPECT_EQ(many.verdict(), "doubtful");
+  EXPECT_EQ(many.failure(false), "");
+  EXPECT_TRUE(hasWarning(many,
+                         "10 of 30 scans could not be registered: check trajectory and map; most "
+                         "often because: no overlap"));
+  EXPECT_EQ(statisticsOf(15, 0).verdict(), "doubtful");
+  const RunStatistics restarted = statisticsOf(5, 1);
+  EXPECT_EQ(restarted.verdict(), "doubtful");
+  EXPECT_TRUE(hasWarning(restarted, "check trajectory and map"));
+  const RunStatistics most = statisticsOf(16, 0);
+  EXPECT_EQ(most.verdict(), "unusable");
+  EXPECT_EQ(most.failure(false).find(
+                "16 of 30 scans could not be registered: do not trust trajectory and map"),
+            0U);
+  EXPECT_FALSE(hasWarning(most, "check trajectory and map"));
+}
+
 TEST(RunStatistics, KeepsMapRestartsWhenARunIsResumed)
 {
   RunStatistics statistics;

@@ -103,7 +103,7 @@ TEST(SensorSettings, RingsThatAreTooCloseAreRings)
   RecordedSensor dense = sensorWith(0, 0);
   dense.pattern.returns = 120000;
   EXPECT_EQ(
-      "rings too close to tell apart, 120000 points a scan, -15.0 to 15.0 deg, to 98 m, "
+      "rings not separable (no ring numbers), 120000 points a scan, -15.0 to 15.0 deg, to 98 m, "
       "10.0 Hz",
       dense.summary());
   const auto warningFor = [&](const RecordedSensor& sensor, const std::string& ini)
@@ -114,8 +114,8 @@ TEST(SensorSettings, RingsThatAreTooCloseAreRings)
   };
   EXPECT_EQ("", warningFor(dense, "kitti64.ini"));
   EXPECT_EQ(
-      "solid_state.ini is for sensors without rings; this recording has rings too close to "
-      "tell apart, 120000 points a scan; omit -c to use kitti64.ini",
+      "solid_state.ini is for sensors without rings; this recording has rings not separable "
+      "(no ring numbers), 120000 points a scan; omit -c to use kitti64.ini",
       warningFor(dense, "solid_state.ini"));
   EXPECT_EQ("", warningFor(dense, "handheld.ini"));
   RecordedSensor solid = dense;

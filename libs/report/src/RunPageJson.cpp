@@ -357,6 +357,7 @@ nlohmann::ordered_json runPageJson(const RunPage& page,
   json["reference_origin"] = page.reference_origin;
   json["method"] = page.method;
   json["settings"] = page.settings;
+  json["verdict"] = page.verdict;
   json["failure"] = page.failure;
   json["warnings"] = page.warnings;
   json["files"] = page.files;

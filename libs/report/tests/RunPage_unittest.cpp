@@ -199,6 +199,14 @@ TEST(RunPage, TextsCannotBecomeMarkup)
   EXPECT_EQ(dataOf(html)["warnings"][0], evil);
 }
 
+TEST(RunPage, HasTheVerdictOfTheRun)
+{
+  RunPage page = smallRun();
+  EXPECT_EQ(dataOf(renderRunPage(page, page_template))["verdict"], "usable");
+  page.verdict = "doubtful";
+  EXPECT_EQ(dataOf(renderRunPage(page, page_template))["verdict"], "doubtful");
+}
+
 TEST(RunPage, AnEmptyRunHasAPage)
 {
   const auto json = dataOf(renderRunPage({}, page_template));

@@ -67,6 +67,7 @@ class PageOutput : public RunOutput
     page.reference_origin = truth_;
     page.settings = settings_;
     page.method = results.report.method;
+    page.verdict = results.report.verdict;
     page.failure = results.report.failure;
     page.warnings = results.report.warnings;
     page.files = results.report.files;

@@ -94,6 +94,7 @@ class ReportOutput : public RunOutput
     json["recording_time_s"] = rounded(report.recording_time);
     json["run_time_s"] = rounded(report.run_time);
     json["realtime_factor"] = rounded(report.realtimeFactor());
+    json["verdict"] = report.verdict;
     json["failure"] = report.failure;
     json["warnings"] = report.warnings;
     json["not_written"] = results.failures;

@@ -73,11 +73,9 @@ function verdict(data) {
     return h('div', {class: 'verdict bad', id: 'verdict'}, h('strong', {}, 'This run is unusable. '),
         data.failure);
   }
-  const lost = data.totals.scans - data.totals.registered;
-  if (3 * lost >= data.totals.scans && lost > 0) {
-    return h('div', {class: 'verdict bad', id: 'verdict'},
-        h('strong', {}, 'Do not trust trajectory and map. '),
-        `${lost} of ${count(data.totals.scans, 'scan')} could not be registered.`, warningList(data));
+  if (data.verdict === 'doubtful') {
+    return h('div', {class: 'verdict warn', id: 'verdict'},
+        h('strong', {}, 'Check trajectory and map. '), 'Parts of them may be wrong:', warningList(data));
   }
   if (data.warnings.length > 0) {
     return h('div', {class: 'verdict warn', id: 'verdict'},

@@ -43,12 +43,25 @@ struct RunLoop
   double residual = 0;    //!< translation between measurement and merged poses [m]
 };
 
+/** Why a run is not joined. */
+struct JoinEvidence
+{
+  std::size_t loops = 0;       //!< found by appearance to the joined runs, agreeing or not
+  std::size_t needed = 0;      //!< that agree
+  bool placed = false;         //!< enough agreed, but the rest of the path contradicted them:
+  std::size_t tried = 0;       //!< keyframes near those of joined runs
+  std::size_t confirmed = 0;   //!< of these, by a registration
+  double min_confirmed = 0;    //!< least fraction of these
+  std::size_t consistent = 0;  //!< loops near one another that the graph does not leave out
+};
+
 /** Result of a merge. */
 struct RunMerge
 {
   /** T_map_vehicle of every keyframe of every run, in the first run's map frame; empty for a run
    * that shares no place with the others. */
   std::vector<std::vector<Pose>> poses;
+  std::vector<JoinEvidence> evidence;  //!< of every run
   /** Accepted ones between joined runs. */
   std::vector<RunLoop> loops;
   OptimisationResult optimisation;

@@ -2,20 +2,19 @@
 #pragma once
 
 #include <dyslam/io/Converters.h>
+#include <dyslam/io/ScanRange.h>
 
 #include <string>
 
 namespace dyslam
 {
-struct KittiExportOptions : Options
+struct KittiExportOptions : Options, ScanRange
 {
   std::string sequence = "00";  //!< name of the sequence's folder
   std::string trajectory;       //!< TUM or KITTI poses of the vehicle; empty: the recording's truth
   std::string calib;            //!< KITTI's calibration; empty: camera axes at the lidar
   bool no_scans = false;        //!< only times, calibration and poses
   bool rings = false;           //!< NNNNNN.ring beside the scans, a byte a point
-  int skip_first_n = 0;
-  int only_first_n = 0;  //!< 0: all
 
   void describe(OptionsVisitor& visitor) override;
 };

@@ -59,6 +59,8 @@ struct SlamRunReport
   double first_pass_time = 0;  //!< of these [s]
   double recording_time = 0;   //!< of the scans that were processed [s]
   bool has_reference = false;  //!< the recording had ground truth; reference_tum.txt was written
+  /** How far the result can be trusted: usable, doubtful (the warnings say why) or unusable. */
+  std::string verdict = "usable";
   /** Why the result is unusable: most scans could not be registered; empty if it is usable. */
   std::string failure;
   /** Why the run ended before its last scan: stopped, or the recording is damaged; empty if it did

@@ -55,7 +55,9 @@ struct RunPage
   std::string sensor;    //!< what the recording shows of it; may be empty
   std::string method;    //!< stages in use
   std::string settings;  //!< the effective ini
-  std::string failure;   //!< why the result is unusable; empty if it is usable
+  /** usable, doubtful (the warnings say why) or unusable (failure says why) */
+  std::string verdict = "usable";
+  std::string failure;  //!< why the result is unusable; empty if it is usable
   std::vector<std::string> warnings;
   std::vector<std::string> files;          //!< in the folder of the run, beside the page
   std::map<std::string, double> stage_ms;  //!< mean per scan [ms]
