@@ -5,13 +5,10 @@
 #include <dyslam/core/Files.h>
 #include <dyslam/core/PendingFile.h>
 #include <dyslam/core/Printable.h>
-#include <fcntl.h>
-#include <sys/file.h>
-#include <unistd.h>
+#include <dyslam/pipeline/FolderLock.h>
 
 #include <algorithm>
 #include <array>
-#include <cerrno>
 #include <cstdio>
 #include <filesystem>
 #include <optional>
@@ -53,24 +50,6 @@ void requireApart(const std::string& input, const std::string& output)
   {
     throw UserError(input + ": a run writes and removes files in --output, where this folder is; " +
                     "choose another --output");
-  }
-}
-
-/** \throws UserError while a run holds the folder. */
-void requireNoOtherRun(const std::string& folder)
-{
-  const int file =
-      ::open((fs::path(folder) / ".dyslam.lock").c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW);
-  if (file < 0)
-  {
-    return;
-  }
-  const bool held = ::flock(file, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK;
-  ::close(file);
-  if (held)
-  {
-    throw UserError(folder + ": another run is writing to it; wait for its end, or choose " +
-                    "another --output");
   }
 }
 
@@ -136,7 +115,6 @@ void convertTo(const ConvertedFiles& files,
                const SlamArguments& a)
 {
   const std::string& input = a.settings.rawlog;
-  const bool had_folder = fs::exists(files.folder);
   const auto earlier = timeOf(files.rawlog);
   try
   {
@@ -156,15 +134,10 @@ void convertTo(const ConvertedFiles& files,
   catch (const UserError& error)
   {
     std::string message = inDyslam(error.what(), input, converter.program());
-    std::error_code ignored;
     if (const auto now = timeOf(files.rawlog); now && now != earlier)
     {
       writeOrigin(input, converter.program(), files);
       message += "; the scans before it are in " + files.rawlog;
-    }
-    if (!had_folder)
-    {
-      fs::remove(files.folder, ignored);  // only if it is empty
     }
     throw UserError(message);
   }
@@ -223,11 +196,24 @@ void convertInput(SlamArguments& a, const RecordingOptions& options)
   }
   requireNoUnfinishedRun(a.settings);
   requireApart(input, files.folder);
-  requireNoOtherRun(files.folder);
   (void)readGivenSettings(a.config, assignmentsOf(a)).merged();  // errors before the long work
-  const bool own = fs::is_regular_file(files.origin);
-  requireNewRecording(files.rawlog, a.settings.force || own);
-  convertTo(files, converter, options, a);
+  const bool is_new_folder = !fs::exists(files.folder);
+  makeFolder(files.folder, "choose another --output");
+  try
+  {
+    const FolderLock lock(files.folder);
+    requireNewRecording(files.rawlog, a.settings.force || fs::is_regular_file(files.origin));
+    convertTo(files, converter, options, a);
+  }
+  catch (...)
+  {
+    std::error_code ignored;
+    if (is_new_folder)
+    {
+      fs::remove(files.folder, ignored);  // only if it is empty
+    }
+    throw;
+  }
   a.settings.rawlog = files.rawlog;
 }
 }  // namespace dyslam

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/core/Bytes.h>
 #include <dyslam/core/NeighbourSearch.h>
 #include <dyslam/core/Parallel.h>
 #include <dyslam/core/Quantile.h>
@@ -7,7 +8,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstring>
 #include <iterator>
 #include <limits>
 #include <stdexcept>
@@ -65,14 +65,6 @@ DistanceSummary distanceSummary(const std::vector<float>& distances)
   constexpr double most = 0.95;
   summary.quantile95 = quantile(values, most);
   return summary;
-}
-
-template <typename T>
-void appendRaw(std::string& bytes, T value)
-{
-  char raw[sizeof value];
-  std::memcpy(raw, &value, sizeof value);
-  bytes.append(raw, sizeof value);
 }
 }  // namespace
 
@@ -135,13 +127,13 @@ std::string distancePly(const std::vector<Eigen::Vector3f>& points,
   {
     for (const float coordinate : points[i])
     {
-      appendRaw(bytes, coordinate);
+      appendBytes(bytes, coordinate);
     }
     for (const std::uint8_t channel : colourOfDistance(distances[i]))
     {
-      appendRaw(bytes, channel);
+      appendBytes(bytes, channel);
     }
-    appendRaw(bytes, distances[i]);
+    appendBytes(bytes, distances[i]);
   }
   return bytes;
 }

@@ -5,19 +5,16 @@
 #include <dyslam/mapexport/MapExport.h>
 #include <gtest/gtest.h>
 #include <mrpt/io/CFileGZInputStream.h>
-#include <mrpt/maps/COccupancyGridMap2D.h>
 #include <mrpt/maps/CSimpleMap.h>
 #include <mrpt/maps/registerAllClasses.h>
 #include <mrpt/obs/CObservationPointCloud.h>
 #include <mrpt/obs/CSensoryFrame.h>
-#include <mrpt/serialization/CArchive.h>
 #include <octomap/OcTree.h>
 #include <unistd.h>
 
 #include <cstring>
 #include <filesystem>
 #include <fstream>
-#include <functional>
 #include <limits>
 #include <opencv2/imgcodecs.hpp>
 #include <optional>
@@ -26,6 +23,7 @@
 
 #include "FullDisk.h"
 #include "TestMap.h"
+#include "TestRoom.h"
 
 namespace dyslam
 {
@@ -56,46 +54,12 @@ class MapExport : public testing::Test
     return out.str();
   }
 
-  /** A flat floor of 20 m by 20 m with a wall 1.5 m high at x = 8, seen from three places. */
-  [[nodiscard]] static test::TestMap room()
-  {
-    test::TestMap map;
-    for (std::size_t k = 0; k < 3; ++k)
-    {
-      Frame frame;
-      frame.index = 10 * k;
-      frame.scan.stamp = 1000 + static_cast<double>(k);
-      frame.scan.T_vehicle_lidar.translation().z() = 1.7;
-      frame.T_odom_vehicle = poseFromYpr(static_cast<double>(k), 0, 0, 0.2, 0, 0);
-      const Pose T_vehicle_map = frame.T_odom_vehicle.inverse();
-      const auto add = [&](double x, double y, double z)
-      {
-        frame.cloud.points.push_back((T_vehicle_map * Eigen::Vector3d(x, y, z)).cast<float>());
-        frame.cloud.intensity.push_back(0.25F);
-        frame.cloud.source.push_back(0);
-      };
-      for (double y = -9.95; y < 10; y += 0.1)
-      {
-        for (double x = -9.95; x < 8; x += 0.1)
-        {
-          add(x, y, 0.02);
-        }
-        for (double z = 0.05; z < 1.5; z += 0.1)
-        {
-          add(8.05, y, z);
-        }
-      }
-      map.insert(frame);
-    }
-    return map;
-  }
-
   fs::path folder_;
 };
 
 TEST_F(MapExport, CloudsRoundTrip)
 {
-  const auto points = room().map.points();
+  const auto points = test::room().map.points();
   ASSERT_GT(points.size(), 1000U);
   for (const std::string name : {"m.pcd", "m.ply"})
   {
@@ -227,7 +191,7 @@ TEST_F(MapExport, ACloudWithNormalsNeedsThemOfAllPoints)
 
 TEST_F(MapExport, KeyframesAreCountedWhenTheyAreDone)
 {
-  test::TestMap held = room();
+  test::TestMap held = test::room();
   Frame lost;
   lost.index = 100;
   lost.T_odom_vehicle.translation().setConstant(std::numeric_limits<double>::quiet_NaN());
@@ -254,7 +218,7 @@ TEST_F(MapExport, KeyframesAreCountedWhenTheyAreDone)
 
 TEST_F(MapExport, OctomapIsWhatItsOwnInsertionMakes)
 {
-  const test::TestMap held = room();
+  const test::TestMap held = test::room();
   MapExportOptions options;
   options.octree_range = 6.0;  // some rays are cut off
   writeOctomap(held.map, path("m.ot"), options);
@@ -319,40 +283,9 @@ TEST_F(MapExport, OctomapBeyondItsKeysIsAnError)
   EXPECT_NE(tree.search(6540 + 20, 0, 0), nullptr);
 }
 
-TEST_F(MapExport, GridmapIsWhatMrptReads)
-{
-  const test::TestMap held = room();
-  writeOccupancyGrid(held.map, path("m.gridmap"), {});
-  mrpt::io::CFileGZInputStream file(path("m.gridmap"));
-  auto archive = mrpt::serialization::archiveFrom(file);
-  mrpt::maps::COccupancyGridMap2D grid;
-  archive >> grid;
-  EXPECT_FLOAT_EQ(grid.getResolution(), 0.1F);
-  writeOccupancyGrid(held.map, path("m.png"), {});
-  const cv::Mat image = cv::imread(path("m.png"), cv::IMREAD_UNCHANGED);
-  const std::string yaml = bytes(path("m.yaml"));
-  double x0 = 0;
-  double y0 = 0;
-  ASSERT_EQ(std::sscanf(yaml.c_str() + yaml.find("origin:"), "origin: [%lf, %lf", &x0, &y0), 2);
-  std::size_t occupied = 0;
-  for (int row = 0; row < image.rows; ++row)
-  {
-    for (int column = 0; column < image.cols; ++column)
-    {
-      const double x = x0 + (column + 0.5) * 0.1;
-      const double y = y0 + (image.rows - row - 0.5) * 0.1;
-      const float free = grid.getPos(static_cast<float>(x), static_cast<float>(y));
-      const int cell = image.at<std::uint8_t>(row, column);
-      ASSERT_NEAR(free, cell == 0 ? 0.02F : cell == 254 ? 0.98F : 0.5F, 0.01F) << x << " " << y;
-      occupied += free < 0.1F ? 1 : 0;
-    }
-  }
-  EXPECT_GT(occupied, 80U);
-}
-
 TEST_F(MapExport, SimplemapHoldsPosesAndClouds)
 {
-  const test::TestMap held = room();
+  const test::TestMap held = test::room();
   const StaticMap& map = held.map;
   writeSimplemap(map, path("m.simplemap"));
   const auto first = bytes(path("m.simplemap"));
@@ -381,7 +314,7 @@ TEST_F(MapExport, SimplemapHoldsPosesAndClouds)
 TEST_F(MapExport, SimplemapIsWhatMrptWouldWrite)
 {
   mrpt::maps::registerAllClasses_mrpt_maps();
-  writeSimplemap(room().map, path("a.simplemap"), {1000, 2000, 0});
+  writeSimplemap(test::room().map, path("a.simplemap"), {1000, 2000, 0});
   mrpt::maps::CSimpleMap map;
   ASSERT_TRUE(map.loadFromFile(path("a.simplemap")));
   std::vector<std::uint8_t> expected;
@@ -394,7 +327,7 @@ TEST_F(MapExport, SimplemapIsWhatMrptWouldWrite)
 
 TEST_F(MapExport, OctomapKnowsOccupiedAndFree)
 {
-  const test::TestMap held = room();
+  const test::TestMap held = test::room();
   const StaticMap& map = held.map;
   for (const std::string name : {"m.bt", "m.ot"})
   {
@@ -413,224 +346,6 @@ TEST_F(MapExport, OctomapKnowsOccupiedAndFree)
   EXPECT_FALSE(tree.isNodeOccupied(air));
   EXPECT_EQ(tree.search(12.0, 0, 1.0), nullptr);
   EXPECT_THROW(writeOctomap(map, path("m.oct"), {}), UserError);
-}
-
-TEST_F(MapExport, GridIsWhatMapServersRead)
-{
-  const test::TestMap held = room();
-  const StaticMap& map = held.map;
-  writeOccupancyGrid(map, path("m.png"), {});
-  const cv::Mat grid = cv::imread(path("m.png"), cv::IMREAD_UNCHANGED);
-  ASSERT_EQ(grid.type(), CV_8UC1);
-  const std::string yaml = bytes(path("m.yaml"));
-  EXPECT_NE(yaml.find("image: m.png\n"), std::string::npos) << yaml;
-  EXPECT_NE(yaml.find("resolution: 0.1\n"), std::string::npos) << yaml;
-  double x0 = 0;
-  double y0 = 0;
-  ASSERT_EQ(std::sscanf(yaml.c_str() + yaml.find("origin:"), "origin: [%lf, %lf", &x0, &y0), 2);
-  const auto at = [&](double x, double y)
-  {
-    const int column = static_cast<int>(std::floor((x - x0) / 0.1));
-    const int row = grid.rows - 1 - static_cast<int>(std::floor((y - y0) / 0.1));
-    return static_cast<int>(grid.at<std::uint8_t>(row, column));
-  };
-  EXPECT_EQ(at(2.0, 1.0), 254);
-  EXPECT_EQ(at(7.0, -3.0), 254);
-  int occupied = 0;
-  for (double y = -9; y < 9; y += 0.1)
-  {
-    occupied += at(8.05, y) == 0 ? 1 : 0;
-  }
-  EXPECT_GT(occupied, 80);
-  for (double y = -9; y < 9; y += 0.1)
-  {
-    for (double x = -9; x < 7.5; x += 0.1)
-    {
-      ASSERT_NE(at(x, y), 0) << x << " " << y;
-    }
-  }
-}
-
-/** One keyframe sees a post 1 m high at x = 3, all of them one at x = 5. */
-test::TestMap twoPosts(std::size_t keyframes)
-{
-  test::TestMap map;
-  for (std::size_t k = 0; k < keyframes; ++k)
-  {
-    Frame frame;
-    frame.index = k;
-    frame.scan.T_vehicle_lidar.translation().z() = 1.7;
-    const auto add = [&](float x, float y, float z)
-    {
-      frame.cloud.points.emplace_back(x, y, z);
-      frame.cloud.intensity.push_back(0.25F);
-      frame.cloud.source.push_back(0);
-    };
-    for (int i = 0; i < 6400; ++i)  // floor of 8 m by 8 m
-    {
-      add(0.1F * static_cast<float>(i % 80) + 0.05F, 0.1F * static_cast<float>(i / 80) - 3.95F,
-          0.02F);
-    }
-    for (float z = 0.5F; z < 1; z += 0.1F)
-    {
-      add(5.05F, 0.05F, z);
-      if (k == 0)
-      {
-        add(3.05F, 0.05F, z);
-      }
-    }
-    map.insert(frame);
-  }
-  return map;
-}
-
-TEST_F(MapExport, ObstaclesOfTheGridAreSeenByTwoKeyframes)
-{
-  const auto occupied = [&](std::size_t keyframes, int min_hits, double x)
-  {
-    MapExportOptions options;
-    options.obstacle_min_hits = min_hits;
-    writeOccupancyGrid(twoPosts(keyframes).map, path("m.gridmap"), options);
-    mrpt::io::CFileGZInputStream file(path("m.gridmap"));
-    mrpt::maps::COccupancyGridMap2D grid;
-    auto archive = mrpt::serialization::archiveFrom(file);
-    archive >> grid;
-    return grid.getPos(static_cast<float>(x), 0.05F) < 0.4F;
-  };
-  EXPECT_TRUE(occupied(3, 1, 3.05));
-  EXPECT_FALSE(occupied(3, 2, 3.05)) << "seen once";
-  EXPECT_TRUE(occupied(3, 2, 5.05));
-  EXPECT_TRUE(occupied(1, 2, 3.05)) << "there is but one keyframe";
-}
-
-/** Multipath echoes lie below the road; a quarter of the columns with one is no obstacle. */
-TEST_F(MapExport, EchoesBelowTheRoadLeaveItFree)
-{
-  test::TestMap map;
-  for (std::size_t k = 0; k < 3; ++k)
-  {
-    Frame frame;
-    frame.index = k;
-    frame.scan.T_vehicle_lidar.translation().z() = 1.7;
-    const auto add = [&](double x, double y, double z)
-    {
-      frame.cloud.points.emplace_back(static_cast<float>(x), static_cast<float>(y),
-                                      static_cast<float>(z));
-      frame.cloud.source.push_back(0);
-    };
-    for (int i = 0; i < 6400; ++i)  // road of 8 m by 8 m
-    {
-      add(0.1 * (i % 80) + 0.05, 0.1 * (i / 80) - 3.95, 0.02);
-    }
-    for (int i = 0; k == 1 && i < 64; ++i)  // an echo in every second column, seen once
-    {
-      if (i % 2 == 0)
-      {
-        add(i % 8 + 0.55, i / 8 - 3.45, -0.8);
-      }
-    }
-    map.insert(frame);
-  }
-  writeOccupancyGrid(map.map, path("m.gridmap"), MapExportOptions());
-  mrpt::io::CFileGZInputStream file(path("m.gridmap"));
-  mrpt::maps::COccupancyGridMap2D grid;
-  auto archive = mrpt::serialization::archiveFrom(file);
-  archive >> grid;
-  for (float x = 0.55F; x < 7.5F; x += 0.1F)
-  {
-    EXPECT_GT(grid.getPos(x, 0.05F), 0.4F) << x;
-  }
-}
-
-/** A ramp of 12 degrees with a box on it. */
-TEST_F(MapExport, RampsAreFreeAndWhatStandsOnThemIsNot)
-{
-  test::TestMap map;
-  for (std::size_t k = 0; k < 3; ++k)
-  {
-    Frame frame;
-    frame.index = k;
-    frame.scan.T_vehicle_lidar.translation().z() = 1.7;
-    const auto add = [&](double x, double y, double height)
-    {
-      frame.cloud.points.emplace_back(static_cast<float>(x), static_cast<float>(y),
-                                      static_cast<float>(std::tan(12 * M_PI / 180) * x + height));
-      frame.cloud.source.push_back(0);
-    };
-    for (int i = 0; i < 10000; ++i)  // 10 m by 10 m
-    {
-      add(3.05 + 0.1 * (i % 100), 0.1 * (i / 100) - 4.95, 0);
-    }
-    for (double y = 1.05; y < 2; y += 0.1)
-    {
-      for (double height = 0.2; height < 1; height += 0.1)
-      {
-        add(7.05, y, height);
-      }
-    }
-    map.insert(frame);
-  }
-  writeOccupancyGrid(map.map, path("m.gridmap"), MapExportOptions());
-  mrpt::io::CFileGZInputStream file(path("m.gridmap"));
-  mrpt::maps::COccupancyGridMap2D grid;
-  auto archive = mrpt::serialization::archiveFrom(file);
-  archive >> grid;
-  int occupied = 0;
-  for (float y = -4.45F; y < 4.5F; y += 0.1F)
-  {
-    for (float x = 3.55F; x < 12.5F; x += 0.1F)
-    {
-      const bool is_box = std::abs(x - 7.05F) < 0.3F && std::abs(y - 1.5F) < 0.7F;
-      const bool is_occupied = grid.getPos(x, y) < 0.4F;
-      EXPECT_TRUE(is_box || !is_occupied) << x << " " << y;
-      occupied += is_occupied ? 1 : 0;
-    }
-  }
-  EXPECT_GE(occupied, 4);
-}
-
-/** Where `(high - origin) / resolution` is rounded up to a whole number, and where the origin is
- * rounded to above `low`. */
-TEST_F(MapExport, EveryPointHasACellOfTheGrid)
-{
-  const auto freeCells =
-      [&](double low, double high, double resolution, const Eigen::Vector3d& axis)
-  {
-    StaticMapOptions options;
-    options.voxel_size = 0.5;
-    options.min_range = 0;
-    options.visibility = false;
-    test::TestMap map(options);
-    for (const double at : {low, high})
-    {
-      Frame frame;
-      frame.T_odom_vehicle.translation() = at * axis;
-      frame.cloud.points.emplace_back(0.0F, 0.0F, 0.0F);
-      frame.cloud.source.push_back(0);
-      map.insert(frame);
-    }
-    MapExportOptions exports;
-    exports.grid_resolution = resolution;
-    writeOccupancyGrid(map.map, path("m.png"), exports);
-    const cv::Mat grid = cv::imread(path("m.png"), cv::IMREAD_UNCHANGED);
-    return cv::countNonZero(grid == 254);
-  };
-  for (const Eigen::Vector3d& axis : {Eigen::Vector3d(1, 0, 0), Eigen::Vector3d(0, 1, 0)})
-  {
-    EXPECT_EQ(2, freeCells(-823.125, 28, 0.07, axis)) << axis.transpose();
-    EXPECT_EQ(2, freeCells(-3.625, 5, 0.145, axis)) << axis.transpose();
-  }
-}
-
-TEST_F(MapExport, LargeGridsGetCoarserCells)
-{
-  MapExportOptions options;
-  options.grid_max_cells = 5000;
-  writeOccupancyGrid(room().map, path("m.png"), options);
-  const cv::Mat grid = cv::imread(path("m.png"), cv::IMREAD_UNCHANGED);
-  EXPECT_LE(grid.rows * grid.cols, 5000);
-  EXPECT_NE(bytes(path("m.yaml")).find("resolution: 0.4"), std::string::npos)
-      << bytes(path("m.yaml"));
 }
 
 TEST_F(MapExport, EmptyMapGivesValidFiles)
@@ -655,7 +370,7 @@ TEST_F(MapExport, EmptyMapGivesValidFiles)
 
 TEST_F(MapExport, AFullDiskLeavesTheEarlierFiles)
 {
-  const MapPoints points = room().map.points();
+  const MapPoints points = test::room().map.points();
   for (const char* name : {"f.simplemap", "f.las", "f.pcd", "f.gridmap"})
   {
     std::ofstream(path(name)) << "an earlier one";
@@ -677,7 +392,7 @@ TEST_F(MapExport, AFullDiskLeavesTheEarlierFiles)
 
 TEST_F(MapExport, UnwritableFoldersAndBadEndings)
 {
-  const test::TestMap held = room();
+  const test::TestMap held = test::room();
   const StaticMap& map = held.map;
   const std::string nowhere = path("no/such/folder/m");
   EXPECT_THROW(writeMapCloud(map.points(), nowhere + ".ply"), UserError);

@@ -3,15 +3,9 @@
 
 #include <dyslam/core/Error.h>
 #include <dyslam/core/Files.h>
-#include <fcntl.h>
-#include <sys/file.h>
-#include <sys/stat.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <cctype>
-#include <cerrno>
-#include <cstring>
 #include <filesystem>
 #include <system_error>
 
@@ -137,44 +131,6 @@ void requireOwn(const fs::path& base, const std::vector<OutputName>& names, bool
   }
 }
 }  // namespace
-
-FolderLock::FolderLock(const std::string& folder)
-    : path_((fs::path(folder) / ".dyslam.lock").string())
-{
-  for (;;)
-  {
-    file_ = ::open(path_.c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW, 0666);
-    if (file_ < 0)
-    {
-      throw UserError(folder + ": cannot be written: " + std::strerror(errno) + "; " + advice);
-    }
-    int locked = 0;
-    do
-    {
-      locked = ::flock(file_, LOCK_EX | LOCK_NB);
-    } while (locked != 0 && errno == EINTR);
-    if (locked != 0 && errno == EWOULDBLOCK)  // other errors: a file system without locks
-    {
-      ::close(file_);
-      throw UserError(folder + ": another run is writing to it; wait for its end, or " + advice);
-    }
-    // If the other run has just ended, its lock file was removed: that lock is void.
-    struct stat named = {};
-    struct stat held = {};
-    if (::stat(path_.c_str(), &named) == 0 && ::fstat(file_, &held) == 0 &&
-        named.st_ino == held.st_ino && named.st_dev == held.st_dev)
-    {
-      return;
-    }
-    ::close(file_);
-  }
-}
-
-FolderLock::~FolderLock()
-{
-  ::unlink(path_.c_str());
-  ::close(file_);
-}
 
 OutputFolder::OutputFolder(const std::string& folder,
                            const std::vector<OutputName>& names,

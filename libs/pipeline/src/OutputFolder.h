@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <dyslam/pipeline/FolderLock.h>
+
 #include <string>
 #include <vector>
 
@@ -8,22 +10,6 @@
 
 namespace dyslam
 {
-/** Keeps other runs out of a folder while it lives. A run that is killed leaves its lock's file,
- * not the lock. */
-class FolderLock
-{
- public:
-  /** \throws UserError if the folder is locked or cannot be written. */
-  explicit FolderLock(const std::string& folder);
-  ~FolderLock();
-  FolderLock(const FolderLock&) = delete;
-  FolderLock& operator=(const FolderLock&) = delete;
-
- private:
-  std::string path_;
-  int file_ = -1;
-};
-
 /** The folder of a run, made where it is missing, locked, and without the files of an earlier run,
  * so that everything found there afterwards is of one run. */
 class OutputFolder

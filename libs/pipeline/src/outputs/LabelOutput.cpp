@@ -103,6 +103,10 @@ class LabelOutput : public RunOutput
   static std::map<std::size_t, Renaming> mergedInstances(const RunResults& results)
   {
     std::map<std::size_t, Renaming> scans;
+    if (results.merged_tracks.empty())
+    {
+      return scans;  // without reading a history that may be on disk
+    }
     results.history->forEachObject(
         [&](const PastObject& object)
         {

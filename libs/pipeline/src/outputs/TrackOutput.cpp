@@ -21,9 +21,9 @@ namespace dyslam
 {
 namespace
 {
-constexpr const char* table = "tracks.csv";
+constexpr const char* csv_tracks = "tracks.csv";
 constexpr const char* kitti_tracks = "tracks.txt";
-constexpr const char* header =
+constexpr const char* csv_header =
     "frame,stamp,id,class,x,y,z,length,width,height,yaw,vx,vy,vz,speed,dynamic,observed,score\n";
 
 /** The object's box in the lidar frame of a scan. \param object its box is in the odometry frame */
@@ -61,11 +61,12 @@ std::string rowOf(const TrackedObject& object, std::size_t scan, double stamp)
 class TrackOutput : public RunOutput
 {
  public:
-  explicit TrackOutput(const RunOutputContext& context) : RunOutput(context, {table, kitti_tracks})
+  explicit TrackOutput(const RunOutputContext& context)
+      : RunOutput(context, {csv_tracks, kitti_tracks})
   {
   }
   [[nodiscard]] FrameKind wants() const override { return FrameKind::final_objects; }
-  void open() override { rows_.open(path(table), header); }
+  void open() override { rows_.open(path(csv_tracks), csv_header); }
   void add(const Frame& frame) override
   {
     std::string rows;
@@ -85,10 +86,10 @@ class TrackOutput : public RunOutput
     archive(next_frame_);
     if (archive.isLoading())
     {
-      rows_.open(path(table), rowsSoFar());
+      rows_.open(path(csv_tracks), rowsSoFar());
       rows_.keep();
       std::error_code ignored;
-      std::filesystem::remove(path(table), ignored);
+      std::filesystem::remove(path(csv_tracks), ignored);
     }
   }
   void finish(const RunResults& results) override
@@ -97,10 +98,10 @@ class TrackOutput : public RunOutput
                   [&]
                   {
                     rows_.close();
-                    writeWhole(path(table),
+                    writeWhole(path(csv_tracks),
                                [&](std::ostream& out)
                                {
-                                 out << header;
+                                 out << csv_header;
                                  forEachReported(
                                      results, [&](const ReportedState& s)
                                      { out << rowOf(s.object, s.scan.index, s.scan.stamp); });
@@ -113,9 +114,9 @@ class TrackOutput : public RunOutput
    * stopped, of the final one: its rows are others, but so are those at the end of this run. */
   [[nodiscard]] std::string rowsSoFar() const
   {
-    const std::string growing = path(table) + ".tmp";
-    const std::string file = std::filesystem::exists(growing) ? growing : path(table);
-    std::string rows = header;
+    const std::string growing = path(csv_tracks) + ".tmp";
+    const std::string file = std::filesystem::exists(growing) ? growing : path(csv_tracks);
+    std::string rows = csv_header;
     std::istringstream lines(std::filesystem::exists(file) ? readWhole(file) : "");
     std::string line;
     std::getline(lines, line);  // the header

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <dyslam/core/Bytes.h>
 #include <dyslam/core/StateArchive.h>
 #include <dyslam/core/SwapFile.h>
 
@@ -199,24 +200,6 @@ class SwappedStore
   mutable std::uint32_t edited_ = none;
   mutable std::size_t memory_ = 0;
 };
-
-/** A plain value as bytes. */
-template <typename Value>
-void appendBytes(std::string& bytes, const Value& value)
-{
-  static_assert(std::is_trivially_copyable_v<Value>);
-  bytes.append(reinterpret_cast<const char*>(&value), sizeof value);
-}
-
-/** Plain values one after the other, as bytes. */
-template <typename Value>
-void appendBytes(std::string& bytes, const std::vector<Value>& values)
-{
-  static_assert(std::is_trivially_copyable_v<Value>);
-  const std::uint64_t count = values.size();
-  bytes.append(reinterpret_cast<const char*>(&count), sizeof count);
-  bytes.append(reinterpret_cast<const char*>(values.data()), count * sizeof(Value));
-}
 
 /** Takes a plain value off the front of `bytes`. \throws UserError if they are too few. */
 template <typename Value>
