@@ -118,10 +118,16 @@ inline void chooseSettings(const std::string& program, SlamArguments& a)
     a.settings.sensor += "; " + missing_times;
     a.messages.push_back("note: " + missing_times);
   }
+  if (!chosen.levelled.empty())
+  {
+    a.settings.sensor += "; " + chosen.levelled;
+    a.messages.push_back("note: " + chosen.levelled);
+  }
   for (const std::string& warning : a.settings.warnings)
   {
     a.messages.push_back("warning: " + warning);
   }
+  load(input, config, "input");
   if (const auto speed = findStartSpeed(a.settings.rawlog, input, config))
   {
     setStartSpeed(*speed, config);

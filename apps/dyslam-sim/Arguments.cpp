@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Arguments.h"
 
+#include <dyslam/core/Angle.h>
 #include <dyslam/core/Error.h>
 
 #include <CLI/CLI.hpp>
@@ -21,7 +22,7 @@ void declareSets(CLI::App& app, Arguments& a)
         "--reverse", "--output",     "--ego",      "--speed",         "--loop",
         "--start",   "--start-time", "--one-loop", "--columns",       "--max-range",
         "--compact", "--no-flow",    "--no-noise", "--no-distortion", "--no-stops",
-        "--count",   "--imu",        "--wheels"})
+        "--count",   "--imu",        "--wheels",   "--mounting"})
   {
     benchmark->excludes(app.get_option(fixed));
   }
@@ -83,6 +84,15 @@ void declare(CLI::App& app, Arguments& a)
                "stop when the loop is closed, or after --seconds");
   app.add_option("--columns", o.columns, "firings per revolution; 0: the sensor's (0)");
   app.add_option("--max-range", o.max_range, "[m] (the sensor's)");
+  app.add_option_function<std::vector<double>>(
+         "--mounting",
+         [&o](const std::vector<double>& deg)
+         {
+           o.mounting_roll = deg[0] * radians_per_degree;
+           o.mounting_pitch = deg[1] * radians_per_degree;
+         },
+         "roll and pitch of the lidar on the ego [deg] (0 0)")
+      ->expected(2);
   app.add_flag("--compact", a.recording.compact,
                "small files: coordinates in multiples of 1/128 m, points sorted by ring");
   app.add_flag("--no-flow", a.no_flow, "do not write the per-point scene flow");

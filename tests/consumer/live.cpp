@@ -91,8 +91,9 @@ dyslam::Frame frameAt(std::size_t scan)
 }
 
 /** The settings with which dyslam would run: the shipped ones that fit the sensor, single values
- * over them and, where the first scans leave it open, the speed at which they begin. */
-dyslam::Config settingsFrom(const std::vector<dyslam::Frame>& first)
+ * over them, the rotation that levels a lidar whose tilt is not known and, where the first scans
+ * leave it open, the speed at which they begin. */
+dyslam::ChosenSettings settingsFrom(std::vector<dyslam::Frame>& first)
 {
   const dyslam::GivenSettings given = dyslam::readGivenSettings(
       "", {"labels.hindsight=false",    // nothing of later scans is known
@@ -104,11 +105,15 @@ dyslam::Config settingsFrom(const std::vector<dyslam::Frame>& first)
   {
     std::printf("warning: %s\n", warning.c_str());
   }
+  for (dyslam::Frame& frame : first)
+  {
+    chosen.level(frame);
+  }
   if (const auto speed = dyslam::findStartSpeed(first, chosen.config))
   {
     dyslam::setStartSpeed(*speed, chosen.config);
   }
-  return chosen.config;
+  return chosen;
 }
 
 /** What a program would publish: the vehicle and the objects in the odometry frame, and where that
@@ -143,15 +148,23 @@ int run()
   {
     frames.push_back(frameAt(i));
   }
-  const dyslam::Config config = settingsFrom(frames);
-  dyslam::ConfigLoader loader(config);
+  const dyslam::ChosenSettings settings = settingsFrom(frames);
+  dyslam::ConfigLoader loader(settings.config);
   mrpt::system::CTimeLogger times(false);
   dyslam::Pipeline slam(loader, times);
 
   dyslam::Frame frame;
   for (std::size_t i = 0; i < count; ++i)
   {
-    frame = i < waited_for ? frames[i] : frameAt(i);
+    if (i < waited_for)
+    {
+      frame = frames[i];
+    }
+    else
+    {
+      frame = frameAt(i);
+      settings.level(frame);
+    }
     slam.process(frame);
     publish(frame);
   }

@@ -25,6 +25,19 @@ void RawlogSourceOptions::describe(OptionsVisitor& visitor)
                "regex for the IMU's sensor label; empty: the first with a gyroscope");
   visitor.text("odometry_label", odometry_label,
                "regex for the wheel odometry's sensor label; empty: the first");
+  visitor.flag(
+      "level", level,
+      "set roll_deg and pitch_deg so that the ground of the first scans is level, if it is "
+      "inclined by 4 deg or more in the recording's vehicle frame");
+  visitor.degrees(
+      "roll_deg", roll, -180, 180,
+      "rotation of the recording's vehicle frame about x, so that z points upwards [deg]");
+  visitor.degrees("pitch_deg", pitch, -90, 90, "and about y after that [deg]");
+}
+
+Pose RawlogSourceOptions::T_level_vehicle() const
+{
+  return poseFromYpr(0, 0, 0, 0, pitch, roll);
 }
 
 struct RawlogSource::Impl

@@ -49,6 +49,10 @@ struct ScanDecoder::Impl
         selection(options_in),
         truths(options_in.ground_truth_max_gap)
   {
+    if (options_in.roll != 0 || options_in.pitch != 0)
+    {
+      T_level_vehicle = options_in.T_level_vehicle();
+    }
   }
 
   [[nodiscard]] bool isWanted(const CObservation& observation)
@@ -220,6 +224,8 @@ struct ScanDecoder::Impl
   ScanSelection selection;
   std::string label;  //!< of the lidar in use, once it is known
 
+  std::optional<Pose> T_level_vehicle;  //!< to the vehicle frame of the frames, if it is another
+
   CObservation::Ptr companion;  //!< read, its scan not yet
   TruePoses truths;
 
@@ -295,6 +301,14 @@ Frame ScanDecoder::decode(const RecordedScan& scan)
     throw UserError(s.recording + ": scan " + std::to_string(frame.index) +
                     " is damaged: " + messageOf(error));
   }
+  if (s.T_level_vehicle)
+  {
+    frame.scan.T_vehicle_lidar = *s.T_level_vehicle * frame.scan.T_vehicle_lidar;
+    for (ImuSample& sample : frame.imu)
+    {
+      sample.T_vehicle_imu = *s.T_level_vehicle * sample.T_vehicle_imu;
+    }
+  }
   frame.scan.stamp += scan.clock_shift;
   s.scale_intensity(frame.scan);
   if (frame.scan.size() == 0)
@@ -306,7 +320,12 @@ Frame ScanDecoder::decode(const RecordedScan& scan)
 
 std::optional<Pose> ScanDecoder::truthAt(double stamp, double clock_shift)
 {
-  return impl_->truths.at(stamp - clock_shift, clock_shift);
+  std::optional<Pose> T_world_vehicle = impl_->truths.at(stamp - clock_shift, clock_shift);
+  if (T_world_vehicle && impl_->T_level_vehicle)
+  {
+    T_world_vehicle = *T_world_vehicle * impl_->T_level_vehicle->inverse();
+  }
+  return T_world_vehicle;
 }
 std::size_t ScanDecoder::framesDropped() const
 {

@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "FullDisk.h"
+#include "MotionBytes.h"
 #include "SyntheticScans.h"
 #include "TestFolder.h"
 
@@ -60,6 +61,35 @@ TEST_P(RawlogRoundTrip, KeepsEverything)
   EXPECT_EQ(5U, source.framesRead());
   EXPECT_DOUBLE_EQ(1.0, source.progress());
   EXPECT_TRUE(source.warnings().empty());
+}
+
+TEST(RawlogSource, LevelsTheVehicleFrame)
+{
+  const TestFolder folder;
+  {
+    RawlogWriter writer(folder.file("a.rawlog"));
+    writer.write(test::imuSample(someScan(0, 5).stamp - 0.01));
+    writer.write(someScan(0, 5), somePose(0));
+    writer.close();
+  }
+  RawlogSource recorded(folder.file("a.rawlog"));
+  RawlogSourceOptions options;
+  options.roll = 0.1;
+  options.pitch = -0.3;
+  RawlogSource levelled(folder.file("a.rawlog"), options);
+  const auto before = recorded.next();
+  const auto after = levelled.next();
+  ASSERT_TRUE(before && after);
+  const Pose T = poseFromYpr(0, 0, 0, 0, -0.3, 0.1);
+  EXPECT_TRUE(after->scan.T_vehicle_lidar.isApprox(T * before->scan.T_vehicle_lidar, 1e-12));
+  ASSERT_EQ(1U, before->imu.size());
+  ASSERT_EQ(1U, after->imu.size());
+  EXPECT_TRUE(after->imu[0].T_vehicle_imu.isApprox(T * before->imu[0].T_vehicle_imu, 1e-12));
+  // The lidar is where it was.
+  ASSERT_TRUE(before->T_world_vehicle_truth && after->T_world_vehicle_truth);
+  EXPECT_TRUE((*after->T_world_vehicle_truth * after->scan.T_vehicle_lidar)
+                  .isApprox(*before->T_world_vehicle_truth * before->scan.T_vehicle_lidar, 1e-9));
+  EXPECT_TRUE(samePoints(before->scan, after->scan));
 }
 
 TEST_P(RawlogRoundTrip, KeepsTimeAndRing)

@@ -215,4 +215,20 @@ std::vector<RunFolder> readRunFolders(const std::vector<std::string>& folders, d
   nameRuns(runs);
   return runs;
 }
+
+std::string effectiveIniBeside(const std::string& file)
+{
+  const fs::path ini = fs::path(file).parent_path() / "effective.ini";
+  return fs::is_regular_file(ini) ? ini.string() : "";
+}
+
+RawlogSourceOptions sourceOfRunBeside(const std::string& file)
+{
+  RawlogSourceOptions options;
+  if (const std::string ini = effectiveIniBeside(file); !ini.empty())
+  {
+    load(options, Config::fromFile(ini), "input");
+  }
+  return options;
+}
 }  // namespace dyslam

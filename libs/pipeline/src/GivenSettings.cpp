@@ -6,21 +6,13 @@
 
 namespace dyslam
 {
-namespace
+Config GivenSettings::merged() const
 {
-void apply(const std::vector<std::string>& assignments, Config& config)
-{
+  Config config = ini;
   for (const std::string& assignment : assignments)
   {
     config.set(assignment);
   }
-}
-}  // namespace
-
-Config GivenSettings::merged() const
-{
-  Config config = ini;
-  apply(assignments, config);
   return config;
 }
 
@@ -40,8 +32,6 @@ GivenSettings readGivenSettings(const std::string& ini, const std::vector<std::s
 ChosenSettings settingsFor(const RecordedSensor& sensor, const GivenSettings& given)
 {
   const std::string name = std::filesystem::path(given.path).filename().string();
-  ChosenSettings chosen = settingsFor(sensor, given.ini, name);
-  apply(given.assignments, chosen.config);
-  return chosen;
+  return settingsFor(sensor, given.ini, name, given.assignments);
 }
 }  // namespace dyslam

@@ -15,6 +15,8 @@
 #include <optional>
 #include <stdexcept>
 
+#include "RecordedGround.h"
+
 namespace dyslam
 {
 namespace
@@ -28,6 +30,9 @@ constexpr double full_share = 0.5;
 constexpr double same_rings = 0.9;
 /** A lidar with rings sees mostly the ground; more returns than this above it are suspicious. */
 constexpr double max_share_above = 2.0 / 3;
+/** Where the ground is inclined, it is measured in every fifth scan after those, too: the vehicle
+ * pitches and rolls. */
+constexpr int ground_step = 5;
 /** Ring spacings outside the limits by this factor are an obvious mismatch. */
 constexpr double plain_mismatch = 1.2;
 
@@ -140,6 +145,7 @@ class ExaminedScans
     stamps_.push_back(scan.stamp);
   }
   [[nodiscard]] bool empty() const { return stamps_.empty(); }
+  [[nodiscard]] bool lastIsFull() const { return !empty() && isFull(shown_.back()); }
   [[nodiscard]] bool areEnough() const
   {
     const auto full =
@@ -216,9 +222,56 @@ class ExaminedScans
   std::vector<double> stamps_;
 };
 
+/** What the first scans show of sensor and ground. */
+class SensorExamination
+{
+ public:
+  void add(const Scan& scan)
+  {
+    if (scans_.areEnough())
+    {
+      if (++added_ % ground_step == 0)
+      {
+        ground_.add(scan);
+      }
+      return;
+    }
+    ++added_;
+    scans_.add(scan);
+    if (scans_.lastIsFull())
+    {
+      ground_.add(scan);
+    }
+  }
+  [[nodiscard]] bool empty() const { return scans_.empty(); }
+  [[nodiscard]] bool isDone() const
+  {
+    return scans_.areEnough() && (added_ >= most_examined || !isInclined(ground_.plane()));
+  }
+  [[nodiscard]] RecordedSensor sensor() const
+  {
+    RecordedSensor sensor = scans_.sensor();
+    sensor.ground = ground_.plane();
+    return sensor;
+  }
+
+ private:
+  ExaminedScans scans_;
+  RecordedGround ground_;
+  int added_ = 0;
+};
+
 bool hasNoReturns(const RecordedSensor& sensor)
 {
   return sensor.scans > 0 && sensor.pattern.returns == 0;
+}
+
+/** "the ground is inclined by 20.1 deg in the vehicle frame (roll 0.2 deg, pitch 20.1 deg)". */
+std::string inclinationOf(const GroundPlane& ground)
+{
+  return "the ground is inclined by " + degrees(ground.inclination(), 1) +
+         " deg in the vehicle frame of the recording (roll " + degrees(ground.roll(), 1) +
+         " deg, pitch " + degrees(ground.pitch(), 1) + " deg)";
 }
 
 /** What is doubtful about the recording, one sentence each. */
@@ -231,12 +284,55 @@ std::vector<std::string> doubtsAbout(const RecordedSensor& sensor)
             " is a return: the sensor is not recognised, and the settings may not fit it; check "
             "the recording, or choose settings with -c"};
   }
+  if (isInclined(sensor.ground))
+  {
+    return {inclinationOf(*sensor.ground) + " and not levelled (input.level)"};
+  }
   if ((pattern.hasRings() || isDenseRevolution(pattern)) && sensor.share_above > max_share_above)
   {
     return {"most points (" + fixed(100 * sensor.share_above, 0) +
             " %) lie above the lidar: is its z axis down? (--sensor-pose of the converters)"};
   }
   return {};
+}
+/** Why an ini for other sensors does not fit; nothing if it does.
+ * \param name of the ini */
+std::optional<std::string> misfitOf(const Config& ini,
+                                    const std::string& name,
+                                    const RecordedSensor& sensor,
+                                    const std::optional<ShippedSettings>& shipped)
+{
+  const SensorOptions wanted = sensorOptionsOf(ini);
+  if (hasNoReturns(sensor) || fits(wanted, sensor.pattern, plain_mismatch))
+  {
+    return std::nullopt;
+  }
+  return name + " is for " + wantedBy(wanted) + "; this recording has " + ringsOf(sensor.pattern) +
+         (shipped ? "; omit -c to use " + shipped->name : "");
+}
+
+/** Sets roll and pitch of [input], unless its `level` is false: those of the ground if it is
+ * inclined, else 0. */
+void levelVehicleFrame(const RecordedSensor& sensor, ChosenSettings& chosen)
+{
+  RawlogSourceOptions input;
+  load(input, chosen.config, "input");
+  if (input.level)
+  {
+    const bool inclined = isInclined(sensor.ground);
+    const auto set = [&chosen](const std::string& key, const std::string& value)
+    { chosen.config.set("input." + key + "=" + value); };
+    if (inclined || input.roll != 0 || input.pitch != 0)
+    {
+      set("roll_deg", inclined ? degrees(sensor.ground->roll(), 2) : "0");
+      set("pitch_deg", inclined ? degrees(sensor.ground->pitch(), 2) : "0");
+      load(input, chosen.config, "input");
+    }
+    chosen.levelled = inclined ? inclinationOf(*sensor.ground) +
+                                     ": levelled (input.level=false keeps the recording's frame)"
+                               : "";
+  }
+  chosen.T_level_vehicle = input.T_level_vehicle();
 }
 }  // namespace
 
@@ -312,31 +408,36 @@ std::string RecordedSensor::missingTimes(const Config& config) const
 RecordedSensor recogniseSensor(const std::string& rawlog, const RawlogSourceOptions& input)
 {
   RawlogSourceOptions options = input;
+  if (options.level)
+  {
+    options.roll = 0;
+    options.pitch = 0;
+  }
   options.only_first_n =
       input.only_first_n > 0 ? std::min(input.only_first_n, most_examined) : most_examined;
   RawlogSource source(rawlog, options);
-  ExaminedScans scans;
+  SensorExamination examination;
   try
   {
-    while (!scans.areEnough())
+    while (!examination.isDone())
     {
       const auto frame = source.next();
       if (!frame)
       {
         break;
       }
-      scans.add(frame->scan);
+      examination.add(frame->scan);
     }
   }
   catch (const UserError&)
   {
-    if (scans.empty())
+    if (examination.empty())
     {
       throw;
     }
     // Damage after the first scan is reported by the run.
   }
-  return scans.sensor();
+  return examination.sensor();
 }
 
 RecordedSensor recogniseSensor(const std::vector<Frame>& frames)
@@ -345,12 +446,12 @@ RecordedSensor recogniseSensor(const std::vector<Frame>& frames)
   {
     throw std::invalid_argument("recogniseSensor: no frames");
   }
-  ExaminedScans scans;
-  for (std::size_t i = 0; i < frames.size() && !scans.areEnough(); ++i)
+  SensorExamination examination;
+  for (std::size_t i = 0; i < frames.size() && !examination.isDone(); ++i)
   {
-    scans.add(frames[i].scan);
+    examination.add(frames[i].scan);
   }
-  return scans.sensor();
+  return examination.sensor();
 }
 
 bool fits(const SensorOptions& options, const ScanPattern& pattern, double tolerance)
@@ -370,13 +471,23 @@ bool fits(const SensorOptions& options, const ScanPattern& pattern, double toler
                           spacing < options.max_ring_spacing * tolerance);
 }
 
+void ChosenSettings::level(Frame& frame) const
+{
+  frame.scan.T_vehicle_lidar = T_level_vehicle * frame.scan.T_vehicle_lidar;
+  for (ImuSample& sample : frame.imu)
+  {
+    sample.T_vehicle_imu = T_level_vehicle * sample.T_vehicle_imu;
+  }
+}
+
 ChosenSettings settingsFor(const RecordedSensor& sensor,
                            const Config& given,
-                           const std::string& name)
+                           const std::string& name,
+                           const std::vector<std::string>& assignments)
 {
   const std::optional<ShippedSettings> shipped = shippedFor(sensor.pattern);
   ChosenSettings chosen;
-  chosen.warnings = doubtsAbout(sensor);
+  std::optional<std::string> misfit;
   if (given.section("sensor").empty())
   {
     if (!shipped)
@@ -387,16 +498,25 @@ ChosenSettings settingsFor(const RecordedSensor& sensor,
     chosen.config = shipped->config;
     chosen.config.merge(given);
     chosen.source = shipped->name + (name.empty() ? "" : " + " + name);
-    return chosen;
   }
-  chosen.config = given;
-  chosen.source = name;
-  const SensorOptions wanted = sensorOptionsOf(given);
-  if (!hasNoReturns(sensor) && !fits(wanted, sensor.pattern, plain_mismatch))
+  else
   {
-    chosen.warnings.push_back(name + " is for " + wantedBy(wanted) + "; this recording has " +
-                              ringsOf(sensor.pattern) +
-                              (shipped ? "; omit -c to use " + shipped->name : ""));
+    chosen.config = given;
+    chosen.source = name;
+    misfit = misfitOf(given, name, sensor, shipped);
+  }
+  for (const std::string& assignment : assignments)
+  {
+    chosen.config.set(assignment);
+  }
+  levelVehicleFrame(sensor, chosen);
+  if (chosen.levelled.empty())
+  {
+    chosen.warnings = doubtsAbout(sensor);
+  }
+  if (misfit)
+  {
+    chosen.warnings.push_back(*misfit);
   }
   return chosen;
 }

@@ -249,6 +249,70 @@ TEST(SensorSettings, ALidarThatIsUpsideDownIsAWarning)
   EXPECT_TRUE(warningsNow().empty());
 }
 
+/** A scan of 16 rings over level ground, 1.7 m below, that ends at a round wall at 20 m. */
+Frame frameOverGround(double roll_deg, double pitch_deg)
+{
+  const Eigen::Matrix3f R_level_lidar =
+      poseFromYpr(0, 0, 0, 0, pitch_deg * degree, roll_deg * degree).linear().cast<float>();
+  Frame frame = frameOfRings(0);
+  for (Eigen::Vector3f& p : frame.scan.points)
+  {
+    const Eigen::Vector3f ray = R_level_lidar * p / 20;
+    p *= ray.z() < 0 ? std::min(1.0F, 1.7F / (20 * -ray.z())) : 1.0F;
+  }
+  return frame;
+}
+
+TEST(SensorSettings, AVehicleFrameOverInclinedGroundIsLevelled)
+{
+  const std::vector<Frame> frames{frameOverGround(-6, 20)};
+  const RecordedSensor sensor = recogniseSensor(frames);
+  ASSERT_TRUE(sensor.ground);
+  const ChosenSettings chosen = settingsFor(sensor, Config(), "");
+  EXPECT_TRUE(chosen.warnings.empty());
+  EXPECT_NE(chosen.levelled.find("(roll -6.0 deg, pitch 20.0 deg): levelled"), std::string::npos)
+      << chosen.levelled;
+  RawlogSourceOptions input;
+  load(input, chosen.config, "input");
+  EXPECT_NEAR(-6 * degree, input.roll, 0.1 * degree);
+  EXPECT_NEAR(20 * degree, input.pitch, 0.1 * degree);
+  EXPECT_TRUE(chosen.T_level_vehicle.isApprox(input.T_level_vehicle()));
+  Frame frame = frames[0];
+  frame.imu.emplace_back();
+  chosen.level(frame);
+  EXPECT_TRUE(frame.scan.T_vehicle_lidar.isApprox(chosen.T_level_vehicle));
+  EXPECT_TRUE(frame.imu[0].T_vehicle_imu.isApprox(chosen.T_level_vehicle));
+  const auto now = recogniseSensor(std::vector<Frame>{frame});
+  ASSERT_TRUE(now.ground);
+  EXPECT_LT(now.ground->inclination(), 0.1 * degree);
+  EXPECT_EQ("", settingsFor(now, chosen.config, "effective.ini").levelled);
+
+  // As the user wants it.
+  const ChosenSettings kept = settingsFor(sensor, Config(), "", {"input.level=false"});
+  EXPECT_EQ("", kept.levelled);
+  EXPECT_TRUE(kept.T_level_vehicle.isApprox(Pose::Identity()));
+  ASSERT_EQ(1U, kept.warnings.size());
+  EXPECT_NE(kept.warnings[0].find("the ground is inclined by 20."), std::string::npos);
+}
+
+TEST(SensorSettings, LevelGroundAndScansThatDisagreeChangeNothing)
+{
+  const auto of = [](const std::vector<Frame>& frames)
+  { return settingsFor(recogniseSensor(frames), Config(), ""); };
+  const ChosenSettings level = of({frameOverGround(1, 3)});
+  EXPECT_FALSE(level.config.has("input", "pitch_deg"));
+  EXPECT_TRUE(level.warnings.empty() && level.levelled.empty());
+  const ChosenSettings swinging = of({frameOverGround(0, 20), frameOverGround(0, 10)});
+  EXPECT_FALSE(swinging.config.has("input", "pitch_deg"));
+  const ChosenSettings bump =
+      of({frameOverGround(0, 20), frameOverGround(0, 10), frameOverGround(0, 21)});
+  EXPECT_NEAR(20.5 * degree,
+              bump.config.has("input", "pitch_deg")
+                  ? std::stod(bump.config.section("input").at("pitch_deg").text) * degree
+                  : 0,
+              0.1 * degree);
+}
+
 TEST(SensorSettings, EqualTimesAreSaid)
 {
   std::vector<Frame> frames{frameOfRings(0), frameOfRings(0.1)};

@@ -28,6 +28,15 @@ EgoKind carrierOf(const SimulatorOptions& options)
   return options.world == WorldKind::campus ? EgoKind::robot : EgoKind::car;
 }
 
+/** T_vehicle_lidar. */
+Pose mountingFor(const SimulatorOptions& o)
+{
+  const Pose upright = EgoMotion::mounting(carrierOf(o));
+  return o.mounting_roll == 0 && o.mounting_pitch == 0
+             ? upright
+             : upright * poseFromYpr(0, 0, 0, 0, o.mounting_pitch, o.mounting_roll);
+}
+
 SensorModel sensorFor(const SimulatorOptions& options)
 {
   SensorModel sensor = sensorModel(options.sensor);
@@ -47,7 +56,7 @@ struct Simulator::Impl
         crowd(*world, options),
         ego_motion(carrierOf(o), o.trafficSeed()),
         motion_sampler(o),
-        T_vehicle_lidar(EgoMotion::mounting(carrierOf(o))),
+        T_vehicle_lidar(mountingFor(o)),
         moving_scene(world->device.handle())
   {
     while (crowd.time() < options.start_time)

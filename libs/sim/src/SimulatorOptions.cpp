@@ -50,6 +50,10 @@ void SimulatorOptions::describe(OptionsVisitor& visitor)
   visitor.flag("reverse", reverse,
                "the ego drives its loop in the opposite direction; not on a highway");
   visitor.flag("stops", stops, "the ego stops at random times");
+  visitor.degrees("mounting_roll_deg", mounting_roll, -180, 180,
+                  "roll of the lidar on the ego [deg]");
+  visitor.degrees("mounting_pitch_deg", mounting_pitch, -90, 90,
+                  "pitch of the lidar on the ego; above 0 it looks downwards [deg]");
   visitor.flag("motion_distortion", motion_distortion,
                "points are measured while the sensor moves; false: all at the stamp");
   visitor.flag("noise", noise,

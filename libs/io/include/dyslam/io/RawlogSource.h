@@ -3,6 +3,7 @@
 
 #include <dyslam/core/Frame.h>
 #include <dyslam/core/Options.h>
+#include <dyslam/core/Pose.h>
 #include <dyslam/io/ScanRange.h>
 
 #include <cstddef>
@@ -25,6 +26,13 @@ struct RawlogSourceOptions : Options, ScanRange
       0;                  //!< multiplies the file's intensities; 0: 1, or 1/255 for 0..255 data
   std::string imu_label;  //!< regex for the IMU's label; empty: the first IMU with a gyroscope
   std::string odometry_label;  //!< regex for the wheel odometry's label; empty: the first one
+  bool level = true;  //!< programs that choose the settings set roll and pitch: settingsFor()
+  double roll = 0;    //!< of the recording's vehicle frame over level ground [rad]
+  double pitch = 0;   //!< ... about y, the outer one of both rotations [rad]
+
+  /** Takes the recording's vehicle frame to the one that is used, with z upwards: the rotation by
+   * `pitch` and `roll`. */
+  [[nodiscard]] Pose T_level_vehicle() const;
 
   void describe(OptionsVisitor& visitor) override;
 };
@@ -36,6 +44,9 @@ struct RawlogSourceOptions : Options, ScanRange
  * are in memory. Frame::index counts the lidar's scans in the file from 0, so that it fits the
  * ground-truth sidecar whatever is skipped. See doc/formats.md for how per-point time and ring are
  * stored.
+ *
+ * The vehicle frame of scans, IMU and ground truth is the recording's, rotated by roll and pitch of
+ * the options.
  *
  * CObservationIMU and CObservationOdometry are read beside the scans. Frame::imu and Frame::wheels
  * hold those recorded since the scan before, and older ones that follow that scan in the file.

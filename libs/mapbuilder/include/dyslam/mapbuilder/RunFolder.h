@@ -39,4 +39,11 @@ struct RunArgument
  * \throws UserError naming what is missing. */
 [[nodiscard]] std::vector<RunFolder> readRunFolders(const std::vector<std::string>& folders,
                                                     double tolerance);
+
+/** effective.ini of the run in whose folder a file is; empty where it is of none. */
+[[nodiscard]] std::string effectiveIniBeside(const std::string& file);
+
+/** The options with which that run read its recording; the defaults where it is of none.
+ * \throws UserError for a damaged ini. */
+[[nodiscard]] RawlogSourceOptions sourceOfRunBeside(const std::string& file);
 }  // namespace dyslam

@@ -3,9 +3,11 @@
 
 #include <dyslam/core/Config.h>
 #include <dyslam/core/Frame.h>
+#include <dyslam/core/GroundPlane.h>
 #include <dyslam/core/Options.h>
 #include <dyslam/core/ScanPattern.h>
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -35,8 +37,11 @@ struct SensorOptions : Options
 /** Properties of a lidar, measured from the first scans of a recording that have many returns. */
 struct RecordedSensor
 {
-  ScanPattern pattern;       //!< of the scan that shows most rings
-  double share_above = 0;    //!< of its returns: above the lidar, with the axes of the vehicle
+  ScanPattern pattern;     //!< of the scan that shows most rings
+  double share_above = 0;  //!< of its returns: above the lidar, with the axes of the vehicle
+  /** Axes of the recording's vehicle frame, origin at the lidar; nothing where the scans show no
+   * ground or do not agree. */
+  std::optional<GroundPlane> ground;
   double period = 0;         //!< between scans, median [s]; 0 for a single scan
   bool has_times = false;    //!< points have times, even if all the same (deskewed before)
   bool equal_times = false;  //!< ... which are the same for all points of a scan
@@ -52,8 +57,9 @@ struct RecordedSensor
   [[nodiscard]] std::string missingTimes(const Config& config) const;
 };
 
-/** Reads a few scans, up to fifty until five of them have many returns.
- * \throws UserError if there is none. */
+/** Reads a few scans, up to fifty until five of them have many returns, and fifty where the ground
+ * is inclined. Roll and pitch of the
+ * options are left out if they have `level`. \throws UserError if there is none. */
 [[nodiscard]] RecordedSensor recogniseSensor(const std::string& rawlog,
                                              const RawlogSourceOptions& input);
 
@@ -67,16 +73,27 @@ struct RecordedSensor
 struct ChosenSettings
 {
   Config config;
-  std::string source;  //!< the inis: "vlp16.ini", "vlp16.ini + my.ini"
+  Pose T_level_vehicle = Pose::Identity();  //!< of input.roll_deg and input.pitch_deg
+  std::string levelled;  //!< a sentence for the user, if it is not the identity; else empty
+  std::string source;    //!< the inis: "vlp16.ini", "vlp16.ini + my.ini"
   std::vector<std::string>
       warnings;  //!< settings that clearly do not fit, a recording to be checked; a sentence each
+
+  /** Applies T_level_vehicle to the mountings of lidar and IMU, for a program that makes frames
+   * itself; RawlogSource and ScanDecoder do so with the options of [input]. */
+  void level(Frame& frame) const;
 };
 
 /** The settings for a recording: those of an ini that names the sensors it is for, else the shipped
- * ones that fit the sensor, changed by those of the ini.
+ * ones that fit the sensor, changed by those of the ini, then by single ones. With `level` of
+ * [input], the default, its roll and pitch are those of the ground, if that is inclined in the
+ * recording's vehicle frame, else 0.
  * \param given of the user's ini; empty without \param name of it; empty without
- * \throws UserError for a shipped ini that cannot be read or is not found. */
+ * \param assignments "section.key=value"
+ * \throws UserError for a shipped ini that cannot be read or is not found, and for an assignment
+ * that is not section.key=value. */
 [[nodiscard]] ChosenSettings settingsFor(const RecordedSensor& sensor,
                                          const Config& given,
-                                         const std::string& name);
+                                         const std::string& name,
+                                         const std::vector<std::string>& assignments = {});
 }  // namespace dyslam

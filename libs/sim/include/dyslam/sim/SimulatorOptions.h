@@ -45,6 +45,9 @@ struct SimulatorOptions : Options
   bool reverse = false;  //!< the ego drives its loop in the opposite direction; not on a highway
   bool stops = true;     //!< the ego stops at random times
 
+  double mounting_roll = 0;   //!< of the lidar on the ego, about x [rad]
+  double mounting_pitch = 0;  //!< ... about y, after that [rad]; above 0: it looks downwards
+
   bool motion_distortion = true;  //!< false: all points are measured at the stamp
   bool noise = true;              //!< false: exact ranges without losses
   int columns = 0;                //!< firings per revolution; 0: those of the sensor

@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <Eigen/Core>
+#include <optional>
+#include <vector>
+
+namespace dyslam
+{
+/** The plane of the ground around a sensor. */
+struct GroundPlane
+{
+  Eigen::Vector3d normal = Eigen::Vector3d::UnitZ();  //!< unit, upwards
+  double height = 0;                                  //!< of the origin above it [m]
+  double share = 0;  //!< of what returns show within 15 m, more of it nearby: on the plane
+
+  /** Angle between its normal and the z axis, in [0, pi] [rad]. */
+  [[nodiscard]] double inclination() const;
+  /** Rotation about the y axis, in [-pi/2, pi/2], after that about the x axis in [-pi, pi] [rad]:
+   * Ry(pitch) Rx(roll) turns the normal to the z axis. */
+  [[nodiscard]] double pitch() const;
+  [[nodiscard]] double roll() const;
+};
+
+/** Finds the plane of the ground in a scan, for a sensor whose tilt is not known: the one with most
+ * surface within 15 m, less what is behind it, that extends in two directions and is inclined by at
+ * most 50 degrees. If there is none and most returns are above the sensor, a plane above it: then
+ * the sensor hangs upside down.
+ *
+ * Planes through three points, drawn with a fixed seed (RANSAC: Fischler and Bolles, 1981), then
+ * least squares. The same points give the same plane.
+ * \param points axes of the lidar or the vehicle, the origin near the sensor [m]; those that are no
+ * returns are ignored
+ * \return nothing if no plane has enough surface, as in a forest or a tunnel. */
+[[nodiscard]] std::optional<GroundPlane> findGroundPlane(
+    const std::vector<Eigen::Vector3f>& points);
+}  // namespace dyslam

@@ -1,0 +1,255 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/core/Angle.h>
+#include <dyslam/core/GroundPlane.h>
+#include <dyslam/core/Scan.h>
+#include <dyslam/core/VoxelGrid.h>
+
+#include <Eigen/Eigenvalues>
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <random>
+
+namespace dyslam
+{
+namespace
+{
+/** Returns at these distances from the sensor are used [m]. */
+constexpr float min_range = 1;
+constexpr float max_range = 15;
+/** One return of each cube of this side is used [m]: a sensor has most of them close by. */
+constexpr float cube = 0.5F;
+constexpr std::size_t min_cubes = 100;
+/** Farther away than this the weight falls with the distance [m]: a road is level where the sensor
+ * is. */
+constexpr float full_weight_range = 3;
+
+constexpr int draws = 1500;
+/** Sides of the triangles that are drawn [m]. */
+constexpr double min_side = 2;
+/** Heights of the origin above the ground [m]; in the clouds of some drivers it lies on it. */
+constexpr double min_height = -0.5;
+constexpr double max_height = 6;
+const double max_inclination = 50 * radians_per_degree;
+
+/** Points of the ground are this near its plane when drawn, and at the end [m]. */
+constexpr double drawn_distance = 0.15;
+constexpr double final_distance = 0.08;
+/** Points that are this far beyond a plane tell which side of it is the upper one, and whether it
+ * is the ground [m]. */
+constexpr double beyond = 0.4;
+/** Points behind the ground, at most, for each one on it. */
+constexpr double max_behind = 0.5;
+/** Of the weights of all points. */
+constexpr double min_share = 0.15;
+/** Standard deviation of the points of the ground, along the direction where it is smaller [m]. */
+constexpr double min_spread = 1.5;
+/** Of a sensor that hangs upside down this share of the weights is on the side of the z axis. */
+constexpr double min_share_above = 2.0 / 3;
+
+struct Point
+{
+  Eigen::Vector3d p;
+  double weight;
+};
+using Points = std::vector<Point>;
+
+/** One return of each cube near the sensor, in the order of the points. */
+Points thinned(const std::vector<Eigen::Vector3f>& points)
+{
+  Points kept;
+  VoxelHash taken;
+  for (const Eigen::Vector3f& p : points)
+  {
+    const float range = p.norm();
+    if (!isReturn(p) || range < min_range || range > max_range)
+    {
+      continue;
+    }
+    const auto next = static_cast<std::uint32_t>(kept.size());
+    if (taken.findOrInsert(voxelKey(voxelCell(p, 1 / cube)), next) == next)
+    {
+      kept.push_back({p.cast<double>(), 1 / std::max(range, full_weight_range)});
+    }
+  }
+  return kept;
+}
+
+/** \param least z of the points that count */
+double weightAbove(double least, const Points& points)
+{
+  double sum = 0;
+  for (const Point& point : points)
+  {
+    sum += point.p.z() > least ? point.weight : 0;
+  }
+  return sum;
+}
+
+double totalWeight(const Points& points)
+{
+  return weightAbove(-std::numeric_limits<double>::infinity(), points);
+}
+
+/** Points of a plane are those with normal . p + height near 0; its normal points upwards. */
+struct Plane
+{
+  Eigen::Vector3d normal;
+  double height;
+
+  [[nodiscard]] double above(const Eigen::Vector3d& p) const { return normal.dot(p) + height; }
+  [[nodiscard]] bool isPossible() const
+  {
+    return height >= min_height && height <= max_height && isFlat();
+  }
+  [[nodiscard]] bool isFlat() const { return std::abs(normal.z()) >= std::cos(max_inclination); }
+};
+
+/** Weights of the points on a plane, and beyond it on the side where they are fewer. */
+struct Support
+{
+  double on = 0;
+  double behind = 0;
+
+  [[nodiscard]] bool isOfGround() const { return behind <= max_behind * on; }
+};
+
+/** Turns a plane so that most of the points that are not on it are above it. */
+Support orient(Plane& plane, const Points& points)
+{
+  double on = 0;
+  double above = 0;
+  double below = 0;
+  for (const Point& point : points)
+  {
+    const double distance = plane.above(point.p);
+    on += std::abs(distance) <= drawn_distance ? point.weight : 0;
+    above += distance > beyond ? point.weight : 0;
+    below += distance < -beyond ? point.weight : 0;
+  }
+  if (below > above)
+  {
+    plane = {-plane.normal, -plane.height};
+  }
+  return {on, std::min(above, below)};
+}
+
+/** The plane with the least squared distances from the points near another one.
+ * \param spread standard deviations along the plane: the smaller one [m] */
+Plane fitted(const Plane& plane, const Points& points, double distance, double& spread)
+{
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+  Eigen::Matrix3d squares = Eigen::Matrix3d::Zero();
+  double weight = 0;
+  for (const Point& point : points)
+  {
+    if (std::abs(plane.above(point.p)) <= distance)
+    {
+      sum += point.weight * point.p;
+      squares += point.weight * point.p * point.p.transpose();
+      weight += point.weight;
+    }
+  }
+  spread = 0;
+  if (weight <= 0)
+  {
+    return plane;
+  }
+  const Eigen::Vector3d mean = sum / weight;
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(squares / weight -
+                                                              mean * mean.transpose());
+  spread = std::sqrt(std::max(0.0, solver.eigenvalues()[1]));
+  Eigen::Vector3d normal = solver.eigenvectors().col(0);
+  normal *= normal.dot(plane.normal) < 0 ? -1 : 1;
+  return {normal, -normal.dot(mean)};
+}
+
+/** The best plane of those drawn. \param up sign of the z coordinate of its normal */
+std::optional<Plane> drawPlane(const Points& points, double up)
+{
+  std::optional<Plane> best;
+  double most = 0;
+  std::mt19937 random(1);
+  const auto draw = [&points, &random]() -> const Eigen::Vector3d&
+  { return points[random() % static_cast<std::uint32_t>(points.size())].p; };
+  for (int i = 0; i < draws; ++i)
+  {
+    const Eigen::Vector3d& a = draw();
+    const Eigen::Vector3d& b = draw();
+    const Eigen::Vector3d& c = draw();
+    const Eigen::Vector3d product = (b - a).cross(c - a);
+    if (product.norm() < min_side * min_side)
+    {
+      continue;
+    }
+    const Eigen::Vector3d normal = product.normalized();
+    Plane plane{normal, -normal.dot(a)};
+    if (std::abs(plane.height) > max_height || !plane.isFlat())
+    {
+      continue;
+    }
+    const Support support = orient(plane, points);
+    const double score = support.on - support.behind;
+    if (score > most && up * plane.normal.z() > 0 && plane.isPossible() && support.isOfGround())
+    {
+      most = score;
+      best = plane;
+    }
+  }
+  return best;
+}
+
+std::optional<GroundPlane> refined(const std::optional<Plane>& drawn, const Points& points)
+{
+  if (!drawn)
+  {
+    return std::nullopt;
+  }
+  Plane plane = *drawn;
+  double spread = 0;
+  for (const double distance : {drawn_distance, drawn_distance, final_distance, final_distance})
+  {
+    plane = fitted(plane, points, distance, spread);
+  }
+  const Support support = orient(plane, points);
+  const double share = support.on / totalWeight(points);
+  if (!plane.isPossible() || spread < min_spread || share < min_share || !support.isOfGround())
+  {
+    return std::nullopt;
+  }
+  return GroundPlane{plane.normal, plane.height, share};
+}
+}  // namespace
+
+double GroundPlane::inclination() const
+{
+  return std::acos(std::clamp(normal.z(), -1.0, 1.0));
+}
+
+double GroundPlane::pitch() const
+{
+  return std::atan2(-normal.x(), std::hypot(normal.y(), normal.z()));
+}
+
+double GroundPlane::roll() const
+{
+  return std::atan2(normal.y(), normal.z());
+}
+
+std::optional<GroundPlane> findGroundPlane(const std::vector<Eigen::Vector3f>& points)
+{
+  const Points near = thinned(points);
+  if (near.size() < min_cubes)
+  {
+    return std::nullopt;
+  }
+  const auto upright = refined(drawPlane(near, 1), near);
+  if (upright || weightAbove(0, near) < min_share_above * totalWeight(near))
+  {
+    return upright;
+  }
+  return refined(drawPlane(near, -1), near);
+}
+}  // namespace dyslam

@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "RecordedGround.h"
+
+#include <dyslam/core/Angle.h>
+
+#include <cmath>
+
+namespace dyslam
+{
+namespace
+{
+/** Ground that is inclined by less counts as level. */
+constexpr double min_inclination = 4 * radians_per_degree;
+/** Planes whose normals are this near each other agree: a vehicle pitches and rolls. */
+constexpr double same_ground = 4 * radians_per_degree;
+/** Of the scans this share has to show the same ground. */
+constexpr double min_agreeing = 0.6;
+}  // namespace
+
+void RecordedGround::add(const Scan& scan)
+{
+  const Eigen::Matrix3f R_vehicle_lidar = scan.T_vehicle_lidar.linear().cast<float>();
+  std::vector<Eigen::Vector3f> points;
+  points.reserve(scan.size());
+  for (const Eigen::Vector3f& p : scan.points)
+  {
+    points.emplace_back(R_vehicle_lidar * p);
+  }
+  ++scans_;
+  if (const auto plane = findGroundPlane(points))
+  {
+    planes_.push_back(*plane);
+  }
+}
+
+std::optional<GroundPlane> RecordedGround::plane() const
+{
+  GroundPlane best;
+  std::size_t most = 0;
+  for (const GroundPlane& one : planes_)
+  {
+    GroundPlane sum{Eigen::Vector3d::Zero(), 0, 0};
+    std::size_t count = 0;
+    for (const GroundPlane& other : planes_)
+    {
+      if (other.normal.dot(one.normal) >= std::cos(same_ground))
+      {
+        sum.normal += other.normal;
+        sum.height += other.height;
+        sum.share += other.share;
+        ++count;
+      }
+    }
+    if (count > most)
+    {
+      const auto n = static_cast<double>(count);
+      best = {sum.normal.normalized(), sum.height / n, sum.share / n};
+      most = count;
+    }
+  }
+  const bool agree = static_cast<double>(most) >= min_agreeing * static_cast<double>(scans_);
+  return most > 0 && agree ? std::optional<GroundPlane>(best) : std::nullopt;
+}
+
+bool isInclined(const std::optional<GroundPlane>& ground)
+{
+  return ground && ground->inclination() >= min_inclination;
+}
+}  // namespace dyslam
