@@ -66,9 +66,9 @@ void writeOrigin(const std::string& input, const std::string& program, const Con
 /** The first option in a message that only the converters have; empty if there is none. */
 std::string optionOfConverters(const std::string& message)
 {
-  constexpr std::array<const char*, 9> known{"--topic",  "--imu-topic",   "--odometry-topic",
-                                             "--sensor", "--sensor-pose", "--dt",
-                                             "--output", "--force",       "--input"};
+  constexpr std::array<const char*, 10> known{
+      "--topic",      "--imu-topic", "--odometry-topic", "--sensor", "--sensor-pose",
+      "--base-frame", "--dt",        "--output",         "--force",  "--input"};
   std::istringstream words(message);
   for (std::string word; words >> word;)
   {
@@ -160,6 +160,11 @@ void declareConversion(CLI::App& app, RecordingOptions& options)
       ->group(group);
   app.add_option("--sensor-pose", options.sensor_pose,
                  "pose of the lidar on the vehicle: 'x y z yaw pitch roll' [m, deg]")
+      ->group(group);
+  app.add_option(
+         "--base-frame", options.base_frame,
+         "frame of the vehicle (base_link) in a bag's /tf_static, from which the pose of the "
+         "lidar is taken, instead of --sensor-pose")
       ->group(group);
   app.add_option(
          "--dt", options.dt,

@@ -71,6 +71,10 @@ void declare(CLI::App& app, Arguments& arguments)
                  "times of a folder's scans, a line each: seconds, or KITTI's timestamps.txt");
   app.add_option("--sensor-pose", o.sensor_pose,
                  "pose of the lidar on the vehicle: 'x y z yaw pitch roll' [m, deg]");
+  app.add_option(
+      "--base-frame", o.base_frame,
+      "frame of the vehicle (base_link) in a bag's /tf_static, from which the pose of the "
+      "lidar is taken, instead of --sensor-pose");
   app.add_option("--dt", o.dt, "seconds between scans; default: their own times, else 0.1");
   app.add_flag("--by-number", o.by_number,
                "times of a folder's scans: the number in the file name times --dt (default 0.1), "

@@ -27,6 +27,10 @@ constexpr std::size_t min_cubes = 100;
 constexpr float full_weight_range = 3;
 
 constexpr int draws = 1500;
+/** Every so many points decide whether a plane is worth a look at all of them: those on it have to
+ * promise this share of the best plane's support. */
+constexpr std::size_t sample_step = 8;
+constexpr double promising = 0.6;
 /** Sides of the triangles that are drawn [m]. */
 constexpr double min_side = 2;
 /** Heights of the origin above the ground [m]; in the clouds of some drivers it lies on it. */
@@ -169,6 +173,11 @@ Plane fitted(const Plane& plane, const Points& points, double distance, double& 
 /** The best plane of those drawn. \param up sign of the z coordinate of its normal */
 std::optional<Plane> drawPlane(const Points& points, double up)
 {
+  Points sample;
+  for (std::size_t i = 0; i < points.size(); i += sample_step)
+  {
+    sample.push_back(points[i]);
+  }
   std::optional<Plane> best;
   double most = 0;
   std::mt19937 random(1);
@@ -187,6 +196,10 @@ std::optional<Plane> drawPlane(const Points& points, double up)
     const Eigen::Vector3d normal = product.normalized();
     Plane plane{normal, -normal.dot(a)};
     if (std::abs(plane.height) > max_height || !plane.isFlat())
+    {
+      continue;
+    }
+    if (sample_step * orient(plane, sample).on < promising * most)
     {
       continue;
     }

@@ -6,6 +6,7 @@
 #include <dyslam/formats/RosMessages.h>
 
 #include <map>
+#include <set>
 #include <sstream>
 #include <utility>
 
@@ -69,6 +70,33 @@ std::size_t scanTopic(const std::string& input, Bag& bag, const std::string& ask
                                    : ", but packets (" + packets +
                                          "): play it to the lidar's driver and record its "
                                          "PointCloud2"));
+}
+
+/** T_vehicle_lidar by the transforms of the bag. \param base frame of the vehicle
+ * \throws UserError if they do not connect both frames. */
+Pose mountingOf(const std::string& input, Bag& bag, std::size_t scans, const std::string& base)
+{
+  const std::string frame = frameOfTopic(bag, scans);
+  const RosTransforms transforms = staticTransforms(bag);
+  if (const auto T_base_frame = transformBetween(transforms, base, frame))
+  {
+    return *T_base_frame;
+  }
+  std::set<std::string> known;
+  for (const auto& [child, transform] : transforms)
+  {
+    known.insert(child);
+    known.insert(transform.parent);
+  }
+  std::string names;
+  for (const std::string& name : known)
+  {
+    names += (names.empty() ? "" : ", ") + name;
+  }
+  throw UserError(input + ": --base-frame " + base + ": /tf_static does not connect it to '" +
+                  frame + "', the frame of " + bag.topics()[scans].name +
+                  (names.empty() ? "; it has no frames" : "; it has the frames " + names) +
+                  "; give --sensor-pose instead");
 }
 
 /** Poses of one body from a topic of the bag. */
@@ -239,6 +267,11 @@ void convertBag(const std::string& input, ScanSink& sink, const ScanConverterOpt
   const std::unique_ptr<Bag> bag = openBag(input);
   const std::size_t at = scanTopic(input, *bag, options.topic, sink);
   const BagTopic topic = bag->topics()[at];
+  if (!options.base_frame.empty())
+  {
+    sink.setMounting(mountingOf(input, *bag, at, options.base_frame));
+    sink.note("the vehicle is " + options.base_frame + ", in which /tf_static places the lidar");
+  }
   const Trajectory truth =
       options.truth_topic.empty() ? Trajectory() : readTruth(input, *bag, options, sink);
   if (!truth.empty())

@@ -108,6 +108,7 @@ std::string RecordingOptions::givenFlag() const
          : !odometry_topic.empty() ? "--odometry-topic"
          : !sensor.empty()         ? "--sensor"
          : !sensor_pose.empty()    ? "--sensor-pose"
+         : !base_frame.empty()     ? "--base-frame"
          : dt > 0                  ? "--dt"
                                    : "";
 }
@@ -145,6 +146,7 @@ ConversionResult RecordingConverter::convert(const std::string& output,
     requireNone("--topic", options.topic, "a bag");
     requireNone("--imu-topic", options.imu_topic, "a bag");
     requireNone("--odometry-topic", options.odometry_topic, "a bag");
+    requireNone("--base-frame", options.base_frame, "a bag");
     requireNone("--sensor", options.sensor, "a .pcap, a bag or a folder of scans");
     KittiConverterOptions of_kitti;
     of_kitti.kind = *kitti;
@@ -158,6 +160,7 @@ ConversionResult RecordingConverter::convert(const std::string& output,
   of_scans.odometry_topic = options.odometry_topic;
   of_scans.sensor = options.sensor;
   of_scans.sensor_pose = options.sensor_pose;
+  of_scans.base_frame = options.base_frame;
   of_scans.dt = options.dt;
   return convertScans(input_, output, of_scans, progress);
 }

@@ -332,7 +332,8 @@ void requireFitting(InputKind kind, const ScanConverterOptions& options)
         Use{"--truth-frame", !options.truth_frame.empty(), InputKind::bag, "a bag"},
         Use{"--imu-topic", !options.imu_topic.empty(), InputKind::bag, "a bag"},
         Use{"--imu-pose", !options.imu_pose.empty(), InputKind::bag, "a bag"},
-        Use{"--odometry-topic", !options.odometry_topic.empty(), InputKind::bag, "a bag"}})
+        Use{"--odometry-topic", !options.odometry_topic.empty(), InputKind::bag, "a bag"},
+        Use{"--base-frame", !options.base_frame.empty(), InputKind::bag, "a bag"}})
   {
     if (use.given && use.kind != kind)
     {
@@ -355,6 +356,12 @@ void requireFitting(InputKind kind, const ScanConverterOptions& options)
       options.truth_topic.empty())
   {
     throw UserError("--pose-source states where --poses or --truth-topic are from; give one, too");
+  }
+  if (!options.base_frame.empty() && !options.sensor_pose.empty())
+  {
+    throw UserError(
+        "--base-frame takes the pose of the lidar from the bag, --sensor-pose states it; "
+        "give one of them");
   }
   if (!options.truth_frame.empty() && options.truth_topic.empty())
   {
@@ -386,6 +393,9 @@ void ScanConverterOptions::describe(OptionsVisitor& visitor)
                "topic of the measured speed of a bag's vehicle; empty: none");
   visitor.text("sensor_pose", sensor_pose,
                "pose of the lidar on the vehicle, x y z yaw pitch roll; empty: identity [m, deg]");
+  visitor.text("base_frame", base_frame,
+               "frame of the vehicle in a bag's /tf_static, which places the lidar in it; empty: "
+               "sensor_pose");
   visitor.real("dt", dt, 0, 3600, "time between scans; 0: the scans' own times, else 0.1 [s]");
   visitor.flag("by_number", by_number,
                "times of a folder's scans by the numbers in their names, dt apart");

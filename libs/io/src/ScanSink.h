@@ -31,6 +31,7 @@ class ScanSink
 
   /** Where the true poses are from, if the options do not say it. \param name file or topic */
   void setPoseOrigin(PoseSource source, const std::string& name);
+  void setMounting(const Pose& T_vehicle_lidar) { T_vehicle_lidar_ = T_vehicle_lidar; }
   void setProgress(const ConversionProgress& progress) { progress_ = progress; }
   [[nodiscard]] std::size_t seen() const { return seen_; }
   [[nodiscard]] std::size_t written() const { return written_; }

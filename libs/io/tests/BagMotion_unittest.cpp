@@ -148,6 +148,34 @@ TEST(BagMotion, ImuBetweenTheScans)
   }
 }
 
+/** The lidar's pose on the vehicle, and with it those of the other sensors, by /tf_static. */
+TEST(BagMotion, VehicleOfTheBag)
+{
+  const TestFolder folder;
+  const std::string input = folder.file("x.mcap");
+  const std::string rawlog = folder.file("x.rawlog");
+  const Pose T_base_lidar = poseFromYpr(0.5, 0, 1.2, M_PI, 0.2, 0);
+  const Pose T_base_imu = poseFromYpr(0, 0.1, 0.3, 0, 0, M_PI / 2);
+  writeImuDrive(input, {{"lidar", T_base_lidar}, {"imu_link", T_base_imu}});
+  ScanConverterOptions options;
+  options.imu_topic = "/imu/data";
+  options.base_frame = "map";  // as the transforms of writeDrive() have it
+  const auto result = convertScans(input, rawlog, options);
+  EXPECT_TRUE(hasLine(result.notes, "the vehicle is map"));
+  for (const Frame& frame : readAll(rawlog))
+  {
+    EXPECT_TRUE(frame.scan.T_vehicle_lidar.isApprox(T_base_lidar, 1e-6));
+    EXPECT_TRUE(frame.imu.at(0).T_vehicle_imu.isApprox(T_base_imu, 1e-6));
+  }
+  const auto error = [&]
+  { return messageOfError<UserError>([&] { (void)convertScans(input, rawlog, options); }); };
+  options.base_frame = "base";
+  EXPECT_TRUE(contains(error(), "--base-frame base: /tf_static does not connect it to 'lidar'"));
+  EXPECT_TRUE(contains(error(), "it has the frames imu_link, lidar, map;"));
+  options.sensor_pose = "0 0 1 0 0 0";
+  EXPECT_TRUE(contains(error(), "give one of them"));
+}
+
 /** A sensor with a latency above that of the scans: the scans wait for its samples. */
 TEST(BagMotion, SamplesThatAreReceivedLateStandBeforeTheirScan)
 {

@@ -109,6 +109,7 @@ struct ScanConverterOptions : Options, ScanRange
   std::string odometry_topic;           //!< of the speeds of a bag's wheels; empty: none
   std::optional<BinLayout> bin_layout;  //!< of .bin files; nothing: by their content
   std::string sensor_pose;    //!< T_vehicle_lidar: x y z yaw pitch roll [m, deg]; empty: identity
+  std::string base_frame;     //!< of the vehicle in a bag's `/tf_static`, instead of sensor_pose
   double dt = 0;              //!< seconds between scans; 0: the recording's times, else 0.1
   bool by_number = false;     //!< scans of a folder are dt times the number in their name apart
   bool keep_partial = false;  //!< also incomplete first and last revolutions of a pcap
