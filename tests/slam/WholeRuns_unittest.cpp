@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Runs with the shipped settings within bounds, all networks together, and a run that closes loops.
+#include <dyslam/core/BoxOverlap.h>
 #include <dyslam/core/Files.h>
 #include <dyslam/eval/SegmentationMetrics.h>
 #include <dyslam/eval/TrajectoryMetrics.h>
+#include <dyslam/formats/GroundTruth.h>
 #include <dyslam/formats/LabelFiles.h>
 #include <dyslam/formats/TrajectoryFiles.h>
 #include <dyslam/io/RawlogWriter.h>
@@ -14,7 +16,10 @@
 #include <algorithm>
 #include <filesystem>
 #include <fstream>
+#include <map>
+#include <set>
 #include <sstream>
+#include <vector>
 
 namespace fs = std::filesystem;
 
@@ -97,6 +102,51 @@ TEST_F(WholeRun, TheBundledCampusStaysWithinBounds)
   EXPECT_LT(errorsOf(s).relative.translation.rmse, 0.0255);
   EXPECT_LT(errorsOf(s).absolute.translation.rmse, 0.02);
   EXPECT_GT(iouOf(s, bundled("campus16.gt/labels")), 0.68);
+}
+
+/** The true boxes as those of another detector, without a segmenter: each object has one track, two
+ * at most if it was hidden for long. */
+TEST_F(WholeRun, BoxesOfAnotherDetectorAreTracked)
+{
+  constexpr int scans = 40;
+  constexpr int first = 5;  // tracks are confirmed then
+  auto s = settings(bundled("street64.rawlog"), "kitti64.ini", "boxes");
+  s.config.set("dyseg.method=none");
+  s.config.set("input.only_first_n=" + std::to_string(scans));
+  s.config.set("boxes.file=" + bundled("street64.gt/tracks.txt"));
+  (void)runSlam(s);
+  std::map<int, std::vector<LabelledBox>> tracked;  // by scan
+  for (const LabelledBox& box : readTracks(s.output_folder + "/tracks.txt"))
+  {
+    tracked[box.frame].push_back(box);
+  }
+  int boxes = 0;
+  int found = 0;
+  std::map<int, std::set<int>> ids;  // by true object
+  for (const LabelledBox& truth : readTracks(bundled("street64.gt/tracks.txt")))
+  {
+    if (truth.frame < first || truth.frame >= scans)
+    {
+      continue;
+    }
+    ++boxes;
+    const auto& here = tracked[truth.frame];
+    const auto match =
+        std::find_if(here.begin(), here.end(),
+                     [&truth](const LabelledBox& box) { return boxIou(box.box, truth.box) > 0.5; });
+    if (match != here.end())
+    {
+      ++found;
+      ids[truth.id].insert(match->id);
+    }
+  }
+  EXPECT_GT(boxes, 100);
+  EXPECT_GT(found, 0.85 * boxes);
+  const auto broken = std::count_if(ids.begin(), ids.end(),
+                                    [](const auto& object) { return object.second.size() > 1; });
+  EXPECT_LT(broken, 0.15 * static_cast<double>(ids.size()));
+  EXPECT_TRUE(std::all_of(ids.begin(), ids.end(),
+                          [](const auto& object) { return object.second.size() <= 2; }));
 }
 
 /** Segmenter, learned matcher and registration fed by one another. */

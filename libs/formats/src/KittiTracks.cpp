@@ -114,6 +114,39 @@ std::vector<LabelledBox> readDetections(const std::string& path, const Pose& T_c
   return boxes;
 }
 
+std::vector<LabelledBox> readKittiObjects(const std::string& path,
+                                          const std::optional<Pose>& T_cam_velo)
+{
+  TextFile file(path);
+  std::vector<LabelledBox> boxes;
+  while (file.next())
+  {
+    const bool has_score = file.fields().size() == 16;
+    if (!has_score)
+    {
+      file.requireFields(15,
+                         "type truncated occluded alpha left top right bottom height width length "
+                         "x y z ry, with or without score");
+    }
+    LabelledBox box;
+    box.type = std::string(file.fields()[0]);
+    if (box.type == "DontCare")
+    {
+      continue;
+    }
+    box.object_class = objectClassFromString(box.type);
+    box.image_box = {file.number(4), file.number(5), file.number(6), file.number(7)};
+    const CameraBox columns = cameraBoxFrom(file, 8);
+    box.box =
+        T_cam_velo
+            ? toLidar(columns, *T_cam_velo)
+            : Box{columns.bottom, {columns.length, columns.width, columns.height}, columns.ry};
+    box.score = has_score ? file.number(15) : 1;
+    boxes.push_back(std::move(box));
+  }
+  return boxes;
+}
+
 void writeKittiTracks(const std::string& path,
                       const std::vector<LabelledBox>& boxes,
                       const Pose& T_cam_velo)

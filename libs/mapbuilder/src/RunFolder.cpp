@@ -34,6 +34,13 @@ std::string fileOf(const std::string& folder,
   return path;
 }
 
+/** The folder of the run's labels; empty if it has none. */
+std::string labelsOf(const std::string& folder)
+{
+  const std::string labels = (fs::path(folder) / "labels").string();
+  return anyLabelFile(labels).empty() ? "" : labels;
+}
+
 /** Empty if the folder does not have it. */
 std::string fileIfThere(const std::string& folder, const std::string& name)
 {
@@ -117,7 +124,7 @@ RunFolder readRun(const std::string& argument, double tolerance)
   run.scans.preprocess = loader.get<PreprocessOptions>("preprocess");
   run.scans.tolerance = tolerance;
   run.scans.scan_table = fileIfThere(run.folder, "scans.csv");
-  run.scans.labels = fileIfThere(run.folder, "labels");
+  run.scans.labels = labelsOf(run.folder);
   run.scans.tracks = run.scans.labels.empty() ? fileIfThere(run.folder, "tracks.txt") : "";
   return run;
 }
@@ -189,10 +196,7 @@ void completeFromRun(const std::string& folder, RecordingOnTrajectory& recording
         fileOf(folder, "trajectory_tum.txt", "has the poses", "them with --trajectory");
   }
   RunScansOptions& scans = recording.scans;
-  if (scans.labels.empty() && !anyLabelFile((fs::path(folder) / "labels").string()).empty())
-  {
-    scans.labels = (fs::path(folder) / "labels").string();
-  }
+  scans.labels = scans.labels.empty() ? labelsOf(folder) : scans.labels;
   scans.tracks = scans.tracks.empty() ? fileIfThere(folder, "tracks.txt") : scans.tracks;
 }
 

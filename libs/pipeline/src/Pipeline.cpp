@@ -21,6 +21,7 @@
 #include <utility>
 #include <vector>
 
+#include "GivenBoxes.h"
 #include "JobThread.h"
 
 namespace dyslam
@@ -68,6 +69,13 @@ std::vector<bool> pointsOfReported(const Frame& frame)
   }
   return reported;
 }
+std::optional<GivenBoxes> givenBoxes(ConfigLoader& config)
+{
+  const auto options = config.get<GivenBoxesOptions>("boxes");
+  const auto noise = config.get<DetectionNoiseOptions>("detection_noise");
+  return options.file.empty() ? std::nullopt
+                              : std::optional<GivenBoxes>(std::in_place, options, noise);
+}
 }  // namespace
 
 struct Pipeline::Stages
@@ -79,6 +87,7 @@ struct Pipeline::Stages
         options(config.get<PipelineOptions>("pipeline")),
         front_end(options.threads, config, times),
         detector(config.get<DetectorOptions>("detector")),
+        boxes(givenBoxes(config)),
         tracker(config.get<TrackerOptions>("tracker")),
         keyframes({config.get<MemoryOptions>("memory"), temporary_folder}),
         backend(
@@ -92,7 +101,7 @@ struct Pipeline::Stages
     {
       hindsight.emplace(labels, options.threads);
     }
-    if (labels.hindsight && options.hindsight_tracking && options.tracking &&
+    if (labels.hindsight && options.hindsight_tracking && options.tracking && !boxes &&
         config.get<BackendOptions>("backend").mode < BackendMode::segmot)
     {
       tracker_again.emplace(config.get<TrackerOptions>("tracker"));
@@ -113,6 +122,7 @@ struct Pipeline::Stages
   FrontEnd front_end;
   ThreadPool pool{1};  //!< of the back end; the front end has its own
   Detector detector;
+  std::optional<GivenBoxes> boxes;  //!< instead of those of the detector
   Tracker tracker;
   KeyframeStore keyframes;
   Backend backend;
@@ -201,8 +211,15 @@ void Pipeline::trackObjects(Frame& frame)
   if (s.options.tracking)
   {
     const CTimeLoggerEntry timed(s.times, "tracking");
-    s.tracker.markPredicted(frame);
-    s.detector.detect(frame);
+    if (s.boxes)
+    {
+      s.boxes->detect(frame);
+    }
+    else
+    {
+      s.tracker.markPredicted(frame);
+      s.detector.detect(frame);
+    }
     s.tracker.update(frame);
   }
 }

@@ -24,6 +24,7 @@
 #include <tuple>
 #include <utility>
 
+#include "GivenBoxes.h"
 #include "RunHistory.h"
 #include "RunOutputs.h"
 #include "RunStatistics.h"
@@ -158,7 +159,8 @@ struct SlamRun::Impl
         sensor(config.get<SensorOptions>("sensor")),
         start(config.get<StartOptions>("start")),
         track_smoothing(config.get<TrackSmoothingOptions>("track_smoothing")),
-        complete_boxes(config.get<TrackerOptions>("tracker").complete_boxes),
+        complete_boxes(config.get<TrackerOptions>("tracker").complete_boxes &&
+                       config.get<GivenBoxesOptions>("boxes").file.empty()),
         has_labels(!config.get<MovingSegmenterOptions>("dyseg").labels.empty()),
         input(config.get<RawlogSourceOptions>("input")),
         pipeline(config, times, settings.output_folder),

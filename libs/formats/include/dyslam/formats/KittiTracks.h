@@ -3,6 +3,7 @@
 
 #include <dyslam/formats/KittiFiles.h>
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -18,6 +19,14 @@ namespace dyslam
  * is none. \throws UserError for any other layout. */
 [[nodiscard]] std::vector<LabelledBox> readDetections(const std::string& path,
                                                       const Pose& T_cam_velo);
+
+/** Objects of one scan in the columns of KITTI's object benchmark: type, truncated, occluded,
+ * alpha, image box, height, width, length, x, y, z, ry, with or without a score (16 or 15 columns).
+ * The frame is 0, the id -1; DontCare lines are left out. \param T_cam_velo of boxes in the camera
+ * frame; nothing: x, y, z is the centre in the lidar frame, ry the heading about its z axis \return
+ * lidar frame \throws UserError. */
+[[nodiscard]] std::vector<LabelledBox> readKittiObjects(const std::string& path,
+                                                        const std::optional<Pose>& T_cam_velo);
 
 /** Writes tracks as KITTI's result file of a sequence, in the order given: frame, id, type,
  * truncated, occluded, alpha, image box, height, width, length, x, y, z, ry, score (18 columns,

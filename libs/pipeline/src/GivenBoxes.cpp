@@ -1,0 +1,107 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "GivenBoxes.h"
+
+#include <dyslam/core/Error.h>
+#include <dyslam/formats/GroundTruth.h>
+#include <dyslam/formats/KittiTracks.h>
+#include <dyslam/tracking/BoxDetections.h>
+
+#include <algorithm>
+#include <charconv>
+#include <filesystem>
+#include <optional>
+
+namespace dyslam
+{
+namespace
+{
+namespace fs = std::filesystem;
+
+/** The number of a scan's file, NNNNNN.txt; nothing for any other file. */
+std::optional<int> scanOf(const fs::path& file)
+{
+  const std::string stem = file.stem().string();
+  int scan = 0;
+  const auto [end, error] = std::from_chars(stem.data(), stem.data() + stem.size(), scan);
+  const bool numbered = error == std::errc() && end == stem.data() + stem.size() && scan >= 0;
+  return numbered && file.extension() == ".txt" ? std::optional<int>(scan) : std::nullopt;
+}
+
+std::vector<LabelledBox> readFolder(const std::string& folder,
+                                    const std::optional<Pose>& T_cam_velo)
+{
+  std::map<int, std::string> files;
+  for (const auto& entry : fs::directory_iterator(folder))
+  {
+    if (const auto scan = scanOf(entry.path()))
+    {
+      files.emplace(*scan, entry.path().string());
+    }
+  }
+  if (files.empty())
+  {
+    throw UserError(folder + ": has no NNNNNN.txt with the boxes of a scan (boxes.file)");
+  }
+  std::vector<LabelledBox> boxes;
+  for (const auto& [scan, file] : files)
+  {
+    for (LabelledBox& box : readKittiObjects(file, T_cam_velo))
+    {
+      box.frame = scan;
+      boxes.push_back(std::move(box));
+    }
+  }
+  return boxes;
+}
+
+std::vector<LabelledBox> readBoxes(const GivenBoxesOptions& options)
+{
+  std::optional<Pose> T_cam_velo;
+  if (!options.calib.empty())
+  {
+    T_cam_velo = readKittiCalib(options.calib).T_cam_velo;
+  }
+  if (fs::is_directory(options.file))
+  {
+    return readFolder(options.file, T_cam_velo);
+  }
+  return T_cam_velo ? readDetections(options.file, *T_cam_velo) : readTracks(options.file);
+}
+}  // namespace
+
+void GivenBoxesOptions::describe(OptionsVisitor& visitor)
+{
+  visitor.text("file", file,
+               "boxes of another detector, which are tracked instead of clusters of moving points: "
+               "KITTI's tracking columns, or a folder of NNNNNN.txt in KITTI's object layout; "
+               "empty: none");
+  visitor.text("calib", calib,
+               "KITTI's calibration, file or folder: the boxes are in the camera frame; empty: in "
+               "the lidar frame, x y z their centre");
+  visitor.real("min_score", min_score, -1e6, 1e6, "boxes with a lower score are left out");
+}
+
+GivenBoxes::GivenBoxes(const GivenBoxesOptions& options, const DetectionNoiseOptions& noise)
+    : noise_(noise)
+{
+  validate(options, "boxes");
+  validate(noise, "detection_noise");
+  for (LabelledBox& box : readBoxes(options))
+  {
+    if (box.frame >= 0 && box.score >= options.min_score && box.type != "DontCare")
+    {
+      boxes_[static_cast<std::size_t>(box.frame)].push_back(std::move(box));
+    }
+  }
+}
+
+void GivenBoxes::detect(Frame& frame) const
+{
+  const auto boxes = boxes_.find(frame.index);
+  frame.detections.clear();
+  if (boxes != boxes_.end())
+  {
+    frame.detections = detectionsOf(boxes->second, frame, noise_);
+  }
+}
+}  // namespace dyslam

@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <dyslam/core/Frame.h>
+#include <dyslam/core/Objects.h>
+#include <dyslam/core/Options.h>
+#include <dyslam/tracking/DetectionNoise.h>
+
+#include <map>
+#include <string>
+#include <vector>
+
+namespace dyslam
+{
+/** Ini section `[boxes]`. */
+struct GivenBoxesOptions : Options
+{
+  std::string file;   //!< boxes of all scans, or a folder with a file for each; empty: none
+  std::string calib;  //!< KITTI's calibration: the boxes are in the camera frame; empty: lidar
+  double min_score = -1e6;  //!< boxes with a lower one are left out
+
+  void describe(OptionsVisitor& visitor) override;
+};
+
+/** Boxes that another program detected in the scans, instead of those of Detector. */
+class GivenBoxes
+{
+ public:
+  /** Reads them: KITTI's tracking columns, with or without a score; with a calibration also the
+   * other layouts of readDetections(); or a folder of NNNNNN.txt in KITTI's object layout.
+   * \throws UserError for files that cannot be read, and for a folder without such files. */
+  GivenBoxes(const GivenBoxesOptions& options, const DetectionNoiseOptions& noise);
+
+  /** Sets the detections of a frame to the boxes of its index. Reads its cloud and mounting. */
+  void detect(Frame& frame) const;
+
+ private:
+  std::map<std::size_t, std::vector<LabelledBox>> boxes_;  //!< by Frame::index, lidar frame
+  DetectionNoiseOptions noise_;
+};
+}  // namespace dyslam
