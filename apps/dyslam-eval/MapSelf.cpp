@@ -4,7 +4,6 @@
 #include <dyslam/core/Error.h>
 #include <dyslam/core/SharedFiles.h>
 #include <dyslam/formats/TrajectoryFiles.h>
-#include <dyslam/mapbuilder/RunFolder.h>
 #include <dyslam/mapbuilder/ScanReading.h>
 #include <dyslam/odometry/Preprocessor.h>
 #include <dyslam/odometry/ScanPoses.h>
@@ -53,19 +52,6 @@ std::size_t forEachScan(const MapSelfArguments& a,
   return source.framesRead();
 }
 
-/** Takes poses of the vehicle frame that a run levelled to those of the recording's. */
-void undoLevelling(const std::string& path, Trajectory& trajectory)
-{
-  const RawlogSourceOptions options = sourceOfRunBeside(path);
-  if (options.roll != 0 || options.pitch != 0)
-  {
-    for (std::size_t i = 0; i < trajectory.size(); ++i)
-    {
-      trajectory[i].pose = trajectory[i].pose * options.T_level_vehicle();
-    }
-  }
-}
-
 /** Trajectories with the times of the scans; KITTI's lines are those of the scans used. */
 std::vector<Trajectory> readTrajectories(const MapSelfArguments& a)
 {
@@ -91,10 +77,6 @@ std::vector<Trajectory> readTrajectories(const MapSelfArguments& a)
       {
         file.trajectory[i].stamp = stamps[i];
       }
-    }
-    if (!a.of_lidar)
-    {
-      undoLevelling(path, file.trajectory);
     }
     result.push_back(std::move(file.trajectory));
   }

@@ -79,6 +79,13 @@ std::string effectiveIniOfRun(const std::string& run)
   return (std::filesystem::path(RunArgument(run).folder) / "effective.ini").string();
 }
 
+/** The ini of the run that the trajectory is of; empty where it is of none. */
+std::string effectiveIniBeside(const std::string& trajectory)
+{
+  const auto ini = std::filesystem::path(trajectory).parent_path() / "effective.ini";
+  return std::filesystem::is_regular_file(ini) ? ini.string() : "";
+}
+
 /** The ini of the run that the map is of; empty where it is of none. \throws UserError. */
 std::string effectiveIniOf(const Arguments& a)
 {
@@ -104,36 +111,26 @@ Config baseSettings(const Arguments& a, std::vector<std::string>& messages)
     }
     return merged;
   }
-  GivenSettings given = readGivenSettings(a.config.empty() ? of_run : a.config);
+  const GivenSettings given = readGivenSettings(a.config.empty() ? of_run : a.config);
   if (a.config.empty() && !of_run.empty())
   {
     messages.push_back("settings: " + of_run);
     return given.ini;
   }
-  given.assignments.emplace_back("input.level=false");  // see useFrameOfPoses()
   RawlogSourceOptions input;
-  load(input, given.merged(), "input");
+  load(input, given.ini, "input");
   const RecordedSensor sensor = recogniseSensor(a.recording.rawlog, input);
   ChosenSettings chosen = settingsFor(sensor, given);
   messages.push_back(sensor.summary() + "; settings: " + chosen.source);
+  if (!chosen.levelled.empty())
+  {
+    messages.push_back("note: " + chosen.levelled);
+  }
   for (const std::string& warning : chosen.warnings)
   {
     messages.push_back("warning: " + warning);
   }
   return std::move(chosen.config);
-}
-
-/** The poses are of the vehicle frame that their run used, else of the recording's, unless the ini
- * that the user gives has another one. */
-void useFrameOfPoses(Arguments& a)
-{
-  const std::string& trajectory = a.recording.trajectory;
-  if (a.config.empty() || !effectiveIniBeside(trajectory).empty())
-  {
-    const RawlogSourceOptions of_run = sourceOfRunBeside(trajectory);
-    a.recording.source.roll = of_run.roll;
-    a.recording.source.pitch = of_run.pitch;
-  }
 }
 
 /** The scans.csv of the run that the trajectory is of; empty where it is of none. */
@@ -305,7 +302,6 @@ void loadConfig(Arguments& a)
     a.recording.scans.scan_table = scanTableBeside(a.recording.trajectory);
     a.recording.scans.preprocess = loader.get<PreprocessOptions>("preprocess");
     a.recording.source = loader.get<RawlogSourceOptions>("input");
-    useFrameOfPoses(a);
     a.recording.source.skip_first_n = a.skip_first_n.value_or(a.recording.source.skip_first_n);
     a.recording.source.only_first_n = a.only_first_n.value_or(a.recording.source.only_first_n);
     a.recording.source.start = a.start.value_or(a.recording.source.start);

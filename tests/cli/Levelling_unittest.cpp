@@ -2,6 +2,8 @@
 // A lidar that is tilted on its vehicle, in a recording that does not say so.
 #include <dyslam/core/Angle.h>
 #include <dyslam/core/GroundPlane.h>
+#include <dyslam/core/Trajectory.h>
+#include <dyslam/formats/KittiFiles.h>
 #include <dyslam/formats/ScanFiles.h>
 #include <dyslam/formats/TrajectoryFiles.h>
 #include <dyslam/io/RawlogWriter.h>
@@ -47,6 +49,7 @@ class TiltedLidar : public ::testing::Test
       const Pose T_map_lidar = simulated.T_map_vehicle * simulated.scan.T_vehicle_lidar;
       simulated.scan.T_vehicle_lidar = Pose::Identity();
       writer.write(simulated.scan, T_map_lidar);
+      truth_.push_back(simulated.scan.stamp, T_map_lidar);
     }
     writer.close();
     levelled_ = run("dyslam", "-i " + at("tilted.rawlog") + " -o " + at("levelled") + " --labels");
@@ -69,10 +72,23 @@ class TiltedLidar : public ::testing::Test
     return ground ? ground->inclination() * degrees_per_radian : 90;
   }
 
+  /** From the first scan to the last one. */
+  static void expectSameMotion(const Trajectory& truth, const Trajectory& estimate)
+  {
+    ASSERT_EQ(25U, truth.size());
+    ASSERT_EQ(truth.size(), estimate.size());
+    const Pose moved = truth[0].pose.inverse() * truth[24].pose;
+    const Pose found = estimate[0].pose.inverse() * estimate[24].pose;
+    EXPECT_GT(moved.translation().norm(), 2);
+    EXPECT_LT((moved.inverse() * found).translation().norm(), 0.2);
+  }
+
+  static Trajectory truth_;  //!< of the recorded vehicle
   static fs::path folder_;
   static Outcome levelled_;
   static Outcome kept_;
 };
+Trajectory TiltedLidar::truth_;
 fs::path TiltedLidar::folder_;
 Outcome TiltedLidar::levelled_;
 Outcome TiltedLidar::kept_;
@@ -84,15 +100,36 @@ TEST_F(TiltedLidar, IsLevelled)
             std::string::npos)
       << levelled_.out << levelled_.err;
   EXPECT_LT(inclinationOf("levelled/map_static.ply"), 1.5);
-  // The ground truth is in the same vehicle frame.
   const Trajectory truth = readTum(at("levelled/reference_tum.txt"));
-  const Trajectory estimate = readTum(at("levelled/trajectory_tum.txt"));
-  ASSERT_EQ(25U, truth.size());
-  ASSERT_EQ(truth.size(), estimate.size());
-  const Pose moved = truth[0].pose.inverse() * truth[24].pose;
-  const Pose found = estimate[0].pose.inverse() * estimate[24].pose;
-  EXPECT_GT(moved.translation().norm(), 2);
-  EXPECT_LT((moved.inverse() * found).translation().norm(), 0.2);
+  expectSameMotion(truth, readTum(at("levelled/trajectory_tum.txt")));
+  // Poses are of the vehicle of the recording, in a level map.
+  const double pitch = yawPitchRoll(readTum(at("levelled/trajectory_tum.txt"))[0].pose).y();
+  EXPECT_NEAR(tilt, pitch, 3 * radians_per_degree);
+}
+
+/** Programs that read the recording as it is use the poses as they are. */
+TEST_F(TiltedLidar, HasPosesOfTheRecordedVehicle)
+{
+  expectSameMotion(truth_, readTum(at("levelled/trajectory_tum.txt")));
+  fs::create_directories(at("elsewhere"));
+  fs::copy_file(at("levelled/trajectory_tum.txt"), at("elsewhere/poses_tum.txt"));
+  const std::string along = " --trajectory " + at("elsewhere/poses_tum.txt");
+  const Outcome exported =
+      run("rawlog2kitti", "-i " + at("tilted.rawlog") + along + " -o " + at("kitti"));
+  ASSERT_EQ(0, exported.code) << exported.err;
+  Trajectory lidar;
+  for (const Pose& pose :
+       cameraToLidarPoses(readKittiPoses(at("kitti/sequences/00/poses.txt")),
+                          readKittiCalib(at("kitti/sequences/00/calib.txt")).T_cam_velo))
+  {
+    lidar.push_back(static_cast<double>(lidar.size()), pose);
+  }
+  expectSameMotion(truth_, lidar);
+  const Outcome mapped =
+      run("dyslam-map", "-i " + at("tilted.rawlog") + along + " -o " + at("again.ply"));
+  ASSERT_EQ(0, mapped.code) << mapped.err;
+  EXPECT_NE(mapped.err.find("note: the ground is inclined"), std::string::npos) << mapped.err;
+  EXPECT_LT(inclinationOf("again.ply"), 1.5);
 }
 
 TEST_F(TiltedLidar, IsAWarningWithoutLevelling)

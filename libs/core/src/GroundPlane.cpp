@@ -9,7 +9,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
-#include <limits>
 #include <random>
 
 namespace dyslam
@@ -41,16 +40,15 @@ const double max_inclination = 50 * radians_per_degree;
 /** Points of the ground are this near its plane when drawn, and at the end [m]. */
 constexpr double drawn_distance = 0.15;
 constexpr double final_distance = 0.08;
-/** Points that are this far beyond a plane tell which side of it is the upper one, and whether it
- * is the ground [m]. */
-constexpr double beyond = 0.4;
+/** Points that are this far behind a plane show that it is not the ground [m]. */
+constexpr double behind = 0.4;
 /** Points behind the ground, at most, for each one on it. */
 constexpr double max_behind = 0.5;
 /** Of the weights of all points. */
 constexpr double min_share = 0.15;
 /** Standard deviation of the points of the ground, along the direction where it is smaller [m]. */
 constexpr double min_spread = 1.5;
-/** Of a sensor that hangs upside down this share of the weights is on the side of the z axis. */
+/** Of a sensor that hangs upside down this share of the weights is above it. */
 constexpr double min_share_above = 2.0 / 3;
 
 struct Point
@@ -81,20 +79,24 @@ Points thinned(const std::vector<Eigen::Vector3f>& points)
   return kept;
 }
 
-/** \param least z of the points that count */
-double weightAbove(double least, const Points& points)
+double totalWeight(const Points& points)
 {
   double sum = 0;
   for (const Point& point : points)
   {
-    sum += point.p.z() > least ? point.weight : 0;
+    sum += point.weight;
   }
   return sum;
 }
 
-double totalWeight(const Points& points)
+bool areMostlyAbove(const Points& points)
 {
-  return weightAbove(-std::numeric_limits<double>::infinity(), points);
+  double above = 0;
+  for (const Point& point : points)
+  {
+    above += point.p.z() > 0 ? point.weight : 0;
+  }
+  return above >= min_share_above * totalWeight(points);
 }
 
 /** Points of a plane are those with normal . p + height near 0; its normal points upwards. */
@@ -106,12 +108,12 @@ struct Plane
   [[nodiscard]] double above(const Eigen::Vector3d& p) const { return normal.dot(p) + height; }
   [[nodiscard]] bool isPossible() const
   {
-    return height >= min_height && height <= max_height && isFlat();
+    return height >= min_height && height <= max_height &&
+           std::abs(normal.z()) >= std::cos(max_inclination);
   }
-  [[nodiscard]] bool isFlat() const { return std::abs(normal.z()) >= std::cos(max_inclination); }
 };
 
-/** Weights of the points on a plane, and beyond it on the side where they are fewer. */
+/** Weights of the points on a plane, and of those behind it. */
 struct Support
 {
   double on = 0;
@@ -120,24 +122,16 @@ struct Support
   [[nodiscard]] bool isOfGround() const { return behind <= max_behind * on; }
 };
 
-/** Turns a plane so that most of the points that are not on it are above it. */
-Support orient(Plane& plane, const Points& points)
+Support supportOf(const Plane& plane, const Points& points)
 {
-  double on = 0;
-  double above = 0;
-  double below = 0;
+  Support support;
   for (const Point& point : points)
   {
-    const double distance = plane.above(point.p);
-    on += std::abs(distance) <= drawn_distance ? point.weight : 0;
-    above += distance > beyond ? point.weight : 0;
-    below += distance < -beyond ? point.weight : 0;
+    const double above = plane.above(point.p);
+    support.on += std::abs(above) <= drawn_distance ? point.weight : 0;
+    support.behind += above < -behind ? point.weight : 0;
   }
-  if (below > above)
-  {
-    plane = {-plane.normal, -plane.height};
-  }
-  return {on, std::min(above, below)};
+  return support;
 }
 
 /** The plane with the least squared distances from the points near another one.
@@ -188,24 +182,20 @@ std::optional<Plane> drawPlane(const Points& points, double up)
     const Eigen::Vector3d& a = draw();
     const Eigen::Vector3d& b = draw();
     const Eigen::Vector3d& c = draw();
-    const Eigen::Vector3d product = (b - a).cross(c - a);
-    if (product.norm() < min_side * min_side)
+    Eigen::Vector3d normal = (b - a).cross(c - a);
+    if (normal.norm() < min_side * min_side)
     {
       continue;
     }
-    const Eigen::Vector3d normal = product.normalized();
-    Plane plane{normal, -normal.dot(a)};
-    if (std::abs(plane.height) > max_height || !plane.isFlat())
+    normal *= (up * normal.z() < 0 ? -1 : 1) / normal.norm();
+    const Plane plane{normal, -normal.dot(a)};
+    if (!plane.isPossible() || sample_step * supportOf(plane, sample).on < promising * most)
     {
       continue;
     }
-    if (sample_step * orient(plane, sample).on < promising * most)
-    {
-      continue;
-    }
-    const Support support = orient(plane, points);
+    const Support support = supportOf(plane, points);
     const double score = support.on - support.behind;
-    if (score > most && up * plane.normal.z() > 0 && plane.isPossible() && support.isOfGround())
+    if (score > most && support.isOfGround())
     {
       most = score;
       best = plane;
@@ -226,7 +216,7 @@ std::optional<GroundPlane> refined(const std::optional<Plane>& drawn, const Poin
   {
     plane = fitted(plane, points, distance, spread);
   }
-  const Support support = orient(plane, points);
+  const Support support = supportOf(plane, points);
   const double share = support.on / totalWeight(points);
   if (!plane.isPossible() || spread < min_spread || share < min_share || !support.isOfGround())
   {
@@ -241,28 +231,24 @@ double GroundPlane::inclination() const
   return std::acos(std::clamp(normal.z(), -1.0, 1.0));
 }
 
-double GroundPlane::pitch() const
-{
-  return std::atan2(-normal.x(), std::hypot(normal.y(), normal.z()));
-}
-
 double GroundPlane::roll() const
 {
   return std::atan2(normal.y(), normal.z());
 }
 
-std::optional<GroundPlane> findGroundPlane(const std::vector<Eigen::Vector3f>& points)
+double GroundPlane::pitch() const
+{
+  return std::atan2(-normal.x(), std::hypot(normal.y(), normal.z()));
+}
+
+std::optional<GroundPlane> findGroundPlane(const std::vector<Eigen::Vector3f>& points,
+                                           GroundSide side)
 {
   const Points near = thinned(points);
-  if (near.size() < min_cubes)
+  if (near.size() < min_cubes || (side == GroundSide::above && !areMostlyAbove(near)))
   {
     return std::nullopt;
   }
-  const auto upright = refined(drawPlane(near, 1), near);
-  if (upright || weightAbove(0, near) < min_share_above * totalWeight(near))
-  {
-    return upright;
-  }
-  return refined(drawPlane(near, -1), near);
+  return refined(drawPlane(near, side == GroundSide::below ? 1 : -1), near);
 }
 }  // namespace dyslam

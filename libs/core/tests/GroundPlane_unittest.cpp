@@ -94,7 +94,9 @@ TEST(GroundPlane, IsAboveASensorThatHangsUpsideDown)
       outdoors.push_back(p);
     }
   }
-  const auto ground = findGroundPlane(seenTilted(outdoors, 180, 5));
+  const Points seen = seenTilted(outdoors, 180, 5);
+  EXPECT_FALSE(findGroundPlane(seen));
+  const auto ground = findGroundPlane(seen, GroundSide::above);
   ASSERT_TRUE(ground);
   EXPECT_NEAR(M_PI, std::abs(ground->roll()), 0.5 * radians_per_degree);
   EXPECT_NEAR(5 * radians_per_degree, ground->pitch(), 0.5 * radians_per_degree);
@@ -114,7 +116,28 @@ TEST(GroundPlane, MayPassThroughTheOrigin)
   EXPECT_GT(ground->normal.z(), 0);
 }
 
-TEST(GroundPlane, IsNotAWallNorThinAir)
+TEST(GroundPlane, MayBeAnEmbankment)
+{
+  Points points;  // a road whose sides fall off, and little else
+  for (float x = -15; x < 15; x += 0.25F)
+  {
+    for (float y = -4; y < 4; y += 0.25F)
+    {
+      points.emplace_back(x, y, -1.7F);
+    }
+    for (float y = 4; y < 6; y += 0.25F)
+    {
+      points.emplace_back(x, y, -1.7F - 0.5F * (y - 4));
+      points.emplace_back(x, -y, -1.7F - 0.5F * (y - 4));
+    }
+  }
+  const auto ground = findGroundPlane(points);
+  ASSERT_TRUE(ground);
+  EXPECT_LT(ground->inclination(), 0.5 * radians_per_degree);
+  EXPECT_NEAR(1.7, ground->height, 0.05);
+}
+
+TEST(GroundPlane, IsNotAWallNorACeilingNorThinAir)
 {
   Points walls;
   for (const Eigen::Vector3f& p : street())
@@ -126,6 +149,19 @@ TEST(GroundPlane, IsNotAWallNorThinAir)
   }
   EXPECT_FALSE(findGroundPlane(walls));
   EXPECT_FALSE(findGroundPlane({}));
+  Points ceiling;
+  for (const Eigen::Vector3f& p : street())
+  {
+    if (p.z() > -1)
+    {
+      ceiling.push_back(p);
+    }
+    else if (p.z() < -1.6F)
+    {
+      ceiling.emplace_back(p.x(), p.y(), 2.5F);
+    }
+  }
+  EXPECT_FALSE(findGroundPlane(ceiling));
   const float nan = std::numeric_limits<float>::quiet_NaN();
   EXPECT_FALSE(findGroundPlane(Points(1000, Eigen::Vector3f(nan, nan, nan))));
   std::mt19937 random(1);

@@ -31,13 +31,10 @@ void RawlogSourceOptions::describe(OptionsVisitor& visitor)
       "inclined by 4 deg or more in the recording's vehicle frame");
   visitor.degrees(
       "roll_deg", roll, -180, 180,
-      "rotation of the recording's vehicle frame about x, so that z points upwards [deg]");
-  visitor.degrees("pitch_deg", pitch, -90, 90, "and about y after that [deg]");
-}
-
-Pose RawlogSourceOptions::T_level_vehicle() const
-{
-  return poseFromYpr(0, 0, 0, 0, pitch, roll);
+      "roll of the recording's vehicle over level ground: scans are rotated by it about x [deg]");
+  visitor.degrees("pitch_deg", pitch, -90, 90,
+                  "pitch of the recording's vehicle over level ground: scans are rotated by it "
+                  "about y, after the roll [deg]");
 }
 
 struct RawlogSource::Impl

@@ -47,12 +47,9 @@ struct ScanDecoder::Impl
         motion(options_in),
         scale_intensity(options_in.intensity_scale),
         selection(options_in),
-        truths(options_in.ground_truth_max_gap)
+        truths(options_in.ground_truth_max_gap),
+        levelling(options_in.levelling())
   {
-    if (options_in.roll != 0 || options_in.pitch != 0)
-    {
-      T_level_vehicle = options_in.T_level_vehicle();
-    }
   }
 
   [[nodiscard]] bool isWanted(const CObservation& observation)
@@ -224,10 +221,9 @@ struct ScanDecoder::Impl
   ScanSelection selection;
   std::string label;  //!< of the lidar in use, once it is known
 
-  std::optional<Pose> T_level_vehicle;  //!< to the vehicle frame of the frames, if it is another
-
   CObservation::Ptr companion;  //!< read, its scan not yet
   TruePoses truths;
+  Levelling levelling;
 
   std::size_t scans_seen = 0;            //!< with the wanted label, delivered or not
   std::optional<double> first_stamp;     //!< of those with a good stamp
@@ -301,14 +297,7 @@ Frame ScanDecoder::decode(const RecordedScan& scan)
     throw UserError(s.recording + ": scan " + std::to_string(frame.index) +
                     " is damaged: " + messageOf(error));
   }
-  if (s.T_level_vehicle)
-  {
-    frame.scan.T_vehicle_lidar = *s.T_level_vehicle * frame.scan.T_vehicle_lidar;
-    for (ImuSample& sample : frame.imu)
-    {
-      sample.T_vehicle_imu = *s.T_level_vehicle * sample.T_vehicle_imu;
-    }
-  }
+  s.levelling.apply(frame);
   frame.scan.stamp += scan.clock_shift;
   s.scale_intensity(frame.scan);
   if (frame.scan.size() == 0)
@@ -320,12 +309,8 @@ Frame ScanDecoder::decode(const RecordedScan& scan)
 
 std::optional<Pose> ScanDecoder::truthAt(double stamp, double clock_shift)
 {
-  std::optional<Pose> T_world_vehicle = impl_->truths.at(stamp - clock_shift, clock_shift);
-  if (T_world_vehicle && impl_->T_level_vehicle)
-  {
-    T_world_vehicle = *T_world_vehicle * impl_->T_level_vehicle->inverse();
-  }
-  return T_world_vehicle;
+  const auto recorded = impl_->truths.at(stamp - clock_shift, clock_shift);
+  return recorded ? std::optional<Pose>(impl_->levelling.levelled(*recorded)) : std::nullopt;
 }
 std::size_t ScanDecoder::framesDropped() const
 {

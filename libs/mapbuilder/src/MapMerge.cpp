@@ -98,8 +98,9 @@ std::string writeMerge(const std::vector<RunFolder>& runs,
   {
     if (joined.merge.joined(r))
     {
-      writeTum(outputs.beside("_" + runs[r].name + "_tum.txt"), merged[r]);
-      writeKittiPoses(outputs.beside("_" + runs[r].name + "_kitti.txt"), merged[r]);
+      const Trajectory poses = runs[r].source.levelling().recorded(merged[r]);
+      writeTum(outputs.beside("_" + runs[r].name + "_tum.txt"), poses);
+      writeKittiPoses(outputs.beside("_" + runs[r].name + "_kitti.txt"), poses);
     }
   }
   const Table table = mergeTable(runs, joined, merged);

@@ -73,7 +73,8 @@ Trajectory readPoses(const RecordingOnTrajectory& recording, MapListener& listen
   if (recording.of_lidar)
   {
     toVehicle(poses, recording);
+    return poses;
   }
-  return poses;
+  return recording.source.levelling().levelled(std::move(poses));
 }
 }  // namespace dyslam

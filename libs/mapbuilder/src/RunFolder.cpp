@@ -121,6 +121,7 @@ RunFolder readRun(const std::string& argument, double tolerance)
   const Config config = Config::fromFile(fileOf(run.folder, "effective.ini", "has the settings"));
   ConfigLoader loader(config);
   run.source = loader.get<RawlogSourceOptions>("input");
+  run.trajectory = run.source.levelling().levelled(std::move(run.trajectory));
   run.scans.preprocess = loader.get<PreprocessOptions>("preprocess");
   run.scans.tolerance = tolerance;
   run.scans.scan_table = fileIfThere(run.folder, "scans.csv");
@@ -218,21 +219,5 @@ std::vector<RunFolder> readRunFolders(const std::vector<std::string>& folders, d
   }
   nameRuns(runs);
   return runs;
-}
-
-std::string effectiveIniBeside(const std::string& file)
-{
-  const fs::path ini = fs::path(file).parent_path() / "effective.ini";
-  return fs::is_regular_file(ini) ? ini.string() : "";
-}
-
-RawlogSourceOptions sourceOfRunBeside(const std::string& file)
-{
-  RawlogSourceOptions options;
-  if (const std::string ini = effectiveIniBeside(file); !ini.empty())
-  {
-    load(options, Config::fromFile(ini), "input");
-  }
-  return options;
 }
 }  // namespace dyslam

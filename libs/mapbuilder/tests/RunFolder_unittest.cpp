@@ -67,8 +67,10 @@ TEST_F(RunFolderTest, LabelsComeBeforeTracks)
 {
   folder.write("monday/tracks.txt", "");
   folder.write("tuesday/tracks.txt", "");
-  fs::create_directories(folder.file("tuesday/labels"));
+  folder.write("tuesday/labels/000000.label", "");
+  fs::create_directories(folder.file("monday/labels"));
   const auto runs = read({"monday", "tuesday"});
+  EXPECT_EQ("", runs[0].scans.labels) << "there are none in it";
   EXPECT_EQ(folder.file("monday/tracks.txt"), runs[0].scans.tracks);
   EXPECT_EQ(folder.file("tuesday/labels"), runs[1].scans.labels);
   EXPECT_EQ("", runs[1].scans.tracks);

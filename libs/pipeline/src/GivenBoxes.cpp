@@ -54,11 +54,22 @@ std::vector<LabelledBox> readFolder(const std::string& folder,
   return boxes;
 }
 
+/** \throws UserError that names the key. */
+void requireThere(const std::string& key, const std::string& path)
+{
+  if (!fs::exists(path))
+  {
+    throw UserError("boxes." + key + ": " + path + ": no such file or folder");
+  }
+}
+
 std::vector<LabelledBox> readBoxes(const GivenBoxesOptions& options)
 {
+  requireThere("file", options.file);
   std::optional<Pose> T_cam_velo;
   if (!options.calib.empty())
   {
+    requireThere("calib", options.calib);
     T_cam_velo = readKittiCalib(options.calib).T_cam_velo;
   }
   if (fs::is_directory(options.file))
@@ -92,6 +103,13 @@ GivenBoxes::GivenBoxes(const GivenBoxesOptions& options, const DetectionNoiseOpt
     {
       boxes_[static_cast<std::size_t>(box.frame)].push_back(std::move(box));
     }
+  }
+  if (boxes_.empty())
+  {
+    throw UserError("boxes.file: " + options.file + ": has no boxes" +
+                    (options.min_score > GivenBoxesOptions().min_score
+                         ? " with a score of at least boxes.min_score"
+                         : ""));
   }
 }
 

@@ -26,9 +26,9 @@ struct GivenBoxesOptions : Options
 class GivenBoxes
 {
  public:
-  /** Reads them: KITTI's tracking columns, with or without a score; with a calibration also the
-   * other layouts of readDetections(); or a folder of NNNNNN.txt in KITTI's object layout.
-   * \throws UserError for files that cannot be read, and for a folder without such files. */
+  /** Reads a file as readTracks() does, with a calibration as readDetections() does, or a folder of
+   * NNNNNN.txt in KITTI's object layout. \throws UserError for files that cannot be read, and if
+   * there are no boxes. */
   GivenBoxes(const GivenBoxesOptions& options, const DetectionNoiseOptions& noise);
 
   /** Sets the detections of a frame to the boxes of its index. Reads its cloud and mounting. */

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/backend/Backend.h>
+#include <dyslam/core/Error.h>
 #include <dyslam/core/Parallel.h>
 #include <dyslam/core/RuntimeModule.h>
 #include <dyslam/core/StateArchive.h>
@@ -73,6 +74,14 @@ std::optional<GivenBoxes> givenBoxes(ConfigLoader& config)
 {
   const auto options = config.get<GivenBoxesOptions>("boxes");
   const auto noise = config.get<DetectionNoiseOptions>("detection_noise");
+  if (options.file.empty() && !options.calib.empty())
+  {
+    throw UserError("boxes.calib is of the boxes of boxes.file; give that, too");
+  }
+  if (!options.file.empty() && !config.get<PipelineOptions>("pipeline").tracking)
+  {
+    throw UserError("boxes.file: the boxes are tracked, but pipeline.tracking is false");
+  }
   return options.file.empty() ? std::nullopt
                               : std::optional<GivenBoxes>(std::in_place, options, noise);
 }

@@ -17,7 +17,7 @@ constexpr double same_ground = 4 * radians_per_degree;
 constexpr double min_agreeing = 0.6;
 }  // namespace
 
-void RecordedGround::add(const Scan& scan)
+void RecordedGround::add(const Scan& scan, std::size_t returns)
 {
   const Eigen::Matrix3f R_vehicle_lidar = scan.T_vehicle_lidar.linear().cast<float>();
   std::vector<Eigen::Vector3f> points;
@@ -26,22 +26,34 @@ void RecordedGround::add(const Scan& scan)
   {
     points.emplace_back(R_vehicle_lidar * p);
   }
-  ++scans_;
-  if (const auto plane = findGroundPlane(points))
+  Searched searched{returns, findGroundPlane(points), std::nullopt};
+  if (!searched.below)
   {
-    planes_.push_back(*plane);
+    searched.above = findGroundPlane(points, GroundSide::above);
   }
+  scans_.push_back(searched);
 }
 
-std::optional<GroundPlane> RecordedGround::plane() const
+std::optional<GroundPlane> RecordedGround::plane(GroundSide side, std::size_t min_returns) const
 {
+  std::vector<GroundPlane> planes;
+  std::size_t scans = 0;
+  for (const Searched& scan : scans_)
+  {
+    const auto& plane = side == GroundSide::below ? scan.below : scan.above;
+    if (scan.returns >= min_returns)
+    {
+      ++scans;
+      planes.insert(planes.end(), plane ? 1 : 0, plane.value_or(GroundPlane()));
+    }
+  }
   GroundPlane best;
   std::size_t most = 0;
-  for (const GroundPlane& one : planes_)
+  for (const GroundPlane& one : planes)
   {
     GroundPlane sum{Eigen::Vector3d::Zero(), 0, 0};
     std::size_t count = 0;
-    for (const GroundPlane& other : planes_)
+    for (const GroundPlane& other : planes)
     {
       if (other.normal.dot(one.normal) >= std::cos(same_ground))
       {
@@ -58,7 +70,7 @@ std::optional<GroundPlane> RecordedGround::plane() const
       most = count;
     }
   }
-  const bool agree = static_cast<double>(most) >= min_agreeing * static_cast<double>(scans_);
+  const bool agree = static_cast<double>(most) >= min_agreeing * static_cast<double>(scans);
   return most > 0 && agree ? std::optional<GroundPlane>(best) : std::nullopt;
 }
 

@@ -14,15 +14,23 @@ namespace dyslam
 class RecordedGround
 {
  public:
-  void add(const Scan& scan);
+  /** \param returns of the scan */
+  void add(const Scan& scan, std::size_t returns);
 
   /** The mean of the scans that agree, axes of the vehicle frame, origin at the lidar; nothing if
-   * they are too few. */
-  [[nodiscard]] std::optional<GroundPlane> plane() const;
+   * they are too few.
+   * \param min_returns scans with fewer do not count */
+  [[nodiscard]] std::optional<GroundPlane> plane(GroundSide side, std::size_t min_returns) const;
 
  private:
-  std::vector<GroundPlane> planes_;
-  std::size_t scans_ = 0;  //!< that were searched
+  struct Searched
+  {
+    std::size_t returns = 0;
+    std::optional<GroundPlane> below;
+    std::optional<GroundPlane> above;  //!< searched for if there is none below
+  };
+
+  std::vector<Searched> scans_;
 };
 
 /** Whether the vehicle frame should be levelled. */

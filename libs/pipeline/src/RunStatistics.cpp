@@ -68,6 +68,7 @@ void RunStatistics::add(const Frame& frame)
     odometry_failures.add(frame.odometry.reason);
   }
   points += frame.cloud.size();
+  detections += frame.detections.size();
   moving_points +=
       static_cast<std::size_t>(std::count(frame.moving.begin(), frame.moving.end(), true));
   if (frame.T_world_vehicle_truth)
@@ -178,6 +179,6 @@ void Reasons::exchangeState(StateArchive& archive)
 void RunStatistics::exchangeState(StateArchive& archive)
 {
   archive(frames, first_time, last_time, registration_failures, map_restarts,
-          unregistered_keyframes, odometry_failures, points, moving_points, reference);
+          unregistered_keyframes, odometry_failures, points, moving_points, detections, reference);
 }
 }  // namespace dyslam

@@ -65,6 +65,7 @@ struct RunStatistics
   Reasons odometry_failures;
   std::size_t points = 0;         //!< of all clouds
   std::size_t moving_points = 0;  //!< of these, by the causal labels
+  std::size_t detections = 0;     //!< of all scans
   Trajectory reference;           //!< ground truth as recorded
 
  private:

@@ -10,6 +10,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstdio>
 #include <filesystem>
 #include <optional>
@@ -38,6 +39,8 @@ constexpr double plain_mismatch = 1.2;
 
 std::string fixed(double value, int decimals)
 {
+  const double scale = std::pow(10, decimals);
+  value = std::abs(value * scale) < 0.5 ? 0 : value;  // not -0.0
   std::array<char, 40> text{};
   std::snprintf(text.data(), text.size(), "%.*f", decimals, value);
   return text.data();
@@ -145,7 +148,11 @@ class ExaminedScans
     stamps_.push_back(scan.stamp);
   }
   [[nodiscard]] bool empty() const { return stamps_.empty(); }
-  [[nodiscard]] bool lastIsFull() const { return !empty() && isFull(shown_.back()); }
+  /** Of a full scan, as far as is known. */
+  [[nodiscard]] std::size_t minReturns() const
+  {
+    return static_cast<std::size_t>(std::ceil(full_share * static_cast<double>(richest_)));
+  }
   [[nodiscard]] bool areEnough() const
   {
     const auto full =
@@ -178,8 +185,7 @@ class ExaminedScans
 
   [[nodiscard]] bool isFull(const Shown& s) const
   {
-    return s.pattern.returns > 0 &&
-           static_cast<double>(s.pattern.returns) >= full_share * static_cast<double>(richest_);
+    return s.pattern.returns > 0 && s.pattern.returns >= minReturns();
   }
   /** Whether another full scan shows about as many rings, unless there is none. */
   [[nodiscard]] bool isConfirmed(const Shown& s) const
@@ -222,36 +228,48 @@ class ExaminedScans
   std::vector<double> stamps_;
 };
 
+/** A lidar that looks downwards about as far as upwards. What is above one that looks mostly
+ * upwards may be a ceiling. */
+bool wouldSeeGroundBelow(const ScanPattern& pattern)
+{
+  constexpr double same_angle = 0.9;
+  return (pattern.hasRings() || isDenseRevolution(pattern)) &&
+         -pattern.lowest >= same_angle * pattern.highest;
+}
+
 /** What the first scans show of sensor and ground. */
 class SensorExamination
 {
  public:
   void add(const Scan& scan)
   {
-    if (scans_.areEnough())
-    {
-      if (++added_ % ground_step == 0)
-      {
-        ground_.add(scan);
-      }
-      return;
-    }
     ++added_;
-    scans_.add(scan);
-    if (scans_.lastIsFull())
+    const bool only_ground = scans_.areEnough();
+    if (!only_ground)
     {
-      ground_.add(scan);
+      scans_.add(scan);
+    }
+    const auto returns =
+        static_cast<std::size_t>(std::count_if(scan.points.begin(), scan.points.end(), isReturn));
+    if (returns > 0 && returns >= scans_.minReturns() &&
+        (!only_ground || added_ % ground_step == 0))
+    {
+      ground_.add(scan, returns);
     }
   }
   [[nodiscard]] bool empty() const { return scans_.empty(); }
   [[nodiscard]] bool isDone() const
   {
-    return scans_.areEnough() && (added_ >= most_examined || !isInclined(ground_.plane()));
+    return scans_.areEnough() && (added_ >= most_examined || !isInclined(sensor().ground));
   }
   [[nodiscard]] RecordedSensor sensor() const
   {
     RecordedSensor sensor = scans_.sensor();
-    sensor.ground = ground_.plane();
+    sensor.ground = ground_.plane(GroundSide::below, scans_.minReturns());
+    if (!sensor.ground && wouldSeeGroundBelow(sensor.pattern))
+    {
+      sensor.ground = ground_.plane(GroundSide::above, scans_.minReturns());
+    }
     return sensor;
   }
 
@@ -286,7 +304,8 @@ std::vector<std::string> doubtsAbout(const RecordedSensor& sensor)
   }
   if (isInclined(sensor.ground))
   {
-    return {inclinationOf(*sensor.ground) + " and not levelled (input.level)"};
+    return {inclinationOf(*sensor.ground) +
+            " and not levelled, as input.level is false: segmentation and tracking are worse"};
   }
   if ((pattern.hasRings() || isDenseRevolution(pattern)) && sensor.share_above > max_share_above)
   {
@@ -311,14 +330,29 @@ std::optional<std::string> misfitOf(const Config& ini,
          (shipped ? "; omit -c to use " + shipped->name : "");
 }
 
-/** Sets roll and pitch of [input], unless its `level` is false: those of the ground if it is
- * inclined, else 0. */
-void levelVehicleFrame(const RecordedSensor& sensor, ChosenSettings& chosen)
+/** \throws UserError if a single setting is one that levelling sets. */
+void requireNoAngles(const std::vector<std::string>& assignments)
+{
+  for (const std::string& assignment : assignments)
+  {
+    if (assignment.rfind("input.roll_deg=", 0) == 0 || assignment.rfind("input.pitch_deg=", 0) == 0)
+    {
+      throw UserError(assignment + ": input.level sets it from the ground; add input.level=false");
+    }
+  }
+}
+
+/** Sets roll and pitch of [input] to those of the ground if it is inclined, else to 0; not if its
+ * `level` is false. */
+void levelVehicleFrame(const RecordedSensor& sensor,
+                       const std::vector<std::string>& assignments,
+                       ChosenSettings& chosen)
 {
   RawlogSourceOptions input;
   load(input, chosen.config, "input");
   if (input.level)
   {
+    requireNoAngles(assignments);
     const bool inclined = isInclined(sensor.ground);
     const auto set = [&chosen](const std::string& key, const std::string& value)
     { chosen.config.set("input." + key + "=" + value); };
@@ -332,7 +366,18 @@ void levelVehicleFrame(const RecordedSensor& sensor, ChosenSettings& chosen)
                                      ": levelled (input.level=false keeps the recording's frame)"
                                : "";
   }
-  chosen.T_level_vehicle = input.T_level_vehicle();
+  chosen.levelling = input.levelling();
+}
+
+/** The sensor as the levelled vehicle has it. */
+RecordedSensor seenFrom(const Levelling& levelling, const RecordedSensor& recorded)
+{
+  RecordedSensor sensor = recorded;
+  if (sensor.ground)
+  {
+    sensor.ground->normal = levelling.T_level_recorded().linear() * sensor.ground->normal;
+  }
+  return sensor;
 }
 }  // namespace
 
@@ -408,11 +453,8 @@ std::string RecordedSensor::missingTimes(const Config& config) const
 RecordedSensor recogniseSensor(const std::string& rawlog, const RawlogSourceOptions& input)
 {
   RawlogSourceOptions options = input;
-  if (options.level)
-  {
-    options.roll = 0;
-    options.pitch = 0;
-  }
+  options.roll = 0;
+  options.pitch = 0;
   options.only_first_n =
       input.only_first_n > 0 ? std::min(input.only_first_n, most_examined) : most_examined;
   RawlogSource source(rawlog, options);
@@ -471,15 +513,6 @@ bool fits(const SensorOptions& options, const ScanPattern& pattern, double toler
                           spacing < options.max_ring_spacing * tolerance);
 }
 
-void ChosenSettings::level(Frame& frame) const
-{
-  frame.scan.T_vehicle_lidar = T_level_vehicle * frame.scan.T_vehicle_lidar;
-  for (ImuSample& sample : frame.imu)
-  {
-    sample.T_vehicle_imu = T_level_vehicle * sample.T_vehicle_imu;
-  }
-}
-
 ChosenSettings settingsFor(const RecordedSensor& sensor,
                            const Config& given,
                            const std::string& name,
@@ -509,10 +542,10 @@ ChosenSettings settingsFor(const RecordedSensor& sensor,
   {
     chosen.config.set(assignment);
   }
-  levelVehicleFrame(sensor, chosen);
+  levelVehicleFrame(sensor, assignments, chosen);
   if (chosen.levelled.empty())
   {
-    chosen.warnings = doubtsAbout(sensor);
+    chosen.warnings = doubtsAbout(seenFrom(chosen.levelling, sensor));
   }
   if (misfit)
   {

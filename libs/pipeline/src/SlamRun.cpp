@@ -159,8 +159,8 @@ struct SlamRun::Impl
         sensor(config.get<SensorOptions>("sensor")),
         start(config.get<StartOptions>("start")),
         track_smoothing(config.get<TrackSmoothingOptions>("track_smoothing")),
-        complete_boxes(config.get<TrackerOptions>("tracker").complete_boxes &&
-                       config.get<GivenBoxesOptions>("boxes").file.empty()),
+        has_boxes(!config.get<GivenBoxesOptions>("boxes").file.empty()),
+        complete_boxes(config.get<TrackerOptions>("tracker").complete_boxes && !has_boxes),
         has_labels(!config.get<MovingSegmenterOptions>("dyseg").labels.empty()),
         input(config.get<RawlogSourceOptions>("input")),
         pipeline(config, times, settings.output_folder),
@@ -207,6 +207,7 @@ struct SlamRun::Impl
   SensorOptions sensor;
   StartOptions start;
   TrackSmoothingOptions track_smoothing;
+  bool has_boxes;  //!< of another detector
   bool complete_boxes;
   bool has_labels;  //!< of an earlier run
   RawlogSourceOptions input;
@@ -260,6 +261,13 @@ RunResults SlamRun::Impl::results(const std::vector<std::string>& source_warning
   append(results.report.warnings, source_warnings);
   append(results.report.warnings, pipeline.warnings());
   append(results.report.warnings, statistics.warnings(has_labels));
+  if (has_boxes && statistics.detections == 0)
+  {
+    results.report.warnings.emplace_back(
+        "boxes.file has no box of a scan of this run: its frames, or the names of its files, are "
+        "the "
+        "numbers of the scans in the recording, from 0");
+  }
   return results;
 }
 

@@ -5,6 +5,7 @@
 #include <dyslam/pipeline/SensorSettings.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 
@@ -249,8 +250,9 @@ TEST(SensorSettings, ALidarThatIsUpsideDownIsAWarning)
   EXPECT_TRUE(warningsNow().empty());
 }
 
-/** A scan of 16 rings over level ground, 1.7 m below, that ends at a round wall at 20 m. */
-Frame frameOverGround(double roll_deg, double pitch_deg)
+/** A scan of 16 rings over level ground, 1.7 m below, that ends at a round wall at 20 m.
+ * \param share_of_sky of the rays above the horizon that return from the wall */
+Frame frameOverGround(double roll_deg, double pitch_deg, double share_of_sky = 1)
 {
   const Eigen::Matrix3f R_level_lidar =
       poseFromYpr(0, 0, 0, 0, pitch_deg * degree, roll_deg * degree).linear().cast<float>();
@@ -259,6 +261,17 @@ Frame frameOverGround(double roll_deg, double pitch_deg)
   {
     const Eigen::Vector3f ray = R_level_lidar * p / 20;
     p *= ray.z() < 0 ? std::min(1.0F, 1.7F / (20 * -ray.z())) : 1.0F;
+  }
+  // Of the rays that go up, some return nothing.
+  std::size_t up = 0;
+  for (Eigen::Vector3f& p : frame.scan.points)
+  {
+    const bool is_up = (R_level_lidar * p).z() > 0;
+    up += is_up ? 1U : 0U;
+    if (is_up && std::fmod(static_cast<double>(up), 10) >= 10 * share_of_sky)
+    {
+      p.setZero();
+    }
   }
   return frame;
 }
@@ -276,12 +289,13 @@ TEST(SensorSettings, AVehicleFrameOverInclinedGroundIsLevelled)
   load(input, chosen.config, "input");
   EXPECT_NEAR(-6 * degree, input.roll, 0.1 * degree);
   EXPECT_NEAR(20 * degree, input.pitch, 0.1 * degree);
-  EXPECT_TRUE(chosen.T_level_vehicle.isApprox(input.T_level_vehicle()));
+  EXPECT_TRUE(chosen.levelling.T_level_recorded().isApprox(input.levelling().T_level_recorded()));
   Frame frame = frames[0];
   frame.imu.emplace_back();
   chosen.level(frame);
-  EXPECT_TRUE(frame.scan.T_vehicle_lidar.isApprox(chosen.T_level_vehicle));
-  EXPECT_TRUE(frame.imu[0].T_vehicle_imu.isApprox(chosen.T_level_vehicle));
+  const Pose T = chosen.levelling.T_level_recorded();
+  EXPECT_TRUE(frame.scan.T_vehicle_lidar.isApprox(T));
+  EXPECT_TRUE(frame.imu[0].T_vehicle_imu.isApprox(T));
   const auto now = recogniseSensor(std::vector<Frame>{frame});
   ASSERT_TRUE(now.ground);
   EXPECT_LT(now.ground->inclination(), 0.1 * degree);
@@ -290,9 +304,55 @@ TEST(SensorSettings, AVehicleFrameOverInclinedGroundIsLevelled)
   // As the user wants it.
   const ChosenSettings kept = settingsFor(sensor, Config(), "", {"input.level=false"});
   EXPECT_EQ("", kept.levelled);
-  EXPECT_TRUE(kept.T_level_vehicle.isApprox(Pose::Identity()));
+  EXPECT_TRUE(kept.levelling.isNone());
   ASSERT_EQ(1U, kept.warnings.size());
   EXPECT_NE(kept.warnings[0].find("the ground is inclined by 20."), std::string::npos);
+}
+
+TEST(SensorSettings, AnglesOfTheUserReplaceLevelling)
+{
+  const RecordedSensor sensor = recogniseSensor(std::vector<Frame>{frameOverGround(0, 20)});
+  const ChosenSettings own =
+      settingsFor(sensor, Config(), "", {"input.level=false", "input.pitch_deg=19"});
+  EXPECT_TRUE(own.warnings.empty()) << own.warnings[0];
+  EXPECT_TRUE(own.levelling.T_level_recorded().isApprox(poseFromYpr(0, 0, 0, 0, 19 * degree, 0)));
+  EXPECT_THROW((void)settingsFor(sensor, Config(), "", {"input.pitch_deg=19"}), UserError);
+}
+
+TEST(SensorSettings, ACeilingIsNoGround)
+{
+  Frame frame = frameOverGround(180, 0);  // of a lidar that looks upwards
+  const auto looksUp = [](const Eigen::Vector3f& p) { return p.z() < -0.1F * p.norm(); };
+  for (Eigen::Vector3f& p : frame.scan.points)
+  {
+    p = looksUp(p) ? Eigen::Vector3f::Zero().eval() : p;
+  }
+  const RecordedSensor sensor = recogniseSensor(std::vector<Frame>{frame});
+  EXPECT_FALSE(sensor.ground);
+  EXPECT_EQ("", settingsFor(sensor, Config(), "").levelled);
+}
+
+TEST(SensorSettings, ALidarThatHangsUpsideDownIsTurned)
+{
+  const RecordedSensor sensor =
+      recogniseSensor(std::vector<Frame>(3, frameOverGround(180, 0, 0.5)));
+  const ChosenSettings chosen = settingsFor(sensor, Config(), "");
+  EXPECT_NE("", chosen.levelled);
+  EXPECT_NEAR(-1, chosen.levelling.T_level_recorded().linear()(2, 2), 1e-3);
+}
+
+TEST(SensorSettings, StartUpScansDoNotCount)
+{
+  std::vector<Frame> frames;
+  for (int i = 0; i < 9; ++i)
+  {
+    frames.push_back(frameOverGround(0, 20));
+    auto& points = frames.back().scan.points;
+    const std::size_t kept = i < 4 ? points.size() * static_cast<std::size_t>(2 * i + 1) / 20 : 0;
+    std::fill(points.begin() + static_cast<std::ptrdiff_t>(kept),
+              i < 4 ? points.end() : points.begin(), Eigen::Vector3f::Zero());
+  }
+  EXPECT_NE("", settingsFor(recogniseSensor(frames), Config(), "").levelled);
 }
 
 TEST(SensorSettings, LevelGroundAndScansThatDisagreeChangeNothing)

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/formats/MotionFiles.h>
+#include <dyslam/io/RawlogSource.h>
 
 #include <Eigen/Cholesky>
 
@@ -24,17 +25,38 @@ MotionCovariance covarianceOf(const Frame& frame)
   return motion;
 }
 
-/** `motions.csv`: the odometry's covariance of each motion. */
+/** Takes covariances of the levelled vehicle's motion to those of the recorded one's. */
+void toRecorded(const Levelling& levelling, MotionCovariance& motion)
+{
+  if (!levelling.isNone())
+  {
+    const Matrix6 turn = adjointSE3(levelling.T_level_recorded().inverse());
+    motion.covariance = turn * motion.covariance * turn.transpose();
+    motion.pose_noise = turn * motion.pose_noise * turn.transpose();
+  }
+}
+
+/** `motions.csv`: the odometry's covariance of each motion, of the recording's vehicle. */
 class MotionOutput : public RunOutput
 {
  public:
-  explicit MotionOutput(const RunOutputContext& context) : RunOutput(context, {name}) {}
+  explicit MotionOutput(const RunOutputContext& context)
+      : RunOutput(context, {name}),
+        levelling_(context.config.get<RawlogSourceOptions>("input").levelling())
+  {
+  }
   void open() override { file_.open(path(name), motionFileHeader()); }
-  void add(const Frame& frame) override { file_.write(motionFileRow(covarianceOf(frame))); }
+  void add(const Frame& frame) override
+  {
+    MotionCovariance motion = covarianceOf(frame);
+    toRecorded(levelling_, motion);
+    file_.write(motionFileRow(motion));
+  }
   void exchangeState(StateArchive& archive) override { file_.exchangeState(path(name), archive); }
   void finish(const RunResults& /*results*/) override { file_.close(); }
 
  private:
+  Levelling levelling_;
   StreamedFile file_;
 };
 }  // namespace

@@ -3,6 +3,7 @@
 #include <dyslam/core/StateArchive.h>
 #include <dyslam/formats/ScanFiles.h>
 #include <dyslam/formats/TextFile.h>
+#include <dyslam/io/RawlogSource.h>
 #include <dyslam/io/RawlogWriter.h>
 
 #include <optional>
@@ -49,12 +50,14 @@ Scan staticPartOf(const Frame& frame)
   return kept;
 }
 
-/** The scans without moving points: `static_scans/NNNNNN.bin` and `static_scans.rawlog`. */
+/** The scans without moving points: `static_scans/NNNNNN.bin` and `static_scans.rawlog`, in the
+ * vehicle frame of the recording. */
 class StaticScanOutput : public RunOutput
 {
  public:
   explicit StaticScanOutput(const RunOutputContext& context)
-      : RunOutput(context, {{scan_folder, scan_extension}, rawlog})
+      : RunOutput(context, {{scan_folder, scan_extension}, rawlog}),
+        levelling_(context.config.get<RawlogSourceOptions>("input").levelling())
   {
   }
   [[nodiscard]] bool isSlow() const override { return true; }
@@ -78,14 +81,17 @@ class StaticScanOutput : public RunOutput
   }
   void add(const Frame& frame) override
   {
-    const Scan kept = staticPartOf(frame);
+    Scan kept = staticPartOf(frame);
+    levelling_.undo(kept);
     writeBin(numberedPath(path(scan_folder), frame.index, scan_extension), kept.points,
              kept.intensity);
-    writer_->write(kept, frame.T_world_vehicle_truth);
+    const auto& truth = frame.T_world_vehicle_truth;
+    writer_->write(kept, truth ? std::optional<Pose>(levelling_.recorded(*truth)) : std::nullopt);
   }
   void finish(const RunResults& /*results*/) override { writer_->close(); }
 
  private:
+  Levelling levelling_;
   std::optional<RawlogWriter> writer_;
 };
 }  // namespace

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/formats/TrajectoryFiles.h>
+#include <dyslam/io/RawlogSource.h>
 
 #include "../RunOutput.h"
 #include "StreamedFile.h"
@@ -14,18 +15,19 @@ constexpr const char* kitti_poses = "trajectory_kitti.txt";
 constexpr const char* reference = "reference_tum.txt";
 
 /** `odometry_tum.txt` frame by frame; at the end `trajectory_tum.txt`, `trajectory_kitti.txt` and,
- * where the recording has ground truth, `reference_tum.txt`. */
+ * where the recording has ground truth, `reference_tum.txt`: poses of the recording's vehicle. */
 class TrajectoryOutput : public RunOutput
 {
  public:
   explicit TrajectoryOutput(const RunOutputContext& context)
-      : RunOutput(context, {odometry, tum, kitti_poses, reference})
+      : RunOutput(context, {odometry, tum, kitti_poses, reference}),
+        levelling_(context.config.get<RawlogSourceOptions>("input").levelling())
   {
   }
   void open() override { odometry_.open(path(odometry)); }
   void add(const Frame& frame) override
   {
-    odometry_.write(tumLine(frame.scan.stamp, frame.T_odom_vehicle));
+    odometry_.write(tumLine(frame.scan.stamp, levelling_.recorded(frame.T_odom_vehicle)));
   }
   void checkpoint(const RunResults& results) override { eachByItself(writers(results)); }
   void exchangeState(StateArchive& archive) override
@@ -42,17 +44,18 @@ class TrajectoryOutput : public RunOutput
  private:
   [[nodiscard]] std::vector<std::function<void()>> writers(const RunResults& results) const
   {
-    return {[&] { writeTum(path(tum), results.trajectory); },
-            [&] { writeKittiPoses(path(kitti_poses), results.trajectory); },
+    return {[&] { writeTum(path(tum), levelling_.recorded(results.trajectory)); },
+            [&] { writeKittiPoses(path(kitti_poses), levelling_.recorded(results.trajectory)); },
             [&]
             {
               if (!results.reference.empty())
               {
-                writeTum(path(reference), results.reference);
+                writeTum(path(reference), levelling_.recorded(results.reference));
               }
             }};
   }
 
+  Levelling levelling_;
   StreamedFile odometry_;
 };
 }  // namespace

@@ -16,22 +16,29 @@ struct GroundPlane
 
   /** Angle between its normal and the z axis, in [0, pi] [rad]. */
   [[nodiscard]] double inclination() const;
-  /** Rotation about the y axis, in [-pi/2, pi/2], after that about the x axis in [-pi, pi] [rad]:
-   * Ry(pitch) Rx(roll) turns the normal to the z axis. */
-  [[nodiscard]] double pitch() const;
+  /** Ry(pitch) Rx(roll) turns the normal to the z axis: roll about x, in [-pi, pi], then pitch
+   * about y, in [-pi/2, pi/2], both fixed [rad]. */
   [[nodiscard]] double roll() const;
+  [[nodiscard]] double pitch() const;
+};
+
+/** Where the ground is, seen from the sensor: above one that hangs upside down. */
+enum class GroundSide
+{
+  below,
+  above
 };
 
 /** Finds the plane of the ground in a scan, for a sensor whose tilt is not known: the one with most
  * surface within 15 m, less what is behind it, that extends in two directions and is inclined by at
- * most 50 degrees. If there is none and most returns are above the sensor, a plane above it: then
- * the sensor hangs upside down.
+ * most 50 degrees. Above the sensor, most of the surface has to be there, too; the same then holds
+ * for a ceiling.
  *
  * Planes through three points, drawn with a fixed seed (RANSAC: Fischler and Bolles, 1981), then
  * least squares. The same points give the same plane.
  * \param points axes of the lidar or the vehicle, the origin near the sensor [m]; those that are no
  * returns are ignored
  * \return nothing if no plane has enough surface, as in a forest or a tunnel. */
-[[nodiscard]] std::optional<GroundPlane> findGroundPlane(
-    const std::vector<Eigen::Vector3f>& points);
+[[nodiscard]] std::optional<GroundPlane> findGroundPlane(const std::vector<Eigen::Vector3f>& points,
+                                                         GroundSide side = GroundSide::below);
 }  // namespace dyslam

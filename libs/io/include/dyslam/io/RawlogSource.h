@@ -3,7 +3,7 @@
 
 #include <dyslam/core/Frame.h>
 #include <dyslam/core/Options.h>
-#include <dyslam/core/Pose.h>
+#include <dyslam/io/Levelling.h>
 #include <dyslam/io/ScanRange.h>
 
 #include <cstddef>
@@ -27,12 +27,10 @@ struct RawlogSourceOptions : Options, ScanRange
   std::string imu_label;  //!< regex for the IMU's label; empty: the first IMU with a gyroscope
   std::string odometry_label;  //!< regex for the wheel odometry's label; empty: the first one
   bool level = true;  //!< programs that choose the settings set roll and pitch: settingsFor()
-  double roll = 0;    //!< of the recording's vehicle frame over level ground [rad]
-  double pitch = 0;   //!< ... about y, the outer one of both rotations [rad]
+  double roll = 0;    //!< of the recording's vehicle over level ground, about x [rad]
+  double pitch = 0;   //!< ... about y, after that [rad]
 
-  /** Takes the recording's vehicle frame to the one that is used, with z upwards: the rotation by
-   * `pitch` and `roll`. */
-  [[nodiscard]] Pose T_level_vehicle() const;
+  [[nodiscard]] Levelling levelling() const { return {roll, pitch}; }
 
   void describe(OptionsVisitor& visitor) override;
 };
@@ -45,8 +43,8 @@ struct RawlogSourceOptions : Options, ScanRange
  * ground-truth sidecar whatever is skipped. See doc/formats.md for how per-point time and ring are
  * stored.
  *
- * The vehicle frame of scans, IMU and ground truth is the recording's, rotated by roll and pitch of
- * the options.
+ * The vehicle frame of scans, IMU and ground truth is the levelled one, by roll and pitch of the
+ * options.
  *
  * CObservationIMU and CObservationOdometry are read beside the scans. Frame::imu and Frame::wheels
  * hold those recorded since the scan before, and older ones that follow that scan in the file.

@@ -17,7 +17,7 @@ struct RunFolder
   std::string folder;
   std::string name;       //!< last part of the folder; longer where two would have one name
   std::string rawlog;     //!< as report.json has it, unless another was given
-  Trajectory trajectory;  //!< T_map_vehicle, every scan
+  Trajectory trajectory;  //!< T_map_vehicle, every scan; of the levelled vehicle, as in the graph
   FactorGraph graph;
   std::vector<double> keyframe_stamps;  //!< UNIX time [s], one per ego pose of the graph
   RawlogSourceOptions source;
@@ -39,11 +39,4 @@ struct RunArgument
  * \throws UserError naming what is missing. */
 [[nodiscard]] std::vector<RunFolder> readRunFolders(const std::vector<std::string>& folders,
                                                     double tolerance);
-
-/** effective.ini of the run in whose folder a file is; empty where it is of none. */
-[[nodiscard]] std::string effectiveIniBeside(const std::string& file);
-
-/** The options with which that run read its recording; the defaults where it is of none.
- * \throws UserError for a damaged ini. */
-[[nodiscard]] RawlogSourceOptions sourceOfRunBeside(const std::string& file);
 }  // namespace dyslam

@@ -6,6 +6,7 @@
 #include <dyslam/core/GroundPlane.h>
 #include <dyslam/core/Options.h>
 #include <dyslam/core/ScanPattern.h>
+#include <dyslam/io/Levelling.h>
 
 #include <optional>
 #include <string>
@@ -57,9 +58,9 @@ struct RecordedSensor
   [[nodiscard]] std::string missingTimes(const Config& config) const;
 };
 
-/** Reads a few scans, up to fifty until five of them have many returns, and fifty where the ground
- * is inclined. Roll and pitch of the
- * options are left out if they have `level`. \throws UserError if there is none. */
+/** Reads a few scans: up to fifty, until five of them have many returns; fifty where the ground is
+ * inclined. They are those of the recording's vehicle frame: roll and pitch of the options are
+ * ignored. \throws UserError if there is none. */
 [[nodiscard]] RecordedSensor recogniseSensor(const std::string& rawlog,
                                              const RawlogSourceOptions& input);
 
@@ -73,15 +74,15 @@ struct RecordedSensor
 struct ChosenSettings
 {
   Config config;
-  Pose T_level_vehicle = Pose::Identity();  //!< of input.roll_deg and input.pitch_deg
-  std::string levelled;  //!< a sentence for the user, if it is not the identity; else empty
+  Levelling levelling;   //!< of input.roll_deg and input.pitch_deg
+  std::string levelled;  //!< a sentence for the user, if the ground was inclined; else empty
   std::string source;    //!< the inis: "vlp16.ini", "vlp16.ini + my.ini"
   std::vector<std::string>
       warnings;  //!< settings that clearly do not fit, a recording to be checked; a sentence each
 
-  /** Applies T_level_vehicle to the mountings of lidar and IMU, for a program that makes frames
-   * itself; RawlogSource and ScanDecoder do so with the options of [input]. */
-  void level(Frame& frame) const;
+  /** Levelling::apply(), for a program that makes frames itself; RawlogSource and ScanDecoder do so
+   * with the options of [input]. */
+  void level(Frame& frame) const { levelling.apply(frame); }
 };
 
 /** The settings for a recording: those of an ini that names the sensors it is for, else the shipped

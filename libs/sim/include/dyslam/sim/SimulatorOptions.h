@@ -45,8 +45,8 @@ struct SimulatorOptions : Options
   bool reverse = false;  //!< the ego drives its loop in the opposite direction; not on a highway
   bool stops = true;     //!< the ego stops at random times
 
-  double mounting_roll = 0;   //!< of the lidar on the ego, about x [rad]
-  double mounting_pitch = 0;  //!< ... about y, after that [rad]; above 0: it looks downwards
+  double mounting_roll = 0;   //!< of the lidar on the ego, about its x axis [rad]
+  double mounting_pitch = 0;  //!< ... about the ego's y axis [rad]; above 0: it looks downwards
 
   bool motion_distortion = true;  //!< false: all points are measured at the stamp
   bool noise = true;              //!< false: exact ranges without losses
