@@ -115,6 +115,12 @@ std::optional<Pose> transformBetween(const RosTransforms& transforms,
                                     : std::nullopt;
 }
 
+std::string baseFrameOf(const RosTransforms& transforms, const std::string& frame)
+{
+  const std::string base = poseInParent(transforms, frame, "base_link").parent;
+  return base == frame ? "" : base;
+}
+
 std::string frameOfTopic(Bag& bag, std::size_t topic)
 {
   std::string frame;

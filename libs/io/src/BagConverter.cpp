@@ -72,16 +72,9 @@ std::size_t scanTopic(const std::string& input, Bag& bag, const std::string& ask
                                          "PointCloud2"));
 }
 
-/** T_vehicle_lidar by the transforms of the bag. \param base frame of the vehicle
- * \throws UserError if they do not connect both frames. */
-Pose mountingOf(const std::string& input, Bag& bag, std::size_t scans, const std::string& base)
+/** "a, b" of all frames. */
+std::string frameNames(const RosTransforms& transforms)
 {
-  const std::string frame = frameOfTopic(bag, scans);
-  const RosTransforms transforms = staticTransforms(bag);
-  if (const auto T_base_frame = transformBetween(transforms, base, frame))
-  {
-    return *T_base_frame;
-  }
   std::set<std::string> known;
   for (const auto& [child, transform] : transforms)
   {
@@ -93,10 +86,41 @@ Pose mountingOf(const std::string& input, Bag& bag, std::size_t scans, const std
   {
     names += (names.empty() ? "" : ", ") + name;
   }
-  throw UserError(input + ": --base-frame " + base + ": /tf_static does not connect it to '" +
-                  frame + "', the frame of " + bag.topics()[scans].name +
-                  (names.empty() ? "; it has no frames" : "; it has the frames " + names) +
-                  "; give --sensor-pose instead");
+  return names;
+}
+
+/** Mounts the lidar as the bag's transforms have it, if the options ask for that; else a note says
+ * that it could. \param scans topic \throws UserError if the transforms do not have its pose. */
+void mountLidar(const std::string& input,
+                Bag& bag,
+                std::size_t scans,
+                const ScanConverterOptions& options,
+                ScanSink& sink)
+{
+  const std::string& base = options.base_frame;
+  const std::string frame = frameOfTopic(bag, scans);
+  const RosTransforms transforms = staticTransforms(bag);
+  if (base.empty())
+  {
+    const std::string known = baseFrameOf(transforms, frame);
+    if (options.sensor_pose.empty() && !known.empty())
+    {
+      sink.note("the vehicle is the lidar; --base-frame " + known +
+                " takes the pose of the lidar on the vehicle from /tf_static");
+    }
+    return;
+  }
+  const auto T_base_lidar = transformBetween(transforms, base, frame);
+  if (!T_base_lidar)
+  {
+    const std::string names = frameNames(transforms);
+    throw UserError(input + ": --base-frame " + base + ": /tf_static does not connect it to '" +
+                    frame + "', the frame of " + bag.topics()[scans].name +
+                    (names.empty() ? "; it has no frames" : "; it has the frames " + names) +
+                    "; give --sensor-pose instead");
+  }
+  sink.setMounting(*T_base_lidar);
+  sink.note("the vehicle is " + base + ", in which /tf_static places the lidar");
 }
 
 /** Poses of one body from a topic of the bag. */
@@ -267,11 +291,7 @@ void convertBag(const std::string& input, ScanSink& sink, const ScanConverterOpt
   const std::unique_ptr<Bag> bag = openBag(input);
   const std::size_t at = scanTopic(input, *bag, options.topic, sink);
   const BagTopic topic = bag->topics()[at];
-  if (!options.base_frame.empty())
-  {
-    sink.setMounting(mountingOf(input, *bag, at, options.base_frame));
-    sink.note("the vehicle is " + options.base_frame + ", in which /tf_static places the lidar");
-  }
+  mountLidar(input, *bag, at, options, sink);
   const Trajectory truth =
       options.truth_topic.empty() ? Trajectory() : readTruth(input, *bag, options, sink);
   if (!truth.empty())

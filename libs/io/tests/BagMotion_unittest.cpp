@@ -159,6 +159,8 @@ TEST(BagMotion, VehicleOfTheBag)
   writeImuDrive(input, {{"lidar", T_base_lidar}, {"imu_link", T_base_imu}});
   ScanConverterOptions options;
   options.imu_topic = "/imu/data";
+  EXPECT_TRUE(hasLine(convertScans(input, rawlog, options).notes,
+                      "--base-frame map takes the pose of the lidar"));
   options.base_frame = "map";  // as the transforms of writeDrive() have it
   const auto result = convertScans(input, rawlog, options);
   EXPECT_TRUE(hasLine(result.notes, "the vehicle is map"));

@@ -107,6 +107,9 @@ using RosTransforms = std::map<std::string, RosPose>;  //!< by child frame
 [[nodiscard]] std::optional<Pose> transformBetween(const RosTransforms& transforms,
                                                    const std::string& a,
                                                    const std::string& b);
+/** The frame in which the transforms place another one: base_link if that is among its parents,
+ * else the last of them; empty if it has none. */
+[[nodiscard]] std::string baseFrameOf(const RosTransforms& transforms, const std::string& frame);
 /** Frame of the header of a topic's first message; empty if there is none.
  * \pre its messages begin with a header. */
 [[nodiscard]] std::string frameOfTopic(Bag& bag, std::size_t topic);
