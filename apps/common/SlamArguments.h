@@ -118,10 +118,11 @@ inline void chooseSettings(const std::string& program, SlamArguments& a)
     a.settings.sensor += "; " + missing_times;
     a.messages.push_back("note: " + missing_times);
   }
-  if (!chosen.levelled.empty())
+  if (!chosen.levelling_note.empty())
   {
-    a.settings.sensor += "; " + chosen.levelled;
-    a.messages.push_back("note: " + chosen.levelled);
+    a.settings.sensor += "; " + chosen.levelling_note;
+    a.messages.push_back("note: " + chosen.levelling_note +
+                         " (input.level=false keeps the recording's frame)");
   }
   for (const std::string& warning : a.settings.warnings)
   {

@@ -122,9 +122,9 @@ Config baseSettings(const Arguments& a, std::vector<std::string>& messages)
   const RecordedSensor sensor = recogniseSensor(a.recording.rawlog, input);
   ChosenSettings chosen = settingsFor(sensor, given);
   messages.push_back(sensor.summary() + "; settings: " + chosen.source);
-  if (!chosen.levelled.empty())
+  if (!chosen.levelling_note.empty())
   {
-    messages.push_back("note: " + chosen.levelled);
+    messages.push_back("note: " + chosen.levelling_note);
   }
   for (const std::string& warning : chosen.warnings)
   {

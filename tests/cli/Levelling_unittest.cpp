@@ -6,6 +6,7 @@
 #include <dyslam/formats/KittiFiles.h>
 #include <dyslam/formats/ScanFiles.h>
 #include <dyslam/formats/TrajectoryFiles.h>
+#include <dyslam/io/RawlogSource.h>
 #include <dyslam/io/RawlogWriter.h>
 #include <dyslam/sim/Simulator.h>
 #include <gtest/gtest.h>
@@ -52,7 +53,8 @@ class TiltedLidar : public ::testing::Test
       truth_.push_back(simulated.scan.stamp, T_map_lidar);
     }
     writer.close();
-    levelled_ = run("dyslam", "-i " + at("tilted.rawlog") + " -o " + at("levelled") + " --labels");
+    levelled_ = run("dyslam", "-i " + at("tilted.rawlog") + " -o " + at("levelled") +
+                                  " --labels --static-scans");
     kept_ = run("dyslam", "-i " + at("tilted.rawlog") + " -o " + at("kept") +
                               " --labels --set input.level=false");
   }
@@ -105,6 +107,19 @@ TEST_F(TiltedLidar, IsLevelled)
   // Poses are of the vehicle of the recording, in a level map.
   const double pitch = yawPitchRoll(readTum(at("levelled/trajectory_tum.txt"))[0].pose).y();
   EXPECT_NEAR(tilt, pitch, 3 * radians_per_degree);
+}
+
+TEST_F(TiltedLidar, HasStaticScansOfTheRecordedVehicle)
+{
+  RawlogSource source(at("levelled/static_scans.rawlog"));
+  for (std::size_t i = 0; i < truth_.size(); ++i)
+  {
+    const auto frame = source.next();
+    ASSERT_TRUE(frame);
+    EXPECT_TRUE(frame->scan.T_vehicle_lidar.isApprox(Pose::Identity(), 1e-6));
+    ASSERT_TRUE(frame->T_world_vehicle_truth);
+    EXPECT_TRUE(frame->T_world_vehicle_truth->isApprox(truth_[i].pose, 1e-6));
+  }
 }
 
 /** Programs that read the recording as it is use the poses as they are. */

@@ -101,6 +101,10 @@ dyslam::ChosenSettings settingsFrom(std::vector<dyslam::Frame>& first)
   const dyslam::RecordedSensor sensor = dyslam::recogniseSensor(first);
   dyslam::ChosenSettings chosen = dyslam::settingsFor(sensor, given);
   std::printf("%s; settings: %s\n", sensor.summary().c_str(), chosen.source.c_str());
+  if (!chosen.levelling_note.empty())
+  {
+    std::printf("note: %s\n", chosen.levelling_note.c_str());
+  }
   for (const std::string& warning : chosen.warnings)
   {
     std::printf("warning: %s\n", warning.c_str());
@@ -117,14 +121,16 @@ dyslam::ChosenSettings settingsFrom(std::vector<dyslam::Frame>& first)
 }
 
 /** What a program would publish: the vehicle and the objects in the odometry frame, and where that
- * frame is in the map. */
-void publish(const dyslam::Frame& frame)
+ * frame is in the map.
+ * \param levelling from the poses of the levelled vehicle to those of the vehicle itself */
+void publish(const dyslam::Frame& frame, const dyslam::Levelling& levelling)
 {
   const auto reported =
       std::count_if(frame.objects.begin(), frame.objects.end(),
                     [](const dyslam::TrackedObject& object) { return object.reported; });
-  const Eigen::Vector3d in_odom = frame.T_odom_vehicle.translation();
-  const Eigen::Vector3d in_map = frame.T_map_vehicle().translation();
+  const dyslam::Pose T_odom_vehicle = levelling.recorded(frame.T_odom_vehicle);
+  const Eigen::Vector3d in_odom = T_odom_vehicle.translation();
+  const Eigen::Vector3d in_map = (frame.T_map_odom * T_odom_vehicle).translation();
   std::printf("scan %zu: at %.2f %.2f m (map: %.2f %.2f m), %zu points, %td objects%s\n",
               frame.index, in_odom.x(), in_odom.y(), in_map.x(), in_map.y(), frame.cloud.size(),
               reported, frame.is_keyframe ? ", keyframe" : "");
@@ -166,11 +172,12 @@ int run()
       settings.level(frame);
     }
     slam.process(frame);
-    publish(frame);
+    publish(frame, settings.levelling);
   }
   slam.finish();
   saveMap(slam, "live_map.pcd");
-  const double error = (poseAt(count - 1).inverse() * frame.T_map_vehicle()).translation().norm();
+  const dyslam::Pose T_map_vehicle = settings.levelling.recorded(frame.T_map_vehicle());
+  const double error = (poseAt(count - 1).inverse() * T_map_vehicle).translation().norm();
   std::printf("error after 8.7 m: %.3f m\n", error);
   return error < 0.1 ? 0 : 1;
 }

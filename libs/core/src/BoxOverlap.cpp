@@ -189,4 +189,14 @@ Box transformed(const Box& box, const Pose& T)
   moved.yaw = std::atan2(forward.y(), forward.x());
   return moved;
 }
+
+Box transformedBack(const Box& moved, const Pose& T)
+{
+  const Eigen::Vector2d forward = T.linear().topLeftCorner<2, 2>().inverse() *
+                                  Eigen::Vector2d(std::cos(moved.yaw), std::sin(moved.yaw));
+  Box box = moved;
+  box.center = T.inverse() * moved.center;
+  box.yaw = std::atan2(forward.y(), forward.x());
+  return box;
+}
 }  // namespace dyslam

@@ -104,3 +104,20 @@ TEST(BoxOverlap, transformedMovesCenterAndYaw)
   EXPECT_NEAR(wrapAngle(moved.yaw - 0.2 - M_PI / 2), 0, 1e-12);
   EXPECT_EQ(moved.size, a.size);
 }
+
+/** Also between frames that are tilted against each other, or upside down. */
+TEST(BoxOverlap, transformedHasAnInverse)
+{
+  for (const Pose& T : {poseFromYpr(1, 2, 3, 0.4, 0, 0), poseFromYpr(0, 1, 0, -2, 0.35, -0.2),
+                        poseFromYpr(0, 0, 2, 0.1, 0.05, M_PI)})
+  {
+    for (int i = -6; i <= 6; ++i)
+    {
+      const Box box = makeBox(5, -3, 1, 4, 2, 1.5, 0.5 * i);
+      const Box back = transformedBack(transformed(box, T), T);
+      EXPECT_NEAR((back.center - box.center).norm(), 0, 1e-9);
+      EXPECT_NEAR(wrapAngle(back.yaw - box.yaw), 0, 1e-9);
+      EXPECT_EQ(box.size, back.size);
+    }
+  }
+}

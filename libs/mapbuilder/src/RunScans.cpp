@@ -116,7 +116,8 @@ void RunScans::fillMoving(Frame& frame) const
   {
     TrackedObject object;
     object.id = it->second.id;
-    object.box = transformed(it->second.box, frame.T_odom_vehicle * frame.scan.T_vehicle_lidar);
+    object.box = transformedBack(it->second.box,
+                                 (frame.T_odom_vehicle * frame.scan.T_vehicle_lidar).inverse());
     object.object_class = it->second.object_class;
     object.dynamic = moves_.at(object.id);
     frame.objects.push_back(object);
@@ -135,7 +136,7 @@ void RunScans::noteObjects(const Frame& frame)
   for (auto it = begin; it != end; ++it)
   {
     LabelledBox box = it->second;
-    box.box = transformed(box.box, T_map_lidar);
+    box.box = transformedBack(box.box, T_map_lidar.inverse());
     ObjectPath& object = objects_[box.id];
     object.path.push_back(box.box.center);
     object.last = box;

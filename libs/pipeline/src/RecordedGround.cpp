@@ -44,7 +44,10 @@ std::optional<GroundPlane> RecordedGround::plane(GroundSide side, std::size_t mi
     if (scan.returns >= min_returns)
     {
       ++scans;
-      planes.insert(planes.end(), plane ? 1 : 0, plane.value_or(GroundPlane()));
+      if (plane)
+      {
+        planes.push_back(*plane);
+      }
     }
   }
   GroundPlane best;

@@ -292,8 +292,21 @@ std::string inclinationOf(const GroundPlane& ground)
          " deg, pitch " + degrees(ground.pitch(), 1) + " deg)";
 }
 
-/** What is doubtful about the recording, one sentence each. */
-std::vector<std::string> doubtsAbout(const RecordedSensor& sensor)
+/** The ground as the levelled vehicle sees it. */
+std::optional<GroundPlane> seenFrom(const Levelling& levelling,
+                                    const std::optional<GroundPlane>& recorded)
+{
+  std::optional<GroundPlane> ground = recorded;
+  if (ground)
+  {
+    ground->normal = levelling.T_level_recorded().linear() * ground->normal;
+  }
+  return ground;
+}
+
+/** What is doubtful about the recording, one sentence each.
+ * \param levelling by angles of the user */
+std::vector<std::string> doubtsAbout(const RecordedSensor& sensor, const Levelling& levelling)
 {
   const ScanPattern& pattern = sensor.pattern;
   if (hasNoReturns(sensor))
@@ -302,10 +315,13 @@ std::vector<std::string> doubtsAbout(const RecordedSensor& sensor)
             " is a return: the sensor is not recognised, and the settings may not fit it; check "
             "the recording, or choose settings with -c"};
   }
-  if (isInclined(sensor.ground))
+  if (const auto ground = seenFrom(levelling, sensor.ground); isInclined(ground))
   {
     return {inclinationOf(*sensor.ground) +
-            " and not levelled, as input.level is false: segmentation and tracking are worse"};
+            (levelling.isNone() ? " and not levelled, as input.level is false"
+                                : "; after input.roll_deg and input.pitch_deg still by " +
+                                      degrees(ground->inclination(), 1) + " deg") +
+            ": segmentation and tracking are worse"};
   }
   if ((pattern.hasRings() || isDenseRevolution(pattern)) && sensor.share_above > max_share_above)
   {
@@ -330,14 +346,16 @@ std::optional<std::string> misfitOf(const Config& ini,
          (shipped ? "; omit -c to use " + shipped->name : "");
 }
 
-/** \throws UserError if a single setting is one that levelling sets. */
-void requireNoAngles(const std::vector<std::string>& assignments)
+/** \throws UserError for angles of the user that levelling would replace. A whole ini, as
+ * effective.ini, has those of its recording beside `level`. */
+void requireNoAngles(const Config& config, bool may_have_level)
 {
-  for (const std::string& assignment : assignments)
+  for (const char* key : {"roll_deg", "pitch_deg"})
   {
-    if (assignment.rfind("input.roll_deg=", 0) == 0 || assignment.rfind("input.pitch_deg=", 0) == 0)
+    if (config.has("input", key) && !(may_have_level && config.has("input", "level")))
     {
-      throw UserError(assignment + ": input.level sets it from the ground; add input.level=false");
+      throw UserError(config.section("input").at(key).origin + ": input." + key +
+                      " is set by input.level from the ground; add level = false");
     }
   }
 }
@@ -345,14 +363,16 @@ void requireNoAngles(const std::vector<std::string>& assignments)
 /** Sets roll and pitch of [input] to those of the ground if it is inclined, else to 0; not if its
  * `level` is false. */
 void levelVehicleFrame(const RecordedSensor& sensor,
-                       const std::vector<std::string>& assignments,
+                       const Config& given,
+                       const Config& assigned,
                        ChosenSettings& chosen)
 {
   RawlogSourceOptions input;
   load(input, chosen.config, "input");
   if (input.level)
   {
-    requireNoAngles(assignments);
+    requireNoAngles(given, true);
+    requireNoAngles(assigned, false);
     const bool inclined = isInclined(sensor.ground);
     const auto set = [&chosen](const std::string& key, const std::string& value)
     { chosen.config.set("input." + key + "=" + value); };
@@ -362,23 +382,11 @@ void levelVehicleFrame(const RecordedSensor& sensor,
       set("pitch_deg", inclined ? degrees(sensor.ground->pitch(), 2) : "0");
       load(input, chosen.config, "input");
     }
-    chosen.levelled = inclined ? inclinationOf(*sensor.ground) +
-                                     ": levelled (input.level=false keeps the recording's frame)"
-                               : "";
+    chosen.levelling_note = inclined ? inclinationOf(*sensor.ground) + ": levelled" : "";
   }
   chosen.levelling = input.levelling();
 }
 
-/** The sensor as the levelled vehicle has it. */
-RecordedSensor seenFrom(const Levelling& levelling, const RecordedSensor& recorded)
-{
-  RecordedSensor sensor = recorded;
-  if (sensor.ground)
-  {
-    sensor.ground->normal = levelling.T_level_recorded().linear() * sensor.ground->normal;
-  }
-  return sensor;
-}
 }  // namespace
 
 void SensorOptions::describe(OptionsVisitor& v)
@@ -538,14 +546,16 @@ ChosenSettings settingsFor(const RecordedSensor& sensor,
     chosen.source = name;
     misfit = misfitOf(given, name, sensor, shipped);
   }
+  Config assigned;
   for (const std::string& assignment : assignments)
   {
-    chosen.config.set(assignment);
+    assigned.set(assignment);
   }
-  levelVehicleFrame(sensor, assignments, chosen);
-  if (chosen.levelled.empty())
+  chosen.config.merge(assigned);
+  levelVehicleFrame(sensor, given, assigned, chosen);
+  if (chosen.levelling_note.empty())
   {
-    chosen.warnings = doubtsAbout(seenFrom(chosen.levelling, sensor));
+    chosen.warnings = doubtsAbout(sensor, chosen.levelling);
   }
   if (misfit)
   {

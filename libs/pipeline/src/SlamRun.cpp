@@ -264,9 +264,8 @@ RunResults SlamRun::Impl::results(const std::vector<std::string>& source_warning
   if (has_boxes && statistics.detections == 0)
   {
     results.report.warnings.emplace_back(
-        "boxes.file has no box of a scan of this run: its frames, or the names of its files, are "
-        "the "
-        "numbers of the scans in the recording, from 0");
+        "boxes.file has no box of a scan of this run: frames and file names are the numbers of the "
+        "scans in the recording, from 0");
   }
   return results;
 }

@@ -58,7 +58,7 @@ TEST_F(GivenBoxesFile, AreDetectionsWithTheirPoints)
   boxes.detect(frame);
   ASSERT_EQ(1U, frame.detections.size());
   const Detection& car = frame.detections[0];
-  EXPECT_TRUE(car.given);
+  EXPECT_TRUE(car.external);
   EXPECT_EQ(ObjectClass::car, car.object_class);
   EXPECT_EQ(0.7, car.score);
   EXPECT_TRUE(car.box.center.isApprox(Eigen::Vector3d(10.5, 1, 0.75), 1e-9)) << "vehicle frame";

@@ -283,8 +283,9 @@ TEST(SensorSettings, AVehicleFrameOverInclinedGroundIsLevelled)
   ASSERT_TRUE(sensor.ground);
   const ChosenSettings chosen = settingsFor(sensor, Config(), "");
   EXPECT_TRUE(chosen.warnings.empty());
-  EXPECT_NE(chosen.levelled.find("(roll -6.0 deg, pitch 20.0 deg): levelled"), std::string::npos)
-      << chosen.levelled;
+  EXPECT_NE(chosen.levelling_note.find("(roll -6.0 deg, pitch 20.0 deg): levelled"),
+            std::string::npos)
+      << chosen.levelling_note;
   RawlogSourceOptions input;
   load(input, chosen.config, "input");
   EXPECT_NEAR(-6 * degree, input.roll, 0.1 * degree);
@@ -299,11 +300,11 @@ TEST(SensorSettings, AVehicleFrameOverInclinedGroundIsLevelled)
   const auto now = recogniseSensor(std::vector<Frame>{frame});
   ASSERT_TRUE(now.ground);
   EXPECT_LT(now.ground->inclination(), 0.1 * degree);
-  EXPECT_EQ("", settingsFor(now, chosen.config, "effective.ini").levelled);
+  EXPECT_EQ("", settingsFor(now, chosen.config, "effective.ini").levelling_note);
 
   // As the user wants it.
   const ChosenSettings kept = settingsFor(sensor, Config(), "", {"input.level=false"});
-  EXPECT_EQ("", kept.levelled);
+  EXPECT_EQ("", kept.levelling_note);
   EXPECT_TRUE(kept.levelling.isNone());
   ASSERT_EQ(1U, kept.warnings.size());
   EXPECT_NE(kept.warnings[0].find("the ground is inclined by 20."), std::string::npos);
@@ -316,7 +317,17 @@ TEST(SensorSettings, AnglesOfTheUserReplaceLevelling)
       settingsFor(sensor, Config(), "", {"input.level=false", "input.pitch_deg=19"});
   EXPECT_TRUE(own.warnings.empty()) << own.warnings[0];
   EXPECT_TRUE(own.levelling.T_level_recorded().isApprox(poseFromYpr(0, 0, 0, 0, 19 * degree, 0)));
-  EXPECT_THROW((void)settingsFor(sensor, Config(), "", {"input.pitch_deg=19"}), UserError);
+  EXPECT_THROW((void)settingsFor(sensor, Config(), "", {"input.pitch_deg = 19"}), UserError);
+  const Config ini = Config::fromText("[input]\npitch_deg = 19\n", "my.ini");
+  EXPECT_THROW((void)settingsFor(sensor, ini, "my.ini"), UserError);
+  EXPECT_EQ("", settingsFor(sensor, ini, "my.ini", {"input.level=false"}).levelling_note);
+  const ChosenSettings less =
+      settingsFor(sensor, Config(), "", {"input.level=false", "input.pitch_deg=12"});
+  ASSERT_EQ(1U, less.warnings.size());
+  EXPECT_NE(less.warnings[0].find("pitch 20.0 deg); after input.roll_deg and input.pitch_deg still "
+                                  "by 8.0 deg"),
+            std::string::npos)
+      << less.warnings[0];
 }
 
 TEST(SensorSettings, ACeilingIsNoGround)
@@ -329,7 +340,7 @@ TEST(SensorSettings, ACeilingIsNoGround)
   }
   const RecordedSensor sensor = recogniseSensor(std::vector<Frame>{frame});
   EXPECT_FALSE(sensor.ground);
-  EXPECT_EQ("", settingsFor(sensor, Config(), "").levelled);
+  EXPECT_EQ("", settingsFor(sensor, Config(), "").levelling_note);
 }
 
 TEST(SensorSettings, ALidarThatHangsUpsideDownIsTurned)
@@ -337,7 +348,7 @@ TEST(SensorSettings, ALidarThatHangsUpsideDownIsTurned)
   const RecordedSensor sensor =
       recogniseSensor(std::vector<Frame>(3, frameOverGround(180, 0, 0.5)));
   const ChosenSettings chosen = settingsFor(sensor, Config(), "");
-  EXPECT_NE("", chosen.levelled);
+  EXPECT_NE("", chosen.levelling_note);
   EXPECT_NEAR(-1, chosen.levelling.T_level_recorded().linear()(2, 2), 1e-3);
 }
 
@@ -352,7 +363,7 @@ TEST(SensorSettings, StartUpScansDoNotCount)
     std::fill(points.begin() + static_cast<std::ptrdiff_t>(kept),
               i < 4 ? points.end() : points.begin(), Eigen::Vector3f::Zero());
   }
-  EXPECT_NE("", settingsFor(recogniseSensor(frames), Config(), "").levelled);
+  EXPECT_NE("", settingsFor(recogniseSensor(frames), Config(), "").levelling_note);
 }
 
 TEST(SensorSettings, LevelGroundAndScansThatDisagreeChangeNothing)
@@ -361,7 +372,7 @@ TEST(SensorSettings, LevelGroundAndScansThatDisagreeChangeNothing)
   { return settingsFor(recogniseSensor(frames), Config(), ""); };
   const ChosenSettings level = of({frameOverGround(1, 3)});
   EXPECT_FALSE(level.config.has("input", "pitch_deg"));
-  EXPECT_TRUE(level.warnings.empty() && level.levelled.empty());
+  EXPECT_TRUE(level.warnings.empty() && level.levelling_note.empty());
   const ChosenSettings swinging = of({frameOverGround(0, 20), frameOverGround(0, 10)});
   EXPECT_FALSE(swinging.config.has("input", "pitch_deg"));
   const ChosenSettings bump =

@@ -33,7 +33,7 @@ Pose mountingFor(const SimulatorOptions& o)
 {
   const Pose upright = EgoMotion::mounting(carrierOf(o));
   return o.mounting_roll == 0 && o.mounting_pitch == 0
-             ? upright
+             ? upright  // exactly, so that recordings have the same bytes as without the options
              : upright * poseFromYpr(0, 0, 0, 0, o.mounting_pitch, o.mounting_roll);
 }
 

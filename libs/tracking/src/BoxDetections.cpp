@@ -16,12 +16,12 @@ std::vector<Detection> detectionsOf(const std::vector<LabelledBox>& boxes,
   for (const LabelledBox& given : boxes)
   {
     Detection detection;
-    detection.box = transformed(given.box, T_vehicle_lidar);
+    detection.box = transformedBack(given.box, T_vehicle_lidar.inverse());
     detection.object_class = given.object_class;
     detection.score = given.score;
     detection.covariance = detectionCovariance(detection.box, given.object_class, noise, sensor);
     detection.points = pointsInside(detection.box, frame.cloud.points);
-    detection.given = true;
+    detection.external = true;
     detections.push_back(std::move(detection));
   }
   return detections;

@@ -41,7 +41,7 @@ Observation toObservation(const Detection& detection, int index, const Pose& T_o
   observation.sensor = T_odom_vehicle.translation().head<2>();
   observation.object_class = detection.object_class;
   observation.score = detection.score;
-  observation.from_points = !detection.points.empty() && !detection.given;
+  observation.from_points = !detection.points.empty() && !detection.external;
   observation.predicted = detection.predicted;
   return observation;
 }

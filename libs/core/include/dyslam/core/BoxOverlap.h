@@ -24,4 +24,8 @@ struct BoxOverlap
 
 /** The box moved by a pose whose up axis is near +z: centre exactly, yaw by the turned x axis. */
 [[nodiscard]] Box transformed(const Box& box, const Pose& T);
+/** The inverse: the box that transformed() takes to `moved` by T. For frames that are tilted
+ * against each other it is another one than transformed() by the inverse of T, as both yaws are
+ * horizontal. \pre the up axes are not at right angles. */
+[[nodiscard]] Box transformedBack(const Box& moved, const Pose& T);
 }  // namespace dyslam

@@ -12,7 +12,7 @@ struct GroundPlane
 {
   Eigen::Vector3d normal = Eigen::Vector3d::UnitZ();  //!< unit, upwards
   double height = 0;                                  //!< of the origin above it [m]
-  double share = 0;  //!< of what returns show within 15 m, more of it nearby: on the plane
+  double share = 0;  //!< weighted share of the returns within 15 m that lie on it
 
   /** Angle between its normal and the z axis, in [0, pi] [rad]. */
   [[nodiscard]] double inclination() const;

@@ -45,7 +45,7 @@ struct Detection
       0.1 * Eigen::Matrix4d::Identity();  //!< of x, y, z [m^2], yaw [rad^2]
   std::vector<std::uint32_t> points;      //!< positions in Frame::cloud; empty if not known
   bool predicted = false;                 //!< most of its points are Frame::moving_by_prediction
-  bool given = false;  //!< a box of another detector: the whole object, which need not move
+  bool external = false;  //!< a box of another detector: the whole object, which need not move
 };
 
 /** The state of one tracked object after a scan. */

@@ -74,9 +74,9 @@ struct RecordedSensor
 struct ChosenSettings
 {
   Config config;
-  Levelling levelling;   //!< of input.roll_deg and input.pitch_deg
-  std::string levelled;  //!< a sentence for the user, if the ground was inclined; else empty
-  std::string source;    //!< the inis: "vlp16.ini", "vlp16.ini + my.ini"
+  Levelling levelling;         //!< of input.roll_deg and input.pitch_deg
+  std::string levelling_note;  //!< a sentence for the user, if the ground was inclined; else empty
+  std::string source;          //!< the inis: "vlp16.ini", "vlp16.ini + my.ini"
   std::vector<std::string>
       warnings;  //!< settings that clearly do not fit, a recording to be checked; a sentence each
 
