@@ -378,6 +378,7 @@ void levelVehicleFrame(const RecordedSensor& sensor,
     { chosen.config.set("input." + key + "=" + value); };
     if (inclined || input.roll != 0 || input.pitch != 0)
     {
+      set("level", "true");  // beside the angles, as a whole ini has it
       set("roll_deg", inclined ? degrees(sensor.ground->roll(), 2) : "0");
       set("pitch_deg", inclined ? degrees(sensor.ground->pitch(), 2) : "0");
       load(input, chosen.config, "input");
