@@ -11,7 +11,6 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <cmath>
 #include <filesystem>
 #include <iostream>
@@ -68,11 +67,8 @@ PointCounts pointCounts(const std::string& labels_folder)
   PointCounts counts;
   for (const auto& entry : fs::directory_iterator(labels_folder))
   {
-    const std::string stem = entry.path().stem().string();
-    int frame = 0;
-    const auto [end, error] = std::from_chars(stem.data(), stem.data() + stem.size(), frame);
-    if (entry.path().extension() != ".label" || error != std::errc() ||
-        end != stem.data() + stem.size())
+    const auto frame = numberOfName(entry.path().filename().string(), ".label");
+    if (!frame)
     {
       continue;
     }
@@ -80,7 +76,7 @@ PointCounts pointCounts(const std::string& labels_folder)
     {
       if (instanceOf(label) != 0)
       {
-        ++counts[{frame, instanceOf(label)}];
+        ++counts[{*frame, instanceOf(label)}];
       }
     }
   }

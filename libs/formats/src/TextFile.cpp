@@ -184,4 +184,14 @@ std::string numberedPath(const std::string& folder,
 {
   return (std::filesystem::path(folder) / numberedName(number, extension)).string();
 }
+
+std::optional<int> numberOfName(const std::string& name, const std::string& extension)
+{
+  const std::filesystem::path path(name);
+  const std::string digits = path.stem().string();
+  int number = 0;
+  const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), number);
+  const bool numbered = error == std::errc() && end == digits.data() + digits.size() && number >= 0;
+  return numbered && path.extension() == extension ? std::optional<int>(number) : std::nullopt;
+}
 }  // namespace dyslam

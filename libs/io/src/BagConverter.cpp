@@ -90,19 +90,16 @@ std::string frameNames(const RosTransforms& transforms)
 }
 
 /** Mounts the lidar as the bag's transforms have it, if the options ask for that; else a note says
- * that it could. \param scans topic \throws UserError if the transforms do not have its pose. */
+ * that it could. \throws UserError if the transforms do not have its pose. */
 void mountLidar(const std::string& input,
-                Bag& bag,
-                std::size_t scans,
+                const BagFrames& frames,
                 const ScanConverterOptions& options,
                 ScanSink& sink)
 {
   const std::string& base = options.base_frame;
-  const std::string frame = frameOfTopic(bag, scans);
-  const RosTransforms transforms = staticTransforms(bag);
   if (base.empty())
   {
-    const std::string known = baseFrameOf(transforms, frame);
+    const std::string known = baseFrameOf(frames.transforms, frames.lidar);
     if (options.sensor_pose.empty() && !known.empty())
     {
       sink.note("the vehicle is the lidar; --base-frame " + known +
@@ -110,12 +107,12 @@ void mountLidar(const std::string& input,
     }
     return;
   }
-  const auto T_base_lidar = transformBetween(transforms, base, frame);
+  const auto T_base_lidar = transformBetween(frames.transforms, base, frames.lidar);
   if (!T_base_lidar)
   {
-    const std::string names = frameNames(transforms);
+    const std::string names = frameNames(frames.transforms);
     throw UserError(input + ": --base-frame " + base + ": /tf_static does not connect it to '" +
-                    frame + "', the frame of " + bag.topics()[scans].name +
+                    frames.lidar + "', the frame of the scans" +
                     (names.empty() ? "; it has no frames" : "; it has the frames " + names) +
                     "; give --sensor-pose instead");
   }
@@ -193,6 +190,7 @@ class BagReader
   BagReader(const std::string& input,
             Bag& bag,
             std::size_t scans,
+            const BagFrames& frames,
             const Trajectory& truth,
             const ScanConverterOptions& options,
             ScanSink& sink)
@@ -200,7 +198,7 @@ class BagReader
         scans_(scans),
         truth_(truth),
         sink_(sink),
-        motion_(input, bag, scans, options, sink),
+        motion_(input, bag, frames, options, sink),
         held_(sink, motion_)
   {
     bag_.select(motion_.topicsWith(scans));
@@ -291,7 +289,8 @@ void convertBag(const std::string& input, ScanSink& sink, const ScanConverterOpt
   const std::unique_ptr<Bag> bag = openBag(input);
   const std::size_t at = scanTopic(input, *bag, options.topic, sink);
   const BagTopic topic = bag->topics()[at];
-  mountLidar(input, *bag, at, options, sink);
+  const BagFrames frames{frameOfTopic(*bag, at), staticTransforms(*bag)};
+  mountLidar(input, frames, options, sink);
   const Trajectory truth =
       options.truth_topic.empty() ? Trajectory() : readTruth(input, *bag, options, sink);
   if (!truth.empty())
@@ -303,7 +302,7 @@ void convertBag(const std::string& input, ScanSink& sink, const ScanConverterOpt
     sink.warn(warning);
   }
   sink.note("scans: " + topic.name + " (" + topic.type + ")");
-  BagReader reader(input, *bag, at, truth, options, sink);
+  BagReader reader(input, *bag, at, frames, truth, options, sink);
   reader.read();
   if (sink.written() == 0)
   {

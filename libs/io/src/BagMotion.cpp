@@ -8,11 +8,11 @@
 namespace dyslam
 {
 BagMotion::BagMotion(const std::string& input,
-                     Bag& bag,
-                     std::size_t scans,
+                     const Bag& bag,
+                     const BagFrames& frames,
                      const ScanConverterOptions& options,
                      ScanSink& sink)
-    : bag_(bag), options_(options), sink_(sink)
+    : bag_(bag), frames_(frames), options_(options), sink_(sink)
 {
   if (!options.imu_topic.empty())
   {
@@ -21,11 +21,6 @@ BagMotion::BagMotion(const std::string& input,
   if (!options.odometry_topic.empty())
   {
     odometry_ = topicNamed(input, bag, "--odometry-topic", options.odometry_topic, isRosTwist);
-  }
-  if (imu_ || odometry_)
-  {
-    lidar_frame_ = frameOfTopic(bag, scans);
-    transforms_ = staticTransforms(bag);
   }
   if (!options.imu_pose.empty())
   {
@@ -67,11 +62,11 @@ bool BagMotion::hasSamplesFrom(double stamp) const
 
 std::optional<Pose> BagMotion::mountingOf(const std::string& frame) const
 {
-  if (frame.empty() || lidar_frame_.empty())
+  if (frame.empty() || frames_.lidar.empty())
   {
     return std::nullopt;
   }
-  const auto T_lidar_frame = transformBetween(transforms_, lidar_frame_, frame);
+  const auto T_lidar_frame = transformBetween(frames_.transforms, frames_.lidar, frame);
   return T_lidar_frame ? std::optional<Pose>(sink_.T_vehicle_lidar() * *T_lidar_frame)
                        : std::nullopt;
 }
@@ -79,10 +74,10 @@ std::optional<Pose> BagMotion::mountingOf(const std::string& frame) const
 void BagMotion::mountImu(const std::string& frame)
 {
   const std::optional<Pose> mounting = mountingOf(frame);
-  imu_mounting_ = mounting
-                      ? "mounted as the bag states for the frames " + frame + " and " + lidar_frame_
-                      : "its axes are assumed to be those of the vehicle, as the bag does not "
-                        "state how it is mounted (--imu-pose)";
+  imu_mounting_ =
+      mounting ? "mounted as the bag states for the frames " + frame + " and " + frames_.lidar
+               : "its axes are assumed to be those of the vehicle, as the bag does not "
+                 "state how it is mounted (--imu-pose)";
   T_vehicle_imu_ = mounting.value_or(Pose::Identity());
 }
 

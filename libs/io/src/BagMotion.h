@@ -14,16 +14,22 @@
 
 namespace dyslam
 {
+/** Where the sensors of a bag are mounted. */
+struct BagFrames
+{
+  std::string lidar;         //!< of the scans
+  RosTransforms transforms;  //!< of /tf_static
+};
+
 /** Passes the IMU and the wheel odometry of a bag to the sink, as `imu_topic` and `odometry_topic`
  * select them. */
 class BagMotion
 {
  public:
-  /** Reads where the sensors are mounted. \param scans topic of the scans. \throws UserError if the
-   * bag does not have a topic that is selected. */
+  /** \throws UserError if the bag does not have a topic that is selected. */
   BagMotion(const std::string& input,
-            Bag& bag,
-            std::size_t scans,
+            const Bag& bag,
+            const BagFrames& frames,
             const ScanConverterOptions& options,
             ScanSink& sink);
 
@@ -53,16 +59,15 @@ class BagMotion
   void noteImuTopics();
 
   const Bag& bag_;
+  const BagFrames& frames_;
   const ScanConverterOptions& options_;
   ScanSink& sink_;
   std::optional<std::size_t> imu_;       //!< topic
   std::optional<std::size_t> odometry_;  //!< topic
-  RosTransforms transforms_;
-  std::string lidar_frame_;
-  std::optional<Pose> T_vehicle_imu_;   //!< from the first sample on
-  std::optional<Pose> T_vehicle_body_;  //!< of the odometry's body, from its first message on
-  std::string imu_mounting_;            //!< for the note
-  std::string body_mounting_;           //!< for the note
+  std::optional<Pose> T_vehicle_imu_;    //!< from the first sample on
+  std::optional<Pose> T_vehicle_body_;   //!< of the odometry's body, from its first message on
+  std::string imu_mounting_;             //!< for the note
+  std::string body_mounting_;            //!< for the note
   std::size_t imu_left_out_ = 0;
   std::size_t twists_left_out_ = 0;
   BodyVelocities velocities_;

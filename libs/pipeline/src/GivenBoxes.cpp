@@ -4,10 +4,10 @@
 #include <dyslam/core/Error.h>
 #include <dyslam/formats/GroundTruth.h>
 #include <dyslam/formats/KittiTracks.h>
+#include <dyslam/formats/TextFile.h>
 #include <dyslam/tracking/BoxDetections.h>
 
 #include <algorithm>
-#include <charconv>
 #include <filesystem>
 #include <optional>
 
@@ -17,23 +17,13 @@ namespace
 {
 namespace fs = std::filesystem;
 
-/** The number of a scan's file, NNNNNN.txt; nothing for any other file. */
-std::optional<int> scanOf(const fs::path& file)
-{
-  const std::string stem = file.stem().string();
-  int scan = 0;
-  const auto [end, error] = std::from_chars(stem.data(), stem.data() + stem.size(), scan);
-  const bool numbered = error == std::errc() && end == stem.data() + stem.size() && scan >= 0;
-  return numbered && file.extension() == ".txt" ? std::optional<int>(scan) : std::nullopt;
-}
-
 std::vector<LabelledBox> readFolder(const std::string& folder,
                                     const std::optional<Pose>& T_cam_velo)
 {
   std::map<int, std::string> files;
   for (const auto& entry : fs::directory_iterator(folder))
   {
-    if (const auto scan = scanOf(entry.path()))
+    if (const auto scan = numberOfName(entry.path().filename().string(), ".txt"))
     {
       files.emplace(*scan, entry.path().string());
     }

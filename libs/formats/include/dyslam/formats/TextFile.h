@@ -68,4 +68,7 @@ void appendFixed(std::string& text, double value, int decimals);
 [[nodiscard]] std::string numberedPath(const std::string& folder,
                                        std::size_t number,
                                        const std::string& extension);
+/** The number of such a file name, of any number of digits; nothing for any other. */
+[[nodiscard]] std::optional<int> numberOfName(const std::string& name,
+                                              const std::string& extension);
 }  // namespace dyslam
