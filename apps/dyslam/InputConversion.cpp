@@ -66,9 +66,10 @@ void writeOrigin(const std::string& input, const std::string& program, const Con
 /** The first option in a message that only the converters have; empty if there is none. */
 std::string optionOfConverters(const std::string& message)
 {
-  constexpr std::array<const char*, 10> known{
-      "--topic",      "--imu-topic", "--odometry-topic", "--sensor", "--sensor-pose",
-      "--base-frame", "--dt",        "--output",         "--force",  "--input"};
+  constexpr std::array<const char*, 11> known{"--topic",      "--imu-topic",   "--odometry-topic",
+                                              "--sensor",     "--calibration", "--sensor-pose",
+                                              "--base-frame", "--dt",          "--output",
+                                              "--force",      "--input"};
   std::istringstream words(message);
   for (std::string word; words >> word;)
   {
@@ -155,8 +156,13 @@ void declareConversion(CLI::App& app, RecordingOptions& options)
   app.add_option("--odometry-topic", options.odometry_topic, "a bag's speed by the wheels")
       ->group(group);
   app.add_option("--sensor", options.sensor,
-                 "a pcap's lidar: VLP16 or HDL32E (default: from the packets); otherwise the "
-                 "scans' sensor label")
+                 "the Velodyne of packets: VLP16, VLP16HR, HDL32E, HDL64E, VLP32C or VLS128 (default: "
+                 "from the packets); "
+                 "otherwise the scans' sensor label")
+      ->group(group);
+  app.add_option("--calibration", options.calibration,
+                 "of packets (.pcap, bag): Velodyne's XML or YAML, or an Ouster's metadata (.json; "
+                 "default: those beside the .pcap or in the bag)")
       ->group(group);
   app.add_option("--sensor-pose", options.sensor_pose,
                  "pose of the lidar on the vehicle: 'x y z yaw pitch roll' [m, deg]")

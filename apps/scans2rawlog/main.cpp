@@ -34,8 +34,8 @@ void declare(CLI::App& app, Arguments& arguments)
 {
   ScanConverterOptions& o = arguments.options;
   app.description(
-      "Converts a folder of .bin, .pcd or .ply scans, a Velodyne .pcap, or a ROS bag (.bag, .db3, "
-      ".mcap) to an MRPT rawlog");
+      "Converts a folder of .bin, .pcd or .ply scans, a .pcap of a Velodyne or an Ouster, or a ROS "
+      "bag (.bag, .db3, .mcap) to an MRPT rawlog");
   app.add_option("-i,--input", arguments.input, "folder of scans or of a bag's parts, or file")
       ->required();
   CLI::Option* output = app.add_option("-o,--output", arguments.output, "rawlog to write");
@@ -43,8 +43,8 @@ void declare(CLI::App& app, Arguments& arguments)
   list->excludes(output);
   app.add_option(
       "--topic", o.topic,
-      "a bag's PointCloud2 or Livox topic (default: that with times or rings of the points, "
-      "then with the most bytes)");
+      "a bag's topic of clouds (PointCloud2, Livox) or packets (Velodyne, Ouster) (default: "
+      "clouds, those with times or rings of the points, then with the most bytes)");
   app.add_option("--truth-topic", o.truth_topic,
                  "a bag's true poses of the vehicle: PoseStamped, Odometry, TransformStamped, /tf");
   app.add_option("--truth-frame", o.truth_frame,
@@ -58,9 +58,12 @@ void declare(CLI::App& app, Arguments& arguments)
                  "a bag's speed by the wheels, written beside the scans: Odometry, TwistStamped, "
                  "TwistWithCovarianceStamped");
   app.add_option("--sensor", o.sensor,
-                 "a pcap's lidar: VLP16, HDL32E or HDL64E (default: from the packets); "
+                 "the Velodyne of packets: VLP16, VLP16HR, HDL32E, HDL64E, VLP32C or VLS128 (default: "
+                 "from the packets); "
                  "otherwise the scans' sensor label");
-  app.add_option("--calibration", o.calibration, "Velodyne's XML or YAML, for a pcap");
+  app.add_option("--calibration", o.calibration,
+                 "of packets (.pcap, bag): Velodyne's XML or YAML, or an Ouster's metadata (.json; "
+                 "default: those beside the .pcap or in the bag)");
   app.add_option("--poses", o.poses, "true poses of the lidar, TUM or KITTI, a line for each scan");
   declarePoseSource(app, o.pose_source, "where --poses or --truth-topic are from");
   app.add_option("--bin-layout", o.bin_layout,
@@ -80,7 +83,7 @@ void declare(CLI::App& app, Arguments& arguments)
                "times of a folder's scans: the number in the file name times --dt (default 0.1), "
                "where numbers have gaps");
   app.add_flag("--keep-partial", o.keep_partial,
-               "also a pcap's incomplete first and last revolutions");
+               "also the incomplete first and last revolutions of packets");
   declareRange(app, o, o.every_n);
   app.add_flag("--external-storage", o.external_storage, "clouds in separate files");
   app.add_flag("--force", arguments.force, "replace an earlier recording and its ground truth");

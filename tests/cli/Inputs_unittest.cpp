@@ -23,6 +23,7 @@
 #include "BagWriters.h"
 #include "RunProgram.h"
 #include "SyntheticCapture.h"
+#include "SyntheticOuster.h"
 
 namespace fs = std::filesystem;
 
@@ -451,6 +452,21 @@ TEST_F(Inputs, VelodyneCaptures)
   const std::string bytes = contentOf(at("out.rawlog"));
   (void)converted("scans2rawlog", "-i " + at("drive.pcapng"));
   EXPECT_EQ(bytes, contentOf(at("out.rawlog")));
+}
+
+TEST_F(Inputs, OusterCaptures)
+{
+  const SyntheticOuster lidar;
+  write("drive.pcap", lidar.capture(lidar.packetsOf(4), 512));
+  const Outcome without = run("scans2rawlog", "-i " + at("drive.pcap") + " -o " + at("none.rawlog"));
+  EXPECT_EQ(1, without.code);
+  EXPECT_NE(without.err.find("--calibration"), std::string::npos) << without.err;
+  write("drive.json", lidar.metadata(true));
+  const auto frames = converted("scans2rawlog", "-i " + at("drive.pcap"), {"drive.json"});
+  ASSERT_EQ(4U, frames.size());
+  EXPECT_NEAR(0.1, frames[1].scan.stamp - frames[0].scan.stamp, 1e-6);
+  EXPECT_EQ(frames[0].scan.size(), frames[0].scan.time.size());
+  EXPECT_EQ(frames[0].scan.size(), frames[0].scan.ring.size());
 }
 
 TEST_F(Inputs, KittiRaw)

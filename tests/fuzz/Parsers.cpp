@@ -5,6 +5,7 @@
 #include <dyslam/core/Error.h>
 #include <dyslam/core/Files.h>
 #include <dyslam/core/Frame.h>
+#include <dyslam/core/PendingFile.h>
 #include <dyslam/core/StateArchive.h>
 #include <dyslam/formats/Bag.h>
 #include <dyslam/formats/GroundTruth.h>
@@ -17,15 +18,17 @@
 #include <dyslam/formats/SustechFiles.h>
 #include <dyslam/formats/TrajectoryFiles.h>
 #include <dyslam/io/GraphFiles.h>
-#include <dyslam/io/PcapSource.h>
 #include <dyslam/io/RawlogSource.h>
+#include <dyslam/packets/OusterMetadata.h>
+#include <dyslam/packets/PcapSource.h>
+#include <dyslam/packets/VelodynePackets.h>
 
 #include <fstream>
 #include <map>
 #include <stdexcept>
 
 #include "StateFile.h"
-#include "VelodynePackets.h"
+#include "SyntheticOuster.h"
 
 namespace dyslam::fuzz
 {
@@ -48,6 +51,18 @@ void readRawlog(const std::string& path)
 void readCapture(const std::string& path)
 {
   PcapSource source(path);
+  while (source.next())
+  {
+  }
+}
+
+/** Ouster packets of the lidar of the seeds. */
+void readOusterCapture(const std::string& path)
+{
+  PcapSourceOptions options;
+  options.calibration_file = path + ".json";
+  writeWhole(options.calibration_file, SyntheticOuster().metadata(), Durable::no);
+  PcapSource source(path, options);
   while (source.next())
   {
   }
@@ -132,6 +147,9 @@ const std::vector<Parser>& parsers()
       {"pcapng", "a.pcapng", readCapture},
       {"calibration_yaml", "a.yaml", readCalibration},
       {"calibration_xml", "a.xml", readCalibration},
+      {"ouster_metadata", "a.json",
+       [](const std::string& path) { (void)parseOusterMetadata(readWhole(path), path); }},
+      {"ouster_pcap", "a.pcap", readOusterCapture},
       {"ros1_bag", "a.bag", readBag},
       {"sqlite_bag", "a.db3", readBag},
       {"mcap_bag", "a.mcap", readBag},

@@ -25,6 +25,7 @@
 #include "MrptBytes.h"
 #include "StateFile.h"
 #include "SyntheticCapture.h"
+#include "SyntheticOuster.h"
 
 namespace fs = std::filesystem;
 
@@ -263,5 +264,9 @@ int main(int argc, char** argv)
     ng += std::string("\0\x05\0\0", 4);
   }
   dyslam::write(folder / "pcapng/a", ng);
+  const dyslam::SyntheticOuster ouster;
+  dyslam::write(folder / "ouster_metadata/a", ouster.metadata());
+  dyslam::write(folder / "ouster_metadata/b", ouster.metadata(true));
+  dyslam::write(folder / "ouster_pcap/a", ouster.capture(ouster.packetsOf(3), 512));
   return 0;
 }

@@ -154,7 +154,7 @@ void addScanCells(const Bag& bag,
     cells.insert(cells.end(), {"-", option.empty() ? "-" : "-  <- for " + option});
     return;
   }
-  cells.push_back(std::to_string(scan->points));
+  cells.push_back(scan->packets ? "packets" : std::to_string(scan->points));
   cells.push_back((scan->frame.empty() ? "-" : scan->frame) +
                   (scan == scans.begin() ? "  <- taken without --topic" : ""));
 }

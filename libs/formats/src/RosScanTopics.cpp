@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/core/Angle.h>
 #include <dyslam/core/Error.h>
+#include <dyslam/formats/RosPackets.h>
 
 #include <algorithm>
 #include <cmath>
@@ -37,6 +38,29 @@ void forFirstMessages(Bag& bag, const std::vector<std::size_t>& topics, const Us
   {
     // The conversion reports the damage, if it is of the topic that is chosen.
   }
+}
+
+constexpr const char* ouster_frame = "os_sensor";
+constexpr std::size_t least_lidar_packet = 1000;  // [bytes]; those of an IMU are smaller
+
+/** Whether packets are of a lidar: those of its IMU come as messages of the same type. */
+bool areOfLidar(const BagTopic& topic, const BagMessage& message)
+{
+  const auto packets = decodeRosPackets(topic, message);
+  return packets.empty() || packets.front().bytes.size() >= least_lidar_packet;
+}
+
+RosScanTopic packetSummaryOf(const BagTopic& topic, const BagMessage& message)
+{
+  RosScanTopic summary;
+  summary.topic = message.topic;
+  summary.packets = true;
+  summary.bytes = static_cast<double>(message.data.size()) * static_cast<double>(topic.messages);
+  ByteReader reader = rosReader(topic, message);
+  summary.frame = packetMakerOf(topic) == PacketMaker::ouster
+                      ? ouster_frame
+                      : rosHeader(reader, topic.encoding).frame;
+  return summary;
 }
 
 /** "x y z yaw pitch roll" [m, deg]. */
@@ -123,6 +147,10 @@ std::string baseFrameOf(const RosTransforms& transforms, const std::string& fram
 
 std::string frameOfTopic(Bag& bag, std::size_t topic)
 {
+  if (packetMakerOf(bag.topics()[topic]) == PacketMaker::ouster)
+  {
+    return ouster_frame;
+  }
   std::string frame;
   forFirstMessages(bag, {topic},
                    [&](const BagMessage& message)
@@ -161,13 +189,16 @@ std::vector<RosScanTopic> scanTopics(Bag& bag)
   std::vector<RosScanTopic> found;
   for (std::size_t i = 0; i < bag.topics().size(); ++i)
   {
-    if (RosScanDecoder::reads(bag.topics()[i]) && bag.topics()[i].messages > 0)
+    const bool packets = packetMakerOf(bag.topics()[i]).has_value();
+    if ((packets || RosScanDecoder::reads(bag.topics()[i])) && bag.topics()[i].messages > 0)
     {
       topics.push_back(i);
       found.emplace_back();
       found.back().topic = i;
+      found.back().packets = packets;
     }
   }
+  std::set<std::size_t> of_others;
   forFirstMessages(bag, topics,
                    [&](const BagMessage& message)
                    {
@@ -175,15 +206,26 @@ std::vector<RosScanTopic> scanTopics(Bag& bag)
                      RosScanTopic& summary = found[static_cast<std::size_t>(at - topics.begin())];
                      try
                      {
-                       summary = RosScanDecoder::summaryOf(bag.topics()[message.topic], message);
+                       const BagTopic& topic = bag.topics()[message.topic];
+                       if (summary.packets && !areOfLidar(topic, message))
+                       {
+                         of_others.insert(message.topic);
+                         return;
+                       }
+                       summary = summary.packets ? packetSummaryOf(topic, message)
+                                                 : RosScanDecoder::summaryOf(topic, message);
                      }
                      catch (const UserError&)
                      {
                        // Scans that cannot be read are the last to be taken.
                      }
                    });
+  found.erase(
+      std::remove_if(found.begin(), found.end(),
+                     [&of_others](const RosScanTopic& t) { return of_others.count(t.topic) > 0; }),
+      found.end());
   const auto rank = [&bag](const RosScanTopic& t)
-  { return std::tuple(t.has_times_or_rings, t.bytes, bag.topics()[t.topic].messages); };
+  { return std::tuple(!t.packets, t.has_times_or_rings, t.bytes, bag.topics()[t.topic].messages); };
   std::stable_sort(found.begin(), found.end(),
                    [&rank](const auto& a, const auto& b) { return rank(a) > rank(b); });
   return found;

@@ -92,7 +92,9 @@ class SqliteBag : public Bag
       BagTopic topic;
       topic.name = topics.text(1);
       topic.type = plainRosType(topics.text(2));
-      topic.encoding = topics.text(3) == "cdr" ? RosEncoding::cdr : RosEncoding::other;
+      const auto encoding = topics.text(3);  // a bag that was reindexed has none
+      topic.encoding =
+          encoding == "cdr" || encoding.empty() ? RosEncoding::cdr : RosEncoding::other;
       ids_.push_back(topics.integer(0));
       topics_.push_back(topic);
     }

@@ -283,6 +283,34 @@ std::vector<CloudField> velodyneFields(const Scan& scan)
   return fields;
 }
 
+std::string velodyneScan(bool cdr,
+                         double stamp,
+                         const std::vector<std::pair<double, std::string>>& packets)
+{
+  MessageBytes message(cdr);
+  message.header(stamp, "velodyne").put(static_cast<std::uint32_t>(packets.size()));
+  for (const auto& [received, bytes] : packets)
+  {
+    message.put(static_cast<std::uint32_t>(nanoseconds(received) / 1000000000U));
+    message.put(static_cast<std::uint32_t>(nanoseconds(received) % 1000000000U));
+    for (const char byte : bytes)
+    {
+      message.put(byte);
+    }
+  }
+  return message.bytes();
+}
+
+std::string ousterPacketMessage(bool cdr, const std::string& packet)
+{
+  return MessageBytes(cdr).block(packet).bytes();
+}
+
+std::string stringMessage(bool cdr, const std::string& text)
+{
+  return MessageBytes(cdr).text(text).bytes();
+}
+
 std::string poseStamped(bool cdr, double stamp, const Pose& pose)
 {
   MessageBytes message(cdr);

@@ -7,6 +7,7 @@
 
 #include <cstdint>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace dyslam::test
@@ -57,6 +58,14 @@ struct CloudField
 /** x y z, `intensity`, `ring` (uint16) and `time` (float32, seconds from the stamp): as Velodyne's
  * driver. */
 [[nodiscard]] std::vector<CloudField> velodyneFields(const Scan& scan);
+/** velodyne_msgs/VelodyneScan of packets of 1206 bytes, each with its time of reception [s]. */
+[[nodiscard]] std::string velodyneScan(bool cdr,
+                                       double stamp,
+                                       const std::vector<std::pair<double, std::string>>& packets);
+/** ouster_sensor_msgs/PacketMsg. */
+[[nodiscard]] std::string ousterPacketMessage(bool cdr, const std::string& packet);
+/** std_msgs/String. */
+[[nodiscard]] std::string stringMessage(bool cdr, const std::string& text);
 /** geometry_msgs/PoseStamped. */
 [[nodiscard]] std::string poseStamped(bool cdr, double stamp, const Pose& pose);
 /** nav_msgs/Odometry of base_link. \param linear, angular of the twist [m/s], [rad/s] */

@@ -4,6 +4,7 @@
 #include <dyslam/core/Trajectory.h>
 #include <dyslam/formats/Bag.h>
 #include <dyslam/formats/RosMessages.h>
+#include <dyslam/formats/RosPackets.h>
 
 #include <map>
 #include <set>
@@ -11,6 +12,7 @@
 #include <utility>
 
 #include "BagMotion.h"
+#include "BagScans.h"
 #include "BagTopics.h"
 #include "HeldScans.h"
 #include "ScanSink.h"
@@ -31,7 +33,9 @@ void reportOtherTopics(const Bag& bag, const std::vector<RosScanTopic>& candidat
   {
     if (other.topic != taken.topic)
     {
-      std::string& names = other.has_times_or_rings == taken.has_times_or_rings ? likely : others;
+      const bool alike =
+          other.packets == taken.packets && other.has_times_or_rings == taken.has_times_or_rings;
+      std::string& names = alike ? likely : others;
       names += (names.empty() ? "" : ", ") + bag.topics()[other.topic].name;
     }
   }
@@ -51,7 +55,9 @@ std::size_t scanTopic(const std::string& input, Bag& bag, const std::string& ask
 {
   if (!asked.empty())
   {
-    return topicNamed(input, bag, "--topic", asked, RosScanDecoder::reads);
+    return topicNamed(input, bag, "--topic", asked,
+                      [](const BagTopic& topic)
+                      { return RosScanDecoder::reads(topic) || packetMakerOf(topic); });
   }
   const std::vector<RosScanTopic> candidates = scanTopics(bag);
   if (!candidates.empty())
@@ -59,12 +65,8 @@ std::size_t scanTopic(const std::string& input, Bag& bag, const std::string& ask
     reportOtherTopics(bag, candidates, sink);
     return candidates.front().topic;
   }
-  const std::string packets = namesOf(bag,
-                                      [](const BagTopic& topic)
-                                      {
-                                        return topic.type.find("Packet") != std::string::npos ||
-                                               topic.type == "velodyne_msgs/VelodyneScan";
-                                      });
+  const std::string packets = namesOf(
+      bag, [](const BagTopic& topic) { return topic.type.find("Packet") != std::string::npos; });
   throw UserError(input + ": has no sensor_msgs/PointCloud2" +
                   (packets.empty() ? "; --list shows the topics"
                                    : ", but packets (" + packets +
@@ -196,6 +198,7 @@ class BagReader
             ScanSink& sink)
       : bag_(bag),
         scans_(scans),
+        reader_(makeBagScans(input, bag, scans, options)),
         truth_(truth),
         sink_(sink),
         motion_(input, bag, frames, options, sink),
@@ -211,6 +214,7 @@ class BagReader
     while (takeNext() && held_.passOn(message_.recorded))
     {
     }
+    hold(reader_->finish());
     held_.passOnAll();
   }
 
@@ -225,11 +229,11 @@ class BagReader
            << held_.withoutPose() << " scans";
       sink_.warn(text.str());
     }
-    for (const std::string& note : decoder_.notes())
+    for (const std::string& note : reader_->notes())
     {
       sink_.note(note);
     }
-    for (const std::string& warning : decoder_.warnings())
+    for (const std::string& warning : reader_->warnings())
     {
       sink_.warn(warning);
     }
@@ -250,6 +254,7 @@ class BagReader
     }
     catch (const UserError&)
     {
+      hold(reader_->finish());
       held_.passOnAll();
       throw;
     }
@@ -262,24 +267,32 @@ class BagReader
       motion_.add(message_);
       return;
     }
-    HeldScans::Entry entry;
-    entry.scan = decoder_.decode(bag_.topics()[scans_], message_);
-    if (const auto T_world_vehicle = poseAt(truth_, entry.scan.stamp))
+    hold(reader_->add(message_));
+  }
+
+  void hold(std::vector<Scan> scans)
+  {
+    for (Scan& scan : scans)
     {
-      entry.T_world_lidar = *T_world_vehicle * sink_.T_vehicle_lidar();
+      HeldScans::Entry entry;
+      entry.scan = std::move(scan);
+      if (const auto T_world_vehicle = poseAt(truth_, entry.scan.stamp))
+      {
+        entry.T_world_lidar = *T_world_vehicle * sink_.T_vehicle_lidar();
+      }
+      entry.recorded = message_.recorded;
+      entry.progress = bag_.progress();
+      held_.hold(std::move(entry));
     }
-    entry.recorded = message_.recorded;
-    entry.progress = bag_.progress();
-    held_.hold(std::move(entry));
   }
 
   Bag& bag_;
   std::size_t scans_;  //!< topic
+  std::unique_ptr<BagScans> reader_;
   const Trajectory& truth_;
   ScanSink& sink_;
   BagMotion motion_;
   HeldScans held_;
-  RosScanDecoder decoder_;
   BagMessage message_;
 };
 }  // namespace

@@ -3,6 +3,7 @@
 
 #include <dyslam/core/Error.h>
 #include <dyslam/mrpt/Conversions.h>
+#include <dyslam/packets/VelodynePackets.h>
 #include <mrpt/maps/CSimplePointsMap.h>
 #include <mrpt/obs/CObservation3DRangeScan.h>
 #include <mrpt/obs/CObservationPointCloud.h>
@@ -12,10 +13,11 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
+#include <stdexcept>
+#include <string>
 #include <vector>
 
 #include "ExternalScans.h"
-#include "VelodynePackets.h"
 
 namespace dyslam
 {
@@ -54,11 +56,18 @@ Scan fromVelodyne(CObservationVelodyneScan& observation)
     return scan;
   }
   static_assert(sizeof(CObservationVelodyneScan::TVelodyneRawPacket) == velodyne_packet_size);
-  const VelodyneDecoder decoder(observation.calibration, observation.minRange,
-                                observation.maxRange);
   const auto view = [&observation](std::size_t i) {
     return VelodynePacketView{reinterpret_cast<const std::uint8_t*>(&observation.scan_packets[i])};
   };
+  const std::size_t lasers = observation.calibration.laser_corrections.size();
+  const auto model = velodyneModelOf(lasers, view(0).modelByte());
+  if (!model)
+  {
+    throw std::invalid_argument("a calibration of " + std::to_string(lasers) +
+                                " lasers, which no Velodyne has");
+  }
+  const VelodyneDecoder decoder(*model, observation.calibration, observation.minRange,
+                                observation.maxRange);
   Scan scan;
   for (std::size_t i = 0; i < observation.scan_packets.size(); ++i)
   {
@@ -132,7 +141,8 @@ Scan fromRotatingScan(const CObservationRotatingScan& observation)
   // The lasers of one column fire one after the other while the head turns on.
   const double rate =
       observation.sweepDuration > 0 ? observation.azimuthSpan / observation.sweepDuration : 0;
-  const double laser_time = sense < 0 ? laserPeriod(lasers.size()) : 0;
+  const auto velodyne = velodyneModelOf(lasers.size(), 0);
+  const double laser_time = sense < 0 && velodyne ? traitsOf(*velodyne).shot_time : 0;
   Scan scan;
   for (Eigen::Index column = 0; column < columns; ++column)
   {

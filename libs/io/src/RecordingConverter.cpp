@@ -107,6 +107,7 @@ std::string RecordingOptions::givenFlag() const
          : !imu_topic.empty()      ? "--imu-topic"
          : !odometry_topic.empty() ? "--odometry-topic"
          : !sensor.empty()         ? "--sensor"
+         : !calibration.empty()    ? "--calibration"
          : !sensor_pose.empty()    ? "--sensor-pose"
          : !base_frame.empty()     ? "--base-frame"
          : dt > 0                  ? "--dt"
@@ -148,6 +149,7 @@ ConversionResult RecordingConverter::convert(const std::string& output,
     requireNone("--odometry-topic", options.odometry_topic, "a bag");
     requireNone("--base-frame", options.base_frame, "a bag");
     requireNone("--sensor", options.sensor, "a .pcap, a bag or a folder of scans");
+    requireNone("--calibration", options.calibration, "the packets of a .pcap or a bag");
     KittiConverterOptions of_kitti;
     of_kitti.kind = *kitti;
     of_kitti.sensor_pose = options.sensor_pose;
@@ -159,6 +161,7 @@ ConversionResult RecordingConverter::convert(const std::string& output,
   of_scans.imu_topic = options.imu_topic;
   of_scans.odometry_topic = options.odometry_topic;
   of_scans.sensor = options.sensor;
+  of_scans.calibration = options.calibration;
   of_scans.sensor_pose = options.sensor_pose;
   of_scans.base_frame = options.base_frame;
   of_scans.dt = options.dt;

@@ -8,7 +8,7 @@
 #include <dyslam/formats/ScanFiles.h>
 #include <dyslam/formats/TrajectoryFiles.h>
 #include <dyslam/io/Converters.h>
-#include <dyslam/io/PcapSource.h>
+#include <dyslam/packets/PcapSource.h>
 
 #include <algorithm>
 #include <array>
@@ -17,6 +17,7 @@
 #include <sstream>
 #include <utility>
 
+#include "BagScans.h"
 #include "NameStamps.h"
 #include "ScanSink.h"
 
@@ -233,39 +234,17 @@ void convertFolder(const std::string& input,
   }
 }
 
-VelodyneModel modelOf(const std::string& sensor)
-{
-  struct Named
-  {
-    const char* name;
-    VelodyneModel model;
-  };
-  constexpr std::array<Named, 8> names{{{"", VelodyneModel::automatic},
-                                        {"auto", VelodyneModel::automatic},
-                                        {"VLP16", VelodyneModel::vlp16},
-                                        {"VLP-16", VelodyneModel::vlp16},
-                                        {"HDL32E", VelodyneModel::hdl32e},
-                                        {"HDL-32E", VelodyneModel::hdl32e},
-                                        {"HDL64E", VelodyneModel::hdl64e},
-                                        {"HDL-64E", VelodyneModel::hdl64e}}};
-  for (const Named& named : names)
-  {
-    if (sensor == named.name)
-    {
-      return named.model;
-    }
-  }
-  throw UserError("--sensor " + sensor + ": captures of this lidar cannot be read; use VLP16, " +
-                  "HDL32E or HDL64E");
-}
-
 void convertPcap(const std::string& input, ScanSink& sink, const ScanConverterOptions& options)
 {
   PcapSourceOptions source_options;
-  source_options.model = modelOf(options.sensor);
+  source_options.model = givenVelodyneModel(options.sensor);
   source_options.calibration_file = options.calibration;
   source_options.keep_partial = options.keep_partial;
   PcapSource source(input, source_options);
+  for (const std::string& note : source.notes())
+  {
+    sink.note(note);
+  }
   while (auto scan = source.next())
   {
     if (!sink.put(std::move(*scan), true, std::nullopt, source.progress()))
@@ -325,8 +304,6 @@ void requireFitting(InputKind kind, const ScanConverterOptions& options)
         Use{"--poses", !options.poses.empty(), InputKind::folder, "a folder of scans"},
         Use{"--times", !options.times.empty(), InputKind::folder, "a folder of scans"},
         Use{"--by-number", options.by_number, InputKind::folder, "a folder of scans"},
-        Use{"--calibration", !options.calibration.empty(), InputKind::pcap, "a .pcap"},
-        Use{"--keep-partial", options.keep_partial, InputKind::pcap, "a .pcap"},
         Use{"--topic", !options.topic.empty(), InputKind::bag, "a bag"},
         Use{"--truth-topic", !options.truth_topic.empty(), InputKind::bag, "a bag"},
         Use{"--truth-frame", !options.truth_frame.empty(), InputKind::bag, "a bag"},
@@ -339,6 +316,11 @@ void requireFitting(InputKind kind, const ScanConverterOptions& options)
     {
       throw UserError(std::string(use.flag) + " works with " + use.with + " only");
     }
+  }
+  if (kind == InputKind::folder && (options.keep_partial || !options.calibration.empty()))
+  {
+    throw UserError(std::string(options.keep_partial ? "--keep-partial" : "--calibration") +
+                    " works with the packets of a .pcap or a bag only");
   }
   if (kind == InputKind::bag && options.dt > 0)
   {
@@ -377,8 +359,10 @@ void requireFitting(InputKind kind, const ScanConverterOptions& options)
 void ScanConverterOptions::describe(OptionsVisitor& visitor)
 {
   visitor.text("sensor", sensor,
-               "model of a pcap's lidar, VLP16, HDL32E or HDL64E; else the scans' label");
-  visitor.text("calibration", calibration, "Velodyne XML or YAML calibration file for a pcap");
+               "model of the Velodyne of packets, VLP16, VLP16HR, HDL32E, HDL64E, VLP32C or VLS128; else "
+               "the scans' label");
+  visitor.text("calibration", calibration,
+               "for packets: Velodyne XML or YAML calibration, or metadata of an Ouster (.json)");
   visitor.text("poses", poses, "file of TUM or KITTI poses of the lidar, a line for each scan");
   visitor.text("times", times, "file of times, a line for each scan of a folder");
   visitor.text("topic", topic, "topic of a bag's scans; empty: the most likely lidar");

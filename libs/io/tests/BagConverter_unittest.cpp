@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/core/Error.h>
+#include <dyslam/formats/Bag.h>
 #include <dyslam/formats/GroundTruth.h>
 #include <dyslam/io/Converters.h>
 #include <dyslam/io/RawlogSource.h>
 #include <gtest/gtest.h>
 
 #include "BagWriters.h"
+#include "SyntheticOuster.h"
 #include "SyntheticScans.h"
 #include "TestFolder.h"
 
@@ -202,11 +204,158 @@ TEST(BagConverter, Errors)
   options.skip_first_n = 100;
   EXPECT_TRUE(contains(message("x.bag"), "--skip-first-n leaves none"));
   options = {};
-  test::writeRos1Bag(folder.file("y.bag"), {{"/packets", "velodyne_msgs/VelodyneScan", 1, "x"}});
+  test::writeRos1Bag(folder.file("y.bag"), {{"/packets", "hesai_ros/PacketMsg", 1, "x"}});
   EXPECT_TRUE(contains(message("y.bag"), "packets (/packets)"));
+  test::writeRos1Bag(folder.file("y.bag"), {{"/packets", "velodyne_msgs/VelodyneScan", 1, "x"}});
+  EXPECT_TRUE(contains(message("y.bag"), "y.bag: message at byte"));
   test::writeRos1Bag(folder.file("y.bag"), {{"/text", "std_msgs/String", 1, "x"}});
   EXPECT_TRUE(contains(message("y.bag"), "--list"));
   EXPECT_FALSE(std::filesystem::exists(folder.file("x.rawlog")));
   EXPECT_FALSE(std::filesystem::exists(folder.file("x.rawlog.tmp")));
+}
+
+namespace
+{
+/** Velodyne's packets as its driver collects them: those of a turn in one message. */
+std::vector<test::TestMessage> velodyneMessages(bool cdr)
+{
+  constexpr double packet_time = 12 * 2 * 55.296e-6;
+  constexpr std::size_t packets_in_message = 76;
+  std::vector<test::TestMessage> messages;
+  for (std::size_t n = 0; n < 5; ++n)
+  {
+    std::vector<std::pair<double, std::string>> packets;
+    for (std::size_t i = n * packets_in_message; i < (n + 1) * packets_in_message; ++i)
+    {
+      const double time = static_cast<double>(i) * packet_time;
+      packets.emplace_back(1000 + time, velodynePacket(time));
+    }
+    const double stamp = packets.back().first;
+    messages.push_back({"/velodyne_packets", "velodyne_msgs/VelodyneScan", stamp,
+                        test::velodyneScan(cdr, stamp, packets)});
+  }
+  return messages;
+}
+
+/** Packets of an Ouster and of its IMU, and two kinds of metadata. */
+std::vector<test::TestMessage> ousterMessages(bool cdr)
+{
+  const SyntheticOuster lidar;
+  SyntheticOuster other;
+  other.profile = "LEGACY";
+  std::vector<test::TestMessage> messages{
+      {"/rear/metadata", "std_msgs/String", 999, test::stringMessage(cdr, other.metadata())},
+      {"/front/metadata", "std_msgs/String", 999, test::stringMessage(cdr, lidar.metadata())}};
+  double time = 1000;
+  for (const std::string& packet : lidar.packetsOf(4))
+  {
+    messages.push_back({"/front/lidar_packets", "ouster_sensor_msgs/PacketMsg", time,
+                        test::ousterPacketMessage(cdr, packet)});
+    messages.push_back({"/front/imu_packets", "ouster_sensor_msgs/PacketMsg", time,
+                        test::ousterPacketMessage(cdr, std::string(48, 'i'))});
+    time += SyntheticOuster::turn / SyntheticOuster::packets;
+  }
+  return messages;
+}
+
+struct Converted
+{
+  ConversionResult result;
+  std::vector<Frame> frames;
+};
+
+Converted convertedBag(const TestFolder& folder,
+                       const std::string& bag,
+                       const ScanConverterOptions& options = {})
+{
+  Converted converted;
+  converted.result = convertScans(bag, folder.file("x.rawlog"), options);
+  RawlogSource source(folder.file("x.rawlog"));
+  while (auto frame = source.next())
+  {
+    converted.frames.push_back(std::move(*frame));
+  }
+  return converted;
+}
+
+bool hasNote(const Converted& converted, const std::string& text)
+{
+  const auto& notes = converted.result.notes;
+  return std::any_of(notes.begin(), notes.end(),
+                     [&text](const std::string& note) { return contains(note, text); });
+}
+}  // namespace
+
+TEST(BagConverter, VelodynePackets)
+{
+  for (const char* name : {"a.bag", "a.mcap"})
+  {
+    const TestFolder folder;
+    const std::string bag = folder.file(name);
+    test::writeBag(bag, velodyneMessages(test::holdsCdr(bag)));
+    const Converted converted = convertedBag(folder, bag);
+    EXPECT_TRUE(hasNote(converted, "packets of a VLP16")) << name;
+    // 5.04 turns from straight ahead, cut behind: four whole ones.
+    ASSERT_EQ(4U, converted.frames.size()) << name;
+    for (const Frame& frame : converted.frames)
+    {
+      EXPECT_NEAR(10, frame.scan.points.at(0).norm(), 1e-3);
+      EXPECT_EQ(frame.scan.size(), frame.scan.ring.size());
+      EXPECT_EQ(frame.scan.size(), frame.scan.time.size());
+    }
+    EXPECT_NEAR(1000.05, converted.frames[0].scan.stamp, 0.002);
+    EXPECT_NEAR(0.1, converted.frames[1].scan.stamp - converted.frames[0].scan.stamp, 0.002);
+    ScanConverterOptions options;
+    options.keep_partial = true;
+    EXPECT_EQ(6U, convertedBag(folder, bag, options).frames.size()) << name;
+  }
+}
+
+TEST(BagConverter, OusterPackets)
+{
+  for (const char* name : {"a.bag", "a.db3"})
+  {
+    const TestFolder folder;
+    const std::string bag = folder.file(name);
+    const auto messages = ousterMessages(test::holdsCdr(bag));
+    test::writeBag(bag, messages);
+    const Converted converted = convertedBag(folder, bag);
+    EXPECT_TRUE(hasNote(converted, "scans: /front/lidar_packets")) << name;
+    EXPECT_TRUE(hasNote(converted, "metadata of the lidar: /front/metadata")) << name;
+    EXPECT_TRUE(converted.result.warnings.empty()) << converted.result.warnings.front();
+    ASSERT_EQ(4U, converted.frames.size()) << name;
+    EXPECT_EQ(240U, converted.frames[0].scan.size());
+    EXPECT_NEAR(1000.1, converted.frames[1].scan.stamp, 1e-6);
+    EXPECT_TRUE(contains(listingOf(*openBag(bag)), "packets  os_sensor  <- taken without --topic"));
+
+    test::writeBag(bag, {messages.begin() + 2, messages.end()});
+    EXPECT_TRUE(contains(messageOfError<UserError>([&] { (void)convertedBag(folder, bag); }),
+                         "has no metadata of this Ouster lidar"));
+    ScanConverterOptions options;
+    options.calibration = folder.write("m.json", SyntheticOuster().metadata(true));
+    EXPECT_EQ(4U, convertedBag(folder, bag, options).frames.size()) << name;
+  }
+}
+
+TEST(BagConverter, CloudsComeBeforePackets)
+{
+  const TestFolder folder;
+  auto messages = velodyneMessages(false);
+  const Scan scan = scanWithTimes(0);
+  messages.push_back({"/velodyne_points", "sensor_msgs/PointCloud2", 1001,
+                      test::pointCloud2(false, 1001, test::velodyneFields(scan))});
+  test::writeBag(folder.file("a.bag"), messages);
+  const Converted clouds = convertedBag(folder, folder.file("a.bag"));
+  ASSERT_EQ(1U, clouds.frames.size());
+  EXPECT_TRUE(clouds.result.warnings.empty());
+  EXPECT_TRUE(hasNote(clouds, "--topic chooses other scans: /velodyne_packets"));
+  ScanConverterOptions options;
+  options.topic = "/velodyne_packets";
+  EXPECT_EQ(4U, convertedBag(folder, folder.file("a.bag"), options).frames.size());
+  options.topic = "/velodyne_points";
+  options.keep_partial = true;
+  EXPECT_TRUE(contains(
+      messageOfError<UserError>([&] { (void)convertedBag(folder, folder.file("a.bag"), options); }),
+      "--keep-partial works with packets only"));
 }
 }  // namespace dyslam

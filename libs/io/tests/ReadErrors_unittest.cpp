@@ -7,7 +7,7 @@
 #include <dyslam/formats/ScanFiles.h>
 #include <dyslam/formats/TrajectoryFiles.h>
 #include <dyslam/io/GraphFiles.h>
-#include <dyslam/io/PcapSource.h>
+#include <dyslam/packets/PcapSource.h>
 #include <gtest/gtest.h>
 
 #include <functional>

@@ -428,7 +428,7 @@ TEST(ScanConverter, Errors)
   EXPECT_TRUE(contains(message(folder.file("in")), "has no .bin"));
   EXPECT_TRUE(contains(message(folder.write("a.bin", "")), "single scan"));
   EXPECT_TRUE(contains(message(folder.write("a.pcap", "nonsense")), "not a network capture"));
-  options.sensor = "VLS128";
-  EXPECT_TRUE(contains(message(folder.file("a.pcap")), "VLS128"));
+  options.sensor = "VLP99";
+  EXPECT_TRUE(contains(message(folder.file("a.pcap")), "--sensor VLP99"));
 }
 }  // namespace dyslam

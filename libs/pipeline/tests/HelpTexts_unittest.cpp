@@ -6,9 +6,9 @@
 #include <dyslam/backend/RunMerger.h>
 #include <dyslam/io/Converters.h>
 #include <dyslam/io/KittiExport.h>
-#include <dyslam/io/PcapSource.h>
 #include <dyslam/io/RawlogWriter.h>
 #include <dyslam/mapexport/MapExport.h>
+#include <dyslam/packets/PcapSource.h>
 #include <dyslam/pipeline/SlamRun.h>
 #include <dyslam/tracking/DetectionNoise.h>
 #include <gtest/gtest.h>

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <string>
 #include <string_view>
@@ -13,6 +14,17 @@ namespace dyslam
 
 /** With small ASCII letters for capitals. */
 [[nodiscard]] std::string lowered(std::string text);
+
+/** Number of characters that both begin with. */
+[[nodiscard]] inline std::size_t commonPrefix(std::string_view a, std::string_view b)
+{
+  std::size_t length = 0;
+  while (length < std::min(a.size(), b.size()) && a[length] == b[length])
+  {
+    ++length;
+  }
+  return length;
+}
 
 /** For messages: "1 pose", "2 poses". */
 [[nodiscard]] inline std::string counted(std::size_t count, const std::string& noun)

@@ -24,6 +24,7 @@ struct RosScanTopic
   std::size_t points = 0;           //!< of the first scan, with those that have no return
   double bytes = 0;                 //!< of all scans, if they are as large as the first
   bool has_times_or_rings = false;  //!< as a lidar's points have, but not a depth camera's
+  bool packets = false;             //!< data packets (RosPackets.h): `points` is unknown, 0
 };
 
 /** Makes scans of `sensor_msgs/PointCloud2` and Livox's `CustomMsg`, ROS 1 or ROS 2.
@@ -73,8 +74,8 @@ class RosScanDecoder
   bool first_ = true;
 };
 
-/** Topics of scans that have messages, the most likely lidar first: by times or rings of the
- * points, then bytes, then messages. Reads the bag up to the first message of each. */
+/** Topics of scans that have messages, the most likely lidar first: clouds before packets, then by
+ * times or rings of the points, bytes, messages. Reads the bag up to the first message of each. */
 [[nodiscard]] std::vector<RosScanTopic> scanTopics(Bag& bag);
 /** A line for each frame of the scans that `/tf_static` places in base_link, or in the root of its
  * transforms: "--sensor-pose 'x y z yaw pitch roll'  (frame in parent, /tf_static)" [m, deg]. */
@@ -110,8 +111,9 @@ using RosTransforms = std::map<std::string, RosPose>;  //!< by child frame
 /** The frame in which the transforms place another one: base_link if that is among its parents,
  * else the last of them; empty if it has none. */
 [[nodiscard]] std::string baseFrameOf(const RosTransforms& transforms, const std::string& frame);
-/** Frame of the header of a topic's first message; empty if there is none.
- * \pre its messages begin with a header. */
+/** Frame of the header of a topic's first message, empty if there is none; "os_sensor", in which
+ * their points are, of Ouster's packets.
+ * \pre its messages begin with a header, or are such packets. */
 [[nodiscard]] std::string frameOfTopic(Bag& bag, std::size_t topic);
 
 /** A sample of an IMU, in the sensor's axes. */

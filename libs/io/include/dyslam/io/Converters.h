@@ -95,9 +95,11 @@ ConversionResult convertKitti(const std::string& input,
 
 struct ScanConverterOptions : Options, ScanRange
 {
-  std::string sensor;       //!< VLP16, HDL32E or HDL64E for a pcap; label of the scans otherwise
-  std::string calibration;  //!< Velodyne XML or YAML for a pcap
-  std::string poses;        //!< TUM or KITTI file of the lidar, for folders
+  std::string sensor;  //!< for packets the VelodyneModel by name, VLP16; else the scans' label
+  /** For packets: Velodyne XML or YAML, or the metadata of an Ouster (.json); empty: the model's
+   * default, or the metadata beside the capture or in the bag. */
+  std::string calibration;
+  std::string poses;  //!< TUM or KITTI file of the lidar, for folders
   std::string times;  //!< file of times [s] or KITTI time stamps for a folder, a line for each scan
   std::string topic;  //!< of a bag's scans; empty: the one with the most
   std::string truth_topic;  //!< of a bag's true poses of the vehicle; empty: none

@@ -15,6 +15,7 @@ struct RecordingOptions
   std::string imu_topic;       //!< as in ScanConverterOptions, of a bag
   std::string odometry_topic;  //!< as in ScanConverterOptions, of a bag
   std::string sensor;          //!< as in ScanConverterOptions, not of KITTI
+  std::string calibration;     //!< as in ScanConverterOptions, not of KITTI
   std::string sensor_pose;     //!< T_vehicle_lidar: x y z yaw pitch roll [m, deg]; empty: identity
   std::string base_frame;      //!< as in ScanConverterOptions, of a bag
   double dt = 0;               //!< seconds between scans; 0: the recording's times

@@ -2,6 +2,7 @@
 #include <dyslam/core/Angle.h>
 #include <dyslam/core/Error.h>
 #include <dyslam/formats/TextFile.h>
+#include <dyslam/packets/VelodyneModels.h>
 
 #include <algorithm>
 #include <charconv>
@@ -10,8 +11,6 @@
 #include <set>
 #include <sstream>
 #include <string_view>
-
-#include "VelodynePackets.h"
 
 namespace dyslam
 {

@@ -2,12 +2,11 @@
 #pragma once
 
 #include <dyslam/core/Scan.h>
-#include <mrpt/obs/VelodyneCalibration.h>
+#include <dyslam/packets/VelodyneModels.h>
 
-#include <array>
 #include <cstddef>
 #include <cstdint>
-#include <string>
+#include <optional>
 #include <vector>
 
 namespace dyslam
@@ -39,8 +38,18 @@ struct VelodynePacketView
   [[nodiscard]] std::uint8_t returnMode() const { return bytes[1204]; }
   [[nodiscard]] std::uint8_t modelByte() const { return bytes[1205]; }
 
-  static constexpr std::uint16_t upper_bank = 0xeeff;
-  static constexpr std::uint16_t lower_bank = 0xddff;
+  /** Which 32 lasers a block is of, by its header: 0 for the first, nothing for no block of data.
+   */
+  [[nodiscard]] std::optional<std::size_t> bank(std::size_t block) const
+  {
+    const std::uint16_t mark = header(block);
+    return mark == 0xeeff   ? std::optional<std::size_t>(0)
+           : mark == 0xddff ? std::optional<std::size_t>(1)
+           : mark == 0xccff ? std::optional<std::size_t>(2)
+           : mark == 0xbbff ? std::optional<std::size_t>(3)
+                            : std::nullopt;
+  }
+
   static constexpr std::uint8_t dual_return = 0x39;
 
  private:
@@ -53,29 +62,19 @@ struct VelodynePacketView
 /** Microseconds from one packet's clock to a later one's, over the turn of the hour. */
 [[nodiscard]] double microsecondsBetween(std::uint32_t from, std::uint32_t to);
 
-/** Ring of each laser: its rank by vertical angle, the lowest beam is 0. */
-[[nodiscard]] std::vector<std::uint16_t> ringsOf(const mrpt::obs::VelodyneCalibration& calibration);
-
-/** Seconds from one laser's shot to the next one's; 0 for models where it is not known. */
-[[nodiscard]] double laserPeriod(std::size_t lasers);
-
-/** Reads a maker's XML, or the YAML that ROS drivers use. \throws UserError if it is neither or is
- * not of `lasers` lasers. */
-[[nodiscard]] mrpt::obs::VelodyneCalibration readVelodyneCalibration(const std::string& path,
-                                                                     std::size_t lasers);
-
-/** Turns packets of VLP-16 (16 lasers), HDL-32E (32) and HDL-64E (64) into points.
+/** Turns packets into points.
  *
  * MRPT's own CObservationVelodyneScan::generatePointCloud() reads only 16 of each block's 32
  * returns, so half of every scan would be lost. Geometry and firing times after the makers' user
- * manuals; the azimuth moves on within a block. HDL-64E firing times are evenly spread, which is
- * within 0.05 ms of the real pattern.
+ * manuals; the azimuth moves on within a block.
  */
 class VelodyneDecoder
 {
  public:
-  /** \throws std::invalid_argument for calibrations of other than 16, 32 or 64 lasers. */
-  VelodyneDecoder(const mrpt::obs::VelodyneCalibration& calibration,
+  /** \throws std::invalid_argument for a calibration of another number of lasers than the model's.
+   */
+  VelodyneDecoder(VelodyneModel model,
+                  const mrpt::obs::VelodyneCalibration& calibration,
                   double min_range,
                   double max_range);
 
@@ -87,8 +86,6 @@ class VelodyneDecoder
                    double time,
                    Scan& scan) const;
 
-  [[nodiscard]] std::size_t lasers() const { return lasers_.size(); }
-
  private:
   struct Laser
   {
@@ -96,9 +93,14 @@ class VelodyneDecoder
         horizontal_offset;
     std::uint16_t ring;
   };
+  [[nodiscard]] bool isDual(const VelodynePacketView& packet) const;
+  [[nodiscard]] std::size_t blocksOfFiring(bool dual) const;
+  [[nodiscard]] double shotOffset(std::size_t laser, std::size_t place) const;
   [[nodiscard]] double azimuthStep(const VelodynePacketView& packet, bool dual) const;
   [[nodiscard]] Eigen::Vector3f point(const Laser& laser, double range, double azimuth) const;
 
+  VelodyneModel model_;
+  VelodyneTraits traits_;
   std::vector<Laser> lasers_;
   double min_range_;
   double max_range_;

@@ -1,25 +1,18 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "VelodynePackets.h"
 
 #include <dyslam/core/Quantile.h>
+#include <dyslam/packets/VelodynePackets.h>
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 #include <stdexcept>
 
 namespace dyslam
 {
 namespace
 {
-constexpr double range_unit = 0.002;                 // [m]
-constexpr double azimuth_unit = M_PI / 18000;        // [rad]
-constexpr double vlp16_firing_time = 55.296e-6;      // [s], a sixteen and its recharge
-constexpr double vlp16_laser_time = 2.304e-6;        // [s]
-constexpr double hdl32_block_time = 46.08e-6;        // [s]
-constexpr double hdl32_laser_time = 1.152e-6;        // [s]
-constexpr double hdl64_firing_time = 48.0e-6;        // [s], both banks
-constexpr double hdl64_laser_time = 48.0e-6 / 32.0;  // [s], spread evenly
+constexpr std::size_t returns_in_block = 32;
+constexpr double azimuth_unit = M_PI / 18000;  // [rad]
 }  // namespace
 
 double microsecondsBetween(std::uint32_t from, std::uint32_t to)
@@ -33,40 +26,17 @@ double microsecondsBetween(std::uint32_t from, std::uint32_t to)
   return difference;
 }
 
-double laserPeriod(std::size_t lasers)
-{
-  return lasers == 16   ? vlp16_laser_time
-         : lasers == 32 ? hdl32_laser_time
-         : lasers == 64 ? hdl64_laser_time
-                        : 0;
-}
-
-std::vector<std::uint16_t> ringsOf(const mrpt::obs::VelodyneCalibration& calibration)
-{
-  const auto& lasers = calibration.laser_corrections;
-  std::vector<std::size_t> order(lasers.size());
-  std::iota(order.begin(), order.end(), std::size_t{0});
-  std::stable_sort(order.begin(), order.end(),
-                   [&lasers](std::size_t a, std::size_t b)
-                   { return lasers[a].verticalCorrection < lasers[b].verticalCorrection; });
-  std::vector<std::uint16_t> rings(lasers.size());
-  for (std::size_t rank = 0; rank < order.size(); ++rank)
-  {
-    rings[order[rank]] = static_cast<std::uint16_t>(rank);
-  }
-  return rings;
-}
-
-VelodyneDecoder::VelodyneDecoder(const mrpt::obs::VelodyneCalibration& calibration,
+VelodyneDecoder::VelodyneDecoder(VelodyneModel model,
+                                 const mrpt::obs::VelodyneCalibration& calibration,
                                  double min_range,
                                  double max_range)
-    : min_range_(min_range), max_range_(max_range)
+    : model_(model), traits_(traitsOf(model)), min_range_(min_range), max_range_(max_range)
 {
   const auto& corrections = calibration.laser_corrections;
-  if (corrections.size() != 16 && corrections.size() != 32 && corrections.size() != 64)
+  if (corrections.size() != traits_.lasers)
   {
     throw std::invalid_argument("a calibration of " + std::to_string(corrections.size()) +
-                                " lasers; only those of 16, 32 and 64 are known");
+                                " lasers for a " + traits_.name);
   }
   const auto rings = ringsOf(calibration);
   for (std::size_t i = 0; i < corrections.size(); ++i)
@@ -79,17 +49,27 @@ VelodyneDecoder::VelodyneDecoder(const mrpt::obs::VelodyneCalibration& calibrati
   }
 }
 
+bool VelodyneDecoder::isDual(const VelodynePacketView& packet) const
+{
+  return packet.returnMode() == VelodynePacketView::dual_return && model_ != VelodyneModel::hdl64e;
+}
+
+std::size_t VelodyneDecoder::blocksOfFiring(bool dual) const
+{
+  return std::max<std::size_t>(1, traits_.lasers / returns_in_block) * (dual ? 2 : 1);
+}
+
 double VelodyneDecoder::azimuthStep(const VelodynePacketView& packet, bool dual) const
 {
-  // From one firing block to the next; both blocks of a dual return and both banks of an HDL-64E
-  // have the same azimuth. The median is robust to a sector that is left out.
-  const std::size_t stride = dual || lasers() == 64 ? 2 : 1;
+  // From one firing to the next; all blocks of a firing have the same azimuth. The median is robust
+  // to a sector that is left out.
+  const std::size_t stride = blocksOfFiring(dual);
   std::vector<int> steps;
   for (std::size_t block = 0; block + stride < velodyne_blocks; block += stride)
   {
     steps.push_back((36000 + packet.azimuth(block + stride) - packet.azimuth(block)) % 36000);
   }
-  return upperMedian(steps);
+  return steps.empty() ? 0 : upperMedian(steps);
 }
 
 Eigen::Vector3f VelodyneDecoder::point(const Laser& laser, double range, double azimuth) const
@@ -105,24 +85,39 @@ Eigen::Vector3f VelodyneDecoder::point(const Laser& laser, double range, double 
   return Eigen::Vector3d(ahead, -right, up).cast<float>();
 }
 
+/** When a laser shoots, after the first of its firing [s]. \param place of its return in the block
+ */
+double VelodyneDecoder::shotOffset(std::size_t laser, std::size_t place) const
+{
+  // Half way through its firing a VLS-128 pauses for a shot; of an HDL-64E both banks shoot at
+  // once.
+  const std::size_t shot = model_ == VelodyneModel::vls128 ? laser / traits_.at_a_time + laser / 64
+                           : model_ == VelodyneModel::hdl64e ? place
+                                                             : laser / traits_.at_a_time;
+  return static_cast<double>(shot) * traits_.shot_time;
+}
+
 bool VelodyneDecoder::decodeBlock(const VelodynePacketView& packet,
                                   std::size_t block,
                                   double time,
                                   Scan& scan) const
 {
-  const bool lower = packet.header(block) == VelodynePacketView::lower_bank;
-  if ((!lower && packet.header(block) != VelodynePacketView::upper_bank) ||
-      (lower && lasers() != 64))
+  const bool dual = isDual(packet);
+  const std::size_t stride = blocksOfFiring(dual);
+  if (dual && stride > velodyne_blocks / 2 && block >= stride)
+  {
+    return true;  // only one firing of a VLS-128 fits, and the blocks behind it are empty
+  }
+  const auto bank = packet.bank(block);
+  if (!bank || (*bank > 0 && (*bank + 1) * returns_in_block > traits_.lasers))
   {
     return false;
   }
-  const bool dual = packet.returnMode() == VelodynePacketView::dual_return && lasers() != 64;
   const double step = azimuthStep(packet, dual);
-  const std::size_t firing_block = dual || lasers() == 64 ? block / 2 : block;
-  const double block_time = lasers() == 16   ? 2 * vlp16_firing_time
-                            : lasers() == 32 ? hdl32_block_time
-                                             : hdl64_firing_time;
-  for (std::size_t k = 0; k < 32; ++k)
+  // Blocks of 16 lasers have two firings each.
+  const std::size_t firings = std::max<std::size_t>(1, returns_in_block / traits_.lasers);
+  const double block_time = static_cast<double>(firings) * traits_.firing_time;
+  for (std::size_t k = 0; k < returns_in_block; ++k)
   {
     const std::uint16_t raw = packet.range(block, k);
     // The odd block of a dual pair repeats the even one where there was a single return.
@@ -130,12 +125,10 @@ bool VelodyneDecoder::decodeBlock(const VelodynePacketView& packet,
     {
       continue;
     }
-    const std::size_t number = lasers() == 16 ? k % 16 : k + (lower ? 32 : 0);
-    const std::size_t order = lasers() == 16 ? k % 16 : k;
-    const double offset = static_cast<double>(order) * laserPeriod(lasers()) +
-                          (lasers() == 16 && k >= 16 ? vlp16_firing_time : 0);
+    const std::size_t number = (*bank * returns_in_block + k) % traits_.lasers;
+    const double offset = shotOffset(number, k) + (k >= traits_.lasers ? traits_.firing_time : 0);
     const Laser& laser = lasers_[number];
-    const double range = raw * range_unit + laser.distance_correction;
+    const double range = raw * traits_.range_unit + laser.distance_correction;
     if (range < min_range_ || range > max_range_)
     {
       continue;
@@ -144,7 +137,7 @@ bool VelodyneDecoder::decodeBlock(const VelodynePacketView& packet,
     scan.points.push_back(point(laser, range, azimuth));
     scan.intensity.push_back(static_cast<float>(packet.intensity(block, k)) / 255.0F);
     scan.time.push_back(
-        static_cast<float>(time + static_cast<double>(firing_block) * block_time + offset));
+        static_cast<float>(time + static_cast<double>(block / stride) * block_time + offset));
     scan.ring.push_back(laser.ring);
   }
   return true;

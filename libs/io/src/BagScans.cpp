@@ -1,0 +1,177 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "BagScans.h"
+
+#include <dyslam/core/Error.h>
+#include <dyslam/core/Files.h>
+#include <dyslam/formats/RosMessages.h>
+#include <dyslam/formats/RosPackets.h>
+#include <dyslam/formats/ScanFiles.h>
+#include <dyslam/packets/OusterScans.h>
+
+#include <optional>
+#include <utility>
+
+namespace dyslam
+{
+namespace
+{
+class BagClouds : public BagScans
+{
+ public:
+  explicit BagClouds(const BagTopic& topic) : topic_(topic) {}
+
+  [[nodiscard]] std::vector<Scan> add(const BagMessage& message) override
+  {
+    std::vector<Scan> scans;
+    scans.push_back(decoder_.decode(topic_, message));
+    return scans;
+  }
+  [[nodiscard]] std::vector<std::string> notes() const override { return decoder_.notes(); }
+  [[nodiscard]] std::vector<std::string> warnings() const override { return decoder_.warnings(); }
+
+ private:
+  const BagTopic& topic_;
+  RosScanDecoder decoder_;
+};
+
+class BagPackets : public BagScans
+{
+ public:
+  BagPackets(const BagTopic& topic, std::unique_ptr<PacketScans> scans, std::string note)
+      : topic_(topic), scans_(std::move(scans)), note_(std::move(note))
+  {
+  }
+
+  [[nodiscard]] std::vector<Scan> add(const BagMessage& message) override
+  {
+    for (const RosPacket& received : decodeRosPackets(topic_, message))
+    {
+      packet_.bytes.assign(received.bytes.begin(), received.bytes.end());
+      packet_.captured = received.received;
+      if (scans_->takes(packet_))
+      {
+        scans_->add(packet_);
+      }
+      else
+      {
+        ++left_out_;
+      }
+    }
+    return complete();
+  }
+
+  [[nodiscard]] std::vector<Scan> finish() override
+  {
+    scans_->finish();
+    return complete();
+  }
+
+  [[nodiscard]] std::vector<std::string> notes() const override
+  {
+    std::vector<std::string> lines{"packets of a " + scans_->sensor()};
+    if (!note_.empty())
+    {
+      lines.push_back(note_);
+    }
+    return lines;
+  }
+
+  [[nodiscard]] std::vector<std::string> warnings() const override
+  {
+    auto lines = scans_->warnings();
+    if (left_out_ > 0)
+    {
+      lines.push_back(topic_.name + ": " + std::to_string(left_out_) + " packets are not of a " +
+                      scans_->sensor() + " and were left out");
+    }
+    return lines;
+  }
+
+ private:
+  [[nodiscard]] std::vector<Scan> complete()
+  {
+    std::vector<Scan> scans;
+    while (auto scan = scans_->take())
+    {
+      scans.push_back(std::move(*scan));
+    }
+    return scans;
+  }
+
+  const BagTopic& topic_;
+  std::unique_ptr<PacketScans> scans_;
+  std::string note_;
+  LidarPacket packet_;
+  std::size_t left_out_ = 0;
+};
+
+std::unique_ptr<BagScans> velodynePackets(const std::string& place,
+                                          const BagTopic& topic,
+                                          const ScanConverterOptions& options)
+{
+  VelodyneScansOptions of_velodyne;
+  of_velodyne.model = givenVelodyneModel(options.sensor);
+  of_velodyne.calibration_file = options.calibration;
+  of_velodyne.keep_partial = options.keep_partial;
+  return std::make_unique<BagPackets>(topic, std::make_unique<VelodyneScans>(place, of_velodyne),
+                                      "");
+}
+
+std::unique_ptr<BagScans> ousterPackets(const std::string& place,
+                                        Bag& bag,
+                                        const BagTopic& topic,
+                                        const ScanConverterOptions& options)
+{
+  RosMetadata metadata;
+  if (!options.calibration.empty())
+  {
+    metadata = {options.calibration, readWhole(options.calibration)};
+  }
+  else if (auto published = ousterMetadataIn(bag, topic.name))
+  {
+    metadata = *published;
+  }
+  else
+  {
+    throw UserError(place +
+                    ": the bag has no metadata of this Ouster lidar; name its .json with "
+                    "--calibration");
+  }
+  const OusterMetadata parsed = parseOusterMetadata(metadata.text, metadata.topic);
+  return std::make_unique<BagPackets>(
+      topic, std::make_unique<OusterScans>(place, parsed, options.keep_partial),
+      "metadata of the lidar: " + metadata.topic);
+}
+}  // namespace
+
+std::unique_ptr<BagScans> makeBagScans(const std::string& input,
+                                       Bag& bag,
+                                       std::size_t topic_at,
+                                       const ScanConverterOptions& options)
+{
+  const BagTopic& topic = bag.topics()[topic_at];
+  const std::string place = input + ": " + topic.name;
+  const auto maker = packetMakerOf(topic);
+  if (!maker)
+  {
+    if (!options.calibration.empty() || options.keep_partial)
+    {
+      throw UserError(place + ": " + (options.keep_partial ? "--keep-partial" : "--calibration") +
+                      " works with packets only, and these are clouds");
+    }
+    return std::make_unique<BagClouds>(topic);
+  }
+  return *maker == PacketMaker::velodyne ? velodynePackets(place, topic, options)
+                                         : ousterPackets(place, bag, topic, options);
+}
+
+VelodyneModel givenVelodyneModel(const std::string& sensor)
+{
+  if (const auto model = velodyneModelNamed(sensor))
+  {
+    return *model;
+  }
+  throw UserError("--sensor " + sensor + ": is no Velodyne whose packets can be read; use " +
+                  velodyneModelNames() + ", or leave it out for an Ouster");
+}
+}  // namespace dyslam

@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <dyslam/core/Scan.h>
+#include <dyslam/formats/Bag.h>
+#include <dyslam/packets/VelodyneScans.h>
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "ScanSink.h"
+
+namespace dyslam
+{
+/** Makes scans of the messages of one topic of a bag. */
+class BagScans
+{
+ public:
+  BagScans() = default;
+  virtual ~BagScans() = default;
+  BagScans(const BagScans&) = delete;
+  BagScans& operator=(const BagScans&) = delete;
+
+  /** The scans that are complete with this message: one of a cloud, one or none of packets.
+   * \throws UserError naming the message and what is wrong with it. */
+  [[nodiscard]] virtual std::vector<Scan> add(const BagMessage& message) = 0;
+  /** No messages follow. \return the scans that were held back. \throws UserError. */
+  [[nodiscard]] virtual std::vector<Scan> finish() { return {}; }
+  /** How the messages were interpreted, a line each. */
+  [[nodiscard]] virtual std::vector<std::string> notes() const { return {}; }
+  [[nodiscard]] virtual std::vector<std::string> warnings() const = 0;
+};
+
+/** Reader for a topic of clouds, or of the packets of a Velodyne or an Ouster. \param bag outlives
+ * it; it is read up to the metadata of an Ouster.
+ * \throws UserError for options that do not fit, or if the metadata of an Ouster are missing. */
+[[nodiscard]] std::unique_ptr<BagScans> makeBagScans(const std::string& input,
+                                                     Bag& bag,
+                                                     std::size_t topic,
+                                                     const ScanConverterOptions& options);
+
+/** \throws UserError for a name that is none of a Velodyne whose packets are read. */
+[[nodiscard]] VelodyneModel givenVelodyneModel(const std::string& sensor);
+}  // namespace dyslam

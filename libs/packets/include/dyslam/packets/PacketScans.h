@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <dyslam/core/Scan.h>
+#include <dyslam/packets/LidarPacket.h>
+
+#include <deque>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace dyslam
+{
+/** Makes scans of the packets of one lidar: one for each revolution, with time, ring and intensity
+ * of every point. */
+class PacketScans
+{
+ public:
+  PacketScans() = default;
+  virtual ~PacketScans() = default;
+  PacketScans(const PacketScans&) = delete;
+  PacketScans& operator=(const PacketScans&) = delete;
+
+  /** Whether a datagram is a data packet of this kind of lidar. */
+  [[nodiscard]] virtual bool takes(const LidarPacket& packet) const = 0;
+  /** \pre takes(packet), and the packets are of one lidar in the order in which they were received.
+   * \throws UserError for a lidar that cannot be decoded. */
+  virtual void add(const LidarPacket& packet) = 0;
+  /** No packets follow. \throws UserError for a lidar that cannot be decoded. */
+  virtual void finish() = 0;
+  /** The next scan that is complete, nothing until more packets are added. */
+  [[nodiscard]] virtual std::optional<Scan> take() = 0;
+  /** Name of the lidar: "VLP16", "OS-1-128". */
+  [[nodiscard]] virtual std::string sensor() const = 0;
+  /** What was found in the packets, and what is wrong with them, a line each. */
+  [[nodiscard]] virtual std::vector<std::string> warnings() const { return {}; }
+};
+
+/** Revolutions on their way out. Each waits for the next one, so that the last is known as such:
+ * recordings often begin and end within a revolution, and such scans are left out. */
+class RevolutionQueue
+{
+ public:
+  /** \param keep_partial deliver also incomplete first and last revolutions. */
+  explicit RevolutionQueue(bool keep_partial) : keep_partial_(keep_partial) {}
+
+  /** \param begin, end where the revolution begins and ends, in turns from where scans are cut. */
+  void push(Scan scan, double begin, double end);
+  /** The last revolution was pushed. */
+  void finish() { finished_ = true; }
+  /** The next one that is whole; nothing until more are pushed. */
+  [[nodiscard]] std::optional<Scan> take();
+
+ private:
+  struct Revolution
+  {
+    Scan scan;
+    double begin;
+    double end;
+  };
+  [[nodiscard]] bool isWhole(const Revolution& revolution, bool first, bool last) const;
+
+  bool keep_partial_;
+  bool finished_ = false;
+  std::deque<Revolution> waiting_;
+  std::size_t pushed_ = 0;
+  std::size_t taken_ = 0;   //!< delivered or not
+  double usual_begin_ = 0;  //!< that of the second revolution
+  double usual_end_ = 1;    //!< that of the latest that is neither the first nor the last
+};
+}  // namespace dyslam

@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <dyslam/core/Options.h>
+#include <dyslam/core/Scan.h>
+#include <dyslam/packets/VelodyneScans.h>
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace dyslam
+{
+struct PcapSourceOptions : Options, VelodyneScansOptions
+{
+  void describe(OptionsVisitor& visitor) override;
+};
+
+/** Scans out of a network capture (.pcap, .pcapng) of one lidar: of a Velodyne (VelodyneScans), or
+ * of an Ouster (OusterScans) whose metadata (.json) lie beside the capture, or are named as its
+ * calibration file. Packets of other lidars are left out. */
+class PcapSource
+{
+ public:
+  /** \throws UserError if the file is missing, no pcap, or has no packets that are read. */
+  explicit PcapSource(const std::string& path, const PcapSourceOptions& options = {});
+  ~PcapSource();
+  PcapSource(PcapSource&&) noexcept;
+  PcapSource& operator=(PcapSource&&) noexcept;
+
+  /** The next revolution, nothing at the end. \throws UserError if the file is damaged. */
+  [[nodiscard]] std::optional<Scan> next();
+  /** Name of the lidar: "VLP16", "OS-1-128". */
+  [[nodiscard]] std::string sensor() const;
+  [[nodiscard]] double progress() const;  //!< 0 to 1
+  /** Files beside the capture that are used, a line each. */
+  [[nodiscard]] const std::vector<std::string>& notes() const;
+  [[nodiscard]] std::vector<std::string> warnings() const;
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+}  // namespace dyslam

@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <optional>
+
+namespace dyslam
+{
+/** UNIX times by a lidar's own clock, which is even, but may have started anywhere.
+ *
+ * It is set to the time at which the first packet was received, and runs on from there, whatever
+ * the times of the capture are. Where it goes back or jumps by more than 1 s it was set, or packets
+ * are missing: the time that passed is that of the capture. */
+class SensorClock
+{
+ public:
+  /** \param step of the sensor's clock since the last call; of the first call its time since 1970
+   * if the sensor knows that, else 0 [s]
+   * \param captured when the packet was received, UNIX time [s]
+   * \return UNIX time [s] */
+  double advance(double step, double captured);
+
+ private:
+  double sensor_time_ = 0;  //!< [s]
+  double offset_ = 0;       //!< UNIX time minus sensor_time_ [s]
+  std::optional<double> last_captured_;
+};
+}  // namespace dyslam

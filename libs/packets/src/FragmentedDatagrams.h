@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <deque>
+#include <optional>
+#include <vector>
+
+namespace dyslam
+{
+/** A part of an IP datagram (RFC 791). */
+struct IpFragment
+{
+  std::uint32_t sender = 0;    //!< address
+  std::uint32_t receiver = 0;  //!< address
+  std::uint16_t number = 0;    //!< of the datagram, the same in all its fragments
+  std::size_t offset = 0;      //!< of the data in the datagram [bytes]
+  bool more = false;           //!< others follow behind it in the datagram
+  const std::uint8_t* data = nullptr;
+  std::size_t size = 0;  //!< [bytes]
+};
+
+/** Puts IP datagrams together, whose fragments may come in any order. */
+class FragmentedDatagrams
+{
+ public:
+  /** Fragments of others that an incomplete datagram outlasts: its number will be used again. */
+  static constexpr std::uint64_t longest_wait = 4096;
+
+  /** \return the data of the datagram, behind its IP header, once all of it is there. */
+  [[nodiscard]] std::optional<std::vector<std::uint8_t>> add(const IpFragment& fragment);
+
+ private:
+  struct Datagram
+  {
+    std::uint32_t sender;
+    std::uint32_t receiver;
+    std::uint16_t number;
+    std::uint64_t begun;  //!< fragments added before its first
+    std::vector<std::uint8_t> data;
+    std::size_t received = 0;         //!< [bytes]
+    std::optional<std::size_t> size;  //!< known with the fragment that none follows [bytes]
+  };
+  [[nodiscard]] std::deque<Datagram>::iterator datagramOf(const IpFragment& fragment);
+
+  std::deque<Datagram> incomplete_;
+  std::uint64_t added_ = 0;  //!< fragments
+};
+}  // namespace dyslam

@@ -1,0 +1,297 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/core/Angle.h>
+#include <dyslam/core/Error.h>
+#include <dyslam/core/Files.h>
+#include <dyslam/core/Printable.h>
+#include <dyslam/formats/ScanFiles.h>
+#include <dyslam/packets/OusterMetadata.h>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <utility>
+
+namespace dyslam
+{
+namespace fs = std::filesystem;
+
+namespace
+{
+using Json = nlohmann::json;
+
+constexpr std::size_t most_beams = 512;
+constexpr std::size_t most_columns = 8192;
+constexpr std::size_t most_values = 1 << 20;
+constexpr double metres_per_millimetre = 1e-3;
+constexpr const char* altitudes_name = "beam_altitude_angles";
+
+/** Layouts of the makers' software user manuals (firmware 1.12 to 3.2). */
+const std::vector<OusterProfile>& profiles()
+{
+  const OusterReturn whole{0, 4, 19, 1, 4};
+  const OusterReturn first{0, 4, 19, 1, 3};
+  const OusterReturn second{4, 4, 19, 1, 7};
+  const OusterReturn low{0, 2, 15, 8, 2};
+  const OusterReturn low_second{4, 2, 15, 8, 6};
+  static const std::vector<OusterProfile> known{
+      {"LEGACY", 12, {{0, 4, 20, 1, 4}}},
+      {"RNG19_RFL8_SIG16_NIR16", 12, {whole}},
+      {"RNG19_RFL8_SIG16_NIR16_DUAL", 16, {first, second}},
+      {"RNG15_RFL8_NIR8", 4, {low}},
+      {"RNG15_RFL8_NIR8_DUAL", 8, {low, low_second}},
+      {"FUSA_RNG15_RFL8_NIR8_DUAL", 8, {low, low_second}},
+      {"RNG15_RFL8_WIN8", 4, {low}},
+      {"FIVE_WORD_PIXEL", 20, {first, second}},
+      {"RNG15_RFL8_NIR8_ZONE16", 8, {low}},
+      {"RNG19_RFL8_SIG16_NIR16_ZONE16", 12, {whole}},
+      {"RNG19_RFL8_SIG16_ZONE16_DUAL", 16, {first, second}},
+      {"RNG19_RFL8_SIG16_NIR16_RGB16", 16, {first}},
+      {"RNG19_RFL8_SIG16_NIR16_RGB16_DUAL", 20, {first, second}},
+  };
+  return known;
+}
+
+/** Values of one file, wherever in it they are: newer firmware puts them into sections. */
+class Values
+{
+ public:
+  Values(const std::string& text, std::string place) : place_(std::move(place))
+  {
+    root_ = isNestedDeeper(text) ? Json() : Json::parse(text, nullptr, false);
+    if (!root_.is_object())
+    {
+      throw UserError(place_ + ": is not JSON");
+    }
+  }
+
+  [[noreturn]] void fail(const std::string& name, const std::string& why) const
+  {
+    throw UserError(place_ + ": " + name + " " + why + "; give the metadata of the Ouster lidar");
+  }
+
+  /** Null if there is none. */
+  [[nodiscard]] const Json* find(const char* name) const
+  {
+    if (const auto at = root_.find(name); at != root_.end())
+    {
+      return &*at;
+    }
+    for (const char* section : {"sensor_info", "beam_intrinsics", "lidar_intrinsics",
+                                "lidar_data_format", "data_format", "config_params"})
+    {
+      const auto in = root_.find(section);
+      if (in != root_.end() && in->is_object() && in->contains(name))
+      {
+        return &in->at(name);
+      }
+    }
+    return nullptr;
+  }
+
+  /** The numbers of an array, also one of arrays; empty if there is none of this name. */
+  [[nodiscard]] std::vector<double> numbers(const char* name) const
+  {
+    std::vector<double> values;
+    if (const Json* json = find(name))
+    {
+      append(name, *json, values);
+    }
+    return values;
+  }
+
+  [[nodiscard]] double number(const char* name, double otherwise) const
+  {
+    const Json* json = find(name);
+    return json != nullptr && json->is_number() ? json->get<double>() : otherwise;
+  }
+
+  [[nodiscard]] std::string text(const char* name) const
+  {
+    const Json* json = find(name);
+    return json != nullptr && json->is_string() ? json->get<std::string>() : "";
+  }
+
+ private:
+  void append(const char* name, const Json& json, std::vector<double>& values) const
+  {
+    if (!json.is_array())
+    {
+      fail(name, "is not a list of numbers");
+    }
+    for (const Json& value : json)
+    {
+      if (value.is_array())
+      {
+        append(name, value, values);
+      }
+      else if (value.is_number() && values.size() < most_values)
+      {
+        values.push_back(value.get<double>());
+      }
+      else
+      {
+        fail(name, "is not a list of numbers");
+      }
+    }
+  }
+
+  Json root_;
+  std::string place_;
+};
+
+OusterProfile profileOf(const Values& values)
+{
+  const std::string stated = values.text("udp_profile_lidar");
+  const std::string name = stated.empty() ? "LEGACY" : stated;
+  const auto& known = profiles();
+  const auto found = std::find_if(known.begin(), known.end(),
+                                  [&name](const OusterProfile& p) { return p.name == name; });
+  if (found == known.end())
+  {
+    values.fail("udp_profile_lidar", name + " is not known");
+  }
+  return *found;
+}
+
+/** "1024x10": columns and turns per second. */
+std::size_t columnsOf(const Values& values)
+{
+  const std::string mode = values.text("lidar_mode");
+  const double by_mode = mode.empty() ? 0 : std::strtod(mode.c_str(), nullptr);
+  const double columns = values.number("columns_per_frame", by_mode);
+  if (!(columns >= 1 && columns <= static_cast<double>(most_columns)))
+  {
+    values.fail("columns_per_frame", "is missing or no number of columns");
+  }
+  return static_cast<std::size_t>(columns);
+}
+
+std::size_t packetColumnsOf(const Values& values)
+{
+  constexpr double usual = 16;
+  const double columns = values.number("columns_per_packet", usual);
+  if (!(columns >= 1 && columns <= 256))
+  {
+    values.fail("columns_per_packet", "is no number of columns");
+  }
+  return static_cast<std::size_t>(columns);
+}
+
+void readBeams(const Values& values, OusterMetadata& metadata)
+{
+  metadata.altitudes = values.numbers(altitudes_name);
+  metadata.azimuths = values.numbers("beam_azimuth_angles");
+  const std::size_t beams = metadata.altitudes.size();
+  if (beams == 0 || beams > most_beams)
+  {
+    values.fail(altitudes_name,
+                "has " + std::to_string(beams) + " angles, one of each beam needed");
+  }
+  if (metadata.azimuths.size() != beams)
+  {
+    values.fail("beam_azimuth_angles", "has " + std::to_string(metadata.azimuths.size()) +
+                                           " angles, " + altitudes_name + " " +
+                                           std::to_string(beams));
+  }
+  const double rows = values.number("pixels_per_column", static_cast<double>(beams));
+  if (rows != static_cast<double>(beams))
+  {
+    values.fail("pixels_per_column", "is not the number of the beams");
+  }
+  if (std::all_of(metadata.altitudes.begin(), metadata.altitudes.end(),
+                  [](double angle) { return angle == 0; }))
+  {
+    values.fail(altitudes_name, "are all 0: the lidar's calibration is missing");
+  }
+  for (std::vector<double>* angles : {&metadata.altitudes, &metadata.azimuths})
+  {
+    std::transform(angles->begin(), angles->end(), angles->begin(),
+                   [](double degrees) { return degrees / degrees_per_radian; });
+  }
+  const auto beam_to_lidar = values.numbers("beam_to_lidar_transform");
+  const double outwards = beam_to_lidar.size() == 16
+                              ? beam_to_lidar[3]
+                              : values.number("lidar_origin_to_beam_origin_mm", 0);
+  metadata.origin_outwards = metres_per_millimetre * outwards;
+  metadata.origin_up = beam_to_lidar.size() == 16 ? metres_per_millimetre * beam_to_lidar[11] : 0;
+}
+
+/** The frame of the sensor, x to its front; in that of the lidar x points to the connector. */
+Pose sensorPoseOf(const Values& values)
+{
+  const auto m = values.numbers("lidar_to_sensor_transform");
+  Pose T_sensor_lidar = Pose::Identity();
+  if (m.empty())
+  {
+    T_sensor_lidar.linear().diagonal() = Eigen::Vector3d(-1, -1, 1);
+    return T_sensor_lidar;
+  }
+  if (m.size() != 16)
+  {
+    values.fail("lidar_to_sensor_transform", "has not 16 numbers");
+  }
+  for (int row = 0; row < 3; ++row)
+  {
+    const auto at = static_cast<std::size_t>(4 * row);
+    T_sensor_lidar.linear().row(row) << m[at], m[at + 1], m[at + 2];
+    T_sensor_lidar.translation()[row] = metres_per_millimetre * m[at + 3];
+  }
+  const Eigen::Matrix3d R = T_sensor_lidar.linear();
+  if (!(R * R.transpose()).isIdentity(1e-3) || R.determinant() < 0)
+  {
+    values.fail("lidar_to_sensor_transform", "is no pose");
+  }
+  return T_sensor_lidar;
+}
+
+bool isOusterMetadata(const fs::path& path)
+{
+  constexpr std::uintmax_t largest = 1 << 20;  // [bytes]
+  std::error_code unreadable;
+  const std::uintmax_t size = fs::file_size(path, unreadable);
+  return !unreadable && size <= largest &&
+         readWhole(path.string()).find(altitudes_name) != std::string::npos;
+}
+}  // namespace
+
+OusterMetadata parseOusterMetadata(const std::string& text, const std::string& place)
+{
+  const Values values(text, place);
+  OusterMetadata metadata;
+  const std::string product = values.text("prod_line");
+  metadata.product = product.empty() ? "Ouster" : product;
+  metadata.serial = std::strtoull(values.text("prod_sn").c_str(), nullptr, 10);
+  metadata.profile = profileOf(values);
+  metadata.fusa_header =
+      values.text("header_type") == "FUSA" || metadata.profile.name.compare(0, 5, "FUSA_") == 0;
+  metadata.columns = columnsOf(values);
+  metadata.packet_columns = packetColumnsOf(values);
+  readBeams(values, metadata);
+  metadata.T_sensor_lidar = sensorPoseOf(values);
+  return metadata;
+}
+
+std::string ousterMetadataBeside(const std::string& capture)
+{
+  const fs::path path(capture);
+  const fs::path folder = path.has_parent_path() ? path.parent_path() : fs::path(".");
+  std::vector<fs::path> files;
+  std::error_code unreadable;
+  for (fs::directory_iterator it(folder, unreadable), end; !unreadable && it != end;
+       it.increment(unreadable))
+  {
+    if (lowerExtension(it->path().string()) == ".json" && isOusterMetadata(it->path()))
+    {
+      files.push_back(it->path());
+    }
+  }
+  std::sort(files.begin(), files.end());
+  const std::string stem = path.stem().string();
+  const auto best = std::max_element(
+      files.begin(), files.end(),
+      [&stem](const fs::path& a, const fs::path& b)
+      { return commonPrefix(a.stem().string(), stem) < commonPrefix(b.stem().string(), stem); });
+  return best == files.end() ? "" : best->string();
+}
+}  // namespace dyslam

@@ -1,0 +1,356 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/core/Printable.h>
+#include <dyslam/packets/OusterScans.h>
+#include <dyslam/packets/SensorClock.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <numeric>
+#include <optional>
+#include <utility>
+
+namespace dyslam
+{
+namespace
+{
+constexpr double seconds_per_nanosecond = 1e-9;
+constexpr double ouster_range_unit = 1e-3;  //!< [m]
+constexpr float full_reflectivity = 255;
+constexpr int latest_frames = 8;  //!< packets of as many earlier frames are late ones
+
+template <typename T>
+T numberAt(const std::uint8_t* bytes)
+{
+  T value;
+  std::memcpy(&value, bytes, sizeof value);  // little-endian, as this machine
+  return value;
+}
+
+/** Where things are in a data packet [bytes]. */
+struct Layout
+{
+  std::size_t packet_header;
+  std::size_t packet_footer;
+  std::size_t column_header;
+  std::size_t column;  //!< size of one with its header and footer
+
+  explicit Layout(const OusterMetadata& metadata)
+  {
+    const bool legacy = metadata.profile.isLegacy();
+    packet_header = legacy ? 0 : 32;
+    packet_footer = legacy ? 0 : 32;
+    column_header = legacy ? 16 : 12;
+    const std::size_t column_footer = legacy ? 4 : 0;
+    column = column_header + metadata.beams() * metadata.profile.pixel_bytes + column_footer;
+  }
+};
+
+std::vector<std::uint16_t> ringsOf(const std::vector<double>& altitudes)
+{
+  std::vector<std::size_t> order(altitudes.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::stable_sort(order.begin(), order.end(),
+                   [&altitudes](std::size_t a, std::size_t b)
+                   { return altitudes[a] < altitudes[b]; });
+  std::vector<std::uint16_t> rings(altitudes.size());
+  for (std::size_t rank = 0; rank < order.size(); ++rank)
+  {
+    rings[order[rank]] = static_cast<std::uint16_t>(rank);
+  }
+  return rings;
+}
+
+/** Unit vectors along the beams where the encoder is at 0. */
+std::vector<Eigen::Vector3d> directionsOf(const OusterMetadata& metadata)
+{
+  std::vector<Eigen::Vector3d> directions;
+  for (std::size_t beam = 0; beam < metadata.beams(); ++beam)
+  {
+    const double azimuth = -metadata.azimuths[beam];
+    const double altitude = metadata.altitudes[beam];
+    directions.emplace_back(std::cos(azimuth) * std::cos(altitude),
+                            std::sin(azimuth) * std::cos(altitude), std::sin(altitude));
+  }
+  return directions;
+}
+
+/** One firing of all beams. */
+struct Column
+{
+  std::uint64_t time;    //!< of the sensor's clock [ns]
+  std::uint16_t number;  //!< in the turn, 0 at the connector
+  bool valid;
+  const std::uint8_t* pixels;
+};
+/** Packets may overtake each other: the stamp becomes that of the first firing. */
+void startAtTheEarliest(Scan& scan)
+{
+  const float earliest = *std::min_element(scan.time.begin(), scan.time.end());
+  if (earliest < 0)
+  {
+    scan.stamp += earliest;
+    for (float& time : scan.time)
+    {
+      time -= earliest;
+    }
+  }
+}
+}  // namespace
+
+struct OusterScans::Impl
+{
+  std::string place;
+  OusterMetadata metadata;
+  Layout layout;
+  std::vector<std::uint16_t> rings;
+  std::vector<Eigen::Vector3d> directions;
+  RevolutionQueue queue;
+  SensorClock clock;
+  std::optional<std::uint64_t> last_time;  //!< of the sensor's clock [ns]
+
+  Scan scan;                           //!< the frame that is read
+  std::optional<std::uint32_t> frame;  //!< its number
+  std::uint64_t first_time = 0;        //!< of the sensor's clock [ns]
+  std::size_t first_column = 0;
+  std::size_t last_column = 0;
+  std::size_t late = 0;   //!< packets of a frame that has been passed on
+  std::size_t alien = 0;  //!< columns that no frame of this sensor has
+
+  Impl(std::string place_in, const OusterMetadata& metadata_in, bool keep_partial)
+      : place(std::move(place_in)),
+        metadata(metadata_in),
+        layout(metadata_in),
+        rings(ringsOf(metadata_in.altitudes)),
+        directions(directionsOf(metadata_in)),
+        queue(keep_partial)
+  {
+  }
+
+  [[nodiscard]] std::uint32_t frameOf(const std::uint8_t* packet) const
+  {
+    return metadata.profile.isLegacy() ? numberAt<std::uint16_t>(packet + 10)
+           : metadata.fusa_header      ? numberAt<std::uint32_t>(packet + 4)
+                                       : numberAt<std::uint16_t>(packet + 2);
+  }
+
+  /** Serial number of the sensor in a packet's header, 40 bits; 0 if it has none. */
+  [[nodiscard]] std::uint64_t serialOf(const std::uint8_t* packet) const
+  {
+    constexpr std::uint64_t bits = (std::uint64_t{1} << 40U) - 1;
+    return metadata.profile.isLegacy()
+               ? 0
+               : numberAt<std::uint64_t>(packet + (metadata.fusa_header ? 11 : 7)) & bits;
+  }
+
+  [[nodiscard]] bool isLidarPacket(const std::uint8_t* packet) const
+  {
+    constexpr std::uint16_t lidar = 1;
+    return metadata.profile.isLegacy() ||
+           (metadata.fusa_header ? packet[0] : numberAt<std::uint16_t>(packet)) == lidar;
+  }
+
+  [[nodiscard]] Column columnOf(const std::uint8_t* packet, std::size_t i) const
+  {
+    const std::uint8_t* at = packet + layout.packet_header + i * layout.column;
+    const bool legacy = metadata.profile.isLegacy();
+    Column column;
+    column.time = numberAt<std::uint64_t>(at);
+    column.number = numberAt<std::uint16_t>(at + 8);
+    column.valid = legacy ? numberAt<std::uint32_t>(at + layout.column - 4) == 0xffffffffU
+                          : (numberAt<std::uint16_t>(at + 10) & 1U) != 0;
+    column.pixels = at + layout.column_header;
+    return column;
+  }
+
+  /** \return false for a packet of a frame that was passed on, which comes too late. */
+  bool beginFrame(std::uint32_t number)
+  {
+    if (frame == number)
+    {
+      return true;
+    }
+    if (frame)
+    {
+      const auto step = metadata.fusa_header
+                            ? static_cast<std::int32_t>(number - *frame)
+                            : static_cast<std::int16_t>(number - *frame);  // counted modulo 2^16
+      if (step < 0 && step >= -latest_frames)
+      {
+        ++late;
+        return false;
+      }
+    }
+    finishFrame();
+    frame = number;
+    return true;
+  }
+
+  void finishFrame()
+  {
+    if (!scan.points.empty())
+    {
+      startAtTheEarliest(scan);
+      scan.sensor_label = metadata.product;
+      const auto turn = static_cast<double>(metadata.columns);
+      queue.push(std::move(scan), static_cast<double>(first_column) / turn,
+                 static_cast<double>(last_column + 1) / turn);
+    }
+    scan = Scan();
+    frame.reset();
+  }
+
+  void add(const LidarPacket& packet)
+  {
+    if (!beginFrame(frameOf(packet.bytes.data())))
+    {
+      return;
+    }
+    for (std::size_t i = 0; i < metadata.packet_columns; ++i)
+    {
+      const Column column = columnOf(packet.bytes.data(), i);
+      if (!column.valid)
+      {
+        continue;
+      }
+      if (column.number >= metadata.columns)
+      {
+        ++alien;
+        continue;
+      }
+      add(column, packet.captured);
+    }
+  }
+
+  void add(const Column& column, double captured)
+  {
+    const auto elapsed = [](std::uint64_t from, std::uint64_t to)
+    { return seconds_per_nanosecond * static_cast<double>(static_cast<std::int64_t>(to - from)); };
+    const double stamp = clock.advance(elapsed(last_time.value_or(0), column.time), captured);
+    last_time = column.time;
+    if (scan.points.empty())
+    {
+      scan.stamp = stamp;
+      first_time = column.time;
+      first_column = column.number;
+      last_column = column.number;
+    }
+    first_column = std::min<std::size_t>(first_column, column.number);
+    last_column = std::max<std::size_t>(last_column, column.number);
+    addPoints(column, static_cast<float>(elapsed(first_time, column.time)));
+  }
+
+  void addPoints(const Column& column, float time)
+  {
+    const double encoder = -2 * M_PI * column.number / static_cast<double>(metadata.columns);
+    Pose T_sensor_encoder = metadata.T_sensor_lidar;
+    T_sensor_encoder.rotate(Eigen::AngleAxisd(encoder, Eigen::Vector3d::UnitZ()));
+    const Eigen::Vector3d origin =
+        T_sensor_encoder * Eigen::Vector3d(metadata.origin_outwards, 0, metadata.origin_up);
+    // Ranges include the way from the axis to where the beams begin.
+    const double before = std::hypot(metadata.origin_outwards, metadata.origin_up);
+    for (std::size_t beam = 0; beam < metadata.beams(); ++beam)
+    {
+      const std::uint8_t* pixel = column.pixels + beam * metadata.profile.pixel_bytes;
+      const Eigen::Vector3d direction = T_sensor_encoder.linear() * directions[beam];
+      std::uint32_t earlier = 0;
+      for (const OusterReturn& part : metadata.profile.returns)
+      {
+        const std::uint32_t range = rangeOf(pixel, part);
+        if (range == 0 || range == earlier)
+        {
+          continue;
+        }
+        earlier = range;
+        const double along = ouster_range_unit * range - before;
+        scan.points.push_back((origin + along * direction).cast<float>());
+        scan.intensity.push_back(reflectivityOf(pixel, part));
+        scan.time.push_back(time);
+        scan.ring.push_back(rings[beam]);
+      }
+    }
+  }
+
+  /** [mm], 0 without a return. */
+  [[nodiscard]] static std::uint32_t rangeOf(const std::uint8_t* pixel, const OusterReturn& part)
+  {
+    const std::uint32_t bits = part.range_bytes == 2
+                                   ? numberAt<std::uint16_t>(pixel + part.range_at)
+                                   : numberAt<std::uint32_t>(pixel + part.range_at);
+    return (bits & ((1U << part.range_bits) - 1)) * part.range_unit;
+  }
+
+  /** 0 to 1. */
+  [[nodiscard]] float reflectivityOf(const std::uint8_t* pixel, const OusterReturn& part) const
+  {
+    // Firmware before 2.1 has 16 bits of an uncalibrated scale.
+    const std::uint8_t* at = pixel + part.reflectivity_at;
+    const std::uint16_t value =
+        metadata.profile.isLegacy() ? numberAt<std::uint16_t>(at) : std::uint16_t{*at};
+    return std::min(static_cast<float>(value) / full_reflectivity, 1.0F);
+  }
+};
+
+OusterScans::OusterScans(std::string place, const OusterMetadata& metadata, bool keep_partial)
+    : impl_(std::make_unique<Impl>(std::move(place), metadata, keep_partial))
+{
+}
+
+OusterScans::~OusterScans() = default;
+
+std::size_t OusterScans::packetSize(const OusterMetadata& metadata)
+{
+  const Layout layout(metadata);
+  return layout.packet_header + metadata.packet_columns * layout.column + layout.packet_footer;
+}
+
+bool OusterScans::takes(const LidarPacket& packet) const
+{
+  // Early drivers for ROS recorded a byte more.
+  const std::size_t size = packetSize(impl_->metadata);
+  if ((packet.bytes.size() != size && packet.bytes.size() != size + 1) ||
+      !impl_->isLidarPacket(packet.bytes.data()))
+  {
+    return false;
+  }
+  const std::uint64_t serial = impl_->serialOf(packet.bytes.data());
+  return serial == 0 || impl_->metadata.serial == 0 || serial == impl_->metadata.serial;
+}
+
+void OusterScans::add(const LidarPacket& packet)
+{
+  impl_->add(packet);
+}
+
+void OusterScans::finish()
+{
+  impl_->finishFrame();
+  impl_->queue.finish();
+}
+
+std::optional<Scan> OusterScans::take()
+{
+  return impl_->queue.take();
+}
+
+std::string OusterScans::sensor() const
+{
+  return impl_->metadata.product;
+}
+
+std::vector<std::string> OusterScans::warnings() const
+{
+  std::vector<std::string> lines;
+  if (impl_->late > 0)
+  {
+    lines.push_back(impl_->place + ": " + counted(impl_->late, "packet") +
+                    " of an earlier frame left out, which came too late");
+  }
+  if (impl_->alien > 0)
+  {
+    lines.push_back(impl_->place + ": " + counted(impl_->alien, "column") +
+                    " left out, whose numbers do not fit the metadata");
+  }
+  return lines;
+}
+}  // namespace dyslam

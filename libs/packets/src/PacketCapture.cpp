@@ -1,0 +1,153 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "PacketCapture.h"
+
+#include <dyslam/core/Error.h>
+#include <dyslam/core/Files.h>
+#include <pcap/pcap.h>
+
+#include <algorithm>
+#include <array>
+#include <cstdio>
+#include <filesystem>
+
+namespace dyslam
+{
+namespace
+{
+std::uint16_t bigEndian(const std::uint8_t* at)
+{
+  return static_cast<std::uint16_t>((at[0] << 8U) | at[1]);
+}
+
+/** Bytes before the IP header; VLAN tags are not counted. */
+std::size_t headerSize(int link)
+{
+  switch (link)
+  {
+    case DLT_EN10MB:
+      return 14;
+    case DLT_LINUX_SLL:
+      return 16;
+    case DLT_LINUX_SLL2:  // of tcpdump -i any
+      return 20;
+    case DLT_NULL:
+      return 4;
+    default:
+      return 0;
+  }
+}
+
+/** Where the IP header begins in a captured frame. */
+std::size_t ipHeaderAt(int link, const std::uint8_t* data, std::size_t size)
+{
+  constexpr std::uint16_t vlan = 0x8100;
+  const std::size_t at = headerSize(link);
+  return link == DLT_EN10MB && size > 18 && bigEndian(data + 12) == vlan ? at + 4 : at;
+}
+
+std::uint32_t addressAt(const std::uint8_t* at)
+{
+  return static_cast<std::uint32_t>(bigEndian(at)) << 16U | bigEndian(at + 2);
+}
+
+/** The IPv4 datagram of protocol UDP in a captured frame, or its fragment; without data for all
+ * other frames. */
+IpFragment udpFragment(int link, const std::uint8_t* data, std::size_t size)
+{
+  constexpr std::uint8_t udp = 17;
+  constexpr std::size_t shortest_header = 20;
+  const std::size_t at = ipHeaderAt(link, data, size);
+  if (size < at + shortest_header || (data[at] >> 4U) != 4 || data[at + 9] != udp)
+  {
+    return {};
+  }
+  const std::uint8_t* header = data + at;
+  const std::size_t header_size = static_cast<std::size_t>(header[0] & 0x0fU) * 4;
+  if (header_size < shortest_header || size < at + header_size)
+  {
+    return {};
+  }
+  IpFragment fragment;
+  fragment.sender = addressAt(header + 12);
+  fragment.receiver = addressAt(header + 16);
+  fragment.number = bigEndian(header + 4);
+  const std::uint16_t place = bigEndian(header + 6);
+  fragment.offset = static_cast<std::size_t>(place & 0x1fffU) * 8;
+  fragment.more = (place & 0x2000U) != 0;
+  fragment.data = header + header_size;
+  fragment.size = size - at - header_size;
+  // Ethernet fills up short frames; some programs that write captures leave the length out.
+  const std::size_t stated = bigEndian(header + 2);
+  if (stated >= header_size)
+  {
+    fragment.size = std::min(fragment.size, stated - header_size);
+  }
+  return fragment;
+}
+
+/** Takes the payload out of a UDP datagram. \return false if there is none. */
+bool fillPacket(const std::uint8_t* udp,
+                std::size_t size,
+                std::uint32_t sender,
+                LidarPacket& packet)
+{
+  constexpr std::size_t header_size = 8;
+  if (size < header_size)
+  {
+    return false;
+  }
+  const std::size_t stated = std::max<std::size_t>(bigEndian(udp + 4), header_size);
+  packet.bytes.assign(udp + header_size, udp + std::min(size, stated));
+  packet.stream = static_cast<std::uint64_t>(sender) << 16U | bigEndian(udp + 2);
+  return true;
+}
+}  // namespace
+
+PacketCapture::PacketCapture(const std::string& path) : file_(nullptr, &pcap_close)
+{
+  (void)openBinary(path);
+  size_ = std::filesystem::file_size(path);
+  std::array<char, PCAP_ERRBUF_SIZE> message{};
+  file_.reset(pcap_open_offline(path.c_str(), message.data()));
+  if (file_ == nullptr)
+  {
+    throw UserError(path + ": is not a network capture: " + message.data() +
+                    "; give a folder, .pcap, .bag, .db3 or .mcap");
+  }
+}
+
+bool PacketCapture::next(LidarPacket& packet)
+{
+  pcap_pkthdr* header = nullptr;
+  const u_char* data = nullptr;
+  int code = 0;
+  while ((code = pcap_next_ex(file_.get(), &header, &data)) == 1)
+  {
+    const IpFragment fragment = udpFragment(pcap_datalink(file_.get()), data, header->caplen);
+    if (fragment.data == nullptr)
+    {
+      continue;
+    }
+    const bool alone = fragment.offset == 0 && !fragment.more;
+    const auto whole = alone ? std::nullopt : fragments_.add(fragment);
+    if ((alone && fillPacket(fragment.data, fragment.size, fragment.sender, packet)) ||
+        (whole && fillPacket(whole->data(), whole->size(), fragment.sender, packet)))
+    {
+      packet.captured =
+          static_cast<double>(header->ts.tv_sec) + 1e-6 * static_cast<double>(header->ts.tv_usec);
+      return true;
+    }
+  }
+  if (code == PCAP_ERROR)
+  {
+    damage_ = pcap_geterr(file_.get());
+  }
+  return false;
+}
+
+double PacketCapture::progress() const
+{
+  const long at = std::ftell(pcap_file(file_.get()));
+  return at < 0 || size_ == 0 ? 1.0 : static_cast<double>(at) / static_cast<double>(size_);
+}
+}  // namespace dyslam

@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <dyslam/packets/LidarPacket.h>
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <string>
+
+#include "FragmentedDatagrams.h"
+
+struct pcap;
+
+namespace dyslam
+{
+/** The UDP datagrams of a network capture (.pcap, .pcapng) one by one, IPv4 only, put together from
+ * their fragments. */
+class PacketCapture
+{
+ public:
+  /** \throws UserError if the file is missing or no capture. */
+  explicit PacketCapture(const std::string& path);
+
+  /** False at the end of the file, and where it is damaged: see damage(). */
+  [[nodiscard]] bool next(LidarPacket& packet);
+
+  /** Why the file cannot be read further; empty if it can, or has ended. */
+  [[nodiscard]] const std::string& damage() const { return damage_; }
+  /** Part of the file that was read, 0 to 1. */
+  [[nodiscard]] double progress() const;
+
+ private:
+  std::unique_ptr<pcap, void (*)(pcap*)> file_;
+  FragmentedDatagrams fragments_;
+  std::uintmax_t size_ = 0;  //!< of the file [bytes]
+  std::string damage_;
+};
+}  // namespace dyslam

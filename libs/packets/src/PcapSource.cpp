@@ -1,0 +1,231 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/core/Error.h>
+#include <dyslam/core/Files.h>
+#include <dyslam/formats/ScanFiles.h>
+#include <dyslam/packets/OusterScans.h>
+#include <dyslam/packets/PcapSource.h>
+
+#include <algorithm>
+#include <deque>
+#include <map>
+#include <utility>
+
+#include "PacketCapture.h"
+
+namespace dyslam
+{
+namespace
+{
+constexpr std::size_t probe_packets = 256;  //!< looked at to find the maker
+
+/** "12608 bytes (port 7502)" of the most frequent datagrams. */
+std::string mostFrequent(const std::deque<LidarPacket>& packets)
+{
+  std::map<std::pair<std::size_t, std::uint64_t>, std::size_t> counts;
+  std::pair<std::size_t, std::uint64_t> most;
+  for (const LidarPacket& packet : packets)
+  {
+    const std::pair kind(packet.bytes.size(), packet.stream & 0xffffU);
+    if (++counts[kind] > counts[most])
+    {
+      most = kind;
+    }
+  }
+  return std::to_string(most.first) + " bytes (port " + std::to_string(most.second) + ")";
+}
+}  // namespace
+
+void PcapSourceOptions::describe(OptionsVisitor& visitor)
+{
+  visitor.choice("model", model,
+                 {{"auto", VelodyneModel::automatic},
+                  {"VLP16", VelodyneModel::vlp16},
+                  {"VLP16HR", VelodyneModel::vlp16_hires},
+                  {"HDL32E", VelodyneModel::hdl32e},
+                  {"HDL64E", VelodyneModel::hdl64e},
+                  {"VLP32C", VelodyneModel::vlp32c},
+                  {"VLS128", VelodyneModel::vls128}},
+                 "model of a Velodyne; auto: from the packets");
+  visitor.text("calibration_file", calibration_file,
+               "Velodyne's XML or YAML calibration, empty: the model's default; or the metadata of "
+               "an Ouster (.json), empty: those beside the capture");
+  visitor.real("min_range", min_range, 0, 100,
+               "range below which a Velodyne's returns (own vehicle) are dropped [m]");
+  visitor.degrees(
+      "cut_azimuth_deg", cut_azimuth, 0, 360,
+      "azimuth at which a Velodyne's scans are cut, clockwise from straight ahead [deg]");
+  visitor.flag("keep_partial", keep_partial, "deliver also incomplete first and last revolutions");
+}
+
+struct PcapSource::Impl
+{
+  std::string path;
+  PcapSourceOptions options;
+  PacketCapture capture;
+  std::deque<LidarPacket> probed;
+  std::unique_ptr<PacketScans> scans;
+  std::vector<std::string> notes;
+  std::optional<std::uint64_t> stream;  //!< of the lidar: that of its first packet
+  std::size_t taken = 0;                //!< packets of the lidar
+  std::size_t of_others = 0;            //!< packets of other lidars
+  bool finished = false;
+  std::optional<Scan> first;
+  std::string probed_kind;      //!< the most frequent packets, for messages; empty: there are none
+  std::string ouster_metadata;  //!< file; empty: of no Ouster
+  std::size_t ouster_packet_size = 0;
+
+  Impl(const std::string& path_in, const PcapSourceOptions& options_in)
+      : path(path_in), options(options_in), capture(path_in)
+  {
+    LidarPacket packet;
+    while (probed.size() < probe_packets && capture.next(packet))
+    {
+      probed.push_back(std::move(packet));
+    }
+    probed_kind = probed.empty() ? "" : mostFrequent(probed);
+    scans = decoder();
+    first = read();
+    if (taken == 0)
+    {
+      throw UserError(whyNone());
+    }
+  }
+
+  [[nodiscard]] std::unique_ptr<PacketScans> decoder()
+  {
+    const std::string& calibration = options.calibration_file;
+    const bool of_ouster = lowerExtension(calibration) == ".json";
+    const bool of_velodyne =
+        !of_ouster && (!calibration.empty() || options.model != VelodyneModel::automatic ||
+                       std::any_of(probed.begin(), probed.end(), VelodyneScans::isPacket));
+    const std::string beside = of_ouster || of_velodyne ? "" : ousterMetadataBeside(path);
+    if (!of_ouster && beside.empty())
+    {
+      return std::make_unique<VelodyneScans>(path, options);
+    }
+    const std::string file = of_ouster ? calibration : beside;
+    if (!of_ouster)
+    {
+      notes.push_back("metadata of the lidar: " + file);
+    }
+    const OusterMetadata metadata = parseOusterMetadata(readWhole(file), file);
+    ouster_metadata = file;
+    ouster_packet_size = OusterScans::packetSize(metadata);
+    return std::make_unique<OusterScans>(path, metadata, options.keep_partial);
+  }
+
+  [[nodiscard]] std::string whyNone() const
+  {
+    const std::string damage = capture.damage().empty() ? "" : "; " + capture.damage();
+    const std::string has = probed_kind.empty() ? "" : ", but UDP packets of " + probed_kind;
+    if (!ouster_metadata.empty())
+    {
+      return path + ": has no data packets of the lidar of " + ouster_metadata + " (UDP, " +
+             std::to_string(ouster_packet_size) + " bytes)" + has + damage;
+    }
+    return path + ": has no Velodyne data packets (UDP, 1206 bytes)" + has + damage +
+           (has.empty()
+                ? ""
+                : "; of an Ouster, put its metadata (.json) beside the capture or name them "
+                  "with --calibration");
+  }
+
+  [[nodiscard]] bool nextPacket(LidarPacket& packet)
+  {
+    if (probed.empty())
+    {
+      return capture.next(packet);
+    }
+    packet = std::move(probed.front());
+    probed.pop_front();
+    return true;
+  }
+
+  /** The next scan, nothing at the end of the capture. */
+  [[nodiscard]] std::optional<Scan> read()
+  {
+    LidarPacket packet;
+    for (;;)
+    {
+      if (auto scan = scans->take())
+      {
+        return scan;
+      }
+      if (finished)
+      {
+        return std::nullopt;
+      }
+      if (nextPacket(packet))
+      {
+        add(packet);
+        continue;
+      }
+      finished = true;
+      scans->finish();
+    }
+  }
+
+  void add(const LidarPacket& packet)
+  {
+    if (!scans->takes(packet))
+    {
+      return;
+    }
+    stream = stream.value_or(packet.stream);
+    if (packet.stream != *stream)
+    {
+      ++of_others;
+      return;
+    }
+    ++taken;
+    scans->add(packet);
+  }
+};
+
+PcapSource::PcapSource(const std::string& path, const PcapSourceOptions& options)
+{
+  validate(options, "pcap source");
+  impl_ = std::make_unique<Impl>(path, options);
+}
+
+PcapSource::~PcapSource() = default;
+PcapSource::PcapSource(PcapSource&&) noexcept = default;
+PcapSource& PcapSource::operator=(PcapSource&&) noexcept = default;
+
+std::optional<Scan> PcapSource::next()
+{
+  auto scan = impl_->first ? std::exchange(impl_->first, std::nullopt) : impl_->read();
+  if (!scan && !impl_->capture.damage().empty())
+  {
+    throw UserError(impl_->path + ": is cut short or damaged after " +
+                    std::to_string(impl_->taken) + " packets: " + impl_->capture.damage());
+  }
+  return scan;
+}
+
+std::string PcapSource::sensor() const
+{
+  return impl_->scans->sensor();
+}
+
+double PcapSource::progress() const
+{
+  return impl_->capture.progress();
+}
+
+const std::vector<std::string>& PcapSource::notes() const
+{
+  return impl_->notes;
+}
+
+std::vector<std::string> PcapSource::warnings() const
+{
+  auto lines = impl_->scans->warnings();
+  if (impl_->of_others > 0)
+  {
+    lines.push_back(impl_->path + ": " + std::to_string(impl_->of_others) +
+                    " packets of other senders or ports left out; capture each lidar by itself");
+  }
+  return lines;
+}
+}  // namespace dyslam

@@ -1,0 +1,244 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/core/Error.h>
+#include <dyslam/core/Quantile.h>
+#include <dyslam/packets/SensorClock.h>
+#include <dyslam/packets/VelodynePackets.h>
+#include <dyslam/packets/VelodyneScans.h>
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <utility>
+
+namespace dyslam
+{
+namespace
+{
+constexpr std::size_t probe_packets = 64;  //!< looked at to find the model
+constexpr double max_range = 300;          //!< [m], beyond the reach of every model
+constexpr int turn = 36000;                //!< [0.01 deg], as all azimuths here
+
+/** A revolution while it is read. */
+struct Revolution
+{
+  Scan scan;
+  bool begun = false;
+  int first_azimuth = 0;  //!< from the cut on [0.01 deg]
+  int last_azimuth = 0;   //!< from the cut on [0.01 deg]
+};
+
+std::string nameOf(VelodyneModel model)
+{
+  return model == VelodyneModel::automatic ? "auto" : traitsOf(model).name;
+}
+
+VelodynePacketView viewOf(const LidarPacket& packet)
+{
+  return {packet.bytes.data()};
+}
+}  // namespace
+
+struct VelodyneScans::Impl
+{
+  std::string place;
+  VelodyneScansOptions options;
+  VelodyneModel model = VelodyneModel::automatic;
+  std::unique_ptr<VelodyneDecoder> decoder;  //!< none until the model is known
+  std::vector<LidarPacket> probed;           //!< packets that wait for the decoder
+  std::vector<std::string> notes;
+  int cut = turn / 2;  //!< azimuth where scans are cut [0.01 deg]
+
+  Revolution current;
+  RevolutionQueue queue;
+  std::size_t bad_blocks = 0;
+  SensorClock clock;
+  std::optional<std::uint32_t> last_clock;
+
+  Impl(std::string place_in, const VelodyneScansOptions& options_in)
+      : place(std::move(place_in)), options(options_in), queue(options_in.keep_partial)
+  {
+    cut = static_cast<int>(std::lround(options.cut_azimuth * 18000 / M_PI)) % turn;
+  }
+
+  /** Decides on the model, and decodes the packets that waited for that. */
+  void start()
+  {
+    model = options.model == VelodyneModel::automatic ? guessModel() : options.model;
+    decoder = std::make_unique<VelodyneDecoder>(model, calibration(), options.min_range, max_range);
+    for (const LidarPacket& packet : probed)
+    {
+      decode(packet);
+    }
+    probed.clear();
+  }
+
+  /** By the packets' model byte, but by their rate where that says otherwise: some firmware gives
+   * the wrong byte. An HDL-64E has a second bank of lasers and no such byte. */
+  VelodyneModel guessModel()
+  {
+    const std::uint8_t byte = viewOf(probed.front()).modelByte();
+    const auto stated = velodyneModelOf(byte);
+    if (stated == VelodyneModel::vls128)
+    {
+      return *stated;
+    }
+    for (const LidarPacket& packet : probed)
+    {
+      if (viewOf(packet).bank(0) == 1U || viewOf(packet).bank(1) == 1U)
+      {
+        return VelodyneModel::hdl64e;
+      }
+    }
+    const auto by_rate = modelByRate();
+    const bool fits = by_rate && stated &&
+                      traitsOf(*stated).firing_time == traitsOf(*by_rate).firing_time &&
+                      traitsOf(*stated).lasers == traitsOf(*by_rate).lasers;
+    if (!by_rate && !stated)
+    {
+      throw UserError(place + ": unknown lidar (model byte " + std::to_string(byte) +
+                      "); name it with --sensor: " + velodyneModelNames());
+    }
+    if (!by_rate || fits)
+    {
+      return *stated;
+    }
+    notes.push_back(place + ": taken as " + nameOf(*by_rate) + " by the rate of its packets" +
+                    (stated ? ", not as the " + nameOf(*stated) + " that they claim to be" : ""));
+    return *by_rate;
+  }
+
+  /** The model that sends a packet every 1327 us (VLP-16), 553 us (HDL-32E) or 664 us (VLP-32C), or
+   * nothing. */
+  [[nodiscard]] std::optional<VelodyneModel> modelByRate() const
+  {
+    std::vector<double> periods;
+    for (std::size_t i = 1; i < probed.size(); ++i)
+    {
+      periods.push_back(
+          microsecondsBetween(viewOf(probed[i - 1]).clock(), viewOf(probed[i]).clock()));
+    }
+    if (periods.empty())
+    {
+      return std::nullopt;
+    }
+    const bool dual = viewOf(probed.front()).returnMode() == VelodynePacketView::dual_return;
+    const double period = upperMedian(periods) * (dual ? 2 : 1);
+    return period > 1200 && period < 1450 ? std::optional(VelodyneModel::vlp16)
+           : period > 480 && period < 600 ? std::optional(VelodyneModel::hdl32e)
+           : period > 620 && period < 720 ? std::optional(VelodyneModel::vlp32c)
+                                          : std::nullopt;
+  }
+
+  [[nodiscard]] mrpt::obs::VelodyneCalibration calibration() const
+  {
+    const std::string& file = options.calibration_file;
+    if (file.empty() && model == VelodyneModel::hdl64e)
+    {
+      throw UserError(place + ": an HDL64E needs its own calibration; name it with --calibration");
+    }
+    return file.empty() ? usualCalibration(model)
+                        : readVelodyneCalibration(file, traitsOf(model).lasers);
+  }
+
+  void decode(const LidarPacket& packet)
+  {
+    const VelodynePacketView view = viewOf(packet);
+    const double step =
+        last_clock ? 1e-6 * microsecondsBetween(*last_clock, view.clock()) : 0;  // since the hour
+    last_clock = view.clock();
+    const double stamp = clock.advance(step, packet.captured);
+    for (std::size_t block = 0; block < velodyne_blocks; ++block)
+    {
+      const int azimuth = (view.azimuth(block) + turn - cut) % turn;
+      if (current.last_azimuth - azimuth > turn / 2)
+      {
+        finishRevolution();
+      }
+      if (!current.begun)
+      {
+        current.begun = true;
+        current.scan.stamp = stamp;
+        current.first_azimuth = azimuth;
+      }
+      current.last_azimuth = azimuth;
+      if (!decoder->decodeBlock(view, block, stamp - current.scan.stamp, current.scan))
+      {
+        ++bad_blocks;
+      }
+    }
+  }
+
+  void finishRevolution()
+  {
+    Revolution done = std::exchange(current, Revolution{});
+    if (done.begun)
+    {
+      done.scan.sensor_label = nameOf(model);
+      queue.push(std::move(done.scan), static_cast<double>(done.first_azimuth) / turn,
+                 static_cast<double>(done.last_azimuth) / turn);
+    }
+  }
+};
+
+VelodyneScans::VelodyneScans(std::string place, const VelodyneScansOptions& options)
+    : impl_(std::make_unique<Impl>(std::move(place), options))
+{
+}
+
+VelodyneScans::~VelodyneScans() = default;
+
+bool VelodyneScans::isPacket(const LidarPacket& packet)
+{
+  return packet.bytes.size() == velodyne_packet_size;
+}
+
+void VelodyneScans::add(const LidarPacket& packet)
+{
+  if (impl_->decoder != nullptr)
+  {
+    impl_->decode(packet);
+    return;
+  }
+  impl_->probed.push_back(packet);
+  if (impl_->probed.size() == probe_packets)
+  {
+    impl_->start();
+  }
+}
+
+void VelodyneScans::finish()
+{
+  if (impl_->decoder == nullptr && !impl_->probed.empty())
+  {
+    impl_->start();
+  }
+  impl_->finishRevolution();
+  impl_->queue.finish();
+}
+
+std::optional<Scan> VelodyneScans::take()
+{
+  return impl_->queue.take();
+}
+
+std::string VelodyneScans::sensor() const
+{
+  return nameOf(impl_->model);
+}
+
+VelodyneModel VelodyneScans::model() const
+{
+  return impl_->model;
+}
+
+std::vector<std::string> VelodyneScans::warnings() const
+{
+  auto lines = impl_->notes;
+  if (impl_->bad_blocks > 0)
+  {
+    lines.push_back(impl_->place + ": " + std::to_string(impl_->bad_blocks) +
+                    " blocks are not of a " + sensor() + " and were ignored");
+  }
+  return lines;
+}
+}  // namespace dyslam

@@ -1,0 +1,291 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/core/Error.h>
+#include <dyslam/packets/OusterScans.h>
+#include <dyslam/packets/PcapSource.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "SyntheticOuster.h"
+#include "TestFolder.h"
+
+namespace dyslam
+{
+namespace
+{
+LidarPacket received(const std::string& bytes, double captured = 1000)
+{
+  return {{bytes.begin(), bytes.end()}, captured, 0};
+}
+
+std::vector<Scan> scansOf(const SyntheticOuster& lidar,
+                          const std::vector<std::string>& packets,
+                          bool keep_partial = false)
+{
+  OusterScans decoder("x", parseOusterMetadata(lidar.metadata(), "x.json"), keep_partial);
+  std::vector<Scan> scans;
+  double time = 1000;
+  for (const std::string& bytes : packets)
+  {
+    const LidarPacket packet = received(bytes, time);
+    EXPECT_TRUE(decoder.takes(packet)) << lidar.profile;
+    decoder.add(packet);
+    time += SyntheticOuster::turn / SyntheticOuster::packets;
+    while (auto scan = decoder.take())
+    {
+      scans.push_back(std::move(*scan));
+    }
+  }
+  decoder.finish();
+  while (auto scan = decoder.take())
+  {
+    scans.push_back(std::move(*scan));
+  }
+  EXPECT_TRUE(decoder.warnings().empty());
+  return scans;
+}
+
+/** A point by the formula of the manual; x to the front. */
+Eigen::Vector3d pointAt(std::size_t beam, std::size_t column, std::uint32_t range)
+{
+  const double degree = M_PI / 180;
+  const double n = 0.016;
+  const double r = 1e-3 * range - n;
+  const double encoder = 2 * M_PI * (1 - static_cast<double>(column) / SyntheticOuster::columns);
+  const double azimuth = -SyntheticOuster::azimuths()[beam] * degree;
+  const double altitude = SyntheticOuster::altitudes()[beam] * degree;
+  const double x = r * std::cos(encoder + azimuth) * std::cos(altitude) + n * std::cos(encoder);
+  const double y = r * std::sin(encoder + azimuth) * std::cos(altitude) + n * std::sin(encoder);
+  const double z = r * std::sin(altitude);
+  return {-x, -y, z + 0.036};
+}
+
+struct Expected
+{
+  Eigen::Vector3d point;
+  float intensity;
+  float time;
+  std::uint16_t ring;
+};
+
+/** The points of a frame, column by column. */
+std::vector<Expected> expectedPoints(bool dual)
+{
+  std::vector<Expected> points;
+  for (std::size_t column = 0; column < SyntheticOuster::columns; ++column)
+  {
+    const float time = static_cast<float>(SyntheticOuster::turn * static_cast<double>(column) /
+                                          SyntheticOuster::columns);
+    for (std::size_t beam = 0; beam < SyntheticOuster::beams; ++beam)
+    {
+      const auto ring = static_cast<std::uint16_t>(SyntheticOuster::beams - 1 - beam);
+      const std::uint32_t first = SyntheticOuster::range(beam, column);
+      const std::uint32_t second = dual ? SyntheticOuster::secondRange(beam, column) : 0;
+      if (first > 0)
+      {
+        points.push_back({pointAt(beam, column, first),
+                          static_cast<float>(SyntheticOuster::reflectivity(beam, column)) / 255,
+                          time, ring});
+      }
+      if (second > 0)
+      {
+        points.push_back({pointAt(beam, column, second), 77.0F / 255, time, ring});
+      }
+    }
+  }
+  return points;
+}
+
+std::string errorOf(const std::string& metadata)
+{
+  return messageOfError<UserError>([&] { (void)parseOusterMetadata(metadata, "m.json"); });
+}
+
+std::string with(std::string text, const std::string& from, const std::string& to)
+{
+  const auto at = text.find(from);
+  EXPECT_NE(at, std::string::npos);
+  return text.replace(at, from.size(), to);
+}
+}  // namespace
+
+TEST(OusterScans, PointsOfEveryProfile)
+{
+  for (const char* profile :
+       {"LEGACY", "RNG19_RFL8_SIG16_NIR16", "RNG19_RFL8_SIG16_NIR16_DUAL", "RNG15_RFL8_NIR8",
+        "RNG15_RFL8_NIR8_DUAL", "FUSA_RNG15_RFL8_NIR8_DUAL"})
+  {
+    SyntheticOuster lidar;
+    lidar.profile = profile;
+    const auto scans = scansOf(lidar, lidar.packetsOf(3));
+    ASSERT_EQ(3U, scans.size()) << profile;
+    const auto expected = expectedPoints(lidar.profile.find("DUAL") != std::string::npos);
+    for (const Scan& scan : scans)
+    {
+      ASSERT_EQ(expected.size(), scan.size()) << profile;
+      for (std::size_t i = 0; i < scan.size(); ++i)
+      {
+        ASSERT_LT((expected[i].point - scan.points[i].cast<double>()).norm(), 1e-5) << profile;
+        ASSERT_FLOAT_EQ(expected[i].intensity, scan.intensity[i]) << profile;
+        ASSERT_NEAR(expected[i].time, scan.time[i], 1e-6) << profile;
+        ASSERT_EQ(expected[i].ring, scan.ring[i]) << profile;
+      }
+      EXPECT_EQ("OS-1-4", scan.sensor_label);
+    }
+    EXPECT_NEAR(1000, scans[0].stamp, 1e-6);
+    EXPECT_NEAR(SyntheticOuster::turn, scans[1].stamp - scans[0].stamp, 1e-6);
+  }
+}
+
+TEST(OusterScans, LeavesOutIncompleteFrames)
+{
+  const SyntheticOuster lidar;
+  auto packets = lidar.packetsOf(4, 1);  // without the first
+  packets.pop_back();
+  EXPECT_EQ(2U, scansOf(lidar, packets).size());
+  EXPECT_EQ(4U, scansOf(lidar, packets, true).size());
+  packets.erase(packets.begin() + 5);  // one that was lost on the way
+  const auto scans = scansOf(lidar, packets);
+  ASSERT_EQ(2U, scans.size());
+  EXPECT_LT(scans[0].size(), scans[1].size());
+}
+
+TEST(OusterScans, AWindowIsAWholeFrame)
+{
+  SyntheticOuster lidar;
+  lidar.first_column = 8;
+  lidar.last_column = 40;
+  EXPECT_EQ(3U, scansOf(lidar, lidar.packetsOf(3)).size());
+  EXPECT_EQ(2U, scansOf(lidar, lidar.packetsOf(3, 2)).size());
+}
+
+TEST(OusterScans, PacketsThatOvertakeEachOther)
+{
+  const SyntheticOuster lidar;
+  auto packets = lidar.packetsOf(3);
+  std::swap(packets[4], packets[5]);  // within a frame
+  const auto scans = scansOf(lidar, packets);
+  ASSERT_EQ(3U, scans.size());
+  EXPECT_EQ(scans[0].size(), scans[1].size());
+  EXPECT_EQ(0, *std::min_element(scans[1].time.begin(), scans[1].time.end()));
+  EXPECT_NEAR(SyntheticOuster::turn, scans[1].stamp - scans[0].stamp, 1e-6);
+  packets = lidar.packetsOf(3);
+  std::swap(packets[3], packets[4]);  // the last of a frame behind the first of the next
+  OusterScans decoder("x", parseOusterMetadata(lidar.metadata(), "x.json"), true);
+  for (const std::string& packet : packets)
+  {
+    decoder.add(received(packet));
+  }
+  decoder.finish();
+  ASSERT_EQ(1U, decoder.warnings().size());
+  EXPECT_TRUE(contains(decoder.warnings()[0], "x: 1 packet of an earlier frame left out"));
+}
+
+TEST(OusterScans, TakesItsOwnPacketsOnly)
+{
+  SyntheticOuster lidar;
+  const OusterScans decoder("x", parseOusterMetadata(lidar.metadata(), "x.json"), false);
+  const std::string own = lidar.packet(0, 0);
+  EXPECT_TRUE(decoder.takes(received(own)));
+  EXPECT_FALSE(decoder.takes(received(own.substr(1))));
+  EXPECT_TRUE(decoder.takes(received(own + '\0'))) << "as early drivers recorded them";
+  lidar.sensor = 42;
+  EXPECT_FALSE(decoder.takes(received(lidar.packet(0, 0)))) << "of another lidar";
+  std::string imu = own;
+  imu[0] = 2;
+  EXPECT_FALSE(decoder.takes(received(imu))) << "of another kind";
+}
+
+TEST(OusterScans, SynchronisedClocksAreKept)
+{
+  SyntheticOuster lidar;
+  lidar.first_time = 999700000000;  // 0.3 s before the capture, whose network was slow
+  const auto scans = scansOf(lidar, lidar.packetsOf(2));
+  ASSERT_EQ(2U, scans.size());
+  EXPECT_NEAR(999.7, scans[0].stamp, 1e-6);
+}
+
+TEST(OusterMetadata, SectionsOrNone)
+{
+  const SyntheticOuster lidar;
+  const OusterMetadata a = parseOusterMetadata(lidar.metadata(false), "a");
+  const OusterMetadata b = parseOusterMetadata(lidar.metadata(true), "b");
+  for (const OusterMetadata& m : {a, b})
+  {
+    EXPECT_EQ("OS-1-4", m.product);
+    EXPECT_EQ(SyntheticOuster::serial, m.serial);
+    EXPECT_EQ("RNG19_RFL8_SIG16_NIR16", m.profile.name);
+    EXPECT_EQ(4U, m.beams());
+    EXPECT_EQ(64U, m.columns);
+    EXPECT_EQ(16U, m.packet_columns);
+    EXPECT_DOUBLE_EQ(0.016, m.origin_outwards);
+    EXPECT_DOUBLE_EQ(0.036, m.T_sensor_lidar.translation().z());
+    EXPECT_EQ(32U + 16 * (12 + 4 * 12) + 32, OusterScans::packetSize(m));
+  }
+  const OusterMetadata old = parseOusterMetadata(
+      R"({"lidar_mode": "512x20", "beam_altitude_angles": [1, 2], "beam_azimuth_angles": [0, 0]})",
+      "old");
+  EXPECT_TRUE(old.profile.isLegacy());
+  EXPECT_EQ(512U, old.columns);
+  EXPECT_DOUBLE_EQ(-1, old.T_sensor_lidar.linear()(0, 0));
+}
+
+TEST(OusterMetadata, ErrorsNameTheValue)
+{
+  const std::string good = SyntheticOuster().metadata();
+  EXPECT_TRUE(contains(errorOf("text"), "m.json: is not JSON"));
+  EXPECT_TRUE(contains(errorOf(std::string(100000, '[')), "m.json: is not JSON"));
+  EXPECT_TRUE(contains(errorOf(with(good, "RNG19", "RNG99")), "udp_profile_lidar RNG99"));
+  EXPECT_TRUE(contains(errorOf(with(good, "[3, 1", "[1")), "beam_azimuth_angles has 3 angles"));
+  EXPECT_TRUE(contains(errorOf(with(good, "[20, 5", "[\"20\", 5")),
+                       "beam_altitude_angles is not a list of numbers"));
+  EXPECT_TRUE(contains(errorOf(with(good, "[20, 5, -5.5, -20]", "[0, 0, 0, 0]")), "are all 0"));
+  EXPECT_TRUE(contains(errorOf(with(good, "\"columns_per_frame\": 64", "\"a\": 1")),
+                       "columns_per_frame is missing"));
+  EXPECT_TRUE(contains(errorOf(with(good, "\"pixels_per_column\": 4", "\"pixels_per_column\": 8")),
+                       "pixels_per_column is not"));
+  EXPECT_TRUE(contains(errorOf(with(good, "[-1,0,0,0", "[-2,0,0,0")),
+                       "lidar_to_sensor_transform is no pose"));
+}
+
+TEST(PcapSource, OusterWithMetadataBeside)
+{
+  const SyntheticOuster lidar;
+  const TestFolder folder;
+  const std::string path = folder.write("drive.pcap", lidar.capture(lidar.packetsOf(3)));
+  EXPECT_TRUE(
+      contains(messageOfError<UserError>([&] { PcapSource source(path); }),
+               "but UDP packets of 1024 bytes (port 7502); of an Ouster, put its metadata"));
+  folder.write("other.json", "{}");
+  SyntheticOuster old;
+  old.profile = "LEGACY";
+  folder.write("a.json", old.metadata());
+  EXPECT_TRUE(contains(messageOfError<UserError>([&] { PcapSource source(path); }),
+                       "has no data packets of the lidar of"));
+  const std::string metadata = folder.write("drive_0.json", lidar.metadata(true));
+  // In one piece, and in fragments as they are on the wire.
+  const std::string cut = folder.write("drive_cut.pcap", lidar.capture(lidar.packetsOf(3), 256));
+  for (const std::string& capture : {path, cut})
+  {
+    PcapSource source(capture);
+    ASSERT_EQ(1U, source.notes().size());
+    EXPECT_EQ("metadata of the lidar: " + metadata, source.notes()[0]);
+    EXPECT_EQ("OS-1-4", source.sensor());
+    const std::size_t points = expectedPoints(false).size();
+    for (int i = 0; i < 3; ++i)
+    {
+      const auto scan = source.next();
+      ASSERT_TRUE(scan) << capture;
+      EXPECT_EQ(points, scan->size());
+      EXPECT_NEAR(1000 + i * SyntheticOuster::turn, scan->stamp, 1e-6);
+    }
+    EXPECT_FALSE(source.next());
+    EXPECT_TRUE(source.warnings().empty());
+  }
+  PcapSourceOptions options;
+  options.calibration_file = folder.file("a.json");
+  EXPECT_TRUE(contains(messageOfError<UserError>([&] { PcapSource source(path, options); }),
+                       "has no data packets of the lidar of"));
+}
+}  // namespace dyslam

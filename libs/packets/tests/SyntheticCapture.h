@@ -1,0 +1,126 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Network captures of lidars that see a sphere. They know nothing of the readers.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+namespace dyslam
+{
+template <typename T>
+void appendBytes(std::string& bytes, T value)
+{
+  bytes.append(reinterpret_cast<const char*>(&value), sizeof value);
+}
+
+inline void appendBigEndian(std::string& bytes, std::size_t value)
+{
+  bytes += static_cast<char>((value >> 8U) & 0xffU);
+  bytes += static_cast<char>(value & 0xffU);
+}
+
+/** The beginning of a .pcap of Ethernet frames. */
+inline std::string captureHeader()
+{
+  std::string file;
+  appendBytes<std::uint32_t>(file, 0xa1b2c3d4);
+  appendBytes<std::uint16_t>(file, 2);
+  appendBytes<std::uint16_t>(file, 4);
+  file += std::string(8, '\0');
+  appendBytes<std::uint32_t>(file, 65535);
+  appendBytes<std::uint32_t>(file, 1);
+  return file;
+}
+
+/** A frame with an IPv4 datagram of UDP, or a part of one.
+ * \param place flags and offset of the header. */
+inline std::string ipFrame(const std::string& data, std::size_t number, std::size_t place)
+{
+  std::string frame(12, '\0');
+  frame += std::string("\x08\x00\x45\x00", 4);
+  frame += std::string(2, '\0');  // the length, which is left out
+  appendBigEndian(frame, number);
+  appendBigEndian(frame, place);
+  return frame + std::string("\x40\x11", 2) + std::string(10, '\0') + data;
+}
+
+inline std::string udpDatagram(const std::string& payload, std::size_t port)
+{
+  std::string udp;
+  appendBigEndian(udp, port);
+  appendBigEndian(udp, port);
+  appendBigEndian(udp, payload.size() + 8);
+  return udp + std::string(2, '\0') + payload;
+}
+
+inline void appendFrame(std::string& file, double time, const std::string& frame)
+{
+  appendBytes(file, static_cast<std::uint32_t>(time));
+  appendBytes(file, static_cast<std::uint32_t>(std::fmod(time, 1.0) * 1e6));
+  appendBytes(file, static_cast<std::uint32_t>(frame.size()));
+  appendBytes(file, static_cast<std::uint32_t>(frame.size()));
+  file += frame;
+}
+
+/** The frames of one datagram, cut into fragments of at most `size` bytes. \pre size % 8 == 0 */
+inline std::vector<std::string> fragmentsOf(const std::string& datagram,
+                                            std::size_t number,
+                                            std::size_t size)
+{
+  constexpr std::size_t more = 0x2000;
+  std::vector<std::string> frames;
+  for (std::size_t at = 0; at < datagram.size(); at += size)
+  {
+    const bool last = at + size >= datagram.size();
+    frames.push_back(ipFrame(datagram.substr(at, size), number, (last ? 0 : more) | at / 8));
+  }
+  return frames;
+}
+
+/** A VLP-16 packet at a time since the first one [s]. Laser 3 sees nothing. */
+inline std::string velodynePacket(double time,
+                                  std::uint8_t model_byte = 0x22,
+                                  double first_azimuth = 0)
+{
+  constexpr double packet_time = 12 * 2 * 55.296e-6;
+  std::string udp;
+  for (std::size_t block = 0; block < 12; ++block)
+  {
+    const double seconds = time + static_cast<double>(block) / 12 * packet_time;
+    appendBytes<std::uint16_t>(udp, 0xeeff);
+    appendBytes(
+        udp, static_cast<std::uint16_t>(std::fmod(first_azimuth + seconds * 3600.0, 360.0) * 100));
+    for (std::size_t k = 0; k < 32; ++k)
+    {
+      appendBytes<std::uint16_t>(udp, k % 16 == 3 ? 0 : 5000);  // laser 3 sees nothing
+      udp += static_cast<char>(51);
+    }
+  }
+  const double clock = 3599.5 + time;  // over the full hour
+  appendBytes(udp, static_cast<std::uint32_t>(std::fmod(clock, 3600.0) * 1e6));
+  udp += static_cast<char>(0x37);
+  udp += static_cast<char>(model_byte);
+  return udp;
+}
+
+/** A VLP-16 at 10 Hz inside a sphere of 10 m, as a capture file. Laser 3 sees nothing. */
+inline std::string captured(std::size_t packets,
+                            std::uint8_t model_byte = 0x22,
+                            double first_azimuth = 0)
+{
+  constexpr double packet_time = 12 * 2 * 55.296e-6;
+  constexpr std::size_t port = 2368;
+  std::string file = captureHeader();
+  for (std::size_t n = 0; n < packets; ++n)
+  {
+    const double time = static_cast<double>(n) * packet_time;
+    const std::string packet = velodynePacket(time, model_byte, first_azimuth);
+    appendFrame(file, 1000.0 + time, ipFrame(udpDatagram(packet, port), 0, 0));
+  }
+  return file;
+}
+}  // namespace dyslam
