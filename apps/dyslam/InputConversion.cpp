@@ -155,10 +155,11 @@ void declareConversion(CLI::App& app, RecordingOptions& options)
   app.add_option("--imu-topic", options.imu_topic, "a bag's sensor_msgs/Imu")->group(group);
   app.add_option("--odometry-topic", options.odometry_topic, "a bag's speed by the wheels")
       ->group(group);
-  app.add_option("--sensor", options.sensor,
-                 "the Velodyne of packets: VLP16, VLP16HR, HDL32E, HDL64E, VLP32C or VLS128 (default: "
-                 "from the packets); "
-                 "otherwise the scans' sensor label")
+  app.add_option(
+         "--sensor", options.sensor,
+         "the Velodyne of packets: VLP16, VLP16HR, HDL32E, HDL64E, VLP32C or VLS128 (default: "
+         "from the packets); "
+         "otherwise the scans' sensor label")
       ->group(group);
   app.add_option("--calibration", options.calibration,
                  "of packets (.pcap, bag): Velodyne's XML or YAML, or an Ouster's metadata (.json; "

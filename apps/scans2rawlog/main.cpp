@@ -57,10 +57,11 @@ void declare(CLI::App& app, Arguments& arguments)
   app.add_option("--odometry-topic", o.odometry_topic,
                  "a bag's speed by the wheels, written beside the scans: Odometry, TwistStamped, "
                  "TwistWithCovarianceStamped");
-  app.add_option("--sensor", o.sensor,
-                 "the Velodyne of packets: VLP16, VLP16HR, HDL32E, HDL64E, VLP32C or VLS128 (default: "
-                 "from the packets); "
-                 "otherwise the scans' sensor label");
+  app.add_option(
+      "--sensor", o.sensor,
+      "the Velodyne of packets: VLP16, VLP16HR, HDL32E, HDL64E, VLP32C or VLS128 (default: "
+      "from the packets); "
+      "otherwise the scans' sensor label");
   app.add_option("--calibration", o.calibration,
                  "of packets (.pcap, bag): Velodyne's XML or YAML, or an Ouster's metadata (.json; "
                  "default: those beside the .pcap or in the bag)");

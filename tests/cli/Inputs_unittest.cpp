@@ -458,7 +458,8 @@ TEST_F(Inputs, OusterCaptures)
 {
   const SyntheticOuster lidar;
   write("drive.pcap", lidar.capture(lidar.packetsOf(4), 512));
-  const Outcome without = run("scans2rawlog", "-i " + at("drive.pcap") + " -o " + at("none.rawlog"));
+  const Outcome without =
+      run("scans2rawlog", "-i " + at("drive.pcap") + " -o " + at("none.rawlog"));
   EXPECT_EQ(1, without.code);
   EXPECT_NE(without.err.find("--calibration"), std::string::npos) << without.err;
   write("drive.json", lidar.metadata(true));

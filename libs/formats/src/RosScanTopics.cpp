@@ -47,7 +47,13 @@ constexpr std::size_t least_lidar_packet = 1000;  // [bytes]; those of an IMU ar
 bool areOfLidar(const BagTopic& topic, const BagMessage& message)
 {
   const auto packets = decodeRosPackets(topic, message);
-  return packets.empty() || packets.front().bytes.size() >= least_lidar_packet;
+  if (packets.empty())
+  {
+    return true;
+  }
+  const std::string_view first = packets.front().bytes;
+  const bool of_imu = first.substr(0, 2) == std::string_view("\x02\0", 2);  // the type, if any
+  return first.size() >= least_lidar_packet && !of_imu;
 }
 
 RosScanTopic packetSummaryOf(const BagTopic& topic, const BagMessage& message)
@@ -225,7 +231,10 @@ std::vector<RosScanTopic> scanTopics(Bag& bag)
                      [&of_others](const RosScanTopic& t) { return of_others.count(t.topic) > 0; }),
       found.end());
   const auto rank = [&bag](const RosScanTopic& t)
-  { return std::tuple(!t.packets, t.has_times_or_rings, t.bytes, bag.topics()[t.topic].messages); };
+  {
+    return std::tuple(t.has_times_or_rings || t.packets, !t.packets, t.bytes,
+                      bag.topics()[t.topic].messages);
+  };
   std::stable_sort(found.begin(), found.end(),
                    [&rank](const auto& a, const auto& b) { return rank(a) > rank(b); });
   return found;

@@ -218,6 +218,8 @@ class BagReader
     held_.passOnAll();
   }
 
+  [[nodiscard]] std::vector<std::string> warnings() const { return reader_->warnings(); }
+
   /** What was read, as notes and warnings. \param truth_topic topic of the true poses */
   void report(const std::string& truth_topic)
   {
@@ -317,6 +319,12 @@ void convertBag(const std::string& input, ScanSink& sink, const ScanConverterOpt
   sink.note("scans: " + topic.name + " (" + topic.type + ")");
   BagReader reader(input, *bag, at, frames, truth, options, sink);
   reader.read();
+  if (sink.seen() == 0 && packetMakerOf(topic))
+  {
+    const auto warnings = reader.warnings();
+    throw UserError(input + ": " + topic.name + " holds no whole revolution" +
+                    (warnings.empty() ? "; try --keep-partial" : ": " + warnings.front()));
+  }
   if (sink.written() == 0)
   {
     throw UserError(input + ": " + topic.name + " has " + std::to_string(topic.messages) +

@@ -358,9 +358,10 @@ void requireFitting(InputKind kind, const ScanConverterOptions& options)
 
 void ScanConverterOptions::describe(OptionsVisitor& visitor)
 {
-  visitor.text("sensor", sensor,
-               "model of the Velodyne of packets, VLP16, VLP16HR, HDL32E, HDL64E, VLP32C or VLS128; else "
-               "the scans' label");
+  visitor.text(
+      "sensor", sensor,
+      "model of the Velodyne of packets, VLP16, VLP16HR, HDL32E, HDL64E, VLP32C or VLS128; else "
+      "the scans' label");
   visitor.text("calibration", calibration,
                "for packets: Velodyne XML or YAML calibration, or metadata of an Ouster (.json)");
   visitor.text("poses", poses, "file of TUM or KITTI poses of the lidar, a line for each scan");

@@ -9,12 +9,14 @@ namespace dyslam
 namespace
 {
 constexpr std::size_t largest_datagram = 65535;  // [bytes]
-}
+constexpr std::size_t unit = 8;                  // of the offsets of fragments [bytes]
+}  // namespace
 
 std::deque<FragmentedDatagrams::Datagram>::iterator FragmentedDatagrams::datagramOf(
     const IpFragment& fragment)
 {
-  while (!incomplete_.empty() && added_ - incomplete_.front().begun > longest_wait)
+  while (!incomplete_.empty() &&
+         (added_ - incomplete_.front().begun > longest_wait || incomplete_.size() > most))
   {
     incomplete_.pop_front();
   }
@@ -29,7 +31,7 @@ std::deque<FragmentedDatagrams::Datagram>::iterator FragmentedDatagrams::datagra
   {
     return found;
   }
-  incomplete_.push_back({fragment.sender, fragment.receiver, fragment.number, added_, {}, 0, {}});
+  incomplete_.push_back({fragment.sender, fragment.receiver, fragment.number, added_, {}, {}, {}});
   return std::prev(incomplete_.end());
 }
 
@@ -45,12 +47,15 @@ std::optional<std::vector<std::uint8_t>> FragmentedDatagrams::add(const IpFragme
   datagram->data.resize(std::max(datagram->data.size(), end));
   std::copy(fragment.data, fragment.data + fragment.size,
             datagram->data.begin() + static_cast<std::ptrdiff_t>(fragment.offset));
-  datagram->received += fragment.size;
+  datagram->units.resize((datagram->data.size() + unit - 1) / unit);
+  std::fill(datagram->units.begin() + static_cast<std::ptrdiff_t>(fragment.offset / unit),
+            datagram->units.begin() + static_cast<std::ptrdiff_t>((end + unit - 1) / unit), true);
   if (!fragment.more)
   {
     datagram->size = end;
   }
-  if (!datagram->size || datagram->received < *datagram->size)
+  const auto& units = datagram->units;
+  if (!datagram->size || std::find(units.begin(), units.end(), false) != units.end())
   {
     return std::nullopt;
   }

@@ -27,6 +27,7 @@ class FragmentedDatagrams
  public:
   /** Fragments of others that an incomplete datagram outlasts: its number will be used again. */
   static constexpr std::uint64_t longest_wait = 4096;
+  static constexpr std::size_t most = 64;  //!< incomplete ones that are kept, the latest
 
   /** \return the data of the datagram, behind its IP header, once all of it is there. */
   [[nodiscard]] std::optional<std::vector<std::uint8_t>> add(const IpFragment& fragment);
@@ -39,7 +40,7 @@ class FragmentedDatagrams
     std::uint16_t number;
     std::uint64_t begun;  //!< fragments added before its first
     std::vector<std::uint8_t> data;
-    std::size_t received = 0;         //!< [bytes]
+    std::vector<bool> units;          //!< received, of eight bytes each
     std::optional<std::size_t> size;  //!< known with the fragment that none follows [bytes]
   };
   [[nodiscard]] std::deque<Datagram>::iterator datagramOf(const IpFragment& fragment);

@@ -10,6 +10,7 @@
 #include <cmath>
 #include <filesystem>
 #include <nlohmann/json.hpp>
+#include <tuple>
 #include <utility>
 
 namespace dyslam
@@ -178,6 +179,13 @@ std::size_t packetColumnsOf(const Values& values)
   return static_cast<std::size_t>(columns);
 }
 
+/** Distance of the beams' origin from the axis, of firmware that does not state it [mm]. */
+double usualOrigin(const std::string& product)
+{
+  const std::string line = product.substr(0, 4);
+  return line == "OS-0" ? 27.67 : line == "OS-1" ? 15.806 : line == "OS-2" ? 13.762 : 12.163;
+}
+
 void readBeams(const Values& values, OusterMetadata& metadata)
 {
   metadata.altitudes = values.numbers(altitudes_name);
@@ -210,9 +218,14 @@ void readBeams(const Values& values, OusterMetadata& metadata)
                    [](double degrees) { return degrees / degrees_per_radian; });
   }
   const auto beam_to_lidar = values.numbers("beam_to_lidar_transform");
-  const double outwards = beam_to_lidar.size() == 16
-                              ? beam_to_lidar[3]
-                              : values.number("lidar_origin_to_beam_origin_mm", 0);
+  if (!beam_to_lidar.empty() && beam_to_lidar.size() != 16)
+  {
+    values.fail("beam_to_lidar_transform", "has not 16 numbers");
+  }
+  const double outwards =
+      beam_to_lidar.size() == 16
+          ? beam_to_lidar[3]
+          : values.number("lidar_origin_to_beam_origin_mm", usualOrigin(metadata.product));
   metadata.origin_outwards = metres_per_millimetre * outwards;
   metadata.origin_up = beam_to_lidar.size() == 16 ? metres_per_millimetre * beam_to_lidar[11] : 0;
 }
@@ -224,7 +237,9 @@ Pose sensorPoseOf(const Values& values)
   Pose T_sensor_lidar = Pose::Identity();
   if (m.empty())
   {
+    constexpr double usual_height = 36.18;  // [mm]
     T_sensor_lidar.linear().diagonal() = Eigen::Vector3d(-1, -1, 1);
+    T_sensor_lidar.translation().z() = metres_per_millimetre * usual_height;
     return T_sensor_lidar;
   }
   if (m.size() != 16)
@@ -250,9 +265,20 @@ bool isOusterMetadata(const fs::path& path)
   constexpr std::uintmax_t largest = 1 << 20;  // [bytes]
   std::error_code unreadable;
   const std::uintmax_t size = fs::file_size(path, unreadable);
-  return !unreadable && size <= largest &&
-         readWhole(path.string()).find(altitudes_name) != std::string::npos;
+  if (unreadable || size > largest)
+  {
+    return false;
+  }
+  try
+  {
+    return readWhole(path.string()).find(altitudes_name) != std::string::npos;
+  }
+  catch (const UserError&)
+  {
+    return false;  // another file of the folder, whose owner keeps it private
+  }
 }
+
 }  // namespace
 
 OusterMetadata parseOusterMetadata(const std::string& text, const std::string& place)
@@ -272,26 +298,32 @@ OusterMetadata parseOusterMetadata(const std::string& text, const std::string& p
   return metadata;
 }
 
-std::string ousterMetadataBeside(const std::string& capture)
+std::vector<std::string> ousterMetadataBeside(const std::string& capture)
 {
   const fs::path path(capture);
   const fs::path folder = path.has_parent_path() ? path.parent_path() : fs::path(".");
-  std::vector<fs::path> files;
+  const std::string stem = path.stem().string();
+  std::vector<std::pair<std::size_t, std::string>> files;  // behind what the name has in common
   std::error_code unreadable;
   for (fs::directory_iterator it(folder, unreadable), end; !unreadable && it != end;
        it.increment(unreadable))
   {
     if (lowerExtension(it->path().string()) == ".json" && isOusterMetadata(it->path()))
     {
-      files.push_back(it->path());
+      files.emplace_back(commonPrefix(it->path().stem().string(), stem), it->path().string());
     }
   }
-  std::sort(files.begin(), files.end());
-  const std::string stem = path.stem().string();
-  const auto best = std::max_element(
-      files.begin(), files.end(),
-      [&stem](const fs::path& a, const fs::path& b)
-      { return commonPrefix(a.stem().string(), stem) < commonPrefix(b.stem().string(), stem); });
-  return best == files.end() ? "" : best->string();
+  std::sort(files.begin(), files.end(),
+            [](const auto& a, const auto& b)
+            {
+              return std::tuple(b.first, a.second.size(), a.second) <
+                     std::tuple(a.first, b.second.size(), b.second);
+            });
+  std::vector<std::string> paths;
+  for (const auto& [common, file] : files)
+  {
+    paths.push_back(file);
+  }
+  return paths;
 }
 }  // namespace dyslam

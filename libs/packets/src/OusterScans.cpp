@@ -111,11 +111,14 @@ struct OusterScans::Impl
 
   Scan scan;                           //!< the frame that is read
   std::optional<std::uint32_t> frame;  //!< its number
-  std::uint64_t first_time = 0;        //!< of the sensor's clock [ns]
+  std::vector<bool> received;          //!< of the frame's columns
   std::size_t first_column = 0;
   std::size_t last_column = 0;
-  std::size_t late = 0;   //!< packets of a frame that has been passed on
-  std::size_t alien = 0;  //!< columns that no frame of this sensor has
+  std::size_t returns = 0;    //!< points of all frames
+  std::size_t saturated = 0;  //!< those with an intensity above the scale
+  std::size_t late = 0;       //!< packets of a frame that has been passed on
+  std::size_t repeated = 0;   //!< columns
+  std::size_t alien = 0;      //!< columns that no frame of this sensor has
 
   Impl(std::string place_in, const OusterMetadata& metadata_in, bool keep_partial)
       : place(std::move(place_in)),
@@ -183,6 +186,7 @@ struct OusterScans::Impl
     }
     finishFrame();
     frame = number;
+    received.assign(metadata.columns, false);
     return true;
   }
 
@@ -218,6 +222,12 @@ struct OusterScans::Impl
         ++alien;
         continue;
       }
+      if (received[column.number])
+      {
+        ++repeated;
+        continue;
+      }
+      received[column.number] = true;
       add(column, packet.captured);
     }
   }
@@ -231,13 +241,12 @@ struct OusterScans::Impl
     if (scan.points.empty())
     {
       scan.stamp = stamp;
-      first_time = column.time;
       first_column = column.number;
       last_column = column.number;
     }
     first_column = std::min<std::size_t>(first_column, column.number);
     last_column = std::max<std::size_t>(last_column, column.number);
-    addPoints(column, static_cast<float>(elapsed(first_time, column.time)));
+    addPoints(column, static_cast<float>(stamp - scan.stamp));
   }
 
   void addPoints(const Column& column, float time)
@@ -264,7 +273,10 @@ struct OusterScans::Impl
         earlier = range;
         const double along = ouster_range_unit * range - before;
         scan.points.push_back((origin + along * direction).cast<float>());
-        scan.intensity.push_back(reflectivityOf(pixel, part));
+        const float reflectivity = reflectivityOf(pixel, part);
+        ++returns;
+        saturated += reflectivity > 1 ? 1 : 0;
+        scan.intensity.push_back(std::min(reflectivity, 1.0F));
         scan.time.push_back(time);
         scan.ring.push_back(rings[beam]);
       }
@@ -280,14 +292,13 @@ struct OusterScans::Impl
     return (bits & ((1U << part.range_bits) - 1)) * part.range_unit;
   }
 
-  /** 0 to 1. */
+  /** 0 to 1; more where firmware before 2.1 has 16 bits of an uncalibrated scale. */
   [[nodiscard]] float reflectivityOf(const std::uint8_t* pixel, const OusterReturn& part) const
   {
-    // Firmware before 2.1 has 16 bits of an uncalibrated scale.
     const std::uint8_t* at = pixel + part.reflectivity_at;
     const std::uint16_t value =
         metadata.profile.isLegacy() ? numberAt<std::uint16_t>(at) : std::uint16_t{*at};
-    return std::min(static_cast<float>(value) / full_reflectivity, 1.0F);
+    return static_cast<float>(value) / full_reflectivity;
   }
 };
 
@@ -345,6 +356,16 @@ std::vector<std::string> OusterScans::warnings() const
   {
     lines.push_back(impl_->place + ": " + counted(impl_->late, "packet") +
                     " of an earlier frame left out, which came too late");
+  }
+  if (impl_->repeated > 0)
+  {
+    lines.push_back(impl_->place + ": " + counted(impl_->repeated, "column") +
+                    " received twice, as if each packet was captured on two interfaces; used once");
+  }
+  if (impl_->saturated > impl_->returns / 100)
+  {
+    lines.push_back(impl_->place +
+                    ": intensities are not calibrated (firmware before 2.1) and limited to 1");
   }
   if (impl_->alien > 0)
   {

@@ -96,8 +96,9 @@ bool fillPacket(const std::uint8_t* udp,
   {
     return false;
   }
-  const std::size_t stated = std::max<std::size_t>(bigEndian(udp + 4), header_size);
-  packet.bytes.assign(udp + header_size, udp + std::min(size, stated));
+  const std::size_t stated = bigEndian(udp + 4);  // 0 where the writer left it out
+  packet.bytes.assign(udp + header_size,
+                      udp + (stated > header_size ? std::min(size, stated) : size));
   packet.stream = static_cast<std::uint64_t>(sender) << 16U | bigEndian(udp + 2);
   return true;
 }

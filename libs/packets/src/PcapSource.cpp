@@ -18,8 +18,8 @@ namespace
 {
 constexpr std::size_t probe_packets = 256;  //!< looked at to find the maker
 
-/** "12608 bytes (port 7502)" of the most frequent datagrams. */
-std::string mostFrequent(const std::deque<LidarPacket>& packets)
+/** Size and port of the most frequent datagrams. */
+std::pair<std::size_t, std::uint64_t> mostFrequent(const std::deque<LidarPacket>& packets)
 {
   std::map<std::pair<std::size_t, std::uint64_t>, std::size_t> counts;
   std::pair<std::size_t, std::uint64_t> most;
@@ -31,7 +31,7 @@ std::string mostFrequent(const std::deque<LidarPacket>& packets)
       most = kind;
     }
   }
-  return std::to_string(most.first) + " bytes (port " + std::to_string(most.second) + ")";
+  return most;
 }
 }  // namespace
 
@@ -73,6 +73,7 @@ struct PcapSource::Impl
   std::string probed_kind;      //!< the most frequent packets, for messages; empty: there are none
   std::string ouster_metadata;  //!< file; empty: of no Ouster
   std::size_t ouster_packet_size = 0;
+  std::size_t probed_size = 0;  //!< of the most frequent packets [bytes]
 
   Impl(const std::string& path_in, const PcapSourceOptions& options_in)
       : path(path_in), options(options_in), capture(path_in)
@@ -82,7 +83,12 @@ struct PcapSource::Impl
     {
       probed.push_back(std::move(packet));
     }
-    probed_kind = probed.empty() ? "" : mostFrequent(probed);
+    if (!probed.empty())
+    {
+      const auto [size, port] = mostFrequent(probed);
+      probed_size = size;
+      probed_kind = std::to_string(size) + " bytes (port " + std::to_string(port) + ")";
+    }
     scans = decoder();
     first = read();
     if (taken == 0)
@@ -91,23 +97,43 @@ struct PcapSource::Impl
     }
   }
 
+  /** For the lidar of the capture: of the metadata beside it the first that fit its packets. */
   [[nodiscard]] std::unique_ptr<PacketScans> decoder()
   {
     const std::string& calibration = options.calibration_file;
-    const bool of_ouster = lowerExtension(calibration) == ".json";
-    const bool of_velodyne =
-        !of_ouster && (!calibration.empty() || options.model != VelodyneModel::automatic ||
-                       std::any_of(probed.begin(), probed.end(), VelodyneScans::isPacket));
-    const std::string beside = of_ouster || of_velodyne ? "" : ousterMetadataBeside(path);
-    if (!of_ouster && beside.empty())
+    if (lowerExtension(calibration) == ".json")
+    {
+      return ousterDecoder(calibration);
+    }
+    if (calibration.empty() && options.model == VelodyneModel::automatic && !mostAreOfVelodyne())
+    {
+      for (const std::string& file : ousterMetadataBeside(path))
+      {
+        auto ouster = ousterDecoder(file);
+        if (std::any_of(probed.begin(), probed.end(),
+                        [&ouster](const LidarPacket& packet) { return ouster->takes(packet); }))
+        {
+          notes.push_back("metadata of the lidar: " + file);
+          return ouster;
+        }
+      }
+    }
+    if (ouster_metadata.empty() || mostAreOfVelodyne())
     {
       return std::make_unique<VelodyneScans>(path, options);
     }
-    const std::string file = of_ouster ? calibration : beside;
-    if (!of_ouster)
-    {
-      notes.push_back("metadata of the lidar: " + file);
-    }
+    return ousterDecoder(ouster_metadata);
+  }
+
+  /** A stray datagram may have the size of a Velodyne's packets. */
+  [[nodiscard]] bool mostAreOfVelodyne() const
+  {
+    return 2 * std::count_if(probed.begin(), probed.end(), VelodyneScans::isPacket) >
+           static_cast<std::ptrdiff_t>(probed.size());
+  }
+
+  [[nodiscard]] std::unique_ptr<PacketScans> ousterDecoder(const std::string& file)
+  {
     const OusterMetadata metadata = parseOusterMetadata(readWhole(file), file);
     ouster_metadata = file;
     ouster_packet_size = OusterScans::packetSize(metadata);
@@ -121,7 +147,9 @@ struct PcapSource::Impl
     if (!ouster_metadata.empty())
     {
       return path + ": has no data packets of the lidar of " + ouster_metadata + " (UDP, " +
-             std::to_string(ouster_packet_size) + " bytes)" + has + damage;
+             std::to_string(ouster_packet_size) + " bytes)" + has +
+             (probed_size == ouster_packet_size ? " of a sensor with another serial number" : "") +
+             damage;
     }
     return path + ": has no Velodyne data packets (UDP, 1206 bytes)" + has + damage +
            (has.empty()
@@ -169,6 +197,9 @@ struct PcapSource::Impl
   {
     if (!scans->takes(packet))
     {
+      const bool of_lidar =
+          VelodyneScans::isPacket(packet) || packet.bytes.size() == ouster_packet_size;
+      of_others += of_lidar ? 1 : 0;
       return;
     }
     stream = stream.value_or(packet.stream);

@@ -12,6 +12,7 @@ namespace dyslam
 namespace
 {
 constexpr std::size_t returns_in_block = 32;
+constexpr double usual_turns_per_second = 10;
 constexpr double azimuth_unit = M_PI / 18000;  // [rad]
 }  // namespace
 
@@ -67,9 +68,13 @@ double VelodyneDecoder::azimuthStep(const VelodynePacketView& packet, bool dual)
   std::vector<int> steps;
   for (std::size_t block = 0; block + stride < velodyne_blocks; block += stride)
   {
-    steps.push_back((36000 + packet.azimuth(block + stride) - packet.azimuth(block)) % 36000);
+    if (packet.bank(block) && packet.bank(block + stride))
+    {
+      steps.push_back((36000 + packet.azimuth(block + stride) - packet.azimuth(block)) % 36000);
+    }
   }
-  return steps.empty() ? 0 : upperMedian(steps);
+  // A packet of a VLS-128 with dual returns has one firing: as at 10 turns per second.
+  return steps.empty() ? traits_.firing_time * usual_turns_per_second * 36000 : upperMedian(steps);
 }
 
 Eigen::Vector3f VelodyneDecoder::point(const Laser& laser, double range, double azimuth) const
@@ -104,10 +109,6 @@ bool VelodyneDecoder::decodeBlock(const VelodynePacketView& packet,
 {
   const bool dual = isDual(packet);
   const std::size_t stride = blocksOfFiring(dual);
-  if (dual && stride > velodyne_blocks / 2 && block >= stride)
-  {
-    return true;  // only one firing of a VLS-128 fits, and the blocks behind it are empty
-  }
   const auto bank = packet.bank(block);
   if (!bank || (*bank > 0 && (*bank + 1) * returns_in_block > traits_.lasers))
   {

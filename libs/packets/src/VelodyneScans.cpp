@@ -73,21 +73,16 @@ struct VelodyneScans::Impl
   }
 
   /** By the packets' model byte, but by their rate where that says otherwise: some firmware gives
-   * the wrong byte. An HDL-64E has a second bank of lasers and no such byte. */
+   * the wrong byte. HDL-64E and VLS-128 have further banks of
+   * lasers; the byte of an HDL-64E is something else. */
   VelodyneModel guessModel()
   {
     const std::uint8_t byte = viewOf(probed.front()).modelByte();
     const auto stated = velodyneModelOf(byte);
-    if (stated == VelodyneModel::vls128)
+    const std::size_t bank = highestBank();
+    if (bank > 0)
     {
-      return *stated;
-    }
-    for (const LidarPacket& packet : probed)
-    {
-      if (viewOf(packet).bank(0) == 1U || viewOf(packet).bank(1) == 1U)
-      {
-        return VelodyneModel::hdl64e;
-      }
+      return bank == 1 ? VelodyneModel::hdl64e : VelodyneModel::vls128;
     }
     const auto by_rate = modelByRate();
     const bool fits = by_rate && stated &&
@@ -105,6 +100,19 @@ struct VelodyneScans::Impl
     notes.push_back(place + ": taken as " + nameOf(*by_rate) + " by the rate of its packets" +
                     (stated ? ", not as the " + nameOf(*stated) + " that they claim to be" : ""));
     return *by_rate;
+  }
+
+  [[nodiscard]] std::size_t highestBank() const
+  {
+    std::size_t highest = 0;
+    for (const LidarPacket& packet : probed)
+    {
+      for (std::size_t block = 0; block < velodyne_blocks; ++block)
+      {
+        highest = std::max(highest, viewOf(packet).bank(block).value_or(0));
+      }
+    }
+    return highest;
   }
 
   /** The model that sends a packet every 1327 us (VLP-16), 553 us (HDL-32E) or 664 us (VLP-32C), or
@@ -149,6 +157,11 @@ struct VelodyneScans::Impl
     const double stamp = clock.advance(step, packet.captured);
     for (std::size_t block = 0; block < velodyne_blocks; ++block)
     {
+      if (!view.bank(block))
+      {
+        bad_blocks += view.isPadding(block) ? 0 : 1;
+        continue;
+      }
       const int azimuth = (view.azimuth(block) + turn - cut) % turn;
       if (current.last_azimuth - azimuth > turn / 2)
       {

@@ -206,6 +206,40 @@ TEST(OusterScans, SynchronisedClocksAreKept)
   EXPECT_NEAR(999.7, scans[0].stamp, 1e-6);
 }
 
+TEST(OusterScans, AClockThatIsSetWithinAFrame)
+{
+  SyntheticOuster lidar;
+  auto packets = lidar.packetsOf(3);
+  lidar.first_time += 1700000000ULL * 1000000000ULL;  // PTP locks
+  const auto later = lidar.packetsOf(3);
+  std::copy(later.begin() + 6, later.end(), packets.begin() + 6);
+  const auto scans = scansOf(lidar, packets);
+  ASSERT_EQ(3U, scans.size());
+  for (const Scan& scan : scans)
+  {
+    EXPECT_NEAR(0.1, *std::max_element(scan.time.begin(), scan.time.end()), 0.005);
+  }
+  EXPECT_NEAR(1000.1, scans[1].stamp, 1e-3);
+  EXPECT_NEAR(1000.2, scans[2].stamp, 1e-3);
+}
+
+TEST(OusterScans, PacketsThatWereCapturedTwice)
+{
+  const SyntheticOuster lidar;
+  OusterScans decoder("x", parseOusterMetadata(lidar.metadata(), "x.json"), false);
+  for (const std::string& packet : lidar.packetsOf(2))
+  {
+    decoder.add(received(packet));
+    decoder.add(received(packet));
+  }
+  decoder.finish();
+  const auto scan = decoder.take();
+  ASSERT_TRUE(scan);
+  EXPECT_EQ(expectedPoints(false).size(), scan->size());
+  ASSERT_EQ(1U, decoder.warnings().size());
+  EXPECT_TRUE(contains(decoder.warnings()[0], "x: 128 columns received twice"));
+}
+
 TEST(OusterMetadata, SectionsOrNone)
 {
   const SyntheticOuster lidar;
@@ -261,6 +295,7 @@ TEST(PcapSource, OusterWithMetadataBeside)
   SyntheticOuster old;
   old.profile = "LEGACY";
   folder.write("a.json", old.metadata());
+  folder.write("drive.json", old.metadata());  // does not fit, whatever its name
   EXPECT_TRUE(contains(messageOfError<UserError>([&] { PcapSource source(path); }),
                        "has no data packets of the lidar of"));
   const std::string metadata = folder.write("drive_0.json", lidar.metadata(true));

@@ -222,6 +222,38 @@ TEST(PcapSource, RefusesWhatItCannotRead)
   EXPECT_THROW(revolutionsOf(folder.write("f", whole), options), UserError);
 }
 
+TEST(PcapSource, ADatagramWithAHoleIsNone)
+{
+  const TestFolder folder;
+  std::string file = captureHeader();
+  for (std::size_t n = 0; n < 300; ++n)
+  {
+    const double time = static_cast<double>(n) * packet_time;
+    auto frames = fragmentsOf(udpDatagram(velodynePacket(time), 2368), n, 512);
+    if (n == 150)
+    {
+      frames[1] = frames[0];  // one was lost, another received twice
+    }
+    for (const std::string& frame : frames)
+    {
+      appendFrame(file, 1000 + time, frame);
+    }
+  }
+  PcapSourceOptions options;
+  options.keep_partial = true;
+  const auto points = [&options](const std::string& path)
+  {
+    std::size_t sum = 0;
+    for (const Scan& scan : revolutionsOf(path, options).scans)
+    {
+      sum += scan.size();
+    }
+    return sum;
+  };
+  EXPECT_EQ(points(folder.write("whole.pcap", captured(300))) - 12 * 30,
+            points(folder.write("cut.pcap", file)));
+}
+
 TEST(PcapSource, OwnCalibration)
 {
   const TestFolder folder;

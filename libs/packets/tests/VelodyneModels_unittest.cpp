@@ -34,8 +34,8 @@ std::string packetOf(VelodyneModel model,
     // In dual mode a packet of a VLS-128 has one firing and four empty blocks.
     const bool empty = dual && lasers == 128 && firing > 0;
     appendBytes<std::uint16_t>(bytes, empty ? 0 : banks.at(bank));
-    appendBytes(bytes, static_cast<std::uint16_t>(
-                           std::lround(100 * azimuth + 20.0 * static_cast<double>(firing))));
+    const double turned = 100 * azimuth + 20.0 * static_cast<double>(firing);
+    appendBytes(bytes, static_cast<std::uint16_t>(empty ? 0 : std::lround(turned)));
     for (std::size_t k = 0; k < 32; ++k)
     {
       const std::uint16_t range = firing > 0 || k >= lasers ? 0
@@ -138,7 +138,31 @@ TEST(VelodyneModels, PointsOfAVls128)
   EXPECT_EQ(0, scan.ring[36]);
   EXPECT_EQ(127, scan.ring[59]);
   const Scan dual = decoded(VelodyneModel::vls128, packetOf(VelodyneModel::vls128, 10, 0xA1, true));
-  EXPECT_EQ(256U, dual.size());
+  ASSERT_EQ(256U, dual.size());
+  for (std::size_t i = 0; i < dual.size(); ++i)
+  {
+    EXPECT_NEAR(10, azimuth(dual.points[i]), 7) << "the empty blocks count for nothing";
+  }
+}
+
+TEST(VelodyneModels, TurnsOfAVls128WithDualReturns)
+{
+  VelodyneScans scans("x", {});
+  for (int firing = 0; firing < 3 * 1800; ++firing)
+  {
+    const std::string bytes =
+        packetOf(VelodyneModel::vls128, std::fmod(0.2 * firing, 360), 0xA1, true);
+    scans.add({{bytes.begin(), bytes.end()}, 0, 0});
+  }
+  scans.finish();
+  std::size_t turns = 0;
+  while (const auto scan = scans.take())
+  {
+    EXPECT_EQ(1800U * 256U, scan->size());
+    ++turns;
+  }
+  EXPECT_EQ(2U, turns) << "of three that begin ahead and are cut behind";
+  EXPECT_TRUE(scans.warnings().empty());
 }
 
 TEST(VelodyneModels, TheByteOfThePacketsIsRecognised)

@@ -55,7 +55,7 @@ struct OusterMetadata
  * \throws UserError naming the value that is missing or wrong. */
 [[nodiscard]] OusterMetadata parseOusterMetadata(const std::string& text, const std::string& place);
 
-/** The metadata of an Ouster lidar that belong to a capture: of the .json files in its folder that
- * are such, the one whose name has most in common with the capture's; empty if there is none. */
-[[nodiscard]] std::string ousterMetadataBeside(const std::string& capture);
+/** The .json files in the folder of a capture that are metadata of an Ouster lidar, first those
+ * whose names have most in common with the capture's. */
+[[nodiscard]] std::vector<std::string> ousterMetadataBeside(const std::string& capture);
 }  // namespace dyslam

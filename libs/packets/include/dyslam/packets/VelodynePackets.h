@@ -50,6 +50,13 @@ struct VelodynePacketView
                             : std::nullopt;
   }
 
+  /** The empty blocks that fill up the packets of a VLS-128 with dual returns. */
+  [[nodiscard]] bool isPadding(std::size_t block) const
+  {
+    return returnMode() == dual_return && block >= 8 &&
+           (header(block) == 0 || header(block) == 0xffff);
+  }
+
   static constexpr std::uint8_t dual_return = 0x39;
 
  private:
