@@ -145,11 +145,11 @@ TEST(NetworkSegmenter, TheSearchIsAroundThePriorOnceTheFirstGapIsReached)
   {
     for (const double x : m.step)
     {
-      EXPECT_NEAR(x, 0, 0.1);
+      EXPECT_NEAR(x, 0, 0.15) << "less than a cell of the grid";
     }
     for (const double x : m.to_past)
     {
-      EXPECT_NEAR(x, 0, 0.1);
+      EXPECT_NEAR(x, 0, 0.15) << "less than a cell of the grid";
     }
   }
 }

@@ -107,9 +107,27 @@ struct PcapSource::Impl
     }
     if (calibration.empty() && options.model == VelodyneModel::automatic && !mostAreOfVelodyne())
     {
-      for (const std::string& file : ousterMetadataBeside(path))
+      if (auto ouster = ousterBeside())
+      {
+        return ouster;
+      }
+    }
+    return std::make_unique<VelodyneScans>(path, options);
+  }
+
+  /** A decoder with the metadata beside the capture: the first that fit its packets, or else the
+   * first, so that messages name it; none if there are none. \throws UserError if all are damaged.
+   */
+  [[nodiscard]] std::unique_ptr<PacketScans> ousterBeside()
+  {
+    std::optional<UserError> damage;
+    std::string first_whole;
+    for (const std::string& file : ousterMetadataBeside(path))
+    {
+      try
       {
         auto ouster = ousterDecoder(file);
+        first_whole = first_whole.empty() ? file : first_whole;
         if (std::any_of(probed.begin(), probed.end(),
                         [&ouster](const LidarPacket& packet) { return ouster->takes(packet); }))
         {
@@ -117,12 +135,16 @@ struct PcapSource::Impl
           return ouster;
         }
       }
+      catch (const UserError& error)
+      {
+        damage = damage.value_or(error);
+      }
     }
-    if (ouster_metadata.empty() || mostAreOfVelodyne())
+    if (first_whole.empty() && damage)
     {
-      return std::make_unique<VelodyneScans>(path, options);
+      throw UserError(*damage);
     }
-    return ousterDecoder(ouster_metadata);
+    return first_whole.empty() ? nullptr : ousterDecoder(first_whole);
   }
 
   /** A stray datagram may have the size of a Velodyne's packets. */

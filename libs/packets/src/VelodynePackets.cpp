@@ -109,6 +109,10 @@ bool VelodyneDecoder::decodeBlock(const VelodynePacketView& packet,
 {
   const bool dual = isDual(packet);
   const std::size_t stride = blocksOfFiring(dual);
+  if (packet.isPadding(block))
+  {
+    return true;
+  }
   const auto bank = packet.bank(block);
   if (!bank || (*bank > 0 && (*bank + 1) * returns_in_block > traits_.lasers))
   {

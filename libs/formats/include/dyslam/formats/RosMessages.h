@@ -75,7 +75,8 @@ class RosScanDecoder
 };
 
 /** Topics of scans that have messages, the most likely lidar first: those with times or rings
- * of the points, then packets, then other clouds; then by bytes and messages. Reads the bag up to the first message of each. */
+ * of the points, then packets, then other clouds; then by bytes and messages. Reads the bag up to
+ * the first message of each. */
 [[nodiscard]] std::vector<RosScanTopic> scanTopics(Bag& bag);
 /** A line for each frame of the scans that `/tf_static` places in base_link, or in the root of its
  * transforms: "--sensor-pose 'x y z yaw pitch roll'  (frame in parent, /tf_static)" [m, deg]. */
