@@ -482,7 +482,7 @@ TEST_F(SlamRun, FindsTheWorldAmongTrafficThatDrivesAlong)
     std::size_t least;  // ... in as many of the worlds
   };
   for (const auto& [traffic, seeds, within, least] :
-       {Traffic{0.6, {302}, 0.05, 1}, Traffic{1.0, {306, 305, 304, 303}, 0.1, 3}})
+       {Traffic{0.6, {302}, 0.05, 1}, Traffic{1.0, {306, 305, 304, 303, 401, 402, 403}, 0.15, 5}})
   {
     std::size_t found = 0;
     for (const int seed : seeds)
