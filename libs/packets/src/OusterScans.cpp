@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
-#include <numeric>
 #include <optional>
 #include <utility>
 
@@ -46,21 +45,6 @@ struct Layout
   }
 };
 
-std::vector<std::uint16_t> ringsOf(const std::vector<double>& altitudes)
-{
-  std::vector<std::size_t> order(altitudes.size());
-  std::iota(order.begin(), order.end(), std::size_t{0});
-  std::stable_sort(order.begin(), order.end(),
-                   [&altitudes](std::size_t a, std::size_t b)
-                   { return altitudes[a] < altitudes[b]; });
-  std::vector<std::uint16_t> rings(altitudes.size());
-  for (std::size_t rank = 0; rank < order.size(); ++rank)
-  {
-    rings[order[rank]] = static_cast<std::uint16_t>(rank);
-  }
-  return rings;
-}
-
 /** Unit vectors along the beams where the encoder is at 0. */
 std::vector<Eigen::Vector3d> directionsOf(const OusterMetadata& metadata)
 {
@@ -83,6 +67,7 @@ struct Column
   bool valid;
   const std::uint8_t* pixels;
 };
+
 /** Packets may overtake each other: the stamp becomes that of the first firing. */
 void startAtTheEarliest(Scan& scan)
 {
@@ -124,7 +109,7 @@ struct OusterScans::Impl
       : place(std::move(place_in)),
         metadata(metadata_in),
         layout(metadata_in),
-        rings(ringsOf(metadata_in.altitudes)),
+        rings(ringsByElevation(metadata_in.altitudes)),
         directions(directionsOf(metadata_in)),
         queue(keep_partial)
   {

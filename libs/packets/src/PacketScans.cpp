@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/packets/PacketScans.h>
 
+#include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <utility>
 
 namespace dyslam
@@ -15,6 +17,21 @@ bool near(double a, double b)
   return std::abs(a - b) <= whole_tolerance;
 }
 }  // namespace
+
+std::vector<std::uint16_t> ringsByElevation(const std::vector<double>& elevations)
+{
+  std::vector<std::size_t> order(elevations.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::stable_sort(order.begin(), order.end(),
+                   [&elevations](std::size_t a, std::size_t b)
+                   { return elevations[a] < elevations[b]; });
+  std::vector<std::uint16_t> rings(elevations.size());
+  for (std::size_t rank = 0; rank < order.size(); ++rank)
+  {
+    rings[order[rank]] = static_cast<std::uint16_t>(rank);
+  }
+  return rings;
+}
 
 void RevolutionQueue::push(Scan scan, double begin, double end)
 {

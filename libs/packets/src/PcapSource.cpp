@@ -18,6 +18,20 @@ namespace
 {
 constexpr std::size_t probe_packets = 256;  //!< looked at to find the maker
 
+/** Makes the scans of a capture. */
+struct Decoder
+{
+  std::unique_ptr<PacketScans> scans;
+  std::string metadata;                //!< file of an Ouster; empty: of a Velodyne
+  std::size_t ouster_packet_size = 0;  //!< [bytes]; 0: of a Velodyne
+
+  [[nodiscard]] bool takesAny(const std::deque<LidarPacket>& packets) const
+  {
+    return std::any_of(packets.begin(), packets.end(),
+                       [this](const LidarPacket& packet) { return scans->takes(packet); });
+  }
+};
+
 /** Size and port of the most frequent datagrams. */
 std::pair<std::size_t, std::uint64_t> mostFrequent(const std::deque<LidarPacket>& packets)
 {
@@ -63,7 +77,7 @@ struct PcapSource::Impl
   PcapSourceOptions options;
   PacketCapture capture;
   std::deque<LidarPacket> probed;
-  std::unique_ptr<PacketScans> scans;
+  Decoder decoder;
   std::vector<std::string> notes;
   std::optional<std::uint64_t> stream;  //!< of the lidar: that of its first packet
   std::size_t taken = 0;                //!< packets of the lidar
@@ -71,8 +85,6 @@ struct PcapSource::Impl
   bool finished = false;
   std::optional<Scan> first;
   std::string probed_kind;      //!< the most frequent packets, for messages; empty: there are none
-  std::string ouster_metadata;  //!< file; empty: of no Ouster
-  std::size_t ouster_packet_size = 0;
   std::size_t probed_size = 0;  //!< of the most frequent packets [bytes]
 
   Impl(const std::string& path_in, const PcapSourceOptions& options_in)
@@ -89,7 +101,7 @@ struct PcapSource::Impl
       probed_size = size;
       probed_kind = std::to_string(size) + " bytes (port " + std::to_string(port) + ")";
     }
-    scans = decoder();
+    decoder = chooseDecoder();
     first = read();
     if (taken == 0)
     {
@@ -98,7 +110,7 @@ struct PcapSource::Impl
   }
 
   /** For the lidar of the capture: of the metadata beside it the first that fit its packets. */
-  [[nodiscard]] std::unique_ptr<PacketScans> decoder()
+  [[nodiscard]] Decoder chooseDecoder()
   {
     const std::string& calibration = options.calibration_file;
     if (lowerExtension(calibration) == ".json")
@@ -107,32 +119,33 @@ struct PcapSource::Impl
     }
     if (calibration.empty() && options.model == VelodyneModel::automatic && !mostAreOfVelodyne())
     {
-      if (auto ouster = ousterBeside())
+      if (Decoder ouster = ousterBeside(); ouster.scans != nullptr)
       {
         return ouster;
       }
     }
-    return std::make_unique<VelodyneScans>(path, options);
+    return {std::make_unique<VelodyneScans>(path, options), "", 0};
   }
 
-  /** A decoder with the metadata beside the capture: the first that fit its packets, or else the
-   * first, so that messages name it; none if there are none. \throws UserError if all are damaged.
-   */
-  [[nodiscard]] std::unique_ptr<PacketScans> ousterBeside()
+  /** With the metadata beside the capture: the first that fit its packets, or else the first, so
+   * that messages name it; none if there are none. \throws UserError if all are damaged. */
+  [[nodiscard]] Decoder ousterBeside()
   {
     std::optional<UserError> damage;
-    std::string first_whole;
+    Decoder first_whole;
     for (const std::string& file : ousterMetadataBeside(path))
     {
       try
       {
-        auto ouster = ousterDecoder(file);
-        first_whole = first_whole.empty() ? file : first_whole;
-        if (std::any_of(probed.begin(), probed.end(),
-                        [&ouster](const LidarPacket& packet) { return ouster->takes(packet); }))
+        Decoder ouster = ousterDecoder(file);
+        if (ouster.takesAny(probed))
         {
           notes.push_back("metadata of the lidar: " + file);
           return ouster;
+        }
+        if (first_whole.scans == nullptr)
+        {
+          first_whole = std::move(ouster);
         }
       }
       catch (const UserError& error)
@@ -140,11 +153,18 @@ struct PcapSource::Impl
         damage = damage.value_or(error);
       }
     }
-    if (first_whole.empty() && damage)
+    if (first_whole.scans == nullptr && damage)
     {
       throw UserError(*damage);
     }
-    return first_whole.empty() ? nullptr : ousterDecoder(first_whole);
+    return first_whole;
+  }
+
+  [[nodiscard]] Decoder ousterDecoder(const std::string& file) const
+  {
+    const OusterMetadata metadata = parseOusterMetadata(readWhole(file), file);
+    return {std::make_unique<OusterScans>(path, metadata, options.keep_partial), file,
+            OusterScans::packetSize(metadata)};
   }
 
   /** A stray datagram may have the size of a Velodyne's packets. */
@@ -154,23 +174,16 @@ struct PcapSource::Impl
            static_cast<std::ptrdiff_t>(probed.size());
   }
 
-  [[nodiscard]] std::unique_ptr<PacketScans> ousterDecoder(const std::string& file)
-  {
-    const OusterMetadata metadata = parseOusterMetadata(readWhole(file), file);
-    ouster_metadata = file;
-    ouster_packet_size = OusterScans::packetSize(metadata);
-    return std::make_unique<OusterScans>(path, metadata, options.keep_partial);
-  }
-
   [[nodiscard]] std::string whyNone() const
   {
     const std::string damage = capture.damage().empty() ? "" : "; " + capture.damage();
     const std::string has = probed_kind.empty() ? "" : ", but UDP packets of " + probed_kind;
-    if (!ouster_metadata.empty())
+    if (!decoder.metadata.empty())
     {
-      return path + ": has no data packets of the lidar of " + ouster_metadata + " (UDP, " +
-             std::to_string(ouster_packet_size) + " bytes)" + has +
-             (probed_size == ouster_packet_size ? " of a sensor with another serial number" : "") +
+      return path + ": has no data packets of the lidar of " + decoder.metadata + " (UDP, " +
+             std::to_string(decoder.ouster_packet_size) + " bytes)" + has +
+             (probed_size == decoder.ouster_packet_size ? " of a sensor with another serial number"
+                                                        : "") +
              damage;
     }
     return path + ": has no Velodyne data packets (UDP, 1206 bytes)" + has + damage +
@@ -197,7 +210,7 @@ struct PcapSource::Impl
     LidarPacket packet;
     for (;;)
     {
-      if (auto scan = scans->take())
+      if (auto scan = decoder.scans->take())
       {
         return scan;
       }
@@ -211,16 +224,16 @@ struct PcapSource::Impl
         continue;
       }
       finished = true;
-      scans->finish();
+      decoder.scans->finish();
     }
   }
 
   void add(const LidarPacket& packet)
   {
-    if (!scans->takes(packet))
+    if (!decoder.scans->takes(packet))
     {
       const bool of_lidar =
-          VelodyneScans::isPacket(packet) || packet.bytes.size() == ouster_packet_size;
+          VelodyneScans::isPacket(packet) || packet.bytes.size() == decoder.ouster_packet_size;
       of_others += of_lidar ? 1 : 0;
       return;
     }
@@ -231,7 +244,7 @@ struct PcapSource::Impl
       return;
     }
     ++taken;
-    scans->add(packet);
+    decoder.scans->add(packet);
   }
 };
 
@@ -258,7 +271,7 @@ std::optional<Scan> PcapSource::next()
 
 std::string PcapSource::sensor() const
 {
-  return impl_->scans->sensor();
+  return impl_->decoder.scans->sensor();
 }
 
 double PcapSource::progress() const
@@ -273,7 +286,7 @@ const std::vector<std::string>& PcapSource::notes() const
 
 std::vector<std::string> PcapSource::warnings() const
 {
-  auto lines = impl_->scans->warnings();
+  auto lines = impl_->decoder.scans->warnings();
   if (impl_->of_others > 0)
   {
     lines.push_back(impl_->path + ": " + std::to_string(impl_->of_others) +

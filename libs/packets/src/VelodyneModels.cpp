@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/packets/PacketScans.h>
 #include <dyslam/packets/VelodyneModels.h>
 
 #include <algorithm>
 #include <array>
-#include <numeric>
 #include <stdexcept>
 #include <utility>
 
@@ -166,17 +166,11 @@ Calibration usualCalibration(VelodyneModel model)
 
 std::vector<std::uint16_t> ringsOf(const Calibration& calibration)
 {
-  const auto& lasers = calibration.laser_corrections;
-  std::vector<std::size_t> order(lasers.size());
-  std::iota(order.begin(), order.end(), std::size_t{0});
-  std::stable_sort(order.begin(), order.end(),
-                   [&lasers](std::size_t a, std::size_t b)
-                   { return lasers[a].verticalCorrection < lasers[b].verticalCorrection; });
-  std::vector<std::uint16_t> rings(lasers.size());
-  for (std::size_t rank = 0; rank < order.size(); ++rank)
+  std::vector<double> elevations;
+  for (const auto& laser : calibration.laser_corrections)
   {
-    rings[order[rank]] = static_cast<std::uint16_t>(rank);
+    elevations.push_back(laser.verticalCorrection);
   }
-  return rings;
+  return ringsByElevation(elevations);
 }
 }  // namespace dyslam

@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: BSD-3-Clause
-
 #include <dyslam/core/Quantile.h>
 #include <dyslam/packets/VelodynePackets.h>
 
@@ -107,12 +106,12 @@ bool VelodyneDecoder::decodeBlock(const VelodynePacketView& packet,
                                   double time,
                                   Scan& scan) const
 {
-  const bool dual = isDual(packet);
-  const std::size_t stride = blocksOfFiring(dual);
   if (packet.isPadding(block))
   {
     return true;
   }
+  const bool dual = isDual(packet);
+  const std::size_t stride = blocksOfFiring(dual);
   const auto bank = packet.bank(block);
   if (!bank || (*bank > 0 && (*bank + 1) * returns_in_block > traits_.lasers))
   {

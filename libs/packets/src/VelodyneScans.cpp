@@ -73,8 +73,9 @@ struct VelodyneScans::Impl
   }
 
   /** By the packets' model byte, but by their rate where that says otherwise: some firmware gives
-   * the wrong byte. HDL-64E and VLS-128 have further banks of
-   * lasers; the byte of an HDL-64E is something else. */
+   * the wrong byte. HDL-64E, whose byte is something else, and VLS-128 have further banks of
+   * lasers.
+   */
   VelodyneModel guessModel()
   {
     const std::uint8_t byte = viewOf(probed.front()).modelByte();
@@ -157,9 +158,13 @@ struct VelodyneScans::Impl
     const double stamp = clock.advance(step, packet.captured);
     for (std::size_t block = 0; block < velodyne_blocks; ++block)
     {
+      if (view.isPadding(block))
+      {
+        continue;
+      }
       if (!view.bank(block))
       {
-        bad_blocks += view.isPadding(block) ? 0 : 1;
+        ++bad_blocks;
         continue;
       }
       const int azimuth = (view.azimuth(block) + turn - cut) % turn;

@@ -4,6 +4,8 @@
 #include <dyslam/core/Scan.h>
 #include <dyslam/packets/LidarPacket.h>
 
+#include <cstddef>
+#include <cstdint>
 #include <deque>
 #include <optional>
 #include <string>
@@ -11,6 +13,9 @@
 
 namespace dyslam
 {
+/** Ring of each beam: its rank by elevation, the lowest is 0. */
+[[nodiscard]] std::vector<std::uint16_t> ringsByElevation(const std::vector<double>& elevations);
+
 /** Makes scans of the packets of one lidar: one for each revolution, with time, ring and intensity
  * of every point. */
 class PacketScans
