@@ -161,9 +161,10 @@ void declareConversion(CLI::App& app, RecordingOptions& options)
          "from the packets); "
          "otherwise the scans' sensor label")
       ->group(group);
-  app.add_option("--calibration", options.calibration,
-                 "of packets (.pcap, bag): Velodyne's XML or YAML, or an Ouster's metadata (.json; "
-                 "default: those beside the .pcap or in the bag)")
+  app.add_option(
+         "--calibration", options.calibration,
+         "of packets (.pcap, bag): Velodyne's XML or YAML, Hesai's angle correction (.csv), or an "
+         "Ouster's metadata (.json; default: those beside the .pcap or in the bag)")
       ->group(group);
   app.add_option("--sensor-pose", options.sensor_pose,
                  "pose of the lidar on the vehicle: 'x y z yaw pitch roll' [m, deg]")

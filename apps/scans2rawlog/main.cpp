@@ -34,8 +34,8 @@ void declare(CLI::App& app, Arguments& arguments)
 {
   ScanConverterOptions& o = arguments.options;
   app.description(
-      "Converts a folder of .bin, .pcd or .ply scans, a .pcap of a Velodyne or an Ouster, or a ROS "
-      "bag (.bag, .db3, .mcap) to an MRPT rawlog");
+      "Converts a folder of .bin, .pcd or .ply scans, a .pcap of a Velodyne, Hesai or Ouster, or a "
+      "ROS bag (.bag, .db3, .mcap) to an MRPT rawlog");
   app.add_option("-i,--input", arguments.input, "folder of scans or of a bag's parts, or file")
       ->required();
   CLI::Option* output = app.add_option("-o,--output", arguments.output, "rawlog to write");
@@ -43,7 +43,7 @@ void declare(CLI::App& app, Arguments& arguments)
   list->excludes(output);
   app.add_option(
       "--topic", o.topic,
-      "a bag's topic of clouds (PointCloud2, Livox) or packets (Velodyne, Ouster) (default: "
+      "a bag's topic of clouds (PointCloud2, Livox) or packets (Velodyne, Hesai, Ouster) (default: "
       "clouds, those with times or rings of the points, then with the most bytes)");
   app.add_option("--truth-topic", o.truth_topic,
                  "a bag's true poses of the vehicle: PoseStamped, Odometry, TransformStamped, /tf");
@@ -62,9 +62,10 @@ void declare(CLI::App& app, Arguments& arguments)
       "the Velodyne of packets: VLP16, VLP16HR, HDL32E, HDL64E, VLP32C or VLS128 (default: "
       "from the packets); "
       "otherwise the scans' sensor label");
-  app.add_option("--calibration", o.calibration,
-                 "of packets (.pcap, bag): Velodyne's XML or YAML, or an Ouster's metadata (.json; "
-                 "default: those beside the .pcap or in the bag)");
+  app.add_option(
+      "--calibration", o.calibration,
+      "of packets (.pcap, bag): Velodyne's XML or YAML, Hesai's angle correction (.csv), or an "
+      "Ouster's metadata (.json; default: those beside the .pcap or in the bag)");
   app.add_option("--poses", o.poses, "true poses of the lidar, TUM or KITTI, a line for each scan");
   declarePoseSource(app, o.pose_source, "where --poses or --truth-topic are from");
   app.add_option("--bin-layout", o.bin_layout,

@@ -19,6 +19,7 @@
 #include <dyslam/formats/TrajectoryFiles.h>
 #include <dyslam/io/GraphFiles.h>
 #include <dyslam/io/RawlogSource.h>
+#include <dyslam/packets/HesaiPackets.h>
 #include <dyslam/packets/OusterMetadata.h>
 #include <dyslam/packets/PcapSource.h>
 #include <dyslam/packets/VelodynePackets.h>
@@ -147,6 +148,7 @@ const std::vector<Parser>& parsers()
       {"pcapng", "a.pcapng", readCapture},
       {"calibration_yaml", "a.yaml", readCalibration},
       {"calibration_xml", "a.xml", readCalibration},
+      {"hesai_angles", "a.csv", [](const std::string& path) { (void)readHesaiAngles(path, 3); }},
       {"ouster_metadata", "a.json",
        [](const std::string& path) { (void)parseOusterMetadata(readWhole(path), path); }},
       {"ouster_pcap", "a.pcap", readOusterCapture},

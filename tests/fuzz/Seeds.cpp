@@ -25,6 +25,7 @@
 #include "MrptBytes.h"
 #include "StateFile.h"
 #include "SyntheticCapture.h"
+#include "SyntheticHesai.h"
 #include "SyntheticOuster.h"
 
 namespace fs = std::filesystem;
@@ -264,6 +265,12 @@ int main(int argc, char** argv)
     ng += std::string("\0\x05\0\0", 4);
   }
   dyslam::write(folder / "pcapng/a", ng);
+  dyslam::write(folder / "hesai_angles/a", "Channel,Elevation,Azimuth\n1,15,0.1\n2,13,0\n3,-1,0\n");
+  dyslam::SyntheticHesai hesai;
+  dyslam::write(folder / "pcap/hesai_xt", dyslam::capturedHesai(hesai, 0.01));
+  hesai.kind = dyslam::HesaiKind::pandar40;
+  hesai.dual = true;
+  dyslam::write(folder / "pcap/hesai_40", dyslam::capturedHesai(hesai, 0.01));
   const dyslam::SyntheticOuster ouster;
   dyslam::write(folder / "ouster_metadata/a", ouster.metadata());
   dyslam::write(folder / "ouster_metadata/b", ouster.metadata(true));

@@ -13,9 +13,47 @@ namespace
 {
 constexpr std::size_t velodyne_packet = 1206;  // [bytes]
 
+constexpr std::size_t pandar_room = 1500;  // of each packet in older messages [bytes]
+
 bool beginsWith(const std::string& text, const std::string& part)
 {
   return text.compare(0, part.size(), part) == 0;
+}
+
+/** What follows the package in the name of a type: "/PandarScan". */
+std::string nameIn(const std::string& type)
+{
+  const auto slash = type.find('/');
+  return slash == std::string::npos ? "" : type.substr(slash);
+}
+
+/** The packets of a Hesai, of which the drivers have three kinds of messages: with the room of the
+ * largest packet for each and its size behind it, with the size before and behind it, and with the
+ * size before it. */
+std::vector<RosPacket> hesaiPackets(ByteReader& reader, const BagTopic& topic, double recorded)
+{
+  constexpr std::size_t stamp_bytes = 8;
+  constexpr std::size_t size_bytes = 4;
+  const std::uint32_t count = reader.u32();
+  const bool has_room = reader.left() == count * (stamp_bytes + pandar_room + size_bytes);
+  const bool has_size_behind = nameIn(topic.type) != "/NebulaPackets";
+  std::vector<RosPacket> packets;
+  for (std::uint32_t i = 0; i < count; ++i)
+  {
+    RosPacket packet;
+    packet.received = reader.rosTime();
+    packet.bytes = has_room ? reader.take(pandar_room) : reader.block();
+    const std::size_t size = has_size_behind ? reader.u32() : packet.bytes.size();
+    if (size > packet.bytes.size())
+    {
+      reader.fail("has a packet of " + std::to_string(size) + " bytes in the room of " +
+                  std::to_string(packet.bytes.size()));
+    }
+    packet.bytes = packet.bytes.substr(0, size);
+    packet.received = packet.received > 0 ? packet.received : recorded;
+    packets.push_back(packet);
+  }
+  return packets;
 }
 }  // namespace
 
@@ -30,9 +68,14 @@ std::optional<PacketMaker> packetMakerOf(const BagTopic& topic)
   {
     return PacketMaker::velodyne;
   }
-  const auto slash = type.find('/');
-  const bool packets = slash != std::string::npos && type.substr(slash) == "/PacketMsg";
-  return packets && beginsWith(type, "ouster") ? std::optional(PacketMaker::ouster) : std::nullopt;
+  const std::string name = nameIn(type);
+  if (name == "/PandarScan" || name == "/NebulaPackets" ||
+      (name == "/UdpFrame" && beginsWith(type, "hesai")))
+  {
+    return PacketMaker::hesai;
+  }
+  return name == "/PacketMsg" && beginsWith(type, "ouster") ? std::optional(PacketMaker::ouster)
+                                                            : std::nullopt;
 }
 
 std::vector<RosPacket> decodeRosPackets(const BagTopic& topic, const BagMessage& message)
@@ -43,6 +86,10 @@ std::vector<RosPacket> decodeRosPackets(const BagTopic& topic, const BagMessage&
     return {{message.recorded, reader.block()}};
   }
   (void)rosHeader(reader, topic.encoding);
+  if (packetMakerOf(topic) == PacketMaker::hesai)
+  {
+    return hesaiPackets(reader, topic, message.recorded);
+  }
   const std::uint32_t count = reader.u32();
   std::vector<RosPacket> packets;
   for (std::uint32_t i = 0; i < count; ++i)

@@ -43,11 +43,11 @@ void forFirstMessages(Bag& bag, const std::vector<std::size_t>& topics, const Us
 constexpr const char* ouster_frame = "os_sensor";
 constexpr std::size_t least_lidar_packet = 1000;  // [bytes]; those of an IMU are smaller
 
-/** Whether packets are of a lidar: those of its IMU come as messages of the same type. */
+/** Whether packets are of a lidar: those of an Ouster's IMU come as messages of the same type. */
 bool areOfLidar(const BagTopic& topic, const BagMessage& message)
 {
   const auto packets = decodeRosPackets(topic, message);
-  if (packets.empty())
+  if (packets.empty() || packetMakerOf(topic) != PacketMaker::ouster)
   {
     return true;
   }

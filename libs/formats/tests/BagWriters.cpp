@@ -301,6 +301,39 @@ std::string velodyneScan(bool cdr,
   return message.bytes();
 }
 
+std::string hesaiMessage(bool cdr,
+                         double stamp,
+                         const std::vector<std::pair<double, std::string>>& packets,
+                         HesaiMessage kind)
+{
+  constexpr std::size_t room = 1500;
+  MessageBytes message(cdr);
+  message.header(stamp, "hesai").put(static_cast<std::uint32_t>(packets.size()));
+  for (const auto& [received, bytes] : packets)
+  {
+    const bool has_stamp = kind != HesaiMessage::udp_frame || received == packets.front().first;
+    const std::uint64_t time = has_stamp ? nanoseconds(received) : 0;
+    message.put(static_cast<std::uint32_t>(time / 1000000000U));
+    message.put(static_cast<std::uint32_t>(time % 1000000000U));
+    if (kind != HesaiMessage::pandar_scan)
+    {
+      message.block(bytes);
+    }
+    else
+    {
+      for (const char byte : bytes + std::string(room - bytes.size(), '\0'))
+      {
+        message.put(byte);
+      }
+    }
+    if (kind != HesaiMessage::nebula_packets)
+    {
+      message.put(static_cast<std::uint32_t>(bytes.size()));
+    }
+  }
+  return message.bytes();
+}
+
 std::string ousterPacketMessage(bool cdr, const std::string& packet)
 {
   return MessageBytes(cdr).block(packet).bytes();

@@ -62,6 +62,17 @@ struct CloudField
 [[nodiscard]] std::string velodyneScan(bool cdr,
                                        double stamp,
                                        const std::vector<std::pair<double, std::string>>& packets);
+/** Kinds of messages with packets of a Hesai. */
+enum class HesaiMessage
+{
+  pandar_scan,    //!< `pandar_msgs/PandarScan`: 1500 bytes for each, then the size
+  udp_frame,      //!< `hesai_ros_driver/UdpFrame`: size, bytes, size; only the first has a stamp
+  nebula_packets  //!< `nebula_msgs/NebulaPackets`: size, bytes
+};
+[[nodiscard]] std::string hesaiMessage(bool cdr,
+                                       double stamp,
+                                       const std::vector<std::pair<double, std::string>>& packets,
+                                       HesaiMessage kind);
 /** ouster_sensor_msgs/PacketMsg. */
 [[nodiscard]] std::string ousterPacketMessage(bool cdr, const std::string& packet);
 /** std_msgs/String. */

@@ -6,6 +6,7 @@
 #include <dyslam/formats/RosMessages.h>
 #include <dyslam/formats/RosPackets.h>
 #include <dyslam/formats/ScanFiles.h>
+#include <dyslam/packets/HesaiScans.h>
 #include <dyslam/packets/OusterScans.h>
 
 #include <optional>
@@ -117,6 +118,16 @@ std::unique_ptr<BagScans> velodynePackets(const std::string& place,
                                       "");
 }
 
+std::unique_ptr<BagScans> hesaiPackets(const std::string& place,
+                                       const BagTopic& topic,
+                                       const ScanConverterOptions& options)
+{
+  HesaiScansOptions of_hesai;
+  of_hesai.angle_file = options.calibration;
+  of_hesai.keep_partial = options.keep_partial;
+  return std::make_unique<BagPackets>(topic, std::make_unique<HesaiScans>(place, of_hesai), "");
+}
+
 std::unique_ptr<BagScans> ousterPackets(const std::string& place,
                                         Bag& bag,
                                         const BagTopic& topic,
@@ -161,8 +172,15 @@ std::unique_ptr<BagScans> makeBagScans(const std::string& input,
     }
     return std::make_unique<BagClouds>(topic);
   }
-  return *maker == PacketMaker::velodyne ? velodynePackets(place, topic, options)
-                                         : ousterPackets(place, bag, topic, options);
+  switch (*maker)
+  {
+    case PacketMaker::velodyne:
+      return velodynePackets(place, topic, options);
+    case PacketMaker::hesai:
+      return hesaiPackets(place, topic, options);
+    default:
+      return ousterPackets(place, bag, topic, options);
+  }
 }
 
 VelodyneModel givenVelodyneModel(const std::string& sensor)
@@ -172,6 +190,6 @@ VelodyneModel givenVelodyneModel(const std::string& sensor)
     return *model;
   }
   throw UserError("--sensor " + sensor + ": is no Velodyne whose packets can be read; use " +
-                  velodyneModelNames() + ", or leave it out for an Ouster");
+                  velodyneModelNames() + ", or leave it out for a Hesai or an Ouster");
 }
 }  // namespace dyslam

@@ -32,9 +32,9 @@ class BagScans
   [[nodiscard]] virtual std::vector<std::string> warnings() const = 0;
 };
 
-/** Reader for a topic of clouds, or of the packets of a Velodyne or an Ouster. \param bag outlives
- * it; it is read up to the metadata of an Ouster.
- * \throws UserError for options that do not fit, or if the metadata of an Ouster are missing. */
+/** Reader for a topic of clouds, or of the packets of a Velodyne, Hesai or Ouster. \param bag
+ * outlives it; it is read up to the metadata of an Ouster. \throws UserError for options that do
+ * not fit, or if the metadata of an Ouster are missing. */
 [[nodiscard]] std::unique_ptr<BagScans> makeBagScans(const std::string& input,
                                                      Bag& bag,
                                                      std::size_t topic,

@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "BagWriters.h"
+#include "SyntheticHesai.h"
 #include "SyntheticOuster.h"
 #include "SyntheticScans.h"
 #include "TestFolder.h"
@@ -308,6 +309,43 @@ TEST(BagConverter, VelodynePackets)
     ScanConverterOptions options;
     options.keep_partial = true;
     EXPECT_EQ(6U, convertedBag(folder, bag, options).frames.size()) << name;
+  }
+}
+
+TEST(BagConverter, HesaiPackets)
+{
+  using test::HesaiMessage;
+  const std::vector<std::pair<std::string, HesaiMessage>> kinds{
+      {"pandar_msgs/PandarScan", HesaiMessage::pandar_scan},
+      {"hesai_ros_driver/UdpFrame", HesaiMessage::udp_frame},
+      {"nebula_msgs/NebulaPackets", HesaiMessage::nebula_packets}};
+  const SyntheticHesai lidar;
+  constexpr std::size_t packets_in_message = 250;
+  for (const bool cdr : {false, true})
+  {
+    for (const auto& [type, kind] : kinds)
+    {
+      std::vector<test::TestMessage> messages;
+      for (std::size_t n = 0; n < 4; ++n)
+      {
+        std::vector<std::pair<double, std::string>> packets;
+        for (std::size_t i = n * packets_in_message; i < (n + 1) * packets_in_message; ++i)
+        {
+          packets.emplace_back(1000 + static_cast<double>(i) * lidar.packetTime(), lidar.packet(i));
+        }
+        const double stamp = packets.back().first;
+        messages.push_back(
+            {"/lidar_packets", type, stamp, test::hesaiMessage(cdr, stamp, packets, kind)});
+      }
+      const TestFolder folder;
+      const std::string bag = folder.file(cdr ? "a.db3" : "a.bag");
+      test::writeBag(bag, messages);
+      const Converted converted = convertedBag(folder, bag);
+      ASSERT_EQ(3U, converted.frames.size()) << type;
+      EXPECT_TRUE(hasNote(converted, "packets of a XT32"));
+      EXPECT_NEAR(1000.05, converted.frames[0].scan.stamp, 0.002);
+      EXPECT_NEAR(12, converted.frames[0].scan.points[0].norm(), 1e-3);
+    }
   }
 }
 

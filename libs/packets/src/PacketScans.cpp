@@ -11,6 +11,7 @@ namespace dyslam
 namespace
 {
 constexpr double whole_tolerance = 3.0 / 360;  //!< that a whole revolution may lack [turns]
+constexpr int turn = 36000;                    //!< [0.01 deg]
 
 bool near(double a, double b)
 {
@@ -67,5 +68,43 @@ std::optional<Scan> RevolutionQueue::take()
     }
   }
   return std::nullopt;
+}
+
+RevolutionCutter::RevolutionCutter(double cut_azimuth, bool keep_partial)
+    : cut_(static_cast<int>(std::lround(cut_azimuth * 18000 / M_PI)) % turn), queue_(keep_partial)
+{
+}
+
+Scan& RevolutionCutter::scanOf(int azimuth, double stamp)
+{
+  const int from_cut = (azimuth + turn - cut_) % turn;
+  if (last_azimuth_ - from_cut > turn / 2)
+  {
+    push();
+  }
+  if (!begun_)
+  {
+    begun_ = true;
+    scan_.stamp = stamp;
+    first_azimuth_ = from_cut;
+  }
+  last_azimuth_ = from_cut;
+  return scan_;
+}
+
+void RevolutionCutter::push()
+{
+  if (begun_)
+  {
+    queue_.push(std::exchange(scan_, Scan{}), static_cast<double>(first_azimuth_) / turn,
+                static_cast<double>(last_azimuth_) / turn);
+  }
+  begun_ = false;
+}
+
+void RevolutionCutter::finish()
+{
+  push();
+  queue_.finish();
 }
 }  // namespace dyslam

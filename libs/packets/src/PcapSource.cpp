@@ -2,6 +2,7 @@
 #include <dyslam/core/Error.h>
 #include <dyslam/core/Files.h>
 #include <dyslam/formats/ScanFiles.h>
+#include <dyslam/packets/HesaiScans.h>
 #include <dyslam/packets/OusterScans.h>
 #include <dyslam/packets/PcapSource.h>
 
@@ -61,13 +62,14 @@ void PcapSourceOptions::describe(OptionsVisitor& visitor)
                   {"VLS128", VelodyneModel::vls128}},
                  "model of a Velodyne; auto: from the packets");
   visitor.text("calibration_file", calibration_file,
-               "Velodyne's XML or YAML calibration, empty: the model's default; or the metadata of "
-               "an Ouster (.json), empty: those beside the capture");
+               "Velodyne's XML or YAML calibration or Hesai's angle correction (.csv), empty: the "
+               "model's default; or the metadata of an Ouster (.json), empty: those beside the "
+               "capture");
   visitor.real("min_range", min_range, 0, 100,
-               "range below which a Velodyne's returns (own vehicle) are dropped [m]");
-  visitor.degrees(
-      "cut_azimuth_deg", cut_azimuth, 0, 360,
-      "azimuth at which a Velodyne's scans are cut, clockwise from straight ahead [deg]");
+               "range below which a Velodyne's or Hesai's returns (own vehicle) are dropped [m]");
+  visitor.degrees("cut_azimuth_deg", cut_azimuth, 0, 360,
+                  "azimuth at which a Velodyne's or Hesai's scans are cut, clockwise from its "
+                  "azimuth 0 [deg]");
   visitor.flag("keep_partial", keep_partial, "deliver also incomplete first and last revolutions");
 }
 
@@ -117,7 +119,13 @@ struct PcapSource::Impl
     {
       return ousterDecoder(calibration);
     }
-    if (calibration.empty() && options.model == VelodyneModel::automatic && !mostAreOfVelodyne())
+    if (options.model == VelodyneModel::automatic && mostAre(HesaiScans::isPacket))
+    {
+      return {std::make_unique<HesaiScans>(path, hesaiOptions()), "", 0};
+    }
+    // A stray datagram may have the size of a Velodyne's packets.
+    if (calibration.empty() && options.model == VelodyneModel::automatic &&
+        !mostAre(VelodyneScans::isPacket))
     {
       if (Decoder ouster = ousterBeside(); ouster.scans != nullptr)
       {
@@ -167,10 +175,19 @@ struct PcapSource::Impl
             OusterScans::packetSize(metadata)};
   }
 
-  /** A stray datagram may have the size of a Velodyne's packets. */
-  [[nodiscard]] bool mostAreOfVelodyne() const
+  [[nodiscard]] HesaiScansOptions hesaiOptions() const
   {
-    return 2 * std::count_if(probed.begin(), probed.end(), VelodyneScans::isPacket) >
+    HesaiScansOptions of_hesai;
+    of_hesai.angle_file = options.calibration_file;
+    of_hesai.min_range = options.min_range;
+    of_hesai.cut_azimuth = options.cut_azimuth;
+    of_hesai.keep_partial = options.keep_partial;
+    return of_hesai;
+  }
+
+  [[nodiscard]] bool mostAre(bool (*kind)(const LidarPacket&)) const
+  {
+    return 2 * std::count_if(probed.begin(), probed.end(), kind) >
            static_cast<std::ptrdiff_t>(probed.size());
   }
 
@@ -186,7 +203,8 @@ struct PcapSource::Impl
                                                         : "") +
              damage;
     }
-    return path + ": has no Velodyne data packets (UDP, 1206 bytes)" + has + damage +
+    return path + ": has no data packets of a Velodyne (UDP, 1206 bytes) or a Hesai" + has +
+           damage +
            (has.empty()
                 ? ""
                 : "; of an Ouster, put its metadata (.json) beside the capture or name them "
@@ -232,8 +250,8 @@ struct PcapSource::Impl
   {
     if (!decoder.scans->takes(packet))
     {
-      const bool of_lidar =
-          VelodyneScans::isPacket(packet) || packet.bytes.size() == decoder.ouster_packet_size;
+      const bool of_lidar = VelodyneScans::isPacket(packet) || HesaiScans::isPacket(packet) ||
+                            packet.bytes.size() == decoder.ouster_packet_size;
       of_others += of_lidar ? 1 : 0;
       return;
     }

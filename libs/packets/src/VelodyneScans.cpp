@@ -14,18 +14,8 @@ namespace dyslam
 {
 namespace
 {
-constexpr std::size_t probe_packets = 64;  //!< looked at to find the model
-constexpr double max_range = 300;          //!< [m], beyond the reach of every model
-constexpr int turn = 36000;                //!< [0.01 deg], as all azimuths here
-
-/** A revolution while it is read. */
-struct Revolution
-{
-  Scan scan;
-  bool begun = false;
-  int first_azimuth = 0;  //!< from the cut on [0.01 deg]
-  int last_azimuth = 0;   //!< from the cut on [0.01 deg]
-};
+constexpr std::size_t model_probe = 64;  //!< packets that are looked at to find the model
+constexpr double max_range = 300;        //!< [m], beyond the reach of every model
 
 std::string nameOf(VelodyneModel model)
 {
@@ -46,18 +36,16 @@ struct VelodyneScans::Impl
   std::unique_ptr<VelodyneDecoder> decoder;  //!< none until the model is known
   std::vector<LidarPacket> probed;           //!< packets that wait for the decoder
   std::vector<std::string> notes;
-  int cut = turn / 2;  //!< azimuth where scans are cut [0.01 deg]
-
-  Revolution current;
-  RevolutionQueue queue;
+  RevolutionCutter revolutions;
   std::size_t bad_blocks = 0;
   SensorClock clock;
   std::optional<std::uint32_t> last_clock;
 
   Impl(std::string place_in, const VelodyneScansOptions& options_in)
-      : place(std::move(place_in)), options(options_in), queue(options_in.keep_partial)
+      : place(std::move(place_in)),
+        options(options_in),
+        revolutions(options_in.cut_azimuth, options_in.keep_partial)
   {
-    cut = static_cast<int>(std::lround(options.cut_azimuth * 18000 / M_PI)) % turn;
   }
 
   /** Decides on the model, and decodes the packets that waited for that. */
@@ -167,33 +155,11 @@ struct VelodyneScans::Impl
         ++bad_blocks;
         continue;
       }
-      const int azimuth = (view.azimuth(block) + turn - cut) % turn;
-      if (current.last_azimuth - azimuth > turn / 2)
-      {
-        finishRevolution();
-      }
-      if (!current.begun)
-      {
-        current.begun = true;
-        current.scan.stamp = stamp;
-        current.first_azimuth = azimuth;
-      }
-      current.last_azimuth = azimuth;
-      if (!decoder->decodeBlock(view, block, stamp - current.scan.stamp, current.scan))
+      Scan& scan = revolutions.scanOf(view.azimuth(block), stamp);
+      if (!decoder->decodeBlock(view, block, stamp - scan.stamp, scan))
       {
         ++bad_blocks;
       }
-    }
-  }
-
-  void finishRevolution()
-  {
-    Revolution done = std::exchange(current, Revolution{});
-    if (done.begun)
-    {
-      done.scan.sensor_label = nameOf(model);
-      queue.push(std::move(done.scan), static_cast<double>(done.first_azimuth) / turn,
-                 static_cast<double>(done.last_azimuth) / turn);
     }
   }
 };
@@ -218,7 +184,7 @@ void VelodyneScans::add(const LidarPacket& packet)
     return;
   }
   impl_->probed.push_back(packet);
-  if (impl_->probed.size() == probe_packets)
+  if (impl_->probed.size() == model_probe)
   {
     impl_->start();
   }
@@ -230,13 +196,17 @@ void VelodyneScans::finish()
   {
     impl_->start();
   }
-  impl_->finishRevolution();
-  impl_->queue.finish();
+  impl_->revolutions.finish();
 }
 
 std::optional<Scan> VelodyneScans::take()
 {
-  return impl_->queue.take();
+  auto scan = impl_->revolutions.take();
+  if (scan)
+  {
+    scan->sensor_label = sensor();
+  }
+  return scan;
 }
 
 std::string VelodyneScans::sensor() const

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "ReceivedPacket.h"
 #include "SyntheticOuster.h"
 #include "TestFolder.h"
 
@@ -14,11 +15,6 @@ namespace dyslam
 {
 namespace
 {
-LidarPacket received(const std::string& bytes, double captured = 1000)
-{
-  return {{bytes.begin(), bytes.end()}, captured, 0};
-}
-
 std::vector<Scan> scansOf(const SyntheticOuster& lidar,
                           const std::vector<std::string>& packets,
                           bool keep_partial = false)

@@ -202,7 +202,7 @@ TEST(PcapSource, RefusesWhatItCannotRead)
   EXPECT_TRUE(contains(message(folder.file("none.pcap")), "no such file"));
   EXPECT_TRUE(contains(message(folder.write("a", "")), "not a network capture"));
   EXPECT_TRUE(contains(message(folder.write("b", std::string(500, 'x'))), "not a network capture"));
-  EXPECT_TRUE(contains(message(folder.write("c", captured(0))), "no Velodyne data packets"));
+  EXPECT_TRUE(contains(message(folder.write("c", captured(0))), "no data packets of a Velodyne"));
 
   const std::string whole = captured(300);
   std::size_t frames = 0;

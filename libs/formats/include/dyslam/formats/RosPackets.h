@@ -14,6 +14,7 @@ namespace dyslam
 enum class PacketMaker
 {
   velodyne,  //!< `velodyne_msgs/VelodyneScan`
+  hesai,     //!< `PandarScan`, `hesai_ros_driver/UdpFrame`, `nebula_msgs/NebulaPackets`
   ouster     //!< `PacketMsg` of `ouster_ros`, `ouster_msgs`, `ouster_sensor_msgs`
 };
 
@@ -22,7 +23,7 @@ enum class PacketMaker
 
 struct RosPacket
 {
-  double received = 0;     //!< UNIX time [s]
+  double received = 0;     //!< UNIX time [s]; where the driver does not say, that of the message
   std::string_view bytes;  //!< valid as long as the message
 };
 

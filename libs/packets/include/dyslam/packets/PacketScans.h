@@ -73,4 +73,33 @@ class RevolutionQueue
   double usual_begin_ = 0;  //!< that of the second revolution
   double usual_end_ = 1;    //!< that of the latest that is neither the first nor the last
 };
+
+/** Cuts the blocks of a lidar that turns clockwise into revolutions. */
+class RevolutionCutter
+{
+ public:
+  /** \param cut_azimuth where scans are cut, clockwise from azimuth 0 [rad]
+   * \param keep_partial deliver also incomplete first and last revolutions. */
+  RevolutionCutter(double cut_azimuth, bool keep_partial);
+
+  /** The scan that a block belongs to, which begins with this block if it is the first past the
+   * cut.
+   * \param azimuth of the block, 0 to 35999 [0.01 deg]
+   * \param stamp of a scan that begins here, UNIX time [s]
+   * \return valid until the next call of any method */
+  [[nodiscard]] Scan& scanOf(int azimuth, double stamp);
+  /** No blocks follow. */
+  void finish();
+  [[nodiscard]] std::optional<Scan> take() { return queue_.take(); }
+
+ private:
+  void push();
+
+  int cut_;  //!< [0.01 deg]
+  RevolutionQueue queue_;
+  Scan scan_;
+  bool begun_ = false;
+  int first_azimuth_ = 0;  //!< from the cut on [0.01 deg]
+  int last_azimuth_ = 0;   //!< from the cut on [0.01 deg]
+};
 }  // namespace dyslam

@@ -17,9 +17,9 @@ struct PcapSourceOptions : Options, VelodyneScansOptions
   void describe(OptionsVisitor& visitor) override;
 };
 
-/** Scans out of a network capture (.pcap, .pcapng) of one lidar: of a Velodyne (VelodyneScans), or
- * of an Ouster (OusterScans) whose metadata (.json) lie beside the capture, or are named as its
- * calibration file. Packets of other lidars are left out. */
+/** Scans out of a network capture (.pcap, .pcapng) of one lidar: of a Velodyne (VelodyneScans), of
+ * a Hesai (HesaiScans), or of an Ouster (OusterScans) whose metadata (.json) lie beside the
+ * capture, or are named as its calibration file. Packets of other lidars are left out. */
 class PcapSource
 {
  public:

@@ -1,0 +1,98 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <dyslam/packets/LidarPacket.h>
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace dyslam
+{
+/** How the data packets of a Hesai lidar that turns are laid out, after the maker's user manuals.
+ * Places are bytes from the beginning of the packet. */
+struct HesaiLayout
+{
+  std::string name;  //!< "XT32"
+  std::size_t lasers = 0;
+  std::size_t blocks = 0;
+  std::size_t first_block = 0;
+  std::size_t azimuth_at = 0;    //!< byte within a block
+  std::size_t return_bytes = 0;  //!< of each laser in a block: range (2), reflectivity (1), others
+  double range_unit = 0;         //!< [m]
+  std::size_t return_mode_at = 0;
+  std::size_t date_at = 0;
+  std::size_t clock_at = 0;
+  int year_zero = 1900;      //!< of the first byte of the date
+  double block_period = 0;   //!< from one firing of all lasers to the next [s]
+  bool stamps_last = false;  //!< the packet's time is that of its last firing, not of its first
+  std::size_t packet_bytes = 0;
+
+  [[nodiscard]] std::size_t blockBytes() const { return azimuth_at + 2 + lasers * return_bytes; }
+};
+
+/** By the header, or of a Pandar40P, which has none, by the size; nothing for packets of other
+ * sensors and of Hesai's that do not turn as a whole (AT128, FT120). */
+[[nodiscard]] std::optional<HesaiLayout> hesaiLayoutOf(const LidarPacket& packet);
+
+/** One data packet. \pre the packet outlives the view, and `layout` is its own */
+class HesaiPacketView
+{
+ public:
+  HesaiPacketView(const LidarPacket& packet, const HesaiLayout& layout)
+      : bytes_(packet.bytes.data()), layout_(layout)
+  {
+  }
+
+  /** Clockwise [0.01 deg], 0 to 35999. */
+  [[nodiscard]] int azimuth(std::size_t block) const
+  {
+    return u16(blockAt(block) + layout_.azimuth_at) % 36000;
+  }
+  /** In units of the layout; 0 without a return. */
+  [[nodiscard]] std::uint16_t range(std::size_t block, std::size_t laser) const
+  {
+    return u16(returnAt(block, laser));
+  }
+  [[nodiscard]] std::uint8_t reflectivity(std::size_t block, std::size_t laser) const
+  {
+    return bytes_[returnAt(block, laser) + 2];
+  }
+  /** Blocks that belong to one firing: 1, or 2 or 3 with several returns. */
+  [[nodiscard]] std::size_t returns() const;
+  /** By the sensor's clock, as a UNIX time if that is set, else from anywhere [s]. */
+  [[nodiscard]] double time() const;
+
+ private:
+  [[nodiscard]] std::uint16_t u16(std::size_t at) const
+  {
+    return static_cast<std::uint16_t>(bytes_[at] | (bytes_[at + 1] << 8U));
+  }
+  [[nodiscard]] std::size_t blockAt(std::size_t block) const
+  {
+    return layout_.first_block + block * layout_.blockBytes();
+  }
+  [[nodiscard]] std::size_t returnAt(std::size_t block, std::size_t laser) const
+  {
+    return blockAt(block) + layout_.azimuth_at + 2 + laser * layout_.return_bytes;
+  }
+
+  const std::uint8_t* bytes_;
+  const HesaiLayout& layout_;
+};
+
+/** Directions of the lasers [rad]. */
+struct HesaiAngles
+{
+  std::vector<double> elevations;
+  std::vector<double> azimuths;  //!< clockwise, from that of the block
+};
+
+/** Those that a model is designed for; nothing for models of which each lidar differs. */
+[[nodiscard]] std::optional<HesaiAngles> designedHesaiAngles(const HesaiLayout& layout);
+/** Reads the maker's angle correction file of a lidar (.csv: channel, elevation, azimuth).
+ * \throws UserError if it is none, or not of `lasers` lasers. */
+[[nodiscard]] HesaiAngles readHesaiAngles(const std::string& path, std::size_t lasers);
+}  // namespace dyslam

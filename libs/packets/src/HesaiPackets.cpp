@@ -1,0 +1,196 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/packets/HesaiPackets.h>
+
+#include <algorithm>
+#include <array>
+
+namespace dyslam
+{
+namespace
+{
+constexpr std::size_t tail_with_sequence = 28;  //!< of the packets of PandarQT and PandarXT [bytes]
+constexpr std::size_t crc_bytes = 4;
+constexpr std::size_t safety_bytes = 17;
+constexpr std::size_t sequence_bytes = 4;
+constexpr std::size_t imu_bytes = 22;
+constexpr std::size_t signature_bytes = 32;
+
+/** Days from 1970-01-01 to a date of the Gregorian calendar. */
+std::int64_t daysSinceEpoch(int year, int month, int day)
+{
+  constexpr std::array<int, 12> before{0, 31, 59, 90, 120, 151, 181, 212, 243, 273, 304, 334};
+  const auto leap_days = [](int y) { return y / 4 - y / 100 + y / 400; };
+  const bool leap_day_passed = month > 2 && leap_days(year) != leap_days(year - 1);
+  const int month_index = std::clamp(month, 1, 12) - 1;
+  return 365 * (year - 1970) + leap_days(year - 1) - leap_days(1969) +
+         before[static_cast<std::size_t>(month_index)] + (leap_day_passed ? 1 : 0) + day - 1;
+}
+
+/** Puts the bytes of return mode, date and clock in their places. */
+void setTail(HesaiLayout& layout,
+             std::size_t tail,
+             std::size_t return_mode,
+             std::size_t date,
+             std::size_t clock)
+{
+  layout.return_mode_at = tail + return_mode;
+  layout.date_at = tail + date;
+  layout.clock_at = tail + clock;
+}
+
+std::size_t bodyEnd(const HesaiLayout& layout)
+{
+  return layout.first_block + layout.blocks * layout.blockBytes();
+}
+
+HesaiLayout pandar40()
+{
+  HesaiLayout layout;
+  layout.name = "Pandar40P";
+  layout.lasers = 40;
+  layout.blocks = 10;
+  layout.azimuth_at = 2;
+  layout.return_bytes = 3;
+  layout.range_unit = 0.004;
+  layout.year_zero = 2000;
+  layout.block_period = 55.56e-6;
+  layout.stamps_last = true;
+  setTail(layout, bodyEnd(layout), 14, 16, 10);
+  layout.packet_bytes = bodyEnd(layout) + 22;
+  return layout;
+}
+
+/** Header of 8 bytes: EE FF, lasers, blocks, -, unit of range [mm], 2 reserved. */
+HesaiLayout pandar64(const std::vector<std::uint8_t>& bytes)
+{
+  HesaiLayout layout = pandar40();
+  layout.name = "Pandar64";
+  layout.lasers = bytes[2];
+  layout.blocks = bytes[3];
+  layout.first_block = 8;
+  layout.azimuth_at = 0;
+  layout.range_unit = 0.001 * bytes[5];
+  setTail(layout, bodyEnd(layout), 14, 16, 10);
+  layout.packet_bytes = bodyEnd(layout) + 22;
+  return layout;
+}
+
+/** Lidars of the protocols 1.x and 3.2, whose packets have parts by the flags of their header. */
+void setOptionalParts(HesaiLayout& layout, unsigned flags)
+{
+  constexpr unsigned has_sequence = 1;
+  constexpr unsigned has_imu = 2;
+  constexpr unsigned has_safety = 4;
+  constexpr unsigned has_signature = 8;
+  const std::size_t tail =
+      bodyEnd(layout) + crc_bytes + ((flags & has_safety) != 0 ? safety_bytes : 0);
+  setTail(layout, tail, 12, 15, 21);
+  layout.packet_bytes = tail + 26 + ((flags & has_sequence) != 0 ? sequence_bytes : 0) +
+                        ((flags & has_imu) != 0 ? imu_bytes : 0) + crc_bytes +
+                        ((flags & has_signature) != 0 ? signature_bytes : 0);
+}
+
+/** Header of 12 bytes: EE FF, major and minor version, 2 reserved, lasers, blocks, first return,
+ * unit of range [mm], returns, flags. */
+std::optional<HesaiLayout> layoutOfProtocol(const std::vector<std::uint8_t>& bytes)
+{
+  constexpr unsigned has_confidence = 16;
+  const int protocol = 100 * bytes[2] + bytes[3];
+  const unsigned flags = bytes[11];
+  HesaiLayout layout;
+  layout.first_block = 12;
+  layout.lasers = bytes[6];
+  layout.blocks = bytes[7];
+  layout.return_bytes = 4;
+  layout.range_unit = 0.001 * bytes[9];
+  switch (protocol)
+  {
+    case 103:
+    case 104:
+      layout.name = "Pandar" + std::to_string(layout.lasers);
+      layout.return_bytes = (flags & has_confidence) != 0 ? 4 : 3;
+      layout.block_period = 55.556e-6;
+      layout.stamps_last = true;
+      setOptionalParts(layout, flags);
+      return layout;
+    case 301:
+      layout.name = "QT" + std::to_string(layout.lasers);
+      layout.block_period = 166.67e-6;
+      setTail(layout, bodyEnd(layout), 16, 18, 12);
+      layout.packet_bytes = bodyEnd(layout) + tail_with_sequence;
+      return layout;
+    case 302:
+      layout.name = "QT" + std::to_string(layout.lasers);
+      layout.block_period = 111.11e-6;
+      setOptionalParts(layout, flags);
+      return layout;
+    case 601:
+      layout.name = layout.lasers == 32 && layout.blocks == 6
+                        ? "XT32M2X"
+                        : "XT" + std::to_string(layout.lasers);
+      layout.block_period = 50e-6;
+      layout.stamps_last = true;
+      setTail(layout, bodyEnd(layout), 10, 13, 19);
+      layout.packet_bytes = bodyEnd(layout) + tail_with_sequence;
+      return layout;
+    default:
+      return std::nullopt;
+  }
+}
+}  // namespace
+
+std::optional<HesaiLayout> hesaiLayoutOf(const LidarPacket& packet)
+{
+  const std::vector<std::uint8_t>& bytes = packet.bytes;
+  const auto startsWith = [&bytes](std::uint8_t first, std::uint8_t second)
+  { return bytes.size() > 12 && bytes[0] == first && bytes[1] == second; };
+  std::optional<HesaiLayout> layout;
+  if (startsWith(0xff, 0xee))
+  {
+    layout = pandar40();
+    // VLP packets begin alike, but have 100 bytes in each block.
+    const std::size_t second_block = layout->blockBytes();
+    const bool is_second = bytes.size() > second_block + 1 && bytes[second_block] == 0xff &&
+                           bytes[second_block + 1] == 0xee;
+    layout = is_second ? layout : std::nullopt;
+  }
+  else if (startsWith(0xee, 0xff))
+  {
+    layout = bytes[2] == 64 && bytes[3] == 6 ? pandar64(bytes) : layoutOfProtocol(bytes);
+  }
+  const bool fits = layout && layout->lasers > 0 && layout->blocks > 0 && layout->range_unit > 0 &&
+                    bytes.size() >= layout->packet_bytes;
+  return fits ? layout : std::nullopt;
+}
+
+std::size_t HesaiPacketView::returns() const
+{
+  constexpr std::uint8_t first_dual = 0x39;
+  constexpr std::uint8_t triple = 0x3d;
+  const std::uint8_t mode = bytes_[layout_.return_mode_at];
+  return mode == triple ? 3 : mode >= first_dual ? 2 : 1;
+}
+
+double HesaiPacketView::time() const
+{
+  const std::uint8_t* date = bytes_ + layout_.date_at;
+  const std::uint8_t* clock = bytes_ + layout_.clock_at;
+  std::int64_t seconds = 0;
+  if (date[0] == 0)  // seconds since 1970, the highest byte first
+  {
+    for (std::size_t i = 1; i < 6; ++i)
+    {
+      seconds = seconds * 256 + date[i];
+    }
+  }
+  else
+  {
+    seconds = 86400 * daysSinceEpoch(layout_.year_zero + date[0], date[1], date[2]) +
+              3600 * date[3] + 60 * date[4] + date[5];
+  }
+  const std::uint32_t microseconds = clock[0] | static_cast<std::uint32_t>(clock[1]) << 8U |
+                                     static_cast<std::uint32_t>(clock[2]) << 16U |
+                                     static_cast<std::uint32_t>(clock[3]) << 24U;
+  return static_cast<double>(seconds) + 1e-6 * microseconds;
+}
+}  // namespace dyslam

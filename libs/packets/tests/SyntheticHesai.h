@@ -1,0 +1,186 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// A Hesai that turns ten times per second inside a sphere of 12 m, packet by packet. It knows
+// nothing of the readers.
+#pragma once
+
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "SyntheticCapture.h"
+
+namespace dyslam
+{
+enum class HesaiKind
+{
+  pandar40,
+  pandar64,
+  xt16,
+  xt32,
+  xt32m2x,
+  qt64,
+  qt128,
+  ot128
+};
+
+struct SyntheticHesai
+{
+  static constexpr double turn = 0.1;  //!< [s]
+
+  HesaiKind kind = HesaiKind::xt32;
+  bool dual = false;         //!< every firing has two blocks
+  double clock_zero = 1e9;   //!< UNIX time of the first firing by the sensor's clock, whole [s]
+  double first_azimuth = 0;  //!< [deg]
+
+  struct Shape
+  {
+    std::size_t lasers, blocks;
+    double period;  //!< of the firings [s]
+    int major, minor;
+    std::size_t unit;  //!< [mm]
+  };
+  [[nodiscard]] Shape shape() const
+  {
+    switch (kind)
+    {
+      case HesaiKind::pandar40:
+        return {40, 10, 55.56e-6, 0, 0, 4};
+      case HesaiKind::pandar64:
+        return {64, 6, 55.56e-6, 0, 0, 4};
+      case HesaiKind::xt16:
+        return {16, 8, 50e-6, 6, 1, 4};
+      case HesaiKind::xt32:
+        return {32, 8, 50e-6, 6, 1, 4};
+      case HesaiKind::xt32m2x:
+        return {32, 6, 50e-6, 6, 1, 4};
+      case HesaiKind::qt64:
+        return {64, 4, 166.67e-6, 3, 1, 4};
+      case HesaiKind::qt128:
+        return {128, 2, 111.11e-6, 3, 2, 4};
+      default:
+        return {128, 2, 55.556e-6, 1, 4, 4};
+    }
+  }
+
+  [[nodiscard]] std::size_t returns() const { return dual ? 2 : 1; }
+  [[nodiscard]] double packetTime() const
+  {
+    return shape().period * static_cast<double>(shape().blocks / returns());
+  }
+  /** Channel 3 sees nothing, the second return of channel 5 is 2 m behind the first. */
+  [[nodiscard]] std::uint16_t range(std::size_t laser, std::size_t echo) const
+  {
+    const std::size_t mm = laser == 2 ? 0 : laser == 4 && echo == 1 ? 14000 : 12000;
+    return static_cast<std::uint16_t>(mm / shape().unit);
+  }
+  [[nodiscard]] bool isOfFlags() const
+  {
+    return kind == HesaiKind::qt128 || kind == HesaiKind::ot128;
+  }
+
+  /** The packet number `n` from 0 on. */
+  [[nodiscard]] std::string packet(std::size_t n) const
+  {
+    const Shape s = shape();
+    const double begin = static_cast<double>(n) * packetTime();
+    std::string bytes = header(s);
+    for (std::size_t block = 0; block < s.blocks; ++block)
+    {
+      const double seconds = begin + s.period * static_cast<double>(block / returns());
+      const double degrees = std::fmod(first_azimuth + 360 * seconds / turn, 360.0);
+      bytes += kind == HesaiKind::pandar40 ? "\xff\xee" : "";
+      appendBytes(bytes, static_cast<std::uint16_t>(100 * degrees));
+      for (std::size_t laser = 0; laser < s.lasers; ++laser)
+      {
+        appendBytes(bytes, range(laser, block % returns()));
+        bytes += '\x33';
+        bytes += hasConfidence() ? "c" : "";
+      }
+    }
+    const bool stamps_first = s.major == 3;
+    const double last = begin + packetTime() - s.period;
+    return bytes + tail(clock_zero + (stamps_first ? begin : last));
+  }
+
+ private:
+  [[nodiscard]] bool hasConfidence() const { return shape().major >= 3; }
+
+  [[nodiscard]] std::string header(const Shape& s) const
+  {
+    if (kind == HesaiKind::pandar40)
+    {
+      return "";
+    }
+    std::string bytes = "\xee\xff";
+    if (kind == HesaiKind::pandar64)
+    {
+      return bytes + static_cast<char>(s.lasers) + static_cast<char>(s.blocks) +
+             std::string("\x00\x04\x00\x00", 4);
+    }
+    bytes += static_cast<char>(s.major);
+    bytes += static_cast<char>(s.minor);
+    bytes += std::string(2, '\0');
+    bytes += static_cast<char>(s.lasers);
+    bytes += static_cast<char>(s.blocks);
+    bytes += '\0';
+    bytes += static_cast<char>(s.unit);
+    bytes += static_cast<char>(returns());
+    bytes += isOfFlags() ? (hasConfidence() ? '\x15' : '\x05') : '\x01';  // sequence, safety, ...
+    return bytes;
+  }
+
+  /** 2001-09-09 01:46:40 UTC is the time 1e9. */
+  [[nodiscard]] std::string date(double time, int year_zero) const
+  {
+    const auto seconds = static_cast<std::uint64_t>(time - 1e9) + 40;
+    std::string bytes;
+    for (const std::uint64_t value :
+         {static_cast<std::uint64_t>(2001 - year_zero), std::uint64_t{9}, std::uint64_t{9},
+          std::uint64_t{1}, 46 + seconds / 60, seconds % 60})
+    {
+      bytes += static_cast<char>(value);
+    }
+    return bytes;
+  }
+
+  [[nodiscard]] std::string tail(double time) const
+  {
+    std::string clock;
+    appendBytes(clock, static_cast<std::uint32_t>(std::lround(1e6 * std::fmod(time, 1.0))));
+    const std::string mode(1, dual ? '\x39' : '\x37');
+    const std::string speed("\x58\x02", 2);
+    const std::string factory("\x42");
+    const std::string sequence(4, '\x07');
+    const auto zeros = [](std::size_t count) { return std::string(count, '\0'); };
+    if (kind == HesaiKind::pandar40 || kind == HesaiKind::pandar64)
+    {
+      return zeros(8) + speed + clock + mode + factory + date(time, 2000);
+    }
+    if (kind == HesaiKind::qt64)
+    {
+      return zeros(10) + speed + clock + mode + factory + date(time, 1900) + sequence;
+    }
+    if (isOfFlags())
+    {
+      return zeros(4) + zeros(17) + zeros(12) + mode + speed + date(time, 1900) + clock + factory +
+             sequence + zeros(4);
+    }
+    return zeros(10) + mode + speed + date(time, 1900) + clock + factory + sequence;
+  }
+};
+
+/** A capture of the packets of some time [s]. */
+inline std::string capturedHesai(const SyntheticHesai& lidar, double duration)
+{
+  constexpr std::size_t port = 2368;
+  std::string file = captureHeader();
+  for (std::size_t n = 0; static_cast<double>(n) * lidar.packetTime() < duration; ++n)
+  {
+    appendFrame(file, 1000.0 + static_cast<double>(n) * lidar.packetTime(),
+                ipFrame(udpDatagram(lidar.packet(n), port), 0, 0));
+  }
+  return file;
+}
+}  // namespace dyslam
