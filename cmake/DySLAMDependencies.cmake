@@ -20,7 +20,7 @@ endif()
 message(STATUS "Networks (libtorch and OpenMP): ${DYSLAM_HAVE_TORCH}")
 
 if(NOT DYSLAM_TRAIN_ONLY)
-  find_package(MRPT 2.5.8 REQUIRED COMPONENTS core config io math poses serialization system obs maps graphs opengl
+  find_package(MRPT 2.5.8 REQUIRED COMPONENTS core config io math poses serialization system obs maps graphs topography opengl
     graphslam)
   find_package(Ceres 2.1 REQUIRED)
   find_package(PCL 1.13 REQUIRED COMPONENTS common kdtree search registration)

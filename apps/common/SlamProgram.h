@@ -67,6 +67,12 @@ inline void printResult(const SlamRunReport& report, const std::string& folder)
     std::printf("%s left out, as they contradict the others\n",
                 counted(report.loops_left_out, "more loop").c_str());
   }
+  if (report.georeference)
+  {
+    std::printf("satellite receiver: %s, %.2f m from the trajectory, %.2f m in height (RMS)\n",
+                counted(report.georeference->fixes, "position").c_str(),
+                report.georeference->horizontal_rmse, report.georeference->vertical_rmse);
+  }
   if (report.unconverged > 0)
   {
     std::printf("%s could not be registered; %s motion is predicted\n",

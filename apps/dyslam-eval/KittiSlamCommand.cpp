@@ -77,11 +77,11 @@ Settings settingsOf(const KittiSlamArguments& a)
     config.set(assignment);
   }
   ConfigLoader loader(config);
-  Settings settings{
-      loader.get<TrackerOptions>("tracker"),
-      loader.get<DetectionNoiseOptions>("detection_noise"),
-      {loader.get<BackendOptions>("backend"), LoopCloserOptions{},
-       loader.get<ObjectGraphOptions>("objects"), loader.get<FactorGraphOptions>("solver")}};
+  Settings settings{loader.get<TrackerOptions>("tracker"),
+                    loader.get<DetectionNoiseOptions>("detection_noise"),
+                    {loader.get<BackendOptions>("backend"), LoopCloserOptions{},
+                     loader.get<ObjectGraphOptions>("objects"),
+                     loader.get<FactorGraphOptions>("solver"), GnssOptions{}}};
   loader.requireAllUsed();
   return settings;
 }

@@ -104,6 +104,10 @@ void declare(CLI::App& app, Arguments& a)
   app.add_flag(
       "--wheels", o.wheels,
       "also wheel odometry: forward speed and yaw rate at 50 Hz; not with a hand-held ego");
+  app.add_flag(
+      "--gnss", a.recording.gnss,
+      "also a satellite receiver: a position each second, 1.1 m off horizontally and 2.2 m "
+      "vertically (RMS)");
   app.add_option("--threads", a.recording.threads, "0: number of cores (0)")
       ->check(CLI::Range(0, 256));
   declareSets(app, a);

@@ -10,6 +10,8 @@
 #include <numeric>
 #include <set>
 
+#include "GnssReceiver.h"
+
 namespace dyslam::sim
 {
 namespace
@@ -132,6 +134,7 @@ RecordingResult record(const Recording& recording,
   writing.compression_level = recording.compression_level;
   RawlogWriter rawlog(recording.output, writing);
   GroundTruthWriter truth(result.ground_truth);
+  GnssReceiver receiver(recording.simulator.trafficSeed());
   std::set<int> ids;
   const double period = simulator.sensor().period;
   const auto scans = static_cast<std::size_t>(std::llround(recording.seconds / period));
@@ -144,6 +147,11 @@ RecordingResult record(const Recording& recording,
     if (recording.compact)
     {
       makeCompact(scan);
+    }
+    if (const auto fix =
+            recording.gnss ? receiver.fixAt(scan.scan.stamp, scan.T_map_vehicle) : std::nullopt)
+    {
+      rawlog.write(*fix);
     }
     writeScan(scan, rawlog);
     writeTruth(scan, i, recording.flow, truth, ids);

@@ -22,6 +22,7 @@ struct Recording
   bool flow = true;    //!< write per-point scene flow
   /** Small files: coordinates in multiples of 1/128 m, times of 2^-14 s, points sorted by ring. */
   bool compact = false;
+  bool gnss = false;          //!< write positions of a satellite receiver (GnssReceiver)
   int compression_level = 1;  //!< of gzip
   int threads = 0;            //!< 0 for the number of cores
 };

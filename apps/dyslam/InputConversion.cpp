@@ -66,10 +66,10 @@ void writeOrigin(const std::string& input, const std::string& program, const Con
 /** The first option in a message that only the converters have; empty if there is none. */
 std::string optionOfConverters(const std::string& message)
 {
-  constexpr std::array<const char*, 11> known{"--topic",      "--imu-topic",   "--odometry-topic",
-                                              "--sensor",     "--calibration", "--sensor-pose",
-                                              "--base-frame", "--dt",          "--output",
-                                              "--force",      "--input"};
+  constexpr std::array<const char*, 12> known{"--topic",       "--imu-topic",  "--odometry-topic",
+                                              "--gnss-topic",  "--sensor",     "--calibration",
+                                              "--sensor-pose", "--base-frame", "--dt",
+                                              "--output",      "--force",      "--input"};
   std::istringstream words(message);
   for (std::string word; words >> word;)
   {
@@ -155,6 +155,7 @@ void declareConversion(CLI::App& app, RecordingOptions& options)
   app.add_option("--imu-topic", options.imu_topic, "a bag's sensor_msgs/Imu")->group(group);
   app.add_option("--odometry-topic", options.odometry_topic, "a bag's speed by the wheels")
       ->group(group);
+  app.add_option("--gnss-topic", options.gnss_topic, "a bag's sensor_msgs/NavSatFix")->group(group);
   app.add_option(
          "--sensor", options.sensor,
          "the Velodyne of packets: VLP16, VLP16HR, HDL32E, HDL64E, VLP32C or VLS128 (default: "

@@ -52,6 +52,7 @@ void declare(CLI::App& app, Arguments& arguments)
   app.add_option("--oxts", o.oxts, "GNSS/INS file or folder: truth where there are no poses");
   app.add_flag("--imu", o.imu,
                "with the angular velocities and accelerations of oxts, beside the scans");
+  app.add_flag("--gnss", o.gnss, "with the positions of oxts, beside the scans");
   app.add_option("--labels", o.labels, "folder of .label files, one label per point");
   app.add_option("--boxes", o.boxes, "label_02 file, or folder of SUSTechPOINTS json");
   app.add_option("--sequence", o.sequence, "sequence of tracking's official layout, such as 0000");

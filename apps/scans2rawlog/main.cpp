@@ -57,6 +57,8 @@ void declare(CLI::App& app, Arguments& arguments)
   app.add_option("--odometry-topic", o.odometry_topic,
                  "a bag's speed by the wheels, written beside the scans: Odometry, TwistStamped, "
                  "TwistWithCovarianceStamped");
+  app.add_option("--gnss-topic", o.gnss_topic,
+                 "a bag's sensor_msgs/NavSatFix, whose positions are written beside the scans");
   app.add_option(
       "--sensor", o.sensor,
       "the Velodyne of packets: VLP16, VLP16HR, HDL32E, HDL64E, VLP32C or VLS128 (default: "

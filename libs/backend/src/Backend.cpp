@@ -13,6 +13,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "GnssAnchor.h"
 #include "LoopCorrection.h"
 #include "ObjectGraph.h"
 #include "PoseGraphView.h"
@@ -80,10 +81,12 @@ struct Backend::State
         keyframes(store),
         closer(config.loops, store),
         correction(config.backend, config.solver, graph),
-        objects(config.objects, config.backend.mode == BackendMode::full, graph)
+        objects(config.objects, config.backend.mode == BackendMode::full, graph),
+        gnss(config.gnss)
   {
     validate(options, "backend");
     validate(solver, "solver");
+    validate(gnss.options(), "gnss");
     if (!keyframes.empty())
     {
       throw std::invalid_argument("Backend: the store has keyframes already");
@@ -104,6 +107,8 @@ struct Backend::State
   void optimiseForLoops(const Frame& frame);
   void optimiseAll();
   void correctKeyframes(std::size_t first);
+  [[nodiscard]] std::optional<VehicleInKeyframe> vehicleAt(double stamp) const;
+  void tieToEarth();
 
   BackendOptions options;
   FactorGraphOptions solver;
@@ -113,6 +118,8 @@ struct Backend::State
   FactorGraph graph;
   LoopCorrection correction;
   ObjectGraph objects;
+  GnssAnchor gnss;
+  std::optional<Georeference> georeference;
   std::vector<FrameInKeyframe> frames;
   std::vector<Loop> loops;
   std::vector<std::string> problems;        //!< factors that the graph rejected
@@ -252,6 +259,61 @@ void Backend::State::optimiseAll()
   correctKeyframes(0);
 }
 
+/** Between the scans before and after it. */
+std::optional<VehicleInKeyframe> Backend::State::vehicleAt(double stamp) const
+{
+  constexpr double longest_gap = 1;  // [s]
+  const auto after = std::lower_bound(frames.begin(), frames.end(), stamp,
+                                      [](const FrameInKeyframe& frame, double time)
+                                      { return frame.stamp < time; });
+  if (after != frames.end() && after->stamp == stamp)
+  {
+    return VehicleInKeyframe{after->keyframe, after->T_keyframe_frame};
+  }
+  if (after == frames.begin() || after == frames.end() ||
+      after->stamp - std::prev(after)->stamp > longest_gap)
+  {
+    return std::nullopt;
+  }
+  const FrameInKeyframe& before = *std::prev(after);
+  const Pose T_before_after = before.T_keyframe_frame.inverse() *
+                              graph.pose(Key::ego(before.keyframe)).inverse() *
+                              graph.pose(Key::ego(after->keyframe)) * after->T_keyframe_frame;
+  const double part = (stamp - before.stamp) / (after->stamp - before.stamp);
+  return VehicleInKeyframe{before.keyframe,
+                           before.T_keyframe_frame * expSE3(part * logSE3(T_before_after))};
+}
+
+void Backend::State::tieToEarth()
+{
+  const Key earth = Key::georeference();
+  if (!gnss.addTo(graph, [this](double stamp) { return vehicleAt(stamp); }))
+  {
+    return;
+  }
+  (void)graph.optimise(solver, {earth});
+  const bool fuse = gnss.options().use == GnssUse::fuse && options.mode != BackendMode::odometry;
+  if (fuse)
+  {
+    optimiseAll();
+    if (!gnss.fits(graph))
+    {
+      graph.remove(earth);
+      optimiseAll();
+      gnss.warn(
+          "the positions of the satellite receiver are not used: most of them do not fit the "
+          "trajectory; is its clock that of the lidar?");
+      return;
+    }
+  }
+  georeference = gnss.georeference(graph);
+  georeference->fused = fuse;
+  if (!fuse)
+  {
+    graph.remove(earth);
+  }
+}
+
 void BackendOptions::describe(OptionsVisitor& visitor)
 {
   visitor.choice(
@@ -305,6 +367,7 @@ bool Backend::addOdometry(Frame& frame)
   {
     s.addKeyframe(frame);
   }
+  s.gnss.add(frame.gnss);
   s.frames.push_back({frame.scan.stamp, s.keyframes.size() - 1, s.since_keyframe.motion()});
   if (s.hasObjects())
   {
@@ -368,6 +431,7 @@ void Backend::finish()
   {
     s.optimiseAll();
   }
+  s.tieToEarth();
 }
 
 const FactorGraph& Backend::factorGraph() const
@@ -406,6 +470,11 @@ std::vector<SmoothedObject> Backend::smoothedObjects() const
   return state_->objects.smoothed();
 }
 
+const std::optional<Georeference>& Backend::georeference() const
+{
+  return state_->georeference;
+}
+
 const OptimisationResult& Backend::lastOptimisation() const
 {
   return state_->correction.last();
@@ -414,7 +483,8 @@ const OptimisationResult& Backend::lastOptimisation() const
 std::vector<std::string> Backend::warnings() const
 {
   std::vector<std::string> result = state_->problems;
-  for (const auto& more : {state_->correction.last().warnings, state_->objects.warnings()})
+  for (const auto& more :
+       {state_->correction.last().warnings, state_->objects.warnings(), state_->gnss.warnings()})
   {
     result.insert(result.end(), more.begin(), more.end());
   }
@@ -424,7 +494,7 @@ std::vector<std::string> Backend::warnings() const
 void Backend::exchangeState(StateArchive& archive)
 {
   State& s = *state_;
-  archive(s.closer, s.graph, s.objects, s.frames, s.loops, s.correction, s.problems,
+  archive(s.closer, s.graph, s.objects, s.gnss, s.frames, s.loops, s.correction, s.problems,
           s.T_odom_keyframe, s.since_keyframe, s.T_odom_previous, s.path, s.unseen_path, s.drift,
           s.drift_angle);
 }

@@ -31,6 +31,8 @@ std::string toString(const Key& key)
              (key.index > 0 ? "#" + std::to_string(key.index) : "");
     case VariableKind::object_pose:
       return "l" + std::to_string(key.object) + "@" + std::to_string(key.index);
+    case VariableKind::georeference:
+      return "g";
     case VariableKind::object_velocity:
       break;
   }
@@ -49,6 +51,8 @@ std::string toString(FactorKind kind)
       return "observation";
     case FactorKind::object_motion:
       return "object_motion";
+    case FactorKind::gnss:
+      return "gnss";
     case FactorKind::smooth_motion:
       break;
   }

@@ -52,6 +52,13 @@ void FactorGraphOptions::describe(OptionsVisitor& visitor)
   visitor.real(
       "object_loss_width", object_loss_width, 1e-6, 1e6,
       "width of the robust loss of object observation factors, as a whitened residual [sigmas]");
+  visitor.choice(
+      "gnss_loss", gnss_loss,
+      {{"none", RobustLoss::none}, {"cauchy", RobustLoss::cauchy}, {"dcs", RobustLoss::dcs}},
+      "robust loss of positions of a satellite receiver");
+  visitor.real("gnss_loss_width", gnss_loss_width, 1e-6, 1e6,
+               "width of the robust loss of positions of a satellite receiver, as a whitened "
+               "residual [sigmas]");
 }
 
 FactorGraph::Variable& FactorGraph::variable(const Key& key)

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/backend/FactorGraphFile.h>
+#include <dyslam/backend/factors/GnssFactor.h>
 #include <dyslam/backend/factors/LoopFactor.h>
 #include <dyslam/backend/factors/ObjectMotionFactor.h>
 #include <dyslam/backend/factors/ObservationFactor.h>
@@ -36,6 +37,8 @@ std::string_view nameOf(VariableKind kind)
       return "STATIC_OBJECT";
     case VariableKind::object_pose:
       return "OBJECT";
+    case VariableKind::georeference:
+      return "GEOREFERENCE";
     case VariableKind::object_velocity:
       break;
   }
@@ -58,6 +61,10 @@ void append(std::string& text, std::int64_t value)
 void append(std::string& text, const Key& key)
 {
   text += nameOf(key.kind);
+  if (key.kind == VariableKind::georeference)
+  {
+    return;
+  }
   if (key.kind != VariableKind::ego_pose)
   {
     append(text, key.object);
@@ -82,6 +89,14 @@ std::string variableLine(const Key& key, const FactorGraph::Variable& variable)
     text += '\n';
   }
   return text;
+}
+
+void append(std::string& text, const Eigen::Vector3d& vector)
+{
+  for (const double value : vector)
+  {
+    append(text, value);
+  }
 }
 
 void appendMeasurement(std::string& text, const Pose& pose)
@@ -123,6 +138,12 @@ std::string factorLine(const Factor& factor, bool left_out)
       text += ' ';
       append(text, keys[1]);
       appendMeasurement(text, factor.measurement());
+      break;
+    case FactorKind::gnss:
+      text = "GNSS";
+      append(text, keys[0].index);
+      append(text, Eigen::Vector3d(factor.measurement().translation()));
+      append(text, static_cast<const GnssFactor&>(factor).antenna());
       break;
     case FactorKind::object_motion:
     case FactorKind::smooth_motion:
@@ -209,6 +230,10 @@ class LineReader
     {
       return Key::ego(index());
     }
+    if (kind == nameOf(VariableKind::georeference))
+    {
+      return Key::georeference();
+    }
     for (const VariableKind known :
          {VariableKind::static_object, VariableKind::object_pose, VariableKind::object_velocity})
     {
@@ -218,8 +243,18 @@ class LineReader
         return {known, object, static_cast<std::int64_t>(index())};
       }
     }
-    file_.fail("'" + std::string(kind) +
-               "' is no kind of variable; use EGO, STATIC_OBJECT, OBJECT or VELOCITY");
+    file_.fail(
+        "'" + std::string(kind) +
+        "' is no kind of variable; use EGO, STATIC_OBJECT, OBJECT, VELOCITY or GEOREFERENCE");
+  }
+  Eigen::Vector3d vector()
+  {
+    Eigen::Vector3d vector;
+    for (double& value : vector)
+    {
+      value = measured();
+    }
+    return vector;
   }
   Pose measurement()
   {
@@ -333,6 +368,16 @@ std::unique_ptr<const Factor> readRelativePose(const std::string& kind, LineRead
   return std::make_unique<OdometryFactor>(from, index, T, information);
 }
 
+std::unique_ptr<const Factor> readGnss(LineReader& line)
+{
+  const std::size_t keyframe = line.index();
+  const Eigen::Vector3d position = line.vector();
+  const Eigen::Vector3d antenna = line.vector();
+  const Matrix6 information = line.information();
+  line.finish();
+  return std::make_unique<GnssFactor>(keyframe, position, antenna, information);
+}
+
 std::unique_ptr<const Factor> readMotion(const std::string& kind, LineReader& line)
 {
   const int object = line.integer();
@@ -360,13 +405,13 @@ void readLine(const TextFile& file, FactorGraph& graph, std::vector<std::string>
     readFixed(file, graph);
     return;
   }
-  if (is({"EGO", "STATIC_OBJECT", "OBJECT", "VELOCITY"}))
+  if (is({"EGO", "STATIC_OBJECT", "OBJECT", "VELOCITY", "GEOREFERENCE"}))
   {
     readVariable(file, graph);
     return;
   }
   const bool is_motion = is({"OBJECT_MOTION", "SMOOTH_MOTION"});
-  if (!is_motion && !is({"ODOMETRY", "LOOP", "LEFT_OUT_LOOP", "OBSERVATION"}))
+  if (!is_motion && !is({"ODOMETRY", "LOOP", "LEFT_OUT_LOOP", "OBSERVATION", "GNSS"}))
   {
     file.fail("'" + kind + "' is no kind of variable or factor of a factor graph");
   }
@@ -374,8 +419,9 @@ void readLine(const TextFile& file, FactorGraph& graph, std::vector<std::string>
   {
     LineReader line(file);
     (void)line.word();
-    const FactorGraph::FactorId id =
-        graph.add(is_motion ? readMotion(kind, line) : readRelativePose(kind, line));
+    const FactorGraph::FactorId id = graph.add(is_motion      ? readMotion(kind, line)
+                                               : is({"GNSS"}) ? readGnss(line)
+                                                              : readRelativePose(kind, line));
     if (kind == "LEFT_OUT_LOOP")
     {
       graph.leaveOut(id);

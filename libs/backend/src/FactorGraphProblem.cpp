@@ -77,6 +77,7 @@ FactorGraphProblem::FactorGraphProblem(const FactorGraphOptions& options,
     : options_(options),
       loop_loss_(nullptr, ceres::TAKE_OWNERSHIP),
       object_loss_(makeLoss(options.object_loss, options.object_loss_width)),
+      gnss_loss_(makeLoss(options.gnss_loss, options.gnss_loss_width)),
       problem_(problemOptions())
 {
   std::vector<FactorGraph::FactorId> touching;
@@ -128,6 +129,10 @@ void FactorGraphProblem::add(const Factor& factor, std::map<Key, FactorGraph::Va
   else if (factor.kind() == FactorKind::observation)
   {
     loss = object_loss_.get();
+  }
+  else if (factor.kind() == FactorKind::gnss)
+  {
+    loss = gnss_loss_.get();
   }
   problem_.AddResidualBlock(new FactorCost(factor), loss, values);
   blocks_.push_back(block);

@@ -49,6 +49,7 @@ class FactorGraphProblem
   PoseManifold manifold_;
   ceres::LossFunctionWrapper loop_loss_;
   std::unique_ptr<ceres::LossFunction> object_loss_;
+  std::unique_ptr<ceres::LossFunction> gnss_loss_;
   ceres::Problem problem_;
   std::vector<Block> blocks_;
   bool has_loops_ = false;

@@ -199,6 +199,7 @@ std::vector<Matrix6> FactorGraph::covariances(const std::vector<Key>& keys,
   FactorGraphOptions plain;
   plain.loop_loss = RobustLoss::none;
   plain.object_loss = RobustLoss::none;
+  plain.gnss_loss = RobustLoss::none;
   FactorGraphProblem problem(plain, free, variables_, factors_, left_out_);
   std::vector<std::pair<const double*, const double*>> pairs;
   for (const Key& key : keys)

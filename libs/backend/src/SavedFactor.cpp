@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "SavedFactor.h"
 
+#include <dyslam/backend/factors/GnssFactor.h>
 #include <dyslam/backend/factors/LoopFactor.h>
 #include <dyslam/backend/factors/ObjectMotionFactor.h>
 #include <dyslam/backend/factors/ObservationFactor.h>
@@ -25,6 +26,10 @@ SavedFactor savedFrom(const Factor* factor)
     if (saved.kind == FactorKind::object_motion)
     {
       saved.dt = static_cast<const ObjectMotionFactor&>(*factor).dt();
+    }
+    if (saved.kind == FactorKind::gnss)
+    {
+      saved.antenna = static_cast<const GnssFactor&>(*factor).antenna();
     }
   }
   return saved;
@@ -58,6 +63,9 @@ std::unique_ptr<const Factor> made(const SavedFactor& saved)
       case FactorKind::smooth_motion:
         return std::make_unique<SmoothMotionFactor>(object(), index(0), index(1),
                                                     saved.information);
+      case FactorKind::gnss:
+        return std::make_unique<GnssFactor>(index(0), saved.measurement.translation(),
+                                            saved.antenna, saved.information);
     }
   }
   catch (const std::logic_error& error)  // invalid_argument, out_of_range

@@ -14,7 +14,8 @@ struct SavedFactor
   FactorKind kind = FactorKind::odometry;
   std::vector<Key> keys;
   Pose measurement = Pose::Identity();
-  double dt = 0;  //!< of an object_motion [s]
+  double dt = 0;                                      //!< of an object_motion [s]
+  Eigen::Vector3d antenna = Eigen::Vector3d::Zero();  //!< of a gnss [m]
   Matrix6 information = Matrix6::Zero();
 };
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/backend/FactorGraphFile.h>
+#include <dyslam/backend/factors/GnssFactor.h>
 #include <dyslam/backend/factors/ObjectMotionFactor.h>
 #include <dyslam/backend/factors/ObservationFactor.h>
 #include <dyslam/backend/factors/SmoothMotionFactor.h>
@@ -66,6 +67,10 @@ FactorGraph everyKind()
   const auto pose = [&] { return drive.noisy(Pose::Identity(), 10, 1); };
   graph.addPose(Key::staticObject(4), pose());
   graph.addPose(Key::staticObject(4, 2), pose());
+  graph.addPose(Key::georeference(), pose());
+  graph.add(std::make_unique<GnssFactor>(12, Eigen::Vector3d(120.25, -3.5, 4),
+                                         Eigen::Vector3d(0.5, 0, 1.25),
+                                         test::randomInformation(drive.rng)));
   graph.addPose(Key::objectPose(7, 3), pose());
   graph.addPose(Key::objectPose(7, 5), pose());
   graph.addPose(Key::objectPose(7, 6), pose());
@@ -117,7 +122,7 @@ TEST_F(FactorGraphFile, WrittenReadAndWrittenIsTheSame)
     EXPECT_EQ(copy.isLeftOut(copied[i]), graph.isLeftOut(ids[i]));
   }
   EXPECT_EQ(copy.leftOutLoops(), 1U);
-  EXPECT_EQ(kinds.size(), 5U);
+  EXPECT_EQ(kinds.size(), 6U);
   const double chi2 = graph.optimise({}).final_chi2;
   EXPECT_EQ(copy.optimise({}).final_chi2, chi2);
 }

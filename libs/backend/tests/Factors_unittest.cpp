@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/backend/factors/GnssFactor.h>
 #include <dyslam/backend/factors/LoopFactor.h>
 #include <dyslam/backend/factors/ObjectMotionFactor.h>
 #include <dyslam/backend/factors/ObservationFactor.h>
@@ -123,6 +124,29 @@ TEST(ObservationFactor, JacobiansMatchNumericalDerivatives)
     checkRelativePoses([&](const Pose& T, const Matrix6& information)
                        { return std::make_unique<ObservationFactor>(3, key, T, information); });
   }
+}
+
+TEST(GnssFactor, JacobiansMatchNumericalDerivatives)
+{
+  for (unsigned seed = 1; seed <= 20; ++seed)
+  {
+    std::mt19937 rng(seed);
+    Blocks blocks;
+    const Pose T_map_vehicle = expSE3(randomTwist(rng, 30, 2));
+    const Pose T_enu_map = expSE3(randomTwist(rng, 30, 1));
+    blocks.set(0, T_map_vehicle);
+    blocks.set(1, T_enu_map);
+    const Eigen::Vector3d antenna(0.4, -0.1, 1.2);
+    const Eigen::Vector3d error(2, -1, 0.5);
+    const GnssFactor factor(3, T_enu_map * T_map_vehicle * antenna - error, antenna,
+                            test::randomInformation(rng));
+    const Vector6 residual = residualAt(factor, blocks);
+    EXPECT_LT((residual.head<3>() - error).norm(), 1e-9);
+    EXPECT_NEAR(residual.segment<2>(3).norm(), std::sin(std::acos(T_enu_map.linear()(2, 2))), 1e-9);
+    expectNumericalJacobians(factor, blocks);
+  }
+  EXPECT_THROW(GnssFactor(3, {nan_value, 0, 0}, {0, 0, 0}, Matrix6::Identity()),
+               std::invalid_argument);
 }
 
 TEST(ObjectMotionFactor, JacobiansMatchNumericalDerivatives)

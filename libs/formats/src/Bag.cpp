@@ -135,7 +135,10 @@ std::string row(const std::vector<std::string>& cells, const std::vector<std::si
 /** The option of scans2rawlog that adds the topic's samples to the scans; empty if none does. */
 std::string motionOption(const BagTopic& topic)
 {
-  return isRosImu(topic) ? "--imu-topic" : isRosTwist(topic) ? "--odometry-topic" : "";
+  return isRosImu(topic)     ? "--imu-topic"
+         : isRosTwist(topic) ? "--odometry-topic"
+         : isRosFix(topic)   ? "--gnss-topic"
+                             : "";
 }
 
 /** Points and frame of a topic of scans, the frame with a mark at that taken without --topic, or

@@ -1,6 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/formats/RosMessages.h>
 
+#include <array>
+#include <cmath>
+#include <cstdint>
+
 #include "RosReader.h"
 
 namespace dyslam
@@ -58,6 +62,38 @@ std::optional<RosImu> decodeRosImu(const BagTopic& topic, const BagMessage& mess
     return std::nullopt;
   }
   return RosImu{stampOf(header, message), header.frame, *angular_velocity, acceleration};
+}
+
+bool isRosFix(const BagTopic& topic)
+{
+  return topic.encoding != RosEncoding::other && topic.type == "sensor_msgs/NavSatFix";
+}
+
+std::optional<RosFix> decodeRosFix(const BagTopic& topic, const BagMessage& message)
+{
+  ByteReader reader = rosReader(topic, message);
+  const RosHeader header = rosHeader(reader, topic.encoding);
+  RosFix fix;
+  fix.stamp = stampOf(header, message);
+  fix.frame = header.frame;
+  const auto status = static_cast<std::int8_t>(reader.u8());
+  (void)reader.u16();  // the satellite systems
+  fix.position.latitude = reader.f64();
+  fix.position.longitude = reader.f64();
+  fix.position.height = reader.f64();
+  std::array<double, 9> covariance{};
+  for (double& value : covariance)
+  {
+    value = reader.f64();
+  }
+  const bool is_known = reader.u8() != 0;
+  const double horizontal = 0.5 * (covariance[0] + covariance[4]);
+  if (is_known && std::isfinite(horizontal + covariance[8]) && horizontal > 0 && covariance[8] > 0)
+  {
+    fix.horizontal_sigma = std::sqrt(horizontal);
+    fix.vertical_sigma = std::sqrt(covariance[8]);
+  }
+  return status >= 0 && isOnEarth(fix.position) ? std::optional(fix) : std::nullopt;
 }
 
 bool isRosTwist(const BagTopic& topic)

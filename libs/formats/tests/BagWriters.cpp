@@ -398,6 +398,21 @@ std::string imu(bool cdr, double stamp, const ImuValues& values)
   return message.bytes();
 }
 
+std::string navSatFix(bool cdr, double stamp, const FixValues& values)
+{
+  MessageBytes message(cdr);
+  message.header(stamp, values.frame);
+  message.put(static_cast<std::int8_t>(values.status));
+  message.put(static_cast<std::uint16_t>(1));
+  message.put(values.latitude).put(values.longitude).put(values.altitude);
+  for (int i = 0; i < 9; ++i)
+  {
+    message.put(i % 4 != 0 ? 0.0 : (i == 8 ? 4 : 1) * values.variance);
+  }
+  message.put(static_cast<std::uint8_t>(values.variance > 0 ? 2 : 0));
+  return message.bytes();
+}
+
 std::string transforms(bool cdr,
                        double stamp,
                        const std::vector<std::pair<std::string, Pose>>& children)

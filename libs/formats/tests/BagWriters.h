@@ -101,6 +101,17 @@ struct ImuValues
 };
 /** sensor_msgs/Imu. */
 [[nodiscard]] std::string imu(bool cdr, double stamp, const ImuValues& values);
+struct FixValues
+{
+  std::string frame = "gps";
+  double latitude = 49;    //!< [deg]
+  double longitude = 8.4;  //!< [deg]
+  double altitude = 115;   //!< [m]
+  int status = 0;          //!< -1: no fix
+  double variance = 2.25;  //!< of east and north; four times that of up [m^2]; 0: unknown
+};
+/** sensor_msgs/NavSatFix. */
+[[nodiscard]] std::string navSatFix(bool cdr, double stamp, const FixValues& values);
 /** tf2_msgs/TFMessage of one transform for each child. */
 [[nodiscard]] std::string transforms(bool cdr,
                                      double stamp,

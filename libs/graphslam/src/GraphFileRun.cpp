@@ -30,6 +30,8 @@ std::string nameOf(VariableKind kind)
       return "static objects";
     case VariableKind::object_pose:
       return "object poses";
+    case VariableKind::georeference:
+      return "georeference";
     case VariableKind::object_velocity:
       break;
   }

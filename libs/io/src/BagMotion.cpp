@@ -22,6 +22,10 @@ BagMotion::BagMotion(const std::string& input,
   {
     odometry_ = topicNamed(input, bag, "--odometry-topic", options.odometry_topic, isRosTwist);
   }
+  if (!options.gnss_topic.empty())
+  {
+    gnss_ = topicNamed(input, bag, "--gnss-topic", options.gnss_topic, isRosFix);
+  }
   if (!options.imu_pose.empty())
   {
     T_vehicle_imu_ = poseFromOption("--imu-pose", options.imu_pose);
@@ -32,7 +36,7 @@ BagMotion::BagMotion(const std::string& input,
 std::vector<std::size_t> BagMotion::topicsWith(std::size_t scans) const
 {
   std::vector<std::size_t> topics{scans};
-  for (const auto& topic : {imu_, odometry_})
+  for (const auto& topic : {imu_, odometry_, gnss_})
   {
     if (topic)
     {
@@ -47,6 +51,10 @@ void BagMotion::add(const BagMessage& message)
   if (message.topic == imu_)
   {
     addImu(message);
+  }
+  else if (message.topic == gnss_)
+  {
+    addFix(message);
   }
   else
   {
@@ -125,6 +133,26 @@ void BagMotion::addTwist(const BagMessage& message)
   }
 }
 
+void BagMotion::addFix(const BagMessage& message)
+{
+  const std::optional<RosFix> fix = decodeRosFix(bag_.topics()[message.topic], message);
+  if (!fix)
+  {
+    ++fixes_left_out_;
+    return;
+  }
+  if (!T_vehicle_antenna_)
+  {
+    const std::optional<Pose> mounting = mountingOf(fix->frame);
+    antenna_mounting_ = mounting ? "antenna at the frame " + fix->frame
+                                 : "antenna assumed at the vehicle's origin, as the bag does not "
+                                   "state where it is";
+    T_vehicle_antenna_ = mounting.value_or(Pose::Identity());
+  }
+  sink_.add(GnssFix{fix->stamp, fix->position, fix->horizontal_sigma, fix->vertical_sigma,
+                    T_vehicle_antenna_->translation()});
+}
+
 WheelSample BagMotion::wheelSampleOf(const StampedVelocity& body) const
 {
   // The vehicle's origin is at -t from the body's, in the vehicle's axes.
@@ -156,6 +184,16 @@ void BagMotion::report()
                  " are all zero: the differences of its poses are taken instead");
     }
   }
+  if (gnss_)
+  {
+    reportTopic("satellite receiver: ", options_.gnss_topic, antenna_mounting_,
+                sink_.motion().gnss());
+    reportLeftOut(options_.gnss_topic, "a fix", fixes_left_out_);
+  }
+  else
+  {
+    noteGnssTopics();
+  }
 }
 
 void BagMotion::reportTopic(const std::string& kind,
@@ -180,6 +218,16 @@ void BagMotion::reportLeftOut(const std::string& name, const std::string& what, 
   if (count > 0)
   {
     sink_.warn(name + ": " + counted(count, "message") + " without " + what + " left out");
+  }
+}
+
+void BagMotion::noteGnssTopics()
+{
+  const std::string names =
+      namesOf(bag_, [](const BagTopic& topic) { return isRosFix(topic) && topic.messages > 0; });
+  if (!names.empty())
+  {
+    sink_.note("--gnss-topic adds the positions of a satellite receiver: " + names);
   }
 }
 

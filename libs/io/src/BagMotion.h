@@ -21,8 +21,8 @@ struct BagFrames
   RosTransforms transforms;  //!< of /tf_static
 };
 
-/** Passes the IMU and the wheel odometry of a bag to the sink, as `imu_topic` and `odometry_topic`
- * select them. */
+/** Passes IMU, wheel odometry and satellite receiver of a bag to the sink, as `imu_topic`,
+ * `odometry_topic` and `gnss_topic` select them. */
 class BagMotion
 {
  public:
@@ -38,8 +38,8 @@ class BagMotion
   /** \param message of one of these topics, but not of the scans. \throws UserError if it is
    * damaged. */
   void add(const BagMessage& message);
-  /** Whether each of these topics has had a sample that is as new as a scan. \param stamp of the
-   * scan [s], not written yet */
+  /** Whether IMU and wheel odometry, where selected, have had a sample that is as new as a scan.
+   * \param stamp of the scan [s], not written yet */
   [[nodiscard]] bool hasSamplesFrom(double stamp) const;
   /** Notes and warnings, after the last message. */
   void report();
@@ -47,6 +47,7 @@ class BagMotion
  private:
   void addImu(const BagMessage& message);
   void addTwist(const BagMessage& message);
+  void addFix(const BagMessage& message);
   [[nodiscard]] WheelSample wheelSampleOf(const StampedVelocity& body) const;
   [[nodiscard]] std::optional<Pose> mountingOf(const std::string& frame) const;
   void mountImu(const std::string& frame);
@@ -57,18 +58,23 @@ class BagMotion
                    const MotionSampleWriter::Written& written);
   void reportLeftOut(const std::string& name, const std::string& what, std::size_t count);
   void noteImuTopics();
+  void noteGnssTopics();
 
   const Bag& bag_;
   const BagFrames& frames_;
   const ScanConverterOptions& options_;
   ScanSink& sink_;
-  std::optional<std::size_t> imu_;       //!< topic
-  std::optional<std::size_t> odometry_;  //!< topic
-  std::optional<Pose> T_vehicle_imu_;    //!< from the first sample on
-  std::optional<Pose> T_vehicle_body_;   //!< of the odometry's body, from its first message on
-  std::string imu_mounting_;             //!< for the note
-  std::string body_mounting_;            //!< for the note
+  std::optional<std::size_t> imu_;         //!< topic
+  std::optional<std::size_t> odometry_;    //!< topic
+  std::optional<std::size_t> gnss_;        //!< topic
+  std::optional<Pose> T_vehicle_imu_;      //!< from the first sample on
+  std::optional<Pose> T_vehicle_body_;     //!< of the odometry's body, from its first message on
+  std::optional<Pose> T_vehicle_antenna_;  //!< from the first fix on
+  std::string imu_mounting_;               //!< for the note
+  std::string body_mounting_;              //!< for the note
+  std::string antenna_mounting_;           //!< for the note
   std::size_t imu_left_out_ = 0;
+  std::size_t fixes_left_out_ = 0;
   std::size_t twists_left_out_ = 0;
   BodyVelocities velocities_;
 };

@@ -50,6 +50,7 @@ class ConversionOutput
   void write(const Scan& scan, const std::optional<Pose>& T_world_lidar);
   /** To be written before the first scan that is not older. */
   void write(const ImuSample& sample) { writer_.write(sample); }
+  void write(const GnssFix& fix) { writer_.write(fix); }
   void write(const WheelSample& sample) { writer_.write(sample); }
   /** Where the true poses are from, before the first one. */
   void setPoseOrigin(const PoseOrigin& origin) { origin_ = origin; }

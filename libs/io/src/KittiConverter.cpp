@@ -71,7 +71,7 @@ void requireKittiColumns(const std::string& scan)
 void addNotes(const KittiLayout& layout,
               const KittiConverterOptions& options,
               bool deskewed,
-              std::size_t imu_samples,
+              const MotionSampleWriter& motion,
               ConversionResult& result)
 {
   result.notes.emplace_back(
@@ -90,7 +90,12 @@ void addNotes(const KittiLayout& layout,
   }
   if (options.imu)
   {
-    result.notes.push_back("IMU: " + counted(imu_samples, "sample") + " of oxts");
+    result.notes.push_back("IMU: " + counted(motion.imu().samples, "sample") + " of oxts");
+  }
+  if (options.gnss)
+  {
+    result.notes.push_back("satellite receiver: " + counted(motion.gnss().samples, "position") +
+                           " of oxts");
   }
 }
 }  // namespace
@@ -112,6 +117,7 @@ void KittiConverterOptions::describe(OptionsVisitor& visitor)
   visitor.text("sensor_pose", sensor_pose,
                "pose of the lidar on the vehicle, x y z yaw pitch roll; empty: identity [m, deg]");
   visitor.flag("imu", imu, "convert the angular velocities and accelerations of oxts, too");
+  visitor.flag("gnss", gnss, "convert the positions of oxts, too");
   visitor.flag("no_truth", no_truth, "convert scans only: no poses, labels or boxes");
   visitor.choice(
       "pose_frame", pose_frame,
@@ -158,6 +164,7 @@ ConversionResult convertKitti(const std::string& input,
   out.setPoseOrigin(layout.pose_origin);
   MotionSampleWriter motion;
   auto imu = layout.imu.begin();
+  auto fix = layout.gnss.begin();
   for (std::size_t i = 0; i < entries.size(); ++i)
   {
     const KittiLayout::Entry& entry = *entries[i];
@@ -177,6 +184,10 @@ ConversionResult convertKitti(const std::string& input,
     {
       motion.add(*imu);
     }
+    for (; fix != layout.gnss.end() && fix->stamp <= scan.stamp; ++fix)
+    {
+      motion.add(*fix);
+    }
     motion.writeUpTo(scan.stamp, out);
     out.write(scan, entry.T_world_lidar);
     if (!entry.labels.empty())
@@ -189,7 +200,7 @@ ConversionResult convertKitti(const std::string& input,
   }
   ConversionResult result = out.close();
   result.warnings = layout.warnings;
-  addNotes(layout, options, deskewed, motion.imu().samples, result);
+  addNotes(layout, options, deskewed, motion, result);
   result.pose_source = layout.pose_file;
   return result;
 }

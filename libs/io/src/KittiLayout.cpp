@@ -70,9 +70,9 @@ class LayoutReader
                 [this] { readPoses(); });
       readTruth("boxes", !options_.boxes.empty(), [this] { readBoxes(); });
     }
-    if (options_.imu)
+    if (options_.imu || options_.gnss)
     {
-      readImu();
+      readUnit(options_.imu ? "--imu" : "--gnss");
     }
     return std::move(layout_);
   }
@@ -256,28 +256,38 @@ class LayoutReader
     setPoseSource(PoseSource::gnss_ins, path);
   }
 
-  void readImu()
+  /** The samples of oxts that the options want. \param flag that wants them. */
+  void readUnit(const char* flag)
   {
     const std::string path = oxtsPath();
     if (path.empty())
     {
-      throw UserError(input_.string() +
-                      ": has no oxts, which is needed for --imu; name it with --oxts");
+      throw UserError(input_.string() + ": has no oxts, which is needed for " + flag +
+                      "; name it with --oxts");
     }
-    const Pose T_vehicle_imu =
-        poseFromOption("--sensor-pose", options_.sensor_pose) * calib_.requireImu("--imu");
+    const Pose T_vehicle_unit =
+        poseFromOption("--sensor-pose", options_.sensor_pose) * calib_.requireImu(flag);
     const std::vector<OxtsReading> readings = readOxts(path);
     const std::vector<double> times = oxtsTimes(path, readings.size());
     for (std::size_t i = 0; i < readings.size(); ++i)
     {
-      if (std::isfinite(times[i]))
+      const OxtsReading& r = readings[i];
+      if (std::isfinite(times[i]) && options_.imu)
       {
-        layout_.imu.push_back(
-            {times[i], readings[i].angular_velocity, readings[i].acceleration, T_vehicle_imu});
+        layout_.imu.push_back({times[i], r.angular_velocity, r.acceleration, T_vehicle_unit});
+      }
+      if (std::isfinite(times[i]) && options_.gnss)
+      {
+        layout_.gnss.push_back({times[i],
+                                {r.latitude, r.longitude, r.altitude},
+                                r.position_accuracy,
+                                r.position_accuracy,
+                                T_vehicle_unit.translation()});
       }
     }
-    std::stable_sort(layout_.imu.begin(), layout_.imu.end(),
-                     [](const ImuSample& a, const ImuSample& b) { return a.stamp < b.stamp; });
+    const auto earlier = [](const auto& a, const auto& b) { return a.stamp < b.stamp; };
+    std::stable_sort(layout_.imu.begin(), layout_.imu.end(), earlier);
+    std::stable_sort(layout_.gnss.begin(), layout_.gnss.end(), earlier);
   }
 
   /** Times of the readings [s]: their own if the scans have those of KITTI raw, else those of the

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <dyslam/core/GnssFix.h>
 #include <dyslam/core/MotionSamples.h>
 #include <dyslam/core/Objects.h>
 #include <dyslam/core/Trajectory.h>
@@ -30,6 +31,7 @@ struct KittiLayout
   std::string pose_file;  //!< that the true poses are from; empty without
   PoseOrigin pose_origin;
   std::vector<ImuSample> imu;      //!< of oxts, if the options want it, in order of time
+  std::vector<GnssFix> gnss;       //!< of oxts, if the options want it, in order of time
   std::vector<LabelledBox> boxes;  //!< lidar frame; LabelledBox::frame is an Entry::number
   std::vector<std::string> warnings;
 };

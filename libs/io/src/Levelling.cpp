@@ -22,6 +22,10 @@ void Levelling::apply(Frame& frame) const
   {
     sample.T_vehicle_imu = *rotation_ * sample.T_vehicle_imu;
   }
+  for (GnssFix& fix : frame.gnss)
+  {
+    fix.antenna = *rotation_ * fix.antenna;
+  }
   if (frame.T_world_vehicle_truth)
   {
     frame.T_world_vehicle_truth = levelled(*frame.T_world_vehicle_truth);

@@ -6,11 +6,13 @@
 #include <dyslam/mrpt/Conversions.h>
 
 #include <algorithm>
+#include <cmath>
 
 namespace dyslam
 {
 namespace
 {
+using mrpt::obs::CObservationGPS;
 using mrpt::obs::CObservationIMU;
 using mrpt::obs::CObservationOdometry;
 
@@ -58,6 +60,40 @@ std::optional<Vector6> velocityOf(const CObservationOdometry& observation)
   velocity[1] = twist.vy;
   velocity[5] = twist.omega;
   return velocity;
+}
+
+/** Nothing if the observation has no message of the class. */
+template <typename Message>
+const Message* messageOf(const CObservationGPS& observation)
+{
+  return observation.hasMsgClass<Message>() ? &observation.getMsgByClass<Message>() : nullptr;
+}
+
+/** With the stamp as recorded; nothing without a position. */
+std::optional<GnssFix> fixOf(const CObservationGPS& observation)
+{
+  const auto* message = messageOf<mrpt::obs::gnss::Message_NMEA_GGA>(observation);
+  if (message == nullptr || message->fields.fix_quality == 0)
+  {
+    return std::nullopt;
+  }
+  const auto& fields = message->fields;
+  GnssFix fix;
+  fix.stamp = toStamp(observation.timestamp);
+  fix.position = {fields.latitude_degrees, fields.longitude_degrees,
+                  fields.altitude_meters + fields.geoidal_distance};
+  fix.antenna = toPose(observation.sensorPose).translation();
+  if (const auto* best = messageOf<mrpt::obs::gnss::Message_NV_OEM6_BESTPOS>(observation))
+  {
+    const double horizontal = 0.5 * (best->fields.lat_sigma + best->fields.lon_sigma);
+    const double vertical = best->fields.hgt_sigma;
+    if (horizontal > 0 && vertical > 0 && std::isfinite(horizontal + vertical))
+    {
+      fix.horizontal_sigma = horizontal;
+      fix.vertical_sigma = vertical;
+    }
+  }
+  return isOnEarth(fix.position) && fix.antenna.allFinite() ? std::optional(fix) : std::nullopt;
 }
 
 Pose poseOf(const CObservationOdometry& observation)
@@ -148,7 +184,8 @@ std::vector<Sample> SampleQueue<Sample>::takeNear(double stamp)
 
 MotionSampleReader::MotionSampleReader(const RawlogSourceOptions& options)
     : imu_choice_(LabelPattern("imu_label", options.imu_label)),
-      wheel_choice_(LabelPattern("odometry_label", options.odometry_label))
+      wheel_choice_(LabelPattern("odometry_label", options.odometry_label)),
+      gnss_choice_(LabelPattern("gnss_label", options.gnss_label))
 {
 }
 
@@ -164,6 +201,11 @@ bool MotionSampleReader::take(const mrpt::obs::CObservation& observation,
   if (const auto* odometry = dynamic_cast<const CObservationOdometry*>(&observation))
   {
     takeOdometry(*odometry, clock_shift, notes);
+    return true;
+  }
+  if (const auto* gps = dynamic_cast<const CObservationGPS*>(&observation))
+  {
+    takeGps(*gps, clock_shift, notes);
     return true;
   }
   return false;
@@ -203,8 +245,22 @@ void MotionSampleReader::takeOdometry(const CObservationOdometry& observation,
   }
 }
 
+void MotionSampleReader::takeGps(const CObservationGPS& observation,
+                                 double clock_shift,
+                                 RecordingNotes& notes)
+{
+  auto fix = fixOf(observation);
+  if (fix && observation.timestamp != INVALID_TIMESTAMP &&
+      gnss_choice_.takes(observation.sensorLabel, notes))
+  {
+    fix->stamp += clock_shift;
+    gnss_.push(*fix);
+  }
+}
+
 void MotionSampleReader::shiftClock(double shift)
 {
+  gnss_.shiftClock(shift);
   imu_.shiftClock(shift);
   wheels_.shiftClock(shift);
 }
@@ -222,14 +278,16 @@ void MotionSampleReader::handOver(double stamp, RecordedScan& scan, RecordingNot
   };
   noteFar(imu_.isFar(stamp), imu_choice_);
   noteFar(wheels_.isFar(stamp), wheel_choice_);
+  noteFar(gnss_.isFar(stamp), gnss_choice_);
   scan.imu = imu_.takeNear(stamp);
   scan.wheels = wheels_.takeNear(stamp);
+  scan.gnss = gnss_.takeNear(stamp);
 }
 
 std::vector<std::string> MotionSampleReader::missing() const
 {
   std::vector<std::string> lines;
-  for (const SensorChoice* choice : {&imu_choice_, &wheel_choice_})
+  for (const SensorChoice* choice : {&imu_choice_, &wheel_choice_, &gnss_choice_})
   {
     if (choice->misses())
     {

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <dyslam/core/GnssFix.h>
 #include <dyslam/core/MotionSamples.h>
+#include <mrpt/obs/CObservationGPS.h>
 #include <mrpt/obs/CObservationIMU.h>
 #include <mrpt/obs/CObservationOdometry.h>
 
@@ -66,9 +68,10 @@ class SampleQueue
   std::optional<double> last_stamp_;  //!< of those taken out [s]
 };
 
-/** Collects what inertial measurement units and wheels measured between the scans of a recording:
- * of CObservationIMU the angular velocity and the acceleration, of CObservationOdometry the local
- * velocity or, as long as that is missing or zero, the displacement since the observation before.
+/** Collects what inertial measurement units, wheels and satellite receivers measured between the
+ * scans of a recording: of CObservationIMU the angular velocity and the acceleration, of
+ * CObservationOdometry the local velocity or, as long as that is missing or zero, the displacement
+ * since the observation before, of CObservationGPS the position of a GGA message with a fix.
  *
  * Samples without a time stamp or with numbers that are not finite are left out. Not thread-safe.
  */
@@ -97,10 +100,16 @@ class MotionSampleReader
                     double clock_shift,
                     RecordingNotes& notes);
 
+  void takeGps(const mrpt::obs::CObservationGPS& observation,
+               double clock_shift,
+               RecordingNotes& notes);
+
   SensorChoice imu_choice_;
   SensorChoice wheel_choice_;
+  SensorChoice gnss_choice_;
   SampleQueue<ImuSample> imu_;
   SampleQueue<WheelSample> wheels_;
+  SampleQueue<GnssFix> gnss_;
   BodyVelocities velocities_;  //!< of the odometry, with the stamps as recorded
 };
 }  // namespace dyslam

@@ -9,7 +9,7 @@ namespace
 {
 constexpr double largest_age = 0.25;  //!< of a sample at a scan, as motion_sensors.max_gap [s]
 
-double stampOf(const std::variant<ImuSample, WheelSample>& sample)
+double stampOf(const std::variant<ImuSample, WheelSample, GnssFix>& sample)
 {
   return std::visit([](const auto& one) { return one.stamp; }, sample);
 }
@@ -55,7 +55,7 @@ void MotionSampleWriter::writeUpTo(double stamp, ConversionOutput& out)
                    [](const Sample& a, const Sample& b) { return stampOf(a) < stampOf(b); });
   std::for_each(due, waiting_.end(), [&](const Sample& sample) { write(sample, out); });
   waiting_.erase(due, waiting_.end());
-  for (Written* written : {&imu_, &wheels_})
+  for (Written* written : {&imu_, &wheels_, &gnss_})
   {
     written->scans += stamp - written->newest <= largest_age ? 1 : 0;
   }
@@ -65,9 +65,16 @@ void MotionSampleWriter::writeUpTo(double stamp, ConversionOutput& out)
 void MotionSampleWriter::write(const Sample& sample, ConversionOutput& out)
 {
   std::visit([&out](const auto& one) { out.write(one); }, sample);
-  Written& written = std::holds_alternative<ImuSample>(sample) ? imu_ : wheels_;
+  Written& written = writtenOf(sample);
   ++written.samples;
   written.newest = std::max(written.newest, stampOf(sample));
+}
+
+MotionSampleWriter::Written& MotionSampleWriter::writtenOf(const Sample& sample)
+{
+  return std::holds_alternative<ImuSample>(sample)     ? imu_
+         : std::holds_alternative<WheelSample>(sample) ? wheels_
+                                                       : gnss_;
 }
 
 void MotionSampleWriter::skip(double stamp)

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <dyslam/core/GnssFix.h>
 #include <dyslam/core/MotionSamples.h>
 
 #include <cstddef>
@@ -13,9 +14,9 @@
 
 namespace dyslam
 {
-/** Writes the samples of IMU and wheel odometry to the rawlog, each before the first scan that is
- * not older. They may be added in any order, as a bag has them; between two scans they are written
- * in order of time. */
+/** Writes the samples of IMU, wheel odometry and satellite receiver to the rawlog, each before the
+ * first scan that is not older. They may be added in any order, as a bag has them; between two
+ * scans they are written in order of time. */
 class MotionSampleWriter
 {
  public:
@@ -32,6 +33,7 @@ class MotionSampleWriter
 
   void add(const ImuSample& sample) { push(sample); }
   void add(const WheelSample& sample) { push(sample); }
+  void add(const GnssFix& fix) { push(fix); }
 
   /** Writes the samples up to the stamp of the scan that is written next [s], those from 1 s before
    * the first scan on. Late samples, up to 1 s older than the last scan, are written as well.
@@ -47,19 +49,22 @@ class MotionSampleWriter
 
   [[nodiscard]] const Written& imu() const { return imu_; }
   [[nodiscard]] const Written& wheels() const { return wheels_; }
+  [[nodiscard]] const Written& gnss() const { return gnss_; }
 
  private:
-  using Sample = std::variant<ImuSample, WheelSample>;
+  using Sample = std::variant<ImuSample, WheelSample, GnssFix>;
 
   void push(const Sample& sample);
   template <typename OneSample>
   [[nodiscard]] bool hasFrom(double stamp) const;
   void dropBefore(double stamp);
   void write(const Sample& sample, ConversionOutput& out);
+  [[nodiscard]] Written& writtenOf(const Sample& sample);
 
   std::deque<Sample> waiting_;       //!< as they were added
   std::optional<double> last_scan_;  //!< that was written [s]
   Written imu_;
   Written wheels_;
+  Written gnss_;
 };
 }  // namespace dyslam

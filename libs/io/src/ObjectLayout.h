@@ -59,10 +59,11 @@ class ObjectLayout
   /** The rest of an observation behind its header. Images are removed from the bytes: they are not
    * used, and decoding one may need much more memory than it has bytes. */
   void observation(const ObjectHeader& header);
-  /** True for the versions of CObservationIMU and CObservationOdometry that motionSensor() reads.
-   */
+  /** True for the versions of CObservationIMU, CObservationOdometry and CObservationGPS that
+   * motionSensor() reads. */
   [[nodiscard]] static bool knowsMotionSensor(const ObjectHeader& header);
-  /** The rest of an IMU's or wheel odometry's observation behind its header. */
+  /** The rest of an IMU's, wheel odometry's or satellite receiver's observation behind its header.
+   */
   void motionSensor(const ObjectHeader& header);
   /** A points map with its header, or nothing ("nullptr"). */
   void pointsMap();
@@ -99,6 +100,7 @@ class ObjectLayout
   std::uint32_t inertialValues(int version);
   void inertial(int version);
   void wheelOdometry(int version);
+  void satelliteReceiver(int version);
 
   ByteWindow& in_;
 };

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The observations of inertial measurement units and wheel odometry.
+// The observations of inertial measurement units, wheel odometry and satellite receivers.
 #include <stdexcept>
 
 #include "ObjectLayout.h"
@@ -10,7 +10,8 @@ bool ObjectLayout::knowsMotionSensor(const ObjectHeader& header)
 {
   const auto& [name, version] = header;
   return (name == "CObservationIMU" && version >= 1 && version <= 4) ||
-         (name == "CObservationOdometry" && version <= 2);
+         (name == "CObservationOdometry" && version <= 2) ||
+         (name == "CObservationGPS" && version >= 10 && version <= 11);
 }
 
 void ObjectLayout::motionSensor(const ObjectHeader& header)
@@ -18,6 +19,10 @@ void ObjectLayout::motionSensor(const ObjectHeader& header)
   if (header.class_name == "CObservationIMU")
   {
     inertial(header.version);
+  }
+  else if (header.class_name == "CObservationGPS")
+  {
+    satelliteReceiver(header.version);
   }
   else
   {
@@ -79,6 +84,31 @@ void ObjectLayout::wheelOdometry(int version)
   else
   {
     in_.skipAll(has_velocities ? 3 : 0, sizeof(double));
+  }
+}
+
+void ObjectLayout::satelliteReceiver(int version)
+{
+  constexpr std::uint32_t most_messages = 1000;
+  constexpr std::uint32_t longest_message = 1U << 16U;
+  in_.skipAll(2, sizeof(std::uint64_t));  // time stamps
+  label();
+  pose();
+  if (version >= 11)
+  {
+    (void)flag();
+  }
+  const std::uint32_t messages = in_.u32();
+  for (std::uint32_t i = 0; i < messages; ++i)
+  {
+    in_.skip(sizeof(std::int32_t));  // kind of message
+    const std::uint32_t size = in_.u32();
+    if (messages > most_messages || size > longest_message)
+    {
+      throw std::runtime_error("a message of a satellite receiver of " + std::to_string(size) +
+                               " bytes");
+    }
+    in_.skip(size);
   }
 }
 }  // namespace dyslam

@@ -25,6 +25,8 @@ void RawlogSourceOptions::describe(OptionsVisitor& visitor)
                "regex for the IMU's sensor label; empty: the first with a gyroscope");
   visitor.text("odometry_label", odometry_label,
                "regex for the wheel odometry's sensor label; empty: the first");
+  visitor.text("gnss_label", gnss_label,
+               "regex for the satellite receiver's sensor label; empty: the first");
   visitor.flag(
       "level", level,
       "set roll_deg and pitch_deg so that the ground of the first scans is level, if it is "

@@ -7,6 +7,7 @@
 #include <dyslam/mrpt/Conversions.h>
 #include <mrpt/maps/CPointsMapXYZI.h>
 #include <mrpt/maps/CSimplePointsMap.h>
+#include <mrpt/obs/CObservationGPS.h>
 #include <mrpt/obs/CObservationIMU.h>
 #include <mrpt/obs/CObservationOdometry.h>
 #include <mrpt/obs/CObservationPointCloud.h>
@@ -285,6 +286,40 @@ void RawlogWriter::write(const WheelSample& sample)
       mrpt::poses::CPose2D(pose.translation().x(), pose.translation().y(), yawPitchRoll(pose).x());
   observation.hasVelocities = true;
   observation.velocityLocal = mrpt::math::TTwist2D(sample.forward_speed, 0, sample.yaw_rate);
+  writeObject(observation, impl_->file);
+}
+
+void RawlogWriter::write(const GnssFix& fix)
+{
+  impl_->requireWritable(fix.stamp, "a fix of the satellite receiver");
+  mrpt::obs::gnss::Message_NMEA_GGA message;
+  message.fields.latitude_degrees = fix.position.latitude;
+  message.fields.longitude_degrees = fix.position.longitude;
+  message.fields.altitude_meters = fix.position.height;
+  message.fields.fix_quality = 1;
+  mrpt::obs::CObservationGPS observation;
+  observation.timestamp = toMrptTime(fix.stamp);
+  observation.originalReceivedTimestamp = observation.timestamp;
+  observation.has_satellite_timestamp = true;
+  observation.sensorLabel = "gnss";
+  Pose T_vehicle_antenna = Pose::Identity();
+  T_vehicle_antenna.translation() = fix.antenna;
+  observation.sensorPose = toMrpt(T_vehicle_antenna);
+  observation.setMsg(message);
+  if (fix.horizontal_sigma > 0 && fix.vertical_sigma > 0)
+  {
+    // A GGA message has no standard deviations.
+    mrpt::obs::gnss::Message_NV_OEM6_BESTPOS accuracy;
+    accuracy.fields.solution_stat = mrpt::obs::gnss::nv_oem6_solution_status::SOL_COMPUTED;
+    accuracy.fields.position_type = mrpt::obs::gnss::nv_oem6_position_type::SINGLE;
+    accuracy.fields.lat = fix.position.latitude;
+    accuracy.fields.lon = fix.position.longitude;
+    accuracy.fields.hgt = fix.position.height;
+    accuracy.fields.lat_sigma = static_cast<float>(fix.horizontal_sigma);
+    accuracy.fields.lon_sigma = static_cast<float>(fix.horizontal_sigma);
+    accuracy.fields.hgt_sigma = static_cast<float>(fix.vertical_sigma);
+    observation.setMsg(accuracy);
+  }
   writeObject(observation, impl_->file);
 }
 

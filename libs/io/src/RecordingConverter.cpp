@@ -106,6 +106,7 @@ std::string RecordingOptions::givenFlag() const
   return !topic.empty()            ? "--topic"
          : !imu_topic.empty()      ? "--imu-topic"
          : !odometry_topic.empty() ? "--odometry-topic"
+         : !gnss_topic.empty()     ? "--gnss-topic"
          : !sensor.empty()         ? "--sensor"
          : !calibration.empty()    ? "--calibration"
          : !sensor_pose.empty()    ? "--sensor-pose"
@@ -147,6 +148,7 @@ ConversionResult RecordingConverter::convert(const std::string& output,
     requireNone("--topic", options.topic, "a bag");
     requireNone("--imu-topic", options.imu_topic, "a bag");
     requireNone("--odometry-topic", options.odometry_topic, "a bag");
+    requireNone("--gnss-topic", options.gnss_topic, "a bag");
     requireNone("--base-frame", options.base_frame, "a bag");
     requireNone("--sensor", options.sensor, "a .pcap, a bag or a folder of scans");
     requireNone("--calibration", options.calibration, "the packets of a .pcap or a bag");
@@ -160,6 +162,7 @@ ConversionResult RecordingConverter::convert(const std::string& output,
   of_scans.topic = options.topic;
   of_scans.imu_topic = options.imu_topic;
   of_scans.odometry_topic = options.odometry_topic;
+  of_scans.gnss_topic = options.gnss_topic;
   of_scans.sensor = options.sensor;
   of_scans.calibration = options.calibration;
   of_scans.sensor_pose = options.sensor_pose;

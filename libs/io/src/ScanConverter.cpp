@@ -310,6 +310,7 @@ void requireFitting(InputKind kind, const ScanConverterOptions& options)
         Use{"--imu-topic", !options.imu_topic.empty(), InputKind::bag, "a bag"},
         Use{"--imu-pose", !options.imu_pose.empty(), InputKind::bag, "a bag"},
         Use{"--odometry-topic", !options.odometry_topic.empty(), InputKind::bag, "a bag"},
+        Use{"--gnss-topic", !options.gnss_topic.empty(), InputKind::bag, "a bag"},
         Use{"--base-frame", !options.base_frame.empty(), InputKind::bag, "a bag"}})
   {
     if (use.given && use.kind != kind)
@@ -376,6 +377,7 @@ void ScanConverterOptions::describe(OptionsVisitor& visitor)
                "/tf_static [m, deg]");
   visitor.text("odometry_topic", odometry_topic,
                "topic of the measured speed of a bag's vehicle; empty: none");
+  visitor.text("gnss_topic", gnss_topic, "topic of a bag's satellite receiver; empty: none");
   visitor.text("sensor_pose", sensor_pose,
                "pose of the lidar on the vehicle, x y z yaw pitch roll; empty: identity [m, deg]");
   visitor.text("base_frame", base_frame,

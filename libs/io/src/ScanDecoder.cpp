@@ -283,6 +283,7 @@ Frame ScanDecoder::decode(const RecordedScan& scan)
   frame.index = scan.index;
   frame.imu = scan.imu;
   frame.wheels = scan.wheels;
+  frame.gnss = scan.gnss;
   try
   {
     frame.scan = scanFromObservation(*scan.observation, s.external);

@@ -28,6 +28,7 @@ class ScanSink
   /** A sample of another sensor: written before the first scan that is not older. */
   void add(const ImuSample& sample) { motion_.add(sample); }
   void add(const WheelSample& sample) { motion_.add(sample); }
+  void add(const GnssFix& fix) { motion_.add(fix); }
 
   /** Where the true poses are from, if the options do not say it. \param name file or topic */
   void setPoseOrigin(PoseSource source, const std::string& name);

@@ -455,6 +455,53 @@ TEST(BagMotion, AVehicleThatStandsHasSpeedsOfZero)
   EXPECT_NEAR(0, readAll(folder.file("x.rawlog")).at(1).wheels.at(0).forward_speed, 1e-9);
 }
 
+TEST(BagMotion, PositionsOfASatelliteReceiver)
+{
+  const TestFolder folder;
+  const std::string rawlog = folder.file("x.rawlog");
+  const Pose T_map_lidar = poseFromYpr(0, 0, 1, 0, 0, 0);
+  const Pose T_map_gps = poseFromYpr(0.5, -0.25, 1.5, 0, 0, 0);
+  const auto fixMessage = [](bool cdr, std::size_t number, double stamp)
+  {
+    test::FixValues values;
+    values.latitude += 1e-5 * static_cast<double>(number);
+    values.status = number % 10 == 9 ? -1 : 0;
+    values.variance = number % 2 == 0 ? 2.25 : 0;
+    return test::navSatFix(cdr, stamp, values);
+  };
+  for (const std::string ending : {".bag", ".db3", ".mcap"})
+  {
+    writeDrive(folder.file("x" + ending), "/fix", "sensor_msgs/NavSatFix", fixMessage,
+               {{"lidar", T_map_lidar}, {"gps", T_map_gps}});
+    ScanConverterOptions options;
+    EXPECT_TRUE(hasLine(convertScans(folder.file("x" + ending), rawlog, options).notes,
+                        "--gnss-topic adds the positions of a satellite receiver: /fix"));
+    options.gnss_topic = "/fix";
+    options.base_frame = "map";
+    const auto result = convertScans(folder.file("x" + ending), rawlog, options);
+    EXPECT_TRUE(
+        hasLine(result.notes, "satellite receiver: /fix, 44 samples; antenna at the frame"));
+    EXPECT_TRUE(hasLine(result.warnings, "10 messages without a fix left out"));
+    std::size_t fixes = 0;
+    for (const Frame& frame : readAll(rawlog))
+    {
+      for (const GnssFix& fix : frame.gnss)
+      {
+        ++fixes;
+        const auto number = std::lround((fix.stamp - sampleStamp(0)) / sample_period);
+        EXPECT_NE(9, number % 10);
+        EXPECT_NEAR(49 + 1e-5 * static_cast<double>(number), fix.position.latitude, 1e-12);
+        EXPECT_NEAR(8.4, fix.position.longitude, 1e-12);
+        EXPECT_NEAR(115, fix.position.height, 1e-9);
+        EXPECT_NEAR(number % 2 == 0 ? 1.5 : 0, fix.horizontal_sigma, 1e-6);
+        EXPECT_NEAR(number % 2 == 0 ? 3 : 0, fix.vertical_sigma, 1e-6);
+        EXPECT_TRUE(fix.antenna.isApprox(T_map_gps.translation(), 1e-6));
+      }
+    }
+    EXPECT_EQ(44U, fixes);
+  }
+}
+
 TEST(BagMotion, Errors)
 {
   const TestFolder folder;

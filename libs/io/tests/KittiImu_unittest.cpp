@@ -79,6 +79,27 @@ TEST(KittiImu, ReadingsAtTheTimesOfTheScans)
   }
 }
 
+TEST(KittiImu, PositionsAtTheTimesOfTheScans)
+{
+  const TestFolder folder;
+  writePlainFolder(folder, 3);
+  folder.write("in/calib.txt", calib_with_imu);
+  KittiConverterOptions options;
+  options.kind = KittiKind::tracking;
+  options.gnss = true;
+  const auto result = convertKitti(folder.file("in"), folder.file("x.rawlog"), options);
+  EXPECT_EQ("satellite receiver: 3 positions of oxts", result.notes.back());
+  for (const Frame& frame : readAll(folder.file("x.rawlog")))
+  {
+    EXPECT_TRUE(frame.imu.empty());
+    ASSERT_EQ(1U, frame.gnss.size());
+    EXPECT_EQ(49, frame.gnss[0].position.latitude);
+    EXPECT_EQ(110, frame.gnss[0].position.height);
+    EXPECT_TRUE(frame.gnss[0].antenna.isApprox(T_velo_imu.translation(), 1e-6));
+    EXPECT_NEAR(0.05, frame.gnss[0].horizontal_sigma, 1e-6);
+  }
+}
+
 TEST(KittiImu, LostScansAndPartsOfADrive)
 {
   const TestFolder folder;

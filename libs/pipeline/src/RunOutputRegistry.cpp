@@ -4,10 +4,10 @@
 namespace dyslam
 {
 // Each is defined in outputs/, in the file of its name.
-RunOutputFactory makeSettingsOutput, makeTrajectoryOutput, makeGraphOutput, makeScanTableOutput,
-    makeMotionOutput, makeTrackOutput, makeLabelOutput, makeProbabilityOutput, makeStaticScanOutput,
-    makeReplayOutput, makeSimplemapOutput, makePcdOutput, makePlyOutput, makeSceneOutput,
-    makePlotOutput, makePageOutput, makeReportOutput;
+RunOutputFactory makeSettingsOutput, makeTrajectoryOutput, makeGeoreferenceOutput, makeGraphOutput,
+    makeScanTableOutput, makeMotionOutput, makeTrackOutput, makeLabelOutput, makeProbabilityOutput,
+    makeStaticScanOutput, makeReplayOutput, makeSimplemapOutput, makePcdOutput, makePlyOutput,
+    makeSceneOutput, makePlotOutput, makePageOutput, makeReportOutput;
 
 std::vector<RunOutputKind> runOutputKinds()
 {
@@ -16,6 +16,7 @@ std::vector<RunOutputKind> runOutputKinds()
   return {
       {makeSettingsOutput},
       {makeTrajectoryOutput},
+      {makeGeoreferenceOutput},
       {makeGraphOutput},
       {makeScanTableOutput},
       {makeMotionOutput},

@@ -72,6 +72,13 @@ class ReportOutput : public RunOutput
     json["keyframes"] = report.keyframes;
     json["loops"] = report.loops;
     json["loops_left_out"] = report.loops_left_out;
+    if (report.georeference)
+    {
+      json["gnss"] = {{"positions", report.georeference->fixes},
+                      {"horizontal_rmse_m", rounded(report.georeference->horizontal_rmse)},
+                      {"vertical_rmse_m", rounded(report.georeference->vertical_rmse)},
+                      {"fused", report.georeference->fused}};
+    }
     json["tracks"] = report.tracks;
     json["map_points"] = report.map_points;
     json["path_length_m"] = rounded(report.path_length);

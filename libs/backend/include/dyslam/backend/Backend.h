@@ -2,17 +2,20 @@
 #pragma once
 
 #include <dyslam/backend/FactorGraph.h>
+#include <dyslam/backend/GnssOptions.h>
 #include <dyslam/backend/LoopCloser.h>
 #include <dyslam/backend/ObjectGraphOptions.h>
 #include <dyslam/backend/PoseGraph.h>
 #include <dyslam/backend/SmoothedObject.h>
 #include <dyslam/core/Frame.h>
+#include <dyslam/core/Georeference.h>
 #include <dyslam/core/KeyframeStore.h>
 #include <dyslam/core/Options.h>
 #include <dyslam/core/Trajectory.h>
 
 #include <cstddef>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -54,6 +57,7 @@ struct BackendConfig
   LoopCloserOptions loops;
   ObjectGraphOptions objects;
   FactorGraphOptions solver;
+  GnssOptions gnss;
 };
 
 /** Keyframes, odometry, loops and objects in one factor graph, and its optimisation (paper,
@@ -73,8 +77,8 @@ class Backend
   Backend(Backend&&) noexcept;
   Backend& operator=(Backend&&) noexcept;
 
-  /** Reads scan.stamp, cloud, moving, motion, T_odom_vehicle and objects; fills is_keyframe and
-   * T_map_odom. Frames come in order of time. The same as the three steps below. */
+  /** Reads scan.stamp, cloud, moving, motion, T_odom_vehicle, objects and gnss; fills is_keyframe
+   * and T_map_odom. Frames come in order of time. The same as the three steps below. */
   void addFrame(Frame& frame);
 
   /** The steps of addFrame(), for callers that do something in between: every frame, in this order.
@@ -89,8 +93,8 @@ class Backend
    * T_map_odom. \return true if the pose of a keyframe changed */
   bool optimise(Frame& frame);
 
-  /** Decides the pending loops and objects, and optimises everything once more (call it after the
-   * last frame). */
+  /** Decides the pending loops and objects, ties the map to the earth where there are positions of
+   * a satellite receiver, and optimises everything once more (call it after the last frame). */
   void finish();
 
   [[nodiscard]] const FactorGraph& factorGraph() const;
@@ -106,6 +110,8 @@ class Backend
   [[nodiscard]] const std::vector<Loop>& loops() const;
   /** Every object of the graph at every scan that observed it, by scan, then id. */
   [[nodiscard]] std::vector<SmoothedObject> smoothedObjects() const;
+  /** Where the map is on the earth, after finish(); nothing without positions that show it. */
+  [[nodiscard]] const std::optional<Georeference>& georeference() const;
   /** Of the last optimisation of everything; default before the first. */
   [[nodiscard]] const OptimisationResult& lastOptimisation() const;
   /** Warnings about data that the graph could not use. */

@@ -12,7 +12,7 @@
 
 namespace dyslam
 {
-/** The kinds of factor of the paper's Fig. 6. */
+/** The kinds of factor of the paper's Fig. 6, and positions of a satellite receiver. */
 enum class FactorKind : std::uint8_t
 {
   odometry,       //!< f, Eq. 6: motion between two keyframes
@@ -20,6 +20,7 @@ enum class FactorKind : std::uint8_t
   observation,    //!< z, Eq. 8: an object seen from a keyframe
   object_motion,  //!< m, Eq. 9: two poses of an object and its velocity in between
   smooth_motion,  //!< o, Eq. 10: two successive velocities of an object
+  gnss,           //!< a position of the vehicle on the earth
 };
 [[nodiscard]] std::string toString(FactorKind kind);
 

@@ -34,6 +34,8 @@ struct FactorGraphOptions : Options
   double odometry_sigma_scale = 3;
   RobustLoss object_loss = RobustLoss::cauchy;  //!< robust loss of observation factors
   double object_loss_width = 3;                 //!< width of object_loss, as a whitened residual
+  RobustLoss gnss_loss = RobustLoss::cauchy;    //!< robust loss of positions of the receiver
+  double gnss_loss_width = 2;                   //!< width of gnss_loss, as a whitened residual
 
   void describe(OptionsVisitor& visitor) override;
 };

@@ -7,13 +7,14 @@
 
 namespace dyslam
 {
-/** The variables of a factor graph (paper, Fig. 6). */
+/** The variables of a factor graph (paper, Fig. 6), and the pose of the map on the earth. */
 enum class VariableKind : std::uint8_t
 {
   ego_pose,         //!< x_k: T_map_vehicle at keyframe k
   static_object,    //!< s_j: T_map_object of a static object, one for a whole sighting
   object_pose,      //!< l_j,k: T_map_object of a moving object at scan k
   object_velocity,  //!< V_j,k: its twist over the interval that ends at scan k
+  georeference,     //!< G: T_enu_map, the pose of the map on the earth
 };
 
 /** Names one variable of a factor graph. */
@@ -40,6 +41,8 @@ struct Key
     return {VariableKind::object_velocity, object, static_cast<std::int64_t>(scan)};
   }
 
+  [[nodiscard]] static Key georeference() { return {VariableKind::georeference, -1, 0}; }
+
   [[nodiscard]] bool isPose() const { return kind != VariableKind::object_velocity; }
 
   friend bool operator==(const Key& a, const Key& b)
@@ -54,6 +57,6 @@ struct Key
   }
 };
 
-/** "x12", "s4", "s4#1" for a second sighting, "l4@123", "v4@123". */
+/** "x12", "s4", "s4#1" for a second sighting, "l4@123", "v4@123", "g". */
 [[nodiscard]] std::string toString(const Key& key);
 }  // namespace dyslam

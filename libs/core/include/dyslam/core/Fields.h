@@ -30,7 +30,7 @@ constexpr std::false_type isMadeFrom(...)
   return {};
 }
 
-constexpr std::size_t most = 26;
+constexpr std::size_t most = 27;
 
 /** Number of fields of an aggregate, at most `most`. */
 template <typename T, std::size_t N = most>
@@ -48,7 +48,7 @@ constexpr std::size_t count()
 }  // namespace fields
 
 /** Calls `visit` with all fields of an aggregate in their order: none can be forgotten. A type with
- * more than 26 fields, a base or a C array does not compile. */
+ * more than 27 fields, a base or a C array does not compile. */
 template <typename T, typename Visit>
 void visitFields(T& value, const Visit& visit)
 {
@@ -199,6 +199,13 @@ void visitFields(T& value, const Visit& visit)
            f20, f21, f22, f23, f24, f25, f26] = value;
     visit(f1, f2, f3, f4, f5, f6, f7, f8, f9, f10, f11, f12, f13, f14, f15, f16, f17, f18, f19, f20,
           f21, f22, f23, f24, f25, f26);
+  }
+  else if constexpr (count == 27)
+  {
+    auto& [f1, f2, f3, f4, f5, f6, f7, f8, f9, f10, f11, f12, f13, f14, f15, f16, f17, f18, f19,
+           f20, f21, f22, f23, f24, f25, f26, f27] = value;
+    visit(f1, f2, f3, f4, f5, f6, f7, f8, f9, f10, f11, f12, f13, f14, f15, f16, f17, f18, f19, f20,
+          f21, f22, f23, f24, f25, f26, f27);
   }
 }
 }  // namespace dyslam

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <dyslam/core/GnssFix.h>
 #include <dyslam/core/Motion.h>
 #include <dyslam/core/MotionSamples.h>
 #include <dyslam/core/Objects.h>
@@ -29,6 +30,7 @@ struct Frame
   // overlap those of neighbouring frames
   std::vector<ImuSample> imu;
   std::vector<WheelSample> wheels;
+  std::vector<GnssFix> gnss;
 
   // Odometry::predict
   double dt = 0;  //!< since the previous scan [s]; 0 for the first

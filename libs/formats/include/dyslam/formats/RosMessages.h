@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <dyslam/core/GnssFix.h>
 #include <dyslam/core/Pose.h>
 #include <dyslam/core/Scan.h>
 #include <dyslam/formats/Bag.h>
@@ -131,6 +132,21 @@ struct RosImu
  * acceleration of that kind is left out. \throws UserError naming the message and what is wrong
  * with it. */
 [[nodiscard]] std::optional<RosImu> decodeRosImu(const BagTopic& topic, const BagMessage& message);
+
+/** A position of a satellite receiver. */
+struct RosFix
+{
+  double stamp = 0;   //!< of the header, else of the recording [s]
+  std::string frame;  //!< of the header: the antenna
+  GeodeticPosition position;
+  double horizontal_sigma = 0;  //!< 0: unknown [m]
+  double vertical_sigma = 0;    //!< 0: unknown [m]
+};
+/** True for `sensor_msgs/NavSatFix`. */
+[[nodiscard]] bool isRosFix(const BagTopic& topic);
+/** Nothing if the receiver had no fix, or the position is none. \throws UserError naming the
+ * message and what is wrong with it. */
+[[nodiscard]] std::optional<RosFix> decodeRosFix(const BagTopic& topic, const BagMessage& message);
 
 /** The velocity of a body, in its axes. */
 struct RosTwist

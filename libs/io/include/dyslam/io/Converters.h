@@ -66,6 +66,7 @@ struct KittiConverterOptions : Options, ScanRange
   std::string times;     //!< file of times [s] or KITTI time stamps, a line for each frame number
   std::string sensor_pose;  //!< T_vehicle_lidar: x y z yaw pitch roll [m, deg]; empty: identity
   bool imu = false;         //!< with the angular velocities and accelerations of oxts
+  bool gnss = false;        //!< with the positions of oxts
   bool no_truth = false;    //!< scans only: no poses, labels or boxes
   PoseFrame pose_frame = PoseFrame::automatic;
   PoseSource pose_source = PoseSource::unknown;  //!< of the poses; unknown: by the files
@@ -109,6 +110,7 @@ struct ScanConverterOptions : Options, ScanRange
   /** T_vehicle_imu as sensor_pose; empty: by the bag's `/tf_static` and sensor_pose. */
   std::string imu_pose;
   std::string odometry_topic;           //!< of the speeds of a bag's wheels; empty: none
+  std::string gnss_topic;               //!< of a bag's satellite receiver; empty: none
   std::optional<BinLayout> bin_layout;  //!< of .bin files; nothing: by their content
   std::string sensor_pose;    //!< T_vehicle_lidar: x y z yaw pitch roll [m, deg]; empty: identity
   std::string base_frame;     //!< of the vehicle in a bag's `/tf_static`, instead of sensor_pose

@@ -26,6 +26,7 @@ struct RawlogSourceOptions : Options, ScanRange
       0;                  //!< multiplies the file's intensities; 0: 1, or 1/255 for 0..255 data
   std::string imu_label;  //!< regex for the IMU's label; empty: the first IMU with a gyroscope
   std::string odometry_label;  //!< regex for the wheel odometry's label; empty: the first one
+  std::string gnss_label;      //!< regex for the satellite receiver's label; empty: the first one
   bool level = true;  //!< programs that choose the settings set roll and pitch: settingsFor()
   double roll = 0;    //!< of the recording's vehicle over level ground, about x [rad]
   double pitch = 0;   //!< ... about y, after that [rad]

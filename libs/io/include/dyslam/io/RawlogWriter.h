@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <dyslam/core/GnssFix.h>
 #include <dyslam/core/MotionSamples.h>
 #include <dyslam/core/Options.h>
 #include <dyslam/core/Pose.h>
@@ -61,6 +62,10 @@ class RawlogWriter
    * label `odometry`. To be written before the first scan that is not older. \throws UserError as
    * for a scan. */
   void write(const WheelSample& sample);
+  /** A CObservationGPS: a GGA message and, if the standard deviations are known, with them a
+   * NV_OEM6_BESTPOS; label `gnss`. To be
+   * written before the first scan that is not older. \throws UserError as for a scan. */
+  void write(const GnssFix& fix);
   /** Finishes the file. \throws UserError if that fails. Later calls do nothing. */
   void close();
 

@@ -14,6 +14,7 @@ struct RecordingOptions
   std::string topic;           //!< as in ScanConverterOptions, of a bag
   std::string imu_topic;       //!< as in ScanConverterOptions, of a bag
   std::string odometry_topic;  //!< as in ScanConverterOptions, of a bag
+  std::string gnss_topic;      //!< as in ScanConverterOptions, of a bag
   std::string sensor;          //!< as in ScanConverterOptions, not of KITTI
   std::string calibration;     //!< as in ScanConverterOptions, not of KITTI
   std::string sensor_pose;     //!< T_vehicle_lidar: x y z yaw pitch roll [m, deg]; empty: identity

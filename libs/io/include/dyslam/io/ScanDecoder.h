@@ -22,9 +22,10 @@ struct RecordedScan
   mrpt::obs::CObservation::Ptr time_ring;  //!< its points' times and rings; null if it has none
   std::size_t index = 0;                   //!< among the lidar's scans in the recording, from 0
   double clock_shift = 0;  //!< to add to its stamps, after the clock was set back [s]
-  // For Frame::imu and Frame::wheels, clock_shift is in their stamps
+  // For Frame::imu, wheels and gnss, clock_shift is in their stamps
   std::vector<ImuSample> imu;
   std::vector<WheelSample> wheels;
+  std::vector<GnssFix> gnss;
 };
 
 /** Makes frames from the observations of a recording: chooses the lidar, drops scans with bad time
@@ -33,8 +34,9 @@ struct RecordedScan
  * Stamps of the frames increase. Where those of the recording go back and run on from there, the
  * clock was set back: the scans that show it are dropped, later stamps are shifted.
  *
- * The samples of one IMU and of one wheel odometry go to the next scan that is used, those from 10
- * s before it to 1 s after it. Samples that are not later than the ones before are left out.
+ * The samples of one IMU, one wheel odometry and one satellite receiver go to the next scan that is
+ * used, those from 10 s before it to 1 s after it. Samples that are not later than the ones before
+ * are left out.
  *
  * Not thread-safe; one object per recording.
  */

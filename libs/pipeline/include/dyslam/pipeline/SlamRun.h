@@ -3,10 +3,12 @@
 
 #include <dyslam/core/Config.h>
 #include <dyslam/core/Frame.h>
+#include <dyslam/core/Georeference.h>
 
 #include <cstddef>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -50,7 +52,9 @@ struct SlamRunReport
   std::size_t keyframes = 0;
   std::size_t loops = 0;           //!< in use
   std::size_t loops_left_out = 0;  //!< that contradict these and the odometry
-  std::size_t tracks = 0;          //!< confirmed moving objects
+  /** Where the map is on the earth; nothing without positions that show it. */
+  std::optional<Georeference> georeference;
+  std::size_t tracks = 0;  //!< confirmed moving objects
   std::size_t map_points = 0;
   double path_length = 0;      //!< [m]
   double ms_per_scan = 0;      //!< mean of all stages, without reading and writing files

@@ -1,0 +1,227 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "GnssAnchor.h"
+
+#include <dyslam/backend/factors/GnssFactor.h>
+#include <dyslam/core/Printable.h>
+#include <dyslam/core/StateArchive.h>
+#include <dyslam/mrpt/Geodesy.h>
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <set>
+
+namespace dyslam
+{
+void GnssOptions::describe(OptionsVisitor& visitor)
+{
+  visitor.choice(
+      "use", use, {{"off", GnssUse::off}, {"align", GnssUse::align}, {"fuse", GnssUse::fuse}},
+      "positions of a satellite receiver: off; align: find the pose of the map on the earth; "
+      "fuse: and optimise the graph with them");
+  visitor.real("distance", distance, 0, 1000,
+               "distance travelled between two positions that are used [m]");
+  visitor.real("min_extent", min_extent, 1, 1e5,
+               "extent of the positions below which they are not used [m]");
+  visitor.real("default_sigma", default_sigma, 1e-3, 1000,
+               "horizontal standard deviation where the receiver states none; vertical: twice [m]");
+  visitor.real("min_sigma", min_sigma, 1e-3, 1000, "smallest standard deviation believed [m]");
+  visitor.real("correlation_time", correlation_time, 0, 1e4,
+               "how long the receiver's errors last: positions within this time count as one [s]");
+  visitor.degrees("tilt_sigma_deg", tilt_sigma, 0.01, 90,
+                  "standard deviation of the map's z axis from the vertical [deg]");
+}
+
+void GnssAnchor::add(const std::vector<GnssFix>& fixes)
+{
+  if (options_.use != GnssUse::off)
+  {
+    fixes_.insert(fixes_.end(), fixes.begin(), fixes.end());
+  }
+}
+
+Eigen::Vector3d GnssAnchor::inMap(const FactorGraph& graph, const Used& used) const
+{
+  return graph.pose(Key::ego(used.keyframe)) * used.antenna;
+}
+
+Eigen::Vector3d GnssAnchor::errorOf(const FactorGraph& graph, const Used& used) const
+{
+  return graph.pose(Key::georeference()) * inMap(graph, used) - used.position;
+}
+
+double GnssAnchor::extent() const
+{
+  double largest = 0;
+  for (const Used& used : used_)
+  {
+    largest = std::max(largest, (used.position - used_.front().position).head<2>().norm());
+  }
+  return largest;
+}
+
+void GnssAnchor::select(const FactorGraph& graph,
+                        const std::function<std::optional<VehicleInKeyframe>(double)>& vehicleAt)
+{
+  used_.clear();
+  std::optional<Eigen::Vector3d> last;
+  for (const GnssFix& fix : fixes_)
+  {
+    const auto vehicle = vehicleAt(fix.stamp);
+    if (!vehicle)
+    {
+      continue;
+    }
+    Used used;
+    used.keyframe = vehicle->keyframe;
+    used.antenna = vehicle->T_keyframe_vehicle * fix.antenna;
+    const Eigen::Vector3d place = inMap(graph, used);
+    if (last && (place - *last).norm() < options_.distance)
+    {
+      continue;
+    }
+    last = place;
+    if (used_.empty())
+    {
+      origin_ = fix.position;
+    }
+    const bool stated = fix.horizontal_sigma > 0 && fix.vertical_sigma > 0;
+    used.position = toEnu(fix.position, origin_);
+    used.horizontal_sigma =
+        std::max(options_.min_sigma, stated ? fix.horizontal_sigma : options_.default_sigma);
+    used.vertical_sigma =
+        std::max(options_.min_sigma, stated ? fix.vertical_sigma : 2 * options_.default_sigma);
+    used.stamp = fix.stamp;
+    used_.push_back(used);
+  }
+}
+
+/** Yaw and translation that take the trajectory to the positions, by least squares with weights
+ * that fall with the distance, so that single wrong positions do not count. */
+Pose GnssAnchor::initialPose(const FactorGraph& graph) const
+{
+  constexpr int rounds = 20;
+  std::vector<Eigen::Vector3d> in_map;
+  for (const Used& used : used_)
+  {
+    in_map.push_back(inMap(graph, used));
+  }
+  std::vector<double> weights(used_.size(), 1);
+  Pose T_enu_map = Pose::Identity();
+  for (int round = 0; round < rounds; ++round)
+  {
+    Eigen::Vector3d mean_map = Eigen::Vector3d::Zero();
+    Eigen::Vector3d mean_enu = Eigen::Vector3d::Zero();
+    double sum = 0;
+    for (std::size_t i = 0; i < used_.size(); ++i)
+    {
+      mean_map += weights[i] * in_map[i];
+      mean_enu += weights[i] * used_[i].position;
+      sum += weights[i];
+    }
+    mean_map /= sum;
+    mean_enu /= sum;
+    double sine = 0;
+    double cosine = 0;
+    for (std::size_t i = 0; i < used_.size(); ++i)
+    {
+      const Eigen::Vector3d a = in_map[i] - mean_map;
+      const Eigen::Vector3d b = used_[i].position - mean_enu;
+      sine += weights[i] * (a.x() * b.y() - a.y() * b.x());
+      cosine += weights[i] * (a.x() * b.x() + a.y() * b.y());
+    }
+    T_enu_map = poseFromYpr(0, 0, 0, std::atan2(sine, cosine), 0, 0);
+    T_enu_map.translation() = mean_enu - T_enu_map.linear() * mean_map;
+    std::vector<double> distances;
+    for (std::size_t i = 0; i < used_.size(); ++i)
+    {
+      distances.push_back((T_enu_map * in_map[i] - used_[i].position).head<2>().norm());
+    }
+    std::vector<double> sorted = distances;
+    std::nth_element(sorted.begin(),
+                     sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2), sorted.end());
+    const double scale = std::max(options_.min_sigma, sorted[sorted.size() / 2]);
+    for (std::size_t i = 0; i < used_.size(); ++i)
+    {
+      weights[i] = 1 / (1 + std::pow(distances[i] / scale, 2));
+    }
+  }
+  return T_enu_map;
+}
+
+bool GnssAnchor::addTo(FactorGraph& graph,
+                       const std::function<std::optional<VehicleInKeyframe>(double)>& vehicleAt)
+{
+  constexpr std::size_t least = 3;
+  if (fixes_.empty())
+  {
+    return false;
+  }
+  select(graph, vehicleAt);
+  double mean_sigma = 0;
+  for (const Used& used : used_)
+  {
+    mean_sigma += used.horizontal_sigma / static_cast<double>(used_.size());
+  }
+  const double needed = std::max(options_.min_extent, 5 * mean_sigma);
+  if (used_.size() < least || extent() < needed)
+  {
+    warn("the positions of the satellite receiver are not used: " +
+         counted(used_.size(), "position") + " at scans, within " +
+         std::to_string(std::lround(extent())) + " m; " + std::to_string(least) + " within " +
+         std::to_string(std::lround(needed)) + " m or more would show where the map is");
+    return false;
+  }
+  graph.addPose(Key::georeference(), initialPose(graph));
+  const double duration = used_.back().stamp - used_.front().stamp;
+  const double independent =
+      options_.correlation_time > 0 ? 1 + duration / options_.correlation_time : 1e9;
+  // Positions whose errors are alike share the information of one.
+  const double share = std::min(1.0, independent / static_cast<double>(used_.size()));
+  const double tilt_information =
+      1 / (options_.tilt_sigma * options_.tilt_sigma * static_cast<double>(used_.size()));
+  for (const Used& used : used_)
+  {
+    Matrix6 information = Matrix6::Identity();
+    information(0, 0) = information(1, 1) = share / std::pow(used.horizontal_sigma, 2);
+    information(2, 2) = share / std::pow(used.vertical_sigma, 2);
+    information(3, 3) = information(4, 4) = tilt_information;
+    graph.add(
+        std::make_unique<GnssFactor>(used.keyframe, used.position, used.antenna, information));
+  }
+  return true;
+}
+
+bool GnssAnchor::fits(const FactorGraph& graph) const
+{
+  constexpr double most_sigmas = 3;
+  const auto fitting = std::count_if(
+      used_.begin(), used_.end(),
+      [&](const Used& used)
+      { return errorOf(graph, used).head<2>().norm() < most_sigmas * used.horizontal_sigma; });
+  return 2 * static_cast<std::size_t>(fitting) > used_.size();
+}
+
+Georeference GnssAnchor::georeference(const FactorGraph& graph) const
+{
+  Georeference result;
+  result.origin = origin_;
+  result.T_enu_map = graph.pose(Key::georeference());
+  result.fixes = used_.size();
+  for (const Used& used : used_)
+  {
+    const Eigen::Vector3d error = errorOf(graph, used);
+    const auto count = static_cast<double>(used_.size());
+    result.horizontal_rmse += error.head<2>().squaredNorm() / count;
+    result.vertical_rmse += error.z() * error.z() / count;
+  }
+  result.horizontal_rmse = std::sqrt(result.horizontal_rmse);
+  result.vertical_rmse = std::sqrt(result.vertical_rmse);
+  return result;
+}
+
+void GnssAnchor::exchangeState(StateArchive& archive)
+{
+  archive(fixes_);
+}
+}  // namespace dyslam

@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <dyslam/backend/FactorGraph.h>
+#include <dyslam/backend/GnssOptions.h>
+#include <dyslam/core/Georeference.h>
+
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace dyslam
+{
+/** Where the vehicle was at some time. */
+struct VehicleInKeyframe
+{
+  std::size_t keyframe = 0;
+  Pose T_keyframe_vehicle = Pose::Identity();
+};
+
+/** Collects the positions of a satellite receiver during a run, and at its end ties the graph to
+ * the earth with them. */
+class GnssAnchor
+{
+ public:
+  explicit GnssAnchor(const GnssOptions& options) : options_(options) {}
+
+  void add(const std::vector<GnssFix>& fixes);
+
+  /** Adds the georeference and its factors to the graph, near their optimum with the graph as it
+   * is. \param vehicleAt at a UNIX time [s]; nothing where no scan is near \return whether the
+   * positions could be used */
+  bool addTo(FactorGraph& graph,
+             const std::function<std::optional<VehicleInKeyframe>(double)>& vehicleAt);
+  /** Whether most positions fit the graph. */
+  [[nodiscard]] bool fits(const FactorGraph& graph) const;
+  /** \pre addTo() returned true, and the graph still has what it added */
+  [[nodiscard]] Georeference georeference(const FactorGraph& graph) const;
+  /** Why the positions were not used, a line each. */
+  [[nodiscard]] const std::vector<std::string>& warnings() const { return warnings_; }
+  void warn(const std::string& what) { warnings_.push_back(what); }
+  [[nodiscard]] const GnssOptions& options() const { return options_; }
+
+  void exchangeState(StateArchive& archive);
+
+ private:
+  /** A position that is used. */
+  struct Used
+  {
+    std::size_t keyframe;
+    Eigen::Vector3d position;  //!< east-north-up [m]
+    Eigen::Vector3d antenna;   //!< in the vehicle frame of the keyframe [m]
+    double horizontal_sigma;   //!< [m]
+    double vertical_sigma;     //!< [m]
+    double stamp;              //!< [s]
+  };
+  void select(const FactorGraph& graph,
+              const std::function<std::optional<VehicleInKeyframe>(double)>& vehicleAt);
+  [[nodiscard]] Pose initialPose(const FactorGraph& graph) const;
+  [[nodiscard]] Eigen::Vector3d inMap(const FactorGraph& graph, const Used& used) const;
+  [[nodiscard]] Eigen::Vector3d errorOf(const FactorGraph& graph, const Used& used) const;
+  [[nodiscard]] double extent() const;
+
+  GnssOptions options_;
+  std::vector<GnssFix> fixes_;
+  std::vector<Used> used_;
+  GeodeticPosition origin_;
+  std::vector<std::string> warnings_;
+};
+}  // namespace dyslam

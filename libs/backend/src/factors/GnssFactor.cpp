@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/backend/factors/GnssFactor.h>
+
+#include <stdexcept>
+
+namespace dyslam
+{
+namespace
+{
+Eigen::Matrix3d crossMatrix(const Eigen::Vector3d& v)
+{
+  Eigen::Matrix3d matrix;
+  matrix << 0, -v.z(), v.y(), v.z(), 0, -v.x(), -v.y(), v.x(), 0;
+  return matrix;
+}
+}  // namespace
+
+GnssFactor::GnssFactor(std::size_t keyframe,
+                       const Eigen::Vector3d& position,
+                       const Eigen::Vector3d& antenna,
+                       const Matrix6& information)
+    : Factor({Key::ego(keyframe), Key::georeference()}, information),
+      position_(position),
+      antenna_(antenna)
+{
+  if (!position.allFinite() || !antenna.allFinite())
+  {
+    throw std::invalid_argument("factor " + toString(keys()[0]) + " -> " + toString(keys()[1]) +
+                                ": its position has numbers that are not finite");
+  }
+}
+
+Vector6 GnssFactor::residual(ValueBlocks blocks, FactorJacobians* jacobians) const
+{
+  const Pose T_map_vehicle = unpackPose(blocks[0]);
+  const Pose T_enu_map = unpackPose(blocks[1]);
+  const Eigen::Vector3d in_map = T_map_vehicle * antenna_;
+  const Eigen::Matrix3d& R_enu_map = T_enu_map.linear();
+  Vector6 residual = Vector6::Zero();
+  residual.head<3>() = T_enu_map * in_map - position_;
+  residual.segment<2>(3) = R_enu_map.col(2).head<2>();
+  if (jacobians != nullptr)
+  {
+    const Eigen::Matrix3d R_enu_vehicle = R_enu_map * T_map_vehicle.linear();
+    Matrix6& by_vehicle = (*jacobians)[0];
+    by_vehicle.setZero();
+    by_vehicle.topLeftCorner<3, 3>() = R_enu_vehicle;
+    by_vehicle.topRightCorner<3, 3>() = -R_enu_vehicle * crossMatrix(antenna_);
+    Matrix6& by_map = (*jacobians)[1];
+    by_map.setZero();
+    by_map.topLeftCorner<3, 3>() = R_enu_map;
+    by_map.topRightCorner<3, 3>() = -R_enu_map * crossMatrix(in_map);
+    by_map.block<2, 3>(3, 3) = -(R_enu_map * crossMatrix(Eigen::Vector3d::UnitZ())).topRows<2>();
+  }
+  return residual;
+}
+
+Pose GnssFactor::measurement() const
+{
+  Pose pose = Pose::Identity();
+  pose.translation() = position_;
+  return pose;
+}
+}  // namespace dyslam

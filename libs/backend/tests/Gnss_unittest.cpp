@@ -1,0 +1,248 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Positions of a satellite receiver: where the map is on the earth, and a trajectory without drift.
+#include <dyslam/backend/Backend.h>
+#include <dyslam/mrpt/Geodesy.h>
+#include <gtest/gtest.h>
+#include <mrpt/graphs/CNetworkOfPoses.h>
+
+#include <algorithm>
+#include <cmath>
+#include <random>
+#include <string>
+#include <vector>
+
+namespace dyslam
+{
+namespace
+{
+const GeodeticPosition place{49, 8.4, 115};
+const Eigen::Vector3d antenna(0.3, -0.2, 1);
+
+/** A drive of 400 m along a wide curve, whose odometry turns too far, with a position each second.
+ */
+struct DriveWithFixes
+{
+  std::vector<Frame> frames;
+  std::vector<Pose> truth;  //!< east-north-up of `place`
+  Pose T_enu_map = Pose::Identity();
+
+  explicit DriveWithFixes(double noise, double meters = 400, double turn = 1e-4)
+  {
+    std::mt19937 rng(7);
+    std::normal_distribution<double> normal;
+    constexpr double radius = 150;
+    constexpr double step_length = 0.8;
+    Pose T_odom_vehicle = Pose::Identity();
+    for (std::size_t i = 0; step_length * static_cast<double>(i) < meters; ++i)
+    {
+      const double angle = step_length * static_cast<double>(i) / radius;
+      truth.push_back(poseFromYpr(20 + radius * std::cos(angle), -40 + radius * std::sin(angle),
+                                  3 + 2 * std::sin(angle), angle + M_PI / 2, 0, 0));
+      Frame frame;
+      frame.index = i;
+      frame.scan.stamp = 100 + 0.1 * static_cast<double>(i);
+      if (i > 0)
+      {
+        const Pose step = truth[i - 1].inverse() * truth[i] * poseFromYpr(0, 0, 0, turn, 0, 0);
+        T_odom_vehicle = T_odom_vehicle * step;
+        frame.motion.T_previous_current = step;
+      }
+      Vector6 sigmas;
+      sigmas << 0.005, 0.005, 0.005, 0.0003, 0.0003, 0.0003;
+      frame.motion.converged = true;
+      frame.motion.information = sigmas.array().square().inverse().matrix().asDiagonal();
+      frame.T_odom_vehicle = T_odom_vehicle;
+      if (i % 10 == 5)
+      {
+        Eigen::Vector3d error;
+        for (double& value : error)
+        {
+          value = noise * normal(rng);
+        }
+        GnssFix fix;
+        // Between two scans.
+        fix.stamp = frame.scan.stamp - 0.05;
+        const Pose half = truth[i - 1] * expSE3(0.5 * logSE3(truth[i - 1].inverse() * truth[i]));
+        fix.position = fromEnu(half * antenna + error, place);
+        fix.horizontal_sigma = std::max(0.05, noise);
+        fix.vertical_sigma = fix.horizontal_sigma;
+        fix.antenna = antenna;
+        frame.gnss.push_back(fix);
+      }
+      frames.push_back(std::move(frame));
+    }
+    T_enu_map = truth.front();
+  }
+};
+
+struct GnssRun
+{
+  KeyframeStore keyframes;
+  Backend backend;
+
+  GnssRun(DriveWithFixes& drive, const GnssOptions& options) : backend(configOf(options), keyframes)
+  {
+    for (Frame& frame : drive.frames)
+    {
+      backend.addFrame(frame);
+    }
+    backend.finish();
+  }
+  static BackendConfig configOf(const GnssOptions& options)
+  {
+    BackendConfig config;
+    config.gnss = options;
+    return config;
+  }
+  /** Of the last pose, in the map [m]. */
+  [[nodiscard]] double endError(const DriveWithFixes& drive) const
+  {
+    const Trajectory trajectory = backend.optimizedTrajectory();
+    return (drive.T_enu_map.inverse() * drive.truth.back().translation() -
+            trajectory[trajectory.size() - 1].pose.translation())
+        .norm();
+  }
+  /** Of a point of the map, placed on the earth [m]. */
+  [[nodiscard]] double placeError(const DriveWithFixes& drive, const Eigen::Vector3d& in_map) const
+  {
+    const auto& found = backend.georeference();
+    const Eigen::Vector3d on_earth =
+        toEnu(fromEnu(found->T_enu_map * in_map, found->origin), place);
+    return (on_earth - drive.T_enu_map * in_map).norm();
+  }
+  /** Of the last pose, where the georeference places it on the earth [m]. */
+  [[nodiscard]] double endOnEarthError(const DriveWithFixes& drive) const
+  {
+    const Trajectory trajectory = backend.optimizedTrajectory();
+    const auto& found = *backend.georeference();
+    const Eigen::Vector3d end =
+        found.T_enu_map * trajectory[trajectory.size() - 1].pose.translation();
+    return (toEnu(fromEnu(end, found.origin), place) - drive.truth.back().translation()).norm();
+  }
+  [[nodiscard]] std::string warnings() const
+  {
+    std::string all;
+    for (const std::string& warning : backend.warnings())
+    {
+      all += warning + "\n";
+    }
+    return all;
+  }
+};
+
+GnssOptions with(GnssUse use)
+{
+  GnssOptions options;
+  options.use = use;
+  return options;
+}
+}  // namespace
+
+TEST(Gnss, ExactPositionsPlaceTheMap)
+{
+  DriveWithFixes drive(0, 400, 0);
+  for (const GnssUse use : {GnssUse::align, GnssUse::fuse})
+  {
+    const GnssRun run(drive, with(use));
+    ASSERT_TRUE(run.backend.georeference()) << run.warnings();
+    EXPECT_LT(run.placeError(drive, {0, 0, 0}), 0.02);
+    EXPECT_LT(run.placeError(drive, {-100, 80, 5}), 0.1);
+    EXPECT_LT(run.backend.georeference()->horizontal_rmse, 0.02);
+    EXPECT_EQ(run.backend.georeference()->fused, use == GnssUse::fuse);
+    EXPECT_EQ(run.backend.factorGraph().contains(Key::georeference()), use == GnssUse::fuse);
+  }
+}
+
+TEST(Gnss, FusedPositionsRemoveTheDrift)
+{
+  DriveWithFixes drive(0.5);
+  const GnssRun off(drive, with(GnssUse::off));
+  const GnssRun aligned(drive, with(GnssUse::align));
+  EXPECT_FALSE(off.backend.georeference());
+  EXPECT_GT(off.endError(drive), 6);
+  EXPECT_NEAR(aligned.endError(drive), off.endError(drive), 1e-6);
+
+  const GnssRun fused(drive, with(GnssUse::fuse));
+  ASSERT_TRUE(fused.backend.georeference()) << fused.warnings();
+  EXPECT_LT(fused.endOnEarthError(drive), 0.3 * off.endError(drive));
+  EXPECT_LT(fused.backend.georeference()->horizontal_rmse, 1.5);
+
+  GnssOptions white = with(GnssUse::fuse);  // as the errors are here
+  white.correlation_time = 0;
+  const GnssRun closer(drive, white);
+  ASSERT_TRUE(closer.backend.georeference()) << closer.warnings();
+  EXPECT_LT(closer.endOnEarthError(drive), 1);
+  std::printf(
+      "end: %.2f m off by odometry, on the earth %.2f m when fused, %.2f m with white "
+      "errors\n",
+      off.endError(drive), fused.endOnEarthError(drive), closer.endOnEarthError(drive));
+}
+
+TEST(Gnss, WrongPositionsDoNotCount)
+{
+  DriveWithFixes drive(0.3, 400, 0);
+  std::size_t seen = 0;
+  for (Frame& frame : drive.frames)
+  {
+    for (GnssFix& fix : frame.gnss)
+    {
+      if (++seen % 5 == 0)
+      {
+        fix.position = fromEnu(toEnu(fix.position, place) + Eigen::Vector3d(60, 25, -30), place);
+      }
+    }
+  }
+  const GnssRun run(drive, with(GnssUse::fuse));
+  ASSERT_TRUE(run.backend.georeference()) << run.warnings();
+  EXPECT_LT(run.placeError(drive, {0, 0, 0}), 1.5);
+  EXPECT_LT(run.endError(drive), 1.5);
+  EXPECT_GT(run.backend.georeference()->horizontal_rmse, 5);  // which tells of them
+}
+
+TEST(Gnss, PositionsThatCannotBeUsedAreReported)
+{
+  DriveWithFixes drive_short(0.3, 20);
+  const GnssRun too_short(drive_short, with(GnssUse::fuse));
+  EXPECT_FALSE(too_short.backend.georeference());
+  EXPECT_NE(too_short.warnings().find("or more would show where the map is"), std::string::npos);
+
+  DriveWithFixes drive(0.3, 400, 0);
+  std::mt19937 rng(3);
+  std::uniform_real_distribution<double> anywhere(-500, 500);
+  for (Frame& frame : drive.frames)
+  {
+    for (GnssFix& fix : frame.gnss)
+    {
+      const double east = anywhere(rng);
+      fix.position = fromEnu({east, anywhere(rng), 0}, place);
+    }
+  }
+  const GnssRun random(drive, with(GnssUse::fuse));
+  EXPECT_FALSE(random.backend.georeference());
+  EXPECT_NE(random.warnings().find("do not fit the trajectory"), std::string::npos);
+  EXPECT_LT(random.endError(drive), 0.05);  // the trajectory is that of the odometry again
+
+  DriveWithFixes without(0.3);
+  for (Frame& frame : without.frames)
+  {
+    frame.gnss.clear();
+  }
+  const GnssRun none(without, with(GnssUse::fuse));
+  EXPECT_EQ(none.warnings(), "");
+}
+
+TEST(Gnss, PositionsWithoutAccuracyHaveThatOfTheOptions)
+{
+  DriveWithFixes drive(0.5, 400, 0);
+  for (Frame& frame : drive.frames)
+  {
+    for (GnssFix& fix : frame.gnss)
+    {
+      fix.horizontal_sigma = fix.vertical_sigma = 0;
+    }
+  }
+  const GnssRun run(drive, with(GnssUse::fuse));
+  ASSERT_TRUE(run.backend.georeference()) << run.warnings();
+  EXPECT_LT(run.placeError(drive, {0, 0, 0}), 1);
+}
+}  // namespace dyslam

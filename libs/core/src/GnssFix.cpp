@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/core/GnssFix.h>
+#include <dyslam/core/StateArchive.h>
+
+#include <cmath>
+
+namespace dyslam
+{
+bool isOnEarth(const GeodeticPosition& position)
+{
+  return std::isfinite(position.height) && std::abs(position.latitude) <= 90 &&
+         std::abs(position.longitude) <= 360 &&
+         !(position.latitude == 0 && position.longitude == 0);
+}
+
+void GnssFix::exchangeState(StateArchive& archive)
+{
+  archive(stamp, position.latitude, position.longitude, position.height, horizontal_sigma,
+          vertical_sigma, antenna);
+}
+}  // namespace dyslam

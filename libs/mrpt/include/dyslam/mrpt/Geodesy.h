@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <dyslam/core/GnssFix.h>
+
+namespace dyslam
+{
+/** East, north and up from an origin, in the plane that touches the ellipsoid there [m]. */
+[[nodiscard]] Eigen::Vector3d toEnu(const GeodeticPosition& position,
+                                    const GeodeticPosition& origin);
+[[nodiscard]] GeodeticPosition fromEnu(const Eigen::Vector3d& enu, const GeodeticPosition& origin);
+
+/** Universal Transverse Mercator. */
+struct UtmPosition
+{
+  int zone = 0;  //!< 1 to 60
+  bool north = true;
+  double easting = 0;   //!< [m]
+  double northing = 0;  //!< [m]
+
+  /** Number of the coordinate reference system on WGS84: 32632 for zone 32 north. */
+  [[nodiscard]] int epsg() const { return (north ? 32600 : 32700) + zone; }
+};
+/** \pre latitudes of -80 to 84 deg, where UTM is defined */
+[[nodiscard]] UtmPosition toUtm(const GeodeticPosition& position);
+}  // namespace dyslam
