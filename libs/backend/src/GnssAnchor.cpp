@@ -207,6 +207,7 @@ Georeference GnssAnchor::georeference(const FactorGraph& graph) const
   Georeference result;
   result.origin = origin_;
   result.T_enu_map = graph.pose(Key::georeference());
+  result.epsg = toUtm(fromEnu(result.T_enu_map.translation(), origin_)).epsg();
   result.fixes = used_.size();
   for (const Used& used : used_)
   {

@@ -31,6 +31,7 @@ struct GeoreferenceOptions : Options
   double yaw = unset;
   double pitch = unset;
   double roll = unset;
+  int epsg = 0;
   int fixes = 0;
   double horizontal_rmse = 0;
   double vertical_rmse = 0;
@@ -51,6 +52,8 @@ struct GeoreferenceOptions : Options
                  "of the map about its y axis, after the yaw [deg]");
     visitor.real("roll_deg", roll, -360, unset,
                  "of the map about its x axis, after the pitch [deg]");
+    visitor.integer("epsg", epsg, 0, 99999,
+                    "coordinate reference system of UTM at the map's origin");
     visitor.integer("fixes", fixes, 0, 2147483647, "positions of the receiver that were used");
     visitor.real("horizontal_rmse", horizontal_rmse, 0, farthest,
                  "of these positions from the trajectory [m]");
@@ -86,7 +89,7 @@ void writeGeoreference(const Georeference& georeference, const std::string& path
             << "\nnorth = " << allDigits(T.translation().y())
             << "\nup = " << allDigits(T.translation().z()) << "\nyaw_deg = " << allDigits(angles[0])
             << "\npitch_deg = " << allDigits(angles[1]) << "\nroll_deg = " << allDigits(angles[2])
-            << "\nfixes = " << georeference.fixes
+            << "\nepsg = " << georeference.epsg << "\nfixes = " << georeference.fixes
             << "\nhorizontal_rmse = " << allDigits(georeference.horizontal_rmse)
             << "\nvertical_rmse = " << allDigits(georeference.vertical_rmse)
             << "\nfused = " << (georeference.fused ? "true" : "false") << '\n';
@@ -118,6 +121,7 @@ Georeference readGeoreference(const std::string& path)
   result.T_enu_map =
       poseFromYpr(values.east, values.north, values.up, radians_per_degree * values.yaw,
                   radians_per_degree * values.pitch, radians_per_degree * values.roll);
+  result.epsg = values.epsg;
   result.fixes = static_cast<std::size_t>(values.fixes);
   result.horizontal_rmse = values.horizontal_rmse;
   result.vertical_rmse = values.vertical_rmse;

@@ -15,6 +15,7 @@ TEST(GeoreferenceFile, IsReadAsWritten)
   Georeference written;
   written.origin = {-33.8567844213, 151.2152967123, 12.345};
   written.T_enu_map = poseFromYpr(120.5, -3.25, 4.125, 2.1, 0.03, -0.02);
+  written.epsg = 32756;
   written.fixes = 57;
   written.horizontal_rmse = 1.25;
   written.vertical_rmse = 2.5;
@@ -25,6 +26,7 @@ TEST(GeoreferenceFile, IsReadAsWritten)
   EXPECT_EQ(read.origin.longitude, written.origin.longitude);
   EXPECT_EQ(read.origin.height, written.origin.height);
   EXPECT_TRUE(read.T_enu_map.isApprox(written.T_enu_map, 1e-12));
+  EXPECT_EQ(read.epsg, 32756);
   EXPECT_EQ(read.fixes, 57U);
   EXPECT_EQ(read.horizontal_rmse, 1.25);
   EXPECT_EQ(read.vertical_rmse, 2.5);

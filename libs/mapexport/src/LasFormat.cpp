@@ -2,6 +2,7 @@
 // LAS 1.2 (ASPRS), point data record format 0, which every reader supports. Debian 12 has no
 // library for it.
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <ctime>
 #include <optional>
@@ -16,6 +17,7 @@ constexpr double scale = 0.001;  // coordinates are whole millimetres from the o
 constexpr std::uint16_t header_size = 227;
 constexpr std::uint16_t vlr_header_size = 54;
 constexpr std::uint16_t extra_bytes_size = 192;  // of one description
+constexpr std::uint16_t geo_keys_size = 4 * 4 * 2;
 constexpr std::uint16_t record_size = 20;
 
 void appendText(std::string& out, const std::string& text, std::size_t size)
@@ -64,8 +66,11 @@ class LasFormat : public CloudFormat
 
   [[nodiscard]] std::string header(const CloudSummary& summary) const override
   {
-    const std::uint32_t vlrs = layout_.normals ? 1 : 0;
-    const std::uint32_t data_at = header_size + vlrs * (vlr_header_size + 3U * extra_bytes_size);
+    const bool projected = layout_.epsg > 0;
+    const std::uint32_t vlrs = (layout_.normals ? 1 : 0) + (projected ? 1 : 0);
+    const std::uint32_t data_at = header_size +
+                                  (layout_.normals ? vlr_header_size + 3U * extra_bytes_size : 0U) +
+                                  (projected ? vlr_header_size + geo_keys_size : 0U);
     const auto count = static_cast<std::uint32_t>(summary.count);
     std::string out("LASF");
     out.append(4 + 16, '\0');  // source, encoding, GUID
@@ -78,7 +83,8 @@ class LasFormat : public CloudFormat
     appendNumber<std::uint32_t>(out, data_at);
     appendNumber<std::uint32_t>(out, vlrs);
     out.push_back(0);  // point data record format
-    appendNumber<std::uint16_t>(out, static_cast<std::uint16_t>(record_size + 12 * vlrs));
+    appendNumber<std::uint16_t>(
+        out, static_cast<std::uint16_t>(record_size + (layout_.normals ? 12 : 0)));
     appendNumber<std::uint32_t>(out, count);
     appendNumber<std::uint32_t>(out, count);  // of first returns
     out.append(4 * sizeof(std::uint32_t), '\0');
@@ -86,6 +92,10 @@ class LasFormat : public CloudFormat
     if (layout_.normals)
     {
       appendNormalsRecord(out);
+    }
+    if (projected)
+    {
+      appendGeoKeys(out);
     }
     return out;
   }
@@ -145,6 +155,30 @@ class LasFormat : public CloudFormat
     appendExtraBytes(out, "NormalX", "towards the sensor");
     appendExtraBytes(out, "NormalY", "towards the sensor");
     appendExtraBytes(out, "NormalZ", "towards the sensor");
+  }
+
+  /** The coordinate reference system as keys of GeoTIFF. */
+  void appendGeoKeys(std::string& out) const
+  {
+    appendNumber<std::uint16_t>(out, 0);  // reserved
+    appendText(out, "LASF_Projection", 16);
+    appendNumber<std::uint16_t>(out, 34735);  // record ID: directory of keys
+    appendNumber<std::uint16_t>(out, geo_keys_size);
+    appendText(out, "coordinate system", 32);
+    constexpr std::uint16_t projected_model = 1;
+    constexpr std::uint16_t metre = 9001;
+    const std::array<std::array<std::uint16_t, 4>, 4> keys{
+        {{1, 1, 0, 3},  // version, revisions, number of keys
+         {1024, 0, 1, projected_model},
+         {3072, 0, 1, static_cast<std::uint16_t>(layout_.epsg)},
+         {3076, 0, 1, metre}}};
+    for (const auto& key : keys)
+    {
+      for (const std::uint16_t value : key)
+      {
+        appendNumber(out, value);
+      }
+    }
   }
 
   CloudDescription layout_;

@@ -71,7 +71,7 @@ MapCloudFile::MapCloudFile(const std::string& path, const CloudDescription& desc
 {
 }
 MapCloudFile::MapCloudFile(const std::string& path, bool normals)
-    : MapCloudFile(path, CloudDescription{normals, Eigen::Vector3d::Zero(), std::nullopt})
+    : MapCloudFile(path, CloudDescription{normals, Eigen::Vector3d::Zero(), std::nullopt, 0})
 {
 }
 MapCloudFile::~MapCloudFile() = default;
@@ -125,7 +125,7 @@ void MapCloudFile::close()
 void writeMapCloud(const MapPoints& points, const std::string& path, const Eigen::Vector3d& origin)
 {
   const bool has_normals = points.size() > 0 && points.normals.size() == points.size();
-  MapCloudFile file(path, CloudDescription{has_normals, origin, std::nullopt});
+  MapCloudFile file(path, CloudDescription{has_normals, origin, std::nullopt, 0});
   file.add(points);
   file.close();
 }

@@ -211,7 +211,7 @@ MapClouds::MapClouds(const StaticMapOptions& map,
                      std::optional<double> recorded)
     : map_options_(map),
       exports_(exports),
-      description_{exports.normals, origin, recorded},
+      description_{exports.normals, origin, recorded, exports.epsg},
       pool_(pool)
 {
 }

@@ -21,6 +21,10 @@ void MapExportOptions::describe(OptionsVisitor& v)
          "write clouds with every static point, not one per voxel");
   v.flag("normals", normals, "write clouds with normals, which point towards the sensor");
   v.real("normal_radius", normal_radius, 0.01, 100, "radius of the neighbourhood of a normal [m]");
+  v.integer(
+      "epsg", epsg, 0, 32767,
+      "number of the coordinate reference system (EPSG) of the trajectory, which .las files state; "
+      "0: none");
   v.real("tile_size", tile_size, 0, 100000,
          "side of the tiles in which clouds are written, at least 5; 0: one file [m]");
   if (tile_size > 0 && tile_size < smallest_tile)

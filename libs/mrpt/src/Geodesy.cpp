@@ -3,6 +3,7 @@
 #include <mrpt/topography/conversions.h>
 
 #include <cmath>
+#include <stdexcept>
 
 namespace dyslam
 {
@@ -46,5 +47,34 @@ UtmPosition toUtm(const GeodeticPosition& position)
                                   utm.zone, band);
   utm.north = position.latitude >= 0;
   return utm;
+}
+
+Trajectory inUtm(const Trajectory& of_map, const Georeference& georeference)
+{
+  const auto utmOf = [&](const Eigen::Vector3d& enu)
+  {
+    const UtmPosition utm = toUtm(fromEnu(enu, georeference.origin));
+    if (utm.epsg() != georeference.epsg)
+    {
+      throw std::domain_error("the map reaches into another zone of UTM");
+    }
+    return utm;
+  };
+  constexpr double short_way = 10;  // to the north, to see where that is in the grid [m]
+  Trajectory result;
+  for (const auto& [stamp, T_map_vehicle] : of_map)
+  {
+    const Pose T_enu_vehicle = georeference.T_enu_map * T_map_vehicle;
+    const Eigen::Vector3d enu = T_enu_vehicle.translation();
+    const UtmPosition here = utmOf(enu);
+    const UtmPosition north = utmOf(enu + Eigen::Vector3d(0, short_way, 0));
+    const double convergence =
+        std::atan2(north.easting - here.easting, north.northing - here.northing);
+    const double height = fromEnu(enu, georeference.origin).height;
+    Pose T_utm_vehicle = poseFromYpr(0, 0, 0, -convergence, 0, 0) * T_enu_vehicle;
+    T_utm_vehicle.translation() << here.easting, here.northing, height;
+    result.push_back(stamp, T_utm_vehicle);
+  }
+  return result;
 }
 }  // namespace dyslam

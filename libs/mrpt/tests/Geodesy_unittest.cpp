@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <stdexcept>
 
 namespace dyslam
 {
@@ -24,6 +25,36 @@ TEST(Geodesy, EnuThereAndBack)
   const Eigen::Vector3d east = toEnu({49.0, 8.4 + 1.0 / 60, 115}, origin);
   EXPECT_NEAR(east.x(), 1219.6, 1);
   EXPECT_GT(east.y(), 0);  // parallels curve towards the pole
+}
+
+TEST(Geodesy, TrajectoryInUtm)
+{
+  Georeference georeference;
+  georeference.origin = {49, 8.4, 115};
+  georeference.T_enu_map = poseFromYpr(100, 50, -2, M_PI / 2, 0, 0);
+  georeference.epsg = 32632;
+  Trajectory of_map;
+  of_map.push_back(1, Pose::Identity());
+  of_map.push_back(2, poseFromYpr(200, 0, 3, 0.5, 0, 0));  // 200 m to the north
+  const Trajectory utm = inUtm(of_map, georeference);
+  ASSERT_EQ(utm.size(), 2U);
+  const Eigen::Vector3d first = utm[0].pose.translation();
+  const UtmPosition expected = toUtm(fromEnu({100, 50, -2}, georeference.origin));
+  EXPECT_NEAR(first.x(), expected.easting, 1e-3);
+  EXPECT_NEAR(first.y(), expected.northing, 1e-3);
+  EXPECT_NEAR(first.z(), 113, 0.01);
+  const Eigen::Vector3d moved = utm[1].pose.translation() - first;
+  EXPECT_NEAR(moved.head<2>().norm(), 200 * 0.9996, 0.02);
+  EXPECT_NEAR(moved.z(), 3, 0.02);
+  // West of the central meridian (9 deg) true north is to the right of the grid's by 0.45 deg.
+  const double convergence = (9 - 8.4) * std::sin(49 * M_PI / 180) * M_PI / 180;
+  EXPECT_NEAR(std::atan2(moved.x(), moved.y()), convergence, 1e-4);
+  const Eigen::Vector3d ahead = utm[0].pose.linear().col(0);  // north
+  EXPECT_NEAR(std::atan2(ahead.x(), ahead.y()), convergence, 1e-4);
+
+  georeference.origin.longitude = 11.9999;
+  of_map.push_back(3, poseFromYpr(0, -1000, 0, 0, 0, 0));  // 1 km to the east
+  EXPECT_THROW((void)inUtm(of_map, georeference), std::domain_error);
 }
 
 TEST(Geodesy, UtmOfKnownPlaces)

@@ -1,6 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/backend/Backend.h>
 #include <dyslam/formats/GeoreferenceFile.h>
+#include <dyslam/formats/TrajectoryFiles.h>
+#include <dyslam/io/RawlogSource.h>
+#include <dyslam/mrpt/Geodesy.h>
+
+#include <stdexcept>
 
 #include "../RunOutput.h"
 
@@ -9,22 +14,38 @@ namespace dyslam
 namespace
 {
 constexpr const char* georeference = "georeference.ini";
+constexpr const char* utm = "trajectory_utm.txt";
 
-/** `georeference.ini`, where positions of a satellite receiver show where the map is on the earth.
- */
+/** Where positions of a satellite receiver show where the map is on the earth: `georeference.ini`,
+ * and the poses of the recording's vehicle in UTM, `trajectory_utm.txt`. */
 class GeoreferenceOutput : public RunOutput
 {
  public:
-  explicit GeoreferenceOutput(const RunOutputContext& context) : RunOutput(context, {georeference})
+  explicit GeoreferenceOutput(const RunOutputContext& context)
+      : RunOutput(context, {georeference, utm}),
+        levelling_(context.config.get<RawlogSourceOptions>("input").levelling())
   {
   }
   void finish(const RunResults& results) override
   {
-    if (results.report.georeference)
+    const auto& found = results.report.georeference;
+    if (!found)
     {
-      writeGeoreference(*results.report.georeference, path(georeference));
+      return;
+    }
+    writeGeoreference(*found, path(georeference));
+    try
+    {
+      writeTum(path(utm), inUtm(levelling_.recorded(results.trajectory), *found));
+    }
+    catch (const std::domain_error&)
+    {
+      // There are no coordinates for a map in two zones.
     }
   }
+
+ private:
+  Levelling levelling_;
 };
 }  // namespace
 

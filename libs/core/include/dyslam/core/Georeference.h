@@ -13,6 +13,8 @@ struct Georeference
 {
   GeodeticPosition origin;  //!< of the east-north-up axes: the first position used
   Pose T_enu_map = Pose::Identity();
+  /** Number of the coordinate reference system of UTM on WGS84 at the map's origin; 0: unknown. */
+  int epsg = 0;
   std::size_t fixes = 0;       //!< positions used
   double horizontal_rmse = 0;  //!< of the positions from the trajectory [m]
   double vertical_rmse = 0;    //!< [m]

@@ -20,6 +20,8 @@ struct CloudDescription
   /** UNIX time of the recording's first scan [s]: the date in the header of a `.las`, which has
    * none without it. */
   std::optional<double> recorded;
+  /** Number of the coordinate reference system, which a `.las` states; 0: none. */
+  int epsg = 0;
 };
 
 /** A cloud that is written part by part: `.pcd`, `.ply` (both binary; x y z intensity and normals)

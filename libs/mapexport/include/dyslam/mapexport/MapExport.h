@@ -22,6 +22,7 @@ struct MapExportOptions : Options
   bool full_resolution = false;      //!< clouds with every static point, not one per voxel
   bool normals = true;               //!< clouds with normals
   double normal_radius = 0.8;        //!< radius of the neighbourhood of a normal [m]
+  int epsg = 0;                      //!< reference system of the coordinates, in .las; 0: none
   double tile_size = 0;              //!< clouds in tiles of this side, at least 5 [m]; 0: one file
   double octree_resolution = 0.2;    //!< side of octomap's leaves [m]
   double octree_range = 40.0;        //!< rays are cut off here [m]

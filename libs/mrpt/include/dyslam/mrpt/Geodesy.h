@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <dyslam/core/GnssFix.h>
+#include <dyslam/core/Georeference.h>
+#include <dyslam/core/Trajectory.h>
 
 namespace dyslam
 {
@@ -23,4 +24,9 @@ struct UtmPosition
 };
 /** \pre latitudes of -80 to 84 deg, where UTM is defined */
 [[nodiscard]] UtmPosition toUtm(const GeodeticPosition& position);
+
+/** Poses of a map in the zone of UTM of its origin: easting, northing, height above the ellipsoid;
+ * the rotation is from the grid's east. Lengths of a scan stay as they are (those of UTM differ by
+ * up to 0.1 %). \throws std::domain_error if they reach into another zone. */
+[[nodiscard]] Trajectory inUtm(const Trajectory& of_map, const Georeference& georeference);
 }  // namespace dyslam
