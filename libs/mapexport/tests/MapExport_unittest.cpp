@@ -16,6 +16,7 @@
 #include <filesystem>
 #include <fstream>
 #include <limits>
+#include <map>
 #include <opencv2/imgcodecs.hpp>
 #include <optional>
 #include <sstream>
@@ -140,7 +141,7 @@ TEST_F(MapExport, TheDateOfALasIsThatOfTheRecording)
 {
   const auto dateOf = [&](std::optional<double> recorded)
   {
-    MapCloudFile file(path("m.las"), {false, Eigen::Vector3d::Zero(), recorded});
+    MapCloudFile file(path("m.las"), {false, Eigen::Vector3d::Zero(), recorded, 0});
     file.close();
     const std::string las = bytes(path("m.las"));
     return std::pair<int, int>(numberAt<std::uint16_t>(las, 90), numberAt<std::uint16_t>(las, 92));
@@ -154,6 +155,41 @@ TEST_F(MapExport, TheDateOfALasIsThatOfTheRecording)
         std::optional<double>(1e300)})
   {
     EXPECT_EQ((std::pair<int, int>(0, 0)), dateOf(none));
+  }
+}
+
+/** By LAS 1.2 and the keys of GeoTIFF: a record behind the header, and behind that of the normals.
+ */
+TEST_F(MapExport, ALasStatesItsReferenceSystem)
+{
+  MapPoints points;
+  points.points = {{1, 2, 3}};
+  points.intensity = {0.5F};
+  points.normals = {{0, 0, 1}};
+  for (const bool normals : {false, true})
+  {
+    MapCloudFile file(path("m.las"), {normals, Eigen::Vector3d::Zero(), std::nullopt, 32632});
+    file.add(points);
+    file.close();
+    const std::string las = bytes(path("m.las"));
+    const std::size_t at = 227 + (normals ? 54 + 3 * 192 : 0);
+    const std::size_t data = at + 54 + 32;
+    EXPECT_EQ(numberAt<std::uint32_t>(las, 96), data);
+    EXPECT_EQ(numberAt<std::uint32_t>(las, 100), normals ? 2U : 1U);
+    ASSERT_EQ(las.size(), data + (normals ? 32U : 20U));
+    EXPECT_EQ(numberAt<std::int32_t>(las, data), 1000);
+    EXPECT_EQ(las.substr(at + 2, 15), "LASF_Projection");
+    EXPECT_EQ(numberAt<std::uint16_t>(las, at + 18), 34735);
+    EXPECT_EQ(numberAt<std::uint16_t>(las, at + 20), 32);
+    std::map<int, int> keys;
+    const int count = numberAt<std::uint16_t>(las, at + 54 + 6);
+    for (int key = 1; key <= count; ++key)
+    {
+      const std::size_t entry = at + 54 + 8 * static_cast<std::size_t>(key);
+      EXPECT_EQ(numberAt<std::uint16_t>(las, entry + 2), 0);  // the value is in the entry
+      keys[numberAt<std::uint16_t>(las, entry)] = numberAt<std::uint16_t>(las, entry + 6);
+    }
+    EXPECT_EQ(keys, (std::map<int, int>{{1024, 1}, {3072, 32632}, {3076, 9001}}));
   }
 }
 
