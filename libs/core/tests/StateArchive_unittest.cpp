@@ -114,7 +114,7 @@ TEST(StateArchive, FieldsAreCounted)
 {
   EXPECT_EQ(fields::count<Box>(), 3U);
   EXPECT_EQ(fields::count<MotionEstimate>(), 9U);
-  EXPECT_EQ(fields::count<Frame>(), 26U);
+  EXPECT_EQ(fields::count<Frame>(), 27U);
 }
 
 TEST(StateArchive, BytesThatEndEarlyAreAnError)
