@@ -5,6 +5,7 @@
 #include <dyslam/core/Files.h>
 #include <dyslam/core/Printable.h>
 #include <dyslam/dyseg/MovingSegmenter.h>
+#include <dyslam/formats/GeoreferenceFile.h>
 #include <dyslam/formats/RunFiles.h>
 #include <dyslam/formats/ScanFiles.h>
 #include <dyslam/mapbuilder/RunFolder.h>
@@ -126,6 +127,16 @@ std::string scanTableBeside(const std::string& trajectory)
   return !effectiveIniBeside(trajectory).empty() && std::filesystem::is_regular_file(table)
              ? table.string()
              : "";
+}
+
+/** Number of the reference system of a run's trajectory in UTM; 0 for other trajectories. */
+int referenceSystemOf(const std::string& trajectory)
+{
+  const std::filesystem::path path(trajectory);
+  const auto georeference = path.parent_path() / "georeference.ini";
+  return path.filename() == "trajectory_utm.txt" && std::filesystem::is_regular_file(georeference)
+             ? readGeoreference(georeference.string()).epsg
+             : 0;
 }
 
 /** \throws UserError for a file that a run wrote. */
@@ -302,6 +313,10 @@ void loadConfig(Arguments& a)
   a.outputs.exports = loader.get<MapExportOptions>("map_export");
   a.builder.memory = loader.get<MemoryOptions>("memory");
   a.outputs.exports.full_resolution = a.outputs.exports.full_resolution || a.full;
+  if (a.outputs.exports.epsg == 0)
+  {
+    a.outputs.exports.epsg = referenceSystemOf(a.recording.trajectory);
+  }
   a.builder.keyframe_distance =
       a.keyframe_distance ? *a.keyframe_distance : keyframeDistance(config);
   Config effective = loader.effective();

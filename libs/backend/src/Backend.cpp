@@ -292,19 +292,29 @@ void Backend::State::tieToEarth()
     return;
   }
   (void)graph.optimise(solver, {earth});
+  constexpr double usual_drift = 0.05;  // part of the extent
   const bool fuse = gnss.options().use == GnssUse::fuse && options.mode != BackendMode::odometry;
-  if (fuse)
+  bool fits = gnss.fits(graph, usual_drift);
+  if (fits && fuse)
   {
+    const FactorGraph::Solution before = graph.solution();
+    const OptimisationResult result_before = correction.last();
     optimiseAll();
-    if (!gnss.fits(graph))
+    fits = gnss.fits(graph, 0);
+    if (!fits)
     {
-      graph.remove(earth);
-      optimiseAll();
-      gnss.warn(
-          "the positions of the satellite receiver are not used: most of them do not fit the "
-          "trajectory; is its clock that of the lidar?");
-      return;
+      graph.restore(before);
+      correction.restoreLast(result_before);
+      correctKeyframes(0);
     }
+  }
+  if (!fits)
+  {
+    graph.remove(earth);
+    gnss.warn(
+        "the positions of the satellite receiver are not used: most of them do not fit the "
+        "trajectory; is its clock that of the lidar, and the place of its antenna right?");
+    return;
   }
   georeference = gnss.georeference(graph);
   georeference->fused = fuse;

@@ -149,6 +149,26 @@ void FactorGraph::setBlock(const Key& key, const std::array<double, pose_block_s
   variable(key).block = block;
 }
 
+FactorGraph::Solution FactorGraph::solution() const
+{
+  Solution solution;
+  for (const auto& [key, variable] : variables_)
+  {
+    solution.blocks.emplace(key, variable.block);
+  }
+  solution.left_out = left_out_;
+  return solution;
+}
+
+void FactorGraph::restore(const Solution& solution)
+{
+  for (const auto& [key, block] : solution.blocks)
+  {
+    setBlock(key, block);
+  }
+  left_out_ = solution.left_out;
+}
+
 void FactorGraph::setFixed(const Key& key, bool fixed)
 {
   variable(key).fixed = fixed;

@@ -50,14 +50,27 @@ Eigen::Vector3d GnssAnchor::errorOf(const FactorGraph& graph, const Used& used) 
   return graph.pose(Key::georeference()) * inMap(graph, used) - used.position;
 }
 
-double GnssAnchor::extent() const
+/** Of the way of the antenna, by the trajectory: a position may be far off [m]. */
+double GnssAnchor::extent(const FactorGraph& graph) const
 {
   double largest = 0;
   for (const Used& used : used_)
   {
-    largest = std::max(largest, (used.position - used_.front().position).head<2>().norm());
+    largest = std::max(largest, (inMap(graph, used) - inMap(graph, used_.front())).norm());
   }
   return largest;
+}
+
+/** Positions whose errors are alike share the information of one. */
+double GnssAnchor::informationShare() const
+{
+  if (options_.correlation_time <= 0)
+  {
+    return 1;
+  }
+  const double duration = used_.back().stamp - used_.front().stamp;
+  const double independent = 1 + duration / options_.correlation_time;
+  return std::min(1.0, independent / static_cast<double>(used_.size()));
 }
 
 void GnssAnchor::select(const FactorGraph& graph,
@@ -164,20 +177,17 @@ bool GnssAnchor::addTo(FactorGraph& graph,
     mean_sigma += used.horizontal_sigma / static_cast<double>(used_.size());
   }
   const double needed = std::max(options_.min_extent, 5 * mean_sigma);
-  if (used_.size() < least || extent() < needed)
+  if (used_.size() < least || extent(graph) < needed)
   {
     warn("the positions of the satellite receiver are not used: " +
          counted(used_.size(), "position") + " at scans, within " +
-         std::to_string(std::lround(extent())) + " m; " + std::to_string(least) + " within " +
-         std::to_string(std::lround(needed)) + " m or more would show where the map is");
+         std::to_string(used_.empty() ? 0 : std::lround(extent(graph))) + " m; " +
+         std::to_string(least) + " within " + std::to_string(std::lround(needed)) +
+         " m or more would show where the map is");
     return false;
   }
   graph.addPose(Key::georeference(), initialPose(graph));
-  const double duration = used_.back().stamp - used_.front().stamp;
-  const double independent =
-      options_.correlation_time > 0 ? 1 + duration / options_.correlation_time : 1e9;
-  // Positions whose errors are alike share the information of one.
-  const double share = std::min(1.0, independent / static_cast<double>(used_.size()));
+  const double share = informationShare();
   const double tilt_information =
       1 / (options_.tilt_sigma * options_.tilt_sigma * static_cast<double>(used_.size()));
   for (const Used& used : used_)
@@ -192,13 +202,16 @@ bool GnssAnchor::addTo(FactorGraph& graph,
   return true;
 }
 
-bool GnssAnchor::fits(const FactorGraph& graph) const
+bool GnssAnchor::fits(const FactorGraph& graph, double drift) const
 {
   constexpr double most_sigmas = 3;
+  constexpr double tolerance = 0.5;  // for the place of the antenna [m]
+  const double allowed = tolerance + drift * extent(graph);
+  const double scale = most_sigmas / std::sqrt(informationShare());
   const auto fitting = std::count_if(
       used_.begin(), used_.end(),
       [&](const Used& used)
-      { return errorOf(graph, used).head<2>().norm() < most_sigmas * used.horizontal_sigma; });
+      { return errorOf(graph, used).head<2>().norm() < allowed + scale * used.horizontal_sigma; });
   return 2 * static_cast<std::size_t>(fitting) > used_.size();
 }
 

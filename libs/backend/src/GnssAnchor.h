@@ -33,8 +33,9 @@ class GnssAnchor
    * positions could be used */
   bool addTo(FactorGraph& graph,
              const std::function<std::optional<VehicleInKeyframe>(double)>& vehicleAt);
-  /** Whether most positions fit the graph. */
-  [[nodiscard]] bool fits(const FactorGraph& graph) const;
+  /** Whether most positions fit the graph. \param drift of the trajectory as a part of its extent,
+   * which may separate them */
+  [[nodiscard]] bool fits(const FactorGraph& graph, double drift) const;
   /** \pre addTo() returned true, and the graph still has what it added */
   [[nodiscard]] Georeference georeference(const FactorGraph& graph) const;
   /** Why the positions were not used, a line each. */
@@ -60,7 +61,8 @@ class GnssAnchor
   [[nodiscard]] Pose initialPose(const FactorGraph& graph) const;
   [[nodiscard]] Eigen::Vector3d inMap(const FactorGraph& graph, const Used& used) const;
   [[nodiscard]] Eigen::Vector3d errorOf(const FactorGraph& graph, const Used& used) const;
-  [[nodiscard]] double extent() const;
+  [[nodiscard]] double extent(const FactorGraph& graph) const;
+  [[nodiscard]] double informationShare() const;
 
   GnssOptions options_;
   std::vector<GnssFix> fixes_;

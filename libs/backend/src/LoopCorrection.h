@@ -44,6 +44,7 @@ class LoopCorrection
   /** Optimises all that is not fixed. */
   void correctAll(std::size_t keyframes);
   /** Of the last optimisation of everything; default before the first. */
+  void restoreLast(const OptimisationResult& result) { last_ = result; }
   [[nodiscard]] const OptimisationResult& last() const { return last_; }
 
   void exchangeState(StateArchive& archive);

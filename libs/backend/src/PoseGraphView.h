@@ -7,7 +7,7 @@
 namespace dyslam
 {
 /** The ego poses with their odometry and loop factors as a pose graph of MRPT; nodes are the
- * keyframes' numbers. Left out: loops that the optimisation rejected, and objects and velocities,
- * which MRPT does not know. */
+ * keyframes' numbers. Left out: loops that the optimisation rejected, and objects, velocities and
+ * satellite positions, which MRPT does not know. */
 [[nodiscard]] PoseGraph poseGraphView(const FactorGraph& graph);
 }  // namespace dyslam

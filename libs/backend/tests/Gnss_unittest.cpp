@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Positions of a satellite receiver: where the map is on the earth, and a trajectory without drift.
 #include <dyslam/backend/Backend.h>
+#include <dyslam/core/StateArchive.h>
 #include <dyslam/mrpt/Geodesy.h>
 #include <gtest/gtest.h>
 #include <mrpt/graphs/CNetworkOfPoses.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <random>
 #include <string>
@@ -130,6 +132,16 @@ struct GnssRun
   }
 };
 
+std::vector<std::array<double, pose_block_size>> posesOf(const Backend& backend)
+{
+  std::vector<std::array<double, pose_block_size>> poses;
+  for (const auto& [key, variable] : backend.factorGraph().variables())
+  {
+    poses.push_back(variable.block);
+  }
+  return poses;
+}
+
 GnssOptions with(GnssUse use)
 {
   GnssOptions options;
@@ -204,6 +216,11 @@ TEST(Gnss, PositionsThatCannotBeUsedAreReported)
   DriveWithFixes drive_short(0.3, 20);
   const GnssRun too_short(drive_short, with(GnssUse::fuse));
   EXPECT_FALSE(too_short.backend.georeference());
+  // Nor does a single position that is far off make it longer.
+  DriveWithFixes one_far(0.3, 25);
+  GnssFix& first = one_far.frames[5].gnss[0];
+  first.position = fromEnu(toEnu(first.position, place) + Eigen::Vector3d(300, 0, 0), place);
+  EXPECT_FALSE(GnssRun(one_far, with(GnssUse::fuse)).backend.georeference());
   EXPECT_NE(too_short.warnings().find("or more would show where the map is"), std::string::npos);
 
   DriveWithFixes drive(0.3, 400, 0);
@@ -217,10 +234,14 @@ TEST(Gnss, PositionsThatCannotBeUsedAreReported)
       fix.position = fromEnu({east, anywhere(rng), 0}, place);
     }
   }
-  const GnssRun random(drive, with(GnssUse::fuse));
-  EXPECT_FALSE(random.backend.georeference());
-  EXPECT_NE(random.warnings().find("do not fit the trajectory"), std::string::npos);
-  EXPECT_LT(random.endError(drive), 0.05);  // the trajectory is that of the odometry again
+  const GnssRun off(drive, with(GnssUse::off));
+  for (const GnssUse use : {GnssUse::align, GnssUse::fuse})
+  {
+    const GnssRun random(drive, with(use));
+    EXPECT_FALSE(random.backend.georeference());
+    EXPECT_NE(random.warnings().find("do not fit the trajectory"), std::string::npos);
+    EXPECT_EQ(posesOf(random.backend), posesOf(off.backend));  // bit for bit
+  }
 
   DriveWithFixes without(0.3);
   for (Frame& frame : without.frames)
@@ -229,6 +250,68 @@ TEST(Gnss, PositionsThatCannotBeUsedAreReported)
   }
   const GnssRun none(without, with(GnssUse::fuse));
   EXPECT_EQ(none.warnings(), "");
+}
+
+TEST(Gnss, AnAccurateReceiverWithItsAntennaElsewhereIsUsed)
+{
+  DriveWithFixes drive(0, 400, 0);
+  for (Frame& frame : drive.frames)
+  {
+    for (GnssFix& fix : frame.gnss)
+    {
+      fix.horizontal_sigma = fix.vertical_sigma = 0.02;
+      fix.antenna = Eigen::Vector3d::Zero();  // 1.1 m away
+    }
+  }
+  const GnssRun run(drive, with(GnssUse::fuse));
+  ASSERT_TRUE(run.backend.georeference()) << run.warnings();
+  EXPECT_LT(run.endError(drive), 1);
+}
+
+/** As a checkpoint saves and --resume loads them. */
+TEST(Gnss, PositionsAreKeptInTheStateOfARun)
+{
+  DriveWithFixes drive(0.5);
+  const GnssRun whole(drive, with(GnssUse::fuse));
+  KeyframeStore first_keyframes;
+  KeyframeStore second_keyframes;
+  Backend first(GnssRun::configOf(with(GnssUse::fuse)), first_keyframes);
+  Backend second(GnssRun::configOf(with(GnssUse::fuse)), second_keyframes);
+  const std::size_t half = drive.frames.size() / 2;
+  for (std::size_t i = 0; i < half; ++i)
+  {
+    first.addFrame(drive.frames[i]);
+  }
+  StateArchive saved;
+  first_keyframes.exchangeState(saved);
+  first.exchangeState(saved);
+  StateArchive loaded(saved.bytes());
+  second_keyframes.exchangeState(loaded);
+  second.exchangeState(loaded);
+  for (std::size_t i = half; i < drive.frames.size(); ++i)
+  {
+    second.addFrame(drive.frames[i]);
+  }
+  second.finish();
+  ASSERT_TRUE(second.georeference());
+  EXPECT_EQ(second.georeference()->fixes, whole.backend.georeference()->fixes);
+  EXPECT_EQ(posesOf(second), posesOf(whole.backend));
+}
+
+/** A graph that was written after the fusion is solved again by dyslam-graphslam --optimize. */
+TEST(Gnss, AFusedGraphIsAtItsOptimum)
+{
+  DriveWithFixes drive(0.5);
+  const GnssRun run(drive, with(GnssUse::fuse));
+  StateArchive saved;
+  const_cast<FactorGraph&>(run.backend.factorGraph()).exchangeState(saved);
+  FactorGraph graph;
+  StateArchive loaded(saved.bytes());
+  graph.exchangeState(loaded);
+  const double before = graph.chi2();
+  const OptimisationResult result = graph.optimise(FactorGraphOptions());
+  EXPECT_TRUE(result.converged);
+  EXPECT_NEAR(result.final_chi2, before, 1e-3 * before);
 }
 
 TEST(Gnss, PositionsWithoutAccuracyHaveThatOfTheOptions)

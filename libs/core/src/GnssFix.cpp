@@ -8,7 +8,8 @@ namespace dyslam
 {
 bool isOnEarth(const GeodeticPosition& position)
 {
-  return std::isfinite(position.height) && std::abs(position.latitude) <= 90 &&
+  constexpr double highest = 1e5;  // [m]
+  return std::abs(position.height) < highest && std::abs(position.latitude) <= 90 &&
          std::abs(position.longitude) <= 360 &&
          !(position.latitude == 0 && position.longitude == 0);
 }

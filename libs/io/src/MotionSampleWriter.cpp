@@ -7,7 +7,8 @@ namespace dyslam
 {
 namespace
 {
-constexpr double largest_age = 0.25;  //!< of a sample at a scan, as motion_sensors.max_gap [s]
+constexpr double largest_age = 0.25;      //!< of a sample at a scan, as motion_sensors.max_gap [s]
+constexpr double largest_age_of_fix = 5;  //!< receivers may be slow, and no scan waits for them [s]
 
 double stampOf(const std::variant<ImuSample, WheelSample, GnssFix>& sample)
 {
@@ -55,10 +56,11 @@ void MotionSampleWriter::writeUpTo(double stamp, ConversionOutput& out)
                    [](const Sample& a, const Sample& b) { return stampOf(a) < stampOf(b); });
   std::for_each(due, waiting_.end(), [&](const Sample& sample) { write(sample, out); });
   waiting_.erase(due, waiting_.end());
-  for (Written* written : {&imu_, &wheels_, &gnss_})
+  for (Written* written : {&imu_, &wheels_})
   {
     written->scans += stamp - written->newest <= largest_age ? 1 : 0;
   }
+  gnss_.scans += stamp - gnss_.newest <= largest_age_of_fix ? 1 : 0;
   last_scan_ = stamp;
 }
 

@@ -27,7 +27,7 @@ class MotionSampleWriter
   struct Written
   {
     std::size_t samples = 0;
-    std::size_t scans = 0;  //!< with a sample from at most 0.25 s before
+    std::size_t scans = 0;  //!< with a sample from at most 0.25 s before, or a fix of 5 s
     double newest = -std::numeric_limits<double>::infinity();  //!< stamp of a sample [s]
   };
 

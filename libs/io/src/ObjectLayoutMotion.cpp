@@ -91,6 +91,10 @@ void ObjectLayout::satelliteReceiver(int version)
 {
   constexpr std::uint32_t most_messages = 1000;
   constexpr std::uint32_t longest_message = 1U << 16U;
+  // Messages of other kinds have parts whose sizes would have to be checked one by one.
+  constexpr std::int32_t first_nmea = 10;
+  constexpr std::int32_t last_nmea = 17;
+  constexpr std::int32_t best_position = 1042;
   in_.skipAll(2, sizeof(std::uint64_t));  // time stamps
   label();
   pose();
@@ -101,12 +105,13 @@ void ObjectLayout::satelliteReceiver(int version)
   const std::uint32_t messages = in_.u32();
   for (std::uint32_t i = 0; i < messages; ++i)
   {
-    in_.skip(sizeof(std::int32_t));  // kind of message
+    const auto kind = static_cast<std::int32_t>(in_.u32());
     const std::uint32_t size = in_.u32();
-    if (messages > most_messages || size > longest_message)
+    const bool is_known = (kind >= first_nmea && kind <= last_nmea) || kind == best_position;
+    if (messages > most_messages || !is_known || size > longest_message)
     {
-      throw std::runtime_error("a message of a satellite receiver of " + std::to_string(size) +
-                               " bytes");
+      throw std::runtime_error("a message of a satellite receiver of kind " + std::to_string(kind) +
+                               " and " + std::to_string(size) + " bytes");
     }
     in_.skip(size);
   }

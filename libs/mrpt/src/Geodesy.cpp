@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/core/Angle.h>
 #include <dyslam/mrpt/Geodesy.h>
 #include <mrpt/topography/conversions.h>
 
+#include <array>
 #include <cmath>
-#include <stdexcept>
 
 namespace dyslam
 {
@@ -39,27 +40,51 @@ GeodeticPosition fromEnu(const Eigen::Vector3d& enu, const GeodeticPosition& ori
   return result;
 }
 
+int utmZoneOf(const GeodeticPosition& position)
+{
+  const double turned = std::fmod(position.longitude + 180, 360);
+  return static_cast<int>((turned < 0 ? turned + 360 : turned) / 6) + 1;
+}
+
+// The series of Krueger (1912) to the third order, below a millimetre within a zone and its
+// neighbours. MRPT's conversion is centimetres off, and a metre in the south.
+UtmPosition toUtm(const GeodeticPosition& position, int zone, bool north)
+{
+  constexpr double axis = 6378137;  // WGS84 [m]
+  constexpr double flattening = 1 / 298.257223563;
+  constexpr double scale = 0.9996;  // on the central meridian
+  constexpr double n = flattening / (2 - flattening);
+  constexpr std::array<double, 3> series{n / 2 - 2 * n * n / 3 + 5 * n * n * n / 16,
+                                         13 * n * n / 48 - 3 * n * n * n / 5, 61 * n * n * n / 240};
+  const double radius = scale * axis / (1 + n) * (1 + n * n / 4 + n * n * n * n / 64);
+  const double eccentricity = 2 * std::sqrt(n) / (1 + n);
+  const double sine = std::sin(radians_per_degree * position.latitude);
+  const double conformal =
+      std::sinh(std::atanh(sine) - eccentricity * std::atanh(eccentricity * sine));
+  const double from_meridian = radians_per_degree * (position.longitude - (6 * zone - 183));
+  const double xi = std::atan2(conformal, std::cos(from_meridian));
+  const double eta = std::atanh(std::sin(from_meridian) / std::hypot(1.0, conformal));
+  double northing = xi;
+  double easting = eta;
+  for (std::size_t i = 0; i < series.size(); ++i)
+  {
+    const double k = 2 * static_cast<double>(i + 1);
+    northing += series[i] * std::sin(k * xi) * std::cosh(k * eta);
+    easting += series[i] * std::cos(k * xi) * std::sinh(k * eta);
+  }
+  return {zone, north, 500000 + radius * easting, (north ? 0 : 10000000) + radius * northing};
+}
+
 UtmPosition toUtm(const GeodeticPosition& position)
 {
-  UtmPosition utm;
-  char band = 'N';
-  mrpt::topography::GeodeticToUTM(position.latitude, position.longitude, utm.easting, utm.northing,
-                                  utm.zone, band);
-  utm.north = position.latitude >= 0;
-  return utm;
+  return toUtm(position, utmZoneOf(position), position.latitude >= 0);
 }
 
 Trajectory inUtm(const Trajectory& of_map, const Georeference& georeference)
 {
+  const bool north_of_equator = georeference.epsg < 32700;
   const auto utmOf = [&](const Eigen::Vector3d& enu)
-  {
-    const UtmPosition utm = toUtm(fromEnu(enu, georeference.origin));
-    if (utm.epsg() != georeference.epsg)
-    {
-      throw std::domain_error("the map reaches into another zone of UTM");
-    }
-    return utm;
-  };
+  { return toUtm(fromEnu(enu, georeference.origin), georeference.epsg % 100, north_of_equator); };
   constexpr double short_way = 10;  // to the north, to see where that is in the grid [m]
   Trajectory result;
   for (const auto& [stamp, T_map_vehicle] : of_map)

@@ -52,7 +52,6 @@ HesaiLayout pandar40()
   layout.azimuth_at = 2;
   layout.return_bytes = 3;
   layout.range_unit = 0.004;
-  layout.year_zero = 2000;
   layout.block_period = 55.56e-6;
   layout.stamps_last = true;
   setTail(layout, bodyEnd(layout), 14, 16, 10);
@@ -121,6 +120,7 @@ std::optional<HesaiLayout> layoutOfProtocol(const std::vector<std::uint8_t>& byt
       return layout;
     case 302:
       layout.name = "QT" + std::to_string(layout.lasers);
+      layout.return_bytes = (flags & has_confidence) != 0 ? 4 : 3;
       layout.block_period = 111.11e-6;
       setOptionalParts(layout, flags);
       return layout;
@@ -185,8 +185,10 @@ double HesaiPacketView::time() const
   }
   else
   {
-    seconds = 86400 * daysSinceEpoch(layout_.year_zero + date[0], date[1], date[2]) +
-              3600 * date[3] + 60 * date[4] + date[5];
+    // Models and firmware count the years from 1900 or from 2000.
+    const int year = date[0] < 100 ? 2000 + date[0] : 1900 + date[0];
+    seconds =
+        86400 * daysSinceEpoch(year, date[1], date[2]) + 3600 * date[3] + 60 * date[4] + date[5];
   }
   const std::uint32_t microseconds = clock[0] | static_cast<std::uint32_t>(clock[1]) << 8U |
                                      static_cast<std::uint32_t>(clock[2]) << 16U |

@@ -78,7 +78,14 @@ RevolutionCutter::RevolutionCutter(double cut_azimuth, bool keep_partial)
 Scan& RevolutionCutter::scanOf(int azimuth, double stamp)
 {
   const int from_cut = (azimuth + turn - cut_) % turn;
-  if (last_azimuth_ - from_cut > turn / 2)
+  const int step = from_cut - last_azimuth_;
+  const bool passes_clockwise = step < -turn / 2;
+  const bool passes_counter_clockwise = step > turn / 2;
+  turned_ += !begun_                    ? 0
+             : passes_clockwise         ? step + turn
+             : passes_counter_clockwise ? step - turn
+                                        : step;
+  if (turned_ >= 0 ? passes_clockwise : passes_counter_clockwise)
   {
     push();
   }

@@ -119,13 +119,14 @@ struct PcapSource::Impl
     {
       return ousterDecoder(calibration);
     }
-    if (options.model == VelodyneModel::automatic && mostAre(HesaiScans::isPacket))
+    if (options.model == VelodyneModel::automatic &&
+        countOf(HesaiScans::isPacket) > countOf(VelodyneScans::isPacket))
     {
       return {std::make_unique<HesaiScans>(path, hesaiOptions()), "", 0};
     }
     // A stray datagram may have the size of a Velodyne's packets.
     if (calibration.empty() && options.model == VelodyneModel::automatic &&
-        !mostAre(VelodyneScans::isPacket))
+        2 * countOf(VelodyneScans::isPacket) <= static_cast<std::ptrdiff_t>(probed.size()))
     {
       if (Decoder ouster = ousterBeside(); ouster.scans != nullptr)
       {
@@ -185,10 +186,9 @@ struct PcapSource::Impl
     return of_hesai;
   }
 
-  [[nodiscard]] bool mostAre(bool (*kind)(const LidarPacket&)) const
+  [[nodiscard]] std::ptrdiff_t countOf(bool (*kind)(const LidarPacket&)) const
   {
-    return 2 * std::count_if(probed.begin(), probed.end(), kind) >
-           static_cast<std::ptrdiff_t>(probed.size());
+    return std::count_if(probed.begin(), probed.end(), kind);
   }
 
   [[nodiscard]] std::string whyNone() const

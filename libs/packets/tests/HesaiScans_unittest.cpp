@@ -99,6 +99,19 @@ TEST(HesaiScans, EveryModelGivesARevolutionPerScan)
   }
 }
 
+TEST(HesaiScans, ALidarMayTurnTheOtherWay)
+{
+  SyntheticHesai lidar;
+  lidar.clockwise = false;
+  const std::vector<Scan> scans = scansOf(lidar, 0.38);
+  ASSERT_EQ(scans.size(), 3U);
+  for (const Scan& scan : scans)
+  {
+    EXPECT_NEAR(static_cast<double>(scan.points.size()), 2000 * 31, 2 * 31);
+    EXPECT_LT(scan.time.back(), 1.01 * SyntheticHesai::turn);
+  }
+}
+
 TEST(HesaiScans, PointsAreInTheFrameOfTheMakersDrivers)
 {
   HesaiScansOptions options;
@@ -153,6 +166,11 @@ TEST(HesaiScans, TheClockOfTheSensorIsUsedIfItIsSet)
     scans.finish();
     EXPECT_NEAR(scans.take()->stamp, 1e9, 1e-5) << static_cast<int>(kind);
     EXPECT_NEAR(scansOf(lidar, 0.01, options)[0].stamp, 2000, 1e-3);  // far from the capture's
+    lidar.years_from_2000 = true;
+    HesaiScans others("x", options);
+    others.add(received(lidar.packet(0), 1e9 + 0.2));
+    others.finish();
+    EXPECT_NEAR(others.take()->stamp, 1e9, 1e-5) << static_cast<int>(kind);
   }
 }
 
@@ -215,6 +233,20 @@ TEST(HesaiScans, ACaptureIsRecognised)
   }
   EXPECT_EQ(scans, 3U);
   EXPECT_EQ(source.sensor(), "XT32");
+
+  // Also among more packets of something else.
+  std::string mixed = captureHeader();
+  for (std::size_t n = 0; n < 700; ++n)
+  {
+    const double time = 1000 + static_cast<double>(n) * lidar.packetTime();
+    appendFrame(mixed, time, ipFrame(udpDatagram(lidar.packet(n), 2368), 0, 0));
+    for (int k = 0; k < 3; ++k)
+    {
+      appendFrame(mixed, time, ipFrame(udpDatagram(std::string(1000, 'v'), 5004), 0, 0));
+    }
+  }
+  std::ofstream(folder.file("mixed.pcap"), std::ios::binary) << mixed;
+  EXPECT_EQ(PcapSource(folder.file("mixed.pcap")).sensor(), "XT32");
   PcapSourceOptions options;
   std::ofstream(folder.file("own.csv")) << angleFile(40);
   options.calibration_file = folder.file("own.csv");

@@ -33,6 +33,9 @@ struct SyntheticHesai
   bool dual = false;         //!< every firing has two blocks
   double clock_zero = 1e9;   //!< UNIX time of the first firing by the sensor's clock, whole [s]
   double first_azimuth = 0;  //!< [deg]
+  bool clockwise = true;
+  bool years_from_2000 = false;  //!< in the date, of models that count from 1900 as a rule; or
+                                 //!< from 1900, of those that count from 2000
 
   struct Shape
   {
@@ -89,7 +92,8 @@ struct SyntheticHesai
     for (std::size_t block = 0; block < s.blocks; ++block)
     {
       const double seconds = begin + s.period * static_cast<double>(block / returns());
-      const double degrees = std::fmod(first_azimuth + 360 * seconds / turn, 360.0);
+      const double turned = 360 * seconds / turn * (clockwise ? 1 : -1);
+      const double degrees = std::fmod(std::fmod(first_azimuth + turned, 360.0) + 360, 360.0);
       bytes += kind == HesaiKind::pandar40 ? "\xff\xee" : "";
       appendBytes(bytes, static_cast<std::uint16_t>(100 * degrees));
       for (std::size_t laser = 0; laser < s.lasers; ++laser)
@@ -137,8 +141,8 @@ struct SyntheticHesai
     const auto seconds = static_cast<std::uint64_t>(time - 1e9) + 40;
     std::string bytes;
     for (const std::uint64_t value :
-         {static_cast<std::uint64_t>(2001 - year_zero), std::uint64_t{9}, std::uint64_t{9},
-          std::uint64_t{1}, 46 + seconds / 60, seconds % 60})
+         {static_cast<std::uint64_t>(2001 - (years_from_2000 ? 3900 - year_zero : year_zero)),
+          std::uint64_t{9}, std::uint64_t{9}, std::uint64_t{1}, 46 + seconds / 60, seconds % 60})
     {
       bytes += static_cast<char>(value);
     }

@@ -5,8 +5,6 @@
 #include <dyslam/io/RawlogSource.h>
 #include <dyslam/mrpt/Geodesy.h>
 
-#include <stdexcept>
-
 #include "../RunOutput.h"
 
 namespace dyslam
@@ -34,14 +32,7 @@ class GeoreferenceOutput : public RunOutput
       return;
     }
     writeGeoreference(*found, path(georeference));
-    try
-    {
-      writeTum(path(utm), inUtm(levelling_.recorded(results.trajectory), *found));
-    }
-    catch (const std::domain_error&)
-    {
-      // There are no coordinates for a map in two zones.
-    }
+    writeTum(path(utm), inUtm(levelling_.recorded(results.trajectory), *found));
   }
 
  private:

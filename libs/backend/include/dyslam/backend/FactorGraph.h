@@ -115,6 +115,16 @@ class FactorGraph
   /** Optimises the given variables alone; all others keep their values, and no loop is decided. */
   OptimisationResult optimise(const FactorGraphOptions& options, const std::set<Key>& free);
 
+  /** What an optimisation changes. */
+  struct Solution
+  {
+    std::map<Key, std::array<double, pose_block_size>> blocks;
+    std::set<FactorId> left_out;
+  };
+  [[nodiscard]] Solution solution() const;
+  /** \pre the graph has the variables and loops of the solution */
+  void restore(const Solution& solution);
+
   /** Whether the last optimisation of all variables left this loop out. */
   [[nodiscard]] bool isLeftOut(FactorId id) const { return left_out_.count(id) != 0; }
   /** Leaves a loop out, until the next optimisation of all variables decides again.

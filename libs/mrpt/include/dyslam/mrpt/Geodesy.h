@@ -24,9 +24,12 @@ struct UtmPosition
 };
 /** \pre latitudes of -80 to 84 deg, where UTM is defined */
 [[nodiscard]] UtmPosition toUtm(const GeodeticPosition& position);
+/** In a zone that may be a neighbour of its own. \param north whether northings count from the
+ * equator, else from 10,000 km south of it */
+[[nodiscard]] UtmPosition toUtm(const GeodeticPosition& position, int zone, bool north);
 
 /** Poses of a map in the zone of UTM of its origin: easting, northing, height above the ellipsoid;
  * the rotation is from the grid's east. Lengths of a scan stay as they are (those of UTM differ by
- * up to 0.1 %). \throws std::domain_error if they reach into another zone. */
+ * up to 0.1 %). Also where they reach into a neighbouring zone. */
 [[nodiscard]] Trajectory inUtm(const Trajectory& of_map, const Georeference& georeference);
 }  // namespace dyslam

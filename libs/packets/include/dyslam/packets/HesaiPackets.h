@@ -25,7 +25,6 @@ struct HesaiLayout
   std::size_t return_mode_at = 0;
   std::size_t date_at = 0;
   std::size_t clock_at = 0;
-  int year_zero = 1900;      //!< of the first byte of the date
   double block_period = 0;   //!< from one firing of all lasers to the next [s]
   bool stamps_last = false;  //!< the packet's time is that of its last firing, not of its first
   std::size_t packet_bytes = 0;

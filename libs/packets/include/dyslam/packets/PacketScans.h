@@ -74,7 +74,7 @@ class RevolutionQueue
   double usual_end_ = 1;    //!< that of the latest that is neither the first nor the last
 };
 
-/** Cuts the blocks of a lidar that turns clockwise into revolutions. */
+/** Cuts the blocks of a lidar that turns, either way, into revolutions. */
 class RevolutionCutter
 {
  public:
@@ -101,5 +101,6 @@ class RevolutionCutter
   bool begun_ = false;
   int first_azimuth_ = 0;  //!< from the cut on [0.01 deg]
   int last_azimuth_ = 0;   //!< from the cut on [0.01 deg]
+  double turned_ = 0;      //!< clockwise, since the first block [0.01 deg]
 };
 }  // namespace dyslam
