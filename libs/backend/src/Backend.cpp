@@ -294,8 +294,8 @@ void Backend::State::tieToEarth()
   (void)graph.optimise(solver, {earth});
   constexpr double usual_drift = 0.05;  // part of the extent
   const bool fuse = gnss.options().use == GnssUse::fuse && options.mode != BackendMode::odometry;
-  bool fits = gnss.fits(graph, usual_drift);
-  if (fits && fuse)
+  bool fits = fuse || gnss.fits(graph, usual_drift);
+  if (fuse)
   {
     const FactorGraph::Solution before = graph.solution();
     const OptimisationResult result_before = correction.last();

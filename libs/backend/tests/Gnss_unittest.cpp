@@ -190,6 +190,19 @@ TEST(Gnss, FusedPositionsRemoveTheDrift)
       off.endError(drive), fused.endOnEarthError(drive), closer.endOnEarthError(drive));
 }
 
+/** The odometry claims 0.4 deg over the way. */
+TEST(Gnss, ATrajectoryThatDriftsBeyondItsCovarianceIsCorrectedInPart)
+{
+  DriveWithFixes drive(0.5, 400, 1e-3);  // 29 deg on the way
+  const GnssRun off(drive, with(GnssUse::off));
+  const GnssRun fused(drive, with(GnssUse::fuse));
+  EXPECT_GT(off.endError(drive), 50);
+  ASSERT_TRUE(fused.backend.georeference()) << fused.warnings();
+  EXPECT_LT(fused.endOnEarthError(drive), 0.4 * off.endError(drive));
+  std::printf("end: %.1f m off by odometry, on the earth %.1f m when fused\n", off.endError(drive),
+              fused.endOnEarthError(drive));
+}
+
 TEST(Gnss, WrongPositionsDoNotCount)
 {
   DriveWithFixes drive(0.3, 400, 0);
