@@ -189,13 +189,29 @@ MotionSampleReader::MotionSampleReader(const RawlogSourceOptions& options)
 {
 }
 
+template <typename Sample>
+void MotionSampleReader::takeSample(std::optional<Sample> sample,
+                                    const mrpt::obs::CObservation& observation,
+                                    SensorChoice& choice,
+                                    SampleQueue<Sample>& queue,
+                                    double clock_shift,
+                                    RecordingNotes& notes)
+{
+  if (sample && observation.timestamp != INVALID_TIMESTAMP &&
+      choice.takes(observation.sensorLabel, notes))
+  {
+    sample->stamp += clock_shift;
+    queue.push(*sample);
+  }
+}
+
 bool MotionSampleReader::take(const mrpt::obs::CObservation& observation,
                               double clock_shift,
                               RecordingNotes& notes)
 {
   if (const auto* imu = dynamic_cast<const CObservationIMU*>(&observation))
   {
-    takeImu(*imu, clock_shift, notes);
+    takeSample(sampleOf(*imu), observation, imu_choice_, imu_, clock_shift, notes);
     return true;
   }
   if (const auto* odometry = dynamic_cast<const CObservationOdometry*>(&observation))
@@ -205,23 +221,10 @@ bool MotionSampleReader::take(const mrpt::obs::CObservation& observation,
   }
   if (const auto* gps = dynamic_cast<const CObservationGPS*>(&observation))
   {
-    takeGps(*gps, clock_shift, notes);
+    takeSample(fixOf(*gps), observation, gnss_choice_, gnss_, clock_shift, notes);
     return true;
   }
   return false;
-}
-
-void MotionSampleReader::takeImu(const CObservationIMU& observation,
-                                 double clock_shift,
-                                 RecordingNotes& notes)
-{
-  auto sample = sampleOf(observation);
-  if (sample && observation.timestamp != INVALID_TIMESTAMP &&
-      imu_choice_.takes(observation.sensorLabel, notes))
-  {
-    sample->stamp += clock_shift;
-    imu_.push(*sample);
-  }
 }
 
 void MotionSampleReader::takeOdometry(const CObservationOdometry& observation,
@@ -242,19 +245,6 @@ void MotionSampleReader::takeOdometry(const CObservationOdometry& observation,
           velocities_.add(toStamp(observation.timestamp), measured, poseOf(observation)))
   {
     wheels_.push({body->stamp + clock_shift, body->velocity[0], body->velocity[5]});
-  }
-}
-
-void MotionSampleReader::takeGps(const CObservationGPS& observation,
-                                 double clock_shift,
-                                 RecordingNotes& notes)
-{
-  auto fix = fixOf(observation);
-  if (fix && observation.timestamp != INVALID_TIMESTAMP &&
-      gnss_choice_.takes(observation.sensorLabel, notes))
-  {
-    fix->stamp += clock_shift;
-    gnss_.push(*fix);
   }
 }
 

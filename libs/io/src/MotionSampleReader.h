@@ -93,16 +93,17 @@ class MotionSampleReader
   [[nodiscard]] std::vector<std::string> missing() const;
 
  private:
-  void takeImu(const mrpt::obs::CObservationIMU& observation,
-               double clock_shift,
-               RecordingNotes& notes);
+  /** Passes a sample with its stamp as recorded on, if there is one and its sensor is used. */
+  template <typename Sample>
+  void takeSample(std::optional<Sample> sample,
+                  const mrpt::obs::CObservation& observation,
+                  SensorChoice& choice,
+                  SampleQueue<Sample>& queue,
+                  double clock_shift,
+                  RecordingNotes& notes);
   void takeOdometry(const mrpt::obs::CObservationOdometry& observation,
                     double clock_shift,
                     RecordingNotes& notes);
-
-  void takeGps(const mrpt::obs::CObservationGPS& observation,
-               double clock_shift,
-               RecordingNotes& notes);
 
   SensorChoice imu_choice_;
   SensorChoice wheel_choice_;
