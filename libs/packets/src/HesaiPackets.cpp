@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/packets/HesaiPackets.h>
 
-#include <algorithm>
-#include <array>
+#include <ctime>
 
 namespace dyslam
 {
@@ -14,17 +13,6 @@ constexpr std::size_t safety_bytes = 17;
 constexpr std::size_t sequence_bytes = 4;
 constexpr std::size_t imu_bytes = 22;
 constexpr std::size_t signature_bytes = 32;
-
-/** Days from 1970-01-01 to a date of the Gregorian calendar. */
-std::int64_t daysSinceEpoch(int year, int month, int day)
-{
-  constexpr std::array<int, 12> before{0, 31, 59, 90, 120, 151, 181, 212, 243, 273, 304, 334};
-  const auto leap_days = [](int y) { return y / 4 - y / 100 + y / 400; };
-  const bool leap_day_passed = month > 2 && leap_days(year) != leap_days(year - 1);
-  const int month_index = std::clamp(month, 1, 12) - 1;
-  return 365 * (year - 1970) + leap_days(year - 1) - leap_days(1969) +
-         before[static_cast<std::size_t>(month_index)] + (leap_day_passed ? 1 : 0) + day - 1;
-}
 
 /** Puts the bytes of return mode, date and clock in their places. */
 void setTail(HesaiLayout& layout,
@@ -187,8 +175,14 @@ double HesaiPacketView::time() const
   {
     // Models and firmware count the years from 1900 or from 2000.
     const int year = date[0] < 100 ? 2000 + date[0] : 1900 + date[0];
-    seconds =
-        86400 * daysSinceEpoch(year, date[1], date[2]) + 3600 * date[3] + 60 * date[4] + date[5];
+    std::tm utc{};
+    utc.tm_year = year - 1900;
+    utc.tm_mon = date[1] - 1;
+    utc.tm_mday = date[2];
+    utc.tm_hour = date[3];
+    utc.tm_min = date[4];
+    utc.tm_sec = date[5];
+    seconds = ::timegm(&utc);
   }
   const std::uint32_t microseconds = clock[0] | static_cast<std::uint32_t>(clock[1]) << 8U |
                                      static_cast<std::uint32_t>(clock[2]) << 16U |
