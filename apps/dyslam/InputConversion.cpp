@@ -43,10 +43,7 @@ struct ConvertedFiles
 /** \throws UserError if a run would write among the scans that it reads. */
 void requireApart(const std::string& input, const std::string& output)
 {
-  const auto resolved = [](const std::string& path)
-  { return fs::weakly_canonical(fs::absolute(path)); };
-  if (fs::is_directory(input) &&
-      *resolved(input).lexically_relative(resolved(output)).begin() != "..")
+  if (fs::is_directory(input) && isWithin(input, output))
   {
     throw UserError(input + ": a run writes and removes files in --output, where this folder is; " +
                     "choose another --output");

@@ -18,6 +18,15 @@ std::string hintOf(const std::string& advice)
 {
   return advice.empty() ? "" : "; " + advice;
 }
+
+/** The absolute path, links of the part that exists followed. */
+fs::path resolved(const std::string& path)
+{
+  std::error_code error;
+  const fs::path absolute = fs::absolute(path, error);
+  fs::path canonical = fs::weakly_canonical(absolute, error);
+  return error ? absolute.lexically_normal() : canonical;
+}
 }  // namespace
 
 std::ifstream openBinary(const std::string& path, const std::string& advice)
@@ -76,6 +85,18 @@ std::string nameOfFile(const std::string& path)
 {
   const fs::path normal = fs::absolute(path).lexically_normal();
   return (normal.has_filename() ? normal : normal.parent_path()).filename().string();
+}
+
+bool isSamePath(const std::string& a, const std::string& b)
+{
+  std::error_code ignored;
+  return fs::equivalent(a, b, ignored) || (!a.empty() && resolved(a) == resolved(b));
+}
+
+bool isWithin(const std::string& path, const std::string& folder)
+{
+  const fs::path relative = resolved(path).lexically_relative(resolved(folder));
+  return !relative.empty() && *relative.begin() != "..";
 }
 
 void makeFolder(const std::string& path, const std::string& advice)

@@ -67,22 +67,11 @@ std::string emptyRange(const ScanRange& range)
 
 void requireNoInput(const std::string& output, const std::vector<std::string>& inputs)
 {
-  const auto resolved = [](const std::string& path)
-  { return fs::weakly_canonical(fs::absolute(path)); };
-  const fs::path file = resolved(output);
-  const fs::path truth = resolved(groundTruthFolder(output));
-  const fs::path clouds = resolved(externalStorageFolder(output));
   for (const std::string& input : inputs)
   {
-    if (input.empty())
-    {
-      continue;
-    }
-    const fs::path path = resolved(input);
-    std::error_code ignored;
-    const auto within = [&path](const fs::path& folder)
-    { return *path.lexically_relative(folder).begin() != ".."; };
-    if (path == file || fs::equivalent(path, file, ignored) || within(truth) || within(clouds))
+    if (!input.empty() &&
+        (isSamePath(input, output) || isWithin(input, groundTruthFolder(output)) ||
+         isWithin(input, externalStorageFolder(output))))
     {
       throw UserError(input + ": would be replaced by what is written to " + output +
                       "; choose another --output");

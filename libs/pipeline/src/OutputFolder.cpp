@@ -91,13 +91,12 @@ void requireNoInput(const fs::path& base,
 {
   for (const std::string& input : inputs)
   {
-    const fs::path folder = fs::absolute(input).parent_path();
+    const std::string folder = fs::absolute(input).parent_path().string();
     for (const OutputName& name : names)
     {
-      std::error_code ignored;
-      const bool within =
-          !name.extension.empty() && fs::equivalent(folder, base / name.name, ignored);
-      if (within || fs::equivalent(input, base / name.name, ignored))
+      const std::string output = (base / name.name).string();
+      const bool within = !name.extension.empty() && isSamePath(folder, output);
+      if (within || isSamePath(input, output))
       {
         throw UserError(input + ": would be replaced by this run's " + name.name + "; " + advice);
       }

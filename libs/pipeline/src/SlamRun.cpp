@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/backend/Backend.h>
 #include <dyslam/core/Error.h>
+#include <dyslam/core/Files.h>
 #include <dyslam/core/Printable.h>
 #include <dyslam/core/StateArchive.h>
 #include <dyslam/core/Version.h>
@@ -53,8 +54,7 @@ void requireProfileWritable(const SlamRunSettings& settings)
   inputs.push_back(settings.rawlog);
   for (const std::string& input : inputs)
   {
-    std::error_code ignored;
-    if (std::filesystem::equivalent(profile, input, ignored))
+    if (isSamePath(profile, input))
     {
       throw UserError(profile + ": is an input of this run; choose another --profile");
     }

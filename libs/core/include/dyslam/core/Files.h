@@ -16,6 +16,11 @@ void requireReadable(const std::istream& file, const std::string& path);
 [[nodiscard]] std::string readWhole(const std::string& path, const std::string& advice = "");
 /** The last part of a path: "run" for "out/run", "out/run/" and, within that folder, ".". */
 [[nodiscard]] std::string nameOfFile(const std::string& path);
+/** Whether two paths are of the same file or folder, with links followed; there need be none yet.
+ */
+[[nodiscard]] bool isSamePath(const std::string& a, const std::string& b);
+/** Whether a path is that folder or lies in it, with links followed; there need be neither yet. */
+[[nodiscard]] bool isWithin(const std::string& path, const std::string& folder);
 /** Makes a folder and its parents, if it is not there. \throws UserError. */
 void makeFolder(const std::string& path, const std::string& advice = "");
 }  // namespace dyslam
