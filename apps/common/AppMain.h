@@ -6,15 +6,15 @@
 #include <dyslam/core/Version.h>
 
 #include <CLI/CLI.hpp>
-#include <algorithm>
 #include <exception>
-#include <filesystem>
 #include <functional>
 #include <iostream>
 #include <sstream>
 #include <stdexcept>
 #include <string>
 #include <vector>
+
+#include "OutputOptions.h"
 
 namespace dyslam
 {
@@ -80,61 +80,6 @@ inline std::string unknownOption(const CLI::App& app, const std::string& word)
   return word + ": unknown option" + (nearest.empty() ? "" : "; did you mean " + nearest + "?");
 }
 
-/** Whether an option names files or a folder that the program writes. */
-inline bool namesOutput(const CLI::Option& option)
-{
-  const auto names = {"--output",  "--json",         "--csv",      "--plot",
-                      "--profile", "--labelled-map", "--distances"};
-  return std::any_of(names.begin(), names.end(),
-                     [&option](const char* name) { return option.check_name(name); });
-}
-
-/** \throws UserError if one of the inputs is the file `output`. */
-inline void requireNotAmong(const std::vector<const CLI::Option*>& inputs,
-                            const std::string& output,
-                            const CLI::Option& output_option)
-{
-  std::error_code ignored;
-  if (!std::filesystem::is_regular_file(output, ignored))
-  {
-    return;
-  }
-  for (const CLI::Option* input : inputs)
-  {
-    for (const std::string& file : input->results())
-    {
-      if (std::filesystem::equivalent(output, file, ignored))
-      {
-        throw UserError(output + ": is an input, too (" + input->get_name() + "); choose another " +
-                        output_option.get_name());
-      }
-    }
-  }
-}
-
-/** \throws UserError if a file that the program is to write is given as an input, too. */
-inline void requireNoInputReplaced(const CLI::App& app)
-{
-  const auto isGiven = [](const CLI::Option* option) { return option->count() > 0; };
-  std::vector<const CLI::Option*> inputs;
-  std::vector<const CLI::Option*> outputs;
-  for (const CLI::Option* option : app.get_options(isGiven))
-  {
-    (namesOutput(*option) ? outputs : inputs).push_back(option);
-  }
-  for (const CLI::Option* output : outputs)
-  {
-    for (const std::string& file : output->results())
-    {
-      requireNotAmong(inputs, file, *output);
-    }
-  }
-  for (const CLI::App* command : app.get_subcommands())
-  {
-    requireNoInputReplaced(*command);
-  }
-}
-
 /** What the user did wrong, where the parser failed with `error`. */
 inline std::string parseErrorMessage(const CLI::App& app, const CLI::ParseError& error)
 {
@@ -190,7 +135,7 @@ inline int runApp(int argc,
   {
     declare(app);
     app.parse(argc, argv);
-    requireNoInputReplaced(app);
+    requireOutputsApart(app);
     run();
     std::cout.flush();
     return std::cout.good() ? 0 : fail("cannot write to standard output");

@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "Checks.h"
+#include "OutputOptions.h"
 
 namespace dyslam
 {
@@ -68,7 +69,7 @@ inline void declareSlamArguments(CLI::App& app, SlamArguments& a)
          "with the second pass, a run stopped or killed in the first one starts anew")
       ->check(CLI::IsMember({1, 2}))
       ->capture_default_str();
-  app.add_option("--profile", a.settings.profile_csv, "CSV file for the times of every stage");
+  addOutputFile(app, "--profile", a.settings.profile_csv, "CSV file for the times of every stage");
   app.add_flag_callback(
       "-q,--quiet", [&a] { a.verbosity = "ERROR"; }, "print errors only, as --verbosity ERROR");
   app.add_option("-v,--verbosity", a.verbosity, "what is printed")

@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "../common/Checks.h"
+#include "../common/OutputOptions.h"
 
 namespace dyslam::batch
 {
@@ -20,7 +21,8 @@ void declare(CLI::App& app, Arguments& a)
   app.add_option("recordings", a.entries,
                  "rawlogs, folders of them, patterns, and lists (.txt) of all these")
       ->required();
-  app.add_option("-o,--output", a.output, "folder for the results, one within for each recording")
+  addOutputFolder(app, "-o,--output", a.output,
+                  "folder for the results, one within for each recording")
       ->required();
   app.add_option("-c,--config", a.config, "as of dyslam: ini file, or the name of a shipped one");
   app.add_option("--set", a.assignments, "as of dyslam; repeatable")
@@ -43,9 +45,9 @@ void declare(CLI::App& app, Arguments& a)
   app.add_option("--memory", a.memory,
                  "of all runs together [GiB]; 0: 90 % of the available memory (0)")
       ->check(notNegative());
-  app.add_option("--scratch", a.scratch,
-                 "folder to run in, on a disk of this machine, with --slurm of each node; whole "
-                 "results move to --output");
+  addOutputFolder(app, "--scratch", a.scratch,
+                  "folder to run in, on a disk of this machine, with --slurm of each node; whole "
+                  "results move to --output");
   app.add_option("--shard", a.shard, "K/N: only the K-th of every N recordings of the list");
   app.add_flag("--no-summary", a.no_summary, "write no table and page at the end");
   app.add_flag("--gather", a.gather,

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "KittiMotCommand.h"
 
+#include <dyslam/core/Error.h>
+#include <dyslam/core/Files.h>
 #include <dyslam/core/Options.h>
 #include <dyslam/core/SharedFiles.h>
 #include <dyslam/eval/TrackMetrics.h>
@@ -12,6 +14,7 @@
 #include <string>
 #include <vector>
 
+#include "../common/OutputOptions.h"
 #include "KittiMot.h"
 #include "OutputFiles.h"
 
@@ -83,6 +86,27 @@ KittiMotSetup setupOf(const KittiMotArguments& a)
   return setup;
 }
 
+/** \throws UserError if the files of --tracks would replace files that are read. */
+void requireTracksApart(const KittiMotArguments& a, const KittiMotSetup& setup)
+{
+  std::vector<std::string> read{setup.detections};
+  for (const std::string& type : a.types)
+  {
+    read.push_back(setup.detections + "/" + type);
+  }
+  for (const char* part : {"/label_02", "/oxts", "/calib", "/times"})
+  {
+    read.push_back(setup.data + part);
+  }
+  for (const std::string& folder : read)
+  {
+    if (isSamePath(a.tracks, folder))
+    {
+      throw UserError(a.tracks + ": has the files that are read; choose another --tracks");
+    }
+  }
+}
+
 struct Scores
 {
   RecallAverages averages;
@@ -138,6 +162,7 @@ nlohmann::ordered_json toJson(const Scores& scores, int frames)
 void runKittiMot(const KittiMotArguments& a)
 {
   const KittiMotSetup setup = setupOf(a);
+  requireTracksApart(a, setup);
   const std::vector<std::string> names = !a.sequences.empty()      ? a.sequences
                                          : a.split == "validation" ? kittiMotValidation()
                                                                    : kittiMotTraining();
@@ -217,7 +242,7 @@ Subcommand kittiMotCommand(CLI::App& app)
   sub->add_option("--every", a->setup.every, "use and evaluate only every n-th frame")
       ->check(CLI::Range(1, 100))
       ->capture_default_str();
-  sub->add_option("--tracks", a->tracks,
+  addOutputFolder(*sub, "--tracks", a->tracks,
                   "write KITTI result files to this folder (NNNN.txt, all classes)");
   a->output.declare(*sub);
   return {sub, [a] { runKittiMot(*a); }};

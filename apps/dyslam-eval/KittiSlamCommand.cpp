@@ -18,6 +18,7 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
+#include "../common/OutputOptions.h"
 #include "KittiSlam.h"
 #include "OutputFiles.h"
 
@@ -347,7 +348,7 @@ Subcommand kittiSlamCommand(CLI::App& app)
   sub->add_option("--align", a->alignment, "of estimate and truth")
       ->check(CLI::IsMember({"none", "first", "se3"}))
       ->capture_default_str();
-  sub->add_option("--speeds", a->speeds,
+  addOutputFolder(*sub, "--speeds", a->speeds,
                   "folder for speeds of vehicles, by tracker and graph; dyslam-eval speeds "
                   "--series reads them (first seed, last mode)");
   a->output.declare(*sub);

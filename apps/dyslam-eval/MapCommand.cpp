@@ -20,6 +20,7 @@
 #include <vector>
 
 #include "../common/Checks.h"
+#include "../common/OutputOptions.h"
 #include "MapSelf.h"
 #include "OutputFiles.h"
 
@@ -325,9 +326,9 @@ Subcommand mapCommand(CLI::App& app)
       sub->add_option("--voxel", a->metrics.voxel_size, "side of the voxels (PR, RR) [m]")
           ->check(positive())
           ->capture_default_str();
-  sub->add_option("--distances", a->distances,
-                  "compare by distance and write the estimate, coloured by the distance of each "
-                  "point from the reference, to this PLY file")
+  addOutputFile(*sub, "--distances", a->distances,
+                "compare by distance and write the estimate, coloured by the distance of each "
+                "point from the reference, to this PLY file")
       ->excludes(labels)
       ->excludes(radius)
       ->excludes(voxel);

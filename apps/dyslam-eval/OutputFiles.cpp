@@ -8,6 +8,8 @@
 #include <set>
 #include <system_error>
 
+#include "../common/OutputOptions.h"
+
 namespace dyslam
 {
 namespace
@@ -31,8 +33,8 @@ std::string tail(const std::filesystem::path& path, int parts)
 
 void OutputFlags::declare(CLI::App& app)
 {
-  app.add_option("--json", json, "write all figures to this JSON file");
-  app.add_option("--csv", csv, "write the table to this CSV file");
+  addOutputFile(app, "--json", json, "write all figures to this JSON file");
+  addOutputFile(app, "--csv", csv, "write the table to this CSV file");
 }
 
 void OutputFlags::write(const Table& table, const std::string& json_text) const

@@ -12,6 +12,7 @@
 #include <string>
 #include <vector>
 
+#include "../common/OutputOptions.h"
 #include "KittiTracking.h"
 #include "OutputFiles.h"
 
@@ -217,7 +218,7 @@ Subcommand speedsCommand(CLI::App& app)
   sub->add_option("--series", a->series,
                   "further speeds: NAME=FILE.csv with the columns time (s since the first scan) "
                   "and speed (m/s)");
-  sub->add_option("--plot", a->plot, "write this PNG");
+  addOutputFile(*sub, "--plot", a->plot, "write this PNG");
   a->output.declare(*sub);
   return {sub, [a] { runSpeeds(*a); }};
 }

@@ -14,6 +14,7 @@
 #include <string>
 #include <vector>
 
+#include "../common/OutputOptions.h"
 #include "MetricFlags.h"
 #include "RunScores.h"
 #include "SplitTables.h"
@@ -166,7 +167,7 @@ Subcommand tablesCommand(CLI::App& app)
       ->delimiter(',')
       ->allow_extra_args(false)
       ->capture_default_str();
-  sub->add_option("--markdown", a->markdown, "write the tables to this file, too");
+  addOutputFile(*sub, "--markdown", a->markdown, "write the tables to this file, too");
   a->metrics.declare(*sub);
   return {sub, [a]
           {

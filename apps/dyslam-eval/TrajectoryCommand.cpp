@@ -19,6 +19,7 @@
 #include <vector>
 
 #include "../common/Checks.h"
+#include "../common/OutputOptions.h"
 #include "MetricFlags.h"
 #include "OutputFiles.h"
 #include "PairNote.h"
@@ -335,7 +336,7 @@ Subcommand trajectoryCommand(CLI::App& app)
   sub->add_flag("--per-length", a->per_length, "also t_rel and r_rel of each segment length");
   sub->add_option("--paper", a->paper,
                   "add the paper's results for a sequence: odometry/00-10, tracking/04, campus/01");
-  sub->add_option("--plot", a->plot, "plot the trajectories and their errors to this PNG file");
+  addOutputFile(*sub, "--plot", a->plot, "plot the trajectories and their errors to this PNG file");
   for (const char* of_errors : {"--align", "--lengths", "--tolerance", "--time-offset",
                                 "--statistics", "--per-length", "--paper"})
   {

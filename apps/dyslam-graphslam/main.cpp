@@ -27,10 +27,10 @@ void declare(CLI::App& app, Arguments& a)
   app.add_option("-r,--rawlog,-i,--input", a.slam.settings.rawlog, "rawlog to replay");
   app.add_option("-n,--node-reg", a.plugins.node_decider, "node registration decider");
   app.add_option("-e,--edge-reg", a.plugins.edge_decider, "edge registration decider");
-  app.add_option("-o,--optimizer", a.plugins.optimizer,
-                 "optimizer; with --optimize: the file to write");
-  app.add_option("--output", a.slam.settings.output_folder,
-                 "folder for the results; with --optimize: the file to write")
+  dyslam::addOutputFile(app, "-o,--optimizer", a.plugins.optimizer,
+                        "optimizer; with --optimize: the file to write");
+  dyslam::addOutputFolder(app, "--output", a.slam.settings.output_folder,
+                          "folder for the results; with --optimize: the file to write")
       ->default_str("graphslam_results");
   app.add_flag("--list-registrars,--list-regs", a.list_registrars,
                "list the node and edge registration deciders");

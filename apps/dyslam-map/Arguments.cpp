@@ -17,9 +17,9 @@
 #include <algorithm>
 #include <cstdio>
 #include <filesystem>
-#include <set>
 #include <utility>
 
+#include "../common/OutputOptions.h"
 #include "../common/Checks.h"
 
 namespace dyslam
@@ -211,16 +211,15 @@ void declare(CLI::App& app, Arguments& a)
       "map "
       "and a trajectory each in the first run's frame, instead of --input and --trajectory "
       "(RUN=RAWLOG where the recording was moved)");
-  app.add_option(
-      "-o,--output", a.outputs.maps,
-      "map.{pcd,ply,las,bt,ot,simplemap,3Dscene,png,gridmap}; any number (png: grid with "
-      "its yaml)");
+  addOutputFile(app, "-o,--output", a.outputs.maps,
+                "map.{pcd,ply,las,bt,ot,simplemap,3Dscene,png,gridmap}; any number (png: grid with "
+                "its yaml)");
   app.add_flag("--full", a.full, "clouds hold every static point (map_export.full_resolution)");
-  app.add_option("--picture", a.outputs.picture,
-                 "F.png: the map from above with paths and objects");
-  app.add_option("--compare", a.outputs.comparison,
-                 "F.png: the map with everything that moved beside the clean one; what was removed "
-                 "is red");
+  addOutputFile(app, "--picture", a.outputs.picture,
+                "F.png: the map from above with paths and objects");
+  addOutputFile(app, "--compare", a.outputs.comparison,
+                "F.png: the map with everything that moved beside the clean one; what was removed "
+                "is red");
   app.add_option("--labels", a.recording.scans.labels,
                  "folder of .label files: moving points are left out");
   app.add_option("--tracks", a.recording.scans.tracks,
@@ -251,8 +250,8 @@ void declare(CLI::App& app, Arguments& a)
       ->check(notNegative());
   app.add_option("--end", a.end, "use scans before this time [s since the first scan]")
       ->check(positive());
-  app.add_option(
-      "--labelled-map", a.outputs.labelled_map,
+  addOutputFile(
+      app, "--labelled-map", a.outputs.labelled_map,
       "also write all points with the true labels of --labels or --tracks (F.ply, F.pcd or F.bin, "
       "and F.label beside it): the reference for dyslam-eval map");
   app.add_option("--threads", a.builder.threads, "0: all cores")
@@ -382,14 +381,6 @@ void checkOutputs(const Arguments& a)
   }
   std::vector<std::string> files = a.outputs.maps;
   files.insert(files.end(), {a.outputs.picture, a.outputs.comparison, a.outputs.labelled_map});
-  std::set<std::string> seen;
-  for (const auto& file : files)
-  {
-    if (!file.empty() && !seen.insert(std::filesystem::path(file).lexically_normal()).second)
-    {
-      throw UserError(file + ": is given twice");
-    }
-  }
   for (const auto& file : files)
   {
     prepareOutput(file, a.force);

@@ -8,6 +8,8 @@
 #include <utility>
 #include <vector>
 
+#include "../common/OutputOptions.h"
+
 namespace dyslam::sim
 {
 namespace
@@ -15,8 +17,8 @@ namespace
 /** The flags of sets of recordings, after those of a single one. */
 void declareSets(CLI::App& app, Arguments& a)
 {
-  CLI::Option* benchmark = app.add_option("--benchmark", a.benchmark,
-                                          "write the fixed benchmark set to this folder instead");
+  CLI::Option* benchmark = addOutputFolder(app, "--benchmark", a.benchmark,
+                                           "write the fixed benchmark set to this folder instead");
   for (const char* fixed :
        {"--world",   "--sensor",     "--traffic",  "--seed",          "--traffic-seed",
         "--reverse", "--output",     "--ego",      "--speed",         "--loop",
@@ -66,7 +68,7 @@ void declare(CLI::App& app, Arguments& a)
   app.add_option("--traffic-seed", o.traffic_seed,
                  "seed of traffic, the ego's motion and noise, in the world of --seed: another "
                  "recording of the same place (--seed)");
-  app.add_option("-o,--output", a.recording.output, "rawlog to write; with --count a folder");
+  addOutputFile(app, "-o,--output", a.recording.output, "rawlog to write; with --count a folder");
   app.add_option(
          "--count", a.count,
          "number of recordings, with the seeds from --seed (--traffic-seed) on, named by world, "

@@ -5,6 +5,7 @@
 #include <dyslam/core/SharedFiles.h>
 
 #include "../common/Checks.h"
+#include "../common/OutputOptions.h"
 #include "../common/StopSignals.h"
 
 namespace dyslam
@@ -15,8 +16,8 @@ namespace
 void declareCommon(CLI::App& app, TrainArguments& a)
 {
   app.add_option("-c,--config", a.config, "ini file, or the name of a shipped one")->required();
-  app.add_option("-o,--output", a.output,
-                 "folder for the results; one that holds a training is not overwritten");
+  addOutputFolder(app, "-o,--output", a.output,
+                  "folder for the results; one that holds a training is not overwritten");
   app.add_flag("--resume", a.resume, "resume the training in --output from its last checkpoint");
   app.add_option("--start", a.start, "initial weights, from another training");
   app.add_flag("--validate", a.validate_only,
@@ -62,8 +63,8 @@ CLI::App& declareDylo(CLI::App& app, TrainArguments& arguments)
 {
   CLI::App& parser = *app.add_subcommand("dylo", "trains the LiDAR odometry network");
   declareCommon(parser, arguments);
-  parser.add_option(
-      "--mask-csv", arguments.mask_folder,
+  addOutputFolder(
+      parser, "--mask-csv", arguments.mask_folder,
       "folder for a validation scan's points with their static confidence, per recording");
   parser.footer(
       "Writes dylo.safetensors (the weights), checkpoint.safetensors (to continue from), log.csv, "

@@ -13,7 +13,8 @@ void declare(CLI::App& app, dyslam::SlamArguments& a, dyslam::RecordingOptions& 
   app.add_option("-i,--input", a.settings.rawlog,
                  "rawlog to replay; or ROS bag, Velodyne .pcap, KITTI folder or folder of .bin, "
                  ".pcd or .ply scans, converted to recording.rawlog in --output first");
-  app.add_option("-o,--output", a.settings.output_folder, "folder for the results")->required();
+  dyslam::addOutputFolder(app, "-o,--output", a.settings.output_folder, "folder for the results")
+      ->required();
   app.add_flag("--resume", a.resume,
                "resume the stopped or killed run in --output from its last checkpoint "
                "(output.checkpoint_seconds); --input only if the rawlog has been moved");

@@ -38,7 +38,7 @@ void declare(CLI::App& app, Arguments& arguments)
       ->required()
       ->transform(wordFor(kinds));
   app.add_option("-i,--input", arguments.input, "folder of the recording")->required();
-  app.add_option("-o,--output", arguments.output, "rawlog to write")->required();
+  addOutputFile(app, "-o,--output", arguments.output, "rawlog to write")->required();
   app.add_option("--calib", o.calib,
                  "calib.txt, or folder with calib_cam_to_cam.txt, calib_velo_to_cam.txt and "
                  "calib_imu_to_velo.txt");

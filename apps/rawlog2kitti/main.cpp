@@ -26,7 +26,8 @@ void declare(CLI::App& app, Arguments& arguments)
       "Writes a rawlog as a sequence of KITTI odometry and SemanticKITTI: scans, times, poses, "
       "labels");
   app.add_option("-i,--input", arguments.input, "rawlog")->required();
-  app.add_option("-o,--output", arguments.output, "folder that gets sequences/NN and poses/NN.txt")
+  addOutputFolder(app, "-o,--output", arguments.output,
+                  "folder that gets sequences/NN and poses/NN.txt")
       ->required();
   app.add_option("--sequence", o.sequence, "name of the sequence")->capture_default_str();
   app.add_option(

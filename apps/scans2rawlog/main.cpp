@@ -38,7 +38,7 @@ void declare(CLI::App& app, Arguments& arguments)
       "ROS bag (.bag, .db3, .mcap) to an MRPT rawlog");
   app.add_option("-i,--input", arguments.input, "folder of scans or of a bag's parts, or file")
       ->required();
-  CLI::Option* output = app.add_option("-o,--output", arguments.output, "rawlog to write");
+  CLI::Option* output = addOutputFile(app, "-o,--output", arguments.output, "rawlog to write");
   CLI::Option* list = app.add_flag("--list", arguments.list, "print a bag's topics and stop");
   list->excludes(output);
   app.add_option(

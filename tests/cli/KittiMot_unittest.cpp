@@ -187,6 +187,19 @@ TEST_F(KittiMot, WrittenTracksScoreAsThoseTracked)
   }
 }
 
+TEST_F(KittiMot, WrittenTracksReplaceNoInput)
+{
+  const std::string before = contentOf(folder_ / "det_pointrcnn/0000.txt");
+  for (const char* input : {"det_pointrcnn", "label_02"})
+  {
+    EXPECT_EQ(run("--tracks " + (folder_ / input).string()), 1);
+    EXPECT_NE(contentOf(folder_ / "says").find(": has the files that are read; choose another"),
+              std::string::npos)
+        << contentOf(folder_ / "says");
+  }
+  EXPECT_EQ(before, contentOf(folder_ / "det_pointrcnn/0000.txt"));
+}
+
 TEST_F(KittiMot, DropsFramesAndAddsNoiseOfItsSeed)
 {
   const auto scores = [](const std::string& arguments)

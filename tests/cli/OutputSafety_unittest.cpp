@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <filesystem>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "RunProgram.h"
@@ -136,6 +137,55 @@ TEST(OutputSafety, NoTableReplacesAnInput)
                   {"b.txt: is an input, too (--estimate)", flag});
   }
   EXPECT_EQ(poses, folder.read("b.txt"));
+}
+
+TEST(OutputSafety, NoMapReplacesAnInput)
+{
+  const TestFolder folder;
+  const std::string trajectory = folder.write("t.txt", "1 0 0 0 0 0 0 1\n");
+  const std::string tracks = folder.write("tracks.txt", "0 1 Car\n");
+  const std::string map = "-i " + recording + " --trajectory " + trajectory + " --tracks " + tracks;
+  for (const char* flag : {"--output", "--picture", "--compare", "--labelled-map"})
+  {
+    for (const auto& [option, input] :
+         {std::pair("--trajectory", trajectory), std::pair("--tracks", tracks)})
+    {
+      expectRefusal(folder, "dyslam-map", map + " " + flag + " " + input,
+                    {input + ": is an input, too (" + option + "); choose another " + flag});
+    }
+  }
+  EXPECT_EQ("1 0 0 0 0 0 0 1\n", folder.read("t.txt"));
+  EXPECT_EQ("0 1 Car\n", folder.read("tracks.txt"));
+}
+
+TEST(OutputSafety, NoEvaluationReplacesAnInput)
+{
+  const TestFolder folder;
+  const std::string table = folder.write("t.md", "mine");
+  expectRefusal(folder, "dyslam-eval", "tables " + table + " --markdown " + table,
+                {"t.md: is an input, too (runs); choose another --markdown"});
+  expectRefusal(folder, "dyslam-eval",
+                "speeds --data " + folder.path() + " --sequence 0 --track 1 --series a=" + table +
+                    " --csv " + table,
+                {"t.md: is an input, too (--series); choose another --csv"});
+  EXPECT_EQ("mine", folder.read("t.md"));
+}
+
+TEST(OutputSafety, NoFileIsWrittenTwice)
+{
+  const TestFolder folder;
+  const std::string picture = folder.write("x.png", "of an earlier map");
+  const std::string same = folder.file("./x.png");
+  const std::string map = "-i " + recording + " --trajectory t.txt ";
+  expectRefusal(folder, "dyslam-map", map + "--picture " + picture + " --output " + same,
+                {"x.png: is given twice as a file to write (--output and --picture)"});
+  expectRefusal(folder, "dyslam-map", map + "--output " + picture + " --output " + same,
+                {"x.png: is given twice as a file to write (--output)"});
+  const std::string made = folder.file("new.txt");
+  expectRefusal(folder, "dyslam-eval",
+                "trajectory --estimate " + picture + " --csv " + made + " --json " + made,
+                {"new.txt: is given twice as a file to write (--json and --csv)"});
+  EXPECT_EQ("of an earlier map", folder.read("x.png"));
 }
 
 TEST(OutputSafety, NoConversionReplacesItsInputs)
