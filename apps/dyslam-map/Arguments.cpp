@@ -4,14 +4,13 @@
 #include <dyslam/core/Error.h>
 #include <dyslam/core/Files.h>
 #include <dyslam/core/Printable.h>
-#include <dyslam/dyseg/MovingSegmenter.h>
 #include <dyslam/formats/GeoreferenceFile.h>
 #include <dyslam/formats/RunFiles.h>
 #include <dyslam/formats/ScanFiles.h>
 #include <dyslam/mapbuilder/RunFolder.h>
-#include <dyslam/odometry/ScanMatcher.h>
 #include <dyslam/pipeline/GivenSettings.h>
 #include <dyslam/pipeline/SensorSettings.h>
+#include <dyslam/pipeline/SlamRun.h>
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
@@ -19,8 +18,8 @@
 #include <filesystem>
 #include <utility>
 
-#include "../common/OutputOptions.h"
 #include "../common/Checks.h"
+#include "../common/OutputOptions.h"
 
 namespace dyslam
 {
@@ -29,25 +28,8 @@ namespace
 /** Sections of an ini: our own, and those of dyslam, which may have written it. */
 std::vector<std::string> knownSections()
 {
-  std::vector<std::string> known{"map",         "labels",
-                                 "preprocess",  "map_export",
-                                 "input",       "pipeline",
-                                 "dyseg",       "odometry",
-                                 "refine",      "motion",
-                                 "detector",    "tracker",
-                                 "solver",      "loop",
-                                 "backend",     "output",
-                                 "replay",      "merge",
-                                 "start",       "report",
-                                 "fusion",      "sensor",
-                                 "uncertainty", "objects",
-                                 "memory",      "track_smoothing",
-                                 "gnss",        "motion_sensors",
-                                 "boxes",       "detection_noise"};
-  for (const auto& sections : {segmenterSections(), scanMatcherSections()})
-  {
-    known.insert(known.end(), sections.begin(), sections.end());
-  }
+  std::vector<std::string> known = SlamRun::sections();
+  known.insert(known.end(), {"map_export", "merge"});
   return known;
 }
 

@@ -316,6 +316,16 @@ SlamRun::SlamRun(const SlamRunSettings& settings) : impl_(std::make_unique<Impl>
 SlamRun::~SlamRun() = default;
 
 Pipeline& SlamRun::pipeline()
+std::vector<std::string> SlamRun::sections()
+{
+  // The parts of a run load their sections when they are made. No file is opened then.
+  SlamRunSettings settings;
+  settings.rawlog = "/dev/null";
+  settings.config.set("pipeline.threads=1");
+  const SlamRun run(settings);
+  return run.impl_->config.effective().sectionNames();
+}
+
 {
   return impl_->pipeline;
 }

@@ -41,6 +41,18 @@ TEST(HelpTexts, ThoseOfARunReadAlone)
   EXPECT_EQ(no_lines, unclearHelpTexts(effective));
 }
 
+/** dyslam-map refuses other sections in an ini. */
+TEST(SlamRun, TheSectionsOfEffectiveIniAreKnown)
+{
+  const TestFolder folder;
+  SlamRunSettings settings;
+  settings.rawlog = folder.file("drive.rawlog");  // is not opened
+  settings.output_folder = folder.file("run");
+  SlamRun run(settings);
+  run.open();
+  EXPECT_EQ(Config::fromFile(folder.file("run/effective.ini")).sectionNames(), SlamRun::sections());
+}
+
 TEST(HelpTexts, ThoseOfOtherProgramsReadAlone)
 {
   Config config;

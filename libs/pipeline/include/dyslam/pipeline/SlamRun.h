@@ -98,6 +98,9 @@ class SlamRun
   [[nodiscard]] Pipeline& pipeline();
   /** Section [input]. */
   [[nodiscard]] const RawlogSourceOptions& input() const;
+  /** The ini sections of every run, as effective.ini has them. */
+  [[nodiscard]] static std::vector<std::string> sections();
+
 
   /** Before the first frame: makes the output folder, and removes what an earlier run left in it.
    * \throws UserError if it cannot be written. */
