@@ -194,7 +194,7 @@ inline FirstPass runFirstPass(const std::string& program, SlamArguments& a, cons
   result.run_time = report.run_time;
   for (std::size_t i = first.settings.warnings.size(); i < report.warnings.size(); ++i)
   {
-    if (report.warnings[i].find("--passes 2") == std::string::npos)  // which this is
+    if (report.warnings[i] != report.second_pass_advice)  // which follows
     {
       result.warnings.push_back("first pass: " + report.warnings[i]);
       printWarning(a, result.warnings.back());

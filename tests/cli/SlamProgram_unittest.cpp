@@ -121,7 +121,8 @@ TEST_F(SlamProgramTest, StoppedAtTheEndOfTheOnlyPassItHasEnded)
 TEST_F(SlamProgramTest, TheSecondPassHasTheWarningsOfTheFirst)
 {
   a_.passes = 2;
-  report_.warnings = {"the clock was set", "17 % of the points move: (--passes 2)"};
+  report_.second_pass_advice = "17 % of the points move";
+  report_.warnings = {"the clock was set", report_.second_pass_advice};
   const std::string printed = printedByRun();
   ASSERT_EQ(2U, runs_.size());
   EXPECT_EQ(std::vector<std::string>{"first pass: the clock was set"}, runs_[1].warnings);

@@ -113,7 +113,7 @@ TEST(StateArchive, LoadingReplacesWhatWasThere)
 TEST(StateArchive, FieldsAreCounted)
 {
   EXPECT_EQ(fields::count<Box>(), 3U);
-  EXPECT_EQ(fields::count<MotionEstimate>(), 9U);
+  EXPECT_EQ(fields::count<MotionEstimate>(), 10U);
   EXPECT_EQ(fields::count<Frame>(), 27U);
 }
 

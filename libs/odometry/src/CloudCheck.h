@@ -13,4 +13,7 @@ constexpr std::size_t min_scan_points = 30;
 
 /** Why the frame's cloud cannot be used; empty if it can. */
 [[nodiscard]] std::string reasonUnusable(const Frame& frame);
+/** Sets reason and cause of the motion to why the frame's cloud cannot be used; the reason is empty
+ * if it can. */
+void setReasonUnusable(const Frame& frame, MotionEstimate& motion);
 }  // namespace dyslam

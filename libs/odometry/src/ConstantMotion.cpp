@@ -11,7 +11,7 @@ ScanMatch ConstantMotion::match(const Frame& frame, const MotionPrior& prior)
 {
   ScanMatch match;
   match.motion.information = informationFromSigmas(0.1, radians_per_degree);
-  match.motion.reason = reasonUnusable(frame);
+  setReasonUnusable(frame, match.motion);
   match.motion.converged = match.motion.reason.empty();
   const bool first = first_;
   first_ = false;

@@ -441,7 +441,7 @@ RegistrationResult LocalMapRegistration::registerFrame(const Frame& frame,
   result.motion = MotionEstimate();
   result.motion.T_previous_current = orthonormalized(s.T_odom_previous.inverse() * T_guess);
   result.motion.information = s.prior_information;
-  result.motion.reason = reasonUnusable(frame);
+  setReasonUnusable(frame, result.motion);
   result.map_cells = s.map.size();
   if (!result.motion.reason.empty())
   {

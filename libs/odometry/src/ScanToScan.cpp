@@ -29,7 +29,7 @@ MotionEstimate ScanToScan::find(const Frame& frame, const MotionPrior& prior)
   const Pose prediction = orthonormalized(prior.T_previous_current);
   estimate.T_previous_current = has_reference_ ? prediction : Pose::Identity();
   estimate.information.setZero();
-  estimate.reason = reasonUnusable(frame);
+  setReasonUnusable(frame, estimate);
   const std::string unusable = extract(frame);
   if (estimate.reason.empty())
   {

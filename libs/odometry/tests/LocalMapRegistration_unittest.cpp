@@ -216,6 +216,7 @@ TEST_P(Registration, UselessFramesKeepTheGuessAndTheMap)
     const RegistrationResult result = step(registration, frame, guess);
     EXPECT_FALSE(result.motion.converged);
     EXPECT_FALSE(result.motion.reason.empty());
+    EXPECT_EQ(result.motion.cause, FailureCause::recording);
     EXPECT_TRUE(result.T_odom_vehicle.isApprox(guess));
     EXPECT_EQ(registration.mapPoints().size(), cells);
   }

@@ -196,21 +196,25 @@ TEST_P(EveryMatcher, UselessFramesGetAReasonAndThePrediction)
 
 TEST_P(EveryMatcher, TheReasonNamesScanOrLimits)
 {
-  const auto reasonOf = [&](const Frame& frame)
+  const auto failureOn = [&](const Frame& frame)
   {
     const auto matcher = make(GetParam().name, pool_);
     matchFrom(*matcher, scene_.frame(Pose::Identity(), 0.01, 1), T_);
-    return matchFrom(*matcher, frame, T_).reason;
+    return matchFrom(*matcher, frame, T_);
   };
-  EXPECT_EQ(reasonOf(test::frameOf(std::vector<Eigen::Vector3f>(500, test::nanPoint()))),
-            "the scan has only 0 returns");
+  const MotionEstimate empty =
+      failureOn(test::frameOf(std::vector<Eigen::Vector3f>(500, test::nanPoint())));
+  EXPECT_EQ(empty.reason, "the scan has only 0 returns");
+  EXPECT_EQ(empty.cause, FailureCause::recording);
   Frame cropped = test::frameOf(std::vector<Eigen::Vector3f>(500, {1, 0, 0}));
   cropped.cloud = Cloud();
+  const MotionEstimate none_left = failureOn(cropped);
   EXPECT_EQ(
-      reasonOf(cropped),
+      none_left.reason,
       "only 0 of 500 points are left after preprocess.min_range, own_vehicle_range and max_range");
+  EXPECT_EQ(none_left.cause, FailureCause::preprocessing);
   std::fill(cropped.scan.points.begin() + 1, cropped.scan.points.end(), Eigen::Vector3f::Zero());
-  EXPECT_EQ(reasonOf(cropped), "the scan has only 1 return");
+  EXPECT_EQ(failureOn(cropped).reason, "the scan has only 1 return");
 }
 
 TEST_P(EveryPointMatcher, MotionGoesOnAfterAUselessFrame)

@@ -14,18 +14,17 @@ namespace
 constexpr double unusable_share = 0.5;  // of all scans, not registered; more: do not trust it
 constexpr double doubtful_share = 0.2;  // more: to be checked
 
-/** What to try, by the most frequent reason of reasonUnusable() or of the registration.
- * \param has_ini an ini was given, which may be the reason */
-std::string adviceFor(const std::string& reason, bool has_ini)
+/** What to try. \param has_ini an ini was given, which may be the reason */
+std::string adviceFor(FailureCause cause, bool has_ini)
 {
-  const auto says = [&reason](const char* part) { return reason.find(part) != std::string::npos; };
-  if (says("the scan has "))
+  switch (cause)
   {
-    return "check the recording, and how it was converted";
-  }
-  if (says("left after preprocess."))
-  {
-    return "change these settings, or check that the points are in metres";
+    case FailureCause::recording:
+      return "check the recording, and how it was converted";
+    case FailureCause::preprocessing:
+      return "change these settings, or check that the points are in metres";
+    case FailureCause::estimation:
+      break;
   }
   return "try " + std::string(has_ini ? "the settings that fit the sensor (no -c), " : "") +
          "-c handheld.ini for a handheld one, or odometry.start_speed for a recording that begins "
@@ -33,23 +32,24 @@ std::string adviceFor(const std::string& reason, bool has_ini)
 }
 }  // namespace
 
-void Reasons::add(const std::string& reason)
+void Reasons::add(const MotionEstimate& failed)
 {
-  std::string kind = reason;
+  std::string kind = failed.reason;
   std::replace_if(
       kind.begin(), kind.end(), [](unsigned char c) { return std::isdigit(c) != 0; }, '0');
-  auto& [count, example] = kinds_[kind];
-  ++count;
-  example = reason;
+  Kind& same = kinds_[kind];
+  ++same.count;
+  same.example = failed.reason;
+  same.cause = failed.cause;
   ++total_;
 }
 
-std::string Reasons::mostFrequent() const
+Reasons::Kind Reasons::mostFrequent() const
 {
   const auto most = std::max_element(kinds_.begin(), kinds_.end(),
                                      [](const auto& a, const auto& b)
-                                     { return a.second.first < b.second.first; });
-  return most == kinds_.end() ? "" : most->second.second;
+                                     { return a.second.count < b.second.count; });
+  return most == kinds_.end() ? Kind() : most->second;
 }
 
 void RunStatistics::add(const Frame& frame)
@@ -60,12 +60,12 @@ void RunStatistics::add(const Frame& frame)
   map_restarts += frame.motion.map_restarted ? 1U : 0U;
   if (!frame.motion.converged)
   {
-    registration_failures.add(frame.motion.reason);
+    registration_failures.add(frame.motion);
     unregistered_keyframes += frame.is_keyframe ? 1U : 0U;
   }
   if (!frame.odometry.converged)
   {
-    odometry_failures.add(frame.odometry.reason);
+    odometry_failures.add(frame.odometry);
   }
   points += frame.cloud.size();
   detections += frame.detections.size();
@@ -107,21 +107,17 @@ std::vector<std::string> RunStatistics::warnings(bool has_labels) const
   if (static_cast<double>(odometry_failures.total()) > limit)
   {
     result.push_back("odometry.method found no motion on " +
-                     std::to_string(odometry_failures.total()) + of_all + ", most often because: " +
-                     odometry_failures.mostFrequent() + " (scans.csv has the reason of each)");
+                     std::to_string(odometry_failures.total()) + of_all +
+                     ", most often because: " + odometry_failures.mostFrequent().example +
+                     " (scans.csv has the reason of each)");
   }
   if (failedOnMoreThan(doubtful_share) && !failedOnMoreThan(unusable_share))
   {
     result.push_back(registrationSentence("check trajectory and map"));
   }
-  constexpr double dense_traffic = 0.15;  // of the points
-  if (!has_labels && !failedOnMoreThan(unusable_share) &&
-      static_cast<double>(moving_points) > dense_traffic * static_cast<double>(points))
+  if (const std::string advice = secondPassAdvice(has_labels); !advice.empty())
   {
-    result.push_back(
-        std::to_string(100 * moving_points / points) +
-        " % of the points move: in traffic as dense as this the odometry may follow the vehicles; "
-        "compare with a second pass (--passes 2)");
+    result.push_back(advice);
   }
   if (map_restarts > 0)
   {
@@ -140,6 +136,19 @@ std::vector<std::string> RunStatistics::warnings(bool has_labels) const
   return result;
 }
 
+std::string RunStatistics::secondPassAdvice(bool has_labels) const
+{
+  constexpr double dense_traffic = 0.15;  // of the points
+  if (has_labels || failedOnMoreThan(unusable_share) ||
+      static_cast<double>(moving_points) <= dense_traffic * static_cast<double>(points))
+  {
+    return {};
+  }
+  return std::to_string(100 * moving_points / points) +
+         " % of the points move: in traffic as dense as this the odometry may follow the vehicles; "
+         "compare with a second pass (--passes 2)";
+}
+
 std::string RunStatistics::failure(bool has_ini) const
 {
   if (!failedOnMoreThan(unusable_share))
@@ -147,7 +156,7 @@ std::string RunStatistics::failure(bool has_ini) const
     return {};
   }
   return registrationSentence("do not trust trajectory and map") + "; " +
-         adviceFor(registration_failures.mostFrequent(), has_ini);
+         adviceFor(registration_failures.mostFrequent().cause, has_ini);
 }
 
 std::string RunStatistics::verdict() const
@@ -168,7 +177,7 @@ std::string RunStatistics::registrationSentence(const std::string& consequence) 
 {
   return std::to_string(registration_failures.total()) + " of " + counted(frames, "scan") +
          " could not be registered: " + consequence +
-         "; most often because: " + registration_failures.mostFrequent();
+         "; most often because: " + registration_failures.mostFrequent().example;
 }
 
 void Reasons::exchangeState(StateArchive& archive)

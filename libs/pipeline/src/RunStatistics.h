@@ -7,7 +7,6 @@
 #include <cstddef>
 #include <map>
 #include <string>
-#include <utility>
 #include <vector>
 
 namespace dyslam
@@ -18,14 +17,22 @@ class StateArchive;
 class Reasons
 {
  public:
-  void add(const std::string& reason);
+  struct Kind
+  {
+    std::size_t count = 0;
+    std::string example;  //!< the last one
+    FailureCause cause = FailureCause::estimation;
+  };
+
+  /** \param failed an estimate that did not converge */
+  void add(const MotionEstimate& failed);
   [[nodiscard]] std::size_t total() const { return total_; }
-  /** An example of the most frequent kind; empty if there was none. */
-  [[nodiscard]] std::string mostFrequent() const;
+  /** The most frequent kind; of count 0 if there was none. */
+  [[nodiscard]] Kind mostFrequent() const;
   void exchangeState(StateArchive& archive);
 
  private:
-  std::map<std::string, std::pair<std::size_t, std::string>> kinds_;  //!< count, example
+  std::map<std::string, Kind> kinds_;  //!< by the reason without its numbers
   std::size_t total_ = 0;
 };
 
@@ -45,6 +52,9 @@ struct RunStatistics
   /** Warnings although nothing failed; one sentence each.
    * \param has_labels the run had labels of an earlier one (dyseg.labels) */
   [[nodiscard]] std::vector<std::string> warnings(bool has_labels) const;
+
+  /** The one among them that advises a second pass, as the traffic is dense; empty without. */
+  [[nodiscard]] std::string secondPassAdvice(bool has_labels) const;
 
   /** Why the result is unusable, if more than half of the scans could not be registered; else
    * empty.

@@ -261,6 +261,7 @@ RunResults SlamRun::Impl::results(const std::vector<std::string>& source_warning
   append(results.report.warnings, source_warnings);
   append(results.report.warnings, pipeline.warnings());
   append(results.report.warnings, statistics.warnings(has_labels));
+  results.report.second_pass_advice = statistics.secondPassAdvice(has_labels);
   if (has_boxes && statistics.detections == 0)
   {
     results.report.warnings.emplace_back(
@@ -315,7 +316,6 @@ void SlamRun::Impl::fillReport(SlamRunReport& report, const RunResults& results)
 SlamRun::SlamRun(const SlamRunSettings& settings) : impl_(std::make_unique<Impl>(settings)) {}
 SlamRun::~SlamRun() = default;
 
-Pipeline& SlamRun::pipeline()
 std::vector<std::string> SlamRun::sections()
 {
   // The parts of a run load their sections when they are made. No file is opened then.
@@ -326,6 +326,7 @@ std::vector<std::string> SlamRun::sections()
   return run.impl_->config.effective().sectionNames();
 }
 
+Pipeline& SlamRun::pipeline()
 {
   return impl_->pipeline;
 }

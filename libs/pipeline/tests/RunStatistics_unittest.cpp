@@ -11,11 +11,14 @@ namespace dyslam
 {
 namespace
 {
-Frame failed(bool map_restarted, const std::string& reason)
+Frame failed(bool map_restarted,
+             const std::string& reason,
+             FailureCause cause = FailureCause::estimation)
 {
   Frame frame;
   frame.motion.map_restarted = map_restarted;
   frame.motion.reason = reason;
+  frame.motion.cause = cause;
   return frame;
 }
 
@@ -38,30 +41,28 @@ TEST(RunStatistics, CountsMapRestartsWhateverTheReasonsSay)
   EXPECT_TRUE(hasWarning(statistics, "the local map was restarted 2 times"));
 }
 
-TEST(RunStatistics, AdvisesByTheMostFrequentReason)
+TEST(RunStatistics, AdvisesByTheCauseOfTheMostFrequentReason)
 {
-  const auto failureOf = [](const std::string& reason)
+  const auto failureOf = [](const std::string& reason, FailureCause cause)
   {
     RunStatistics statistics;
     statistics.add(failed(false, "another reason"));
-    statistics.add(failed(false, reason));
-    statistics.add(failed(false, reason));
+    statistics.add(failed(false, reason + " 1", cause));
+    statistics.add(failed(false, reason + " 2", cause));
     return statistics.failure(true);
   };
   const auto has = [](const std::string& text, const std::string& part)
   { return text.find(part) != std::string::npos; };
-  const std::string motion = failureOf("inlier ratio 0.21, the limit is 0.3");
+  const std::string motion = failureOf("the scan has ...", FailureCause::estimation);
   EXPECT_TRUE(has(motion, "; try the settings that fit the sensor (no -c), -c handheld.ini"));
   EXPECT_TRUE(has(motion, "odometry.start_speed")) << motion;
-  for (const char* reason : {"the scan has only 0 returns", "the scan has no points"})
-  {
-    const std::string few = failureOf(reason);
-    EXPECT_TRUE(has(few, reason)) << few;
-    EXPECT_TRUE(has(few, "; check the recording, and how it was converted")) << few;
-    EXPECT_FALSE(has(few, "start_speed") || has(few, "handheld")) << few;
-  }
-  const std::string range = failureOf(
-      "only 3 of 900 points are left after preprocess.min_range, own_vehicle_range and max_range");
+  const std::string few = failureOf("few returns", FailureCause::recording);
+  EXPECT_TRUE(has(few,
+                  "; most often because: few returns 2; check the recording, and how it was "
+                  "converted"))
+      << few;
+  EXPECT_FALSE(has(few, "start_speed") || has(few, "handheld")) << few;
+  const std::string range = failureOf("few points left", FailureCause::preprocessing);
   EXPECT_TRUE(has(range, "; change these settings, or check that the points are in metres"));
   EXPECT_FALSE(has(range, "start_speed")) << range;
 }
@@ -104,7 +105,7 @@ TEST(RunStatistics, TheVerdictFitsWarningsAndFailure)
 TEST(RunStatistics, KeepsMapRestartsWhenARunIsResumed)
 {
   RunStatistics statistics;
-  statistics.add(failed(true, "no overlap"));
+  statistics.add(failed(true, "no overlap", FailureCause::preprocessing));
   StateArchive saved;
   saved(statistics);
   RunStatistics resumed;
@@ -114,6 +115,29 @@ TEST(RunStatistics, KeepsMapRestartsWhenARunIsResumed)
   resumed.add(failed(true, "no overlap"));
   EXPECT_TRUE(hasWarning(resumed, "the local map was restarted 2 times"));
   EXPECT_EQ(resumed.registration_failures.total(), 2U);
+  EXPECT_EQ(resumed.registration_failures.mostFrequent().count, 2U);
+}
+
+TEST(RunStatistics, TheAdviceOfASecondPassIsOneOfTheWarnings)
+{
+  const auto statisticsOf = [](int moving)
+  {
+    Frame frame;
+    frame.motion.converged = true;
+    frame.cloud.points.resize(100);
+    frame.moving.resize(100);
+    std::fill_n(frame.moving.begin(), moving, true);
+    RunStatistics statistics;
+    statistics.add(frame);
+    return statistics;
+  };
+  const RunStatistics dense = statisticsOf(16);
+  const std::string advice = dense.secondPassAdvice(false);
+  EXPECT_EQ(advice.find("16 % of the points move"), 0U) << advice;
+  EXPECT_EQ(dense.warnings(false), std::vector<std::string>{advice});
+  EXPECT_EQ(dense.secondPassAdvice(true), "") << "this is the second one";
+  EXPECT_TRUE(dense.warnings(true).empty());
+  EXPECT_EQ(statisticsOf(15).secondPassAdvice(false), "");
 }
 }  // namespace
 }  // namespace dyslam

@@ -8,6 +8,14 @@
 
 namespace dyslam
 {
+/** Where the cause is looked for if a motion was not found. */
+enum class FailureCause
+{
+  estimation,    //!< matching or registration; also the value where nothing failed
+  recording,     //!< the scan has too few returns
+  preprocessing  //!< too few of its points are left in the cloud
+};
+
 /** A relative motion with its information matrix. */
 struct MotionEstimate
 {
@@ -23,8 +31,9 @@ struct MotionEstimate
   bool converged = false;
   int iterations = 0;
   std::size_t inliers = 0;
-  double rmse = 0;             //!< of the inliers' residuals [m]
-  std::string reason;          //!< why it did not converge; empty if it did
+  double rmse = 0;                                //!< of the inliers' residuals [m]
+  std::string reason;                             //!< why it did not converge; empty if it did
+  FailureCause cause = FailureCause::estimation;  //!< kind of the reason
   bool map_restarted = false;  //!< the local map is started anew from this scan, after failures
 };
 

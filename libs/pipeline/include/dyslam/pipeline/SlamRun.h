@@ -70,6 +70,9 @@ struct SlamRunReport
   /** Why the run ended before its last scan: stopped, or the recording is damaged; empty if it did
    * not. Among the warnings, too. */
   std::string ended_early;
+  /** Advice to process the recording in two passes, as the traffic is dense; empty without. Among
+   * the warnings, too. */
+  std::string second_pass_advice;
   std::vector<std::string> warnings;
   std::vector<std::string> files;  //!< written, in the output folder
 
@@ -95,12 +98,12 @@ class SlamRun
   explicit SlamRun(const SlamRunSettings& settings);
   ~SlamRun();
 
-  [[nodiscard]] Pipeline& pipeline();
-  /** Section [input]. */
-  [[nodiscard]] const RawlogSourceOptions& input() const;
   /** The ini sections of every run, as effective.ini has them. */
   [[nodiscard]] static std::vector<std::string> sections();
 
+  [[nodiscard]] Pipeline& pipeline();
+  /** Section [input]. */
+  [[nodiscard]] const RawlogSourceOptions& input() const;
 
   /** Before the first frame: makes the output folder, and removes what an earlier run left in it.
    * \throws UserError if it cannot be written. */
