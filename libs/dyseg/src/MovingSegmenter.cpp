@@ -55,11 +55,6 @@ void MovingSegmenterOptions::describe(OptionsVisitor& visitor)
                "moving probability above which the segmenter classifies a point as moving");
 }
 
-std::vector<std::string> segmenterSections()
-{
-  return segmenters().sections();
-}
-
 std::vector<std::string> segmenterMethods()
 {
   return segmenters().names();

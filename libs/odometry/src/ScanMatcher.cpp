@@ -70,11 +70,6 @@ Registry<ScanMatcher> matchers()
 }
 }  // namespace
 
-std::vector<std::string> scanMatcherSections()
-{
-  return matchers().sections();
-}
-
 std::vector<std::string> scanMatcherNames()
 {
   return matchers().names();

@@ -38,18 +38,6 @@ class Registry
     return names;
   }
 
-  /** The ini sections of all rows. */
-  [[nodiscard]] std::vector<std::string> sections() const
-  {
-    const Config none;
-    ConfigLoader loader(none);
-    for (const Row& row : rows_)
-    {
-      (void)row.load(loader);
-    }
-    return loader.effective().sectionNames();
-  }
-
   /** The options of every row are loaded and checked, whichever is chosen: one ini serves all.
    * \param key the option that chooses, for the error message, e.g. "odometry.method"
    * \throws UserError for an unknown name, naming the nearest, and for bad options. */

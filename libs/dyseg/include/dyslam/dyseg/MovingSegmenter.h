@@ -70,8 +70,6 @@ struct MovingSegmenterOptions : Options
 
 /** The words of `method` that makeSegmenter() knows. */
 [[nodiscard]] std::vector<std::string> segmenterMethods();
-/** The ini sections of all of them. */
-[[nodiscard]] std::vector<std::string> segmenterSections();
 
 /** The segmenter of that name, with the options of its own section; null for `none`. \throws
  * UserError for an unknown name and for bad options. The pool must outlive the result. */

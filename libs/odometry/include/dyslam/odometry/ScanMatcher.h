@@ -50,8 +50,6 @@ class ScanMatcher
 
 /** Names that makeScanMatcher() knows. */
 [[nodiscard]] std::vector<std::string> scanMatcherNames();
-/** The ini sections of all of them. */
-[[nodiscard]] std::vector<std::string> scanMatcherSections();
 
 /** Builds the matcher of that name; its options come from the ini section `[<name>]`.
  * \throws UserError for an unknown name, naming the nearest, and for bad options. The pool must
