@@ -67,6 +67,24 @@ TEST(VoxelGrid, KeysTellCellsApartOnBothSidesOfZero)
   EXPECT_EQ(std::tuple(cell.x, cell.y, cell.z), std::tuple(-1, 0, 2));
 }
 
+TEST(VoxelGrid, PointsTooFarAwayAreInTheLastCells)
+{
+  constexpr float infinity = std::numeric_limits<float>::infinity();
+  const VoxelCell last = voxelCell({infinity, -infinity, infinity}, 10);
+  EXPECT_EQ(last.x, -last.y);
+  EXPECT_LT(last.x, std::numeric_limits<std::int32_t>::max());  // there are neighbours
+  const VoxelCell home = voxelCell({1, 2, 3}, 10);
+  for (const float far : {3e8F, 1e20F, std::numeric_limits<float>::max()})
+  {
+    const VoxelCell cell = voxelCell({far, -far, far}, 10);
+    EXPECT_EQ(std::tuple(cell.x, cell.y, cell.z), std::tuple(last.x, last.y, last.z)) << far;
+    EXPECT_NE(voxelKey(voxelCell({far, 2, 3}, 10)), voxelKey(home)) << far;
+    EXPECT_NE(voxelKey(cell), voxelKey({0, 0, 0})) << far;
+  }
+  const VoxelCell near = voxelCell({-1e8F, 1e8F, 0}, 10);
+  EXPECT_EQ(std::tuple(near.x, near.y, near.z), std::tuple(-1000000000, 1000000000, 0));
+}
+
 TEST(VoxelGrid, SamplesLikeAMapOfCells)
 {
   const std::vector<Eigen::Vector3f> points = randomPoints(3000);

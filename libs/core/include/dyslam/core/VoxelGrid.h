@@ -19,14 +19,18 @@ struct VoxelCell
   std::int32_t z = 0;
 };
 
-/** Cell of `p` in cubes of side 1 / `inverse_size`; cells count from minus to plus infinity
- * (floor).
- */
+/** Cell of `p` in cubes of side 1 / `inverse_size`, counted by floor. Coordinates beyond about
+ * 2^30 cells, and those that are not finite, are in the last cell of their axis. */
 [[nodiscard]] inline VoxelCell voxelCell(const Eigen::Vector3f& p, float inverse_size)
 {
-  return {static_cast<std::int32_t>(std::floor(p.x() * inverse_size)),
-          static_cast<std::int32_t>(std::floor(p.y() * inverse_size)),
-          static_cast<std::int32_t>(std::floor(p.z() * inverse_size))};
+  const auto along = [inverse_size](float coordinate)
+  {
+    // A float, and its key is that of the outermost cell that has a key of its own.
+    constexpr auto last = static_cast<float>((1 << 30) - (1 << 20));
+    const float cell = std::floor(coordinate * inverse_size);
+    return static_cast<std::int32_t>(std::abs(cell) < last ? cell : std::copysign(last, cell));
+  };
+  return {along(p.x()), along(p.y()), along(p.z())};
 }
 
 /** A cell as one number; unique while every coordinate is within +-2^20. */
