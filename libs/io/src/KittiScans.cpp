@@ -6,6 +6,7 @@
 #include <dyslam/formats/ScanFiles.h>
 
 #include <algorithm>
+#include <limits>
 
 namespace dyslam
 {
@@ -124,15 +125,22 @@ std::string findSequence(const fs::path& input, const std::string& asked)
   return names.empty() ? "" : names.front();
 }
 
-/** File names are frame numbers, with gaps where KITTI lost a scan; else they are just counted. */
+/** File names are frame numbers, with gaps where KITTI lost a scan; else they are just counted.
+ * \throws UserError for numbers that are too large for those of boxes. */
 void numberScans(std::vector<KittiLayout::Entry>& entries)
 {
+  constexpr std::size_t largest = std::numeric_limits<int>::max();
   const bool named =
       std::all_of(entries.begin(), entries.end(),
                   [](const auto& entry) { return allDigits(fs::path(entry.scan).stem()); });
   for (std::size_t i = 0; i < entries.size(); ++i)
   {
     entries[i].number = named ? std::stoull(fs::path(entries[i].scan).stem().string()) : i;
+    if (entries[i].number > largest)
+    {
+      throw UserError(entries[i].scan + ": the number in its name is too large, " +
+                      std::to_string(largest) + " is the largest; rename the scans");
+    }
     if (i > 0 && entries[i].number <= entries[i - 1].number)
     {
       throw UserError(entries[i].scan + ": has the same number as " + entries[i - 1].scan);

@@ -308,6 +308,24 @@ TEST(KittiConverter, ARangeOfTimeAndEveryNthScan)
   EXPECT_TRUE(contains(messageOfError<UserError>([&] { (void)convert(); }), "is not after start"));
 }
 
+TEST(KittiConverter, TooLargeFrameNumbersAreRefused)
+{
+  const TestFolder folder;
+  writeBins(folder, "in/velodyne", 1);
+  const auto rename = [&folder](const char* from, const char* to)
+  {
+    std::filesystem::rename(folder.file(std::string("in/velodyne/") + from),
+                            folder.file(std::string("in/velodyne/") + to));
+  };
+  const auto convert = [&folder]
+  { return convertKitti(folder.file("in"), folder.file("x.rawlog"), {}); };
+  rename("000000.bin", "2147483647.bin");
+  EXPECT_EQ(1U, convert().scans);
+  rename("2147483647.bin", "4294967296.bin");  // 0 in 32 bits
+  const auto message = messageOfError<UserError>([&] { (void)convert(); });
+  EXPECT_TRUE(contains(message, "4294967296.bin: the number in its name is too large")) << message;
+}
+
 TEST(KittiConverter, OtherColumnsAreRefused)
 {
   const TestFolder folder;
