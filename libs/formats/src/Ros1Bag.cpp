@@ -90,7 +90,8 @@ class Ros1Bag : public ChunkedBag
  protected:
   std::optional<Record> readRecord(ByteReader& chunk) override
   {
-    const Fields fields(chunk.block(), chunk.place() + ", byte " + std::to_string(chunk.at()));
+    const std::string where = chunk.place() + ", byte " + std::to_string(chunk.at());
+    const Fields fields(chunk.block(), where);
     const std::string_view data = chunk.block();
     const auto op = fields.number<std::uint8_t>("op");
     if (op == connection)

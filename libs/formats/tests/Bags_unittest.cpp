@@ -277,6 +277,26 @@ TEST(Bags, DamagedBytes)
   }
 }
 
+TEST(Bags, ADamagedRecordOfAChunkIsNamedByItsFirstByte)
+{
+  const TestFolder folder;
+  test::writeRos1Bag(folder.file("x.bag"), someMessages(4), {"none", 4, false});
+  std::string bytes = folder.read("x.bag");
+  const std::size_t first = bytes.find("op=\x02");
+  const std::size_t field = bytes.find("op=\x02", first + 1);
+  ASSERT_NE(field, std::string::npos);
+  bytes[field + 2] = '?';
+  const std::string path = folder.write("y.bag", bytes);
+  const auto message = messageOfError<UserError>([&path] { (void)openBag(path); });
+  const std::size_t chunk = message.find("chunk at byte ");
+  const std::size_t record = message.find(", byte ");
+  ASSERT_TRUE(chunk != std::string::npos && record != std::string::npos) << message;
+  // Two lengths stand before the field.
+  EXPECT_EQ(field - 8,
+            std::stoul(message.substr(chunk + 14)) + std::stoul(message.substr(record + 7)))
+      << message;
+}
+
 TEST(Bags, Errors)
 {
   const TestFolder folder;
