@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/core/Error.h>
+#include <dyslam/core/Files.h>
 #include <dyslam/packets/HesaiPackets.h>
 
 #include <array>
@@ -98,11 +99,7 @@ std::optional<HesaiAngles> designedHesaiAngles(const HesaiLayout& layout)
 
 HesaiAngles readHesaiAngles(const std::string& path, std::size_t lasers)
 {
-  std::ifstream file(path);
-  if (!file)
-  {
-    throw UserError(path + ": cannot be read");
-  }
+  std::ifstream file = openBinary(path);
   HesaiAngles angles;
   std::string line;
   while (std::getline(file, line))
@@ -128,6 +125,7 @@ HesaiAngles readHesaiAngles(const std::string& path, std::size_t lasers)
     }
     append(angles, elevation, azimuth);
   }
+  requireReadable(file, path);
   if (angles.elevations.size() != lasers)
   {
     throw UserError(path + ": has the angles of " + std::to_string(angles.elevations.size()) +

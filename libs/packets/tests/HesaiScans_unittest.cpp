@@ -197,6 +197,8 @@ TEST(HesaiScans, ALidarsOwnAnglesAreRead)
   EXPECT_NE(messageFor(lidar, options).find("has the angles of 128 lasers"), std::string::npos);
   options.angle_file = folder.file("none.csv");
   EXPECT_NE(messageFor(lidar, options).find("none.csv"), std::string::npos);
+  options.angle_file = folder.file(".");
+  EXPECT_NE(messageFor(lidar, options).find("is a folder"), std::string::npos);
   std::ofstream(folder.file("gap.csv")) << "1,2,3\n3,4,5\n";
   options.angle_file = folder.file("gap.csv");
   EXPECT_NE(messageFor(lidar, options).find("channel 3 follows channel 1"), std::string::npos);
