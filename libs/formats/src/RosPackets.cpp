@@ -27,6 +27,13 @@ std::string nameIn(const std::string& type)
   return slash == std::string::npos ? "" : type.substr(slash);
 }
 
+/** Some drivers leave the stamp of a packet at 0. */
+double receivedOr(double recorded, ByteReader& reader)
+{
+  const double stamp = reader.rosTime();
+  return stamp > 0 ? stamp : recorded;
+}
+
 /** The packets of a Hesai, of which the drivers have three kinds of messages: with the room of the
  * largest packet for each and its size behind it, with the size before and behind it, and with the
  * size before it. */
@@ -41,7 +48,7 @@ std::vector<RosPacket> hesaiPackets(ByteReader& reader, const BagTopic& topic, d
   for (std::uint32_t i = 0; i < count; ++i)
   {
     RosPacket packet;
-    packet.received = reader.rosTime();
+    packet.received = receivedOr(recorded, reader);
     packet.bytes = has_room ? reader.take(pandar_room) : reader.block();
     const std::size_t size = has_size_behind ? reader.u32() : packet.bytes.size();
     if (size > packet.bytes.size())
@@ -50,7 +57,6 @@ std::vector<RosPacket> hesaiPackets(ByteReader& reader, const BagTopic& topic, d
                   std::to_string(packet.bytes.size()));
     }
     packet.bytes = packet.bytes.substr(0, size);
-    packet.received = packet.received > 0 ? packet.received : recorded;
     packets.push_back(packet);
   }
   return packets;
@@ -95,7 +101,7 @@ std::vector<RosPacket> decodeRosPackets(const BagTopic& topic, const BagMessage&
   for (std::uint32_t i = 0; i < count; ++i)
   {
     RosPacket packet;
-    packet.received = reader.rosTime();
+    packet.received = receivedOr(message.recorded, reader);
     packet.bytes = reader.take(velodyne_packet);
     packets.push_back(packet);
   }
