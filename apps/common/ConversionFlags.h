@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <dyslam/formats/GroundTruth.h>
+#include <dyslam/formats/PoseOrigin.h>
 #include <dyslam/io/ScanRange.h>
 
 #include <CLI/CLI.hpp>

@@ -3,9 +3,9 @@
 
 #include <dyslam/core/Error.h>
 #include <dyslam/core/Options.h>
-#include <dyslam/formats/GroundTruth.h>
 #include <dyslam/formats/LabelFiles.h>
 #include <dyslam/formats/TextFile.h>
+#include <dyslam/formats/TrackFiles.h>
 #include <dyslam/formats/TrajectoryFiles.h>
 #include <dyslam/io/RawlogSource.h>
 

@@ -3,8 +3,8 @@
 
 #include <dyslam/core/Error.h>
 #include <dyslam/eval/TrackMetrics.h>
-#include <dyslam/formats/GroundTruth.h>
 #include <dyslam/formats/KittiFiles.h>
+#include <dyslam/formats/TrackFiles.h>
 
 #include <algorithm>
 #include <array>

@@ -8,7 +8,6 @@
 #include <dyslam/core/PendingFile.h>
 #include <dyslam/core/StateArchive.h>
 #include <dyslam/formats/Bag.h>
-#include <dyslam/formats/GroundTruth.h>
 #include <dyslam/formats/KittiFiles.h>
 #include <dyslam/formats/KittiTracks.h>
 #include <dyslam/formats/LabelFiles.h>
@@ -16,6 +15,7 @@
 #include <dyslam/formats/RosMessages.h>
 #include <dyslam/formats/ScanFiles.h>
 #include <dyslam/formats/SustechFiles.h>
+#include <dyslam/formats/TrackFiles.h>
 #include <dyslam/formats/TrajectoryFiles.h>
 #include <dyslam/io/GraphFiles.h>
 #include <dyslam/io/RawlogSource.h>

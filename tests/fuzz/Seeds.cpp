@@ -2,7 +2,6 @@
 // fuzz_seeds <folder>: small good files for every parser, <folder>/<parser>/*.
 #include <dyslam/core/Frame.h>
 #include <dyslam/core/StateArchive.h>
-#include <dyslam/formats/GroundTruth.h>
 #include <dyslam/formats/ScanFiles.h>
 #include <dyslam/io/RawlogWriter.h>
 #include <mrpt/maps/CColouredPointsMap.h>

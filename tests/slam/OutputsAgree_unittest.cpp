@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // One run's outputs show the same objects: replay, tables, labels and scene.
-#include <dyslam/formats/GroundTruth.h>
 #include <dyslam/formats/LabelFiles.h>
+#include <dyslam/formats/TrackFiles.h>
 #include <dyslam/formats/TrajectoryFiles.h>
 #include <dyslam/io/RawlogWriter.h>
 #include <dyslam/pipeline/SlamRun.h>

@@ -3,7 +3,6 @@
 #include <dyslam/core/Error.h>
 #include <dyslam/core/Files.h>
 #include <dyslam/eval/TrajectoryMetrics.h>
-#include <dyslam/formats/GroundTruth.h>
 #include <dyslam/formats/LabelFiles.h>
 #include <dyslam/formats/ScanFiles.h>
 #include <dyslam/formats/TrajectoryFiles.h>

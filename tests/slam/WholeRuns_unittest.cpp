@@ -4,8 +4,8 @@
 #include <dyslam/core/Files.h>
 #include <dyslam/eval/SegmentationMetrics.h>
 #include <dyslam/eval/TrajectoryMetrics.h>
-#include <dyslam/formats/GroundTruth.h>
 #include <dyslam/formats/LabelFiles.h>
+#include <dyslam/formats/TrackFiles.h>
 #include <dyslam/formats/TrajectoryFiles.h>
 #include <dyslam/io/RawlogWriter.h>
 #include <dyslam/pipeline/SlamRun.h>

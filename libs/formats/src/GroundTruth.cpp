@@ -5,14 +5,11 @@
 #include <dyslam/core/Printable.h>
 #include <dyslam/formats/GroundTruth.h>
 #include <dyslam/formats/TextFile.h>
+#include <dyslam/formats/TrackFiles.h>
 #include <dyslam/formats/TrajectoryFiles.h>
 
 #include <algorithm>
-#include <array>
-#include <cstring>
 #include <filesystem>
-
-#include "TrackLines.h"
 
 namespace dyslam
 {
@@ -24,16 +21,6 @@ constexpr const char* simulator_file = "simulator.ini";
 constexpr const char* simulator_section = "simulator";
 constexpr const char* origin_file = "poses.ini";
 constexpr const char* origin_section = "poses";
-
-struct NamedSource
-{
-  const char* word;
-  PoseSource source;
-};
-constexpr std::array<NamedSource, 4> pose_sources{{{"unknown", PoseSource::unknown},
-                                                   {"simulated", PoseSource::simulated},
-                                                   {"gnss_ins", PoseSource::gnss_ins},
-                                                   {"given", PoseSource::given}}};
 
 /** poses.ini */
 struct OriginOptions : Options
@@ -86,52 +73,6 @@ std::optional<SimulatedWorld> simulatedWorld(const std::string& folder)
   return options.values;
 }
 
-std::string PoseOrigin::text() const
-{
-  const std::string from = name.empty() ? "" : " (" + name + ")";
-  switch (source)
-  {
-    case PoseSource::simulated:
-      return "simulated" + from + ", exact";
-    case PoseSource::gnss_ins:
-      return "GNSS/INS" + from + ", not exact";
-    case PoseSource::given:
-      return "given poses" + from + ", not known to be exact";
-    case PoseSource::unknown:
-      break;
-  }
-  return "of unknown source" + from + ", not known to be exact";
-}
-
-std::string toString(PoseSource source)
-{
-  return std::find_if(pose_sources.begin(), pose_sources.end(),
-                      [source](const NamedSource& named) { return named.source == source; })
-      ->word;
-}
-
-PoseSource poseSourceFromString(const std::string& word)
-{
-  const auto found = std::find_if(pose_sources.begin(), pose_sources.end(),
-                                  [&word](const NamedSource& named) { return word == named.word; });
-  return found == pose_sources.end() ? PoseSource::unknown : found->source;
-}
-
-void describePoseSource(OptionsVisitor& visitor,
-                        const char* key,
-                        PoseSource& source,
-                        const char* help)
-{
-  std::vector<std::string> words;
-  for (const NamedSource& named : pose_sources)
-  {
-    words.emplace_back(named.word);
-  }
-  std::string word = toString(source);
-  visitor.word(key, word, words, help);
-  source = poseSourceFromString(word);
-}
-
 PoseOrigin poseOrigin(const std::string& folder)
 {
   if (fs::exists(fs::path(folder) / simulator_file))
@@ -151,120 +92,16 @@ std::string groundTruthFolder(const std::string& rawlog_path)
   return fs::path(rawlog_path).replace_extension(".gt").string();
 }
 
-std::vector<LabelledBox> readTracks(const std::string& path)
+std::optional<std::vector<Label>> trueLabels(const std::string& folder,
+                                             std::size_t frame,
+                                             std::size_t points)
 {
-  TextFile file(path);
-  std::vector<LabelledBox> boxes;
-  while (file.next())
-  {
-    LabelledBox box = readTrackLine(file, "height width length x y z yaw");
-    box.id = file.integer(1);
-    box.box.size = {file.number(12), file.number(11), file.number(10)};
-    box.box.center = {file.number(13), file.number(14), file.number(15)};
-    box.box.yaw = file.number(16);
-    boxes.push_back(box);
-  }
-  return boxes;
-}
-
-std::string trackLine(const LabelledBox& box)
-{
-  std::string text = std::to_string(box.frame) + ' ' + std::to_string(box.id) + ' ' +
-                     typeWord(box) + ' ' + std::to_string(box.truncated) + ' ' +
-                     std::to_string(box.occluded);
-  const auto append = [&text](double value)
-  {
-    text += ' ';
-    appendNumber(text, value, 9);
-  };
-  append(-10);  // alpha, the observation angle in the camera image: unknown
-  for (int i = 0; i < 4; ++i)
-  {
-    append(box.image_box[i]);
-  }
-  const Box& b = box.box;
-  for (const double value : {b.size.z(), b.size.y(), b.size.x(), b.center.x(), b.center.y(),
-                             b.center.z(), b.yaw, box.score})
-  {
-    append(value);
-  }
-  return text + '\n';
-}
-
-void writeTracks(const std::string& path, const std::vector<LabelledBox>& boxes)
-{
-  std::string text;
-  for (const LabelledBox& box : boxes)
-  {
-    text += trackLine(box);
-  }
-  writeWhole(path, text);
-}
-
-GroundTruthReader::GroundTruthReader(const std::string& folder) : folder_(folder)
-{
-  if (!fs::is_directory(folder))
-  {
-    throw UserError(folder + ": no such folder of ground truth");
-  }
-  const fs::path root(folder);
-  if (fs::exists(root / "poses_tum.txt"))
-  {
-    poses_ = readTum((root / "poses_tum.txt").string());
-  }
-  if (fs::exists(root / "tracks.txt"))
-  {
-    tracks_ = readTracks((root / "tracks.txt").string());
-  }
-  for (std::size_t i = 0; i < tracks_.size(); ++i)
-  {
-    boxes_of_frame_.emplace(tracks_[i].frame, i);
-  }
-}
-
-std::vector<LabelledBox> GroundTruthReader::boxes(std::size_t frame) const
-{
-  std::vector<LabelledBox> result;
-  const auto range = boxes_of_frame_.equal_range(static_cast<int>(frame));
-  for (auto it = range.first; it != range.second; ++it)
-  {
-    result.push_back(tracks_[it->second]);
-  }
-  return result;
-}
-
-std::optional<std::vector<Label>> GroundTruthReader::labels(std::size_t frame,
-                                                            std::size_t points) const
-{
-  const fs::path path = fs::path(folder_) / "labels" / numberedName(frame, ".label");
+  const fs::path path = fs::path(folder) / "labels" / numberedName(frame, ".label");
   if (!fs::exists(path))
   {
     return std::nullopt;
   }
   return readLabels(path.string(), points);
-}
-
-std::optional<std::vector<Eigen::Vector3f>> GroundTruthReader::flow(std::size_t frame,
-                                                                    std::size_t points) const
-{
-  const fs::path path = fs::path(folder_) / "flow" / numberedName(frame, ".flow");
-  if (!fs::exists(path))
-  {
-    return std::nullopt;
-  }
-  const std::string bytes = readWhole(path.string());
-  if (bytes.size() != points * 3 * sizeof(float))
-  {
-    throw UserError(path.string() + ": has " + std::to_string(bytes.size()) +
-                    " bytes; 12 for each of the scan's " + std::to_string(points) +
-                    " points are needed");
-  }
-  std::vector<Eigen::Vector3f> flow(points);
-  for (std::size_t i = 0; i < points; ++i)
-  {
-    std::memcpy(flow[i].data(), bytes.data() + i * 3 * sizeof(float), 3 * sizeof(float));
-  }
-  return flow;
 }
 
 void requireNoLinks(const std::string& folder)

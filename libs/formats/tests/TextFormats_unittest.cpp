@@ -2,9 +2,12 @@
 #include <dyslam/core/Error.h>
 #include <dyslam/formats/GroundTruth.h>
 #include <dyslam/formats/MotionFiles.h>
+#include <dyslam/formats/TrackFiles.h>
 #include <dyslam/formats/TrajectoryFiles.h>
 
 #include <cmath>
+#include <cstring>
+#include <filesystem>
 #include <limits>
 
 #include "TestFolder.h"
@@ -215,20 +218,19 @@ TEST(GroundTruth, SidecarRoundTrip)
     earlier.frame = 0;
     writer.addBox(earlier);
   }
-  const GroundTruthReader reader(groundTruthFolder(folder.file("a.rawlog")));
-  EXPECT_EQ(2U, reader.poses().size());
-  EXPECT_EQ(labels, reader.labels(2, 3));
-  EXPECT_FALSE(reader.labels(1, 3));
-  expectError([&] { (void)reader.labels(2, 4); }, "000002.label");
-  const auto read_flow = reader.flow(0, 3);
-  ASSERT_TRUE(read_flow);
-  EXPECT_EQ(flow[2], (*read_flow)[2]);
-  EXPECT_TRUE(std::isnan((*read_flow)[1].x()));
-  expectError([&] { (void)reader.flow(0, 2); }, "36 bytes");
-  EXPECT_EQ(0, reader.tracks().front().frame);
-  EXPECT_TRUE(reader.boxes(1).empty());
-  ASSERT_EQ(1U, reader.boxes(2).size());
-  const LabelledBox read = reader.boxes(2).front();
+  EXPECT_EQ(2U, readTum(folder.file("a.gt/poses_tum.txt")).size());
+  EXPECT_EQ(labels, trueLabels(folder.file("a.gt"), 2, 3));
+  EXPECT_FALSE(trueLabels(folder.file("a.gt"), 1, 3));
+  EXPECT_FALSE(trueLabels(folder.file("none.gt"), 2, 3));
+  expectError([&] { (void)trueLabels(folder.file("a.gt"), 2, 4); }, "000002.label");
+  const std::string flow_bytes = folder.read("a.gt/flow/000000.flow");
+  ASSERT_EQ(36U, flow_bytes.size());
+  EXPECT_EQ(0, std::memcmp(flow_bytes.data(), flow.data(), flow_bytes.size()));
+  const auto tracks = readTracks(folder.file("a.gt/tracks.txt"));
+  ASSERT_EQ(2U, tracks.size());
+  EXPECT_EQ(0, tracks[0].frame);
+  EXPECT_EQ(2, tracks[1].frame);
+  const LabelledBox& read = tracks[1];
   EXPECT_EQ(5, read.id);
   EXPECT_EQ("Pedestrian", read.type);
   EXPECT_EQ(ObjectClass::pedestrian, read.object_class);
@@ -254,10 +256,9 @@ TEST(GroundTruth, WritingAgainLeavesNothingOld)
     }
   }
   folder.write("a.gt/notes.md", "mine");
-  const GroundTruthReader reader(folder.file("a.gt"));
-  EXPECT_TRUE(reader.labels(1, 2));
-  EXPECT_FALSE(reader.labels(2, 2));
-  EXPECT_TRUE(reader.poses().empty());
+  EXPECT_TRUE(trueLabels(folder.file("a.gt"), 1, 2));
+  EXPECT_FALSE(trueLabels(folder.file("a.gt"), 2, 2));
+  EXPECT_FALSE(std::filesystem::exists(folder.file("a.gt/poses_tum.txt")));
   EXPECT_TRUE(std::filesystem::exists(folder.file("a.gt/notes.md")));
 }
 
@@ -341,13 +342,14 @@ TEST(GroundTruth, StatesWhereThePosesAreFrom)
 TEST(GroundTruth, BadFiles)
 {
   const TestFolder folder;
-  expectError([&] { GroundTruthReader(folder.file("none.gt")); }, "no such folder");
   folder.write("a.gt/tracks.txt", "0 1 Car 0 0 -10 0 0 0 0 1 2 3 4 5 6\n");
-  expectError([&] { GroundTruthReader(folder.file("a.gt")); }, "tracks.txt:1: has 16 fields");
+  expectError([&] { (void)readTracks(folder.file("a.gt/tracks.txt")); },
+              "tracks.txt:1: has 16 fields");
   folder.write("a.gt/tracks.txt", "x 1 Car 0 0 -10 0 0 0 0 1 2 3 4 5 6 0\n");
-  expectError([&] { GroundTruthReader(folder.file("a.gt")); }, "tracks.txt:1: 'x'");
+  expectError([&] { (void)readTracks(folder.file("a.gt/tracks.txt")); }, "tracks.txt:1: 'x'");
   folder.write("a.gt/tracks.txt", "0 1 Car 1e300 0 -10 0 0 0 0 1 2 3 4 5 6 0\n");
-  expectError([&] { GroundTruthReader(folder.file("a.gt")); }, "'1e300' is too large a number");
+  expectError([&] { (void)readTracks(folder.file("a.gt/tracks.txt")); },
+              "'1e300' is too large a number");
   folder.write("file.gt", "");
   EXPECT_THROW(GroundTruthWriter(folder.file("file.gt")), UserError);
 }

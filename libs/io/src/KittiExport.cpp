@@ -74,7 +74,8 @@ class Sequence
       : options_(options),
         folder_(folder),
         target_(folder_ / "sequences" / options.sequence),
-        pending_(target_.string() + ".tmp")
+        pending_(target_.string() + ".tmp"),
+        truth_(groundTruthFolder(rawlog))
   {
     for (const fs::path& path : {target_, posesFile()})
     {
@@ -105,11 +106,6 @@ class Sequence
                         ": has no calib_cam_to_cam.txt and calib_velo_to_cam.txt, needed for the "
                         "poses of the camera");
       }
-    }
-    const std::string truth = groundTruthFolder(rawlog);
-    if (fs::is_directory(truth))
-    {
-      truth_.emplace(truth);
     }
     fs::remove_all(pending_);  // of a killed program
     makeFolder((pending_ / "velodyne").string());
@@ -189,8 +185,7 @@ class Sequence
       }
       writeWhole((velodyne / numberedName(result_.scans, ".ring")).string(), rings);
     }
-    const auto labels = truth_ ? truth_->labels(frame.index, scan.size()) : std::nullopt;
-    if (labels)
+    if (const auto labels = trueLabels(truth_, frame.index, scan.size()))
     {
       makeFolder((pending_ / "labels").string());
       writeLabels((pending_ / "labels" / numberedName(result_.scans, ".label")).string(), *labels);
@@ -247,8 +242,8 @@ class Sequence
   fs::path folder_;
   fs::path target_;
   fs::path pending_;
+  std::string truth_;  //!< folder of the rawlog's ground truth, which may not be there
   std::optional<TrajectoryFile> given_;
-  std::optional<GroundTruthReader> truth_;
   KittiCalib calib_ = calibAtLidar();
   std::string times_;
   double first_stamp_ = 0;

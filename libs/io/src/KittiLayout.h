@@ -5,8 +5,8 @@
 #include <dyslam/core/MotionSamples.h>
 #include <dyslam/core/Objects.h>
 #include <dyslam/core/Trajectory.h>
-#include <dyslam/formats/GroundTruth.h>
 #include <dyslam/formats/KittiFiles.h>
+#include <dyslam/formats/PoseOrigin.h>
 #include <dyslam/io/Converters.h>
 
 #include <cstddef>

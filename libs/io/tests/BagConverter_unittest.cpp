@@ -2,6 +2,7 @@
 #include <dyslam/core/Error.h>
 #include <dyslam/formats/Bag.h>
 #include <dyslam/formats/GroundTruth.h>
+#include <dyslam/formats/TrajectoryFiles.h>
 #include <dyslam/io/Converters.h>
 #include <dyslam/io/RawlogSource.h>
 #include <gtest/gtest.h>
@@ -122,7 +123,7 @@ TEST(BagConverter, TruthOfATopic)
         EXPECT_TRUE(frames[i].T_world_vehicle_truth->isApprox(somePose(i), 1e-9));
         EXPECT_NEAR(M_PI / 2, yawPitchRoll(frames[i].scan.T_vehicle_lidar)[0], 1e-9);
       }
-      EXPECT_EQ(scan_count, GroundTruthReader(folder.file("x.gt")).poses().size());
+      EXPECT_EQ(scan_count, readTum(folder.file("x.gt/poses_tum.txt")).size());
     }
   }
 }

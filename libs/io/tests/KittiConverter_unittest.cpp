@@ -2,10 +2,12 @@
 #include <dyslam/core/Error.h>
 #include <dyslam/formats/GroundTruth.h>
 #include <dyslam/formats/ScanFiles.h>
+#include <dyslam/formats/TrackFiles.h>
 #include <dyslam/formats/TrajectoryFiles.h>
 #include <dyslam/io/Converters.h>
 #include <dyslam/io/RawlogSource.h>
 
+#include <algorithm>
 #include <cmath>
 #include <stdexcept>
 
@@ -24,6 +26,16 @@ std::string oxtsLine(double metres_north)
   const double latitude = 49.0 + metres_north / 111319.49;
   return std::to_string(latitude) + " 8.4 110 0 0 1.5707963267949" +
          std::string(" 0 0 10 1 2 0 0 0 0 0 0 0 0 0 0 0 0 0.05 0 4 10 4 4 0\n");
+}
+
+/** Of one frame of x.rawlog. */
+std::vector<LabelledBox> trueBoxes(const TestFolder& folder, int frame)
+{
+  std::vector<LabelledBox> boxes = readTracks(folder.file("x.gt/tracks.txt"));
+  boxes.erase(std::remove_if(boxes.begin(), boxes.end(),
+                             [frame](const LabelledBox& box) { return box.frame != frame; }),
+              boxes.end());
+  return boxes;
 }
 }  // namespace
 
@@ -55,9 +67,8 @@ TEST(KittiConverter, PlainOdometryWithEverything)
   ASSERT_TRUE(frames[2].T_world_vehicle_truth);
   EXPECT_TRUE(frames[2].T_world_vehicle_truth->isApprox(poseFromYpr(2, 0, 0, 0, 0, 0), 1e-9));
   EXPECT_FALSE(frames[3].T_world_vehicle_truth);
-  const GroundTruthReader truth(folder.file("x.gt"));
-  EXPECT_EQ(3U, truth.poses().size());
-  EXPECT_EQ(252U, truth.labels(2, 12).value().front());
+  EXPECT_EQ(3U, readTum(folder.file("x.gt/poses_tum.txt")).size());
+  EXPECT_EQ(252U, trueLabels(folder.file("x.gt"), 2, 12).value().front());
 }
 
 TEST(KittiConverter, DeskewedScansWereSeenAtOneInstant)
@@ -122,11 +133,10 @@ TEST(KittiConverter, OfficialTrackingWithBoxesAndALostScan)
   EXPECT_EQ(12U, frames[1].scan.size());
   // Oxts text above has six decimals of a degree: 0.1 m.
   EXPECT_NEAR(2, frames[1].T_world_vehicle_truth->translation().x(), 0.2);
-  const GroundTruthReader truth(folder.file("x.gt"));
-  EXPECT_EQ(1U, truth.boxes(0).size());
-  ASSERT_EQ(2U, truth.boxes(1).size());
-  EXPECT_TRUE(truth.boxes(1)[0].box.center.isApprox(Eigen::Vector3d(20, 0, -0.25), 1e-6));
-  EXPECT_TRUE(truth.boxes(2).empty());
+  EXPECT_EQ(1U, trueBoxes(folder, 0).size());
+  ASSERT_EQ(2U, trueBoxes(folder, 1).size());
+  EXPECT_TRUE(trueBoxes(folder, 1)[0].box.center.isApprox(Eigen::Vector3d(20, 0, -0.25), 1e-6));
+  EXPECT_TRUE(trueBoxes(folder, 2).empty());
 }
 
 /** A raw drive of two scans, without calibration. \return its folder */
@@ -200,9 +210,8 @@ TEST(KittiConverter, LabelsBesideTheScans)
   const auto result =
       convertKitti(folder.file("in"), folder.file("x.rawlog"), KittiConverterOptions{});
   EXPECT_EQ(2U, result.label_files);
-  const GroundTruthReader truth(folder.file("x.gt"));
-  EXPECT_FALSE(truth.labels(0, 10));
-  EXPECT_EQ(252U, truth.labels(2, 12).value().front());
+  EXPECT_FALSE(trueLabels(folder.file("x.gt"), 0, 10));
+  EXPECT_EQ(252U, trueLabels(folder.file("x.gt"), 2, 12).value().front());
 }
 
 TEST(KittiConverter, VerticalAngleCorrection)
@@ -239,7 +248,7 @@ TEST(KittiConverter, SkipsAndLimitsRenumberTheTruth)
                                    [&stated](double, std::size_t scans) { stated = scans; });
   EXPECT_EQ(2U, result.scans);
   EXPECT_EQ(2U, stated);
-  EXPECT_EQ(1U, GroundTruthReader(folder.file("x.gt")).boxes(1).size());
+  EXPECT_EQ(1U, trueBoxes(folder, 1).size());
   options.skip_first_n = 5;
   EXPECT_THROW(convertKitti(folder.file("in"), folder.file("x.rawlog"), options), UserError);
 }
@@ -296,7 +305,7 @@ TEST(KittiConverter, ARangeOfTimeAndEveryNthScan)
   EXPECT_NEAR(5.2, frames[0].scan.stamp, 1e-9);
   EXPECT_NEAR(5.6, frames[2].scan.stamp, 1e-9);
   EXPECT_TRUE(samePoints(someScan(4, 14), frames[1].scan));
-  EXPECT_TRUE(GroundTruthReader(folder.file("x.gt")).labels(1, 14));
+  EXPECT_TRUE(trueLabels(folder.file("x.gt"), 1, 14));
   EXPECT_TRUE(convert().warnings.size() == 1 && contains(convert().warnings[0], "labels for 1"))
       << "KITTI odometry's scans are deskewed";
   options.deskewed = ScansDeskewed::no;
@@ -448,7 +457,7 @@ TEST(KittiConverter, BoxesWithoutANumberGetOne)
       convertKitti(folder.file("in"), folder.file("x.rawlog"), KittiConverterOptions{});
   EXPECT_EQ(4U, result.boxes);
   EXPECT_TRUE(contains(result.warnings.back(), "2 of 4 boxes")) << result.warnings.back();
-  const auto boxes = GroundTruthReader(folder.file("x.gt")).tracks();
+  const auto boxes = readTracks(folder.file("x.gt/tracks.txt"));
   std::vector<int> ids;
   for (const auto& one : boxes)
   {
@@ -554,7 +563,6 @@ TEST(KittiConverter, RealDriveKeepsEveryPoint)
   EXPECT_EQ(3U, result.label_files);
   EXPECT_GT(result.boxes, 0U);
   const auto poses = readKittiPoses(options.poses);
-  const GroundTruthReader truth(folder.file("x.gt"));
   for (const Frame& frame : readAll(folder.file("x.rawlog")))
   {
     const std::string name = number(30 + frame.index, 6);
@@ -563,7 +571,7 @@ TEST(KittiConverter, RealDriveKeepsEveryPoint)
     EXPECT_EQ(scan.intensity, frame.scan.intensity);
     EXPECT_TRUE(frame.T_world_vehicle_truth->isApprox(poses[30 + frame.index], 1e-9));
     EXPECT_EQ(readLabels(input + "/labels/" + name + ".label"),
-              truth.labels(frame.index, scan.size()));
+              trueLabels(folder.file("x.gt"), frame.index, scan.size()));
   }
 }
 }  // namespace dyslam

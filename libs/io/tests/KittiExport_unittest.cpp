@@ -65,7 +65,6 @@ TEST(KittiExport, ThereAndBackAgain)
   const auto before = readAll(folder.file("x.rawlog"));
   const auto after = readAll(folder.file("y.rawlog"));
   ASSERT_EQ(4U, after.size());
-  const GroundTruthReader truth(folder.file("y.gt"));
   for (std::size_t i = 0; i < 4; ++i)
   {
     EXPECT_TRUE(samePoints(before[i].scan, after[i].scan));
@@ -75,10 +74,20 @@ TEST(KittiExport, ThereAndBackAgain)
     // KITTI's world is the first scan's own frame.
     EXPECT_TRUE(
         after[i].T_world_vehicle_truth->isApprox(lidarPose(0).inverse() * lidarPose(i), 1e-6));
-    const auto labels = truth.labels(i, 50 + i);
+    const auto labels = trueLabels(folder.file("y.gt"), i, 50 + i);
     EXPECT_EQ(i >= 2, labels.has_value());
     EXPECT_TRUE(!labels || labels->back() == 250 + i);
   }
+}
+
+TEST(KittiExport, DamagedTracksDoNotStopIt)
+{
+  const TestFolder folder;
+  writeRecording(folder);
+  folder.write("x.gt/tracks.txt", "no track\n");
+  const auto result = exportKitti(folder.file("x.rawlog"), folder.file("kitti"), {});
+  EXPECT_EQ(4U, result.scans);
+  EXPECT_EQ(2U, result.label_files);
 }
 
 TEST(KittiExport, PosesAreThoseOfTheCamera)

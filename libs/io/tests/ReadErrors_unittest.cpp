@@ -2,9 +2,9 @@
 // Whatever cannot be read is an error, never the end of the file.
 #include <dyslam/core/Config.h>
 #include <dyslam/core/Error.h>
-#include <dyslam/formats/GroundTruth.h>
 #include <dyslam/formats/LabelFiles.h>
 #include <dyslam/formats/ScanFiles.h>
+#include <dyslam/formats/TrackFiles.h>
 #include <dyslam/formats/TrajectoryFiles.h>
 #include <dyslam/io/GraphFiles.h>
 #include <dyslam/packets/PcapSource.h>

@@ -5,6 +5,7 @@
 #include <dyslam/formats/LabelFiles.h>
 #include <dyslam/formats/ScanTable.h>
 #include <dyslam/formats/TextFile.h>
+#include <dyslam/formats/TrackFiles.h>
 #include <dyslam/mapbuilder/RunScans.h>
 
 #include <algorithm>

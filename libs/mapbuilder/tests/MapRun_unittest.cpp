@@ -2,6 +2,7 @@
 #include <dyslam/core/Error.h>
 #include <dyslam/formats/LabelFiles.h>
 #include <dyslam/formats/ScanFiles.h>
+#include <dyslam/formats/TrackFiles.h>
 #include <dyslam/formats/TrajectoryFiles.h>
 #include <dyslam/mapbuilder/MapRun.h>
 #include <gtest/gtest.h>

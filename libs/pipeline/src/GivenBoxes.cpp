@@ -2,9 +2,9 @@
 #include "GivenBoxes.h"
 
 #include <dyslam/core/Error.h>
-#include <dyslam/formats/GroundTruth.h>
 #include <dyslam/formats/KittiTracks.h>
 #include <dyslam/formats/TextFile.h>
+#include <dyslam/formats/TrackFiles.h>
 #include <dyslam/tracking/BoxDetections.h>
 
 #include <algorithm>

@@ -3,7 +3,7 @@
 #include <dyslam/core/Files.h>
 #include <dyslam/core/PendingFile.h>
 #include <dyslam/core/StateArchive.h>
-#include <dyslam/formats/GroundTruth.h>
+#include <dyslam/formats/TrackFiles.h>
 
 #include <cstdio>
 #include <cstdlib>

@@ -2,7 +2,7 @@
 #pragma once
 
 #include <dyslam/core/Options.h>
-#include <dyslam/formats/GroundTruth.h>
+#include <dyslam/formats/PoseOrigin.h>
 #include <dyslam/formats/ScanFiles.h>
 #include <dyslam/io/ScanRange.h>
 

@@ -2,9 +2,9 @@
 #pragma once
 
 #include <dyslam/core/Frame.h>
+#include <dyslam/core/Objects.h>
 #include <dyslam/core/Parallel.h>
 #include <dyslam/core/Trajectory.h>
-#include <dyslam/formats/GroundTruth.h>
 #include <dyslam/formats/LabelFiles.h>
 #include <dyslam/odometry/Preprocessor.h>
 #include <dyslam/odometry/ScanPoses.h>
