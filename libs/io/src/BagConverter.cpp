@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "BagConverter.h"
+
 #include <dyslam/core/Error.h>
 #include <dyslam/core/Printable.h>
 #include <dyslam/core/Trajectory.h>
@@ -15,7 +17,6 @@
 #include "BagScans.h"
 #include "BagTopics.h"
 #include "HeldScans.h"
-#include "ScanSink.h"
 
 namespace dyslam
 {

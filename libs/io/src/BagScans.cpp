@@ -8,6 +8,8 @@
 #include <dyslam/formats/ScanFiles.h>
 #include <dyslam/packets/HesaiScans.h>
 #include <dyslam/packets/OusterScans.h>
+#include <dyslam/packets/VelodyneModels.h>
+#include <dyslam/packets/VelodyneScans.h>
 
 #include <optional>
 #include <utility>
@@ -181,15 +183,5 @@ std::unique_ptr<BagScans> makeBagScans(const std::string& input,
     default:
       return ousterPackets(place, bag, topic, options);
   }
-}
-
-VelodyneModel givenVelodyneModel(const std::string& sensor)
-{
-  if (const auto model = velodyneModelNamed(sensor))
-  {
-    return *model;
-  }
-  throw UserError("--sensor " + sensor + ": is no Velodyne whose packets can be read; use " +
-                  velodyneModelNames() + ", or leave it out for a Hesai or an Ouster");
 }
 }  // namespace dyslam

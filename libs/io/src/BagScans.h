@@ -3,7 +3,6 @@
 
 #include <dyslam/core/Scan.h>
 #include <dyslam/formats/Bag.h>
-#include <dyslam/packets/VelodyneScans.h>
 
 #include <memory>
 #include <string>
@@ -39,7 +38,4 @@ class BagScans
                                                      Bag& bag,
                                                      std::size_t topic,
                                                      const ScanConverterOptions& options);
-
-/** \throws UserError for a name that is none of a Velodyne whose packets are read. */
-[[nodiscard]] VelodyneModel givenVelodyneModel(const std::string& sensor);
 }  // namespace dyslam

@@ -9,6 +9,7 @@
 #include <dyslam/formats/TrajectoryFiles.h>
 #include <dyslam/io/Converters.h>
 #include <dyslam/packets/PcapSource.h>
+#include <dyslam/packets/VelodyneModels.h>
 
 #include <algorithm>
 #include <array>
@@ -17,7 +18,7 @@
 #include <sstream>
 #include <utility>
 
-#include "BagScans.h"
+#include "BagConverter.h"
 #include "NameStamps.h"
 #include "ScanSink.h"
 
@@ -359,10 +360,9 @@ void requireFitting(InputKind kind, const ScanConverterOptions& options)
 
 void ScanConverterOptions::describe(OptionsVisitor& visitor)
 {
-  visitor.text(
-      "sensor", sensor,
-      "model of the Velodyne of packets, VLP16, VLP16HR, HDL32E, HDL64E, VLP32C or VLS128; else "
-      "the scans' label");
+  const std::string sensors =
+      "model of the Velodyne of packets, " + velodyneModelNames() + "; else the scans' label";
+  visitor.text("sensor", sensor, sensors.c_str());
   visitor.text("calibration", calibration,
                "for packets: Velodyne XML or YAML calibration, or metadata of an Ouster (.json)");
   visitor.text("poses", poses, "file of TUM or KITTI poses of the lidar, a line for each scan");

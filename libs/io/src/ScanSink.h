@@ -59,7 +59,4 @@ class ScanSink
   bool times_differ_ = false;  //!< within a scan so far
   bool equal_times_ = false;   //!< scans whose points all have the same time were met before
 };
-
-/** Writes the scans of a ROS bag. \throws UserError. */
-void convertBag(const std::string& input, ScanSink& sink, const ScanConverterOptions& options);
 }  // namespace dyslam

@@ -52,15 +52,7 @@ std::pair<std::size_t, std::uint64_t> mostFrequent(const std::deque<LidarPacket>
 
 void PcapSourceOptions::describe(OptionsVisitor& visitor)
 {
-  visitor.choice("model", model,
-                 {{"auto", VelodyneModel::automatic},
-                  {"VLP16", VelodyneModel::vlp16},
-                  {"VLP16HR", VelodyneModel::vlp16_hires},
-                  {"HDL32E", VelodyneModel::hdl32e},
-                  {"HDL64E", VelodyneModel::hdl64e},
-                  {"VLP32C", VelodyneModel::vlp32c},
-                  {"VLS128", VelodyneModel::vls128}},
-                 "model of a Velodyne; auto: from the packets");
+  describeVelodyneModel(visitor, "model", model, "model of a Velodyne; auto: from the packets");
   visitor.text("calibration_file", calibration_file,
                "Velodyne's XML or YAML calibration or Hesai's angle correction (.csv), empty: the "
                "model's default; or the metadata of an Ouster (.json), empty: those beside the "

@@ -112,7 +112,8 @@ std::vector<std::string_view> itemsOf(const std::string& text)
 }
 
 /** Every laser is an item of a list, its keys in whatever order. MRPT 2.5.8 takes the text of a
- * YAML file for a file name, so this is read here. */
+ * YAML file for a file name, and its parser for any YAML prints errors and reads on, or overflows
+ * the stack on deep nesting, so this is read here. */
 Calibration fromYaml(const std::string& text)
 {
   Calibration calibration;

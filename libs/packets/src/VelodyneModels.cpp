@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/core/Error.h>
 #include <dyslam/packets/PacketScans.h>
 #include <dyslam/packets/VelodyneModels.h>
 
@@ -13,6 +14,7 @@ namespace
 {
 using Calibration = mrpt::obs::VelodyneCalibration;
 
+constexpr const char* automatic_name = "auto";
 constexpr std::array<std::pair<VelodyneModel, VelodyneTraits>, 6> models{{
     {VelodyneModel::vlp16, {"VLP16", 16, 0.002, 55.296e-6, 2.304e-6, 1}},
     {VelodyneModel::vlp16_hires, {"VLP16HR", 16, 0.002, 55.296e-6, 2.304e-6, 1}},
@@ -94,7 +96,33 @@ std::optional<VelodyneModel> velodyneModelNamed(const std::string& name)
       return model;
     }
   }
-  return name.empty() || name == "auto" ? std::optional(VelodyneModel::automatic) : std::nullopt;
+  return name.empty() || name == automatic_name ? std::optional(VelodyneModel::automatic)
+                                                : std::nullopt;
+}
+
+VelodyneModel givenVelodyneModel(const std::string& sensor)
+{
+  if (const auto model = velodyneModelNamed(sensor))
+  {
+    return *model;
+  }
+  throw UserError("--sensor " + sensor + ": is no Velodyne whose packets can be read; use " +
+                  velodyneModelNames() + ", or leave it out for a Hesai or an Ouster");
+}
+
+void describeVelodyneModel(OptionsVisitor& visitor,
+                           const char* key,
+                           VelodyneModel& model,
+                           const char* help)
+{
+  std::vector<std::string> words{automatic_name};
+  for (const auto& entry : models)
+  {
+    words.emplace_back(entry.second.name);
+  }
+  std::string word = model == VelodyneModel::automatic ? automatic_name : traitsOf(model).name;
+  visitor.word(key, word, words, help);
+  model = velodyneModelNamed(word).value_or(VelodyneModel::automatic);
 }
 
 std::string velodyneModelNames()

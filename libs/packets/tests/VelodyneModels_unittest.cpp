@@ -1,4 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/core/Config.h>
+#include <dyslam/core/Error.h>
+#include <dyslam/packets/PcapSource.h>
 #include <dyslam/packets/VelodyneModels.h>
 #include <dyslam/packets/VelodynePackets.h>
 #include <dyslam/packets/VelodyneScans.h>
@@ -82,10 +85,28 @@ TEST(VelodyneModels, NamesAndBytes)
   EXPECT_EQ(VelodyneModel::automatic, velodyneModelNamed(""));
   EXPECT_FALSE(velodyneModelNamed("OS1"));
   EXPECT_EQ("VLP16, VLP16HR, HDL32E, HDL64E, VLP32C or VLS128", velodyneModelNames());
+  EXPECT_EQ(VelodyneModel::hdl64e, givenVelodyneModel("HDL-64E"));
+  EXPECT_THROW((void)givenVelodyneModel("OS1"), UserError);
   EXPECT_EQ(VelodyneModel::hdl32e, velodyneModelOf(32, 0x21));
   EXPECT_EQ(VelodyneModel::vlp32c, velodyneModelOf(32, 0x28));
   EXPECT_EQ(VelodyneModel::hdl64e, velodyneModelOf(64, 0x28)) << "the number of lasers counts";
   EXPECT_FALSE(velodyneModelOf(17, 0x22));
+}
+
+TEST(VelodyneModels, OptionsKeepEachModel)
+{
+  for (const VelodyneModel model :
+       {VelodyneModel::automatic, VelodyneModel::vlp16, VelodyneModel::vlp16_hires,
+        VelodyneModel::hdl32e, VelodyneModel::hdl64e, VelodyneModel::vlp32c, VelodyneModel::vls128})
+  {
+    PcapSourceOptions written;
+    written.model = model;
+    Config config;
+    save(written, config, "pcap");
+    PcapSourceOptions read;
+    load(read, config, "pcap");
+    EXPECT_EQ(model, read.model);
+  }
 }
 
 TEST(VelodyneModels, PointsOfAVlp32c)

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <dyslam/core/Options.h>
 #include <mrpt/obs/VelodyneCalibration.h>
 
 #include <cstddef>
@@ -37,6 +38,14 @@ struct VelodyneTraits
 [[nodiscard]] const VelodyneTraits& traitsOf(VelodyneModel model);
 /** By the name, also with hyphens; nothing if it is unknown. "" and "auto": automatic. */
 [[nodiscard]] std::optional<VelodyneModel> velodyneModelNamed(const std::string& name);
+/** The model that an argument of --sensor names. \throws UserError for a name that is none of a
+ * Velodyne whose packets are read. */
+[[nodiscard]] VelodyneModel givenVelodyneModel(const std::string& sensor);
+/** A field of options: the names, and auto. */
+void describeVelodyneModel(OptionsVisitor& visitor,
+                           const char* key,
+                           VelodyneModel& model,
+                           const char* help);
 /** All names, for messages: "VLP16, HDL32E, ... or VLS128". */
 [[nodiscard]] std::string velodyneModelNames();
 /** By the last byte of the packets; nothing if it is unknown. An HDL-64E has no such byte. */
