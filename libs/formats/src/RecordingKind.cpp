@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/formats/RecordingKind.h>
 #include <dyslam/formats/ScanFiles.h>
+#include <dyslam/formats/TextFile.h>
 
 #include <algorithm>
 #include <filesystem>
@@ -20,44 +21,19 @@ bool hasFile(const fs::path& folder, bool (*wanted)(const std::string&))
                      [wanted](const auto& entry) { return wanted(entry.path().string()); });
 }
 
-bool isKittiFolder(const fs::path& folder)
+bool isKittiScan(const std::string& path)
 {
-  return fs::is_directory(folder / "velodyne") || fs::is_directory(folder / "velodyne_points");
+  return fs::path(path).extension() == ".bin";
 }
 
-/** By the official layouts, then by what lies beside the scans. */
-RecordingKind kittiKind(const fs::path& folder)
+bool isFolder(const std::string& path)
 {
-  if (fs::is_directory(folder / "velodyne_points"))
-  {
-    return RecordingKind::kitti_raw;
-  }
-  if (!hasFile(folder / "velodyne", isCloudFile) &&
-      hasFile(folder / "velodyne", [](const std::string& path) { return fs::is_directory(path); }))
-  {
-    return RecordingKind::kitti_tracking;  // a folder for each sequence
-  }
-  const fs::path path = fs::absolute(folder / "").lexically_normal().parent_path();
-  if (path.parent_path().filename() == "sequences")
-  {
-    return RecordingKind::kitti_odometry;
-  }
-  if (fs::exists(folder / "oxts.txt"))
-  {
-    return RecordingKind::kitti_raw;
-  }
-  return fs::is_directory(folder / "label_02") || fs::is_directory(folder / "oxts")
-             ? RecordingKind::kitti_tracking
-             : RecordingKind::kitti_odometry;
+  return fs::is_directory(path);
 }
 
-/** Argument of kitti2rawlog's --kind; empty for a recording that is no KITTI folder. */
-std::string kittiWord(RecordingKind kind)
+bool isNumberedFolder(const std::string& path)
 {
-  return kind == RecordingKind::kitti_odometry   ? "odometry"
-         : kind == RecordingKind::kitti_raw      ? "raw"
-         : kind == RecordingKind::kitti_tracking ? "tracking"
-                                                 : "";
+  return isFolder(path) && numberOfName(fs::path(path).filename().string(), "").has_value();
 }
 
 std::string firstMake(const std::string& program, const std::string& path)
@@ -68,6 +44,51 @@ std::string firstMake(const std::string& program, const std::string& path)
          ".rawlog";
 }
 }  // namespace
+
+std::string toString(KittiKind kind)
+{
+  return kind == KittiKind::odometry ? "odometry" : kind == KittiKind::raw ? "raw" : "tracking";
+}
+
+std::optional<KittiKind> officialKittiKind(const std::string& folder)
+{
+  // A relative path need not have the folder's parent in it.
+  const fs::path path = fs::absolute(fs::path(folder) / "").lexically_normal().parent_path();
+  if (hasFile(path / "velodyne_points" / "data", isKittiScan))
+  {
+    return KittiKind::raw;
+  }
+  if (hasFile(path / "velodyne", isKittiScan))
+  {
+    return path.parent_path().filename() == "sequences" ? std::optional(KittiKind::odometry)
+                                                        : std::nullopt;
+  }
+  return hasFile(path / "velodyne", isNumberedFolder) ? std::optional(KittiKind::tracking)
+                                                      : std::nullopt;
+}
+
+std::optional<KittiKind> kittiKindOf(const std::string& folder)
+{
+  if (const auto official = officialKittiKind(folder))
+  {
+    return official;
+  }
+  const fs::path path(folder);
+  const fs::path velodyne = path / "velodyne";
+  const bool has_raw_folder = fs::is_directory(path / "velodyne_points");
+  if (!has_raw_folder && !fs::is_directory(velodyne))
+  {
+    return std::nullopt;
+  }
+  if (has_raw_folder || fs::exists(path / "oxts.txt"))
+  {
+    return KittiKind::raw;
+  }
+  const bool has_sequences = !hasFile(velodyne, isCloudFile) && hasFile(velodyne, isFolder);
+  return has_sequences || fs::is_directory(path / "label_02") || fs::is_directory(path / "oxts")
+             ? KittiKind::tracking
+             : KittiKind::odometry;
+}
 
 bool isBagFile(const std::string& path)
 {
@@ -95,7 +116,7 @@ RecordingKind recordingKind(const std::string& path)
   }
   if (fs::is_directory(path))
   {
-    return isKittiFolder(path)          ? kittiKind(path)
+    return kittiKindOf(path)            ? RecordingKind::kitti
            : hasFile(path, isCloudFile) ? RecordingKind::scans
                                         : RecordingKind::unknown;
   }
@@ -105,8 +126,7 @@ RecordingKind recordingKind(const std::string& path)
 
 std::string conversionAdvice(const std::string& path)
 {
-  const RecordingKind kind = recordingKind(path);
-  switch (kind)
+  switch (recordingKind(path))
   {
     case RecordingKind::bag:
       return "is a ROS bag" + firstMake("scans2rawlog", path);
@@ -114,10 +134,9 @@ std::string conversionAdvice(const std::string& path)
       return "is a network capture" + firstMake("scans2rawlog", path);
     case RecordingKind::scans:
       return "is a folder of scans" + firstMake("scans2rawlog", path);
-    case RecordingKind::kitti_odometry:
-    case RecordingKind::kitti_raw:
-    case RecordingKind::kitti_tracking:
-      return "is a KITTI recording" + firstMake("kitti2rawlog --kind " + kittiWord(kind), path) +
+    case RecordingKind::kitti:
+      return "is a KITTI recording" +
+             firstMake("kitti2rawlog --kind " + toString(kittiKindOf(path).value()), path) +
              " (--kind is raw, odometry or tracking)";
     case RecordingKind::unknown:
       break;

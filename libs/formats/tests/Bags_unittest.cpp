@@ -339,6 +339,28 @@ TEST(Bags, AdviceForRecordings)
   EXPECT_TRUE(contains(conversionAdvice(folder.file("kitti")), "kitti2rawlog --kind odometry"));
 }
 
+TEST(Bags, OfficialLayoutsOfKitti)
+{
+  const TestFolder folder;
+  const auto kindOf = [&folder](const std::string& name)
+  { return officialKittiKind(folder.file(name)); };
+  folder.write("drive_sync/velodyne_points/data/1.bin", "");
+  EXPECT_EQ(KittiKind::raw, kindOf("drive_sync"));
+  folder.write("testing/velodyne/0000/1.bin", "");
+  EXPECT_EQ(KittiKind::tracking, kindOf("testing"));
+  folder.write("sequences/00/velodyne/1.bin", "");
+  EXPECT_EQ(KittiKind::odometry, kindOf("sequences/00"));
+  folder.write("plain/velodyne/1.bin", "");
+  EXPECT_FALSE(kindOf("plain"));
+  EXPECT_EQ(KittiKind::odometry, kittiKindOf(folder.file("plain")));
+  EXPECT_FALSE(kittiKindOf(folder.file("sequences")));
+  const WorkingFolder within(folder.file("sequences"));
+  EXPECT_EQ(KittiKind::odometry, officialKittiKind("00"));
+  EXPECT_EQ(KittiKind::odometry, officialKittiKind("00/"));
+  const WorkingFolder deeper("00");
+  EXPECT_EQ(KittiKind::odometry, officialKittiKind("."));
+}
+
 TEST(Bags, KindsOfRecordings)
 {
   const TestFolder folder;
@@ -355,16 +377,17 @@ TEST(Bags, KindsOfRecordings)
   folder.write("scans/1.pcd", "");
   EXPECT_EQ(RecordingKind::scans, kindOf("scans"));
   folder.write("drive_sync/velodyne_points/data/1.bin", "");
-  EXPECT_EQ(RecordingKind::kitti_raw, kindOf("drive_sync"));
+  EXPECT_EQ(RecordingKind::kitti, kindOf("drive_sync"));
+  EXPECT_EQ(KittiKind::raw, kittiKindOf(folder.file("drive_sync")));
   folder.write("plain/velodyne/1.bin", "");
-  EXPECT_EQ(RecordingKind::kitti_odometry, kindOf("plain"));
+  EXPECT_EQ(KittiKind::odometry, kittiKindOf(folder.file("plain")));
   folder.write("plain/oxts.txt", "");
-  EXPECT_EQ(RecordingKind::kitti_raw, kindOf("plain"));
+  EXPECT_EQ(KittiKind::raw, kittiKindOf(folder.file("plain")));
   folder.write("sequences/00/velodyne/1.bin", "");
   folder.write("sequences/00/oxts.txt", "");
-  EXPECT_EQ(RecordingKind::kitti_odometry, kindOf("sequences/00"));
-  EXPECT_EQ(RecordingKind::kitti_odometry, kindOf("sequences/00/"));
+  EXPECT_EQ(KittiKind::odometry, kittiKindOf(folder.file("sequences/00")));
+  EXPECT_EQ(KittiKind::odometry, kittiKindOf(folder.file("sequences/00/")));
   folder.write("testing/velodyne/0000/1.bin", "");
-  EXPECT_EQ(RecordingKind::kitti_tracking, kindOf("testing"));
+  EXPECT_EQ(KittiKind::tracking, kittiKindOf(folder.file("testing")));
 }
 }  // namespace dyslam

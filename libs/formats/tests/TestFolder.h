@@ -53,6 +53,22 @@ class TestFolder
   std::filesystem::path path_;
 };
 
+/** The folder that a test works in, until it ends. */
+class WorkingFolder
+{
+ public:
+  explicit WorkingFolder(const std::string& folder) : before_(std::filesystem::current_path())
+  {
+    std::filesystem::current_path(folder);
+  }
+  ~WorkingFolder() { std::filesystem::current_path(before_); }
+  WorkingFolder(const WorkingFolder&) = delete;
+  WorkingFolder& operator=(const WorkingFolder&) = delete;
+
+ private:
+  std::filesystem::path before_;
+};
+
 /** The message of the UserError that `call` throws; fails the test if it throws none. */
 template <typename Error, typename Call>
 std::string messageOfError(Call&& call)

@@ -2,6 +2,7 @@
 #include "KittiCalibFinder.h"
 
 #include <dyslam/core/Error.h>
+#include <dyslam/core/Files.h>
 
 namespace dyslam
 {
@@ -27,6 +28,12 @@ std::string firstExisting(const std::string& named, const std::vector<fs::path>&
   return {};
 }
 
+fs::path folderAbove(const fs::path& folder)
+{
+  const fs::path above = (folder / "..").lexically_normal();
+  return above.has_filename() ? above : above.parent_path();
+}
+
 KittiCalibFinder::KittiCalibFinder(const fs::path& input,
                                    const std::string& sequence,
                                    const KittiConverterOptions& options)
@@ -37,9 +44,10 @@ KittiCalibFinder::KittiCalibFinder(const fs::path& input,
 /** Folders that raw's three calibration files may lie in: the day's, or the drive's. */
 std::vector<fs::path> KittiCalibFinder::rawFolders() const
 {
-  const std::string day = input_.filename().string().substr(0, 10);  // of 2011_09_26_drive_0001
-  return {input_, input_.parent_path(), input_.parent_path() / day,
-          input_.parent_path().parent_path() / day};
+  const std::string day = nameOfFile(input_).substr(0, 10);  // of 2011_09_26_drive_0001
+  const fs::path above = folderAbove(input_);
+  return {input_, above, (above / day).lexically_normal(),
+          (folderAbove(above) / day).lexically_normal()};
 }
 
 void KittiCalibFinder::read()
@@ -71,7 +79,7 @@ std::string KittiCalibFinder::missingText(const std::string& for_what) const
 {
   if (options_.kind == KittiKind::raw)
   {
-    return input_.string() + ": neither " + input_.parent_path().string() +
+    return input_.string() + ": neither " + folderAbove(input_).string() +
            " nor the drive's folder has calib_cam_to_cam.txt, calib_velo_to_cam.txt and "
            "calib_imu_to_velo.txt, needed for " +
            for_what + "; put them there, or name their folder with --calib";

@@ -15,6 +15,9 @@ namespace dyslam
 [[nodiscard]] std::string firstExisting(const std::string& named,
                                         const std::vector<std::filesystem::path>& candidates);
 
+/** The folder that a folder is in, also of one that is given from within that: `..` of `.`. */
+[[nodiscard]] std::filesystem::path folderAbove(const std::filesystem::path& folder);
+
 /** The calibration of a KITTI recording, which is looked for when something needs it. */
 class KittiCalibFinder
 {

@@ -180,8 +180,8 @@ class LayoutReader
     std::vector<fs::path> candidates{input_ / "poses.txt"};
     if (options_.kind == KittiKind::odometry)
     {
-      const std::string sequence = input_.filename().string();
-      candidates.push_back(input_.parent_path().parent_path() / "poses" / (sequence + ".txt"));
+      const fs::path dataset = folderAbove(folderAbove(input_));
+      candidates.push_back((dataset / "poses" / (nameOfFile(input_) + ".txt")).lexically_normal());
     }
     const std::string path = firstExisting(options_.poses, candidates);
     if (path.empty())

@@ -51,33 +51,13 @@ std::vector<std::string> foldersIn(const fs::path& folder, const Wanted& wanted)
   return names;
 }
 
-/** The kind whose official layout the folder has, or nothing. */
-std::string kindOf(const fs::path& input)
+void requireKind(const std::string& input, KittiKind kind)
 {
-  if (hasScans(input / "velodyne_points" / "data"))
+  const auto found = officialKittiKind(input);
+  if (found && *found != kind)
   {
-    return "raw";
-  }
-  const bool scans = hasScans(input / "velodyne");
-  if (!scans && !foldersIn(input / "velodyne", allDigits).empty())
-  {
-    return "tracking";
-  }
-  return scans && input.parent_path().filename() == "sequences" ? "odometry" : "";
-}
-
-std::string nameOf(KittiKind kind)
-{
-  return kind == KittiKind::odometry ? "odometry" : kind == KittiKind::raw ? "raw" : "tracking";
-}
-
-void requireKind(const fs::path& input, KittiKind kind)
-{
-  const std::string found = kindOf(input);
-  if (!found.empty() && found != nameOf(kind))
-  {
-    throw UserError(input.string() + ": has the layout of KITTI " + found + "; use --kind " +
-                    found);
+    throw UserError(input + ": has the layout of KITTI " + toString(*found) + "; use --kind " +
+                    toString(*found));
   }
 }
 
@@ -102,7 +82,7 @@ std::string nearbyRecording(const fs::path& input)
   }
   for (const char* part : {"training", "testing"})
   {
-    if (kindOf(input / part) == "tracking")
+    if (officialKittiKind((input / part).string()) == KittiKind::tracking)
     {
       return "; give --kind tracking -i " + (input / part).string();
     }
@@ -151,7 +131,7 @@ void numberScans(std::vector<KittiLayout::Entry>& entries)
 
 KittiScans findKittiScans(const fs::path& input, const KittiConverterOptions& options)
 {
-  requireKind(input, options.kind);
+  requireKind(input.string(), options.kind);
   KittiScans scans;
   std::vector<fs::path> candidates;
   if (options.kind == KittiKind::raw)

@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <filesystem>
-#include <optional>
 #include <vector>
 
 namespace dyslam
@@ -14,22 +13,6 @@ namespace fs = std::filesystem;
 
 namespace
 {
-/** The kind of KITTI's layouts, or nothing for other recordings. */
-std::optional<KittiKind> kittiKindOf(RecordingKind kind)
-{
-  switch (kind)
-  {
-    case RecordingKind::kitti_odometry:
-      return KittiKind::odometry;
-    case RecordingKind::kitti_raw:
-      return KittiKind::raw;
-    case RecordingKind::kitti_tracking:
-      return KittiKind::tracking;
-    default:
-      return std::nullopt;
-  }
-}
-
 /** A file that is no rawlog and about which convertScans() says what to give instead. */
 bool isPartOfRecording(const std::string& file)
 {
@@ -117,8 +100,8 @@ std::string RecordingOptions::givenFlag() const
 
 RecordingConverter::RecordingConverter(const std::string& input)
     : input_(input),
-      kind_(recordingKind(input)),
-      needed_(kind_ != RecordingKind::unknown || isPartOfRecording(input))
+      kitti_(recordingKind(input) == RecordingKind::kitti ? kittiKindOf(input) : std::nullopt),
+      needed_(recordingKind(input) != RecordingKind::unknown || isPartOfRecording(input))
 {
   if (isRunFolder(input))
   {
@@ -132,18 +115,14 @@ RecordingConverter::RecordingConverter(const std::string& input)
 
 std::string RecordingConverter::program() const
 {
-  const auto kitti = kittiKindOf(kind_);
-  return !kitti                          ? "scans2rawlog"
-         : *kitti == KittiKind::odometry ? "kitti2rawlog --kind odometry"
-         : *kitti == KittiKind::raw      ? "kitti2rawlog --kind raw"
-                                         : "kitti2rawlog --kind tracking";
+  return kitti_ ? "kitti2rawlog --kind " + toString(*kitti_) : "scans2rawlog";
 }
 
 ConversionResult RecordingConverter::convert(const std::string& output,
                                              const RecordingOptions& options,
                                              const ConversionProgress& progress) const
 {
-  if (const auto kitti = kittiKindOf(kind_))
+  if (kitti_)
   {
     requireNone("--topic", options.topic, "a bag");
     requireNone("--imu-topic", options.imu_topic, "a bag");
@@ -153,7 +132,7 @@ ConversionResult RecordingConverter::convert(const std::string& output,
     requireNone("--sensor", options.sensor, "a .pcap, a bag or a folder of scans");
     requireNone("--calibration", options.calibration, "the packets of a .pcap or a bag");
     KittiConverterOptions of_kitti;
-    of_kitti.kind = *kitti;
+    of_kitti.kind = *kitti_;
     of_kitti.sensor_pose = options.sensor_pose;
     of_kitti.dt = options.dt;
     return convertKitti(input_, output, of_kitti, progress);

@@ -440,6 +440,28 @@ TEST(KittiConverter, AWrongKindIsNoticedAndTheRightOneNamed)
   EXPECT_TRUE(contains(message("object", KittiKind::tracking), "object/training"));
 }
 
+TEST(KittiConverter, AFolderIsGivenFromItsParent)
+{
+  const TestFolder folder;
+  writeBins(folder, "dataset/sequences/07/velodyne", 2);
+  folder.write("dataset/sequences/07/calib.txt", "Tr: 0 -1 0 0 0 0 -1 0 1 0 0 0\n");
+  folder.write("dataset/poses/07.txt", "1 0 0 0 0 1 0 0 0 0 1 0\n1 0 0 0 0 1 0 0 0 0 1 3\n");
+  const WorkingFolder within(folder.file("dataset/sequences"));
+  KittiConverterOptions options;
+  options.kind = KittiKind::raw;
+  const auto message = messageOfError<UserError>(
+      [&] { (void)convertKitti("07", folder.file("x.rawlog"), options); });
+  const auto result = convertKitti("07", folder.file("x.rawlog"), {});
+  EXPECT_EQ("07: has the layout of KITTI odometry; use --kind odometry", message);
+  EXPECT_EQ(2U, result.poses);
+  EXPECT_EQ("../poses/07.txt", result.pose_source);
+
+  (void)writeRawDrive(folder);
+  folder.write("2011_09_26/calib_imu_to_velo.txt", "R: 1 0 0 0 1 0 0 0 1\nT: 0 0 0\n");
+  const WorkingFolder day(folder.file("2011_09_26"));
+  EXPECT_EQ(2U, convertKitti("2011_09_26_drive_0001_sync", folder.file("x.rawlog"), options).poses);
+}
+
 TEST(KittiConverter, BoxesWithoutANumberGetOne)
 {
   const TestFolder folder;

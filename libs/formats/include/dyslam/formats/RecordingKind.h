@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <optional>
 #include <string>
 
 namespace dyslam
@@ -18,11 +19,24 @@ enum class RecordingKind
   unknown,  //!< a file that may be a rawlog, or a folder without a recording
   bag,
   capture,  //!< of a network
-  kitti_odometry,
-  kitti_raw,
-  kitti_tracking,
-  scans  //!< a folder of point clouds
+  kitti,    //!< a folder in one of KITTI's layouts, see kittiKindOf()
+  scans     //!< a folder of point clouds
 };
+
+/** KITTI's folder layouts. */
+enum class KittiKind
+{
+  odometry,  //!< velodyne/NNNNNN.bin, times.txt, calib.txt, poses of camera 0
+  raw,       //!< velodyne_points/data/NNNNNN.bin and timestamps, oxts/data, the day's calib files
+  tracking   //!< velodyne/NNNN/NNNNNN.bin, oxts/NNNN.txt, calib/NNNN.txt, label_02/NNNN.txt
+};
+/** "odometry", as an argument of kitti2rawlog's --kind. */
+[[nodiscard]] std::string toString(KittiKind kind);
+/** The kind whose official layout a folder has; nothing for any other folder. */
+[[nodiscard]] std::optional<KittiKind> officialKittiKind(const std::string& folder);
+/** The same, and of any other folder with `velodyne` the most likely kind by what lies beside it;
+ * nothing if it has none. */
+[[nodiscard]] std::optional<KittiKind> kittiKindOf(const std::string& folder);
 
 /** By name, and by what a folder holds. */
 [[nodiscard]] RecordingKind recordingKind(const std::string& path);

@@ -3,6 +3,7 @@
 
 #include <dyslam/core/Options.h>
 #include <dyslam/formats/PoseOrigin.h>
+#include <dyslam/formats/RecordingKind.h>
 #include <dyslam/formats/ScanFiles.h>
 #include <dyslam/io/ScanRange.h>
 
@@ -29,13 +30,6 @@ struct ConversionResult
   std::string ground_truth;        //!< sidecar folder; empty if there is no truth
   std::vector<std::string> notes;  //!< inputs that were found and used, a line each
   std::vector<std::string> warnings;
-};
-
-enum class KittiKind
-{
-  odometry,  //!< velodyne/NNNNNN.bin, times.txt, calib.txt, poses of camera 0
-  raw,       //!< velodyne_points/data/NNNNNN.bin and timestamps, oxts/data, the day's calib files
-  tracking   //!< velodyne/NNNN/NNNNNN.bin, oxts/NNNN.txt, calib/NNNN.txt, label_02/NNNN.txt
 };
 
 /** Whether scans are deskewed already; such scans are given point times of 0. */

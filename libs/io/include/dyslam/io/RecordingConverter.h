@@ -4,6 +4,7 @@
 #include <dyslam/formats/RecordingKind.h>
 #include <dyslam/io/Converters.h>
 
+#include <optional>
 #include <string>
 
 namespace dyslam
@@ -44,7 +45,7 @@ class RecordingConverter
 
  private:
   std::string input_;
-  RecordingKind kind_;
+  std::optional<KittiKind> kitti_;  //!< nothing: no KITTI recording
   bool needed_;
 };
 }  // namespace dyslam
