@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/core/Angle.h>
 #include <dyslam/core/Error.h>
 #include <dyslam/core/Files.h>
 #include <dyslam/packets/HesaiPackets.h>
 
 #include <array>
-#include <cmath>
 #include <fstream>
 #include <sstream>
 
@@ -12,8 +12,6 @@ namespace dyslam
 {
 namespace
 {
-constexpr double radians_per_degree = M_PI / 180;
-
 // Angles of the lasers [deg] after the maker's angle correction files of each model.
 constexpr std::array<double, 40> pandar40_elevations{
     15,    11,    8,     5,  3,     2,     1.67, 1.33,  1,     0.67, 0.33,  0,     -0.33, -0.67,
