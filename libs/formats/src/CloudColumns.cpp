@@ -54,6 +54,13 @@ double cloudNumber(std::string_view word, const std::string& path)
   return *value;
 }
 
+std::uint16_t ringNumber(double value)
+{
+  constexpr double highest = 65535;
+  return std::isfinite(value) ? static_cast<std::uint16_t>(std::clamp(value, 0.0, highest))
+                              : std::uint16_t{0};
+}
+
 template <typename Names>
 void CloudColumns::offer(Role role, const Names& names, const std::string& name, CloudNumber type)
 {
@@ -145,13 +152,10 @@ void CloudColumns::fillTimes(FieldConventions& conventions, Scan& scan) const
 
 void CloudColumns::fillRings(FieldConventions& conventions, Scan& scan) const
 {
-  constexpr double highest_ring = 65535;
   const Column& column = columns_[ring];
   for (const double value : column.values)
   {
-    scan.ring.push_back(std::isfinite(value)
-                            ? static_cast<std::uint16_t>(std::clamp(value, 0.0, highest_ring))
-                            : std::uint16_t{0});
+    scan.ring.push_back(ringNumber(value));
   }
   if (!scan.ring.empty())
   {

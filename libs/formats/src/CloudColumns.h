@@ -93,6 +93,8 @@ class CloudColumns
 [[nodiscard]] double cloudNumber(const char* bytes, CloudNumber type);
 /** \param path of the file, for messages. \throws UserError if it is not a number. */
 [[nodiscard]] double cloudNumber(std::string_view word, const std::string& path);
+/** The ring that the number of a field is: whole, 0 to 65535; 0 if it is not finite. */
+[[nodiscard]] std::uint16_t ringNumber(double value);
 /** The words of a line, parted by blanks. */
 [[nodiscard]] std::vector<std::string_view> cloudWords(std::string_view line);
 }  // namespace dyslam

@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <algorithm>
-
 #include "FieldNames.h"
 #include "RosCloud2.h"
 
@@ -9,7 +7,6 @@ namespace dyslam
 /** Ouster's `intensity` counts photons without limit; its `reflectivity` is calibrated. */
 void RosScanDecoder::fillIntensity(const Cloud2& cloud, Scan& scan)
 {
-  constexpr double limit = 255;
   const PointField* field = cloud.findAny(intensity_names);
   const PointField* calibrated = cloud.find(calibrated_intensity_name);
   if (field == nullptr || scan.points.empty())
@@ -31,7 +28,7 @@ void RosScanDecoder::fillIntensity(const Cloud2& cloud, Scan& scan)
   scan.intensity.reserve(values.size());
   for (const double value : values)
   {
-    scan.intensity.push_back(static_cast<float>(std::min(value, limit)));
+    scan.intensity.push_back(static_cast<float>(value));
   }
 }
 
@@ -72,7 +69,7 @@ void RosScanDecoder::fillRings(const Cloud2& cloud, Scan& scan)
   {
     const double ring =
         field != nullptr ? cloud.value(*field, i) : static_cast<double>(i / cloud.width);
-    scan.ring.push_back(static_cast<std::uint16_t>(ring > 0 ? std::min(ring, 65535.0) : 0.0));
+    scan.ring.push_back(ringNumber(ring));
   }
   conventions_.orderRings(field != nullptr ? "field " + field->name : "rows of the cloud", scan,
                           field == nullptr);

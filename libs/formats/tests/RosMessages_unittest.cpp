@@ -114,6 +114,25 @@ TEST(RosScans, OusterCountsRingsFromTheHighest)
   EXPECT_TRUE(contains(decoder.notes()[2], "reversed"));
 }
 
+TEST(RosScans, IntensitiesAndRingsAsInFiles)
+{
+  const Scan scan = sweepOf(50);
+  constexpr double infinity = std::numeric_limits<double>::infinity();
+  auto fields = coordinates(scan);
+  fields.push_back(
+      {"intensity", 7, mapped(scan, [](std::size_t i) { return i == 1 ? 3000.0 : 51.0; })});
+  fields.push_back({"ring", 7,
+                    mapped(scan,
+                           [](std::size_t i) {
+                             return i == 0 ? infinity : i == 1 ? -1.0 : static_cast<double>(i % 4);
+                           })});
+  RosScanDecoder decoder;
+  const Scan read = decoded(decoder, fields);
+  EXPECT_EQ(3000, read.intensity.at(1)) << "the converters limit them";
+  EXPECT_EQ(0, read.ring.at(0));
+  EXPECT_EQ(0, read.ring.at(1));
+}
+
 /** Of a lidar with 32 rings, numbered from the highest, the lowest has no return in the first scan,
  * or is not in the cloud at all. */
 TEST(RosScans, RingsThatAreMissingInTheFirstScanCount)

@@ -7,6 +7,8 @@
 #include <dyslam/io/RawlogSource.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "BagWriters.h"
 #include "SyntheticHesai.h"
 #include "SyntheticOuster.h"
@@ -173,6 +175,23 @@ TEST(BagConverter, ChoosesTheTopicThatLooksMostLikeTheLidars)
   options.skip_first_n = 1;
   options.only_first_n = 2;
   EXPECT_EQ(2U, convertScans(folder.file("x.bag"), folder.file("x.rawlog"), options).scans);
+}
+
+TEST(BagConverter, BrightIntensitiesAreLimitedAsInFiles)
+{
+  const TestFolder folder;
+  Scan scan = scanWithTimes(0);
+  scan.intensity.assign(scan.size(), 51);
+  scan.intensity.back() = 3000;
+  test::writeBag(folder.file("x.bag"),
+                 {{"/points", "sensor_msgs/PointCloud2", scan.stamp,
+                   test::pointCloud2(false, scan.stamp, test::velodyneFields(scan))}});
+  const auto result = convertScans(folder.file("x.bag"), folder.file("x.rawlog"), {});
+  EXPECT_EQ(1, std::count(result.notes.begin(), result.notes.end(),
+                          "intensity: field intensity, limited to 255"));
+  const auto frames = readAll(folder.file("x.rawlog"));
+  EXPECT_NEAR(0.2F, frames.at(0).scan.intensity.at(0), 1e-6);
+  EXPECT_EQ(1, frames[0].scan.intensity.back());
 }
 
 TEST(BagConverter, Errors)

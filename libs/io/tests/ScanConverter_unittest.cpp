@@ -239,7 +239,9 @@ TEST(ScanConverter, BrightIntensitiesAreLimitedAndScaledOnce)
   {
     writePcd(folder.file(std::string("in/") + name + ".pcd"), scan.points, scan.intensity);
   }
-  (void)convertScans(folder.file("in"), folder.file("x.rawlog"), ScanConverterOptions{});
+  const auto result = convertScans(folder.file("in"), folder.file("x.rawlog"), {});
+  EXPECT_EQ(1, std::count(result.notes.begin(), result.notes.end(),
+                          "intensity: field intensity, limited to 255"));
   for (const auto& frame : readAll(folder.file("x.rawlog")))
   {
     ASSERT_EQ(3U, frame.scan.intensity.size());

@@ -33,8 +33,8 @@ class FieldConventions
 {
  public:
   /** Name of the field to take intensities from: `usual`, or `calibrated` if the usual one exceeds
-   * 255, as a count of photons does. A later scan may lack it. \param values of the usual field
-   * \param calibrated empty: none */
+   * 255, as a count of photons does. A later scan may lack it. The converters limit the values to
+   * 255, the readers do not. \param values of the usual field \param calibrated empty: none */
   [[nodiscard]] const std::string& intensityField(const std::string& usual,
                                                   const std::string& calibrated,
                                                   const std::vector<double>& values);
