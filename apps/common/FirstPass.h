@@ -4,6 +4,7 @@
 #pragma once
 
 #include <dyslam/core/Error.h>
+#include <dyslam/core/Files.h>
 
 #include <filesystem>
 #include <string>
@@ -38,17 +39,12 @@ inline SlamArguments firstPassArguments(const SlamArguments& a)
 /** Removes the label files in a folder, and nothing else. */
 inline void removeLabels(const std::filesystem::path& folder)
 {
-  std::vector<std::filesystem::path> files;
-  for (const auto& entry : std::filesystem::directory_iterator(folder))
+  for (const auto& entry : entriesOf(folder))
   {
     if (entry.path().extension() == ".label")
     {
-      files.push_back(entry.path());
+      std::filesystem::remove(entry.path());
     }
-  }
-  for (const auto& file : files)
-  {
-    std::filesystem::remove(file);
   }
 }
 
@@ -101,7 +97,7 @@ inline std::string keepLabelsOfFirstPass(const std::string& output)
     }
     fs::create_directories(kept);
     removeLabels(kept);
-    for (const auto& entry : fs::directory_iterator(made))
+    for (const auto& entry : entriesOf(made))
     {
       fs::rename(entry.path(), kept / entry.path().filename());
     }

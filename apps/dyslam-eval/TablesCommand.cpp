@@ -2,10 +2,10 @@
 #include "TablesCommand.h"
 
 #include <dyslam/core/Error.h>
+#include <dyslam/core/Files.h>
 #include <dyslam/core/PendingFile.h>
 #include <dyslam/core/Version.h>
 
-#include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <iostream>
@@ -51,20 +51,6 @@ std::vector<RunColumn> columnsOf(const std::vector<std::string>& texts, const st
     columns.push_back({text.substr(0, equals), text.substr(equals + 1)});
   }
   return columns;
-}
-
-std::vector<std::string> foldersIn(const fs::path& folder)
-{
-  std::vector<std::string> names;
-  for (const auto& entry : fs::directory_iterator(folder))
-  {
-    if (entry.is_directory())
-    {
-      names.push_back(entry.path().filename().string());
-    }
-  }
-  std::sort(names.begin(), names.end());
-  return names;
 }
 
 /** Every folder with runs in it is a drive. */

@@ -2,6 +2,7 @@
 #include "TrackFiles.h"
 
 #include <dyslam/core/Error.h>
+#include <dyslam/core/Files.h>
 #include <dyslam/core/Options.h>
 #include <dyslam/formats/LabelFiles.h>
 #include <dyslam/formats/TextFile.h>
@@ -65,7 +66,7 @@ using PointCounts = std::map<std::pair<int, int>, int>;
 PointCounts pointCounts(const std::string& labels_folder)
 {
   PointCounts counts;
-  for (const auto& entry : fs::directory_iterator(labels_folder))
+  for (const auto& entry : entriesOf(labels_folder))
   {
     const auto frame = numberOfName(entry.path().filename().string(), ".label");
     if (!frame)

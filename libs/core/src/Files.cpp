@@ -2,10 +2,10 @@
 #include <dyslam/core/Error.h>
 #include <dyslam/core/Files.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <cstring>
-#include <filesystem>
-#include <vector>
+#include <system_error>
 
 namespace dyslam
 {
@@ -26,6 +26,18 @@ fs::path resolved(const std::string& path)
   const fs::path absolute = fs::absolute(path, error);
   fs::path canonical = fs::weakly_canonical(absolute, error);
   return error ? absolute.lexically_normal() : canonical;
+}
+
+/** By name. \param error gets the reason if they cannot be read, or not all of them */
+std::vector<fs::directory_entry> readEntries(const fs::path& folder, std::error_code& error)
+{
+  std::vector<fs::directory_entry> entries;
+  for (fs::directory_iterator it(folder, error), end; !error && it != end; it.increment(error))
+  {
+    entries.push_back(*it);
+  }
+  std::sort(entries.begin(), entries.end());
+  return entries;
 }
 }  // namespace
 
@@ -109,5 +121,36 @@ void makeFolder(const std::string& path, const std::string& advice)
                     (error ? ": " + error.message() : std::string(": a file is in the way")) +
                     hintOf(advice));
   }
+}
+
+std::vector<fs::directory_entry> entriesOf(const fs::path& folder)
+{
+  std::error_code error;
+  auto entries = readEntries(folder, error);
+  if (error)
+  {
+    throw UserError(folder.string() + ": cannot be read: " + error.message());
+  }
+  return entries;
+}
+
+std::vector<fs::directory_entry> entriesIfReadable(const fs::path& folder)
+{
+  std::error_code ignored;
+  return readEntries(folder, ignored);
+}
+
+std::vector<std::string> foldersIn(const fs::path& folder)
+{
+  std::vector<std::string> names;
+  for (const fs::directory_entry& entry : entriesOf(folder))
+  {
+    std::error_code ignored;
+    if (entry.is_directory(ignored))
+    {
+      names.push_back(entry.path().filename().string());
+    }
+  }
+  return names;
 }
 }  // namespace dyslam

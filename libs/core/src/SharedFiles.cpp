@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/core/Config.h>
 #include <dyslam/core/Error.h>
+#include <dyslam/core/Files.h>
 #include <dyslam/core/SharedFiles.h>
 
 #include <cstdlib>
@@ -67,8 +68,7 @@ std::vector<std::string> sharedFiles(const std::string& folder, const std::strin
   std::map<std::string, std::string> by_name;
   for (const auto& shared : sharedFolders())
   {
-    std::error_code ignored;
-    for (const auto& entry : fs::directory_iterator(shared / folder, ignored))
+    for (const auto& entry : entriesIfReadable(shared / folder))
     {
       if (entry.path().extension() == extension)
       {

@@ -1,10 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/core/Error.h>
 #include <dyslam/core/Files.h>
 #include <dyslam/core/PendingFile.h>
 #include <gtest/gtest.h>
 #include <unistd.h>
 
 #include <filesystem>
+#include <fstream>
+#include <string>
+#include <vector>
 
 namespace dyslam
 {
@@ -12,7 +16,7 @@ namespace
 {
 namespace fs = std::filesystem;
 
-class Files : public testing::Test
+class FilePaths : public testing::Test
 {
  protected:
   void SetUp() override
@@ -33,7 +37,7 @@ class Files : public testing::Test
   fs::path folder_;
 };
 
-TEST_F(Files, PathsAreComparedWithLinksFollowed)
+TEST_F(FilePaths, PathsAreComparedWithLinksFollowed)
 {
   for (const char* same : {"in/a", "in/../in/./a", "file_link", "folder_link/a"})
   {
@@ -47,7 +51,7 @@ TEST_F(Files, PathsAreComparedWithLinksFollowed)
   EXPECT_FALSE(isSamePath(std::string(100000, 'x'), path("in/a")));
 }
 
-TEST_F(Files, AFolderHasItselfAndAllBelow)
+TEST_F(FilePaths, AFolderHasItselfAndAllBelow)
 {
   for (const char* within : {"in", "in/a", "in/new/file", "folder_link/a", "file_link", "./in/."})
   {
@@ -59,6 +63,63 @@ TEST_F(Files, AFolderHasItselfAndAllBelow)
     EXPECT_FALSE(isWithin(path(outside), path("in"))) << outside;
   }
   EXPECT_FALSE(isWithin("", path("in")));
+}
+class FolderEntries : public testing::Test
+{
+ protected:
+  FolderEntries()
+  {
+    const auto* test = testing::UnitTest::GetInstance()->current_test_info();
+    folder_ = fs::path(testing::TempDir()) / ("dyslam_files_" + std::string(test->name()));
+    fs::remove_all(folder_);
+    for (const char* name : {"b", "c", "a"})
+    {
+      fs::create_directories(folder_ / name);
+    }
+    std::ofstream(folder_ / "b.txt") << "x";
+    fs::create_symlink("nowhere", folder_ / "link");
+  }
+  ~FolderEntries() override { fs::remove_all(folder_); }
+
+  fs::path folder_;
+};
+
+std::vector<std::string> namesOf(const std::vector<fs::directory_entry>& entries)
+{
+  std::vector<std::string> names;
+  for (const fs::directory_entry& entry : entries)
+  {
+    names.push_back(entry.path().filename().string());
+  }
+  return names;
+}
+
+TEST_F(FolderEntries, EntriesComeByName)
+{
+  const std::vector<std::string> expected{"a", "b", "b.txt", "c", "link"};
+  EXPECT_EQ(namesOf(entriesOf(folder_)), expected);
+  EXPECT_EQ(namesOf(entriesIfReadable(folder_)), expected);
+  EXPECT_EQ(foldersIn(folder_), (std::vector<std::string>{"a", "b", "c"}));
+  EXPECT_TRUE(entriesOf(folder_ / "a").empty());
+}
+
+TEST_F(FolderEntries, WhatCannotBeListedIsAnErrorThatNamesIt)
+{
+  for (const fs::path& path : {folder_ / "b.txt", folder_ / "none"})
+  {
+    EXPECT_TRUE(entriesIfReadable(path).empty());
+    EXPECT_THROW((void)foldersIn(path), UserError);
+    try
+    {
+      (void)entriesOf(path);
+      ADD_FAILURE() << path;
+    }
+    catch (const UserError& error)
+    {
+      EXPECT_EQ(std::string(error.what()).rfind(path.string() + ": cannot be read: ", 0), 0U)
+          << error.what();
+    }
+  }
 }
 }  // namespace
 }  // namespace dyslam

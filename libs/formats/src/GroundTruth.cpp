@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/core/Config.h>
 #include <dyslam/core/Error.h>
+#include <dyslam/core/Files.h>
 #include <dyslam/core/PendingFile.h>
 #include <dyslam/core/Printable.h>
 #include <dyslam/formats/GroundTruth.h>
@@ -130,15 +131,13 @@ GroundTruthWriter::GroundTruthWriter(const std::string& folder) : folder_(folder
   // Only files of our own naming: the folder might hold someone's notes.
   for (const char* sub : {"labels", "flow"})
   {
-    const fs::path path = fs::path(folder) / sub;
-    std::error_code error;
-    for (fs::directory_iterator it(path, error), end; !error && it != end; it.increment(error))
+    for (const auto& entry : entriesIfReadable(fs::path(folder) / sub))
     {
-      const auto extension = it->path().extension();
+      const auto extension = entry.path().extension();
       if (extension == ".label" || extension == ".flow")
       {
         std::error_code ignored;
-        fs::remove(it->path(), ignored);
+        fs::remove(entry.path(), ignored);
       }
     }
   }

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/core/Error.h>
+#include <dyslam/core/Files.h>
 #include <dyslam/formats/KittiFiles.h>
 #include <dyslam/formats/TextFile.h>
 #include <dyslam/formats/TrajectoryFiles.h>
@@ -287,7 +288,7 @@ std::vector<OxtsReading> readOxts(const std::string& file_or_folder)
     folder = fs::is_directory(folder / sub) ? folder / sub : folder;
   }
   std::vector<std::string> names;
-  for (const auto& entry : fs::directory_iterator(folder))
+  for (const auto& entry : entriesOf(folder))
   {
     const std::string stem = entry.path().stem().string();
     if (entry.path().extension() == ".txt" &&

@@ -137,7 +137,7 @@ std::vector<std::string> listFiles(const std::string& folder,
     throw UserError(folder + ": no such folder");
   }
   std::vector<std::string> files;
-  for (const auto& entry : fs::directory_iterator(folder))
+  for (const auto& entry : entriesOf(folder))
   {
     if (entry.is_regular_file() && wanted(entry.path().string()))
     {
@@ -304,23 +304,19 @@ bool isCloudFile(const std::string& path)
 
 namespace
 {
-/** A folder within that has scans; empty: none. */
+/** The first folder within that has scans; empty: none. */
 std::string folderWithin(const std::string& folder)
 {
-  std::vector<std::string> found;
-  std::error_code unreadable;
-  for (const auto& entry : std::filesystem::directory_iterator(folder, unreadable))
+  for (const auto& entry : entriesIfReadable(folder))
   {
-    for (const auto& file : std::filesystem::directory_iterator(entry.path(), unreadable))
+    const auto files = entriesIfReadable(entry.path());
+    if (std::any_of(files.begin(), files.end(),
+                    [](const auto& file) { return isCloudFile(file.path().string()); }))
     {
-      if (isCloudFile(file.path().string()))
-      {
-        found.push_back(entry.path().string());
-        break;
-      }
+      return entry.path().string();
     }
   }
-  return found.empty() ? "" : *std::min_element(found.begin(), found.end());
+  return "";
 }
 }  // namespace
 

@@ -2,11 +2,13 @@
 #include "KittiScans.h"
 
 #include <dyslam/core/Error.h>
+#include <dyslam/core/Files.h>
 #include <dyslam/formats/RecordingKind.h>
 #include <dyslam/formats/ScanFiles.h>
 
 #include <algorithm>
 #include <limits>
+#include <iterator>
 
 namespace dyslam
 {
@@ -20,34 +22,33 @@ bool allDigits(const std::string& text)
          text.find_first_not_of("0123456789") == std::string::npos;
 }
 
+bool isFolder(const fs::path& path)
+{
+  std::error_code ignored;
+  return fs::is_directory(path, ignored);
+}
+
 bool hasScans(const fs::path& folder)
 {
-  if (!fs::is_directory(folder))
+  if (!isFolder(folder))
   {
     return false;
   }
-  const auto files = fs::directory_iterator(folder);
-  return std::any_of(begin(files), end(files),
+  const auto files = entriesOf(folder);
+  return std::any_of(files.begin(), files.end(),
                      [](const auto& entry) { return entry.path().extension() == ".bin"; });
 }
 
-/** Names of the folders in a folder that `wanted` takes, sorted. */
+/** Names of the folders in a folder that `wanted` takes, sorted; none if it is not there. */
 template <typename Wanted>
-std::vector<std::string> foldersIn(const fs::path& folder, const Wanted& wanted)
+std::vector<std::string> foldersThat(const Wanted& wanted, const fs::path& folder)
 {
   std::vector<std::string> names;
-  if (fs::is_directory(folder))
+  if (isFolder(folder))
   {
-    for (const auto& entry : fs::directory_iterator(folder))
-    {
-      const std::string name = entry.path().filename().string();
-      if (entry.is_directory() && wanted(name))
-      {
-        names.push_back(name);
-      }
-    }
+    const std::vector<std::string> all = foldersIn(folder);
+    std::copy_if(all.begin(), all.end(), std::back_inserter(names), wanted);
   }
-  std::sort(names.begin(), names.end());
   return names;
 }
 
@@ -66,16 +67,17 @@ std::string nearbyRecording(const fs::path& input)
 {
   for (const fs::path& root : {input / "sequences", input / "dataset" / "sequences"})
   {
-    const auto sequences = foldersIn(
-        root, [&root](const std::string& name) { return hasScans(root / name / "velodyne"); });
+    const auto sequences = foldersThat(
+        [&root](const std::string& name) { return hasScans(root / name / "velodyne"); }, root);
     if (!sequences.empty())
     {
       return "; give one of its sequences, such as --kind odometry -i " +
              (root / sequences.front()).string();
     }
   }
-  const auto drives = foldersIn(input, [&input](const std::string& name)
-                                { return hasScans(input / name / "velodyne_points" / "data"); });
+  const auto drives = foldersThat([&input](const std::string& name)
+                                  { return hasScans(input / name / "velodyne_points" / "data"); },
+                                  input);
   if (!drives.empty())
   {
     return "; give one of its drives, such as --kind raw -i " + (input / drives.front()).string();
@@ -96,7 +98,7 @@ std::string findSequence(const fs::path& input, const std::string& asked)
   {
     return asked;
   }
-  const auto names = foldersIn(input / "velodyne", allDigits);
+  const auto names = foldersThat(allDigits, input / "velodyne");
   if (names.size() > 1)
   {
     throw UserError(input.string() + ": holds " + std::to_string(names.size()) +

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/core/Error.h>
+#include <dyslam/core/Files.h>
 #include <dyslam/formats/ScanFiles.h>
 #include <dyslam/io/RecordingConverter.h>
 
-#include <algorithm>
 #include <filesystem>
 #include <vector>
 
@@ -17,20 +17,6 @@ namespace
 bool isPartOfRecording(const std::string& file)
 {
   return isCloudFile(file) || fs::path(file).filename() == "metadata.yaml";
-}
-
-/** The files and folders in a folder, sorted; none if it cannot be read. */
-std::vector<fs::path> contentOfFolder(const fs::path& folder)
-{
-  std::vector<fs::path> paths;
-  std::error_code unreadable;
-  for (fs::directory_iterator it(folder, unreadable), end; !unreadable && it != end;
-       it.increment(unreadable))
-  {
-    paths.push_back(it->path());
-  }
-  std::sort(paths.begin(), paths.end());
-  return paths;
 }
 
 /** Whether a folder has the results of a run: the clouds in it are its maps, no scans. */
@@ -53,11 +39,11 @@ std::string recordingWithin(const fs::path& folder)
 {
   for (const fs::path& root : {folder, folder / "sequences", folder / "dataset" / "sequences"})
   {
-    for (const fs::path& path : contentOfFolder(root))
+    for (const auto& entry : entriesIfReadable(root))
     {
-      const std::string name = path.string();
+      const std::string name = entry.path().string();
       if (lowerExtension(name) == ".rawlog" ||
-          (recordingKind(name) != RecordingKind::unknown && !isRunFolder(path)))
+          (recordingKind(name) != RecordingKind::unknown && !isRunFolder(name)))
       {
         return name;
       }

@@ -304,13 +304,12 @@ std::vector<std::string> ousterMetadataBeside(const std::string& capture)
   const fs::path folder = path.has_parent_path() ? path.parent_path() : fs::path(".");
   const std::string stem = path.stem().string();
   std::vector<std::pair<std::size_t, std::string>> files;  // behind what the name has in common
-  std::error_code unreadable;
-  for (fs::directory_iterator it(folder, unreadable), end; !unreadable && it != end;
-       it.increment(unreadable))
+  for (const auto& entry : entriesIfReadable(folder))
   {
-    if (lowerExtension(it->path().string()) == ".json" && isOusterMetadata(it->path()))
+    const fs::path& file = entry.path();
+    if (lowerExtension(file.string()) == ".json" && isOusterMetadata(file))
     {
-      files.emplace_back(commonPrefix(it->path().stem().string(), stem), it->path().string());
+      files.emplace_back(commonPrefix(file.stem().string(), stem), file.string());
     }
   }
   std::sort(files.begin(), files.end(),

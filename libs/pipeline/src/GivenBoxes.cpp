@@ -2,6 +2,7 @@
 #include "GivenBoxes.h"
 
 #include <dyslam/core/Error.h>
+#include <dyslam/core/Files.h>
 #include <dyslam/formats/KittiTracks.h>
 #include <dyslam/formats/TextFile.h>
 #include <dyslam/formats/TrackFiles.h>
@@ -21,7 +22,7 @@ std::vector<LabelledBox> readFolder(const std::string& folder,
                                     const std::optional<Pose>& T_cam_velo)
 {
   std::map<int, std::string> files;
-  for (const auto& entry : fs::directory_iterator(folder))
+  for (const auto& entry : entriesOf(folder))
   {
     if (const auto scan = numberOfName(entry.path().filename().string(), ".txt"))
     {

@@ -14,12 +14,11 @@ namespace
 std::vector<fs::path> filesWith(const std::string& extension, const fs::path& folder)
 {
   std::vector<fs::path> files;
-  std::error_code error;
-  for (fs::directory_iterator it(folder, error), end; !error && it != end; it.increment(error))
+  for (const auto& entry : entriesIfReadable(folder))
   {
-    if (it->path().extension() == extension)
+    if (entry.path().extension() == extension)
     {
-      files.push_back(it->path());
+      files.push_back(entry.path());
     }
   }
   return files;

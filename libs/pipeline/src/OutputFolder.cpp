@@ -17,17 +17,6 @@ namespace
 {
 constexpr const char* advice = "choose another --output";
 
-std::vector<fs::path> filesIn(const fs::path& folder)
-{
-  std::vector<fs::path> files;
-  std::error_code error;
-  for (fs::directory_iterator it(folder, error), end; !error && it != end; it.increment(error))
-  {
-    files.push_back(it->path());
-  }
-  return files;
-}
-
 bool isNumbered(const fs::path& file, const std::string& extension)
 {
   const std::string stem = file.stem().string();
@@ -46,8 +35,9 @@ void removeFile(const fs::path& file)
 
 void removeNumbered(const fs::path& folder, const std::string& extension)
 {
-  for (fs::path file : filesIn(folder))
+  for (const auto& entry : entriesIfReadable(folder))
   {
+    fs::path file = entry.path();
     if (file.extension() == ".tmp")
     {
       file.replace_extension();
@@ -81,7 +71,7 @@ bool isTaken(const fs::path& base, const OutputName& name)
 {
   const fs::path path = base / name.name;
   std::error_code ignored;
-  return fs::is_directory(path, ignored) ? !filesIn(path).empty()
+  return fs::is_directory(path, ignored) ? !entriesIfReadable(path).empty()
                                          : fs::exists(fs::symlink_status(path, ignored));
 }
 

@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <filesystem>
 #include <fstream>
 #include <string>
+#include <vector>
 
 namespace dyslam
 {
@@ -23,4 +25,13 @@ void requireReadable(const std::istream& file, const std::string& path);
 [[nodiscard]] bool isWithin(const std::string& path, const std::string& folder);
 /** Makes a folder and its parents, if it is not there. \throws UserError. */
 void makeFolder(const std::string& path, const std::string& advice = "");
+
+/** The files and folders in a folder, by name. \throws UserError if it cannot be read. */
+[[nodiscard]] std::vector<std::filesystem::directory_entry> entriesOf(
+    const std::filesystem::path& folder);
+/** The same; none if the folder is not there or cannot be read. */
+[[nodiscard]] std::vector<std::filesystem::directory_entry> entriesIfReadable(
+    const std::filesystem::path& folder);
+/** Names of the folders in a folder, sorted. \throws UserError if it cannot be read. */
+[[nodiscard]] std::vector<std::string> foldersIn(const std::filesystem::path& folder);
 }  // namespace dyslam
