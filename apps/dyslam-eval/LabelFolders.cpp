@@ -20,26 +20,25 @@ namespace
 {
 namespace fs = std::filesystem;
 
-/** `.label` files by name, in the folder or its subfolder `labels`. */
+/** `.label` files by name, in the folder's `labels` or the folder itself. */
 std::map<std::string, std::string> labelFiles(const std::string& folder)
 {
   if (!fs::is_directory(folder))
   {
     throw UserError(folder + ": is not a folder");
   }
-  const fs::path inner = fs::path(folder) / "labels";
+  const auto labels = labelFolderOf(folder);
+  if (!labels)
+  {
+    throw UserError(folder + ": has no .label files");
+  }
   std::map<std::string, std::string> files;
-  for (const auto& entry :
-       fs::directory_iterator(fs::is_directory(inner) ? inner : fs::path(folder)))
+  for (const auto& entry : entriesOf(*labels))
   {
     if (entry.path().extension() == ".label")
     {
       files[entry.path().stem().string()] = entry.path().string();
     }
-  }
-  if (files.empty())
-  {
-    throw UserError(folder + ": has no .label files");
   }
   return files;
 }

@@ -493,6 +493,21 @@ TEST_F(BadInput, FoldersOfRuns)
   EXPECT_EQ(run("dyslam-eval", "run " + at("odd")).code, 0);
 }
 
+TEST_F(BadInput, FoldersOfLabels)
+{
+  const std::string two_labels("\0\0\0\0\0\0\0\0", 8);
+  write("beside/000000.label", two_labels);
+  fs::create_directories(at("beside/labels"));
+  write("within/labels/000000.label", two_labels);
+  const Outcome same = run(
+      "dyslam-eval", "segmentation --reference " + at("within") + " --estimate " + at("beside"));
+  EXPECT_EQ(same.code, 0) << "an empty folder of labels is none: " << same.err;
+  fs::create_directories(at("unlabelled/labels"));
+  expectRefusal("dyslam-eval",
+                "segmentation --reference " + at("within") + " --estimate " + at("unlabelled"),
+                {"unlabelled: has no .label files"});
+}
+
 TEST_F(BadInput, ScansToConvert)
 {
   fs::create_directories(at("none_inside"));

@@ -64,7 +64,7 @@ TEST(OutputSafety, LabelsThatARunReadsStay)
   const std::string run = slam(folder.file("run")) + "--labels";
   ASSERT_EQ(0, runProgram("dyslam", run, folder.path()).code);
   expectRefusal(folder, "dyslam", run + " --set dyseg.labels=" + folder.file("run"),
-                {".label: would be replaced by this run's labels"});
+                {"run/labels: would be replaced by this run's labels"});
   EXPECT_TRUE(fs::exists(folder.file("run/labels/000001.label")));
 
   fs::create_directories(folder.file("run/first_pass/labels"));

@@ -123,6 +123,12 @@ void makeFolder(const std::string& path, const std::string& advice)
   }
 }
 
+bool isFolder(const fs::path& path)
+{
+  std::error_code ignored;
+  return fs::is_directory(path, ignored);
+}
+
 std::vector<fs::directory_entry> entriesOf(const fs::path& folder)
 {
   std::error_code error;

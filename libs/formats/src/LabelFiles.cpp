@@ -1,18 +1,20 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/core/Error.h>
+#include <dyslam/core/Files.h>
 #include <dyslam/core/PendingFile.h>
 #include <dyslam/formats/LabelFiles.h>
-#include <dyslam/formats/TextFile.h>
 
+#include <algorithm>
 #include <cstring>
 #include <filesystem>
-#include <system_error>
 
 // All binary formats here are little-endian, as is every machine this is built for.
 static_assert(__BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__, "a little-endian machine is needed");
 
 namespace dyslam
 {
+namespace fs = std::filesystem;
+
 std::vector<Label> readLabels(const std::string& path)
 {
   const std::string bytes = readWhole(path);
@@ -48,25 +50,25 @@ void writeLabels(const std::string& path, const std::vector<Label>& labels)
       Durable::no);
 }
 
-std::string anyLabelFile(const std::string& folder)
+std::optional<std::string> labelFolderOf(const std::string& folder)
 {
   if (folder.empty())
   {
-    return "";
+    return std::nullopt;
   }
-  for (const std::filesystem::path& labels :
-       {std::filesystem::path(folder) / "labels", std::filesystem::path(folder)})
+  for (const fs::path& path : {fs::path(folder) / "labels", fs::path(folder)})
   {
-    std::error_code ignored;
-    for (std::filesystem::directory_iterator file(labels, ignored), end; file != end;
-         file.increment(ignored))
+    if (!isFolder(path))
     {
-      if (file->path().extension() == ".label")
-      {
-        return file->path().string();
-      }
+      continue;
+    }
+    const auto entries = entriesOf(path);
+    if (std::any_of(entries.begin(), entries.end(),
+                    [](const auto& entry) { return entry.path().extension() == ".label"; }))
+    {
+      return path.string();
     }
   }
-  return "";
+  return std::nullopt;
 }
 }  // namespace dyslam

@@ -22,12 +22,6 @@ bool allDigits(const std::string& text)
          text.find_first_not_of("0123456789") == std::string::npos;
 }
 
-bool isFolder(const fs::path& path)
-{
-  std::error_code ignored;
-  return fs::is_directory(path, ignored);
-}
-
 bool hasScans(const fs::path& folder)
 {
   if (!isFolder(folder))

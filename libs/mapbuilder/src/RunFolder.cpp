@@ -34,13 +34,6 @@ std::string fileOf(const std::string& folder,
   return path;
 }
 
-/** The folder of the run's labels; empty if it has none. */
-std::string labelsOf(const std::string& folder)
-{
-  const std::string labels = (fs::path(folder) / "labels").string();
-  return anyLabelFile(labels).empty() ? "" : labels;
-}
-
 /** Empty if the folder does not have it. */
 std::string fileIfThere(const std::string& folder, const std::string& name)
 {
@@ -125,7 +118,7 @@ RunFolder readRun(const std::string& argument, double tolerance)
   run.scans.preprocess = loader.get<PreprocessOptions>("preprocess");
   run.scans.tolerance = tolerance;
   run.scans.scan_table = fileIfThere(run.folder, "scans.csv");
-  run.scans.labels = labelsOf(run.folder);
+  run.scans.labels = labelFolderOf(run.folder).value_or("");
   run.scans.tracks = run.scans.labels.empty() ? fileIfThere(run.folder, "tracks.txt") : "";
   return run;
 }
@@ -197,7 +190,7 @@ void completeFromRun(const std::string& folder, RecordingOnTrajectory& recording
         fileOf(folder, "trajectory_tum.txt", "has the poses", "them with --trajectory");
   }
   RunScansOptions& scans = recording.scans;
-  scans.labels = scans.labels.empty() ? labelsOf(folder) : scans.labels;
+  scans.labels = scans.labels.empty() ? labelFolderOf(folder).value_or("") : scans.labels;
   scans.tracks = scans.tracks.empty() ? fileIfThere(folder, "tracks.txt") : scans.tracks;
 }
 

@@ -21,26 +21,26 @@ namespace fs = std::filesystem;
 
 constexpr double min_distance = 1.0;  // from its start, beyond which an object moves [m]
 
-/** The folder's `labels` if that has label files, else the folder itself. */
-std::string labelFolder(const std::string& folder)
+/** \return empty for no folder \throws UserError for one without labels */
+std::string givenLabels(const std::string& folder)
 {
   if (folder.empty())
   {
     return folder;
   }
-  const std::string file = anyLabelFile(folder);
-  if (file.empty())
+  const auto labels = labelFolderOf(folder);
+  if (!labels)
   {
     throw UserError(folder + ": is not a folder of .label files (--labels)");
   }
-  return fs::path(file).parent_path().string();
+  return *labels;
 }
 }  // namespace
 
 RunScans::RunScans(const Trajectory& trajectory, const RunScansOptions& options, ThreadPool& pool)
     : poses_(trajectory, options.tolerance),
       options_(options),
-      label_folder_(labelFolder(options.labels)),
+      label_folder_(givenLabels(options.labels)),
       preprocessor_(options.preprocess, pool)
 {
   if (trajectory.empty())

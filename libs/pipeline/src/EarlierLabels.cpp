@@ -6,25 +6,23 @@
 #include <dyslam/formats/TextFile.h>
 
 #include <algorithm>
-#include <filesystem>
 #include <utility>
 
 namespace dyslam
 {
 namespace
 {
-namespace fs = std::filesystem;
-
 constexpr float probability = 0.999F;  // that a point moves that was labelled so
 
-std::string labelFolder(const std::string& folder)
+/** \return empty for no folder \throws UserError for one without labels */
+std::string requireLabels(const std::string& folder)
 {
-  const std::string file = anyLabelFile(folder);
-  if (file.empty() && !folder.empty())
+  const auto labels = labelFolderOf(folder);
+  if (!labels && !folder.empty())
   {
     throw UserError(folder + ": has no labels (dyseg.labels); run dyslam --labels first");
   }
-  return fs::path(file).parent_path().string();
+  return labels.value_or("");
 }
 
 /** Where the points of two clouds are in the one of both, in the order of the scan. */
@@ -69,7 +67,7 @@ class Merge
 };
 }  // namespace
 
-EarlierLabels::EarlierLabels(const std::string& folder) : folder_(labelFolder(folder)) {}
+EarlierLabels::EarlierLabels(const std::string& folder) : folder_(requireLabels(folder)) {}
 
 Scan EarlierLabels::takeMoving(Frame& frame) const
 {

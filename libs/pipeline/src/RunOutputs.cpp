@@ -150,12 +150,12 @@ void RunOutputs::open()
   const Config effective = config_.effective();
   const std::vector<std::string> named = filesNamedIn(effective);
   inputs.insert(inputs.end(), named.begin(), named.end());
-  const std::string label = effective.has("dyseg", "labels")
-                                ? anyLabelFile(effective.section("dyseg").at("labels").text)
-                                : "";
-  if (!label.empty())
+  if (effective.has("dyseg", "labels"))
   {
-    inputs.push_back(label);
+    if (const auto labels = labelFolderOf(effective.section("dyseg").at("labels").text))
+    {
+      inputs.push_back(*labels);
+    }
   }
   made_ = std::make_unique<OutputFolder>(folder_, names_, inputs, force_);
   for (const Entry& entry : entries_)

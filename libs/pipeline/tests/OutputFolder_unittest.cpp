@@ -117,7 +117,7 @@ TEST_F(OutputFolderTest, NoInputIsReplaced)
 {
   write(folder_ / "effective.ini", "[output]\n");
   write(folder_ / "labels" / "000000.label", "input");
-  for (const char* input : {"effective.ini", "labels/000000.label"})
+  for (const char* input : {"effective.ini", "labels/000000.label", "labels"})
   {
     const std::string path = (folder_ / input).string();
     EXPECT_TRUE(contains(errorOf(true, {path}), path + ": would be replaced")) << input;

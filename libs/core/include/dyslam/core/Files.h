@@ -26,6 +26,8 @@ void requireReadable(const std::istream& file, const std::string& path);
 /** Makes a folder and its parents, if it is not there. \throws UserError. */
 void makeFolder(const std::string& path, const std::string& advice = "");
 
+/** Whether a path is a folder; false also if nobody can tell. */
+[[nodiscard]] bool isFolder(const std::filesystem::path& path);
 /** The files and folders in a folder, by name. \throws UserError if it cannot be read. */
 [[nodiscard]] std::vector<std::filesystem::directory_entry> entriesOf(
     const std::filesystem::path& folder);

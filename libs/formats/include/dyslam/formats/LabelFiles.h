@@ -4,6 +4,7 @@
 #include <dyslam/core/Labels.h>
 
 #include <cstddef>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -15,7 +16,8 @@ namespace dyslam
 [[nodiscard]] std::vector<Label> readLabels(const std::string& path, std::size_t expected);
 void writeLabels(const std::string& path, const std::vector<Label>& labels);
 
-/** One of the label files in the `labels` of a folder, or else in the folder itself; empty if there
- * is none. */
-[[nodiscard]] std::string anyLabelFile(const std::string& folder);
+/** Folder of the label files of a run, a recording or its ground truth: `labels` in its folder if
+ * that has any, else the folder itself; nothing if that has none either.
+ * \throws UserError if a folder cannot be read. */
+[[nodiscard]] std::optional<std::string> labelFolderOf(const std::string& folder);
 }  // namespace dyslam
