@@ -3,6 +3,7 @@
 #include <dyslam/core/Error.h>
 #include <dyslam/core/Files.h>
 #include <dyslam/core/PendingFile.h>
+#include <dyslam/formats/ExternalFiles.h>
 #include <openssl/evp.h>
 #include <sys/stat.h>
 
@@ -66,22 +67,18 @@ std::optional<FileState> stateOf(const std::string& path)
       std::int64_t{status.st_mtim.tv_sec} * 1000000000 + std::int64_t{status.st_mtim.tv_nsec}};
 }
 
-/** Folder of the files that a rawlog names, if it has any. */
-std::string externalFolder(const std::string& path)
-{
-  return fs::path(path).replace_extension().string() + "_Images";
-}
-
-/** Size of all files within and last change of any; folders change when a file is removed. */
-FileState stateOfFolder(const std::string& folder)
+/** Of the external files of a rawlog: their size and the last change of any; folders change when a
+ * file is removed. */
+FileState stateOfExternal(const std::string& rawlog)
 {
   FileState all;
-  if (!fs::is_directory(folder))
+  const auto folder = externalFolderOf(rawlog);
+  if (!folder)
   {
     return all;
   }
-  all.time = stateOf(folder).value_or(FileState()).time;
-  for (const auto& entry : fs::recursive_directory_iterator(folder))
+  all.time = stateOf(*folder).value_or(FileState()).time;
+  for (const auto& entry : fs::recursive_directory_iterator(*folder))
   {
     const FileState one = stateOf(entry.path().string()).value_or(FileState());
     all.bytes += entry.is_regular_file() ? one.bytes : 0;
@@ -101,13 +98,13 @@ bool looksUnchanged(const Work& known, const Work& now)
 /** The rawlog and the files that it names, which stand in a folder beside it. */
 std::string checksumOfRecording(const std::string& path)
 {
-  const fs::path images = externalFolder(path);
-  if (!fs::is_directory(images))
+  const auto folder = externalFolderOf(path);
+  if (!folder)
   {
     return checksumOfFile(path);
   }
   std::vector<std::string> files;
-  for (const auto& entry : fs::recursive_directory_iterator(images))
+  for (const auto& entry : fs::recursive_directory_iterator(*folder))
   {
     if (entry.is_regular_file())
     {
@@ -236,7 +233,7 @@ Work workOn(const std::string& input, const Work& common, const std::optional<Ma
   {
     throw UserError(input + ": no such file");
   }
-  const FileState external = stateOfFolder(externalFolder(input));
+  const FileState external = stateOfExternal(input);
   Work work = common;
   work.input = input;
   work.input_bytes = file->bytes;

@@ -103,10 +103,14 @@ TEST(Manifest, ExternalFilesAreOfTheInput)
 {
   const TestFolder folder;
   const std::string input = folder.write("x.rawlog", "scans");
-  folder.write("x_Images/1.bin", "one");
-  const Work before = workOn(input, common(), std::nullopt);
-  folder.write("x_Images/1.bin", "two");
-  EXPECT_NE(workOn(input, common(), std::nullopt).input_checksum, before.input_checksum);
+  for (const std::string external : {"x_imgs", "x_img", "x_images", "x_Images"})
+  {
+    folder.write(external + "/1.bin", "one");
+    const Work before = workOn(input, common(), std::nullopt);
+    folder.write(external + "/1.bin", "two");
+    EXPECT_NE(workOn(input, common(), std::nullopt).input_checksum, before.input_checksum)
+        << external;
+  }
 }
 
 TEST(Manifest, ReplacedExternalFilesAreNoticedBesideAnUnchangedRawlog)

@@ -4,6 +4,7 @@
 #include <dyslam/core/Angle.h>
 #include <dyslam/core/Error.h>
 #include <dyslam/core/Files.h>
+#include <dyslam/formats/ExternalFiles.h>
 
 #include <filesystem>
 #include <sstream>

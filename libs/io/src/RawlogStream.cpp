@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/core/Error.h>
 #include <dyslam/core/Printable.h>
+#include <dyslam/formats/ExternalFiles.h>
 #include <dyslam/formats/RecordingKind.h>
 #include <dyslam/io/RawlogStream.h>
 #include <mrpt/maps/registerAllClasses.h>
@@ -17,25 +18,14 @@
 
 namespace dyslam
 {
-namespace fs = std::filesystem;
-
 namespace
 {
 const char* const advice = "give an MRPT rawlog, or make one with kitti2rawlog or scans2rawlog";
 
-std::string findExternalFolder(const std::string& path)
+std::string ownFolderOf(const std::string& path)
 {
-  const fs::path rawlog(path);
-  for (const char* suffix : {"_Images", "_images", "_img", "_imgs"})
-  {
-    const fs::path folder = rawlog.parent_path() / (rawlog.stem().string() + suffix);
-    if (fs::is_directory(folder))
-    {
-      return folder.string();
-    }
-  }
-  const fs::path parent = rawlog.parent_path();
-  return parent.empty() ? "." : parent.string();
+  const std::string parent = std::filesystem::path(path).parent_path().string();
+  return parent.empty() ? "." : parent;
 }
 
 /** The path, unless it is that of a recording that the converters read. */
@@ -52,7 +42,7 @@ const std::string& checked(const std::string& path)
 
 RawlogStream::RawlogStream(const std::string& path)
     : path_(checked(path)),
-      external_folder_(findExternalFolder(path)),
+      external_folder_(externalFolderOf(path).value_or(ownFolderOf(path))),
       file_(std::make_unique<GzInput>(path)),
       objects_in_(std::make_unique<RawlogObjects>(*file_))
 {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/core/Error.h>
 #include <dyslam/core/StateArchive.h>
+#include <dyslam/formats/ExternalFiles.h>
 #include <dyslam/formats/TextFile.h>
 #include <dyslam/io/GzOutput.h>
 #include <dyslam/io/RawlogWriter.h>
@@ -92,12 +93,6 @@ void setVector(mrpt::obs::CObservationIMU& observation,
   observation.set(z, vector.z());
 }
 }  // namespace
-
-std::string externalStorageFolder(const std::string& rawlog)
-{
-  const fs::path path(rawlog);
-  return (path.parent_path() / (path.stem().string() + "_Images")).string();
-}
 
 void RawlogWriterOptions::describe(OptionsVisitor& visitor)
 {

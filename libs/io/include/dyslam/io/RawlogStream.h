@@ -35,7 +35,7 @@ class RawlogStream
   [[nodiscard]] mrpt::obs::CObservation::Ptr next();
 
   [[nodiscard]] const std::string& path() const { return path_; }
-  /** `<name>_Images` beside the file if it is there, else the file's own folder. */
+  /** externalFolderOf() the file, else the file's own folder. */
   [[nodiscard]] const std::string& externalFolder() const { return external_folder_; }
   /** How many observations were left out so far, for each class that MRPT does not have. */
   [[nodiscard]] const std::map<std::string, std::size_t>& leftOut() const;

@@ -26,9 +26,6 @@ struct RawlogWriterOptions : Options
   void describe(OptionsVisitor& visitor) override;
 };
 
-/** Folder of the clouds that a rawlog keeps in files of their own: `<name>_Images`. */
-[[nodiscard]] std::string externalStorageFolder(const std::string& rawlog);
-
 /** Writes scans as an observation-only gzip rawlog that stock MRPT programs read.
  *
  * Per scan, all with the scan's time stamp: the ground truth (CObservationRobotPose) if given, per
