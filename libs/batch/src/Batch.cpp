@@ -169,7 +169,7 @@ class Runner
         const std::lock_guard<std::mutex> lock(mutex_);
         result = results_[task.index];
       }
-      const bool killed = attempt(result, cores, task.index);
+      const RunEnd end = attempt(result, cores, task.index);
       const std::lock_guard<std::mutex> lock(mutex_);
       --running_;
       budget_.finish(result.skipped ? 0 : result.manifest.peak_memory);
@@ -180,9 +180,10 @@ class Runner
         refused_ = true;
       }
       const State state = result.manifest.state;
-      if (state == State::failed && result.manifest.attempts < settings_.attempts)
+      if (state == State::failed && end != RunEnd::stopped &&
+          result.manifest.attempts < settings_.attempts)
       {
-        failed_.push_back({task.index, killed});
+        failed_.push_back({task.index, end == RunEnd::killed});
       }
       else if (state != State::running)
       {
@@ -196,8 +197,7 @@ class Runner
     }
   }
 
-  /** \returns whether a signal ended it. */
-  bool attempt(BatchResult& result, const std::vector<int>& cores, std::size_t index)
+  RunEnd attempt(BatchResult& result, const std::vector<int>& cores, std::size_t index)
   {
     const std::string folder = folderOf(settings_, result.recording);
     try
@@ -210,7 +210,7 @@ class Runner
         {
           result.manifest = *known;
           result.skipped = true;
-          return false;
+          return RunEnd::by_itself;
         }
         result.manifest.work = work;
       }
@@ -227,7 +227,7 @@ class Runner
       result.manifest.state = State::failed;
       result.manifest.reason = error.what();
       recordFailure(folder, result.manifest);
-      return false;
+      return RunEnd::by_itself;
     }
   }
 

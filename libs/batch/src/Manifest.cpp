@@ -184,6 +184,8 @@ std::optional<Manifest> readManifest(const std::string& folder)
     Manifest m;
     m.state = stateFromText(json.at("state"));
     m.reason = json.at("reason");
+    const bool has_signal = m.reason.rfind("ended by the signal ", 0) == 0;
+    m.interrupted = json.value("interrupted", has_signal);  // earlier versions: by the reason only
     m.attempts = json.at("attempts");
     m.seconds = json.at("seconds");
     m.peak_memory = json.at("peak_memory_bytes");
@@ -210,6 +212,7 @@ void writeManifest(const std::string& folder, const Manifest& m)
   Json json;
   json["state"] = toString(m.state);
   json["reason"] = m.reason;
+  json["interrupted"] = m.interrupted;
   json["attempts"] = m.attempts;
   json["seconds"] = m.seconds;
   json["peak_memory_bytes"] = m.peak_memory;

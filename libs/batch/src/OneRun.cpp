@@ -4,9 +4,11 @@
 #include <dyslam/batch/ChildProcess.h>
 #include <dyslam/core/Error.h>
 #include <dyslam/core/Files.h>
+#include <dyslam/core/Printable.h>
 #include <dyslam/formats/RunFiles.h>
 
 #include <algorithm>
+#include <csignal>
 #include <cstdlib>
 #include <cstring>
 #include <exception>
@@ -22,7 +24,6 @@ namespace dyslam::batch
 namespace
 {
 constexpr const char* log_name = "log.txt";
-constexpr const char* by_signal = "ended by the signal ";
 
 std::string lastLine(const std::string& text)
 {
@@ -90,10 +91,24 @@ void requireOwnFolder(const std::string& folder, const std::string& option)
   }
 }
 
+bool hasResults(const ChildOutcome& outcome)
+{
+  return outcome.code == 0 || outcome.code == 2;
+}
+
+/** Whether somebody stopped a run, and not the batch: by a signal that dyslam ends orderly on.
+ * \param line the last one of its log */
+bool isStoppedAlone(const ChildOutcome& outcome, const std::string& line, const Manifest& m)
+{
+  const std::string message = "dyslam: " + printable(m.work.input) + ": stopped ";
+  return outcome.signal == SIGINT || outcome.signal == SIGTERM || outcome.signal == SIGHUP ||
+         (!hasResults(outcome) && line.rfind(message, 0) == 0);
+}
+
 /** Sets state and figures from the end of a run. \param log of the run, whose last line is the
  * reason
  */
-void recordOutcome(const ChildOutcome& outcome, bool stopped, const std::string& log, Manifest& m)
+RunEnd recordOutcome(const ChildOutcome& outcome, bool stopped, const std::string& log, Manifest& m)
 {
   m.seconds = outcome.seconds;
   m.peak_memory = outcome.peak_memory;
@@ -101,8 +116,9 @@ void recordOutcome(const ChildOutcome& outcome, bool stopped, const std::string&
   if (stopped)
   {
     m.state = State::running;
+    return RunEnd::stopped;
   }
-  else if (outcome.code == 0)
+  if (outcome.code == 0)
   {
     m.state = State::done;
   }
@@ -114,18 +130,21 @@ void recordOutcome(const ChildOutcome& outcome, bool stopped, const std::string&
   else
   {
     m.state = State::failed;
-    m.reason = outcome.signal != 0 ? std::string(by_signal) + ::strsignal(outcome.signal)
-                                   : lastLine(tailOf(log));
+    m.reason = outcome.signal != 0
+                   ? std::string("ended by the signal ") + ::strsignal(outcome.signal)
+                   : lastLine(tailOf(log));
   }
+  const bool stopped_alone = isStoppedAlone(outcome, m.reason, m);
+  m.interrupted = outcome.signal != 0 || stopped_alone;
+  return stopped_alone ? RunEnd::stopped : m.interrupted ? RunEnd::killed : RunEnd::by_itself;
 }
 
-/** Whether the folder has a run of the same work that was killed, with a checkpoint. */
+/** Whether the folder has a run of the same work that was stopped or killed, with a checkpoint. */
 bool canResume(const std::string& folder, const Work& work)
 {
   const auto known = readManifest(folder);
-  const bool killed =
-      known && (known->state == State::running || known->reason.rfind(by_signal, 0) == 0);
-  return killed && isSame(known->work, work) && fs::exists(fs::path(folder) / "resume.state");
+  const bool unfinished = known && (known->state == State::running || known->interrupted);
+  return unfinished && isSame(known->work, work) && fs::exists(fs::path(folder) / "resume.state");
 }
 }  // namespace
 
@@ -165,10 +184,10 @@ void recordFailure(const std::string& folder, Manifest& manifest)
   }
 }
 
-bool runOne(const BatchSettings& settings,
-            const std::vector<int>& cores,
-            const std::function<bool()>& stop,
-            BatchResult& result)
+RunEnd runOne(const BatchSettings& settings,
+              const std::vector<int>& cores,
+              const std::function<bool()>& stop,
+              BatchResult& result)
 {
   const std::string folder = workFolder(settings, result.recording);
   const std::string final_folder = folderOf(settings, result.recording);
@@ -179,6 +198,7 @@ bool runOne(const BatchSettings& settings,
   Manifest& m = result.manifest;
   ++m.attempts;
   m.state = State::running;
+  m.interrupted = false;
   const bool resume = canResume(folder, m.work);
   ChildCommand command;
   command.log = (fs::path(folder) / log_name).string();
@@ -202,7 +222,8 @@ bool runOne(const BatchSettings& settings,
   command.cores = cores;
   bool stopped = false;
   const ChildOutcome outcome = runChild(command, [&] { return stopped = stopped || stop(); });
-  recordOutcome(outcome, stopped, command.log, m);
+  stopped = stopped || (!hasResults(outcome) && stop());  // the same signal may have reached both
+  const RunEnd end = recordOutcome(outcome, stopped, command.log, m);
   if (m.hasResults())
   {
     m.settings_checksum = checksumOfFile((fs::path(folder) / "effective.ini").string());
@@ -216,6 +237,6 @@ bool runOne(const BatchSettings& settings,
   {
     copyFailure(folder, final_folder, m);
   }
-  return outcome.signal != 0 && !stopped;
+  return end;
 }
 }  // namespace dyslam::batch

@@ -9,12 +9,19 @@
 
 namespace dyslam::batch
 {
+enum class RunEnd
+{
+  by_itself,
+  stopped,  //!< by the batch, or alone by a signal that asks it to stop
+  killed    //!< by another signal
+};
+
 /** Runs dyslam on one recording, with manifest and log. \param result work and attempts so far;
- * gets the rest. \param cores to use \returns whether an unexpected signal ended it. */
-bool runOne(const BatchSettings& settings,
-            const std::vector<int>& cores,
-            const std::function<bool()>& stop,
-            BatchResult& result);
+ * gets the rest. \param cores to use */
+RunEnd runOne(const BatchSettings& settings,
+              const std::vector<int>& cores,
+              const std::function<bool()>& stop,
+              BatchResult& result);
 
 /** Records a run that could not be started or ended, if the folder is a batch's. Throws nothing: if
  * the manifest cannot be written, its reason says so. */

@@ -82,6 +82,46 @@ TEST_F(Batch, RunsThatCannotBeResumedBeginAnew)
   EXPECT_EQ(runs(), 5U);
 }
 
+TEST_F(Batch, RunsThatAreStoppedAloneAreNotRepeatedButResumedByTheNextBatch)
+{
+  const std::string on_resume =
+      "if [[ $5 == --resume ]]; then echo resumed > \"$4/how\"; rm \"$4/resume.state\"\n"
+      "elif [[ $2 == */c.rawlog ]]; then touch \"$4/resume.state\"; ";
+  for (const std::string end :
+       {"echo \"dyslam: $2: stopped on request after 3 scans, whose results "
+        "are in $4\" >&2; exit 1; fi",
+        "kill -TERM $$; sleep 60; fi"})
+  {
+    program(on_resume + end);
+    settings_.common.settings += "--labels ";
+    const std::size_t before = runs();
+    const auto results = run();
+    EXPECT_EQ(toText(countsOf(results)), "2 done, 1 failed") << end;
+    EXPECT_EQ(results[2].manifest.attempts, 1);
+    EXPECT_TRUE(results[2].manifest.interrupted);
+    EXPECT_EQ(runs(), before + 3);
+    EXPECT_EQ(toText(countsOf(run())), "3 done (2 before)");
+    EXPECT_EQ(folder_.read("out/c/how"), "resumed\n");
+    fs::remove(folder_.file("out/c/how"));
+  }
+}
+
+TEST_F(Batch, ASignalToAllOfThemLeavesRunsToBeResumed)
+{
+  names_ = {names_[2]};
+  const std::string asked = folder_.file("asked");
+  program(
+      "if [[ $5 == --resume ]]; then echo resumed > \"$4/how\"\n"
+      "else touch \"$4/resume.state\" '" +
+      asked + "'; echo \"dyslam: $2: stopped on request after 3 scans\" >&2; exit 1; fi");
+  watch_.stop = [&asked] { return fs::exists(asked); };
+  EXPECT_EQ(toText(countsOf(run())), "0 done, 1 not run to the end");
+  EXPECT_EQ(readBatch(settings_, listRecordings(names_))[0].manifest.state, State::running);
+  watch_ = {};
+  EXPECT_EQ(toText(countsOf(run())), "1 done");
+  EXPECT_EQ(folder_.read("out/c/how"), "resumed\n");
+}
+
 TEST_F(Batch, RunsEachOnceAndSkipsItTheNextTime)
 {
   EXPECT_EQ(countsOf(run()).done, 3U);

@@ -150,6 +150,30 @@ TEST(Manifest, FilesOfSameSizeAndTimeAreNotReadAgain)
   EXPECT_EQ(workOn(input, common(), known).input_checksum, "of the manifest");
 }
 
+TEST(Manifest, ToldInterruptedRunsByTheirReasonBefore)
+{
+  const TestFolder folder;
+  Manifest m;
+  m.state = State::failed;
+  m.interrupted = true;
+  m.reason = "dyslam: x.rawlog: stopped on request after 3 scans";
+  writeManifest(folder.path(), m);
+  EXPECT_TRUE(readManifest(folder.path())->interrupted);
+  for (const bool killed : {true, false})
+  {
+    m.reason = killed ? "ended by the signal Killed" : "dyslam: no scans";
+    writeManifest(folder.path(), m);
+    std::string text = folder.read("manifest.json");
+    const auto begin = text.find("\"interrupted\"");
+    ASSERT_NE(begin, std::string::npos) << text;
+    text.erase(begin, text.find('\n', begin) + 1 - begin);
+    folder.write("manifest.json", text);
+    const auto known = readManifest(folder.path());
+    ASSERT_TRUE(known) << text;
+    EXPECT_EQ(known->interrupted, killed);
+  }
+}
+
 TEST(Manifest, OfAnEarlierVersionStillCounts)
 {
   const TestFolder folder;

@@ -46,7 +46,8 @@ struct BatchWatch
 [[nodiscard]] std::string folderOf(const BatchSettings& settings, const Recording& recording);
 
 /** Runs dyslam on every recording that is not done, as child processes, each on cores of its own;
- * what failed is run again after all others, up to `attempts` times in all. One entry per
+ * what failed is run again after all others, up to `attempts` times in all, unless somebody stopped
+ * it. One entry per
  * recording, in their order; those not reached before a stop are `unknown` or `running`. \throws
  * UserError if the output folder cannot be made, and if dyslam refuses the settings that all runs
  * have in common. */

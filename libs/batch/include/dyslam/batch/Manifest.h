@@ -42,6 +42,7 @@ struct Manifest
   Work work;
   State state = State::unknown;
   std::string reason;             //!< why it failed, one line
+  bool interrupted = false;       //!< stopped or killed by a signal: can be resumed
   std::string settings_checksum;  //!< of effective.ini, every setting of the run
   int attempts = 0;
   double seconds = 0;             //!< wall time of the last attempt
