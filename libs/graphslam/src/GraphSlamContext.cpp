@@ -83,16 +83,17 @@ bool GraphSlamContext::optimise()
 /** Ground truth may stand behind its scan: a frame waits for the next scan. */
 void GraphSlamContext::complete()
 {
-  if (frame_)
+  std::optional<Frame> frame = std::exchange(frame_, std::nullopt);
+  if (!frame)
   {
-    frame_->T_world_vehicle_truth = decoder_.truthAt(frame_->scan.stamp, clock_shift_);
-    pipeline_.finaliseFrames(*frame_);
-    if (on_frame_)
-    {
-      on_frame_(std::move(*frame_));
-    }
+    return;
   }
-  frame_.reset();
+  frame->T_world_vehicle_truth = decoder_.truthAt(frame->scan.stamp, clock_shift_);
+  pipeline_.finaliseFrames(*frame);
+  if (on_frame_)
+  {
+    on_frame_(std::move(*frame));
+  }
 }
 
 void GraphSlamContext::finish()

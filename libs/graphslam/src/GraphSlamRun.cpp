@@ -145,10 +145,7 @@ SlamRunReport runGraphSlam(const SlamRunSettings& settings,
   requireKnown(plugins);
   SlamRun run(settings);
   (void)RawlogSource(settings.rawlog, run.input());  // throws if there is no scan to use
-  if (settings.stop && settings.stop())
-  {
-    throw UserError(settings.rawlog + ": stopped before the first scan");
-  }
+  requireNotStopped(settings);
   run.open();
   RawlogStream stream(settings.rawlog);
   const auto context = std::make_shared<GraphSlamContext>(
@@ -156,22 +153,22 @@ SlamRunReport runGraphSlam(const SlamRunSettings& settings,
       static_cast<std::size_t>(run.input().only_first_n),
       [&run](Frame frame) { run.add(std::move(frame)); });
   Engine engine(plugins, context, settings);
-  EarlyEnd end;
-  try
-  {
-    end.is_stopped = replay(settings, run, *context, stream, engine, on_frame);
-  }
-  catch (const UserError& error)
-  {
-    end.damage = error.what();  // the frames before it are kept
-  }
-  engine.finish();
+  std::vector<std::string> files;
+  const EarlyEnd end = replayToTheEnd(
+      run, [&] { return replay(settings, run, *context, stream, engine, on_frame); },
+      [&]
+      {
+        engine.finish();
+        if (run.frames() > 0)
+        {
+          files = engine.writeReports();
+        }
+      });
   if (run.frames() == 0)
   {
     throw UserError(end.damage.empty() ? settings.rawlog + ": no scan could be processed"
                                        : end.damage);
   }
-  const auto files = engine.writeReports();
   std::vector<std::string> warnings = context->decoder().warnings();
   const std::vector<std::string> of_file = stream.warnings();
   warnings.insert(warnings.end(), of_file.begin(), of_file.end());

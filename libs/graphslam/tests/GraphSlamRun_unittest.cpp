@@ -7,8 +7,10 @@
 #include <mrpt/obs/CObservationRobotPose.h>
 #include <mrpt/serialization/CArchive.h>
 
+#include <algorithm>
 #include <cstdio>
 #include <set>
+#include <stdexcept>
 
 #include "Fixture.h"
 
@@ -199,6 +201,35 @@ TEST_F(GraphSlamRun, ACutRecordingLeavesTheResultsOfItsWholeScans)
   const auto trajectory = test::contentOf(fs::path(own.output_folder) / "trajectory_tum.txt");
   EXPECT_FALSE(trajectory.empty());
   EXPECT_EQ(trajectory, test::contentOf(fs::path(engine.output_folder) / "trajectory_tum.txt"));
+}
+
+TEST_F(GraphSlamRun, AnExceptionThatIsNoUsersLeavesTheResultsOfTheScansBefore)
+{
+  constexpr std::size_t whole_scans = 6;
+  auto engine = settings("failing_engine");
+  engine.labels = false;
+  const auto fail = [](double, std::size_t frames)
+  {
+    if (frames == whole_scans)
+    {
+      throw std::runtime_error("out of something");
+    }
+  };
+  try
+  {
+    (void)runGraphSlam(engine, {}, fail);
+    ADD_FAILURE() << "nothing was thrown";
+  }
+  catch (const UserError& error)
+  {
+    EXPECT_EQ(std::string(error.what()).rfind("out of something; results of the ", 0), 0U)
+        << error.what();
+  }
+  const std::string folder = engine.output_folder + "/";
+  const std::string poses = test::contentOf(folder + "trajectory_tum.txt");
+  EXPECT_GE(static_cast<std::size_t>(std::count(poses.begin(), poses.end(), '\n')), whole_scans);
+  EXPECT_TRUE(fs::exists(folder + "report.json"));
+  EXPECT_TRUE(fs::exists(folder + "output_graph.graph"));
 }
 
 /** Observations without a time stamp would make the engine throw. */

@@ -10,6 +10,7 @@
 
 #include <atomic>
 #include <chrono>
+#include <exception>
 #include <filesystem>
 #include <optional>
 #include <string>
@@ -128,43 +129,22 @@ bool replay(const SlamRunSettings& settings,
   return is_stopped;
 }
 
-/** \throws UserError if the run is to end before it has changed anything. */
-void requireNotStopped(const SlamRunSettings& settings)
-{
-  if (settings.stop && settings.stop())
-  {
-    throw UserError(settings.rawlog + ": stopped before the first scan");
-  }
-}
-
 /** The rest of a run that has been opened or resumed. */
-SlamRunReport replayToTheEnd(const SlamRunSettings& settings,
-                             RawlogSource& source,
-                             SlamRun& run,
-                             const ScanSum& scans,
-                             const OnFrame& on_frame)
+SlamRunReport processRest(const SlamRunSettings& settings,
+                          RawlogSource& source,
+                          SlamRun& run,
+                          const ScanSum& scans,
+                          const OnFrame& on_frame)
 {
-  EarlyEnd end;
-  try
-  {
-    end.is_stopped = replay(settings, source, run, scans, on_frame);
-  }
-  catch (const std::exception& error)  // from libraries, too
-  {
-    if (run.frames() == 0)
-    {
-      throw;
-    }
-    end.damage = error.what();  // the frames before it are kept
-  }
-  try
-  {
-    run.pipeline().finish();
-  }
-  catch (const std::exception& error)
-  {
-    end.damage += (end.damage.empty() ? "" : "; ") + std::string(error.what());
-  }
+  const EarlyEnd end = replayToTheEnd(
+      run, [&] { return replay(settings, source, run, scans, on_frame); },
+      [&run]
+      {
+        if (run.frames() > 0)
+        {
+          run.pipeline().finish();
+        }
+      });
   return run.finish(source.warnings(), end);
 }
 
@@ -224,13 +204,51 @@ ScanSum skipSeen(const SavedRun& saved, const std::string& rawlog, RawlogSource&
 }
 }  // namespace
 
+void requireNotStopped(const SlamRunSettings& settings)
+{
+  if (settings.stop && settings.stop())
+  {
+    throw UserError(settings.rawlog + ": stopped before the first scan");
+  }
+}
+
+EarlyEnd replayToTheEnd(const SlamRun& run,
+                        const std::function<bool()>& replay,
+                        const std::function<void()>& finish)
+{
+  EarlyEnd end;
+  std::exception_ptr failure;
+  try
+  {
+    end.is_stopped = replay();
+  }
+  catch (const std::exception& error)
+  {
+    failure = std::current_exception();
+    end.damage = error.what();
+  }
+  try
+  {
+    finish();
+  }
+  catch (const std::exception& error)
+  {
+    end.damage += (end.damage.empty() ? "" : "; ") + std::string(error.what());
+  }
+  if (failure && run.frames() == 0)
+  {
+    std::rethrow_exception(failure);
+  }
+  return end;
+}
+
 SlamRunReport runSlam(const SlamRunSettings& settings, const OnFrame& on_frame)
 {
   SlamRun run(settings);
   RawlogSource source(settings.rawlog, run.input());
   requireNotStopped(settings);
   run.open();
-  return replayToTheEnd(settings, source, run, ScanSum(), on_frame);
+  return processRest(settings, source, run, ScanSum(), on_frame);
 }
 
 bool hasCheckpoint(const std::string& output_folder)
@@ -252,6 +270,6 @@ SlamRunReport resumeSlam(const SlamRunSettings& given, const OnFrame& on_frame)
   const ScanSum scans = skipSeen(saved.run, settings.rawlog, source);
   requireNotStopped(settings);
   run.resume(saved);
-  return replayToTheEnd(settings, source, run, scans, on_frame);
+  return processRest(settings, source, run, scans, on_frame);
 }
 }  // namespace dyslam

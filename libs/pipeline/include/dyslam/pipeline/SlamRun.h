@@ -134,6 +134,18 @@ class SlamRun
   std::unique_ptr<Impl> impl_;
 };
 
+/** \throws UserError if the run is to end before it has changed anything (SlamRunSettings::stop).
+ */
+void requireNotStopped(const SlamRunSettings& settings);
+
+/** The part of a run between SlamRun::open() and SlamRun::finish(): an exception, also of a
+ * library, is the damage of an early end, so that the frames before it are kept. \param replay
+ * hands every frame to the run and returns whether it was stopped \param finish ends the pipeline,
+ * also after an exception of `replay`, which is thrown again if the run has no frames then. */
+[[nodiscard]] EarlyEnd replayToTheEnd(const SlamRun& run,
+                                      const std::function<bool()>& replay,
+                                      const std::function<void()>& finish);
+
 /** Replays a rawlog through the pipeline and fills a folder with the results.
  *
  * A recording that turns out damaged halfway, and a run that is stopped, still leave complete
