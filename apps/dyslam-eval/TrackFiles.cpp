@@ -104,10 +104,10 @@ int instanceOffset(const std::vector<LabelledBox>& boxes, const PointCounts& cou
   return boxes_with_points(1) > boxes_with_points(0) ? 1 : 0;
 }
 
-/** Speeds of a run's tracks.csv, by frame and id. */
+/** Speeds of a run's tracks.csv, by frame and id; without those of empty fields. */
 TrackSpeeds readTrackSpeeds(const std::string& path)
 {
-  TextFile file(path, ",\r");
+  TextFile file = TextFile::table(path);
   std::array<std::size_t, 3> columns{};
   const std::array<const char*, 3> names{"frame", "id", "speed"};
   const std::vector<std::string> header =
@@ -126,7 +126,10 @@ TrackSpeeds readTrackSpeeds(const std::string& path)
   while (file.next())
   {
     file.requireFields(header.size(), "as the header");
-    speeds[{file.integer(columns[0]), file.integer(columns[1])}] = file.number(columns[2]);
+    if (!file.fields()[columns[2]].empty())
+    {
+      speeds[{file.integer(columns[0]), file.integer(columns[1])}] = file.number(columns[2]);
+    }
   }
   return speeds;
 }
@@ -153,7 +156,7 @@ std::optional<int> firstFrame(const std::string& folder)
   {
     return std::nullopt;
   }
-  TextFile file(path.string(), ",\r");
+  TextFile file = TextFile::table(path.string());
   return file.next() && file.next() ? std::optional<int>(file.integer(0)) : std::nullopt;
 }
 }  // namespace

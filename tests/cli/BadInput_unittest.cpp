@@ -398,6 +398,11 @@ TEST_F(BadInput, WordsOfTheCommandLine)
   expectRefusal("dyslam-eval", tracks + " --class Truckk",
                 {"Truckk: is none of", "Pedestrian", "did you mean Truck?"});
   EXPECT_EQ(run("dyslam-eval", tracks + " --class Car").code, 0);
+  write("tracked/tracks.txt", "0 1 Car 0 0 0 0 0 0 0 1.5 1.8 4 10 2 0 0\n");
+  write("tracked/tracks.csv", "frame,stamp,id,class,speed,score\n0,,1,,2.5,\n0,0,2,Car,,1\n");
+  const Outcome empty_fields =
+      run("dyslam-eval", "tracks --reference " + box + " --estimate " + at("tracked"));
+  EXPECT_EQ(empty_fields.code, 0) << empty_fields.err;
   expectRefusal("dyslam-eval", "mask /nope.csv", {"/nope.csv: no such file", "--mask-csv"});
   expectRefusal("dyslam-eval", "mask " + write("log.csv", "step,loss\n1,2\n"),
                 {"log.csv: the first line must be x,y,z,static_confidence,label"});

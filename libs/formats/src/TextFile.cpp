@@ -25,6 +25,11 @@ TextFile::TextFile(const std::string& path, std::string separators)
   file_ = openBinary(path);
 }
 
+TextFile TextFile::table(const std::string& path)
+{
+  return TextFile(path, "");
+}
+
 bool TextFile::next()
 {
   while (nextOrEmpty())
@@ -43,20 +48,50 @@ bool TextFile::nextOrEmpty()
   {
     ++line_number_;
     fields_.clear();
-    const std::string_view view(line_);
-    for (std::size_t begin = view.find_first_not_of(separators_); begin != std::string_view::npos;)
-    {
-      const std::size_t end = view.find_first_of(separators_, begin);
-      fields_.push_back(view.substr(begin, end == std::string_view::npos ? end : end - begin));
-      begin = end == std::string_view::npos ? end : view.find_first_not_of(separators_, end);
-    }
-    if (fields_.empty() || fields_.front().front() != '#')
+    separators_.empty() ? splitAtCommas() : splitAtSeparators();
+    if (fields_.empty() || fields_.front().substr(0, 1) != "#")
     {
       return true;
     }
   }
   requireReadable(file_, path_);
   return false;
+}
+
+void TextFile::splitAtSeparators()
+{
+  const std::string_view view(line_);
+  for (std::size_t begin = view.find_first_not_of(separators_); begin != std::string_view::npos;)
+  {
+    const std::size_t end = view.find_first_of(separators_, begin);
+    fields_.push_back(view.substr(begin, end == std::string_view::npos ? end : end - begin));
+    begin = end == std::string_view::npos ? end : view.find_first_not_of(separators_, end);
+  }
+}
+
+void TextFile::splitAtCommas()
+{
+  std::string_view rest(line_);
+  if (!rest.empty() && rest.back() == '\r')
+  {
+    rest.remove_suffix(1);
+  }
+  for (bool more = !rest.empty(); more;)
+  {
+    std::size_t end = 0;
+    for (bool quoted = false; end < rest.size() && (quoted || rest[end] != ','); ++end)
+    {
+      quoted = rest[end] == '"' ? !quoted : quoted;
+    }
+    std::string_view field = rest.substr(0, end);
+    if (field.size() > 1 && field.front() == '"' && field.back() == '"')
+    {
+      field = field.substr(1, field.size() - 2);
+    }
+    fields_.push_back(field);
+    more = end < rest.size();
+    rest.remove_prefix(more ? end + 1 : end);
+  }
 }
 
 double TextFile::number(std::size_t field) const

@@ -2,6 +2,7 @@
 #include <dyslam/core/Error.h>
 #include <dyslam/formats/GroundTruth.h>
 #include <dyslam/formats/MotionFiles.h>
+#include <dyslam/formats/TextFile.h>
 #include <dyslam/formats/TrackFiles.h>
 #include <dyslam/formats/TrajectoryFiles.h>
 
@@ -9,6 +10,8 @@
 #include <cstring>
 #include <filesystem>
 #include <limits>
+#include <string_view>
+#include <vector>
 
 #include "TestFolder.h"
 
@@ -170,6 +173,31 @@ TEST(TrajectoryFiles, RealPosesOfCameraAndLidar)
     EXPECT_GT(camera.size(), 200U);
     EXPECT_EQ(camera.size(), readTimes(folder + "calib_times/" + sequence + "/times.txt").size());
   }
+}
+
+TEST(TextFile, TablesHaveEmptyFieldsAndCommasInQuotes)
+{
+  const TestFolder folder;
+  const std::string path = folder.write("t.csv",
+                                        "a,b,c\r\n"
+                                        ",2,\r\n"
+                                        "\n"
+                                        "# of another program\n"
+                                        "\"x, y\",,\"\"\n"
+                                        "1,2");
+  TextFile file = TextFile::table(path);
+  using Fields = std::vector<std::string_view>;
+  ASSERT_TRUE(file.next());
+  EXPECT_EQ(file.fields(), (Fields{"a", "b", "c"}));
+  ASSERT_TRUE(file.next());
+  EXPECT_EQ(file.fields(), (Fields{"", "2", ""}));
+  EXPECT_EQ(file.integer(1), 2);
+  expectError([&] { (void)file.number(0); }, "t.csv:2: '' is not a number");
+  ASSERT_TRUE(file.next());
+  EXPECT_EQ(file.fields(), (Fields{"x, y", "", ""}));
+  ASSERT_TRUE(file.next());
+  expectError([&] { file.requireFields(3, "as the header"); }, "t.csv:6: has 2 fields, needs 3");
+  EXPECT_FALSE(file.next());
 }
 
 TEST(Labels, RoundTripAndBits)

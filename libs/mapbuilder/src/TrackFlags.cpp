@@ -33,7 +33,7 @@ TrackFiles::TrackFiles(const std::string& given) : boxes(given)
 
 std::map<int, bool> dynamicTracks(const std::string& table, bool needed)
 {
-  TextFile file(table, ",\r");
+  TextFile file = TextFile::table(table);
   const bool has_header = file.next();
   const auto column = [&file](std::string_view name)
   {

@@ -220,7 +220,7 @@ TEST_F(RunScansTest, TheTableOfARunSaysWhatMoves)
   EXPECT_EQ((std::vector<int>{1, 3}), moving()) << "by their displacement";
   folder.write("tracks.csv", std::string(track_header) +
                                  "0,0,1,Car,0,1\n1,0,1,Car,0,1\n0,0,2,Car,0,1\n1,0,2,Car,0,1\n"
-                                 "2,0,2,Car,1,1\n");
+                                 "2,,2,,1,\n");
   EXPECT_EQ((std::vector<int>{2, 3}), moving()) << "the table does not have 3";
   options.tracks = folder.file("tracks.csv");
   EXPECT_EQ((std::vector<int>{2, 3}), moving());

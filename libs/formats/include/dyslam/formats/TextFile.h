@@ -19,6 +19,9 @@ class TextFile
  public:
   /** \throws UserError if it cannot be read. */
   explicit TextFile(const std::string& path, std::string separators = " \t\r,");
+  /** A table with a comma behind each field but the last: fields may be empty, those in quotes may
+   * have commas. \throws UserError if it cannot be read. */
+  [[nodiscard]] static TextFile table(const std::string& path);
 
   /** The next line that is neither empty nor a comment (`#`). */
   [[nodiscard]] bool next();
@@ -43,8 +46,11 @@ class TextFile
   [[noreturn]] void fail(const std::string& what) const;
 
  private:
+  void splitAtSeparators();
+  void splitAtCommas();
+
   std::string path_;
-  std::string separators_;
+  std::string separators_;  //!< empty: a table
   std::ifstream file_;
   std::string line_;
   std::vector<std::string_view> fields_;
