@@ -4,7 +4,7 @@
 #include <dyslam/core/BoxOverlap.h>
 #include <dyslam/core/Error.h>
 #include <dyslam/formats/KittiTracks.h>
-#include <dyslam/formats/TextFile.h>
+#include <dyslam/formats/TrajectoryFiles.h>
 #include <dyslam/tracking/DetectionDeskew.h>
 
 #include <algorithm>
@@ -57,25 +57,17 @@ struct Recording
 
 std::vector<double> frameTimes(const KittiMotSetup& setup, const std::string& name, std::size_t n)
 {
-  std::vector<double> stamps;
   const std::string path = setup.data + "/times/" + name + ".txt";
   if (!fs::exists(path))
   {
+    std::vector<double> stamps;
     for (std::size_t f = 0; f < n; ++f)
     {
       stamps.push_back(static_cast<double>(f) * setup.frame_time);
     }
     return stamps;
   }
-  TextFile file(path);
-  while (file.next())
-  {
-    stamps.push_back(file.number(0));
-    if (stamps.size() > 1 && !(stamps.back() > stamps[stamps.size() - 2]))
-    {
-      file.fail("times must increase from line to line");
-    }
-  }
+  std::vector<double> stamps = readTimes(path);
   if (stamps.size() < n)
   {
     throw UserError(path + ": has " + std::to_string(stamps.size()) + " times; oxts has " +

@@ -62,18 +62,6 @@ bool trueSpeed(const Track& track, int scan, const std::vector<double>& stamps, 
   return true;
 }
 
-const SmoothedObject* smoothedAt(const KittiSlamRun& run, std::size_t scan, int id)
-{
-  for (const SmoothedObject& object : run.objects)
-  {
-    if (object.scan == scan && object.id == id)
-    {
-      return &object;
-    }
-  }
-  return nullptr;
-}
-
 /** The observed track nearest to a place; null if none is near. \param T_world_odom at the scan */
 const TrackedObject* nearest(const std::vector<TrackedObject>& tracked,
                              const Pose& T_world_odom,
@@ -144,7 +132,7 @@ std::vector<ObservedVehicle> observedVehicles(const KittiDrive& drive,
       }
       const Eigen::Vector2d observed = (T_world_odom * tracked->observation.center).head<2>();
       const auto previous = before.find(tracked->id);
-      const SmoothedObject* smoothed = smoothedAt(run, scan, tracked->id);
+      const SmoothedObject* smoothed = findSmoothed(run.objects, scan, tracked->id);
       if (previous != before.end() && smoothed != nullptr)
       {
         const double dt = drive.stamps[scan] - previous->second.first;

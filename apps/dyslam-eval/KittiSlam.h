@@ -50,8 +50,8 @@ struct KittiDrive
 /** Result of tracker and backend. */
 struct KittiSlamRun
 {
-  std::vector<Pose> trajectory;  //!< T_map_velo per scan
-  std::vector<SmoothedObject> objects;
+  std::vector<Pose> trajectory;                     //!< T_map_velo per scan
+  std::vector<SmoothedObject> objects;              //!< by scan, then id
   std::vector<std::vector<TrackedObject>> tracked;  //!< per scan, odometry frame
   std::vector<std::string> warnings;
 };

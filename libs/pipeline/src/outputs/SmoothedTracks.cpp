@@ -3,24 +3,12 @@
 
 #include <dyslam/core/Angle.h>
 
-#include <algorithm>
 #include <cmath>
 #include <set>
 #include <utility>
 
 namespace dyslam
 {
-const SmoothedObject* findSmoothed(const std::vector<SmoothedObject>& objects,
-                                   std::size_t scan,
-                                   int id)
-{
-  const auto found = std::lower_bound(
-      objects.begin(), objects.end(), scan,
-      [id](const SmoothedObject& object, std::size_t wanted)
-      { return object.scan < wanted || (object.scan == wanted && object.id < id); });
-  return found != objects.end() && found->scan == scan && found->id == id ? &*found : nullptr;
-}
-
 TrackedObject smoothedTrack(const TrackedObject& tracked,
                             const SmoothedObject& smoothed,
                             const Pose& T_odom_map)

@@ -14,12 +14,6 @@
 
 namespace dyslam
 {
-/** The state of an object at a scan; null if there is none.
- * \param objects by scan, then id */
-[[nodiscard]] const SmoothedObject* findSmoothed(const std::vector<SmoothedObject>& objects,
-                                                 std::size_t scan,
-                                                 int id);
-
 /** The tracked object with position, heading, velocity and covariance of the smoothed one, odometry
  * frame.
  * \param T_odom_map at that scan */

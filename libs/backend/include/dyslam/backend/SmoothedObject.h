@@ -7,6 +7,7 @@
 #include <Eigen/Core>
 #include <cstddef>
 #include <optional>
+#include <vector>
 
 namespace dyslam
 {
@@ -28,4 +29,10 @@ struct SmoothedObject
   Eigen::Matrix4d covariance = Eigen::Matrix4d::Zero();
   Eigen::Matrix3d velocity_covariance = Eigen::Matrix3d::Zero();  //!< map frame [m^2/s^2]
 };
+
+/** The state of an object at a scan; null if there is none.
+ * \param objects by scan, then id */
+[[nodiscard]] const SmoothedObject* findSmoothed(const std::vector<SmoothedObject>& objects,
+                                                 std::size_t scan,
+                                                 int id);
 }  // namespace dyslam
