@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/core/Error.h>
 #include <dyslam/core/Files.h>
-#include <dyslam/core/Parallel.h>
 #include <dyslam/core/PendingFile.h>
 #include <dyslam/nets/Devices.h>
 #include <dyslam/nets/DyloFile.h>
@@ -12,9 +11,8 @@
 #include <dyslam/train/DyloLoss.h>
 #include <dyslam/train/DyloTrainer.h>
 #include <dyslam/train/NetworkWeights.h>
-#include <dyslam/train/PairGradients.h>
 
-#include <chrono>
+#include <array>
 #include <cstdio>
 #include <filesystem>
 #include <memory>
@@ -24,21 +22,14 @@
 #include "DyloTrainOptions.h"
 #include "DyloValidation.h"
 #include "SimulatorPairSource.h"
+#include "TrainingLoop.h"
 
 namespace dyslam
 {
 namespace
 {
-using Clock = std::chrono::steady_clock;
-
-constexpr const char* checkpoint_file = "/checkpoint.safetensors";  // in the folder of output
-constexpr const char* before_decay_file = "/checkpoint_before_decay.safetensors";
-constexpr const char* weights_file = "/dylo.safetensors";
-
-double secondsSince(Clock::time_point begin)
-{
-  return std::chrono::duration<double>(Clock::now() - begin).count();
-}
+constexpr const char* weights_file = "dylo.safetensors";  // in the folder of output
+constexpr const char* log_file = "log.csv";
 
 /** A thread's copy of what is trained. */
 struct ThreadCopy
@@ -57,28 +48,20 @@ std::vector<torch::Tensor> parametersOf(const DyloNetwork& network, const DyloLo
   return parameters;
 }
 
-class Trainer
+class Trainer : public TrainingTask
 {
  public:
   Trainer(const Config& config, const DyloTrainRequest& request);
   void run();
 
  private:
-  void save();
-  void writeCheckpoint(const std::string& path);
-  /** Loads a checkpoint. \param weights_only without the optimizer's state and the step */
-  void load(const std::string& checkpoint, bool weights_only);
   void startFrom(const std::string& path);
-  void validate();
-  /** Makes the threads, their copies of the network, and the pairs of the first step. */
-  void begin();
-  [[nodiscard]] PreparedDyloPair preparePair(std::uint64_t index) const;
-  /** Loss of a pair; adds to the gradients of the copy. */
-  DyloLossImpl::Terms backward(ThreadCopy& copy, const PreparedDyloPair& pair) const;
-  /** Sets the gradients of a step and prepares the pairs of the next one. */
-  std::vector<DyloLossImpl::Terms> computeGradients();
-  /** \param pairs those of the step. */
-  void log(const std::vector<DyloLossImpl::Terms>& pairs, double gradient);
+  std::vector<torch::Tensor> addCopy() override;
+  void preparePair(std::int64_t step, std::size_t pair) override;
+  void backward(std::int64_t step, std::size_t number, std::size_t copy) override;
+  void log(double gradient) override;
+  void validate() override;
+  void saveWeights() override { saveDylo(mean_, loop_->file(weights_file)); }
 
   const DyloTrainRequest& request_;
   TrainOptions options_;
@@ -87,17 +70,13 @@ class Trainer
   DyloNetwork network_{nullptr};
   DyloNetwork mean_{nullptr};  //!< exponential moving average of its weights
   DyloLoss loss_{nullptr};
-  std::unique_ptr<torch::optim::Adam> optimizer_;
+  std::unique_ptr<TrainingLoop> loop_;
   std::unique_ptr<PairSource> source_;
-  std::unique_ptr<ThreadPool> pool_;
-  std::vector<ThreadCopy> copies_;  //!< one per thread
-  std::unique_ptr<PairGradients> gradients_;
-  std::vector<PreparedDyloPair> prepared_;  //!< the pairs of this step
+  std::vector<ThreadCopy> copies_;                      //!< one per thread
+  std::array<std::vector<PreparedDyloPair>, 2> batch_;  //!< of the even and of the odd steps
+  std::vector<DyloLossImpl::Terms> terms_;              //!< losses of the pairs of this step
   std::vector<Recording> validation_;
   torch::Device device_;
-  std::int64_t step_ = 0;
-  std::int64_t first_step_ = 0;
-  Clock::time_point begin_;
 };
 
 Trainer::Trainer(const Config& config, const DyloTrainRequest& request)
@@ -113,6 +92,8 @@ Trainer::Trainer(const Config& config, const DyloTrainRequest& request)
 
   useTorchThreads(options_.threads);
   torch::manual_seed(static_cast<std::uint64_t>(options_.seed));
+  batch_.fill(std::vector<PreparedDyloPair>(static_cast<std::size_t>(options_.batch)));
+  terms_.resize(static_cast<std::size_t>(options_.batch));
   network_ = DyloNetwork(shape);
   mean_ = DyloNetwork(shape);
   loss_ = DyloLoss(loss);
@@ -120,9 +101,31 @@ Trainer::Trainer(const Config& config, const DyloTrainRequest& request)
   mean_->to(device_);
   copyWeights(*mean_, *network_, "");
   loss_->to(device_);
-  optimizer_ = std::make_unique<torch::optim::Adam>(
+
+  TrainingLoopSetup setup;
+  setup.folder = request.output;
+  setup.log_file = log_file;
+  setup.log_header =
+      "step,learning_rate,loss,pose,flow,precision,moving,final_pose,gradient,first_stage_m,"
+      "last_stage_m";
+  setup.validation_header =
+      "step,recording,start,t_mean_m,t_rmse_m,r_mean_deg,r_rmse_deg,forward_ratio";
+  setup.steps = options_.steps;
+  setup.batch = options_.batch;
+  setup.threads = options_.threads;
+  setup.rate = options_.rate;
+  setup.ema_decay = options_.ema_decay;
+  setup.clip = options_.clip;
+  setup.validate_every = options_.validate_every;
+  setup.checkpoint_minutes = options_.checkpoint_minutes;
+  setup.network_prefix = "network.";
+  setup.network = network_.ptr();
+  setup.mean = mean_.ptr();
+  setup.loss = loss_.ptr();
+  setup.optimizer = std::make_shared<torch::optim::Adam>(
       parametersOf(network_, loss_),
       torch::optim::AdamOptions(options_.rate.learning_rate).betas({0.9, 0.999}));
+  loop_ = std::make_unique<TrainingLoop>(std::move(setup), *this);
 
   if (request.validate_only && !request.start.empty())
   {
@@ -130,16 +133,15 @@ Trainer::Trainer(const Config& config, const DyloTrainRequest& request)
   }
   else if (request.resume || request.validate_only)
   {
-    load(request.output + checkpoint_file, false);
+    loop_->resume();
   }
-  else if (std::filesystem::exists(request.output + checkpoint_file))
+  else
   {
-    throw UserError(request.output + checkpoint_file +
-                    ": is there already; add --resume or choose another folder");
-  }
-  else if (!request.start.empty())
-  {
-    startFrom(request.start);
+    loop_->requireFreshFolder();
+    if (!request.start.empty())
+    {
+      startFrom(request.start);
+    }
   }
   if (!request.validate_only)
   {
@@ -160,129 +162,64 @@ Trainer::Trainer(const Config& config, const DyloTrainRequest& request)
   }
 }
 
-void Trainer::begin()
+std::vector<torch::Tensor> Trainer::addCopy()
 {
-  pool_ = std::make_unique<ThreadPool>(options_.threads);
-  std::vector<std::vector<torch::Tensor>> of_copies;
-  for (int i = 0; i < pool_->size(); ++i)
-  {
-    ThreadCopy copy{DyloNetwork(network_->options()), DyloLoss(loss_->options())};
-    copy.network->to(device_);
-    copy.loss->to(device_);
-    of_copies.push_back(parametersOf(copy.network, copy.loss));
-    copies_.push_back(std::move(copy));
-  }
-  gradients_ = std::make_unique<PairGradients>(parametersOf(network_, loss_), std::move(of_copies));
-  prepared_.resize(static_cast<std::size_t>(options_.batch));
-  const auto first = static_cast<std::uint64_t>(step_) * prepared_.size();
-  pool_->forChunks(prepared_.size(), 1,
-                   [&](std::size_t i, std::size_t, std::size_t)
-                   { prepared_[i] = preparePair(first + i); });
+  ThreadCopy copy{DyloNetwork(network_->options()), DyloLoss(loss_->options())};
+  copy.network->to(device_);
+  copy.loss->to(device_);
+  copies_.push_back(copy);
+  return parametersOf(copy.network, copy.loss);
 }
 
-PreparedDyloPair Trainer::preparePair(std::uint64_t index) const
+void Trainer::preparePair(std::int64_t step, std::size_t pair)
 {
-  return prepareDyloPair(source_->pair(index), options_.perturbed_starts,
-                         static_cast<std::uint64_t>(options_.seed), index, device_);
+  std::vector<PreparedDyloPair>& batch = batch_[static_cast<std::size_t>(step % 2)];
+  const std::uint64_t index = static_cast<std::uint64_t>(step) * batch.size() + pair;
+  batch[pair] = prepareDyloPair(source_->pair(index), options_.perturbed_starts,
+                                static_cast<std::uint64_t>(options_.seed), index, device_);
 }
 
-DyloLossImpl::Terms Trainer::backward(ThreadCopy& copy, const PreparedDyloPair& pair) const
+void Trainer::backward(std::int64_t step, std::size_t number, std::size_t copy)
 {
-  useTorchThreads(1);  // of this thread
+  const PreparedDyloPair& pair = batch_[static_cast<std::size_t>(step % 2)][number];
   const auto options = torch::dtype(torch::kFloat).device(device_);
-  DyloNetwork& network = copy.network;
+  DyloNetwork& network = copies_[copy].network;
   const auto stages = network->forward(network->encode(pair.scan1), network->encode(pair.scan2),
                                        PoseTensors::from(pair.start, options));
-  DyloLossImpl::Terms terms =
-      copy.loss->forward(stages, pair.scan1, PoseTensors::from(pair.T_2_1, options), pair.labels);
+  DyloLossImpl::Terms terms = copies_[copy].loss->forward(
+      stages, pair.scan1, PoseTensors::from(pair.T_2_1, options), pair.labels);
   (terms.total / options_.batch).backward();
   for (torch::Tensor* term :
        {&terms.total, &terms.pose, &terms.flow, &terms.precision, &terms.moving, &terms.final_pose})
   {
     *term = term->detach();  // the graph is not needed for the log
   }
-  return terms;
-}
-
-std::vector<DyloLossImpl::Terms> Trainer::computeGradients()
-{
-  const std::size_t batch = prepared_.size();
-  const auto next_step = static_cast<std::uint64_t>(step_ + 1) * batch;
-  std::vector<DyloLossImpl::Terms> terms(batch);
-  std::vector<PreparedDyloPair> next(batch);
-  gradients_->computeStep(
-      *pool_, batch,
-      [&](std::size_t i, std::size_t copy) { terms[i] = backward(copies_[copy], prepared_[i]); },
-      [&](std::size_t i) { next[i] = preparePair(next_step + i); });
-  prepared_ = std::move(next);
-  return terms;
+  terms_[number] = std::move(terms);
 }
 
 void Trainer::run()
 {
-  begin_ = Clock::now();
-  first_step_ = step_;
   if (request_.validate_only)
   {
     validate();
     return;
   }
-  beginLog(request_.output + "/log.csv",
-           "step,learning_rate,loss,pose,flow,precision,moving,final_pose,gradient,first_stage_m,"
-           "last_stage_m",
-           step_);
-  beginLog(request_.output + "/validation.csv",
-           "step,recording,start,t_mean_m,t_rmse_m,r_mean_deg,r_rmse_deg,forward_ratio", step_);
-  auto saved = Clock::now();
   request_.report("training on: " + source_->name());
-  begin();
-  while (step_ < options_.steps)
-  {
-    if (request_.stopped && request_.stopped())
-    {
-      save();
-      request_.report("stopped at step " + std::to_string(step_) +
-                      "; --resume continues from here");
-      return;
-    }
-    const double rate = options_.rate.rateAt(step_, options_.steps);
-    for (auto& group : optimizer_->param_groups())
-    {
-      static_cast<torch::optim::AdamOptions&>(group.options()).lr(rate);
-    }
-    const std::vector<DyloLossImpl::Terms> pairs = computeGradients();
-    const double gradient = clippedStep(*optimizer_, options_.clip);
-    updateMean(*mean_, *network_, step_, options_.ema_decay);
-    ++step_;
-    log(pairs, gradient);
-    if (step_ % options_.validate_every == 0)
-    {
-      validate();
-    }
-    if (secondsSince(saved) > 60 * options_.checkpoint_minutes || step_ == options_.steps)
-    {
-      save();
-      saved = Clock::now();
-    }
-    if (step_ == options_.rate.firstOfDecay(options_.steps))
-    {
-      writeCheckpoint(request_.output + before_decay_file);
-    }
-  }
+  loop_->run(request_.report, request_.stopped);
 }
 
-void Trainer::log(const std::vector<DyloLossImpl::Terms>& pairs, double gradient)
+void Trainer::log(double gradient)
 {
-  if (step_ % options_.report_every != 0)
+  if (loop_->step() % options_.report_every != 0)
   {
     return;
   }
   using Terms = DyloLossImpl::Terms;
-  const auto count = static_cast<double>(pairs.size());
+  const auto count = static_cast<double>(terms_.size());
   const auto mean = [&](torch::Tensor Terms::*term)
   {
     double sum = 0;
-    for (const Terms& pair : pairs)
+    for (const Terms& pair : terms_)
     {
       sum += (pair.*term).item<double>();
     }
@@ -290,27 +227,22 @@ void Trainer::log(const std::vector<DyloLossImpl::Terms>& pairs, double gradient
   };
   double first_error = 0;
   double last_error = 0;
-  for (const Terms& pair : pairs)
+  for (const Terms& pair : terms_)
   {
     first_error += pair.translation_error.front() / count;
     last_error += pair.translation_error.back() / count;
   }
   const double loss = mean(&Terms::total);
   std::ostringstream row;
-  row << step_ << ',' << options_.rate.rateAt(step_ - 1, options_.steps) << ',' << loss << ','
-      << mean(&Terms::pose) << ',' << mean(&Terms::flow) << ',' << mean(&Terms::precision) << ','
-      << mean(&Terms::moving) << ',' << mean(&Terms::final_pose) << ',' << gradient << ','
-      << first_error << ',' << last_error;
-  appendRows(request_.output + "/log.csv", {row.str()});
-  const auto done = static_cast<double>(step_ - first_step_);
-  const double per_step = secondsSince(begin_) / done;
-  char line[240];
-  std::snprintf(line, sizeof line,
-                "step %lld/%d  loss %.3f  t %.3f -> %.4f m  |g| %.2f  %.0f ms/pair  %.0f min left",
-                static_cast<long long>(step_), options_.steps, loss, first_error, last_error,
-                gradient, 1e3 * per_step / options_.batch,
-                per_step * static_cast<double>(options_.steps - step_) / 60);
-  request_.report(line);
+  row << loop_->step() << ',' << loop_->rate() << ',' << loss << ',' << mean(&Terms::pose) << ','
+      << mean(&Terms::flow) << ',' << mean(&Terms::precision) << ',' << mean(&Terms::moving) << ','
+      << mean(&Terms::final_pose) << ',' << gradient << ',' << first_error << ',' << last_error;
+  appendRows(loop_->file(log_file), {row.str()});
+  char line[200];
+  std::snprintf(line, sizeof line, "step %lld/%d  loss %.3f  t %.3f -> %.4f m  |g| %.2f  ",
+                static_cast<long long>(loop_->step()), options_.steps, loss, first_error,
+                last_error, gradient);
+  request_.report(line + loop_->timing());
 }
 
 void Trainer::validate()
@@ -327,7 +259,7 @@ void Trainer::validate()
   const auto rows = validateDylo(mean_, validation_, device_, request_.mask_folder);
   const std::string when = request_.validate_only && !request_.start.empty()
                                ? "validation of " + request_.start
-                               : "validation at step " + std::to_string(step_);
+                               : "validation at step " + std::to_string(loop_->step());
   request_.report(when + "\n" + validationTable(rows));
   if (request_.validate_only)
   {
@@ -340,30 +272,14 @@ void Trainer::validate()
     {
       const MotionErrors& e = predicted ? row.predicted_start : row.network;
       std::ostringstream line;
-      line << step_ << ',' << row.recording << ',' << (predicted ? "prediction" : "standing") << ','
-           << e.translation_mean << ',' << e.translation_rmse << ',' << e.rotation_mean_deg << ','
-           << e.rotation_rmse_deg << ',' << e.forward_ratio;
+      line << loop_->step() << ',' << row.recording << ','
+           << (predicted ? "prediction" : "standing") << ',' << e.translation_mean << ','
+           << e.translation_rmse << ',' << e.rotation_mean_deg << ',' << e.rotation_rmse_deg << ','
+           << e.forward_ratio;
       lines.push_back(line.str());
     }
   }
-  appendRows(request_.output + "/validation.csv", lines);
-}
-
-void Trainer::save()
-{
-  writeCheckpoint(request_.output + checkpoint_file);
-  saveDylo(mean_, request_.output + weights_file);
-}
-
-void Trainer::writeCheckpoint(const std::string& path)
-{
-  TensorFile checkpoint;
-  checkpoint.setWeights("network.", *network_);
-  checkpoint.setWeights("mean.", *mean_);
-  checkpoint.setWeights("loss.", *loss_);
-  setOptimizerState(checkpoint, *optimizer_);
-  checkpoint.set("step", torch::tensor(step_, torch::kInt64));
-  checkpoint.write(path);
+  appendRows(loop_->file("validation.csv"), lines);
 }
 
 /** Loads a checkpoint of the same network, or the common layers of a model. */
@@ -371,7 +287,11 @@ void Trainer::startFrom(const std::string& path)
 {
   if (!isDyloModel(path))
   {
-    load(path, true);
+    if (!std::filesystem::exists(path))
+    {
+      throw UserError(path + ": no such file; give a checkpoint.safetensors or a dylo.safetensors");
+    }
+    loop_->loadWeights(TensorFile(path));
     return;
   }
   const torch::NoGradGuard no_grad;
@@ -393,25 +313,6 @@ void Trainer::startFrom(const std::string& path)
   copyWeights(*mean_, *network_, path);
   request_.report("started from " + path + ": " + std::to_string(taken) + " of " +
                   std::to_string(own.size()) + " tensors");
-}
-
-void Trainer::load(const std::string& path, bool weights_only)
-{
-  if (!std::filesystem::exists(path))
-  {
-    throw UserError(path + ": no such file; " +
-                    (weights_only ? "give a checkpoint.safetensors or a dylo.safetensors"
-                                  : "there is no training in this folder to continue"));
-  }
-  const TensorFile checkpoint(path);
-  checkpoint.loadWeights("network.", *network_);
-  checkpoint.loadWeights("mean.", *mean_);
-  checkpoint.loadWeights("loss.", *loss_);
-  if (!weights_only)
-  {
-    loadOptimizerState(checkpoint, *optimizer_);
-    step_ = checkpoint.tensor("step").item<std::int64_t>();
-  }
 }
 }  // namespace
 

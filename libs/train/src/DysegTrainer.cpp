@@ -1,43 +1,35 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/core/Error.h>
-#include <dyslam/core/Files.h>
-#include <dyslam/core/Parallel.h>
 #include <dyslam/nets/Devices.h>
 #include <dyslam/nets/DysegFile.h>
 #include <dyslam/nets/DysegModel.h>
-#include <dyslam/nets/TensorFile.h>
 #include <dyslam/nets/Threads.h>
 #include <dyslam/train/DataText.h>
 #include <dyslam/train/DysegLosses.h>
 #include <dyslam/train/DysegScores.h>
 #include <dyslam/train/DysegTrainer.h>
 #include <dyslam/train/NetworkWeights.h>
-#include <dyslam/train/PairGradients.h>
 #include <torch/torch.h>
 
 #include <algorithm>
-#include <chrono>
+#include <array>
 #include <cmath>
 #include <cstdio>
-#include <filesystem>
 
 #include "DysegCrop.h"
 #include "DysegPairs.h"
 #include "DysegValidation.h"
+#include "TrainingLoop.h"
 
 namespace dyslam
 {
 namespace
 {
-namespace fs = std::filesystem;
-using Clock = std::chrono::steady_clock;
-
 constexpr double clip_norm = 2;
 constexpr int report_every = 20;  // steps
 
-constexpr const char* checkpoint_file = "checkpoint.safetensors";  // in the folder of output
-constexpr const char* before_decay_file = "checkpoint_before_decay.safetensors";
-constexpr const char* weights_file = "dyseg.safetensors";
+constexpr const char* weights_file = "dyseg.safetensors";  // in the folder of output
+constexpr const char* log_file = "train.csv";
 constexpr const char* score_names =
     "set,iou,precision,recall,epe_static_m,epe_moving_m,own_motion_m,own_motion_rad";
 
@@ -85,177 +77,113 @@ void requireSameGrid(const BevOptions& of_weights, const BevOptions& grid, const
 }
 }  // namespace
 
-struct DysegTrainer::Impl
+struct DysegTrainer::Impl : TrainingTask
 {
   DysegTrainerOptions options;
   DysegAugmentOptions augmentation;
   DysegLossOptions loss_options;
   BevOptions grid;
   BevOptions crop;
-  std::string folder;
+  std::function<void(const std::string&)> report;
   DysegNet net{nullptr};
   DysegNet mean{nullptr};  //!< exponential moving average of the weights
   torch::Device device = torch::kCPU;
-  std::unique_ptr<torch::optim::AdamW> optimizer;
-  int step = 0;
-  int first_step = 0;  //!< of this run of the program
-  int saved_step = -1;
-  int validated_step = -1;
-  double minutes_before = 0;
-  Clock::time_point start = Clock::now();
+  std::unique_ptr<TrainingLoop> loop;
 
   std::unique_ptr<DysegPairs> pairs;
-  std::unique_ptr<ThreadPool> pool;
-  std::vector<DysegNet> copies;  //!< of the network, one per thread
-  std::unique_ptr<PairGradients> gradients;
-  std::vector<PreparedPair> prepared;  //!< the pairs of this step
+  std::vector<DysegNet> copies;                    //!< of the network, one per thread
+  std::array<std::vector<PreparedPair>, 2> batch;  //!< of the even and of the odd steps
+  std::vector<DysegLoss> losses;                   //!< of the pairs of this step
+  DysegLoss sum;                                   //!< since the last row of the log
+  int counted = 0;                                 //!< steps in it
   std::vector<DysegValidationSet> validation;
 
-  [[nodiscard]] double minutes() const
-  {
-    return minutes_before + std::chrono::duration<double>(Clock::now() - start).count() / 60;
-  }
-  [[nodiscard]] std::string file(const char* name) const { return folder + "/" + name; }
-  /** Makes the threads, their copies of the network, and the pairs of the first step. */
-  void begin();
-  [[nodiscard]] PreparedPair preparePair(int of_step, std::size_t number) const;
-  /** Loss of a pair; adds to the gradients of `network`. */
-  DysegLoss backward(DysegNet& network, PreparedPair& pair) const;
-  DysegLoss trainStep();
-  /** One line for the user. \param sum of the losses of the last `counted` steps. */
-  [[nodiscard]] std::string progress(const DysegLoss& sum, int counted) const;
+  std::vector<torch::Tensor> addCopy() override;
+  void beginPairs(std::int64_t step) override { pairs->prepare(static_cast<int>(step)); }
+  void preparePair(std::int64_t step, std::size_t number) override;
+  void backward(std::int64_t step, std::size_t number, std::size_t copy) override;
+  void log(double gradient) override;
+  /** One line for the user. \param loss mean since the last one. */
+  [[nodiscard]] std::string progress(const DysegLoss& loss) const;
   /** The same as a row of train.csv. */
-  [[nodiscard]] std::string logRow(const DysegLoss& sum, int counted) const;
-  void save();
-  void writeCheckpoint(const std::string& path);
-  /** Saves and evaluates the weights, and appends the scores to validation.csv; once per step. */
-  void validateNow(const std::function<void(const std::string&)>& report);
+  [[nodiscard]] std::string logRow(const DysegLoss& loss) const;
+  void validate() override;
+  void saveWeights() override { saveDyseg({mean, grid}, loop->file(weights_file)); }
   /** Rows "set,scores" of the weights in a file. */
   std::vector<std::string> evaluate(const std::string& weights);
 };
 
-PreparedPair DysegTrainer::Impl::preparePair(int of_step, std::size_t number) const
+std::vector<torch::Tensor> DysegTrainer::Impl::addCopy()
 {
-  PreparedPair pair;
+  copies.emplace_back(net->options());
+  copies.back()->to(device);
+  return copies.back()->parameters();
+}
+
+void DysegTrainer::Impl::preparePair(std::int64_t step, std::size_t number)
+{
+  PreparedPair& pair = batch[static_cast<std::size_t>(step % 2)][number];
   pair.draws =
       RandomDraws(static_cast<std::uint64_t>(options.seed),
-                  static_cast<std::uint64_t>(of_step) * DysegTrainerOptions::max_batch + number);
+                  static_cast<std::uint64_t>(step) * DysegTrainerOptions::max_batch + number);
   pair.sample = pairs->draw(pair.draws);
   augment(augmentation, pair.draws, pair.sample);
   pair.centre = drawCentre(pair.sample, grid, crop, options.crop_reach, pair.draws);
-  return pair;
 }
 
-void DysegTrainer::Impl::begin()
+void DysegTrainer::Impl::backward(std::int64_t step, std::size_t number, std::size_t copy)
 {
-  pool = std::make_unique<ThreadPool>(options.threads);
-  copies.clear();
-  std::vector<std::vector<torch::Tensor>> of_copies;
-  for (int i = 0; i < pool->size(); ++i)
-  {
-    copies.emplace_back(net->options());
-    copies.back()->to(device);
-    of_copies.push_back(copies.back()->parameters());
-  }
-  gradients = std::make_unique<PairGradients>(net->parameters(), std::move(of_copies));
-  pairs->prepare(step);
-  prepared.resize(static_cast<std::size_t>(options.batch));
-  pool->forChunks(prepared.size(), 1,
-                  [&](std::size_t b, std::size_t, std::size_t)
-                  { prepared[b] = preparePair(step, b); });
-}
-
-DysegLoss DysegTrainer::Impl::backward(DysegNet& network, PreparedPair& pair) const
-{
-  useTorchThreads(1);  // of this thread
-  DysegLoss loss = dysegLoss(network, pair.sample, crop, pair.centre, loss_options, pair.draws);
+  PreparedPair& pair = batch[static_cast<std::size_t>(step % 2)][number];
+  losses[number] = {};
+  DysegLoss loss =
+      dysegLoss(copies[copy], pair.sample, crop, pair.centre, loss_options, pair.draws);
   if (!loss.total.defined() || !loss.total.requires_grad() ||
       !std::isfinite(loss.total.item<double>()))
   {
-    return {};
-  }
-  (loss.total / options.batch).backward();
-  loss.total = loss.total.detach();
-  return loss;
-}
-
-DysegLoss DysegTrainer::Impl::trainStep()
-{
-  const std::size_t batch = prepared.size();
-  std::vector<DysegLoss> losses(batch);
-  std::vector<PreparedPair> next(batch);
-  pairs->prepare(step + 1);
-  gradients->computeStep(
-      *pool, batch,
-      [&](std::size_t i, std::size_t copy) { losses[i] = backward(copies[copy], prepared[i]); },
-      [&](std::size_t i) { next[i] = preparePair(step + 1, i); });
-  prepared = std::move(next);
-  DysegLoss mean_loss;
-  bool has_loss = false;
-  for (const DysegLoss& loss : losses)
-  {
-    has_loss = has_loss || loss.total.defined();
-    addTerms(loss, options.batch, mean_loss);
-  }
-  if (!has_loss)
-  {
-    // Crops with too few points: no step, else momentum alone would change the weights.
-    return mean_loss;
-  }
-  static_cast<torch::optim::AdamWOptions&>(optimizer->param_groups()[0].options())
-      .lr(options.rate.rateAt(step, options.steps));
-  if (std::isfinite(clippedStep(*optimizer, clip_norm)))
-  {
-    updateMean(*mean, *net, step, options.ema_decay);
-  }
-  return mean_loss;
-}
-
-std::string DysegTrainer::Impl::progress(const DysegLoss& sum, int counted) const
-{
-  const double minutes_now = std::chrono::duration<double>(Clock::now() - start).count() / 60;
-  const double per_step = minutes_now / std::max(1, step - first_step);
-  char line[240];
-  std::snprintf(line, sizeof(line),
-                "step %d/%d  matching %.3f  flow %.3f  static %.3f  cell %.3f  point %.3f  "
-                "%.0f ms/pair  %.0f min left",
-                step, options.steps, sum.matching / counted, sum.flow / counted,
-                sum.static_probability / counted, sum.cell / counted, sum.point / counted,
-                60e3 * per_step / options.batch, per_step * (options.steps - step));
-  return line;
-}
-
-std::string DysegTrainer::Impl::logRow(const DysegLoss& sum, int counted) const
-{
-  char row[200];
-  std::snprintf(row, sizeof(row), "%d,%.2f,%.6f,%.4f,%.4f,%.4f,%.4f,%.4f", step, minutes(),
-                options.rate.rateAt(step - 1, options.steps), sum.matching / counted,
-                sum.flow / counted, sum.static_probability / counted, sum.cell / counted,
-                sum.point / counted);
-  return row;
-}
-
-void DysegTrainer::Impl::save()
-{
-  if (saved_step == step)
-  {
     return;
   }
-  makeFolder(folder);
-  saveDyseg({mean, grid}, file(weights_file));
-  writeCheckpoint(file(checkpoint_file));
-  saved_step = step;
+  (loss.total / options.batch).backward();
+  loss.total.reset();  // the graph is not needed for the log
+  losses[number] = loss;
 }
 
-void DysegTrainer::Impl::writeCheckpoint(const std::string& path)
+void DysegTrainer::Impl::log(double /*gradient*/)
 {
-  TensorFile checkpoint;
-  checkpoint.setWeights("net.", *net);
-  checkpoint.setWeights("mean.", *mean);
-  setOptimizerState(checkpoint, *optimizer);
-  checkpoint.set("step", torch::tensor(static_cast<std::int64_t>(step), torch::kInt64));
-  checkpoint.set("minutes", torch::tensor(minutes(), torch::kFloat64));
-  checkpoint.write(path);
+  DysegLoss of_step;
+  for (const DysegLoss& loss : losses)
+  {
+    addTerms(loss, options.batch, of_step);
+  }
+  addTerms(of_step, 1, sum);
+  ++counted;
+  if (loop->step() % report_every == 0)
+  {
+    DysegLoss mean_loss;
+    addTerms(sum, counted, mean_loss);
+    appendRows(loop->file(log_file), {logRow(mean_loss)});
+    report(progress(mean_loss));
+    sum = DysegLoss();
+    counted = 0;
+  }
+}
+
+std::string DysegTrainer::Impl::progress(const DysegLoss& loss) const
+{
+  char line[200];
+  std::snprintf(line, sizeof(line),
+                "step %lld/%d  matching %.3f  flow %.3f  static %.3f  cell %.3f  point %.3f  ",
+                static_cast<long long>(loop->step()), options.steps, loss.matching, loss.flow,
+                loss.static_probability, loss.cell, loss.point);
+  return line + loop->timing();
+}
+
+std::string DysegTrainer::Impl::logRow(const DysegLoss& loss) const
+{
+  char row[200];
+  std::snprintf(row, sizeof(row), "%lld,%.2f,%.6f,%.4f,%.4f,%.4f,%.4f,%.4f",
+                static_cast<long long>(loop->step()), loop->minutes(), loop->rate(), loss.matching,
+                loss.flow, loss.static_probability, loss.cell, loss.point);
+  return row;
 }
 
 std::vector<std::string> DysegTrainer::Impl::evaluate(const std::string& weights)
@@ -287,22 +215,18 @@ std::vector<std::string> DysegTrainer::Impl::evaluate(const std::string& weights
   return rows;
 }
 
-void DysegTrainer::Impl::validateNow(const std::function<void(const std::string&)>& report)
+void DysegTrainer::Impl::validate()
 {
-  if (validated_step == step)
-  {
-    return;
-  }
-  validated_step = step;
-  save();
-  report("validation at step " + std::to_string(step) + ": " + score_names);
+  loop->save();
+  const std::string step = std::to_string(loop->step());
+  report("validation at step " + step + ": " + score_names);
   std::vector<std::string> rows;
-  for (const std::string& row : evaluate(file(weights_file)))
+  for (const std::string& row : evaluate(loop->file(weights_file)))
   {
-    rows.push_back(std::to_string(step) + "," + row);
+    rows.push_back(step + "," + row);
     report("  " + row);
   }
-  appendRows(file("validation.csv"), rows);
+  appendRows(loop->file("validation.csv"), rows);
 }
 
 DysegTrainer::DysegTrainer(const DysegTrainerSetup& setup, std::string folder)
@@ -319,28 +243,44 @@ DysegTrainer::DysegTrainer(const DysegTrainerSetup& setup, std::string folder)
   impl_->grid = setup.grid;
   impl_->crop = setup.grid;
   impl_->crop.cells = std::min(options.crop, setup.grid.cells);
-  impl_->folder = std::move(folder);
   torch::manual_seed(static_cast<std::uint64_t>(options.seed));
   impl_->device = deviceNamed(setup.device, "--device");
+  impl_->batch.fill(std::vector<PreparedPair>(static_cast<std::size_t>(options.batch)));
+  impl_->losses.resize(static_cast<std::size_t>(options.batch));
   impl_->net = DysegNet(network);
   impl_->mean = DysegNet(network);
   impl_->net->to(impl_->device);
   impl_->mean->to(impl_->device);
   copyWeights(*impl_->mean, *impl_->net, "");
-  impl_->optimizer = std::make_unique<torch::optim::AdamW>(
+
+  TrainingLoopSetup loop;
+  loop.folder = std::move(folder);
+  loop.log_file = log_file;
+  loop.log_header = "step,minutes,rate,matching,flow,static_probability,cell,point";
+  loop.validation_header = std::string("step,") + score_names;
+  loop.steps = options.steps;
+  loop.batch = options.batch;
+  loop.threads = options.threads;
+  loop.rate = options.rate;
+  loop.ema_decay = options.ema_decay;
+  loop.clip = clip_norm;
+  loop.validate_every = options.validate_every;
+  loop.checkpoint_every = options.checkpoint_every;
+  loop.checkpoint_has_minutes = true;
+  loop.network_prefix = "net.";
+  loop.network = impl_->net.ptr();
+  loop.mean = impl_->mean.ptr();
+  loop.optimizer = std::make_shared<torch::optim::AdamW>(
       impl_->net->parameters(),
       torch::optim::AdamWOptions(options.rate.learning_rate).weight_decay(options.weight_decay));
+  impl_->loop = std::make_unique<TrainingLoop>(std::move(loop), *impl_);
 }
 
 DysegTrainer::~DysegTrainer() = default;
 
 void DysegTrainer::requireFreshFolder() const
 {
-  if (fs::exists(impl_->file(checkpoint_file)))
-  {
-    throw UserError(impl_->file(checkpoint_file) +
-                    ": is there already; add --resume or choose another folder");
-  }
+  impl_->loop->requireFreshFolder();
 }
 
 void DysegTrainer::startFrom(const std::string& weights)
@@ -355,17 +295,7 @@ void DysegTrainer::startFrom(const std::string& weights)
 
 void DysegTrainer::resume()
 {
-  const auto path = impl_->file(checkpoint_file);
-  if (!fs::exists(path))
-  {
-    throw UserError(path + ": no such file; there is no training in this folder to continue");
-  }
-  const TensorFile checkpoint(path);
-  checkpoint.loadWeights("net.", *impl_->net);
-  checkpoint.loadWeights("mean.", *impl_->mean);
-  loadOptimizerState(checkpoint, *impl_->optimizer);
-  impl_->step = static_cast<int>(checkpoint.tensor("step").item<std::int64_t>());
-  impl_->minutes_before = checkpoint.tensor("minutes").item<double>();
+  impl_->loop->resume();
 }
 
 void DysegTrainer::validateOnly(const std::string& weights,
@@ -373,7 +303,7 @@ void DysegTrainer::validateOnly(const std::string& weights,
 {
   report(std::string("validation: ") + score_names);
   for (const std::string& row :
-       impl_->evaluate(weights.empty() ? impl_->file(weights_file) : weights))
+       impl_->evaluate(weights.empty() ? impl_->loop->file(weights_file) : weights))
   {
     report("  " + row);
   }
@@ -390,51 +320,10 @@ void DysegTrainer::run(const std::function<void(const std::string&)>& report,
   }
   t.pairs = std::make_unique<DysegPairs>(t.options);
   report("data: " + t.pairs->summary());
-  t.start = Clock::now();
-  t.first_step = t.step;
-  t.begin();
-  makeFolder(t.folder, "choose another --output");
-  beginLog(t.file("train.csv"), "step,minutes,rate,matching,flow,static_probability,cell,point",
-           t.step);
-  t.validated_step = static_cast<int>(
-      beginLog(t.file("validation.csv"), std::string("step,") + score_names, t.step));
-  DysegLoss sum;
-  int counted = 0;
-  while (t.step < t.options.steps)
+  t.report = report;
+  if (t.loop->run(report, stopped) && t.options.validate_every > 0)
   {
-    if (stopped && stopped())
-    {
-      t.save();
-      report("stopped at step " + std::to_string(t.step) + "; --resume continues from here");
-      return;
-    }
-    addTerms(t.trainStep(), 1, sum);
-    ++counted;
-    ++t.step;
-    if (t.step % report_every == 0)
-    {
-      appendRows(t.file("train.csv"), {t.logRow(sum, counted)});
-      report(t.progress(sum, counted));
-      sum = DysegLoss();
-      counted = 0;
-    }
-    if (t.step % t.options.checkpoint_every == 0)
-    {
-      t.save();
-    }
-    if (t.step == t.options.rate.firstOfDecay(t.options.steps))
-    {
-      t.writeCheckpoint(t.file(before_decay_file));
-    }
-    if (t.options.validate_every > 0 && t.step % t.options.validate_every == 0)
-    {
-      t.validateNow(report);
-    }
-  }
-  t.save();
-  if (t.options.validate_every > 0)
-  {
-    t.validateNow(report);
+    t.loop->validate();
   }
 }
 }  // namespace dyslam
