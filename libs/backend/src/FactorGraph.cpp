@@ -135,13 +135,6 @@ void FactorGraph::setPose(const Key& key, const Pose& pose)
   packPose(pose, variable(key).block.data());
 }
 
-void FactorGraph::setVelocity(const Key& key, const Vector6& twist)
-{
-  requireType(key, false);
-  requireFinite(key, twist.allFinite());
-  Eigen::Map<Vector6>(variable(key).block.data()) = twist;
-}
-
 void FactorGraph::setBlock(const Key& key, const std::array<double, pose_block_size>& block)
 {
   requireFinite(
@@ -172,11 +165,6 @@ void FactorGraph::restore(const Solution& solution)
 void FactorGraph::setFixed(const Key& key, bool fixed)
 {
   variable(key).fixed = fixed;
-}
-
-bool FactorGraph::isFixed(const Key& key) const
-{
-  return variable(key).fixed;
 }
 
 FactorGraph::FactorId FactorGraph::add(std::unique_ptr<const Factor> factor)

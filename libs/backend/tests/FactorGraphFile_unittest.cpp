@@ -106,7 +106,7 @@ TEST_F(FactorGraphFile, WrittenReadAndWrittenIsTheSame)
   for (const auto& [key, variable] : graph.variables())
   {
     EXPECT_EQ(copy.variables().at(key).block, variable.block) << toString(key);
-    EXPECT_EQ(copy.isFixed(key), variable.fixed) << toString(key);
+    EXPECT_EQ(copy.variables().at(key).fixed, variable.fixed) << toString(key);
   }
   const auto ids = graph.factorIds();
   const auto copied = copy.factorIds();

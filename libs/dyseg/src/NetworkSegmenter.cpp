@@ -79,7 +79,7 @@ struct NetworkSegmenter::Impl
 {
   struct Past
   {
-    std::size_t index = 0;
+    std::size_t index = 0;  //!< of the frame; in saved states alone
     std::shared_ptr<const EncodedPoints> scan;
     PlanarMotion from_current;  //!< static motion from the scan at hand to this one
     Pose T_odom_vehicle = Pose::Identity();
@@ -90,10 +90,10 @@ struct NetworkSegmenter::Impl
 
   NetworkSegmenterOptions options;
   DysegModel model;
-  std::deque<Past> past;                  //!< newest first
-  std::optional<RigidFlowFit> last_step;  //!< to the scan before, if it was estimated
-  std::optional<SceneFlow> flow;
-  std::vector<PastVisibility> seen;  //!< of the scan at hand, in the one compared with
+  std::deque<Past> past;                        //!< newest first
+  std::optional<RigidFlowFit> last_step;        //!< to the scan before, if it was estimated
+  std::optional<MotionEstimate> static_motion;  //!< to the scan compared with
+  std::vector<PastVisibility> seen;             //!< of the scan at hand, in the one compared with
 
   /** Whether the static motion is searched around the prior alone. */
   [[nodiscard]] bool searchesAroundPrior(const Frame& frame) const
@@ -113,7 +113,7 @@ struct NetworkSegmenter::Impl
   void followScans(const DysegModel::Encoded& current,
                    const Frame& frame,
                    const Eigen::Vector3d& sensor);
-  /** Segments by comparison with the scan `back` scans ago; keeps the flow. */
+  /** Segments by comparison with the scan `back` scans ago; keeps the motion. */
   [[nodiscard]] std::vector<float> compareWith(const DysegModel::Encoded& current,
                                                const Frame& frame,
                                                std::size_t back,
@@ -144,7 +144,7 @@ void NetworkSegmenter::exchangeState(StateArchive& archive)
   if (archive.isLoading())
   {
     s.past.clear();
-    s.flow.reset();
+    s.static_motion.reset();
   }
   for (std::size_t i = 0; i < count; ++i)
   {
@@ -163,9 +163,9 @@ void NetworkSegmenter::exchangeState(StateArchive& archive)
   }
 }
 
-const SceneFlow* NetworkSegmenter::sceneFlow() const
+const std::optional<MotionEstimate>& NetworkSegmenter::staticMotion() const
 {
-  return impl_->flow ? &*impl_->flow : nullptr;
+  return impl_->static_motion;
 }
 
 void NetworkSegmenter::Impl::followOdometry(const Frame& frame, const Eigen::Vector3d& sensor)
@@ -213,16 +213,7 @@ std::vector<float> NetworkSegmenter::Impl::compareWith(const DysegModel::Encoded
   }
   auto result = model.segment(current, *earlier.scan->encoded, step, options.iterations);
   seen = std::move(result.past_visibility);
-  flow.emplace();
-  flow->static_motion = motionOf(step, sensor);
-  flow->past_index = earlier.index;
-  flow->cell_centre = std::move(result.cell_centre);
-  flow->cell_flow = std::move(result.cell_flow);
-  for (auto& c : flow->cell_centre)
-  {
-    c += sensor.head<2>().cast<float>();
-  }
-  flow->cell_moving_probability = std::move(result.cell_moving_probability);
+  static_motion = motionOf(step, sensor);
   return std::move(result.moving_probability);
 }
 
@@ -269,7 +260,7 @@ void NetworkSegmenter::segmentEncoded(Frame& frame,
   const Eigen::Vector3d sensor = frame.scan.T_vehicle_lidar.translation();
   const DysegModel::Encoded& encoded = *scan->encoded;
   frame.moving_probability.assign(scan->points.size(), 0.0F);
-  s.flow.reset();
+  s.static_motion.reset();
   frame.segmenter_motion.reset();
   frame.static_prior.clear();
   if (!s.historyComplete())

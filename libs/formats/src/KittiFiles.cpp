@@ -157,9 +157,6 @@ OxtsReading oxtsFrom(const TextFile& file)
   r.roll = file.number(3);
   r.pitch = file.number(4);
   r.yaw = file.number(5);
-  r.velocity_forward = file.number(8);
-  r.velocity_left = file.number(9);
-  r.velocity_up = file.number(10);
   r.position_accuracy = file.number(23);
   for (std::size_t axis = 0; axis < 3; ++axis)
   {

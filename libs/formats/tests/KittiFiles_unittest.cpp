@@ -215,7 +215,6 @@ TEST(KittiOxts, FilesAndFolders)
   ASSERT_EQ(2U, one.size());
   ASSERT_EQ(2U, many.size());
   EXPECT_EQ(one[1].latitude, many[1].latitude);
-  EXPECT_EQ(10, one[0].velocity_forward);
   EXPECT_EQ(0.05, one[0].position_accuracy);
   const auto poses = oxtsPoses(one);
   EXPECT_TRUE(poses[0].isApprox(Pose::Identity(), 0));

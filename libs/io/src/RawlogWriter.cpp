@@ -337,11 +337,6 @@ void RawlogWriter::abandon()
   impl_->closed = true;  // without a commit the file goes with the writer
 }
 
-std::size_t RawlogWriter::framesWritten() const
-{
-  return impl_->frames;
-}
-
 RawlogWriter::RawlogWriter(const std::string& path,
                            const RawlogWriterOptions& options,
                            StateArchive& saved)

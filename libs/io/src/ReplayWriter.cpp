@@ -297,11 +297,6 @@ void ReplayWriter::close()
   m.file.close();
 }
 
-std::size_t ReplayWriter::framesWritten() const
-{
-  return impl_->written;
-}
-
 ReplayWriter::ReplayWriter(const std::string& path,
                            const ReplayWriterOptions& options,
                            StateArchive& saved)

@@ -442,7 +442,6 @@ RegistrationResult LocalMapRegistration::registerFrame(const Frame& frame,
   result.motion.T_previous_current = orthonormalized(s.T_odom_previous.inverse() * T_guess);
   result.motion.information = s.prior_information;
   setReasonUnusable(frame, result.motion);
-  result.map_cells = s.map.size();
   if (!result.motion.reason.empty())
   {
     return result;

@@ -83,12 +83,10 @@ class FactorGraph
   [[nodiscard]] Vector6 velocity(const Key& key) const;
   /** \throws std::invalid_argument also for a value of the other type or one that is not finite. */
   void setPose(const Key& key, const Pose& pose);
-  void setVelocity(const Key& key, const Vector6& twist);
   /** The same with the value as variables() has it. */
   void setBlock(const Key& key, const std::array<double, pose_block_size>& block);
   /** A fixed variable keeps its value in every optimisation. */
   void setFixed(const Key& key, bool fixed);
-  [[nodiscard]] bool isFixed(const Key& key) const;
   /** In order of keys. */
   [[nodiscard]] const std::map<Key, Variable>& variables() const { return variables_; }
 

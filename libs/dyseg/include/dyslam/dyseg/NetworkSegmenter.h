@@ -4,8 +4,8 @@
 #include <dyslam/dyseg/MovingSegmenter.h>
 
 #include <memory>
+#include <optional>
 #include <string>
-#include <vector>
 
 namespace dyslam
 {
@@ -28,18 +28,6 @@ struct NetworkSegmenterOptions : Options
   bool encode_ahead = false;
 
   void describe(OptionsVisitor& visitor) override;
-};
-
-/** The network's output besides the points' probabilities; vehicle frame, current to past scan. */
-struct SceneFlow
-{
-  /** Of the static world, in the plane, from the two scans alone. Where they do not show it, the
-   * start of the search, not converged. */
-  MotionEstimate static_motion;
-  std::size_t past_index = 0;                //!< Frame::index of the scan compared with
-  std::vector<Eigen::Vector2f> cell_centre;  //!< [m]
-  std::vector<Eigen::Vector2f> cell_flow;    //!< [m]
-  std::vector<float> cell_moving_probability;
 };
 
 /** DySeg (the paper's section 3.1): moving points by scene flow, from a trained network.
@@ -72,8 +60,10 @@ class NetworkSegmenter : public MovingSegmenter
   /** The past scans: their points, which are encoded again when they are loaded. */
   void exchangeState(StateArchive& archive) override;
 
-  /** Of the last segment(), to the scan `first_gap` back; null before two scans were seen. */
-  [[nodiscard]] const SceneFlow* sceneFlow() const;
+  /** Motion of the vehicle relative to the static world, in the plane, between the last scan and
+   * the one that it was compared with, `first_gap` back, from the two alone. Where they do not show
+   * it, the start of the search, not converged. None before two scans were seen. */
+  [[nodiscard]] const std::optional<MotionEstimate>& staticMotion() const;
 
  private:
   struct Impl;

@@ -50,9 +50,6 @@ struct OxtsReading
   double roll = 0;               //!< [rad]
   double pitch = 0;              //!< [rad]
   double yaw = 0;                //!< [rad], 0 = east, counter-clockwise
-  double velocity_forward = 0;   //!< [m/s], parallel to the ground
-  double velocity_left = 0;      //!< [m/s], parallel to the ground
-  double velocity_up = 0;        //!< [m/s], perpendicular to it
   double position_accuracy = 0;  //!< [m]
   // About and along the axes of the unit: x forward, y left, z up.
   Eigen::Vector3d angular_velocity = Eigen::Vector3d::Zero();  //!< [rad/s]

@@ -69,7 +69,6 @@ class RawlogWriter
   /** Removes all that was written, instead of close(). An earlier file of the name stays. */
   void abandon();
 
-  [[nodiscard]] std::size_t framesWritten() const;
   /** The state of the file. */
   void saveState(StateArchive& archive);
 

@@ -51,7 +51,6 @@ class ReplayWriter
   /** Finishes the file; later calls do nothing. \throws UserError if that fails. */
   void close();
 
-  [[nodiscard]] std::size_t framesWritten() const;
   /** The state of the file. */
   void saveState(StateArchive& archive);
 

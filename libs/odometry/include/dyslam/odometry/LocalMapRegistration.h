@@ -79,12 +79,11 @@ struct RegistrationResult
   Vector6 prior_weight = Vector6::Ones();
   /** The scene constrains some direction of motion less than guess_sigma does. */
   bool degenerate = false;
-  double inlier_share = 0;    //!< weight of the inliers over that of all registered points
-  double surface_share = 0;   //!< weight of the points with a surface in the map over that of all
-  double inlier_ratio = 0;    //!< weight of the inliers over that of the points with a surface
-  double loss_width = 0;      //!< initial width of the robust loss [m]
-  std::size_t points = 0;     //!< registered
-  std::size_t map_cells = 0;  //!< before the frame is integrated
+  double inlier_share = 0;   //!< weight of the inliers over that of all registered points
+  double surface_share = 0;  //!< weight of the points with a surface in the map over that of all
+  double inlier_ratio = 0;   //!< weight of the inliers over that of the points with a surface
+  double loss_width = 0;     //!< initial width of the robust loss [m]
+  std::size_t points = 0;    //!< registered
 };
 
 /** Registration of each scan to a local map of surfaces (scan to map odometry).
