@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/backend/Backend.h>
 #include <dyslam/core/Error.h>
+#include <dyslam/core/FrameCopy.h>
 #include <dyslam/core/Parallel.h>
 #include <dyslam/core/RuntimeModule.h>
 #include <dyslam/core/StateArchive.h>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <dyslam/mapping/HindsightLabels.h>
+#include <dyslam/core/FrameCopy.h>
 
 #include <functional>
 #include <memory>
