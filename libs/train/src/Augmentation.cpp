@@ -154,8 +154,8 @@ void pasteBodies(const AugmentationOptions& options,
     if (jam || kind < options.co_moving)
     {
       // Moves with the ego-vehicle, approximately.
-      T_2_1_body =
-          poseFromYpr(draws.normal(0.02), draws.normal(0.01), 0, draws.normal(0.002), 0, 0);
+      const auto [x, y, yaw] = draws.normals<3>({0.02, 0.01, 0.002});
+      T_2_1_body = poseFromYpr(x, y, 0, yaw, 0, 0);
       label = (pair.T_2_1.translation() - T_2_1_body.translation()).norm() > 0.05
                   ? PointLabel::moving
                   : PointLabel::unknown;
@@ -271,9 +271,9 @@ void augment(const AugmentationOptions& options,
   disturb(noise, dropout, draws, pair.points1);
   disturb(noise, dropout, draws, pair.points2);
   const double t = options.translation;
-  const Pose T_aug = poseFromYpr(draws.normal(t), draws.normal(t / 2), draws.normal(t / 4),
-                                 draws.normal(options.yaw), draws.normal(options.yaw / 3),
-                                 draws.normal(options.yaw / 3));
+  const auto [x, y, z, yaw, pitch, roll] =
+      draws.normals<6>({t, t / 2, t / 4, options.yaw, options.yaw / 3, options.yaw / 3});
+  const Pose T_aug = poseFromYpr(x, y, z, yaw, pitch, roll);
   moveAll(T_aug, pair.points1);
   pair.T_2_1 = pair.T_2_1 * T_aug.inverse();
 }

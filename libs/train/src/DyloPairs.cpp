@@ -94,9 +94,9 @@ Pose drawInitialGuess(const Pose& truth,
   }
   const double meters = 0.02 * std::pow(25.0, draws.uniform());
   const double radians = 0.001 * std::pow(15.0, draws.uniform());
-  return truth * poseFromYpr(draws.normal(meters), draws.normal(0.3 * meters),
-                             draws.normal(0.15 * meters), draws.normal(radians),
-                             draws.normal(0.3 * radians), draws.normal(0.3 * radians));
+  const auto [x, y, z, yaw, pitch, roll] = draws.normals<6>(
+      {meters, 0.3 * meters, 0.15 * meters, radians, 0.3 * radians, 0.3 * radians});
+  return truth * poseFromYpr(x, y, z, yaw, pitch, roll);
 }
 }  // namespace
 

@@ -20,9 +20,10 @@ class Builder
   /** These sizes, varied by up to 12 %. */
   Builder& add(bool round, float x, float y, float z, float length, float width, float height)
   {
-    const Eigen::Vector3f half =
-        0.5F * Eigen::Vector3f(length * vary(), width * vary(), height * vary());
-    parts_.push_back({{x, y, z}, half, round});
+    height *= vary();
+    width *= vary();
+    length *= vary();
+    parts_.push_back({{x, y, z}, 0.5F * Eigen::Vector3f(length, width, height), round});
     return *this;
   }
   float vary() { return static_cast<float>(draws_.uniform(0.88, 1.12)); }
@@ -51,9 +52,12 @@ void makeRandom(Builder& b, RandomDraws& draws)
     { return static_cast<float>(draws.uniform(-share, share)); };
     const auto part = [&] { return static_cast<float>(draws.uniform(0.25, 0.8)); };
     const float h = height * part();
-    b.add(draws.chance(0.5), size * within(0.3), size * within(0.2),
-          0.5F * h + static_cast<float>(draws.uniform()) * (height - h), size * part(),
-          0.6F * size * part(), h);
+    const float width = 0.6F * size * part();
+    const float length = size * part();
+    const float z = 0.5F * h + static_cast<float>(draws.uniform()) * (height - h);
+    const float y = size * within(0.2);
+    const float x = size * within(0.3);
+    b.add(draws.chance(0.5), x, y, z, length, width, h);
   }
 }
 
@@ -111,10 +115,12 @@ CastBody makeBody(BodyKind kind, RandomDraws& draws)
   switch (kind)
   {
     case BodyKind::car:
+    {
       b.add(false, 0, 0, 0.62F, 4.2F, 1.75F, 0.7F);
-      b.add(draws.chance(0.4), static_cast<float>(draws.uniform(-0.5, 0.1)), 0, 1.2F, 2.4F, 1.55F,
-            0.65F);
+      const auto x = static_cast<float>(draws.uniform(-0.5, 0.1));
+      b.add(draws.chance(0.4), x, 0, 1.2F, 2.4F, 1.55F, 0.65F);
       break;
+    }
     case BodyKind::van:
       b.add(false, 0, 0, 1.2F, 4.8F, 1.9F, 1.8F);
       break;

@@ -234,8 +234,10 @@ Pose drawPlace(const CastBody& body, bool beside, double farthest, RandomDraws& 
     // Right next to the sensor, along the road or about so.
     const double side = draws.chance(0.5) ? 1 : -1;
     const double width = body.bounds.max().y();
-    return poseFromYpr(draws.uniform(-8, 8), side * (width + draws.uniform(1.5, 6)), 0,
-                       (draws.chance(0.5) ? M_PI : 0) + draws.normal(0.08), 0, 0);
+    const double along = draws.chance(0.5) ? M_PI : 0;
+    const double yaw = along + draws.normal(0.08);
+    const double y = side * (width + draws.uniform(1.5, 6));
+    return poseFromYpr(draws.uniform(-8, 8), y, 0, yaw, 0, 0);
   }
   // Near places more often, where the points are.
   constexpr double nearest = 4;

@@ -49,7 +49,8 @@ PlanarMotion perturbed(PlanarMotion motion, double noise, RandomDraws& draws)
 {
   // With outliers, as fits have them.
   const double scale = noise * (draws.chance(0.15) ? 2.5 : 1);
-  motion.translation += Eigen::Vector2d(draws.normal(scale), draws.normal(scale));
+  const auto [x, y] = draws.normals<2>({scale, scale});
+  motion.translation += Eigen::Vector2d(x, y);
   motion.yaw += draws.normal(0.026 * scale);
   return motion;
 }

@@ -160,8 +160,8 @@ namespace
 DysegSample seenTwice(const std::vector<Eigen::Vector3f>& scan, RandomDraws& draws)
 {
   const double ahead = draws.chance(0.15) ? 0 : draws.uniform(-1.5, draws.chance(0.3) ? 7 : 2.5);
-  const Pose motion = poseFromYpr(ahead, draws.normal(0.05), draws.normal(0.02), draws.normal(0.02),
-                                  draws.normal(0.003), draws.normal(0.003));
+  const auto [y, z, yaw, pitch, roll] = draws.normals<5>({0.05, 0.02, 0.02, 0.003, 0.003});
+  const Pose motion = poseFromYpr(ahead, y, z, yaw, pitch, roll);
   auto sample = doubleScan(scan, motion, draws);
   sample.elapsed = period * static_cast<double>(1 + draws.below(longest_gap));
   return sample;

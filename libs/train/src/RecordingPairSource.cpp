@@ -84,8 +84,8 @@ TrainingPair SingleScanSource::pair(std::uint64_t index) const
   RandomDraws draws(seed_ ^ 0x51461EULL, index);
   const std::vector<Eigen::Vector3f>& scan = scans_[draws.below(scans_.size())];
   TrainingPair pair;
-  pair.T_2_1 = poseFromYpr(draws.uniform(-0.5, 2.5), draws.normal(0.05), draws.normal(0.02),
-                           draws.normal(0.02), draws.normal(0.005), draws.normal(0.005));
+  const auto [y, z, yaw, pitch, roll] = draws.normals<5>({0.05, 0.02, 0.02, 0.005, 0.005});
+  pair.T_2_1 = poseFromYpr(draws.uniform(-0.5, 2.5), y, z, yaw, pitch, roll);
   const Eigen::Isometry3f T_1_2 = pair.T_2_1.inverse().cast<float>();
   pair.points1.reserve(scan.size());
   pair.points2.reserve(scan.size());

@@ -30,6 +30,16 @@ TEST(RandomDraws, AreThoseOfEarlierTrainings)
   EXPECT_NEAR(draws.normal(2), 0.65858658895143229, 1e-12);
 }
 
+TEST(RandomDraws, SeveralNormalDrawsAreFromTheLastToTheFirst)
+{
+  RandomDraws together(7, 3);
+  RandomDraws one_by_one(7, 3);
+  const auto [x, y, z] = together.normals<3>({1, 2, 3});
+  EXPECT_EQ(z, one_by_one.normal(3));
+  EXPECT_EQ(y, one_by_one.normal(2));
+  EXPECT_EQ(x, one_by_one.normal(1));
+}
+
 TEST(RandomDraws, NeighbouringSeedsAndIndicesHaveNoDrawInCommon)
 {
   constexpr std::uint64_t seeds = 20;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <array>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
@@ -10,9 +11,10 @@
 namespace dyslam
 {
 /** Small seeded random numbers (splitmix64) whose draws are the same on every platform. Those of
- * different seeds or indices are independent, also of neighbouring ones. The order of several draws
- * among the arguments of one call is the compiler's, though: data that are drawn like that are the
- * same for one compiler only. */
+ * different seeds or indices are independent, also of neighbouring ones.
+ *
+ * Several draws in the arguments of one call are not allowed: their order of evaluation is
+ * unspecified, but a seed must determine the data. */
 class RandomDraws
 {
  public:
@@ -50,6 +52,17 @@ class RandomDraws
   {
     const double radius = std::sqrt(-2 * std::log(1 - uniform()));
     return deviation * radius * std::cos(2 * M_PI * uniform());
+  }
+  /** One for each standard deviation, drawn from the last to the first. */
+  template <std::size_t N>
+  std::array<double, N> normals(const std::array<double, N>& deviations)
+  {
+    std::array<double, N> drawn{};
+    for (std::size_t i = N; i-- > 0;)
+    {
+      drawn[i] = normal(deviations[i]);
+    }
+    return drawn;
   }
 
  private:
