@@ -3,6 +3,7 @@
 
 #include <dyslam/core/Error.h>
 #include <dyslam/core/SharedFiles.h>
+#include <dyslam/core/Splitmix.h>
 #include <dyslam/formats/TrajectoryFiles.h>
 #include <dyslam/mapbuilder/ScanReading.h>
 #include <dyslam/odometry/Preprocessor.h>
@@ -81,15 +82,6 @@ std::vector<Trajectory> readTrajectories(const MapSelfArguments& a)
     result.push_back(std::move(file.trajectory));
   }
   return result;
-}
-
-/** Scrambles bits, so that the smallest values are a random choice (splitmix64). */
-std::uint64_t scrambled(std::uint64_t x)
-{
-  x += 0x9E3779B97F4A7C15ULL;
-  x = (x ^ (x >> 30U)) * 0xBF58476D1CE4E5B9ULL;
-  x = (x ^ (x >> 27U)) * 0x94D049BB133111EBULL;
-  return x ^ (x >> 31U);
 }
 
 /** The scans along the trajectories. */
@@ -198,7 +190,8 @@ class PointChoice
       for (std::size_t i = 0; i < points.size(); ++i)
       {
         const std::uint64_t number = (static_cast<std::uint64_t>(frame.index) << 32U) | source[i];
-        offer(t, scrambled(number), points[i]);
+        // The smallest hashes are a random choice.
+        offer(t, splitmix64(number), points[i]);
       }
     }
   }

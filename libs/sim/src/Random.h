@@ -1,24 +1,17 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <dyslam/core/Splitmix.h>
+
 #include <cmath>
 #include <cstdint>
 #include <vector>
 
 namespace dyslam::sim
 {
-/** 64-bit hash (finaliser of splitmix64). */
-inline std::uint64_t mix(std::uint64_t x)
-{
-  x += 0x9E3779B97F4A7C15ULL;
-  x = (x ^ (x >> 30)) * 0xBF58476D1CE4E5B9ULL;
-  x = (x ^ (x >> 27)) * 0x94D049BB133111EBULL;
-  return x ^ (x >> 31);
-}
-
 inline std::uint64_t combine(std::uint64_t a, std::uint64_t b)
 {
-  return mix(a ^ (b + 0x9E3779B97F4A7C15ULL + (a << 6) + (a >> 2)));
+  return splitmix64(a ^ (b + splitmix_increment + (a << 6) + (a >> 2)));
 }
 
 /** Uniform in [0, 1) from the top bits of a hash. */
@@ -42,9 +35,9 @@ inline float normal(std::uint64_t hash)
 class Rng
 {
  public:
-  explicit Rng(std::uint64_t seed) : state_(mix(seed)) {}
+  explicit Rng(std::uint64_t seed) : state_(splitmix64(seed)) {}
 
-  std::uint64_t bits() { return mix(state_++); }
+  std::uint64_t bits() { return splitmix64(state_++); }
   double uniform() { return static_cast<double>(bits() >> 11) * 0x1p-53; }
   double uniform(double low, double high) { return low + (high - low) * uniform(); }
   int below(int count) { return static_cast<int>(uniform() * count); }

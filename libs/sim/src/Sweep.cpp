@@ -98,8 +98,8 @@ class Caster
  private:
   std::uint64_t hash(std::size_t column, std::size_t beam, Draw draw) const
   {
-    return mix(scene_.seed +
-               ((column * beam_count_ + beam) * kDrawCount + draw) * 0x9E3779B97F4A7C15ULL);
+    return splitmix64(scene_.seed +
+                      ((column * beam_count_ + beam) * kDrawCount + draw) * splitmix_increment);
   }
 
   /** Direction of the head during a column of firings. */
@@ -224,7 +224,7 @@ void Caster::tracePacket(std::size_t column, std::size_t count, std::size_t b)
       const std::uint64_t h = hash(c, b, kDrawCone);
       const auto spread = static_cast<float>(sensor_.divergence) * 0.6F;
       const Eigen::Vector3f side(-d.y(), d.x(), 0);
-      d += spread * (normal(h) * side + 0.2F * normal(mix(h)) * Eigen::Vector3f::UnitZ());
+      d += spread * (normal(h) * side + 0.2F * normal(splitmix64(h)) * Eigen::Vector3f::UnitZ());
       d.normalize();
     }
     const Pose& pose = scene_.T_map_lidar_column[c];
@@ -363,7 +363,7 @@ std::optional<float> Caster::measuredRange(std::size_t column,
   const float step = beside.range - hit.range;
   if (beside.range > 0 && std::abs(step) > 0.25F && std::abs(step) < 2.5F && unit(mixed) < 0.18F)
   {
-    range += step * unit(mix(mixed));
+    range += step * unit(splitmix64(mixed));
   }
   range += static_cast<float>(sensor_.range_noise) *
                (0.7F + 0.3F / std::sqrt(std::min(1.0F, signal) + 0.02F)) *

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <dyslam/core/Splitmix.h>
+
 #include <array>
 #include <cmath>
 #include <cstddef>
@@ -19,16 +21,16 @@ class RandomDraws
 {
  public:
   RandomDraws(std::uint64_t seed, std::uint64_t index)
-      // Each draw adds `increment` to the state: seed and index are mixed, so that no two states
-      // are a few increments apart.
-      : state_(mixed(mixed(seed + increment) + index))
+      // Each draw adds `splitmix_increment` to the state: seed and index are mixed, so that no two
+      // states are a few increments apart.
+      : state_(mixedBits(splitmix64(seed) + index))
   {
   }
 
   std::uint64_t bits()
   {
-    state_ += increment;
-    return mixed(state_);
+    state_ += splitmix_increment;
+    return mixedBits(state_);
   }
   /** In [0, 1). */
   double uniform() { return static_cast<double>(bits() >> 11) * 0x1.0p-53; }
@@ -66,16 +68,6 @@ class RandomDraws
   }
 
  private:
-  static constexpr std::uint64_t increment = 0x9E3779B97F4A7C15ULL;
-
-  /** The finaliser of splitmix64: a bijection whose output bits depend on all input bits. */
-  static std::uint64_t mixed(std::uint64_t z)
-  {
-    z = (z ^ (z >> 30)) * 0xBF58476D1CE4E5B9ULL;
-    z = (z ^ (z >> 27)) * 0x94D049BB133111EBULL;
-    return z ^ (z >> 31);
-  }
-
   std::uint64_t state_;
 };
 }  // namespace dyslam
