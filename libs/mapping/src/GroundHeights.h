@@ -22,7 +22,8 @@ class LowestReturns
                 const Eigen::Isometry3f& T_odom_vehicle);
 
   /** Key of each square and the height of its third lowest return (the highest of fewer) [m]:
-   * multipath echoes lie below the road. */
+   * multipath echoes lie below the road. The detector, which knows the ground from one scan alone,
+   * takes the lowest of fewer than 6. */
   [[nodiscard]] const std::vector<std::pair<std::uint64_t, float>>& heights() const
   {
     return heights_;

@@ -81,7 +81,7 @@ class GroundAround
     {
       for (int dj = -1; dj <= 1; ++dj)
       {
-        const LowestReturns& cell = cells_[own + static_cast<std::size_t>(di * width_ + dj)];
+        const CellReturns& cell = cells_[own + static_cast<std::size_t>(di * width_ + dj)];
         if (cell.count > 0)
         {
           around[count++] = cell.height();
@@ -98,7 +98,7 @@ class GroundAround
   }
 
  private:
-  struct LowestReturns
+  struct CellReturns
   {
     std::array<float, 3> z{std::numeric_limits<float>::max(), std::numeric_limits<float>::max(),
                            std::numeric_limits<float>::max()};
@@ -114,6 +114,8 @@ class GroundAround
         }
       }
     }
+    /** The third lowest return, of fewer than 6 the lowest. The hindsight labels, which know the
+     * ground from several scans, take the third lowest of 3 and more, of fewer the highest. */
     float height() const { return count >= 6 ? z[2] : z[0]; }
   };
   std::size_t indexOf(const Eigen::Vector3f& p) const
@@ -126,7 +128,7 @@ class GroundAround
   double cell_;
   int half_;  //!< cells on each side of the sensor's
   int width_;
-  std::vector<LowestReturns> cells_;
+  std::vector<CellReturns> cells_;
   std::vector<char> used_;  //!< cells whose height is asked for, or that of a neighbour
 };
 
