@@ -163,7 +163,7 @@ void NetworkSegmenter::exchangeState(StateArchive& archive)
   }
 }
 
-const std::optional<MotionEstimate>& NetworkSegmenter::staticMotion() const
+const std::optional<MotionEstimate>& NetworkSegmenter::motionToEarlier() const
 {
   return impl_->static_motion;
 }

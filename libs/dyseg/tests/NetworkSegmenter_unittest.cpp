@@ -72,7 +72,7 @@ TEST(NetworkSegmenter, TheFirstScanIsStatic)
   segmenter.segment(frame);
   ASSERT_EQ(frame.moving_probability.size(), frame.cloud.points.size());
   EXPECT_EQ(*std::max_element(frame.moving_probability.begin(), frame.moving_probability.end()), 0);
-  EXPECT_FALSE(segmenter.staticMotion().has_value());
+  EXPECT_FALSE(segmenter.motionToEarlier().has_value());
 }
 
 TEST(NetworkSegmenter, AppearanceCountsUntilTheFirstGapIsReached)
@@ -122,7 +122,7 @@ TEST(NetworkSegmenter, TheSearchIsAroundThePriorOnceTheFirstGapIsReached)
       segmenter.segment(frame);
       if (i > 0)
       {
-        m.to_past.push_back(segmenter.staticMotion()->T_previous_current.translation().x());
+        m.to_past.push_back(segmenter.motionToEarlier()->T_previous_current.translation().x());
       }
       if (frame.segmenter_motion)
       {
@@ -168,7 +168,7 @@ TEST(NetworkSegmenter, TheStaticMotionIsThePriorsWhereItCannotBeFound)
     EXPECT_FALSE(frame.segmenter_motion.has_value()) << i;
     if (i == 1)
     {
-      const auto& motion = *segmenter.staticMotion();
+      const auto& motion = *segmenter.motionToEarlier();
       EXPECT_FALSE(motion.converged);
       EXPECT_NEAR(motion.T_previous_current.translation().x(), 1, 1e-9);
     }
@@ -190,8 +190,8 @@ TEST(NetworkSegmenter, ShiftedScanGivesTheShiftAndNoMovers)
   auto second = frameOf(now, 1);
   segmenter.segment(first);
   segmenter.segment(second);
-  ASSERT_TRUE(segmenter.staticMotion().has_value());
-  const auto& motion = *segmenter.staticMotion();
+  ASSERT_TRUE(segmenter.motionToEarlier().has_value());
+  const auto& motion = *segmenter.motionToEarlier();
   EXPECT_TRUE(motion.converged);
   EXPECT_LT((motion.T_previous_current.translation() - truth.translation()).norm(), 0.15);
   EXPECT_LT(dyslam::rotationAngle(motion.T_previous_current.inverse() * truth), 0.01);

@@ -63,7 +63,7 @@ class NetworkSegmenter : public MovingSegmenter
   /** Motion of the vehicle relative to the static world, in the plane, between the last scan and
    * the one that it was compared with, `first_gap` back, from the two alone. Where they do not show
    * it, the start of the search, not converged. None before two scans were seen. */
-  [[nodiscard]] const std::optional<MotionEstimate>& staticMotion() const;
+  [[nodiscard]] const std::optional<MotionEstimate>& motionToEarlier() const;
 
  private:
   struct Impl;
