@@ -98,7 +98,7 @@ class SlamRun
   explicit SlamRun(const SlamRunSettings& settings);
   ~SlamRun();
 
-  /** The ini sections of every run, as effective.ini has them. */
+  /** Names of the ini sections that effective.ini of every run has, sorted. */
   [[nodiscard]] static std::vector<std::string> sections();
 
   [[nodiscard]] Pipeline& pipeline();
