@@ -124,6 +124,7 @@ TEST(RunStatistics, TheAdviceOfASecondPassIsOneOfTheWarnings)
   {
     Frame frame;
     frame.motion.converged = true;
+    frame.odometry.converged = true;
     frame.cloud.points.resize(100);
     frame.moving.resize(100);
     std::fill_n(frame.moving.begin(), moving, true);
