@@ -7,8 +7,8 @@
 #include <dyslam/formats/ScanFiles.h>
 
 #include <algorithm>
-#include <limits>
 #include <iterator>
+#include <limits>
 
 namespace dyslam
 {
