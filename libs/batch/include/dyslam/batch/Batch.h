@@ -45,12 +45,12 @@ struct BatchWatch
 /** Folder of a recording's results. */
 [[nodiscard]] std::string folderOf(const BatchSettings& settings, const Recording& recording);
 
-/** Runs dyslam on every recording that is not done, as child processes, each on cores of its own;
- * what failed is run again after all others, up to `attempts` times in all, unless somebody stopped
- * it. One entry per
- * recording, in their order; those not reached before a stop are `unknown` or `running`. \throws
- * UserError if the output folder cannot be made, and if dyslam refuses the settings that all runs
- * have in common. */
+/** Runs dyslam on every recording that is not done, as child processes, each on cores of its own.
+ *
+ * What failed is run again after all others, up to `attempts` times in all, unless it was stopped
+ * by a signal of its own. \return one entry per recording, in their order; those not reached before
+ * a stop are `unknown` or `running`. \throws UserError if the output folder cannot be made, and if
+ * dyslam refuses the settings that all runs have in common. */
 std::vector<BatchResult> runBatch(const BatchSettings& settings,
                                   const std::vector<Recording>& recordings,
                                   const BatchWatch& watch);
