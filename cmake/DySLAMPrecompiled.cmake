@@ -11,7 +11,7 @@ set(dyslam_headers_torch ${dyslam_headers_core} <torch/torch.h>)
 set(dyslam_headers_apps ${dyslam_headers_core} <CLI/CLI.hpp> <nlohmann/json.hpp>)
 
 # Options and messages of the programs, and tests, spend their time in the libraries: compiling them with few
-# optimisations takes 0.6 of the time.
+# optimisations takes 0.5 to 0.8 of the time.
 set(dyslam_quick_options $<$<CONFIG:Release>:-O1>)
 
 # dyslam_use_headers(<target> <core|tests|torch|apps> [QUICK])
