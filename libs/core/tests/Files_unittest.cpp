@@ -6,7 +6,6 @@
 #include <unistd.h>
 
 #include <filesystem>
-#include <fstream>
 #include <string>
 #include <vector>
 
@@ -16,16 +15,21 @@ namespace
 {
 namespace fs = std::filesystem;
 
-class FilePaths : public testing::Test
+class Files : public testing::Test
 {
  protected:
   void SetUp() override
   {
-    folder_ = fs::temp_directory_path() / ("dyslam_files_" + std::to_string(getpid()));
     fs::create_directories(folder_ / "in");
     writeWhole(path("in/a"), "a");
     fs::create_symlink(folder_ / "in/a", folder_ / "file_link");
     fs::create_directory_symlink(folder_ / "in", folder_ / "folder_link");
+    for (const char* name : {"b", "c", "a"})
+    {
+      fs::create_directories(listed_ / name);
+    }
+    writeWhole((listed_ / "b.txt").string(), "x");
+    fs::create_symlink("nowhere", listed_ / "link");
   }
   void TearDown() override { fs::remove_all(folder_); }
 
@@ -34,10 +38,11 @@ class FilePaths : public testing::Test
     return (folder_ / name).string();
   }
 
-  fs::path folder_;
+  const fs::path folder_ = fs::temp_directory_path() / ("dyslam_files_" + std::to_string(getpid()));
+  const fs::path listed_ = folder_ / "listed";
 };
 
-TEST_F(FilePaths, PathsAreComparedWithLinksFollowed)
+TEST_F(Files, PathsAreComparedWithLinksFollowed)
 {
   for (const char* same : {"in/a", "in/../in/./a", "file_link", "folder_link/a"})
   {
@@ -51,7 +56,7 @@ TEST_F(FilePaths, PathsAreComparedWithLinksFollowed)
   EXPECT_FALSE(isSamePath(std::string(100000, 'x'), path("in/a")));
 }
 
-TEST_F(FilePaths, AFolderHasItselfAndAllBelow)
+TEST_F(Files, AFolderHasItselfAndAllBelow)
 {
   for (const char* within : {"in", "in/a", "in/new/file", "folder_link/a", "file_link", "./in/."})
   {
@@ -64,26 +69,6 @@ TEST_F(FilePaths, AFolderHasItselfAndAllBelow)
   }
   EXPECT_FALSE(isWithin("", path("in")));
 }
-class FolderEntries : public testing::Test
-{
- protected:
-  FolderEntries()
-  {
-    const auto* test = testing::UnitTest::GetInstance()->current_test_info();
-    folder_ = fs::path(testing::TempDir()) / ("dyslam_files_" + std::string(test->name()));
-    fs::remove_all(folder_);
-    for (const char* name : {"b", "c", "a"})
-    {
-      fs::create_directories(folder_ / name);
-    }
-    std::ofstream(folder_ / "b.txt") << "x";
-    fs::create_symlink("nowhere", folder_ / "link");
-  }
-  ~FolderEntries() override { fs::remove_all(folder_); }
-
-  fs::path folder_;
-};
-
 std::vector<std::string> namesOf(const std::vector<fs::directory_entry>& entries)
 {
   std::vector<std::string> names;
@@ -94,18 +79,18 @@ std::vector<std::string> namesOf(const std::vector<fs::directory_entry>& entries
   return names;
 }
 
-TEST_F(FolderEntries, EntriesComeByName)
+TEST_F(Files, EntriesComeByName)
 {
   const std::vector<std::string> expected{"a", "b", "b.txt", "c", "link"};
-  EXPECT_EQ(namesOf(entriesOf(folder_)), expected);
-  EXPECT_EQ(namesOf(entriesIfReadable(folder_)), expected);
-  EXPECT_EQ(foldersIn(folder_), (std::vector<std::string>{"a", "b", "c"}));
-  EXPECT_TRUE(entriesOf(folder_ / "a").empty());
+  EXPECT_EQ(namesOf(entriesOf(listed_)), expected);
+  EXPECT_EQ(namesOf(entriesIfReadable(listed_)), expected);
+  EXPECT_EQ(foldersIn(listed_), (std::vector<std::string>{"a", "b", "c"}));
+  EXPECT_TRUE(entriesOf(listed_ / "a").empty());
 }
 
-TEST_F(FolderEntries, WhatCannotBeListedIsAnErrorThatNamesIt)
+TEST_F(Files, WhatCannotBeListedIsAnErrorThatNamesIt)
 {
-  for (const fs::path& path : {folder_ / "b.txt", folder_ / "none"})
+  for (const fs::path& path : {listed_ / "b.txt", listed_ / "none"})
   {
     EXPECT_TRUE(entriesIfReadable(path).empty());
     EXPECT_THROW((void)foldersIn(path), UserError);
