@@ -4,6 +4,7 @@
 
 #include <dyslam/backend/PoseGraphSolver.h>
 #include <dyslam/backend/RunMerger.h>
+#include <dyslam/core/Files.h>
 #include <dyslam/io/Converters.h>
 #include <dyslam/io/KittiExport.h>
 #include <dyslam/io/RawlogWriter.h>
@@ -25,15 +26,21 @@ namespace
 {
 const std::vector<std::string> no_lines;
 
-TEST(HelpTexts, ThoseOfARunReadAlone)
+/** The effective.ini of a run with default settings. */
+std::string effectiveIniOfARun(const TestFolder& folder)
 {
-  const TestFolder folder;
   SlamRunSettings settings;
   settings.rawlog = folder.file("drive.rawlog");  // is not opened
   settings.output_folder = folder.file("run");
   SlamRun run(settings);
   run.open();
-  const std::string effective = folder.read("run/effective.ini");
+  return folder.file("run/effective.ini");
+}
+
+TEST(HelpTexts, ThoseOfARunReadAlone)
+{
+  const TestFolder folder;
+  const std::string effective = readWhole(effectiveIniOfARun(folder));
   for (const char* section : {"[sensor]", "[odometry]", "[dylo]", "[dyseg_network]", "[tracker]",
                               "[loop]", "[map]", "[output]", "[replay]"})
   {
@@ -46,13 +53,7 @@ TEST(HelpTexts, ThoseOfARunReadAlone)
 TEST(SlamRun, TheSectionsOfEffectiveIniAreKnown)
 {
   const TestFolder folder;
-  SlamRunSettings settings;
-  settings.rawlog = folder.file("drive.rawlog");  // is not opened
-  settings.output_folder = folder.file("run");
-  SlamRun run(settings);
-  run.open();
-  std::vector<std::string> names =
-      Config::fromFile(folder.file("run/effective.ini")).sectionNames();
+  std::vector<std::string> names = Config::fromFile(effectiveIniOfARun(folder)).sectionNames();
   std::sort(names.begin(), names.end());
   EXPECT_EQ(names, SlamRun::sections());
 }
