@@ -3,6 +3,7 @@
 
 #include <dyslam/core/Angle.h>
 #include <dyslam/core/Error.h>
+#include <dyslam/io/Converters.h>
 
 #include <CLI/CLI.hpp>
 #include <utility>
@@ -24,7 +25,7 @@ void declareSets(CLI::App& app, Arguments& a)
         "--reverse", "--output",     "--ego",      "--speed",         "--loop",
         "--start",   "--start-time", "--one-loop", "--columns",       "--max-range",
         "--compact", "--no-flow",    "--no-noise", "--no-distortion", "--no-stops",
-        "--count",   "--imu",        "--wheels",   "--mounting"})
+        "--count",   "--imu",        "--wheels",   "--mounting",      "--further-sensor"})
   {
     benchmark->excludes(app.get_option(fixed));
   }
@@ -95,6 +96,10 @@ void declare(CLI::App& app, Arguments& a)
          },
          "roll and pitch of the lidar on the ego [deg] (0 0)")
       ->expected(2);
+  app.add_option("--further-sensor", a.further_sensors,
+                 "another lidar on the ego and its pose there: x y z [m] yaw pitch roll [deg] in "
+                 "quotes; repeatable. dyslam merges its scans with input.further_lidars")
+      ->type_name("SENSOR POSE");
   app.add_flag("--compact", a.recording.compact,
                "small files: coordinates in multiples of 1/128 m, points sorted by ring");
   app.add_flag("--no-flow", a.no_flow, "do not write the per-point scene flow");
@@ -127,6 +132,11 @@ Recording recordingOf(const Arguments& a)
   o.world = worldKindFromString(a.world);
   o.sensor = sensorKindFromString(a.sensor);
   o.ego = egoKind(a.ego);
+  for (const auto& [sensor, mounting] : a.further_sensors)
+  {
+    o.further_sensors.push_back(
+        {sensorKindFromString(sensor), poseFromOption("--further-sensor", mounting)});
+  }
   o.noise = !a.no_noise;
   o.motion_distortion = !a.no_distortion;
   o.stops = !a.no_stops;

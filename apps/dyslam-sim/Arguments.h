@@ -3,6 +3,8 @@
 
 #include <optional>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "Recorder.h"
 
@@ -20,6 +22,7 @@ struct Arguments
   std::string world = "urban";
   std::string sensor = "HDL64E";
   std::string ego = "automatic";
+  std::vector<std::pair<std::string, std::string>> further_sensors;  //!< with their mountings
   std::string benchmark;  //!< folder for the benchmark set; empty: a recording or a series
   std::string split;      //!< whose drives are the benchmark set; empty: the standing set
   std::string only;       //!< the one recording of the set; empty: all

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Recorder.h"
 
+#include <dyslam/core/ScanParts.h>
 #include <dyslam/formats/GroundTruth.h>
 #include <dyslam/io/RawlogWriter.h>
 #include <dyslam/sim/Simulator.h>
@@ -16,6 +17,7 @@ namespace dyslam::sim
 {
 namespace
 {
+/** Sorts the first values; those after them stay. */
 template <typename T>
 void reorder(std::vector<T>& values, const std::vector<std::size_t>& order)
 {
@@ -25,20 +27,27 @@ void reorder(std::vector<T>& values, const std::vector<std::size_t>& order)
   {
     sorted.push_back(values[i]);
   }
-  values = std::move(sorted);
+  std::move(sorted.begin(), sorted.end(), values.begin());
 }
 
-/** Rounds to exactly representable values and sorts by ring, for better compression. */
-void makeCompact(SimulatedScan& s)
+void roundValues(Scan& scan)
 {
-  for (auto& p : s.scan.points)
+  for (auto& p : scan.points)
   {
     p = (p * 128).array().round().matrix() / 128;
   }
-  for (auto& t : s.scan.time)
+  for (auto& t : scan.time)
   {
     t = std::round(t * 16384) / 16384;
   }
+}
+
+/** Rounds to exactly representable values and sorts the first sensor's points by ring, for better
+ * compression. */
+void makeCompact(SimulatedScan& s)
+{
+  roundValues(s.scan);
+  std::for_each(s.further.begin(), s.further.end(), roundValues);
   if (s.scan.ring.empty())
   {
     return;
@@ -74,6 +83,21 @@ void writeScan(const SimulatedScan& scan, RawlogWriter& rawlog)
     rawlog.write(*wheels);
   }
   rawlog.write(scan.scan, scan.T_map_vehicle);
+  for (const Scan& further : scan.further)
+  {
+    rawlog.write(further);
+  }
+}
+
+/** The scan with those of further sensors, as RawlogSource merges them. */
+Scan mergedScan(const SimulatedScan& scan)
+{
+  Scan merged = scan.scan;
+  for (std::size_t k = 0; k < scan.further.size(); ++k)
+  {
+    appendScan(scan.further[k], k + 1, merged);
+  }
+  return merged;
 }
 
 LabelledBox labelledBox(const SimulatedObject& object, std::size_t frame)
@@ -92,9 +116,10 @@ LabelledBox labelledBox(const SimulatedObject& object, std::size_t frame)
 std::vector<Eigen::Vector3f> flowOfRecorded(const SimulatedScan& scan)
 {
   std::vector<Eigen::Vector3f> flow(scan.flow.size());
+  const Scan merged = mergedScan(scan);
   for (std::size_t i = 0; i < flow.size(); ++i)
   {
-    flow[i] = scan.deskewed[i] + scan.flow[i] - scan.scan.points[i];
+    flow[i] = scan.deskewed[i] + scan.flow[i] - merged.points[i];
   }
   return flow;
 }
@@ -158,7 +183,7 @@ RecordingResult record(const Recording& recording,
     result.moving_points += static_cast<std::size_t>(
         std::accumulate(scan.moving.begin(), scan.moving.end(), std::size_t{0}));
     ++result.scans;
-    result.points += scan.scan.size();
+    result.points += scan.label.size();
     result.distance += i == 0 ? 0.0 : (scan.T_map_vehicle.translation() - last).norm();
     last = scan.T_map_vehicle.translation();
     if (progress)

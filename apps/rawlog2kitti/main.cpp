@@ -37,6 +37,11 @@ void declare(CLI::App& app, Arguments& arguments)
   app.add_option("--calib", o.calib,
                  "calibration of KITTI odometry or tracking, or folder of raw's (default: camera "
                  "axes at the lidar)");
+  app.add_option("--sensor-label", o.sensor_label,
+                 "regex for the lidar's sensor label (default: the first lidar)");
+  app.add_option("--further-lidars", o.further_lidars,
+                 "regex for the labels of further lidars, whose scans are merged with those of the "
+                 "first, in its frame");
   app.add_flag("--no-scans", o.no_scans, "only times, calibration and poses");
   app.add_flag("--rings", o.rings, "NNNNNN.ring beside each scan, a byte for each point");
   declareRange(app, o);

@@ -94,12 +94,14 @@ class Resume : public ::testing::Test
     town.columns = 600;
     town.traffic = 0.5;
     town.seed = 11;
+    town.further_sensors = {{sim::SensorKind::vlp16, poseFromYpr(-1, 0, 1, M_PI, 0, 0)}};
     sim::Simulator simulator(town, 1);
     RawlogWriter writer(recording());
     for (int i = 0; i < street_scans; ++i)
     {
       const auto simulated = simulator.next();
       writer.write(simulated.scan, simulated.T_map_vehicle);
+      writer.write(simulated.further.front());
     }
     writer.close();
   }
@@ -244,6 +246,14 @@ class Resume : public ::testing::Test
 TEST_F(Resume, StoppedRunsWithHindsightGiveTheSameBytes)
 {
   expectResumesStopped("stop_tracks", {"labels.window=6"}, {1, 9, 14});
+}
+
+TEST_F(Resume, StoppedRunsWithTwoLidarsGiveTheSameBytes)
+{
+  expectResumesStopped(
+      "stop_lidars",
+      {"labels.window=6", "backend.keyframe_distance=0.5", "input.further_lidars=VLP16_2"},
+      {7, 15});
 }
 
 TEST_F(Resume, StoppedRunsWithObjectsInTheGraphGiveTheSameBytes)

@@ -104,6 +104,56 @@ TEST_F(WholeRun, TheBundledCampusStaysWithinBounds)
   EXPECT_GT(iouOf(s, bundled("campus16.gt/labels")), 0.68);
 }
 
+/** A robot with a lidar at the front and one at the rear. */
+TEST_F(WholeRun, ASecondLidarHelps)
+{
+  constexpr int scans = 40;
+  const std::string rawlog = (folder_ / "robot.rawlog").string();
+  sim::SimulatorOptions campus;
+  campus.world = sim::WorldKind::campus;
+  campus.sensor = sim::SensorKind::vlp16;
+  campus.columns = 600;
+  campus.traffic = 0.8;
+  campus.seed = 700000011;
+  campus.further_sensors = {{sim::SensorKind::vlp16, poseFromYpr(-0.5, 0, 0.5, M_PI, -0.15, 0)}};
+  std::vector<std::vector<Label>> truth;
+  {
+    sim::Simulator simulator(campus, 2);
+    RawlogWriter writer(rawlog);
+    for (int i = 0; i < scans; ++i)
+    {
+      const auto simulated = simulator.next();
+      writer.write(simulated.scan, simulated.T_map_vehicle);
+      writer.write(simulated.further.front());
+      truth.push_back(simulated.label);
+    }
+    writer.close();
+  }
+  const SlamRunSettings one = settings(rawlog, "vlp16.ini", "one");
+  SlamRunSettings both = settings(rawlog, "vlp16.ini", "both");
+  both.config.set("input.further_lidars=VLP16_2");
+  both.labels = true;
+  (void)runSlam(one);
+  (void)runSlam(both);
+  EXPECT_LT(errorsOf(both).relative.translation.rmse, errorsOf(one).relative.translation.rmse);
+  EXPECT_LT(errorsOf(both).absolute.translation.rmse, 0.02);
+  std::size_t static_points = 0;
+  std::size_t kept = 0;
+  for (std::size_t i = 0; i < truth.size(); ++i)
+  {
+    char name[40];
+    std::snprintf(name, sizeof name, "/labels/%06zu.label", i);
+    const std::vector<Label> labels = readLabels(both.output_folder + name);
+    ASSERT_EQ(labels.size(), truth[i].size()) << "of both lidars";
+    for (std::size_t k = 0; k < labels.size(); ++k)
+    {
+      static_points += isMovingLabel(truth[i][k]) ? 0U : 1U;
+      kept += isMovingLabel(truth[i][k]) || isMovingLabel(labels[k]) ? 0U : 1U;
+    }
+  }
+  EXPECT_GT(static_cast<double>(kept), 0.998 * static_cast<double>(static_points));
+}
+
 /** The true boxes as those of another detector, without a segmenter: each object has one track, two
  * at most if it was hidden for long. */
 TEST_F(WholeRun, BoxesOfAnotherDetectorAreTracked)

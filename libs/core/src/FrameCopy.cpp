@@ -16,6 +16,7 @@ Frame copyOf(const Frame& frame, FrameParts parts)
   copy.index = frame.index;
   copy.scan.stamp = frame.scan.stamp;
   copy.scan.T_vehicle_lidar = frame.scan.T_vehicle_lidar;
+  copy.scan.parts = frame.scan.parts;
   copy.dt = frame.dt;
   copy.clock_offset = frame.clock_offset;
   copy.motion = frame.motion;

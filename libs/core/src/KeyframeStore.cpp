@@ -45,7 +45,7 @@ PackedCloud::PackedCloud(const KeyframeCloud& cloud, double range_limit)
 {
   const auto fits = [&](const auto& values)
   { return values.empty() || values.size() == cloud.size(); };
-  if (!fits(cloud.intensity) || !fits(cloud.is_static))
+  if (!fits(cloud.intensity) || !fits(cloud.is_static) || !fits(cloud.lidar))
   {
     throw std::invalid_argument("PackedCloud: the cloud's arrays differ in length");
   }
@@ -72,10 +72,15 @@ PackedCloud::PackedCloud(const KeyframeCloud& cloud, double range_limit)
     {
       is_static_.push_back(cloud.is_static[i]);
     }
+    if (!cloud.lidar.empty())
+    {
+      lidar_.push_back(cloud.lidar[i]);
+    }
   }
   points_.shrink_to_fit();
   intensity_.shrink_to_fit();
   is_static_.shrink_to_fit();
+  lidar_.shrink_to_fit();
 }
 
 KeyframeCloud PackedCloud::unpacked() const
@@ -93,6 +98,7 @@ KeyframeCloud PackedCloud::unpacked() const
     cloud.intensity.push_back(static_cast<float>(intensity) / 255.0F);
   }
   cloud.is_static = is_static_;
+  cloud.lidar = lidar_;
   return cloud;
 }
 
@@ -105,11 +111,13 @@ void PackedCloud::keepOnly(const std::vector<bool>& keep)
   keepFlagged(points_, keep);
   keepFlagged(intensity_, keep);
   keepFlagged(is_static_, keep);
+  keepFlagged(lidar_, keep);
 }
 
 std::size_t PackedCloud::memory() const
 {
-  return points_.capacity() * sizeof points_[0] + intensity_.capacity() + is_static_.capacity();
+  return points_.capacity() * sizeof points_[0] + intensity_.capacity() + is_static_.capacity() +
+         lidar_.capacity();
 }
 
 std::string PackedCloud::toBytes() const
@@ -118,6 +126,7 @@ std::string PackedCloud::toBytes() const
   appendBytes(bytes, points_);
   appendBytes(bytes, intensity_);
   appendBytes(bytes, is_static_);
+  appendBytes(bytes, lidar_);
   return bytes;
 }
 
@@ -128,6 +137,7 @@ PackedCloud PackedCloud::fromBytes(std::string_view bytes)
   takeBytes(bytes, cloud.points_);
   takeBytes(bytes, cloud.intensity_);
   takeBytes(bytes, cloud.is_static_);
+  takeBytes(bytes, cloud.lidar_);
   return cloud;
 }
 
@@ -137,6 +147,13 @@ Keyframe keyframeOf(const Frame& frame)
   keyframe.frame = frame.index;
   keyframe.stamp = frame.scan.stamp;
   keyframe.sensor = frame.scan.T_vehicle_lidar.translation().cast<float>();
+  for (const ScanPart& part : frame.scan.parts)
+  {
+    keyframe.further_sensors.resize(std::max(keyframe.further_sensors.size(), part.lidar),
+                                    keyframe.sensor);
+    keyframe.further_sensors[part.lidar - 1] =
+        (frame.scan.T_vehicle_lidar * part.T_scan_lidar.translation()).cast<float>();
+  }
   keyframe.T_map_vehicle = frame.T_map_vehicle();
   return keyframe;
 }

@@ -17,6 +17,7 @@ TEST(PackedCloud, RoundTripKeepOnlyAndBadPoints)
   cloud.points = {{1.234F, -56.7F, 8.9F}, {nan, 0, 0}, {0, 101, 0}, {-99.99F, 0, 3}};
   cloud.intensity = {0.5F, 0, 0, nan};
   cloud.is_static = {1, 1, 1, 0};
+  cloud.lidar = {0, 0, 1, 2};
   PackedCloud packed(cloud, 100);
   ASSERT_EQ(packed.size(), 2U);
   const KeyframeCloud back = packed.unpacked();
@@ -29,6 +30,8 @@ TEST(PackedCloud, RoundTripKeepOnlyAndBadPoints)
   ASSERT_EQ(packed.size(), 1U);
   EXPECT_LT((packed.unpacked().points[0] - cloud.points[3]).norm(), 0.004F);
   EXPECT_EQ(packed.unpacked().is_static[0], 0);
+  EXPECT_EQ(PackedCloud::fromBytes(packed.toBytes()).unpacked().lidar,
+            std::vector<std::uint8_t>{2});
   EXPECT_THROW(packed.keepOnly({true, true}), std::invalid_argument);
 }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/core/Deskew.h>
 #include <dyslam/core/Error.h>
+#include <dyslam/core/ScanParts.h>
 #include <dyslam/core/StateArchive.h>
 #include <dyslam/dyseg/ResidualSegmenter.h>
 
@@ -99,22 +100,37 @@ Direction directionOf(const Eigen::Vector3f& p, float row_height, int columns)
 }
 }  // namespace
 
-ResidualSegmenter::PastImage ResidualSegmenter::project(const Frame& frame) const
+ResidualSegmenter::PastScan ResidualSegmenter::project(const Frame& frame) const
+{
+  PastScan past;
+  for (const LidarRange& lidar : lidarRanges(frame.scan, frame.cloud))
+  {
+    const Pose T_scan_lidar =
+        past.empty() ? Pose::Identity() : frame.scan.parts[past.size() - 1].T_scan_lidar;
+    past.push_back(project(frame.cloud.points.data() + lidar.begin, lidar.end - lidar.begin,
+                           frame.T_odom_vehicle, frame.scan.T_vehicle_lidar * T_scan_lidar));
+  }
+  return past;
+}
+
+ResidualSegmenter::PastImage ResidualSegmenter::project(const Eigen::Vector3f* points,
+                                                        std::size_t count,
+                                                        const Pose& T_odom_vehicle,
+                                                        Pose T_vehicle_lidar) const
 {
   PastImage past;
-  Pose T_vehicle_image = frame.scan.T_vehicle_lidar;
-  if (T_vehicle_image.linear()(2, 2) < 0)  // mounted upside down: the sky is above all the same
+  if (T_vehicle_lidar.linear()(2, 2) < 0)  // mounted upside down: the sky is above all the same
   {
-    T_vehicle_image = T_vehicle_image * poseFromYpr(0, 0, 0, 0, 0, M_PI);
+    T_vehicle_lidar = T_vehicle_lidar * poseFromYpr(0, 0, 0, 0, 0, M_PI);
   }
-  past.T_image_odom = (frame.T_odom_vehicle * T_vehicle_image).inverse();
-  const Eigen::Isometry3f T_image_vehicle = T_vehicle_image.inverse().cast<float>();
+  past.T_image_odom = (T_odom_vehicle * T_vehicle_lidar).inverse();
+  const Eigen::Isometry3f T_image_vehicle = T_vehicle_lidar.inverse().cast<float>();
   std::vector<Direction> directions;
-  directions.reserve(frame.cloud.points.size());
+  directions.reserve(count);
   int highest = 0;
-  for (const auto& point : frame.cloud.points)
+  for (std::size_t i = 0; i < count; ++i)
   {
-    const Direction d = directionOf(T_image_vehicle * point, row_height_, columns_);
+    const Direction d = directionOf(T_image_vehicle * points[i], row_height_, columns_);
     if (!d.steep)
     {
       past.lowest_row = directions.empty() ? d.row : std::min(past.lowest_row, d.row);
@@ -174,9 +190,9 @@ int ResidualSegmenter::vote(const PastImage& past, const Eigen::Vector3f& point)
   return enclosed && d.range < nearest - margin ? 2 : 0;
 }
 
-std::vector<const ResidualSegmenter::PastImage*> ResidualSegmenter::comparedScans() const
+std::vector<const ResidualSegmenter::PastScan*> ResidualSegmenter::comparedScans() const
 {
-  std::vector<const PastImage*> scans;
+  std::vector<const PastScan*> scans;
   const int available = static_cast<int>(past_.size());
   int last = 0;
   for (int i = 1; i <= options_.compared; ++i)
@@ -191,6 +207,33 @@ std::vector<const ResidualSegmenter::PastImage*> ResidualSegmenter::comparedScan
   return scans;
 }
 
+void ResidualSegmenter::addVotes(const PastScan& past,
+                                 const Frame& frame,
+                                 const std::vector<std::uint32_t>& candidates,
+                                 std::vector<std::int8_t>& votes)
+{
+  std::vector<Eigen::Isometry3f> T_past_vehicle;
+  for (const PastImage& lidar : past)
+  {
+    T_past_vehicle.push_back((lidar.T_image_odom * frame.T_odom_vehicle).cast<float>());
+  }
+  pool_.forChunks(candidates.size(), chunk_size,
+                  [&](std::size_t begin, std::size_t end, std::size_t)
+                  {
+                    for (std::size_t i = begin; i < end; ++i)
+                    {
+                      const Eigen::Vector3f& p = frame.cloud.points[candidates[i]];
+                      int seen = 0;
+                      for (std::size_t k = 0; k < past.size() && seen >= 0; ++k)
+                      {
+                        const int by_lidar = vote(past[k], T_past_vehicle[k] * p);
+                        seen = by_lidar < 0 ? by_lidar : std::max(seen, by_lidar);
+                      }
+                      votes[i] = static_cast<std::int8_t>(votes[i] + seen);
+                    }
+                  });
+}
+
 void ResidualSegmenter::segment(Frame& frame)
 {
   const auto& points = frame.cloud.points;
@@ -201,19 +244,9 @@ void ResidualSegmenter::segment(Frame& frame)
     MovingCells cells(points, options_);
     const auto& candidates = cells.candidates();
     std::vector<std::int8_t> votes(candidates.size(), 0);
-    for (const PastImage* past : scans)
+    for (const PastScan* past : scans)
     {
-      const Eigen::Isometry3f T_past_vehicle =
-          (past->T_image_odom * frame.T_odom_vehicle).cast<float>();
-      pool_.forChunks(candidates.size(), chunk_size,
-                      [&](std::size_t begin, std::size_t end, std::size_t)
-                      {
-                        for (std::size_t i = begin; i < end; ++i)
-                        {
-                          const Eigen::Vector3f p = T_past_vehicle * points[candidates[i]];
-                          votes[i] = static_cast<std::int8_t>(votes[i] + vote(*past, p));
-                        }
-                      });
+      addVotes(*past, frame, candidates, votes);
     }
     for (const std::uint32_t i : cells.moving(votes))
     {

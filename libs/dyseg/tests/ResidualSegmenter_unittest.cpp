@@ -113,6 +113,56 @@ TEST(ResidualSegmenter, AStandingBodyIsStatic)
   EXPECT_EQ(counts.wrong, 0);
 }
 
+/** scene() of two lidars on a wide vehicle, 6 m beside each other. */
+Frame sceneOfTwo(const Pose& T_odom_vehicle, const Eigen::Vector2d& body)
+{
+  const Pose right(Eigen::Translation3d(0, -3, 0));
+  const Pose left(Eigen::Translation3d(0, 3, 0));
+  Frame frame = scene(T_odom_vehicle * right, body);
+  const Frame further = scene(T_odom_vehicle * left, body);
+  frame.T_odom_vehicle = T_odom_vehicle;
+  frame.scan.T_vehicle_lidar = right;
+  ScanPart part;
+  part.begin = frame.cloud.size();
+  part.T_scan_lidar = right.inverse() * left;
+  frame.scan.parts = {part};
+  for (auto& p : frame.cloud.points)
+  {
+    p = right.cast<float>() * p;
+  }
+  for (const auto& p : further.cloud.points)
+  {
+    frame.cloud.points.emplace_back(left.cast<float>() * p);
+  }
+  for (std::size_t i = 0; i < frame.cloud.size(); ++i)
+  {
+    frame.cloud.source.push_back(static_cast<std::uint32_t>(i));
+  }
+  frame.scan.points = frame.cloud.points;
+  return frame;
+}
+
+TEST(ResidualSegmenter, RaysOfTwoLidarsStartAtEach)
+{
+  for (const double speed : {-8.0, 0.0})
+  {
+    ThreadPool pool(2);
+    ResidualSegmenter segmenter(ResidualSegmenterOptions(), pool);
+    Frame frame;
+    Eigen::Vector2d body;
+    for (int k = 0; k < 14; ++k)
+    {
+      body = {12 + 0.1 * speed * k, 4};
+      frame = sceneOfTwo(poseFromYpr(0.8 * k, 0, 0, 0.01 * k, 0, 0), body);
+      segmenter.segment(frame);
+    }
+    const Counts counts = count(frame, body);
+    ASSERT_GT(counts.body, 200);
+    EXPECT_GE(counts.found, speed == 0 ? 0 : 0.7 * counts.body);
+    EXPECT_LE(counts.wrong, speed == 0 ? 0 : 0.002 * counts.other);
+  }
+}
+
 /** Rays of a 16-beam lidar 1 m above open ground with an upright 0.8 x 0.8 x 2.2 m body. */
 Frame openScene(const Eigen::Vector2d& body)
 {

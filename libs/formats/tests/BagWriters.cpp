@@ -218,14 +218,15 @@ MessageBytes& MessageBytes::header(double stamp, const std::string& frame)
 std::string pointCloud2(bool cdr,
                         double stamp,
                         const std::vector<CloudField>& fields,
-                        std::uint32_t rows)
+                        std::uint32_t rows,
+                        const std::string& frame)
 {
   const auto sizeOf = [](std::uint8_t type) -> std::uint32_t {
     return type == 2 ? 1 : type == 4 ? 2 : type == 8 ? 8 : 4;
   };
   MessageBytes message(cdr);
   const auto points = static_cast<std::uint32_t>(fields.front().values.size());
-  message.header(stamp, "lidar").put(rows).put(points / rows);
+  message.header(stamp, frame).put(rows).put(points / rows);
   message.put(static_cast<std::uint32_t>(fields.size()));
   std::uint32_t step = 3;  // drivers leave gaps, too
   std::vector<std::uint32_t> offsets;

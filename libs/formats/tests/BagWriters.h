@@ -54,7 +54,8 @@ struct CloudField
 [[nodiscard]] std::string pointCloud2(bool cdr,
                                       double stamp,
                                       const std::vector<CloudField>& fields,
-                                      std::uint32_t rows = 1);
+                                      std::uint32_t rows = 1,
+                                      const std::string& frame = "lidar");
 /** x y z, `intensity`, `ring` (uint16) and `time` (float32, seconds from the stamp): as Velodyne's
  * driver. */
 [[nodiscard]] std::vector<CloudField> velodyneFields(const Scan& scan);

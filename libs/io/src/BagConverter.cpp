@@ -8,6 +8,7 @@
 #include <dyslam/formats/RosMessages.h>
 #include <dyslam/formats/RosPackets.h>
 
+#include <algorithm>
 #include <map>
 #include <set>
 #include <sstream>
@@ -123,6 +124,66 @@ void mountLidar(const std::string& input,
   sink.note("the vehicle is " + base + ", in which /tf_static places the lidar");
 }
 
+/** Another lidar of the vehicle. */
+struct FurtherTopic
+{
+  std::size_t topic = 0;
+  std::string label;
+  Pose T_vehicle_lidar;
+};
+
+/** "ouster_rear_points" of "/ouster/rear/points". */
+std::string labelOfTopic(std::string name)
+{
+  name.erase(0, name.find_first_not_of('/'));
+  std::replace(name.begin(), name.end(), '/', '_');
+  return name;
+}
+
+/** The topics of --further-topic. \param scans topic of the first lidar \throws UserError if one
+ * is missing, or if the transforms do not place its lidar. */
+std::vector<FurtherTopic> furtherTopics(const std::string& input,
+                                        Bag& bag,
+                                        std::size_t scans,
+                                        const BagFrames& frames,
+                                        const ScanConverterOptions& options,
+                                        ScanSink& sink)
+{
+  std::vector<FurtherTopic> further;
+  for (const std::string& name : options.further_topics)
+  {
+    FurtherTopic lidar;
+    lidar.topic = topicNamed(input, bag, "--further-topic", name,
+                             [](const BagTopic& topic)
+                             { return RosScanDecoder::reads(topic) || packetMakerOf(topic); });
+    const bool is_twice =
+        std::any_of(further.begin(), further.end(),
+                    [&](const FurtherTopic& other) { return other.topic == lidar.topic; });
+    if (lidar.topic == scans || is_twice)
+    {
+      throw UserError(input + ": --further-topic " + name + ": is " +
+                      (is_twice ? "given twice" : "the topic of the first lidar") +
+                      "; name each lidar once");
+    }
+    const std::string frame = frameOfTopic(bag, lidar.topic);
+    const auto T_first_lidar = transformBetween(frames.transforms, frames.lidar, frame);
+    if (!T_first_lidar)
+    {
+      throw UserError(input + ": --further-topic " + name +
+                      ": /tf_static does not connect its "
+                      "frame '" +
+                      frame + "' to '" + frames.lidar +
+                      "', that of the first lidar; record /tf_static, or convert one lidar");
+    }
+    lidar.T_vehicle_lidar = sink.T_vehicle_lidar() * *T_first_lidar;
+    lidar.label = labelOfTopic(name);
+    sink.note("further lidar: " + name + ", label " + lidar.label +
+              "; dyslam merges its scans with --set input.further_lidars=" + lidar.label);
+    further.push_back(lidar);
+  }
+  return further;
+}
+
 /** Poses of one body from a topic of the bag. */
 Trajectory readTruth(const std::string& input,
                      Bag& bag,
@@ -193,6 +254,7 @@ class BagReader
   BagReader(const std::string& input,
             Bag& bag,
             std::size_t scans,
+            const std::vector<FurtherTopic>& further,
             const BagFrames& frames,
             const Trajectory& truth,
             const ScanConverterOptions& options,
@@ -205,7 +267,13 @@ class BagReader
         motion_(input, bag, frames, options, sink),
         held_(sink, motion_)
   {
-    bag_.select(motion_.topicsWith(scans));
+    std::vector<std::size_t> topics = motion_.topicsWith(scans);
+    for (const FurtherTopic& lidar : further)
+    {
+      further_.push_back({lidar, makeBagScans(input, bag, lidar.topic, options)});
+      topics.push_back(lidar.topic);
+    }
+    bag_.select(topics);
   }
 
   /** Up to the end of the bag, or until the sink takes no more. Scans before damaged data are
@@ -215,8 +283,7 @@ class BagReader
     while (takeNext() && held_.passOn(message_.recorded))
     {
     }
-    hold(reader_->finish());
-    held_.passOnAll();
+    finish();
   }
 
   [[nodiscard]] std::vector<std::string> warnings() const { return reader_->warnings(); }
@@ -232,17 +299,48 @@ class BagReader
            << held_.withoutPose() << " scans";
       sink_.warn(text.str());
     }
-    for (const std::string& note : reader_->notes())
+    report(*reader_);
+    for (const FurtherReader& lidar : further_)
+    {
+      report(*lidar.reader);
+      if (lidar.scans == 0)
+      {
+        sink_.warn(bag_.topics()[lidar.topic.topic].name + ": no scan of this further lidar");
+      }
+    }
+  }
+
+ private:
+  struct FurtherReader
+  {
+    FurtherTopic topic;
+    std::unique_ptr<BagScans> reader;
+    std::size_t scans = 0;
+  };
+
+  void report(const BagScans& reader)
+  {
+    for (const std::string& note : reader.notes())
     {
       sink_.note(note);
     }
-    for (const std::string& warning : reader_->warnings())
+    for (const std::string& warning : reader.warnings())
     {
       sink_.warn(warning);
     }
   }
 
- private:
+  /** Passes on what was held back. */
+  void finish()
+  {
+    hold(reader_->finish());
+    for (FurtherReader& lidar : further_)
+    {
+      hold(lidar, lidar.reader->finish());
+    }
+    held_.passOnAll();
+  }
+
   /** \return false at the end of the bag. */
   bool takeNext()
   {
@@ -257,20 +355,43 @@ class BagReader
     }
     catch (const UserError&)
     {
-      hold(reader_->finish());
-      held_.passOnAll();
+      finish();
       throw;
     }
   }
 
   void takeMessage()
   {
-    if (message_.topic != scans_)
+    const auto lidar = std::find_if(further_.begin(), further_.end(),
+                                    [&](const FurtherReader& other)
+                                    { return other.topic.topic == message_.topic; });
+    if (lidar != further_.end())
+    {
+      hold(*lidar, lidar->reader->add(message_));
+    }
+    else if (message_.topic == scans_)
+    {
+      hold(reader_->add(message_));
+    }
+    else
     {
       motion_.add(message_);
-      return;
     }
-    hold(reader_->add(message_));
+  }
+
+  void hold(FurtherReader& lidar, std::vector<Scan> scans)
+  {
+    for (Scan& scan : scans)
+    {
+      HeldScans::Entry entry;
+      entry.scan = std::move(scan);
+      entry.scan.sensor_label = lidar.topic.label;
+      entry.scan.T_vehicle_lidar = lidar.topic.T_vehicle_lidar;
+      entry.is_further = true;
+      entry.recorded = message_.recorded;
+      held_.hold(std::move(entry));
+      ++lidar.scans;
+    }
   }
 
   void hold(std::vector<Scan> scans)
@@ -292,6 +413,7 @@ class BagReader
   Bag& bag_;
   std::size_t scans_;  //!< topic
   std::unique_ptr<BagScans> reader_;
+  std::vector<FurtherReader> further_;
   const Trajectory& truth_;
   ScanSink& sink_;
   BagMotion motion_;
@@ -318,7 +440,8 @@ void convertBag(const std::string& input, ScanSink& sink, const ScanConverterOpt
     sink.warn(warning);
   }
   sink.note("scans: " + topic.name + " (" + topic.type + ")");
-  BagReader reader(input, *bag, at, frames, truth, options, sink);
+  const std::vector<FurtherTopic> further = furtherTopics(input, *bag, at, frames, options, sink);
+  BagReader reader(input, *bag, at, further, frames, truth, options, sink);
   reader.read();
   if (sink.seen() == 0 && packetMakerOf(topic))
   {

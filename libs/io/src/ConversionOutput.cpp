@@ -179,6 +179,12 @@ void ConversionOutput::write(const Scan& scan, const std::optional<Pose>& T_worl
   }
 }
 
+void ConversionOutput::writeFurther(const Scan& scan)
+{
+  writer_.write(scan);
+  result_.points += scan.size();
+}
+
 void ConversionOutput::addLabels(const std::vector<Label>& labels)
 {
   truth().addLabels(lastFrame(), labels);

@@ -16,10 +16,6 @@ namespace dyslam
  * RawlogSourceOptions::ground_truth_max_gap. */
 constexpr double truth_max_gap = 0.2;
 
-/** T_vehicle_sensor of "x y z yaw pitch roll" [m, deg], separated by spaces or commas; identity if
- * empty. \param option for messages: "--sensor-pose". \throws UserError. */
-[[nodiscard]] Pose poseFromOption(const std::string& option, std::string text);
-
 /** \param inputs files and folders that a conversion reads; empty ones are skipped.
  * \throws UserError if writing the rawlog `output` with its sidecar would replace one of them. */
 void requireNoInput(const std::string& output, const std::vector<std::string>& inputs);
@@ -48,6 +44,8 @@ class ConversionOutput
 
   /** \param T_world_lidar true pose at the scan's stamp, if it is known */
   void write(const Scan& scan, const std::optional<Pose>& T_world_lidar);
+  /** A scan of a further lidar, which is not counted. */
+  void writeFurther(const Scan& scan);
   /** To be written before the first scan that is not older. */
   void write(const ImuSample& sample) { writer_.write(sample); }
   void write(const GnssFix& fix) { writer_.write(fix); }

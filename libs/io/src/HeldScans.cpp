@@ -30,6 +30,11 @@ void HeldScans::passOnFirst()
 {
   Entry entry = std::move(waiting_.front());
   waiting_.pop_front();
+  if (entry.is_further)
+  {
+    sink_.putFurther(std::move(entry.scan));
+    return;
+  }
   const std::size_t written = sink_.written();
   takes_more_ = sink_.put(std::move(entry.scan), true, entry.T_world_lidar, entry.progress);
   without_pose_ += sink_.written() > written && !entry.T_world_lidar ? 1 : 0;

@@ -24,6 +24,7 @@ class HeldScans
   struct Entry
   {
     Scan scan;
+    bool is_further = false;  //!< of a further lidar, with label and T_vehicle_lidar
     std::optional<Pose> T_world_lidar;
     double recorded = 0;  //!< UNIX time [s]
     double progress = 0;  //!< part of the bag that was read

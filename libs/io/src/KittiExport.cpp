@@ -258,6 +258,10 @@ void KittiExportOptions::describe(OptionsVisitor& visitor)
   visitor.text("trajectory", trajectory,
                "file of TUM or KITTI poses of the vehicle; empty: ground truth");
   visitor.text("calib", calib, "calibration file or folder; empty: camera axes at the lidar");
+  visitor.text("sensor_label", sensor_label,
+               "regex for the lidar's sensor label; empty: the first");
+  visitor.text("further_lidars", further_lidars,
+               "regex for the labels of further lidars, whose scans are merged; empty: none");
   visitor.flag("no_scans", no_scans, "write only times, calibration and poses");
   visitor.flag("rings", rings, "write NNNNNN.ring beside the scans");
   describeRange(visitor);
@@ -273,8 +277,16 @@ ConversionResult exportKitti(const std::string& rawlog,
   {
     throw UserError("--sequence '" + options.sequence + "': is not a valid folder name");
   }
+  if (options.rings && !options.further_lidars.empty())
+  {
+    throw UserError(
+        "--rings: rings of several lidars are no numbers of one; leave out "
+        "--further-lidars");
+  }
   RawlogSourceOptions source_options;
   static_cast<ScanRange&>(source_options) = options;
+  source_options.sensor_label = options.sensor_label;
+  source_options.further_lidars = options.further_lidars;
   RawlogSource source(rawlog, source_options);
   Sequence sequence(rawlog, folder, options);
   std::size_t count = 0;

@@ -12,6 +12,9 @@ void RawlogSourceOptions::describe(OptionsVisitor& visitor)
 {
   visitor.text("sensor_label", sensor_label,
                "regex for the lidar's sensor label; empty: the first lidar");
+  visitor.text("further_lidars", further_lidars,
+               "regex for the sensor labels of further lidars of the vehicle, whose scans are "
+               "merged with those of the first; empty: none");
   describeRange(visitor);
   visitor.text("ground_truth_label", ground_truth_label,
                "sensor label of the true poses; empty: use none");
@@ -101,7 +104,7 @@ struct RawlogSource::Impl
     // The next scan is looked up first: truth may stand behind its scan.
     auto following = nextScan();
     const auto current = std::exchange(pending, std::move(following));
-    Frame frame = decoder.decode(*current);
+    Frame frame = decoder.decode(*current, pending ? &*pending : nullptr);
     frame.T_world_vehicle_truth = decoder.truthAt(frame.scan.stamp, current->clock_shift);
     ++delivered;
     return frame;

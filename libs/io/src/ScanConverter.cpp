@@ -306,6 +306,7 @@ void requireFitting(InputKind kind, const ScanConverterOptions& options)
         Use{"--times", !options.times.empty(), InputKind::folder, "a folder of scans"},
         Use{"--by-number", options.by_number, InputKind::folder, "a folder of scans"},
         Use{"--topic", !options.topic.empty(), InputKind::bag, "a bag"},
+        Use{"--further-topic", !options.further_topics.empty(), InputKind::bag, "a bag"},
         Use{"--truth-topic", !options.truth_topic.empty(), InputKind::bag, "a bag"},
         Use{"--truth-frame", !options.truth_frame.empty(), InputKind::bag, "a bag"},
         Use{"--imu-topic", !options.imu_topic.empty(), InputKind::bag, "a bag"},

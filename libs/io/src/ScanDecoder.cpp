@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/core/Error.h>
 #include <dyslam/core/Printable.h>
+#include <dyslam/core/ScanParts.h>
 #include <dyslam/io/RawlogSource.h>
 #include <dyslam/io/ScanDecoder.h>
 #include <dyslam/mrpt/Conversions.h>
@@ -13,6 +14,7 @@
 #include <sstream>
 #include <utility>
 
+#include "FurtherLidars.h"
 #include "IntensityScaler.h"
 #include "LabelPattern.h"
 #include "MotionSampleReader.h"
@@ -45,6 +47,7 @@ struct ScanDecoder::Impl
         external{std::move(folder), options_in.external_anywhere},
         wanted("sensor_label", options_in.sensor_label),
         motion(options_in),
+        further(options_in.further_lidars, options_in.intensity_scale),
         scale_intensity(options_in.intensity_scale),
         selection(options_in),
         truths(options_in.ground_truth_max_gap),
@@ -56,21 +59,28 @@ struct ScanDecoder::Impl
   {
     const std::string& name = observation.sensorLabel;
     ++lidar_labels[name];
-    if (!wanted.fits(name))
-    {
-      return false;
-    }
-    if (scans_seen == 0)
+    if (wanted.fits(name) && (scans_seen == 0 || name == label))
     {
       label = name;
+      return true;
     }
-    else if (name != label)
+    if (wanted.fits(name) && !further.areNamed(name))
     {
       notes.add("scans of '" + name + "' are ignored: '" + label +
-                "' came first; choose with sensor_label");
-      return false;
+                "' came first; choose with sensor_label, or merge them with further_lidars");
     }
-    return true;
+    return false;
+  }
+
+  /** Holds a scan of a further lidar. */
+  void holdFurther(const CObservation::Ptr& observation)
+  {
+    if (observation->timestamp == INVALID_TIMESTAMP)
+    {
+      notes.add("a scan of a further lidar without a time stamp was dropped");
+      return;
+    }
+    further.hold(observation, clock_shift);
   }
 
   /** Classifies one observation as ground truth, companion, motion sensor or neither; true for a
@@ -94,6 +104,7 @@ struct ScanDecoder::Impl
     }
     if (endsWith(observation->sensorLabel, time_ring_suffix))
     {
+      further.holdTimeRing(observation);
       // That of another lidar must not take the place of the one that waits.
       if (scans_seen == 0 || observation->sensorLabel == label + time_ring_suffix)
       {
@@ -101,7 +112,15 @@ struct ScanDecoder::Impl
       }
       return false;
     }
-    return isWanted(*observation);
+    if (isWanted(*observation))
+    {
+      return true;
+    }
+    if (further.areNamed(observation->sensorLabel))
+    {
+      holdFurther(observation);
+    }
+    return false;
   }
 
   static std::string stripped(const std::string& name)
@@ -181,6 +200,37 @@ struct ScanDecoder::Impl
     }
   }
 
+  /** The points of an observation, in its lidar's frame. */
+  [[nodiscard]] Scan scanOf(CObservation& observation, CObservation* time_ring, std::size_t index)
+  {
+    Scan scan = scanFromObservation(observation, external);
+    addTimeRing(time_ring, index, scan);
+    return scan;
+  }
+
+  /** Adds the scans of further lidars to a decoded one. \param next stamp of the one after, if it
+   * is known [s] */
+  void joinFurther(std::optional<double> next, std::size_t index, Scan& scan)
+  {
+    for (const FurtherLidars::HeldScan& held : further.takeFor(scan.stamp, next))
+    {
+      Scan part = scanOf(*held.observation, held.time_ring.get(), index);
+      part.stamp = held.stamp;
+      further.intensityScaler(held.lidar)(part);
+      if (part.T_vehicle_lidar.matrix() == scan.T_vehicle_lidar.matrix())
+      {
+        notes.add("'" + part.sensor_label + "' has the same sensorPose as '" + scan.sensor_label +
+                  "': their scans fit only if each has its own mounting on the vehicle");
+      }
+      if (part.time.empty() != scan.time.empty())
+      {
+        notes.add("of '" + part.sensor_label + "' and '" + scan.sensor_label +
+                  "' only one has the times of its points, which are not used");
+      }
+      appendScan(part, held.lidar, scan);
+    }
+  }
+
   /** Why the options leave no scan. */
   [[nodiscard]] std::string emptyRange() const
   {
@@ -217,6 +267,7 @@ struct ScanDecoder::Impl
   ExternalFiles external;
   LabelPattern wanted;
   MotionSampleReader motion;
+  FurtherLidars further;
   IntensityScaler scale_intensity;
   ScanSelection selection;
   std::string label;  //!< of the lidar in use, once it is known
@@ -258,17 +309,24 @@ std::optional<RecordedScan> ScanDecoder::take(const CObservation::Ptr& observati
   }
   const std::size_t index = s.scans_seen++;
   CObservation::Ptr own = std::exchange(s.companion, nullptr);
-  if (s.acceptStamp(*observation, index) && s.selection.takes(index, *s.last_stamp))
+  const bool taken = s.acceptStamp(*observation, index) && s.selection.takes(index, *s.last_stamp);
+  s.further.metScan(toStamp(observation->timestamp) + s.clock_shift, taken);
+  if (!taken)
   {
-    RecordedScan scan;
-    scan.observation = observation;
-    scan.time_ring = std::move(own);
-    scan.index = index;
-    scan.clock_shift = s.clock_shift;
-    s.motion.handOver(*s.last_stamp, scan, s.notes);
-    return scan;
+    return std::nullopt;
   }
-  return std::nullopt;
+  RecordedScan scan;
+  scan.observation = observation;
+  scan.time_ring = std::move(own);
+  scan.index = index;
+  scan.clock_shift = s.clock_shift;
+  s.motion.handOver(*s.last_stamp, scan, s.notes);
+  return scan;
+}
+
+double RecordedScan::stamp() const
+{
+  return toStamp(observation->timestamp) + clock_shift;
 }
 
 bool ScanDecoder::isPastEnd() const
@@ -276,7 +334,7 @@ bool ScanDecoder::isPastEnd() const
   return impl_->selection.isPastEnd();
 }
 
-Frame ScanDecoder::decode(const RecordedScan& scan)
+Frame ScanDecoder::decode(const RecordedScan& scan, const RecordedScan* next)
 {
   Impl& s = *impl_;
   Frame frame;
@@ -286,8 +344,11 @@ Frame ScanDecoder::decode(const RecordedScan& scan)
   frame.gnss = scan.gnss;
   try
   {
-    frame.scan = scanFromObservation(*scan.observation, s.external);
-    s.addTimeRing(scan.time_ring.get(), scan.index, frame.scan);
+    frame.scan = s.scanOf(*scan.observation, scan.time_ring.get(), scan.index);
+    frame.scan.stamp += scan.clock_shift;
+    s.scale_intensity(frame.scan);
+    s.joinFurther(next == nullptr ? std::nullopt : std::optional<double>(next->stamp()), scan.index,
+                  frame.scan);
   }
   catch (const UserError& error)
   {
@@ -299,8 +360,6 @@ Frame ScanDecoder::decode(const RecordedScan& scan)
                     " is damaged: " + messageOf(error));
   }
   s.levelling.apply(frame);
-  frame.scan.stamp += scan.clock_shift;
-  s.scale_intensity(frame.scan);
   if (frame.scan.size() == 0)
   {
     s.notes.add("an empty scan", scan.index);
@@ -360,6 +419,15 @@ std::vector<std::string> ScanDecoder::warnings() const
   for (const std::string& text : impl_->motion.missing())
   {
     lines.push_back(impl_->recording + ": " + printable(text));
+  }
+  if (const std::string reason = impl_->further.reasonForNone(); !reason.empty())
+  {
+    lines.push_back(impl_->recording + ": " + printable(reason));
+  }
+  if (const std::size_t count = impl_->further.dropped(); count > 0)
+  {
+    lines.push_back(impl_->recording + ": " + counted(count, "scan") +
+                    " of further lidars left out: not within 0.15 s of one of the first lidar");
   }
   return lines;
 }

@@ -47,7 +47,8 @@ bool ScanSink::put(Scan scan,
   const bool assume_rate = (options_.dt > 0 && !options_.by_number) || !has_stamp;
   const double dt = options_.dt > 0 ? options_.dt : assumed_dt;
   const double recorded = assume_rate ? static_cast<double>(number) * dt : scan.stamp;
-  if (!selection_.takes(number, recorded))
+  last_was_written_ = selection_.takes(number, recorded);
+  if (!last_was_written_)
   {
     motion_.skip(recorded);
     return !selection_.isPastEnd();
@@ -75,6 +76,20 @@ bool ScanSink::put(Scan scan,
   ++written_;
   out_.reportProgress(progress_, progress);
   return options_.only_first_n == 0 || written_ < static_cast<std::size_t>(options_.only_first_n);
+}
+
+void ScanSink::putFurther(Scan scan)
+{
+  if (!last_was_written_)
+  {
+    return;
+  }
+  further_scalers_[scan.sensor_label](scan);
+  if (!haveDifferentTimes(scan))
+  {
+    scan.time.clear();
+  }
+  out_.writeFurther(scan);
 }
 
 ConversionResult ScanSink::close()

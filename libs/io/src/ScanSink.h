@@ -3,6 +3,7 @@
 
 #include <dyslam/io/Converters.h>
 
+#include <map>
 #include <optional>
 #include <string>
 
@@ -24,6 +25,10 @@ class ScanSink
    * \param has_stamp the scan has a time of its own. \param progress part of the work that is done.
    */
   bool put(Scan scan, bool has_stamp, const std::optional<Pose>& T_world_lidar, double progress);
+
+  /** Writes a scan of a further lidar, with its label and T_vehicle_lidar, if the last one of put()
+   * was written. */
+  void putFurther(Scan scan);
 
   /** A sample of another sensor: written before the first scan that is not older. */
   void add(const ImuSample& sample) { motion_.add(sample); }
@@ -48,12 +53,14 @@ class ScanSink
   ScanSelection selection_;
   ConversionOutput out_;
   IntensityScaler scaler_;
+  std::map<std::string, IntensityScaler> further_scalers_;  //!< by label
   MotionSampleWriter motion_;
   ConversionProgress progress_;
   std::vector<std::string> notes_;
   std::vector<std::string> warnings_;
   std::size_t seen_ = 0;
   std::size_t written_ = 0;
+  bool last_was_written_ = false;
   bool assumed_rate_ = false;
   bool any_times_ = false;     //!< of points, in the rawlog
   bool times_differ_ = false;  //!< within a scan so far

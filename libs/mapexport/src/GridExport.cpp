@@ -90,6 +90,31 @@ void clearRay(Grid& grid, const Eigen::Vector2d& a, const Eigen::Vector2d& b)
   }
 }
 
+/** Farthest returns around a lidar, by direction. */
+struct FarthestReturns
+{
+  explicit FarthestReturns(const Eigen::Vector2d& at)
+      : sensor(at), range(azimuth_bins, 0.0), ends(azimuth_bins)
+  {
+  }
+
+  void add(const Eigen::Vector2d& p)
+  {
+    const Eigen::Vector2d d = p - sensor;
+    const auto bin = static_cast<std::size_t>((std::atan2(d.y(), d.x()) + M_PI) / (2 * M_PI) *
+                                              (azimuth_bins - 1));
+    if (d.norm() <= ray_range && d.norm() > range[bin])
+    {
+      range[bin] = d.norm();
+      ends[bin] = p;
+    }
+  }
+
+  Eigen::Vector2d sensor;
+  std::vector<double> range;  //!< 0: none
+  std::vector<Eigen::Vector2d> ends;
+};
+
 /** In every direction the ray to the farthest return below the obstacles' upper border is free. */
 void clearRays(Grid& grid,
                const StaticMap& map,
@@ -101,31 +126,29 @@ void clearRays(Grid& grid,
       [&](std::size_t k, const KeyframeCloud& cloud)
       {
         const Pose& T = map.poses()[k];
-        const Eigen::Vector2d sensor = (T * map.keyframes()[k].sensor.cast<double>()).head<2>();
-        std::vector<double> farthest(azimuth_bins, 0.0);
-        std::vector<Eigen::Vector2d> ends(azimuth_bins);
-        for (const auto& point : cloud.points)
+        std::vector<FarthestReturns> lidars;
+        for (std::size_t i = 0; i < cloud.size(); ++i)
         {
-          const Eigen::Vector3d p = T * point.cast<double>();
-          const Eigen::Vector2d d = p.head<2>() - sensor;
-          const double range = d.norm();
-          if (range > ray_range || !(ground.above(p) <= highest))
+          const std::size_t lidar = cloud.lidar.empty() ? 0 : cloud.lidar[i];
+          while (lidars.size() <= lidar)
           {
-            continue;
+            const Eigen::Vector3f& sensor = map.keyframes()[k].sensorOf(lidars.size());
+            lidars.emplace_back((T * sensor.cast<double>()).head<2>());
           }
-          const auto bin = static_cast<std::size_t>((std::atan2(d.y(), d.x()) + M_PI) / (2 * M_PI) *
-                                                    (azimuth_bins - 1));
-          if (range > farthest[bin])
+          const Eigen::Vector3d p = T * cloud.points[i].cast<double>();
+          if (ground.above(p) <= highest)
           {
-            farthest[bin] = range;
-            ends[bin] = p.head<2>();
+            lidars[lidar].add(p.head<2>());
           }
         }
-        for (std::size_t bin = 0; bin < ends.size(); ++bin)
+        for (const FarthestReturns& lidar : lidars)
         {
-          if (farthest[bin] > 0)
+          for (std::size_t bin = 0; bin < azimuth_bins; ++bin)
           {
-            clearRay(grid, sensor, ends[bin]);
+            if (lidar.range[bin] > 0)
+            {
+              clearRay(grid, lidar.sensor, lidar.ends[bin]);
+            }
           }
         }
         if (on_keyframe)

@@ -150,19 +150,24 @@ void writeOctomap(const StaticMap& map,
   requireWithinKeys(map, path, options);
   octomap::OcTree tree(options.octree_resolution);
   ScanInserter inserter(tree, options.octree_range);
-  std::vector<octomap::point3d> points;
   map.forEachStaticCloud(
       [&](std::size_t k, const KeyframeCloud& cloud)
       {
         const Pose& T = map.poses()[k];
-        points.clear();
-        for (const auto& p : cloud.points)
+        std::vector<std::vector<octomap::point3d>> points(1);  // by lidar
+        for (std::size_t i = 0; i < cloud.size(); ++i)
         {
-          points.push_back(toOctomap(T * p.cast<double>()));
+          const std::size_t lidar = cloud.lidar.empty() ? 0 : cloud.lidar[i];
+          points.resize(std::max(points.size(), lidar + 1));
+          points[lidar].push_back(toOctomap(T * cloud.points[i].cast<double>()));
         }
-        if (!points.empty())
+        for (std::size_t lidar = 0; lidar < points.size(); ++lidar)
         {
-          inserter.insert(points, toOctomap(T * map.keyframes()[k].sensor.cast<double>()));
+          const Eigen::Vector3f& sensor = map.keyframes()[k].sensorOf(lidar);
+          if (!points[lidar].empty())
+          {
+            inserter.insert(points[lidar], toOctomap(T * sensor.cast<double>()));
+          }
         }
         if (on_keyframe)
         {

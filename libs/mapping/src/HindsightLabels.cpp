@@ -20,8 +20,8 @@
 #include "Posts.h"
 #include "RayHistory.h"
 #include "RecentScores.h"
+#include "ScanVisibility.h"
 #include "Segments.h"
-#include "VisibilityImage.h"
 
 namespace dyslam
 {
@@ -61,7 +61,7 @@ struct WindowScan
   WindowScan(const Frame& given, FrameParts kept)
       : index(given.index),
         T_odom_vehicle(given.T_odom_vehicle),
-        image(given.cloud, given.scan.T_vehicle_lidar.translation().cast<float>()),
+        rays(given.scan, given.cloud),
         lowest(given.cloud.points, T_odom_vehicle.cast<float>())
   {
     if (kept != FrameParts::none)
@@ -73,13 +73,10 @@ struct WindowScan
   std::optional<Frame> frame;  //!< none if it is not kept, and once it is decided
   std::size_t index = 0;       //!< Frame::index
   Pose T_odom_vehicle = Pose::Identity();
-  VisibilityImage image;
+  ScanVisibility rays;
   LowestReturns lowest;
 
-  void exchangeState(StateArchive& archive)
-  {
-    archive(frame, index, T_odom_vehicle, image, lowest);
-  }
+  void exchangeState(StateArchive& archive) { archive(frame, index, T_odom_vehicle, rays, lowest); }
 };
 
 /** Tracks with a property that they keep: to the last Frame::index at which each was there. */
@@ -112,7 +109,7 @@ struct EarlierScan
 {
   std::size_t number;  //!< as they were added
   Pose T_odom_vehicle;
-  VisibilityImage image;
+  ScanVisibility rays;
 };
 
 /** Decision of the places of a cell. */
@@ -271,10 +268,10 @@ std::vector<OtherScan> HindsightLabels::Impl::others() const
 {
   const Pose& here = scans[next].T_odom_vehicle;
   std::vector<OtherScan> result;
-  const auto ask = [&](const Pose& there, const VisibilityImage& image, bool after)
+  const auto ask = [&](const Pose& there, const ScanVisibility& rays, bool after)
   {
     const Eigen::Isometry3f T = (there.inverse() * here).cast<float>();
-    result.push_back({&image, T, after});
+    result.push_back({&rays, T, after});
   };
   for (const int offset : offsets)
   {
@@ -284,7 +281,7 @@ std::vector<OtherScan> HindsightLabels::Impl::others() const
       if (other >= 0 && other < static_cast<std::ptrdiff_t>(scans.size()))
       {
         const WindowScan& o = scans[static_cast<std::size_t>(other)];
-        ask(o.T_odom_vehicle, o.image, step > 0);
+        ask(o.T_odom_vehicle, o.rays, step > 0);
       }
     }
   }
@@ -295,7 +292,7 @@ std::vector<OtherScan> HindsightLabels::Impl::others() const
     const auto age = static_cast<double>(number - o->number);
     if (age >= growth * last)
     {
-      ask(o->T_odom_vehicle, o->image, false);
+      ask(o->T_odom_vehicle, o->rays, false);
       last = age;
     }
   }
@@ -404,7 +401,7 @@ void HindsightLabels::Impl::leaveWindow()
   const std::size_t number = count - scans.size();
   if (number % past_stride == 0 && options.history > 0)
   {
-    past.push_back({number, scans.front().T_odom_vehicle, std::move(scans.front().image)});
+    past.push_back({number, scans.front().T_odom_vehicle, std::move(scans.front().rays)});
   }
   while (!past.empty() && number - past.front().number > static_cast<std::size_t>(options.history))
   {

@@ -76,8 +76,7 @@ class ChunkEvidence
     {
       if (isProbe(o))
       {
-        others_[o].image->evaluate(places_, count_, others_[o].T_other_this, size_, margin_,
-                                   row(o));
+        others_[o].rays->evaluate(places_, count_, others_[o].T_other_this, size_, margin_, row(o));
       }
     }
   }
@@ -95,8 +94,8 @@ class ChunkEvidence
     {
       if (!isProbe(o))
       {
-        others_[o].image->evaluate(places.data(), places.size(), others_[o].T_other_this, size_,
-                                   margin_, seen.data());
+        others_[o].rays->evaluate(places.data(), places.size(), others_[o].T_other_this, size_,
+                                  margin_, seen.data());
         for (std::size_t k = 0; k < chosen.size(); ++k)
         {
           row(o)[chosen[k]] = seen[k];

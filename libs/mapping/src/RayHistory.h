@@ -8,14 +8,14 @@
 #include <cstdint>
 #include <vector>
 
-#include "VisibilityImage.h"
+#include "ScanVisibility.h"
 
 namespace dyslam
 {
 /** Another scan whose rays are evaluated at places. */
 struct OtherScan
 {
-  const VisibilityImage* image;
+  const ScanVisibility* rays;
   Eigen::Isometry3f T_other_this;  //!< takes places to the other scan's vehicle frame
   bool after;                      //!< the other scan is later
 };
@@ -47,7 +47,7 @@ enum class RayEffort
  * through, for which a few scans suffice.
  * \param others those before and those after each in order of their distance in time
  * \param places vehicle frame of the scan to be decided [m] \param efforts one value per place
- * \param size of a place and \param margin of a ray behind it, see VisibilityImage::evaluate() [m].
+ * \param size of a place and \param margin of a ray behind it, see ScanVisibility::evaluate() [m].
  * Same result for any number of threads. */
 [[nodiscard]] std::vector<RayCounts> countRays(const std::vector<OtherScan>& others,
                                                const std::vector<Eigen::Vector3f>& places,

@@ -12,7 +12,7 @@
 #include <utility>
 
 #include "CleanedMap.h"
-#include "VisibilityImage.h"
+#include "ScanVisibility.h"
 #include "VoxelMap.h"
 
 namespace dyslam
@@ -138,12 +138,30 @@ struct StaticMap::Impl
   mutable std::optional<CleanedMap> cleaned;  //!< until the map changes
 };
 
+namespace
+{
+/** KeyframeCloud::lidar of a frame's cloud; empty for a vehicle with one. */
+std::vector<std::uint8_t> lidarOfPoints(const Frame& frame)
+{
+  std::vector<std::uint8_t> result;
+  if (!frame.scan.parts.empty())
+  {
+    for (const LidarRange& range : lidarRanges(frame.scan, frame.cloud))
+    {
+      result.resize(range.end, static_cast<std::uint8_t>(range.lidar));
+    }
+  }
+  return result;
+}
+}  // namespace
+
 KeyframeCloud StaticMap::Impl::thinned(const Frame& frame) const
 {
   const std::vector<bool> moving = movingInMap(frame, options);
   const double nearest = options.min_range * options.min_range;
   const double farthest = options.max_range * options.max_range;
   const bool has_intensity = frame.cloud.intensity.size() == frame.cloud.size();
+  const std::vector<std::uint8_t> lidars = lidarOfPoints(frame);
   KeyframeCloud result;
   for (const bool part : {false, true})
   {
@@ -166,6 +184,10 @@ KeyframeCloud StaticMap::Impl::thinned(const Frame& frame) const
       result.intensity.push_back(has_intensity ? frame.cloud.intensity[source[sample.index[k]]]
                                                : 0.0F);
       result.is_static.push_back(part ? 0 : 1);
+      if (!lidars.empty())
+      {
+        result.lidar.push_back(lidars[source[sample.index[k]]]);
+      }
     }
   }
   return result;
@@ -316,7 +338,7 @@ void StaticMap::insert(const Frame& frame)
       PackedCloud(m.thinned(frame), m.options.max_range + 1.0);
   if (m.options.visibility)
   {
-    m.map.countObservedFree(VisibilityImage(frame.cloud, keyframe.sensor), keyframe.T_map_vehicle,
+    m.map.countObservedFree(ScanVisibility(frame.scan, frame.cloud), keyframe.T_map_vehicle,
                             m.options);
   }
   m.addToVoxels(m.poses.size() - 1, nullptr);
@@ -392,6 +414,10 @@ void StaticMap::forEachStaticCloud(
         cloud.points.push_back(all.points[i]);
         cloud.intensity.push_back(all.intensity[i]);
         cloud.is_static.push_back(1);
+        if (!all.lidar.empty())
+        {
+          cloud.lidar.push_back(all.lidar[i]);
+        }
       }
     }
     visit(k, cloud);

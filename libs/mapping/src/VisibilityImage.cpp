@@ -64,14 +64,14 @@ struct VisibilityImage::Rays
   }
 };
 
-void VisibilityImage::setRows(const std::vector<Eigen::Vector3f>& points)
+void VisibilityImage::setRows(const std::vector<Eigen::Vector3f>& points, const LidarRange& lidar)
 {
   int highest = 0;
   bool any = false;
   Rays rays;
-  for (std::size_t begin = 0; begin < points.size(); begin += block)
+  for (std::size_t begin = lidar.begin; begin < lidar.end; begin += block)
   {
-    rays.count = std::min(block, points.size() - begin);
+    rays.count = std::min(block, lidar.end - begin);
     for (std::size_t i = 0; i < rays.count; ++i)
     {
       rays.set(i, points[begin + i] - sensor_);
@@ -92,19 +92,20 @@ void VisibilityImage::setRows(const std::vector<Eigen::Vector3f>& points)
   pixels_.assign(static_cast<std::size_t>(rows_) * cols, no_return);
 }
 
-VisibilityImage::VisibilityImage(const Cloud& cloud, const Eigen::Vector3f& sensor)
-    : sensor_(sensor)
+VisibilityImage::VisibilityImage(const Cloud& cloud, const LidarRange& lidar)
+    : sensor_(lidar.sensor)
 {
-  setRows(cloud.points);
+  const Eigen::Vector3f& sensor = lidar.sensor;
+  setRows(cloud.points, lidar);
   const bool timed = cloud.phase.size() == cloud.size() && !cloud.points.empty();
   const SweepMotion sweep(cloud.T_sweep, 0);
   std::vector<Eigen::Vector3f> sum(timed ? cols : 0, Eigen::Vector3f::Zero());
   std::vector<int> count(timed ? cols : 0, 0);
   std::vector<Eigen::Vector3f> origin(block, sensor);
   Rays rays;
-  for (std::size_t begin = 0; begin < cloud.size(); begin += block)
+  for (std::size_t begin = lidar.begin; begin < lidar.end; begin += block)
   {
-    rays.count = std::min(block, cloud.size() - begin);
+    rays.count = std::min(block, lidar.end - begin);
     for (std::size_t i = 0; i < rays.count; ++i)
     {
       if (timed)

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <dyslam/core/Scan.h>
+#include <dyslam/core/ScanParts.h>
 
 #include <Eigen/Core>
 #include <Eigen/Geometry>
@@ -25,15 +25,15 @@ enum class Evidence
   occupied    //!< a ray ended there
 };
 
-/** Range image of one scan for visibility tests: nearest return per pixel. The image covers the
- * field of view that the returns show. */
+/** Range image of one lidar's scan for visibility tests: nearest return per pixel. The image covers
+ * the field of view that the returns show. */
 class VisibilityImage
 {
  public:
   /** Rays start at the sensor's position when each point was measured, if the cloud has phases.
-   * \param cloud returns and \param sensor the lidar's origin at the cloud's stamp, both in the
-   * vehicle frame. */
-  VisibilityImage(const Cloud& cloud, const Eigen::Vector3f& sensor);
+   * \param cloud returns in the vehicle frame \param lidar those that it measured, and its origin
+   * at the cloud's stamp */
+  VisibilityImage(const Cloud& cloud, const LidarRange& lidar);
   /** Without rays, for exchangeState(). */
   VisibilityImage() = default;
 
@@ -52,13 +52,6 @@ class VisibilityImage
                 float size,
                 float margin,
                 Evidence* evidence) const;
-  /** at(): rays passed through the place, or at least around it. */
-  [[nodiscard]] bool observesFree(const Eigen::Vector3f& p, float size, float margin) const
-  {
-    const Evidence seen = at(p, size, margin);
-    return seen == Evidence::free || seen == Evidence::passed_by;
-  }
-
   void exchangeState(StateArchive& archive);
 
  private:
@@ -84,7 +77,7 @@ class VisibilityImage
   {
     return rangeOf(pixels_[static_cast<std::size_t>(row * cols + (col + cols) % cols)]);
   }
-  void setRows(const std::vector<Eigen::Vector3f>& points);
+  void setRows(const std::vector<Eigen::Vector3f>& points, const LidarRange& lidar);
   void setColumnOrigins(const std::vector<Eigen::Vector3f>& sum, const std::vector<int>& count);
 
   Eigen::Vector3f sensor_ = Eigen::Vector3f::Zero();

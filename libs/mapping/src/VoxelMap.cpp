@@ -141,7 +141,7 @@ void VoxelMap::mergeOldHits()
   rebuilding_ = false;
 }
 
-void VoxelMap::countObservedFree(const VisibilityImage& image,
+void VoxelMap::countObservedFree(const ScanVisibility& rays,
                                  const Pose& T_map_vehicle,
                                  const StaticMapOptions& options)
 {
@@ -163,8 +163,8 @@ void VoxelMap::countObservedFree(const VisibilityImage& image,
       {
         const Eigen::Vector3f p = T_vehicle_map * centroidOf(voxel).cast<float>();
         if (p.squaredNorm() <= limit &&
-            image.observesFree(p, static_cast<float>(voxel_size_),
-                               static_cast<float>(options.visibility_margin)))
+            rays.observesFree(p, static_cast<float>(voxel_size_),
+                              static_cast<float>(options.visibility_margin)))
         {
           discountEarlierRuns(voxel);
           countUp(voxel.observed_free);

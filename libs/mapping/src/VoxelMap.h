@@ -11,7 +11,7 @@
 #include <functional>
 #include <vector>
 
-#include "VisibilityImage.h"
+#include "ScanVisibility.h"
 #include "VoxelTile.h"
 
 namespace dyslam
@@ -60,7 +60,7 @@ class VoxelMap
   /** The hits of the earlier map count where they are more. */
   void mergeOldHits();
   /** Counts the voxels near the vehicle that a scan observed as free. */
-  void countObservedFree(const VisibilityImage& image,
+  void countObservedFree(const ScanVisibility& rays,
                          const Pose& T_map_vehicle,
                          const StaticMapOptions& options);
 

@@ -14,7 +14,7 @@ namespace
 const Eigen::Vector3f place(10, 0, 0);
 
 /** A scan of a sensor at the origin with returns at one distance ahead. */
-VisibilityImage wallAt(float distance)
+ScanVisibility wallAt(float distance)
 {
   Cloud cloud;
   for (int row = -20; row <= 20; ++row)
@@ -28,15 +28,15 @@ VisibilityImage wallAt(float distance)
                                                            std::sin(elevation)));
     }
   }
-  return {cloud, Eigen::Vector3f::Zero()};
+  return {Scan(), cloud};
 }
 
 /** Counts at the place of 40 later scans, some of which saw a wall behind it.
  * \param free whether a scan did */
 RayCounts countsAt(const std::function<bool(std::size_t)>& free, RayEffort effort)
 {
-  static const VisibilityImage wall = wallAt(10);
-  static const VisibilityImage behind = wallAt(20);
+  static const ScanVisibility wall = wallAt(10);
+  static const ScanVisibility behind = wallAt(20);
   std::vector<OtherScan> others;
   for (std::size_t i = 0; i < 40; ++i)
   {

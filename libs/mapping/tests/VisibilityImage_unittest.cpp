@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "../src/VisibilityImage.h"
-
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <functional>
+
+#include "../src/ScanVisibility.h"
 
 namespace dyslam
 {
@@ -35,7 +35,7 @@ Cloud cloudOf(float ring_step,
 
 Evidence at(const Cloud& cloud, const Eigen::Vector3f& place)
 {
-  const VisibilityImage image(cloud, Eigen::Vector3f::Zero());
+  const VisibilityImage image(cloud, {0, cloud.size(), 0, Eigen::Vector3f::Zero()});
   Evidence evidence = Evidence::none;
   image.evaluate(&place, 1, Eigen::Isometry3f::Identity(), 0.2F, 0.5F, &evidence);
   return evidence;
@@ -81,7 +81,7 @@ TEST(VisibilityImage, SkyProvesNothing)
 TEST(VisibilityImage, OfAPlaceAtTheSensorNothingIsKnown)
 {
   const Cloud far = cloudOf(0.4F * degree, 0.2F * degree, [](const auto&) { return 40.0F; });
-  const VisibilityImage image(far, Eigen::Vector3f::Zero());
+  const VisibilityImage image(far, {0, far.size(), 0, Eigen::Vector3f::Zero()});
   EXPECT_EQ(image.at(Eigen::Vector3f::Zero(), 0.2F, 0.5F), Evidence::none);
   EXPECT_EQ(image.at({0.4F, 0, 0}, 0.2F, 0.5F), Evidence::none);
   EXPECT_EQ(at(far, {0, 0, 0}), Evidence::none);
@@ -98,6 +98,63 @@ TEST(VisibilityImage, AWallAtGrazingIncidenceIsNotFree)
     EXPECT_NE(seen, Evidence::free) << x;
     EXPECT_NE(seen, Evidence::enclosed) << x;
   }
+}
+
+/** A scan of two lidars, the second one 2 m to the left of the first. \param second ranges of its
+ * rays */
+struct TwoLidars
+{
+  explicit TwoLidars(const std::function<float(const Eigen::Vector3f&)>& first,
+                     const std::function<float(const Eigen::Vector3f&)>& second)
+      : cloud(cloudOf(0.4F * degree, 0.2F * degree, first))
+  {
+    ScanPart part;
+    part.begin = cloud.size();
+    part.T_scan_lidar.translation() = Eigen::Vector3d(0, 2, 0);
+    scan.parts = {part};
+    for (const auto& p : cloudOf(0.4F * degree, 0.2F * degree, second).points)
+    {
+      cloud.points.emplace_back(p + Eigen::Vector3f(0, 2, 0));
+    }
+    for (std::size_t i = 0; i < cloud.size(); ++i)
+    {
+      cloud.source.push_back(static_cast<std::uint32_t>(i));
+    }
+    scan.points = cloud.points;
+  }
+
+  [[nodiscard]] Evidence at(const Eigen::Vector3f& place) const
+  {
+    Evidence evidence = Evidence::none;
+    ScanVisibility(scan, cloud)
+        .evaluate(&place, 1, Eigen::Isometry3f::Identity(), 0.2F, 0.5F, &evidence);
+    return evidence;
+  }
+
+  Scan scan;
+  Cloud cloud;
+};
+
+TEST(ScanVisibility, RaysStartAtTheLidarThatMeasuredThem)
+{
+  // A post before the first lidar hides what the second one looks through.
+  const auto post = [](const Eigen::Vector3f& ray)
+  { return std::abs(ray.y()) < 0.03F ? 5.0F : 40.0F; };
+  const TwoLidars scan(post, [](const auto&) { return 40.0F; });
+  EXPECT_EQ(scan.at({20, 0.03F, 0}), Evidence::free);
+  EXPECT_EQ(scan.at({5, 0, 0}), Evidence::occupied) << "the first one's returns, seen by it alone";
+  const ScanVisibility first_only(Scan(), cloudOf(0.4F * degree, 0.2F * degree, post));
+  EXPECT_FALSE(first_only.observesFree({20, 0.03F, 0}, 0.2F, 0.5F));
+  EXPECT_TRUE(ScanVisibility(scan.scan, scan.cloud).observesFree({20, 0.03F, 0}, 0.2F, 0.5F));
+}
+
+TEST(ScanVisibility, WhatOneLidarHitsIsNotFree)
+{
+  // The second lidar hits a board edge-on, which the rays of the first pass by.
+  const TwoLidars scan([](const auto&) { return 40.0F; }, [](const Eigen::Vector3f& ray)
+                       { return std::abs(ray.y() + 0.1F) < 0.01F ? 20.0F : 40.0F; });
+  EXPECT_EQ(scan.at({19.9F, 0, 0}), Evidence::occupied);
+  EXPECT_FALSE(ScanVisibility(scan.scan, scan.cloud).observesFree({19.9F, 0, 0}, 0.2F, 0.5F));
 }
 }  // namespace
 }  // namespace dyslam

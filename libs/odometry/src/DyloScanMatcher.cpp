@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "DyloScanMatcher.h"
 
+#include <dyslam/core/ScanParts.h>
 #include <dyslam/core/SharedFiles.h>
 
 #include <algorithm>
@@ -37,6 +38,9 @@ std::string DyloScanMatcher::extract(const Frame& frame)
   points_.resize(frame.cloud.size());
   std::transform(frame.cloud.points.begin(), frame.cloud.points.end(), points_.begin(),
                  [&](const Eigen::Vector3f& p) { return T_lidar_vehicle * p; });
+  // The network's images are of one lidar.
+  std::fill(points_.begin() + static_cast<std::ptrdiff_t>(ownPoints(frame.scan, frame.cloud)),
+            points_.end(), Eigen::Vector3f::Constant(std::numeric_limits<float>::quiet_NaN()));
   // Points that are known to move are not passed to the network.
   weights_ = pointWeights(frame);
   for (std::size_t i = 0; i < weights_.size(); ++i)

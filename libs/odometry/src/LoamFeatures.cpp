@@ -2,7 +2,7 @@
 #include "LoamFeatures.h"
 
 #include <dyslam/core/Rings.h>
-#include <dyslam/core/Scan.h>
+#include <dyslam/core/ScanParts.h>
 #include <dyslam/core/VoxelGrid.h>
 
 #include <algorithm>
@@ -37,7 +37,14 @@ std::vector<Eigen::Vector3f> fromLidar(const Frame& frame)
   return seen;
 }
 
-/** Rings of the cloud's points, or empty. */
+/** The scan's points that its own lidar measured. */
+std::vector<Eigen::Vector3f> ownPointsOf(const Scan& scan)
+{
+  const std::size_t end = scan.parts.empty() ? scan.size() : scan.parts.front().begin;
+  return {scan.points.begin(), scan.points.begin() + static_cast<std::ptrdiff_t>(end)};
+}
+
+/** Rings of the cloud's first points, those of the scan's own lidar, or empty. */
 std::vector<std::uint16_t> cloudRings(const Frame& frame, const std::vector<Eigen::Vector3f>& seen)
 {
   const Cloud& cloud = frame.cloud;
@@ -48,21 +55,18 @@ std::vector<std::uint16_t> cloudRings(const Frame& frame, const std::vector<Eige
   }
   const std::vector<std::uint16_t> estimated = frame.scan.ring.size() == frame.scan.size()
                                                    ? std::vector<std::uint16_t>()
-                                                   : estimateRings(frame.scan.points);
+                                                   : estimateRings(ownPointsOf(frame.scan));
   const std::vector<std::uint16_t>& all = estimated.empty() ? frame.scan.ring : estimated;
+  const std::size_t own = ownPoints(frame.scan, cloud);
   std::vector<std::uint16_t> rings;
-  if (all.size() != frame.scan.size())
+  rings.reserve(own);
+  for (std::size_t i = 0; i < own; ++i)
   {
-    return rings;
-  }
-  rings.reserve(cloud.size());
-  for (const std::uint32_t i : cloud.source)
-  {
-    if (i >= all.size())
+    if (cloud.source[i] >= all.size())
     {
       return {};
     }
-    rings.push_back(all[i]);
+    rings.push_back(all[cloud.source[i]]);
   }
   return rings;
 }
@@ -298,7 +302,7 @@ LoamFeatures loamFeatures(const Frame& frame, const LoamOptions& options)
   LoamFeatures features;
   const std::vector<Eigen::Vector3f> seen = fromLidar(frame);
   const std::vector<std::uint16_t> rings = cloudRings(frame, seen);
-  if (rings.size() != frame.cloud.size())
+  if (rings.empty())
   {
     return features;
   }

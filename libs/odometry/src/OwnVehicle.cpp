@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/core/ScanParts.h>
 #include <dyslam/core/StateArchive.h>
 #include <dyslam/odometry/OwnVehicle.h>
 
@@ -20,8 +21,7 @@ constexpr double own_share = 0.25;  // of the scans with returns in a cell that 
 OwnVehicle::OwnVehicle(double range)
     : range_(static_cast<float>(range)),
       // A cell more on each side than there are points in: all have neighbours.
-      side_(2 * static_cast<std::size_t>(std::ceil(range_ / cell_size)) + 2),
-      may_be_(side_ * side_ * side_, true)
+      side_(2 * static_cast<std::size_t>(std::ceil(range_ / cell_size)) + 2)
 {
 }
 
@@ -32,9 +32,11 @@ std::size_t OwnVehicle::cellOf(const Eigen::Vector3f& point) const
   return (index(point.z()) * side_ + index(point.y())) * side_ + index(point.x());
 }
 
-bool OwnVehicle::mayBeAt(const Eigen::Vector3f& point) const
+bool OwnVehicle::mayBeAt(const Eigen::Vector3f& point, std::size_t lidar) const
 {
-  return point.squaredNorm() < range_ * range_ && may_be_[cellOf(point)];
+  return point.squaredNorm() < range_ * range_ &&
+         (lidar >= lidars_.size() || lidars_[lidar].may_be.empty() ||
+          lidars_[lidar].may_be[cellOf(point)]);
 }
 
 void OwnVehicle::addMotion(const Pose& T_previous_current)
@@ -45,15 +47,32 @@ void OwnVehicle::addMotion(const Pose& T_previous_current)
 void OwnVehicle::observe(const Scan& scan)
 {
   const Eigen::AngleAxisd turn(T_observed_current_.linear());
-  if (range_ <= 0 ||
-      (!observations_.empty() && T_observed_current_.translation().norm() < least_distance &&
-       std::abs(turn.angle()) < least_angle))
+  if (range_ <= 0 || (any_observed_ && T_observed_current_.translation().norm() < least_distance &&
+                      std::abs(turn.angle()) < least_angle))
   {
     return;
   }
   T_observed_current_.setIdentity();
+  any_observed_ = true;
+  if (scan.parts.empty())
+  {
+    lidars_.resize(std::max<std::size_t>(lidars_.size(), 1));
+    observe(scan.points, lidars_[0]);
+    return;
+  }
+  for (std::size_t i = 0; i < partCount(scan); ++i)
+  {
+    LidarRange range;
+    const Scan part = scanPart(scan, i, range);
+    lidars_.resize(std::max(lidars_.size(), range.lidar + 1));
+    observe(part.points, lidars_[range.lidar]);
+  }
+}
+
+void OwnVehicle::observe(const std::vector<Eigen::Vector3f>& points, Places& places) const
+{
   std::vector<std::uint32_t> cells;
-  for (const Eigen::Vector3f& p : scan.points)
+  for (const Eigen::Vector3f& p : points)
   {
     if (isReturn(p) && p.squaredNorm() < range_ * range_)
     {
@@ -62,26 +81,26 @@ void OwnVehicle::observe(const Scan& scan)
   }
   std::sort(cells.begin(), cells.end());
   cells.erase(std::unique(cells.begin(), cells.end()), cells.end());
-  observations_.push_back(std::move(cells));
-  if (observations_.size() > most_observations)
+  places.observations.push_back(std::move(cells));
+  if (places.observations.size() > most_observations)
   {
-    observations_.pop_front();
+    places.observations.pop_front();
   }
-  decide();
+  decide(places);
 }
 
-void OwnVehicle::decide()
+void OwnVehicle::decide(Places& places) const
 {
-  const bool known = observations_.size() >= least_observations;
-  may_be_.assign(may_be_.size(), !known);
-  if (!known)
+  places.may_be.clear();
+  if (places.observations.size() < least_observations)
   {
     return;
   }
-  const auto least =
-      static_cast<std::size_t>(std::ceil(own_share * static_cast<double>(observations_.size())));
-  std::vector<std::uint8_t> returns(may_be_.size(), 0);
-  for (const auto& cells : observations_)
+  places.may_be.assign(side_ * side_ * side_, false);
+  const auto least = static_cast<std::size_t>(
+      std::ceil(own_share * static_cast<double>(places.observations.size())));
+  std::vector<std::uint8_t> returns(places.may_be.size(), 0);
+  for (const auto& cells : places.observations)
   {
     for (const std::uint32_t cell : cells)
     {
@@ -94,7 +113,7 @@ void OwnVehicle::decide()
         for (std::size_t y = 0; y < 3; ++y)
         {
           const std::size_t first = cell + ((z * side_) + y) * side_ - (side_ + 1) * side_ - 1;
-          std::fill_n(may_be_.begin() + static_cast<std::ptrdiff_t>(first), 3, true);
+          std::fill_n(places.may_be.begin() + static_cast<std::ptrdiff_t>(first), 3, true);
         }
       }
     }
@@ -103,7 +122,6 @@ void OwnVehicle::decide()
 
 void OwnVehicle::exchangeState(StateArchive& archive)
 {
-  archive(T_observed_current_, observations_);
-  decide();
+  archive(T_observed_current_, any_observed_, lidars_);
 }
 }  // namespace dyslam

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/core/Error.h>
 #include <dyslam/core/FiringOrder.h>
+#include <dyslam/core/ScanParts.h>
 #include <dyslam/odometry/OwnVehicle.h>
 #include <dyslam/odometry/Preprocessor.h>
 
@@ -35,19 +36,27 @@ double timeSpan(const Scan& scan)
 class Phases
 {
  public:
-  /** \param dt since the previous scan [s]; 0: unknown \param sweep_duration [s]; 0: `dt` */
-  Phases(const Scan& scan, const PreprocessOptions& options, double dt, double sweep_duration)
+  /** \param scan of one lidar \param all the scan that it is part of
+   * \param stamp of the lidar's own scan, after Scan::stamp [s]
+   * \param dt since the previous scan [s]; 0: unknown \param sweep_duration [s]; 0: `dt` */
+  Phases(const Scan& scan,
+         const Scan& all,
+         double stamp,
+         const PreprocessOptions& options,
+         double dt,
+         double sweep_duration)
       : scan_(scan),
         sweep_(options.sweep),
         source_(sourceOf(scan, options.deskew)),
         per_revolution_(dt > 0 ? phaseScale(sweep_duration, dt) : 1.0F),
         reference_(static_cast<float>(options.sweep_reference)),
+        offset_(dt > 0 ? static_cast<float>(stamp / dt) : 0.0F),
         unit_(sweep_duration > 0 ? dt : 0)
   {
     if (source_ == Source::times)
     {
       // Without a motion yet, phases are in units of the scan's own duration.
-      unit_ = dt > 0 ? dt : timeSpan(scan);
+      unit_ = dt > 0 ? dt : timeSpan(all);
       per_second_ = unit_ > 0 ? static_cast<float>(1 / unit_) : 0.0F;
     }
     const bool may_be_ordered = source_ == Source::none || source_ == Source::azimuth;
@@ -68,9 +77,9 @@ class Phases
       case Source::times:
         return scan_.time[i] * per_second_;
       case Source::order:
-        return (fractions_[i] - reference_) * per_revolution_;
+        return (fractions_[i] - reference_) * per_revolution_ + offset_;
       default:
-        return (sweepFraction(scan_.points[i], sweep_) - reference_) * per_revolution_;
+        return (sweepFraction(scan_.points[i], sweep_) - reference_) * per_revolution_ + offset_;
     }
   }
 
@@ -103,26 +112,25 @@ class Phases
   Source source_;
   float per_revolution_;  //!< of the phases
   float reference_;       //!< fraction of the sweep
+  float offset_;          //!< of the lidar's own scan
   double unit_;
   float per_second_ = 0;          //!< of the phases
   std::vector<float> fractions_;  //!< of the revolution, if by order
 };
 
-struct CloudPart
+/** What a chunk of a scan becomes. */
+struct CloudChunk
 {
   std::vector<Eigen::Vector3f> points;
   std::vector<std::uint32_t> source;
   std::vector<float> phase;
 };
 
-void appendParts(const std::vector<CloudPart>& parts, Cloud& cloud)
+void appendTo(Cloud& cloud, const CloudChunk& chunk)
 {
-  for (const CloudPart& part : parts)
-  {
-    cloud.points.insert(cloud.points.end(), part.points.begin(), part.points.end());
-    cloud.source.insert(cloud.source.end(), part.source.begin(), part.source.end());
-    cloud.phase.insert(cloud.phase.end(), part.phase.begin(), part.phase.end());
-  }
+  cloud.points.insert(cloud.points.end(), chunk.points.begin(), chunk.points.end());
+  cloud.source.insert(cloud.source.end(), chunk.source.begin(), chunk.source.end());
+  cloud.phase.insert(cloud.phase.end(), chunk.phase.begin(), chunk.phase.end());
 }
 }  // namespace
 
@@ -168,59 +176,22 @@ Cloud Preprocessor::prepare(const Scan& scan,
                             double sweep_duration,
                             const OwnVehicle* own_vehicle) const
 {
-  const std::size_t count = scan.size();
   const bool has_motion = dt > 0 && std::isfinite(dt);
-  const Phases phases(scan, options_, has_motion ? dt : 0, sweep_duration);
+  const Sweep sweep{T_previous_current, has_motion ? dt : 0, sweep_duration};
   Cloud cloud;
-  cloud.T_sweep = phases.known() && has_motion ? T_previous_current : Pose::Identity();
-  cloud.phase_unit = phases.unit();
-
-  const SweepMotion motion(cloud.T_sweep, 0);
-  const Eigen::Matrix3f R = scan.T_vehicle_lidar.linear().cast<float>();
-  const Eigen::Vector3f t = scan.T_vehicle_lidar.translation().cast<float>();
-  const auto min2 = static_cast<float>(options_.min_range * options_.min_range);
-  const auto max2 = static_cast<float>(options_.max_range * options_.max_range);
-  const auto own2 = static_cast<float>(options_.own_vehicle_range * options_.own_vehicle_range);
-  std::vector<CloudPart> parts(ThreadPool::chunkCount(count, chunk_size));
-  pool_.forChunks(count, chunk_size,
-                  [&](std::size_t begin, std::size_t end, std::size_t chunk)
-                  {
-                    CloudPart& part = parts[chunk];
-                    part.points.reserve(end - begin);
-                    part.source.reserve(end - begin);
-                    for (std::size_t i = begin; i < end; ++i)
-                    {
-                      const Eigen::Vector3f& p = scan.points[i];
-                      const float range2 = p.squaredNorm();
-                      // NaN fails every comparison, infinity the last one.
-                      if (!(range2 > 0 && range2 >= min2 && range2 <= max2))
-                      {
-                        continue;
-                      }
-                      if (range2 < own2 && (own_vehicle == nullptr || own_vehicle->mayBeAt(p)))
-                      {
-                        continue;
-                      }
-                      Eigen::Vector3f q = R * p + t;
-                      if (phases.known())
-                      {
-                        const float phase = phases.of(i);
-                        q = motion.toReference(q, phase);
-                        if (!q.allFinite())
-                        {
-                          continue;
-                        }
-                        part.phase.push_back(phase);
-                      }
-                      part.points.push_back(q);
-                      part.source.push_back(static_cast<std::uint32_t>(i));
-                    }
-                  });
-
-  cloud.points.reserve(count);
-  cloud.source.reserve(count);
-  appendParts(parts, cloud);
-  if (scan.intensity.size() == count)
+  cloud.points.reserve(scan.size());
+  cloud.source.reserve(scan.size());
+  if (scan.parts.empty())
+  {
+    prepareOf(scan, scan, LidarRange{0, scan.size(), 0, {}}, 0, sweep, own_vehicle, cloud);
+  }
+  for (std::size_t i = 0; i < partCount(scan) && !scan.parts.empty(); ++i)
+  {
+    LidarRange range;
+    const Scan part = scanPart(scan, i, range);
+    prepareOf(part, scan, range, i == 0 ? 0 : scan.parts[i - 1].stamp, sweep, own_vehicle, cloud);
+  }
+  if (scan.intensity.size() == scan.size())
   {
     cloud.intensity.reserve(cloud.source.size());
     for (const std::uint32_t i : cloud.source)
@@ -229,6 +200,68 @@ Cloud Preprocessor::prepare(const Scan& scan,
     }
   }
   return cloud;
+}
+
+/** Adds the points of one lidar. \param part of the scan `all`, its points `range`, in the lidar's
+ * frame \param stamp of the lidar's own scan, after Scan::stamp [s] */
+void Preprocessor::prepareOf(const Scan& part,
+                             const Scan& all,
+                             const LidarRange& range,
+                             double stamp,
+                             const Sweep& sweep,
+                             const OwnVehicle* own_vehicle,
+                             Cloud& cloud) const
+{
+  const Phases phases(part, all, stamp, options_, sweep.dt, sweep.duration);
+  cloud.T_sweep = phases.known() && sweep.dt > 0 ? sweep.T_previous_current : Pose::Identity();
+  cloud.phase_unit = phases.unit();
+
+  const SweepMotion motion(cloud.T_sweep, 0);
+  const Eigen::Matrix3f R = part.T_vehicle_lidar.linear().cast<float>();
+  const Eigen::Vector3f t = part.T_vehicle_lidar.translation().cast<float>();
+  const auto min2 = static_cast<float>(options_.min_range * options_.min_range);
+  const auto max2 = static_cast<float>(options_.max_range * options_.max_range);
+  const auto own2 = static_cast<float>(options_.own_vehicle_range * options_.own_vehicle_range);
+  std::vector<CloudChunk> chunks(ThreadPool::chunkCount(part.size(), chunk_size));
+  pool_.forChunks(
+      part.size(), chunk_size,
+      [&](std::size_t begin, std::size_t end, std::size_t number)
+      {
+        CloudChunk& chunk = chunks[number];
+        chunk.points.reserve(end - begin);
+        chunk.source.reserve(end - begin);
+        for (std::size_t i = begin; i < end; ++i)
+        {
+          const Eigen::Vector3f& p = part.points[i];
+          const float range2 = p.squaredNorm();
+          // NaN fails every comparison, infinity the last one.
+          if (!(range2 > 0 && range2 >= min2 && range2 <= max2))
+          {
+            continue;
+          }
+          if (range2 < own2 && (own_vehicle == nullptr || own_vehicle->mayBeAt(p, range.lidar)))
+          {
+            continue;
+          }
+          Eigen::Vector3f q = R * p + t;
+          if (phases.known())
+          {
+            const float phase = phases.of(i);
+            q = motion.toReference(q, phase);
+            if (!q.allFinite())
+            {
+              continue;
+            }
+            chunk.phase.push_back(phase);
+          }
+          chunk.points.push_back(q);
+          chunk.source.push_back(static_cast<std::uint32_t>(range.begin + i));
+        }
+      });
+  for (const CloudChunk& chunk : chunks)
+  {
+    appendTo(cloud, chunk);
+  }
 }
 
 std::pair<double, double> Preprocessor::sweepSpan(const Scan& scan, double sweep_duration) const

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/core/ScanParts.h>
 #include <dyslam/core/StateArchive.h>
 #include <dyslam/odometry/OwnVehicle.h>
 #include <dyslam/odometry/Preprocessor.h>
@@ -44,6 +45,26 @@ TEST(OwnVehicle, WhatPassesIsNotTheVehicle)
   EXPECT_FALSE(vehicle.mayBeAt(at_a_post));
   EXPECT_FALSE(vehicle.mayBeAt({0.5F, 0.5F, 0}));
   EXPECT_FALSE(vehicle.mayBeAt({8, 2, 1})) << "too far for the vehicle";
+}
+
+TEST(OwnVehicle, IsKnownAroundEachLidar)
+{
+  OwnVehicle vehicle(1.5);
+  Scan rear;
+  rear.T_vehicle_lidar = poseFromYpr(-3, 0, 0, M_PI, 0, 0);
+  rear.points = {{0.5F, 0.7F, 0}};  // part of the vehicle
+  for (int i = 0; i < 30; ++i)
+  {
+    Scan scan = scanFrom(i, 0.37);
+    appendScan(rear, 1, scan);
+    vehicle.observe(scan);
+    vehicle.addMotion(Pose(Eigen::Translation3d(0.37, 0, 0)));
+  }
+  EXPECT_TRUE(vehicle.mayBeAt(mast));
+  EXPECT_FALSE(vehicle.mayBeAt(mast, 1));
+  EXPECT_TRUE(vehicle.mayBeAt(rear.points[0], 1));
+  EXPECT_FALSE(vehicle.mayBeAt(rear.points[0]));
+  EXPECT_TRUE(vehicle.mayBeAt(rear.points[0], 2)) << "a lidar without scans so far";
 }
 
 TEST(OwnVehicle, MayBeEverywhereUntilTheLidarHasMoved)

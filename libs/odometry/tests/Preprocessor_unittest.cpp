@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/core/Deskew.h>
 #include <dyslam/core/Error.h>
+#include <dyslam/core/ScanParts.h>
 #include <dyslam/odometry/Preprocessor.h>
 #include <gtest/gtest.h>
 
@@ -51,6 +53,65 @@ TEST(Preprocessor, KeepsReturnsWithinRangeInOrder)
   EXPECT_EQ(cloud.intensity, (std::vector<float>{0.1F, 0.4F}));
   EXPECT_TRUE(cloud.points[0].isApprox(Eigen::Vector3f(6, 0, 2), 1e-5F));
   EXPECT_TRUE(cloud.points[1].isApprox(Eigen::Vector3f(1, 7, 3), 1e-5F));
+}
+
+/** Points around a lidar, with times over 0.1 s. */
+Scan timedScan(const Pose& mounting, bool with_times)
+{
+  Scan scan;
+  scan.T_vehicle_lidar = mounting;
+  for (int i = 0; i < 100; ++i)
+  {
+    const double azimuth = -2 * M_PI * i / 100;
+    scan.points.emplace_back(
+        Eigen::Vector3d(0.2 * i * std::cos(azimuth), 0.2 * i * std::sin(azimuth), 1).cast<float>());
+    if (with_times)
+    {
+      scan.time.push_back(0.001F * static_cast<float>(i) - 0.05F);
+    }
+  }
+  return scan;
+}
+
+TEST(Preprocessor, ScansOfSeveralLidarsAreAsEachAlone)
+{
+  ThreadPool pool(2);
+  const Pose motion = poseFromYpr(1, 0.1, 0, 0.05, 0, 0);
+  const Pose T_vehicle_rear = poseFromYpr(-3, 0.2, 0.5, 2, 0, 0.1);
+  for (const bool with_times : {true, false})
+  {
+    const Preprocessor preprocessor(PreprocessOptions(), pool);
+    const Scan front = timedScan(poseFromYpr(1, 0, 1.7, 0, 0, 0), with_times);
+    const Scan rear = timedScan(T_vehicle_rear, with_times);
+    Scan both = front;
+    appendScan(rear, 1, both);
+    const Cloud a = preprocessor.prepare(front, motion, 0.1, 0.1);
+    const Cloud b = preprocessor.prepare(rear, motion, 0.1, 0.1);
+    const Cloud cloud = preprocessor.prepare(both, motion, 0.1, 0.1);
+    ASSERT_EQ(cloud.size(), a.size() + b.size());
+    EXPECT_LT(a.size(), front.size()) << "some are too near";
+    ASSERT_EQ(cloud.phase.size(), cloud.size());
+    for (std::size_t i = 0; i < cloud.size(); ++i)
+    {
+      const bool of_front = i < a.size();
+      const std::size_t k = of_front ? i : i - a.size();
+      EXPECT_TRUE(cloud.points[i].isApprox((of_front ? a : b).points[k], 1e-4F)) << i;
+      EXPECT_EQ(cloud.source[i], of_front ? a.source[k] : front.size() + b.source[k]);
+    }
+    // A scan that is later by half the time of the motion has moved half as far more.
+    Scan late = rear;
+    late.stamp += 0.05;
+    Scan with_late = front;
+    appendScan(late, 1, with_late);
+    const Cloud moved = preprocessor.prepare(with_late, motion, 0.1, 0.1);
+    ASSERT_EQ(moved.size(), cloud.size());
+    EXPECT_NEAR(moved.phase.back() - cloud.phase.back(), 0.5F, 1e-4F);
+    const Eigen::Vector3d measured = T_vehicle_rear * rear.points.back().cast<double>();
+    const Eigen::Vector3f expected =
+        SweepMotion(motion, 0).toReference(measured.cast<float>(), moved.phase.back());
+    EXPECT_LT((moved.points.back() - expected).norm(), 1e-3F);
+    EXPECT_GT((moved.points.back() - cloud.points.back()).norm(), 0.2F);
+  }
 }
 
 TEST(Preprocessor, EmptyScanGivesEmptyCloud)

@@ -4,6 +4,8 @@
 #include <dyslam/sim/Simulator.h>
 
 #include <cmath>
+#include <map>
+#include <string>
 #include <utility>
 
 #include "EgoMotion.h"
@@ -37,6 +39,28 @@ Pose mountingFor(const SimulatorOptions& o)
              : upright * poseFromYpr(0, 0, 0, 0, o.mounting_pitch, o.mounting_roll);
 }
 
+/** A further sensor of the ego. */
+struct FurtherLidar
+{
+  SensorModel model;
+  Pose T_vehicle_lidar;
+};
+
+std::vector<FurtherLidar> furtherLidarsOf(const SimulatorOptions& options)
+{
+  std::map<std::string, int> labels{{sensorModel(options.sensor).name, 1}};
+  std::vector<FurtherLidar> lidars;
+  for (const FurtherSensor& further : options.further_sensors)
+  {
+    FurtherLidar lidar{sensorModel(further.sensor), further.T_vehicle_lidar};
+    const int count = ++labels[lidar.model.name];
+    lidar.model.name += count > 1 ? "_" + std::to_string(count) : "";
+    lidar.model.max_range = options.max_range > 0 ? options.max_range : lidar.model.max_range;
+    lidars.push_back(lidar);
+  }
+  return lidars;
+}
+
 SensorModel sensorFor(const SimulatorOptions& options)
 {
   SensorModel sensor = sensorModel(options.sensor);
@@ -57,6 +81,7 @@ struct Simulator::Impl
         ego_motion(carrierOf(o), o.trafficSeed()),
         motion_sampler(o),
         T_vehicle_lidar(mountingFor(o)),
+        further_lidars(furtherLidarsOf(o)),
         moving_scene(world->device.handle())
   {
     while (crowd.time() < options.start_time)
@@ -112,6 +137,12 @@ struct Simulator::Impl
   }
 
   SimulatedScan next();
+  [[nodiscard]] SweepScene sweepOf(const SimulatedScan& scan,
+                                   const SensorModel& sensor,
+                                   const Pose& mounting) const;
+  void castFurther(const SweepScene& first,
+                   SimulatedScan& scan,
+                   std::vector<BodyReturns>& body_returns);
   void sampleMotion();
   void gatherBodies(const Eigen::Vector3d& center);
   void describeObjects(const SweepScene& sweep,
@@ -126,6 +157,7 @@ struct Simulator::Impl
   EgoMotion ego_motion;
   MotionSampler motion_sampler;
   Pose T_vehicle_lidar;
+  std::vector<FurtherLidar> further_lidars;
   RayScene moving_scene;
   Pose ego_pose = Pose::Identity();
   int steps_per_sweep = 8;
@@ -238,6 +270,63 @@ void Simulator::Impl::describeObjects(const SweepScene& sweep,
   }
 }
 
+SweepScene Simulator::Impl::sweepOf(const SimulatedScan& scan,
+                                    const SensorModel& sensor,
+                                    const Pose& mounting) const
+{
+  SweepScene sweep;
+  sweep.static_scene = &world->scene;
+  sweep.moving_scene = &moving_scene;
+  sweep.bodies = &bodies;
+  sweep.T_map_lidar = scan.T_map_vehicle * mounting;
+  sweep.T_map_lidar_next = scan.T_map_vehicle_next * mounting;
+  sweep.start = sensor.period * static_cast<double>(index);
+  sweep.seed = combine(combine(options.trafficSeed(), 0x5CA7), index);
+  sweep.noise = options.noise;
+  sweep.motion_distortion = options.motion_distortion;
+  for (int c = 0; c < sensor.columns; ++c)
+  {
+    sweep.T_map_lidar_column.push_back(
+        options.motion_distortion ? vehicleAt(sensor.period * c / sensor.columns) * mounting
+                                  : sweep.T_map_lidar);
+  }
+  return sweep;
+}
+
+/** Adds the scans of the further sensors. \param first sweep of the first one */
+void Simulator::Impl::castFurther(const SweepScene& first,
+                                  SimulatedScan& scan,
+                                  std::vector<BodyReturns>& body_returns)
+{
+  for (const FurtherLidar& lidar : further_lidars)
+  {
+    SweepScene sweep = sweepOf(scan, lidar.model, lidar.T_vehicle_lidar);
+    sweep.seed = combine(first.seed, scan.further.size() + 1);
+    SimulatedScan part;
+    part.scan.stamp = scan.scan.stamp;
+    part.scan.T_vehicle_lidar = lidar.T_vehicle_lidar;
+    part.scan.sensor_label = lidar.model.name;
+    const auto returns = castSweep(lidar.model, sweep, pool, part);
+    for (std::size_t i = 0; i < returns.size(); ++i)
+    {
+      body_returns[i].points += returns[i].points;
+      body_returns[i].time += returns[i].time;
+    }
+    const Eigen::Isometry3f T = (T_vehicle_lidar.inverse() * lidar.T_vehicle_lidar).cast<float>();
+    const Eigen::Isometry3f T_next_further =
+        (first.T_map_lidar_next.inverse() * sweep.T_map_lidar_next).cast<float>();
+    for (std::size_t i = 0; i < part.deskewed.size(); ++i)
+    {
+      const Eigen::Vector3f next = T_next_further * (part.deskewed[i] + part.flow[i]);
+      scan.deskewed.push_back(T * part.deskewed[i]);
+      scan.flow.push_back(next - scan.deskewed.back());
+    }
+    scan.label.insert(scan.label.end(), part.label.begin(), part.label.end());
+    scan.moving.insert(scan.moving.end(), part.moving.begin(), part.moving.end());
+    scan.further.push_back(std::move(part.scan));
+  }
+}
+
 SimulatedScan Simulator::Impl::next()
 {
   SimulatedScan scan;
@@ -251,25 +340,11 @@ SimulatedScan Simulator::Impl::next()
   scan.wheels = std::exchange(wheels, {});
   sampleMotion();
 
-  SweepScene sweep;
-  sweep.static_scene = &world->scene;
-  sweep.moving_scene = &moving_scene;
-  sweep.bodies = &bodies;
-  sweep.T_map_lidar = scan.T_map_vehicle * T_vehicle_lidar;
-  sweep.T_map_lidar_next = scan.T_map_vehicle_next * T_vehicle_lidar;
-  sweep.start = model.period * static_cast<double>(index);
-  sweep.seed = combine(combine(options.trafficSeed(), 0x5CA7), index);
+  SweepScene sweep = sweepOf(scan, model, T_vehicle_lidar);
   sweep.on_car = options.noise && carrierOf(options) == EgoKind::car;
-  sweep.noise = options.noise;
-  sweep.motion_distortion = options.motion_distortion;
-  for (int c = 0; c < model.columns; ++c)
-  {
-    sweep.T_map_lidar_column.push_back(
-        options.motion_distortion ? vehicleAt(model.period * c / model.columns) * T_vehicle_lidar
-                                  : sweep.T_map_lidar);
-  }
   gatherBodies(sweep.T_map_lidar.translation());
-  const auto body_returns = castSweep(model, sweep, pool, scan);
+  auto body_returns = castSweep(model, sweep, pool, scan);
+  castFurther(sweep, scan, body_returns);
   describeObjects(sweep, body_returns, scan);
 
   // Advance to the next sweep.

@@ -56,6 +56,40 @@ TEST(Simulator, EqualSeedsGiveEqualBytesOnAnyNumberOfThreads)
   }
 }
 
+TEST(Simulator, FurtherSensorsSeeTheSameScene)
+{
+  SimulatorOptions options = small(WorldKind::urban, 0.6);
+  options.noise = false;
+  options.further_sensors = {{SensorKind::vlp16, poseFromYpr(-1, 0.5, 1, 2, 0, 0)},
+                             {SensorKind::vlp16, poseFromYpr(2, 0, 0.8, 0, 0.1, 0)}};
+  Simulator simulator(options, 2);
+  options.further_sensors.clear();
+  Simulator first_only(options, 2);
+  for (int n = 0; n < 3; ++n)
+  {
+    const SimulatedScan s = simulator.next();
+    const SimulatedScan first = first_only.next();
+    EXPECT_TRUE(sameBytes(s.scan.points, first.scan.points));
+    ASSERT_EQ(s.further.size(), 2U);
+    EXPECT_EQ(s.further[0].sensor_label, "VLP16");
+    EXPECT_EQ(s.further[1].sensor_label, "VLP16_2");
+    const std::size_t own = s.scan.size();
+    ASSERT_EQ(s.label.size(), own + s.further[0].size() + s.further[1].size());
+    ASSERT_EQ(s.flow.size(), s.label.size());
+    ASSERT_EQ(s.deskewed.size(), s.label.size());
+    // Static points have the flow of the first sensor's motion, whichever saw them.
+    const Eigen::Isometry3f T_next = (nextLidarPose(s).inverse() * lidarPose(s)).cast<float>();
+    std::size_t moving = 0;
+    for (std::size_t i = own; i < s.label.size(); ++i)
+    {
+      const Eigen::Vector3f expected = T_next * s.deskewed[i] - s.deskewed[i];
+      moving += s.moving[i];
+      EXPECT_TRUE(s.moving[i] != 0 || (s.flow[i] - expected).norm() < 2e-3F) << i;
+    }
+    EXPECT_GT(moving, 0U);
+  }
+}
+
 TEST(Simulator, TheSameWorldWithOtherTraffic)
 {
   SimulatorOptions options = small(WorldKind::urban, 0.6);

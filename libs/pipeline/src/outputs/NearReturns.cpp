@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "NearReturns.h"
 
+#include <dyslam/core/ScanParts.h>
 #include <dyslam/core/VoxelGrid.h>
 
 #include <algorithm>
@@ -95,14 +96,26 @@ bool hasVote(const Frame& frame, std::size_t cloud_point, Label label)
                                         : frame.reported_before[cloud_point]);
 }
 
-/** Votes of the cloud's points that are nearer than `reach` [m]. */
-VotesByCell votesOfCloud(const Frame& frame, const std::vector<Label>& labels, float reach)
+/** The points of one lidar in a frame. */
+struct LidarPoints
+{
+  const std::vector<Eigen::Vector3f>& points;  //!< of the scan, in the lidar's frame [m]
+  std::size_t first = 0;                       //!< position of these in the scan
+  std::size_t cloud_begin = 0;                 //!< its points in the cloud
+  std::size_t cloud_end = 0;
+};
+
+/** Votes of the lidar's points in the cloud that are nearer than `reach` [m]. */
+VotesByCell votesOfCloud(const Frame& frame,
+                         const LidarPoints& lidar,
+                         const std::vector<Label>& labels,
+                         float reach)
 {
   VotesByCell votes;
-  for (std::size_t i = 0; i < frame.cloud.size(); ++i)
+  for (std::size_t i = lidar.cloud_begin; i < lidar.cloud_end; ++i)
   {
     const std::uint32_t source = frame.cloud.source[i];
-    const Eigen::Vector3f& p = frame.scan.points[source];
+    const Eigen::Vector3f& p = lidar.points[source - lidar.first];
     if (p.squaredNorm() < reach * reach && hasVote(frame, i, labels[source]))
     {
       votes[voxelKey(voxelCell(p, 1 / cell_size))].add(labels[source], 1);
@@ -111,14 +124,15 @@ VotesByCell votesOfCloud(const Frame& frame, const std::vector<Label>& labels, f
   return votes;
 }
 
-/** The returns outside the cloud and nearer than all of it. */
-std::vector<std::uint32_t> nearReturns(const Frame& frame, float& nearest)
+/** The lidar's returns outside the cloud and nearer than all of its points there. */
+std::vector<std::uint32_t> nearReturns(const Frame& frame, const LidarPoints& lidar, float& nearest)
 {
-  const std::vector<Eigen::Vector3f>& points = frame.scan.points;
+  const std::vector<Eigen::Vector3f>& points = lidar.points;
   std::vector<bool> in_cloud(points.size(), false);
   float nearest2 = std::numeric_limits<float>::max();
-  for (const std::uint32_t i : frame.cloud.source)
+  for (std::size_t k = lidar.cloud_begin; k < lidar.cloud_end; ++k)
   {
+    const std::size_t i = frame.cloud.source[k] - lidar.first;
     in_cloud[i] = true;
     nearest2 = std::min(nearest2, points[i].squaredNorm());
   }
@@ -152,8 +166,10 @@ std::vector<NearCell> byCell(const std::vector<std::uint32_t>& returns,
   return cells;
 }
 
-/** Labels the cells that have a vote around them. \return the others */
+/** Labels the cells that have a vote around them. \param first of their points in the scan
+ * \return the others */
 std::vector<NearCell> labelNext(std::vector<NearCell> open,
+                                std::size_t first,
                                 VotesByCell& votes,
                                 std::vector<Label>& labels)
 {
@@ -176,10 +192,32 @@ std::vector<NearCell> labelNext(std::vector<NearCell> open,
     votes[voxelKey(cell.cell)].add(label, cell.points.size());
     for (const std::uint32_t i : cell.points)
     {
-      labels[i] = label;
+      labels[first + i] = label;
     }
   }
   return left;
+}
+
+void labelNearReturnsOf(const LidarPoints& lidar, const Frame& frame, std::vector<Label>& labels)
+{
+  if (lidar.cloud_begin == lidar.cloud_end)
+  {
+    return;
+  }
+  float nearest = 0;
+  const std::vector<std::uint32_t> near = nearReturns(frame, lidar, nearest);
+  if (near.empty())
+  {
+    return;
+  }
+  // As far as cells beside those of near returns reach.
+  VotesByCell votes = votesOfCloud(frame, lidar, labels, nearest + 4 * cell_size);
+  std::vector<NearCell> open = byCell(near, lidar.points);
+  for (std::size_t before = open.size() + 1; open.size() < before;)
+  {
+    before = open.size();
+    open = labelNext(std::move(open), lidar.first, votes, labels);
+  }
 }
 }  // namespace
 
@@ -189,19 +227,18 @@ void labelNearReturns(const Frame& frame, std::vector<Label>& labels)
   {
     return;
   }
-  float nearest = 0;
-  const std::vector<std::uint32_t> near = nearReturns(frame, nearest);
-  if (near.empty())
+  if (frame.scan.parts.empty())
   {
+    labelNearReturnsOf({frame.scan.points, 0, 0, frame.cloud.size()}, frame, labels);
     return;
   }
-  // As far as cells beside those of near returns reach.
-  VotesByCell votes = votesOfCloud(frame, labels, nearest + 4 * cell_size);
-  std::vector<NearCell> open = byCell(near, frame.scan.points);
-  for (std::size_t before = open.size() + 1; open.size() < before;)
+  const std::vector<LidarRange> in_cloud = lidarRanges(frame.scan, frame.cloud);
+  for (std::size_t i = 0; i < in_cloud.size(); ++i)
   {
-    before = open.size();
-    open = labelNext(std::move(open), votes, labels);
+    LidarRange range;
+    const Scan part = scanPart(frame.scan, i, range);
+    labelNearReturnsOf({part.points, range.begin, in_cloud[i].begin, in_cloud[i].end}, frame,
+                       labels);
   }
 }
 }  // namespace dyslam

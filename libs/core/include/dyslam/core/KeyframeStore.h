@@ -24,12 +24,13 @@ struct KeyframeCloud
   std::vector<Eigen::Vector3f> points;  //!< vehicle frame [m]
   std::vector<float> intensity;         //!< in [0, 1]
   std::vector<std::uint8_t> is_static;  //!< 1: static, 0: moving
+  std::vector<std::uint8_t> lidar;      //!< that measured the point: ScanPart::lidar, 0: the first
 
   [[nodiscard]] std::size_t size() const { return points.size(); }
 };
 
-/** A cloud in 6 bytes a point, and one more for the intensity and for `is_static` where it has
- * them. */
+/** A cloud in 6 bytes a point, and one more for each of the intensity, `is_static` and `lidar`
+ * where it has them. */
 class PackedCloud
 {
  public:
@@ -56,6 +57,7 @@ class PackedCloud
   std::vector<std::array<std::int16_t, 3>> points_;
   std::vector<std::uint8_t> intensity_;
   std::vector<std::uint8_t> is_static_;
+  std::vector<std::uint8_t> lidar_;
 };
 
 /** A keyframe without its points. */
@@ -68,10 +70,17 @@ struct Keyframe
    * and before restarts of the local map. Keyframes of one stretch have the same [m]. */
   double unseen_path = 0;
   Eigen::Vector3f sensor = Eigen::Vector3f::Zero();  //!< lidar's origin, vehicle frame [m]
+  std::vector<Eigen::Vector3f> further_sensors;      //!< of further lidars, from number 1 on [m]
   Pose T_map_vehicle = Pose::Identity();
+
+  /** Origin of a lidar, vehicle frame [m]. \param lidar ScanPart::lidar; 0: the first one. */
+  [[nodiscard]] const Eigen::Vector3f& sensorOf(std::size_t lidar) const
+  {
+    return lidar > 0 && lidar <= further_sensors.size() ? further_sensors[lidar - 1] : sensor;
+  }
 };
 
-/** Index, time, sensor and present pose of a frame, without its points. */
+/** Index, time, sensors and present pose of a frame, without its points. */
 [[nodiscard]] Keyframe keyframeOf(const Frame& frame);
 
 /** The keyframes of a run with their poses, in order of time; the number of a keyframe is its node

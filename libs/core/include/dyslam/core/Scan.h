@@ -10,11 +10,23 @@
 
 namespace dyslam
 {
+/** A scan of a further lidar of the vehicle, as part of a Scan. */
+struct ScanPart
+{
+  std::size_t begin = 0;  //!< its first point; it has those up to the next part's
+  std::size_t lidar = 1;  //!< number of the lidar, the same in all scans; 0 is the scan's own
+  double stamp = 0;       //!< of its own scan, after Scan::stamp [s]
+  Pose T_scan_lidar = Pose::Identity();  //!< takes points from its lidar's frame to the scan's
+};
+
 /** One revolution (or one shot) of a 3D LiDAR, exactly as recorded.
  *
  * Every point of the input is kept in its order, invalid ones (NaN, infinite, (0,0,0)) too, so that
  * per-point outputs can be matched to the recording. The arrays beside `points` are empty when the
  * recording lacks them, else as long as `points`.
+ *
+ * Of a vehicle with several lidars the points of the further ones follow those of the first, in its
+ * frame, as `parts`.
  */
 struct Scan
 {
@@ -22,9 +34,10 @@ struct Scan
   std::vector<Eigen::Vector3f> points;  //!< lidar frame [m]
   std::vector<float> intensity;         //!< reflectivity in [0, 1]
   std::vector<float> time;              //!< seconds after `stamp` (may be negative)
-  std::vector<std::uint16_t> ring;      //!< laser number, 0 = lowest
+  std::vector<std::uint16_t> ring;      //!< laser number, 0 = lowest; of further lidars others
   Pose T_vehicle_lidar = Pose::Identity();
   std::string sensor_label;
+  std::vector<ScanPart> parts;  //!< of further lidars, by first point; those before are its own
 
   [[nodiscard]] std::size_t size() const { return points.size(); }
 };

@@ -47,7 +47,7 @@ class ResidualSegmenter : public MovingSegmenter
   void exchangeState(StateArchive& archive) override;
 
  private:
-  /** Nearest range per direction of one earlier scan. */
+  /** Nearest range per direction of one lidar's earlier scan. */
   struct PastImage
   {
     Pose T_image_odom = Pose::Identity();  //!< the lidar's, with its z axis upwards
@@ -55,16 +55,26 @@ class ResidualSegmenter : public MovingSegmenter
     int lowest_row = 0;  //!< of the image: the one below the lowest that has returns
     int rows = 0;        //!< up to the one above the highest that has returns
   };
+  using PastScan = std::vector<PastImage>;  //!< by lidar
 
-  [[nodiscard]] PastImage project(const Frame& frame) const;
+  [[nodiscard]] PastImage project(const Eigen::Vector3f* points,
+                                  std::size_t count,
+                                  const Pose& T_odom_vehicle,
+                                  Pose T_vehicle_lidar) const;
+  [[nodiscard]] PastScan project(const Frame& frame) const;
   /** 2 seen through, -1 seen there, 0 hidden or unknown; point in the frame of the past image. */
   [[nodiscard]] int vote(const PastImage& past, const Eigen::Vector3f& point) const;
-  [[nodiscard]] std::vector<const PastImage*> comparedScans() const;
+  /** Votes of a scan: seen there if it is so for one of its lidars, else seen through. */
+  void addVotes(const PastScan& past,
+                const Frame& frame,
+                const std::vector<std::uint32_t>& candidates,
+                std::vector<std::int8_t>& votes);
+  [[nodiscard]] std::vector<const PastScan*> comparedScans() const;
 
   ResidualSegmenterOptions options_;
   ThreadPool& pool_;
   float row_height_;  //!< slope [m/m]
   int columns_;
-  std::deque<PastImage> past_;  //!< newest first
+  std::deque<PastScan> past_;  //!< newest first
 };
 }  // namespace dyslam

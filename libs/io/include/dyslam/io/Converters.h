@@ -97,6 +97,8 @@ struct ScanConverterOptions : Options, ScanRange
   std::string poses;  //!< TUM or KITTI file of the lidar, for folders
   std::string times;  //!< file of times [s] or KITTI time stamps for a folder, a line for each scan
   std::string topic;  //!< of a bag's scans; empty: the one with the most
+  /** Of a bag's further lidars, placed by `/tf_static` relative to the first. */
+  std::vector<std::string> further_topics;
   std::string truth_topic;  //!< of a bag's true poses of the vehicle; empty: none
   std::string truth_frame;  //!< child frame of truth_topic, where that has several
   PoseSource pose_source = PoseSource::unknown;  //!< of poses or truth_topic; unknown: given
@@ -126,4 +128,8 @@ ConversionResult convertScans(const std::string& input,
                               const std::string& output,
                               const ScanConverterOptions& options,
                               const ConversionProgress& progress = {});
+
+/** T_vehicle_sensor of "x y z yaw pitch roll" [m, deg], separated by spaces or commas; identity if
+ * empty. \param option for messages: "--sensor-pose". \throws UserError. */
+[[nodiscard]] Pose poseFromOption(const std::string& option, std::string text);
 }  // namespace dyslam

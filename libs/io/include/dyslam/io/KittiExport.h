@@ -13,6 +13,8 @@ struct KittiExportOptions : Options, ScanRange
   std::string sequence = "00";  //!< name of the sequence's folder
   std::string trajectory;       //!< TUM or KITTI poses of the vehicle; empty: the recording's truth
   std::string calib;            //!< KITTI's calibration; empty: camera axes at the lidar
+  std::string sensor_label;     //!< as RawlogSourceOptions
+  std::string further_lidars;   //!< as RawlogSourceOptions; not with `rings`
   bool no_scans = false;        //!< only times, calibration and poses
   bool rings = false;           //!< NNNNNN.ring beside the scans, a byte a point
 

@@ -17,6 +17,9 @@ namespace dyslam
 struct RawlogSourceOptions : Options, ScanRange
 {
   std::string sensor_label;  //!< regex for the lidar's label; empty: the first lidar of the file
+  /** Regex for the labels of further lidars, whose scans join those of the first that are nearest
+   * in time (Scan::parts); empty: none. */
+  std::string further_lidars;
   std::string ground_truth_label = "ground_truth";  //!< sensor label of the CObservationRobotPose
   /** Where no true pose has the scan's own time stamp, it is interpolated if the poses before and
    * after the scan are at most this far from it [s]. */
@@ -46,6 +49,9 @@ struct RawlogSourceOptions : Options, ScanRange
  *
  * The vehicle frame of scans, IMU and ground truth is the levelled one, by roll and pitch of the
  * options.
+ *
+ * Of a vehicle with several lidars each frame has the scan of the first and, if wanted, those of
+ * the others, placed by the sensor poses of the observations.
  *
  * CObservationIMU and CObservationOdometry are read beside the scans. Frame::imu and Frame::wheels
  * hold those recorded since the scan before, and older ones that follow that scan in the file.

@@ -26,6 +26,9 @@ struct RecordedScan
   std::vector<ImuSample> imu;
   std::vector<WheelSample> wheels;
   std::vector<GnssFix> gnss;
+
+  /** With clock_shift [s]. */
+  [[nodiscard]] double stamp() const;
 };
 
 /** Makes frames from the observations of a recording: chooses the lidar, drops scans with bad time
@@ -60,8 +63,10 @@ class ScanDecoder
   /** No later scan is to be used: it would be at or after the end of the options. */
   [[nodiscard]] bool isPastEnd() const;
 
-  /** Fills index, scan, imu and wheels of a frame. \throws UserError for damaged data. */
-  [[nodiscard]] Frame decode(const RecordedScan& scan);
+  /** Fills index, scan, imu and wheels of a frame. The scan gets those of further lidars that are
+   * nearer to it than to the one after, among the observations taken so far.
+   * \param next the one after, if it is known. \throws UserError for damaged data. */
+  [[nodiscard]] Frame decode(const RecordedScan& scan, const RecordedScan* next = nullptr);
 
   /** Ground truth among the observations taken so far (it may follow its scan), T_world_vehicle at
    * a scan. Requested times must not decrease.

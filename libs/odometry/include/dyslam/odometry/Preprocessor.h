@@ -12,6 +12,7 @@
 namespace dyslam
 {
 class OwnVehicle;
+struct LidarRange;
 
 enum class DeskewMode
 {
@@ -47,7 +48,7 @@ class Preprocessor
   Preprocessor(const PreprocessOptions& options, ThreadPool& pool);
 
   /** Valid returns within the range limits, in the vehicle frame at the frame's stamp, in the order
-   * of the scan, with Cloud::source.
+   * of the scan, with Cloud::source. Ranges are from the lidar that measured the point.
    *
    * The points are those of the pose at Scan::stamp (time 0), or at
    * PreprocessOptions::sweep_reference when deskewed by azimuth or order.
@@ -71,6 +72,22 @@ class Preprocessor
   [[nodiscard]] const PreprocessOptions& options() const { return options_; }
 
  private:
+  /** The motion to deskew with. */
+  struct Sweep
+  {
+    Pose T_previous_current;
+    double dt;        //!< [s]; 0: unknown
+    double duration;  //!< of one revolution [s]; 0: `dt`
+  };
+
+  void prepareOf(const Scan& part,
+                 const Scan& all,
+                 const LidarRange& range,
+                 double stamp,
+                 const Sweep& sweep,
+                 const OwnVehicle* own_vehicle,
+                 Cloud& cloud) const;
+
   PreprocessOptions options_;
   ThreadPool& pool_;
 };

@@ -23,14 +23,16 @@ struct SimulatedObject
   Eigen::Vector3d velocity =
       Eigen::Vector3d::Zero();  //!< over ground, axes of the lidar at the stamp [m/s]
   bool moving = false;          //!< faster than SimulatorOptions::moving_speed
-  std::size_t points = 0;       //!< returns on it in this scan
+  std::size_t points = 0;       //!< returns on it in this scan, of all sensors
 };
 
-/** A scan with the ground truth of each point. The arrays are as long as `scan.points`. */
+/** A scan with the ground truth of each point. The arrays are as long as `scan.points`; with
+ * further sensors those of their scans follow, in the first one's frame. */
 struct SimulatedScan
 {
   std::size_t index = 0;
-  Scan scan;  //!< raw: returns only, each in the lidar frame at its own time
+  Scan scan;                  //!< raw: returns only, each in the lidar frame at its own time
+  std::vector<Scan> further;  //!< likewise, of further sensors, each in its own frame
   /** The points in the lidar frame at the stamp, compensated for the sensor's motion only (not for
    * that of objects).
    */

@@ -2,10 +2,12 @@
 #pragma once
 
 #include <dyslam/core/Options.h>
+#include <dyslam/core/Pose.h>
 #include <dyslam/sim/Sensor.h>
 
 #include <cstdint>
 #include <string>
+#include <vector>
 
 namespace dyslam::sim
 {
@@ -25,6 +27,13 @@ enum class EgoKind
   car,
   robot,
   handheld
+};
+
+/** Another lidar of the ego. */
+struct FurtherSensor
+{
+  SensorKind sensor = SensorKind::vlp16;
+  Pose T_vehicle_lidar = Pose::Identity();
 };
 
 /** Simulation parameters. Equal options give equal bytes on any number of threads. */
@@ -47,6 +56,8 @@ struct SimulatorOptions : Options
 
   double mounting_roll = 0;   //!< of the lidar on the ego, about its x axis [rad]
   double mounting_pitch = 0;  //!< ... about the ego's y axis [rad]; above 0: it looks downwards
+
+  std::vector<FurtherSensor> further_sensors;  //!< with the first one's period and stamps
 
   bool motion_distortion = true;  //!< false: all points are measured at the stamp
   bool noise = true;              //!< false: exact ranges without losses

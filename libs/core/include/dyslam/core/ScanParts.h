@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Scans of a vehicle with several lidars.
+#pragma once
+
+#include <dyslam/core/Scan.h>
+
+#include <Eigen/Core>
+#include <cstddef>
+#include <vector>
+
+namespace dyslam
+{
+/** Adds the scan of a further lidar: its points in the scan's lidar frame, times from the scan's
+ * stamp, rings of their own. Times and rings are kept if both scans have them; where only one has
+ * intensities, those of the other are 0.
+ * \param lidar number of the further lidar, from 1 */
+void appendScan(const Scan& further, std::size_t lidar, Scan& scan);
+
+/** Number of the scan's parts, its own points included. */
+[[nodiscard]] inline std::size_t partCount(const Scan& scan)
+{
+  return scan.parts.size() + 1;
+}
+
+/** Points [begin, end) of a scan, or of the cloud made from it, that one lidar measured. */
+struct LidarRange
+{
+  std::size_t begin = 0;
+  std::size_t end = 0;
+  std::size_t lidar = 0;                             //!< ScanPart::lidar; 0: the scan's own
+  Eigen::Vector3f sensor = Eigen::Vector3f::Zero();  //!< the lidar's origin, vehicle frame [m]
+};
+
+/** Part `i` of a scan as its lidar measured it: points in that lidar's frame and its mounting;
+ * stamp and times are the whole scan's. Part 0 is the scan's own. \param range set to its points */
+[[nodiscard]] Scan scanPart(const Scan& scan, std::size_t i, LidarRange& range);
+
+/** The points of a cloud by lidar: one range for each part of its scan, some maybe empty. */
+[[nodiscard]] std::vector<LidarRange> lidarRanges(const Scan& scan, const Cloud& cloud);
+
+/** How many of a cloud's points, the first ones, the scan's own lidar measured. */
+[[nodiscard]] std::size_t ownPoints(const Scan& scan, const Cloud& cloud);
+}  // namespace dyslam

@@ -1,0 +1,118 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/core/KeyframeStore.h>
+#include <dyslam/core/ScanParts.h>
+#include <gtest/gtest.h>
+
+#include <limits>
+
+namespace dyslam
+{
+namespace
+{
+const Pose T_vehicle_front = poseFromYpr(1, 0, 1.7, 0.1, 0, 0);
+const Pose T_vehicle_rear = poseFromYpr(-2, 0.3, 0.6, M_PI, 0.05, 0);
+
+Scan scanOf(double stamp, const Pose& mounting, std::size_t points)
+{
+  Scan scan;
+  scan.stamp = stamp;
+  scan.T_vehicle_lidar = mounting;
+  for (std::size_t i = 0; i < points; ++i)
+  {
+    scan.points.emplace_back(1.0F + static_cast<float>(i), 2, -1);
+    scan.intensity.push_back(0.1F * static_cast<float>(i));
+    scan.time.push_back(0.01F * static_cast<float>(i));
+    scan.ring.push_back(static_cast<std::uint16_t>(i));
+  }
+  return scan;
+}
+
+TEST(ScanParts, FurtherScansAreInTheFirstOnesFrameAndTime)
+{
+  Scan scan = scanOf(100, T_vehicle_front, 3);
+  const Scan rear = scanOf(100.02, T_vehicle_rear, 2);
+  appendScan(rear, 1, scan);
+  ASSERT_EQ(scan.size(), 5U);
+  ASSERT_EQ(scan.parts.size(), 1U);
+  EXPECT_EQ(scan.parts[0].begin, 3U);
+  EXPECT_NEAR(scan.parts[0].stamp, 0.02, 1e-9);
+  const Eigen::Vector3d in_vehicle = T_vehicle_rear * rear.points[1].cast<double>();
+  EXPECT_TRUE((T_vehicle_front * scan.points[4].cast<double>()).isApprox(in_vehicle, 1e-5));
+  EXPECT_NEAR(scan.time[4], 0.03F, 1e-6F);
+  EXPECT_EQ(scan.intensity[4], rear.intensity[1]);
+  EXPECT_NE(scan.ring[4], scan.ring[1]);
+}
+
+TEST(ScanParts, EachPartIsAsItsLidarMeasuredIt)
+{
+  Scan scan = scanOf(100, T_vehicle_front, 3);
+  Scan rear = scanOf(100, T_vehicle_rear, 4);
+  rear.points[1].setZero();
+  rear.points[2].setConstant(std::numeric_limits<float>::quiet_NaN());
+  appendScan(rear, 1, scan);
+  appendScan(scanOf(100.1, T_vehicle_rear, 1), 1, scan);
+  ASSERT_EQ(partCount(scan), 3U);
+  LidarRange range;
+  const Scan part = scanPart(scan, 1, range);
+  EXPECT_EQ(range.begin, 3U);
+  EXPECT_EQ(range.end, 7U);
+  EXPECT_EQ(range.lidar, 1U);
+  EXPECT_TRUE(range.sensor.isApprox(T_vehicle_rear.translation().cast<float>(), 1e-5F));
+  EXPECT_TRUE(part.T_vehicle_lidar.isApprox(T_vehicle_rear, 1e-9));
+  ASSERT_EQ(part.size(), 4U);
+  EXPECT_TRUE(part.points[3].isApprox(rear.points[3], 1e-5F));
+  EXPECT_TRUE(part.points[1].isZero(0)) << "no return stays none";
+  EXPECT_FALSE(part.points[2].allFinite());
+  EXPECT_EQ(part.time, rear.time);
+  const Scan own = scanPart(scan, 0, range);
+  EXPECT_EQ(own.size(), 3U);
+  EXPECT_EQ(range.lidar, 0U);
+}
+
+TEST(ScanParts, TimesAndRingsNeedBothScans)
+{
+  Scan scan = scanOf(100, T_vehicle_front, 2);
+  Scan bare = scanOf(100, T_vehicle_rear, 2);
+  bare.time.clear();
+  bare.ring.clear();
+  bare.intensity.clear();
+  appendScan(bare, 1, scan);
+  EXPECT_TRUE(scan.time.empty());
+  EXPECT_TRUE(scan.ring.empty());
+  EXPECT_EQ(scan.intensity, (std::vector<float>{0, 0.1F, 0, 0}));
+}
+
+TEST(ScanParts, ACloudIsDividedByTheSourcesOfItsPoints)
+{
+  Scan scan = scanOf(100, T_vehicle_front, 3);
+  appendScan(scanOf(100, T_vehicle_rear, 3), 1, scan);
+  appendScan(scanOf(100, T_vehicle_front, 2), 2, scan);
+  Cloud cloud;
+  cloud.source = {0, 2, 6};
+  cloud.points.resize(3);
+  const std::vector<LidarRange> ranges = lidarRanges(scan, cloud);
+  ASSERT_EQ(ranges.size(), 3U);
+  EXPECT_EQ(ranges[0].end, 2U);
+  EXPECT_EQ(ranges[1].begin, ranges[1].end);
+  EXPECT_EQ(ranges[2].begin, 2U);
+  EXPECT_EQ(ranges[2].end, 3U);
+  EXPECT_EQ(ranges[2].lidar, 2U);
+  EXPECT_EQ(ownPoints(scan, cloud), 2U);
+  Cloud without_sources;
+  without_sources.points.resize(4);
+  EXPECT_EQ(ownPoints(Scan(), without_sources), 4U);
+}
+
+TEST(ScanParts, AKeyframeKnowsTheOriginsOfAllLidars)
+{
+  Frame frame;
+  frame.scan = scanOf(100, T_vehicle_front, 3);
+  appendScan(scanOf(100, T_vehicle_rear, 3), 2, frame.scan);
+  const Keyframe keyframe = keyframeOf(frame);
+  EXPECT_TRUE(keyframe.sensorOf(0).isApprox(T_vehicle_front.translation().cast<float>(), 1e-5F));
+  EXPECT_EQ(keyframe.sensorOf(1), keyframe.sensor) << "not in this scan";
+  EXPECT_TRUE(keyframe.sensorOf(2).isApprox(T_vehicle_rear.translation().cast<float>(), 1e-5F));
+  EXPECT_EQ(keyframe.sensorOf(3), keyframe.sensor);
+}
+}  // namespace
+}  // namespace dyslam

@@ -1,0 +1,85 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "ScanVisibility.h"
+
+#include <dyslam/core/StateArchive.h>
+
+#include <algorithm>
+
+namespace dyslam
+{
+namespace
+{
+/** The evidence of several lidars that is taken: the one that comes last. */
+int rankOf(Evidence evidence)
+{
+  switch (evidence)
+  {
+    case Evidence::none:
+      return 0;
+    case Evidence::occluded:
+      return 1;
+    case Evidence::passed_by:
+      return 2;
+    case Evidence::enclosed:
+      return 3;
+    case Evidence::free:
+      return 4;
+    case Evidence::occupied:
+      return 5;
+  }
+  return 0;
+}
+
+Evidence joined(Evidence a, Evidence b)
+{
+  return rankOf(a) < rankOf(b) ? b : a;
+}
+}  // namespace
+
+ScanVisibility::ScanVisibility(const Scan& scan, const Cloud& cloud)
+{
+  for (const LidarRange& lidar : lidarRanges(scan, cloud))
+  {
+    lidars_.emplace_back(cloud, lidar);
+  }
+}
+
+void ScanVisibility::evaluate(const Eigen::Vector3f* places,
+                              std::size_t count,
+                              const Eigen::Isometry3f& T_vehicle_places,
+                              float size,
+                              float margin,
+                              Evidence* evidence) const
+{
+  if (lidars_.empty())
+  {
+    std::fill_n(evidence, count, Evidence::none);
+    return;
+  }
+  lidars_.front().evaluate(places, count, T_vehicle_places, size, margin, evidence);
+  std::vector<Evidence> further(lidars_.size() > 1 ? count : 0);
+  for (std::size_t k = 1; k < lidars_.size(); ++k)
+  {
+    lidars_[k].evaluate(places, count, T_vehicle_places, size, margin, further.data());
+    for (std::size_t i = 0; i < count; ++i)
+    {
+      evidence[i] = joined(evidence[i], further[i]);
+    }
+  }
+}
+
+bool ScanVisibility::observesFree(const Eigen::Vector3f& p, float size, float margin) const
+{
+  Evidence seen = Evidence::none;
+  for (const VisibilityImage& lidar : lidars_)
+  {
+    seen = joined(seen, lidar.at(p, size, margin));
+  }
+  return seen == Evidence::free || seen == Evidence::passed_by;
+}
+
+void ScanVisibility::exchangeState(StateArchive& archive)
+{
+  archive(lidars_);
+}
+}  // namespace dyslam
