@@ -66,12 +66,13 @@ function(dyslam_may_load_networks target networks)
 endfunction()
 
 # dyslam_add_app(NAME <app-name> LIBRARIES <targets> [SOURCES <files in apps/<app-name>>] [NETWORKS])
-# Builds apps/<app-name>/main.cpp and the other sources given. NETWORKS: it may ask for a network.
+# Builds apps/<app-name>/main.cpp and the other sources given, with apps/common's dyslam_appcommon. NETWORKS:
+# it may ask for a network.
 function(dyslam_add_app)
   cmake_parse_arguments(ARG "NETWORKS" "NAME;HEADERS" "LIBRARIES;SOURCES" ${ARGN})
   list(TRANSFORM ARG_SOURCES PREPEND ${ARG_NAME}/)
   add_executable(${ARG_NAME} ${ARG_NAME}/main.cpp ${ARG_SOURCES})
-  target_link_libraries(${ARG_NAME} PRIVATE ${ARG_LIBRARIES})
+  target_link_libraries(${ARG_NAME} PRIVATE dyslam_appcommon ${ARG_LIBRARIES})
   dyslam_set_warnings(${ARG_NAME})
   dyslam_use_headers_or(${ARG_NAME} "${ARG_HEADERS}" apps QUICK)
   dyslam_may_load_networks(${ARG_NAME} ${ARG_NETWORKS})

@@ -1,12 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <unistd.h>
-
-#include <algorithm>
 #include <chrono>
 #include <cstddef>
-#include <cstdio>
 #include <string>
 
 namespace dyslam
@@ -17,81 +13,21 @@ class Progress
 {
  public:
   /** \param unit what is counted, in the plural with an s. \param quiet prints nothing. */
-  explicit Progress(std::string what, std::string unit = "scans", bool quiet = false)
-      : what_(std::move(what)), unit_(std::move(unit)), quiet_(quiet), terminal_(isatty(2) == 1)
-  {
-  }
-  ~Progress()
-  {
-    if (!quiet_ && terminal_ && shown_)
-    {
-      std::fputc('\n', stderr);
-    }
-  }
+  explicit Progress(std::string what, std::string unit = "scans", bool quiet = false);
+  ~Progress();
   Progress(const Progress&) = delete;
   Progress& operator=(const Progress&) = delete;
 
   /** \param fraction of the work done, 0 to 1; below 0 if unknown. \param count units done. */
-  void update(double fraction, std::size_t count)
-  {
-    const auto now = Clock::now();
-    const double since = std::chrono::duration<double>(now - last_).count();
-    if (quiet_ || since < (terminal_ ? 0.1 : 5.0))
-    {
-      return;
-    }
-    last_ = now;
-    show(std::min(fraction, 0.99), count);  // finish() says 100%
-  }
+  void update(double fraction, std::size_t count);
 
   /** Everything is done: prints the last line. */
-  void finish(std::size_t count)
-  {
-    if (!quiet_)
-    {
-      show(1, count);
-    }
-  }
+  void finish(std::size_t count);
 
  private:
   using Clock = std::chrono::steady_clock;
 
-  void show(double fraction, std::size_t count)
-  {
-    const double seconds = std::chrono::duration<double>(Clock::now() - start_).count();
-    const double rate = seconds > 0 ? static_cast<double>(count) / seconds : 0;
-    const std::string unit = count == 1 ? unit_.substr(0, unit_.size() - 1) : unit_;
-    char text[160];
-    if (fraction >= 1)
-    {
-      std::snprintf(text, sizeof text, "100%% %zu %s in %.1f s, %.1f/s", count, unit.c_str(),
-                    seconds, rate);
-    }
-    else if (fraction > 0)
-    {
-      const long left = static_cast<long>(seconds * (1 - fraction) / fraction + 0.5);
-      std::snprintf(text, sizeof text, "%3.0f%% %zu %s, %.1f/s, %ld:%02ld left", 100 * fraction,
-                    count, unit.c_str(), rate, left / 60, left % 60);
-    }
-    else
-    {
-      std::snprintf(text, sizeof text, "%zu %s, %.1f/s", count, unit.c_str(), rate);
-    }
-    if (!terminal_)
-    {
-      std::fprintf(stderr, "%s: %s\n", what_.c_str(), text);
-      return;
-    }
-    constexpr int width = 24;
-    std::string bar(width, '.');
-    for (int i = 0; i < width && i < fraction * width; ++i)
-    {
-      bar[static_cast<std::size_t>(i)] = '#';
-    }
-    std::fprintf(stderr, "\r\033[K%s [%s] %s", what_.c_str(), bar.c_str(), text);
-    std::fflush(stderr);
-    shown_ = true;
-  }
+  void show(double fraction, std::size_t count);
 
   std::string what_;
   std::string unit_;

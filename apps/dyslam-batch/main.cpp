@@ -3,6 +3,7 @@
 #include <dyslam/batch/Summary.h>
 #include <dyslam/core/Error.h>
 #include <dyslam/core/Files.h>
+#include <dyslam/core/Printable.h>
 #include <dyslam/core/Shard.h>
 #include <unistd.h>
 

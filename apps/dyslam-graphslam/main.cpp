@@ -3,6 +3,8 @@
 #include <dyslam/graphslam/GraphSlamPlugins.h>
 #include <dyslam/graphslam/GraphSlamRun.h>
 
+#include "../common/AppMain.h"
+#include "../common/OutputOptions.h"
 #include "../common/SlamProgram.h"
 #include "GraphOptimization.h"
 

@@ -9,7 +9,7 @@
 #include <dyslam/formats/ScanFiles.h>
 #include <dyslam/mapbuilder/RunFolder.h>
 #include <dyslam/pipeline/GivenSettings.h>
-#include <dyslam/pipeline/SensorSettings.h>
+#include <dyslam/pipeline/RunSettings.h>
 #include <dyslam/pipeline/SlamRun.h>
 
 #include <CLI/CLI.hpp>
@@ -86,11 +86,9 @@ Config baseSettings(const Arguments& a, std::vector<std::string>& messages)
     messages.push_back("settings: " + of_run);
     return given.ini;
   }
-  RawlogSourceOptions input;
-  load(input, given.ini, "input");
-  const RecordedSensor sensor = recogniseSensor(a.recording.rawlog, input);
-  ChosenSettings chosen = settingsFor(sensor, given);
-  messages.push_back(sensor.summary() + "; settings: " + chosen.source);
+  RecordingSettings settings = settingsForRecording(a.recording.rawlog, given);
+  ChosenSettings& chosen = settings.chosen;
+  messages.push_back(settings.sensor.summary() + "; settings: " + chosen.source);
   if (!chosen.levelling_note.empty())
   {
     messages.push_back("note: " + chosen.levelling_note);

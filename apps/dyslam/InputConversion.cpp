@@ -16,8 +16,8 @@
 #include <sstream>
 #include <string>
 
+#include "../common/Checks.h"
 #include "../common/ConversionReport.h"
-#include "../common/SlamProgram.h"
 
 namespace dyslam
 {

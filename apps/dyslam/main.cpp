@@ -2,6 +2,8 @@
 #include <dyslam/core/Heap.h>
 #include <dyslam/pipeline/SlamRun.h>
 
+#include "../common/AppMain.h"
+#include "../common/OutputOptions.h"
 #include "../common/SlamProgram.h"
 #include "InputConversion.h"
 

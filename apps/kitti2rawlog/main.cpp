@@ -6,8 +6,10 @@
 #include <string>
 
 #include "../common/AppMain.h"
+#include "../common/Checks.h"
 #include "../common/ConversionFlags.h"
 #include "../common/ConversionReport.h"
+#include "../common/OutputOptions.h"
 
 namespace
 {

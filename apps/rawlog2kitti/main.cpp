@@ -6,6 +6,7 @@
 #include "../common/AppMain.h"
 #include "../common/ConversionFlags.h"
 #include "../common/ConversionReport.h"
+#include "../common/OutputOptions.h"
 
 namespace
 {

@@ -1,0 +1,159 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "AppMain.h"
+
+#include <dyslam/core/Error.h>
+#include <dyslam/core/Printable.h>
+#include <dyslam/core/Version.h>
+
+#include <exception>
+#include <iostream>
+#include <new>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include "OutputOptions.h"
+
+namespace dyslam
+{
+namespace
+{
+/** First line of an error text that says something. MRPT's exceptions open with lines such as
+ * "==== MRPT exception ====" and have the message behind a label. */
+std::string firstMeaningfulLine(const std::string& text)
+{
+  std::istringstream lines(text);
+  std::string first;
+  for (std::string line; std::getline(lines, line);)
+  {
+    const auto begin = line.find_first_not_of(" \t=\r");
+    if (begin == std::string::npos || line.find("MRPT exception") != std::string::npos)
+    {
+      continue;
+    }
+    for (const std::string label : {"Message:", "message:", "Msg:"})
+    {
+      const auto at = line.find(label);
+      if (at != std::string::npos)
+      {
+        const auto message = line.find_first_not_of(" \t", at + label.size());
+        return message == std::string::npos ? line.substr(begin) : line.substr(message);
+      }
+    }
+    if (first.empty())
+    {
+      first = line.substr(begin, line.find_last_not_of(" \t\r") - begin + 1);
+    }
+  }
+  return first.empty() ? "unknown error" : first;
+}
+
+/** Error message for a word that is none of the parser's subcommands. */
+std::string unknownCommand(const CLI::App& app, const std::string& word)
+{
+  std::vector<std::string> known;
+  std::string all;
+  for (const CLI::App* command : app.get_subcommands([](const CLI::App*) { return true; }))
+  {
+    known.push_back(command->get_name());
+    all += (all.empty() ? "" : ", ") + command->get_name();
+  }
+  const std::string nearest = nearestWord(word, known);
+  return word + ": unknown command" +
+         (nearest.empty() ? "; it is none of " + all : "; did you mean " + nearest + "?");
+}
+
+/** Error message for an option that the program or its subcommand does not have. */
+std::string unknownOption(const CLI::App& app, const std::string& word)
+{
+  const auto chosen = app.get_subcommands();
+  const CLI::App& command = chosen.empty() ? app : *chosen.front();
+  std::vector<std::string> known;
+  for (const CLI::Option* option : command.get_options())
+  {
+    if (option->get_name() != "--help" && option->get_name() != "--version")
+    {
+      known.push_back(option->get_name());
+    }
+  }
+  const std::string nearest = nearestWord(word, known);
+  return word + ": unknown option" + (nearest.empty() ? "" : "; did you mean " + nearest + "?");
+}
+
+/** What the user did wrong, where the parser failed with `error`. */
+std::string parseErrorMessage(const CLI::App& app, const CLI::ParseError& error)
+{
+  // CLI11 names a missing option first, even if it is missing because of a mistyped one.
+  for (const std::string& word : app.remaining(true))
+  {
+    if (word.size() > 1 && word[0] == '-')
+    {
+      return unknownOption(app, word);
+    }
+  }
+  const auto rest = app.remaining();
+  if (!rest.empty() && app.get_require_subcommand_min() > 0 && app.get_subcommands().empty())
+  {
+    return unknownCommand(app, rest.front());
+  }
+  if (!rest.empty() && app.get_option_no_throw("--input") != nullptr)
+  {
+    return rest.front() + ": not expected; the recording is given with --input";
+  }
+  return firstMeaningfulLine(error.what());
+}
+}  // namespace
+
+int runApp(int argc,
+           char** argv,
+           const std::function<void(CLI::App&)>& declare,
+           const std::function<void()>& run)
+{
+  std::string name = argc > 0 ? argv[0] : "dyslam";
+  name = name.substr(name.find_last_of('/') + 1);
+  const auto fail = [&name](const std::string& message)
+  {
+    std::cout.flush();
+    std::cerr << name << ": " << printable(message) << std::endl;
+    return 1;
+  };
+  CLI::App app;
+  app.name(name);
+  app.set_version_flag("--version", std::string(DYSLAM_VERSION));
+  try
+  {
+    declare(app);
+    app.parse(argc, argv);
+    requireOutputsApart(app);
+    run();
+    std::cout.flush();
+    return std::cout.good() ? 0 : fail("cannot write to standard output");
+  }
+  catch (const CLI::ParseError& error)
+  {
+    if (error.get_exit_code() == 0)
+    {
+      app.exit(error);
+      return 0;
+    }
+    return fail(parseErrorMessage(app, error) + " (see " + name + " --help)");
+  }
+  catch (const UnusableResult& result)
+  {
+    fail(result.what());
+    return 2;
+  }
+  catch (const std::bad_alloc&)
+  {
+    return fail("out of memory");
+  }
+  catch (const std::exception& error)
+  {
+    return fail(firstMeaningfulLine(error.what()));
+  }
+  catch (...)
+  {
+    return fail("unknown error");
+  }
+}
+}  // namespace dyslam

@@ -1,0 +1,80 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "Checks.h"
+
+#include <dyslam/core/Error.h>
+#include <dyslam/formats/GroundTruth.h>
+#include <dyslam/formats/RecordingKind.h>
+#include <unistd.h>
+
+#include <cmath>
+#include <filesystem>
+
+namespace dyslam
+{
+CLI::Validator numberThatIs(const std::string& name,
+                            const std::string& wanted,
+                            bool (*good)(double))
+{
+  return {[wanted, good](std::string& text) -> std::string
+          {
+            double value = 0;
+            const bool fits =
+                CLI::detail::lexical_cast(text, value) && std::isfinite(value) && good(value);
+            return fits ? "" : "'" + text + "' is not a number " + wanted;
+          },
+          name};
+}
+
+CLI::Validator notNegative()
+{
+  return numberThatIs("NONNEGATIVE", "of 0 or more", [](double v) { return v >= 0; });
+}
+
+CLI::Validator positive()
+{
+  return numberThatIs("POSITIVE", "above 0", [](double v) { return v > 0; });
+}
+
+void requireWritable(const std::string& file)
+{
+  const auto folder = std::filesystem::path(file).parent_path();
+  if (std::filesystem::is_directory(file))
+  {
+    throw UserError(file + ": is a folder; name the file to write");
+  }
+  std::error_code ignored;
+  if (std::filesystem::exists(folder.empty() ? "." : folder, ignored) &&
+      ::access(folder.empty() ? "." : folder.c_str(), W_OK) != 0)
+  {
+    throw UserError(file + ": the folder may not be written to; choose another");
+  }
+}
+
+void requireNewRecording(const std::string& rawlog, bool force)
+{
+  const std::filesystem::path path(rawlog);
+  if (path.extension() != ".rawlog")
+  {
+    throw UserError(rawlog + ": name the recording to write *.rawlog (--output)");
+  }
+  requireWritable(rawlog);
+  const std::string truth = groundTruthFolder(rawlog);
+  for (const std::string& earlier : {rawlog, truth})
+  {
+    if (!force && std::filesystem::exists(earlier))
+    {
+      throw UserError(earlier + ": is there already; choose another --output, or replace " +
+                      path.filename().string() + " and its ground truth with --force");
+    }
+  }
+}
+
+void requireConverted(const std::string& input)
+{
+  const std::string advice = conversionAdvice(input);
+  if (!advice.empty())
+  {
+    throw UserError(input + ": " + advice);
+  }
+}
+}  // namespace dyslam

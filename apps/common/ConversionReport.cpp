@@ -1,0 +1,73 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "ConversionReport.h"
+
+#include <dyslam/core/Error.h>
+#include <dyslam/core/Printable.h>
+
+#include <cstddef>
+#include <iostream>
+
+#include "Checks.h"
+#include "Progress.h"
+#include "StopSignals.h"
+
+namespace dyslam
+{
+void report(const ConversionResult& result, const std::string& output, bool are_true)
+{
+  for (const std::string& note : result.notes)
+  {
+    std::cerr << printable(note) << '\n';
+  }
+  for (const std::string& warning : result.warnings)
+  {
+    std::cerr << "warning: " << printable(warning) << '\n';
+  }
+  std::cout << output << ": " << counted(result.scans, "scan") << ", " << result.points
+            << " points";
+  if (result.poses + result.label_files + result.boxes > 0)
+  {
+    std::cout << "; "
+              << (are_true
+                      ? "truth" +
+                            (result.ground_truth.empty() ? "" : " in " + result.ground_truth) + ": "
+                      : "")
+              << counted(result.poses, "pose")
+              << (result.pose_source.empty() ? "" : " (from " + result.pose_source + ")") << ", "
+              << result.label_files << " label files, " << result.boxes << " boxes";
+  }
+  std::cout << '\n';
+}
+
+ConversionResult convertWithProgress(
+    const std::string& program,
+    const std::string& output,
+    bool quiet,
+    const std::function<ConversionResult(const ConversionProgress&)>& convert)
+{
+  stopOnSignals();
+  Progress progress(program, "scans", quiet);
+  ConversionResult result = convert(
+      [&progress, &output](double fraction, std::size_t scans)
+      {
+        progress.update(fraction, scans);
+        if (stop_asked)
+        {
+          throw UserError("stopped after " + std::to_string(scans) + " scans; " + output +
+                          " was not written");
+        }
+      });
+  progress.finish(result.scans);
+  return result;
+}
+
+void runConversion(const std::string& program,
+                   const std::string& output,
+                   bool force,
+                   bool quiet,
+                   const std::function<ConversionResult(const ConversionProgress&)>& convert)
+{
+  requireNewRecording(output, force);
+  report(convertWithProgress(program, output, quiet, convert), output);
+}
+}  // namespace dyslam

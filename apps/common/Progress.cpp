@@ -1,0 +1,81 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "Progress.h"
+
+#include <unistd.h>
+
+#include <algorithm>
+#include <cstdio>
+#include <utility>
+
+namespace dyslam
+{
+Progress::Progress(std::string what, std::string unit, bool quiet)
+    : what_(std::move(what)), unit_(std::move(unit)), quiet_(quiet), terminal_(isatty(2) == 1)
+{
+}
+
+Progress::~Progress()
+{
+  if (!quiet_ && terminal_ && shown_)
+  {
+    std::fputc('\n', stderr);
+  }
+}
+
+void Progress::update(double fraction, std::size_t count)
+{
+  const auto now = Clock::now();
+  const double since = std::chrono::duration<double>(now - last_).count();
+  if (quiet_ || since < (terminal_ ? 0.1 : 5.0))
+  {
+    return;
+  }
+  last_ = now;
+  show(std::min(fraction, 0.99), count);  // finish() says 100%
+}
+
+void Progress::finish(std::size_t count)
+{
+  if (!quiet_)
+  {
+    show(1, count);
+  }
+}
+
+void Progress::show(double fraction, std::size_t count)
+{
+  const double seconds = std::chrono::duration<double>(Clock::now() - start_).count();
+  const double rate = seconds > 0 ? static_cast<double>(count) / seconds : 0;
+  const std::string unit = count == 1 ? unit_.substr(0, unit_.size() - 1) : unit_;
+  char text[160];
+  if (fraction >= 1)
+  {
+    std::snprintf(text, sizeof text, "100%% %zu %s in %.1f s, %.1f/s", count, unit.c_str(), seconds,
+                  rate);
+  }
+  else if (fraction > 0)
+  {
+    const long left = static_cast<long>(seconds * (1 - fraction) / fraction + 0.5);
+    std::snprintf(text, sizeof text, "%3.0f%% %zu %s, %.1f/s, %ld:%02ld left", 100 * fraction,
+                  count, unit.c_str(), rate, left / 60, left % 60);
+  }
+  else
+  {
+    std::snprintf(text, sizeof text, "%zu %s, %.1f/s", count, unit.c_str(), rate);
+  }
+  if (!terminal_)
+  {
+    std::fprintf(stderr, "%s: %s\n", what_.c_str(), text);
+    return;
+  }
+  constexpr int width = 24;
+  std::string bar(width, '.');
+  for (int i = 0; i < width && i < fraction * width; ++i)
+  {
+    bar[static_cast<std::size_t>(i)] = '#';
+  }
+  std::fprintf(stderr, "\r\033[K%s [%s] %s", what_.c_str(), bar.c_str(), text);
+  std::fflush(stderr);
+  shown_ = true;
+}
+}  // namespace dyslam

@@ -1,0 +1,73 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "SlamArguments.h"
+
+#include <dyslam/core/Error.h>
+
+#include "Checks.h"
+#include "OutputOptions.h"
+
+namespace dyslam
+{
+void declareSlamArguments(CLI::App& app, SlamArguments& a)
+{
+  app.add_option("-c,--config", a.config,
+                 "ini file, or the name of a shipped one (default: the shipped one that fits the "
+                 "recording's sensor)");
+  app.add_option("--set", a.assignments, "one setting, overrides the ini; repeatable")
+      ->type_name("SECTION.KEY=VALUE")
+      ->take_all()
+      ->allow_extra_args(false);
+  app.add_flag("--force", a.settings.force, "also replace files in --output that no run wrote");
+  app.add_flag("--labels", a.settings.labels,
+               "write labels/NNNNNN.label, moving and static points");
+  app.add_flag("--probabilities", a.settings.probabilities,
+               "write probabilities/NNNNNN.bin, the moving probability of each point (float32)");
+  app.add_flag("--static-scans", a.settings.static_scans,
+               "write the scans without moving points: static_scans/NNNNNN.bin and a rawlog");
+  app.add_option("--skip-first-n", a.skip_first_n, "scans to skip")->check(notNegative());
+  app.add_option("--only-first-n", a.only_first_n, "scans to process after those; 0: all")
+      ->check(notNegative());
+  app.add_option("--start", a.start, "process scans from this time on [s since the first scan]")
+      ->check(notNegative());
+  app.add_option("--end", a.end, "process scans before this time [s since the first scan]")
+      ->check(positive());
+  app.add_option(
+         "--passes", a.passes,
+         "2: process the recording twice, with segmentation and odometry of the second pass "
+         "without the points that the first one labelled moving (dense traffic); --resume goes on "
+         "with the second pass, a run stopped or killed in the first one starts anew")
+      ->check(CLI::IsMember({1, 2}))
+      ->capture_default_str();
+  addOutputFile(app, "--profile", a.settings.profile_csv, "CSV file for the times of every stage");
+  app.add_flag_callback(
+      "-q,--quiet", [&a] { a.verbosity = "ERROR"; }, "print errors only, as --verbosity ERROR");
+  app.add_option("-v,--verbosity", a.verbosity, "what is printed")
+      ->check(CLI::IsMember({"ERROR", "INFO"}))
+      ->capture_default_str();
+}
+
+std::vector<std::string> assignmentsOf(const SlamArguments& a)
+{
+  std::vector<std::string> assignments = a.assignments;
+  const auto add = [&assignments](const std::string& key, const auto& value)
+  {
+    if (value)
+    {
+      assignments.push_back(key + "=" + std::to_string(*value));
+    }
+  };
+  add("input.skip_first_n", a.skip_first_n);
+  add("input.only_first_n", a.only_first_n);
+  add("input.start", a.start);
+  add("input.end", a.end);
+  return assignments;
+}
+
+void requireGiven(const std::string& rawlog)
+{
+  if (rawlog.empty())
+  {
+    throw UserError("--input is required; see --help");
+  }
+}
+}  // namespace dyslam

@@ -1,0 +1,220 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "SlamProgram.h"
+
+#include <dyslam/core/Printable.h>
+#include <dyslam/pipeline/TwoPassRun.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cstdio>
+#include <filesystem>
+#include <vector>
+
+#include "AppMain.h"
+#include "Checks.h"
+#include "Progress.h"
+#include "StopSignals.h"
+
+namespace dyslam
+{
+namespace
+{
+/** What is said about a pass at its first scan: sensor and settings, once. */
+std::vector<std::string> messagesAbout(const std::string& program,
+                                       Pass pass,
+                                       const RunSettings* chosen,
+                                       const std::string& output)
+{
+  std::vector<std::string> messages;
+  if (chosen == nullptr || pass == Pass::second)
+  {
+    return messages;
+  }
+  messages.push_back(program + ": " + chosen->sensor.summary() +
+                     "; settings: " + chosen->chosen.source);
+  if (!chosen->missing_times.empty())
+  {
+    messages.push_back("note: " + chosen->missing_times);
+  }
+  if (!chosen->chosen.levelling_note.empty())
+  {
+    messages.push_back("note: " + chosen->chosen.levelling_note +
+                       " (input.level=false keeps the recording's frame)");
+  }
+  for (const std::string& warning : chosen->chosen.warnings)
+  {
+    messages.push_back("warning: " + warning);
+  }
+  if (!chosen->start_speed.empty())
+  {
+    messages.push_back(program + ": the recording begins at about " + chosen->start_speed +
+                       " m/s, estimated from the scans that follow (odometry.start_speed)");
+  }
+  if (pass == Pass::only && std::filesystem::exists(output + "/report.json"))
+  {
+    messages.push_back(program + ": replaces the earlier run in " + output);
+  }
+  return messages;
+}
+
+/** Prints lines on stderr, once. */
+void printOnce(std::vector<std::string>& lines, bool quiet)
+{
+  for (const std::string& line : lines)
+  {
+    if (!quiet)
+    {
+      std::fprintf(stderr, "%s\n", printable(line).c_str());
+    }
+  }
+  lines.clear();
+}
+
+/** Prints the warnings of a run, but for those that were printed during the run. */
+void printWarnings(const std::vector<std::string>& warnings,
+                   const std::vector<std::string>& printed)
+{
+  for (const std::string& warning : warnings)
+  {
+    if (std::find(printed.begin(), printed.end(), warning) == printed.end())
+    {
+      std::printf("warning: %s\n", printable(warning).c_str());
+    }
+  }
+}
+
+/** Prints the result of a run. \param folder of its files */
+void printResult(const SlamRunReport& report, const std::string& folder)
+{
+  std::printf("%s\n", report.method.c_str());
+  std::printf("%s, %.1f m, %s, %s, %s, %s\n", counted(report.frames, "scan").c_str(),
+              report.path_length, counted(report.keyframes, "keyframe").c_str(),
+              counted(report.loops, "loop").c_str(),
+              counted(report.tracks, "moving object").c_str(),
+              counted(report.map_points, "map point").c_str());
+  if (report.loops_left_out > 0)
+  {
+    std::printf("%s left out, as they contradict the others\n",
+                counted(report.loops_left_out, "more loop").c_str());
+  }
+  if (report.georeference)
+  {
+    std::printf("satellite receiver: %s, %.2f m from the trajectory, %.2f m in height (RMS)\n",
+                counted(report.georeference->fixes, "position").c_str(),
+                report.georeference->horizontal_rmse, report.georeference->vertical_rmse);
+  }
+  if (report.unconverged > 0)
+  {
+    std::printf("%s could not be registered; %s motion is predicted\n",
+                counted(report.unconverged, "scan").c_str(),
+                report.unconverged == 1 ? "its" : "their");
+  }
+  std::printf("%.1f ms per scan, all stages added up", report.ms_per_scan);
+  if (report.frames > 0 && report.run_time > 0)
+  {
+    std::printf(
+        "; %.1f ms of wall time, as stages run in parallel",
+        1e3 * (report.run_time - report.first_pass_time) / static_cast<double>(report.frames));
+  }
+  std::printf("\n");
+  if (report.recording_time > 0)
+  {
+    std::printf("real-time factor %.2f: %.1f s of recording in %.1f s%s\n", report.realtimeFactor(),
+                report.recording_time, report.run_time,
+                report.first_pass_time > 0 ? ", both passes" : "");
+  }
+  std::printf("results in %s: %s\n", folder.c_str(), counted(report.files.size(), "file").c_str());
+  if (std::find(report.files.begin(), report.files.end(), "report.html") != report.files.end())
+  {
+    std::printf("the run in a browser: %s/report.html\n", folder.c_str());
+  }
+  if (report.has_reference)
+  {
+    std::printf("errors against the ground truth: dyslam-eval run %s\n", folder.c_str());
+  }
+}
+
+/** Prints what happens after a Ctrl-C, which may take a while. */
+void printStopping(bool quiet)
+{
+  if (!quiet)
+  {
+    std::fprintf(stderr, "%sstopping: the results so far are written; Ctrl-C again ends at once\n",
+                 isatty(2) == 1 ? "\r\033[K" : "");
+  }
+}
+
+/** Prints a warning during a run, in place of the line of progress, which comes again. */
+void printWarning(const std::string& warning, bool quiet)
+{
+  if (!quiet)
+  {
+    std::fprintf(stderr, "%swarning: %s\n", isatty(2) == 1 ? "\r\033[K" : "",
+                 printable(warning).c_str());
+  }
+}
+
+/** Runs a pass and shows the progress. \param title of the line of progress
+ * \param messages printed at the first scan \throws UserError. */
+SlamRunReport runWithProgress(const std::string& title,
+                              const SlamRunSettings& settings,
+                              std::vector<std::string> messages,
+                              bool quiet,
+                              const SlamRunner& run)
+{
+  Progress progress(title, "scans", quiet);
+  bool is_stopping = false;
+  SlamRunReport report = run(settings,
+                             [&](double fraction, std::size_t frames)
+                             {
+                               printOnce(messages, quiet);
+                               progress.update(fraction, frames);
+                               if (!is_stopping && settings.stop && settings.stop())
+                               {
+                                 is_stopping = true;
+                                 printStopping(quiet);
+                               }
+                             });
+  progress.finish(report.frames);
+  return report;
+}
+}  // namespace
+
+void runSlamProgram(const std::string& program, const SlamArguments& a, const SlamRunner& run)
+{
+  stopOnSignals();
+  const bool quiet = a.quiet();
+  std::vector<std::string> printed_warnings;
+  RunRequest request = static_cast<const RunRequest&>(a);
+  request.assignments = assignmentsOf(a);
+  request.settings.stop = [] { return stop_asked.load(); };
+  request.settings.warn = [&printed_warnings, quiet](const std::string& warning)
+  {
+    printed_warnings.push_back(warning);
+    printWarning(warning, quiet);
+  };
+  if (!a.resume)
+  {
+    requireGiven(a.settings.rawlog);
+    requireConverted(a.settings.rawlog);
+  }
+  const std::string& output = a.settings.output_folder;
+  const PassesReport result = runInPasses(
+      request,
+      [&](Pass pass, const SlamRunSettings& settings, const RunSettings* chosen)
+      {
+        return runWithProgress(program + (pass == Pass::first ? ", first pass" : ""), settings,
+                               messagesAbout(program, pass, chosen, output), quiet, run);
+      });
+  const SlamRunReport& report = result.report;
+  if (!quiet && result.pass != Pass::first)
+  {
+    printWarnings(result.new_warnings, printed_warnings);
+    printResult(report, output);
+  }
+  if (!report.failure.empty())
+  {
+    throw UnusableResult(report.failure);
+  }
+}
+}  // namespace dyslam
