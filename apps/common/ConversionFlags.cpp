@@ -23,6 +23,34 @@ void declareRange(CLI::App& app, ScanRange& range, int& every_n)
   app.add_option("--every", every_n, "convert every n-th scan only")->check(positive());
 }
 
+void declareLidar(CLI::App& app, RecordingOptions& options)
+{
+  app.add_option(
+      "--sensor", options.sensor,
+      "the Velodyne of packets: VLP16, VLP16HR, HDL32E, HDL64E, VLP32C or VLS128 (default: "
+      "from the packets); "
+      "otherwise the scans' sensor label");
+  app.add_option(
+      "--calibration", options.calibration,
+      "of packets (.pcap, bag): Velodyne's XML or YAML, Hesai's angle correction (.csv), or an "
+      "Ouster's metadata (.json; default: those beside the .pcap or in the bag)");
+}
+
+void declareSensorPose(CLI::App& app, std::string& pose)
+{
+  app.add_option("--sensor-pose", pose,
+                 "pose of the lidar on the vehicle: 'x y z yaw pitch roll' [m, deg]");
+}
+
+void declareMounting(CLI::App& app, RecordingOptions& options)
+{
+  declareSensorPose(app, options.sensor_pose);
+  app.add_option(
+      "--base-frame", options.base_frame,
+      "frame of the vehicle (base_link) in a bag's /tf_static, from which the pose of the "
+      "lidar is taken, instead of --sensor-pose");
+}
+
 void declarePoseSource(CLI::App& app, PoseSource& source, const std::string& what)
 {
   const std::map<std::string, PoseSource> words{{"simulated", PoseSource::simulated},

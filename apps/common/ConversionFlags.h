@@ -2,6 +2,7 @@
 #pragma once
 
 #include <dyslam/formats/PoseOrigin.h>
+#include <dyslam/io/RecordingOptions.h>
 #include <dyslam/io/ScanRange.h>
 
 #include <CLI/CLI.hpp>
@@ -14,6 +15,15 @@ void declareRange(CLI::App& app, ScanRange& range);
 
 /** The same with a part of these scans. */
 void declareRange(CLI::App& app, ScanRange& range, int& every_n);
+
+/** Which lidar a recording is of: --sensor and --calibration. */
+void declareLidar(CLI::App& app, RecordingOptions& options);
+
+/** The pose of the lidar on the vehicle: --sensor-pose. */
+void declareSensorPose(CLI::App& app, std::string& pose);
+
+/** The same, or the frame of the vehicle in a bag: --base-frame. */
+void declareMounting(CLI::App& app, RecordingOptions& options);
 
 /** Whether the errors of the true poses are known to be zero. */
 void declarePoseSource(CLI::App& app, PoseSource& source, const std::string& what);

@@ -5,18 +5,17 @@
 #include <dyslam/core/Files.h>
 #include <dyslam/core/PendingFile.h>
 #include <dyslam/core/Printable.h>
+#include <dyslam/io/OptionError.h>
 #include <dyslam/pipeline/FolderLock.h>
 
-#include <algorithm>
-#include <array>
 #include <cstdio>
 #include <filesystem>
 #include <optional>
 #include <ostream>
-#include <sstream>
 #include <string>
 
 #include "../common/Checks.h"
+#include "../common/ConversionFlags.h"
 #include "../common/ConversionReport.h"
 
 namespace dyslam
@@ -60,42 +59,19 @@ void writeOrigin(const std::string& input, const std::string& program, const Con
              });
 }
 
-/** The first option in a message that only the converters have; empty if there is none. */
-std::string optionOfConverters(const std::string& message)
-{
-  constexpr std::array<const char*, 12> known{"--topic",       "--imu-topic",  "--odometry-topic",
-                                              "--gnss-topic",  "--sensor",     "--calibration",
-                                              "--sensor-pose", "--base-frame", "--dt",
-                                              "--output",      "--force",      "--input"};
-  std::istringstream words(message);
-  for (std::string word; words >> word;)
-  {
-    word.erase(std::find_if(word.begin(), word.end(),
-                            [](char c) { return c == ':' || c == ',' || c == ';' || c == ')'; }),
-               word.end());
-    word.erase(0, word.rfind('(', 0) == 0 ? 1 : 0);
-    if (word.rfind("--", 0) == 0 && std::find(known.begin(), known.end(), word) == known.end())
-    {
-      return word;
-    }
-  }
-  return "";
-}
-
 /** An error of a converter, in the words of a user of dyslam. */
-std::string inDyslam(const std::string& message,
-                     const std::string& input,
-                     const std::string& program)
+std::string inDyslam(const UserError& error, const std::string& input, const std::string& program)
 {
-  const std::string option = optionOfConverters(message);
-  if (option.empty())
+  const std::string message = error.what();
+  const auto* advice = dynamic_cast<const OptionError*>(&error);
+  if (advice == nullptr || RecordingOptions::hasFlag(advice->flag()))
   {
     return message;
   }
-  const std::string command = program + " -i " + input + " " + option;
-  return message + (option == "--list" ? " (" + command + ")"
-                                       : " (an option of the converter: " + command +
-                                             " ... -o x.rawlog, then dyslam -i x.rawlog)");
+  const std::string command = program + " -i " + input + " " + advice->flag();
+  return message + (advice->flag() == "--list" ? " (" + command + ")"
+                                               : " (an option of the converter: " + command +
+                                                     " ... -o x.rawlog, then dyslam -i x.rawlog)");
 }
 
 /** When a file was last written; nothing if it is not there. */
@@ -131,7 +107,7 @@ void convertTo(const ConvertedFiles& files,
   }
   catch (const UserError& error)
   {
-    std::string message = inDyslam(error.what(), input, converter.program());
+    std::string message = inDyslam(error, input, converter.program());
     if (const auto now = timeOf(files.rawlog); now && now != earlier)
     {
       writeOrigin(input, converter.program(), files);
@@ -144,40 +120,22 @@ void convertTo(const ConvertedFiles& files,
 
 void declareConversion(CLI::App& app, RecordingOptions& options)
 {
-  const std::string group = "Input that is no rawlog (the converters have more options)";
+  const std::string before = app.option_defaults()->get_group();
+  app.option_defaults()->group("Input that is no rawlog (the converters have more options)");
   app.add_option("--topic", options.topic,
                  "a bag's topic of scans (default: the most likely lidar; scans2rawlog --list "
-                 "prints the topics)")
-      ->group(group);
-  app.add_option("--imu-topic", options.imu_topic, "a bag's sensor_msgs/Imu")->group(group);
-  app.add_option("--odometry-topic", options.odometry_topic, "a bag's speed by the wheels")
-      ->group(group);
-  app.add_option("--gnss-topic", options.gnss_topic, "a bag's sensor_msgs/NavSatFix")->group(group);
-  app.add_option(
-         "--sensor", options.sensor,
-         "the Velodyne of packets: VLP16, VLP16HR, HDL32E, HDL64E, VLP32C or VLS128 (default: "
-         "from the packets); "
-         "otherwise the scans' sensor label")
-      ->group(group);
-  app.add_option(
-         "--calibration", options.calibration,
-         "of packets (.pcap, bag): Velodyne's XML or YAML, Hesai's angle correction (.csv), or an "
-         "Ouster's metadata (.json; default: those beside the .pcap or in the bag)")
-      ->group(group);
-  app.add_option("--sensor-pose", options.sensor_pose,
-                 "pose of the lidar on the vehicle: 'x y z yaw pitch roll' [m, deg]")
-      ->group(group);
-  app.add_option(
-         "--base-frame", options.base_frame,
-         "frame of the vehicle (base_link) in a bag's /tf_static, from which the pose of the "
-         "lidar is taken, instead of --sensor-pose")
-      ->group(group);
+                 "prints the topics)");
+  app.add_option("--imu-topic", options.imu_topic, "a bag's sensor_msgs/Imu");
+  app.add_option("--odometry-topic", options.odometry_topic, "a bag's speed by the wheels");
+  app.add_option("--gnss-topic", options.gnss_topic, "a bag's sensor_msgs/NavSatFix");
+  declareLidar(app, options);
+  declareMounting(app, options);
   app.add_option(
          "--dt", options.dt,
          "seconds between the scans of a folder; default: their own times, else 0.1 (KITTI: "
          "0.1034)")
-      ->check(positive())
-      ->group(group);
+      ->check(positive());
+  app.option_defaults()->group(before);
 }
 
 void convertInput(SlamArguments& a, const RecordingOptions& options)

@@ -61,8 +61,7 @@ void declare(CLI::App& app, Arguments& arguments)
   app.add_flag("--no-truth", o.no_truth, "scans only: no poses, labels or boxes");
   app.add_option("--times", o.times,
                  "times, a line for each frame number: seconds, or KITTI's timestamps.txt");
-  app.add_option("--sensor-pose", o.sensor_pose,
-                 "pose of the lidar on the vehicle: 'x y z yaw pitch roll' [m, deg]");
+  declareSensorPose(app, o.sensor_pose);
   app.add_option("--dt", o.dt, "seconds between scans; default: the layout's times, else 0.1034");
   app.add_flag("--kitti-vertical-angle-correction", o.vertical_angle_correction,
                "correct the elevation of the points by +0.205 deg, as KITTI odometry's scans need");

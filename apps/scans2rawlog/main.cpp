@@ -65,15 +65,7 @@ void declare(CLI::App& app, Arguments& arguments)
                  "TwistWithCovarianceStamped");
   app.add_option("--gnss-topic", o.gnss_topic,
                  "a bag's sensor_msgs/NavSatFix, whose positions are written beside the scans");
-  app.add_option(
-      "--sensor", o.sensor,
-      "the Velodyne of packets: VLP16, VLP16HR, HDL32E, HDL64E, VLP32C or VLS128 (default: "
-      "from the packets); "
-      "otherwise the scans' sensor label");
-  app.add_option(
-      "--calibration", o.calibration,
-      "of packets (.pcap, bag): Velodyne's XML or YAML, Hesai's angle correction (.csv), or an "
-      "Ouster's metadata (.json; default: those beside the .pcap or in the bag)");
+  declareLidar(app, o);
   app.add_option("--poses", o.poses, "true poses of the lidar, TUM or KITTI, a line for each scan");
   declarePoseSource(app, o.pose_source, "where --poses or --truth-topic are from");
   app.add_option("--bin-layout", o.bin_layout,
@@ -82,12 +74,7 @@ void declare(CLI::App& app, Arguments& arguments)
       ->transform(wordFor(bin_layouts));
   app.add_option("--times", o.times,
                  "times of a folder's scans, a line each: seconds, or KITTI's timestamps.txt");
-  app.add_option("--sensor-pose", o.sensor_pose,
-                 "pose of the lidar on the vehicle: 'x y z yaw pitch roll' [m, deg]");
-  app.add_option(
-      "--base-frame", o.base_frame,
-      "frame of the vehicle (base_link) in a bag's /tf_static, from which the pose of the "
-      "lidar is taken, instead of --sensor-pose");
+  declareMounting(app, o);
   app.add_option("--dt", o.dt, "seconds between scans; default: their own times, else 0.1");
   app.add_flag("--by-number", o.by_number,
                "times of a folder's scans: the number in the file name times --dt (default 0.1), "

@@ -7,6 +7,7 @@
 #include <dyslam/formats/Bag.h>
 #include <dyslam/formats/RosMessages.h>
 #include <dyslam/formats/RosPackets.h>
+#include <dyslam/io/OptionError.h>
 
 #include <algorithm>
 #include <map>
@@ -69,11 +70,13 @@ std::size_t scanTopic(const std::string& input, Bag& bag, const std::string& ask
   }
   const std::string packets = namesOf(
       bag, [](const BagTopic& topic) { return topic.type.find("Packet") != std::string::npos; });
-  throw UserError(input + ": has no sensor_msgs/PointCloud2" +
-                  (packets.empty() ? "; --list shows the topics"
-                                   : ", but packets (" + packets +
-                                         "): play it to the lidar's driver and record its "
-                                         "PointCloud2"));
+  if (packets.empty())
+  {
+    throw OptionError(input + ": has no sensor_msgs/PointCloud2; --list shows the topics",
+                      "--list");
+  }
+  throw UserError(input + ": has no sensor_msgs/PointCloud2, but packets (" + packets +
+                  "): play it to the lidar's driver and record its PointCloud2");
 }
 
 /** "a, b" of all frames. */
@@ -446,8 +449,12 @@ void convertBag(const std::string& input, ScanSink& sink, const ScanConverterOpt
   if (sink.seen() == 0 && packetMakerOf(topic))
   {
     const auto warnings = reader.warnings();
-    throw UserError(input + ": " + topic.name + " holds no whole revolution" +
-                    (warnings.empty() ? "; try --keep-partial" : ": " + warnings.front()));
+    const std::string what = input + ": " + topic.name + " holds no whole revolution";
+    if (warnings.empty())
+    {
+      throw OptionError(what + "; try --keep-partial", "--keep-partial");
+    }
+    throw UserError(what + ": " + warnings.front());
   }
   if (sink.written() == 0)
   {

@@ -2,6 +2,7 @@
 #include "BagTopics.h"
 
 #include <dyslam/core/Error.h>
+#include <dyslam/io/OptionError.h>
 
 #include <algorithm>
 
@@ -37,8 +38,13 @@ std::size_t topicNamed(const std::string& input,
   const auto found = std::find_if(topics.begin(), topics.end(),
                                   [&name](const BagTopic& topic) { return topic.name == name; });
   const std::string usable = namesOf(bag, wanted);
-  throw UserError(input + ": " + option + " " + name +
-                  (found == topics.end() ? " is not in it" : ": " + found->type + " is not read") +
-                  (usable.empty() ? "; --list shows the topics" : "; use " + usable));
+  const std::string what =
+      input + ": " + option + " " + name +
+      (found == topics.end() ? " is not in it" : ": " + found->type + " is not read");
+  if (usable.empty())
+  {
+    throw OptionError(what + "; --list shows the topics", "--list");
+  }
+  throw UserError(what + "; use " + usable);
 }
 }  // namespace dyslam

@@ -3,6 +3,7 @@
 
 #include <dyslam/core/Error.h>
 #include <dyslam/core/Files.h>
+#include <dyslam/io/OptionError.h>
 
 namespace dyslam
 {
@@ -96,7 +97,7 @@ const KittiCalib& KittiCalibFinder::require(const std::string& for_what)
   }
   if (path_.empty())
   {
-    throw UserError(missingText(for_what));
+    throw OptionError(missingText(for_what), "--calib");
   }
   return calib_;
 }

@@ -5,6 +5,7 @@
 #include <dyslam/core/Files.h>
 #include <dyslam/formats/RecordingKind.h>
 #include <dyslam/formats/ScanFiles.h>
+#include <dyslam/io/OptionError.h>
 
 #include <algorithm>
 #include <iterator>
@@ -51,8 +52,9 @@ void requireKind(const std::string& input, KittiKind kind)
   const auto found = officialKittiKind(input);
   if (found && *found != kind)
   {
-    throw UserError(input + ": has the layout of KITTI " + toString(*found) + "; use --kind " +
-                    toString(*found));
+    throw OptionError(input + ": has the layout of KITTI " + toString(*found) + "; use --kind " +
+                          toString(*found),
+                      "--kind");
   }
 }
 
@@ -95,8 +97,9 @@ std::string findSequence(const fs::path& input, const std::string& asked)
   const auto names = foldersThat(allDigits, input / "velodyne");
   if (names.size() > 1)
   {
-    throw UserError(input.string() + ": holds " + std::to_string(names.size()) +
-                    " sequences; choose one with --sequence, such as " + names.front());
+    throw OptionError(input.string() + ": holds " + std::to_string(names.size()) +
+                          " sequences; choose one with --sequence, such as " + names.front(),
+                      "--sequence");
   }
   return names.empty() ? "" : names.front();
 }
@@ -144,8 +147,14 @@ KittiScans findKittiScans(const fs::path& input, const KittiConverterOptions& op
   const auto found = std::find_if(candidates.begin(), candidates.end(), hasScans);
   if (found == candidates.end())
   {
-    throw UserError(input.string() + ": has no scans (looked for .bin files in " +
-                    candidates.front().string() + ")" + nearbyRecording(input));
+    const std::string what = input.string() + ": has no scans (looked for .bin files in " +
+                             candidates.front().string() + ")";
+    const std::string nearby = nearbyRecording(input);
+    if (!nearby.empty())
+    {
+      throw OptionError(what + nearby, "--kind");
+    }
+    throw UserError(what);
   }
   for (const std::string& file : listCloudFiles(found->string()))
   {

@@ -60,29 +60,7 @@ std::string whyNoRecording(const std::string& folder)
                            "velodyne or velodyne_points"
                          : "give one of the recordings in it, such as " + within);
 }
-
-void requireNone(const char* flag, const std::string& value, const char* with)
-{
-  if (!value.empty())
-  {
-    throw UserError(std::string(flag) + " works with " + with + " only");
-  }
-}
 }  // namespace
-
-std::string RecordingOptions::givenFlag() const
-{
-  return !topic.empty()            ? "--topic"
-         : !imu_topic.empty()      ? "--imu-topic"
-         : !odometry_topic.empty() ? "--odometry-topic"
-         : !gnss_topic.empty()     ? "--gnss-topic"
-         : !sensor.empty()         ? "--sensor"
-         : !calibration.empty()    ? "--calibration"
-         : !sensor_pose.empty()    ? "--sensor-pose"
-         : !base_frame.empty()     ? "--base-frame"
-         : dt > 0                  ? "--dt"
-                                   : "";
-}
 
 RecordingConverter::RecordingConverter(const std::string& input)
     : input_(input),
@@ -110,13 +88,7 @@ ConversionResult RecordingConverter::convert(const std::string& output,
 {
   if (kitti_)
   {
-    requireNone("--topic", options.topic, "a bag");
-    requireNone("--imu-topic", options.imu_topic, "a bag");
-    requireNone("--odometry-topic", options.odometry_topic, "a bag");
-    requireNone("--gnss-topic", options.gnss_topic, "a bag");
-    requireNone("--base-frame", options.base_frame, "a bag");
-    requireNone("--sensor", options.sensor, "a .pcap, a bag or a folder of scans");
-    requireNone("--calibration", options.calibration, "the packets of a .pcap or a bag");
+    options.requireFittingKitti();
     KittiConverterOptions of_kitti;
     of_kitti.kind = *kitti_;
     of_kitti.sensor_pose = options.sensor_pose;
@@ -124,15 +96,7 @@ ConversionResult RecordingConverter::convert(const std::string& output,
     return convertKitti(input_, output, of_kitti, progress);
   }
   ScanConverterOptions of_scans;
-  of_scans.topic = options.topic;
-  of_scans.imu_topic = options.imu_topic;
-  of_scans.odometry_topic = options.odometry_topic;
-  of_scans.gnss_topic = options.gnss_topic;
-  of_scans.sensor = options.sensor;
-  of_scans.calibration = options.calibration;
-  of_scans.sensor_pose = options.sensor_pose;
-  of_scans.base_frame = options.base_frame;
-  of_scans.dt = options.dt;
+  static_cast<RecordingOptions&>(of_scans) = options;
   return convertScans(input_, output, of_scans, progress);
 }
 }  // namespace dyslam

@@ -8,6 +8,7 @@
 #include <dyslam/formats/ScanFiles.h>
 #include <dyslam/formats/TrajectoryFiles.h>
 #include <dyslam/io/Converters.h>
+#include <dyslam/io/OptionError.h>
 #include <dyslam/packets/PcapSource.h>
 #include <dyslam/packets/VelodyneModels.h>
 
@@ -255,9 +256,12 @@ void convertPcap(const std::string& input, ScanSink& sink, const ScanConverterOp
   }
   if (sink.written() == 0)
   {
-    throw UserError(
-        input + ": " +
-        (sink.seen() > 0 ? emptyRange(options) : "holds no whole revolution; try --keep-partial"));
+    if (sink.seen() == 0)
+    {
+      throw OptionError(input + ": holds no whole revolution; try --keep-partial",
+                        "--keep-partial");
+    }
+    throw UserError(input + ": " + emptyRange(options));
   }
   for (const std::string& warning : source.warnings())
   {
@@ -300,20 +304,17 @@ void requireFitting(InputKind kind, const ScanConverterOptions& options)
     InputKind kind;
     const char* with;
   };
+  const std::string of_bags = options.givenFlagOfBags();
   for (const Use& use :
        {Use{"--bin-layout", options.bin_layout.has_value(), InputKind::folder, "a folder of scans"},
         Use{"--poses", !options.poses.empty(), InputKind::folder, "a folder of scans"},
         Use{"--times", !options.times.empty(), InputKind::folder, "a folder of scans"},
         Use{"--by-number", options.by_number, InputKind::folder, "a folder of scans"},
-        Use{"--topic", !options.topic.empty(), InputKind::bag, "a bag"},
+        Use{of_bags.c_str(), !of_bags.empty(), InputKind::bag, "a bag"},
         Use{"--further-topic", !options.further_topics.empty(), InputKind::bag, "a bag"},
         Use{"--truth-topic", !options.truth_topic.empty(), InputKind::bag, "a bag"},
         Use{"--truth-frame", !options.truth_frame.empty(), InputKind::bag, "a bag"},
-        Use{"--imu-topic", !options.imu_topic.empty(), InputKind::bag, "a bag"},
-        Use{"--imu-pose", !options.imu_pose.empty(), InputKind::bag, "a bag"},
-        Use{"--odometry-topic", !options.odometry_topic.empty(), InputKind::bag, "a bag"},
-        Use{"--gnss-topic", !options.gnss_topic.empty(), InputKind::bag, "a bag"},
-        Use{"--base-frame", !options.base_frame.empty(), InputKind::bag, "a bag"}})
+        Use{"--imu-pose", !options.imu_pose.empty(), InputKind::bag, "a bag"}})
   {
     if (use.given && use.kind != kind)
     {

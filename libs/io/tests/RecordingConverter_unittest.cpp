@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/core/Error.h>
+#include <dyslam/io/OptionError.h>
 #include <dyslam/io/RecordingConverter.h>
 
+#include "BagWriters.h"
 #include "ScanFolders.h"
 
 namespace dyslam
@@ -70,5 +72,51 @@ TEST(RecordingConverter, WhatIsNoRecording)
   EXPECT_TRUE(contains(
       messageOfError<UserError>([&] { (void)single.convert(folder.file("a.rawlog"), {}); }),
       "is a single scan; give the folder of the scans"));
+}
+
+TEST(RecordingConverter, AnErrorThatAnOptionMendsSaysWhichOne)
+{
+  const TestFolder folder;
+  const auto flagOf = [&folder](const std::string& input)
+  {
+    try
+    {
+      (void)RecordingConverter(folder.file(input)).convert(folder.file("a.rawlog"), {});
+    }
+    catch (const OptionError& error)
+    {
+      EXPECT_TRUE(contains(error.what(), error.flag())) << error.what();
+      return error.flag();
+    }
+    return std::string();
+  };
+  writeBins(folder, "tracking/velodyne/0000", 1);
+  writeBins(folder, "tracking/velodyne/0001", 1);
+  EXPECT_EQ("--sequence", flagOf("tracking"));
+  EXPECT_FALSE(RecordingOptions::hasFlag("--sequence"));
+  test::writeBag(folder.file("imu.mcap"), {{"/imu", "sensor_msgs/Imu", 1, ""}});
+  EXPECT_EQ("--list", flagOf("imu.mcap"));
+}
+
+TEST(RecordingOptions, OfEachTheFlagIsKnown)
+{
+  EXPECT_EQ("", RecordingOptions().givenFlag());
+  RecordingOptions options;
+  options.dt = 0.1;
+  EXPECT_EQ("--dt", options.givenFlag());
+  EXPECT_NO_THROW(options.requireFittingKitti());
+  options.base_frame = "base_link";
+  EXPECT_EQ("--base-frame", options.givenFlag());
+  EXPECT_EQ("--base-frame", options.givenFlagOfBags());
+  EXPECT_EQ("--base-frame works with a bag only",
+            messageOfError<UserError>([&] { options.requireFittingKitti(); }));
+  options.sensor = "VLP16";
+  EXPECT_EQ("--sensor", options.givenFlag());
+  EXPECT_EQ("--base-frame", options.givenFlagOfBags());
+  for (const char* flag : {"--dt", "--sensor", "--base-frame"})
+  {
+    EXPECT_TRUE(RecordingOptions::hasFlag(flag)) << flag;
+  }
+  EXPECT_FALSE(RecordingOptions::hasFlag("--list"));
 }
 }  // namespace dyslam

@@ -5,6 +5,7 @@
 #include <dyslam/formats/PoseOrigin.h>
 #include <dyslam/formats/RecordingKind.h>
 #include <dyslam/formats/ScanFiles.h>
+#include <dyslam/io/RecordingOptions.h>
 #include <dyslam/io/ScanRange.h>
 
 #include <cstddef>
@@ -88,29 +89,18 @@ ConversionResult convertKitti(const std::string& input,
                               const KittiConverterOptions& options,
                               const ConversionProgress& progress = {});
 
-struct ScanConverterOptions : Options, ScanRange
+struct ScanConverterOptions : Options, ScanRange, RecordingOptions
 {
-  std::string sensor;  //!< for packets the VelodyneModel by name, VLP16; else the scans' label
-  /** For packets: Velodyne XML or YAML, or the metadata of an Ouster (.json); empty: the model's
-   * default, or the metadata beside the capture or in the bag. */
-  std::string calibration;
   std::string poses;  //!< TUM or KITTI file of the lidar, for folders
   std::string times;  //!< file of times [s] or KITTI time stamps for a folder, a line for each scan
-  std::string topic;  //!< of a bag's scans; empty: the one with the most
   /** Of a bag's further lidars, placed by `/tf_static` relative to the first. */
   std::vector<std::string> further_topics;
   std::string truth_topic;  //!< of a bag's true poses of the vehicle; empty: none
   std::string truth_frame;  //!< child frame of truth_topic, where that has several
   PoseSource pose_source = PoseSource::unknown;  //!< of poses or truth_topic; unknown: given
-  std::string imu_topic;                         //!< of a bag's IMU; empty: none
   /** T_vehicle_imu as sensor_pose; empty: by the bag's `/tf_static` and sensor_pose. */
   std::string imu_pose;
-  std::string odometry_topic;           //!< of the speeds of a bag's wheels; empty: none
-  std::string gnss_topic;               //!< of a bag's satellite receiver; empty: none
   std::optional<BinLayout> bin_layout;  //!< of .bin files; nothing: by their content
-  std::string sensor_pose;    //!< T_vehicle_lidar: x y z yaw pitch roll [m, deg]; empty: identity
-  std::string base_frame;     //!< of the vehicle in a bag's `/tf_static`, instead of sensor_pose
-  double dt = 0;              //!< seconds between scans; 0: the recording's times, else 0.1
   bool by_number = false;     //!< scans of a folder are dt times the number in their name apart
   bool keep_partial = false;  //!< also incomplete first and last revolutions of a pcap
   int every_n = 1;            //!< of the scans behind those skipped, every n-th is converted
