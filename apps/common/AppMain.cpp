@@ -2,8 +2,8 @@
 #include "AppMain.h"
 
 #include <dyslam/core/Error.h>
-#include <dyslam/core/Printable.h>
 #include <dyslam/core/Version.h>
+#include <dyslam/formats/ProgramLines.h>
 
 #include <exception>
 #include <iostream>
@@ -114,7 +114,7 @@ int runApp(int argc,
   const auto fail = [&name](const std::string& message)
   {
     std::cout.flush();
-    std::cerr << name << ": " << printable(message) << std::endl;
+    std::cerr << errorLine(name, message) << std::endl;
     return 1;
   };
   CLI::App app;

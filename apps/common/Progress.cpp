@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Progress.h"
 
+#include <dyslam/formats/ProgramLines.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -45,27 +46,10 @@ void Progress::finish(std::size_t count)
 void Progress::show(double fraction, std::size_t count)
 {
   const double seconds = std::chrono::duration<double>(Clock::now() - start_).count();
-  const double rate = seconds > 0 ? static_cast<double>(count) / seconds : 0;
-  const std::string unit = count == 1 ? unit_.substr(0, unit_.size() - 1) : unit_;
-  char text[160];
-  if (fraction >= 1)
-  {
-    std::snprintf(text, sizeof text, "100%% %zu %s in %.1f s, %.1f/s", count, unit.c_str(), seconds,
-                  rate);
-  }
-  else if (fraction > 0)
-  {
-    const long left = static_cast<long>(seconds * (1 - fraction) / fraction + 0.5);
-    std::snprintf(text, sizeof text, "%3.0f%% %zu %s, %.1f/s, %ld:%02ld left", 100 * fraction,
-                  count, unit.c_str(), rate, left / 60, left % 60);
-  }
-  else
-  {
-    std::snprintf(text, sizeof text, "%zu %s, %.1f/s", count, unit.c_str(), rate);
-  }
+  const std::string text = progressText(fraction, count, unit_, seconds);
   if (!terminal_)
   {
-    std::fprintf(stderr, "%s: %s\n", what_.c_str(), text);
+    std::fprintf(stderr, "%s: %s\n", what_.c_str(), text.c_str());
     return;
   }
   constexpr int width = 24;
@@ -74,7 +58,7 @@ void Progress::show(double fraction, std::size_t count)
   {
     bar[static_cast<std::size_t>(i)] = '#';
   }
-  std::fprintf(stderr, "\r\033[K%s [%s] %s", what_.c_str(), bar.c_str(), text);
+  std::fprintf(stderr, "\r\033[K%s [%s] %s", what_.c_str(), bar.c_str(), text.c_str());
   std::fflush(stderr);
   shown_ = true;
 }

@@ -2,8 +2,10 @@
 #include <dyslam/batch/Batch.h>
 #include <dyslam/batch/ChildProcess.h>
 #include <dyslam/batch/MemoryBudget.h>
+#include <dyslam/core/Config.h>
 #include <dyslam/core/Error.h>
 #include <dyslam/core/Files.h>
+#include <dyslam/formats/ProgramLines.h>
 
 #include <algorithm>
 #include <atomic>
@@ -13,6 +15,7 @@
 #include <exception>
 #include <filesystem>
 #include <mutex>
+#include <optional>
 #include <thread>
 
 #include "OneRun.h"
@@ -24,9 +27,6 @@ namespace
 // A run on street64 with the network takes 0.9 GB, one of 1700 m 2 GB.
 constexpr std::uint64_t first_estimate = std::uint64_t{2} << 30U;
 constexpr double share_of_available = 0.9;
-
-const std::string program_prefix = "dyslam: ";
-const std::string refusal_of_setting = program_prefix + "--set ";
 
 struct Task
 {
@@ -87,14 +87,14 @@ class Runner
  private:
   [[nodiscard]] bool stopped() const { return refused_ || (watch_.stop && watch_.stop()); }
 
-  /** Whether a run failed because of the settings that all have in common. */
-  [[nodiscard]] bool isRefusal(const Manifest& m) const
+  /** The message of a run that failed because of the settings that all have in common; nothing for
+   * another. */
+  [[nodiscard]] std::optional<std::string> refusalOf(const Manifest& m) const
   {
-    const auto begins = [&m](const std::string& text) { return m.reason.rfind(text, 0) == 0; };
-    return m.state == State::failed &&
-           (begins(refusal_of_setting) ||
-            (!settings_.config.empty() &&
-             begins(program_prefix + nameOfFile(settings_.config) + ":")));
+    const auto message = messageOfErrorLine(program_name, m.reason);
+    return m.state == State::failed && message && isAboutSettings(*message, settings_.config)
+               ? message
+               : std::nullopt;
   }
 
   /** Runs at a time. \param jobs as asked for; 0: as many as there are cores */
@@ -128,7 +128,7 @@ class Runner
       const auto bytes = static_cast<double>(r.recording.bytes);
       all += bytes;
       const bool runs = r.manifest.state == State::running;
-      done += bytes * (runs ? progressIn(workFolder(settings_, r.recording) + "/log.txt")
+      done += bytes * (runs ? shareOfRun(workFolder(settings_, r.recording) + "/log.txt")
                             : (r.manifest.state == State::unknown ? 0 : 1));
     }
     return std::min(done / all, 0.99);
@@ -174,9 +174,9 @@ class Runner
       --running_;
       budget_.finish(result.skipped ? 0 : result.manifest.peak_memory);
       results_[task.index] = result;
-      if (isRefusal(result.manifest))
+      if (const auto refusal = refusalOf(result.manifest))
       {
-        refusal_ = result.manifest.reason.substr(program_prefix.size());
+        refusal_ = *refusal;
         refused_ = true;
       }
       const State state = result.manifest.state;

@@ -4,12 +4,11 @@
 #include <dyslam/batch/ChildProcess.h>
 #include <dyslam/core/Error.h>
 #include <dyslam/core/Files.h>
-#include <dyslam/core/Printable.h>
+#include <dyslam/formats/ProgramLines.h>
 #include <dyslam/formats/RunFiles.h>
 
 #include <algorithm>
 #include <csignal>
-#include <cstdlib>
 #include <cstring>
 #include <exception>
 #include <filesystem>
@@ -100,9 +99,8 @@ bool hasResults(const ChildOutcome& outcome)
  * \param line the last one of its log */
 bool isStoppedAlone(const ChildOutcome& outcome, const std::string& line, const Manifest& m)
 {
-  const std::string message = "dyslam: " + printable(m.work.input) + ": stopped ";
   return outcome.signal == SIGINT || outcome.signal == SIGTERM || outcome.signal == SIGHUP ||
-         (!hasResults(outcome) && line.rfind(message, 0) == 0);
+         (!hasResults(outcome) && isStoppedLine(program_name, m.work.input, line));
 }
 
 /** Sets state and figures from the end of a run. \param log of the run, whose last line is the
@@ -154,16 +152,9 @@ std::string workFolder(const BatchSettings& settings, const Recording& recording
                                   : (fs::path(settings.scratch) / recording.name).string();
 }
 
-double progressIn(const std::string& log)
+double shareOfRun(const std::string& log)
 {
-  const std::string text = tailOf(log);
-  const auto percent = text.rfind("% ");
-  if (percent == std::string::npos || percent == 0)
-  {
-    return 0;
-  }
-  const auto begin = text.find_last_not_of("0123456789", percent - 1);
-  return std::atof(text.substr(begin == std::string::npos ? 0 : begin + 1).c_str()) / 100;
+  return progressIn(tailOf(log));
 }
 
 void recordFailure(const std::string& folder, Manifest& manifest)

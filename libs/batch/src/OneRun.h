@@ -16,6 +16,9 @@ enum class RunEnd
   killed    //!< by another signal
 };
 
+/** The name that dyslam begins its error lines with. */
+constexpr const char* program_name = "dyslam";
+
 /** Runs dyslam on one recording, with manifest and log. \param result work and attempts so far;
  * gets the rest. \param cores to use */
 RunEnd runOne(const BatchSettings& settings,
@@ -26,8 +29,8 @@ RunEnd runOne(const BatchSettings& settings,
 /** Records a run that could not be started or ended, if the folder is a batch's. Throws nothing: if
  * the manifest cannot be written, its reason says so. */
 void recordFailure(const std::string& folder, Manifest& manifest);
-/** Share of the work according to a log's last line of progress, 0 to 1. */
-[[nodiscard]] double progressIn(const std::string& log);
+/** Share of the work by the log of a run, 0 to 1. */
+[[nodiscard]] double shareOfRun(const std::string& log);
 /** Where the run of a recording writes to while it lasts. */
 [[nodiscard]] std::string workFolder(const BatchSettings& settings, const Recording& recording);
 }  // namespace dyslam::batch

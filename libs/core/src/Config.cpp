@@ -15,6 +15,8 @@ namespace dyslam
 {
 namespace
 {
+constexpr const char* set_flag = "--set ";  // in the origin of a value
+
 std::string trimmed(const std::string& text)
 {
   const auto first = text.find_first_not_of(" \t\r");
@@ -195,11 +197,11 @@ void Config::set(const std::string& assignment)
   if (equals == std::string::npos || dot == std::string::npos || dot > equals || dot == 0 ||
       dot + 1 == equals)
   {
-    throw UserError("--set " + assignment + ": write --set section.key=value");
+    throw UserError(set_flag + assignment + ": write --set section.key=value");
   }
   const std::string section = trimmed(assignment.substr(0, dot));
   const std::string key = trimmed(assignment.substr(dot + 1, equals - dot - 1));
-  set(section, key, {trimmed(assignment.substr(equals + 1)), "--set " + section + "." + key, {}});
+  set(section, key, {trimmed(assignment.substr(equals + 1)), set_flag + section + "." + key, {}});
 }
 
 void Config::set(const std::string& section, const std::string& key, Value value)
@@ -270,5 +272,11 @@ std::string Config::toIni() const
     }
   }
   return out.str();
+}
+
+bool isAboutSettings(const std::string& message, const std::string& ini)
+{
+  return message.rfind(set_flag, 0) == 0 ||
+         (!ini.empty() && message.rfind(nameOfFile(ini) + ":", 0) == 0);
 }
 }  // namespace dyslam

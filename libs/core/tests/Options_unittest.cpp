@@ -142,6 +142,29 @@ TEST(Options, ATextThatAnIniWouldCutIsAnError)
   EXPECT_NO_THROW(load(options, config, "sample"));
 }
 
+TEST(Config, ErrorsAreAboutTheSettingsIfTheyNameTheirOrigin)
+{
+  const std::string of_ini = errorOf("[sample]\nvoxel_sise = 1\n");
+  EXPECT_TRUE(isAboutSettings(of_ini, "inis/a.ini")) << of_ini;
+  EXPECT_FALSE(isAboutSettings(of_ini, "b.ini"));
+  EXPECT_FALSE(isAboutSettings(of_ini, ""));
+  for (const char* assignment : {"sample", "sample.voxel_sise=1"})
+  {
+    try
+    {
+      Config config;
+      config.set(assignment);
+      SampleOptions options;
+      load(options, config, "sample");
+      ADD_FAILURE() << assignment;
+    }
+    catch (const UserError& error)
+    {
+      EXPECT_TRUE(isAboutSettings(error.what(), "")) << error.what();
+    }
+  }
+}
+
 TEST(Config, AByteOrderMarkIsPassedOver)
 {
   SampleOptions options;

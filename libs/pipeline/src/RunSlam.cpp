@@ -3,6 +3,7 @@
 #include <dyslam/core/Error.h>
 #include <dyslam/core/Printable.h>
 #include <dyslam/core/StateArchive.h>
+#include <dyslam/formats/ProgramLines.h>
 #include <dyslam/io/RawlogSource.h>
 #include <dyslam/pipeline/FrontEnd.h>
 #include <dyslam/pipeline/Pipeline.h>
@@ -208,7 +209,7 @@ void requireNotStopped(const SlamRunSettings& settings)
 {
   if (settings.stop && settings.stop())
   {
-    throw UserError(settings.rawlog + ": stopped before the first scan");
+    throw UserError(stoppedMessage(settings.rawlog, stopReason("before the first scan")));
   }
 }
 

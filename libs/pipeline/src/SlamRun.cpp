@@ -6,6 +6,7 @@
 #include <dyslam/core/StateArchive.h>
 #include <dyslam/core/Version.h>
 #include <dyslam/dyseg/MovingSegmenter.h>
+#include <dyslam/formats/ProgramLines.h>
 #include <dyslam/io/RawlogSource.h>
 #include <dyslam/mapping/ThinnedPoints.h>
 #include <dyslam/pipeline/Pipeline.h>
@@ -109,7 +110,7 @@ void append(std::vector<std::string>& all, const std::vector<std::string>& more)
 std::string reasonOf(const EarlyEnd& end, std::size_t frames)
 {
   const std::string stopped =
-      end.is_stopped ? "stopped on request after " + counted(frames, "scan") : "";
+      end.is_stopped ? stopReason("on request after " + counted(frames, "scan")) : "";
   return stopped + (stopped.empty() || end.damage.empty() ? "" : "; ") + end.damage;
 }
 
@@ -120,7 +121,8 @@ std::string messageOf(const EarlyEnd& end, std::size_t frames, const SlamRunSett
   std::string what;
   if (end.is_stopped)
   {
-    what = settings.rawlog + ": " + reasonOf(end, frames) + ", whose results are in " + folder;
+    what =
+        stoppedMessage(settings.rawlog, reasonOf(end, frames)) + ", whose results are in " + folder;
     what += hasCheckpoint(folder) ? "; continue with: dyslam --resume -o " + folder : "";
   }
   else if (!end.damage.empty())

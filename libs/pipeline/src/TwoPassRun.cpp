@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/core/Error.h>
+#include <dyslam/formats/ProgramLines.h>
 #include <dyslam/pipeline/TwoPassRun.h>
 
 #include <algorithm>
@@ -24,7 +25,7 @@ void requireGoesOn(const SlamRunSettings& settings, const std::string& when)
 {
   if (settings.stop && settings.stop())
   {
-    throw UserError(settings.rawlog + ": stopped " + when);
+    throw UserError(stoppedMessage(settings.rawlog, stopReason(when)));
   }
 }
 

@@ -61,4 +61,8 @@ class Config
   std::map<std::string, std::string> section_origin_;
   Value program_;  //!< that the ini is for; empty: none in particular
 };
+
+/** Whether an error message is about a value of --set, or of this ini: it begins with the origin.
+ * \param ini path; empty: none */
+[[nodiscard]] bool isAboutSettings(const std::string& message, const std::string& ini);
 }  // namespace dyslam

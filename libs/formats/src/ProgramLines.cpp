@@ -1,0 +1,89 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/core/Printable.h>
+#include <dyslam/formats/ProgramLines.h>
+
+#include <cctype>
+#include <cstdio>
+#include <cstdlib>
+
+namespace dyslam
+{
+namespace
+{
+constexpr const char* behind_name = ": ";
+constexpr const char* stopped_word = "stopped ";
+constexpr const char* percent_sign = "% ";
+
+bool isDigitAt(const std::string& text, std::size_t at)
+{
+  return at < text.size() && std::isdigit(static_cast<unsigned char>(text[at])) != 0;
+}
+}  // namespace
+
+std::string errorLine(const std::string& program, const std::string& message)
+{
+  return program + behind_name + printable(message);
+}
+
+std::optional<std::string> messageOfErrorLine(const std::string& program, const std::string& line)
+{
+  const std::string begin = program + behind_name;
+  return line.rfind(begin, 0) == 0 ? std::make_optional(line.substr(begin.size())) : std::nullopt;
+}
+
+std::string stopReason(const std::string& when)
+{
+  return stopped_word + when;
+}
+
+std::string stoppedMessage(const std::string& input, const std::string& reason)
+{
+  return input + behind_name + reason;
+}
+
+bool isStoppedLine(const std::string& program, const std::string& input, const std::string& line)
+{
+  const auto message = messageOfErrorLine(program, line);
+  return message && message->rfind(stoppedMessage(printable(input), stopped_word), 0) == 0;
+}
+
+std::string progressText(double fraction,
+                         std::size_t count,
+                         const std::string& unit,
+                         double seconds)
+{
+  const double rate = seconds > 0 ? static_cast<double>(count) / seconds : 0;
+  const std::string units = count == 1 ? unit.substr(0, unit.size() - 1) : unit;
+  char text[160];
+  if (fraction >= 1)
+  {
+    std::snprintf(text, sizeof text, "100%s%zu %s in %.1f s, %.1f/s", percent_sign, count,
+                  units.c_str(), seconds, rate);
+  }
+  else if (fraction > 0)
+  {
+    const long left = static_cast<long>(seconds * (1 - fraction) / fraction + 0.5);
+    std::snprintf(text, sizeof text, "%3.0f%s%zu %s, %.1f/s, %ld:%02ld left", 100 * fraction,
+                  percent_sign, count, units.c_str(), rate, left / 60, left % 60);
+  }
+  else
+  {
+    std::snprintf(text, sizeof text, "%zu %s, %.1f/s", count, units.c_str(), rate);
+  }
+  return text;
+}
+
+double progressIn(const std::string& log)
+{
+  for (std::size_t sign = log.rfind(percent_sign); sign != std::string::npos && sign > 0;
+       sign = log.rfind(percent_sign, sign - 1))
+  {
+    if (isDigitAt(log, sign - 1) && isDigitAt(log, sign + 2))  // not "17 % of the points"
+    {
+      const auto before = log.find_last_not_of("0123456789", sign - 1);
+      return std::atof(log.substr(before == std::string::npos ? 0 : before + 1).c_str()) / 100;
+    }
+  }
+  return 0;
+}
+}  // namespace dyslam

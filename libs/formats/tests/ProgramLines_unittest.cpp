@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/formats/ProgramLines.h>
+#include <gtest/gtest.h>
+
+#include <string>
+
+namespace dyslam
+{
+TEST(ProgramLines, ErrorsAreReadAsTheyAreWritten)
+{
+  const std::string line = errorLine("dyslam", "a.rawlog: no such file\x1b[2J");
+  EXPECT_EQ("dyslam: a.rawlog: no such file?[2J", line);
+  EXPECT_EQ("a.rawlog: no such file?[2J", messageOfErrorLine("dyslam", line));
+  EXPECT_FALSE(messageOfErrorLine("dyslam", "dyslam-map: no"));
+  EXPECT_FALSE(messageOfErrorLine("dyslam", "2 scans"));
+}
+
+TEST(ProgramLines, AStoppedRunIsKnownByItsError)
+{
+  const std::string reason = stopReason("on request after 3 scans");
+  EXPECT_EQ("stopped on request after 3 scans", reason);
+  for (const std::string input : {"a.rawlog", "a\n.rawlog"})
+  {
+    const std::string line = errorLine("dyslam", stoppedMessage(input, reason + ", whose results"));
+    EXPECT_TRUE(isStoppedLine("dyslam", input, line)) << line;
+    EXPECT_FALSE(isStoppedLine("dyslam", "b.rawlog", line)) << line;
+  }
+  EXPECT_FALSE(isStoppedLine("dyslam", "a.rawlog", "dyslam: a.rawlog: no scans"));
+  EXPECT_FALSE(isStoppedLine("dyslam", "a.rawlog", ""));
+}
+
+TEST(ProgramLines, ProgressIsReadAsItIsWritten)
+{
+  EXPECT_EQ(" 45% 9 scans, 4.5/s, 0:02 left", progressText(0.45, 9, "scans", 2));
+  EXPECT_EQ("100% 1 scan in 2.0 s, 0.5/s", progressText(1, 1, "scans", 2));
+  EXPECT_EQ("9 scans, 4.5/s", progressText(-1, 9, "scans", 2));
+  std::string log = "attempt 1\n";
+  EXPECT_EQ(0, progressIn(log));
+  for (const double fraction : {0.05, 0.45, 1.0})
+  {
+    log += "dyslam: " + progressText(fraction, 9, "scans", 2) + "\n";
+    EXPECT_NEAR(fraction, progressIn(log), 1e-9);
+    EXPECT_NEAR(fraction, progressIn(log + "warning: 17 % of the points move\n"), 1e-9);
+  }
+  EXPECT_EQ(0, progressIn(progressText(-1, 9, "scans", 2)));
+}
+}  // namespace dyslam
