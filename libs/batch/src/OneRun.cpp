@@ -142,7 +142,7 @@ bool canResume(const std::string& folder, const Work& work)
 {
   const auto known = readManifest(folder);
   const bool unfinished = known && (known->state == State::running || known->interrupted);
-  return unfinished && isSame(known->work, work) && fs::exists(fs::path(folder) / "resume.state");
+  return unfinished && isSame(known->work, work) && fs::exists(fs::path(folder) / state_file_name);
 }
 }  // namespace
 

@@ -3,6 +3,7 @@
 
 #include <dyslam/core/PendingFile.h>
 #include <dyslam/core/StateArchive.h>
+#include <dyslam/formats/RunFiles.h>
 
 #include <cstddef>
 #include <cstdint>
@@ -14,9 +15,6 @@
 
 namespace dyslam
 {
-/** Name of the state within the folder of a run that has not ended. */
-constexpr const char* state_file_name = "resume.state";
-
 /** CRC-32, of one piece after the other. \param sum of the pieces before */
 [[nodiscard]] std::uint32_t checksum(std::string_view bytes, std::uint32_t sum = 0);
 

@@ -6,6 +6,9 @@
 
 namespace dyslam
 {
+/** Name of the checkpoint within the folder of a run that has not ended. */
+constexpr const char* state_file_name = "resume.state";
+
 /** Names of the files that the run in a folder wrote, by its report.json; none without one. */
 [[nodiscard]] std::vector<std::string> filesOfRun(const std::string& folder);
 }  // namespace dyslam
