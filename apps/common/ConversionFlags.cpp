@@ -23,6 +23,15 @@ void declareRange(CLI::App& app, ScanRange& range, int& every_n)
   app.add_option("--every", every_n, "convert every n-th scan only")->check(positive());
 }
 
+void declareFurtherTopics(CLI::App& app, RecordingOptions& options)
+{
+  app.add_option("--further-topic", options.further_topics,
+                 "topic of another lidar of the vehicle in a bag, placed by /tf_static; repeatable "
+                 "(dyslam merges its scans: input.further_lidars)")
+      ->take_all()
+      ->allow_extra_args(false);
+}
+
 void declareLidar(CLI::App& app, RecordingOptions& options)
 {
   app.add_option(
@@ -49,6 +58,27 @@ void declareMounting(CLI::App& app, RecordingOptions& options)
       "--base-frame", options.base_frame,
       "frame of the vehicle (base_link) in a bag's /tf_static, from which the pose of the "
       "lidar is taken, instead of --sensor-pose");
+}
+
+void declareConversion(CLI::App& app, RecordingOptions& options)
+{
+  const std::string before = app.option_defaults()->get_group();
+  app.option_defaults()->group("Input that is no rawlog (the converters have more options)");
+  app.add_option("--topic", options.topic,
+                 "a bag's topic of scans (default: the most likely lidar; scans2rawlog --list "
+                 "prints the topics)");
+  declareFurtherTopics(app, options);
+  app.add_option("--imu-topic", options.imu_topic, "a bag's sensor_msgs/Imu");
+  app.add_option("--odometry-topic", options.odometry_topic, "a bag's speed by the wheels");
+  app.add_option("--gnss-topic", options.gnss_topic, "a bag's sensor_msgs/NavSatFix");
+  declareLidar(app, options);
+  declareMounting(app, options);
+  app.add_option(
+         "--dt", options.dt,
+         "seconds between the scans of a folder; default: their own times, else 0.1 (KITTI: "
+         "0.1034)")
+      ->check(positive());
+  app.option_defaults()->group(before);
 }
 
 void declarePoseSource(CLI::App& app, PoseSource& source, const std::string& what)

@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "../common/Checks.h"
+#include "../common/ConversionFlags.h"
 #include "../common/OutputOptions.h"
 
 namespace dyslam::batch
@@ -19,7 +20,8 @@ void declare(CLI::App& app, Arguments& a)
   app.description(
       "Runs dyslam on many recordings, here or as jobs of Slurm; resumes where it stopped");
   app.add_option("recordings", a.entries,
-                 "rawlogs, folders of them, patterns, and lists (.txt) of all these")
+                 "rawlogs, ROS bags, captures (.pcap) and KITTI drives, folders of them, patterns, "
+                 "and lists (.txt) of all these")
       ->required();
   addOutputFolder(app, "-o,--output", a.output,
                   "folder for the results, one within for each recording")
@@ -63,6 +65,7 @@ void declare(CLI::App& app, Arguments& a)
   app.add_option("--slurm-options", a.slurm_options,
                  "of sbatch, as \"--partition=x --mem=8G --cpus-per-task=4\"");
   app.add_flag("-q,--quiet", a.quiet, "no progress");
+  declareConversion(app, a.conversion);
 }
 
 std::vector<std::string> runArguments(const Arguments& a)
@@ -84,6 +87,7 @@ std::vector<std::string> runArguments(const Arguments& a)
   add(a.skip_first_n > 0, {"--skip-first-n", std::to_string(a.skip_first_n)});
   add(a.only_first_n > 0, {"--only-first-n", std::to_string(a.only_first_n)});
   add(a.passes > 1, {"--passes", std::to_string(a.passes)});
+  add(true, a.conversion.words());
   return words;
 }
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <dyslam/batch/Manifest.h>
+#include <dyslam/io/RecordingOptions.h>
 
 #include <string>
 #include <vector>
@@ -23,6 +24,7 @@ struct Arguments
   std::string shard;
   std::string slurm_options;
   std::vector<std::string> assignments;
+  RecordingOptions conversion;  //!< of recordings that are no rawlogs
   bool labels = false;
   bool probabilities = false;
   bool static_scans = false;

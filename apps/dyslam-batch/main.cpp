@@ -92,10 +92,6 @@ std::vector<BatchResult> runHere(const Arguments& a,
 void run(const Arguments& a)
 {
   std::vector<Recording> recordings = listRecordings(a.entries);
-  for (const Recording& recording : recordings)
-  {
-    requireConverted(recording.path);
-  }
   if (!a.shard.empty())
   {
     recordings = Shard::fromText(a.shard).of(recordings);

@@ -5,6 +5,7 @@
 #include <dyslam/core/Files.h>
 #include <dyslam/core/PendingFile.h>
 #include <dyslam/core/Printable.h>
+#include <dyslam/formats/RunFiles.h>
 #include <dyslam/io/OptionError.h>
 #include <dyslam/pipeline/FolderLock.h>
 
@@ -15,7 +16,6 @@
 #include <string>
 
 #include "../common/Checks.h"
-#include "../common/ConversionFlags.h"
 #include "../common/ConversionReport.h"
 
 namespace dyslam
@@ -29,7 +29,7 @@ struct ConvertedFiles
 {
   explicit ConvertedFiles(const std::string& output)
       : folder(output),
-        rawlog((fs::path(output) / "recording.rawlog").string()),
+        rawlog((fs::path(output) / converted_rawlog_name).string()),
         origin((fs::path(output) / "recording.ini").string())
   {
   }
@@ -118,26 +118,6 @@ void convertTo(const ConvertedFiles& files,
 }
 }  // namespace
 
-void declareConversion(CLI::App& app, RecordingOptions& options)
-{
-  const std::string before = app.option_defaults()->get_group();
-  app.option_defaults()->group("Input that is no rawlog (the converters have more options)");
-  app.add_option("--topic", options.topic,
-                 "a bag's topic of scans (default: the most likely lidar; scans2rawlog --list "
-                 "prints the topics)");
-  app.add_option("--imu-topic", options.imu_topic, "a bag's sensor_msgs/Imu");
-  app.add_option("--odometry-topic", options.odometry_topic, "a bag's speed by the wheels");
-  app.add_option("--gnss-topic", options.gnss_topic, "a bag's sensor_msgs/NavSatFix");
-  declareLidar(app, options);
-  declareMounting(app, options);
-  app.add_option(
-         "--dt", options.dt,
-         "seconds between the scans of a folder; default: their own times, else 0.1 (KITTI: "
-         "0.1034)")
-      ->check(positive());
-  app.option_defaults()->group(before);
-}
-
 void convertInput(SlamArguments& a, const RecordingOptions& options)
 {
   const std::string input = a.settings.rawlog;
@@ -165,7 +145,11 @@ void convertInput(SlamArguments& a, const RecordingOptions& options)
   }
   requireNoUnfinishedRun(a.settings);
   requireApart(input, files.folder);
-  (void)readGivenSettings(a.config, assignmentsOf(a)).merged();  // errors before the long work
+  const Config given = readGivenSettings(a.config, assignmentsOf(a)).merged();  // throws early
+  if (!options.further_topics.empty() && !given.has("input", "further_lidars"))
+  {
+    a.assignments.push_back("input.further_lidars=" + options.furtherLidars());
+  }
   const bool is_new_folder = !fs::exists(files.folder);
   makeFolder(files.folder, "choose another --output");
   try

@@ -9,9 +9,6 @@
 
 namespace dyslam
 {
-/** Options for an input that is no rawlog. */
-void declareConversion(CLI::App& app, RecordingOptions& options);
-
 /** Replaces an input that is no rawlog by `recording.rawlog` in the output folder, which it is
  * converted to, with its ground truth beside it.
  *

@@ -3,6 +3,7 @@
 #include <dyslam/pipeline/SlamRun.h>
 
 #include "../common/AppMain.h"
+#include "../common/ConversionFlags.h"
 #include "../common/OutputOptions.h"
 #include "../common/SlamProgram.h"
 #include "InputConversion.h"

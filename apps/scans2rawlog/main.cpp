@@ -47,10 +47,7 @@ void declare(CLI::App& app, Arguments& arguments)
       "--topic", o.topic,
       "a bag's topic of clouds (PointCloud2, Livox) or packets (Velodyne, Hesai, Ouster) (default: "
       "clouds, those with times or rings of the points, then with the most bytes)");
-  app.add_option("--further-topic", o.further_topics,
-                 "topic of another lidar in the bag, placed by /tf_static; repeatable. dyslam "
-                 "merges its scans with input.further_lidars")
-      ->allow_extra_args(false);
+  declareFurtherTopics(app, o);
   app.add_option("--truth-topic", o.truth_topic,
                  "a bag's true poses of the vehicle: PoseStamped, Odometry, TransformStamped, /tf");
   app.add_option("--truth-frame", o.truth_frame,

@@ -75,6 +75,7 @@ class DirectInput : public ::testing::Test
                        test::pointCloud2(true, scan.stamp, test::velodyneFields(content))});
       }
     }
+    fs::create_directories(fs::path(at(name)).parent_path());
     test::writeBag(at(name), all);
   }
 
@@ -130,6 +131,54 @@ TEST_F(DirectInput, ABag)
 {
   bag("drive.mcap");
   expectSameAsConvertedFirst("scans2rawlog", "drive.mcap", "--topic /points");
+}
+
+/** The recordings of all lidars of a vehicle, merged without a setting. */
+TEST_F(DirectInput, ABagOfSeveralLidars)
+{
+  const double begin = scans_[0].stamp;
+  std::vector<test::TestMessage> all{
+      {"/tf_static", "tf2_msgs/TFMessage", begin,
+       test::transforms(
+           true, begin,
+           {{"lidar", Pose::Identity()}, {"rear_lidar", poseFromYpr(-1, 0, 0, M_PI, 0, 0)}})}};
+  for (const Scan& scan : scans_)
+  {
+    for (const std::string frame : {"lidar", "rear_lidar"})
+    {
+      all.push_back({"/" + frame + "/points", "sensor_msgs/PointCloud2", scan.stamp,
+                     test::pointCloud2(true, scan.stamp, test::velodyneFields(scan), 1, frame)});
+    }
+  }
+  test::writeBag(at("two.mcap"), all);
+  const Outcome outcome =
+      run("dyslam", "-i " + at("two.mcap") + " -o " + at("run") +
+                        " --topic /lidar/points --further-topic /rear_lidar/points --labels");
+  EXPECT_EQ(outcome.code, 0) << outcome.err;
+  EXPECT_TRUE(contains(outcome.out, "further lidar: /rear_lidar/points")) << outcome.out;
+  EXPECT_TRUE(contains(folder_.read("run/effective.ini"), "further_lidars = rear_lidar_points"));
+  EXPECT_EQ(fs::file_size(at("run/labels/000003.label")), 2 * 4 * scans_[3].size());
+}
+
+TEST_F(DirectInput, InABatch)
+{
+  bag("all/drive.mcap");
+  bins("all/drive_sync/velodyne_points/data");
+  const std::string command = at("all") + " -o " + at("batch") + " --no-summary";
+  const Outcome outcome = run("dyslam-batch", command);
+  EXPECT_EQ(outcome.code, 0) << outcome.err;
+  EXPECT_TRUE(contains(outcome.out, "drive: done")) << outcome.out;
+  EXPECT_TRUE(contains(outcome.out, "drive_sync: done")) << outcome.out;
+  const Outcome single = run("dyslam", "-q -i " + at("all/drive.mcap") + " -o " + at("single"));
+  EXPECT_EQ(single.code, 0) << single.err;
+  EXPECT_FALSE(folder_.read("single/trajectory_tum.txt").empty());
+  EXPECT_EQ(folder_.read("single/trajectory_tum.txt"),
+            folder_.read("batch/drive/trajectory_tum.txt"));
+  EXPECT_TRUE(contains(run("dyslam-batch", command).out, "drive: done before"));
+  const Outcome other = run("dyslam-batch", at("all/drive.mcap") + " -o " + at("other") +
+                                                " --no-summary --topic=/nothing");
+  EXPECT_EQ(other.code, 2);
+  EXPECT_TRUE(contains(other.out, "/nothing is not in it")) << other.out;
 }
 
 TEST_F(DirectInput, ACapture)

@@ -67,24 +67,26 @@ std::optional<FileState> stateOf(const std::string& path)
       std::int64_t{status.st_mtim.tv_sec} * 1000000000 + std::int64_t{status.st_mtim.tv_nsec}};
 }
 
-/** Of the external files of a rawlog: their size and the last change of any; folders change when a
- * file is removed. */
-FileState stateOfExternal(const std::string& rawlog)
+/** Of the files in a folder: their size and the last change of any; folders change when a file is
+ * removed. */
+FileState stateOfFolder(const std::string& folder)
 {
   FileState all;
-  const auto folder = externalFolderOf(rawlog);
-  if (!folder)
-  {
-    return all;
-  }
-  all.time = stateOf(*folder).value_or(FileState()).time;
-  for (const auto& entry : fs::recursive_directory_iterator(*folder))
+  all.time = stateOf(folder).value_or(FileState()).time;
+  for (const auto& entry : fs::recursive_directory_iterator(folder))
   {
     const FileState one = stateOf(entry.path().string()).value_or(FileState());
     all.bytes += entry.is_regular_file() ? one.bytes : 0;
     all.time = std::max(all.time, one.time);
   }
   return all;
+}
+
+/** The folder with files that belong to a recording: itself, or that of a rawlog's external files.
+ */
+std::optional<std::string> folderOfFiles(const std::string& path)
+{
+  return fs::is_directory(path) ? path : externalFolderOf(path);
 }
 
 /** Whether files of the same path can be taken for unchanged without reading them. */
@@ -95,10 +97,10 @@ bool looksUnchanged(const Work& known, const Work& now)
          known.external_time == now.external_time;
 }
 
-/** The rawlog and the files that it names, which stand in a folder beside it. */
+/** A rawlog and the files that it names, which stand in a folder beside it; or all in a folder. */
 std::string checksumOfRecording(const std::string& path)
 {
-  const auto folder = externalFolderOf(path);
+  const auto folder = folderOfFiles(path);
   if (!folder)
   {
     return checksumOfFile(path);
@@ -112,7 +114,7 @@ std::string checksumOfRecording(const std::string& path)
     }
   }
   std::sort(files.begin(), files.end());
-  std::string all = checksumOfFile(path);
+  std::string all = fs::is_directory(path) ? "" : checksumOfFile(path);
   for (const std::string& file : files)
   {
     all += fs::path(file).filename().string() + checksumOfFile(file);
@@ -236,10 +238,11 @@ Work workOn(const std::string& input, const Work& common, const std::optional<Ma
   {
     throw UserError(input + ": no such file");
   }
-  const FileState external = stateOfExternal(input);
+  const auto folder = folderOfFiles(input);
+  const FileState external = folder ? stateOfFolder(*folder) : FileState();
   Work work = common;
   work.input = input;
-  work.input_bytes = file->bytes;
+  work.input_bytes = fs::is_directory(input) ? 0 : file->bytes;
   work.input_time = file->time;
   work.external_bytes = external.bytes;
   work.external_time = external.time;

@@ -5,6 +5,7 @@
 #include <dyslam/core/Error.h>
 #include <dyslam/core/Files.h>
 #include <dyslam/formats/ProgramLines.h>
+#include <dyslam/formats/RecordingKind.h>
 #include <dyslam/formats/RunFiles.h>
 
 #include <algorithm>
@@ -95,19 +96,34 @@ bool hasResults(const ChildOutcome& outcome)
   return outcome.code == 0 || outcome.code == 2;
 }
 
-/** Whether somebody stopped a run, and not the batch: by a signal that dyslam ends orderly on.
- * \param line the last one of its log */
-bool isStoppedAlone(const ChildOutcome& outcome, const std::string& line, const Manifest& m)
+/** Whether dyslam converts the recording before it runs. */
+bool isConverted(const std::string& recording)
 {
-  return outcome.signal == SIGINT || outcome.signal == SIGTERM || outcome.signal == SIGHUP ||
-         (!hasResults(outcome) && isStoppedLine(program_name, m.work.input, line));
+  return recordingKind(recording) != RecordingKind::unknown;
 }
 
-/** Sets state and figures from the end of a run. \param log of the run, whose last line is the
- * reason
- */
-RunEnd recordOutcome(const ChildOutcome& outcome, bool stopped, const std::string& log, Manifest& m)
+/** The rawlog that a run reads. */
+std::string rawlogOf(const std::string& recording, const std::string& folder)
 {
+  return isConverted(recording) ? (fs::path(folder) / converted_rawlog_name).string() : recording;
+}
+
+/** Whether somebody stopped a run, and not the batch: by a signal that dyslam ends orderly on.
+ * \param line the last one of its log */
+bool isStoppedAlone(const ChildOutcome& outcome, const std::string& line, const std::string& rawlog)
+{
+  return outcome.signal == SIGINT || outcome.signal == SIGTERM || outcome.signal == SIGHUP ||
+         (!hasResults(outcome) && isStoppedLine(program_name, rawlog, line));
+}
+
+/** Sets state and figures from the end of a run. \param folder of the run, the last line of whose
+ * log is the reason */
+RunEnd recordOutcome(const ChildOutcome& outcome,
+                     bool stopped,
+                     const std::string& folder,
+                     Manifest& m)
+{
+  const std::string log = (fs::path(folder) / log_name).string();
   m.seconds = outcome.seconds;
   m.peak_memory = outcome.peak_memory;
   m.reason.clear();
@@ -132,7 +148,7 @@ RunEnd recordOutcome(const ChildOutcome& outcome, bool stopped, const std::strin
                    ? std::string("ended by the signal ") + ::strsignal(outcome.signal)
                    : lastLine(tailOf(log));
   }
-  const bool stopped_alone = isStoppedAlone(outcome, m.reason, m);
+  const bool stopped_alone = isStoppedAlone(outcome, m.reason, rawlogOf(m.work.input, folder));
   m.interrupted = outcome.signal != 0 || stopped_alone;
   return stopped_alone ? RunEnd::stopped : m.interrupted ? RunEnd::killed : RunEnd::by_itself;
 }
@@ -200,7 +216,12 @@ RunEnd runOne(const BatchSettings& settings,
   }
   std::ofstream(command.log, std::ios::app) << "attempt " << m.attempts << '\n';
   writeManifest(folder, m);
-  command.words = {settings.program, "-i", result.recording.path, "-o", folder};
+  command.words = {settings.program};
+  if (!resume || !isConverted(result.recording.path))
+  {
+    command.words.insert(command.words.end(), {"-i", result.recording.path});
+  }
+  command.words.insert(command.words.end(), {"-o", folder});
   if (resume)
   {
     command.words.emplace_back("--resume");
@@ -214,7 +235,7 @@ RunEnd runOne(const BatchSettings& settings,
   bool stopped = false;
   const ChildOutcome outcome = runChild(command, [&] { return stopped = stopped || stop(); });
   stopped = stopped || (!hasResults(outcome) && stop());  // the same signal may have reached both
-  const RunEnd end = recordOutcome(outcome, stopped, command.log, m);
+  const RunEnd end = recordOutcome(outcome, stopped, folder, m);
   if (m.hasResults())
   {
     m.settings_checksum = checksumOfFile((fs::path(folder) / "effective.ini").string());

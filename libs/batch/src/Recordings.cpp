@@ -2,6 +2,7 @@
 #include <dyslam/batch/Recordings.h>
 #include <dyslam/core/Error.h>
 #include <dyslam/core/Files.h>
+#include <dyslam/formats/RecordingKind.h>
 #include <glob.h>
 
 #include <algorithm>
@@ -24,6 +25,18 @@ bool isRun(const fs::path& folder)
   return fs::exists(folder / "report.json") || fs::exists(folder / "manifest.json");
 }
 
+/** A folder that is one recording and does not look like something else, as folders of point clouds
+ * may: those must be named. */
+bool isRecordingFolder(const std::string& folder)
+{
+  return isBag(folder) || officialKittiKind(folder).has_value();
+}
+
+bool isRecordingFile(const fs::path& path)
+{
+  return path.extension() == ".rawlog" || recordingKind(path.string()) != RecordingKind::unknown;
+}
+
 std::vector<std::string> within(const std::string& folder)
 {
   std::vector<std::string> files;
@@ -34,13 +47,20 @@ std::vector<std::string> within(const std::string& folder)
   for (auto entry = fs::recursive_directory_iterator(folder);
        entry != fs::recursive_directory_iterator(); ++entry)
   {
-    if (entry->is_directory() && isRun(entry->path()))
+    const bool is_folder = entry->is_directory();
+    const bool is_recording = is_folder ? isRecordingFolder(entry->path().string())
+                                        : entry->is_regular_file() && isRecordingFile(*entry);
+    if (is_folder && isRun(entry->path()))
     {
       entry.disable_recursion_pending();
     }
-    else if (entry->is_regular_file() && entry->path().extension() == ".rawlog")
+    else if (is_recording)
     {
       files.push_back(entry->path().string());
+      if (is_folder)
+      {
+        entry.disable_recursion_pending();
+      }
     }
   }
   std::sort(files.begin(), files.end());
@@ -83,8 +103,14 @@ void expandList(const std::string& list, int depth, std::vector<std::string>& fi
 void expand(const std::string& entry, int depth, std::vector<std::string>& files)
 {
   const std::size_t before = files.size();
-  std::string why = ": has no recordings (*.rawlog; those in folders of runs are results)";
-  if (fs::is_directory(entry))
+  std::string why =
+      ": has no recordings (.rawlog, .bag, .mcap, .db3, .pcap, KITTI drives; those in folders of "
+      "runs are results)";
+  if (fs::is_directory(entry) && recordingKind(entry) != RecordingKind::unknown)
+  {
+    files.push_back(entry);
+  }
+  else if (fs::is_directory(entry))
   {
     const auto found = within(entry);
     files.insert(files.end(), found.begin(), found.end());
@@ -114,13 +140,13 @@ void expand(const std::string& entry, int depth, std::vector<std::string>& files
   }
   if (files.size() == before)
   {
-    throw UserError(entry + why + "; give rawlogs, folders, patterns or lists (.txt) of them");
+    throw UserError(entry + why + "; give recordings, folders, patterns or lists (.txt) of them");
   }
 }
 
 std::string nameWith(const fs::path& path, int folders)
 {
-  std::string name = path.stem().string();
+  std::string name = fs::is_directory(path) ? path.filename().string() : path.stem().string();
   fs::path folder = path.parent_path();
   for (int i = 0; i < folders && folder.has_filename(); ++i, folder = folder.parent_path())
   {
@@ -160,6 +186,30 @@ void giveNames(std::vector<Recording>& recordings)
 }
 }  // namespace
 
+namespace
+{
+std::uintmax_t sizeOf(const std::string& path)
+{
+  if (!fs::is_directory(path))
+  {
+    return fs::file_size(path);
+  }
+  std::uintmax_t bytes = 0;
+  for (const auto& entry : fs::recursive_directory_iterator(path))
+  {
+    bytes += entry.is_regular_file() ? entry.file_size() : 0;
+  }
+  return bytes;
+}
+
+/** Absolute, without a slash at the end. */
+std::string normalPath(const std::string& path)
+{
+  const fs::path normal = fs::absolute(path).lexically_normal();
+  return (normal.has_filename() ? normal : normal.parent_path()).string();
+}
+}  // namespace
+
 std::vector<Recording> listRecordings(const std::vector<std::string>& entries)
 {
   std::vector<std::string> files;
@@ -171,10 +221,10 @@ std::vector<Recording> listRecordings(const std::vector<std::string>& entries)
   std::set<std::string> seen;
   for (const std::string& file : files)
   {
-    const std::string path = fs::absolute(file).lexically_normal().string();
+    const std::string path = normalPath(file);
     if (seen.insert(path).second)
     {
-      recordings.push_back({"", path, fs::file_size(path)});
+      recordings.push_back({"", path, sizeOf(path)});
     }
   }
   giveNames(recordings);

@@ -106,6 +106,21 @@ TEST_F(Batch, RunsThatAreStoppedAloneAreNotRepeatedButResumedByTheNextBatch)
   }
 }
 
+/** A run that reads what it made of its input is resumed without that input. */
+TEST_F(Batch, ConvertedRecordingsAreResumed)
+{
+  program(
+      "if [[ $1 == -o ]]; then [[ $3 == --resume ]] && rm \"$2/resume.state\"\n"
+      "echo resumed > \"$2/how\"; echo > \"$2/effective.ini\"; echo '{}' > \"$2/report.json\"\n"
+      "exit 0; fi\n"
+      "touch \"$4/resume.state\"\n"
+      "echo \"dyslam: $4/recording.rawlog: stopped on request after 3 scans\" >&2; exit 1");
+  names_ = {folder_.write("in/drive.bag", "x")};
+  EXPECT_EQ(toText(countsOf(run())), "0 done, 1 failed");
+  EXPECT_EQ(toText(countsOf(run())), "1 done");
+  EXPECT_EQ(folder_.read("out/drive/how"), "resumed\n");
+}
+
 TEST_F(Batch, ASignalToAllOfThemLeavesRunsToBeResumed)
 {
   names_ = {names_[2]};

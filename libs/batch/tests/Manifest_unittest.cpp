@@ -99,6 +99,22 @@ TEST(Manifest, AMovedOrTouchedInputOfSameContentIsTheSameWork)
   EXPECT_FALSE(isDone(folder.path(), workOn(input, common(), m), m));
 }
 
+TEST(Manifest, AFolderIsAllOfItsFiles)
+{
+  const TestFolder folder;
+  folder.write("drive/a.mcap", "one");
+  folder.write("drive/more/b.mcap", "two");
+  const Work work = workOn(folder.file("drive"), common(), std::nullopt);
+  EXPECT_EQ(work.external_bytes, 6U);
+  const Manifest m = doneIn(folder, work);
+  EXPECT_TRUE(isDone(folder.path(), workOn(folder.file("drive"), common(), m), m));
+  folder.write("drive/more/b.mcap", "2wo");
+  std::filesystem::last_write_time(
+      folder.file("drive/more/b.mcap"),
+      std::filesystem::file_time_type::clock::now() + std::chrono::hours(1));
+  EXPECT_FALSE(isDone(folder.path(), workOn(folder.file("drive"), common(), m), m));
+}
+
 TEST(Manifest, ExternalFilesAreOfTheInput)
 {
   const TestFolder folder;

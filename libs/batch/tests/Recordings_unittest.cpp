@@ -39,6 +39,28 @@ TEST(Recordings, AreFilesFoldersPatternsAndLists)
   EXPECT_EQ(listed[0].path, folder.file("two/x1.rawlog"));
 }
 
+TEST(Recordings, AreAllThatDyslamConverts)
+{
+  const TestFolder folder;
+  folder.write("all/a.rawlog", "");
+  folder.write("all/a_Images/0.bin", "");  // of the rawlog
+  folder.write("all/a.gt/flow/000000.bin", "");
+  folder.write("all/b.bag", "123");
+  folder.write("all/c/c_0.mcap", "12");
+  folder.write("all/c/metadata.yaml", "345");
+  folder.write("all/d.pcap", "");
+  folder.write("all/day/2011_drive_sync/velodyne_points/data/0000000000.bin", "");
+  folder.write("all/map/map.pcd", "");
+  folder.write("all/notes.txt", "");
+  const auto listed = listRecordings({folder.file("all")});
+  EXPECT_EQ(namesOf(listed), (std::vector<std::string>{"a", "b", "c", "d", "2011_drive_sync"}));
+  EXPECT_EQ(listed[1].bytes, 3U);
+  EXPECT_EQ(listed[2].bytes, 5U) << "all files of the folder";
+  EXPECT_EQ(listed[2].path, folder.file("all/c"));
+  // Clouds may be anything, unless they are named.
+  EXPECT_EQ(namesOf(listRecordings({folder.file("all/map/")})), std::vector<std::string>{"map"});
+}
+
 TEST(Recordings, ResultsOfRunsAreNone)
 {
   const TestFolder folder;

@@ -135,14 +135,6 @@ struct FurtherTopic
   Pose T_vehicle_lidar;
 };
 
-/** "ouster_rear_points" of "/ouster/rear/points". */
-std::string labelOfTopic(std::string name)
-{
-  name.erase(0, name.find_first_not_of('/'));
-  std::replace(name.begin(), name.end(), '/', '_');
-  return name;
-}
-
 /** The topics of --further-topic. \param scans topic of the first lidar \throws UserError if one
  * is missing, or if the transforms do not place its lidar. */
 std::vector<FurtherTopic> furtherTopics(const std::string& input,

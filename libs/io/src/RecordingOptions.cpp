@@ -4,57 +4,96 @@
 
 #include <algorithm>
 #include <array>
+#include <cstdio>
 
 namespace dyslam
 {
 namespace
 {
-struct TextOption
+using Values = std::vector<std::string>;
+
+/** Read back as the same number. */
+std::string exactText(double value)
+{
+  char text[32];
+  std::snprintf(text, sizeof text, "%.17g", value);
+  return text;
+}
+
+/** \return the text as a list of one, or of none if it is empty */
+Values valuesOf(const std::string& text)
+{
+  return text.empty() ? Values() : Values{text};
+}
+
+struct RecordingOption
 {
   const char* flag;
-  std::string RecordingOptions::*value;
+  Values (*values)(const RecordingOptions& options);  //!< those given
   bool only_bags;
   const char* with;  //!< the inputs that it works with, if KITTI's folders are none of them
 };
 
-constexpr const char* dt_flag = "--dt";
-
-/** All options but dt. */
-const std::array<TextOption, 8> text_options{
-    {{"--topic", &RecordingOptions::topic, true, "a bag"},
-     {"--imu-topic", &RecordingOptions::imu_topic, true, "a bag"},
-     {"--odometry-topic", &RecordingOptions::odometry_topic, true, "a bag"},
-     {"--gnss-topic", &RecordingOptions::gnss_topic, true, "a bag"},
-     {"--sensor", &RecordingOptions::sensor, false, "a .pcap, a bag or a folder of scans"},
-     {"--calibration", &RecordingOptions::calibration, false, "the packets of a .pcap or a bag"},
-     {"--sensor-pose", &RecordingOptions::sensor_pose, false, nullptr},
-     {"--base-frame", &RecordingOptions::base_frame, true, "a bag"}}};
+using Given = const RecordingOptions&;
+const std::array<RecordingOption, 10> all_options{
+    {{"--topic", [](Given o) { return valuesOf(o.topic); }, true, "a bag"},
+     {"--further-topic", [](Given o) { return o.further_topics; }, true, "a bag"},
+     {"--imu-topic", [](Given o) { return valuesOf(o.imu_topic); }, true, "a bag"},
+     {"--odometry-topic", [](Given o) { return valuesOf(o.odometry_topic); }, true, "a bag"},
+     {"--gnss-topic", [](Given o) { return valuesOf(o.gnss_topic); }, true, "a bag"},
+     {"--sensor", [](Given o) { return valuesOf(o.sensor); }, false,
+      "a .pcap, a bag or a folder of scans"},
+     {"--calibration", [](Given o) { return valuesOf(o.calibration); }, false,
+      "the packets of a .pcap or a bag"},
+     {"--sensor-pose", [](Given o) { return valuesOf(o.sensor_pose); }, false, nullptr},
+     {"--base-frame", [](Given o) { return valuesOf(o.base_frame); }, true, "a bag"},
+     {"--dt", [](Given o) { return o.dt > 0 ? Values{exactText(o.dt)} : Values(); }, false,
+      nullptr}}};
 }  // namespace
+
+std::vector<std::string> RecordingOptions::words() const
+{
+  std::vector<std::string> result;
+  for (const RecordingOption& option : all_options)
+  {
+    for (const std::string& value : option.values(*this))
+    {
+      // In one word: the value may begin with a minus.
+      result.push_back(std::string(option.flag) + "=" + value);
+    }
+  }
+  return result;
+}
+
+std::string RecordingOptions::furtherLidars() const
+{
+  std::string pattern;
+  for (const std::string& topic : further_topics)
+  {
+    pattern += (pattern.empty() ? "" : "|") + labelOfTopic(topic);
+  }
+  return pattern;
+}
 
 std::string RecordingOptions::givenFlag() const
 {
-  for (const TextOption& option : text_options)
-  {
-    if (!(this->*option.value).empty())
-    {
-      return option.flag;
-    }
-  }
-  return dt > 0 ? dt_flag : "";
+  const auto given =
+      std::find_if(all_options.begin(), all_options.end(),
+                   [this](const RecordingOption& o) { return !o.values(*this).empty(); });
+  return given == all_options.end() ? "" : given->flag;
 }
 
 bool RecordingOptions::hasFlag(const std::string& flag)
 {
-  return flag == dt_flag ||
-         std::any_of(text_options.begin(), text_options.end(),
-                     [&flag](const TextOption& option) { return option.flag == flag; });
+  return std::any_of(all_options.begin(), all_options.end(),
+                     [&flag](const RecordingOption& option) { return option.flag == flag; });
 }
 
 std::string RecordingOptions::givenFlagOfBags() const
 {
-  for (const TextOption& option : text_options)
+  for (const RecordingOption& option : all_options)
   {
-    if (option.only_bags && !(this->*option.value).empty())
+    if (option.only_bags && !option.values(*this).empty())
     {
       return option.flag;
     }
@@ -64,12 +103,19 @@ std::string RecordingOptions::givenFlagOfBags() const
 
 void RecordingOptions::requireFittingKitti() const
 {
-  for (const TextOption& option : text_options)
+  for (const RecordingOption& option : all_options)
   {
-    if (option.with != nullptr && !(this->*option.value).empty())
+    if (option.with != nullptr && !option.values(*this).empty())
     {
       throw UserError(std::string(option.flag) + " works with " + option.with + " only");
     }
   }
+}
+
+std::string labelOfTopic(std::string topic)
+{
+  topic.erase(0, topic.find_first_not_of('/'));
+  std::replace(topic.begin(), topic.end(), '/', '_');
+  return topic;
 }
 }  // namespace dyslam

@@ -311,7 +311,6 @@ void requireFitting(InputKind kind, const ScanConverterOptions& options)
         Use{"--times", !options.times.empty(), InputKind::folder, "a folder of scans"},
         Use{"--by-number", options.by_number, InputKind::folder, "a folder of scans"},
         Use{of_bags.c_str(), !of_bags.empty(), InputKind::bag, "a bag"},
-        Use{"--further-topic", !options.further_topics.empty(), InputKind::bag, "a bag"},
         Use{"--truth-topic", !options.truth_topic.empty(), InputKind::bag, "a bag"},
         Use{"--truth-frame", !options.truth_frame.empty(), InputKind::bag, "a bag"},
         Use{"--imu-pose", !options.imu_pose.empty(), InputKind::bag, "a bag"}})

@@ -15,7 +15,7 @@ namespace dyslam::batch
 struct Work
 {
   std::string input;                  //!< path of the recording
-  std::uintmax_t input_bytes = 0;     //!< its size
+  std::uintmax_t input_bytes = 0;     //!< its size; 0 for a folder, whose files are external
   std::int64_t input_time = 0;        //!< of its last change [ns]
   std::uintmax_t external_bytes = 0;  //!< size of its external files, in a folder beside it
   std::int64_t external_time = 0;     //!< of the last change in that folder [ns]

@@ -15,9 +15,10 @@ struct Recording
   std::uintmax_t bytes = 0;
 };
 
-/** The recordings that a user names: rawlogs, folders (all rawlogs within, at any depth), patterns
- * (`drives/2*.rawlog`) and list files (`.txt`: one of all these per line, relative to the list's
- * folder; `#` begins a comment).
+/** The recordings that a user names: all that dyslam reads, folders (rawlogs, bags, captures and
+ * KITTI drives within, at any depth), patterns (`drives/2*.rawlog`) and list files (`.txt`: one of
+ * all these per line, relative to the list's folder; `#` begins a comment). A folder of point
+ * clouds is a recording only if it is named itself.
  *
  * Each is taken once, in the order given, those of a folder or pattern by name. Names are the stem,
  * with as many folders before it as make it unique: `monday_drive`.

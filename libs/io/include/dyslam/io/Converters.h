@@ -93,8 +93,6 @@ struct ScanConverterOptions : Options, ScanRange, RecordingOptions
 {
   std::string poses;  //!< TUM or KITTI file of the lidar, for folders
   std::string times;  //!< file of times [s] or KITTI time stamps for a folder, a line for each scan
-  /** Of a bag's further lidars, placed by `/tf_static` relative to the first. */
-  std::vector<std::string> further_topics;
   std::string truth_topic;  //!< of a bag's true poses of the vehicle; empty: none
   std::string truth_frame;  //!< child frame of truth_topic, where that has several
   PoseSource pose_source = PoseSource::unknown;  //!< of poses or truth_topic; unknown: given

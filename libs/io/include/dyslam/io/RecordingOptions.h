@@ -2,13 +2,17 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 namespace dyslam
 {
 /** Options of scans2rawlog that dyslam has, too, for a recording of any kind. */
 struct RecordingOptions
 {
-  std::string topic;           //!< of a bag's scans; empty: the one with the most
+  std::string topic;  //!< of a bag's scans; empty: the one with the most
+  /** Of a bag's further lidars, placed by `/tf_static` relative to the first; see labelOfTopic().
+   */
+  std::vector<std::string> further_topics;
   std::string imu_topic;       //!< of a bag's IMU; empty: none
   std::string odometry_topic;  //!< of the speeds of a bag's wheels; empty: none
   std::string gnss_topic;      //!< of a bag's satellite receiver; empty: none
@@ -20,6 +24,10 @@ struct RecordingOptions
   std::string base_frame;   //!< of the vehicle in a bag's `/tf_static`, instead of sensor_pose
   double dt = 0;            //!< seconds between scans; 0: the recording's times, else 0.1
 
+  /** RawlogSourceOptions::further_lidars for the scans of further_topics; empty without. */
+  [[nodiscard]] std::string furtherLidars() const;
+  /** What is given as words of a command line: "--topic=/points". */
+  [[nodiscard]] std::vector<std::string> words() const;
   /** The flag of an option that is given, for messages: "--topic"; empty if none is. */
   [[nodiscard]] std::string givenFlag() const;
   /** Whether one of these options has this flag. */
@@ -29,4 +37,7 @@ struct RecordingOptions
   /** \throws UserError for an option that is given and does not apply to KITTI's folders. */
   void requireFittingKitti() const;
 };
+
+/** Sensor label that the scans of a further topic get: "rear_points" of "/rear/points". */
+[[nodiscard]] std::string labelOfTopic(std::string topic);
 }  // namespace dyslam
