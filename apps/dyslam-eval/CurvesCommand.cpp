@@ -2,7 +2,7 @@
 #include "CurvesCommand.h"
 
 #include <dyslam/core/Files.h>
-#include <dyslam/eval/LearningCurves.h>
+#include <dyslam/plot/LearningCurves.h>
 
 #include <cstdio>
 #include <filesystem>

@@ -2,8 +2,8 @@
 #include "MaskCommand.h"
 
 #include <dyslam/core/Files.h>
-#include <dyslam/eval/MaskPicture.h>
 #include <dyslam/eval/Table.h>
+#include <dyslam/plot/MaskPicture.h>
 
 #include <algorithm>
 #include <cstdio>

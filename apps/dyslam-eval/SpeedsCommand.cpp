@@ -2,8 +2,8 @@
 #include "SpeedsCommand.h"
 
 #include <dyslam/core/Error.h>
-#include <dyslam/eval/LinePlot.h>
 #include <dyslam/formats/TextFile.h>
+#include <dyslam/plot/LinePlot.h>
 
 #include <cmath>
 #include <map>

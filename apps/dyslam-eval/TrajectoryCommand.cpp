@@ -4,10 +4,10 @@
 #include <dyslam/core/Error.h>
 #include <dyslam/core/Printable.h>
 #include <dyslam/eval/Axes.h>
-#include <dyslam/eval/TrajectoryPlot.h>
 #include <dyslam/eval/TrajectoryReports.h>
 #include <dyslam/formats/KittiFiles.h>
 #include <dyslam/formats/TrajectoryFiles.h>
+#include <dyslam/plot/TrajectoryPlot.h>
 
 #include <algorithm>
 #include <filesystem>

@@ -2,9 +2,9 @@
 #include "MapPictures.h"
 
 #include <dyslam/core/PendingFile.h>
-#include <dyslam/eval/MapPicture.h>
 #include <dyslam/formats/ScanFiles.h>
 #include <dyslam/mapping/MapDifference.h>
+#include <dyslam/plot/MapPicture.h>
 
 #include <cstdint>
 #include <filesystem>

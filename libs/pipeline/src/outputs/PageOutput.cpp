@@ -4,8 +4,8 @@
 #include <dyslam/core/Files.h>
 #include <dyslam/core/PendingFile.h>
 #include <dyslam/core/SharedFiles.h>
-#include <dyslam/eval/MapPicture.h>
 #include <dyslam/formats/GroundTruth.h>
+#include <dyslam/plot/MapPicture.h>
 #include <dyslam/report/RunPage.h>
 
 #include <algorithm>

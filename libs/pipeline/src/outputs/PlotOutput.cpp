@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/core/Files.h>
 #include <dyslam/core/PendingFile.h>
-#include <dyslam/eval/TrajectoryPlot.h>
+#include <dyslam/plot/TrajectoryPlot.h>
 
 #include <string_view>
 

@@ -1,15 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <dyslam/core/AreaUnderCurve.h>
-#include <dyslam/core/Error.h>
-#include <dyslam/eval/MaskPicture.h>
+#include <dyslam/plot/MaskPicture.h>
 
 #include <algorithm>
-#include <array>
-#include <charconv>
 #include <cstdio>
 #include <opencv2/imgproc.hpp>
-#include <string_view>
-#include <utility>
 
 #include "PlotPage.h"
 
@@ -19,7 +13,6 @@ namespace
 {
 using namespace plot;
 
-constexpr std::string_view header = "x,y,z,static_confidence,label";
 constexpr float half_side = 40;  // m
 constexpr int view_pixels = 720 * supersampling;
 constexpr int margin = 48 * supersampling;
@@ -27,43 +20,6 @@ constexpr int curve_pixels = 420 * supersampling;
 
 const cv::Scalar faint_grey(205, 205, 205);
 const cv::Scalar dark_red(40, 40, 140);
-
-/** A sampled point whose true label is known. */
-struct Sample
-{
-  float confidence;  //!< that it is static
-  bool moving;       //!< by its label
-};
-
-std::vector<Sample> labelledSamples(const MaskScan& scan)
-{
-  std::vector<Sample> samples;
-  for (const auto& point : scan.points)
-  {
-    if (point.confidence >= 0 && point.truth != MaskScan::Truth::unknown)
-    {
-      samples.push_back({point.confidence, point.truth == MaskScan::Truth::moving});
-    }
-  }
-  return samples;
-}
-
-bool parseRow(std::string_view row, std::array<float, 5>& values)
-{
-  const char* at = row.data();
-  const char* end = at + row.size();
-  for (std::size_t i = 0; i < values.size(); ++i)
-  {
-    const auto [next, error] = std::from_chars(at, end, values[i]);
-    const bool last = i + 1 == values.size();
-    if (error != std::errc() || (last ? next != end : next == end || *next != ','))
-    {
-      return false;
-    }
-    at = last ? next : next + 1;
-  }
-  return true;
-}
 
 cv::Scalar confidenceColour(float confidence)
 {
@@ -136,96 +92,6 @@ void drawLegendAndScale(cv::Mat& page)
   write("10 m", bar - 8 * supersampling, Anchor::right);
 }
 }  // namespace
-
-MaskScan parseMaskScan(const std::string& content, const std::string& name)
-{
-  MaskScan scan;
-  scan.name = name;
-  std::string_view rest = content;
-  bool first = true;
-  while (!rest.empty())
-  {
-    const auto end = std::min(rest.find('\n'), rest.size());
-    std::string_view row = rest.substr(0, end);
-    rest.remove_prefix(std::min(end + 1, rest.size()));
-    if (!row.empty() && row.back() == '\r')
-    {
-      row.remove_suffix(1);
-    }
-    if (first)
-    {
-      if (row != header)
-      {
-        throw UserError(name + ": the first line must be " + std::string(header) +
-                        "; give a file of dyslam-train dylo --mask-csv");
-      }
-      first = false;
-      continue;
-    }
-    std::array<float, 5> v{};
-    const auto reject = [&](const char* what)
-    { throw UserError(name + ": row " + std::to_string(scan.points.size() + 1) + what); };
-    if (!parseRow(row, v))
-    {
-      reject(" is not five numbers with commas between");
-    }
-    if (!(v[3] <= 1))
-    {
-      reject(": static_confidence must be at most 1, or below 0 for none");
-    }
-    if (v[4] != 0 && v[4] != 1 && v[4] != 2)
-    {
-      reject(": label must be 0 (unknown), 1 (static) or 2 (moving)");
-    }
-    const auto truth = v[4] == 1   ? MaskScan::Truth::stationary
-                       : v[4] == 2 ? MaskScan::Truth::moving
-                                   : MaskScan::Truth::unknown;
-    scan.points.push_back({{v[0], v[1]}, v[3], truth});
-  }
-  if (scan.points.empty())
-  {
-    throw UserError(name + ": no rows; write it again with dyslam-train dylo --mask-csv");
-  }
-  return scan;
-}
-
-std::vector<Eigen::Vector2d> rocCurve(const MaskScan& scan)
-{
-  std::vector<Sample> samples = labelledSamples(scan);
-  const auto all_moving = static_cast<double>(
-      std::count_if(samples.begin(), samples.end(), [](const Sample& s) { return s.moving; }));
-  const double all_static = static_cast<double>(samples.size()) - all_moving;
-  if (all_moving == 0 || all_static == 0)
-  {
-    return {};
-  }
-  std::sort(samples.begin(), samples.end(),
-            [](const Sample& a, const Sample& b) { return a.confidence < b.confidence; });
-  std::vector<Eigen::Vector2d> curve = {Eigen::Vector2d::Zero()};
-  double moving = 0;
-  double static_count = 0;
-  for (std::size_t i = 0; i < samples.size(); ++i)
-  {
-    (samples[i].moving ? moving : static_count) += 1;
-    // Equal confidences are called moving together.
-    if (i + 1 == samples.size() || samples[i].confidence < samples[i + 1].confidence)
-    {
-      curve.emplace_back(static_count / all_static, moving / all_moving);
-    }
-  }
-  return curve;
-}
-
-double areaUnderCurve(const MaskScan& scan)
-{
-  std::vector<float> still;
-  std::vector<float> moving;
-  for (const Sample& sample : labelledSamples(scan))
-  {
-    (sample.moving ? moving : still).push_back(sample.confidence);
-  }
-  return areaUnderCurve(std::move(still), moving);
-}
 
 std::vector<std::uint8_t> renderMaskScan(const MaskScan& scan)
 {

@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <dyslam/core/Error.h>
-#include <dyslam/eval/LearningCurves.h>
+#include <dyslam/plot/LearningCurves.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <cmath>
 #include <opencv2/imgcodecs.hpp>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
@@ -46,23 +45,17 @@ TEST(LearningCurves, WhatCannotBeDrawnIsLeftOut)
   }
 }
 
-TEST(LearningCurves, CellsWithoutANumberAreNaN)
+TEST(LearningCurves, SeriesAreDrawnToAPng)
 {
-  const auto log = parseLearningLog("step,loss,score\r\n1,0.5,\r\n\r\n2,,0.7\r\n", "a.csv");
-  ASSERT_EQ(log.columns.size(), 2U);
-  EXPECT_EQ(log.step, (std::vector<double>{1, 2}));
-  EXPECT_EQ(log.columns[0].value[0], 0.5);
-  EXPECT_TRUE(std::isnan(log.columns[0].value[1]));
-  EXPECT_TRUE(std::isnan(log.columns[1].value[0]));
-  EXPECT_EQ(log.columns[1].value[1], 0.7);
-}
-
-TEST(LearningCurves, DamagedLogsAreRefused)
-{
-  for (const std::string text : {"loss,step\n1,2\n", "step,loss\n1\n", "step,loss\n", ""})
-  {
-    EXPECT_THROW((void)parseLearningLog(text, "a.csv"), UserError) << text;
-  }
+  const auto log = parseLearningLog(
+      "step,set,start,error_m,loss\n10,first,standing,0.5,2\n10,second,standing,0.7,nan\n"
+      "20,first,standing,0.25,1\n",
+      "v.csv");
+  const auto picture = renderLearningCurves(log);
+  ASSERT_GT(picture.size(), 8U);
+  EXPECT_EQ(std::string(picture.begin() + 1, picture.begin() + 4), "PNG");
+  EXPECT_EQ(picture, renderLearningCurves(log));
+  EXPECT_THROW((void)renderLearningCurves(LearningLog()), std::invalid_argument);
 }
 }  // namespace
 }  // namespace dyslam

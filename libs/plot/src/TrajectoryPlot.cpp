@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <dyslam/eval/TrajectoryPlot.h>
+#include <dyslam/plot/TrajectoryPlot.h>
 
 #include <algorithm>
 #include <cmath>

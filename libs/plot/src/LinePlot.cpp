@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/core/Quantile.h>
-#include <dyslam/eval/LinePlot.h>
+#include <dyslam/plot/LinePlot.h>
 
 #include <algorithm>
 #include <cmath>

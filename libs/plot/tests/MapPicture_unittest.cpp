@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <dyslam/eval/MapPicture.h>
+#include <dyslam/plot/MapPicture.h>
 #include <gtest/gtest.h>
 
 #include <limits>

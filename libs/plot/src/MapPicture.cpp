@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/core/Quantile.h>
-#include <dyslam/eval/MapPicture.h>
+#include <dyslam/plot/MapPicture.h>
 
 #include <algorithm>
 #include <array>

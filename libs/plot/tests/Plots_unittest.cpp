@@ -1,0 +1,127 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/plot/LinePlot.h>
+#include <dyslam/plot/MaskPicture.h>
+#include <dyslam/plot/TrajectoryPlot.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <opencv2/imgcodecs.hpp>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+namespace dyslam
+{
+namespace
+{
+PosePairs circle(double drift)
+{
+  PosePairs pairs;
+  for (int i = 0; i < 300; ++i)
+  {
+    const double a = 0.02 * i;
+    pairs.stamps.push_back(i);
+    pairs.reference.push_back(poseFromYpr(100 * std::sin(a), 100 * (1 - std::cos(a)), 0, a, 0, 0));
+    pairs.estimate.push_back(
+        poseFromYpr((100 + drift * i) * std::sin(a), 100 * (1 - std::cos(a)), 0.1, a, 0, 0));
+  }
+  pairs.reference_size = pairs.estimate_size = pairs.stamps.size();
+  return pairs;
+}
+
+TEST(TrajectoryPlot, IsAPngContainingTheCurvesColour)
+{
+  const std::vector<TrajectoryPlotItem> items{{"first", circle(0.05)}};
+  const auto bytes = renderTrajectoryPlot(items);
+  EXPECT_EQ(bytes, renderTrajectoryPlot(items));
+  const cv::Mat picture = cv::imdecode(bytes, cv::IMREAD_COLOR);
+  ASSERT_EQ(picture.cols, 1600);
+  ASSERT_GE(picture.rows, 800);
+  std::size_t blue = 0;
+  for (int y = 70; y < 730; ++y)
+  {
+    for (int x = 100; x < 790; ++x)
+    {
+      const auto& c = picture.at<cv::Vec3b>(y, x);
+      blue += c[0] > 150 && c[2] < 60 ? 1 : 0;
+    }
+  }
+  EXPECT_GT(blue, 500U);
+}
+
+TEST(TrajectoryPlot, PathsNeedNoReference)
+{
+  std::vector<Pose> poses = circle(0).reference;
+  poses[3].translation().x() = std::numeric_limits<double>::quiet_NaN();
+  const auto bytes = renderPaths({{"a", poses}, {"b", circle(0.05).estimate}});
+  EXPECT_EQ(bytes, renderPaths({{"a", poses}, {"b", circle(0.05).estimate}}));
+  EXPECT_NE(bytes, renderPaths({{"a", poses}}));
+  EXPECT_EQ(1600, cv::imdecode(bytes, cv::IMREAD_COLOR).cols);
+  EXPECT_FALSE(renderPaths({{"still", {Pose::Identity()}}}).empty());
+  EXPECT_THROW((void)renderPaths({}), std::invalid_argument);
+  EXPECT_THROW((void)renderPaths({{"empty", {}}}), std::invalid_argument);
+}
+
+TEST(TrajectoryPlot, HandlesOnePoseStationaryAndEmptyInput)
+{
+  PosePairs one;
+  one.stamps = {0};
+  one.reference = {Pose::Identity()};
+  one.estimate = {Pose::Identity()};
+  EXPECT_FALSE(renderTrajectoryPlot({{"one", one}}).empty());
+  PosePairs still = one;
+  still.stamps = {0, 1};
+  still.reference.push_back(Pose::Identity());
+  still.estimate.push_back(Pose::Identity());
+  EXPECT_FALSE(renderTrajectoryPlot({{"still", still}}).empty());
+  EXPECT_THROW((void)renderTrajectoryPlot({}), std::invalid_argument);
+  EXPECT_THROW((void)renderTrajectoryPlot({{"empty", PosePairs()}}), std::invalid_argument);
+}
+
+TEST(LinePlot, DrawsEverySeriesInItsColourWithinTheAxes)
+{
+  LineSeries rising{"rising", {}};
+  LineSeries peak{"with a peak", {}};
+  for (int i = 0; i <= 200; ++i)
+  {
+    rising.points.emplace_back(0.1 * i, 0.05 * i);
+    peak.points.emplace_back(0.1 * i, i == 100 ? 1000 : 5);
+  }
+  LinePlotOptions options;
+  options.quantile = 0.99;
+  const auto bytes = renderLinePlot({rising, peak}, options);
+  EXPECT_EQ(bytes, renderLinePlot({rising, peak}, options));
+  const cv::Mat picture = cv::imdecode(bytes, cv::IMREAD_COLOR);
+  ASSERT_EQ(picture.cols, 1000);
+  // Within the axes: the blue line rises through the page, as the peak does not set the scale.
+  int highest = picture.rows;
+  std::size_t red = 0;
+  for (int y = 52; y < 318; ++y)
+  {
+    for (int x = 95; x < 965; ++x)
+    {
+      const auto& c = picture.at<cv::Vec3b>(y, x);
+      highest = c[0] > 150 && c[2] < 60 ? std::min(highest, y) : highest;
+      red += c[2] > 180 && c[0] < 60 ? 1 : 0;
+    }
+  }
+  EXPECT_LT(highest, 110);
+  EXPECT_GT(red, 500U);
+  EXPECT_FALSE(renderLinePlot({{"one", {{1, 2}}}}).empty());
+  EXPECT_THROW((void)renderLinePlot({{"none", {}}}), std::invalid_argument);
+}
+
+TEST(MaskPicture, ShowsTheViewAndTheCurveIfThereIsOne)
+{
+  const std::string header = "x,y,z,static_confidence,label\n";
+  const auto both = parseMaskScan(header + "1,2,0,0.1,2\n3,4,0,0.9,1\n", "m.csv");
+  const cv::Mat with_curve = cv::imdecode(renderMaskScan(both), cv::IMREAD_COLOR);
+  EXPECT_GT(with_curve.cols, with_curve.rows) << "the view and the curve";
+  const auto still = parseMaskScan(header + "1,2,0,0.1,1\n", "m.csv");
+  const cv::Mat view = cv::imdecode(renderMaskScan(still), cv::IMREAD_COLOR);
+  EXPECT_EQ(view.cols, view.rows);
+}
+}  // namespace
+}  // namespace dyslam
