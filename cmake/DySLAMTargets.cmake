@@ -27,12 +27,13 @@ function(dyslam_use_headers_or target kind default)
 endfunction()
 
 # dyslam_add_library(NAME <module> SOURCES <src/...> [PUBLIC <targets>] [PRIVATE <targets>]
-#   [INTERNAL_HEADERS <names>] [INTERNAL] [HEADERS <kind>])
+#   [INTERNAL_HEADERS <names>] [INTERNAL] [QUICK] [HEADERS <kind>])
 # Makes the library dyslam_<module> with the alias dyslam::<module>, and installs it with its headers.
 # INTERNAL_HEADERS (those that include torch) are not installed; of an INTERNAL library nothing is.
-# HEADERS: what is read once for all its files (DySLAMPrecompiled.cmake), `core` by default.
+# HEADERS: what is read once for all its files (DySLAMPrecompiled.cmake), `core` by default. QUICK: compiled as
+# programs are, because its time is spent in other libraries.
 function(dyslam_add_library)
-  cmake_parse_arguments(ARG "INTERNAL" "NAME;HEADERS" "SOURCES;PUBLIC;PRIVATE;INTERNAL_HEADERS" ${ARGN})
+  cmake_parse_arguments(ARG "INTERNAL;QUICK" "NAME;HEADERS" "SOURCES;PUBLIC;PRIVATE;INTERNAL_HEADERS" ${ARGN})
   set(target dyslam_${ARG_NAME})
   add_library(${target} STATIC ${ARG_SOURCES})
   add_library(dyslam::${ARG_NAME} ALIAS ${target})
@@ -43,7 +44,11 @@ function(dyslam_add_library)
   target_link_libraries(${target} PUBLIC ${ARG_PUBLIC} PRIVATE ${ARG_PRIVATE})
   set_target_properties(${target} PROPERTIES EXPORT_NAME ${ARG_NAME})
   dyslam_set_warnings(${target})
-  dyslam_use_headers_or(${target} "${ARG_HEADERS}" core)
+  if(ARG_QUICK)
+    dyslam_use_headers_or(${target} "${ARG_HEADERS}" core QUICK)
+  else()
+    dyslam_use_headers_or(${target} "${ARG_HEADERS}" core)
+  endif()
   if(ARG_INTERNAL)
     return()
   endif()

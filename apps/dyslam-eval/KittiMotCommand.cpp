@@ -1,21 +1,18 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "KittiMotCommand.h"
 
+#include <dyslam/benchmarks/KittiMot.h>
 #include <dyslam/core/Error.h>
 #include <dyslam/core/Files.h>
 #include <dyslam/core/Options.h>
 #include <dyslam/core/SharedFiles.h>
-#include <dyslam/eval/TrackMetrics.h>
 
-#include <algorithm>
-#include <limits>
 #include <memory>
-#include <nlohmann/json.hpp>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "../common/OutputOptions.h"
-#include "KittiMot.h"
 #include "OutputFiles.h"
 
 namespace dyslam
@@ -36,33 +33,11 @@ struct KittiMotArguments
   OutputFlags output;
 };
 
-/** Figures of AB3DMOT (PointRCNN, validation sequences, IoU 0.25), in percent. */
-struct Published
+/** Whether the detections are PointRCNN's, whole and as AB3DMOT used them. */
+bool isAsPublished(const KittiMotArguments& a)
 {
-  const char* type;
-  double samota;
-  double mota;
-  double motp;
-  double frames_per_second;
-  // Scored as ours: its script loses tracks whose score equals a threshold to rounding.
-  double rescored_samota;
-  double rescored_mota;
-};
-constexpr Published ab3dmot[] = {{"Car", 93.34, 86.47, 79.40, 108.7, 93.55, 87.04},
-                                 {"Pedestrian", 82.73, 73.86, 67.58, 119.2, 83.24, 73.86},
-                                 {"Cyclist", 93.78, 84.79, 77.23, 980.7, 95.59, 84.79}};
-
-/** Nothing unless the detections are PointRCNN's, whole and as AB3DMOT used them. */
-const Published* publishedFor(const KittiMotArguments& a, const std::string& type)
-{
-  if (a.split != "validation" || !a.sequences.empty() || a.min_iou != 0.25 ||
-      !a.setup.detections.empty() || a.setup.added_noise > 0 || a.setup.every > 1)
-  {
-    return nullptr;
-  }
-  const auto* found = std::find_if(std::begin(ab3dmot), std::end(ab3dmot),
-                                   [&](const Published& p) { return type == p.type; });
-  return found == std::end(ab3dmot) ? nullptr : found;
+  return a.split == "validation" && a.sequences.empty() && a.min_iou == 0.25 &&
+         a.setup.detections.empty() && !(a.setup.added_noise > 0) && a.setup.every <= 1;
 }
 
 KittiMotSetup setupOf(const KittiMotArguments& a)
@@ -107,95 +82,28 @@ void requireTracksApart(const KittiMotArguments& a, const KittiMotSetup& setup)
   }
 }
 
-struct Scores
-{
-  RecallAverages averages;
-  Hota higher_order;
-  double frames_per_second = 0;
-};
-
-void addRows(const KittiMotArguments& a,
-             const std::string& type,
-             const Scores& scores,
-             Table& table)
-{
-  const RecallAverages& averages = scores.averages;
-  const ClearMot& best = averages.best;
-  const auto percent = [](double x) { return TableCell(100 * x, 2); };
-  const auto whole = [](std::size_t n) { return TableCell(static_cast<double>(n), 0); };
-  table.addRow({type, "ours", percent(averages.samota), percent(averages.amota),
-                percent(averages.amotp), percent(best.mota), percent(best.motp),
-                whole(best.id_switches), whole(best.fragmentations), whole(best.false_alarms),
-                whole(best.misses), percent(scores.higher_order.hota),
-                percent(scores.higher_order.association), TableCell(scores.frames_per_second, 0)});
-  if (const Published* p = publishedFor(a, type))
-  {
-    table.addRow({type, "AB3DMOT, published", TableCell(p->samota, 2), "-", "-",
-                  TableCell(p->mota, 2), TableCell(p->motp, 2), "-", "-", "-", "-", "-", "-",
-                  TableCell(p->frames_per_second, 1)});
-    table.addRow({type, "AB3DMOT, scored alike", TableCell(p->rescored_samota, 2), "-", "-",
-                  TableCell(p->rescored_mota, 2), "-", "-", "-", "-", "-", "-", "-", "-"});
-  }
-}
-
-nlohmann::ordered_json toJson(const Scores& scores, int frames)
-{
-  const RecallAverages& averages = scores.averages;
-  const ClearMot& best = averages.best;
-  return {{"samota", averages.samota},
-          {"amota", averages.amota},
-          {"amotp", averages.amotp},
-          {"mota", best.mota},
-          {"motp", best.motp},
-          {"id_switches", best.id_switches},
-          {"fragmentations", best.fragmentations},
-          {"false_alarms", best.false_alarms},
-          {"misses", best.misses},
-          {"references", best.references},
-          {"hota", scores.higher_order.hota},
-          {"deta", scores.higher_order.detection},
-          {"assa", scores.higher_order.association},
-          {"frames", frames},
-          {"frames_per_second", scores.frames_per_second}};
-}
-
-void runKittiMot(const KittiMotArguments& a)
+void evaluateKittiMot(const KittiMotArguments& a)
 {
   const KittiMotSetup setup = setupOf(a);
   requireTracksApart(a, setup);
   const std::vector<std::string> names = !a.sequences.empty()      ? a.sequences
                                          : a.split == "validation" ? kittiMotValidation()
                                                                    : kittiMotTraining();
-  Table table({"class", "tracker", "sAMOTA", "AMOTA", "AMOTP", "MOTA", "MOTP", "IDS", "FRAG", "FP",
-               "FN", "HOTA", "AssA", "frames/s"},
-              "3D tracking of given detections, KITTI " +
-                  (a.sequences.empty() ? a.split : std::string("chosen")) + " sequences");
-  nlohmann::ordered_json json;
   std::vector<KittiMotRun> runs;
+  NamedKittiMotScores classes;
   for (const std::string& type : a.types)
   {
-    runs.emplace_back();
-    double seconds = std::numeric_limits<double>::infinity();
-    for (int i = 0; i < a.repeats; ++i)
-    {
-      runs.back() = runKittiMot(setup, names, type);
-      seconds = std::min(seconds, runs.back().seconds);
-    }
+    runs.push_back(fastestKittiMot(setup, names, type, a.repeats));
     TrackRules rules = TrackRules::kitti(type);
     rules.min_iou = a.min_iou;
-    const std::vector<TrackSequence>& sequences = runs.back().sequences;
-    Scores scores;
-    scores.averages = averagesOverRecall(sequences, rules);
-    scores.higher_order = hota(tracksAbove(sequences, scores.averages.best.threshold), rules);
-    scores.frames_per_second = runs.back().frames / seconds;
-    addRows(a, type, scores, table);
-    json[type] = toJson(scores, runs.back().frames);
+    classes.emplace_back(type, kittiMotScores(runs.back(), rules));
   }
   if (!a.tracks.empty())
   {
     writeKittiMot(a.tracks, setup.data, names, runs);
   }
-  a.output.write(table, textOf(json));
+  const std::string sequences = a.sequences.empty() ? a.split : "chosen";
+  a.output.write(kittiMotTable(classes, sequences, isAsPublished(a)), kittiMotJson(classes));
 }
 }  // namespace
 
@@ -245,6 +153,6 @@ Subcommand kittiMotCommand(CLI::App& app)
   addOutputFolder(*sub, "--tracks", a->tracks,
                   "write KITTI result files to this folder (NNNN.txt, all classes)");
   a->output.declare(*sub);
-  return {sub, [a] { runKittiMot(*a); }};
+  return {sub, [a] { evaluateKittiMot(*a); }};
 }
 }  // namespace dyslam

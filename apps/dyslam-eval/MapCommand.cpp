@@ -1,27 +1,20 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "MapCommand.h"
 
+#include <dyslam/benchmarks/MapComparison.h>
+#include <dyslam/benchmarks/MapSelf.h>
 #include <dyslam/core/Error.h>
-#include <dyslam/core/PendingFile.h>
 #include <dyslam/core/Printable.h>
-#include <dyslam/eval/MapDistance.h>
-#include <dyslam/eval/MapMetrics.h>
-#include <dyslam/formats/LabelFiles.h>
 #include <dyslam/formats/ScanFiles.h>
 
-#include <algorithm>
-#include <cmath>
-#include <filesystem>
-#include <iostream>
 #include <memory>
-#include <nlohmann/json.hpp>
+#include <optional>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include "../common/Checks.h"
 #include "../common/OutputOptions.h"
-#include "MapSelf.h"
+#include "../common/Progress.h"
 #include "OutputFiles.h"
 
 namespace dyslam
@@ -41,130 +34,31 @@ struct MapArguments
   OutputFlags output;
 };
 
-/** Labels of a reference, or why it has none. */
-struct ReferenceLabels
+/** Shows on stderr how much of the recording has been read. */
+class ReadingProgress : public MapListener
 {
-  std::vector<Label> labels;
-  std::string missing;  //!< reason; empty: there are labels
+ public:
+  void beginReading(const std::string& purpose) override { progress_.emplace(purpose); }
+  void update(double fraction, std::size_t count) override { progress_->update(fraction, count); }
+  void finish(std::size_t count) override
+  {
+    progress_->finish(count);
+    progress_.reset();
+  }
+
+ private:
+  std::optional<Progress> progress_;
 };
 
-/** Labels stored in the intensity: 0 static and 1 dynamic (KTH's benchmark), or SemanticKITTI
- * classes (ERASOR's maps). */
-ReferenceLabels labelsFromIntensity(const Scan& cloud)
+std::vector<NamedMap> namedMaps(const std::vector<std::string>& paths)
 {
-  if (cloud.intensity.size() != cloud.size())
+  const std::vector<std::string> names = shortNames(paths);
+  std::vector<NamedMap> maps;
+  for (std::size_t i = 0; i < paths.size(); ++i)
   {
-    return {{}, "no intensity, no .label file"};
+    maps.emplace_back(names[i], paths[i]);
   }
-  const bool only_flags = std::all_of(cloud.intensity.begin(), cloud.intensity.end(),
-                                      [](float v) { return v == 0.0F || v == 1.0F; });
-  std::vector<Label> labels;
-  for (const float v : cloud.intensity)
-  {
-    if (!(v >= 0) || v != std::floor(v) || v > 65535)
-    {
-      return {{}, "intensity " + std::to_string(v) + " is none"};
-    }
-    labels.push_back(only_flags ? (v == 1.0F ? label_moving : label_static)
-                                : static_cast<Label>(v));
-  }
-  return {std::move(labels), ""};
-}
-
-ReferenceLabels referenceLabels(const MapArguments& a, const Scan& cloud)
-{
-  const std::string beside =
-      std::filesystem::path(a.reference).replace_extension(".label").string();
-  if (!a.labels.empty() || std::filesystem::exists(beside))
-  {
-    return {readLabels(a.labels.empty() ? beside : a.labels, cloud.size()), ""};
-  }
-  return labelsFromIntensity(cloud);
-}
-
-nlohmann::ordered_json toJson(const MapScores& s)
-{
-  const auto orNull = [](std::optional<double> v)
-  { return v ? nlohmann::ordered_json(*v) : nlohmann::ordered_json(); };
-  return {{"static", s.static_total},
-          {"static_preserved", s.static_preserved},
-          {"dynamic", s.dynamic_total},
-          {"dynamic_rejected", s.dynamic_rejected},
-          {"unlabelled", s.unlabelled},
-          {"preservation", orNull(s.preservation())},
-          {"rejection", orNull(s.rejection())},
-          {"harmonic_mean", orNull(harmonicMean(s.preservation(), s.rejection()))}};
-}
-
-nlohmann::ordered_json toJson(const DistanceSummary& s)
-{
-  nlohmann::ordered_json json{{"points", s.count},
-                              {"mean_m", s.mean},
-                              {"median_m", s.median},
-                              {"rmse_m", s.rmse},
-                              {"quantile95_m", s.quantile95},
-                              {"max_m", s.max}};
-  json["shares"] = nlohmann::ordered_json::array();
-  for (std::size_t i = 0; i < s.shares.size(); ++i)
-  {
-    json["shares"].push_back({{"within_m", DistanceSummary::limits[i]}, {"share", s.shares[i]}});
-  }
-  return json;
-}
-
-void addDistanceRow(Table& table,
-                    const std::string& name,
-                    const std::string& points_of,
-                    const DistanceSummary& s)
-{
-  std::vector<TableCell> cells{name, points_of, TableCell(static_cast<double>(s.count), 0)};
-  for (const double distance : {s.mean, s.median, s.rmse, s.quantile95, s.max})
-  {
-    cells.emplace_back(distance, 4);
-  }
-  for (const double share : s.shares)
-  {
-    cells.emplace_back(100 * share, 2);
-  }
-  table.addRow(std::move(cells));
-}
-
-/** \throws UserError if the map has no finite point. */
-void requirePoints(const Scan& cloud, const std::string& path)
-{
-  if (std::none_of(cloud.points.begin(), cloud.points.end(),
-                   [](const Eigen::Vector3f& point) { return point.allFinite(); }))
-  {
-    throw UserError(path + ": has no points");
-  }
-}
-
-/** Maps without labels: distances of the points of both from those of the other. */
-void compareByDistance(const MapArguments& a, const Scan& reference)
-{
-  requirePoints(reference, a.reference);
-  Table table({"map", "points of", "points", "mean [m]", "median [m]", "RMSE [m]", "95 % [m]",
-               "max [m]", "0.1 m [%]", "0.2 m [%]", "0.5 m [%]"});
-  nlohmann::ordered_json json;
-  json["reference"] = a.reference;
-  json["maps"] = nlohmann::ordered_json::array();
-  const auto names = shortNames(a.estimates);
-  for (std::size_t i = 0; i < a.estimates.size(); ++i)
-  {
-    const Scan estimate = readCloud(a.estimates[i]);
-    requirePoints(estimate, a.estimates[i]);
-    const MapDistance distance = mapDistance(reference.points, estimate.points);
-    addDistanceRow(table, names[i], "estimate", distance.estimate);
-    addDistanceRow(table, names[i], "reference", distance.reference);
-    json["maps"].push_back({{"name", names[i]},
-                            {"estimate", toJson(distance.estimate)},
-                            {"reference", toJson(distance.reference)}});
-    if (!a.distances.empty())
-    {
-      writeWhole(a.distances, distancePly(estimate.points, distance.of_estimate));
-    }
-  }
-  a.output.write(table, textOf(json));
+  return maps;
 }
 
 /** \throws UserError for a file that distances cannot be written to. */
@@ -187,28 +81,10 @@ void runMapSelf(const MapArguments& a)
   MapSelfArguments self = a.self;
   self.trajectories = a.estimates;
   self.of_lidar = a.poses_of == "lidar";
-  const auto scores = evaluateMapSelf(self);
-  constexpr double square_millimetres = 1e6;  // in a square metre
-  Table table({"trajectory", "scans", "points", "entropy", "plane variance [mm2]"});
-  nlohmann::ordered_json json;
-  json["rawlog"] = self.rawlog;
-  json["neighbourhood_m"] = self.quality.radius;
-  json["min_neighbours"] = self.quality.min_neighbours;
-  json["trajectories"] = nlohmann::ordered_json::array();
+  ReadingProgress progress;
+  const auto scores = evaluateMapSelf(self, progress);
   const auto names = shortNames(a.estimates);
-  for (std::size_t i = 0; i < scores.size(); ++i)
-  {
-    const MapSharpness& mean = scores[i].mean;
-    table.addRow({names[i], TableCell(static_cast<double>(scores[i].scans), 0),
-                  TableCell(static_cast<double>(mean.points), 0), TableCell(mean.mean_entropy, 4),
-                  TableCell(square_millimetres * mean.mean_plane_variance, 1)});
-    json["trajectories"].push_back({{"name", names[i]},
-                                    {"scans", scores[i].scans},
-                                    {"points", mean.points},
-                                    {"mean_map_entropy", mean.mean_entropy},
-                                    {"mean_plane_variance_m2", mean.mean_plane_variance}});
-  }
-  a.output.write(table, textOf(json));
+  a.output.write(mapSelfTable(names, scores), mapSelfJson(self, names, scores));
 }
 
 void runMap(const MapArguments& a)
@@ -223,51 +99,24 @@ void runMap(const MapArguments& a)
     throw UserError("map: give --reference MAP, or --self RAWLOG for quality without ground truth");
   }
   requireDistancesFile(a);
-  const Scan reference = readCloud(a.reference);
-  if (!a.distances.empty())
+  const ReferenceMap reference = readReferenceMap(a.reference);
+  const ReferenceLabels labels =
+      a.distances.empty() ? readReferenceLabels(reference, a.labels) : ReferenceLabels();
+  const bool by_distance = !a.distances.empty() || !labels.missing.empty();
+  if (!labels.missing.empty() && a.needs_labels)
   {
-    compareByDistance(a, reference);
-    return;
-  }
-  const auto [labels, missing] = referenceLabels(a, reference);
-  if (!missing.empty() && a.needs_labels)
-  {
-    throw UserError(a.reference + ": has no labels (" + missing +
+    throw UserError(a.reference + ": has no labels (" + labels.missing +
                     "), which --radius and --voxel need; give --labels F.label, or omit them");
   }
-  if (!missing.empty())
+  if (!labels.missing.empty())
   {
-    std::cerr << "note: " << printable(a.reference) << " has no labels (" << missing
-              << "): the maps are compared by the distances of their points\n";
-    compareByDistance(a, reference);
-    return;
+    printNote(printable(a.reference) + " has no labels (" + labels.missing +
+              "): the maps are compared by the distances of their points");
   }
-  Table table({"map", "points", "SA [%]", "DA [%]", "HA [%]", "AA [%]", "PR [%]", "RR [%]", "F1"});
-  nlohmann::ordered_json json;
-  json["reference"] = a.reference;
-  json["point_radius_m"] = a.metrics.point_radius;
-  json["voxel_size_m"] = a.metrics.voxel_size;
-  json["maps"] = nlohmann::ordered_json::array();
-  const auto percent = [](std::optional<double> v)
-  { return TableCell(v ? std::optional<double>(100 * *v) : std::nullopt, 2); };
-  const auto names = shortNames(a.estimates);
-  for (std::size_t i = 0; i < a.estimates.size(); ++i)
-  {
-    const Scan estimate = readCloud(a.estimates[i]);
-    const MapEvaluation e = evaluateMap(reference.points, labels, estimate.points, a.metrics);
-    const auto sa = e.points.preservation();
-    const auto da = e.points.rejection();
-    const auto pr = e.voxels.preservation();
-    const auto rr = e.voxels.rejection();
-    table.addRow({names[i], TableCell(static_cast<double>(estimate.size()), 0), percent(sa),
-                  percent(da), percent(harmonicMean(sa, da)), percent(geometricMean(sa, da)),
-                  percent(pr), percent(rr), TableCell(harmonicMean(pr, rr), 4)});
-    json["maps"].push_back({{"name", names[i]},
-                            {"points", estimate.size()},
-                            {"by_point", toJson(e.points)},
-                            {"by_voxel", toJson(e.voxels)}});
-  }
-  a.output.write(table, textOf(json));
+  const std::vector<NamedMap> maps = namedMaps(a.estimates);
+  const MapReport report = by_distance ? compareByDistance(reference, maps, a.distances)
+                                       : compareByLabels(reference, labels.labels, maps, a.metrics);
+  a.output.write(report.table, report.json);
 }
 
 void declareSelf(CLI::App& sub, MapArguments& a)

@@ -5,7 +5,6 @@
 #include <dyslam/eval/Table.h>
 #include <dyslam/plot/MaskPicture.h>
 
-#include <algorithm>
 #include <cstdio>
 #include <filesystem>
 #include <memory>
@@ -14,16 +13,6 @@
 
 namespace dyslam
 {
-namespace
-{
-double sampled(const MaskScan& scan, MaskScan::Truth truth)
-{
-  return static_cast<double>(std::count_if(scan.points.begin(), scan.points.end(),
-                                           [&](const auto& p)
-                                           { return p.confidence >= 0 && p.truth == truth; }));
-}
-}  // namespace
-
 Subcommand maskCommand(CLI::App& app)
 {
   struct Arguments
@@ -48,9 +37,11 @@ Subcommand maskCommand(CLI::App& app)
       const auto picture = renderMaskScan(scan);
       const auto to = std::filesystem::path(file).replace_extension(".png").string();
       writePng(to, picture);
-      table.addRow({scan.name, TableCell(sampled(scan, MaskScan::Truth::stationary), 0),
-                    TableCell(sampled(scan, MaskScan::Truth::moving), 0),
-                    TableCell(areaUnderCurve(scan), 3), to});
+      table.addRow(
+          {scan.name,
+           TableCell(static_cast<double>(sampledPoints(scan, MaskScan::Truth::stationary)), 0),
+           TableCell(static_cast<double>(sampledPoints(scan, MaskScan::Truth::moving)), 0),
+           TableCell(areaUnderCurve(scan), 3), to});
     }
     std::fputs(table.toText().c_str(), stdout);
   };

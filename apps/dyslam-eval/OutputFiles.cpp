@@ -50,6 +50,11 @@ void OutputFlags::write(const Table& table, const std::string& json_text) const
   }
 }
 
+void printNote(const std::string& text)
+{
+  std::cerr << "note: " << text << '\n';
+}
+
 void writePng(const std::string& path, const std::vector<std::uint8_t>& png)
 {
   writeWhole(path, {reinterpret_cast<const char*>(png.data()), png.size()});

@@ -5,7 +5,6 @@
 
 #include <CLI/CLI.hpp>
 #include <cstdint>
-#include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
@@ -22,11 +21,8 @@ struct OutputFlags
   void write(const Table& table, const std::string& json_text) const;
 };
 
-/** The value as text, indented; bytes that are no UTF-8 (of a folder's name) become U+FFFD. */
-[[nodiscard]] inline std::string textOf(const nlohmann::ordered_json& json)
-{
-  return json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";
-}
+/** Prints "note: " and the text on stderr. */
+void printNote(const std::string& text);
 
 /** Writes an encoded picture. \throws UserError. */
 void writePng(const std::string& path, const std::vector<std::uint8_t>& png);

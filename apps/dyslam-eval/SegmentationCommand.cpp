@@ -1,13 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "SegmentationCommand.h"
 
+#include <dyslam/benchmarks/LabelFolders.h>
+
 #include <cstdint>
 #include <iostream>
 #include <memory>
 #include <string>
 #include <vector>
 
-#include "LabelFolders.h"
 #include "OutputFiles.h"
 
 namespace dyslam

@@ -1,20 +1,15 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "TrajectoryCommand.h"
 
+#include <dyslam/benchmarks/TrajectoryComparison.h>
 #include <dyslam/core/Error.h>
-#include <dyslam/core/Printable.h>
 #include <dyslam/eval/Axes.h>
 #include <dyslam/eval/TrajectoryReports.h>
-#include <dyslam/formats/KittiFiles.h>
-#include <dyslam/formats/TrajectoryFiles.h>
 #include <dyslam/plot/TrajectoryPlot.h>
 
-#include <algorithm>
 #include <filesystem>
 #include <iostream>
 #include <memory>
-#include <nlohmann/json.hpp>
-#include <optional>
 #include <string>
 #include <vector>
 
@@ -22,51 +17,23 @@
 #include "../common/OutputOptions.h"
 #include "MetricFlags.h"
 #include "OutputFiles.h"
-#include "PairNote.h"
-#include "TimeRange.h"
 
 namespace dyslam
 {
 namespace
 {
-constexpr double default_tolerance = 0.01;  // [s]
-
 struct TrajectoryArguments
 {
   std::vector<std::string> references;
   std::vector<std::string> estimates;
   MetricFlags metrics;
-  std::optional<double> tolerance;  //!< of time stamps [s]
-  std::optional<double> time_offset;
-  std::string camera;
-  std::string calib;
+  PoseReading reading;
   std::string plot;
   std::string paper;
   bool statistics = false;
   bool per_length = false;
   OutputFlags output;
 };
-
-/** A file's poses; those of a camera are taken to the lidar. */
-TrajectoryFile readPoses(const std::string& path, bool camera, const std::string& calib)
-{
-  TrajectoryFile file = readTrajectory(path);
-  if (camera)
-  {
-    const Pose T_cam_velo = calib.empty() ? cameraAxes() : readKittiCalib(calib).T_cam_velo;
-    std::vector<Pose> poses;
-    for (const StampedPose& pose : file.trajectory)
-    {
-      poses.push_back(pose.pose);
-    }
-    poses = cameraToLidarPoses(poses, T_cam_velo);
-    for (std::size_t i = 0; i < poses.size(); ++i)
-    {
-      file.trajectory[i].pose = poses[i];
-    }
-  }
-  return file;
-}
 
 void warnAboutAxes(const std::string& reference,
                    const std::string& estimate,
@@ -90,163 +57,31 @@ void warnAboutAxes(const std::string& reference,
   }
 }
 
-/** \throws UserError if flags for time stamps are given with a file that has none. */
-void requireNoTimeFlags(const TrajectoryArguments& a, const std::string& file)
-{
-  if (a.tolerance || a.time_offset)
-  {
-    throw UserError(file +
-                    ": has no time stamps (KITTI), its poses are paired line by line; leave " +
-                    (a.tolerance ? "--tolerance" : "--time-offset") + " out, or give a TUM file");
-  }
-}
-
-/** Those whose position is finite. */
-Trajectory finitePoses(const Trajectory& trajectory)
-{
-  Trajectory finite;
-  for (const StampedPose& pose : trajectory)
-  {
-    if (pose.pose.translation().allFinite())
-    {
-      finite.push_back(pose.stamp, pose.pose);
-    }
-  }
-  return finite;
-}
-
-PosePairs associate(const std::string& reference_path,
-                    const std::string& estimate_path,
-                    const TrajectoryArguments& a)
-{
-  const double tolerance = a.tolerance.value_or(default_tolerance);
-  const TrajectoryFile reference = readPoses(reference_path, a.camera == "reference", a.calib);
-  TrajectoryFile estimate = readPoses(estimate_path, a.camera == "estimate", a.calib);
-  for (std::size_t i = 0; i < estimate.trajectory.size(); ++i)
-  {
-    estimate.trajectory[i].stamp += a.time_offset.value_or(0);
-  }
-  if (reference.trajectory.empty() || estimate.trajectory.empty())
-  {
-    throw UserError((reference.trajectory.empty() ? reference_path : estimate_path) +
-                    ": has no poses");
-  }
-  if (reference.format == TrajectoryFormat::tum && estimate.format == TrajectoryFormat::tum)
-  {
-    if (estimate.trajectory.size() < 2)
-    {
-      throw UserError(estimate_path + ": has one pose; errors need two or more");
-    }
-    PosePairs pairs = associateByTime(reference.trajectory, estimate.trajectory, tolerance);
-    if (pairs.size() < 2)
-    {
-      throw UserError(estimate_path + ": only " + std::to_string(pairs.size()) + " of " +
-                      std::to_string(pairs.estimate_size) + " time stamps are within --tolerance " +
-                      shortNumber(tolerance) + " s of one in " + reference_path + " (" +
-                      timesOf(estimate.trajectory) + " and " + timesOf(reference.trajectory) +
-                      "; --time-offset is added to the estimate's)");
-    }
-    noteFewPairs(pairs, estimate_path, reference_path, "--tolerance " + shortNumber(tolerance));
-    return pairs;
-  }
-  requireNoTimeFlags(a,
-                     reference.format == TrajectoryFormat::kitti ? reference_path : estimate_path);
-  if (reference.trajectory.size() != estimate.trajectory.size())
-  {
-    std::cerr << "note: " << estimate_path << " has " << counted(estimate.trajectory.size(), "pose")
-              << ", " << reference_path << " " << reference.trajectory.size()
-              << "; without time stamps they are associated by index\n";
-  }
-  return associateByIndex(reference.trajectory, estimate.trajectory);
-}
-
-/** Mean over the estimates, for benchmarks of several sequences; the drift over those that are long
- * enough to have one. */
-TrajectoryReport meanDrift(const std::vector<TrajectoryReport>& reports)
-{
-  TrajectoryReport mean;
-  mean.name = "mean";
-  const auto with_drift = static_cast<double>(
-      std::count_if(reports.begin(), reports.end(),
-                    [](const TrajectoryReport& r) { return r.drift.overall.segments > 0; }));
-  for (const auto& r : reports)
-  {
-    mean.pairs += r.pairs;
-    mean.length += r.length;
-    if (r.drift.overall.segments > 0)
-    {
-      mean.drift.overall.segments += r.drift.overall.segments;
-      mean.drift.overall.translation_percent += r.drift.overall.translation_percent / with_drift;
-      mean.drift.overall.rotation_deg_per_100m +=
-          r.drift.overall.rotation_deg_per_100m / with_drift;
-    }
-  }
-  return mean;
-}
-
-void addMeanRow(Table& table, const std::vector<TrajectoryReport>& reports)
-{
-  const TrajectoryReport mean = meanDrift(reports);
-  const SegmentDrift& drift = mean.drift.overall;
-  const auto shown = [&](double value)
-  { return drift.segments > 0 ? std::optional<double>(value) : std::nullopt; };
-  std::vector<TableCell> cells{mean.name, TableCell(static_cast<double>(mean.pairs), 0),
-                               TableCell(mean.length, 1),
-                               TableCell(shown(drift.translation_percent), 4),
-                               TableCell(shown(drift.rotation_deg_per_100m), 4)};
-  while (cells.size() < table.columns())
-  {
-    cells.emplace_back("-");
-  }
-  table.addRow(std::move(cells));
-}
-
 /** Without a reference: how far the estimates travel, and where. */
 void runPaths(const TrajectoryArguments& a)
 {
-  if (a.camera == "reference")
+  if (a.reading.camera == "reference")
   {
     throw UserError("--camera reference: there is no --reference");
   }
-  Table table({"trajectory", "poses", "duration [s]", "length [m]", "start to end [m]"});
-  nlohmann::ordered_json json;
-  json["trajectories"] = nlohmann::ordered_json::array();
   const std::vector<std::string> names = shortNames(a.estimates);
-  std::vector<NamedPath> paths;
+  std::vector<PathSummary> paths;
+  std::vector<NamedPath> drawn;
   for (std::size_t i = 0; i < a.estimates.size(); ++i)
   {
-    const TrajectoryFile file = readPoses(a.estimates[i], a.camera == "estimate", a.calib);
-    const Trajectory trajectory = finitePoses(file.trajectory);
-    if (trajectory.empty())
+    paths.push_back(readPath(a.estimates[i], a.reading));
+    paths.back().name = names[i];
+    drawn.push_back({names[i], {}});
+    for (const StampedPose& pose : paths.back().trajectory)
     {
-      throw UserError(a.estimates[i] + ": has no poses");
-    }
-    const StampedPose& first = trajectory[0];
-    const StampedPose& last = trajectory[trajectory.size() - 1];
-    const auto duration = file.format == TrajectoryFormat::tum
-                              ? std::optional<double>(last.stamp - first.stamp)
-                              : std::nullopt;
-    const double length = trajectory.pathLengths().back();
-    const double apart = (last.pose.translation() - first.pose.translation()).norm();
-    table.addRow({names[i], TableCell(static_cast<double>(trajectory.size()), 0),
-                  TableCell(duration, 1), TableCell(length, 1), TableCell(apart, 3)});
-    json["trajectories"].push_back(
-        {{"name", names[i]},
-         {"estimated_poses", trajectory.size()},
-         {"duration_s", duration ? nlohmann::ordered_json(*duration) : nlohmann::ordered_json()},
-         {"length_m", length},
-         {"start_to_end_m", apart}});
-    paths.push_back({names[i], {}});
-    for (const StampedPose& pose : trajectory)
-    {
-      paths.back().poses.push_back(pose.pose);
+      drawn.back().poses.push_back(pose.pose);
     }
   }
-  std::cerr << "note: no --reference: path lengths, but no errors\n";
-  a.output.write(table, textOf(json));
+  printNote("no --reference: path lengths, but no errors");
+  a.output.write(pathTable(paths), pathJson(paths));
   if (!a.plot.empty())
   {
-    writePng(a.plot, renderPaths(paths));
+    writePng(a.plot, renderPaths(drawn));
   }
 }
 
@@ -256,7 +91,7 @@ void runTrajectory(const TrajectoryArguments& a)
   {
     throw UserError("--plot " + a.plot + ": the ending must be .png");
   }
-  if (!a.calib.empty() && a.camera.empty())
+  if (!a.reading.calib.empty() && a.reading.camera.empty())
   {
     throw UserError("--calib goes with --camera, which says whose poses are the camera's");
   }
@@ -282,7 +117,7 @@ void runTrajectory(const TrajectoryArguments& a)
   for (std::size_t i = 0; i < a.estimates.size(); ++i)
   {
     const std::string& reference = a.references[a.references.size() == 1 ? 0 : i];
-    const PosePairs pairs = associate(reference, a.estimates[i], a);
+    const PosePairs pairs = pairFiles(reference, a.estimates[i], a.reading, printNote);
     warnAboutAxes(reference, a.estimates[i], pairs);
     reports.push_back(evaluateTrajectory(a.estimates[i], pairs, metrics));
     reports.back().name = names[i];
@@ -320,17 +155,18 @@ Subcommand trajectoryCommand(CLI::App& app)
                                            "without, lengths and --plot only");
   sub->add_option("--estimate", a->estimates, "poses to evaluate; any number of files")->required();
   a->metrics.declare(*sub);
-  sub->add_option("--tolerance", a->tolerance, "largest difference of time stamps (TUM) [s]")
+  sub->add_option("--tolerance", a->reading.tolerance,
+                  "largest difference of time stamps (TUM) [s]")
       ->check(notNegative())
-      ->default_str(shortNumber(default_tolerance));
-  sub->add_option("--time-offset", a->time_offset,
+      ->default_str(CLI::detail::to_string(PoseReading::default_tolerance));
+  sub->add_option("--time-offset", a->reading.time_offset,
                   "added to the time stamps of the estimates (TUM) [s]: for clocks that differ");
-  sub->add_option("--camera", a->camera,
+  sub->add_option("--camera", a->reading.camera,
                   "which poses are a camera's (z ahead), to be taken to the lidar's: estimate or "
                   "reference")
       ->check(CLI::IsMember({"estimate", "reference"}));
   sub->add_option(
-      "--calib", a->calib,
+      "--calib", a->reading.calib,
       "calib.txt with the camera's mounting, for --camera (default: only the axes turn)");
   sub->add_flag("--statistics", a->statistics, "also max, mean, median, min, RMSE and std");
   sub->add_flag("--per-length", a->per_length, "also t_rel and r_rel of each segment length");

@@ -105,6 +105,13 @@ MaskScan parseMaskScan(const std::string& content, const std::string& name)
   return scan;
 }
 
+std::size_t sampledPoints(const MaskScan& scan, MaskScan::Truth truth)
+{
+  return static_cast<std::size_t>(std::count_if(scan.points.begin(), scan.points.end(),
+                                                [&](const MaskScan::Point& p)
+                                                { return p.confidence >= 0 && p.truth == truth; }));
+}
+
 std::vector<Eigen::Vector2d> rocCurve(const MaskScan& scan)
 {
   std::vector<Sample> samples = labelledSamples(scan);

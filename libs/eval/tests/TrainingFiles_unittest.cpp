@@ -75,6 +75,8 @@ TEST(MaskScan, RocCurveMatchesAHandComputedOne)
       "9,1,0,0.95,1\r\n9,2,0,-1,1\n9,3,0,0.5,0\n",
       "m.csv");
   ASSERT_EQ(scan.points.size(), 7U);
+  EXPECT_EQ(sampledPoints(scan, MaskScan::Truth::moving), 3U);
+  EXPECT_EQ(sampledPoints(scan, MaskScan::Truth::stationary), 2U);
   const auto roc = rocCurve(scan);
   ASSERT_EQ(roc.size(), 5U);
   EXPECT_EQ(roc[2], Eigen::Vector2d(0, 2.0 / 3));

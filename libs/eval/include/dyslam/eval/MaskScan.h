@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <cstddef>
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -31,6 +32,9 @@ struct MaskScan
  * 1 static, 2 moving). \param name file name for error messages. \throws UserError for another
  * header, a row that is not five numbers, or no rows. */
 [[nodiscard]] MaskScan parseMaskScan(const std::string& text, const std::string& name);
+
+/** Number of the sampled points with this label. */
+[[nodiscard]] std::size_t sampledPoints(const MaskScan& scan, MaskScan::Truth truth);
 
 /** ROC curve of the moving class over all thresholds of the static confidence, in ascending order:
  * false positive rate (x) and true positive rate (y) of the sampled points. From (0, 0) to (1, 1);

@@ -1,14 +1,15 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <dyslam/benchmarks/KittiTracking.h>
+#include <dyslam/eval/Table.h>
 #include <dyslam/eval/TrackMetrics.h>
 #include <dyslam/tracking/DetectionNoise.h>
 #include <dyslam/tracking/Tracker.h>
 
 #include <string>
+#include <utility>
 #include <vector>
-
-#include "KittiTracking.h"
 
 namespace dyslam
 {
@@ -39,6 +40,31 @@ struct KittiMotRun
 [[nodiscard]] KittiMotRun runKittiMot(const KittiMotSetup& setup,
                                       const std::vector<std::string>& names,
                                       const std::string& type);
+
+/** The same several times, with the seconds of the fastest. \param repeats at least 1 */
+[[nodiscard]] KittiMotRun fastestKittiMot(const KittiMotSetup& setup,
+                                          const std::vector<std::string>& names,
+                                          const std::string& type,
+                                          int repeats);
+
+/** Scores of one class. */
+struct KittiMotScores
+{
+  RecallAverages averages;
+  Hota higher_order;  //!< at the threshold of the best MOTA
+  int frames = 0;
+  double frames_per_second = 0;
+};
+[[nodiscard]] KittiMotScores kittiMotScores(const KittiMotRun& run, const TrackRules& rules);
+
+/** Classes and their scores. */
+using NamedKittiMotScores = std::vector<std::pair<std::string, KittiMotScores>>;
+/** \param sequences which they are, for the title: "validation" \param with_published also
+ * AB3DMOT's figures, of PointRCNN's detections of the validation sequences and IoU 0.25 */
+[[nodiscard]] Table kittiMotTable(const NamedKittiMotScores& classes,
+                                  const std::string& sequences,
+                                  bool with_published);
+[[nodiscard]] std::string kittiMotJson(const NamedKittiMotScores& classes);
 
 /** Writes the estimated tracks of all classes as KITTI's result files `folder`/NNNN.txt, ids made
  * unique. \param runs one for each class, over `names`. \throws UserError. */

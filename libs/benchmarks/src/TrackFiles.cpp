@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "TrackFiles.h"
-
+#include <dyslam/benchmarks/TrackFiles.h>
 #include <dyslam/core/Error.h>
 #include <dyslam/core/Files.h>
 #include <dyslam/core/Options.h>
@@ -14,7 +13,6 @@
 #include <array>
 #include <cmath>
 #include <filesystem>
-#include <iostream>
 #include <map>
 
 #include "RunReport.h"
@@ -30,7 +28,9 @@ constexpr double kitti_camera = 81;  // field of view of KITTI's colour cameras 
 
 /** T_world_lidar by frame index, for scans with a true pose. The indices and stamps of the scans
  * and the sensor pose are read from the rawlog, `x.rawlog` next to `x.gt`. */
-std::map<int, StampedPose> lidarPoses(const std::string& folder, const Trajectory& T_world_vehicle)
+std::map<int, StampedPose> lidarPoses(const std::string& folder,
+                                      const Trajectory& T_world_vehicle,
+                                      const NoteSink& note)
 {
   constexpr double tolerance = 1e-3;  // [s]; both files contain the scans' stamps
   fs::path rawlog = fs::absolute(folder).lexically_normal();
@@ -55,7 +55,7 @@ std::map<int, StampedPose> lidarPoses(const std::string& folder, const Trajector
   }
   catch (const UserError& error)
   {
-    std::cerr << "note: " << error.what() << "; true speeds after it are unknown\n";
+    note(std::string(error.what()) + "; true speeds after it are unknown");
   }
   return poses;
 }
@@ -161,7 +161,7 @@ std::optional<int> firstFrame(const std::string& folder)
 }
 }  // namespace
 
-TrackData readTruth(const std::string& folder, TrackSelection& selection)
+TrackData readTruth(const std::string& folder, TrackSelection& selection, const NoteSink& note)
 {
   TrackData data;
   data.boxes = readTracks((fs::path(folder) / "tracks.txt").string());
@@ -169,7 +169,7 @@ TrackData readTruth(const std::string& folder, TrackSelection& selection)
   const fs::path labels = fs::path(folder) / "labels";
   if (fs::exists(poses))
   {
-    data.speeds = speedsFrom(data.boxes, lidarPoses(folder, readTum(poses.string())));
+    data.speeds = speedsFrom(data.boxes, lidarPoses(folder, readTum(poses.string()), note));
   }
   const bool has_labels = fs::is_directory(labels);
   const PointCounts counts = has_labels ? pointCounts(labels.string()) : PointCounts();

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "KittiTracking.h"
-
+#include <dyslam/benchmarks/KittiTracking.h>
 #include <dyslam/core/BoxOverlap.h>
 #include <dyslam/core/Error.h>
 #include <dyslam/formats/KittiTracks.h>

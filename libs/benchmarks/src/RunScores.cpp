@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "RunScores.h"
-
+#include <dyslam/benchmarks/RunScores.h>
 #include <dyslam/core/Config.h>
 #include <dyslam/core/Error.h>
 #include <dyslam/core/Printable.h>
@@ -10,7 +9,6 @@
 
 #include <algorithm>
 #include <filesystem>
-#include <iostream>
 
 #include "PairNote.h"
 #include "RunReport.h"
@@ -23,22 +21,22 @@ namespace
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
-constexpr double tolerance = 1e-3;  // all files of a run contain the scans' stamps [s]
+constexpr double stamp_tolerance = 1e-3;  // all files of a run contain the scans' stamps [s]
 
-Json readReport(const fs::path& folder)
+Json readReport(const fs::path& folder, const NoteSink& note)
 {
   const auto report = readRunReport(folder.string());
   if (!report)
   {
-    std::cerr << "note: " << folder.string() << " has no report.json: the run did not finish\n";
+    note(folder.string() + " has no report.json: the run did not finish");
   }
   else if (const auto missing = report->find("not_written");
            missing != report->end() && missing->is_array())
   {
     for (const Json& reason : *missing)
     {
-      std::cerr << "note: the run lacks a file: "
-                << (reason.is_string() ? printable(reason.get<std::string>()) : "") << '\n';
+      note("the run lacks a file: " +
+           (reason.is_string() ? printable(reason.get<std::string>()) : ""));
     }
   }
   return report.value_or(Json::object());
@@ -68,9 +66,12 @@ std::string textIn(const Json& json, const char* key)
   return it != json.end() && it->is_string() ? it->get<std::string>() : "";
 }
 
-/** Prints the progress of a run that was stopped or killed, or whose recording is damaged.
+/** Notes the progress of a run that was stopped or killed, or whose recording is damaged.
  * \return whether it is one */
-bool noteUnfinished(const std::string& folder, const Json& report, const std::string& truth)
+bool noteUnfinished(const std::string& folder,
+                    const Json& report,
+                    const std::string& truth,
+                    const NoteSink& note)
 {
   const auto finished = report.find("finished");
   if (finished == report.end() || !finished->is_boolean() || finished->get<bool>())
@@ -87,12 +88,10 @@ bool noteUnfinished(const std::string& folder, const Json& report, const std::st
             counted(scansTaken(folder, readTum(poses.string())), "scan");
   }
   const std::string reason = textIn(report, "ended_early");
-  std::cerr << "note: " << folder << ": unfinished: " << scans
-            << (reason.empty() ? "" : "; " + printable(reason))
-            << (fs::exists(fs::path(folder) / "resume.state")
-                    ? "; continue with: dyslam --resume -o " + folder
-                    : "")
-            << '\n';
+  note(folder + ": unfinished: " + scans + (reason.empty() ? "" : "; " + printable(reason)) +
+       (fs::exists(fs::path(folder) / "resume.state")
+            ? "; continue with: dyslam --resume -o " + folder
+            : ""));
   return true;
 }
 
@@ -129,37 +128,40 @@ PoseOrigin originOf(const fs::path& folder,
 }
 
 /** Nothing, with a note, if the run has no or too little ground truth. */
-std::optional<PosePairs> pairsOf(const fs::path& estimate, const fs::path& reference)
+std::optional<PosePairs> pairsOf(const fs::path& estimate,
+                                 const fs::path& reference,
+                                 const NoteSink& note)
 {
   if (!fs::exists(reference) || !fs::exists(estimate))
   {
     return std::nullopt;
   }
   PosePairs pairs =
-      associateByTime(readTum(reference.string()), readTum(estimate.string()), tolerance);
+      associateByTime(readTum(reference.string()), readTum(estimate.string()), stamp_tolerance);
   if (pairs.size() < 2)
   {
-    std::cerr
-        << "note: " << estimate.string() << ": " << pairs.size() << " of " << pairs.estimate_size
-        << " poses match a time stamp of the ground truth, 2 are needed: no errors computed\n";
+    note(estimate.string() + ": " + std::to_string(pairs.size()) + " of " +
+         std::to_string(pairs.estimate_size) +
+         " poses match a time stamp of the ground truth, 2 are needed: no errors computed");
     return std::nullopt;
   }
   return pairs;
 }
 
 /** Errors of the trajectory and of the odometry, with a note if the ground truth covers a part. */
-void evaluate(const fs::path& folder,
-              const fs::path& reference,
-              const TrajectoryMetricsOptions& metrics,
-              RunScores& scores)
+void evaluatePoses(const fs::path& folder,
+                   const fs::path& reference,
+                   const TrajectoryMetricsOptions& metrics,
+                   const NoteSink& note,
+                   RunScores& scores)
 {
   const std::string trajectory = (folder / "trajectory_tum.txt").string();
   const std::string odometry = (folder / "odometry_tum.txt").string();
-  if (const auto pairs = pairsOf(trajectory, reference))
+  if (const auto pairs = pairsOf(trajectory, reference, note))
   {
-    noteFewPairs(*pairs, trajectory, reference.string(), shortNumber(tolerance));
+    noteFewPairs(*pairs, trajectory, reference.string(), shortNumber(stamp_tolerance), note);
     scores.trajectory = evaluateTrajectory(trajectory, *pairs, metrics);
-    if (const auto of_odometry = pairsOf(odometry, reference))
+    if (const auto of_odometry = pairsOf(odometry, reference, note))
     {
       scores.odometry = evaluateTrajectory(odometry, *of_odometry, metrics);
     }
@@ -177,8 +179,8 @@ std::optional<OdometryConsistency> evaluateConsistency(const fs::path& folder,
     return std::nullopt;
   }
   const PosePairs pairs =
-      associateByTime(readTum(reference.string()), readTum(odometry.string()), tolerance);
-  return odometryConsistency(pairs, readMotionFile(motions.string()), tolerance);
+      associateByTime(readTum(reference.string()), readTum(odometry.string()), stamp_tolerance);
+  return odometryConsistency(pairs, readMotionFile(motions.string()), stamp_tolerance);
 }
 
 /** Ground-truth folder: as given, or next to the rawlog named in the report. */
@@ -195,7 +197,6 @@ std::string truthFolder(const std::string& given, const Json& report)
   }
   return groundTruthFolder(input->get<std::string>());
 }
-
 }  // namespace
 
 std::string whyNoRun(const std::string& folder)
@@ -215,17 +216,18 @@ std::string whyNoRun(const std::string& folder)
 
 RunScores scoresOf(const std::string& folder,
                    const std::string& given_truth,
-                   const TrajectoryMetricsOptions& metrics)
+                   const TrajectoryMetricsOptions& metrics,
+                   const NoteSink& note)
 {
   if (const std::string reason = whyNoRun(folder); !reason.empty())
   {
     throw UserError(folder + ": " + reason);
   }
   RunScores scores;
-  scores.report = readReport(folder);
+  scores.report = readReport(folder, note);
   const std::string truth = truthFolder(given_truth, scores.report);
   const fs::path reference = referenceOf(folder, given_truth);
-  evaluate(folder, reference, metrics, scores);
+  evaluatePoses(folder, reference, metrics, note, scores);
   if (scores.trajectory)
   {
     scores.truth = originOf(folder, scores.report, truthFolder("", scores.report), given_truth);
@@ -236,14 +238,12 @@ RunScores scoresOf(const std::string& folder,
   }
   else if (!fs::exists(reference))
   {
-    std::cerr << "note: " << folder << " has no reference_tum.txt"
-              << (given_truth.empty()
-                      ? ": its recording has no ground truth"
-                      : ", " + given_truth + " no poses_tum.txt: no errors computed")
-              << '\n';
+    note(folder + " has no reference_tum.txt" +
+         (given_truth.empty() ? ": its recording has no ground truth"
+                              : ", " + given_truth + " no poses_tum.txt: no errors computed"));
   }
   scores.world = simulatedWorld(truth);
-  const bool unfinished = noteUnfinished(folder, scores.report, truth);
+  const bool unfinished = noteUnfinished(folder, scores.report, truth, note);
   const fs::path labels = fs::path(folder) / "labels";
   if (fs::is_directory(labels) && !(unfinished && fs::is_empty(labels)))
   {
@@ -255,15 +255,13 @@ RunScores scoresOf(const std::string& folder,
       }
       catch (const UserError& error)  // of one run: the others are evaluated
       {
-        std::cerr << "note: " << folder << ": labels not evaluated against " << truth << ": "
-                  << error.what() << '\n';
+        note(folder + ": labels not evaluated against " + truth + ": " + error.what());
       }
     }
     else
     {
-      std::cerr << "note: " << folder << ": labels not evaluated: "
-                << (truth.empty() ? "no ground truth known (--truth)" : truth + " has no labels/")
-                << '\n';
+      note(folder + ": labels not evaluated: " +
+           (truth.empty() ? "no ground truth known (--truth)" : truth + " has no labels/"));
     }
   }
   return scores;

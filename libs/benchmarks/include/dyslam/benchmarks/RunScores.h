@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <dyslam/benchmarks/LabelFolders.h>
+#include <dyslam/benchmarks/NoteSink.h>
 #include <dyslam/eval/Consistency.h>
 #include <dyslam/eval/TrajectoryReports.h>
 #include <dyslam/formats/GroundTruth.h>
@@ -9,8 +11,6 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
-
-#include "LabelFolders.h"
 
 namespace dyslam
 {
@@ -30,11 +30,12 @@ struct RunScores
 /** Why this is no output folder of a run; empty if it is one. */
 [[nodiscard]] std::string whyNoRun(const std::string& folder);
 
-/** Prints notes about missing data on stderr. \param truth folder of the ground truth; empty: the
- * one beside the rawlog \throws UserError if it is no folder of a run. */
+/** \param truth folder of the ground truth; empty: the one beside the rawlog \param note called for
+ * what is missing \throws UserError if it is no folder of a run. */
 [[nodiscard]] RunScores scoresOf(const std::string& folder,
                                  const std::string& truth,
-                                 const TrajectoryMetricsOptions& metrics);
+                                 const TrajectoryMetricsOptions& metrics,
+                                 const NoteSink& note);
 
 /** A number of a report; nothing if it is missing. */
 [[nodiscard]] std::optional<double> number(const nlohmann::ordered_json& json, const char* key);

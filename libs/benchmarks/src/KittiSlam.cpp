@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "KittiSlam.h"
-
 #include <dyslam/backend/factors/LoopFactor.h>
 #include <dyslam/backend/factors/OdometryFactor.h>
+#include <dyslam/benchmarks/KittiSlam.h>
+#include <dyslam/benchmarks/KittiTracking.h>
 #include <dyslam/core/Error.h>
 #include <dyslam/formats/KittiFiles.h>
 #include <dyslam/formats/KittiTracks.h>
@@ -11,8 +11,6 @@
 
 #include <memory>
 #include <random>
-
-#include "KittiTracking.h"
 
 namespace dyslam
 {

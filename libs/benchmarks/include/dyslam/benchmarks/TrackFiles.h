@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <dyslam/benchmarks/NoteSink.h>
 #include <dyslam/eval/TrackErrors.h>
 #include <dyslam/eval/TrackMetrics.h>
 
@@ -35,9 +36,12 @@ struct TrackData
 /** Reads the ground truth of a recording: a folder with tracks.txt and optionally poses_tum.txt
  * (for speeds; requires the rawlog next to the folder) and labels/ (for the points per box). Boxes
  * that the selection does not count are marked as ignored, those before its first frame removed.
- * \param selection its defaults are replaced by the values for this ground truth. \throws UserError
+ * \param selection its defaults are replaced by the values for this ground truth.
+ * \param note called if the rawlog is damaged \throws UserError
  * for files that are missing or cannot be read. */
-[[nodiscard]] TrackData readTruth(const std::string& folder, TrackSelection& selection);
+[[nodiscard]] TrackData readTruth(const std::string& folder,
+                                  TrackSelection& selection,
+                                  const NoteSink& note);
 
 /** Reads the tracks of a run: tracks.txt, and speeds from tracks.csv.
  * \throws UserError for files that are missing or cannot be read. */

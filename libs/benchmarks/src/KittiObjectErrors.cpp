@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/benchmarks/KittiSlam.h>
 #include <dyslam/tracking/DetectionDeskew.h>
 
 #include <cmath>
 #include <map>
-
-#include "KittiSlam.h"
 
 namespace dyslam
 {

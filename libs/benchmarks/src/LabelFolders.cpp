@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "LabelFolders.h"
-
+#include <dyslam/benchmarks/JsonText.h>
+#include <dyslam/benchmarks/LabelFolders.h>
 #include <dyslam/core/Error.h>
 #include <dyslam/core/Files.h>
 #include <dyslam/eval/MapMetrics.h>
@@ -11,8 +11,6 @@
 #include <filesystem>
 #include <map>
 #include <nlohmann/json.hpp>
-
-#include "OutputFiles.h"
 
 namespace dyslam
 {
@@ -102,11 +100,6 @@ std::vector<float> readProbabilities(const std::string& path, std::size_t points
 TableCell ratioCell(std::optional<double> value)
 {
   return {value, 4};
-}
-
-nlohmann::ordered_json orNull(std::optional<double> value)
-{
-  return value ? nlohmann::ordered_json(*value) : nlohmann::ordered_json();
 }
 }  // namespace
 

@@ -1,18 +1,23 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "SplitTables.h"
-
+#include <dyslam/benchmarks/SplitTables.h>
+#include <dyslam/core/Error.h>
+#include <dyslam/core/Files.h>
+#include <dyslam/core/Version.h>
 #include <dyslam/eval/PaperFigures.h>
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <functional>
 #include <iterator>
 #include <optional>
+#include <set>
 
 namespace dyslam
 {
 namespace
 {
+namespace fs = std::filesystem;
 using Value = std::optional<double>;
 
 /** A column of numbers of each drive. */
@@ -156,6 +161,24 @@ void add(SegmentationScores& sum, const SegmentationScores& one)
   sum.false_negatives += one.false_negatives;
   sum.true_negatives += one.true_negatives;
   sum.ignored += one.ignored;
+}
+
+/** Which split the drives are of: a drive of the test split among others counts. */
+std::string splitLine(const std::vector<DriveScores>& drives)
+{
+  const DataSplits splits = DataSplits::load("splits", "splits.ini");
+  std::set<std::string> names;
+  for (const DriveScores& drive : drives)
+  {
+    const auto split = splitOf(drive.runs.begin()->second, splits);
+    names.insert(split ? toString(*split) : "unknown");
+  }
+  std::string line;
+  for (const std::string& name : names)
+  {
+    line += (line.empty() ? "" : ", ") + name;
+  }
+  return line + (names.count("test") != 0 ? " (looked at once per release)" : "");
 }
 }  // namespace
 
@@ -301,5 +324,70 @@ Table drivesTable(const std::vector<DriveScores>& drives, const std::string& fol
          TableCell(moving, 1)});
   }
   return table;
+}
+
+std::vector<DriveScores> readDrives(const std::string& runs,
+                                    const SplitColumns& columns,
+                                    const TrajectoryMetricsOptions& metrics,
+                                    const NoteSink& note)
+{
+  std::vector<RunColumn> all = columns.odometry;
+  all.insert(all.end(), columns.labels.begin(), columns.labels.end());
+  all.push_back({"", columns.whole});
+  if (!fs::is_directory(runs))
+  {
+    throw UserError(runs + ": is not a folder");
+  }
+  std::vector<DriveScores> drives;
+  for (const std::string& name : foldersIn(runs))
+  {
+    DriveScores drive;
+    drive.name = name;
+    for (const RunColumn& column : all)
+    {
+      const fs::path folder = fs::path(runs) / name / column.folder;
+      if (fs::is_directory(folder) && drive.runs.count(column.folder) == 0)
+      {
+        drive.runs.emplace(column.folder, scoresOf(folder.string(), "", metrics, note));
+      }
+    }
+    if (!drive.runs.empty())
+    {
+      drives.push_back(std::move(drive));
+    }
+  }
+  if (drives.empty())
+  {
+    throw UserError(runs + ": has no DRIVE/METHOD with results of dyslam; " +
+                    "scripts/split_tables.sh makes such a folder");
+  }
+  return drives;
+}
+
+std::string splitMarkdown(const std::vector<DriveScores>& drives,
+                          const SplitColumns& columns,
+                          const std::vector<double>& segment_lengths)
+{
+  std::string lengths;
+  for (const double length : segment_lengths)
+  {
+    lengths += (lengths.empty() ? "" : ", ") + std::to_string(std::lround(length));
+  }
+  std::string text = "Split: " + splitLine(drives) + ". DySLAM " + DYSLAM_VERSION + ".\n\n";
+  text += drivesTable(drives, columns.whole).toMarkdown();
+  text +=
+      "\n**Odometry**: t_rel [%] and r_rel [deg/100 m] over segments of " + lengths +
+      " m. The last row is the mean of the rows of the paper's Table 1, which are of other data."
+      "\n\n";
+  text += driftTable(drives, columns.odometry).toMarkdown();
+  text += "\n**Moving points**: IoU, precision and recall.\n\n";
+  text += movingTable(drives, columns.labels).toMarkdown();
+  text += "\n**Absolute errors** of `" + columns.whole + "`, before and after the graph.\n\n";
+  text += absoluteTable(drives, columns.whole).toMarkdown();
+  text +=
+      "\n**Time** per scan, mean over all scans of all drives, of the machine that made the runs. "
+      "The paper's are of its Table 3.\n\n";
+  text += timeTable(drives, columns.odometry).toMarkdown();
+  return text;
 }
 }  // namespace dyslam

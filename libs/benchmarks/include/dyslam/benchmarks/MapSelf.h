@@ -2,7 +2,9 @@
 #pragma once
 
 #include <dyslam/eval/MapQuality.h>
+#include <dyslam/eval/Table.h>
 #include <dyslam/io/RawlogSource.h>
+#include <dyslam/mapbuilder/MapListener.h>
 
 #include <cstddef>
 #include <string>
@@ -10,7 +12,7 @@
 
 namespace dyslam
 {
-/** Arguments of `dyslam-eval map --self`. */
+/** What is evaluated, and how (`dyslam-eval map --self`). */
 struct MapSelfArguments
 {
   std::string rawlog;
@@ -32,6 +34,15 @@ struct MapSelfScores
 
 /** One per trajectory, over the same scans and points. The recording is read twice: points are
  * chosen, then the map is streamed. The choice does not depend on the trajectories.
- * \throws UserError for files that cannot be used together. */
-[[nodiscard]] std::vector<MapSelfScores> evaluateMapSelf(const MapSelfArguments& a);
+ * \param listener shows the progress of each reading \throws UserError for files that cannot be
+ * used together. */
+[[nodiscard]] std::vector<MapSelfScores> evaluateMapSelf(const MapSelfArguments& a,
+                                                         MapListener& listener);
+
+/** One row per trajectory. \param names of the trajectories */
+[[nodiscard]] Table mapSelfTable(const std::vector<std::string>& names,
+                                 const std::vector<MapSelfScores>& scores);
+[[nodiscard]] std::string mapSelfJson(const MapSelfArguments& a,
+                                      const std::vector<std::string>& names,
+                                      const std::vector<MapSelfScores>& scores);
 }  // namespace dyslam

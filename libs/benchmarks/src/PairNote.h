@@ -1,30 +1,31 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <dyslam/benchmarks/NoteSink.h>
 #include <dyslam/core/Printable.h>
 #include <dyslam/eval/Association.h>
 
 #include <algorithm>
-#include <iostream>
 #include <string>
 
 namespace dyslam
 {
-/** Prints a note on stderr if errors are those of a part: fewer than 90 % of the pairs that the
+/** A note if errors are those of a part: fewer than 90 % of the pairs that the
  * shorter trajectory allows, or fewer than half of the estimated poses. \param estimate its file.
  * \param reference its file. \param tolerance of the time stamps, as the user knows it. */
 inline void noteFewPairs(const PosePairs& pairs,
                          const std::string& estimate,
                          const std::string& reference,
-                         const std::string& tolerance)
+                         const std::string& tolerance,
+                         const NoteSink& note)
 {
   const std::size_t possible = std::min(pairs.reference_size, pairs.estimate_size);
   if (10 * pairs.size() < 9 * possible || 2 * pairs.size() < pairs.estimate_size)
   {
-    std::cerr << "note: " << estimate << ": only " << pairs.size() << " of "
-              << counted(pairs.estimate_size, "pose") << " have one of " << pairs.reference_size
-              << " in " << reference << " within " << tolerance
-              << " s; RPE is between the poses that have\n";
+    note(estimate + ": only " + std::to_string(pairs.size()) + " of " +
+         counted(pairs.estimate_size, "pose") + " have one of " +
+         std::to_string(pairs.reference_size) + " in " + reference + " within " + tolerance +
+         " s; RPE is between the poses that have");
   }
 }
 }  // namespace dyslam

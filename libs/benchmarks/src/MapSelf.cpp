@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "MapSelf.h"
-
+#include <dyslam/benchmarks/JsonText.h>
+#include <dyslam/benchmarks/MapSelf.h>
 #include <dyslam/core/Error.h>
 #include <dyslam/core/SharedFiles.h>
 #include <dyslam/core/Splitmix.h>
@@ -14,10 +14,10 @@
 #include <functional>
 #include <iterator>
 #include <map>
+#include <nlohmann/json.hpp>
 #include <optional>
 #include <utility>
 
-#include "../common/Progress.h"
 #include "TimeRange.h"
 
 namespace dyslam
@@ -26,26 +26,14 @@ namespace
 {
 using Points = std::vector<Eigen::Vector3f>;
 
-/** Shows on stderr how much of the recording has been read. */
-class ReadingProgress : public MapListener
-{
- public:
-  void beginReading(const std::string& purpose) override { progress_.emplace(purpose); }
-  void update(double fraction, std::size_t count) override { progress_->update(fraction, count); }
-  void finish(std::size_t count) override { progress_->finish(count); }
-
- private:
-  std::optional<Progress> progress_;
-};
-
 /** \return number of scans \throws UserError for a damaged recording. */
 std::size_t forEachScan(const MapSelfArguments& a,
                         const std::string& purpose,
+                        MapListener& listener,
                         const std::function<void(const Frame&)>& use)
 {
   RawlogSource source(a.rawlog, a.source);
-  ReadingProgress progress;
-  const std::string damage = readScans(source, purpose, progress, use);
+  const std::string damage = readScans(source, purpose, listener, use);
   if (!damage.empty())
   {
     throw UserError(damage);
@@ -54,7 +42,7 @@ std::size_t forEachScan(const MapSelfArguments& a,
 }
 
 /** Trajectories with the times of the scans; KITTI's lines are those of the scans used. */
-std::vector<Trajectory> readTrajectories(const MapSelfArguments& a)
+std::vector<Trajectory> readTrajectories(const MapSelfArguments& a, MapListener& listener)
 {
   std::vector<Trajectory> result;
   std::vector<double> stamps;
@@ -65,7 +53,7 @@ std::vector<Trajectory> readTrajectories(const MapSelfArguments& a)
     {
       if (stamps.empty())
       {
-        forEachScan(a, "times", [&](const Frame& f) { stamps.push_back(f.scan.stamp); });
+        forEachScan(a, "times", listener, [&](const Frame& f) { stamps.push_back(f.scan.stamp); });
       }
       if (file.trajectory.size() != stamps.size())
       {
@@ -88,10 +76,10 @@ std::vector<Trajectory> readTrajectories(const MapSelfArguments& a)
 class ScanPlacer
 {
  public:
-  explicit ScanPlacer(const MapSelfArguments& a)
+  ScanPlacer(const MapSelfArguments& a, MapListener& listener)
       : a_(a), pool_(0), preprocessor_(preprocess(a), pool_)
   {
-    for (Trajectory& trajectory : readTrajectories(a))
+    for (Trajectory& trajectory : readTrajectories(a, listener))
     {
       trajectories_.emplace_back(std::move(trajectory), a.tolerance);
     }
@@ -240,9 +228,9 @@ class PointChoice
 };
 }  // namespace
 
-std::vector<MapSelfScores> evaluateMapSelf(const MapSelfArguments& a)
+std::vector<MapSelfScores> evaluateMapSelf(const MapSelfArguments& a, MapListener& listener)
 {
-  const ScanPlacer placer(a);
+  const ScanPlacer placer(a, listener);
   PointChoice choice(a.points, placer.size());
   std::size_t used = 0;
   double first = 0;  // and last time stamp of the scans [s]
@@ -250,7 +238,7 @@ std::vector<MapSelfScores> evaluateMapSelf(const MapSelfArguments& a)
   const auto forEachPlaced = [&](const std::string& what, const auto& use)
   {
     bool any = false;
-    return forEachScan(a, what,
+    return forEachScan(a, what, listener,
                        [&](const Frame& frame)
                        {
                          last = frame.scan.stamp;
@@ -300,5 +288,40 @@ std::vector<MapSelfScores> evaluateMapSelf(const MapSelfArguments& a)
     result.push_back({mean, used});
   }
   return result;
+}
+
+Table mapSelfTable(const std::vector<std::string>& names, const std::vector<MapSelfScores>& scores)
+{
+  constexpr double square_millimetres = 1e6;  // in a square metre
+  Table table({"trajectory", "scans", "points", "entropy", "plane variance [mm2]"});
+  for (std::size_t i = 0; i < scores.size(); ++i)
+  {
+    const MapSharpness& mean = scores[i].mean;
+    table.addRow({names[i], TableCell(static_cast<double>(scores[i].scans), 0),
+                  TableCell(static_cast<double>(mean.points), 0), TableCell(mean.mean_entropy, 4),
+                  TableCell(square_millimetres * mean.mean_plane_variance, 1)});
+  }
+  return table;
+}
+
+std::string mapSelfJson(const MapSelfArguments& a,
+                        const std::vector<std::string>& names,
+                        const std::vector<MapSelfScores>& scores)
+{
+  nlohmann::ordered_json json;
+  json["rawlog"] = a.rawlog;
+  json["neighbourhood_m"] = a.quality.radius;
+  json["min_neighbours"] = a.quality.min_neighbours;
+  json["trajectories"] = nlohmann::ordered_json::array();
+  for (std::size_t i = 0; i < scores.size(); ++i)
+  {
+    const MapSharpness& mean = scores[i].mean;
+    json["trajectories"].push_back({{"name", names[i]},
+                                    {"scans", scores[i].scans},
+                                    {"points", mean.points},
+                                    {"mean_map_entropy", mean.mean_entropy},
+                                    {"mean_plane_variance_m2", mean.mean_plane_variance}});
+  }
+  return textOf(json);
 }
 }  // namespace dyslam

@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <dyslam/core/Labels.h>
+#include <dyslam/core/Scan.h>
+#include <dyslam/eval/MapMetrics.h>
+#include <dyslam/eval/Table.h>
+
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace dyslam
+{
+/** The map that others are compared with. */
+struct ReferenceMap
+{
+  std::string path;
+  Scan cloud;
+};
+
+/** \throws UserError for a file that cannot be read. */
+[[nodiscard]] ReferenceMap readReferenceMap(const std::string& path);
+
+/** Labels of a reference, or why it has none. */
+struct ReferenceLabels
+{
+  std::vector<Label> labels;
+  std::string missing;  //!< reason; empty: there are labels
+};
+
+/** Of the file `labels`, else of F.label beside the map, else of the map's intensity. \throws
+ * UserError for a file that cannot be read or has another number of labels. */
+[[nodiscard]] ReferenceLabels readReferenceLabels(const ReferenceMap& reference,
+                                                  const std::string& labels = "");
+
+/** A map to evaluate: its name and its file (pcd, ply). */
+using NamedMap = std::pair<std::string, std::string>;
+
+struct MapReport
+{
+  Table table;
+  std::string json;
+};
+
+/** Static points preserved and dynamic points rejected. \throws UserError for a file that cannot be
+ * read. */
+[[nodiscard]] MapReport compareByLabels(const ReferenceMap& reference,
+                                        const std::vector<Label>& labels,
+                                        const std::vector<NamedMap>& maps,
+                                        const MapMetricsOptions& metrics);
+
+/** Maps without labels: distances of the points of both from those of the other. \param distances
+ * PLY to write, the map coloured by distance; empty: none \throws UserError for a file that cannot
+ * be read or written, or a map without points. */
+[[nodiscard]] MapReport compareByDistance(const ReferenceMap& reference,
+                                          const std::vector<NamedMap>& maps,
+                                          const std::string& distances = "");
+}  // namespace dyslam

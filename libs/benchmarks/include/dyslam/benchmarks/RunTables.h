@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <dyslam/benchmarks/RunScores.h>
+#include <dyslam/eval/Table.h>
+
+#include <string>
+#include <vector>
+
+namespace dyslam
+{
+/** A row for the final trajectory of each run, with its labels and times, and one for its odometry.
+ */
+[[nodiscard]] Table runTable(const std::vector<RunScores>& runs);
+/** Mean time of each stage, one column per run; without rows if no run states any. */
+[[nodiscard]] Table stageTable(const std::vector<RunScores>& runs);
+/** Those of the runs that have one, with the names of the runs. */
+[[nodiscard]] std::vector<OdometryConsistency> consistenciesOf(const std::vector<RunScores>& runs);
+/** The split of each run's recording, where that is known; one line each. \throws UserError if
+ * splits.ini cannot be read. */
+[[nodiscard]] std::string splitLines(const std::vector<RunScores>& runs);
+/** Where the ground truth of each run is from, and what follows from it; one line each. */
+[[nodiscard]] std::string truthLines(const std::vector<RunScores>& runs);
+/** All results as JSON, one object per run. \throws UserError as splitLines(). */
+[[nodiscard]] std::string runJson(const std::vector<RunScores>& runs);
+}  // namespace dyslam

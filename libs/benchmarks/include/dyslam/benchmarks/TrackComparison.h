@@ -1,0 +1,78 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <dyslam/benchmarks/NoteSink.h>
+#include <dyslam/benchmarks/TrackFiles.h>
+#include <dyslam/eval/Table.h>
+#include <dyslam/eval/TrackMetrics.h>
+
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace dyslam
+{
+/** Tracks that are compared. */
+struct TrackSources
+{
+  std::string reference;  //!< ground-truth folder of a recording, or a file of tracks
+  std::string estimate;   //!< output folder of a run, or a file of tracks
+  /** Calibration of KITTI files in the camera frame, whose image rules then apply; empty for files
+   * in the lidar frame. */
+  std::string calib;
+};
+
+/** Which true and estimated boxes may be the same. */
+struct TrackMatching
+{
+  double min_iou = 0.25;    //!< least 3D IoU
+  double max_distance = 0;  //!< if positive: horizontal distance of the centres instead [m]
+};
+
+/** \param selection of a ground-truth folder, as readTruth(); of a file all boxes count \throws
+ * UserError for files that are missing or cannot be read. */
+[[nodiscard]] TrackData readReferenceTracks(const TrackSources& sources,
+                                            TrackSelection& selection,
+                                            const NoteSink& note);
+
+/** Against a ground-truth folder only those that its selection covers. \throws UserError for files
+ * that are missing or cannot be read. */
+[[nodiscard]] TrackData readEstimatedTracks(const TrackSources& sources,
+                                            const TrackData& truth,
+                                            const TrackSelection& selection);
+
+/** Whether Car, Van, Truck and Bus are one class: in folders, and in a file compared with one. */
+[[nodiscard]] bool typesAreMerged(const TrackSources& sources);
+
+/** The boxes of both, classes merged if typesAreMerged(), over all frames of either. */
+[[nodiscard]] TrackSequence sequenceOf(const TrackSources& sources,
+                                       const TrackData& truth,
+                                       const TrackData& estimate);
+
+/** Restricts the reference to the frames that the run processed. Scans dropped for their time
+ * stamps shift the last frame; the estimated boxes show by how much. \return those frames; nothing
+ * if all are kept */
+std::optional<FrameRange> keepProcessedFrames(const TrackSources& sources, TrackSequence& sequence);
+
+/** The classes to evaluate, as the boxes name them; "" is all together. \param given words for
+ * them; empty: the classes of the reference's counted boxes, and all together for files in the
+ * lidar frame \throws UserError for an unknown one. */
+[[nodiscard]] std::vector<std::string> trackClasses(const TrackSources& sources,
+                                                    const TrackSequence& sequence,
+                                                    const std::vector<std::string>& given);
+
+struct TrackReport
+{
+  Table metrics;  //!< CLEAR-MOT, HOTA and AB3DMOT's averages of each class
+  Table errors;   //!< of position, yaw and speed, by class and range
+  std::string json;
+};
+
+/** \param types as trackClasses() */
+[[nodiscard]] TrackReport evaluateTracks(const TrackSources& sources,
+                                         const TrackMatching& matching,
+                                         const TrackSequence& sequence,
+                                         std::vector<std::string> types,
+                                         const TrackSpeeds& true_speeds,
+                                         const TrackSpeeds& estimated_speeds);
+}  // namespace dyslam

@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <dyslam/benchmarks/NoteSink.h>
+#include <dyslam/core/Trajectory.h>
+#include <dyslam/eval/Table.h>
+#include <dyslam/eval/TrajectoryMetrics.h>
+
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace dyslam
+{
+/** How the poses of two files are read and paired. */
+struct PoseReading
+{
+  static constexpr double default_tolerance = 0.01;  //!< [s]
+
+  std::optional<double> tolerance;    //!< of time stamps [s]; default_tolerance if not given
+  std::optional<double> time_offset;  //!< added to the time stamps of the estimate [s]
+  /** Whose poses are a camera's (z ahead) and are taken to the lidar's: "estimate", "reference", or
+   * empty for none. */
+  std::string camera;
+  std::string calib;  //!< KITTI's calib.txt with the mounting of that camera; empty: only its axes
+};
+
+/** Pairs the poses of two files (TUM or KITTI): by time if both have time stamps, else by line.
+ * \param note called if the pairs are few or the files differ in length \throws UserError for files
+ * that cannot be read, without poses or with fewer than two pairs, and for a tolerance or an offset
+ * given with a file without time stamps. */
+[[nodiscard]] PosePairs pairFiles(const std::string& reference,
+                                  const std::string& estimate,
+                                  const PoseReading& reading,
+                                  const NoteSink& note);
+
+/** Adds the means over several estimates: drift over those that are long enough to have one. */
+void addMeanRow(Table& table, const std::vector<TrajectoryReport>& reports);
+
+/** A trajectory that is not compared with another. */
+struct PathSummary
+{
+  std::string name;
+  Trajectory trajectory;           //!< without poses whose position is not finite
+  std::optional<double> duration;  //!< [s]; nothing without time stamps
+  double length = 0;               //!< [m]
+  double start_to_end = 0;         //!< distance of the last position from the first [m]
+};
+
+/** Without a name. \param reading of its camera \throws UserError for a file that cannot be read or
+ * has no poses. */
+[[nodiscard]] PathSummary readPath(const std::string& path, const PoseReading& reading);
+/** One row per trajectory. */
+[[nodiscard]] Table pathTable(const std::vector<PathSummary>& paths);
+[[nodiscard]] std::string pathJson(const std::vector<PathSummary>& paths);
+}  // namespace dyslam

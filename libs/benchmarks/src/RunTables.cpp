@@ -1,0 +1,203 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/benchmarks/JsonText.h>
+#include <dyslam/benchmarks/RunTables.h>
+#include <dyslam/core/Printable.h>
+
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <set>
+
+namespace dyslam
+{
+namespace
+{
+using Json = nlohmann::ordered_json;
+
+void addRunRow(Table& table,
+               const RunScores& run,
+               const std::string& part,
+               const std::optional<TrajectoryReport>& trajectory,
+               bool whole)
+{
+  std::vector<TableCell> cells{run.name, part,
+                               TableCell(whole ? number(run.report, "frames") : std::nullopt, 0)};
+  const auto figure = [&](auto value, int digits)
+  { cells.emplace_back(trajectory ? value(*trajectory) : std::optional<double>(), digits); };
+  using Report = const TrajectoryReport&;
+  using Value = std::optional<double>;
+  figure([](Report r) -> Value { return r.length; }, 1);
+  const auto drift = [](Report r, double v)
+  { return r.drift.overall.segments > 0 ? Value(v) : Value(); };
+  figure([&](Report r) { return drift(r, r.drift.overall.translation_percent); }, 4);
+  figure([&](Report r) { return drift(r, r.drift.overall.rotation_deg_per_100m); }, 4);
+  figure([](Report r) -> Value { return r.relative.translation.rmse; }, 4);
+  figure([](Report r) -> Value { return r.relative.rotation_deg.rmse; }, 4);
+  figure([](Report r) -> Value { return r.absolute.translation.rmse; }, 3);
+  figure([](Report r) -> Value { return r.absolute.rotation_deg.rmse; }, 3);
+  figure([](Report r) { return r.forward_ratio; }, 4);
+  figure([](Report r) -> Value { return r.end.translation; }, 3);
+  const SegmentationScores* labels =
+      whole && run.labels ? &run.labels->evaluator.scores() : nullptr;
+  cells.emplace_back(labels ? labels->iou() : Value(), 4);
+  cells.emplace_back(labels ? labels->precision() : Value(), 4);
+  cells.emplace_back(labels ? labels->recall() : Value(), 4);
+  const Value ms = whole ? number(run.report, "ms_per_scan") : Value();
+  cells.emplace_back(ms.value_or(0) > 0 ? ms : Value(), 1);  // 0 of a run that did not finish
+  table.addRow(std::move(cells));
+}
+
+/** Times of the stages in the report, if any. */
+Json stageTimes(const RunScores& run)
+{
+  const auto times = run.report.find("stage_ms");
+  return times != run.report.end() && times->is_object() ? *times : Json::object();
+}
+
+Json neesJson(const NormalisedErrors& errors)
+{
+  return Json{{"count", errors.all.count},
+              {"mean", errors.all.mean},
+              {"median", errors.all.median},
+              {"translation_mean", errors.translation.mean},
+              {"rotation_mean", errors.rotation.mean}};
+}
+}  // namespace
+
+Table runTable(const std::vector<RunScores>& runs)
+{
+  Table table({"run", "trajectory", "scans", "length [m]", "t_rel [%]", "r_rel [deg/100m]",
+               "RPE [m]", "RPE [deg]", "ATE [m]", "ATE [deg]", "forward", "end [m]", "IoU",
+               "precision", "recall", "ms/scan"});
+  for (const auto& run : runs)
+  {
+    addRunRow(table, run, "final", run.trajectory, true);
+    if (run.odometry)
+    {
+      addRunRow(table, run, "odometry", run.odometry, false);
+    }
+  }
+  return table;
+}
+
+Table stageTable(const std::vector<RunScores>& runs)
+{
+  std::vector<std::string> columns{"stage [ms per scan]"};
+  std::vector<std::string> stages;
+  std::set<std::string> known;
+  for (const auto& run : runs)
+  {
+    columns.push_back(run.name);
+    const Json times = stageTimes(run);
+    for (const auto& [stage, time] : times.items())
+    {
+      if (known.insert(stage).second)
+      {
+        stages.push_back(stage);
+      }
+    }
+  }
+  Table table(columns);
+  for (const auto& stage : stages)
+  {
+    std::vector<TableCell> cells{stage};
+    for (const auto& run : runs)
+    {
+      cells.emplace_back(number(stageTimes(run), stage.c_str()), 2);
+    }
+    table.addRow(std::move(cells));
+  }
+  return table;
+}
+
+std::vector<OdometryConsistency> consistenciesOf(const std::vector<RunScores>& runs)
+{
+  std::vector<OdometryConsistency> consistencies;
+  for (const RunScores& one : runs)
+  {
+    if (one.consistency)
+    {
+      consistencies.push_back(*one.consistency);
+      consistencies.back().name = one.name;
+    }
+  }
+  return consistencies;
+}
+
+std::string splitLines(const std::vector<RunScores>& runs)
+{
+  std::string lines;
+  for (const RunScores& run : runs)
+  {
+    if (!run.world)
+    {
+      continue;
+    }
+    const auto split = splitOf(run, DataSplits::load("splits", "splits.ini"));
+    lines += run.name + ": seed " + std::to_string(run.world->seed) + " of the simulator, " +
+             (split ? toString(*split) : "of no split") + "\n";
+  }
+  return lines;
+}
+
+std::string truthLines(const std::vector<RunScores>& runs)
+{
+  std::string lines;
+  for (const RunScores& run : runs)
+  {
+    if (!run.trajectory)
+    {
+      continue;
+    }
+    lines += run.name + ": ground truth: " + printable(run.truth.text());
+    if (!run.truth.isExact())
+    {
+      lines +=
+          "; its own errors are part of all figures, and NEES is not computed, as it would take "
+          "them for errors of the odometry";
+    }
+    lines += '\n';
+  }
+  return lines;
+}
+
+std::string runJson(const std::vector<RunScores>& runs)
+{
+  Json json;
+  json["runs"] = Json::array();
+  for (const auto& run : runs)
+  {
+    Json entry{{"name", run.name}, {"report", run.report}};
+    if (const auto split =
+            run.world ? splitOf(run, DataSplits::load("splits", "splits.ini")) : std::nullopt)
+    {
+      entry["split"] = toString(*split);
+    }
+    if (run.trajectory)
+    {
+      entry["trajectory"] = Json::parse(trajectoryJson({*run.trajectory}))["trajectories"][0];
+    }
+    if (run.odometry)
+    {
+      entry["odometry"] = Json::parse(trajectoryJson({*run.odometry}))["trajectories"][0];
+    }
+    if (run.trajectory)
+    {
+      entry["ground_truth"] = {{"source", toString(run.truth.source)},
+                               {"name", run.truth.name},
+                               {"exact", run.truth.isExact()}};
+    }
+    if (run.consistency)
+    {
+      entry["odometry_nees"] = {{"steps", neesJson(run.consistency->steps)},
+                                {"keyframes", neesJson(run.consistency->keyframes)}};
+    }
+    if (run.labels)
+    {
+      entry["segmentation"] =
+          Json::parse(segmentationJson({{run.name, *run.labels}}))["segmentation"][0];
+    }
+    json["runs"].push_back(entry);
+  }
+  return textOf(json);
+}
+}  // namespace dyslam

@@ -1,0 +1,336 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/benchmarks/JsonText.h>
+#include <dyslam/benchmarks/TrackComparison.h>
+#include <dyslam/core/Error.h>
+#include <dyslam/core/Printable.h>
+#include <dyslam/formats/KittiFiles.h>
+#include <dyslam/formats/TrackFiles.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <filesystem>
+#include <limits>
+#include <nlohmann/json.hpp>
+#include <set>
+
+namespace dyslam
+{
+namespace
+{
+/** Limits of the range intervals of the error table [m]. */
+constexpr std::array<double, 4> range_limits{0, 20, 40, 60};
+
+TrackData readTrackFile(const TrackSources& sources, const std::string& path)
+{
+  return {sources.calib.empty()
+              ? readTracks(path)
+              : readKittiTracking(path, readKittiCalib(sources.calib).T_cam_velo, true),
+          {}};
+}
+
+/** Number of frames covered by either file. */
+int frameCount(const TrackSequence& sequence)
+{
+  int last = -1;
+  for (const auto* boxes : {&sequence.reference, &sequence.estimate})
+  {
+    for (const LabelledBox& box : *boxes)
+    {
+      last = std::max(last, box.frame);
+    }
+  }
+  return last + 1;
+}
+
+/** Removes boxes outside the processed frames. */
+void keepFrames(std::vector<LabelledBox>& boxes, const FrameRange& range)
+{
+  boxes.erase(std::remove_if(boxes.begin(), boxes.end(),
+                             [&](const LabelledBox& box)
+                             { return box.frame < range.first || box.frame > range.last; }),
+              boxes.end());
+}
+
+/** The given classes, as the boxes name them. \throws UserError for an unknown one. */
+std::vector<std::string> givenClasses(const TrackSources& sources,
+                                      const TrackSequence& sequence,
+                                      const std::vector<std::string>& words_given)
+{
+  const bool merged = typesAreMerged(sources);
+  std::set<std::string> known;
+  for (const auto* boxes : {&sequence.reference, &sequence.estimate})
+  {
+    for (const LabelledBox& box : *boxes)
+    {
+      if (box.type != "DontCare")
+      {
+        known.insert(box.type);
+      }
+    }
+  }
+  std::set<std::string> words = known;  // accepted names: a merged class has several
+  for (const auto c : {ObjectClass::car, ObjectClass::van, ObjectClass::truck, ObjectClass::bus,
+                       ObjectClass::motorcyclist, ObjectClass::cyclist, ObjectClass::pedestrian})
+  {
+    known.insert(merged ? mergedType(toString(c)) : toString(c));
+    words.insert(toString(c));
+  }
+  words.insert(known.begin(), known.end());
+  std::vector<std::string> types;
+  for (const std::string& word : words_given)
+  {
+    const auto matches = [&](const std::string& other) { return lowered(word) == lowered(other); };
+    if (std::none_of(words.begin(), words.end(), matches))
+    {
+      std::string all;
+      for (const std::string& type : known)
+      {
+        all += (all.empty() ? "" : ", ") + type;
+      }
+      const std::string nearest = nearestWord(word, words);
+      throw UserError("--class " + word + ": is none of " + all +
+                      (nearest.empty() ? "" : "; did you mean " + nearest + "?"));
+    }
+    const std::string type = merged ? mergedType(word) : word;
+    if (std::find(types.begin(), types.end(), type) == types.end())
+    {
+      types.push_back(type);
+    }
+  }
+  return types;
+}
+
+TrackRules rulesFor(const TrackSources& sources,
+                    const TrackMatching& matching,
+                    const std::string& type)
+{
+  TrackRules rules = sources.calib.empty() ? TrackRules{} : TrackRules::kitti(type);
+  rules.type = type;
+  rules.min_iou = matching.max_distance > 0 ? 1e-9 : matching.min_iou;
+  rules.max_distance = matching.max_distance;
+  rules.image_rules = !sources.calib.empty();
+  rules.switches_across_gaps = sources.calib.empty();
+  return rules;
+}
+
+nlohmann::ordered_json toJson(const TrackErrorSummary& s)
+{
+  return {{"boxes", s.boxes},
+          {"found", s.found},
+          {"same_class", s.same_type},
+          {"position_mean", s.position_mean},
+          {"position_rmse", s.position_rmse},
+          {"yaw_median_deg", s.yaw_median * 180 / M_PI},
+          {"speeds", s.speeds},
+          {"speed_mean_abs", s.speed_mean_abs},
+          {"speed_bias", s.speed_bias}};
+}
+
+/** Errors of position, yaw and speed by true class and range, regardless of the estimated class. */
+Table errorTable(const std::vector<TrackError>& errors,
+                 std::vector<std::string> types,
+                 nlohmann::ordered_json& json)
+{
+  Table table({"class", "range [m]", "boxes", "found %", "same class %", "position [m]", "RMSE [m]",
+               "axis [deg]", "speed [m/s]", "bias [m/s]"},
+              "Boxes with a track within 2 m: mean position error, median yaw error (axis), mean "
+              "|speed error|");
+  const auto add = [&](const std::string& type, const std::string& range, double from, double to)
+  {
+    const TrackErrorSummary s = summaryOf(errors, type, from, to);
+    if (s.boxes == 0)
+    {
+      return;
+    }
+    const auto known = [](bool any, double x)
+    { return any ? std::optional<double>(x) : std::nullopt; };
+    const bool any = s.found > 0;
+    const double boxes = static_cast<double>(s.boxes);
+    const double found = static_cast<double>(s.found);
+    const std::string name = type.empty() ? "all" : type;
+    table.addRow({name, range, TableCell(boxes, 0), TableCell(100 * found / boxes, 1),
+                  TableCell(known(any, 100 * static_cast<double>(s.same_type) / found), 1),
+                  TableCell(known(any, s.position_mean), 2),
+                  TableCell(known(any, s.position_rmse), 2),
+                  TableCell(known(any, s.yaw_median * 180 / M_PI), 1),
+                  TableCell(known(s.speeds > 0, s.speed_mean_abs), 2),
+                  TableCell(known(s.speeds > 0, s.speed_bias), 2)});
+    json[name][range] = toJson(s);
+  };
+  types.emplace_back();
+  for (const std::string& type : types)
+  {
+    for (std::size_t k = 0; k + 1 < range_limits.size(); ++k)
+    {
+      add(type,
+          std::to_string(static_cast<int>(range_limits[k])) + "-" +
+              std::to_string(static_cast<int>(range_limits[k + 1])),
+          range_limits[k], range_limits[k + 1]);
+    }
+    add(type, "all", 0, std::numeric_limits<double>::infinity());
+  }
+  return table;
+}
+
+/** The classes of the reference's counted boxes, and all together for files in the lidar frame. */
+std::vector<std::string> defaultClasses(const TrackSources& sources, const TrackSequence& sequence)
+{
+  std::set<std::string> found;
+  for (const LabelledBox& box : sequence.reference)
+  {
+    if (box.type != "DontCare" && box.id >= 0 && box.occluded != ignored_box)
+    {
+      found.insert(box.type);
+    }
+  }
+  std::vector<std::string> types(found.begin(), found.end());
+  if (sources.calib.empty())
+  {
+    types.emplace_back();  // all classes together, regardless of the estimated class
+  }
+  return types;
+}
+
+/** Adds the metrics of one class to the table and to `json`. */
+void addMetrics(const std::string& name,
+                const std::vector<TrackSequence>& sequences,
+                const TrackRules& rules,
+                Table& table,
+                nlohmann::ordered_json& json)
+{
+  const ClearMot mot = clearMot(sequences, rules);
+  const Hota higher_order = hota(sequences, rules);
+  const RecallAverages averages = averagesOverRecall(sequences, rules);
+  const auto percent = [](double x) { return TableCell(100 * x, 2); };
+  // Averages over forty recalls require as many boxes.
+  const auto average = [&](double x)
+  {
+    const bool enough = mot.references >= 40;
+    return TableCell(enough ? std::optional<double>(100 * x) : std::nullopt, 2);
+  };
+  const auto whole = [](std::size_t n) { return TableCell(static_cast<double>(n), 0); };
+  table.addRow({name, whole(mot.references), percent(mot.mota), percent(mot.motp),
+                percent(mot.recall), percent(mot.precision), whole(mot.id_switches),
+                whole(mot.fragmentations), whole(mot.false_alarms), whole(mot.misses),
+                percent(mot.mostly_tracked), percent(mot.mostly_lost), percent(higher_order.hota),
+                percent(higher_order.detection), percent(higher_order.association),
+                average(averages.samota), average(averages.amota), average(averages.amotp)});
+  json = {{"references", mot.references},
+          {"mota", mot.mota},
+          {"motp", mot.motp},
+          {"recall", mot.recall},
+          {"precision", mot.precision},
+          {"id_switches", mot.id_switches},
+          {"fragmentations", mot.fragmentations},
+          {"false_alarms", mot.false_alarms},
+          {"misses", mot.misses},
+          {"mostly_tracked", mot.mostly_tracked},
+          {"mostly_lost", mot.mostly_lost},
+          {"hota", higher_order.hota},
+          {"deta", higher_order.detection},
+          {"assa", higher_order.association},
+          {"loca", higher_order.localization},
+          {"samota", averages.samota},
+          {"amota", averages.amota},
+          {"amotp", averages.amotp}};
+}
+}  // namespace
+
+TrackData readReferenceTracks(const TrackSources& sources,
+                              TrackSelection& selection,
+                              const NoteSink& note)
+{
+  return std::filesystem::is_directory(sources.reference)
+             ? readTruth(sources.reference, selection, note)
+             : readTrackFile(sources, sources.reference);
+}
+
+TrackData readEstimatedTracks(const TrackSources& sources,
+                              const TrackData& truth,
+                              const TrackSelection& selection)
+{
+  TrackData data = std::filesystem::is_directory(sources.estimate)
+                       ? readRun(sources.estimate)
+                       : readTrackFile(sources, sources.estimate);
+  if (std::filesystem::is_directory(sources.reference))
+  {
+    removeUncovered(data.boxes, truth.boxes, selection);
+  }
+  return data;
+}
+
+bool typesAreMerged(const TrackSources& sources)
+{
+  return std::filesystem::is_directory(sources.reference) ||
+         std::filesystem::is_directory(sources.estimate);
+}
+
+TrackSequence sequenceOf(const TrackSources& sources,
+                         const TrackData& truth,
+                         const TrackData& estimate)
+{
+  TrackSequence sequence;
+  sequence.reference = truth.boxes;
+  sequence.estimate = estimate.boxes;
+  if (typesAreMerged(sources))
+  {
+    mergeTypes(sequence.reference);
+    mergeTypes(sequence.estimate);
+  }
+  sequence.frames = frameCount(sequence);
+  return sequence;
+}
+
+std::optional<FrameRange> keepProcessedFrames(const TrackSources& sources, TrackSequence& sequence)
+{
+  auto range = std::filesystem::is_directory(sources.estimate) ? processedFrames(sources.estimate)
+                                                               : std::nullopt;
+  if (!range)
+  {
+    return std::nullopt;
+  }
+  for (const LabelledBox& box : sequence.estimate)
+  {
+    range->last = std::max(range->last, box.frame);
+  }
+  if (range->first <= 0 && range->last + 1 >= sequence.frames)
+  {
+    return std::nullopt;
+  }
+  keepFrames(sequence.reference, *range);
+  return range;
+}
+
+std::vector<std::string> trackClasses(const TrackSources& sources,
+                                      const TrackSequence& sequence,
+                                      const std::vector<std::string>& given)
+{
+  const std::vector<std::string> types = givenClasses(sources, sequence, given);
+  return types.empty() ? defaultClasses(sources, sequence) : types;
+}
+
+TrackReport evaluateTracks(const TrackSources& sources,
+                           const TrackMatching& matching,
+                           const TrackSequence& sequence,
+                           std::vector<std::string> types,
+                           const TrackSpeeds& true_speeds,
+                           const TrackSpeeds& estimated_speeds)
+{
+  Table table({"class", "boxes", "MOTA", "MOTP", "recall", "precision", "IDS", "FRAG", "FP", "FN",
+               "MT", "ML", "HOTA", "DetA", "AssA", "sAMOTA", "AMOTA", "AMOTP"});
+  nlohmann::ordered_json json;
+  const std::vector<TrackSequence> sequences{sequence};
+  for (const std::string& type : types)
+  {
+    const std::string name = type.empty() ? "all" : type;
+    addMetrics(name, sequences, rulesFor(sources, matching, type), table, json[name]);
+  }
+  constexpr double max_distance = 2;  // [m]
+  const std::vector<TrackError> errors = trackErrors(sequence, rulesFor(sources, matching, ""),
+                                                     max_distance, true_speeds, estimated_speeds);
+  types.erase(std::remove(types.begin(), types.end(), ""), types.end());
+  const Table by_range = errorTable(errors, types, json["errors"]);
+  return {table, by_range, textOf(json)};
+}
+}  // namespace dyslam

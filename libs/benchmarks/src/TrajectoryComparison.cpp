@@ -1,0 +1,201 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/benchmarks/JsonText.h>
+#include <dyslam/benchmarks/TrajectoryComparison.h>
+#include <dyslam/core/Error.h>
+#include <dyslam/core/Printable.h>
+#include <dyslam/formats/KittiFiles.h>
+#include <dyslam/formats/TrajectoryFiles.h>
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+#include <utility>
+
+#include "PairNote.h"
+#include "TimeRange.h"
+
+namespace dyslam
+{
+namespace
+{
+/** A file's poses; those of a camera are taken to the lidar. */
+TrajectoryFile readPoses(const std::string& path, bool camera, const std::string& calib)
+{
+  TrajectoryFile file = readTrajectory(path);
+  if (camera)
+  {
+    const Pose T_cam_velo = calib.empty() ? cameraAxes() : readKittiCalib(calib).T_cam_velo;
+    std::vector<Pose> poses;
+    for (const StampedPose& pose : file.trajectory)
+    {
+      poses.push_back(pose.pose);
+    }
+    poses = cameraToLidarPoses(poses, T_cam_velo);
+    for (std::size_t i = 0; i < poses.size(); ++i)
+    {
+      file.trajectory[i].pose = poses[i];
+    }
+  }
+  return file;
+}
+
+/** \throws UserError if flags for time stamps are given with a file that has none. */
+void requireNoTimeFlags(const PoseReading& a, const std::string& file)
+{
+  if (a.tolerance || a.time_offset)
+  {
+    throw UserError(file +
+                    ": has no time stamps (KITTI), its poses are paired line by line; leave " +
+                    (a.tolerance ? "--tolerance" : "--time-offset") + " out, or give a TUM file");
+  }
+}
+
+/** Those whose position is finite. */
+Trajectory finitePoses(const Trajectory& trajectory)
+{
+  Trajectory finite;
+  for (const StampedPose& pose : trajectory)
+  {
+    if (pose.pose.translation().allFinite())
+    {
+      finite.push_back(pose.stamp, pose.pose);
+    }
+  }
+  return finite;
+}
+
+/** Mean over the estimates, for benchmarks of several sequences; the drift over those that are long
+ * enough to have one. */
+TrajectoryReport meanDrift(const std::vector<TrajectoryReport>& reports)
+{
+  TrajectoryReport mean;
+  mean.name = "mean";
+  const auto with_drift = static_cast<double>(
+      std::count_if(reports.begin(), reports.end(),
+                    [](const TrajectoryReport& r) { return r.drift.overall.segments > 0; }));
+  for (const auto& r : reports)
+  {
+    mean.pairs += r.pairs;
+    mean.length += r.length;
+    if (r.drift.overall.segments > 0)
+    {
+      mean.drift.overall.segments += r.drift.overall.segments;
+      mean.drift.overall.translation_percent += r.drift.overall.translation_percent / with_drift;
+      mean.drift.overall.rotation_deg_per_100m +=
+          r.drift.overall.rotation_deg_per_100m / with_drift;
+    }
+  }
+  return mean;
+}
+}  // namespace
+
+PosePairs pairFiles(const std::string& reference_path,
+                    const std::string& estimate_path,
+                    const PoseReading& a,
+                    const NoteSink& note)
+{
+  const double tolerance = a.tolerance.value_or(PoseReading::default_tolerance);
+  const TrajectoryFile reference = readPoses(reference_path, a.camera == "reference", a.calib);
+  TrajectoryFile estimate = readPoses(estimate_path, a.camera == "estimate", a.calib);
+  for (std::size_t i = 0; i < estimate.trajectory.size(); ++i)
+  {
+    estimate.trajectory[i].stamp += a.time_offset.value_or(0);
+  }
+  if (reference.trajectory.empty() || estimate.trajectory.empty())
+  {
+    throw UserError((reference.trajectory.empty() ? reference_path : estimate_path) +
+                    ": has no poses");
+  }
+  if (reference.format == TrajectoryFormat::tum && estimate.format == TrajectoryFormat::tum)
+  {
+    if (estimate.trajectory.size() < 2)
+    {
+      throw UserError(estimate_path + ": has one pose; errors need two or more");
+    }
+    PosePairs pairs = associateByTime(reference.trajectory, estimate.trajectory, tolerance);
+    if (pairs.size() < 2)
+    {
+      throw UserError(estimate_path + ": only " + std::to_string(pairs.size()) + " of " +
+                      std::to_string(pairs.estimate_size) + " time stamps are within --tolerance " +
+                      shortNumber(tolerance) + " s of one in " + reference_path + " (" +
+                      timesOf(estimate.trajectory) + " and " + timesOf(reference.trajectory) +
+                      "; --time-offset is added to the estimate's)");
+    }
+    noteFewPairs(pairs, estimate_path, reference_path, "--tolerance " + shortNumber(tolerance),
+                 note);
+    return pairs;
+  }
+  requireNoTimeFlags(a,
+                     reference.format == TrajectoryFormat::kitti ? reference_path : estimate_path);
+  if (reference.trajectory.size() != estimate.trajectory.size())
+  {
+    note(estimate_path + " has " + counted(estimate.trajectory.size(), "pose") + ", " +
+         reference_path + " " + std::to_string(reference.trajectory.size()) +
+         "; without time stamps they are associated by index");
+  }
+  return associateByIndex(reference.trajectory, estimate.trajectory);
+}
+
+void addMeanRow(Table& table, const std::vector<TrajectoryReport>& reports)
+{
+  const TrajectoryReport mean = meanDrift(reports);
+  const SegmentDrift& drift = mean.drift.overall;
+  const auto shown = [&](double value)
+  { return drift.segments > 0 ? std::optional<double>(value) : std::nullopt; };
+  std::vector<TableCell> cells{mean.name, TableCell(static_cast<double>(mean.pairs), 0),
+                               TableCell(mean.length, 1),
+                               TableCell(shown(drift.translation_percent), 4),
+                               TableCell(shown(drift.rotation_deg_per_100m), 4)};
+  while (cells.size() < table.columns())
+  {
+    cells.emplace_back("-");
+  }
+  table.addRow(std::move(cells));
+}
+
+PathSummary readPath(const std::string& path, const PoseReading& reading)
+{
+  const TrajectoryFile file = readPoses(path, reading.camera == "estimate", reading.calib);
+  PathSummary summary;
+  summary.trajectory = finitePoses(file.trajectory);
+  if (summary.trajectory.empty())
+  {
+    throw UserError(path + ": has no poses");
+  }
+  const StampedPose& first = summary.trajectory[0];
+  const StampedPose& last = summary.trajectory[summary.trajectory.size() - 1];
+  if (file.format == TrajectoryFormat::tum)
+  {
+    summary.duration = last.stamp - first.stamp;
+  }
+  summary.length = summary.trajectory.pathLengths().back();
+  summary.start_to_end = (last.pose.translation() - first.pose.translation()).norm();
+  return summary;
+}
+
+Table pathTable(const std::vector<PathSummary>& paths)
+{
+  Table table({"trajectory", "poses", "duration [s]", "length [m]", "start to end [m]"});
+  for (const PathSummary& path : paths)
+  {
+    table.addRow({path.name, TableCell(static_cast<double>(path.trajectory.size()), 0),
+                  TableCell(path.duration, 1), TableCell(path.length, 1),
+                  TableCell(path.start_to_end, 3)});
+  }
+  return table;
+}
+
+std::string pathJson(const std::vector<PathSummary>& paths)
+{
+  nlohmann::ordered_json json;
+  json["trajectories"] = nlohmann::ordered_json::array();
+  for (const PathSummary& path : paths)
+  {
+    json["trajectories"].push_back({{"name", path.name},
+                                    {"estimated_poses", path.trajectory.size()},
+                                    {"duration_s", orNull(path.duration)},
+                                    {"length_m", path.length},
+                                    {"start_to_end_m", path.start_to_end}});
+  }
+  return textOf(json);
+}
+}  // namespace dyslam

@@ -1,0 +1,186 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Comparisons of files: trajectories, tracks and maps.
+#include <dyslam/benchmarks/MapComparison.h>
+#include <dyslam/benchmarks/TrackComparison.h>
+#include <dyslam/benchmarks/TrajectoryComparison.h>
+#include <dyslam/core/Error.h>
+#include <dyslam/formats/ScanFiles.h>
+#include <dyslam/formats/TrackFiles.h>
+#include <dyslam/formats/TrajectoryFiles.h>
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "TestFolder.h"
+
+namespace dyslam
+{
+namespace
+{
+using Names = std::vector<std::string>;
+
+void ignore(const std::string& /*note*/) {}
+
+std::vector<Pose> kittiSteps(int count)
+{
+  std::vector<Pose> poses;
+  for (int i = 0; i < count; ++i)
+  {
+    poses.push_back(poseFromYpr(i, 0, 0, 0, 0, 0));
+  }
+  return poses;
+}
+
+LabelledBox boxOf(int frame, int id, const std::string& type, double x)
+{
+  LabelledBox box;
+  box.frame = frame;
+  box.id = id;
+  box.type = type;
+  box.object_class = objectClassFromString(type);
+  box.box.center = {x, 0, 0};
+  box.box.size = {4, 2, 1.5};
+  return box;
+}
+
+/** Four points in a plane, the last at `x`. */
+Scan square(float x)
+{
+  Scan scan;
+  scan.points = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {x, 1, 0}};
+  return scan;
+}
+}  // namespace
+
+TEST(TrajectoryComparison, FilesWithoutTimesArePairedByLine)
+{
+  const TestFolder folder;
+  writeKittiPoses(folder.file("a.txt"), kittiSteps(5));
+  writeKittiPoses(folder.file("b.txt"), kittiSteps(4));
+  Names notes;
+  PoseReading reading;
+  const auto pairs = [&]
+  {
+    return pairFiles(folder.file("a.txt"), folder.file("b.txt"), reading,
+                     [&](const std::string& note) { notes.push_back(note); });
+  };
+  EXPECT_EQ(pairs().size(), 4U);
+  EXPECT_EQ(notes, Names{folder.file("b.txt") + " has 4 poses, " + folder.file("a.txt") +
+                         " 5; without time stamps they are associated by index"});
+  reading.tolerance = 0.02;
+  EXPECT_TRUE(contains(messageOfError<UserError>(pairs), "leave --tolerance out"));
+  reading.tolerance.reset();
+  reading.time_offset = 1;
+  EXPECT_TRUE(contains(messageOfError<UserError>(pairs), "leave --time-offset out"));
+}
+
+TEST(TrajectoryComparison, TimesAreShiftedAndTheirDifferenceIsLimited)
+{
+  const TestFolder folder;
+  Trajectory reference;
+  Trajectory estimate;
+  for (int i = 0; i < 10; ++i)
+  {
+    reference.push_back(i, kittiSteps(10)[static_cast<std::size_t>(i)]);
+    estimate.push_back(i + 0.505, kittiSteps(10)[static_cast<std::size_t>(i)]);
+  }
+  writeTum(folder.file("a.txt"), reference);
+  writeTum(folder.file("b.txt"), estimate);
+  PoseReading reading;
+  const auto pairs = [&]
+  { return pairFiles(folder.file("a.txt"), folder.file("b.txt"), reading, ignore); };
+  EXPECT_TRUE(contains(messageOfError<UserError>(pairs), "only 0 of 10 time stamps"));
+  reading.time_offset = -0.5;
+  EXPECT_EQ(pairs().size(), 10U);
+  reading.tolerance = 0.001;
+  EXPECT_TRUE(contains(messageOfError<UserError>(pairs), "within --tolerance 0.001 s"));
+}
+
+TEST(TrajectoryComparison, OfOnePathAreItsLengths)
+{
+  const TestFolder folder;
+  writeKittiPoses(folder.file("a.txt"), kittiSteps(5));
+  PathSummary path = readPath(folder.file("a.txt"), {});
+  path.name = "a";
+  EXPECT_FALSE(path.duration);
+  EXPECT_DOUBLE_EQ(path.length, 4);
+  EXPECT_DOUBLE_EQ(path.start_to_end, 4);
+  EXPECT_EQ(pathTable({path}).toCsv(),
+            "trajectory,poses,duration [s],length [m],start to end [m]\na,5,,4,4\n");
+  EXPECT_TRUE(nlohmann::json::parse(pathJson({path}))["trajectories"][0]["duration_s"].is_null());
+}
+
+TEST(TrackComparison, ClassesAreThoseOfTheReferenceOrTheGivenOnes)
+{
+  const TestFolder folder;
+  std::vector<LabelledBox> boxes;
+  for (int frame = 0; frame < 10; ++frame)
+  {
+    boxes.push_back(boxOf(frame, 1, "Car", 10));
+    boxes.push_back(boxOf(frame, 2, "Pedestrian", 20));
+  }
+  writeTracks(folder.file("a.txt"), boxes);
+  writeTracks(folder.file("b.txt"), boxes);
+  const TrackSources sources{folder.file("a.txt"), folder.file("b.txt"), ""};
+  TrackSelection selection;
+  const TrackData truth = readReferenceTracks(sources, selection, ignore);
+  const TrackData estimate = readEstimatedTracks(sources, truth, selection);
+  TrackSequence sequence = sequenceOf(sources, truth, estimate);
+  EXPECT_EQ(sequence.frames, 10);
+  EXPECT_FALSE(typesAreMerged(sources));
+  EXPECT_FALSE(keepProcessedFrames(sources, sequence)) << "of a file";
+  EXPECT_EQ(trackClasses(sources, sequence, {}), (Names{"Car", "Pedestrian", ""}));
+  EXPECT_EQ(trackClasses(sources, sequence, {"Pedestrian", "Pedestrian"}), Names{"Pedestrian"});
+  EXPECT_TRUE(
+      contains(messageOfError<UserError>([&] { (void)trackClasses(sources, sequence, {"Carr"}); }),
+               "--class Carr: is none of "));
+
+  const TrackReport report = evaluateTracks(sources, {}, sequence, {"Car", ""}, {}, {});
+  const auto json = nlohmann::json::parse(report.json);
+  EXPECT_EQ(json["Car"]["references"], 10);
+  EXPECT_DOUBLE_EQ(json["Car"]["mota"].get<double>(), 1);
+  EXPECT_EQ(json["all"]["references"], 20);
+  EXPECT_EQ(json["errors"]["all"]["all"]["found"], 20);
+  EXPECT_EQ(report.metrics.rows(), 2U);
+}
+
+TEST(MapComparison, LabelsAreInTheIntensityOrThereAreNone)
+{
+  const TestFolder folder;
+  ReferenceMap reference{folder.file("a.ply"), square(1)};
+  EXPECT_EQ(readReferenceLabels(reference).missing, "no intensity, no .label file");
+  reference.cloud.intensity = {0, 0, 1, 1};
+  EXPECT_EQ(readReferenceLabels(reference).labels,
+            (std::vector<Label>{label_static, label_static, label_moving, label_moving}));
+  reference.cloud.intensity = {40, 252, 1, 0};
+  EXPECT_EQ(readReferenceLabels(reference).labels, (std::vector<Label>{40, 252, 1, 0}));
+  reference.cloud.intensity = {0, 0.5F, 0, 0};
+  EXPECT_TRUE(contains(readReferenceLabels(reference).missing, "intensity 0.5"));
+}
+
+TEST(MapComparison, MapsAreComparedByLabelsOrByDistance)
+{
+  const TestFolder folder;
+  writePly(folder.file("b.ply"), square(1.3F).points);
+  const ReferenceMap reference{folder.file("a.ply"), square(1)};
+  const std::vector<NamedMap> maps{{"b", folder.file("b.ply")}};
+  const MapReport by_distance = compareByDistance(reference, maps, folder.file("d.ply"));
+  const auto distance = nlohmann::json::parse(by_distance.json)["maps"][0];
+  EXPECT_EQ(by_distance.table.rows(), 2U);
+  EXPECT_NEAR(distance["estimate"]["max_m"].get<double>(), 0.3, 1e-6);
+  EXPECT_NE(folder.read("d.ply").find("scalar_distance"), std::string::npos);
+
+  const MapReport by_labels = compareByLabels(
+      reference, {label_static, label_static, label_static, label_moving}, maps, {});
+  const auto points = nlohmann::json::parse(by_labels.json)["maps"][0]["by_point"];
+  EXPECT_EQ(points["static"], 3);
+  EXPECT_EQ(points["dynamic"], 1);
+  EXPECT_TRUE(contains(messageOfError<UserError>(
+                           [&] {
+                             (void)compareByDistance({"empty.ply", Scan()}, maps);
+                           }),
+                       "empty.ply: has no points"));
+}
+}  // namespace dyslam

@@ -1,0 +1,145 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/benchmarks/RunTables.h>
+#include <dyslam/benchmarks/SplitTables.h>
+#include <dyslam/core/Error.h>
+#include <dyslam/formats/LabelFiles.h>
+#include <dyslam/formats/TrajectoryFiles.h>
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "TestFolder.h"
+
+namespace dyslam
+{
+namespace
+{
+/** Straight ahead, 1 m per 0.1 s. \param scale of the distances */
+Trajectory straight(double scale, int poses = 40)
+{
+  Trajectory trajectory;
+  for (int i = 0; i < poses; ++i)
+  {
+    trajectory.push_back(100 + 0.1 * i, poseFromYpr(scale * i, 0, 0, 0, 0, 0));
+  }
+  return trajectory;
+}
+
+class RunScoresOf : public ::testing::Test
+{
+ protected:
+  /** The output folder of a run. */
+  std::string writeRun(const std::string& name, const std::string& report) const
+  {
+    std::filesystem::create_directories(folder_.file(name));
+    writeTum(folder_.file(name + "/trajectory_tum.txt"), straight(1.01));
+    writeTum(folder_.file(name + "/odometry_tum.txt"), straight(1.02));
+    if (!report.empty())
+    {
+      folder_.write(name + "/report.json", report);
+    }
+    return folder_.file(name);
+  }
+  RunScores scores(const std::string& run, const std::string& truth = "")
+  {
+    notes_.clear();
+    TrajectoryMetricsOptions metrics;
+    metrics.lengths = {10};
+    return scoresOf(run, truth, metrics,
+                    [this](const std::string& note) { notes_.push_back(note); });
+  }
+
+  TestFolder folder_;
+  std::vector<std::string> notes_;
+};
+}  // namespace
+
+TEST_F(RunScoresOf, ReferenceLabelsAndReportAreUsed)
+{
+  const std::string run = writeRun(
+      "run",
+      R"({"frames": 40, "ms_per_scan": 20, "stage_ms": {"odometry": 12.5}, "finished": true})");
+  writeTum(folder_.file("run/reference_tum.txt"), straight(1));
+  std::filesystem::create_directories(folder_.file("x.gt/labels"));
+  std::filesystem::create_directories(folder_.file("run/labels"));
+  writeLabels(folder_.file("x.gt/labels/000000.label"),
+              {label_moving, label_moving, label_static, label_static});
+  writeLabels(folder_.file("run/labels/000000.label"),
+              {label_moving, label_static, label_static, label_static});
+  RunScores one = scores(run, folder_.file("x.gt"));
+  EXPECT_TRUE(notes_.empty()) << notes_.front();
+  one.name = "run";
+  ASSERT_TRUE(one.trajectory && one.odometry && one.labels);
+  EXPECT_NEAR(one.trajectory->drift.overall.translation_percent, 1, 0.2);
+  EXPECT_NEAR(one.odometry->drift.overall.translation_percent, 2, 0.4);
+  EXPECT_DOUBLE_EQ(one.labels->evaluator.scores().recall().value(), 0.5);
+  EXPECT_FALSE(one.consistency);
+  EXPECT_FALSE(one.world);
+
+  const Table table = runTable({one});
+  EXPECT_EQ(table.rows(), 2U) << "final and odometry";
+  EXPECT_TRUE(contains(table.toCsv(), "run,final,40,"));
+  EXPECT_EQ(stageTable({one}).toCsv(), "stage [ms per scan],run\nodometry,12.5\n");
+  EXPECT_TRUE(consistenciesOf({one}).empty());
+  EXPECT_EQ(splitLines({one}), "");
+  EXPECT_TRUE(contains(truthLines({one}), "run: ground truth: "));
+  const auto json = nlohmann::json::parse(runJson({one}))["runs"][0];
+  EXPECT_EQ(json["report"]["frames"], 40);
+  EXPECT_DOUBLE_EQ(json["segmentation"]["recall"].get<double>(), 0.5);
+}
+
+TEST_F(RunScoresOf, WhatIsMissingIsNoted)
+{
+  const std::string run = writeRun("run", "");
+  EXPECT_FALSE(scores(run).trajectory);
+  ASSERT_EQ(notes_.size(), 2U);
+  EXPECT_EQ(notes_[0], run + " has no report.json: the run did not finish");
+  EXPECT_EQ(notes_[1], run + " has no reference_tum.txt: its recording has no ground truth");
+
+  writeRun("run", R"({"frames": 40, "finished": false, "not_written": ["map.png: disk full"]})");
+  folder_.write("run/resume.state", "");
+  writeTum(folder_.file("run/reference_tum.txt"), straight(1, 3));
+  EXPECT_TRUE(scores(run).trajectory);
+  ASSERT_EQ(notes_.size(), 3U);
+  EXPECT_EQ(notes_[0], "the run lacks a file: map.png: disk full");
+  EXPECT_TRUE(contains(notes_[1], "only 3 of 40 poses have one of 3 in ")) << notes_[1];
+  EXPECT_EQ(notes_[2], run + ": unfinished: 40 scans; continue with: dyslam --resume -o " + run);
+}
+
+TEST_F(RunScoresOf, OtherFoldersAreRefused)
+{
+  std::filesystem::create_directories(folder_.file("empty"));
+  EXPECT_EQ(whyNoRun(writeRun("run", "{}")), "");
+  EXPECT_EQ(whyNoRun(folder_.file("none")), "is not a folder");
+  EXPECT_TRUE(contains(whyNoRun(folder_.file("empty")), "has no trajectory_tum.txt"));
+  EXPECT_TRUE(contains(messageOfError<UserError>([&] { (void)scores(folder_.file("empty")); }),
+                       "empty: has no trajectory_tum.txt"));
+  folder_.write("run/report.json", "[]");
+  EXPECT_TRUE(contains(messageOfError<UserError>([&] { (void)scores(folder_.file("run")); }),
+                       "report.json: is not the JSON report of a run"));
+}
+
+TEST_F(RunScoresOf, ASplitHasItsDrives)
+{
+  const SplitColumns columns{"dyslam", {{"DySLAM", "dyslam"}, {"GICP", "gicp"}}, {}};
+  const auto drives = [&]
+  {
+    return readDrives(folder_.file("runs"), columns, {},
+                      [this](const std::string& note) { notes_.push_back(note); });
+  };
+  EXPECT_TRUE(contains(messageOfError<UserError>(drives), "runs: is not a folder"));
+  std::filesystem::create_directories(folder_.file("runs/b"));
+  EXPECT_TRUE(contains(messageOfError<UserError>(drives), "has no DRIVE/METHOD"));
+  writeRun("runs/a/dyslam", R"({"frames": 40, "ms_per_scan": 10})");
+  const std::vector<DriveScores> found = drives();
+  ASSERT_EQ(found.size(), 1U) << "b has no run";
+  EXPECT_EQ(found[0].name, "a");
+  EXPECT_EQ(found[0].runs.count("dyslam"), 1U);
+  const std::string times = timeTable(found, columns.odometry).toCsv();
+  EXPECT_TRUE(contains(times, "DySLAM,")) << times;
+  EXPECT_FALSE(contains(times, "GICP")) << "no drive has that run";
+}
+}  // namespace dyslam
