@@ -4,6 +4,7 @@
 #include <dyslam/core/Error.h>
 #include <dyslam/core/Printable.h>
 #include <dyslam/formats/MotionFiles.h>
+#include <dyslam/formats/RunFiles.h>
 #include <dyslam/formats/TrajectoryFiles.h>
 #include <dyslam/io/RawlogSource.h>
 
@@ -89,7 +90,7 @@ bool noteUnfinished(const std::string& folder,
   }
   const std::string reason = textIn(report, "ended_early");
   note(folder + ": unfinished: " + scans + (reason.empty() ? "" : "; " + printable(reason)) +
-       (fs::exists(fs::path(folder) / "resume.state")
+       (fs::exists(fs::path(folder) / state_file_name)
             ? "; continue with: dyslam --resume -o " + folder
             : ""));
   return true;
