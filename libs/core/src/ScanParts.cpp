@@ -75,6 +75,7 @@ void appendScan(const Scan& further, std::size_t lidar, Scan& scan)
   part.lidar = lidar;
   part.stamp = further.stamp - scan.stamp;
   part.T_scan_lidar = scan.T_vehicle_lidar.inverse() * further.T_vehicle_lidar;
+  part.sensor_label = further.sensor_label;
   const Eigen::Isometry3f T = part.T_scan_lidar.cast<float>();
   scan.points.reserve(before + further.size());
   for (const Eigen::Vector3f& p : further.points)
@@ -82,6 +83,10 @@ void appendScan(const Scan& further, std::size_t lidar, Scan& scan)
     scan.points.push_back(isReturn(p) ? Eigen::Vector3f(T * p) : p);
   }
   std::vector<float> time = further.time;
+  if (!scan.time.empty())
+  {
+    time.resize(further.size(), 0.0F);
+  }
   for (float& t : time)
   {
     t += static_cast<float>(part.stamp);

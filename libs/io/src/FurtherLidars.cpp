@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "FurtherLidars.h"
 
+#include <dyslam/core/Error.h>
 #include <dyslam/mrpt/Conversions.h>
 
 #include <algorithm>
@@ -8,25 +9,24 @@
 #include <tuple>
 #include <utility>
 
-#include "ObservationScans.h"
-
 namespace dyslam
 {
-FurtherLidars::FurtherLidars(const std::string& labels, double intensity_scale)
-    : labels_("further_lidars", labels), wanted_(!labels.empty()), intensity_scale_(intensity_scale)
+FurtherLidars::FurtherLidars(const std::string& labels, bool merge, double intensity_scale)
+    : labels_("further_lidars", labels),
+      merge_(merge && !labels.empty()),
+      intensity_scale_(intensity_scale)
 {
 }
 
 bool FurtherLidars::areNamed(const std::string& label) const
 {
-  return wanted_ && labels_.fits(label);
+  return !labels_.pattern().empty() && labels_.fits(label);
 }
 
-void FurtherLidars::holdTimeRing(const mrpt::obs::CObservation::Ptr& observation)
+void FurtherLidars::holdTimeRing(const std::string& label,
+                                 const mrpt::obs::CObservation::Ptr& observation)
 {
-  std::string label = observation->sensorLabel;
-  label.resize(label.size() - std::string(time_ring_suffix).size());
-  if (areNamed(label))
+  if (merge_ && areNamed(label) && (time_rings_.size() < most_lidars || time_rings_.count(label)))
   {
     time_rings_[label] = observation;
   }
@@ -36,51 +36,101 @@ void FurtherLidars::hold(const mrpt::obs::CObservation::Ptr& observation, double
 {
   HeldScan scan;
   scan.observation = observation;
-  scan.time_ring = std::exchange(time_rings_[observation->sensorLabel], nullptr);
+  const auto time_ring = time_rings_.find(observation->sensorLabel);
+  if (time_ring != time_rings_.end())
+  {
+    scan.time_ring = time_ring->second;
+    time_rings_.erase(time_ring);
+  }
   scan.lidar = numbers_.emplace(observation->sensorLabel, numbers_.size() + 1).first->second;
+  if (scan.lidar >= most_lidars)
+  {
+    throw UserError("further_lidars = " + labels_.pattern() + " selects more than " +
+                    std::to_string(most_lidars - 1) + " lidars, '" + observation->sensorLabel +
+                    "' too; name those of the vehicle");
+  }
   scan.clock_shift = clock_shift;
   scan.stamp = toStamp(observation->timestamp) + clock_shift;
+  latest_[scan.lidar] = scan.stamp;
+  dropWaitingTooLong(scan);
   held_.push_back(std::move(scan));
 }
 
-std::vector<FurtherLidars::HeldScan> FurtherLidars::takeFor(double stamp,
-                                                            std::optional<double> next)
+bool FurtherLidars::isAwaited(const HeldScan& scan) const
+{
+  if (first_.empty())
+  {
+    return false;
+  }
+  const MetScans::Met& nearest = first_.nearestTo(scan.stamp);
+  return nearest.is_used && (!last_ || nearest.stamp > *last_) &&
+         std::abs(scan.stamp - nearest.stamp) <= farthest;
+}
+
+void FurtherLidars::dropWaitingTooLong(const HeldScan& newest)
+{
+  const std::size_t before = held_.size();
+  held_.erase(std::remove_if(held_.begin(), held_.end(),
+                             [&](const HeldScan& scan)
+                             {
+                               return scan.lidar == newest.lidar &&
+                                      std::abs(scan.stamp - newest.stamp) > longest_wait &&
+                                      !isAwaited(scan);
+                             }),
+              held_.end());
+  const auto isSame = [&newest](const HeldScan& scan) { return scan.lidar == newest.lidar; };
+  if (std::count_if(held_.begin(), held_.end(), isSame) >= static_cast<std::ptrdiff_t>(most_held))
+  {
+    held_.erase(std::find_if(held_.begin(), held_.end(), isSame));
+  }
+  dropped_ += before - held_.size();
+}
+
+void FurtherLidars::metScan(double stamp, bool taken)
+{
+  first_.add(stamp, taken);
+  held_.erase(std::remove_if(held_.begin(), held_.end(),
+                             [&](const HeldScan& scan) {
+                               return scan.stamp <= stamp && !first_.nearestTo(scan.stamp).is_used;
+                             }),
+              held_.end());
+}
+
+bool FurtherLidars::areCompleteFor(double stamp) const
+{
+  const MetScans::Met* next = first_.after(stamp);
+  return next != nullptr && std::all_of(latest_.begin(), latest_.end(),
+                                        [&](const auto& lidar)
+                                        { return lidar.second >= 0.5 * (stamp + next->stamp); });
+}
+
+std::vector<FurtherLidars::HeldScan> FurtherLidars::takeFor(double stamp)
 {
   std::vector<HeldScan> taken;
   std::deque<HeldScan> left;
   for (HeldScan& scan : held_)
   {
-    if (next && scan.stamp >= 0.5 * (stamp + *next))
+    const MetScans::Met& nearest = first_.nearestTo(scan.stamp);
+    if (nearest.stamp > stamp)
     {
       left.push_back(std::move(scan));
     }
-    else if (std::abs(scan.stamp - stamp) <= farthest)
+    else if (nearest.is_used && std::abs(scan.stamp - stamp) <= farthest)
     {
       taken.push_back(std::move(scan));
     }
-    else
+    else if (nearest.is_used)
     {
       ++dropped_;
     }
   }
   held_ = std::move(left);
+  last_ = stamp;
   std::stable_sort(taken.begin(), taken.end(),
                    [](const HeldScan& a, const HeldScan& b)
                    { return std::tie(a.lidar, a.stamp) < std::tie(b.lidar, b.stamp); });
   any_taken_ = any_taken_ || !taken.empty();
   return taken;
-}
-
-void FurtherLidars::metScan(double stamp, bool taken)
-{
-  if (left_out_)
-  {
-    const double border = 0.5 * (*left_out_ + stamp);
-    held_.erase(std::remove_if(held_.begin(), held_.end(),
-                               [border](const HeldScan& scan) { return scan.stamp < border; }),
-                held_.end());
-  }
-  left_out_ = taken ? std::nullopt : std::optional<double>(stamp);
 }
 
 IntensityScaler& FurtherLidars::intensityScaler(std::size_t lidar)
@@ -90,7 +140,7 @@ IntensityScaler& FurtherLidars::intensityScaler(std::size_t lidar)
 
 std::string FurtherLidars::reasonForNone() const
 {
-  if (!wanted_ || any_taken_)
+  if (!merge_ || any_taken_)
   {
     return "";
   }

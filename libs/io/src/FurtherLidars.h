@@ -12,6 +12,7 @@
 
 #include "IntensityScaler.h"
 #include "LabelPattern.h"
+#include "MetScans.h"
 
 namespace dyslam
 {
@@ -19,6 +20,8 @@ namespace dyslam
 class FurtherLidars
 {
  public:
+  static constexpr std::size_t most_lidars = 16;  //!< of a vehicle, with the first
+
   struct HeldScan
   {
     mrpt::obs::CObservation::Ptr observation;
@@ -29,22 +32,30 @@ class FurtherLidars
   };
 
   /** \param labels regex; empty: there are none. \throws UserError if it is no regular expression.
-   * \param intensity_scale as RawlogSourceOptions */
-  FurtherLidars(const std::string& labels, double intensity_scale);
+   * \param merge whether scans are held \param intensity_scale as RawlogSourceOptions */
+  FurtherLidars(const std::string& labels, bool merge, double intensity_scale);
 
   /** Whether the option selects a lidar. \param label not the first lidar's */
   [[nodiscard]] bool areNamed(const std::string& label) const;
-  /** Holds an observation that carries times and rings of the scan that follows. */
-  void holdTimeRing(const mrpt::obs::CObservation::Ptr& observation);
-  /** Holds a scan with a time stamp. */
+  /** Whether scans are merged at all. */
+  [[nodiscard]] bool areMerged() const { return merge_; }
+  [[nodiscard]] const std::string& pattern() const { return labels_.pattern(); }
+  /** Holds an observation that carries times and rings of the scan that follows.
+   * \param label of that scan */
+  void holdTimeRing(const std::string& label, const mrpt::obs::CObservation::Ptr& observation);
+  /** Holds a scan with a time stamp. Those that wait for long without a scan of the first lidar
+   * near them are dropped. \throws UserError for more than most_lidars. */
   void hold(const mrpt::obs::CObservation::Ptr& observation, double clock_shift);
-  /** The scans that are nearest in time to one of the first lidar, by lidar and stamp; at most
-   * `farthest` from it. Others up to then are dropped.
-   * \param stamp of it \param next of the one after, if it is known [s] */
-  [[nodiscard]] std::vector<HeldScan> takeFor(double stamp, std::optional<double> next);
-  /** The next scan of the first lidar. Drops those that are nearer to one before it that was not
-   * taken. \param stamp of it [s] \param taken takeFor() follows for it */
+  /** The next scan of the first lidar with a good time stamp. Those nearer to one that is left out
+   * than to any other are dropped. \param stamp of it [s] \param taken takeFor() follows for it */
   void metScan(double stamp, bool taken);
+  /** Whether all lidars known so far have scans up to the middle between one of the first lidar
+   * and that after it. \param stamp of it [s] */
+  [[nodiscard]] bool areCompleteFor(double stamp) const;
+  /** The scans that are nearest in time to one of the first lidar, by lidar and stamp, and late
+   * ones that are nearer to one before; at most `farthest` from it. Others up to then are dropped.
+   * \param stamp of it [s] */
+  [[nodiscard]] std::vector<HeldScan> takeFor(double stamp);
 
   [[nodiscard]] IntensityScaler& intensityScaler(std::size_t lidar);
   /** Scans that no scan of the first lidar is near to, so far. */
@@ -53,16 +64,24 @@ class FurtherLidars
   [[nodiscard]] std::string reasonForNone() const;
 
  private:
-  static constexpr double farthest = 0.15;  //!< from the scan that it joins [s]
+  static constexpr double farthest = 0.15;       //!< from the scan that it joins [s]
+  static constexpr double longest_wait = 1;      //!< up to a later scan of the same lidar [s]
+  static constexpr std::size_t most_held = 100;  //!< of a lidar
+
+  /** Whether it may join a scan of the first lidar that was met. */
+  [[nodiscard]] bool isAwaited(const HeldScan& scan) const;
+  void dropWaitingTooLong(const HeldScan& newest);
 
   LabelPattern labels_;
-  bool wanted_;
+  bool merge_;
   double intensity_scale_;
   std::map<std::string, std::size_t> numbers_;  //!< of the lidars
+  std::map<std::size_t, double> latest_;        //!< stamp of the latest scan of each lidar [s]
   std::map<std::string, mrpt::obs::CObservation::Ptr> time_rings_;
   std::map<std::size_t, IntensityScaler> scalers_;
   std::deque<HeldScan> held_;
-  std::optional<double> left_out_;  //!< stamp of the last scan of the first lidar, if not taken [s]
+  MetScans first_;              //!< scans of the first lidar
+  std::optional<double> last_;  //!< stamp of that of the last takeFor() [s]
   std::size_t dropped_ = 0;
   bool any_taken_ = false;
 };

@@ -4,6 +4,7 @@
 #include <dyslam/io/RawlogStream.h>
 #include <dyslam/io/ScanDecoder.h>
 
+#include <deque>
 #include <utility>
 
 namespace dyslam
@@ -49,8 +50,8 @@ struct RawlogSource::Impl
         stream(path),
         decoder(options, path, stream.externalFolder())
   {
-    pending = nextScan();
-    if (pending)
+    readOn([this] { return pending.empty() && !decoder.isPastEnd(); });
+    if (!pending.empty())
     {
       return;
     }
@@ -61,22 +62,20 @@ struct RawlogSource::Impl
     decoder.failWithoutScans(stream.leftOut());
   }
 
-  /** The next wanted scan with a good time stamp, or nothing at the end or after an error, which
-   * is kept in `postponed`. */
-  std::optional<RecordedScan> nextScan()
+  /** Reads wanted scans with good time stamps up to the end or an error, which is kept in
+   * `postponed`. */
+  template <typename NeedsMore>
+  void readOn(const NeedsMore& needsMore)
   {
     try
     {
-      while (!postponed && !decoder.isPastEnd())
+      while (!postponed && !ended && needsMore())
       {
         const auto observation = stream.next();
-        if (!observation)
+        ended = observation == nullptr;
+        if (auto scan = ended ? std::nullopt : decoder.take(observation))
         {
-          return std::nullopt;
-        }
-        if (auto scan = decoder.take(observation))
-        {
-          return scan;
+          pending.push_back(std::move(*scan));
         }
       }
     }
@@ -84,7 +83,6 @@ struct RawlogSource::Impl
     {
       postponed = error;
     }
-    return std::nullopt;
   }
 
   std::optional<Frame> next()
@@ -93,7 +91,7 @@ struct RawlogSource::Impl
     {
       return std::nullopt;
     }
-    if (!pending)
+    if (pending.empty())
     {
       if (postponed)
       {
@@ -102,10 +100,16 @@ struct RawlogSource::Impl
       return std::nullopt;
     }
     // The next scan is looked up first: truth may stand behind its scan.
-    auto following = nextScan();
-    const auto current = std::exchange(pending, std::move(following));
-    Frame frame = decoder.decode(*current, pending ? &*pending : nullptr);
-    frame.T_world_vehicle_truth = decoder.truthAt(frame.scan.stamp, current->clock_shift);
+    readOn(
+        [this]
+        {
+          return (pending.size() < 2 && !decoder.isPastEnd()) ||
+                 decoder.waitsForFurther(pending.front());
+        });
+    const RecordedScan current = std::move(pending.front());
+    pending.pop_front();
+    Frame frame = decoder.decode(current);
+    frame.T_world_vehicle_truth = decoder.truthAt(frame.scan.stamp, current.clock_shift);
     ++delivered;
     return frame;
   }
@@ -113,8 +117,9 @@ struct RawlogSource::Impl
   std::size_t limit;  //!< 0: none
   RawlogStream stream;
   ScanDecoder decoder;
-  std::optional<RecordedScan> pending;  //!< to be delivered next
-  std::optional<UserError> postponed;   //!< found while looking ahead
+  std::deque<RecordedScan> pending;    //!< to be delivered next
+  std::optional<UserError> postponed;  //!< found while looking ahead
+  bool ended = false;                  //!< all observations were read
   std::size_t delivered = 0;
 };
 

@@ -32,6 +32,7 @@ using mrpt::obs::CObservation;
 constexpr std::size_t max_dropped_in_a_row = 10;
 constexpr std::size_t scans_after_step = 4;  //!< regular scans that show a clock set back
 constexpr double same_time = 1e-6;           //!< stamps this near are one [s]
+constexpr std::size_t scans_ahead = 3;       //!< read to wait for those of further lidars
 
 bool endsWith(const std::string& text, const std::string& end)
 {
@@ -47,7 +48,7 @@ struct ScanDecoder::Impl
         external{std::move(folder), options_in.external_anywhere},
         wanted("sensor_label", options_in.sensor_label),
         motion(options_in),
-        further(options_in.further_lidars, options_in.intensity_scale),
+        further(options_in.further_lidars, options_in.merge_further, options_in.intensity_scale),
         scale_intensity(options_in.intensity_scale),
         selection(options_in),
         truths(options_in.ground_truth_max_gap),
@@ -55,16 +56,23 @@ struct ScanDecoder::Impl
   {
   }
 
+  /** Whether a lidar may be the first one: without sensor_label one that further_lidars does not
+   * select. */
+  [[nodiscard]] bool mayBeFirst(const std::string& name) const
+  {
+    return options.sensor_label.empty() ? !further.areNamed(name) : wanted.fits(name);
+  }
+
   [[nodiscard]] bool isWanted(const CObservation& observation)
   {
     const std::string& name = observation.sensorLabel;
     ++lidar_labels[name];
-    if (wanted.fits(name) && (scans_seen == 0 || name == label))
+    if (mayBeFirst(name) && (scans_seen == 0 || name == label))
     {
       label = name;
       return true;
     }
-    if (wanted.fits(name) && !further.areNamed(name))
+    if (mayBeFirst(name) && !further.areNamed(name))
     {
       notes.add("scans of '" + name + "' are ignored: '" + label +
                 "' came first; choose with sensor_label, or merge them with further_lidars");
@@ -72,15 +80,40 @@ struct ScanDecoder::Impl
     return false;
   }
 
-  /** Holds a scan of a further lidar. */
+  void holdTimeRing(const CObservation::Ptr& observation)
+  {
+    std::string name = observation->sensorLabel;
+    name.resize(name.size() - std::string(time_ring_suffix).size());
+    further.holdTimeRing(name, observation);
+    // That of another lidar must not take the place of the one that waits.
+    const bool may_be_firsts =
+        scans_seen == 0 && (!options.sensor_label.empty() || !further.areNamed(name));
+    if (may_be_firsts || (scans_seen > 0 && name == label))
+    {
+      companion = observation;
+    }
+  }
+
+  /** Holds a scan of a further lidar. \throws UserError for too many lidars. */
   void holdFurther(const CObservation::Ptr& observation)
   {
+    if (!further.areMerged())
+    {
+      return;
+    }
     if (observation->timestamp == INVALID_TIMESTAMP)
     {
       notes.add("a scan of a further lidar without a time stamp was dropped");
       return;
     }
-    further.hold(observation, clock_shift);
+    try
+    {
+      further.hold(observation, clock_shift);
+    }
+    catch (const UserError& error)
+    {
+      throw UserError(recording + ": " + error.what());
+    }
   }
 
   /** Classifies one observation as ground truth, companion, motion sensor or neither; true for a
@@ -104,12 +137,7 @@ struct ScanDecoder::Impl
     }
     if (endsWith(observation->sensorLabel, time_ring_suffix))
     {
-      further.holdTimeRing(observation);
-      // That of another lidar must not take the place of the one that waits.
-      if (scans_seen == 0 || observation->sensorLabel == label + time_ring_suffix)
-      {
-        companion = observation;
-      }
+      holdTimeRing(observation);
       return false;
     }
     if (isWanted(*observation))
@@ -208,25 +236,68 @@ struct ScanDecoder::Impl
     return scan;
   }
 
-  /** Adds the scans of further lidars to a decoded one. \param next stamp of the one after, if it
-   * is known [s] */
-  void joinFurther(std::optional<double> next, std::size_t index, Scan& scan)
+  /** A scan of a further lidar. \param index of the scan that it joins \throws UserError for
+   * damaged data. */
+  [[nodiscard]] Scan furtherScan(const FurtherLidars::HeldScan& held, std::size_t index)
   {
-    for (const FurtherLidars::HeldScan& held : further.takeFor(scan.stamp, next))
+    const std::string& name = held.observation->sensorLabel;
+    try
     {
       Scan part = scanOf(*held.observation, held.time_ring.get(), index);
       part.stamp = held.stamp;
       further.intensityScaler(held.lidar)(part);
-      if (part.T_vehicle_lidar.matrix() == scan.T_vehicle_lidar.matrix())
+      return part;
+    }
+    catch (const UserError& error)
+    {
+      throw UserError("that of '" + name + "': " + error.what());
+    }
+    catch (const std::exception& error)
+    {
+      throw UserError("that of '" + name + "' is damaged: " + messageOf(error));
+    }
+  }
+
+  /** Notes what does not fit between a further scan and those that it joins. */
+  void checkFurther(const Scan& part, const Scan& scan)
+  {
+    const Pose& mounting = part.T_vehicle_lidar;
+    std::string same = mounting.matrix() == scan.T_vehicle_lidar.matrix() ? scan.sensor_label : "";
+    for (const auto& [name, pose] : mountings)
+    {
+      same = same.empty() && name != part.sensor_label && mounting.matrix() == pose.matrix() ? name
+                                                                                             : same;
+    }
+    mountings.insert_or_assign(part.sensor_label, mounting);
+    if (!same.empty())
+    {
+      notes.add("'" + part.sensor_label + "' has the same sensorPose as '" + same +
+                "': their scans fit only if each has its own mounting on the vehicle");
+    }
+    if (part.time.empty() && !scan.time.empty())
+    {
+      notes.add("the points of '" + part.sensor_label +
+                "' have no times: they count as measured at the time stamp of their scan");
+    }
+    if (!part.time.empty() && scan.time.empty() && scan.size() > 0)
+    {
+      notes.add("the times of the points of '" + part.sensor_label +
+                "' are not used: the first lidar has none");
+    }
+  }
+
+  /** Adds the scans of further lidars to a decoded one. */
+  void joinFurther(double stamp, std::size_t index, Scan& scan)
+  {
+    for (const FurtherLidars::HeldScan& held : further.takeFor(stamp))
+    {
+      const Scan part = furtherScan(held, index);
+      if (part.size() == 0)
       {
-        notes.add("'" + part.sensor_label + "' has the same sensorPose as '" + scan.sensor_label +
-                  "': their scans fit only if each has its own mounting on the vehicle");
+        notes.add("an empty scan of '" + part.sensor_label + "'", index);
+        continue;
       }
-      if (part.time.empty() != scan.time.empty())
-      {
-        notes.add("of '" + part.sensor_label + "' and '" + scan.sensor_label +
-                  "' only one has the times of its points, which are not used");
-      }
+      checkFurther(part, scan);
       appendScan(part, held.lidar, scan);
     }
   }
@@ -275,6 +346,7 @@ struct ScanDecoder::Impl
   CObservation::Ptr companion;  //!< read, its scan not yet
   TruePoses truths;
   Levelling levelling;
+  std::map<std::string, Pose> mountings;  //!< of further lidars, by label
 
   std::size_t scans_seen = 0;            //!< with the wanted label, delivered or not
   std::optional<double> first_stamp;     //!< of those with a good stamp
@@ -283,6 +355,7 @@ struct ScanDecoder::Impl
   std::vector<double> stamps_gone_back;  //!< of scans dropped in a row, ascending
   std::size_t dropped = 0;
   std::size_t dropped_in_a_row = 0;
+  bool any_decoded = false;
 
   std::map<std::string, std::size_t> seen_classes;
   std::map<std::string, std::size_t> lidar_labels;
@@ -309,8 +382,12 @@ std::optional<RecordedScan> ScanDecoder::take(const CObservation::Ptr& observati
   }
   const std::size_t index = s.scans_seen++;
   CObservation::Ptr own = std::exchange(s.companion, nullptr);
-  const bool taken = s.acceptStamp(*observation, index) && s.selection.takes(index, *s.last_stamp);
-  s.further.metScan(toStamp(observation->timestamp) + s.clock_shift, taken);
+  if (!s.acceptStamp(*observation, index))
+  {
+    return std::nullopt;
+  }
+  const bool taken = s.selection.takes(index, *s.last_stamp);
+  s.further.metScan(*s.last_stamp, taken);
   if (!taken)
   {
     return std::nullopt;
@@ -334,9 +411,18 @@ bool ScanDecoder::isPastEnd() const
   return impl_->selection.isPastEnd();
 }
 
-Frame ScanDecoder::decode(const RecordedScan& scan, const RecordedScan* next)
+bool ScanDecoder::waitsForFurther(const RecordedScan& scan) const
+{
+  const Impl& s = *impl_;
+  // Before the first scan all are read ahead, to learn which lidars there are.
+  return s.further.areMerged() && s.scans_seen <= scan.index + scans_ahead &&
+         !(s.any_decoded && s.further.areCompleteFor(scan.stamp()));
+}
+
+Frame ScanDecoder::decode(const RecordedScan& scan)
 {
   Impl& s = *impl_;
+  s.any_decoded = true;
   Frame frame;
   frame.index = scan.index;
   frame.imu = scan.imu;
@@ -347,8 +433,7 @@ Frame ScanDecoder::decode(const RecordedScan& scan, const RecordedScan* next)
     frame.scan = s.scanOf(*scan.observation, scan.time_ring.get(), scan.index);
     frame.scan.stamp += scan.clock_shift;
     s.scale_intensity(frame.scan);
-    s.joinFurther(next == nullptr ? std::nullopt : std::optional<double>(next->stamp()), scan.index,
-                  frame.scan);
+    s.joinFurther(scan.stamp(), scan.index, frame.scan);
   }
   catch (const UserError& error)
   {
@@ -397,6 +482,12 @@ void ScanDecoder::failWithoutScans(const std::map<std::string, std::size_t>& lef
     for (const auto& [name, count] : s.lidar_labels)
     {
       known += (known.empty() ? "'" : ", '") + name + "'";
+    }
+    if (s.options.sensor_label.empty())
+    {
+      throw UserError(s.recording + ": further_lidars = " + s.further.pattern() +
+                      " selects every lidar of the file, " + known +
+                      "; name the first one with sensor_label");
     }
     throw UserError(s.recording + ": no 3D scan has a label like '" + s.options.sensor_label +
                     "'; the file has " + known);

@@ -462,7 +462,7 @@ std::string RecordedSensor::missingTimes(const Config& config) const
 RecordedSensor recogniseSensor(const std::string& rawlog, const RawlogSourceOptions& input)
 {
   RawlogSourceOptions options = input;
-  options.further_lidars.clear();
+  options.merge_further = false;
   options.roll = 0;
   options.pitch = 0;
   options.only_first_n =

@@ -17,6 +17,7 @@ struct ScanPart
   std::size_t lidar = 1;  //!< number of the lidar, the same in all scans; 0 is the scan's own
   double stamp = 0;       //!< of its own scan, after Scan::stamp [s]
   Pose T_scan_lidar = Pose::Identity();  //!< takes points from its lidar's frame to the scan's
+  std::string sensor_label;              //!< of its lidar
 };
 
 /** One revolution (or one shot) of a 3D LiDAR, exactly as recorded.

@@ -11,8 +11,9 @@
 namespace dyslam
 {
 /** Adds the scan of a further lidar: its points in the scan's lidar frame, times from the scan's
- * stamp, rings of their own. Times and rings are kept if both scans have them; where only one has
- * intensities, those of the other are 0.
+ * stamp, rings of their own. Times are kept if the scan has them: points of a further one without
+ * are as of its stamp. Rings are kept if both have them; where only one has intensities, those of
+ * the other are 0.
  * \param lidar number of the further lidar, from 1 */
 void appendScan(const Scan& further, std::size_t lidar, Scan& scan);
 

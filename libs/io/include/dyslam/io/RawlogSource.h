@@ -16,10 +16,13 @@ namespace dyslam
 {
 struct RawlogSourceOptions : Options, ScanRange
 {
-  std::string sensor_label;  //!< regex for the lidar's label; empty: the first lidar of the file
+  /** Regex for the first lidar's label; empty: the first of the file, but for those that
+   * further_lidars selects. */
+  std::string sensor_label;
   /** Regex for the labels of further lidars, whose scans join those of the first that are nearest
    * in time (Scan::parts); empty: none. */
   std::string further_lidars;
+  bool merge_further = true;  //!< false: only the first lidar is read; not in the ini
   std::string ground_truth_label = "ground_truth";  //!< sensor label of the CObservationRobotPose
   /** Where no true pose has the scan's own time stamp, it is interpolated if the poses before and
    * after the scan are at most this far from it [s]. */
@@ -51,7 +54,8 @@ struct RawlogSourceOptions : Options, ScanRange
  * options.
  *
  * Of a vehicle with several lidars each frame has the scan of the first and, if wanted, those of
- * the others, placed by the sensor poses of the observations.
+ * the others, placed by the sensor poses of the observations. For those recorded late, up to three
+ * scans of the first lidar are read ahead.
  *
  * CObservationIMU and CObservationOdometry are read beside the scans. Frame::imu and Frame::wheels
  * hold those recorded since the scan before, and older ones that follow that scan in the file.

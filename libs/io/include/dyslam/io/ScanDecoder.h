@@ -63,10 +63,14 @@ class ScanDecoder
   /** No later scan is to be used: it would be at or after the end of the options. */
   [[nodiscard]] bool isPastEnd() const;
 
-  /** Fills index, scan, imu and wheels of a frame. The scan gets those of further lidars that are
-   * nearer to it than to the one after, among the observations taken so far.
-   * \param next the one after, if it is known. \throws UserError for damaged data. */
-  [[nodiscard]] Frame decode(const RecordedScan& scan, const RecordedScan* next = nullptr);
+  /** Whether scans of further lidars that are recorded late may still come for a scan: not once
+   * those of all are past it, or three more scans of the first lidar were taken. */
+  [[nodiscard]] bool waitsForFurther(const RecordedScan& scan) const;
+
+  /** Fills index, scan, imu and wheels of a frame. The scan gets those of further lidars, among the
+   * observations taken so far, that are nearer to it than to the one after, and late ones.
+   * \pre each scan of take() is decoded once, in order. \throws UserError for damaged data. */
+  [[nodiscard]] Frame decode(const RecordedScan& scan);
 
   /** Ground truth among the observations taken so far (it may follow its scan), T_world_vehicle at
    * a scan. Requested times must not decrease.
