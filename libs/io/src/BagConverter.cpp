@@ -19,6 +19,7 @@
 #include "BagScans.h"
 #include "BagTopics.h"
 #include "HeldScans.h"
+#include "LabelPattern.h"
 
 namespace dyslam
 {
@@ -145,8 +146,10 @@ std::vector<FurtherTopic> furtherTopics(const std::string& input,
                                         ScanSink& sink)
 {
   std::vector<FurtherTopic> further;
-  for (const std::string& name : options.further_topics)
+  const std::vector<std::string> labels = options.furtherLabels();
+  for (std::size_t i = 0; i < labels.size(); ++i)
   {
+    const std::string& name = options.further_topics[i];
     FurtherTopic lidar;
     lidar.topic = topicNamed(input, bag, "--further-topic", name,
                              [](const BagTopic& topic)
@@ -171,9 +174,10 @@ std::vector<FurtherTopic> furtherTopics(const std::string& input,
                       "', that of the first lidar; record /tf_static, or convert one lidar");
     }
     lidar.T_vehicle_lidar = sink.T_vehicle_lidar() * *T_first_lidar;
-    lidar.label = labelOfTopic(name);
-    sink.note("further lidar: " + name + ", label " + lidar.label +
-              "; dyslam merges its scans with --set input.further_lidars=" + lidar.label);
+    lidar.label = labels[i];
+    sink.note(
+        "further lidar: " + name + ", label " + lidar.label +
+        "; dyslam merges its scans with --set input.further_lidars=" + patternFor(lidar.label));
     further.push_back(lidar);
   }
   return further;
@@ -265,7 +269,8 @@ class BagReader
     std::vector<std::size_t> topics = motion_.topicsWith(scans);
     for (const FurtherTopic& lidar : further)
     {
-      further_.push_back({lidar, makeBagScans(input, bag, lidar.topic, options)});
+      further_.push_back(
+          {lidar, further_.size() + 1, makeBagScans(input, bag, lidar.topic, options)});
       topics.push_back(lidar.topic);
     }
     bag_.select(topics);
@@ -309,6 +314,7 @@ class BagReader
   struct FurtherReader
   {
     FurtherTopic topic;
+    std::size_t number = 1;  //!< HeldScans::Entry::lidar
     std::unique_ptr<BagScans> reader;
     std::size_t scans = 0;
   };
@@ -382,10 +388,23 @@ class BagReader
       entry.scan = std::move(scan);
       entry.scan.sensor_label = lidar.topic.label;
       entry.scan.T_vehicle_lidar = lidar.topic.T_vehicle_lidar;
-      entry.is_further = true;
+      entry.lidar = lidar.number;
       entry.recorded = message_.recorded;
       held_.hold(std::move(entry));
       ++lidar.scans;
+    }
+  }
+
+  /** \throws UserError if the scans' own label is that of a further lidar. */
+  void requireOtherLabel(const Scan& scan) const
+  {
+    for (const FurtherReader& lidar : further_)
+    {
+      if (lidar.topic.label == scan.sensor_label)
+      {
+        throw UserError(bag_.topics()[lidar.topic.topic].name + ": its label in the rawlog, " +
+                        lidar.topic.label + ", is that of the first lidar; convert one lidar");
+      }
     }
   }
 
@@ -393,6 +412,7 @@ class BagReader
   {
     for (Scan& scan : scans)
     {
+      requireOtherLabel(scan);
       HeldScans::Entry entry;
       entry.scan = std::move(scan);
       if (const auto T_world_vehicle = poseAt(truth_, entry.scan.stamp))

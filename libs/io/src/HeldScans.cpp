@@ -1,8 +1,17 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "HeldScans.h"
 
+#include <algorithm>
+#include <utility>
+
 namespace dyslam
 {
+void HeldScans::hold(Entry entry)
+{
+  ++waiting_of_[entry.lidar];
+  waiting_.push_back(std::move(entry));
+}
+
 bool HeldScans::passOn(double recorded)
 {
   while (takes_more_ && !waiting_.empty() && !mustWait(waiting_.front(), recorded))
@@ -18,11 +27,14 @@ void HeldScans::passOnAll()
   {
     passOnFirst();
   }
+  sink_.putRest();
 }
 
 bool HeldScans::mustWait(const Entry& entry, double recorded) const
 {
-  return waiting_.size() <= most && recorded - entry.recorded < longest_wait &&
+  const bool are_few = std::all_of(waiting_of_.begin(), waiting_of_.end(),
+                                   [](const auto& lidar) { return lidar.second <= most; });
+  return are_few && recorded - entry.recorded < longest_wait &&
          !motion_.hasSamplesFrom(entry.scan.stamp);
 }
 
@@ -30,7 +42,8 @@ void HeldScans::passOnFirst()
 {
   Entry entry = std::move(waiting_.front());
   waiting_.pop_front();
-  if (entry.is_further)
+  --waiting_of_[entry.lidar];
+  if (entry.lidar > 0)
   {
     sink_.putFurther(std::move(entry.scan));
     return;

@@ -5,8 +5,8 @@
 
 #include <cstddef>
 #include <deque>
+#include <map>
 #include <optional>
-#include <utility>
 
 #include "BagMotion.h"
 #include "ScanSink.h"
@@ -18,13 +18,13 @@ namespace dyslam
 class HeldScans
 {
  public:
-  static constexpr std::size_t most = 20;    //!< scans that wait
+  static constexpr std::size_t most = 20;    //!< scans of a lidar that wait
   static constexpr double longest_wait = 1;  //!< by the recording times [s]
 
   struct Entry
   {
     Scan scan;
-    bool is_further = false;  //!< of a further lidar, with label and T_vehicle_lidar
+    std::size_t lidar = 0;  //!< from 1: a further lidar, with label and T_vehicle_lidar
     std::optional<Pose> T_world_lidar;
     double recorded = 0;  //!< UNIX time [s]
     double progress = 0;  //!< part of the bag that was read
@@ -32,7 +32,7 @@ class HeldScans
 
   HeldScans(ScanSink& sink, const BagMotion& motion) : sink_(sink), motion_(motion) {}
 
-  void hold(Entry entry) { waiting_.push_back(std::move(entry)); }
+  void hold(Entry entry);
   /** Passes on the scans that need not wait any longer.
    * \param recorded time of the latest message [s]
    * \return false once the sink takes no more. \throws UserError if the disk is full. */
@@ -50,6 +50,7 @@ class HeldScans
   ScanSink& sink_;
   const BagMotion& motion_;
   std::deque<Entry> waiting_;
+  std::map<std::size_t, std::size_t> waiting_of_;  //!< number, by lidar
   bool takes_more_ = true;
   std::size_t without_pose_ = 0;
 };

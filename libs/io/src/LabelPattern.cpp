@@ -3,21 +3,15 @@
 
 #include <dyslam/core/Error.h>
 
-#include <cstddef>
-
 namespace dyslam
 {
-namespace
-{
-constexpr std::size_t longest_label = 256;  //!< std::regex goes a call deeper with each character
-}  // namespace
-
 LabelPattern::LabelPattern(const std::string& option, const std::string& pattern)
     : option_(option), pattern_(pattern)
 {
-  if (pattern.size() > longest_label)
+  // std::regex goes a call deeper with each character.
+  if (pattern.size() > longest)
   {
-    throw UserError(option + " is longer than " + std::to_string(longest_label) + " characters");
+    throw UserError(option + " is longer than " + std::to_string(longest) + " characters");
   }
   try
   {
@@ -31,6 +25,17 @@ LabelPattern::LabelPattern(const std::string& option, const std::string& pattern
 
 bool LabelPattern::fits(const std::string& label) const
 {
-  return pattern_.empty() || (label.size() <= longest_label && std::regex_match(label, compiled_));
+  return pattern_.empty() || (label.size() <= longest && std::regex_match(label, compiled_));
+}
+
+std::string patternFor(const std::string& label)
+{
+  std::string pattern;
+  for (const char c : label)
+  {
+    pattern += std::string("\\^$.|?*+()[]{}").find(c) == std::string::npos ? "" : "\\";
+    pattern += c;
+  }
+  return pattern;
 }
 }  // namespace dyslam

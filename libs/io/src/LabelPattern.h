@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <cstddef>
 #include <regex>
 #include <string>
 
@@ -10,6 +11,8 @@ namespace dyslam
 class LabelPattern
 {
  public:
+  static constexpr std::size_t longest = 256;  //!< of patterns and labels [characters]
+
   /** \param option its key, for messages \param pattern empty: every label
    * \throws UserError if it is no regular expression, or a very long one. */
   LabelPattern(const std::string& option, const std::string& pattern);
@@ -24,4 +27,7 @@ class LabelPattern
   std::string pattern_;
   std::regex compiled_;
 };
+
+/** Regular expression for one label. */
+[[nodiscard]] std::string patternFor(const std::string& label);
 }  // namespace dyslam

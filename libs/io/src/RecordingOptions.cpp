@@ -5,6 +5,9 @@
 #include <algorithm>
 #include <array>
 #include <cstdio>
+#include <set>
+
+#include "LabelPattern.h"
 
 namespace dyslam
 {
@@ -24,6 +27,13 @@ std::string exactText(double value)
 Values valuesOf(const std::string& text)
 {
   return text.empty() ? Values() : Values{text};
+}
+
+std::string labelOfTopic(std::string topic)
+{
+  topic.erase(0, topic.find_first_not_of('/'));
+  std::replace(topic.begin(), topic.end(), '/', '_');
+  return topic;
 }
 
 struct RecordingOption
@@ -65,12 +75,36 @@ std::vector<std::string> RecordingOptions::words() const
   return result;
 }
 
+std::vector<std::string> RecordingOptions::furtherLabels() const
+{
+  std::set<std::string> used{firstLabel(), ""};
+  std::vector<std::string> labels;
+  for (const std::string& topic : further_topics)
+  {
+    const std::string name = labelOfTopic(topic);
+    std::string label = name;
+    for (int n = 2; !used.insert(label).second; ++n)
+    {
+      label = name + "_" + std::to_string(n);
+    }
+    labels.push_back(label);
+  }
+  return labels;
+}
+
 std::string RecordingOptions::furtherLidars() const
 {
   std::string pattern;
-  for (const std::string& topic : further_topics)
+  for (const std::string& label : furtherLabels())
   {
-    pattern += (pattern.empty() ? "" : "|") + labelOfTopic(topic);
+    pattern += (pattern.empty() ? "" : "|") + patternFor(label);
+  }
+  if (pattern.size() > LabelPattern::longest)
+  {
+    throw UserError("--further-topic: the names of all topics are longer than " +
+                    std::to_string(LabelPattern::longest) +
+                    " characters; convert with scans2rawlog, and give a shorter "
+                    "input.further_lidars");
   }
   return pattern;
 }
@@ -110,12 +144,5 @@ void RecordingOptions::requireFittingKitti() const
       throw UserError(std::string(option.flag) + " works with " + option.with + " only");
     }
   }
-}
-
-std::string labelOfTopic(std::string topic)
-{
-  topic.erase(0, topic.find_first_not_of('/'));
-  std::replace(topic.begin(), topic.end(), '/', '_');
-  return topic;
 }
 }  // namespace dyslam

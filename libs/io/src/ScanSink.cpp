@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 namespace dyslam
 {
@@ -47,11 +48,15 @@ bool ScanSink::put(Scan scan,
   const bool assume_rate = (options_.dt > 0 && !options_.by_number) || !has_stamp;
   const double dt = options_.dt > 0 ? options_.dt : assumed_dt;
   const double recorded = assume_rate ? static_cast<double>(number) * dt : scan.stamp;
-  last_was_written_ = selection_.takes(number, recorded);
-  if (!last_was_written_)
+  const auto limit = static_cast<std::size_t>(options_.only_first_n);
+  const bool is_enough = limit != 0 && written_ >= limit;
+  const bool is_taken = !is_enough && selection_.takes(number, recorded);
+  met_.add(scan.stamp, is_taken);
+  settleFurther(scan.stamp);
+  if (!is_taken)
   {
     motion_.skip(recorded);
-    return !selection_.isPastEnd();
+    return !is_enough && !selection_.isPastEnd();
   }
   scaler_(scan);
   if (assume_rate)
@@ -61,7 +66,7 @@ bool ScanSink::put(Scan scan,
   }
   if (scan.sensor_label.empty())
   {
-    scan.sensor_label = options_.sensor.empty() ? "lidar" : options_.sensor;
+    scan.sensor_label = options_.firstLabel();
   }
   scan.T_vehicle_lidar = T_vehicle_lidar_;
   times_differ_ = times_differ_ || haveDifferentTimes(scan);
@@ -75,17 +80,50 @@ bool ScanSink::put(Scan scan,
   out_.write(scan, T_world_lidar);
   ++written_;
   out_.reportProgress(progress_, progress);
-  return options_.only_first_n == 0 || written_ < static_cast<std::size_t>(options_.only_first_n);
+  // With further lidars the next scan shows which of theirs belong to the last one.
+  return limit == 0 || written_ < limit || !options_.further_topics.empty();
 }
 
 void ScanSink::putFurther(Scan scan)
 {
-  if (!last_was_written_)
+  const std::string label = scan.sensor_label;
+  waiting_.push_back(std::move(scan));
+  if (++further_[label].waiting > most_waiting)
+  {
+    const auto oldest =
+        std::find_if(waiting_.begin(), waiting_.end(),
+                     [&label](const Scan& other) { return other.sensor_label == label; });
+    Scan first = std::move(*oldest);
+    waiting_.erase(oldest);
+    settle(std::move(first));
+  }
+}
+
+void ScanSink::putRest()
+{
+  settleFurther(std::numeric_limits<double>::infinity());
+}
+
+void ScanSink::settleFurther(double stamp)
+{
+  const auto due =
+      std::stable_partition(waiting_.begin(), waiting_.end(),
+                            [stamp](const Scan& scan) { return !(scan.stamp <= stamp); });
+  std::for_each(due, waiting_.end(), [this](Scan& scan) { settle(std::move(scan)); });
+  waiting_.erase(due, waiting_.end());
+}
+
+void ScanSink::settle(Scan scan)
+{
+  Further& lidar = further_[scan.sensor_label];
+  --lidar.waiting;
+  if (met_.empty() || !met_.nearestTo(scan.stamp).is_used)
   {
     return;
   }
-  further_scalers_[scan.sensor_label](scan);
-  if (!haveDifferentTimes(scan))
+  lidar.scaler(scan);
+  lidar.times_differ = lidar.times_differ || haveDifferentTimes(scan);
+  if (!lidar.times_differ && scan.time.size() > 1)
   {
     scan.time.clear();
   }

@@ -3,12 +3,15 @@
 
 #include <dyslam/io/Converters.h>
 
+#include <cstddef>
+#include <deque>
 #include <map>
 #include <optional>
 #include <string>
 
 #include "ConversionOutput.h"
 #include "IntensityScaler.h"
+#include "MetScans.h"
 #include "MotionSampleWriter.h"
 
 namespace dyslam
@@ -26,9 +29,11 @@ class ScanSink
    */
   bool put(Scan scan, bool has_stamp, const std::optional<Pose>& T_world_lidar, double progress);
 
-  /** Writes a scan of a further lidar, with its label and T_vehicle_lidar, if the last one of put()
-   * was written. */
+  /** Takes a scan of a further lidar, with its label and T_vehicle_lidar. It is written if the scan
+   * of put() that is nearest in time is. */
   void putFurther(Scan scan);
+  /** Writes scans of further lidars that still wait for the next one of put(). */
+  void putRest();
 
   /** A sample of another sensor: written before the first scan that is not older. */
   void add(const ImuSample& sample) { motion_.add(sample); }
@@ -48,19 +53,34 @@ class ScanSink
   ConversionResult close();
 
  private:
+  static constexpr std::size_t most_waiting = 20;  //!< scans of a further lidar
+
+  /** What was seen of a further lidar. */
+  struct Further
+  {
+    IntensityScaler scaler;
+    bool times_differ = false;  //!< within a scan so far
+    std::size_t waiting = 0;    //!< scans
+  };
+
+  /** Writes or drops the waiting scans up to a stamp [s]. */
+  void settleFurther(double stamp);
+  void settle(Scan scan);
+
   const ScanConverterOptions& options_;
   Pose T_vehicle_lidar_;
   ScanSelection selection_;
   ConversionOutput out_;
   IntensityScaler scaler_;
-  std::map<std::string, IntensityScaler> further_scalers_;  //!< by label
+  std::map<std::string, Further> further_;  //!< by label
+  std::deque<Scan> waiting_;                //!< of further lidars
+  MetScans met_;                            //!< by their own stamps
   MotionSampleWriter motion_;
   ConversionProgress progress_;
   std::vector<std::string> notes_;
   std::vector<std::string> warnings_;
   std::size_t seen_ = 0;
   std::size_t written_ = 0;
-  bool last_was_written_ = false;
   bool assumed_rate_ = false;
   bool any_times_ = false;     //!< of points, in the rawlog
   bool times_differ_ = false;  //!< within a scan so far

@@ -10,7 +10,7 @@ namespace dyslam
 struct RecordingOptions
 {
   std::string topic;  //!< of a bag's scans; empty: the one with the most
-  /** Of a bag's further lidars, placed by `/tf_static` relative to the first; see labelOfTopic().
+  /** Of a bag's further lidars, placed by `/tf_static` relative to the first; see furtherLabels().
    */
   std::vector<std::string> further_topics;
   std::string imu_topic;       //!< of a bag's IMU; empty: none
@@ -24,7 +24,13 @@ struct RecordingOptions
   std::string base_frame;   //!< of the vehicle in a bag's `/tf_static`, instead of sensor_pose
   double dt = 0;            //!< seconds between scans; 0: the recording's times, else 0.1
 
-  /** RawlogSourceOptions::further_lidars for the scans of further_topics; empty without. */
+  /** Sensor label of scans that have none of their own. */
+  [[nodiscard]] std::string firstLabel() const { return sensor.empty() ? "lidar" : sensor; }
+  /** Sensor labels that the scans of further_topics get: "rear_points" of "/rear/points". One that
+   * is that of the first lidar or of a topic before gets a number: "rear_points_2". */
+  [[nodiscard]] std::vector<std::string> furtherLabels() const;
+  /** RawlogSourceOptions::further_lidars for the scans of further_topics; empty without.
+   * \throws UserError if it is too long for that option. */
   [[nodiscard]] std::string furtherLidars() const;
   /** What is given as words of a command line: "--topic=/points". */
   [[nodiscard]] std::vector<std::string> words() const;
@@ -37,7 +43,4 @@ struct RecordingOptions
   /** \throws UserError for an option that is given and does not apply to KITTI's folders. */
   void requireFittingKitti() const;
 };
-
-/** Sensor label that the scans of a further topic get: "rear_points" of "/rear/points". */
-[[nodiscard]] std::string labelOfTopic(std::string topic);
 }  // namespace dyslam
