@@ -5,9 +5,9 @@ namespace dyslam
 {
 // Each is defined in outputs/, in the file of its name.
 RunOutputFactory makeSettingsOutput, makeTrajectoryOutput, makeGeoreferenceOutput, makeGraphOutput,
-    makeScanTableOutput, makeMotionOutput, makeTrackOutput, makeLabelOutput, makeProbabilityOutput,
-    makeStaticScanOutput, makeReplayOutput, makeSimplemapOutput, makePcdOutput, makePlyOutput,
-    makeSceneOutput, makePlotOutput, makePageOutput, makeReportOutput;
+    makeScanTableOutput, makeScanPartOutput, makeMotionOutput, makeTrackOutput, makeLabelOutput,
+    makeProbabilityOutput, makeStaticScanOutput, makeReplayOutput, makeSimplemapOutput,
+    makePcdOutput, makePlyOutput, makeSceneOutput, makePlotOutput, makePageOutput, makeReportOutput;
 
 std::vector<RunOutputKind> runOutputKinds()
 {
@@ -19,6 +19,7 @@ std::vector<RunOutputKind> runOutputKinds()
       {makeGeoreferenceOutput},
       {makeGraphOutput},
       {makeScanTableOutput},
+      {makeScanPartOutput},
       {makeMotionOutput},
       {makeTrackOutput},
       {makeLabelOutput, nullptr, nullptr, &SlamRunSettings::labels, true},
