@@ -6,7 +6,11 @@
 #include <dyslam/io/RawlogWriter.h>
 
 #include <algorithm>
+#include <cmath>
+#include <functional>
+#include <set>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "BagWriters.h"
@@ -156,19 +160,232 @@ TEST(FurtherLidars, SkippedScansTakeTheirPartsWithThem)
   }
 }
 
+/** Writes the scans in the given order. */
+void writeInOrder(const std::string& path, const std::vector<Scan>& scans)
+{
+  RawlogWriter writer(path);
+  for (const Scan& scan : scans)
+  {
+    writer.write(scan);
+  }
+  writer.close();
+}
+
+Scan labelled(Scan scan, const std::string& label)
+{
+  scan.sensor_label = label;
+  return scan;
+}
+
+std::vector<std::vector<double>> partStamps(const std::vector<Frame>& frames)
+{
+  std::vector<std::vector<double>> stamps;
+  for (const Frame& frame : frames)
+  {
+    stamps.emplace_back();
+    for (const ScanPart& part : frame.scan.parts)
+    {
+      stamps.back().push_back(0.001 * std::round(1000 * part.stamp));
+    }
+  }
+  return stamps;
+}
+
+using PartStamps = std::vector<std::vector<double>>;
+
+TEST(FurtherLidars, TwoOfThemAreKeptApart)
+{
+  const TestFolder folder;
+  Scan left = labelled(rearScan(0.01, 5), "left");
+  left.T_vehicle_lidar = poseFromYpr(1, 1, 1, M_PI / 2, 0, 0);
+  Scan right = labelled(rearScan(0.02, 6), "right");
+  right.T_vehicle_lidar = poseFromYpr(1, -1, 1, -M_PI / 2, 0, 0);
+  Scan left_again = left;
+  left_again.stamp += 0.1;
+  Scan right_again = right;
+  right_again.stamp += 0.1;
+  writeInOrder(folder.file("a.rawlog"),
+               {frontScan(0), left, right, frontScan(1), right_again, left_again});
+  RawlogSourceOptions options = bothLidars();
+  options.further_lidars = "left|right";
+  RawlogSource source(folder.file("a.rawlog"), options);
+  const std::vector<Frame> frames = framesOf(source);
+  ASSERT_EQ(frames.size(), 2U);
+  for (const Frame& frame : frames)
+  {
+    const std::vector<ScanPart>& parts = frame.scan.parts;
+    ASSERT_EQ(parts.size(), 2U);
+    EXPECT_EQ(parts[0].sensor_label, "left");
+    EXPECT_EQ(parts[0].lidar, 1U);
+    EXPECT_EQ(parts[0].begin, 20U);
+    EXPECT_EQ(parts[1].sensor_label, "right");
+    EXPECT_EQ(parts[1].lidar, 2U);
+    EXPECT_EQ(parts[1].begin, 25U);
+    EXPECT_EQ(frame.scan.size(), 31U);
+    EXPECT_EQ(std::set<std::uint16_t>(frame.scan.ring.begin(), frame.scan.ring.end()).size(), 3U);
+  }
+  EXPECT_TRUE(source.warnings().empty()) << source.warnings().front();
+}
+
+TEST(FurtherLidars, ScansRecordedLateJoinTheirs)
+{
+  const TestFolder folder;
+  writeInOrder(folder.file("a.rawlog"),
+               {frontScan(0), frontScan(1), rearScan(0.01), frontScan(2), frontScan(3),
+                rearScan(0.11), rearScan(0.21), rearScan(0.31)});
+  RawlogSource source(folder.file("a.rawlog"), bothLidars());
+  EXPECT_EQ(partStamps(framesOf(source)), (PartStamps{{0.01}, {0.01}, {0.01}, {0.01}}));
+  RawlogSourceOptions first_two = bothLidars();
+  first_two.end = 0.15;
+  RawlogSource part(folder.file("a.rawlog"), first_two);
+  EXPECT_EQ(partStamps(framesOf(part)), (PartStamps{{0.01}, {0.01}}));
+}
+
+TEST(FurtherLidars, ADroppedScanOfTheFirstTakesNoPartsAway)
+{
+  const TestFolder folder;
+  Scan same = frontScan(1);
+  same.stamp = frontScan(0).stamp;
+  writeInOrder(folder.file("a.rawlog"), {rearScan(-0.01), frontScan(0), rearScan(0.02), same,
+                                         rearScan(0.03), frontScan(1), rearScan(0.11)});
+  RawlogSource source(folder.file("a.rawlog"), bothLidars());
+  EXPECT_EQ(partStamps(framesOf(source)), (PartStamps{{-0.01, 0.02, 0.03}, {0.01}}));
+  EXPECT_EQ(source.framesDropped(), 1U);
+}
+
+TEST(FurtherLidars, PartsOfTheFirstScanPastTheEndAreLeftOut)
+{
+  const TestFolder folder;
+  writeScans(folder.file("a.rawlog"), 4, {rearScan(0.11), rearScan(0.17), rearScan(0.21)});
+  RawlogSourceOptions options = bothLidars();
+  options.end = 0.2;
+  RawlogSource source(folder.file("a.rawlog"), options);
+  EXPECT_EQ(partStamps(framesOf(source)), (PartStamps{{}, {0.01}}));
+}
+
+TEST(FurtherLidars, TheyAreNotTheFirstOne)
+{
+  const TestFolder folder;
+  const Scan left = labelled(rearScan(-0.01), "lidar_left");
+  writeInOrder(folder.file("a.rawlog"),
+               {left, labelled(frontScan(0), "lidar_roof"), labelled(frontScan(1), "lidar_roof")});
+  RawlogSourceOptions options;
+  options.further_lidars = "lidar_(left|right)";
+  RawlogSource source(folder.file("a.rawlog"), options);
+  EXPECT_EQ(source.sensorLabel(), "lidar_roof");
+  EXPECT_EQ(partStamps(framesOf(source)), (PartStamps{{-0.01}, {}}));
+
+  options.merge_further = false;
+  RawlogSource alone(folder.file("a.rawlog"), options);
+  EXPECT_EQ(alone.sensorLabel(), "lidar_roof");
+  EXPECT_EQ(partStamps(framesOf(alone)), (PartStamps{{}, {}}));
+  EXPECT_TRUE(alone.warnings().empty()) << alone.warnings().front();
+
+  options.merge_further = true;
+  options.further_lidars = "lidar_.*";
+  const auto message =
+      messageOfError<UserError>([&] { RawlogSource(folder.file("a.rawlog"), options); });
+  EXPECT_TRUE(contains(message, "'lidar_left', 'lidar_roof'")) << message;
+  EXPECT_TRUE(contains(message, "sensor_label")) << message;
+  options.sensor_label = "lidar_roof";
+  EXPECT_EQ(partStamps({*RawlogSource(folder.file("a.rawlog"), options).next()}),
+            (PartStamps{{-0.01}}));
+}
+
+TEST(FurtherLidars, WithoutTheFirstOnlyAFewAreHeld)
+{
+  const TestFolder folder;
+  std::vector<Scan> scans;
+  for (int i = 0; i < 60; ++i)
+  {
+    scans.push_back(rearScan(0.1 * i - 5.99));
+  }
+  scans.push_back(frontScan(0));
+  writeInOrder(folder.file("a.rawlog"), scans);
+  RawlogSource source(folder.file("a.rawlog"), bothLidars());
+  ASSERT_EQ(source.warnings().size(), 2U) << "those too old were dropped before the first scan";
+  EXPECT_TRUE(contains(source.warnings()[1], " scans of further lidars")) << source.warnings()[1];
+  EXPECT_EQ(framesOf(source)[0].scan.parts.size(), 1U);
+  ASSERT_EQ(source.warnings().size(), 1U);
+  EXPECT_TRUE(contains(source.warnings()[0], "59 scans of further lidars"));
+}
+
+TEST(FurtherLidars, ManyScansOfOneTimeAreNotHeld)
+{
+  const TestFolder folder;
+  std::vector<Scan> scans(150, rearScan(0));
+  scans.push_back(frontScan(0));
+  writeInOrder(folder.file("a.rawlog"), scans);
+  RawlogSource source(folder.file("a.rawlog"), bothLidars());
+  EXPECT_EQ(framesOf(source)[0].scan.parts.size(), 100U);
+}
+
+TEST(FurtherLidars, MoreLidarsThanAVehicleHasAreAnError)
+{
+  const TestFolder folder;
+  const auto read = [&](int further)
+  {
+    std::vector<Scan> scans;
+    for (int i = 0; i < further; ++i)
+    {
+      scans.push_back(labelled(rearScan(0), "re" + std::to_string(i)));
+    }
+    scans.push_back(frontScan(0));
+    writeInOrder(folder.file("a.rawlog"), scans);
+    return RawlogSource(folder.file("a.rawlog"), bothLidars()).next()->scan.parts.size();
+  };
+  EXPECT_EQ(read(15), 15U);
+  const auto message = messageOfError<UserError>([&] { (void)read(16); });
+  EXPECT_TRUE(contains(message, "a.rawlog: further_lidars = re.*")) << message;
+  EXPECT_TRUE(contains(message, "more than 15 lidars")) << message;
+}
+
+TEST(FurtherLidars, EmptyScansAreNoParts)
+{
+  const TestFolder folder;
+  writeInOrder(folder.file("a.rawlog"), {frontScan(0), rearScan(0.01, 0), rearScan(0.02)});
+  RawlogSource source(folder.file("a.rawlog"), bothLidars());
+  const Scan scan = source.next()->scan;
+  EXPECT_EQ(scan.parts.size(), 1U);
+  EXPECT_EQ(scan.time.size(), 27U);
+  ASSERT_EQ(source.warnings().size(), 1U);
+  EXPECT_TRUE(contains(source.warnings()[0], "an empty scan of 'rear'")) << source.warnings()[0];
+}
+
+TEST(FurtherLidars, OneWithoutTimesLeavesThoseOfTheOthers)
+{
+  const TestFolder folder;
+  Scan bare = labelled(rearScan(0.01), "re_bare");
+  bare.T_vehicle_lidar = poseFromYpr(0, 2, 1, 0, 0, 0);
+  bare.time.clear();
+  writeInOrder(folder.file("a.rawlog"), {frontScan(0), bare, rearScan(0.03)});
+  RawlogSource source(folder.file("a.rawlog"), bothLidars());
+  const Scan scan = source.next()->scan;
+  ASSERT_EQ(scan.time.size(), 34U);
+  EXPECT_NEAR(scan.time[0], 0.01F, 1e-6F);
+  EXPECT_NEAR(scan.time[22], 0.01F, 1e-6F) << "the stamp of its scan";
+  EXPECT_NEAR(scan.time[30], 0.05F, 1e-6F);
+  ASSERT_EQ(source.warnings().size(), 1U);
+  EXPECT_TRUE(contains(source.warnings()[0], "'re_bare' have no times")) << source.warnings()[0];
+}
+
 TEST(FurtherLidars, TheUserLearnsWhatDoesNotFit)
 {
   const TestFolder folder;
-  Scan at_front = rearScan(0);
+  Scan at_front = labelled(rearScan(0.01), "re_front");
   at_front.T_vehicle_lidar = frontScan(0).T_vehicle_lidar;
-  at_front.time.clear();
-  at_front.ring.clear();
-  writeScans(folder.file("a.rawlog"), 1, {at_front});
+  Scan bare = frontScan(0);
+  bare.time.clear();
+  writeInOrder(folder.file("a.rawlog"),
+               {bare, at_front, rearScan(0), labelled(rearScan(0.02), "re_other")});
   RawlogSource same(folder.file("a.rawlog"), bothLidars());
   EXPECT_TRUE(same.next()->scan.time.empty());
-  ASSERT_EQ(same.warnings().size(), 2U);
-  EXPECT_TRUE(contains(same.warnings()[0], "same sensorPose")) << same.warnings()[0];
-  EXPECT_TRUE(contains(same.warnings()[1], "only one has the times")) << same.warnings()[1];
+  const std::vector<std::string> notes = same.warnings();
+  ASSERT_EQ(notes.size(), 5U);
+  EXPECT_TRUE(contains(notes[0], "'re_front' has the same sensorPose as 'front'")) << notes[0];
+  EXPECT_TRUE(contains(notes[1], "'re_front' are not used")) << notes[1];
+  EXPECT_TRUE(contains(notes[2], "'rear' are not used")) << notes[2];
+  EXPECT_TRUE(contains(notes[3], "'re_other' has the same sensorPose as 'rear'")) << notes[3];
 
   RawlogSourceOptions options = bothLidars();
   options.further_lidars = "roof";
@@ -249,7 +466,158 @@ TEST(FurtherLidars, ABagsLidarsArePlacedByItsTransforms)
     }
     options.every_n = 2;
     EXPECT_EQ(convertScans(input, rawlog, options).points, 160U);
+    options.every_n = 1;
+    options.only_first_n = 2;
+    EXPECT_EQ(convertScans(input, rawlog, options).points, 160U) << "with the parts of the last";
   }
+}
+
+struct BagScan
+{
+  std::string topic;
+  double stamp = 0;  //!< after the begin [s]
+  double delay = 0;  //!< until it is recorded [s]
+};
+
+/** A bag of lidars at the front and the rear of a vehicle, in order of their recording. */
+void writeBagOfScans(const std::string& path,
+                     std::vector<BagScan> scans,
+                     const std::function<Scan(const BagScan&)>& scanOf = nullptr,
+                     std::size_t imu_samples = 0)
+{
+  const bool cdr = test::holdsCdr(path);
+  std::vector<test::TestMessage> messages{
+      {"/tf_static", "tf2_msgs/TFMessage", bag_begin - 10,
+       test::transforms(cdr, bag_begin,
+                        {{"front_lidar", poseFromYpr(1, 0, 1.5, 0, 0, 0)},
+                         {"rear_lidar", poseFromYpr(-2, 0, 1, M_PI, 0, 0)}})}};
+  for (const BagScan& scan : scans)
+  {
+    const std::string frame = contains(scan.topic, "front") ? "front_lidar" : "rear_lidar";
+    const double stamp = bag_begin + scan.stamp;
+    messages.push_back(
+        {scan.topic, "sensor_msgs/PointCloud2", stamp + scan.delay,
+         scanOf ? test::pointCloud2(cdr, stamp, test::velodyneFields(scanOf(scan)), 1, frame)
+                : bagScan(cdr, stamp, 0, frame)});
+  }
+  for (std::size_t i = 0; i < imu_samples; ++i)
+  {
+    const double stamp = bag_begin + 0.0078125 * static_cast<double>(i);
+    test::ImuValues values;
+    values.acceleration = {0, 0, 9.81};
+    messages.push_back({"/imu", "sensor_msgs/Imu", stamp, test::imu(cdr, stamp, values)});
+  }
+  std::stable_sort(messages.begin(), messages.end(),
+                   [](const auto& a, const auto& b) { return a.stamp < b.stamp; });
+  test::writeBag(path, messages);
+}
+
+ScanConverterOptions frontAndRear()
+{
+  ScanConverterOptions options;
+  options.topic = "/front/points";
+  options.further_topics = {"/rear/points"};
+  return options;
+}
+
+std::vector<Frame> convertedFrames(const TestFolder& folder, const ScanConverterOptions& options)
+{
+  (void)convertScans(folder.file("x.mcap"), folder.file("x.rawlog"), options);
+  RawlogSourceOptions both;
+  both.further_lidars = options.furtherLidars();
+  RawlogSource source(folder.file("x.rawlog"), both);
+  return framesOf(source);
+}
+
+TEST(FurtherLidars, ConvertedScansHaveThoseNearestToThem)
+{
+  const TestFolder folder;
+  std::vector<BagScan> scans{{"/rear/points", -0.03125, 0}};
+  for (int i = 0; i < 4; ++i)
+  {
+    scans.push_back({"/front/points", 0.125 * i, 0});
+    scans.push_back({"/rear/points", 0.125 * i + 0.03125, 0});
+    scans.push_back({"/rear/points", 0.125 * i + 0.09375, 0});
+  }
+  writeBagOfScans(folder.file("x.mcap"), scans);
+  ScanConverterOptions options = frontAndRear();
+  const PartStamps both{{-0.031, 0.031}, {-0.031, 0.031}, {-0.031, 0.031}, {-0.031, 0.031, 0.094}};
+  EXPECT_EQ(partStamps(convertedFrames(folder, options)), both);
+  options.every_n = 2;
+  EXPECT_EQ(partStamps(convertedFrames(folder, options)), (PartStamps{both[0], both[2]}));
+  options.every_n = 1;
+  options.only_first_n = 2;
+  EXPECT_EQ(partStamps(convertedFrames(folder, options)), (PartStamps{both[0], both[1]}));
+}
+
+TEST(FurtherLidars, ImuSamplesPrecedeTheScansOfAll)
+{
+  const TestFolder folder;
+  std::vector<BagScan> scans;
+  for (int i = 0; i < 8; ++i)
+  {
+    scans.push_back({"/front/points", 0.125 * i, 0});
+    for (int k = 0; k < 4; ++k)
+    {
+      scans.push_back({"/rear/points", 0.125 * i + 0.03125 * k, 0.03});
+    }
+  }
+  writeBagOfScans(folder.file("x.mcap"), scans, nullptr, 128);
+  ScanConverterOptions options = frontAndRear();
+  options.imu_topic = "/imu";
+  const std::vector<Frame> frames = convertedFrames(folder, options);
+  ASSERT_EQ(frames.size(), 8U);
+  for (std::size_t i = 0; i < frames.size(); ++i)
+  {
+    EXPECT_EQ(frames[i].scan.parts.size(), i == 0 ? 2U : i + 1 < frames.size() ? 4U : 6U) << i;
+    ASSERT_FALSE(frames[i].imu.empty()) << i;
+    EXPECT_NEAR(frames[i].imu.back().stamp, frames[i].scan.stamp, 1e-6);
+  }
+}
+
+TEST(FurtherLidars, AScanOfOneReturnKeepsItsTime)
+{
+  const TestFolder folder;
+  const auto scanOf = [](const BagScan& of)
+  {
+    const bool is_single = of.topic == "/rear/points" && of.stamp > 0.1;
+    Scan scan = someScan(0, is_single ? 1 : 40);
+    for (std::size_t k = 0; k < scan.size(); ++k)
+    {
+      scan.time.push_back(0.01F + 1e-3F * static_cast<float>(k));
+      scan.ring.push_back(1);
+    }
+    return scan;
+  };
+  writeBagOfScans(folder.file("x.mcap"),
+                  {{"/front/points", 0, 0},
+                   {"/rear/points", 0.03125, 0},
+                   {"/front/points", 0.125, 0},
+                   {"/rear/points", 0.15625, 0}},
+                  scanOf);
+  const std::vector<Frame> frames = convertedFrames(folder, frontAndRear());
+  ASSERT_EQ(frames.size(), 2U);
+  ASSERT_EQ(frames[1].scan.time.size(), 41U);
+  EXPECT_NEAR(frames[1].scan.time[40], 0.04125F, 1e-4F);
+}
+
+TEST(FurtherLidars, TheLabelsOfTopicsDiffer)
+{
+  RecordingOptions options;
+  options.further_topics = {"/lidar", "/a/b", "/a_b", "/a.c"};
+  EXPECT_EQ(options.furtherLabels(), (std::vector<std::string>{"lidar_2", "a_b", "a_b_2", "a.c"}));
+  EXPECT_EQ(options.furtherLidars(), "lidar_2|a_b|a_b_2|a\\.c");
+  options.sensor = "a_b";
+  EXPECT_EQ(options.furtherLabels(), (std::vector<std::string>{"lidar", "a_b_2", "a_b_3", "a.c"}));
+  options.further_topics.assign(4, "/" + std::string(70, 'x'));
+  const auto message = messageOfError<UserError>([&] { (void)options.furtherLidars(); });
+  EXPECT_TRUE(contains(message, "--further-topic")) << message;
+
+  const TestFolder folder;
+  writeBagOfScans(folder.file("x.mcap"), {{"/front/points", 0, 0}, {"/lidar", 0.03125, 0}});
+  ScanConverterOptions lidar = frontAndRear();
+  lidar.further_topics = {"/lidar"};
+  EXPECT_EQ(partStamps(convertedFrames(folder, lidar)), (PartStamps{{0.031}}));
 }
 
 TEST(FurtherLidars, ALidarOfABagThatCannotBePlacedIsAnError)
