@@ -25,7 +25,7 @@ namespace dyslam
 {
 namespace
 {
-constexpr double same_instant = 1e-6;  //!< [s]
+constexpr double same_pose_time = 1e-6;  //!< [s]
 
 /** Reports scans of other topics; as a warning, where they may be the lidar's. */
 void reportOtherTopics(const Bag& bag, const std::vector<RosScanTopic>& candidates, ScanSink& sink)
@@ -239,7 +239,7 @@ Trajectory readTruth(const std::string& input,
 
 std::optional<Pose> poseAt(const Trajectory& truth, double stamp)
 {
-  if (const auto same = truth.nearest(stamp, same_instant))
+  if (const auto same = truth.nearest(stamp, same_pose_time))
   {
     return truth[*same].pose;
   }
