@@ -158,6 +158,7 @@ TEST_F(DirectInput, ABagOfSeveralLidars)
   EXPECT_TRUE(contains(outcome.out, "further lidar: /rear_lidar/points")) << outcome.out;
   EXPECT_TRUE(contains(folder_.read("run/effective.ini"), "further_lidars = rear_lidar_points"));
   EXPECT_EQ(fs::file_size(at("run/labels/000003.label")), 2 * 4 * scans_[3].size());
+  EXPECT_TRUE(contains(folder_.read("run/scan_parts.csv"), "\n3,rear_lidar_points,"));
 }
 
 TEST_F(DirectInput, InABatch)

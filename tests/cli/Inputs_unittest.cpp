@@ -532,6 +532,12 @@ TEST_F(Inputs, ARawlogAsKittiAndBack)
   expectOriginal(frames);
   EXPECT_TRUE(frames.at(5).T_world_vehicle_truth->isApprox(poses_[0].inverse() * poses_[5], 1e-6));
 
+  const Outcome merged = run("rawlog2kitti", "--further-lidars none --sequence 02 -i " +
+                                                 at("truth.rawlog") + " -o " + at("kitti"));
+  EXPECT_EQ(0, merged.code) << merged.err;
+  EXPECT_NE(merged.err.find("no further lidar has a label like 'none'"), std::string::npos)
+      << merged.err;
+
   const std::vector<Label> labels(scans_[1].size(), 252);
   makeFolder("kitti/sequences/00/labels");
   writeLabels(at("kitti/sequences/00/labels/000001.label"), labels);

@@ -49,6 +49,19 @@ void readRawlog(const std::string& path)
   (void)source.warnings();
 }
 
+/** Every lidar beside the one of the seeds is a further one. */
+void readRawlogOfLidars(const std::string& path)
+{
+  RawlogSourceOptions options;
+  options.sensor_label = "lidar";
+  options.further_lidars = ".*";
+  RawlogSource source(path, options);
+  while (source.next())
+  {
+  }
+  (void)source.warnings();
+}
+
 void readCapture(const std::string& path)
 {
   PcapSource source(path);
@@ -144,6 +157,7 @@ const std::vector<Parser>& parsers()
       {"graph", "a.graph", [](const std::string& path) { (void)readPoseGraph(path); }},
       {"g2o", "a.g2o", [](const std::string& path) { (void)readPoseGraph(path); }},
       {"rawlog", "a.rawlog", readRawlog},
+      {"rawlog_lidars", "a.rawlog", readRawlogOfLidars},
       {"pcap", "a.pcap", readCapture},
       {"pcapng", "a.pcapng", readCapture},
       {"calibration_yaml", "a.yaml", readCalibration},

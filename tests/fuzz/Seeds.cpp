@@ -117,6 +117,25 @@ void writeRawlogs(const fs::path& folder)
   write(folder / "range", stamped(range));
 }
 
+void writeRawlogOfLidars(const std::string& path)
+{
+  RawlogWriter writer(path);
+  for (int i = 0; i < 3; ++i)
+  {
+    Scan scan = someScan();
+    scan.stamp += 0.1 * i;
+    writer.write(scan);
+    for (const char* label : {"rear", "left"})
+    {
+      scan.stamp += 0.02;
+      scan.sensor_label = label;
+      scan.T_vehicle_lidar.translation().x() += 1;
+      writer.write(scan);
+    }
+  }
+  writer.close();
+}
+
 void writeClouds(const fs::path& folder)
 {
   const Scan scan = someScan();
@@ -246,6 +265,8 @@ int main(int argc, char** argv)
   }
   const fs::path folder = argv[1];
   dyslam::writeRawlogs(folder / "rawlog");
+  fs::create_directories(folder / "rawlog_lidars");
+  dyslam::writeRawlogOfLidars((folder / "rawlog_lidars/three.rawlog").string());
   dyslam::writeClouds(folder);
   dyslam::writeTexts(folder);
   dyslam::writeBags(folder);

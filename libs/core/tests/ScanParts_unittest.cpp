@@ -69,15 +69,36 @@ TEST(ScanParts, EachPartIsAsItsLidarMeasuredIt)
   EXPECT_EQ(range.lidar, 0U);
 }
 
-TEST(ScanParts, TimesAndRingsNeedBothScans)
+TEST(ScanParts, ALidarWithoutTimesLeavesThoseOfTheOthers)
+{
+  Scan scan = scanOf(100, T_vehicle_front, 2);
+  Scan bare = scanOf(100.25, T_vehicle_rear, 2);
+  bare.time.clear();
+  bare.sensor_label = "bare";
+  appendScan(bare, 1, scan);
+  appendScan(scanOf(100.5, T_vehicle_rear, 1), 2, scan);
+  EXPECT_EQ(scan.time, (std::vector<float>{0, 0.01F, 0.25F, 0.25F, 0.5F}));
+  EXPECT_EQ(scan.parts[0].sensor_label, "bare");
+}
+
+TEST(ScanParts, TimesOfAFurtherLidarAloneAreNotKept)
+{
+  Scan bare = scanOf(100, T_vehicle_front, 2);
+  bare.time.clear();
+  appendScan(scanOf(100, T_vehicle_rear, 2), 1, bare);
+  EXPECT_TRUE(bare.time.empty());
+  Scan empty = scanOf(100, T_vehicle_front, 0);
+  appendScan(scanOf(100, T_vehicle_rear, 2), 1, empty);
+  EXPECT_EQ(empty.time.size(), 2U);
+}
+
+TEST(ScanParts, RingsNeedBothScans)
 {
   Scan scan = scanOf(100, T_vehicle_front, 2);
   Scan bare = scanOf(100, T_vehicle_rear, 2);
-  bare.time.clear();
   bare.ring.clear();
   bare.intensity.clear();
   appendScan(bare, 1, scan);
-  EXPECT_TRUE(scan.time.empty());
   EXPECT_TRUE(scan.ring.empty());
   EXPECT_EQ(scan.intensity, (std::vector<float>{0, 0.1F, 0, 0}));
 }

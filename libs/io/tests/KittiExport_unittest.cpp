@@ -80,6 +80,46 @@ TEST(KittiExport, ThereAndBackAgain)
   }
 }
 
+TEST(KittiExport, ScansOfFurtherLidarsAreMerged)
+{
+  const TestFolder folder;
+  Scan rear = someScan(0, 5);
+  rear.sensor_label = "rear";
+  rear.T_vehicle_lidar = poseFromYpr(-1, 0, 1, M_PI, 0, 0);
+  {
+    RawlogWriter writer(folder.file("x.rawlog"));
+    GroundTruthWriter truth(folder.file("x.gt"));
+    for (std::size_t i = 0; i < 2; ++i)
+    {
+      rear.stamp = someScan(i, 1).stamp + 0.02;
+      writer.write(rear);  // before that of the first lidar
+      writer.write(someScan(i, 10), somePose(i));
+      truth.addLabels(i, std::vector<Label>(15, 252));
+    }
+    writer.close();
+    truth.close();
+  }
+  KittiExportOptions options;
+  options.further_lidars = "rear";
+  const auto result = exportKitti(folder.file("x.rawlog"), folder.file("kitti"), options);
+  EXPECT_EQ(2U, result.scans);
+  EXPECT_EQ(30U, result.points);
+  EXPECT_EQ(2U, result.poses);
+  EXPECT_EQ(2U, result.label_files);
+  EXPECT_TRUE(result.warnings.empty());
+  const Scan written = readCloud(folder.file("kitti/sequences/00/velodyne/000001.bin"));
+  ASSERT_EQ(15U, written.size());
+  const Pose T_front_rear = someScan(0, 1).T_vehicle_lidar.inverse() * rear.T_vehicle_lidar;
+  EXPECT_TRUE(written.points[12].isApprox(
+      (T_front_rear * rear.points[2].cast<double>()).cast<float>(), 1e-5F));
+
+  options.rings = true;
+  options.sequence = "01";
+  const auto message = messageOfError<UserError>(
+      [&] { (void)exportKitti(folder.file("x.rawlog"), folder.file("kitti"), options); });
+  EXPECT_TRUE(contains(message, "--rings")) << message;
+}
+
 TEST(KittiExport, DamagedTracksDoNotStopIt)
 {
   const TestFolder folder;

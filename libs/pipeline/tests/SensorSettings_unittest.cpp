@@ -2,12 +2,15 @@
 #include <dyslam/core/Error.h>
 #include <dyslam/core/SharedFiles.h>
 #include <dyslam/io/RawlogSource.h>
+#include <dyslam/io/RawlogWriter.h>
 #include <dyslam/pipeline/SensorSettings.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+
+#include "TestFolder.h"
 
 namespace dyslam
 {
@@ -168,6 +171,30 @@ Frame frameOfRings(double stamp,
     }
   }
   return frame;
+}
+
+TEST(SensorSettings, OfSeveralLidarsTheFirstIsRecognised)
+{
+  const TestFolder folder;
+  {
+    RawlogWriter writer(folder.file("a.rawlog"));
+    for (int i = 0; i < 6; ++i)
+    {
+      Scan left = frameOfRings(100 + 0.1 * i, -20, 40, 1).scan;
+      left.sensor_label = "lidar_left";
+      left.T_vehicle_lidar = poseFromYpr(1, 1, 1, 0, 0, 0);
+      writer.write(left);
+      Scan roof = frameOfRings(100.01 + 0.1 * i).scan;
+      roof.sensor_label = "lidar_roof";
+      writer.write(roof);
+    }
+    writer.close();
+  }
+  RawlogSourceOptions input;
+  input.further_lidars = "lidar_left";
+  const RecordedSensor sensor = recogniseSensor(folder.file("a.rawlog"), input);
+  EXPECT_EQ(16U, sensor.pattern.rings.size());
+  EXPECT_NEAR(2 * degree, sensor.pattern.ring_spacing, 0.01 * degree);
 }
 
 TEST(SensorSettings, IsRecognisedFromTheFirstScans)
