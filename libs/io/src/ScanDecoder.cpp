@@ -34,6 +34,12 @@ constexpr std::size_t scans_after_step = 4;  //!< regular scans that show a cloc
 constexpr double same_time = 1e-6;           //!< stamps this near are one [s]
 constexpr std::size_t scans_ahead = 3;       //!< read to wait for those of further lidars
 
+struct Mounting
+{
+  std::string label;
+  Pose T_vehicle_lidar = Pose::Identity();
+};
+
 bool endsWith(const std::string& text, const std::string& end)
 {
   return text.size() >= end.size() && text.compare(text.size() - end.size(), end.size(), end) == 0;
@@ -258,22 +264,25 @@ struct ScanDecoder::Impl
     }
   }
 
-  /** Notes what does not fit between a further scan and those that it joins. */
-  void checkFurther(const Scan& part, const Scan& scan)
+  /** Notes that a further lidar has the mounting of another one. */
+  void checkMounting(const Scan& part, std::size_t lidar, const Scan& scan)
   {
-    const Pose& mounting = part.T_vehicle_lidar;
-    std::string same = mounting.matrix() == scan.T_vehicle_lidar.matrix() ? scan.sensor_label : "";
-    for (const auto& [name, pose] : mountings)
+    mountings.insert_or_assign(0, Mounting{scan.sensor_label, scan.T_vehicle_lidar});
+    mountings.insert_or_assign(lidar, Mounting{part.sensor_label, part.T_vehicle_lidar});
+    const auto same = std::find_if(
+        mountings.begin(), mountings.end(),
+        [&](const auto& other)
+        { return other.second.T_vehicle_lidar.matrix() == part.T_vehicle_lidar.matrix(); });
+    if (same != mountings.end() && same->first < lidar)
     {
-      same = same.empty() && name != part.sensor_label && mounting.matrix() == pose.matrix() ? name
-                                                                                             : same;
-    }
-    mountings.insert_or_assign(part.sensor_label, mounting);
-    if (!same.empty())
-    {
-      notes.add("'" + part.sensor_label + "' has the same sensorPose as '" + same +
+      notes.add("'" + part.sensor_label + "' has the same sensorPose as '" + same->second.label +
                 "': their scans fit only if each has its own mounting on the vehicle");
     }
+  }
+
+  /** Notes times of points that a further scan lacks, or alone has. */
+  void checkTimes(const Scan& part, const Scan& scan)
+  {
     if (part.time.empty() && !scan.time.empty())
     {
       notes.add("the points of '" + part.sensor_label +
@@ -297,7 +306,8 @@ struct ScanDecoder::Impl
         notes.add("an empty scan of '" + part.sensor_label + "'", index);
         continue;
       }
-      checkFurther(part, scan);
+      checkMounting(part, held.lidar, scan);
+      checkTimes(part, scan);
       appendScan(part, held.lidar, scan);
     }
   }
@@ -346,7 +356,7 @@ struct ScanDecoder::Impl
   CObservation::Ptr companion;  //!< read, its scan not yet
   TruePoses truths;
   Levelling levelling;
-  std::map<std::string, Pose> mountings;  //!< of further lidars, by label
+  std::map<std::size_t, Mounting> mountings;  //!< by ScanPart::lidar
 
   std::size_t scans_seen = 0;            //!< with the wanted label, delivered or not
   std::optional<double> first_stamp;     //!< of those with a good stamp

@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <functional>
 #include <set>
 #include <string>
@@ -338,6 +339,29 @@ TEST(FurtherLidars, MoreLidarsThanAVehicleHasAreAnError)
   const auto message = messageOfError<UserError>([&] { (void)read(16); });
   EXPECT_TRUE(contains(message, "a.rawlog: further_lidars = re.*")) << message;
   EXPECT_TRUE(contains(message, "more than 15 lidars")) << message;
+}
+
+TEST(FurtherLidars, ADamagedScanIsNamed)
+{
+  const TestFolder folder;
+  RawlogWriterOptions external;
+  external.external_storage = true;
+  {
+    RawlogWriter writer(folder.file("a.rawlog"), external);
+    writer.write(frontScan(0));
+    writer.write(rearScan(0.01));
+    writer.close();
+  }
+  for (const auto& entry : std::filesystem::recursive_directory_iterator(folder.path()))
+  {
+    if (contains(entry.path().filename().string(), "rear"))
+    {
+      std::filesystem::resize_file(entry.path(), 10);
+    }
+  }
+  RawlogSource source(folder.file("a.rawlog"), bothLidars());
+  const auto message = messageOfError<UserError>([&] { (void)source.next(); });
+  EXPECT_TRUE(contains(message, "a.rawlog: scan 0: that of 'rear'")) << message;
 }
 
 TEST(FurtherLidars, EmptyScansAreNoParts)
