@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/core/NeighbourSearch.h>
 #include <dyslam/core/Normals.h>
+#include <dyslam/core/ScanParts.h>
 #include <dyslam/core/VoxelGrid.h>
 #include <dyslam/mapping/FullResolution.h>
 #include <dyslam/mapping/MovingInMap.h>
@@ -73,12 +74,17 @@ MapPoints FullResolution::of(const Frame& frame, const MapRegion& region) const
 {
   const std::vector<bool> moving = movingInMap(frame, options_);
   const Pose T = frame.T_map_vehicle();
-  const Eigen::Vector3f sensor = (T * frame.scan.T_vehicle_lidar.translation()).cast<float>();
+  const std::vector<LidarRange> lidars = lidarRanges(frame.scan, frame.cloud);
+  auto lidar = lidars.begin();
   const bool has_intensity = frame.cloud.intensity.size() == frame.cloud.size();
   const bool has_normals = points_.normals.size() == points_.size();
   MapPoints result;
   for (std::size_t i = 0; i < frame.cloud.size(); ++i)
   {
+    while (i >= lidar->end)
+    {
+      ++lidar;
+    }
     const Eigen::Vector3d at = frame.cloud.points[i].cast<double>();
     const Eigen::Vector3d p = T * at;
     const double range = at.norm();
@@ -99,6 +105,7 @@ MapPoints FullResolution::of(const Frame& frame, const MapRegion& region) const
     result.keyframe.push_back(points_.keyframe[point]);
     if (has_normals)
     {
+      const Eigen::Vector3f sensor = (T * lidar->T_vehicle_lidar.translation()).cast<float>();
       result.normals.push_back(facing(points_.normals[point], result.points.back(), sensor));
     }
   }
