@@ -30,7 +30,9 @@ void estimateMapNormals(MapPoints& points, const StaticMap& map, double radius, 
   for (std::size_t i = 0; i < points.size(); ++i)
   {
     const std::uint32_t k = points.keyframe[i];
-    const Eigen::Vector3d sensor = map.poses()[k] * map.keyframes()[k].sensor.cast<double>();
+    const std::size_t lidar = points.lidar.empty() ? 0 : points.lidar[i];
+    const Eigen::Vector3f& origin = map.keyframes()[k].sensorOf(lidar);
+    const Eigen::Vector3d sensor = map.poses()[k] * origin.cast<double>();
     points.normals[i] = facing(shapes[i].normal, points.points[i], sensor.cast<float>());
   }
 }
@@ -103,6 +105,10 @@ MapPoints FullResolution::of(const Frame& frame, const MapRegion& region) const
     result.hits.push_back(points_.hits[point]);
     result.voxel.push_back(points_.voxel[point]);
     result.keyframe.push_back(points_.keyframe[point]);
+    if (!points_.lidar.empty())
+    {
+      result.lidar.push_back(points_.lidar[point]);
+    }
     if (has_normals)
     {
       const Eigen::Vector3f sensor = (T * lidar->T_vehicle_lidar.translation()).cast<float>();

@@ -135,7 +135,7 @@ TEST_F(MapTiles, StoredScansKnowWhichLidarMeasuredThePoints)
 }
 
 /** A wall between two lidars, which see it from either side. */
-TEST_F(MapTiles, NormalsInFullResolutionLookAtTheLidarThatMeasuredThePoint)
+TEST_F(MapTiles, NormalsLookAtTheLidarThatMeasuredThePoint)
 {
   options_.visibility = false;
   test::TestMap map(options_);
@@ -163,12 +163,18 @@ TEST_F(MapTiles, NormalsInFullResolutionLookAtTheLidarThatMeasuredThePoint)
     map.insert(frame);
   }
   MapPoints points = map.map.points();
-  points.normals.assign(points.size(), Eigen::Vector3f::UnitY());
+  ThreadPool pool(2);
+  estimateMapNormals(points, map.map, 0.8, pool);
+  for (std::size_t i = 0; i < points.size(); ++i)
+  {
+    const float side = points.points[i].y() < 0 ? -1.0F : 1.0F;
+    EXPECT_GT(side * points.normals[i].y(), 0.9F) << points.points[i].transpose();
+  }
   const MapPoints of = FullResolution(map.map, options_, points).of(frame);
   ASSERT_EQ(of.size(), frame.cloud.size());
   for (std::size_t i = 0; i < of.size(); ++i)
   {
-    EXPECT_EQ(of.normals[i].y(), i < part.begin ? -1.0F : 1.0F) << i;
+    EXPECT_GT((i < part.begin ? -1.0F : 1.0F) * of.normals[i].y(), 0.9F) << i;
   }
 }
 
