@@ -138,12 +138,6 @@ void forEachPart(const Scan& scan,
   }
 }
 
-Scan scanPart(const Scan& scan, std::size_t i, LidarRange& range)
-{
-  range = rangeOf(scan, i);
-  return partOf(scan, i, range);
-}
-
 Scan ownScan(const Scan& scan)
 {
   return partOf(scan, 0, rangeOf(scan, 0));

@@ -45,9 +45,6 @@ struct LidarRange
 void forEachPart(const Scan& scan,
                  const std::function<void(const Scan& part, const LidarRange& range)>& use);
 
-/** Part `i` of a scan as forEachPart() passes it. \param range set to its points */
-[[nodiscard]] Scan scanPart(const Scan& scan, std::size_t i, LidarRange& range);
-
 /** A copy of the scan's own points alone, without those of further lidars. */
 [[nodiscard]] Scan ownScan(const Scan& scan);
 
