@@ -16,6 +16,7 @@
 #include <algorithm>
 #include <cstdio>
 #include <filesystem>
+#include <iterator>
 #include <utility>
 
 #include "../common/Checks.h"
@@ -33,13 +34,13 @@ std::vector<std::string> knownSections()
   return known;
 }
 
-/** Those that --set may change: of merged runs each has its own [preprocess]. */
+/** Those that --set may change: of merged runs each has its own [preprocess] and [input]. */
 std::vector<std::string> ownSections(const Arguments& a)
 {
-  return a.runs.empty()
-             ? std::vector<std::string>{"map", "labels", "preprocess", "map_export", "memory"}
-             : std::vector<std::string>{"map",  "labels", "map_export", "memory",
-                                        "loop", "solver", "merge"};
+  return a.runs.empty() ? std::vector<std::string>{"map",   "labels",     "preprocess",
+                                                   "input", "map_export", "memory"}
+                        : std::vector<std::string>{"map",  "labels", "map_export", "memory",
+                                                   "loop", "solver", "merge"};
 }
 
 /** \param run as given to --merge */
@@ -66,6 +67,15 @@ std::string effectiveIniOf(const Arguments& a)
                                             : settingsOfRun(a.run);
 }
 
+/** The assignments of --set that the recording is read with. */
+std::vector<std::string> inputAssignments(const Arguments& a)
+{
+  std::vector<std::string> result;
+  std::copy_if(a.assignments.begin(), a.assignments.end(), std::back_inserter(result),
+               [](const std::string& assignment) { return assignment.rfind("input.", 0) == 0; });
+  return result;
+}
+
 /** The settings under those of --set: of the ini, of the run, or as dyslam chooses them for the
  * sensor. \param messages where they are from */
 Config baseSettings(const Arguments& a, std::vector<std::string>& messages)
@@ -80,7 +90,8 @@ Config baseSettings(const Arguments& a, std::vector<std::string>& messages)
     }
     return merged;
   }
-  const GivenSettings given = readGivenSettings(a.config.empty() ? of_run : a.config);
+  const GivenSettings given =
+      readGivenSettings(a.config.empty() ? of_run : a.config, inputAssignments(a));
   if (a.config.empty() && !of_run.empty())
   {
     messages.push_back("settings: " + of_run);

@@ -194,6 +194,15 @@ TEST(Settings, ARangeOfTimeIsProcessedAndEvaluated)
   EXPECT_TRUE(contains(part.out, "1 scan, 0 without a pose")) << part.out;
   EXPECT_TRUE(contains(folder.read("part.effective.ini"), "end = 0.45"))
       << folder.read("part.effective.ini");
+  const Outcome set = runProgram("dyslam-map",
+                                 "-q --run " + folder.file("run") +
+                                     " --set input.start=0.35 --set input.end=0.45"
+                                     " --keyframe-distance 0 -o " +
+                                     folder.file("set.pcd"),
+                                 folder.path());
+  EXPECT_EQ(0, set.code) << set.err;
+  EXPECT_TRUE(contains(set.out, "1 scan, 0 without a pose")) << set.out;
+  EXPECT_TRUE(contains(folder.read("set.effective.ini"), "end = 0.45"));
 }
 
 TEST(Settings, ARangeOfTimeIsExported)

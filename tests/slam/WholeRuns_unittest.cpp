@@ -7,6 +7,7 @@
 #include <dyslam/formats/LabelFiles.h>
 #include <dyslam/formats/TrackFiles.h>
 #include <dyslam/formats/TrajectoryFiles.h>
+#include <dyslam/io/RawlogSource.h>
 #include <dyslam/io/RawlogWriter.h>
 #include <dyslam/pipeline/SlamRun.h>
 #include <dyslam/sim/Simulator.h>
@@ -133,6 +134,7 @@ TEST_F(WholeRun, ASecondLidarHelps)
   SlamRunSettings both = settings(rawlog, "vlp16.ini", "both");
   both.config.set("input.further_lidars=VLP16_2");
   both.labels = true;
+  both.static_scans = true;
   (void)runSlam(one);
   (void)runSlam(both);
   EXPECT_LT(errorsOf(both).relative.translation.rmse, errorsOf(one).relative.translation.rmse);
@@ -152,6 +154,11 @@ TEST_F(WholeRun, ASecondLidarHelps)
     }
   }
   EXPECT_GT(static_cast<double>(kept), 0.998 * static_cast<double>(static_points));
+  RawlogSource static_scans(both.output_folder + "/static_scans.rawlog", RawlogSourceOptions());
+  const auto first = static_scans.next();
+  ASSERT_TRUE(first);
+  EXPECT_GT(first->scan.size(), truth[0].size() / 2);
+  EXPECT_TRUE(first->scan.ring.empty()) << "numbers of two lidars";
 }
 
 /** The true boxes as those of another detector, without a segmenter: each object has one track, two

@@ -16,7 +16,6 @@ Frame copyOf(const Frame& frame, FrameParts parts)
   copy.index = frame.index;
   copy.scan.stamp = frame.scan.stamp;
   copy.scan.T_vehicle_lidar = frame.scan.T_vehicle_lidar;
-  copy.scan.parts = frame.scan.parts;
   copy.dt = frame.dt;
   copy.clock_offset = frame.clock_offset;
   copy.motion = frame.motion;
@@ -31,6 +30,7 @@ Frame copyOf(const Frame& frame, FrameParts parts)
   if (parts == FrameParts::cloud)
   {
     copy.cloud = frame.cloud;
+    copy.scan.parts = frame.scan.parts;
     return copy;
   }
   copy.cloud.points = frame.cloud.points;

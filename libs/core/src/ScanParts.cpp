@@ -44,13 +44,14 @@ LidarRange rangeOf(const Scan& scan, std::size_t i)
 {
   LidarRange range;
   range.end = endOf(scan, i);
-  range.sensor = scan.T_vehicle_lidar.translation().cast<float>();
+  range.T_vehicle_lidar = scan.T_vehicle_lidar;
   if (i > 0)
   {
     const ScanPart& part = scan.parts[i - 1];
     range.begin = part.begin;
     range.lidar = part.lidar;
-    range.sensor = (scan.T_vehicle_lidar * part.T_scan_lidar.translation()).cast<float>();
+    range.T_vehicle_lidar = scan.T_vehicle_lidar * part.T_scan_lidar;
+    range.stamp = part.stamp;
   }
   return range;
 }
@@ -64,6 +65,31 @@ std::vector<Value> slice(const std::vector<Value>& values,
              ? std::vector<Value>(values.begin() + static_cast<std::ptrdiff_t>(range.begin),
                                   values.begin() + static_cast<std::ptrdiff_t>(range.end))
              : std::vector<Value>();
+}
+
+/** Part `i` as its lidar measured it. \param range its points */
+Scan partOf(const Scan& scan, std::size_t i, const LidarRange& range)
+{
+  Scan part;
+  part.stamp = scan.stamp;
+  part.sensor_label = scan.sensor_label;
+  part.T_vehicle_lidar = range.T_vehicle_lidar;
+  part.points = slice(scan.points, scan, range);
+  part.intensity = slice(scan.intensity, scan, range);
+  part.time = slice(scan.time, scan, range);
+  part.ring = slice(scan.ring, scan, range);
+  if (i > 0)
+  {
+    const Eigen::Isometry3f T = scan.parts[i - 1].T_scan_lidar.inverse().cast<float>();
+    for (Eigen::Vector3f& p : part.points)
+    {
+      if (isReturn(p))
+      {
+        p = T * p;
+      }
+    }
+  }
+  return part;
 }
 }  // namespace
 
@@ -102,44 +128,41 @@ void appendScan(const Scan& further, std::size_t lidar, Scan& scan)
   scan.parts.push_back(part);
 }
 
-Scan scanPart(const Scan& scan, std::size_t i, LidarRange& range)
+void forEachPart(const Scan& scan,
+                 const std::function<void(const Scan& part, const LidarRange& range)>& use)
 {
-  range = rangeOf(scan, i);
-  Scan part;
-  part.stamp = scan.stamp;
-  part.sensor_label = scan.sensor_label;
-  part.T_vehicle_lidar = scan.T_vehicle_lidar;
-  part.points = slice(scan.points, scan, range);
-  part.intensity = slice(scan.intensity, scan, range);
-  part.time = slice(scan.time, scan, range);
-  part.ring = slice(scan.ring, scan, range);
-  if (i > 0)
+  if (scan.parts.empty())
   {
-    const Pose& T_scan_lidar = scan.parts[i - 1].T_scan_lidar;
-    part.T_vehicle_lidar = scan.T_vehicle_lidar * T_scan_lidar;
-    const Eigen::Isometry3f T = T_scan_lidar.inverse().cast<float>();
-    for (Eigen::Vector3f& p : part.points)
-    {
-      if (isReturn(p))
-      {
-        p = T * p;
-      }
-    }
+    use(scan, rangeOf(scan, 0));
+    return;
   }
-  return part;
+  for (std::size_t i = 0; i < partCount(scan); ++i)
+  {
+    const LidarRange range = rangeOf(scan, i);
+    use(partOf(scan, i, range), range);
+  }
+}
+
+Scan ownScan(const Scan& scan)
+{
+  return partOf(scan, 0, rangeOf(scan, 0));
 }
 
 std::vector<LidarRange> lidarRanges(const Scan& scan, const Cloud& cloud)
 {
+  const bool has_sources = cloud.source.size() == cloud.size();
   std::vector<LidarRange> ranges;
   for (std::size_t i = 0; i < partCount(scan); ++i)
   {
     LidarRange range = rangeOf(scan, i);
     range.begin = ranges.empty() ? 0 : ranges.back().end;
-    range.end = i < scan.parts.size() ? std::lower_bound(cloud.source.begin(), cloud.source.end(),
-                                                         scan.parts[i].begin) -
-                                            cloud.source.begin()
-                                      : cloud.size();
+    range.end = cloud.size();
+    if (has_sources && i < scan.parts.size())
+    {
+      const auto end =
+          std::lower_bound(cloud.source.begin(), cloud.source.end(), scan.parts[i].begin);
+      range.end = static_cast<std::size_t>(end - cloud.source.begin());
+    }
     ranges.push_back(range);
   }
   return ranges;

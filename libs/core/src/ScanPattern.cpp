@@ -2,6 +2,7 @@
 #include <dyslam/core/FiringOrder.h>
 #include <dyslam/core/Quantile.h>
 #include <dyslam/core/Rings.h>
+#include <dyslam/core/ScanParts.h>
 #include <dyslam/core/ScanPattern.h>
 
 #include <algorithm>
@@ -252,6 +253,10 @@ std::vector<std::uint16_t> ringsOf(const std::vector<Eigen::Vector3f>& points,
 
 ScanPattern measureScanPattern(const Scan& scan)
 {
+  if (!scan.parts.empty())
+  {
+    return measureScanPattern(ownScan(scan));
+  }
   ScanPattern pattern;
   measureExtent(scan.points, pattern);
   if (scan.time.size() == scan.size() && !scan.time.empty())

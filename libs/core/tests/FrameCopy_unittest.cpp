@@ -149,6 +149,17 @@ TEST(FrameCopy, LesserPartsHaveLessOfTheCloud)
   EXPECT_EQ(cloud.intensity, filledFrame().cloud.intensity);
 }
 
+/** Which points are of which lidar is known by their sources. */
+TEST(FrameCopy, PartsOfTheScanAreKeptWithTheSources)
+{
+  Frame frame = filledFrame();
+  frame.scan.parts.resize(1);
+  EXPECT_TRUE(copyOf(frame, FrameParts::points).scan.parts.empty());
+  EXPECT_TRUE(copyOf(frame, FrameParts::intensity).scan.parts.empty());
+  EXPECT_EQ(copyOf(frame, FrameParts::cloud).scan.parts.size(), 1U);
+  EXPECT_EQ(copyOf(frame, FrameParts::all).scan.parts.size(), 1U);
+}
+
 TEST(FrameCopy, AllIsAllButWhatOnlyTheOdometryReads)
 {
   const std::vector<Kept> kept = keptOf(FrameParts::all);

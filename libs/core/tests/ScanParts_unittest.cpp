@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <limits>
+#include <vector>
 
 namespace dyslam
 {
@@ -52,21 +53,60 @@ TEST(ScanParts, EachPartIsAsItsLidarMeasuredIt)
   appendScan(rear, 1, scan);
   appendScan(scanOf(100.1, T_vehicle_rear, 1), 1, scan);
   ASSERT_EQ(partCount(scan), 3U);
-  LidarRange range;
-  const Scan part = scanPart(scan, 1, range);
-  EXPECT_EQ(range.begin, 3U);
-  EXPECT_EQ(range.end, 7U);
-  EXPECT_EQ(range.lidar, 1U);
-  EXPECT_TRUE(range.sensor.isApprox(T_vehicle_rear.translation().cast<float>(), 1e-5F));
+  std::vector<Scan> parts;
+  std::vector<LidarRange> ranges;
+  forEachPart(scan,
+              [&](const Scan& part, const LidarRange& range)
+              {
+                parts.push_back(part);
+                ranges.push_back(range);
+              });
+  ASSERT_EQ(parts.size(), 3U);
+  const Scan& part = parts[1];
+  EXPECT_EQ(ranges[1].begin, 3U);
+  EXPECT_EQ(ranges[1].end, 7U);
+  EXPECT_EQ(ranges[1].lidar, 1U);
+  EXPECT_TRUE(ranges[1].sensor().isApprox(T_vehicle_rear.translation().cast<float>(), 1e-5F));
+  EXPECT_TRUE(ranges[1].T_vehicle_lidar.isApprox(T_vehicle_rear, 1e-9));
   EXPECT_TRUE(part.T_vehicle_lidar.isApprox(T_vehicle_rear, 1e-9));
   ASSERT_EQ(part.size(), 4U);
   EXPECT_TRUE(part.points[3].isApprox(rear.points[3], 1e-5F));
   EXPECT_TRUE(part.points[1].isZero(0)) << "no return stays none";
   EXPECT_FALSE(part.points[2].allFinite());
   EXPECT_EQ(part.time, rear.time);
-  const Scan own = scanPart(scan, 0, range);
-  EXPECT_EQ(own.size(), 3U);
-  EXPECT_EQ(range.lidar, 0U);
+  EXPECT_NEAR(ranges[2].stamp, 0.1, 1e-6);
+  EXPECT_EQ(ranges[0].lidar, 0U);
+  const Scan own = ownScan(scan);
+  EXPECT_EQ(own.points, parts[0].points);
+  EXPECT_EQ(own.points, scanOf(100, T_vehicle_front, 3).points);
+  EXPECT_EQ(own.ring.size(), 3U);
+  EXPECT_TRUE(own.parts.empty());
+}
+
+TEST(ScanParts, AScanOfOneLidarIsNotCopied)
+{
+  const Scan scan = scanOf(100, T_vehicle_front, 3);
+  int parts = 0;
+  forEachPart(scan,
+              [&](const Scan& part, const LidarRange& range)
+              {
+                ++parts;
+                EXPECT_EQ(&part, &scan);
+                EXPECT_EQ(range.begin, 0U);
+                EXPECT_EQ(range.end, 3U);
+                EXPECT_TRUE(range.T_vehicle_lidar.isApprox(T_vehicle_front, 0));
+              });
+  EXPECT_EQ(parts, 1);
+}
+
+TEST(ScanParts, AnEmptyPartIsOneOfNoPoints)
+{
+  Scan scan = scanOf(100, T_vehicle_front, 3);
+  appendScan(scanOf(100, T_vehicle_rear, 0), 1, scan);
+  appendScan(scanOf(100, T_vehicle_rear, 2), 2, scan);
+  std::vector<std::size_t> sizes;
+  forEachPart(scan, [&](const Scan& part, const LidarRange&) { sizes.push_back(part.size()); });
+  EXPECT_EQ(sizes, (std::vector<std::size_t>{3, 0, 2}));
 }
 
 TEST(ScanParts, ALidarWithoutTimesLeavesThoseOfTheOthers)
@@ -122,6 +162,8 @@ TEST(ScanParts, ACloudIsDividedByTheSourcesOfItsPoints)
   Cloud without_sources;
   without_sources.points.resize(4);
   EXPECT_EQ(ownPoints(Scan(), without_sources), 4U);
+  EXPECT_EQ(ownPoints(scan, without_sources), 4U);
+  EXPECT_EQ(lidarRanges(scan, without_sources).back().begin, 4U);
 }
 
 TEST(ScanParts, AKeyframeKnowsTheOriginsOfAllLidars)

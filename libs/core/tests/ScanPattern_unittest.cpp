@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/core/ScanParts.h>
 #include <dyslam/core/ScanPattern.h>
 #include <gtest/gtest.h>
 
@@ -105,6 +106,21 @@ TEST(ScanPattern, LasersMayBeNumberedAsTheyFire)
     ring = static_cast<std::uint16_t>(ring < 16 ? 2 * ring : 2 * (ring - 16) + 1);
   }
   EXPECT_NEAR(measureScanPattern(scan).ring_spacing, 1.333 * degree, 1e-4);
+}
+
+TEST(ScanPattern, OfSeveralLidarsThatOfTheFirst)
+{
+  const Scan first = spinning(16, -15 * degree, 2 * degree, 900, 0.02);
+  Scan second = spinning(32, -30 * degree, 1.333 * degree, 400, 0);
+  second.T_vehicle_lidar = poseFromYpr(-1, 0, -0.5, M_PI, -0.15, 0);
+  Scan both = first;
+  appendScan(second, 1, both);
+  const ScanPattern alone = measureScanPattern(first);
+  const ScanPattern p = measureScanPattern(both);
+  EXPECT_EQ(p.rings, alone.rings);
+  EXPECT_EQ(p.returns, alone.returns);
+  EXPECT_EQ(p.spacing(), alone.spacing());
+  EXPECT_NEAR(p.ring_spacing, 2 * degree, 1e-4);
 }
 
 /** A lidar that is upside down a metre from the origin of its points, as in NCLT. */

@@ -105,10 +105,8 @@ ResidualSegmenter::PastScan ResidualSegmenter::project(const Frame& frame) const
   PastScan past;
   for (const LidarRange& lidar : lidarRanges(frame.scan, frame.cloud))
   {
-    const Pose T_scan_lidar =
-        past.empty() ? Pose::Identity() : frame.scan.parts[past.size() - 1].T_scan_lidar;
     past.push_back(project(frame.cloud.points.data() + lidar.begin, lidar.end - lidar.begin,
-                           frame.T_odom_vehicle, frame.scan.T_vehicle_lidar * T_scan_lidar));
+                           frame.T_odom_vehicle, lidar.T_vehicle_lidar));
   }
   return past;
 }

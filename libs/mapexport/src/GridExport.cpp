@@ -129,7 +129,7 @@ void clearRays(Grid& grid,
         std::vector<FarthestReturns> lidars;
         for (std::size_t i = 0; i < cloud.size(); ++i)
         {
-          const std::size_t lidar = cloud.lidar.empty() ? 0 : cloud.lidar[i];
+          const std::size_t lidar = cloud.lidarOf(i);
           while (lidars.size() <= lidar)
           {
             const Eigen::Vector3f& sensor = map.keyframes()[k].sensorOf(lidars.size());

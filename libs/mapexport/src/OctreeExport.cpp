@@ -61,17 +61,17 @@ void requireWithinKeys(const StaticMap& map,
   throw UserError(path + text);
 }
 
-/** octomap's insertPointCloud() with one ray per cell, with a faster set of cells. */
+/** octomap's insertPointCloud() with one ray per cell, with a faster set of cells. The rays of
+ * several lidars are one scan: a cell that one of them hits is occupied. */
 class ScanInserter
 {
  public:
   ScanInserter(octomap::OcTree& tree, double range) : tree_(tree), range_(range) {}
 
-  void insert(const std::vector<octomap::point3d>& points, const octomap::point3d& sensor)
+  /** Adds the rays of one lidar to the scan. */
+  void addRays(const std::vector<octomap::point3d>& points, const octomap::point3d& sensor)
   {
-    free_.clear();
     ends_.clear();
-    occupied_.clear();
     for (const octomap::point3d& point : points)
     {
       const octomap::OcTreeKey end = tree_.coordToKey(point);
@@ -80,6 +80,11 @@ class ScanInserter
         castRay(sensor, end);
       }
     }
+  }
+
+  /** Inserts the scan and begins the next one. */
+  void insert()
+  {
     for (const octomap::OcTreeKey& key : occupied_)
     {
       free_.erase(key);
@@ -89,6 +94,9 @@ class ScanInserter
     {
       tree_.updateNode(key, true, lazy);
     }
+    free_.clear();
+    hit_.clear();
+    occupied_.clear();
   }
 
  private:
@@ -100,7 +108,10 @@ class ScanInserter
     octomap::point3d to = tree_.keyToCoord(end);
     if ((to - sensor).norm() <= range_)
     {
-      occupied_.push_back(end);
+      if (hit_.insert(end))
+      {
+        occupied_.push_back(end);
+      }
     }
     else
     {
@@ -118,8 +129,9 @@ class ScanInserter
   octomap::OcTree& tree_;
   double range_;
   CellSet free_;
-  CellSet ends_;
-  std::vector<octomap::OcTreeKey> occupied_;
+  CellSet ends_;  //!< of the lidar's rays
+  CellSet hit_;
+  std::vector<octomap::OcTreeKey> occupied_;  //!< hit_, in the order of the points
   octomap::KeyRay ray_;
 };
 
@@ -157,7 +169,7 @@ void writeOctomap(const StaticMap& map,
         std::vector<std::vector<octomap::point3d>> points(1);  // by lidar
         for (std::size_t i = 0; i < cloud.size(); ++i)
         {
-          const std::size_t lidar = cloud.lidar.empty() ? 0 : cloud.lidar[i];
+          const std::size_t lidar = cloud.lidarOf(i);
           points.resize(std::max(points.size(), lidar + 1));
           points[lidar].push_back(toOctomap(T * cloud.points[i].cast<double>()));
         }
@@ -166,9 +178,10 @@ void writeOctomap(const StaticMap& map,
           const Eigen::Vector3f& sensor = map.keyframes()[k].sensorOf(lidar);
           if (!points[lidar].empty())
           {
-            inserter.insert(points[lidar], toOctomap(T * sensor.cast<double>()));
+            inserter.addRays(points[lidar], toOctomap(T * sensor.cast<double>()));
           }
         }
+        inserter.insert();
         if (on_keyframe)
         {
           on_keyframe(k + 1);

@@ -17,6 +17,7 @@
 #include <fstream>
 #include <limits>
 #include <map>
+#include <memory>
 #include <opencv2/imgcodecs.hpp>
 #include <optional>
 #include <sstream>
@@ -382,6 +383,20 @@ TEST_F(MapExport, OctomapKnowsOccupiedAndFree)
   EXPECT_FALSE(tree.isNodeOccupied(air));
   EXPECT_EQ(tree.search(12.0, 0, 1.0), nullptr);
   EXPECT_THROW(writeOctomap(map, path("m.oct"), {}), UserError);
+}
+
+TEST_F(MapExport, OctomapHasTheRaysOfEachLidar)
+{
+  writeOctomap(test::seenByTwoLidars().map, path("m.ot"), {});
+  const std::unique_ptr<octomap::AbstractOcTree> read(octomap::AbstractOcTree::read(path("m.ot")));
+  const auto* tree = dynamic_cast<const octomap::OcTree*>(read.get());
+  ASSERT_NE(tree, nullptr);
+  const auto* air = tree->search(4.1, 5.15, 1.1);
+  ASSERT_NE(air, nullptr) << "before the second lidar";
+  EXPECT_FALSE(tree->isNodeOccupied(air));
+  const auto* thing = tree->search(8.1, 5.15, 1.1);
+  ASSERT_NE(thing, nullptr);
+  EXPECT_FLOAT_EQ(thing->getLogOdds(), tree->getProbHitLog()) << "a miss of the other lidar";
 }
 
 TEST_F(MapExport, EmptyMapGivesValidFiles)

@@ -217,6 +217,17 @@ TEST_F(OccupancyGrid, CoarserCellsAreThoseOfTheMapsPoints)
   }
 }
 
+TEST_F(OccupancyGrid, RaysOfEachLidarClearCells)
+{
+  write(test::seenByTwoLidars());
+  for (const double x : {1.05, 4.05, 7.05})
+  {
+    EXPECT_EQ(image.at<std::uint8_t>(cellOf({x, 5.15})), 254) << "before the second lidar, " << x;
+    EXPECT_EQ(image.at<std::uint8_t>(cellOf({x, 5.15 / 8.1 * x})), 254) << "the first, " << x;
+    EXPECT_EQ(image.at<std::uint8_t>(cellOf({x, 5.8 + 0.1 * x})), 205) << "neither, " << x;
+  }
+}
+
 TEST_F(OccupancyGrid, TheYamlNamesItsImage)
 {
   const test::TestMap empty;

@@ -38,4 +38,29 @@ namespace dyslam::test
   }
   return map;
 }
+
+/** One scan by two lidars that stand 5.15 m apart, both 1.1 m high: the second one sees (9.1, 5.15,
+ * 1.1) behind a thing at (8.1, 5.15, 1.1), which the first one sees, and which lets rays pass. */
+[[nodiscard]] inline TestMap seenByTwoLidars()
+{
+  StaticMapOptions options;
+  options.visibility = false;
+  TestMap map(options);
+  Frame frame;
+  frame.scan.T_vehicle_lidar.translation().z() = 1.1;
+  ScanPart part;
+  part.T_scan_lidar.translation().y() = 5.15;
+  frame.cloud.points = {{-4, -4, 0.02F},     {9, -4, 0.02F},      {-4, 9, 0.02F},
+                        {9, 9, 0.02F},       {8.1F, 5.15F, 1.1F}, {8.1F, 5.15F, 0.02F},
+                        {9.1F, 5.15F, 1.1F}, {9.1F, 5.15F, 0.02F}};
+  part.begin = 6;
+  for (std::size_t i = 0; i < frame.cloud.size(); ++i)
+  {
+    frame.cloud.intensity.push_back(0.25F);
+    frame.cloud.source.push_back(static_cast<std::uint32_t>(i));
+  }
+  frame.scan.parts = {part};
+  map.insert(frame);
+  return map;
+}
 }  // namespace dyslam::test

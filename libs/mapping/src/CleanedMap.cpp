@@ -41,6 +41,7 @@ CleanedMap::CleanedMap(const VoxelMap& map,
                            .points.push_back({{p.x(), p.y(), p.z()},
                                               voxel.intensity / static_cast<float>(voxel.points),
                                               voxel.hits,
+                                              voxel.last_lidar,
                                               voxel.number,
                                               voxel.last_keyframe});
                        kept_[voxel.number] = true;
@@ -63,6 +64,7 @@ void CleanedMap::forEachPart(const std::function<void(const MapPoints&)>& use) c
       part.hits.push_back(p.hits);
       part.voxel.push_back(p.voxel);
       part.keyframe.push_back(p.keyframe);
+      part.lidar.push_back(p.lidar);
     }
     use(part);
   }

@@ -32,7 +32,8 @@ class CleanedMap
   {
     std::array<float, 3> position;
     float intensity;
-    std::uint32_t hits;
+    std::uint16_t hits;
+    std::uint8_t lidar;
     std::uint32_t voxel;
     std::uint32_t keyframe;
   };

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/core/NeighbourSearch.h>
 #include <dyslam/core/Normals.h>
+#include <dyslam/core/ScanParts.h>
 #include <dyslam/core/VoxelGrid.h>
 #include <dyslam/mapping/FullResolution.h>
 #include <dyslam/mapping/MovingInMap.h>
@@ -29,7 +30,9 @@ void estimateMapNormals(MapPoints& points, const StaticMap& map, double radius, 
   for (std::size_t i = 0; i < points.size(); ++i)
   {
     const std::uint32_t k = points.keyframe[i];
-    const Eigen::Vector3d sensor = map.poses()[k] * map.keyframes()[k].sensor.cast<double>();
+    const std::size_t lidar = points.lidar.empty() ? 0 : points.lidar[i];
+    const Eigen::Vector3f& origin = map.keyframes()[k].sensorOf(lidar);
+    const Eigen::Vector3d sensor = map.poses()[k] * origin.cast<double>();
     points.normals[i] = facing(shapes[i].normal, points.points[i], sensor.cast<float>());
   }
 }
@@ -73,12 +76,17 @@ MapPoints FullResolution::of(const Frame& frame, const MapRegion& region) const
 {
   const std::vector<bool> moving = movingInMap(frame, options_);
   const Pose T = frame.T_map_vehicle();
-  const Eigen::Vector3f sensor = (T * frame.scan.T_vehicle_lidar.translation()).cast<float>();
+  const std::vector<LidarRange> lidars = lidarRanges(frame.scan, frame.cloud);
+  auto lidar = lidars.begin();
   const bool has_intensity = frame.cloud.intensity.size() == frame.cloud.size();
   const bool has_normals = points_.normals.size() == points_.size();
   MapPoints result;
   for (std::size_t i = 0; i < frame.cloud.size(); ++i)
   {
+    while (i >= lidar->end)
+    {
+      ++lidar;
+    }
     const Eigen::Vector3d at = frame.cloud.points[i].cast<double>();
     const Eigen::Vector3d p = T * at;
     const double range = at.norm();
@@ -97,8 +105,13 @@ MapPoints FullResolution::of(const Frame& frame, const MapRegion& region) const
     result.hits.push_back(points_.hits[point]);
     result.voxel.push_back(points_.voxel[point]);
     result.keyframe.push_back(points_.keyframe[point]);
+    if (!points_.lidar.empty())
+    {
+      result.lidar.push_back(points_.lidar[point]);
+    }
     if (has_normals)
     {
+      const Eigen::Vector3f sensor = (T * lidar->T_vehicle_lidar.translation()).cast<float>();
       result.normals.push_back(facing(points_.normals[point], result.points.back(), sensor));
     }
   }

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/core/Error.h>
+#include <dyslam/core/ScanParts.h>
 #include <dyslam/mapping/MapTiles.h>
 #include <dyslam/mapping/MovingInMap.h>
 
@@ -7,6 +8,7 @@
 #include <cerrno>
 #include <cmath>
 #include <cstring>
+#include <numeric>
 #include <set>
 #include <utility>
 
@@ -27,6 +29,21 @@ struct StoredPoint
 double distanceTo(const MapRegion& region, const Eigen::Vector2d& p)
 {
   return (p - p.cwiseMax(region.low).cwiseMin(region.high)).norm();
+}
+
+/** The scan's parts, each from its first point in the cloud on. */
+std::vector<ScanPart> partsOfCloud(const Frame& frame)
+{
+  std::vector<ScanPart> parts = frame.scan.parts;
+  if (!parts.empty())
+  {
+    const std::vector<LidarRange> ranges = lidarRanges(frame.scan, frame.cloud);
+    for (std::size_t i = 0; i < parts.size(); ++i)
+    {
+      parts[i].begin = ranges[i + 1].begin;
+    }
+  }
+  return parts;
 }
 
 MapRegion widened(const MapRegion& region, double margin)
@@ -68,8 +85,8 @@ void ScanStore::add(const Frame& frame)
   const std::vector<bool> moving = movingInMap(frame, options_);
   const std::string flags(moving.begin(), moving.end());
   entries_.push_back({frame.index, frame.scan.stamp, frame.T_map_vehicle(),
-                      frame.scan.T_vehicle_lidar, frame.cloud.T_sweep, has_phase, bytes_, count,
-                      run_});
+                      frame.scan.T_vehicle_lidar, partsOfCloud(frame), frame.cloud.T_sweep,
+                      has_phase, bytes_, count, run_});
   const std::size_t size = count * sizeof(StoredPoint);
   file_.seekp(static_cast<std::streamoff>(bytes_));
   file_.write(reinterpret_cast<const char*>(points.data()), static_cast<std::streamsize>(size));
@@ -105,6 +122,12 @@ Frame ScanStore::read(std::size_t scan)
     {
       frame.cloud.phase.push_back(p.phase);
     }
+  }
+  if (!entry.parts.empty())
+  {
+    frame.scan.parts = entry.parts;
+    frame.cloud.source.resize(entry.points);
+    std::iota(frame.cloud.source.begin(), frame.cloud.source.end(), 0U);
   }
   frame.moving.assign(flags.begin(), flags.end());
   return frame;

@@ -43,6 +43,7 @@ void reserve(std::size_t count, MapPoints& points)
   points.hits.reserve(count);
   points.voxel.reserve(count);
   points.keyframe.reserve(count);
+  points.lidar.reserve(count);
 }
 }  // namespace
 
@@ -53,6 +54,10 @@ void MapPoints::add(const MapPoints& others, std::size_t i)
   hits.push_back(others.hits[i]);
   voxel.push_back(others.voxel[i]);
   keyframe.push_back(others.keyframe[i]);
+  if (!others.lidar.empty())
+  {
+    lidar.push_back(others.lidar[i]);
+  }
   if (!others.normals.empty())
   {
     normals.push_back(others.normals[i]);
@@ -66,6 +71,7 @@ void MapPoints::append(const MapPoints& others)
   extend(hits, others.hits);
   extend(voxel, others.voxel);
   extend(keyframe, others.keyframe);
+  extend(lidar, others.lidar);
   extend(normals, others.normals);
 }
 
@@ -218,7 +224,8 @@ void StaticMap::Impl::addToVoxels(std::size_t keyframe, const BuiltMap* before)
       keep[i] = false;
       continue;
     }
-    Voxel& voxel = map.hit(p, static_cast<std::uint32_t>(keyframe));
+    Voxel& voxel = map.hit(p, static_cast<std::uint32_t>(keyframe),
+                           static_cast<std::uint8_t>(cloud.lidarOf(i)));
     if (has_before)
     {
       const Voxel* old = before->map.find(before->poses[keyframe] * point);

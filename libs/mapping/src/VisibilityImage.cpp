@@ -93,9 +93,9 @@ void VisibilityImage::setRows(const std::vector<Eigen::Vector3f>& points, const 
 }
 
 VisibilityImage::VisibilityImage(const Cloud& cloud, const LidarRange& lidar)
-    : sensor_(lidar.sensor)
+    : sensor_(lidar.sensor())
 {
-  const Eigen::Vector3f& sensor = lidar.sensor;
+  const Eigen::Vector3f sensor = lidar.sensor();
   setRows(cloud.points, lidar);
   const bool timed = cloud.phase.size() == cloud.size() && !cloud.points.empty();
   const SweepMotion sweep(cloud.T_sweep, 0);

@@ -70,7 +70,7 @@ void VoxelMap::exchangeState(StateArchive& archive)
   archive(voxel_size_, size_, tile_index_, tiles_);
 }
 
-Voxel& VoxelMap::hit(const Eigen::Vector3d& p, std::uint32_t keyframe)
+Voxel& VoxelMap::hit(const Eigen::Vector3d& p, std::uint32_t keyframe, std::uint8_t lidar)
 {
   const VoxelCell cell = cellOf(p);
   const Eigen::Vector3d corner = cornerOf(cell);
@@ -94,6 +94,7 @@ Voxel& VoxelMap::hit(const Eigen::Vector3d& p, std::uint32_t keyframe)
     voxel.last_keyframe = keyframe;
     countUp(voxel.hits);
   }
+  voxel.last_lidar = lidar;
   return voxel;
 }
 

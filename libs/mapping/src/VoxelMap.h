@@ -35,8 +35,8 @@ class VoxelMap
   /** The voxel around a point; null if there is none. */
   [[nodiscard]] const Voxel* find(const Eigen::Vector3d& p) const;
 
-  /** The voxel around a point that a keyframe saw; it is made where there is none. */
-  Voxel& hit(const Eigen::Vector3d& p, std::uint32_t keyframe);
+  /** The voxel around a point that a lidar of a keyframe saw; it is made where there is none. */
+  Voxel& hit(const Eigen::Vector3d& p, std::uint32_t keyframe, std::uint8_t lidar = 0);
   /** Observations of a voxel by keyframes before this one count as `hits` hits and no free
    * observation, from the first keyframe on that observes it again, as free or occupied. */
   void beginRun(std::uint32_t keyframe, int hits)

@@ -26,6 +26,7 @@ struct Voxel
   bool has_evidence = false;        //!< carried over from the map before the last correction
   std::uint8_t discounted_in = 0;   //!< the last run that discounted what earlier runs observed
   std::uint8_t old_discounted_in = 0;  //!< of the voxels that old_hits are of
+  std::uint8_t last_lidar = 0;         //!< of last_keyframe, that hit it: KeyframeCloud::lidar
 };
 
 /** The voxels of a square of the map; a value of SwappedStore. */

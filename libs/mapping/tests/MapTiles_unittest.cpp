@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/core/Error.h>
+#include <dyslam/core/ScanParts.h>
 #include <dyslam/mapping/FullResolution.h>
 #include <dyslam/mapping/MapTiles.h>
 #include <gtest/gtest.h>
@@ -32,6 +33,38 @@ std::vector<Place> placesOf(const MapPoints& points)
   return places;
 }
 
+/** streetScan() by two lidars, of which the second one, on the left, measured what is there. Every
+ * second point of the scan is in no cloud. */
+Frame twoLidarScan(std::size_t k)
+{
+  const Frame all = test::streetScan(k);
+  Frame frame = all;
+  frame.cloud.points.clear();
+  frame.cloud.intensity.clear();
+  frame.cloud.source.clear();
+  frame.cloud.phase.clear();
+  frame.moving.clear();
+  ScanPart part;
+  part.T_scan_lidar.translation() = Eigen::Vector3d(-1, 4, -1.2);
+  for (const bool of_second : {false, true})
+  {
+    part.begin = 2 * frame.cloud.size();
+    for (std::size_t i = 0; i < all.cloud.size(); ++i)
+    {
+      if ((all.cloud.points[i].y() > 0) == of_second)
+      {
+        frame.cloud.source.push_back(static_cast<std::uint32_t>(2 * frame.cloud.size() + 1));
+        frame.cloud.points.push_back(all.cloud.points[i]);
+        frame.cloud.intensity.push_back(all.cloud.intensity[i]);
+        frame.cloud.phase.push_back(all.cloud.phase[i]);
+        frame.moving.push_back(all.moving[i]);
+      }
+    }
+  }
+  frame.scan.parts = {part};
+  return frame;
+}
+
 class MapTiles : public testing::Test
 {
  protected:
@@ -49,29 +82,100 @@ class MapTiles : public testing::Test
 
 TEST_F(MapTiles, TogetherAreTheWholeMap)
 {
-  test::TestMap whole(options_);
+  for (Frame (*scanOf)(std::size_t) : {&test::streetScan, &twoLidarScan})
+  {
+    test::TestMap whole(options_);
+    ScanStore store(file_, options_);
+    for (std::size_t k = 0; k < scans_; ++k)
+    {
+      const Frame frame = scanOf(k);
+      whole.insert(frame);
+      store.add(frame);
+    }
+    std::vector<Place> expected = placesOf(whole.map.points());
+    std::vector<Place> found;
+    const auto tiles = tilesOf(store, options_, 16.0);
+    for (const MapTile& tile : tiles)
+    {
+      const TileMap part(store, options_, tile);
+      EXPECT_LT(part.map.voxelCount(), whole.map.voxelCount() / 2);
+      const auto places = placesOf(pointsWithin(part.map.points(), tile.region));
+      found.insert(found.end(), places.begin(), places.end());
+    }
+    ASSERT_GT(tiles.size(), 8U);
+    ASSERT_GT(expected.size(), 5000U);
+    std::sort(expected.begin(), expected.end());
+    std::sort(found.begin(), found.end());
+    EXPECT_EQ(found, expected);
+  }
+}
+
+TEST_F(MapTiles, StoredScansKnowWhichLidarMeasuredThePoints)
+{
   ScanStore store(file_, options_);
-  for (std::size_t k = 0; k < scans_; ++k)
+  const Frame frame = twoLidarScan(2);
+  store.add(frame);
+  const Frame back = store.read(0);
+  EXPECT_EQ(back.cloud.points, frame.cloud.points);
+  const std::vector<LidarRange> expected = lidarRanges(frame.scan, frame.cloud);
+  const std::vector<LidarRange> ranges = lidarRanges(back.scan, back.cloud);
+  ASSERT_EQ(ranges.size(), 2U);
+  EXPECT_EQ(ranges[0].end, expected[0].end);
+  EXPECT_EQ(ranges[1].begin, expected[1].begin);
+  EXPECT_EQ(ranges[1].end, frame.cloud.size());
+  EXPECT_EQ(ranges[1].lidar, 1U);
+  EXPECT_EQ(ranges[1].sensor(), expected[1].sensor());
+  const TileMap tile(store, options_, tilesOf(store, options_, 100).front());
+  ASSERT_EQ(tile.keyframes.size(), 1U);
+  EXPECT_EQ(tile.keyframes[0].sensorOf(1), expected[1].sensor());
+  const std::vector<std::uint8_t> lidars = tile.keyframes.mapCloud(0).unpacked().lidar;
+  EXPECT_EQ(std::count(lidars.begin(), lidars.end(), 2), 0);
+  EXPECT_GT(std::count(lidars.begin(), lidars.end(), 1), 100);
+  EXPECT_GT(std::count(lidars.begin(), lidars.end(), 0), 100);
+}
+
+/** A wall between two lidars, which see it from either side. */
+TEST_F(MapTiles, NormalsLookAtTheLidarThatMeasuredThePoint)
+{
+  options_.visibility = false;
+  test::TestMap map(options_);
+  Frame frame;
+  frame.scan.T_vehicle_lidar.translation() = Eigen::Vector3d(0, -3, 1);
+  ScanPart part;
+  part.T_scan_lidar.translation() = Eigen::Vector3d(0, 6, 0);
+  for (const bool of_second : {false, true})
   {
-    const Frame frame = test::streetScan(k);
-    whole.insert(frame);
-    store.add(frame);
+    part.begin = frame.cloud.size();
+    for (float x = 4; x < 8; x += 0.1F)
+    {
+      for (float z = 0; z < 2; z += 0.1F)
+      {
+        frame.cloud.source.push_back(static_cast<std::uint32_t>(frame.cloud.size()));
+        frame.cloud.points.emplace_back(x, of_second ? 0.02F : -0.02F, z);
+      }
+    }
   }
-  std::vector<Place> expected = placesOf(whole.map.points());
-  std::vector<Place> found;
-  const auto tiles = tilesOf(store, options_, 16.0);
-  for (const MapTile& tile : tiles)
+  frame.moving.assign(frame.cloud.size(), false);
+  frame.scan.parts = {part};
+  for (std::size_t k = 0; k < 3; ++k)
   {
-    const TileMap part(store, options_, tile);
-    EXPECT_LT(part.map.voxelCount(), whole.map.voxelCount() / 2);
-    const auto places = placesOf(pointsWithin(part.map.points(), tile.region));
-    found.insert(found.end(), places.begin(), places.end());
+    frame.index = k;
+    map.insert(frame);
   }
-  ASSERT_GT(tiles.size(), 8U);
-  ASSERT_GT(expected.size(), 5000U);
-  std::sort(expected.begin(), expected.end());
-  std::sort(found.begin(), found.end());
-  EXPECT_EQ(found, expected);
+  MapPoints points = map.map.points();
+  ThreadPool pool(2);
+  estimateMapNormals(points, map.map, 0.8, pool);
+  for (std::size_t i = 0; i < points.size(); ++i)
+  {
+    const float side = points.points[i].y() < 0 ? -1.0F : 1.0F;
+    EXPECT_GT(side * points.normals[i].y(), 0.9F) << points.points[i].transpose();
+  }
+  const MapPoints of = FullResolution(map.map, options_, points).of(frame);
+  ASSERT_EQ(of.size(), frame.cloud.size());
+  for (std::size_t i = 0; i < of.size(); ++i)
+  {
+    EXPECT_GT((i < part.begin ? -1.0F : 1.0F) * of.normals[i].y(), 0.9F) << i;
+  }
 }
 
 TEST_F(MapTiles, ScansComeBackFromDiskAndTheFileGoes)

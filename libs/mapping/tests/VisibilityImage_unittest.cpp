@@ -35,7 +35,7 @@ Cloud cloudOf(float ring_step,
 
 Evidence at(const Cloud& cloud, const Eigen::Vector3f& place)
 {
-  const VisibilityImage image(cloud, {0, cloud.size(), 0, Eigen::Vector3f::Zero()});
+  const VisibilityImage image(cloud, {0, cloud.size(), 0, Pose::Identity(), 0});
   Evidence evidence = Evidence::none;
   image.evaluate(&place, 1, Eigen::Isometry3f::Identity(), 0.2F, 0.5F, &evidence);
   return evidence;
@@ -81,7 +81,7 @@ TEST(VisibilityImage, SkyProvesNothing)
 TEST(VisibilityImage, OfAPlaceAtTheSensorNothingIsKnown)
 {
   const Cloud far = cloudOf(0.4F * degree, 0.2F * degree, [](const auto&) { return 40.0F; });
-  const VisibilityImage image(far, {0, far.size(), 0, Eigen::Vector3f::Zero()});
+  const VisibilityImage image(far, {0, far.size(), 0, Pose::Identity(), 0});
   EXPECT_EQ(image.at(Eigen::Vector3f::Zero(), 0.2F, 0.5F), Evidence::none);
   EXPECT_EQ(image.at({0.4F, 0, 0}, 0.2F, 0.5F), Evidence::none);
   EXPECT_EQ(at(far, {0, 0, 0}), Evidence::none);

@@ -37,11 +37,10 @@ std::vector<Eigen::Vector3f> fromLidar(const Frame& frame)
   return seen;
 }
 
-/** The scan's points that its own lidar measured. */
-std::vector<Eigen::Vector3f> ownPointsOf(const Scan& scan)
+/** Rings of the points that the scan's own lidar measured. */
+std::vector<std::uint16_t> estimateOwnRings(const Scan& scan)
 {
-  const std::size_t end = scan.parts.empty() ? scan.size() : scan.parts.front().begin;
-  return {scan.points.begin(), scan.points.begin() + static_cast<std::ptrdiff_t>(end)};
+  return scan.parts.empty() ? estimateRings(scan.points) : estimateRings(ownScan(scan).points);
 }
 
 /** Rings of the cloud's first points, those of the scan's own lidar, or empty. */
@@ -55,7 +54,7 @@ std::vector<std::uint16_t> cloudRings(const Frame& frame, const std::vector<Eige
   }
   const std::vector<std::uint16_t> estimated = frame.scan.ring.size() == frame.scan.size()
                                                    ? std::vector<std::uint16_t>()
-                                                   : estimateRings(ownPointsOf(frame.scan));
+                                                   : estimateOwnRings(frame.scan);
   const std::vector<std::uint16_t>& all = estimated.empty() ? frame.scan.ring : estimated;
   const std::size_t own = ownPoints(frame.scan, cloud);
   std::vector<std::uint16_t> rings;

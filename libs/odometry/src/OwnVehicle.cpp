@@ -54,19 +54,12 @@ void OwnVehicle::observe(const Scan& scan)
   }
   T_observed_current_.setIdentity();
   any_observed_ = true;
-  if (scan.parts.empty())
-  {
-    lidars_.resize(std::max<std::size_t>(lidars_.size(), 1));
-    observe(scan.points, lidars_[0]);
-    return;
-  }
-  for (std::size_t i = 0; i < partCount(scan); ++i)
-  {
-    LidarRange range;
-    const Scan part = scanPart(scan, i, range);
-    lidars_.resize(std::max(lidars_.size(), range.lidar + 1));
-    observe(part.points, lidars_[range.lidar]);
-  }
+  forEachPart(scan,
+              [this](const Scan& part, const LidarRange& range)
+              {
+                lidars_.resize(std::max(lidars_.size(), range.lidar + 1));
+                observe(part.points, lidars_[range.lidar]);
+              });
 }
 
 void OwnVehicle::observe(const std::vector<Eigen::Vector3f>& points, Places& places) const

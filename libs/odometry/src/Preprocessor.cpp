@@ -181,16 +181,8 @@ Cloud Preprocessor::prepare(const Scan& scan,
   Cloud cloud;
   cloud.points.reserve(scan.size());
   cloud.source.reserve(scan.size());
-  if (scan.parts.empty())
-  {
-    prepareOf(scan, scan, LidarRange{0, scan.size(), 0, {}}, 0, sweep, own_vehicle, cloud);
-  }
-  for (std::size_t i = 0; i < partCount(scan) && !scan.parts.empty(); ++i)
-  {
-    LidarRange range;
-    const Scan part = scanPart(scan, i, range);
-    prepareOf(part, scan, range, i == 0 ? 0 : scan.parts[i - 1].stamp, sweep, own_vehicle, cloud);
-  }
+  forEachPart(scan, [&](const Scan& part, const LidarRange& range)
+              { prepareOf(part, scan, range, range.stamp, sweep, own_vehicle, cloud); });
   if (scan.intensity.size() == scan.size())
   {
     cloud.intensity.reserve(cloud.source.size());

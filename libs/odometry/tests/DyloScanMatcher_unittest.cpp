@@ -296,6 +296,29 @@ TEST_F(Dylo, ConfidenceTellsWhatMoves)
   }
 }
 
+/** The network's images are of one lidar. */
+TEST_F(Dylo, ThePointsOfAFurtherLidarChangeNothing)
+{
+  const Frame first = scene_.frame(Pose::Identity(), 0.01, 1);
+  const Frame second = scene_.frame(poseFromYpr(0.6, 0.05, 0, 1.5 * test::degree, 0, 0), 0.01, 2);
+  const auto matcher = make();
+  (void)matchFrom(*matcher, first, Pose::Identity());
+  const ScanMatch alone = matchFrom(*matcher, second, Pose::Identity());
+  const auto of_both = make();
+  (void)matchFrom(*of_both, test::withFurtherLidar(first), Pose::Identity());
+  const ScanMatch both = matchFrom(*of_both, test::withFurtherLidar(second), Pose::Identity());
+  ASSERT_TRUE(alone.motion.converged) << alone.motion.reason;
+  const Pose difference =
+      alone.motion.T_previous_current.inverse() * both.motion.T_previous_current;
+  EXPECT_LT(motionSize(logSE3(difference)), 1e-6);
+  ASSERT_EQ(alone.static_confidence.size(), second.cloud.size());
+  ASSERT_GT(both.static_confidence.size(), second.cloud.size());
+  for (std::size_t i = 0; i < second.cloud.size(); ++i)
+  {
+    ASSERT_NEAR(both.static_confidence[i], alone.static_confidence[i], 1e-5F) << i;
+  }
+}
+
 TEST_F(Dylo, SaysWhichWeightsFileIsMissingOrNone)
 {
   const auto messageOf = [&](const std::string& weights)

@@ -49,6 +49,26 @@ TEST(LoamFeatures, DoNotDependOnWhereTheVehicleHasItsOrigin)
   }
 }
 
+TEST(LoamFeatures, AreOfThePointsOfTheFirstLidar)
+{
+  for (const bool with_rings : {true, false})
+  {
+    Frame own = test::StreetScene().frame(Pose::Identity(), 0.01, 1);
+    if (!with_rings)
+    {
+      own.scan.ring.clear();
+    }
+    const Frame both = test::withFurtherLidar(own);
+    ASSERT_GT(both.cloud.size(), own.cloud.size() + 1000);
+    const LoamFeatures found = loamFeatures(both, LoamOptions());
+    const LoamFeatures alone = loamFeatures(own, LoamOptions());
+    expectSame(found.edges, alone.edges, Pose::Identity());
+    expectSame(found.target_edges, alone.target_edges, Pose::Identity());
+    expectSame(found.planes, alone.planes, Pose::Identity());
+    expectSame(found.target_planes, alone.target_planes, Pose::Identity());
+  }
+}
+
 TEST(LoamFeatures, PointsAtTheLidarAreNone)
 {
   Frame frame = test::StreetScene().frame(Pose::Identity(), 0.01, 1);

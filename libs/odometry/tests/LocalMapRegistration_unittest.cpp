@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/core/Error.h>
+#include <dyslam/core/ScanParts.h>
 #include <dyslam/odometry/LocalMapRegistration.h>
 #include <dyslam/odometry/Preprocessor.h>
 #include <gtest/gtest.h>
@@ -404,37 +405,64 @@ TEST_P(Registration, TheGateSeparatesFewSurfacesFromABadFit)
   EXPECT_LT((T.inverse() * in_levels.T_odom_vehicle).translation().norm(), 0.03);
 }
 
+/** The scene, with a third of the rings. */
+Frame seenBySparseRings(const test::StreetScene& scene, const Pose& T, unsigned seed)
+{
+  constexpr int n = 3;
+  Frame frame = everyRing(n, scene.frame(T, 0.01, seed));
+  for (std::size_t i = 0; i < frame.scan.size(); ++i)
+  {
+    const int ring = frame.scan.ring[i];
+    frame.scan.ring[i] = static_cast<std::uint16_t>(ring / n);
+    if (ring % n != 0)
+    {
+      frame.scan.points[i].setZero();
+    }
+  }
+  return frame;
+}
+
 /** With sparse rings the spacing of the rings determines the cells, of the scan's own surfaces too,
  * not the option. */
 TEST_P(Registration, CellsAreAsLargeAsSparseRingsRequire)
 {
-  const auto seenBySparseRings = [&](const Pose& T, unsigned seed)
-  {
-    constexpr int n = 3;
-    Frame frame = everyRing(n, scene_.frame(T, 0.01, seed));
-    for (std::size_t i = 0; i < frame.scan.size(); ++i)
-    {
-      const int ring = frame.scan.ring[i];
-      frame.scan.ring[i] = static_cast<std::uint16_t>(ring / n);
-      if (ring % n != 0)
-      {
-        frame.scan.points[i].setZero();
-      }
-    }
-    return frame;
-  };
   const Pose T = poseFromYpr(0.1, 0.02, 0, 0.005, 0, 0);
   const auto poseWith = [&](double cell_size)
   {
     RefineOptions o = options();
     o.cell_size = cell_size;
     LocalMapRegistration registration(o, pool_);
-    step(registration, seenBySparseRings(Pose::Identity(), 1), Pose::Identity());
-    return step(registration, seenBySparseRings(T, 2), Pose::Identity(), 0.1).T_odom_vehicle;
+    step(registration, seenBySparseRings(scene_, Pose::Identity(), 1), Pose::Identity());
+    return step(registration, seenBySparseRings(scene_, T, 2), Pose::Identity(), 0.1)
+        .T_odom_vehicle;
   };
   const Pose found = poseWith(0.3);
   EXPECT_LT((T.inverse() * found).translation().norm(), 0.08) << "registered";
   EXPECT_EQ(found.matrix(), poseWith(0.6).matrix());
+}
+
+/** The rings of a further lidar, which have other numbers, change nothing. */
+TEST_P(Registration, CellsAreByTheRingsOfTheFirstLidar)
+{
+  const Pose T = poseFromYpr(0.1, 0.02, 0, 0.005, 0, 0);
+  const auto poseWith = [&](bool further)
+  {
+    const auto frameAt = [&](const Pose& at, unsigned seed)
+    {
+      Frame frame = seenBySparseRings(scene_, at, seed);
+      if (further)  // none of its points is in the cloud
+      {
+        Scan rear = frame.scan;
+        rear.T_vehicle_lidar = poseFromYpr(-1, 0, 1, M_PI, -0.1, 0);
+        appendScan(rear, 1, frame.scan);
+      }
+      return frame;
+    };
+    LocalMapRegistration registration(options(), pool_);
+    step(registration, frameAt(Pose::Identity(), 1), Pose::Identity());
+    return step(registration, frameAt(T, 2), Pose::Identity(), 0.1).T_odom_vehicle;
+  };
+  EXPECT_EQ(poseWith(true).matrix(), poseWith(false).matrix());
 }
 
 TEST_P(Registration, MovingPointsCanGetNoWeight)

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <dyslam/core/Frame.h>
+#include <dyslam/core/ScanParts.h>
 
 #include <algorithm>
 #include <cmath>
@@ -148,6 +149,24 @@ class StreetScene
   std::vector<Eigen::Vector2d> poles_{{3, -6.5}, {-4, 7},    {14, 6.5},
                                       {18, -7},  {-15, 6.8}, {-20, -7}};
 };
+
+/** The frame with a scan of the same scene by a further lidar, which is at the rear. */
+inline Frame withFurtherLidar(const Frame& own)
+{
+  Scan rear = StreetScene().scan(poseFromYpr(-1, 0.5, -0.5, M_PI, 0, 0), 0.01, 11);
+  rear.T_vehicle_lidar = poseFromYpr(-1, 0.5, -0.5, M_PI, 0, 0) * rear.T_vehicle_lidar;
+  Frame both = own;
+  appendScan(rear, 1, both.scan);
+  for (std::size_t i = 0; i < rear.size(); ++i)
+  {
+    if (isReturn(rear.points[i]))
+    {
+      both.cloud.points.emplace_back(rear.T_vehicle_lidar.cast<float>() * rear.points[i]);
+      both.cloud.source.push_back(static_cast<std::uint32_t>(own.scan.size() + i));
+    }
+  }
+  return both;
+}
 
 /** Clouds that no algorithm can use. */
 inline Frame frameOf(std::vector<Eigen::Vector3f> points)

@@ -4,6 +4,7 @@
 #include <dyslam/core/Files.h>
 #include <dyslam/core/Printable.h>
 #include <dyslam/core/Quantile.h>
+#include <dyslam/core/ScanParts.h>
 #include <dyslam/core/SharedFiles.h>
 #include <dyslam/io/RawlogSource.h>
 #include <dyslam/pipeline/SensorSettings.h>
@@ -241,8 +242,14 @@ bool wouldSeeGroundBelow(const ScanPattern& pattern)
 class SensorExamination
 {
  public:
+  /** Of several lidars the first is examined. */
   void add(const Scan& scan)
   {
+    if (!scan.parts.empty())
+    {
+      add(ownScan(scan));
+      return;
+    }
     ++added_;
     const bool only_ground = scans_.areEnough();
     if (!only_ground)

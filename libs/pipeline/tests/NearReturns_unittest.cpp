@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "../src/outputs/NearReturns.h"
 
+#include <dyslam/core/ScanParts.h>
 #include <gtest/gtest.h>
+
+#include <algorithm>
 
 namespace dyslam
 {
@@ -60,6 +63,36 @@ TEST(NearReturns, ContinueWhatMoves)
     EXPECT_EQ(labels[i], i < body ? car : i < own ? 0U : label_static) << points[i].transpose();
   }
   EXPECT_GT(near, 100U);
+}
+
+TEST(NearReturns, OfAFurtherLidarAreThoseAroundIt)
+{
+  std::vector<Eigen::Vector3f> seen;
+  addWall(0.6F, -0.8F, 2.5F, seen);  // a vehicle that passes the second lidar
+  const std::size_t body = seen.size();
+  addWall(-0.7F, -0.5F, 0.5F, seen);  // the second lidar's own
+  Frame frame;
+  addWall(5, -1, 1, frame.scan.points);  // a house before the first
+  frame.cloud = frameOf(frame.scan.points).cloud;
+  const std::size_t first = frame.scan.size();
+  Scan further;
+  further.points = seen;
+  further.T_vehicle_lidar = poseFromYpr(-4, 1, 0, M_PI, 0, 0);
+  appendScan(further, 1, frame.scan);
+  std::vector<Label> labels(frame.scan.size(), label_static);
+  std::fill(labels.begin() + static_cast<std::ptrdiff_t>(first), labels.end(), 0);
+  const Label car = makeLabel(252, 7);
+  for (const std::uint32_t i : frameOf(seen).cloud.source)
+  {
+    frame.cloud.source.push_back(static_cast<std::uint32_t>(first + i));
+    frame.cloud.points.push_back(frame.scan.points[first + i]);
+    labels[first + i] = car;
+  }
+  labelNearReturns(frame, labels);
+  for (std::size_t i = 0; i < labels.size(); ++i)
+  {
+    EXPECT_EQ(labels[i], i < first ? label_static : i < first + body ? car : 0U) << i;
+  }
 }
 
 TEST(NearReturns, StayUnlabelledBesideWhatIsStaticOrNoObject)

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/core/Error.h>
+#include <dyslam/core/ScanParts.h>
 #include <dyslam/core/SharedFiles.h>
 #include <dyslam/io/RawlogSource.h>
 #include <dyslam/io/RawlogWriter.h>
@@ -216,6 +217,27 @@ TEST(SensorSettings, IsRecognisedFromTheFirstScans)
   EXPECT_EQ(5U, sensor.scans);
   EXPECT_EQ("vlp16.ini", settingsFor(sensor, Config(), "").source);
   EXPECT_THROW((void)recogniseSensor(std::vector<Frame>()), std::invalid_argument);
+}
+
+TEST(SensorSettings, OfSeveralLidarsTheFirstIsRecognised)
+{
+  Scan further = frameOfRings(0, -60, 64, 0.5).scan;
+  further.T_vehicle_lidar = poseFromYpr(-1, 0, 0.5, M_PI, 0, 0);
+  std::vector<Frame> alone;
+  std::vector<Frame> both;
+  for (int i = 0; i < 5; ++i)
+  {
+    alone.push_back(frameOfRings(0.1 * i));
+    both.push_back(alone.back());
+    further.stamp = 0.1 * i;
+    appendScan(further, 1, both.back().scan);
+  }
+  const RecordedSensor expected = recogniseSensor(alone);
+  const RecordedSensor sensor = recogniseSensor(both);
+  EXPECT_EQ(expected.pattern.rings, sensor.pattern.rings);
+  EXPECT_EQ(expected.pattern.returns, sensor.pattern.returns);
+  EXPECT_EQ(expected.share_above, sensor.share_above);
+  EXPECT_EQ("vlp16.ini", settingsFor(sensor, Config(), "").source);
 }
 
 /** Empty scans of a sensor that starts, and a part of a revolution that shows more rings. */

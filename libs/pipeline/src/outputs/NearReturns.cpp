@@ -227,18 +227,14 @@ void labelNearReturns(const Frame& frame, std::vector<Label>& labels)
   {
     return;
   }
-  if (frame.scan.parts.empty())
-  {
-    labelNearReturnsOf({frame.scan.points, 0, 0, frame.cloud.size()}, frame, labels);
-    return;
-  }
   const std::vector<LidarRange> in_cloud = lidarRanges(frame.scan, frame.cloud);
-  for (std::size_t i = 0; i < in_cloud.size(); ++i)
-  {
-    LidarRange range;
-    const Scan part = scanPart(frame.scan, i, range);
-    labelNearReturnsOf({part.points, range.begin, in_cloud[i].begin, in_cloud[i].end}, frame,
-                       labels);
-  }
+  auto of_part = in_cloud.begin();
+  forEachPart(
+      frame.scan,
+      [&](const Scan& part, const LidarRange& range)
+      {
+        labelNearReturnsOf({part.points, range.begin, of_part->begin, of_part->end}, frame, labels);
+        ++of_part;
+      });
 }
 }  // namespace dyslam

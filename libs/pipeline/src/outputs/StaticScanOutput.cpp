@@ -19,11 +19,17 @@ constexpr const char* scan_folder = "static_scans";
 constexpr const char* scan_extension = ".bin";
 constexpr const char* rawlog = "static_scans.rawlog";
 
-/** The scan without the points labelled as moving. */
+/** The scan without the points labelled as moving; of several lidars one without rings, whose
+ * numbers are of no one lidar. */
 Scan staticPartOf(const Frame& frame)
 {
   const std::vector<Label> labels = scanLabels(frame);
   Scan kept = frame.scan;
+  if (!kept.parts.empty())
+  {
+    kept.parts.clear();
+    kept.ring.clear();
+  }
   std::size_t count = 0;
   const auto keep = [&](auto& values, std::size_t from)
   {

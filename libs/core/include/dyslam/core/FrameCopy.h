@@ -13,7 +13,7 @@ enum class FrameParts
   none,       //!< nothing: the frame is evidence for others, and is not decided itself
   points,     //!< the cloud's points, for tracking
   intensity,  //!< and intensities, for the replay
-  cloud,      //!< the cloud, for the map
+  cloud,      //!< the cloud and the scan's parts, for the map
   all         //!< the scan as well, for labels
 };
 

@@ -27,6 +27,8 @@ struct KeyframeCloud
   std::vector<std::uint8_t> lidar;      //!< that measured the point: ScanPart::lidar, 0: the first
 
   [[nodiscard]] std::size_t size() const { return points.size(); }
+  /** The lidar that measured a point; 0 where that is not kept. */
+  [[nodiscard]] std::size_t lidarOf(std::size_t i) const { return lidar.empty() ? 0 : lidar[i]; }
 };
 
 /** A cloud in 6 bytes a point, and one more for each of the intensity, `is_static` and `lidar`

@@ -6,6 +6,7 @@
 
 #include <Eigen/Core>
 #include <cstddef>
+#include <functional>
 #include <vector>
 
 namespace dyslam
@@ -28,15 +29,28 @@ struct LidarRange
 {
   std::size_t begin = 0;
   std::size_t end = 0;
-  std::size_t lidar = 0;                             //!< ScanPart::lidar; 0: the scan's own
-  Eigen::Vector3f sensor = Eigen::Vector3f::Zero();  //!< the lidar's origin, vehicle frame [m]
+  std::size_t lidar = 0;                    //!< ScanPart::lidar; 0: the scan's own
+  Pose T_vehicle_lidar = Pose::Identity();  //!< mounting of the lidar
+  double stamp = 0;                         //!< of the lidar's own scan, after Scan::stamp [s]
+
+  /** The lidar's origin, vehicle frame [m]. */
+  [[nodiscard]] Eigen::Vector3f sensor() const
+  {
+    return T_vehicle_lidar.translation().cast<float>();
+  }
 };
 
-/** Part `i` of a scan as its lidar measured it: points in that lidar's frame and its mounting;
- * stamp and times are the whole scan's. Part 0 is the scan's own. \param range set to its points */
-[[nodiscard]] Scan scanPart(const Scan& scan, std::size_t i, LidarRange& range);
+/** Calls `use` for each part of a scan, its own first: the part as its lidar measured it, with
+ * points in that lidar's frame and its mounting, but the stamp and times of the whole scan; and its
+ * points in the whole. A scan without further ones is passed as it is, not copied. */
+void forEachPart(const Scan& scan,
+                 const std::function<void(const Scan& part, const LidarRange& range)>& use);
 
-/** The points of a cloud by lidar: one range for each part of its scan, some maybe empty. */
+/** A copy of the scan's own points alone, without those of further lidars. */
+[[nodiscard]] Scan ownScan(const Scan& scan);
+
+/** The points of a cloud by lidar: one range for each part of its scan, some maybe empty. The
+ * points of a cloud without sources all count as the scan's own. */
 [[nodiscard]] std::vector<LidarRange> lidarRanges(const Scan& scan, const Cloud& cloud);
 
 /** How many of a cloud's points, the first ones, the scan's own lidar measured. */

@@ -34,7 +34,8 @@ struct ScanPattern
   [[nodiscard]] double spacing() const;
 };
 
-/** Measures the pattern of one scan, with the rings of ringsOf(). */
+/** Measures the pattern of one scan, with the rings of ringsOf(). Of several lidars that of the
+ * first, the scan's own. */
 [[nodiscard]] ScanPattern measureScanPattern(const Scan& scan);
 
 /** Rings of the points: `given` where they have one elevation each, else estimateRings() under the

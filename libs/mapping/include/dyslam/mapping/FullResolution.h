@@ -11,7 +11,7 @@
 namespace dyslam
 {
 /** Fills in the normals: of the plane fitted to the map points within `radius` [m] around a point,
- * at most the 20 nearest, towards the sensor of its keyframe. */
+ * at most the 20 nearest, towards the lidar that saw it in its keyframe. */
 void estimateMapNormals(MapPoints& points, const StaticMap& map, double radius, ThreadPool& pool);
 
 /** Selects the static points of scans: those in voxels of the cleaned map, or in an unobserved
@@ -20,7 +20,7 @@ class FullResolution
 {
  public:
   /** \param map and \param points, its points(), outlive this. If these have normals, every point
-   * gets the one of its voxel, towards its own sensor. */
+   * gets the one of its voxel, towards the lidar that measured it. */
   FullResolution(const StaticMap& map, const StaticMapOptions& options, const MapPoints& points);
 
   /** Every static point of a scan within the ranges of the options and in the region, unthinned,

@@ -28,7 +28,8 @@ class ScanStore
   void beginRun() { ++run_; }
   [[nodiscard]] std::size_t run(std::size_t scan) const { return entries_[scan].run; }
   [[nodiscard]] std::size_t size() const { return entries_.size(); }
-  /** Index, stamp, pose, sensor, points, intensities, phases and what moves. \throws UserError. */
+  /** Index, stamp, pose, sensor, points, intensities, phases and what moves. The parts of a scan of
+   * several lidars begin at points of the cloud, and `source` counts these. \throws UserError. */
   [[nodiscard]] Frame read(std::size_t scan);
   [[nodiscard]] const Pose& pose(std::size_t scan) const { return entries_[scan].T_map_vehicle; }
   [[nodiscard]] std::uint64_t bytes() const { return bytes_; }
@@ -40,6 +41,7 @@ class ScanStore
     double stamp = 0;
     Pose T_map_vehicle = Pose::Identity();
     Pose T_vehicle_lidar = Pose::Identity();
+    std::vector<ScanPart> parts;  //!< by points of the cloud
     Pose T_sweep = Pose::Identity();
     bool has_phase = false;
     std::uint64_t offset = 0;

@@ -61,12 +61,13 @@ struct MapPoints
   std::vector<std::uint32_t> hits;      //!< keyframes that hit the voxel
   std::vector<std::uint32_t> voxel;     //!< StaticMap::voxelAt() of the point
   std::vector<std::uint32_t> keyframe;  //!< that saw it, of a voxel the last one
+  std::vector<std::uint8_t> lidar;      //!< of that keyframe, as KeyframeCloud::lidar; may be empty
   /** Unit vectors towards the sensor that saw the point, 0 where unknown; empty until
    * estimateMapNormals(). */
   std::vector<Eigen::Vector3f> normals;
 
   [[nodiscard]] std::size_t size() const { return points.size(); }
-  /** Adds point `i` of others, with its normal if they have normals. */
+  /** Adds point `i` of others, with its lidar and its normal if they have these. */
   void add(const MapPoints& others, std::size_t i);
   /** Adds all points of others. */
   void append(const MapPoints& others);
