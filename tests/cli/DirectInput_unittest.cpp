@@ -136,18 +136,25 @@ TEST_F(DirectInput, ABag)
 /** The recordings of all lidars of a vehicle, merged without a setting. */
 TEST_F(DirectInput, ABagOfSeveralLidars)
 {
+  const Pose T_lidar_rear = poseFromYpr(-1, 0, 0, M_PI, 0, 0);
   const double begin = scans_[0].stamp;
   std::vector<test::TestMessage> all{
       {"/tf_static", "tf2_msgs/TFMessage", begin,
-       test::transforms(
-           true, begin,
-           {{"lidar", Pose::Identity()}, {"rear_lidar", poseFromYpr(-1, 0, 0, M_PI, 0, 0)}})}};
+       test::transforms(true, begin, {{"lidar", Pose::Identity()}, {"rear_lidar", T_lidar_rear}})}};
+  const Eigen::Isometry3f T_rear_lidar = T_lidar_rear.inverse().cast<float>();
   for (const Scan& scan : scans_)
   {
-    for (const std::string frame : {"lidar", "rear_lidar"})
+    Scan rear = scan;
+    for (auto& p : rear.points)
     {
-      all.push_back({"/" + frame + "/points", "sensor_msgs/PointCloud2", scan.stamp,
-                     test::pointCloud2(true, scan.stamp, test::velodyneFields(scan), 1, frame)});
+      p = T_rear_lidar * p;
+    }
+    for (const auto& [frame, content] :
+         {std::pair("lidar", &scan), std::pair("rear_lidar", &std::as_const(rear))})
+    {
+      all.push_back(
+          {std::string("/") + frame + "/points", "sensor_msgs/PointCloud2", scan.stamp,
+           test::pointCloud2(true, scan.stamp, test::velodyneFields(*content), 1, frame)});
     }
   }
   test::writeBag(at("two.mcap"), all);
@@ -155,7 +162,7 @@ TEST_F(DirectInput, ABagOfSeveralLidars)
       run("dyslam", "-i " + at("two.mcap") + " -o " + at("run") +
                         " --topic /lidar/points --further-topic /rear_lidar/points --labels");
   EXPECT_EQ(outcome.code, 0) << outcome.err;
-  EXPECT_TRUE(contains(outcome.out, "further lidar: /rear_lidar/points")) << outcome.out;
+  EXPECT_TRUE(contains(outcome.err, "further lidar: /rear_lidar/points")) << outcome.err;
   EXPECT_TRUE(contains(folder_.read("run/effective.ini"), "further_lidars = rear_lidar_points"));
   EXPECT_EQ(fs::file_size(at("run/labels/000003.label")), 2 * 4 * scans_[3].size());
   EXPECT_TRUE(contains(folder_.read("run/scan_parts.csv"), "\n3,rear_lidar_points,"));

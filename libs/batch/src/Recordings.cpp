@@ -25,11 +25,25 @@ bool isRun(const fs::path& folder)
   return fs::exists(folder / "report.json") || fs::exists(folder / "manifest.json");
 }
 
+/** A folder of a ROS 2 bag has its metadata. Any other one
+ * with bags in it is a folder of recordings. */
+bool isBagFolder(const std::string& folder)
+{
+  return fs::is_regular_file(fs::path(folder) / "metadata.yaml") && isBag(folder);
+}
+
 /** A folder that is one recording and does not look like something else, as folders of point clouds
  * may: those must be named. */
 bool isRecordingFolder(const std::string& folder)
 {
-  return isBag(folder) || officialKittiKind(folder).has_value();
+  return isBagFolder(folder) || officialKittiKind(folder).has_value();
+}
+
+/** A folder that is one recording, where the user names it. */
+bool isRecordingNamed(const std::string& folder)
+{
+  const RecordingKind kind = recordingKind(folder);
+  return kind == RecordingKind::bag ? isBagFolder(folder) : kind != RecordingKind::unknown;
 }
 
 bool isRecordingFile(const fs::path& path)
@@ -106,7 +120,7 @@ void expand(const std::string& entry, int depth, std::vector<std::string>& files
   std::string why =
       ": has no recordings (.rawlog, .bag, .mcap, .db3, .pcap, KITTI drives; those in folders of "
       "runs are results)";
-  if (fs::is_directory(entry) && recordingKind(entry) != RecordingKind::unknown)
+  if (fs::is_directory(entry) && isRecordingNamed(entry))
   {
     files.push_back(entry);
   }

@@ -49,11 +49,13 @@ TEST(Recordings, AreAllThatDyslamConverts)
   folder.write("all/c/c_0.mcap", "12");
   folder.write("all/c/metadata.yaml", "345");
   folder.write("all/d.pcap", "");
+  folder.write("all/e/one.mcap", "");  // no bag of ROS 2: a folder of bags
   folder.write("all/day/2011_drive_sync/velodyne_points/data/0000000000.bin", "");
   folder.write("all/map/map.pcd", "");
   folder.write("all/notes.txt", "");
   const auto listed = listRecordings({folder.file("all")});
-  EXPECT_EQ(namesOf(listed), (std::vector<std::string>{"a", "b", "c", "d", "2011_drive_sync"}));
+  EXPECT_EQ(namesOf(listed),
+            (std::vector<std::string>{"a", "b", "c", "d", "2011_drive_sync", "one"}));
   EXPECT_EQ(listed[1].bytes, 3U);
   EXPECT_EQ(listed[2].bytes, 5U) << "all files of the folder";
   EXPECT_EQ(listed[2].path, folder.file("all/c"));

@@ -21,6 +21,7 @@ Trajectory withScanTimes(const Trajectory& poses,
 {
   RawlogSourceOptions everything = recording.source;
   static_cast<ScanRange&>(everything) = ScanRange();
+  everything.merge_further = false;
   RawlogSource source(recording.rawlog, everything);
   std::vector<std::pair<std::size_t, double>> scans;  // number in the file and time, to be used
   ScanSelection selection(recording.source);

@@ -15,17 +15,20 @@ namespace dyslam
 {
 namespace
 {
-constexpr float square = 2.0F;  // side [m]
-constexpr float step = 0.3F;    // of the ground above the median of the squares around, at most [m]
+constexpr float square = 2.0F;             // side [m]
+constexpr float fine_square = 0.5F;        // side of the squares within [m]
+constexpr float fine_reach = 0.5F;         // above the third lowest return of a square [m]
+constexpr std::uint32_t fewest_scans = 3;  // with returns in one of those
+constexpr float step = 0.3F;  // of the ground above the median of the squares around, at most [m]
 constexpr float nothing = std::numeric_limits<float>::infinity();
 constexpr float last_square = (1U << 20U) - 2;  // the neighbours of which have keys of their own
 
-/** Points that are not finite or too far away are in the last square. */
-VoxelCell squareOf(const Eigen::Vector3f& p)
+/** Points that are not finite or too far away are in the last square. \param side [m] */
+VoxelCell squareOf(const Eigen::Vector3f& p, float side = square)
 {
-  const auto along = [](float coordinate)
+  const auto along = [side](float coordinate)
   {
-    const float number = std::floor(coordinate / square);
+    const float number = std::floor(coordinate / side);
     return static_cast<std::int32_t>(std::abs(number) < last_square ? number : last_square);
   };
   return {along(p.x()), along(p.y()), 0};
@@ -38,6 +41,8 @@ LowestReturns::LowestReturns(const std::vector<Eigen::Vector3f>& points,
   VoxelHash index;
   std::vector<std::array<float, 3>> lowest;
   std::vector<std::uint64_t> keys;
+  std::vector<std::uint32_t> square_of_point;
+  square_of_point.reserve(points.size());
   std::uint32_t found = VoxelHash::none;
   for (const Eigen::Vector3f& point : points)
   {
@@ -54,6 +59,7 @@ LowestReturns::LowestReturns(const std::vector<Eigen::Vector3f>& points,
       lowest.push_back({nothing, nothing, nothing});
     }
     auto& low = lowest[found];
+    square_of_point.push_back(found);
     if (p.z() < low[2])
     {
       low[2] = p.z();
@@ -66,18 +72,46 @@ LowestReturns::LowestReturns(const std::vector<Eigen::Vector3f>& points,
     heights_.emplace_back(keys[i],
                           low[2] < nothing ? low[2] : (low[1] < nothing ? low[1] : low[0]));
   }
+  VoxelHash fine_index;
+  std::uint32_t fine_found = VoxelHash::none;
+  for (std::size_t i = 0; i < points.size(); ++i)
+  {
+    const Eigen::Vector3f p = T_odom_vehicle * points[i];
+    if (!(p.z() < heights_[square_of_point[i]].second + fine_reach))
+    {
+      continue;
+    }
+    const std::uint64_t key = voxelKey(squareOf(p, fine_square));
+    if (fine_found == VoxelHash::none || fine_[fine_found].first != key)
+    {
+      fine_found = fine_index.findOrInsert(key, static_cast<std::uint32_t>(fine_.size()));
+    }
+    if (fine_found == fine_.size())
+    {
+      fine_.emplace_back(key, p.z());
+    }
+    fine_[fine_found].second = std::min(fine_[fine_found].second, p.z());
+  }
 }
 
-GroundHeights::GroundHeights(const std::vector<const LowestReturns*>& scans)
+namespace
+{
+using Heights = std::vector<std::pair<std::uint64_t, float>>;
+
+/** Low quantile of the heights in each square. \param heights of each scan
+ * \param[out] index of the squares */
+std::vector<float> joinedHeights(const std::vector<const Heights*>& heights_of_scans,
+                                 std::uint32_t fewest,
+                                 VoxelHash& index)
 {
   std::vector<std::uint32_t> squares;  // of the heights, as they come
   std::vector<std::uint32_t> counts;   // of the heights of each square
-  for (const LowestReturns* scan : scans)
+  for (const Heights* scan : heights_of_scans)
   {
-    for (const auto& [key, z] : scan->heights())
+    for (const auto& [key, z] : *scan)
     {
       const auto next = static_cast<std::uint32_t>(counts.size());
-      squares.push_back(index_.findOrInsert(key, next));
+      squares.push_back(index.findOrInsert(key, next));
       if (squares.back() == next)
       {
         counts.push_back(0);
@@ -89,19 +123,41 @@ GroundHeights::GroundHeights(const std::vector<const LowestReturns*>& scans)
   std::exclusive_scan(counts.begin(), counts.end(), ends.begin(), 0U);
   std::vector<float> heights(squares.size());
   std::size_t i = 0;
-  for (const LowestReturns* scan : scans)
+  for (const Heights* scan : heights_of_scans)
   {
-    for (const auto& [key, z] : scan->heights())
+    for (const auto& [key, z] : *scan)
     {
       heights[ends[squares[i++]]++] = z;
     }
   }
-  height_.reserve(counts.size());
+  std::vector<float> result;
+  result.reserve(counts.size());
   for (std::size_t s = 0; s < counts.size(); ++s)
   {
     const auto end = heights.begin() + ends[s];
-    height_.push_back(lowQuantile(end - counts[s], end, 4));
+    result.push_back(counts[s] < fewest ? -nothing : lowQuantile(end - counts[s], end, 4));
   }
+  return result;
+}
+}  // namespace
+
+GroundHeights::GroundHeights(const std::vector<const LowestReturns*>& scans)
+{
+  std::vector<const Heights*> heights;
+  std::vector<const Heights*> fine;
+  for (const LowestReturns* scan : scans)
+  {
+    heights.push_back(&scan->heights());
+    fine.push_back(&scan->fineHeights());
+  }
+  height_ = joinedHeights(heights, 1, index_);
+  fine_height_ = joinedHeights(fine, fewest_scans, fine_index_);
+}
+
+float GroundHeights::fineHeightOf(const Eigen::Vector3f& p, float height) const
+{
+  const std::uint32_t found = fine_index_.find(voxelKey(squareOf(p, fine_square)));
+  return found == VoxelHash::none ? height : std::min(height, p.z() - fine_height_[found]);
 }
 
 std::vector<float> GroundHeights::heightsOf(const std::vector<Eigen::Vector3f>& points) const
@@ -150,6 +206,6 @@ float GroundHeights::limited(const VoxelCell& square, float own) const
 
 void LowestReturns::exchangeState(StateArchive& archive)
 {
-  archive(heights_);
+  archive(heights_, fine_);
 }
 }  // namespace dyslam

@@ -28,10 +28,17 @@ class LowestReturns
   {
     return heights_;
   }
+  /** The lowest return in each square of 0.5 m, of those less than 0.5 m above that height of its
+   * large square. */
+  [[nodiscard]] const std::vector<std::pair<std::uint64_t, float>>& fineHeights() const
+  {
+    return fine_;
+  }
   void exchangeState(StateArchive& archive);
 
  private:
   std::vector<std::pair<std::uint64_t, float>> heights_;
+  std::vector<std::pair<std::uint64_t, float>> fine_;
 };
 
 /** Height of the ground from several scans, so that it is known below objects, too. */
@@ -44,11 +51,19 @@ class GroundHeights
    */
   [[nodiscard]] std::vector<float> heightsOf(const std::vector<Eigen::Vector3f>& points) const;
 
+  /** Height over the ground in the square of 0.5 m around a point, where it is known: on slopes and
+   * kerbs that is higher than in the large one. \param height by heightsOf(), the most that it is
+   * [m]
+   */
+  [[nodiscard]] float fineHeightOf(const Eigen::Vector3f& p, float height) const;
+
  private:
   /** Ground of a square: its own height, as far as the squares around it allow [m]. */
   [[nodiscard]] float limited(const VoxelCell& square, float own) const;
 
   VoxelHash index_;
   std::vector<float> height_;  //!< of the squares, without the limit
+  VoxelHash fine_index_;
+  std::vector<float> fine_height_;
 };
 }  // namespace dyslam

@@ -27,7 +27,8 @@ namespace dyslam
 {
 namespace
 {
-constexpr float lowest_of_object = 0.1F;  // over the ground [m]
+constexpr float lowest_of_object = 0.1F;  // over the ground of a large square [m]
+constexpr float lowest_of_part = 0.05F;   // and over that of a small one [m]
 constexpr int cells_above = 3;            // that decide whether a low point moves
 constexpr std::size_t ground_stride = 5;  // scans of the window between those used for the ground
 constexpr int past_stride = 8;            // scans before the window between those that are used
@@ -169,6 +170,7 @@ void adaptLow(const Segments& segments,
               const std::vector<float>& place_probability,
               const std::vector<Eigen::Vector3f>& points,
               const std::vector<float>& heights,
+              const GroundHeights& ground,
               std::vector<float>& probability)
 {
   std::vector<CellMotion> cells(segments.cells.size());
@@ -181,7 +183,9 @@ void adaptLow(const Segments& segments,
     if (segments.place_of_point[i] == Segments::none)
     {
       probability[i] = 0;
-      for (int above = 0; above < cells_above && heights[i] > lowest_of_object; ++above)
+      const bool may_move = heights[i] > lowest_of_object &&
+                            ground.fineHeightOf(points[i], heights[i]) > lowest_of_part;
+      for (int above = 0; above < cells_above && may_move; ++above)
       {
         const Eigen::Vector3f p =
             points[i] +
@@ -440,7 +444,8 @@ void HindsightLabels::Impl::decide(WindowScan& scan)
   {
     points.push_back(T * p);
   }
-  const std::vector<float> heights = ground().heightsOf(points);
+  const GroundHeights ground_heights = ground();
+  const std::vector<float> heights = ground_heights.heightsOf(points);
   std::vector<bool> use_point;
   use_point.reserve(points.size());
   for (const float height : heights)
@@ -461,7 +466,7 @@ void HindsightLabels::Impl::decide(WindowScan& scan)
     const std::uint32_t g = segments.place_of_point[i];
     frame.moving_probability[i] = g == Segments::none ? 0 : place_probability[g];
   }
-  adaptLow(segments, place_probability, points, heights, frame.moving_probability);
+  adaptLow(segments, place_probability, points, heights, ground_heights, frame.moving_probability);
   for (std::size_t i = 0; i < points.size(); ++i)
   {
     frame.moving[i] = static_cast<double>(frame.moving_probability[i]) > options.moving_threshold;

@@ -32,13 +32,15 @@ double timeSpan(const Scan& scan)
   return static_cast<double>(last - first);
 }
 
-/** When the points of a scan were measured, in units of the time since the previous scan. */
+/** When the points of a lidar were measured, in units of the time since the previous scan. Of a
+ * vehicle with several lidars that is always known, if only by the stamps of their scans. */
 class Phases
 {
  public:
   /** \param scan of one lidar \param all the scan that it is part of
    * \param stamp of the lidar's own scan, after Scan::stamp [s]
-   * \param dt since the previous scan [s]; 0: unknown \param sweep_duration [s]; 0: `dt` */
+   * \param dt since the previous scan [s]; 0: unknown, then of usual scans
+   * \param sweep_duration [s]; 0: `dt` */
   Phases(const Scan& scan,
          const Scan& all,
          double stamp,
@@ -47,10 +49,10 @@ class Phases
          double sweep_duration)
       : scan_(scan),
         sweep_(options.sweep),
-        source_(sourceOf(scan, options.deskew)),
+        source_(sourceOf(all, options.deskew)),
         per_revolution_(dt > 0 ? phaseScale(sweep_duration, dt) : 1.0F),
         reference_(static_cast<float>(options.sweep_reference)),
-        offset_(dt > 0 ? static_cast<float>(stamp / dt) : 0.0F),
+        offset_(static_cast<float>(stamp / (dt > 0 ? dt : usual_period))),
         unit_(sweep_duration > 0 ? dt : 0)
   {
     if (source_ == Source::times)
@@ -65,6 +67,10 @@ class Phases
       fractions_ = firingFractions(scan.points);
       source_ = fractions_.empty() ? source_ : Source::order;
     }
+    if (source_ == Source::none && !all.parts.empty())
+    {
+      source_ = Source::stamp;
+    }
   }
 
   [[nodiscard]] bool known() const { return source_ != Source::none; }
@@ -78,6 +84,8 @@ class Phases
         return scan_.time[i] * per_second_;
       case Source::order:
         return (fractions_[i] - reference_) * per_revolution_ + offset_;
+      case Source::stamp:
+        return offset_;
       default:
         return (sweepFraction(scan_.points[i], sweep_) - reference_) * per_revolution_ + offset_;
     }
@@ -89,8 +97,10 @@ class Phases
     none,
     times,
     order,  //!< of the points
-    azimuth
+    azimuth,
+    stamp  //!< of the lidar's scan
   };
+  static constexpr double usual_period = 0.1;  //!< of scans [s]
 
   static bool usesTimes(DeskewMode mode)
   {

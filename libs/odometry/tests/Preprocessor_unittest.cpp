@@ -114,6 +114,64 @@ TEST(Preprocessor, ScansOfSeveralLidarsAreAsEachAlone)
   }
 }
 
+/** Without times of points the scans of several lidars are of different moments all the same. */
+TEST(Preprocessor, ScansOfSeveralLidarsAreMovedByTheirStamps)
+{
+  ThreadPool pool(1);
+  const Pose motion(Eigen::Translation3d(1, 0, 0));
+  for (const DeskewMode deskew : {DeskewMode::none, DeskewMode::time, DeskewMode::automatic})
+  {
+    PreprocessOptions options;
+    options.deskew = deskew;
+    const Preprocessor preprocessor(options, pool);
+    Scan front;
+    front.points = {{5, 0, 0}};
+    Scan rear = front;
+    rear.stamp = 0.05;
+    rear.T_vehicle_lidar = poseFromYpr(-3, 0, 0, M_PI, 0, 0);
+    Scan both = front;
+    appendScan(rear, 1, both);
+    const Cloud cloud = preprocessor.prepare(both, motion, 0.1, 0.1);
+    ASSERT_EQ(cloud.size(), 2U);
+    ASSERT_EQ(cloud.phase.size(), 2U);
+    EXPECT_NEAR(cloud.phase[1] - cloud.phase[0], 0.5F, 1e-4F);
+    EXPECT_TRUE(cloud.T_sweep.isApprox(motion, 1e-9));
+    if (deskew != DeskewMode::automatic)
+    {
+      EXPECT_NEAR(cloud.points[0].x(), 5, 1e-4F);
+      EXPECT_NEAR(cloud.points[1].x(), -8 + 0.5, 1e-4F);
+    }
+    Cloud first = preprocessor.prepare(both, motion, 0);
+    redeskew(motion, 0.1, pool, first);
+    EXPECT_TRUE(first.points[1].isApprox(cloud.points[1], 1e-4F)) << "once its motion is known";
+  }
+}
+
+/** A further lidar without returns does not decide about the others. */
+TEST(Preprocessor, APartWithoutPointsChangesNothing)
+{
+  ThreadPool pool(1);
+  const Pose motion = poseFromYpr(1, 0.1, 0, 0.05, 0, 0);
+  for (const DeskewMode deskew : {DeskewMode::time, DeskewMode::automatic})
+  {
+    PreprocessOptions options;
+    options.deskew = deskew;
+    const Preprocessor preprocessor(options, pool);
+    const Scan alone = timedScan(Pose::Identity(), true);
+    Scan both = alone;
+    appendScan(Scan(), 1, both);
+    for (const double dt : {0.1, 0.0})
+    {
+      const Cloud a = preprocessor.prepare(alone, motion, dt, dt);
+      const Cloud b = preprocessor.prepare(both, motion, dt, dt);
+      EXPECT_EQ(a.points, b.points);
+      EXPECT_EQ(a.phase, b.phase);
+      EXPECT_EQ(a.phase_unit, b.phase_unit);
+      EXPECT_TRUE(a.T_sweep.isApprox(b.T_sweep, 1e-12));
+    }
+  }
+}
+
 TEST(Preprocessor, EmptyScanGivesEmptyCloud)
 {
   ThreadPool pool(1);

@@ -219,7 +219,7 @@ TEST(SensorSettings, IsRecognisedFromTheFirstScans)
   EXPECT_THROW((void)recogniseSensor(std::vector<Frame>()), std::invalid_argument);
 }
 
-TEST(SensorSettings, OfSeveralLidarsTheFirstIsRecognised)
+TEST(SensorSettings, OfSeveralLidarsTheFirstIsMeasured)
 {
   Scan further = frameOfRings(0, -60, 64, 0.5).scan;
   further.T_vehicle_lidar = poseFromYpr(-1, 0, 0.5, M_PI, 0, 0);
