@@ -34,15 +34,36 @@ inline Pose somePose(std::size_t number)
   return poseFromYpr(n, 0.1 * n, -0.01 * n, 0.02 * n, 0.01 * n, -0.005 * n);
 }
 
-inline std::vector<Frame> readAll(const std::string& path)
+inline std::vector<Frame> framesOf(RawlogSource& source)
 {
-  RawlogSource source(path);
   std::vector<Frame> frames;
   while (auto frame = source.next())
   {
     frames.push_back(std::move(*frame));
   }
   return frames;
+}
+
+inline std::vector<Frame> readAll(const std::string& path)
+{
+  RawlogSource source(path);
+  return framesOf(source);
+}
+
+using PartStamps = std::vector<std::vector<double>>;
+
+inline std::vector<std::vector<double>> partStamps(const std::vector<Frame>& frames)
+{
+  std::vector<std::vector<double>> stamps;
+  for (const Frame& frame : frames)
+  {
+    stamps.emplace_back();
+    for (const ScanPart& part : frame.scan.parts)
+    {
+      stamps.back().push_back(0.001 * std::round(1000 * part.stamp));
+    }
+  }
+  return stamps;
 }
 
 /** `count` scans of 50, 51, ... points with truth. */

@@ -12,25 +12,12 @@
 #include <string>
 #include <vector>
 
+#include "CirclePairs.h"
+
 namespace dyslam
 {
 namespace
 {
-PosePairs circle(double drift)
-{
-  PosePairs pairs;
-  for (int i = 0; i < 300; ++i)
-  {
-    const double a = 0.02 * i;
-    pairs.stamps.push_back(i);
-    pairs.reference.push_back(poseFromYpr(100 * std::sin(a), 100 * (1 - std::cos(a)), 0, a, 0, 0));
-    pairs.estimate.push_back(
-        poseFromYpr((100 + drift * i) * std::sin(a), 100 * (1 - std::cos(a)), 0.1, a, 0, 0));
-  }
-  pairs.reference_size = pairs.estimate_size = pairs.stamps.size();
-  return pairs;
-}
-
 TEST(TrajectoryPlot, IsAPngContainingTheCurvesColour)
 {
   const std::vector<TrajectoryPlotItem> items{{"first", circle(0.05)}};
