@@ -164,9 +164,11 @@ double longest(double width, const DetectorOptions& options)
                                : options.max_length;
 }
 
-/** The given points in voxels of 0.1 m in the plane, in order of their first points. */
+/** The given points in voxels of 0.1 m in the plane, in order of their first points.
+ * \param lidar position in the frame of the points [m] */
 std::vector<Node> voxelNodes(const Points& points,
                              const std::vector<std::uint32_t>& selected,
+                             const Eigen::Vector2f& lidar,
                              const DetectorOptions& options)
 {
   constexpr double voxel = 0.1;  // [m]
@@ -181,7 +183,8 @@ std::vector<Node> voxelNodes(const Points& points,
     {
       nodes.emplace_back();
       const double distance =
-          options.distance + options.distance_per_range * static_cast<double>(p.head<2>().norm());
+          options.distance +
+          options.distance_per_range * static_cast<double>((p.head<2>() - lidar).norm());
       nodes.back().position = p.head<2>();
       nodes.back().link_distance = static_cast<float>(std::min(distance, options.max_distance));
     }
@@ -286,7 +289,8 @@ Detector::Detector(const DetectorOptions& options) : options_(options)
 
 void Detector::detect(Frame& frame) const
 {
-  frame.detections = detect(frame.cloud.points, frame.moving, frame.moving_probability);
+  frame.detections = detect(frame.cloud.points, frame.moving, frame.moving_probability,
+                            frame.scan.T_vehicle_lidar.translation().cast<float>());
   if (!frame.moving_by_prediction.empty())
   {
     for (Detection& detection : frame.detections)
@@ -327,10 +331,12 @@ std::vector<std::uint32_t> Detector::selectMovingPoints(const Points& points,
 
 std::vector<Detection> Detector::detect(const Points& points,
                                         const std::vector<bool>& moving,
-                                        const std::vector<float>& probability) const
+                                        const std::vector<float>& probability,
+                                        const Eigen::Vector3f& lidar) const
 {
   std::vector<Detection> detections;
-  const std::vector<Node> nodes = voxelNodes(points, selectMovingPoints(points, moving), options_);
+  const std::vector<Node> nodes =
+      voxelNodes(points, selectMovingPoints(points, moving), lidar.head<2>(), options_);
   for (auto& cluster : linkNodes(nodes, options_.max_distance))
   {
     if (cluster.size() < static_cast<std::size_t>(options_.min_points))

@@ -30,7 +30,11 @@ bool isValid(const Detection& detection)
          std::isfinite(detection.score) && detection.covariance.allFinite();
 }
 
-Observation toObservation(const Detection& detection, int index, const Pose& T_odom_vehicle)
+/** \param lidar position in the vehicle frame [m] */
+Observation toObservation(const Detection& detection,
+                          int index,
+                          const Pose& T_odom_vehicle,
+                          const Eigen::Vector3d& lidar)
 {
   Observation observation;
   observation.index = index;
@@ -38,7 +42,7 @@ Observation toObservation(const Detection& detection, int index, const Pose& T_o
   Eigen::Matrix4d turn = Eigen::Matrix4d::Identity();
   turn.topLeftCorner<3, 3>() = T_odom_vehicle.linear();
   observation.covariance = turn * detection.covariance * turn.transpose();
-  observation.sensor = T_odom_vehicle.translation().head<2>();
+  observation.sensor = (T_odom_vehicle * lidar).head<2>();
   observation.object_class = detection.object_class;
   observation.score = detection.score;
   observation.from_points = !detection.points.empty() && !detection.external;
@@ -152,9 +156,12 @@ struct Tracker::Implementation
   }
 
   /** A detection in the odometry frame, with the noise found for its kind. */
-  Observation observationOf(const Detection& detection, int index, const Pose& T_odom_vehicle)
+  Observation observationOf(const Detection& detection,
+                            int index,
+                            const Pose& T_odom_vehicle,
+                            const Eigen::Vector3d& lidar)
   {
-    Observation observation = toObservation(detection, index, T_odom_vehicle);
+    Observation observation = toObservation(detection, index, T_odom_vehicle, lidar);
     if (options.adapt_noise && !observation.from_points)
     {
       const double factor = noise[&optionsFor(options, detection.object_class)].factor();
@@ -279,12 +286,14 @@ void Tracker::markPredicted(Frame& frame) const
 
 void Tracker::update(Frame& frame)
 {
-  frame.objects = update(frame.time(), frame.detections, frame.T_odom_vehicle);
+  frame.objects = update(frame.time(), frame.detections, frame.T_odom_vehicle,
+                         frame.scan.T_vehicle_lidar.translation());
 }
 
 std::vector<TrackedObject> Tracker::update(double stamp,
                                            const std::vector<Detection>& detections,
-                                           const Pose& T_odom_vehicle)
+                                           const Pose& T_odom_vehicle,
+                                           const Eigen::Vector3d& lidar)
 {
   Implementation& self = *implementation_;
   if (!std::isfinite(stamp) || (self.started && stamp <= self.stamp))
@@ -306,7 +315,8 @@ std::vector<TrackedObject> Tracker::update(double stamp,
     }
     (detections[i].score >= class_options.birth_score ? strong : weak)
         .push_back(observations.size());
-    observations.push_back(self.observationOf(detections[i], static_cast<int>(i), T_odom_vehicle));
+    observations.push_back(
+        self.observationOf(detections[i], static_cast<int>(i), T_odom_vehicle, lidar));
   }
 
   for (Track& track : self.tracks)

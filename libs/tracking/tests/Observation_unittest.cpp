@@ -71,27 +71,35 @@ TEST(TrackedObservation, headingIsWithinAQuarterTurnOfTheTracks)
   }
 }
 
-/** A car drives towards the sensor and shows its front only, after it was seen whole: length and
- * width are the car's and the hidden rear is added. */
-TEST(TrackedObservation, ofAClusterIsCompletedToTheWholeObject)
+/** A car drives towards the lidar and shows its front only, after it was seen whole.
+ * \param lidar position in the vehicle frame [m] \return its state at the end */
+TrackedObject approachingCar(const Eigen::Vector3d& lidar)
 {
   Tracker tracker;
   TrackedObject last;
   for (int scan = 0; scan < 40; ++scan)
   {
     const double visible = scan < 30 ? 4.2 : 0.6;
-    Detection front = car({30 - 0.6 * scan + 0.5 * visible, 3, 0}, scan < 30 ? 0 : M_PI / 2);
+    Detection front = car(lidar + Eigen::Vector3d(30 - 0.6 * scan + 0.5 * visible, 3, 0),
+                          scan < 30 ? 0 : M_PI / 2);
     front.box.size = {visible, 1.8, 1.5};
     if (scan >= 30)
     {
       front.box.size = {1.8, visible, 1.5};  // the longer visible side is the width
     }
     front.points = {0, 1, 2};
-    const auto objects = tracker.update(scan_time * scan, {front}, Pose::Identity());
-    ASSERT_EQ(objects.size(), 1u);
-    ASSERT_TRUE(objects[0].observed);
-    last = objects[0];
+    const auto objects = tracker.update(scan_time * scan, {front}, Pose::Identity(), lidar);
+    EXPECT_EQ(objects.size(), 1u);
+    last = objects.at(0);
+    EXPECT_TRUE(last.observed);
   }
+  return last;
+}
+
+/** Length and width are the car's and the hidden rear is added. */
+TEST(TrackedObservation, ofAClusterIsCompletedToTheWholeObject)
+{
+  const TrackedObject last = approachingCar({0, 0, 0});
   const Box& seen = last.observation;
   EXPECT_NEAR(std::abs(wrapAngle(seen.yaw - last.box.yaw)), 0, 0.1);
   EXPECT_NEAR(seen.size.x(), last.box.size.x(), 1e-9);
@@ -99,6 +107,15 @@ TEST(TrackedObservation, ofAClusterIsCompletedToTheWholeObject)
   EXPECT_NEAR(seen.size.y(), 1.8, 0.1);
   // The front, the side that faces the sensor, stays where it was seen.
   EXPECT_NEAR(seen.center.x() - 0.5 * seen.size.x(), 30 - 0.6 * 39, 0.1);
+}
+
+/** The lidar is behind the origin of the vehicle, and at the end the car is between them. */
+TEST(TrackedObservation, isCompletedOnTheSideThatTheLidarDoesNotSee)
+{
+  const Eigen::Vector3d lidar(-10, 0, 0);
+  const Box seen = approachingCar(lidar).observation;
+  EXPECT_GT(seen.size.x(), 3.5);
+  EXPECT_NEAR(seen.center.x() - 0.5 * seen.size.x() - lidar.x(), 30 - 0.6 * 39, 0.1);
 }
 
 /** Detections six times as noisy as their covariances say. */

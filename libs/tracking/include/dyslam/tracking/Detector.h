@@ -40,16 +40,18 @@ class Detector
   /** \throws UserError if an option is out of range. */
   explicit Detector(const DetectorOptions& options = {});
 
-  /** Reads the frame's cloud, moving, moving_by_prediction and moving_probability, sets its
-   * detections. */
+  /** Reads the frame's cloud, moving, moving_by_prediction, moving_probability and the mounting of
+   * its (first) lidar, sets its detections. */
   void detect(Frame& frame) const;
 
   /** \param points vehicle frame [m] \param moving as long as `points`, or empty if nothing moves
    * \param probability moving probability of each point, for the score; empty for 1
+   * \param lidar position of the lidar in the vehicle frame [m], from which ranges are counted
    * \return boxes in the vehicle frame. */
   [[nodiscard]] std::vector<Detection> detect(const std::vector<Eigen::Vector3f>& points,
                                               const std::vector<bool>& moving,
-                                              const std::vector<float>& probability) const;
+                                              const std::vector<float>& probability,
+                                              const Eigen::Vector3f& lidar = {0, 0, 0}) const;
 
  private:
   [[nodiscard]] std::vector<std::uint32_t> selectMovingPoints(

@@ -101,18 +101,21 @@ class Tracker
    * before detection, in every scan or never. */
   void markPredicted(Frame& frame) const;
 
-  /** Reads the frame's detections, stamp and T_odom_vehicle, sets its objects (all tracks,
-   * tentative ones too). */
+  /** Reads the frame's detections, stamp, T_odom_vehicle and the mounting of its (first) lidar,
+   * sets its objects (all tracks, tentative ones too). */
   void update(Frame& frame);
 
   /** \param stamp [s], after that of the previous call
    *  \param detections boxes in the vehicle frame at that time
    *  \param T_odom_vehicle pose of the vehicle in the odometry frame
+   *  \param lidar position of the lidar in the vehicle frame [m], from which sides of the boxes are
+   *  hidden
    *  \return all tracks, in order of creation
    *  \throws std::invalid_argument if the stamp does not increase. */
   [[nodiscard]] std::vector<TrackedObject> update(double stamp,
                                                   const std::vector<Detection>& detections,
-                                                  const Pose& T_odom_vehicle);
+                                                  const Pose& T_odom_vehicle,
+                                                  const Eigen::Vector3d& lidar = {0, 0, 0});
 
   /** What is kept from scan to scan. */
   void exchangeState(StateArchive& archive);
