@@ -3,6 +3,7 @@
 
 #include <dyslam/core/Frame.h>
 
+#include <functional>
 #include <string>
 
 namespace dyslam
@@ -31,6 +32,9 @@ class EarlierLabels
 
 /** Puts the points that were taken out back into scan and cloud; where the frame has moving
  * probabilities, they are moving.
- * \param moving of takeMoving() \param cloud of these points, deskewed as the frame's */
-void putBackMoving(const Scan& moving, const Cloud& cloud, Frame& frame);
+ * \param moving result of takeMoving() \param prepare cloud of a scan, preprocessed and deskewed as
+ * the frame's cloud */
+void putBackMoving(const Scan& moving,
+                   const std::function<Cloud(const Scan&)>& prepare,
+                   Frame& frame);
 }  // namespace dyslam

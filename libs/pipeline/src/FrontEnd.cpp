@@ -212,7 +212,8 @@ void FrontEnd::Stages::putBack(const Scan& labelled, Frame& frame)
     {
       frame.moving_probability.assign(frame.cloud.size(), 0);
     }
-    putBackMoving(labelled, prepare(labelled, sweep_used), frame);
+    putBackMoving(
+        labelled, [this](const Scan& scan) { return prepare(scan, sweep_used); }, frame);
   }
 }
 

@@ -37,7 +37,10 @@ Cloud cloudOf(const Scan& scan)
     if (isReturn(scan.points[i]))
     {
       cloud.points.push_back(scan.points[i]);
-      cloud.intensity.push_back(scan.intensity[i]);
+      if (scan.intensity.size() == scan.size())
+      {
+        cloud.intensity.push_back(scan.intensity[i]);
+      }
       cloud.source.push_back(static_cast<std::uint32_t>(i));
     }
   }
@@ -57,7 +60,7 @@ TEST(EarlierLabels, TakeMovingPointsOutAndPutThemBack)
   EXPECT_EQ(frame.cloud.source, (std::vector<std::uint32_t>{0, 2, 3}));
   frame.moving_probability = {0.1F, 0.2F, 0.3F};
 
-  putBackMoving(moving, cloudOf(moving), frame);
+  putBackMoving(moving, cloudOf, frame);
   EXPECT_EQ(frame.scan.points, before.scan.points);
   EXPECT_EQ(frame.cloud.source, (std::vector<std::uint32_t>{0, 1, 2, 3, 4}));
   EXPECT_EQ(frame.cloud.points, before.scan.points);
@@ -76,13 +79,35 @@ TEST(EarlierLabels, PutBackAScanOfWhichAllPointsMove)
   Frame frame = frameOf(2);
   const Frame before = frame;
   const Scan moving = EarlierLabels(folder.path()).takeMoving(frame);
-  Cloud cloud = cloudOf(moving);
-  cloud.intensity.clear();  // the recording has none
-  putBackMoving(moving, cloud, frame);
+  frame.scan.intensity.clear();  // the recording has none
+  putBackMoving(moving, cloudOf, frame);
   EXPECT_EQ(frame.cloud.points, before.scan.points);
   EXPECT_EQ(frame.cloud.source, (std::vector<std::uint32_t>{0, 1}));
   EXPECT_TRUE(frame.cloud.intensity.empty());
   EXPECT_TRUE(frame.cloud.phase.empty());
+}
+
+TEST(EarlierLabels, PutBackPointsWithTimesFromTheOrderOfAllPoints)
+{
+  const TestFolder folder;
+  writeLabels(folder.file("000007.label"), {9, moving_car, 9, 9});
+  Frame frame = frameOf(4);
+  const Scan moving = EarlierLabels(folder.path()).takeMoving(frame);
+  frame.cloud = cloudOf(frame.scan);
+  frame.cloud.phase = {0.0F, 0.5F, 0.75F};
+  frame.moving_probability = {0, 0, 0};
+  const auto by_order = [](const Scan& scan)
+  {
+    Cloud cloud = cloudOf(scan);
+    if (cloud.size() == 4)  // the moving point alone has no known order
+    {
+      cloud.phase = {0.0F, 0.25F, 0.5F, 0.75F};
+    }
+    return cloud;
+  };
+  putBackMoving(moving, by_order, frame);
+  EXPECT_EQ(frame.cloud.phase, (std::vector<float>{0.0F, 0.25F, 0.5F, 0.75F}));
+  EXPECT_EQ(frame.moving_probability.size(), frame.cloud.size());
 }
 
 TEST(EarlierLabels, AreOfTheSameScans)
