@@ -113,4 +113,22 @@ void GivenBoxes::detect(Frame& frame) const
     frame.detections = detectionsOf(boxes->second, frame, noise_);
   }
 }
+
+void GivenBoxes::markMoving(Frame& frame)
+{
+  constexpr float probability = 0.9F;  // that a point in the box of a dynamic object moves
+  for (const TrackedObject& object : frame.objects)
+  {
+    if (object.confirmed && object.dynamic)
+    {
+      frame.moving.resize(frame.cloud.size(), false);
+      frame.moving_probability.resize(frame.cloud.size(), 0);
+      for (const std::uint32_t i : frame.pointsOf(object))
+      {
+        frame.moving[i] = true;
+        frame.moving_probability[i] = std::max(frame.moving_probability[i], probability);
+      }
+    }
+  }
+}
 }  // namespace dyslam

@@ -34,6 +34,10 @@ class GivenBoxes
   /** Sets the detections of a frame to the boxes of its index. Reads its cloud and mounting. */
   void detect(Frame& frame) const;
 
+  /** Marks the cloud points in the boxes of confirmed dynamic objects as moving. For labels without
+   * hindsight; those with hindsight have the tracks as evidence. */
+  static void markMoving(Frame& frame);
+
  private:
   std::map<std::size_t, std::vector<LabelledBox>> boxes_;  //!< by Frame::index, lidar frame
   DetectionNoiseOptions noise_;

@@ -231,6 +231,10 @@ void Pipeline::trackObjects(Frame& frame)
       s.detector.detect(frame);
     }
     s.tracker.update(frame);
+    if (s.boxes && !s.hindsight)
+    {
+      GivenBoxes::markMoving(frame);
+    }
   }
 }
 

@@ -71,6 +71,24 @@ TEST_F(GivenBoxesFile, AreDetectionsWithTheirPoints)
   EXPECT_TRUE(frame.detections.empty());
 }
 
+TEST_F(GivenBoxesFile, OfDynamicObjectsMove)
+{
+  folder_.write("boxes.txt", "2 -1 Car 0 0 -10 0 0 0 0 1.5 1.8 4.2 10 1 -0.95 0.1 0.7\n");
+  Frame frame = frameWithCar(2);
+  read("boxes.txt").detect(frame);
+  TrackedObject car;
+  car.detection = 0;
+  car.confirmed = true;
+  frame.objects = {car};
+  GivenBoxes::markMoving(frame);
+  EXPECT_FALSE(frame.isMoving(0)) << "a parked one";
+  frame.objects[0].dynamic = true;
+  GivenBoxes::markMoving(frame);
+  EXPECT_TRUE(frame.isMoving(0));
+  EXPECT_FALSE(frame.isMoving(1)) << "outside the box";
+  EXPECT_GT(frame.moving_probability.at(0), 0.5F);
+}
+
 /** The same boxes in the camera frame: one file, or one for each scan. */
 TEST_F(GivenBoxesFile, MayBeInTheCameraFrame)
 {
