@@ -13,15 +13,15 @@
 #include <utility>
 #include <vector>
 
-#include "ClearPlaces.h"
+#include "ClearVoxels.h"
 #include "GroundHeights.h"
-#include "PlaceClassifier.h"
-#include "PlaceFeatures.h"
 #include "Posts.h"
 #include "RayHistory.h"
 #include "RecentScores.h"
 #include "ScanVisibility.h"
 #include "Segments.h"
+#include "VoxelClassifier.h"
+#include "VoxelFeatures.h"
 
 namespace dyslam
 {
@@ -33,10 +33,10 @@ constexpr int cells_above = 3;            // that decide whether a low point mov
 constexpr std::size_t ground_stride = 5;  // scans of the window between those used for the ground
 constexpr int past_stride = 8;            // scans before the window between those that are used
 constexpr double growth = 1.1;            // of the distances to those that are used
-constexpr float full_change = 3;          // free observations of a place that suffice
-constexpr float suspicious = 0.1F;        // causal probability of places that may be moving
-constexpr float doubtful_score = -2;      // of places that may be moving
-constexpr float post_score = 2.5F;        // by which the places of a post are less likely to move
+constexpr float full_change = 3;          // free observations of a voxel that suffice
+constexpr float suspicious = 0.1F;        // causal probability of voxels that may be moving
+constexpr float doubtful_score = -2;      // of voxels that may be moving
+constexpr float post_score = 2.5F;        // by which the voxels of a post are less likely to move
 
 /** Distances to the scans that are used: all near ones, fewer far ones. */
 std::vector<int> scanOffsets(int window)
@@ -113,43 +113,43 @@ struct EarlierScan
   ScanVisibility rays;
 };
 
-/** Decision of the places of a cell. */
+/** Decision of the voxels of a cell. */
 struct CellMotion
 {
-  int balance = 0;                    //!< number of moving minus static places
+  int balance = 0;                    //!< number of moving minus static voxels
   double moving = 0, stationary = 0;  //!< sums of their probabilities
-  int moving_places = 0, static_places = 0;
+  int moving_voxels = 0, static_voxels = 0;
 
   void add(float probability)
   {
     const bool moves = probability > 0.5F;
     balance += moves ? 1 : -1;
     (moves ? moving : stationary) += probability;
-    ++(moves ? moving_places : static_places);
+    ++(moves ? moving_voxels : static_voxels);
   }
   [[nodiscard]] bool moves() const { return balance > 0; }
-  /** Mean of the places that agree with moves(). */
+  /** Mean of the voxels that agree with moves(). */
   [[nodiscard]] float probability() const
   {
-    return static_cast<float>(moves() ? moving / moving_places
-                                      : stationary / std::max(1, static_places));
+    return static_cast<float>(moves() ? moving / moving_voxels
+                                      : stationary / std::max(1, static_voxels));
   }
 };
 
-/** Probability of each place that its points move. \param voxels of the places \param points of
+/** Probability of each voxel that its points move. \param keys of the voxels \param points of
  * the scan, odometry frame [m] */
-std::vector<float> probabilitiesOf(const std::vector<PlaceFeatures>& features,
-                                   const std::vector<std::uint64_t>& voxels,
+std::vector<float> probabilitiesOf(const std::vector<VoxelFeatures>& features,
+                                   const std::vector<std::uint64_t>& keys,
                                    const std::vector<Eigen::Vector3f>& points,
                                    RecentScores& recent)
 {
-  std::vector<Eigen::Vector3f> places;
-  places.reserve(features.size());
-  for (const PlaceFeatures& f : features)
+  std::vector<Eigen::Vector3f> voxels;
+  voxels.reserve(features.size());
+  for (const VoxelFeatures& f : features)
   {
-    places.push_back(points[f.point]);
+    voxels.push_back(points[f.point]);
   }
-  const Posts posts(places);
+  const Posts posts(voxels);
   std::vector<float> probability;
   probability.reserve(features.size());
   for (std::size_t g = 0; g < features.size(); ++g)
@@ -159,28 +159,28 @@ std::vector<float> probabilitiesOf(const std::vector<PlaceFeatures>& features,
     {
       score -= post_score;
     }
-    probability.push_back(1 / (1 + std::exp(-recent.smooth(voxels[g], score))));
+    probability.push_back(1 / (1 + std::exp(-recent.smooth(keys[g], score))));
   }
   return probability;
 }
 
-/** Points below `ground_clearance`, which have no place, are moving if the points above them are.
+/** Points below `ground_clearance`, which have no voxel, are moving if the points above them are.
  */
 void adaptLow(const Segments& segments,
-              const std::vector<float>& place_probability,
+              const std::vector<float>& voxel_probability,
               const std::vector<Eigen::Vector3f>& points,
               const std::vector<float>& heights,
               const GroundHeights& ground,
               std::vector<float>& probability)
 {
   std::vector<CellMotion> cells(segments.cells.size());
-  for (std::size_t g = 0; g < place_probability.size(); ++g)
+  for (std::size_t g = 0; g < voxel_probability.size(); ++g)
   {
-    cells[segments.cell_of_place[g]].add(place_probability[g]);
+    cells[segments.cell_of_voxel[g]].add(voxel_probability[g]);
   }
   for (std::size_t i = 0; i < points.size(); ++i)
   {
-    if (segments.place_of_point[i] == Segments::none)
+    if (segments.voxel_of_point[i] == Segments::none)
     {
       probability[i] = 0;
       const bool may_move = heights[i] > lowest_of_object &&
@@ -213,7 +213,7 @@ void HindsightOptions::describe(OptionsVisitor& v)
   v.real("segment_gap", segment_gap, 0.01, 10,
          "side of the cells that are clustered to segments [m]");
   v.real("margin", margin, 0.01, 10,
-         "least distance that a ray ends behind a place to observe it as free [m]");
+         "least distance that a ray ends behind a voxel to observe it as free [m]");
   v.real("moving_threshold", moving_threshold, 0, 1,
          "moving probability above which a point is moving in labels, map and replay");
   v.real("ground_clearance", ground_clearance, 0, 10,
@@ -236,10 +236,10 @@ struct HindsightLabels::Impl
   [[nodiscard]] GroundHeights ground() const;
   [[nodiscard]] std::vector<OtherScan> others() const;
   [[nodiscard]] std::vector<float> trackedShare(const Frame& frame) const;
-  [[nodiscard]] std::vector<PlaceEvidence> causalEvidence(const Segments& segments) const;
+  [[nodiscard]] std::vector<VoxelEvidence> causalEvidence(const Segments& segments) const;
   void addRays(const Segments& segments,
                const std::vector<float>& heights,
-               std::vector<PlaceEvidence>& evidence);
+               std::vector<VoxelEvidence>& evidence);
   void noteTracks(const Frame& frame);
   void leaveWindow();
 
@@ -250,7 +250,7 @@ struct HindsightLabels::Impl
   std::deque<EarlierScan> past;  //!< some of those before the window
   std::size_t next = 0;          //!< of `scans`, to be decided
   std::size_t count = 0;         //!< of all scans added
-  ClearPlaces clear;
+  ClearVoxels clear;
   RecentScores recent;
   LastingTracks dynamic;  //!< have been at some time
   LastingTracks reported;
@@ -320,16 +320,16 @@ std::vector<float> HindsightLabels::Impl::trackedShare(const Frame& frame) const
   return tracked;
 }
 
-/** Of each place the causal labels and the tracks of its points. */
-std::vector<PlaceEvidence> HindsightLabels::Impl::causalEvidence(const Segments& segments) const
+/** Of each voxel the causal labels and the tracks of its points. */
+std::vector<VoxelEvidence> HindsightLabels::Impl::causalEvidence(const Segments& segments) const
 {
   const Frame& frame = *scans[next].frame;
-  std::vector<PlaceEvidence> evidence(segments.first_point.size());
+  std::vector<VoxelEvidence> evidence(segments.first_point.size());
   const std::vector<float> tracked = trackedShare(frame);
   std::vector<float> points(evidence.size(), 0.0F);
-  for (std::size_t i = 0; i < segments.place_of_point.size(); ++i)
+  for (std::size_t i = 0; i < segments.voxel_of_point.size(); ++i)
   {
-    const std::uint32_t g = segments.place_of_point[i];
+    const std::uint32_t g = segments.voxel_of_point[i];
     if (g != Segments::none)
     {
       points[g] += 1;
@@ -350,34 +350,34 @@ std::vector<PlaceEvidence> HindsightLabels::Impl::causalEvidence(const Segments&
  * [m] */
 void HindsightLabels::Impl::addRays(const Segments& segments,
                                     const std::vector<float>& heights,
-                                    std::vector<PlaceEvidence>& evidence)
+                                    std::vector<VoxelEvidence>& evidence)
 {
   const Frame& frame = *scans[next].frame;
-  std::vector<Eigen::Vector3f> places;
+  std::vector<Eigen::Vector3f> voxels;
   std::vector<RayEffort> efforts;
-  std::vector<std::size_t> evaluated;  // index of each of `places` in `evidence`
+  std::vector<std::size_t> evaluated;  // index of each of `voxels` in `evidence`
   for (std::size_t g = 0; g < evidence.size(); ++g)
   {
     const bool suspected = evidence[g].tracked > 0 || evidence[g].probability > suspicious;
-    if (!suspected && clear.contain(segments.voxel_of_place[g]))
+    if (!suspected && clear.contain(segments.key_of_voxel[g]))
     {
       evidence[g].known = 1;
       continue;
     }
     const std::uint32_t first = segments.first_point[g];
     evaluated.push_back(g);
-    places.push_back(frame.cloud.points[first]);
+    voxels.push_back(frame.cloud.points[first]);
     efforts.push_back(suspected                         ? RayEffort::all
                       : heights[first] > vehicle_height ? RayEffort::few
                                                         : RayEffort::if_needed);
   }
   const std::vector<RayCounts> counts =
-      countRays(others(), places, efforts, static_cast<float>(0.5 * options.voxel_size),
+      countRays(others(), voxels, efforts, static_cast<float>(0.5 * options.voxel_size),
                 static_cast<float>(options.margin), pool);
   for (std::size_t i = 0; i < counts.size(); ++i)
   {
     const RayCounts& c = counts[i];
-    PlaceEvidence& e = evidence[evaluated[i]];
+    VoxelEvidence& e = evidence[evaluated[i]];
     const int known = c.free + c.occupied;
     e.known = known > 0 ? 1.0F : 0.0F;
     e.free = static_cast<float>(c.free) / static_cast<float>(std::max(1, known));
@@ -385,7 +385,7 @@ void HindsightLabels::Impl::addRays(const Segments& segments,
     e.change_after = shareOf(c.change_after);
     if (isClear(c))
     {
-      clear.add(segments.voxel_of_place[evaluated[i]]);
+      clear.add(segments.key_of_voxel[evaluated[i]]);
     }
   }
 }
@@ -454,19 +454,19 @@ void HindsightLabels::Impl::decide(WindowScan& scan)
   }
   const Segments segments =
       findSegments(points, use_point, options.voxel_size, options.segment_gap);
-  std::vector<PlaceEvidence> evidence = causalEvidence(segments);
+  std::vector<VoxelEvidence> evidence = causalEvidence(segments);
   addRays(segments, heights, evidence);
-  const std::vector<PlaceFeatures> features = placeFeatures(segments, evidence, points, heights);
-  const std::vector<float> place_probability =
-      probabilitiesOf(features, segments.voxel_of_place, points, recent);
+  const std::vector<VoxelFeatures> features = voxelFeatures(segments, evidence, points, heights);
+  const std::vector<float> voxel_probability =
+      probabilitiesOf(features, segments.key_of_voxel, points, recent);
   frame.moving_probability.resize(frame.cloud.size(), 0);
   frame.moving.resize(frame.cloud.size());
   for (std::size_t i = 0; i < points.size(); ++i)
   {
-    const std::uint32_t g = segments.place_of_point[i];
-    frame.moving_probability[i] = g == Segments::none ? 0 : place_probability[g];
+    const std::uint32_t g = segments.voxel_of_point[i];
+    frame.moving_probability[i] = g == Segments::none ? 0 : voxel_probability[g];
   }
-  adaptLow(segments, place_probability, points, heights, ground_heights, frame.moving_probability);
+  adaptLow(segments, voxel_probability, points, heights, ground_heights, frame.moving_probability);
   for (std::size_t i = 0; i < points.size(); ++i)
   {
     frame.moving[i] = static_cast<double>(frame.moving_probability[i]) > options.moving_threshold;
