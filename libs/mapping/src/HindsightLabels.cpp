@@ -170,7 +170,7 @@ void adaptLow(const Segments& segments,
               const std::vector<float>& voxel_probability,
               const std::vector<Eigen::Vector3f>& points,
               const std::vector<float>& heights,
-              const GroundHeights& ground,
+              const std::vector<const LowestReturns*>& scans,
               std::vector<float>& probability)
 {
   std::vector<CellMotion> cells(segments.cells.size());
@@ -178,24 +178,31 @@ void adaptLow(const Segments& segments,
   {
     cells[segments.cell_of_voxel[g]].add(voxel_probability[g]);
   }
-  for (std::size_t i = 0; i < points.size(); ++i)
+  std::vector<std::uint32_t> low;
+  std::vector<Eigen::Vector3f> low_points;
+  std::vector<float> low_heights;
+  for (std::uint32_t i = 0; i < points.size(); ++i)
   {
-    if (segments.voxel_of_point[i] == Segments::none)
+    if (segments.voxel_of_point[i] == Segments::none && heights[i] > lowest_of_object)
     {
-      probability[i] = 0;
-      const bool may_move = heights[i] > lowest_of_object &&
-                            ground.fineHeightOf(points[i], heights[i]) > lowest_of_part;
-      for (int above = 0; above < cells_above && may_move; ++above)
+      low.push_back(i);
+      low_points.push_back(points[i]);
+      low_heights.push_back(heights[i]);
+    }
+  }
+  const std::vector<float> fine = fineHeightsOverGround(scans, low_points, low_heights);
+  for (std::size_t k = 0; k < low.size(); ++k)
+  {
+    for (int above = 0; above < cells_above && fine[k] > lowest_of_part; ++above)
+    {
+      const Eigen::Vector3f p =
+          low_points[k] +
+          Eigen::Vector3f(0, 0, static_cast<float>(above) / segments.inverse_cell_size);
+      const std::uint32_t cell =
+          segments.cell_index.find(voxelKey(voxelCell(p, segments.inverse_cell_size)));
+      if (cell != VoxelHash::none)
       {
-        const Eigen::Vector3f p =
-            points[i] +
-            Eigen::Vector3f(0, 0, static_cast<float>(above) / segments.inverse_cell_size);
-        const std::uint32_t cell =
-            segments.cell_index.find(voxelKey(voxelCell(p, segments.inverse_cell_size)));
-        if (cell != VoxelHash::none)
-        {
-          probability[i] = std::max(probability[i], cells[cell].probability());
-        }
+        probability[low[k]] = std::max(probability[low[k]], cells[cell].probability());
       }
     }
   }
@@ -233,7 +240,7 @@ struct HindsightLabels::Impl
   void decideNext(const Use& use);
   void decide(WindowScan& scan);
   void outputNext(const Use& use);
-  [[nodiscard]] GroundHeights ground() const;
+  [[nodiscard]] std::vector<const LowestReturns*> lowestReturns() const;
   [[nodiscard]] std::vector<OtherScan> others() const;
   [[nodiscard]] std::vector<float> trackedShare(const Frame& frame) const;
   [[nodiscard]] std::vector<VoxelEvidence> causalEvidence(const Segments& segments) const;
@@ -257,14 +264,14 @@ struct HindsightLabels::Impl
 };
 
 /** The ground as the scan to be decided and others of the window show it. */
-GroundHeights HindsightLabels::Impl::ground() const
+std::vector<const LowestReturns*> HindsightLabels::Impl::lowestReturns() const
 {
   std::vector<const LowestReturns*> lowest;
   for (std::size_t i = next % ground_stride; i < scans.size(); i += ground_stride)
   {
     lowest.push_back(&scans[i].lowest);
   }
-  return GroundHeights(lowest);
+  return lowest;
 }
 
 /** The scans that are used, those before and those after each in order of their distance. */
@@ -444,8 +451,8 @@ void HindsightLabels::Impl::decide(WindowScan& scan)
   {
     points.push_back(T * p);
   }
-  const GroundHeights ground_heights = ground();
-  const std::vector<float> heights = ground_heights.heightsOf(points);
+  const std::vector<const LowestReturns*> lowest = lowestReturns();
+  const std::vector<float> heights = heightsOverGround(lowest, points);
   std::vector<bool> use_point;
   use_point.reserve(points.size());
   for (const float height : heights)
@@ -466,7 +473,7 @@ void HindsightLabels::Impl::decide(WindowScan& scan)
     const std::uint32_t g = segments.voxel_of_point[i];
     frame.moving_probability[i] = g == Segments::none ? 0 : voxel_probability[g];
   }
-  adaptLow(segments, voxel_probability, points, heights, ground_heights, frame.moving_probability);
+  adaptLow(segments, voxel_probability, points, heights, lowest, frame.moving_probability);
   for (std::size_t i = 0; i < points.size(); ++i)
   {
     frame.moving[i] = static_cast<double>(frame.moving_probability[i]) > options.moving_threshold;
