@@ -10,7 +10,7 @@ namespace dyslam
 {
 namespace
 {
-constexpr std::uint64_t voxel = 42;
+constexpr std::uint64_t found_voxel = 42;
 
 TEST(ClearVoxels, AreKnownForSixToTenScans)
 {
@@ -23,9 +23,9 @@ TEST(ClearVoxels, AreKnownForSixToTenScans)
       clear.beginScan(scan);
       if (scan == found)
       {
-        clear.add(voxel);
+        clear.add(found_voxel);
       }
-      lasted += clear.contain(voxel) ? 1 : 0;
+      lasted += clear.contain(found_voxel) ? 1 : 0;
     }
     EXPECT_EQ(lasted, 10 - found) << "found at scan " << found;
   }
@@ -37,32 +37,32 @@ TEST(ClearVoxels, AreForgottenWhereNumbersAreLeftOut)
   {
     ClearVoxels clear;
     clear.beginScan(0);
-    clear.add(voxel);
+    clear.add(found_voxel);
     clear.beginScan(next);
-    EXPECT_FALSE(clear.contain(voxel)) << next;
-    clear.add(voxel);
-    EXPECT_TRUE(clear.contain(voxel)) << next;
+    EXPECT_FALSE(clear.contain(found_voxel)) << next;
+    clear.add(found_voxel);
+    EXPECT_TRUE(clear.contain(found_voxel)) << next;
   }
   ClearVoxels clear;
   clear.beginScan(0);
-  clear.add(voxel);
+  clear.add(found_voxel);
   clear.beginScan(9);
-  EXPECT_TRUE(clear.contain(voxel));
+  EXPECT_TRUE(clear.contain(found_voxel));
 }
 
 TEST(ClearVoxels, StayKnownAfterResuming)
 {
   ClearVoxels clear;
   clear.beginScan(3);
-  clear.add(voxel);
+  clear.add(found_voxel);
   StateArchive saved;
   clear.exchangeState(saved);
   ClearVoxels resumed;
   const std::string bytes(saved.bytes());
   StateArchive loaded{bytes};
   resumed.exchangeState(loaded);
-  EXPECT_TRUE(resumed.contain(voxel));
-  EXPECT_FALSE(resumed.contain(voxel + 1));
+  EXPECT_TRUE(resumed.contain(found_voxel));
+  EXPECT_FALSE(resumed.contain(found_voxel + 1));
 }
 }  // namespace
 }  // namespace dyslam

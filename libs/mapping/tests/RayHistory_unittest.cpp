@@ -11,7 +11,7 @@ namespace dyslam
 {
 namespace
 {
-const Eigen::Vector3f voxel(10, 0, 0);
+const Eigen::Vector3f observed_voxel(10, 0, 0);
 
 /** A scan of a sensor at the origin with returns at one distance ahead. */
 ScanVisibility wallAt(float distance)
@@ -43,7 +43,7 @@ RayCounts countsAt(const std::function<bool(std::size_t)>& free, RayEffort effor
     others.push_back({free(i) ? &behind : &wall, Eigen::Isometry3f::Identity(), true});
   }
   ThreadPool pool(1);
-  return countRays(others, {voxel}, {effort}, 0.1F, 0.5F, pool).front();
+  return countRays(others, {observed_voxel}, {effort}, 0.1F, 0.5F, pool).front();
 }
 
 TEST(RayHistory, AFewScansSufficeForAVoxelThatWasNeverFree)
