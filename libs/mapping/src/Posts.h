@@ -17,7 +17,7 @@ namespace dyslam
 class Posts
 {
  public:
-  /** \param voxels odometry frame, z up [m]; kept by reference */
+  /** \param voxels a point of each, odometry frame, z up [m]; kept by reference */
   explicit Posts(const std::vector<Eigen::Vector3f>& voxels);
 
   /** Whether the voxel belongs to a post: the voxels within 0.4 m horizontally are higher than 1.2

@@ -46,9 +46,9 @@ enum class RayEffort
 /** Evaluates the other scans at voxels. Most of them are static surfaces that no ray ever passed
  * through, for which a few scans suffice.
  * \param others those before and those after each in order of their distance in time
- * \param voxels vehicle frame of the scan to be decided [m] \param efforts one value per voxel
- * \param size of a voxel and \param margin of a ray behind it, see ScanVisibility::evaluate() [m].
- * Same result for any number of threads. */
+ * \param voxels a point of each, vehicle frame of the scan to be decided [m] \param efforts one
+ * value per voxel \param size of a voxel and \param margin of a ray behind it, see
+ * ScanVisibility::evaluate() [m]. Same result for any number of threads. */
 [[nodiscard]] std::vector<RayCounts> countRays(const std::vector<OtherScan>& others,
                                                const std::vector<Eigen::Vector3f>& voxels,
                                                const std::vector<RayEffort>& efforts,

@@ -18,7 +18,7 @@ namespace dyslam
 class GroundSquare
 {
  public:
-  /** \param z height of a return [m]; if it is infinite or not a number it only counts */
+  /** \param z height of a return [m]; of +infinity and not a number only the count is kept */
   void add(float z)
   {
     ++count_;
@@ -42,15 +42,14 @@ class GroundSquare
   /** Height of the third lowest return, of fewer the highest; infinity if there is none [m]. */
   [[nodiscard]] float thirdLowest() const
   {
-    constexpr float none = std::numeric_limits<float>::infinity();
     return z_[2] < none ? z_[2] : (z_[1] < none ? z_[1] : z_[0]);
   }
 
  private:
-  std::array<float, 3> z_{std::numeric_limits<float>::infinity(),
-                          std::numeric_limits<float>::infinity(),
-                          std::numeric_limits<float>::infinity()};  //!< lowest first [m]
-  std::uint32_t count_ = 0;
+  static constexpr float none = std::numeric_limits<float>::infinity();
+
+  std::array<float, 3> z_{none, none, none};  //!< of the three lowest returns, lowest first [m]
+  std::uint32_t count_ = 0;                   //!< number of returns
 };
 
 /** Heights of the ground in a square and the eight around it, of those where it is known. */
