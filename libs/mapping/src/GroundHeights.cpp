@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "GroundHeights.h"
 
+#include <dyslam/core/GroundSquare.h>
 #include <dyslam/core/Quantile.h>
 #include <dyslam/core/StateArchive.h>
+#include <dyslam/core/VoxelGrid.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <limits>
 #include <numeric>
@@ -15,65 +16,136 @@ namespace dyslam
 {
 namespace
 {
-constexpr float square = 2.0F;             // side [m]
-constexpr float fine_square = 0.5F;        // side of the squares within [m]
-constexpr float fine_reach = 0.5F;         // above the third lowest return of a square [m]
-constexpr std::uint32_t fewest_scans = 3;  // with returns in one of those
-constexpr float step = 0.3F;  // of the ground above the median of the squares around, at most [m]
-constexpr float nothing = std::numeric_limits<float>::infinity();
-constexpr float last_square = (1U << 20U) - 2;  // the neighbours of which have keys of their own
+constexpr float ground_square = 2.0F;       // side of the squares [m]
+constexpr float fine_ground_square = 0.5F;  // side of the squares within [m]
+constexpr float fine_reach = 0.5F;          // above the third lowest return of a square [m]
+constexpr std::uint32_t fewest_scans = 3;   // with returns in one of the squares within
+constexpr std::size_t ground_parts = 4;     // the ground is the lower quartile of the scans
+constexpr float unknown_ground = std::numeric_limits<float>::quiet_NaN();
 
-/** Points that are not finite or too far away are in the last square. \param side [m] */
-VoxelCell squareOf(const Eigen::Vector3f& p, float side = square)
+using SquareHeights = std::vector<std::pair<std::uint64_t, float>>;  // by voxelKey()
+
+/** \param side of the squares [m] */
+VoxelCell groundSquareOf(const Eigen::Vector3f& p, float side)
 {
-  const auto along = [side](float coordinate)
+  return voxelCell(Eigen::Vector3f(p.x(), p.y(), 0), 1 / side);
+}
+
+/** Squares, numbered as they are added. */
+class NumberedSquares
+{
+ public:
+  /** \return number of the square, which may have been added before */
+  std::uint32_t add(const VoxelCell& square)
   {
-    const float number = std::floor(coordinate / side);
-    return static_cast<std::int32_t>(std::abs(number) < last_square ? number : last_square);
-  };
-  return {along(p.x()), along(p.y()), 0};
+    const std::uint64_t key = voxelKey(square);
+    if (key != last_key_)  // most points are in the same square as the one before
+    {
+      last_key_ = key;
+      last_ = index_.findOrInsert(key, static_cast<std::uint32_t>(keys_.size()));
+      if (last_ == keys_.size())
+      {
+        keys_.push_back(key);
+        squares_.push_back(square);
+      }
+    }
+    return last_;
+  }
+  [[nodiscard]] std::size_t size() const { return keys_.size(); }
+  [[nodiscard]] std::uint64_t keyOf(std::size_t number) const { return keys_[number]; }
+  [[nodiscard]] const VoxelCell& operator[](std::size_t number) const { return squares_[number]; }
+  /** Number of the square, or VoxelHash::none. */
+  [[nodiscard]] std::uint32_t find(std::uint64_t key) const { return index_.find(key); }
+
+ private:
+  VoxelHash index_;  // from keys to numbers
+  std::vector<std::uint64_t> keys_;
+  std::vector<VoxelCell> squares_;
+  std::optional<std::uint64_t> last_key_;
+  std::uint32_t last_ = 0;  // number of the last one that was added
+};
+
+/** Low quantile of the heights that the scans have in each of some squares; not a number where
+ * fewer than `fewest` scans have one [m]. */
+std::vector<float> joinedHeights(const std::vector<const SquareHeights*>& scans,
+                                 const NumberedSquares& squares,
+                                 std::uint32_t fewest)
+{
+  std::vector<std::pair<std::uint32_t, float>> found;  // number of the square, height
+  std::vector<std::uint32_t> counts(squares.size());   // of the heights of each square
+  for (const SquareHeights* scan : scans)
+  {
+    for (const auto& [key, z] : *scan)
+    {
+      const std::uint32_t square = squares.find(key);
+      if (square != VoxelHash::none)
+      {
+        found.emplace_back(square, z);
+        ++counts[square];
+      }
+    }
+  }
+  std::vector<std::uint32_t> ends(counts.size());  // of the heights so far, square by square
+  std::exclusive_scan(counts.begin(), counts.end(), ends.begin(), 0U);
+  std::vector<float> heights(found.size());
+  for (const auto& [square, z] : found)
+  {
+    heights[ends[square]++] = z;
+  }
+  std::vector<float> result;
+  result.reserve(counts.size());
+  for (std::size_t s = 0; s < counts.size(); ++s)
+  {
+    const auto end = heights.begin() + ends[s];
+    result.push_back(counts[s] < fewest ? unknown_ground
+                                        : lowQuantile(end - counts[s], end, ground_parts));
+  }
+  return result;
+}
+
+/** Highest that the ground of a square can be, see GroundAround [m].
+ * \param heights of the ground, one per square */
+float highestGround(const NumberedSquares& squares,
+                    std::size_t square,
+                    const std::vector<float>& heights)
+{
+  const VoxelCell& middle = squares[square];
+  GroundAround around;
+  for (int dx = -1; dx <= 1; ++dx)
+  {
+    for (int dy = -1; dy <= 1; ++dy)
+    {
+      const std::uint32_t found = squares.find(voxelKey({middle.x + dx, middle.y + dy, 0}));
+      if (found != VoxelHash::none && !std::isnan(heights[found]))
+      {
+        around.add(heights[found]);
+      }
+    }
+  }
+  return around.highest();
 }
 }  // namespace
 
 LowestReturns::LowestReturns(const std::vector<Eigen::Vector3f>& points,
                              const Eigen::Isometry3f& T_odom_vehicle)
 {
-  VoxelHash index;
-  std::vector<std::array<float, 3>> lowest;
-  std::vector<std::uint64_t> keys;
+  NumberedSquares squares;
+  std::vector<GroundSquare> lowest;
   std::vector<std::uint32_t> square_of_point;
   square_of_point.reserve(points.size());
-  std::uint32_t found = VoxelHash::none;
   for (const Eigen::Vector3f& point : points)
   {
     const Eigen::Vector3f p = T_odom_vehicle * point;
-    const std::uint64_t key = voxelKey(squareOf(p));
-    if (found == VoxelHash::none ||
-        keys[found] != key)  // most are in the same square as the one before
-    {
-      found = index.findOrInsert(key, static_cast<std::uint32_t>(keys.size()));
-    }
-    if (found == keys.size())
-    {
-      keys.push_back(key);
-      lowest.push_back({nothing, nothing, nothing});
-    }
-    auto& low = lowest[found];
-    square_of_point.push_back(found);
-    if (p.z() < low[2])
-    {
-      low[2] = p.z();
-      std::sort(low.begin(), low.end());
-    }
+    const std::uint32_t square = squares.add(groundSquareOf(p, ground_square));
+    square_of_point.push_back(square);
+    lowest.resize(squares.size());
+    lowest[square].add(p.z());
   }
-  for (std::size_t i = 0; i < keys.size(); ++i)
+  for (std::size_t s = 0; s < squares.size(); ++s)
   {
-    const auto& low = lowest[i];
-    heights_.emplace_back(keys[i],
-                          low[2] < nothing ? low[2] : (low[1] < nothing ? low[1] : low[0]));
+    heights_.emplace_back(squares.keyOf(s), lowest[s].thirdLowest());
   }
-  VoxelHash fine_index;
-  std::uint32_t fine_found = VoxelHash::none;
+  NumberedSquares fine_squares;
   for (std::size_t i = 0; i < points.size(); ++i)
   {
     const Eigen::Vector3f p = T_odom_vehicle * points[i];
@@ -81,131 +153,89 @@ LowestReturns::LowestReturns(const std::vector<Eigen::Vector3f>& points,
     {
       continue;
     }
-    const std::uint64_t key = voxelKey(squareOf(p, fine_square));
-    if (fine_found == VoxelHash::none || fine_[fine_found].first != key)
+    const std::uint32_t square = fine_squares.add(groundSquareOf(p, fine_ground_square));
+    if (square == fine_.size())
     {
-      fine_found = fine_index.findOrInsert(key, static_cast<std::uint32_t>(fine_.size()));
+      fine_.emplace_back(fine_squares.keyOf(square), p.z());
     }
-    if (fine_found == fine_.size())
-    {
-      fine_.emplace_back(key, p.z());
-    }
-    fine_[fine_found].second = std::min(fine_[fine_found].second, p.z());
+    fine_[square].second = std::min(fine_[square].second, p.z());
   }
-}
-
-namespace
-{
-using Heights = std::vector<std::pair<std::uint64_t, float>>;
-
-/** Low quantile of the heights in each square. \param heights of each scan
- * \param[out] index of the squares */
-std::vector<float> joinedHeights(const std::vector<const Heights*>& heights_of_scans,
-                                 std::uint32_t fewest,
-                                 VoxelHash& index)
-{
-  std::vector<std::uint32_t> squares;  // of the heights, as they come
-  std::vector<std::uint32_t> counts;   // of the heights of each square
-  for (const Heights* scan : heights_of_scans)
-  {
-    for (const auto& [key, z] : *scan)
-    {
-      const auto next = static_cast<std::uint32_t>(counts.size());
-      squares.push_back(index.findOrInsert(key, next));
-      if (squares.back() == next)
-      {
-        counts.push_back(0);
-      }
-      ++counts[squares.back()];
-    }
-  }
-  std::vector<std::uint32_t> ends(counts.size());  // of the heights so far, square by square
-  std::exclusive_scan(counts.begin(), counts.end(), ends.begin(), 0U);
-  std::vector<float> heights(squares.size());
-  std::size_t i = 0;
-  for (const Heights* scan : heights_of_scans)
-  {
-    for (const auto& [key, z] : *scan)
-    {
-      heights[ends[squares[i++]]++] = z;
-    }
-  }
-  std::vector<float> result;
-  result.reserve(counts.size());
-  for (std::size_t s = 0; s < counts.size(); ++s)
-  {
-    const auto end = heights.begin() + ends[s];
-    result.push_back(counts[s] < fewest ? -nothing : lowQuantile(end - counts[s], end, 4));
-  }
-  return result;
-}
-}  // namespace
-
-GroundHeights::GroundHeights(const std::vector<const LowestReturns*>& scans)
-{
-  std::vector<const Heights*> heights;
-  std::vector<const Heights*> fine;
-  for (const LowestReturns* scan : scans)
-  {
-    heights.push_back(&scan->heights());
-    fine.push_back(&scan->fineHeights());
-  }
-  height_ = joinedHeights(heights, 1, index_);
-  fine_height_ = joinedHeights(fine, fewest_scans, fine_index_);
-}
-
-float GroundHeights::fineHeightOf(const Eigen::Vector3f& p, float height) const
-{
-  const std::uint32_t found = fine_index_.find(voxelKey(squareOf(p, fine_square)));
-  return found == VoxelHash::none ? height : std::min(height, p.z() - fine_height_[found]);
-}
-
-std::vector<float> GroundHeights::heightsOf(const std::vector<Eigen::Vector3f>& points) const
-{
-  std::vector<float> heights;
-  heights.reserve(points.size());
-  std::vector<float> ground(height_.size(), nothing);
-  std::optional<std::uint64_t> last;  // most points are in the same square as the one before
-  std::uint32_t found = VoxelHash::none;
-  for (const Eigen::Vector3f& p : points)
-  {
-    const VoxelCell square = squareOf(p);
-    const std::uint64_t key = voxelKey(square);
-    if (key != last)
-    {
-      last = key;
-      found = index_.find(key);
-      if (found != VoxelHash::none && ground[found] == nothing)
-      {
-        ground[found] = limited(square, height_[found]);
-      }
-    }
-    heights.push_back(p.z() - (found != VoxelHash::none ? ground[found] : limited(square, p.z())));
-  }
-  return heights;
-}
-
-float GroundHeights::limited(const VoxelCell& square, float own) const
-{
-  std::array<float, 9> around{};
-  std::size_t count = 0;
-  for (int dx = -1; dx <= 1; ++dx)
-  {
-    for (int dy = -1; dy <= 1; ++dy)
-    {
-      const std::uint32_t found = index_.find(voxelKey({square.x + dx, square.y + dy, 0}));
-      if (found != VoxelHash::none)
-      {
-        around[count++] = height_[found];
-      }
-    }
-  }
-  const auto end = around.begin() + static_cast<std::ptrdiff_t>(count);
-  return count == 0 ? own : std::min(own, upperMedian(around.begin(), end) + step);
 }
 
 void LowestReturns::exchangeState(StateArchive& archive)
 {
   archive(heights_, fine_);
+}
+
+std::vector<float> heightsOverGround(const std::vector<const LowestReturns*>& scans,
+                                     const std::vector<Eigen::Vector3f>& points)
+{
+  NumberedSquares squares;
+  std::vector<std::uint32_t> square_of_point;
+  square_of_point.reserve(points.size());
+  for (const Eigen::Vector3f& p : points)
+  {
+    square_of_point.push_back(squares.add(groundSquareOf(p, ground_square)));
+  }
+  const std::size_t of_points = squares.size();
+  for (std::size_t s = 0; s < of_points; ++s)
+  {
+    const VoxelCell middle = squares[s];
+    for (int dx = -1; dx <= 1; ++dx)
+    {
+      for (int dy = -1; dy <= 1; ++dy)
+      {
+        squares.add({middle.x + dx, middle.y + dy, 0});
+      }
+    }
+  }
+  std::vector<const SquareHeights*> heights_of_scans;
+  for (const LowestReturns* scan : scans)
+  {
+    heights_of_scans.push_back(&scan->heights());
+  }
+  const std::vector<float> ground = joinedHeights(heights_of_scans, squares, 1);
+  std::vector<float> highest;
+  highest.reserve(of_points);
+  for (std::size_t s = 0; s < of_points; ++s)
+  {
+    highest.push_back(highestGround(squares, s, ground));
+  }
+  std::vector<float> heights;
+  heights.reserve(points.size());
+  for (std::size_t i = 0; i < points.size(); ++i)
+  {
+    const std::uint32_t s = square_of_point[i];
+    const float z = points[i].z();
+    heights.push_back(z - std::min(std::isnan(ground[s]) ? z : ground[s], highest[s]));
+  }
+  return heights;
+}
+
+std::vector<float> fineHeightsOverGround(const std::vector<const LowestReturns*>& scans,
+                                         const std::vector<Eigen::Vector3f>& points,
+                                         const std::vector<float>& heights)
+{
+  NumberedSquares squares;
+  std::vector<std::uint32_t> square_of_point;
+  square_of_point.reserve(points.size());
+  for (const Eigen::Vector3f& p : points)
+  {
+    square_of_point.push_back(squares.add(groundSquareOf(p, fine_ground_square)));
+  }
+  std::vector<const SquareHeights*> heights_of_scans;
+  for (const LowestReturns* scan : scans)
+  {
+    heights_of_scans.push_back(&scan->fineHeights());
+  }
+  const std::vector<float> ground = joinedHeights(heights_of_scans, squares, fewest_scans);
+  std::vector<float> result;
+  result.reserve(points.size());
+  for (std::size_t i = 0; i < points.size(); ++i)
+  {
+    const float fine = ground[square_of_point[i]];
+    result.push_back(std::isnan(fine) ? heights[i] : std::min(heights[i], points[i].z() - fine));
+  }
+  return result;
 }
 }  // namespace dyslam

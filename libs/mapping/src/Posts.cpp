@@ -10,29 +10,29 @@ namespace dyslam
 {
 namespace
 {
-constexpr float near = 0.4F;     // horizontal distance of places of the same post [m]
+constexpr float near = 0.4F;     // horizontal distance of voxels of the same post [m]
 constexpr float around = 1.0F;   // within which a post stands by itself [m]
 constexpr float lowest = 1.2F;   // height of a post [m]
-constexpr float widest = 0.12F;  // standard deviation of its places, horizontally [m]
+constexpr float widest = 0.12F;  // standard deviation of its voxels, horizontally [m]
 constexpr float square = 0.5F;   // side of the squares [m]
 
-VoxelCell squareOf(const Eigen::Vector3f& place)
+VoxelCell squareOf(const Eigen::Vector3f& voxel)
 {
-  return voxelCell(Eigen::Vector3f(place.x(), place.y(), 0), 1 / square);
+  return voxelCell(Eigen::Vector3f(voxel.x(), voxel.y(), 0), 1 / square);
 }
 
-/** The places near a place: their height and how far they spread. */
-class NearPlaces
+/** The voxels near a voxel: their height and how far they spread. */
+class NearVoxels
 {
  public:
-  void add(const Eigen::Vector3f& from_place)
+  void add(const Eigen::Vector3f& from_voxel)
   {
-    const Eigen::Vector2f flat = from_place.head<2>();
+    const Eigen::Vector2f flat = from_voxel.head<2>();
     ++count_;
     sum_ += flat;
     squares_ += flat.squaredNorm();
-    low_ = std::min(low_, from_place.z());
-    high_ = std::max(high_, from_place.z());
+    low_ = std::min(low_, from_voxel.z());
+    high_ = std::max(high_, from_voxel.z());
   }
   [[nodiscard]] std::size_t count() const { return count_; }
   [[nodiscard]] bool arePost() const
@@ -46,18 +46,18 @@ class NearPlaces
   std::size_t count_ = 0;
   Eigen::Vector2f sum_ = Eigen::Vector2f::Zero();
   float squares_ = 0;
-  float low_ = 0;  // the place itself is one of them
+  float low_ = 0;  // the voxel itself is one of them
   float high_ = 0;
 };
 }  // namespace
 
-Posts::Posts(const std::vector<Eigen::Vector3f>& places)
-    : places_(places), next_(places.size(), VoxelHash::none)
+Posts::Posts(const std::vector<Eigen::Vector3f>& voxels)
+    : voxels_(voxels), next_(voxels.size(), VoxelHash::none)
 {
-  std::vector<std::uint32_t> last(places.size());  // of the square that begins with a place
-  for (std::uint32_t i = 0; i < places.size(); ++i)
+  std::vector<std::uint32_t> last(voxels.size());  // of the square that begins with a voxel
+  for (std::uint32_t i = 0; i < voxels.size(); ++i)
   {
-    const std::uint32_t first = squares_.findOrInsert(voxelKey(squareOf(places[i])), i);
+    const std::uint32_t first = squares_.findOrInsert(voxelKey(squareOf(voxels[i])), i);
     if (first != i)
     {
       next_[last[first]] = i;
@@ -66,12 +66,12 @@ Posts::Posts(const std::vector<Eigen::Vector3f>& places)
   }
 }
 
-bool Posts::contain(std::size_t place) const
+bool Posts::contain(std::size_t voxel) const
 {
   constexpr int reach = 2;  // squares, for `around`
-  const Eigen::Vector3f& p = places_[place];
+  const Eigen::Vector3f& p = voxels_[voxel];
   const VoxelCell middle = squareOf(p);
-  NearPlaces near_places;
+  NearVoxels near_voxels;
   std::size_t others = 0;
   for (int x = -reach; x <= reach; ++x)
   {
@@ -80,11 +80,11 @@ bool Posts::contain(std::size_t place) const
       for (std::uint32_t i = squares_.find(voxelKey({middle.x + x, middle.y + y, 0}));
            i != VoxelHash::none; i = next_[i])
       {
-        const Eigen::Vector3f offset = places_[i] - p;
+        const Eigen::Vector3f offset = voxels_[i] - p;
         const float distance = offset.head<2>().norm();
         if (distance < near)
         {
-          near_places.add(offset);
+          near_voxels.add(offset);
         }
         else if (distance < around)
         {
@@ -93,6 +93,6 @@ bool Posts::contain(std::size_t place) const
       }
     }
   }
-  return 2 * others <= near_places.count() && near_places.arePost();
+  return 2 * others <= near_voxels.count() && near_voxels.arePost();
 }
 }  // namespace dyslam

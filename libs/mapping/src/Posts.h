@@ -10,24 +10,24 @@
 
 namespace dyslam
 {
-/** Finds places of posts, poles and trunks: thin upright columns that stand by themselves.
+/** Finds voxels of posts, poles and trunks: thin upright columns that stand by themselves.
  *
  * Rays hit them in some scans and pass beside them in others, so that they look as if they came and
  * went. */
 class Posts
 {
  public:
-  /** \param places odometry frame, z up [m]; kept by reference */
-  explicit Posts(const std::vector<Eigen::Vector3f>& places);
+  /** \param voxels a point of each, odometry frame, z up [m]; kept by reference */
+  explicit Posts(const std::vector<Eigen::Vector3f>& voxels);
 
-  /** Whether the place belongs to a post: the places within 0.4 m horizontally are higher than 1.2
+  /** Whether the voxel belongs to a post: the voxels within 0.4 m horizontally are higher than 1.2
    * m together and spread by less than 0.12 m (standard deviation), and within 1 m there are at
    * most half as many others. */
-  [[nodiscard]] bool contain(std::size_t place) const;
+  [[nodiscard]] bool contain(std::size_t voxel) const;
 
  private:
-  const std::vector<Eigen::Vector3f>& places_;
-  VoxelHash squares_;                // to their first place
-  std::vector<std::uint32_t> next_;  // place of the same square, or VoxelHash::none
+  const std::vector<Eigen::Vector3f>& voxels_;
+  VoxelHash squares_;                // to their first voxel
+  std::vector<std::uint32_t> next_;  // voxel of the same square, or VoxelHash::none
 };
 }  // namespace dyslam

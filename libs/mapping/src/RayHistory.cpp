@@ -7,12 +7,12 @@ namespace dyslam
 {
 namespace
 {
-constexpr std::size_t chunk = 256;       // of places in a thread
+constexpr std::size_t chunk = 256;       // of voxels in a thread
 constexpr std::size_t probe_stride = 3;  // of the scans that are evaluated first; odd: both sides
-constexpr int sufficient_scans = 6;      // of these that observed a place
+constexpr int sufficient_scans = 6;      // of these that observed a voxel
 
 /** Running sum over the scans before or those after, which are added from the nearest in time to
- * the farthest: 1 for a scan that observed the place free, -2 for one that observed it occupied. */
+ * the farthest: 1 for a scan that observed the voxel free, -2 for one that observed it occupied. */
 struct Side
 {
   std::int16_t sum = 0;
@@ -53,48 +53,48 @@ void add(const OtherScan& other, Evidence seen, RayCounts& c, Sides& sides)
   }
 }
 
-/** What the other scans observed at the places of a chunk. */
+/** What the other scans observed at the voxels of a chunk. */
 class ChunkEvidence
 {
  public:
   ChunkEvidence(const std::vector<OtherScan>& others,
-                const Eigen::Vector3f* places,
+                const Eigen::Vector3f* voxels,
                 std::size_t count,
                 float size,
                 float margin)
-      : others_(others), places_(places), count_(count), size_(size), margin_(margin)
+      : others_(others), voxels_(voxels), count_(count), size_(size), margin_(margin)
   {
     seen_.resize(others.size() * count, Evidence::none);
   }
 
   [[nodiscard]] static bool isProbe(std::size_t other) { return other % probe_stride == 0; }
 
-  /** Evaluates the first scans at all places. */
+  /** Evaluates the first scans at all voxels. */
   void probe()
   {
     for (std::size_t o = 0; o < others_.size(); ++o)
     {
       if (isProbe(o))
       {
-        others_[o].rays->evaluate(places_, count_, others_[o].T_other_this, size_, margin_, row(o));
+        others_[o].rays->evaluate(voxels_, count_, others_[o].T_other_this, size_, margin_, row(o));
       }
     }
   }
 
-  /** Evaluates the remaining scans at some places. */
+  /** Evaluates the remaining scans at some voxels. */
   void complete(const std::vector<std::size_t>& chosen)
   {
-    std::vector<Eigen::Vector3f> places;
+    std::vector<Eigen::Vector3f> voxels;
     for (const std::size_t i : chosen)
     {
-      places.push_back(places_[i]);
+      voxels.push_back(voxels_[i]);
     }
-    std::vector<Evidence> seen(places.size());
+    std::vector<Evidence> seen(voxels.size());
     for (std::size_t o = 0; o < others_.size(); ++o)
     {
       if (!isProbe(o))
       {
-        others_[o].rays->evaluate(places.data(), places.size(), others_[o].T_other_this, size_,
+        others_[o].rays->evaluate(voxels.data(), voxels.size(), others_[o].T_other_this, size_,
                                   margin_, seen.data());
         for (std::size_t k = 0; k < chosen.size(); ++k)
         {
@@ -104,13 +104,13 @@ class ChunkEvidence
     }
   }
 
-  [[nodiscard]] RayCounts countsOf(std::size_t place)
+  [[nodiscard]] RayCounts countsOf(std::size_t voxel)
   {
     RayCounts counts;
     Sides sides;
     for (std::size_t o = 0; o < others_.size(); ++o)
     {
-      add(others_[o], row(o)[place], counts, sides);
+      add(others_[o], row(o)[voxel], counts, sides);
     }
     return counts;
   }
@@ -119,10 +119,10 @@ class ChunkEvidence
   Evidence* row(std::size_t other) { return &seen_[other * count_]; }
 
   const std::vector<OtherScan>& others_;
-  const Eigen::Vector3f* places_;
+  const Eigen::Vector3f* voxels_;
   std::size_t count_;
   float size_, margin_;
-  std::vector<Evidence> seen_;  //!< of a scan at all places, then of the next scan
+  std::vector<Evidence> seen_;  //!< of a scan at all voxels, then of the next scan
 };
 }  // namespace
 
@@ -132,17 +132,17 @@ bool isClear(const RayCounts& counts)
 }
 
 std::vector<RayCounts> countRays(const std::vector<OtherScan>& others,
-                                 const std::vector<Eigen::Vector3f>& places,
+                                 const std::vector<Eigen::Vector3f>& voxels,
                                  const std::vector<RayEffort>& efforts,
                                  float size,
                                  float margin,
                                  ThreadPool& pool)
 {
-  std::vector<RayCounts> counts(places.size());
+  std::vector<RayCounts> counts(voxels.size());
   pool.forChunks(counts.size(), chunk,
                  [&](std::size_t begin, std::size_t end, std::size_t)
                  {
-                   ChunkEvidence evidence(others, &places[begin], end - begin, size, margin);
+                   ChunkEvidence evidence(others, &voxels[begin], end - begin, size, margin);
                    evidence.probe();
                    std::vector<std::size_t> doubtful;
                    for (std::size_t g = begin; g < end; ++g)

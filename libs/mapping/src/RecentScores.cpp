@@ -35,11 +35,11 @@ void RecentScores::beginScan(std::size_t scan)
   }
 }
 
-float RecentScores::smooth(std::uint64_t voxel, float score)
+float RecentScores::smooth(std::uint64_t key, float score)
 {
   for (const OfScan& before : before_)
   {
-    const std::uint32_t i = before.index.find(voxel);
+    const std::uint32_t i = before.index.find(key);
     if (i != VoxelHash::none)
     {
       score = std::abs(score) < sure ? 0.5F * (score + before.scores[i]) : score;
@@ -47,7 +47,7 @@ float RecentScores::smooth(std::uint64_t voxel, float score)
     }
   }
   const auto next = static_cast<std::uint32_t>(current_.scores.size());
-  if (current_.index.findOrInsert(voxel, next) == next)
+  if (current_.index.findOrInsert(key, next) == next)
   {
     current_.scores.push_back(score);
   }

@@ -44,9 +44,9 @@ ScanVisibility::ScanVisibility(const Scan& scan, const Cloud& cloud)
   }
 }
 
-void ScanVisibility::evaluate(const Eigen::Vector3f* places,
+void ScanVisibility::evaluate(const Eigen::Vector3f* voxels,
                               std::size_t count,
-                              const Eigen::Isometry3f& T_vehicle_places,
+                              const Eigen::Isometry3f& T_vehicle_voxels,
                               float size,
                               float margin,
                               Evidence* evidence) const
@@ -56,11 +56,11 @@ void ScanVisibility::evaluate(const Eigen::Vector3f* places,
     std::fill_n(evidence, count, Evidence::none);
     return;
   }
-  lidars_.front().evaluate(places, count, T_vehicle_places, size, margin, evidence);
+  lidars_.front().evaluate(voxels, count, T_vehicle_voxels, size, margin, evidence);
   std::vector<Evidence> further(lidars_.size() > 1 ? count : 0);
   for (std::size_t k = 1; k < lidars_.size(); ++k)
   {
-    lidars_[k].evaluate(places, count, T_vehicle_places, size, margin, further.data());
+    lidars_[k].evaluate(voxels, count, T_vehicle_voxels, size, margin, further.data());
     for (std::size_t i = 0; i < count; ++i)
     {
       evidence[i] = joined(evidence[i], further[i]);

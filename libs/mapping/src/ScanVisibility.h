@@ -10,7 +10,7 @@
 
 namespace dyslam
 {
-/** What the rays of one scan, of all its lidars, observed: a place is occupied if it is for one of
+/** What the rays of one scan, of all its lidars, observed: a voxel is occupied if it is for one of
  * them, else free if it is for one. */
 class ScanVisibility
 {
@@ -21,13 +21,13 @@ class ScanVisibility
   ScanVisibility() = default;
 
   /** As VisibilityImage::evaluate(). */
-  void evaluate(const Eigen::Vector3f* places,
+  void evaluate(const Eigen::Vector3f* voxels,
                 std::size_t count,
-                const Eigen::Isometry3f& T_vehicle_places,
+                const Eigen::Isometry3f& T_vehicle_voxels,
                 float size,
                 float margin,
                 Evidence* evidence) const;
-  /** VisibilityImage::at() of a place in the vehicle frame: rays passed through it, or at least
+  /** VisibilityImage::at() of a voxel in the vehicle frame: rays passed through it, or at least
    * around it. */
   [[nodiscard]] bool observesFree(const Eigen::Vector3f& p, float size, float margin) const;
 

@@ -51,7 +51,7 @@ Segments findSegments(const std::vector<Eigen::Vector3f>& points,
                       double cell_size)
 {
   Segments result;
-  result.place_of_point.assign(points.size(), Segments::none);
+  result.voxel_of_point.assign(points.size(), Segments::none);
   VoxelHash voxel_index;
   const auto inverse_voxel = static_cast<float>(1.0 / voxel_size);
   result.inverse_cell_size = static_cast<float>(1.0 / cell_size);
@@ -62,17 +62,17 @@ Segments findSegments(const std::vector<Eigen::Vector3f>& points,
       continue;
     }
     const auto next = static_cast<std::uint32_t>(result.first_point.size());
-    const std::uint64_t voxel = voxelKey(voxelCell(points[i], inverse_voxel));
-    const std::uint32_t place = voxel_index.findOrInsert(voxel, next);
-    result.place_of_point[i] = place;
-    if (place == next)
+    const std::uint64_t key = voxelKey(voxelCell(points[i], inverse_voxel));
+    const std::uint32_t voxel = voxel_index.findOrInsert(key, next);
+    result.voxel_of_point[i] = voxel;
+    if (voxel == next)
     {
       result.first_point.push_back(i);
-      result.voxel_of_place.push_back(voxel);
+      result.key_of_voxel.push_back(key);
       const VoxelCell cell = voxelCell(points[i], result.inverse_cell_size);
       const auto next_cell = static_cast<std::uint32_t>(result.cells.size());
-      result.cell_of_place.push_back(result.cell_index.findOrInsert(voxelKey(cell), next_cell));
-      if (result.cell_of_place.back() == next_cell)
+      result.cell_of_voxel.push_back(result.cell_index.findOrInsert(voxelKey(cell), next_cell));
+      if (result.cell_of_voxel.back() == next_cell)
       {
         result.cells.push_back(cell);
       }
@@ -81,11 +81,11 @@ Segments findSegments(const std::vector<Eigen::Vector3f>& points,
   findNeighbours(result);
   DisjointSets sets = joined(result);
   std::vector<std::uint32_t> number(result.cells.size(), Segments::none);
-  for (const std::uint32_t cell : result.cell_of_place)
+  for (const std::uint32_t cell : result.cell_of_voxel)
   {
     std::uint32_t& n = number[sets.find(cell)];
     n = n == Segments::none ? static_cast<std::uint32_t>(result.segments++) : n;
-    result.segment_of_place.push_back(n);
+    result.segment_of_voxel.push_back(n);
   }
   return result;
 }

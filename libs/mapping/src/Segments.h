@@ -10,19 +10,19 @@
 
 namespace dyslam
 {
-/** The points of a scan clustered to places (the points of one voxel) and these to segments (places
- * in cells that touch). Indices of places are in the order of their first points. */
+/** The points of a scan in voxels, and these clustered to segments (voxels in cells that touch).
+ * Indices of voxels are in the order of their first points. */
 struct Segments
 {
   static constexpr std::uint32_t none = 0xFFFFFFFFU;
 
-  std::vector<std::uint32_t> place_of_point;    //!< or none
-  std::vector<std::uint32_t> first_point;       //!< of each place
-  std::vector<std::uint64_t> voxel_of_place;    //!< its voxelKey()
-  std::vector<std::uint32_t> segment_of_place;  //!< numbered in order of their first points
+  std::vector<std::uint32_t> voxel_of_point;    //!< or none
+  std::vector<std::uint32_t> first_point;       //!< of each voxel
+  std::vector<std::uint64_t> key_of_voxel;      //!< its voxelKey()
+  std::vector<std::uint32_t> segment_of_voxel;  //!< numbered in order of their first points
   std::size_t segments = 0;                     //!< number of segments
-  std::vector<VoxelCell> cells;                 //!< that hold places
-  std::vector<std::uint32_t> cell_of_place;
+  std::vector<VoxelCell> cells;                 //!< that hold voxels
+  std::vector<std::uint32_t> cell_of_voxel;
   VoxelHash cell_index;         //!< from voxelKey() to position in `cells`
   float inverse_cell_size = 1;  //!< [1/m]
 
@@ -43,9 +43,9 @@ struct Segments
   }
 };
 
-/** \param points odometry frame [m] \param use which of them are clustered; the others get no place
- * \param voxel_size of a place [m] \param cell_size of the cells, each of which touches 26 others
- * [m].
+/** \param points odometry frame [m] \param use which of them are clustered; the others get no voxel
+ * \param voxel_size side of the voxels [m] \param cell_size side of the cells, each of which
+ * touches 26 others [m].
  */
 [[nodiscard]] Segments findSegments(const std::vector<Eigen::Vector3f>& points,
                                     const std::vector<bool>& use,

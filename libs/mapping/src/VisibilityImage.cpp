@@ -22,7 +22,7 @@ constexpr int widest_window = 4;              // pixels to each side
 constexpr int widest_gap = 6;                 // rows to the nearest rays above and below
 constexpr int widest_side = 3;                // columns to the nearest rays on both sides
 constexpr float nearest = 0.5F;               // [m]
-constexpr float closest_pass = 0.1F;          // of a ray through a place [m]
+constexpr float closest_pass = 0.1F;          // of a ray through a voxel [m]
 
 constexpr std::size_t block = 128;  // rays processed together
 }  // namespace
@@ -202,7 +202,7 @@ Evidence VisibilityImage::evidenceAt(int row, int col, float range, float size, 
   }
   if (std::abs(rangeOf(pixels_[static_cast<std::size_t>(row * cols + col)]) - range) <= margin)
   {
-    return Evidence::occupied;  // as most places are; no need to look at the other pixels
+    return Evidence::occupied;  // as most voxels are; no need to look at the other pixels
   }
   int passed = 0;
   bool close = false;
@@ -230,7 +230,7 @@ Evidence VisibilityImage::evidenceAt(int row, int col, float range, float size, 
   return passed > half ? (close ? Evidence::free : Evidence::passed_by) : Evidence::none;
 }
 
-/** evidenceAt(), and the nearest rays around the place where those towards it are too few. */
+/** evidenceAt(), and the nearest rays around the voxel where those towards it are too few. */
 Evidence VisibilityImage::evidenceAround(
     int row, int col, float range, float size, float margin) const
 {
@@ -241,7 +241,7 @@ Evidence VisibilityImage::evidenceAround(
   }
   if (seen == Evidence::free)
   {
-    // Sparse rays that ended behind a place on a surface seen at a grazing angle may have none
+    // Sparse rays that ended behind a voxel on a surface seen at a grazing angle may have none
     // beside them in the window.
     const Evidence beside = evidenceInRow(row, col, range, margin);
     return beside == Evidence::occupied || beside == Evidence::occluded ? beside : seen;
@@ -270,7 +270,7 @@ Evidence VisibilityImage::evidenceBetweenRows(int row, int col, float range, flo
   return Evidence::enclosed;
 }
 
-/** The nearest rays of one row: free if they passed on both sides of the place, of which one would
+/** The nearest rays of one row: free if they passed on both sides of the voxel, of which one would
  * have ended before it on a surface that is seen at a grazing angle. */
 Evidence VisibilityImage::evidenceInRow(int row, int col, float range, float margin) const
 {
@@ -299,9 +299,9 @@ Evidence VisibilityImage::evidenceInRow(int row, int col, float range, float mar
   return passed == 0 ? Evidence::none : passed == 2 ? Evidence::free : Evidence::passed_by;
 }
 
-void VisibilityImage::evaluate(const Eigen::Vector3f* places,
+void VisibilityImage::evaluate(const Eigen::Vector3f* voxels,
                                std::size_t count,
-                               const Eigen::Isometry3f& T_vehicle_places,
+                               const Eigen::Isometry3f& T_vehicle_voxels,
                                float size,
                                float margin,
                                Evidence* evidence) const
@@ -312,7 +312,7 @@ void VisibilityImage::evaluate(const Eigen::Vector3f* places,
     rays.count = std::min(block, count - begin);
     for (std::size_t i = 0; i < rays.count; ++i)
     {
-      rays.set(i, T_vehicle_places * places[begin + i]);
+      rays.set(i, T_vehicle_voxels * voxels[begin + i]);
     }
     fromSensor(rays);
     for (std::size_t i = 0; i < rays.count; ++i)

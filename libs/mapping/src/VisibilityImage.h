@@ -14,7 +14,7 @@ namespace dyslam
 {
 class StateArchive;
 
-/** Evidence of one scan's rays about a place. */
+/** Evidence of one scan's rays about a voxel. */
 enum class Evidence
 {
   none,       //!< no ray in this direction
@@ -37,18 +37,18 @@ class VisibilityImage
   /** Without rays, for exchangeState(). */
   VisibilityImage() = default;
 
-  /** The rays near the direction of a cube of side `size` at `p` (vehicle frame). The place is free
+  /** The rays near the direction of a voxel of side `size` at `p` (vehicle frame). It is free
    * if all of them ended more than `margin` behind it, and there were such rays: directions without
    * a return (sky, black cars) prove nothing. It is occupied if one ended within `margin`. */
   [[nodiscard]] Evidence at(const Eigen::Vector3f& p, float size, float margin) const;
-  /** As at() for each of `count` places, but with sparse rays: where no ray passed through a place
+  /** As at() for each of `count` voxels, but with sparse rays: where no ray passed through a voxel
    * or ended there, those above and below are evaluated, up to 2.4 degrees away as between the
    * rings of a sensor with 16: `enclosed` or `occupied`. Faster than one by one.
-   * \param T_vehicle_places takes the places to the vehicle frame \param[out] evidence one value
-   * per place */
-  void evaluate(const Eigen::Vector3f* places,
+   * \param T_vehicle_voxels takes the voxels to the vehicle frame \param[out] evidence one value
+   * per voxel */
+  void evaluate(const Eigen::Vector3f* voxels,
                 std::size_t count,
-                const Eigen::Isometry3f& T_vehicle_places,
+                const Eigen::Isometry3f& T_vehicle_voxels,
                 float size,
                 float margin,
                 Evidence* evidence) const;

@@ -44,19 +44,25 @@ class Kerb : public ::testing::Test
     }
   }
 
-  [[nodiscard]] GroundHeights ground(std::size_t first, std::size_t count) const
+  using Scans = std::vector<const LowestReturns*>;
+
+  [[nodiscard]] Scans scans(std::size_t first, std::size_t count) const
   {
-    std::vector<const LowestReturns*> chosen;
+    Scans chosen;
     for (std::size_t i = first; i < first + count; ++i)
     {
       chosen.push_back(&scans_[i]);
     }
-    return GroundHeights(chosen);
+    return chosen;
   }
 
-  static float fineHeight(const GroundHeights& ground, const Eigen::Vector3f& p)
+  static float height(const Scans& scans, const Eigen::Vector3f& p)
   {
-    return ground.fineHeightOf(p, ground.heightsOf({p})[0]);
+    return heightsOverGround(scans, {p})[0];
+  }
+  static float fineHeight(const Scans& scans, const Eigen::Vector3f& p)
+  {
+    return fineHeightsOverGround(scans, {p}, {height(scans, p)})[0];
   }
 
   std::vector<LowestReturns> scans_;
@@ -65,8 +71,8 @@ class Kerb : public ::testing::Test
 TEST_F(Kerb, IsHigherThanTheLargeSquareButNotThanTheSmallOne)
 {
   const Eigen::Vector3f on_pavement(0.75F, 1.75F, kerb);
-  const GroundHeights all = ground(0, 4);
-  EXPECT_NEAR(all.heightsOf({on_pavement})[0], kerb, 1e-5F);
+  const Scans all = scans(0, 4);
+  EXPECT_NEAR(height(all, on_pavement), kerb, 1e-5F);
   EXPECT_NEAR(fineHeight(all, on_pavement), 0, 1e-5F);
   const Eigen::Vector3f foot = on_pavement + Eigen::Vector3f(0, 0, 0.12F);
   EXPECT_NEAR(fineHeight(all, foot), 0.12F, 1e-5F);
@@ -75,14 +81,48 @@ TEST_F(Kerb, IsHigherThanTheLargeSquareButNotThanTheSmallOne)
 TEST_F(Kerb, ABodyThatCoversTheGroundInOneScanIsNotTheGround)
 {
   const Eigen::Vector3f edge(2.5F, 0.5F, 0.25F);
-  EXPECT_NEAR(fineHeight(ground(0, 4), edge), 0.25F, 1e-5F);
+  EXPECT_NEAR(fineHeight(scans(0, 4), edge), 0.25F, 1e-5F);
   // Of which no scan knows the ground: the height over the large square stays.
-  EXPECT_NEAR(fineHeight(ground(3, 1), edge), 0.25F, 1e-5F);
+  EXPECT_NEAR(fineHeight(scans(3, 1), edge), 0.25F, 1e-5F);
 }
 
 TEST_F(Kerb, WhereNothingIsKnownTheHeightIsTheGivenOne)
 {
-  EXPECT_EQ(ground(0, 4).fineHeightOf({30, 30, 1}, 0.7F), 0.7F);
+  const Eigen::Vector3f far(30, 30, 1);
+  EXPECT_EQ(height(scans(0, 4), far), 0) << "the point itself is the ground";
+  EXPECT_EQ(fineHeightsOverGround(scans(0, 4), {far}, {0.7F})[0], 0.7F);
+}
+
+TEST_F(Kerb, OtherPointsOfACallDoNotMatter)
+{
+  const std::vector<Eigen::Vector3f> points{{0.75F, 1.75F, 1}, {3.5F, 3.5F, 2}, {30, 30, 1},
+                                            {2.5F, 0.5F, 3},   {4.5F, 1, 1},    {0.75F, 1.75F, 0}};
+  const std::vector<float> heights = heightsOverGround(scans(0, 4), points);
+  const std::vector<float> fine = fineHeightsOverGround(scans(0, 4), points, heights);
+  for (std::size_t i = 0; i < points.size(); ++i)
+  {
+    EXPECT_EQ(heights[i], height(scans(0, 4), points[i])) << i;
+    EXPECT_EQ(fine[i], fineHeight(scans(0, 4), points[i])) << i;
+  }
+  // Nothing is known of its own square: 0.3 m above the upper median of the two beside it, at most.
+  EXPECT_NEAR(heights[4], 1 - (kerb + 0.3F), 1e-5F);
+}
+
+TEST(GroundHeights, ARoofIsNoGround)
+{
+  std::vector<Eigen::Vector3f> points;
+  for (int ix = 0; ix < 5; ++ix)
+  {
+    for (int iy = 0; iy < 5; ++iy)
+    {
+      const bool roof = ix == 2 && iy == 2;
+      points.insert(
+          points.end(), 3,
+          {2 * static_cast<float>(ix) + 1, 2 * static_cast<float>(iy) + 1, roof ? 1.5F : 0.0F});
+    }
+  }
+  const LowestReturns scan(points, Eigen::Isometry3f::Identity());
+  EXPECT_FLOAT_EQ(heightsOverGround({&scan}, {{5, 5, 1.5F}})[0], 1.2F);
 }
 }  // namespace
 }  // namespace dyslam

@@ -7,10 +7,10 @@ namespace dyslam
 {
 namespace
 {
-using Places = std::vector<Eigen::Vector3f>;
+using Voxels = std::vector<Eigen::Vector3f>;
 
-/** Places at the corners of a square of side `width`, up to a height [m]. */
-void addColumn(float x, float y, float width, float height, Places& places)
+/** Voxels at the corners of a square of side `width`, up to a height [m]. */
+void addColumn(float x, float y, float width, float height, Voxels& voxels)
 {
   for (float z = 0.3F; z < height; z += 0.2F)
   {
@@ -18,7 +18,7 @@ void addColumn(float x, float y, float width, float height, Places& places)
     {
       for (const float dy : {0.0F, width})
       {
-        places.emplace_back(x + dx, y + dy, z);
+        voxels.emplace_back(x + dx, y + dy, z);
       }
     }
   }
@@ -26,25 +26,25 @@ void addColumn(float x, float y, float width, float height, Places& places)
 
 TEST(Posts, AreThinUprightAndStandByThemselves)
 {
-  Places places;
-  addColumn(-20.3F, 7.9F, 0.1F, 3, places);
-  EXPECT_TRUE(Posts(places).contain(0));
-  EXPECT_TRUE(Posts(places).contain(places.size() - 1));
+  Voxels voxels;
+  addColumn(-20.3F, 7.9F, 0.1F, 3, voxels);
+  EXPECT_TRUE(Posts(voxels).contain(0));
+  EXPECT_TRUE(Posts(voxels).contain(voxels.size() - 1));
 }
 
 TEST(Posts, AreNotPeopleOrBollards)
 {
-  Places person;
+  Voxels person;
   addColumn(5, 5, 0.35F, 1.8F, person);
   EXPECT_FALSE(Posts(person).contain(3)) << "too wide";
-  Places bollard;
+  Voxels bollard;
   addColumn(5, 5, 0.1F, 1.3F, bollard);
   EXPECT_FALSE(Posts(bollard).contain(0)) << "too low";
 }
 
 TEST(Posts, AreNotPartsOfLargerThings)
 {
-  Places wall;
+  Voxels wall;
   for (float x = 0; x < 3; x += 0.45F)  // sparse columns of a wall, each of them thin
   {
     addColumn(x, 0, 0.05F, 2.5F, wall);
@@ -52,9 +52,9 @@ TEST(Posts, AreNotPartsOfLargerThings)
   EXPECT_FALSE(Posts(wall).contain(wall.size() / 2));
 }
 
-TEST(Posts, OfNoPlacesAreNone)
+TEST(Posts, OfNoVoxelsAreNone)
 {
-  const Places one{{1, 2, 3}};
+  const Voxels one{{1, 2, 3}};
   EXPECT_FALSE(Posts(one).contain(0));
 }
 }  // namespace

@@ -11,7 +11,7 @@ namespace dyslam
 {
 namespace
 {
-const Eigen::Vector3f place(10, 0, 0);
+const Eigen::Vector3f observed_voxel(10, 0, 0);
 
 /** A scan of a sensor at the origin with returns at one distance ahead. */
 ScanVisibility wallAt(float distance)
@@ -31,7 +31,7 @@ ScanVisibility wallAt(float distance)
   return {Scan(), cloud};
 }
 
-/** Counts at the place of 40 later scans, some of which saw a wall behind it.
+/** Counts at the voxel of 40 later scans, some of which saw a wall behind it.
  * \param free whether a scan did */
 RayCounts countsAt(const std::function<bool(std::size_t)>& free, RayEffort effort)
 {
@@ -43,10 +43,10 @@ RayCounts countsAt(const std::function<bool(std::size_t)>& free, RayEffort effor
     others.push_back({free(i) ? &behind : &wall, Eigen::Isometry3f::Identity(), true});
   }
   ThreadPool pool(1);
-  return countRays(others, {place}, {effort}, 0.1F, 0.5F, pool).front();
+  return countRays(others, {observed_voxel}, {effort}, 0.1F, 0.5F, pool).front();
 }
 
-TEST(RayHistory, AFewScansSufficeForAPlaceThatWasNeverFree)
+TEST(RayHistory, AFewScansSufficeForAVoxelThatWasNeverFree)
 {
   const auto never = [](std::size_t) { return false; };
   EXPECT_EQ(countsAt(never, RayEffort::all).occupied, 40);
@@ -55,7 +55,7 @@ TEST(RayHistory, AFewScansSufficeForAPlaceThatWasNeverFree)
   EXPECT_EQ(countsAt(never, RayEffort::few).occupied, 14);
 }
 
-TEST(RayHistory, AllScansAreEvaluatedAtAPlaceThatWasFree)
+TEST(RayHistory, AllScansAreEvaluatedAtAVoxelThatWasFree)
 {
   const auto later = [](std::size_t i) { return i >= 20; };
   const RayCounts all = countsAt(later, RayEffort::all);

@@ -20,7 +20,7 @@ TEST(RecentScores, OneScanThatDisagreesIsOutvoted)
   }
   scores.beginScan(3);
   EXPECT_FLOAT_EQ(scores.smooth(here, 2), -1);
-  EXPECT_FLOAT_EQ(scores.smooth(there, 2), 2) << "a place that no scan before had";
+  EXPECT_FLOAT_EQ(scores.smooth(there, 2), 2) << "a voxel that no scan before had";
   scores.beginScan(4);
   EXPECT_FLOAT_EQ(scores.smooth(here, 2), 0.5F) << "the smoothed score is remembered";
 }

@@ -20,10 +20,10 @@ TEST(Segments, JoinPointsOfCellsThatTouch)
       {0.1F, 0.1F, 0.1F}, {0.7F, 0.7F, 0.7F}, {3, 0, 0}, {0.15F, 0.1F, 0.1F}, {1, 1, 1}};
   const Segments segments = findSegments(points, {true, true, true, true, false}, voxel, cell);
   EXPECT_EQ(segments.segments, 2U);
-  EXPECT_EQ(segments.place_of_point[0], segments.place_of_point[3]) << "one voxel";
-  EXPECT_EQ(segments.place_of_point[4], Segments::none) << "not used";
+  EXPECT_EQ(segments.voxel_of_point[0], segments.voxel_of_point[3]) << "one voxel";
+  EXPECT_EQ(segments.voxel_of_point[4], Segments::none) << "not used";
   const auto segmentOf = [&](std::size_t point)
-  { return segments.segment_of_place[segments.place_of_point[point]]; };
+  { return segments.segment_of_voxel[segments.voxel_of_point[point]]; };
   EXPECT_EQ(segmentOf(0), segmentOf(1));
   EXPECT_NE(segmentOf(0), segmentOf(2));
 }

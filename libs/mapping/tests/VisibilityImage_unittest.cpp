@@ -33,11 +33,11 @@ Cloud cloudOf(float ring_step,
   return cloud;
 }
 
-Evidence at(const Cloud& cloud, const Eigen::Vector3f& place)
+Evidence at(const Cloud& cloud, const Eigen::Vector3f& voxel)
 {
   const VisibilityImage image(cloud, {0, cloud.size(), 0, Pose::Identity(), 0});
   Evidence evidence = Evidence::none;
-  image.evaluate(&place, 1, Eigen::Isometry3f::Identity(), 0.2F, 0.5F, &evidence);
+  image.evaluate(&voxel, 1, Eigen::Isometry3f::Identity(), 0.2F, 0.5F, &evidence);
   return evidence;
 }
 
@@ -47,7 +47,7 @@ Eigen::Vector3f betweenRings(float distance)
   return {distance, 0, distance * std::tan(2 * degree)};
 }
 
-TEST(VisibilityImage, RaysThroughAPlaceObserveItFree)
+TEST(VisibilityImage, RaysThroughAVoxelObserveItFree)
 {
   const Cloud far = cloudOf(0.4F * degree, 0.2F * degree, [](const auto&) { return 40.0F; });
   EXPECT_EQ(at(far, {20, 0.03F, 0}), Evidence::free);
@@ -55,7 +55,7 @@ TEST(VisibilityImage, RaysThroughAPlaceObserveItFree)
   EXPECT_EQ(at(far, {50, 0, 0}), Evidence::occluded);
 }
 
-TEST(VisibilityImage, RaysAboveAndBelowEncloseAPlaceBetweenRings)
+TEST(VisibilityImage, RaysAboveAndBelowEncloseAVoxelBetweenRings)
 {
   const Cloud far = cloudOf(2 * degree, 0.4F * degree, [](const auto&) { return 40.0F; });
   EXPECT_EQ(at(far, betweenRings(20)), Evidence::enclosed);
@@ -63,7 +63,7 @@ TEST(VisibilityImage, RaysAboveAndBelowEncloseAPlaceBetweenRings)
   EXPECT_EQ(at(far, betweenRings(50)), Evidence::occluded);
 }
 
-TEST(VisibilityImage, APlaceIsNotEnclosedBesideWhatRaysHit)
+TEST(VisibilityImage, AVoxelIsNotEnclosedBesideWhatRaysHit)
 {
   // A low wall at 20 m: the ring above passes over it, the one below ends there.
   const auto low_wall = [](const Eigen::Vector3f& ray)
@@ -78,7 +78,7 @@ TEST(VisibilityImage, SkyProvesNothing)
   EXPECT_EQ(at(cloudOf(2 * degree, 0.4F * degree, sky_above), betweenRings(20)), Evidence::none);
 }
 
-TEST(VisibilityImage, OfAPlaceAtTheSensorNothingIsKnown)
+TEST(VisibilityImage, OfAVoxelAtTheSensorNothingIsKnown)
 {
   const Cloud far = cloudOf(0.4F * degree, 0.2F * degree, [](const auto&) { return 40.0F; });
   const VisibilityImage image(far, {0, far.size(), 0, Pose::Identity(), 0});
@@ -123,11 +123,11 @@ struct TwoLidars
     scan.points = cloud.points;
   }
 
-  [[nodiscard]] Evidence at(const Eigen::Vector3f& place) const
+  [[nodiscard]] Evidence at(const Eigen::Vector3f& voxel) const
   {
     Evidence evidence = Evidence::none;
     ScanVisibility(scan, cloud)
-        .evaluate(&place, 1, Eigen::Isometry3f::Identity(), 0.2F, 0.5F, &evidence);
+        .evaluate(&voxel, 1, Eigen::Isometry3f::Identity(), 0.2F, 0.5F, &evidence);
     return evidence;
   }
 

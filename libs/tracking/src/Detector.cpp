@@ -1,13 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/core/DisjointSets.h>
 #include <dyslam/core/Error.h>
-#include <dyslam/core/Quantile.h>
+#include <dyslam/core/GroundSquare.h>
 #include <dyslam/tracking/Detector.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <limits>
 #include <unordered_map>
 
 namespace dyslam
@@ -28,17 +26,13 @@ std::int64_t neighbourKey(std::int64_t key, int di, int dj)
   return key + di * (std::int64_t{1} << 32) + dj;
 }
 
-/** Ground height per cell around some points, from all returns: a low order statistic rather than
- * the minimum, because multipath echoes lie below the road. */
-class GroundAround
+/** Ground height per cell around some points, from all returns. */
+class LocalGround
 {
  public:
   /** \param at the points whose ground is asked for \param cell size of a cell [m] \param range of
    * the points that count, in x and y [m] */
-  GroundAround(const Points& points,
-               const std::vector<std::uint32_t>& at,
-               double cell,
-               double range)
+  LocalGround(const Points& points, const std::vector<std::uint32_t>& at, double cell, double range)
       : cell_(cell),
         half_(static_cast<int>(std::ceil(range / cell)) + 1),
         width_(2 * half_ + 1),
@@ -69,55 +63,32 @@ class GroundAround
     }
   }
 
-  /** Ground height at one of these points; limited by the median of the neighbouring cells
-   * because of roofs. */
+  /** Ground height at one of these points, see GroundAround::highest(). */
   float heightAt(const Eigen::Vector3f& p) const
   {
-    constexpr float step = 0.3F;  // [m]
     const std::size_t own = indexOf(p);
-    std::array<float, 9> around{};
-    std::size_t count = 0;
+    GroundAround around;
     for (int di = -1; di <= 1; ++di)
     {
       for (int dj = -1; dj <= 1; ++dj)
       {
-        const CellReturns& cell = cells_[own + static_cast<std::size_t>(di * width_ + dj)];
-        if (cell.count > 0)
+        const GroundSquare& cell = cells_[own + static_cast<std::size_t>(di * width_ + dj)];
+        if (cell.count() > 0)
         {
-          around[count++] = cell.height();
+          around.add(heightOf(cell));
         }
       }
     }
-    const float height = cells_[own].count > 0 ? cells_[own].height() : p.z();
-    if (count == 0)
-    {
-      return height;
-    }
-    const auto end = around.begin() + static_cast<std::ptrdiff_t>(count);
-    return std::min(height, upperMedian(around.begin(), end) + step);
+    return std::min(cells_[own].count() > 0 ? heightOf(cells_[own]) : p.z(), around.highest());
   }
 
  private:
-  struct CellReturns
+  /** The third lowest return, of fewer than 6 the lowest. The hindsight labels, which know the
+   * ground from several scans, take the third lowest of 3 and more, of fewer the highest. */
+  static float heightOf(const GroundSquare& cell)
   {
-    std::array<float, 3> z{std::numeric_limits<float>::max(), std::numeric_limits<float>::max(),
-                           std::numeric_limits<float>::max()};
-    int count = 0;
-    void add(float value)
-    {
-      ++count;
-      for (float& slot : z)
-      {
-        if (value < slot)
-        {
-          std::swap(value, slot);
-        }
-      }
-    }
-    /** The third lowest return, of fewer than 6 the lowest. The hindsight labels, which know the
-     * ground from several scans, take the third lowest of 3 and more, of fewer the highest. */
-    float height() const { return count >= 6 ? z[2] : z[0]; }
-  };
+    return cell.count() >= 6 ? cell.thirdLowest() : cell.lowest();
+  }
   std::size_t indexOf(const Eigen::Vector3f& p) const
   {
     const int i = static_cast<int>(std::floor(static_cast<double>(p.x()) / cell_)) + half_;
@@ -128,7 +99,7 @@ class GroundAround
   double cell_;
   int half_;  //!< cells on each side of the sensor's
   int width_;
-  std::vector<CellReturns> cells_;
+  std::vector<GroundSquare> cells_;
   std::vector<char> used_;  //!< cells whose height is asked for, or that of a neighbour
 };
 
@@ -319,8 +290,8 @@ std::vector<std::uint32_t> Detector::selectMovingPoints(const Points& points,
   {
     return selected;
   }
-  const GroundAround ground(points, selected, options_.ground_cell,
-                            options_.max_range + 2 * options_.ground_cell);
+  const LocalGround ground(points, selected, options_.ground_cell,
+                           options_.max_range + 2 * options_.ground_cell);
   const auto clearance = static_cast<float>(options_.ground_clearance);
   selected.erase(std::remove_if(selected.begin(), selected.end(),
                                 [&](std::uint32_t i)

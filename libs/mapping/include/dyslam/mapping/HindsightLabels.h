@@ -20,7 +20,7 @@ struct HindsightOptions : Options
   int history = 400;         //!< scans before the window that are used, every eighth of them
   double voxel_size = 0.2;   //!< side of the voxels that accumulate evidence [m]
   double segment_gap = 0.4;  //!< side of the cells that are clustered to segments [m]
-  double margin = 0.5;       //!< a ray must end this far behind a place to observe it as free [m]
+  double margin = 0.5;       //!< a ray must end this far behind a voxel to observe it as free [m]
   double moving_threshold = 0.5;  //!< points with a higher probability are moving
   double ground_clearance = 0.3;  //!< lower returns are ground: decided as their surroundings [m]
 
@@ -30,7 +30,7 @@ struct HindsightOptions : Options
 /** Labels the moving points of each scan again, from the scans before and after it.
  *
  * The returns above the ground are clustered to segments. The rays of the scans before and after
- * show whether a place was free or occupied then: what was never free is static; what arrived or
+ * show whether a voxel was free or occupied then: what was never free is static; what arrived or
  * will leave is moving, also while it is at rest in between. The causal decision (network or
  * residual) and the track that a point belongs to, from its first detection to its last, are the
  * prior. The idea of ray evidence follows Removert (Kim and Kim, 2020), ERASOR (Lim et al., 2021)
@@ -57,7 +57,7 @@ class HindsightLabels
   /** Decides the remaining frames. */
   void finish(const Use& use);
 
-  /** The scans of the window and before it, and what is known of places and tracks. */
+  /** The scans of the window and before it, and what is known of voxels and tracks. */
   void exchangeState(StateArchive& archive);
 
  private:

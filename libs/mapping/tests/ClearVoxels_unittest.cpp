@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "../src/ClearPlaces.h"
+#include "../src/ClearVoxels.h"
 
 #include <dyslam/core/StateArchive.h>
 #include <gtest/gtest.h>
@@ -10,59 +10,59 @@ namespace dyslam
 {
 namespace
 {
-constexpr std::uint64_t place = 42;
+constexpr std::uint64_t found_voxel = 42;
 
-TEST(ClearPlaces, AreKnownForSixToTenScans)
+TEST(ClearVoxels, AreKnownForSixToTenScans)
 {
   for (std::size_t found = 0; found < 5; ++found)
   {
-    ClearPlaces clear;
+    ClearVoxels clear;
     std::size_t lasted = 0;
     for (std::size_t scan = 0; scan < 30; ++scan)
     {
       clear.beginScan(scan);
       if (scan == found)
       {
-        clear.add(place);
+        clear.add(found_voxel);
       }
-      lasted += clear.contain(place) ? 1 : 0;
+      lasted += clear.contain(found_voxel) ? 1 : 0;
     }
     EXPECT_EQ(lasted, 10 - found) << "found at scan " << found;
   }
 }
 
-TEST(ClearPlaces, AreForgottenWhereNumbersAreLeftOut)
+TEST(ClearVoxels, AreForgottenWhereNumbersAreLeftOut)
 {
   for (const std::size_t next : {10U, 100U})
   {
-    ClearPlaces clear;
+    ClearVoxels clear;
     clear.beginScan(0);
-    clear.add(place);
+    clear.add(found_voxel);
     clear.beginScan(next);
-    EXPECT_FALSE(clear.contain(place)) << next;
-    clear.add(place);
-    EXPECT_TRUE(clear.contain(place)) << next;
+    EXPECT_FALSE(clear.contain(found_voxel)) << next;
+    clear.add(found_voxel);
+    EXPECT_TRUE(clear.contain(found_voxel)) << next;
   }
-  ClearPlaces clear;
+  ClearVoxels clear;
   clear.beginScan(0);
-  clear.add(place);
+  clear.add(found_voxel);
   clear.beginScan(9);
-  EXPECT_TRUE(clear.contain(place));
+  EXPECT_TRUE(clear.contain(found_voxel));
 }
 
-TEST(ClearPlaces, StayKnownAfterResuming)
+TEST(ClearVoxels, StayKnownAfterResuming)
 {
-  ClearPlaces clear;
+  ClearVoxels clear;
   clear.beginScan(3);
-  clear.add(place);
+  clear.add(found_voxel);
   StateArchive saved;
   clear.exchangeState(saved);
-  ClearPlaces resumed;
+  ClearVoxels resumed;
   const std::string bytes(saved.bytes());
   StateArchive loaded{bytes};
   resumed.exchangeState(loaded);
-  EXPECT_TRUE(resumed.contain(place));
-  EXPECT_FALSE(resumed.contain(place + 1));
+  EXPECT_TRUE(resumed.contain(found_voxel));
+  EXPECT_FALSE(resumed.contain(found_voxel + 1));
 }
 }  // namespace
 }  // namespace dyslam

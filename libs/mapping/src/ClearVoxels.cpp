@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "ClearPlaces.h"
+#include "ClearVoxels.h"
 
 #include <dyslam/core/StateArchive.h>
 
@@ -12,7 +12,7 @@ namespace
 constexpr std::size_t renewal = 5;  // scans
 }  // namespace
 
-void ClearPlaces::beginScan(std::size_t scan)
+void ClearVoxels::beginScan(std::size_t scan)
 {
   const std::size_t passed = scan - begin_;
   if (passed >= renewal)
@@ -27,7 +27,7 @@ void ClearPlaces::beginScan(std::size_t scan)
   }
 }
 
-void ClearPlaces::exchangeState(StateArchive& archive)
+void ClearVoxels::exchangeState(StateArchive& archive)
 {
   archive(begin_, recent_, older_);
 }

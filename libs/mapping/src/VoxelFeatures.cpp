@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "PlaceFeatures.h"
+#include "VoxelFeatures.h"
 
 #include <algorithm>
 
@@ -7,11 +7,11 @@ namespace dyslam
 {
 namespace
 {
-/** Sum of the evidence of several places. */
+/** Sum of the evidence of several voxels. */
 class EvidenceSum
 {
  public:
-  void add(const PlaceEvidence& e)
+  void add(const VoxelEvidence& e)
   {
     ++count_;
     sum_.known += e.known;
@@ -32,10 +32,10 @@ class EvidenceSum
     sum_.tracked += other.sum_.tracked;
   }
   [[nodiscard]] float count() const { return count_; }
-  [[nodiscard]] PlaceEvidence mean() const
+  [[nodiscard]] VoxelEvidence mean() const
   {
     const float n = std::max(count_, 1.0F);
-    PlaceEvidence e = sum_;
+    VoxelEvidence e = sum_;
     e.free = sum_.free / std::max(sum_.known, 1e-6F);
     e.known /= n;
     e.change_before /= n;
@@ -47,7 +47,7 @@ class EvidenceSum
 
  private:
   float count_ = 0;
-  PlaceEvidence sum_;
+  VoxelEvidence sum_;
 };
 
 /** Bounding box of a segment. */
@@ -63,16 +63,16 @@ struct Extent
   }
 };
 
-/** Share of rays that passed through places that are certainly static, because of thin objects,
+/** Share of rays that passed through voxels that are certainly static, because of thin objects,
  * edges and errors of the poses. Measured on objects higher than any vehicle. */
-float falseFreeShare(const std::vector<PlaceFeatures>& features)
+float falseFreeShare(const std::vector<VoxelFeatures>& features)
 {
   constexpr float surely_static = 0.1F;  // moving probability
-  constexpr std::size_t enough = 100;    // places
+  constexpr std::size_t enough = 100;    // voxels
   constexpr double highest = 0.3;
   double sum = 0;
   std::size_t count = 0;
-  for (const PlaceFeatures& f : features)
+  for (const VoxelFeatures& f : features)
   {
     if (f.segment_height > vehicle_height && f.around.probability < surely_static)
     {
@@ -85,8 +85,8 @@ float falseFreeShare(const std::vector<PlaceFeatures>& features)
 }
 }  // namespace
 
-std::vector<PlaceFeatures> placeFeatures(const Segments& segments,
-                                         const std::vector<PlaceEvidence>& evidence,
+std::vector<VoxelFeatures> voxelFeatures(const Segments& segments,
+                                         const std::vector<VoxelEvidence>& evidence,
                                          const std::vector<Eigen::Vector3f>& points,
                                          const std::vector<float>& heights)
 {
@@ -95,40 +95,40 @@ std::vector<PlaceFeatures> placeFeatures(const Segments& segments,
   std::vector<Extent> extent(segments.segments);
   for (std::size_t g = 0; g < evidence.size(); ++g)
   {
-    of_cell[segments.cell_of_place[g]].add(evidence[g]);
-    of_segment[segments.segment_of_place[g]].add(evidence[g]);
-    extent[segments.segment_of_place[g]].add(points[segments.first_point[g]]);
+    of_cell[segments.cell_of_voxel[g]].add(evidence[g]);
+    of_segment[segments.segment_of_voxel[g]].add(evidence[g]);
+    extent[segments.segment_of_voxel[g]].add(points[segments.first_point[g]]);
   }
-  std::vector<PlaceEvidence> around;
+  std::vector<VoxelEvidence> around;
   for (std::uint32_t c = 0; c < of_cell.size(); ++c)
   {
     EvidenceSum sum;
     segments.forEachNeighbour(c, [&](std::uint32_t n) { sum.add(of_cell[n]); });
     around.push_back(sum.mean());
   }
-  std::vector<PlaceEvidence> whole;
+  std::vector<VoxelEvidence> whole;
   for (const EvidenceSum& sum : of_segment)
   {
     whole.push_back(sum.mean());
   }
-  std::vector<PlaceFeatures> features(evidence.size());
+  std::vector<VoxelFeatures> features(evidence.size());
   for (std::size_t g = 0; g < evidence.size(); ++g)
   {
-    PlaceFeatures& f = features[g];
-    const std::uint32_t s = segments.segment_of_place[g];
+    VoxelFeatures& f = features[g];
+    const std::uint32_t s = segments.segment_of_voxel[g];
     f.point = segments.first_point[g];
     f.own = evidence[g];
-    f.around = around[segments.cell_of_place[g]];
+    f.around = around[segments.cell_of_voxel[g]];
     f.segment = whole[s];
     f.height = heights[f.point];
     const Eigen::Vector3f size = extent[s].high - extent[s].low;
     f.length = std::max(size.x(), size.y());
     f.segment_height = size.z();
-    f.places = of_segment[s].count();
+    f.voxels = of_segment[s].count();
   }
   const float false_free = falseFreeShare(features);
   constexpr float much = 0.1F;
-  for (PlaceFeatures& f : features)
+  for (VoxelFeatures& f : features)
   {
     f.doubt = std::min(1.0F, false_free / much);
     discount(f.own, false_free);

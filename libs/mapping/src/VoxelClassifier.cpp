@@ -1,32 +1,32 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "PlaceClassifier.h"
+#include "VoxelClassifier.h"
 
 #include <algorithm>
 
 namespace dyslam
 {
-void discount(PlaceEvidence& evidence, float false_free)
+void discount(VoxelEvidence& evidence, float false_free)
 {
   evidence.free = std::max(0.0F, evidence.free - false_free) / (1 - false_free);
 }
 
-float movingScore(const PlaceFeatures& f)
+float movingScore(const VoxelFeatures& f)
 {
   // The weights of a logistic regression, see doc/labels.md for its training data. The score of
   // what nothing says to move and the limit of the change of segments were chosen by hand.
-  constexpr float a_little = 0.1F;  // of the rays: places of static objects are hardly ever free
+  constexpr float a_little = 0.1F;  // of the rays: voxels of static objects are hardly ever free
   constexpr float lost = 0.5F;      // weight of free rays lost where they are doubtful
   const float trust = 1 - lost * f.doubt;
-  const auto little = [=](const PlaceEvidence& e)
+  const auto little = [=](const VoxelEvidence& e)
   { return trust * std::min(e.free, a_little) / a_little; };
-  const auto change = [=](const PlaceEvidence& e)
+  const auto change = [=](const VoxelEvidence& e)
   { return trust * std::max(e.change_before, e.change_after); };
   const bool known = f.own.known > 0;
   float score = -6.3F;
   score += 1.5F * f.own.probability + 1.0F * f.around.probability + 0.9F * f.around.tracked;
   score += 1.3F * little(f.around) + 2.65F * change(f.around);
   score += -2.2F * std::min(f.height, 4.0F) / 4;
-  score += (f.places < 12 ? -0.5F : 0.0F) + (f.segment_height < 0.8F ? -2.0F : 0.0F);
+  score += (f.voxels < 12 ? -0.5F : 0.0F) + (f.segment_height < 0.8F ? -2.0F : 0.0F);
   if (known && change(f.own) < 0.05F && f.own.free < 0.3F && f.own.tracked < 0.5F &&
       f.own.probability < 0.5F)
   {
@@ -36,7 +36,7 @@ float movingScore(const PlaceFeatures& f)
   // someone who passes it.
   if (f.length < 20 && f.segment_height < vehicle_height)
   {
-    constexpr float most_beyond = 0.2F;  // of the change around a place
+    constexpr float most_beyond = 0.2F;  // of the change around a voxel
     const float limit = known ? std::max(change(f.own), change(f.around)) + most_beyond : 1.0F;
     score += 1.5F + 0.25F * f.segment.probability;
     score += 1.75F * little(f.segment) + 2.5F * std::min(change(f.segment), limit);

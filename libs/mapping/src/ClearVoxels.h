@@ -10,19 +10,19 @@ namespace dyslam
 {
 class StateArchive;
 
-/** Places (their voxels in the odometry frame) that other scans observed, and never free. They stay
- * known for the next scans, for which nearly the same rays decide. */
-class ClearPlaces
+/** Voxels (in the odometry frame, by their voxelKey()) that other scans observed, and never free.
+ * They stay known for the next scans, for which nearly the same rays decide. */
+class ClearVoxels
 {
  public:
   /** \param scan number, ascending. Forgets what was found 6 to 10 scans before; up to 14 where
    * numbers are left out. */
   void beginScan(std::size_t scan);
-  [[nodiscard]] bool contain(std::uint64_t voxel) const
+  [[nodiscard]] bool contain(std::uint64_t key) const
   {
-    return recent_.find(voxel) != VoxelHash::none || older_.find(voxel) != VoxelHash::none;
+    return recent_.find(key) != VoxelHash::none || older_.find(key) != VoxelHash::none;
   }
-  void add(std::uint64_t voxel) { recent_.findOrInsert(voxel, 0); }
+  void add(std::uint64_t key) { recent_.findOrInsert(key, 0); }
   void exchangeState(StateArchive& archive);
 
  private:

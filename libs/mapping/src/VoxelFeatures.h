@@ -4,16 +4,16 @@
 #include <Eigen/Core>
 #include <vector>
 
-#include "PlaceClassifier.h"
 #include "Segments.h"
+#include "VoxelClassifier.h"
 
 namespace dyslam
 {
-/** The features of every place of a scan: the evidence of the place itself, of its neighbours and
- * of its segment. \param evidence one per place \param points of the scan, odometry frame [m]
+/** The features of every voxel of a scan: the evidence of the voxel itself, of its neighbours and
+ * of its segment. \param evidence one per voxel \param points of the scan, odometry frame [m]
  * \param heights over the ground, one per point [m] */
-[[nodiscard]] std::vector<PlaceFeatures> placeFeatures(const Segments& segments,
-                                                       const std::vector<PlaceEvidence>& evidence,
+[[nodiscard]] std::vector<VoxelFeatures> voxelFeatures(const Segments& segments,
+                                                       const std::vector<VoxelEvidence>& evidence,
                                                        const std::vector<Eigen::Vector3f>& points,
                                                        const std::vector<float>& heights);
 }  // namespace dyslam

@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstddef>
+
+namespace dyslam
+{
+/** Fixed parameters of the labels with hindsight, besides HindsightOptions. Those of one step alone
+ * are beside it: rays (RayHistory.cpp, VisibilityImage.cpp), ground (GroundHeights.cpp), posts
+ * (Posts.cpp), score (VoxelClassifier.cpp, VoxelFeatures.cpp), smoothing over time
+ * (RecentScores.cpp, ClearVoxels.cpp). */
+namespace hindsight
+{
+// ScanWindow: which other scans show whether a voxel was free, and where the ground is.
+
+/** Steps between the scans of the window that are used grow with their distance to the scan that is
+ * decided, from 1 to this many scans. */
+constexpr int largest_step = 5;
+/** Of the scans before the window every eighth is kept [scans]. */
+constexpr int earlier_step = 8;
+/** Least ratio of the distances of two successive scans before the window that are used. */
+constexpr double earlier_growth = 1.1;
+/** Steps between the scans of the window that show the ground [scans]. */
+constexpr std::size_t ground_step = 5;
+
+// MovingPointClassifier: evidence.
+
+/** Causal moving probability above which a voxel may be moving: all rays are evaluated there. */
+constexpr float suspicious_probability = 0.1F;
+/** Number of scans by which a change of a voxel between free and occupied is certain. */
+constexpr float certain_change = 3;
+
+// MovingPointClassifier: score.
+
+/** Score above which a voxel may be moving, so that it matters whether it is a post [log odds]. */
+constexpr float doubtful_score = -2;
+/** Score that voxels of a post have less [log odds]. */
+constexpr float post_score = 2.5F;
+
+// MovingPointClassifier: low points, which are below HindsightOptions::ground_clearance.
+
+/** Height over the ground of the square of 2 m up to which a point is ground [m]. */
+constexpr float lowest_over_square = 0.1F;
+/** Height over the ground of the square of 0.5 m up to which a point is ground [m]. */
+constexpr float lowest_over_fine_square = 0.05F;
+/** Number of cells (HindsightOptions::segment_gap), from that of a low point upwards, which decide
+ * whether it moves. */
+constexpr int cells_above = 3;
+}  // namespace hindsight
+}  // namespace dyslam

@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <dyslam/core/Parallel.h>
+#include <dyslam/mapping/HindsightLabels.h>
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "ClearVoxels.h"
+#include "RecentScores.h"
+#include "ScanWindow.h"
+#include "Segments.h"
+#include "VoxelClassifier.h"
+
+namespace dyslam
+{
+/** Decides which points of a scan move, from the scans before and after it: the steps of
+ * doc/labels.md. Points above the ground are grouped into voxels, voxels into segments; voxels are
+ * classified, and points below get the label of those above them.
+ *
+ * From scan to scan it keeps which voxels were never free (ClearVoxels), which saves time, and
+ * their scores (RecentScores), to smooth them. */
+class MovingPointClassifier
+{
+ public:
+  /** \param options validated \param threads 0: as many as the machine has */
+  MovingPointClassifier(const HindsightOptions& options, int threads);
+
+  /** Sets `moving` and `moving_probability` of a frame, from their causal values, its cloud, its
+   * objects and the other scans. \param window of which the frame is the current one */
+  void label(Frame& frame, const ScanWindow& window);
+
+  void exchangeState(StateArchive& archive);
+
+ private:
+  /** The points of a scan. */
+  struct Points
+  {
+    std::vector<Eigen::Vector3f> positions;  //!< odometry frame [m]
+    std::vector<float> heights;              //!< over the ground [m]
+  };
+
+  [[nodiscard]] Segments segment(const Points& points) const;
+  void addRayEvidence(const Frame& frame,
+                      const ScanWindow& window,
+                      const Points& points,
+                      const Segments& segments,
+                      std::vector<VoxelEvidence>& evidence);
+  [[nodiscard]] std::vector<float> classify(const Points& points,
+                                            const Segments& segments,
+                                            const std::vector<VoxelEvidence>& evidence);
+  static void labelLowPoints(const ScanWindow& window,
+                             const Points& points,
+                             const Segments& segments,
+                             const std::vector<float>& voxel_probability,
+                             std::vector<float>& probability);
+
+  HindsightOptions options_;
+  ThreadPool pool_;
+  ClearVoxels clear_voxels_;
+  RecentScores recent_scores_;
+};
+}  // namespace dyslam
