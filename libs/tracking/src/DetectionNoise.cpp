@@ -32,8 +32,6 @@ void ClassNoise::describe(OptionsVisitor& v)
 
 DetectionNoiseOptions::DetectionNoiseOptions()
 {
-  vehicle.yaw = 2 * radians_per_degree;
-  vehicle.yaw_per_range = 0.08 * radians_per_degree;
   cyclist.radial = 0.04;
   cyclist.radial_per_range = 0.0018;
   cyclist.tangential = 0.02;

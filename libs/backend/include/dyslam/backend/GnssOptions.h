@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <dyslam/core/Angle.h>
 #include <dyslam/core/Options.h>
 
 namespace dyslam
@@ -23,7 +24,7 @@ struct GnssOptions : Options
   double min_sigma = 0.02;   //!< smallest that is believed [m]
   /** How long the receiver's errors last: the positions within this time count as one [s]. */
   double correlation_time = 60;
-  double tilt_sigma = 0.08726646259972;  //!< of the map's z axis from the vertical [rad]
+  double tilt_sigma = 5 * radians_per_degree;  //!< of the map's z axis from the vertical [rad]
 
   void describe(OptionsVisitor& visitor) override;
 };

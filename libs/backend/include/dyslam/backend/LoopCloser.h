@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <dyslam/core/Angle.h>
 #include <dyslam/core/KeyframeStore.h>
 #include <dyslam/core/Options.h>
 #include <dyslam/core/Pose.h>
@@ -21,8 +22,8 @@ struct LoopCloserOptions : Options
   double search_radius = 6;  //!< radius of the search around the newest keyframe, without drift [m]
   double drift_per_metre = 0.03;  //!< growth of the search radius per distance travelled [m/m]
   double max_search_radius = 50;  //!< upper limit of the search radius with drift [m]
-  double max_correction_angle = 0.7853981634;  //!< largest rotation by a loop [rad]
-  int interval = 2;                            //!< search for loops at every n-th keyframe
+  double max_correction_angle = 45 * radians_per_degree;  //!< largest rotation by a loop [rad]
+  int interval = 2;    //!< search for loops at every n-th keyframe
   int candidates = 2;  //!< most candidates in the search radius registered per keyframe
   double max_descriptor_distance = 0.4;  //!< from 0 (equal) to 1 (nothing in common)
   double descriptor_range = 60;          //!< largest range of points in the descriptor [m]

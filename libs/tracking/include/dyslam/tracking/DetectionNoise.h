@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <dyslam/core/Angle.h>
 #include <dyslam/core/Objects.h>
 #include <dyslam/core/Options.h>
 #include <dyslam/core/Pose.h>
@@ -16,10 +17,10 @@ struct ClassNoise : Options
   double radial = 0.08;             //!< sigma along the line of sight at r = 0 [m]
   double radial_per_range = 0.005;  //!< increase of radial with range [m/m]
   double tangential = 0.05;         //!< sigma across the line of sight, horizontally, at r = 0 [m]
-  double tangential_per_range = 0.0015;  //!< increase of tangential with range [m/m]
-  double height = 0.06;                  //!< sigma of the centre's z [m]
-  double yaw = 0.035;                    //!< sigma of the heading at r = 0 [rad]
-  double yaw_per_range = 0.0014;         //!< increase of yaw with range [rad/m]
+  double tangential_per_range = 0.0015;              //!< increase of tangential with range [m/m]
+  double height = 0.06;                              //!< sigma of the centre's z [m]
+  double yaw = 2 * radians_per_degree;               //!< sigma of the heading at r = 0 [rad]
+  double yaw_per_range = 0.08 * radians_per_degree;  //!< increase of yaw with range [rad/m]
 
   void describe(OptionsVisitor& visitor) override;
 };

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <dyslam/core/Angle.h>
 #include <dyslam/core/Frame.h>
 #include <dyslam/core/Options.h>
 
@@ -22,9 +23,10 @@ struct DetectorOptions : Options
   double max_length = 20;             //!< largest length of a cluster wider than 4 m [m]
   double max_narrow_length = 50;      //!< of a narrower one: trams, road trains [m]
   double max_range = 80;              //!< largest horizontal range of points [m]
-  double yaw_step = 0.0262;           //!< step of the L-shape heading search [rad]
-  double position_sigma = 0.15;       //!< sigma of the position of a box of many points [m]
-  double yaw_sigma = 0.15;            //!< sigma of the heading of a box of many points [rad]
+  double yaw_step = 1.5 * radians_per_degree;  //!< step of the L-shape heading search [rad]
+  double position_sigma = 0.15;  //!< sigma of the position of a box of many points [m]
+  /** Sigma of the heading of a box of many points [rad]. */
+  double yaw_sigma = 8.6 * radians_per_degree;
 
   void describe(OptionsVisitor& visitor) override;
 };
