@@ -39,7 +39,7 @@ struct BackendOptions : Options
   double keyframe_distance = 1.5;  //!< translation after which a keyframe is added [m]
   /** Rotation after which a keyframe is added [rad]. */
   double keyframe_angle = 10 * radians_per_degree;
-  double unconverged_sigma_translation = 0.1;  //!< sigma of a step without convergence [m]
+  double unconverged_sigma = 0.1;  //!< sigma of a step without convergence [m]
   /** Sigma of a step without convergence [rad]. */
   double unconverged_sigma_rotation = 0.286 * radians_per_degree;
   /** Whitened residual of a new loop above which the graph is optimised. */

@@ -31,7 +31,8 @@ class OptionsVisitor
   /** A key of earlier versions: where it is given, load() names the present one. */
   virtual void renamed(const char* /*old_key*/, const char* /*key*/) {}
 
-  /** Radians in code, degrees in the file: the key ends in `_deg`, the bounds are degrees. */
+  /** Radians in code, degrees in the file, where the bounds are degrees, too: the key ends in
+   * `_deg`, `_deg_s`, `_deg_s2` or `_deg_m`. */
   void degrees(const char* key, double& radians, double min, double max, const char* help);
 
   template <typename Enum>

@@ -73,7 +73,7 @@ struct TrackerOptions : Options
   double class_mismatch_cost = 0.5;  //!< cost added to a pair of different classes
   double size_gain = 0.2;            //!< filter gain of an observed size
   /** Standard deviation of a heading's rate of change [rad/s]. */
-  double yaw_rate = 20 * radians_per_degree;
+  double yaw_rate_sigma = 20 * radians_per_degree;
   bool adapt_noise = true;  //!< boxes from files: covariances grow with the noise observed
   ClassTracking vehicle;
   ClassTracking cyclist;
