@@ -83,13 +83,14 @@ constexpr std::array<LoopVerdict, 9> loop_verdicts{
 /** One loop candidate and the decision about it. */
 struct Loop
 {
-  std::size_t from = 0;  //!< the older keyframe
-  std::size_t to = 0;    //!< the newer one
-  Pose T_from_to = Pose::Identity();
-  Matrix6 information = Matrix6::Identity();  //!< over the tangent of T_from_to
-  double descriptor_distance = 0;
-  double overlap = 0;
-  double rmse = 0;  //!< [m]
+  std::size_t from = 0;               //!< the older keyframe
+  std::size_t to = 0;                 //!< the newer one
+  Pose T_from_to = Pose::Identity();  //!< vehicle frame of `to` in that of `from`
+  /** Over the tangent of T_from_to, [translation, rotation]; 1/m^2, 1/rad^2. */
+  Matrix6 information = Matrix6::Identity();
+  double descriptor_distance = 0;  //!< of the two places, from 0 (equal) to 1
+  double overlap = 0;  //!< fraction of points above ground with a correspondence, in [0, 1]
+  double rmse = 0;     //!< of the point-to-plane residuals [m]
   LoopVerdict verdict = LoopVerdict::accepted;
   bool by_appearance = false;  //!< from beyond the search radius
 };

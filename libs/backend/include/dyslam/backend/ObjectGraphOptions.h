@@ -22,9 +22,9 @@ struct ObjectGraphOptions : Options
 
   // Noise. Errors of successive observations of one object are correlated; larger sigmas account
   // for it.
-  double static_sigma_scale = 3;
-  int static_saturation = 50;  //!< keyframes after which further observations add no information
-  double moving_sigma_scale = 3;
+  double static_sigma_scale = 3;  //!< factor on the sigmas of observations of static objects
+  int static_saturation = 50;     //!< keyframes after which further observations add no information
+  double moving_sigma_scale = 3;  //!< factor on the sigmas of observations of moving objects
   double tilt_sigma = 11.5 * radians_per_degree;  //!< sigma of an object's roll and pitch [rad]
   double acceleration_sigma = 9;  //!< sigma of a moving object's acceleration [m/s^2]
   /** Sigma of its angular acceleration [rad/s^2]. */
