@@ -52,4 +52,51 @@ inline std::vector<std::string> unclearHelpTexts(const std::string& effective_in
   }
   return unclear;
 }
+
+/** Digits of a decimal number without leading and trailing zeros; 0 for a whole number, such as a
+ * seed, and for another text. */
+inline int significantDigits(const std::string& value)
+{
+  double number = 0;
+  std::istringstream whole(value);
+  if (!(whole >> number) || !whole.eof() || value.find_first_of(".eE") == std::string::npos)
+  {
+    return 0;
+  }
+  std::string digits;
+  for (const char c : value.substr(0, value.find_first_of("eE")))
+  {
+    if (c >= '0' && c <= '9')
+    {
+      digits += c;
+    }
+  }
+  const auto first = digits.find_first_not_of('0');
+  return first == std::string::npos ? 0
+                                    : static_cast<int>(digits.find_last_not_of('0') - first) + 1;
+}
+
+/** Lines of an effective ini whose number has more than four significant digits: a default that was
+ * converted from another unit, or rounded in another one. */
+inline std::vector<std::string> longNumbers(const std::string& effective_ini)
+{
+  std::vector<std::string> found;
+  std::string section;
+  std::istringstream lines(effective_ini);
+  for (std::string line; std::getline(lines, line);)
+  {
+    section = !line.empty() && line.front() == '[' ? line : section;
+    const auto equals = line.find(" = ");
+    if (equals == std::string::npos)
+    {
+      continue;
+    }
+    const auto begin = equals + 3;
+    if (significantDigits(line.substr(begin, line.find("  // ") - begin)) > 4)
+    {
+      found.push_back(section + " " + line);
+    }
+  }
+  return found;
+}
 }  // namespace dyslam

@@ -132,8 +132,8 @@ int main(int argc, char** argv)
     dyslam::LoopCloserOptions loops;
     if (argc == 5)
     {
-      loops.appearance_descriptor_distance = std::atof(argv[4]);
-      loops.max_descriptor_distance = loops.appearance_descriptor_distance;
+      loops.by_appearance.max_descriptor_distance = std::atof(argv[4]);
+      loops.nearby.max_descriptor_distance = loops.by_appearance.max_descriptor_distance;
     }
     runThrough(argv[1], drift, loops, false);
     runThrough(argv[1], drift, loops, true);

@@ -39,7 +39,7 @@ struct FrameInKeyframe
 Matrix6 stepCovariance(const MotionEstimate& motion, const BackendOptions& options)
 {
   Vector6 sigmas;
-  sigmas << Eigen::Vector3d::Constant(options.unconverged_sigma_translation),
+  sigmas << Eigen::Vector3d::Constant(options.unconverged_sigma),
       Eigen::Vector3d::Constant(options.unconverged_sigma_rotation);
   const Matrix6 unconverged = sigmas.array().square().matrix().asDiagonal();
   if (motion.information.allFinite())
@@ -338,10 +338,11 @@ void BackendOptions::describe(OptionsVisitor& visitor)
                "translation since the last keyframe after which a new one is added [m]");
   visitor.degrees("keyframe_angle_deg", keyframe_angle, 0, 180,
                   "rotation since the last keyframe after which a new one is added [deg]");
-  visitor.real("unconverged_sigma_translation", unconverged_sigma_translation, 1e-6, 100,
+  visitor.real("unconverged_sigma", unconverged_sigma, 1e-6, 100,
                "sigma of the translation of a step for which the odometry did not converge [m]");
   visitor.degrees("unconverged_sigma_rotation_deg", unconverged_sigma_rotation, 1e-5, 180,
                   "sigma of the rotation of a step for which the odometry did not converge [deg]");
+  visitor.renamed("unconverged_sigma_translation", "unconverged_sigma");
   visitor.real("residual_to_optimise", residual_to_optimise, 0, 1e6,
                "whitened residual of a new loop above which the graph is optimised [sigmas]");
   visitor.integer("loops_to_optimise", loops_to_optimise, 1, 100000,

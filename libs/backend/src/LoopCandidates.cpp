@@ -128,7 +128,8 @@ std::vector<LoopCandidate> LoopCandidates::byPosition(const KeyframeStore& keyfr
     candidates.push_back({one.id, match.distance, poseFromYpr(0, 0, 0, match.heading, 0, 0)});
   }
   std::sort(candidates.begin(), candidates.end(), isMoreSimilar);
-  candidates.resize(std::min(candidates.size(), static_cast<std::size_t>(options_.candidates)));
+  candidates.resize(
+      std::min(candidates.size(), static_cast<std::size_t>(options_.nearby.candidates)));
   return candidates;
 }
 
@@ -147,7 +148,7 @@ void LoopCandidates::addAlike(const PlaceViews::View& view,
   for (const Ranked& one : ranked)
   {
     const auto match = PolarDescriptor::match(descriptors_.get(one.id).columns(), ours);
-    if (match.distance <= options_.appearance_descriptor_distance)
+    if (match.distance <= options_.by_appearance.max_descriptor_distance)
     {
       // The heading is that of the viewpoint; the vehicle stands beside it.
       found.push_back(
@@ -209,7 +210,7 @@ std::vector<LoopCandidate> LoopCandidates::byAppearance(
     const bool is_new = std::none_of(places.begin(), places.end(),
                                      [&](const LoopCandidate& place)
                                      { return distance(place, one) < options_.place_distance; });
-    if (is_new && places.size() < static_cast<std::size_t>(options_.appearance_candidates))
+    if (is_new && places.size() < static_cast<std::size_t>(options_.by_appearance.candidates))
     {
       places.push_back(one);
     }

@@ -18,7 +18,7 @@ struct LoopCloser::State
       : options(given),
         keyframes(store),
         candidates(given, store.memory().part(descriptor_share)),
-        agreement(given.min_support, given.appearance_support, given.support_window)
+        agreement(given.nearby.min_support, given.by_appearance.min_support, given.support_window)
   {
     validate(options, "loop");
   }
@@ -44,7 +44,7 @@ LoopVerdict LoopCloser::State::judge(const Loop& loop,
                                      const Pose& T_from_to_estimate) const
 {
   const bool alike = loop.by_appearance;
-  const LoopVerdict fit = verifyRegistration(registration, limitsOf(options, alike));
+  const LoopVerdict fit = verifyRegistration(registration, options.criteria(alike));
   if (fit != LoopVerdict::accepted)
   {
     return fit;
@@ -74,8 +74,8 @@ Loop LoopCloser::State::verify(const LoopCandidate& candidate,
   loop.descriptor_distance = candidate.descriptor_distance;
   const Pose estimate = poseBetween(keyframes, loop.from, loop.to);
   loop.T_from_to = estimate;
-  if (candidate.descriptor_distance >
-      (by_appearance ? options.appearance_descriptor_distance : options.max_descriptor_distance))
+  const LoopCriteria& criteria = options.criteria(by_appearance);
+  if (candidate.descriptor_distance > criteria.max_descriptor_distance)
   {
     loop.verdict = LoopVerdict::dissimilar;
     return loop;
@@ -83,7 +83,7 @@ Loop LoopCloser::State::verify(const LoopCandidate& candidate,
   // Without the newest keyframe, which would be registered to itself.
   RegistrationTarget target = submapAround(keyframes, candidate.id, {0, loop.to}, options);
   KeyframeRegistrationResult registration = registerFrom(target, source, candidate.T_from_to);
-  if (!by_appearance && (!registration.converged || registration.overlap < options.min_overlap))
+  if (!by_appearance && (!registration.converged || registration.overlap < criteria.min_overlap))
   {
     const KeyframeRegistrationResult other = registerFrom(target, source, estimate);
     if (other.converged && other.overlap > registration.overlap)
@@ -163,6 +163,30 @@ std::string toString(LoopVerdict verdict)
   return "unknown";
 }
 
+void LoopCriteria::describe(OptionsVisitor& visitor)
+{
+  visitor.integer("candidates", candidates, 0, 100,
+                  "most candidates that are registered per keyframe");
+  visitor.real("max_descriptor_distance", max_descriptor_distance, 0, 1,
+               "largest descriptor distance of a candidate, from 0 (equal) to 1");
+  visitor.real("min_overlap", min_overlap, 0, 1,
+               "least fraction of points above ground with a correspondence");
+  visitor.real("max_rmse", max_rmse, 0, 10, "largest RMSE of the point-to-plane residuals [m]");
+  visitor.real("min_observability", min_observability, 0, 1,
+               "least ratio of the weakest to the strongest direction of translation");
+  visitor.integer("min_support", min_support, 0, 100,
+                  "least number of loops of nearby keyframes that agree");
+}
+
+LoopCloserOptions::LoopCloserOptions()
+{
+  by_appearance.max_descriptor_distance = 0.3;
+  by_appearance.min_overlap = 0.75;
+  by_appearance.max_rmse = 0.15;
+  by_appearance.min_observability = 0.05;
+  by_appearance.min_support = 3;
+}
+
 void LoopCloserOptions::describe(OptionsVisitor& visitor)
 {
   visitor.real("min_path", min_path, 1, 1e5,
@@ -178,11 +202,6 @@ void LoopCloserOptions::describe(OptionsVisitor& visitor)
   visitor.integer(
       "interval", interval, 1, 1000,
       "interval between keyframes that search for loops; 1: every keyframe [keyframes]");
-  visitor.integer("candidates", candidates, 0, 100,
-                  "most candidates within the search radius that are registered per keyframe");
-  visitor.real(
-      "max_descriptor_distance", max_descriptor_distance, 0, 1,
-      "largest descriptor distance of a candidate within the search radius, from 0 (equal) to 1");
   visitor.real("descriptor_range", descriptor_range, 5, 130,
                "largest range of the points in the appearance descriptor [m]");
   visitor.integer(
@@ -190,37 +209,20 @@ void LoopCloserOptions::describe(OptionsVisitor& visitor)
       "keyframes on each side of a loop's older keyframe that are merged into its submap");
   visitor.real("voxel_size", voxel_size, 0.05, 5,
                "voxel size of the clouds that are registered [m]");
-  visitor.real("min_overlap", min_overlap, 0, 1,
-               "least fraction of points above ground with a correspondence, for a loop within the "
-               "search radius");
-  visitor.real(
-      "max_rmse", max_rmse, 0, 10,
-      "largest RMSE of the point-to-plane residuals, for a loop within the search radius [m]");
-  visitor.real("min_observability", min_observability, 0, 1,
-               "least ratio of the weakest to the strongest direction of translation, for a loop "
-               "within the search radius");
-  visitor.integer(
-      "min_support", min_support, 0, 100,
-      "least number of loops of nearby keyframes that agree with a loop within the search radius");
   visitor.integer(
       "support_window", support_window, 1, 1000,
-      "number of keyframes that count as nearby for min_support and appearance_support");
+      "number of keyframes that count as nearby for min_support and appearance_min_support");
+  PrefixedVisitor within(visitor, "", "loops within the search radius");
+  nearby.describe(within);
   visitor.flag("appearance", appearance,
                "search for loops beyond the search radius, by appearance alone");
-  visitor.integer("appearance_candidates", appearance_candidates, 1, 100,
-                  "most candidates by appearance that are registered per keyframe");
-  visitor.real("appearance_descriptor_distance", appearance_descriptor_distance, 0, 1,
-               "largest descriptor distance of a candidate by appearance, from 0 (equal) to 1");
-  visitor.real(
-      "appearance_overlap", appearance_overlap, 0, 1,
-      "least fraction of points above ground with a correspondence, for a loop by appearance");
-  visitor.real("appearance_rmse", appearance_rmse, 0, 10,
-               "largest RMSE of the point-to-plane residuals, for a loop by appearance [m]");
-  visitor.real("appearance_observability", appearance_observability, 0, 1,
-               "least ratio of the weakest to the strongest direction of translation, for a loop "
-               "by appearance");
-  visitor.integer("appearance_support", appearance_support, 0, 100,
-                  "least number of loops of nearby keyframes that agree with a loop by appearance");
+  PrefixedVisitor beyond(visitor, "appearance_", "loops by appearance");
+  by_appearance.describe(beyond);
+  beyond.renamed("descriptor_distance", "max_descriptor_distance");
+  beyond.renamed("overlap", "min_overlap");
+  beyond.renamed("rmse", "max_rmse");
+  beyond.renamed("observability", "min_observability");
+  beyond.renamed("support", "min_support");
   visitor.real("appearance_drift", appearance_drift, 0, 10,
                "largest drift of the odometry that a loop by appearance corrects, per distance "
                "travelled [m/m]");

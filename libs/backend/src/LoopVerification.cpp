@@ -27,14 +27,6 @@ void append(const PackedCloud& cloud,
 }
 }  // namespace
 
-LoopLimits limitsOf(const LoopCloserOptions& options, bool by_appearance)
-{
-  return by_appearance
-             ? LoopLimits{options.appearance_overlap, options.appearance_rmse,
-                          options.appearance_observability}
-             : LoopLimits{options.min_overlap, options.max_rmse, options.min_observability};
-}
-
 PackedCloud loopCloudOf(const std::vector<Eigen::Vector3f>& static_points,
                         const LoopCloserOptions& options)
 {
@@ -75,22 +67,22 @@ KeyframeRegistrationResult registerFrom(RegistrationTarget& target,
 }
 
 LoopVerdict verifyRegistration(const KeyframeRegistrationResult& registration,
-                               const LoopLimits& limits)
+                               const LoopCriteria& criteria)
 {
   if (!registration.converged)
   {
     return LoopVerdict::not_converged;
   }
-  if (registration.overlap < limits.overlap)
+  if (registration.overlap < criteria.min_overlap)
   {
     return LoopVerdict::no_overlap;
   }
-  if (registration.rmse > limits.rmse)
+  if (registration.rmse > criteria.max_rmse)
   {
     return LoopVerdict::bad_fit;
   }
-  return registration.observability < limits.observability ? LoopVerdict::degenerate
-                                                           : LoopVerdict::accepted;
+  return registration.observability < criteria.min_observability ? LoopVerdict::degenerate
+                                                                 : LoopVerdict::accepted;
 }
 
 void fillFrom(const KeyframeRegistrationResult& registration, Loop& loop)

@@ -12,16 +12,6 @@
 
 namespace dyslam
 {
-/** Acceptance criteria of a loop's registration. */
-struct LoopLimits
-{
-  double overlap = 0;
-  double rmse = 0;  //!< [m]
-  double observability = 0;
-};
-/** Of loops nearby, or of those by appearance, where position gives no evidence. */
-[[nodiscard]] LoopLimits limitsOf(const LoopCloserOptions& options, bool by_appearance);
-
 /** Keyframes [begin, end) of a store. */
 struct KeyframeRange
 {
@@ -53,7 +43,7 @@ struct KeyframeRange
 
 /** Accepted, or the criterion that the registration fails. */
 [[nodiscard]] LoopVerdict verifyRegistration(const KeyframeRegistrationResult& registration,
-                                             const LoopLimits& limits);
+                                             const LoopCriteria& criteria);
 
 /** Copies the registration's result into the loop. */
 void fillFrom(const KeyframeRegistrationResult& registration, Loop& loop);

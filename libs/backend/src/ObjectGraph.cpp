@@ -87,13 +87,15 @@ void ObjectGraphOptions::describe(OptionsVisitor& v)
   v.degrees("tilt_sigma_deg", tilt_sigma, 0.01, 90, "sigma of an object's roll and pitch [deg]");
   v.real("acceleration_sigma", acceleration_sigma, 1e-3, 1000,
          "sigma of a moving object's acceleration [m/s^2]");
-  v.degrees("angular_acceleration_sigma_deg", angular_acceleration_sigma, 0.1, 10000,
+  v.degrees("angular_acceleration_sigma_deg_s2", angular_acceleration_sigma, 0.1, 10000,
             "sigma of a moving object's angular acceleration [deg/s^2]");
   v.real("motion_sigma", motion_sigma, 1e-4, 100,
          "sigma of a moving object's motion about its velocity within one time step [m/s]");
-  v.degrees("angular_motion_sigma_deg", angular_motion_sigma, 0.01, 10000,
+  v.degrees("angular_motion_sigma_deg_s", angular_motion_sigma, 0.01, 10000,
             "sigma of a moving object's rotation about its angular velocity within one time step "
             "[deg/s]");
+  v.renamed("angular_acceleration_sigma_deg", "angular_acceleration_sigma_deg_s2");
+  v.renamed("angular_motion_sigma_deg", "angular_motion_sigma_deg_s");
   v.real("window", window, 0, 1e6, "age above which poses of moving objects are held fixed [s]");
   v.integer("window_keyframes", window_keyframes, 0, 1000000,
             "newest ego poses optimised with the objects; 0: nothing is optimised until a loop or "

@@ -62,14 +62,14 @@ Loop RunLoops::verify(const LoopCandidate& candidate,
   const KeyframeRegistrationResult registration =
       registerFrom(target, keyframes_.loopCloud(keyframe).unpacked().points, candidate.T_from_to);
   fillFrom(registration, loop);
-  loop.verdict = verifyRegistration(registration, limitsOf(options_, by_appearance));
+  loop.verdict = verifyRegistration(registration, options_.criteria(by_appearance));
   return loop;
 }
 
 SimilarLoops RunLoops::byAppearance(const KeyframeRange& older, const KeyframeRange& newer)
 {
-  LoopAgreement agreement(options_.appearance_support, options_.appearance_support,
-                          options_.support_window);
+  const int support = options_.by_appearance.min_support;
+  LoopAgreement agreement(support, support, options_.support_window);
   SimilarLoops result;
   for (std::size_t k = newer.begin; k < newer.end; k += static_cast<std::size_t>(options_.interval))
   {
@@ -99,7 +99,8 @@ NearLoops RunLoops::byPosition(const KeyframeRange& older,
                                const KeyframeRange& newer,
                                const std::vector<double>& reach)
 {
-  LoopAgreement agreement(options_.min_support, options_.min_support, options_.support_window);
+  const int support = options_.nearby.min_support;
+  LoopAgreement agreement(support, support, options_.support_window);
   NearLoops result;
   std::vector<bool> tried(newer.end - newer.begin, false);
   for (std::size_t k = newer.begin; k < newer.end; k += static_cast<std::size_t>(options_.interval))

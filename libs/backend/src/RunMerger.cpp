@@ -148,7 +148,7 @@ std::vector<Loop> RunMerger::State::largestGroup(const std::vector<Loop>& all) c
 Placement RunMerger::State::bestPlacement() const
 {
   Placement best;
-  const auto least = static_cast<std::size_t>(config.loops.appearance_support);
+  const auto least = static_cast<std::size_t>(config.loops.by_appearance.min_support);
   for (const Seeds& pair : seeds)
   {
     if (runs[pair.run_a].joined == runs[pair.run_b].joined)
@@ -308,7 +308,8 @@ bool RunMerger::State::join(const Placement& placement)
   run.evidence.consistent = added - left_out;
   const bool is_confirmed = static_cast<double>(found.confirmed) >=
                             config.merge.min_confirmed * static_cast<double>(found.tried);
-  if (is_confirmed && added > left_out + static_cast<std::size_t>(config.loops.appearance_support))
+  if (is_confirmed &&
+      added > left_out + static_cast<std::size_t>(config.loops.by_appearance.min_support))
   {
     return true;
   }
@@ -323,7 +324,7 @@ bool RunMerger::State::join(const Placement& placement)
 JoinEvidence RunMerger::State::evidenceOf(std::size_t run) const
 {
   JoinEvidence evidence = runs[run].evidence;
-  evidence.needed = static_cast<std::size_t>(config.loops.appearance_support) + 1;
+  evidence.needed = static_cast<std::size_t>(config.loops.by_appearance.min_support) + 1;
   evidence.min_confirmed = config.merge.min_confirmed;
   for (const Seeds& pair : seeds)
   {

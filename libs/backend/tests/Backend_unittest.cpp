@@ -216,7 +216,7 @@ TEST(Backend, UnconvergedOdometryOrInvalidInformationMeansLittleTrust)
     information[kind] = run.backend.graph().edges.begin()->second.cov_inv(0, 0);
   }
   EXPECT_NEAR(information[0], 1 / (1e-8 + 1e-12), 1);
-  const double fallback = BackendOptions().unconverged_sigma_translation;
+  const double fallback = BackendOptions().unconverged_sigma;
   EXPECT_NEAR(information[1], 1 / (fallback * fallback), 0.01);
   EXPECT_NEAR(information[2], 1 / (fallback * fallback), 0.01);
   EXPECT_NEAR(information[3], 1 / (fallback * fallback + 1 / own[3]), 1e-4) << "after a gap";

@@ -217,7 +217,7 @@ TEST(LoopCloser, AcceptsNothingWhereNothingIsSeenAgain)
   }
   const std::vector<Pose> bent = drifted(truth, 2 * M_PI / 50, 0);
   LoopCloserOptions options;
-  options.max_descriptor_distance = 1;  // leave it all to the verification
+  options.nearby.max_descriptor_distance = 1;  // leave it all to the verification
   const std::vector<Loop> loops = runThrough(world, truth, bent, options);
   EXPECT_GT(loops.size(), 20U);
   for (const Loop& loop : loops)
@@ -264,7 +264,7 @@ TEST(LoopCloser, TheHeadingAfterAGapIsUnknown)
   const std::vector<Pose> estimate = wrongAfter(truth, 50, poseFromYpr(5, 0, 0, 1.1, 0, 0));
   LoopCloserOptions options;
   options.appearance = false;
-  options.candidates = 4;
+  options.nearby.candidates = 4;
   std::vector<Loop> loops = runThrough(world, truth, estimate, options);
   EXPECT_EQ(acceptedOf(loops, truth).nearby, 0);
   loops = runThrough(world, truth, estimate, options, unseenAfter(truth.size(), 50, 20));
@@ -280,7 +280,7 @@ TEST(LoopCloser, ConnectsTheTwoSidesOfARestart)
   const std::vector<Pose> estimate = wrongAfter(truth, restart, poseFromYpr(3, 2, 0, 0.1, 0, 0));
   LoopCloserOptions options;
   options.appearance = false;
-  options.max_descriptor_distance = 1;  // leave it all to the verification
+  options.nearby.max_descriptor_distance = 1;  // leave it all to the verification
   const std::vector<Loop> loops =
       runThrough(world, truth, estimate, options, unseenAfter(truth.size(), restart, 10));
   EXPECT_GT(acceptedOf(loops, truth).nearby, 2) << textOf(loops);
@@ -318,6 +318,29 @@ TEST(LoopCloser, EmptyCloudsMakeNoLoops)
   }
 }
 
+TEST(LoopCloserOptions, CriteriaOfLoopsByAppearanceHaveAPrefix)
+{
+  Config config;
+  config.set("loop.min_overlap=0.5");
+  config.set("loop.appearance_min_overlap=0.7");
+  LoopCloserOptions options;
+  load(options, config, "loop");
+  EXPECT_EQ(options.criteria(false).min_overlap, 0.5);
+  EXPECT_EQ(options.criteria(true).min_overlap, 0.7);
+  config.set("loop.appearance_overlap=0.7");
+  try
+  {
+    load(options, config, "loop");
+    FAIL();
+  }
+  catch (const UserError& error)
+  {
+    EXPECT_STREQ(error.what(),
+                 "--set loop.appearance_overlap: [loop] appearance_overlap was renamed to "
+                 "appearance_min_overlap");
+  }
+}
+
 TEST(LoopCloser, ContractIsChecked)
 {
   KeyframeStore keyframes;
@@ -331,7 +354,7 @@ TEST(LoopCloser, ContractIsChecked)
   keyframes.add(Keyframe());
   EXPECT_THROW(closer.add({}), std::invalid_argument);  // one was passed over
   LoopCloserOptions bad;
-  bad.min_overlap = 2;
+  bad.nearby.min_overlap = 2;
   EXPECT_THROW(LoopCloser(bad, keyframes), UserError);
 }
 }  // namespace

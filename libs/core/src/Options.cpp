@@ -7,6 +7,8 @@
 #include <array>
 #include <charconv>
 #include <cmath>
+#include <map>
+#include <utility>
 
 namespace dyslam
 {
@@ -68,6 +70,7 @@ class KeyLister : public OptionsVisitor
 {
  public:
   std::vector<std::string> keys;
+  std::map<std::string, std::string> present_of_old;  //!< keys that were renamed
   void real(const char* key, double&, double, double, const char*) override
   {
     keys.emplace_back(key);
@@ -79,6 +82,7 @@ class KeyLister : public OptionsVisitor
   {
     keys.emplace_back(key);
   }
+  void renamed(const char* old_key, const char* key) override { present_of_old[old_key] = key; }
 };
 
 class Loader : public OptionsVisitor
@@ -247,6 +251,46 @@ void OptionsVisitor::degrees(
   }
 }
 
+PrefixedVisitor::PrefixedVisitor(OptionsVisitor& visitor,
+                                 std::string prefix,
+                                 const std::string& about)
+    : visitor_(visitor), prefix_(std::move(prefix)), about_(about + ": ")
+{
+}
+
+void PrefixedVisitor::real(const char* key, double& value, double min, double max, const char* help)
+{
+  visitor_.real((prefix_ + key).c_str(), value, min, max, (about_ + help).c_str());
+}
+
+void PrefixedVisitor::integer(const char* key, int& value, int min, int max, const char* help)
+{
+  visitor_.integer((prefix_ + key).c_str(), value, min, max, (about_ + help).c_str());
+}
+
+void PrefixedVisitor::flag(const char* key, bool& value, const char* help)
+{
+  visitor_.flag((prefix_ + key).c_str(), value, (about_ + help).c_str());
+}
+
+void PrefixedVisitor::text(const char* key, std::string& value, const char* help)
+{
+  visitor_.text((prefix_ + key).c_str(), value, (about_ + help).c_str());
+}
+
+void PrefixedVisitor::word(const char* key,
+                           std::string& value,
+                           const std::vector<std::string>& words,
+                           const char* help)
+{
+  visitor_.word((prefix_ + key).c_str(), value, words, (about_ + help).c_str());
+}
+
+void PrefixedVisitor::renamed(const char* old_key, const char* key)
+{
+  visitor_.renamed((prefix_ + old_key).c_str(), (prefix_ + key).c_str());
+}
+
 void load(Options& options, const Config& config, const std::string& section)
 {
   const auto& values = config.section(section);
@@ -256,6 +300,12 @@ void load(Options& options, const Config& config, const std::string& section)
   {
     if (std::find(lister.keys.begin(), lister.keys.end(), key) == lister.keys.end())
     {
+      const auto old = lister.present_of_old.find(key);
+      if (old != lister.present_of_old.end())
+      {
+        throw UserError(value.origin + ": [" + section + "] " + key + " was renamed to " +
+                        old->second);
+      }
       const std::string near = nearestWord(key, lister.keys);
       throw UserError(value.origin + ": [" + section + "] has no key '" + key + "'" +
                       (near.empty() ? "" : "; did you mean '" + near + "'?"));

@@ -31,6 +31,7 @@ struct SampleOptions : Options
   void describe(OptionsVisitor& v) override
   {
     v.real("voxel_size", voxel_size, 0.01, 10, "m");
+    v.renamed("cell", "voxel_size");
     v.integer("threads", threads, 1, 64, "threads");
     v.flag("deskew", deskew, "undo the motion within a scan");
     v.text("label", label, "sensor label");
@@ -88,6 +89,7 @@ TEST(Options, ErrorsNamePlaceAndFix)
 {
   EXPECT_EQ(errorOf("[sample]\nvoxel_sise = 1\n"),
             "a.ini:2: [sample] has no key 'voxel_sise'; did you mean 'voxel_size'?");
+  EXPECT_EQ(errorOf("[sample]\ncell = 1\n"), "a.ini:2: [sample] cell was renamed to voxel_size");
   EXPECT_EQ(errorOf("[sample]\nvoxel_size = abc\n"),
             "a.ini:2: [sample] voxel_size = abc is not a number");
   EXPECT_EQ(errorOf("[sample]\nvoxel_size = 99\n"),
@@ -107,6 +109,43 @@ TEST(Options, ErrorsNamePlaceAndFix)
             "a.ini:1: key 'threads' stands before the first [section], where only include and "
             "program may");
   EXPECT_EQ(errorOf("[sample]\njunk\n"), "a.ini:2: 'junk' is not a setting; write key = value");
+}
+
+/** Options of a kind for two sensors. */
+struct SampleOfTwo : Options
+{
+  SampleOptions front;
+  SampleOptions rear;
+
+  void describe(OptionsVisitor& v) override
+  {
+    PrefixedVisitor of_front(v, "", "front");
+    front.describe(of_front);
+    PrefixedVisitor of_rear(v, "rear_", "rear");
+    rear.describe(of_rear);
+  }
+};
+
+TEST(Options, APrefixMakesTwoOfAKind)
+{
+  SampleOfTwo options;
+  const Config given = Config::fromText("[two]\nthreads = 4\nrear_threads = 5\n", "a.ini");
+  load(options, given, "two");
+  EXPECT_EQ(options.front.threads, 4);
+  EXPECT_EQ(options.rear.threads, 5);
+  Config config;
+  save(options, config, "two");
+  EXPECT_EQ(config.section("two").at("rear_cone_deg").comment, "rear: half angle");
+  EXPECT_EQ(config.section("two").at("kernel").comment, "front: robust kernel (none, cauchy)");
+  try
+  {
+    load(options, Config::fromText("[two]\nrear_cell = 1\n", "a.ini"), "two");
+    FAIL();
+  }
+  catch (const UserError& error)
+  {
+    EXPECT_STREQ(error.what(), "a.ini:2: [two] rear_cell was renamed to rear_voxel_size");
+  }
 }
 
 TEST(Options, ValidateChecksValuesSetInCode)

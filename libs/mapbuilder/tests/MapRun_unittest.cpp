@@ -197,7 +197,7 @@ TEST_F(MapRun, RunsWithoutAPlaceInCommonAreNotMerged)
   outputs.maps = {folder.file("m.ply")};
   const auto runs = readRunFolders({folder.file("a"), folder.file("b")}, 0.01);
   RunMergerConfig merger;
-  merger.loops.appearance_support = 10;  // more than two keyframes can give
+  merger.loops.by_appearance.min_support = 10;  // more than two keyframes can give
   const std::string said =
       messageOfError<UserError>([&] { (void)mergeMaps(runs, merger, options, outputs, listener); });
   EXPECT_TRUE(contains(said, folder.file("b") + ": no place in common with " + folder.file("a")))

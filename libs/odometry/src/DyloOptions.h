@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <dyslam/core/Angle.h>
 #include <dyslam/core/Options.h>
 
 #include <cstdint>
@@ -28,7 +29,8 @@ struct DyloOptions : Options
   double min_inlier_share = 0.55;      //!< share of inliers below which the match has failed
   double max_last_step = 0.3;  //!< length of the last step above which the match has failed [m]
   double max_translation = 6;  //!< largest plausible translation between two scans [m]
-  double max_rotation = 0.6;   //!< largest plausible rotation between two scans [rad]
+  /** Largest plausible rotation between two scans [rad]. */
+  double max_rotation = 34.4 * radians_per_degree;
 
   void describe(OptionsVisitor& visitor) override;
 };

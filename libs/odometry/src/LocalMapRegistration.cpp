@@ -184,7 +184,7 @@ void LocalMapRegistration::State::measureSensor(const Scan& scan)
 
 void LocalMapRegistration::State::setPrior(const Pose& T_guess, const MotionPrior* prior)
 {
-  const Matrix6 of_guess = informationFromSigmas(options.guess_sigma, options.guess_sigma_angle);
+  const Matrix6 of_guess = informationFromSigmas(options.guess_sigma, options.guess_sigma_rotation);
   guess_information.setZero();
   T_prior.reset();
   prior_information = of_guess;

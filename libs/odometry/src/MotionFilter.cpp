@@ -18,13 +18,17 @@ constexpr double floor_sigma_angle = 1e-4;
 
 void MotionFilterOptions::describe(OptionsVisitor& v)
 {
-  v.real("acceleration", acceleration, 1e-3, 1e4, "sigma of the vehicle's acceleration [m/s^2]");
-  v.degrees("angular_acceleration_deg", angular_acceleration, 0.01, 1e6,
+  v.real("acceleration_sigma", acceleration_sigma, 1e-3, 1e4,
+         "sigma of the vehicle's acceleration [m/s^2]");
+  v.degrees("angular_acceleration_sigma_deg_s2", angular_acceleration_sigma, 0.01, 1e6,
             "sigma of the vehicle's angular acceleration [deg/s^2]");
   v.real("start_speed_sigma", start_speed_sigma, 1e-3, 1e3,
          "sigma of the velocity at the first scan, if that is not known [m/s]");
-  v.degrees("start_turn_rate_sigma_deg", start_turn_rate_sigma, 0.01, 1e4,
+  v.degrees("start_turn_rate_sigma_deg_s", start_turn_rate_sigma, 0.01, 1e4,
             "sigma of the angular velocity at the first scan [deg/s]");
+  v.renamed("acceleration", "acceleration_sigma");
+  v.renamed("angular_acceleration_deg", "angular_acceleration_sigma_deg_s2");
+  v.renamed("start_turn_rate_sigma_deg", "start_turn_rate_sigma_deg_s");
 }
 
 MotionFilter::MotionFilter(const MotionFilterOptions& options) : options_(options)
@@ -52,8 +56,9 @@ MotionFilter::Matrix12 MotionFilter::predictedCovariance(double dt) const
   F.topRightCorner<6, 6>().diagonal().setConstant(dt);
   Matrix12 P = F * covariance_ * F.transpose();
   Vector6 noise;
-  noise.head<3>().setConstant(options_.acceleration * options_.acceleration);
-  noise.tail<3>().setConstant(options_.angular_acceleration * options_.angular_acceleration);
+  noise.head<3>().setConstant(options_.acceleration_sigma * options_.acceleration_sigma);
+  noise.tail<3>().setConstant(options_.angular_acceleration_sigma *
+                              options_.angular_acceleration_sigma);
   P.topLeftCorner<6, 6>().diagonal() += 0.25 * dt * dt * dt * dt * noise;
   P.topRightCorner<6, 6>().diagonal() += 0.5 * dt * dt * dt * noise;
   P.bottomLeftCorner<6, 6>().diagonal() += 0.5 * dt * dt * dt * noise;
@@ -116,8 +121,8 @@ void MotionFilter::follow(double dt, const Pose& T_previous_current)
 
 void MotionFilter::forget(double dt)
 {
-  start(velocity_, std::min(options_.start_speed_sigma, options_.acceleration * dt),
-        std::min(options_.start_turn_rate_sigma, options_.angular_acceleration * dt));
+  start(velocity_, std::min(options_.start_speed_sigma, options_.acceleration_sigma * dt),
+        std::min(options_.start_turn_rate_sigma, options_.angular_acceleration_sigma * dt));
 }
 
 void MotionFilter::exchangeState(StateArchive& archive)

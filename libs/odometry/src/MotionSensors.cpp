@@ -137,11 +137,11 @@ void MotionSensorOptions::describe(OptionsVisitor& v)
 {
   v.flag("gyroscope", gyroscope, "use the angular velocities of an IMU");
   v.flag("wheel_odometry", wheel_odometry, "use the forward speed of the wheels");
-  v.degrees("gyroscope_sigma_deg", gyroscope_sigma, 1e-4, 1e3,
+  v.degrees("gyroscope_sigma_deg_s", gyroscope_sigma, 1e-4, 1e3,
             "sigma of the mean angular velocity between two scans [deg/s]");
   v.real("gyroscope_sigma_ratio", gyroscope_sigma_ratio, 0, 1,
          "sigma of the angular velocity in proportion to it (alignment of axes and clocks)");
-  v.degrees("gyroscope_bias_sigma_deg", gyroscope_bias_sigma, 1e-5, 1e3,
+  v.degrees("gyroscope_bias_sigma_deg_s", gyroscope_bias_sigma, 1e-5, 1e3,
             "sigma of the gyroscope's bias before it is estimated [deg/s]");
   v.real("wheel_sigma", wheel_sigma, 1e-4, 100,
          "sigma of the mean speed of the wheels between two scans [m/s]");
@@ -151,6 +151,8 @@ void MotionSensorOptions::describe(OptionsVisitor& v)
          "a speed of the wheels farther from the prior than this many sigmas is rejected");
   v.real("max_gap", max_gap, 1e-3, 10,
          "largest time without a sample over which a sensor is used [s]");
+  v.renamed("gyroscope_sigma_deg", "gyroscope_sigma_deg_s");
+  v.renamed("gyroscope_bias_sigma_deg", "gyroscope_bias_sigma_deg_s");
 }
 
 struct MotionSensors::State

@@ -18,18 +18,21 @@ void FusionOptions::describe(OptionsVisitor& v)
 {
   v.real("segmenter_sigma", segmenter_sigma, 1e-4, 10,
          "sigma of the segmenter's ego-motion in x and y [m]");
-  v.degrees("segmenter_sigma_angle_deg", segmenter_sigma_angle, 1e-3, 90,
+  v.degrees("segmenter_sigma_rotation_deg", segmenter_sigma_rotation, 1e-3, 90,
             "sigma of the heading of the segmenter's ego-motion [deg]");
+  v.renamed("segmenter_sigma_angle_deg", "segmenter_sigma_rotation_deg");
   v.real("matcher_sigma", matcher_sigma, 1e-4, 10,
          "sigma of the translation of a scan matcher's motion [m]");
-  v.degrees("matcher_sigma_angle_deg", matcher_sigma_angle, 1e-3, 90,
+  v.degrees("matcher_sigma_rotation_deg", matcher_sigma_rotation, 1e-3, 90,
             "sigma of the rotation of a scan matcher's motion [deg]");
+  v.renamed("matcher_sigma_angle_deg", "matcher_sigma_rotation_deg");
   v.real("gate", gate, 0.1, 1000,
          "largest Mahalanobis distance to the prior of an accepted motion of segmenter or matcher");
   v.real("informed_sigma", informed_sigma, 1e-4, 10,
          "sigma of the translation of a scan matcher that fuses the prior [m]");
-  v.degrees("informed_sigma_angle_deg", informed_sigma_angle, 1e-3, 90,
+  v.degrees("informed_sigma_rotation_deg", informed_sigma_rotation, 1e-3, 90,
             "sigma of the rotation of a scan matcher that fuses the prior [deg]");
+  v.renamed("informed_sigma_angle_deg", "informed_sigma_rotation_deg");
   v.real("informed_gate", informed_gate, 0.1, 1000,
          "largest Mahalanobis distance to the prior of an accepted motion of a matcher that fuses "
          "the prior");

@@ -58,7 +58,7 @@ bool Odometry::State::acceptsSegmenterMotion(const Frame& frame) const
   return sweep_change.translation().norm() < fusion.segmenter_sigma &&
          frame.prior.mahalanobisDistance(frame.segmenter_motion->T_previous_current,
                                          fusion.segmenter_sigma,
-                                         fusion.segmenter_sigma_angle) < fusion.gate;
+                                         fusion.segmenter_sigma_rotation) < fusion.gate;
 }
 
 void Odometry::State::fuseSegmenterMotion(Frame& frame)
@@ -67,7 +67,7 @@ void Odometry::State::fuseSegmenterMotion(Frame& frame)
   if (acceptsSegmenterMotion(frame))
   {
     segmenter_information =
-        informationFromSigmas(fusion.segmenter_sigma, fusion.segmenter_sigma_angle);
+        informationFromSigmas(fusion.segmenter_sigma, fusion.segmenter_sigma_rotation);
     // A segmenter in the bird's-eye view observes neither height nor tilt.
     segmenter_information.diagonal().segment<3>(2).setZero();
     frame.prior.fuse(frame.segmenter_motion->T_previous_current, segmenter_information);
@@ -93,7 +93,7 @@ std::string Odometry::State::rejectionReason(const Frame& frame) const
   const bool informed = frame.dt > 0 && matcher->usesPrior();
   const double distance = frame.prior.mahalanobisDistance(
       frame.odometry.T_previous_current, informed ? fusion.informed_sigma : fusion.matcher_sigma,
-      informed ? fusion.informed_sigma_angle : fusion.matcher_sigma_angle);
+      informed ? fusion.informed_sigma_rotation : fusion.matcher_sigma_rotation);
   const double gate = informed ? fusion.informed_gate : fusion.gate;
   if (distance < gate)
   {
@@ -144,7 +144,7 @@ Pose Odometry::State::initialGuess(const Frame& frame) const
   }
   MotionPrior fused = frame.prior;
   fused.fuse(frame.odometry.T_previous_current,
-             informationFromSigmas(fusion.matcher_sigma, fusion.matcher_sigma_angle));
+             informationFromSigmas(fusion.matcher_sigma, fusion.matcher_sigma_rotation));
   return fused.T_previous_current;
 }
 

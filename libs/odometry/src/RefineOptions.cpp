@@ -40,8 +40,9 @@ void RefineOptions::describe(OptionsVisitor& v)
          "sigma of the initial guess at the first registration to a map [m]");
   v.real("guess_sigma", guess_sigma, 1e-4, 1e3,
          "sigma of the translation of an initial guess that is not the prior [m]");
-  v.degrees("guess_sigma_angle_deg", guess_sigma_angle, 1e-3, 180,
+  v.degrees("guess_sigma_rotation_deg", guess_sigma_rotation, 1e-3, 180,
             "sigma of the rotation of an initial guess that is not the prior [deg]");
+  v.renamed("guess_sigma_angle_deg", "guess_sigma_rotation_deg");
   v.real("points_per_measurement", points_per_measurement, 1, 1e6,
          "number of correlated points that count as one measurement");
   v.real("max_ground_weight_ratio", max_ground_weight_ratio, 1e-3, 1e9,

@@ -42,7 +42,7 @@ TEST(MotionFilter, AfterAGapTheVelocityIsKeptButUncertain)
   MotionFilter later = filter;
   filter.forget(3);
   EXPECT_TRUE(filter.predict(step_time).isApprox(before));
-  EXPECT_NEAR(filter.sigma(step_time), 3 * options.acceleration * step_time, 0.05);
+  EXPECT_NEAR(filter.sigma(step_time), 3 * options.acceleration_sigma * step_time, 0.05);
   later.forget(60);
   EXPECT_NEAR(later.sigma(step_time), options.start_speed_sigma * step_time, 0.05);
 }
@@ -142,7 +142,7 @@ NoisyDrive drive(double noise)
   std::mt19937 random(5);
   std::normal_distribution<double> normal;
   MotionFilterOptions options;
-  options.acceleration = 2;
+  options.acceleration_sigma = 2;
   MotionFilter filter(options);
   filter.start(Vector6::Zero(), 30, 1);
   constexpr int steps = 400;
@@ -155,7 +155,7 @@ NoisyDrive drive(double noise)
   const Matrix6 information = informationOf(noise, 1e-3);
   for (int i = 0; i < steps; ++i)
   {
-    const double a = options.acceleration * normal(random);
+    const double a = options.acceleration_sigma * normal(random);
     x += step_time * v + 0.5 * step_time * step_time * a;
     v += step_time * a;
     const double prediction = filter.predict(step_time).translation().x();

@@ -430,7 +430,7 @@ TEST_F(Fusion, AnEmptyScanGetsThePriorsMotion)
 
 TEST_F(Fusion, AfterAMisjudgedMotionTheMeanOneIsTried)
 {
-  start({"motion.acceleration=10", "motion.angular_acceleration_deg=600"});
+  start({"motion.acceleration_sigma=10", "motion.angular_acceleration_sigma_deg_s2=600"});
   const Pose step = poseFromYpr(0.5, 0, 0, 0, 0, 0);
   const Pose T = settle(step, 12);
   Frame frame = next(T * step);

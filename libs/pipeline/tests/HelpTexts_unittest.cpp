@@ -49,6 +49,12 @@ TEST(HelpTexts, ThoseOfARunReadAlone)
   EXPECT_EQ(no_lines, unclearHelpTexts(effective));
 }
 
+TEST(Defaults, ThoseOfARunAreRoundNumbers)
+{
+  const TestFolder folder;
+  EXPECT_EQ(no_lines, longNumbers(readWhole(effectiveIniOfARun(folder))));
+}
+
 /** dyslam-map refuses other sections in an ini. */
 TEST(SlamRun, TheSectionsOfEffectiveIniAreKnown)
 {
@@ -58,7 +64,8 @@ TEST(SlamRun, TheSectionsOfEffectiveIniAreKnown)
   EXPECT_EQ(names, SlamRun::sections());
 }
 
-TEST(HelpTexts, ThoseOfOtherProgramsReadAlone)
+/** The options of the other programs, with their defaults. */
+std::string effectiveIniOfOtherPrograms()
 {
   Config config;
   save(MapExportOptions(), config, "map_export");
@@ -70,7 +77,31 @@ TEST(HelpTexts, ThoseOfOtherProgramsReadAlone)
   save(KittiExportOptions(), config, "kitti_export");
   save(PcapSourceOptions(), config, "pcap");
   save(RawlogWriterOptions(), config, "rawlog_writer");
-  EXPECT_EQ(no_lines, unclearHelpTexts(config.toIni()));
+  return config.toIni();
+}
+
+TEST(HelpTexts, ThoseOfOtherProgramsReadAlone)
+{
+  EXPECT_EQ(no_lines, unclearHelpTexts(effectiveIniOfOtherPrograms()));
+}
+
+TEST(Defaults, ThoseOfOtherProgramsAreRoundNumbers)
+{
+  EXPECT_EQ(no_lines, longNumbers(effectiveIniOfOtherPrograms()));
+}
+
+TEST(Defaults, LongNumbersAreFound)
+{
+  EXPECT_EQ(no_lines,
+            longNumbers("[a]\nx = 0.0012  // size\ny = 1073741823  // seed\nz = 1e-06  // bound\n"
+                        "w = 12345_run  // name\nv =   // name\nu = true  // switch\n"
+                        "t = 1.234\n"));
+  for (const char* line : {"x = 0.300000702  // size [deg]", "x = 57.295779513",
+                           "x = -1234.5  // n", "x = 1.2345e-07  // bound"})
+  {
+    EXPECT_EQ(std::vector<std::string>{std::string("[a] ") + line},
+              longNumbers(std::string("[a]\n") + line + "\n"));
+  }
 }
 
 TEST(HelpTexts, UnclearOnesAreFound)

@@ -13,6 +13,7 @@ TEST(HelpTexts, ThoseOfTheSimulatorReadAlone)
   Config config;
   save(sim::ClipOptions(), config, "simulator");
   EXPECT_EQ(std::vector<std::string>(), unclearHelpTexts(config.toIni()));
+  EXPECT_EQ(std::vector<std::string>(), longNumbers(config.toIni()));
 }
 }  // namespace
 }  // namespace dyslam

@@ -16,43 +16,49 @@ constexpr double square(double x)
 
 void ClassNoise::describe(OptionsVisitor& v)
 {
-  v.real("radial", radial, 0.001, 10,
+  v.real("radial_sigma", radial_sigma, 0.001, 10,
          "sigma of a box's position along the line of sight, at range 0 [m]");
-  v.real("radial_per_range", radial_per_range, 0, 1,
+  v.real("radial_sigma_per_range", radial_sigma_per_range, 0, 1,
          "increase with range of the sigma along the line of sight [m/m]");
-  v.real("tangential", tangential, 0.001, 10,
+  v.real("tangential_sigma", tangential_sigma, 0.001, 10,
          "sigma of a box's position across the line of sight, at range 0 [m]");
-  v.real("tangential_per_range", tangential_per_range, 0, 1,
+  v.real("tangential_sigma_per_range", tangential_sigma_per_range, 0, 1,
          "increase with range of the sigma across the line of sight [m/m]");
-  v.real("height", height, 0.001, 10, "sigma of the height of a box's centre [m]");
-  v.degrees("yaw_deg", yaw, 0.01, 180, "sigma of a box's heading, at range 0 [deg]");
-  v.degrees("yaw_per_range_deg", yaw_per_range, 0, 10,
+  v.real("height_sigma", height_sigma, 0.001, 10, "sigma of the height of a box's centre [m]");
+  v.degrees("yaw_sigma_deg", yaw_sigma, 0.01, 180, "sigma of a box's heading, at range 0 [deg]");
+  v.degrees("yaw_sigma_per_range_deg_m", yaw_sigma_per_range, 0, 10,
             "increase with range of the sigma of the heading [deg/m]");
+  v.renamed("radial", "radial_sigma");
+  v.renamed("radial_per_range", "radial_sigma_per_range");
+  v.renamed("tangential", "tangential_sigma");
+  v.renamed("tangential_per_range", "tangential_sigma_per_range");
+  v.renamed("height", "height_sigma");
+  v.renamed("yaw_deg", "yaw_sigma_deg");
+  v.renamed("yaw_per_range_deg", "yaw_sigma_per_range_deg_m");
 }
 
 DetectionNoiseOptions::DetectionNoiseOptions()
 {
-  vehicle.yaw = 2 * radians_per_degree;
-  vehicle.yaw_per_range = 0.08 * radians_per_degree;
-  cyclist.radial = 0.04;
-  cyclist.radial_per_range = 0.0018;
-  cyclist.tangential = 0.02;
-  cyclist.tangential_per_range = 0.0024;
-  cyclist.height = 0.08;
-  cyclist.yaw = 3 * radians_per_degree;
-  cyclist.yaw_per_range = 0.12 * radians_per_degree;
-  pedestrian.radial = 0.07;
-  pedestrian.radial_per_range = 0.001;
-  pedestrian.tangential = 0.065;
-  pedestrian.tangential_per_range = 0;
-  pedestrian.height = 0.065;
-  pedestrian.yaw = 8 * radians_per_degree;
-  pedestrian.yaw_per_range = 0.2 * radians_per_degree;
+  cyclist.radial_sigma = 0.04;
+  cyclist.radial_sigma_per_range = 0.0018;
+  cyclist.tangential_sigma = 0.02;
+  cyclist.tangential_sigma_per_range = 0.0024;
+  cyclist.height_sigma = 0.08;
+  cyclist.yaw_sigma = 3 * radians_per_degree;
+  cyclist.yaw_sigma_per_range = 0.12 * radians_per_degree;
+  pedestrian.radial_sigma = 0.07;
+  pedestrian.radial_sigma_per_range = 0.001;
+  pedestrian.tangential_sigma = 0.065;
+  pedestrian.tangential_sigma_per_range = 0;
+  pedestrian.height_sigma = 0.065;
+  pedestrian.yaw_sigma = 8 * radians_per_degree;
+  pedestrian.yaw_sigma_per_range = 0.2 * radians_per_degree;
 }
 
 void DetectionNoiseOptions::describe(OptionsVisitor& v)
 {
-  v.real("factor", factor, 0.01, 100, "factor on all sigmas of the detection noise");
+  v.real("sigma_scale", sigma_scale, 0.01, 100, "factor on all sigmas of the detection noise");
+  v.renamed("factor", "sigma_scale");
   describeClasses(*this, v);
 }
 
@@ -69,11 +75,12 @@ Eigen::Matrix4d detectionCovariance(const Box& box,
   const Eigen::Vector2d tangential(-radial.y(), radial.x());
   Eigen::Matrix4d covariance = Eigen::Matrix4d::Zero();
   covariance.topLeftCorner<2, 2>() =
-      square(noise.radial + noise.radial_per_range * range) * radial * radial.transpose() +
-      square(noise.tangential + noise.tangential_per_range * range) * tangential *
+      square(noise.radial_sigma + noise.radial_sigma_per_range * range) * radial *
+          radial.transpose() +
+      square(noise.tangential_sigma + noise.tangential_sigma_per_range * range) * tangential *
           tangential.transpose();
-  covariance(2, 2) = square(noise.height);
-  covariance(3, 3) = square(noise.yaw + noise.yaw_per_range * range);
-  return square(options.factor) * covariance;
+  covariance(2, 2) = square(noise.height_sigma);
+  covariance(3, 3) = square(noise.yaw_sigma + noise.yaw_sigma_per_range * range);
+  return square(options.sigma_scale) * covariance;
 }
 }  // namespace dyslam

@@ -153,11 +153,11 @@ std::vector<Node> voxelNodes(const Points& points,
     if (is_new)
     {
       nodes.emplace_back();
-      const double distance =
-          options.distance +
-          options.distance_per_range * static_cast<double>((p.head<2>() - lidar).norm());
+      const double gap =
+          options.cluster_gap +
+          options.cluster_gap_per_range * static_cast<double>((p.head<2>() - lidar).norm());
       nodes.back().position = p.head<2>();
-      nodes.back().link_distance = static_cast<float>(std::min(distance, options.max_distance));
+      nodes.back().link_distance = static_cast<float>(std::min(gap, options.max_cluster_gap));
     }
     nodes[entry->second].points.push_back(i);
   }
@@ -228,10 +228,10 @@ void DetectorOptions::describe(OptionsVisitor& v)
   v.real("ground_clearance", ground_clearance, -10, 10,
          "height above ground below which points are not clustered [m]");
   v.real("ground_cell", ground_cell, 0.1, 100, "cell size of the local ground height map [m]");
-  v.real("distance", distance, 0.01, 10, "largest gap within a cluster at range 0 [m]");
-  v.real("distance_per_range", distance_per_range, 0, 1,
+  v.real("cluster_gap", cluster_gap, 0.01, 10, "largest gap within a cluster at range 0 [m]");
+  v.real("cluster_gap_per_range", cluster_gap_per_range, 0, 1,
          "increase with range of the largest gap within a cluster [m/m]");
-  v.real("max_distance", max_distance, 0.01, 10,
+  v.real("max_cluster_gap", max_cluster_gap, 0.01, 10,
          "upper limit of the largest gap within a cluster [m]");
   v.integer("min_points", min_points, 1, 100000, "least number of points of a cluster");
   v.real("min_height", min_height, 0, 10, "least height of a cluster [m]");
@@ -246,6 +246,9 @@ void DetectorOptions::describe(OptionsVisitor& v)
          "sigma of the position of a box of many points [m]");
   v.degrees("yaw_sigma_deg", yaw_sigma, 0.1, 180,
             "sigma of the heading of a box of many points [deg]");
+  v.renamed("distance", "cluster_gap");
+  v.renamed("distance_per_range", "cluster_gap_per_range");
+  v.renamed("max_distance", "max_cluster_gap");
 }
 
 Detector::Detector(const DetectorOptions& options) : options_(options)
@@ -308,7 +311,7 @@ std::vector<Detection> Detector::detect(const Points& points,
   std::vector<Detection> detections;
   const std::vector<Node> nodes =
       voxelNodes(points, selectMovingPoints(points, moving), lidar.head<2>(), options_);
-  for (auto& cluster : linkNodes(nodes, options_.max_distance))
+  for (auto& cluster : linkNodes(nodes, options_.max_cluster_gap))
   {
     if (cluster.size() < static_cast<std::size_t>(options_.min_points))
     {

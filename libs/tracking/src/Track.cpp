@@ -146,7 +146,7 @@ void Track::predict(double stamp)
   position_covariance_ =
       predicted.covariance + square(classOptions().min_sigma) * Eigen::Matrix2d::Identity();
   z_variance_ += square(0.5 * dt);
-  yaw_variance_ += square(options_->yaw_rate * dt);
+  yaw_variance_ += square(options_->yaw_rate_sigma * dt);
 }
 
 Box Track::alignedBox(const Observation& observation) const

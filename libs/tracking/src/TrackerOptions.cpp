@@ -88,7 +88,9 @@ void TrackerOptions::describe(OptionsVisitor& v)
       "class_mismatch_cost", class_mismatch_cost, 0, 1000,
       "association cost added to a pair of different classes; above max_cost it forbids the pair");
   v.real("size_gain", size_gain, 0, 1, "filter gain of an observed box size");
-  v.degrees("yaw_rate_deg", yaw_rate, 0, 360, "sigma of the rate of change of a heading [deg/s]");
+  v.degrees("yaw_rate_sigma_deg_s", yaw_rate_sigma, 0, 360,
+            "sigma of the rate of change of a heading [deg/s]");
+  v.renamed("yaw_rate_deg", "yaw_rate_sigma_deg_s");
   v.flag("adapt_noise", adapt_noise,
          "covariances of boxes from files grow with the noise that is observed");
   describeClasses(*this, v);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/core/Angle.h>
 #include <dyslam/core/BoxOverlap.h>
+#include <dyslam/core/Error.h>
 #include <dyslam/tracking/DetectionDeskew.h>
 #include <dyslam/tracking/DetectionNoise.h>
 #include <gtest/gtest.h>
@@ -42,8 +43,8 @@ TEST(DetectionNoise, AxesFollowTheBearing)
 TEST(DetectionNoise, IsMeasuredFromTheSensorAndByClass)
 {
   DetectionNoiseOptions options;
-  options.pedestrian.radial = 0.3;
-  options.factor = 2;
+  options.pedestrian.radial_sigma = 0.3;
+  options.sigma_scale = 2;
   const Box box = boxAt(10, 0);
   const Eigen::Matrix4d walker =
       detectionCovariance(box, ObjectClass::pedestrian, options, {10, -5});
@@ -57,15 +58,33 @@ TEST(DetectionNoise, IsMeasuredFromTheSensorAndByClass)
 TEST(DetectionNoise, OptionsRoundTripThroughText)
 {
   DetectionNoiseOptions options;
-  options.cyclist.radial = 0.123;
-  options.vehicle.yaw_per_range = 0.01;
+  options.cyclist.radial_sigma = 0.123;
+  options.vehicle.yaw_sigma_per_range = 0.01;
   Config config;
   save(options, config, "detection_noise");
   DetectionNoiseOptions loaded;
   load(loaded, Config::fromText(config.toIni(), "test"), "detection_noise");
-  EXPECT_DOUBLE_EQ(loaded.cyclist.radial, 0.123);
-  EXPECT_NEAR(loaded.vehicle.yaw_per_range, 0.01, 1e-10);
-  EXPECT_DOUBLE_EQ(loaded.pedestrian.tangential, options.pedestrian.tangential);
+  EXPECT_DOUBLE_EQ(loaded.cyclist.radial_sigma, 0.123);
+  EXPECT_NEAR(loaded.vehicle.yaw_sigma_per_range, 0.01, 1e-10);
+  EXPECT_DOUBLE_EQ(loaded.pedestrian.tangential_sigma, options.pedestrian.tangential_sigma);
+}
+
+TEST(DetectionNoise, ARenamedKeyIsNamed)
+{
+  Config config;
+  config.set("detection_noise.vehicle_yaw_deg=3");
+  DetectionNoiseOptions options;
+  try
+  {
+    load(options, config, "detection_noise");
+    FAIL();
+  }
+  catch (const UserError& error)
+  {
+    EXPECT_STREQ(error.what(),
+                 "--set detection_noise.vehicle_yaw_deg: [detection_noise] vehicle_yaw_deg was "
+                 "renamed to vehicle_yaw_sigma_deg");
+  }
 }
 
 /** A standing box is observed from the moving, turning vehicle at the time of its sweep. */

@@ -207,12 +207,12 @@ TEST(Detector, completeBoxKeepsTheVisibleSides)
 TEST(Detector, optionsRoundTripThroughText)
 {
   DetectorOptions options;
-  options.distance = 0.37;
+  options.cluster_gap = 0.37;
   Config config;
   save(options, config, "detector");
   DetectorOptions loaded;
   load(loaded, Config::fromText(config.toIni(), "test"), "detector");
-  EXPECT_DOUBLE_EQ(loaded.distance, 0.37);
+  EXPECT_DOUBLE_EQ(loaded.cluster_gap, 0.37);
   options.min_points = 0;
   EXPECT_ANY_THROW(Detector{options});
 }

@@ -20,6 +20,7 @@ TEST(HelpTexts, ThoseOfTheTrainingOfDyloReadAlone)
   save(DyloLossOptions(), config, "loss");
   save(AugmentationOptions(), config, "augmentation");
   EXPECT_EQ(std::vector<std::string>(), unclearHelpTexts(config.toIni()));
+  EXPECT_EQ(std::vector<std::string>(), longNumbers(config.toIni()));
 }
 }  // namespace
 }  // namespace dyslam

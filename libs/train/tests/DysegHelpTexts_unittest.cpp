@@ -21,6 +21,7 @@ TEST(HelpTexts, ThoseOfTheTrainingOfDysegReadAlone)
   save(DysegAugmentOptions(), config, "augmentation");
   save(DysegLossOptions(), config, "loss");
   EXPECT_EQ(std::vector<std::string>(), unclearHelpTexts(config.toIni()));
+  EXPECT_EQ(std::vector<std::string>(), longNumbers(config.toIni()));
 }
 }  // namespace
 }  // namespace dyslam

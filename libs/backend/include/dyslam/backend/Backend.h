@@ -7,6 +7,7 @@
 #include <dyslam/backend/ObjectGraphOptions.h>
 #include <dyslam/backend/PoseGraph.h>
 #include <dyslam/backend/SmoothedObject.h>
+#include <dyslam/core/Angle.h>
 #include <dyslam/core/Frame.h>
 #include <dyslam/core/Georeference.h>
 #include <dyslam/core/KeyframeStore.h>
@@ -35,10 +36,12 @@ enum class BackendMode
 struct BackendOptions : Options
 {
   BackendMode mode = BackendMode::ego;
-  double keyframe_distance = 1.5;              //!< translation after which a keyframe is added [m]
-  double keyframe_angle = 0.17453292519943;    //!< rotation after which a keyframe is added [rad]
-  double unconverged_sigma_translation = 0.1;  //!< sigma of a step without convergence [m]
-  double unconverged_sigma_rotation = 0.005;   //!< sigma of a step without convergence [rad]
+  double keyframe_distance = 1.5;  //!< translation after which a keyframe is added [m]
+  /** Rotation after which a keyframe is added [rad]. */
+  double keyframe_angle = 10 * radians_per_degree;
+  double unconverged_sigma = 0.1;  //!< sigma of a step without convergence [m]
+  /** Sigma of a step without convergence [rad]. */
+  double unconverged_sigma_rotation = 0.286 * radians_per_degree;
   /** Whitened residual of a new loop above which the graph is optimised. */
   double residual_to_optimise = 3;
   int loops_to_optimise = 20;  //!< number of new loops after which it is optimised

@@ -44,7 +44,7 @@ struct FactorGraphOptions : Options
 struct OptimisationResult
 {
   double initial_chi2 = 0;  //!< sum of squared whitened residuals, without robust loss
-  double final_chi2 = 0;
+  double final_chi2 = 0;    //!< the same at the end
   int iterations = 0;
   std::size_t false_loops = 0;  //!< left out because they contradict the rest
   bool converged = false;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <dyslam/core/Angle.h>
 #include <dyslam/core/Options.h>
 
 namespace dyslam
@@ -19,11 +20,13 @@ struct GnssOptions : Options
   double distance = 5;  //!< travelled between two positions that are used [m]
   /** Extent of the positions below which they are not used: they do not show the heading [m]. */
   double min_extent = 30;
-  double default_sigma = 3;  //!< horizontal, where the receiver states none; vertical: twice [m]
-  double min_sigma = 0.02;   //!< smallest that is believed [m]
+  /** Horizontal sigma of a position where the receiver states none; vertical: twice [m]. */
+  double default_sigma = 3;
+  double min_sigma = 0.02;  //!< smallest sigma that is believed [m]
   /** How long the receiver's errors last: the positions within this time count as one [s]. */
   double correlation_time = 60;
-  double tilt_sigma = 0.08726646259972;  //!< of the map's z axis from the vertical [rad]
+  /** Sigma of the angle between the map's z axis and the vertical [rad]. */
+  double tilt_sigma = 5 * radians_per_degree;
 
   void describe(OptionsVisitor& visitor) override;
 };

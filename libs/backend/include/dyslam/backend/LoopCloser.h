@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <dyslam/core/Angle.h>
 #include <dyslam/core/KeyframeStore.h>
 #include <dyslam/core/Options.h>
 #include <dyslam/core/Pose.h>
@@ -15,38 +16,47 @@ namespace dyslam
 {
 class StateArchive;
 
+/** Which candidates of a keyframe are registered, and which of them are loops. */
+struct LoopCriteria : Options
+{
+  int candidates = 2;                    //!< most candidates registered per keyframe
+  double max_descriptor_distance = 0.4;  //!< from 0 (equal) to 1 (nothing in common)
+  double min_overlap = 0.6;         //!< least fraction of points above ground with a correspondence
+  double max_rmse = 0.2;            //!< largest RMSE of the point-to-plane residuals [m]
+  double min_observability = 0.02;  //!< least ratio of weakest to strongest translation
+  int min_support = 1;              //!< least number of loops of nearby keyframes that agree
+
+  void describe(OptionsVisitor& visitor) override;
+};
+
 struct LoopCloserOptions : Options
 {
   double min_path = 30;      //!< least distance travelled between the two keyframes [m]
   double search_radius = 6;  //!< radius of the search around the newest keyframe, without drift [m]
   double drift_per_metre = 0.03;  //!< growth of the search radius per distance travelled [m/m]
   double max_search_radius = 50;  //!< upper limit of the search radius with drift [m]
-  double max_correction_angle = 0.7853981634;  //!< largest rotation by a loop [rad]
-  int interval = 2;                            //!< search for loops at every n-th keyframe
-  int candidates = 2;  //!< most candidates in the search radius registered per keyframe
-  double max_descriptor_distance = 0.4;  //!< from 0 (equal) to 1 (nothing in common)
-  double descriptor_range = 60;          //!< largest range of points in the descriptor [m]
-  int submap_keyframes = 2;  //!< keyframes on each side merged into the older keyframe's cloud
-  double voxel_size = 0.5;   //!< voxel size of the clouds that are registered [m]
-  double min_overlap = 0.6;  //!< least fraction of points above ground with a correspondence
-  double max_rmse = 0.2;     //!< largest RMSE of the point-to-plane residuals [m]
-  double min_observability = 0.02;  //!< least ratio of weakest to strongest translation
-  int min_support = 1;              //!< least number of loops of nearby keyframes that agree
-  int support_window = 6;           //!< number of keyframes that count as nearby
+  double max_correction_angle = 45 * radians_per_degree;  //!< largest rotation by a loop [rad]
+  int interval = 2;              //!< search for loops at every n-th keyframe
+  double descriptor_range = 60;  //!< largest range of points in the descriptor [m]
+  int submap_keyframes = 2;      //!< keyframes on each side merged into the older keyframe's cloud
+  double voxel_size = 0.5;       //!< voxel size of the clouds that are registered [m]
+  int support_window = 6;        //!< number of keyframes that count as nearby
+  LoopCriteria nearby;           //!< of loops within the search radius
 
   // Places that look alike but lie beyond the search radius: position gives no evidence for them.
-  bool appearance = true;         //!< search for loops beyond the search radius
-  int appearance_candidates = 2;  //!< most candidates by appearance registered per keyframe
-  double appearance_descriptor_distance = 0.3;  //!< as max_descriptor_distance
-  double appearance_overlap = 0.75;             //!< as min_overlap
-  double appearance_rmse = 0.15;                //!< as max_rmse [m]
-  double appearance_observability = 0.05;       //!< as min_observability
-  int appearance_support = 3;                   //!< as min_support
+  bool appearance = true;      //!< search for loops beyond the search radius
+  LoopCriteria by_appearance;  //!< of those loops; keys with the prefix appearance_
   /** Largest drift of the odometry, as a fraction of the path: a loop that implies more is
    * rejected. */
   double appearance_drift = 0.3;
   double place_distance = 10;  //!< candidates farther apart count as different places [m]
 
+  LoopCloserOptions();
+  /** Of loops within the search radius, or of those beyond it. */
+  [[nodiscard]] const LoopCriteria& criteria(bool of_appearance) const
+  {
+    return of_appearance ? by_appearance : nearby;
+  }
   void describe(OptionsVisitor& visitor) override;
 };
 
@@ -73,13 +83,14 @@ constexpr std::array<LoopVerdict, 9> loop_verdicts{
 /** One loop candidate and the decision about it. */
 struct Loop
 {
-  std::size_t from = 0;  //!< the older keyframe
-  std::size_t to = 0;    //!< the newer one
-  Pose T_from_to = Pose::Identity();
-  Matrix6 information = Matrix6::Identity();  //!< over the tangent of T_from_to
-  double descriptor_distance = 0;
-  double overlap = 0;
-  double rmse = 0;  //!< [m]
+  std::size_t from = 0;               //!< the older keyframe
+  std::size_t to = 0;                 //!< the newer one
+  Pose T_from_to = Pose::Identity();  //!< vehicle frame of `to` in that of `from`
+  /** Over the tangent of T_from_to, [translation, rotation]; 1/m^2, 1/rad^2. */
+  Matrix6 information = Matrix6::Identity();
+  double descriptor_distance = 0;  //!< of the two places, from 0 (equal) to 1
+  double overlap = 0;  //!< fraction of points above ground with a correspondence, in [0, 1]
+  double rmse = 0;     //!< of the point-to-plane residuals [m]
   LoopVerdict verdict = LoopVerdict::accepted;
   bool by_appearance = false;  //!< from beyond the search radius
 };

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <dyslam/core/Angle.h>
 #include <dyslam/core/Options.h>
 
 namespace dyslam
@@ -21,14 +22,16 @@ struct ObjectGraphOptions : Options
 
   // Noise. Errors of successive observations of one object are correlated; larger sigmas account
   // for it.
-  double static_sigma_scale = 3;
-  int static_saturation = 50;  //!< keyframes after which further observations add no information
-  double moving_sigma_scale = 3;
-  double tilt_sigma = 0.2;                //!< sigma of an object's roll and pitch [rad]
-  double acceleration_sigma = 9;          //!< sigma of a moving object's acceleration [m/s^2]
-  double angular_acceleration_sigma = 3;  //!< sigma of its angular acceleration [rad/s^2]
+  double static_sigma_scale = 3;  //!< factor on the sigmas of observations of static objects
+  int static_saturation = 50;     //!< keyframes after which further observations add no information
+  double moving_sigma_scale = 3;  //!< factor on the sigmas of observations of moving objects
+  double tilt_sigma = 11.5 * radians_per_degree;  //!< sigma of an object's roll and pitch [rad]
+  double acceleration_sigma = 9;  //!< sigma of a moving object's acceleration [m/s^2]
+  /** Sigma of its angular acceleration [rad/s^2]. */
+  double angular_acceleration_sigma = 172 * radians_per_degree;
   double motion_sigma = 0.3;  //!< sigma of a motion about the velocity, in one time step [m/s]
-  double angular_motion_sigma = 0.3;  //!< sigma of a rotation about the angular velocity [rad/s]
+  /** Sigma of a rotation about the angular velocity [rad/s]. */
+  double angular_motion_sigma = 17.2 * radians_per_degree;
 
   double window = 2;  //!< poses of moving objects older than this are held fixed [s]
   /** Older ego poses are held fixed; 0: nothing is optimised until a loop or the end. */

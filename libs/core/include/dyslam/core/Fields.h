@@ -30,182 +30,52 @@ constexpr std::false_type isMadeFrom(...)
   return {};
 }
 
-constexpr std::size_t most = 27;
-
-/** Number of fields of an aggregate, at most `most`. */
-template <typename T, std::size_t N = most>
+/** Number of fields of an aggregate. */
+template <typename T, std::size_t N = 0>
 constexpr std::size_t count()
 {
-  if constexpr (N == 0 || decltype(isMadeFrom<T, std::make_index_sequence<N>>(0))::value)
+  if constexpr (decltype(isMadeFrom<T, std::make_index_sequence<N + 1>>(0))::value)
   {
-    return N;
+    return count<T, N + 1>();
   }
   else
   {
-    return count<T, N - 1>();
+    return N;
   }
 }
 }  // namespace fields
 
 /** Calls `visit` with all fields of an aggregate in their order: none can be forgotten. A type with
- * more than 27 fields, a base or a C array does not compile. */
+ * more than 16 fields, a base or a C array does not compile. */
 template <typename T, typename Visit>
 void visitFields(T& value, const Visit& visit)
 {
   static_assert(std::is_aggregate_v<T>, "give the class a function exchangeState(StateArchive&)");
   constexpr std::size_t count = fields::count<T>();
   static_assert(count > 0, "nothing to visit, or a field of a kind that cannot be counted");
-  if constexpr (count == 1)
-  {
-    auto& [f1] = value;
-    visit(f1);
+  static_assert(count <= 16, "list the fields in a function exchangeState(StateArchive&)");
+#define DYSLAM_VISIT_FIELDS(number, ...) \
+  if constexpr (count == (number))       \
+  {                                      \
+    auto& [__VA_ARGS__] = value;         \
+    visit(__VA_ARGS__);                  \
   }
-  else if constexpr (count == 2)
-  {
-    auto& [f1, f2] = value;
-    visit(f1, f2);
-  }
-  else if constexpr (count == 3)
-  {
-    auto& [f1, f2, f3] = value;
-    visit(f1, f2, f3);
-  }
-  else if constexpr (count == 4)
-  {
-    auto& [f1, f2, f3, f4] = value;
-    visit(f1, f2, f3, f4);
-  }
-  else if constexpr (count == 5)
-  {
-    auto& [f1, f2, f3, f4, f5] = value;
-    visit(f1, f2, f3, f4, f5);
-  }
-  else if constexpr (count == 6)
-  {
-    auto& [f1, f2, f3, f4, f5, f6] = value;
-    visit(f1, f2, f3, f4, f5, f6);
-  }
-  else if constexpr (count == 7)
-  {
-    auto& [f1, f2, f3, f4, f5, f6, f7] = value;
-    visit(f1, f2, f3, f4, f5, f6, f7);
-  }
-  else if constexpr (count == 8)
-  {
-    auto& [f1, f2, f3, f4, f5, f6, f7, f8] = value;
-    visit(f1, f2, f3, f4, f5, f6, f7, f8);
-  }
-  else if constexpr (count == 9)
-  {
-    auto& [f1, f2, f3, f4, f5, f6, f7, f8, f9] = value;
-    visit(f1, f2, f3, f4, f5, f6, f7, f8, f9);
-  }
-  else if constexpr (count == 10)
-  {
-    auto& [f1, f2, f3, f4, f5, f6, f7, f8, f9, f10] = value;
-    visit(f1, f2, f3, f4, f5, f6, f7, f8, f9, f10);
-  }
-  else if constexpr (count == 11)
-  {
-    auto& [f1, f2, f3, f4, f5, f6, f7, f8, f9, f10, f11] = value;
-    visit(f1, f2, f3, f4, f5, f6, f7, f8, f9, f10, f11);
-  }
-  else if constexpr (count == 12)
-  {
-    auto& [f1, f2, f3, f4, f5, f6, f7, f8, f9, f10, f11, f12] = value;
-    visit(f1, f2, f3, f4, f5, f6, f7, f8, f9, f10, f11, f12);
-  }
-  else if constexpr (count == 13)
-  {
-    auto& [f1, f2, f3, f4, f5, f6, f7, f8, f9, f10, f11, f12, f13] = value;
-    visit(f1, f2, f3, f4, f5, f6, f7, f8, f9, f10, f11, f12, f13);
-  }
-  else if constexpr (count == 14)
-  {
-    auto& [f1, f2, f3, f4, f5, f6, f7, f8, f9, f10, f11, f12, f13, f14] = value;
-    visit(f1, f2, f3, f4, f5, f6, f7, f8, f9, f10, f11, f12, f13, f14);
-  }
-  else if constexpr (count == 15)
-  {
-    auto& [f1, f2, f3, f4, f5, f6, f7, f8, f9, f10, f11, f12, f13, f14, f15] = value;
-    visit(f1, f2, f3, f4, f5, f6, f7, f8, f9, f10, f11, f12, f13, f14, f15);
-  }
-  else if constexpr (count == 16)
-  {
-    auto& [f1, f2, f3, f4, f5, f6, f7, f8, f9, f10, f11, f12, f13, f14, f15, f16] = value;
-    visit(f1, f2, f3, f4, f5, f6, f7, f8, f9, f10, f11, f12, f13, f14, f15, f16);
-  }
-  else if constexpr (count == 17)
-  {
-    auto& [f1, f2, f3, f4, f5, f6, f7, f8, f9, f10, f11, f12, f13, f14, f15, f16, f17] = value;
-    visit(f1, f2, f3, f4, f5, f6, f7, f8, f9, f10, f11, f12, f13, f14, f15, f16, f17);
-  }
-  else if constexpr (count == 18)
-  {
-    auto& [f1, f2, f3, f4, f5, f6, f7, f8, f9, f10, f11, f12, f13, f14, f15, f16, f17, f18] = value;
-    visit(f1, f2, f3, f4, f5, f6, f7, f8, f9, f10, f11, f12, f13, f14, f15, f16, f17, f18);
-  }
-  else if constexpr (count == 19)
-  {
-    auto& [f1, f2, f3, f4, f5, f6, f7, f8, f9, f10, f11, f12, f13, f14, f15, f16, f17, f18, f19] =
-        value;
-    visit(f1, f2, f3, f4, f5, f6, f7, f8, f9, f10, f11, f12, f13, f14, f15, f16, f17, f18, f19);
-  }
-  else if constexpr (count == 20)
-  {
-    auto& [f1, f2, f3, f4, f5, f6, f7, f8, f9, f10, f11, f12, f13, f14, f15, f16, f17, f18, f19,
-           f20] = value;
-    visit(f1, f2, f3, f4, f5, f6, f7, f8, f9, f10, f11, f12, f13, f14, f15, f16, f17, f18, f19,
-          f20);
-  }
-  else if constexpr (count == 21)
-  {
-    auto& [f1, f2, f3, f4, f5, f6, f7, f8, f9, f10, f11, f12, f13, f14, f15, f16, f17, f18, f19,
-           f20, f21] = value;
-    visit(f1, f2, f3, f4, f5, f6, f7, f8, f9, f10, f11, f12, f13, f14, f15, f16, f17, f18, f19, f20,
-          f21);
-  }
-  else if constexpr (count == 22)
-  {
-    auto& [f1, f2, f3, f4, f5, f6, f7, f8, f9, f10, f11, f12, f13, f14, f15, f16, f17, f18, f19,
-           f20, f21, f22] = value;
-    visit(f1, f2, f3, f4, f5, f6, f7, f8, f9, f10, f11, f12, f13, f14, f15, f16, f17, f18, f19, f20,
-          f21, f22);
-  }
-  else if constexpr (count == 23)
-  {
-    auto& [f1, f2, f3, f4, f5, f6, f7, f8, f9, f10, f11, f12, f13, f14, f15, f16, f17, f18, f19,
-           f20, f21, f22, f23] = value;
-    visit(f1, f2, f3, f4, f5, f6, f7, f8, f9, f10, f11, f12, f13, f14, f15, f16, f17, f18, f19, f20,
-          f21, f22, f23);
-  }
-  else if constexpr (count == 24)
-  {
-    auto& [f1, f2, f3, f4, f5, f6, f7, f8, f9, f10, f11, f12, f13, f14, f15, f16, f17, f18, f19,
-           f20, f21, f22, f23, f24] = value;
-    visit(f1, f2, f3, f4, f5, f6, f7, f8, f9, f10, f11, f12, f13, f14, f15, f16, f17, f18, f19, f20,
-          f21, f22, f23, f24);
-  }
-  else if constexpr (count == 25)
-  {
-    auto& [f1, f2, f3, f4, f5, f6, f7, f8, f9, f10, f11, f12, f13, f14, f15, f16, f17, f18, f19,
-           f20, f21, f22, f23, f24, f25] = value;
-    visit(f1, f2, f3, f4, f5, f6, f7, f8, f9, f10, f11, f12, f13, f14, f15, f16, f17, f18, f19, f20,
-          f21, f22, f23, f24, f25);
-  }
-  else if constexpr (count == 26)
-  {
-    auto& [f1, f2, f3, f4, f5, f6, f7, f8, f9, f10, f11, f12, f13, f14, f15, f16, f17, f18, f19,
-           f20, f21, f22, f23, f24, f25, f26] = value;
-    visit(f1, f2, f3, f4, f5, f6, f7, f8, f9, f10, f11, f12, f13, f14, f15, f16, f17, f18, f19, f20,
-          f21, f22, f23, f24, f25, f26);
-  }
-  else if constexpr (count == 27)
-  {
-    auto& [f1, f2, f3, f4, f5, f6, f7, f8, f9, f10, f11, f12, f13, f14, f15, f16, f17, f18, f19,
-           f20, f21, f22, f23, f24, f25, f26, f27] = value;
-    visit(f1, f2, f3, f4, f5, f6, f7, f8, f9, f10, f11, f12, f13, f14, f15, f16, f17, f18, f19, f20,
-          f21, f22, f23, f24, f25, f26, f27);
-  }
+  DYSLAM_VISIT_FIELDS(1, a);
+  DYSLAM_VISIT_FIELDS(2, a, b);
+  DYSLAM_VISIT_FIELDS(3, a, b, c);
+  DYSLAM_VISIT_FIELDS(4, a, b, c, d);
+  DYSLAM_VISIT_FIELDS(5, a, b, c, d, e);
+  DYSLAM_VISIT_FIELDS(6, a, b, c, d, e, f);
+  DYSLAM_VISIT_FIELDS(7, a, b, c, d, e, f, g);
+  DYSLAM_VISIT_FIELDS(8, a, b, c, d, e, f, g, h);
+  DYSLAM_VISIT_FIELDS(9, a, b, c, d, e, f, g, h, i);
+  DYSLAM_VISIT_FIELDS(10, a, b, c, d, e, f, g, h, i, j);
+  DYSLAM_VISIT_FIELDS(11, a, b, c, d, e, f, g, h, i, j, k);
+  DYSLAM_VISIT_FIELDS(12, a, b, c, d, e, f, g, h, i, j, k, l);
+  DYSLAM_VISIT_FIELDS(13, a, b, c, d, e, f, g, h, i, j, k, l, m);
+  DYSLAM_VISIT_FIELDS(14, a, b, c, d, e, f, g, h, i, j, k, l, m, n);
+  DYSLAM_VISIT_FIELDS(15, a, b, c, d, e, f, g, h, i, j, k, l, m, n, o);
+  DYSLAM_VISIT_FIELDS(16, a, b, c, d, e, f, g, h, i, j, k, l, m, n, o, p);
+#undef DYSLAM_VISIT_FIELDS
 }
 }  // namespace dyslam

@@ -11,10 +11,13 @@
 #include <cstddef>
 #include <optional>
 #include <string>
+#include <tuple>
 #include <vector>
 
 namespace dyslam
 {
+class StateArchive;
+
 /** The data of one scan in the pipeline: each stage reads what earlier stages wrote and fills in
  * its own part.
  *
@@ -91,5 +94,17 @@ struct Frame
   {
     return point < moving.size() && moving[point];
   }
+
+  /** All fields above, in their order; Frame.cpp does not compile if one is missing. */
+  [[nodiscard]] auto members()
+  {
+    return std::tie(index, scan, T_world_vehicle_truth, imu, wheels, gnss, dt, sweep_duration,
+                    clock_offset, prior, cloud, moving_probability, segmenter_motion, static_prior,
+                    moving, odometry, odometry_accepted, odometry_rejection, static_confidence,
+                    motion, T_odom_vehicle, moving_by_prediction, detections, objects,
+                    reported_before, is_keyframe, T_map_odom);
+  }
+  /** Saves or loads all fields. */
+  void exchangeState(StateArchive& archive);
 };
 }  // namespace dyslam

@@ -41,10 +41,10 @@ struct Detection
   Box box;  //!< vehicle frame at the scan's stamp
   ObjectClass object_class = ObjectClass::unknown;
   double score = 1;  //!< detector's confidence; its scale is the detector's
-  Eigen::Matrix4d covariance =
-      0.1 * Eigen::Matrix4d::Identity();  //!< of x, y, z [m^2], yaw [rad^2]
-  std::vector<std::uint32_t> points;      //!< positions in Frame::cloud; empty if not known
-  bool predicted = false;                 //!< most of its points are Frame::moving_by_prediction
+  /** Of the box's x, y, z [m^2], yaw [rad^2], vehicle frame at the scan's stamp. */
+  Eigen::Matrix4d covariance = 0.1 * Eigen::Matrix4d::Identity();
+  std::vector<std::uint32_t> points;  //!< positions in Frame::cloud; empty if not known
+  bool predicted = false;             //!< most of its points are Frame::moving_by_prediction
   bool external = false;  //!< a box of another detector: the whole object, which need not move
 };
 
@@ -54,14 +54,17 @@ struct TrackedObject
   int id = -1;
   Box box;  //!< odometry frame
   ObjectClass object_class = ObjectClass::unknown;
-  Eigen::Vector3d velocity = Eigen::Vector3d::Zero();        //!< odometry frame [m/s] (Eq. 5)
-  Eigen::Matrix4d covariance = Eigen::Matrix4d::Identity();  //!< of x, y, z, yaw
-  bool confirmed = false;                                    //!< seen often enough to be reported
-  bool dynamic = false;   //!< speed over the threshold, with hysteresis
-  bool reported = false;  //!< shown and written: confirmed and recently observed
-  bool observed = false;  //!< matched to a detection of this scan
-  int detection = -1;     //!< which one, in Frame::detections
-  int age = 0;            //!< scans since birth
+  Eigen::Vector3d velocity = Eigen::Vector3d::Zero();  //!< odometry frame [m/s] (Eq. 5)
+  /** Of the box's x, y, z [m^2], yaw [rad^2], odometry frame. */
+  Eigen::Matrix4d covariance = Eigen::Matrix4d::Identity();
+  bool confirmed = false;  //!< seen often enough to be reported
+  bool dynamic = false;    //!< speed over the threshold, with hysteresis
+  bool reported = false;   //!< shown and written: confirmed and recently observed
+  bool observed = false;   //!< matched to a detection of this scan
+  int detection = -1;      //!< which one, in Frame::detections
+  int age = 0;             //!< scans since birth
+  /** Mean score of the track's detections, on the detector's scale; recent ones weigh more
+   * (score_memory), and zeros are added (score_prior, and miss_prior for each miss). */
   double score = 0;
   /** The matched detection as this object's box, odometry frame; valid where `observed`. Length and
    * width are assigned as the track's, the hidden extents of a cluster are completed to its size,
@@ -79,8 +82,12 @@ struct LabelledBox
   ObjectClass object_class = ObjectClass::unknown;
   std::string type;  //!< class name as the file has it
   Box box;           //!< in the frame that the reader documents
-  double score = 1;
+  double score = 1;  //!< confidence, on the scale of its detector or tracker; 1 in files without it
+  /** Truncation by the border of the image, KITTI tracking's code: 0 none, 1 partly, 2 largely; -1
+   * in areas DontCare. */
   int truncated = 0;
+  /** Occlusion, KITTI's code: 0 fully visible, 1 partly, 2 largely occluded, 3 unknown; -1 in areas
+   * DontCare. */
   int occluded = 0;
   Eigen::Vector4d image_box = Eigen::Vector4d::Zero();  //!< left, top, right, bottom [px]
 };

@@ -28,7 +28,11 @@ class OptionsVisitor
                     const std::vector<std::string>& words,
                     const char* help) = 0;
 
-  /** Radians in code, degrees in the file: the key ends in `_deg`, the bounds are degrees. */
+  /** A key of earlier versions: where it is given, load() names the present one. */
+  virtual void renamed(const char* /*old_key*/, const char* /*key*/) {}
+
+  /** Radians in code, degrees in the file, where the bounds are degrees, too: the key ends in
+   * `_deg`, `_deg_s`, `_deg_s2` or `_deg_m`. */
   void degrees(const char* key, double& radians, double min, double max, const char* help);
 
   template <typename Enum>
@@ -36,6 +40,28 @@ class OptionsVisitor
               Enum& value,
               std::initializer_list<std::pair<const char*, Enum>> names,
               const char* help);
+};
+
+/** Describes an options struct within another one: prepends a prefix to every key, and to every
+ * help text what it is about ("vehicles: ..."). */
+class PrefixedVisitor : public OptionsVisitor
+{
+ public:
+  PrefixedVisitor(OptionsVisitor& visitor, std::string prefix, const std::string& about);
+  void real(const char* key, double& value, double min, double max, const char* help) override;
+  void integer(const char* key, int& value, int min, int max, const char* help) override;
+  void flag(const char* key, bool& value, const char* help) override;
+  void text(const char* key, std::string& value, const char* help) override;
+  void word(const char* key,
+            std::string& value,
+            const std::vector<std::string>& words,
+            const char* help) override;
+  void renamed(const char* old_key, const char* key) override;
+
+ private:
+  OptionsVisitor& visitor_;
+  std::string prefix_;
+  std::string about_;
 };
 
 /** Base of every options struct: defaults stand in the declaration, describe() names each field
@@ -51,7 +77,8 @@ struct Options
 };
 
 /** Fill `options` from a section; keys not in the file keep their values.
- * \throws UserError for an unknown key, a value that does not parse or is out of range. */
+ * \throws UserError for an unknown or renamed key, a value that does not parse or is out of range.
+ */
 void load(Options& options, const Config& config, const std::string& section);
 
 /** Write every field with its help text into a section. Reading it back gives equal values. */

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <dyslam/core/Angle.h>
 #include <dyslam/dyseg/MovingSegmenter.h>
 
 #include <deque>
@@ -10,9 +11,9 @@ namespace dyslam
 /** Ini section `[residual]`. */
 struct ResidualSegmenterOptions : Options
 {
-  int history = 30;                //!< age of the oldest scan that is compared [scans]
-  int compared = 6;                //!< number of earlier scans that are compared
-  double azimuth_bin = 0.0052360;  //!< column width of the range images [rad]
+  int history = 30;  //!< age of the oldest scan that is compared [scans]
+  int compared = 6;  //!< number of earlier scans that are compared
+  double azimuth_bin = 0.3 * radians_per_degree;  //!< column width of the range images [rad]
   double slope_bin = 0.007;  //!< row height of the range images, height per horizontal distance
   double margin = 0.2;  //!< a moving point is nearer than the earlier range by this, at range 0 [m]
   double margin_per_range = 0.01;  //!< increase of margin with range [m/m]

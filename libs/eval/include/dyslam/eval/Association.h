@@ -11,9 +11,9 @@ namespace dyslam
 /** Associated poses of a reference and an estimate, in order of time. */
 struct PosePairs
 {
-  std::vector<double> stamps;  //!< of the reference [s]; indices for files without stamps
-  std::vector<Pose> reference;
-  std::vector<Pose> estimate;
+  std::vector<double> stamps;      //!< of the reference [s]; indices for files without stamps
+  std::vector<Pose> reference;     //!< T_world_body in the reference's world [m]
+  std::vector<Pose> estimate;      //!< T_world_body in the estimate's world [m]
   std::size_t reference_size = 0;  //!< poses in the reference
   std::size_t estimate_size = 0;   //!< poses in the estimate
   std::size_t not_finite = 0;      //!< non-finite estimated poses, not associated

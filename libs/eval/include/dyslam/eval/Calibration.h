@@ -17,11 +17,11 @@ class CalibrationEvaluator
   /** Points of one range of probabilities. */
   struct Bin
   {
-    double from = 0;
-    double to = 0;
-    std::size_t points = 0;
-    double probability = 0;  //!< mean of the points
-    double moving = 0;       //!< share of the points
+    double from = 0;         //!< least probability
+    double to = 0;           //!< largest probability
+    std::size_t points = 0;  //!< number of points
+    double probability = 0;  //!< mean of the points, in [0, 1]
+    double moving = 0;       //!< share of the points that move, in [0, 1]
   };
 
   /** Points whose reference is unlabelled, or whose probability is not a number, are left out.

@@ -17,12 +17,12 @@ struct DistanceSummary
   /** Limits of `shares` [m]. */
   static constexpr std::array<double, 3> limits{0.1, 0.2, 0.5};
 
-  std::size_t count = 0;  //!< points of the cloud that are finite
-  double mean = 0;
-  double median = 0;
-  double rmse = 0;
-  double quantile95 = 0;           //!< 95 % of the points are at most that far away
-  double max = 0;                  //!< the Hausdorff distance in this direction
+  std::size_t count = 0;           //!< points of the cloud that are finite
+  double mean = 0;                 //!< [m]
+  double median = 0;               //!< [m]
+  double rmse = 0;                 //!< [m]
+  double quantile95 = 0;           //!< 95 % of the points are at most that far away [m]
+  double max = 0;                  //!< the Hausdorff distance in this direction [m]
   std::array<double, 3> shares{};  //!< of the points that are at most so far away, in [0, 1]
 };
 

@@ -43,7 +43,7 @@ struct MapEvaluation
 struct MapMetricsOptions
 {
   double point_radius = 0.1;  //!< largest distance of an estimated point from a reference point [m]
-  double voxel_size = 0.2;    //!< [m]
+  double voxel_size = 0.2;    //!< side of a voxel [m]
 };
 
 /** \param labels SemanticKITTI labels of the reference points (251-259 dynamic, 0 and 1 ignored).

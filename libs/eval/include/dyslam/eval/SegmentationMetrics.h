@@ -19,7 +19,7 @@ struct SegmentationScores
   std::size_t true_negatives = 0;
   std::size_t ignored = 0;  //!< points whose reference label is 0 or 1 (unlabelled, outlier)
 
-  /** Nothing where the denominator is 0. */
+  /** Ratios in [0, 1]; nothing where the denominator is 0. */
   [[nodiscard]] std::optional<double> iou() const;
   [[nodiscard]] std::optional<double> precision() const;
   [[nodiscard]] std::optional<double> recall() const;

@@ -7,7 +7,7 @@
 
 namespace dyslam
 {
-/** Summary statistics of a set of errors. All zero for an empty set. */
+/** Summary statistics of a set of errors, in their unit. All zero for an empty set. */
 struct Statistics
 {
   std::size_t count = 0;

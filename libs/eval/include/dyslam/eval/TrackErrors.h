@@ -20,12 +20,12 @@ using TrackSpeeds = std::map<std::pair<int, int>, double>;
 struct TrackError
 {
   int frame = 0;
-  int id = -1;
-  std::string type;
-  double range = 0;    //!< horizontal distance of the true centre from the sensor [m]
-  bool found = false;  //!< matched; the other fields are valid only then
-  bool same_type = false;
-  double position = 0;  //!< horizontal distance of the centres [m]
+  int id = -1;             //!< of the true box
+  std::string type;        //!< of the true box
+  double range = 0;        //!< horizontal distance of the true centre from the sensor [m]
+  bool found = false;      //!< matched; the other fields are valid only then
+  bool same_type = false;  //!< the two boxes are of one type
+  double position = 0;     //!< horizontal distance of the centres [m]
   double yaw =
       0;  //!< angle between the axes, in [0, pi/2] (front and rear are not distinguished) [rad]
   std::optional<double> speed;  //!< estimated minus true, if both are known [m/s]
@@ -53,14 +53,14 @@ struct TrackError
 /** Averages over the errors of a set of boxes. */
 struct TrackErrorSummary
 {
-  std::size_t boxes = 0;
-  std::size_t found = 0;
-  std::size_t same_type = 0;
-  double position_mean = 0;   //!< [m]
-  double position_rmse = 0;   //!< [m]
-  double yaw_median = 0;      //!< [rad]
+  std::size_t boxes = 0;      //!< true boxes
+  std::size_t found = 0;      //!< of these, matched
+  std::size_t same_type = 0;  //!< of these, with the same type
+  double position_mean = 0;   //!< horizontal distance of the centres [m]
+  double position_rmse = 0;   //!< of the same distances [m]
+  double yaw_median = 0;      //!< angle between the axes [rad]
   std::size_t speeds = 0;     //!< boxes with both speeds known
-  double speed_mean_abs = 0;  //!< [m/s]
+  double speed_mean_abs = 0;  //!< mean of |estimated minus true| [m/s]
   double speed_bias = 0;      //!< mean of estimated minus true [m/s]
 };
 /** Over the boxes of one type (any if empty) with a range in [min_range, max_range). */

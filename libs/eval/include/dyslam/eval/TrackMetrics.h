@@ -40,14 +40,15 @@ struct TrackRules
   [[nodiscard]] static TrackRules kitti(const std::string& type);
 };
 
-/** CLEAR-MOT (Bernardin and Stiefelhagen, 2008) at one confidence threshold. */
+/** CLEAR-MOT (Bernardin and Stiefelhagen, 2008) at one confidence threshold. Ratios are fractions:
+ * 1 is 100 %. */
 struct ClearMot
 {
-  double mota = 0;
-  double motp = 0;  //!< mean IoU of the matches
-  double precision = 0;
-  double recall = 0;
-  double f1 = 0;
+  double mota = 0;       //!< at most 1; negative with many false alarms
+  double motp = 0;       //!< mean IoU of the matches, or similarity (TrackRules::max_distance)
+  double precision = 0;  //!< in [0, 1]
+  double recall = 0;     //!< in [0, 1]
+  double f1 = 0;         //!< harmonic mean of precision and recall
   std::size_t references = 0;  //!< reference boxes that are not ignored
   /** True positives; under KITTI's image rules with the matched ignored boxes, as KITTI and AB3DMOT
    * count them. */
@@ -81,17 +82,17 @@ struct RecallAverages
     double smota = 0;   //!< MOTA scaled by that recall, in [0, 1]
     ClearMot mot;
   };
-  double samota = 0;
-  double amota = 0;
-  double amotp = 0;
-  ClearMot best;
+  double samota = 0;          //!< mean of Point::smota, in [0, 1]
+  double amota = 0;           //!< mean MOTA; may be negative
+  double amotp = 0;           //!< mean MOTP, in [0, 1]
+  ClearMot best;              //!< at the threshold with the best MOTA
   std::vector<Point> points;  //!< recalls that are not reached count as 0 in the averages
 };
 [[nodiscard]] RecallAverages averagesOverRecall(const std::vector<TrackSequence>& sequences,
                                                 const TrackRules& rules,
                                                 int recall_points = 40);
 
-/** HOTA (Luiten et al., 2021), means over IoU thresholds 0.05 to 0.95. */
+/** HOTA (Luiten et al., 2021), means over IoU thresholds 0.05 to 0.95, in [0, 1]. */
 struct Hota
 {
   double hota = 0;

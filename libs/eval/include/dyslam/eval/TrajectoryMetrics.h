@@ -33,8 +33,8 @@ struct SegmentDrift
 {
   double length = 0;                 //!< segment length [m]; 0 for the mean over all lengths
   std::size_t segments = 0;          //!< number of segments in the mean
-  double translation_percent = 0;    //!< t_rel
-  double rotation_deg_per_100m = 0;  //!< r_rel
+  double translation_percent = 0;    //!< t_rel [%]
+  double rotation_deg_per_100m = 0;  //!< r_rel [deg/100 m]
 };
 
 struct KittiDrift
@@ -93,7 +93,7 @@ struct EndError
 {
   double translation = 0;   //!< [m]
   double rotation_deg = 0;  //!< [deg]
-  double percent = 0;       //!< of the reference's length; 0 for length 0
+  double percent = 0;       //!< translation by the reference's length [%]; 0 for length 0
 };
 [[nodiscard]] EndError endError(const PosePairs& pairs);
 
@@ -102,15 +102,15 @@ struct TrajectoryReport
 {
   std::string name;
   Alignment alignment = Alignment::se3;
-  std::size_t reference_size = 0;
-  std::size_t estimate_size = 0;
-  std::size_t pairs = 0;
-  std::size_t not_finite = 0;
-  double length = 0;  //!< of the associated reference [m]
+  std::size_t reference_size = 0;  //!< poses in the reference
+  std::size_t estimate_size = 0;   //!< poses in the estimate
+  std::size_t pairs = 0;           //!< associated poses
+  std::size_t not_finite = 0;      //!< non-finite estimated poses
+  double length = 0;               //!< of the associated reference [m]
   KittiDrift drift;
   RelativePoseError relative;
   AbsoluteTrajectoryError absolute;
-  std::optional<double> forward_ratio;
+  std::optional<double> forward_ratio;  //!< see forwardRatio()
   EndError end;
 };
 

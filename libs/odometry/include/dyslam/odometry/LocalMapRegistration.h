@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <dyslam/core/Angle.h>
 #include <dyslam/core/Frame.h>
 #include <dyslam/core/Options.h>
 #include <dyslam/core/Parallel.h>
@@ -46,7 +47,7 @@ struct RefineOptions : Options
   double max_loss_width = 0.6;      //!< largest initial width, after bad initial guesses [m]
   double initial_sigma = 2;  //!< sigma of the initial guess at the first registration to a map [m]
   double guess_sigma = 0.3;  //!< sigma of a guess that is not the prior: translation [m]
-  double guess_sigma_angle = 0.0349;  //!< sigma of such a guess: rotation [rad]
+  double guess_sigma_rotation = 2 * radians_per_degree;  //!< sigma of such a guess: rotation [rad]
   /** Residuals of neighbouring points are correlated: this many count as one measurement. Tunnels
    * and open fields, where the prior must outweigh the sampling pattern, need this many; on KITTI
    * drive 0005 the normalised squared error is 0.9 with it, where 6 is exact. */

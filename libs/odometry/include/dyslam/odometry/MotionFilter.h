@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <dyslam/core/Angle.h>
 #include <dyslam/core/Options.h>
 #include <dyslam/core/Pose.h>
 
@@ -13,10 +14,12 @@ class StateArchive;
 /** Ini section `[motion]`. */
 struct MotionFilterOptions : Options
 {
-  double acceleration = 3;          //!< sigma of the acceleration [m/s^2]
-  double angular_acceleration = 1;  //!< sigma of the angular acceleration [rad/s^2]
-  double start_speed_sigma = 20;    //!< sigma of the velocity at the first scan, if not known [m/s]
-  double start_turn_rate_sigma = 1;  //!< sigma of the angular velocity at the first scan [rad/s]
+  double acceleration_sigma = 3;  //!< sigma of the acceleration [m/s^2]
+  /** Sigma of the angular acceleration [rad/s^2]. */
+  double angular_acceleration_sigma = 57.3 * radians_per_degree;
+  double start_speed_sigma = 20;  //!< sigma of the velocity at the first scan, if not known [m/s]
+  /** Sigma of the angular velocity at the first scan [rad/s]. */
+  double start_turn_rate_sigma = 57.3 * radians_per_degree;
   void describe(OptionsVisitor& visitor) override;
 };
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <dyslam/core/Angle.h>
 #include <dyslam/core/Frame.h>
 #include <dyslam/core/Options.h>
 #include <dyslam/core/Parallel.h>
@@ -37,15 +38,17 @@ struct OdometryOptions : Options
  * weighted against the motion filter's prior. */
 struct FusionOptions : Options
 {
-  double segmenter_sigma = 0.1;          //!< sigma of the segmenter's ego-motion in x and y [m]
-  double segmenter_sigma_angle = 0.005;  //!< sigma of the segmenter's heading change [rad]
-  double matcher_sigma = 0.1;         //!< sigma of the translation of a scan matcher's motion [m]
-  double matcher_sigma_angle = 0.02;  //!< sigma of the rotation of a scan matcher's motion [rad]
+  double segmenter_sigma = 0.1;  //!< sigma of the segmenter's ego-motion in x and y [m]
+  /** Sigma of the segmenter's heading change [rad]. */
+  double segmenter_sigma_rotation = 0.286 * radians_per_degree;
+  double matcher_sigma = 0.1;  //!< sigma of the translation of a scan matcher's motion [m]
+  /** Sigma of the rotation of a scan matcher's motion [rad]. */
+  double matcher_sigma_rotation = 1.15 * radians_per_degree;
   double gate = 4;  //!< largest Mahalanobis distance to the prior of an accepted motion
   /** Sigmas and gate of a matcher that fuses the prior itself: a large correction of the prior
    * means that it has matched the traffic. */
-  double informed_sigma = 0.03;         //!< sigma of the translation [m]
-  double informed_sigma_angle = 0.006;  //!< sigma of the rotation [rad]
+  double informed_sigma = 0.03;                                 //!< sigma of the translation [m]
+  double informed_sigma_rotation = 0.344 * radians_per_degree;  //!< sigma of the rotation [rad]
   double informed_gate = 1;
   /** First registration to a map: standard deviation of the initial guess where the segmenter, or
    * a matcher that fuses the prior, has given it [m]. */

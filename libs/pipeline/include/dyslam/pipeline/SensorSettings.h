@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <dyslam/core/Angle.h>
 #include <dyslam/core/Config.h>
 #include <dyslam/core/Frame.h>
 #include <dyslam/core/GroundPlane.h>
@@ -29,8 +30,9 @@ struct SensorOptions : Options
 {
   bool automatic = false;  //!< select this ini automatically for such sensors
   RingsWanted rings = RingsWanted::any;
-  double min_ring_spacing = 0;    //!< least median spacing of neighbouring rings [rad]
-  double max_ring_spacing = 0.7;  //!< largest median spacing of neighbouring rings [rad]
+  double min_ring_spacing = 0;  //!< least median spacing of neighbouring rings [rad]
+  /** Largest median spacing of neighbouring rings [rad]. */
+  double max_ring_spacing = 40 * radians_per_degree;
 
   void describe(OptionsVisitor& visitor) override;
 };

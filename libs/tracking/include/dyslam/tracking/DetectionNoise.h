@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <dyslam/core/Angle.h>
 #include <dyslam/core/Objects.h>
 #include <dyslam/core/Options.h>
 #include <dyslam/core/Pose.h>
@@ -13,13 +14,14 @@ namespace dyslam
  * sensor. */
 struct ClassNoise : Options
 {
-  double radial = 0.08;             //!< sigma along the line of sight at r = 0 [m]
-  double radial_per_range = 0.005;  //!< increase of radial with range [m/m]
-  double tangential = 0.05;         //!< sigma across the line of sight, horizontally, at r = 0 [m]
-  double tangential_per_range = 0.0015;  //!< increase of tangential with range [m/m]
-  double height = 0.06;                  //!< sigma of the centre's z [m]
-  double yaw = 0.035;                    //!< sigma of the heading at r = 0 [rad]
-  double yaw_per_range = 0.0014;         //!< increase of yaw with range [rad/m]
+  double radial_sigma = 0.08;             //!< sigma along the line of sight at r = 0 [m]
+  double radial_sigma_per_range = 0.005;  //!< increase of radial_sigma with range [m/m]
+  double tangential_sigma = 0.05;  //!< sigma across the line of sight, horizontally, at r = 0 [m]
+  double tangential_sigma_per_range = 0.0015;  //!< increase of tangential_sigma with range [m/m]
+  double height_sigma = 0.06;                  //!< sigma of the centre's z [m]
+  double yaw_sigma = 2 * radians_per_degree;   //!< sigma of the heading at r = 0 [rad]
+  /** Increase of yaw_sigma with range [rad/m]. */
+  double yaw_sigma_per_range = 0.08 * radians_per_degree;
 
   void describe(OptionsVisitor& visitor) override;
 };
@@ -29,7 +31,7 @@ struct ClassNoise : Options
  * 4. */
 struct DetectionNoiseOptions : Options
 {
-  double factor = 1;  //!< factor on all standard deviations
+  double sigma_scale = 1;  //!< factor on all standard deviations
   ClassNoise vehicle;
   ClassNoise cyclist;
   ClassNoise pedestrian;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <dyslam/core/Angle.h>
 #include <dyslam/core/Frame.h>
 #include <dyslam/core/Options.h>
 
@@ -12,19 +13,20 @@ namespace dyslam
 {
 struct DetectorOptions : Options
 {
-  double ground_clearance = 0.2;      //!< points lower above the ground are not clustered [m]
-  double ground_cell = 2.0;           //!< cell size of the local ground height map [m]
-  double distance = 0.4;              //!< largest gap within a cluster at range 0 [m]
-  double distance_per_range = 0.012;  //!< increase of distance with range [m/m]
-  double max_distance = 1.2;          //!< upper limit of the gap within a cluster [m]
-  int min_points = 6;                 //!< least number of points of a cluster
-  double min_height = 0.3;            //!< least height of a cluster [m]
-  double max_length = 20;             //!< largest length of a cluster wider than 4 m [m]
-  double max_narrow_length = 50;      //!< of a narrower one: trams, road trains [m]
-  double max_range = 80;              //!< largest horizontal range of points [m]
-  double yaw_step = 0.0262;           //!< step of the L-shape heading search [rad]
-  double position_sigma = 0.15;       //!< sigma of the position of a box of many points [m]
-  double yaw_sigma = 0.15;            //!< sigma of the heading of a box of many points [rad]
+  double ground_clearance = 0.2;         //!< points lower above the ground are not clustered [m]
+  double ground_cell = 2.0;              //!< cell size of the local ground height map [m]
+  double cluster_gap = 0.4;              //!< largest gap within a cluster at range 0 [m]
+  double cluster_gap_per_range = 0.012;  //!< increase of cluster_gap with range [m/m]
+  double max_cluster_gap = 1.2;          //!< upper limit of the gap within a cluster [m]
+  int min_points = 6;                    //!< least number of points of a cluster
+  double min_height = 0.3;               //!< least height of a cluster [m]
+  double max_length = 20;                //!< largest length of a cluster wider than 4 m [m]
+  double max_narrow_length = 50;         //!< of a narrower one: trams, road trains [m]
+  double max_range = 80;                 //!< largest horizontal range of points [m]
+  double yaw_step = 1.5 * radians_per_degree;  //!< step of the L-shape heading search [rad]
+  double position_sigma = 0.15;  //!< sigma of the position of a box of many points [m]
+  /** Sigma of the heading of a box of many points [rad]. */
+  double yaw_sigma = 8.6 * radians_per_degree;
 
   void describe(OptionsVisitor& visitor) override;
 };

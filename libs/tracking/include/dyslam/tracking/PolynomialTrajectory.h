@@ -16,11 +16,11 @@ struct TimedPosition
   Eigen::Vector2d position = Eigen::Vector2d::Zero();  //!< x, y in a fixed frame [m]
 };
 
-/** Position and velocity of a fitted motion at one time. */
+/** Position and velocity of a fitted motion at one time, in the frame of the observations. */
 struct MotionPrediction
 {
-  bool valid = false;  //!< false without a history
-  Eigen::Vector2d position = Eigen::Vector2d::Zero();
+  bool valid = false;                                  //!< false without a history
+  Eigen::Vector2d position = Eigen::Vector2d::Zero();  //!< x, y [m]
   Eigen::Vector2d velocity = Eigen::Vector2d::Zero();  //!< derivative of the fit (Eq. 5) [m/s]
   /** Of a new observation about `position` [m^2]: covariance of the fit plus that of one
    * observation. */
@@ -40,7 +40,7 @@ struct PolynomialOptions
 {
   MotionModel model = MotionModel::polynomial;
   int degree = 2;                  //!< 0 to 5
-  int window = 30;                 //!< observations kept (K), at least 1
+  int window = 30;                 //!< number of observations kept (K), at least 1
   double prior_sigma = 0.15;       //!< prior standard deviation of one observation [m]
   double prior_weight = 2;         //!< weight of that prior, in degrees of freedom
   double initial_speed_sigma = 5;  //!< standard deviation of the speed after one observation [m/s]
@@ -70,6 +70,7 @@ class PolynomialTrajectory
   [[nodiscard]] MotionPrediction predict(double stamp) const;
 
   [[nodiscard]] std::size_t size() const { return history_.size(); }
+  /** As many observations as the window has. */
   [[nodiscard]] bool full() const;
   [[nodiscard]] const std::deque<TimedPosition>& history() const { return history_; }
 

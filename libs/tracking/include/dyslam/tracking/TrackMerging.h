@@ -12,8 +12,8 @@ namespace dyslam
 /** Box of a track at one scan, in a fixed frame. */
 struct TrackBox
 {
-  std::size_t scan = 0;
-  int track = -1;
+  std::size_t scan = 0;  //!< number of the scan
+  int track = -1;        //!< id of the track
   Box box;
 };
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <dyslam/core/Angle.h>
 #include <dyslam/core/Frame.h>
 #include <dyslam/core/Options.h>
 
@@ -71,8 +72,9 @@ struct TrackerOptions : Options
   bool complete_boxes = true;        //!< boxes of clusters are enlarged to the size observed so far
   double class_mismatch_cost = 0.5;  //!< cost added to a pair of different classes
   double size_gain = 0.2;            //!< filter gain of an observed size
-  double yaw_rate = 0.35;            //!< standard deviation of a heading's rate of change [rad/s]
-  bool adapt_noise = true;           //!< boxes from files: covariances grow with the noise observed
+  /** Standard deviation of a heading's rate of change [rad/s]. */
+  double yaw_rate_sigma = 20 * radians_per_degree;
+  bool adapt_noise = true;  //!< boxes from files: covariances grow with the noise observed
   ClassTracking vehicle;
   ClassTracking cyclist;
   ClassTracking pedestrian;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <dyslam/core/Angle.h>
 #include <dyslam/core/Options.h>
 #include <dyslam/train/PairSource.h>
 #include <dyslam/train/RandomDraws.h>
@@ -14,8 +15,8 @@ struct AugmentationOptions : Options
 {
   double translation =
       0.12;  //!< standard deviation of T_aug along x; half of it along y, a quarter along z [m]
-  double yaw =
-      0.0175;  //!< standard deviation of T_aug's yaw; a third of it in pitch and roll [rad]
+  /** Standard deviation of T_aug's yaw; a third of it in pitch and roll [rad]. */
+  double yaw = 1 * radians_per_degree;
   double mirror = 0.5;          //!< probability that a pair is mirrored
   double turned = 0.2;          //!< probability of a common random heading of both scans
   double range_noise = 0.01;    //!< largest standard deviation of added range noise [m]

@@ -1,0 +1,19 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/core/Fields.h>
+#include <dyslam/core/Frame.h>
+#include <dyslam/core/StateArchive.h>
+
+#include <tuple>
+#include <utility>
+
+namespace dyslam
+{
+static_assert(std::tuple_size_v<decltype(std::declval<Frame&>().members())> ==
+                  fields::count<Frame>(),
+              "add the new field of Frame to members(), in the order of declaration");
+
+void Frame::exchangeState(StateArchive& archive)
+{
+  std::apply(archive, members());
+}
+}  // namespace dyslam
