@@ -357,7 +357,7 @@ void LocalMapRegistration::State::succeed(const Pose& T_guess,
   result.measured_information = found.information + guess_information;
   result.prior_weight = found.prior_weight;
   result.motion.information += found.information;
-  result.motion.converged = found.converged;
+  result.motion.status = found.converged ? MotionStatus::converged : MotionStatus::not_settled;
   result.motion.reason = found.converged ? "" : "the registration did not converge";
   result.motion.T_previous_current = orthonormalized(T_odom_previous.inverse() * found.T);
   result.T_odom_vehicle = found.T;
@@ -450,7 +450,7 @@ RegistrationResult LocalMapRegistration::registerFrame(const Frame& frame,
   if (s.frames == 0)
   {
     s.pending = Pending::restart;
-    result.motion.converged = true;
+    result.motion.status = MotionStatus::converged;
     return result;
   }
   s.points.draw(s.map.levels() > 1 ? s.options.sparse_sample_size : s.options.sample_size,

@@ -78,7 +78,7 @@ void Odometry::State::fuseSegmenterMotion(Frame& frame)
  * only near the prior. \return why it is rejected; empty if it is accepted */
 std::string Odometry::State::rejectionReason(const Frame& frame) const
 {
-  if (!frame.odometry.converged)
+  if (!frame.odometry.registered())
   {
     return frame.odometry.reason;
   }
@@ -192,7 +192,7 @@ RegistrationResult Odometry::State::registerFrom(const Frame& frame, const Pose&
 
 void Odometry::State::updateMeanVelocity(const Frame& frame)
 {
-  if (frame.dt <= 0 || !frame.motion.converged || after_gap)
+  if (frame.dt <= 0 || !frame.motion.registered() || after_gap)
   {
     return;
   }
@@ -220,7 +220,7 @@ void Odometry::State::registerToMap(Frame& frame, const Pose& T_guess)
                       Matrix6(root.asDiagonal() * sensed_information * root.asDiagonal()),
                   result.prior_weight);
   }
-  if (sensed && frame.dt == clock.interval() && result.points > 0 && frame.motion.converged)
+  if (sensed && frame.dt == clock.interval() && result.points > 0 && frame.motion.converged())
   {
     sensors.compare(*sensed, sensed_information, frame.dt, frame.motion.T_previous_current,
                     result.measured_information);
@@ -332,7 +332,7 @@ std::optional<Pose> Odometry::State::motionOverDoubtfulInterval(
     trial.cloud = prepare(prior.T_previous_current, dt);
     const RegistrationResult found =
         registration.tryFrame(trial, T_odom_previous * prior.T_previous_current, &prior);
-    if (found.motion.converged && (!T_best || found.inlier_share > best + clearly_better))
+    if (found.motion.converged() && (!T_best || found.inlier_share > best + clearly_better))
     {
       T_best = found.motion.T_previous_current;
       best = found.inlier_share;

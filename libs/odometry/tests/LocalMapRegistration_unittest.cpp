@@ -97,7 +97,7 @@ TEST_P(Registration, FollowsADriveFromAStartInMotion)
   const std::vector<RegistrationResult> results = run(scene_, poses, options(), pool_);
   for (std::size_t i = 1; i < poses.size(); ++i)
   {
-    EXPECT_TRUE(results[i].motion.converged) << i << ": " << results[i].motion.reason;
+    EXPECT_TRUE(results[i].motion.converged()) << i << ": " << results[i].motion.reason;
     EXPECT_FALSE(results[i].degenerate);
     const Pose error = poses[i].inverse() * results[i].T_odom_vehicle;
     EXPECT_LT(error.translation().norm(), 0.05) << i;
@@ -161,11 +161,11 @@ TEST_P(Registration, ATriedFrameChangesNothing)
     }
     const Frame next = frameAt(i + 1);
     const Frame foreign = inTheAir(next);
-    EXPECT_TRUE(tried.tryFrame(next, poses[i + 1]).motion.converged);
+    EXPECT_TRUE(tried.tryFrame(next, poses[i + 1]).motion.converged());
     for (int failed = 0; failed < 6; ++failed)
     {
       const MotionEstimate motion = tried.tryFrame(foreign, poses[i + 1]).motion;
-      EXPECT_FALSE(motion.converged);
+      EXPECT_FALSE(motion.converged());
       EXPECT_FALSE(motion.map_restarted);
     }
     EXPECT_EQ(tried.framesInMap(), plain.framesInMap());
@@ -174,7 +174,7 @@ TEST_P(Registration, ATriedFrameChangesNothing)
   }
   const RegistrationResult a = tried.registerFrame(frameAt(3), poses[3]);
   const RegistrationResult b = plain.registerFrame(frameAt(3), poses[3]);
-  EXPECT_TRUE(a.motion.converged);
+  EXPECT_TRUE(a.motion.converged());
   EXPECT_EQ(a.T_odom_vehicle.matrix(), b.T_odom_vehicle.matrix());
   EXPECT_EQ(a.motion.T_previous_current.matrix(), b.motion.T_previous_current.matrix());
   EXPECT_EQ(a.motion.information, b.motion.information);
@@ -214,7 +214,7 @@ TEST_P(Registration, UselessFramesKeepTheGuessAndTheMap)
                              test::frameOf(std::vector<Eigen::Vector3f>(500, test::nanPoint()))})
   {
     const RegistrationResult result = step(registration, frame, guess);
-    EXPECT_FALSE(result.motion.converged);
+    EXPECT_FALSE(result.motion.registered());
     EXPECT_FALSE(result.motion.reason.empty());
     EXPECT_EQ(result.motion.cause, FailureCause::recording);
     EXPECT_TRUE(result.T_odom_vehicle.isApprox(guess));
@@ -222,7 +222,7 @@ TEST_P(Registration, UselessFramesKeepTheGuessAndTheMap)
   }
   const Pose T = poseFromYpr(0.4, 0, 0, 0.01, 0, 0);
   const RegistrationResult good = step(registration, scene_.frame(T, 0.01, 2), guess);
-  EXPECT_TRUE(good.motion.converged) << good.motion.reason;
+  EXPECT_TRUE(good.motion.converged()) << good.motion.reason;
   EXPECT_LT((T.inverse() * good.T_odom_vehicle).translation().norm(), 0.03);
 }
 
@@ -247,10 +247,28 @@ TEST_P(Registration, AnEmptySecondFrameLeavesTheFirstInItsPlace)
     motion = T_sweep;
     const RegistrationResult result =
         step(registration, frame, registration.pose() * (i == 0 ? Pose::Identity() : motion), 0.1);
-    EXPECT_EQ(result.motion.converged, i != 1) << i << ": " << result.motion.reason;
+    EXPECT_EQ(result.motion.converged(), i != 1) << i << ": " << result.motion.reason;
     const Pose error = poses[i].inverse() * result.T_odom_vehicle;
     EXPECT_LT(error.translation().norm(), 0.1) << i;
   }
+}
+
+/** A registration that max_iterations ends is accepted by its inliers. */
+TEST_P(Registration, AScanThatDoesNotSettleIsRegistered)
+{
+  RefineOptions o = options();
+  o.max_iterations = 1;
+  LocalMapRegistration registration(o, pool_);
+  step(registration, scene_.frame(Pose::Identity(), 0.01, 1), Pose::Identity());
+  const Pose T = poseFromYpr(0.05, 0.05, 0, 0, 0, 0);
+  const RegistrationResult result =
+      step(registration, scene_.frame(T, 0.01, 2), Pose::Identity(), 0.3);
+  EXPECT_EQ(result.motion.status, MotionStatus::not_settled);
+  EXPECT_TRUE(result.motion.registered());
+  EXPECT_FALSE(result.motion.converged());
+  EXPECT_EQ(result.motion.reason, "the registration did not converge");
+  EXPECT_LT((T.inverse() * result.T_odom_vehicle).translation().norm(), 0.05) << "not the guess";
+  EXPECT_EQ(registration.framesInMap(), 2) << "it is added";
 }
 
 TEST_P(Registration, AForeignSceneFailsAndThenRestartsTheMap)
@@ -263,12 +281,12 @@ TEST_P(Registration, AForeignSceneFailsAndThenRestartsTheMap)
   for (int i = 0; i < 5; ++i)
   {
     const RegistrationResult result = step(registration, foreign, guess);
-    EXPECT_FALSE(result.motion.converged);
+    EXPECT_FALSE(result.motion.registered());
     EXPECT_NE(result.motion.reason.find("local map"), std::string::npos);
     EXPECT_EQ(result.motion.map_restarted, i == 4) << i;
   }
   const RegistrationResult after = step(registration, foreign, guess);
-  EXPECT_TRUE(after.motion.converged);
+  EXPECT_TRUE(after.motion.converged());
   EXPECT_FALSE(after.motion.map_restarted);
 }
 
@@ -289,8 +307,8 @@ TEST_P(Registration, AFirstScanOfAPartOfARevolutionIsReplacedAtOnce)
   const Pose T = poseFromYpr(0.5, 0, 0, 0, 0, 0);
   const RegistrationResult second = step(registration, scene_.frame(T, 0.01, 2), T);
   const RegistrationResult third = step(registration, scene_.frame(T * T, 0.01, 3), T * T);
-  EXPECT_TRUE(second.motion.converged || second.motion.map_restarted) << second.motion.reason;
-  EXPECT_TRUE(third.motion.converged) << third.motion.reason;
+  EXPECT_TRUE(second.motion.converged() || second.motion.map_restarted) << second.motion.reason;
+  EXPECT_TRUE(third.motion.converged()) << third.motion.reason;
 }
 
 /** Value and limit of a rejected scan have the same unit, and the value is below the limit. */
@@ -304,7 +322,7 @@ TEST_P(Registration, ARejectedScanHasItsRatioAndTheLimit)
     step(registration, scene_.frame(Pose::Identity(), 0.01, 1), Pose::Identity());
     const RegistrationResult result =
         step(registration, scene_.frame(Pose::Identity(), 0.01, 2), Pose::Identity(), 0.1);
-    ASSERT_FALSE(result.motion.converged);
+    ASSERT_FALSE(result.motion.converged());
     double ratio = 0;
     double read_limit = 0;
     ASSERT_EQ(std::sscanf(result.motion.reason.c_str(),
@@ -335,7 +353,7 @@ TEST_P(Registration, ARejectedSecondFrameLeavesTheMapAsItWas)
     frame.scan = scene_.scan(poses[i], 0.01, static_cast<unsigned>(i + 1), poses[1]);
     frame.cloud = preprocessor.prepare(frame.scan, Pose::Identity(), 0.1);
     const RegistrationResult result = step(registration, frame, Pose::Identity());
-    EXPECT_EQ(result.motion.converged, i == 0);
+    EXPECT_EQ(result.motion.converged(), i == 0);
     EXPECT_TRUE(result.T_odom_vehicle.isApprox(Pose::Identity()));
     map_before = i == 0 ? registration.mapPoints() : map_before;
   }
@@ -354,11 +372,11 @@ TEST_P(Registration, ASolutionThatIsNotFiniteIsRejected)
   const RegistrationResult result =
       registration.registerFrame(frame, Pose::Identity(), &prior, 0.1);
   registration.integrate(frame);
-  EXPECT_FALSE(result.motion.converged);
+  EXPECT_FALSE(result.motion.converged());
   EXPECT_EQ(result.motion.reason, "the registration has no finite solution");
   EXPECT_TRUE(result.T_odom_vehicle.isApprox(Pose::Identity()));
   EXPECT_EQ(registration.framesInMap(), 1) << "it is not added";
-  EXPECT_TRUE(step(registration, frame, Pose::Identity(), 0.1).motion.converged);
+  EXPECT_TRUE(step(registration, frame, Pose::Identity(), 0.1).motion.converged());
 }
 
 /** Every n-th of the scene's 32 rings. */
@@ -393,15 +411,15 @@ TEST_P(Registration, TheGateSeparatesFewSurfacesFromABadFit)
   };
   const RegistrationResult every_ring = registerEvery(1, 1);
   const RegistrationResult every_second = registerEvery(2, 1);
-  EXPECT_TRUE(every_second.motion.converged) << every_second.motion.reason;
+  EXPECT_TRUE(every_second.motion.converged()) << every_second.motion.reason;
   EXPECT_LT(every_second.surface_share, 0.8 * every_ring.surface_share);
   EXPECT_NEAR(every_second.inlier_ratio, every_ring.inlier_ratio, 0.15);
   const RegistrationResult every_fifth = registerEvery(5, 1);
-  EXPECT_FALSE(every_fifth.motion.converged);
+  EXPECT_FALSE(every_fifth.motion.converged());
   EXPECT_NE(every_fifth.motion.reason.find("refine.cell_size"), std::string::npos)
       << every_fifth.motion.reason;
   const RegistrationResult in_levels = registerEvery(5, 4);
-  EXPECT_TRUE(in_levels.motion.converged) << in_levels.motion.reason;
+  EXPECT_TRUE(in_levels.motion.converged()) << in_levels.motion.reason;
   EXPECT_LT((T.inverse() * in_levels.T_odom_vehicle).translation().norm(), 0.03);
 }
 
@@ -543,7 +561,7 @@ TEST(RefineMethodNone, TakesTheGuessAndKeepsNoMap)
   options.method = RefineMethod::none;
   LocalMapRegistration registration(options, pool);
   Frame frame = test::StreetScene().frame(Pose::Identity(), 0.01, 1);
-  frame.odometry.converged = true;
+  frame.odometry.status = MotionStatus::converged;
   frame.odometry.information *= 7;
   const Pose guess = poseFromYpr(1, 2, 3, 0.1, 0.2, 0.3);
   const RegistrationResult result = step(registration, frame, guess);
