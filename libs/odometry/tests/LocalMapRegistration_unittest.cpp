@@ -11,6 +11,7 @@
 #include <limits>
 #include <optional>
 #include <stdexcept>
+#include <utility>
 
 #include "TestScene.h"
 
@@ -34,15 +35,16 @@ class Registration : public testing::TestWithParam<RefineMethod>
   ThreadPool pool_{2};
 };
 
-/** Registers a frame and integrates it, as the odometry does where nothing moves. */
+/** Registers a frame and adds it to the map, as the odometry does where nothing moves. */
 RegistrationResult step(LocalMapRegistration& registration,
                         const Frame& frame,
                         const Pose& guess,
                         std::optional<double> initial_sigma = {})
 {
-  const RegistrationResult result =
-      registration.registerFrame(frame, guess, nullptr, initial_sigma);
-  registration.integrate(frame);
+  LocalMapRegistration::Alignment alignment =
+      registration.align(frame, guess, nullptr, initial_sigma);
+  const RegistrationResult result = alignment.result();
+  registration.commit(std::move(alignment), frame);
   return result;
 }
 
@@ -112,7 +114,7 @@ TEST_P(Registration, AKnownInitialSigmaReplacesTheOptions)
   EXPECT_EQ(registration.framesInMap(), 1);
   const Pose T = poseFromYpr(0.02, 0, 0, 0, 0, 0);
   const Frame frame = scene_.frame(T, 0.01, 2);
-  const double by_option = registration.registerFrame(frame, Pose::Identity()).loss_width;
+  const double by_option = registration.align(frame, Pose::Identity()).result().loss_width;
   EXPECT_EQ(by_option, options().max_loss_width) << "2 m";
   LocalMapRegistration known(options(), pool_);
   (void)step(known, scene_.frame(Pose::Identity(), 0.01, 1), Pose::Identity());
@@ -123,17 +125,17 @@ TEST_P(Registration, AKnownInitialSigmaReplacesTheOptions)
 }
 
 /** Points that are labelled moving after the pose is known are not added to the map. */
-TEST_P(Registration, IntegratesWithTheWeightsOfThatMoment)
+TEST_P(Registration, AddsPointsWithTheWeightsOfThatMoment)
 {
   LocalMapRegistration registration(options(), pool_);
   Frame frame = scene_.frame(Pose::Identity(), 0.01, 1);
-  (void)registration.registerFrame(frame, Pose::Identity());
-  EXPECT_TRUE(registration.mapPoints().empty()) << "not yet integrated";
+  LocalMapRegistration::Alignment alignment = registration.align(frame, Pose::Identity());
+  EXPECT_TRUE(registration.mapPoints().empty()) << "not yet added";
   for (const Eigen::Vector3f& p : frame.cloud.points)
   {
     frame.moving_probability.push_back(p.y() > 3 && p.z() > 0.3F ? 1.0F : 0.0F);
   }
-  registration.integrate(frame);
+  registration.commit(std::move(alignment), frame);
   EXPECT_FALSE(registration.mapPoints().empty());
   for (const Eigen::Vector3f& p : registration.mapPoints())
   {
@@ -141,30 +143,24 @@ TEST_P(Registration, IntegratesWithTheWeightsOfThatMoment)
   }
 }
 
-TEST_P(Registration, ATriedFrameChangesNothing)
+TEST_P(Registration, AligningChangesNothing)
 {
   const std::vector<Pose> poses = drive(4);
   const auto frameAt = [&](std::size_t i)
   { return scene_.frame(poses[i], 0.01, static_cast<unsigned>(i + 1)); };
   LocalMapRegistration tried(options(), pool_);
   LocalMapRegistration plain(options(), pool_);
-  EXPECT_THROW((void)tried.tryFrame(frameAt(0), poses[0]), std::logic_error) << "no map";
   for (std::size_t i = 0; i < 3; ++i)
   {
     const Frame frame = frameAt(i);
     step(tried, frame, poses[i]);
     step(plain, frame, poses[i]);
-    if (i == 0)
-    {
-      EXPECT_THROW((void)tried.tryFrame(frameAt(1), poses[1]), std::logic_error);
-      continue;
-    }
     const Frame next = frameAt(i + 1);
     const Frame foreign = inTheAir(next);
-    EXPECT_TRUE(tried.tryFrame(next, poses[i + 1]).motion.converged());
+    EXPECT_TRUE(tried.align(next, poses[i + 1]).result().motion.converged());
     for (int failed = 0; failed < 6; ++failed)
     {
-      const MotionEstimate motion = tried.tryFrame(foreign, poses[i + 1]).motion;
+      const MotionEstimate motion = tried.align(foreign, poses[i + 1]).result().motion;
       EXPECT_FALSE(motion.converged());
       EXPECT_FALSE(motion.map_restarted);
     }
@@ -172,8 +168,8 @@ TEST_P(Registration, ATriedFrameChangesNothing)
     EXPECT_EQ(tried.pose().matrix(), plain.pose().matrix());
     EXPECT_EQ(tried.mapPoints(), plain.mapPoints());
   }
-  const RegistrationResult a = tried.registerFrame(frameAt(3), poses[3]);
-  const RegistrationResult b = plain.registerFrame(frameAt(3), poses[3]);
+  const RegistrationResult a = tried.align(frameAt(3), poses[3]).result();
+  const RegistrationResult b = plain.align(frameAt(3), poses[3]).result();
   EXPECT_TRUE(a.motion.converged());
   EXPECT_EQ(a.T_odom_vehicle.matrix(), b.T_odom_vehicle.matrix());
   EXPECT_EQ(a.motion.T_previous_current.matrix(), b.motion.T_previous_current.matrix());
@@ -369,9 +365,10 @@ TEST_P(Registration, ASolutionThatIsNotFiniteIsRejected)
   const Frame frame = scene_.frame(poseFromYpr(0.05, 0, 0, 0, 0, 0), 0.01, 2);
   MotionPrior prior;
   prior.information.setConstant(std::numeric_limits<double>::quiet_NaN());
-  const RegistrationResult result =
-      registration.registerFrame(frame, Pose::Identity(), &prior, 0.1);
-  registration.integrate(frame);
+  LocalMapRegistration::Alignment alignment =
+      registration.align(frame, Pose::Identity(), &prior, 0.1);
+  const RegistrationResult result = alignment.result();
+  registration.commit(std::move(alignment), frame);
   EXPECT_FALSE(result.motion.converged());
   EXPECT_EQ(result.motion.reason, "the registration has no finite solution");
   EXPECT_TRUE(result.T_odom_vehicle.isApprox(Pose::Identity()));
@@ -554,20 +551,15 @@ TEST(RegistrationInOpenScenes, GuessIsKeptAlongOpenDirections)
   }
 }
 
-TEST(RefineMethodNone, TakesTheGuessAndKeepsNoMap)
+TEST(RegistrationMap, TakesNoAlignmentOfNoFrame)
 {
   ThreadPool pool(1);
-  RefineOptions options;
-  options.method = RefineMethod::none;
-  LocalMapRegistration registration(options, pool);
-  Frame frame = test::StreetScene().frame(Pose::Identity(), 0.01, 1);
-  frame.odometry.status = MotionStatus::converged;
-  frame.odometry.information *= 7;
-  const Pose guess = poseFromYpr(1, 2, 3, 0.1, 0.2, 0.3);
-  const RegistrationResult result = step(registration, frame, guess);
-  EXPECT_TRUE(result.T_odom_vehicle.isApprox(guess));
-  EXPECT_EQ(result.motion.information, frame.odometry.information);
-  EXPECT_TRUE(registration.mapPoints().empty());
+  LocalMapRegistration registration(RefineOptions(), pool);
+  EXPECT_THROW(registration.commit({}, Frame()), std::logic_error);
+  const Frame frame = test::StreetScene().frame(Pose::Identity(), 0.01, 1);
+  LocalMapRegistration::Alignment alignment = registration.align(frame, Pose::Identity());
+  registration.commit(std::move(alignment), frame);
+  EXPECT_EQ(registration.framesInMap(), 1);
 }
 
 TEST(RegistrationMap, StaysBoundedOnALongDrive)
