@@ -33,10 +33,10 @@ int main()
   dyslam::ThreadPool pool(1);
   dyslam::LocalMapRegistration registration(dyslam::RefineOptions(), pool);
   const dyslam::Frame first = frameAt(dyslam::Pose::Identity());
-  (void)registration.registerFrame(first, dyslam::Pose::Identity());
-  registration.integrate(first);
+  registration.commit(registration.align(first, dyslam::Pose::Identity()), first);
   const auto truth = dyslam::poseFromYpr(0.3, 0.1, 0, 0.01, 0, 0);
-  const auto result = registration.registerFrame(frameAt(truth), dyslam::Pose::Identity());
+  const dyslam::RegistrationResult result =
+      registration.align(frameAt(truth), dyslam::Pose::Identity()).result();
   dyslam::Trajectory trajectory;
   trajectory.push_back(0, result.T_odom_vehicle);
   dyslam::writeTum("consumer_tum.txt", trajectory);

@@ -64,7 +64,7 @@ class Traffic
     Frame frame;
     frame.index = scan;
     frame.scan.stamp = scan_period * static_cast<double>(scan);
-    frame.motion.converged = true;
+    frame.motion.status = MotionStatus::converged;
     frame.motion.information = 1e5 * Matrix6::Identity();
     if (scan > 0)
     {

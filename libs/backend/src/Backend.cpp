@@ -34,8 +34,8 @@ struct FrameInKeyframe
   Pose T_keyframe_frame = Pose::Identity();
 };
 
-/** Covariance of one odometry step: that of the odometry, of which a step that did not converge
- * has the prior's (large after a gap), and the option's in addition where it did not converge. */
+/** Covariance of one odometry step: that of the odometry (a step that was not registered has the
+ * prior's, large after a gap), and the option's in addition where it did not converge. */
 Matrix6 stepCovariance(const MotionEstimate& motion, const BackendOptions& options)
 {
   Vector6 sigmas;
@@ -51,7 +51,7 @@ Matrix6 stepCovariance(const MotionEstimate& motion, const BackendOptions& optio
       if (own.allFinite())
       {
         const Matrix6 symmetric = 0.5 * (own + own.transpose());
-        return motion.converged ? symmetric : Matrix6(symmetric + unconverged);
+        return motion.converged() ? symmetric : Matrix6(symmetric + unconverged);
       }
     }
   }
@@ -398,7 +398,7 @@ std::size_t Backend::addLoops(const Frame& frame)
   }
   // Where a scan was not registered, its neighbours are not where the keyframe's pose says: within
   // a submap its points would confirm whatever motion was predicted.
-  s.closer.add(frame.motion.converged ? staticPoints(frame) : std::vector<Eigen::Vector3f>());
+  s.closer.add(frame.motion.registered() ? staticPoints(frame) : std::vector<Eigen::Vector3f>());
   return s.insertLoops(s.closer.search());
 }
 

@@ -15,7 +15,7 @@ constexpr double least_length = 10;       // of a stretch that ends out of the l
 
 double UnseenPath::add(const Frame& frame, double step)
 {
-  if (frame.motion.converged)
+  if (frame.motion.registered())
   {
     const double dt = std::max(frame.dt, frame.sweep_duration);
     highest_speed_ = dt > 0 ? std::max(highest_speed_, step / dt) : highest_speed_;

@@ -44,7 +44,7 @@ Drive makeDrive(const BoxWorld& world, std::vector<Pose> truth, double turn, dou
       T_odom_vehicle = T_odom_vehicle * step;
       frame.motion.T_previous_current = step;
     }
-    frame.motion.converged = true;
+    frame.motion.status = MotionStatus::converged;
     frame.motion.information = 1e6 * Matrix6::Identity();
     frame.T_odom_vehicle = T_odom_vehicle;
     drive.frames.push_back(std::move(frame));
@@ -171,7 +171,7 @@ TEST(Backend, EdgesCarryTheComposedMotionAndCovariance)
     Frame frame;
     frame.index = i;
     frame.scan.stamp = static_cast<double>(i);
-    frame.motion.converged = true;
+    frame.motion.status = MotionStatus::converged;
     frame.motion.information = sigma.cwiseAbs2().cwiseInverse().asDiagonal();
     frame.T_odom_vehicle = i == 0 ? Pose::Identity() : i == 1 ? step : step * step;
     run.backend.addFrame(frame);
@@ -200,6 +200,8 @@ TEST(Backend, EdgesCarryTheComposedMotionAndCovariance)
 TEST(Backend, UnconvergedOdometryOrInvalidInformationMeansLittleTrust)
 {
   const double own[4] = {1e8, 1e8, NAN, 0.01};
+  const MotionStatus status[4] = {MotionStatus::converged, MotionStatus::not_found,
+                                  MotionStatus::converged, MotionStatus::not_settled};
   double information[4] = {0, 0, 0, 0};
   for (int kind = 0; kind < 4; ++kind)
   {
@@ -208,7 +210,7 @@ TEST(Backend, UnconvergedOdometryOrInvalidInformationMeansLittleTrust)
     {
       Frame frame;
       frame.index = i;
-      frame.motion.converged = kind == 0 || kind == 2;
+      frame.motion.status = status[kind];
       frame.motion.information = own[kind] * Matrix6::Identity();
       frame.T_odom_vehicle = poseFromYpr(2.0 * static_cast<double>(i), 0, 0, 0, 0, 0);
       run.backend.addFrame(frame);
@@ -219,7 +221,8 @@ TEST(Backend, UnconvergedOdometryOrInvalidInformationMeansLittleTrust)
   const double fallback = BackendOptions().unconverged_sigma;
   EXPECT_NEAR(information[1], 1 / (fallback * fallback), 0.01);
   EXPECT_NEAR(information[2], 1 / (fallback * fallback), 0.01);
-  EXPECT_NEAR(information[3], 1 / (fallback * fallback + 1 / own[3]), 1e-4) << "after a gap";
+  EXPECT_NEAR(information[3], 1 / (fallback * fallback + 1 / own[3]), 1e-4)
+      << "not settled, or after a gap";
 }
 
 TEST(Backend, ScansThatWereNotRegisteredMakeNoLoops)
@@ -228,7 +231,7 @@ TEST(Backend, ScansThatWereNotRegisteredMakeNoLoops)
   Drive drive = makeDrive(world, driveAround(30, 20, 250, 0.75), 0.0008, 0.01);
   for (std::size_t i = 16; i < 32; ++i)
   {
-    drive.frames[i].motion.converged = false;
+    drive.frames[i].motion.status = MotionStatus::not_found;
   }
   const BackendRun run(drive);
   std::size_t accepted = 0;
@@ -253,7 +256,7 @@ TEST(Backend, StandingStillIsNoPath)
   {
     Frame frame;
     frame.index = i;
-    frame.motion.converged = true;
+    frame.motion.status = MotionStatus::converged;
     frame.motion.information = 1e6 * Matrix6::Identity();
     const double x = i < 4000 ? 0 : 0.01 * static_cast<double>(i - 4000);
     frame.T_odom_vehicle = poseFromYpr(x + jitter(rng), jitter(rng), jitter(rng), 0, 0, 0);
@@ -291,7 +294,7 @@ TEST(Backend, WhatMayHaveBeenDrivenUnseenIsCounted)
     frame.index = run.keyframes.size();
     frame.dt = step.dt;
     frame.sweep_duration = 0.1;
-    frame.motion.converged = step.registered;
+    frame.motion.status = step.registered ? MotionStatus::converged : MotionStatus::not_found;
     frame.motion.map_restarted = step.restarted;
     x += 10 * std::min(step.dt, 2.0);
     frame.T_odom_vehicle = poseFromYpr(x, 0, 0, 0, 0, 0);
@@ -310,7 +313,7 @@ std::vector<Frame> drivePastACar()
     Frame frame;
     frame.index = i;
     frame.scan.stamp = 0.1 * static_cast<double>(i);
-    frame.motion.converged = true;
+    frame.motion.status = MotionStatus::converged;
     frame.motion.information = 1e6 * Matrix6::Identity();
     frame.T_odom_vehicle = poseFromYpr(static_cast<double>(i), 0, 0, 0, 0, 0);
     TrackedObject car;

@@ -51,7 +51,7 @@ struct DriveWithFixes
       }
       Vector6 sigmas;
       sigmas << 0.005, 0.005, 0.005, 0.0003, 0.0003, 0.0003;
-      frame.motion.converged = true;
+      frame.motion.status = MotionStatus::converged;
       frame.motion.information = sigmas.array().square().inverse().matrix().asDiagonal();
       frame.T_odom_vehicle = T_odom_vehicle;
       if (i % 10 == 5)

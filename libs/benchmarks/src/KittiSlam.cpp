@@ -175,7 +175,7 @@ KittiSlamRun runKittiSlam(const KittiDrive& drive,
       frame.motion.T_previous_current = odometry[i - 1].inverse() * odometry[i];
       frame.motion.information = step_information[i];
     }
-    frame.motion.converged = true;
+    frame.motion.status = MotionStatus::converged;
     frame.detections = drive.detections[i];
     deskewDetections(frame.detections, frame.motion.T_previous_current, kitti_scan_period,
                      {kitti_scan_period, true});

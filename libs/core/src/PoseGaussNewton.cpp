@@ -100,7 +100,7 @@ MotionEstimate toMotionEstimate(const PoseGaussNewtonResult& result, double poin
   estimate.T_previous_current = result.T;
   estimate.information = equations.H / ((variance + range_noise * range_noise) *
                                         std::max(1.0, points_per_measurement));
-  estimate.converged = result.converged;
+  estimate.status = result.converged ? MotionStatus::converged : MotionStatus::not_found;
   estimate.iterations = result.iterations;
   estimate.inliers = equations.inliers;
   estimate.rmse = std::sqrt(variance);

@@ -81,11 +81,11 @@ Frame filledFrame()
   frame.segmenter_motion.emplace();
   frame.static_prior = {0.5F};
   frame.moving = {true};
-  frame.odometry.converged = true;
+  frame.odometry.status = MotionStatus::converged;
   frame.odometry_accepted = true;
   frame.odometry_rejection = "too fast";
   frame.static_confidence = {0.5F};
-  frame.motion.converged = true;
+  frame.motion.status = MotionStatus::converged;
   frame.T_odom_vehicle = T;
   frame.moving_by_prediction = {true};
   frame.detections.resize(1);

@@ -34,7 +34,7 @@ MotionEstimate motionOf(const RigidFlowFit& fit, const Eigen::Vector3d& sensor)
   const Pose to_vehicle = Pose(Eigen::Translation3d(sensor));
   m.T_previous_current = to_vehicle * fit.motion.pose() * to_vehicle.inverse();
   const bool distinct = fit.margin >= min_margin;
-  m.converged = fit.converged && distinct;
+  m.status = fit.converged && distinct ? MotionStatus::converged : MotionStatus::not_found;
   m.reason = !fit.converged ? "too few cells with flow"
              : !distinct    ? "two motions explain the flow about equally well"
                             : "";
@@ -279,7 +279,7 @@ void NetworkSegmenter::segmentEncoded(Frame& frame,
     {
       s.followScans(encoded, frame, sensor);
       MotionEstimate motion = motionOf(*s.last_step, sensor);
-      if (motion.converged)
+      if (motion.registered())
       {
         frame.segmenter_motion = std::move(motion);
       }

@@ -169,7 +169,7 @@ TEST(NetworkSegmenter, TheStaticMotionIsThePriorsWhereItCannotBeFound)
     if (i == 1)
     {
       const auto& motion = *segmenter.motionToEarlier();
-      EXPECT_FALSE(motion.converged);
+      EXPECT_FALSE(motion.converged());
       EXPECT_NEAR(motion.T_previous_current.translation().x(), 1, 1e-9);
     }
   }
@@ -192,7 +192,7 @@ TEST(NetworkSegmenter, ShiftedScanGivesTheShiftAndNoMovers)
   segmenter.segment(second);
   ASSERT_TRUE(segmenter.motionToEarlier().has_value());
   const auto& motion = *segmenter.motionToEarlier();
-  EXPECT_TRUE(motion.converged);
+  EXPECT_TRUE(motion.converged());
   EXPECT_LT((motion.T_previous_current.translation() - truth.translation()).norm(), 0.15);
   EXPECT_LT(dyslam::rotationAngle(motion.T_previous_current.inverse() * truth), 0.01);
   const auto moving =

@@ -238,7 +238,7 @@ Row runMethod(const std::string& method,
     row.wall_ms.push_back(
         std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start)
             .count());
-    row.failures += frame.motion.converged ? 0U : 1U;
+    row.failures += frame.motion.registered() ? 0U : 1U;
     row.poses.push_back(frame.T_odom_vehicle);
     if (i > 0 && i < reference.size())
     {

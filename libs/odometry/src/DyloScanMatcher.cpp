@@ -107,13 +107,13 @@ MotionEstimate DyloScanMatcher::align(const Pose& T_reference_current_guess)
   estimate.inliers = match.inliers;
   estimate.rmse = match.rmse;
   estimate.reason = doubts(match);
-  estimate.converged = estimate.reason.empty();
+  estimate.status = estimate.reason.empty() ? MotionStatus::converged : MotionStatus::not_found;
   const Matrix6 adjoint = adjointSE3(T_lidar_vehicle);
   const double precision =
       measurementPrecision(match.rmse, match.effective_points, options_.points_per_measurement);
   estimate.information = precision * adjoint.transpose() * match.normal_matrix * adjoint;
   estimate.information = 0.5 * (estimate.information + estimate.information.transpose()).eval();
-  if (options_.confidence && estimate.converged)
+  if (options_.confidence && estimate.registered())
   {
     confidence_ = matcher_.staticConfidence();
     for (std::size_t i = 0; i < weights_.size(); ++i)

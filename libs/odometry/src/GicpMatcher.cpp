@@ -100,9 +100,9 @@ MotionEstimate GicpMatcher::align(const Pose& T_reference_current_guess)
   T = orthonormalized(T);
 
   MotionEstimate estimate = estimateAt(T);
-  if (estimate.converged && !(gicp.hasConverged() && T.matrix().allFinite()))
+  if (estimate.registered() && !(gicp.hasConverged() && T.matrix().allFinite()))
   {
-    estimate.converged = false;
+    estimate.status = MotionStatus::not_found;
     estimate.reason = "PCL did not converge";
   }
   return estimate;
@@ -144,8 +144,9 @@ MotionEstimate GicpMatcher::estimateAt(const Pose& T)
       toMotionEstimate(poseGaussNewton(points_.size() / step, match, T, settings, pool_),
                        options_.points_per_measurement / static_cast<double>(step));
   estimate.T_previous_current = T;
-  estimate.converged = estimate.inliers >= settings.min_inliers;
-  if (estimate.converged)
+  estimate.status =
+      estimate.inliers >= settings.min_inliers ? MotionStatus::converged : MotionStatus::not_found;
+  if (estimate.registered())
   {
     estimate.reason.clear();
   }

@@ -38,8 +38,8 @@ class GicpMatcher final : public ScanToScan
 
  private:
   struct Pcl;
-  /** Pose T with the information of point-to-plane rows there, since PCL gives none; converged if
-   * there are enough of them. */
+  /** Pose T with the information of point-to-plane rows there, since PCL gives none; registered
+   * if there are enough of them. */
   MotionEstimate estimateAt(const Pose& T);
 
   GicpOptions options_;

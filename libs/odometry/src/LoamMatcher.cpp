@@ -266,9 +266,10 @@ MotionEstimate LoamMatcher::align(const Pose& T_reference_current_guess)
   {
     return estimate;
   }
-  const Pose start = estimate.converged ? estimate.T_previous_current : T_reference_current_guess;
+  const Pose start =
+      estimate.registered() ? estimate.T_previous_current : T_reference_current_guess;
   MotionEstimate mapped = toMap(T_map_reference_ * start);
-  if (!mapped.converged)
+  if (!mapped.registered())
   {
     return estimate;
   }

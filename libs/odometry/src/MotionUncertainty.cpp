@@ -49,7 +49,7 @@ MotionUncertainty::MotionUncertainty(const UncertaintyOptions& options) : option
 
 void MotionUncertainty::measureJitter(double dt, const MotionEstimate& motion)
 {
-  if (!motion.converged)
+  if (!motion.converged())
   {
     motions_ = 0;
     return;
@@ -69,7 +69,7 @@ void MotionUncertainty::measureJitter(double dt, const MotionEstimate& motion)
 
 double MotionUncertainty::covarianceScale(double calibrated, const MotionEstimate& motion) const
 {
-  return motion.converged && samples_ >= min_samples ? calibrated : 1;
+  return motion.converged() && samples_ >= min_samples ? calibrated : 1;
 }
 
 void MotionUncertainty::setCovariance(const Matrix6& of_points,
@@ -100,7 +100,7 @@ void MotionUncertainty::calibrate(double dt, const Matrix6& in_map, MotionEstima
   const Matrix6 own = symmetric(motion.information.llt().solve(Matrix6::Identity()));
   // The estimate weighs points and prior by their information: its covariance has a part of each.
   const Matrix6 of_points =
-      motion.converged ? symmetric(own * in_map * own) : Matrix6(Matrix6::Zero());
+      motion.converged() ? symmetric(own * in_map * own) : Matrix6(Matrix6::Zero());
   setCovariance(covarianceScale(options_.registration_covariance_scale, motion) * of_points,
                 covarianceScale(options_.motion_covariance_scale, motion) * (own - of_points),
                 motion);
@@ -115,7 +115,7 @@ void MotionUncertainty::calibrateMatch(double dt, const Matrix6& prior, MotionEs
   measureJitter(dt, motion);
   const double scale = std::max(covarianceScale(options_.motion_covariance_scale, motion), 1e-6);
   Matrix6 information = prior;
-  if (motion.converged && motion.information.allFinite())
+  if (motion.converged() && motion.information.allFinite())
   {
     information += motion.information / scale;
   }

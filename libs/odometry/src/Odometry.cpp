@@ -105,8 +105,12 @@ void Odometry::estimate(Frame& frame)
 
 void Odometry::integrate(const Frame& frame)
 {
-  const CTimeLoggerEntry timed(state_->times, "refine");
-  state_->registration.integrate(frame);
+  State& s = *state_;
+  const CTimeLoggerEntry timed(s.times, "refine");
+  if (s.registers())
+  {
+    s.registration.commit(std::move(s.alignment), frame);
+  }
 }
 
 void Odometry::exchangeState(StateArchive& archive)

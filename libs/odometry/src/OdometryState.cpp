@@ -78,7 +78,7 @@ void Odometry::State::fuseSegmenterMotion(Frame& frame)
  * only near the prior. \return why it is rejected; empty if it is accepted */
 std::string Odometry::State::rejectionReason(const Frame& frame) const
 {
-  if (!frame.odometry.converged)
+  if (!frame.odometry.registered())
   {
     return frame.odometry.reason;
   }
@@ -170,14 +170,16 @@ double Odometry::State::initialSigma(const Frame& frame) const
 /** Registers from the guess and, if that fails, from the mean motion of the last scans, except for
  * what other sensors measured: after an abrupt motion, or one that was misjudged, the velocity of
  * the last scan alone may be wrong. */
-RegistrationResult Odometry::State::registerFrom(const Frame& frame, const Pose& T_guess)
+LocalMapRegistration::Alignment Odometry::State::registerFrom(const Frame& frame,
+                                                              const Pose& T_guess) const
 {
-  const RegistrationResult result = registration.registerFrame(frame, T_odom_previous * T_guess,
-                                                               &frame.prior, initialSigma(frame));
+  LocalMapRegistration::Alignment from_guess =
+      registration.align(frame, T_odom_previous * T_guess, &frame.prior, initialSigma(frame));
+  const RegistrationResult& result = from_guess.result();
   const bool failed = result.points > 0 && result.measured_information.isZero();
   if (!failed || !mean_velocity || after_gap || registration.framesInMap() < 2)
   {
-    return result;
+    return from_guess;
   }
   MotionPrior steady = frame.prior;
   Vector6 step = frame.dt * *mean_velocity;
@@ -187,12 +189,12 @@ RegistrationResult Odometry::State::registerFrom(const Frame& frame, const Pose&
     step[i] = sensed_information(i, i) > 0 ? of_prior[i] : step[i];
   }
   steady.T_previous_current = expSE3(step);
-  return registration.registerAgain(frame, T_odom_previous * steady.T_previous_current, &steady);
+  return registration.align(frame, T_odom_previous * steady.T_previous_current, &steady);
 }
 
 void Odometry::State::updateMeanVelocity(const Frame& frame)
 {
-  if (frame.dt <= 0 || !frame.motion.converged || after_gap)
+  if (frame.dt <= 0 || !frame.motion.registered() || after_gap)
   {
     return;
   }
@@ -204,7 +206,8 @@ void Odometry::State::updateMeanVelocity(const Frame& frame)
 
 void Odometry::State::registerToMap(Frame& frame, const Pose& T_guess)
 {
-  const RegistrationResult result = registerFrom(frame, T_guess);
+  alignment = registerFrom(frame, T_guess);
+  const RegistrationResult& result = alignment.result();
   registered = registered || result.points > 0;
   frame.motion = result.motion;
   frame.T_odom_vehicle = result.T_odom_vehicle;
@@ -220,7 +223,7 @@ void Odometry::State::registerToMap(Frame& frame, const Pose& T_guess)
                       Matrix6(root.asDiagonal() * sensed_information * root.asDiagonal()),
                   result.prior_weight);
   }
-  if (sensed && frame.dt == clock.interval() && result.points > 0 && frame.motion.converged)
+  if (sensed && frame.dt == clock.interval() && result.points > 0 && frame.motion.converged())
   {
     sensors.compare(*sensed, sensed_information, frame.dt, frame.motion.T_previous_current,
                     result.measured_information);
@@ -331,8 +334,8 @@ std::optional<Pose> Odometry::State::motionOverDoubtfulInterval(
     trial.prior = prior;
     trial.cloud = prepare(prior.T_previous_current, dt);
     const RegistrationResult found =
-        registration.tryFrame(trial, T_odom_previous * prior.T_previous_current, &prior);
-    if (found.motion.converged && (!T_best || found.inlier_share > best + clearly_better))
+        registration.align(trial, T_odom_previous * prior.T_previous_current, &prior).result();
+    if (found.motion.converged() && (!T_best || found.inlier_share > best + clearly_better))
     {
       T_best = found.motion.T_previous_current;
       best = found.inlier_share;

@@ -54,7 +54,8 @@ struct Odometry::State
   void weightByAppearance(Frame& frame) const;
   [[nodiscard]] Pose initialGuess(const Frame& frame) const;
   [[nodiscard]] double initialSigma(const Frame& frame) const;
-  [[nodiscard]] RegistrationResult registerFrom(const Frame& frame, const Pose& T_guess);
+  [[nodiscard]] LocalMapRegistration::Alignment registerFrom(const Frame& frame,
+                                                             const Pose& T_guess) const;
   void updateMeanVelocity(const Frame& frame);
   void registerToMap(Frame& frame, const Pose& T_guess);
   void takeMatcherMotion(Frame& frame, const Pose& T_guess);
@@ -67,6 +68,7 @@ struct Odometry::State
   MotionFilter filter;
   std::unique_ptr<ScanMatcher> matcher;
   LocalMapRegistration registration;
+  LocalMapRegistration::Alignment alignment;  //!< of the current frame, until integrate()
   MotionSensors sensors;
   MotionUncertainty uncertainty;
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <dyslam/odometry/LocalMapRegistration.h>
+#include <dyslam/odometry/RefineOptions.h>
 
 #include "SurfacePyramid.h"
 

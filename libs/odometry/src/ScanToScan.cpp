@@ -45,12 +45,12 @@ MotionEstimate ScanToScan::find(const Frame& frame, const MotionPrior& prior)
   {
     accept(Pose::Identity());
     has_reference_ = true;
-    estimate.converged = true;
+    estimate.status = MotionStatus::converged;
     return estimate;
   }
   guess_information_ = referenceIsPrevious() ? prior.information : Matrix6(Matrix6::Zero());
   MotionEstimate found = align(guess);
-  if (!found.converged)
+  if (!found.registered())
   {
     found.T_previous_current = prediction;
     T_reference_previous_ = guess;

@@ -75,7 +75,7 @@ class Dylo : public testing::Test
 
   static void expectNear(const MotionEstimate& estimate, const Pose& T, double meters, double deg)
   {
-    EXPECT_TRUE(estimate.converged) << estimate.reason;
+    EXPECT_TRUE(estimate.converged()) << estimate.reason;
     const Pose error = T.inverse() * estimate.T_previous_current;
     EXPECT_LT(error.translation().norm(), meters);
     EXPECT_LT(rotationAngle(error) / test::degree, deg);
@@ -130,7 +130,7 @@ TEST_F(Dylo, WeighsThePredictionByItsInformation)
     const MotionEstimate found =
         matchFrom(*matcher, scene_.frame(T, 0.01, 2), prediction, information * Matrix6::Identity())
             .motion;
-    EXPECT_TRUE(found.converged) << found.reason;
+    EXPECT_TRUE(found.converged()) << found.reason;
     return (T.inverse() * found.T_previous_current).translation().x();
   };
   EXPECT_NEAR(off(0, {}), 0, 0.05);
@@ -171,7 +171,7 @@ TEST_F(Dylo, DeskewsByTheMotionItFinds)
       Frame frame = scene_.frame(at, 0.01, static_cast<unsigned>(i + 1));
       bend(T, prediction, frame);
       const MotionEstimate found = matchFrom(*matcher, frame, prediction).motion;
-      EXPECT_TRUE(found.converged) << found.reason;
+      EXPECT_TRUE(found.converged()) << found.reason;
       sizes.push_back(motionSize(logSE3(T.inverse() * found.T_previous_current)));
     }
     return sizes;
@@ -199,7 +199,7 @@ TEST_F(Dylo, EmptyScanFallsBackToThePredictionAndTheChainHolds)
   Frame empty;
   const ScanMatch match = matchFrom(*matcher, empty, step);
   const MotionEstimate& lost = match.motion;
-  EXPECT_FALSE(lost.converged);
+  EXPECT_FALSE(lost.converged());
   EXPECT_FALSE(lost.reason.empty());
   EXPECT_TRUE(lost.T_previous_current.isApprox(step));
   EXPECT_TRUE(match.static_confidence.empty());
@@ -221,7 +221,7 @@ TEST_F(Dylo, AScanOfAnotherPlaceIsRejected)
   (void)matchFrom(*matcher, scene_.frame(Pose::Identity(), 0.01, 1), Pose::Identity());
   const Pose prediction = poseFromYpr(0.4, 0, 0, 0, 0, 0);
   const MotionEstimate lost = matchFrom(*matcher, other, prediction).motion;
-  EXPECT_FALSE(lost.converged);
+  EXPECT_FALSE(lost.converged());
   EXPECT_TRUE(lost.T_previous_current.isApprox(prediction));
 }
 
@@ -307,7 +307,7 @@ TEST_F(Dylo, ThePointsOfAFurtherLidarChangeNothing)
   const auto of_both = make();
   (void)matchFrom(*of_both, test::withFurtherLidar(first), Pose::Identity());
   const ScanMatch both = matchFrom(*of_both, test::withFurtherLidar(second), Pose::Identity());
-  ASSERT_TRUE(alone.motion.converged) << alone.motion.reason;
+  ASSERT_TRUE(alone.motion.converged()) << alone.motion.reason;
   const Pose difference =
       alone.motion.T_previous_current.inverse() * both.motion.T_previous_current;
   EXPECT_LT(motionSize(logSE3(difference)), 1e-6);

@@ -11,6 +11,7 @@
 #include <limits>
 #include <optional>
 #include <stdexcept>
+#include <utility>
 
 #include "TestScene.h"
 
@@ -34,15 +35,16 @@ class Registration : public testing::TestWithParam<RefineMethod>
   ThreadPool pool_{2};
 };
 
-/** Registers a frame and integrates it, as the odometry does where nothing moves. */
+/** Registers a frame and adds it to the map, as the odometry does where nothing moves. */
 RegistrationResult step(LocalMapRegistration& registration,
                         const Frame& frame,
                         const Pose& guess,
                         std::optional<double> initial_sigma = {})
 {
-  const RegistrationResult result =
-      registration.registerFrame(frame, guess, nullptr, initial_sigma);
-  registration.integrate(frame);
+  LocalMapRegistration::Alignment alignment =
+      registration.align(frame, guess, nullptr, initial_sigma);
+  const RegistrationResult result = alignment.result();
+  registration.commit(std::move(alignment), frame);
   return result;
 }
 
@@ -97,7 +99,7 @@ TEST_P(Registration, FollowsADriveFromAStartInMotion)
   const std::vector<RegistrationResult> results = run(scene_, poses, options(), pool_);
   for (std::size_t i = 1; i < poses.size(); ++i)
   {
-    EXPECT_TRUE(results[i].motion.converged) << i << ": " << results[i].motion.reason;
+    EXPECT_TRUE(results[i].motion.converged()) << i << ": " << results[i].motion.reason;
     EXPECT_FALSE(results[i].degenerate);
     const Pose error = poses[i].inverse() * results[i].T_odom_vehicle;
     EXPECT_LT(error.translation().norm(), 0.05) << i;
@@ -112,7 +114,7 @@ TEST_P(Registration, AKnownInitialSigmaReplacesTheOptions)
   EXPECT_EQ(registration.framesInMap(), 1);
   const Pose T = poseFromYpr(0.02, 0, 0, 0, 0, 0);
   const Frame frame = scene_.frame(T, 0.01, 2);
-  const double by_option = registration.registerFrame(frame, Pose::Identity()).loss_width;
+  const double by_option = registration.align(frame, Pose::Identity()).result().loss_width;
   EXPECT_EQ(by_option, options().max_loss_width) << "2 m";
   LocalMapRegistration known(options(), pool_);
   (void)step(known, scene_.frame(Pose::Identity(), 0.01, 1), Pose::Identity());
@@ -123,17 +125,17 @@ TEST_P(Registration, AKnownInitialSigmaReplacesTheOptions)
 }
 
 /** Points that are labelled moving after the pose is known are not added to the map. */
-TEST_P(Registration, IntegratesWithTheWeightsOfThatMoment)
+TEST_P(Registration, AddsPointsWithTheWeightsOfThatMoment)
 {
   LocalMapRegistration registration(options(), pool_);
   Frame frame = scene_.frame(Pose::Identity(), 0.01, 1);
-  (void)registration.registerFrame(frame, Pose::Identity());
-  EXPECT_TRUE(registration.mapPoints().empty()) << "not yet integrated";
+  LocalMapRegistration::Alignment alignment = registration.align(frame, Pose::Identity());
+  EXPECT_TRUE(registration.mapPoints().empty()) << "not yet added";
   for (const Eigen::Vector3f& p : frame.cloud.points)
   {
     frame.moving_probability.push_back(p.y() > 3 && p.z() > 0.3F ? 1.0F : 0.0F);
   }
-  registration.integrate(frame);
+  registration.commit(std::move(alignment), frame);
   EXPECT_FALSE(registration.mapPoints().empty());
   for (const Eigen::Vector3f& p : registration.mapPoints())
   {
@@ -141,40 +143,34 @@ TEST_P(Registration, IntegratesWithTheWeightsOfThatMoment)
   }
 }
 
-TEST_P(Registration, ATriedFrameChangesNothing)
+TEST_P(Registration, AligningChangesNothing)
 {
   const std::vector<Pose> poses = drive(4);
   const auto frameAt = [&](std::size_t i)
   { return scene_.frame(poses[i], 0.01, static_cast<unsigned>(i + 1)); };
   LocalMapRegistration tried(options(), pool_);
   LocalMapRegistration plain(options(), pool_);
-  EXPECT_THROW((void)tried.tryFrame(frameAt(0), poses[0]), std::logic_error) << "no map";
   for (std::size_t i = 0; i < 3; ++i)
   {
     const Frame frame = frameAt(i);
     step(tried, frame, poses[i]);
     step(plain, frame, poses[i]);
-    if (i == 0)
-    {
-      EXPECT_THROW((void)tried.tryFrame(frameAt(1), poses[1]), std::logic_error);
-      continue;
-    }
     const Frame next = frameAt(i + 1);
     const Frame foreign = inTheAir(next);
-    EXPECT_TRUE(tried.tryFrame(next, poses[i + 1]).motion.converged);
+    EXPECT_TRUE(tried.align(next, poses[i + 1]).result().motion.converged());
     for (int failed = 0; failed < 6; ++failed)
     {
-      const MotionEstimate motion = tried.tryFrame(foreign, poses[i + 1]).motion;
-      EXPECT_FALSE(motion.converged);
+      const MotionEstimate motion = tried.align(foreign, poses[i + 1]).result().motion;
+      EXPECT_FALSE(motion.converged());
       EXPECT_FALSE(motion.map_restarted);
     }
     EXPECT_EQ(tried.framesInMap(), plain.framesInMap());
     EXPECT_EQ(tried.pose().matrix(), plain.pose().matrix());
     EXPECT_EQ(tried.mapPoints(), plain.mapPoints());
   }
-  const RegistrationResult a = tried.registerFrame(frameAt(3), poses[3]);
-  const RegistrationResult b = plain.registerFrame(frameAt(3), poses[3]);
-  EXPECT_TRUE(a.motion.converged);
+  const RegistrationResult a = tried.align(frameAt(3), poses[3]).result();
+  const RegistrationResult b = plain.align(frameAt(3), poses[3]).result();
+  EXPECT_TRUE(a.motion.converged());
   EXPECT_EQ(a.T_odom_vehicle.matrix(), b.T_odom_vehicle.matrix());
   EXPECT_EQ(a.motion.T_previous_current.matrix(), b.motion.T_previous_current.matrix());
   EXPECT_EQ(a.motion.information, b.motion.information);
@@ -214,7 +210,7 @@ TEST_P(Registration, UselessFramesKeepTheGuessAndTheMap)
                              test::frameOf(std::vector<Eigen::Vector3f>(500, test::nanPoint()))})
   {
     const RegistrationResult result = step(registration, frame, guess);
-    EXPECT_FALSE(result.motion.converged);
+    EXPECT_FALSE(result.motion.registered());
     EXPECT_FALSE(result.motion.reason.empty());
     EXPECT_EQ(result.motion.cause, FailureCause::recording);
     EXPECT_TRUE(result.T_odom_vehicle.isApprox(guess));
@@ -222,7 +218,7 @@ TEST_P(Registration, UselessFramesKeepTheGuessAndTheMap)
   }
   const Pose T = poseFromYpr(0.4, 0, 0, 0.01, 0, 0);
   const RegistrationResult good = step(registration, scene_.frame(T, 0.01, 2), guess);
-  EXPECT_TRUE(good.motion.converged) << good.motion.reason;
+  EXPECT_TRUE(good.motion.converged()) << good.motion.reason;
   EXPECT_LT((T.inverse() * good.T_odom_vehicle).translation().norm(), 0.03);
 }
 
@@ -247,10 +243,28 @@ TEST_P(Registration, AnEmptySecondFrameLeavesTheFirstInItsPlace)
     motion = T_sweep;
     const RegistrationResult result =
         step(registration, frame, registration.pose() * (i == 0 ? Pose::Identity() : motion), 0.1);
-    EXPECT_EQ(result.motion.converged, i != 1) << i << ": " << result.motion.reason;
+    EXPECT_EQ(result.motion.converged(), i != 1) << i << ": " << result.motion.reason;
     const Pose error = poses[i].inverse() * result.T_odom_vehicle;
     EXPECT_LT(error.translation().norm(), 0.1) << i;
   }
+}
+
+/** A registration that max_iterations ends is accepted by its inliers. */
+TEST_P(Registration, AScanThatDoesNotSettleIsRegistered)
+{
+  RefineOptions o = options();
+  o.max_iterations = 1;
+  LocalMapRegistration registration(o, pool_);
+  step(registration, scene_.frame(Pose::Identity(), 0.01, 1), Pose::Identity());
+  const Pose T = poseFromYpr(0.02, 0.06, 0, 0, 0, 0);
+  const RegistrationResult result =
+      step(registration, scene_.frame(T, 0.01, 2), Pose::Identity(), 0.3);
+  EXPECT_EQ(result.motion.status, MotionStatus::not_settled);
+  EXPECT_TRUE(result.motion.registered());
+  EXPECT_FALSE(result.motion.converged());
+  EXPECT_EQ(result.motion.reason, "the registration did not converge");
+  EXPECT_LT((T.inverse() * result.T_odom_vehicle).translation().norm(), 0.04) << "not the guess";
+  EXPECT_EQ(registration.framesInMap(), 2) << "it is added";
 }
 
 TEST_P(Registration, AForeignSceneFailsAndThenRestartsTheMap)
@@ -263,12 +277,12 @@ TEST_P(Registration, AForeignSceneFailsAndThenRestartsTheMap)
   for (int i = 0; i < 5; ++i)
   {
     const RegistrationResult result = step(registration, foreign, guess);
-    EXPECT_FALSE(result.motion.converged);
+    EXPECT_FALSE(result.motion.registered());
     EXPECT_NE(result.motion.reason.find("local map"), std::string::npos);
     EXPECT_EQ(result.motion.map_restarted, i == 4) << i;
   }
   const RegistrationResult after = step(registration, foreign, guess);
-  EXPECT_TRUE(after.motion.converged);
+  EXPECT_TRUE(after.motion.converged());
   EXPECT_FALSE(after.motion.map_restarted);
 }
 
@@ -289,8 +303,8 @@ TEST_P(Registration, AFirstScanOfAPartOfARevolutionIsReplacedAtOnce)
   const Pose T = poseFromYpr(0.5, 0, 0, 0, 0, 0);
   const RegistrationResult second = step(registration, scene_.frame(T, 0.01, 2), T);
   const RegistrationResult third = step(registration, scene_.frame(T * T, 0.01, 3), T * T);
-  EXPECT_TRUE(second.motion.converged || second.motion.map_restarted) << second.motion.reason;
-  EXPECT_TRUE(third.motion.converged) << third.motion.reason;
+  EXPECT_TRUE(second.motion.converged() || second.motion.map_restarted) << second.motion.reason;
+  EXPECT_TRUE(third.motion.converged()) << third.motion.reason;
 }
 
 /** Value and limit of a rejected scan have the same unit, and the value is below the limit. */
@@ -304,7 +318,7 @@ TEST_P(Registration, ARejectedScanHasItsRatioAndTheLimit)
     step(registration, scene_.frame(Pose::Identity(), 0.01, 1), Pose::Identity());
     const RegistrationResult result =
         step(registration, scene_.frame(Pose::Identity(), 0.01, 2), Pose::Identity(), 0.1);
-    ASSERT_FALSE(result.motion.converged);
+    ASSERT_FALSE(result.motion.converged());
     double ratio = 0;
     double read_limit = 0;
     ASSERT_EQ(std::sscanf(result.motion.reason.c_str(),
@@ -335,7 +349,7 @@ TEST_P(Registration, ARejectedSecondFrameLeavesTheMapAsItWas)
     frame.scan = scene_.scan(poses[i], 0.01, static_cast<unsigned>(i + 1), poses[1]);
     frame.cloud = preprocessor.prepare(frame.scan, Pose::Identity(), 0.1);
     const RegistrationResult result = step(registration, frame, Pose::Identity());
-    EXPECT_EQ(result.motion.converged, i == 0);
+    EXPECT_EQ(result.motion.converged(), i == 0);
     EXPECT_TRUE(result.T_odom_vehicle.isApprox(Pose::Identity()));
     map_before = i == 0 ? registration.mapPoints() : map_before;
   }
@@ -351,14 +365,15 @@ TEST_P(Registration, ASolutionThatIsNotFiniteIsRejected)
   const Frame frame = scene_.frame(poseFromYpr(0.05, 0, 0, 0, 0, 0), 0.01, 2);
   MotionPrior prior;
   prior.information.setConstant(std::numeric_limits<double>::quiet_NaN());
-  const RegistrationResult result =
-      registration.registerFrame(frame, Pose::Identity(), &prior, 0.1);
-  registration.integrate(frame);
-  EXPECT_FALSE(result.motion.converged);
+  LocalMapRegistration::Alignment alignment =
+      registration.align(frame, Pose::Identity(), &prior, 0.1);
+  const RegistrationResult result = alignment.result();
+  registration.commit(std::move(alignment), frame);
+  EXPECT_FALSE(result.motion.converged());
   EXPECT_EQ(result.motion.reason, "the registration has no finite solution");
   EXPECT_TRUE(result.T_odom_vehicle.isApprox(Pose::Identity()));
   EXPECT_EQ(registration.framesInMap(), 1) << "it is not added";
-  EXPECT_TRUE(step(registration, frame, Pose::Identity(), 0.1).motion.converged);
+  EXPECT_TRUE(step(registration, frame, Pose::Identity(), 0.1).motion.converged());
 }
 
 /** Every n-th of the scene's 32 rings. */
@@ -393,15 +408,15 @@ TEST_P(Registration, TheGateSeparatesFewSurfacesFromABadFit)
   };
   const RegistrationResult every_ring = registerEvery(1, 1);
   const RegistrationResult every_second = registerEvery(2, 1);
-  EXPECT_TRUE(every_second.motion.converged) << every_second.motion.reason;
+  EXPECT_TRUE(every_second.motion.converged()) << every_second.motion.reason;
   EXPECT_LT(every_second.surface_share, 0.8 * every_ring.surface_share);
   EXPECT_NEAR(every_second.inlier_ratio, every_ring.inlier_ratio, 0.15);
   const RegistrationResult every_fifth = registerEvery(5, 1);
-  EXPECT_FALSE(every_fifth.motion.converged);
+  EXPECT_FALSE(every_fifth.motion.converged());
   EXPECT_NE(every_fifth.motion.reason.find("refine.cell_size"), std::string::npos)
       << every_fifth.motion.reason;
   const RegistrationResult in_levels = registerEvery(5, 4);
-  EXPECT_TRUE(in_levels.motion.converged) << in_levels.motion.reason;
+  EXPECT_TRUE(in_levels.motion.converged()) << in_levels.motion.reason;
   EXPECT_LT((T.inverse() * in_levels.T_odom_vehicle).translation().norm(), 0.03);
 }
 
@@ -536,20 +551,15 @@ TEST(RegistrationInOpenScenes, GuessIsKeptAlongOpenDirections)
   }
 }
 
-TEST(RefineMethodNone, TakesTheGuessAndKeepsNoMap)
+TEST(RegistrationMap, TakesNoAlignmentOfNoFrame)
 {
   ThreadPool pool(1);
-  RefineOptions options;
-  options.method = RefineMethod::none;
-  LocalMapRegistration registration(options, pool);
-  Frame frame = test::StreetScene().frame(Pose::Identity(), 0.01, 1);
-  frame.odometry.converged = true;
-  frame.odometry.information *= 7;
-  const Pose guess = poseFromYpr(1, 2, 3, 0.1, 0.2, 0.3);
-  const RegistrationResult result = step(registration, frame, guess);
-  EXPECT_TRUE(result.T_odom_vehicle.isApprox(guess));
-  EXPECT_EQ(result.motion.information, frame.odometry.information);
-  EXPECT_TRUE(registration.mapPoints().empty());
+  LocalMapRegistration registration(RefineOptions(), pool);
+  EXPECT_THROW(registration.commit({}, Frame()), std::logic_error);
+  const Frame frame = test::StreetScene().frame(Pose::Identity(), 0.01, 1);
+  LocalMapRegistration::Alignment alignment = registration.align(frame, Pose::Identity());
+  registration.commit(std::move(alignment), frame);
+  EXPECT_EQ(registration.framesInMap(), 1);
 }
 
 TEST(RegistrationMap, StaysBoundedOnALongDrive)

@@ -21,7 +21,7 @@ MotionEstimate estimateOf(const Pose& T_previous_current)
   MotionEstimate motion;
   motion.T_previous_current = T_previous_current;
   motion.information = informationFromSigmas(1e-4, 1e-5);
-  motion.converged = true;
+  motion.status = MotionStatus::converged;
   return motion;
 }
 
@@ -166,7 +166,7 @@ TEST(MotionUncertainty, AFailedMotionIsAsUncertainAsItsPriorAndNotJitter)
     motion = estimateOf(i == 20 ? poseFromYpr(0.5, 0, 0, 0.1, 0, 0) : step);
     if (i == 20)
     {
-      motion.converged = false;
+      motion.status = MotionStatus::not_found;
       motion.information = informationFromSigmas(0.3, 0.02);
     }
     uncertainty.calibrate(scan_time, Matrix6::Zero(), motion);

@@ -34,7 +34,7 @@ class ScriptedMatcher : public ScanMatcher
     ScanMatch match;
     match.motion.T_previous_current = script_.T_previous_current;
     match.motion.information = informationFromSigmas(0.01, 0.001);
-    match.motion.converged = script_.converged;
+    match.motion.status = script_.converged ? MotionStatus::converged : MotionStatus::not_found;
     match.motion.reason = script_.converged ? "" : "scripted to fail";
     match.static_confidence = script_.static_confidence;
     return match;
@@ -133,11 +133,11 @@ TEST_F(Fusion, AMotionFarFromAGoodPriorIsRejectedWithAReason)
   script_.static_confidence.assign(100000, 0.0F);
   Frame frame = next(T * step);
   estimate(frame);
-  EXPECT_TRUE(frame.odometry.converged);
+  EXPECT_TRUE(frame.odometry.converged());
   EXPECT_FALSE(frame.odometry_accepted);
   EXPECT_NE(frame.odometry_rejection.find("sigmas from the prior"), std::string::npos);
   EXPECT_TRUE(frame.static_confidence.empty()) << "nor is its confidence used";
-  EXPECT_TRUE(frame.motion.converged);
+  EXPECT_TRUE(frame.motion.converged());
   EXPECT_LT(((T * step).inverse() * frame.T_odom_vehicle).translation().norm(), 0.03);
 }
 
@@ -420,11 +420,11 @@ TEST_F(Fusion, AnEmptyScanGetsThePriorsMotion)
   Frame empty = next(T);
   empty.cloud = Cloud();
   estimate(empty);
-  EXPECT_FALSE(empty.motion.converged);
+  EXPECT_FALSE(empty.motion.converged());
   EXPECT_NEAR(empty.motion.T_previous_current.translation().x(), 0.5, 0.03);
   Frame back = next(T * step * step);
   estimate(back);
-  EXPECT_TRUE(back.motion.converged) << back.motion.reason;
+  EXPECT_TRUE(back.motion.converged()) << back.motion.reason;
   EXPECT_LT(((T * step * step).inverse() * back.T_odom_vehicle).translation().norm(), 0.05);
 }
 
@@ -437,7 +437,7 @@ TEST_F(Fusion, AfterAMisjudgedMotionTheMeanOneIsTried)
   frame.prior.T_previous_current = poseFromYpr(0.5, 0, 0, 0.5, 0, 0);  // far off
   script_.converged = false;
   estimate(frame);
-  EXPECT_TRUE(frame.motion.converged) << frame.motion.reason;
+  EXPECT_TRUE(frame.motion.converged()) << frame.motion.reason;
   EXPECT_LT(((T * step).inverse() * frame.T_odom_vehicle).translation().norm(), 0.1);
 }
 

@@ -59,7 +59,7 @@ TEST_P(RealDrive, DefaultOdometryStaysWithinBounds)
     frame.cloud = preprocessor.prepare(frame.scan, frame.prior.T_previous_current, frame.dt);
     odometry.estimate(frame);
     odometry.integrate(frame);
-    ASSERT_TRUE(frame.motion.converged) << i << ": " << frame.motion.reason;
+    ASSERT_TRUE(frame.motion.converged()) << i << ": " << frame.motion.reason;
     if (i > 0)
     {
       const Pose error =

@@ -62,7 +62,7 @@ TEST_P(ScanClockTest, MotionGoesOn)
     odometry.settleTime(frame, prepare);
     odometry.estimate(frame);
     odometry.integrate(frame);
-    EXPECT_TRUE(frame.motion.converged) << i << ": " << frame.motion.reason;
+    EXPECT_TRUE(frame.motion.converged()) << i << ": " << frame.motion.reason;
     EXPECT_NEAR(frame.T_odom_vehicle.translation().x(), event.speed * (time - period), 0.1) << i;
     if (i >= before)
     {

@@ -83,7 +83,7 @@ class EveryMatcher : public testing::TestWithParam<Method>
   {
     const auto matcher = make(GetParam().name, pool);
     EXPECT_TRUE(
-        matchFrom(*matcher, scene_.frame(Pose::Identity(), 0.01, 1), Pose::Identity()).converged);
+        matchFrom(*matcher, scene_.frame(Pose::Identity(), 0.01, 1), Pose::Identity()).converged());
     return matchFrom(*matcher, scene_.frame(T, 0.01, 2), guess);
   }
   void expectNear(const MotionEstimate& estimate, const Pose& T)
@@ -108,7 +108,7 @@ TEST_P(EveryMatcher, FirstFrameStandsStill)
 {
   const auto matcher = make(GetParam().name, pool_);
   const MotionEstimate first = matchFrom(*matcher, scene_.frame(T_, 0.01, 1), T_);
-  EXPECT_TRUE(first.converged);
+  EXPECT_TRUE(first.converged());
   EXPECT_TRUE(first.T_previous_current.isApprox(Pose::Identity()));
 }
 
@@ -134,7 +134,7 @@ TEST_P(EveryMatcher, GoesOnFromItsState)
     const ScanMatch b = loaded->match(frame, priorAt(T_));
     EXPECT_EQ(a.motion.T_previous_current.matrix(), b.motion.T_previous_current.matrix()) << i;
     EXPECT_EQ(a.motion.information, b.motion.information) << i;
-    EXPECT_EQ(a.motion.converged, b.motion.converged) << i;
+    EXPECT_EQ(a.motion.converged(), b.motion.converged()) << i;
     EXPECT_EQ(a.static_confidence, b.static_confidence) << i;
     T = T * T_;
   }
@@ -152,7 +152,7 @@ TEST_P(EveryMatcher, FindsKnownMotionForwardAndInverse)
   for (const Pose& T : {T_, Pose(T_.inverse())})
   {
     const MotionEstimate estimate = move(T, Pose::Identity(), pool_);
-    EXPECT_TRUE(estimate.converged) << estimate.reason;
+    EXPECT_TRUE(estimate.converged()) << estimate.reason;
     EXPECT_TRUE(estimate.reason.empty()) << estimate.reason;
     EXPECT_GT(estimate.inliers, 100U);
     expectNear(estimate, T);
@@ -185,10 +185,10 @@ TEST_P(EveryMatcher, UselessFramesGetAReasonAndThePrediction)
   for (const Frame& frame : useless)
   {
     const auto matcher = make(GetParam().name, pool_);
-    EXPECT_FALSE(matchFrom(*matcher, frame, T_).converged) << "as the first frame";
+    EXPECT_FALSE(matchFrom(*matcher, frame, T_).converged()) << "as the first frame";
     EXPECT_TRUE(matchFrom(*matcher, scene_.frame(Pose::Identity(), 0.01, 1), T_).reason.empty());
     const MotionEstimate estimate = matchFrom(*matcher, frame, T_);
-    EXPECT_FALSE(estimate.converged);
+    EXPECT_FALSE(estimate.converged());
     EXPECT_FALSE(estimate.reason.empty());
     EXPECT_TRUE(estimate.T_previous_current.isApprox(T_));
   }

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "ScanToMap.h"
 
-#include <dyslam/odometry/LocalMapRegistration.h>
 #include <gtest/gtest.h>
 
 #include <limits>

@@ -151,7 +151,7 @@ void Pipeline::Stages::insertInMap(const Frame& final_frame)
     return;
   }
   const CTimeLoggerEntry timed(times, "map");
-  if (final_frame.motion.converged)
+  if (final_frame.motion.registered())
   {
     map.insert(final_frame);
   }
@@ -300,7 +300,7 @@ void Pipeline::finaliseFrames(const Frame& frame)
   Stages& s = *stages_;
   if (s.first)
   {
-    if (frame.motion.converged)
+    if (frame.motion.registered())
     {
       redeskew(frame.motion.T_previous_current, frame.dt, s.pool, s.first->cloud);
     }

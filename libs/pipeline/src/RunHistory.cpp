@@ -100,7 +100,7 @@ void RunHistory::addScan(const Frame& frame)
   scan.moving_points =
       static_cast<std::uint32_t>(std::count(frame.moving.begin(), frame.moving.end(), true));
   scan.mount = static_cast<std::uint32_t>(mount - mounts_.begin());
-  scan.registered = frame.motion.converged;
+  scan.registered = frame.motion.registered();
   scan.keyframe = frame.is_keyframe;
   if (mount == mounts_.end())
   {

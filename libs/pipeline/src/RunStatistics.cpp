@@ -58,12 +58,13 @@ void RunStatistics::add(const Frame& frame)
   last_time = frame.time();
   ++frames;
   map_restarts += frame.motion.map_restarted ? 1U : 0U;
-  if (!frame.motion.converged)
+  if (!frame.motion.registered())
   {
     registration_failures.add(frame.motion);
     unregistered_keyframes += frame.is_keyframe ? 1U : 0U;
   }
-  if (!frame.odometry.converged)
+  not_settled += frame.motion.status == MotionStatus::not_settled ? 1U : 0U;
+  if (!frame.odometry.registered())
   {
     odometry_failures.add(frame.odometry);
   }
@@ -114,6 +115,12 @@ std::vector<std::string> RunStatistics::warnings(bool has_labels) const
   if (failedOnMoreThan(doubtful_share) && !failedOnMoreThan(unusable_share))
   {
     result.push_back(registrationSentence("check trajectory and map"));
+  }
+  if (static_cast<double>(not_settled) > limit)
+  {
+    result.push_back("the registration of " + std::to_string(not_settled) + of_all +
+                     " ended before it converged: their motions are less accurate; raise "
+                     "refine.max_iterations");
   }
   if (const std::string advice = secondPassAdvice(has_labels); !advice.empty())
   {
@@ -188,6 +195,7 @@ void Reasons::exchangeState(StateArchive& archive)
 void RunStatistics::exchangeState(StateArchive& archive)
 {
   archive(frames, first_time, last_time, registration_failures, map_restarts,
-          unregistered_keyframes, odometry_failures, points, moving_points, detections, reference);
+          unregistered_keyframes, not_settled, odometry_failures, points, moving_points, detections,
+          reference);
 }
 }  // namespace dyslam

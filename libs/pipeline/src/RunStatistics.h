@@ -24,7 +24,7 @@ class Reasons
     FailureCause cause = FailureCause::estimation;
   };
 
-  /** \param failed an estimate that did not converge */
+  /** \param failed an estimate that found no motion */
   void add(const MotionEstimate& failed);
   [[nodiscard]] std::size_t total() const { return total_; }
   /** The most frequent kind; of count 0 if there was none. */
@@ -72,6 +72,7 @@ struct RunStatistics
   Reasons registration_failures;  //!< of frames whose motion was predicted, not measured
   std::size_t map_restarts = 0;   //!< of the local map, after failures in a row
   std::size_t unregistered_keyframes = 0;
+  std::size_t not_settled = 0;  //!< registered frames whose iterations ended too early
   Reasons odometry_failures;
   std::size_t points = 0;         //!< of all clouds
   std::size_t moving_points = 0;  //!< of these, by the causal labels

@@ -2,10 +2,10 @@
 #include <dyslam/core/Error.h>
 #include <dyslam/core/Parallel.h>
 #include <dyslam/io/RawlogSource.h>
-#include <dyslam/odometry/LocalMapRegistration.h>
 #include <dyslam/odometry/MotionSensors.h>
 #include <dyslam/odometry/Odometry.h>
 #include <dyslam/odometry/Preprocessor.h>
+#include <dyslam/odometry/RefineOptions.h>
 #include <dyslam/pipeline/FrontEnd.h>
 #include <dyslam/pipeline/Pipeline.h>
 #include <dyslam/pipeline/StartSpeed.h>

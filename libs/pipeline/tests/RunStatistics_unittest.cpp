@@ -76,7 +76,7 @@ TEST(RunStatistics, TheVerdictFitsWarningsAndFailure)
     for (int i = 0; i < 30; ++i)
     {
       Frame frame = failed(i < restarts, "no overlap");
-      frame.motion.converged = i >= failures;
+      frame.motion.status = i >= failures ? MotionStatus::converged : MotionStatus::not_found;
       statistics.add(frame);
     }
     return statistics;
@@ -102,6 +102,35 @@ TEST(RunStatistics, TheVerdictFitsWarningsAndFailure)
   EXPECT_FALSE(hasWarning(most, "check trajectory and map"));
 }
 
+/** Their motions are measured, and their points are in the map. */
+TEST(RunStatistics, ScansThatDidNotSettleAreRegistered)
+{
+  const auto statisticsOf = [](int not_settled)
+  {
+    RunStatistics statistics;
+    for (int i = 0; i < 30; ++i)
+    {
+      Frame frame;
+      frame.is_keyframe = true;
+      frame.odometry.status = MotionStatus::converged;
+      frame.motion.status = i < not_settled ? MotionStatus::not_settled : MotionStatus::converged;
+      statistics.add(frame);
+    }
+    return statistics;
+  };
+  const RunStatistics all = statisticsOf(30);
+  EXPECT_EQ(all.registration_failures.total(), 0U);
+  EXPECT_EQ(all.unregistered_keyframes, 0U);
+  EXPECT_EQ(all.failure(false), "");
+  EXPECT_EQ(all.verdict(), "usable");
+  EXPECT_EQ(
+      all.warnings(false),
+      std::vector<std::string>{"the registration of 30 of 30 scans ended before it converged: "
+                               "their motions are less accurate; raise "
+                               "refine.max_iterations"});
+  EXPECT_TRUE(statisticsOf(6).warnings(false).empty());
+}
+
 TEST(RunStatistics, KeepsMapRestartsWhenARunIsResumed)
 {
   RunStatistics statistics;
@@ -123,8 +152,8 @@ TEST(RunStatistics, TheAdviceOfASecondPassIsOneOfTheWarnings)
   const auto statisticsOf = [](int moving)
   {
     Frame frame;
-    frame.motion.converged = true;
-    frame.odometry.converged = true;
+    frame.motion.status = MotionStatus::converged;
+    frame.odometry.status = MotionStatus::converged;
     frame.cloud.points.resize(100);
     frame.moving.resize(100);
     std::fill_n(frame.moving.begin(), moving, true);

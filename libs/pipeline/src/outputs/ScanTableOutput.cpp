@@ -22,13 +22,14 @@ std::string rowOf(const Frame& frame)
   const MotionEstimate& odometry = frame.odometry;
   const MotionEstimate& motion = frame.motion;
   char numbers[160];
-  std::snprintf(
-      numbers, sizeof numbers, "%zu,%.9f,%zu,%td,%d,%d,%zu,%.4f,", frame.index, frame.scan.stamp,
-      frame.cloud.size(), std::count(frame.moving.begin(), frame.moving.end(), true),
-      odometry.converged ? 1 : 0, frame.odometry_accepted ? 1 : 0, odometry.inliers, odometry.rmse);
+  std::snprintf(numbers, sizeof numbers, "%zu,%.9f,%zu,%td,%d,%d,%zu,%.4f,", frame.index,
+                frame.scan.stamp, frame.cloud.size(),
+                std::count(frame.moving.begin(), frame.moving.end(), true),
+                odometry.registered() ? 1 : 0, frame.odometry_accepted ? 1 : 0, odometry.inliers,
+                odometry.rmse);
   std::string row = numbers + csvField(frame.odometry_rejection);
-  std::snprintf(numbers, sizeof numbers, ",%d,%zu,%.4f,", motion.converged ? 1 : 0, motion.inliers,
-                motion.rmse);
+  std::snprintf(numbers, sizeof numbers, ",%d,%zu,%.4f,", motion.registered() ? 1 : 0,
+                motion.inliers, motion.rmse);
   row += numbers + csvField(motion.reason);
   const Pose& step = motion.T_previous_current;
   std::snprintf(numbers, sizeof numbers, ",%.4f,%.4f,%d\n", step.translation().x(),

@@ -16,6 +16,14 @@ enum class FailureCause
   preprocessing  //!< too few of its points are left in the cloud
 };
 
+/** How a motion was found. */
+enum class MotionStatus
+{
+  not_found,    //!< no points were registered, or not well enough: the motion is predicted
+  not_settled,  //!< registered and accepted, but the iterations ended while it still changed
+  converged     //!< registered and accepted
+};
+
 /** A relative motion with its information matrix. */
 struct MotionEstimate
 {
@@ -28,13 +36,19 @@ struct MotionEstimate
    * the pose; zero where errors accumulate from motion to motion. `information` contains it, and
    * that of the scan before. */
   Matrix6 pose_noise = Matrix6::Zero();
-  bool converged = false;
+  MotionStatus status = MotionStatus::not_found;
   int iterations = 0;
   std::size_t inliers = 0;
   double rmse = 0;                                //!< of the inliers' residuals [m]
-  std::string reason;                             //!< why it did not converge; empty if it did
+  std::string reason;                             //!< why `status` is not converged; empty if it is
   FailureCause cause = FailureCause::estimation;  //!< kind of the reason
   bool map_restarted = false;  //!< the local map is started anew from this scan, after failures
+
+  /** The motion was found from the points of the scan; otherwise it is predicted. True for the
+   * first scan of a map, too, which has nothing to be registered to. */
+  [[nodiscard]] bool registered() const { return status != MotionStatus::not_found; }
+  /** It is registered and settled: its covariance can be that of its residuals. */
+  [[nodiscard]] bool converged() const { return status == MotionStatus::converged; }
 };
 
 /** Prior of the motion since the previous scan, before this scan's points are used. */

@@ -97,7 +97,7 @@ class Odometry
    * own. */
   void estimate(Frame& frame);
   /** Adds the frame of the last estimate() to the local map, weighted by its current moving
-   * probabilities. */
+   * probabilities. Once after each estimate(). */
   void integrate(const Frame& frame);
   /** What is kept from frame to frame. */
   void exchangeState(StateArchive& archive);

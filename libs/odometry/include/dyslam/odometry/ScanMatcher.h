@@ -36,7 +36,7 @@ class ScanMatcher
   /** Motion from the frame of the previous call to this one.
    *
    * The first frame yields the identity, converged. A frame that cannot be used (no or too few
-   * points, no agreement) yields the prior's motion, converged = false and a reason; the next
+   * points, no agreement) yields the prior's motion, the status not_found and a reason; the next
    * motion is still relative to that frame, so that the chain of motions never breaks.
    * \param prior its motion is the initial value; its information is fused with the points by
    *   matchers whose usesPrior() is true */
