@@ -5,10 +5,8 @@
 #include <dyslam/formats/LabelFiles.h>
 #include <dyslam/formats/TextFile.h>
 
-#include <cstddef>
-#include <optional>
+#include <algorithm>
 #include <utility>
-#include <vector>
 
 namespace dyslam
 {
@@ -27,101 +25,127 @@ std::string requireLabels(const std::string& folder)
   return labels.value_or("");
 }
 
-/** Values of the points with the given indices; empty for no values. */
-template <typename Values>
-Values selected(const Values& values, const std::vector<std::size_t>& indices)
+/** Where the points of two clouds are in the one of both, in the order of the scan. */
+class Merge
 {
-  Values result;
-  if (!values.empty())
+ public:
+  Merge(const std::vector<std::uint32_t>& kept, const std::vector<std::uint32_t>& added)
   {
-    result.reserve(indices.size());
-    for (const std::size_t i : indices)
+    std::size_t k = 0;
+    for (std::size_t a = 0; a < added.size() || k < kept.size();)
     {
-      result.push_back(values[i]);
+      const bool from_kept = a == added.size() || (k < kept.size() && kept[k] < added[a]);
+      from_kept_.push_back(from_kept);
+      ++(from_kept ? k : a);
     }
+    kept_ = kept.size();
+    added_ = added.size();
   }
-  return result;
-}
+  /** Leaves values as they are that the points do not have. */
+  template <typename Values>
+  void operator()(Values& kept, const Values& added) const
+  {
+    if (kept.size() != kept_ || added.size() != added_)
+    {
+      return;
+    }
+    Values both;
+    both.reserve(from_kept_.size());
+    std::size_t k = 0;
+    std::size_t a = 0;
+    for (const bool from_kept : from_kept_)
+    {
+      both.push_back(from_kept ? kept[k++] : added[a++]);
+    }
+    kept = std::move(both);
+  }
 
-/** Makes values of some points values of all points. Leaves values as they are that the points do
- * not have. \param kept number of points so far \param index_of_point index of each point among
- * them; none for a new point, which gets `value` */
-void spread(std::size_t kept,
-            const std::vector<std::optional<std::size_t>>& index_of_point,
-            float value,
-            std::vector<float>& values)
-{
-  if (values.size() == kept)
-  {
-    std::vector<float> all;
-    all.reserve(index_of_point.size());
-    for (const std::optional<std::size_t>& index : index_of_point)
-    {
-      all.push_back(index ? values[*index] : value);
-    }
-    values = std::move(all);
-  }
-}
+ private:
+  std::size_t kept_ = 0;
+  std::size_t added_ = 0;
+  std::vector<bool> from_kept_;
+};
 }  // namespace
 
 EarlierLabels::EarlierLabels(const std::string& folder) : folder_(requireLabels(folder)) {}
 
-Scan EarlierLabels::takeMoving(Frame& frame) const
+std::vector<bool> EarlierLabels::movingPoints(const Frame& frame) const
 {
-  if (folder_.empty())
+  std::vector<bool> moving;
+  if (!folder_.empty())
   {
-    return {};
+    const std::vector<Label> labels =
+        readLabels(numberedPath(folder_, frame.index, ".label"), frame.scan.size());
+    moving.reserve(labels.size());
+    for (const Label label : labels)
+    {
+      moving.push_back(isMovingLabel(label));
+    }
   }
-  std::vector<Eigen::Vector3f>& points = frame.scan.points;
-  const std::vector<Label> labels =
-      readLabels(numberedPath(folder_, frame.index, ".label"), points.size());
-  Scan taken = frame.scan;
-  for (std::size_t i = 0; i < points.size(); ++i)
+  return moving;
+}
+
+Cloud takeMoving(const std::vector<bool>& moving, Cloud& cloud)
+{
+  Cloud taken;
+  if (moving.empty())
   {
-    (isMovingLabel(labels[i]) ? points[i] : taken.points[i]).setZero();
+    return taken;
+  }
+  const Cloud all = std::exchange(cloud, {});
+  for (Cloud* part : {&cloud, &taken})
+  {
+    part->T_sweep = all.T_sweep;
+    part->phase_unit = all.phase_unit;
+  }
+  for (std::size_t i = 0; i < all.size(); ++i)
+  {
+    Cloud& part = moving[all.source[i]] ? taken : cloud;
+    part.points.push_back(all.points[i]);
+    part.source.push_back(all.source[i]);
+    if (!all.intensity.empty())
+    {
+      part.intensity.push_back(all.intensity[i]);
+    }
+    if (!all.phase.empty())
+    {
+      part.phase.push_back(all.phase[i]);
+    }
   }
   return taken;
 }
 
-void putBackMoving(const Scan& moving,
-                   const std::function<Cloud(const Scan&)>& prepare,
-                   Frame& frame)
+Scan takeMoving(const std::vector<bool>& moving, Scan& scan)
 {
+  if (moving.empty())
+  {
+    return {};
+  }
+  Scan taken = scan;
   for (std::size_t i = 0; i < moving.size(); ++i)
   {
-    if (isReturn(moving.points[i]))
+    (moving[i] ? scan : taken).points[i].setZero();
+  }
+  return taken;
+}
+
+void putBackMoving(const Scan& scan, const Cloud& cloud, Frame& frame)
+{
+  for (std::size_t i = 0; i < scan.size(); ++i)
+  {
+    if (isReturn(scan.points[i]))
     {
-      frame.scan.points[i] = moving.points[i];
+      frame.scan.points[i] = scan.points[i];
     }
   }
-  // The times of points that have none are known from the order of all points of the scan only.
-  const Cloud all = prepare(frame.scan);
-  std::vector<std::optional<std::size_t>> index_of_return(frame.scan.size());
-  for (std::size_t k = 0; k < frame.cloud.size(); ++k)
-  {
-    index_of_return[frame.cloud.source[k]] = k;
-  }
-  std::vector<std::size_t> chosen;                         // points of `all`
-  std::vector<std::optional<std::size_t>> index_of_point;  // in the cloud so far; none: moving
-  for (std::size_t i = 0; i < all.size(); ++i)
-  {
-    const std::uint32_t source = all.source[i];
-    const bool is_moving = isReturn(moving.points[source]);
-    if (is_moving || index_of_return[source])
-    {
-      chosen.push_back(i);
-      index_of_point.push_back(is_moving ? std::nullopt : index_of_return[source]);
-    }
-  }
-  const std::size_t kept = frame.cloud.size();
-  spread(kept, index_of_point, probability, frame.moving_probability);
-  spread(kept, index_of_point, 1 - probability, frame.static_prior);
-  spread(kept, index_of_point, 1 - probability, frame.static_confidence);
-  frame.cloud.points = selected(all.points, chosen);
-  frame.cloud.intensity = selected(all.intensity, chosen);
-  frame.cloud.phase = selected(all.phase, chosen);
-  frame.cloud.source = selected(all.source, chosen);
-  frame.cloud.T_sweep = all.T_sweep;
-  frame.cloud.phase_unit = all.phase_unit;
+  const std::size_t added = cloud.size();
+  const Merge merge(frame.cloud.source, cloud.source);
+  merge(frame.cloud.points, cloud.points);
+  merge(frame.cloud.intensity, cloud.intensity);
+  merge(frame.cloud.phase, cloud.phase);
+  merge(frame.moving_probability, std::vector<float>(added, probability));
+  merge(frame.static_prior, std::vector<float>(added, 1 - probability));
+  merge(frame.static_confidence, std::vector<float>(added, 1 - probability));
+  merge(frame.cloud.source, cloud.source);
 }
 }  // namespace dyslam

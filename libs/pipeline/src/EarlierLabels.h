@@ -3,8 +3,8 @@
 
 #include <dyslam/core/Frame.h>
 
-#include <functional>
 #include <string>
+#include <vector>
 
 namespace dyslam
 {
@@ -21,20 +21,24 @@ class EarlierLabels
   explicit EarlierLabels(const std::string& folder);
 
   [[nodiscard]] bool any() const { return !folder_.empty(); }
-  /** Takes the points that are labelled moving out of the scan: they are no returns any more.
-   * \return a scan of these points alone, empty if there are no labels. \throws UserError if the
-   * scan has no label file, or one of another number of points. */
-  [[nodiscard]] Scan takeMoving(Frame& frame) const;
+  /** \return for each point of the scan whether it is labelled moving; empty if there are no
+   * labels. \throws UserError if the scan has no label file, or one of another number of points. */
+  [[nodiscard]] std::vector<bool> movingPoints(const Frame& frame) const;
 
  private:
   std::string folder_;
 };
 
-/** Puts the points that were taken out back into scan and cloud; where the frame has moving
- * probabilities, they are moving.
- * \param moving result of takeMoving() \param prepare cloud of a scan, preprocessed and deskewed as
- * the frame's cloud */
-void putBackMoving(const Scan& moving,
-                   const std::function<Cloud(const Scan&)>& prepare,
-                   Frame& frame);
+/** Takes points out of a cloud that was prepared from the whole scan: times of points that have
+ * none are known from the order of all points only. \param moving result of
+ * EarlierLabels::movingPoints(); empty: nothing is taken out \return cloud of the points taken out,
+ * in the same order */
+[[nodiscard]] Cloud takeMoving(const std::vector<bool>& moving, Cloud& cloud);
+/** Takes points out of a scan: they are no returns any more.
+ * \return scan of the points taken out, as long as the whole; empty if nothing is taken out */
+[[nodiscard]] Scan takeMoving(const std::vector<bool>& moving, Scan& scan);
+
+/** Puts the points that were taken out back into scan and cloud of the frame; where it has moving
+ * probabilities, they are moving. \param scan, cloud results of takeMoving() */
+void putBackMoving(const Scan& scan, const Cloud& cloud, Frame& frame);
 }  // namespace dyslam

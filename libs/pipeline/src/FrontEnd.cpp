@@ -71,6 +71,9 @@ struct FrontEnd::Stages
   }
 
   [[nodiscard]] Cloud prepare(const Scan& scan, const SweepPrediction& sweep);
+  /** \return prepared cloud without the points that an earlier run labelled moving; these become
+   * `labelled_cloud` */
+  [[nodiscard]] Cloud prepareUnlabelled(const Scan& scan, const SweepPrediction& sweep);
   [[nodiscard]] std::shared_ptr<const EncodedCloud> encode(const Cloud& cloud, const Scan& scan);
   [[nodiscard]] EncodedScan encodeAhead(const Scan& scan, const SweepPrediction& sweep);
   void beginAhead(const Frame* next);
@@ -78,12 +81,14 @@ struct FrontEnd::Stages
   [[nodiscard]] std::shared_ptr<const EncodedCloud> preprocess(Frame& frame);
   /** Segments now if the segmenter runs before (false) or after (true) the pose is known. */
   void segment(Frame& frame, bool pose_known, const std::shared_ptr<const EncodedCloud>& encoded);
-  /** \param labelled points that an earlier run labelled moving */
-  void putBack(const Scan& labelled, Frame& frame);
+  /** \param scan scan of the points that an earlier run labelled moving */
+  void putBack(const Scan& scan, Frame& frame);
 
   mrpt::system::CTimeLogger& times;
   MovingSegmenterOptions segmentation;
   EarlierLabels earlier;
+  std::vector<bool> labelled;  //!< per point of the current scan: an earlier run labelled it moving
+  Cloud labelled_cloud;        //!< points of the current cloud that it labelled moving
   ThreadPool pool;
   Preprocessor preprocessor;
   OwnVehicle own_vehicle;
@@ -109,8 +114,9 @@ void FrontEnd::process(Frame& frame, const Frame* next)
 {
   Stages& s = *stages_;
   s.odometry.predict(frame);
-  const Scan labelled = s.earlier.takeMoving(frame);
+  s.labelled = s.earlier.movingPoints(frame);
   const auto encoded = s.preprocess(frame);
+  const Scan labelled = takeMoving(s.labelled, frame.scan);
   s.own_vehicle.observe(frame.scan);
   s.beginAhead(next);
   const WaitAtEnd wait{s.ahead, s.waited};
@@ -128,6 +134,13 @@ Cloud FrontEnd::Stages::prepare(const Scan& scan, const SweepPrediction& sweep)
   const CTimeLoggerEntry timed(times, "preprocess");
   return preprocessor.prepare(scan, sweep.T_previous_current, sweep.dt, sweep.sweep_duration,
                               &own_vehicle);
+}
+
+Cloud FrontEnd::Stages::prepareUnlabelled(const Scan& scan, const SweepPrediction& sweep)
+{
+  Cloud cloud = prepare(scan, sweep);
+  labelled_cloud = takeMoving(labelled, cloud);
+  return cloud;
 }
 
 std::shared_ptr<const EncodedCloud> FrontEnd::Stages::encode(const Cloud& cloud, const Scan& scan)
@@ -170,7 +183,7 @@ std::shared_ptr<const EncodedCloud> FrontEnd::Stages::preprocess(Frame& frame)
   }
   else
   {
-    frame.cloud = prepare(frame.scan, predicted);
+    frame.cloud = prepareUnlabelled(frame.scan, predicted);
   }
   bool prepared_again = false;
   odometry.settleTime(frame,
@@ -178,7 +191,7 @@ std::shared_ptr<const EncodedCloud> FrontEnd::Stages::preprocess(Frame& frame)
                       {
                         prepared_again = true;
                         sweep_used = {T_previous_current, dt, frame.sweep_duration};
-                        return prepare(frame.scan, sweep_used);
+                        return prepareUnlabelled(frame.scan, sweep_used);
                       });
   if (segmenter && (!encoded || prepared_again))
   {
@@ -204,7 +217,7 @@ void FrontEnd::Stages::segment(Frame& frame,
   }
 }
 
-void FrontEnd::Stages::putBack(const Scan& labelled, Frame& frame)
+void FrontEnd::Stages::putBack(const Scan& scan, Frame& frame)
 {
   if (earlier.any())
   {
@@ -212,8 +225,7 @@ void FrontEnd::Stages::putBack(const Scan& labelled, Frame& frame)
     {
       frame.moving_probability.assign(frame.cloud.size(), 0);
     }
-    putBackMoving(
-        labelled, [this](const Scan& scan) { return prepare(scan, sweep_used); }, frame);
+    putBackMoving(scan, labelled_cloud, frame);
   }
 }
 

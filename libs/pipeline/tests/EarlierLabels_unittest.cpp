@@ -37,10 +37,7 @@ Cloud cloudOf(const Scan& scan)
     if (isReturn(scan.points[i]))
     {
       cloud.points.push_back(scan.points[i]);
-      if (scan.intensity.size() == scan.size())
-      {
-        cloud.intensity.push_back(scan.intensity[i]);
-      }
+      cloud.intensity.push_back(scan.intensity[i]);
       cloud.source.push_back(static_cast<std::uint32_t>(i));
     }
   }
@@ -55,16 +52,21 @@ TEST(EarlierLabels, TakeMovingPointsOutAndPutThemBack)
   Frame frame = frameOf(5);
   const Frame before = frame;
 
-  const Scan moving = EarlierLabels(folder.file("run")).takeMoving(frame);
+  const std::vector<bool> moving = EarlierLabels(folder.file("run")).movingPoints(frame);
   frame.cloud = cloudOf(frame.scan);
+  frame.cloud.phase = {0, 0.2F, 0.4F, 0.6F, 0.8F};
+  const Cloud cloud = takeMoving(moving, frame.cloud);
+  const Scan scan = takeMoving(moving, frame.scan);
+  EXPECT_FALSE(isReturn(frame.scan.points[1]));
   EXPECT_EQ(frame.cloud.source, (std::vector<std::uint32_t>{0, 2, 3}));
   frame.moving_probability = {0.1F, 0.2F, 0.3F};
 
-  putBackMoving(moving, cloudOf, frame);
+  putBackMoving(scan, cloud, frame);
   EXPECT_EQ(frame.scan.points, before.scan.points);
   EXPECT_EQ(frame.cloud.source, (std::vector<std::uint32_t>{0, 1, 2, 3, 4}));
   EXPECT_EQ(frame.cloud.points, before.scan.points);
   EXPECT_EQ(frame.cloud.intensity, before.scan.intensity);
+  EXPECT_EQ(frame.cloud.phase, (std::vector<float>{0, 0.2F, 0.4F, 0.6F, 0.8F}));
   ASSERT_EQ(frame.moving_probability.size(), 5U);
   EXPECT_EQ(frame.moving_probability[2], 0.2F);
   EXPECT_GT(frame.moving_probability[1], 0.9F);
@@ -78,36 +80,16 @@ TEST(EarlierLabels, PutBackAScanOfWhichAllPointsMove)
   writeLabels(folder.file("000007.label"), {moving_car, moving_car});
   Frame frame = frameOf(2);
   const Frame before = frame;
-  const Scan moving = EarlierLabels(folder.path()).takeMoving(frame);
-  frame.scan.intensity.clear();  // the recording has none
-  putBackMoving(moving, cloudOf, frame);
+  const std::vector<bool> moving = EarlierLabels(folder.path()).movingPoints(frame);
+  frame.cloud = cloudOf(frame.scan);
+  frame.cloud.intensity.clear();  // the recording has none
+  const Cloud cloud = takeMoving(moving, frame.cloud);
+  const Scan scan = takeMoving(moving, frame.scan);
+  putBackMoving(scan, cloud, frame);
   EXPECT_EQ(frame.cloud.points, before.scan.points);
   EXPECT_EQ(frame.cloud.source, (std::vector<std::uint32_t>{0, 1}));
   EXPECT_TRUE(frame.cloud.intensity.empty());
   EXPECT_TRUE(frame.cloud.phase.empty());
-}
-
-TEST(EarlierLabels, PutBackPointsWithTimesFromTheOrderOfAllPoints)
-{
-  const TestFolder folder;
-  writeLabels(folder.file("000007.label"), {9, moving_car, 9, 9});
-  Frame frame = frameOf(4);
-  const Scan moving = EarlierLabels(folder.path()).takeMoving(frame);
-  frame.cloud = cloudOf(frame.scan);
-  frame.cloud.phase = {0.0F, 0.5F, 0.75F};
-  frame.moving_probability = {0, 0, 0};
-  const auto by_order = [](const Scan& scan)
-  {
-    Cloud cloud = cloudOf(scan);
-    if (cloud.size() == 4)  // the moving point alone has no known order
-    {
-      cloud.phase = {0.0F, 0.25F, 0.5F, 0.75F};
-    }
-    return cloud;
-  };
-  putBackMoving(moving, by_order, frame);
-  EXPECT_EQ(frame.cloud.phase, (std::vector<float>{0.0F, 0.25F, 0.5F, 0.75F}));
-  EXPECT_EQ(frame.moving_probability.size(), frame.cloud.size());
 }
 
 TEST(EarlierLabels, AreOfTheSameScans)
@@ -117,10 +99,10 @@ TEST(EarlierLabels, AreOfTheSameScans)
   writeLabels(folder.file("000007.label"), {9, moving_car});
   const EarlierLabels labels(folder.path());
   Frame longer = frameOf(3);
-  EXPECT_THROW((void)labels.takeMoving(longer), UserError);
+  EXPECT_THROW((void)labels.movingPoints(longer), UserError);
   Frame another = frameOf(2);
   another.index = 8;
-  EXPECT_THROW((void)labels.takeMoving(another), UserError);
+  EXPECT_THROW((void)labels.movingPoints(another), UserError);
 }
 
 TEST(EarlierLabels, WithoutAFolderNothingChanges)
@@ -128,7 +110,8 @@ TEST(EarlierLabels, WithoutAFolderNothingChanges)
   const EarlierLabels none("");
   EXPECT_FALSE(none.any());
   Frame frame = frameOf(2);
-  EXPECT_EQ(none.takeMoving(frame).size(), 0U);
+  EXPECT_TRUE(none.movingPoints(frame).empty());
+  EXPECT_EQ(takeMoving({}, frame.scan).size(), 0U);
   EXPECT_TRUE(isReturn(frame.scan.points[1]));
 }
 }  // namespace
