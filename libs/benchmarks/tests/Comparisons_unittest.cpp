@@ -4,11 +4,13 @@
 #include <dyslam/benchmarks/TrackComparison.h>
 #include <dyslam/benchmarks/TrajectoryComparison.h>
 #include <dyslam/core/Error.h>
+#include <dyslam/formats/LabelFiles.h>
 #include <dyslam/formats/ScanFiles.h>
 #include <dyslam/formats/TrackFiles.h>
 #include <dyslam/formats/TrajectoryFiles.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
@@ -158,6 +160,38 @@ TEST(MapComparison, LabelsAreInTheIntensityOrThereAreNone)
   EXPECT_EQ(readReferenceLabels(reference).labels, (std::vector<Label>{40, 252, 1, 0}));
   reference.cloud.intensity = {0, 0.5F, 0, 0};
   EXPECT_TRUE(contains(readReferenceLabels(reference).missing, "intensity 0.5"));
+}
+
+TEST(MapComparison, IntensitiesThatWereMeasuredAreNoLabels)
+{
+  const TestFolder folder;
+  ReferenceMap reference{folder.file("a.ply"), square(1)};
+  for (const float value : {0.0F, 1.0F, 40.0F})  // 0: the recording has no intensities
+  {
+    reference.cloud.intensity.assign(reference.cloud.size(), value);
+    const ReferenceLabels same = readReferenceLabels(reference);
+    EXPECT_EQ(same.missing, "all intensities are " + std::to_string(std::lround(value)));
+    EXPECT_TRUE(same.labels.empty());
+  }
+  reference.cloud.intensity = {0, 10, 117, 255};  // reflectivities
+  const ReferenceLabels reflectivities = readReferenceLabels(reference);
+  EXPECT_TRUE(contains(reflectivities.missing, "intensity 117")) << reflectivities.missing;
+  EXPECT_TRUE(reflectivities.labels.empty());
+  EXPECT_EQ(readReferenceLabels({reference.path, Scan()}).missing, "no intensity, no .label file");
+}
+
+TEST(MapComparison, LabelsSayWhetherTheyAreOfTheIntensity)
+{
+  const TestFolder folder;
+  ReferenceMap reference{folder.file("a.ply"), square(1)};
+  reference.cloud.intensity = {0, 0, 1, 1};
+  EXPECT_EQ(readReferenceLabels(reference).from_intensity, "0: static, 1: moving");
+  reference.cloud.intensity = {40, 252, 1, 0};
+  EXPECT_EQ(readReferenceLabels(reference).from_intensity, "SemanticKITTI classes");
+  writeLabels(folder.file("a.label"), {40, 40, 252, 0});
+  const ReferenceLabels of_file = readReferenceLabels(reference);
+  EXPECT_EQ(of_file.from_intensity, "");
+  EXPECT_EQ(of_file.labels, (std::vector<Label>{40, 40, 252, 0}));
 }
 
 TEST(MapComparison, MapsAreComparedByLabelsOrByDistance)
