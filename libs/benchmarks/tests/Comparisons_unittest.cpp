@@ -2,6 +2,7 @@
 // Comparisons of files: trajectories, tracks and maps.
 #include <dyslam/benchmarks/MapComparison.h>
 #include <dyslam/benchmarks/TrackComparison.h>
+#include <dyslam/benchmarks/TrackFiles.h>
 #include <dyslam/benchmarks/TrajectoryComparison.h>
 #include <dyslam/core/Error.h>
 #include <dyslam/formats/LabelFiles.h>
@@ -11,6 +12,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <filesystem>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
@@ -146,6 +148,46 @@ TEST(TrackComparison, ClassesAreThoseOfTheReferenceOrTheGivenOnes)
   EXPECT_EQ(json["all"]["references"], 20);
   EXPECT_EQ(json["errors"]["all"]["all"]["found"], 20);
   EXPECT_EQ(report.metrics.rows(), 2U);
+}
+
+TEST(TrackComparison, ScansThatWereDroppedShiftTheProcessedFrames)
+{
+  const TestFolder folder;
+  std::vector<LabelledBox> boxes;
+  for (int frame = 0; frame < 10; ++frame)
+  {
+    boxes.push_back(boxOf(frame, 1, "Car", 10));
+  }
+  writeTracks(folder.file("a.txt"), boxes);
+  const std::string run = folder.file("run");
+  folder.write("run/effective.ini", "[input]\nskip_first_n = 1\n");
+  folder.write("run/report.json", R"({"frames": 4})");
+  // Scans 1, 4 and 5 had the time stamp of the one before.
+  const std::string table = folder.write(
+      "run/scans.csv", "frame,stamp,reason\n2,0.2,\n3,0.3,\"no, none\"\n6,0.6,\n7,0.7,\n");
+  writeTracks(run + "/tracks.txt", {boxOf(3, 1, "Car", 10)});
+  const auto expectFrames = [&run](int first, int last)
+  {
+    const auto range = processedFrames(run);
+    ASSERT_TRUE(range);
+    EXPECT_EQ(range->first, first);
+    EXPECT_EQ(range->last, last);
+  };
+  expectFrames(2, 7);
+  const TrackSources sources{folder.file("a.txt"), run, ""};
+  TrackSelection selection;
+  const TrackData truth = readReferenceTracks(sources, selection, ignore);
+  TrackSequence sequence =
+      sequenceOf(sources, truth, readEstimatedTracks(sources, truth, selection));
+  EXPECT_TRUE(keepProcessedFrames(sources, sequence));
+  EXPECT_EQ(sequence.reference.size(), 6U) << "of scans 2 to 7";
+
+  folder.write("run/scans.csv", "frame,stamp,reason\n");
+  expectFrames(1, 4);
+  ASSERT_TRUE(std::filesystem::remove(table));
+  expectFrames(1, 4);
+  folder.write("run/effective.ini", "[input]\nskip_first_n = 0\nstart = 0.1\n");
+  EXPECT_FALSE(processedFrames(run));
 }
 
 TEST(MapComparison, LabelsAreInTheIntensityOrThereAreNone)
