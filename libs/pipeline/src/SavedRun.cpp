@@ -78,13 +78,13 @@ bool Checkpoints::due(bool at_once)
   return true;
 }
 
-void Checkpoints::begin(std::size_t frame, Begun begun)
+void Checkpoints::begin(std::size_t frame, BegunCheckpoint begun)
 {
   const std::lock_guard<std::mutex> lock(mutex_);
   begun_[frame] = std::move(begun);
 }
 
-std::optional<Checkpoints::Begun> Checkpoints::take(std::size_t frame)
+std::optional<BegunCheckpoint> Checkpoints::take(std::size_t frame)
 {
   const std::lock_guard<std::mutex> lock(mutex_);
   const auto found = begun_.find(frame);
@@ -92,7 +92,7 @@ std::optional<Checkpoints::Begun> Checkpoints::take(std::size_t frame)
   {
     return std::nullopt;
   }
-  Begun begun = std::move(found->second);
+  BegunCheckpoint begun = std::move(found->second);
   begun_.erase(found);
   return begun;
 }

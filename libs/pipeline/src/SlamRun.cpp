@@ -194,12 +194,14 @@ struct SlamRun::Impl
   [[nodiscard]] std::size_t timedScans() const { return statistics.frames - resumed_after; }
   [[nodiscard]] std::map<std::string, double> waitMilliseconds() const;
   [[nodiscard]] RunResults results(const std::vector<std::string>& source_warnings) const;
-  [[nodiscard]] RunResults resultsSoFar() const;
+  /** \param method Pipeline::summary() at the checkpoint, of the front end's thread */
+  [[nodiscard]] RunResults resultsSoFar(const std::string& method) const;
   [[nodiscard]] SavedRun saved(const ScanSum& scans) const;
   /** \throws UserError if the settings are not those of the state. */
   void requireSame(const SavedRun& saved) const;
   /** Of the graph, and those that it does not have from earlier and later scans alone. */
   void setObjects(RunResults& results) const;
+  /** But for its method, which the front end has. */
   void fillReport(SlamRunReport& report, const RunResults& results) const;
 
   std::chrono::steady_clock::time_point begin = std::chrono::steady_clock::now();
@@ -258,6 +260,7 @@ RunResults SlamRun::Impl::results(const std::vector<std::string>& source_warning
   results.stage_ms = stageMilliseconds(times, timedScans());
   results.wait_ms = waitMilliseconds();
   results.memory_mb = memoryOf(pipeline);
+  results.report.method = pipeline.summary();
   fillReport(results.report, results);
   append(results.report.warnings, settings.warnings);
   append(results.report.warnings, source_warnings);
@@ -292,7 +295,6 @@ void SlamRun::Impl::setObjects(RunResults& results) const
 
 void SlamRun::Impl::fillReport(SlamRunReport& report, const RunResults& results) const
 {
-  report.method = pipeline.summary();
   report.frames = statistics.frames;
   report.unconverged = statistics.registration_failures.total();
   report.failure = statistics.failure(!settings.inputs.empty());
@@ -375,7 +377,7 @@ void SlamRun::open()
   impl_->outputs.open();
 }
 
-RunResults SlamRun::Impl::resultsSoFar() const
+RunResults SlamRun::Impl::resultsSoFar(const std::string& method) const
 {
   constexpr std::size_t most_voxels = 2000000;  // beyond, writing the map takes seconds
   RunResults results;  // without times and warnings of the front end, which runs on
@@ -389,6 +391,7 @@ RunResults SlamRun::Impl::resultsSoFar() const
   results.history = &history;
   results.trajectory = pipeline.trajectory();
   results.reference = statistics.referenceInMap(results.trajectory);
+  results.report.method = method;
   fillReport(results.report, results);
   append(results.report.warnings, settings.warnings);
   return results;
@@ -419,7 +422,7 @@ SavedRun SlamRun::Impl::saved(const ScanSum& scans) const
   return run;
 }
 
-void SlamRun::checkpoint(const std::string& front_end, const ScanSum& scans, bool is_last)
+void SlamRun::checkpoint(const BegunCheckpoint& begun)
 {
   Impl& m = *impl_;
   const mrpt::system::CTimeLoggerEntry timed(m.times, "checkpoint.back_end");
@@ -429,10 +432,10 @@ void SlamRun::checkpoint(const std::string& front_end, const ScanSum& scans, boo
         state.add(
             [&](StateArchive& archive)
             {
-              SavedRun run = m.saved(scans);
+              SavedRun run = m.saved(begun.scans);
               archive(run);
             });
-        state.add(front_end);
+        state.add(begun.front_end);
         state.add(
             [&](StateArchive& archive)
             {
@@ -440,7 +443,7 @@ void SlamRun::checkpoint(const std::string& front_end, const ScanSum& scans, boo
               archive(m.statistics, m.history);
             });
       },
-      m.resultsSoFar(), is_last);
+      m.resultsSoFar(begun.method), begun.is_last);
 }
 
 void SlamRun::Impl::requireSame(const SavedRun& saved) const

@@ -16,8 +16,7 @@ namespace dyslam
 {
 class Pipeline;
 struct RawlogSourceOptions;
-class Checkpoints;
-class ScanSum;
+struct BegunCheckpoint;
 struct RunToResume;
 
 /** Settings of one run. Everything else is in the config. */
@@ -111,10 +110,9 @@ class SlamRun
   /** Instead of open(): sets pipeline, counts and outputs to a saved state.
    * \throws UserError if that cannot be. */
   void resume(RunToResume& saved);
-  /** Between two frames: writes a checkpoint: the results so far and the state.
-   * \param front_end Pipeline::exchangeFrontEndState() after the last frame \param scans so far
-   * \param is_last the run is stopped here: finish() leaves the checkpoint for resumeSlam() */
-  void checkpoint(const std::string& front_end, const ScanSum& scans, bool is_last = false);
+  /** Between two frames: writes a checkpoint: the results so far and the state. Of the front end,
+   * which may process later frames meanwhile, it has what was begun after the last frame only. */
+  void checkpoint(const BegunCheckpoint& begun);
   /** `output.checkpoint_seconds` */
   [[nodiscard]] double checkpointSeconds() const;
   /** A frame that the pipeline has processed: counted, and handed to the outputs. */
