@@ -10,6 +10,8 @@
 #include <string_view>
 #include <utility>
 
+#include "FirstPass.h"
+
 namespace dyslam
 {
 namespace fs = std::filesystem;
@@ -48,6 +50,13 @@ RunToResume::RunToResume(const std::string& folder)
     throw UserError((fs::path(folder) / state_file_name).string() + ": is of DySLAM " +
                     run.version + ", this is " + DYSLAM_VERSION +
                     "; resume with that one, or start the run anew");
+  }
+  if (run.is_second_pass)
+  {
+    const std::string name = "the state's settings";
+    Config settings = Config::fromText(run.settings, name);
+    settings.set("dyseg", "labels", {keptLabelsOf(folder), name, {}});
+    run.settings = settings.toIni();
   }
 }
 

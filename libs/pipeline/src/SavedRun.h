@@ -27,6 +27,9 @@ struct SavedRun
   std::string rawlog;   //!< absolute
   std::uint64_t rawlog_size = 0;
   std::string settings;  //!< all of them, as an ini
+  /** Second of two passes: `dyseg.labels` is keptLabelsOf() the output folder, also if that has
+   * been moved. */
+  bool is_second_pass = false;
   std::vector<std::string> inputs;
   std::string sensor;
   std::vector<std::string> warnings;
@@ -53,7 +56,8 @@ constexpr std::size_t state_parts = 5;
 /** A folder that is locked, with the state that its run left. */
 struct RunToResume
 {
-  /** \throws UserError if there is no state, it cannot be used, or another run writes there. */
+  /** Of a second pass, the settings have the labels in this folder.
+   * \throws UserError if there is no state, it cannot be used, or another run writes there. */
   explicit RunToResume(const std::string& folder);
 
   /** Loads a part. */

@@ -26,7 +26,9 @@
 #include <tuple>
 #include <utility>
 
+#include "FirstPass.h"
 #include "GivenBoxes.h"
+#include "PathSettings.h"
 #include "RunHistory.h"
 #include "RunOutputs.h"
 #include "RunStatistics.h"
@@ -64,6 +66,13 @@ void requireProfileWritable(const SlamRunSettings& settings)
   {
     throw UserError(profile + ": cannot be written; choose another --profile");
   }
+}
+
+/** Settings that are the same in another working directory. */
+SlamRunSettings withAbsolutePaths(SlamRunSettings settings)
+{
+  makePathsAbsolute(settings.config);
+  return settings;
 }
 
 /** Memory by part [MB]. */
@@ -155,7 +164,7 @@ void throwWhatFailed(const std::string& early, const RunResults& results, const 
 struct SlamRun::Impl
 {
   explicit Impl(const SlamRunSettings& given)
-      : settings(given),
+      : settings(withAbsolutePaths(given)),
         times(true, "dyslam"),
         config(settings.config),
         sensor(config.get<SensorOptions>("sensor")),
@@ -409,7 +418,9 @@ SavedRun SlamRun::Impl::saved(const ScanSum& scans) const
   run.rawlog = std::filesystem::absolute(settings.rawlog).lexically_normal().string();
   run.rawlog_size = std::filesystem::file_size(settings.rawlog);
   run.settings = config.effective().toIni();
-  run.inputs = settings.inputs;
+  run.is_second_pass = isSecondPass(config.effective(), settings.output_folder);
+  std::transform(settings.inputs.begin(), settings.inputs.end(), std::back_inserter(run.inputs),
+                 absolutePath);
   run.sensor = settings.sensor;
   run.warnings = settings.warnings;
   run.static_scans = settings.static_scans;
@@ -456,7 +467,7 @@ void SlamRun::Impl::requireSame(const SavedRun& saved) const
     {
       const std::string before =
           had.has(section, key) ? had.section(section).at(key).text : "not there";
-      if (value.text != before)
+      if (!isSameSetting(section, key, value.text, before))
       {
         throw UserError(section + "." + key + " is " + value.text +
                         ", in the run to resume it is " + before +

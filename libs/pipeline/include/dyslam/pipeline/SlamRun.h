@@ -159,7 +159,8 @@ SlamRunReport runSlam(const SlamRunSettings& settings,
  * of a run that was not interrupted, byte for byte, but for times in the reports.
  *
  * Settings and recording are those that the run had; its scans are read again up to the checkpoint
- * and must be the same.
+ * and must be the same. The working directory may be another than that of the run, and the output
+ * folder may have been moved.
  * \param given `output_folder` of the run; `rawlog` if the recording has been moved, else empty;
  *   `config` with those of its settings that are to be checked; `stop` and `profile_csv`
  * \throws UserError as runSlam(), and if there is nothing to resume, the state is damaged, or
