@@ -113,6 +113,11 @@ void runMap(const MapArguments& a)
     printNote(printable(a.reference) + " has no labels (" + labels.missing +
               "): the maps are compared by the distances of their points");
   }
+  if (!labels.from_intensity.empty())
+  {
+    printNote("the intensities of " + printable(a.reference) + " are taken as its labels (" +
+              labels.from_intensity + "); if they are none, give --distances FILE.ply");
+  }
   const std::vector<NamedMap> maps = namedMaps(a.estimates);
   const MapReport report = by_distance ? compareByDistance(reference, maps, a.distances)
                                        : compareByLabels(reference, labels.labels, maps, a.metrics);

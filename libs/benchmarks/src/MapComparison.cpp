@@ -4,11 +4,13 @@
 #include <dyslam/core/Error.h>
 #include <dyslam/core/PendingFile.h>
 #include <dyslam/eval/MapDistance.h>
+#include <dyslam/eval/SegmentationMetrics.h>
 #include <dyslam/formats/LabelFiles.h>
 #include <dyslam/formats/ScanFiles.h>
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 #include <utility>
@@ -17,27 +19,41 @@ namespace dyslam
 {
 namespace
 {
+/** Whether every point has the same intensity. */
+bool isConstant(const std::vector<float>& intensity)
+{
+  return std::all_of(intensity.begin(), intensity.end(),
+                     [&](float v) { return v == intensity.front(); });
+}
+
 /** Labels stored in the intensity: 0 static and 1 dynamic (KTH's benchmark), or SemanticKITTI
- * classes (ERASOR's maps). */
+ * classes (ERASOR's maps). Other intensities, and those of which all are the same, are measured. */
 ReferenceLabels labelsFromIntensity(const Scan& cloud)
 {
-  if (cloud.intensity.size() != cloud.size())
+  ReferenceLabels result;
+  if (cloud.intensity.empty() || cloud.intensity.size() != cloud.size())
   {
-    return {{}, "no intensity, no .label file"};
+    result.missing = "no intensity, no .label file";
+    return result;
   }
   const bool only_flags = std::all_of(cloud.intensity.begin(), cloud.intensity.end(),
                                       [](float v) { return v == 0.0F || v == 1.0F; });
-  std::vector<Label> labels;
   for (const float v : cloud.intensity)
   {
-    if (!(v >= 0) || v != std::floor(v) || v > 65535)
+    if (!(v >= 0) || v != std::floor(v) || v > 65535 ||
+        !isSemanticKittiClass(static_cast<std::uint16_t>(v)))
     {
-      return {{}, "intensity " + std::to_string(v) + " is none"};
+      return {{}, "intensity " + std::to_string(v) + " is none", ""};
     }
-    labels.push_back(only_flags ? (v == 1.0F ? label_moving : label_static)
-                                : static_cast<Label>(v));
+    result.labels.push_back(only_flags ? (v == 1.0F ? label_moving : label_static)
+                                       : static_cast<Label>(v));
   }
-  return {std::move(labels), ""};
+  if (isConstant(cloud.intensity))
+  {
+    return {{}, "all intensities are " + std::to_string(std::lround(cloud.intensity.front())), ""};
+  }
+  result.from_intensity = only_flags ? "0: static, 1: moving" : "SemanticKITTI classes";
+  return result;
 }
 
 nlohmann::ordered_json toJson(const MapScores& s)
@@ -107,7 +123,7 @@ ReferenceLabels readReferenceLabels(const ReferenceMap& reference, const std::st
       std::filesystem::path(reference.path).replace_extension(".label").string();
   if (!labels.empty() || std::filesystem::exists(beside))
   {
-    return {readLabels(labels.empty() ? beside : labels, reference.cloud.size()), ""};
+    return {readLabels(labels.empty() ? beside : labels, reference.cloud.size()), "", ""};
   }
   return labelsFromIntensity(reference.cloud);
 }

@@ -148,8 +148,9 @@ void removeIf(std::vector<LabelledBox>& boxes, Condition condition)
   boxes.erase(std::remove_if(boxes.begin(), boxes.end(), condition), boxes.end());
 }
 
-/** Number of the first scan of a run, by scans.csv; nothing without. */
-std::optional<int> firstFrame(const std::string& folder)
+/** Indices of the first and last scan in the scans.csv of a run; nothing without a scan or the
+ * file. \throws UserError for a damaged file. */
+std::optional<FrameRange> framesOfTable(const std::string& folder)
 {
   const fs::path path = fs::path(folder) / "scans.csv";
   if (!fs::exists(path))
@@ -157,7 +158,38 @@ std::optional<int> firstFrame(const std::string& folder)
     return std::nullopt;
   }
   TextFile file = TextFile::table(path.string());
-  return file.next() && file.next() ? std::optional<int>(file.integer(0)) : std::nullopt;
+  std::optional<FrameRange> range;
+  for (bool is_row = file.next() && file.next(); is_row; is_row = file.next())
+  {
+    const int frame = file.integer(0);
+    range = FrameRange{range ? range->first : frame, frame};
+  }
+  return range;
+}
+
+/** The same of report and ini: of a run in which no scan was dropped for its time stamp. */
+std::optional<FrameRange> framesOfReport(const std::string& folder)
+{
+  const fs::path ini = fs::path(folder) / "effective.ini";
+  const auto report = readRunReport(folder);
+  if (!report || !fs::exists(ini))
+  {
+    return std::nullopt;
+  }
+  const Config config = Config::fromFile(ini.string());
+  const auto frames = report->find("frames");
+  if (frames == report->end() || !frames->is_number_integer() ||
+      !config.has("input", "skip_first_n"))
+  {
+    return std::nullopt;
+  }
+  RawlogSourceOptions input;
+  load(input, config, "input");
+  if (input.start > 0)
+  {
+    return std::nullopt;  // the number of the first scan is not known
+  }
+  return FrameRange{input.skip_first_n, input.skip_first_n + frames->get<int>() - 1};
 }
 }  // namespace
 
@@ -235,28 +267,8 @@ void removeUncovered(std::vector<LabelledBox>& estimates,
 
 std::optional<FrameRange> processedFrames(const std::string& folder)
 {
-  const fs::path ini = fs::path(folder) / "effective.ini";
-  const auto report = readRunReport(folder);
-  if (!report || !fs::exists(ini))
-  {
-    return std::nullopt;
-  }
-  const Config config = Config::fromFile(ini.string());
-  const auto frames = report->find("frames");
-  if (frames == report->end() || !frames->is_number_integer() ||
-      !config.has("input", "skip_first_n"))
-  {
-    return std::nullopt;
-  }
-  RawlogSourceOptions input;
-  load(input, config, "input");
-  std::optional<int> first = input.skip_first_n;
-  if (input.start > 0)
-  {
-    first = firstFrame(folder);
-  }
-  return first ? std::optional<FrameRange>({*first, *first + frames->get<int>() - 1})
-               : std::nullopt;
+  const auto range = framesOfTable(folder);
+  return range ? range : framesOfReport(folder);
 }
 
 std::string mergedType(const std::string& type)

@@ -2,13 +2,17 @@
 // Comparisons of files: trajectories, tracks and maps.
 #include <dyslam/benchmarks/MapComparison.h>
 #include <dyslam/benchmarks/TrackComparison.h>
+#include <dyslam/benchmarks/TrackFiles.h>
 #include <dyslam/benchmarks/TrajectoryComparison.h>
 #include <dyslam/core/Error.h>
+#include <dyslam/formats/LabelFiles.h>
 #include <dyslam/formats/ScanFiles.h>
 #include <dyslam/formats/TrackFiles.h>
 #include <dyslam/formats/TrajectoryFiles.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <filesystem>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
@@ -146,6 +150,46 @@ TEST(TrackComparison, ClassesAreThoseOfTheReferenceOrTheGivenOnes)
   EXPECT_EQ(report.metrics.rows(), 2U);
 }
 
+TEST(TrackComparison, ScansThatWereDroppedShiftTheProcessedFrames)
+{
+  const TestFolder folder;
+  std::vector<LabelledBox> boxes;
+  for (int frame = 0; frame < 10; ++frame)
+  {
+    boxes.push_back(boxOf(frame, 1, "Car", 10));
+  }
+  writeTracks(folder.file("a.txt"), boxes);
+  const std::string run = folder.file("run");
+  folder.write("run/effective.ini", "[input]\nskip_first_n = 1\n");
+  folder.write("run/report.json", R"({"frames": 4})");
+  // Scans 1, 4 and 5 had the time stamp of the one before.
+  const std::string table = folder.write(
+      "run/scans.csv", "frame,stamp,reason\n2,0.2,\n3,0.3,\"no, none\"\n6,0.6,\n7,0.7,\n");
+  writeTracks(run + "/tracks.txt", {boxOf(3, 1, "Car", 10)});
+  const auto expectFrames = [&run](int first, int last)
+  {
+    const auto range = processedFrames(run);
+    ASSERT_TRUE(range);
+    EXPECT_EQ(range->first, first);
+    EXPECT_EQ(range->last, last);
+  };
+  expectFrames(2, 7);
+  const TrackSources sources{folder.file("a.txt"), run, ""};
+  TrackSelection selection;
+  const TrackData truth = readReferenceTracks(sources, selection, ignore);
+  TrackSequence sequence =
+      sequenceOf(sources, truth, readEstimatedTracks(sources, truth, selection));
+  EXPECT_TRUE(keepProcessedFrames(sources, sequence));
+  EXPECT_EQ(sequence.reference.size(), 6U) << "of scans 2 to 7";
+
+  folder.write("run/scans.csv", "frame,stamp,reason\n");
+  expectFrames(1, 4);
+  ASSERT_TRUE(std::filesystem::remove(table));
+  expectFrames(1, 4);
+  folder.write("run/effective.ini", "[input]\nskip_first_n = 0\nstart = 0.1\n");
+  EXPECT_FALSE(processedFrames(run));
+}
+
 TEST(MapComparison, LabelsAreInTheIntensityOrThereAreNone)
 {
   const TestFolder folder;
@@ -158,6 +202,38 @@ TEST(MapComparison, LabelsAreInTheIntensityOrThereAreNone)
   EXPECT_EQ(readReferenceLabels(reference).labels, (std::vector<Label>{40, 252, 1, 0}));
   reference.cloud.intensity = {0, 0.5F, 0, 0};
   EXPECT_TRUE(contains(readReferenceLabels(reference).missing, "intensity 0.5"));
+}
+
+TEST(MapComparison, IntensitiesThatWereMeasuredAreNoLabels)
+{
+  const TestFolder folder;
+  ReferenceMap reference{folder.file("a.ply"), square(1)};
+  for (const float value : {0.0F, 1.0F, 40.0F})  // 0: the recording has no intensities
+  {
+    reference.cloud.intensity.assign(reference.cloud.size(), value);
+    const ReferenceLabels same = readReferenceLabels(reference);
+    EXPECT_EQ(same.missing, "all intensities are " + std::to_string(std::lround(value)));
+    EXPECT_TRUE(same.labels.empty());
+  }
+  reference.cloud.intensity = {0, 10, 117, 255};  // reflectivities
+  const ReferenceLabels reflectivities = readReferenceLabels(reference);
+  EXPECT_TRUE(contains(reflectivities.missing, "intensity 117")) << reflectivities.missing;
+  EXPECT_TRUE(reflectivities.labels.empty());
+  EXPECT_EQ(readReferenceLabels({reference.path, Scan()}).missing, "no intensity, no .label file");
+}
+
+TEST(MapComparison, LabelsSayWhetherTheyAreOfTheIntensity)
+{
+  const TestFolder folder;
+  ReferenceMap reference{folder.file("a.ply"), square(1)};
+  reference.cloud.intensity = {0, 0, 1, 1};
+  EXPECT_EQ(readReferenceLabels(reference).from_intensity, "0: static, 1: moving");
+  reference.cloud.intensity = {40, 252, 1, 0};
+  EXPECT_EQ(readReferenceLabels(reference).from_intensity, "SemanticKITTI classes");
+  writeLabels(folder.file("a.label"), {40, 40, 252, 0});
+  const ReferenceLabels of_file = readReferenceLabels(reference);
+  EXPECT_EQ(of_file.from_intensity, "");
+  EXPECT_EQ(of_file.labels, (std::vector<Label>{40, 40, 252, 0}));
 }
 
 TEST(MapComparison, MapsAreComparedByLabelsOrByDistance)

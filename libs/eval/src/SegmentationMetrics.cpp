@@ -3,6 +3,7 @@
 #include <dyslam/eval/SegmentationMetrics.h>
 #include <dyslam/eval/Statistics.h>
 
+#include <algorithm>
 #include <array>
 #include <stdexcept>
 #include <utility>
@@ -100,6 +101,13 @@ void SegmentationEvaluator::add(const std::vector<std::uint32_t>& reference,
                          : (called_moving ? scores_.false_positives : scores_.true_negatives);
     ++count;
   }
+}
+
+bool isSemanticKittiClass(std::uint16_t semantic_class)
+{
+  return semantic_class == 0 ||
+         std::any_of(class_names.begin(), class_names.end(),
+                     [&](const auto& named) { return named.first == semantic_class; });
 }
 
 std::string semanticKittiName(std::uint16_t semantic_class)

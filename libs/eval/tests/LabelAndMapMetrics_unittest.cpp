@@ -44,6 +44,10 @@ TEST(Segmentation, EmptyAndMismatch)
   EXPECT_THROW(evaluator.add({1}, {}), std::invalid_argument);
   EXPECT_EQ(semanticKittiName(252), "moving-car");
   EXPECT_EQ(semanticKittiName(1234), "class 1234");
+  EXPECT_TRUE(isSemanticKittiClass(0));
+  EXPECT_TRUE(isSemanticKittiClass(259));
+  EXPECT_FALSE(isSemanticKittiClass(2));
+  EXPECT_FALSE(isSemanticKittiClass(1234));
 }
 
 TEST(MapMetrics, KnownMap)

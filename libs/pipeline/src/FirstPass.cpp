@@ -9,6 +9,8 @@
 #include <cstdio>
 #include <filesystem>
 
+#include "PathSettings.h"
+
 namespace dyslam
 {
 namespace fs = std::filesystem;
@@ -63,6 +65,11 @@ bool isSecondPass(const Config& config, const std::string& output)
   return !labels.empty() && fs::equivalent(labels, labelsOfFirstPass(output), none);
 }
 
+std::string keptLabelsOf(const std::string& output)
+{
+  return absolutePath(labelsOfFirstPass(output).string());
+}
+
 std::string keepLabelsOfFirstPass(const std::string& output)
 {
   const fs::path kept = labelsOfFirstPass(output);
@@ -89,7 +96,7 @@ std::string keepLabelsOfFirstPass(const std::string& output)
     throw UserError(kept.string() + ": cannot be written (" + error.code().message() +
                     "); choose another --output");
   }
-  return kept.string();
+  return keptLabelsOf(output);
 }
 
 std::string comparePaths(double first, double second)

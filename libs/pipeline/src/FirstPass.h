@@ -19,8 +19,11 @@ namespace dyslam
  * of labels may be of an earlier run. */
 [[nodiscard]] bool isSecondPass(const Config& config, const std::string& output);
 
+/** Absolute path of the folder that keeps the labels of the first pass, in the output folder. */
+[[nodiscard]] std::string keptLabelsOf(const std::string& output);
+
 /** Moves the labels of the first pass to where the second one, which writes into the same folder,
- * does not replace them. \return the new folder. \throws UserError. */
+ * does not replace them. \return keptLabelsOf(). \throws UserError. */
 [[nodiscard]] std::string keepLabelsOfFirstPass(const std::string& output);
 
 /** A warning if the passes disagree about the length of the path [m], else empty. */

@@ -68,7 +68,7 @@ void beginCheckpoint(Pipeline& pipeline,
   {
     StateArchive archive;
     pipeline.exchangeFrontEndState(archive);
-    checkpoints.begin(frame, {archive.bytes(), scans, is_last});
+    checkpoints.begin(frame, {archive.bytes(), pipeline.summary(), scans, is_last});
   }
 }
 
@@ -117,7 +117,7 @@ bool replay(const SlamRunSettings& settings,
     if (auto begun = checkpoints.take(index))
     {
       const auto start = std::chrono::steady_clock::now();
-      run.checkpoint(begun->front_end, begun->scans, begun->is_last);
+      run.checkpoint(*begun);
       checkpoints.took(
           std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
     }

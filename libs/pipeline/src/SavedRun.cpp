@@ -10,6 +10,8 @@
 #include <string_view>
 #include <utility>
 
+#include "FirstPass.h"
+
 namespace dyslam
 {
 namespace fs = std::filesystem;
@@ -49,6 +51,13 @@ RunToResume::RunToResume(const std::string& folder)
                     run.version + ", this is " + DYSLAM_VERSION +
                     "; resume with that one, or start the run anew");
   }
+  if (run.is_second_pass)
+  {
+    const std::string name = "the state's settings";
+    Config settings = Config::fromText(run.settings, name);
+    settings.set("dyseg", "labels", {keptLabelsOf(folder), name, {}});
+    run.settings = settings.toIni();
+  }
 }
 
 void ScanSum::add(const Frame& frame)
@@ -78,13 +87,13 @@ bool Checkpoints::due(bool at_once)
   return true;
 }
 
-void Checkpoints::begin(std::size_t frame, Begun begun)
+void Checkpoints::begin(std::size_t frame, BegunCheckpoint begun)
 {
   const std::lock_guard<std::mutex> lock(mutex_);
   begun_[frame] = std::move(begun);
 }
 
-std::optional<Checkpoints::Begun> Checkpoints::take(std::size_t frame)
+std::optional<BegunCheckpoint> Checkpoints::take(std::size_t frame)
 {
   const std::lock_guard<std::mutex> lock(mutex_);
   const auto found = begun_.find(frame);
@@ -92,7 +101,7 @@ std::optional<Checkpoints::Begun> Checkpoints::take(std::size_t frame)
   {
     return std::nullopt;
   }
-  Begun begun = std::move(found->second);
+  BegunCheckpoint begun = std::move(found->second);
   begun_.erase(found);
   return begun;
 }

@@ -27,6 +27,9 @@ struct SavedRun
   std::string rawlog;   //!< absolute
   std::uint64_t rawlog_size = 0;
   std::string settings;  //!< all of them, as an ini
+  /** Second of two passes: `dyseg.labels` is keptLabelsOf() the output folder, also if that has
+   * been moved. */
+  bool is_second_pass = false;
   std::vector<std::string> inputs;
   std::string sensor;
   std::vector<std::string> warnings;
@@ -53,7 +56,8 @@ constexpr std::size_t state_parts = 5;
 /** A folder that is locked, with the state that its run left. */
 struct RunToResume
 {
-  /** \throws UserError if there is no state, it cannot be used, or another run writes there. */
+  /** Of a second pass, the settings have the labels in this folder.
+   * \throws UserError if there is no state, it cannot be used, or another run writes there. */
   explicit RunToResume(const std::string& folder);
 
   /** Loads a part. */
@@ -83,18 +87,20 @@ class ScanSum
   std::uint32_t sum_ = 0;
 };
 
+/** What the front end's thread adds to a checkpoint, after the frame behind which it is made. */
+struct BegunCheckpoint
+{
+  std::string front_end;  //!< Pipeline::exchangeFrontEndState()
+  std::string method;     //!< Pipeline::summary()
+  ScanSum scans;          //!< so far
+  bool is_last = false;   //!< the run is stopped behind it: SlamRun::finish() leaves it
+};
+
 /** Schedules checkpoints, and passes the front end's part from its thread to that of the back
  * end. */
 class Checkpoints
 {
  public:
-  struct Begun
-  {
-    std::string front_end;
-    ScanSum scans;
-    bool is_last = false;  //!< the run is stopped behind it
-  };
-
   /** \param seconds between checkpoints; 0: none. */
   explicit Checkpoints(double seconds) : seconds_(seconds) {}
 
@@ -102,20 +108,20 @@ class Checkpoints
   /** Whether a checkpoint is due; if so, the next one is in so many seconds.
    * \param at_once it is due now, if there are checkpoints at all */
   [[nodiscard]] bool due(bool at_once);
-  void begin(std::size_t frame, Begun begun);
+  void begin(std::size_t frame, BegunCheckpoint begun);
 
   // The back end's thread:
   /** Duration of a checkpoint [s]: the interval is adapted, so that checkpoints take at most a
    * twentieth of the time for any size of the state. */
   void took(double seconds) { cost_ = seconds; }
   /** What was begun at this frame. */
-  [[nodiscard]] std::optional<Begun> take(std::size_t frame);
+  [[nodiscard]] std::optional<BegunCheckpoint> take(std::size_t frame);
 
  private:
   double seconds_;
   std::atomic<double> cost_ = 0;
   std::chrono::steady_clock::time_point last_ = std::chrono::steady_clock::now();
   std::mutex mutex_;
-  std::map<std::size_t, Begun> begun_;  //!< by Frame::index
+  std::map<std::size_t, BegunCheckpoint> begun_;  //!< by Frame::index
 };
 }  // namespace dyslam

@@ -26,7 +26,9 @@
 #include <tuple>
 #include <utility>
 
+#include "FirstPass.h"
 #include "GivenBoxes.h"
+#include "PathSettings.h"
 #include "RunHistory.h"
 #include "RunOutputs.h"
 #include "RunStatistics.h"
@@ -64,6 +66,13 @@ void requireProfileWritable(const SlamRunSettings& settings)
   {
     throw UserError(profile + ": cannot be written; choose another --profile");
   }
+}
+
+/** Settings that are the same in another working directory. */
+SlamRunSettings withAbsolutePaths(SlamRunSettings settings)
+{
+  makePathsAbsolute(settings.config);
+  return settings;
 }
 
 /** Memory by part [MB]. */
@@ -155,7 +164,7 @@ void throwWhatFailed(const std::string& early, const RunResults& results, const 
 struct SlamRun::Impl
 {
   explicit Impl(const SlamRunSettings& given)
-      : settings(given),
+      : settings(withAbsolutePaths(given)),
         times(true, "dyslam"),
         config(settings.config),
         sensor(config.get<SensorOptions>("sensor")),
@@ -194,12 +203,14 @@ struct SlamRun::Impl
   [[nodiscard]] std::size_t timedScans() const { return statistics.frames - resumed_after; }
   [[nodiscard]] std::map<std::string, double> waitMilliseconds() const;
   [[nodiscard]] RunResults results(const std::vector<std::string>& source_warnings) const;
-  [[nodiscard]] RunResults resultsSoFar() const;
+  /** \param method Pipeline::summary() at the checkpoint, of the front end's thread */
+  [[nodiscard]] RunResults resultsSoFar(const std::string& method) const;
   [[nodiscard]] SavedRun saved(const ScanSum& scans) const;
   /** \throws UserError if the settings are not those of the state. */
   void requireSame(const SavedRun& saved) const;
   /** Of the graph, and those that it does not have from earlier and later scans alone. */
   void setObjects(RunResults& results) const;
+  /** But for its method, which the front end has. */
   void fillReport(SlamRunReport& report, const RunResults& results) const;
 
   std::chrono::steady_clock::time_point begin = std::chrono::steady_clock::now();
@@ -258,6 +269,7 @@ RunResults SlamRun::Impl::results(const std::vector<std::string>& source_warning
   results.stage_ms = stageMilliseconds(times, timedScans());
   results.wait_ms = waitMilliseconds();
   results.memory_mb = memoryOf(pipeline);
+  results.report.method = pipeline.summary();
   fillReport(results.report, results);
   append(results.report.warnings, settings.warnings);
   append(results.report.warnings, source_warnings);
@@ -292,7 +304,6 @@ void SlamRun::Impl::setObjects(RunResults& results) const
 
 void SlamRun::Impl::fillReport(SlamRunReport& report, const RunResults& results) const
 {
-  report.method = pipeline.summary();
   report.frames = statistics.frames;
   report.unconverged = statistics.registration_failures.total();
   report.failure = statistics.failure(!settings.inputs.empty());
@@ -375,7 +386,7 @@ void SlamRun::open()
   impl_->outputs.open();
 }
 
-RunResults SlamRun::Impl::resultsSoFar() const
+RunResults SlamRun::Impl::resultsSoFar(const std::string& method) const
 {
   constexpr std::size_t most_voxels = 2000000;  // beyond, writing the map takes seconds
   RunResults results;  // without times and warnings of the front end, which runs on
@@ -389,6 +400,7 @@ RunResults SlamRun::Impl::resultsSoFar() const
   results.history = &history;
   results.trajectory = pipeline.trajectory();
   results.reference = statistics.referenceInMap(results.trajectory);
+  results.report.method = method;
   fillReport(results.report, results);
   append(results.report.warnings, settings.warnings);
   return results;
@@ -406,7 +418,9 @@ SavedRun SlamRun::Impl::saved(const ScanSum& scans) const
   run.rawlog = std::filesystem::absolute(settings.rawlog).lexically_normal().string();
   run.rawlog_size = std::filesystem::file_size(settings.rawlog);
   run.settings = config.effective().toIni();
-  run.inputs = settings.inputs;
+  run.is_second_pass = isSecondPass(config.effective(), settings.output_folder);
+  std::transform(settings.inputs.begin(), settings.inputs.end(), std::back_inserter(run.inputs),
+                 absolutePath);
   run.sensor = settings.sensor;
   run.warnings = settings.warnings;
   run.static_scans = settings.static_scans;
@@ -419,7 +433,7 @@ SavedRun SlamRun::Impl::saved(const ScanSum& scans) const
   return run;
 }
 
-void SlamRun::checkpoint(const std::string& front_end, const ScanSum& scans, bool is_last)
+void SlamRun::checkpoint(const BegunCheckpoint& begun)
 {
   Impl& m = *impl_;
   const mrpt::system::CTimeLoggerEntry timed(m.times, "checkpoint.back_end");
@@ -429,10 +443,10 @@ void SlamRun::checkpoint(const std::string& front_end, const ScanSum& scans, boo
         state.add(
             [&](StateArchive& archive)
             {
-              SavedRun run = m.saved(scans);
+              SavedRun run = m.saved(begun.scans);
               archive(run);
             });
-        state.add(front_end);
+        state.add(begun.front_end);
         state.add(
             [&](StateArchive& archive)
             {
@@ -440,7 +454,7 @@ void SlamRun::checkpoint(const std::string& front_end, const ScanSum& scans, boo
               archive(m.statistics, m.history);
             });
       },
-      m.resultsSoFar(), is_last);
+      m.resultsSoFar(begun.method), begun.is_last);
 }
 
 void SlamRun::Impl::requireSame(const SavedRun& saved) const
@@ -453,7 +467,7 @@ void SlamRun::Impl::requireSame(const SavedRun& saved) const
     {
       const std::string before =
           had.has(section, key) ? had.section(section).at(key).text : "not there";
-      if (value.text != before)
+      if (!isSameSetting(section, key, value.text, before))
       {
         throw UserError(section + "." + key + " is " + value.text +
                         ", in the run to resume it is " + before +

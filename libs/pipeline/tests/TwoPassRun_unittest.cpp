@@ -93,6 +93,17 @@ TEST_F(TwoPassRun, EachPassHasItsSettings)
   EXPECT_EQ(runs_[0].sensor, runs_[1].sensor);
 }
 
+TEST_F(TwoPassRun, TheLabelsOfTheFirstPassHaveAnAbsolutePath)
+{
+  const WorkingFolder within(folder_.path());
+  request_.passes = 2;
+  request_.settings.output_folder = "run";
+  EXPECT_EQ(Pass::second, run().pass);
+  ASSERT_EQ(2U, runs_.size());
+  EXPECT_EQ((fs::current_path() / "run" / "first_pass" / "labels").string(),
+            labelsIn(runs_[1].config));
+}
+
 TEST_F(TwoPassRun, TheOnlyPassHasTheSettingsOfTheRequest)
 {
   request_.settings.probabilities = true;
@@ -189,8 +200,8 @@ TEST_F(TwoPassRun, LabelsAreNotGivenForTwoPasses)
   EXPECT_TRUE(runs_.empty());
 }
 
-/** The folder as a kill during the run with these settings leaves it, but with labels. */
-void killInto(const std::string& output, const std::string& labels)
+/** Of a run that has and writes labels. */
+SlamRunSettings settingsWith(const std::string& output, const std::string& labels)
 {
   SlamRunSettings settings;
   settings.rawlog = campus;
@@ -199,6 +210,14 @@ void killInto(const std::string& output, const std::string& labels)
   settings.config =
       Config::fromFile(std::string(DYSLAM_SOURCE_DIR) + "/share/dyslam/config_files/vlp16.ini");
   settings.config.set("dyseg.labels=" + labels);
+  settings.config.set("input.only_first_n=20");
+  return settings;
+}
+
+/** The folder as a kill during the run with these settings leaves it, but with labels. */
+void killInto(const std::string& output, const std::string& labels)
+{
+  SlamRunSettings settings = settingsWith(output, labels);
   settings.config.set("input.only_first_n=3");
   settings.config.set("output.checkpoint_seconds=1e-6");
   const std::string file = output + "/resume.state";
@@ -235,6 +254,40 @@ TEST_F(TwoPassRun, OnlyASecondPassIsResumedAsOne)
   request_.settings.force = true;
   request_.passes = 1;
   EXPECT_EQ(Pass::only, run().pass);
+}
+
+TEST_F(TwoPassRun, ASecondPassIsResumedInAnotherFolderAndAfterItWasMoved)
+{
+  std::size_t scans = 0;
+  {
+    const WorkingFolder within(folder_.path());
+    scans = runSlam(settingsWith("run", "")).frames;
+    EXPECT_TRUE(fs::path(keepLabelsOfFirstPass("run")).is_absolute());
+    SlamRunSettings second = settingsWith("run", "run/first_pass/labels");
+    std::size_t done = 0;
+    second.stop = [&] { return done >= 2; };
+    EXPECT_THROW((void)runSlam(second, [&](double, std::size_t frames) { done = frames; }),
+                 UserError);
+    ASSERT_LT(done, scans);
+  }
+  const std::string moved = folder_.file("moved");
+  const std::string labels = moved + "/first_pass/labels";
+  fs::rename(folder_.file("run"), moved);
+  EXPECT_EQ(labels, labelsIn(settingsOfCheckpoint(moved)));
+  EXPECT_TRUE(isSecondPass(settingsOfCheckpoint(moved), moved));
+
+  SlamRunSettings resumed;
+  resumed.output_folder = moved;
+  folder_.write("other/000000.label", "0000");
+  resumed.config.set("dyseg.labels=" + folder_.file("other"));
+  EXPECT_EQ(0U, messageOfError<UserError>([&] { (void)resumeSlam(resumed); })
+                    .rfind("dyseg.labels is " + folder_.file("other") +
+                               ", in the run to resume it is " + labels,
+                           0));
+  const WorkingFolder within(moved);
+  resumed.config.set("dyseg.labels=first_pass/labels");
+  EXPECT_EQ(scans, resumeSlam(resumed).frames);
+  EXPECT_EQ(labels, labelsIn(Config::fromFile(moved + "/effective.ini")));
 }
 }  // namespace
 }  // namespace dyslam

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/core/PendingFile.h>
+#include <dyslam/core/StateArchive.h>
 
 #include "../RunOutput.h"
 
@@ -18,6 +19,14 @@ class SettingsOutput : public RunOutput
   {
   }
   void open() override { writeWhole(path(ini), config_.effective().toIni()); }
+  /** The folder may have been moved since, and the labels of a first pass with it. */
+  void exchangeState(StateArchive& archive) override
+  {
+    if (archive.isLoading())
+    {
+      open();
+    }
+  }
 
  private:
   const ConfigLoader& config_;  // other parts of the run load theirs until open()

@@ -49,9 +49,8 @@ struct TrackMatching
                                        const TrackData& truth,
                                        const TrackData& estimate);
 
-/** Restricts the reference to the frames that the run processed. Scans dropped for their time
- * stamps shift the last frame; the estimated boxes show by how much. \return those frames; nothing
- * if all are kept */
+/** Restricts the reference to the frames that the run processed, and at least to the last estimated
+ * box. \return those frames; nothing if all are kept */
 std::optional<FrameRange> keepProcessedFrames(const TrackSources& sources, TrackSequence& sequence);
 
 /** The classes to evaluate, as the boxes name them; "" is all together. \param given words for

@@ -54,13 +54,15 @@ void removeUncovered(std::vector<LabelledBox>& estimates,
                      const std::vector<LabelledBox>& truth,
                      const TrackSelection& selection);
 
-/** Indices of the scans that a run processed, from its report and ini; nothing for a folder
- * without them. */
+/** Indices of the first and last scan that a run processed (Frame::index). */
 struct FrameRange
 {
   int first = 0;
   int last = 0;
 };
+/** From scans.csv, which counts scans that were dropped for their time stamps; without one from
+ * report and ini, as if none was. Nothing for a folder that has neither.
+ * \throws UserError for files that cannot be read. */
 [[nodiscard]] std::optional<FrameRange> processedFrames(const std::string& folder);
 
 /** Vehicle for car, van, truck and bus; Cyclist for two-wheelers; otherwise unchanged. */

@@ -60,6 +60,9 @@ class SegmentationEvaluator
   std::size_t scans_ = 0;
 };
 
+/** Whether a class is 0 (unlabelled) or has a name. */
+[[nodiscard]] bool isSemanticKittiClass(std::uint16_t semantic_class);
+
 /** SemanticKITTI's name of a class; "class N" for unknown ones. */
 [[nodiscard]] std::string semanticKittiName(std::uint16_t semantic_class);
 }  // namespace dyslam

@@ -16,8 +16,7 @@ namespace dyslam
 {
 class Pipeline;
 struct RawlogSourceOptions;
-class Checkpoints;
-class ScanSum;
+struct BegunCheckpoint;
 struct RunToResume;
 
 /** Settings of one run. Everything else is in the config. */
@@ -111,10 +110,9 @@ class SlamRun
   /** Instead of open(): sets pipeline, counts and outputs to a saved state.
    * \throws UserError if that cannot be. */
   void resume(RunToResume& saved);
-  /** Between two frames: writes a checkpoint: the results so far and the state.
-   * \param front_end Pipeline::exchangeFrontEndState() after the last frame \param scans so far
-   * \param is_last the run is stopped here: finish() leaves the checkpoint for resumeSlam() */
-  void checkpoint(const std::string& front_end, const ScanSum& scans, bool is_last = false);
+  /** Between two frames: writes a checkpoint: the results so far and the state. Of the front end,
+   * which may process later frames meanwhile, it has what was begun after the last frame only. */
+  void checkpoint(const BegunCheckpoint& begun);
   /** `output.checkpoint_seconds` */
   [[nodiscard]] double checkpointSeconds() const;
   /** A frame that the pipeline has processed: counted, and handed to the outputs. */
@@ -161,7 +159,8 @@ SlamRunReport runSlam(const SlamRunSettings& settings,
  * of a run that was not interrupted, byte for byte, but for times in the reports.
  *
  * Settings and recording are those that the run had; its scans are read again up to the checkpoint
- * and must be the same.
+ * and must be the same. The working directory may be another than that of the run, and the output
+ * folder may have been moved.
  * \param given `output_folder` of the run; `rawlog` if the recording has been moved, else empty;
  *   `config` with those of its settings that are to be checked; `stop` and `profile_csv`
  * \throws UserError as runSlam(), and if there is nothing to resume, the state is damaged, or
