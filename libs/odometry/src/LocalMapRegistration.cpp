@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/core/Error.h>
+#include <dyslam/core/ScanParts.h>
 #include <dyslam/core/StateArchive.h>
 #include <dyslam/odometry/LocalMapRegistration.h>
 
@@ -151,7 +152,11 @@ ScanToMapSettings LocalMapRegistration::State::settings(const Frame& frame,
   s.loss_width = options.loss_width;
   s.max_iterations = options.max_iterations;
   s.points_per_measurement = options.points_per_measurement;
-  s.sensor = frame.scan.T_vehicle_lidar.translation();
+  s.lidars.clear();
+  for (const LidarRange& lidar : lidarRanges(frame.scan, frame.cloud))
+  {
+    s.lidars.push_back(lidar.sensor());
+  }
   s.min_incidence = map.surfaces().levels() > 1 ? options.min_incidence * map.ringSpacing() : 0;
   s.max_ground_weight_ratio = options.max_ground_weight_ratio;
   s.T_prior = prior.T_odom_vehicle;

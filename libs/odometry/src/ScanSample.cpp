@@ -2,6 +2,7 @@
 #include "ScanSample.h"
 
 #include <dyslam/core/Deskew.h>
+#include <dyslam/core/ScanParts.h>
 #include <dyslam/core/VoxelGrid.h>
 
 #include <algorithm>
@@ -20,6 +21,7 @@ void RawPoints::clear()
   points.clear();
   phase.clear();
   weight.clear();
+  lidar.clear();
 }
 
 void RawPoints::deskewed(const Pose& T_sweep,
@@ -85,6 +87,21 @@ void ScanSample::ingest(const Frame& frame, double spacing, ThreadPool& pool)
     }
   }
 
+  scan.lidar.clear();
+  if (!frame.scan.parts.empty())
+  {
+    const std::vector<LidarRange> ranges = lidarRanges(frame.scan, cloud);
+    scan.lidar.reserve(source.size());
+    std::size_t lidar = 0;
+    for (const std::uint32_t i : source)
+    {
+      while (i >= ranges[lidar].end)
+      {
+        ++lidar;
+      }
+      scan.lidar.push_back(static_cast<std::uint8_t>(lidar));
+    }
+  }
   const bool skewed = cloud.phase.size() == count;
   scan_index_.resize(cloud.source.size() == count ? source.size() : 0);
   for (std::size_t i = 0; i < scan_index_.size(); ++i)
@@ -143,6 +160,7 @@ void ScanSample::draw(double size, std::size_t max_points)
   sample.phase.resize(scan.phase.empty() ? 0 : taken);
   sample.phase_unit = scan.phase_unit;
   sample.weight.resize(scan.weight.empty() ? 0 : taken);
+  sample.lidar.resize(scan.lidar.empty() ? 0 : taken);
   for (std::size_t i = 0; i < taken; ++i)
   {
     const std::uint32_t from = voxels.index[i * count / taken];
@@ -155,6 +173,10 @@ void ScanSample::draw(double size, std::size_t max_points)
     if (!scan.weight.empty())
     {
       sample.weight[i] = scan.weight[from];
+    }
+    if (!scan.lidar.empty())
+    {
+      sample.lidar[i] = scan.lidar[from];
     }
   }
 }

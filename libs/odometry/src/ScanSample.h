@@ -17,6 +17,8 @@ struct RawPoints
   std::vector<float> phase;             //!< as Cloud::phase; empty if there is nothing to deskew
   std::vector<float> weight;            //!< in [0, 1]; empty for 1
   double phase_unit = 0;                //!< as Cloud::phase_unit
+  /** Lidar that measured each point, as index of lidarRanges(); empty if there is only one. */
+  std::vector<std::uint8_t> lidar;
 
   [[nodiscard]] std::size_t size() const { return points.size(); }
   void clear();

@@ -77,6 +77,7 @@ void ScanToMap::Sums::add(const Sums& other)
 
 void ScanToMap::refresh(Match& match,
                         const Eigen::Vector3f& q,
+                        const Eigen::Vector3f& lidar,
                         const SurfacePyramid& map,
                         const Iteration& iteration) const
 {
@@ -84,7 +85,7 @@ void ScanToMap::refresh(Match& match,
   match.surface = map.surfaceAt(q, iteration.base, min_planarity);
   match.offset = match.surface.normal.dot(match.surface.mean);
   match.weight = match.surface.planarity * match.surface.planarity;
-  const Eigen::Vector3f ray = q - iteration.sensor;
+  const Eigen::Vector3f ray = q - lidar;
   if (std::abs(match.surface.normal.dot(ray)) < iteration.min_incidence * ray.norm())
   {
     match.weight = 0;
@@ -156,7 +157,8 @@ void ScanToMap::accumulate(const RawPoints& scan,
       Match& match = matches_[i];
       if (!((q - match.looked_up_at).lpNorm<Eigen::Infinity>() <= lookup_distance))
       {
-        refresh(match, q, map, iteration);
+        const std::size_t lidar = scan.lidar.empty() ? 0 : scan.lidar[i];
+        refresh(match, q, iteration.lidars[lidar], map, iteration);
       }
       const float own_weight = weighted ? scan.weight[i] : 1.0F;
       sums.weight += static_cast<double>(own_weight);
@@ -223,7 +225,11 @@ ScanToMapResult ScanToMap::align(const RawPoints& scan,
     iteration.T_motion = T_before.inverse() * result.T;
     iteration.R = result.T.linear().cast<float>();
     iteration.t = (result.T.translation() - iteration.base.origin).cast<float>();
-    iteration.sensor = iteration.R * settings.sensor.cast<float>() + iteration.t;
+    iteration.lidars.clear();
+    for (const Eigen::Vector3f& lidar : settings.lidars)
+    {
+      iteration.lidars.emplace_back(iteration.R * lidar + iteration.t);
+    }
     iteration.loss_width = static_cast<float>(loss_width);
     Sums sums;
     accumulate(scan, shapes, map, iteration, sums);

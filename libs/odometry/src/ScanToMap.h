@@ -21,7 +21,8 @@ struct ScanToMapSettings
   std::optional<Pose> T_prior;                  //!< of the pose; the guess if there is none
   Matrix6 prior_information = Matrix6::Zero();  //!< of log(T_prior^-1 T) [1/m^2, 1/rad^2]
   double points_per_measurement = 1;
-  Eigen::Vector3d sensor = Eigen::Vector3d::Zero();  //!< vehicle frame [m]
+  /** Positions of the lidars, by RawPoints::lidar; vehicle frame [m]. */
+  std::vector<Eigen::Vector3f> lidars = {Eigen::Vector3f::Zero()};
   /** Sine of the angle between ray and surface; below, the surface may be a single ring's. */
   double min_incidence = 0;
   double max_ground_weight_ratio = 1e9;  //!< see RefineOptions
@@ -86,14 +87,16 @@ class ScanToMap
     Eigen::Matrix3f R;
     Eigen::Vector3f t;
     SurfacePyramid::Base base;
-    Eigen::Vector3f sensor = Eigen::Vector3f::Zero();  //!< relative to the base [m]
+    std::vector<Eigen::Vector3f> lidars;  //!< positions relative to the base [m]
     float min_incidence = 0;
     float loss_width = 0;
     bool distributions = false;
   };
 
+  /** \param q point relative to the base [m] \param lidar position of its lidar, as `q` */
   void refresh(Match& match,
                const Eigen::Vector3f& q,
+               const Eigen::Vector3f& lidar,
                const SurfacePyramid& map,
                const Iteration& iteration) const;
   static void addPlaneRow(const Match& match,

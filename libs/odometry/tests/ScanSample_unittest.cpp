@@ -37,5 +37,21 @@ TEST(ScanSample, WeightsAreOfTheirPointsAfterOthersWereInserted)
   EXPECT_GT(before[0], before[1]);
   EXPECT_GT(before[1], before[2]);
 }
+
+TEST(ScanSample, KnowsTheLidarOfEachPoint)
+{
+  ThreadPool pool(1);
+  Frame frame = frameOf({1, 3, 4});
+  ScanSample sample;
+  sample.ingest(frame, 0.5, pool);
+  EXPECT_TRUE(sample.scan.lidar.empty()) << "there is only one";
+
+  frame.scan.parts.resize(1);
+  frame.scan.parts[0].begin = 3;
+  sample.ingest(frame, 0.5, pool);
+  EXPECT_EQ(sample.scan.lidar, (std::vector<std::uint8_t>{0, 1, 1}));
+  sample.draw(0.1, 2);
+  EXPECT_EQ(sample.sample.lidar, (std::vector<std::uint8_t>{0, 1}));
+}
 }  // namespace
 }  // namespace dyslam

@@ -105,6 +105,21 @@ TEST_P(ScanToMapTest, LevelGroundCountsWithinItsShare)
   EXPECT_LT((T_.inverse() * found.T).translation().norm(), 0.02);
 }
 
+/** The ground is seen at a grazing angle by a lidar on it, and from above by another one. */
+TEST_P(ScanToMapTest, TheAngleOfIncidenceIsThatOfThePointsOwnLidar)
+{
+  ScanToMap registration(pool_);
+  settings_.min_incidence = 0.5;
+  settings_.lidars = {{0, 0, -1.6F}, {0, 0, 100}};
+  const auto heightInformation = [&](std::uint8_t lidar)
+  {
+    scan_.lidar.assign(scan_.size(), lidar);
+    return registration.align(scan_, shapes_, map_, Pose::Identity(), T_, settings_)
+        .information(2, 2);
+  };
+  EXPECT_GT(heightInformation(1), 2 * heightInformation(0));
+}
+
 INSTANTIATE_TEST_SUITE_P(Methods,
                          ScanToMapTest,
                          testing::Bool(),
