@@ -9,7 +9,7 @@ namespace dyslam
 {
 namespace fields
 {
-/** Stands for a value of any type, to see how many of them an aggregate is made from. */
+/** Converts to any type, to count the initialisers that an aggregate accepts. */
 struct Anything
 {
   template <typename T>
@@ -47,8 +47,8 @@ constexpr std::size_t count()
 }
 }  // namespace fields
 
-/** Calls `visit` with all fields of an aggregate in their order: none can be forgotten. A type with
- * more than 27 fields, a base or a C array does not compile. */
+/** Calls `visit` once with all fields of an aggregate, in the order of their declaration. A type
+ * with more than 27 fields, a base class or a C array does not compile. */
 template <typename T, typename Visit>
 void visitFields(T& value, const Visit& visit)
 {

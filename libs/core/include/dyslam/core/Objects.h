@@ -22,15 +22,15 @@ enum class ObjectClass
 
 /** Name as KITTI writes it ("Car", "Pedestrian", ...; "Misc" for unknown). */
 [[nodiscard]] std::string toString(ObjectClass object_class);
-/** Class of a name, in any case; unknown for names that are not ours. */
+/** Class with this name, in upper or lower case; unknown for other names. */
 [[nodiscard]] ObjectClass objectClassFromString(const std::string& name);
-/** Car, van, truck or bus. */
+/** Whether a class is car, van, truck or bus. */
 [[nodiscard]] bool isVehicle(ObjectClass object_class);
 
-/** An upright box; whoever holds it documents its frame. */
+/** An upright box; its frame is documented where it is used. */
 struct Box
 {
-  Eigen::Vector3d center = Eigen::Vector3d::Zero();  //!< at half height [m]
+  Eigen::Vector3d center = Eigen::Vector3d::Zero();  //!< centre of the volume [m]
   Eigen::Vector3d size = Eigen::Vector3d::Ones();    //!< length (along heading), width, height [m]
   double yaw = 0;                                    //!< heading about +z from +x [rad]
 };
@@ -40,12 +40,12 @@ struct Detection
 {
   Box box;  //!< vehicle frame at the scan's stamp
   ObjectClass object_class = ObjectClass::unknown;
-  double score = 1;  //!< detector's confidence; its scale is the detector's
+  double score = 1;  //!< confidence, on the scale of the detector
   Eigen::Matrix4d covariance =
-      0.1 * Eigen::Matrix4d::Identity();  //!< of x, y, z [m^2], yaw [rad^2]
-  std::vector<std::uint32_t> points;      //!< positions in Frame::cloud; empty if not known
-  bool predicted = false;                 //!< most of its points are Frame::moving_by_prediction
-  bool external = false;  //!< a box of another detector: the whole object, which need not move
+      0.1 * Eigen::Matrix4d::Identity();  //!< covariance of x, y, z [m^2], yaw [rad^2]
+  std::vector<std::uint32_t> points;  //!< indices of its points in Frame::cloud; empty if unknown
+  bool predicted = false;             //!< Frame::moving_by_prediction is set for most of its points
+  bool external = false;  //!< box of an external detector: the whole object, which may stand still
 };
 
 /** The state of one tracked object after a scan. */
@@ -55,19 +55,20 @@ struct TrackedObject
   Box box;  //!< odometry frame
   ObjectClass object_class = ObjectClass::unknown;
   Eigen::Vector3d velocity = Eigen::Vector3d::Zero();        //!< odometry frame [m/s] (Eq. 5)
-  Eigen::Matrix4d covariance = Eigen::Matrix4d::Identity();  //!< of x, y, z, yaw
+  Eigen::Matrix4d covariance = Eigen::Matrix4d::Identity();  //!< x, y, z [m^2], yaw [rad^2]
   bool confirmed = false;                                    //!< seen often enough to be reported
   bool dynamic = false;   //!< speed over the threshold, with hysteresis
   bool reported = false;  //!< shown and written: confirmed and recently observed
   bool observed = false;  //!< matched to a detection of this scan
-  int detection = -1;     //!< which one, in Frame::detections
+  int detection = -1;     //!< index of the matched detection in Frame::detections; -1: none
   int age = 0;            //!< scans since birth
   double score = 0;
-  /** The matched detection as this object's box, odometry frame; valid where `observed`. Length and
-   * width are assigned as the track's, the hidden extents of a cluster are completed to its size,
-   * the heading is within 90 deg of its heading. */
+  /** Box of the matched detection, odometry frame; valid where `observed`. Length and width are
+   * assigned as in the track's box, hidden extents of a cluster are completed to the track's size,
+   * and the heading is within 90 deg of the track's. */
   Box observation;
-  /** Of the observation's x, y, z [m^2], yaw [rad^2], odometry frame; valid where `observed`. */
+  /** Covariance of x, y, z [m^2], yaw [rad^2] of `observation`, odometry frame; valid where
+   * `observed`. */
   Eigen::Matrix4d observation_covariance = Eigen::Matrix4d::Identity();
 };
 
@@ -77,7 +78,7 @@ struct LabelledBox
   int frame = 0;
   int id = -1;
   ObjectClass object_class = ObjectClass::unknown;
-  std::string type;  //!< class name as the file has it
+  std::string type;  //!< class name in the spelling of the file
   Box box;           //!< in the frame that the reader documents
   double score = 1;
   int truncated = 0;
