@@ -5,7 +5,7 @@
 
 namespace dyslam
 {
-/** How tracked objects enter the factor graph. */
+/** Options of tracked objects in the factor graph. */
 struct ObjectGraphOptions : Options
 {
   double max_range = 80;     //!< largest range of observations that are used [m]
@@ -19,19 +19,19 @@ struct ObjectGraphOptions : Options
   double max_static_motion = 1;  //!< an object displaced by more within its sighting is dynamic [m]
   double min_static_time = 1;    //!< observed at one place for so long, an object is static [s]
 
-  // Noise. Errors of successive observations of one object are correlated; larger sigmas account
-  // for it.
-  double static_sigma_scale = 3;
-  int static_saturation = 50;  //!< keyframes after which further observations add no information
+  // Noise. Errors of successive observations of an object are correlated, which larger sigmas take
+  // into account.
+  double static_sigma_scale = 3;  //!< factor on the sigmas of observations of static objects
+  int static_saturation = 50;     //!< keyframes after which further observations add no information
   double moving_sigma_scale = 3;
   double tilt_sigma = 0.2;                //!< sigma of an object's roll and pitch [rad]
   double acceleration_sigma = 9;          //!< sigma of a moving object's acceleration [m/s^2]
-  double angular_acceleration_sigma = 3;  //!< sigma of its angular acceleration [rad/s^2]
+  double angular_acceleration_sigma = 3;  //!< sigma of an object's angular acceleration [rad/s^2]
   double motion_sigma = 0.3;  //!< sigma of a motion about the velocity, in one time step [m/s]
   double angular_motion_sigma = 0.3;  //!< sigma of a rotation about the angular velocity [rad/s]
 
   double window = 2;  //!< poses of moving objects older than this are held fixed [s]
-  /** Older ego poses are held fixed; 0: nothing is optimised until a loop or the end. */
+  /** Ego poses older than this are held fixed; 0: nothing is optimised until a loop or the end. */
   int window_keyframes = 10;
 
   void describe(OptionsVisitor& visitor) override;
