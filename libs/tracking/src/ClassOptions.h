@@ -10,8 +10,8 @@
 
 namespace dyslam
 {
-/** Describes an options struct within another one: prepends a prefix to every key, and to every
- * help text what it is about. */
+/** Describes an options struct within another one: prepends a prefix to every key, and the subject
+ * to every help text. */
 class PrefixedVisitor : public OptionsVisitor
 {
  public:
@@ -49,8 +49,7 @@ class PrefixedVisitor : public OptionsVisitor
   std::string about_;
 };
 
-// Options that exist once for vehicles, once for cyclists and once for pedestrians: members
-// `vehicle`, `cyclist` and `pedestrian` of one type.
+// Options by class of object: members `vehicle`, `cyclist` and `pedestrian` of one type.
 
 template <typename ByClass>
 [[nodiscard]] const auto& optionsFor(const ByClass& options, ObjectClass object_class)

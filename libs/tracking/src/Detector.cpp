@@ -28,13 +28,13 @@ std::int64_t neighbourKey(std::int64_t key, int di, int dj)
   return key + di * (std::int64_t{1} << 32) + dj;
 }
 
-/** Ground height per cell around some points, from all returns: a low order statistic rather than
+/** Ground height per cell around some points, from all returns: a low order statistic instead of
  * the minimum, because multipath echoes lie below the road. */
 class GroundAround
 {
  public:
-  /** \param at the points whose ground is asked for \param cell size of a cell [m] \param range of
-   * the points that count, in x and y [m] */
+  /** \param at points at which the ground height is needed \param cell size of a cell [m]
+   * \param range largest x and y of the points used [m] */
   GroundAround(const Points& points,
                const std::vector<std::uint32_t>& at,
                double cell,
@@ -69,11 +69,11 @@ class GroundAround
     }
   }
 
-  /** Ground height at one of these points; limited by the median of the neighbouring cells
+  /** Ground height at one of the points `at`; limited by the median of the neighbouring cells,
    * because of roofs. */
   float heightAt(const Eigen::Vector3f& p) const
   {
-    constexpr float step = 0.3F;  // [m]
+    constexpr float step = 0.3F;  // largest height above the median [m]
     const std::size_t own = indexOf(p);
     std::array<float, 9> around{};
     std::size_t count = 0;
@@ -114,8 +114,9 @@ class GroundAround
         }
       }
     }
-    /** The third lowest return, of fewer than 6 the lowest. The hindsight labels, which know the
-     * ground from several scans, take the third lowest of 3 and more, of fewer the highest. */
+    /** Height of the third lowest return; of the lowest if there are fewer than 6. The hindsight
+     * labels, which know the ground from several scans, use the third lowest of at least 3, else
+     * the highest. */
     float height() const { return count >= 6 ? z[2] : z[0]; }
   };
   std::size_t indexOf(const Eigen::Vector3f& p) const
@@ -126,21 +127,21 @@ class GroundAround
   }
 
   double cell_;
-  int half_;  //!< cells on each side of the sensor's
+  int half_;  //!< number of cells on each side of the sensor's cell
   int width_;
   std::vector<CellReturns> cells_;
-  std::vector<char> used_;  //!< cells whose height is asked for, or that of a neighbour
+  std::vector<char> used_;  //!< cells whose height, or that of a neighbour, is needed
 };
 
-/** Points of one voxel, clustered as one. */
+/** Points of one voxel, clustered together. */
 struct Node
 {
   Eigen::Vector2f position = Eigen::Vector2f::Zero();
-  float link_distance = 0;  //!< distance below which it is linked with another node [m]
+  float link_distance = 0;  //!< distance below which the node is linked with another one [m]
   std::vector<std::uint32_t> points;
 };
 
-/** Lower end of the usual lengths of a class [m]. */
+/** Least usual length of a class [m]. */
 double typicalLength(ObjectClass object_class)
 {
   switch (object_class)
@@ -156,7 +157,7 @@ double typicalLength(ObjectClass object_class)
   }
 }
 
-/** Largest length of a cluster of a width: vehicles may be long, but are narrow [m]. */
+/** Largest length of a cluster by its width [m]: long vehicles are narrow. */
 double longest(double width, const DetectorOptions& options)
 {
   constexpr double vehicle_width = 4;
@@ -164,12 +165,12 @@ double longest(double width, const DetectorOptions& options)
                                : options.max_length;
 }
 
-/** The given points in voxels of 0.1 m in the plane, in order of their first points. */
+/** Nodes of the given points: voxels of 0.1 m in the plane, in order of their first points. */
 std::vector<Node> voxelNodes(const Points& points,
                              const std::vector<std::uint32_t>& selected,
                              const DetectorOptions& options)
 {
-  constexpr double voxel = 0.1;  // [m]
+  constexpr double voxel = 0.1;  // side of a voxel [m]
   std::vector<Node> nodes;
   std::unordered_map<std::int64_t, std::size_t> node_at;
   for (const std::uint32_t i : selected)
@@ -235,7 +236,7 @@ std::vector<std::vector<std::uint32_t>> linkNodes(const std::vector<Node>& nodes
 
   std::vector<std::vector<std::uint32_t>> clusters;
   std::unordered_map<std::size_t, std::size_t> cluster_of;
-  for (std::size_t n = 0; n < nodes.size(); ++n)  // in order of first point: deterministic
+  for (std::size_t n = 0; n < nodes.size(); ++n)  // in order of first points: deterministic
   {
     const auto [entry, is_new] = cluster_of.emplace(sets.find(n), clusters.size());
     if (is_new)
@@ -277,7 +278,7 @@ void DetectorOptions::describe(OptionsVisitor& v)
 Detector::Detector(const DetectorOptions& options) : options_(options)
 {
   validate(options_, "detector");
-  constexpr double most_cells = 1000;  // from the sensor to max_range; the grid is in memory
+  constexpr double most_cells = 1000;  // largest number of cells up to max_range: limits memory
   if (options_.max_range > most_cells * options_.ground_cell)
   {
     throw UserError("[detector] ground_cell is too small; use at least max_range / 1000");

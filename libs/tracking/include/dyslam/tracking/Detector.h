@@ -20,11 +20,11 @@ struct DetectorOptions : Options
   int min_points = 6;                 //!< least number of points of a cluster
   double min_height = 0.3;            //!< least height of a cluster [m]
   double max_length = 20;             //!< largest length of a cluster wider than 4 m [m]
-  double max_narrow_length = 50;      //!< of a narrower one: trams, road trains [m]
-  double max_range = 80;              //!< largest horizontal range of points [m]
-  double yaw_step = 0.0262;           //!< step of the L-shape heading search [rad]
-  double position_sigma = 0.15;       //!< sigma of the position of a box of many points [m]
-  double yaw_sigma = 0.15;            //!< sigma of the heading of a box of many points [rad]
+  double max_narrow_length = 50;  //!< largest length of a narrower cluster (tram, road train) [m]
+  double max_range = 80;          //!< largest horizontal range of points [m]
+  double yaw_step = 0.0262;       //!< step of the L-shape heading search [rad]
+  double position_sigma = 0.15;   //!< sigma of the position of a box of many points [m]
+  double yaw_sigma = 0.15;        //!< sigma of the heading of a box of many points [rad]
 
   void describe(OptionsVisitor& visitor) override;
 };
@@ -40,7 +40,7 @@ class Detector
   /** \throws UserError if an option is out of range. */
   explicit Detector(const DetectorOptions& options = {});
 
-  /** Reads the frame's cloud, moving, moving_by_prediction and moving_probability, sets its
+  /** Reads cloud, moving, moving_by_prediction and moving_probability of the frame, sets its
    * detections. */
   void detect(Frame& frame) const;
 
@@ -63,24 +63,24 @@ class Detector
 
 /** Upright box by L-shape fitting (Zhang et al., "Efficient L-shape fitting for vehicle detection
  * using laser scanners", 2017, closeness criterion), with the full height of the points. The yaw is
- * that of the longer side, in (-pi/2, pi/2]. \param yaw_step of the search [rad]. */
+ * that of the longer side, in (-pi/2, pi/2]. \param yaw_step step of the search [rad] */
 [[nodiscard]] Box fitLShape(const std::vector<Eigen::Vector3f>& points, double yaw_step);
 
 /** Class by the visible size [m] alone; the object may be larger. */
 [[nodiscard]] ObjectClass classifyBySize(const Eigen::Vector3d& size);
-/** Class by full size [m] and speed [m/s]; `initial` where both agree with it. */
+/** Class by full size [m] and speed [m/s]; `initial` if size and speed agree with it. */
 [[nodiscard]] ObjectClass refineClass(ObjectClass initial,
                                       const Eigen::Vector3d& size,
                                       double speed);
 
 /** Class of a vehicle by its full size along and across its heading [m], and its height [m]: trucks
- * and buses are wider and higher than vans; what is wider than any of them is unknown. In KITTI's
+ * and buses are wider and higher than vans; a box wider than all of them is unknown. In KITTI's
  * tracking labels 99 % of the cars are at most 1.9 m wide, 95 % of the vans at most 2.2 m, and 95 %
- * of the trucks at least 2.2 m. \param initial for all others */
+ * of the trucks at least 2.2 m. \param initial result for other sizes */
 [[nodiscard]] ObjectClass refineVehicle(ObjectClass initial, const Eigen::Vector3d& size);
 
-/** Least length, width and height of a whole body of a class, of which one side alone may be
- * visible [m]; zero if it is not known. */
+/** Least length, width and height of an object of a class [m], of which only one side may be
+ * visible; zero if unknown. */
 [[nodiscard]] Eigen::Vector3d leastSize(ObjectClass object_class);
 
 /** Enlarges a partly visible box to at least `size`. The sides of `visible` that face the sensor
