@@ -7,30 +7,31 @@
 
 namespace dyslam
 {
-/** Labels that an earlier run wrote of the same scans: odometry, and a segmenter that does not need
- * the pose, do without the points that it labelled moving.
+/** Labels of an earlier run on the same scans: odometry, and segmenters that do not need the pose,
+ * do not use the points labelled as moving.
  *
- * A run that follows traffic for its static world still labels most of its vehicles by their
- * appearance and by the rays of other scans; without them the next run finds the static world. */
+ * A run that confuses traffic with the static world still labels most of the vehicles as moving, by
+ * their appearance and by the rays of other scans; without them the next run finds the static
+ * world. */
 class EarlierLabels
 {
  public:
-  /** \param folder of the .label files, or of the run; empty: there are none. \throws UserError if
+  /** \param folder folder of the .label files or of the run; empty: no labels \throws UserError if
    * it has no labels. */
   explicit EarlierLabels(const std::string& folder);
 
   [[nodiscard]] bool any() const { return !folder_.empty(); }
-  /** Takes the points that are labelled moving out of the scan: they are no returns any more.
-   * \return a scan of these points alone, empty if there are no labels. \throws UserError if the
-   * scan has no label file, or one of another number of points. */
+  /** Removes the points labelled as moving from the scan: they become no returns.
+   * \return a scan of only these points, empty without labels \throws UserError if the scan has no
+   * label file, or one for another number of points. */
   [[nodiscard]] Scan takeMoving(Frame& frame) const;
 
  private:
   std::string folder_;
 };
 
-/** Puts the points that were taken out back into scan and cloud; where the frame has moving
- * probabilities, they are moving.
- * \param moving of takeMoving() \param cloud of these points, deskewed as the frame's */
+/** Restores the removed points in scan and cloud; if the frame has moving probabilities, they are
+ * marked as moving.
+ * \param moving result of takeMoving() \param cloud their cloud, deskewed as the frame's */
 void putBackMoving(const Scan& moving, const Cloud& cloud, Frame& frame);
 }  // namespace dyslam
