@@ -11,26 +11,26 @@ namespace dyslam
 /** Associated poses of a reference and an estimate, in order of time. */
 struct PosePairs
 {
-  std::vector<double> stamps;  //!< of the reference [s]; indices for files without stamps
+  std::vector<double> stamps;  //!< stamps of the reference [s]; indices for files without stamps
   std::vector<Pose> reference;
   std::vector<Pose> estimate;
-  std::size_t reference_size = 0;  //!< poses in the reference
-  std::size_t estimate_size = 0;   //!< poses in the estimate
-  std::size_t not_finite = 0;      //!< non-finite estimated poses, not associated
+  std::size_t reference_size = 0;  //!< number of poses in the reference
+  std::size_t estimate_size = 0;   //!< number of poses in the estimate
+  std::size_t not_finite = 0;      //!< number of non-finite estimated poses, not associated
 
   [[nodiscard]] std::size_t size() const { return reference.size(); }
 };
 
 /** Associates each estimated pose with the reference pose nearest in time, one to one.
  *
- * Of several estimates with the same nearest reference, only the nearest in time is kept.
+ * If several estimates have the same nearest reference, only the nearest in time is kept.
  * \param tolerance largest difference of stamps [s].
  */
 [[nodiscard]] PosePairs associateByTime(const Trajectory& reference,
                                         const Trajectory& estimate,
                                         double tolerance);
 
-/** Associates poses of equal index, for files without stamps (KITTI). The longer one is cut. */
+/** Associates poses of equal index, for files without stamps (KITTI); the longer file is cut. */
 [[nodiscard]] PosePairs associateByIndex(const Trajectory& reference, const Trajectory& estimate);
 
 /** Path length up to each pose [m]; as many values as poses. */

@@ -17,27 +17,27 @@ struct DistanceSummary
   /** Limits of `shares` [m]. */
   static constexpr std::array<double, 3> limits{0.1, 0.2, 0.5};
 
-  std::size_t count = 0;  //!< points of the cloud that are finite
+  std::size_t count = 0;  //!< number of finite points of the cloud
   double mean = 0;
   double median = 0;
   double rmse = 0;
-  double quantile95 = 0;           //!< 95 % of the points are at most that far away
-  double max = 0;                  //!< the Hausdorff distance in this direction
-  std::array<double, 3> shares{};  //!< of the points that are at most so far away, in [0, 1]
+  double quantile95 = 0;           //!< 95 % quantile of the distances [m]
+  double max = 0;                  //!< largest: Hausdorff distance in this direction [m]
+  std::array<double, 3> shares{};  //!< share of the points within each of `limits`, in [0, 1]
 };
 
 /** Cloud-to-cloud distances of two maps in one frame, without labels. */
 struct MapDistance
 {
-  DistanceSummary estimate;   //!< of the estimate's points from the reference
-  DistanceSummary reference;  //!< of the reference's points from the estimate
-  /** Distance of each point of the estimate from the reference [m]; NaN for one that is not
+  DistanceSummary estimate;   //!< distances of the estimate's points from the reference
+  DistanceSummary reference;  //!< distances of the reference's points from the estimate
+  /** Distance of each point of the estimate from the reference [m]; NaN for points that are not
    * finite. */
   std::vector<float> of_estimate;
 };
 
 /** The result does not depend on the number of threads. Points that are not finite are ignored.
- * \param threads 0: all \throws std::invalid_argument if one of the clouds has no finite point. */
+ * \param threads 0: all cores \throws std::invalid_argument if a cloud has no finite point. */
 [[nodiscard]] MapDistance mapDistance(const std::vector<Eigen::Vector3f>& reference,
                                       const std::vector<Eigen::Vector3f>& estimate,
                                       int threads = 0);

@@ -13,7 +13,7 @@
 
 namespace dyslam
 {
-/** Speeds [m/s] by (frame, id). */
+/** Speeds of objects [m/s] by (frame, id). */
 using TrackSpeeds = std::map<std::pair<int, int>, double>;
 
 /** One true box and the errors of the estimated box matched to it. */
@@ -23,7 +23,7 @@ struct TrackError
   int id = -1;
   std::string type;
   double range = 0;    //!< horizontal distance of the true centre from the sensor [m]
-  bool found = false;  //!< matched; the other fields are valid only then
+  bool found = false;  //!< a box was matched; the fields below are valid only then
   bool same_type = false;
   double position = 0;  //!< horizontal distance of the centres [m]
   double yaw =
@@ -33,7 +33,7 @@ struct TrackError
 
 /** Speeds over ground by central differences of the centres, one-sided at the ends of a track.
  *
- * \param boxes lidar frame of their scan \param T_world_lidar by frame index; boxes in
+ * \param boxes in the lidar frame of their scan \param T_world_lidar poses by frame index; boxes in
  * frames without a pose have no speed. */
 [[nodiscard]] TrackSpeeds speedsFrom(const std::vector<LabelledBox>& boxes,
                                      const std::map<int, StampedPose>& T_world_lidar);
@@ -56,14 +56,14 @@ struct TrackErrorSummary
   std::size_t boxes = 0;
   std::size_t found = 0;
   std::size_t same_type = 0;
-  double position_mean = 0;   //!< [m]
-  double position_rmse = 0;   //!< [m]
-  double yaw_median = 0;      //!< [rad]
-  std::size_t speeds = 0;     //!< boxes with both speeds known
-  double speed_mean_abs = 0;  //!< [m/s]
+  double position_mean = 0;   //!< mean distance of the centres [m]
+  double position_rmse = 0;   //!< RMS distance of the centres [m]
+  double yaw_median = 0;      //!< median angle between the axes [rad]
+  std::size_t speeds = 0;     //!< number of boxes with both speeds known
+  double speed_mean_abs = 0;  //!< mean absolute error of the speed [m/s]
   double speed_bias = 0;      //!< mean of estimated minus true [m/s]
 };
-/** Over the boxes of one type (any if empty) with a range in [min_range, max_range). */
+/** Averages over boxes of one type (empty: all) with a range in [min_range, max_range) [m]. */
 [[nodiscard]] TrackErrorSummary summaryOf(
     const std::vector<TrackError>& errors,
     const std::string& type = "",

@@ -19,7 +19,7 @@ enum class Alignment
 };
 
 [[nodiscard]] std::string toString(Alignment alignment);
-/** \throws UserError for a word other than none, first or se3. */
+/** Parses an alignment. \throws UserError for a word other than none, first or se3. */
 [[nodiscard]] Alignment alignmentFromString(const std::string& word);
 
 struct TrajectoryMetricsOptions
@@ -33,8 +33,8 @@ struct SegmentDrift
 {
   double length = 0;                 //!< segment length [m]; 0 for the mean over all lengths
   std::size_t segments = 0;          //!< number of segments in the mean
-  double translation_percent = 0;    //!< t_rel
-  double rotation_deg_per_100m = 0;  //!< r_rel
+  double translation_percent = 0;    //!< translational drift t_rel [%]
+  double rotation_deg_per_100m = 0;  //!< rotational drift r_rel
 };
 
 struct KittiDrift
@@ -58,8 +58,8 @@ struct KittiDrift
 /** Relative pose error over one step: errors of the motion between consecutive poses. */
 struct RelativePoseError
 {
-  Statistics translation;   //!< [m]
-  Statistics rotation_deg;  //!< [deg]
+  Statistics translation;   //!< error of the translation [m]
+  Statistics rotation_deg;  //!< angle of the rotation error [deg]
 };
 [[nodiscard]] RelativePoseError relativePoseError(const PosePairs& pairs);
 
@@ -91,9 +91,9 @@ struct AbsoluteTrajectoryError
 /** Error of the last pose with the first poses aligned. */
 struct EndError
 {
-  double translation = 0;   //!< [m]
-  double rotation_deg = 0;  //!< [deg]
-  double percent = 0;       //!< of the reference's length; 0 for length 0
+  double translation = 0;   //!< error of the position [m]
+  double rotation_deg = 0;  //!< angle between the orientations [deg]
+  double percent = 0;       //!< error of the position relative to the reference's length
 };
 [[nodiscard]] EndError endError(const PosePairs& pairs);
 
@@ -106,7 +106,7 @@ struct TrajectoryReport
   std::size_t estimate_size = 0;
   std::size_t pairs = 0;
   std::size_t not_finite = 0;
-  double length = 0;  //!< of the associated reference [m]
+  double length = 0;  //!< length of the associated reference [m]
   KittiDrift drift;
   RelativePoseError relative;
   AbsoluteTrajectoryError absolute;
@@ -114,7 +114,7 @@ struct TrajectoryReport
   EndError end;
 };
 
-/** \throws UserError if fewer than two poses are associated. */
+/** Computes all metrics. \throws UserError if fewer than two poses are associated. */
 [[nodiscard]] TrajectoryReport evaluateTrajectory(const std::string& name,
                                                   const PosePairs& pairs,
                                                   const TrajectoryMetricsOptions& options = {});
