@@ -7,9 +7,10 @@ namespace dyslam
 {
 /** UNIX times by a lidar's own clock, which is accurate but may have any origin.
  *
- * The time begins at the reception of the first packet and continues by the sensor's clock,
- * independent of later times of the capture. If the sensor's clock goes back or jumps by more than
- * 1 s, it was set or packets are missing: then the elapsed time is that of the capture. */
+ * The time begins at the reception of the first packet (or at the sensor's own UNIX time, if that
+ * agrees to 1 s) and continues by the sensor's clock, independent of later times of the capture. If
+ * the sensor's clock goes back or jumps by more than 1 s, it was set or packets are missing: then
+ * the elapsed time is that of the capture. */
 class SensorClock
 {
  public:
