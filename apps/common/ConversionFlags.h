@@ -13,7 +13,7 @@ namespace dyslam
 /** Flags that select scans of a recording for a converter. */
 void declareRange(CLI::App& app, ScanRange& range);
 
-/** declareRange() with --every-n. */
+/** declareRange() with --every. */
 void declareRange(CLI::App& app, ScanRange& range, int& every_n);
 
 /** Flag of further lidars of a bag: --further-topic. */
