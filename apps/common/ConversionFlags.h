@@ -10,25 +10,25 @@
 
 namespace dyslam
 {
-/** Which scans of a recording a converter takes. */
+/** Flags that select scans of a recording for a converter. */
 void declareRange(CLI::App& app, ScanRange& range);
 
-/** The same with a part of these scans. */
+/** declareRange() with --every. */
 void declareRange(CLI::App& app, ScanRange& range, int& every_n);
 
-/** Further lidars of a bag: --further-topic. */
+/** Flag of further lidars of a bag: --further-topic. */
 void declareFurtherTopics(CLI::App& app, RecordingOptions& options);
 
-/** Which lidar a recording is of: --sensor and --calibration. */
+/** Flags of the lidar of a recording: --sensor and --calibration. */
 void declareLidar(CLI::App& app, RecordingOptions& options);
 
-/** The pose of the lidar on the vehicle: --sensor-pose. */
+/** Flag of the pose of the lidar on the vehicle: --sensor-pose. */
 void declareSensorPose(CLI::App& app, std::string& pose);
 
-/** The same, or the frame of the vehicle in a bag: --base-frame. */
+/** --sensor-pose, or the frame of the vehicle in a bag: --base-frame. */
 void declareMounting(CLI::App& app, RecordingOptions& options);
 
-/** The options of a program that converts an input that is no rawlog by itself. */
+/** Flags of a program that converts an input that is no rawlog by itself. */
 void declareConversion(CLI::App& app, RecordingOptions& options);
 
 /** Whether the errors of the true poses are known to be zero. */

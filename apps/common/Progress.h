@@ -12,7 +12,7 @@ namespace dyslam
 class Progress
 {
  public:
-  /** \param unit what is counted, in the plural with an s. \param quiet prints nothing. */
+  /** \param unit counted unit, in the plural with an s \param quiet print nothing */
   explicit Progress(std::string what, std::string unit = "scans", bool quiet = false);
   ~Progress();
   Progress(const Progress&) = delete;
@@ -21,7 +21,7 @@ class Progress
   /** \param fraction of the work done, 0 to 1; below 0 if unknown. \param count units done. */
   void update(double fraction, std::size_t count);
 
-  /** Everything is done: prints the last line. */
+  /** To be called at the end: prints the last line. */
   void finish(std::size_t count);
 
  private:

@@ -22,7 +22,7 @@ struct SlamArguments : RunRequest
   [[nodiscard]] bool quiet() const { return verbosity == "ERROR"; }
 };
 
-/** All but those of input and output. */
+/** Declares all flags except those of input and output. */
 void declareSlamArguments(CLI::App& app, SlamArguments& a);
 
 /** Settings of the command line: those of --set, then those with flags of their own. */

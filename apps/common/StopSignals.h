@@ -5,14 +5,14 @@
 
 namespace dyslam
 {
-// The only thing a signal can reach.
+// Set by the signal handler, which can't access anything else.
 extern std::atomic<bool> stop_asked;
 static_assert(std::atomic<bool>::is_always_lock_free, "a signal handler may set it");
 
-/** What a second signal does. */
+/** Effect of a second signal. */
 enum class SecondSignal
 {
-  kills,   //!< as usual
+  kills,   //!< ends the program
   ignored  //!< for programs that wait for others, which get the signal too
 };
 

@@ -24,7 +24,7 @@ struct Arguments
   std::string shard;
   std::string slurm_options;
   std::vector<std::string> assignments;
-  RecordingOptions conversion;  //!< of recordings that are no rawlogs
+  RecordingOptions conversion;  //!< options for recordings that are no rawlogs
   bool labels = false;
   bool probabilities = false;
   bool static_scans = false;
@@ -32,7 +32,7 @@ struct Arguments
   int only_first_n = 0;
   int passes = 1;
   int jobs = 0;
-  double memory = 0;  //!< [GiB]
+  double memory = 0;  //!< memory of all runs together [GiB]; 0: automatic
   bool quiet = false;
   bool no_summary = false;
   bool gather = false;
@@ -44,7 +44,7 @@ void declare(CLI::App& app, Arguments& a);
 /** The arguments of dyslam that change results, as words of a command line. */
 [[nodiscard]] std::vector<std::string> runArguments(const Arguments& a);
 
-/** What all runs have in common: version and checksum of the program, and the settings, with the
- * values of the ini instead of its name. \param program path of dyslam \throws UserError. */
+/** Common data of all runs: version and checksum of the program, and the settings, with the values
+ * of the ini instead of its name. \param program path of dyslam \throws UserError. */
 [[nodiscard]] Work commonWork(const Arguments& a, const std::string& program);
 }  // namespace dyslam::batch

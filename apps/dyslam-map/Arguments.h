@@ -18,8 +18,8 @@ namespace dyslam
 struct Arguments
 {
   RecordingOnTrajectory recording;
-  std::string run;                //!< folder of a run that has what is not given of the recording
-  std::vector<std::string> runs;  //!< to be merged, instead of a recording
+  std::string run;  //!< folder of a run, for parts of the recording that are not given
+  std::vector<std::string> runs;  //!< folders of runs to be merged, instead of a recording
   std::string config;
   std::vector<std::string> assignments;
   MapBuilderOptions builder;
@@ -36,11 +36,11 @@ struct Arguments
 };
 
 void declare(CLI::App& app, Arguments& a);
-/** Reads our sections of the ini; an ini of a whole run may hold others. Without an ini it is
- * `effective.ini` of the run, or beside the trajectory, if there is one, or of the first merged
- * run. \throws UserError. */
+/** Reads the sections of dyslam-map from the ini; the ini of a run may have others. Without an ini,
+ * `effective.ini` of the run, beside the trajectory (if it exists) or of the first merged run is
+ * read. \throws UserError. */
 void loadConfig(Arguments& a);
-/** Finds bad endings, folders, flags and files of a run that would be replaced before the work
+/** Checks endings, folders, flags and whether files of a run would be replaced, before the work
  * starts. \throws UserError. */
 void checkOutputs(const Arguments& a);
 }  // namespace dyslam

@@ -22,12 +22,12 @@ struct Arguments
   std::string world = "urban";
   std::string sensor = "HDL64E";
   std::string ego = "automatic";
-  std::vector<std::pair<std::string, std::string>> further_sensors;  //!< with their mountings
+  std::vector<std::pair<std::string, std::string>> further_sensors;  //!< sensors and mountings
   std::string benchmark;  //!< folder for the benchmark set; empty: a recording or a series
-  std::string split;      //!< whose drives are the benchmark set; empty: the standing set
-  std::string only;       //!< the one recording of the set; empty: all
+  std::string split;      //!< data split whose drives are the set; empty: the standing set
+  std::string only;       //!< name of the only recording of the set to make; empty: all
   std::string shard;
-  int count = 0;  //!< recordings of a series; 0: a single one
+  int count = 0;  //!< number of recordings of a series; 0: a single one
   std::optional<double> seconds;
   bool no_noise = false;
   bool no_distortion = false;

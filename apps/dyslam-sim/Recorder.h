@@ -23,8 +23,8 @@ struct Recording
   /** Small files: coordinates in multiples of 1/128 m, times of 2^-14 s, points sorted by ring. */
   bool compact = false;
   bool gnss = false;          //!< write positions of a satellite receiver (GnssReceiver)
-  int compression_level = 1;  //!< of gzip
-  int threads = 0;            //!< 0 for the number of cores
+  int compression_level = 1;  //!< level of gzip
+  int threads = 0;            //!< number of threads; 0: number of cores
 };
 
 struct RecordingResult
@@ -32,9 +32,9 @@ struct RecordingResult
   std::size_t scans = 0;
   std::size_t points = 0;
   std::size_t moving_points = 0;
-  double distance = 0;       //!< travelled by the ego [m]
-  double loop_length = 0;    //!< [m]
-  std::size_t objects = 0;   //!< observed bodies that may move
+  double distance = 0;       //!< distance travelled by the ego [m]
+  double loop_length = 0;    //!< length of the ego's loop [m]
+  std::size_t objects = 0;   //!< number of observed bodies that may move
   std::string ground_truth;  //!< folder of the ground truth
 };
 

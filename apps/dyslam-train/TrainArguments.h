@@ -13,13 +13,13 @@ namespace dyslam
 /** Command line of either network. */
 struct TrainArguments
 {
-  std::string config;  //!< a file, or the name of a shipped one
+  std::string config;  //!< ini file, or name of a shipped one
   std::string output;
   std::string start;
   bool resume = false;
   bool validate_only = false;
   std::vector<std::string> assignments;  //!< section.key=value
-  std::string device = "cpu";            //!< or cuda
+  std::string device = "cpu";            //!< cpu or cuda
   std::string mask_folder;               //!< DyLO's
 
   /** \throws UserError for options that do not go together. */

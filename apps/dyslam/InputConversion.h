@@ -9,11 +9,11 @@
 
 namespace dyslam
 {
-/** Replaces an input that is no rawlog by `recording.rawlog` in the output folder, which it is
- * converted to, with its ground truth beside it.
+/** Converts an input that is no rawlog to `recording.rawlog` in the output folder, with its ground
+ * truth beside it, and makes that the input.
  *
- * It is converted in every run: calibration, poses and labels that are read may lie anywhere.
- * `recording.ini` beside it says what it is made of; without that file an earlier recording of
- * the name is only replaced with --force. \throws UserError. */
+ * It is converted in every run, since calibration, poses and labels that are read may be anywhere.
+ * `recording.ini` beside it names its sources; without this file an earlier recording of the name
+ * is only replaced with --force. \throws UserError. */
 void convertInput(SlamArguments& a, const RecordingOptions& options);
 }  // namespace dyslam

@@ -23,10 +23,10 @@ namespace dyslam
 {
 namespace
 {
-/** Sigma of the rotation over a stretch that was not measured [rad]. */
+/** Sigma of the rotation over an unmeasured stretch of the path [rad]. */
 constexpr double unseen_rotation = 0.5;
 
-/** A frame, relative to the keyframe before it. */
+/** Pose of a frame relative to the newest keyframe at that time. */
 struct FrameInKeyframe
 {
   double stamp = 0;
@@ -123,14 +123,14 @@ struct Backend::State
   std::vector<FrameInKeyframe> frames;
   std::vector<Loop> loops;
   std::vector<std::string> problems;        //!< factors that the graph rejected
-  Pose T_odom_keyframe = Pose::Identity();  //!< the newest one's, as the odometry has it
+  Pose T_odom_keyframe = Pose::Identity();  //!< odometry pose of the newest keyframe
 
   MotionAccumulator since_keyframe;
   Pose T_odom_previous = Pose::Identity();
-  PathLength path;         //!< of the odometry
-  UnseenPath unseen_path;  //!< beside it
-  double drift = 0;        //!< variance of the steps per axis, summed [m^2] ...
-  double drift_angle = 0;  //!< ... [rad^2]
+  PathLength path;         //!< distance travelled by the odometry
+  UnseenPath unseen_path;  //!< unmeasured distance
+  double drift = 0;        //!< accumulated variance of the steps' translation, per axis [m^2]
+  double drift_angle = 0;  //!< accumulated variance of the steps' rotation, per axis [rad^2]
 };
 
 void Backend::State::accumulateOdometry(const Frame& frame)
@@ -171,7 +171,7 @@ void Backend::State::addKeyframe(const Frame& frame)
   }
   else
   {
-    constexpr double floor = 1e-12;  // keeps it positive definite [m^2, rad^2]
+    constexpr double floor = 1e-12;  // keeps the covariance positive definite [m^2, rad^2]
     Matrix6 information = (since_keyframe.covariance() + floor * Matrix6::Identity()).inverse();
     information = 0.5 * (information + information.transpose()).eval();
     graph.add(std::make_unique<OdometryFactor>(id - 1, id, since_keyframe.motion(), information));
@@ -205,7 +205,7 @@ std::size_t Backend::State::insertLoops(const std::vector<Loop>& decided)
   return added;
 }
 
-/** Takes the poses of keyframes `first` and later from the graph. */
+/** Copies the poses of keyframes from number `first` on from the graph. */
 void Backend::State::correctKeyframes(std::size_t first)
 {
   std::vector<Pose> corrected;
@@ -216,7 +216,7 @@ void Backend::State::correctKeyframes(std::size_t first)
   keyframes.correct(corrected, first);
 }
 
-/** The objects' variables that are optimised with the newest keyframes. */
+/** Variables of objects that are optimised with the newest keyframes. */
 std::set<Key> Backend::State::objectsOf(const Frame& frame) const
 {
   std::set<Key> objects_now;
@@ -259,10 +259,10 @@ void Backend::State::optimiseAll()
   correctKeyframes(0);
 }
 
-/** Between the scans before and after it. */
+/** Interpolates between the scans before and after the stamp. */
 std::optional<VehicleInKeyframe> Backend::State::vehicleAt(double stamp) const
 {
-  constexpr double longest_gap = 1;  // [s]
+  constexpr double longest_gap = 1;  // longest time between the two scans [s]
   const auto after = std::lower_bound(frames.begin(), frames.end(), stamp,
                                       [](const FrameInKeyframe& frame, double time)
                                       { return frame.stamp < time; });
@@ -292,7 +292,7 @@ void Backend::State::tieToEarth()
     return;
   }
   (void)graph.optimise(solver, {earth});
-  constexpr double usual_drift = 0.05;  // part of the extent
+  constexpr double usual_drift = 0.05;  // fraction of the trajectory's extent
   const bool fuse = gnss.options().use == GnssUse::fuse && options.mode != BackendMode::odometry;
   bool fits = fuse || gnss.fits(graph, usual_drift);
   if (fuse)

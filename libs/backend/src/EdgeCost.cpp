@@ -82,7 +82,7 @@ class PlanarEdgeCost final : public ceres::SizedCostFunction<3, 3, 3>
   {
     const Eigen::Map<const Eigen::Vector3d> i(blocks[0]);
     const Eigen::Map<const Eigen::Vector3d> j(blocks[1]);
-    // Rows of the rotation from the map into the measured pose's frame, E = Z^-1 T_i^-1 T_j.
+    // Rows of the rotation from the map to the frame of E = Z^-1 T_i^-1 T_j.
     const Eigen::Rotation2Dd R_j_map(-(i.z() + heading_));
     const Eigen::Matrix2d A = R_j_map.toRotationMatrix();
     const Eigen::Vector2d motion = j.head<2>() - i.head<2>();

@@ -5,7 +5,7 @@ namespace dyslam
 {
 namespace
 {
-/** The error of E and its derivative by x in E exp(x). */
+/** Coordinates of the error E and their derivative by x in E exp(x). */
 Vector6 errorOf(ErrorCoordinates coordinates, const Pose& E, Matrix6* derivative)
 {
   if (coordinates == ErrorCoordinates::log)

@@ -25,7 +25,7 @@ constexpr std::string_view format_name = "DYSLAM_FACTOR_GRAPH";
 constexpr int format_version = 1;
 constexpr int all_digits = 17;
 constexpr std::size_t measurement_size = 12;  // a 3x4 matrix by rows
-constexpr double unit_tolerance = 1e-6;       // of quaternions and rotation matrices
+constexpr double unit_tolerance = 1e-6;       // tolerance of quaternions and rotation matrices
 
 std::string_view nameOf(VariableKind kind)
 {
@@ -170,14 +170,14 @@ std::string factorLine(const Factor& factor, bool left_out)
 
 // Reading
 
-/** A factor that is left out. */
+/** Thrown for a factor that is left out. */
 class UnusableFactor : public std::invalid_argument
 {
  public:
   using std::invalid_argument::invalid_argument;
 };
 
-/** The fields of a line one after the other. */
+/** Reads the fields of a line one after the other. */
 class LineReader
 {
  public:
@@ -207,7 +207,7 @@ class LineReader
     requireMore();
     return file_.number(next_++);
   }
-  /** Of a factor: it is left out if the number is not finite. */
+  /** A number of a factor; the factor is left out if it is not finite. */
   double measured()
   {
     requireMore();
@@ -280,7 +280,7 @@ class LineReader
     }
     return information;
   }
-  /** After the last field. */
+  /** Checks that there is no further field. */
   void finish() const
   {
     if (next_ != file_.fields().size())

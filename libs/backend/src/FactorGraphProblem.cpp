@@ -14,7 +14,7 @@ namespace dyslam
 {
 namespace
 {
-/** A factor as a cost function of Ceres: whitened, on blocks. */
+/** Cost function of Ceres: the whitened residual of a factor on value blocks. */
 class FactorCost final : public ceres::CostFunction
 {
  public:
@@ -143,7 +143,7 @@ ceres::Solver::Summary FactorGraphProblem::solve(double loop_loss_width,
                                                  double tolerance)
 {
   loop_loss_.Reset(makeLoss(options_.loop_loss, loop_loss_width).release(), ceres::TAKE_OWNERSHIP);
-  constexpr int threads = 1;  // the same graph gives the same bytes
+  constexpr int threads = 1;  // for a reproducible result
   ceres::Solver::Summary summary;
   ceres::Solve(sparseSolverOptions(max_iterations, tolerance, threads), &problem_, &summary);
   return summary;
@@ -172,8 +172,8 @@ double FactorGraphProblem::worstLoop() const
   return worst;
 }
 
-/** Narrows the loss from the worst residual to its width (graduated non-convexity), so that loops
- * that contradict only because of drift are not rejected at the start. */
+/** Narrows the loss from the largest residual to its final width (graduated non-convexity), so that
+ * loops that do not fit only because of drift are not rejected at the start. */
 int FactorGraphProblem::narrowLoopLoss()
 {
   constexpr double narrowing = 3;

@@ -20,15 +20,15 @@ namespace dyslam
 class FactorGraphProblem
 {
  public:
-  /** \param free to be optimised; sorted \param variables all of the graph; outlives the problem
-   *  \param left_out factors that are ignored */
+  /** \param free variables to be optimised; sorted \param variables all variables of the graph;
+   *  outlives the problem \param left_out factors that are ignored */
   FactorGraphProblem(const FactorGraphOptions& options,
                      const std::vector<Key>& free,
                      std::map<Key, FactorGraph::Variable>& variables,
                      const std::vector<std::unique_ptr<const Factor>>& factors,
                      const std::set<FactorGraph::FactorId>& left_out);
 
-  /** Narrows the robust loss of loops, then solves. */
+  /** Narrows the robust loss of loops step by step, then solves. */
   OptimisationResult solve();
   [[nodiscard]] double chi2() const;
   [[nodiscard]] ceres::Problem& problem() { return problem_; }

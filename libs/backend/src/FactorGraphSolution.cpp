@@ -22,7 +22,7 @@ void FactorGraph::fixUnconstrainedParts(std::vector<Key>& free,
     return found != free.end() && *found == key ? static_cast<std::size_t>(found - free.begin())
                                                 : free.size();
   };
-  // One more for everything that is held.
+  // The last set is for all variables that are held fixed.
   DisjointSets sets(free.size() + 1);
   for (std::size_t i = 0; i < free.size(); ++i)
   {
@@ -83,8 +83,7 @@ void FactorGraph::leaveOutContradicted(const FactorGraphOptions& options,
   };
   const auto contradicted = [&]
   { return contradictedLoops(*this, options.loop_loss_width, options.odometry_sigma_scale); };
-  // While there is a contradiction, loops with large residuals stay: without the false one they may
-  // fit.
+  // Loops with large residuals stay while there is a contradicted group: without it they may fit.
   for (auto worst = contradicted(); !worst.empty(); worst = contradicted())
   {
     solve_without(worst);

@@ -50,7 +50,7 @@ Eigen::Vector3d GnssAnchor::errorOf(const FactorGraph& graph, const Used& used) 
   return graph.pose(Key::georeference()) * inMap(graph, used) - used.position;
 }
 
-/** Of the way of the antenna, by the trajectory: a position may be far off [m]. */
+/** Extent of the antenna's path by the trajectory [m]; single positions may be far off. */
 double GnssAnchor::extent(const FactorGraph& graph) const
 {
   double largest = 0;
@@ -61,7 +61,7 @@ double GnssAnchor::extent(const FactorGraph& graph) const
   return largest;
 }
 
-/** Positions whose errors are alike share the information of one. */
+/** Positions with correlated errors share the information of one. */
 double GnssAnchor::informationShare() const
 {
   if (options_.correlation_time <= 0)
@@ -109,8 +109,8 @@ void GnssAnchor::select(const FactorGraph& graph,
   }
 }
 
-/** Yaw and translation that take the trajectory to the positions, by least squares with weights
- * that fall with the distance, so that single wrong positions do not count. */
+/** Pose of the map, by yaw and translation that align the trajectory with the positions: weighted
+ * least squares, with weights that fall with the distance, so that outliers have little effect. */
 Pose GnssAnchor::initialPose(const FactorGraph& graph) const
 {
   constexpr int rounds = 20;
@@ -205,7 +205,7 @@ bool GnssAnchor::addTo(FactorGraph& graph,
 bool GnssAnchor::fits(const FactorGraph& graph, double drift) const
 {
   constexpr double most_sigmas = 3;
-  constexpr double tolerance = 0.5;  // for the place of the antenna [m]
+  constexpr double tolerance = 0.5;  // for an inaccurate antenna position [m]
   const double allowed = tolerance + drift * extent(graph);
   const double scale = most_sigmas / std::sqrt(informationShare());
   const auto fitting = std::count_if(

@@ -12,15 +12,15 @@
 
 namespace dyslam
 {
-/** Where the vehicle was at some time. */
+/** Pose of the vehicle at some time, relative to a keyframe. */
 struct VehicleInKeyframe
 {
   std::size_t keyframe = 0;
   Pose T_keyframe_vehicle = Pose::Identity();
 };
 
-/** Collects the positions of a satellite receiver during a run, and at its end ties the graph to
- * the earth with them. */
+/** Collects the positions of a satellite receiver during a run, and georeferences the graph with
+ * them at the end. */
 class GnssAnchor
 {
  public:
@@ -28,17 +28,17 @@ class GnssAnchor
 
   void add(const std::vector<GnssFix>& fixes);
 
-  /** Adds the georeference and its factors to the graph, near their optimum with the graph as it
-   * is. \param vehicleAt at a UNIX time [s]; nothing where no scan is near \return whether the
-   * positions could be used */
+  /** Adds the georeference and its factors to the graph, with a value near the optimum at the
+   * graph's present poses. \param vehicleAt pose at a UNIX time [s]; nothing if no scan is near
+   * \return whether the positions could be used */
   bool addTo(FactorGraph& graph,
              const std::function<std::optional<VehicleInKeyframe>(double)>& vehicleAt);
-  /** Whether most positions fit the graph. \param drift of the trajectory as a part of its extent,
-   * which may separate them */
+  /** Whether most positions fit the graph. \param drift tolerated error of the trajectory, as a
+   * fraction of its extent */
   [[nodiscard]] bool fits(const FactorGraph& graph, double drift) const;
-  /** \pre addTo() returned true, and the graph still has what it added */
+  /** Result. \pre addTo() returned true, and the graph still has the factors that it added */
   [[nodiscard]] Georeference georeference(const FactorGraph& graph) const;
-  /** Why the positions were not used, a line each. */
+  /** Reasons why positions were not used, one line each. */
   [[nodiscard]] const std::vector<std::string>& warnings() const { return warnings_; }
   void warn(const std::string& what) { warnings_.push_back(what); }
   [[nodiscard]] const GnssOptions& options() const { return options_; }
@@ -50,11 +50,11 @@ class GnssAnchor
   struct Used
   {
     std::size_t keyframe;
-    Eigen::Vector3d position;  //!< east-north-up [m]
-    Eigen::Vector3d antenna;   //!< in the vehicle frame of the keyframe [m]
-    double horizontal_sigma;   //!< [m]
-    double vertical_sigma;     //!< [m]
-    double stamp;              //!< [s]
+    Eigen::Vector3d position;  //!< position of the antenna, east-north-up [m]
+    Eigen::Vector3d antenna;   //!< position of the antenna, vehicle frame of the keyframe [m]
+    double horizontal_sigma;   //!< sigma of east and of north [m]
+    double vertical_sigma;     //!< sigma of the height [m]
+    double stamp;              //!< UNIX time [s]
   };
   void select(const FactorGraph& graph,
               const std::function<std::optional<VehicleInKeyframe>(double)>& vehicleAt);

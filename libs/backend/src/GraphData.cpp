@@ -57,7 +57,7 @@ void requireGood(const GraphData& data, const GraphEdge& edge)
   }
 }
 
-/** True if the matrix had to be changed. */
+/** Projects an indefinite matrix. \return true if it was changed */
 bool makePositiveDefinite(const GraphData& data, GraphEdge& edge, IndefiniteInformation indefinite)
 {
   if (edge.information.llt().info() == Eigen::Success)
@@ -119,7 +119,7 @@ bool isPlanar(const Pose& pose)
   return pose.translation().z() == 0 && pose.linear()(2, 2) == 1;
 }
 
-/** No information links x, y and heading to z, roll and pitch. */
+/** Whether no information couples x, y and heading with z, roll and pitch. */
 bool isPlanar(const Matrix6& information)
 {
   constexpr std::array<Eigen::Index, 3> in_plane = {0, 1, 5};

@@ -10,7 +10,7 @@
 
 namespace dyslam
 {
-/** An edge between nodes counted from 0, information over the tangent of the measurement. */
+/** Edge between nodes numbered from 0; information over the tangent of the measurement. */
 struct GraphEdge
 {
   std::size_t from = 0;
@@ -19,21 +19,21 @@ struct GraphEdge
   Matrix6 information = Matrix6::Identity();
 };
 
-/** A pose graph unrolled into arrays. */
+/** A pose graph as arrays. */
 struct GraphData
 {
-  std::vector<mrpt::graphs::TNodeID> ids;  //!< ascending
+  std::vector<mrpt::graphs::TNodeID> ids;  //!< ids of the nodes, ascending
   std::vector<Pose> poses;
   std::vector<bool> has_pose;
   std::vector<GraphEdge> edges;
   std::size_t root = 0;
   bool planar = false;
-  std::size_t projected_edges = 0;  //!< whose information had to be made positive definite
+  std::size_t projected_edges = 0;  //!< number of edges with projected information matrix
 
   [[nodiscard]] std::size_t size() const { return ids.size(); }
 };
 
-/** Checks and unrolls a graph. \throws UserError as PoseGraphSolver::solve() says. */
+/** Checks a graph and copies it to arrays. \throws UserError as PoseGraphSolver::solve(). */
 [[nodiscard]] GraphData unroll(const mrpt::graphs::CNetworkOfPoses3DInf& graph,
                                IndefiniteInformation indefinite);
 

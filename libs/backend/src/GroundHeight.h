@@ -9,7 +9,7 @@
 
 namespace dyslam
 {
-/** The height that one in `share` finite points lies below; 0 if there are none. */
+/** Height that one in `share` of the finite points lies below [m]; 0 without finite points. */
 [[nodiscard]] inline float groundHeight(const std::vector<Eigen::Vector3f>& points,
                                         std::size_t share)
 {

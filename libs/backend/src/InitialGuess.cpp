@@ -14,7 +14,7 @@ namespace
 using Sparse = Eigen::SparseMatrix<double>;
 using Triplets = std::vector<Eigen::Triplet<double>>;
 
-/** Columns of the unknowns: every node but the root, `width` each. */
+/** First column of each node's unknowns: `width` columns per node except the root. */
 class Columns
 {
  public:

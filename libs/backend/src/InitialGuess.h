@@ -5,8 +5,7 @@
 
 namespace dyslam
 {
-/** Gives every node without a pose one by chaining edges, fewest first, from those that have one.
- */
+/** Initialises nodes without a pose by chaining the fewest edges from a node with a pose. */
 void completePoses(GraphData& data);
 
 /** Chordal initialisation: the rotations are the linear least-squares solution in the space of all

@@ -16,11 +16,11 @@ namespace dyslam
 namespace
 {
 constexpr std::size_t min_pairs = 50;
-constexpr double cell_size = 0.5;   // of the grid seen from above [m]
-constexpr float min_height = 0.7F;  // over the ground to count as structure [m]
+constexpr double cell_size = 0.5;   // cell size of the grid seen from above [m]
+constexpr float min_height = 0.7F;  // least height above ground of structure [m]
 constexpr std::size_t max_structure_points = 1500;
 
-/** Evenly picked points, about `limit` at most. */
+/** Evenly picked points, at most about `limit`. */
 template <typename Point>
 std::vector<Point> thinned(const std::vector<Point>& points, std::size_t limit)
 {
@@ -33,7 +33,7 @@ std::vector<Point> thinned(const std::vector<Point>& points, std::size_t limit)
   return result;
 }
 
-/** Points well over the ground, evenly thinned. */
+/** Points higher than min_height above ground, evenly picked. */
 std::vector<Eigen::Vector2f> structureOf(const std::vector<Eigen::Vector3f>& points,
                                          std::size_t limit)
 {
@@ -49,7 +49,7 @@ std::vector<Eigen::Vector2f> structureOf(const std::vector<Eigen::Vector3f>& poi
   return thinned(all, limit);
 }
 
-/** Cells that hold structure: 2, cells beside them: 1. */
+/** Grid of structure seen from above: occupied cells are 2, their neighbours 1. */
 class GridFromAbove
 {
  public:
@@ -110,7 +110,7 @@ class GridFromAbove
 struct Placement
 {
   int score = 0;
-  Eigen::Vector2i shift = Eigen::Vector2i::Zero();  //!< cells
+  Eigen::Vector2i shift = Eigen::Vector2i::Zero();  //!< offset in cells
 };
 
 Placement bestShift(const GridFromAbove& grid, const std::vector<Eigen::Vector2i>& cells, int range)
@@ -216,7 +216,7 @@ KeyframeRegistrationResult RegistrationTarget::align(const std::vector<Eigen::Ve
   settings.gate_decay = 0.85;
   settings.min_inliers = min_pairs;
   settings.converged_step = settings.settled_step;
-  ThreadPool one_thread;  // normals are computed on the way
+  ThreadPool one_thread;  // addRow() computes normals and is not thread-safe
   const auto match =
       [&](std::size_t begin, std::size_t end, const Pose& T, double gate, NormalEquations& sums)
   {

@@ -10,8 +10,8 @@ namespace dyslam
 {
 namespace
 {
-constexpr double max_translation_error = 0.75;  // of loops that support each other [m]
-constexpr double max_rotation_error = 0.06;     // [rad]
+constexpr double max_translation_error = 0.75;  // of a cycle of loops that agree [m]
+constexpr double max_rotation_error = 0.06;     // of a cycle of loops that agree [rad]
 
 bool agree(const Loop& a, const Loop& b, const KeyframeStore& keyframes)
 {
@@ -44,8 +44,7 @@ void LoopAgreement::add(const Loop& loop, const KeyframeStore& keyframes)
         gap <= window && loop.to - other.loop.to <= window && other.loop.to != loop.to;
     if (nearby && agree(loop, other.loop, keyframes))
     {
-      // A loop by appearance does not support one nearby, but one nearby supports one by
-      // appearance.
+      // A loop by appearance does not support one within the search radius, but is supported by it.
       other.support += !loop.by_appearance || other.loop.by_appearance ? 1 : 0;
       added.support += !other.loop.by_appearance || loop.by_appearance ? 1 : 0;
     }

@@ -11,28 +11,28 @@ namespace dyslam
 {
 class StateArchive;
 
-/** Present estimate of the pose of one keyframe in the frame of another. */
+/** Pose of one keyframe in the frame of another, by the present estimate. */
 [[nodiscard]] Pose poseBetween(const KeyframeStore& keyframes, std::size_t from, std::size_t to);
 
-/** Both loops and the two pieces of trajectory between their ends make a cycle, which ends where it
- * began if they agree. \return where it ends, in the frame of a.to. */
+/** Error of the cycle of both loops and the two pieces of trajectory between their ends: identity
+ * if they agree. \return pose of the end of the cycle in the frame of a.to. */
 [[nodiscard]] Pose cycleError(const Loop& a, const Loop& b, const KeyframeStore& keyframes);
 
 /** Delays loops until other loops of nearby keyframes agree with them. */
 class LoopAgreement
 {
  public:
-  /** \param min_support other loops that must agree \param appearance_support the same for loops
-   * by appearance \param window "nearby", in keyframes */
+  /** \param min_support number of other loops that must agree \param appearance_support the same
+   * for loops by appearance \param window number of keyframes that count as nearby */
   LoopAgreement(int min_support, int appearance_support, int window)
       : min_support_(min_support), appearance_support_(appearance_support), window_(window)
   {
   }
 
-  /** A loop that passed its registration. \param keyframes whose poses make the odometry between
-   * this loop and others */
+  /** Adds a loop that passed its registration. \param keyframes poses for the motion between this
+   * loop and others */
   void add(const Loop& loop, const KeyframeStore& keyframes);
-  /** The loops decided by now: accepted, or unsupported after having waited for `window`. */
+  /** The newly decided loops: accepted, or unsupported after `window` keyframes. */
   [[nodiscard]] std::vector<Loop> decide(std::size_t newest_keyframe);
   /** The loops still waiting, as unsupported. */
   [[nodiscard]] std::vector<Loop> finish();
@@ -44,7 +44,7 @@ class LoopAgreement
   {
     Loop loop;
     int support = 0;
-    bool accepted = false;  //!< kept for a while to support others
+    bool accepted = false;  //!< accepted; kept for a while to support others
   };
 
   int min_support_;

@@ -10,19 +10,19 @@ namespace dyslam
 {
 namespace
 {
-constexpr std::size_t near_shortlist = 12;   // compared in full per keyframe
-constexpr std::size_t alike_shortlist = 16;  // ... for each viewpoint
-/** Viewpoints at and beside the vehicle that a place may have been seen from: another lane [m]. */
+constexpr std::size_t near_shortlist = 12;   // nearby descriptors fully compared per keyframe
+constexpr std::size_t alike_shortlist = 16;  // descriptors fully compared per viewpoint
+/** Lateral offsets of the viewpoints from which a place may have been seen (other lanes) [m]. */
 constexpr float viewpoints[] = {0, 2, -2, 4, -4};
 
-/** As PolarDescriptor::ringDifference(), up to a factor, for ranking: with vector instructions. */
+/** PolarDescriptor::ringDifference() up to a factor, vectorised, for ranking. */
 float difference(const PolarDescriptor::RingMeans& a, const PolarDescriptor::RingMeans& b)
 {
   using Rings = Eigen::Map<const Eigen::Array<float, PolarDescriptor::rings, 1>>;
   return (Rings(a.data()) - Rings(b.data())).abs().sum();
 }
 
-/** Keyframes soon after one another tell nothing new, unless something unseen lies between. */
+/** Whether the path between two keyframes is long enough for a loop, or partly unmeasured. */
 bool areApart(const LoopCloserOptions& options, const PathBetween& path)
 {
   return path.measured >= options.min_path || path.unseen > 0;
@@ -150,7 +150,7 @@ void LoopCandidates::addAlike(const PlaceViews::View& view,
     const auto match = PolarDescriptor::match(descriptors_.get(one.id).columns(), ours);
     if (match.distance <= options_.by_appearance.max_descriptor_distance)
     {
-      // The heading is that of the viewpoint; the vehicle stands beside it.
+      // The heading holds for the viewpoint; the vehicle is beside it.
       found.push_back(
           {one.id, match.distance,
            poseFromYpr(0, 0, 0, match.heading, 0, 0) * poseFromYpr(0, -view.y, 0, 0, 0, 0)});
@@ -171,7 +171,7 @@ std::vector<LoopCandidate> LoopCandidates::byAppearance(const KeyframeStore& key
   };
   for (std::size_t i = 0; i < newest; ++i)
   {
-    if (isEligible(i))  // else the views, which take milliseconds, are not needed
+    if (isEligible(i))  // otherwise the views, which cost milliseconds, are not needed
     {
       return byAppearance(keyframes, PlaceViews(points_, options_.descriptor_range), isEligible);
     }

@@ -16,14 +16,14 @@ namespace dyslam
 {
 class StateArchive;
 
-/** Share of the memory limit for the descriptors. */
+/** Fraction of the memory limit for the descriptors. */
 constexpr double descriptor_share = 0.05;
 
-/** What was driven from one keyframe to a later one of the same run. */
+/** Distance travelled between two keyframes of one run. */
 struct PathBetween
 {
-  double measured = 0;  //!< [m]
-  double unseen = 0;    //!< at most, see Keyframe::unseen_path [m]
+  double measured = 0;  //!< distance by the odometry [m]
+  double unseen = 0;    //!< largest unmeasured distance, see Keyframe::unseen_path [m]
 };
 [[nodiscard]] PathBetween pathBetween(const Keyframe& older, const Keyframe& newer);
 
@@ -32,12 +32,12 @@ struct PathBetween
 
 struct LoopCandidate
 {
-  std::size_t id = 0;  //!< of the older keyframe
+  std::size_t id = 0;  //!< number of the older keyframe
   double descriptor_distance = 1;
-  Pose T_from_to = Pose::Identity();  //!< as the descriptors suggest
+  Pose T_from_to = Pose::Identity();  //!< initial guess from the descriptors
 };
 
-/** Descriptors of a place from the vehicle and from viewpoints beside it: another lane. */
+/** Descriptors of a place from the vehicle and from viewpoints beside it (other lanes). */
 struct PlaceViews
 {
   PlaceViews() = default;
@@ -46,18 +46,18 @@ struct PlaceViews
 
   struct View
   {
-    double y = 0;  //!< of the viewpoint, vehicle frame [m]
+    double y = 0;  //!< y of the viewpoint, vehicle frame [m]
     PolarDescriptor descriptor;
   };
   std::vector<View> views;
 
-  // For SwappedStore.
+  // Interface for SwappedStore.
   [[nodiscard]] std::size_t memory() const { return views.capacity() * sizeof(View); }
   [[nodiscard]] std::string toBytes() const;
   [[nodiscard]] static PlaceViews fromBytes(std::string_view bytes);
 };
 
-/** The appearance of all keyframes, and the older keyframes that the newest may revisit. */
+/** Descriptors of all keyframes; finds older keyframes that the newest one may revisit. */
 class LoopCandidates
 {
  public:
@@ -66,15 +66,15 @@ class LoopCandidates
   {
   }
 
-  /** The next keyframe's static points, vehicle frame [m]. */
+  /** Adds the next keyframe. \param points its static points, vehicle frame [m] */
   void add(const std::vector<Eigen::Vector3f>& points);
   [[nodiscard]] std::size_t size() const { return descriptors_.size(); }
 
-  /** Keyframes near the newest one, the most similar first. */
+  /** Keyframes within the search radius of the newest one, the most similar first. */
   [[nodiscard]] std::vector<LoopCandidate> byPosition(const KeyframeStore& keyframes) const;
-  /** Keyframes anywhere else of similar appearance, the most similar first, one of each place. */
+  /** Similar keyframes beyond the search radius, the most similar first, one per place. */
   [[nodiscard]] std::vector<LoopCandidate> byAppearance(const KeyframeStore& keyframes) const;
-  /** The same of any keyframe, among those that are eligible. */
+  /** Eligible keyframes that are similar to the views `now`, the most similar first. */
   [[nodiscard]] std::vector<LoopCandidate> byAppearance(
       const KeyframeStore& keyframes,
       const PlaceViews& now,
@@ -86,18 +86,18 @@ class LoopCandidates
   struct Ranked
   {
     std::size_t id = 0;
-    double difference = 0;  //!< of the mean heights per ring
+    double difference = 0;  //!< difference of the mean heights per ring
   };
-  /** Adds the eligible keyframes similar to this view. */
+  /** Adds the eligible keyframes that are similar to `view`. */
   void addAlike(const PlaceViews::View& view,
                 const std::vector<std::size_t>& eligible,
                 std::vector<LoopCandidate>& found) const;
-  /** The `limit` smallest differences, by rising difference. */
+  /** The `limit` smallest differences, ascending. */
   static void shortlist(std::vector<Ranked>& ranked, std::size_t limit);
 
   LoopCloserOptions options_;
-  std::vector<Eigen::Vector3f> points_;  //!< of the newest keyframe, where appearance is in use
-  SwappedStore<PolarDescriptor> descriptors_;           //!< of keyframes
-  std::vector<PolarDescriptor::RingMeans> ring_means_;  //!< theirs, side by side in memory
+  std::vector<Eigen::Vector3f> points_;  //!< newest keyframe's points, if appearance is in use
+  SwappedStore<PolarDescriptor> descriptors_;           //!< descriptor of each keyframe
+  std::vector<PolarDescriptor::RingMeans> ring_means_;  //!< mean heights of each descriptor
 };
 }  // namespace dyslam

@@ -80,7 +80,7 @@ Loop LoopCloser::State::verify(const LoopCandidate& candidate,
     loop.verdict = LoopVerdict::dissimilar;
     return loop;
   }
-  // Without the newest keyframe, which would be registered to itself.
+  // Excludes the newest keyframe, which would be registered to itself.
   RegistrationTarget target = submapAround(keyframes, candidate.id, {0, loop.to}, options);
   KeyframeRegistrationResult registration = registerFrom(target, source, candidate.T_from_to);
   if (!by_appearance && (!registration.converged || registration.overlap < criteria.min_overlap))
@@ -96,7 +96,7 @@ Loop LoopCloser::State::verify(const LoopCandidate& candidate,
   return loop;
 }
 
-/** \return a loop was found: one per keyframe is enough */
+/** \return whether a loop was found: one per keyframe is enough */
 bool LoopCloser::State::searchNear(const std::vector<Eigen::Vector3f>& source,
                                    std::vector<Loop>& rejected)
 {
@@ -113,7 +113,7 @@ bool LoopCloser::State::searchNear(const std::vector<Eigen::Vector3f>& source,
   return false;
 }
 
-/** Streets repeat themselves: if the newest keyframe fits several places, none is accepted. */
+/** If the newest keyframe fits several places, as in streets that look alike, none is accepted. */
 void LoopCloser::State::searchByAppearance(const std::vector<Eigen::Vector3f>& source,
                                            std::vector<Loop>& rejected)
 {

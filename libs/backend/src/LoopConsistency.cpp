@@ -17,10 +17,10 @@ using SparseMatrix = Eigen::SparseMatrix<double>;
 using RowSparseMatrix = Eigen::SparseMatrix<double, Eigen::RowMajor>;
 using Triplets = std::vector<Eigen::Triplet<double>>;
 
-/** Loops whose ends are both within so many keyframes of one another's form one group. */
+/** Loops form a group if both of their ends are at most this number of keyframes apart. */
 constexpr std::int64_t group_reach = 10;
 constexpr std::size_t max_group_size = 8;
-/** Of every ego pose, in all directions: unconstrained parts of the graph stay in place. */
+/** Information added to every ego pose: unconstrained parts of the graph stay in place. */
 constexpr double anchor_information = 1e-6;
 
 bool fits(const FactorGraph& graph, FactorId id, double loss_width)
@@ -40,7 +40,7 @@ std::vector<std::vector<FactorId>> grouped(const FactorGraph& graph, std::vector
   std::stable_sort(loops.begin(), loops.end(),
                    [&](FactorId a, FactorId b) { return ends(a) < ends(b); });
   std::vector<std::vector<FactorId>> groups;
-  std::vector<std::size_t> open;  // groups that a later loop may join, in order
+  std::vector<std::size_t> open;  // groups that later loops may belong to, in order
   for (const FactorId id : loops)
   {
     const auto last = [&](std::size_t group) { return ends(groups[group].back()); };
@@ -137,7 +137,7 @@ Eigen::MatrixXd selectedCovariance(const Factorisation& factored,
   return v.transpose() * weights.asDiagonal() * v;
 }
 
-/** Odometry and loops between the free ego poses, linear about the present values. */
+/** Odometry and loops between the free ego poses, linearised at the present values. */
 class LinearEgoGraph
 {
  public:
@@ -171,7 +171,7 @@ class LinearEgoGraph
   [[nodiscard]] bool solved() const { return solver_.info() == Eigen::Success; }
   [[nodiscard]] double chi2() const { return optimal_residuals_.squaredNorm(); }
 
-  /** By how much chi2 falls without these loops. */
+  /** Decrease of chi2 without these loops. */
   [[nodiscard]] double chi2Decrease(const std::vector<FactorId>& group) const
   {
     const auto size = 6 * static_cast<Eigen::Index>(group.size());
@@ -189,7 +189,7 @@ class LinearEgoGraph
     const Eigen::MatrixXd rest =
         Eigen::MatrixXd::Identity(size, size) - selectedCovariance(solver_, by_row_, rows);
     const Eigen::LDLT<Eigen::MatrixXd> factored(rest);
-    // Loops that are the only constraint of a part of the graph contradict nothing.
+    // Loops that are the only constraint of a part of the graph are not contradicted.
     constexpr double least = 1e-9;
     return factored.vectorD().minCoeff() > least ? r.dot(factored.solve(r)) : 0;
   }
@@ -297,10 +297,10 @@ std::set<FactorId> contradictedLoops(const FactorGraph& graph,
   {
     if (!linear.solved() || group.size() == loops.size())
     {
-      continue;  // odometry alone is no evidence: it drifts
+      continue;  // odometry alone drifts and is no evidence
     }
     const double decrease = linear.chi2Decrease(group);
-    // How well odometry and the other loops agree: a drift shows in all of them.
+    // Agreement of odometry and the other loops: drift affects all of them.
     const double others = 6 * static_cast<double>(loops.size() - group.size());
     const double variance = std::max(1.0, (linear.chi2() - decrease) / others);
     const double per_loop = decrease / static_cast<double>(group.size()) / variance;

@@ -7,24 +7,24 @@
 
 namespace dyslam
 {
-/** Those of the used loops whose squared whitened residual at the present values is above
- * 2 loss_width^2, beyond what noise explains. */
+/** Used loops whose squared whitened residual at the present values is above 2 loss_width^2, more
+ * than noise explains. */
 [[nodiscard]] std::set<FactorGraph::FactorId> inconsistentLoops(const FactorGraph& graph,
                                                                 double loss_width);
 
-/** Number of groups of neighbouring loops: each is one piece of evidence, since one mistake about a
- * place makes several loops. */
+/** Number of groups of neighbouring loops: each group is one piece of evidence, since confusing two
+ * places usually makes several false loops. */
 [[nodiscard]] std::size_t independentGroups(const FactorGraph& graph,
                                             const std::set<FactorGraph::FactorId>& loops);
 
-/** Of the used loops, the group of neighbouring ones that odometry and the other loops contradict
- * most; empty if none is contradicted. A group is if chi2 falls without it, for each of its loops,
- * by more than 2 loss_width^2 times the variance per degree of freedom that is left (1 at least).
- * Nothing is contradicted by odometry alone.
+/** The group of neighbouring used loops that odometry and the other loops contradict most; empty if
+ * none is contradicted. A group is contradicted if without it chi2 falls, per loop of the group, by
+ * more than 2 loss_width^2 times the remaining variance per degree of freedom (at least 1).
+ * Odometry alone contradicts nothing.
  *
  * A false loop distorts the odometry until it fits, so that its own residual does not reveal it.
- * Computed about the present values, at or near their optimum, on the ego poses alone, and without
- * the loops of inconsistentLoops().
+ * Computed by linearisation at the present values, which are at or near the optimum, with ego poses
+ * only, and without the loops of inconsistentLoops().
  * \param odometry_sigma_scale factor on the odometry's sigmas */
 [[nodiscard]] std::set<FactorGraph::FactorId> contradictedLoops(const FactorGraph& graph,
                                                                 double loss_width,

@@ -68,7 +68,7 @@ bool LoopCorrection::correctNewest(std::size_t first,
     chi2_of_loops += residual * residual;
   }
   const OptimisationResult result = graph_.optimise(solver_, free);
-  // Increase of chi2 by the loops, against what noise explains.
+  // Increase of chi2 by the loops, to be compared with the expectation for noise.
   const double increase = result.final_chi2 - (result.initial_chi2 - chi2_of_loops);
   const double width = solver_.loop_loss_width;
   if (increase <= 2 * width * width * static_cast<double>(waiting_.size()))

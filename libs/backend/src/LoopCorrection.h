@@ -12,17 +12,17 @@ namespace dyslam
 {
 class StateArchive;
 
-/** Optimises a growing graph of keyframes for the loops that come in.
+/** Optimises a growing graph of keyframes for new loops.
  *
- * A loop that is consistent with odometry and the loops before it moves the newest keyframes alone,
- * while all others are held fixed, so that its cost does not grow with the run. All keyframes are
- * optimised, and false loops searched for, where it is not, and from time to time: whenever the
- * graph has grown by a fixed share, which is a bounded number of times per keyframe.
+ * For a loop that is consistent with odometry and earlier loops, only the newest keyframes are
+ * optimised and all others are held fixed, so that its cost does not grow with the run. All
+ * keyframes are optimised, and false loops searched for, if a loop is not consistent, and whenever
+ * the graph has grown by a fixed fraction (a bounded number of times per keyframe).
  */
 class LoopCorrection
 {
  public:
-  /** \param graph outlives this; its ego poses are numbered from 0 on */
+  /** \param graph outlives this; its ego poses are numbered from 0 */
   LoopCorrection(const BackendOptions& options,
                  const FactorGraphOptions& solver,
                  FactorGraph& graph)
@@ -30,20 +30,20 @@ class LoopCorrection
   {
   }
 
-  /** A loop factor that the graph has now. */
+  /** Registers a loop factor that was added to the graph. */
   void add(FactorGraph::FactorId loop);
-  /** Whether the loops added since the last correction require one. */
+  /** Whether the loops added since the last correction require a correction. */
   [[nodiscard]] bool isDue() const;
   /** Whether there are loops that were in no optimisation of all keyframes. */
   [[nodiscard]] bool isAnyOpen() const { return open_loops_ > 0; }
 
-  /** \param keyframes in the graph
-   *  \param others variables that are optimised with the newest keyframes
+  /** \param keyframes number of keyframes in the graph
+   *  \param others variables that are optimised together with the newest keyframes
    *  \return the first keyframe that may have moved; all later ones may have, too */
   std::size_t correct(std::size_t keyframes, const std::set<Key>& others);
-  /** Optimises all that is not fixed. */
+  /** Optimises all variables that are not fixed. */
   void correctAll(std::size_t keyframes);
-  /** Of the last optimisation of everything; default before the first. */
+  /** Result of the last optimisation of all variables; default before the first. */
   void restoreLast(const OptimisationResult& result) { last_ = result; }
   [[nodiscard]] const OptimisationResult& last() const { return last_; }
 
@@ -59,10 +59,10 @@ class LoopCorrection
   BackendOptions options_;
   FactorGraphOptions solver_;
   FactorGraph& graph_;
-  std::vector<FactorGraph::FactorId> waiting_;  //!< since the last correction
-  double worst_residual_ = 0;                   //!< of those when they came, whitened
-  std::size_t open_loops_ = 0;                  //!< since the last optimisation of everything
-  std::size_t keyframes_then_ = 0;              //!< at that optimisation
+  std::vector<FactorGraph::FactorId> waiting_;  //!< loops since the last correction
+  double worst_residual_ = 0;                   //!< largest whitened residual of them when added
+  std::size_t open_loops_ = 0;                  //!< loops since all variables were optimised
+  std::size_t keyframes_then_ = 0;              //!< keyframes when all variables were optimised
   OptimisationResult last_;
 };
 }  // namespace dyslam

@@ -10,11 +10,11 @@ namespace dyslam
 {
 namespace
 {
-constexpr double range_limit = 131.068;      // of stored coordinates: steps of 4 mm [m]
-constexpr double correlation_range = 5;      // around the initial guess [m]
-constexpr double correlation_heading = 0.1;  // nearly a sector of the descriptor [rad]
+constexpr double range_limit = 131.068;      // limit of stored coordinates: steps of 4 mm [m]
+constexpr double correlation_range = 5;      // search around the initial position [m]
+constexpr double correlation_heading = 0.1;  // search around the initial heading [rad]
 
-/** Adds a stored cloud, moved to another frame. */
+/** Appends the points of a stored cloud, transformed by T. */
 void append(const PackedCloud& cloud,
             const Pose& T_target_source,
             std::vector<Eigen::Vector3f>& target)
@@ -47,7 +47,7 @@ RegistrationTarget submapAround(const KeyframeStore& keyframes,
   std::vector<Eigen::Vector3f> points;
   for (std::size_t i = first; i <= last; ++i)
   {
-    // Beyond an unseen stretch they are not where they seem to be.
+    // Poses beyond an unmeasured stretch are unreliable.
     if (keyframes[i].unseen_path == keyframes[id].unseen_path)
     {
       append(keyframes.loopCloud(i), T_id_map * keyframes[i].T_map_vehicle, points);

@@ -24,30 +24,30 @@ struct KeyframeRange
   }
 };
 
-/** Stored points of a keyframe for loop closure. \param static_points vehicle frame [m] */
+/** Points of a keyframe to be stored for loop closure. \param static_points vehicle frame [m] */
 [[nodiscard]] PackedCloud loopCloudOf(const std::vector<Eigen::Vector3f>& static_points,
                                       const LoopCloserOptions& options);
 
-/** Points around keyframe `id` from it and its neighbours within `range` with nothing unseen in
- * between, in its frame, ready to be registered to. */
+/** Registration target around keyframe `id`, in its vehicle frame: points of it and of neighbours
+ * within `range` that no unmeasured path separates from it. */
 [[nodiscard]] RegistrationTarget submapAround(const KeyframeStore& keyframes,
                                               std::size_t id,
                                               const KeyframeRange& range,
                                               const LoopCloserOptions& options);
 
-/** Registers a keyframe's points; the search begins with the best placement seen from above within
- * 5 m of the initial pose. */
+/** Registers a keyframe's points, starting at the best alignment seen from above within 5 m of the
+ * initial pose. */
 [[nodiscard]] KeyframeRegistrationResult registerFrom(RegistrationTarget& target,
                                                       const std::vector<Eigen::Vector3f>& source,
                                                       const Pose& T_target_source_initial);
 
-/** Accepted, or the criterion that the registration fails. */
+/** `accepted`, or the criterion that the registration does not meet. */
 [[nodiscard]] LoopVerdict verifyRegistration(const KeyframeRegistrationResult& registration,
                                              const LoopCriteria& criteria);
 
 /** Copies the registration's result into the loop. */
 void fillFrom(const KeyframeRegistrationResult& registration, Loop& loop);
 
-/** Angle between the two vertical axes [rad]. */
+/** Angle between the z axes of two frames [rad]. */
 [[nodiscard]] double tiltOf(const Pose& T);
 }  // namespace dyslam

@@ -10,9 +10,9 @@ namespace dyslam
 {
 namespace
 {
-/** Successive observations that must show an object moving. */
+/** Number of successive observations that must show an object moving. */
 constexpr std::size_t moving_confirmations = 3;
-/** Fewest observations that a speed is estimated from. */
+/** Least number of observations for the estimate of a speed. */
 constexpr std::size_t min_for_speed = 4;
 }  // namespace
 
@@ -45,7 +45,7 @@ std::vector<PlanarObservation> ObjectGraph::recent(const Object& object, double 
   return result;
 }
 
-/** Largest apparent motion of a static object: noise, and the drift of the odometry. */
+/** Largest apparent motion of a static object, by noise and drift of the odometry [m]. */
 double ObjectGraph::staticLimit(const Object& object) const
 {
   const Observation& first = object.observations.front();
@@ -101,7 +101,7 @@ void ObjectGraph::decide(const ObjectKey& key, Object& object) const
   else if (object.state == State::undecided && object.fast == 0 &&
            (object.landmark || !landmarks_) && isStanding(object))
   {
-    object.state = landmarks_ ? State::stationary : State::moving;  // moving, at rest
+    object.state = landmarks_ ? State::stationary : State::moving;  // moving: with velocity 0
   }
 }
 }  // namespace dyslam

@@ -16,9 +16,9 @@ namespace dyslam
 {
 namespace
 {
-/** Successive distant observations after which a static object counts as another one. */
+/** Number of successive distant observations after which a new sighting begins. */
 constexpr std::size_t stray_confirmations = 3;
-/** Undecided objects that were not observed for so long are dropped [s]. */
+/** Time without observations after which an undecided object is dropped [s]. */
 constexpr double forget_after = 5;
 
 Pose poseOf(const Box& box)
@@ -26,7 +26,7 @@ Pose poseOf(const Box& box)
   return poseFromYpr(box.center.x(), box.center.y(), box.center.z(), box.yaw, 0, 0);
 }
 
-/** Covariance over the tangent of an object's pose from that of x, y, z, yaw in a level frame. */
+/** Covariance over an object pose's tangent from the one of x, y, z, yaw in a level frame. */
 Matrix6 tangentCovariance(const Eigen::Matrix4d& covariance, double yaw, double tilt_sigma)
 {
   const Eigen::Matrix3d R_object_level =
@@ -39,7 +39,7 @@ Matrix6 tangentCovariance(const Eigen::Matrix4d& covariance, double yaw, double 
   return result;
 }
 
-/** The same box with its other end as the front. */
+/** Pose of the same box with front and rear exchanged. */
 Pose reversed(const Pose& pose)
 {
   return pose * poseFromYpr(0, 0, 0, M_PI, 0, 0);
@@ -50,7 +50,7 @@ Pose reversed(const Pose& pose)
 Matrix6 reversed(const Matrix6& covariance)
 {
   Vector6 sign;
-  sign << -1, -1, 1, -1, -1, 1;  // x, y and z of translation and rotation
+  sign << -1, -1, 1, -1, -1, 1;  // half a turn about z
   return sign.asDiagonal() * covariance * sign.asDiagonal();
 }
 
@@ -337,7 +337,7 @@ void ObjectGraph::finish()
   }
 }
 
-/** Limits the total information of the observations of a static object to that of
+/** Limits the total information of the observations of a static object to the information of
  * `static_saturation` keyframes. */
 void ObjectGraph::limitInformation(const ObjectKey& key)
 {

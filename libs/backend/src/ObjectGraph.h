@@ -21,35 +21,35 @@ class StateArchive;
 
 /** Adds the observations of tracked objects to a factor graph.
  *
- * An object is held back until it is decided whether it is static or moving. A static one is one
- * variable for its whole sighting, observed once per keyframe; a moving one has a pose at every
- * scan it was observed in and a velocity in between. An object that moved at any time is moving: a
- * moving object used as a landmark would bias the ego-motion, a landmark treated as moving only
- * loses its information.
+ * An object is not added until it is decided whether it is static or moving. A static object is one
+ * variable for its whole sighting, observed once per keyframe; a moving object has a pose at every
+ * scan that observed it and velocities in between. An object that ever moved is moving: used as a
+ * landmark it would bias the ego-motion, whereas a static object treated as moving only adds no
+ * information.
  */
 class ObjectGraph
 {
  public:
-  /** \param landmarks false: static objects are treated like moving ones \param graph outlives
-   *  this; its ego poses are there before they are referred to */
+  /** \param landmarks false: static objects are treated as moving \param graph outlives this; has
+   *  the ego poses before observations from them are added */
   ObjectGraph(const ObjectGraphOptions& options, bool landmarks, FactorGraph& graph);
 
-  /** The ego pose that a frame is observed from. */
+  /** Vehicle pose of a frame relative to the newest keyframe. */
   struct View
   {
-    std::size_t keyframe = 0;  //!< the newest one
+    std::size_t keyframe = 0;  //!< number of the newest keyframe
     Pose T_keyframe_vehicle = Pose::Identity();
-    Matrix6 covariance = Matrix6::Zero();  //!< of it, over its tangent
-    /** Variances of the odometry per axis, summed since the start: the drift between two views
-     * [m^2], [rad^2]. */
+    Matrix6 covariance = Matrix6::Zero();  //!< covariance over T_keyframe_vehicle's tangent
+    /** Variances of the odometry per axis, accumulated since the start [m^2], [rad^2]: their
+     * difference is the drift between two views. */
     double drift = 0;
     double drift_angle = 0;
   };
-  /** Adds the observations of the frame's objects; those of an object that is not confirmed or not
-   * decided yet are kept until it is. */
+  /** Adds the observations of the frame's objects; observations of an object that is not confirmed
+   * or not decided yet are kept until it is. */
   void add(const Frame& frame, const View& view);
 
-  /** The objects' variables to be optimised with the newest scans. */
+  /** Variables of objects that are optimised with the newest scans. */
   void appendWindow(double time, std::set<Key>& free) const;
 
   /** Decides all remaining objects at the end. */
@@ -58,12 +58,12 @@ class ObjectGraph
    * ones. \return their number */
   std::size_t releaseContradicted(const FactorGraphOptions& options);
 
-  /** Every object at every scan it was observed in, by scan, then id. */
+  /** Every object at every scan that observed it, ordered by scan, then id. */
   [[nodiscard]] std::vector<SmoothedObject> smoothed() const;
   /** Warnings about observations that were left out. */
   [[nodiscard]] std::vector<std::string> warnings() const;
 
-  /** What is kept of the objects; the graph is saved by itself. */
+  /** Saves or loads the state of the objects; the graph is saved separately. */
   void exchangeState(StateArchive& archive);
 
  private:
@@ -81,7 +81,7 @@ class ObjectGraph
     std::size_t keyframe = 0;
     Pose T_keyframe_object = Pose::Identity();
     Matrix6 covariance = Matrix6::Identity();  //!< over the tangent of T_keyframe_object
-    double drift = 0;                          //!< of its view
+    double drift = 0;                          //!< View::drift of its scan
     double drift_angle = 0;
   };
   /** Mean of the observations of a static object from one keyframe. */
@@ -95,14 +95,14 @@ class ObjectGraph
   };
   struct Object
   {
-    bool landmark = false;  //!< of a class that may be one
+    bool landmark = false;  //!< its class may be a landmark
     State state = State::undecided;
     std::vector<Observation> observations;
-    std::size_t in_graph = 0;  //!< of them
-    MeanObservation mean;      //!< of a static object, from the newest keyframe
-    std::size_t fast = 0;      //!< successive observations that show it moving
-    std::size_t away = 0;      //!< successive observations displaced from its position
-    std::size_t strays = 0;    //!< successive observations far from its position
+    std::size_t in_graph = 0;  //!< number of observations in the graph
+    MeanObservation mean;      //!< static object: mean observation from the newest keyframe
+    std::size_t fast = 0;      //!< number of successive observations that show it moving
+    std::size_t away = 0;      //!< number of successive observations displaced from its position
+    std::size_t strays = 0;    //!< number of successive observations far from its position
   };
   /** Id and number of the sighting: a track may jump from one parked car to the next. */
   using ObjectKey = std::pair<int, int>;
@@ -147,8 +147,8 @@ class ObjectGraph
   bool landmarks_;
   FactorGraph& graph_;
   std::map<ObjectKey, Object> objects_;
-  std::map<int, int> sighting_;  //!< the newest one's of each id
-  std::size_t unusable_ = 0;     //!< observations
+  std::map<int, int> sighting_;  //!< number of the newest sighting of each id
+  std::size_t unusable_ = 0;     //!< number of observations that were left out
   std::size_t jumps_ = 0;
 };
 }  // namespace dyslam

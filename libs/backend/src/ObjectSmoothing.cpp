@@ -9,12 +9,12 @@ namespace dyslam
 {
 namespace
 {
-/** Covariances of a chain are computed in pieces of so many poses, conditioned on the poses beyond
- * the margin, whose influence is negligible. */
+/** Covariances of a chain of poses are computed in pieces of this size, conditioned on the poses
+ * beyond a margin, whose influence is negligible. */
 constexpr std::size_t piece_size = 30;
 constexpr std::size_t margin = 10;
 
-/** Covariance of x, y, z, yaw in the map from that over the tangent of a level pose. */
+/** Covariance of x, y, z, yaw in the map frame from the one over the tangent of a level pose. */
 Eigen::Matrix4d levelCovariance(const Matrix6& tangent, const Pose& pose)
 {
   Eigen::Matrix<double, 4, 6> J = Eigen::Matrix<double, 4, 6>::Zero();
@@ -43,7 +43,7 @@ void ObjectGraph::appendSmoothed(const ObjectKey& object_key,
       continue;
     }
     smoothed.T_map_object = graph_.pose(Key::objectPose(object_key.first, observation.scan));
-    // The velocity at a scan: of the intervals before and after it.
+    // The velocity at a scan is the mean over the intervals before and after it.
     Vector6 twist = Vector6::Zero();
     int intervals = 0;
     for (std::size_t k = i; k < std::min(i + 2, object.in_graph); ++k)

@@ -17,7 +17,7 @@ namespace
 {
 constexpr float height_step = 1.0F / 16;
 
-/** Bit i of the result is bit i + shift of `bits`, cyclic over the sectors. */
+/** Cyclic shift over the sectors: bit i of the result is bit i + shift of `bits`. */
 std::uint64_t rotated(std::uint64_t bits, std::size_t shift)
 {
   constexpr std::uint64_t all = (std::uint64_t{1} << PolarDescriptor::sectors) - 1;
@@ -84,7 +84,7 @@ PolarDescriptor::Match PolarDescriptor::match(const Columns& ours, const Columns
   Match best;
   for (std::size_t shift = 0; shift < sectors; ++shift)
   {
-    // Other's vehicle turned by `shift` sectors: what it sees in sector s, we see in s + shift.
+    // The other vehicle is turned by `shift` sectors: its sector s is our sector s + shift.
     double sum = 0;
     for (std::size_t s = 0; s < sectors; ++s)
     {

@@ -130,7 +130,7 @@ class GraphProblem
   ceres::Problem problem_;
 };
 
-/** Optimises from data.poses and puts the solution there and into the result. */
+/** Optimises data.poses in place and fills the result. */
 void optimise(GraphData& data, const PoseGraphSolverOptions& options, PoseGraphResult& result)
 {
   GraphProblem problem(data, options);

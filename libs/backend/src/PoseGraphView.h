@@ -6,8 +6,8 @@
 
 namespace dyslam
 {
-/** The ego poses with their odometry and loop factors as a pose graph of MRPT; nodes are the
- * keyframes' numbers. Left out: loops that the optimisation rejected, and objects, velocities and
- * satellite positions, which MRPT does not know. */
+/** The ego poses with their odometry and loop factors as a pose graph of MRPT; nodes are numbered
+ * as the keyframes. Without loops that the optimisation left out, and without objects, velocities
+ * and satellite positions, which MRPT's graph can't represent. */
 [[nodiscard]] PoseGraph poseGraphView(const FactorGraph& graph);
 }  // namespace dyslam

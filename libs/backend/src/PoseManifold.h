@@ -8,8 +8,8 @@ namespace dyslam
 {
 /** SE(3) with right-hand perturbations, T exp(x).
  *
- * Its "derivative of plus" is [I; 0]: cost functions on poses give their derivatives by x in the
- * first six columns and zero in the seventh, so that no chain rule through quaternions is needed.
+ * PlusJacobian() is [I; 0]: cost functions on poses return their derivatives by x in the first six
+ * columns and zero in the seventh, so that no chain rule through quaternions is needed.
  */
 class PoseManifold final : public ceres::Manifold
 {

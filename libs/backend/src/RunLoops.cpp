@@ -11,13 +11,13 @@ namespace dyslam
 {
 namespace
 {
-constexpr double agreement_distance = 2;   // of two loops at one place [m]
-constexpr double agreement_angle = 0.1;    // [rad] ...
-constexpr double angle_per_metre = 0.002;  // ... and its growth with the path in between
+constexpr double agreement_distance = 2;   // largest error of a cycle of two loops [m]
+constexpr double agreement_angle = 0.1;    // largest error of a cycle of two loops [rad]
+constexpr double angle_per_metre = 0.002;  // growth of agreement_angle with the path [rad/m]
 
 LoopCloserOptions withoutPoints(LoopCloserOptions options)
 {
-  options.appearance = false;  // views are kept here
+  options.appearance = false;  // views are stored in RunLoops
   return options;
 }
 
@@ -84,7 +84,7 @@ SimilarLoops RunLoops::byAppearance(const KeyframeRange& older, const KeyframeRa
         fitting.push_back(loop);
       }
     }
-    if (fitting.size() == 1)  // of several places that fit, none is accepted
+    if (fitting.size() == 1)  // if several places fit, none is accepted
     {
       agreement.add(fitting.front(), keyframes_);
       ++result.fitting;
@@ -111,7 +111,7 @@ NearLoops RunLoops::byPosition(const KeyframeRange& older,
     {
       nearest = std::min(nearest, {poseBetween(keyframes_, i, k).translation().norm(), i});
     }
-    // Keyframes without points, such as those of a scan that is missing, confirm nothing.
+    // Keyframes without points, for example of a missing scan, confirm nothing.
     if (nearest.first < farthest && keyframes_.loopCloud(k).size() > 0)
     {
       LoopCandidate candidate;

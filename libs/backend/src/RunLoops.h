@@ -14,22 +14,22 @@
 
 namespace dyslam
 {
-/** Loops found near one another, by the present poses. */
+/** Loops between keyframes that are near each other at the present poses. */
 struct NearLoops
 {
   std::vector<Loop> accepted;
-  std::size_t tried = 0;      //!< keyframes with one of the other run within `search_radius`
-  std::size_t confirmed = 0;  //!< of those, registered and supported
+  std::size_t tried = 0;      //!< number of keyframes within `search_radius` of the other run
+  std::size_t confirmed = 0;  //!< number of tried keyframes that are registered and supported
 };
 
 /** Loops found by appearance. */
 struct SimilarLoops
 {
   std::vector<Loop> accepted;
-  std::size_t fitting = 0;  //!< registered, accepted or not: others need to agree
+  std::size_t fitting = 0;  //!< number of registered loops, before others have to agree
 };
 
-/** Finds loops between the keyframes of different runs, which lie in one store one after the other.
+/** Finds loops between the keyframes of different runs, which one store contains successively.
  * Deterministic; not thread-safe. */
 class RunLoops
 {
@@ -40,12 +40,12 @@ class RunLoops
   /** Prepares the store's next keyframe. \param static_points vehicle frame [m] */
   void add(const std::vector<Eigen::Vector3f>& static_points);
 
-  /** Loops from keyframes of one run to another's, by appearance alone: positions are not compared,
-   * since the relative pose of the two runs is unknown. */
+  /** Loops from keyframes of one run to those of another by appearance alone, since the relative
+   * pose of the two runs is unknown. */
   [[nodiscard]] SimilarLoops byAppearance(const KeyframeRange& older, const KeyframeRange& newer);
 
-  /** Loops to the nearest keyframe of the other run. \param reach for every keyframe of `newer`,
-   * largest expected error of the poses [m] */
+  /** Loops to the nearest keyframe of the other run. \param reach largest expected error of the
+   * relative pose of the runs at every keyframe of `newer` [m] */
   [[nodiscard]] NearLoops byPosition(const KeyframeRange& older,
                                      const KeyframeRange& newer,
                                      const std::vector<double>& reach);
@@ -63,6 +63,6 @@ class RunLoops
   LoopCloserOptions options_;
   KeyframeStore& keyframes_;
   LoopCandidates candidates_;
-  SwappedStore<PlaceViews> views_;  //!< of every keyframe
+  SwappedStore<PlaceViews> views_;  //!< views of every keyframe
 };
 }  // namespace dyslam

@@ -39,7 +39,7 @@ struct Seeds
   std::size_t run_a = 0;
   std::size_t run_b = 0;
   std::vector<Loop> loops;
-  std::size_t found = 0;  //!< with those that no others agree with
+  std::size_t found = 0;  //!< number of loops found, including those without agreement
 };
 
 /** Loops that agree on the pose of a run; the first one places it. */
@@ -69,25 +69,25 @@ struct RunMerger::State
 
   /** Fills the seeds of all pairs of runs. */
   void findSeeds();
-  /** The best supported placement of a run that is not joined. */
+  /** Best supported placement of a run that is not joined yet. */
   [[nodiscard]] Placement bestPlacement() const;
-  /** Of some loops between two runs, the most that agree with one of them, that one first. */
+  /** Largest subset of loops between two runs that agree with one of them; that one is first. */
   [[nodiscard]] std::vector<Loop> largestGroup(const std::vector<Loop>& all) const;
-  /** \return false: the rest of the path contradicts it, nothing is changed */
+  /** Joins a run. \return false, with nothing changed, if the rest of the path contradicts it */
   [[nodiscard]] bool join(const Placement& placement);
-  /** Removes the loops of a placement that is contradicted from the seeds. */
+  /** Removes the loops of a contradicted placement from the seeds. */
   void refuse(const Placement& placement);
-  /** Moves the keyframes of the run to the pose that the placement's first loop gives it. */
+  /** Transforms the keyframes of the run by the placement's first loop. */
   void place(const Placement& placement);
-  /** Loops of the run to all joined ones, from the present poses. */
+  /** Loops from the run to all joined runs, at the present poses. */
   [[nodiscard]] NearLoops loopsAround(const Run& run, const std::vector<Loop>& known) const;
-  /** Largest expected error of the poses of the run's keyframes [m]: it grows with the path to the
-   * nearest known loop; without known loops the poses are taken for solved. */
+  /** Largest expected error of the poses of the run's keyframes [m]: grows with the path to the
+   * nearest known loop; without known loops the poses count as optimised. */
   [[nodiscard]] std::vector<double> reachOf(const Run& run, const std::vector<Loop>& known) const;
-  /** Solves the joined runs and these loops between them; moves the keyframes. */
+  /** Optimises the joined runs with these loops between them; updates the keyframes' poses. */
   void solve();
   [[nodiscard]] std::size_t runOf(std::size_t keyframe) const;
-  /** Why the run was or would be rejected, by the last attempt. */
+  /** Evidence about a run from the last attempt to join it. */
   [[nodiscard]] JoinEvidence evidenceOf(std::size_t run) const;
   [[nodiscard]] RunMerge result() const;
 
@@ -95,10 +95,10 @@ struct RunMerger::State
   KeyframeStore keyframes;
   mutable RunLoops finder;
   std::vector<Run> runs;
-  std::size_t ready = 0;              //!< keyframes with points
-  std::vector<Seeds> seeds;           //!< of each pair of runs
-  std::vector<Loop> loops;            //!< between joined runs
-  std::set<std::size_t> false_loops;  //!< of those, by number
+  std::size_t ready = 0;              //!< number of keyframes with points
+  std::vector<Seeds> seeds;           //!< one entry per pair of runs
+  std::vector<Loop> loops;            //!< loops between joined runs
+  std::set<std::size_t> false_loops;  //!< indices of false loops in `loops`
   OptimisationResult optimisation;
 };
 
@@ -294,8 +294,7 @@ bool RunMerger::State::join(const Placement& placement)
   place(placement);
   run.joined = true;
   solveWith(placement.loops);
-  // First with the similar places along the path, within the expected drift; then again with the
-  // resulting poses.
+  // First with loops to places within the expected drift, then again at the resulting poses.
   solveWith(loopsAround(run, placement.loops).accepted);
   const NearLoops found = loopsAround(run, {});
   solveWith(found.accepted);

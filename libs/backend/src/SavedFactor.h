@@ -8,18 +8,18 @@
 
 namespace dyslam
 {
-/** A factor of any kind as plain data; without keys: none. */
+/** A factor of any kind as plain data; no factor if it has no keys. */
 struct SavedFactor
 {
   FactorKind kind = FactorKind::odometry;
   std::vector<Key> keys;
   Pose measurement = Pose::Identity();
-  double dt = 0;                                      //!< of an object_motion [s]
-  Eigen::Vector3d antenna = Eigen::Vector3d::Zero();  //!< of a gnss [m]
+  double dt = 0;                                      //!< object_motion: time between the poses [s]
+  Eigen::Vector3d antenna = Eigen::Vector3d::Zero();  //!< gnss: antenna, vehicle frame [m]
   Matrix6 information = Matrix6::Zero();
 };
 
 [[nodiscard]] SavedFactor savedFrom(const Factor* factor);
-/** The same factor again. \throws UserError for data that are no valid factor. */
+/** Restores a factor. \throws UserError for data that are no valid factor. */
 [[nodiscard]] std::unique_ptr<const Factor> made(const SavedFactor& saved);
 }  // namespace dyslam

@@ -9,8 +9,8 @@ namespace dyslam
 {
 namespace
 {
-constexpr double longest_prediction = 2;  // of the motion, at constant velocity [s]
-constexpr double least_length = 10;       // of a stretch that ends out of the local map's sight [m]
+constexpr double longest_prediction = 2;  // longest gap with a predicted motion [s]
+constexpr double least_length = 10;       // least length of an unmeasured stretch [m]
 }  // namespace
 
 double UnseenPath::add(const Frame& frame, double step)

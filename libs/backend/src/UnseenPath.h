@@ -7,22 +7,22 @@ namespace dyslam
 {
 class StateArchive;
 
-/** How far the vehicle may have driven without being measured: in gaps of the recording, and while
- * no scan could be registered until the local map was restarted. The motion is predicted there,
- * from no more than two seconds of the velocity before. */
+/** Distance that the vehicle may have travelled unmeasured: in gaps of the recording, and while no
+ * scan could be registered until the local map was restarted. The motion is then predicted, for at
+ * most two seconds. */
 class UnseenPath
 {
  public:
-  /** The next frame, and the length of its motion as the odometry has it [m].
-   * \return what it adds to the length [m] */
+  /** Adds the next frame. \param step length of its motion by the odometry [m]
+   * \return increase of length() [m] */
   double add(const Frame& frame, double step);
-  /** Upper limit, at the highest speed seen before [m]. */
+  /** Upper limit of the unmeasured distance, at the highest speed seen before [m]. */
   [[nodiscard]] double length() const { return length_; }
   void exchangeState(StateArchive& archive);
 
  private:
-  double length_ = 0;         //!< [m]
-  double highest_speed_ = 0;  //!< of the motions that were registered [m/s]
+  double length_ = 0;         //!< see length() [m]
+  double highest_speed_ = 0;  //!< highest speed of registered motions [m/s]
   double unregistered_ = 0;   //!< time since the last scan that was registered or counted [s]
 };
 }  // namespace dyslam

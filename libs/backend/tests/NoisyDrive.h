@@ -39,13 +39,13 @@ struct LoopMeasurement
   Pose T_from_to = Pose::Identity();
 };
 
-/** Two rounds of a course of 225 m with a keyframe every 1.5 m, as odometry with white noise
- * measures them. */
+/** Two rounds of a course of 225 m with a keyframe every 1.5 m, measured by odometry with white
+ * noise. */
 struct NoisyDrive
 {
   static constexpr std::size_t per_round = 150;
-  static constexpr double loop_sigma = 0.03;            //!< [m]
-  static constexpr double loop_rotation_sigma = 0.002;  //!< [rad]
+  static constexpr double loop_sigma = 0.03;            //!< sigma of a loop's translation [m]
+  static constexpr double loop_rotation_sigma = 0.002;  //!< sigma of a loop's rotation [rad]
 
   explicit NoisyDrive(unsigned seed, double sigma = 0.01, double rotation_sigma = 0.0005)
       : rng(seed), odometry_information(diagonalInformation(sigma, rotation_sigma))
@@ -71,7 +71,7 @@ struct NoisyDrive
     return pose * expSE3(x);
   }
 
-  /** What a registration of the two keyframes' scans would measure. */
+  /** Noisy measurement of the relative pose of two keyframes, as by a registration. */
   LoopMeasurement trueLoop(std::size_t from, std::size_t to)
   {
     return {from, to, noisy(truth[from].inverse() * truth[to], loop_sigma, loop_rotation_sigma)};
@@ -106,8 +106,8 @@ struct NoisyDrive
   std::mt19937 rng;
   Matrix6 odometry_information;
   std::vector<Pose> truth;
-  std::vector<Pose> steps;                    //!< from keyframe i to i + 1
-  std::map<std::size_t, Matrix6> weak_steps;  //!< information of those that were not measured
+  std::vector<Pose> steps;                    //!< measured motion from keyframe i to i + 1
+  std::map<std::size_t, Matrix6> weak_steps;  //!< information of steps that were not measured
 };
 
 /** Largest distance between the ego poses of two graphs [m]. */

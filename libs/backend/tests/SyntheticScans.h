@@ -11,7 +11,7 @@
 
 namespace dyslam::test
 {
-/** Upright boxes on flat ground, z = 0, and a ray caster that looks at them. */
+/** Upright boxes on flat ground, z = 0, with a ray caster. */
 class BoxWorld
 {
  public:
@@ -58,7 +58,7 @@ class BoxWorld
     return world;
   }
 
-  /** 32 beams, one ray per degree, in the vehicle frame; the sensor sits at its origin. */
+  /** Scan in the vehicle frame [m]: 32 beams, one ray per degree, sensor at the origin. */
   [[nodiscard]] std::vector<Eigen::Vector3f> scan(const Pose& T_world_vehicle, unsigned seed) const
   {
     std::mt19937 rng(seed);

@@ -11,8 +11,8 @@ namespace
 {
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
-/** A finite cost of an unassigned row: without a limit so high that one more pair always lowers the
- * total. */
+/** Finite cost of an unassigned row; for always_assign so high that one more pair always lowers the
+ * total cost. */
 double finiteUnassignedCost(const CostMatrix& cost, double unassigned_cost)
 {
   if (std::isfinite(unassigned_cost))
@@ -38,7 +38,7 @@ double finiteUnassignedCost(const CostMatrix& cost, double unassigned_cost)
   return high + (most + 1) * (high - low) + 1;
 }
 
-/** Derives the other fields from the columns of the rows. */
+/** Computes the other fields from `column_of_row`. */
 Assignment assignmentOf(const CostMatrix& cost, const std::vector<int>& column_of_row)
 {
   Assignment result;
@@ -57,9 +57,9 @@ Assignment assignmentOf(const CostMatrix& cost, const std::vector<int>& column_o
   return result;
 }
 
-/** Rows to columns by shortest augmenting paths. Beside the columns every row has a dummy column of
- * its own with cost `dummy_cost`. Column potentials never rise above 0, which free columns keep;
- * row potentials are implied by the row's pair (its reduced cost is 0). */
+/** Assigns rows to columns by shortest augmenting paths. In addition to the columns every row has a
+ * dummy column of its own with cost `dummy_cost`. Column potentials are at most 0, and 0 for free
+ * columns; the potential of a row follows from its pair, whose reduced cost is 0. */
 class ShortestPaths
 {
  public:
@@ -136,7 +136,7 @@ class ShortestPaths
     return two;
   }
 
-  /** Each free row takes its best column and lowers the potential until the second best is as good;
+  /** Each free row takes its best column and lowers its potential until the second best is as good;
    * the row that had the column is free again. Returns the rows still free. */
   std::vector<int> reduceRows(const std::vector<int>& free_rows)
   {
@@ -188,10 +188,10 @@ class ShortestPaths
     scanned_.clear();
     std::size_t open_count = at(columns_);
     int row = start;
-    double so_far = 0;         // distance to `row`
-    double row_potential = 0;  // of `row`; the start's cancels out
+    double so_far = 0;         // path length from `start` to `row`
+    double row_potential = 0;  // potential of `row`; that of `start` cancels out
     double end_distance = dummy_cost_;
-    int end_row = start;  // moves from its column to its dummy
+    int end_row = start;  // row that moves from its column to its dummy
     int end_column = -1;
     while (true)
     {

@@ -56,7 +56,7 @@ double area(const Polygon& polygon)
   return 0.5 * twice;
 }
 
-/** What of `polygon` lies left of the line from a to b. */
+/** Part of `polygon` to the left of the line from a to b. */
 Polygon leftOf(const Polygon& polygon, const Vector2d& a, const Vector2d& b)
 {
   Polygon kept;

@@ -15,7 +15,7 @@ namespace dyslam
 {
 namespace
 {
-constexpr const char* set_flag = "--set ";  // in the origin of a value
+constexpr const char* set_flag = "--set ";  // prefix of Value::origin for values of --set
 
 std::string trimmed(const std::string& text)
 {
@@ -27,7 +27,7 @@ std::string trimmed(const std::string& text)
   return text.substr(first, text.find_last_not_of(" \t\r") - first + 1);
 }
 
-/** Cuts what follows " //" (or a line that opens with it). */
+/** Removes a comment: " //" and all after it, or the whole line if it begins with "//". */
 std::string withoutComment(const std::string& line)
 {
   for (std::size_t at = line.find("//"); at != std::string::npos; at = line.find("//", at + 1))
@@ -41,7 +41,7 @@ std::string withoutComment(const std::string& line)
 }
 }  // namespace
 
-/** Reads inis, and those that they include. */
+/** Reads an ini and those that it includes. */
 struct Config::Parser
 {
   Config readFile(const std::string& path)
@@ -152,7 +152,7 @@ struct Config::Parser
     return readFile(path);
   }
 
-  std::vector<std::string> chain;  //!< files being read, each included by the one before
+  std::vector<std::string> chain;  //!< files being read, each included by the previous one
 };
 
 Config Config::fromFile(const std::string& path)

@@ -13,13 +13,13 @@ namespace fs = std::filesystem;
 
 namespace
 {
-/** The advice as the end of a message; empty without. */
+/** Advice as the end of an error message; empty if there is none. */
 std::string hintOf(const std::string& advice)
 {
   return advice.empty() ? "" : "; " + advice;
 }
 
-/** The absolute path, links of the part that exists followed. */
+/** Absolute path; links are followed in its existing part. */
 fs::path resolved(const std::string& path)
 {
   std::error_code error;
@@ -28,7 +28,7 @@ fs::path resolved(const std::string& path)
   return error ? absolute.lexically_normal() : canonical;
 }
 
-/** By name. \param error gets the reason if they cannot be read, or not all of them */
+/** Entries of a folder, by name. \param error set if the folder can't be read to its end */
 std::vector<fs::directory_entry> readEntries(const fs::path& folder, std::error_code& error)
 {
   std::vector<fs::directory_entry> entries;
@@ -45,7 +45,7 @@ std::ifstream openBinary(const std::string& path, const std::string& advice)
 {
   std::error_code error;
   const auto status = fs::status(path, error);
-  if (!fs::status_known(status))  // such as a folder above it that may not be searched
+  if (!fs::status_known(status))  // for example without permission to search a parent folder
   {
     throw UserError(path + ": cannot be read: " + error.message());
   }

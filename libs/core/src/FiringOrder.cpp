@@ -12,21 +12,21 @@ namespace dyslam
 {
 namespace
 {
-constexpr std::size_t blocks = 128;             // of consecutive points, 3 degrees of a turn each
-constexpr float min_distance = 1;               // horizontal, of points that show an azimuth [m]
-constexpr float min_concentration = 0.9F;       // of a block's directions, 1 if all are equal
-constexpr float max_backward = 0.01F;           // of a block's azimuth against the sweep [turns]
-constexpr float min_turn = 0.75F;               // of a scan [turns]
-constexpr float max_turn = 1.25F;               // [turns]
-constexpr float max_offset = 12.0F / 360.0F;    // of a laser from the azimuth of its block [turns]
-constexpr std::size_t min_points = 4 * blocks;  // of a scan
+constexpr std::size_t blocks = 128;  // number of blocks of consecutive points (3 degrees each)
+constexpr float min_distance = 1;    // least horizontal distance of points used [m]
+constexpr float min_concentration = 0.9F;     // least mean resultant length of a block's directions
+constexpr float max_backward = 0.01F;         // largest step of a block against the sweep [turns]
+constexpr float min_turn = 0.75F;             // least extent of a scan [turns]
+constexpr float max_turn = 1.25F;             // largest extent of a scan [turns]
+constexpr float max_offset = 12.0F / 360.0F;  // largest offset of a laser from its block [turns]
+constexpr std::size_t min_points = 4 * blocks;  // least number of points of a scan
 
 [[nodiscard]] bool showsAzimuth(const Eigen::Vector3f& p)
 {
   return p.allFinite() && p.head<2>().squaredNorm() > min_distance * min_distance;
 }
 
-/** An angle in [-0.5, 0.5) turns. */
+/** Angle wrapped to [-0.5, 0.5) turns. */
 [[nodiscard]] float wrapped(float turns)
 {
   return turns - std::floor(turns + 0.5F);
@@ -40,8 +40,8 @@ constexpr std::size_t min_points = 4 * blocks;  // of a scan
 /** Mean azimuth of the points of a block. */
 struct BlockAzimuth
 {
-  bool known = false;       //!< a point shows it
-  bool consistent = false;  //!< all do
+  bool known = false;       //!< the block has a point far enough to show its azimuth
+  bool consistent = false;  //!< the azimuths of its points agree
   float turns = 0;
 };
 
@@ -66,7 +66,7 @@ struct BlockAzimuth
   return {true, sum.norm() >= min_concentration * count, turnsOf(sum.y(), sum.x())};
 }
 
-/** Azimuths at the middle of each block, without jumps at half a turn [turns]. */
+/** Azimuths at the middle of each block, unwrapped [turns]. */
 using Sweep = std::array<float, blocks>;
 
 /** \return nothing unless the blocks follow each other once around in one direction. */
@@ -100,7 +100,7 @@ using Sweep = std::array<float, blocks>;
       highest_step = std::max(highest_step, step);
       lowest_step = std::min(lowest_step, step);
       sweep[b] = sweep[last] + step;
-      // Blocks without a return lie in between.
+      // Blocks without a return are interpolated.
       for (std::size_t between = last + 1; between < b; ++between)
       {
         const float share = static_cast<float>(between - last) / static_cast<float>(b - last);

@@ -8,7 +8,7 @@ namespace dyslam
 {
 bool isOnEarth(const GeodeticPosition& position)
 {
-  constexpr double highest = 1e5;  // [m]
+  constexpr double highest = 1e5;  // largest height that is possible [m]
   return std::abs(position.height) < highest && std::abs(position.latitude) <= 90 &&
          std::abs(position.longitude) <= 360 &&
          !(position.latitude == 0 && position.longitude == 0);

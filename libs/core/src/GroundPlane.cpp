@@ -18,37 +18,36 @@ namespace
 /** Returns at these distances from the sensor are used [m]. */
 constexpr float min_range = 1;
 constexpr float max_range = 15;
-/** One return of each cube of this side is used [m]: a sensor has most of them close by. */
+/** Side of the cubes of which one return each is used [m]: most returns are close to the sensor. */
 constexpr float cube = 0.5F;
 constexpr std::size_t min_cubes = 100;
-/** Farther away than this the weight falls with the distance [m]: a road is level where the sensor
- * is. */
+/** Distance beyond which the weight of a return falls [m]: a road is most level near the sensor. */
 constexpr float full_weight_range = 3;
 
 constexpr int draws = 1500;
-/** Every so many points decide whether a plane is worth a look at all of them: those on it have to
- * promise this share of the best plane's support. */
+/** Every sample_step-th point decides whether a plane is evaluated on all points: the support in
+ * the sample has to be at least this share of the best plane's. */
 constexpr std::size_t sample_step = 8;
 constexpr double promising = 0.6;
 /** Sides of the triangles that are drawn [m]. */
 constexpr double min_side = 2;
-/** Heights of the origin above the ground [m]; in the clouds of some drivers it lies on it. */
+/** Range of the height of the origin above the ground [m]; some drivers have it on the ground. */
 constexpr double min_height = -0.5;
 constexpr double max_height = 6;
 const double max_inclination = 50 * radians_per_degree;
 
-/** Points of the ground are this near its plane when drawn, and at the end [m]. */
+/** Largest distance of ground points from a drawn plane and from the final one [m]. */
 constexpr double drawn_distance = 0.15;
 constexpr double final_distance = 0.08;
-/** Points that are this far behind a plane show that it is not the ground [m]. */
+/** Distance behind a plane from which points are evidence that it is not the ground [m]. */
 constexpr double behind = 0.4;
-/** Points behind the ground, at most, for each one on it. */
+/** Largest ratio of points behind the ground to points on it. */
 constexpr double max_behind = 0.5;
-/** Of the weights of all points. */
+/** Least share of the weights of all points on the ground. */
 constexpr double min_share = 0.15;
-/** Standard deviation of the points of the ground, along the direction where it is smaller [m]. */
+/** Least standard deviation of the ground points along the direction where it is smaller [m]. */
 constexpr double min_spread = 1.5;
-/** Of a sensor that hangs upside down this share of the weights is above it. */
+/** Least share of the weights above a sensor that hangs upside down. */
 constexpr double min_share_above = 2.0 / 3;
 
 struct Point
@@ -134,7 +133,7 @@ Support supportOf(const Plane& plane, const Points& points)
   return support;
 }
 
-/** The plane with the least squared distances from the points near another one.
+/** Least-squares plane through the points nearer than `distance` [m] to `plane`.
  * \param spread standard deviations along the plane: the smaller one [m] */
 Plane fitted(const Plane& plane, const Points& points, double distance, double& spread)
 {

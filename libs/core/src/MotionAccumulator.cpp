@@ -8,14 +8,14 @@ namespace dyslam
 {
 namespace
 {
-/** Covariance of an error of the start, seen at the end of the motion. */
+/** Covariance of an error of the start pose, over the tangent of the end pose. */
 Matrix6 carried(const Matrix6& covariance, const Pose& T_start_end)
 {
   const Matrix6 A = adjointSE3(T_start_end.inverse());
   return A * covariance * A.transpose();
 }
 
-/** The nearest positive semidefinite matrix. */
+/** Nearest positive semidefinite matrix. */
 Matrix6 positive(const Matrix6& M)
 {
   const Eigen::SelfAdjointEigenSolver<Matrix6> solver(0.5 * (M + M.transpose()));

@@ -16,7 +16,7 @@ bool nearer(const Neighbour& a, const Neighbour& b)
          (a.squared_distance == b.squared_distance && a.index < b.index);
 }
 
-/** Keeps the k best in order: for usual k faster than a heap. */
+/** Keeps the k nearest sorted: faster than a heap for usual k. */
 struct KnnVisitor
 {
   std::size_t k;

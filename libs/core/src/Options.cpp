@@ -22,7 +22,7 @@ std::string toText(double value)
   return {buffer.data(), end};
 }
 
-/** Shared by the visitors that read or check: error message for a value out of range. */
+/** Error message for a value out of range. */
 template <typename Number>
 void checkRange(const std::string& where, Number value, Number min, Number max)
 {
@@ -55,7 +55,7 @@ void checkWord(const std::string& where,
   }
 }
 
-/** An ini, such as effective.ini, must give the same text back. */
+/** Throws UserError for a text that would not be read back unchanged from an ini. */
 void checkText(const std::string& where, const std::string& value)
 {
   const std::string line = " " + value;

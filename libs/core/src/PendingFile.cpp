@@ -15,8 +15,7 @@ namespace fs = std::filesystem;
 
 namespace
 {
-/** Waits until a file or a folder is on the disk. False if it cannot be, with the reason in errno.
- */
+/** Waits until a file or a folder is on the disk. \return false on failure, with errno set. */
 bool synchronised(const std::string& path, int flags)
 {
   const int file = ::open(path.c_str(), flags | O_CLOEXEC);
@@ -24,7 +23,7 @@ bool synchronised(const std::string& path, int flags)
   {
     return false;
   }
-  // Some file systems have nothing to wait for.
+  // Some file systems don't support fsync.
   const bool done = ::fsync(file) == 0 || errno == EINVAL || errno == ENOTSUP;
   const int reason = errno;
   ::close(file);

@@ -11,7 +11,7 @@ namespace dyslam
 namespace
 {
 constexpr std::size_t chunk_size = 256;
-constexpr double range_noise = 0.015;  // of a lidar's measurement: a floor under the residuals' [m]
+constexpr double range_noise = 0.015;  // sigma of a range, added to the residuals' [m]
 }  // namespace
 
 void NormalEquations::addRow(const Eigen::Vector3d& n,

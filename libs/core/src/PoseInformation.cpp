@@ -23,7 +23,7 @@ Angles anglesOf(const Pose& mean)
   const double cosine = std::hypot(R(0, 0), R(1, 0));
   if (cosine < least_cosine)
   {
-    // All of the turn about the vertical counts as yaw.
+    // The whole rotation about the vertical counts as yaw.
     return {std::copysign(std::sqrt(1 - least_cosine * least_cosine), -R(2, 0)), least_cosine, 0,
             1};
   }

@@ -7,13 +7,13 @@
 
 namespace dyslam
 {
-/** Where the files that come with DySLAM may be, in the order in which they are looked for. */
+/** Folders that may contain the files shipped with DySLAM, in the order of the search. */
 struct ProgramFolders
 {
-  std::string environment;          //!< variable that names a folder
-  std::filesystem::path build;      //!< of programs in the build folder: no other is looked at then
-  std::filesystem::path relative;   //!< to the prefix that the program is installed in
-  std::filesystem::path installed;  //!< where DySLAM was configured to be installed
+  std::string environment;          //!< environment variable with a folder
+  std::filesystem::path build;      //!< the only further folder for programs in the build folder
+  std::filesystem::path relative;   //!< folder relative to the prefix of the installed program
+  std::filesystem::path installed;  //!< folder in the configured install prefix
 
   [[nodiscard]] std::vector<std::filesystem::path> candidates() const;
 };

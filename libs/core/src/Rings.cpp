@@ -15,13 +15,13 @@ namespace
 constexpr auto pi = static_cast<float>(M_PI);
 constexpr std::size_t most_rings = 160;
 constexpr std::size_t fewest_rings = 4;
-/** Rings found by elevation have gaps between them, with next to no points. */
+/** Rings found by elevation: least share of empty elevations, largest share of points there. */
 constexpr float min_gap_share = 0.25F;
 constexpr float max_outside_share = 0.01F;
-/** Drivers put lasers without a return at the sensor, at any elevation [m]. */
+/** Nearer points may be no returns [m]: drivers put lasers without a return at the sensor. */
 constexpr float nearest_return = 1;
 
-/** Points that show a ring: returns, and of these the far ones if they are the most. */
+/** Points that show a ring: returns; only the far ones if these are the majority. */
 std::vector<std::uint32_t> clearReturns(const std::vector<Eigen::Vector3f>& points)
 {
   std::vector<std::uint32_t> returns;
@@ -40,7 +40,7 @@ std::vector<std::uint32_t> clearReturns(const std::vector<Eigen::Vector3f>& poin
   return 2 * far.size() > returns.size() ? far : returns;
 }
 
-/** Where a new ring begins when the azimuth's cut lies at `seam`. */
+/** Positions where a new ring begins if the azimuth wraps at `seam`. */
 std::vector<std::size_t> ringStarts(const std::vector<std::uint32_t>& returns,
                                     const std::vector<float>& azimuths,
                                     float seam)
@@ -61,7 +61,7 @@ std::vector<std::size_t> ringStarts(const std::vector<std::uint32_t>& returns,
   return starts;
 }
 
-/** Ring of each return, numbered as met; empty if the order of the file does not show rings. */
+/** Ring of each return, by first occurrence; empty if the order of the file shows no rings. */
 std::vector<std::uint16_t> ringsByOrder(const std::vector<std::uint32_t>& returns,
                                         const std::vector<float>& azimuths,
                                         const std::vector<float>& elevations)

@@ -14,7 +14,7 @@ namespace dyslam
 {
 namespace
 {
-/** What dlerror() says, without the path that every message names already. */
+/** Message of dlerror() without the path, which every message of ours has already. */
 std::string loadError(const std::string& path)
 {
   const char* said = dlerror();
@@ -39,7 +39,7 @@ std::vector<std::filesystem::path> moduleFolders()
           .candidates();
   if (const char* share = std::getenv("DYSLAM_SHARE"))
   {
-    // Programs elsewhere that use a tree installed in another prefix than the configured one.
+    // For programs outside an installation whose prefix is not the configured one.
     const auto prefix = std::filesystem::absolute(share) / ".." / "..";
     folders.push_back((prefix / DYSLAM_RELATIVE_MODULES).lexically_normal());
   }
@@ -59,8 +59,8 @@ bool usesV3()
 #endif
 }
 
-/** TBB's first loop loads a library of TBB's, for which it would wait until the module is loaded.
- */
+/** Runs TBB's first loop, which loads a library of TBB's: later it would wait until the module is
+ * loaded. */
 void startThreadPools()
 {
   ThreadPool pool(0);

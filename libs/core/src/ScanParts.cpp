@@ -11,8 +11,8 @@ namespace
 {
 constexpr std::size_t rings_of_lidar = 1024;
 
-/** Values of the first `before` points and of those after. None unless both have them, or, with
- * `fill`, unless one has. */
+/** Appends the values of the added points to those of the first `before` points. Empty unless both
+ * have values; with `fill`, missing ones are 0 if one has values. */
 template <typename Value>
 void appendValues(std::size_t before,
                   std::size_t added,
@@ -34,7 +34,7 @@ void appendValues(std::size_t before,
   }
 }
 
-/** First point after part `i`. */
+/** Index of the first point after lidar `i` of the scan; 0: the first lidar. */
 std::size_t endOf(const Scan& scan, std::size_t i)
 {
   return i < scan.parts.size() ? scan.parts[i].begin : scan.size();
@@ -67,7 +67,7 @@ std::vector<Value> slice(const std::vector<Value>& values,
              : std::vector<Value>();
 }
 
-/** Part `i` as its lidar measured it. \param range its points */
+/** Scan of lidar `i`, in its own frame. \param range its points in `scan` */
 Scan partOf(const Scan& scan, std::size_t i, const LidarRange& range)
 {
   Scan part;

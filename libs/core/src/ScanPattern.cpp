@@ -16,10 +16,10 @@ namespace
 {
 constexpr std::size_t min_rings = 4;
 constexpr std::size_t min_ring_points = 20;
-/** Median distance of a ring's points from its elevation, against the spacing of the rings. */
+/** Largest median distance of a ring's points from its elevation, relative to the ring spacing. */
 constexpr float max_ring_spread = 0.35F;
 constexpr std::size_t min_displaced_rings = 8;
-/** The same, against the range of elevations of the rings, where they are displaced. */
+/** For displaced rings: the same, relative to the range of elevations of the rings. */
 constexpr float max_displaced_spread = 0.25F;
 /** Share of the returns left out at either end of the elevations. */
 constexpr double trimmed_share = 0.0005;
@@ -31,11 +31,11 @@ constexpr std::size_t examined_rings = 8;
 struct Ring
 {
   float elevation = 0;
-  float spread = 0;  //!< median distance of the points from it
+  float spread = 0;  //!< median distance of the points from the ring's elevation
   std::uint16_t number = 0;
 };
 
-/** Rings that have points enough, ascending by elevation. */
+/** Rings with enough points, by ascending elevation. */
 std::vector<Ring> measureRings(const std::vector<Eigen::Vector3f>& points,
                                const std::vector<std::uint16_t>& numbers)
 {
@@ -72,8 +72,9 @@ std::vector<Ring> measureRings(const std::vector<Eigen::Vector3f>& points,
   return rings;
 }
 
-/** Steps of elevation from ring to ring; rings between that had no returns are counted. Numbers
- * between that other rings have do not count: lasers may be numbered as they fire. */
+/** Elevation steps between neighbouring rings; a step over rings without returns, by their numbers,
+ * is divided. Numbers in between that belong to other rings do not count: lasers may be numbered in
+ * the order of firing. */
 std::vector<float> spacings(const std::vector<Ring>& rings)
 {
   std::vector<int> rings_below(65537, 0);  // by number
@@ -103,7 +104,7 @@ float medianSpread(const std::vector<Ring>& rings)
   return quantile(spreads, 0.5);
 }
 
-/** Each ring has an elevation of its own. */
+/** Whether each ring has an elevation of its own. */
 bool areRings(const std::vector<Ring>& rings)
 {
   if (rings.size() < min_rings)
@@ -114,7 +115,7 @@ bool areRings(const std::vector<Ring>& rings)
   return medianSpread(rings) < max_ring_spread * quantile(steps, 0.5);
 }
 
-/** 2 pi for a full revolution. */
+/** Horizontal field of view [rad]; 2 pi for a full revolution. */
 double azimuthExtent(const std::vector<Eigen::Vector3f>& points)
 {
   std::array<bool, 360> seen{};
@@ -135,9 +136,9 @@ double azimuthExtent(const std::vector<Eigen::Vector3f>& points)
   return 2 * M_PI * (widest < min_gap ? 1.0 : 1.0 - std::min(widest, 360) / 360.0);
 }
 
-/** The rings of a lidar that turns, seen from beside it, as in points that were moved to the
- * vehicle's origin: they have no elevation of their own, but lie one over the other. The few lines
- * of a Livox and the rows of a camera are no such rings. */
+/** Whether the rings are those of a spinning lidar seen from beside it, as in points that were
+ * moved to the vehicle's origin: they have no elevation of their own, but lie one over the other.
+ * The few lines of a Livox and the rows of a camera are no such rings. */
 bool areDisplacedRings(const std::vector<Ring>& rings, const std::vector<Eigen::Vector3f>& points)
 {
   return rings.size() >= min_displaced_rings &&

@@ -15,7 +15,7 @@ namespace dyslam
 {
 namespace
 {
-/** Slots come in few sizes, an eighth apart at most, so that they can be used again. */
+/** Slots have few sizes, at most an eighth apart, so that they can be reused. */
 std::uint32_t capacityFor(std::size_t size)
 {
   constexpr std::size_t least = 64;
@@ -48,7 +48,7 @@ int openUnnamed(const std::string& folder)
   return named;
 }
 
-/** \return 0, or why not all could be written. */
+/** \return 0, or the errno of the failed write. */
 int writeAll(int file, std::string_view bytes, std::uint64_t offset)
 {
   while (!bytes.empty())

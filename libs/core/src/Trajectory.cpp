@@ -11,7 +11,7 @@ namespace dyslam
 {
 namespace
 {
-/** First pose at or after a time. */
+/** Iterator to the first pose at or after a time. */
 auto lowerBound(const std::vector<StampedPose>& poses, double stamp)
 {
   return std::lower_bound(poses.begin(), poses.end(), stamp,

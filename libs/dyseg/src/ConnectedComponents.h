@@ -8,9 +8,9 @@ namespace dyslam
 {
 /** Connected components (8-neighbourhood) of the foreground cells of a grid.
  *
- * \param width of the grid [cells]
+ * \param width width of the grid [cells]
  * \param foreground predicate on a cell's index; must be false on the border of the grid
- * \param label of each cell, row by row, all -1; set to the index of its component, from 0
+ * \param label one value per cell, row by row, all -1; set to the index of its component, from 0
  * \return the number of components. */
 template <typename Foreground>
 int labelComponents(int width, const Foreground& foreground, std::vector<int>& label)

@@ -12,7 +12,7 @@ namespace dyslam
  *
  * Points above ground are binned in a bird's-eye-view grid. Cells with more moving than static
  * votes form objects (connected components), which are kept if they have enough moving points and a
- * sufficient ratio of them.
+ * sufficient fraction of moving points.
  */
 class MovingCells
 {
@@ -31,9 +31,9 @@ class MovingCells
   struct Cell
   {
     float lowest = 1e9F;   //!< z of the lowest point [m]
-    int points = 0;        //!< candidates
-    int moving = 0;        //!< candidates with a moving vote
-    int voted_static = 0;  //!< candidates with a static vote
+    int points = 0;        //!< number of candidates
+    int moving = 0;        //!< number of candidates with a moving vote
+    int voted_static = 0;  //!< number of candidates with a static vote
   };
 
   [[nodiscard]] int cellOf(const Eigen::Vector3f& p) const;

@@ -10,10 +10,10 @@ namespace dyslam
 {
 namespace
 {
-constexpr double margin = 1.6;  // [m], keeps candidates off the grid's border
+constexpr double margin = 1.6;  // keeps candidates off the grid's border [m]
 constexpr float moving_threshold = 0.5F;
 constexpr float rejected_probability = 0.4F;
-constexpr float min_height = 0.35F;  // [m], of 3 x 3 cells that are not ground
+constexpr float min_height = 0.35F;  // least height range of 3 x 3 cells that are not ground [m]
 
 struct Cell
 {
@@ -68,7 +68,7 @@ CandidateGrid makeGrid(const std::vector<Eigen::Vector3f>& points,
   return grid;
 }
 
-/** Most candidates of the cell are moving, and it is not flat ground. */
+/** Whether most candidates of a cell are moving and the cell is not flat ground. */
 bool isMoving(const CandidateGrid& grid, int cell)
 {
   const auto at = [&](int i) -> const Cell& { return grid.cells[static_cast<std::size_t>(i)]; };
@@ -92,16 +92,16 @@ bool isMoving(const CandidateGrid& grid, int cell)
 /** A connected component of moving cells. */
 struct Group
 {
-  int points = 0;    //!< moving ones
-  int free = 0;      //!< of them, at positions that the earlier scan observed free
-  int occupied = 0;  //!< of them, at positions that it observed occupied
+  int points = 0;    //!< number of moving points
+  int free = 0;      //!< moving points at positions that the earlier scan observed free
+  int occupied = 0;  //!< moving points at positions that the earlier scan observed occupied
 
   void add(PastVisibility visibility)
   {
     free += visibility == PastVisibility::free ? 1 : 0;
     occupied += visibility == PastVisibility::occupied ? 1 : 0;
   }
-  /** Whether it was already at its position: a moving object covers some formerly free space. */
+  /** Whether a group was already at its position: moving objects cover some formerly free space. */
   [[nodiscard]] bool wasThereBefore() const
   {
     constexpr float max_free_ratio = 0.05F;

@@ -10,9 +10,9 @@ namespace dyslam
 {
 struct MovingGroupsOptions
 {
-  double cell_size = 0.6;  //!< [m]
+  double cell_size = 0.6;  //!< side of a grid cell [m]
   double reach = 102.4;    //!< half extent of the network's grid [m]
-  int min_points = 5;      //!< moving points in the smallest group that is kept
+  int min_points = 5;      //!< least number of moving points of a group
 };
 
 /** Rejects isolated moving points, and groups that were already at their position.
@@ -23,8 +23,9 @@ struct MovingGroupsOptions
  * fewer than min_points, and in groups whose positions an earlier scan observed almost all occupied
  * and hardly any free.
  * \param points sensor frame [m]
- * \param visibility of each point's position in that earlier scan
- * \param probability of each point, filtered in place; 0 for points outside the network's input
+ * \param visibility visibility of each point's position in that earlier scan
+ * \param probability moving probability of each point, filtered in place; 0 for points outside the
+ * network's input
  */
 void keepMovingGroups(const std::vector<Eigen::Vector3f>& points,
                       const std::vector<PastVisibility>& visibility,

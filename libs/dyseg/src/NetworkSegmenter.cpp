@@ -19,18 +19,18 @@ namespace
 {
 // Uncertainty of a static flow beyond its own residuals: cells of 0.8 m are not independent, and
 // height, roll and pitch are not observed.
-constexpr double min_rmse = 0.05;  // m
+constexpr double min_rmse = 0.05;  // least RMSE of the cells [m]
 constexpr double cells_per_measurement = 20;
-constexpr double min_margin = 0.1;           // of the best motion over any other
-constexpr double height_sigma = 0.1;         // m
-constexpr double tilt_sigma = 0.01;          // rad
-constexpr double prior_search_radius = 0.2;  // m
-constexpr double lever = 20;                 // m, typical distance of a cell
+constexpr double min_margin = 0.1;           // least margin of the best motion over any other
+constexpr double height_sigma = 0.1;         // sigma of z [m]
+constexpr double tilt_sigma = 0.01;          // sigma of roll and pitch [rad]
+constexpr double prior_search_radius = 0.2;  // search range around the prior [m]
+constexpr double lever = 20;                 // typical distance of a cell [m]
 
 MotionEstimate motionOf(const RigidFlowFit& fit, const Eigen::Vector3d& sensor)
 {
   MotionEstimate m;
-  // The network's frame is the vehicle's, moved to the sensor.
+  // The network's frame has the axes of the vehicle and its origin at the sensor.
   const Pose to_vehicle = Pose(Eigen::Translation3d(sensor));
   m.T_previous_current = to_vehicle * fit.motion.pose() * to_vehicle.inverse();
   const bool distinct = fit.margin >= min_margin;
@@ -58,7 +58,7 @@ float logOdds(float probability)
   return std::log(p / (1 - p));
 }
 
-/** Shifts the log-odds such that `threshold` becomes 0.5; a probability of 0 stays. */
+/** Shifts the log-odds so that `threshold` becomes 0.5; a probability of 0 is not changed. */
 void calibrate(double threshold, std::vector<float>& probability)
 {
   const float shift = logOdds(static_cast<float>(threshold));
@@ -79,9 +79,9 @@ struct NetworkSegmenter::Impl
 {
   struct Past
   {
-    std::size_t index = 0;  //!< of the frame; in saved states alone
+    std::size_t index = 0;  //!< Frame::index; only in saved states
     std::shared_ptr<const EncodedPoints> scan;
-    PlanarMotion from_current;  //!< static motion from the scan at hand to this one
+    PlanarMotion from_current;  //!< static motion from the current scan to this one
     Pose T_odom_vehicle = Pose::Identity();
   };
 
@@ -90,30 +90,30 @@ struct NetworkSegmenter::Impl
 
   NetworkSegmenterOptions options;
   DysegModel model;
-  std::deque<Past> past;                        //!< newest first
-  std::optional<RigidFlowFit> last_step;        //!< to the scan before, if it was estimated
-  std::optional<MotionEstimate> static_motion;  //!< to the scan compared with
-  std::vector<PastVisibility> seen;             //!< of the scan at hand, in the one compared with
+  std::deque<Past> past;                  //!< past scans, newest first
+  std::optional<RigidFlowFit> last_step;  //!< static motion to the previous scan, if estimated
+  std::optional<MotionEstimate> static_motion;  //!< motion to the compared scan
+  std::vector<PastVisibility> seen;  //!< visibility of current points in the compared scan
 
-  /** Whether the static motion is searched around the prior alone. */
+  /** Whether the static motion is searched only around the prior. */
   [[nodiscard]] bool searchesAroundPrior(const Frame& frame) const
   {
     return frame.prior.reliable &&
            (options.search == "prior" || (options.search == "auto" && historyComplete()));
   }
-  /** The past reaches back as far as scans are compared. */
+  /** Whether there are enough past scans for the comparison over `first_gap` scans. */
   [[nodiscard]] bool historyComplete() const
   {
     return past.size() >= static_cast<std::size_t>(options.first_gap);
   }
-  /** Past::from_current of all of them, by the odometry. */
+  /** Sets Past::from_current of all past scans by the odometry. */
   void followOdometry(const Frame& frame, const Eigen::Vector3d& sensor);
-  /** The same by the static motion to the scan before, which is estimated; the prior's where too
-   * few cells show it. */
+  /** Updates Past::from_current of all past scans by the estimated static motion to the previous
+   * scan; by the prior if too few cells determine it. */
   void followScans(const DysegModel::Encoded& current,
                    const Frame& frame,
                    const Eigen::Vector3d& sensor);
-  /** Segments by comparison with the scan `back` scans ago; keeps the motion. */
+  /** Segments by comparison with the scan `back` scans ago; stores the static motion. */
   [[nodiscard]] std::vector<float> compareWith(const DysegModel::Encoded& current,
                                                const Frame& frame,
                                                std::size_t back,
@@ -269,7 +269,7 @@ void NetworkSegmenter::segmentEncoded(Frame& frame,
   }
   if (!s.past.empty())
   {
-    // Known only now: the odometry has estimated the pose of the scan before since.
+    // Since the last call the odometry has estimated the pose of the previous scan.
     s.past.front().T_odom_vehicle = frame.T_odom_vehicle * frame.prior.T_previous_current.inverse();
     if (s.historyComplete() && s.searchesAroundPrior(frame))
     {

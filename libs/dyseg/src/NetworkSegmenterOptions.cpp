@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Apart from the segmenter, so that its section is known in builds without libtorch too.
+// Separate from the segmenter, so that its ini section is also known in builds without libtorch.
 #include <dyslam/dyseg/NetworkSegmenter.h>
 
 namespace dyslam

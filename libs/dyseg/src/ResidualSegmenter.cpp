@@ -17,7 +17,7 @@ namespace
 /** The range image covers the slopes from -0.6 to 0.6 in a whole number of rows; row 0 is at -0.6.
  */
 constexpr double origin_slope = 0.6;
-/** Returns steeper than this are left out. */
+/** Slope beyond which returns are ignored. */
 constexpr float steepest_slope = 2;
 constexpr std::size_t chunk_size = 4096;
 
@@ -58,7 +58,7 @@ namespace
 const ResidualSegmenterOptions& validated(const ResidualSegmenterOptions& options)
 {
   validate(options, "residual");
-  constexpr double most_cells = 1000;  // from the sensor to max_range; the grid is in memory
+  constexpr double most_cells = 1000;  // largest number of cells up to max_range: limits memory
   if (options.max_range > most_cells * options.cell_size)
   {
     throw UserError("[residual] cell_size is too small; use at least max_range / 1000");
@@ -78,7 +78,7 @@ ResidualSegmenter::ResidualSegmenter(const ResidualSegmenterOptions& options, Th
 
 namespace
 {
-/** Row and column by slope and azimuth; a point that is not finite counts as steep. */
+/** Row and column of a point by slope and azimuth; a point that is not finite counts as steep. */
 Direction directionOf(const Eigen::Vector3f& p, float row_height, int columns)
 {
   const SweepModel counter_clockwise{1, M_PI};
@@ -117,7 +117,7 @@ ResidualSegmenter::PastImage ResidualSegmenter::project(const Eigen::Vector3f* p
                                                         Pose T_vehicle_lidar) const
 {
   PastImage past;
-  if (T_vehicle_lidar.linear()(2, 2) < 0)  // mounted upside down: the sky is above all the same
+  if (T_vehicle_lidar.linear()(2, 2) < 0)  // mounted upside down: turned, as the sky is above
   {
     T_vehicle_lidar = T_vehicle_lidar * poseFromYpr(0, 0, 0, 0, 0, M_PI);
   }
@@ -182,7 +182,7 @@ int ResidualSegmenter::vote(const PastImage& past, const Eigen::Vector3f& point)
       nearest = std::min(nearest, range);
     }
   }
-  // Rays on one side only may have passed just over the edge of a static object.
+  // Rays on only one side may have passed just over the edge of a static object.
   const bool open_above = options_.open_sky && row + 1 < past.rows - 2;
   const bool enclosed = seen_in_row[0] && (seen_in_row[2] || open_above);
   return enclosed && d.range < nearest - margin ? 2 : 0;

@@ -24,7 +24,7 @@ struct SegmentationCounts : DysegScores
 {
   std::uint64_t static_points = 0;
   std::vector<double> ms;      //!< wall time of each scan
-  std::vector<double> cpu_ms;  //!< CPU time of all threads, of each scan
+  std::vector<double> cpu_ms;  //!< CPU time of each scan, all threads
 };
 
 /** Segmentation of one object, summed over frames. */

@@ -8,7 +8,7 @@ namespace dyslam
 {
 namespace
 {
-constexpr double shortest_motion = 1.0;  //!< [m] compared; shorter ones are mostly noise
+constexpr double shortest_motion = 1.0;  //!< shorter motions are mostly noise [m]
 
 Eigen::Vector3d motion(const std::vector<Pose>& poses, std::size_t from, std::size_t to)
 {

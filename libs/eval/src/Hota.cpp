@@ -20,8 +20,8 @@ using Ids = std::pair<int, int>;
 
 constexpr double not_allowed = std::numeric_limits<double>::infinity();
 
-/** The frame without ignored boxes: ignored references, estimates matched to them, and ignorable
- * unmatched estimates. */
+/** The frame without ignored boxes: without ignored references, estimates matched to them, and
+ * ignorable unmatched estimates. */
 EvaluationFrame withoutIgnored(const EvaluationFrame& frame, double min_iou)
 {
   CostMatrix cost = frame.iou;
@@ -81,7 +81,7 @@ class HotaSequence
  public:
   HotaSequence(const Sequence& sequence, const TrackRules& rules)
   {
-    // KITTI matches ignored boxes from half an overlap on; others as their own rules do.
+    // KITTI matches ignored boxes from an IoU of 0.5 on, other rules by their own limit.
     const double least = rules.image_rules ? 0.5 : rules.min_iou;
     for (const EvaluationFrame& frame : sequence.frames)
     {

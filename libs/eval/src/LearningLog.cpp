@@ -13,7 +13,7 @@ namespace
 {
 constexpr const char* blanks = " \t\r";
 
-/** The fields of a row without the blanks around them; none of a blank line. */
+/** Fields of a row without surrounding blanks; none for a blank line. */
 std::vector<std::string> cellsOf(const std::string& line)
 {
   std::vector<std::string> cells;
@@ -21,7 +21,7 @@ std::vector<std::string> cellsOf(const std::string& line)
   {
     return cells;
   }
-  std::istringstream in(line + ",");  // getline() would not give an empty last field
+  std::istringstream in(line + ",");  // otherwise getline() skips an empty last field
   for (std::string cell; std::getline(in, cell, ',');)
   {
     const auto first = cell.find_first_not_of(blanks);

@@ -56,7 +56,7 @@ DistanceSummary distanceSummary(const std::vector<float>& distances)
   summary.max = statistics.max;
   for (std::size_t i = 0; i < summary.shares.size(); ++i)
   {
-    // As float, as the distances are: one of 0.1 m counts as within 0.1 m.
+    // As float like the distances, so that a distance of 0.1 m counts as within 0.1 m.
     const auto limit = static_cast<double>(static_cast<float>(DistanceSummary::limits[i]));
     const auto within =
         std::count_if(values.begin(), values.end(), [limit](double v) { return v <= limit; });

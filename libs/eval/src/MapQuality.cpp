@@ -11,7 +11,7 @@ namespace dyslam
 {
 namespace
 {
-constexpr double flat = 1e-12;          // m^2: below, rounding decides the entropy
+constexpr double flat = 1e-12;          // smallest eigenvalue that is not a rounding error [m^2]
 constexpr std::size_t least_count = 4;  // fewer points always lie in a plane
 }  // namespace
 

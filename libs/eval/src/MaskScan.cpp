@@ -18,8 +18,8 @@ constexpr std::string_view mask_header = "x,y,z,static_confidence,label";
 /** A sampled point whose true label is known. */
 struct Sample
 {
-  float confidence;  //!< that it is static
-  bool moving;       //!< by its label
+  float confidence;  //!< static confidence
+  bool moving;       //!< true label
 };
 
 std::vector<Sample> labelledSamples(const MaskScan& scan)
@@ -130,7 +130,7 @@ std::vector<Eigen::Vector2d> rocCurve(const MaskScan& scan)
   for (std::size_t i = 0; i < samples.size(); ++i)
   {
     (samples[i].moving ? moving : static_count) += 1;
-    // Equal confidences are called moving together.
+    // Points of equal confidence pass the threshold together.
     if (i + 1 == samples.size() || samples[i].confidence < samples[i + 1].confidence)
     {
       curve.emplace_back(static_count / all_static, moving / all_moving);

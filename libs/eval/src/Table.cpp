@@ -23,7 +23,7 @@ std::string fixed(std::optional<double> number, int digits)
   return number && std::isfinite(*number) ? formatted("%.*f", digits, *number) : "-";
 }
 
-/** Characters on screen of UTF-8 text: bytes that do not continue a character. */
+/** Number of characters of UTF-8 text: bytes that do not continue a character. */
 std::size_t width(const std::string& text)
 {
   return static_cast<std::size_t>(

@@ -67,7 +67,7 @@ TrackSpeeds speedsFrom(const std::vector<LabelledBox>& boxes,
   struct StampedPosition
   {
     double stamp;
-    Eigen::Vector3d position;  // world
+    Eigen::Vector3d position;  // world frame [m]
   };
   std::map<std::pair<int, int>, StampedPosition> observations;  // by id and frame
   for (const LabelledBox& box : boxes)

@@ -110,7 +110,7 @@ class ClearMotCount
       history.matched.back() = frame.estimate_id[estimate];
       if (frame.ignored[i] && !rules_.image_rules)
       {
-        continue;  // KITTI alone counts them
+        continue;  // only KITTI counts ignored boxes
       }
       overlap_ += 1 - cost(static_cast<Eigen::Index>(i), j);
       ++result_.matches;

@@ -16,7 +16,7 @@ namespace
 // KITTI's rules.
 constexpr int max_truncated = 0;
 constexpr int max_occluded = 2;
-constexpr double min_image_height = 25;  // of estimates [px]
+constexpr double min_image_height = 25;  // least image height of estimates [px]
 constexpr double max_dontcare = 0.5;     // fraction of an estimate's image box in a DontCare area
 
 double imageArea(const Eigen::Vector4d& box)

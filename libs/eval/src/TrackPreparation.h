@@ -13,16 +13,16 @@ namespace dyslam::track_evaluation
 struct EvaluationFrame
 {
   std::vector<int> reference_id;
-  std::vector<bool> ignored;  //!< per reference box: neither hit nor miss
+  std::vector<bool> ignored;  //!< per reference box: ignored, neither hit nor miss
   std::vector<int> estimate_id;
   std::vector<bool> ignorable;  //!< per estimate: no false positive if unmatched
-  CostMatrix iou;               //!< or distance-based similarity, references x estimates
+  CostMatrix iou;               //!< IoU or distance-based similarity, references x estimates
 };
 
 struct Sequence
 {
   std::vector<EvaluationFrame> frames;
-  std::map<int, double> mean_score;  //!< of each estimated track
+  std::map<int, double> mean_score;  //!< mean score of each estimated track
 };
 
 /** Boxes selected by the rules, by frame, with their similarities. */

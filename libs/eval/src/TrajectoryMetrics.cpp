@@ -81,7 +81,7 @@ Eigen::Matrix3d optimalRotation(const PosePairs& pairs,
     orientations += pairs.reference[i].linear() * pairs.estimate[i].linear().transpose();
     spread += r.squaredNorm() + e.squaredNorm();
   }
-  // Negligible unless the positions leave the rotation undetermined.
+  // Negligible unless the positions do not determine the rotation.
   constexpr double orientation_weight = 1e-9;
   const double scale = spread > 0 ? spread : 1.0;
   positions += orientation_weight * scale / static_cast<double>(pairs.size()) * orientations;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What the readers of bags have in common, and the functions that make them.
+// Common parts of the readers of bags, and the functions that make the readers.
 #pragma once
 
 #include <dyslam/formats/Bag.h>
@@ -11,14 +11,14 @@
 
 namespace dyslam
 {
-/** Messages of a topic or connection: their number and the times of the first and the last. */
+/** Number of messages of a topic or connection, and the times of the first and the last. */
 struct MessageSpan
 {
   std::size_t messages = 0;
   double first = 0;  //!< recording time, UNIX time [s]
-  double last = 0;   //!< ... of the last message
+  double last = 0;   //!< recording time of the last message, UNIX time [s]
 
-  /** Adds a message recorded at that time [s]. */
+  /** Adds a message. \param recorded its recording time, UNIX time [s] */
   void add(double recorded) { add(MessageSpan{1, recorded, recorded}); }
   void add(const MessageSpan& other)
   {
@@ -41,13 +41,13 @@ inline void addMessages(const MessageSpan& added, BagTopic& topic)
   topic.last = all.last;
 }
 
-/** Whether two topics, of connections or of parts of a recording, are one. */
+/** Whether two topics, of connections or of parts of a recording, are the same. */
 [[nodiscard]] inline bool isSameTopic(const BagTopic& a, const BagTopic& b)
 {
   return a.name == b.name && a.type == b.type && a.encoding == b.encoding;
 }
 
-/** Whole seconds and the rest are converted apart, to lose no digits. */
+/** Seconds of a time; whole seconds and the rest are converted separately, to lose no digits. */
 template <typename Integer>
 [[nodiscard]] double secondsOfNanoseconds(Integer nanoseconds)
 {

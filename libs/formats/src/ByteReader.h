@@ -12,7 +12,7 @@
 
 namespace dyslam
 {
-/** Numbers and strings out of a block of bytes; never reads past its end. */
+/** Reads numbers and strings from a block of bytes, never past its end. */
 class ByteReader
 {
  public:
@@ -55,7 +55,7 @@ class ByteReader
     return static_cast<double>(seconds) + 1e-9 * static_cast<double>(u32());
   }
 
-  /** The next `count` bytes; they stay where they are. */
+  /** View of the next `count` bytes. */
   std::string_view take(std::uint64_t count)
   {
     if (count > left())
@@ -66,7 +66,7 @@ class ByteReader
     at_ += count;
     return part;
   }
-  /** Length as uint32, then that many bytes. */
+  /** A text: length as uint32, then its bytes. */
   std::string_view block() { return take(u32()); }
   void align(std::size_t size)
   {

@@ -13,8 +13,8 @@
 
 namespace dyslam
 {
-/** What ROS 1 bags and mcap files have in common: messages in chunks that may be compressed, an
- * index behind each chunk, and definitions of the topics in the chunks and again at the end. */
+/** Base class of ROS 1 bags and mcap files, which have messages in chunks that may be compressed,
+ * an index after each chunk, and definitions of the topics in the chunks and again at the end. */
 class ChunkedBag : public Bag
 {
  public:
@@ -25,15 +25,15 @@ class ChunkedBag : public Bag
   [[nodiscard]] std::vector<std::string> warnings() const override { return warnings_; }
 
  protected:
-  /** A stretch of the file that holds messages. */
+  /** A part of the file with messages. */
   struct Chunk
   {
-    std::uint64_t offset = 0;  //!< of the data, which may be compressed
+    std::uint64_t offset = 0;  //!< offset of the data, which may be compressed
     std::uint64_t size = 0;
     std::string compression = "none";
     std::uint64_t unpacked = 0;  //!< size of the data without compression; 0: unknown
     std::uint32_t crc = 0;       //!< CRC-32 of the data without compression; 0: unknown
-    std::map<std::uint32_t, MessageSpan> index;  //!< by connection
+    std::map<std::uint32_t, MessageSpan> index;  //!< messages by connection
   };
 
   explicit ChunkedBag(const std::string& path);
@@ -42,7 +42,7 @@ class ChunkedBag : public Bag
   struct Record
   {
     std::uint32_t connection = 0;
-    double stamp = 0;  //!< [s]
+    double stamp = 0;  //!< recording time, UNIX time [s]
     std::string_view data;
   };
   virtual std::optional<Record> readRecord(ByteReader& chunk) = 0;
@@ -52,11 +52,10 @@ class ChunkedBag : public Bag
   void beginChunk(Chunk chunk);
   /** Notes the messages of a connection in the newest chunk. */
   void addIndex(std::uint32_t connection, const MessageSpan& messages);
-  /** Counts the messages; chunks without an index are read for that. Call it once, after all else.
-   */
+  /** Counts the messages; chunks without an index are read for this. To be called once, at last. */
   void finishIndex();
 
-  /** `count` bytes from there. \throws UserError where the file ends before. */
+  /** Reads `count` bytes from an offset. \throws UserError if the file is shorter. */
   [[nodiscard]] std::string bytesAt(std::uint64_t offset, std::uint64_t count);
   [[nodiscard]] std::uint64_t size() const { return size_; }
   [[nodiscard]] const std::string& path() const { return path_; }
@@ -75,13 +74,13 @@ class ChunkedBag : public Bag
   std::ifstream file_;
   std::uint64_t size_ = 0;
   std::vector<BagTopic> topics_;
-  std::map<std::uint32_t, std::size_t> topic_of_;  //!< by connection
+  std::map<std::uint32_t, std::size_t> topic_of_;  //!< index of the topic by connection
   std::vector<Chunk> chunks_;
   std::set<std::size_t> selected_;
   std::vector<std::string> warnings_;
 
   std::size_t next_chunk_ = 0;
-  std::string content_;  //!< of the chunk at hand
+  std::string content_;  //!< content of the current chunk
   std::optional<ByteReader> reader_;
 };
 }  // namespace dyslam

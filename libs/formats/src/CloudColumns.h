@@ -32,7 +32,7 @@ struct CloudNumber
   }
 };
 
-/** The fields of a cloud that a scan has, by their usual names, whatever their types. */
+/** Columns of a cloud that a Scan has, recognised by their usual names, of any type. */
 class CloudColumns
 {
  public:
@@ -68,11 +68,11 @@ class CloudColumns
   struct Column
   {
     bool there = false;
-    std::size_t rank = 0;  //!< of its name: the lower is taken
+    std::size_t rank = 0;  //!< rank of its name: the lowest is used
     std::size_t field = 0;
     std::string name;
     CloudNumber type;
-    bool exact = false;  //!< more digits than single precision has
+    bool exact = false;  //!< type with more digits than single precision
     std::vector<double> values;
   };
   /** Takes the field declared last for a role, if it has one of the names, and a better one than
@@ -93,8 +93,8 @@ class CloudColumns
 [[nodiscard]] double cloudNumber(const char* bytes, CloudNumber type);
 /** \param path of the file, for messages. \throws UserError if it is not a number. */
 [[nodiscard]] double cloudNumber(std::string_view word, const std::string& path);
-/** The ring that the number of a field is: whole, 0 to 65535; 0 if it is not finite. */
+/** Ring number from the number of a field: an integer in 0 to 65535; 0 if it is not finite. */
 [[nodiscard]] std::uint16_t ringNumber(double value);
-/** The words of a line, parted by blanks. */
+/** Words of a line, separated by blanks. */
 [[nodiscard]] std::vector<std::string_view> cloudWords(std::string_view line);
 }  // namespace dyslam

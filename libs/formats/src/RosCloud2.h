@@ -15,7 +15,7 @@ namespace dyslam
 struct PointField
 {
   std::string name;
-  std::uint32_t offset = 0;         //!< in a point [bytes]
+  std::uint32_t offset = 0;         //!< offset in a point [bytes]
   std::optional<CloudNumber> type;  //!< nothing: not one of sensor_msgs/PointField
 };
 
@@ -36,7 +36,7 @@ struct PointField
                                                    : std::nullopt;
 }
 
-/** A sensor_msgs/PointCloud2, its points as views into the message. */
+/** A sensor_msgs/PointCloud2; its points are views into the message. */
 struct RosScanDecoder::Cloud2
 {
   RosHeader header;
@@ -50,7 +50,7 @@ struct RosScanDecoder::Cloud2
 
   [[nodiscard]] std::size_t size() const { return static_cast<std::size_t>(width) * height; }
 
-  /** The field with the first of the names that one has; null if none has. */
+  /** Field with the first of the names that a field has; null if none has. */
   template <typename Names>
   [[nodiscard]] const PointField* findAny(const Names& names) const
   {
@@ -79,7 +79,7 @@ struct RosScanDecoder::Cloud2
     return cloudNumber(at, *field.type);
   }
 
-  /** The field's value of every point. */
+  /** Values of a field, one per point. */
   [[nodiscard]] std::vector<double> values(const PointField& field) const
   {
     std::vector<double> all(size());

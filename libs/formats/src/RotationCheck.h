@@ -6,8 +6,8 @@
 
 namespace dyslam
 {
-/** Whether a matrix that was read from a file is a rotation. Text with few digits and float
- * products are a little off; a matrix that is off by more is something else. */
+/** Whether a matrix that was read from a file is a rotation, with a tolerance for text with few
+ * digits and for float products. */
 [[nodiscard]] inline bool isRotation(const Eigen::Matrix3d& R)
 {
   constexpr double tolerance = 0.02;

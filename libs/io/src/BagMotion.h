@@ -14,11 +14,11 @@
 
 namespace dyslam
 {
-/** Where the sensors of a bag are mounted. */
+/** Mountings of the sensors of a bag. */
 struct BagFrames
 {
-  std::string lidar;         //!< of the scans
-  RosTransforms transforms;  //!< of /tf_static
+  std::string lidar;         //!< frame of the scans
+  RosTransforms transforms;  //!< transforms of /tf_static
 };
 
 /** Passes IMU, wheel odometry and satellite receiver of a bag to the sink, as `imu_topic`,
@@ -33,13 +33,13 @@ class BagMotion
             const ScanConverterOptions& options,
             ScanSink& sink);
 
-  /** Positions in Bag::topics() of the scans and of the topics that are selected. */
+  /** Indices in Bag::topics() of the scans and of the selected topics. */
   [[nodiscard]] std::vector<std::size_t> topicsWith(std::size_t scans) const;
-  /** \param message of one of these topics, but not of the scans. \throws UserError if it is
+  /** Adds a message of one of the selected topics, but not of the scans. \throws UserError if it is
    * damaged. */
   void add(const BagMessage& message);
-  /** Whether IMU and wheel odometry, where selected, have had a sample that is as new as a scan.
-   * \param stamp of the scan [s], not written yet */
+  /** Whether the selected ones of IMU and wheel odometry have a sample that is as new as a scan.
+   * \param stamp stamp of the scan [s], which is not written yet */
   [[nodiscard]] bool hasSamplesFrom(double stamp) const;
   /** Notes and warnings, after the last message. */
   void report();
@@ -64,15 +64,15 @@ class BagMotion
   const BagFrames& frames_;
   const ScanConverterOptions& options_;
   ScanSink& sink_;
-  std::optional<std::size_t> imu_;         //!< topic
-  std::optional<std::size_t> odometry_;    //!< topic
-  std::optional<std::size_t> gnss_;        //!< topic
-  std::optional<Pose> T_vehicle_imu_;      //!< from the first sample on
-  std::optional<Pose> T_vehicle_body_;     //!< of the odometry's body, from its first message on
-  std::optional<Pose> T_vehicle_antenna_;  //!< from the first fix on
-  std::string imu_mounting_;               //!< for the note
-  std::string body_mounting_;              //!< for the note
-  std::string antenna_mounting_;           //!< for the note
+  std::optional<std::size_t> imu_;       //!< index of the topic
+  std::optional<std::size_t> odometry_;  //!< index of the topic
+  std::optional<std::size_t> gnss_;      //!< index of the topic
+  std::optional<Pose> T_vehicle_imu_;    //!< known from the first sample on
+  std::optional<Pose> T_vehicle_body_;   //!< body of the odometry, known from its first message on
+  std::optional<Pose> T_vehicle_antenna_;  //!< known from the first fix on
+  std::string imu_mounting_;               //!< mounting of the IMU, for the note
+  std::string body_mounting_;              //!< mounting of the odometry's body, for the note
+  std::string antenna_mounting_;           //!< mounting of the antenna, for the note
   std::size_t imu_left_out_ = 0;
   std::size_t fixes_left_out_ = 0;
   std::size_t twists_left_out_ = 0;

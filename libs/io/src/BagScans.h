@@ -21,12 +21,12 @@ class BagScans
   BagScans(const BagScans&) = delete;
   BagScans& operator=(const BagScans&) = delete;
 
-  /** The scans that are complete with this message: one of a cloud, one or none of packets.
-   * \throws UserError naming the message and what is wrong with it. */
+  /** Adds a message. \return the scans that it completes: one for a cloud, one or none for packets
+   * \throws UserError naming the message and the problem. */
   [[nodiscard]] virtual std::vector<Scan> add(const BagMessage& message) = 0;
-  /** No messages follow. \return the scans that were held back. \throws UserError. */
+  /** To be called after the last message. \return the remaining scans \throws UserError. */
   [[nodiscard]] virtual std::vector<Scan> finish() { return {}; }
-  /** How the messages were interpreted, a line each. */
+  /** Interpretations of the messages, one line each. */
   [[nodiscard]] virtual std::vector<std::string> notes() const { return {}; }
   [[nodiscard]] virtual std::vector<std::string> warnings() const = 0;
 };

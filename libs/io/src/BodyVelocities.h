@@ -10,7 +10,7 @@ namespace dyslam
 /** Velocity of a body at one instant. */
 struct StampedVelocity
 {
-  double stamp = 0;                    //!< [s]
+  double stamp = 0;                    //!< UNIX time [s]
   Vector6 velocity = Vector6::Zero();  //!< along the body's axes [m/s], [rad/s]
 };
 
@@ -19,14 +19,14 @@ struct StampedVelocity
 class BodyVelocities
 {
  public:
-  /** \param stamp [s] \param measured along the body's axes [m/s], [rad/s]
-   * \param T_parent_body in a frame that does not move
-   * \return the measured one, or that from the pose before to this one, at the middle of their
-   * times; nothing if these are more than 1 s apart, not in order or not finite. */
+  /** \param stamp UNIX time [s] \param measured velocity along the body's axes [m/s], [rad/s]
+   * \param T_parent_body pose in a fixed frame
+   * \return the measured velocity, or the one between the previous pose and this one, at the middle
+   * of their times; nothing if these are more than 1 s apart, not in order or not finite. */
   [[nodiscard]] std::optional<StampedVelocity> add(double stamp,
                                                    const std::optional<Vector6>& measured,
                                                    const std::optional<Pose>& T_parent_body);
-  /** All measured velocities so far are zero, while the poses move. */
+  /** Whether all measured velocities so far are zero, while the poses move. */
   [[nodiscard]] bool replacesZeros() const { return any_measured_ && all_zero_ && poses_move_; }
 
  private:
@@ -34,7 +34,7 @@ class BodyVelocities
 
   std::optional<StampedPose> last_pose_;
   bool any_measured_ = false;
-  bool all_zero_ = true;  //!< the measured ones
+  bool all_zero_ = true;  //!< all measured velocities so far are zero
   bool poses_move_ = false;
 };
 }  // namespace dyslam

@@ -44,17 +44,17 @@ class ConversionOutput
 
   /** \param T_world_lidar true pose at the scan's stamp, if it is known */
   void write(const Scan& scan, const std::optional<Pose>& T_world_lidar);
-  /** A scan of a further lidar, which is not counted. */
+  /** Writes a scan of a further lidar, which is not counted. */
   void writeFurther(const Scan& scan);
   /** To be written before the first scan that is not older. */
   void write(const ImuSample& sample) { writer_.write(sample); }
   void write(const GnssFix& fix) { writer_.write(fix); }
   void write(const WheelSample& sample) { writer_.write(sample); }
-  /** Where the true poses are from, before the first one. */
+  /** Sets the source of the true poses, before the first one. */
   void setPoseOrigin(const PoseOrigin& origin) { origin_ = origin; }
-  /** For the scan written last. */
+  /** Writes the labels of the scan written last. */
   void addLabels(const std::vector<Label>& labels);
-  /** For the scan written last, lidar frame; LabelledBox::frame is set here. */
+  /** Writes true boxes of the scan written last, lidar frame; LabelledBox::frame is set here. */
   void addBox(LabelledBox box);
   /** Calls `progress` for the scan written last. If `progress` throws, all that was written is
    * removed. */
@@ -68,8 +68,8 @@ class ConversionOutput
   GroundTruthWriter& truth();
   void installTruth() const;
 
-  std::string folder_;   //!< of the truth
-  std::string pending_;  //!< where it grows
+  std::string folder_;   //!< folder of the ground truth
+  std::string pending_;  //!< temporary folder of the ground truth
   RawlogWriter writer_;
   PoseOrigin origin_;
   std::unique_ptr<GroundTruthWriter> truth_;

@@ -16,26 +16,26 @@
 
 namespace dyslam
 {
-/** Scans of further lidars of the vehicle, until the scan of the first lidar that each joins. */
+/** Scans of further lidars that wait for the scan of the first lidar they are merged with. */
 class FurtherLidars
 {
  public:
-  static constexpr std::size_t most_lidars = 16;  //!< of a vehicle, with the first
+  static constexpr std::size_t most_lidars = 16;  //!< largest number of lidars, with the first
 
   struct HeldScan
   {
     mrpt::obs::CObservation::Ptr observation;
-    mrpt::obs::CObservation::Ptr time_ring;  //!< null if it has none
+    mrpt::obs::CObservation::Ptr time_ring;  //!< times and rings of its points; null: none
     std::size_t lidar = 1;                   //!< ScanPart::lidar
-    double clock_shift = 0;                  //!< to add to its stamp [s]
-    double stamp = 0;                        //!< with it [s]
+    double clock_shift = 0;                  //!< added to its stamp [s]
+    double stamp = 0;                        //!< stamp including clock_shift [s]
   };
 
   /** \param labels regex; empty: there are none. \throws UserError if it is no regular expression.
    * \param merge whether scans are held \param intensity_scale as RawlogSourceOptions */
   FurtherLidars(const std::string& labels, bool merge, double intensity_scale);
 
-  /** Whether the option selects a lidar. \param label not the first lidar's */
+  /** Whether the option selects a lidar. \param label label of another lidar than the first */
   [[nodiscard]] bool areNamed(const std::string& label) const;
   /** Whether scans are merged at all. */
   [[nodiscard]] bool areMerged() const { return merge_; }
@@ -58,30 +58,30 @@ class FurtherLidars
   [[nodiscard]] std::vector<HeldScan> takeFor(double stamp);
 
   [[nodiscard]] IntensityScaler& intensityScaler(std::size_t lidar);
-  /** Scans that no scan of the first lidar is near to, so far. */
+  /** Number of scans without a near scan of the first lidar so far. */
   [[nodiscard]] std::size_t dropped() const { return dropped_; }
-  /** Why nothing is merged, for the user; empty if something was, or nothing was asked for. */
+  /** Reason why nothing is merged, for the user; empty if something was, or none selected. */
   [[nodiscard]] std::string reasonForNone() const;
 
  private:
-  static constexpr double farthest = 0.15;       //!< from the scan that it joins [s]
-  static constexpr double longest_wait = 1;      //!< up to a later scan of the same lidar [s]
-  static constexpr std::size_t most_held = 100;  //!< of a lidar
+  static constexpr double farthest = 0.15;       //!< largest time to the scan it is merged with [s]
+  static constexpr double longest_wait = 1;      //!< dropped after a later scan of its lidar [s]
+  static constexpr std::size_t most_held = 100;  //!< largest number of waiting scans of a lidar
 
-  /** Whether it may join a scan of the first lidar that was met. */
+  /** Whether a held scan may be merged with a known scan of the first lidar. */
   [[nodiscard]] bool isAwaited(const HeldScan& scan) const;
   void dropWaitingTooLong(const HeldScan& newest);
 
   LabelPattern labels_;
   bool merge_;
   double intensity_scale_;
-  std::map<std::string, std::size_t> numbers_;  //!< of the lidars
+  std::map<std::string, std::size_t> numbers_;  //!< numbers of the lidars by label
   std::map<std::size_t, double> latest_;        //!< stamp of the latest scan of each lidar [s]
   std::map<std::string, mrpt::obs::CObservation::Ptr> time_rings_;
   std::map<std::size_t, IntensityScaler> scalers_;
   std::deque<HeldScan> held_;
   MetScans first_;              //!< scans of the first lidar
-  std::optional<double> last_;  //!< stamp of that of the last takeFor() [s]
+  std::optional<double> last_;  //!< stamp of the last takeFor() [s]
   std::size_t dropped_ = 0;
   bool any_taken_ = false;
 };

@@ -22,9 +22,9 @@ class GzInput
   GzInput(const GzInput&) = delete;
   GzInput& operator=(const GzInput&) = delete;
 
-  /** All `count` bytes, or std::runtime_error. */
+  /** Reads exactly `count` bytes. \throws std::runtime_error if there are fewer. */
   std::size_t Read(void* buffer, std::size_t count);
-  /** Up to `count` bytes. \return their number; 0 at the end, also of a truncated file. */
+  /** Reads up to `count` bytes. \return their number; 0 at the end, also of a truncated file. */
   std::size_t readSome(void* buffer, std::size_t count);
   /** Unpacks the rest of the present gzip member, whose checksum is behind its data: data that make
    * no sense may be damaged ones. Nothing can be read afterwards. \return broken() */
@@ -34,11 +34,11 @@ class GzInput
 
   /** True if no byte is left; ok() then tells whether the file is complete. */
   [[nodiscard]] bool atEnd();
-  /** Ran into the end of the file where data should be. */
+  /** Whether the file ended where data should be. */
   [[nodiscard]] bool cut() const { return cut_; }
-  /** The compressed data are broken. */
+  /** Whether the compressed data are damaged. */
   [[nodiscard]] bool broken() const { return broken_; }
-  /** Why the file could not be read to its end, though it has one; empty if it could. */
+  /** Reason why a file that is not truncated could not be read to its end; else empty. */
   [[nodiscard]] const std::string& readError() const { return read_error_; }
   /** Fraction of the file's bytes consumed. */
   [[nodiscard]] double progress() const;
@@ -57,8 +57,8 @@ class GzInput
 
   std::string path_;
   int descriptor_ = -1;
-  std::uint64_t size_ = 0;            //!< of the file
-  std::uint64_t offset_ = 0;          //!< in the file, of what is read next
+  std::uint64_t size_ = 0;            //!< size of the file [bytes]
+  std::uint64_t offset_ = 0;          //!< offset of the next read in the file [bytes]
   std::vector<std::uint8_t> packed_;  //!< of the file; not yet unpacked from packed_begin_ on
   std::size_t packed_begin_ = 0;
   std::size_t packed_end_ = 0;
@@ -66,7 +66,7 @@ class GzInput
   std::size_t content_begin_ = 0;
   std::size_t content_end_ = 0;
   std::unique_ptr<inflate_state> inflate_;  //!< null: the file is not compressed
-  std::size_t members_ = 0;                 //!< of gzip, that were begun
+  std::size_t members_ = 0;                 //!< number of gzip members begun
   bool ended_ = false;                      //!< nothing more can be unpacked
   bool cut_ = false;
   bool broken_ = false;

@@ -18,16 +18,16 @@ namespace dyslam
 class HeldScans
 {
  public:
-  static constexpr std::size_t most = 20;    //!< scans of a lidar that wait
-  static constexpr double longest_wait = 1;  //!< by the recording times [s]
+  static constexpr std::size_t most = 20;    //!< largest number of waiting scans of a lidar
+  static constexpr double longest_wait = 1;  //!< longest wait, by the recording times [s]
 
   struct Entry
   {
     Scan scan;
     std::size_t lidar = 0;  //!< from 1: a further lidar, with label and T_vehicle_lidar
     std::optional<Pose> T_world_lidar;
-    double recorded = 0;  //!< UNIX time [s]
-    double progress = 0;  //!< part of the bag that was read
+    double recorded = 0;  //!< recording time, UNIX time [s]
+    double progress = 0;  //!< fraction of the bag that was read
   };
 
   HeldScans(ScanSink& sink, const BagMotion& motion) : sink_(sink), motion_(motion) {}
@@ -40,7 +40,7 @@ class HeldScans
   /** Passes on all that the sink takes. \throws UserError if the disk is full. */
   void passOnAll();
 
-  /** Scans written without a true pose. */
+  /** Number of scans written without a true pose. */
   [[nodiscard]] std::size_t withoutPose() const { return without_pose_; }
 
  private:
@@ -50,7 +50,7 @@ class HeldScans
   ScanSink& sink_;
   const BagMotion& motion_;
   std::deque<Entry> waiting_;
-  std::map<std::size_t, std::size_t> waiting_of_;  //!< number, by lidar
+  std::map<std::size_t, std::size_t> waiting_of_;  //!< number of waiting scans by lidar
   bool takes_more_ = true;
   std::size_t without_pose_ = 0;
 };

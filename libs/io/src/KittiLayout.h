@@ -24,11 +24,11 @@ struct KittiLayout
     std::string scan;        //!< .bin file
     std::string labels;      //!< .label file, empty if there is none
     std::size_t number = 0;  //!< in KITTI's counting: other files refer to it
-    double stamp = 0;        //!< [s]
+    double stamp = 0;        //!< stamp of the scan [s]
     std::optional<Pose> T_world_lidar;
   };
   std::vector<Entry> entries;
-  std::string pose_file;  //!< that the true poses are from; empty without
+  std::string pose_file;  //!< file of the true poses; empty without
   PoseOrigin pose_origin;
   std::vector<ImuSample> imu;      //!< of oxts, if the options want it, in order of time
   std::vector<GnssFix> gnss;       //!< of oxts, if the options want it, in order of time

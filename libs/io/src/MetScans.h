@@ -13,19 +13,19 @@ class MetScans
  public:
   struct Met
   {
-    double stamp = 0;      //!< [s]
-    bool is_used = false;  //!< else it is left out, and the scans near it are as well
+    double stamp = 0;      //!< stamp of the scan [s]
+    bool is_used = false;  //!< false: it and the scans near it are left out
   };
 
   void add(double stamp, bool is_used);
   [[nodiscard]] bool empty() const { return scans_.empty(); }
-  /** Of two equally near ones the later. \pre not empty() */
+  /** The nearest scan; of two equally near ones the later. \pre not empty() */
   [[nodiscard]] const Met& nearestTo(double stamp) const;
-  /** The first one after a stamp; null if there is none yet. */
+  /** The first scan after a stamp; null if there is none yet. */
   [[nodiscard]] const Met* after(double stamp) const;
 
  private:
   static constexpr std::size_t most = 64;
-  std::deque<Met> scans_;  //!< as they were met
+  std::deque<Met> scans_;  //!< in the order of the recording
 };
 }  // namespace dyslam

@@ -30,9 +30,9 @@ class SensorChoice
 
   /** Whether samples of this label are used. Others of a fitting label are noted. */
   [[nodiscard]] bool takes(const std::string& label, RecordingNotes& notes);
-  /** The label of the sensor, empty if there is none. */
+  /** Label of the selected sensor; empty if there is none. */
   [[nodiscard]] std::string label() const { return chosen_.value_or(""); }
-  /** No label fits the pattern that was given. */
+  /** Whether no label fits the given pattern. */
   [[nodiscard]] bool misses() const { return !chosen_ && !pattern_.pattern().empty(); }
   [[nodiscard]] const LabelPattern& pattern() const { return pattern_; }
 
@@ -46,7 +46,7 @@ template <typename Sample>
 class SampleQueue
 {
  public:
-  static constexpr std::size_t most = 20000;  //!< samples; of more, the latest
+  static constexpr std::size_t most = 20000;  //!< largest number of samples: the latest are kept
   static constexpr double memory = 10;        //!< farthest time before the scan [s]
   static constexpr double longest_lead = 1;   //!< farthest time after the scan [s]
 
@@ -58,14 +58,14 @@ class SampleQueue
   /** Takes the samples out that are near a scan, each later than the one before. \param stamp of
    * the scan [s] */
   [[nodiscard]] std::vector<Sample> takeNear(double stamp);
-  /** Samples wait, but none is near a scan. \param stamp of the scan [s] */
+  /** Whether samples wait, but none is near a scan. \param stamp stamp of the scan [s] */
   [[nodiscard]] bool isFar(double stamp) const;
 
  private:
   [[nodiscard]] static bool isNear(const Sample& sample, double stamp);
 
   std::deque<Sample> waiting_;        //!< in the order of the file
-  std::optional<double> last_stamp_;  //!< of those taken out [s]
+  std::optional<double> last_stamp_;  //!< stamp of the last sample taken out [s]
 };
 
 /** Collects what inertial measurement units, wheels and satellite receivers measured between the
@@ -89,7 +89,7 @@ class MotionSampleReader
   void shiftClock(double shift);
   /** Hands the samples since the last call to a scan. \param stamp of its frame [s] */
   void handOver(double stamp, RecordedScan& scan, RecordingNotes& notes);
-  /** What the user should know about labels that were given and fit no sensor so far. */
+  /** Warnings about given labels that fit no sensor so far. */
   [[nodiscard]] std::vector<std::string> missing() const;
 
  private:
@@ -111,6 +111,6 @@ class MotionSampleReader
   SampleQueue<ImuSample> imu_;
   SampleQueue<WheelSample> wheels_;
   SampleQueue<GnssFix> gnss_;
-  BodyVelocities velocities_;  //!< of the odometry, with the stamps as recorded
+  BodyVelocities velocities_;  //!< velocities by the odometry, with recorded stamps
 };
 }  // namespace dyslam

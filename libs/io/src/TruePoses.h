@@ -32,9 +32,9 @@ class TruePoses
  private:
   struct Entry
   {
-    double stamp = 0;  //!< as recorded [s]
+    double stamp = 0;  //!< recorded stamp [s]
     Pose pose = Pose::Identity();
-    double clock_shift = 0;  //!< of the scans with the same clock [s]
+    double clock_shift = 0;  //!< clock_shift of the scans with the same clock [s]
   };
 
   double max_gap_;

@@ -14,11 +14,11 @@ namespace dyslam
  * \throws UserError if the file cannot be written, as all of these. */
 void writeMapPicture(const MapBuilder& builder, const std::string& path);
 
-/** Everything that was seen, with what was removed in red, beside the cleaned map.
+/** Writes the uncleaned map, with removed points in red, beside the cleaned map.
  * \pre uncleanedMap() */
 void writeCleaningPicture(const MapBuilder& builder, const std::string& path);
 
-/** The runs' own maps, each in its own frame, beside the merged one. */
+/** Writes the maps of the single runs, each in its own frame, beside the merged map. */
 void writeMergePicture(const std::vector<RunFolder>& runs,
                        const RunMerge& merge,
                        const MapBuilder& builder,

@@ -6,7 +6,7 @@
 
 namespace dyslam
 {
-/** The map, the trajectories and the moving objects.
+/** Scene of the map, the trajectories and the moving objects.
  * \param full_resolution a point per 0.1 m, the limit for smooth viewing, instead of one per voxel;
  *   needs MapBuilder::scans() */
 [[nodiscard]] SceneContent sceneOf(MapBuilder& builder, bool full_resolution);

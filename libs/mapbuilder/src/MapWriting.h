@@ -8,10 +8,10 @@
 
 namespace dyslam
 {
-/** Finds what is wrong with the export options before anything is read. \throws UserError. */
+/** Checks the export options before anything is read. \throws UserError. */
 void requireValidExports(const MapOutputs& outputs);
 
-/** The options with what the outputs need of a MapBuilder, but for the uncleaned map. */
+/** The options with the products that the outputs need, except the uncleaned map. */
 [[nodiscard]] MapBuilderOptions withNeedsOf(const MapOutputs& outputs, MapBuilderOptions options);
 
 /** Writes the maps, the picture, the picture of what was removed (with an uncleaned map), the

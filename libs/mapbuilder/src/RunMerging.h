@@ -15,7 +15,7 @@ namespace dyslam
 struct MergedRuns
 {
   RunMerge merge;
-  /** By run, in the world of its recording; empty where that has no ground truth. */
+  /** Ground truth by run, in the world frame of its recording; empty without. */
   std::vector<Trajectory> truth;
 };
 

@@ -14,11 +14,11 @@
 
 namespace dyslam
 {
-/** Fields of a cloud's header that are known at the end only. */
+/** Fields of a cloud's header that are known only at the end. */
 struct CloudSummary
 {
   std::uint64_t count = 0;
-  /** Of the coordinates relative to the origin [m]. */
+  /** Bounds of the coordinates relative to the origin [m]. */
   Eigen::Vector3d low = Eigen::Vector3d::Constant(std::numeric_limits<double>::infinity());
   Eigen::Vector3d high = Eigen::Vector3d::Constant(-std::numeric_limits<double>::infinity());
 };
@@ -28,7 +28,7 @@ class CloudFormat
 {
  public:
   virtual ~CloudFormat() = default;
-  /** Most points that a file can hold. */
+  /** Largest number of points of a file. */
   [[nodiscard]] virtual std::uint64_t maxPoints() const
   {
     return std::numeric_limits<std::uint64_t>::max();

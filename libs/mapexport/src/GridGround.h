@@ -12,11 +12,12 @@
 
 namespace dyslam
 {
-/** The ground under a map, for its occupancy grid: around each column of 1 m a plane through the
- * lowest points of the columns in a square of 5 m.
+/** Ground of a map, for its occupancy grid: for each column of 1 m a plane through the lowest
+ * points of the columns in a square of 5 m around it.
  *
- * The plane is level unless another slope fits more of the columns, and most of them. Its height is
- * the lower quartile of the columns': robust to ghosts below the road and to walls. Thread-safe. */
+ * The plane is level unless another slope fits more of the columns, and the majority. Its height is
+ * the lower quartile over the columns: robust to ghost points below the road and to walls.
+ * Thread-safe. */
 class GridGround
 {
  public:
@@ -25,7 +26,7 @@ class GridGround
 
   explicit GridGround(const MapPoints& map);
 
-  /** Height of a point over the ground [m]; of points off the map, not a number. */
+  /** Height of a point above the ground [m]; NaN for points off the map. */
   [[nodiscard]] double above(const Eigen::Vector3d& p) const;
 
  private:
@@ -40,7 +41,7 @@ class GridGround
     void add(const Eigen::Vector3f& p, std::uint32_t hits);
     [[nodiscard]] bool isSeenTwice() const;
   };
-  /** z = height + slope * (p - centre of the column) */
+  /** Plane z = height + slope * (p - centre of the column), map frame. */
   struct Plane
   {
     double height = 0;

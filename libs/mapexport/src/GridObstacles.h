@@ -17,12 +17,12 @@
 namespace dyslam
 {
 /** Columns of voxels with a return at the height of obstacles, and the number of keyframes with
- * one: a lower bound, since the map stores of each voxel the number of keyframes that hit it, but
- * only the last of them. */
+ * such a return: a lower bound, since the map stores for each voxel the number of keyframes that
+ * hit it, but only the last one of them. */
 class ObstacleColumns
 {
  public:
-  /** \param side of the columns [m] \param keyframes of the map */
+  /** \param side side of the columns [m] \param keyframes number of keyframes of the map */
   ObstacleColumns(const MapPoints& map,
                   const GridGround& ground,
                   double side,
@@ -41,17 +41,17 @@ class ObstacleColumns
   struct Column
   {
     Eigen::Vector2i cell = Eigen::Vector2i::Zero();
-    Eigen::Vector2d sum = Eigen::Vector2d::Zero();  // of its points at the height of obstacles
+    Eigen::Vector2d sum = Eigen::Vector2d::Zero();  // sum of its points at obstacle height [m]
     std::uint32_t points = 0;
     std::uint32_t keyframes = 0;
-    std::vector<std::uint32_t> last;  // keyframes that hit its voxels last
+    std::vector<std::uint32_t> last;  // last keyframes that hit its voxels
 
     [[nodiscard]] Eigen::Vector2d mean() const { return sum / points; }
   };
 
   [[nodiscard]] Eigen::Vector2i cellOf(const Eigen::Vector3f& p) const;
   [[nodiscard]] bool isAtHeight(const Eigen::Vector3d& p) const;
-  /** Null unless enough keyframes observed an obstacle there. */
+  /** Column of a point; null unless enough keyframes observed an obstacle there. */
   [[nodiscard]] const Column* find(const Eigen::Vector2i& cell) const;
   void add(const Eigen::Vector3f& p, std::uint32_t hits, std::uint32_t keyframe);
 

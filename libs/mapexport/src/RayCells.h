@@ -51,7 +51,7 @@ class CellSet
 
   VoxelHash index_;
   std::vector<Block> blocks_;
-  std::vector<octomap::OcTreeKey> corners_;  //!< of the blocks
-  std::uint32_t last_ = VoxelHash::none;     //!< the block used last
+  std::vector<octomap::OcTreeKey> corners_;  //!< corners of the blocks
+  std::uint32_t last_ = VoxelHash::none;     //!< number of the block used last
 };
 }  // namespace dyslam

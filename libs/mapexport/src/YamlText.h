@@ -9,7 +9,7 @@ namespace dyslam
  * something else (YAML 1.2, sections 5.7 and 7.3.3; `#1.png`, `a: b.png`). */
 [[nodiscard]] std::string yamlText(const std::string& name);
 
-/** The reverse of yamlText(), for the scalar at the start of `text`.
- * \param end ": ", say, behind a plain scalar; empty: it ends with the text */
+/** Inverse of yamlText(), for the scalar at the start of `text`.
+ * \param end text after a plain scalar, such as ": "; empty: the scalar ends with the text */
 [[nodiscard]] std::string fromYamlText(const std::string& text, const std::string& end = "");
 }  // namespace dyslam

@@ -8,12 +8,12 @@
 
 namespace dyslam
 {
-/** Least points for the estimate of a motion. */
+/** Least number of points for the estimate of a motion. */
 constexpr std::size_t min_scan_points = 30;
 
-/** Why the frame's cloud cannot be used; empty if it can. */
+/** Reason why the frame's cloud cannot be used; empty if it can. */
 [[nodiscard]] std::string reasonUnusable(const Frame& frame);
-/** Sets reason and cause of the motion to why the frame's cloud cannot be used; the reason is empty
- * if it can. */
+/** Sets reason and cause of a motion by reasonUnusable(); the reason is empty if the cloud can be
+ * used. */
 void setReasonUnusable(const Frame& frame, MotionEstimate& motion);
 }  // namespace dyslam

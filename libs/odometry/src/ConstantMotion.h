@@ -8,8 +8,8 @@
 
 namespace dyslam
 {
-/** Baselines that use no points: the prior itself, or zero motion. Their information is that of 0.1
- * m and 1 degree. */
+/** Baselines without points: the prior itself, or zero motion. Their information is that of sigmas
+ * of 0.1 m and 1 degree. */
 class ConstantMotion : public ScanMatcher
 {
  public:

@@ -22,10 +22,10 @@ struct DyloOptions : Options
   std::string weights = "dylo.safetensors";  //!< file, or name of weights shipped with DySLAM
   DyloStart start = DyloStart::prediction;
   int threads = 1;         //!< threads of the network
-  bool prior = true;       //!< fuse the prediction as a prior, where it has an information
-  bool deskew = true;      //!< deskew by the estimated motion, not only by the predicted one
+  bool prior = true;       //!< fuse the motion prior, if it has an information
+  bool deskew = true;      //!< deskew with the estimated motion, not only with the predicted one
   bool confidence = true;  //!< output the static confidence of each point
-  double points_per_measurement = 24;  //!< sampled points that count as one measurement
+  double points_per_measurement = 24;  //!< number of sampled points that count as one measurement
   double min_inlier_share = 0.55;      //!< share of inliers below which the match has failed
   double max_last_step = 0.3;  //!< length of the last step above which the match has failed [m]
   double max_translation = 6;  //!< largest plausible translation between two scans [m]

@@ -13,7 +13,7 @@
 
 namespace dyslam
 {
-/** The learned odometry: motion, its information and the static confidence of every point. */
+/** Learned odometry (DyLO): motion, its information and the static confidence of every point. */
 class DyloScanMatcher : public ScanToScan
 {
  public:
@@ -35,8 +35,8 @@ class DyloScanMatcher : public ScanToScan
   DyloOptions options_;
   DyloMatcher matcher_;
   Pose T_vehicle_lidar_ = Pose::Identity();
-  std::vector<Eigen::Vector3f> points_;  //!< lidar frame
-  std::vector<float> weights_;           //!< of the frame's points, empty for 1
+  std::vector<Eigen::Vector3f> points_;  //!< points of the frame, lidar frame [m]
+  std::vector<float> weights_;           //!< weights of the frame's points; empty: 1
   std::vector<float> confidence_;
 };
 }  // namespace dyslam

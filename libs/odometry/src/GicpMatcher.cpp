@@ -15,7 +15,7 @@ namespace dyslam
 namespace
 {
 using PclCloud = pcl::PointCloud<pcl::PointXYZ>;
-/** Points that the information is computed from. */
+/** Number of points that the information is computed from. */
 constexpr std::size_t information_points = 3000;
 
 PclCloud::Ptr toPcl(const std::vector<Eigen::Vector3f>& points)

@@ -16,13 +16,13 @@ struct GicpOptions : Options
   double max_distance = 1.0;  //!< largest distance of correspondences [m]
   int neighbours = 20;        //!< number of neighbours for a covariance
   int max_iterations = 30;
-  double points_per_measurement = 50;  //!< points that count as one measurement
+  double points_per_measurement = 50;  //!< number of points that count as one measurement
 
   void describe(OptionsVisitor& visitor) override;
 };
 
-/** Generalised ICP by PCL, scan to scan. PCL's takes no weights: points more likely moving than not
- * are left out. */
+/** Generalised ICP by PCL, scan to scan. PCL supports no weights: points that are more likely
+ * moving than static are left out. */
 class GicpMatcher final : public ScanToScan
 {
  public:
@@ -44,9 +44,9 @@ class GicpMatcher final : public ScanToScan
 
   GicpOptions options_;
   ThreadPool& pool_;
-  std::vector<Eigen::Vector3f> points_;     //!< of the frame
-  std::vector<Eigen::Vector3f> reference_;  //!< of the reference frame
-  KdTree tree_;                             //!< of reference_
+  std::vector<Eigen::Vector3f> points_;     //!< points of the frame
+  std::vector<Eigen::Vector3f> reference_;  //!< points of the reference frame
+  KdTree tree_;                             //!< search tree of reference_
   std::unique_ptr<Pcl> pcl_;
 };
 }  // namespace dyslam

@@ -9,7 +9,7 @@ namespace dyslam
 {
 namespace
 {
-/** Neighbourhoods less flat than this have no plane. */
+/** Least planarity of a neighbourhood with a plane. */
 constexpr float least_planarity = 0.2F;
 
 void describeCorrespondences(IcpOptions& o, OptionsVisitor& v)

@@ -19,13 +19,13 @@ struct IcpOptions : Options
   int neighbours = 10;         //!< number of neighbours for a normal, point to plane only
   double normal_radius = 1.0;  //!< radius of the neighbourhood for a normal [m]
   int max_iterations = 40;
-  double points_per_measurement = 50;  //!< points that count as one measurement
+  double points_per_measurement = 50;  //!< number of points that count as one measurement
 
   void describe(OptionsVisitor& visitor) override;
 };
 
 /** Ini section `[icp_po2po]`. Point-to-point residuals include the spacing of the samples: each has
- * less information, and the robust loss is as wide as correspondences may be apart. */
+ * less information, and the robust loss is as wide as the largest distance of correspondences. */
 struct IcpPointToPointOptions : IcpOptions
 {
   IcpPointToPointOptions() { points_per_measurement = 5000; }
@@ -68,9 +68,9 @@ class IcpMatcher final : public ScanToScan
   Residual residual_;
   IcpOptions options_;
   ThreadPool& pool_;
-  std::vector<Eigen::Vector3f> dense_;   //!< of the frame, for when it becomes the reference
-  std::vector<Eigen::Vector3f> sample_;  //!< of the frame
-  std::vector<float> weights_;           //!< of sample_, or empty
+  std::vector<Eigen::Vector3f> dense_;   //!< points of the frame, as the next reference
+  std::vector<Eigen::Vector3f> sample_;  //!< points of the frame that are registered
+  std::vector<float> weights_;           //!< weights of sample_; empty: 1
   Reference reference_;
 };
 }  // namespace dyslam

@@ -21,10 +21,10 @@ constexpr std::size_t sectors = 6;
 struct RingPoint
 {
   float azimuth;
-  std::uint32_t index;  //!< in the cloud
+  std::uint32_t index;  //!< index in the cloud
 };
 
-/** The cloud's points in the lidar frame, where beams start from the origin. */
+/** Points of the cloud in the lidar frame, whose origin is the start of the beams. */
 std::vector<Eigen::Vector3f> fromLidar(const Frame& frame)
 {
   const Eigen::Isometry3f T_lidar_vehicle = frame.scan.T_vehicle_lidar.inverse().cast<float>();
@@ -79,7 +79,7 @@ std::vector<std::vector<RingPoint>> sortedRings(const std::vector<Eigen::Vector3
     const Eigen::Vector3f& q = seen[i];
     if (!isReturn(q))
     {
-      continue;  // the curvature is relative to the range, which must not be 0
+      continue;  // the curvature is divided by the range
     }
     sorted.resize(std::max<std::size_t>(sorted.size(), rings[i] + 1U));
     sorted[rings[i]].push_back({std::atan2(q.y(), q.x()), static_cast<std::uint32_t>(i)});
@@ -175,7 +175,7 @@ class RingFeatures
         std::fill_n(blocked_.begin() + static_cast<std::ptrdiff_t>(i + 1), half_window,
                     std::uint8_t{1});
       }
-      // Surfaces nearly along the beam.
+      // Surfaces nearly parallel to the beam.
       if (std::fabs(before - here) > 0.02F * here && std::fabs(next - here) > 0.02F * here)
       {
         blocked_[i] = 1;

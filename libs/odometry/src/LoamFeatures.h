@@ -26,12 +26,12 @@ struct LoamOptions : Options
   double map_edge_size = 0.3;          //!< spacing of the map's edge points [m]
   double map_plane_size = 0.5;         //!< spacing of the map's plane points [m]
   double map_radius = 80;              //!< distance beyond which map points are dropped [m]
-  double points_per_measurement = 20;  //!< points that count as one measurement
+  double points_per_measurement = 20;  //!< number of points that count as one measurement
 
   void describe(OptionsVisitor& visitor) override;
 };
 
-/** Ini section `[loam_no_mapping]`: those of the scans alone. */
+/** Ini section `[loam_no_mapping]`: the options without those of the map. */
 struct LoamNoMappingOptions : LoamOptions
 {
   void describe(OptionsVisitor& visitor) override;
@@ -47,10 +47,10 @@ struct LoamPoint
 
 struct LoamFeatures
 {
-  std::vector<LoamPoint> edges;          //!< the sharpest
-  std::vector<LoamPoint> target_edges;   //!< less sharp ones too
-  std::vector<LoamPoint> planes;         //!< the flattest
-  std::vector<LoamPoint> target_planes;  //!< all flat ones, thinned
+  std::vector<LoamPoint> edges;          //!< sharpest edge points, which are registered
+  std::vector<LoamPoint> target_edges;   //!< edge points as reference, also less sharp ones
+  std::vector<LoamPoint> planes;         //!< flattest plane points, which are registered
+  std::vector<LoamPoint> target_planes;  //!< all plane points, thinned, as reference
 };
 
 /** Edge and plane points of a frame by the curvature along its rings (Zhang and Singh, LOAM, 2014).

@@ -37,7 +37,7 @@ void addRowToLine(const Line& line,
   const Eigen::Vector3d d = T * p - line.at;
   const Eigen::Vector3d off = d - line.direction * line.direction.dot(d);
   const double r = off.norm();
-  // On the line any normal will do: the residual is 0.
+  // On the line any normal is suitable, as the residual is 0.
   const Eigen::Vector3d n = r > 1e-6 ? Eigen::Vector3d(off / r) : line.direction.unitOrthogonal();
   sums.addRow(n, p, T.linear(), r, w * gemanMcClureWeight(r * r, loss_width));
   ++sums.inliers;

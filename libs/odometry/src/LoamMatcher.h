@@ -10,7 +10,7 @@
 
 namespace dyslam
 {
-/** LOAM: edge and plane points registered to the scan before and, with mapping, to a local map. */
+/** LOAM: registers edge and plane points to the previous scan and, with mapping, to a local map. */
 class LoamMatcher final : public ScanToScan
 {
  public:
@@ -31,7 +31,7 @@ class LoamMatcher final : public ScanToScan
   struct Target
   {
     std::vector<Eigen::Vector3f> points;
-    std::vector<std::uint16_t> rings;  //!< empty for a map
+    std::vector<std::uint16_t> rings;  //!< ring of each point; empty for a map
     KdTree tree;
 
     void set(const std::vector<LoamPoint>& features);
@@ -44,13 +44,13 @@ class LoamMatcher final : public ScanToScan
     void add(const std::vector<LoamPoint>& features, const Pose& T, double size, double radius);
   };
 
-  /** The residual of an edge point and the line through two edge points of the reference. */
+  /** Adds the residual of an edge point and the line through two edge points of the reference. */
   void addEdgeRow(const LoamPoint& f,
                   const Pose& T,
                   double gate,
                   NormalEquations& sums,
                   std::vector<Neighbour>& found) const;
-  /** The residual of a plane point and the plane through three plane points of the reference. */
+  /** Adds the residual of a plane point and the plane through three points of the reference. */
   void addPlaneRow(const LoamPoint& f,
                    const Pose& T,
                    double gate,
@@ -68,8 +68,8 @@ class LoamMatcher final : public ScanToScan
   bool mapping_;
   LoamOptions options_;
   ThreadPool& pool_;
-  LoamFeatures features_;  //!< of the frame
-  Target edges_;           //!< of the reference
+  LoamFeatures features_;  //!< features of the frame
+  Target edges_;           //!< edge points of the reference
   Target planes_;
   FeatureMap edge_map_;
   FeatureMap plane_map_;

@@ -11,7 +11,7 @@ namespace dyslam
 {
 namespace
 {
-/** Floor under the standard deviation of a prediction [m] and [rad]. */
+/** Lower limit of the sigma of a prediction [m], [rad]. */
 constexpr double floor_sigma = 1e-3;
 constexpr double floor_sigma_angle = 1e-4;
 }  // namespace
@@ -89,7 +89,7 @@ void MotionFilter::update(double dt,
   {
     return;
   }
-  // A component of the prior with a lower robust weight was less certain.
+  // A component of the prior with a lower robust weight is less certain.
   const Vector6 wider = prior_weight.cwiseSqrt().cwiseInverse();
   Eigen::Matrix<double, 12, 1> scale;
   scale << wider, wider;

@@ -16,38 +16,38 @@ namespace dyslam
 {
 namespace
 {
-constexpr double sample_memory = 10;  //!< samples older than this are dropped [s]
-constexpr double max_ahead = 1;       //!< of a sample before its scan [s]
-/** Change of the motion where no newer sample is known, one sigma. */
+constexpr double sample_memory = 10;  //!< age beyond which samples are dropped [s]
+constexpr double max_ahead = 1;       //!< largest time of a sample after its scan [s]
+/** Sigma of the acceleration where the last sample is held. */
 constexpr double held_acceleration = 3;          //!< [m/s^2]
 constexpr double held_angular_acceleration = 3;  //!< [rad/s^2]
-/** Floors under the standard deviation of a motion between two scans. */
+/** Lower limits of the sigmas of a motion between two scans. */
 constexpr double least_sigma = 2e-3;        //!< [m]
 constexpr double least_sigma_angle = 2e-4;  //!< [rad]
-/** Error of the motions that the scans show: of two independent poses. */
+/** Sigmas of a motion by the scans, of the two independent poses at its ends. */
 constexpr double found_sigma = 0.01;         //!< [m]
 constexpr double found_sigma_angle = 0.001;  //!< [rad]
-/** Share of the scans' information in what was found; below, they show nothing. */
+/** Least share of the scans' information in an estimated motion that is used for comparison. */
 constexpr double min_scan_share = 0.2;
-constexpr double min_displacement = 0.05;  //!< that shows the scale of the speeds [m]
-constexpr double outlier = 5;              //!< sigmas
-/** The prior's weight decreases where the gyroscope contradicts it by more sigmas than this. */
+constexpr double min_displacement = 0.05;  //!< least displacement for the scale of the speeds [m]
+constexpr double outlier = 5;              //!< limit of outliers [sigma]
+/** Deviation of the gyroscope from the prior beyond which the prior's weight falls [sigma]. */
 constexpr double turn_gate = 3;
-/** Bias and scale change with time: least share of their initial variances. */
+/** Least share of the initial variances of bias and scale, which change with time. */
 constexpr double least_variance = 0.01;
-constexpr double conflict_share = 0.1;  //!< of a new rotation in the share of contradictions
-constexpr double max_conflict = 0.5;    //!< above, the gyroscope is not trusted
-// For a warning.
+constexpr double conflict_share = 0.1;  //!< weight of a new rotation in State::conflict
+constexpr double max_conflict = 0.5;    //!< conflict above which the gyroscope is not trusted
+// Limits for warnings.
 constexpr std::size_t min_motions = 20;
-constexpr double max_contradictions = 0.2;  //!< share
-constexpr double min_covered = 0.5;         //!< share
+constexpr double max_contradictions = 0.2;  //!< largest share of contradictions
+constexpr double min_covered = 0.5;         //!< least share of motions with samples throughout
 
 double squared(double x)
 {
   return x * x;
 }
 
-/** A constant that is estimated from noisy measurements of it. */
+/** A constant estimated from noisy measurements. */
 struct Constant
 {
   double value = 0;
@@ -57,7 +57,7 @@ struct Constant
   {
     return squared(measured - value) > squared(outlier) * (variance + measured_variance);
   }
-  /** \param least variance that remains */
+  /** Adds a measurement. \param least least variance after it */
   void update(double measured, double measured_variance, double least)
   {
     const double gain = variance / (variance + measured_variance);
@@ -66,8 +66,8 @@ struct Constant
   }
 };
 
-/** The error of a sensor against the scans alone. What was found is between the two, by their
- * information. \return nothing if it is mostly the sensor's */
+/** Error of a sensor relative to the scans only, from its error relative to the estimated motion,
+ * which is the mean of both by their information. \return nothing if that is mostly the sensor's */
 std::optional<double> errorAgainstScans(double error, double of_sensor, double of_scans)
 {
   if (of_scans <= min_scan_share * (of_scans + of_sensor))
@@ -90,14 +90,14 @@ void dropOutside(double begin, double end, std::deque<Sample<Value>>& samples)
   }
 }
 
-/** Motions of a sensor that has given samples. */
+/** Statistics of the motions by a sensor that has samples. */
 struct SensorUse
 {
-  std::size_t motions = 0;  //!< between scans
-  std::size_t covered = 0;  //!< ... with samples throughout
+  std::size_t motions = 0;  //!< number of motions between scans
+  std::size_t covered = 0;  //!< number of motions with samples throughout
   std::size_t compared = 0;
-  std::size_t contradictions = 0;  //!< of those compared
-  std::size_t unused = 0;          //!< of those compared
+  std::size_t contradictions = 0;  //!< number of compared motions with a contradiction
+  std::size_t unused = 0;          //!< number of compared motions that were not used
 
   void count(bool is_covered)
   {
@@ -110,7 +110,7 @@ struct SensorUse
     contradictions += contradicts ? 1 : 0;
     unused += is_used ? 0 : 1;
   }
-  /** \param remedy the end of the sentence */
+  /** Warning about the sensor. \param remedy end of the sentence */
   void warn(const std::string& sensor,
             const std::string& remedy,
             std::vector<std::string>& warnings) const
@@ -185,9 +185,9 @@ struct MotionSensors::State
 
   MotionSensorOptions options;
   std::deque<Sample<Eigen::Vector3d>> rates;  //!< angular velocity, vehicle frame [rad/s]
-  std::deque<Sample<double>> speeds;          //!< forward [m/s]
-  std::array<Constant, 3> bias;               //!< of the angular velocity [rad/s]
-  Constant scale;                             //!< sensed over true speed, minus one
+  std::deque<Sample<double>> speeds;          //!< forward speed [m/s]
+  std::array<Constant, 3> bias;               //!< bias of the angular velocity [rad/s]
+  Constant scale;                             //!< ratio of sensed to true speed, minus one
   double conflict = 0;  //!< recent share of rotations that contradict the scans
   SensorUse gyroscope;
   SensorUse wheels;
@@ -391,7 +391,7 @@ void MotionSensors::State::compareRotation(const SensedMotion& sensed,
   conflict += conflict_share * ((contradicts ? 1 : 0) - conflict);
 }
 
-/** \param sensed,found displacements [m] \param fused,measured information of them [1/m^2] */
+/** \param sensed,found displacements [m] \param fused,measured their information [1/m^2] */
 void MotionSensors::State::compareDisplacement(
     double sensed, double fused, double dt, double found, double measured)
 {

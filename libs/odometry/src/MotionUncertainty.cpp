@@ -12,7 +12,7 @@ namespace
 {
 /** Variance of the second difference of motions between poses of unit variance: 1 + 9 + 9 + 1. */
 constexpr double white_noise_gain = 20;
-/** With fewer samples of the jitter the estimate's own covariance is used unscaled. */
+/** Least number of jitter samples for scaling the estimate's own covariance. */
 constexpr int min_samples = 3;
 /** Smallest reported standard deviations [m], [rad]. */
 constexpr double min_sigma = 1e-4;

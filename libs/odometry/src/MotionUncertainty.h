@@ -8,19 +8,19 @@ namespace dyslam
 {
 class StateArchive;
 
-/** Ini section `[uncertainty]`: the covariance that the odometry reports. Calibrated on recordings
- * with ground truth, so that the mean of e' * information * e is near 6. */
+/** Ini section `[uncertainty]`: covariance of the odometry. Calibrated on recordings with ground
+ * truth, so that the mean of e' * information * e is near 6. */
 struct UncertaintyOptions : Options
 {
   int window = 10;                  //!< number of motions over which the jitter is averaged
-  double jitter_translation = 0.7;  //!< position error variance over that of the measured jitter
-  double jitter_rotation = 2;       //!< rotation error variance over that of the measured jitter
+  double jitter_translation = 0.7;  //!< ratio of the position error variance to the jitter's
+  double jitter_rotation = 2;       //!< ratio of the rotation error variance to the jitter's
   /** Fraction of a pose's error variance that remains in the local map and all later poses. */
   double jitter_drift = 0.2;
-  /** Factor on the registration's covariance of a pose: most of it is measured as jitter. */
+  /** Factor on the registration's covariance of a pose, most of which is measured as jitter. */
   double registration_covariance_scale = 0.003;
-  /** Factor on the covariance of a motion from the prior of a registration, or from a scan matcher;
-   * it accumulates. */
+  /** Factor on the covariance of a motion by the prior of a registration or by a scan matcher,
+   * which accumulates. */
   double motion_covariance_scale = 0.05;
 
   void describe(OptionsVisitor& visitor) override;
@@ -45,23 +45,23 @@ class MotionUncertainty
 
   /** Replaces motion.information by the calibrated one and sets motion.pose_noise.
    *
-   * For a registration to a map. On entry, motion.information is that of the estimate, prior
-   * included, and positive definite.
-   * \param dt since the previous scan [s]; up to 0: there is no motion, nothing is done
+   * For a registration to a map. On entry, motion.information is that of the estimate including the
+   * prior, and positive definite.
+   * \param dt time since the previous scan [s]; 0 or less: no motion, nothing is done
    * \param in_map information of the points about the pose in the local map */
   void calibrate(double dt, const Matrix6& in_map, MotionEstimate& motion);
 
-  /** The same for a scan matcher alone; motion.information is the matcher's own.
-   * \param prior its information, positive definite: a direction that no point constrains keeps the
-   * prior's */
+  /** calibrate() for a scan matcher; on entry, motion.information is the matcher's own.
+   * \param prior information of the prior, positive definite, which is kept in directions that no
+   * point constrains */
   void calibrateMatch(double dt, const Matrix6& prior, MotionEstimate& motion);
 
-  /** What is kept from frame to frame. */
+  /** Saves or loads the state between frames. */
   void exchangeState(StateArchive& archive);
 
  private:
   void measureJitter(double dt, const MotionEstimate& motion);
-  /** Factor on the estimate's covariance: 1 after few motions, or if this one failed. */
+  /** Factor on the estimate's covariance: 1 after few motions, or if this motion failed. */
   [[nodiscard]] double covarianceScale(double calibrated, const MotionEstimate& motion) const;
   /** Sets the pose noise and the information of `motion`.
    * \param of_points covariance of the pose in the map \param drift covariance of the motion that
@@ -69,11 +69,11 @@ class MotionUncertainty
   void setCovariance(const Matrix6& of_points, const Matrix6& drift, MotionEstimate& motion);
 
   UncertaintyOptions options_;
-  Vector6 velocity_ = Vector6::Zero();      //!< of the last motion [m/s, rad/s]
+  Vector6 velocity_ = Vector6::Zero();      //!< velocity of the last motion [m/s, rad/s]
   Vector6 acceleration_ = Vector6::Zero();  //!< change of the last two velocities [m/s, rad/s]
-  Vector6 jitter_ = Vector6::Zero();        //!< variance of a pose's error that explains it
-  int motions_ = 0;                         //!< converged in a row
-  int samples_ = 0;                         //!< in jitter_
-  Matrix6 noise_before_ = Matrix6::Zero();  //!< of the previous scan's pose
+  Vector6 jitter_ = Vector6::Zero();        //!< variance of pose errors that explains the jitter
+  int motions_ = 0;                         //!< number of converged motions in a row
+  int samples_ = 0;                         //!< number of samples in jitter_
+  Matrix6 noise_before_ = Matrix6::Zero();  //!< pose noise of the previous scan
 };
 }  // namespace dyslam

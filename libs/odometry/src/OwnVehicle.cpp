@@ -10,17 +10,17 @@ namespace dyslam
 {
 namespace
 {
-constexpr float cell_size = 0.1F;       // [m]
-constexpr double least_distance = 0.3;  // between the scans that are used [m]
+constexpr float cell_size = 0.1F;       // side of a cell [m]
+constexpr double least_distance = 0.3;  // least distance between the scans used [m]
 constexpr double least_angle = 10 * M_PI / 180;
 constexpr std::size_t most_observations = 20;
 constexpr std::size_t least_observations = 8;
-constexpr double own_share = 0.25;  // of the scans with returns in a cell that the vehicle is in
+constexpr double own_share = 0.25;  // least share of scans with returns in a cell of the vehicle
 }  // namespace
 
 OwnVehicle::OwnVehicle(double range)
     : range_(static_cast<float>(range)),
-      // A cell more on each side than there are points in: all have neighbours.
+      // One more cell on each side than the range needs, so that all cells have neighbours.
       side_(2 * static_cast<std::size_t>(std::ceil(range_ / cell_size)) + 2)
 {
 }

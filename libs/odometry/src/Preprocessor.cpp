@@ -14,7 +14,7 @@ namespace
 {
 constexpr std::size_t chunk_size = 8192;
 
-/** Times of the first and the last point [s]; equal where there are none. */
+/** Times of the first and the last point [s]; equal without times. */
 std::pair<float, float> timesOf(const Scan& scan)
 {
   if (scan.time.size() != scan.size() || scan.time.empty())
@@ -25,22 +25,22 @@ std::pair<float, float> timesOf(const Scan& scan)
   return std::isfinite(*last - *first) ? std::make_pair(*first, *last) : std::make_pair(0.0F, 0.0F);
 }
 
-/** Seconds between the first and the last point; 0 where there are no times. */
+/** Time between the first and the last point [s]; 0 without times. */
 double timeSpan(const Scan& scan)
 {
   const auto [first, last] = timesOf(scan);
   return static_cast<double>(last - first);
 }
 
-/** When the points of a lidar were measured, in units of the time since the previous scan. Of a
- * vehicle with several lidars that is always known, if only by the stamps of their scans. */
+/** Measurement times of the points of a lidar, in units of the time since the previous scan. With
+ * several lidars they are always known, at least by the stamps of their scans. */
 class Phases
 {
  public:
-  /** \param scan of one lidar \param all the scan that it is part of
-   * \param stamp of the lidar's own scan, after Scan::stamp [s]
-   * \param dt since the previous scan [s]; 0: unknown, then of usual scans
-   * \param sweep_duration [s]; 0: `dt` */
+  /** \param scan scan of one lidar \param all the scan that it is part of
+   * \param stamp stamp of the lidar's own scan, relative to Scan::stamp [s]
+   * \param dt time since the previous scan [s]; 0: unknown, then `usual_period`
+   * \param sweep_duration duration of a revolution [s]; 0: `dt` */
   Phases(const Scan& scan,
          const Scan& all,
          double stamp,
@@ -57,7 +57,7 @@ class Phases
   {
     if (source_ == Source::times)
     {
-      // Without a motion yet, phases are in units of the scan's own duration.
+      // While no motion is known, phases are in units of the scan's own duration.
       unit_ = dt > 0 ? dt : timeSpan(all);
       per_second_ = unit_ > 0 ? static_cast<float>(1 / unit_) : 0.0F;
     }
@@ -74,7 +74,7 @@ class Phases
   }
 
   [[nodiscard]] bool known() const { return source_ != Source::none; }
-  /** Cloud::phase_unit [s] */
+  /** See Cloud::phase_unit [s]. */
   [[nodiscard]] double unit() const { return unit_; }
   [[nodiscard]] float of(std::size_t i) const
   {
@@ -96,17 +96,17 @@ class Phases
   {
     none,
     times,
-    order,  //!< of the points
+    order,  //!< by the order of the points
     azimuth,
-    stamp  //!< of the lidar's scan
+    stamp  //!< by the stamp of the lidar's scan
   };
-  static constexpr double usual_period = 0.1;  //!< of scans [s]
+  static constexpr double usual_period = 0.1;  //!< usual period of scans [s]
 
   static bool usesTimes(DeskewMode mode)
   {
     return mode == DeskewMode::automatic || mode == DeskewMode::time;
   }
-  /** Without a look at the order. */
+  /** Source of the times, without examining the order of the points. */
   static Source sourceOf(const Scan& scan, DeskewMode mode)
   {
     if (usesTimes(mode) && scan.time.size() == scan.size() && scan.size() > 0)
@@ -120,15 +120,15 @@ class Phases
   const Scan& scan_;
   const SweepModel& sweep_;
   Source source_;
-  float per_revolution_;  //!< of the phases
-  float reference_;       //!< fraction of the sweep
-  float offset_;          //!< of the lidar's own scan
+  float per_revolution_;  //!< phase per revolution
+  float reference_;       //!< fraction of the sweep at the stamp
+  float offset_;          //!< phase of the lidar's own stamp
   double unit_;
-  float per_second_ = 0;          //!< of the phases
-  std::vector<float> fractions_;  //!< of the revolution, if by order
+  float per_second_ = 0;          //!< phase per second
+  std::vector<float> fractions_;  //!< fraction of the revolution per point, if by order
 };
 
-/** What a chunk of a scan becomes. */
+/** Cloud points of a chunk of a scan. */
 struct CloudChunk
 {
   std::vector<Eigen::Vector3f> points;
@@ -204,8 +204,8 @@ Cloud Preprocessor::prepare(const Scan& scan,
   return cloud;
 }
 
-/** Adds the points of one lidar. \param part of the scan `all`, its points `range`, in the lidar's
- * frame \param stamp of the lidar's own scan, after Scan::stamp [s] */
+/** Adds the points of one lidar. \param part part of the scan `all` in the lidar's frame, with its
+ * points `range` \param stamp stamp of the lidar's own scan, relative to Scan::stamp [s] */
 void Preprocessor::prepareOf(const Scan& part,
                              const Scan& all,
                              const LidarRange& range,
@@ -279,8 +279,8 @@ std::pair<double, double> Preprocessor::sweepSpan(const Scan& scan, double sweep
 
 void redeskew(const Pose& T_previous_current, double dt, ThreadPool& pool, Cloud& cloud)
 {
-  constexpr double same_translation = 1e-3;  // [m]
-  constexpr double same_angle = 1e-4;        // [rad]
+  constexpr double same_translation = 1e-3;  // difference that is ignored [m]
+  constexpr double same_angle = 1e-4;        // difference that is ignored [rad]
   if (cloud.phase.size() != cloud.size() || !(dt > 0))
   {
     return;

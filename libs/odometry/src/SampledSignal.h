@@ -11,7 +11,7 @@ namespace dyslam
 template <typename Value>
 struct Sample
 {
-  double stamp = 0;  //!< [s]
+  double stamp = 0;  //!< UNIX time [s]
   Value value{};
 };
 
@@ -59,7 +59,7 @@ class SampledSignal
   }
 
   /** Largest error of the mean over the interval, if the signal changes by at most `rate` per
-   * second where it is taken as constant. \pre isComplete() */
+   * second in the parts where it is extrapolated as constant. \pre isComplete() */
   [[nodiscard]] double heldError(double rate) const
   {
     return rate * (heldMean(used_.front()->stamp - begin_) + heldMean(end_ - last()));

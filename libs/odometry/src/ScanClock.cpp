@@ -13,14 +13,14 @@ namespace dyslam
 {
 namespace
 {
-constexpr std::size_t min_intervals = 5;  // before the rate is known
+constexpr std::size_t min_intervals = 5;  // least number of intervals that determine the rate
 constexpr std::size_t max_intervals = 15;
-constexpr double shortest = 0.75;  // of the intervals that fit the rate, in periods
+constexpr double shortest = 0.75;  // shortest interval that fits the rate [periods]
 constexpr double longest = 1.3;
-constexpr std::size_t max_clock_steps = 3;  // more are called uneven stamps
-constexpr double motion_gate = 3;           // Mahalanobis distance of a motion from its prediction
-constexpr double margin = 1;  // by which a period must explain a motion better than the interval
-// Of a motion between scans that the registration finds.
+constexpr std::size_t max_clock_steps = 3;  // more are reported as uneven stamps
+constexpr double motion_gate = 3;           // largest Mahalanobis distance from the prediction
+constexpr double margin = 1;  // Mahalanobis distance by which a period has to fit better
+// Sigmas of a motion between scans by the registration.
 constexpr double sigma = 0.03;         // [m]
 constexpr double sigma_angle = 0.005;  // [rad]
 
@@ -134,7 +134,7 @@ bool showsClockStep(const MotionFilter& filter,
   }
   if (interval > ScanClock::max_extrapolation)
   {
-    return distanceAfter(filter, period, Pose::Identity()) > motion_gate;  // it does not stand
+    return distanceAfter(filter, period, Pose::Identity()) > motion_gate;  // not standing
   }
   return distanceAfter(filter, interval, T_previous_current) > by_period + margin;
 }

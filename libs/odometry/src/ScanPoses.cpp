@@ -11,9 +11,9 @@ namespace dyslam
 {
 namespace
 {
-constexpr double longest_gap = 0.5;         // between poses to interpolate [s]
-constexpr double stamp_rounding = 1e-5;     // of time stamps in files [s]
-constexpr double denser_than_scans = 0.75;  // a step of the trajectory, in sweeps
+constexpr double longest_gap = 0.5;         // longest time between interpolated poses [s]
+constexpr double stamp_rounding = 1e-5;     // rounding error of time stamps in files [s]
+constexpr double denser_than_scans = 0.75;  // step of a dense trajectory, in sweeps
 
 double medianStep(const Trajectory& trajectory)
 {
@@ -41,7 +41,7 @@ std::optional<Pose> ScanPoses::at(double stamp) const
   return nearest ? std::optional<Pose>(trajectory_[*nearest].pose) : std::nullopt;
 }
 
-/** The pose of this time itself where there is one. */
+/** The pose with exactly this stamp, if there is one. */
 std::optional<Pose> ScanPoses::interpolated(double stamp) const
 {
   if (const auto same = trajectory_.nearest(stamp, std::min(stamp_rounding, tolerance_)))
@@ -73,7 +73,7 @@ TimedMotion ScanPoses::motionDuring(double stamp, const std::pair<double, double
   return motion ? *motion : nearestStep(stamp);
 }
 
-/** At the ends of the trajectory, that of the nearest time of this length. */
+/** Motion over a time span; at the ends of the trajectory, over the nearest span of this length. */
 std::optional<TimedMotion> ScanPoses::between(double begin, double end) const
 {
   if (trajectory_.empty() || !(end > begin))

@@ -141,7 +141,7 @@ void ScanSample::updateWeights(const Frame& frame)
   for (std::size_t i = 0; i < scan.weight.size(); ++i)
   {
     at = std::max<std::size_t>(at, source[i]);
-    // Points that were put into the cloud since ingest() have moved the others back.
+    // Points that were inserted into the cloud since ingest() have shifted the others.
     while (i < scan_index_.size() && cloud_source.at(at) != scan_index_[i])
     {
       ++at;

@@ -13,15 +13,15 @@ namespace dyslam
 namespace
 {
 constexpr std::size_t row_chunk = 512;
-/** The normal of blobs and lines is undetermined. */
+/** Least planarity of a surface: the normal of blobs and lines is undetermined. */
 constexpr float min_planarity = 0.2F;
 /** Normals nearer to the map's z axis than this cosine belong to the ground. */
 constexpr float ground_cosine = 0.9F;
-/** In an open field there is only ground. */
+/** Least share of its own weight that the ground keeps: an open field has only ground. */
 constexpr double min_ground_weight = 0.2;
-/** Residuals beyond this many scales of the robust loss are outliers. */
+/** Residual of outliers, in widths of the robust loss. */
 constexpr float kernel_gate = 4;
-/** A surface is looked up again when the point moved by this share of a cell. */
+/** Motion of a point, in cells, after which its surface is looked up again. */
 constexpr float lookup_share = 0.2F;
 /** Added to the covariance of two distributions, which are otherwise flat [m^2]: 2 cm. */
 constexpr float distribution_variance = 4e-4F;
@@ -35,7 +35,7 @@ constexpr double settled_step = 3e-4;
 constexpr double settled_step_angle = 3e-5;
 constexpr double converged_step = 1e-2;
 constexpr double converged_step_angle = 1e-3;
-/** Noise of a range measurement [m]: a floor under all residuals' spread. */
+/** Sigma of a range measurement [m]: lower limit of the residuals' spread. */
 constexpr double sensor_sigma = 0.015;
 constexpr double loss_width_decay = 0.6;
 /** The prior's robust weight decreases where the points contradict it by more than this many

@@ -15,11 +15,11 @@ namespace dyslam
 struct ScanToMapSettings
 {
   bool distributions = false;     //!< distribution to distribution instead of point to plane
-  double start_loss_width = 0.5;  //!< [m]
-  double loss_width = 0.05;       //!< [m]
+  double start_loss_width = 0.5;  //!< initial width of the robust loss [m]
+  double loss_width = 0.05;       //!< final width of the robust loss [m]
   int max_iterations = 20;
-  std::optional<Pose> T_prior;                  //!< of the pose; the guess if there is none
-  Matrix6 prior_information = Matrix6::Zero();  //!< of log(T_prior^-1 T) [1/m^2, 1/rad^2]
+  std::optional<Pose> T_prior;                  //!< prior of the pose; nothing: the guess
+  Matrix6 prior_information = Matrix6::Zero();  //!< about log(T_prior^-1 T) [1/m^2, 1/rad^2]
   double points_per_measurement = 1;
   /** Positions of the lidars, by RawPoints::lidar; vehicle frame [m]. */
   std::vector<Eigen::Vector3f> lidars = {Eigen::Vector3f::Zero()};
@@ -31,26 +31,26 @@ struct ScanToMapSettings
 struct ScanToMapResult
 {
   Pose T = Pose::Identity();
-  Matrix6 information = Matrix6::Zero();  //!< of the points alone, of log(T_measured^-1 T)
+  Matrix6 information = Matrix6::Zero();  //!< by the points only, about log(T_measured^-1 T)
   int iterations = 0;
   std::size_t inliers = 0;
-  double inlier_share = 0;   //!< weight of the inliers over that of all points
-  double surface_share = 0;  //!< weight of the points with a surface in the map over that of all
-  double inlier_ratio = 0;   //!< weight of the inliers over that of those points
-  double rmse = 0;           //!< of the inliers [m]
+  double inlier_share = 0;   //!< ratio of the weight of inliers to all points'
+  double surface_share = 0;  //!< ratio of the weight of points with a surface to all points'
+  double inlier_ratio = 0;   //!< ratio of the weight of inliers to points' with a surface
+  double rmse = 0;           //!< RMS residual of the inliers [m]
   Vector6 prior_weight = Vector6::Ones();  //!< final robust weight of the prior
   bool converged = false;
-  bool finite = true;  //!< false after a step that was not: T is of the iteration before
+  bool finite = true;  //!< false: a step was not finite, T is of the iteration before
 };
 
-/** Robust Gauss-Newton of one scan against a SurfacePyramid; keeps its working memory. */
+/** Registers a scan to a SurfacePyramid by robust Gauss-Newton; keeps its buffers. */
 class ScanToMap
 {
  public:
   explicit ScanToMap(ThreadPool& pool) : pool_(pool) {}
 
-  /** \param T_before pose of the frame before: the motion since then deskews the points
-   *  \param shapes covariances of the points in the vehicle frame, for distributions only */
+  /** \param T_before pose of the previous frame: the motion since then deskews the points
+   *  \param shapes covariances of the points in the vehicle frame, only for distributions */
   ScanToMapResult align(const RawPoints& scan,
                         const std::vector<Eigen::Matrix3f>& shapes,
                         const SurfacePyramid& map,
@@ -61,29 +61,29 @@ class ScanToMap
  private:
   struct Match
   {
-    Eigen::Vector3f looked_up_at;  //!< relative to the base [m]
+    Eigen::Vector3f looked_up_at;  //!< position of the look-up, relative to the base [m]
     Surface surface;
-    float offset = 0;  //!< of the plane along its normal, from the base [m]
-    float weight = 0;  //!< 0 where there is no surface to compare with
+    float offset = 0;  //!< distance of the plane from the base, along its normal [m]
+    float weight = 0;  //!< weight of the match; 0: no surface
   };
   struct Sums
   {
     NormalEquations ground;
-    NormalEquations others;     //!< all surfaces but the ground's
-    double error = 0;           //!< weighted squared residuals of the inliers [m^2]
-    double weight = 0;          //!< of all points
-    double matched_weight = 0;  //!< of the points with a surface in the map
+    NormalEquations others;     //!< rows of all surfaces except the ground
+    double error = 0;           //!< sum of weighted squared residuals of the inliers [m^2]
+    double weight = 0;          //!< weight of all points
+    double matched_weight = 0;  //!< weight of the points with a surface in the map
     double inlier_weight = 0;   //!< robust weight of the inliers
     std::size_t inliers = 0;
 
     void add(const Sums& other);
-    /** Sum of both, ground surfaces with at most `max_ground_weight_ratio` times the others'
-     * weight, but with a fifth of their own at least. */
+    /** Sum of ground and others; the weight of the ground is limited to `max_ground_weight_ratio`
+     * times the others' weight, but not below a fifth of its own. */
     [[nodiscard]] NormalEquations balanced(double max_ground_weight_ratio) const;
   };
   struct Iteration
   {
-    Pose T_motion;  //!< since the frame before
+    Pose T_motion;  //!< motion since the previous frame
     Eigen::Matrix3f R;
     Eigen::Vector3f t;
     SurfacePyramid::Base base;

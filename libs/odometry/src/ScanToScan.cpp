@@ -11,7 +11,7 @@ namespace dyslam
 {
 namespace
 {
-/** After that many failures in a row the reference is too old. */
+/** Number of failures in a row after which the reference is too old. */
 constexpr int max_failures = 3;
 }  // namespace
 

@@ -5,8 +5,8 @@
 
 namespace dyslam
 {
-/** Common part of all registrations of one scan to an earlier one: the first frame, frames that
- * cannot be used, and the chain of motions over them. */
+/** Base class of registrations of a scan to an earlier one: handles the first frame, unusable
+ * frames, and the chain of motions over them. */
 class ScanToScan : public ScanMatcher
 {
  public:
@@ -14,24 +14,24 @@ class ScanToScan : public ScanMatcher
   void exchangeState(StateArchive& archive) final;
 
  protected:
-  /** Prepares what align() and accept() need of the frame, and forgets what was kept of the one
-   * before. Called with every frame, unusable ones (see reasonUnusable()) too. \return why it
-   * cannot be used */
+  /** Prepares the data of the frame that align() and accept() need, and drops those of the previous
+   * frame. Called with every frame, also with unusable ones (see reasonUnusable()). \return reason
+   * why the frame cannot be used; empty if it can */
   virtual std::string extract(const Frame& frame) = 0;
-  /** Register the frame to the reference; T_previous_current is then from the reference. */
+  /** Registers the frame to the reference. \return motion from the reference to the frame */
   virtual MotionEstimate align(const Pose& T_reference_current_guess) = 0;
-  /** The frame becomes the reference. \param T_reference_current the motion found, or the guess */
+  /** Makes the frame the reference. \param T_reference_current estimated motion, or the guess */
   virtual void accept(const Pose& T_reference_current) = 0;
-  /** The reference, and what else is kept of it. */
+  /** Saves or loads the reference and related data. */
   virtual void exchangeReference(StateArchive& archive) = 0;
-  /** As ScanMatch::static_confidence, of the frame last extracted and aligned. */
+  /** ScanMatch::static_confidence of the frame that was last extracted and aligned. */
   [[nodiscard]] virtual std::vector<float> staticConfidence() const { return {}; }
-  /** Whether there is a reference, with no motion between it and the frame before this one. */
+  /** Whether there is a reference, with no motion between it and the previous frame. */
   [[nodiscard]] bool referenceIsPrevious() const
   {
     return has_reference_ && T_reference_previous_.matrix().isIdentity();
   }
-  /** Of the guess in align(); zero where it is not known. */
+  /** Information of the guess in align(); zero if unknown. */
   [[nodiscard]] const Matrix6& guessInformation() const { return guess_information_; }
 
  private:

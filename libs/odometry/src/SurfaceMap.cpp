@@ -174,9 +174,9 @@ struct Along
     }
   }
 
-  std::int32_t low, high;             //!< their blocks
-  std::array<std::int32_t, 3> block;  //!< 0: in `low`, 1: in `high`
-  std::array<std::size_t, 3> place;   //!< in the block
+  std::int32_t low, high;             //!< blocks of the cells
+  std::array<std::int32_t, 3> block;  //!< block of each cell: 0: `low`, 1: `high`
+  std::array<std::size_t, 3> place;   //!< position of each cell in its block
 };
 }  // namespace
 

@@ -13,14 +13,14 @@ namespace dyslam
 {
 class StateArchive;
 
-/** The local surface around a place, relative to a base point. */
+/** Local surface around a place, relative to a base point. */
 struct Surface
 {
   Eigen::Vector3f normal = Eigen::Vector3f::Zero();
-  Eigen::Vector3f mean = Eigen::Vector3f::Zero();  //!< minus the base [m]
+  Eigen::Vector3f mean = Eigen::Vector3f::Zero();  //!< mean of the points minus the base [m]
   Eigen::Matrix3f covariance = Eigen::Matrix3f::Zero();
-  float planarity = 0;  //!< 1 plane, 0 line or blob
-  float count = 0;      //!< points that it is computed from; 0 if there is no surface
+  float planarity = 0;  //!< 1: plane, 0: line or blob
+  float count = 0;      //!< number of points of the surface; 0: no surface
 };
 
 /** A map of surfaces: moments of the points in each cell of a voxel hash.
@@ -37,12 +37,12 @@ class SurfaceMap
  public:
   SurfaceMap(double cell_size, double max_count, ThreadPool& pool);
 
-  /** Add points given in a body's frame. \param weights one each, or empty for 1 */
+  /** Adds points in a body's frame. \param weights one per point; empty: 1 */
   void add(const std::vector<Eigen::Vector3f>& points,
            const std::vector<float>& weights,
            const Pose& T_map_body);
 
-  /** The same map in cells `factor` times as large. */
+  /** The map with cells `factor` times as large. */
   [[nodiscard]] SurfaceMap coarser(int factor) const;
 
   /** Base cell for queries around a place. */
@@ -52,24 +52,24 @@ class SurfaceMap
   /** Surface around `p`, both relative to the corner of `base` [m]. */
   [[nodiscard]] Surface surfaceAt(const Eigen::Vector3f& p, const VoxelCell& base) const;
 
-  /** Forget cells farther than `radius` from `center`. */
+  /** Removes cells farther than `radius` from `center` [m]. */
   void crop(const Eigen::Vector3d& center, double radius);
   void clear();
   [[nodiscard]] std::size_t size() const;
   [[nodiscard]] std::vector<Eigen::Vector3f> means() const;
   [[nodiscard]] float cellSize() const { return size_; }
-  /** The cells; of a map with cells of the same size. */
+  /** Saves or loads the cells, of a map with the same cell size. */
   void exchangeState(StateArchive& archive);
 
  private:
-  /** Sums over points: weights, offsets from the cell's middle and their products. */
+  /** Sums over the points of a cell: weights, offsets from its centre and their products. */
   struct Moments
   {
     float count = 0;
     Eigen::Vector3f sum = Eigen::Vector3f::Zero();
     std::array<float, 6> products{0, 0, 0, 0, 0, 0};  //!< xx xy xz yy yz zz
 
-    /** Add `weight` times `other`, whose middle lies at `shift` from ours. */
+    /** Adds `weight` times `other`, whose centre is at `shift` from this cell's centre. */
     void add(const Moments& other, float weight, const Eigen::Vector3f& shift);
     void add(const Eigen::Vector3f& offset, float weight);
   };
@@ -78,7 +78,7 @@ class SurfaceMap
     VoxelCell cell;
     Moments moments;
   };
-  /** Number of each of a block's cells, or VoxelHash::none. */
+  /** Numbers of the cells of a block, or VoxelHash::none. */
   using Block = std::array<std::uint32_t, 64>;
   struct Shard
   {
@@ -86,18 +86,18 @@ class SurfaceMap
     std::vector<Block> blocks;
     std::vector<Cell> cells;
 
-    /** The cell's number; that of the next one where it has none yet. */
+    /** Number of a cell; a new one if it has none yet. */
     std::uint32_t& numberOf(const VoxelCell& cell);
-    /** Rebuilds the cells' numbers. */
+    /** Rebuilds the numbers of the cells. */
     void indexCells();
   };
-  /** A block's cells. */
+  /** Cells of a block. */
   struct Found
   {
     const std::uint32_t* numbers = nullptr;  //!< null: there is no such block
     const Cell* cells = nullptr;
   };
-  /** A cell of the 3x3x3 around another, and where among them, 0 to 2 along each axis. */
+  /** A cell of the 3x3x3 around another, with its position among them, 0 to 2 along each axis. */
   struct Neighbour
   {
     const Moments* moments;
@@ -114,16 +114,16 @@ class SurfaceMap
   /** The blocks from `low` to `high`, at most two along each axis; number 4x + 2y + z from `low`.
    */
   [[nodiscard]] std::array<Found, 8> findBlocks(const VoxelCell& low, const VoxelCell& high) const;
-  /** The cells around one that have points. \return how many */
+  /** Finds the cells with points around a cell. \return their number */
   int findAround(const VoxelCell& cell, std::array<Neighbour, 27>& found) const;
-  /** The cell's moments, new ones where it has none yet. */
+  /** Moments of a cell; new ones if it has none yet. */
   static Moments& momentsOf(Shard& shard, const VoxelCell& cell);
 
   [[nodiscard]] static VoxelCell blockOf(const VoxelCell& cell)
   {
     return {cell.x >> 2, cell.y >> 2, cell.z >> 2};
   }
-  /** Of a cell within its block. */
+  /** Index of a cell within its block. */
   [[nodiscard]] static std::size_t placeOf(const VoxelCell& cell)
   {
     return static_cast<std::size_t>(((cell.x & 3) << 4) | ((cell.y & 3) << 2) | (cell.z & 3));

@@ -11,7 +11,7 @@ namespace dyslam
 {
 namespace
 {
-/** A larger cell covers more surface: as many points for the same area. */
+/** Growth of the limit of points per cell from level to level, as the area of a cell. */
 constexpr double count_growth = 4;
 }  // namespace
 

@@ -15,18 +15,18 @@ namespace dyslam::test
 {
 constexpr double degree = M_PI / 180;
 
-/** What a 32-beam sensor 1.7 m over a street with houses, walls across and poles sees, by exact ray
+/** Scans of a 32-beam sensor 1.7 m above a street with houses, walls across and poles, by exact ray
  * casting. */
 class StreetScene
 {
  public:
-  /** Puts one more box there. World frame. */
+  /** Adds a box, world frame [m]. */
   void add(const Eigen::Vector3d& low, const Eigen::Vector3d& high)
   {
     boxes_.push_back({low, high});
   }
 
-  /** Distance to the first surface along a ray; infinite if none. World frame. */
+  /** Distance to the first surface along a ray, world frame [m]; infinite if none. */
   [[nodiscard]] double range(const Eigen::Vector3d& from, const Eigen::Vector3d& along) const
   {
     double best = std::numeric_limits<double>::infinity();
@@ -150,7 +150,7 @@ class StreetScene
                                       {18, -7},  {-15, 6.8}, {-20, -7}};
 };
 
-/** The frame with a scan of the same scene by a further lidar, which is at the rear. */
+/** The frame with an added scan of the scene by a further lidar at the rear. */
 inline Frame withFurtherLidar(const Frame& own)
 {
   Scan rear = StreetScene().scan(poseFromYpr(-1, 0.5, -0.5, M_PI, 0, 0), 0.01, 11);

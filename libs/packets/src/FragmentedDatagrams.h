@@ -9,25 +9,25 @@
 
 namespace dyslam
 {
-/** A part of an IP datagram (RFC 791). */
+/** A fragment of an IP datagram (RFC 791). */
 struct IpFragment
 {
-  std::uint32_t sender = 0;    //!< address
-  std::uint32_t receiver = 0;  //!< address
-  std::uint16_t number = 0;    //!< of the datagram, the same in all its fragments
-  std::size_t offset = 0;      //!< of the data in the datagram [bytes]
-  bool more = false;           //!< others follow behind it in the datagram
+  std::uint32_t sender = 0;    //!< address of the sender
+  std::uint32_t receiver = 0;  //!< address of the receiver
+  std::uint16_t number = 0;    //!< number of the datagram, the same in all its fragments
+  std::size_t offset = 0;      //!< offset of the data in the datagram [bytes]
+  bool more = false;           //!< further fragments follow in the datagram
   const std::uint8_t* data = nullptr;
-  std::size_t size = 0;  //!< [bytes]
+  std::size_t size = 0;  //!< size of the data [bytes]
 };
 
-/** Puts IP datagrams together, whose fragments may come in any order. */
+/** Reassembles IP datagrams, whose fragments may come in any order. */
 class FragmentedDatagrams
 {
  public:
   /** Fragments of others that an incomplete datagram outlasts: its number will be used again. */
   static constexpr std::uint64_t longest_wait = 4096;
-  static constexpr std::size_t most = 64;  //!< incomplete ones that are kept, the latest
+  static constexpr std::size_t most = 64;  //!< largest number of incomplete datagrams that are kept
 
   /** \return the data of the datagram, behind its IP header, once all of it is there. */
   [[nodiscard]] std::optional<std::vector<std::uint8_t>> add(const IpFragment& fragment);
@@ -38,7 +38,7 @@ class FragmentedDatagrams
     std::uint32_t sender;
     std::uint32_t receiver;
     std::uint16_t number;
-    std::uint64_t begun;  //!< fragments added before its first
+    std::uint64_t begun;  //!< number of fragments added before its first one
     std::vector<std::uint8_t> data;
     std::vector<bool> units;          //!< received, of eight bytes each
     std::optional<std::size_t> size;  //!< known with the fragment that none follows [bytes]
@@ -46,6 +46,6 @@ class FragmentedDatagrams
   [[nodiscard]] std::deque<Datagram>::iterator datagramOf(const IpFragment& fragment);
 
   std::deque<Datagram> incomplete_;
-  std::uint64_t added_ = 0;  //!< fragments
+  std::uint64_t added_ = 0;  //!< number of fragments added
 };
 }  // namespace dyslam

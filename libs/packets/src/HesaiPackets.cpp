@@ -7,7 +7,7 @@ namespace dyslam
 {
 namespace
 {
-constexpr std::size_t tail_with_sequence = 28;  //!< of the packets of PandarQT and PandarXT [bytes]
+constexpr std::size_t tail_with_sequence = 28;  //!< tail of PandarQT and PandarXT packets [bytes]
 constexpr std::size_t crc_bytes = 4;
 constexpr std::size_t safety_bytes = 17;
 constexpr std::size_t sequence_bytes = 4;

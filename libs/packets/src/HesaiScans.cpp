@@ -17,12 +17,12 @@ namespace
 constexpr double least_range = 0.05;           // [m]; below are codes of the sensor, no ranges
 constexpr double azimuth_unit = M_PI / 18000;  // [rad]
 
-/** Where a laser points. */
+/** Direction of a laser. */
 struct Laser
 {
   double cos_elevation;
   double sin_elevation;
-  double azimuth;  //!< from that of the block [rad]
+  double azimuth;  //!< relative to the azimuth of the block [rad]
   std::uint16_t ring;
 };
 }  // namespace
@@ -31,11 +31,11 @@ struct HesaiScans::Impl
 {
   std::string place;
   HesaiScansOptions options;
-  std::optional<HesaiLayout> layout;  //!< of the first packet
+  std::optional<HesaiLayout> layout;  //!< layout of the first packet
   std::vector<Laser> lasers;
   RevolutionCutter revolutions;
   SensorClock clock;
-  std::optional<double> last_time;  //!< of the sensor's clock [s]
+  std::optional<double> last_time;  //!< last time of the sensor's clock [s]
 
   Impl(std::string place_in, const HesaiScansOptions& options_in)
       : place(std::move(place_in)),

@@ -26,13 +26,13 @@ T numberAt(const std::uint8_t* bytes)
   return value;
 }
 
-/** Where things are in a data packet [bytes]. */
+/** Positions and sizes in a data packet [bytes]. */
 struct Layout
 {
   std::size_t packet_header;
   std::size_t packet_footer;
   std::size_t column_header;
-  std::size_t column;  //!< size of one with its header and footer
+  std::size_t column;  //!< size of a column with its header and footer
 
   explicit Layout(const OusterMetadata& metadata)
   {
@@ -45,7 +45,7 @@ struct Layout
   }
 };
 
-/** Unit vectors along the beams where the encoder is at 0. */
+/** Unit vectors along the beams with the encoder at 0. */
 std::vector<Eigen::Vector3d> directionsOf(const OusterMetadata& metadata)
 {
   std::vector<Eigen::Vector3d> directions;
@@ -62,8 +62,8 @@ std::vector<Eigen::Vector3d> directionsOf(const OusterMetadata& metadata)
 /** One firing of all beams. */
 struct Column
 {
-  std::uint64_t time;    //!< of the sensor's clock [ns]
-  std::uint16_t number;  //!< in the turn, 0 at the connector
+  std::uint64_t time;    //!< time of the sensor's clock [ns]
+  std::uint16_t number;  //!< number in the revolution, 0 at the connector
   bool valid;
   const std::uint8_t* pixels;
 };
@@ -92,18 +92,18 @@ struct OusterScans::Impl
   std::vector<Eigen::Vector3d> directions;
   RevolutionQueue queue;
   SensorClock clock;
-  std::optional<std::uint64_t> last_time;  //!< of the sensor's clock [ns]
+  std::optional<std::uint64_t> last_time;  //!< last time of the sensor's clock [ns]
 
-  Scan scan;                           //!< the frame that is read
-  std::optional<std::uint32_t> frame;  //!< its number
-  std::vector<bool> received;          //!< of the frame's columns
+  Scan scan;                           //!< scan of the current frame
+  std::optional<std::uint32_t> frame;  //!< number of the current frame
+  std::vector<bool> received;          //!< whether each column of the frame was received
   std::size_t first_column = 0;
   std::size_t last_column = 0;
-  std::size_t returns = 0;    //!< points of all frames
-  std::size_t saturated = 0;  //!< those with an intensity above the scale
-  std::size_t late = 0;       //!< packets of a frame that has been passed on
-  std::size_t repeated = 0;   //!< columns
-  std::size_t alien = 0;      //!< columns that no frame of this sensor has
+  std::size_t returns = 0;    //!< number of points of all frames
+  std::size_t saturated = 0;  //!< number of points with an intensity above the scale
+  std::size_t late = 0;       //!< number of packets of frames that were passed on before
+  std::size_t repeated = 0;   //!< number of repeated columns
+  std::size_t alien = 0;      //!< number of columns that no frame of this sensor has
 
   Impl(std::string place_in, const OusterMetadata& metadata_in, bool keep_partial)
       : place(std::move(place_in)),

@@ -22,18 +22,18 @@ class PacketCapture
   /** \throws UserError if the file is missing or no capture. */
   explicit PacketCapture(const std::string& path);
 
-  /** False at the end of the file, and where it is damaged: see damage(). */
+  /** Reads the next datagram; false at the end of the file and at damage, see damage(). */
   [[nodiscard]] bool next(LidarPacket& packet);
 
-  /** Why the file cannot be read further; empty if it can, or has ended. */
+  /** Reason why the file cannot be read further; empty if it can, or has ended. */
   [[nodiscard]] const std::string& damage() const { return damage_; }
-  /** Part of the file that was read, 0 to 1. */
+  /** Fraction of the file that was read, 0 to 1. */
   [[nodiscard]] double progress() const;
 
  private:
   std::unique_ptr<pcap, void (*)(pcap*)> file_;
   FragmentedDatagrams fragments_;
-  std::uintmax_t size_ = 0;  //!< of the file [bytes]
+  std::uintmax_t size_ = 0;  //!< size of the file [bytes]
   std::string damage_;
 };
 }  // namespace dyslam

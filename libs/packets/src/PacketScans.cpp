@@ -10,8 +10,8 @@ namespace dyslam
 {
 namespace
 {
-constexpr double whole_tolerance = 3.0 / 360;  //!< that a whole revolution may lack [turns]
-constexpr int turn = 36000;                    //!< [0.01 deg]
+constexpr double whole_tolerance = 3.0 / 360;  //!< part that a complete revolution may lack [turns]
+constexpr int turn = 36000;                    //!< a revolution [0.01 deg]
 
 bool near(double a, double b)
 {

@@ -17,14 +17,14 @@ namespace dyslam
 {
 namespace
 {
-constexpr std::size_t probe_packets = 256;  //!< looked at to find the maker
+constexpr std::size_t probe_packets = 256;  //!< number of packets examined to find the maker
 
 /** Makes the scans of a capture. */
 struct Decoder
 {
   std::unique_ptr<PacketScans> scans;
-  std::string metadata;                //!< file of an Ouster; empty: of a Velodyne
-  std::size_t ouster_packet_size = 0;  //!< [bytes]; 0: of a Velodyne
+  std::string metadata;                //!< metadata file of an Ouster; empty: a Velodyne
+  std::size_t ouster_packet_size = 0;  //!< packet size of an Ouster [bytes]; 0: a Velodyne
 
   [[nodiscard]] bool takesAny(const std::deque<LidarPacket>& packets) const
   {
@@ -73,13 +73,13 @@ struct PcapSource::Impl
   std::deque<LidarPacket> probed;
   Decoder decoder;
   std::vector<std::string> notes;
-  std::optional<std::uint64_t> stream;  //!< of the lidar: that of its first packet
-  std::size_t taken = 0;                //!< packets of the lidar
-  std::size_t of_others = 0;            //!< packets of other lidars
+  std::optional<std::uint64_t> stream;  //!< stream of the lidar's first packet
+  std::size_t taken = 0;                //!< number of packets of the lidar
+  std::size_t of_others = 0;            //!< number of packets of other lidars
   bool finished = false;
   std::optional<Scan> first;
   std::string probed_kind;      //!< the most frequent packets, for messages; empty: there are none
-  std::size_t probed_size = 0;  //!< of the most frequent packets [bytes]
+  std::size_t probed_size = 0;  //!< size of the most frequent packets [bytes]
 
   Impl(const std::string& path_in, const PcapSourceOptions& options_in)
       : path(path_in), options(options_in), capture(path_in)

@@ -15,15 +15,15 @@ namespace dyslam
 /** Waiting times of the two sides of a queue [s]. */
 struct QueueWaits
 {
-  double for_room = 0;   //!< the pushing side, as the queue was full
-  double for_items = 0;  //!< the taking side, as it was empty
+  double for_room = 0;   //!< time that the pushing side waited, with a full queue [s]
+  double for_items = 0;  //!< time that the taking side waited, with an empty queue [s]
 };
 
-/** Hands items from one thread to another, in order, at most `capacity` of them waiting.
+/** Queue of items from one thread to another, of at most `capacity` items.
  *
- * Either side may end it, with or without an error: close() ends it for the pushing side (what
- * waits is still taken), stop() for the taking side (what waits is dropped). The error is thrown
- * once, to the side that meets it first. Every function may be called from any thread.
+ * Either side may end it, with or without an error: close() ends it for the pushing side (waiting
+ * items are still taken), stop() for the taking side (waiting items are dropped). The error is
+ * thrown once, to the side that meets it first. Every function may be called from any thread.
  */
 template <typename T>
 class BoundedQueue
@@ -31,7 +31,7 @@ class BoundedQueue
  public:
   explicit BoundedQueue(std::size_t capacity) : capacity_(capacity > 0 ? capacity : 1) {}
 
-  /** Waits while the queue is full. False, and nothing is added, once the queue has ended. */
+  /** Adds an item; waits while the queue is full. \return false, without adding, if it has ended */
   bool push(T item)
   {
     std::unique_lock<std::mutex> lock(mutex_);
@@ -46,7 +46,7 @@ class BoundedQueue
     return true;
   }
 
-  /** Waits while the queue is empty. Nothing once it has ended and all items are taken. */
+  /** Takes an item; waits while the queue is empty. Nothing if it has ended and all are taken. */
   [[nodiscard]] std::optional<T> pop()
   {
     std::unique_lock<std::mutex> lock(mutex_);
@@ -62,9 +62,9 @@ class BoundedQueue
     return item;
   }
 
-  /** The item that pop() will give, after waiting for it; null once the queue has ended and all
-   * items are taken. Valid until the next pop() or the end; for a single taking thread. Throws
-   * nothing: an error is left to pop(). */
+  /** The item that pop() will return, after waiting for it; null if the queue has ended and all
+   * items are taken. Valid until the next pop() or the end; for a single taking thread. Does not
+   * throw: pop() reports the error. */
   [[nodiscard]] const T* peek()
   {
     std::unique_lock<std::mutex> lock(mutex_);
@@ -72,11 +72,11 @@ class BoundedQueue
     return items_.empty() ? nullptr : &items_.front();
   }
 
-  /** No more items will come. */
+  /** Ends the queue for the pushing side: no more items will be added. */
   void close() { end({}, false); }
-  /** No more items will come, because of this error. */
+  /** Ends the queue for the pushing side because of an error. */
   void fail(std::exception_ptr error) { end(std::move(error), false); }
-  /** No more items will be taken, because of this error if there is one. */
+  /** Ends the queue for the taking side: no more items will be taken. */
   void stop(std::exception_ptr error = {}) { end(std::move(error), true); }
 
   [[nodiscard]] QueueWaits waits()

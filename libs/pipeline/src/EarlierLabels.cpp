@@ -12,9 +12,9 @@ namespace dyslam
 {
 namespace
 {
-constexpr float probability = 0.999F;  // that a point moves that was labelled so
+constexpr float probability = 0.999F;  // moving probability of a point labelled as moving
 
-/** \return empty for no folder \throws UserError for one without labels */
+/** Folder of the labels; empty if none is given. \throws UserError if it has no labels */
 std::string requireLabels(const std::string& folder)
 {
   const auto labels = labelFolderOf(folder);
@@ -25,7 +25,7 @@ std::string requireLabels(const std::string& folder)
   return labels.value_or("");
 }
 
-/** Where the points of two clouds are in the one of both, in the order of the scan. */
+/** Merges per-point values of two clouds in the order of the scan. */
 class Merge
 {
  public:
@@ -41,7 +41,7 @@ class Merge
     kept_ = kept.size();
     added_ = added.size();
   }
-  /** Leaves values as they are that the points do not have. */
+  /** Merges `added` into `kept`; does nothing if a cloud has no such values. */
   template <typename Values>
   void operator()(Values& kept, const Values& added) const
   {

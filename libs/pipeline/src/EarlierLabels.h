@@ -8,15 +8,16 @@
 
 namespace dyslam
 {
-/** Labels that an earlier run wrote of the same scans: odometry, and a segmenter that does not need
- * the pose, do without the points that it labelled moving.
+/** Labels of an earlier run on the same scans: odometry, and segmenters that do not need the pose,
+ * do not use the points labelled as moving.
  *
- * A run that follows traffic for its static world still labels most of its vehicles by their
- * appearance and by the rays of other scans; without them the next run finds the static world. */
+ * A run that confuses traffic with the static world still labels most of the vehicles as moving, by
+ * their appearance and by the rays of other scans; without them the next run finds the static
+ * world. */
 class EarlierLabels
 {
  public:
-  /** \param folder of the .label files, or of the run; empty: there are none. \throws UserError if
+  /** \param folder folder of the .label files or of the run; empty: no labels \throws UserError if
    * it has no labels. */
   explicit EarlierLabels(const std::string& folder);
 

@@ -22,7 +22,7 @@ fs::path labelsOfFirstPass(const std::string& output)
   return fs::path(output) / "first_pass" / "labels";
 }
 
-/** Removes the label files in a folder, and nothing else. */
+/** Removes only the label files in a folder. */
 void removeLabels(const fs::path& folder)
 {
   for (const auto& entry : entriesOf(folder))
@@ -101,8 +101,8 @@ std::string keepLabelsOfFirstPass(const std::string& output)
 
 std::string comparePaths(double first, double second)
 {
-  constexpr double max_ratio = 0.1;     // of the longer path
-  constexpr double max_difference = 1;  // [m], as of a vehicle that stands
+  constexpr double max_ratio = 0.1;     // largest difference relative to the longer path
+  constexpr double max_difference = 1;  // difference that is ignored, for standing vehicles [m]
   if (std::abs(first - second) <= std::max(max_difference, max_ratio * std::max(first, second)))
   {
     return "";

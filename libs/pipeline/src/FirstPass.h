@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The first of two passes over a recording: its settings, and where its labels stay for the second.
+// The first of two passes over a recording: its settings, and the labels for the second pass.
 #pragma once
 
 #include <dyslam/core/Config.h>
@@ -9,14 +9,14 @@
 
 namespace dyslam
 {
-/** A pass that writes labels only. */
+/** Sets the config of a pass that writes only labels. */
 [[nodiscard]] RunRequest firstPassOf(const RunRequest& request);
 
-/** The labels that a run with these settings reads; empty for none. */
+/** Folder of the labels that a run with these settings reads; empty: none. */
 [[nodiscard]] std::string labelsIn(const Config& config);
 
-/** Whether a run with these settings into that folder is the second pass of one with two: a folder
- * of labels may be of an earlier run. */
+/** Whether a run with these settings into the folder `output` is a second pass; the labels may also
+ * be those of an earlier run. */
 [[nodiscard]] bool isSecondPass(const Config& config, const std::string& output);
 
 /** Absolute path of the folder that keeps the labels of the first pass, in the output folder. */
@@ -26,6 +26,6 @@ namespace dyslam
  * does not replace them. \return keptLabelsOf(). \throws UserError. */
 [[nodiscard]] std::string keepLabelsOfFirstPass(const std::string& output);
 
-/** A warning if the passes disagree about the length of the path [m], else empty. */
+/** Warning if the path lengths of the two passes [m] disagree, else empty. */
 [[nodiscard]] std::string comparePaths(double first, double second);
 }  // namespace dyslam

@@ -30,13 +30,13 @@ FolderLock::FolderLock(const std::string& folder)
     {
       locked = ::flock(file_, LOCK_EX | LOCK_NB);
     } while (locked != 0 && errno == EINTR);
-    if (locked != 0 && errno == EWOULDBLOCK)  // other errors: a file system without locks
+    if (locked != 0 && errno == EWOULDBLOCK)  // other errors: the file system has no locks
     {
       ::close(file_);
       throw UserError(
           folder + ": another run is writing to it; wait for its end, or choose another --output");
     }
-    // If the other run has just ended, its lock file was removed: that lock is void.
+    // If another run has just ended, it has removed the locked file: the lock is void.
     struct stat named = {};
     struct stat held = {};
     if (::stat(path_.c_str(), &named) == 0 && ::fstat(file_, &held) == 0 &&

@@ -24,12 +24,12 @@ using mrpt::system::CTimeLoggerEntry;
 
 namespace
 {
-/** A motion to deskew with. */
+/** Predicted motion for deskewing. */
 struct SweepPrediction
 {
   Pose T_previous_current = Pose::Identity();
-  double dt = 0;              //!< [s]
-  double sweep_duration = 0;  //!< [s]
+  double dt = 0;              //!< Frame::dt [s]
+  double sweep_duration = 0;  //!< Frame::sweep_duration [s]
 };
 
 struct EncodedScan
@@ -38,11 +38,12 @@ struct EncodedScan
   std::shared_ptr<const EncodedCloud> encoded;
 };
 
-/** Waits for the work on the next scan, also after an exception: it reads the caller's frame. */
+/** Waits for the encoding of the next scan, also after an exception, as it reads the caller's
+ * frame. */
 struct WaitAtEnd
 {
   const std::future<EncodedScan>& ahead;
-  std::atomic<double>& waited;  //!< [s]
+  std::atomic<double>& waited;  //!< waiting time [s]
   ~WaitAtEnd()
   {
     if (ahead.valid())
@@ -77,9 +78,9 @@ struct FrontEnd::Stages
   [[nodiscard]] std::shared_ptr<const EncodedCloud> encode(const Cloud& cloud, const Scan& scan);
   [[nodiscard]] EncodedScan encodeAhead(const Scan& scan, const SweepPrediction& sweep);
   void beginAhead(const Frame* next);
-  /** \return the encoded cloud, null if there is none */
+  /** Sets the frame's cloud. \return the cloud encoded ahead; null if there is none */
   [[nodiscard]] std::shared_ptr<const EncodedCloud> preprocess(Frame& frame);
-  /** Segments now if the segmenter runs before (false) or after (true) the pose is known. */
+  /** Segments, if the segmenter runs before (false) or after (true) the pose is known. */
   void segment(Frame& frame, bool pose_known, const std::shared_ptr<const EncodedCloud>& encoded);
   /** \param scan scan of the points that an earlier run labelled moving */
   void putBack(const Scan& scan, Frame& frame);
@@ -92,14 +93,14 @@ struct FrontEnd::Stages
   ThreadPool pool;
   Preprocessor preprocessor;
   OwnVehicle own_vehicle;
-  std::unique_ptr<MovingSegmenter> segmenter;  //!< null: nothing is segmented
+  std::unique_ptr<MovingSegmenter> segmenter;  //!< null: no segmentation
   Odometry odometry;
   SweepPrediction sweep_used;  //!< motion that deskewed the current cloud
-  /** Motion for deskewing and encoding the next scan early; empty if it is encoded after its own
-   * prediction. */
+  /** Motion for deskewing and encoding the next scan ahead; empty if the scan is encoded after its
+   * own prediction. */
   std::optional<SweepPrediction> sweep_ahead;
-  std::future<EncodedScan> ahead;  //!< of the next scan, if it was there
-  std::atomic<double> waited = 0;  //!< for it [s]
+  std::future<EncodedScan> ahead;  //!< encoding of the next scan, if it was given
+  std::atomic<double> waited = 0;  //!< time waited for `ahead` [s]
   JobThread ahead_thread{1};
 };
 

@@ -15,14 +15,14 @@ namespace dyslam
 /** Ini section `[boxes]`. */
 struct GivenBoxesOptions : Options
 {
-  std::string file;   //!< boxes of all scans, or a folder with a file for each; empty: none
-  std::string calib;  //!< KITTI's calibration: the boxes are in the camera frame; empty: lidar
-  double min_score = -1e6;  //!< boxes with a lower one are left out
+  std::string file;   //!< boxes: one file, or a folder with a file per scan; empty: none
+  std::string calib;  //!< KITTI's calibration, for boxes in the camera frame; empty: lidar frame
+  double min_score = -1e6;  //!< boxes with a lower score are ignored
 
   void describe(OptionsVisitor& visitor) override;
 };
 
-/** Boxes that another program detected in the scans, instead of those of Detector. */
+/** Boxes that another program detected in the scans, used instead of Detector. */
 class GivenBoxes
 {
  public:
@@ -31,7 +31,7 @@ class GivenBoxes
    * there are no boxes. */
   GivenBoxes(const GivenBoxesOptions& options, const DetectionNoiseOptions& noise);
 
-  /** Sets the detections of a frame to the boxes of its index. Reads its cloud and mounting. */
+  /** Sets the detections of a frame to the boxes of its index. Reads cloud and T_vehicle_lidar. */
   void detect(Frame& frame) const;
 
   /** Marks the cloud points in the boxes of confirmed dynamic objects as moving. For labels without

@@ -41,6 +41,6 @@ void JobThread::finish()
   {
     thread_.join();
   }
-  (void)jobs_.pop();  // all are done; only an error may be left
+  (void)jobs_.pop();  // all jobs are done; only an error may be left
 }
 }  // namespace dyslam

@@ -8,22 +8,22 @@
 
 namespace dyslam
 {
-/** Runs jobs one after the other in a thread of its own, in the order they were given, such as
- * compressing and writing, which do not hold up the estimation then. */
+/** Runs jobs in another thread, one after the other in the order of add(): for compressing and
+ * writing, so that the estimation does not wait for them. */
 class JobThread
 {
  public:
-  /** \param depth jobs that may wait; add() blocks beyond. */
+  /** \param depth number of jobs that may wait before add() blocks */
   explicit JobThread(std::size_t depth = 4);
   /** Waits for every job. */
   ~JobThread();
   JobThread(const JobThread&) = delete;
   JobThread& operator=(const JobThread&) = delete;
 
-  /** Throws what an earlier job threw, once; jobs after a failed one and after finish() are
-   * dropped. */
+  /** Adds a job. Throws the exception of an earlier job, once; jobs after a failed one and after
+   * finish() are dropped. */
   void add(std::function<void()> job) { jobs_.push(std::move(job)); }
-  /** Waits for every job. Throws what a job threw, unless add() did. */
+  /** Waits for every job. Throws the exception of a job, unless add() did. */
   void finish();
 
   [[nodiscard]] QueueWaits waits() { return jobs_.waits(); }

@@ -58,7 +58,7 @@ void KeptFiles::keep() const
     {
       std::error_code error;
       fs::create_hard_link(file, kept / file.filename(), error);
-      if (error)  // a file system without such links
+      if (error)  // the file system has no hard links
       {
         fs::copy_file(file, kept / file.filename(), fs::copy_options::overwrite_existing);
       }
@@ -77,7 +77,7 @@ void KeptFiles::forEach(const Use& use) const
       use(file, folder_ / name.name / file.filename());
     }
     std::error_code ignored;
-    fs::remove(kept, ignored);  // only if it is empty now
+    fs::remove(kept, ignored);  // succeeds only if the folder is empty
   }
 }
 
@@ -111,7 +111,7 @@ void KeptFiles::restore() const
       {
         if (isSameFile(kept, original))
         {
-          fs::remove(kept);  // renaming a file to another link of it does nothing
+          fs::remove(kept);  // same file: rename() would do nothing
         }
         else
         {

@@ -9,29 +9,28 @@
 
 namespace dyslam
 {
-/** Numbered files as they are at the last checkpoint of a run that is stopped, for the run that is
- * resumed there: what is written after that checkpoint, from the scans so far alone, changes files
- * of earlier scans. They are kept as further links to the same files, which are replaced but never
- * written again. */
+/** Copies of numbered files as they are at the last checkpoint of a stopped run, for the run that
+ * is resumed there: finishing the stopped run still changes files of earlier scans. The copies are
+ * hard links, since the files are replaced but never written again. */
 class KeptFiles
 {
  public:
-  /** \param folder of the run */
+  /** \param folder folder of the run */
   explicit KeptFiles(const std::string& folder) : folder_(folder) {}
 
-  /** \param name folder in that of the run, of files that may change \return where they are kept */
+  /** \param name folder of files that may change, in the run's \return folder of their copies */
   OutputName add(const OutputName& name);
 
-  /** Keeps all files that are there. \throws UserError, std::filesystem::filesystem_error. */
+  /** Links all existing files. \throws UserError, std::filesystem::filesystem_error. */
   void keep() const;
-  /** Removes those that have not changed since. */
+  /** Removes the copies of files that have not changed since. */
   void removeUnchanged() const;
   void removeAll() const;
-  /** Puts them back in place of what has changed. \throws std::filesystem::filesystem_error. */
+  /** Replaces changed files by their copies. \throws std::filesystem::filesystem_error. */
   void restore() const;
 
  private:
-  /** Calls `use` with each kept file and the place where it was; removes empty folders. */
+  /** Calls `use` with the paths of each copy and of its original; removes empty folders. */
   template <typename Use>
   void forEach(const Use& use) const;
 

@@ -25,7 +25,7 @@ bool isNumbered(const fs::path& file, const std::string& extension)
                      [](unsigned char c) { return std::isdigit(c) != 0; });
 }
 
-/** Also removes its temporary file of a killed run; no error if there is none. */
+/** Removes a file and its temporary file of a killed run; no error if there is none. */
 void removeFile(const fs::path& file)
 {
   std::error_code ignored;
@@ -48,7 +48,7 @@ void removeNumbered(const fs::path& folder, const std::string& extension)
     }
   }
   std::error_code ignored;
-  fs::remove(folder, ignored);  // only if it is empty now
+  fs::remove(folder, ignored);  // succeeds only if the folder is empty
 }
 
 bool isLink(const fs::path& path)
@@ -57,7 +57,7 @@ bool isLink(const fs::path& path)
   return fs::is_symlink(fs::symlink_status(path, ignored));
 }
 
-/** Whether the folder is of a run: it has a run's settings. */
+/** Whether a folder is one of a run: it has the settings of a run. */
 bool isOfARun(const fs::path& folder)
 {
   const fs::path settings = folder / "effective.ini";
@@ -94,7 +94,7 @@ void requireNoInput(const fs::path& base,
   }
 }
 
-/** \throws UserError if there is a file that no run wrote, or a link. */
+/** Checks the files to be removed. \throws UserError for a file that no run wrote, or a link. */
 void requireOwn(const fs::path& base, const std::vector<OutputName>& names, bool force)
 {
   const bool replace = force || isOfARun(base);

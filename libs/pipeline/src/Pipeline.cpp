@@ -119,29 +119,29 @@ struct Pipeline::Stages
   }
 
   void insertInMap(const Frame& final_frame);
-  /** Tracks its objects again, where that is on, and hands it to the map and to on_final. */
+  /** Tracks the objects of a final frame again, if this is on; passes it to map and on_final. */
   void handOn(Frame final_frame);
-  /** What must be kept of a frame until it is handed on. */
+  /** Parts of a frame that are kept until it is final. */
   [[nodiscard]] FrameParts keptOf(const Frame& frame) const;
-  /** Takes the next frame, and hands on those whose moving points are final now. */
+  /** Takes the next frame, and finalises frames whose moving points are final now. */
   void finalise(const Frame& frame);
   void finaliseFirst();
 
   mrpt::system::CTimeLogger& times;
   PipelineOptions options;
   FrontEnd front_end;
-  ThreadPool pool{1};  //!< of the back end; the front end has its own
+  ThreadPool pool{1};  //!< threads of the back end; the front end has its own
   Detector detector;
-  std::optional<GivenBoxes> boxes;  //!< instead of those of the detector
+  std::optional<GivenBoxes> boxes;  //!< boxes used instead of the detector's
   Tracker tracker;
   KeyframeStore keyframes;
   Backend backend;
   std::optional<HindsightLabels> hindsight;
-  std::optional<Tracker> tracker_again;  //!< of final frames
-  std::optional<Frame> first;            //!< until the motion of the second one deskews it
+  std::optional<Tracker> tracker_again;  //!< tracker for final frames
+  std::optional<Frame> first;            //!< first frame, until the second one's motion deskews it
   StaticMap map;
   std::function<void(Frame)> on_final;
-  FrameParts final_parts = FrameParts::points;  //!< of frames, for on_final
+  FrameParts final_parts = FrameParts::points;  //!< parts of final frames for on_final
 };
 
 void Pipeline::Stages::insertInMap(const Frame& final_frame)
@@ -338,7 +338,7 @@ void Pipeline::finish()
   if (s.hindsight)
   {
     const CTimeLoggerEntry timed(s.times, "hindsight.finish");
-    // No scan is estimated any more: a frame is handed on while the next one is labelled.
+    // The estimation has ended: a frame is passed on while the next one is labelled.
     JobThread receiver;
     s.hindsight->finish(
         [&](Frame frame)

@@ -11,23 +11,23 @@
 
 namespace dyslam
 {
-/** Gets frames in a thread of its own, a few ahead of the consumer, in their order. The source may
- * be another ReadAhead, so that stages overlap. */
+/** Gets frames in another thread, a few ahead of the consumer, in their order. The source may be
+ * another ReadAhead, so that stages overlap. */
 class ReadAhead
 {
  public:
-  /** \param next gives the next frame or nothing at the end; called from that thread only.
-   *  \param depth frames that wait at most. */
+  /** \param next returns the next frame or nothing at the end; called only from that thread
+   *  \param depth maximum number of frames that wait */
   explicit ReadAhead(std::function<std::optional<Frame>()> next, std::size_t depth = 2);
   ~ReadAhead();
   ReadAhead(const ReadAhead&) = delete;
   ReadAhead& operator=(const ReadAhead&) = delete;
 
-  /** The next frame; nothing at the end. Throws what `next` threw, after all frames before it.
+  /** The next frame; nothing at the end. Throws the exception of `next` after all frames before it.
    */
   [[nodiscard]] std::optional<Frame> next() { return frames_.pop(); }
 
-  /** The frame that next() will give, after waiting for it; null at the end. Valid until then. */
+  /** The frame that next() will return, after waiting for it; null at the end. Valid until then. */
   [[nodiscard]] const Frame* peek() { return frames_.peek(); }
 
   [[nodiscard]] QueueWaits waits() { return frames_.waits(); }

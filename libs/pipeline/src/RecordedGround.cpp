@@ -9,11 +9,11 @@ namespace dyslam
 {
 namespace
 {
-/** Ground that is inclined by less counts as level. */
+/** Inclination below which the ground counts as level. */
 constexpr double min_inclination = 4 * radians_per_degree;
-/** Planes whose normals are this near each other agree: a vehicle pitches and rolls. */
+/** Largest angle between the normals of planes that agree: a vehicle pitches and rolls. */
 constexpr double same_ground = 4 * radians_per_degree;
-/** Of the scans this share has to show the same ground. */
+/** Least share of the scans that have to show the same ground. */
 constexpr double min_agreeing = 0.6;
 }  // namespace
 

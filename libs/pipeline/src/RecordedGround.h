@@ -10,16 +10,16 @@
 
 namespace dyslam
 {
-/** The ground in the vehicle frame of a recording, from several of its scans. */
+/** Ground plane in the vehicle frame of a recording, from several of its scans. */
 class RecordedGround
 {
  public:
-  /** \param returns of the scan */
+  /** Adds a scan. \param returns number of its returns */
   void add(const Scan& scan, std::size_t returns);
 
-  /** The mean of the scans that agree, axes of the vehicle frame, origin at the lidar; nothing if
-   * they are too few.
-   * \param min_returns scans with fewer do not count */
+  /** Mean plane of the scans that agree, axes of the vehicle frame, origin at the lidar; nothing if
+   * these are too few.
+   * \param min_returns scans with fewer returns are ignored */
   [[nodiscard]] std::optional<GroundPlane> plane(GroundSide side, std::size_t min_returns) const;
 
  private:
@@ -27,7 +27,7 @@ class RecordedGround
   {
     std::size_t returns = 0;
     std::optional<GroundPlane> below;
-    std::optional<GroundPlane> above;  //!< searched for if there is none below
+    std::optional<GroundPlane> above;  //!< only searched for if there is none below
   };
 
   std::vector<Searched> scans_;

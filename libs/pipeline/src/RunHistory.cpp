@@ -25,7 +25,7 @@ PastObject pastObject(const TrackedObject& object, std::size_t scan)
   return report;
 }
 
-/** Calls `field` with every number of an object: it has members of Eigen, and padding. */
+/** Calls `field` with every number of an object, which has Eigen members and padding. */
 template <typename Object, typename Field>
 void forEachField(Object& o, const Field& field)
 {
@@ -193,7 +193,7 @@ void RunHistory::forEachObject(const std::function<void(const PastObject&)>& use
 void RunHistory::forEachObject(const std::map<int, int>& merged,
                                const std::function<void(const PastObject&)>& use) const
 {
-  std::map<int, PastObject> of_scan;  // by the id of the object
+  std::map<int, PastObject> of_scan;  // objects of a scan by id
   const auto use_scan = [&]
   {
     for (auto& [id, object] : of_scan)

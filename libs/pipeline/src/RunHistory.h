@@ -16,16 +16,16 @@ namespace dyslam
 {
 class StateArchive;
 
-/** What is kept of a scan until the end of the run. */
+/** Data of a scan that are kept until the end of the run. */
 struct PastScan
 {
   std::size_t index = 0;  //!< Frame::index
-  double stamp = 0;       //!< [s]
+  double stamp = 0;       //!< UNIX time [s]
   double time = 0;        //!< Frame::time() [s]
   Pose T_odom_vehicle = Pose::Identity();
-  std::uint32_t points = 0;         //!< used of it
-  std::uint32_t moving_points = 0;  //!< of these
-  std::uint32_t mount = 0;          //!< position in RunHistory::mounts()
+  std::uint32_t points = 0;         //!< number of points of its cloud
+  std::uint32_t moving_points = 0;  //!< number of moving points of its cloud
+  std::uint32_t mount = 0;          //!< index in RunHistory::mounts()
   bool registered = false;          //!< false: its motion was predicted, not measured
   bool keyframe = false;
 };
@@ -33,7 +33,7 @@ struct PastScan
 /** An object at a scan: TrackedObject without its covariances. */
 struct PastObject
 {
-  std::size_t scan = 0;  //!< position in RunHistory::scans()
+  std::size_t scan = 0;  //!< index in RunHistory::scans()
   int id = -1;
   ObjectClass object_class = ObjectClass::unknown;
   Box box;                                             //!< odometry frame
@@ -41,7 +41,7 @@ struct PastObject
   double score = 0;
   bool dynamic = false;
   bool observed = false;
-  bool reported = false;  //!< by the tracker, at this scan
+  bool reported = false;  //!< TrackedObject::reported at this scan
 
   [[nodiscard]] TrackedObject tracked() const;
 };
@@ -49,42 +49,42 @@ struct PastObject
 /** The scans at which a track counts. */
 enum class TrackLife
 {
-  reported,  //!< those at which the tracker reported it
-  whole      //!< if it was reported at one: from its first observation to its last
+  reported,  //!< the scans at which the tracker reported it
+  whole      //!< from its first to its last observation, if it was reported at any scan
 };
 
-/** All scans of a run and the objects at them; the objects on disk, but for the last ones. */
+/** All scans of a run and their objects; the objects are on disk, except for the last ones. */
 class RunHistory
 {
  public:
   explicit RunHistory(const MemoryLimit& memory = {}) : objects_(memory) {}
 
   void addScan(const Frame& frame);
-  /** Adds the objects of a scan that was added, in the order of scans.
+  /** Adds the objects of a scan that was added before, in the order of scans.
    * \param scan Frame::index */
   void addObjects(std::size_t scan, const std::vector<TrackedObject>& objects, TrackLife life);
   void exchangeState(StateArchive& archive);
 
   [[nodiscard]] const std::vector<PastScan>& scans() const { return scans_; }
-  /** T_vehicle_lidar, the different ones. */
+  /** The different values of T_vehicle_lidar. */
   [[nodiscard]] const std::vector<Pose>& mounts() const { return mounts_; }
-  /** Calls `use` with every object at each scan at which it counts, by scan, then in the order of
-   * Frame::objects. */
+  /** Calls `use` with every object at each scan at which it counts (TrackLife), by scan, then in
+   * the order of Frame::objects. */
   void forEachObject(const std::function<void(const PastObject&)>& use) const;
-  /** The same with merged tracks. Where several tracks of one object are at a scan, the one that is
-   * observed counts; if several are, the one with the smallest id. \param merged of
-   * findMergedTracks(): the id of each merged track's object */
+  /** forEachObject() with merged tracks. Of several tracks of an object at a scan, the observed one
+   * counts; if several are observed, the one with the smallest id. \param merged result of
+   * findMergedTracks(): id of the object of each merged track */
   void forEachObject(const std::map<int, int>& merged,
                      const std::function<void(const PastObject&)>& use) const;
 
  private:
-  /** Positions in scans_ of a track's first and last observation. */
+  /** Indices in scans_ of a track's first and last observation. */
   struct Observations
   {
     std::size_t first = 0;
     std::size_t last = 0;
   };
-  /** Objects one after the other. */
+  /** A block of successive objects, for SwappedStore. */
   struct Part
   {
     std::vector<PastObject> objects;
@@ -94,7 +94,7 @@ class RunHistory
   };
 
   void add(std::size_t scan, const TrackedObject& object);
-  /** Updates first and last observation of the tracks. \param scan position in scans_ */
+  /** Updates first and last observation of the tracks. \param scan index in scans_ */
   void noteObservations(std::size_t scan, const std::vector<TrackedObject>& objects);
   /** Whether the object counts at its scan, see TrackLife. */
   [[nodiscard]] bool counts(const PastObject& object) const;
@@ -103,7 +103,7 @@ class RunHistory
   std::vector<Pose> mounts_;
   SwappedStore<Part> objects_;
   std::size_t in_last_part_ = 0;
-  std::map<int, Observations> whole_;       //!< of reported tracks that count as a whole
-  std::map<int, Observations> unreported_;  //!< of present tracks that were not reported so far
+  std::map<int, Observations> whole_;       //!< reported tracks that count as a whole
+  std::map<int, Observations> unreported_;  //!< present tracks that were not reported so far
 };
 }  // namespace dyslam

@@ -22,31 +22,31 @@ class StateArchive;
 class Backend;
 class RunHistory;
 
-/** Results of a run after its last frame. */
+/** Results of a run, complete after its last frame. */
 struct RunResults
 {
   const Backend* backend = nullptr;
   const StaticMap* map = nullptr;       //!< null if mapping is off
-  const RunHistory* history = nullptr;  //!< of all scans
-  MapPoints map_points;   //!< of the map; a few millions of them, evenly, if it has more
-  Trajectory trajectory;  //!< of the vehicle in the map frame, a pose per frame
-  std::vector<SmoothedObject> objects;  //!< smoothed ones of graph and tracks, by scan, then id
+  const RunHistory* history = nullptr;  //!< all scans and objects
+  MapPoints map_points;                 //!< points of the map; evenly thinned to a few millions
+  Trajectory trajectory;                //!< T_map_vehicle of every frame
+  std::vector<SmoothedObject> objects;  //!< smoothed by graph or hindsight; by scan, then id
   std::map<int, int> merged_tracks;     //!< id of the object of each track that was merged
   Trajectory reference;  //!< ground truth in the map frame, where the recording has it
-  std::map<std::string, double> stage_ms;   //!< mean per frame [ms]
-  std::map<std::string, double> wait_ms;    //!< of each thread for the others, mean per frame [ms]
-  std::map<std::string, double> memory_mb;  //!< by part, at the end; `largest`: of the process
-  std::chrono::steady_clock::time_point begin = std::chrono::steady_clock::now();  //!< of the run
-  SlamRunReport report;               //!< its `files`: those written so far
-  std::vector<std::string> failures;  //!< why outputs could not be written
+  std::map<std::string, double> stage_ms;   //!< mean time of each stage per frame [ms]
+  std::map<std::string, double> wait_ms;    //!< mean waiting time of each thread per frame [ms]
+  std::map<std::string, double> memory_mb;  //!< by part, at the end; `largest`: peak of the process
+  std::chrono::steady_clock::time_point begin = std::chrono::steady_clock::now();
+  SlamRunReport report;               //!< its `files` are the ones written so far
+  std::vector<std::string> failures;  //!< reasons why outputs could not be written
 
-  [[nodiscard]] double runTime() const  //!< so far [s]
+  [[nodiscard]] double runTime() const  //!< time since `begin` [s]
   {
     return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
   }
 };
 
-/** A file that an output leaves in the run's folder, or a folder of numbered files. */
+/** A file, or a folder of numbered files, that an output writes to the run's folder. */
 struct OutputName
 {
   OutputName(const char* file) : name(file) {}
@@ -55,17 +55,17 @@ struct OutputName
   }
 
   std::string name;
-  std::string extension;  //!< of the files 000000.label, 000001.label, ... if it is a folder
+  std::string extension;  //!< for a folder: extension of its files (000000.label, ...)
 };
 
-/** Frames as the causal pipeline leaves them, or once their moving points and objects are final,
- * see Pipeline::onFinal(). */
+/** Kind of frames that an output gets: after the causal pipeline, or when their moving points and
+ * objects are final, see Pipeline::onFinal(). */
 enum class FrameKind
 {
   causal,
-  final_objects,  //!< final objects; of the cloud its points alone, unless others want more
-  /** Final, with points and intensities of the cloud. Causal in a run that does not track again, if
-   * no output wants final_scan. */
+  final_objects,  //!< final objects; only the points of the cloud, unless others need more
+  /** Final, with points and intensities of the cloud. Causal in a run without tracking with
+   * hindsight, if no output needs final_scan. */
   final_points,
   final_scan  //!< final, with the whole cloud and the scan
 };
@@ -75,10 +75,10 @@ struct RunOutputContext
 {
   const SlamRunSettings& settings;
   ConfigLoader& config;
-  double scene_voxel_size;  //!< [m]
+  double scene_voxel_size;  //!< side of the cubes with one map point each in the scene [m]
 };
 
-/** One kind of result that a run leaves in its folder.
+/** One kind of result that a run writes to its folder.
  *
  * To add one, derive a class in a file of its own in outputs/ and give it a row in
  * RunOutputRegistry.cpp; nothing else has to know its name.
@@ -91,35 +91,35 @@ class RunOutput
   RunOutput(const RunOutput&) = delete;
   RunOutput& operator=(const RunOutput&) = delete;
 
-  /** All files that it may write. Those of an earlier run are removed, whether the output is
-   * switched on or not. */
+  /** All files that the output may write. Files of an earlier run are removed, whether the output
+   * is switched on or not. */
   [[nodiscard]] const std::vector<OutputName>& names() const { return names_; }
 
-  /** Whether add() takes long: it is then called in another thread, frame by frame in order. All
-   * calls of one output come one after the other either way. */
+  /** Whether add() is slow: it is then called in another thread, frame by frame in order. Calls of
+   * one output never overlap. */
   [[nodiscard]] virtual bool isSlow() const { return false; }
 
   /** Which frames add() gets. */
   [[nodiscard]] virtual FrameKind wants() const { return FrameKind::causal; }
 
-  // An exception out of one of these ends this output alone, except in open().
+  // An exception of one of these functions, except open(), ends only this output.
 
-  /** Before the first frame, in the folder without this output's files. */
+  /** Called before the first frame; the folder has no files of this output. */
   virtual void open() {}
   virtual void add(const Frame& /*frame*/) {}
-  /** Between two frames: writes the results so far, for a run that is killed. It does not change
-   * what finish() writes. Not called for slow outputs. */
+  /** Called between two frames: writes the results so far, in case the run is killed. Does not
+   * change the result of finish(). Not called for slow outputs. */
   virtual void checkpoint(const RunResults& /*results so far*/) {}
-  /** What is kept from frame to frame, and the state of growing files. Loading it stands for open()
-   * and all frames so far. */
+  /** Saves or loads the state between frames, including growing files. Loading replaces open() and
+   * all frames so far. */
   virtual void exchangeState(StateArchive& /*archive*/) {}
-  /** After the last frame. */
+  /** Called after the last frame. */
   virtual void finish(const RunResults& /*results*/) {}
 
  protected:
-  /** Where to write `name`, one of names(). \throws std::logic_error for another. */
+  /** Path of `name`, one of names(). \throws std::logic_error for another name. */
   [[nodiscard]] std::string path(const std::string& name) const;
-  /** Calls all of them, each for one file, whichever fails. \throws UserError with the reasons. */
+  /** Calls all functions, one per file, even if some fail. \throws UserError with the reasons. */
   static void eachByItself(const std::vector<std::function<void()>>& writers);
 
  private:
@@ -133,16 +133,16 @@ using RunOutputFactory = std::unique_ptr<RunOutput>(const RunOutputContext& cont
 struct RunOutputKind
 {
   RunOutputFactory* make;
-  /** Key of [output] that switches it on (the default) or off; null: always on. */
+  /** Key of [output] that switches the output on (the default) or off; null: always on. */
   const char* key = nullptr;
   const char* help = nullptr;
-  /** Setting that must be on as well; null: none. */
+  /** Setting that has to be on as well; null: none. */
   bool SlamRunSettings::*flag = nullptr;
-  /** Later scans change its numbered files of earlier ones; its first name is theirs. For slow
-   * outputs: their thread keeps these files at the last checkpoint. */
+  /** Later scans change numbered files of earlier ones, in the folder of the output's first name.
+   * Only for slow outputs: their thread keeps these files at the last checkpoint. */
   bool changes_files = false;
 };
 
-/** Every output, in the order in which they finish: the most important first. */
+/** All outputs in the order in which they finish: the most important first. */
 [[nodiscard]] std::vector<RunOutputKind> runOutputKinds();
 }  // namespace dyslam

@@ -3,7 +3,7 @@
 
 namespace dyslam
 {
-// Each is defined in outputs/, in the file of its name.
+// Each function is defined in the file of its name in outputs/.
 RunOutputFactory makeSettingsOutput, makeTrajectoryOutput, makeGeoreferenceOutput, makeGraphOutput,
     makeScanTableOutput, makeScanPartOutput, makeMotionOutput, makeTrackOutput, makeLabelOutput,
     makeProbabilityOutput, makeStaticScanOutput, makeReplayOutput, makeSimplemapOutput,

@@ -23,7 +23,7 @@ namespace dyslam
 {
 namespace
 {
-/** Ini section `[output]`: which files a run leaves. */
+/** Ini section `[output]`: the outputs that a run writes. */
 struct OutputOptions : Options
 {
   OutputOptions()
@@ -51,7 +51,7 @@ struct OutputOptions : Options
            "time between checkpoints for --resume; 0: none [s]");
   }
 
-  std::map<std::string, bool> on;  //!< by RunOutputKind::key
+  std::map<std::string, bool> on;  //!< whether an output is on, by RunOutputKind::key
   double scene_voxel_size = 0.4;   //!< side of the cubes with one map point each in the scene [m]
   double checkpoint_seconds = 60;  //!< time between checkpoints [s]; 0: none
 };
@@ -74,7 +74,7 @@ std::vector<std::string> filesNamedIn(const Config& config)
   return files;
 }
 
-/** Calls `action` with the output; one that throws is disabled. */
+/** Calls `action` with the output; an output that throws is disabled. */
 template <typename Entry, typename Action>
 void attempt(Entry& entry, const Action& action)
 {
@@ -95,10 +95,10 @@ void attempt(Entry& entry, const Action& action)
   {
     entry.failure = entry.names.front().name + ": " + error.what();
   }
-  entry.output.reset();  // its partial file may be what fills the disk
+  entry.output.reset();  // its partial file may have filled the disk
 }
 
-/** Waits until all that was written in the folder is on the disk. */
+/** Waits until all files written in the folder are on the disk. */
 void synchronise(const std::string& folder)
 {
   const int file = ::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
@@ -210,7 +210,7 @@ void RunOutputs::checkpoint(const std::function<void(StateFileWriter&)>& add_sta
     }
     catch (const std::exception&)
     {
-      // finish() reports it, if it persists.
+      // finish() reports the error, if it persists.
     }
     listFiles(entry, so_far.report);
   }
@@ -252,7 +252,7 @@ void RunOutputs::keepFiles()
   {
     {
       const std::lock_guard<std::mutex> lock(checkpoint_mutex_);
-      has_checkpoint_ = false;  // none that the files fit to
+      has_checkpoint_ = false;  // no state fits the files
     }
     noteCheckpoint(error.what());
   }
@@ -388,11 +388,11 @@ void RunOutputs::finish(RunResults& results)
   {
     results.failures.push_back(folder_ + ": was removed during the run, with what was in it");
     std::error_code ignored;
-    fs::create_directories(folder_, ignored);  // the files written now are to be kept
+    fs::create_directories(folder_, ignored);  // for the files written now
   }
   if (!state_.expired())
   {
-    writer_->finish();  // how that checkpoint ends is in the report
+    writer_->finish();  // the result of its checkpoint is in the report
   }
   if (const std::string warning = checkpointWarning(); !warning.empty())
   {
@@ -411,7 +411,7 @@ void RunOutputs::finish(RunResults& results)
     }
     listFiles(entry, results.report);
   }
-  writer_->finish();  // a checkpoint may be on its way to the disk
+  writer_->finish();  // a checkpoint may still be written
   removeState();
 }
 

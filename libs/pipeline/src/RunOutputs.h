@@ -17,78 +17,78 @@
 
 namespace dyslam
 {
-/** Everything that a run writes into its folder.
+/** All outputs that a run writes to its folder.
  *
- * An output that fails (disk full) writes no more; the others continue, and the reasons are in
- * RunResults::failures at the end. */
+ * An output that fails (for example on a full disk) is disabled; the others continue, and the
+ * reasons are in RunResults::failures at the end. */
 class RunOutputs
 {
  public:
-  /** Makes the outputs; nothing is written yet. \throws UserError for bad options. */
+  /** Constructs the outputs; nothing is written yet. \throws UserError for bad options. */
   RunOutputs(const SlamRunSettings& settings,
              ConfigLoader& config,
              const std::vector<RunOutputKind>& kinds = runOutputKinds());
 
-  /** Makes the folder, removes what an earlier run left and opens the files. \throws UserError. */
+  /** Creates the folder, removes files of an earlier run, opens the outputs. \throws UserError. */
   void open();
-  /** Takes the frame; slow outputs write in another thread. */
+  /** Passes a causal frame to the outputs; slow outputs write in another thread. */
   void add(Frame frame);
-  /** For runs that do not track again: outputs that want the objects of final frames get causal
-   * frames, which have the same; and so do those that want final points, unless an output wants
-   * final scans. */
+  /** For runs without tracking with hindsight: outputs that need the objects of final frames get
+   * causal frames, which have the same objects; also those that need final points, unless an output
+   * needs final scans. */
   void preferCausal();
-  /** What the outputs need of final frames; `none` if no output wants these. */
+  /** Parts of final frames that the outputs need; `none` if no output needs final frames. */
   [[nodiscard]] FrameParts finalParts() const;
-  /** The same frame again, later, for the outputs that want final moving points. */
+  /** Passes a final frame to the outputs that need final frames. */
   void addFinal(Frame frame);
-  /** Seconds between checkpoints, 0: none. */
+  /** Time between checkpoints [s]; 0: none. */
   [[nodiscard]] double checkpointSeconds() const { return checkpoint_seconds_; }
-  /** Between two frames: writes a checkpoint: the results so far, and the state, which gets its
-   * final name in the writing thread once all frames so far are written. If that fails, or while
-   * the previous state is still being written, it is left for the next checkpoint; a failure is a
-   * warning of the run unless a later checkpoint succeeds.
+  /** Called between two frames: writes a checkpoint, which is the results so far and the state. The
+   * writing thread renames the state once all frames so far are written. If the checkpoint fails,
+   * or the previous state is still being written, it is skipped; a failure is a warning of the run
+   * unless a later checkpoint succeeds.
    * \param add_state adds the parts of the state before those of the outputs
-   * \param is_last the run is stopped here: waits for the previous state, and finish() leaves this
-   *   one and what is needed to resume from it */
+   * \param is_last the run stops here: waits for the previous state, and finish() keeps this state
+   *   and the files needed to resume from it */
   void checkpoint(const std::function<void(StateFileWriter&)>& add_state,
                   const RunResults& results,
                   bool is_last = false);
-  /** Instead of open(): goes on with the files of a run that was killed. \throws UserError. */
+  /** Called instead of open(): continues the files of a killed run. \throws UserError. */
   void resume(RunToResume& run);
-  /** Waiting times of the writing thread and of those that pass frames to it. */
+  /** Waiting times of the writing thread and of the threads that pass frames to it. */
   [[nodiscard]] QueueWaits waits() const { return writer_->waits(); }
-  /** Writes the results that are known at the end only; fills the report's files and the
+  /** Writes the results that are known only at the end; sets the report's files and the
    * failures. */
   void finish(RunResults& results);
 
  private:
   struct Entry
   {
-    std::unique_ptr<RunOutput> output;  //!< null once it has failed
+    std::unique_ptr<RunOutput> output;  //!< null: it has failed
     std::vector<OutputName> names;
     bool slow = false;
     FrameKind wants = FrameKind::causal;
-    std::string failure;  //!< why it has failed; empty if it has not
+    std::string failure;  //!< why the output has failed; empty if it has not
 
     [[nodiscard]] bool wantsFinal() const { return wants != FrameKind::causal; }
   };
 
   void add(Frame frame, bool is_final);
-  /** Hands the frame to the slow or fast outputs that want final or causal ones. */
+  /** Passes a frame to the slow or fast outputs that need final or causal frames. */
   void addTo(const Frame& frame, bool slow, bool is_final);
-  /** Adds those files of the output that are there. */
+  /** Adds the existing files of the output. */
   void listFiles(const Entry& entry, SlamRunReport& report) const;
-  /** Notes how a checkpoint ended. \param failure empty if it succeeded */
+  /** Records the result of a checkpoint. \param failure empty if it succeeded */
   void noteCheckpoint(const std::string& failure);
-  /** The warning about checkpoints that failed; empty if the last one succeeded. */
+  /** Warning about failed checkpoints; empty if the last one succeeded. */
   [[nodiscard]] std::string checkpointWarning();
-  /** In the writing thread: adds its part and gives the state its name. */
+  /** In the writing thread: adds the part of the slow outputs and renames the state. */
   void finishState(StateFileWriter& state);
-  /** Waits for all that the writing thread has to do. */
+  /** Waits until the writing thread is idle. */
   void waitForWriter();
-  /** In the writing thread, behind the last state. */
+  /** Called in the writing thread, after the last state. */
   void keepFiles();
-  /** At the end: removes the state, unless the run was stopped and can be resumed. */
+  /** Called at the end: removes the state, unless the run was stopped and can be resumed. */
   void removeState();
   /** State of the outputs of one thread. */
   void exchangeState(StateArchive& archive, bool slow);
@@ -96,20 +96,20 @@ class RunOutputs
   std::string folder_;
   bool force_;
   double checkpoint_seconds_ = 0;
-  const ConfigLoader& config_;       // other parts of the run load theirs until open()
+  const ConfigLoader& config_;       // other parts of the run load sections until open()
   std::vector<std::string> inputs_;  //!< files that the run reads
   std::unique_ptr<OutputFolder> made_;
-  std::vector<OutputName> names_;  //!< of all kinds, those switched off too
+  std::vector<OutputName> names_;  //!< names of all outputs, also of those switched off
   KeptFiles kept_files_;
-  bool is_stopped_ = false;      //!< by the last checkpoint
+  bool is_stopped_ = false;      //!< the last checkpoint stopped the run
   bool are_files_kept_ = false;  //!< read once the writing thread has ended
   std::vector<Entry> entries_;
-  std::weak_ptr<StateFileWriter> state_;  //!< while it is written
+  std::weak_ptr<StateFileWriter> state_;  //!< state that is being written
   std::function<void(const std::string&)> warn_;
-  std::mutex checkpoint_mutex_;  //!< guards the next three: both threads note how checkpoints ended
+  std::mutex checkpoint_mutex_;  //!< guards the next three members, which two threads use
   std::string checkpoint_failure_;
   bool has_checkpoint_ = false;
   bool has_warned_ = false;
-  std::unique_ptr<JobThread> writer_;  //!< last: its jobs use the entries
+  std::unique_ptr<JobThread> writer_;  //!< last member: its jobs use the others
 };
 }  // namespace dyslam

@@ -26,7 +26,7 @@ namespace
 {
 using OnFrame = std::function<void(double, std::size_t)>;
 
-/** Reports the waiting times of the threads to the run at the end, also after an exception. */
+/** Passes the waiting times of the threads to the run when it ends, also by an exception. */
 class NotedWaits
 {
  public:
@@ -56,8 +56,8 @@ class NotedWaits
   ReadAhead& front_end_;
 };
 
-/** Saves the front end, in its thread, where a checkpoint is due after this frame.
- * \param is_last the run is stopped behind it */
+/** Saves the front end, in its thread, if a checkpoint is due after this frame.
+ * \param is_last the run stops after it */
 void beginCheckpoint(Pipeline& pipeline,
                      std::size_t frame,
                      const ScanSum& scans,
@@ -72,21 +72,21 @@ void beginCheckpoint(Pipeline& pipeline,
   }
 }
 
-/** Every frame through the pipeline and on to the outputs: reading, front end, back end and writing
- * each in a thread of its own, all frames in order in each. A checkpoint passes through them with
- * the frame behind which it is made; none waits for another.
- * \param scans those before, of a run that is resumed
- * \return whether it was stopped, behind a last checkpoint: with the frame that the front end
- *   processes then, for it cannot go back */
+/** Passes every frame through the pipeline and to the outputs: reading, front end, back end and
+ * writing in one thread each, which processes all frames in order. A checkpoint passes through the
+ * threads with the frame after which it is made; no thread waits for another.
+ * \param scans checksum of the scans before, for a resumed run
+ * \return whether the run was stopped after a last checkpoint, at the frame that the front end was
+ *   processing */
 bool replay(const SlamRunSettings& settings,
             RawlogSource& source,
             SlamRun& run,
             ScanSum scans,
             const OnFrame& on_frame)
 {
-  std::atomic<double> read = 0;  // share of the file; only the reading thread may use the source
+  std::atomic<double> read = 0;  // fraction of the file; only the reading thread uses the source
   std::atomic<bool> is_stopping = false;
-  bool is_stopped = false;  // of the front end's thread; of this one once there are no more frames
+  bool is_stopped = false;  // set by the front end's thread; read here after the last frame
   Checkpoints checkpoints(run.checkpointSeconds());
   ReadAhead reader(
       [&]
@@ -130,7 +130,7 @@ bool replay(const SlamRunSettings& settings,
   return is_stopped;
 }
 
-/** The rest of a run that has been opened or resumed. */
+/** Completes a run that has been opened or resumed. */
 SlamRunReport processRest(const SlamRunSettings& settings,
                           RawlogSource& source,
                           SlamRun& run,
@@ -149,7 +149,7 @@ SlamRunReport processRest(const SlamRunSettings& settings,
   return run.finish(source.warnings(), end);
 }
 
-/** \throws UserError if an output is asked for that the run did not have from its first scan on. */
+/** \throws UserError if an output is requested that the run did not have from its first scan on. */
 void requireHad(bool asked, bool had, const std::string& flag)
 {
   if (asked && !had)
@@ -159,7 +159,7 @@ void requireHad(bool asked, bool had, const std::string& flag)
   }
 }
 
-/** The settings of the run, as far as they are not given anew. */
+/** Settings of the saved run, with those that are given again. */
 SlamRunSettings settingsOf(const SavedRun& saved, const SlamRunSettings& given)
 {
   SlamRunSettings settings = given;

@@ -11,10 +11,10 @@ namespace dyslam
 {
 namespace
 {
-constexpr double unusable_share = 0.5;  // of all scans, not registered; more: do not trust it
-constexpr double doubtful_share = 0.2;  // more: to be checked
+constexpr double unusable_share = 0.5;  // share of scans not registered: more is unusable
+constexpr double doubtful_share = 0.2;  // share of scans not registered: more is doubtful
 
-/** What to try. \param has_ini an ini was given, which may be the reason */
+/** Advice for the user. \param has_ini an ini was given, which may be the reason */
 std::string adviceFor(FailureCause cause, bool has_ini)
 {
   switch (cause)
@@ -145,7 +145,7 @@ std::vector<std::string> RunStatistics::warnings(bool has_labels) const
 
 std::string RunStatistics::secondPassAdvice(bool has_labels) const
 {
-  constexpr double dense_traffic = 0.15;  // of the points
+  constexpr double dense_traffic = 0.15;  // share of moving points
   if (has_labels || failedOnMoreThan(unusable_share) ||
       static_cast<double>(moving_points) <= dense_traffic * static_cast<double>(points))
   {

@@ -13,21 +13,21 @@ namespace dyslam
 {
 class StateArchive;
 
-/** Why scans failed, reasons that differ in their numbers alone counted together. */
+/** Counts why scans failed; reasons that differ only in their numbers are counted together. */
 class Reasons
 {
  public:
   struct Kind
   {
     std::size_t count = 0;
-    std::string example;  //!< the last one
+    std::string example;  //!< last reason of this kind
     FailureCause cause = FailureCause::estimation;
   };
 
   /** \param failed an estimate that found no motion */
   void add(const MotionEstimate& failed);
   [[nodiscard]] std::size_t total() const { return total_; }
-  /** The most frequent kind; of count 0 if there was none. */
+  /** The most frequent kind; its count is 0 if there was none. */
   [[nodiscard]] Kind mostFrequent() const;
   void exchangeState(StateArchive& archive);
 
@@ -42,18 +42,18 @@ struct RunStatistics
   void add(const Frame& frame);
   void exchangeState(StateArchive& archive);
 
-  /** From the first scan's start to the last one's end, if all last as long as they are apart [s].
-   */
+  /** Duration from the start of the first scan to the end of the last one, assuming that a scan
+   * lasts as long as the scans are apart [s]. */
   [[nodiscard]] double recordingTime() const;
 
-  /** Ground truth in the map frame, which begins at the trajectory's first pose. */
+  /** Ground truth in the map frame, aligned with the first pose of the trajectory. */
   [[nodiscard]] Trajectory referenceInMap(const Trajectory& trajectory) const;
 
-  /** Warnings although nothing failed; one sentence each.
-   * \param has_labels the run had labels of an earlier one (dyseg.labels) */
+  /** Warnings of a run without errors, one sentence each.
+   * \param has_labels the run read labels of an earlier one (dyseg.labels) */
   [[nodiscard]] std::vector<std::string> warnings(bool has_labels) const;
 
-  /** The one among them that advises a second pass, as the traffic is dense; empty without. */
+  /** The warning that advises a second pass because of dense traffic; else empty. */
   [[nodiscard]] std::string secondPassAdvice(bool has_labels) const;
 
   /** Why the result is unusable, if more than half of the scans could not be registered; else
@@ -70,19 +70,19 @@ struct RunStatistics
   double first_time = 0;  //!< Frame::time() of the first frame [s]
   double last_time = 0;
   Reasons registration_failures;  //!< of frames whose motion was predicted, not measured
-  std::size_t map_restarts = 0;   //!< of the local map, after failures in a row
+  std::size_t map_restarts = 0;  //!< number of restarts of the local map, after successive failures
   std::size_t unregistered_keyframes = 0;
   std::size_t not_settled = 0;  //!< registered frames whose iterations ended too early
   Reasons odometry_failures;
-  std::size_t points = 0;         //!< of all clouds
-  std::size_t moving_points = 0;  //!< of these, by the causal labels
-  std::size_t detections = 0;     //!< of all scans
+  std::size_t points = 0;         //!< number of points of all clouds
+  std::size_t moving_points = 0;  //!< number of moving points, by the causal labels
+  std::size_t detections = 0;     //!< number of detections in all scans
   Trajectory reference;           //!< ground truth as recorded
 
  private:
-  /** Registration failed on more scans than this share of all. */
+  /** Whether registration failed on more than `share` of all scans. */
   [[nodiscard]] bool failedOnMoreThan(double share) const;
-  /** "N of M scans could not be registered: `consequence`; most often because: ..." */
+  /** Sentence "N of M scans could not be registered: `consequence`; most often because: ...". */
   [[nodiscard]] std::string registrationSentence(const std::string& consequence) const;
 };
 }  // namespace dyslam

@@ -76,7 +76,7 @@ void ScanSum::add(const Frame& frame)
 
 bool Checkpoints::due(bool at_once)
 {
-  constexpr double share = 0.05;  // of the time
+  constexpr double share = 0.05;  // largest share of the run time for checkpoints
   const auto now = std::chrono::steady_clock::now();
   const double least = at_once ? 0 : std::max(seconds_, cost_ / share);
   if (seconds_ <= 0 || std::chrono::duration<double>(now - last_).count() < least)

@@ -20,11 +20,11 @@
 
 namespace dyslam
 {
-/** Identity of the run of a state, and its progress. */
+/** Identity and progress of the run that a state belongs to. */
 struct SavedRun
 {
-  std::string version;  //!< of the program
-  std::string rawlog;   //!< absolute
+  std::string version;  //!< version of the program
+  std::string rawlog;   //!< absolute path
   std::uint64_t rawlog_size = 0;
   std::string settings;  //!< all of them, as an ini
   /** Second of two passes: `dyseg.labels` is keptLabelsOf() the output folder, also if that has
@@ -36,24 +36,24 @@ struct SavedRun
   bool static_scans = false;
   bool labels = false;
   bool probabilities = false;
-  std::size_t scans = 0;             //!< done
-  std::uint32_t scans_checksum = 0;  //!< ScanSum of these
-  double seconds = 0;                //!< that the run has taken
-  double first_pass_time = 0;        //!< of these [s]
+  std::size_t scans = 0;             //!< number of processed scans
+  std::uint32_t scans_checksum = 0;  //!< ScanSum of the processed scans
+  double seconds = 0;                //!< time of the run so far [s]
+  double first_pass_time = 0;        //!< part of `seconds` for the first of two passes [s]
 };
 
-/** Parts of the state of a run, which different threads make. */
+/** Parts of the state of a run, which different threads write. */
 enum class StatePart
 {
   run,  //!< SavedRun
   front_end,
-  back_end,      //!< and what is counted
-  outputs,       //!< those of the back end's thread
-  slow_outputs,  //!< those of the writing thread
+  back_end,      //!< back end and statistics
+  outputs,       //!< outputs in the thread of the back end
+  slow_outputs,  //!< outputs in the writing thread
 };
 constexpr std::size_t state_parts = 5;
 
-/** A folder that is locked, with the state that its run left. */
+/** Locked folder with the state of a run that can be resumed. */
 struct RunToResume
 {
   /** Of a second pass, the settings have the labels in this folder.
@@ -74,7 +74,7 @@ struct RunToResume
   SavedRun run;
 };
 
-/** Checksum of the scans of a recording, one after the other. */
+/** Running checksum of the scans of a recording. */
 class ScanSum
 {
  public:
@@ -104,15 +104,15 @@ class Checkpoints
   /** \param seconds between checkpoints; 0: none. */
   explicit Checkpoints(double seconds) : seconds_(seconds) {}
 
-  // The front end's thread:
-  /** Whether a checkpoint is due; if so, the next one is in so many seconds.
-   * \param at_once it is due now, if there are checkpoints at all */
+  // Called in the front end's thread:
+  /** Whether a checkpoint is due; if so, schedules the next one.
+   * \param at_once it is due now, unless checkpoints are off */
   [[nodiscard]] bool due(bool at_once);
   void begin(std::size_t frame, BegunCheckpoint begun);
 
-  // The back end's thread:
-  /** Duration of a checkpoint [s]: the interval is adapted, so that checkpoints take at most a
-   * twentieth of the time for any size of the state. */
+  // Called in the back end's thread:
+  /** Records the duration of a checkpoint [s]: the interval is adapted, so that checkpoints take at
+   * most a twentieth of the time for any size of the state. */
   void took(double seconds) { cost_ = seconds; }
   /** What was begun at this frame. */
   [[nodiscard]] std::optional<BegunCheckpoint> take(std::size_t frame);

@@ -23,19 +23,19 @@ namespace dyslam
 {
 namespace
 {
-/** Full scans that are examined, and scans among which these are looked for. */
+/** Number of full scans that are examined, and of scans that are read to find them. */
 constexpr int examined_scans = 5;
 constexpr int most_examined = 50;
-/** A scan is full if it has this share of the returns of the richest one. */
+/** Least number of returns of a full scan, as a share of the scan with most returns. */
 constexpr double full_share = 0.5;
-/** Rings are those of the sensor if another full scan has this share of them. */
+/** Rings of a scan are accepted if another full scan has this share of their number. */
 constexpr double same_rings = 0.9;
-/** A lidar with rings sees mostly the ground; more returns than this above it are suspicious. */
+/** Share of returns above a lidar with rings, which mostly sees the ground; more is suspicious. */
 constexpr double max_share_above = 2.0 / 3;
-/** Where the ground is inclined, it is measured in every fifth scan after those, too: the vehicle
- * pitches and rolls. */
+/** If the ground is inclined, it is also measured in every fifth scan after the examined ones: the
+ * vehicle pitches and rolls. */
 constexpr int ground_step = 5;
-/** Ring spacings outside the limits by this factor are an obvious mismatch. */
+/** Factor on the limits of the ring spacing beyond which an ini obviously does not fit. */
 constexpr double plain_mismatch = 1.2;
 
 std::string fixed(double value, int decimals)
@@ -58,8 +58,8 @@ bool turnsFully(const ScanPattern& pattern)
   return degrees_per_radian * pattern.azimuth_extent > 359;
 }
 
-/** A lidar that spins with many rings, even if they cannot be told apart: those of an HDL-64E,
- * corrected for the position of each laser, overlap. */
+/** Whether the lidar spins and has many rings that are not separable: rings of an HDL-64E overlap
+ * when corrected for the position of each laser. */
 bool isDenseRevolution(const ScanPattern& pattern)
 {
   constexpr std::size_t min_returns = 50000;
@@ -90,14 +90,14 @@ struct ShippedSettings
   Config config;
 };
 
-/** The shipped settings for such a sensor, if there are any. */
+/** Shipped settings that fit a sensor, if there are any. */
 std::optional<ShippedSettings> shippedFor(const ScanPattern& pattern)
 {
   for (const std::string& path : sharedFiles("config_files", ".ini"))
   {
     if (readWhole(path).find("[sensor]") == std::string::npos)
     {
-      continue;  // for other programs, or for any sensor
+      continue;  // an ini for other programs, or for any sensor
     }
     const Config config = Config::fromFile(path);
     const SensorOptions options = sensorOptionsOf(config);
@@ -121,7 +121,7 @@ std::string wantedBy(const SensorOptions& options)
              : "sensors with rings up to " + most;
 }
 
-/** Share of the returns that are above the lidar, with the axes of the vehicle. */
+/** Share of the returns above the lidar, along the vehicle's z axis. */
 double shareAbove(const Scan& scan)
 {
   const Eigen::Vector3f up = scan.T_vehicle_lidar.linear().row(2).cast<float>();
@@ -135,8 +135,8 @@ double shareAbove(const Scan& scan)
   return returns > 0 ? static_cast<double>(above) / static_cast<double>(returns) : 0;
 }
 
-/** Collects what scans show of their sensor. Scans with few returns, as at the start of a sensor,
- * show little and do not count. */
+/** Collects properties of a sensor from its scans. Scans with few returns, as when a sensor starts,
+ * are not used. */
 class ExaminedScans
 {
  public:
@@ -149,7 +149,7 @@ class ExaminedScans
     stamps_.push_back(scan.stamp);
   }
   [[nodiscard]] bool empty() const { return stamps_.empty(); }
-  /** Of a full scan, as far as is known. */
+  /** Least number of returns of a full scan, by the scans so far. */
   [[nodiscard]] std::size_t minReturns() const
   {
     return static_cast<std::size_t>(std::ceil(full_share * static_cast<double>(richest_)));
@@ -206,7 +206,7 @@ class ExaminedScans
     }
     return others == 0;
   }
-  /** Of the full scans the one with most rings, else with most returns. */
+  /** The full scan with most rings; without rings, the one with most returns. */
   [[nodiscard]] Shown clearest() const
   {
     Shown best;
@@ -223,14 +223,14 @@ class ExaminedScans
   }
 
   std::vector<Shown> shown_;
-  std::size_t richest_ = 0;  //!< returns
+  std::size_t richest_ = 0;  //!< largest number of returns of a scan
   RecordedSensor sensor_;
-  bool times_differ_ = false;  //!< those of the points of a scan
+  bool times_differ_ = false;  //!< the points of a scan have different times
   std::vector<double> stamps_;
 };
 
-/** A lidar that looks downwards about as far as upwards. What is above one that looks mostly
- * upwards may be a ceiling. */
+/** Whether the lidar looks downwards about as far as upwards. A plane above a lidar that looks
+ * mostly upwards may be a ceiling. */
 bool wouldSeeGroundBelow(const ScanPattern& pattern)
 {
   constexpr double same_angle = 0.9;
@@ -238,11 +238,11 @@ bool wouldSeeGroundBelow(const ScanPattern& pattern)
          -pattern.lowest >= same_angle * pattern.highest;
 }
 
-/** What the first scans show of sensor and ground. */
+/** Sensor and ground by the first scans. */
 class SensorExamination
 {
  public:
-  /** Of several lidars the first is examined. */
+  /** Adds a scan; of several lidars only the first one is examined. */
   void add(const Scan& scan)
   {
     if (!scan.parts.empty())
@@ -291,7 +291,7 @@ bool hasNoReturns(const RecordedSensor& sensor)
   return sensor.scans > 0 && sensor.pattern.returns == 0;
 }
 
-/** "the ground is inclined by 20.1 deg in the vehicle frame (roll 0.2 deg, pitch 20.1 deg)". */
+/** "the ground is inclined by 20.1 deg in the vehicle frame (roll 0.2 deg, pitch 20.1 deg)" */
 std::string inclinationOf(const GroundPlane& ground)
 {
   return "the ground is inclined by " + degrees(ground.inclination(), 1) +
@@ -299,7 +299,7 @@ std::string inclinationOf(const GroundPlane& ground)
          " deg, pitch " + degrees(ground.pitch(), 1) + " deg)";
 }
 
-/** The ground as the levelled vehicle sees it. */
+/** The ground plane in the frame of the levelled vehicle. */
 std::optional<GroundPlane> seenFrom(const Levelling& levelling,
                                     const std::optional<GroundPlane>& recorded)
 {
@@ -311,8 +311,8 @@ std::optional<GroundPlane> seenFrom(const Levelling& levelling,
   return ground;
 }
 
-/** What is doubtful about the recording, one sentence each.
- * \param levelling by angles of the user */
+/** Doubts about the recording, one sentence each.
+ * \param levelling levelling by the user's angles */
 std::vector<std::string> doubtsAbout(const RecordedSensor& sensor, const Levelling& levelling)
 {
   const ScanPattern& pattern = sensor.pattern;
@@ -353,8 +353,8 @@ std::optional<std::string> misfitOf(const Config& ini,
          (shipped ? "; omit -c to use " + shipped->name : "");
 }
 
-/** \throws UserError for angles of the user that levelling would replace. A whole ini, as
- * effective.ini, has those of its recording beside `level`. */
+/** \throws UserError for angles of the user that levelling would replace. A complete ini, such as
+ * effective.ini, has the angles of its recording together with `level`. */
 void requireNoAngles(const Config& config, bool may_have_level)
 {
   for (const char* key : {"roll_deg", "pitch_deg"})
@@ -367,8 +367,8 @@ void requireNoAngles(const Config& config, bool may_have_level)
   }
 }
 
-/** Sets roll and pitch of [input] to those of the ground if it is inclined, else to 0; not if its
- * `level` is false. */
+/** Sets roll and pitch of [input] to those of the ground if it is inclined, else to 0; does nothing
+ * if input.level is false. */
 void levelVehicleFrame(const RecordedSensor& sensor,
                        const Config& given,
                        const Config& assigned,
@@ -385,7 +385,7 @@ void levelVehicleFrame(const RecordedSensor& sensor,
     { chosen.config.set("input." + key + "=" + value); };
     if (inclined || input.roll != 0 || input.pitch != 0)
     {
-      set("level", "true");  // beside the angles, as a whole ini has it
+      set("level", "true");  // together with the angles, as in effective.ini
       set("roll_deg", inclined ? degrees(sensor.ground->roll(), 2) : "0");
       set("pitch_deg", inclined ? degrees(sensor.ground->pitch(), 2) : "0");
       load(input, chosen.config, "input");
@@ -494,7 +494,7 @@ RecordedSensor recogniseSensor(const std::string& rawlog, const RawlogSourceOpti
     {
       throw;
     }
-    // Damage after the first scan is reported by the run.
+    // The run reports damage after the first scan.
   }
   return examination.sensor();
 }
@@ -524,7 +524,7 @@ bool fits(const SensorOptions& options, const ScanPattern& pattern, double toler
   {
     return false;
   }
-  // Rings that cannot be separated are close to each other.
+  // Rings that are not separable are close to each other.
   const double spacing = pattern.hasRings() ? pattern.ring_spacing : 0;
   return !wants_rings || (spacing * tolerance >= options.min_ring_spacing &&
                           spacing < options.max_ring_spacing * tolerance);

@@ -42,10 +42,10 @@ namespace
 {
 using mrpt::system::CTimeLogger;
 
-constexpr double history_share = 0.05;             // of the memory
-constexpr std::size_t max_shown_points = 4000000;  // of the map, in pictures, page and scene
+constexpr double history_share = 0.05;             // share of the memory limit for RunHistory
+constexpr std::size_t max_shown_points = 4000000;  // map points in pictures, page and scene
 
-/** \throws UserError unless the profile can be written and is none of the files read. */
+/** \throws UserError unless the profile can be written and is not a file that is read. */
 void requireProfileWritable(const SlamRunSettings& settings)
 {
   const std::string& profile = settings.profile_csv;
@@ -97,7 +97,7 @@ std::map<std::string, double> memoryOf(const Pipeline& pipeline)
   return bytes;
 }
 
-/** \param frames whose times were taken */
+/** Mean time of each stage [ms]. \param frames number of frames whose times were recorded */
 std::map<std::string, double> stageMilliseconds(const CTimeLogger& times, std::size_t frames)
 {
   std::map<std::string, CTimeLogger::TCallStats> stats;
@@ -123,7 +123,7 @@ std::string reasonOf(const EarlyEnd& end, std::size_t frames)
   return stopped + (stopped.empty() || end.damage.empty() ? "" : "; ") + end.damage;
 }
 
-/** For the user, with what to do. \return empty if the run did not end early */
+/** Message for the user with advice. \return empty if the run did not end early */
 std::string messageOf(const EarlyEnd& end, std::size_t frames, const SlamRunSettings& settings)
 {
   const std::string& folder = settings.output_folder;
@@ -142,7 +142,6 @@ std::string messageOf(const EarlyEnd& end, std::size_t frames, const SlamRunSett
   return what;
 }
 
-/** \param early messageOf() */
 void throwWhatFailed(const std::string& early, const RunResults& results, const std::string& folder)
 {
   std::string what = early;
@@ -178,7 +177,7 @@ struct SlamRun::Impl
         history(pipeline.backend().keyframes().memory().part(history_share)),
         outputs(settings, config)
   {
-    times.setMinLoggingLevel(mrpt::system::LVL_ERROR);  // else it prints its table at the end
+    times.setMinLoggingLevel(mrpt::system::LVL_ERROR);  // otherwise it prints a table at the end
     beginEarlier(settings.first_pass_time);
     config.requireAllUsed();
     if (!pipeline.tracksWithHindsight())
@@ -193,22 +192,22 @@ struct SlamRun::Impl
   }
 
   void addFinal(Frame frame);
-  /** Counts what was done before. \param seconds that it took */
+  /** Adds the part of the run before it was resumed. \param seconds time of that part */
   void beginEarlier(double seconds)
   {
     begin -= std::chrono::duration_cast<std::chrono::steady_clock::duration>(
         std::chrono::duration<double>(seconds));
   }
-  /** Scans of this process, whose times are known: not those before a resumed run. */
+  /** Number of scans processed since the run was resumed, whose times are known. */
   [[nodiscard]] std::size_t timedScans() const { return statistics.frames - resumed_after; }
   [[nodiscard]] std::map<std::string, double> waitMilliseconds() const;
   [[nodiscard]] RunResults results(const std::vector<std::string>& source_warnings) const;
   /** \param method Pipeline::summary() at the checkpoint, of the front end's thread */
   [[nodiscard]] RunResults resultsSoFar(const std::string& method) const;
   [[nodiscard]] SavedRun saved(const ScanSum& scans) const;
-  /** \throws UserError if the settings are not those of the state. */
+  /** \throws UserError if the settings differ from those of the state. */
   void requireSame(const SavedRun& saved) const;
-  /** Of the graph, and those that it does not have from earlier and later scans alone. */
+  /** Objects of the graph, and others smoothed with earlier and later scans. */
   void setObjects(RunResults& results) const;
   /** But for its method, which the front end has. */
   void fillReport(SlamRunReport& report, const RunResults& results) const;
@@ -220,16 +219,16 @@ struct SlamRun::Impl
   SensorOptions sensor;
   StartOptions start;
   TrackSmoothingOptions track_smoothing;
-  bool has_boxes;  //!< of another detector
+  bool has_boxes;  //!< boxes of another detector are used
   bool complete_boxes;
-  bool has_labels;  //!< of an earlier run
+  bool has_labels;  //!< labels of an earlier run are used
   RawlogSourceOptions input;
   Pipeline pipeline;
   RunHistory history;
   RunOutputs outputs;
   RunStatistics statistics;
-  std::size_t resumed_after = 0;        //!< scans
-  std::map<std::string, double> waits;  //!< of the caller's threads [s]
+  std::size_t resumed_after = 0;        //!< number of scans before the run was resumed
+  std::map<std::string, double> waits;  //!< waiting times of the caller's threads [s]
 };
 
 void SlamRun::Impl::addFinal(Frame frame)
@@ -291,7 +290,7 @@ void SlamRun::Impl::setObjects(RunResults& results) const
   TrackSmoothingOptions smoothing = track_smoothing;
   if (!of_graph.empty())
   {
-    smoothing.merge_overlap = 1;  // the graph has every track as an object of its own
+    smoothing.merge_overlap = 1;  // in the graph every track is an object
   }
   TracksInHindsight of_tracks =
       smoothReported(history, results.trajectory, smoothing, complete_boxes);
@@ -388,8 +387,8 @@ void SlamRun::open()
 
 RunResults SlamRun::Impl::resultsSoFar(const std::string& method) const
 {
-  constexpr std::size_t most_voxels = 2000000;  // beyond, writing the map takes seconds
-  RunResults results;  // without times and warnings of the front end, which runs on
+  constexpr std::size_t most_voxels = 2000000;  // writing a larger map takes seconds
+  RunResults results;  // without times and warnings of the front end, which is running
   results.begin = begin;
   results.backend = &pipeline.backend();
   results.map = pipeline.map();

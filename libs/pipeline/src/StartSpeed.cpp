@@ -27,21 +27,20 @@ struct NoTimes : mrpt::system::CTimeLogger
   NoTimes() : CTimeLogger(false, "start") {}
 };
 
-/** Speeds nearer to each other are the same [m/s]. */
+/** Difference below which two speeds count as equal [m/s]. */
 constexpr double same_speed = 0.3;
-/** Distance of a probe speed that shows whether it drifts back to that of the odometry [m/s]. */
+/** Distance of a probe speed, which may drift back to the odometry's speed [m/s]. */
 constexpr double probe_distance = 5;
-/** A speed this near to that of the odometry is not reported [m/s]. */
+/** Difference to the odometry's speed below which a speed is not reported [m/s]. */
 constexpr double min_difference = 3;
 /** Limits of odometry.start_speed [m/s]. */
 constexpr double min_speed = -50;
 constexpr double max_speed = 100;
 
-/** Per frame, per point of its scan: appearance prior, the probability that it is static; empty
- * where the segmenter gives none. */
+/** Frame::static_prior per frame and point of its scan; empty if the segmenter gives none. */
 using StaticPriors = std::vector<std::vector<float>>;
 
-/** A speed as odometry.start_speed: zero would mean an unknown one [m/s]. */
+/** A speed for odometry.start_speed [m/s], where zero would mean unknown. */
 double knownSpeed(double speed)
 {
   constexpr double standing = 1e-3;
@@ -104,7 +103,7 @@ double forwardSpeed(const Frame& frame)
   return frame.dt > 0 ? frame.motion.T_previous_current.translation().x() / frame.dt : 0;
 }
 
-/** Speed at the last frame by the registration alone, started at a given speed [m/s]. */
+/** Speed at the last frame by registration only, started at a given speed [m/s]. */
 double StartSearch::speedAfter(std::optional<double> start, int of_threads) const
 {
   NoTimes times;
@@ -175,14 +174,14 @@ std::vector<double> StartSearch::speedsAfter(const std::vector<double>& starts) 
   return speeds;
 }
 
-/** Whether the speed and the probes beside it are speeds to start with: false where the odometry
- * diverged, or where time stamps are wrong. */
+/** Whether a speed and the probes beside it are possible start speeds: false if the odometry
+ * diverged or time stamps are wrong. */
 bool isPlausible(double speed)
 {
   return speed >= min_speed + probe_distance && speed <= max_speed - probe_distance;
 }
 
-/** Whether a lower and a higher initial speed both drift to this one. */
+/** Whether a lower and a higher initial speed both drift to a speed. */
 bool StartSearch::isPulledTo(double speed) const
 {
   const auto speeds = speedsAfter({speed - probe_distance, speed + probe_distance});
@@ -206,8 +205,8 @@ std::vector<SpeedDrift> StartSearch::drifts() const
   return result;
 }
 
-/** Where the drift, linear in between, changes from forward to backward.
- * \return the speed of the lower one where it does not */
+/** Speed at which the drift, interpolated linearly, changes from forward to backward.
+ * \return the lower speed if it does not */
 double crossing(const SpeedDrift& lower, const SpeedDrift& upper)
 {
   if (lower.drift <= 0 || upper.drift >= 0)
@@ -217,7 +216,7 @@ double crossing(const SpeedDrift& lower, const SpeedDrift& upper)
   return lower.speed + (upper.speed - lower.speed) * lower.drift / (lower.drift - upper.drift);
 }
 
-/** Integral of the drift over the speed, from the first of them on [m^2/s^2]. */
+/** Integral of the drift over the speed, from the first speed on [m^2/s^2]. */
 double support(const std::vector<SpeedDrift>& drifts, double speed)
 {
   double sum = 0;

@@ -62,7 +62,7 @@ void StateFileWriter::add(const std::function<void(StateArchive&)>& save)
       [&](std::string_view bytes)
       {
         file_.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
-        requireWritten();  // else a full disk would be detected much later
+        requireWritten();  // to detect a full disk early
         header.size += bytes.size();
         sum = checksum(bytes, sum);
       });

@@ -15,20 +15,20 @@
 
 namespace dyslam
 {
-/** CRC-32, of one piece after the other. \param sum of the pieces before */
+/** CRC-32 of successive pieces of data. \param sum checksum of the pieces before */
 [[nodiscard]] std::uint32_t checksum(std::string_view bytes, std::uint32_t sum = 0);
 
 /** Writes a state: parts of bytes, each with its length and checksum, as a PendingFile. */
 class StateFileWriter
 {
  public:
-  /** \throws UserError, as all of it, if the file cannot be written. */
+  /** \throws UserError, as all functions, if the file cannot be written. */
   explicit StateFileWriter(const std::string& path);
 
-  /** Adds what `save` saves as a part, without holding it in memory. */
+  /** Adds a part with the data that `save` saves, without holding them in memory. */
   void add(const std::function<void(StateArchive&)>& save);
   void add(std::string_view part);
-  /** Call it after the last part: the file is renamed once it is on the disk. */
+  /** To be called after the last part: renames the file once it is on the disk. */
   void commit();
 
  private:
@@ -38,16 +38,16 @@ class StateFileWriter
   std::ofstream file_;
 };
 
-/** Reads such a file part by part. */
+/** Reads a file of StateFileWriter part by part. */
 class StateFileReader
 {
  public:
-  /** Reads all of it once, to test it.
+  /** Reads the whole file once, to test it.
    * \throws UserError for a file that is missing, damaged or of another version, or has another
    * number of parts. */
   StateFileReader(const std::string& path, std::size_t parts);
 
-  /** The part, to be loaded from the file. One at a time; the reader outlives it. */
+  /** Archive to load a part from the file. Only one at a time; the reader outlives it. */
   [[nodiscard]] StateArchive part(std::size_t i);
 
  private:
@@ -62,7 +62,7 @@ class StateFileReader
 
   std::string path_;
   std::ifstream file_;
-  std::uint64_t left_ = 0;  //!< that has not been tested
+  std::uint64_t left_ = 0;  //!< number of bytes not read yet
   std::vector<Part> parts_;
 };
 }  // namespace dyslam

@@ -16,23 +16,23 @@ namespace dyslam
 {
 namespace
 {
-constexpr double static_speed = 0.5;  // below which an object not yet known to move stands [m/s]
-constexpr double least_speed_of_course = 2;  // above which a vehicle's course is its heading [m/s]
-constexpr double size_quantile = 0.8;  // of the sizes of a box, the largest of which are outliers
+constexpr double static_speed = 0.5;  // speed below which an object not known to move stands [m/s]
+constexpr double least_speed_of_course = 2;  // speed above which course is heading [m/s]
+constexpr double size_quantile = 0.8;        // quantile of a box's sizes; larger ones are outliers
 
 /** An object at one of the scans at which it counts, map frame. */
 struct Sighting
 {
   std::size_t scan;  //!< Frame::index
-  double stamp;      //!< [s]
-  double time;       //!< of a clock that was never set [s]
+  double stamp;      //!< UNIX time [s]
+  double time;       //!< Frame::time() [s]
   ObjectClass object_class;
   Box box;
-  Eigen::Vector3d velocity;  //!< [m/s]
-  Eigen::Vector3d sensor;    //!< the lidar's position [m]
+  Eigen::Vector3d velocity;  //!< map frame [m/s]
+  Eigen::Vector3d sensor;    //!< position of the lidar, map frame [m]
   bool observed;
   bool dynamic;
-  bool reported;  //!< by the tracker at that time
+  bool reported;  //!< TrackedObject::reported at that scan
 };
 
 using Track = std::vector<Sighting>;
@@ -57,7 +57,7 @@ Sighting sightingOf(const PastObject& report,
   return s;
 }
 
-/** Names the sides of a box anew, so that its heading is within 45 deg of `yaw`. */
+/** Exchanges the axes of a box so that its heading is within 45 deg of `yaw`. */
 void assignAxes(double yaw, Box& box)
 {
   const double quarters = std::round((box.yaw - yaw) / (M_PI / 2));
@@ -68,8 +68,8 @@ void assignAxes(double yaw, Box& box)
   }
 }
 
-/** Gives sightings before the tracker reported the object the axes of those after: the longer side
- * that was visible may have been the width, and the heading was not known before it moved. */
+/** Aligns the axes of sightings before the tracker reported the object with the later ones: the
+ * longer visible side may have been the width, and the heading was unknown before it moved. */
 void alignEarlyBoxes(Track& track)
 {
   const auto first =
@@ -82,11 +82,11 @@ void alignEarlyBoxes(Track& track)
   }
 }
 
-/** Vehicles head where they drive, and keep the sides of their boxes when they slow down. */
+/** Sets the heading of driving vehicles to their course; they keep its axes when they slow down. */
 void alignWithCourse(const std::vector<TrackState>& smooth, Track& track)
 {
   std::optional<double> heading;
-  std::size_t first = 0;  // with a course
+  std::size_t first = 0;  // first sighting with a course
   for (std::size_t i = 0; i < track.size(); ++i)
   {
     Box& box = track[i].box;
@@ -111,8 +111,8 @@ void alignWithCourse(const std::vector<TrackState>& smooth, Track& track)
   }
 }
 
-/** Whether the object moves: as the tracker decided, from its first decision that it does on;
- * before that by its speed. */
+/** Whether the object moves at each sighting: by the tracker from its first "dynamic" on, before
+ * that by the speed. */
 std::vector<bool> movingOf(const Track& track, const std::vector<TrackState>& smooth)
 {
   const auto first =
@@ -129,7 +129,7 @@ std::vector<bool> movingOf(const Track& track, const std::vector<TrackState>& sm
   return moving;
 }
 
-/** Size of the whole body, of which single scans see a part. */
+/** Size of the whole object [m], of which single scans see a part. */
 Eigen::Vector3d sizeOf(const Track& track)
 {
   Eigen::Vector3d size;
@@ -148,7 +148,7 @@ Eigen::Vector3d sizeOf(const Track& track)
   return size;
 }
 
-/** The class of most sightings. */
+/** Most frequent class of the sightings. */
 ObjectClass classOf(const Track& track)
 {
   std::map<ObjectClass, int> counts;
@@ -162,11 +162,11 @@ ObjectClass classOf(const Track& track)
   return most->first;
 }
 
-/** Boxes that are much larger than the vehicle contain something beside it: they get its size, and
- * count as predicted. \return whether there are any. */
+/** Sets boxes that are much larger than the vehicle, and therefore contain something else, to its
+ * size; they count as predicted. \return whether there are any */
 bool rejectLargeBoxes(const Eigen::Vector3d& size, Track& track)
 {
-  constexpr double excess = 1;  // of width or length [m]
+  constexpr double excess = 1;  // in width or length [m]
   bool any = false;
   for (Sighting& s : track)
   {
@@ -180,8 +180,8 @@ bool rejectLargeBoxes(const Eigen::Vector3d& size, Track& track)
   return any;
 }
 
-/** Gives the boxes of a vehicle their size as if the hidden sides had been seen, so that a body
- * which comes into view by and by does not seem slower or faster than it is. */
+/** Extends the boxes of a vehicle to its size on the hidden sides, so that a vehicle that gradually
+ * comes into view does not seem slower or faster. */
 void completeVehicle(const Eigen::Vector3d& size, Track& track)
 {
   for (Sighting& s : track)
@@ -193,8 +193,8 @@ void completeVehicle(const Eigen::Vector3d& size, Track& track)
   }
 }
 
-/** Enlarges the boxes of people and cyclists, who are small enough for the middle of what is
- * visible to be theirs. The top stays in place: the feet are removed with the ground. */
+/** Enlarges the boxes of pedestrians and cyclists around the centre of the visible part, which is
+ * accurate enough for small objects. The top stays in place: feet are removed with the ground. */
 void enlarge(const Eigen::Vector3d& size, Track& track)
 {
   for (Sighting& s : track)
@@ -243,7 +243,7 @@ SmoothedObject smoothedObject(int id, const Sighting& sighting)
 
 using Tracks = std::map<int, Track>;  //!< by the id of the object
 
-/** The sightings of all objects that were reported at some scan. */
+/** Sightings of all objects that were reported at some scan. */
 Tracks reportedTracks(const RunHistory& history,
                       const Trajectory& trajectory,
                       const std::map<int, int>& merged)
@@ -270,8 +270,7 @@ Tracks reportedTracks(const RunHistory& history,
   return tracks;
 }
 
-/** Sets class, box, velocity and motion of every sighting to those of the whole object, smoothed.
- */
+/** Sets class, box, velocity and motion of every sighting to the smoothed ones of the object. */
 void completeAndSmooth(const TrackSmoothingOptions& options, bool complete_boxes, Track& track)
 {
   alignEarlyBoxes(track);
@@ -344,7 +343,7 @@ TracksInHindsight smoothReported(const RunHistory& history,
   result.merged = findMergedTracks(boxesOf(tracks), options.merge_overlap);
   if (!result.merged.empty())
   {
-    tracks.clear();  // first: there may be millions of sightings
+    tracks.clear();  // frees memory first: there may be millions of sightings
     tracks = completed_tracks();
   }
   for (const auto& [id, track] : tracks)

@@ -12,20 +12,20 @@
 
 namespace dyslam
 {
-/** The reported objects of a run with hindsight. */
+/** Reported objects of a run, smoothed with hindsight. */
 struct TracksInHindsight
 {
-  std::vector<SmoothedObject> objects;  //!< by scan, then id; without covariances
+  std::vector<SmoothedObject> objects;  //!< ordered by scan, then id; without covariances
   std::map<int, int> merged;            //!< id of the object of each merged track
 };
 
-/** Merges the tracks of an object (findMergedTracks()), and determines class, size, position and
+/** Merges the tracks of each object (findMergedTracks()), and determines class, size, position and
  * velocity of the reported objects of a run from earlier and later scans, in the map frame of
- * `trajectory`. Vehicles head where they drive; before the tracker decides that an object moves,
- * its speed does.
+ * `trajectory`. The heading of driving vehicles is their direction of motion. Before the tracker
+ * decided that an object moves, its speed decides.
  *
- * \param trajectory poses of the scans of `history`
- * \param complete_boxes boxes are those of the visible parts of objects
+ * \param trajectory T_map_vehicle of the scans of `history`
+ * \param complete_boxes the boxes are those of visible parts of objects, to be completed
  * \return nothing if smoothing is off. */
 [[nodiscard]] TracksInHindsight smoothReported(const RunHistory& history,
                                                const Trajectory& trajectory,

@@ -12,12 +12,12 @@ namespace dyslam
 {
 namespace
 {
-/** What the second pass takes from the first. */
+/** Results of the first pass that the second one uses. */
 struct FirstPassResult
 {
-  double path_length = 0;             //!< [m]
-  double run_time = 0;                //!< [s]
-  std::vector<std::string> warnings;  //!< beyond those about the settings, which both passes have
+  double path_length = 0;             //!< length of the trajectory [m]
+  double run_time = 0;                //!< time of the first pass [s]
+  std::vector<std::string> warnings;  //!< warnings that are not about the settings
 };
 
 /** \throws UserError if the user has stopped the run. */
@@ -29,7 +29,7 @@ void requireGoesOn(const SlamRunSettings& settings, const std::string& when)
   }
 }
 
-/** \throws UserError if labels are given for a run that makes them itself. */
+/** \throws UserError if labels are given for a run of two passes, which makes them itself. */
 void requireNoLabels(const RunRequest& request)
 {
   const std::string given =
@@ -41,7 +41,7 @@ void requireNoLabels(const RunRequest& request)
   }
 }
 
-/** Chooses the settings of a pass. \param run gets them */
+/** Chooses the settings of a pass. \param run receives them */
 RunSettings chooseFor(const RunRequest& request, SlamRunSettings& run)
 {
   const GivenSettings given = readGivenSettings(request.config, request.assignments);
@@ -54,7 +54,7 @@ RunSettings chooseFor(const RunRequest& request, SlamRunSettings& run)
   return chosen;
 }
 
-/** Those of a report behind the first ones, which are of the settings. */
+/** Warnings of a report after the first ones, which are about the settings. */
 std::vector<std::string> newWarnings(const SlamRunReport& report, const SlamRunSettings& settings)
 {
   const std::size_t known = std::min(settings.warnings.size(), report.warnings.size());
@@ -73,7 +73,7 @@ PassesReport runPass(Pass pass,
   return result;
 }
 
-/** The first pass up to its report. \throws UserError. */
+/** Runs the first pass. \throws UserError. */
 PassesReport runFirst(const RunRequest& request, const PassRunner& run)
 {
   requireNoLabels(request);
@@ -84,7 +84,7 @@ PassesReport runFirst(const RunRequest& request, const PassRunner& run)
   return runPass(Pass::first, settings, &chosen, run);
 }
 
-/** What the first pass leaves, its warnings as those of the whole run. */
+/** Results of the first pass, with its warnings worded for the whole run. */
 FirstPassResult resultOf(const PassesReport& first, const SlamRunSettings& settings)
 {
   FirstPassResult result;

@@ -15,9 +15,9 @@ namespace dyslam
 struct PackedPoints
 {
   std::size_t count = 0;
-  Eigen::Vector3d low = Eigen::Vector3d::Zero();   //!< [m]
+  Eigen::Vector3d low = Eigen::Vector3d::Zero();   //!< lowest coordinates [m]
   Eigen::Vector3d step = Eigen::Vector3d::Zero();  //!< [m]; 1/65535 of the extent
-  double voxel_size = 0;                           //!< one point per cube of this side; 0: all
+  double voxel_size = 0;                           //!< side of cubes with one point [m]; 0: all
   std::string bytes;
 };
 

@@ -11,10 +11,10 @@ namespace dyslam
  * one length. */
 struct PoseDrift
 {
-  std::vector<double> distance;  //!< travelled along the reference [m]
-  std::vector<double> position;  //!< horizontal distance [m]
-  std::vector<double> height;    //!< estimate minus reference [m]
-  std::vector<double> heading;   //!< estimate minus reference, in (-pi, pi] [rad]
+  std::vector<double> distance;  //!< distance travelled along the reference [m]
+  std::vector<double> position;  //!< horizontal distance from the reference [m]
+  std::vector<double> height;    //!< height, estimate minus reference [m]
+  std::vector<double> heading;   //!< heading, estimate minus reference, in (-pi, pi] [rad]
 };
 
 [[nodiscard]] PoseDrift poseDrift(const PosePairs& pairs);

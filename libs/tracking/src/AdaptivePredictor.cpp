@@ -39,7 +39,7 @@ void addRow(Factor& factor, Equation row)
   }
 }
 
-/** Coefficients of the fit of a degree, from the leading columns of the factor. */
+/** Coefficients of the fit of degree `degree`, from the leading columns of the factor. */
 template <typename Block>
 void solve(const Factor& factor, int degree, Block&& coefficients)
 {
@@ -74,7 +74,7 @@ double leverage(const Factor& factor, int degree, const std::array<double, terms
   return sum;
 }
 
-/** 1, tau, tau^2, ... */
+/** Powers 1, tau, tau^2, ... */
 std::array<double, terms> powersOf(double tau)
 {
   std::array<double, terms> powers{};
@@ -142,7 +142,7 @@ Eigen::Vector2d AdaptivePredictor::clipOutlier(const TimedPosition& observation)
   const bool outlier = mahalanobis_distance > options_.outlier_sigmas;
   if (unclipped_position_)
   {
-    if (outlier)  // two in a row are a manoeuvre: both are used unclipped
+    if (outlier)  // two outliers in a row are a manoeuvre: both are used unclipped
     {
       history_.back().position = *unclipped_position_;
       refit();
@@ -168,7 +168,7 @@ void AdaptivePredictor::shift(const Eigen::Vector2d& offset)
   {
     *unclipped_position_ += offset;
   }
-  origin_ += offset;  // the coefficients are relative to it
+  origin_ += offset;  // the coefficients are relative to the origin
 }
 
 void AdaptivePredictor::updateErrorStatistics(const TimedPosition& observation)
@@ -190,7 +190,7 @@ void AdaptivePredictor::updateWeights()
   if (error_count_ == 0)
   {
     weights_ = Weights::Zero();
-    weights_[0] = 1;  // with so short a history all members are equal
+    weights_[0] = 1;  // all members are equal with such a short history
     velocity_weights_[0] = 1;
     return;
   }
@@ -320,9 +320,9 @@ MotionPrediction AdaptivePredictor::predict(double stamp) const
   }
   if (history_.size() < 3)
   {
-    prediction.covariance *= 1 + noise_gain_[0];  // no past errors yet: that of the fit by noise
+    prediction.covariance *= 1 + noise_gain_[0];  // no past errors yet: error of the fit by noise
   }
-  // Past errors are of one step ahead; the covariance grows with longer predictions.
+  // Past errors are those of one step ahead; the covariance grows with longer predictions.
   const double unmodelled_time = history_.size() < 3 ? horizon : horizon - trained_horizon;
   const double manoeuvre = 0.5 * options_.acceleration_sigma * unmodelled_time * unmodelled_time;
   const double steps = usual > 0 ? std::max(1.0, horizon / usual) : 1.0;

@@ -125,7 +125,7 @@ ObjectClass classifyBySize(const Eigen::Vector3d& size)
 
 ObjectClass refineClass(ObjectClass initial, const Eigen::Vector3d& size, double speed)
 {
-  constexpr double max_walking_speed = 3.5;  // [m/s], a slow run
+  constexpr double max_walking_speed = 3.5;  // includes a slow run [m/s]
   const ObjectClass by_size = classifyBySize(size);
   if (by_size == ObjectClass::truck || by_size == ObjectClass::car)
   {
@@ -140,11 +140,11 @@ ObjectClass refineClass(ObjectClass initial, const Eigen::Vector3d& size, double
 
 namespace
 {
-/** \param size along and across the heading, and height [m] */
+/** Class of a vehicle. \param size along and across the heading, and height [m] */
 bool isHeavyVehicle(const Eigen::Vector3d& size)
 {
   constexpr double max_width_of_vans = 2.25;  // [m]
-  constexpr double max_height_of_cars = 1.7;  // so that a car's box that is too wide does not count
+  constexpr double max_height_of_cars = 1.7;  // excludes cars with too wide boxes [m]
   constexpr double max_height_of_vans = 2.6;  // [m]
   return size.z() > max_height_of_vans ||
          (size.z() > max_height_of_cars && size.y() > max_width_of_vans);
@@ -153,7 +153,7 @@ bool isHeavyVehicle(const Eigen::Vector3d& size)
 
 ObjectClass refineVehicle(ObjectClass initial, const Eigen::Vector3d& size)
 {
-  constexpr double max_width = 3.2;  // of trucks with their mirrors [m]
+  constexpr double max_width = 3.2;  // trucks with their mirrors [m]
   if (size.y() > max_width)
   {
     return ObjectClass::unknown;
@@ -170,7 +170,7 @@ Eigen::Vector3d leastSize(ObjectClass object_class)
       return {4, 1.7, 1.4};
     case ObjectClass::truck:
     case ObjectClass::bus:
-      return {8, 2, 0};  // of KITTI's trucks 90 % are 7.0 to 13.7 m long
+      return {8, 2, 0};  // 90 % of KITTI's trucks are 7.0 to 13.7 m long
     case ObjectClass::cyclist:
     case ObjectClass::motorcyclist:
       return {1.6, 0.6, 1.6};
@@ -187,7 +187,7 @@ Box completeBox(const Box& visible, const Eigen::Vector3d& size)
   const Eigen::Vector2d v(-u.y(), u.x());
   Box full = visible;
   full.size = visible.size.cwiseMax(size);
-  // Each axis grows on its far side; on both sides where the sensor is level with the middle.
+  // Each axis grows on its far side; on both sides if the sensor is beside the middle.
   for (int k = 0; k < 2; ++k)
   {
     const Eigen::Vector2d axis = k == 0 ? u : v;

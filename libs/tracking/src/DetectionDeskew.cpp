@@ -9,7 +9,7 @@ namespace dyslam
 {
 namespace
 {
-/** Pose of the vehicle when it swept the direction of `box`, in its frame at the stamp. */
+/** Pose of the vehicle when it swept the direction of `box`, in the vehicle frame at the stamp. */
 Pose sweepMotion(const Box& box, const Pose& T_now_next, double interval, const Sweep& sweep)
 {
   if (!(interval > 0) || !(sweep.period > 0))
@@ -33,8 +33,8 @@ Box deskewed(const Box& box, const Pose& T_now_next, double interval, const Swee
 
 Box skewed(const Box& box, const Pose& T_now_next, double interval, const Sweep& sweep)
 {
-  // The azimuth under which the box was swept is that of the result; one step from that of the
-  // input is within millimetres of it.
+  // The box was swept at the azimuth of the result; one iteration from the azimuth of the input is
+  // accurate to millimetres.
   const Box first = transformed(box, sweepMotion(box, T_now_next, interval, sweep).inverse());
   return transformed(box, sweepMotion(first, T_now_next, interval, sweep).inverse());
 }

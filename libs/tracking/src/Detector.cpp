@@ -97,21 +97,21 @@ class LocalGround
   }
 
   double cell_;
-  int half_;  //!< cells on each side of the sensor's
+  int half_;  //!< number of cells on each side of the sensor's cell
   int width_;
   std::vector<GroundSquare> cells_;
   std::vector<char> used_;  //!< cells whose height is asked for, or that of a neighbour
 };
 
-/** Points of one voxel, clustered as one. */
+/** Points of one voxel, clustered together. */
 struct Node
 {
   Eigen::Vector2f position = Eigen::Vector2f::Zero();
-  float link_distance = 0;  //!< distance below which it is linked with another node [m]
+  float link_distance = 0;  //!< distance below which the node is linked with another one [m]
   std::vector<std::uint32_t> points;
 };
 
-/** Lower end of the usual lengths of a class [m]. */
+/** Least usual length of a class [m]. */
 double typicalLength(ObjectClass object_class)
 {
   switch (object_class)
@@ -127,7 +127,7 @@ double typicalLength(ObjectClass object_class)
   }
 }
 
-/** Largest length of a cluster of a width: vehicles may be long, but are narrow [m]. */
+/** Largest length of a cluster by its width [m]: long vehicles are narrow. */
 double longest(double width, const DetectorOptions& options)
 {
   constexpr double vehicle_width = 4;
@@ -142,7 +142,7 @@ std::vector<Node> voxelNodes(const Points& points,
                              const Eigen::Vector2f& lidar,
                              const DetectorOptions& options)
 {
-  constexpr double voxel = 0.1;  // [m]
+  constexpr double voxel = 0.1;  // side of a voxel [m]
   std::vector<Node> nodes;
   std::unordered_map<std::int64_t, std::size_t> node_at;
   for (const std::uint32_t i : selected)
@@ -209,7 +209,7 @@ std::vector<std::vector<std::uint32_t>> linkNodes(const std::vector<Node>& nodes
 
   std::vector<std::vector<std::uint32_t>> clusters;
   std::unordered_map<std::size_t, std::size_t> cluster_of;
-  for (std::size_t n = 0; n < nodes.size(); ++n)  // in order of first point: deterministic
+  for (std::size_t n = 0; n < nodes.size(); ++n)  // in order of first points: deterministic
   {
     const auto [entry, is_new] = cluster_of.emplace(sets.find(n), clusters.size());
     if (is_new)
@@ -254,7 +254,7 @@ void DetectorOptions::describe(OptionsVisitor& v)
 Detector::Detector(const DetectorOptions& options) : options_(options)
 {
   validate(options_, "detector");
-  constexpr double most_cells = 1000;  // from the sensor to max_range; the grid is in memory
+  constexpr double most_cells = 1000;  // largest number of cells up to max_range: limits memory
   if (options_.max_range > most_cells * options_.ground_cell)
   {
     throw UserError("[detector] ground_cell is too small; use at least max_range / 1000");

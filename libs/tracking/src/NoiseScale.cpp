@@ -11,7 +11,7 @@ namespace dyslam
 {
 std::optional<double> whiteNoise(const PositionHistory& history, const Eigen::Matrix2d& covariance)
 {
-  constexpr double max_jitter = 0.02;  // of the intervals, relative
+  constexpr double max_jitter = 0.02;  // largest relative difference of the intervals
   if (history.size() < 4)
   {
     return std::nullopt;
@@ -27,8 +27,8 @@ std::optional<double> whiteNoise(const PositionHistory& history, const Eigen::Ma
   }
   const Eigen::Vector2d difference =
       last[3].position - 3 * last[2].position + 3 * last[1].position - last[0].position;
-  // Its covariance is 1 + 9 + 9 + 1 times the noise's; the mean length of a standard normal vector
-  // of the plane is sqrt(pi / 2).
+  // The covariance of the difference is 1 + 9 + 9 + 1 times that of the noise; the mean length of a
+  // standard normal vector in the plane is sqrt(pi / 2).
   const double length = std::sqrt(difference.dot(covariance.llt().solve(difference)) / 20);
   return length / std::sqrt(M_PI / 2);
 }

@@ -10,9 +10,9 @@ namespace dyslam
 {
 class StateArchive;
 
-/** Size of the last four observations' white noise relative to `covariance` [m^2], from their third
- * difference, in which smooth motions cancel; 1 is expected of noise of that covariance. Nothing
- * unless they are equally spaced in time. */
+/** White noise of the last four observations relative to `covariance` [m^2], from their third
+ * difference, which eliminates smooth motion; 1 is expected for noise of that covariance. Nothing
+ * unless the observations are equally spaced in time. */
 [[nodiscard]] std::optional<double> whiteNoise(const PositionHistory& history,
                                                const Eigen::Matrix2d& covariance);
 
@@ -21,8 +21,8 @@ class NoiseScale
 {
  public:
   void add(double white_noise);
-  /** Factor on standard deviations, 1 to 10. Errors that are correlated from scan to scan cancel in
-   * differences, therefore it is not below 1. */
+  /** Factor on standard deviations, 1 to 10. Not below 1, since errors that are correlated from
+   * scan to scan cancel in differences. */
   [[nodiscard]] double factor() const;
 
   void exchangeState(StateArchive& archive);

@@ -7,8 +7,8 @@ namespace dyslam
 {
 namespace
 {
-constexpr float margin = 0.1F;            // around the box, except below [m]
-constexpr float ground_clearance = 0.1F;  // from the bottom of the box up [m]
+constexpr float margin = 0.1F;            // margin around the box, except below [m]
+constexpr float ground_clearance = 0.1F;  // height above the bottom of the box [m]
 }  // namespace
 
 std::vector<std::uint32_t> pointsInside(const Box& box, const std::vector<Eigen::Vector3f>& points)

@@ -9,8 +9,8 @@
 
 namespace dyslam
 {
-/** Positions of the points in a box that is 0.1 m larger on all sides but the bottom; the lowest
- * 0.1 m of it are the ground. \param box, points in the same frame */
+/** Indices of the points in a box that is enlarged by 0.1 m on all sides but the bottom, and
+ * without its lowest 0.1 m (ground). \param box, points in the same frame */
 [[nodiscard]] std::vector<std::uint32_t> pointsInside(const Box& box,
                                                       const std::vector<Eigen::Vector3f>& points);
 }  // namespace dyslam

@@ -17,7 +17,7 @@ using Values = Eigen::Matrix<double, Eigen::Dynamic, 2>;
 using Coefficients = Eigen::Matrix<double, Eigen::Dynamic, 2, 0, terms_max, 2>;
 using Row = Eigen::Matrix<double, 1, Eigen::Dynamic, Eigen::RowMajor, 1, terms_max>;
 
-/** 1, t, t^2, ... */
+/** Powers 1, t, t^2, ... */
 Row powers(double t, int degree)
 {
   Row row(degree + 1);

@@ -9,7 +9,7 @@ namespace dyslam
 {
 namespace
 {
-constexpr float probability = 0.9F;  // that a point in the box moves
+constexpr float probability = 0.9F;  // moving probability of a point in the box
 }  // namespace
 
 void markMissed(const Box& box, Frame& frame)

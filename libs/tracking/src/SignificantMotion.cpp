@@ -8,11 +8,11 @@ namespace dyslam
 {
 bool hasSignificantMotion(const PositionHistory& history)
 {
-  constexpr double min_speed = 0.5;     // [m/s]
-  constexpr double min_distance = 0.4;  // [m]
+  constexpr double min_speed = 0.5;     // least speed of the line [m/s]
+  constexpr double min_distance = 0.4;  // least distance travelled along the line [m]
   constexpr double sigmas = 8;
   constexpr std::size_t min_count = 4;
-  constexpr double prior_sigma = 0.05;  // of one observation [m]
+  constexpr double prior_sigma = 0.05;  // prior sigma of one observation [m]
   constexpr std::size_t max_count = 12;
   const std::size_t count = std::min(max_count, history.size());
   if (count < min_count)

@@ -9,7 +9,8 @@ namespace dyslam
 {
 using PositionHistory = std::deque<TimedPosition>;
 
-/** Significance test of a straight motion: the slope of a line fitted to the last observations
- * contradicts its standard deviation. Occlusion boundaries flicker to and fro instead. */
+/** Significance test of a straight motion: whether the slope of a line fitted to the last
+ * observations is large compared with its standard deviation. Occlusion boundaries move to and fro
+ * instead. */
 [[nodiscard]] bool hasSignificantMotion(const PositionHistory& history);
 }  // namespace dyslam

@@ -19,11 +19,11 @@ namespace
 /** Alpha-beta filter of the height. Roads slope slowly. */
 constexpr double height_gain = 0.5;
 constexpr double vertical_velocity_gain = 0.1;
-/** Gain of observed sizes below the present one: parts may be occluded. */
+/** Gain of observed sizes below the track's size: parts may be occluded. */
 constexpr double shrink_gain = 0.005;
 
-/** Lower bounds of a vehicle's width and of the height of all classes [m]. There is none for the
- * length: the visible part may be either end. */
+/** Lower bounds of a vehicle's width and of the height of all classes [m]. None for the length: the
+ * visible part may be either end. */
 Eigen::Vector3d minimumSize(ObjectClass object_class)
 {
   Eigen::Vector3d size = leastSize(object_class);
@@ -32,10 +32,10 @@ Eigen::Vector3d minimumSize(ObjectClass object_class)
   return size;
 }
 
-/** Thin and long: the occlusion boundary of a wall rather than an object. */
+/** Whether a box is thin and long: the occlusion boundary of a wall rather than an object. */
 bool isStrip(const Eigen::Vector3d& size)
 {
-  constexpr double max_width = 0.25;  // [m]
+  constexpr double max_width = 0.25;  // largest width of an occlusion boundary [m]
   constexpr double min_aspect_ratio = 2.5;
   const double width = std::min(size.x(), size.y());
   return width < max_width && std::max(size.x(), size.y()) > min_aspect_ratio * width;
@@ -46,7 +46,7 @@ constexpr double square(double x)
   return x * x;
 }
 
-/** a or a + pi, whichever is nearer to b. */
+/** Of a and a + pi, the angle nearer to b [rad]. */
 double nearestAxis(double a, double b)
 {
   return std::abs(wrapAngle(a - b)) > M_PI / 2 ? wrapAngle(a + M_PI) : a;
@@ -122,7 +122,7 @@ void Track::addToHistory(const Observation& observation)
   object_class_ = static_cast<ObjectClass>(most - class_votes_.begin());
   if (observation.from_points)
   {
-    // The size accumulated over time is more informative than that of one observation.
+    // The size accumulated over time is more informative than the size of one observation.
     const ObjectClass by_size = classifyBySize(box_.size);
     object_class_ = refineClass(by_size == ObjectClass::unknown ? object_class_ : by_size,
                                 box_.size, dynamic_ ? velocity_.norm() : 0.0);
@@ -181,7 +181,7 @@ void Track::match(const Observation& observation)
   const Box observed = alignedBox(observation);
   if (observation.from_points)
   {
-    // A larger size moves the estimated centre. That is a correction of the history, no motion.
+    // A larger size moves the estimated centre, which is a correction of the history, no motion.
     const Eigen::Vector2d offset = observed.center.head<2>() - before;
     box_.center.head<2>() += offset;
     std::visit([&](auto& motion) { motion.shift(offset); }, motion_);
@@ -349,9 +349,9 @@ void Track::miss()
 
 bool Track::isAliased(const std::vector<Observation>& observations) const
 {
-  constexpr std::size_t places = 2;     // one who follows the object may come to earlier ones
-  constexpr double clear_distance = 2;  // of the object from a place that it left [m]
-  constexpr double same_place = 1;      // [m]
+  constexpr std::size_t places = 2;  // last places; a follower of the object may reach earlier ones
+  constexpr double clear_distance = 2;  // distance of the object from a place that it left [m]
+  constexpr double same_place = 1;      // largest distance of an observation at a place [m]
   if (confirmed_ || hits_ == 1)
   {
     return false;
@@ -376,7 +376,7 @@ double Track::gateDistance() const
 
 bool Track::movesByPrediction() const
 {
-  constexpr int most_misses = 2;  // further ones leave the position too uncertain
+  constexpr int most_misses = 2;  // after more misses the position is too uncertain
   return confirmed_ && dynamic_ && misses_ <= most_misses &&
          predicted_hits_ < options_->predicted_scans;
 }

@@ -19,15 +19,15 @@ class StateArchive;
 /** A detection transformed to the odometry frame. */
 struct Observation
 {
-  int index = -1;  //!< among the scan's detections
+  int index = -1;  //!< index in the scan's detections
   Box box;         //!< odometry frame
   Eigen::Matrix4d covariance;
-  double noise_factor = 1;  //!< contained in the covariance of x and y
+  double noise_factor = 1;  //!< NoiseScale::factor() in the covariance of x and y
   Eigen::Vector2d sensor;   //!< position of the sensor, odometry frame
   ObjectClass object_class = ObjectClass::unknown;
   double score = 0;
-  bool from_points = false;  //!< a cluster: size and heading of the visible part only
-  bool predicted = false;    //!< of points that move by prediction alone
+  bool from_points = false;  //!< a cluster: box of the visible part only
+  bool predicted = false;    //!< Detection::predicted
 };
 
 /** One object's history and state, odometry frame. */
@@ -35,7 +35,7 @@ class Track
 {
  public:
   Track(int id, double stamp, const Observation& observation, const TrackerOptions& options);
-  /** A track that exchangeState() fills. */
+  /** Empty track, to be filled by exchangeState(). */
   explicit Track(const TrackerOptions& options);
 
   /** Predicts the state at `stamp` [s]; to be called once per scan, before match() or miss(). */
@@ -44,21 +44,21 @@ class Track
   void match(const Observation& observation);
   /** Records a scan without an associated observation. */
   void miss();
-  /** What is kept from scan to scan. */
+  /** Saves or loads the state between scans. */
   void exchangeState(StateArchive& archive);
 
-  /** The observation's box as one of this object: axes assigned as the track's, clusters enlarged
-   * behind their visible sides to the track's size. */
+  /** Box of an observation with axes assigned as the track's; clusters are enlarged behind their
+   * visible sides to the track's size. */
   [[nodiscard]] Box alignedBox(const Observation& observation) const;
 
-  /** Whether it has one observation and is not confirmed: its velocity is not known. */
+  /** Whether the track has one observation and is not confirmed: its velocity is unknown. */
   [[nodiscard]] bool isNew() const { return hits_ == 1 && !confirmed_; }
-  /** Whether it is not confirmed and a place that it just left is taken again: objects that stand
-   * in a row and are seen in turn look like one that moves. */
+  /** Whether the track is not confirmed and a place that it just left is occupied again: static
+   * objects in a row that are detected in turn look like a moving one. */
   [[nodiscard]] bool isAliased(const std::vector<Observation>& observations) const;
   /** Largest distance of an associated observation from the predicted position [m]. */
   [[nodiscard]] double gateDistance() const;
-  /** Whether the points in the box predicted for the next scan move, without being segmented. */
+  /** Whether points in the box predicted for the next scan may be marked as moving. */
   [[nodiscard]] bool movesByPrediction() const;
   [[nodiscard]] const Box& box() const { return box_; }
   [[nodiscard]] const Eigen::Matrix2d& positionCovariance() const { return position_covariance_; }
@@ -68,7 +68,7 @@ class Track
   }
   [[nodiscard]] ObjectClass objectClass() const { return object_class_; }
   [[nodiscard]] int misses() const { return misses_; }
-  /** The last observations' positions [m]. */
+  /** Positions of the last observations, odometry frame [m]. */
   [[nodiscard]] const std::deque<TimedPosition>& history() const;
   [[nodiscard]] bool dead() const;
   [[nodiscard]] TrackedObject object() const;
@@ -94,16 +94,16 @@ class Track
   Eigen::Vector2d velocity_ = Eigen::Vector2d::Zero();
   Eigen::Matrix2d velocity_covariance_ = Eigen::Matrix2d::Identity();
   Eigen::Matrix2d position_covariance_ = Eigen::Matrix2d::Identity();
-  double vertical_velocity_ = 0;  //!< [m/s]
+  double vertical_velocity_ = 0;  //!< velocity along z [m/s]
   double z_variance_ = 0.1;
   double yaw_variance_ = 0.1;
   int reversed_observations_ = 0;  //!< excess of observations with the opposite heading
   std::array<double, 8> class_votes_{};
   ObjectClass object_class_ = ObjectClass::unknown;
-  double recent_scores_ = 0;  //!< discounted sum
-  double score_weight_ = 0;   //!< discounted count
+  double recent_scores_ = 0;  //!< discounted sum of scores
+  double score_weight_ = 0;   //!< discounted number of scores
   int hits_ = 1;
-  int misses_ = 0;  //!< in a row
+  int misses_ = 0;  //!< number of misses in a row
   int total_misses_ = 0;
   int age_ = 0;
   int predicted_hits_ = 0;  //!< observations in a row that were predicted
@@ -112,7 +112,7 @@ class Track
   bool has_moved_ = false;  //!< significant motion was observed at some time
   int change_count_ = 0;    //!< scans in a row whose velocity contradicts `dynamic_`
   int detection_ = -1;
-  Box observed_;  //!< the last observation as a box of this object
+  Box observed_;  //!< alignedBox() of the last observation
   Eigen::Matrix4d observed_covariance_ = Eigen::Matrix4d::Identity();
 };
 }  // namespace dyslam

@@ -10,7 +10,7 @@ namespace dyslam
 {
 namespace
 {
-using TrackPair = std::pair<int, int>;  // the smaller id first
+using TrackPair = std::pair<int, int>;  // two ids, the smaller one first
 
 /** Intersection of the footprints over the area of the smaller one. */
 double sharedFootprint(const Box& a, const Box& b)
@@ -27,7 +27,7 @@ double sharedFootprint(const Box& a, const Box& b)
   return intersection / std::min(area_a, area_b);
 }
 
-/** Number of scans in which each pair of tracks overlaps. \param boxes by scan */
+/** Number of scans in which each pair of tracks overlaps. \param boxes ordered by scan */
 std::map<TrackPair, std::size_t> countOverlaps(const std::vector<TrackBox>& boxes, double overlap)
 {
   std::map<TrackPair, std::size_t> scans;
@@ -50,7 +50,7 @@ std::map<TrackPair, std::size_t> countOverlaps(const std::vector<TrackBox>& boxe
   return scans;
 }
 
-/** Number of values in both. \param a, b ascending */
+/** Number of common values. \param a, b ascending */
 std::size_t countCommon(const std::vector<std::size_t>& a, const std::vector<std::size_t>& b)
 {
   std::vector<std::size_t> common;
@@ -58,7 +58,7 @@ std::size_t countCommon(const std::vector<std::size_t>& a, const std::vector<std
   return common.size();
 }
 
-/** The track that `track` is merged into, or itself. */
+/** Track that `track` is merged into, or `track` itself. */
 int rootOf(const std::map<int, int>& merged, int track)
 {
   for (auto into = merged.find(track); into != merged.end(); into = merged.find(track))

@@ -12,16 +12,16 @@ namespace dyslam
 namespace
 {
 constexpr int robust_rounds = 2;          // fits after the first one, with outliers down-weighted
-constexpr double least_scatter = 0.02;    // of positions, so that exact ones have no outliers [m]
+constexpr double least_scatter = 0.02;    // floor of the median residual [m]
 constexpr double outlier_medians = 6;     // median residuals beyond which a position has no weight
-constexpr double samples_per_degree = 2;  // observations per degree of the polynomial
+constexpr double samples_per_degree = 2;  // least number of observations per degree of a polynomial
 
 struct Position
 {
   double time;
   Eigen::RowVector3d center;
-  Eigen::RowVector3d velocity;  // the tracker's
-  double robust = 1;            // weight
+  Eigen::RowVector3d velocity;  // velocity by the tracker
+  double robust = 1;            // robustness weight
 };
 
 struct Fit
@@ -55,9 +55,9 @@ std::vector<Position> observationsOf(const std::vector<TrackState>& track)
   return observations;
 }
 
-/** Fits the observations within `window` of `time`. \param velocity the tracker's at that time,
- * which a fit of degree 0 does not tell: the observations are moved to `time` with it.
- * \return false if there are none. */
+/** Fits the observations within `window` of `time`. \param velocity velocity by the tracker at
+ * `time`; a fit of degree 0 moves the observations to `time` with it, as it gives no velocity.
+ * \return false if there are no observations. */
 bool fitAt(const std::vector<Position>& observations,
            double time,
            const Eigen::RowVector3d& velocity,
@@ -108,7 +108,7 @@ bool fitAt(const std::vector<Position>& observations,
   return true;
 }
 
-/** Weights of the observations by their distance from the fit. */
+/** Sets the robustness weights of the observations by their distance from the fit. */
 void weighOutliers(std::vector<Position>& observations, const TrackSmoothingOptions& options)
 {
   std::vector<double> residuals;

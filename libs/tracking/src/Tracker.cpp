@@ -58,7 +58,7 @@ bool isReported(const Track& track, const TrackedObject& object)
 
 Assignment solveAssignment(AssociationMethod method, const CostMatrix& cost)
 {
-  constexpr double unassigned = 1;  // costs are relative to max_cost
+  constexpr double unassigned = 1;  // cost; all costs are relative to max_cost
   switch (method)
   {
     case AssociationMethod::greedy:
@@ -82,7 +82,7 @@ struct Tracker::Implementation
 
   const TrackerOptions options;
   std::vector<Track> tracks;
-  std::map<const ClassTracking*, NoiseScale> noise;  //!< of the boxes of each kind of objects
+  std::map<const ClassTracking*, NoiseScale> noise;  //!< noise of boxes by class options
   int next_id = 0;
   bool started = false;
   double stamp = 0;
@@ -120,7 +120,7 @@ struct Tracker::Implementation
       Box predicted = track.box();
       if (track.isNew())
       {
-        predicted.center = seen.center;  // its motion is not known: sizes and headings count
+        predicted.center = seen.center;  // motion unknown: only sizes and headings are compared
       }
       const double overlap = boxOverlap(predicted, seen).giou;
       if (overlap < class_options.min_overlap)
@@ -132,11 +132,11 @@ struct Tracker::Implementation
     return cost / class_options.max_cost;
   }
 
-  /** Whether a cluster is a fragment of an object that is tracked already: windows and poles split
+  /** Whether a cluster is a fragment of an object that is already tracked: windows and poles split
    * objects. */
   bool isFragment(const Observation& observation) const
   {
-    constexpr double margin = 0.3;  // [m]
+    constexpr double margin = 0.3;  // margin around a track's box [m]
     return observation.from_points &&
            std::any_of(tracks.begin(), tracks.end(),
                        [&](const Track& track)
@@ -184,7 +184,7 @@ struct Tracker::Implementation
     }
   }
 
-  /** Associates the given tracks with the given observations; those without a partner remain. */
+  /** Associates tracks with observations; unassigned ones remain in both lists. */
   void associate(const std::vector<Observation>& observations,
                  std::vector<std::size_t>& unmatched_tracks,
                  std::vector<std::size_t>& unmatched_observations)
@@ -235,8 +235,8 @@ struct Tracker::Implementation
     unmatched_observations = std::move(remaining_observations);
   }
 
-  /** Updates all tracks, predicted to this scan. New ones have wide gates: they choose among the
-   * observations that the others leave. Observations without a partner remain. */
+  /** Updates all tracks, which are predicted to this scan. New tracks have wide gates, so that they
+   * are associated last. Unassigned observations remain. */
   void updateTracks(const std::vector<Observation>& observations,
                     std::vector<std::size_t>& strong,
                     std::vector<std::size_t>& weak)

@@ -14,8 +14,8 @@ namespace
 constexpr const char* georeference = "georeference.ini";
 constexpr const char* utm = "trajectory_utm.txt";
 
-/** Where positions of a satellite receiver show where the map is on the earth: `georeference.ini`,
- * and the poses of the recording's vehicle in UTM, `trajectory_utm.txt`. */
+/** `georeference.ini`, the pose of the map on the earth, and `trajectory_utm.txt`, the poses of the
+ * recording's vehicle in UTM, if there are sufficient satellite positions. */
 class GeoreferenceOutput : public RunOutput
 {
  public:

@@ -14,7 +14,7 @@ constexpr const char* mrpt_file = "graph.graph";
 constexpr const char* g2o_file = "graph.g2o";
 constexpr const char* factor_graph_file = "factor_graph.txt";
 
-/** The ego poses as `graph.graph` (MRPT) and `graph.g2o`, all as `factor_graph.txt`. */
+/** Ego poses as `graph.graph` (MRPT) and `graph.g2o`, the whole graph as `factor_graph.txt`. */
 class GraphOutput : public RunOutput
 {
  public:

@@ -22,15 +22,15 @@ constexpr const char* label_extension = ".label";
 struct UnnamedPoints
 {
   std::size_t scan = 0;               //!< Frame::index
-  std::size_t scan_size = 0;          //!< points of the scan
-  std::vector<std::uint32_t> points;  //!< of the scan
+  std::size_t scan_size = 0;          //!< number of points of the scan
+  std::vector<std::uint32_t> points;  //!< indices in the scan
 
   void exchangeState(StateArchive& archive) { archive(scan, scan_size, points); }
 };
 
 /** `labels/NNNNNN.label`: SemanticKITTI labels of every point of the input scan. With hindsight an
- * object has its number from its first detection on: it is entered in the files of the scans before
- * it was reported. At the end merged tracks get the number of their object. */
+ * object has its instance from its first detection on: it is written to the files of the scans
+ * before it was reported. At the end merged tracks get the instance of their object. */
 class LabelOutput : public RunOutput
 {
  public:
@@ -67,9 +67,9 @@ class LabelOutput : public RunOutput
   }
 
  private:
-  using UnnamedObjects = std::map<int, std::vector<UnnamedPoints>>;  //!< by track
+  using UnnamedObjects = std::map<int, std::vector<UnnamedPoints>>;  //!< by id of the track
 
-  /** Enters the objects that are reported for the first time in the files of the scans before. */
+  /** Writes objects that are reported for the first time to the files of the scans before. */
   void nameEarlierPoints(const Frame& frame)
   {
     UnnamedObjects unnamed;
@@ -97,15 +97,15 @@ class LabelOutput : public RunOutput
     unnamed_ = std::move(unnamed);
   }
 
-  using Renaming = std::map<std::uint16_t, std::uint16_t>;  //!< of instances
+  using Renaming = std::map<std::uint16_t, std::uint16_t>;  //!< instance by former instance
 
-  /** Of each scan (Frame::index) the instances of merged tracks, and those of their objects. */
+  /** For each scan (Frame::index), the instances of merged tracks and of their objects. */
   static std::map<std::size_t, Renaming> mergedInstances(const RunResults& results)
   {
     std::map<std::size_t, Renaming> scans;
     if (results.merged_tracks.empty())
     {
-      return scans;  // without reading a history that may be on disk
+      return scans;  // avoids reading the history, which may be on disk
     }
     results.history->forEachObject(
         [&](const PastObject& object)
@@ -146,7 +146,7 @@ class LabelOutput : public RunOutput
     writeLabels(file, labels);
   }
 
-  static constexpr std::size_t most_scans = 100;  //!< of an object before it is reported
+  static constexpr std::size_t most_scans = 100;  //!< scans of an object before it is reported
 
   bool hindsight_;
   UnnamedObjects unnamed_;

@@ -25,7 +25,7 @@ MotionCovariance covarianceOf(const Frame& frame)
   return motion;
 }
 
-/** Takes covariances of the levelled vehicle's motion to those of the recorded one's. */
+/** Transforms covariances of the levelled vehicle's motion to the recording's vehicle frame. */
 void toRecorded(const Levelling& levelling, MotionCovariance& motion)
 {
   if (!levelling.isNone())
@@ -36,7 +36,7 @@ void toRecorded(const Levelling& levelling, MotionCovariance& motion)
   }
 }
 
-/** `motions.csv`: the odometry's covariance of each motion, of the recording's vehicle. */
+/** `motions.csv`: covariance of each odometry motion, in the recording's vehicle frame. */
 class MotionOutput : public RunOutput
 {
  public:

@@ -15,14 +15,14 @@ namespace dyslam
 {
 namespace
 {
-constexpr float cell_size = 0.5F;  // [m]
+constexpr float cell_size = 0.5F;  // side of a cell [m]
 
-/** Labelled points of a cell, or of several. */
+/** Number of labelled points of one or several cells. */
 struct Votes
 {
   std::size_t stationary = 0;
   std::size_t moving = 0;
-  std::map<Label, std::size_t> of_label;  //!< moving ones
+  std::map<Label, std::size_t> of_label;  //!< number of moving points by label
 
   void add(Label label, std::size_t points)
   {
@@ -46,7 +46,7 @@ struct Votes
     }
   }
   [[nodiscard]] bool empty() const { return stationary + moving == 0; }
-  /** That of most points, 0 for static. */
+  /** Label of most points; 0: static. */
   [[nodiscard]] Label winner() const
   {
     if (moving <= stationary)
@@ -87,8 +87,8 @@ Votes votesAround(const VoxelCell& cell, const VotesByCell& votes)
   return sum;
 }
 
-/** Moving points that are no reported object's are less certain and have no vote; nor those of an
- * object that only the second tracking, with hindsight, has reported. */
+/** Whether a point has a vote. Moving points without a reported object are less certain and have
+ * none; nor have points of an object that was reported only by the tracking with hindsight. */
 bool hasVote(const Frame& frame, std::size_t cloud_point, Label label)
 {
   return !isMovingLabel(label) ||
@@ -99,9 +99,9 @@ bool hasVote(const Frame& frame, std::size_t cloud_point, Label label)
 /** The points of one lidar in a frame. */
 struct LidarPoints
 {
-  const std::vector<Eigen::Vector3f>& points;  //!< of the scan, in the lidar's frame [m]
-  std::size_t first = 0;                       //!< position of these in the scan
-  std::size_t cloud_begin = 0;                 //!< its points in the cloud
+  const std::vector<Eigen::Vector3f>& points;  //!< points of its scan, lidar's frame [m]
+  std::size_t first = 0;                       //!< index of its first point in the scan
+  std::size_t cloud_begin = 0;                 //!< index of its first point in the cloud
   std::size_t cloud_end = 0;
 };
 
@@ -166,8 +166,8 @@ std::vector<NearCell> byCell(const std::vector<std::uint32_t>& returns,
   return cells;
 }
 
-/** Labels the cells that have a vote around them. \param first of their points in the scan
- * \return the others */
+/** Labels the cells with votes in the cells around them. \param first index in the scan of the
+ * lidar's first point \return the other cells */
 std::vector<NearCell> labelNext(std::vector<NearCell> open,
                                 std::size_t first,
                                 VotesByCell& votes,
@@ -210,7 +210,7 @@ void labelNearReturnsOf(const LidarPoints& lidar, const Frame& frame, std::vecto
   {
     return;
   }
-  // As far as cells beside those of near returns reach.
+  // Up to the cells around those of near returns.
   VotesByCell votes = votesOfCloud(frame, lidar, labels, nearest + 4 * cell_size);
   std::vector<NearCell> open = byCell(near, lidar.points);
   for (std::size_t before = open.size() + 1; open.size() < before;)

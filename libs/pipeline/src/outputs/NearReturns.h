@@ -13,7 +13,7 @@ namespace dyslam
  * cyclist who passes the sensor.
  *
  * Cells of 0.5 m take the label of most points in the cells around them, from the cloud inwards.
- * What continues nothing (the sensor's own vehicle) or something static stays unlabelled.
- * \param labels of every point of frame.scan, final for those in the cloud */
+ * Returns that continue nothing (the sensor's own vehicle) or a static surface stay unlabelled.
+ * \param labels label of every point of frame.scan; final for points in the cloud */
 void labelNearReturns(const Frame& frame, std::vector<Label>& labels);
 }  // namespace dyslam

@@ -91,7 +91,7 @@ class PageOutput : public RunOutput
     return page;
   }
 
-  /** Those in use, without the ones that the rest of the graph contradicts. */
+  /** Loops in use, without those that the rest of the graph contradicts. */
   static std::vector<PageLoop> loopsOf(const Backend& backend)
   {
     const FactorGraph& graph = backend.factorGraph();
@@ -154,11 +154,11 @@ class PageOutput : public RunOutput
   }
 
   RunPageOptions options_;
-  const ConfigLoader& config_;  // other parts of the run load theirs until open()
+  const ConfigLoader& config_;  // other parts of the run load sections until open()
   std::string folder_;
   std::string input_;
   std::string sensor_;
-  std::string truth_;  //!< where the ground truth is from
+  std::string truth_;  //!< source of the ground truth
   std::string settings_;
 };
 }  // namespace

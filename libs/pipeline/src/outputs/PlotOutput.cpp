@@ -13,7 +13,7 @@ namespace
 {
 constexpr const char* picture = "trajectory.png";
 
-/** `trajectory.png`: the trajectory against the ground truth, where there is one. */
+/** `trajectory.png`: the trajectory and the ground truth, if there is one. */
 class PlotOutput : public RunOutput
 {
  public:
@@ -23,7 +23,7 @@ class PlotOutput : public RunOutput
   }
   void finish(const RunResults& results) override
   {
-    constexpr double tolerance = 1e-3;  // s; both have the stamps of the scans
+    constexpr double tolerance = 1e-3;  // [s]; both have the stamps of the scans
     const TrajectoryPlotItem item{
         "estimate", associateByTime(results.reference, results.trajectory, tolerance)};
     if (item.pairs.size() < 2)

@@ -16,7 +16,7 @@ namespace
 constexpr const char* probability_folder = "probabilities";
 constexpr const char* probability_extension = ".bin";
 
-/** Moving probability of every point of the frame's scan; NaN where the cloud left a point out. */
+/** Moving probability of every point of the frame's scan; NaN for points not in the cloud. */
 std::vector<float> scanProbabilities(const Frame& frame)
 {
   std::vector<float> result(frame.scan.size(), std::numeric_limits<float>::quiet_NaN());

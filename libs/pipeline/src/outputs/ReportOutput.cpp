@@ -17,7 +17,7 @@ namespace
 constexpr const char* report_name = "report.json";
 using Json = nlohmann::ordered_json;
 
-/** To nine digits, more than the accuracy of any figure here. */
+/** Rounds to nine digits, more than the accuracy of any figure of the report. */
 double rounded(double value)
 {
   char text[32];
@@ -25,8 +25,8 @@ double rounded(double value)
   return std::strtod(text, nullptr);
 }
 
-/** `report.json`: figures of the run. It is written last: it marks the end of a run, and names
- * files that could not be written. */
+/** `report.json`: figures of the run. It is written last, marks the end of a run, and names files
+ * that could not be written. */
 class ReportOutput : public RunOutput
 {
  public:

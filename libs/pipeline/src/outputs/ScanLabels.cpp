@@ -35,7 +35,7 @@ std::uint16_t movingLabel(ObjectClass object_class)
 
 std::uint16_t instanceOfTrack(int id)
 {
-  // There are 16 bits, of which 0 is no object: numbers repeat in long recordings.
+  // 16 bits, where 0 is no object: numbers repeat in long recordings.
   return static_cast<std::uint16_t>(1 + id % 65535);
 }
 

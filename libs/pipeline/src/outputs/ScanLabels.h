@@ -10,17 +10,17 @@
 
 namespace dyslam
 {
-/** SemanticKITTI's label of every point of the frame's scan: moving or static; points of reported
- * objects have their class and id + 1 as instance. Points that the cloud left out are unlabelled,
- * but for near ones that continue a moving object (labelNearReturns()). */
+/** SemanticKITTI label of every point of the frame's scan: moving or static; points of reported
+ * objects have their class and id + 1 as instance. Points that are not in the cloud are unlabelled,
+ * except near ones that continue a moving object (labelNearReturns()). */
 [[nodiscard]] std::vector<Label> scanLabels(const Frame& frame);
 
 /** Label of a reported object's points. */
 [[nodiscard]] Label labelOf(const TrackedObject& object);
 
-/** The number of a track's object in labels: its instance. */
+/** Instance number of an object in labels, by its id. */
 [[nodiscard]] std::uint16_t instanceOfTrack(int id);
 
-/** The points of the scan that an object was detected in. */
+/** Indices in the scan of the points of an object's detection. */
 [[nodiscard]] std::vector<std::uint32_t> sourcesOf(const Frame& frame, const TrackedObject& object);
 }  // namespace dyslam

@@ -14,7 +14,7 @@ namespace
 constexpr const char* part_table = "scan_parts.csv";
 constexpr const char* part_header = "frame,sensor_label,stamp,first_point,points\n";
 
-/** The rows of a scan. */
+/** Rows of the table for a scan. */
 std::string rowsOf(const Frame& frame)
 {
   const Scan& scan = frame.scan;
@@ -31,7 +31,7 @@ std::string rowsOf(const Frame& frame)
   return rows;
 }
 
-/** `scan_parts.csv`: which scans of further lidars joined which, in runs with further lidars. */
+/** `scan_parts.csv`: scans of further lidars that were merged into each scan. */
 class ScanPartOutput : public RunOutput
 {
  public:

@@ -48,7 +48,7 @@ class SceneOutput : public RunOutput
  private:
   static void addMovingObjects(const RunResults& results, SceneContent& scene)
   {
-    std::map<int, std::pair<LabelledBox, Eigen::Vector3d>> last;  // and velocity, map frame
+    std::map<int, std::pair<LabelledBox, Eigen::Vector3d>> last;  // box and velocity, map frame
     forEachReported(results,
                     [&](const ReportedState& state)
                     {

@@ -10,7 +10,7 @@ namespace
 {
 constexpr const char* ini = "effective.ini";
 
-/** `effective.ini`: every setting of the run. A folder that has it is of a run. */
+/** `effective.ini`: every setting of the run. It identifies the folder of a run. */
 class SettingsOutput : public RunOutput
 {
  public:
@@ -29,7 +29,7 @@ class SettingsOutput : public RunOutput
   }
 
  private:
-  const ConfigLoader& config_;  // other parts of the run load theirs until open()
+  const ConfigLoader& config_;  // other parts of the run load sections until open()
 };
 }  // namespace
 

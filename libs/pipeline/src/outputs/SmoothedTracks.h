@@ -14,25 +14,25 @@
 
 namespace dyslam
 {
-/** The tracked object with position, heading, velocity and covariance of the smoothed one, odometry
- * frame.
- * \param T_odom_map at that scan */
+/** The tracked object with position, heading, velocity and covariance of the smoothed object,
+ * odometry frame.
+ * \param T_odom_map transform at the object's scan */
 [[nodiscard]] TrackedObject smoothedTrack(const TrackedObject& tracked,
                                           const SmoothedObject& smoothed,
                                           const Pose& T_odom_map);
 
-/** An object at a scan at which it counts (TrackLife), smoothed where there is more than the
- * tracker's state. */
+/** An object at a scan at which it counts (TrackLife); smoothed if a smoothed state exists, else by
+ * the tracker. */
 struct ReportedState
 {
-  /** Odometry frame; `dynamic` as the tracker decided, with hindsight if it is tracked so. */
+  /** State in the odometry frame; `dynamic` by the tracker, with hindsight if tracked again. */
   TrackedObject object;
-  const PastScan& scan;     //!< of RunHistory::scans()
-  std::size_t scan_number;  //!< in there, and in RunResults::trajectory
-  Pose T_map_odom;          //!< by the final trajectory: loops have moved the odometry frame
+  const PastScan& scan;     //!< entry of RunHistory::scans()
+  std::size_t scan_number;  //!< index in RunHistory::scans() and RunResults::trajectory
+  Pose T_map_odom;          //!< at this scan, by the final trajectory (includes loops)
 };
 
-/** Calls `use` for every object at every scan at which it counts, by scan. */
+/** Calls `use` for every object at every scan at which it counts, ordered by scan. */
 void forEachReported(const RunResults& results,
                      const std::function<void(const ReportedState&)>& use);
 

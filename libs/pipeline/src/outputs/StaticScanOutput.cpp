@@ -19,8 +19,8 @@ constexpr const char* scan_folder = "static_scans";
 constexpr const char* scan_extension = ".bin";
 constexpr const char* rawlog = "static_scans.rawlog";
 
-/** The scan without the points labelled as moving; of several lidars one without rings, whose
- * numbers are of no one lidar. */
+/** The scan without the points labelled as moving; with several lidars without ring numbers, which
+ * would not be those of one lidar. */
 Scan staticPartOf(const Frame& frame)
 {
   const std::vector<Label> labels = scanLabels(frame);
@@ -56,8 +56,8 @@ Scan staticPartOf(const Frame& frame)
   return kept;
 }
 
-/** The scans without moving points: `static_scans/NNNNNN.bin` and `static_scans.rawlog`, in the
- * vehicle frame of the recording. */
+/** Scans without moving points: `static_scans/NNNNNN.bin` and `static_scans.rawlog`, in the vehicle
+ * frame of the recording. */
 class StaticScanOutput : public RunOutput
 {
  public:

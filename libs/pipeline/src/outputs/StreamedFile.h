@@ -17,7 +17,7 @@ namespace dyslam
 class StreamedFile
 {
  public:
-  /** \throws UserError. */
+  /** Creates the file. \throws UserError if it cannot be written. */
   void open(const std::string& path, const std::string& header = "")
   {
     pending_.emplace(path);
@@ -28,17 +28,17 @@ class StreamedFile
     }
     write(header);
   }
-  /** As PendingFile::keep(). */
+  /** See PendingFile::keep(). */
   void keep() { pending_->keep(); }
-  /** \throws UserError if it could not be written. */
+  /** Appends to the file. \throws UserError if it could not be written. */
   void write(const std::string& text)
   {
     file_ << text << std::flush;
     requireGood();
     size_ += text.size();
   }
-  /** Saves the length of the file, or continues the file that was saved.
-   * \throws UserError if it is not all there. */
+  /** Saves the length of the file, or continues a saved file.
+   * \throws UserError if the file is shorter. */
   void exchangeState(const std::string& path, StateArchive& archive)
   {
     archive(size_);
@@ -50,7 +50,7 @@ class StreamedFile
       file_.open(pending_->temporary(), std::ios::app);
     }
   }
-  /** \throws UserError if not all could be written. */
+  /** Closes and renames the file. \throws UserError if not all could be written. */
   void close()
   {
     file_.close();

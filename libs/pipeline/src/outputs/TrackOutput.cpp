@@ -26,7 +26,7 @@ constexpr const char* kitti_tracks = "tracks.txt";
 constexpr const char* csv_header =
     "frame,stamp,id,class,x,y,z,length,width,height,yaw,vx,vy,vz,speed,dynamic,observed,score\n";
 
-/** The object's box in the lidar frame of a scan. \param object its box is in the odometry frame */
+/** Box of an object in the lidar frame of a scan. \param object with its box in odometry frame */
 LabelledBox labelledBox(const TrackedObject& object,
                         const PastScan& scan,
                         const Pose& T_vehicle_lidar)
@@ -110,8 +110,8 @@ class TrackOutput : public RunOutput
   }
 
  private:
-  /** Header and rows of the frames so far, of the growing table or, after the end of a run that was
-   * stopped, of the final one: its rows are others, but so are those at the end of this run. */
+  /** Header and rows of the frames so far: of the growing table or, after the end of a stopped run,
+   * of the final table, whose rows differ; they are replaced at the end of this run. */
   [[nodiscard]] std::string rowsSoFar() const
   {
     const std::string growing = path(csv_tracks) + ".tmp";

@@ -14,8 +14,8 @@ constexpr const char* tum = "trajectory_tum.txt";
 constexpr const char* kitti_poses = "trajectory_kitti.txt";
 constexpr const char* reference = "reference_tum.txt";
 
-/** `odometry_tum.txt` frame by frame; at the end `trajectory_tum.txt`, `trajectory_kitti.txt` and,
- * where the recording has ground truth, `reference_tum.txt`: poses of the recording's vehicle. */
+/** Poses of the recording's vehicle: `odometry_tum.txt` frame by frame; at the end
+ * `trajectory_tum.txt`, `trajectory_kitti.txt` and, with ground truth, `reference_tum.txt`. */
 class TrajectoryOutput : public RunOutput
 {
  public:

@@ -24,13 +24,13 @@ namespace dyslam
 {
 class StateArchive;
 
-/** What the graph holds; the paper's ablation (Table 6). */
+/** Factors that the graph contains; the paper's ablation (Table 6). */
 enum class BackendMode
 {
   odometry,  //!< the chain of odometry factors: nothing to optimise
   ego,       //!< odometry and loops (DyLO-SAM)
-  segmot,    //!< and every object as a moving one, as in LIO-SEGMOT
-  full,      //!< and objects, static ones as landmarks, moving ones with velocities (DyLO-SAM-MOT)
+  segmot,    //!< odometry, loops, and every object as moving, as in LIO-SEGMOT
+  full,      //!< odometry, loops, static objects as landmarks, moving objects (DyLO-SAM-MOT)
 };
 
 struct BackendOptions : Options
@@ -44,8 +44,8 @@ struct BackendOptions : Options
   double unconverged_sigma_rotation = 0.286 * radians_per_degree;
   /** Whitened residual of a new loop above which the graph is optimised. */
   double residual_to_optimise = 3;
-  int loops_to_optimise = 20;  //!< number of new loops after which it is optimised
-  /** Newest keyframes optimised for a loop consistent with odometry and earlier loops; 0: all. */
+  int loops_to_optimise = 20;  //!< number of new loops after which the graph is optimised
+  /** Newest keyframes optimised for a loop that fits odometry and earlier loops; 0: all. */
   int correction_keyframes = 100;
   /** Growth of the graph, as a fraction, after which a loop optimises all keyframes again. */
   double correction_growth = 0.1;
@@ -80,44 +80,45 @@ class Backend
   Backend(Backend&&) noexcept;
   Backend& operator=(Backend&&) noexcept;
 
-  /** Reads scan.stamp, cloud, moving, motion, T_odom_vehicle, objects and gnss; fills is_keyframe
-   * and T_map_odom. Frames come in order of time. The same as the three steps below. */
+  /** Adds a frame; frames come in order of time. Reads scan.stamp, cloud, moving, motion,
+   * T_odom_vehicle, objects and gnss; sets is_keyframe and T_map_odom. Equivalent to addOdometry(),
+   * addLoops() and optimise(). */
   void addFrame(Frame& frame);
 
-  /** The steps of addFrame(), for callers that do something in between: every frame, in this order.
-   * Accumulates the odometry; adds keyframe, odometry factor and objects. Fills is_keyframe, and
-   * T_map_odom by the present estimate. \return is_keyframe */
+  /** First step of addFrame(), for callers that do something between the steps: accumulates the
+   * odometry; adds keyframe, odometry factor and objects. Sets is_keyframe, and T_map_odom by the
+   * present estimate. \return is_keyframe */
   bool addOdometry(Frame& frame);
-  /** Looks for loops from the frame, if it is a keyframe, and adds those accepted now; moves no
-   * pose. Keyframes whose motion did not converge make none. Without this call no loop is found.
+  /** Second step of addFrame(): searches for loops from the frame, if it is a keyframe whose motion
+   * converged, and adds the accepted ones to the graph; changes no pose.
    * \return number of loops added */
   std::size_t addLoops(const Frame& frame);
-  /** Optimises what is due: the newest part, or everything where a loop requires it. Fills
-   * T_map_odom. \return true if the pose of a keyframe changed */
+  /** Third step of addFrame(): optimises the newest part of the graph, or all of it if a loop
+   * requires it. Sets T_map_odom. \return true if the pose of a keyframe changed */
   bool optimise(Frame& frame);
 
-  /** Decides the pending loops and objects, ties the map to the earth where there are positions of
-   * a satellite receiver, and optimises everything once more (call it after the last frame). */
+  /** To be called after the last frame: decides the pending loops and objects, georeferences the
+   * map if there are positions of a satellite receiver, and optimises everything once more. */
   void finish();
 
   [[nodiscard]] const FactorGraph& factorGraph() const;
-  /** What is kept from frame to frame; the keyframes are saved by themselves. */
+  /** Saves or loads the state between frames; the KeyframeStore is saved separately. */
   void exchangeState(StateArchive& archive);
-  /** View of the ego poses, odometry and loops in use as MRPT has them; built for the caller. */
+  /** Pose graph of MRPT with ego poses, odometry and loops in use; built at each call. */
   [[nodiscard]] PoseGraph graph() const;
   [[nodiscard]] const KeyframeStore& keyframes() const;
-  /** Every frame's T_map_vehicle by the present estimate. */
+  /** T_map_vehicle of every frame by the present estimate. */
   [[nodiscard]] Trajectory optimizedTrajectory() const;
-  /** All candidates that were decided, in order. Of the accepted ones, factorGraph().usedLoops()
-   * are those that the rest of the graph does not contradict. */
+  /** All loop candidates that were decided, in order. factorGraph().usedLoops() has the accepted
+   * ones that the rest of the graph does not contradict. */
   [[nodiscard]] const std::vector<Loop>& loops() const;
-  /** Every object of the graph at every scan that observed it, by scan, then id. */
+  /** Objects of the graph at every scan that observed them, ordered by scan, then id. */
   [[nodiscard]] std::vector<SmoothedObject> smoothedObjects() const;
-  /** Where the map is on the earth, after finish(); nothing without positions that show it. */
+  /** Pose of the map on the earth, after finish(); nothing if satellite positions don't show it. */
   [[nodiscard]] const std::optional<Georeference>& georeference() const;
-  /** Of the last optimisation of everything; default before the first. */
+  /** Result of the last optimisation of the whole graph; default before the first. */
   [[nodiscard]] const OptimisationResult& lastOptimisation() const;
-  /** Warnings about data that the graph could not use. */
+  /** Warnings about data that the backend could not use. */
   [[nodiscard]] std::vector<std::string> warnings() const;
 
  private:

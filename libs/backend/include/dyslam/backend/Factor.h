@@ -33,7 +33,7 @@ using ValueBlocks = const double* const*;
 constexpr int pose_block_size = 7;
 constexpr int velocity_block_size = 6;
 
-/** Derivatives of a residual by the tangents of the variables, as many as there are keys. */
+/** Derivatives of a residual by the tangents of the variables, one per key. */
 constexpr std::size_t max_keys_per_factor = 3;
 using FactorJacobians = std::array<Matrix6, max_keys_per_factor>;
 
@@ -45,7 +45,7 @@ using FactorJacobians = std::array<Matrix6, max_keys_per_factor>;
 class Factor
 {
  public:
-  /** \param information of the residual, 1/m^2, 1/rad^2 (for smooth_motion per s^2)
+  /** \param information information matrix of the residual, inverse squares of its units
    *  \throws std::invalid_argument, naming the keys, unless it is finite, symmetric and positive
    *  definite and the keys differ. */
   Factor(std::vector<Key> keys, const Matrix6& information);
@@ -54,11 +54,11 @@ class Factor
   Factor& operator=(const Factor&) = delete;
 
   [[nodiscard]] virtual FactorKind kind() const = 0;
-  /** Before whitening. \param jacobians filled for the factor's keys unless null. */
+  /** Residual before whitening. \param jacobians filled for the factor's keys unless null */
   [[nodiscard]] virtual Vector6 residual(ValueBlocks blocks, FactorJacobians* jacobians) const = 0;
-  /** whitening() * residual(): in units of its standard deviations. */
+  /** whitening() * residual(), in units of standard deviations. */
   [[nodiscard]] Vector6 whitenedResidual(ValueBlocks blocks) const;
-  /** The measured pose where there is one, identity else; for export. */
+  /** Measured pose, for export; the identity for factors without one. */
   [[nodiscard]] virtual Pose measurement() const { return Pose::Identity(); }
 
   [[nodiscard]] const std::vector<Key>& keys() const { return keys_; }

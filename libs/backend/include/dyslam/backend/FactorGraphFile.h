@@ -10,18 +10,18 @@ namespace dyslam
 {
 /** Reads a factor graph from a text file (doc/formats.md, "Factor graph").
  *
- * A factor that cannot be used, since its information is not positive definite, a number is not
- * finite or a variable is missing, is left out.
+ * A factor is left out if its information is not positive definite, a number is not finite or a
+ * variable is missing.
  * \param warnings one line for every factor left out: file, line and why
  * \throws UserError if the file cannot be read or is not of this format. */
 [[nodiscard]] FactorGraph readFactorGraph(const std::string& path,
                                           std::vector<std::string>& warnings);
 [[nodiscard]] FactorGraph readFactorGraph(const std::string& path);
 
-/** Writes a factor graph with all digits: read and written again it is the same file. Appears whole
- * or not at all. \throws UserError. */
+/** Writes a factor graph with all digits: reading and writing it again gives the same file. The
+ * file is never incomplete. \throws UserError. */
 void writeFactorGraph(const FactorGraph& graph, const std::string& path);
 
-/** Whether a file is one of these, by its first line. \throws UserError if it cannot be read. */
+/** Whether a file is a factor graph, by its first line. \throws UserError if it can't be read. */
 [[nodiscard]] bool isFactorGraphFile(const std::string& path);
 }  // namespace dyslam

@@ -6,19 +6,19 @@
 
 namespace dyslam
 {
-/** What is done with the positions of a satellite receiver. */
+/** Use of the positions of a satellite receiver. */
 enum class GnssUse
 {
   off,
-  align,  //!< find the pose of the map on the earth; the map stays as it is
-  fuse,   //!< and optimise the graph with them
+  align,  //!< find the pose of the map on the earth; the map is not changed
+  fuse,   //!< find the pose of the map, and optimise the graph with the positions
 };
 
 struct GnssOptions : Options
 {
   GnssUse use = GnssUse::fuse;
-  double distance = 5;  //!< travelled between two positions that are used [m]
-  /** Extent of the positions below which they are not used: they do not show the heading [m]. */
+  double distance = 5;  //!< distance travelled between two positions that are used [m]
+  /** Least extent of the positions that shows the heading; below, none are used [m]. */
   double min_extent = 30;
   /** Horizontal sigma of a position where the receiver states none; vertical: twice [m]. */
   double default_sigma = 3;

@@ -13,7 +13,7 @@ enum class VariableKind : std::uint8_t
   ego_pose,         //!< x_k: T_map_vehicle at keyframe k
   static_object,    //!< s_j: T_map_object of a static object, one for a whole sighting
   object_pose,      //!< l_j,k: T_map_object of a moving object at scan k
-  object_velocity,  //!< V_j,k: its twist over the interval that ends at scan k
+  object_velocity,  //!< V_j,k: twist of a moving object over the interval that ends at scan k
   georeference,     //!< G: T_enu_map, the pose of the map on the earth
 };
 
@@ -22,7 +22,7 @@ struct Key
 {
   VariableKind kind = VariableKind::ego_pose;
   std::int64_t object = -1;  //!< id of the object; -1 for ego poses
-  std::int64_t index = -1;   //!< keyframe or scan; number of the sighting of a static object
+  std::int64_t index = -1;   //!< keyframe or scan; for static objects: number of the sighting
 
   [[nodiscard]] static Key ego(std::size_t keyframe)
   {
@@ -50,13 +50,13 @@ struct Key
     return std::tie(a.kind, a.object, a.index) == std::tie(b.kind, b.object, b.index);
   }
   friend bool operator!=(const Key& a, const Key& b) { return !(a == b); }
-  /** By kind, then object, then index. */
+  /** Order by kind, then object, then index. */
   friend bool operator<(const Key& a, const Key& b)
   {
     return std::tie(a.kind, a.object, a.index) < std::tie(b.kind, b.object, b.index);
   }
 };
 
-/** "x12", "s4", "s4#1" for a second sighting, "l4@123", "v4@123", "g". */
+/** Name of a key: "x12", "s4", "s4#1" for a second sighting, "l4@123", "v4@123", "g". */
 [[nodiscard]] std::string toString(const Key& key);
 }  // namespace dyslam

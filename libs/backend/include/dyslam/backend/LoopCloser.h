@@ -73,7 +73,7 @@ enum class LoopVerdict
   ambiguous,      //!< several places fit equally well
   unsupported,    //!< no loop of a nearby keyframe agrees
 };
-/** All of them. */
+/** All verdicts. */
 constexpr std::array<LoopVerdict, 9> loop_verdicts{
     LoopVerdict::accepted,     LoopVerdict::dissimilar, LoopVerdict::not_converged,
     LoopVerdict::no_overlap,   LoopVerdict::bad_fit,    LoopVerdict::degenerate,
@@ -92,39 +92,39 @@ struct Loop
   double overlap = 0;  //!< fraction of points above ground with a correspondence, in [0, 1]
   double rmse = 0;     //!< of the point-to-plane residuals [m]
   LoopVerdict verdict = LoopVerdict::accepted;
-  bool by_appearance = false;  //!< from beyond the search radius
+  bool by_appearance = false;  //!< found by appearance, beyond the search radius
 };
 
-/** Finds places seen before: candidates by distance and appearance, verified by registration and by
- * agreement with one another. Where none is found nearby, places that look alike are tried wherever
- * they are, under stricter limits: only one of them may fit, and more loops must agree.
+/** Finds loops: candidates by distance and appearance, verified by registration and by agreement
+ * with one another. If none is found within the search radius, places that look alike are tried
+ * anywhere, with stricter limits: only one of them may fit, and more loops must agree.
  *
- * Deterministic. The time per keyframe is bounded by the number of candidates, but for a comparison
- * of positions and of 20 heights with all older ones. Not thread-safe.
+ * Deterministic; not thread-safe. The time per keyframe is bounded by the number of candidates,
+ * except for a comparison of positions and of 20 heights with all older keyframes.
  */
 class LoopCloser
 {
  public:
-  /** \param keyframes outlives the loop closer, which keeps its clouds there. */
+  /** \param keyframes outlives the loop closer, which stores its clouds there */
   LoopCloser(const LoopCloserOptions& options, KeyframeStore& keyframes);
   ~LoopCloser();
   LoopCloser(LoopCloser&&) noexcept;
   LoopCloser& operator=(LoopCloser&&) noexcept;
 
-  /** Prepares the newest keyframe: once for every keyframe of the store, in order.
-   * \param static_points its vehicle frame [m]
-   * \throws std::invalid_argument unless exactly one keyframe of the store is not ready yet. */
+  /** Prepares the newest keyframe; to be called once for every keyframe of the store, in order.
+   * \param static_points static points of the keyframe, vehicle frame [m]
+   * \throws std::invalid_argument unless exactly one keyframe of the store is not prepared yet. */
   void add(const std::vector<Eigen::Vector3f>& static_points);
 
-  /** Looks for loops from the newest keyframe to older ones, from the poses of the store.
+  /** Searches for loops from the newest keyframe to older ones, at the poses of the store.
    * \return the candidates decided now: rejected ones of this keyframe, and loops of this and of
-   * recent keyframes that found support or did not find it in time. */
+   * recent keyframes that got support or did not get it in time. */
   [[nodiscard]] std::vector<Loop> search();
 
-  /** The loops still waiting for support, as unsupported. */
+  /** Decides the loops still waiting for support: \return them as unsupported. */
   [[nodiscard]] std::vector<Loop> finish();
 
-  /** Appearances and waiting loops; the keyframes are saved by themselves. */
+  /** Saves or loads descriptors and waiting loops; the KeyframeStore is saved separately. */
   void exchangeState(StateArchive& archive);
 
  private:

@@ -6,7 +6,7 @@
 
 namespace dyslam
 {
-/** How tracked objects enter the factor graph. */
+/** Options of tracked objects in the factor graph. */
 struct ObjectGraphOptions : Options
 {
   double max_range = 80;     //!< largest range of observations that are used [m]
@@ -34,7 +34,7 @@ struct ObjectGraphOptions : Options
   double angular_motion_sigma = 17.2 * radians_per_degree;
 
   double window = 2;  //!< poses of moving objects older than this are held fixed [s]
-  /** Older ego poses are held fixed; 0: nothing is optimised until a loop or the end. */
+  /** Ego poses older than this are held fixed; 0: nothing is optimised until a loop or the end. */
   int window_keyframes = 10;
 
   void describe(OptionsVisitor& visitor) override;

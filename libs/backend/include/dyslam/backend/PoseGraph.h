@@ -25,11 +25,11 @@ class CNetworkOfPoses;
 
 namespace dyslam
 {
-/** mrpt::graphs::CNetworkOfPoses3DInf by name only; include <mrpt/graphs/CNetworkOfPoses.h> to use
- * one.
+/** mrpt::graphs::CNetworkOfPoses3DInf, declared only; include <mrpt/graphs/CNetworkOfPoses.h> to
+ * use it.
  *
- * Nodes are poses in the map, an edge i -> j measures T_i_j, its information is MRPT's: about
- * (x, y, z, yaw, pitch, roll) of the mean (see core/PoseInformation.h).
+ * Nodes are poses in the map, an edge i -> j measures T_i_j. Its information matrix is in MRPT's
+ * coordinates, (x, y, z, yaw, pitch, roll) about the mean (see core/PoseInformation.h).
  */
 using PoseGraph = mrpt::graphs::CNetworkOfPoses<mrpt::poses::CPose3DPDFGaussianInf,
                                                 mrpt::containers::map_traits_stdmap,

@@ -13,8 +13,8 @@ namespace dyslam
  * first order, so they share one information matrix. */
 enum class EdgeResidual
 {
-  log,  //!< log(E) in SE(3), the paper's
-  g2o,  //!< translation of E and twice its quaternion's vector part; the heading in planar graphs
+  log,  //!< log(E) in SE(3), as in the paper
+  g2o,  //!< translation of E and twice its quaternion's vector part; planar graphs: and heading
 };
 
 /** Initial values of the poses. */
@@ -24,11 +24,11 @@ enum class GraphStart
   chordal,  //!< linear least squares on rotation matrices, then on translations
 };
 
-/** What to do about an edge whose information matrix is not positive definite. */
+/** Treatment of an edge whose information matrix is not positive definite. */
 enum class IndefiniteInformation
 {
-  error,    //!< refuse the graph, naming the edge
-  project,  //!< raise its eigenvalues to at least 1e-9 of the largest
+  error,    //!< throw UserError, naming the edge
+  project,  //!< raise the eigenvalues to at least 1e-9 of the largest
 };
 
 struct PoseGraphSolverOptions : Options
@@ -38,26 +38,26 @@ struct PoseGraphSolverOptions : Options
   EdgeResidual residual = EdgeResidual::g2o;
   GraphStart start = GraphStart::chordal;
   IndefiniteInformation indefinite_information = IndefiniteInformation::error;
-  int threads = 1;  //!< changes the result by rounding alone; with 1 it is always the same
+  int threads = 1;  //!< more than 1: the result varies by rounding errors
 
   void describe(OptionsVisitor& visitor) override;
 };
 
 struct PoseGraphResult
 {
-  double start_chi2 = 0;    //!< of the poses the graph came with (of the start, if it had none)
-  double initial_chi2 = 0;  //!< where the optimisation started
-  double final_chi2 = 0;    //!< sum of e' Omega e over all edges
+  double start_chi2 = 0;    //!< chi2 of the graph's own poses, missing ones chained
+  double initial_chi2 = 0;  //!< chi2 of the initial values of the optimisation
+  double final_chi2 = 0;    //!< chi2 after it: sum of e' Omega e over all edges
   int iterations = 0;
-  std::size_t projected_edges = 0;  //!< whose information was not positive definite
+  std::size_t projected_edges = 0;  //!< number of edges with projected information matrix
   bool converged = false;
-  std::string reason;  //!< why it stopped
+  std::string reason;  //!< why the solver stopped
 };
 
 /** Least-squares optimisation of a pose graph.
  *
- * With `residual = g2o` chi2 is what g2o prints. Graphs whose every pose, measurement and
- * information matrix is planar are solved in the plane.
+ * With `residual = g2o`, chi2 is the value that g2o prints. Graphs whose poses, measurements and
+ * information matrices are all planar are solved in the plane.
  * Thread-safe: solve() is const.
  */
 class PoseGraphSolver
@@ -65,15 +65,15 @@ class PoseGraphSolver
  public:
   explicit PoseGraphSolver(const PoseGraphSolverOptions& options);
 
-  /** Moves all nodes except the root, which stays where it is (at identity if it has no pose).
-   * An empty graph and one without edges converge at once.
-   * \throws UserError for a node without edges to the root's component, and for an edge whose
+  /** Optimises the poses of all nodes except the root, which is fixed (at identity if it has no
+   * pose). A graph without nodes or without edges converges at once.
+   * \throws UserError for a node that is not connected to the root, and for an edge whose
    * information is not positive definite or whose numbers are not finite, naming them; also if the
    * information is too uneven for start = chordal. */
   PoseGraphResult solve(PoseGraph& graph) const;
 
-  /** Sum of e' Omega e of the graph as it is; nodes without a pose are initialised from their
-   * neighbours. 0 without edges. \throws UserError as solve(). */
+  /** Sum of e' Omega e over all edges at the graph's poses; nodes without a pose are initialised
+   * from their neighbours. 0 without edges. \throws UserError as solve(). */
   [[nodiscard]] double chi2(const PoseGraph& graph) const;
 
   [[nodiscard]] const PoseGraphSolverOptions& options() const { return options_; }

@@ -15,23 +15,24 @@ namespace dyslam
 struct SmoothedObject
 {
   int id = -1;
-  /** Of the factor graph, which knows the axis of a box but not its front; else of TrackHindsight,
-   * which knows it. */
+  /** Estimated by the factor graph, where the front of a box is unknown; else by TrackHindsight,
+   * where it is known. */
   bool from_graph = true;
   std::size_t scan = 0;  //!< Frame::index
-  double stamp = 0;      //!< [s]
+  double stamp = 0;      //!< UNIX time of the scan [s]
   Pose T_map_object = Pose::Identity();
   Eigen::Vector3d velocity = Eigen::Vector3d::Zero();  //!< map frame [m/s]
-  bool moving = false;                  //!< at that scan; in the graph: a dynamic object
-  std::optional<Eigen::Vector3d> size;  //!< of its box [m], if it is known better than at the scan
-  std::optional<ObjectClass> object_class;  //!< likewise
-  /** Of x, y, z [m^2], yaw [rad^2], map frame, given the ego poses; zero if not `from_graph`. */
+  bool moving = false;                  //!< moving at this scan; from_graph: ever moving
+  std::optional<Eigen::Vector3d> size;  //!< size of the box [m], if known better than at the scan
+  std::optional<ObjectClass> object_class;  //!< class, if known better than at the scan
+  /** Covariance of x, y, z [m^2], yaw [rad^2], map frame, given the ego poses; zero if not
+   * `from_graph`. */
   Eigen::Matrix4d covariance = Eigen::Matrix4d::Zero();
   Eigen::Matrix3d velocity_covariance = Eigen::Matrix3d::Zero();  //!< map frame [m^2/s^2]
 };
 
-/** The state of an object at a scan; null if there is none.
- * \param objects by scan, then id */
+/** State of an object at a scan; null if there is none.
+ * \param objects ordered by scan, then id */
 [[nodiscard]] const SmoothedObject* findSmoothed(const std::vector<SmoothedObject>& objects,
                                                  std::size_t scan,
                                                  int id);

@@ -19,13 +19,13 @@ struct BoxOverlap
 
 [[nodiscard]] BoxOverlap boxOverlap(const Box& a, const Box& b);
 
-/** The volumes' intersection over union alone; cheap when the boxes are far apart. */
+/** Only BoxOverlap::iou; cheap when the boxes are far apart. */
 [[nodiscard]] double boxIou(const Box& a, const Box& b);
 
 /** The box moved by a pose whose up axis is near +z: centre exactly, yaw by the turned x axis. */
 [[nodiscard]] Box transformed(const Box& box, const Pose& T);
-/** The inverse: the box that transformed() takes to `moved` by T. For frames that are tilted
- * against each other it is another one than transformed() by the inverse of T, as both yaws are
- * horizontal. \pre the up axes are not at right angles. */
+/** Inverse of transformed(): the box that transformed() takes to `moved` by T. It differs from
+ * transformed(moved, T.inverse()) if the frames are tilted against each other, because both yaws
+ * are about z. \pre the up axes are not at right angles. */
 [[nodiscard]] Box transformedBack(const Box& moved, const Pose& T);
 }  // namespace dyslam

@@ -8,7 +8,7 @@
 
 namespace dyslam
 {
-/** A plain value as bytes. */
+/** Appends the bytes of a trivially copyable value. */
 template <typename Value>
 void appendBytes(std::string& bytes, const Value& value)
 {
@@ -16,7 +16,7 @@ void appendBytes(std::string& bytes, const Value& value)
   bytes.append(reinterpret_cast<const char*>(&value), sizeof value);
 }
 
-/** Plain values one after the other, as bytes. */
+/** Appends the number of values (8 bytes), then the bytes of the values. */
 template <typename Value>
 void appendBytes(std::string& bytes, const std::vector<Value>& values)
 {

@@ -22,7 +22,7 @@ class Config
   {
     std::string text;
     std::string origin;   //!< for error messages: "kitti64.ini:12" or "--set odometry.method"
-    std::string comment;  //!< written behind the value by toIni()
+    std::string comment;  //!< text that toIni() writes behind the value, after " // "
   };
   using Section = std::map<std::string, Value>;
 
@@ -36,8 +36,8 @@ class Config
   /** \throws UserError if the ini is for another program. */
   void requireFor(const std::string& program) const;
 
-  /** One `section.key=value`, as given to --set. It replaces what the file says. \throws UserError.
-   */
+  /** Sets the value of one `section.key=value`, as given to --set; replaces a value from the file.
+   * \throws UserError. */
   void set(const std::string& assignment);
   void set(const std::string& section, const std::string& key, Value value);
 
@@ -49,7 +49,7 @@ class Config
   /** \throws UserError for a section that is not among `known`, naming the nearest. */
   void requireKnownSections(const std::vector<std::string>& known) const;
 
-  /** The whole as an ini text, sections and keys in the order they were first set. */
+  /** The config as an ini text, sections and keys in the order they were first set. */
   [[nodiscard]] std::string toIni() const;
 
  private:
@@ -59,10 +59,10 @@ class Config
   std::vector<std::string> section_order_;
   std::map<std::string, std::vector<std::string>> key_order_;
   std::map<std::string, std::string> section_origin_;
-  Value program_;  //!< that the ini is for; empty: none in particular
+  Value program_;  //!< program that the ini is for; empty text: any
 };
 
-/** Whether an error message is about a value of --set, or of this ini: it begins with the origin.
- * \param ini path; empty: none */
+/** Whether an error message is about a value of --set or of the ini `ini`: it begins with the
+ * origin of the value. \param ini path; empty: none */
 [[nodiscard]] bool isAboutSettings(const std::string& message, const std::string& ini);
 }  // namespace dyslam

@@ -23,16 +23,18 @@ struct SweepModel
  * frame). Accurate to 3e-5 of a revolution. */
 [[nodiscard]] float sweepFraction(const Eigen::Vector3f& p, const SweepModel& model);
 
-/** Takes points measured at different times to the pose of one time, under constant velocity.
+/** Transforms points measured at different times of a sweep to the body frame at one reference
+ * time.
  *
- * The body moves by `T_start_end` (takes points of the frame at fraction 1 to the frame at fraction
- * 0) along a screw. A point measured at fraction s, given in the body's frame of that moment, is
- * in the body's frame at fraction `reference`. Fractions outside [0, 1] extrapolate.
+ * The body moves with constant velocity (along a screw) by `T_start_end`, which takes points of the
+ * body frame at fraction 1 of the sweep to that at fraction 0. toReference() takes a point in the
+ * body frame at its fraction to the body frame at fraction `reference`. Fractions outside [0, 1]
+ * extrapolate.
  */
 class SweepMotion
 {
  public:
-  /** \param reference fraction whose frame the points are in: 0 the start, 0.5 the middle. */
+  /** \param reference fraction of the sweep whose body frame the results are in: 0 the start. */
   SweepMotion(const Pose& T_start_end, double reference);
 
   [[nodiscard]] Eigen::Vector3f toReference(const Eigen::Vector3f& p, float fraction) const
@@ -57,14 +59,14 @@ class SweepMotion
   float angle2_;
 };
 
-/** Factor that takes phases in units of `from` seconds to units of `to` seconds; 1 where either is
- * not known (0 or less). */
+/** Factor that converts phases in units of `from` seconds to units of `to` seconds; 1 if either is
+ * unknown (0 or less). */
 [[nodiscard]] inline float phaseScale(double from, double to)
 {
   return from > 0 && to > 0 ? static_cast<float>(from / to) : 1.0F;
 }
 
-/** All points taken to the reference; `fractions` is as long as `points`. */
+/** All points taken to the reference time of `motion`. \pre as many fractions as points */
 [[nodiscard]] std::vector<Eigen::Vector3f> deskew(const std::vector<Eigen::Vector3f>& points,
                                                   const std::vector<float>& fractions,
                                                   const SweepMotion& motion);

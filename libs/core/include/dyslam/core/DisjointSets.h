@@ -12,13 +12,13 @@ namespace dyslam
 class DisjointSets
 {
  public:
-  /** Every number is a set of its own. */
+  /** `count` sets with one number each. */
   explicit DisjointSets(std::size_t count) : parent_(count)
   {
     std::iota(parent_.begin(), parent_.end(), std::size_t{0});
   }
 
-  /** The smallest member of the set that `i` is in. */
+  /** Smallest member of the set that contains `i`. */
   std::size_t find(std::size_t i)
   {
     while (parent_[i] != i)

@@ -6,7 +6,7 @@
 
 namespace dyslam
 {
-/** Something the user can fix: a bad file, field, key or value.
+/** Error that the user can fix: a bad file, field, key or value.
  *
  * The message is one line that names the file, the field and the fix. Programs print it and exit
  * with 1. Broken contracts between our own functions are std::logic_error instead.
@@ -17,7 +17,7 @@ class UserError : public std::runtime_error
   using std::runtime_error::runtime_error;
 };
 
-/** Of `candidates`, the one nearest to `word` by edit distance; empty when none is near. */
+/** Candidate with the smallest edit distance to `word`; empty if none is similar enough. */
 template <typename Container>
 [[nodiscard]] std::string nearestWord(const std::string& word, const Container& candidates);
 

@@ -22,6 +22,6 @@ namespace dyslam
   turns = ay > ax ? 0.25F - turns : turns;
   turns = x < 0 ? 0.5F - turns : turns;
   turns = y < 0 ? -turns : turns;
-  return high > 0 ? turns : 0;  // at the end: loops over points become vector instructions
+  return high > 0 ? turns : 0;  // tested last, so that compilers vectorise loops over points
 }
 }  // namespace dyslam

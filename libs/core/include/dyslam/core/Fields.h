@@ -9,7 +9,7 @@ namespace dyslam
 {
 namespace fields
 {
-/** Stands for a value of any type, to see how many of them an aggregate is made from. */
+/** Converts to any type, to count the initialisers that an aggregate accepts. */
 struct Anything
 {
   template <typename T>

@@ -29,19 +29,20 @@ struct Frame
   std::size_t index = 0;  //!< number of the scan in the recording, from 0
   Scan scan;
   std::optional<Pose> T_world_vehicle_truth;  //!< ground truth, where the recording has it
-  // Of other sensors, recorded since the scan before, by the clock of scan.stamp; the times may
-  // overlap those of neighbouring frames
+  // Samples of other sensors recorded since the previous scan, with stamps of the clock of
+  // scan.stamp; their times may overlap with those of neighbouring frames
   std::vector<ImuSample> imu;
   std::vector<WheelSample> wheels;
   std::vector<GnssFix> gnss;
 
   // Odometry::predict
-  double dt = 0;  //!< since the previous scan [s]; 0 for the first
-  /** Of the revolution, by the sensor's rate: dt unless scans are missing [s]; 0 for the first. */
+  double dt = 0;  //!< time since the previous scan [s]; 0 for the first scan
+  /** Duration of the revolution by the sensor's rate [s]: dt unless scans are missing; 0 for the
+   * first scan. */
   double sweep_duration = 0;
-  /** scan.stamp minus a clock that was never set during the recording [s]. */
+  /** scan.stamp minus the time of a clock that was never adjusted during the recording [s]. */
   double clock_offset = 0;
-  MotionPrior prior;  //!< of the motion since the previous scan; estimate() fuses segmenter_motion
+  MotionPrior prior;  //!< prior of `motion`; Odometry::estimate fuses segmenter_motion with it
 
   // Preprocessing
   Cloud cloud;
@@ -60,12 +61,12 @@ struct Frame
   std::vector<bool> moving;
 
   // Odometry::estimate
-  MotionEstimate odometry;                 //!< of the scan matcher
-  bool odometry_accepted = false;          //!< used as the initial guess, or as the motion itself
-  std::string odometry_rejection;          //!< why it was not accepted; empty if it was
-  std::vector<float> static_confidence;    //!< of the matcher, per cloud point in [0, 1], or empty
-  MotionEstimate motion;                   //!< the motion that later stages use
-  Pose T_odom_vehicle = Pose::Identity();  //!< from Odometry::predict on: predicted
+  MotionEstimate odometry;                 //!< motion estimated by the scan matcher
+  bool odometry_accepted = false;          //!< `odometry` is used as initial guess or as `motion`
+  std::string odometry_rejection;          //!< why `odometry` was rejected; empty if accepted
+  std::vector<float> static_confidence;    //!< scan matcher's weight per cloud point in [0, 1]
+  MotionEstimate motion;                   //!< motion since the previous scan, used by later stages
+  Pose T_odom_vehicle = Pose::Identity();  //!< from Odometry::predict to estimate: predicted
 
   // Detection and tracking
   /** Per cloud point: it is `moving` because it is in the predicted box of a dynamic object
@@ -73,18 +74,18 @@ struct Frame
   std::vector<bool> moving_by_prediction;
   std::vector<Detection> detections;
   std::vector<TrackedObject> objects;
-  /** Per cloud point: it belongs to an object that was reported before the objects were tracked
-   * again with hindsight; else empty. */
+  /** Per cloud point: it belongs to an object that was reported in the first tracking, before the
+   * objects were tracked again with hindsight; else empty. */
   std::vector<bool> reported_before;
 
   // Backend
   bool is_keyframe = false;
   Pose T_map_odom = Pose::Identity();
 
-  /** Of a clock that was never set: differences are the time that really passed [s]. */
+  /** Stamp of the scan by a clock that was never adjusted [s]: differences are elapsed time. */
   [[nodiscard]] double time() const { return scan.stamp - clock_offset; }
   [[nodiscard]] Pose T_map_vehicle() const { return T_map_odom * T_odom_vehicle; }
-  /** The cloud points that an object of this frame was detected in; none if it was not observed. */
+  /** Indices in `cloud` of the points of an object's detection; none if it was not observed. */
   [[nodiscard]] std::vector<std::uint32_t> pointsOf(const TrackedObject& object) const
   {
     return object.detection < 0 ? std::vector<std::uint32_t>()

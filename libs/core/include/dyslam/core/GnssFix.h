@@ -15,19 +15,19 @@ struct GeodeticPosition
   double height = 0;     //!< above the ellipsoid [m]
 };
 
-/** Whether it has numbers, a latitude and a longitude. (0, 0) is none: receivers without a fix say
- * so. */
+/** Whether the numbers are finite and a possible latitude and longitude. False for (0, 0), which
+ * receivers without a fix report. */
 [[nodiscard]] bool isOnEarth(const GeodeticPosition& position);
 
-/** Where a satellite receiver found its antenna at one instant. */
+/** Position of the antenna at one instant, by a satellite receiver. */
 struct GnssFix
 {
   double stamp = 0;  //!< UNIX time [s]
   GeodeticPosition position;
-  // Standard deviations; 0: the receiver does not say
-  double horizontal_sigma = 0;                        //!< of east and of north [m]
-  double vertical_sigma = 0;                          //!< [m]
-  Eigen::Vector3d antenna = Eigen::Vector3d::Zero();  //!< vehicle frame [m]
+  // Standard deviations; 0: unknown
+  double horizontal_sigma = 0;                        //!< sigma of east and of north, each [m]
+  double vertical_sigma = 0;                          //!< sigma of the height [m]
+  Eigen::Vector3d antenna = Eigen::Vector3d::Zero();  //!< antenna's position, vehicle frame [m]
 
   void exchangeState(StateArchive& archive);
 };

@@ -11,8 +11,8 @@ namespace dyslam
  * GiB of address space; memory is taken as it is used. Call it at the start of a program. No effect
  * without glibc on Linux; no huge pages where `/sys/kernel/mm/transparent_hugepage/enabled` is
  * `never`.
- * \param arenas of malloc, at most. With one, what a thread frees another one takes, but threads
- * that allocate often wait for each other.
+ * \param arenas maximum number of malloc's arenas. With one, threads reuse each other's freed
+ * memory, but wait for each other if they allocate often.
  */
 void tuneHeap(int arenas = 1);
 }  // namespace dyslam

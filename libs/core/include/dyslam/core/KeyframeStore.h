@@ -18,27 +18,27 @@ namespace dyslam
 {
 class StateArchive;
 
-/** Points of one keyframe. The arrays are of one length, or empty where nothing is kept of it. */
+/** Points of one keyframe. The other arrays are as long as `points`, or empty if not kept. */
 struct KeyframeCloud
 {
   std::vector<Eigen::Vector3f> points;  //!< vehicle frame [m]
   std::vector<float> intensity;         //!< in [0, 1]
   std::vector<std::uint8_t> is_static;  //!< 1: static, 0: moving
-  std::vector<std::uint8_t> lidar;      //!< that measured the point: ScanPart::lidar, 0: the first
+  std::vector<std::uint8_t> lidar;      //!< number of its lidar, see ScanPart::lidar
 
   [[nodiscard]] std::size_t size() const { return points.size(); }
-  /** The lidar that measured a point; 0 where that is not kept. */
+  /** Lidar that measured a point; 0 if `lidar` is not kept. */
   [[nodiscard]] std::size_t lidarOf(std::size_t i) const { return lidar.empty() ? 0 : lidar[i]; }
 };
 
-/** A cloud in 6 bytes a point, and one more for each of the intensity, `is_static` and `lidar`
- * where it has them. */
+/** A KeyframeCloud in 6 bytes per point, and one more for each of intensity, `is_static` and
+ * `lidar` that it has. */
 class PackedCloud
 {
  public:
   PackedCloud() = default;
-  /** Points that are not finite or have a coordinate beyond `range_limit` [m] are left out. The
-   * others are rounded to 1/32767 of it (3 mm for 100 m), their intensity to 1/255.
+  /** Points that are not finite or have a coordinate beyond `range_limit` [m] are left out.
+   * Coordinates are rounded to range_limit / 32767 (3 mm for 100 m), intensities to 1/255.
    * \throws std::invalid_argument for arrays of different lengths and a limit that is not positive.
    */
   PackedCloud(const KeyframeCloud& cloud, double range_limit);
@@ -67,12 +67,12 @@ struct Keyframe
 {
   std::size_t frame = 0;   //!< Frame::index
   double stamp = 0;        //!< UNIX time [s]
-  double path_length = 0;  //!< driven since the start, as measured [m]
-  /** Since the start, what may have been driven without being measured: in gaps of the recording
-   * and before restarts of the local map. Keyframes of one stretch have the same [m]. */
+  double path_length = 0;  //!< measured distance travelled since the start [m]
+  /** Distance that may have been travelled unmeasured since the start [m]: in gaps of the recording
+   * and before restarts of the local map. Equal for keyframes without one in between. */
   double unseen_path = 0;
   Eigen::Vector3f sensor = Eigen::Vector3f::Zero();  //!< lidar's origin, vehicle frame [m]
-  std::vector<Eigen::Vector3f> further_sensors;      //!< of further lidars, from number 1 on [m]
+  std::vector<Eigen::Vector3f> further_sensors;  //!< origins of lidars 1, 2, ..., vehicle frame [m]
   Pose T_map_vehicle = Pose::Identity();
 
   /** Origin of a lidar, vehicle frame [m]. \param lidar ScanPart::lidar; 0: the first one. */
@@ -90,13 +90,13 @@ struct Keyframe
  *
  * Loop closure and map each keep the points that they need: loop closure all points of the keyframe
  * at a coarse resolution, the map only those that other keyframes have not filled in. Clouds that
- * were not used recently are on disk. A reference to one is valid until the next access to one of
- * its kind.
+ * were not used recently are on disk. A reference to a cloud is valid until the next access to a
+ * cloud of its kind (loop closure or map).
  */
 class KeyframeStore
 {
  public:
-  /** \param memory of backend and map together: a quarter of it is for clouds */
+  /** \param memory limit of backend and map together; a quarter of it is for the clouds */
   explicit KeyframeStore(const MemoryLimit& memory = {});
 
   /** \return the keyframe's number: 0, 1, 2, ... */
@@ -110,14 +110,15 @@ class KeyframeStore
   [[nodiscard]] auto begin() const { return keyframes_.begin(); }
   [[nodiscard]] auto end() const { return keyframes_.end(); }
 
-  /** Points alone; about 30 kB. Empty until set. */
+  /** Points for loop closure, vehicle frame [m], about 30 kB per keyframe. Empty until set. */
   [[nodiscard]] const PackedCloud& loopCloud(std::size_t i) const { return loop_clouds_.get(i); }
   void setLoopCloud(std::size_t i, PackedCloud cloud) { loop_clouds_.edit(i) = std::move(cloud); }
-  /** Bounded by the area seen, all keyframes together. Empty until set. */
+  /** Points for the map; the size of all keyframes' together is bounded by the area seen. Empty
+   * until set. */
   [[nodiscard]] const PackedCloud& mapCloud(std::size_t i) const { return map_clouds_.get(i); }
   [[nodiscard]] PackedCloud& editMapCloud(std::size_t i) { return map_clouds_.edit(i); }
 
-  /** Of the clouds in memory [bytes]. */
+  /** Size of the clouds that are in memory [bytes]. */
   [[nodiscard]] std::size_t cloudMemory() const
   {
     return loop_clouds_.memory() + map_clouds_.memory();
@@ -126,9 +127,9 @@ class KeyframeStore
   [[nodiscard]] const MemoryLimit& memory() const { return memory_; }
 
   /** Sets corrected poses of the keyframes from number `first` on. \throws std::invalid_argument
-   * unless there is one each. */
+   * unless there is one pose per keyframe. */
   void correct(const std::vector<Pose>& T_map_vehicle, std::size_t first = 0);
-  /** Number of corrections so far. */
+  /** Number of calls of correct() so far. */
   [[nodiscard]] std::size_t revision() const { return revision_; }
   void exchangeState(StateArchive& archive);
 

@@ -18,10 +18,10 @@ struct Layout
   std::size_t tracked_object = 0;
 };
 
-/** As the file that includes this is compiled. Not inline: each translation unit has its own. */
+/** Layout in the translation unit that includes this; not inline, so that each has its own. */
 constexpr Layout layout_here{EIGEN_MAX_ALIGN_BYTES, sizeof(Frame), sizeof(Detection),
                              sizeof(TrackedObject)};
 
-/** As the library was compiled. */
+/** Layout in the compiled library. */
 [[nodiscard]] Layout libraryLayout();
 }  // namespace dyslam

@@ -8,12 +8,12 @@
 
 namespace dyslam
 {
-/** Where the cause is looked for if a motion was not found. */
+/** Stage that caused the failure of a motion estimate. */
 enum class FailureCause
 {
   estimation,    //!< matching or registration; also the value where nothing failed
   recording,     //!< the scan has too few returns
-  preprocessing  //!< too few of its points are left in the cloud
+  preprocessing  //!< too few points of the scan are left in the cloud
 };
 
 /** How a motion was found. */
@@ -29,12 +29,12 @@ struct MotionEstimate
 {
   /** Takes points of this scan's vehicle frame to the previous scan's. */
   Pose T_previous_current = Pose::Identity();
-  /** Of r = log(T_measured^-1 T), [translation, rotation]; units 1/m^2, 1/rad^2. */
+  /** Information matrix of log(T_measured^-1 T), [translation, rotation] [1/m^2, 1/rad^2]. */
   Matrix6 information = Matrix6::Identity();
-  /** Covariance of the part of this scan's pose error that does not accumulate: a registration to a
-   * map has an independent error at each scan, which the next motion cancels. Over the tangent of
-   * the pose; zero where errors accumulate from motion to motion. `information` contains it, and
-   * that of the scan before. */
+  /** Covariance (tangent of the pose) of the part of this scan's pose error that does not
+   * accumulate: a registration to a map has an independent error at each scan, which the next
+   * motion cancels. Zero where all errors accumulate. `information` includes the pose noise of this
+   * scan and of the scan before. */
   Matrix6 pose_noise = Matrix6::Zero();
   MotionStatus status = MotionStatus::not_found;
   int iterations = 0;
@@ -55,9 +55,10 @@ struct MotionEstimate
 struct MotionPrior
 {
   Pose T_previous_current = Pose::Identity();
-  /** Of log(T_prior^-1 T), [translation, rotation]; zero where nothing is known. */
+  /** Information of log(T_prior^-1 T), [translation, rotation]; zero where nothing is known. */
   Matrix6 information = Matrix6::Zero();
-  /** Accurate enough to restrict the search for the motion to its neighbourhood. */
+  /** Whether the prior is accurate enough to restrict the search for the motion to its
+   * surroundings. */
   bool reliable = false;
 
   /** Fuse an independent measurement of the same motion (Gaussian product, first order). */
@@ -70,6 +71,6 @@ struct MotionPrior
 };
 
 /** Information matrix of independent errors: `sigma` along each axis [m], `sigma_angle` about each
- * [rad]. */
+ * axis [rad]. */
 [[nodiscard]] Matrix6 informationFromSigmas(double sigma, double sigma_angle);
 }  // namespace dyslam

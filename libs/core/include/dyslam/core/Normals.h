@@ -10,15 +10,15 @@
 
 namespace dyslam
 {
-/** The shape of a point's neighbourhood. */
+/** Shape of the neighbourhood of a point, in the frame of the points. */
 struct LocalShape
 {
   Eigen::Vector3f normal = Eigen::Vector3f::Zero();  //!< unit, towards the viewpoint; 0 if unknown
-  Eigen::Vector3f mean = Eigen::Vector3f::Zero();    //!< of the neighbours [m]
-  Eigen::Vector3f spread = Eigen::Vector3f::Zero();  //!< standard deviations, ascending [m]
+  Eigen::Vector3f mean = Eigen::Vector3f::Zero();    //!< mean of the neighbours [m]
+  Eigen::Vector3f spread = Eigen::Vector3f::Zero();  //!< sigmas of principal axes, ascending [m]
 
   [[nodiscard]] bool valid() const { return !normal.isZero(0); }
-  /** 1 for a perfect plane, near 0 for a line or a blob. */
+  /** Planarity in [0, 1]: 1 for a perfect plane, near 0 for a line or a blob. */
   [[nodiscard]] float planarity() const
   {
     return spread.z() > 0 ? (spread.y() - spread.x()) / spread.z() : 0.0F;

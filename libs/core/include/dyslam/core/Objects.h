@@ -22,15 +22,15 @@ enum class ObjectClass
 
 /** Name as KITTI writes it ("Car", "Pedestrian", ...; "Misc" for unknown). */
 [[nodiscard]] std::string toString(ObjectClass object_class);
-/** Class of a name, in any case; unknown for names that are not ours. */
+/** Class with this name, in upper or lower case; unknown for other names. */
 [[nodiscard]] ObjectClass objectClassFromString(const std::string& name);
-/** Car, van, truck or bus. */
+/** Whether a class is car, van, truck or bus. */
 [[nodiscard]] bool isVehicle(ObjectClass object_class);
 
-/** An upright box; whoever holds it documents its frame. */
+/** An upright box; its frame is documented where it is used. */
 struct Box
 {
-  Eigen::Vector3d center = Eigen::Vector3d::Zero();  //!< at half height [m]
+  Eigen::Vector3d center = Eigen::Vector3d::Zero();  //!< centre of the volume [m]
   Eigen::Vector3d size = Eigen::Vector3d::Ones();    //!< length (along heading), width, height [m]
   double yaw = 0;                                    //!< heading about +z from +x [rad]
 };
@@ -66,11 +66,12 @@ struct TrackedObject
   /** Mean score of the track's detections, on the detector's scale; recent ones weigh more
    * (score_memory), and zeros are added (score_prior, and miss_prior for each miss). */
   double score = 0;
-  /** The matched detection as this object's box, odometry frame; valid where `observed`. Length and
-   * width are assigned as the track's, the hidden extents of a cluster are completed to its size,
-   * the heading is within 90 deg of its heading. */
+  /** Box of the matched detection, odometry frame; valid where `observed`. Length and width are
+   * assigned as in the track's box, hidden extents of a cluster are completed to the track's size,
+   * and the heading is within 90 deg of the track's. */
   Box observation;
-  /** Of the observation's x, y, z [m^2], yaw [rad^2], odometry frame; valid where `observed`. */
+  /** Covariance of x, y, z [m^2], yaw [rad^2] of `observation`, odometry frame; valid where
+   * `observed`. */
   Eigen::Matrix4d observation_covariance = Eigen::Matrix4d::Identity();
 };
 
@@ -80,7 +81,7 @@ struct LabelledBox
   int frame = 0;
   int id = -1;
   ObjectClass object_class = ObjectClass::unknown;
-  std::string type;  //!< class name as the file has it
+  std::string type;  //!< class name in the spelling of the file
   Box box;           //!< in the frame that the reader documents
   double score = 1;  //!< confidence, on the scale of its detector or tracker; 1 in files without it
   /** Truncation by the border of the image, KITTI tracking's code: 0 none, 1 partly, 2 largely; -1

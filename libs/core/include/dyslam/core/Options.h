@@ -12,7 +12,7 @@ namespace dyslam
 {
 /** Visitor of every field of an options struct: loading, saving and checking are visitors.
  *
- * A help text is read alone, in effective.ini: quantity of what, condition [unit]. */
+ * A help text must be clear by itself, in effective.ini: quantity of what, condition [unit]. */
 class OptionsVisitor
 {
  public:
@@ -22,7 +22,7 @@ class OptionsVisitor
   virtual void integer(const char* key, int& value, int min, int max, const char* help) = 0;
   virtual void flag(const char* key, bool& value, const char* help) = 0;
   virtual void text(const char* key, std::string& value, const char* help) = 0;
-  /** One word of `words`. */
+  /** A text that has to be one of `words`. */
   virtual void word(const char* key,
                     std::string& value,
                     const std::vector<std::string>& words,
@@ -67,8 +67,8 @@ class PrefixedVisitor : public OptionsVisitor
 /** Base of every options struct: defaults stand in the declaration, describe() names each field
  * once.
  *
- * From that one description come strict loading (unknown keys, bad values and ranges are errors),
- * saving with help texts, and range checks, so that they cannot drift apart.
+ * Strict loading (unknown keys, bad values and values out of range are errors), saving with help
+ * texts, and range checks all use describe(), so that they cannot drift apart.
  */
 struct Options
 {
@@ -99,7 +99,7 @@ class ConfigLoader
 
   /** \throws UserError if the config has a section that was never requested. */
   void requireAllUsed() const;
-  /** Every requested section, with the values in effect. */
+  /** Config with every requested section and the values in effect. */
   [[nodiscard]] const Config& effective() const { return effective_; }
 
  private:

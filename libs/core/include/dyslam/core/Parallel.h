@@ -12,18 +12,18 @@ namespace dyslam
  * Work is cut into chunks whose borders depend on the sizes alone, never on the number of threads,
  * so that a reduction which keeps one partial result per chunk and adds them in order gives the
  * same bytes for any thread count. Several callers may run loops at a time and share the threads;
- * no loops inside loops.
+ * loops must not be nested.
  */
 class ThreadPool
 {
  public:
-  /** \param threads at most; 0 takes the machine's number, and no more than that are used. */
+  /** \param threads maximum number; 0: number of cores. More than the cores are never used. */
   explicit ThreadPool(int threads = 1);
   ~ThreadPool();
   ThreadPool(const ThreadPool&) = delete;
   ThreadPool& operator=(const ThreadPool&) = delete;
 
-  /** Threads that were asked for; the machine's number for 0. */
+  /** Requested number of threads; the number of cores if 0 was requested. */
   [[nodiscard]] int size() const;
 
   /** Calls body(begin, end, chunk) for every chunk of [0, count), chunks numbered from 0. An

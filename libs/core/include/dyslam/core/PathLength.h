@@ -15,15 +15,15 @@ class StateArchive;
 class PathLength
 {
  public:
-  static constexpr double dead_band = 0.1;  //!< [m]
+  static constexpr double dead_band = 0.1;  //!< distance below which a position doesn't count [m]
 
-  /** The next position; one that is not finite is left out. \return length up to it [m] */
+  /** Adds the next position [m]; one that is not finite is ignored. \return length up to it [m] */
   double add(const Eigen::Vector3d& position);
   [[nodiscard]] double length() const { return length_; }
   void exchangeState(StateArchive& archive);
 
  private:
-  double length_ = 0;  //!< [m]
+  double length_ = 0;
   Eigen::Vector3d counted_ = Eigen::Vector3d::Zero();
   bool started_ = false;
 };

@@ -19,7 +19,7 @@ enum class Durable
 
 /** A file that is written under a temporary name and renamed when it is complete.
  *
- * Write to temporary(), make sure that everything was written, then commit(). Without a commit()
+ * Write to temporary(), check that everything was written, then commit(). Without a commit()
  * the destructor removes the temporary file, and an earlier file of the name stays as it was. A
  * killed program leaves the `.tmp`.
  */
@@ -33,9 +33,9 @@ class PendingFile
   PendingFile& operator=(const PendingFile&) = delete;
 
   [[nodiscard]] const std::string& path() const { return path_; }
-  /** `<path>.tmp` */
+  /** Path of the temporary file: `<path>.tmp`. */
   [[nodiscard]] const std::string& temporary() const { return temporary_; }
-  /** Keeps the temporary file in any case: a resumed run may have to be resumed again. */
+  /** Keeps the temporary file even without commit(): a resumed run may have to be resumed again. */
   void keep() { kept_ = true; }
   /** Renames the closed file to its final name. \throws UserError. */
   void commit(Durable durable = Durable::yes);
@@ -55,6 +55,6 @@ void writeWhole(const std::string& path, std::string_view content, Durable durab
 
 /** Truncates the temporary file of a killed program to the size that is known to be valid. A file
  * that was already renamed gets its temporary name again.
- * \throws UserError if there is less. */
+ * \throws UserError if the file is shorter. */
 void cutPending(const PendingFile& pending, std::uint64_t size);
 }  // namespace dyslam

@@ -28,7 +28,7 @@ using Matrix6 = Eigen::Matrix<double, 6, 6>;
 /** Inverse of the right Jacobian: log(exp(x) exp(d)) = x + J d + O(d^2). */
 [[nodiscard]] Matrix6 rightJacobianInverseSE3(const Vector6& tangent);
 
-/** On the geodesic from a (fraction 0) to b (fraction 1); extrapolates outside. */
+/** Pose on the geodesic from a (fraction 0) to b (fraction 1); extrapolates outside. */
 [[nodiscard]] Pose interpolate(const Pose& a, const Pose& b, double fraction);
 
 /** Angle of the rotation, radians in [0, pi]. */
@@ -41,7 +41,7 @@ using Matrix6 = Eigen::Matrix<double, 6, 6>;
 [[nodiscard]] Pose poseFromYpr(double x, double y, double z, double yaw, double pitch, double roll);
 [[nodiscard]] Eigen::Vector3d yawPitchRoll(const Pose& pose);
 
-/** The nearest proper rotation put back into the pose: for poses read from text or long products.
- */
+/** The pose with its rotation replaced by the nearest proper rotation: for poses read from text and
+ * for long products. */
 [[nodiscard]] Pose orthonormalized(const Pose& pose);
 }  // namespace dyslam

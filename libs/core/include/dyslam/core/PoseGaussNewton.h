@@ -37,7 +37,7 @@ struct NormalEquations
               double r,
               double w);
 
-  /** Adds others with `share` of their weight. */
+  /** Adds `other` with its weights multiplied by `share`. */
   void add(const NormalEquations& other, double share = 1);
 };
 
@@ -52,9 +52,9 @@ struct NormalEquations
 struct PoseGaussNewtonSettings
 {
   int max_iterations = 30;
-  double start_gate = 1;     //!< matches are at most this far apart at first [m] ...
-  double end_gate = 0.2;     //!< ... and in the end
-  double gate_decay = 0.75;  //!< per iteration
+  double start_gate = 1;     //!< largest distance of a match in the first iteration [m]
+  double end_gate = 0.2;     //!< lower limit of the gate as it decays [m]
+  double gate_decay = 0.75;  //!< factor on the gate per iteration
   std::size_t min_inliers = 30;
   double settled_step = 1e-3;    //!< stop after a smaller step, see motionSize() [m]
   double converged_step = 0.05;  //!< converged if the last step is smaller [m]
@@ -63,18 +63,19 @@ struct PoseGaussNewtonSettings
 struct PoseGaussNewtonResult
 {
   Pose T = Pose::Identity();
-  NormalEquations equations;  //!< at the start of the last step; inliers alone if too few
+  NormalEquations
+      equations;  //!< at the start of the last step; only the count if inliers are too few
   int iterations = 0;
   bool converged = false;
-  std::string reason;  //!< why it did not converge; empty if it did
+  std::string reason;  //!< why the iteration did not converge; empty if it did
 };
 
-/** Adds the rows of the points [begin, end) at pose T, of matches nearer than `gate`. */
+/** Adds the rows of the points [begin, end) at pose T, for matches nearer than `gate` [m]. */
 using RowMatcher = std::function<void(
     std::size_t begin, std::size_t end, const Pose& T, double gate, NormalEquations& sums)>;
 
-/** Registers `count` points: Gauss-Newton over rows that are matched again in every iteration.
- * Directions that no row fixes stay as in T_initial. The same bytes for any number of threads; with
+/** Registers `count` points: Gauss-Newton with new matches in every iteration. Directions that no
+ * row constrains stay as in T_initial. The result is identical for any number of threads; with
  * several, `match` is called from all of them. */
 [[nodiscard]] PoseGaussNewtonResult poseGaussNewton(std::size_t count,
                                                     const RowMatcher& match,
@@ -82,9 +83,9 @@ using RowMatcher = std::function<void(
                                                     const PoseGaussNewtonSettings& settings,
                                                     ThreadPool& pool);
 
-/** The result as a motion between scans, with the residuals' own variance as noise.
- * \param points_per_measurement residuals of neighbouring points are correlated: so many count as
- * one */
+/** The result as a motion between scans, with the variance of the residuals as noise.
+ * \param points_per_measurement number of points that count as one independent measurement, since
+ * residuals of neighbouring points are correlated */
 [[nodiscard]] MotionEstimate toMotionEstimate(const PoseGaussNewtonResult& result,
                                               double points_per_measurement);
 }  // namespace dyslam

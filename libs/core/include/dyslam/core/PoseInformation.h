@@ -5,9 +5,9 @@
 
 namespace dyslam
 {
-/** The one place where information matrices change coordinates.
+/** Conversions of information matrices between coordinates.
  *
- * Ours are over the tangent x = [translation, rotation] of T = T_mean exp(x). MRPT's
+ * DySLAM's are over the tangent x = [translation, rotation] of T = T_mean exp(x). MRPT's
  * CPose3DPDFGaussianInf is over the coordinates (x, y, z, yaw, pitch, roll) of T about those of
  * T_mean. g2o's EDGE_SE3:QUAT is over the translation and the vector part of the quaternion of
  * T_mean^-1 T, which is half a small rotation.
@@ -20,7 +20,7 @@ namespace dyslam
  * MRPT's definition, but the conversion in both directions still gives the same matrix.
  */
 [[nodiscard]] Matrix6 yprFromTangentJacobian(const Pose& mean);
-/** Its inverse. */
+/** Inverse of yprFromTangentJacobian(). */
 [[nodiscard]] Matrix6 tangentFromYprJacobian(const Pose& mean);
 
 /** Information over the tangent to and from information over x, y, z, yaw, pitch, roll. */

@@ -8,14 +8,14 @@
 
 namespace dyslam
 {
-/** The text for a terminal, on one line: `?` for control characters, whose codes would move the
- * cursor or worse, and cut at a limit. */
+/** The text as one line for a terminal: control characters, which could move the cursor, are
+ * replaced by `?`, and long texts are cut. */
 [[nodiscard]] std::string printable(std::string text);
 
-/** With small ASCII letters for capitals. */
+/** The text with ASCII capitals in lower case. */
 [[nodiscard]] std::string lowered(std::string text);
 
-/** Number of characters that both begin with. */
+/** Length of the common prefix of two texts. */
 [[nodiscard]] inline std::size_t commonPrefix(std::string_view a, std::string_view b)
 {
   std::size_t length = 0;
@@ -26,13 +26,13 @@ namespace dyslam
   return length;
 }
 
-/** For messages: "1 pose", "2 poses". */
+/** Number and noun for messages: "1 pose", "2 poses". */
 [[nodiscard]] inline std::string counted(std::size_t count, const std::string& noun)
 {
   return std::to_string(count) + " " + noun + (count == 1 ? "" : "s");
 }
 
-/** The text for a page or an attribute of HTML in double quotes. */
+/** The text escaped for HTML, also for attributes in double quotes. */
 [[nodiscard]] std::string escapedHtml(const std::string& text);
 
 /** Whether brackets in this JSON text are nested deeper than `limit`: recursion over the parsed

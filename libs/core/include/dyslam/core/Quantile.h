@@ -10,7 +10,7 @@ namespace dyslam
 // Order statistics of n values, without interpolation. Element 0 is the smallest. There must be at
 // least one value; the values are reordered.
 
-/** The element share * (n - 1), rounded down. \param share in [0, 1] */
+/** The element with index share * (n - 1), rounded down. \param share in [0, 1] */
 template <typename T>
 [[nodiscard]] T quantile(std::vector<T>& values, double share)
 {
@@ -20,7 +20,7 @@ template <typename T>
   return *place;
 }
 
-/** The element n / parts, rounded down: one in `parts` lies below it. */
+/** The element with index n / parts, rounded down: one value in `parts` lies below it. */
 template <typename Iterator>
 [[nodiscard]] auto lowQuantile(Iterator begin, Iterator end, std::size_t parts)
 {
@@ -35,7 +35,7 @@ template <typename T>
   return lowQuantile(values.begin(), values.end(), parts);
 }
 
-/** The median, of an even number of values the upper one. */
+/** The median; the upper one for an even number of values. */
 template <typename Iterator>
 [[nodiscard]] auto upperMedian(Iterator begin, Iterator end)
 {

@@ -22,7 +22,7 @@ class Registry
   struct Row
   {
     const char* name;
-    /** Loads the implementation's options; what it returns builds one. */
+    /** Loads the implementation's options and returns a function that makes the implementation. */
     std::function<Factory(ConfigLoader&)> load;
   };
 
@@ -38,9 +38,10 @@ class Registry
     return names;
   }
 
-  /** The options of every row are loaded and checked, whichever is chosen: one ini serves all.
-   * \param key the option that chooses, for the error message, e.g. "odometry.method"
-   * \throws UserError for an unknown name, naming the nearest, and for bad options. */
+  /** Makes the implementation `name`. The options of all rows are loaded and checked, so that one
+   * ini serves all. \param key the option that chooses, for the error message, e.g.
+   * "odometry.method" \throws UserError for an unknown name, naming the nearest, and for bad
+   * options. */
   [[nodiscard]] std::unique_ptr<Interface> make(const std::string& name,
                                                 const std::string& key,
                                                 ConfigLoader& config,

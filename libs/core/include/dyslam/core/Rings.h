@@ -10,7 +10,7 @@ namespace dyslam
 /** Column of a point in an image of `cols` columns of azimuth: column 0 straight behind, rising
  * clockwise seen from above (so that left is left). */
 [[nodiscard]] int azimuthColumn(const Eigen::Vector3f& p, int cols);
-/** Angle over the sensor's xy plane [rad]. */
+/** Angle of a point above the sensor's xy plane [rad]. */
 [[nodiscard]] float elevationOf(const Eigen::Vector3f& p);
 
 /** Ring of each point where a recording has none, 0 the lowest; empty if they cannot be found.

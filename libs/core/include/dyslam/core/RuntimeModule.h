@@ -6,9 +6,9 @@
 
 namespace dyslam
 {
-/** A function of a library of DySLAM's own that is loaded when it is first needed, and stays
- * loaded: lib/dyslam/libdyslam-<module>.so. So a program that needs no network does not spend the
- * time that libtorch takes to load.
+/** A function of a runtime module, lib/dyslam/libdyslam-<module>.so, which is loaded when first
+ * needed and stays loaded. A program that needs no network thus does not spend the time that
+ * libtorch takes to load.
  *
  * The library is looked for in $DYSLAM_MODULES, then, for a program of the build folder, there; for
  * any other in the library folder beside the program's folder (an installed tree), then in the
@@ -34,12 +34,11 @@ template <typename F>
   return reinterpret_cast<F*>(runtimeModuleFunction(module, function, needed_by));
 }
 
-/** Begins to load a module in a thread of its own, so that a later runtimeModuleFunction() finds it
- * loaded. Errors are left to that call. \return to be kept until then: its end waits for the
- * thread.
- */
+/** Starts loading a module in another thread, so that a later runtimeModuleFunction() finds it
+ * loaded; that call reports the errors. \return future to be kept until that call: its destructor
+ * waits for the thread. */
 [[nodiscard]] std::future<void> loadRuntimeModuleAhead(const std::string& module);
 
-/** What every module exports as dyslam_module_version(). */
+/** Version that every module exports as dyslam_module_version(). */
 using RuntimeModuleVersion = const char*();
 }  // namespace dyslam

@@ -13,11 +13,11 @@ namespace dyslam
 /** A scan of a further lidar of the vehicle, as part of a Scan. */
 struct ScanPart
 {
-  std::size_t begin = 0;  //!< its first point; it has those up to the next part's
-  std::size_t lidar = 1;  //!< number of the lidar, the same in all scans; 0 is the scan's own
-  double stamp = 0;       //!< of its own scan, after Scan::stamp [s]
-  Pose T_scan_lidar = Pose::Identity();  //!< takes points from its lidar's frame to the scan's
-  std::string sensor_label;              //!< of its lidar
+  std::size_t begin = 0;  //!< index of its first point; its points end where the next part begins
+  std::size_t lidar = 1;  //!< number of the lidar, the same in all scans; 0 is the first lidar
+  double stamp = 0;       //!< stamp of its lidar's scan, relative to Scan::stamp [s]
+  Pose T_scan_lidar = Pose::Identity();  //!< from its lidar's frame to the first lidar's
+  std::string sensor_label;              //!< sensor label of its lidar
 };
 
 /** One revolution (or one shot) of a 3D LiDAR, exactly as recorded.
@@ -26,8 +26,8 @@ struct ScanPart
  * per-point outputs can be matched to the recording. The arrays beside `points` are empty when the
  * recording lacks them, else as long as `points`.
  *
- * Of a vehicle with several lidars the points of the further ones follow those of the first, in its
- * frame, as `parts`.
+ * With several lidars, the points of the further lidars follow those of the first one, in the frame
+ * of the first one, as `parts`.
  */
 struct Scan
 {
@@ -35,10 +35,10 @@ struct Scan
   std::vector<Eigen::Vector3f> points;  //!< lidar frame [m]
   std::vector<float> intensity;         //!< reflectivity in [0, 1]
   std::vector<float> time;              //!< seconds after `stamp` (may be negative)
-  std::vector<std::uint16_t> ring;      //!< laser number, 0 = lowest; of further lidars others
+  std::vector<std::uint16_t> ring;  //!< laser number, 0: lowest; further lidars have other numbers
   Pose T_vehicle_lidar = Pose::Identity();
   std::string sensor_label;
-  std::vector<ScanPart> parts;  //!< of further lidars, by first point; those before are its own
+  std::vector<ScanPart> parts;  //!< points of further lidars, ordered by `begin`
 
   [[nodiscard]] std::size_t size() const { return points.size(); }
 };
@@ -57,11 +57,11 @@ struct Cloud
   std::vector<float> intensity;         //!< as in Scan; empty if unknown
   std::vector<std::uint32_t> source;    //!< position of each point in the Scan it came from
 
-  /** When each point was measured, from the frame's stamp, in units of the time that `T_sweep`
-   * takes; empty where that is not known. With both, the deskewing can be redone. */
+  /** Measurement time of each point after the frame's stamp, in units of the duration of `T_sweep`;
+   * empty if unknown. With both, the deskewing can be redone. */
   std::vector<float> phase;
-  double phase_unit = 0;            //!< that time [s]; 0: one revolution of unknown duration
-  Pose T_sweep = Pose::Identity();  //!< motion that the points were deskewed with
+  double phase_unit = 0;  //!< duration of `T_sweep` [s]; 0: a revolution of unknown duration
+  Pose T_sweep = Pose::Identity();  //!< vehicle motion that the points were deskewed with
 
   [[nodiscard]] std::size_t size() const { return points.size(); }
 };

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Scans of a vehicle with several lidars.
+// Scans that are merged from several lidars of a vehicle.
 #pragma once
 
 #include <dyslam/core/Scan.h>
@@ -11,27 +11,27 @@
 
 namespace dyslam
 {
-/** Adds the scan of a further lidar: its points in the scan's lidar frame, times from the scan's
- * stamp, rings of their own. Times are kept if the scan has them: points of a further one without
- * are as of its stamp. Rings are kept if both have them; where only one has intensities, those of
- * the other are 0.
+/** Appends the scan of a further lidar: points in the lidar frame of `scan`, times after the stamp
+ * of `scan`, ring numbers unique to the lidar. Times are kept if `scan` has them; points of a
+ * `further` scan without times get its stamp. Rings are kept if both scans have them. If only one
+ * scan has intensities, those of the other are 0.
  * \param lidar number of the further lidar, from 1 */
 void appendScan(const Scan& further, std::size_t lidar, Scan& scan);
 
-/** Number of the scan's parts, its own points included. */
+/** Number of lidars that a scan is merged from: its parts and its first lidar. */
 [[nodiscard]] inline std::size_t partCount(const Scan& scan)
 {
   return scan.parts.size() + 1;
 }
 
-/** Points [begin, end) of a scan, or of the cloud made from it, that one lidar measured. */
+/** Points [begin, end) of a scan, or of its cloud, that one lidar measured. */
 struct LidarRange
 {
   std::size_t begin = 0;
   std::size_t end = 0;
-  std::size_t lidar = 0;                    //!< ScanPart::lidar; 0: the scan's own
+  std::size_t lidar = 0;                    //!< ScanPart::lidar; 0: the first lidar
   Pose T_vehicle_lidar = Pose::Identity();  //!< mounting of the lidar
-  double stamp = 0;                         //!< of the lidar's own scan, after Scan::stamp [s]
+  double stamp = 0;  //!< stamp of the lidar's scan, relative to Scan::stamp [s]
 
   /** The lidar's origin, vehicle frame [m]. */
   [[nodiscard]] Eigen::Vector3f sensor() const
@@ -40,19 +40,19 @@ struct LidarRange
   }
 };
 
-/** Calls `use` for each part of a scan, its own first: the part as its lidar measured it, with
- * points in that lidar's frame and its mounting, but the stamp and times of the whole scan; and its
- * points in the whole. A scan without further ones is passed as it is, not copied. */
+/** Calls `use` for each lidar of a scan, the first one first, with its part (points in that lidar's
+ * frame, that lidar's mounting, but stamp and times of the whole scan) and the range of its points
+ * in the whole scan. A scan of one lidar is passed without copying it. */
 void forEachPart(const Scan& scan,
                  const std::function<void(const Scan& part, const LidarRange& range)>& use);
 
-/** A copy of the scan's own points alone, without those of further lidars. */
+/** A copy of the scan with the points of the first lidar only. */
 [[nodiscard]] Scan ownScan(const Scan& scan);
 
-/** The points of a cloud by lidar: one range for each part of its scan, some maybe empty. The
- * points of a cloud without sources all count as the scan's own. */
+/** The points of a cloud by lidar: one range, maybe empty, for each lidar of its scan. Without
+ * Cloud::source all points count as the first lidar's. */
 [[nodiscard]] std::vector<LidarRange> lidarRanges(const Scan& scan, const Cloud& cloud);
 
-/** How many of a cloud's points, the first ones, the scan's own lidar measured. */
+/** Number of points at the beginning of the cloud that the first lidar measured. */
 [[nodiscard]] std::size_t ownPoints(const Scan& scan, const Cloud& cloud);
 }  // namespace dyslam

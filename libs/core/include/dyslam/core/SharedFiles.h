@@ -12,8 +12,8 @@ namespace dyslam
  * Shared files are looked for in $DYSLAM_SHARE, then, for a program of the build folder, in the
  * source tree; for any other in share/dyslam beside the program's folder (an installed tree), then
  * in the prefix that the library was configured to be installed in.
- * \param field the setting that named it, for the message; empty for none
- * \param program for inis: those of other programs are not named in the message; empty: all are
+ * \param field the setting that names the file, for the message; empty for none
+ * \param program inis of other programs are not listed in the message; empty: all are
  * \throws UserError naming the shared files of that kind, or if $DYSLAM_SHARE is no folder. */
 [[nodiscard]] std::string findGivenOrShared(const std::string& path,
                                             const std::string& folder,
@@ -21,7 +21,7 @@ namespace dyslam
                                             const std::string& field = "",
                                             const std::string& program = "");
 
-/** Paths of all shared files of a folder, by name; where two have one name, the one that
+/** Paths of all shared files of a folder, by name; of files with the same name, the one that
  * findGivenOrShared() finds. \throws UserError if $DYSLAM_SHARE is no folder. */
 [[nodiscard]] std::vector<std::string> sharedFiles(const std::string& folder,
                                                    const std::string& extension);

@@ -5,7 +5,7 @@
 
 namespace dyslam
 {
-/** Of the state of splitmix64 (Steele, Lea and Flood, 2014) at each draw. */
+/** Increment of the state of splitmix64 (Steele, Lea and Flood, 2014) per draw. */
 constexpr std::uint64_t splitmix_increment = 0x9E3779B97F4A7C15ULL;
 
 /** The finaliser of splitmix64: a bijection whose output bits depend on all input bits. */
@@ -16,7 +16,7 @@ constexpr std::uint64_t mixedBits(std::uint64_t x)
   return x ^ (x >> 31U);
 }
 
-/** The draw of splitmix64 from a state, as a hash of it. */
+/** Output of splitmix64 for a state; a hash of the state. */
 constexpr std::uint64_t splitmix64(std::uint64_t state)
 {
   return mixedBits(state + splitmix_increment);

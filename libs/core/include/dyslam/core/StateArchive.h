@@ -59,45 +59,44 @@ struct IsPlain<std::array<T, N>> : IsPlain<T>
 
 /** Serialises the state of objects, so that a run can be resumed in another process.
  *
- * One function for both directions: a class has `void exchangeState(StateArchive&)`, which passes
- * the members that the object keeps: what is saved is what is loaded. Aggregates, containers,
- * Eigen's types and numbers need none. Options are not part of a state: the object that loads is
- * constructed from the same ones. Bytes are those of this machine's numbers; StateFile guards them
- * against damage.
+ * One function serves both directions: a class has `void exchangeState(StateArchive&)`, which
+ * passes its members to the archive. Aggregates, containers, Eigen's types and numbers need none.
+ * Options are not part of a state: the object that loads is constructed with the same options.
+ * Numbers are stored in the byte order of this machine; StateFile guards the bytes against damage.
  */
 class StateArchive
 {
  public:
-  /** Takes the bytes that are saved, piece by piece. */
+  /** Function that receives the saved bytes, piece by piece. */
   using Sink = std::function<void(std::string_view)>;
-  /** Gives the next bytes of what was saved; false if they cannot be read. */
+  /** Function that reads the next saved bytes; false if they cannot be read. */
   using Source = std::function<bool(void*, std::size_t)>;
 
   /** Saves to bytes(). */
   StateArchive() = default;
-  /** Saves to a sink, with little of it in memory at a time; flush() hands on the rest. */
+  /** Saves to a sink, with a small buffer; flush() passes on its rest. */
   explicit StateArchive(Sink sink) : sink_(std::move(sink)) {}
-  /** Loads. \param bytes must outlive the archive. */
+  /** Loads from bytes. \param bytes must outlive the archive. */
   explicit StateArchive(std::string_view bytes);
-  /** Loads. \param size of what the source gives [bytes] */
+  /** Loads from a source. \param size number of bytes in the source */
   StateArchive(Source source, std::uint64_t size);
 
   [[nodiscard]] bool isLoading() const { return source_ != nullptr; }
-  /** What was saved and has not been handed on. */
+  /** Saved bytes that were not passed to a sink yet. */
   [[nodiscard]] const std::string& bytes() const { return saved_; }
   void flush();
 
-  /** Saves the values, or sets them to what was saved. \throws UserError for bytes that end early
-   * or make no sense; no memory is taken for more than there is. */
+  /** Saves the values, or sets them to the saved ones. \throws UserError for bytes that end early
+   * or are invalid; never allocates more elements than there are bytes. */
   template <typename... T>
   void operator()(T&... values)
   {
     (exchange(values), ...);
   }
-  /** A number that must be the same when it is loaded, as a mark between parts.
-   * \throws UserError where it is not. */
+  /** Saves a number that must be the same when it is loaded, as a mark between parts.
+   * \throws UserError if it differs. */
   void mark(std::uint32_t expected);
-  /** \throws UserError unless all has been loaded. */
+  /** \throws UserError unless all bytes have been loaded. */
   void requireEnd() const;
 
   /** \throws UserError: the bytes are not those of a state. */
@@ -251,7 +250,7 @@ class StateArchive
 
   Sink sink_;
   std::string saved_;
-  Source source_;           //!< null: saves
-  std::uint64_t left_ = 0;  //!< to be loaded [bytes]
+  Source source_;           //!< null: the archive saves
+  std::uint64_t left_ = 0;  //!< number of bytes still to be loaded
 };
 }  // namespace dyslam

@@ -16,8 +16,8 @@ namespace dyslam
 {
 /** Disk space for data that does not fit into memory.
  *
- * The file has no name: nothing of it is left when the program ends, however it ends. It is made
- * with the first write. Not thread-safe.
+ * The file has no name: nothing is left of it when the program ends or is killed. It is created by
+ * the first write. Not thread-safe.
  */
 class SwapFile
 {
@@ -26,17 +26,17 @@ class SwapFile
   struct Slot
   {
     std::uint64_t offset = 0;
-    std::uint32_t size = 0;      //!< [bytes]
-    std::uint32_t capacity = 0;  //!< [bytes]; 0: nothing was written yet
+    std::uint32_t size = 0;      //!< length of the content [bytes]
+    std::uint32_t capacity = 0;  //!< length of the range [bytes]; 0: nothing was written yet
   };
 
-  /** \param folder where the file is made; exists when something is written */
+  /** \param folder where the file is created; has to exist at the first write */
   explicit SwapFile(std::string folder);
   ~SwapFile();
   SwapFile(const SwapFile&) = delete;
   SwapFile& operator=(const SwapFile&) = delete;
 
-  /** Writes to the slot, which moves if it is too small.
+  /** Writes `bytes` to the slot, which moves if it is too small.
    * \return false if the disk is full or fails; the slot keeps its place, with undefined content,
    * and nothing is written any more: problem() has the reason. */
   bool write(std::string_view bytes, Slot& slot);
@@ -57,25 +57,25 @@ class SwapFile
   std::string folder_;
   int file_ = -1;
   std::uint64_t end_ = 0;
-  std::map<std::uint32_t, std::vector<std::uint64_t>> unused_;  //!< offsets by capacity
+  std::map<std::uint32_t, std::vector<std::uint64_t>> unused_;  //!< free slots: offsets by capacity
   std::string problem_;
 };
 
 /** Ini section `[memory]`. */
 struct MemoryOptions : Options
 {
-  /** Clouds of keyframes, voxels of the map and the like beyond this are kept on disk [MB]. */
+  /** Limit above which clouds of keyframes, voxels of the map and similar data are on disk [MB]. */
   int limit = 512;
   void describe(OptionsVisitor& visitor) override;
 };
 
-/** Memory limit, and the file for the rest. */
+/** Memory limit, and the file for data beyond it. */
 struct MemoryLimit
 {
   MemoryLimit() = default;
   /** \param folder of the temporary file */
   MemoryLimit(const MemoryOptions& options, const std::string& folder);
-  /** The same file with `share` of the bytes. */
+  /** A limit of `share` of the bytes, with the same file. */
   [[nodiscard]] MemoryLimit part(double share) const;
 
   std::shared_ptr<SwapFile> file;  //!< null: everything stays in memory

@@ -18,9 +18,9 @@
 
 namespace dyslam
 {
-/** A growing list of values of which only those used last are in memory, the others on disk.
+/** A growing list of values; the most recently used ones are in memory, the others on disk.
  *
- * What is found does not depend on the limit. `T` has `std::size_t memory() const` [bytes],
+ * Its values do not depend on the limit. `T` has `std::size_t memory() const` [bytes],
  * `std::string toBytes() const` and `static T fromBytes(std::string_view)`. References are valid
  * until the next call of add(), get() or edit(). If the disk is full, values stay in memory.
  * Not thread-safe.
@@ -43,7 +43,7 @@ class SwappedStore
     return *this;
   }
 
-  /** \return its number: 0, 1, 2, ... */
+  /** Appends a value. \return its number: 0, 1, 2, ... */
   std::size_t add(T value)
   {
     settle();
@@ -57,7 +57,7 @@ class SwappedStore
 
   [[nodiscard]] std::size_t size() const { return entries_.size(); }
   [[nodiscard]] const T& get(std::size_t i) const { return *use(i).value; }
-  /** The same, to be changed. */
+  /** Value number `i`, to be changed. */
   [[nodiscard]] T& edit(std::size_t i)
   {
     Entry& entry = use(i);
@@ -78,7 +78,7 @@ class SwappedStore
     memory_ = 0;
   }
 
-  /** All values, those on disk too; which ones are in memory stays as it is. */
+  /** Saves or loads all values, including those on disk; saving reads these without caching. */
   void exchangeState(StateArchive& archive)
   {
     std::size_t count = entries_.size();
@@ -104,7 +104,7 @@ class SwappedStore
   }
 
   [[nodiscard]] const MemoryLimit& limit() const { return limit_; }
-  /** Of the values in memory [bytes]. */
+  /** Size of the values in memory [bytes]. */
   [[nodiscard]] std::size_t memory() const { return memory_; }
 
  private:
@@ -113,10 +113,10 @@ class SwappedStore
   {
     std::unique_ptr<T> value;  //!< null: on disk
     SwapFile::Slot slot;
-    std::size_t memory = 0;      //!< as last counted [bytes]
-    bool is_on_disk = false;     //!< as it is in memory, if it is there
-    std::uint32_t newer = none;  //!< of those in memory, by use
-    std::uint32_t older = none;
+    std::size_t memory = 0;      //!< size when last counted [bytes]
+    bool is_on_disk = false;     //!< the slot has the present value
+    std::uint32_t newer = none;  //!< next more recently used entry in memory
+    std::uint32_t older = none;  //!< next less recently used entry in memory
   };
 
   Entry& use(std::size_t number) const
@@ -139,7 +139,7 @@ class SwappedStore
     return entry;
   }
 
-  /** What was edited may have grown. */
+  /** Counts the edited value again, which may have grown. */
   void settle() const
   {
     if (edited_ == none)
@@ -192,7 +192,7 @@ class SwappedStore
     newest_ = i;
   }
 
-  // What is in memory is no part of the value.
+  // Mutable: reading a value moves values between memory and disk.
   mutable MemoryLimit limit_;
   mutable std::vector<Entry> entries_;
   mutable std::uint32_t newest_ = none;
@@ -201,7 +201,7 @@ class SwappedStore
   mutable std::size_t memory_ = 0;
 };
 
-/** Takes a plain value off the front of `bytes`. \throws UserError if they are too few. */
+/** Removes a plain value from the front of `bytes`. \throws UserError if they are too few. */
 template <typename Value>
 void takeBytes(std::string_view& bytes, Value& value)
 {
@@ -214,8 +214,8 @@ void takeBytes(std::string_view& bytes, Value& value)
   bytes.remove_prefix(sizeof value);
 }
 
-/** Takes what appendBytes() wrote off the front of `bytes`. \throws UserError if they are too few.
- */
+/** Removes values written by appendBytes() from the front of `bytes`. \throws UserError if there
+ * are too few bytes. */
 template <typename Value>
 void takeBytes(std::string_view& bytes, std::vector<Value>& values)
 {

@@ -33,7 +33,7 @@ class Trajectory
 
   /** Pose at a time by geodesic interpolation; nothing outside [first, last]. */
   [[nodiscard]] std::optional<Pose> at(double stamp) const;
-  /** As at(), but nothing unless the poses before and after are within `max_gap` seconds. */
+  /** As at(stamp), but nothing unless the poses before and after are within `max_gap` seconds. */
   [[nodiscard]] std::optional<Pose> at(double stamp, double max_gap) const;
   /** Index of the first pose that is not before a time; size() if all are. */
   [[nodiscard]] std::size_t firstNotBefore(double stamp) const;

@@ -25,7 +25,7 @@ struct VoxelCell
 {
   const auto along = [inverse_size](float coordinate)
   {
-    // A float, and its key is that of the outermost cell that has a key of its own.
+    // Exact as float; its key is that of the outermost cell with a unique key.
     constexpr auto last = static_cast<float>((1 << 30) - (1 << 20));
     const float cell = std::floor(coordinate * inverse_size);
     return static_cast<std::int32_t>(std::abs(cell) < last ? cell : std::copysign(last, cell));
@@ -51,7 +51,7 @@ class VoxelHash
 
   explicit VoxelHash(std::size_t expected = 0) { reserve(expected); }
 
-  /** Forgets all entries, keeps the memory. */
+  /** Removes all entries, keeps the memory. */
   void clear();
   /** Makes room for this many entries without rehashing. */
   void reserve(std::size_t expected);
@@ -75,8 +75,8 @@ class VoxelHash
     }
   }
 
-  /** The value under `key`; where there is none, `value` is stored first. `value` is never `none`.
-   */
+  /** The value under `key`; if there is none, `value` is stored and returned. \pre `value` is not
+   * `none`. */
   std::uint32_t findOrInsert(std::uint64_t key, std::uint32_t value)
   {
     if ((size_ + 1) * 2 > slots_.size())

@@ -12,19 +12,19 @@ namespace dyslam
 /** Ini section `[dyseg_network]`. */
 struct NetworkSegmenterOptions : Options
 {
-  std::string weights = "dyseg";  //!< a file, or the name of weights that come with DySLAM
-  int first_gap = 8;              //!< age of the earlier scan that is compared [scans]
+  std::string weights = "dyseg";  //!< file, or name of weights shipped with DySLAM
+  int first_gap = 8;              //!< age of the earlier scan for the comparison [scans]
   /** Search range of the static motion. global: all motions, independent of any prior; prior:
-   * around the prior, where that is reliable, which separates the static world from traffic that
-   * moves alike; auto: globally until `first_gap` scans have been seen, then as `prior`. */
+   * around the motion prior, if it is reliable, which separates the static world from uniformly
+   * moving traffic; auto: global until `first_gap` scans have been seen, then as `prior`. */
   std::string search = "auto";
-  double threshold = 0.5;      //!< output of the network that becomes a probability of 0.5
+  double threshold = 0.5;      //!< network output that is mapped to a probability of 0.5
   int min_points = 5;          //!< least number of points in a moving group
   int iterations = 2;          //!< iterations of the flow update
   int threads = 1;             //!< threads of the network
   std::string device = "cpu";  //!< device of the network: cpu or cuda
-  /** Encode each scan deskewed by the motion predicted for the scan before, beside the work on that
-   * one: faster on three cores and more, with a few more false alarms. */
+  /** Encode each scan, deskewed with the motion predicted for the previous scan, while that one is
+   * processed: faster with three or more cores, a few more false alarms. */
   bool encode_ahead = false;
 
   void describe(OptionsVisitor& visitor) override;
@@ -33,36 +33,37 @@ struct NetworkSegmenterOptions : Options
 /** DySeg (the paper's section 3.1): moving points by scene flow, from a trained network.
  *
  * Compares each scan with one some scans back, when slow objects were elsewhere. The static motion
- * between the two is estimated from the scans. The search starts at the static motion from scan to
- * scan, which is estimated too and given as Frame::segmenter_motion; once it is around the prior,
- * at the motion between their Frame::T_odom_vehicle, and Frame::segmenter_motion is left out. Until
- * `first_gap` scans have been seen, Frame::static_prior is given too. The first scan is all static,
- * as are points beyond the network's grid (102 m to each side with the shipped weights).
+ * between the two is estimated from the scans. A global search starts at the static motion from
+ * scan to scan, which is also estimated and set as Frame::segmenter_motion. A search around the
+ * prior starts at the motion between the two Frame::T_odom_vehicle, and Frame::segmenter_motion is
+ * not set. Until `first_gap` scans have been seen, Frame::static_prior is set, too. All points of
+ * the first scan are static, and points beyond the network's grid (102 m to each side with the
+ * shipped weights).
  *
  * In the library dyslam::dyseg_network; makeSegmenter() loads it with the module `networks`.
  */
 class NetworkSegmenter : public MovingSegmenter
 {
  public:
-  /** \throws UserError if the weights are missing or not DySeg's. */
+  /** \throws UserError if the weights are missing or are not those of DySeg. */
   explicit NetworkSegmenter(const NetworkSegmenterOptions& options);
   ~NetworkSegmenter() override;
 
   [[nodiscard]] std::string name() const override { return "network"; }
   [[nodiscard]] bool needsPose() const override { return false; }
   void segment(Frame& frame) override;
-  /** With `encode_ahead` true once scans `first_gap` apart are compared: until then the motion is
-   * not known well. */
+  /** With `encode_ahead`, true as soon as scans `first_gap` apart are compared; before, the motion
+   * is not accurate enough. */
   [[nodiscard]] bool encodesAhead() const override;
   [[nodiscard]] std::shared_ptr<const EncodedCloud> encode(
       const Cloud& cloud, const Pose& T_vehicle_lidar) const override;
   void segmentEncoded(Frame& frame, const std::shared_ptr<const EncodedCloud>& encoded) override;
-  /** The past scans: their points, which are encoded again when they are loaded. */
+  /** Saves or loads the points of past scans, which are encoded again after loading. */
   void exchangeState(StateArchive& archive) override;
 
-  /** Motion of the vehicle relative to the static world, in the plane, between the last scan and
-   * the one that it was compared with, `first_gap` back, from the two alone. Where they do not show
-   * it, the start of the search, not converged. None before two scans were seen. */
+  /** Planar motion of the vehicle relative to the static world between the last scan and the scan
+   * that it was compared with, `first_gap` scans back, from these two only. If they do not
+   * determine it: the start of the search, not converged. Nothing before the second scan. */
   [[nodiscard]] const std::optional<MotionEstimate>& motionToEarlier() const;
 
  private:

@@ -18,10 +18,10 @@ struct ResidualSegmenterOptions : Options
   double margin = 0.2;  //!< a moving point is nearer than the earlier range by this, at range 0 [m]
   double margin_per_range = 0.01;  //!< increase of margin with range [m/m]
   double max_range = 60;           //!< range beyond which points are static [m]
-  /** A ray without return above a point counts as free, as for sensors with few beams under open
-   * sky; else only where the returns above and below it are farther away. */
+  /** Whether a ray without return above a point counts as free (sensors with few beams under open
+   * sky); otherwise it does only if the returns above and below it are farther away. */
   bool open_sky = false;
-  double ground_clearance = 0.15;  //!< points this little above the lowest nearby are ground [m]
+  double ground_clearance = 0.15;  //!< height above the lowest point nearby of ground points [m]
   double cell_size = 0.4;  //!< side of the cells in which votes are clustered to objects [m]
   int min_points = 8;      //!< least number of points with a moving vote in a moving object
   double min_share = 0.3;  //!< least fraction of a moving object's points with a moving vote
@@ -29,13 +29,13 @@ struct ResidualSegmenterOptions : Options
   void describe(OptionsVisitor& visitor) override;
 };
 
-/** Moving points by visibility: a point at which an earlier ray passed through has arrived since.
+/** Moving points by visibility: a point is moving if an earlier ray passed through its position.
  *
  * Each point above ground is looked up in range images of a few earlier scans. A range shorter than
  * the earlier one by a margin votes for moving; an equal range votes, with half the weight, for
  * static (a moving object overlaps its earlier position); a longer range gives no vote, the point
  * was occluded. Votes are accumulated in connected grid cells, which rejects single noisy points.
- * No learning: this is the baseline for the network. It needs poses accurate to the margin.
+ * Baseline for the network, without learning. It needs poses accurate to the margin.
  */
 class ResidualSegmenter : public MovingSegmenter
 {
@@ -51,21 +51,21 @@ class ResidualSegmenter : public MovingSegmenter
   /** Nearest range per direction of one lidar's earlier scan. */
   struct PastImage
   {
-    Pose T_image_odom = Pose::Identity();  //!< the lidar's, with its z axis upwards
-    std::vector<float> range;              //!< rows x columns [m]; 0 where nothing was seen
-    int lowest_row = 0;  //!< of the image: the one below the lowest that has returns
-    int rows = 0;        //!< up to the one above the highest that has returns
+    Pose T_image_odom = Pose::Identity();  //!< image frame: the lidar's, with z upwards
+    std::vector<float> range;              //!< rows x columns [m]; 0: no return
+    int lowest_row = 0;  //!< first stored row: the one below the lowest row with returns
+    int rows = 0;        //!< number of rows, up to the one above the highest row with returns
   };
-  using PastScan = std::vector<PastImage>;  //!< by lidar
+  using PastScan = std::vector<PastImage>;  //!< one image per lidar
 
   [[nodiscard]] PastImage project(const Eigen::Vector3f* points,
                                   std::size_t count,
                                   const Pose& T_odom_vehicle,
                                   Pose T_vehicle_lidar) const;
   [[nodiscard]] PastScan project(const Frame& frame) const;
-  /** 2 seen through, -1 seen there, 0 hidden or unknown; point in the frame of the past image. */
+  /** Vote of a point in the image frame: 2 seen through, -1 occupied, 0 occluded or unknown. */
   [[nodiscard]] int vote(const PastImage& past, const Eigen::Vector3f& point) const;
-  /** Votes of a scan: seen there if it is so for one of its lidars, else seen through. */
+  /** Vote of a scan: occupied by any of its lidars, else seen through by any of them. */
   void addVotes(const PastScan& past,
                 const Frame& frame,
                 const std::vector<std::uint32_t>& candidates,
@@ -74,7 +74,7 @@ class ResidualSegmenter : public MovingSegmenter
 
   ResidualSegmenterOptions options_;
   ThreadPool& pool_;
-  float row_height_;  //!< slope [m/m]
+  float row_height_;  //!< slope of a row [m/m]
   int columns_;
   std::deque<PastScan> past_;  //!< newest first
 };

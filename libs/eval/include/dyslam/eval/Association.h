@@ -23,14 +23,14 @@ struct PosePairs
 
 /** Associates each estimated pose with the reference pose nearest in time, one to one.
  *
- * Of several estimates with the same nearest reference, only the nearest in time is kept.
+ * If several estimates have the same nearest reference, only the nearest in time is kept.
  * \param tolerance largest difference of stamps [s].
  */
 [[nodiscard]] PosePairs associateByTime(const Trajectory& reference,
                                         const Trajectory& estimate,
                                         double tolerance);
 
-/** Associates poses of equal index, for files without stamps (KITTI). The longer one is cut. */
+/** Associates poses of equal index, for files without stamps (KITTI); the longer file is cut. */
 [[nodiscard]] PosePairs associateByIndex(const Trajectory& reference, const Trajectory& estimate);
 
 /** Path length up to each pose [m]; as many values as poses. */

@@ -8,17 +8,16 @@ namespace dyslam
 /** Whether the bodies of two trajectories have the same axes. */
 enum class BodyAxes
 {
-  same,              //!< or there is too little motion to tell
-  estimate_camera,   //!< the estimate's are a camera's (z ahead), the reference's a lidar's (x
-                     //!< ahead)
-  reference_camera,  //!< the other way round
+  same,              //!< same axes, or too little motion to decide
+  estimate_camera,   //!< estimate in camera axes (z ahead), reference in lidar axes (x ahead)
+  reference_camera,  //!< reference in camera axes (z ahead), estimate in lidar axes (x ahead)
   differ             //!< the motions are equally long, but in other directions
 };
 
 /** Compares the directions of motion, each in the frame of its body.
  *
- * "Differ" means that the mean cosine of the angle between them is below 0.5; "camera" that the
- * camera's axes, turned to a lidar's, make it more than 0.9. Noise and drift do not: they change
- * directions by degrees. */
+ * `differ` means that the mean cosine of the angle between them is below 0.5; the camera cases that
+ * it is above 0.9 after turning camera axes to lidar axes. Noise and drift change directions only
+ * by degrees. */
 [[nodiscard]] BodyAxes compareBodyAxes(const PosePairs& pairs);
 }  // namespace dyslam

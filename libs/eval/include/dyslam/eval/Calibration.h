@@ -8,7 +8,7 @@
 
 namespace dyslam
 {
-/** Calibration of probabilities: of the points with probability p, the fraction p should be moving.
+/** Calibration of probabilities: a fraction p of the points with probability p should be moving.
  *
  * Guo, Pleiss, Sun, Weinberger: On calibration of modern neural networks, 2017. */
 class CalibrationEvaluator
@@ -24,8 +24,8 @@ class CalibrationEvaluator
     double moving = 0;       //!< share of the points that move, in [0, 1]
   };
 
-  /** Points whose reference is unlabelled, or whose probability is not a number, are left out.
-   * \param reference labels as SegmentationEvaluator takes them \param probability in [0, 1]
+  /** Adds a scan. Points with an unlabelled reference or a probability that is not a number are
+   * ignored. \param reference labels, as for SegmentationEvaluator \param probability in [0, 1]
    * \throws std::invalid_argument if the arrays differ in length. */
   void add(const std::vector<std::uint32_t>& reference, const std::vector<float>& probability);
 

@@ -17,25 +17,25 @@ namespace dyslam
 struct NormalisedErrors
 {
   Statistics all;
-  Statistics translation;  //!< with the covariance of the translation alone
-  Statistics rotation;     //!< with that of the rotation alone
+  Statistics translation;  //!< errors of the translation, with its covariance
+  Statistics rotation;     //!< errors of the rotation, with its covariance
 };
 
 struct OdometryConsistency
 {
   std::string name;
-  NormalisedErrors steps;      //!< of the motions from scan to scan
-  NormalisedErrors keyframes;  //!< of the motions from keyframe to keyframe, see MotionAccumulator
+  NormalisedErrors steps;      //!< motions from scan to scan
+  NormalisedErrors keyframes;  //!< motions from keyframe to keyframe, see MotionAccumulator
 };
 
-/** Motions whose two ends have no pose in `odometry`, or whose covariance is not positive definite,
- * are left out.
- * \param odometry estimated and true poses of the scans \param motions one for each scan, in order
- * of time; that of the first scan is not read \param tolerance largest difference of stamps [s] */
+/** Evaluates the covariances of an odometry. Motions with an end that has no pose in `odometry`, or
+ * whose covariance is not positive definite, are left out.
+ * \param odometry estimated and true poses of the scans \param motions one per scan, in order of
+ * time; the first one is not used \param tolerance largest difference of stamps [s] */
 [[nodiscard]] OdometryConsistency odometryConsistency(const PosePairs& odometry,
                                                       const std::vector<MotionCovariance>& motions,
                                                       double tolerance);
 
-/** Two rows for each run, steps and keyframes, with a title that says what the figures mean. */
+/** Table with two rows per run (steps and keyframes) and a title that explains the figures. */
 [[nodiscard]] Table consistencyTable(const std::vector<OdometryConsistency>& runs);
 }  // namespace dyslam

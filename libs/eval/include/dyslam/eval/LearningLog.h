@@ -13,11 +13,11 @@ struct LearningLog
   struct Column
   {
     std::string name;
-    std::vector<double> value;  //!< NaN for cells without a number
+    std::vector<double> value;  //!< one value per row; NaN for cells without a number
   };
   std::string name;
   std::vector<double> step;
-  std::vector<std::string> series;  //!< of each row; empty without text columns
+  std::vector<std::string> series;  //!< series of each row; empty without text columns
   std::vector<Column> columns;
 };
 

@@ -29,15 +29,15 @@ struct DistanceSummary
 /** Cloud-to-cloud distances of two maps in one frame, without labels. */
 struct MapDistance
 {
-  DistanceSummary estimate;   //!< of the estimate's points from the reference
-  DistanceSummary reference;  //!< of the reference's points from the estimate
-  /** Distance of each point of the estimate from the reference [m]; NaN for one that is not
+  DistanceSummary estimate;   //!< distances of the estimate's points from the reference
+  DistanceSummary reference;  //!< distances of the reference's points from the estimate
+  /** Distance of each point of the estimate from the reference [m]; NaN for points that are not
    * finite. */
   std::vector<float> of_estimate;
 };
 
 /** The result does not depend on the number of threads. Points that are not finite are ignored.
- * \param threads 0: all \throws std::invalid_argument if one of the clouds has no finite point. */
+ * \param threads 0: all cores \throws std::invalid_argument if a cloud has no finite point. */
 [[nodiscard]] MapDistance mapDistance(const std::vector<Eigen::Vector3f>& reference,
                                       const std::vector<Eigen::Vector3f>& estimate,
                                       int threads = 0);

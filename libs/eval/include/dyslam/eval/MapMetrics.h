@@ -12,20 +12,20 @@ namespace dyslam
 /** Counts of a static map against a reference labelled static or dynamic. */
 struct MapScores
 {
-  std::size_t static_total = 0;      //!< static reference points or voxels
-  std::size_t static_preserved = 0;  //!< of them, present in the estimate
-  std::size_t dynamic_total = 0;     //!< dynamic reference points or voxels
-  std::size_t dynamic_rejected = 0;  //!< of them, absent from the estimate
+  std::size_t static_total = 0;      //!< number of static reference points or voxels
+  std::size_t static_preserved = 0;  //!< number of static ones that the estimate has
+  std::size_t dynamic_total = 0;     //!< number of dynamic reference points or voxels
+  std::size_t dynamic_rejected = 0;  //!< number of dynamic ones that the estimate does not have
   std::size_t unlabelled = 0;        //!< reference points not counted: label 0 or 1, or non-finite
 
-  /** Ratios in [0, 1]; nothing without such reference points. */
+  /** Fraction in [0, 1]; nothing without static or dynamic reference points, respectively. */
   [[nodiscard]] std::optional<double> preservation() const;
   [[nodiscard]] std::optional<double> rejection() const;
 };
 
-/** 2 a b / (a + b). Nothing if either is missing. */
+/** Harmonic mean of the two: 2 a b / (a + b). Nothing if either is missing. */
 [[nodiscard]] std::optional<double> harmonicMean(std::optional<double> a, std::optional<double> b);
-/** sqrt(a b). Nothing if either is missing. */
+/** Geometric mean of the two: sqrt(a b). Nothing if either is missing. */
 [[nodiscard]] std::optional<double> geometricMean(std::optional<double> a, std::optional<double> b);
 
 struct MapEvaluation
@@ -46,8 +46,8 @@ struct MapMetricsOptions
   double voxel_size = 0.2;    //!< side of a voxel [m]
 };
 
-/** \param labels SemanticKITTI labels of the reference points (251-259 dynamic, 0 and 1 ignored).
- * Non-finite points are ignored.
+/** Evaluates a static map; non-finite points are ignored.
+ * \param labels SemanticKITTI labels of the reference points (251-259 dynamic, 0 and 1 ignored)
  * \throws std::invalid_argument if labels and reference differ in length or an option is not
  * positive. */
 [[nodiscard]] MapEvaluation evaluateMap(const std::vector<Eigen::Vector3f>& reference,

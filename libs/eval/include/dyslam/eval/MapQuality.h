@@ -12,11 +12,11 @@ namespace dyslam
 {
 struct MapQualityOptions
 {
-  double radius = 0.5;              //!< of the neighbourhood of a point [m]
-  std::size_t min_neighbours = 10;  //!< points with fewer are left out
+  double radius = 0.5;              //!< radius of the neighbourhood of a point [m]
+  std::size_t min_neighbours = 10;  //!< least number of neighbours of an evaluated point
 };
 
-/** How sharp a map is around one of its points. */
+/** Sharpness of a map around one of its points. */
 struct PointSharpness
 {
   double entropy = 0;         //!< 0.5 ln |2 pi e Sigma| [nats, for coordinates in m]
@@ -24,8 +24,8 @@ struct PointSharpness
   std::size_t neighbours = 0;
 };
 
-/** Sharpness of a map that comes in pieces, without ground truth: errors of the trajectory double
- * or thicken walls.
+/** Sharpness of a map, without ground truth: errors of the trajectory double or thicken walls. The
+ * map is added in pieces.
  *
  * Sigma is the covariance (over n) of all points of the map within the radius of a point. Only the
  * chosen points are in memory; the map is streamed.
@@ -39,19 +39,19 @@ struct PointSharpness
 class MapQuality
 {
  public:
-  /** \param points of the map [m] whose neighbourhoods count; add() must bring them too.
+  /** \param points points of the map [m] that are evaluated; they have to be added by add(), too
    * \throws std::invalid_argument for a radius that is not positive and min_neighbours < 4. */
   MapQuality(std::vector<Eigen::Vector3f> points, const MapQualityOptions& options = {});
 
-  /** Points of the map, in any order [m]; those that are not finite are ignored. */
+  /** Adds points of the map [m], in any order; points that are not finite are ignored. */
   void add(const std::vector<Eigen::Vector3f>& points);
 
-  /** One per chosen point; nothing for one with too few neighbours, or with all of them in one
-   * plane to within a micrometre. */
+  /** Sharpness at each evaluated point; nothing if it has too few neighbours or all of them lie in
+   * one plane to within a micrometre. */
   [[nodiscard]] std::vector<std::optional<PointSharpness>> sharpness() const;
 
  private:
-  /** Sums over the neighbours, relative to the point. */
+  /** Sums over the neighbours of a point, relative to it. */
   struct Moments
   {
     std::size_t count = 0;
@@ -70,14 +70,14 @@ class MapQuality
 /** Mean sharpness of a map; smaller is better for both. */
 struct MapSharpness
 {
-  std::size_t points = 0;          //!< in the means
-  double mean_entropy = 0;         //!< NaN without points
-  double mean_plane_variance = 0;  //!< [m^2]; NaN without points
+  std::size_t points = 0;          //!< number of points in the means
+  double mean_entropy = 0;         //!< mean of `entropy` [nats]; NaN without points
+  double mean_plane_variance = 0;  //!< mean of plane_variance [m^2]; NaN without points
 };
 
-/** Means of several maps of the same scans over the points that count in all of them: a bad
- * trajectory scatters points until some have no neighbours, and must not profit from that.
- * \param maps each with one entry per chosen point, in the same order
+/** Mean sharpness of several maps of the same scans, over the points that have a value in all maps:
+ * a bad trajectory scatters points until some have no neighbours, and must not profit from that.
+ * \param maps one entry per evaluated point each, in the same order
  * \throws std::invalid_argument for different numbers of points. */
 [[nodiscard]] std::vector<MapSharpness> meanSharpness(
     const std::vector<std::vector<std::optional<PointSharpness>>>& maps);

@@ -21,7 +21,7 @@ struct MaskScan
   struct Point
   {
     Eigen::Vector2f position;  //!< sensor frame, x forward, y left [m]
-    float confidence = -1;     //!< in [0, 1]; negative for points that were not sampled
+    float confidence = -1;     //!< static confidence in [0, 1]; negative: point not sampled
     Truth truth = Truth::unknown;
   };
   std::string name;

@@ -7,7 +7,7 @@
 
 namespace dyslam
 {
-/** The paper's results of one method on one sequence; missing ones are empty. */
+/** Results of one method on one sequence in the paper; missing ones are empty. */
 struct PaperRow
 {
   std::string method;
@@ -23,8 +23,8 @@ struct PaperRow
  * \throws UserError for a sequence not in the paper, naming the nearest one. */
 [[nodiscard]] std::vector<PaperRow> paperFigures(const std::string& sequence);
 
-/** The means of Table 1 over KITTI odometry 00 to 10. \param method as the paper calls it: "DyLO",
- * "LOAM w/o mapping" \return nothing for a method that is not in it */
+/** Means of Table 1 over KITTI odometry 00 to 10. \param method name in the paper: "DyLO", "LOAM
+ * w/o mapping" \return nothing for a method that is not in the table */
 [[nodiscard]] std::optional<PaperRow> paperMeanDrift(const std::string& method);
 
 /** A row of Table 3. */

@@ -9,7 +9,7 @@
 
 namespace dyslam
 {
-/** x, y of an object's centre in a fixed frame [m], by frame index. */
+/** Positions x, y of an object's centre in a fixed frame [m], by frame index. */
 using PlanarTrack = std::map<int, Eigen::Vector2d>;
 
 /** Predicts an object's next position from its past positions. */
@@ -19,7 +19,7 @@ class OneStepPredictor
   virtual ~OneStepPredictor() = default;
   /** Adds an observation; frames in ascending order. */
   virtual void observe(int frame, const Eigen::Vector2d& position) = 0;
-  /** Position in `frame`; nothing without a sufficient history. */
+  /** Predicted position in `frame`; nothing without a sufficient history. */
   [[nodiscard]] virtual std::optional<Eigen::Vector2d> predict(int frame) const = 0;
 };
 
@@ -27,8 +27,8 @@ struct PredictionError
 {
   std::size_t predictions = 0;
   double rmse = 0;    //!< root of the mean squared distance in the plane [m]
-  double median = 0;  //!< the upper of the two middle errors where their number is even [m]
-  double max = 0;     //!< [m]
+  double median = 0;  //!< median error [m]; the upper one for an even number
+  double max = 0;     //!< largest error [m]
 };
 
 /** Errors of one-step prediction (the paper's Tables 4 and 5): after each observation the position

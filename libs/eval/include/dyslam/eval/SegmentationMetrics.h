@@ -24,13 +24,12 @@ struct SegmentationScores
   [[nodiscard]] std::optional<double> precision() const;
   [[nodiscard]] std::optional<double> recall() const;
   [[nodiscard]] std::optional<double> staticIou() const;
-  /** Share of the static points that were estimated as static: what a map built from them keeps (SA
-   * of the KTH dynamic-map benchmark, per point). The share of moving points removed (DA) is
-   * recall(). */
+  /** Fraction of the static points that were estimated as static, which a map keeps (SA of the KTH
+   * dynamic-map benchmark, per point). The fraction of moving points removed (DA) is recall(). */
   [[nodiscard]] std::optional<double> staticKept() const;
 };
 
-/** Points of one reference class, and how many were estimated as moving. */
+/** Number of points of one reference class, and of those estimated as moving. */
 struct ClassScores
 {
   std::size_t points = 0;
@@ -46,11 +45,11 @@ struct ClassScores
 class SegmentationEvaluator
 {
  public:
-  /** \throws std::invalid_argument if the arrays differ in length. */
+  /** Adds the labels of a scan. \throws std::invalid_argument if the arrays differ in length. */
   void add(const std::vector<std::uint32_t>& reference, const std::vector<std::uint32_t>& estimate);
 
   [[nodiscard]] const SegmentationScores& scores() const { return scores_; }
-  /** By reference class, without 0 and 1. */
+  /** Counts by reference class, without classes 0 and 1. */
   [[nodiscard]] const std::map<std::uint16_t, ClassScores>& perClass() const { return classes_; }
   [[nodiscard]] std::size_t scans() const { return scans_; }
 

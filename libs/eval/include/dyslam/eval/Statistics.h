@@ -13,13 +13,13 @@ struct Statistics
   std::size_t count = 0;
   double max = 0;
   double mean = 0;
-  double median = 0;  //!< mean of the two middle values where the count is even
+  double median = 0;  //!< mean of the two middle values if the count is even
   double min = 0;
   double rmse = 0;
   double standard_deviation = 0;  //!< of the population (divided by count)
 };
 
-/** \throws std::invalid_argument for a non-finite value. */
+/** Statistics of `values`. \throws std::invalid_argument for a non-finite value. */
 [[nodiscard]] Statistics statisticsOf(const std::vector<double>& values);
 
 /** part / whole; nothing for an empty whole. */

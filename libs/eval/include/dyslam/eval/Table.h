@@ -17,11 +17,11 @@ struct TableCell
   TableCell(const char* word) : text(word) {}
   /** A missing or non-finite value is printed as "-". */
   TableCell(std::optional<double> number, int digits);
-  /** A value followed by the paper's: "0.45 (paper 0.51)". */
+  /** A value followed by the one of the paper: "0.45 (paper 0.51)". */
   TableCell(std::optional<double> number, int digits, std::optional<double> paper);
 
-  std::string text;             //!< as printed
-  std::optional<double> value;  //!< full precision, for CSV
+  std::string text;             //!< printed text
+  std::optional<double> value;  //!< value with full precision, for CSV
 };
 
 /** Rows under named columns, printed with aligned columns or as CSV. */
@@ -30,18 +30,18 @@ class Table
  public:
   explicit Table(std::vector<std::string> columns, std::string title = "");
 
-  /** \throws std::invalid_argument if the number of cells differs from the number of columns. */
+  /** Adds a row. \throws std::invalid_argument unless there is one cell per column. */
   void addRow(std::vector<TableCell> cells);
 
   [[nodiscard]] std::size_t rows() const { return rows_.size(); }
   [[nodiscard]] std::size_t columns() const { return columns_.size(); }
 
-  /** First column left-aligned, the others right-aligned, with a final line feed. Columns without
-   * any entry are omitted. */
+  /** The table as text: first column left-aligned, the others right-aligned, with a final line
+   * feed. Columns without any entry are omitted. */
   [[nodiscard]] std::string toText() const;
-  /** A table of Markdown, without the columns that are empty. */
+  /** The table as Markdown, without empty columns. */
   [[nodiscard]] std::string toMarkdown() const;
-  /** RFC 4180; numbers with 9 significant digits, missing ones empty. */
+  /** The table as CSV (RFC 4180); numbers with 9 significant digits, missing ones empty. */
   [[nodiscard]] std::string toCsv() const;
 
  private:

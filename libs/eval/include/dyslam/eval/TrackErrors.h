@@ -13,7 +13,7 @@
 
 namespace dyslam
 {
-/** Speeds [m/s] by (frame, id). */
+/** Speeds of objects [m/s] by (frame, id). */
 using TrackSpeeds = std::map<std::pair<int, int>, double>;
 
 /** One true box and the errors of the estimated box matched to it. */
@@ -33,7 +33,7 @@ struct TrackError
 
 /** Speeds over ground by central differences of the centres, one-sided at the ends of a track.
  *
- * \param boxes lidar frame of their scan \param T_world_lidar by frame index; boxes in
+ * \param boxes in the lidar frame of their scan \param T_world_lidar poses by frame index; boxes in
  * frames without a pose have no speed. */
 [[nodiscard]] TrackSpeeds speedsFrom(const std::vector<LabelledBox>& boxes,
                                      const std::map<int, StampedPose>& T_world_lidar);
@@ -63,7 +63,7 @@ struct TrackErrorSummary
   double speed_mean_abs = 0;  //!< mean of |estimated minus true| [m/s]
   double speed_bias = 0;      //!< mean of estimated minus true [m/s]
 };
-/** Over the boxes of one type (any if empty) with a range in [min_range, max_range). */
+/** Averages over boxes of one type (empty: all) with a range in [min_range, max_range) [m]. */
 [[nodiscard]] TrackErrorSummary summaryOf(
     const std::vector<TrackError>& errors,
     const std::string& type = "",

@@ -14,15 +14,14 @@ struct TrackSequence
 {
   int frames = 0;  //!< number of frames; boxes outside [0, frames) are ignored
   std::vector<LabelledBox> reference;
-  std::vector<LabelledBox> estimate;  //!< score: the track's confidence at that frame
+  std::vector<LabelledBox> estimate;  //!< `score` is the confidence of the track at the frame
 };
 
 /** Value of LabelledBox::occluded that marks reference boxes as ignored under any rules: neither
  * hits nor misses, and an estimate matched to one is no false alarm. */
 constexpr int ignored_box = 99;
 
-/** Which boxes count and which are ignored, as defined by KITTI's tracking benchmark and AB3DMOT.
- */
+/** Rules which boxes are evaluated or ignored, as in KITTI's tracking benchmark and AB3DMOT. */
 struct TrackRules
 {
   std::string type;                     //!< class to evaluate; empty for all classes together
@@ -36,7 +35,7 @@ struct TrackRules
   bool image_rules = true;
   bool switches_across_gaps = false;  //!< count id switches that happen while the object is missed
 
-  /** The rules of KITTI for Car, Pedestrian or Cyclist. */
+  /** Rules of KITTI for Car, Pedestrian or Cyclist. */
   [[nodiscard]] static TrackRules kitti(const std::string& type);
 };
 
@@ -58,11 +57,11 @@ struct ClearMot
   std::size_t id_switches = 0;
   std::size_t fragmentations = 0;
   double mostly_tracked = 0;  //!< fraction of reference tracks matched in over 80 % of their frames
-  double mostly_lost = 0;     //!< the same in under 20 %
-  double threshold = 0;       //!< estimated tracks with a lower mean score were removed
+  double mostly_lost = 0;  //!< fraction of reference tracks matched in under 20 % of their frames
+  double threshold = 0;    //!< estimated tracks with a lower mean score were removed
 };
 
-/** Over all estimated tracks, or over those with a mean score of at least `threshold`. */
+/** CLEAR-MOT of the estimated tracks with a mean score of at least `threshold` (default: all). */
 [[nodiscard]] ClearMot clearMot(const std::vector<TrackSequence>& sequences,
                                 const TrackRules& rules);
 [[nodiscard]] ClearMot clearMot(const std::vector<TrackSequence>& sequences,
@@ -79,7 +78,7 @@ struct RecallAverages
   struct Point
   {
     double recall = 0;  //!< target recall, a multiple of 1 / recall_points
-    double smota = 0;   //!< MOTA scaled by that recall, in [0, 1]
+    double smota = 0;   //!< MOTA scaled by the target recall, in [0, 1]
     ClearMot mot;
   };
   double samota = 0;          //!< mean of Point::smota, in [0, 1]
@@ -96,9 +95,9 @@ struct RecallAverages
 struct Hota
 {
   double hota = 0;
-  double detection = 0;     //!< DetA
-  double association = 0;   //!< AssA
-  double localization = 0;  //!< LocA
+  double detection = 0;     //!< detection accuracy DetA
+  double association = 0;   //!< association accuracy AssA
+  double localization = 0;  //!< localisation accuracy LocA
 };
 [[nodiscard]] Hota hota(const std::vector<TrackSequence>& sequences, const TrackRules& rules);
 }  // namespace dyslam

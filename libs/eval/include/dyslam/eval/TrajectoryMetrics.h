@@ -19,7 +19,7 @@ enum class Alignment
 };
 
 [[nodiscard]] std::string toString(Alignment alignment);
-/** \throws UserError for a word other than none, first or se3. */
+/** Parses an alignment. \throws UserError for a word other than none, first or se3. */
 [[nodiscard]] Alignment alignmentFromString(const std::string& word);
 
 struct TrajectoryMetricsOptions
@@ -58,8 +58,8 @@ struct KittiDrift
 /** Relative pose error over one step: errors of the motion between consecutive poses. */
 struct RelativePoseError
 {
-  Statistics translation;   //!< [m]
-  Statistics rotation_deg;  //!< [deg]
+  Statistics translation;   //!< error of the translation [m]
+  Statistics rotation_deg;  //!< angle of the rotation error [deg]
 };
 [[nodiscard]] RelativePoseError relativePoseError(const PosePairs& pairs);
 
@@ -114,7 +114,7 @@ struct TrajectoryReport
   EndError end;
 };
 
-/** \throws UserError if fewer than two poses are associated. */
+/** Computes all metrics. \throws UserError if fewer than two poses are associated. */
 [[nodiscard]] TrajectoryReport evaluateTrajectory(const std::string& name,
                                                   const PosePairs& pairs,
                                                   const TrajectoryMetricsOptions& options = {});

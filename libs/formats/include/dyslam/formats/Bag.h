@@ -10,7 +10,7 @@
 
 namespace dyslam
 {
-/** How the messages of a topic are serialised. */
+/** Serialisation of the messages of a topic. */
 enum class RosEncoding
 {
   ros1,   //!< packed, little-endian
@@ -20,20 +20,20 @@ enum class RosEncoding
 
 struct BagTopic
 {
-  std::string name;  //!< "/velodyne_points"
-  std::string type;  //!< as ROS 1 writes it: "sensor_msgs/PointCloud2"
+  std::string name;  //!< such as "/velodyne_points"
+  std::string type;  //!< in the spelling of ROS 1: "sensor_msgs/PointCloud2"
   RosEncoding encoding = RosEncoding::other;
   std::size_t messages = 0;
   double first = 0;  //!< recording time of the first message, UNIX time [s]
-  double last = 0;   //!< ... of the last message
+  double last = 0;   //!< recording time of the last message, UNIX time [s]
 };
 
 struct BagMessage
 {
-  std::size_t topic = 0;  //!< position in Bag::topics()
-  double recorded = 0;    //!< UNIX time [s]
-  std::string_view data;  //!< valid until the next call of next()
-  std::string place;      //!< for messages: "drive.bag: message at byte 4117"
+  std::size_t topic = 0;  //!< index in Bag::topics()
+  double recorded = 0;    //!< recording time, UNIX time [s]
+  std::string_view data;  //!< serialised message; valid until the next call of next()
+  std::string place;      //!< for error messages: "drive.bag: message at byte 4117"
 };
 
 /** A recording of ROS messages, read as a stream in the order of the file.
@@ -49,16 +49,17 @@ class Bag
   Bag(const Bag&) = delete;
   Bag& operator=(const Bag&) = delete;
 
-  /** In the order of their first appearance in the file's index. */
+  /** All topics, in the order of their first appearance in the file's index. */
   [[nodiscard]] virtual const std::vector<BagTopic>& topics() const = 0;
-  /** From now on next() delivers only these topics, from the first message on.
-   * \param topics positions in topics(). */
+  /** Restarts at the first message; next() then delivers only these topics.
+   * \param topics indices in topics() */
   virtual void select(const std::vector<std::size_t>& topics) = 0;
-  /** False at the end. \throws UserError naming the file and the byte of damaged data. */
+  /** Reads the next message; false at the end. \throws UserError naming file and byte of damaged
+   * data. */
   [[nodiscard]] virtual bool next(BagMessage& message) = 0;
-  /** Part of the file that was read, 0 to 1. */
+  /** Fraction of the file that was read, 0 to 1. */
   [[nodiscard]] virtual double progress() const = 0;
-  /** What the user should know about the file, one line each. */
+  /** Warnings about the file for the user, one line each. */
   [[nodiscard]] virtual std::vector<std::string> warnings() const = 0;
 };
 
@@ -72,8 +73,8 @@ class Bag
  * \throws UserError naming the file, the byte and what to do. */
 [[nodiscard]] std::unique_ptr<Bag> openBag(const std::string& path);
 
-/** Topics with types, counts and rates, of scans also points and frame, as lines of a table; the
- * scans that are taken by default and the topics of IMU and odometry are marked. Then the duration,
- * and the poses of lidars that `/tf_static` has. */
+/** Table of the topics with types, counts and rates, for scans also points and frame; the scans
+ * that are used by default and the topics of IMU and odometry are marked. Then the duration, and
+ * the poses of lidars in `/tf_static`. */
 [[nodiscard]] std::string listingOf(Bag& bag);
 }  // namespace dyslam

@@ -6,12 +6,13 @@
 
 namespace dyslam
 {
-/** Folder that a rawlog is written with, for clouds in files of their own: `<name>_Images` beside
- * it. */
+/** Folder for the externally stored clouds of a rawlog that is written: `<name>_Images` beside the
+ * rawlog. */
 [[nodiscard]] std::string externalStorageFolder(const std::string& rawlog);
 
-/** The folder of such files beside a rawlog, as MRPT names them: the first of `<name>_Images`,
- * `_images`, `_img` and `_imgs` that is there. Nothing without: then its files, if it has any, are
+/** Folder of the externally stored files of a rawlog, by MRPT's names: the first of
+ * `<name>_Images`,
+ * `_images`, `_img` and `_imgs` that exists. Nothing if none does: external files, if any, are then
  * in the folder of the rawlog. */
 [[nodiscard]] std::optional<std::string> externalFolderOf(const std::string& rawlog);
 }  // namespace dyslam

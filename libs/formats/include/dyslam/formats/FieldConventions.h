@@ -10,10 +10,10 @@
 
 namespace dyslam
 {
-/** Seconds per unit of a time since 1970: 1, 1e-3, 1e-6 or 1e-9, by the size of the time. */
+/** Seconds per unit of a time since 1970, by its magnitude: 1, 1e-3, 1e-6 or 1e-9. */
 [[nodiscard]] double unitOfDate(double time);
 
-/** The field that holds the times of a scan's points. */
+/** Field with the times of the points of a scan. */
 struct TimeField
 {
   std::string name;
@@ -22,19 +22,20 @@ struct TimeField
   std::vector<double> values;  //!< one per point; not finite, or 0 among absolute times: unknown
 };
 
-/** What the fields of a recording's points mean: the unit and the zero of their times, the order of
- * their rings, the field of their intensities.
+/** Conventions for the fields of a recording's points: unit and zero of their times, order of their
+ * rings, field of their intensities.
  *
- * Drivers differ in them and neither files nor messages state them, so that each is derived from
- * the first scan that shows it, and then kept: one object for each recording of one lidar (a topic
- * of a bag, a folder of scans).
+ * Drivers differ in them, and neither files nor messages state them. Each convention is therefore
+ * derived from the first scan that shows it, and then kept: one object per recording of one lidar
+ * (a topic of a bag, a folder of scans).
  */
 class FieldConventions
 {
  public:
-  /** Name of the field to take intensities from: `usual`, or `calibrated` if the usual one exceeds
-   * 255, as a count of photons does. A later scan may lack it. The converters limit the values to
-   * 255, the readers do not. \param values of the usual field \param calibrated empty: none */
+  /** Name of the field with the intensities: `usual`, or `calibrated` if the values of the usual
+   * one exceed 255 (a count of photons). A later scan may lack it. The converters limit the values
+   * to 255, the readers do not. \param values values of the usual field \param calibrated empty:
+   * none */
   [[nodiscard]] const std::string& intensityField(const std::string& usual,
                                                   const std::string& calibrated,
                                                   const std::vector<double>& values);
@@ -49,7 +50,7 @@ class FieldConventions
   /** Gives another stamp [s] to such a scan. The times of its points then count from that, unless
    * it has another clock. */
   void restamp(Scan& scan, double stamp);
-  /** Sets what the format of the recording prescribes. \param unit [s] */
+  /** Sets the conventions that the format of the recording prescribes. \param unit of times [s] */
   void setTimes(const std::string& field, double unit, bool absolute);
 
   /** Renumbers Scan::ring so that 0 is the lowest. Rings that are numbered from the highest are
@@ -60,17 +61,17 @@ class FieldConventions
 
   void note(const std::string& what) { notes_.push_back(what); }
   void warn(const std::string& what) { warnings_.push_back(what); }
-  /** How the fields were interpreted, a line each: "per-point time: field t, nanoseconds". */
+  /** Interpretations of the fields, one line each: "per-point time: field t, nanoseconds". */
   [[nodiscard]] const std::vector<std::string>& notes() const { return notes_; }
-  /** What the recording lacks, a line each. */
+  /** Warnings about data that the recording lacks, one line each. */
   [[nodiscard]] const std::vector<std::string>& warnings() const { return warnings_; }
 
  private:
   struct TimeScale
   {
-    double unit = 1;  //!< [s]
+    double unit = 1;  //!< unit of the times [s]
     bool absolute = false;
-    bool certain = true;  //!< the times tell the unit
+    bool certain = true;  //!< the unit was determined by the times
   };
   enum class Zero
   {
@@ -93,7 +94,7 @@ class FieldConventions
   std::string intensity_field_;
   std::optional<TimeScale> scale_;
   bool times_unusable_ = false;
-  bool times_equal_ = false;  //!< in a scan before they were known
+  bool times_equal_ = false;  //!< a scan before the unit was known had equal times
   Zero zero_ = Zero::unknown;
   Order ring_order_ = Order::unknown;
   std::uint16_t last_ring_ = 0;

@@ -7,9 +7,9 @@
 
 namespace dyslam
 {
-/** Writes `georeference.ini`: where a map is on the earth, with all digits.
+/** Writes `georeference.ini`, the pose of a map on the earth, with all digits.
  * \throws UserError if the disk is full. */
 void writeGeoreference(const Georeference& georeference, const std::string& path);
-/** \throws UserError naming the key that is missing or no number. */
+/** Reads `georeference.ini`. \throws UserError naming the key that is missing or no number. */
 [[nodiscard]] Georeference readGeoreference(const std::string& path);
 }  // namespace dyslam

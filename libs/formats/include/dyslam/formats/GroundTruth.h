@@ -26,18 +26,17 @@ struct SimulatedWorld
   double traffic = 0;
   int seed = 0;
 };
-/** By simulator.ini of its ground truth; nothing if there is no such file. \throws UserError if it
- * is damaged. */
+/** Simulation settings from simulator.ini of a ground-truth folder; nothing without this file.
+ * \throws UserError if it is damaged. */
 [[nodiscard]] std::optional<SimulatedWorld> simulatedWorld(const std::string& folder);
 
-/** By simulator.ini or poses.ini of the ground-truth folder; unknown where neither is there.
- * \throws UserError if poses.ini is damaged. */
+/** Origin of the true poses from simulator.ini or poses.ini of a ground-truth folder; unknown
+ * without both. \throws UserError if poses.ini is damaged. */
 [[nodiscard]] PoseOrigin poseOrigin(const std::string& folder);
 
-/** Labels of a frame's points in the scan's order; nothing if that frame has none, or the folder is
- * not there. \param frame counted as Frame::index \throws UserError if their number is not
- * `points`.
- */
+/** True labels of a frame's points in the order of the scan; nothing if the frame has none or the
+ * folder doesn't exist. \param frame Frame::index \throws UserError unless there are `points`
+ * labels. */
 [[nodiscard]] std::optional<std::vector<Label>> trueLabels(const std::string& folder,
                                                            std::size_t frame,
                                                            std::size_t points);
@@ -49,7 +48,7 @@ void requireNoLinks(const std::string& folder);
 class GroundTruthWriter
 {
  public:
-  /** Makes the folder; files of an earlier run in it are removed. \throws UserError, also if a
+  /** Creates the folder and removes files of an earlier run in it. \throws UserError, also if a
    * subfolder is a link. */
   explicit GroundTruthWriter(const std::string& folder);
   ~GroundTruthWriter();
@@ -57,15 +56,15 @@ class GroundTruthWriter
   GroundTruthWriter& operator=(const GroundTruthWriter&) = delete;
 
   void addPose(double stamp, const Pose& T_world_vehicle);
-  /** Where the poses are from: poses.ini, if there are any. */
+  /** Sets the origin of the poses, for poses.ini, which is written if there are any. */
   void setPoseOrigin(const PoseOrigin& origin) { origin_ = origin; }
-  /** Lidar frame; box.frame says which scan. */
+  /** Adds a true box, lidar frame; box.frame is the number of its scan. */
   void addBox(const LabelledBox& box);
   void addLabels(std::size_t frame, const std::vector<Label>& labels);
-  /** Scene flow: where each point's surface is in the NEXT scan's lidar frame at its stamp, minus
-   * where the point is now (ego-motion included), metres; NaN where unknown. */
+  /** Adds the scene flow [m]: position of each point's surface in the lidar frame of the next scan
+   * at its stamp minus the present position (including ego-motion); NaN if unknown. */
   void addFlow(std::size_t frame, const std::vector<Eigen::Vector3f>& flow);
-  /** What the recording was simulated with: simulator.ini. \throws UserError. */
+  /** Writes the simulation settings: simulator.ini. \throws UserError. */
   void addSimulator(const Options& options);
   /** Writes poses_tum.txt, poses.ini and tracks.txt if there is anything for them. */
   void close();

@@ -21,7 +21,7 @@ struct KittiCalib
   Pose T_velo_imu = Pose::Identity();  //!< GNSS/INS frame to the lidar
   bool has_imu = false;
   bool has_camera = true;
-  Eigen::Matrix<double, 3, 4> P2 = Eigen::Matrix<double, 3, 4>::Zero();  //!< colour camera's
+  Eigen::Matrix<double, 3, 4> P2 = Eigen::Matrix<double, 3, 4>::Zero();  //!< colour camera
 };
 
 /** Reads an odometry (`Tr`), tracking or object (`R_rect`/`R0_rect`, `Tr_velo_cam`/
@@ -32,39 +32,39 @@ struct KittiCalib
  */
 [[nodiscard]] KittiCalib readKittiCalib(const std::string& file_or_folder);
 
-/** timestamps.txt of a raw drive: a line such as `2011-09-26 13:02:25.951199337`, taken as UTC, for
- * each frame number [s since 1970]; NaN for an empty line, KITTI's mark of a lost scan. Empty lines
- * at the end are left out. \throws UserError. */
+/** Reads timestamps.txt of a raw drive: a line such as `2011-09-26 13:02:25.951199337` per frame
+ * number, interpreted as UTC. \return UNIX times [s]; NaN for an empty line (lost scan). Empty
+ * lines at the end are ignored. \throws UserError. */
 [[nodiscard]] std::vector<double> readKittiTimestamps(const std::string& path);
 
-/** Either that or a number a line [s], whichever the first line with content is.
- * \throws UserError. */
+/** Reads time stamps as readKittiTimestamps(), or one number per line [s], decided by the first
+ * line with content. \throws UserError. */
 [[nodiscard]] std::vector<double> readTimesOrTimestamps(const std::string& path);
 
-/** One GNSS/INS reading: those of the 30 numbers of KITTI's oxts that are used. */
+/** One GNSS/INS reading: the numbers that are used of the 30 of KITTI's oxts. */
 struct OxtsReading
 {
   double latitude = 0;           //!< [deg]
   double longitude = 0;          //!< [deg]
-  double altitude = 0;           //!< [m]
+  double altitude = 0;           //!< height [m]
   double roll = 0;               //!< [rad]
   double pitch = 0;              //!< [rad]
   double yaw = 0;                //!< [rad], 0 = east, counter-clockwise
-  double position_accuracy = 0;  //!< [m]
-  // About and along the axes of the unit: x forward, y left, z up.
+  double position_accuracy = 0;  //!< sigma of the position [m]
+  // In the axes of the unit: x forward, y left, z up.
   Eigen::Vector3d angular_velocity = Eigen::Vector3d::Zero();  //!< [rad/s]
   Eigen::Vector3d acceleration = Eigen::Vector3d::Zero();      //!< with gravity [m/s^2]
 };
 
-/** Tracking's one file for all frames, or raw's folder (`oxts/data/NNNNNNNNNN.txt`, `oxts/` or
- * `data/`). \throws UserError. */
+/** Reads oxts: one file for all frames (tracking), or a folder (raw: `oxts/data/NNNNNNNNNN.txt`,
+ * `oxts/` or `data/`). \throws UserError. */
 [[nodiscard]] std::vector<OxtsReading> readOxts(const std::string& file_or_folder);
 
 /** Poses of the IMU in its first pose's frame, by the Mercator projection of KITTI's development
  * kit (scale from the first latitude). The first is the identity. */
 [[nodiscard]] std::vector<Pose> oxtsPoses(const std::vector<OxtsReading>& readings);
 
-/** Poses of the lidar in the first lidar's frame from those of the IMU. */
+/** Poses of the lidar in its first pose's frame, from poses of the IMU. */
 [[nodiscard]] std::vector<Pose> imuToLidarPoses(const std::vector<Pose>& poses,
                                                 const Pose& T_velo_imu);
 
@@ -77,8 +77,8 @@ struct CameraBox
   double length = 0;                                 //!< [m]
   double ry = 0;                                     //!< heading about y, 0 along x [rad]
 };
-/** The same box, upright in the other frame: the two differ in tilt by less than a degree, which
- * the heading ignores. */
+/** The box in the lidar frame, upright there: the frames differ in tilt by less than a degree,
+ * which the heading ignores. */
 [[nodiscard]] Box toLidar(const CameraBox& box, const Pose& T_cam_velo);
 
 /** Tracking labels (`label_02/NNNN.txt`, 17 columns, or results with score in an 18th) with boxes

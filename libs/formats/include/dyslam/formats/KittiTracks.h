@@ -9,8 +9,8 @@
 
 namespace dyslam
 {
-/** Inverse of toLidar(): the box in the camera frame whose heading has the given yaw in the lidar's
- * ground plane. \pre the camera stands upright: its y axis is not horizontal. */
+/** Inverse of toLidar(): the box in the camera frame whose heading has the yaw of `box` in the
+ * lidar's xy plane. \pre the camera's y axis is not horizontal */
 [[nodiscard]] CameraBox toCamera(const Box& box, const Pose& T_cam_velo);
 
 /** Detections of one sequence, boxes in the lidar frame. The layout is recognised by the columns of

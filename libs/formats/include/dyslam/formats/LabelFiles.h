@@ -10,14 +10,14 @@
 
 namespace dyslam
 {
-/** A `.label` file: little-endian uint32 per point. \throws UserError. */
+/** Reads a `.label` file: a little-endian uint32 per point. \throws UserError. */
 [[nodiscard]] std::vector<Label> readLabels(const std::string& path);
-/** \param expected the number of points of the scan. \throws UserError if the file has another. */
+/** Reads a `.label` file. \param expected number of labels \throws UserError for another number. */
 [[nodiscard]] std::vector<Label> readLabels(const std::string& path, std::size_t expected);
 void writeLabels(const std::string& path, const std::vector<Label>& labels);
 
-/** Folder of the label files of a run, a recording or its ground truth: `labels` in its folder if
- * that has any, else the folder itself; nothing if that has none either.
+/** Folder of the label files of a run, a recording or its ground truth: its subfolder `labels` if
+ * that has label files, else the folder itself; nothing if neither has any.
  * \throws UserError if a folder cannot be read. */
 [[nodiscard]] std::optional<std::string> labelFolderOf(const std::string& folder);
 }  // namespace dyslam

@@ -15,8 +15,8 @@ namespace dyslam
  * rotation] in m and rad; the motion takes points of the scan to the frame of the scan before.
  */
 [[nodiscard]] std::string motionFileHeader();
-/** One row with its line feed; seven significant digits. */
+/** A row of `motions.csv` with its line feed; seven significant digits. */
 [[nodiscard]] std::string motionFileRow(const MotionCovariance& motion);
-/** \throws UserError "file:line: what" for anything that is not as above. */
+/** Reads `motions.csv`. \throws UserError "file:line: what" for any deviation from the format. */
 [[nodiscard]] std::vector<MotionCovariance> readMotionFile(const std::string& path);
 }  // namespace dyslam

@@ -7,30 +7,30 @@
 
 namespace dyslam
 {
-/** Where the true poses of a recording are from. */
+/** Source of the true poses of a recording. */
 enum class PoseSource
 {
   unknown,
-  simulated,  //!< exact
-  gnss_ins,   //!< satellites and inertial unit: off by centimetres from scan to scan
+  simulated,  //!< by the simulator, exact
+  gnss_ins,   //!< GNSS and inertial unit: errors of centimetres from scan to scan
   given       //!< by the user or a data set, of unknown accuracy
 };
 
 struct PoseOrigin
 {
   PoseSource source = PoseSource::unknown;
-  std::string name;  //!< of their file or topic; empty if unknown
+  std::string name;  //!< name of their file or topic; empty if unknown
 
-  /** Errors against these poses are those of the estimate alone. */
+  /** Whether errors relative to these poses are only those of the estimate. */
   [[nodiscard]] bool isExact() const { return source == PoseSource::simulated; }
-  /** "GNSS/INS (oxts), not exact" */
+  /** Text such as "GNSS/INS (oxts), not exact". */
   [[nodiscard]] std::string text() const;
 };
-/** The word of a file or a flag: "gnss_ins". */
+/** Name of a source in files and flags: "gnss_ins". */
 [[nodiscard]] std::string toString(PoseSource source);
-/** Its reverse; unknown for any other word. */
+/** Source by its name; unknown for any other word. */
 [[nodiscard]] PoseSource poseSourceFromString(const std::string& word);
-/** A field of options. */
+/** Describes a field of options. */
 void describePoseSource(OptionsVisitor& visitor,
                         const char* key,
                         PoseSource& source,

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Lines that the programs print and that dyslam-batch finds in the log of a run: written and read
-// here, so that both agree.
+// Writing and parsing of the lines that programs print and dyslam-batch reads in the log of a run.
 #pragma once
 
 #include <cstddef>
@@ -9,10 +8,10 @@
 
 namespace dyslam
 {
-/** The last line of a program that ends with an error: "dyslam: <message>". */
+/** Last line of a program that ends with an error: "dyslam: <message>". */
 [[nodiscard]] std::string errorLine(const std::string& program, const std::string& message);
 
-/** The message in the error line of that program; nothing for another line. */
+/** Message of the error line of a program; nothing for another line. */
 [[nodiscard]] std::optional<std::string> messageOfErrorLine(const std::string& program,
                                                             const std::string& line);
 
@@ -24,7 +23,7 @@ namespace dyslam
  */
 [[nodiscard]] std::string stoppedMessage(const std::string& input, const std::string& reason);
 
-/** Whether an error line of that program is that of a stopped run on this recording. */
+/** Whether a line is the error line of a stopped run of a program on a recording. */
 [[nodiscard]] bool isStoppedLine(const std::string& program,
                                  const std::string& input,
                                  const std::string& line);
@@ -37,6 +36,6 @@ namespace dyslam
                                        const std::string& unit,
                                        double seconds);
 
-/** Fraction of the work done by the last progressText() in a log, 0 to 1; 0 without. */
+/** Fraction of the work done by the last progressText() in a log, 0 to 1; 0 without one. */
 [[nodiscard]] double progressIn(const std::string& log);
 }  // namespace dyslam

@@ -17,15 +17,15 @@ namespace dyslam
 {
 struct PointField;
 
-/** A topic of scans, by its first message. */
+/** Properties of a topic of scans, from its first message. */
 struct RosScanTopic
 {
-  std::size_t topic = 0;            //!< position in Bag::topics()
-  std::string frame;                //!< of the header
-  std::size_t points = 0;           //!< of the first scan, with those that have no return
-  double bytes = 0;                 //!< of all scans, if they are as large as the first
-  bool has_times_or_rings = false;  //!< as a lidar's points have, but not a depth camera's
-  bool packets = false;             //!< data packets (RosPackets.h): `points` is unknown, 0
+  std::size_t topic = 0;            //!< index in Bag::topics()
+  std::string frame;                //!< frame_id of the header
+  std::size_t points = 0;           //!< number of points of the first scan, also without return
+  double bytes = 0;                 //!< estimated size of all scans [bytes]
+  bool has_times_or_rings = false;  //!< points have times or rings, unlike a depth camera's
+  bool packets = false;             //!< data packets (RosPackets.h); `points` is then 0
 };
 
 /** Makes scans of `sensor_msgs/PointCloud2` and Livox's `CustomMsg`, ROS 1 or ROS 2.
@@ -46,19 +46,19 @@ struct RosScanTopic
 class RosScanDecoder
 {
  public:
-  /** True for the types that decode() takes. */
+  /** Whether decode() supports the type of a topic. */
   [[nodiscard]] static bool reads(const BagTopic& topic);
 
   /** Properties of a topic from one of its messages. \pre reads(topic) \throws UserError as
    * decode(). */
   [[nodiscard]] static RosScanTopic summaryOf(const BagTopic& topic, const BagMessage& message);
 
-  /** \throws UserError naming the message and what is wrong with it. */
+  /** Decodes a scan. \throws UserError naming the message and the problem. */
   [[nodiscard]] Scan decode(const BagTopic& topic, const BagMessage& message);
 
-  /** How the fields were interpreted, a line each: "per-point time: field t, nanoseconds". */
+  /** Interpretations of the fields, one line each: "per-point time: field t, nanoseconds". */
   [[nodiscard]] const std::vector<std::string>& notes() const { return conventions_.notes(); }
-  /** What the recording lacks, a line each. */
+  /** Warnings about data that the recording lacks, one line each. */
   [[nodiscard]] const std::vector<std::string>& warnings() const { return conventions_.warnings(); }
 
  private:
@@ -86,32 +86,32 @@ class RosScanDecoder
 /** A pose or a transform: T_parent_child. */
 struct RosPose
 {
-  double stamp = 0;    //!< of the header [s]
-  std::string parent;  //!< frame that the pose is in
-  std::string child;   //!< whose pose it is; empty where the message does not say
+  double stamp = 0;    //!< stamp of the header, UNIX time [s]
+  std::string parent;  //!< parent frame
+  std::string child;   //!< child frame; empty if the message does not state it
   Pose pose = Pose::Identity();
 };
 
-/** True for `geometry_msgs/PoseStamped`, `PoseWithCovarianceStamped`, `TransformStamped`,
- * `nav_msgs/Odometry` and `tf2_msgs/TFMessage` (`tf/tfMessage`). */
+/** Whether a topic has `geometry_msgs/PoseStamped`, `PoseWithCovarianceStamped`,
+ * `TransformStamped`, `nav_msgs/Odometry` and `tf2_msgs/TFMessage` (`tf/tfMessage`). */
 [[nodiscard]] bool isRosPose(const BagTopic& topic);
-/** The pose of such a message, or the transforms of a TFMessage, without those that are no pose
- * (not a number, or a quaternion that is none), as a receiver sends before its first fix.
- * \param left_out is increased by the number of these, unless null
- * \throws UserError naming the message and what is wrong with it. */
+/** The pose of a message of these types, or the transforms of a TFMessage. Invalid poses (not a
+ * number, or no quaternion), which receivers send before their first fix, are left out.
+ * \param left_out is increased by the number of invalid poses, unless null
+ * \throws UserError naming the message and the problem. */
 [[nodiscard]] std::vector<RosPose> decodeRosPoses(const BagTopic& topic,
                                                   const BagMessage& message,
                                                   std::size_t* left_out = nullptr);
 
-using RosTransforms = std::map<std::string, RosPose>;  //!< by child frame
-/** The transforms of `/tf_static`; of a damaged bag those before the damage. */
+using RosTransforms = std::map<std::string, RosPose>;  //!< transforms by child frame
+/** The transforms of `/tf_static`; for a damaged bag those before the damage. */
 [[nodiscard]] RosTransforms staticTransforms(Bag& bag);
-/** T_a_b of two frames; nothing if the transforms do not connect them. */
+/** Transform T_a_b between two frames; nothing if the transforms do not connect them. */
 [[nodiscard]] std::optional<Pose> transformBetween(const RosTransforms& transforms,
                                                    const std::string& a,
                                                    const std::string& b);
-/** The frame in which the transforms place another one: base_link if that is among its parents,
- * else the last of them; empty if it has none. */
+/** Base frame of a frame: base_link if that is among its ancestors in the transforms, else the
+ * root; empty if it has no parent. */
 [[nodiscard]] std::string baseFrameOf(const RosTransforms& transforms, const std::string& frame);
 /** Frame of the header of a topic's first message, empty if there is none; "os_sensor", in which
  * their points are, of Ouster's packets.
@@ -122,45 +122,46 @@ using RosTransforms = std::map<std::string, RosPose>;  //!< by child frame
 struct RosImu
 {
   double stamp = 0;   //!< of the header, else of the recording [s]
-  std::string frame;  //!< of the header: the sensor's axes
-  Eigen::Vector3d angular_velocity = Eigen::Vector3d::Zero();  //!< [rad/s]
-  std::optional<Eigen::Vector3d> acceleration;                 //!< with gravity [m/s^2]
+  std::string frame;  //!< frame_id of the header: the sensor's axes
+  Eigen::Vector3d angular_velocity = Eigen::Vector3d::Zero();  //!< sensor's axes [rad/s]
+  std::optional<Eigen::Vector3d> acceleration;  //!< with gravity, sensor's axes [m/s^2]
 };
-/** True for `sensor_msgs/Imu`. */
+/** Whether a topic has `sensor_msgs/Imu`. */
 [[nodiscard]] bool isRosImu(const BagTopic& topic);
-/** Nothing if the angular velocity is unknown (its first covariance is -1) or not a number; an
- * acceleration of that kind is left out. \throws UserError naming the message and what is wrong
- * with it. */
+/** Decodes an IMU message. Nothing if the angular velocity is unknown (its first covariance is -1)
+ * or not a number; an unknown acceleration is left out. \throws UserError naming the message and
+ * the problem. */
 [[nodiscard]] std::optional<RosImu> decodeRosImu(const BagTopic& topic, const BagMessage& message);
 
 /** A position of a satellite receiver. */
 struct RosFix
 {
   double stamp = 0;   //!< of the header, else of the recording [s]
-  std::string frame;  //!< of the header: the antenna
+  std::string frame;  //!< frame_id of the header: the antenna
   GeodeticPosition position;
-  double horizontal_sigma = 0;  //!< 0: unknown [m]
-  double vertical_sigma = 0;    //!< 0: unknown [m]
+  double horizontal_sigma = 0;  //!< sigma of east and of north [m]; 0: unknown
+  double vertical_sigma = 0;    //!< sigma of the height [m]; 0: unknown
 };
-/** True for `sensor_msgs/NavSatFix`. */
+/** Whether a topic has `sensor_msgs/NavSatFix`. */
 [[nodiscard]] bool isRosFix(const BagTopic& topic);
-/** Nothing if the receiver had no fix, or the position is none. \throws UserError naming the
- * message and what is wrong with it. */
+/** Decodes a position. Nothing if the receiver had no fix or the position is invalid. \throws
+ * UserError naming the message and the problem. */
 [[nodiscard]] std::optional<RosFix> decodeRosFix(const BagTopic& topic, const BagMessage& message);
 
-/** The velocity of a body, in its axes. */
+/** Velocity of a body, in its axes. */
 struct RosTwist
 {
   double stamp = 0;   //!< of the header, else of the recording [s]
-  std::string frame;  //!< of the body, whose axes the velocities are in
-  Eigen::Vector3d linear = Eigen::Vector3d::Zero();   //!< of the frame's origin [m/s]
-  Eigen::Vector3d angular = Eigen::Vector3d::Zero();  //!< [rad/s]
-  std::optional<Pose> T_parent_body;                  //!< of an Odometry, where it is a pose
+  std::string frame;  //!< frame of the body, whose axes the velocities are in
+  Eigen::Vector3d linear = Eigen::Vector3d::Zero();   //!< velocity of the frame's origin [m/s]
+  Eigen::Vector3d angular = Eigen::Vector3d::Zero();  //!< angular velocity [rad/s]
+  std::optional<Pose> T_parent_body;                  //!< pose of an Odometry, if valid
 };
-/** True for `nav_msgs/Odometry`, `geometry_msgs/TwistStamped` and `TwistWithCovarianceStamped`. */
+/** Whether a topic has `nav_msgs/Odometry`, `geometry_msgs/TwistStamped` or
+ * `TwistWithCovarianceStamped`. */
 [[nodiscard]] bool isRosTwist(const BagTopic& topic);
-/** Nothing if a velocity is not a number. \throws UserError naming the message and what is wrong
- * with it. */
+/** Decodes a velocity. Nothing if it is not a number. \throws UserError naming the message and the
+ * problem. */
 [[nodiscard]] std::optional<RosTwist> decodeRosTwist(const BagTopic& topic,
                                                      const BagMessage& message);
 }  // namespace dyslam

@@ -18,27 +18,28 @@ enum class PacketMaker
   ouster     //!< `PacketMsg` of `ouster_ros`, `ouster_msgs`, `ouster_sensor_msgs`
 };
 
-/** Nothing for topics of other types. */
+/** Maker of the lidar of a topic of packets; nothing for topics of other types. */
 [[nodiscard]] std::optional<PacketMaker> packetMakerOf(const BagTopic& topic);
 
 struct RosPacket
 {
-  double received = 0;     //!< UNIX time [s]; where the driver does not say, that of the message
-  std::string_view bytes;  //!< valid as long as the message
+  double received = 0;     //!< time of reception, else of the message, UNIX time [s]
+  std::string_view bytes;  //!< payload; valid as long as the message
 };
 
-/** \pre packetMakerOf(topic) \throws UserError naming the message and what is wrong with it. */
+/** Packets of a message. \pre packetMakerOf(topic) \throws UserError naming message and problem. */
 [[nodiscard]] std::vector<RosPacket> decodeRosPackets(const BagTopic& topic,
                                                       const BagMessage& message);
 
-/** The metadata of an Ouster lidar, as its driver publishes them as `std_msgs/String`. */
+/** Metadata of an Ouster lidar, published by its driver as `std_msgs/String`. */
 struct RosMetadata
 {
-  std::string topic;  //!< "/ouster/metadata"
-  std::string text;   //!< JSON
+  std::string topic;  //!< name of the topic: "/ouster/metadata"
+  std::string text;   //!< metadata as JSON
 };
 
-/** Of several the one whose topic has most in common with that of the packets; nothing if the bag
- * has none. Reads the bag up to the first message of each such topic. */
+/** Metadata in a bag; if there are several, those whose topic has the longest common prefix with
+ * that of the packets; nothing if there are none. Reads the bag up to the first message of these
+ * topics. */
 [[nodiscard]] std::optional<RosMetadata> ousterMetadataIn(Bag& bag, const std::string& packets);
 }  // namespace dyslam

@@ -6,12 +6,12 @@
 
 namespace dyslam
 {
-/** Name of the checkpoint within the folder of a run that has not ended. */
+/** Name of the checkpoint in the folder of an unfinished run. */
 constexpr const char* state_file_name = "resume.state";
 
-/** Name of the recording that a run makes of an input that is no rawlog, in its folder. */
+/** Name of the rawlog, in the folder of a run, that another input is converted to. */
 constexpr const char* converted_rawlog_name = "recording.rawlog";
 
-/** Names of the files that the run in a folder wrote, by its report.json; none without one. */
+/** Names of the files that a run wrote, by report.json in its folder; none without it. */
 [[nodiscard]] std::vector<std::string> filesOfRun(const std::string& folder);
 }  // namespace dyslam

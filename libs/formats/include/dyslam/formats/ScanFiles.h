@@ -17,28 +17,28 @@ enum class BinLayout
   xyzir  //!< nuScenes: x y z intensity ring
 };
 
-/** A scan of a .bin file, every point kept. A file of the same name ending in `.ring` (one byte a
- * point) fills Scan::ring, if there is no such column. \throws UserError. */
+/** Reads a scan from a .bin file, with every point. Without a ring column, a file of the same name
+ * ending in `.ring` (one byte per point) fills Scan::ring. \throws UserError. */
 [[nodiscard]] Scan readBin(const std::string& path, BinLayout layout = BinLayout::xyzi);
 /** Columns of a .bin file, recognised by its content: xyzir if every fifth number is an integer in
  * [0, 255] and takes 4 values or more, as ring numbers do, and some coordinate is not an integer;
  * xyzi for all others, and for files of fewer than 100 points. \throws UserError if it cannot be
  * read. */
 [[nodiscard]] BinLayout binLayoutOf(const std::string& path);
-/** \param intensity empty (0 is written) or one per point. \throws UserError. */
+/** Writes a .bin file. \param intensity one per point; empty: 0 is written \throws UserError. */
 void writeBin(const std::string& path,
               const std::vector<Eigen::Vector3f>& points,
               const std::vector<float>& intensity = {});
 
-/** Binary PCD and PLY of float32 x y z and, unless empty, intensity. Written under a temporary name
- * first. \throws UserError. */
+/** Writes binary PCD or PLY of float32 x y z and, unless empty, intensity; first under a temporary
+ * name. \throws UserError. */
 void writePcd(const std::string& path,
               const std::vector<Eigen::Vector3f>& points,
               const std::vector<float>& intensity = {});
 void writePly(const std::string& path,
               const std::vector<Eigen::Vector3f>& points,
               const std::vector<float>& intensity = {});
-/** By the ending: `.pcd`, `.ply` or `.bin`. */
+/** Writes a cloud in the format of the ending: `.pcd`, `.ply` or `.bin`. */
 void writeCloud(const std::string& path,
                 const std::vector<Eigen::Vector3f>& points,
                 const std::vector<float>& intensity = {});
@@ -49,23 +49,23 @@ void writeCloud(const std::string& path,
  * earliest, which becomes the stamp; smaller ones are counted as in the file, and intensities are
  * as in the file. Counts in headers are checked against the size of the file. \throws UserError. */
 [[nodiscard]] Scan readCloud(const std::string& path);
-/** The same of a file that is one of a recording's scans. \param conventions of the recording: used
- * for all of its files. \throws UserError. */
+/** readCloud() for one scan of a recording. \param conventions conventions of the recording, used
+ * for all of its files \throws UserError. */
 [[nodiscard]] Scan readCloud(const std::string& path, FieldConventions& conventions);
 
-/** The ending of a file name with its dot, in lower case: ".bin". */
+/** Ending of a file name with its dot, in lower case: ".bin". */
 [[nodiscard]] std::string lowerExtension(const std::string& path);
 /** True for the endings of point clouds: .bin, .pcd, .ply. */
 [[nodiscard]] bool isCloudFile(const std::string& path);
 
-/** Files of a folder that `wanted` takes, sorted by name (numbers by value). \throws UserError if
- * there is no such folder. */
+/** Files of a folder for which `wanted` is true, sorted by name (numbers by value). \throws
+ * UserError if there is no such folder. */
 [[nodiscard]] std::vector<std::string> listFiles(
     const std::string& folder, const std::function<bool(const std::string&)>& wanted);
 /** Point clouds of a folder, sorted by name (numbers by value). Only one ending may occur.
  * \throws UserError if there is none. */
 [[nodiscard]] std::vector<std::string> listCloudFiles(const std::string& folder);
-/** The .bin files of a folder in the same order, whatever else there is.
+/** The .bin files of a folder, sorted by name (numbers by value); other files are ignored.
  * \throws UserError if there is none. */
 [[nodiscard]] std::vector<std::string> listBinFiles(const std::string& folder);
 }  // namespace dyslam

@@ -7,8 +7,8 @@
 
 namespace dyslam
 {
-/** The scans of a run's `scans.csv` that could not be registered, by Frame::index: their poses are
- * predicted. \throws UserError "file:line: what" for a table without the columns `frame` and
- * `registered`, and for damaged lines. */
+/** Frame::index of the scans in a run's `scans.csv` that could not be registered, so that their
+ * poses are predicted. \throws UserError "file:line: what" for a table without the columns `frame`
+ * and `registered`, and for damaged lines. */
 [[nodiscard]] std::set<std::size_t> unregisteredScans(const std::string& path);
 }  // namespace dyslam

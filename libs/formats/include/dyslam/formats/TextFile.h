@@ -19,13 +19,13 @@ class TextFile
  public:
   /** \throws UserError if it cannot be read. */
   explicit TextFile(const std::string& path, std::string separators = " \t\r,");
-  /** A table with a comma behind each field but the last: fields may be empty, those in quotes may
-   * have commas. \throws UserError if it cannot be read. */
+  /** Reads a CSV table, whose fields may be empty; quoted fields may have commas.
+   * \throws UserError if it cannot be read. */
   [[nodiscard]] static TextFile table(const std::string& path);
 
-  /** The next line that is neither empty nor a comment (`#`). */
+  /** Reads the next line that is neither empty nor a comment (`#`); false at the end. */
   [[nodiscard]] bool next();
-  /** The next line that is no comment; an empty one has no fields. */
+  /** Reads the next line that is no comment; an empty line has no fields. */
   [[nodiscard]] bool nextOrEmpty();
   [[nodiscard]] const std::vector<std::string_view>& fields() const { return fields_; }
   [[nodiscard]] const std::string& line() const { return line_; }
@@ -34,15 +34,15 @@ class TextFile
   [[nodiscard]] double number(std::size_t field) const;
   /** Field as a whole number. \throws UserError. */
   [[nodiscard]] int integer(std::size_t field) const;
-  /** The whole part of a number. \throws UserError. */
+  /** Integer part of a field that is a number. \throws UserError. */
   [[nodiscard]] int integerPart(std::size_t field) const;
   /** All fields from `first` on as numbers. */
   [[nodiscard]] std::vector<double> numbers(std::size_t first = 0) const;
-  /** \throws UserError "file:line: has n fields, not k (what)". */
+  /** Checks the number of fields. \throws UserError "file:line: has n fields, not k (what)". */
   void requireFields(std::size_t count, const char* what) const;
   /** "file:line" of the current line. */
   [[nodiscard]] std::string position() const;
-  /** \throws UserError "file:line: what". */
+  /** Reports an error in the current line. \throws UserError "file:line: what". */
   [[noreturn]] void fail(const std::string& what) const;
 
  private:
@@ -50,16 +50,16 @@ class TextFile
   void splitAtCommas();
 
   std::string path_;
-  std::string separators_;  //!< empty: a table
+  std::string separators_;  //!< separators of fields; empty: a CSV table
   std::ifstream file_;
   std::string line_;
   std::vector<std::string_view> fields_;
   std::size_t line_number_ = 0;
 };
 
-/** The number that a word holds, in the C locale; a leading + is accepted. Numbers too near to 0
- * for the type are 0, those too large for it infinite. \tparam Real float or double \return nothing
- * if the word is no number. */
+/** The number in a word, in the C locale; a leading + is accepted. Numbers too small for the type
+ * are 0, too large ones are infinite. \tparam Real float or double \return nothing if the word is
+ * no number. */
 template <typename Real>
 [[nodiscard]] std::optional<Real> parseNumber(std::string_view word);
 
@@ -68,13 +68,13 @@ void appendNumber(std::string& text, double value, int digits);
 /** Appends a number with `decimals` behind the point. */
 void appendFixed(std::string& text, double value, int decimals);
 
-/** Six digits and an extension: "000042.label". */
+/** File name of six digits and an extension: "000042.label". */
 [[nodiscard]] std::string numberedName(std::size_t number, const std::string& extension);
-/** The same in a folder. */
+/** Path of a numbered file in a folder. */
 [[nodiscard]] std::string numberedPath(const std::string& folder,
                                        std::size_t number,
                                        const std::string& extension);
-/** The number of such a file name, of any number of digits; nothing for any other. */
+/** Number in the name of a numbered file, of any number of digits; nothing for other names. */
 [[nodiscard]] std::optional<int> numberOfName(const std::string& name,
                                               const std::string& extension);
 }  // namespace dyslam

@@ -18,19 +18,19 @@ enum class TrajectoryFormat
 // between numbers, and throw UserError "file:line: what" for anything else that is not as the
 // format says. Rotations are made orthonormal; one that is no rotation at all is an error.
 
-/** TUM: `t x y z qx qy qz qw` a line. */
+/** Reads a TUM file: lines of `t x y z qx qy qz qw`. */
 [[nodiscard]] Trajectory readTum(const std::string& path);
-/** A line of such a file: t with 9 decimals, the rest with 12 significant digits. */
+/** A line of a TUM file: t with 9 decimals, the other numbers with 12 significant digits. */
 [[nodiscard]] std::string tumLine(double stamp, const Pose& pose);
-/** Written under a temporary name first. */
+/** Writes a TUM file, first under a temporary name. */
 void writeTum(const std::string& path, const Trajectory& trajectory);
 
-/** KITTI: 12 numbers a line. */
+/** Reads a KITTI file: 12 numbers per line. */
 [[nodiscard]] std::vector<Pose> readKittiPoses(const std::string& path);
 void writeKittiPoses(const std::string& path, const std::vector<Pose>& poses);
 void writeKittiPoses(const std::string& path, const Trajectory& trajectory);
 
-/** One time [s] a line, as KITTI's times.txt. */
+/** Reads times [s], one per line, as in KITTI's times.txt. */
 [[nodiscard]] std::vector<double> readTimes(const std::string& path);
 
 /** Format of a file, by the count of numbers in its first line (8: TUM, 12: KITTI). */
@@ -41,15 +41,15 @@ struct TrajectoryFile
   Trajectory trajectory;
   TrajectoryFormat format = TrajectoryFormat::tum;
 };
-/** Reads either kind. A KITTI file's stamps are the line numbers 0, 1, 2, ... */
+/** Reads a TUM or KITTI file; stamps of a KITTI file are the line numbers 0, 1, 2, ... */
 [[nodiscard]] TrajectoryFile readTrajectory(const std::string& path);
 
 /** T_cam_velo of a camera at the lidar's position that faces forward: its x is right, y down, z
  * ahead.
  */
 [[nodiscard]] Pose cameraAxes();
-/** Poses of the camera (in the first camera's frame) to those of the lidar (in the first lidar's
- * frame); `T_cam_velo` is `Tr` of KITTI's calib.txt. Its inverse takes them back. */
+/** Converts poses of the camera (in its first frame) to poses of the lidar (in its first frame);
+ * `T_cam_velo` is `Tr` of KITTI's calib.txt. With its inverse it converts them back. */
 [[nodiscard]] std::vector<Pose> cameraToLidarPoses(const std::vector<Pose>& poses,
                                                    const Pose& T_cam_velo);
 }  // namespace dyslam

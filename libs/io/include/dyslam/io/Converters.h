@@ -16,35 +16,35 @@
 
 namespace dyslam
 {
-/** Called after every scan: fraction of the work done (0 to 1) and scans so far. An exception from
- * it ends the conversion and removes all that was written. */
+/** Called after every scan with the fraction of the work done (0 to 1) and the number of scans. An
+ * exception from it ends the conversion and removes all that was written. */
 using ConversionProgress = std::function<void(double, std::size_t)>;
 
 struct ConversionResult
 {
   std::size_t scans = 0;
   std::size_t points = 0;
-  std::size_t poses = 0;           //!< scans with a true pose
-  std::string pose_source;         //!< the file they are from; empty without
-  std::size_t label_files = 0;     //!< scans with labels per point
-  std::size_t boxes = 0;           //!< true boxes of all scans
+  std::size_t poses = 0;           //!< number of scans with a true pose
+  std::string pose_source;         //!< file of the true poses; empty without
+  std::size_t label_files = 0;     //!< number of scans with labels per point
+  std::size_t boxes = 0;           //!< number of true boxes of all scans
   std::string ground_truth;        //!< sidecar folder; empty if there is no truth
   std::vector<std::string> notes;  //!< inputs that were found and used, a line each
   std::vector<std::string> warnings;
 };
 
-/** Whether scans are deskewed already; such scans are given point times of 0. */
+/** Whether scans are already deskewed; deskewed scans get point times of 0. */
 enum class ScansDeskewed
 {
-  automatic,  //!< KITTI odometry's are
+  automatic,  //!< scans of KITTI odometry are deskewed
   yes,
   no
 };
 
-/** Which frame the poses of a pose file are in. */
+/** Frame of the poses of a pose file. */
 enum class PoseFrame
 {
-  automatic,  //!< camera for odometry's own poses, lidar if the file's name says velo or lidar
+  automatic,  //!< camera for poses of KITTI odometry; lidar for files named velo or lidar
   lidar,
   camera
 };
@@ -52,22 +52,22 @@ enum class PoseFrame
 struct KittiConverterOptions : Options, ScanRange
 {
   KittiKind kind = KittiKind::odometry;
-  std::string calib;     //!< file or folder; empty: where the layout has it
-  std::string poses;     //!< TUM or KITTI file
-  std::string oxts;      //!< file or folder
-  std::string labels;    //!< folder of .label files
-  std::string boxes;     //!< label_02 file, or folder of SUSTechPOINTS json
-  std::string sequence;  //!< of tracking's official layout: "0000"; empty: the only one
-  std::string times;     //!< file of times [s] or KITTI time stamps, a line for each frame number
+  std::string calib;        //!< calibration file or folder; empty: that of the layout
+  std::string poses;        //!< TUM or KITTI file of true poses
+  std::string oxts;         //!< GNSS/INS readings: file or folder
+  std::string labels;       //!< folder of .label files
+  std::string boxes;        //!< label_02 file, or folder of SUSTechPOINTS json
+  std::string sequence;     //!< sequence of KITTI tracking: "0000"; empty: the only one
+  std::string times;        //!< file of times [s] or KITTI time stamps, one line per frame number
   std::string sensor_pose;  //!< T_vehicle_lidar: x y z yaw pitch roll [m, deg]; empty: identity
-  bool imu = false;         //!< with the angular velocities and accelerations of oxts
-  bool gnss = false;        //!< with the positions of oxts
-  bool no_truth = false;    //!< scans only: no poses, labels or boxes
+  bool imu = false;         //!< write angular velocities and accelerations of oxts
+  bool gnss = false;        //!< write positions of oxts
+  bool no_truth = false;    //!< write only scans, without poses, labels and boxes
   PoseFrame pose_frame = PoseFrame::automatic;
-  PoseSource pose_source = PoseSource::unknown;  //!< of the poses; unknown: by the files
+  PoseSource pose_source = PoseSource::unknown;  //!< source of the poses; unknown: by the files
   ScansDeskewed deskewed = ScansDeskewed::automatic;
-  double dt = 0;  //!< seconds between scans; 0: the layout's own times, else 0.1034
-  bool vertical_angle_correction = false;  //!< lifts the points by 0.205 deg about the sensor
+  double dt = 0;  //!< time between scans [s]; 0: times of the layout, else 0.1034
+  bool vertical_angle_correction = false;  //!< raise the points by 0.205 deg about the sensor
   int every_n = 1;  //!< of the scans behind those skipped, every n-th is converted
   bool external_storage = false;
   int compression_level = 1;
@@ -78,12 +78,11 @@ struct KittiConverterOptions : Options, ScanRange
 /** Writes a KITTI folder, official or plain (`velodyne/NNNNNN.bin` and whatever files the options
  * name), as a rawlog with its ground-truth sidecar. Every point is kept in its order.
  *
- * Truth that lies in the folder but cannot be read, because the calibration is missing for example,
- * is left out with a warning; truth that the options name must be readable.
+ * Ground truth in the folder that cannot be read, for example without calibration, is left out with
+ * a warning; ground truth that the options name must be readable.
  *
- * The vehicle frame is the lidar's unless sensor_pose says otherwise, the world that of the pose
- * file. Boxes and labels keep their
- * meaning, frames are counted from 0 as in the rawlog. \throws UserError. */
+ * The vehicle frame is the lidar's unless sensor_pose is given, the world frame is that of the pose
+ * file. Frames are counted from 0 as in the rawlog. \throws UserError. */
 ConversionResult convertKitti(const std::string& input,
                               const std::string& output,
                               const KittiConverterOptions& options,
@@ -91,16 +90,16 @@ ConversionResult convertKitti(const std::string& input,
 
 struct ScanConverterOptions : Options, ScanRange, RecordingOptions
 {
-  std::string poses;  //!< TUM or KITTI file of the lidar, for folders
-  std::string times;  //!< file of times [s] or KITTI time stamps for a folder, a line for each scan
-  std::string truth_topic;  //!< of a bag's true poses of the vehicle; empty: none
-  std::string truth_frame;  //!< child frame of truth_topic, where that has several
-  PoseSource pose_source = PoseSource::unknown;  //!< of poses or truth_topic; unknown: given
-  /** T_vehicle_imu as sensor_pose; empty: by the bag's `/tf_static` and sensor_pose. */
+  std::string poses;  //!< TUM or KITTI file of lidar poses, for folders
+  std::string times;  //!< file of times [s] or KITTI time stamps for a folder, one line per scan
+  std::string truth_topic;  //!< topic of a bag's true vehicle poses; empty: none
+  std::string truth_frame;  //!< child frame of truth_topic, if it has several
+  PoseSource pose_source = PoseSource::unknown;  //!< source of true poses; unknown: given
+  /** T_vehicle_imu, in the format of sensor_pose; empty: by `/tf_static` and sensor_pose. */
   std::string imu_pose;
-  std::optional<BinLayout> bin_layout;  //!< of .bin files; nothing: by their content
-  bool by_number = false;     //!< scans of a folder are dt times the number in their name apart
-  bool keep_partial = false;  //!< also incomplete first and last revolutions of a pcap
+  std::optional<BinLayout> bin_layout;  //!< layout of .bin files; nothing: by their content
+  bool by_number = false;     //!< time of a scan of a folder: dt times the number in its name
+  bool keep_partial = false;  //!< write also incomplete first and last revolutions of a pcap
   int every_n = 1;            //!< of the scans behind those skipped, every n-th is converted
   bool external_storage = false;
   int compression_level = 1;

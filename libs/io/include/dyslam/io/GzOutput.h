@@ -16,10 +16,11 @@ namespace dyslam
 class StateArchive;
 
 /** Writes a gzip file for MRPT's archiveFrom(), as a PendingFile: close() renames it to its final
- * name, without that it is removed. The headers hold no time: same data, same bytes.
+ * name, without close() it is removed. The headers have no time, so that equal data give equal
+ * files.
  *
- * The file is a row of gzip members of `member_size` bytes of content each, which is one gzip file
- * to every reader (RFC 1952, 2.2) and lets each member be packed and unpacked in one go. */
+ * The file is a sequence of gzip members of `member_size` bytes of content each, which readers
+ * treat as one gzip file (RFC 1952, 2.2) and which can be packed and unpacked in one call each. */
 class GzOutput
 {
  public:
@@ -35,13 +36,13 @@ class GzOutput
 
   /** Records a failure, which check() reports: MRPT would wrap an exception into pages of text. */
   std::size_t Write(const void* buffer, std::size_t count);
-  std::size_t Read(void* buffer, std::size_t count);  //!< throws
+  std::size_t Read(void* buffer, std::size_t count);  //!< not supported: throws
   [[nodiscard]] std::string getStreamDescription() const { return pending_.path(); }
-  /** \throws UserError if something could not be written. */
+  /** Reports failures. \throws UserError if something could not be written. */
   void check() const;
-  /** Length of the file so far, and the content that is not packed yet. */
+  /** Saves or loads the length of the file and the content that is not packed yet. */
   void exchangeState(StateArchive& archive);
-  /** \throws UserError if not all could be written. */
+  /** Completes the file. \throws UserError if not all could be written. */
   void close();
 
  private:
@@ -51,8 +52,8 @@ class GzOutput
   PendingFile pending_;
   std::FILE* file_ = nullptr;
   std::unique_ptr<libdeflate_compressor, void (*)(libdeflate_compressor*)> compressor_;
-  std::vector<char> content_;  //!< of the member being filled
-  std::vector<char> packed_;   //!< a member as it is in the file
+  std::vector<char> content_;  //!< content of the current member
+  std::vector<char> packed_;   //!< buffer of a compressed member
   bool empty_ = true;          //!< no member was written
   std::string failure_;
 };

@@ -10,13 +10,13 @@ namespace dyslam
 {
 struct KittiExportOptions : Options, ScanRange
 {
-  std::string sequence = "00";  //!< name of the sequence's folder
+  std::string sequence = "00";  //!< name of the folder of the sequence
   std::string trajectory;       //!< TUM or KITTI poses of the vehicle; empty: the recording's truth
   std::string calib;            //!< KITTI's calibration; empty: camera axes at the lidar
-  std::string sensor_label;     //!< as RawlogSourceOptions
-  std::string further_lidars;   //!< as RawlogSourceOptions; not with `rings`
+  std::string sensor_label;     //!< as RawlogSourceOptions::sensor_label
+  std::string further_lidars;   //!< as in RawlogSourceOptions; not with `rings`
   bool no_scans = false;        //!< only times, calibration and poses
-  bool rings = false;           //!< NNNNNN.ring beside the scans, a byte a point
+  bool rings = false;           //!< write NNNNNN.ring beside the scans, one byte per point
 
   void describe(OptionsVisitor& visitor) override;
 };
@@ -26,8 +26,8 @@ struct KittiExportOptions : Options, ScanRange
  * `<folder>/sequences/NN/` gets `velodyne/NNNNNN.bin` (every point in its order, lidar frame),
  * `times.txt` (seconds since the first scan), `calib.txt`, `labels/NNNNNN.label` of the rawlog's
  * ground truth and `poses.txt`; `<folder>/poses/NN.txt` is the same. Poses are those of camera 0 in
- * the frame of the first, as KITTI's are; without a calibration that is the lidar with a camera's
- * axes (x right, y down, z ahead). Poses are left out, with a warning, unless every scan has one.
+ * its first frame, as KITTI's; without a calibration, the camera is at the lidar (x right, y down,
+ * z ahead). Poses are left out, with a warning, unless every scan has one.
  *
  * The sequence is written under a temporary name. If `progress` throws, all is removed.
  * \throws UserError, also if there is such a sequence already. */

@@ -9,13 +9,14 @@
 
 namespace dyslam
 {
-/** The rotation from the vehicle frame of a recording, in which the ground may be inclined, to the
- * levelled one, in which its scans are processed. Files have the poses of the recording's frame.
+/** Rotation from the vehicle frame of a recording, in which the ground may be inclined, to the
+ * levelled vehicle frame, in which its scans are processed. Files have poses of the recording's
+ * frame.
  */
 class Levelling
 {
  public:
-  /** None: both frames are the same. */
+  /** No rotation: both frames are the same. */
   Levelling() = default;
   /** \param roll about x, \param pitch about y, both fixed: roll first [rad] */
   Levelling(double roll, double pitch);
@@ -23,12 +24,12 @@ class Levelling
   [[nodiscard]] bool isNone() const { return !rotation_.has_value(); }
   [[nodiscard]] Pose T_level_recorded() const { return rotation_.value_or(Pose::Identity()); }
 
-  /** Takes a frame as recorded, its mountings and its ground truth, to the levelled vehicle. */
+  /** Transforms the mountings and the ground truth of a recorded frame to the levelled vehicle. */
   void apply(Frame& frame) const;
-  /** The reverse, of the mounting of a scan. */
+  /** Inverse of apply(), for the mounting of a scan. */
   void undo(Scan& scan) const;
 
-  /** The recorded vehicle's pose, from that of the levelled one in any frame, and the reverse. */
+  /** Pose of the recorded vehicle from that of the levelled one in any frame, and the inverse. */
   [[nodiscard]] Pose recorded(const Pose& T_any_level) const;
   [[nodiscard]] Pose levelled(const Pose& T_any_recorded) const;
   [[nodiscard]] Trajectory recorded(Trajectory poses) const;

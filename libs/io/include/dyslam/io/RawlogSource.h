@@ -16,26 +16,25 @@ namespace dyslam
 {
 struct RawlogSourceOptions : Options, ScanRange
 {
-  /** Regex for the first lidar's label; empty: the first of the file, but for those that
-   * further_lidars selects. */
+  /** Regex for the label of the first lidar; empty: the first one in the file that further_lidars
+   * does not select. */
   std::string sensor_label;
-  /** Regex for the labels of further lidars, whose scans join those of the first that are nearest
-   * in time (Scan::parts); empty: none. */
+  /** Regex for the labels of further lidars, whose scans are merged with the nearest scans of the
+   * first lidar in time (Scan::parts); empty: none. */
   std::string further_lidars;
   bool merge_further = true;  //!< false: only the first lidar is read; not in the ini
   std::string ground_truth_label = "ground_truth";  //!< sensor label of the CObservationRobotPose
-  /** Where no true pose has the scan's own time stamp, it is interpolated if the poses before and
-   * after the scan are at most this far from it [s]. */
+  /** Largest time between a scan and the true poses before and after it for interpolation, if no
+   * true pose has the scan's stamp [s]. */
   double ground_truth_max_gap = 0.2;
-  bool external_anywhere = false;  //!< external files may lie outside of the recording's folder
-  double intensity_scale =
-      0;                  //!< multiplies the file's intensities; 0: 1, or 1/255 for 0..255 data
-  std::string imu_label;  //!< regex for the IMU's label; empty: the first IMU with a gyroscope
+  bool external_anywhere = false;  //!< external files may be outside of the recording's folder
+  double intensity_scale = 0;  //!< factor on the file's intensities; 0: 1, or 1/255 for 0..255 data
+  std::string imu_label;       //!< regex for the IMU's label; empty: the first IMU with a gyroscope
   std::string odometry_label;  //!< regex for the wheel odometry's label; empty: the first one
   std::string gnss_label;      //!< regex for the satellite receiver's label; empty: the first one
-  bool level = true;  //!< programs that choose the settings set roll and pitch: settingsFor()
-  double roll = 0;    //!< of the recording's vehicle over level ground, about x [rad]
-  double pitch = 0;   //!< ... about y, after that [rad]
+  bool level = true;           //!< settingsFor() sets roll and pitch
+  double roll = 0;   //!< roll of the recording's vehicle frame over level ground, about x [rad]
+  double pitch = 0;  //!< pitch of that frame, about y, after roll [rad]
 
   [[nodiscard]] Levelling levelling() const { return {roll, pitch}; }
 
@@ -53,17 +52,17 @@ struct RawlogSourceOptions : Options, ScanRange
  * The vehicle frame of scans, IMU and ground truth is the levelled one, by roll and pitch of the
  * options.
  *
- * Of a vehicle with several lidars each frame has the scan of the first and, if wanted, those of
- * the others, placed by the sensor poses of the observations. For those recorded late, up to three
+ * With several lidars each frame has the scan of the first one and, if selected, those of the
+ * others, placed by the sensor poses of the observations. For scans recorded late, up to three
  * scans of the first lidar are read ahead.
  *
- * CObservationIMU and CObservationOdometry are read beside the scans. Frame::imu and Frame::wheels
- * hold those recorded since the scan before, and older ones that follow that scan in the file.
- * Damaged ones are left out.
+ * CObservationIMU and CObservationOdometry are also read. Frame::imu and Frame::wheels have the
+ * samples recorded since the previous scan, and older ones that follow that scan in the file.
+ * Damaged samples are left out.
  *
- * Observations of classes that MRPT does not have are left out, with a warning for each class.
+ * Observations of classes unknown to MRPT are left out, with a warning per class.
  *
- * A scan whose time stamp does not come after that of the scan before is dropped with a warning;
+ * A scan whose time stamp is not after that of the previous scan is dropped with a warning;
  * more than ten in a row are an error. A file cut short delivers every complete scan first, then
  * next() throws.
  *
@@ -79,20 +78,20 @@ class RawlogSource
   RawlogSource(RawlogSource&&) noexcept;
   RawlogSource& operator=(RawlogSource&&) noexcept;
 
-  /** The next scan with its ground truth, nothing at the end. Fills index, scan, imu, wheels and
-   * T_world_vehicle_truth of the frame.
-   * \throws UserError for damaged data, after all scans before it were delivered. */
+  /** Frame of the next scan with its ground truth, nothing at the end. Sets index, scan, imu,
+   * wheels and T_world_vehicle_truth. \throws UserError for damaged data, after all scans before it
+   * were delivered. */
   [[nodiscard]] std::optional<Frame> next();
 
-  /** Bytes of the (compressed) file read so far, 0 to 1. */
+  /** Fraction of the (compressed) file read so far, 0 to 1. */
   [[nodiscard]] double progress() const;
-  /** Frames delivered so far. */
+  /** Number of frames delivered so far. */
   [[nodiscard]] std::size_t framesRead() const;
-  /** Scans dropped for their time stamps so far. */
+  /** Number of scans dropped because of their time stamps so far. */
   [[nodiscard]] std::size_t framesDropped() const;
   /** Label of the lidar that is being read. */
   [[nodiscard]] std::string sensorLabel() const;
-  /** What the user should know about the file, one line each, each kind once with its count. */
+  /** Warnings for the user, one line each, each kind once with its count. */
   [[nodiscard]] std::vector<std::string> warnings() const;
 
  private:

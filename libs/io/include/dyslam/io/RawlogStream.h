@@ -15,11 +15,10 @@ namespace dyslam
 class GzInput;
 class RawlogObjects;
 
-/** The observations of a rawlog, plain or gzip, one by one, whichever of MRPT's two styles it is
- * written in. Those that hold neither scans nor poses nor the samples of an IMU or of wheel
- * odometry come empty and without a time stamp, and so do samples that are damaged; those of
- * classes that MRPT does not have are left out. Counts in the file are checked against its bytes
- * before any memory is taken. Not thread-safe. */
+/** Reads the observations of a rawlog, plain or gzip, in either of MRPT's two styles. Observations
+ * other than scans, poses and samples of IMU and wheel odometry, and damaged samples, come empty
+ * and without a time stamp; observations of classes unknown to MRPT are left out. Counts in the
+ * file are checked against its bytes before memory is allocated. Not thread-safe. */
 class RawlogStream
 {
  public:
@@ -35,13 +34,13 @@ class RawlogStream
   [[nodiscard]] mrpt::obs::CObservation::Ptr next();
 
   [[nodiscard]] const std::string& path() const { return path_; }
-  /** externalFolderOf() the file, else the file's own folder. */
+  /** externalFolderOf() the file; without such a folder, the folder of the file. */
   [[nodiscard]] const std::string& externalFolder() const { return external_folder_; }
-  /** How many observations were left out so far, for each class that MRPT does not have. */
+  /** Number of observations left out so far, by class unknown to MRPT. */
   [[nodiscard]] const std::map<std::string, std::size_t>& leftOut() const;
-  /** The same in words, a line for each class. */
+  /** Warnings about observations left out, one line per class. */
   [[nodiscard]] std::vector<std::string> warnings() const;
-  /** Bytes of the (compressed) file read so far, 0 to 1. */
+  /** Fraction of the (compressed) file read so far, 0 to 1. */
   [[nodiscard]] double progress() const;
 
  private:
@@ -53,6 +52,6 @@ class RawlogStream
   std::unique_ptr<GzInput> file_;
   std::unique_ptr<RawlogObjects> objects_in_;
   std::deque<mrpt::obs::CObservation::Ptr> queue_;
-  std::size_t objects_ = 0;  //!< whole objects read
+  std::size_t objects_ = 0;  //!< number of complete objects read
 };
 }  // namespace dyslam

@@ -35,13 +35,13 @@ struct RawlogWriterOptions : Options
  *
  * The file is written to `<path>.tmp` and renamed when closed: by close(), or by the destructor
  * when an exception unwinds the stack after the first scan, so that a file under its final name is
- * always complete. So do clouds in files of their own, in `<name>_Images.tmp/`. A killed program
- * leaves the `.tmp`s.
+ * always complete. The same holds for externally stored clouds, in `<name>_Images.tmp/`. A killed
+ * program leaves the `.tmp` files.
  */
 class RawlogWriter
 {
  public:
-  /** \throws UserError if the file cannot be made. */
+  /** Creates the file. \throws UserError if it cannot be created. */
   explicit RawlogWriter(const std::string& path, const RawlogWriterOptions& options = {});
   /** Continues the file of another object, saved by exchangeState(). \throws UserError. */
   RawlogWriter(const std::string& path, const RawlogWriterOptions& options, StateArchive& saved);
@@ -49,27 +49,27 @@ class RawlogWriter
   RawlogWriter(RawlogWriter&&) noexcept;
   RawlogWriter& operator=(RawlogWriter&&) noexcept;
 
-  /** \param truth T_world_vehicle at the scan's stamp.
+  /** Writes a scan. \param truth T_world_vehicle at the scan's stamp
    * \throws UserError if the disk is full or the stamp is not a number. */
   void write(const Scan& scan, const std::optional<Pose>& truth = std::nullopt);
-  /** A CObservationIMU: angular velocity, and acceleration if given; label `imu`. To be written
-   * before the first scan that is not older. \throws UserError as for a scan. */
-  void write(const ImuSample& sample);
-  /** A CObservationOdometry: velocities, and the pose that they add up to since the first one;
-   * label `odometry`. To be written before the first scan that is not older. \throws UserError as
-   * for a scan. */
-  void write(const WheelSample& sample);
-  /** A CObservationGPS: a GGA message and, if the standard deviations are known, with them a
-   * NV_OEM6_BESTPOS; label `gnss`. To be
+  /** Writes a CObservationIMU: angular velocity, and acceleration if given; label `imu`. To be
    * written before the first scan that is not older. \throws UserError as for a scan. */
+  void write(const ImuSample& sample);
+  /** Writes a CObservationOdometry: velocities, and the pose integrated from them since the first
+   * sample; label `odometry`. To be written before the first scan that is not older. \throws
+   * UserError as for a scan. */
+  void write(const WheelSample& sample);
+  /** Writes a CObservationGPS: a GGA message and, if the standard deviations are known, a
+   * NV_OEM6_BESTPOS with them; label `gnss`. To be written before the first scan that is not older.
+   * \throws UserError as for a scan. */
   void write(const GnssFix& fix);
-  /** Finishes the file. \throws UserError if that fails. Later calls do nothing. */
+  /** Completes and renames the file. \throws UserError if that fails. Later calls do nothing. */
   void close();
 
-  /** Removes all that was written, instead of close(). An earlier file of the name stays. */
+  /** Called instead of close(): removes all that was written; an earlier file is kept. */
   void abandon();
 
-  /** The state of the file. */
+  /** Saves or loads the state of the file. */
   void saveState(StateArchive& archive);
 
  private:

@@ -10,19 +10,20 @@
 
 namespace dyslam
 {
-/** Converts a recording that is no rawlog by the converter that fits: convertScans() or
- * convertKitti(), chosen by recordingKind() alone. */
+/** Converts a recording that is no rawlog with convertScans() or convertKitti(), chosen by
+ * recordingKind(). */
 class RecordingConverter
 {
  public:
   /** \throws UserError for a folder that no converter reads. */
   explicit RecordingConverter(const std::string& input);
 
-  /** Whether there is something to convert; false for a file that may be a rawlog. */
+  /** Whether the recording has to be converted; false for a file that may be a rawlog. */
   [[nodiscard]] bool isNeeded() const { return needed_; }
-  /** The program that does the same: "kitti2rawlog --kind raw" or "scans2rawlog". */
+  /** Program for the same conversion: "kitti2rawlog --kind raw" or "scans2rawlog". */
   [[nodiscard]] std::string program() const;
-  /** \pre isNeeded() \throws UserError, also for options that do not apply to the recording. */
+  /** Converts. \pre isNeeded() \throws UserError, also for options that don't apply to the
+   * recording. */
   ConversionResult convert(const std::string& output,
                            const RecordingOptions& options,
                            const ConversionProgress& progress = {}) const;

@@ -16,8 +16,8 @@ struct ReplayWriterOptions : Options
 {
   int every = 1;             //!< interval between written scans; 1: every scan
   double resolution = 0.15;  //!< static cloud: one point per cube of this side [m]; 0: all points
-  int scene_points = 30000;  //!< at most so many points in the 3D scene; 0: no scene
-  int trajectory_points = 2000;  //!< at most so many poses of the trajectory in a scene
+  int scene_points = 30000;  //!< largest number of points in the 3D scene; 0: no scene
+  int trajectory_points = 2000;  //!< largest number of poses of the trajectory in a scene
   int compression_level = 1;     //!< level of gzip, 0 (none) to 9
 
   void describe(OptionsVisitor& visitor) override;
@@ -37,7 +37,7 @@ struct ReplayWriterOptions : Options
 class ReplayWriter
 {
  public:
-  /** \throws UserError if the file cannot be made. */
+  /** Creates the file. \throws UserError if it cannot be created. */
   explicit ReplayWriter(const std::string& path, const ReplayWriterOptions& options = {});
   /** Continues the file of another object, saved by exchangeState(). \throws UserError. */
   ReplayWriter(const std::string& path, const ReplayWriterOptions& options, StateArchive& saved);
@@ -51,7 +51,7 @@ class ReplayWriter
   /** Finishes the file; later calls do nothing. \throws UserError if that fails. */
   void close();
 
-  /** The state of the file. */
+  /** Saves or loads the state of the file. */
   void saveState(StateArchive& archive);
 
  private:

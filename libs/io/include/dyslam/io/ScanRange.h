@@ -8,14 +8,14 @@
 
 namespace dyslam
 {
-/** Part of a recording that is used: by the number of the scans, and by their time since the first
+/** Part of a recording that is used: by the number of the scans and by the time since the first
  * scan of the recording. */
 struct ScanRange
 {
-  int skip_first_n = 0;  //!< scans to skip
-  int only_first_n = 0;  //!< scans to use after those; 0: all
-  double start = 0;      //!< earlier scans are skipped [s]
-  double end = 0;        //!< scans from here on are left out [s]; 0: none
+  int skip_first_n = 0;  //!< number of scans to skip
+  int only_first_n = 0;  //!< number of scans to use after the skipped ones; 0: all
+  double start = 0;      //!< time of the first scan to use [s]
+  double end = 0;        //!< time from which scans are not used [s]; 0: no limit
 
   void describeRange(OptionsVisitor& visitor);
 };
@@ -24,15 +24,15 @@ struct ScanRange
 class ScanSelection
 {
  public:
-  /** \param every_n of the scans behind those skipped, every n-th is used. \throws UserError if the
-   * end is not after the start. */
+  /** \param every_n every n-th scan after the skipped ones is used \throws UserError if the end is
+   * not after the start. */
   explicit ScanSelection(const ScanRange& range, int every_n = 1);
 
   /** Whether a scan is used; only_first_n is left to the caller.
-   * \param index among the scans of the recording, from 0 \param stamp not before that of the last
-   * call [s] */
+   * \param index number of the scan in the recording, from 0 \param stamp stamp of the scan [s],
+   * not before that of the last call */
   [[nodiscard]] bool takes(std::size_t index, double stamp);
-  /** No later scan is used. */
+  /** Whether no later scan is used. */
   [[nodiscard]] bool isPastEnd() const { return past_end_; }
 
  private:

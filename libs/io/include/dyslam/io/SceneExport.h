@@ -15,13 +15,13 @@ namespace dyslam
 struct SceneContent
 {
   std::vector<Eigen::Vector3f> points;
-  std::vector<float> intensity;  //!< one per point, or empty
+  std::vector<float> intensity;  //!< intensity in [0, 1], one per point, or empty
   Trajectory trajectory;
-  std::vector<Trajectory> other_trajectories;  //!< of other runs in the same map
-  Trajectory reference;                        //!< ground truth, drawn beside
+  std::vector<Trajectory> other_trajectories;  //!< trajectories of other runs in the map
+  Trajectory reference;                        //!< ground truth
   std::vector<LabelledBox> boxes;              //!< objects, with their ids
   std::vector<Eigen::Vector3d> velocities;     //!< one per box, drawn as arrows, or empty [m/s]
-  /** Paths of moving objects by id, drawn as lines of the box's colour. */
+  /** Paths of moving objects by id, drawn as lines in the colour of the box. */
   std::map<int, std::vector<Eigen::Vector3d>> object_paths;
 };
 

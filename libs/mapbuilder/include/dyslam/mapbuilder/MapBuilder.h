@@ -23,73 +23,73 @@ struct MapBuilderOptions
   StaticMapOptions map;
   HindsightOptions hindsight;
   MemoryOptions memory;
-  double keyframe_distance = 1.0;  //!< a scan is used after this distance [m], or a turn; 0: all
-  int threads = 0;                 //!< 0: the machine's number
+  double keyframe_distance = 1.0;  //!< distance after which a scan is used [m]; 0: all scans
+  int threads = 0;                 //!< number of threads; 0: number of cores
 
-  // What else is built, and where. For buildMap() and mergeMaps() it follows from the outputs.
+  // Further products and their files; buildMap() and mergeMaps() set them by the outputs.
   bool whole_map = true;         //!< build map()
-  bool labelled_map = false;     //!< collect labelledMap() as well
-  bool uncleaned_map = false;    //!< build uncleanedMap() as well
-  std::string scan_store;        //!< keep the scans used in this file; empty: do not
-  std::string temporary_folder;  //!< where the map beyond `memory` goes, in a file without a name
+  bool labelled_map = false;     //!< collect labelledMap()
+  bool uncleaned_map = false;    //!< build uncleanedMap()
+  std::string scan_store;        //!< file for the scans used; empty: they are not stored
+  std::string temporary_folder;  //!< folder of the unnamed file for the map beyond `memory`
 };
 
 /** Builds the static map of a recording along a known trajectory, or of several of one place.
  *
- * Of the scans with a pose, keyframes are chosen by distance and turn; what moves in them is left
- * out: by the labels of RunScans, else by labels with hindsight, and the boxes of objects that
- * move. Not thread-safe. */
+ * Keyframes are chosen by distance and rotation from the scans with a pose. Moving points are left
+ * out: by the labels of RunScans, else by labels with hindsight, and by the boxes of moving
+ * objects. Not thread-safe. */
 class MapBuilder
 {
  public:
   /** \throws UserError if the scans cannot be stored. */
   explicit MapBuilder(const MapBuilderOptions& options);
 
-  /** The next recording, the first one also. \throws UserError as RunScans. */
+  /** Begins a recording, also the first one. \throws UserError as RunScans. */
   void beginRun(const Trajectory& trajectory, const RunScansOptions& options);
 
-  /** First pass, if there are tracks: RunScans::noteObjects(). */
+  /** First pass over the scans, if there are tracks: see RunScans::noteObjects(). */
   void noteObjects(const Frame& frame) { runs_.back().noteObjects(frame); }
   [[nodiscard]] std::size_t trackedScans() const { return runs_.back().trackedScans(); }
 
-  /** The next scan of the recording, in order. Those the trajectory has no pose for are skipped,
-   * and those that the run could not register. \pre beginRun() */
+  /** Adds the next scan of the recording. Scans without a pose in the trajectory, and scans that
+   * the run could not register, are skipped. \pre beginRun() */
   void add(Frame frame);
-  /** After the last scan. */
+  /** To be called after the last scan. */
   void finish();
 
-  /** Everything below is relative to this: the start of the trajectory, in whole kilometres, if it
-   * starts farther than 10 km from zero, where float32 would round. Else 0. */
+  /** Origin of all results [m]: the start of the trajectory, in whole kilometres, if it is farther
+   * than 10 km from zero, where float32 would round; else 0. */
   [[nodiscard]] const Eigen::Vector3d& origin() const { return origin_; }
   [[nodiscard]] const StaticMap& map() const { return map_; }
-  /** The same with everything that moved; null without `uncleaned_map`. */
+  /** The map including moving points; null without `uncleaned_map`. */
   [[nodiscard]] const StaticMap* uncleanedMap() const
   {
     return uncleaned_ ? &uncleaned_->map : nullptr;
   }
-  /** The scans that make the map; null without `scan_store`. */
+  /** The scans of the map; null without `scan_store`. */
   [[nodiscard]] ScanStore* scans() { return scans_ ? &*scans_ : nullptr; }
   [[nodiscard]] std::size_t keyframes() const { return keyframes_.size(); }
   /** UNIX time of the first scan added, with a pose or not [s]. */
   [[nodiscard]] const std::optional<double>& recorded() const { return recorded_; }
-  /** Why the map stayed in memory; empty if all is well. */
+  /** Reason why the map could not be moved to disk; empty if all is well. */
   [[nodiscard]] const std::string& memoryProblem() const { return memory_.file->problem(); }
   [[nodiscard]] ThreadPool& pool() { return pool_; }
-  /** Scans without a pose. */
+  /** Number of scans without a pose. */
   [[nodiscard]] std::size_t skipped() const { return skipped_; }
-  /** Scans with a pose that the run could not register. */
+  /** Number of scans with a pose that the run could not register. */
   [[nodiscard]] std::size_t unregistered() const { return unregistered_; }
   /** Trajectory and objects of each recording. */
   [[nodiscard]] const std::deque<RunScans>& runs() const { return runs_; }
   [[nodiscard]] const MapBuilderOptions& options() const { return options_; }
-  /** The labels are those of the labels' folder and of moving objects' boxes. */
+  /** Labelled points, by the labels' folder and the boxes of moving objects. */
   [[nodiscard]] const LabelledMap& labelledMap() const { return labelled_; }
 
  private:
   [[nodiscard]] bool isKeyframe(const Pose& T_map_vehicle) const;
   void insert(const Frame& frame);
 
-  /** What moved is in it. */
+  /** Map that includes moving points. */
   struct Uncleaned
   {
     Uncleaned(const StaticMapOptions& options, const MemoryLimit& memory)

@@ -8,18 +8,18 @@
 
 namespace dyslam
 {
-/** Files to be written of a map; those without a name are not. */
+/** Files to be written of a map; those without a name are not written. */
 struct MapOutputs
 {
-  std::vector<std::string> maps;  //!< by their endings, see mapFormatOf()
+  std::vector<std::string> maps;  //!< map files; format by the ending, see mapFormatOf()
   MapExportOptions exports;
   std::string picture;     //!< PNG: the map from above, with paths and objects
-  std::string comparison;  //!< PNG: the map before and after cleaning; of runs: before merging
+  std::string comparison;  //!< PNG: map before and after cleaning; several runs: before merging
   std::string
       labelled_map;      //!< `.ply`, `.pcd` or `.bin`: LabelledMap, with a `.label` file beside it
-  std::string settings;  //!< as an ini: written beside the first output
+  std::string settings;  //!< settings as an ini, written beside the first output
 
-  /** `map.las` and `_tum.txt` become `map_tum.txt`: beside the first output; empty without any. */
+  /** Path beside the first output: `map_tum.txt` for `map.las` and `_tum.txt`; else empty. */
   [[nodiscard]] std::string beside(const std::string& ending) const;
   /** File of the settings; empty without any output but a labelled map. */
   [[nodiscard]] std::string settingsFile() const { return beside(".effective.ini"); }

@@ -19,42 +19,42 @@ namespace dyslam
 struct RecordingOnTrajectory
 {
   std::string rawlog;
-  std::string trajectory;  //!< TUM, or KITTI line by line
-  bool of_lidar = false;   //!< the poses are the lidar's, not the vehicle's
+  std::string trajectory;  //!< TUM or KITTI file
+  bool of_lidar = false;   //!< poses of the lidar, not of the vehicle
   RawlogSourceOptions source;
   RunScansOptions scans;
 };
 
-/** Adds what is not given of a recording from the output folder of a run: the recording that
- * report.json names, the trajectory, and labels and tracks where the folder has them.
+/** Completes a recording from the output folder of a run: the recording that report.json names, the
+ * trajectory, and labels and tracks if the folder has them. Given values are kept.
  * \throws UserError naming what is missing and its flag. */
 void completeFromRun(const std::string& folder, RecordingOnTrajectory& recording);
 
-/** effective.ini of a run. \throws UserError if its folder has none. */
+/** Settings in effective.ini of a run. \throws UserError if its folder has none. */
 [[nodiscard]] std::string settingsOfRun(const std::string& folder);
 
-/** What was built and written. */
+/** Summary of a map that was built and written. */
 struct MapReport
 {
   std::size_t scans = 0;
-  std::size_t skipped = 0;       //!< scans without a pose
-  std::size_t unregistered = 0;  //!< scans that the run could not register
+  std::size_t skipped = 0;       //!< number of scans without a pose
+  std::size_t unregistered = 0;  //!< number of scans that the run could not register
   std::size_t keyframes = 0;
-  std::size_t points = 0;  //!< of the clouds, or of the map
-  double voxel_size = 0;   //!< [m]
+  std::size_t points = 0;  //!< number of points of the clouds, or of the map
+  double voxel_size = 0;   //!< side of the map's voxels [m]
   std::string problem;     //!< what the files lack: scans after damage, runs; empty if nothing
 };
 
-/** The same of several runs. */
+/** Summary of a map of several runs. */
 struct MergeReport : MapReport
 {
-  std::size_t joined = 0;  //!< runs in the map
+  std::size_t joined = 0;  //!< number of runs in the map
   std::string table;       //!< loops and errors between the runs, as text
 };
 
 /** Builds the static map of a recording along a trajectory, and writes it.
  *
- * A recording that turns out damaged halfway still gives the map of the scans before.
+ * If the recording turns out damaged halfway, the map has the scans before the damage.
  * \throws UserError for bad input, and for files that cannot be written. */
 MapReport buildMap(const RecordingOnTrajectory& recording,
                    const MapBuilderOptions& options,

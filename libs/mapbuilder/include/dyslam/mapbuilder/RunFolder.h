@@ -15,9 +15,9 @@ namespace dyslam
 struct RunFolder
 {
   std::string folder;
-  std::string name;       //!< last part of the folder; longer where two would have one name
-  std::string rawlog;     //!< as report.json has it, unless another was given
-  Trajectory trajectory;  //!< T_map_vehicle, every scan; of the levelled vehicle, as in the graph
+  std::string name;       //!< last part of the folder; longer if two would be equal
+  std::string rawlog;     //!< recording by report.json, unless another one was given
+  Trajectory trajectory;  //!< T_map_vehicle of every scan, levelled vehicle frame
   FactorGraph graph;
   std::vector<double> keyframe_stamps;  //!< UNIX time [s], one per ego pose of the graph
   RawlogSourceOptions source;
@@ -31,7 +31,7 @@ struct RunArgument
   explicit RunArgument(const std::string& argument);
 
   std::string folder;
-  std::string rawlog;  //!< empty: as report.json of the run has it
+  std::string rawlog;  //!< recording; empty: the one in report.json of the run
 };
 
 /** \param folders output folders of dyslam, each of which may be followed by `=` and its recording;

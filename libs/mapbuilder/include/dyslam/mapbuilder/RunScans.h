@@ -22,24 +22,24 @@ namespace dyslam
 struct RunScansOptions
 {
   PreprocessOptions preprocess;
-  std::string labels;  //!< folder of NNNNNN.label, or one with such a `labels` folder
-  /** Objects' boxes, those that move are left out of the map: tracks.txt, or tracks.csv of a run
-   * with its tracks.txt beside it. */
+  std::string labels;  //!< folder of NNNNNN.label files, or folder with a subfolder `labels`
+  /** Boxes of objects, of which moving ones are left out of the map: tracks.txt, or tracks.csv of a
+   * run with its tracks.txt beside it. */
   std::string tracks;
   std::string scan_table;  //!< scans.csv of the run: scans that were not registered are left out
-  /** Largest difference of time stamps where the pose cannot be interpolated [s]. */
+  /** Largest difference of time stamps if the pose cannot be interpolated [s]. */
   double tolerance = 0.01;
-  std::string name;  //!< of the run in pictures; may be empty
+  std::string name;  //!< name of the run in pictures; may be empty
 };
 
 /** A moving object: its path and last box. */
 struct ObjectPath
 {
-  std::vector<Eigen::Vector3d> path;  //!< of the box's centre, map frame
-  LabelledBox last;                   //!< map frame
+  std::vector<Eigen::Vector3d> path;  //!< path of the box's centre, map frame [m]
+  LabelledBox last;                   //!< last box, map frame
 };
 
-/** The scans of a recording along its trajectory: their clouds, and what moves in them. */
+/** Clouds and moving points of the scans of a recording along its trajectory. */
 class RunScans
 {
  public:
@@ -47,9 +47,9 @@ class RunScans
   RunScans(const Trajectory& trajectory, const RunScansOptions& options, ThreadPool& pool);
 
   [[nodiscard]] const Trajectory& trajectory() const { return poses_.trajectory(); }
-  /** The vehicle's pose at the time of the scan, see ScanPoses. */
+  /** T_map_vehicle at the time of a scan, see ScanPoses. */
   [[nodiscard]] std::optional<Pose> poseOf(const Frame& frame) const;
-  /** False if the run could not register it, so that its pose is a guess. */
+  /** False if the run could not register the scan, so that its pose is a prediction. */
   [[nodiscard]] bool isRegistered(const Frame& frame) const
   {
     return unregistered_.count(frame.index) == 0;
@@ -62,20 +62,20 @@ class RunScans
     return boxes_.empty() ? 0 : static_cast<std::size_t>(boxes_.rbegin()->first) + 1;
   }
 
-  /** First pass, if there are tracks: the objects of a scan. Every scan comes here before
-   * fillMoving(), for an object that moves at all moves in all scans: one that is dynamic in any
-   * scan of the tracks.csv beside tracks.txt; an object that such a table lacks, and without a
-   * table each, if its box moves by more than 1 m. */
+  /** First pass over all scans, before fillMoving(), if there are tracks: collects the objects of a
+   * scan. An object that ever moves counts as moving in all scans: if it is dynamic in any scan of
+   * the tracks.csv beside tracks.txt or, if the table lacks it or there is no table, if its box
+   * moves by more than 1 m. */
   void noteObjects(const Frame& frame);
-  /** The cloud, deskewed by the motion along the trajectory. */
+  /** Cloud of a scan, deskewed with the motion along the trajectory. */
   void fillCloud(Frame& frame) const;
-  /** What moves by labels, and the objects. \pre cloud and T_odom_vehicle; `moving` and `objects`
-   * are empty */
+  /** Sets `moving` by labels, and `objects`. \pre cloud and T_odom_vehicle are set, `moving` and
+   * `objects` are empty */
   void fillMoving(Frame& frame) const;
-  /** One label per point of the cloud. \pre hasLabels() \throws UserError. */
+  /** Labels of a frame, one per point of the cloud. \pre hasLabels() \throws UserError. */
   [[nodiscard]] std::vector<Label> labelsOf(const Frame& frame) const;
 
-  /** Those that move, by track id. \pre noteObjects() of every scan */
+  /** Moving objects by track id. \pre noteObjects() of every scan */
   [[nodiscard]] std::map<int, ObjectPath> movingObjects() const;
   /** RunScansOptions::name. */
   [[nodiscard]] const std::string& name() const { return options_.name; }
@@ -88,7 +88,7 @@ class RunScans
   std::multimap<int, LabelledBox> boxes_;  // by frame, lidar frame
   std::map<int, ObjectPath> objects_;
   std::map<int, bool> moves_;
-  std::map<int, bool> dynamic_;         // by the table of the tracks, where it has the object
+  std::map<int, bool> dynamic_;         // by id: dynamic by the table of the tracks
   std::set<std::size_t> unregistered_;  // Frame::index
 };
 }  // namespace dyslam

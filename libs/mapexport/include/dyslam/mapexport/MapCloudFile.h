@@ -11,16 +11,16 @@
 
 namespace dyslam
 {
-/** What a file of points states beside these. */
+/** Properties of a cloud file in addition to its points. */
 struct CloudDescription
 {
   bool normals = false;
-  /** Of the map frame in the coordinates of the file [m]. */
+  /** Origin of the map frame in the coordinates of the file [m]. */
   Eigen::Vector3d origin = Eigen::Vector3d::Zero();
-  /** UNIX time of the recording's first scan [s]: the date in the header of a `.las`, which has
-   * none without it. */
+  /** UNIX time of the recording's first scan [s], for the date in the header of a `.las`; nothing:
+   * no date. */
   std::optional<double> recorded;
-  /** Number of the coordinate reference system, which a `.las` states; 0: none. */
+  /** EPSG number of the coordinate reference system, for `.las`; 0: none. */
   int epsg = 0;
 };
 
@@ -35,7 +35,7 @@ class MapCloudFile
  public:
   /** \throws UserError for another ending, and for a file that cannot be written. */
   MapCloudFile(const std::string& path, const CloudDescription& description);
-  /** Of a map frame whose origin is that of the file's coordinates. */
+  /** File for a map frame with the origin of the file's coordinates. */
   MapCloudFile(const std::string& path, bool normals);
   ~MapCloudFile();
   MapCloudFile(const MapCloudFile&) = delete;
@@ -47,7 +47,7 @@ class MapCloudFile
   void add(const MapPoints& points);
   /** Number of points added. */
   [[nodiscard]] std::size_t count() const;
-  /** Call it last: without it there is no file. \throws UserError. */
+  /** Completes the file; without this call there is no file. \throws UserError. */
   void close();
 
  private:

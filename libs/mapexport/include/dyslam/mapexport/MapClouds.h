@@ -15,14 +15,14 @@
 
 namespace dyslam
 {
-/** Called after each of the tiles that scans can reach, with the number of those that are done, of
- * all, and of those with points, for which there are files. */
+/** Called after each tile that scans can reach, with the number of tiles done, of all tiles, and of
+ * files written (for tiles with points). */
 using TileProgress = std::function<void(std::size_t done, std::size_t all, std::size_t written)>;
 
 /** Writes a static map as clouds (MapCloudFile), whole or in tiles: one point per voxel or, with
- * `full_resolution`, every static point; with normals, where `normals` is on.
+ * `full_resolution`, every static point; with normals, if `normals` is on.
  *
- * Several files are written at the same time, so that the points are made once. */
+ * Several files are written together, so that the points are computed once. */
 class MapClouds
 {
  public:
@@ -43,10 +43,10 @@ class MapClouds
                     const std::vector<std::string>& paths,
                     const MapProgress& on_keyframe = {}) const;
 
-  /** The maps of the scans tile by tile, one of which is in memory at a time: `map.las` becomes
+  /** Writes the map of the scans tile by tile, with one tile in memory at a time: `map.las` becomes
    * `map_X_Y.las` for each tile with points, and `map.las.tiles.yaml` with their lower corners, in
-   * the layout that Autoware reads. Tiles that an earlier index of this name lists and the new one
-   * does not are removed.
+   * the layout that Autoware reads. Tiles of an earlier index of this name that the new index does
+   * not list are removed.
    * \return number of points \throws UserError for a file that cannot be written. */
   std::size_t writeTiles(ScanStore& scans,
                          const std::vector<std::string>& paths,

@@ -22,15 +22,15 @@ struct MapExportOptions : Options
   bool full_resolution = false;      //!< clouds with every static point, not one per voxel
   bool normals = true;               //!< clouds with normals
   double normal_radius = 0.8;        //!< radius of the neighbourhood of a normal [m]
-  int epsg = 0;                      //!< reference system of the coordinates, in .las; 0: none
+  int epsg = 0;                      //!< EPSG number of the coordinates' system, for .las; 0: none
   double tile_size = 0;              //!< clouds in tiles of this side, at least 5 [m]; 0: one file
   double octree_resolution = 0.2;    //!< side of octomap's leaves [m]
-  double octree_range = 40.0;        //!< rays are cut off here [m]
+  double octree_range = 40.0;        //!< range at which rays are cut off [m]
   double grid_resolution = 0.1;      //!< side of the occupancy grid's cells [m]
-  double obstacle_min_height = 0.3;  //!< above ground: lower objects can be driven over [m]
-  double obstacle_max_height = 2.2;  //!< above ground: higher objects can be driven under [m]
-  int obstacle_min_hits = 2;  //!< least keyframes that observed an obstacle, if the map has so many
-  int grid_max_cells = 100000000;  //!< a larger grid gets coarser cells
+  double obstacle_min_height = 0.3;  //!< lower objects can be driven over [m]
+  double obstacle_max_height = 2.2;  //!< higher objects can be driven under [m]
+  int obstacle_min_hits = 2;         //!< least number of keyframes that observed an obstacle
+  int grid_max_cells = 100000000;    //!< a larger grid gets coarser cells
 
   void describe(OptionsVisitor& visitor) override;
 };
@@ -38,12 +38,12 @@ struct MapExportOptions : Options
 /** Called with the number of keyframes done after each of them; may be empty. */
 using MapProgress = std::function<void(std::size_t)>;
 
-/** A MapCloudFile of these points, with normals if they have some. */
+/** Writes a MapCloudFile of the points, with normals if they have any. */
 void writeMapCloud(const MapPoints& points,
                    const std::string& path,
                    const Eigen::Vector3d& origin = Eigen::Vector3d::Zero());
 
-/** MRPT's CSimpleMap: per keyframe its pose and the static points as CObservationPointCloud. */
+/** Writes MRPT's CSimpleMap: pose and static points (CObservationPointCloud) of each keyframe. */
 void writeSimplemap(const StaticMap& map,
                     const std::string& path,
                     const Eigen::Vector3d& origin = Eigen::Vector3d::Zero(),
@@ -70,7 +70,7 @@ void writeOccupancyGrid(const StaticMap& map,
 /** Whether the file exists and is the image of an occupancy grid: `x.png` that `x.yaml` names. */
 [[nodiscard]] bool isGridImage(const std::string& path);
 
-/** Kind of an output file, by the ending of its name. */
+/** Format of an output file, by the ending of its name. */
 enum class MapFormat
 {
   cloud,

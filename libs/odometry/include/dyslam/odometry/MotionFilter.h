@@ -25,22 +25,22 @@ struct MotionFilterOptions : Options
 
 /** A constant-velocity Kalman filter of pose and velocity, with white-noise acceleration.
  *
- * Where the scene constrains the motion well, the velocity is that of the last motion; where it
- * does not (tunnels, highways between guard rails), the velocity is averaged over several scans, by
- * their information. Velocities are twists [translation, rotation] in the vehicle frame, per
- * second; errors are perturbations on the right of a pose.
+ * If the scene constrains the motion well, the velocity follows the last motion; if it does not
+ * (tunnels, highways between guard rails), the velocity is averaged over several scans by their
+ * information. Velocities are twists [translation, rotation] in the vehicle frame, per second;
+ * errors are perturbations on the right of a pose.
  */
 class MotionFilter
 {
  public:
   explicit MotionFilter(const MotionFilterOptions& options);
 
-  /** Restart. \param sigma of the velocity: m/s, and rad/s for the rotation. */
+  /** Restarts with a velocity. \param sigma sigma of the velocity [m/s], [rad/s] */
   void start(const Vector6& velocity, double sigma, double angular_sigma);
 
-  /** T_previous_current of the next `dt` seconds; none for dt <= 0. */
+  /** Predicted T_previous_current over the next `dt` seconds; the identity for dt <= 0. */
   [[nodiscard]] Pose predict(double dt) const;
-  /** Information of the predicted pose, of log(T_predicted^-1 T). */
+  /** Information of log(T_predicted^-1 T) of the predicted pose. */
   [[nodiscard]] Matrix6 information(double dt) const;
 
   /** Standard deviation of the predicted position, along its worst direction [m]. */
@@ -53,12 +53,12 @@ class MotionFilter
               const Pose& T_previous_current,
               const Matrix6& measured,
               const Vector6& prior_weight = Vector6::Ones());
-  /** Update with a motion that is taken as exact. */
+  /** Updates with a motion that counts as exact. */
   void follow(double dt, const Pose& T_previous_current);
-  /** After a gap of `dt` seconds, over which the motion was not observed: the same velocity, as
-   * uncertain as the acceleration makes it, at most as at the first scan. */
+  /** To be called after a gap of `dt` seconds without observed motion: keeps the velocity, with the
+   * uncertainty caused by the acceleration, but at most that of the first scan. */
   void forget(double dt);
-  /** What is kept from frame to frame. */
+  /** Saves or loads the state between frames. */
   void exchangeState(StateArchive& archive);
 
  private:
@@ -68,6 +68,6 @@ class MotionFilter
 
   MotionFilterOptions options_;
   Vector6 velocity_ = Vector6::Zero();
-  Matrix12 covariance_ = Matrix12::Zero();  //!< of pose and velocity
+  Matrix12 covariance_ = Matrix12::Zero();  //!< covariance of pose and velocity
 };
 }  // namespace dyslam

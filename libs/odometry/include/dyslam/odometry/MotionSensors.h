@@ -34,22 +34,23 @@ struct MotionSensorOptions : Options
   void describe(OptionsVisitor& visitor) override;
 };
 
-/** Motion between two scans by gyroscope and wheels. */
+/** Motion between two scans measured by gyroscope and wheels. */
 struct SensedMotion
 {
-  /** What was not measured is as predicted. */
+  /** Measured motion; components that were not measured are predicted. */
   Pose T_previous_current = Pose::Identity();
-  /** Of log(T_sensed^-1 T); zero for the components that were not measured. */
+  /** Information of log(T_sensed^-1 T); zero for components that were not measured. */
   Matrix6 information = Matrix6::Zero();
-  std::optional<Eigen::Matrix3d> rotation;  //!< by the gyroscope, also where it is not trusted
-  std::optional<double> displacement;       //!< forward along the path, by the wheels [m]
+  std::optional<Eigen::Matrix3d> rotation;  //!< by the gyroscope, even if it is not trusted
+  std::optional<double> displacement;       //!< forward, along the path, by the wheels [m]
 };
 
 /** The vehicle's motion by gyroscope and wheel odometry.
  *
  * The samples are integrated, with linear interpolation between them. The gyroscope's bias and the
- * scale of the wheels' speed are estimated from the motions that the scans show. A gyroscope that
- * contradicts these motions on about half of the recent scans is not trusted. Not thread-safe.
+ * scale of the wheels' speed are estimated by comparison with the motions from the scans. A
+ * gyroscope that contradicts these on about half of the recent scans is not trusted. Not
+ * thread-safe.
  */
 class MotionSensors
 {
@@ -59,12 +60,12 @@ class MotionSensors
   ~MotionSensors();
   MotionSensors(MotionSensors&&) noexcept;
 
-  /** Adds the samples of a frame. Left out: those that are not finite, not later than the ones
-   * before, more than a second later than the scan, or more than 10 s earlier. */
+  /** Adds the samples of a frame. Ignores samples that are not finite, not later than the previous
+   * ones, more than a second later than the scan, or more than 10 s earlier. */
   void add(const Frame& frame);
 
-  /** \param begin,end stamps of two scans in a row [s]
-   * \param T_predicted motion in between by others
+  /** Motion between two scans. \param begin,end stamps of two successive scans [s]
+   * \param T_predicted predicted motion between them, for components that are not measured
    * \return nothing if neither sensor has samples throughout */
   [[nodiscard]] std::optional<SensedMotion> sense(double begin,
                                                   double end,
@@ -73,25 +74,25 @@ class MotionSensors
   /** Forward speed at an instant [m/s]; nothing without samples there. */
   [[nodiscard]] std::optional<double> speedAt(double stamp) const;
 
-  /** Fuses a sensed motion with a prior. A displacement beyond `wheel_gate` is left out (wheels
-   * slip); a rotation far from the prior outweighs it (turns begin suddenly).
+  /** Fuses a sensed motion with a prior. A displacement beyond `wheel_gate` is ignored (wheels
+   * slip); a rotation far from the prior outweighs the prior (turns begin suddenly).
    * \return the information that was added */
   [[nodiscard]] Matrix6 fuse(const SensedMotion& sensed, MotionPrior& prior) const;
 
-  /** Compares a sensed motion with the one that was found with the scans; estimates bias and scale.
-   * \param fused information of fuse() \param dt between the scans [s]
-   * \param measured information of the scans alone */
+  /** Compares a sensed motion with the motion estimated with the scans; estimates bias and scale.
+   * \param fused result of fuse() \param dt time between the scans [s]
+   * \param measured information by the scans, without priors */
   void compare(const SensedMotion& sensed,
                const Matrix6& fused,
                double dt,
                const Pose& T_previous_current,
                const Matrix6& measured);
 
-  /** Sensors that were used: " + gyroscope + wheel_odometry", or a part of it. */
+  /** Names of the sensors that were used: " + gyroscope + wheel_odometry", or a part of it. */
   [[nodiscard]] std::string name() const;
-  /** Sensors that contradict the scans or do not fit their times, a sentence each. */
+  /** Warnings about sensors that contradict the scans or their times, one sentence each. */
   [[nodiscard]] std::vector<std::string> warnings() const;
-  /** What is kept from frame to frame. */
+  /** Saves or loads the state between frames. */
   void exchangeState(StateArchive& archive);
 
  private:

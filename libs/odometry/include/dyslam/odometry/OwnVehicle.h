@@ -13,34 +13,35 @@ namespace dyslam
 {
 class StateArchive;
 
-/** Where around the lidars their own vehicle may be seen: roof, mast, or who carries them.
+/** Places around the lidars where their own vehicle may be seen: roof, mast, or a person carrying
+ * them.
  *
- * The vehicle's returns stay where they are in the lidar's frame while it drives, those of the
- * surroundings pass by. A place (a cube of 0.1 m, and those around it) is free if the lidar had no
- * returns there in most of the last scans that were taken 0.3 m or 10 degrees apart. Until eight of
- * those are known, as before the vehicle moves, it may be everywhere.
+ * While the vehicle moves, its own returns stay in place in the lidar's frame, whereas the
+ * surroundings pass by. A place (a cube of 0.1 m and its neighbours) is free if the lidar had no
+ * returns there in most of the last scans, which are at least 0.3 m or 10 degrees apart. Until
+ * there are eight of these scans (before the vehicle moves), it may be everywhere.
  */
 class OwnVehicle
 {
  public:
-  /** \param range of the places that are observed, from each lidar [m] */
+  /** \param range largest distance of observed places from each lidar [m] */
   explicit OwnVehicle(double range);
 
-  /** Adds a scan, if the vehicle has moved on since the last that was added. */
+  /** Adds a scan, if the vehicle has moved enough since the last scan that was added. */
   void observe(const Scan& scan);
-  /** The motion since the scan before; for each scan. */
+  /** To be called for each scan, with the motion since the previous scan. */
   void addMotion(const Pose& T_previous_current);
-  /** \param point of a lidar's frame, not deskewed \param lidar ScanPart::lidar; 0: the first one
-   * \return false if it is free or out of range */
+  /** \param point lidar's frame, not deskewed [m] \param lidar ScanPart::lidar; 0: the first one
+   * \return false if the place is free or out of range */
   [[nodiscard]] bool mayBeAt(const Eigen::Vector3f& point, std::size_t lidar = 0) const;
   void exchangeState(StateArchive& archive);
 
  private:
-  /** Around one lidar. */
+  /** Places around one lidar. */
   struct Places
   {
-    std::deque<std::vector<std::uint32_t>> observations;  //!< cells with returns, of each scan
-    std::vector<bool> may_be;                             //!< of each cell; empty: everywhere
+    std::deque<std::vector<std::uint32_t>> observations;  //!< per scan: cells with returns
+    std::vector<bool> may_be;                             //!< per cell; empty: everywhere
   };
 
   [[nodiscard]] std::size_t cellOf(const Eigen::Vector3f& point) const;
@@ -48,9 +49,9 @@ class OwnVehicle
   void decide(Places& places) const;
 
   float range_;
-  std::size_t side_;                            //!< of the grid [cells]
-  Pose T_observed_current_ = Pose::Identity();  //!< since the last scan that was added
+  std::size_t side_;                            //!< side of the grid [cells]
+  Pose T_observed_current_ = Pose::Identity();  //!< motion since the last added scan
   bool any_observed_ = false;
-  std::vector<Places> lidars_;  //!< by number
+  std::vector<Places> lidars_;  //!< by number of the lidar
 };
 }  // namespace dyslam

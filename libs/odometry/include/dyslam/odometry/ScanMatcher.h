@@ -16,16 +16,17 @@ class StateArchive;
 /** Result of a scan matcher. */
 struct ScanMatch
 {
-  /** The information is that of the points alone, even where the matcher uses the prior. */
+  /** Its information is that of the points only, even if the matcher uses the prior. */
   MotionEstimate motion;
-  /** Confidence in [0, 1] that a point is static, one per cloud point; empty from matchers that
-   * give none, and where the frame could not be used. */
+  /** Confidence in [0, 1] that a point is static, per cloud point; empty if the matcher gives none
+   * or the frame could not be used. */
   std::vector<float> static_confidence;
 };
 
-/** Estimates the motion between consecutive frames, by a method that the config chooses.
+/** Estimates the motion between consecutive frames; base class of the methods that the config
+ * chooses from.
  *
- * Reads Frame::cloud, and as weights Frame::moving_probability and Frame::static_confidence where
+ * Reads Frame::cloud and, as weights, Frame::moving_probability and Frame::static_confidence if
  * they are as long as the cloud. Not thread-safe; one object per recording.
  */
 class ScanMatcher
@@ -41,17 +42,17 @@ class ScanMatcher
    * \param prior its motion is the initial value; its information is fused with the points by
    *   matchers whose usesPrior() is true */
   [[nodiscard]] virtual ScanMatch match(const Frame& frame, const MotionPrior& prior) = 0;
-  /** Whether the prior's information is part of the motion that match() finds. */
+  /** Whether match() fuses the information of the prior. */
   [[nodiscard]] virtual bool usesPrior() const { return false; }
-  /** What is kept from frame to frame. */
+  /** Saves or loads the state between frames. */
   virtual void exchangeState(StateArchive& archive) = 0;
   [[nodiscard]] virtual std::string name() const = 0;
 };
 
-/** Names that makeScanMatcher() knows. */
+/** Names that makeScanMatcher() accepts. */
 [[nodiscard]] std::vector<std::string> scanMatcherNames();
 
-/** Builds the matcher of that name; its options come from the ini section `[<name>]`.
+/** Makes the matcher `name` with the options of the ini section `[<name>]`.
  * \throws UserError for an unknown name, naming the nearest, and for bad options. The pool must
  * outlive the result. */
 [[nodiscard]] std::unique_ptr<ScanMatcher> makeScanMatcher(const std::string& name,

@@ -8,34 +8,32 @@
 
 namespace dyslam
 {
-/** The poses of the vehicle at two times. */
+/** Poses of the vehicle at two times. */
 struct TimedMotion
 {
   Pose from = Pose::Identity();
   Pose to = Pose::Identity();
-  double dt = 0;  //!< between them [s]; 0: unknown, both are the identity
+  double dt = 0;  //!< time between the poses [s]; 0: unknown, both are the identity
 };
 
-/** Poses of scans along a given trajectory, whose time stamps need not be those of the scans: an
- * INS with a rate of its own, for example.
+/** Poses of scans along a given trajectory with other stamps than the scans, for example of an INS.
  *
  * Between two poses that are at most 0.5 s apart the pose is interpolated. Thread-safe. */
 class ScanPoses
 {
  public:
-  /** \param tolerance largest difference of time stamps where the pose cannot be interpolated [s]
-   */
+  /** \param tolerance largest difference of stamps if the pose can't be interpolated [s] */
   ScanPoses(Trajectory trajectory, double tolerance);
 
   [[nodiscard]] const Trajectory& trajectory() const { return trajectory_; }
 
-  /** The pose at a time: interpolated, else the nearest one within the tolerance, if any. */
+  /** Pose at a stamp [s]: interpolated, else the nearest one within the tolerance, else nothing. */
   [[nodiscard]] std::optional<Pose> at(double stamp) const;
 
   /** The motion during the sweep of a scan, for Preprocessor::prepare().
    *
-   * Of a trajectory with one pose per scan, at its time, it is that since the scan before, and
-   * where the trajectory does not span the sweep without a gap, that between the nearest poses.
+   * If the trajectory has one pose per scan, at its stamp: the motion since the previous scan. If
+   * the trajectory has a gap during the sweep: the motion between the nearest poses.
    * \param span Preprocessor::sweepSpan() of the scan */
   [[nodiscard]] TimedMotion motionDuring(double stamp, const std::pair<double, double>& span) const;
 

@@ -11,21 +11,21 @@
 
 namespace dyslam
 {
-/** How the data packets of a Hesai lidar that turns are laid out, after the maker's user manuals.
- * Places are bytes from the beginning of the packet. */
+/** Layout of the data packets of a spinning Hesai lidar, after the maker's user manuals. Positions
+ * are bytes from the beginning of the packet. */
 struct HesaiLayout
 {
-  std::string name;  //!< "XT32"
+  std::string name;  //!< name of the model: "XT32"
   std::size_t lasers = 0;
   std::size_t blocks = 0;
   std::size_t first_block = 0;
-  std::size_t azimuth_at = 0;    //!< byte within a block
+  std::size_t azimuth_at = 0;    //!< position of the azimuth in a block [bytes]
   std::size_t return_bytes = 0;  //!< of each laser in a block: range (2), reflectivity (1), others
-  double range_unit = 0;         //!< [m]
+  double range_unit = 0;         //!< unit of ranges [m]
   std::size_t return_mode_at = 0;
   std::size_t date_at = 0;
   std::size_t clock_at = 0;
-  double block_period = 0;   //!< from one firing of all lasers to the next [s]
+  double block_period = 0;   //!< time from one firing of all lasers to the next [s]
   bool stamps_last = false;  //!< the packet's time is that of its last firing, not of its first
   std::size_t packet_bytes = 0;
 
@@ -45,12 +45,12 @@ class HesaiPacketView
   {
   }
 
-  /** Clockwise [0.01 deg], 0 to 35999. */
+  /** Azimuth of a block, clockwise [0.01 deg], 0 to 35999. */
   [[nodiscard]] int azimuth(std::size_t block) const
   {
     return u16(blockAt(block) + layout_.azimuth_at) % 36000;
   }
-  /** In units of the layout; 0 without a return. */
+  /** Range of a return in units of the layout; 0: no return. */
   [[nodiscard]] std::uint16_t range(std::size_t block, std::size_t laser) const
   {
     return u16(returnAt(block, laser));
@@ -59,9 +59,9 @@ class HesaiPacketView
   {
     return bytes_[returnAt(block, laser) + 2];
   }
-  /** Blocks that belong to one firing: 1, or 2 or 3 with several returns. */
+  /** Number of blocks per firing: 1, or 2 or 3 with several returns. */
   [[nodiscard]] std::size_t returns() const;
-  /** By the sensor's clock, as a UNIX time if that is set, else from anywhere [s]. */
+  /** Time by the sensor's clock [s]: UNIX time if the clock is set, else with any origin. */
   [[nodiscard]] double time() const;
 
  private:
@@ -86,10 +86,10 @@ class HesaiPacketView
 struct HesaiAngles
 {
   std::vector<double> elevations;
-  std::vector<double> azimuths;  //!< clockwise, from that of the block
+  std::vector<double> azimuths;  //!< clockwise, relative to the azimuth of the block
 };
 
-/** Those that a model is designed for; nothing for models of which each lidar differs. */
+/** Nominal angles of a model; nothing for models whose lidars all differ. */
 [[nodiscard]] std::optional<HesaiAngles> designedHesaiAngles(const HesaiLayout& layout);
 /** Reads the maker's angle correction file of a lidar (.csv: channel, elevation, azimuth).
  * \throws UserError if it is none, or not of `lasers` lasers. */

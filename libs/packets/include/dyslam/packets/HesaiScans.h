@@ -12,10 +12,10 @@ namespace dyslam
 {
 struct HesaiScansOptions
 {
-  std::string angle_file;     //!< the lidar's angle correction file; empty: the model's design
-  double min_range = 0;       //!< nearer returns (vehicle, housing) are dropped [m]
-  double cut_azimuth = M_PI;  //!< where scans are cut, clockwise from azimuth 0 [rad]
-  bool keep_partial = false;  //!< also deliver the incomplete first and last revolution
+  std::string angle_file;     //!< the lidar's angle correction file; empty: nominal angles
+  double min_range = 0;       //!< range below which returns (vehicle, housing) are dropped [m]
+  double cut_azimuth = M_PI;  //!< azimuth where scans are cut, clockwise from azimuth 0 [rad]
+  bool keep_partial = false;  //!< deliver also incomplete first and last revolutions
 };
 
 /** Scans of the packets of a Hesai that turns: Pandar40P and 64, PandarXT (16, 32, 32M2X), PandarQT

@@ -10,7 +10,7 @@ namespace dyslam
 struct LidarPacket
 {
   std::vector<std::uint8_t> bytes;
-  double captured = 0;       //!< when it was received, UNIX time [s]
+  double captured = 0;       //!< time of reception, UNIX time [s]
   std::uint64_t stream = 0;  //!< sender's address and receiver's port; 0 in bags
 };
 }  // namespace dyslam

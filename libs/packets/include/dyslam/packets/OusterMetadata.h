@@ -13,35 +13,35 @@ namespace dyslam
 /** One return of a firing in an Ouster data packet. */
 struct OusterReturn
 {
-  std::size_t range_at;         //!< byte within the data of a pixel
-  std::size_t range_bytes;      //!< 2 or 4
-  unsigned range_bits;          //!< the lowest of these
-  unsigned range_unit;          //!< [mm]
-  std::size_t reflectivity_at;  //!< byte within the data of a pixel
+  std::size_t range_at;         //!< position of the range in the data of a pixel [bytes]
+  std::size_t range_bytes;      //!< size of the range: 2 or 4 bytes
+  unsigned range_bits;          //!< number of (lowest) bits that are the range
+  unsigned range_unit;          //!< unit of ranges [mm]
+  std::size_t reflectivity_at;  //!< position of the reflectivity in a pixel [bytes]
 };
 
-/** How the data packets are laid out. */
+/** Layout of the data packets. */
 struct OusterProfile
 {
-  std::string name;         //!< as udp_profile_lidar has it
-  std::size_t pixel_bytes;  //!< of one beam in one column
+  std::string name;         //!< value of udp_profile_lidar
+  std::size_t pixel_bytes;  //!< size of the data of a pixel (a beam in a column)
   std::vector<OusterReturn> returns;
 
   [[nodiscard]] bool isLegacy() const { return name == "LEGACY"; }
 };
 
-/** What the metadata of an Ouster lidar (.json) say of its packets and beams. */
+/** Packets and beams of an Ouster lidar, from its metadata (.json). */
 struct OusterMetadata
 {
-  std::string product;       //!< "OS-1-128"
-  std::uint64_t serial = 0;  //!< 0: not stated
+  std::string product;       //!< name of the product: "OS-1-128"
+  std::uint64_t serial = 0;  //!< serial number; 0: not stated
   OusterProfile profile;
   bool fusa_header = false;        //!< packets begin with the header for functional safety
-  std::size_t columns = 0;         //!< in a whole turn
-  std::size_t packet_columns = 0;  //!< in each packet
-  std::vector<double> altitudes;   //!< of the beams, rows of the image [rad]
-  std::vector<double> azimuths;    //!< of the beams from the direction of the encoder [rad]
-  /** Of the beams' common origin from the axis of the turn, outwards and up [m]. */
+  std::size_t columns = 0;         //!< number of columns in a revolution
+  std::size_t packet_columns = 0;  //!< number of columns in a packet
+  std::vector<double> altitudes;   //!< elevations of the beams (rows of the image) [rad]
+  std::vector<double> azimuths;    //!< azimuths of the beams from the encoder's direction [rad]
+  /** Offset of the beams' common origin from the axis of rotation, outwards and up [m]. */
   double origin_outwards = 0;
   double origin_up = 0;
   Pose T_sensor_lidar = Pose::Identity();

@@ -13,7 +13,7 @@
 
 namespace dyslam
 {
-/** Ring of each beam: its rank by elevation, the lowest is 0. */
+/** Ring of each beam: rank by elevation, 0: lowest. */
 [[nodiscard]] std::vector<std::uint16_t> ringsByElevation(const std::vector<double>& elevations);
 
 /** Makes scans of the packets of one lidar: one for each revolution, with time, ring and intensity
@@ -31,29 +31,29 @@ class PacketScans
   /** \pre takes(packet), and the packets are of one lidar in the order in which they were received.
    * \throws UserError for a lidar that cannot be decoded. */
   virtual void add(const LidarPacket& packet) = 0;
-  /** No packets follow. \throws UserError for a lidar that cannot be decoded. */
+  /** To be called after the last packet. \throws UserError for a lidar that can't be decoded. */
   virtual void finish() = 0;
-  /** The next scan that is complete, nothing until more packets are added. */
+  /** The next complete scan; nothing until more packets are added. */
   [[nodiscard]] virtual std::optional<Scan> take() = 0;
-  /** Name of the lidar: "VLP16", "OS-1-128". */
+  /** Name of the lidar, such as "VLP16" or "OS-1-128". */
   [[nodiscard]] virtual std::string sensor() const = 0;
-  /** What was found in the packets, and what is wrong with them, a line each. */
+  /** Notes and warnings about the packets, one line each. */
   [[nodiscard]] virtual std::vector<std::string> warnings() const { return {}; }
 };
 
-/** Revolutions on their way out. Each waits for the next one, so that the last is known as such:
- * recordings often begin and end within a revolution, and such scans are left out. */
+/** Queue of revolutions. Each one waits for the next, so that the last is known as such: recordings
+ * often begin and end within a revolution, and incomplete scans are left out. */
 class RevolutionQueue
 {
  public:
   /** \param keep_partial deliver also incomplete first and last revolutions. */
   explicit RevolutionQueue(bool keep_partial) : keep_partial_(keep_partial) {}
 
-  /** \param begin, end where the revolution begins and ends, in turns from where scans are cut. */
+  /** Adds a revolution. \param begin, end angles where it begins and ends, in turns from the cut */
   void push(Scan scan, double begin, double end);
-  /** The last revolution was pushed. */
+  /** To be called after the last revolution. */
   void finish() { finished_ = true; }
-  /** The next one that is whole; nothing until more are pushed. */
+  /** The next complete revolution; nothing until more are pushed. */
   [[nodiscard]] std::optional<Scan> take();
 
  private:
@@ -69,12 +69,12 @@ class RevolutionQueue
   bool finished_ = false;
   std::deque<Revolution> waiting_;
   std::size_t pushed_ = 0;
-  std::size_t taken_ = 0;   //!< delivered or not
-  double usual_begin_ = 0;  //!< that of the second revolution
-  double usual_end_ = 1;    //!< that of the latest that is neither the first nor the last
+  std::size_t taken_ = 0;   //!< number of revolutions taken, delivered or not
+  double usual_begin_ = 0;  //!< begin of the second revolution
+  double usual_end_ = 1;    //!< end of the latest one that is neither first nor last
 };
 
-/** Cuts the blocks of a lidar that turns, either way, into revolutions. */
+/** Cuts the blocks of a spinning lidar, in either direction, into revolutions. */
 class RevolutionCutter
 {
  public:
@@ -88,19 +88,19 @@ class RevolutionCutter
    * \param stamp of a scan that begins here, UNIX time [s]
    * \return valid until the next call of any method */
   [[nodiscard]] Scan& scanOf(int azimuth, double stamp);
-  /** No blocks follow. */
+  /** To be called after the last block. */
   void finish();
   [[nodiscard]] std::optional<Scan> take() { return queue_.take(); }
 
  private:
   void push();
 
-  int cut_;  //!< [0.01 deg]
+  int cut_;  //!< azimuth of the cut [0.01 deg]
   RevolutionQueue queue_;
   Scan scan_;
   bool begun_ = false;
-  int first_azimuth_ = 0;  //!< from the cut on [0.01 deg]
-  int last_azimuth_ = 0;   //!< from the cut on [0.01 deg]
-  double turned_ = 0;      //!< clockwise, since the first block [0.01 deg]
+  int first_azimuth_ = 0;  //!< first azimuth of the scan, from the cut on [0.01 deg]
+  int last_azimuth_ = 0;   //!< last azimuth of the scan, from the cut on [0.01 deg]
+  double turned_ = 0;      //!< clockwise angle since the first block [0.01 deg]
 };
 }  // namespace dyslam

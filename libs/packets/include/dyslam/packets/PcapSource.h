@@ -29,12 +29,12 @@ class PcapSource
   PcapSource(PcapSource&&) noexcept;
   PcapSource& operator=(PcapSource&&) noexcept;
 
-  /** The next revolution, nothing at the end. \throws UserError if the file is damaged. */
+  /** Scan of the next revolution; nothing at the end. \throws UserError if the file is damaged. */
   [[nodiscard]] std::optional<Scan> next();
-  /** Name of the lidar: "VLP16", "OS-1-128". */
+  /** Name of the lidar, such as "VLP16" or "OS-1-128". */
   [[nodiscard]] std::string sensor() const;
-  [[nodiscard]] double progress() const;  //!< 0 to 1
-  /** Files beside the capture that are used, a line each. */
+  [[nodiscard]] double progress() const;  //!< fraction of the file that was read, 0 to 1
+  /** Notes about files beside the capture that are used, one line each. */
   [[nodiscard]] const std::vector<std::string>& notes() const;
   [[nodiscard]] std::vector<std::string> warnings() const;
 

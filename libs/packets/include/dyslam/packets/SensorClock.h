@@ -5,11 +5,12 @@
 
 namespace dyslam
 {
-/** UNIX times by a lidar's own clock, which is even, but may have started anywhere.
+/** UNIX times by a lidar's own clock, which is accurate but may have any origin.
  *
- * It is set to the time at which the first packet was received, and runs on from there, whatever
- * the times of the capture are. Where it goes back or jumps by more than 1 s it was set, or packets
- * are missing: the time that passed is that of the capture. */
+ * The time begins at the reception of the first packet (or at the sensor's own UNIX time, if that
+ * agrees to 1 s) and continues by the sensor's clock, independent of later times of the capture. If
+ * the sensor's clock goes back or jumps by more than 1 s, it was set or packets are missing: then
+ * the elapsed time is that of the capture. */
 class SensorClock
 {
  public:
@@ -20,7 +21,7 @@ class SensorClock
   double advance(double step, double captured);
 
  private:
-  double sensor_time_ = 0;  //!< [s]
+  double sensor_time_ = 0;  //!< time by the sensor's clock [s]
   double offset_ = 0;       //!< UNIX time minus sensor_time_ [s]
   std::optional<double> last_captured_;
 };

@@ -23,45 +23,44 @@ enum class VelodyneModel
   vls128   //!< Alpha Prime
 };
 
-/** What the packets of a model mean, after the makers' user manuals. */
+/** Properties of a model's packets, after the maker's user manuals. */
 struct VelodyneTraits
 {
-  const char* name;  //!< "VLP16"
+  const char* name;  //!< name of the model: "VLP16"
   std::size_t lasers;
-  double range_unit;      //!< [m]
-  double firing_time;     //!< of all lasers once, with the pause behind it [s]
-  double shot_time;       //!< from one shot to the next [s]
-  std::size_t at_a_time;  //!< lasers in each shot
+  double range_unit;      //!< unit of ranges [m]
+  double firing_time;     //!< time of a firing of all lasers, with the pause after it [s]
+  double shot_time;       //!< time from one shot to the next [s]
+  std::size_t at_a_time;  //!< number of lasers in each shot
 };
 
 /** \pre model != VelodyneModel::automatic */
 [[nodiscard]] const VelodyneTraits& traitsOf(VelodyneModel model);
-/** By the name, also with hyphens; nothing if it is unknown. "" and "auto": automatic. */
+/** Model by its name, also with hyphens; nothing if it is unknown. "" and "auto": automatic. */
 [[nodiscard]] std::optional<VelodyneModel> velodyneModelNamed(const std::string& name);
-/** The model that an argument of --sensor names. \throws UserError for a name that is none of a
- * Velodyne whose packets are read. */
+/** Model by the argument of --sensor. \throws UserError for a name that is not one of a supported
+ * Velodyne. */
 [[nodiscard]] VelodyneModel givenVelodyneModel(const std::string& sensor);
-/** A field of options: the names, and auto. */
+/** Describes a field of options, whose words are the names and auto. */
 void describeVelodyneModel(OptionsVisitor& visitor,
                            const char* key,
                            VelodyneModel& model,
                            const char* help);
 /** All names, for messages: "VLP16, HDL32E, ... or VLS128". */
 [[nodiscard]] std::string velodyneModelNames();
-/** By the last byte of the packets; nothing if it is unknown. An HDL-64E has no such byte. */
+/** Model by the last byte of the packets; nothing if unknown. An HDL-64E has no such byte. */
 [[nodiscard]] std::optional<VelodyneModel> velodyneModelOf(std::uint8_t model_byte);
-/** That of packets in an observation, which has the calibration of its lidar; nothing for a number
- * of lasers that no model has. */
+/** Model of the packets in an observation, which has the calibration of its lidar; nothing for a
+ * number of lasers that no model has. */
 [[nodiscard]] std::optional<VelodyneModel> velodyneModelOf(std::size_t lasers,
                                                            std::uint8_t model_byte);
 
-/** The angles that the maker gives for all of a model. \pre the model is none of which every one
- * differs: not HDL-64E, not automatic */
+/** Nominal angles of a model. \pre not HDL-64E, whose lidars all differ, and not automatic */
 [[nodiscard]] mrpt::obs::VelodyneCalibration usualCalibration(VelodyneModel model);
 /** Reads a maker's XML, or the YAML that ROS drivers use. \throws UserError if it is neither or is
  * not of `lasers` lasers. */
 [[nodiscard]] mrpt::obs::VelodyneCalibration readVelodyneCalibration(const std::string& path,
                                                                      std::size_t lasers);
-/** Ring of each laser: its rank by vertical angle, the lowest beam is 0. */
+/** Ring of each laser: rank by vertical angle, 0: lowest. */
 [[nodiscard]] std::vector<std::uint16_t> ringsOf(const mrpt::obs::VelodyneCalibration& calibration);
 }  // namespace dyslam

@@ -14,13 +14,13 @@ namespace dyslam
 constexpr std::size_t velodyne_packet_size = 1206;
 constexpr std::size_t velodyne_blocks = 12;
 
-/** The fixed parts of one data packet, which hold for every model. */
+/** View of a data packet: the parts that are the same for all models. */
 struct VelodynePacketView
 {
-  const std::uint8_t* bytes = nullptr;  //!< velodyne_packet_size of them
+  const std::uint8_t* bytes = nullptr;  //!< velodyne_packet_size bytes
 
   [[nodiscard]] std::uint16_t header(std::size_t block) const { return u16(block * 100); }
-  /** Clockwise from ahead [0.01 deg]. */
+  /** Azimuth of a block, clockwise from ahead [0.01 deg]. */
   [[nodiscard]] std::uint16_t azimuth(std::size_t block) const { return u16(block * 100 + 2); }
   [[nodiscard]] std::uint16_t range(std::size_t block, std::size_t k) const
   {
@@ -30,7 +30,7 @@ struct VelodynePacketView
   {
     return bytes[block * 100 + 6 + 3 * k];
   }
-  /** Microseconds after the full hour. */
+  /** Time of the packet after the full hour [us]. */
   [[nodiscard]] std::uint32_t clock() const
   {
     return u16(1200) | (static_cast<std::uint32_t>(u16(1202)) << 16U);
@@ -38,8 +38,7 @@ struct VelodynePacketView
   [[nodiscard]] std::uint8_t returnMode() const { return bytes[1204]; }
   [[nodiscard]] std::uint8_t modelByte() const { return bytes[1205]; }
 
-  /** Which 32 lasers a block is of, by its header: 0 for the first, nothing for no block of data.
-   */
+  /** Bank of 32 lasers of a block, by its header; 0: the first 32. Nothing if it has no data. */
   [[nodiscard]] std::optional<std::size_t> bank(std::size_t block) const
   {
     const std::uint16_t mark = header(block);
@@ -50,7 +49,7 @@ struct VelodynePacketView
                             : std::nullopt;
   }
 
-  /** The empty blocks that fill up the packets of a VLS-128 with dual returns. */
+  /** Whether a block is one of the empty blocks in packets of a VLS-128 with dual returns. */
   [[nodiscard]] bool isPadding(std::size_t block) const
   {
     return returnMode() == dual_return && block >= 8 &&
@@ -66,7 +65,7 @@ struct VelodynePacketView
   }
 };
 
-/** Microseconds from one packet's clock to a later one's, over the turn of the hour. */
+/** Time from one packet to a later one [us], with the overflow at the full hour. */
 [[nodiscard]] double microsecondsBetween(std::uint32_t from, std::uint32_t to);
 
 /** Turns packets into points.
@@ -85,9 +84,9 @@ class VelodyneDecoder
                   double min_range,
                   double max_range);
 
-  /** Appends a block's returns to the scan's points, intensity, time and ring.
-   * \param time of the packet's first firing, in the scan's time [s].
-   * \return false if the block's header is none of this model's. */
+  /** Appends the returns of a block to the scan's points, intensity, time and ring.
+   * \param time time of the packet's first firing after the scan's stamp [s]
+   * \return false if the header of the block is not one of this model */
   bool decodeBlock(const VelodynePacketView& packet,
                    std::size_t block,
                    double time,

@@ -13,10 +13,10 @@ namespace dyslam
 struct VelodyneScansOptions
 {
   VelodyneModel model = VelodyneModel::automatic;
-  std::string calibration_file;  //!< Velodyne's XML or YAML; empty: the maker's angles of the model
-  double min_range = 0;          //!< nearer returns (vehicle, housing) are dropped [m]
-  double cut_azimuth = M_PI;     //!< where scans are cut, clockwise from ahead [rad]; the rear
-  bool keep_partial = false;     //!< also deliver the incomplete first and last revolution
+  std::string calibration_file;  //!< Velodyne's XML or YAML; empty: nominal angles of the model
+  double min_range = 0;          //!< range below which returns (vehicle, housing) are dropped [m]
+  double cut_azimuth = M_PI;     //!< azimuth where scans are cut, clockwise from ahead [rad]
+  bool keep_partial = false;     //!< deliver also incomplete first and last revolutions
 };
 
 /** Scans of the packets of a Velodyne.

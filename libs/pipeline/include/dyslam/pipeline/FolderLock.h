@@ -5,8 +5,8 @@
 
 namespace dyslam
 {
-/** Keeps other runs out of a folder while it lives. A run that is killed leaves its lock's file,
- * not the lock. */
+/** Locks a folder against other runs during its lifetime. A killed run leaves the file of its lock,
+ * but not the lock. */
 class FolderLock
 {
  public:

@@ -20,38 +20,38 @@ class StateArchive;
 /** Waiting times of the front end's two threads so far [s]. */
 struct FrontEndWaits
 {
-  double for_encoding = 0;  //!< of process() for the encoding of the next scan
-  double for_scans = 0;     //!< of the encoding thread; 0 if nothing was encoded ahead
+  double for_encoding = 0;  //!< time process() waited for the encoding of the next scan [s]
+  double for_scans = 0;     //!< time the encoding thread waited for scans [s]; 0 without it
 };
 
-/** The stages up to the pose: motion prior, preprocessing, segmentation, odometry, and the decision
- * what moves.
+/** The stages up to the pose: motion prior, preprocessing, segmentation, odometry, and the
+ * classification of points as moving or static.
  *
- * Not thread-safe; one object per recording. Same bytes for any number of threads.
+ * Not thread-safe; one object per recording. The result is identical for any number of threads.
  */
 class FrontEnd
 {
  public:
-  /** Loads [dyseg], [preprocess], the segmenters' sections and those of Odometry.
-   * \param threads 0: as many as the machine has \param times outlives the object; gets the time of
-   * each stage. \throws UserError for bad options. */
+  /** Loads [dyseg], [preprocess], the sections of the segmenters and of Odometry.
+   * \param threads number of threads; 0: number of cores \param times records the time of each
+   * stage; outlives the object. \throws UserError for bad options. */
   FrontEnd(int threads, ConfigLoader& config, mrpt::system::CTimeLogger& times);
   ~FrontEnd();
 
   /** Fills every part of the frame between source and detection. Frames come in order of time. The
-   * cloud of the frame is deskewed by the prior.
+   * cloud of the frame is deskewed with the motion prior.
    *
-   * A segmenter that encodes ahead (MovingSegmenter::encodesAhead()) gets its clouds as they were
-   * expected to be one scan earlier: deskewed by the prior of the scan before. \param next the scan
-   * after the frame, if it is there: it is prepared and encoded so in another thread, beside
-   * segmentation and registration of the frame. Read until process() returns; the next call gets a
-   * frame with this scan. Same bytes without it. */
+   * A segmenter that encodes ahead (MovingSegmenter::encodesAhead()) gets clouds that are deskewed
+   * with the motion prior of the previous scan. \param next the scan after the frame, or null: it
+   * is prepared and encoded in another thread, during segmentation and registration of the frame.
+   * It is read until process() returns; the next call gets a frame with this scan. The result is
+   * the same without it. */
   void process(Frame& frame, const Frame* next = nullptr);
   [[nodiscard]] FrontEndWaits waits() const;
-  /** What is kept from frame to frame. */
+  /** Saves or loads the state between frames. */
   void exchangeState(StateArchive& archive);
 
-  /** The methods in use, as "network + constant_velocity + point_to_plane". */
+  /** Names of the methods in use, such as "network + constant_velocity + point_to_plane". */
   [[nodiscard]] std::string summary() const;
   /** Warnings about config and recording, one sentence each. */
   [[nodiscard]] std::vector<std::string> warnings() const;

@@ -35,72 +35,71 @@ struct PipelineOptions : Options
   void describe(OptionsVisitor& visitor) override;
 };
 
-/** Begins to load what the config's methods need beyond the program itself, in a thread of its own:
- * the networks. \return a future; keep it until the Pipeline is constructed. \throws UserError for
- * a bad config.
+/** Starts loading the libraries of the networks that the config's methods need, in another thread.
+ * \return future to be kept until the Pipeline is constructed \throws UserError for a bad config.
  */
 [[nodiscard]] std::future<void> loadAhead(const Config& config);
 
 /** The complete pipeline (the paper's Fig. 1): from a scan to its pose, moving points and objects.
  *
  * Stages are chosen by name in the config: [dyseg] method, [odometry] method, [refine] method.
- * Results depend on the frames, the config and the seed alone, not on the number of threads.
+ * Results depend only on the frames, the config and the seed, not on the number of threads.
  */
 class Pipeline
 {
  public:
-  /** Builds every stage. \param times gets the time of each stage \param temporary_folder where
-   * map and keyframes beyond `memory.limit` go, in a file without a name; exists at the first frame
+  /** Builds every stage. \param times records the time of each stage \param temporary_folder folder
+   * of the unnamed file for data beyond `memory.limit`; has to exist at the first frame
    * \throws UserError for a bad config. */
   Pipeline(ConfigLoader& config,
            mrpt::system::CTimeLogger& times,
            const std::string& temporary_folder = "");
   ~Pipeline();
 
-  /** Fills every part of the frame that the source left open: runFrontEnd(), then runBackEnd().
-   * Frames come in order of time. */
+  /** Runs all stages on a frame: runFrontEnd(), then runBackEnd(). Frames come in order of time. */
   void process(Frame& frame);
 
-  // The two halves share nothing but the frame: one thread may run the front end on a frame while
-  // another runs the back end on the frame before. Each gets every frame, in order of time.
+  // Front end and back end share only the frame: one thread may run the front end on a frame while
+  // another one runs the back end on the previous frame. Each gets every frame, in order of time.
 
-  /** FrontEnd::process(). */
+  /** See FrontEnd::process(). */
   void runFrontEnd(Frame& frame, const Frame* next = nullptr);
-  /** deskew(), trackObjects(), addOdometry(), addLoops(), optimise() and finaliseFrames(). */
+  /** Calls deskew(), trackObjects(), addOdometry(), addLoops(), optimise() and finaliseFrames(). */
   void runBackEnd(Frame& frame);
 
-  // The steps of runBackEnd(), for callers that do something in between, as MRPT's graph-SLAM
-  // engine does: all of them for every frame, in this order.
+  // The steps of runBackEnd(), for callers that do something between them (MRPT's graph-SLAM
+  // engine): all of them for every frame, in this order.
 
-  /** Deskews the cloud by the motion that the front end has found. */
+  /** Deskews the cloud with the motion estimated by the front end. */
   void deskew(Frame& frame);
-  /** Detector and Tracker, where `pipeline.tracking` is on. */
+  /** Runs Detector and Tracker, if `pipeline.tracking` is on. */
   void trackObjects(Frame& frame);
-  /** Backend::addOdometry(). \return whether the frame is a keyframe, and so a new node. */
+  /** See Backend::addOdometry(). \return whether the frame is a keyframe (a new node) */
   bool addOdometry(Frame& frame);
-  /** Backend::addLoops(). \return how many were accepted. */
+  /** See Backend::addLoops(). \return number of loops added */
   std::size_t addLoops(const Frame& frame);
-  /** Backend::optimise(). \return whether a keyframe was moved. */
+  /** See Backend::optimise(). \return whether the pose of a keyframe changed */
   bool optimise(Frame& frame);
-  /** Makes final what can be: moving points and objects of the scans whose later scans are known
-   * (`labels.hindsight`), which onFinal()'s receiver gets, and the map of final keyframes, if
-   * mapping is on. The first frame waits for the second one, whose motion deskews it. */
+  /** Finalises moving points and objects of the scans whose later scans are known
+   * (`labels.hindsight`), passes these frames to the receiver of onFinal(), and adds final
+   * keyframes to the map, if mapping is on. The first frame waits for the second one, whose motion
+   * deskews it. */
   void finaliseFrames(const Frame& frame);
 
-  /** Sets the receiver of every frame, in order, once its moving points and objects are final: with
-   * `labels.hindsight` some seconds later, the last ones in finish().
-   * \param parts what it needs of a frame, `points` at least; the less, the less memory. */
+  /** Sets the receiver of frames whose moving points and objects are final: every frame, in order;
+   * with `labels.hindsight` some seconds later, the last ones in finish().
+   * \param parts parts of a frame that it needs, `points` at least; more parts need more memory */
   void onFinal(std::function<void(Frame)> use, FrameParts parts);
-  /** Whether final frames have other objects than those of trackObjects(), with ids of their own:
-   * detected and tracked again with hindsight (`pipeline.hindsight_tracking`). Not if objects are
-   * in the graph, which has those of trackObjects(). */
+  /** Whether the objects of final frames are detected and tracked again with hindsight
+   * (`pipeline.hindsight_tracking`), with ids of their own. False if objects are in the graph,
+   * which has the objects of trackObjects(). */
   [[nodiscard]] bool tracksWithHindsight() const;
 
-  /** After the last frame: optimises once more and corrects the map. */
+  /** To be called after the last frame: optimises once more and corrects the map. */
   void finish();
 
-  // What is kept from frame to frame, of each half, for its own thread. It is loaded before the
-  // first frame, into a pipeline with the same config.
+  // Save or load the state between frames of front end and back end, each in its own thread. It is
+  // loaded before the first frame, into a pipeline with the same config.
   void exchangeFrontEndState(StateArchive& archive);
   void exchangeBackEndState(StateArchive& archive);
 
@@ -109,9 +108,9 @@ class Pipeline
   [[nodiscard]] const StaticMap* map() const;
   /** Pose of the vehicle at every frame by the backend's present estimate, map frame. */
   [[nodiscard]] Trajectory trajectory() const;
-  /** FrontEnd::waits(). */
+  /** See FrontEnd::waits(). */
   [[nodiscard]] FrontEndWaits frontEndWaits() const;
-  /** The methods in use, for reports: "network + constant_velocity + point_to_plane". */
+  /** Names of the methods in use, such as "network + constant_velocity + point_to_plane". */
   [[nodiscard]] std::string summary() const;
   /** Warnings about config and recording, one sentence each. */
   [[nodiscard]] std::vector<std::string> warnings() const;

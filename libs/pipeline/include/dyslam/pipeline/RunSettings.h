@@ -23,22 +23,22 @@ struct RecordingSettings
 [[nodiscard]] RecordingSettings settingsForRecording(const std::string& rawlog,
                                                      const GivenSettings& given);
 
-/** Settings of a run: those for its recording, and the speed at which it begins. */
+/** Settings of a run: settings for its recording, and the speed at its start. */
 struct RunSettings : RecordingSettings
 {
-  std::string missing_times;  //!< RecordedSensor::missingTimes(); empty if there is nothing to say
+  std::string missing_times;  //!< RecordedSensor::missingTimes(); empty if none are missing
   std::string start_speed;    //!< odometry.start_speed, if findStartSpeed() found one [m/s]
   std::future<void> loading;  //!< loadAhead(): keep it until the Pipeline is constructed
 
-  /** What the recording shows of its sensor, missing times and the levelling; for the report. */
+  /** Sensor of the recording, missing times and levelling as text, for the report. */
   [[nodiscard]] std::string aboutSensor() const;
 };
 
 /** Chooses the settings of a run, as `dyslam` does: settingsForRecording(), then the speed of a
- * recording that begins in motion. Loading what they need has begun.
+ * recording that begins in motion. Starts loading the networks that they need.
  * \throws UserError for bad settings, and if the rawlog has no scan. */
 [[nodiscard]] RunSettings chooseRunSettings(const std::string& rawlog, const GivenSettings& given);
 
-/** Sets the config of a run, and what its report says about its settings. */
+/** Sets the config of a run, and the texts about the settings for its report. */
 void setSettings(const RunSettings& chosen, SlamRunSettings& run);
 }  // namespace dyslam

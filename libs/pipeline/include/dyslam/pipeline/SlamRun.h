@@ -19,63 +19,63 @@ struct RawlogSourceOptions;
 struct BegunCheckpoint;
 struct RunToResume;
 
-/** Settings of one run. Everything else is in the config. */
+/** Settings of one run that are not in the config. */
 struct SlamRunSettings
 {
-  std::string rawlog;         //!< input
-  std::string output_folder;  //!< made if missing; files of an earlier run in it are replaced
+  std::string rawlog;         //!< path of the input
+  std::string output_folder;  //!< created if missing; files of an earlier run are replaced
   Config config;
-  std::vector<std::string> inputs;    //!< other files that are read: never replaced
-  std::string sensor;                 //!< what the recording shows of it; for the report
-  std::vector<std::string> warnings;  //!< about the settings; for the report
-  bool force = false;                 //!< replace files that no run wrote
+  std::vector<std::string> inputs;    //!< other files that are read, which are never replaced
+  std::string sensor;                 //!< description of the sensor, for the report
+  std::vector<std::string> warnings;  //!< warnings about the settings, for the report
+  bool force = false;                 //!< replace also files that no run wrote
   bool probabilities = false;         //!< write the moving probability of each point, .bin files
   bool static_scans = false;   //!< write the scans without moving points: .bin files and a rawlog
   bool labels = false;         //!< write labels/NNNNNN.label, one entry per point of the input scan
   std::string profile_csv;     //!< times of every stage, if not empty
-  double first_pass_time = 0;  //!< that a pass before this one took, part of the run's time [s]
-  /** Polled before the output folder is opened, where true leaves it as it is, and after every
-   * scan: true ends the run after the scans that are in work then, a few at most. */
+  double first_pass_time = 0;  //!< time of an earlier pass, part of the run's time [s]
+  /** Called before the output folder is opened (true: the folder is not changed) and after every
+   * scan (true: the run ends after the few scans that are being processed). */
   std::function<bool()> stop;
-  /** Gets warnings that should not wait for the report, which has them too; from any thread. */
+  /** Receives warnings immediately that the report has, too; called from any thread. */
   std::function<void(const std::string&)> warn;
 };
 
-/** Result of a run; the same is in report.json. */
+/** Result of a run, as in report.json. */
 struct SlamRunReport
 {
   std::string method;  //!< stages in use, e.g. "residual + constant_velocity + point_to_plane"
   std::size_t frames = 0;
-  std::size_t unconverged = 0;      //!< frames whose motion was predicted, not measured
-  std::size_t odometry_failed = 0;  //!< frames on which odometry.method found no motion
+  std::size_t unconverged = 0;      //!< number of frames whose motion was predicted, not measured
+  std::size_t odometry_failed = 0;  //!< number of frames on which odometry.method found no motion
   std::size_t keyframes = 0;
-  std::size_t loops = 0;           //!< in use
-  std::size_t loops_left_out = 0;  //!< that contradict these and the odometry
-  /** Where the map is on the earth; nothing without positions that show it. */
+  std::size_t loops = 0;           //!< number of loops in use
+  std::size_t loops_left_out = 0;  //!< number of loops that contradict the others and the odometry
+  /** Pose of the map on the earth; nothing if satellite positions don't show it. */
   std::optional<Georeference> georeference;
-  std::size_t tracks = 0;  //!< confirmed moving objects
+  std::size_t tracks = 0;  //!< number of confirmed moving objects
   std::size_t map_points = 0;
-  double path_length = 0;      //!< [m]
-  double ms_per_scan = 0;      //!< mean of all stages, without reading and writing files
-  double run_time = 0;         //!< from the construction of SlamRun to its last file, and that of
-                               //!< the first of two passes [s]
-  double first_pass_time = 0;  //!< of these [s]
-  double recording_time = 0;   //!< of the scans that were processed [s]
+  double path_length = 0;  //!< length of the trajectory [m]
+  double ms_per_scan = 0;  //!< mean time of all stages, without reading and writing files
+  double run_time = 0;     //!< from the construction of SlamRun to its last file, including the
+  //!< first of two passes [s]
+  double first_pass_time = 0;  //!< part of run_time for the first of two passes [s]
+  double recording_time = 0;   //!< duration of the processed part of the recording [s]
   bool has_reference = false;  //!< the recording had ground truth; reference_tum.txt was written
   /** How far the result can be trusted: usable, doubtful (the warnings say why) or unusable. */
   std::string verdict = "usable";
   /** Why the result is unusable: most scans could not be registered; empty if it is usable. */
   std::string failure;
-  /** Why the run ended before its last scan: stopped, or the recording is damaged; empty if it did
-   * not. Among the warnings, too. */
+  /** Why the run ended before the last scan (stopped, or the recording is damaged); empty if it did
+   * not. Also one of the warnings. */
   std::string ended_early;
-  /** Advice to process the recording in two passes, as the traffic is dense; empty without. Among
-   * the warnings, too. */
+  /** Advice to process the recording in two passes because of dense traffic; else empty. Also one
+   * of the warnings. */
   std::string second_pass_advice;
   std::vector<std::string> warnings;
-  std::vector<std::string> files;  //!< written, in the output folder
+  std::vector<std::string> files;  //!< names of the files written to the output folder
 
-  /** Recording time over run time: above 1, the run kept up with the sensor. 0 if unknown. */
+  /** Recording time over run time; 1 and more is real time. 0 if unknown. */
   [[nodiscard]] double realtimeFactor() const
   {
     return run_time > 0 ? recording_time / run_time : 0;
@@ -86,10 +86,10 @@ struct SlamRunReport
 struct EarlyEnd
 {
   bool is_stopped = false;  //!< on request (SlamRunSettings::stop)
-  std::string damage;       //!< error that ended it; empty if there was none
+  std::string damage;       //!< error that ended the run; empty if there was none
 };
 
-/** The pipeline and the results of a run, for programs that hand over the frames themselves. */
+/** The pipeline and the outputs of a run, for programs that supply the frames themselves. */
 class SlamRun
 {
  public:
@@ -101,30 +101,30 @@ class SlamRun
   [[nodiscard]] static std::vector<std::string> sections();
 
   [[nodiscard]] Pipeline& pipeline();
-  /** Section [input]. */
+  /** Options of the ini section [input]. */
   [[nodiscard]] const RawlogSourceOptions& input() const;
 
-  /** Before the first frame: makes the output folder, and removes what an earlier run left in it.
-   * \throws UserError if it cannot be written. */
+  /** To be called before the first frame: creates the output folder and removes files of an earlier
+   * run. \throws UserError if it cannot be written. */
   void open();
-  /** Instead of open(): sets pipeline, counts and outputs to a saved state.
-   * \throws UserError if that cannot be. */
+  /** Called instead of open(): sets pipeline, statistics and outputs to a saved state.
+   * \throws UserError if the state does not fit. */
   void resume(RunToResume& saved);
   /** Between two frames: writes a checkpoint: the results so far and the state. Of the front end,
    * which may process later frames meanwhile, it has what was begun after the last frame only. */
   void checkpoint(const BegunCheckpoint& begun);
   /** `output.checkpoint_seconds` */
   [[nodiscard]] double checkpointSeconds() const;
-  /** A frame that the pipeline has processed: counted, and handed to the outputs. */
+  /** Adds a frame that the pipeline has processed to the statistics and the outputs. */
   void add(Frame frame);
   [[nodiscard]] std::size_t frames() const;
-  /** Records for the report how long a thread of the caller has waited for others [s]. */
+  /** Records how long a thread of the caller waited for others [s], for the report. */
   void noteWait(const std::string& thread, double seconds);
-  /** Share of the work done, given the share of the file read. */
+  /** Fraction of the work done, given the fraction of the file read. */
   [[nodiscard]] double progress(double read) const;
-  /** After Pipeline::finish(): writes all results that are known at the end only.
-   * \param source_warnings about the recording
-   * \throws UserError for an early end, and if files could not be written: the others are. */
+  /** Called after Pipeline::finish(): writes all results that are known only at the end.
+   * \param source_warnings warnings about the recording
+   * \throws UserError for an early end, and if files could not be written (others are written). */
   SlamRunReport finish(const std::vector<std::string>& source_warnings, const EarlyEnd& end);
 
  private:
@@ -132,37 +132,36 @@ class SlamRun
   std::unique_ptr<Impl> impl_;
 };
 
-/** \throws UserError if the run is to end before it has changed anything (SlamRunSettings::stop).
- */
+/** \throws UserError if SlamRunSettings::stop is true, before the run has changed anything. */
 void requireNotStopped(const SlamRunSettings& settings);
 
-/** The part of a run between SlamRun::open() and SlamRun::finish(): an exception, also of a
- * library, is the damage of an early end, so that the frames before it are kept. \param replay
- * hands every frame to the run and returns whether it was stopped \param finish ends the pipeline,
- * also after an exception of `replay`, which is thrown again if the run has no frames then. */
+/** The part of a run between SlamRun::open() and SlamRun::finish(): an exception becomes
+ * EarlyEnd::damage, so that the results of the frames before it are kept. \param replay passes
+ * every frame to the run and returns whether it was stopped \param finish ends the pipeline, also
+ * after an exception of `replay`, which is thrown again if the run has no frames then */
 [[nodiscard]] EarlyEnd replayToTheEnd(const SlamRun& run,
                                       const std::function<bool()>& replay,
                                       const std::function<void()>& finish);
 
 /** Replays a rawlog through the pipeline and fills a folder with the results.
  *
- * A recording that turns out damaged halfway, and a run that is stopped, still leave complete
- * results of the frames before; then the error is thrown. So does a run one of whose files could
- * not be written: the others are, and report.json names those that are not. A
- * stopped run leaves a checkpoint, too, unless `output.checkpoint_seconds` is 0.
- * \param on_frame called after each frame with the share of the work done and the number of
- * frames. \throws UserError for bad input, config or output folder. */
+ * If the recording turns out damaged halfway, or the run is stopped, complete results of the frames
+ * before are written, then the error is thrown. If a file cannot be written, all others are written
+ * and report.json names it, then the error is thrown. A stopped run also leaves a checkpoint,
+ * unless `output.checkpoint_seconds` is 0. \param on_frame called after each frame with the share
+ * of the work done and the number of frames. \throws UserError for bad input, config or output
+ * folder. */
 SlamRunReport runSlam(const SlamRunSettings& settings,
                       const std::function<void(double, std::size_t)>& on_frame = {});
 
-/** Goes on with a run that was stopped or killed, from its last checkpoint: the files become those
- * of a run that was not interrupted, byte for byte, but for times in the reports.
+/** Resumes a run that was stopped or killed from its last checkpoint. The files become byte for
+ * byte those of an uninterrupted run, except for times in the reports.
  *
  * Settings and recording are those that the run had; its scans are read again up to the checkpoint
  * and must be the same. The working directory may be another than that of the run, and the output
  * folder may have been moved.
  * \param given `output_folder` of the run; `rawlog` if the recording has been moved, else empty;
- *   `config` with those of its settings that are to be checked; `stop` and `profile_csv`
+ *   `config` with settings that have to be equal to the run's; `stop` and `profile_csv`
  * \throws UserError as runSlam(), and if there is nothing to resume, the state is damaged, or
  *   recording, settings or program differ. Nothing is removed then. */
 SlamRunReport resumeSlam(const SlamRunSettings& given,

@@ -23,7 +23,7 @@ struct StartOptions : Options
   double step = 5;        //!< step between the speeds that are tried [m/s]
   double sigma = 1.5;     //!< sigma of a speed that is tried, and of the one found [m/s]
   double max_drift = 2;   //!< limit of the change of a tried speed over the scans [m/s]
-  double min_margin = 6;  //!< least support beyond that of the odometry's own speed [m^2/s^2]
+  double min_margin = 6;  //!< least support above that of the odometry's own speed [m^2/s^2]
 
   void describe(OptionsVisitor& visitor) override;
 };
@@ -31,42 +31,41 @@ struct StartOptions : Options
 /** One speed that was tried. */
 struct SpeedDrift
 {
-  double speed = 0;  //!< at the first scan [m/s]
-  double drift = 0;  //!< by which the odometry that began with it has moved away from it [m/s]
+  double speed = 0;  //!< speed at the first scan [m/s]
+  double drift = 0;  //!< change of the speed by the odometry that was started with it [m/s]
 };
 
-/** The speed towards which the speeds around it drift: the maximum of the integral of the drift
- * over the speed.
- * \param drifts two at least, ascending by speed \param start what the odometry finds by itself
- * \return the speed at the first scan [m/s]; nothing where its integral is less than `min_margin`
- *   above that of `start` */
+/** Speed towards which the speeds around it drift: the maximum of the integral of the drift over
+ * the speed.
+ * \param drifts at least two, ascending by speed \param start speed that the odometry finds by
+ * itself \return the speed at the first scan [m/s]; nothing if its integral is less than
+ * `min_margin` above that of `start` */
 [[nodiscard]] std::optional<double> speedOfDrifts(const std::vector<SpeedDrift>& drifts,
                                                   double start,
                                                   const StartOptions& options);
 
 /** Searches for the speed at the start of a recording.
  *
- * Between guard rails that look alike all along, or amid traffic, the first scans can be registered
- * at several speeds. The odometry is started at each of several speeds. The few informative points
- * pull a wrong speed towards the true one, scan after scan; so the drift of the speeds shows the
- * true one even if none of them reaches it. Points are weighted by the segmenter's appearance
- * prior.
- * \param frames the first scans of a recording; those without dt, poses and so on
- * \param config of the run
- * \return the speed [m/s] where the odometry would not find it by itself; nothing where it does,
- *   where `odometry.start_speed` is given or wheels measure the speed, and where nothing is
- *   registered or searched for
+ * Between uniform guard rails, or in traffic, the first scans can be registered at several speeds.
+ * The odometry is therefore started at several speeds. The few informative points pull a wrong
+ * speed towards the true one from scan to scan, so that the drift of the speeds shows the true
+ * speed even if none of them reaches it. Points are weighted by the segmenter's appearance prior.
+ * \param frames the first scans of a recording; dt, poses and so on are not needed
+ * \param config config of the run
+ * \return the speed [m/s] if the odometry would not find it by itself; nothing if it does, if
+ *   `odometry.start_speed` is given or wheels measure the speed, and if nothing is registered or
+ *   searched for
  * \throws UserError for bad options */
 [[nodiscard]] std::optional<double> findStartSpeed(const std::vector<Frame>& frames,
                                                    const Config& config);
 
-/** The same for the first scans of a rawlog. */
+/** findStartSpeed() for the first scans of a rawlog. */
 [[nodiscard]] std::optional<double> findStartSpeed(const std::string& rawlog,
                                                    const RawlogSourceOptions& input,
                                                    const Config& config);
 
-/** Lets a run begin at a speed that findStartSpeed() has found: `odometry.start_speed`, rounded to
- * 0.1 m/s, with `start.sigma` as its standard deviation.
- * \param speed at the first scan [m/s] \throws UserError for a bad `start.sigma`. */
+/** Sets the speed at the start of a run: `odometry.start_speed`, rounded to 0.1 m/s, with
+ * `start.sigma` as its standard deviation.
+ * \param speed speed at the first scan [m/s] \throws UserError for a bad `start.sigma`. */
 void setStartSpeed(double speed, Config& config);
 }  // namespace dyslam

@@ -18,9 +18,9 @@ namespace dyslam
 /** Result of one scan. */
 struct PageScan
 {
-  std::size_t index = 0;          //!< number in the recording
-  std::size_t points = 0;         //!< used of it
-  std::size_t moving_points = 0;  //!< of these
+  std::size_t index = 0;          //!< number of the scan in the recording
+  std::size_t points = 0;         //!< number of points used
+  std::size_t moving_points = 0;  //!< number of moving points
   bool registered = false;        //!< false: its motion was predicted, not measured
   bool keyframe = false;
 };
@@ -28,9 +28,9 @@ struct PageScan
 /** A moving object at one scan, map frame. */
 struct PageObjectState
 {
-  std::size_t scan = 0;  //!< position in RunPage::scans
+  std::size_t scan = 0;  //!< index in RunPage::scans
   Box box;
-  Eigen::Vector3d velocity = Eigen::Vector3d::Zero();  //!< [m/s]
+  Eigen::Vector3d velocity = Eigen::Vector3d::Zero();  //!< velocity in the map frame [m/s]
 };
 
 struct PageObject
@@ -42,34 +42,33 @@ struct PageObject
 
 struct PageLoop
 {
-  Eigen::Vector3d from =
-      Eigen::Vector3d::Zero();                   //!< where the place was seen first, map frame [m]
-  Eigen::Vector3d to = Eigen::Vector3d::Zero();  //!< where it was seen again
+  Eigen::Vector3d from = Eigen::Vector3d::Zero();  //!< position at the first visit, map frame [m]
+  Eigen::Vector3d to = Eigen::Vector3d::Zero();    //!< position at the later visit, map frame [m]
 };
 
-/** All that the page of a run shows. Texts may hold anything; the page shows them as they are. */
+/** Content of the page of a run. Texts may have any characters; the page shows them literally. */
 struct RunPage
 {
   std::string title;
-  std::string input;     //!< the recording
-  std::string sensor;    //!< what the recording shows of it; may be empty
-  std::string method;    //!< stages in use
+  std::string input;     //!< path of the recording
+  std::string sensor;    //!< description of the sensor; may be empty
+  std::string method;    //!< names of the methods in use
   std::string settings;  //!< the effective ini
   /** usable, doubtful (the warnings say why) or unusable (failure says why) */
   std::string verdict = "usable";
   std::string failure;  //!< why the result is unusable; empty if it is usable
   std::vector<std::string> warnings;
-  std::vector<std::string> files;          //!< in the folder of the run, beside the page
-  std::map<std::string, double> stage_ms;  //!< mean per scan [ms]
+  std::vector<std::string> files;          //!< names of the files in the folder of the run
+  std::map<std::string, double> stage_ms;  //!< mean time of each stage per scan [ms]
 
   std::vector<PageScan> scans;
-  Trajectory trajectory;            //!< of the vehicle in the map frame, a pose per scan
-  Trajectory odometry;              //!< before the graph, a pose per scan, in a frame of its own
-  Trajectory reference;             //!< ground truth in the map frame; empty where there is none
-  std::string reference_origin;     //!< where the ground truth is from, and whether it is exact
-  std::vector<PageLoop> loops;      //!< in use
-  std::size_t loops_left_out = 0;   //!< that contradict these
-  std::vector<PageObject> objects;  //!< those that moved
+  Trajectory trajectory;            //!< vehicle pose of every scan, map frame
+  Trajectory odometry;              //!< vehicle pose of every scan by odometry, odometry frame
+  Trajectory reference;             //!< ground truth in the map frame; empty without
+  std::string reference_origin;     //!< source of the ground truth, and whether it is exact
+  std::vector<PageLoop> loops;      //!< loops in use
+  std::size_t loops_left_out = 0;   //!< number of loops that contradict the others
+  std::vector<PageObject> objects;  //!< objects that moved
 
   const std::vector<Eigen::Vector3f>* map_points = nullptr;  //!< map frame [m]; null: no map
   const std::vector<float>* map_intensity = nullptr;         //!< in [0, 1], one per point, or null
@@ -84,7 +83,7 @@ struct RunPageOptions : Options
   void describe(OptionsVisitor& visitor) override;
 };
 
-/** One HTML file that needs nothing beside it and no network.
+/** The page as one HTML file that needs no other files and no network.
  * \param page_template text of share/dyslam/report/page.html
  * \throws std::invalid_argument if trajectory or odometry has another length than `scans`, or the
  * intensity another than the points. \throws UserError if the template lacks a placeholder. */

@@ -17,11 +17,11 @@ struct AdaptiveOptions
   double regularisation = 1.0;      //!< added to each error variance, as a multiple of the smallest
   double noise_weight = 3;          //!< weight of the noise-only error model, as a number of errors
   double outlier_sigmas = 3;        //!< gate beyond which an observation is clipped [sigma]
-  double min_sigma = 0.03;          //!< floor of the standard deviation used in that gate [m]
+  double min_sigma = 0.03;          //!< lower limit of the sigma of the outlier gate [m]
   double prior_sigma = 0.15;        //!< prior standard deviation of a prediction [m]
-  double prior_weight = 3;          //!< weight of that prior, as a number of errors
+  double prior_weight = 3;          //!< weight of prior_sigma, as a number of errors
   double initial_speed_sigma = 5;   //!< standard deviation of the speed after one observation [m/s]
-  double acceleration_sigma = 3;    //!< for predictions beyond the usual interval [m/s^2]
+  double acceleration_sigma = 3;    //!< sigma of the acceleration beyond the usual interval [m/s^2]
 };
 
 /** Predicts an object's next position with an ensemble of polynomial fits of different degrees and
@@ -76,7 +76,7 @@ class AdaptivePredictor
   /** Predicted position of each member [m]. The history must not be empty. */
   [[nodiscard]] Positions memberPredictions(double stamp) const;
 
-  /** The complete state, options included. */
+  /** Saves or loads the complete state, including the options. */
   void exchangeState(StateArchive& archive);
 
  private:
@@ -95,11 +95,11 @@ class AdaptivePredictor
   Weights velocity_leverage_ = Weights::Zero();
   /** Variance of each member's next prediction per unit of observation variance. */
   Weights noise_gain_ = Weights::Ones();
-  std::optional<Eigen::Vector2d> unclipped_position_;  //!< the last observation before clipping
+  std::optional<Eigen::Vector2d> unclipped_position_;  //!< last observation before clipping [m]
   Eigen::Vector2d origin_ = Eigen::Vector2d::Zero();
   double time_scale_ = 1;  //!< [s] per unit of tau; tau is 0 at the newest observation
   Eigen::Matrix<double, members, members> error_covariance_;  //!< discounted sum of products
-  double error_count_ = 0;                                    //!< discounted
+  double error_count_ = 0;                                    //!< discounted number of errors
   Eigen::Matrix2d combined_error_covariance_ = Eigen::Matrix2d::Zero();  //!< discounted sum
   Weights weights_;
   Weights velocity_weights_;

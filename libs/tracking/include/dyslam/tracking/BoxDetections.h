@@ -9,10 +9,9 @@
 
 namespace dyslam
 {
-/** Detections from the boxes that another program found in a scan, of whole objects, moving or not:
- * with the points of the frame's cloud in each box, and the covariance of its noise.
- * \param boxes lidar frame at the scan's stamp
- * \return vehicle frame, in the order of the boxes. */
+/** Detections from boxes of whole objects, moving or not, that another program found in a scan;
+ * with the indices of the cloud points in each box, and the covariance of its noise. \param boxes
+ * lidar frame at the scan's stamp \return vehicle frame, in the order of the boxes. */
 [[nodiscard]] std::vector<Detection> detectionsOf(const std::vector<LabelledBox>& boxes,
                                                   const Frame& frame,
                                                   const DetectionNoiseOptions& noise);

@@ -26,9 +26,8 @@ struct ClassNoise : Options
   void describe(OptionsVisitor& visitor) override;
 };
 
-/** Noise of a detector of boxes by class. The defaults are PointRCNN's on KITTI. Its errors are not
- * white, but correlated from scan to scan: filters that assume white noise need a `factor` of 2 to
- * 4. */
+/** Noise of detected boxes by class. The defaults are those of PointRCNN on KITTI. Its errors are
+ * correlated from scan to scan: filters that assume white noise need a `factor` of 2 to 4. */
 struct DetectionNoiseOptions : Options
 {
   double sigma_scale = 1;  //!< factor on all standard deviations
@@ -41,7 +40,7 @@ struct DetectionNoiseOptions : Options
 };
 
 /** Covariance of x, y, z [m^2], yaw [rad^2] of a box, in the box's frame.
- * \param sensor position of the lidar in that frame [m]; radial and tangential are relative to it.
+ * \param sensor position of the lidar in the same frame [m], which radial and tangential refer to
  */
 [[nodiscard]] Eigen::Matrix4d detectionCovariance(
     const Box& box,

@@ -16,29 +16,29 @@ struct KalmanOptions
   double velocity_walk = 2;  //!< random walk of the velocity [m/s per square root of a second]
 };
 
-/** Kalman filter of position and velocity in the plane under a random walk of the velocity, for
- * observations whose covariances are known. Not thread-safe. */
+/** Kalman filter of position and velocity in the plane with a random walk of the velocity, for
+ * observations with known covariances. Not thread-safe. */
 class KalmanMotion
 {
  public:
   explicit KalmanMotion(const KalmanOptions& options = {});
 
-  /** \param covariance of the position [m^2]. \return false, with nothing changed, for non-finite
-   * values or a stamp not after the last one. */
+  /** \param covariance of the observed position [m^2] \return false, with nothing changed, for
+   * non-finite values or a stamp not after the last one. */
   bool add(const TimedPosition& observation, const Eigen::Matrix2d& covariance);
-  /** At `stamp` [s], not before the last observation. The covariance is that of an observation as
-   * noisy as the last one. */
+  /** Prediction at `stamp` [s], not before the last observation. Its covariance is that of a new
+   * observation with the noise of the last one. */
   [[nodiscard]] MotionPrediction predict(double stamp) const;
-  /** Of the estimate right after the last observation [m^2]. */
+  /** Covariance of the estimated position after the last observation [m^2]. */
   [[nodiscard]] Eigen::Matrix2d positionCovariance() const;
   /** Translates estimate and history [m], after the estimate of the object's centre was corrected.
    */
   void shift(const Eigen::Vector2d& offset);
 
-  /** The last observations. */
+  /** The last observations, for SignificantMotion and NoiseScale. */
   [[nodiscard]] const std::deque<TimedPosition>& history() const { return history_; }
 
-  /** The complete state, options included. */
+  /** Saves or loads the complete state, including the options. */
   void exchangeState(StateArchive& archive);
 
  private:
@@ -46,8 +46,8 @@ class KalmanMotion
 
   KalmanOptions options_;
   std::deque<TimedPosition> history_;
-  Eigen::Vector4d state_ = Eigen::Vector4d::Zero();  //!< x, y, their velocities
+  Eigen::Vector4d state_ = Eigen::Vector4d::Zero();  //!< x, y [m], velocities of x, y [m/s]
   Eigen::Matrix4d covariance_ = Eigen::Matrix4d::Identity();
-  Eigen::Matrix2d noise_ = Eigen::Matrix2d::Identity();  //!< of the last observation
+  Eigen::Matrix2d noise_ = Eigen::Matrix2d::Identity();  //!< covariance of the last observation
 };
 }  // namespace dyslam

@@ -12,7 +12,7 @@ class StateArchive;
 /** An observed position of an object's centre. */
 struct TimedPosition
 {
-  double stamp = 0;                                    //!< [s]
+  double stamp = 0;                                    //!< time of the observation [s]
   Eigen::Vector2d position = Eigen::Vector2d::Zero();  //!< x, y in a fixed frame [m]
 };
 
@@ -22,11 +22,11 @@ struct MotionPrediction
   bool valid = false;                                  //!< false without a history
   Eigen::Vector2d position = Eigen::Vector2d::Zero();  //!< x, y [m]
   Eigen::Vector2d velocity = Eigen::Vector2d::Zero();  //!< derivative of the fit (Eq. 5) [m/s]
-  /** Of a new observation about `position` [m^2]: covariance of the fit plus that of one
+  /** Covariance of a new observation about `position` [m^2]: that of the fit plus that of one
    * observation. */
   Eigen::Matrix2d covariance = Eigen::Matrix2d::Identity();
-  Eigen::Matrix2d velocity_covariance = Eigen::Matrix2d::Identity();  //!< [m^2/s^2]
-  int degree = 0;           //!< of the fit; lower than configured for a short history
+  Eigen::Matrix2d velocity_covariance = Eigen::Matrix2d::Identity();  //!< of `velocity` [m^2/s^2]
+  int degree = 0;           //!< degree of the fit; lower than configured for a short history
   std::size_t samples = 0;  //!< number of observations in the fit
 };
 
@@ -42,9 +42,9 @@ struct PolynomialOptions
   int degree = 2;                  //!< 0 to 5
   int window = 30;                 //!< number of observations kept (K), at least 1
   double prior_sigma = 0.15;       //!< prior standard deviation of one observation [m]
-  double prior_weight = 2;         //!< weight of that prior, in degrees of freedom
+  double prior_weight = 2;         //!< weight of prior_sigma, in degrees of freedom
   double initial_speed_sigma = 5;  //!< standard deviation of the speed after one observation [m/s]
-  double acceleration_sigma = 3;   //!< standard deviation, for fits without redundancy [m/s^2]
+  double acceleration_sigma = 3;   //!< sigma of the acceleration, for exact fits [m/s^2]
 };
 
 /** Polynomials x(t), y(t) fitted to the last K observations of one object (the paper's Eqs. 2-5).
@@ -60,8 +60,8 @@ class PolynomialTrajectory
   /** \throws std::invalid_argument for a degree or window out of range. */
   explicit PolynomialTrajectory(const PolynomialOptions& options);
 
-  /** \return false, with nothing changed, for non-finite values or a stamp not after the last one.
-   */
+  /** Adds an observation. \return false, with nothing changed, for non-finite values or a stamp not
+   * after the last one. */
   bool add(const TimedPosition& observation);
   /** Translates the whole history [m], after the estimate of the object's centre was corrected. */
   void shift(const Eigen::Vector2d& offset);
@@ -74,7 +74,7 @@ class PolynomialTrajectory
   [[nodiscard]] bool full() const;
   [[nodiscard]] const std::deque<TimedPosition>& history() const { return history_; }
 
-  /** The complete state, options included. */
+  /** Saves or loads the complete state, including the options. */
   void exchangeState(StateArchive& archive);
 
  private:

@@ -26,7 +26,7 @@ struct ClassTracking : Options
   int report_misses = 2;         //!< misses in a row during which a confirmed track is reported
   double gate_sigmas = 4;        //!< largest Mahalanobis distance of a pair
   double gate_distance = 4;      //!< largest distance of a pair [m]
-  double max_speed = 50;         //!< up to which tentative tracks of one observation pair [m/s]
+  double max_speed = 50;         //!< largest speed for pairs of tracks with one observation [m/s]
   double min_sigma = 0.2;        //!< sigma added to the predicted position [m]
   double overlap_weight = 1;     //!< weight of (1 - GIoU) / 2 in the cost
   double heading_weight = 0.2;   //!< weight of the angle between the axes / 90 deg in the cost
@@ -64,9 +64,9 @@ struct TrackerOptions : Options
   double dynamic_speed = 1.0;   //!< speed above which an object becomes dynamic (V_thres) [m/s]
   double static_speed = 0.5;    //!< speed below which a dynamic object becomes static again [m/s]
   double dynamic_sigmas = 2.5;  //!< least speed of a dynamic object, relative to the speed's sigma
-  int dynamic_hits = 3;         //!< scans in a row that must agree on a change
-  /** Scans in a row in which a dynamic object is followed by the points in its predicted box alone;
-   * 0: none. */
+  int dynamic_hits = 3;         //!< scans in a row that must agree on a change of static/dynamic
+  /** Largest number of scans in a row in which a dynamic object is tracked only by the points in
+   * its predicted box. */
   int predicted_scans = 20;
   bool must_move = true;             //!< tracks of clusters are confirmed only once they have moved
   bool complete_boxes = true;        //!< boxes of clusters are enlarged to the size observed so far
@@ -97,18 +97,18 @@ class Tracker
   Tracker(Tracker&&) noexcept;
   Tracker& operator=(Tracker&&) noexcept;
 
-  /** Marks points in the predicted boxes of dynamic objects as moving where the segmenter missed
-   * most of them (`predicted_scans`), so that they are detected. Reads the frame's cloud, time and
-   * T_odom_vehicle, changes moving and moving_probability, sets moving_by_prediction. To be called
-   * before detection, in every scan or never. */
+  /** Marks points in the predicted box of a dynamic object as moving if the segmenter missed most
+   * of them (`predicted_scans`), so that the object is detected. Reads cloud, time and
+   * T_odom_vehicle of the frame, changes moving and moving_probability, sets moving_by_prediction.
+   * To be called before detection, in every scan or never. */
   void markPredicted(Frame& frame) const;
 
   /** Reads the frame's detections, stamp, T_odom_vehicle and the mounting of its (first) lidar,
    * sets its objects (all tracks, tentative ones too). */
   void update(Frame& frame);
 
-  /** \param stamp [s], after that of the previous call
-   *  \param detections boxes in the vehicle frame at that time
+  /** \param stamp time of the scan [s], after that of the previous call
+   *  \param detections boxes in the vehicle frame at `stamp`
    *  \param T_odom_vehicle pose of the vehicle in the odometry frame
    *  \param lidar position of the lidar in the vehicle frame [m], from which sides of the boxes are
    *  hidden
@@ -119,7 +119,7 @@ class Tracker
                                                   const Pose& T_odom_vehicle,
                                                   const Eigen::Vector3d& lidar = {0, 0, 0});
 
-  /** What is kept from scan to scan. */
+  /** Saves or loads the state between scans. */
   void exchangeState(StateArchive& archive);
 
  private:

@@ -5,15 +5,15 @@
 
 namespace dyslam
 {
-/** A position of the satellite receiver's antenna, relative to the pose of the map on the earth.
+/** Position of the satellite receiver's antenna, relative to the pose of the map on the earth.
  *
- * The residual is the distance from the position, east, north and up [m], then how far the map's z
- * axis leans to the east and to the north (as a unit vector), and zero. */
+ * The residual is the error of the position, east, north and up [m], then the east and north
+ * components of the map's z axis (a unit vector), and zero. */
 class GnssFactor final : public Factor
 {
  public:
-  /** \param position of the antenna, east-north-up [m]
-   *  \param antenna in the vehicle frame of the keyframe [m]
+  /** \param position measured position of the antenna, east-north-up [m]
+   *  \param antenna position of the antenna in the vehicle frame of the keyframe [m]
    *  \throws std::invalid_argument for numbers that are not finite. */
   GnssFactor(std::size_t keyframe,
              const Eigen::Vector3d& position,
@@ -22,7 +22,7 @@ class GnssFactor final : public Factor
 
   [[nodiscard]] FactorKind kind() const override { return FactorKind::gnss; }
   [[nodiscard]] Vector6 residual(ValueBlocks blocks, FactorJacobians* jacobians) const override;
-  /** The position, without rotation. */
+  /** Pose with the measured position and without rotation. */
   [[nodiscard]] Pose measurement() const override;
   [[nodiscard]] const Eigen::Vector3d& antenna() const { return antenna_; }
 

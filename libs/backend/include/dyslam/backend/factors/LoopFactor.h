@@ -5,8 +5,8 @@
 
 namespace dyslam
 {
-/** Motion between two keyframes at one place as the registration of their scans measured it (h,
- * Eq. 7); robust, since a place may only look like another. */
+/** Motion between two keyframes at one place, measured by the registration of their scans (h,
+ * Eq. 7); with robust loss, since places may look alike. */
 class LoopFactor final : public RelativePoseFactor
 {
  public:

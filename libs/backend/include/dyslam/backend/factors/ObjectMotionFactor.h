@@ -11,10 +11,10 @@ namespace dyslam
 class ObjectMotionFactor final : public Factor
 {
  public:
-  /** \param object id
-   *  \param from, to scans, in order of time
-   *  \param dt between them [s], above 0
-   *  \throws std::invalid_argument. */
+  /** \param object id of the object
+   *  \param from, to indices of the scans, in order of time
+   *  \param dt time between the scans [s], above 0
+   *  \throws std::invalid_argument for another dt. */
   ObjectMotionFactor(
       int object, std::size_t from, std::size_t to, double dt, const Matrix6& information);
 

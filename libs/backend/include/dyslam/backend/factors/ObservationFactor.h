@@ -5,12 +5,12 @@
 
 namespace dyslam
 {
-/** An object, standing or moving, as it was seen from a keyframe (z, Eq. 8); robust. */
+/** Pose of an object observed from a keyframe (z, Eq. 8); with robust loss. */
 class ObservationFactor final : public RelativePoseFactor
 {
  public:
-  /** \param object a static object or an object pose
-   *  \param T_vehicle_object its pose in the vehicle frame of the keyframe
+  /** \param object key of a static object or of an object pose
+   *  \param T_vehicle_object pose of the object in the vehicle frame of the keyframe
    *  \throws std::invalid_argument for a key of another kind. */
   ObservationFactor(std::size_t keyframe,
                     const Key& object,

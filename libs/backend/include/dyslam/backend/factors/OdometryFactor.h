@@ -5,7 +5,7 @@
 
 namespace dyslam
 {
-/** Motion between two keyframes as the odometry measured it (f, Eq. 6). */
+/** Motion between two keyframes, measured by the odometry (f, Eq. 6). */
 class OdometryFactor final : public RelativePoseFactor
 {
  public:

@@ -5,8 +5,8 @@
 
 namespace dyslam
 {
-/** log(T_measured^-1 T_a^-1 T_b) between two poses a and b: what odometry, loop and observation
- * factors have in common. */
+/** Residual log(T_measured^-1 T_a^-1 T_b) between two poses a and b: base class of odometry, loop
+ * and observation factors. */
 class RelativePoseFactor : public Factor
 {
  public:

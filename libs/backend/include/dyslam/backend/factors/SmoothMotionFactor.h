@@ -5,11 +5,11 @@
 
 namespace dyslam
 {
-/** V_to - V_from: the velocity of an object changes slowly (o, Eq. 10). */
+/** Residual V_to - V_from: the velocity of an object changes slowly (o, Eq. 10). */
 class SmoothMotionFactor final : public Factor
 {
  public:
-  /** \param from, to scans whose intervals follow each other */
+  /** \param from, to indices of the scans at the end of two successive intervals */
   SmoothMotionFactor(int object, std::size_t from, std::size_t to, const Matrix6& information)
       : Factor({Key::objectVelocity(object, from), Key::objectVelocity(object, to)}, information)
   {
