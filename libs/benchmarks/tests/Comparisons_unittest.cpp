@@ -141,7 +141,7 @@ TEST(TrackComparison, ClassesAreThoseOfTheReferenceOrTheGivenOnes)
   EXPECT_EQ(trackClasses(sources, sequence, {"Pedestrian", "Pedestrian"}), Names{"Pedestrian"});
   EXPECT_TRUE(
       contains(messageOfError<UserError>([&] { (void)trackClasses(sources, sequence, {"Carr"}); }),
-               "--class Carr: is none of "));
+               "--class: unknown class 'Carr'; did you mean 'Car'?"));
 
   const TrackReport report = evaluateTracks(sources, {}, sequence, {"Car", ""}, {}, {});
   const auto json = nlohmann::json::parse(report.json);
