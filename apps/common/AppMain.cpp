@@ -3,6 +3,7 @@
 
 #include <dyslam/core/Error.h>
 #include <dyslam/core/Version.h>
+#include <dyslam/core/Words.h>
 #include <dyslam/formats/ProgramLines.h>
 
 #include <exception>
@@ -52,15 +53,11 @@ std::string firstMeaningfulLine(const std::string& text)
 std::string unknownCommand(const CLI::App& app, const std::string& word)
 {
   std::vector<std::string> known;
-  std::string all;
   for (const CLI::App* command : app.get_subcommands([](const CLI::App*) { return true; }))
   {
     known.push_back(command->get_name());
-    all += (all.empty() ? "" : ", ") + command->get_name();
   }
-  const std::string nearest = nearestWord(word, known);
-  return word + ": unknown command" +
-         (nearest.empty() ? "; it is none of " + all : "; did you mean " + nearest + "?");
+  return unknownWord("command", word, known);
 }
 
 /** Error message for an option that the program or its subcommand does not have. */
@@ -76,8 +73,7 @@ std::string unknownOption(const CLI::App& app, const std::string& word)
       known.push_back(option->get_name());
     }
   }
-  const std::string nearest = nearestWord(word, known);
-  return word + ": unknown option" + (nearest.empty() ? "" : "; did you mean " + nearest + "?");
+  return unknownWord("option", word, known);
 }
 
 /** What the user did wrong, where the parser failed with `error`. */

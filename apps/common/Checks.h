@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <dyslam/core/Words.h>
+
 #include <CLI/CLI.hpp>
 #include <map>
 #include <string>
+#include <vector>
 
 namespace dyslam
 {
@@ -29,12 +32,12 @@ CLI::Validator wordFor(const std::map<std::string, Enum>& words)
               text = std::to_string(static_cast<int>(found->second));
               return "";
             }
-            std::string known;
+            std::vector<std::string> known;
             for (const auto& [word, value] : words)
             {
-              known += (known.empty() ? "" : ", ") + word;
+              known.push_back(word);
             }
-            return "'" + text + "' is none of " + known;
+            return unknownWord("word", text, known);
           },
           ""};
 }

@@ -5,6 +5,7 @@
 #include <dyslam/core/RuntimeModule.h>
 #include <dyslam/core/SharedFiles.h>
 #include <dyslam/core/Version.h>
+#include <dyslam/core/Words.h>
 
 #include <CLI/CLI.hpp>
 #include <utility>
@@ -121,10 +122,7 @@ Work commonWork(const Arguments& a, const std::string& program)
   {
     Config().set(assignment);
   }
-  for (const std::string& word : runArguments(flags))
-  {
-    work.settings += (work.settings.empty() ? "" : " ") + word;
-  }
+  work.settings = joined(runArguments(flags), " ");
   return work;
 }
 }  // namespace dyslam::batch

@@ -3,6 +3,7 @@
 
 #include <dyslam/core/Angle.h>
 #include <dyslam/core/Error.h>
+#include <dyslam/core/Words.h>
 #include <dyslam/io/Converters.h>
 
 #include <CLI/CLI.hpp>
@@ -43,14 +44,16 @@ EgoKind egoKind(const std::string& name)
                                                            {"car", EgoKind::car},
                                                            {"robot", EgoKind::robot},
                                                            {"handheld", EgoKind::handheld}};
+  std::vector<std::string> words;
   for (const auto& [word, kind] : kinds)
   {
     if (word == name)
     {
       return kind;
     }
+    words.push_back(word);
   }
-  throw UserError("--ego: '" + name + "' is none of car, robot, handheld");
+  throw UserError("--ego: " + unknownWord("vehicle", name, words));
 }
 }  // namespace
 

@@ -2,6 +2,7 @@
 #include "Benchmark.h"
 
 #include <dyslam/core/Error.h>
+#include <dyslam/core/Words.h>
 
 #include <array>
 
@@ -110,9 +111,10 @@ std::vector<NamedRecording> standingSet(const std::string& dir)
 
 std::vector<NamedRecording> splitSet(const std::string& dir, const std::string& split)
 {
-  if (split != "validation" && split != "test")
+  const std::vector<std::string> splits{"validation", "test"};
+  if (std::find(splits.begin(), splits.end(), split) == splits.end())
   {
-    throw UserError("--split: '" + split + "' is none of validation, test");
+    throw UserError("--split: " + unknownWord("split", split, splits));
   }
   std::vector<NamedRecording> set;
   for (const Drive& drive : drives)
@@ -131,15 +133,15 @@ std::vector<NamedRecording> splitSet(const std::string& dir, const std::string& 
 
 NamedRecording oneOf(const std::vector<NamedRecording>& set, const std::string& name)
 {
-  std::string all;
+  std::vector<std::string> names;
   for (const NamedRecording& one : set)
   {
     if (one.name == name)
     {
       return one;
     }
-    all += (all.empty() ? "" : ", ") + one.name;
+    names.push_back(one.name);
   }
-  throw UserError("--only: '" + name + "' is none of " + all);
+  throw UserError("--only: " + unknownWord("recording", name, names));
 }
 }  // namespace dyslam::sim

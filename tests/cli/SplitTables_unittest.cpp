@@ -218,7 +218,8 @@ TEST_F(SplitTables, SayWhatIsWrong)
 {
   const Outcome split = make("-s training");
   EXPECT_NE(split.code, 0);
-  EXPECT_NE(split.err.find("'training' is none of validation, test"), std::string::npos)
+  EXPECT_NE(split.err.find("unknown split 'training' (one of: validation, test)"),
+            std::string::npos)
       << split.err;
   fs::create_directories(folder + "/empty/a");
   const Outcome empty = runProgram("dyslam-eval", "tables " + folder + "/empty", folder);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "LoopCandidates.h"
 
+#include <dyslam/core/Bytes.h>
 #include <dyslam/core/StateArchive.h>
 
 #include <algorithm>

@@ -2,7 +2,7 @@
 #include "PolarDescriptor.h"
 
 #include <dyslam/core/Angle.h>
-#include <dyslam/core/SwappedStore.h>
+#include <dyslam/core/Bytes.h>
 
 #include <algorithm>
 #include <bitset>

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/benchmarks/DetectionDeskew.h>
 #include <dyslam/benchmarks/JsonText.h>
 #include <dyslam/benchmarks/KittiMot.h>
 #include <dyslam/core/BoxOverlap.h>
 #include <dyslam/core/Error.h>
 #include <dyslam/formats/KittiTracks.h>
 #include <dyslam/formats/TrajectoryFiles.h>
-#include <dyslam/tracking/DetectionDeskew.h>
 
 #include <algorithm>
 #include <chrono>
@@ -177,7 +177,7 @@ void collect(const std::vector<TrackedObject>& objects,
     box.box = transformed(object.box, T_velo_world);
     if (interval > 0)
     {
-      box.box = skewed(box.box, motion, interval, {kitti_scan_period, true});
+      box.box = skewed(box.box, motion, interval, kitti_scan_period);
     }
     box.score = object.score;
     box.image_box = object.detection >= 0
@@ -206,7 +206,7 @@ void trackSequence(Recording& recording,
       // Constant velocity since the previous frame.
       motion = recording.poses[f - 1].inverse() * recording.poses[f];
       interval = recording.stamps[f] - recording.stamps[f - 1];
-      deskewDetections(recording.detections[f], motion, interval, {kitti_scan_period, true});
+      deskewDetections(recording.detections[f], motion, interval, kitti_scan_period);
     }
     const auto start = std::chrono::steady_clock::now();
     const std::vector<TrackedObject> objects =

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/benchmarks/DetectionDeskew.h>
 #include <dyslam/benchmarks/KittiSlam.h>
-#include <dyslam/tracking/DetectionDeskew.h>
 
 #include <cmath>
 #include <map>
@@ -34,7 +34,7 @@ std::map<int, Track> labelledTracks(const KittiDrive& drive)
     }
     const double interval = drive.stamps[scan] - drive.stamps[scan - 1];
     const Box box = deskewed(label.box, drive.truth[scan - 1].inverse() * drive.truth[scan],
-                             interval, {interval, true});
+                             interval, interval);
     tracks[label.id][label.frame] = (drive.truth[scan] * box.center).head<2>();
   }
   return tracks;

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/backend/factors/LoopFactor.h>
 #include <dyslam/backend/factors/OdometryFactor.h>
+#include <dyslam/benchmarks/DetectionDeskew.h>
 #include <dyslam/benchmarks/KittiSlam.h>
 #include <dyslam/benchmarks/KittiTracking.h>
 #include <dyslam/core/Error.h>
 #include <dyslam/formats/KittiFiles.h>
 #include <dyslam/formats/KittiTracks.h>
 #include <dyslam/formats/TrajectoryFiles.h>
-#include <dyslam/tracking/DetectionDeskew.h>
 
 #include <memory>
 #include <random>
@@ -178,7 +178,7 @@ KittiSlamRun runKittiSlam(const KittiDrive& drive,
     frame.motion.status = MotionStatus::converged;
     frame.detections = drive.detections[i];
     deskewDetections(frame.detections, frame.motion.T_previous_current, kitti_scan_period,
-                     {kitti_scan_period, true});
+                     kitti_scan_period);
     tracker.update(frame);
     backend.addOdometry(frame);
     backend.optimise(frame);

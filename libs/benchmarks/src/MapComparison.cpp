@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/benchmarks/DistanceCloud.h>
 #include <dyslam/benchmarks/JsonText.h>
 #include <dyslam/benchmarks/MapComparison.h>
 #include <dyslam/core/Error.h>

@@ -3,6 +3,7 @@
 #include <dyslam/core/Error.h>
 #include <dyslam/core/Files.h>
 #include <dyslam/core/Version.h>
+#include <dyslam/core/Words.h>
 #include <dyslam/eval/PaperFigures.h>
 
 #include <algorithm>
@@ -173,12 +174,7 @@ std::string splitLine(const std::vector<DriveScores>& drives)
     const auto split = splitOf(drive.runs.begin()->second, splits);
     names.insert(split ? toString(*split) : "unknown");
   }
-  std::string line;
-  for (const std::string& name : names)
-  {
-    line += (line.empty() ? "" : ", ") + name;
-  }
-  return line + (names.count("test") != 0 ? " (looked at once per release)" : "");
+  return joined(names) + (names.count("test") != 0 ? " (looked at once per release)" : "");
 }
 }  // namespace
 
@@ -371,7 +367,7 @@ std::string splitMarkdown(const std::vector<DriveScores>& drives,
   std::string lengths;
   for (const double length : segment_lengths)
   {
-    lengths += (lengths.empty() ? "" : ", ") + std::to_string(std::lround(length));
+    appendWord(lengths, std::to_string(std::lround(length)));
   }
   std::string text = "Split: " + splitLine(drives) + ". DySLAM " + DYSLAM_VERSION + ".\n\n";
   text += drivesTable(drives, columns.whole).toMarkdown();

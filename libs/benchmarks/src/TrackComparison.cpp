@@ -3,6 +3,7 @@
 #include <dyslam/benchmarks/TrackComparison.h>
 #include <dyslam/core/Error.h>
 #include <dyslam/core/Printable.h>
+#include <dyslam/core/Words.h>
 #include <dyslam/formats/KittiFiles.h>
 #include <dyslam/formats/TrackFiles.h>
 
@@ -58,7 +59,7 @@ std::vector<std::string> givenClasses(const TrackSources& sources,
                                       const std::vector<std::string>& words_given)
 {
   const bool merged = typesAreMerged(sources);
-  std::set<std::string> known;
+  std::set<std::string> known;  // a merged class has several names
   for (const auto* boxes : {&sequence.reference, &sequence.estimate})
   {
     for (const LabelledBox& box : *boxes)
@@ -69,28 +70,19 @@ std::vector<std::string> givenClasses(const TrackSources& sources,
       }
     }
   }
-  std::set<std::string> words = known;  // accepted names: a merged class has several
   for (const auto c : {ObjectClass::car, ObjectClass::van, ObjectClass::truck, ObjectClass::bus,
                        ObjectClass::motorcyclist, ObjectClass::cyclist, ObjectClass::pedestrian})
   {
+    known.insert(toString(c));
     known.insert(merged ? mergedType(toString(c)) : toString(c));
-    words.insert(toString(c));
   }
-  words.insert(known.begin(), known.end());
   std::vector<std::string> types;
   for (const std::string& word : words_given)
   {
     const auto matches = [&](const std::string& other) { return lowered(word) == lowered(other); };
-    if (std::none_of(words.begin(), words.end(), matches))
+    if (std::none_of(known.begin(), known.end(), matches))
     {
-      std::string all;
-      for (const std::string& type : known)
-      {
-        all += (all.empty() ? "" : ", ") + type;
-      }
-      const std::string nearest = nearestWord(word, words);
-      throw UserError("--class " + word + ": is none of " + all +
-                      (nearest.empty() ? "" : "; did you mean " + nearest + "?"));
+      throw UserError("--class: " + unknownWord("class", word, known));
     }
     const std::string type = merged ? mergedType(word) : word;
     if (std::find(types.begin(), types.end(), type) == types.end())

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Comparisons of files: trajectories, tracks and maps.
+#include <dyslam/benchmarks/DistanceCloud.h>
 #include <dyslam/benchmarks/MapComparison.h>
 #include <dyslam/benchmarks/TrackComparison.h>
 #include <dyslam/benchmarks/TrackFiles.h>
@@ -11,9 +12,14 @@
 #include <dyslam/formats/TrajectoryFiles.h>
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
+#include <cstdint>
+#include <cstring>
 #include <filesystem>
+#include <limits>
 #include <nlohmann/json.hpp>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
@@ -139,7 +145,7 @@ TEST(TrackComparison, ClassesAreThoseOfTheReferenceOrTheGivenOnes)
   EXPECT_EQ(trackClasses(sources, sequence, {"Pedestrian", "Pedestrian"}), Names{"Pedestrian"});
   EXPECT_TRUE(
       contains(messageOfError<UserError>([&] { (void)trackClasses(sources, sequence, {"Carr"}); }),
-               "--class Carr: is none of "));
+               "--class: unknown class 'Carr'; did you mean 'Car'?"));
 
   const TrackReport report = evaluateTracks(sources, {}, sequence, {"Car", ""}, {}, {});
   const auto json = nlohmann::json::parse(report.json);
@@ -258,5 +264,24 @@ TEST(MapComparison, MapsAreComparedByLabelsOrByDistance)
                              (void)compareByDistance({"empty.ply", Scan()}, maps);
                            }),
                        "empty.ply: has no points"));
+}
+
+TEST(DistanceCloud, HasColoursAndDistances)
+{
+  const std::vector<Eigen::Vector3f> points{{0, 1, 0}, {1, 1, 0}};
+  using Colour = std::array<std::uint8_t, 3>;
+  EXPECT_EQ((Colour{0, 64, 255}), colourOfDistance(0));
+  EXPECT_EQ((Colour{230, 0, 0}), colourOfDistance(0.5F));
+  EXPECT_EQ((Colour{230, 0, 0}), colourOfDistance(100));
+  EXPECT_EQ((Colour{128, 128, 128}), colourOfDistance(std::numeric_limits<float>::quiet_NaN()));
+  const std::string ply = distancePly(points, {0.F, 0.7F});
+  EXPECT_NE(std::string::npos, ply.find("element vertex 2\n"));
+  EXPECT_NE(std::string::npos, ply.find("property float scalar_distance\n"));
+  const std::string end = "end_header\n";
+  ASSERT_EQ(ply.find(end) + end.size() + 2 * 19, ply.size());
+  float last = 0;
+  std::memcpy(&last, ply.data() + ply.size() - sizeof last, sizeof last);
+  EXPECT_EQ(0.7F, last);
+  EXPECT_THROW((void)distancePly(points, {0.F}), std::invalid_argument);
 }
 }  // namespace dyslam

@@ -3,6 +3,7 @@
 #include <dyslam/core/Error.h>
 #include <dyslam/core/Files.h>
 #include <dyslam/core/SharedFiles.h>
+#include <dyslam/core/Words.h>
 
 #include <algorithm>
 #include <filesystem>
@@ -247,9 +248,7 @@ void Config::requireKnownSections(const std::vector<std::string>& known) const
   {
     if (std::find(known.begin(), known.end(), name) == known.end())
     {
-      const std::string near = nearestWord(name, known);
-      throw UserError(origin + ": unknown section [" + name + "]" +
-                      (near.empty() ? "" : "; did you mean [" + near + "]?"));
+      throw UserError(origin + ": " + unknownWord("section", name, known));
     }
   }
 }

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/core/Bytes.h>
 #include <dyslam/core/KeyframeStore.h>
 #include <dyslam/core/StateArchive.h>
 

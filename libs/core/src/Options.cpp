@@ -2,6 +2,7 @@
 #include <dyslam/core/Angle.h>
 #include <dyslam/core/Error.h>
 #include <dyslam/core/Options.h>
+#include <dyslam/core/Words.h>
 
 #include <algorithm>
 #include <array>
@@ -33,25 +34,13 @@ void checkRange(const std::string& where, Number value, Number min, Number max)
   }
 }
 
-std::string joined(const std::vector<std::string>& words)
-{
-  std::string text;
-  for (const auto& word : words)
-  {
-    text += (text.empty() ? "" : ", ") + word;
-  }
-  return text;
-}
-
 void checkWord(const std::string& where,
                const std::string& value,
                const std::vector<std::string>& words)
 {
   if (std::find(words.begin(), words.end(), value) == words.end())
   {
-    const std::string near = nearestWord(value, words);
-    throw UserError(where + " = " + value + " is not known; use one of: " + joined(words) +
-                    (near.empty() ? "" : " (did you mean " + near + "?)"));
+    throw UserError(where + ": " + unknownWord("value", value, words));
   }
 }
 
@@ -306,9 +295,8 @@ void load(Options& options, const Config& config, const std::string& section)
         throw UserError(value.origin + ": [" + section + "] " + key + " was renamed to " +
                         old->second);
       }
-      const std::string near = nearestWord(key, lister.keys);
-      throw UserError(value.origin + ": [" + section + "] has no key '" + key + "'" +
-                      (near.empty() ? "" : "; did you mean '" + near + "'?"));
+      throw UserError(value.origin + ": [" + section +
+                      "]: " + unknownWord("key", key, lister.keys));
     }
   }
   Loader loader(values, section);

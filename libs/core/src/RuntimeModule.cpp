@@ -4,6 +4,7 @@
 #include <dyslam/core/Parallel.h>
 #include <dyslam/core/RuntimeModule.h>
 #include <dyslam/core/Version.h>
+#include <dyslam/core/Words.h>
 
 #include <cstdlib>
 #include <vector>
@@ -73,7 +74,7 @@ std::string notFound(const std::string& module, const std::string& needed_by)
   std::string tried;
   for (const auto& folder : moduleFolders())
   {
-    tried += (tried.empty() ? "" : ", ") + folder.string();
+    appendWord(tried, folder.string());
   }
   return needed_by + " needs " + fileOf(module) +
          ", which a build with libtorch has, and which is not in " + tried;

@@ -3,6 +3,7 @@
 #include <dyslam/core/Error.h>
 #include <dyslam/core/Files.h>
 #include <dyslam/core/SharedFiles.h>
+#include <dyslam/core/Words.h>
 
 #include <cstdlib>
 #include <filesystem>
@@ -57,7 +58,7 @@ std::string namesIn(const std::string& folder,
     {
       continue;
     }
-    text += (text.empty() ? "" : ", ") + fs::path(path).filename().string();
+    appendWord(text, fs::path(path).filename().string());
   }
   return text;
 }

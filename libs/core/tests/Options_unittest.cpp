@@ -88,7 +88,8 @@ TEST(Options, KeysNotGivenKeepTheirDefaults)
 TEST(Options, ErrorsNamePlaceAndFix)
 {
   EXPECT_EQ(errorOf("[sample]\nvoxel_sise = 1\n"),
-            "a.ini:2: [sample] has no key 'voxel_sise'; did you mean 'voxel_size'?");
+            "a.ini:2: [sample]: unknown key 'voxel_sise'; did you mean 'voxel_size'? (one of: "
+            "voxel_size, threads, deskew, label, cone_deg, kernel)");
   EXPECT_EQ(errorOf("[sample]\ncell = 1\n"), "a.ini:2: [sample] cell was renamed to voxel_size");
   EXPECT_EQ(errorOf("[sample]\nvoxel_size = abc\n"),
             "a.ini:2: [sample] voxel_size = abc is not a number");
@@ -101,8 +102,8 @@ TEST(Options, ErrorsNamePlaceAndFix)
   EXPECT_EQ(errorOf("[sample]\ndeskew = yes\n"),
             "a.ini:2: [sample] deskew = yes is not a switch; use true or false");
   EXPECT_EQ(errorOf("[sample]\nkernel = cauchi\n"),
-            "a.ini:2: [sample] kernel = cauchi is not known; use one of: none, cauchy (did you "
-            "mean cauchy?)");
+            "a.ini:2: [sample] kernel: unknown value 'cauchi'; did you mean 'cauchy'? (one of: "
+            "none, cauchy)");
   EXPECT_EQ(errorOf("[sample]\nthreads = 1\nthreads = 2\n"),
             "a.ini:3: [sample] threads is given twice; the first is at a.ini:2");
   EXPECT_EQ(errorOf("threads = 1\n"),
@@ -223,7 +224,8 @@ TEST(Config, UnknownSectionNamesTheNearest)
   }
   catch (const UserError& error)
   {
-    EXPECT_STREQ(error.what(), "a.ini:1: unknown section [smaple]; did you mean [sample]?");
+    EXPECT_STREQ(error.what(),
+                 "a.ini:1: unknown section 'smaple'; did you mean 'sample'? (one of: sample)");
   }
 }
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/core/Error.h>
+#include <dyslam/core/Words.h>
 #include <dyslam/eval/LearningLog.h>
 
 #include <cmath>
@@ -97,7 +98,7 @@ LearningLog parseLearningLog(const std::string& text, const std::string& name)
     {
       for (std::size_t r = 0; r < rows.size(); ++r)
       {
-        log.series[r] += (log.series[r].empty() ? "" : ", ") + rows[r][c];
+        appendWord(log.series[r], rows[r][c]);
       }
     }
   }

@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <dyslam/core/Bytes.h>
 #include <dyslam/core/NeighbourSearch.h>
 #include <dyslam/core/Parallel.h>
 #include <dyslam/core/Quantile.h>
@@ -84,57 +83,5 @@ MapDistance mapDistance(const std::vector<Eigen::Vector3f>& reference,
   result.estimate = distanceSummary(result.of_estimate);
   result.reference = distanceSummary(distancesFrom(of_estimate, reference, pool));
   return result;
-}
-
-std::array<std::uint8_t, 3> colourOfDistance(float distance, float largest)
-{
-  if (!std::isfinite(distance))
-  {
-    return {128, 128, 128};
-  }
-  // Blue, green, yellow, red, at equal steps.
-  constexpr std::array<std::array<float, 3>, 4> colours{
-      {{0, 64, 255}, {0, 200, 80}, {255, 220, 0}, {230, 0, 0}}};
-  const float place =
-      std::clamp(distance / largest, 0.F, 1.F) * static_cast<float>(colours.size() - 1);
-  const auto low = std::min(static_cast<std::size_t>(place), colours.size() - 2);
-  const float part = place - static_cast<float>(low);
-  std::array<std::uint8_t, 3> colour{};
-  for (std::size_t i = 0; i < colour.size(); ++i)
-  {
-    colour[i] = static_cast<std::uint8_t>(
-        std::lround(colours[low][i] + part * (colours[low + 1][i] - colours[low][i])));
-  }
-  return colour;
-}
-
-std::string distancePly(const std::vector<Eigen::Vector3f>& points,
-                        const std::vector<float>& distances)
-{
-  if (points.size() != distances.size())
-  {
-    throw std::invalid_argument("distancePly: " + std::to_string(points.size()) + " points, but " +
-                                std::to_string(distances.size()) + " distances");
-  }
-  std::string bytes = "ply\nformat binary_little_endian 1.0\nelement vertex " +
-                      std::to_string(points.size()) +
-                      "\nproperty float x\nproperty float y\nproperty float z\n"
-                      "property uchar red\nproperty uchar green\nproperty uchar blue\n"
-                      "property float scalar_distance\nend_header\n";
-  constexpr std::size_t size = 4 * sizeof(float) + 3;
-  bytes.reserve(bytes.size() + size * points.size());
-  for (std::size_t i = 0; i < points.size(); ++i)
-  {
-    for (const float coordinate : points[i])
-    {
-      appendBytes(bytes, coordinate);
-    }
-    for (const std::uint8_t channel : colourOfDistance(distances[i]))
-    {
-      appendBytes(bytes, channel);
-    }
-    appendBytes(bytes, distances[i]);
-  }
-  return bytes;
 }
 }  // namespace dyslam

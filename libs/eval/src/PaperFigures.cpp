@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/core/Angle.h>
 #include <dyslam/core/Error.h>
+#include <dyslam/core/Words.h>
 #include <dyslam/eval/PaperFigures.h>
 
 #include <array>
@@ -153,9 +154,7 @@ std::vector<PaperRow> paperFigures(const std::string& sequence)
               absoluteRow("DyLO-SAM-MOT", f.dylo_sam_mot)};
     }
   }
-  const std::string nearest = nearestWord(sequence, known);
-  throw UserError("the paper has no sequence '" + sequence + "'" +
-                  (nearest.empty() ? "" : "; the nearest is '" + nearest + "'") +
+  throw UserError(unknownWord("sequence of the paper", sequence, known) +
                   " (odometry/00-10, tracking/04..19, campus/00-02)");
 }
 

@@ -3,7 +3,6 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <cstring>
 #include <limits>
 #include <random>
 
@@ -98,23 +97,5 @@ TEST(MapDistance, OfTheSameMapIsNothing)
   EXPECT_THROW((void)mapDistance(line(9, 0), {}), std::invalid_argument);
   const float nan = std::numeric_limits<float>::quiet_NaN();
   EXPECT_THROW((void)mapDistance({{nan, 0, 0}}, line(9, 0)), std::invalid_argument);
-}
-
-TEST(MapDistance, ColoursAndDistancesOfAPly)
-{
-  using Colour = std::array<std::uint8_t, 3>;
-  EXPECT_EQ((Colour{0, 64, 255}), colourOfDistance(0));
-  EXPECT_EQ((Colour{230, 0, 0}), colourOfDistance(0.5F));
-  EXPECT_EQ((Colour{230, 0, 0}), colourOfDistance(100));
-  EXPECT_EQ((Colour{128, 128, 128}), colourOfDistance(std::numeric_limits<float>::quiet_NaN()));
-  const std::string ply = distancePly(line(2, 1), {0.F, 0.7F});
-  EXPECT_NE(std::string::npos, ply.find("element vertex 2\n"));
-  EXPECT_NE(std::string::npos, ply.find("property float scalar_distance\n"));
-  const std::string end = "end_header\n";
-  ASSERT_EQ(ply.find(end) + end.size() + 2 * 19, ply.size());
-  float last = 0;
-  std::memcpy(&last, ply.data() + ply.size() - sizeof last, sizeof last);
-  EXPECT_EQ(0.7F, last);
-  EXPECT_THROW((void)distancePly(line(2, 1), {0.F}), std::invalid_argument);
 }
 }  // namespace dyslam

@@ -3,6 +3,7 @@
 #include <dyslam/core/Files.h>
 #include <dyslam/core/PendingFile.h>
 #include <dyslam/core/Printable.h>
+#include <dyslam/formats/CloudHeader.h>
 #include <dyslam/formats/RecordingKind.h>
 #include <dyslam/formats/ScanFiles.h>
 
@@ -87,6 +88,19 @@ std::string packed(const std::vector<Eigen::Vector3f>& points,
     std::memcpy(&bytes[i * fields * sizeof(float)], values.data(), fields * sizeof(float));
   }
   return bytes;
+}
+
+CloudHeader headerOf(const std::vector<Eigen::Vector3f>& points,
+                     const std::vector<float>& intensity)
+{
+  CloudHeader header;
+  header.points = points.size();
+  header.fields = {{"x"}, {"y"}, {"z"}};
+  if (!intensity.empty())
+  {
+    header.fields.push_back({"intensity"});
+  }
+  return header;
 }
 
 /** The fifth of five columns. */
@@ -224,15 +238,7 @@ void writePcd(const std::string& path,
               const std::vector<float>& intensity)
 {
   requireSameLength(points, intensity);
-  const bool with = !intensity.empty();
-  const std::string count = std::to_string(points.size());
-  const std::string header =
-      std::string("# .PCD v0.7 - Point Cloud Data file format\nVERSION 0.7\n") +
-      (with ? "FIELDS x y z intensity\nSIZE 4 4 4 4\nTYPE F F F F\n"
-              "COUNT 1 1 1 1\n"
-            : "FIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nCOUNT 1 1 1\n") +
-      "WIDTH " + count + "\nHEIGHT 1\nVIEWPOINT 0 0 0 1 0 0 0\nPOINTS " + count + "\nDATA binary\n";
-  writeWhole(path, header + packed(points, intensity, false));
+  writeWhole(path, pcdHeader(headerOf(points, intensity)) + packed(points, intensity, false));
 }
 
 void writePly(const std::string& path,
@@ -240,11 +246,7 @@ void writePly(const std::string& path,
               const std::vector<float>& intensity)
 {
   requireSameLength(points, intensity);
-  const std::string header =
-      "ply\nformat binary_little_endian 1.0\nelement vertex " + std::to_string(points.size()) +
-      "\nproperty float x\nproperty float y\nproperty float z\n" +
-      (intensity.empty() ? "" : "property float intensity\n") + "end_header\n";
-  writeWhole(path, header + packed(points, intensity, false));
+  writeWhole(path, plyHeader(headerOf(points, intensity)) + packed(points, intensity, false));
 }
 
 void writeCloud(const std::string& path,

@@ -143,14 +143,17 @@ TEST_F(GraphSlamRun, UnknownPluginsNameTheNearest)
 {
   auto s = settings("unknown");
   EXPECT_EQ(errorOf(s, {"OdometryNodeDecidr", "", ""}),
-            "OdometryNodeDecidr: unknown node registration decider; did you mean "
-            "OdometryNodeDecider?");
+            "unknown node registration decider 'OdometryNodeDecidr'; did you mean "
+            "'OdometryNodeDecider'? (one of: OdometryNodeDecider)");
   EXPECT_EQ(errorOf(s, {"", "x", ""}),
-            "x: unknown edge registration decider; there is LoopEdgeDecider, CEmptyERD");
-  EXPECT_EQ(errorOf(s, {"", "", "FactorGraphOptimiser"}),
-            "FactorGraphOptimiser: unknown optimizer; did you mean FactorGraphOptimizer?");
+            "unknown edge registration decider 'x' (one of: LoopEdgeDecider, CEmptyERD)");
+  const std::string optimizer = errorOf(s, {"", "", "FactorGraphOptimiser"});
+  EXPECT_EQ(optimizer.find("unknown optimizer 'FactorGraphOptimiser'; did you mean "
+                           "'FactorGraphOptimizer'? (one of: FactorGraphOptimizer)"),
+            0U)
+      << optimizer;
   const std::string folder = errorOf(s, {"", "", "out/gs"});
-  EXPECT_EQ(folder.find("out/gs: unknown optimizer; there is FactorGraphOptimizer"), 0U) << folder;
+  EXPECT_EQ(folder.find("unknown optimizer 'out/gs' (one of: FactorGraphOptimizer)"), 0U) << folder;
   EXPECT_NE(folder.find(" (the folder for results is --output)"), std::string::npos) << folder;
   EXPECT_FALSE(fs::exists(s.output_folder));
 }

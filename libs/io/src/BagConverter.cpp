@@ -4,6 +4,7 @@
 #include <dyslam/core/Error.h>
 #include <dyslam/core/Printable.h>
 #include <dyslam/core/Trajectory.h>
+#include <dyslam/core/Words.h>
 #include <dyslam/formats/Bag.h>
 #include <dyslam/formats/RosMessages.h>
 #include <dyslam/formats/RosPackets.h>
@@ -39,8 +40,7 @@ void reportOtherTopics(const Bag& bag, const std::vector<RosScanTopic>& candidat
     {
       const bool alike =
           other.packets == taken.packets && other.has_times_or_rings == taken.has_times_or_rings;
-      std::string& names = alike ? likely : others;
-      names += (names.empty() ? "" : ", ") + bag.topics()[other.topic].name;
+      appendWord(alike ? likely : others, bag.topics()[other.topic].name);
     }
   }
   if (!likely.empty())
@@ -89,12 +89,7 @@ std::string frameNames(const RosTransforms& transforms)
     known.insert(child);
     known.insert(transform.parent);
   }
-  std::string names;
-  for (const std::string& name : known)
-  {
-    names += (names.empty() ? "" : ", ") + name;
-  }
-  return names;
+  return joined(known);
 }
 
 /** Mounts the lidar as the bag's transforms have it, if the options ask for that; else a note says
@@ -214,7 +209,7 @@ Trajectory readTruth(const std::string& input,
     std::string names;
     for (const auto& [name, poses] : bodies)
     {
-      names += (names.empty() ? "" : ", ") + name;
+      appendWord(names, name);
     }
     throw UserError(input + ": " + options.truth_topic +
                     (bodies.empty()

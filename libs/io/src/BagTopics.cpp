@@ -2,6 +2,7 @@
 #include "BagTopics.h"
 
 #include <dyslam/core/Error.h>
+#include <dyslam/core/Words.h>
 #include <dyslam/io/OptionError.h>
 
 #include <algorithm>
@@ -15,7 +16,7 @@ std::string namesOf(const Bag& bag, const std::function<bool(const BagTopic&)>& 
   {
     if (wanted(topic))
     {
-      names += (names.empty() ? "" : ", ") + topic.name;
+      appendWord(names, topic.name);
     }
   }
   return names;

@@ -2,6 +2,7 @@
 #include <dyslam/core/Error.h>
 #include <dyslam/core/PendingFile.h>
 #include <dyslam/core/PoseInformation.h>
+#include <dyslam/core/Words.h>
 #include <dyslam/formats/TextFile.h>
 #include <dyslam/io/GraphFiles.h>
 #include <dyslam/mrpt/Conversions.h>
@@ -293,11 +294,7 @@ class GraphReader
     }
     const std::vector<std::string> known = {
         "VERTEX_SE3:QUAT", "VERTEX_SE2", "VERTEX3", "EDGE_SE3:QUAT", "EDGE_SE2", "EDGE3", "FIX"};
-    const std::string near = nearestWord(word, known);
-    line.fail("unknown entry '" + word + "'" +
-              (near.empty() ? "; known are VERTEX_SE3:QUAT, VERTEX_SE2, VERTEX3, EDGE_SE3:QUAT, "
-                              "EDGE_SE2, EDGE3 and FIX"
-                            : "; did you mean " + near + "?"));
+    line.fail(unknownWord("entry", word, known));
   }
 
   void setRoot()

@@ -2,6 +2,7 @@
 #include <dyslam/core/Error.h>
 #include <dyslam/core/Printable.h>
 #include <dyslam/core/ScanParts.h>
+#include <dyslam/core/Words.h>
 #include <dyslam/io/RawlogSource.h>
 #include <dyslam/io/ScanDecoder.h>
 #include <dyslam/mrpt/Conversions.h>
@@ -507,7 +508,7 @@ void ScanDecoder::failWithoutScans(const std::map<std::string, std::size_t>& lef
   classes.insert(left_out.begin(), left_out.end());
   for (const auto& [name, count] : classes)
   {
-    held += (held.empty() ? "" : ", ") + std::to_string(count) + " " + name;
+    appendWord(held, std::to_string(count) + " " + name);
   }
   const bool flat = s.seen_classes.count("CObservation2DRangeScan") > 0;
   throw UserError(s.recording + ": has no 3D scans" + (held.empty() ? "" : ", only " + held) +

@@ -180,7 +180,7 @@ TEST_F(GraphFiles, ErrorsNameFileLineAndField)
   expectError(vertex + "VERTEX_SE2 1 0 0 0 0\n", ":2: field 6 (end of line): '0' stands");
   expectError("EDGE_SE2 1 1 1 2 1.5 10 0 0 30 0 500\n", "edge from node 1 to itself");
   expectError("EDGE_SE2 1 2 1 2 1.5 10 0 0 30 0\n", "field 12 (information 3,3): the line ends");
-  expectError("EDGE_SE3:QAUT 1 2\n", "did you mean EDGE_SE3:QUAT?");
+  expectError("EDGE_SE3:QAUT 1 2\n", "did you mean 'EDGE_SE3:QUAT'?");
   expectError("EDGE2 1 2 1 2 1.5 10 0 0 30 0 500\n", "write VERTEX_SE2 and EDGE_SE2");
   expectError(vertex + "FIX 0\nFIX 1\n", ":3: a second FIX");
   expectError("", "has no VERTEX or EDGE line");

@@ -3,6 +3,7 @@
 
 #include <dyslam/core/Error.h>
 #include <dyslam/core/PendingFile.h>
+#include <dyslam/core/Words.h>
 #include <dyslam/formats/LabelFiles.h>
 #include <dyslam/formats/ScanFiles.h>
 #include <dyslam/mapexport/MapClouds.h>
@@ -68,7 +69,7 @@ std::string namesOf(const std::vector<std::string>& paths)
   std::string names;
   for (const auto& path : paths)
   {
-    names += (names.empty() ? "" : " ") + fs::path(path).filename().string();
+    appendWord(names, fs::path(path).filename().string(), " ");
   }
   return names;
 }

@@ -5,9 +5,7 @@
 #include <dyslam/mapping/StaticMap.h>
 
 #include <Eigen/Core>
-#include <array>
 #include <cstdint>
-#include <cstring>
 #include <limits>
 #include <memory>
 #include <string>
@@ -41,13 +39,4 @@ class CloudFormat
 std::unique_ptr<CloudFormat> makePcdFormat(const CloudDescription& layout);
 std::unique_ptr<CloudFormat> makePlyFormat(const CloudDescription& layout);
 std::unique_ptr<CloudFormat> makeLasFormat(const CloudDescription& layout);
-
-/** Appends a number as little-endian bytes. */
-template <typename T>
-void appendNumber(std::string& out, T value)
-{
-  std::array<char, sizeof value> bytes{};
-  std::memcpy(bytes.data(), &value, sizeof value);
-  out.append(bytes.data(), bytes.size());
-}
 }  // namespace dyslam

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // LAS 1.2 (ASPRS), point data record format 0, which every reader supports. Debian 12 has no
 // library for it.
+#include <dyslam/core/Bytes.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -35,8 +37,8 @@ void appendDate(std::string& out, const std::optional<double>& stamp)
   const bool known = stamp && *stamp >= 0 && *stamp <= last;
   const auto seconds = static_cast<std::time_t>(known ? *stamp : 0);
   const bool valid = known && ::gmtime_r(&seconds, &date) != nullptr;
-  appendNumber(out, static_cast<std::uint16_t>(valid ? date.tm_yday + 1 : 0));
-  appendNumber(out, static_cast<std::uint16_t>(valid ? date.tm_year + 1900 : 0));
+  appendBytes(out, static_cast<std::uint16_t>(valid ? date.tm_yday + 1 : 0));
+  appendBytes(out, static_cast<std::uint16_t>(valid ? date.tm_year + 1900 : 0));
 }
 
 /** Describes one float32 behind the record, as LAS 1.4 specifies (table 24) and readers of older
@@ -79,14 +81,14 @@ class LasFormat : public CloudFormat
     appendText(out, "EXTRACTION", 32);
     appendText(out, "DySLAM", 32);
     appendDate(out, layout_.recorded);
-    appendNumber<std::uint16_t>(out, header_size);
-    appendNumber<std::uint32_t>(out, data_at);
-    appendNumber<std::uint32_t>(out, vlrs);
+    appendBytes<std::uint16_t>(out, header_size);
+    appendBytes<std::uint32_t>(out, data_at);
+    appendBytes<std::uint32_t>(out, vlrs);
     out.push_back(0);  // point data record format
-    appendNumber<std::uint16_t>(
+    appendBytes<std::uint16_t>(
         out, static_cast<std::uint16_t>(record_size + (layout_.normals ? 12 : 0)));
-    appendNumber<std::uint32_t>(out, count);
-    appendNumber<std::uint32_t>(out, count);  // of first returns
+    appendBytes<std::uint32_t>(out, count);
+    appendBytes<std::uint32_t>(out, count);  // of first returns
     out.append(4 * sizeof(std::uint32_t), '\0');
     appendBounds(out, summary);
     if (layout_.normals)
@@ -104,18 +106,18 @@ class LasFormat : public CloudFormat
   {
     for (int axis = 0; axis < 3; ++axis)
     {
-      appendNumber(out, wholeSteps(static_cast<double>(points.points[i][axis])));
+      appendBytes(out, wholeSteps(static_cast<double>(points.points[i][axis])));
     }
     constexpr float brightest = 65535;
     const float intensity = std::clamp(points.intensity[i], 0.0F, 1.0F);
-    appendNumber(out, static_cast<std::uint16_t>(std::lround(brightest * intensity)));
+    appendBytes(out, static_cast<std::uint16_t>(std::lround(brightest * intensity)));
     constexpr char only_return = 1 | 1 << 3;
     out.push_back(only_return);
     out.push_back(1);     // class: unclassified
     out.append(4, '\0');  // scan angle, user data, point source
     for (int axis = 0; axis < 3 && layout_.normals; ++axis)
     {
-      appendNumber(out, points.normals[i][axis]);
+      appendBytes(out, points.normals[i][axis]);
     }
   }
 
@@ -129,28 +131,28 @@ class LasFormat : public CloudFormat
   {
     for (int k = 0; k < 3; ++k)
     {
-      appendNumber<double>(out, scale);
+      appendBytes<double>(out, scale);
     }
     for (int axis = 0; axis < 3; ++axis)
     {
-      appendNumber<double>(out, layout_.origin[axis]);
+      appendBytes<double>(out, layout_.origin[axis]);
     }
     for (int axis = 0; axis < 3; ++axis)
     {
       // As a reader computes them from the whole steps.
       const auto bound = [&](double v)
       { return summary.count == 0 ? 0.0 : wholeSteps(v) * scale + layout_.origin[axis]; };
-      appendNumber<double>(out, bound(summary.high[axis]));
-      appendNumber<double>(out, bound(summary.low[axis]));
+      appendBytes<double>(out, bound(summary.high[axis]));
+      appendBytes<double>(out, bound(summary.low[axis]));
     }
   }
 
   static void appendNormalsRecord(std::string& out)
   {
-    appendNumber<std::uint16_t>(out, 0);  // reserved
+    appendBytes<std::uint16_t>(out, 0);  // reserved
     appendText(out, "LASF_Spec", 16);
-    appendNumber<std::uint16_t>(out, 4);  // record ID: extra bytes
-    appendNumber<std::uint16_t>(out, 3 * extra_bytes_size);
+    appendBytes<std::uint16_t>(out, 4);  // record ID: extra bytes
+    appendBytes<std::uint16_t>(out, 3 * extra_bytes_size);
     appendText(out, "normals", 32);
     appendExtraBytes(out, "NormalX", "towards the sensor");
     appendExtraBytes(out, "NormalY", "towards the sensor");
@@ -160,10 +162,10 @@ class LasFormat : public CloudFormat
   /** The coordinate reference system as keys of GeoTIFF. */
   void appendGeoKeys(std::string& out) const
   {
-    appendNumber<std::uint16_t>(out, 0);  // reserved
+    appendBytes<std::uint16_t>(out, 0);  // reserved
     appendText(out, "LASF_Projection", 16);
-    appendNumber<std::uint16_t>(out, 34735);  // record ID: directory of keys
-    appendNumber<std::uint16_t>(out, geo_keys_size);
+    appendBytes<std::uint16_t>(out, 34735);  // record ID: directory of keys
+    appendBytes<std::uint16_t>(out, geo_keys_size);
     appendText(out, "coordinate system", 32);
     constexpr std::uint16_t projected_model = 1;
     constexpr std::uint16_t metre = 9001;
@@ -176,7 +178,7 @@ class LasFormat : public CloudFormat
     {
       for (const std::uint16_t value : key)
       {
-        appendNumber(out, value);
+        appendBytes(out, value);
       }
     }
   }

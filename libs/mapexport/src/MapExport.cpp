@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/core/Error.h>
+#include <dyslam/core/Words.h>
 #include <dyslam/mapexport/MapExport.h>
 
 #include <array>
@@ -77,9 +78,6 @@ MapFormat mapFormatOf(const std::string& path)
   {
     throw UserError(path + ": compressed LAS is not written; give .las and compress it after");
   }
-  const std::string near = nearestWord(ending, known);
-  throw UserError(
-      path + ": the ending is none of .pcd .ply .las .bt .ot .simplemap .3Dscene .png .gridmap" +
-      (near.empty() || ending.empty() ? "" : "; did you mean " + near + "?"));
+  throw UserError(path + ": " + unknownWord("ending", ending, known));
 }
 }  // namespace dyslam

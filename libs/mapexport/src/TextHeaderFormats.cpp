@@ -1,6 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // PCD 0.7 and PLY 1.0, binary.
-#include <cstdio>
+#include <dyslam/core/Bytes.h>
+#include <dyslam/formats/CloudHeader.h>
+
+#include <utility>
+#include <vector>
 
 #include "CloudFormat.h"
 
@@ -8,20 +12,21 @@ namespace dyslam
 {
 namespace
 {
-/** Digits of the largest count: headers are filled up to it, so that their length is fixed. */
-constexpr std::size_t most_digits = 20;
-
-std::string filler(std::uint64_t count, std::size_t times)
-{
-  return std::string(times * (most_digits - std::to_string(count).size()), '.');
-}
-
 void appendFloats(std::string& out, const Eigen::Vector3f& v)
 {
   for (int axis = 0; axis < 3; ++axis)
   {
-    appendNumber(out, v[axis]);
+    appendBytes(out, v[axis]);
   }
+}
+
+CloudHeader headerOf(const CloudSummary& summary, std::vector<CloudField> fields)
+{
+  CloudHeader header;
+  header.fields = std::move(fields);
+  header.points = summary.count;
+  header.has_fixed_length = true;
+  return header;
 }
 
 class PcdFormat : public CloudFormat
@@ -31,22 +36,19 @@ class PcdFormat : public CloudFormat
 
   [[nodiscard]] std::string header(const CloudSummary& summary) const override
   {
-    const std::string count = std::to_string(summary.count);
-    char viewpoint[128];
-    std::snprintf(viewpoint, sizeof viewpoint, "VIEWPOINT %.15g %.15g %.15g 1 0 0 0\n",
-                  layout_.origin.x(), layout_.origin.y(), layout_.origin.z());
-    return "# .PCD v0.7 - Point Cloud Data file format " + filler(summary.count, 2) +
-           "\nVERSION 0.7\nFIELDS x y z intensity" +
-           (layout_.normals ? " normal_x normal_y normal_z\nSIZE 4 4 4 4 4 4 4\nTYPE F F F F F F F"
-                              "\nCOUNT 1 1 1 1 1 1 1"
-                            : "\nSIZE 4 4 4 4\nTYPE F F F F\nCOUNT 1 1 1 1") +
-           "\nWIDTH " + count + "\nHEIGHT 1\n" + viewpoint + "POINTS " + count + "\nDATA binary\n";
+    CloudHeader header = headerOf(summary, {{"x"}, {"y"}, {"z"}, {"intensity"}});
+    if (layout_.normals)
+    {
+      header.fields.insert(header.fields.end(), {{"normal_x"}, {"normal_y"}, {"normal_z"}});
+    }
+    header.viewpoint = layout_.origin;
+    return pcdHeader(header);
   }
 
   void append(const MapPoints& points, std::size_t i, std::string& out) const override
   {
     appendFloats(out, points.points[i]);
-    appendNumber(out, points.intensity[i]);
+    appendBytes(out, points.intensity[i]);
     if (layout_.normals)
     {
       appendFloats(out, points.normals[i]);
@@ -64,13 +66,14 @@ class PlyFormat : public CloudFormat
 
   [[nodiscard]] std::string header(const CloudSummary& summary) const override
   {
-    const std::string type = exact() ? "double" : "float";
-    return "ply\nformat binary_little_endian 1.0\ncomment DySLAM static map " +
-           filler(summary.count, 1) + "\nelement vertex " + std::to_string(summary.count) +
-           "\nproperty " + type + " x\nproperty " + type + " y\nproperty " + type +
-           " z\nproperty float intensity\n" +
-           (layout_.normals ? "property float nx\nproperty float ny\nproperty float nz\n" : "") +
-           "end_header\n";
+    const CloudNumber type = exact() ? CloudNumber::float64 : CloudNumber::float32;
+    CloudHeader header = headerOf(summary, {{"x", type}, {"y", type}, {"z", type}, {"intensity"}});
+    if (layout_.normals)
+    {
+      header.fields.insert(header.fields.end(), {{"nx"}, {"ny"}, {"nz"}});
+    }
+    header.comment = "DySLAM static map";
+    return plyHeader(header);
   }
 
   void append(const MapPoints& points, std::size_t i, std::string& out) const override
@@ -79,14 +82,14 @@ class PlyFormat : public CloudFormat
     {
       for (int axis = 0; axis < 3; ++axis)
       {
-        appendNumber(out, layout_.origin[axis] + static_cast<double>(points.points[i][axis]));
+        appendBytes(out, layout_.origin[axis] + static_cast<double>(points.points[i][axis]));
       }
     }
     else
     {
       appendFloats(out, points.points[i]);
     }
-    appendNumber(out, points.intensity[i]);
+    appendBytes(out, points.intensity[i]);
     if (layout_.normals)
     {
       appendFloats(out, points.normals[i]);

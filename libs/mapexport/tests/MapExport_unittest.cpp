@@ -457,7 +457,7 @@ TEST_F(MapExport, UnwritableFoldersAndBadEndings)
   }
   catch (const UserError& error)
   {
-    EXPECT_NE(std::string(error.what()).find("did you mean .3Dscene"), std::string::npos)
+    EXPECT_NE(std::string(error.what()).find("did you mean '.3Dscene'"), std::string::npos)
         << error.what();
   }
 }

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "CleanedMap.h"
 
+#include <dyslam/core/Bytes.h>
+
 #include <algorithm>
 
 namespace dyslam

@@ -1,32 +1,27 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/core/BoxInterior.h>
 #include <dyslam/mapping/LabelledMap.h>
 
 #include <cstdint>
 #include <stdexcept>
-
-#include "InBox.h"
 
 namespace dyslam
 {
 namespace
 {
 constexpr double cube_size = 0.1;   // [m]
-constexpr double box_margin = 0.1;  // by which boxes are widened to each side [m]
+constexpr double box_margin = 0.1;  // by which boxes are wider and longer to each side [m]
 constexpr double clearance = 0.25;  // what is lower in a box is the ground [m]
-
-bool isOfObject(const Eigen::Vector3d& p, const Box& box)
-{
-  return isInBox(box, p, {box_margin, box_margin, 0}) &&
-         p.z() - box.center.z() > clearance - 0.5 * box.size.z();
-}
 
 void labelObjects(const Frame& frame, std::vector<Label>& labels)
 {
   for (const auto& object : frame.objects)
   {
+    const BoxInterior<double> inside =
+        BoxInterior<double>(object.box, {box_margin, box_margin, 0}).aboveGround(clearance);
     for (std::size_t i = 0; i < labels.size() && object.dynamic; ++i)
     {
-      if (isOfObject(frame.T_odom_vehicle * frame.cloud.points[i].cast<double>(), object.box))
+      if (inside.contains(frame.T_odom_vehicle * frame.cloud.points[i].cast<double>()))
       {
         labels[i] = label_moving;
       }

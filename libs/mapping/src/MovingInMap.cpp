@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/core/BoxInterior.h>
 #include <dyslam/mapping/MovingInMap.h>
-
-#include "InBox.h"
 
 namespace dyslam
 {
@@ -16,18 +15,17 @@ std::vector<bool> movingInMap(const Frame& frame, const StaticMapOptions& option
       continue;
     }
     // The box stands on the ground: its lower side must not cut the road out of the map.
-    Box box = object.box;
-    constexpr double over_ground = 0.25;
-    box.center.z() += 0.5 * over_ground;
-    box.size.z() -= over_ground;
+    constexpr double over_ground = 0.25;  // of the lower side before it is widened [m]
+    const Box& box = object.box;
+    const auto inside = BoxInterior<double>(box, Eigen::Vector3d::Constant(options.box_margin))
+                            .aboveGround(over_ground - options.box_margin);
     const double reach = 0.5 * box.size.norm() + 2 * options.box_margin;
-    const Eigen::Vector3d margin = Eigen::Vector3d::Constant(options.box_margin);
     const Eigen::Vector3d center = frame.T_odom_vehicle.inverse() * box.center;
     for (std::size_t i = 0; i < moving.size(); ++i)
     {
       const Eigen::Vector3d p = frame.cloud.points[i].cast<double>();
       moving[i] = moving[i] || ((p - center).squaredNorm() < reach * reach &&
-                                isInBox(box, frame.T_odom_vehicle * p, margin));
+                                inside.contains(frame.T_odom_vehicle * p));
     }
   }
   return moving;

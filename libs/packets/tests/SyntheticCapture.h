@@ -2,6 +2,8 @@
 // Network captures of lidars that see a sphere. They know nothing of the readers.
 #pragma once
 
+#include <dyslam/core/Bytes.h>
+
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
@@ -11,12 +13,6 @@
 
 namespace dyslam
 {
-template <typename T>
-void appendBytes(std::string& bytes, T value)
-{
-  bytes.append(reinterpret_cast<const char*>(&value), sizeof value);
-}
-
 inline void appendBigEndian(std::string& bytes, std::size_t value)
 {
   bytes += static_cast<char>((value >> 8U) & 0xffU);

@@ -3,6 +3,7 @@
 
 #include <dyslam/core/Error.h>
 #include <dyslam/core/Files.h>
+#include <dyslam/core/Words.h>
 
 #include <algorithm>
 #include <cctype>
@@ -110,7 +111,7 @@ void requireOwn(const fs::path& base, const std::vector<OutputName>& names, bool
     }
     if (!replace && isTaken(base, name))
     {
-      foreign += (foreign.empty() ? "" : ", ") + name.name;
+      appendWord(foreign, name.name);
     }
   }
   if (!foreign.empty())

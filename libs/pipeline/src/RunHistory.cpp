@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "RunHistory.h"
 
+#include <dyslam/core/Bytes.h>
+
 #include <algorithm>
 #include <utility>
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/core/Error.h>
+#include <dyslam/core/Words.h>
 #include <dyslam/sim/Sensor.h>
 
 #include <algorithm>
@@ -255,7 +256,6 @@ SensorKind sensorKindFromString(const std::string& name)
   std::transform(upper.begin(), upper.end(), upper.begin(),
                  [](unsigned char c) { return static_cast<char>(std::toupper(c)); });
   std::vector<std::string> words;
-  std::string all;
   for (const auto& n : kNames)
   {
     if (upper == n.text)
@@ -263,11 +263,8 @@ SensorKind sensorKindFromString(const std::string& name)
       return n.kind;
     }
     words.emplace_back(n.text);
-    all += std::string(all.empty() ? "" : ", ") + n.text;
   }
-  const std::string near = nearestWord(upper, words);
-  throw UserError("sensor: '" + name + "' is none of " + all +
-                  (near.empty() ? "" : "; did you mean " + near + "?"));
+  throw UserError(unknownWord("sensor", upper, words));
 }
 
 std::string toString(SensorKind kind)

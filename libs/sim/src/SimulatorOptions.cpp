@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/core/Error.h>
+#include <dyslam/core/Words.h>
 #include <dyslam/sim/SimulatorOptions.h>
 
 #include <utility>
@@ -79,9 +80,7 @@ WorldKind worldKindFromString(const std::string& name)
     }
     words.emplace_back(text);
   }
-  const std::string near = nearestWord(name, words);
-  throw UserError("world: '" + name + "' is none of urban, campus, highway, tunnel, field" +
-                  (near.empty() ? "" : "; did you mean " + near + "?"));
+  throw UserError(unknownWord("world", name, words));
 }
 
 std::string toString(WorldKind kind)

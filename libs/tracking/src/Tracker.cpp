@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/core/Angle.h>
 #include <dyslam/core/Assignment.h>
+#include <dyslam/core/BoxInterior.h>
 #include <dyslam/core/BoxOverlap.h>
 #include <dyslam/core/Error.h>
 #include <dyslam/core/StateArchive.h>
@@ -10,6 +11,7 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <stdexcept>
 
@@ -136,7 +138,8 @@ struct Tracker::Implementation
    * objects. */
   bool isFragment(const Observation& observation) const
   {
-    constexpr double margin = 0.3;  // margin around a track's box [m]
+    // Only the footprint counts: a fragment may be higher or lower.
+    const Eigen::Vector3d margin(0.3, 0.3, std::numeric_limits<double>::infinity());  // [m]
     return observation.from_points &&
            std::any_of(tracks.begin(), tracks.end(),
                        [&](const Track& track)
@@ -145,13 +148,8 @@ struct Tracker::Implementation
                          {
                            return false;  // the cluster may be this object
                          }
-                         const Box& box = track.box();
-                         const Eigen::Vector2d difference =
-                             (observation.box.center - box.center).head<2>();
-                         const Eigen::Rotation2Dd turn(-box.yaw);
-                         const Eigen::Vector2d inside = (turn * difference).cwiseAbs();
-                         return inside.x() < 0.5 * box.size.x() + margin &&
-                                inside.y() < 0.5 * box.size.y() + margin;
+                         const BoxInterior<double> inside(track.box(), margin);
+                         return inside.contains(observation.box.center);
                        });
   }
 

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/core/Words.h>
 #include <dyslam/train/PairSource.h>
 #include <dyslam/train/RandomDraws.h>
 
@@ -18,7 +19,7 @@ std::string MixedPairSource::name() const
   std::string names;
   for (const auto& source : sources_)
   {
-    names += (names.empty() ? "" : ", ") + source->name();
+    appendWord(names, source->name());
   }
   return names;
 }

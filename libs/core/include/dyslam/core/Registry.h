@@ -3,6 +3,7 @@
 
 #include <dyslam/core/Error.h>
 #include <dyslam/core/Options.h>
+#include <dyslam/core/Words.h>
 
 #include <functional>
 #include <memory>
@@ -58,9 +59,7 @@ class Registry
     }
     if (!chosen)
     {
-      const std::string nearest = nearestWord(name, names());
-      throw UserError(key + ": unknown name '" + name + "'" +
-                      (nearest.empty() ? std::string() : "; did you mean '" + nearest + "'?"));
+      throw UserError(key + ": " + unknownWord("name", name, names()));
     }
     return chosen(pool);
   }

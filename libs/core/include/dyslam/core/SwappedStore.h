@@ -1,18 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <dyslam/core/Bytes.h>
 #include <dyslam/core/StateArchive.h>
 #include <dyslam/core/SwapFile.h>
 
 #include <cstddef>
 #include <cstdint>
-#include <cstring>
 #include <limits>
 #include <memory>
 #include <string>
-#include <string_view>
-#include <type_traits>
 #include <utility>
 #include <vector>
 
@@ -200,36 +196,4 @@ class SwappedStore
   mutable std::uint32_t edited_ = none;
   mutable std::size_t memory_ = 0;
 };
-
-/** Removes a plain value from the front of `bytes`. \throws UserError if they are too few. */
-template <typename Value>
-void takeBytes(std::string_view& bytes, Value& value)
-{
-  static_assert(std::is_trivially_copyable_v<Value>);
-  if (bytes.size() < sizeof value)
-  {
-    StateArchive::fail();
-  }
-  std::memcpy(&value, bytes.data(), sizeof value);
-  bytes.remove_prefix(sizeof value);
-}
-
-/** Removes values written by appendBytes() from the front of `bytes`. \throws UserError if there
- * are too few bytes. */
-template <typename Value>
-void takeBytes(std::string_view& bytes, std::vector<Value>& values)
-{
-  std::uint64_t count = 0;
-  takeBytes(bytes, count);
-  if (count > bytes.size() / sizeof(Value))
-  {
-    StateArchive::fail();
-  }
-  values.resize(count);
-  if (count > 0)
-  {
-    std::memcpy(values.data(), bytes.data(), count * sizeof(Value));
-  }
-  bytes.remove_prefix(count * sizeof(Value));
-}
 }  // namespace dyslam

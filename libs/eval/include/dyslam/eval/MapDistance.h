@@ -4,8 +4,6 @@
 #include <Eigen/Core>
 #include <array>
 #include <cstddef>
-#include <cstdint>
-#include <string>
 #include <vector>
 
 namespace dyslam
@@ -41,14 +39,4 @@ struct MapDistance
 [[nodiscard]] MapDistance mapDistance(const std::vector<Eigen::Vector3f>& reference,
                                       const std::vector<Eigen::Vector3f>& estimate,
                                       int threads = 0);
-
-/** Red, green and blue of a distance: blue at 0 m, over green and yellow, to red at `largest` [m]
- * and beyond; grey for NaN. */
-[[nodiscard]] std::array<std::uint8_t, 3> colourOfDistance(float distance, float largest = 0.5F);
-
-/** A binary PLY of the points, coloured by colourOfDistance(), with their distances as the scalar
- * field `scalar_distance`, which CloudCompare shows as "distance".
- * \throws std::invalid_argument unless there is a distance for each point. */
-[[nodiscard]] std::string distancePly(const std::vector<Eigen::Vector3f>& points,
-                                      const std::vector<float>& distances);
 }  // namespace dyslam

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <dyslam/core/Error.h>
+#include <dyslam/core/Words.h>
 #include <dyslam/graphslam/GraphSlamContext.h>
 #include <mrpt/graphslam/interfaces/CEdgeRegistrationDecider.h>
 #include <mrpt/graphslam/interfaces/CGraphSlamOptimizer.h>
@@ -32,8 +33,8 @@ struct GraphSlamPlugin
 [[nodiscard]] std::vector<GraphSlamPlugin<GraphOptimizer>> graphOptimizers();
 
 /** The plug-in of that name; the first for an empty one.
- * \param kind for the message, as "edge decider" \param hint behind a list of the names
- * \throws UserError for an unknown name, with the nearest. */
+ * \param kind for the message, as "edge decider" \param hint at the end of the message
+ * \throws UserError for an unknown name, naming the nearest. */
 template <typename Interface>
 [[nodiscard]] GraphSlamPlugin<Interface> findPlugin(
     const std::vector<GraphSlamPlugin<Interface>>& plugins,
@@ -42,7 +43,6 @@ template <typename Interface>
     const std::string& hint = "")
 {
   std::vector<std::string> names;
-  std::string all;
   for (const auto& plugin : plugins)
   {
     if (name.empty() || name == plugin.name)
@@ -50,11 +50,7 @@ template <typename Interface>
       return plugin;
     }
     names.emplace_back(plugin.name);
-    all += (all.empty() ? "" : ", ") + names.back();
   }
-  const std::string nearest = nearestWord(name, names);
-  throw UserError(
-      name + ": unknown " + kind +
-      (nearest.empty() ? "; there is " + all + hint : "; did you mean " + nearest + "?"));
+  throw UserError(unknownWord(kind, name, names) + hint);
 }
 }  // namespace dyslam

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <dyslam/core/Error.h>
+#include <dyslam/core/Words.h>
 
 #include <algorithm>
 #include <numeric>

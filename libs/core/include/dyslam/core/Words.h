@@ -1,0 +1,76 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Lists of words, and words that are in none, for messages.
+#pragma once
+
+#include <cstddef>
+#include <iterator>
+#include <string>
+#include <string_view>
+
+namespace dyslam
+{
+/** Appends a word to a list of words: "a, b". */
+inline void appendWord(std::string& list, std::string_view word, std::string_view separator = ", ")
+{
+  if (!list.empty())
+  {
+    list += separator;
+  }
+  list += word;
+}
+
+/** The words as a list: "a, b". */
+template <typename Container>
+[[nodiscard]] std::string joined(const Container& words, std::string_view separator = ", ")
+{
+  std::string list;
+  for (const auto& word : words)
+  {
+    appendWord(list, word, separator);
+  }
+  return list;
+}
+
+/** Levenshtein distance between two words. */
+[[nodiscard]] std::size_t editDistance(const std::string& a, const std::string& b);
+
+/** Of `candidates`, the one nearest to `word` by edit distance; empty when none is near. */
+template <typename Container>
+[[nodiscard]] std::string nearestWord(const std::string& word, const Container& candidates)
+{
+  std::string best;
+  std::size_t best_distance = word.size() / 2 + 2;
+  for (const auto& candidate : candidates)
+  {
+    const std::size_t distance = editDistance(word, candidate);
+    if (distance < best_distance)
+    {
+      best_distance = distance;
+      best = candidate;
+    }
+  }
+  return best;
+}
+
+/** Error message for a word of the user that is none of the known ones: "unknown kernel 'cauchi';
+ * did you mean 'cauchy'? (one of: none, cauchy)". The known ones are listed if they are few.
+ * \param kind what the word should name */
+template <typename Container>
+[[nodiscard]] std::string unknownWord(const std::string& kind,
+                                      const std::string& word,
+                                      const Container& known)
+{
+  constexpr std::size_t most_listed = 20;
+  const std::string nearest = word.empty() ? "" : nearestWord(word, known);
+  std::string message = "unknown " + kind + " '" + word + "'";
+  if (!nearest.empty())
+  {
+    message += "; did you mean '" + nearest + "'?";
+  }
+  if (std::size(known) <= most_listed)
+  {
+    message += " (one of: " + joined(known) + ")";
+  }
+  return message;
+}
+}  // namespace dyslam
