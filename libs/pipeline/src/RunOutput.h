@@ -3,6 +3,7 @@
 
 #include <dyslam/backend/SmoothedObject.h>
 #include <dyslam/core/Frame.h>
+#include <dyslam/core/FrameCopy.h>
 #include <dyslam/core/Options.h>
 #include <dyslam/core/Trajectory.h>
 #include <dyslam/mapping/StaticMap.h>
@@ -58,18 +59,6 @@ struct OutputName
   std::string extension;  //!< of the files 000000.label, 000001.label, ... if it is a folder
 };
 
-/** Frames as the causal pipeline leaves them, or once their moving points and objects are final,
- * see Pipeline::onFinal(). */
-enum class FrameKind
-{
-  causal,
-  final_objects,  //!< final objects; of the cloud its points alone, unless others want more
-  /** Final, with points and intensities of the cloud. Causal in a run that does not track again, if
-   * no output wants final_scan. */
-  final_points,
-  final_scan  //!< final, with the whole cloud and the scan
-};
-
 /** Arguments of an output. An output's own options are a section of the config. */
 struct RunOutputContext
 {
@@ -99,8 +88,10 @@ class RunOutput
    * calls of one output come one after the other either way. */
   [[nodiscard]] virtual bool isSlow() const { return false; }
 
-  /** Which frames add() gets. */
-  [[nodiscard]] virtual FrameKind wants() const { return FrameKind::causal; }
+  /** What add() needs of final frames, see Pipeline::onFinal(): `points` for the objects alone; it
+   * gets more if others want more. `none`: it gets frames as the causal pipeline leaves them. In a
+   * run that does not track again, those that need no more than `intensity` may get causal ones. */
+  [[nodiscard]] virtual FrameParts wants() const { return FrameParts::none; }
 
   // An exception out of one of these ends this output alone, except in open().
 

@@ -5,10 +5,10 @@
 
 #include <functional>
 #include <memory>
-#include <mutex>
 #include <string>
 #include <vector>
 
+#include "CheckpointWriter.h"
 #include "JobThread.h"
 #include "KeptFiles.h"
 #include "OutputFolder.h"
@@ -33,12 +33,11 @@ class RunOutputs
   void open();
   /** Takes the frame; slow outputs write in another thread. */
   void add(Frame frame);
-  /** For runs that do not track again: outputs that want the objects of final frames get causal
-   * frames, which have the same; and so do those that want final points, unless an output wants
-   * final scans. */
-  void preferCausal();
-  /** What the outputs need of final frames; `none` if no output wants these. */
-  [[nodiscard]] FrameParts finalParts() const;
+  /** Decides which outputs get final frames: those that want them. In runs that do not track again,
+   * outputs that want no more than their points get causal frames instead, which have the same
+   * objects; and so do those that want the intensities, unless an output wants more.
+   * \return what the outputs need of final frames; `none` if none gets them */
+  FrameParts chooseFrames(bool tracks_again);
   /** The same frame again, later, for the outputs that want final moving points. */
   void addFinal(Frame frame);
   /** Seconds between checkpoints, 0: none. */
@@ -67,10 +66,10 @@ class RunOutputs
     std::unique_ptr<RunOutput> output;  //!< null once it has failed
     std::vector<OutputName> names;
     bool slow = false;
-    FrameKind wants = FrameKind::causal;
-    std::string failure;  //!< why it has failed; empty if it has not
+    FrameParts final_parts = FrameParts::none;  //!< of final frames; none: it gets causal ones
+    std::string failure;                        //!< why it has failed; empty if it has not
 
-    [[nodiscard]] bool wantsFinal() const { return wants != FrameKind::causal; }
+    [[nodiscard]] bool getsFinal() const { return final_parts != FrameParts::none; }
   };
 
   void add(Frame frame, bool is_final);
@@ -78,12 +77,6 @@ class RunOutputs
   void addTo(const Frame& frame, bool slow, bool is_final);
   /** Adds those files of the output that are there. */
   void listFiles(const Entry& entry, SlamRunReport& report) const;
-  /** Notes how a checkpoint ended. \param failure empty if it succeeded */
-  void noteCheckpoint(const std::string& failure);
-  /** The warning about checkpoints that failed; empty if the last one succeeded. */
-  [[nodiscard]] std::string checkpointWarning();
-  /** In the writing thread: adds its part and gives the state its name. */
-  void finishState(StateFileWriter& state);
   /** Waits for all that the writing thread has to do. */
   void waitForWriter();
   /** In the writing thread, behind the last state. */
@@ -104,12 +97,7 @@ class RunOutputs
   bool is_stopped_ = false;      //!< by the last checkpoint
   bool are_files_kept_ = false;  //!< read once the writing thread has ended
   std::vector<Entry> entries_;
-  std::weak_ptr<StateFileWriter> state_;  //!< while it is written
-  std::function<void(const std::string&)> warn_;
-  std::mutex checkpoint_mutex_;  //!< guards the next three: both threads note how checkpoints ended
-  std::string checkpoint_failure_;
-  bool has_checkpoint_ = false;
-  bool has_warned_ = false;
-  std::unique_ptr<JobThread> writer_;  //!< last: its jobs use the entries
+  CheckpointWriter checkpoints_;
+  std::unique_ptr<JobThread> writer_;  //!< last: its jobs use the entries and checkpoints
 };
 }  // namespace dyslam

@@ -172,11 +172,7 @@ struct SlamRun::Impl
     times.setMinLoggingLevel(mrpt::system::LVL_ERROR);  // else it prints its table at the end
     beginEarlier(settings.first_pass_time);
     config.requireAllUsed();
-    if (!pipeline.tracksWithHindsight())
-    {
-      outputs.preferCausal();
-    }
-    const FrameParts parts = outputs.finalParts();
+    const FrameParts parts = outputs.chooseFrames(pipeline.tracksWithHindsight());
     if (pipeline.tracksWithHindsight() || parts != FrameParts::none)
     {
       pipeline.onFinal([this](Frame frame) { addFinal(std::move(frame)); }, parts);
