@@ -2,6 +2,7 @@
 #pragma once
 
 #include <dyslam/core/Frame.h>
+#include <dyslam/core/Layout.h>
 #include <dyslam/core/Options.h>
 #include <dyslam/core/Trajectory.h>
 
@@ -51,10 +52,12 @@ class Pipeline
  public:
   /** Builds every stage. \param times gets the time of each stage \param temporary_folder where
    * map and keyframes beyond `memory.limit` go, in a file without a name; exists at the first frame
-   * \throws UserError for a bad config. */
+   * \param program leave it out: that of the caller's compiler flags is compared with the library's
+   * \throws UserError for a bad config; std::logic_error for a program with another layout. */
   Pipeline(ConfigLoader& config,
            mrpt::system::CTimeLogger& times,
-           const std::string& temporary_folder = "");
+           const std::string& temporary_folder = "",
+           const Layout& program = layout_here);
   ~Pipeline();
 
   /** Fills every part of the frame that the source left open: runFrontEnd(), then runBackEnd().
