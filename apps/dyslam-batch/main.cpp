@@ -4,7 +4,6 @@
 #include <dyslam/core/Error.h>
 #include <dyslam/core/Files.h>
 #include <dyslam/core/Printable.h>
-#include <dyslam/core/Shard.h>
 #include <unistd.h>
 
 #include <csignal>
@@ -18,6 +17,7 @@
 #include "../common/AppMain.h"
 #include "../common/Checks.h"
 #include "../common/Progress.h"
+#include "../common/Shard.h"
 #include "../common/StopSignals.h"
 #include "Arguments.h"
 #include "Slurm.h"

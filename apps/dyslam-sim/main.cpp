@@ -2,7 +2,6 @@
 #include <dyslam/core/Error.h>
 #include <dyslam/core/Files.h>
 #include <dyslam/core/Printable.h>
-#include <dyslam/core/Shard.h>
 
 #include <algorithm>
 #include <cstdio>
@@ -13,6 +12,7 @@
 #include "../common/AppMain.h"
 #include "../common/Checks.h"
 #include "../common/Progress.h"
+#include "../common/Shard.h"
 #include "Arguments.h"
 #include "Benchmark.h"
 #include "Recorder.h"

@@ -180,9 +180,11 @@ void Pipeline::Stages::handOn(Frame final_frame)
 
 Pipeline::Pipeline(ConfigLoader& config,
                    mrpt::system::CTimeLogger& times,
-                   const std::string& temporary_folder)
-    : stages_(std::make_unique<Stages>(config, times, temporary_folder))
+                   const std::string& temporary_folder,
+                   const Layout& program)
 {
+  requireLibraryLayout(program);
+  stages_ = std::make_unique<Stages>(config, times, temporary_folder);
 }
 
 Pipeline::~Pipeline() = default;

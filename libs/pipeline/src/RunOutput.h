@@ -3,6 +3,7 @@
 
 #include <dyslam/backend/SmoothedObject.h>
 #include <dyslam/core/Frame.h>
+#include <dyslam/core/FrameCopy.h>
 #include <dyslam/core/Options.h>
 #include <dyslam/core/Trajectory.h>
 #include <dyslam/mapping/StaticMap.h>
@@ -58,18 +59,6 @@ struct OutputName
   std::string extension;  //!< for a folder: extension of its files (000000.label, ...)
 };
 
-/** Kind of frames that an output gets: after the causal pipeline, or when their moving points and
- * objects are final, see Pipeline::onFinal(). */
-enum class FrameKind
-{
-  causal,
-  final_objects,  //!< final objects; only the points of the cloud, unless others need more
-  /** Final, with points and intensities of the cloud. Causal in a run without tracking with
-   * hindsight, if no output needs final_scan. */
-  final_points,
-  final_scan  //!< final, with the whole cloud and the scan
-};
-
 /** Arguments of an output. An output's own options are a section of the config. */
 struct RunOutputContext
 {
@@ -99,8 +88,10 @@ class RunOutput
    * one output never overlap. */
   [[nodiscard]] virtual bool isSlow() const { return false; }
 
-  /** Which frames add() gets. */
-  [[nodiscard]] virtual FrameKind wants() const { return FrameKind::causal; }
+  /** What add() needs of final frames, see Pipeline::onFinal(): `points` for the objects alone; it
+   * gets more if others want more. `none`: it gets frames as the causal pipeline leaves them. In a
+   * run that does not track again, those that need no more than `intensity` may get causal ones. */
+  [[nodiscard]] virtual FrameParts wants() const { return FrameParts::none; }
 
   // An exception of one of these functions, except open(), ends only this output.
 

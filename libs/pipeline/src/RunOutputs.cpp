@@ -4,8 +4,6 @@
 #include <dyslam/core/Error.h>
 #include <dyslam/core/StateArchive.h>
 #include <dyslam/formats/LabelFiles.h>
-#include <fcntl.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <exception>
@@ -15,7 +13,6 @@
 #include <utility>
 
 #include "OutputFolder.h"
-#include "StateFile.h"
 
 namespace fs = std::filesystem;
 
@@ -97,17 +94,6 @@ void attempt(Entry& entry, const Action& action)
   }
   entry.output.reset();  // its partial file may have filled the disk
 }
-
-/** Waits until all files written in the folder are on the disk. */
-void synchronise(const std::string& folder)
-{
-  const int file = ::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
-  if (file >= 0)
-  {
-    ::syncfs(file);
-    ::close(file);
-  }
-}
 }  // namespace
 
 RunOutputs::RunOutputs(const SlamRunSettings& settings,
@@ -117,7 +103,7 @@ RunOutputs::RunOutputs(const SlamRunSettings& settings,
       force_(settings.force),
       config_(config),
       kept_files_(folder_),
-      warn_(settings.warn)
+      checkpoints_(folder_, settings.warn)
 {
   inputs_ = settings.inputs;
   inputs_.push_back(settings.rawlog);
@@ -130,7 +116,7 @@ RunOutputs::RunOutputs(const SlamRunSettings& settings,
     entry.output = kind.make({settings, config, options.scene_voxel_size});
     entry.names = entry.output->names();
     entry.slow = entry.output->isSlow();
-    entry.wants = entry.output->wants();
+    entry.final_parts = entry.output->wants();
     names_.insert(names_.end(), entry.names.begin(), entry.names.end());
     if (kind.changes_files)
     {
@@ -194,7 +180,7 @@ void RunOutputs::checkpoint(const std::function<void(StateFileWriter&)>& add_sta
   {
     waitForWriter();
   }
-  if (!state_.expired())
+  if (checkpoints_.isWriting())
   {
     return;
   }
@@ -214,18 +200,15 @@ void RunOutputs::checkpoint(const std::function<void(StateFileWriter&)>& add_sta
     }
     listFiles(entry, so_far.report);
   }
-  try
-  {
-    auto state = std::make_shared<StateFileWriter>((fs::path(folder_) / state_file_name).string());
-    state_ = state;
-    add_state(*state);
-    state->add([this](StateArchive& archive) { exchangeState(archive, false); });
-    writer_->add([this, state] { finishState(*state); });
-  }
-  catch (const std::exception& error)
-  {
-    noteCheckpoint(error.what());  // the previous state is kept
-  }
+  checkpoints_.write(
+      [&](StateFileWriter& state)
+      {
+        add_state(state);
+        state.add([this](StateArchive& archive) { exchangeState(archive, false); });
+      },
+      [this](StateFileWriter& state)
+      { state.add([this](StateArchive& archive) { exchangeState(archive, true); }); },
+      *writer_);
   if (is_last)
   {
     is_stopped_ = true;
@@ -250,61 +233,14 @@ void RunOutputs::keepFiles()
   }
   catch (const std::exception& error)
   {
-    {
-      const std::lock_guard<std::mutex> lock(checkpoint_mutex_);
-      has_checkpoint_ = false;  // no state fits the files
-    }
-    noteCheckpoint(error.what());
-  }
-}
-
-void RunOutputs::noteCheckpoint(const std::string& failure)
-{
-  bool warn = false;
-  {
-    const std::lock_guard<std::mutex> lock(checkpoint_mutex_);
-    checkpoint_failure_ = failure;
-    has_checkpoint_ = has_checkpoint_ || failure.empty();
-    warn = !failure.empty() && !has_warned_ && warn_;
-    has_warned_ = has_warned_ || warn;
-  }
-  if (warn)
-  {
-    warn_(checkpointWarning());
-  }
-}
-
-std::string RunOutputs::checkpointWarning()
-{
-  const std::lock_guard<std::mutex> lock(checkpoint_mutex_);
-  if (checkpoint_failure_.empty())
-  {
-    return "";
-  }
-  return "checkpoints could not be written: " + checkpoint_failure_ +
-         (has_checkpoint_ ? "; the run can be resumed from an earlier one only"
-                          : "; the run cannot be resumed");
-}
-
-void RunOutputs::finishState(StateFileWriter& state)
-{
-  try
-  {
-    state.add([this](StateArchive& archive) { exchangeState(archive, true); });
-    synchronise(folder_);
-    state.commit();
-    noteCheckpoint("");
-  }
-  catch (const std::exception& error)
-  {
-    noteCheckpoint(error.what());  // the previous state is kept
+    checkpoints_.setUnusable(error.what());
   }
 }
 
 void RunOutputs::resume(RunToResume& run)
 {
   made_ = std::move(run.lock);
-  has_checkpoint_ = true;
+  checkpoints_.setResumable();
   run.load(StatePart::outputs, [this](StateArchive& archive) { exchangeState(archive, false); });
   run.load(StatePart::slow_outputs,
            [this](StateArchive& archive) { exchangeState(archive, true); });
@@ -317,42 +253,27 @@ void RunOutputs::add(Frame frame)
   add(std::move(frame), false);
 }
 
-void RunOutputs::preferCausal()
-{
-  const bool is_any_scan_final =
-      std::any_of(entries_.begin(), entries_.end(),
-                  [](const Entry& entry) { return entry.wants == FrameKind::final_scan; });
-  for (Entry& entry : entries_)
-  {
-    if (entry.wants == FrameKind::final_objects ||
-        (entry.wants == FrameKind::final_points && !is_any_scan_final))
-    {
-      entry.wants = FrameKind::causal;
-    }
-  }
-}
-
-FrameParts RunOutputs::finalParts() const
+FrameParts RunOutputs::chooseFrames(bool tracks_again)
 {
   FrameParts parts = FrameParts::none;
   for (const Entry& entry : entries_)
   {
-    switch (entry.wants)
+    parts = std::max(parts, entry.final_parts);
+  }
+  if (tracks_again)
+  {
+    return parts;
+  }
+  const bool is_any_cloud_final = parts > FrameParts::intensity;
+  for (Entry& entry : entries_)
+  {
+    if (entry.final_parts == FrameParts::points ||
+        (entry.final_parts == FrameParts::intensity && !is_any_cloud_final))
     {
-      case FrameKind::causal:
-        break;
-      case FrameKind::final_objects:
-        parts = std::max(parts, FrameParts::points);
-        break;
-      case FrameKind::final_points:
-        parts = std::max(parts, FrameParts::intensity);
-        break;
-      case FrameKind::final_scan:
-        parts = FrameParts::all;
-        break;
+      entry.final_parts = FrameParts::none;
     }
   }
-  return parts;
+  return is_any_cloud_final ? parts : FrameParts::none;
 }
 
 void RunOutputs::addFinal(Frame frame)
@@ -364,7 +285,7 @@ void RunOutputs::add(Frame frame, bool is_final)
 {
   addTo(frame, false, is_final);
   if (std::any_of(entries_.begin(), entries_.end(),
-                  [&](const Entry& entry) { return entry.slow && entry.wantsFinal() == is_final; }))
+                  [&](const Entry& entry) { return entry.slow && entry.getsFinal() == is_final; }))
   {
     writer_->add([this, is_final, shared = std::make_shared<const Frame>(std::move(frame))]
                  { addTo(*shared, true, is_final); });
@@ -375,7 +296,7 @@ void RunOutputs::addTo(const Frame& frame, bool slow, bool is_final)
 {
   for (Entry& entry : entries_)
   {
-    if (entry.slow == slow && entry.wantsFinal() == is_final)
+    if (entry.slow == slow && entry.getsFinal() == is_final)
     {
       attempt(entry, [&](RunOutput& output) { output.add(frame); });
     }
@@ -390,11 +311,11 @@ void RunOutputs::finish(RunResults& results)
     std::error_code ignored;
     fs::create_directories(folder_, ignored);  // for the files written now
   }
-  if (!state_.expired())
+  if (checkpoints_.isWriting())
   {
     writer_->finish();  // the result of its checkpoint is in the report
   }
-  if (const std::string warning = checkpointWarning(); !warning.empty())
+  if (const std::string warning = checkpoints_.warning(); !warning.empty())
   {
     results.report.warnings.push_back(warning);
   }
@@ -417,7 +338,7 @@ void RunOutputs::finish(RunResults& results)
 
 void RunOutputs::removeState()
 {
-  if (is_stopped_ && are_files_kept_ && has_checkpoint_)
+  if (is_stopped_ && are_files_kept_ && checkpoints_.isResumable())
   {
     kept_files_.removeUnchanged();
     return;

@@ -5,10 +5,10 @@
 
 #include <functional>
 #include <memory>
-#include <mutex>
 #include <string>
 #include <vector>
 
+#include "CheckpointWriter.h"
 #include "JobThread.h"
 #include "KeptFiles.h"
 #include "OutputFolder.h"
@@ -33,13 +33,12 @@ class RunOutputs
   void open();
   /** Passes a causal frame to the outputs; slow outputs write in another thread. */
   void add(Frame frame);
-  /** For runs without tracking with hindsight: outputs that need the objects of final frames get
-   * causal frames, which have the same objects; also those that need final points, unless an output
-   * needs final scans. */
-  void preferCausal();
-  /** Parts of final frames that the outputs need; `none` if no output needs final frames. */
-  [[nodiscard]] FrameParts finalParts() const;
-  /** Passes a final frame to the outputs that need final frames. */
+  /** Decides which outputs get final frames: those that want them. In runs that do not track again,
+   * outputs that want no more than their points get causal frames instead, which have the same
+   * objects; and so do those that want the intensities, unless an output wants more.
+   * \return what the outputs need of final frames; `none` if none gets them */
+  FrameParts chooseFrames(bool tracks_again);
+  /** The same frame again, later, for the outputs that want final moving points. */
   void addFinal(Frame frame);
   /** Time between checkpoints [s]; 0: none. */
   [[nodiscard]] double checkpointSeconds() const { return checkpoint_seconds_; }
@@ -67,10 +66,10 @@ class RunOutputs
     std::unique_ptr<RunOutput> output;  //!< null: it has failed
     std::vector<OutputName> names;
     bool slow = false;
-    FrameKind wants = FrameKind::causal;
-    std::string failure;  //!< why the output has failed; empty if it has not
+    FrameParts final_parts = FrameParts::none;  //!< of final frames; none: it gets causal ones
+    std::string failure;                        //!< why it has failed; empty if it has not
 
-    [[nodiscard]] bool wantsFinal() const { return wants != FrameKind::causal; }
+    [[nodiscard]] bool getsFinal() const { return final_parts != FrameParts::none; }
   };
 
   void add(Frame frame, bool is_final);
@@ -78,13 +77,7 @@ class RunOutputs
   void addTo(const Frame& frame, bool slow, bool is_final);
   /** Adds the existing files of the output. */
   void listFiles(const Entry& entry, SlamRunReport& report) const;
-  /** Records the result of a checkpoint. \param failure empty if it succeeded */
-  void noteCheckpoint(const std::string& failure);
-  /** Warning about failed checkpoints; empty if the last one succeeded. */
-  [[nodiscard]] std::string checkpointWarning();
-  /** In the writing thread: adds the part of the slow outputs and renames the state. */
-  void finishState(StateFileWriter& state);
-  /** Waits until the writing thread is idle. */
+  /** Waits for all that the writing thread has to do. */
   void waitForWriter();
   /** Called in the writing thread, after the last state. */
   void keepFiles();
@@ -104,12 +97,7 @@ class RunOutputs
   bool is_stopped_ = false;      //!< the last checkpoint stopped the run
   bool are_files_kept_ = false;  //!< read once the writing thread has ended
   std::vector<Entry> entries_;
-  std::weak_ptr<StateFileWriter> state_;  //!< state that is being written
-  std::function<void(const std::string&)> warn_;
-  std::mutex checkpoint_mutex_;  //!< guards the next three members, which two threads use
-  std::string checkpoint_failure_;
-  bool has_checkpoint_ = false;
-  bool has_warned_ = false;
-  std::unique_ptr<JobThread> writer_;  //!< last member: its jobs use the others
+  CheckpointWriter checkpoints_;
+  std::unique_ptr<JobThread> writer_;  //!< last: its jobs use the entries and checkpoints
 };
 }  // namespace dyslam

@@ -158,6 +158,16 @@ void throwWhatFailed(const std::string& early, const RunResults& results, const 
     throw UserError(what);
   }
 }
+
+/** Has loaded the sections that were used to choose the settings: they are part of effective.ini.
+ */
+ConfigLoader loaderOf(const Config& config)
+{
+  ConfigLoader loader(config);
+  (void)loader.get<SensorOptions>("sensor");
+  (void)loader.get<StartOptions>("start");
+  return loader;
+}
 }  // namespace
 
 struct SlamRun::Impl
@@ -165,9 +175,7 @@ struct SlamRun::Impl
   explicit Impl(const SlamRunSettings& given)
       : settings(withAbsolutePaths(given)),
         times(true, "dyslam"),
-        config(settings.config),
-        sensor(config.get<SensorOptions>("sensor")),
-        start(config.get<StartOptions>("start")),
+        config(loaderOf(settings.config)),
         track_smoothing(config.get<TrackSmoothingOptions>("track_smoothing")),
         has_boxes(!config.get<GivenBoxesOptions>("boxes").file.empty()),
         complete_boxes(config.get<TrackerOptions>("tracker").complete_boxes && !has_boxes),
@@ -180,11 +188,7 @@ struct SlamRun::Impl
     times.setMinLoggingLevel(mrpt::system::LVL_ERROR);  // otherwise it prints a table at the end
     beginEarlier(settings.first_pass_time);
     config.requireAllUsed();
-    if (!pipeline.tracksWithHindsight())
-    {
-      outputs.preferCausal();
-    }
-    const FrameParts parts = outputs.finalParts();
+    const FrameParts parts = outputs.chooseFrames(pipeline.tracksWithHindsight());
     if (pipeline.tracksWithHindsight() || parts != FrameParts::none)
     {
       pipeline.onFinal([this](Frame frame) { addFinal(std::move(frame)); }, parts);
@@ -216,8 +220,6 @@ struct SlamRun::Impl
   SlamRunSettings settings;
   CTimeLogger times;
   ConfigLoader config;
-  SensorOptions sensor;
-  StartOptions start;
   TrackSmoothingOptions track_smoothing;
   bool has_boxes;  //!< boxes of another detector are used
   bool complete_boxes;
@@ -330,42 +332,9 @@ SlamRun::~SlamRun() = default;
 
 std::vector<std::string> SlamRun::sections()
 {
-  std::vector<std::string> names{"backend",
-                                 "boxes",
-                                 "detection_noise",
-                                 "detector",
-                                 "dylo",
-                                 "dyseg",
-                                 "dyseg_network",
-                                 "fusion",
-                                 "gicp",
-                                 "gnss",
-                                 "icp_po2pl",
-                                 "icp_po2po",
-                                 "input",
-                                 "labels",
-                                 "loam",
-                                 "loam_no_mapping",
-                                 "loop",
-                                 "map",
-                                 "memory",
-                                 "motion",
-                                 "motion_sensors",
-                                 "objects",
-                                 "odometry",
-                                 "output",
-                                 "pipeline",
-                                 "preprocess",
-                                 "refine",
-                                 "replay",
-                                 "report",
-                                 "residual",
-                                 "sensor",
-                                 "solver",
-                                 "start",
-                                 "track_smoothing",
-                                 "tracker",
-                                 "uncertainty"};
+  const Impl run{SlamRunSettings()};  // all stages and outputs load theirs, used or not
+  std::vector<std::string> names = run.config.effective().sectionNames();
+  std::sort(names.begin(), names.end());
   return names;
 }
 

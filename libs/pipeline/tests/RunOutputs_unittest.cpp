@@ -90,13 +90,28 @@ class DecidedOutput : public RunOutput
 {
  public:
   explicit DecidedOutput(const RunOutputContext& context) : RunOutput(context, {"decided.txt"}) {}
-  [[nodiscard]] FrameKind wants() const override { return FrameKind::final_scan; }
+  [[nodiscard]] FrameParts wants() const override { return FrameParts::all; }
   void add(const Frame& frame) override { frames_ += std::to_string(frame.index) + " "; }
   void finish(const RunResults& /*results*/) override { writeWhole(path("decided.txt"), frames_); }
 
  private:
   std::string frames_;
 };
+
+/** Takes what of final frames it is told to. */
+template <FrameParts parts>
+class PartOutput : public RunOutput
+{
+ public:
+  explicit PartOutput(const RunOutputContext& context) : RunOutput(context, {"parts.txt"}) {}
+  [[nodiscard]] FrameParts wants() const override { return parts; }
+};
+
+template <FrameParts parts>
+std::unique_ptr<RunOutput> makeParts(const RunOutputContext& context)
+{
+  return std::make_unique<PartOutput<parts>>(context);
+}
 
 std::unique_ptr<RunOutput> makeDecided(const RunOutputContext& context)
 {
@@ -166,12 +181,31 @@ class RunOutputsTest : public ::testing::Test
   SlamRunSettings settings_;
 };
 
+TEST_F(RunOutputsTest, CausalFramesReplaceFinalOnesWhereTheyHaveTheSame)
+{
+  const auto partsOf = [&](const std::vector<RunOutputKind>& kinds, bool tracks_again)
+  {
+    const Config given;
+    ConfigLoader config(given);
+    return RunOutputs(settings_, config, kinds).chooseFrames(tracks_again);
+  };
+  const RunOutputKind points{makeParts<FrameParts::points>};
+  const RunOutputKind intensity{makeParts<FrameParts::intensity>};
+  const RunOutputKind all{makeParts<FrameParts::all>};
+  EXPECT_EQ(partsOf({points}, true), FrameParts::points);
+  EXPECT_EQ(partsOf({points, intensity}, true), FrameParts::intensity);
+  EXPECT_EQ(partsOf({points, intensity, all}, true), FrameParts::all);
+  EXPECT_EQ(partsOf({points, intensity}, false), FrameParts::none);
+  EXPECT_EQ(partsOf({points, intensity, all}, false), FrameParts::all);
+  EXPECT_EQ(partsOf({{makeB<false>}}, true), FrameParts::none);
+}
+
 TEST_F(RunOutputsTest, FinalFramesGoToThoseThatWantThem)
 {
   const Config given;
   ConfigLoader config(given);
   RunOutputs outputs(settings_, config, {{makeDecided}, {makeB<true>}, report_row});
-  EXPECT_EQ(outputs.finalParts(), FrameParts::all);
+  EXPECT_EQ(outputs.chooseFrames(true), FrameParts::all);
   outputs.open();
   for (std::size_t i = 0; i < 4; ++i)
   {

@@ -37,7 +37,7 @@ class ProbabilityOutput : public RunOutput
   {
   }
   [[nodiscard]] bool isSlow() const override { return true; }
-  [[nodiscard]] FrameKind wants() const override { return FrameKind::final_scan; }
+  [[nodiscard]] FrameParts wants() const override { return FrameParts::all; }
   void open() override { makeFolder(path(probability_folder)); }
   void exchangeState(StateArchive& archive) override
   {

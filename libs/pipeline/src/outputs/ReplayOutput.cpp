@@ -36,9 +36,9 @@ class ReplayOutput : public RunOutput
   {
   }
   [[nodiscard]] bool isSlow() const override { return true; }
-  [[nodiscard]] FrameKind wants() const override
+  [[nodiscard]] FrameParts wants() const override
   {
-    return options_.hindsight ? FrameKind::final_points : FrameKind::causal;
+    return options_.hindsight ? FrameParts::intensity : FrameParts::none;
   }
   void open() override { writer_.emplace(path(rawlog), options_); }
   void exchangeState(StateArchive& archive) override

@@ -67,7 +67,7 @@ class StaticScanOutput : public RunOutput
   {
   }
   [[nodiscard]] bool isSlow() const override { return true; }
-  [[nodiscard]] FrameKind wants() const override { return FrameKind::final_scan; }
+  [[nodiscard]] FrameParts wants() const override { return FrameParts::all; }
   void open() override
   {
     makeFolder(path(scan_folder));

@@ -65,7 +65,7 @@ class TrackOutput : public RunOutput
       : RunOutput(context, {csv_tracks, kitti_tracks})
   {
   }
-  [[nodiscard]] FrameKind wants() const override { return FrameKind::final_objects; }
+  [[nodiscard]] FrameParts wants() const override { return FrameParts::points; }
   void open() override { rows_.open(path(csv_tracks), csv_header); }
   void add(const Frame& frame) override
   {

@@ -24,4 +24,8 @@ constexpr Layout layout_here{EIGEN_MAX_ALIGN_BYTES, sizeof(Frame), sizeof(Detect
 
 /** Layout in the compiled library. */
 [[nodiscard]] Layout libraryLayout();
+
+/** \param program layout_here of a program that uses the library \throws std::logic_error if the
+ * library has another: objects passed between them would be damaged. */
+void requireLibraryLayout(const Layout& program);
 }  // namespace dyslam

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <dyslam/core/Frame.h>
+#include <dyslam/core/Layout.h>
 #include <dyslam/core/Options.h>
 #include <dyslam/core/Trajectory.h>
 
@@ -48,12 +49,14 @@ struct PipelineOptions : Options
 class Pipeline
 {
  public:
-  /** Builds every stage. \param times records the time of each stage \param temporary_folder folder
-   * of the unnamed file for data beyond `memory.limit`; has to exist at the first frame
-   * \throws UserError for a bad config. */
+  /** Builds every stage. \param times gets the time of each stage \param temporary_folder where
+   * map and keyframes beyond `memory.limit` go, in a file without a name; exists at the first frame
+   * \param program leave it out: that of the caller's compiler flags is compared with the library's
+   * \throws UserError for a bad config; std::logic_error for a program with another layout. */
   Pipeline(ConfigLoader& config,
            mrpt::system::CTimeLogger& times,
-           const std::string& temporary_folder = "");
+           const std::string& temporary_folder = "",
+           const Layout& program = layout_here);
   ~Pipeline();
 
   /** Runs all stages on a frame: runFrontEnd(), then runBackEnd(). Frames come in order of time. */

@@ -97,7 +97,8 @@ class SlamRun
   explicit SlamRun(const SlamRunSettings& settings);
   ~SlamRun();
 
-  /** Names of the ini sections that effective.ini of every run has, sorted. */
+  /** Names of the ini sections that effective.ini of every run has, sorted: those that the stages
+   * and outputs load. Builds a run with the default settings to find them. */
   [[nodiscard]] static std::vector<std::string> sections();
 
   [[nodiscard]] Pipeline& pipeline();

@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "../../apps/common/Shard.h"
+
 #include <dyslam/core/Error.h>
-#include <dyslam/core/Shard.h>
 #include <gtest/gtest.h>
 
 #include <set>
+#include <vector>
 
 namespace dyslam
 {
