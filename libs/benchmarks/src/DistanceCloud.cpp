@@ -45,9 +45,9 @@ std::string distancePly(const std::vector<Eigen::Vector3f>& points,
   header.fields = {{"x"},
                    {"y"},
                    {"z"},
-                   {"red", CloudNumber::uint8},
-                   {"green", CloudNumber::uint8},
-                   {"blue", CloudNumber::uint8},
+                   {"red", CloudFieldType::uint8},
+                   {"green", CloudFieldType::uint8},
+                   {"blue", CloudFieldType::uint8},
                    {"scalar_distance"}};
   std::string bytes = plyHeader(header);
   constexpr std::size_t size = 4 * sizeof(float) + 3;

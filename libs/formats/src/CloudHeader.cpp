@@ -15,15 +15,15 @@ struct NumberNames
   const char* ply;
 };
 
-NumberNames namesOf(CloudNumber type)
+NumberNames namesOf(CloudFieldType type)
 {
   switch (type)
   {
-    case CloudNumber::float64:
+    case CloudFieldType::float64:
       return {"8", "F", "double"};
-    case CloudNumber::uint8:
+    case CloudFieldType::uint8:
       return {"1", "U", "uchar"};
-    case CloudNumber::float32:
+    case CloudFieldType::float32:
       break;
   }
   return {"4", "F", "float"};
@@ -45,7 +45,7 @@ std::string pcdHeader(const CloudHeader& header)
   std::string sizes;
   std::string types;
   std::string counts;
-  for (const CloudField& field : header.fields)
+  for (const CloudHeaderField& field : header.fields)
   {
     const NumberNames number = namesOf(field.type);
     names += " " + field.name;
@@ -75,7 +75,7 @@ std::string plyHeader(const CloudHeader& header)
     text += "comment " + comment + "\n";
   }
   text += "element vertex " + std::to_string(header.points) + "\n";
-  for (const CloudField& field : header.fields)
+  for (const CloudHeaderField& field : header.fields)
   {
     text += std::string("property ") + namesOf(field.type).ply + " " + field.name + "\n";
   }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/core/Error.h>
 #include <dyslam/core/Files.h>
+#include <dyslam/core/Words.h>
 #include <sqlite3.h>
 
 #include <algorithm>
@@ -109,7 +110,7 @@ class SqliteBag : public Bag
     total_ = 0;
     for (const std::size_t topic : topics)
     {
-      ids += (ids.empty() ? "" : ",") + std::to_string(ids_.at(topic));
+      appendWord(ids, std::to_string(ids_.at(topic)), ",");
       total_ += topics_[topic].messages;
     }
     done_ = 0;

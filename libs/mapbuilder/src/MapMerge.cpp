@@ -2,6 +2,7 @@
 #include <dyslam/core/Error.h>
 #include <dyslam/core/PendingFile.h>
 #include <dyslam/core/Printable.h>
+#include <dyslam/core/Words.h>
 #include <dyslam/formats/TrajectoryFiles.h>
 #include <dyslam/mapbuilder/MapRun.h>
 #include <dyslam/mapbuilder/ScanReading.h>
@@ -43,9 +44,11 @@ std::string unjoined(const std::vector<RunFolder>& runs, const RunMerge& merge)
   {
     if (!merge.joined(r))
     {
-      text += (text.empty() ? "" : "; ") + runs[r].folder + ": no place in common with " +
-              runs.front().folder + (runs.size() > 2 ? " or with a run joined to it" : "") +
-              " was recognised (" + reasonOf(merge.evidence[r]) + ")";
+      appendWord(text,
+                 runs[r].folder + ": no place in common with " + runs.front().folder +
+                     (runs.size() > 2 ? " or with a run joined to it" : "") + " was recognised (" +
+                     reasonOf(merge.evidence[r]) + ")",
+                 "; ");
     }
   }
   return text;

@@ -20,7 +20,7 @@ void appendFloats(std::string& out, const Eigen::Vector3f& v)
   }
 }
 
-CloudHeader headerOf(const CloudSummary& summary, std::vector<CloudField> fields)
+CloudHeader headerOf(const CloudSummary& summary, std::vector<CloudHeaderField> fields)
 {
   CloudHeader header;
   header.fields = std::move(fields);
@@ -66,7 +66,7 @@ class PlyFormat : public CloudFormat
 
   [[nodiscard]] std::string header(const CloudSummary& summary) const override
   {
-    const CloudNumber type = exact() ? CloudNumber::float64 : CloudNumber::float32;
+    const CloudFieldType type = exact() ? CloudFieldType::float64 : CloudFieldType::float32;
     CloudHeader header = headerOf(summary, {{"x", type}, {"y", type}, {"z", type}, {"intensity"}});
     if (layout_.normals)
     {

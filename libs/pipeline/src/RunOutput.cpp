@@ -2,6 +2,7 @@
 #include "RunOutput.h"
 
 #include <dyslam/core/Error.h>
+#include <dyslam/core/Words.h>
 
 #include <algorithm>
 #include <filesystem>
@@ -38,7 +39,7 @@ void RunOutput::eachByItself(const std::vector<std::function<void()>>& writers)
     }
     catch (const std::exception& error)
     {
-      failures += (failures.empty() ? "" : "; ") + std::string(error.what());
+      appendWord(failures, error.what(), "; ");
     }
   }
   if (!failures.empty())

@@ -3,6 +3,7 @@
 #include <dyslam/core/Error.h>
 #include <dyslam/core/Printable.h>
 #include <dyslam/core/StateArchive.h>
+#include <dyslam/core/Words.h>
 #include <dyslam/formats/ProgramLines.h>
 #include <dyslam/io/RawlogSource.h>
 #include <dyslam/pipeline/FrontEnd.h>
@@ -234,7 +235,7 @@ EarlyEnd replayToTheEnd(const SlamRun& run,
   }
   catch (const std::exception& error)
   {
-    end.damage += (end.damage.empty() ? "" : "; ") + std::string(error.what());
+    appendWord(end.damage, error.what(), "; ");
   }
   if (failure && run.frames() == 0)
   {

@@ -5,6 +5,7 @@
 #include <dyslam/core/Printable.h>
 #include <dyslam/core/StateArchive.h>
 #include <dyslam/core/Version.h>
+#include <dyslam/core/Words.h>
 #include <dyslam/dyseg/MovingSegmenter.h>
 #include <dyslam/formats/ProgramLines.h>
 #include <dyslam/io/RawlogSource.h>
@@ -147,7 +148,7 @@ void throwWhatFailed(const std::string& early, const RunResults& results, const 
   std::string what = early;
   for (const std::string& failure : results.failures)
   {
-    what += (what.empty() ? "" : "; ") + failure;
+    appendWord(what, failure, "; ");
   }
   if (!results.failures.empty())
   {

@@ -3,6 +3,7 @@
 
 #include <dyslam/core/Config.h>
 
+#include <algorithm>
 #include <initializer_list>
 #include <string>
 #include <utility>
@@ -140,7 +141,10 @@ T ConfigLoader::get(const std::string& section)
   T options;
   load(options, config_, section);
   save(options, effective_, section);
-  used_.push_back(section);
+  if (std::find(used_.begin(), used_.end(), section) == used_.end())
+  {
+    used_.push_back(section);
+  }
   return options;
 }
 }  // namespace dyslam

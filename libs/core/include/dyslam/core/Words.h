@@ -9,7 +9,7 @@
 
 namespace dyslam
 {
-/** Appends a word to a list of words: "a, b". */
+/** Appends a word, or a sentence, to a list of them: "a, b". */
 inline void appendWord(std::string& list, std::string_view word, std::string_view separator = ", ")
 {
   if (!list.empty())

@@ -9,7 +9,7 @@
 namespace dyslam
 {
 /** Type of the numbers of a field. */
-enum class CloudNumber
+enum class CloudFieldType
 {
   float32,
   float64,
@@ -17,17 +17,17 @@ enum class CloudNumber
 };
 
 /** A field of each point. */
-struct CloudField
+struct CloudHeaderField
 {
   std::string name;
-  CloudNumber type = CloudNumber::float32;
+  CloudFieldType type = CloudFieldType::float32;
 };
 
 /** What a binary cloud file says before its points, which follow one after the other, little-endian
  * and without padding. */
 struct CloudHeader
 {
-  std::vector<CloudField> fields;
+  std::vector<CloudHeaderField> fields;
   std::uint64_t points = 0;
   /** The length of the header is that with any other number of points, so that it can be written
    * again when the number is known. */
