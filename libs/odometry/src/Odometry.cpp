@@ -1,9 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <dyslam/core/StateArchive.h>
 #include <dyslam/odometry/Odometry.h>
 #include <mrpt/system/CTimeLogger.h>
 
-#include <algorithm>
 #include <utility>
 
 #include "CloudCheck.h"
@@ -30,49 +28,21 @@ Odometry::Odometry(Odometry&&) noexcept = default;
 void Odometry::predict(Frame& frame)
 {
   State& s = *state_;
-  s.clock.advance(frame.scan.stamp);
-  s.doubtful = s.clock.isDoubtful();
-  s.after_gap = false;
-  frame.sweep_duration = s.clock.sweepDuration();
-  frame.dt = frame.sweep_duration;  // settleTime() corrects it
-  frame.clock_offset = s.clock.offset();
-  s.senseMotion(frame);
-  frame.prior = s.priorAfter(frame.dt);
-  s.fuseSensedMotion(frame.dt, frame.prior);
-  frame.T_odom_vehicle = s.T_odom_previous * frame.prior.T_previous_current;
-  s.started = true;
+  s.context = FrameContext();
+  s.predictor.predict(frame, s.context);
+  frame.T_odom_vehicle = s.history.T_odom_previous * frame.prior.T_previous_current;
 }
 
-void Odometry::settleTime(Frame& frame, const std::function<Cloud(const Pose&, double)>& prepare)
+void Odometry::settleTime(Frame& frame, const PrepareCloud& prepare)
 {
   State& s = *state_;
-  if (!s.doubtful)
+  if (!s.context.interval_doubtful)
   {
-    s.clock.settle(s.clock.interval());
+    s.predictor.acceptInterval();
     return;
   }
   const CTimeLoggerEntry timed(s.times, "refine");
-  const std::optional<Pose> T_found = s.motionOverDoubtfulInterval(frame, prepare);
-  const bool set = T_found
-                       ? showsClockStep(s.filter, s.clock.interval(), s.clock.period(), *T_found)
-                       : s.clock.interval() <= 0;
-  frame.dt = set ? s.clock.period() : s.clock.interval();
-  s.clock.settle(frame.dt);
-  s.after_gap = frame.dt > ScanClock::max_extrapolation;
-  frame.clock_offset = s.clock.offset();
-  frame.prior = s.priorAfter(std::min(frame.dt, ScanClock::max_extrapolation));
-  s.fuseSensedMotion(frame.dt, frame.prior);
-  if (T_found && !set)
-  {
-    frame.prior.T_previous_current = *T_found;
-  }
-  frame.T_odom_vehicle = s.T_odom_previous * frame.prior.T_previous_current;
-  // Beyond the extrapolation the prior covers a part of dt; the sweep is deskewed by its velocity.
-  const double beyond = frame.dt / ScanClock::max_extrapolation;
-  frame.cloud =
-      prepare(s.after_gap && !T_found ? expSE3(beyond * logSE3(frame.prior.T_previous_current))
-                                      : frame.prior.T_previous_current,
-              frame.dt);
+  s.resolver.resolve(s.history.T_odom_previous, prepare, frame, s.context);
 }
 
 void Odometry::estimate(Frame& frame)
@@ -86,10 +56,9 @@ void Odometry::estimate(Frame& frame)
   }
   const CTimeLoggerEntry timed(s.times, "refine");
   const bool usable = reasonUnusable(frame).empty();
-  s.without_scan += frame.dt;
-  const bool extrapolates =
-      usable || s.without_scan <= ScanClock::max_extrapolation || s.isDeadReckoned();
-  const Pose T_guess = extrapolates ? s.initialGuess(frame) : Pose::Identity();
+  s.context.time_without_scan = s.history.time_without_scan + frame.dt;
+  const Pose T_guess =
+      usable || s.context.canExtrapolate() ? s.initialGuess(frame) : Pose::Identity();
   if (s.registers())
   {
     s.registerToMap(frame, T_guess);
@@ -98,9 +67,9 @@ void Odometry::estimate(Frame& frame)
   {
     s.takeMatcherMotion(frame, T_guess);
   }
-  s.without_scan = usable ? 0 : s.without_scan;
-  s.T_odom_previous = frame.T_odom_vehicle;
-  s.T_sweep_previous = frame.cloud.T_sweep;
+  s.history.time_without_scan = usable ? 0 : s.context.time_without_scan;
+  s.history.T_odom_previous = frame.T_odom_vehicle;
+  s.history.T_sweep_previous = frame.cloud.T_sweep;
 }
 
 void Odometry::integrate(const Frame& frame)
@@ -111,10 +80,7 @@ void Odometry::integrate(const Frame& frame)
 
 void Odometry::exchangeState(StateArchive& archive)
 {
-  State& s = *state_;
-  archive(s.filter, *s.matcher, s.registration, s.uncertainty, s.clock, s.started, s.registered,
-          s.without_scan, s.mean_velocity, s.T_odom_previous, s.T_sweep_previous,
-          s.segmenter_frames, s.segmenter_failures, s.sensors, s.moved, s.start_speed_sensed);
+  state_->exchangeState(archive);
 }
 
 std::string Odometry::name() const
@@ -131,30 +97,23 @@ std::string Odometry::name() const
       name += " + gicp";
       break;
   }
-  return name + state_->sensors.name();
+  return name + state_->predictor.sensorNames();
 }
 
 std::vector<std::string> Odometry::warnings() const
 {
   const State& s = *state_;
-  std::vector<std::string> warnings;
-  if (std::string of_clock = s.clock.warning(); !of_clock.empty())
-  {
-    warnings.push_back(std::move(of_clock));
-  }
-  for (std::string& of_sensor : s.sensors.warnings())
-  {
-    warnings.push_back(std::move(of_sensor));
-  }
-  if (!s.registers() && s.matcher->name() == "constant_velocity" && s.sensors.name().empty())
+  std::vector<std::string> warnings = s.predictor.warnings();
+  if (!s.registers() && s.matcher->name() == "constant_velocity" &&
+      s.predictor.sensorNames().empty())
   {
     warnings.emplace_back(
         "nothing measures the motion: odometry.method=constant_velocity only predicts it, and "
         "refine.method is none; change one of them");
   }
   constexpr int min_frames = 4;
-  if (!s.startSpeedKnown() && s.segmenter_frames >= min_frames &&
-      2 * s.segmenter_failures >= s.segmenter_frames)
+  if (!s.predictor.startSpeedKnown() && s.history.segmenter_frames >= min_frames &&
+      2 * s.history.segmenter_failures >= s.history.segmenter_frames)
   {
     warnings.emplace_back(
         "the first scans do not determine the speed at the start of the recording; if it is known, "

@@ -8,12 +8,6 @@
 
 namespace dyslam
 {
-namespace
-{
-constexpr double clearly_better = 0.02;  // difference of inlier shares
-constexpr double velocity_share = 0.25;  // of a new velocity in the mean of the last ones
-}  // namespace
-
 Odometry::State::State(ConfigLoader& config,
                        ThreadPool& pool,
                        mrpt::system::CTimeLogger& time_logger,
@@ -21,27 +15,24 @@ Odometry::State::State(ConfigLoader& config,
     : times(time_logger),
       options(config.get<OdometryOptions>("odometry")),
       fusion(config.get<FusionOptions>("fusion")),
-      motion_options(config.get<MotionFilterOptions>("motion")),
+      motion(config.get<MotionFilterOptions>("motion")),
       refine(config.get<RefineOptions>("refine")),
-      filter(motion_options),
       matcher(given ? std::move(given) : makeScanMatcher(options.method, config, pool)),
       registration(refine, pool),
-      sensors(config.get<MotionSensorOptions>("motion_sensors")),
+      predictor(options,
+                motion,
+                config.get<MotionSensorOptions>("motion_sensors"),
+                fusion.reliable_prior_sigma),
       uncertainty(config.get<UncertaintyOptions>("uncertainty"))
 {
-  Vector6 velocity = Vector6::Zero();
-  velocity.x() = options.start_speed;
-  filter.start(velocity,
-               startSpeedKnown() ? options.start_speed_sigma : motion_options.start_speed_sigma,
-               motion_options.start_turn_rate_sigma);
 }
 
 void Odometry::State::countSegmenterMotions(const Frame& frame)
 {
   if (frame.dt > 0 && !frame.static_prior.empty())
   {
-    ++segmenter_frames;
-    segmenter_failures += frame.segmenter_motion ? 0 : 1;
+    ++history.segmenter_frames;
+    history.segmenter_failures += frame.segmenter_motion ? 0 : 1;
   }
 }
 
@@ -50,11 +41,12 @@ void Odometry::State::countSegmenterMotions(const Frame& frame)
  * motions do not determine the motion between them. */
 bool Odometry::State::acceptsSegmenterMotion(const Frame& frame) const
 {
-  if (!frame.segmenter_motion || frame.static_prior.empty() || frame.dt <= 0 || startSpeedKnown())
+  if (!frame.segmenter_motion || frame.static_prior.empty() || frame.dt <= 0 ||
+      predictor.startSpeedKnown())
   {
     return false;
   }
-  const Pose sweep_change = T_sweep_previous.inverse() * frame.cloud.T_sweep;
+  const Pose sweep_change = history.T_sweep_previous.inverse() * frame.cloud.T_sweep;
   return sweep_change.translation().norm() < fusion.segmenter_sigma &&
          frame.prior.mahalanobisDistance(frame.segmenter_motion->T_previous_current,
                                          fusion.segmenter_sigma,
@@ -63,14 +55,14 @@ bool Odometry::State::acceptsSegmenterMotion(const Frame& frame) const
 
 void Odometry::State::fuseSegmenterMotion(Frame& frame)
 {
-  segmenter_information.setZero();
+  context.segmenter_information.setZero();
   if (acceptsSegmenterMotion(frame))
   {
-    segmenter_information =
+    context.segmenter_information =
         informationFromSigmas(fusion.segmenter_sigma, fusion.segmenter_sigma_angle);
     // A segmenter in the bird's-eye view observes neither height nor tilt.
-    segmenter_information.diagonal().segment<3>(2).setZero();
-    frame.prior.fuse(frame.segmenter_motion->T_previous_current, segmenter_information);
+    context.segmenter_information.diagonal().segment<3>(2).setZero();
+    frame.prior.fuse(frame.segmenter_motion->T_previous_current, context.segmenter_information);
   }
 }
 
@@ -86,7 +78,7 @@ std::string Odometry::State::rejectionReason(const Frame& frame) const
   {
     return {};
   }
-  if (startsMap() && !segmenter_information.isZero())
+  if (startsMap() && context.acceptedSegmenterMotion())
   {
     return "the segmenter's motion is the initial guess of the first registration";
   }
@@ -152,11 +144,11 @@ Pose Odometry::State::initialGuess(const Frame& frame) const
 double Odometry::State::initialSigma(const Frame& frame) const
 {
   double sigma = refine.initial_sigma;
-  if (!registered && startSpeedKnown())
+  if (!history.registered && predictor.startSpeedKnown())
   {
     sigma = std::min(sigma, options.start_speed_sigma * frame.dt);
   }
-  if (!segmenter_information.isZero())
+  if (context.acceptedSegmenterMotion())
   {
     sigma = std::min(sigma, fusion.segmenter_initial_sigma);
   }
@@ -172,60 +164,24 @@ double Odometry::State::initialSigma(const Frame& frame) const
  * the last scan alone may be wrong. */
 RegistrationResult Odometry::State::registerFrom(const Frame& frame, const Pose& T_guess)
 {
-  const RegistrationResult result = registration.registerFrame(frame, T_odom_previous * T_guess,
-                                                               &frame.prior, initialSigma(frame));
+  const RegistrationResult result = registration.registerFrame(
+      frame, history.T_odom_previous * T_guess, &frame.prior, initialSigma(frame));
   const bool failed = result.points > 0 && result.measured_information.isZero();
-  if (!failed || !mean_velocity || after_gap || registration.framesInMap() < 2)
-  {
-    return result;
-  }
-  MotionPrior steady = frame.prior;
-  Vector6 step = frame.dt * *mean_velocity;
-  const Vector6 of_prior = logSE3(frame.prior.T_previous_current);
-  for (Eigen::Index i = 0; i < step.size(); ++i)
-  {
-    step[i] = sensed_information(i, i) > 0 ? of_prior[i] : step[i];
-  }
-  steady.T_previous_current = expSE3(step);
-  return registration.registerAgain(frame, T_odom_previous * steady.T_previous_current, &steady);
-}
-
-void Odometry::State::updateMeanVelocity(const Frame& frame)
-{
-  if (frame.dt <= 0 || !frame.motion.converged || after_gap)
-  {
-    return;
-  }
-  const Vector6 velocity = logSE3(frame.motion.T_previous_current) / frame.dt;
-  mean_velocity = mean_velocity
-                      ? Vector6(*mean_velocity + velocity_share * (velocity - *mean_velocity))
-                      : velocity;
+  const std::optional<MotionPrior> steady = failed && registration.framesInMap() >= 2
+                                                ? predictor.meanVelocityPrior(frame, context)
+                                                : std::nullopt;
+  return steady ? registration.registerAgain(
+                      frame, history.T_odom_previous * steady->T_previous_current, &*steady)
+                : result;
 }
 
 void Odometry::State::registerToMap(Frame& frame, const Pose& T_guess)
 {
   const RegistrationResult result = registerFrom(frame, T_guess);
-  registered = registered || result.points > 0;
+  history.registered = history.registered || result.points > 0;
   frame.motion = result.motion;
   frame.T_odom_vehicle = result.T_odom_vehicle;
-  if (after_gap || (without_scan > ScanClock::max_extrapolation && !isDeadReckoned()))
-  {
-    filter.forget(std::max(frame.dt, without_scan));
-  }
-  else
-  {
-    const Vector6 root = result.prior_weight.cwiseSqrt();
-    filter.update(frame.dt, result.motion.T_previous_current,
-                  result.measured_information + segmenter_information +
-                      Matrix6(root.asDiagonal() * sensed_information * root.asDiagonal()),
-                  result.prior_weight);
-  }
-  if (sensed && frame.dt == clock.interval() && result.points > 0 && frame.motion.converged)
-  {
-    sensors.compare(*sensed, sensed_information, frame.dt, frame.motion.T_previous_current,
-                    result.measured_information);
-  }
-  updateMeanVelocity(frame);
+  predictor.update(frame, context, result);
   uncertainty.calibrate(frame.dt, result.measured_information, frame.motion);
 }
 
@@ -233,111 +189,7 @@ void Odometry::State::takeMatcherMotion(Frame& frame, const Pose& T_guess)
 {
   frame.motion = frame.odometry;
   uncertainty.calibrateMatch(frame.dt, frame.prior.information, frame.motion);
-  frame.T_odom_vehicle = orthonormalized(T_odom_previous * T_guess);
-  if (after_gap)
-  {
-    filter.forget(frame.dt);
-    return;
-  }
-  if (!matcher->usesPrior())
-  {
-    filter.follow(frame.dt, T_guess);
-    return;
-  }
-  const Matrix6 measured =
-      frame.odometry_accepted ? frame.odometry.information : Matrix6(Matrix6::Zero());
-  filter.update(frame.dt, T_guess, measured + segmenter_information + sensed_information);
-}
-
-MotionPrior Odometry::State::priorAfter(double dt) const
-{
-  MotionPrior prior;
-  prior.T_previous_current = filter.predict(dt);
-  prior.information = filter.information(dt);
-  prior.reliable = started && (startSpeedKnown() || filter.sigma(dt) < fusion.reliable_prior_sigma);
-  return prior;
-}
-
-/** Of a recording that begins in motion, by the wheels. \param stamp of the first scan */
-void Odometry::State::startAtSensedSpeed(double stamp)
-{
-  const auto speed = sensors.speedAt(stamp);
-  if (speed && !startSpeedKnown())
-  {
-    Vector6 velocity = Vector6::Zero();
-    velocity.x() = *speed;
-    filter.start(velocity, options.start_speed_sigma, motion_options.start_turn_rate_sigma);
-    start_speed_sensed = true;
-  }
-}
-
-/** By the other sensors, since the scan before. */
-void Odometry::State::senseMotion(const Frame& frame)
-{
-  sensors.add(frame);
-  const double interval = clock.interval();
-  sensed.reset();
-  if (interval <= 0 || interval > ScanClock::max_extrapolation)
-  {
-    return;
-  }
-  const double before = frame.scan.stamp - interval;
-  if (!moved)
-  {
-    startAtSensedSpeed(before);
-  }
-  moved = true;
-  sensed = sensors.sense(before, frame.scan.stamp, filter.predict(interval));
-}
-
-/** Nothing, if `dt` is not the time between the stamps. */
-void Odometry::State::fuseSensedMotion(double dt, MotionPrior& prior)
-{
-  sensed_information.setZero();
-  if (sensed && dt == clock.interval())
-  {
-    sensed_information = sensors.fuse(*sensed, prior);
-  }
-}
-
-/** Motion since the scan before for an unknown interval: the initial guess that registers best, of
- * constant velocity for the interval, constant velocity for one period, and no motion. */
-std::optional<Pose> Odometry::State::motionOverDoubtfulInterval(
-    const Frame& frame, const std::function<Cloud(const Pose&, double)>& prepare)
-{
-  if (!registers() || registration.framesInMap() < 2)
-  {
-    return std::nullopt;
-  }
-  const double interval = clock.interval();
-  std::vector<std::pair<double, MotionPrior>> starts;
-  if (interval > 0 && interval <= ScanClock::max_extrapolation)
-  {
-    starts.emplace_back(interval, priorAfter(interval));
-    fuseSensedMotion(interval, starts.back().second);
-  }
-  starts.emplace_back(clock.period(), priorAfter(clock.period()));
-  if (interval > 0)
-  {
-    starts.emplace_back(interval, priorAfter(std::min(interval, ScanClock::max_extrapolation)));
-    starts.back().second.T_previous_current = Pose::Identity();
-  }
-  Frame trial = frame;
-  std::optional<Pose> T_best;
-  double best = 0;
-  for (const auto& [dt, prior] : starts)
-  {
-    trial.dt = dt;
-    trial.prior = prior;
-    trial.cloud = prepare(prior.T_previous_current, dt);
-    const RegistrationResult found =
-        registration.tryFrame(trial, T_odom_previous * prior.T_previous_current, &prior);
-    if (found.motion.converged && (!T_best || found.inlier_share > best + clearly_better))
-    {
-      T_best = found.motion.T_previous_current;
-      best = found.inlier_share;
-    }
-  }
-  return T_best;
+  frame.T_odom_vehicle = orthonormalized(history.T_odom_previous * T_guess);
+  predictor.updateUnregistered(frame, context, T_guess, matcher->usesPrior());
 }
 }  // namespace dyslam

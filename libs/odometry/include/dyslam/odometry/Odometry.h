@@ -57,6 +57,10 @@ struct FusionOptions : Options
   void describe(OptionsVisitor& visitor) override;
 };
 
+/** Prepares the cloud of the frame's scan, deskewed by the vehicle's motion over `dt` seconds; see
+ * Preprocessor::prepare(). */
+using PrepareCloud = std::function<Cloud(const Pose& T_previous_current, double dt)>;
+
 /** The vehicle's motion from scan to scan: a motion filter predicts it, a scan matcher and the
  * registration to a local map measure it, and their results are fused.
  *
@@ -86,8 +90,9 @@ class Odometry
   /** Where the interval to the scan before does not fit the sensor's rate: finds out whether scans
    * are missing or the clock was set, by what registers to the map, and corrects dt, prior,
    * clock_offset and cloud. Call it between preprocessing and segmentation.
-   * \param prepare the cloud of the frame's scan for a motion in dt, Preprocessor::prepare() */
-  void settleTime(Frame& frame, const std::function<Cloud(const Pose&, double)>& prepare);
+   * \param prepare is called for each motion that may have happened, and for the one that is found
+   */
+  void settleTime(Frame& frame, const PrepareCloud& prepare);
   /** Reads cloud, prior, moving_probability, segmenter_motion and static_prior; fills odometry,
    * odometry_accepted, odometry_rejection, static_confidence, motion and T_odom_vehicle. The
    * information of `motion` is calibrated and positive definite, that of `odometry` the matcher's
