@@ -27,6 +27,10 @@ struct FrameContext
   /** Information of Frame::segmenter_motion that is fused with Frame::prior, of
    * log(T_measured^-1 T); zero if the motion is rejected. */
   Matrix6 segmenter_information = Matrix6::Zero();
+  /** The scan matcher fuses the prior: its information is part of Frame::odometry. */
+  bool matcher_uses_prior = false;
+  /** The scan is the first one to be registered to its local map. */
+  bool starts_map = false;
   /** Time from the last usable scan before this one to this one [s]. */
   double time_without_scan = 0;
 

@@ -37,7 +37,6 @@ void MotionPredictor::predict(Frame& frame, FrameContext& context)
 {
   clock_.advance(frame.scan.stamp);
   context.interval_doubtful = clock_.isDoubtful();
-  context.after_gap = false;
   frame.sweep_duration = clock_.sweepDuration();
   frame.dt = frame.sweep_duration;  // correctInterval() corrects it
   frame.clock_offset = clock_.offset();
@@ -53,7 +52,6 @@ void MotionPredictor::senseMotion(const Frame& frame, FrameContext& context)
 {
   sensors_.add(frame);
   const double interval = clock_.interval();
-  context.sensed.reset();
   if (interval <= 0 || interval > ScanClock::max_extrapolation)
   {
     return;
@@ -158,15 +156,14 @@ void MotionPredictor::update(const Frame& frame,
 
 void MotionPredictor::updateUnregistered(const Frame& frame,
                                          const FrameContext& context,
-                                         const Pose& T_previous_current,
-                                         bool uses_prior)
+                                         const Pose& T_previous_current)
 {
   if (context.after_gap)
   {
     filter_.forget(frame.dt);
     return;
   }
-  if (!uses_prior)
+  if (!context.matcher_uses_prior)
   {
     filter_.follow(frame.dt, T_previous_current);
     return;

@@ -33,7 +33,8 @@ class MotionPredictor
                   double reliable_sigma);
 
   /** Takes in stamp and sensor samples of the next frame. Fills Frame::dt, sweep_duration,
-   * clock_offset and prior, and the context but for the segmenter's part. */
+   * clock_offset and prior, and the context's interval_doubtful, sensed and
+   * sensed_information. */
   void predict(Frame& frame, FrameContext& context);
   /** The stamps of the last scan and the one before are right. */
   void acceptInterval();
@@ -58,12 +59,11 @@ class MotionPredictor
               const FrameContext& context,
               const RegistrationResult& registration);
   /** Updates the filter with a motion that no registration has measured.
-   * \param T_previous_current the matcher's motion, or the prior's if that is rejected
-   * \param uses_prior the prior is part of the matcher's motion: else it is taken as exact */
+   * \param T_previous_current the matcher's motion, or the prior's if that is rejected; taken as
+   *   exact unless the matcher fuses the prior */
   void updateUnregistered(const Frame& frame,
                           const FrameContext& context,
-                          const Pose& T_previous_current,
-                          bool uses_prior);
+                          const Pose& T_previous_current);
 
   [[nodiscard]] const ScanClock& clock() const { return clock_; }
   /** The clock of the stamps was set before the last scan, by the motion found since the previous
