@@ -31,7 +31,7 @@ struct FrameContext
   bool matcher_uses_prior = false;
   /** The scan is the first one to be registered to its local map. */
   bool starts_map = false;
-  /** Time from the last usable scan before this one to this one [s]. */
+  /** Time between the last usable scan before this one and this one [s]; set by estimate(). */
   double time_without_scan = 0;
 
   /** Other sensors measure speed and turn rates: the prior holds without scans. */

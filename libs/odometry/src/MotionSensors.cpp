@@ -182,10 +182,10 @@ struct MotionSensors::State
   void compareDisplacement(double sensed, double fused, double dt, double found, double measured);
 
   MotionSensorOptions options;
-  std::deque<Sample<Eigen::Vector3d>> rates;  //!< angular velocity, vehicle frame [rad/s]
-  std::deque<Sample<double>> speeds;          //!< forward [m/s]
-  std::array<Constant, 3> bias;               //!< of the angular velocity [rad/s]
-  Constant scale;                             //!< sensed over true speed, minus one
+  std::deque<Sample<Eigen::Vector3d>> rates;  //!< angular velocities, vehicle frame [rad/s]
+  std::deque<Sample<double>> speeds;          //!< forward speeds [m/s]
+  std::array<Constant, 3> bias;               //!< bias of the angular velocity [rad/s]
+  Constant scale;                             //!< scale error: sensed over true speed, minus one
   double conflict = 0;  //!< recent share of rotations that contradict the scans
   SensorUse gyroscope;
   SensorUse wheels;

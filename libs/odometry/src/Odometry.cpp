@@ -28,7 +28,7 @@ struct OdometryHistory
   Pose T_odom_previous = Pose::Identity();  //!< pose of the vehicle at the previous scan
   /** Motion during the previous sweep that its cloud was deskewed with. */
   Pose T_sweep_previous = Pose::Identity();
-  double time_without_scan = 0;  //!< time from the last usable scan to the previous scan [s]
+  double time_without_scan = 0;  //!< time between the last usable and the previous scan [s]
   bool registered = false;       //!< a scan has been registered to the map
   int segmenter_frames = 0;      //!< number of frames with an appearance prior
   int segmenter_failures = 0;    //!< number of those in which the segmenter found no ego-motion
@@ -134,7 +134,7 @@ void Odometry::predict(Frame& frame)
   frame.T_odom_vehicle = s.history.T_odom_previous * frame.prior.T_previous_current;
 }
 
-void Odometry::settleTime(Frame& frame, const PrepareCloud& prepare)
+void Odometry::resolveInterval(Frame& frame, const PrepareCloud& prepare)
 {
   State& s = *state_;
   if (!s.current.interval_doubtful)
@@ -180,7 +180,7 @@ void Odometry::integrate(const Frame& frame)
   state_->registration.integrate(frame);
 }
 
-/** Where the speed at the start is known, the prior is better than the segmenter's motion. */
+/** Where the speed at the first scan is known, the segmenter's motion is not needed. */
 void Odometry::State::fuseSegmenterMotion(Frame& frame, FrameContext& context)
 {
   if (frame.dt > 0 && !frame.static_prior.empty())

@@ -173,7 +173,7 @@ std::shared_ptr<const EncodedCloud> FrontEnd::Stages::preprocess(Frame& frame)
     frame.cloud = prepare(frame.scan, predicted);
   }
   bool prepared_again = false;
-  odometry.settleTime(frame,
+  odometry.resolveInterval(frame,
                       [&](const Pose& T_previous_current, double dt)
                       {
                         prepared_again = true;

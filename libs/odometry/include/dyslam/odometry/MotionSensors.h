@@ -17,16 +17,17 @@ class StateArchive;
 /** Ini section `[motion_sensors]`. */
 struct MotionSensorOptions : Options
 {
-  bool gyroscope = true;           //!< use the angular velocities of Frame::imu
-  bool wheel_odometry = true;      //!< use the speeds of Frame::wheels
-  double gyroscope_sigma = 0.005;  //!< of the mean angular velocity between two scans [rad/s]
-  /** Error in proportion to the angular velocity: misaligned axes, clocks that differ. */
+  bool gyroscope = true;       //!< use the angular velocities of Frame::imu
+  bool wheel_odometry = true;  //!< use the speeds of Frame::wheels
+  /** Sigma of the mean angular velocity between two scans [rad/s]. */
+  double gyroscope_sigma = 0.005;
+  /** Sigma in proportion to the angular velocity: misaligned axes, clocks that differ. */
   double gyroscope_sigma_ratio = 0.02;
-  double gyroscope_bias_sigma = 0.01;  //!< of the bias, before it is estimated [rad/s]
-  double wheel_sigma = 0.05;           //!< of the mean speed between two scans [m/s]
-  double wheel_scale_sigma = 0.03;     //!< of the relative scale error, before it is estimated
-  double wheel_gate = 6;               //!< sigmas from the prior beyond which a speed is rejected
-  double max_gap = 0.25;               //!< largest time without a sample [s]
+  double gyroscope_bias_sigma = 0.01;  //!< sigma of the bias, before it is estimated [rad/s]
+  double wheel_sigma = 0.05;           //!< sigma of the mean speed between two scans [m/s]
+  double wheel_scale_sigma = 0.03;  //!< sigma of the relative scale error, before it is estimated
+  double wheel_gate = 6;            //!< sigmas from the prior beyond which a speed is rejected
+  double max_gap = 0.25;            //!< largest time without a sample [s]
 
   void describe(OptionsVisitor& visitor) override;
 };
@@ -34,12 +35,14 @@ struct MotionSensorOptions : Options
 /** Motion between two scans by gyroscope and wheels. */
 struct SensedMotion
 {
-  /** What was not measured is as predicted. */
+  /** Motion of the vehicle; components that were not measured are as predicted. */
   Pose T_previous_current = Pose::Identity();
-  /** Of log(T_sensed^-1 T); zero for the components that were not measured. */
+  /** Information of log(T_sensed^-1 T), [translation, rotation]; zero for the components that were
+   * not measured. */
   Matrix6 information = Matrix6::Zero();
-  std::optional<Eigen::Matrix3d> rotation;  //!< by the gyroscope, also where it is not trusted
-  std::optional<double> displacement;       //!< forward along the path, by the wheels [m]
+  /** Rotation by the gyroscope, also where that is not trusted. */
+  std::optional<Eigen::Matrix3d> rotation;
+  std::optional<double> displacement;  //!< distance forward along the path, by the wheels [m]
 };
 
 /** The vehicle's motion by gyroscope and wheel odometry.
