@@ -39,7 +39,7 @@ class MotionPredictor
   /** The stamps of the last scan and the one before are right. */
   void acceptInterval();
   /** The motion between the last two scans took `dt` seconds, whatever their stamps say. Corrects
-   * Frame::dt, clock_offset and prior, and the context. */
+   * Frame::dt, clock_offset and prior, and the context's after_gap and sensed_information. */
   void correctInterval(double dt, Frame& frame, FrameContext& context);
 
   /** Prior of the next `dt` seconds by the filter alone. */
@@ -69,14 +69,14 @@ class MotionPredictor
   /** The clock of the stamps was set before the last scan, by the motion found since the previous
    * one. */
   [[nodiscard]] bool showsClockStep(const Pose& T_previous_current) const;
-  /** By the options, or by the wheels. */
+  /** The speed at the first scan is known, by the options or by the wheels. */
   [[nodiscard]] bool startSpeedKnown() const
   {
     return start_.start_speed != 0 || start_speed_sensed_;
   }
   /** Sensors in use: " + gyroscope + wheel_odometry", or a part of it. */
   [[nodiscard]] std::string sensorNames() const { return sensors_.name(); }
-  /** Of the clock and the sensors, a sentence each. */
+  /** Warnings about the clock and the sensors, a sentence each. */
   [[nodiscard]] std::vector<std::string> warnings() const;
 
   void exchangeState(StateArchive& archive)
@@ -91,13 +91,13 @@ class MotionPredictor
   // Options
   OdometryOptions start_;
   MotionFilterOptions motion_;
-  double reliable_sigma_;  //!< of the position [m]
+  double reliable_sigma_;  //!< largest sigma of the position of a reliable prior [m]
 
   // Saved
   MotionFilter filter_;
   ScanClock clock_;
   MotionSensors sensors_;
-  bool started_ = false;             //!< there is a previous scan
+  bool started_ = false;             //!< a scan has been predicted
   bool moved_ = false;               //!< there was a motion between two scans
   bool start_speed_sensed_ = false;  //!< the wheels measured the speed at the first scan
   /** Mean velocity of the last scans registered, [translation, rotation] in the vehicle frame

@@ -174,12 +174,12 @@ std::shared_ptr<const EncodedCloud> FrontEnd::Stages::preprocess(Frame& frame)
   }
   bool prepared_again = false;
   odometry.resolveInterval(frame,
-                      [&](const Pose& T_previous_current, double dt)
-                      {
-                        prepared_again = true;
-                        sweep_used = {T_previous_current, dt, frame.sweep_duration};
-                        return prepare(frame.scan, sweep_used);
-                      });
+                           [&](const Pose& T_previous_current, double dt)
+                           {
+                             prepared_again = true;
+                             sweep_used = {T_previous_current, dt, frame.sweep_duration};
+                             return prepare(frame.scan, sweep_used);
+                           });
   if (segmenter && (!encoded || prepared_again))
   {
     encoded = encode(frame.cloud, frame.scan);
