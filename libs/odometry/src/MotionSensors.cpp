@@ -184,10 +184,10 @@ struct MotionSensors::State
   void compareDisplacement(double sensed, double fused, double dt, double found, double measured);
 
   MotionSensorOptions options;
-  std::deque<Sample<Eigen::Vector3d>> rates;  //!< angular velocity, vehicle frame [rad/s]
-  std::deque<Sample<double>> speeds;          //!< forward speed [m/s]
+  std::deque<Sample<Eigen::Vector3d>> rates;  //!< angular velocities, vehicle frame [rad/s]
+  std::deque<Sample<double>> speeds;          //!< forward speeds [m/s]
   std::array<Constant, 3> bias;               //!< bias of the angular velocity [rad/s]
-  Constant scale;                             //!< ratio of sensed to true speed, minus one
+  Constant scale;                             //!< scale error: sensed over true speed, minus one
   double conflict = 0;  //!< recent share of rotations that contradict the scans
   SensorUse gyroscope;
   SensorUse wheels;

@@ -69,11 +69,12 @@ class MotionUncertainty
   void setCovariance(const Matrix6& of_points, const Matrix6& drift, MotionEstimate& motion);
 
   UncertaintyOptions options_;
-  Vector6 velocity_ = Vector6::Zero();      //!< velocity of the last motion [m/s, rad/s]
+  Vector6 velocity_ = Vector6::Zero();      //!< mean velocity of the last motion [m/s, rad/s]
   Vector6 acceleration_ = Vector6::Zero();  //!< change of the last two velocities [m/s, rad/s]
-  Vector6 jitter_ = Vector6::Zero();        //!< variance of pose errors that explains the jitter
-  int motions_ = 0;                         //!< number of converged motions in a row
-  int samples_ = 0;                         //!< number of samples in jitter_
-  Matrix6 noise_before_ = Matrix6::Zero();  //!< pose noise of the previous scan
+  /** Variance of a pose's error that explains the jitter [m^2, rad^2]. */
+  Vector6 jitter_ = Vector6::Zero();
+  int motions_ = 0;                         //!< number of motions in a row that converged
+  int samples_ = 0;                         //!< number of motions averaged in jitter_
+  Matrix6 noise_before_ = Matrix6::Zero();  //!< covariance of the noise of the previous pose
 };
 }  // namespace dyslam

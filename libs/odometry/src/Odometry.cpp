@@ -1,17 +1,117 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/core/StateArchive.h>
+#include <dyslam/odometry/LocalMapRegistration.h>
 #include <dyslam/odometry/Odometry.h>
+#include <dyslam/odometry/ScanMatcher.h>
 #include <mrpt/system/CTimeLogger.h>
 
 #include <algorithm>
+#include <optional>
 #include <utility>
 
 #include "CloudCheck.h"
-#include "OdometryState.h"
+#include "FrameContext.h"
+#include "IntervalResolver.h"
+#include "MotionGate.h"
+#include "MotionPredictor.h"
+#include "MotionUncertainty.h"
 
 namespace dyslam
 {
 using mrpt::system::CTimeLoggerEntry;
+
+namespace
+{
+/** What the steps of a frame need of the frames before. Saved as a whole. */
+struct OdometryHistory
+{
+  Pose T_odom_previous = Pose::Identity();  //!< pose of the vehicle at the previous scan
+  /** Motion during the previous sweep that its cloud was deskewed with. */
+  Pose T_sweep_previous = Pose::Identity();
+  double time_without_scan = 0;  //!< time between the last usable and the previous scan [s]
+  bool registered = false;       //!< a scan has been registered to the map
+  int segmenter_frames = 0;      //!< number of frames with an appearance prior
+  int segmenter_failures = 0;    //!< number of those in which the segmenter found no ego-motion
+};
+
+/** Until motion can be observed, points of movable appearance have zero weight.
+ * \param min_static_prior static probability below which the appearance counts as movable */
+void weightByAppearance(double min_static_prior, Frame& frame)
+{
+  if (frame.static_prior.empty() || frame.static_prior.size() != frame.cloud.size())
+  {
+    return;
+  }
+  const auto least = static_cast<float>(min_static_prior);
+  frame.static_confidence.resize(frame.cloud.size(), 1.0F);
+  std::transform(frame.static_prior.begin(), frame.static_prior.end(),
+                 frame.static_confidence.begin(), frame.static_confidence.begin(),
+                 [least](float prior, float confidence)
+                 { return prior < least ? 0.0F : confidence; });
+}
+}  // namespace
+
+/** The parts of the odometry, and the steps of estimate(). */
+struct Odometry::State
+{
+  /** \param given the scan matcher; null for the one that the config names */
+  State(ConfigLoader& config,
+        ThreadPool& pool,
+        mrpt::system::CTimeLogger& time_logger,
+        std::unique_ptr<ScanMatcher> given);
+
+  [[nodiscard]] bool registers() const { return refine.method != RefineMethod::none; }
+
+  void fuseSegmenterMotion(Frame& frame, FrameContext& context);
+  void matchScan(Frame& frame, FrameContext& context);
+  void registerToMap(Frame& frame, const FrameContext& context, const Pose& T_guess);
+  [[nodiscard]] LocalMapRegistration::Alignment registerFrom(const Pose& T_guess,
+                                                             const Frame& frame,
+                                                             const FrameContext& context) const;
+  void takeMatcherMotion(Frame& frame, const FrameContext& context, const Pose& T_guess);
+
+  void exchangeState(StateArchive& archive)
+  {
+    archive(predictor, *matcher, registration, uncertainty, history);
+  }
+
+  mrpt::system::CTimeLogger& times;
+  // Options, in the order of the sections in the effective config
+  OdometryOptions options;
+  FusionOptions fusion;
+  MotionFilterOptions motion;
+  RefineOptions refine;
+  // Saved
+  std::unique_ptr<ScanMatcher> matcher;
+  LocalMapRegistration registration;
+  MotionPredictor predictor;
+  MotionUncertainty uncertainty;
+  OdometryHistory history;
+  // Not saved
+  MotionGate gate{fusion, registers()};
+  IntervalResolver resolver{predictor, registration};
+  FrameContext current;  //!< context of the frame that predict() was called with last
+  LocalMapRegistration::Alignment alignment;  //!< alignment of that frame, until integrate()
+};
+
+Odometry::State::State(ConfigLoader& config,
+                       ThreadPool& pool,
+                       mrpt::system::CTimeLogger& time_logger,
+                       std::unique_ptr<ScanMatcher> given)
+    : times(time_logger),
+      options(config.get<OdometryOptions>("odometry")),
+      fusion(config.get<FusionOptions>("fusion")),
+      motion(config.get<MotionFilterOptions>("motion")),
+      refine(config.get<RefineOptions>("refine")),
+      matcher(given ? std::move(given) : makeScanMatcher(options.method, config, pool)),
+      registration(refine, pool),
+      predictor(options,
+                motion,
+                config.get<MotionSensorOptions>("motion_sensors"),
+                fusion.reliable_prior_sigma),
+      uncertainty(config.get<UncertaintyOptions>("uncertainty"))
+{
+}
 
 Odometry::Odometry(ConfigLoader& config, ThreadPool& pool, mrpt::system::CTimeLogger& times)
     : Odometry(config, pool, times, nullptr)
@@ -30,77 +130,49 @@ Odometry::Odometry(Odometry&&) noexcept = default;
 void Odometry::predict(Frame& frame)
 {
   State& s = *state_;
-  s.clock.advance(frame.scan.stamp);
-  s.doubtful = s.clock.isDoubtful();
-  s.after_gap = false;
-  frame.sweep_duration = s.clock.sweepDuration();
-  frame.dt = frame.sweep_duration;  // settleTime() corrects it
-  frame.clock_offset = s.clock.offset();
-  s.senseMotion(frame);
-  frame.prior = s.priorAfter(frame.dt);
-  s.fuseSensedMotion(frame.dt, frame.prior);
-  frame.T_odom_vehicle = s.T_odom_previous * frame.prior.T_previous_current;
-  s.started = true;
+  s.current = FrameContext();
+  s.predictor.predict(frame, s.current);
+  frame.T_odom_vehicle = s.history.T_odom_previous * frame.prior.T_previous_current;
 }
 
-void Odometry::settleTime(Frame& frame, const std::function<Cloud(const Pose&, double)>& prepare)
+void Odometry::resolveInterval(Frame& frame, const PrepareCloud& prepare)
 {
   State& s = *state_;
-  if (!s.doubtful)
+  if (!s.current.interval_doubtful)
   {
-    s.clock.settle(s.clock.interval());
+    s.predictor.acceptInterval();
     return;
   }
   const CTimeLoggerEntry timed(s.times, "refine");
-  const std::optional<Pose> T_found = s.motionOverDoubtfulInterval(frame, prepare);
-  const bool set = T_found
-                       ? showsClockStep(s.filter, s.clock.interval(), s.clock.period(), *T_found)
-                       : s.clock.interval() <= 0;
-  frame.dt = set ? s.clock.period() : s.clock.interval();
-  s.clock.settle(frame.dt);
-  s.after_gap = frame.dt > ScanClock::max_extrapolation;
-  frame.clock_offset = s.clock.offset();
-  frame.prior = s.priorAfter(std::min(frame.dt, ScanClock::max_extrapolation));
-  s.fuseSensedMotion(frame.dt, frame.prior);
-  if (T_found && !set)
-  {
-    frame.prior.T_previous_current = *T_found;
-  }
-  frame.T_odom_vehicle = s.T_odom_previous * frame.prior.T_previous_current;
-  // Beyond the extrapolation the prior covers a part of dt; the sweep is deskewed by its velocity.
-  const double beyond = frame.dt / ScanClock::max_extrapolation;
-  frame.cloud =
-      prepare(s.after_gap && !T_found ? expSE3(beyond * logSE3(frame.prior.T_previous_current))
-                                      : frame.prior.T_previous_current,
-              frame.dt);
+  s.resolver.resolve(s.history.T_odom_previous, prepare, frame, s.current);
 }
 
 void Odometry::estimate(Frame& frame)
 {
   State& s = *state_;
+  FrameContext& context = s.current;
   {
     const CTimeLoggerEntry timed(s.times, "odometry");
-    s.countSegmenterMotions(frame);
-    s.fuseSegmenterMotion(frame);
-    s.matchScan(frame);
+    s.fuseSegmenterMotion(frame, context);
+    s.matchScan(frame, context);
+    weightByAppearance(s.fusion.min_static_prior, frame);
   }
   const CTimeLoggerEntry timed(s.times, "refine");
   const bool usable = reasonUnusable(frame).empty();
-  s.without_scan += frame.dt;
-  const bool extrapolates =
-      usable || s.without_scan <= ScanClock::max_extrapolation || s.isDeadReckoned();
-  const Pose T_guess = extrapolates ? s.initialGuess(frame) : Pose::Identity();
+  context.time_without_scan = s.history.time_without_scan + frame.dt;
+  const Pose T_guess =
+      usable || context.canExtrapolate() ? s.gate.initialGuess(frame, context) : Pose::Identity();
   if (s.registers())
   {
-    s.registerToMap(frame, T_guess);
+    s.registerToMap(frame, context, T_guess);
   }
   else
   {
-    s.takeMatcherMotion(frame, T_guess);
+    s.takeMatcherMotion(frame, context, T_guess);
   }
-  s.without_scan = usable ? 0 : s.without_scan;
-  s.T_odom_previous = frame.T_odom_vehicle;
-  s.T_sweep_previous = frame.cloud.T_sweep;
+  s.history.time_without_scan = usable ? 0 : context.time_without_scan;
+  s.history.T_odom_previous = frame.T_odom_vehicle;
+  s.history.T_sweep_previous = frame.cloud.T_sweep;
 }
 
 void Odometry::integrate(const Frame& frame)
@@ -113,12 +185,84 @@ void Odometry::integrate(const Frame& frame)
   }
 }
 
+/** Where the speed at the first scan is known, the segmenter's motion is not needed. */
+void Odometry::State::fuseSegmenterMotion(Frame& frame, FrameContext& context)
+{
+  if (frame.dt > 0 && !frame.static_prior.empty())
+  {
+    ++history.segmenter_frames;
+    history.segmenter_failures += frame.segmenter_motion ? 0 : 1;
+  }
+  context.segmenter_information.setZero();
+  if (!predictor.startSpeedKnown() && gate.acceptsSegmenterMotion(frame, history.T_sweep_previous))
+  {
+    context.segmenter_information = gate.segmenterInformation();
+    frame.prior.fuse(frame.segmenter_motion->T_previous_current, context.segmenter_information);
+  }
+}
+
+void Odometry::State::matchScan(Frame& frame, FrameContext& context)
+{
+  ScanMatch match = matcher->match(frame, frame.prior);
+  context.matcher_uses_prior = matcher->usesPrior();
+  context.starts_map = registration.framesInMap() == 1;
+  frame.odometry = std::move(match.motion);
+  frame.odometry_rejection = gate.rejectionReason(frame, context);
+  frame.odometry_accepted = frame.odometry_rejection.empty();
+  frame.static_confidence =
+      frame.odometry_accepted ? std::move(match.static_confidence) : std::vector<float>();
+}
+
+void Odometry::State::registerToMap(Frame& frame, const FrameContext& context, const Pose& T_guess)
+{
+  alignment = registerFrom(T_guess, frame, context);
+  const RegistrationResult& result = alignment.result();
+  history.registered = history.registered || result.points > 0;
+  frame.motion = result.motion;
+  frame.T_odom_vehicle = result.T_odom_vehicle;
+  predictor.update(frame, context, result);
+  uncertainty.calibrate(frame.dt, result.measured_information, frame.motion);
+}
+
+/** Registers from the guess and, if that fails, from the mean motion of the last scans: after an
+ * abrupt motion, or one that was misjudged, the velocity of the last scan alone may be wrong. */
+LocalMapRegistration::Alignment Odometry::State::registerFrom(const Pose& T_guess,
+                                                              const Frame& frame,
+                                                              const FrameContext& context) const
+{
+  const double start_sigma = !history.registered && predictor.startSpeedKnown()
+                                 ? options.start_speed_sigma * frame.dt
+                                 : refine.initial_sigma;
+  const double sigma =
+      gate.initialSigma(frame, context, std::min(refine.initial_sigma, start_sigma));
+  LocalMapRegistration::Alignment from_guess =
+      registration.align(frame, history.T_odom_previous * T_guess, &frame.prior, sigma);
+  const RegistrationResult& result = from_guess.result();
+  const bool failed = result.points > 0 && result.measured_information.isZero();
+  const std::optional<MotionPrior> steady = failed && registration.framesInMap() >= 2
+                                                ? predictor.meanVelocityPrior(frame, context)
+                                                : std::nullopt;
+  if (!steady)
+  {
+    return from_guess;
+  }
+  return registration.align(frame, history.T_odom_previous * steady->T_previous_current, &*steady);
+}
+
+/** Without a registration: the matcher's motion is the result. */
+void Odometry::State::takeMatcherMotion(Frame& frame,
+                                        const FrameContext& context,
+                                        const Pose& T_guess)
+{
+  frame.motion = frame.odometry;
+  uncertainty.calibrateMatch(frame.dt, frame.prior.information, frame.motion);
+  frame.T_odom_vehicle = orthonormalized(history.T_odom_previous * T_guess);
+  predictor.updateUnregistered(frame, context, T_guess);
+}
+
 void Odometry::exchangeState(StateArchive& archive)
 {
-  State& s = *state_;
-  archive(s.filter, *s.matcher, s.registration, s.uncertainty, s.clock, s.started, s.registered,
-          s.without_scan, s.mean_velocity, s.T_odom_previous, s.T_sweep_previous,
-          s.segmenter_frames, s.segmenter_failures, s.sensors, s.moved, s.start_speed_sensed);
+  state_->exchangeState(archive);
 }
 
 std::string Odometry::name() const
@@ -135,30 +279,23 @@ std::string Odometry::name() const
       name += " + gicp";
       break;
   }
-  return name + state_->sensors.name();
+  return name + state_->predictor.sensorNames();
 }
 
 std::vector<std::string> Odometry::warnings() const
 {
   const State& s = *state_;
-  std::vector<std::string> warnings;
-  if (std::string of_clock = s.clock.warning(); !of_clock.empty())
-  {
-    warnings.push_back(std::move(of_clock));
-  }
-  for (std::string& of_sensor : s.sensors.warnings())
-  {
-    warnings.push_back(std::move(of_sensor));
-  }
-  if (!s.registers() && s.matcher->name() == "constant_velocity" && s.sensors.name().empty())
+  std::vector<std::string> warnings = s.predictor.warnings();
+  if (!s.registers() && s.matcher->name() == "constant_velocity" &&
+      s.predictor.sensorNames().empty())
   {
     warnings.emplace_back(
         "nothing measures the motion: odometry.method=constant_velocity only predicts it, and "
         "refine.method is none; change one of them");
   }
   constexpr int min_frames = 4;
-  if (!s.startSpeedKnown() && s.segmenter_frames >= min_frames &&
-      2 * s.segmenter_failures >= s.segmenter_frames)
+  if (!s.predictor.startSpeedKnown() && s.history.segmenter_frames >= min_frames &&
+      2 * s.history.segmenter_failures >= s.history.segmenter_frames)
   {
     warnings.emplace_back(
         "the first scans do not determine the speed at the start of the recording; if it is known, "

@@ -193,7 +193,7 @@ TEST_F(Fusion, WithoutRegistrationAGapKeepsTheVelocity)
     const auto predicted = [this]
     {
       Frame frame = next(Pose::Identity());
-      odometry_->settleTime(frame, [](const Pose&, double) { return Cloud(); });
+      odometry_->resolveInterval(frame, [](const Pose&, double) { return Cloud(); });
       return estimate(frame).prior.T_previous_current.translation().x();
     };
     for (int i = 0; i < 8; ++i)
@@ -302,16 +302,16 @@ TEST_F(OtherSensors, BridgeMissingScans)
   start();
   const Pose step = poseFromYpr(0.5, 0, 0, 0, 0, 0);
   Pose T = Pose::Identity();
-  const auto settleTime = [this](Frame& frame)
+  const auto resolveInterval = [this](Frame& frame)
   {
     const Cloud cloud = frame.cloud;
-    odometry_->settleTime(frame, [&cloud](const Pose&, double) { return cloud; });
+    odometry_->resolveInterval(frame, [&cloud](const Pose&, double) { return cloud; });
   };
   for (int i = 0; i < 8; ++i)
   {
     T = i > 0 ? T * step : T;
     Frame frame = nextWith(T, step, false, true);
-    settleTime(frame);
+    resolveInterval(frame);
     estimate(frame);
   }
   constexpr double gap = 0.8;
@@ -325,7 +325,7 @@ TEST_F(OtherSensors, BridgeMissingScans)
   odometry_->predict(frame);
   EXPECT_NEAR(frame.prior.T_previous_current.translation().x(), 0.5, 0.03)
       << "of one period, until it is known that scans are missing";
-  settleTime(frame);
+  resolveInterval(frame);
   EXPECT_NEAR(frame.dt, gap, 1e-6);
   EXPECT_NEAR(frame.prior.T_previous_current.translation().x(), gap * 8, 0.1);
 }

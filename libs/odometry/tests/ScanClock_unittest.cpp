@@ -59,7 +59,7 @@ TEST_P(ScanClockTest, MotionGoesOn)
     const auto prepare = [&](const Pose& T_previous_current, double dt)
     { return preprocessor.prepare(frame.scan, T_previous_current, dt, frame.sweep_duration); };
     frame.cloud = prepare(frame.prior.T_previous_current, frame.dt);
-    odometry.settleTime(frame, prepare);
+    odometry.resolveInterval(frame, prepare);
     odometry.estimate(frame);
     odometry.integrate(frame);
     EXPECT_TRUE(frame.motion.converged()) << i << ": " << frame.motion.reason;
@@ -109,7 +109,7 @@ TEST(Gaps, TheVelocityIsKeptWithoutRegistration)
     Frame frame;
     frame.scan.stamp = stamp;
     odometry.predict(frame);
-    odometry.settleTime(frame, [](const Pose&, double) { return Cloud(); });
+    odometry.resolveInterval(frame, [](const Pose&, double) { return Cloud(); });
     odometry.estimate(frame);
     odometry.integrate(frame);
     return frame.prior.T_previous_current.translation().x();

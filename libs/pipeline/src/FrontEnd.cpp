@@ -187,13 +187,13 @@ std::shared_ptr<const EncodedCloud> FrontEnd::Stages::preprocess(Frame& frame)
     frame.cloud = prepareUnlabelled(frame.scan, predicted);
   }
   bool prepared_again = false;
-  odometry.settleTime(frame,
-                      [&](const Pose& T_previous_current, double dt)
-                      {
-                        prepared_again = true;
-                        sweep_used = {T_previous_current, dt, frame.sweep_duration};
-                        return prepareUnlabelled(frame.scan, sweep_used);
-                      });
+  odometry.resolveInterval(frame,
+                           [&](const Pose& T_previous_current, double dt)
+                           {
+                             prepared_again = true;
+                             sweep_used = {T_previous_current, dt, frame.sweep_duration};
+                             return prepareUnlabelled(frame.scan, sweep_used);
+                           });
   if (segmenter && (!encoded || prepared_again))
   {
     encoded = encode(frame.cloud, frame.scan);

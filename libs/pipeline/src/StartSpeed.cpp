@@ -120,7 +120,7 @@ double StartSearch::speedAfter(std::optional<double> start, int of_threads) cons
     { return preprocessor.prepare(frame.scan, T_previous_current, dt, frame.sweep_duration); };
     odometry.predict(frame);
     frame.cloud = prepare(frame.prior.T_previous_current, frame.dt);
-    odometry.settleTime(frame, prepare);
+    odometry.resolveInterval(frame, prepare);
     if (!priors[i].empty())
     {
       for (const std::uint32_t point : frame.cloud.source)

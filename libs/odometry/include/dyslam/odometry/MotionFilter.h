@@ -67,7 +67,7 @@ class MotionFilter
   [[nodiscard]] Matrix12 predictedCovariance(double dt) const;
 
   MotionFilterOptions options_;
-  Vector6 velocity_ = Vector6::Zero();
-  Matrix12 covariance_ = Matrix12::Zero();  //!< covariance of pose and velocity
+  Vector6 velocity_ = Vector6::Zero();      //!< velocity at the last scan [m/s, rad/s]
+  Matrix12 covariance_ = Matrix12::Zero();  //!< covariance of pose and velocity at the last scan
 };
 }  // namespace dyslam

@@ -60,10 +60,14 @@ struct FusionOptions : Options
   void describe(OptionsVisitor& visitor) override;
 };
 
-/** The vehicle's motion from scan to scan: a motion filter predicts it, a scan matcher and the
- * registration to a local map measure it, and their results are fused.
+/** Prepares the cloud of the frame's scan, deskewed by the vehicle's motion over `dt` seconds; see
+ * Preprocessor::prepare(). */
+using PrepareCloud = std::function<Cloud(const Pose& T_previous_current, double dt)>;
+
+/** Ego-motion from scan to scan: a motion filter provides the prior, a scan matcher and the
+ * registration to a local map measure the motion, and the results are fused.
  *
- * Per frame, in this order: predict(), preprocessing by others, settleTime(), segmentation by
+ * Per frame, in this order: predict(), preprocessing by others, resolveInterval(), segmentation by
  * others, estimate(), and, once it is decided what moves, integrate(). Not thread-safe; one object
  * per recording. Same bytes for any number of threads.
  */
@@ -83,14 +87,16 @@ class Odometry
   ~Odometry();
   Odometry(Odometry&&) noexcept;
 
-  /** Fills Frame::dt, sweep_duration, clock_offset and prior from scan.stamp and the motions
-   * before. */
+  /** Fills Frame::dt, sweep_duration, clock_offset, prior and T_odom_vehicle from scan.stamp, imu,
+   * wheels and the motions before. */
   void predict(Frame& frame);
-  /** Where the interval to the scan before does not fit the sensor's rate: finds out whether scans
-   * are missing or the clock was set, by what registers to the map, and corrects dt, prior,
-   * clock_offset and cloud. Call it between preprocessing and segmentation.
-   * \param prepare the cloud of the frame's scan for a motion in dt, Preprocessor::prepare() */
-  void settleTime(Frame& frame, const std::function<Cloud(const Pose&, double)>& prepare);
+  /** Where the interval to the previous scan does not fit the sensor's rate: decides whether scans
+   * are missing or the clock of the stamps was set, by registering the scan to the local map, and
+   * corrects dt, clock_offset, prior, T_odom_vehicle and cloud. Call it for every frame, between
+   * preprocessing and segmentation.
+   * \param prepare is called for each motion that may have happened, and for the one that is found
+   */
+  void resolveInterval(Frame& frame, const PrepareCloud& prepare);
   /** Reads cloud, prior, moving_probability, segmenter_motion and static_prior; fills odometry,
    * odometry_accepted, odometry_rejection, static_confidence, motion and T_odom_vehicle. The
    * information of `motion` is calibrated and positive definite, that of `odometry` the matcher's
@@ -99,7 +105,7 @@ class Odometry
   /** Adds the frame of the last estimate() to the local map, weighted by its current moving
    * probabilities. Once after each estimate(). */
   void integrate(const Frame& frame);
-  /** What is kept from frame to frame. */
+  /** What is kept from frame to frame. Call it between integrate() and predict(). */
   void exchangeState(StateArchive& archive);
 
   /** The methods in use, e.g. "constant_velocity + point_to_plane". */

@@ -23,19 +23,20 @@ class ScanClock
 
   /** Adds the stamp of the next scan [s]. */
   void advance(double stamp);
-  /** Whether the interval of the last scan does not fit the rate. */
+  /** Whether the interval before the last scan does not fit the sensor's rate. */
   [[nodiscard]] bool isDoubtful() const;
-  /** Duration of the last sweep [s]: interval(), or period() if that does not fit the rate. */
+  /** Duration of the last scan's sweep: interval(), or period() where that does not fit the rate
+   * [s]. */
   [[nodiscard]] double sweepDuration() const { return isDoubtful() ? period() : interval_; }
   /** advance(), sweepDuration() and settle() for a scan with a trusted stamp: for programs that
    * place scans along a given trajectory. \return duration of the sweep [s] */
   double nextSweep(double stamp);
-  /** Time between the last two scans by their stamps [s]. */
+  /** Stamp of the last scan minus that of the previous one [s]; 0 for the first scan. */
   [[nodiscard]] double interval() const { return interval_; }
-  /** Median of earlier intervals [s]; 0 while too few are known. */
+  /** Median of the last intervals that fit the rate [s]; 0 while too few are known. */
   [[nodiscard]] double period() const;
-  /** Sets the time that has passed between the last two scans [s]: interval() or, if the clock was
-   * set, period(). */
+  /** Decides how much time has passed since the previous scan.
+   * \param passed interval() or, where the clock was set, period() [s] */
   void settle(double passed);
   /** Stamp of the last scan minus its time by a clock that was never set [s]. */
   [[nodiscard]] double offset() const { return offset_; }
@@ -45,15 +46,15 @@ class ScanClock
   void exchangeState(StateArchive& archive);
 
  private:
-  bool started_ = false;
-  double stamp_ = 0;
-  double interval_ = 0;
-  double offset_ = 0;
-  std::deque<double> regular_;  // intervals that fit the rate [s], newest last
-  std::size_t scans_ = 0;
-  std::size_t steps_ = 0;
-  std::size_t first_step_ = 0;  // number of the scan, from 0
-  double largest_step_ = 0;     // largest step of the clock [s]
+  bool started_ = false;        //!< there was a scan
+  double stamp_ = 0;            //!< stamp of the last scan [s]
+  double interval_ = 0;         //!< stamp of the last scan minus that of the previous one [s]
+  double offset_ = 0;           //!< sum of the clock's steps [s]
+  std::deque<double> regular_;  //!< last intervals that fit the rate, newest last [s]
+  std::size_t scans_ = 0;       //!< number of scans
+  std::size_t steps_ = 0;       //!< number of times that the clock was set
+  std::size_t first_step_ = 0;  //!< index of the scan after the first step, from 0
+  double largest_step_ = 0;     //!< step of the largest magnitude [s]
 };
 
 /** Whether the motion between two scans fits one period rather than the interval between their
