@@ -7,8 +7,8 @@
 
 namespace dyslam
 {
-/** Whether a point lies in a box that is widened by `margin` to each side [m]; both in one frame.
- */
+/** Whether a point lies in a box of the same frame that is widened to each side by `margin`, along
+ * its length, width and height [m]. */
 inline bool isInBox(const Box& box, const Eigen::Vector3d& p, const Eigen::Vector3d& margin)
 {
   const Eigen::Vector3d d = p - box.center;

@@ -11,8 +11,9 @@ namespace dyslam
 namespace
 {
 constexpr double cube_size = 0.1;   // [m]
-constexpr double box_margin = 0.1;  // by which boxes are widened to each side [m]
-constexpr double clearance = 0.25;  // what is lower in a box is the ground [m]
+constexpr double box_margin = 0.1;  // margin by which boxes are widened to each side [m]
+constexpr double clearance =
+    0.25;  // height above a box's lower side below which points are ground [m]
 
 bool isOfObject(const Eigen::Vector3d& p, const Box& box)
 {
