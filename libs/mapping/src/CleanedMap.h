@@ -23,7 +23,7 @@ class CleanedMap
   CleanedMap(const VoxelMap& map, const StaticMapOptions& options, const MemoryLimit& memory);
 
   [[nodiscard]] std::size_t size() const { return size_; }
-  /** Whether the voxel of this number is part of it. */
+  /** Whether a voxel, by its number, is part of the cleaned map. */
   [[nodiscard]] bool contains(std::uint32_t voxel) const { return kept_[voxel]; }
   void forEachPart(const std::function<void(const MapPoints&)>& use) const;
 

@@ -9,7 +9,7 @@ namespace dyslam
 {
 namespace
 {
-constexpr std::size_t renewal = 5;  // scans
+constexpr std::size_t renewal = 5;  // scans after which recent voxels become older ones
 }  // namespace
 
 void ClearVoxels::beginScan(std::size_t scan)

@@ -10,13 +10,13 @@ namespace dyslam
 {
 class StateArchive;
 
-/** Voxels (in the odometry frame, by their voxelKey()) that other scans observed, and never free.
- * They stay known for the next scans, for which nearly the same rays decide. */
+/** Voxels (odometry frame, by their voxelKey()) that other scans observed, and none of them as
+ * free. The result is reused for the next scans, which nearly the same rays decide. */
 class ClearVoxels
 {
  public:
-  /** \param scan number, ascending. Forgets what was found 6 to 10 scans before; up to 14 where
-   * numbers are left out. */
+  /** Begins a scan: forgets voxels that were added 6 to 10 scans before, up to 14 where numbers are
+   * left out. \param scan number of the scan, ascending */
   void beginScan(std::size_t scan);
   [[nodiscard]] bool contain(std::uint64_t key) const
   {
@@ -26,7 +26,7 @@ class ClearVoxels
   void exchangeState(StateArchive& archive);
 
  private:
-  std::size_t begin_ = 0;  //!< scan with the first of `recent_`
+  std::size_t begin_ = 0;  //!< number of the scan from which on voxels were added to `recent_`
   VoxelHash recent_;
   VoxelHash older_;
 };

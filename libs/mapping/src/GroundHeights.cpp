@@ -16,16 +16,17 @@ namespace dyslam
 {
 namespace
 {
-constexpr float ground_square = 2.0F;       // side of the squares [m]
-constexpr float fine_ground_square = 0.5F;  // side of the squares within [m]
-constexpr float fine_reach = 0.5F;          // above the third lowest return of a square [m]
-constexpr std::uint32_t fewest_scans = 3;   // with returns in one of the squares within
-constexpr std::size_t ground_parts = 4;     // the ground is the lower quartile of the scans
+constexpr float ground_square = 2.0F;       // side of the large squares [m]
+constexpr float fine_ground_square = 0.5F;  // side of the small squares [m]
+constexpr float fine_reach =
+    0.5F;  // height over the large square's ground up to which returns count [m]
+constexpr std::uint32_t fewest_scans = 3;  // scans with returns in a small square that has a ground
+constexpr std::size_t ground_parts = 4;    // the ground is the lower quartile of the scans' heights
 constexpr float unknown_ground = std::numeric_limits<float>::quiet_NaN();
 
-using SquareHeights = std::vector<std::pair<std::uint64_t, float>>;  // by voxelKey()
+using SquareHeights = std::vector<std::pair<std::uint64_t, float>>;  // voxelKey(), z [m]
 
-/** \param side of the squares [m] */
+/** \param side side of the squares [m] */
 VoxelCell groundSquareOf(const Eigen::Vector3f& p, float side)
 {
   return voxelCell(Eigen::Vector3f(p.x(), p.y(), 0), 1 / side);
@@ -62,17 +63,17 @@ class NumberedSquares
   std::vector<std::uint64_t> keys_;
   std::vector<VoxelCell> squares_;
   std::optional<std::uint64_t> last_key_;
-  std::uint32_t last_ = 0;  // number of the last one that was added
+  std::uint32_t last_ = 0;  // number of the square that was added last
 };
 
-/** Low quantile of the heights that the scans have in each of some squares; not a number where
- * fewer than `fewest` scans have one [m]. */
+/** Low quantile of the heights that the scans have in each square, one per square [m]; NaN where
+ * fewer than `fewest` scans have a height. */
 std::vector<float> joinedHeights(const std::vector<const SquareHeights*>& scans,
                                  const NumberedSquares& squares,
                                  std::uint32_t fewest)
 {
   std::vector<std::pair<std::uint32_t, float>> found;  // number of the square, height
-  std::vector<std::uint32_t> counts(squares.size());   // of the heights of each square
+  std::vector<std::uint32_t> counts(squares.size());   // number of heights per square
   for (const SquareHeights* scan : scans)
   {
     for (const auto& [key, z] : *scan)
@@ -85,7 +86,7 @@ std::vector<float> joinedHeights(const std::vector<const SquareHeights*>& scans,
       }
     }
   }
-  std::vector<std::uint32_t> ends(counts.size());  // of the heights so far, square by square
+  std::vector<std::uint32_t> ends(counts.size());  // end of each square's heights in `heights`
   std::exclusive_scan(counts.begin(), counts.end(), ends.begin(), 0U);
   std::vector<float> heights(found.size());
   for (const auto& [square, z] : found)
@@ -103,8 +104,8 @@ std::vector<float> joinedHeights(const std::vector<const SquareHeights*>& scans,
   return result;
 }
 
-/** Highest that the ground of a square can be, see GroundAround [m].
- * \param heights of the ground, one per square */
+/** Upper limit of the ground's height in a square, see GroundAround [m]. \param heights ground
+ * heights, one per square [m] */
 float highestGround(const NumberedSquares& squares,
                     std::size_t square,
                     const std::vector<float>& heights)

@@ -5,9 +5,9 @@
 
 namespace dyslam
 {
-/** Fixed parameters of the labels with hindsight, besides HindsightOptions. Those of one step alone
- * are beside it: rays (RayHistory.cpp, VisibilityImage.cpp), ground (GroundHeights.cpp), posts
- * (Posts.cpp), score (VoxelClassifier.cpp, VoxelFeatures.cpp), smoothing over time
+/** Fixed parameters of the labels with hindsight, besides HindsightOptions. Parameters of a single
+ * step are in its own file: rays (RayHistory.cpp, VisibilityImage.cpp), ground (GroundHeights.cpp),
+ * posts (Posts.cpp), score (VoxelClassifier.cpp, VoxelFeatures.cpp), smoothing over time
  * (RecentScores.cpp, ClearVoxels.cpp). */
 namespace hindsight
 {
@@ -16,7 +16,7 @@ namespace hindsight
 /** Steps between the scans of the window that are used grow with their distance to the scan that is
  * decided, from 1 to this many scans. */
 constexpr int largest_step = 5;
-/** Of the scans before the window every eighth is kept [scans]. */
+/** Distance between the scans before the window that are kept [scans]. */
 constexpr int earlier_step = 8;
 /** Least ratio of the distances of two successive scans before the window that are used. */
 constexpr double earlier_growth = 1.1;
@@ -34,7 +34,7 @@ constexpr float certain_change = 3;
 
 /** Score above which a voxel may be moving, so that it matters whether it is a post [log odds]. */
 constexpr float doubtful_score = -2;
-/** Score that voxels of a post have less [log odds]. */
+/** Amount by which the score of a post's voxels is lowered [log odds]. */
 constexpr float post_score = 2.5F;
 
 // MovingPointClassifier: low points, which are below HindsightOptions::ground_clearance.

@@ -173,7 +173,7 @@ std::vector<MapTile> tilesOf(const ScanStore& scans, const StaticMapOptions& opt
 TileMap::TileMap(ScanStore& store, const StaticMapOptions& options, const MapTile& tile)
     : map(options, keyframes, widened(tile.region, margin))
 {
-  // Of the tile with its margin, whose corners are less than two margins from the tile.
+  // Largest distance of a scan from the tile; the margin's corners are less than two margins away.
   const double reach = std::max(options.max_range, options.visibility_range) + 2 * margin;
   for (std::size_t k = 0; k < store.size(); ++k)
   {

@@ -16,13 +16,14 @@ namespace dyslam
 {
 namespace
 {
-/** Confidence in a change of a voxel, in [0, 1]. \param scans by which it changed */
+/** Confidence in a change of a voxel, in [0, 1]. \param scans RayCounts::change_before or
+ * change_after */
 float confidenceOf(std::uint16_t scans)
 {
   return std::min(1.0F, static_cast<float>(scans) / hindsight::certain_change);
 }
 
-/** Vote of the voxels of a cell whether it moves. */
+/** Majority vote of a cell's voxels whether the cell moves. */
 class CellVote
 {
  public:
@@ -39,7 +40,7 @@ class CellVote
       ++static_voxels_;
     }
   }
-  /** Mean probability of the voxels that agree with most of them. */
+  /** Mean moving probability of the voxels of the majority. */
   [[nodiscard]] float probability() const
   {
     return static_cast<float>(moving_voxels_ > static_voxels_
@@ -48,13 +49,13 @@ class CellVote
   }
 
  private:
-  double moving_sum_ = 0;  //!< of the probabilities of voxels that move
-  double static_sum_ = 0;  //!< of the probabilities of the others
+  double moving_sum_ = 0;  //!< sum of the probabilities of moving voxels
+  double static_sum_ = 0;  //!< sum of the probabilities of static voxels
   int moving_voxels_ = 0;
   int static_voxels_ = 0;
 };
 
-/** In the odometry frame [m]. */
+/** Positions of the cloud's points in the odometry frame [m]. */
 std::vector<Eigen::Vector3f> positionsOf(const Frame& frame)
 {
   const Eigen::Isometry3f T_odom_vehicle = frame.T_odom_vehicle.cast<float>();
@@ -67,7 +68,7 @@ std::vector<Eigen::Vector3f> positionsOf(const Frame& frame)
   return positions;
 }
 
-/** Of each point 1 if it belongs to a track that is dynamic at one time. */
+/** One value per point: 1 if it belongs to a track that is dynamic at any time, else 0. */
 std::vector<float> trackedShare(const Frame& frame, const ScanWindow& window)
 {
   std::vector<float> tracked(frame.cloud.size(), 0.0F);
@@ -84,7 +85,7 @@ std::vector<float> trackedShare(const Frame& frame, const ScanWindow& window)
   return tracked;
 }
 
-/** Of each voxel the causal labels and the tracks of its points. */
+/** Evidence of each voxel from the causal labels and the tracks of its points. */
 std::vector<VoxelEvidence> causalEvidence(const Frame& frame,
                                           const ScanWindow& window,
                                           const Segments& segments)
@@ -111,7 +112,7 @@ std::vector<VoxelEvidence> causalEvidence(const Frame& frame,
   return evidence;
 }
 
-/** The probability of each point's voxel, 0 for points that are in none. */
+/** Moving probability of each point: that of its voxel, 0 for points without a voxel. */
 std::vector<float> probabilityOfPoints(const Segments& segments,
                                        const std::vector<float>& voxel_probability)
 {
@@ -124,8 +125,8 @@ std::vector<float> probabilityOfPoints(const Segments& segments,
   return probability;
 }
 
-/** Highest probability of the cells from that of a point upwards, 0 if there are none.
- * \param p odometry frame [m] */
+/** Highest moving probability of the cells from the one around a point upwards, 0 if there are
+ * none. \param p odometry frame [m] */
 float probabilityAbove(const Eigen::Vector3f& p,
                        const Segments& segments,
                        const std::vector<CellVote>& votes)
@@ -171,7 +172,7 @@ void MovingPointClassifier::label(Frame& frame, const ScanWindow& window)
   }
 }
 
-/** Points above `ground_clearance` in voxels and segments; the others are in none. */
+/** Groups the points above `ground_clearance` into voxels and segments; lower points get none. */
 Segments MovingPointClassifier::segment(const Points& points) const
 {
   std::vector<bool> is_above_ground;
@@ -183,15 +184,16 @@ Segments MovingPointClassifier::segment(const Points& points) const
   return findSegments(points.positions, is_above_ground, options_.voxel_size, options_.segment_gap);
 }
 
-/** Adds what the rays of the other scans observed. \param evidence causal, one per voxel */
+/** Adds what the rays of the other scans observed. \param[in,out] evidence causal evidence, one
+ * value per voxel */
 void MovingPointClassifier::addRayEvidence(const Frame& frame,
                                            const ScanWindow& window,
                                            const Points& points,
                                            const Segments& segments,
                                            std::vector<VoxelEvidence>& evidence)
 {
-  std::vector<std::size_t> evaluated;   // voxels of which the rays are evaluated
-  std::vector<Eigen::Vector3f> voxels;  // a point of each of them, vehicle frame [m]
+  std::vector<std::size_t> evaluated;   // voxels at which rays are evaluated
+  std::vector<Eigen::Vector3f> voxels;  // a point of each evaluated voxel, vehicle frame [m]
   std::vector<RayEffort> efforts;
   for (std::size_t v = 0; v < evidence.size(); ++v)
   {
@@ -228,14 +230,14 @@ void MovingPointClassifier::addRayEvidence(const Frame& frame,
   }
 }
 
-/** Probability of each voxel that its points move. */
+/** Probability that a voxel's points move, one value per voxel. */
 std::vector<float> MovingPointClassifier::classify(const Points& points,
                                                    const Segments& segments,
                                                    const std::vector<VoxelEvidence>& evidence)
 {
   const std::vector<VoxelFeatures> features =
       voxelFeatures(segments, evidence, points.positions, points.heights);
-  std::vector<Eigen::Vector3f> voxels;  // a point of each of them
+  std::vector<Eigen::Vector3f> voxels;  // a point of each voxel, odometry frame [m]
   voxels.reserve(features.size());
   for (const VoxelFeatures& f : features)
   {
@@ -257,8 +259,8 @@ std::vector<float> MovingPointClassifier::classify(const Points& points,
   return probability;
 }
 
-/** Points that are in no voxel but above the ground are moving if the cells above them are.
- * \param[in,out] probability of each point that it moves */
+/** Labels points above the ground that are in no voxel: they move if the cells above them do.
+ * \param[in,out] probability moving probability of each point */
 void MovingPointClassifier::labelLowPoints(const ScanWindow& window,
                                            const Points& points,
                                            const Segments& segments,

@@ -17,10 +17,10 @@ namespace dyslam
 {
 /** Decides which points of a scan move, from the scans before and after it: the steps of
  * doc/labels.md. Points above the ground are grouped into voxels, voxels into segments; voxels are
- * classified, and points below get the label of those above them.
+ * classified, and lower points get the label of the voxels above them.
  *
- * From scan to scan it keeps which voxels were never free (ClearVoxels), which saves time, and
- * their scores (RecentScores), to smooth them. */
+ * Two results are kept from scan to scan: which voxels were never observed free (ClearVoxels), to
+ * save time, and the scores of voxels (RecentScores), to smooth them. */
 class MovingPointClassifier
 {
  public:
@@ -28,7 +28,7 @@ class MovingPointClassifier
   MovingPointClassifier(const HindsightOptions& options, int threads);
 
   /** Sets `moving` and `moving_probability` of a frame, from their causal values, its cloud, its
-   * objects and the other scans. \param window of which the frame is the current one */
+   * objects and the other scans. \param window scans around the frame, which is the current one */
   void label(Frame& frame, const ScanWindow& window);
 
   void exchangeState(StateArchive& archive);
@@ -38,7 +38,7 @@ class MovingPointClassifier
   struct Points
   {
     std::vector<Eigen::Vector3f> positions;  //!< odometry frame [m]
-    std::vector<float> heights;              //!< over the ground [m]
+    std::vector<float> heights;              //!< heights over the ground [m]
   };
 
   [[nodiscard]] Segments segment(const Points& points) const;

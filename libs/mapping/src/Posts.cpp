@@ -10,11 +10,11 @@ namespace dyslam
 {
 namespace
 {
-constexpr float near = 0.4F;     // horizontal distance of voxels of the same post [m]
-constexpr float around = 1.0F;   // within which a post stands by itself [m]
-constexpr float lowest = 1.2F;   // height of a post [m]
-constexpr float widest = 0.12F;  // standard deviation of its voxels, horizontally [m]
-constexpr float square = 0.5F;   // side of the squares [m]
+constexpr float near = 0.4F;     // largest horizontal distance of voxels of a post [m]
+constexpr float around = 1.0F;   // horizontal distance within which a post stands by itself [m]
+constexpr float lowest = 1.2F;   // least height of a post [m]
+constexpr float widest = 0.12F;  // largest horizontal standard deviation of a post's voxels [m]
+constexpr float square = 0.5F;   // side of the squares that index the voxels [m]
 
 VoxelCell squareOf(const Eigen::Vector3f& voxel)
 {
@@ -46,7 +46,7 @@ class NearVoxels
   std::size_t count_ = 0;
   Eigen::Vector2f sum_ = Eigen::Vector2f::Zero();
   float squares_ = 0;
-  float low_ = 0;  // the voxel itself is one of them
+  float low_ = 0;  // at most 0, since the voxel itself is added
   float high_ = 0;
 };
 }  // namespace
@@ -54,7 +54,7 @@ class NearVoxels
 Posts::Posts(const std::vector<Eigen::Vector3f>& voxels)
     : voxels_(voxels), next_(voxels.size(), VoxelHash::none)
 {
-  std::vector<std::uint32_t> last(voxels.size());  // of the square that begins with a voxel
+  std::vector<std::uint32_t> last(voxels.size());  // last voxel of a square, by its first voxel
   for (std::uint32_t i = 0; i < voxels.size(); ++i)
   {
     const std::uint32_t first = squares_.findOrInsert(voxelKey(squareOf(voxels[i])), i);
@@ -68,7 +68,7 @@ Posts::Posts(const std::vector<Eigen::Vector3f>& voxels)
 
 bool Posts::contain(std::size_t voxel) const
 {
-  constexpr int reach = 2;  // squares, for `around`
+  constexpr int reach = 2;  // number of squares that cover `around`
   const Eigen::Vector3f& p = voxels_[voxel];
   const VoxelCell middle = squareOf(p);
   NearVoxels near_voxels;

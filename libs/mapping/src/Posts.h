@@ -10,14 +10,14 @@
 
 namespace dyslam
 {
-/** Finds voxels of posts, poles and trunks: thin upright columns that stand by themselves.
+/** Finds voxels of posts, poles and trunks: thin upright columns with free space around.
  *
- * Rays hit them in some scans and pass beside them in others, so that they look as if they came and
+ * Rays hit posts in some scans and pass beside them in others, which looks as if they came and
  * went. */
 class Posts
 {
  public:
-  /** \param voxels a point of each, odometry frame, z up [m]; kept by reference */
+  /** \param voxels a point of each voxel, odometry frame, z up [m]; kept by reference */
   explicit Posts(const std::vector<Eigen::Vector3f>& voxels);
 
   /** Whether the voxel belongs to a post: the voxels within 0.4 m horizontally are higher than 1.2
@@ -27,7 +27,7 @@ class Posts
 
  private:
   const std::vector<Eigen::Vector3f>& voxels_;
-  VoxelHash squares_;                // to their first voxel
-  std::vector<std::uint32_t> next_;  // voxel of the same square, or VoxelHash::none
+  VoxelHash squares_;                // from voxelKey() of a square to its first voxel
+  std::vector<std::uint32_t> next_;  // next voxel of the same square, or VoxelHash::none
 };
 }  // namespace dyslam

@@ -7,18 +7,19 @@ namespace dyslam
 {
 namespace
 {
-constexpr std::size_t chunk = 256;       // of voxels in a thread
-constexpr std::size_t probe_stride = 3;  // of the scans that are evaluated first; odd: both sides
-constexpr int sufficient_scans = 6;      // of these that observed a voxel
+constexpr std::size_t chunk = 256;  // number of voxels that a thread evaluates at once
+constexpr std::size_t probe_stride =
+    3;  // step between scans evaluated first; odd: earlier and later ones
+constexpr int sufficient_scans = 6;  // least number of scans that observed a clear voxel
 
-/** Running sum over the scans before or those after, which are added from the nearest in time to
- * the farthest: 1 for a scan that observed the voxel free, -2 for one that observed it occupied. */
+/** Running sum over the earlier or the later scans, which are added from the nearest in time to the
+ * farthest: +1 for a scan that observed the voxel free, -2 for one that observed it occupied. */
 struct Side
 {
   std::int16_t sum = 0;
-  std::int16_t lowest = 0;  //!< so far
+  std::int16_t lowest = 0;  //!< lowest sum so far
 
-  /** \return the largest sum over the scans that are farther away than some moment, up to this one;
+  /** Adds a scan. \return largest sum over the scans from some moment up to this one:
    * RayCounts::change_before or change_after */
   std::uint16_t add(bool free)
   {
@@ -69,7 +70,7 @@ class ChunkEvidence
 
   [[nodiscard]] static bool isProbe(std::size_t other) { return other % probe_stride == 0; }
 
-  /** Evaluates the first scans at all voxels. */
+  /** Evaluates every third scan at all voxels. */
   void probe()
   {
     for (std::size_t o = 0; o < others_.size(); ++o)
@@ -81,7 +82,7 @@ class ChunkEvidence
     }
   }
 
-  /** Evaluates the remaining scans at some voxels. */
+  /** Evaluates the remaining scans. \param chosen voxels at which they are evaluated */
   void complete(const std::vector<std::size_t>& chosen)
   {
     std::vector<Eigen::Vector3f> voxels;
@@ -122,7 +123,7 @@ class ChunkEvidence
   const Eigen::Vector3f* voxels_;
   std::size_t count_;
   float size_, margin_;
-  std::vector<Evidence> seen_;  //!< of a scan at all voxels, then of the next scan
+  std::vector<Evidence> seen_;  //!< evidence at all voxels, scan after scan
 };
 }  // namespace
 

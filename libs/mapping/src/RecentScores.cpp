@@ -10,8 +10,8 @@ namespace dyslam
 {
 namespace
 {
-constexpr float sure = 3;               // log odds that are left as they are, of either sign
-constexpr std::size_t longest_gap = 2;  // scans
+constexpr float sure = 3;  // log odds, of either sign, from which on a score is not smoothed
+constexpr std::size_t longest_gap = 2;  // scans after which scores are forgotten
 }  // namespace
 
 void RecentScores::OfScan::exchangeState(StateArchive& archive)

@@ -11,18 +11,19 @@ namespace dyslam
 {
 class StateArchive;
 
-/** Scores of the voxels of the last scans, to smooth those of the next one over time. At what
- * stands the rays observed nearly the same from scan to scan, but its segment and its causal label
- * may be others for one scan. */
+/** Scores of the voxels of the last scans, to smooth the scores of the next scan over time. The ray
+ * evidence of static voxels hardly changes from scan to scan, but their segment and their causal
+ * label may differ for one scan. */
 class RecentScores
 {
  public:
-  /** \param scan number, ascending; forgets what is older than the two scans before. */
+  /** Begins a scan: forgets scores older than those of the two scans before. \param scan number of
+   * the scan, ascending */
   void beginScan(std::size_t scan);
-  /** Smooths the score of a voxel, unless it is sure: the mean with the smoothed score of the same
-   * voxel in one of the two scans before, if it has one. Remembers the result. \param key of the
-   * voxel, see Segments::key_of_voxel \param score log odds that it moves \return the smoothed
-   * score */
+  /** Smooths the score of a voxel: the mean with the smoothed score of the same voxel in one of the
+   * two scans before, if it has one and the new score is not certain. Remembers the result. \param
+   * key voxelKey() of the voxel, see Segments::key_of_voxel \param score log odds that the voxel
+   * moves \return the smoothed score */
   [[nodiscard]] float smooth(std::uint64_t key, float score);
   void exchangeState(StateArchive& archive);
 

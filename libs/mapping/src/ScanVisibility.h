@@ -10,12 +10,12 @@
 
 namespace dyslam
 {
-/** What the rays of one scan, of all its lidars, observed: a voxel is occupied if it is for one of
- * them, else free if it is for one. */
+/** What the rays of one scan observed: a voxel is occupied if any lidar of the scan observed it as
+ * occupied, else free if any lidar observed it as free. */
 class ScanVisibility
 {
  public:
-  /** \param cloud of the scan, vehicle frame */
+  /** \param cloud points of the scan, vehicle frame [m] */
   ScanVisibility(const Scan& scan, const Cloud& cloud);
   /** Without rays, for exchangeState(). */
   ScanVisibility() = default;
@@ -27,8 +27,8 @@ class ScanVisibility
                 float size,
                 float margin,
                 Evidence* evidence) const;
-  /** VisibilityImage::at() of a voxel in the vehicle frame: rays passed through it, or at least
-   * around it. */
+  /** Whether rays passed through a voxel at `p` (vehicle frame [m]), or at least around it, by
+   * VisibilityImage::at(). */
   [[nodiscard]] bool observesFree(const Eigen::Vector3f& p, float size, float margin) const;
 
   void exchangeState(StateArchive& archive);

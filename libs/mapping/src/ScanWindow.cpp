@@ -14,7 +14,7 @@ namespace dyslam
 {
 namespace
 {
-/** Distances to the scans that are used: all near ones, fewer far ones. */
+/** Distances from the current scan to the scans used: all near scans, fewer far ones [scans]. */
 std::vector<int> scanOffsets(int window)
 {
   std::vector<int> offsets;
@@ -134,7 +134,7 @@ std::vector<OtherScan> ScanWindow::others() const
       }
     }
   }
-  auto farthest = static_cast<double>(offsets_.back());  // distance of those used so far
+  auto farthest = static_cast<double>(offsets_.back());  // distance of the farthest scan so far
   for (auto other = earlier_.rbegin(); other != earlier_.rend(); ++other)
   {
     const auto distance = static_cast<double>(number() - other->number);

@@ -9,10 +9,10 @@ namespace dyslam
 {
 namespace
 {
-/** Finds the cells that touch, each pair from one side. */
+/** Fills in `neighbours`; each pair of touching cells is found once. */
 void findNeighbours(Segments& segments)
 {
-  constexpr std::uint32_t middle = 13;  // of the 27 cells: the cell itself
+  constexpr std::uint32_t middle = 13;  // index of the cell itself among the 27
   std::array<std::uint32_t, 27> nobody{};
   nobody.fill(Segments::none);
   segments.neighbours.assign(segments.cells.size(), nobody);
@@ -33,7 +33,7 @@ void findNeighbours(Segments& segments)
   }
 }
 
-/** Joins the cells that touch. */
+/** Connected components of touching cells. */
 DisjointSets joined(const Segments& segments)
 {
   DisjointSets sets(segments.cells.size());

@@ -137,11 +137,11 @@ struct StaticMap::Impl
   StaticMapOptions options;
   KeyframeStore& keyframes;
   MapRegion region;
-  std::size_t revision = 0;              //!< of the keyframes' poses that the map is built with
-  std::size_t keyframes_at_rebuild = 0;  //!< keyframes at the last rebuild
-  std::vector<Pose> poses;               //!< these poses, one per keyframe inserted
+  std::size_t revision = 0;  //!< revision of the keyframes' poses that the map is built with
+  std::size_t keyframes_at_rebuild = 0;  //!< number of keyframes at the last rebuild
+  std::vector<Pose> poses;  //!< poses that the map is built with, one per keyframe inserted
   VoxelMap map;
-  mutable std::optional<CleanedMap> cleaned;  //!< until the map changes
+  mutable std::optional<CleanedMap> cleaned;  //!< valid until the map changes
 };
 
 namespace

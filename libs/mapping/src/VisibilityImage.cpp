@@ -16,24 +16,25 @@ namespace
 {
 constexpr auto pi = static_cast<float>(M_PI);
 constexpr float row_height = 0.4F * pi / 180.0F;
-constexpr float horizon = 0.5F * row_height;  // row 0 begins there
-constexpr float zenith_row = 225;             // straight up; -225 straight down, or not finite
-constexpr int widest_window = 4;              // pixels to each side
-constexpr int widest_gap = 6;                 // rows to the nearest rays above and below
-constexpr int widest_side = 3;                // columns to the nearest rays on both sides
-constexpr float nearest = 0.5F;               // [m]
-constexpr float closest_pass = 0.1F;          // of a ray through a voxel [m]
+constexpr float horizon = 0.5F * row_height;  // elevation where row 0 begins [rad]
+constexpr float zenith_row = 225;             // row straight up; -225: straight down, or not finite
+constexpr int widest_window = 4;  // largest half width of the window around a voxel [pixels]
+constexpr int widest_gap = 6;     // largest distance to the rays above and below [rows]
+constexpr int widest_side = 3;    // largest distance to the rays on both sides [columns]
+constexpr float nearest = 0.5F;   // least range of a ray [m]
+constexpr float closest_pass =
+    0.1F;  // largest distance of a ray through a voxel from its centre [m]
 
 constexpr std::size_t block = 128;  // rays processed together
 }  // namespace
 
-/** Rays of several points: arrays, for vector instructions. */
+/** Rays to several points, as arrays for vector instructions. */
 struct VisibilityImage::Rays
 {
   std::size_t count = 0;
-  std::array<float, block> x, y, z;  //!< of the points [m]
+  std::array<float, block> x, y, z;  //!< from the sensor to the points [m]
   std::array<float, block> range;    //!< [m]
-  std::array<int, block> row;        //!< above the horizon
+  std::array<int, block> row;        //!< rows above the horizon
   std::array<int, block> col;
 
   void set(std::size_t i, const Eigen::Vector3f& ray)
@@ -49,7 +50,7 @@ struct VisibilityImage::Rays
       const float c = (turnsOf(y[i], x[i]) + 0.5F) * cols;
       // This order of min and max maps NaN to 0.
       const int column = static_cast<int>(std::min(std::max(0.F, c), static_cast<float>(cols)));
-      col[i] = column < cols ? column : 0;  // straight behind
+      col[i] = column < cols ? column : 0;  // straight behind: both ends of the turn
     }
   }
   void findRows()
@@ -156,7 +157,7 @@ void VisibilityImage::setColumnOrigins(const std::vector<Eigen::Vector3f>& sum,
   }
 }
 
-/** Columns, rows and ranges of the rays towards points. */
+/** Makes points of the vehicle frame rays from the sensor, with their columns, rows and ranges. */
 void VisibilityImage::fromSensor(Rays& rays) const
 {
   std::array<float, block> px;
@@ -202,7 +203,7 @@ Evidence VisibilityImage::evidenceAt(int row, int col, float range, float size, 
   }
   if (std::abs(rangeOf(pixels_[static_cast<std::size_t>(row * cols + col)]) - range) <= margin)
   {
-    return Evidence::occupied;  // as most voxels are; no need to look at the other pixels
+    return Evidence::occupied;  // most voxels are; saves evaluating the other pixels
   }
   int passed = 0;
   bool close = false;
@@ -230,7 +231,7 @@ Evidence VisibilityImage::evidenceAt(int row, int col, float range, float size, 
   return passed > half ? (close ? Evidence::free : Evidence::passed_by) : Evidence::none;
 }
 
-/** evidenceAt(), and the nearest rays around the voxel where those towards it are too few. */
+/** evidenceAt(), or the evidence of the nearest rays around where too few pass near the voxel. */
 Evidence VisibilityImage::evidenceAround(
     int row, int col, float range, float size, float margin) const
 {
@@ -241,7 +242,7 @@ Evidence VisibilityImage::evidenceAround(
   }
   if (seen == Evidence::free)
   {
-    // Sparse rays that ended behind a voxel on a surface seen at a grazing angle may have none
+    // On a surface seen at a grazing angle, sparse rays may end behind a voxel with no other ray
     // beside them in the window.
     const Evidence beside = evidenceInRow(row, col, range, margin);
     return beside == Evidence::occupied || beside == Evidence::occluded ? beside : seen;

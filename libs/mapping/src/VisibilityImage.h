@@ -18,11 +18,11 @@ class StateArchive;
 enum class Evidence
 {
   none,       //!< no ray in this direction
-  occluded,   //!< a ray ended before it
-  free,       //!< rays passed through it
-  passed_by,  //!< rays passed around it, but too far away to exclude thin objects
-  enclosed,   //!< the nearest rays above and below passed it, too far away for thin objects
-  occupied    //!< a ray ended there
+  occluded,   //!< a ray ended before the voxel
+  free,       //!< rays passed through the voxel
+  passed_by,  //!< rays passed around the voxel, but too far away to exclude thin objects
+  enclosed,   //!< the nearest rays above and below passed, too far away for thin objects
+  occupied    //!< a ray ended in the voxel
 };
 
 /** Range image of one lidar's scan for visibility tests: nearest return per pixel. The image covers
@@ -31,21 +31,22 @@ class VisibilityImage
 {
  public:
   /** Rays start at the sensor's position when each point was measured, if the cloud has phases.
-   * \param cloud returns in the vehicle frame \param lidar those that it measured, and its origin
-   * at the cloud's stamp */
+   * \param cloud returns in the vehicle frame [m] \param lidar range of the returns that this lidar
+   * measured, and its position at the cloud's stamp */
   VisibilityImage(const Cloud& cloud, const LidarRange& lidar);
-  /** Without rays, for exchangeState(). */
+  /** An image without rays, for exchangeState(). */
   VisibilityImage() = default;
 
-  /** The rays near the direction of a voxel of side `size` at `p` (vehicle frame). It is free
-   * if all of them ended more than `margin` behind it, and there were such rays: directions without
-   * a return (sky, black cars) prove nothing. It is occupied if one ended within `margin`. */
+  /** Evidence of the rays near the direction of a voxel of side `size` [m] at `p` (vehicle frame
+   * [m]). The voxel is free if there were rays and all of them ended more than `margin` [m] behind
+   * it; directions without a return (sky, black cars) prove nothing. It is occupied if a ray ended
+   * within `margin`. */
   [[nodiscard]] Evidence at(const Eigen::Vector3f& p, float size, float margin) const;
-  /** As at() for each of `count` voxels, but with sparse rays: where no ray passed through a voxel
-   * or ended there, those above and below are evaluated, up to 2.4 degrees away as between the
-   * rings of a sensor with 16: `enclosed` or `occupied`. Faster than one by one.
-   * \param T_vehicle_voxels takes the voxels to the vehicle frame \param[out] evidence one value
-   * per voxel */
+  /** As at(), for `count` voxels at once, which is faster, and for sparse rays: where no ray passed
+   * through a voxel or ended there, the nearest rays above and below, up to 2.4 degrees away as
+   * between the rings of a sensor with 16, decide whether it is `enclosed` or `occupied`. \param
+   * T_vehicle_voxels takes the voxels to the vehicle frame \param[out] evidence one value per voxel
+   */
   void evaluate(const Eigen::Vector3f* voxels,
                 std::size_t count,
                 const Eigen::Isometry3f& T_vehicle_voxels,
@@ -56,7 +57,7 @@ class VisibilityImage
 
  private:
   static constexpr int cols = 900;
-  static constexpr float resolution = 0.01F;  // of the ranges in pixels_ [m]
+  static constexpr float resolution = 0.01F;  // quantum of the ranges in pixels_ [m]
   static constexpr std::uint16_t no_return = 0xFFFF;
 
   struct Rays;
@@ -67,7 +68,7 @@ class VisibilityImage
       int row, int col, float range, float size, float margin) const;
   [[nodiscard]] Evidence evidenceBetweenRows(int row, int col, float range, float margin) const;
   [[nodiscard]] Evidence evidenceInRow(int row, int col, float range, float margin) const;
-  /** Range of a pixel, infinity where no ray returned [m]. */
+  /** Range of a pixel [m], infinity where no ray returned. */
   [[nodiscard]] static float rangeOf(std::uint16_t pixel)
   {
     return pixel == no_return ? std::numeric_limits<float>::infinity()
@@ -81,9 +82,9 @@ class VisibilityImage
   void setColumnOrigins(const std::vector<Eigen::Vector3f>& sum, const std::vector<int>& count);
 
   Eigen::Vector3f sensor_ = Eigen::Vector3f::Zero();
-  int lowest_ = 0;                              // rows below the horizon where the image begins
-  int rows_ = 0;                                // the field of view and a margin
-  std::vector<Eigen::Vector3f> column_sensor_;  // where the sensor was for each column, or empty
-  std::vector<std::uint16_t> pixels_;           // row-major, ranges, or no_return
+  int lowest_ = 0;  // row where the image begins, from the horizon upwards
+  int rows_ = 0;    // number of rows: field of view and a margin
+  std::vector<Eigen::Vector3f> column_sensor_;  // sensor position for each column, or empty
+  std::vector<std::uint16_t> pixels_;           // row-major ranges / resolution, or no_return
 };
 }  // namespace dyslam

@@ -14,8 +14,9 @@ float movingScore(const VoxelFeatures& f)
 {
   // The weights of a logistic regression, see doc/labels.md for its training data. The score of
   // what nothing says to move and the limit of the change of segments were chosen by hand.
-  constexpr float a_little = 0.1F;  // of the rays: voxels of static objects are hardly ever free
-  constexpr float lost = 0.5F;      // weight of free rays lost where they are doubtful
+  constexpr float a_little =
+      0.1F;                     // share of free rays that voxels of static objects hardly exceed
+  constexpr float lost = 0.5F;  // share of the free rays' weight lost where they are doubtful
   const float trust = 1 - lost * f.doubt;
   const auto little = [=](const VoxelEvidence& e)
   { return trust * std::min(e.free, a_little) / a_little; };
@@ -32,11 +33,11 @@ float movingScore(const VoxelFeatures& f)
   {
     score -= 1.0F;  // observed, and nothing says that it moves
   }
-  // Segments no larger than a vehicle move as a whole, unless they are two things: a bench and
-  // someone who passes it.
+  // Segments no larger than a vehicle move as a whole, unless they consist of two objects, such as
+  // a bench and a pedestrian who passes it.
   if (f.length < 20 && f.segment_height < vehicle_height)
   {
-    constexpr float most_beyond = 0.2F;  // of the change around a voxel
+    constexpr float most_beyond = 0.2F;  // excess of the segment's change over the voxel's
     const float limit = known ? std::max(change(f.own), change(f.around)) + most_beyond : 1.0F;
     score += 1.5F + 0.25F * f.segment.probability;
     score += 1.75F * little(f.segment) + 2.5F * std::min(change(f.segment), limit);

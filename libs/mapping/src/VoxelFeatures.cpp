@@ -63,12 +63,12 @@ struct Extent
   }
 };
 
-/** Share of rays that passed through voxels that are certainly static, because of thin objects,
- * edges and errors of the poses. Measured on objects higher than any vehicle. */
+/** Share of rays that passed through certainly static voxels, because of thin objects, edges and
+ * pose errors. Measured on segments higher than any vehicle; 0 if there are too few. */
 float falseFreeShare(const std::vector<VoxelFeatures>& features)
 {
-  constexpr float surely_static = 0.1F;  // moving probability
-  constexpr std::size_t enough = 100;    // voxels
+  constexpr float surely_static = 0.1F;  // largest mean moving probability around the voxel
+  constexpr std::size_t enough = 100;    // number of voxels that is exceeded
   constexpr double highest = 0.3;
   double sum = 0;
   std::size_t count = 0;

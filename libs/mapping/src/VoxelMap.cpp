@@ -11,10 +11,10 @@ namespace dyslam
 {
 namespace
 {
-constexpr double tile_size = 8.0;    // of the squares that are swapped as a whole [m]
-constexpr double column_size = 1.0;  // of the columns whose lowest voxel is the ground [m]
+constexpr double tile_size = 8.0;    // side of the squares that are swapped as a whole [m]
+constexpr double column_size = 1.0;  // side of the columns whose lowest voxel is the ground [m]
 
-/** 2D cell of a point in squares, as a key. */
+/** Key of the square of side `size` around (x, y) [m]. */
 std::uint64_t squareOf(double x, double y, double size)
 {
   return voxelKey({static_cast<std::int32_t>(std::floor(x / size)),
@@ -121,7 +121,7 @@ void VoxelMap::addPoint(Voxel& voxel, const Eigen::Vector3d& p, float intensity)
 
 void VoxelMap::carryEvidence(const Voxel& old, Voxel& voxel)
 {
-  // Of several old voxels, the strongest evidence for keeping.
+  // If several old voxels merge, the strongest evidence for keeping the voxel counts.
   voxel.old_hits = std::max(voxel.old_hits, old.hits);
   voxel.observed_free =
       voxel.has_evidence ? std::min(voxel.observed_free, old.observed_free) : old.observed_free;
@@ -184,7 +184,7 @@ bool VoxelMap::wasObservedFree(const Voxel& voxel, const StaticMapOptions& optio
 std::vector<bool> VoxelMap::nearGround(const std::vector<Voxel>& suspects,
                                        const StaticMapOptions& options) const
 {
-  // Height of the ground by column: the lowest voxel hit more than once, else the lowest.
+  // Ground of a column: the lowest voxel that was hit more than once, else the lowest voxel.
   constexpr float nothing = std::numeric_limits<float>::infinity();
   VoxelHash columns(suspects.size());
   Eigen::Vector2d low = Eigen::Vector2d::Constant(static_cast<double>(nothing));
@@ -199,7 +199,8 @@ std::vector<bool> VoxelMap::nearGround(const std::vector<Voxel>& suspects,
   }
   std::vector<float> sure(columns.size(), nothing);
   std::vector<float> any(columns.size(), nothing);
-  // Voxels with a point in one of these columns; they are listed by their corners.
+  // Visits the tiles whose voxels may have their centroid in one of the columns: a voxel belongs to
+  // the tile of its corner.
   const double reach = column_size + voxel_size_;
   const auto tileAt = [](double v) { return static_cast<int>(std::floor(v / tile_size)); };
   for (int x = tileAt(low.x() - 1.01 * reach); x <= tileAt(high.x() + reach); ++x)

@@ -29,13 +29,14 @@ class VoxelMap
 
   [[nodiscard]] double voxelSize() const { return voxel_size_; }
   [[nodiscard]] std::size_t size() const { return size_; }
-  /** Of the squares in memory [bytes]. */
+  /** Size of the squares that are in memory [bytes]. */
   [[nodiscard]] std::size_t memory() const { return tiles_.memory(); }
   [[nodiscard]] Eigen::Vector3d centroidOf(const Voxel& voxel) const;
-  /** The voxel around a point; null if there is none. */
+  /** The voxel around a point (map frame [m]); null if there is none. */
   [[nodiscard]] const Voxel* find(const Eigen::Vector3d& p) const;
 
-  /** The voxel around a point that a lidar of a keyframe saw; it is made where there is none. */
+  /** Counts a hit by a keyframe's lidar: finds or adds the voxel around the point (map frame [m]).
+   */
   Voxel& hit(const Eigen::Vector3d& p, std::uint32_t keyframe, std::uint8_t lidar = 0);
   /** Observations of a voxel by keyframes before this one count as `hits` hits and no free
    * observation, from the first keyframe on that observes it again, as free or occupied. */
@@ -55,9 +56,9 @@ class VoxelMap
     rebuilding_ = true;
   }
   void addPoint(Voxel& voxel, const Eigen::Vector3d& p, float intensity) const;
-  /** Carries over the evidence of an earlier map about the voxel of the same point. */
+  /** Carries over the evidence of `old`, the voxel of the same point in an earlier map. */
   static void carryEvidence(const Voxel& old, Voxel& voxel);
-  /** The hits of the earlier map count where they are more. */
+  /** Ends continueRun(): each voxel gets the hits of the earlier map if these are more. */
   void mergeOldHits();
   /** Counts the voxels near the vehicle that a scan observed as free. */
   void countObservedFree(const ScanVisibility& rays,
@@ -77,19 +78,19 @@ class VoxelMap
   [[nodiscard]] std::uint32_t tileOf(const VoxelCell& cell) const;
   /** Whether rays observed the voxel as free often enough to remove it. */
   [[nodiscard]] static bool wasObservedFree(const Voxel& voxel, const StaticMapOptions& options);
-  /** Of voxels above the ground among `suspects`, whether they lie that near to it. */
+  /** Whether each of `suspects` lies within ground_clearance above the ground or below it. */
   [[nodiscard]] std::vector<bool> nearGround(const std::vector<Voxel>& suspects,
                                              const StaticMapOptions& options) const;
 
-  /** Reduces the evidence of earlier runs, once. */
+  /** Reduces the evidence of earlier runs about a voxel, once per run. */
   void discountEarlierRuns(Voxel& voxel) const;
 
   double voxel_size_;
   std::uint32_t run_begin_ = 0;  //!< first keyframe of the run
-  int earlier_hits_ = 1;
-  static constexpr std::uint8_t most_runs = 255;  // further ones count as one
-  std::uint8_t run_ = 0;
-  bool rebuilding_ = false;  //!< between continueRun() and mergeOldHits()
+  int earlier_hits_ = 1;         //!< most hits that the observations of earlier runs count as
+  static constexpr std::uint8_t most_runs = 255;  // later runs are treated as one
+  std::uint8_t run_ = 0;                          //!< number of beginRun() calls
+  bool rebuilding_ = false;                       //!< between continueRun() and mergeOldHits()
   std::size_t size_ = 0;
   VoxelHash tile_index_;
   SwappedStore<VoxelTile> tiles_;

@@ -82,7 +82,7 @@ TEST_F(Kerb, ABodyThatCoversTheGroundInOneScanIsNotTheGround)
 {
   const Eigen::Vector3f edge(2.5F, 0.5F, 0.25F);
   EXPECT_NEAR(fineHeight(scans(0, 4), edge), 0.25F, 1e-5F);
-  // Of which no scan knows the ground: the height over the large square stays.
+  // No scan knows the ground of these small squares: the height over the large square stays.
   EXPECT_NEAR(fineHeight(scans(3, 1), edge), 0.25F, 1e-5F);
 }
 
@@ -104,7 +104,8 @@ TEST_F(Kerb, OtherPointsOfACallDoNotMatter)
     EXPECT_EQ(heights[i], height(scans(0, 4), points[i])) << i;
     EXPECT_EQ(fine[i], fineHeight(scans(0, 4), points[i])) << i;
   }
-  // Nothing is known of its own square: 0.3 m above the upper median of the two beside it, at most.
+  // The ground of its own square is unknown: at most 0.3 m above the upper median of the two
+  // squares beside it.
   EXPECT_NEAR(heights[4], 1 - (kerb + 0.3F), 1e-5F);
 }
 

@@ -56,8 +56,8 @@ std::vector<Frame> decided(const Path& car_x,
 
 struct Shares
 {
-  double car = 0;     //!< of the car's points labelled moving
-  double others = 0;  //!< of all other points
+  double car = 0;     //!< share of the car's points labelled moving
+  double others = 0;  //!< share of all other points labelled moving
 };
 
 Shares movingShares(const std::vector<Frame>& frames, const Path& car_x)
@@ -106,7 +106,7 @@ TEST(HindsightLabels, WhatStandsAllTheTimeIsStaticWhateverTheCausalDecision)
 
 TEST(HindsightLabels, WhatDroveUpMovesWhileItStandsAsWell)
 {
-  // It stops at scan 26; the window of the scans from 40 on contains it only at rest.
+  // The car stops at scan 26; the windows of the scans from 40 on contain it only at rest.
   const Path arriving = [](std::size_t i)
   { return std::max(9.0, 45 - 6 * (static_cast<double>(i) - 20)); };
   const auto share = [&](int history)

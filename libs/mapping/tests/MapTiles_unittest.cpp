@@ -33,7 +33,7 @@ std::vector<Place> placesOf(const MapPoints& points)
   return places;
 }
 
-/** streetScan() by two lidars, of which the second one, on the left, measured what is there. Every
+/** streetScan() by two lidars; the second one, on the left, measured the points on the left. Every
  * second point of the scan is in no cloud. */
 Frame twoLidarScan(std::size_t k)
 {
@@ -134,7 +134,7 @@ TEST_F(MapTiles, StoredScansKnowWhichLidarMeasuredThePoints)
   EXPECT_GT(std::count(lidars.begin(), lidars.end(), 0), 100);
 }
 
-/** A wall between two lidars, which see it from either side. */
+/** Two lidars see a wall between them from either side. */
 TEST_F(MapTiles, NormalsLookAtTheLidarThatMeasuredThePoint)
 {
   options_.visibility = false;

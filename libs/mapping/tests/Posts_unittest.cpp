@@ -45,7 +45,7 @@ TEST(Posts, AreNotPeopleOrBollards)
 TEST(Posts, AreNotPartsOfLargerThings)
 {
   Voxels wall;
-  for (float x = 0; x < 3; x += 0.45F)  // sparse columns of a wall, each of them thin
+  for (float x = 0; x < 3; x += 0.45F)  // a wall as sparse thin columns
   {
     addColumn(x, 0, 0.05F, 2.5F, wall);
   }

@@ -31,8 +31,8 @@ ScanVisibility wallAt(float distance)
   return {Scan(), cloud};
 }
 
-/** Counts at the voxel of 40 later scans, some of which saw a wall behind it.
- * \param free whether a scan did */
+/** Ray counts of 40 later scans at the voxel. \param free whether a scan, by its number, saw a wall
+ * behind the voxel instead of one in it */
 RayCounts countsAt(const std::function<bool(std::size_t)>& free, RayEffort effort)
 {
   static const ScanVisibility wall = wallAt(10);
@@ -65,7 +65,7 @@ TEST(RayHistory, AllScansAreEvaluatedAtAVoxelThatWasFree)
   EXPECT_EQ(needed.free, all.free);
   EXPECT_EQ(needed.occupied, all.occupied);
   EXPECT_EQ(needed.change_after, all.change_after);
-  EXPECT_EQ(countsAt(later, RayEffort::few).free, 7);  // 0, 3, ..., 39
+  EXPECT_EQ(countsAt(later, RayEffort::few).free, 7);  // of the scans 0, 3, ..., 39
 }
 }  // namespace
 }  // namespace dyslam

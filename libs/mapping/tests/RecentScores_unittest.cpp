@@ -45,7 +45,7 @@ TEST(RecentScores, AreRememberedForTwoScans)
     EXPECT_FLOAT_EQ(scores.smooth(here, -4), -4);
     if (gap == 2)
     {
-      scores.beginScan(11);  // in which nothing was seen there
+      scores.beginScan(11);  // a scan without the voxel
     }
     scores.beginScan(10 + gap);
     EXPECT_FLOAT_EQ(scores.smooth(here, 2), gap < 3 ? -1 : 2) << gap;

@@ -24,8 +24,8 @@ Frame emptyScan(std::size_t number)
   return frame;
 }
 
-/** A window with this current scan, of which the scans after it have been added.
- * \param tracks objects of each scan, by its number */
+/** A complete window. \param number number of its current scan \param tracks objects of a scan, by
+ * its number */
 ScanWindow windowAt(std::size_t number,
                     int history,
                     const std::function<std::vector<TrackedObject>(std::size_t)>& tracks = {})
@@ -50,7 +50,7 @@ ScanWindow windowAt(std::size_t number,
   return window;
 }
 
-/** How many scans the scans that are used are before the current one; negative: after it. */
+/** Distances from the scans used to the current scan [scans]; negative: later scans. */
 std::vector<int> distances(const ScanWindow& window)
 {
   std::vector<int> result;
@@ -68,9 +68,9 @@ TEST(ScanWindow, UsesTheScansAroundAndEveryEighthBefore)
   const std::vector<int> around{1, -1, 2, -2, 3, -3, 4, -4};
   std::vector<int> expected = around;
   EXPECT_EQ(distances(windowAt(30, 0)), expected);
-  expected.insert(expected.end(), {6, 14});  // 24 and 16
+  expected.insert(expected.end(), {6, 14});  // scans 24 and 16
   EXPECT_EQ(distances(windowAt(30, 10)), expected);
-  expected.insert(expected.end(), {22, 30});  // 8 and 0
+  expected.insert(expected.end(), {22, 30});  // scans 8 and 0
   EXPECT_EQ(distances(windowAt(30, 100)), expected);
 }
 
@@ -82,7 +82,7 @@ TEST(ScanWindow, UsesFewerScansThatAreFarAway)
     window.add(emptyScan(i), FrameParts::none);
   }
   EXPECT_EQ(distances(window), (std::vector<int>{-1, -2, -3, -4, -6, -9, -13, -18}));
-  EXPECT_EQ(window.lowestReturns().size(), 5U);  // 0, 5, 10, 15 and 20
+  EXPECT_EQ(window.lowestReturns().size(), 5U);  // scans 0, 5, 10, 15 and 20
 }
 
 TEST(ScanWindow, GivesEachFrameThatIsKeptOnce)

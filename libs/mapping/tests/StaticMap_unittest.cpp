@@ -91,7 +91,7 @@ TEST(StaticMap, EmptyOnePointAndNotFinite)
   ASSERT_EQ(map.map.points().size(), 1U);
   EXPECT_LT((map.map.points().points[0] - Eigen::Vector3f(5, 0, 0)).norm(), 0.004F);
   EXPECT_EQ(map.map.keyframes().size(), 3U);
-  EXPECT_THROW(map.map.insert(one), std::invalid_argument);  // of no new keyframe
+  EXPECT_THROW(map.map.insert(one), std::invalid_argument);  // not a new keyframe
   map.correct(posesOf(3, 1));
   ASSERT_EQ(map.map.points().size(), 1U);
   EXPECT_NEAR(map.map.points().points[0].x(), 6, 0.004F);
@@ -115,7 +115,7 @@ TEST(StaticMap, LeavesOutMovingPointsAndTracks)
   map.insert(frame);
   ASSERT_EQ(map.map.points().size(), 1U);
   EXPECT_NEAR(map.map.points().points[0].x(), 8, 0.01F);
-  EXPECT_EQ(map.pointCount(), 4U);  // moving ones stay with their keyframe
+  EXPECT_EQ(map.pointCount(), 4U);  // moving points stay with their keyframe
 }
 
 TEST(StaticMap, RemovesWhatDroveAwayAndKeepsWallsGroundAndPole)
@@ -169,7 +169,8 @@ TEST(StaticMap, KeepsAParkedCar)
             0.97 * static_cast<double>(carPoints(raw.map.points())));
 }
 
-/** The street driven along several times. \param cars where the parked car is in each run */
+/** Number of car points in the map of a street driven along several times. \param cars x of the
+ * parked car in each run [m] */
 std::size_t carPointsOfRuns(const std::vector<double>& cars, MapChanges changes, int min_hits = 1)
 {
   StaticMapOptions options;
@@ -190,7 +191,7 @@ std::size_t carPointsOfRuns(const std::vector<double>& cars, MapChanges changes,
   return carPoints(map.map.points());
 }
 
-/** \param first, second where the parked car is in each run */
+/** carPointsOfRuns() of two runs. \param first, second x of the parked car in each run [m] */
 std::size_t carPointsOfTwoRuns(double first, double second, MapChanges changes, int min_hits = 1)
 {
   return carPointsOfRuns({first, second}, changes, min_hits);
@@ -202,7 +203,7 @@ TEST(StaticMap, OfThreeRunsTheLatestCounts)
   const auto latest = MapChanges::latest;
   const std::size_t parked = carPointsOfRuns({there, there, there}, latest);
   ASSERT_GT(parked, 100U);
-  // Gone on the second day and back on the third.
+  // The car is gone in the second run and back in the third.
   EXPECT_GT(carPointsOfRuns({there, kNoCar, there}, latest), parked * 4 / 5);
   EXPECT_LT(carPointsOfRuns({kNoCar, there, kNoCar}, latest), parked / 10);
 }
@@ -220,7 +221,7 @@ TEST(StaticMap, OfTwoRunsTheLatestThatSawAPlaceCounts)
             carPointsOfTwoRuns(there, there, MapChanges::all, 3));
 }
 
-/** Seen from a sensor that stands: a wall in front, 400 voxels of 0.2 m. \param ghost whether
+/** Scan of a sensor at rest: a wall in front, 400 voxels of 0.2 m. \param ghost whether
  * something stood in between \param behind whether there is a wall of 1600 voxels behind */
 Frame standingScan(std::size_t index, bool ghost, bool behind)
 {
@@ -311,7 +312,7 @@ TEST(StaticMap, FollowsCorrectedPosesWithWhatWasCleaned)
             car_before + car_before / 10 + 5);
 }
 
-/** How much of `a` lies within a voxel of something in `b`. */
+/** Share of the points of `a` that lie within a voxel of a point of `b`. */
 double shareNear(const MapPoints& a, const MapPoints& b, double voxel_size)
 {
   VoxelHash cells;
@@ -338,7 +339,7 @@ double shareNear(const MapPoints& a, const MapPoints& b, double voxel_size)
 TEST(StaticMap, CorrectedHalfwayIsAsGoodAsStitchedAtTheEnd)
 {
   // The street up and down again with an odometry that drifts sideways and turns; a loop closes
-  // halfway back. What follows is placed where the loop has put it.
+  // halfway back. Later scans are at their true poses.
   constexpr std::size_t count = 24;
   constexpr std::size_t closed = 18;
   std::vector<Frame> frames;
@@ -381,7 +382,7 @@ TEST(StaticMap, CorrectedHalfwayIsAsGoodAsStitchedAtTheEnd)
 
   const MapPoints expected = perfect.map.points();
   const auto size = static_cast<double>(expected.size());
-  EXPECT_GT(drifted_size, 1.3 * size);  // everything twice
+  EXPECT_GT(drifted_size, 1.3 * size);  // the drifted map has everything twice
   for (const TestMap* map : {static_cast<const TestMap*>(&at_end), &halfway})
   {
     const MapPoints found = map->map.points();

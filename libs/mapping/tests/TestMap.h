@@ -9,7 +9,7 @@
 
 namespace dyslam::test
 {
-/** A map with its keyframes; every frame is one. */
+/** A map with its keyframes; every frame becomes a keyframe. */
 struct TestMap
 {
   explicit TestMap(const StaticMapOptions& options = {}, const MemoryLimit& memory = {})
@@ -22,13 +22,13 @@ struct TestMap
     keyframes->add(keyframeOf(frame));
     map.insert(frame);
   }
-  /** As after a loop. */
+  /** Corrects the keyframes' poses and then the map, as after a loop closure. */
   void correct(const std::vector<Pose>& poses)
   {
     keyframes->correct(poses);
     map.correct();
   }
-  /** Points kept of all keyframes. */
+  /** Number of map points kept in all keyframes. */
   [[nodiscard]] std::size_t pointCount() const
   {
     std::size_t count = 0;

@@ -9,7 +9,7 @@
 
 namespace dyslam::test
 {
-inline constexpr double kHeight = 1.7;  // of the sensor over the ground [m]
+inline constexpr double kHeight = 1.7;  // height of the sensor over the ground [m]
 
 /** A street with walls at y = +-8 m and a pole, seen by rays from the sensor at `x`; a car-sized
  * box stands at `car_x` if that is finite. */

@@ -41,7 +41,7 @@ Evidence at(const Cloud& cloud, const Eigen::Vector3f& voxel)
   return evidence;
 }
 
-/** At an elevation between the rings of a sensor with 2 degrees between them. */
+/** A point ahead at an elevation between the rings of a sensor with 2 degrees between rings. */
 Eigen::Vector3f betweenRings(float distance)
 {
   return {distance, 0, distance * std::tan(2 * degree)};
@@ -65,7 +65,7 @@ TEST(VisibilityImage, RaysAboveAndBelowEncloseAVoxelBetweenRings)
 
 TEST(VisibilityImage, AVoxelIsNotEnclosedBesideWhatRaysHit)
 {
-  // A low wall at 20 m: the ring above passes over it, the one below ends there.
+  // A low wall at 20 m: the ring above passes over the wall, the ring below ends there.
   const auto low_wall = [](const Eigen::Vector3f& ray)
   { return ray.z() < 2 * degree ? 20 / ray.x() : 40.0F; };
   EXPECT_EQ(at(cloudOf(2 * degree, 0.4F * degree, low_wall), betweenRings(20)), Evidence::occupied);
@@ -89,7 +89,8 @@ TEST(VisibilityImage, OfAVoxelAtTheSensorNothingIsKnown)
 
 TEST(VisibilityImage, AWallAtGrazingIncidenceIsNotFree)
 {
-  // Along x at 3 m to the left: next to a ray that ended there, others end metres before and after.
+  // A wall along x at 3 m to the left: next to a ray that ended at the voxel, others end metres
+  // before and behind it.
   const auto beside = [](const Eigen::Vector3f& ray) { return ray.y() > 0.05F ? 3 / ray.y() : 60; };
   const Cloud sparse = cloudOf(0.4F * degree, 0.85F * degree, beside);
   for (float x = 10; x < 25; x += 0.1F)
@@ -100,8 +101,8 @@ TEST(VisibilityImage, AWallAtGrazingIncidenceIsNotFree)
   }
 }
 
-/** A scan of two lidars, the second one 2 m to the left of the first. \param second ranges of its
- * rays */
+/** A scan of two lidars, the second one 2 m to the left of the first. \param first, second range of
+ * each lidar's rays */
 struct TwoLidars
 {
   explicit TwoLidars(const std::function<float(const Eigen::Vector3f&)>& first,
@@ -137,7 +138,7 @@ struct TwoLidars
 
 TEST(ScanVisibility, RaysStartAtTheLidarThatMeasuredThem)
 {
-  // A post before the first lidar hides what the second one looks through.
+  // A post before the first lidar hides a voxel that rays of the second lidar pass through.
   const auto post = [](const Eigen::Vector3f& ray)
   { return std::abs(ray.y()) < 0.03F ? 5.0F : 40.0F; };
   const TwoLidars scan(post, [](const auto&) { return 40.0F; });

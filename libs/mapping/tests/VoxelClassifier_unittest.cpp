@@ -7,7 +7,7 @@ using namespace dyslam;
 
 namespace
 {
-/** Rays of other scans ended there, none passed. */
+/** Evidence of a voxel in which rays of other scans ended and through which none passed. */
 VoxelEvidence occupied()
 {
   VoxelEvidence e;
@@ -15,7 +15,7 @@ VoxelEvidence occupied()
   return e;
 }
 
-/** Rays passed through before and after. */
+/** Evidence of a voxel through which rays passed before and after. */
 VoxelEvidence visited()
 {
   VoxelEvidence e = occupied();
@@ -25,7 +25,7 @@ VoxelEvidence visited()
   return e;
 }
 
-/** A voxel of something 1 m long and high. */
+/** A voxel of a segment 1 m long and high. */
 VoxelFeatures voxel(const VoxelEvidence& own, const VoxelEvidence& segment)
 {
   VoxelFeatures f;

@@ -9,7 +9,7 @@
 namespace dyslam::test
 {
 /** A street along x between two walls; a box stands in the way of the first scans and is gone
- * later. The last points of each scan move. */
+ * later. The last points of each scan are labelled moving. */
 inline Frame streetScan(std::size_t k)
 {
   Frame frame;

@@ -21,21 +21,21 @@ struct BodyModel
   };
   ObjectClass object_class = ObjectClass::car;
   Gait gait = Gait::rigid;
-  Eigen::Vector3d size = Eigen::Vector3d::Ones();  //!< of the box: length, width, height [m]
+  Eigen::Vector3d size = Eigen::Vector3d::Ones();  //!< length, width, height of the box [m]
   double center_x = 0;                             //!< box centre along the body [m]
-  double wheelbase = 2.6;  //!< distance between the points that follow the path [m]
-  double scale = 1;        //!< of the shapes: a person's height [m]
-  std::vector<int> shapes;
+  double wheelbase = 2.6;   //!< distance between the points that follow the path [m]
+  double scale = 1;         //!< scale of the shapes: a person's height [m]
+  std::vector<int> shapes;  //!< indices in World::shapes
 };
 
 /** Pose and gait state of a body. */
 struct BodyState
 {
   Eigen::Vector3d position =
-      Eigen::Vector3d::Zero();          //!< on the ground below the centre, map frame [m]
+      Eigen::Vector3d::Zero();          //!< point on the ground below the centre, map frame [m]
   double yaw = 0, pitch = 0, roll = 0;  //!< [rad]
-  double speed = 0;                     //!< along the heading [m/s]
-  double phase = 0;                     //!< of the gait or the pedals [rad]
+  double speed = 0;                     //!< speed along the heading [m/s]
+  double phase = 0;                     //!< phase of the gait or the pedals [rad]
   double swing = 0;                     //!< amplitude of the limbs, in [0, 1]
 };
 

@@ -78,7 +78,7 @@ void addFacade(Mesh& mesh, const BuildingStyle& s, float width, bool detail, Rng
   {
     c = detail && rng.chance(static_cast<double>(s.balconies));
   }
-  const float base = -1.5F;  // below the ground, for slopes
+  const float base = -1.5F;  // walls begin below the ground, for slopes [m]
   for (int f = 0; f < s.floors; ++f)
   {
     for (int b = 0; b < bays; ++b)

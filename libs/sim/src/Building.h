@@ -8,13 +8,13 @@ namespace dyslam::sim
 {
 struct BuildingStyle
 {
-  float width = 14, depth = 10;  //!< along and away from the street [m]
+  float width = 14, depth = 10;  //!< extent along and away from the street [m]
   int floors = 4;
   float floor_height = 3.0F;
   float bay = 3.0F;  //!< width of a bay with one window [m]
   float window_width = 1.3F, window_height = 1.5F;
-  float recess = 0.18F;    //!< of the windows [m]
-  float balconies = 0.2F;  //!< fraction of bays above the ground floor
+  float recess = 0.18F;    //!< depth of the windows in the wall [m]
+  float balconies = 0.2F;  //!< share of bays above the ground floor that have a balcony
   bool shop = false;       //!< large panes on the ground floor
   bool gable = false;      //!< a pitched roof
   Material wall = Material::plaster;
@@ -24,7 +24,8 @@ struct BuildingStyle
 [[nodiscard]] BuildingStyle drawHouse(Rng& rng);
 [[nodiscard]] BuildingStyle drawHall(Rng& rng);
 
-/** Origin at the front's left corner on the ground; x along the front, y into the building. */
+/** Adds a building whose frame has its origin at the front's left corner on the ground, x along the
+ * front and y into the building. \param transform building to mesh frame */
 void addBuilding(Mesh& mesh,
                  const BuildingStyle& style,
                  const Eigen::Affine3f& transform,

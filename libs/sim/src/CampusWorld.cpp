@@ -216,7 +216,8 @@ class CampusBuilder
                          scale);
   }
 
-  /** Beyond the service road: a row of buildings, hedges and trees; parked vehicles along it. */
+  /** Adds a row of buildings, hedges and trees beyond the service road, and parked vehicles along
+   * it. */
   void outskirts()
   {
     const double out = 9;

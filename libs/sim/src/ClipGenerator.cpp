@@ -21,7 +21,7 @@ void ClipOptions::describe(OptionsVisitor& visitor)
   visitor.integer("most_seed", most_seed, 0, 2147483647, "upper bound of the worlds' seeds");
 }
 
-/** The last world. */
+/** The world used last. */
 struct ClipGenerator::WorldCache
 {
   std::mutex mutex;

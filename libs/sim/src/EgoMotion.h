@@ -18,7 +18,8 @@ class EgoMotion
  public:
   EgoMotion(EgoKind kind, std::uint64_t seed);
 
-  /** Advances by one step. \param ego planar state \return pose of the vehicle in the map. */
+  /** Advances by one step. \param ego planar state \param time since the start [s] \param dt step
+   * [s] \return T_map_vehicle */
   [[nodiscard]] Pose update(const EgoState& ego, const Ground& ground, double time, double dt);
 
   /** T_vehicle_lidar; the vehicle's origin is on the ground. */
@@ -27,7 +28,7 @@ class EgoMotion
  private:
   EgoKind kind_;
   RoadProfile road_;
-  double distance_ = 0;  // driven [m]
+  double distance_ = 0;  // distance driven [m]
   double phase_ = 0;
   double speed_ = 0, yaw_ = 0;
   bool first_ = true;

@@ -10,7 +10,7 @@
 
 namespace dyslam::sim
 {
-/** Gentle hills: a sum of a few waves. */
+/** Gentle hills: a sum of a few sine waves [m]. */
 class Terrain
 {
  public:
@@ -28,8 +28,8 @@ class Terrain
   std::vector<Wave> waves_;
 };
 
-/** The drivable and walkable surface. World builders lay out streets in `local` coordinates (u, v),
- * which a smooth map warps to the world. */
+/** The drivable and walkable surface. World builders lay out streets in `local` coordinates (u, v)
+ * [m], which a smooth map warps to world coordinates (x, y) [m]. */
 class Ground
 {
  public:
@@ -53,7 +53,8 @@ class Ground
                             const std::vector<double>& v_lines,
                             const std::function<Material(double, double)>& material);
 
-/** Sorted `fixed` lines with lines in between, at most `step(middle of gap)` apart. */
+/** The `fixed` lines, sorted, with lines added in each gap that are at most `step(middle of gap)`
+ * apart. */
 [[nodiscard]] std::vector<double> fillLines(std::vector<double> fixed,
                                             const std::function<double(double)>& step);
 }  // namespace dyslam::sim

@@ -21,13 +21,14 @@ struct Car
   double s = 0;       // arc length along the centre line, in the driving direction
   double v = 0, a = 0;
   double desired_speed = 28, headway = 1.2;
-  double change = 0;    // of lane: where it began, from the new lane's centre to the left [m]
-  double progress = 1;  // of the change, 0 to 1
+  double change = 0;
+  // offset of the old lane from the new one, left positive [m]
+  double progress = 1;  // progress of the lane change, from 0 to 1
   double last_change = -100;
   double wander = 0;
 };
 
-/** From 0 to 1, with neither speed nor acceleration at both ends. */
+/** Smooth step from 0 to 1 without speed or acceleration at both ends. */
 double eased(double p)
 {
   return p * p * p * (10 + p * (6 * p - 15));
@@ -82,7 +83,7 @@ class HighwayTraffic : public Crowd::Group
   }
 
  private:
-  /** Factor on the speeds: dense traffic is slow. */
+  /** Factor by which dense traffic is slower. */
   double speedFactor() const
   {
     const double t = crowd_.options().traffic;
@@ -257,7 +258,7 @@ class HighwayTraffic : public Crowd::Group
     place(c);
   }
 
-  /** Of a change of lane, which takes some four seconds [1/s]. */
+  /** Rate of progress of a lane change, which takes some four seconds [1/s]. */
   double progressRate(const Car& c) const
   {
     return std::min(0.85, 0.1 * c.v) / world_.highway_lane_width;

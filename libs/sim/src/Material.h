@@ -19,12 +19,12 @@ enum class Material : std::uint8_t
   concrete,
   window,
   roof,
-  paint,  // of vehicles; reflectivity of the instance
+  paint,  // of vehicles; the instance has its reflectivity
   car_glass,
   rubber,
   licence_plate,
   lamp,
-  cloth,  // reflectivity of the instance
+  cloth,  // the instance has its reflectivity
   skin,
   bicycle_frame,
   leaf,
@@ -40,7 +40,7 @@ enum class Material : std::uint8_t
 
 struct MaterialProperties
 {
-  std::uint16_t semantic;  //!< SemanticKITTI class; 0 for that of the instance
+  std::uint16_t semantic;  //!< SemanticKITTI class; 0: class of the instance
   float reflectivity;      //!< diffuse, in [0, 1]
   float spread;            //!< variation of the reflectivity over the surface
   float roughness;         //!< amplitude of the relief [m]

@@ -10,22 +10,23 @@ namespace
 constexpr double kImuRate = 100, kWheelRate = 50;  // as common with MEMS units and cars' ABS [Hz]
 constexpr double kGravity = 9.81;                  // [m/s^2]
 
-// Standard deviations: white noise of a sample, and errors that are constant in a recording. Those
-// of the IMU are of uncalibrated consumer MEMS units.
+// Standard deviations: white noise of a sample, and errors that are constant in a recording. The
+// IMU's values are typical of uncalibrated consumer MEMS units.
 constexpr double kGyroscopeNoise = 0.002, kGyroscopeBias = 0.005;       // per axis [rad/s]
 constexpr double kAccelerometerNoise = 0.05, kAccelerometerBias = 0.1;  // per axis [m/s^2]
-constexpr double kWheelScale = 0.01;         // tyre radius, by wear, load and pressure
+constexpr double kWheelScale =
+    0.01;  // relative error of the tyre radius, by wear, load and pressure
 constexpr double kWheelSpeedNoise = 0.02;    // resolution of the encoders, and slip [m/s]
 constexpr double kWheelYawRateNoise = 0.01;  // from the difference of left and right wheels [rad/s]
 
 struct BodyRates
 {
   Eigen::Vector3d angular_velocity;  // vehicle frame [rad/s]
-  Eigen::Vector3d velocity;          // of its origin, vehicle frame [m/s]
+  Eigen::Vector3d velocity;          // velocity of the vehicle's origin, vehicle frame [m/s]
 };
 
-/** By the difference over one step, so that the mean rates of the steps are interpolated and add up
- * to the true motion. */
+/** Rates at `t` seconds after the stamp: differences over one step, so that the mean rates of the
+ * steps are interpolated and add up to the true motion. */
 BodyRates ratesAt(const MotionBetweenScans& motion, double t)
 {
   const Pose before = motion.vehicleAt(t - 0.5 * motion.step),
@@ -61,8 +62,8 @@ Eigen::Vector3d gaussianVector(Rng& rng, double sigma)
   return v;
 }
 
-/** Samples of `rate` [Hz], the last one at the next stamp; \param fill takes a sample and its time
- * after the stamp [s]. */
+/** Samples at `rate` [Hz], the last one at the next stamp. \param fill takes a sample and its time
+ * after the stamp [s] */
 template <typename Sample, typename Fill>
 std::vector<Sample> sampled(const MotionBetweenScans& motion, double rate, const Fill& fill)
 {

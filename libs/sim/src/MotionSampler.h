@@ -17,7 +17,7 @@ struct MotionBetweenScans
   double stamp = 0, next_stamp = 0;  //!< UNIX time [s]
   /** T_map_vehicle at seconds after `stamp`, from two steps before it to two after next_stamp. */
   std::function<Pose(double)> vehicleAt;
-  double step = 0;  //!< of the poses that vehicleAt interpolates [s]
+  double step = 0;  //!< time between the poses that vehicleAt interpolates [s]
 };
 
 /** Simulates an IMU at the origin of the vehicle frame, with its axes, and wheel encoders.
@@ -30,9 +30,10 @@ class MotionSampler
  public:
   explicit MotionSampler(const SimulatorOptions& options);
 
-  /** Samples after the stamp up to the next one, which is that of the last sample, at 100 Hz (imu)
-   * and 50 Hz (wheels). To be called once for each scan, in order: the noise continues. */
+  /** IMU samples at 100 Hz after `stamp` up to `next_stamp`, at which the last one is taken. To be
+   * called once for each scan, in order, because the noise continues. */
   [[nodiscard]] std::vector<ImuSample> imu(const MotionBetweenScans& motion);
+  /** Wheel samples at 50 Hz, otherwise as imu(). */
   [[nodiscard]] std::vector<WheelSample> wheels(const MotionBetweenScans& motion);
 
  private:

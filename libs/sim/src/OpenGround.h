@@ -22,15 +22,15 @@ class OpenGround : public Ground
     Material material;
   };
 
-  /** \param slope, bumps of the Terrain \param lumps amplitude of the relief off the strips, 1 for
-   * a lawn */
+  /** \param slope, bumps see Terrain \param lumps amplitude of the relief off the strips, 1 for a
+   * lawn */
   OpenGround(std::uint64_t seed, double slope, double bumps, double lumps);
 
   [[nodiscard]] Eigen::Vector2d toWorld(const Eigen::Vector2d& local) const override;
   [[nodiscard]] Eigen::Vector2d toLocal(const Eigen::Vector2d& world) const override;
   [[nodiscard]] double heightLocal(const Eigen::Vector2d& p) const override;
 
-  /** Signed distance to the edge of the nearest strip (negative inside), and the strip. */
+  /** Signed distance to the edge of the nearest strip (negative inside) [m], and the strip. */
   [[nodiscard]] std::pair<double, const Strip*> nearestStrip(const Eigen::Vector2d& p) const;
 
   void add(const Eigen::Vector2d& a, const Eigen::Vector2d& b, double width, Material material);

@@ -6,7 +6,7 @@
 
 namespace dyslam::sim
 {
-/** A planar path parametrised by arc length. */
+/** A planar path parametrised by arc length [m]. */
 class Path
 {
  public:
@@ -17,11 +17,12 @@ class Path
   };
 
   Path() = default;
-  /** Through `points`; a closed path connects its end to its start. */
+  /** Polyline through `points` [m]; a closed path connects its end to its start. */
   explicit Path(const std::vector<Eigen::Vector2d>& points, bool closed = false);
 
   [[nodiscard]] double length() const { return length_; }
-  /** At arc length s; clamped to the ends, or wrapped on a closed path. */
+  /** Position and heading at arc length `s`, which is clamped to the ends, or wrapped on a closed
+   * path. */
   [[nodiscard]] Sample at(double s) const;
   [[nodiscard]] const std::vector<Eigen::Vector2d>& points() const { return points_; }
 
@@ -36,8 +37,8 @@ class Path
 [[nodiscard]] std::vector<Eigen::Vector2d> roundedCorners(
     const std::vector<Eigen::Vector2d>& points, double radius, double step, bool closed);
 
-/** Segments of a turn: a vehicle's wheels follow them, and with few its turn rate would alternate.
- */
+/** Number of segments of a turn: with few, the turn rate of a vehicle whose wheels follow them
+ * would alternate. */
 constexpr int kTurnPoints = 64;
 
 /** Cubic Bezier curve from one pose to another, `count` + 1 points. */

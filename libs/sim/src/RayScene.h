@@ -15,11 +15,11 @@ namespace dyslam::sim
 struct SceneItem
 {
   const Mesh* mesh = nullptr;
-  std::uint16_t semantic = 0;  //!< class, if the material has none
-  std::uint16_t instance = 0;  //!< 0 for none
-  float reflectivity = -1;     //!< of paint and cloth; negative for the material's
+  std::uint16_t semantic = 0;  //!< SemanticKITTI class, if the material has none
+  std::uint16_t instance = 0;  //!< instance in the labels; 0 for none
+  float reflectivity = -1;     //!< reflectivity of paint and cloth; negative: that of the material
   std::int32_t body = -1;      //!< index of a moving body, else -1
-  std::int32_t part = 0;       //!< of the body
+  std::int32_t part = 0;       //!< index of the body's part
   Eigen::Matrix3f turn = Eigen::Matrix3f::Identity();  //!< rotation of an instance, for its normals
 };
 

@@ -12,8 +12,9 @@ namespace
 constexpr double kTwoPi = 2 * M_PI;
 constexpr int kWaves = 30;
 constexpr double kLongest = 60, kShortest = 1.2;  // wavelengths [m]
-constexpr double kReference = 0.1;                // [waves/m]
-constexpr double kApart = 10;  // [m]; over longer waves the two tracks rise and fall together
+constexpr double kReference = 0.1;                // wave number of the roughness [waves/m]
+// wave number of the roughness [waves/m]
+constexpr double kApart = 10;  // wavelength above which the two tracks rise and fall together [m]
 }  // namespace
 
 RoadProfile::RoadProfile(std::uint64_t seed, double roughness)
@@ -26,7 +27,7 @@ RoadProfile::RoadProfile(std::uint64_t seed, double roughness)
     const double width = number * (std::sqrt(ratio) - 1 / std::sqrt(ratio));
     const double density = roughness * kReference * kReference / (number * number);
     const double amplitude = std::sqrt(2 * density * width);
-    // Of two tracks, each with this spectrum: their mean and their difference.
+    // The mean and the difference of two tracks that each have this spectrum.
     const double apart = number * kApart / std::hypot(1.0, number * kApart);
     Wave middle{kTwoPi * number, amplitude * std::sqrt(1 - 0.5 * apart * apart), 0};
     middle.phase = rng.uniform(0, kTwoPi);

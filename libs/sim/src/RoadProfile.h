@@ -17,26 +17,26 @@ class RoadProfile
   RoadProfile(std::uint64_t seed, double roughness);
 
   /** Mean height of the two tracks, low-pass filtered by the tyres at `wheel_hop` [m]. \param
-   * distance driven [m] \param speed of the car [m/s]. */
+   * distance distance driven [m] \param speed speed of the car [m/s] */
   [[nodiscard]] double height(double distance, double speed) const
   {
     return sum(middle_, distance, speed);
   }
 
-  /** Height of the left wheel track above the right one, likewise [m]. */
+  /** Height of the left wheel track above the right one, filtered as height() [m]. */
   [[nodiscard]] double leftAboveRight(double distance, double speed) const
   {
     return sum(difference_, distance, speed);
   }
 
-  static constexpr double wheel_hop = 5;  //!< [Hz]
+  static constexpr double wheel_hop = 5;  //!< cut-off frequency of the tyres [Hz]
 
  private:
   struct Wave
   {
-    double number = 0;     // [rad/m]
-    double amplitude = 0;  // [m]
-    double phase = 0;
+    double number = 0;     // angular wave number [rad/m]
+    double amplitude = 0;  // amplitude of the height [m]
+    double phase = 0;      // [rad]
   };
   static double sum(const std::vector<Wave>& waves, double distance, double speed);
 

@@ -12,10 +12,10 @@ namespace dyslam::sim
 struct Lane
 {
   Path path;
-  std::vector<int> next;       //!< successors; those of a lane that ends at a junction are turns
-  int junction = -1;           //!< of a turn: the junction it crosses
-  std::vector<int> conflicts;  //!< of a turn: turns that must not be used at the same time
-  double speed_limit = 14;     //!< [m/s]
+  std::vector<int> next;       //!< successors; turns, if the lane ends at a junction
+  int junction = -1;           //!< junction that a turn crosses; -1 for other lanes
+  std::vector<int> conflicts;  //!< turns that must not be used at the same time as this turn
+  double speed_limit = 14;     //!< speed limit [m/s]
 };
 
 struct LaneNetwork

@@ -10,11 +10,11 @@ namespace dyslam::sim
 struct CarStyle
 {
   float length = 4.4F, width = 1.8F, height = 1.48F;
-  float hood = 1.0F;         //!< length in front of the windscreen
-  float trunk = 0.6F;        //!< length behind the rear window; 0 for hatchbacks
+  float hood = 1.0F;         //!< length in front of the windscreen [m]
+  float trunk = 0.6F;        //!< length behind the rear window [m]; 0 for hatchbacks
   float belt = 0.62F;        //!< height of the windows' lower edge, as a fraction of the height
-  float windscreen = 0.8F;   //!< horizontal length of the windscreen
-  float rear_window = 0.5F;  //!< horizontal length of the rear window
+  float windscreen = 0.8F;   //!< horizontal length of the windscreen [m]
+  float rear_window = 0.5F;  //!< horizontal length of the rear window [m]
   bool closed_rear = false;  //!< a van without rear side windows
 };
 [[nodiscard]] Mesh makeCar(const CarStyle& style);
@@ -59,6 +59,7 @@ struct SizeRange
 [[nodiscard]] Mesh makeBin();
 [[nodiscard]] Mesh makeCabinet();
 [[nodiscard]] Mesh makeBench();
-[[nodiscard]] Mesh makeFence(int kind, float length, float height);  //!< along x from the origin
+/** A fence along x from the origin. */
+[[nodiscard]] Mesh makeFence(int kind, float length, float height);
 [[nodiscard]] Mesh makeBusStop();
 }  // namespace dyslam::sim

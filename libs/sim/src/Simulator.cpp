@@ -30,12 +30,12 @@ EgoKind carrierOf(const SimulatorOptions& options)
   return options.world == WorldKind::campus ? EgoKind::robot : EgoKind::car;
 }
 
-/** T_vehicle_lidar. */
+/** T_vehicle_lidar with the mounting angles of the options. */
 Pose mountingFor(const SimulatorOptions& o)
 {
   const Pose upright = EgoMotion::mounting(carrierOf(o));
   return o.mounting_roll == 0 && o.mounting_pitch == 0
-             ? upright  // exactly, so that recordings have the same bytes as without the options
+             ? upright  // exactly the default, so that recordings keep their bytes
              : upright * poseFromYpr(0, 0, 0, 0, o.mounting_pitch, o.mounting_roll);
 }
 
@@ -161,13 +161,13 @@ struct Simulator::Impl
   RayScene moving_scene;
   Pose ego_pose = Pose::Identity();
   int steps_per_sweep = 8;
-  std::vector<Pose> track;  // from the start of the current sweep, every kStep
+  std::vector<Pose> track;  // vehicle poses from the start of the sweep, every kStep
   std::vector<std::vector<BodyState>>
-      states;                      // at the start and end of the current sweep and at the next end
+      states;                      // body states at the start, end and next end of the sweep
   std::vector<BodyMotion> bodies;  // bodies within range
   std::vector<std::size_t> body_actor;
   std::size_t index = 0;
-  // After the current scan's stamp: they belong to the next scan
+  // Samples after the current scan's stamp: they belong to the next scan.
   std::vector<ImuSample> imu;
   std::vector<WheelSample> wheels;
 };
@@ -206,7 +206,7 @@ void Simulator::Impl::gatherBodies(const Eigen::Vector3d& center)
     const Actor& actor = crowd.actors()[i];
     const BodyModel& body_model = world->bodies[static_cast<std::size_t>(actor.model)];
     BodyMotion body;
-    // Translational speed over ground; rotation in place does not count.
+    // Only translation over ground counts as motion, not rotation in place.
     body.moving = (b.position - a.position).norm() / model.period > options.moving_speed;
     const auto classes = semanticClasses(body_model.object_class);
     body.semantic = body.moving ? classes.second : classes.first;
@@ -293,7 +293,7 @@ SweepScene Simulator::Impl::sweepOf(const SimulatedScan& scan,
   return sweep;
 }
 
-/** Adds the scans of the further sensors. \param first sweep of the first one */
+/** Adds the scans of the further sensors. \param first sweep of the first sensor */
 void Simulator::Impl::castFurther(const SweepScene& first,
                                   SimulatedScan& scan,
                                   std::vector<BodyReturns>& body_returns)

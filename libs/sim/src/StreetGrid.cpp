@@ -15,7 +15,7 @@ constexpr double kCamber = 0.022;
 struct Nearest
 {
   const Street* street;
-  double distance;  // to the street's centre line
+  double distance;  // distance to the street's centre line [m]
 };
 
 Nearest nearest(const std::vector<Street>& streets, double x)
@@ -111,7 +111,7 @@ double StreetGrid::heightLocal(const Eigen::Vector2d& l) const
   {
     return base + kCamber * std::max({inside_a, inside_b, 0.0});
   }
-  // Pavements rise a little from the kerb; the blocks behind go on from there, more uneven.
+  // Pavements rise a little from the kerb; the blocks behind continue at that height, more uneven.
   const double from_kerb = std::min(-inside_a, -inside_b);
   const double walk = -inside_a < -inside_b ? a.street->walk : b.street->walk;
   const double behind = std::clamp(0.3 * (from_kerb - walk), 0.0, 1.0);

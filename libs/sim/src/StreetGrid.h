@@ -13,12 +13,12 @@ namespace dyslam::sim
 /** A street, straight in local coordinates. */
 struct Street
 {
-  double center = 0;
+  double center = 0;       //!< local coordinate u or v of the centre line [m]
   double lane = 3.4;       //!< width of one lane; one lane each way [m]
   double parking = 2.2;    //!< width of the parking strips on both sides; 0 for none [m]
   double walk = 3;         //!< width of the pavement [m]
-  bool trees = false;      //!< in the pavement
-  double occupancy = 0.6;  //!< of the parking strips
+  bool trees = false;      //!< trees in the pavement
+  double occupancy = 0.6;  //!< share of the parking strips that is occupied
   [[nodiscard]] double half() const { return lane + parking; }
 };
 
@@ -48,9 +48,10 @@ class StreetGrid : public Ground
   std::vector<Street> along_v, along_u;
   double belt = 45;  //!< depth of the surrounding blocks [m]
 
-  /** Edges of a block inside the pavements: u0, v0, u1, v1; indices from -1 to the street count. */
+  /** Edges u0, v0, u1, v1 of a block inside the pavements [m]. \param i, j indices of the block,
+   * from -1 */
   [[nodiscard]] std::array<double, 4> blockInside(int i, int j) const;
-  /** Edges of a block at the kerbs. */
+  /** Edges u0, v0, u1, v1 of a block at the kerbs [m]. */
   [[nodiscard]] std::array<double, 4> blockKerb(int i, int j) const;
   [[nodiscard]] double minU() const
   {

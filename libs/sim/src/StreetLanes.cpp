@@ -21,7 +21,7 @@ struct LaneKey
   }
 };
 
-constexpr double kSetback = 5.0;  // of the stop line from the crossing carriageway's edge
+constexpr double kSetback = 5.0;  // distance of the stop line from the crossing carriageway [m]
 
 Path warped(const StreetGrid& grid, const P& from, const P& to)
 {
@@ -58,7 +58,7 @@ Path laneFrom(const StreetGrid& grid, const LaneKey& k)
                 {u, there.center - sign * (there.half() + kSetback)});
 }
 
-using Junction = std::array<int, 2>;  // numbers of its two streets
+using Junction = std::array<int, 2>;  // numbers of the junction's two streets
 constexpr std::array<Junction, 4> kStep{{{1, 0}, {0, 1}, {-1, 0}, {0, -1}}};
 
 Junction junctionAfter(const Junction& junction, int direction)
@@ -67,7 +67,7 @@ Junction junctionAfter(const Junction& junction, int direction)
   return {junction[0] + step[0], junction[1] + step[1]};
 }
 
-/** Adds a lane from each junction to each of its neighbours. \return their numbers. */
+/** Adds a lane from each junction to each of its neighbours. \return numbers of the lanes */
 std::map<LaneKey, int> addStreetLanes(const StreetGrid& grid, int nu, int nv, LaneNetwork& net)
 {
   std::map<LaneKey, int> ids;
@@ -94,7 +94,8 @@ std::map<LaneKey, int> addStreetLanes(const StreetGrid& grid, int nu, int nv, La
   return ids;
 }
 
-/** Adds the lanes across the junctions. \return their numbers, by the lanes that they connect. */
+/** Adds the lanes across the junctions (turns). \return numbers of the turns, by the lanes that
+ * they connect */
 std::map<std::pair<int, int>, int> addTurns(const std::map<LaneKey, int>& ids,
                                             int nv,
                                             LaneNetwork& net)
@@ -127,7 +128,7 @@ std::map<std::pair<int, int>, int> addTurns(const std::map<LaneKey, int>& ids,
   return turn_between;
 }
 
-/** Junctions of the ring in order, anticlockwise. */
+/** Junctions of the ego's ring in anticlockwise order. */
 std::vector<Junction> ringJunctions(int first_u, int first_v, int ring_u, int ring_v)
 {
   std::vector<Junction> ring;
@@ -228,7 +229,7 @@ WalkNetwork makeWalks(const StreetGrid& grid)
           net.addLink(previous, node, false, 1.6);
           previous = node;
         }
-        // The fourth side connects to the first corner, which exists already.
+        // The fourth side ends at the first corner, which exists already.
         net.addLink(previous, corner[{i, j, (c + 1) % 4}], false, 1.6);
       }
     }

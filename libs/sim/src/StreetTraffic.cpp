@@ -25,7 +25,7 @@ struct Vehicle
   double waiting_since = -1;
   double stop_until = 0, next_stop = 0;
   double blocked_for = 0;
-  std::size_t route_step = 0;  // of the ego
+  std::size_t route_step = 0;  // position of the ego in LaneNetwork::ego_route
   double wander = 0;           // phase of the lateral oscillation in the lane
 };
 
@@ -239,7 +239,7 @@ class StreetTraffic : public Crowd::Group
       }
       else if (crowd_.time() - v.waiting_since > 5)
       {
-        users.push_back({i, v.turn});  // has priority over later vehicles
+        users.push_back({i, v.turn});  // this vehicle has priority over later ones
       }
     }
   }
@@ -385,7 +385,7 @@ class StreetTraffic : public Crowd::Group
     const Path::Sample here = lane(v.lane).path.at(v.s);
     if (crowd_.time() > v.next_stop)
     {
-      // Not on a junction; the ego only if the options allow it.
+      // Vehicles do not stop on a junction; the ego stops only if the options allow it.
       const bool may = lane(v.lane).junction < 0 && (v.actor >= 0 || crowd_.options().stops);
       v.stop_until = may ? crowd_.time() + rng_.uniform(2, 8) : v.stop_until;
       v.next_stop = crowd_.time() + (v.actor < 0 ? 1 : 2) * rng_.uniform(40, 160);

@@ -17,7 +17,7 @@ constexpr std::size_t kColumnsPerChunk = 32;
 /** First intersection of a ray, before the sensor's errors. */
 struct Hit
 {
-  float range = 0;  // 0 for no hit
+  float range = 0;  // range of the hit [m]; 0 for no hit
   float cosine = 1;
   std::int32_t item = 0;  // index in the static scene, or -1 - index in the moving scene
   std::int32_t quad = 0;
@@ -44,8 +44,8 @@ BeamTable tabulate(const SensorModel& sensor)
   for (std::size_t i = 0; i < sensor.beams.size(); ++i)
   {
     const Beam& b = sensor.beams[i];
-    // The range error is constant, as that of a real sensor. The elevation is exact: with it the
-    // ray is cast and the point reported.
+    // A beam's range error is constant, as in a real sensor. Its elevation is exact: the ray is
+    // cast and the point reported with the same value.
     const std::uint64_t h = combine(0x5E4504, i);
     const double elevation =
         b.elevation + sensor.beam_angle_error * static_cast<double>(normal(combine(h, 1)));
@@ -116,7 +116,7 @@ class Caster
     return {c, azimuth, std::cos(azimuth), std::sin(azimuth)};
   }
 
-  /** Nominal direction in the lidar frame, as reported by the sensor. */
+  /** Nominal direction of a beam in the lidar frame, as reported by the sensor. */
   Eigen::Vector3f direction(const Column& column, std::size_t b) const
   {
     if (!sensor_.spins())
@@ -167,12 +167,12 @@ class Caster
                : 0.5F;
   }
 
-  /** What a ray hit. */
+  /** The surface that a ray hit. */
   struct Surface
   {
     const SceneItem* item;
     const MaterialProperties* material;
-    const PartMotion* part;  //!< none of the static scene
+    const PartMotion* part;  //!< motion of the body's part; null for the static scene
     float reflectivity;
   };
   /** Motion of the sensor to the next scan. */
@@ -184,13 +184,13 @@ class Caster
 
   void tracePacket(std::size_t column, std::size_t count, std::size_t b);
   [[nodiscard]] Surface surfaceOf(const Hit& hit) const;
-  /** The range of a hit with the relief of the surface and the errors of the sensor [m], nothing if
-   * the return is lost. Varies the surface's reflectivity over its relief. */
+  /** Measured range of a hit [m]: true range, relief of the surface and errors of the sensor;
+   * nothing if the return is lost. Varies the surface's reflectivity over its relief. */
   [[nodiscard]] std::optional<float> measuredRange(std::size_t column,
                                                    std::size_t b,
                                                    const Eigen::Vector3f& ray,
                                                    Surface& surface) const;
-  /** In [0, 1], in steps of 1/255. */
+  /** Intensity in [0, 1], in steps of 1/255. */
   [[nodiscard]] float measuredIntensity(std::size_t column,
                                         std::size_t b,
                                         float reflectivity) const;
@@ -219,8 +219,8 @@ void Caster::tracePacket(std::size_t column, std::size_t count, std::size_t b)
     Eigen::Vector3f d = direction(columnAt(c), b);
     if (scene_.noise)
     {
-      // Random direction within the beam, which blurs edges. Less in elevation: on the ground the
-      // echo averages over the footprint.
+      // Random direction within the beam, which blurs edges. The spread is smaller in elevation,
+      // because on the ground the echo averages over the footprint.
       const std::uint64_t h = hash(c, b, kDrawCone);
       const auto spread = static_cast<float>(sensor_.divergence) * 0.6F;
       const Eigen::Vector3f side(-d.y(), d.x(), 0);

@@ -34,11 +34,11 @@ struct SweepScene
   const RayScene* static_scene = nullptr;
   const RayScene* moving_scene = nullptr;
   const std::vector<BodyMotion>* bodies = nullptr;
-  std::vector<Pose> T_map_lidar_column;      //!< at the start of each column
-  Pose T_map_lidar = Pose::Identity();       //!< at the stamp
-  Pose T_map_lidar_next = Pose::Identity();  //!< at the next stamp
-  double start = 0;                          //!< since the sensor was switched on [s]
-  std::uint64_t seed = 0;                    //!< of this sweep
+  std::vector<Pose> T_map_lidar_column;      //!< lidar pose at the start of each column
+  Pose T_map_lidar = Pose::Identity();       //!< lidar pose at the stamp
+  Pose T_map_lidar_next = Pose::Identity();  //!< lidar pose at the next stamp
+  double start = 0;        //!< start of the sweep since the sensor was switched on [s]
+  std::uint64_t seed = 0;  //!< seed of the noise of this sweep
   bool noise = true;
   bool motion_distortion = true;
   bool on_car = false;  //!< the car's roof occludes some of the lowest rays
@@ -47,8 +47,8 @@ struct SweepScene
 /** Returns from one body in a sweep. */
 struct BodyReturns
 {
-  std::size_t points = 0;
-  double time = 0;  //!< sum over its points, relative to the stamp [s]
+  std::size_t points = 0;  //!< number of returns
+  double time = 0;         //!< sum of the returns' times relative to the stamp [s]
 };
 
 /** Casts all rays of a sweep and converts the hits to returns with ground truth. Fills the

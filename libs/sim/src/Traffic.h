@@ -9,11 +9,11 @@
 
 namespace dyslam::sim
 {
-/** A body that may move. Its index in Crowd::actors is constant. */
+/** A body that may move. Its index in Crowd::actors() is constant. */
 struct Actor
 {
-  int model = 0;
-  float paint = 0.3F;
+  int model = 0;       //!< index in World::bodies
+  float paint = 0.3F;  //!< reflectivity of paint and cloth
   BodyState state;
   bool frozen = false;  //!< not simulated: too far from the ego
 };
@@ -21,9 +21,9 @@ struct Actor
 /** Planar state of the sensor's carrier. */
 struct EgoState
 {
-  Eigen::Vector2d position = Eigen::Vector2d::Zero();
-  double yaw = 0;
-  double speed = 0;
+  Eigen::Vector2d position = Eigen::Vector2d::Zero();  //!< map frame [m]
+  double yaw = 0;                                      //!< [rad]
+  double speed = 0;                                    //!< [m/s]
 };
 
 /** All moving bodies, advanced in common time steps. Deterministic; single-threaded. */
@@ -45,7 +45,7 @@ class Crowd
   [[nodiscard]] const World& world() const { return world_; }
   [[nodiscard]] const SimulatorOptions& options() const { return options_; }
 
-  // For the groups
+  // Interface for the groups
   int addActor(int model, float paint);
   [[nodiscard]] Actor& actor(int index) { return actors_[static_cast<std::size_t>(index)]; }
   [[nodiscard]] const BodyModel& model(int actor) const;
@@ -85,9 +85,9 @@ class Crowd
 /** The ego on World::ego_path; yields to pedestrians. */
 [[nodiscard]] std::unique_ptr<Crowd::Group> makePathEgo(Crowd& crowd);
 
-/** Acceleration of the intelligent driver model (Treiber et al., 2000): speed v, desired speed v0,
- * gap to a leader of speed v_leader.
- */
+/** Acceleration of the intelligent driver model (Treiber et al., 2000) [m/s^2]. \param v speed
+ * [m/s] \param v0 desired speed [m/s] \param gap distance to the leader [m] \param v_leader speed
+ * of the leader [m/s] \param headway desired time gap [s] */
 [[nodiscard]] double driverAcceleration(
     double v, double v0, double gap, double v_leader, double headway);
 }  // namespace dyslam::sim

@@ -274,7 +274,7 @@ class BlockBuilder
       corner = side.at(s + width, front);
     }
     const P w = grid_.toWorld(corner);
-    // On the lowest ground of its corners.
+    // The building stands at the lowest ground height of its corners.
     double z = 1e9;
     for (const double a : {0.0, width})
     {

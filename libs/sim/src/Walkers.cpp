@@ -64,7 +64,7 @@ struct Walker
   int actor = 0;
   bool rides = false;
   int from = 0, to = 0, link = 0, next_link = 0;
-  double side = 0.4;  // offset to the right of the links' centre [m]
+  double side = 0.4;  // offset to the right of the links' centre line [m]
   double desired_speed = 1.3, v = 0;
   double yaw = 0;
   Eigen::Vector2d position = Eigen::Vector2d::Zero(), target = Eigen::Vector2d::Zero();
@@ -158,7 +158,8 @@ class Walkers : public Crowd::Group
     crowd_.actor(w.actor).state.speed = w.v;
   }
 
-  /** The link after `to`, and the corner that a walker on its side of both links passes. */
+  /** Chooses the link after `to`, and as target the corner that a walker on its side of both links
+   * passes. */
   void chooseNext(Walker& w)
   {
     const auto& links = net_.links_of_node[static_cast<std::size_t>(w.to)];
@@ -256,7 +257,8 @@ class Walkers : public Crowd::Group
     state.speed = w.v;
   }
 
-  /** At the end of a link: the next one, or a pause before a crossing that is not free. */
+  /** At the end of a link: continues on the next link, or waits before a crossing that is not free.
+   */
   void continueOrWait(Walker& w)
   {
     const auto& next = net_.links[static_cast<std::size_t>(w.next_link)];
@@ -277,11 +279,12 @@ class Walkers : public Crowd::Group
 
   struct Steering
   {
-    double speed;  //!< [m/s]
-    double turn;   //!< from the present heading [rad]
+    double speed;  //!< desired speed [m/s]
+    double turn;   //!< angle from the present heading [rad]
   };
 
-  /** Towards the target; slower in corners and behind others, evades standing ones and the ego. */
+  /** Steers towards the target: slower in corners and behind other bodies, around bodies at rest
+   * and the ego. */
   Steering steer(const Walker& w)
   {
     const Eigen::Vector2d d = w.target - w.position;

@@ -86,7 +86,7 @@ void World::placeOnGround(int shape, const Eigen::Vector2d& position, double yaw
 void World::park(int model_index, const Eigen::Vector2d& position, double yaw, Rng& rng)
 {
   const BodyModel& model = bodies[static_cast<std::size_t>(model_index)];
-  // Aligned with the ground below the axles.
+  // The body is aligned with the ground below its axles.
   const Eigen::Vector2d forward(std::cos(yaw), std::sin(yaw));
   const Eigen::Vector2d left(-forward.y(), forward.x());
   const double h = 0.5 * model.wheelbase, w = 0.4 * model.size.y();

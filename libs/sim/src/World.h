@@ -32,15 +32,17 @@ class World
   // Building blocks for the generators
   /** Registers a shape for instancing. */
   int addShape(Mesh mesh);
-  /** A static instance of a shape; `instance` as in the labels, 0 for none. */
+  /** Places a static instance of a shape. \param transform shape to world \param instance in the
+   * labels, 0 for none */
   void place(int shape,
              const Eigen::Affine3f& transform,
              std::uint16_t semantic = 0,
              std::uint16_t instance = 0,
              float reflectivity = -1);
-  /** Upright on the ground at a position with a yaw in the world. */
+  /** Places a static instance of a shape upright on the ground. \param yaw in the world frame [rad]
+   */
   void placeOnGround(int shape, const Eigen::Vector2d& world_position, double yaw, float scale = 1);
-  /** A parked vehicle or bicycle. */
+  /** Places a parked vehicle or bicycle. \param model index in `bodies` */
   void park(int model, const Eigen::Vector2d& world_position, double yaw, Rng& rng);
   [[nodiscard]] std::uint16_t nextInstance()
   {
@@ -52,22 +54,23 @@ class World
   WorldKind kind;
   std::uint64_t seed;
   std::unique_ptr<Ground> ground;
-  LaneNetwork roads;                //!< urban, campus, field
-  WalkNetwork walks;                //!< urban, campus
+  LaneNetwork roads;                //!< streets of urban, campus and field worlds
+  WalkNetwork walks;                //!< walkways of urban and campus worlds
   std::vector<Path> bicycle_loops;  //!< closed, at the edge of the carriageway
-  Path ego_path;                    //!< closed: campus, field
-  Path highway;                     //!< centre line, closed: highway, tunnel
-  int highway_lanes = 3;            //!< each way
-  double highway_lane_width = 3.6;  //!< [m]
-  double highway_median = 1.6;      //!< from the centre line to the first lane's inner edge [m]
-  double loop_length = 0;           //!< [m]
+  Path ego_path;                    //!< closed path of the ego in campus and field worlds
+  Path highway;                     //!< closed centre line of highway and tunnel worlds
+  int highway_lanes = 3;            //!< number of lanes each way
+  double highway_lane_width = 3.6;  //!< width of a lane [m]
+  double highway_median = 1.6;
+  //!< distance from the centre line to the first lane [m]
+  double loop_length = 0;  //!< length of the ego's loop [m]
 
   std::vector<BodyModel> bodies;
   std::vector<int> cars, vans, trucks, buses, riders, people, cyclists,
-      parked_bicycles;  //!< in bodies
+      parked_bicycles;  //!< indices in `bodies`
 
   RayDevice device;
-  std::deque<Mesh> meshes;  //!< world frame
+  std::deque<Mesh> meshes;  //!< static meshes, world frame
   std::deque<Mesh> shape_meshes;
   std::vector<RayScene> shapes;
   RayScene scene;  //!< all static geometry
@@ -87,13 +90,13 @@ class World
 void addBodies(World& world, Rng& rng);
 
 [[nodiscard]] int drawVehicle(const World& world, Rng& rng, double heavy_share);
-/** Reflectivity of paint and clothes, with a realistic distribution. */
+/** Draws a reflectivity of paint or clothes from a realistic distribution. */
 [[nodiscard]] float drawPaint(Rng& rng);
 /** SemanticKITTI classes of a body at rest (first) and in motion (second). */
 [[nodiscard]] std::pair<std::uint16_t, std::uint16_t> semanticClasses(ObjectClass object_class);
 
 void buildUrban(World& world, const SimulatorOptions& options);
 void buildCampus(World& world, const SimulatorOptions& options);
-void buildHighway(World& world, const SimulatorOptions& options);  //!< and tunnel
+void buildHighway(World& world, const SimulatorOptions& options);  //!< highway or tunnel
 void buildField(World& world, const SimulatorOptions& options);
 }  // namespace dyslam::sim

@@ -13,7 +13,7 @@ namespace
 using namespace dyslam;
 using namespace dyslam::sim;
 
-/** Exact samples of a drive with few rays. */
+/** Options of a drive without sensor noise and with few rays. */
 SimulatorOptions sampledDrive(WorldKind world, EgoKind ego = EgoKind::automatic)
 {
   SimulatorOptions options = small(world, 0);
@@ -72,7 +72,7 @@ bool sameSamples(const std::vector<WheelSample>& a, const std::vector<WheelSampl
   return same;
 }
 
-/** The samples of one sensor: after the scan before, up to this one. */
+/** Checks that the samples of one sensor lie after the previous scan's stamp, up to this one's. */
 template <typename Sample>
 void expectToFill(const std::vector<Sample>& samples,
                   std::size_t count,
@@ -102,7 +102,7 @@ TEST(MotionSampler, SamplesFillTheTimeBetweenScans)
 }
 
 // Samples are means over one step. Where the yaw rate jumps by 0.2 rad/s, at a vertex of the ego's
-// path, the first and the last one of an interval add an error of up to 7e-4 rad each.
+// path, the first and the last sample of an interval add an error of up to 7e-4 rad each.
 TEST(MotionSampler, AngularVelocityAddsUpToTheRotation)
 {
   for (const SimulatorOptions& options :
@@ -234,7 +234,7 @@ Spread spreadOf(const std::vector<double>& values)
   return spread;
 }
 
-/** A constant bias below 3.5 standard deviations, and white noise. */
+/** Checks for a constant bias below 3.5 standard deviations, and for white noise. */
 void expectErrors(const std::vector<double>& errors, double bias, double noise)
 {
   const Spread spread = spreadOf(errors);

@@ -159,7 +159,7 @@ TEST(Sensor, PrismsFillTheFieldOfViewAndDoNotRepeat)
   EXPECT_GT(std::hypot(first.azimuth - later.azimuth, first.elevation - later.elevation),
             5 * kDegree);
 
-  // Points lie where the beam looked at their time.
+  // Points lie in the direction of their beam at their time.
   const SimulatedScan scan = simulator.next();
   ASSERT_GT(scan.scan.size(), 5000U);
   EXPECT_TRUE(scan.scan.ring.empty());

@@ -77,7 +77,7 @@ TEST(Simulator, FurtherSensorsSeeTheSameScene)
     ASSERT_EQ(s.label.size(), own + s.further[0].size() + s.further[1].size());
     ASSERT_EQ(s.flow.size(), s.label.size());
     ASSERT_EQ(s.deskewed.size(), s.label.size());
-    // Static points have the flow of the first sensor's motion, whichever saw them.
+    // Static points have the flow of the first sensor's motion, whichever sensor saw them.
     const Eigen::Isometry3f T_next = (nextLidarPose(s).inverse() * lidarPose(s)).cast<float>();
     std::size_t moving = 0;
     for (std::size_t i = own; i < s.label.size(); ++i)
@@ -124,7 +124,7 @@ TEST(Simulator, TheLoopTheOtherWayRound)
     const auto turnedLeft = [](const SimulatorOptions& o)
     {
       Simulator simulator(o, 2);
-      double angle = 0;  // about the middle of the loop
+      double angle = 0;  // angle driven about the middle of the loop [rad]
       Eigen::Vector3d last = simulator.next().T_map_vehicle.translation();
       for (int i = 0; i < 20; ++i)
       {

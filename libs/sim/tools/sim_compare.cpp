@@ -139,7 +139,7 @@ void caption(cv::Mat& image, const char* text)
               cv::Scalar(255, 255, 255), 1, cv::LINE_AA);
 }
 
-/** The first picture above or left of the second, with a line between. */
+/** Joins two pictures, the first above or left of the second, with a line between. */
 void saveJoined(cv::Mat first, cv::Mat second, bool beside, const std::string& path)
 {
   caption(first, "real");
@@ -152,13 +152,14 @@ void saveJoined(cv::Mat first, cv::Mat second, bool beside, const std::string& p
   cv::imwrite(path, joined, {cv::IMWRITE_PNG_COMPRESSION, 9});
 }
 
-/** Means over scans. */
+/** Statistics of scans, as means over the scans. */
 struct Statistics
 {
   int scans = 0;
   double points = 0, filled = 0, ground = 0, ground_roughness = 0, plane_roughness = 0,
          isolated = 0, intensity = 0;
-  std::array<double, 9> range{};  // fractions up to 5, 10, 15, 20, 30, 40, 60, 80 m and beyond
+  std::array<double, 9>
+      range{};  // shares of returns up to 5, 10, 15, 20, 30, 40, 60, 80 m and beyond
   std::vector<double> ring;
 
   void add(const Scan& scan, const RowFinder& finder, int columns);
@@ -197,8 +198,8 @@ void Statistics::add(const Scan& scan, const RowFinder& finder, int columns)
   ring.resize(static_cast<std::size_t>(finder.rows()));
   const auto n = static_cast<double>(scan.points.size());
   points += n;
-  std::unordered_map<long, std::vector<Eigen::Vector3d>> cells;  // of half a metre
-  std::unordered_map<long, double> lowest;                       // of a metre, seen from above
+  std::unordered_map<long, std::vector<Eigen::Vector3d>> cells;  // points by cells of 0.5 m
+  std::unordered_map<long, double> lowest;                       // lowest z by squares of 1 m [m]
   for (std::size_t i = 0; i < scan.points.size(); ++i)
   {
     const Eigen::Vector3d p = scan.points[i].cast<double>();

@@ -2,7 +2,7 @@
 // Simulated scans per second with ground truth, without writing files.
 //   sim_speed [threads=2] [scans=50] [repetitions=5]
 // Prints the best repetition per world by wall time and by CPU time; on a busy machine
-// only the latter is meaningful.
+// only the CPU time is meaningful.
 #include <dyslam/sim/Simulator.h>
 
 #include <algorithm>

@@ -10,8 +10,9 @@
 
 namespace dyslam
 {
-/** Fills in the normals: of the plane fitted to the map points within `radius` [m] around a point,
- * at most the 20 nearest, towards the lidar that saw it in its keyframe. */
+/** Fills in `points.normals`: the normal of the plane fitted to the map points within `radius` [m]
+ * of each point (at most the 20 nearest), oriented towards the lidar that saw the point in its
+ * keyframe. */
 void estimateMapNormals(MapPoints& points, const StaticMap& map, double radius, ThreadPool& pool);
 
 /** Selects the static points of scans: those in voxels of the cleaned map, or in an unobserved
@@ -19,8 +20,9 @@ void estimateMapNormals(MapPoints& points, const StaticMap& map, double radius, 
 class FullResolution
 {
  public:
-  /** \param map and \param points, its points(), outlive this. If these have normals, every point
-   * gets the one of its voxel, towards the lidar that measured it. */
+  /** \param map outlives this object \param points map.points(), outlives this object; if it has
+   * normals, every point of a scan gets the normal of its voxel, oriented towards the lidar that
+   * measured the point */
   FullResolution(const StaticMap& map, const StaticMapOptions& options, const MapPoints& points);
 
   /** Every static point of a scan within the ranges of the options and in the region, unthinned,

@@ -17,12 +17,12 @@ struct HindsightOptions : Options
 {
   bool hindsight = true;     //!< label moving points from earlier and later scans
   int window = 100;          //!< number of scans used before, and after, the labelled scan
-  int history = 400;         //!< scans before the window that are used, every eighth of them
+  int history = 400;         //!< number of scans before the window of which every eighth is used
   double voxel_size = 0.2;   //!< side of the voxels that accumulate evidence [m]
   double segment_gap = 0.4;  //!< side of the cells that are clustered to segments [m]
   double margin = 0.5;       //!< a ray must end this far behind a voxel to observe it as free [m]
   double moving_threshold = 0.5;  //!< points with a higher probability are moving
-  double ground_clearance = 0.3;  //!< lower returns are ground: decided as their surroundings [m]
+  double ground_clearance = 0.3;  //!< height below which returns get the label of those above [m]
 
   void describe(OptionsVisitor& visitor) override;
 };
@@ -51,13 +51,14 @@ class HindsightLabels
   /** Takes the next frame, in order of time: cloud, moving, moving_probability, poses, detections
    * and objects are read. Calls `use` with each frame that is decided now: `moving` is the new
    * decision and `moving_probability` its probability (one value per cloud point each; above 0.5:
-   * moving), and an object that was reported later is `reported`. It never gets those of which
-   * `none` is kept. */
+   * moving), and an object that was reported later is `reported`. Frames added with `kept` = `none`
+   * are used as evidence but never output. */
   void add(const Frame& frame, FrameParts kept, const Use& use);
   /** Decides the remaining frames. */
   void finish(const Use& use);
 
-  /** The scans of the window and before it, and what is known of voxels and tracks. */
+  /** Saves or restores the scans of the window and before it, and the evidence of voxels and
+   * tracks. */
   void exchangeState(StateArchive& archive);
 
  private:

@@ -21,9 +21,9 @@ class LabelledMap
    * another number of labels */
   void add(const Frame& frame, const std::vector<Label>& labels);
 
-  /** Odometry frame of the scans [m]; of a cube the first point. */
+  /** First point of each cube, odometry frame of the scans [m]. */
   [[nodiscard]] const std::vector<Eigen::Vector3f>& points() const { return points_; }
-  /** One per point; a cube that ever held something static is static. */
+  /** One label per point of points(); a cube that ever held a static point is static. */
   [[nodiscard]] const std::vector<Label>& labels() const { return labels_; }
 
  private:

@@ -8,8 +8,8 @@
 
 namespace dyslam
 {
-/** What the cleaning of a map has removed.
- * \param all points of the map without cleaning \return those in no voxel of the cleaned map */
+/** Points that the visibility clean-up of a map has removed, map frame [m]. \param all points of
+ * the map without cleaning \return the points of `all` in no voxel of the cleaned map */
 [[nodiscard]] std::vector<Eigen::Vector3f> removedPoints(const MapPoints& all,
                                                          const StaticMap& cleaned);
 }  // namespace dyslam

@@ -19,17 +19,20 @@ namespace dyslam
 class ScanStore
 {
  public:
-  /** \param path the file is `<path>.tmp`; it is removed with this object. \throws UserError. */
+  /** \param path the scans are stored in `<path>.tmp`, which is removed with this object. \throws
+   * UserError if it cannot be written. */
   ScanStore(const std::string& path, const StaticMapOptions& options);
 
-  /** A scan at its final pose; moving objects' boxes count as moving points. \throws UserError. */
+  /** Adds a scan at its final pose; points in the boxes of moving objects are stored as moving.
+   * \throws UserError if the file cannot be written. */
   void add(const Frame& frame);
-  /** The scans from here on are of another run: StaticMap::beginRun(). */
+  /** The scans added from here on belong to another run, see StaticMap::beginRun(). */
   void beginRun() { ++run_; }
   [[nodiscard]] std::size_t run(std::size_t scan) const { return entries_[scan].run; }
   [[nodiscard]] std::size_t size() const { return entries_.size(); }
-  /** Index, stamp, pose, sensor, points, intensities, phases and what moves. The parts of a scan of
-   * several lidars begin at points of the cloud, and `source` counts these. \throws UserError. */
+  /** Reads a scan: index, stamp, pose, sensor, points, intensities, phases and moving labels. The
+   * parts of a scan of several lidars begin at points of the cloud, and `source` counts these.
+   * \throws UserError if the file cannot be read. */
   [[nodiscard]] Frame read(std::size_t scan);
   [[nodiscard]] const Pose& pose(std::size_t scan) const { return entries_[scan].T_map_vehicle; }
   [[nodiscard]] std::uint64_t bytes() const { return bytes_; }
@@ -41,7 +44,7 @@ class ScanStore
     double stamp = 0;
     Pose T_map_vehicle = Pose::Identity();
     Pose T_vehicle_lidar = Pose::Identity();
-    std::vector<ScanPart> parts;  //!< by points of the cloud
+    std::vector<ScanPart> parts;  //!< parts that begin at points of the cloud
     Pose T_sweep = Pose::Identity();
     bool has_phase = false;
     std::uint64_t offset = 0;
@@ -52,7 +55,7 @@ class ScanStore
   void requireGood() const;
 
   StaticMapOptions options_;
-  PendingFile pending_;  //!< never committed
+  PendingFile pending_;  //!< file of the scans, never committed
   std::fstream file_;
   std::vector<Entry> entries_;
   std::uint64_t bytes_ = 0;
@@ -62,7 +65,7 @@ class ScanStore
 /** A square of the map plane. */
 struct MapTile
 {
-  std::int64_t x = 0;  //!< its lower corner is (x, y) times the side
+  std::int64_t x = 0;  //!< the lower corner of the tile is (x, y) times its side
   std::int64_t y = 0;
   MapRegion region;
 };
@@ -72,8 +75,8 @@ struct MapTile
                                            const StaticMapOptions& options,
                                            double size);
 
-/** The static map of one tile, from those scans that can reach it. It equals that part of the whole
- * map: each of its voxels is hit by the same scans. A margin around the tile is in it as well. */
+/** The static map of one tile and a margin around it, made of the scans that can reach it. It
+ * equals that part of the whole map, since each of its voxels is hit by the same scans. */
 struct TileMap
 {
   /** Width of the margin, so that normals and ground are correct up to the border [m]. */
@@ -83,7 +86,7 @@ struct TileMap
   TileMap(const TileMap&) = delete;  // `map` refers to `keyframes`
   TileMap& operator=(const TileMap&) = delete;
 
-  std::vector<std::size_t> scans;  //!< that can reach it
+  std::vector<std::size_t> scans;  //!< scans that can reach the tile
   KeyframeStore keyframes;
   StaticMap map;
 };

@@ -8,7 +8,7 @@
 
 namespace dyslam
 {
-/** Which points of the cloud stay out of the map: those that move, and those in the boxes of moving
- * objects. */
+/** Which points of the cloud are left out of the map, one value per point: moving points, and
+ * points in the boxes of moving objects. */
 [[nodiscard]] std::vector<bool> movingInMap(const Frame& frame, const StaticMapOptions& options);
 }  // namespace dyslam

@@ -17,8 +17,8 @@ namespace dyslam
 {
 class StateArchive;
 
-/** Which runs count where several runs of one place differ, as by a car that was parked in one of
- * them. */
+/** Which runs count where several runs of one place differ, for example by a car that was parked
+ * there during one of them. */
 enum class MapChanges
 {
   latest,  //!< the latest run that saw the place
@@ -32,36 +32,39 @@ struct StaticMapOptions : Options
   double max_range = 80.0;      //!< farther returns are left out [m]
   double box_margin = 0.2;      //!< dynamic tracks' boxes are widened by this on each side [m]
   int points_per_voxel = 5;     //!< most keyframe points kept per voxel
-  int max_voxels = 1000000000;  //!< beyond, the voxel size doubles
+  int max_voxels = 1000000000;  //!< the voxel size doubles when the map has more voxels
   int min_hits = 1;             //!< voxels hit by fewer keyframes are not part of the map
   /** Shift of a keyframe by loops above which insert() first corrects the map [m]: at once if it is
    * above a voxel, else after correction_growth. */
   double correction_distance = 0.05;
-  /** Growth since the last correction, as a fraction. */
+  /** Growth of the number of keyframes since the last correction, as a fraction. */
   double correction_growth = 0.1;
 
   // Visibility clean-up: voxels that later rays pass through repeatedly were not static.
   bool visibility = true;
   double visibility_range = 40.0;  //!< voxels up to here are checked [m]
   double visibility_margin = 0.5;  //!< a ray must end this far behind the voxel [m]
-  int visibility_min_views = 3;    //!< least number of keyframes that observed it as free
-  double visibility_ratio = 1.5;   //!< least ratio of these to the keyframes that hit it
-  double ground_clearance = 0.3;   //!< voxels this near to the lowest of their column stay [m]
-  MapChanges changes = MapChanges::latest;  //!< of maps of several runs
+  int visibility_min_views = 3;    //!< least number of keyframes that observed a removed voxel free
+  double visibility_ratio =
+      1.5;  //!< least ratio of keyframes that observed it free to those that hit it
+  double ground_clearance = 0.3;  //!< voxels this near to the lowest of their column stay [m]
+  MapChanges changes = MapChanges::latest;  //!< which runs count in a map of several runs
 
   void describe(OptionsVisitor& visitor) override;
 };
 
-/** Points of a map: one per voxel, or (FullResolution) all of them. The arrays are of one length.
- */
+/** Points of a map: one per voxel, or all static points (FullResolution). All arrays that are not
+ * empty have one value per point. */
 struct MapPoints
 {
-  std::vector<Eigen::Vector3f> points;  //!< map frame; of a voxel the centroid of its points [m]
-  std::vector<float> intensity;         //!< in [0, 1]; of a voxel the mean
-  std::vector<std::uint32_t> hits;      //!< keyframes that hit the voxel
+  std::vector<Eigen::Vector3f> points;  //!< positions (or centroids of voxels), map frame [m]
+  std::vector<float> intensity;         //!< intensity (or mean of a voxel), in [0, 1]
+  std::vector<std::uint32_t> hits;      //!< number of keyframes that hit the voxel
   std::vector<std::uint32_t> voxel;     //!< StaticMap::voxelAt() of the point
-  std::vector<std::uint32_t> keyframe;  //!< that saw it, of a voxel the last one
-  std::vector<std::uint8_t> lidar;      //!< of that keyframe, as KeyframeCloud::lidar; may be empty
+  std::vector<std::uint32_t>
+      keyframe;  //!< keyframe that saw the point, or the last that hit the voxel
+  std::vector<std::uint8_t>
+      lidar;  //!< lidar that saw the point, as KeyframeCloud::lidar; may be empty
   /** Unit vectors towards the sensor that saw the point, 0 where unknown; empty until
    * estimateMapNormals(). */
   std::vector<Eigen::Vector3f> normals;
@@ -96,8 +99,8 @@ struct MapRegion
 class StaticMap
 {
  public:
-  /** \param keyframes outlives the map, which keeps its points there and follows its poses.
-   * \param region the map holds what lies here, exactly as the whole map would. */
+  /** \param keyframes outlives the map, which keeps its points there and follows its poses. \param
+   * region the map holds the voxels in this region, exactly as the whole map would. */
   StaticMap(const StaticMapOptions& options,
             KeyframeStore& keyframes,
             const MapRegion& region = {});
@@ -109,7 +112,7 @@ class StaticMap
    * order, also long after it was created; one whose pose is not finite has no points. If keyframes
    * have moved, the map is corrected first, see `correction_distance`; the remaining error until
    * correct() is less than a voxel.
-   * \param frame that became the keyframe: cloud, what moves in it, and its objects are read
+   * \param frame the frame that became the keyframe; cloud, moving labels and objects are read
    * \throws std::invalid_argument unless the frame is the first keyframe of the store that is not
    * in the map yet.
    */
@@ -127,12 +130,13 @@ class StaticMap
 
   /** The cleaned map, in the order in which voxels were first met. */
   [[nodiscard]] MapPoints points() const;
-  /** The same in parts, one of which is in memory at a time. */
+  /** Calls `use` with the points of points() in parts, one of which is in memory at a time. */
   void forEachPart(const std::function<void(const MapPoints&)>& use) const;
   /** Number of points of the cleaned map. */
   [[nodiscard]] std::size_t pointCount() const;
 
-  /** Number of the voxel around a point, VoxelHash::none if there is none; cleaned ones too. */
+  /** Number of the voxel around a point of the map frame [m], also if the voxel was cleaned away;
+   * VoxelHash::none if there is none. */
   [[nodiscard]] std::uint32_t voxelAt(const Eigen::Vector3d& p) const;
 
   /** Calls `visit` with the points of every keyframe (vehicle frame) that are in the cleaned map,
@@ -141,17 +145,17 @@ class StaticMap
       const std::function<void(std::size_t keyframe, const KeyframeCloud& cloud)>& visit) const;
 
   [[nodiscard]] const KeyframeStore& keyframes() const;
-  /** Poses that the map is built with, one per keyframe inserted. */
+  /** Poses (T_map_vehicle) that the map is built with, one per keyframe inserted. */
   [[nodiscard]] const std::vector<Pose>& poses() const;
   /** Side of the voxels now [m]: the option's, or doubled to keep within max_voxels. */
   [[nodiscard]] double voxelSize() const;
-  /** Voxels held, cleaned ones too. */
+  /** Number of voxels, also those that were cleaned away. */
   [[nodiscard]] std::size_t voxelCount() const;
   /** Size of the voxels that are in memory, not on disk [bytes]. */
   [[nodiscard]] std::size_t memory() const;
 
-  /** The voxels; the keyframes are saved by themselves. \pre no beginRun(): runs are not part of it
-   */
+  /** Saves or restores the voxels, without the keyframe store. \pre beginRun() was never called:
+   * runs are not part of the state */
   void exchangeState(StateArchive& archive);
 
  private:

@@ -15,11 +15,11 @@ struct ClipOptions : Options
       simulator;          //!< world, sensor and ranges; seed, traffic and speed are drawn per clip
   bool any_world = true;  //!< draw the kind of world as well (urban most often)
   int scans = 2;          //!< consecutive scans in a clip
-  int clips_per_world = 16;  //!< consecutive clips share a world, which saves time
-  double min_traffic = 0;    //!< bounds of the traffic density drawn for each clip
-  double max_traffic = 1;
-  int least_seed = 0;  //!< bounds of the seeds drawn for worlds
-  int most_seed = (1 << 30) - 1;
+  int clips_per_world = 16;       //!< consecutive clips share a world, which saves time
+  double min_traffic = 0;         //!< least traffic density drawn for a clip
+  double max_traffic = 1;         //!< largest traffic density drawn for a clip
+  int least_seed = 0;             //!< least seed drawn for a world
+  int most_seed = (1 << 30) - 1;  //!< largest seed drawn for a world
 
   void describe(OptionsVisitor& visitor) override;
 };
@@ -36,10 +36,10 @@ class ClipGenerator
 
   /** `scans` consecutive scans with ground truth. */
   [[nodiscard]] std::vector<SimulatedScan> clip(std::uint64_t index) const;
-  /** The first `scans` scans of the same clip, independent of ClipOptions::scans. */
+  /** The first `scans` scans of clip `index`, independent of ClipOptions::scans. */
   [[nodiscard]] std::vector<SimulatedScan> clip(std::uint64_t index, int scans) const;
-  /** The options of clip `index`. Their seed is that of the world, which consecutive clips share;
-   * the trajectory and traffic have a seed of their own. */
+  /** The options of clip `index`. `seed` is the seed of the world, which consecutive clips share;
+   * `traffic_seed` determines trajectory and traffic. */
   [[nodiscard]] SimulatorOptions clipOptions(std::uint64_t index) const;
 
  private:

@@ -24,8 +24,8 @@ struct Beam
 {
   double elevation = 0;       //!< above the horizontal, or above the axis of a rosette [rad]
   double azimuth_offset = 0;  //!< added to the head's azimuth, counter-clockwise [rad]
-  double fire_time = 0;       //!< after the start of its column [s]
-  double height = 0;          //!< of the laser above the sensor's origin [m]
+  double fire_time = 0;       //!< time of firing after the start of the column [s]
+  double height = 0;          //!< height of the laser above the sensor's origin [m]
 };
 
 /** Direction of a ray in the lidar frame [rad]. */
@@ -38,9 +38,9 @@ struct RayAngles
 /** Two wedge prisms that turn in front of the lasers deflect them on a path that hardly repeats. */
 struct Prisms
 {
-  double deflection = 0;  //!< of each prism [rad]; 0: there are none, the head spins
-  double first_rate = 0;  //!< [revolutions/s]
-  double second_rate = 0;
+  double deflection = 0;   //!< deflection by each prism [rad]; 0: no prisms, the head spins
+  double first_rate = 0;   //!< rate of the first prism [revolutions/s]
+  double second_rate = 0;  //!< rate of the second prism [revolutions/s]
 };
 
 /** Model of a LiDAR: beams, rotation and measurement errors.
@@ -55,9 +55,10 @@ struct SensorModel
   std::vector<Beam> beams;  //!< from the lowest to the highest; the index is the ring number
   Prisms prisms;
   int columns = 0;         //!< firings of each beam per sweep
-  double period = 0.1;     //!< of one sweep: a revolution, if the head spins [s]
-  double min_range = 0.5;  //!< [m]
-  double max_range = 100;  //!< [m]
+  double period = 0.1;     //!< duration of a sweep (a revolution, if the head spins) [s]
+  double min_range = 0.5;  //!< least range of a return [m]
+  //!< least range of a return [m]
+  double max_range = 100;  //!< largest range of a return [m]
 
   double range_noise = 0.02;    //!< standard deviation for a bright target [m]
   double range_resolution = 0;  //!< quantisation of the range; 0 for none [m]
@@ -80,9 +81,9 @@ struct SensorModel
   [[nodiscard]] RayAngles throughPrisms(double time, const Beam& beam) const;
 };
 
-/** Model from the manufacturer's data sheet (beam table, firing times, range, accuracy). Of the
- * Livox Avia only field of view, points per second, range and noise are published; the rates of the
- * prisms are those measured on a Livox Mid-40, the order of its six lasers is assumed. */
+/** Model from the manufacturer's data sheet (beam table, firing times, range, accuracy). For the
+ * Livox Avia only field of view, points per second, range and noise are published; the rates of its
+ * prisms were measured on a Livox Mid-40, the order of its six lasers is assumed. */
 [[nodiscard]] SensorModel sensorModel(SensorKind kind);
 
 /** "HDL64E", "HDL32E", "VLP16", "OS1-32", "OS1-64", "OS1-128", "PANDAR64", "XT32", "AVIA", in any
