@@ -26,14 +26,14 @@ struct GraphSlamPlugin
   std::unique_ptr<Interface> (*make)(const std::shared_ptr<GraphSlamContext>& context);
 };
 
-/** All there are; the first of each is the default. */
+/** All plug-ins of each kind; the first of each is the default. */
 [[nodiscard]] std::vector<GraphSlamPlugin<NodeDecider>> nodeDeciders();
 [[nodiscard]] std::vector<GraphSlamPlugin<EdgeDecider>> edgeDeciders();
 [[nodiscard]] std::vector<GraphSlamPlugin<GraphOptimizer>> graphOptimizers();
 
-/** The plug-in of that name; the first for an empty one.
- * \param kind for the message, as "edge decider" \param hint behind a list of the names
- * \throws UserError for an unknown name, with the nearest. */
+/** The plug-in of a name; the first one for an empty name. \param kind kind of plug-in for the
+ * message, such as "edge decider" \param hint text of the message after the list of names \throws
+ * UserError for an unknown name, with the nearest. */
 template <typename Interface>
 [[nodiscard]] GraphSlamPlugin<Interface> findPlugin(
     const std::vector<GraphSlamPlugin<Interface>>& plugins,
