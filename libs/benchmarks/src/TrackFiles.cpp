@@ -32,7 +32,8 @@ std::map<int, StampedPose> lidarPoses(const std::string& folder,
                                       const Trajectory& T_world_vehicle,
                                       const NoteSink& note)
 {
-  constexpr double tolerance = 1e-3;  // [s]; both files contain the scans' stamps
+  constexpr double tolerance =
+      1e-3;  // tolerance of time stamps [s]; both files contain the scans' stamps
   fs::path rawlog = fs::absolute(folder).lexically_normal();
   rawlog = (rawlog.has_filename() ? rawlog : rawlog.parent_path()).replace_extension(".rawlog");
   if (!fs::exists(rawlog))
@@ -91,7 +92,7 @@ bool fromImages(const std::vector<LabelledBox>& boxes)
                      [](const LabelledBox& box) { return !box.image_box.isZero(); });
 }
 
-/** Instance minus track id: instances are ids, or one more where id 0 is in use. */
+/** Instance minus track id: 0, or 1 where id 0 is in use. */
 int instanceOffset(const std::vector<LabelledBox>& boxes, const PointCounts& counts)
 {
   const auto boxes_with_points = [&](int offset)
@@ -104,7 +105,7 @@ int instanceOffset(const std::vector<LabelledBox>& boxes, const PointCounts& cou
   return boxes_with_points(1) > boxes_with_points(0) ? 1 : 0;
 }
 
-/** Speeds of a run's tracks.csv, by frame and id; without those of empty fields. */
+/** Speeds in a run's tracks.csv, by frame and id, without empty fields. */
 TrackSpeeds readTrackSpeeds(const std::string& path)
 {
   TextFile file = TextFile::table(path);
@@ -148,7 +149,7 @@ void removeIf(std::vector<LabelledBox>& boxes, Condition condition)
   boxes.erase(std::remove_if(boxes.begin(), boxes.end(), condition), boxes.end());
 }
 
-/** Number of the first scan of a run, by scans.csv; nothing without. */
+/** Number of the first scan of a run, from scans.csv; nothing without that file. */
 std::optional<int> firstFrame(const std::string& folder)
 {
   const fs::path path = fs::path(folder) / "scans.csv";
@@ -209,7 +210,8 @@ void removeUncovered(std::vector<LabelledBox>& estimates,
                      const std::vector<LabelledBox>& truth,
                      const TrackSelection& selection)
 {
-  constexpr double margin = 2;  // [m]; across the border, the estimate of a box that counts
+  constexpr double margin =
+      2;  // distance [m] at which an estimate beyond the border may be that of a counted box
   std::map<int, std::vector<Eigen::Vector2d>> counted;  // centres by frame
   for (const LabelledBox& box : truth)
   {

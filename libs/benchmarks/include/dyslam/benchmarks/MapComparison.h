@@ -12,7 +12,7 @@
 
 namespace dyslam
 {
-/** The map that others are compared with. */
+/** The map that other maps are compared with. */
 struct ReferenceMap
 {
   std::string path;
@@ -22,15 +22,15 @@ struct ReferenceMap
 /** \throws UserError for a file that cannot be read. */
 [[nodiscard]] ReferenceMap readReferenceMap(const std::string& path);
 
-/** Labels of a reference, or why it has none. */
+/** Labels of a reference map, or why it has none. */
 struct ReferenceLabels
 {
   std::vector<Label> labels;
-  std::string missing;  //!< reason; empty: there are labels
+  std::string missing;  //!< why there are no labels; empty: there are labels
 };
 
-/** Of the file `labels`, else of F.label beside the map, else of the map's intensity. \throws
- * UserError for a file that cannot be read or has another number of labels. */
+/** Reads labels from the file `labels`, else from F.label beside the map F, else from the map's
+ * intensity. \throws UserError for a file that cannot be read or has another number of labels. */
 [[nodiscard]] ReferenceLabels readReferenceLabels(const ReferenceMap& reference,
                                                   const std::string& labels = "");
 
@@ -43,16 +43,16 @@ struct MapReport
   std::string json;
 };
 
-/** Static points preserved and dynamic points rejected. \throws UserError for a file that cannot be
- * read. */
+/** Shares of static points preserved and of dynamic points rejected. \throws UserError for a file
+ * that cannot be read. */
 [[nodiscard]] MapReport compareByLabels(const ReferenceMap& reference,
                                         const std::vector<Label>& labels,
                                         const std::vector<NamedMap>& maps,
                                         const MapMetricsOptions& metrics);
 
-/** Maps without labels: distances of the points of both from those of the other. \param distances
- * PLY to write, the map coloured by distance; empty: none \throws UserError for a file that cannot
- * be read or written, or a map without points. */
+/** For maps without labels: distances of the points of each map from the other map. \param
+ * distances PLY file to write, the map coloured by distance; empty: none \throws UserError for a
+ * file that cannot be read or written, or a map without points. */
 [[nodiscard]] MapReport compareByDistance(const ReferenceMap& reference,
                                           const std::vector<NamedMap>& maps,
                                           const std::string& distances = "");
