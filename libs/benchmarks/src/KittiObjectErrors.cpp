@@ -9,8 +9,7 @@ namespace dyslam
 {
 namespace
 {
-constexpr int half_window = 5;
-// scans to each side that give the true speed at a scan
+constexpr int half_window = 5;      // scans to each side that give the true speed at a scan
 constexpr double slowest = 1;       // least speed of the evaluated vehicles [m/s]
 constexpr double max_distance = 2;  // largest distance of an observation from its label [m]
 

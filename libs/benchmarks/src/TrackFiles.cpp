@@ -32,8 +32,7 @@ std::map<int, StampedPose> lidarPoses(const std::string& folder,
                                       const Trajectory& T_world_vehicle,
                                       const NoteSink& note)
 {
-  constexpr double tolerance =
-      1e-3;  // tolerance of time stamps [s]; both files contain the scans' stamps
+  constexpr double tolerance = 1e-3;  // [s]; small, since both files contain the scans' stamps
   fs::path rawlog = fs::absolute(folder).lexically_normal();
   rawlog = (rawlog.has_filename() ? rawlog : rawlog.parent_path()).replace_extension(".rawlog");
   if (!fs::exists(rawlog))
@@ -210,8 +209,7 @@ void removeUncovered(std::vector<LabelledBox>& estimates,
                      const std::vector<LabelledBox>& truth,
                      const TrackSelection& selection)
 {
-  constexpr double margin =
-      2;  // distance [m] at which an estimate beyond the border may be that of a counted box
+  constexpr double margin = 2;  // distance to a counted box up to which estimates stay [m]
   std::map<int, std::vector<Eigen::Vector2d>> counted;  // centres by frame
   for (const LabelledBox& box : truth)
   {

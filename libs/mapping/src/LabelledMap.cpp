@@ -12,8 +12,7 @@ namespace
 {
 constexpr double cube_size = 0.1;   // [m]
 constexpr double box_margin = 0.1;  // margin by which boxes are widened to each side [m]
-constexpr double clearance =
-    0.25;  // height above a box's lower side below which points are ground [m]
+constexpr double clearance = 0.25;  // height over a box's lower side up to which it is ground [m]
 
 bool isOfObject(const Eigen::Vector3d& p, const Box& box)
 {

@@ -18,12 +18,11 @@ constexpr auto pi = static_cast<float>(M_PI);
 constexpr float row_height = 0.4F * pi / 180.0F;
 constexpr float horizon = 0.5F * row_height;  // elevation where row 0 begins [rad]
 constexpr float zenith_row = 225;             // row straight up; -225: straight down, or not finite
-constexpr int widest_window = 4;  // largest half width of the window around a voxel [pixels]
-constexpr int widest_gap = 6;     // largest distance to the rays above and below [rows]
-constexpr int widest_side = 3;    // largest distance to the rays on both sides [columns]
-constexpr float nearest = 0.5F;   // least range of a ray [m]
-constexpr float closest_pass =
-    0.1F;  // largest distance of a ray through a voxel from its centre [m]
+constexpr int widest_window = 4;      // largest half width of the window around a voxel [pixels]
+constexpr int widest_gap = 6;         // largest distance to the rays above and below [rows]
+constexpr int widest_side = 3;        // largest distance to the rays on both sides [columns]
+constexpr float nearest = 0.5F;       // least range of a ray [m]
+constexpr float closest_pass = 0.1F;  // largest distance of a ray from a voxel's centre [m]
 
 constexpr std::size_t block = 128;  // rays processed together
 }  // namespace

@@ -17,8 +17,7 @@ constexpr double dense_thickness = 0.05;
 /** Dense stage: upper limit of the total weight of ground surfaces relative to all others. They do
  * not constrain the forward motion and only add their errors to it. */
 constexpr double max_ground_weight_ratio = 1.5;
-constexpr double min_ground_normal_cosine =
-    0.9;  //!< least |cos| of the angle of a ground normal to the z axis
+constexpr double min_ground_normal_cosine = 0.9;  //!< least |z| of a ground normal
 constexpr double min_ground_weight = 0.02;
 
 /** Points of a scan deskewed by `motion` instead of T_sweep, to first order of the difference. */

@@ -12,17 +12,15 @@ using torch::Tensor;
 
 namespace
 {
-constexpr float voting_half_extent = 51.2F;
-// half side of the square of voting cells [m]
-constexpr float min_static_weight = 0.01F;  // least weight of a cell in the refinement
-constexpr double fine_width = 0.15;         // final width of the robust loss [m]
+constexpr float voting_half_extent = 51.2F;  // half side of the square of voting cells [m]
+constexpr float min_static_weight = 0.01F;   // least weight of a cell in the refinement
+constexpr double fine_width = 0.15;          // final width of the robust loss [m]
 // Yaw grids of the motion search: step [rad] and number of steps to each side.
 constexpr double coarse_yaw_step = 0.035;
 constexpr int coarse_yaw_steps = 3;
 constexpr double fine_yaw_step = 0.012;
 constexpr int fine_yaw_steps = 2;
-constexpr int max_refinements = 8;
-// largest number of iterations of the fine fit
+constexpr int max_refinements = 8;          // largest number of iterations of the fine fit
 constexpr double convergence_step = 0.003;  // step below which the fine fit has converged [m]
 constexpr double max_contraction = 0.85;    // upper limit of the ratio of successive steps
 constexpr double lever = 20;                // lever arm of rotations in the size of a step [m]

@@ -124,10 +124,9 @@ std::string asFileName(std::string name)
 struct PairMotions
 {
   std::vector<Pose> truths;
-  std::vector<Pose> from_standing;  //!< network, started at zero motion
-  std::vector<Pose> from_previous;  //!< network, started at its previous motion
-  std::vector<Pose> constant;
-  //!< constant velocity: the previous true motion
+  std::vector<Pose> from_standing;        //!< network, started at zero motion
+  std::vector<Pose> from_previous;        //!< network, started at its previous motion
+  std::vector<Pose> constant;             //!< constant velocity: the previous true motion
   std::vector<std::vector<Pose>> stages;  //!< by stage: network, started at zero motion
 
   /** Adds a pair. \param found poses of all stages, started at zero motion \param predicted pose

@@ -9,8 +9,7 @@ namespace dyslam
 {
 namespace
 {
-constexpr double near_mover_share =
-    0.85;  // share of crops near a moving object, in pairs that have one
+constexpr double near_mover_share = 0.85;  // share of crops near a moving object, if there is one
 }
 
 Eigen::Vector2f drawCentre(const DysegSample& sample,

@@ -204,9 +204,8 @@ bool taken(const std::vector<Eigen::Vector3f>& points,
            const Pose& T_sensor_body,
            const CastBody& body)
 {
-  constexpr float sensor_clearance = 1.4F;
-  // more than half the width of the sensor's vehicle [m]
-  constexpr float clearance = 0.2F;  // margin around the body [m]
+  constexpr float sensor_clearance = 1.4F;  // more than half the width of the sensor's vehicle [m]
+  constexpr float clearance = 0.2F;         // margin around the body [m]
   const Eigen::Isometry3f T_body_sensor = T_sensor_body.inverse().cast<float>();
   if (body.covers(T_body_sensor.translation().head<2>(), sensor_clearance))
   {

@@ -13,9 +13,8 @@ namespace dyslam
 namespace
 {
 constexpr int clip_scans = 11;
-constexpr std::size_t longest_gap = 10;
-// largest distance of the scans of a pair [scans]
-constexpr double period = 0.1;  // time per scan of pairs made from one scan [s]
+constexpr std::size_t longest_gap = 10;  // largest distance of the scans of a pair [scans]
+constexpr double period = 0.1;           // time per scan of pairs made from one scan [s]
 
 /** Draws the firings per revolution: 0 (default of the sensor) for half of the clips, else fewer,
  * as in recordings. */

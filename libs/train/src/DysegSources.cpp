@@ -59,8 +59,7 @@ constexpr int least_positions = 4;  // least number of positions that give a spe
 // without regard to the sensor's motion.
 constexpr std::int32_t first_parked = 500;
 constexpr std::int32_t last_parked = 599;
-constexpr double boxed_revolution = 0.091;
-// revolution of the VLS-128 of runs with boxes [s]
+constexpr double boxed_revolution = 0.091;  // revolution of the VLS-128 of runs with boxes [s]
 constexpr double labelled_period = 0.1034;  // time between scans of labelled runs (HDL-64E) [s]
 
 UserError tooFewPoses(const std::string& file, std::size_t poses, std::size_t last_frame)

@@ -91,8 +91,7 @@ struct DysegTrainer::Impl : TrainingTask
   std::unique_ptr<TrainingLoop> loop;
 
   std::unique_ptr<DysegPairs> pairs;
-  std::vector<DysegNet> copies;
-  //!< copies of the network, one per thread
+  std::vector<DysegNet> copies;                    //!< copies of the network, one per thread
   std::array<std::vector<PreparedPair>, 2> batch;  //!< pairs of the even and of the odd steps
   std::vector<DysegLoss> losses;                   //!< losses of the pairs of this step
   DysegLoss sum;                                   //!< sum of losses since the last row of the log

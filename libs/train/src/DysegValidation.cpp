@@ -80,8 +80,7 @@ struct SimulatedRow
   const char* name;
   sim::WorldKind world;
   sim::SensorKind sensor;
-  int columns;
-  //!< firings per revolution; 0: default of the sensor
+  int columns;               //!< firings per revolution; 0: default of the sensor
   std::uint64_t first_seed;  //!< seed of the first clip minus `unseen_seeds`
   bool near;                 //!< compared with the previous scan, too
 };

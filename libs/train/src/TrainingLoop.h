@@ -52,19 +52,16 @@ struct TrainingLoopSetup
   int batch = 1;    //!< pairs in a step
   int threads = 1;  //!< pairs computed at a time
   LearningRateOptions rate;
-  double ema_decay = 0;           //!< decay of the exponential moving average of the weights
-  double clip = 0;                //!< largest norm of the gradients
-  int validate_every = 0;         //!< steps between validations; 0: none
-  int checkpoint_every = 0;       //!< steps between checkpoints; 0: by time
-  double checkpoint_minutes = 0;  //!< time between checkpoints [min]
-  bool checkpoint_has_minutes = false;
-
-  //!< checkpoints contain the time trained so far
-  std::string network_prefix;  //!< prefix of the network's weights in a checkpoint
+  double ema_decay = 0;                 //!< decay of the exponential moving average of the weights
+  double clip = 0;                      //!< largest norm of the gradients
+  int validate_every = 0;               //!< steps between validations; 0: none
+  int checkpoint_every = 0;             //!< steps between checkpoints; 0: by time
+  double checkpoint_minutes = 0;        //!< time between checkpoints [min]
+  bool checkpoint_has_minutes = false;  //!< checkpoints contain the time trained so far
+  std::string network_prefix;           //!< prefix of the network's weights in a checkpoint
   std::shared_ptr<torch::nn::Module> network;
   std::shared_ptr<torch::nn::Module> mean;  //!< exponential moving average of the network's weights
-  std::shared_ptr<torch::nn::Module> loss;
-  //!< loss with trained parameters; null if it has none
+  std::shared_ptr<torch::nn::Module> loss;  //!< loss with trained parameters; null if it has none
   std::shared_ptr<torch::optim::Optimizer> optimizer;  //!< has one group of parameters
 };
 

@@ -20,8 +20,7 @@ struct KittiMotSetup
   std::string detections;  //!< folder of NNNN.txt files, or with one such folder per class
   TrackerOptions tracker;
   DetectionNoiseOptions noise;
-  double frame_time = kitti_scan_period;
-  //!< time between scans of sequences without times [s]
+  double frame_time = kitti_scan_period;  //!< time between scans of sequences without times [s]
   bool deskew = true;      //!< correct the boxes, which are from scans that are not deskewed
   double added_noise = 0;  //!< standard deviation added to x and y of the detections [m]
   int seed = 1;            //!< seed of `added_noise`

@@ -18,8 +18,7 @@ struct KittiSlamSetup
   std::string detector;  //!< as readKittiDrive()
   double min_score = 0;  //!< least score of detections
   std::vector<std::string> sequences;
-  std::vector<std::string> odometries;
-  //!< "poor", "middle", "good" (drawn), or "visual"
+  std::vector<std::string> odometries;  //!< "poor", "middle", "good" (drawn), or "visual"
   /** Modes of the backend: "odometry", "ego", "segmot", "full"; ratios are relative to the first.
    */
   std::vector<std::string> modes;

@@ -70,10 +70,9 @@ class GraphSlamContext
   ScanDecoder decoder_;
   std::size_t only_first_n_;
   std::function<void(Frame)> on_frame_;
-  std::optional<Frame> frame_;
-  //!< newest frame; its ground truth may still come
-  double clock_shift_ = 0;  //!< clock shift of frame_'s scan [s]
-  bool in_step_ = false;    //!< frame_ is of the present step
+  std::optional<Frame> frame_;  //!< newest frame; its ground truth may still come
+  double clock_shift_ = 0;      //!< clock shift of frame_'s scan [s]
+  bool in_step_ = false;        //!< frame_ is of the present step
   bool done_ = false;
   bool finished_ = false;
   std::size_t scans_ = 0;

@@ -9,9 +9,8 @@ namespace dyslam
 struct DyloPrior
 {
   Pose T_reference_current = Pose::Identity();
-  Matrix6 information =
-      Matrix6::Zero();  //!< information of log(T_prior^-1 T), [translation, rotation]
-  double points_per_measurement = 24;  //!< sampled points per independent measurement
+  Matrix6 information = Matrix6::Zero();  //!< of log(T_prior^-1 T), [translation, rotation]
+  double points_per_measurement = 24;     //!< sampled points per independent measurement
 };
 
 /** Factor that scales a normal matrix for weights that sum to 1 to the information of the points:

@@ -22,8 +22,7 @@ struct DysegCells
   explicit DysegCells(const BevScan& scan);
 
   CellPyramid level;
-  torch::Tensor half_from_full;
-  //!< N2 x 9: full-resolution rows under each kernel at 1/2
+  torch::Tensor half_from_full;      //!< N2 x 9: full-resolution rows under each kernel at 1/2
   torch::Tensor half_neighbours;     //!< N2 x 9: rows at 1/2 of the 3 x 3 cells around each
   torch::Tensor quarter_from_half;   //!< N4 x 9: rows at 1/2 under each kernel at 1/4
   torch::Tensor quarter_neighbours;  //!< N4 x 9: rows at 1/4 of the 3 x 3 cells around each

@@ -19,8 +19,7 @@ struct PreparedScan
 {
   static constexpr int columns = 1800;
   static constexpr int max_rows = 64;
-  static constexpr int slope_bins =
-      2048;  //!< number of bins of `row_of_slope`, over slopes in [-1, 1)
+  static constexpr int slope_bins = 2048;  //!< size of `row_of_slope`, over slopes in [-1, 1)
   static constexpr std::size_t level_count = 5;
 
   struct Level
@@ -41,10 +40,9 @@ struct PreparedScan
   std::array<Level, level_count> levels;   //!< 8192, 2048, 1024, 256 and 64 nodes
   std::vector<std::int32_t>
       first_level_of;  //!< concatenated levels 2 to 4: node of level 1, -1 if empty
-  std::vector<Eigen::Vector3f> normals;
-  //!< normals of level 1, towards the sensor; zero if unknown
-  std::vector<float> planarity;  //!< planarity of level 1, in [0, 1]
-  std::size_t valid_points = 0;  //!< number of occupied image cells
+  std::vector<Eigen::Vector3f> normals;  //!< level 1, towards the sensor; zero if unknown
+  std::vector<float> planarity;          //!< planarity of level 1, in [0, 1]
+  std::size_t valid_points = 0;          //!< number of occupied image cells
 
   [[nodiscard]] bool empty() const { return valid_points == 0; }
 };

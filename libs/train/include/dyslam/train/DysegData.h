@@ -116,7 +116,8 @@ struct SweepDrift
 {
   double start_azimuth = 0;  //!< start of the sweep of scan 0, from +x towards +y [rad]
   double step = 0;           //!< drift per scan [rad]; 0: whole revolutions, deskewed or at rest
-                             /** Number of revolutions from scan to scan. */
+
+  /** Number of revolutions from scan to scan. */
   [[nodiscard]] double revolutions() const;
 };
 

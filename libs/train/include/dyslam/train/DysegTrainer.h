@@ -28,16 +28,14 @@ struct DysegTrainerOptions : Options
   int boxed_validation_first = 48;
   int boxed_validation_last = 63;
   std::string labelled_validation = "kitti_raw_2011_09_26_drive_0005";
-  std::string labelled_poses =
-      "poses_icp_raw_velo.txt";  //!< file in the folder of `labelled_validation`
+  std::string labelled_poses = "poses_icp_raw_velo.txt";  //!< file in that run's folder
   int labelled_validation_first = 80;
   int labelled_validation_last = 109;
   std::string single_scans = "hdl64_singles_sceneflow,hdl64_singles_object/velodyne";
   double simulated_share = 0.5;  //!< share of simulated pairs, if there are real data
   double single_share = 0.3;     //!< share of real pairs from single scans
-  double same_scan_share = 0.1;
-  //!< share of the pairs of runs and clips that are doubleScan()s
-  int gap = 8;           //!< distance of the scans that the application compares [scans]
+  double same_scan_share = 0.1;  //!< share of the pairs of runs and clips that are doubleScan()s
+  int gap = 8;                   //!< distance of the scans that the application compares [scans]
   double gap_share = 0;  //!< share of the pairs of runs and clips `gap` apart; others: 1 to 10
   double campus_share = 0.25;    //!< share of simulated clips on a campus
   double highway_share = 0.2;    //!< share on a highway of the clips that are not on a campus;
