@@ -5,11 +5,12 @@
 
 namespace dyslam
 {
-/** The baseline: Ceres in the usual setup of its pose-graph example. Automatic derivatives of
+/** Baseline solver: Ceres in the usual setup of its pose-graph example. Automatic derivatives of
  * translation and quaternion, a quaternion manifold, sparse Cholesky, default settings, 200
  * iterations, starting from the graph's poses (chained edges where it has none). The error is g2o's
  * and is whitened with the upper Cholesky factor.
- * \param limit seconds after which it gives up
- * \return iterations. Indefinite information matrices are projected as our solver does. */
+ * \param limit time after which it gives up [s]
+ * \return number of iterations. Indefinite information matrices are projected as by
+ * PoseGraphSolver. */
 int solveByPlainCeres(mrpt::graphs::CNetworkOfPoses3DInf& graph, double limit);
 }  // namespace dyslam

@@ -15,6 +15,6 @@ struct Scenario
 };
 
 /** Parked, stopping, starting, oncoming and crossing cars, a surrounding queue, and pedestrians.
- * \param seed of the first street; must not be used in training. */
+ * \param seed seed of the first street; must not be used in training */
 [[nodiscard]] std::vector<Scenario> makeScenarios(std::uint64_t seed, int streets);
 }  // namespace dyslam
