@@ -270,8 +270,8 @@ Evidence VisibilityImage::evidenceBetweenRows(int row, int col, float range, flo
   return Evidence::enclosed;
 }
 
-/** The nearest rays of one row: free if they passed on both sides of the voxel, of which one would
- * have ended before it on a surface that is seen at a grazing angle. */
+/** Evidence of the nearest rays to both sides in one row: free if both passed the voxel. On a
+ * surface that is seen at a grazing angle, one of them would have ended before it. */
 Evidence VisibilityImage::evidenceInRow(int row, int col, float range, float margin) const
 {
   if (row < 0 || row >= rows_)

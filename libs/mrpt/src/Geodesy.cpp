@@ -27,7 +27,7 @@ Eigen::Vector3d toEnu(const GeodeticPosition& position, const GeodeticPosition& 
 // inverted by iteration.
 GeodeticPosition fromEnu(const Eigen::Vector3d& enu, const GeodeticPosition& origin)
 {
-  constexpr double metres_per_degree = 111320;  // of latitude, within one percent
+  constexpr double metres_per_degree = 111320;  // degree of latitude, to one percent
   constexpr int steps = 8;                      // each step leaves a percent of the error
   GeodeticPosition result = origin;
   for (int i = 0; i < steps; ++i)

@@ -14,7 +14,7 @@ struct DyloTrainRequest
                         //!< validation.csv, effective.ini
   bool resume = false;  //!< continue from checkpoint.safetensors in `output`
   std::string start;    //!< a checkpoint.safetensors or dylo.safetensors with the initial weights,
-                        //!< or empty
+                        //!< or empty: none
   std::string device = "cpu";
   /** Folder for a CSV file of points and static confidence per validation recording, named by its
    * number and name; empty: not written. */
