@@ -28,7 +28,8 @@ using Json = nlohmann::json;
 const char* const chromium = "/usr/bin/chromium";
 const char* const chromedriver = "/usr/bin/chromedriver";
 
-/** Whether head and body, whose length the head says, are there; the connection stays open. */
+/** Whether a response is complete: its head and as much body as the head states. The connection
+ * stays open. */
 bool isWhole(const std::string& answer)
 {
   const std::string field = "content-length:";
@@ -40,7 +41,7 @@ bool isWhole(const std::string& answer)
          answer.size() >= lower.size() + 4 + std::stoul(lower.substr(at + field.size()));
 }
 
-/** One request, one answer. */
+/** Sends an HTTP request. \return the response */
 std::string request(int port, const std::string& text)
 {
   const int socket = ::socket(AF_INET, SOCK_STREAM, 0);
@@ -139,7 +140,7 @@ Browser::~Browser()
   }
   catch (const std::exception&)
   {
-    // it is gone already
+    // chromedriver has ended already
   }
 }
 

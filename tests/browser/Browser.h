@@ -7,14 +7,15 @@
 
 namespace dyslam
 {
-/** Chromium without a window, spoken to by chromedriver (the WebDriver protocol of the W3C). */
+/** Headless Chromium, controlled by chromedriver (the WebDriver protocol of the W3C). Every
+ * function throws std::runtime_error if chromedriver fails. */
 class Browser
 {
  public:
-  /** Whether both programs are installed. */
+  /** Whether Chromium and chromedriver are installed. */
   [[nodiscard]] static bool isInstalled();
 
-  /** Starts both. \throws std::runtime_error, as all of it. */
+  /** Starts chromedriver and Chromium. */
   Browser();
   ~Browser();
   Browser(const Browser&) = delete;
@@ -22,14 +23,15 @@ class Browser
 
   void resize(int width, int height);
   void open(const std::string& file);
-  /** Result of a function's body. */
+  /** Result of a JavaScript function. \param script body of the function */
   [[nodiscard]] nlohmann::json run(const std::string& script);
-  /** Runs the body, again and again, until it returns true. \return false after `seconds`. */
+  /** Runs the body of a JavaScript function repeatedly until it returns true. \return false after
+   * `seconds` [s] */
   [[nodiscard]] bool waitFor(const std::string& script, double seconds = 60);
-  /** As a user does; `id` is the element's. */
+  /** Clicks on an element as a user does. \param id of the element */
   void click(const std::string& id);
   void type(const std::string& id, const std::string& keys);
-  /** PNG of the element in base64. */
+  /** PNG of an element in base64. */
   [[nodiscard]] std::string screenshot(const std::string& id);
   /** Errors that the page has caused since the last call, one a line. */
   [[nodiscard]] std::string errors();

@@ -33,7 +33,7 @@ const char* const all_drawn =
     "const c = document.getElementById('scene'); if (!c || !c.dataset.drawn) return false;"
     "const n = c.dataset.drawn; const same = window.before === n; window.before = n; return same;";
 
-/** The page with this run in it, as a file. */
+/** Writes the page of a run to a file. */
 std::string written(const RunPage& page,
                     const std::string& name,
                     const RunPageOptions& options = {})
@@ -149,7 +149,7 @@ TEST(RunPageInBrowser, SliderMovesThroughTheScans)
   ASSERT_TRUE(browser.waitFor(all_drawn));
   EXPECT_TRUE(differ(browser.screenshot("scene"), before));
 
-  browser.click("play");  // from the start again, as it stands at the end
+  browser.click("play");  // at the end, playing begins again from the start
   EXPECT_TRUE(browser.waitFor("return document.getElementById('time-slider').value > 3"));
   EXPECT_TRUE(browser.waitFor("return document.getElementById('play').textContent === 'Play'"))
       << "it stops at the end";
@@ -246,7 +246,8 @@ TEST(RunPageInBrowser, StatesTheSensorAndWhereTheTruthIsFrom)
   EXPECT_EQ(browser.errors(), "");
 }
 
-/** The page has no threshold of its own: scans that were not registered alone are no verdict. */
+/** The page has no threshold of its own: the number of scans that were not registered gives no
+ * verdict by itself. */
 TEST(RunPageInBrowser, ShowsTheVerdictOfTheRun)
 {
   DYSLAM_REQUIRE_BROWSER();

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What the user gets when the input is bad: the programs themselves are run. Each must print one
-// line that names the file or field and the way out, give exit code 1, and leave whole files
-// behind.
+// Programs with bad input: each must print one line that names the file or field and what to do,
+// end with exit code 1, and leave no partial files.
 #include <dyslam/formats/TrajectoryFiles.h>
 #include <dyslam/io/RawlogSource.h>
 #include <dyslam/io/RawlogWriter.h>
@@ -46,7 +45,7 @@ class BadInput : public ::testing::Test
   }
   static void TearDownTestSuite() { fs::remove_all(folder_); }
 
-  /** A short recording; `change` spoils its scans. */
+  /** Writes a short recording. \param change modifies its scans */
   static void record(const std::string& name, const std::function<void(std::size_t, Scan&)>& change)
   {
     sim::SimulatorOptions options;
@@ -125,7 +124,7 @@ TEST_F(BadInput, FilesThatAreNoRawlog)
   const std::string noise = write("noise.rawlog", std::string(50000, '\x8F'));
   const std::string simplemap = writeObjects("map.rawlog", mrpt::maps::CSimpleMap());
   const std::string flat = writeObjects("flat.rawlog", mrpt::obs::CObservation2DRangeScan());
-  // Both programs that read rawlogs.
+  // Two programs that read rawlogs.
   const std::vector<std::pair<std::string, std::string>> programs{
       {"dyslam", " -c vlp16.ini -o " + at("never")},
       {"dyslam-map",
@@ -259,8 +258,8 @@ TEST_F(BadInput, TimeStampsThatRepeatOrGoBack)
          [](std::size_t i, Scan& scan)
          {
            scan.stamp = 100.0 + 0.1 * static_cast<double>(i);
-           scan.stamp -= i == 4 ? 0.1 : 0.0;  // as the one before
-           scan.stamp -= i == 8 ? 3.0 : 0.0;  // back
+           scan.stamp -= i == 4 ? 0.1 : 0.0;  // the stamp of the previous scan
+           scan.stamp -= i == 8 ? 3.0 : 0.0;  // 3 s back
          });
   const Outcome outcome = run("dyslam", slam(at("stamps.rawlog"), "stamps"));
   EXPECT_EQ(outcome.code, 0) << outcome.err;
@@ -483,7 +482,7 @@ TEST_F(BadInput, FoldersOfRuns)
   write("odd/trajectory_tum.txt", "1 0 0 0 0 0 0 1\n2 1 0 0 0 0 0 1\n");
   write("odd/report.json", "{ \"frames\": ");
   expectRefusal("dyslam-eval", "run " + at("odd"), {"report.json: is not the JSON report"});
-  // A report of other hands may hold anything.
+  // A report that another program wrote may hold anything.
   write("odd/report.json",
         R"({"frames": "x", "stage_ms": {"a": "b", "c": 2.5}, "input": 4, "ms_per_scan": null})");
   const Outcome outcome = run("dyslam-eval", "run " + at("odd"));
@@ -493,7 +492,8 @@ TEST_F(BadInput, FoldersOfRuns)
   const Outcome with_truth = run("dyslam-eval", "run " + at("odd") + " --truth " + at("x.gt"));
   EXPECT_EQ(with_truth.code, 0) << with_truth.err;
   EXPECT_EQ(with_truth.err.find("no errors computed"), std::string::npos) << with_truth.err;
-  EXPECT_NE(with_truth.out.find("1.0000"), std::string::npos) << with_truth.out;  // forward
+  EXPECT_NE(with_truth.out.find("1.0000"), std::string::npos)
+      << with_truth.out;  // ratio of the forward motion
   write("odd/report.json", R"({"stage_ms": 3})");
   EXPECT_EQ(run("dyslam-eval", "run " + at("odd")).code, 0);
 }

@@ -36,7 +36,7 @@ std::set<std::string> filesIn(const fs::path& folder)
   return files;
 }
 
-/** All but what holds times of the run. */
+/** All files of a run but those that hold times. */
 void expectSameBytes(const fs::path& expected, const fs::path& given)
 {
   const std::set<std::string> timed{"report.json", "report.html"};
@@ -80,7 +80,7 @@ TEST(Batch, HasTheBytesOfSingleRunsAndSkipsWhatIsDone)
       "dyslam-batch", recordings + settings + "-o " + folder.file("batch"), folder.path());
   EXPECT_EQ(again.code, 0) << again.err;
   EXPECT_TRUE(contains(again.out, "2 done (2 before)")) << again.out;
-  // Both recordings have ground truth: no figure of theirs is missing.
+  // Both recordings have ground truth: none of their figures is missing.
   EXPECT_FALSE(contains(folder.read("batch/index.html"), "<td class=\"number\"></td>"));
 }
 

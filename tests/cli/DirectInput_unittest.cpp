@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// dyslam on a recording that is no rawlog: the results are those of converting it first.
+// dyslam on a recording that is no rawlog gives the same results as on the converted recording.
 #include <dyslam/formats/ScanFiles.h>
 #include <dyslam/formats/TrajectoryFiles.h>
 #include <dyslam/sim/Simulator.h>
@@ -62,7 +62,7 @@ class DirectInput : public ::testing::Test
     }
   }
 
-  /** Two topics of scans; that of the lidar is /points. */
+  /** Writes a bag with two topics of scans: /points and /rear. */
   void bag(const std::string& name) const
   {
     std::vector<test::TestMessage> all;
@@ -79,7 +79,8 @@ class DirectInput : public ::testing::Test
     test::writeBag(at(name), all);
   }
 
-  /** \param flags of dyslam and of the converter alike */
+  /** Runs the converter and then dyslam, and dyslam alone, and compares the results. \param flags
+   * flags of both dyslam and the converter */
   void expectSameAsConvertedFirst(const std::string& converter,
                                   const std::string& input,
                                   const std::string& flags = "")
@@ -101,7 +102,7 @@ class DirectInput : public ::testing::Test
     EXPECT_TRUE(contains(direct.out, out + "recording.rawlog stays")) << direct.out;
   }
 
-  /** \param says parts of the one line on stderr */
+  /** Expects an error. \param says parts of the only line on stderr */
   void expectRefused(const std::string& arguments, const std::vector<std::string>& says)
   {
     const Outcome outcome = run("dyslam", arguments);
@@ -214,7 +215,7 @@ TEST_F(DirectInput, ARerunConvertsAgain)
   EXPECT_EQ(0, again.code) << again.err;
   EXPECT_NE(earlier, folder_.read("run/recording.rawlog"));
 
-  fs::remove(at("run/recording.ini"));  // a recording that no run wrote
+  fs::remove(at("run/recording.ini"));  // now the folder holds a recording that no run wrote
   expectRefused(words, {"run/recording.rawlog: is there already", "--force"});
   EXPECT_EQ(0, run("dyslam", words + " --force").code);
 }
@@ -231,7 +232,7 @@ TEST_F(DirectInput, ADamagedInputReplacesAnEarlierRecording)
   EXPECT_NE(earlier, folder_.read("run/recording.rawlog"));
   EXPECT_TRUE(contains(folder_.read("run/recording.ini"), "input = " + at("damaged") + "\n"));
 
-  fs::remove(at("damaged/000000.bin"));  // no scan before that
+  fs::remove(at("damaged/000000.bin"));  // no scan is left before the damaged one
   fs::remove(at("damaged/000001.bin"));
   fs::remove(at("damaged/000002.bin"));
   const Outcome nothing = run("dyslam", "-q -i " + at("damaged") + " -o " + at("run"));

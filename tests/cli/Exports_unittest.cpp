@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Every file that dyslam-map writes is read back by a program that is not ours.
+// Every file that dyslam-map writes is read back by a program of others.
 #include <dyslam/core/Trajectory.h>
 #include <dyslam/formats/ScanFiles.h>
 #include <dyslam/formats/TrajectoryFiles.h>
@@ -24,7 +24,7 @@ namespace
 {
 namespace fs = std::filesystem;
 
-/** What an installed program says, with its exit code. */
+/** Output and exit code of an installed program. */
 Outcome runForeign(const std::string& command, const std::string& folder)
 {
   const std::string out = folder + "/foreign.txt";
@@ -40,7 +40,7 @@ bool installed(const std::string& program)
   return std::system(("command -v " + program + " > /dev/null 2>&1").c_str()) == 0;
 }
 
-/** Points by the header of an ASCII PCD or PLY, and its rows of numbers. */
+/** Number of points by the header of an ASCII PCD or PLY file, and its rows of numbers. */
 struct AsciiCloud
 {
   std::vector<std::string> fields;

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A recording with positions of a satellite receiver, of a lidar that is tilted: where its map is
-// on the earth.
+// Georeferenced map of a recording with GNSS positions and a tilted lidar.
 #include <dyslam/core/Angle.h>
 #include <dyslam/core/Files.h>
 #include <dyslam/formats/GeoreferenceFile.h>
@@ -42,7 +41,7 @@ class GeoreferencedRun : public ::testing::Test
     for (int i = 0; i < 100; ++i)
     {
       auto simulated = simulator.next();
-      // The vehicle frame is that of the lidar, as far as the recording knows.
+      // The recording has no mounting of the lidar, so its vehicle frame is the lidar frame.
       const Pose T_enu_lidar = simulated.T_map_vehicle * simulated.scan.T_vehicle_lidar;
       simulated.scan.T_vehicle_lidar = Pose::Identity();
       if (i % 5 == 0)
@@ -69,7 +68,7 @@ class GeoreferencedRun : public ::testing::Test
 
   fs::path folder_;
   GeodeticPosition origin_{-33.86, 151.21, 40};
-  Trajectory truth_;  //!< of the lidar, east-north-up of origin_
+  Trajectory truth_;  //!< true poses of the lidar, east-north-up of origin_
 };
 }  // namespace
 
@@ -96,7 +95,7 @@ TEST_F(GeoreferencedRun, TrajectoryAndMapAreInUtm)
     const UtmPosition expected = toUtm(fromEnu(T_enu_lidar.translation(), origin_));
     EXPECT_NEAR(utm[i].pose.translation().x(), expected.easting, 0.3);
     EXPECT_NEAR(utm[i].pose.translation().y(), expected.northing, 0.3);
-    // But for the angle between the meridian and the grid: 1 deg here.
+    // The yaw differs by the angle between the meridian and the grid: 1 deg here.
     const Eigen::AngleAxisd apart(utm[i].pose.linear().transpose() * T_enu_lidar.linear());
     EXPECT_LT(apart.angle(), 2.5 * radians_per_degree);
   }

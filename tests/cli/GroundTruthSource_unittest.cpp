@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What a run and its evaluation say about the ground truth: where the true poses are from, which
-// part of a run and which tracks they cover, and flags that do not go with the files given.
+// Statements of a run and its evaluation about the ground truth: the source of the true poses, the
+// part of a run and the tracks that they cover, and flags that do not fit the given files.
 #include <dyslam/formats/LabelFiles.h>
 #include <dyslam/formats/ScanFiles.h>
 #include <gtest/gtest.h>
@@ -45,7 +45,7 @@ class GroundTruthSource : public testing::Test
     ASSERT_EQ(0, outcome.code) << outcome.err;
   }
 
-  /** What dyslam-eval prints and its JSON. */
+  /** Output of dyslam-eval, followed by its JSON. */
   [[nodiscard]] std::string evaluated(const std::string& arguments) const
   {
     const Outcome outcome = runProgram(
@@ -57,7 +57,8 @@ class GroundTruthSource : public testing::Test
   TestFolder folder_;
 };
 
-/** A line of tracks.txt: a box of frame 0 in the lidar frame. \param rectangle in the image */
+/** A line of tracks.txt: a box of frame 0 in the lidar frame. \param rectangle rectangle in the
+ * image */
 std::string trackLine(
     int id, const std::string& type, double x, double y, const std::string& rectangle = "0 0 0 0")
 {
@@ -78,7 +79,7 @@ std::string posesOf(int count)
   return poses.str();
 }
 
-/** The figures of `dyslam-eval tracks`. */
+/** Figures by `dyslam-eval tracks`. */
 nlohmann::json trackScores(const TestFolder& folder,
                            const std::string& reference,
                            const std::string& estimate,
@@ -129,11 +130,11 @@ TEST_F(GroundTruthSource, WithoutAMarkItIsUnknown)
   EXPECT_TRUE(contains(unknown, "ground truth: of unknown source, not known to be exact; "))
       << unknown;
   EXPECT_FALSE(contains(unknown, "scan to scan")) << unknown;
-  // The mark may be in a folder that the recording has been moved to.
+  // The source may be stated in a folder that the ground truth has been moved to.
   const std::string given = " --truth " + folder_.file("moved.gt");
   folder_.write("moved.gt/poses.ini", "[poses]\nsource = given\nname = icp.txt\n");
   EXPECT_TRUE(contains(evaluated(run + given), "given poses (icp.txt), not known to be exact"));
-  // A run of an older program has no word of it in its report.
+  // The report of a run by an older version does not state the source.
   std::string report = contentOf(run + "/report.json");
   const std::size_t at = report.find("\"ground_truth\"");
   ASSERT_NE(at, std::string::npos) << report;
@@ -154,7 +155,8 @@ TEST_F(GroundTruthSource, ADamagedMarkIsAnErrorBeforeTheRun)
   EXPECT_FALSE(fs::exists(folder_.file("run")));
 }
 
-/** As KITTI's: boxes in images of a camera that looks ahead, instances one more than track ids. */
+/** Tracks as KITTI's: boxes in images of a camera that looks ahead, instances equal to track id
+ * + 1. */
 TEST(TrueTracks, OfCameraImagesAreEvaluatedInTheView)
 {
   const TestFolder folder;
@@ -350,7 +352,7 @@ TEST(MapDistances, OfMapsWithoutLabels)
   }
   const std::string a = folder.file("a.ply");
   writePly(a, points, std::vector<float>(points.size(), 0.123F));
-  points.emplace_back(0.F, 3.F, 0.F);  // is new
+  points.emplace_back(0.F, 3.F, 0.F);  // a point that only the second map has
   const std::string b = folder.file("b.ply");
   writePly(b, points);
   const std::string maps = "map --reference " + a + " --estimate " + b + " ";

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The table of inputs in doc/formats.md, row by row: what a user has on disk goes through the
-// programs themselves, and the same drive gives the same trajectory whatever it came in.
+// The table of inputs in doc/formats.md, row by row: the programs read each format, and the same
+// drive gives the same trajectory from every format.
 #include <dyslam/core/NeighbourSearch.h>
 #include <dyslam/formats/LabelFiles.h>
 #include <dyslam/formats/ScanFiles.h>
@@ -72,7 +72,8 @@ class Inputs : public ::testing::Test
     return runProgram(program, arguments, folder_.string());
   }
 
-  /** Converts, expects success, and reads the result. \param says parts of what is said. */
+  /** Converts a recording, expects success, and reads the result. \param says parts of the
+   * converter's output */
   static std::vector<Frame> converted(const std::string& program,
                                       const std::string& arguments,
                                       const std::vector<std::string>& says = {})
@@ -121,7 +122,8 @@ class Inputs : public ::testing::Test
     return at(name);
   }
 
-  /** `velodyne` of a KITTI layout, and what a name is made of. */
+  /** Writes the scans as .bin files. \param name folder \param file stem of a scan's file name, by
+   * number */
   static void bins(const std::string& name,
                    const std::function<std::string(std::size_t)>& file,
                    const std::string& ending = ".bin")
@@ -219,7 +221,8 @@ TEST_F(Inputs, TopicsOfABag)
   }
 }
 
-/** A depth camera has more scans and more points; the lidar's have rings and times. */
+/** Beside a depth camera with more scans and points, the lidar is chosen, whose points have rings
+ * and times. */
 TEST_F(Inputs, TheLidarIsTakenAmongOtherScans)
 {
   std::vector<test::TestMessage> all;
@@ -276,7 +279,7 @@ TEST_F(Inputs, ATruthTopicOfOnePoseIsNamed)
   EXPECT_NE(outcome.err.find("/pose has only one pose"), std::string::npos) << outcome.err;
 }
 
-/** A map along poses of the lidar is that along the vehicle's. */
+/** A map along poses of the lidar equals the map along the poses of the vehicle. */
 TEST_F(Inputs, PosesOfTheLidar)
 {
   bins("mounted", counted);
@@ -292,7 +295,8 @@ TEST_F(Inputs, PosesOfTheLidar)
   }
   write("vehicle.txt", vehicle);
   write("lidar.txt", lidar);
-  // Ties of the visibility check, at cells that sensors are on the edge of, are none of this test.
+  // Without visibility checks: rounding could decide them where a sensor lies on the edge of a
+  // cell.
   const std::string unchecked = " --set map.visibility=false --set labels.hindsight=false -o ";
   const auto map = [&](const std::string& poses, const std::string& flags)
   {
@@ -402,7 +406,7 @@ TEST_F(Inputs, RingsTimesAndPosesOfFolders)
   EXPECT_EQ((std::vector<std::uint16_t>{4, 7}), timed[1].scan.ring);
 }
 
-/** The packets of a capture in the newer format. */
+/** The packets of a capture in the format pcapng. */
 std::string asPcapng(const std::string& pcap)
 {
   std::string file;
@@ -544,7 +548,8 @@ TEST_F(Inputs, ARawlogAsKittiAndBack)
   (void)converted("kitti2rawlog", "--kind odometry -i " + at("kitti/sequences/00"));
   EXPECT_EQ(labels.size(), readLabels(at("out.gt/labels/000001.label")).size());
 
-  // KITTI's poses are a camera's: beside a lidar's they are noticed, and compared on demand.
+  // KITTI's poses are those of a camera: next to poses of a lidar this is noticed, and they are
+  // converted on demand.
   Trajectory lidar;
   for (int i = 0; i < 40; ++i)
   {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Ctrl-C during a conversion: a word, and nothing half-written; during a run: all results so far,
-// and a checkpoint.
+// Ctrl-C during a conversion: a message, and no partial file; during a run: all results so far, and
+// a checkpoint.
 #include <dyslam/formats/ScanFiles.h>
 #include <gtest/gtest.h>
 #include <signal.h>
@@ -59,7 +59,7 @@ int interrupted(const std::vector<std::string>& words,
 TEST(Interrupt, AConversionSaysAWordAndLeavesNothing)
 {
   const TestFolder folder;
-  // Many names of one scan: it takes longer than a test waits.
+  // Many links to one scan: the conversion takes longer than the test waits.
   fs::create_directories(folder.file("in"));
   std::vector<Eigen::Vector3f> points;
   for (int i = 0; i < 20000; ++i)

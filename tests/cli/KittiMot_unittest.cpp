@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// dyslam-eval kitti-mot and speeds on a small folder of KITTI's layout made up here.
+// dyslam-eval kitti-mot and speeds on a small synthetic folder in KITTI's layout.
 #include <gtest/gtest.h>
 
 #include <filesystem>

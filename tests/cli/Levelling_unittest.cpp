@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A lidar that is tilted on its vehicle, in a recording that does not say so.
+// A lidar that is tilted on its vehicle, in a recording that does not state the tilt.
 #include <dyslam/core/Angle.h>
 #include <dyslam/core/GroundPlane.h>
 #include <dyslam/core/Trajectory.h>
@@ -46,7 +46,7 @@ class TiltedLidar : public ::testing::Test
     for (int i = 0; i < 25; ++i)
     {
       auto simulated = simulator.next();
-      // The vehicle frame is that of the lidar, as far as the recording knows.
+      // The recording has no mounting of the lidar, so its vehicle frame is the lidar frame.
       const Pose T_map_lidar = simulated.T_map_vehicle * simulated.scan.T_vehicle_lidar;
       simulated.scan.T_vehicle_lidar = Pose::Identity();
       writer.write(simulated.scan, T_map_lidar);
@@ -74,7 +74,7 @@ class TiltedLidar : public ::testing::Test
     return ground ? ground->inclination() * degrees_per_radian : 90;
   }
 
-  /** From the first scan to the last one. */
+  /** Compares the motions from the first to the last scan. */
   static void expectSameMotion(const Trajectory& truth, const Trajectory& estimate)
   {
     ASSERT_EQ(25U, truth.size());
@@ -85,7 +85,7 @@ class TiltedLidar : public ::testing::Test
     EXPECT_LT((moved.inverse() * found).translation().norm(), 0.2);
   }
 
-  static Trajectory truth_;  //!< of the recorded vehicle
+  static Trajectory truth_;  //!< true poses of the recorded vehicle
   static fs::path folder_;
   static Outcome levelled_;
   static Outcome kept_;
@@ -104,7 +104,7 @@ TEST_F(TiltedLidar, IsLevelled)
   EXPECT_LT(inclinationOf("levelled/map_static.ply"), 1.5);
   const Trajectory truth = readTum(at("levelled/reference_tum.txt"));
   expectSameMotion(truth, readTum(at("levelled/trajectory_tum.txt")));
-  // Poses are of the vehicle of the recording, in a level map.
+  // The poses are those of the recording's vehicle frame, in a level map.
   const double pitch = yawPitchRoll(readTum(at("levelled/trajectory_tum.txt"))[0].pose).y();
   EXPECT_NEAR(tilt, pitch, 3 * radians_per_degree);
 }
@@ -122,7 +122,7 @@ TEST_F(TiltedLidar, HasStaticScansOfTheRecordedVehicle)
   }
 }
 
-/** Programs that read the recording as it is use the poses as they are. */
+/** Programs that read the recording without levelling use the poses without conversion. */
 TEST_F(TiltedLidar, HasPosesOfTheRecordedVehicle)
 {
   expectSameMotion(truth_, readTum(at("levelled/trajectory_tum.txt")));
@@ -155,7 +155,7 @@ TEST_F(TiltedLidar, IsAWarningWithoutLevelling)
   EXPECT_GT(inclinationOf("kept/map_static.ply"), 15);
 }
 
-/** Also with settings that do not have the rotation. */
+/** The map is level also with settings that do not contain the levelling rotation. */
 TEST_F(TiltedLidar, HasALevelMapAlongItsTrajectory)
 {
   for (const std::string& arguments :
@@ -170,7 +170,7 @@ TEST_F(TiltedLidar, HasALevelMapAlongItsTrajectory)
   }
 }
 
-/** Poses of both vehicle frames with the scans of the recording. */
+/** Trajectories of both vehicle frames are evaluated with the scans of the recording. */
 TEST_F(TiltedLidar, IsComparedByTheSharpnessOfTheMap)
 {
   const Outcome outcome =

@@ -18,8 +18,8 @@ namespace
 {
 namespace fs = std::filesystem;
 
-/** Two drives past the same houses, the second from a little further on among other people, and one
- * elsewhere. */
+/** Three drives: two past the same houses, the second of which begins a little farther on and has
+ * other traffic, and one elsewhere. */
 class MergeRuns : public testing::Test
 {
  protected:

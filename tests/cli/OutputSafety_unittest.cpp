@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// No program replaces what it reads, or what someone else wrote.
+// No program overwrites its input or files that other programs wrote.
 #include <fcntl.h>
 #include <gtest/gtest.h>
 #include <sys/file.h>
@@ -23,7 +23,7 @@ namespace
 {
 const std::string recording = std::string(DYSLAM_SOURCE_DIR) + "/rawlog/campus16.rawlog";
 
-/** \param says parts of the one line on stderr. */
+/** Expects an error. \param says parts of the only line on stderr */
 void expectRefusal(const TestFolder& folder,
                    const std::string& program,
                    const std::string& arguments,

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The commands in README and doc: those of the user guide run, all others have flags that exist.
+// The commands in README and doc: the commands of the user guide run, the flags of all others
+// exist.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -38,7 +39,7 @@ std::string joined(std::string text)
   return text;
 }
 
-/** Lines of the code blocks, fenced or indented, a command on several lines as one. */
+/** Lines of the code blocks, fenced or indented; a command on several lines is joined to one. */
 std::vector<std::string> codeLines(const fs::path& page)
 {
   std::vector<std::string> lines;
@@ -58,7 +59,7 @@ std::vector<std::string> codeLines(const fs::path& page)
   return lines;
 }
 
-/** The words of a command, from the program on; empty if the line is of no program of ours. */
+/** The words of a command, from the program on; empty if the line runs no program of DySLAM. */
 std::vector<std::string> commandOf(const std::string& line)
 {
   std::istringstream text(line);
@@ -83,7 +84,7 @@ std::vector<std::string> commandOf(const std::string& line)
   return words;
 }
 
-/** What `--help` says, of the subcommand if there is one. */
+/** Output of `--help`, of the subcommand if there is one. */
 const std::string& helpOf(const std::vector<std::string>& command,
                           std::map<std::string, std::string>& known)
 {
@@ -140,7 +141,7 @@ TEST(PublishedCommands, HaveFlagsThatExist)
   EXPECT_GT(flags, 100U);
 }
 
-/** The blocks of the guide that are marked to be run, one after the other as a user does. */
+/** The code blocks of the guide that are marked to be run, in order. */
 TEST(PublishedCommands, OfTheGuideRun)
 {
   const fs::path folder = fs::path(temporary()) / "guide";
@@ -174,7 +175,7 @@ TEST(PublishedCommands, OfTheGuideRun)
   }
 }
 
-/** `map --self`: the ground truth makes a sharper map than poses that are shaken. */
+/** `map --self`: the ground truth gives a sharper map than noisy poses. */
 TEST(MapSelf, TellsAGoodTrajectoryFromABadOne)
 {
   const std::string street = std::string(DYSLAM_SOURCE_DIR) + "/rawlog/street64";

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// dyslam-eval, run as a user runs it, on estimates whose errors others have published.
+// dyslam-eval on estimates whose errors others have published.
 #include <gtest/gtest.h>
 #include <unistd.h>
 
@@ -29,7 +29,7 @@ std::vector<std::string> cellsOf(const std::string& line)
   return cells;
 }
 
-// SiMpLE's online estimates of KITTI odometry 00 to 10 and the t_rel that came with them.
+// SiMpLE's online estimates of KITTI odometry 00 to 10 and the t_rel published with them.
 TEST(DyslamEval, TrajectoryGivesThePublishedDriftOfAllSequences)
 {
   DYSLAM_REQUIRE_DATA("kitti_odometry_text");

@@ -12,7 +12,7 @@
 
 namespace dyslam
 {
-/** What a program said and how it ended; 128 + n where signal n ended it. */
+/** Output and exit code of a program; 128 + n if signal n ended it. */
 struct Outcome
 {
   int code = -1;
@@ -27,7 +27,8 @@ inline std::string contentOf(const std::filesystem::path& path)
   return text.str();
 }
 
-/** \param arguments words of a shell. \param folder for what the program says. */
+/** Runs a program. \param arguments as words of a shell command \param folder folder for files with
+ * its output */
 inline Outcome runProgram(const std::string& program,
                           const std::string& arguments,
                           const std::string& folder)

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Which settings a run takes, as a user sees it.
+// Which settings a run uses.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -138,7 +138,7 @@ TEST(Settings, MissingTimesOfPointsAreSaid)
       << outcome.err;
 }
 
-/** As a program of a prefix that DySLAM was not configured for. */
+/** A copy of the program in a prefix that DySLAM was not configured for. */
 TEST(Settings, WithoutTheShippedOnesNothingRuns)
 {
   namespace fs = std::filesystem;
@@ -176,7 +176,7 @@ TEST(Settings, ARangeOfTimeIsProcessedAndEvaluated)
                  folder.path());
   EXPECT_EQ(0, tracks.code) << tracks.err;
   EXPECT_TRUE(contains(tracks.out, "frames 3-5 of ")) << tracks.out;
-  // Poses without times: those of the scans used.
+  // Poses without times belong to the scans used.
   const Outcome map =
       runProgram("dyslam-map",
                  "-q -i " + campus16 + " --trajectory " + folder.file("run/trajectory_kitti.txt") +

@@ -18,7 +18,7 @@ namespace dyslam
 {
 namespace
 {
-/** Observations of one class, of those given. */
+/** The observations of one class. */
 template <typename Observation>
 std::vector<std::shared_ptr<Observation>> ofClass(
     const std::vector<mrpt::obs::CObservation::Ptr>& observations)

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What the programs say about a run in one pass or two, and how they end.
+// Messages and exit codes of the programs for runs in one pass and in two.
 #include "../../apps/common/SlamProgram.h"
 
 #include <gtest/gtest.h>
@@ -36,7 +36,7 @@ class SlamProgramTest : public ::testing::Test
   }
   ~SlamProgramTest() override { stop_asked = false; }
 
-  /** Does nothing but labels. */
+  /** Replaces runs of SLAM: records the settings and writes only labels. */
   SlamRunner runner()
   {
     return [this](const SlamRunSettings& settings, const auto& on_frame)
@@ -80,7 +80,7 @@ class SlamProgramTest : public ::testing::Test
   TestFolder folder_;
   SlamArguments a_;
   SlamRunReport report_;
-  double longer_ = 0;  //!< path of the second run [m]
+  double longer_ = 0;  //!< length of the second run's path [m]
   std::vector<SlamRunSettings> runs_;
 };
 

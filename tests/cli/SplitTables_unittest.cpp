@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The drives of the splits, and the tables that scripts/split_tables.sh makes of them.
+// The drives of the splits, and the tables that scripts/split_tables.sh makes from them.
 #include <dyslam/core/Error.h>
 #include <dyslam/train/DataSplits.h>
 #include <gtest/gtest.h>
@@ -57,7 +57,7 @@ TEST(SplitSets, HaveSeedsOfTheirSplitAndNamesOfTheirOwn)
   EXPECT_THROW((void)sim::splitSet("d", "training"), UserError);
 }
 
-/** What is chosen by validation holds for test: all but the seed is the same. */
+/** Choices by validation hold for test, because the drives of both differ only in their seeds. */
 TEST(SplitSets, AreOfTheSameKinds)
 {
   const std::vector<NamedRecording> validation = sim::splitSet("d", "validation");
@@ -97,7 +97,8 @@ std::vector<std::string> cellsOf(const std::string& row)
   return cells;
 }
 
-/** The rows of the table that has such a heading, by their first cell; "" is the heading. */
+/** The rows of the table whose header row contains `heading`, by their first cell; "" is the header
+ * row. */
 std::map<std::string, std::vector<std::string>> tableWith(const std::string& heading,
                                                           const std::string& markdown)
 {
@@ -119,7 +120,7 @@ std::map<std::string, std::vector<std::string>> tableWith(const std::string& hea
   return rows;
 }
 
-/** That the row of means has the mean of the rows of both drives. */
+/** Expects that the row of means has the means of the rows of both drives. */
 void expectMean(const std::map<std::string, std::vector<std::string>>& table, double rounding)
 {
   ASSERT_EQ(table.count("mean of 2"), 1U);

@@ -7,8 +7,8 @@
 
 namespace dyslam
 {
-/** Poses on a circle of 100 m, and an estimate whose radius grows. \param drift of it per pose [m]
- */
+/** True poses on a circle of 100 m, and an estimate whose radius grows. \param drift growth of the
+ * radius per pose [m] */
 inline PosePairs circle(double drift)
 {
   PosePairs pairs;

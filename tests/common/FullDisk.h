@@ -7,7 +7,8 @@
 
 namespace dyslam::test
 {
-/** While it lives, no file of this program grows beyond a size: to whoever writes, a full disk. */
+/** Simulates a full disk: while the object lives, no file of this program can grow beyond a size.
+ */
 class FullDisk
 {
  public:

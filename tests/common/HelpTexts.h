@@ -8,7 +8,7 @@
 
 namespace dyslam
 {
-/** Whether a help text can be understood without those before it. */
+/** Whether a help text can be understood without the help texts before it. */
 inline bool readsAlone(const std::string& help)
 {
   for (const char* start :
@@ -22,8 +22,8 @@ inline bool readsAlone(const std::string& help)
   return !help.empty();
 }
 
-/** Lines of an effective ini whose help text cannot be read alone, or is that of an earlier key of
- * the section. */
+/** Lines of an effective ini whose help text cannot be read alone, or equals that of an earlier key
+ * of the section. */
 inline std::vector<std::string> unclearHelpTexts(const std::string& effective_ini)
 {
   const std::string mark = "  // ";
@@ -41,7 +41,7 @@ inline std::vector<std::string> unclearHelpTexts(const std::string& effective_in
     }
     const auto at = line.find(mark);
     const std::string help = at == std::string::npos ? "" : line.substr(at + mark.size());
-    // "vehicles: ...": the words behind it are those of the options of a class.
+    // In "vehicles: ..." the words after the colon are the help text of an option of a class.
     const auto space = help.find(' ');
     const bool has_class = space != std::string::npos && space > 0 && help[space - 1] == ':';
     if (!readsAlone(help) || (has_class && !readsAlone(help.substr(space + 1))) ||

@@ -8,7 +8,7 @@
 
 namespace dyslam::test
 {
-/** What MRPT writes for an object. */
+/** The bytes that MRPT writes for an object. */
 inline std::string bytesOf(const mrpt::serialization::CSerializable& object)
 {
   struct Bytes

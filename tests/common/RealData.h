@@ -10,8 +10,8 @@
 
 namespace dyslam
 {
-/** A folder of the real data, if DYSLAM_DATA says where they are and has it.
- * \param set name within; empty for all */
+/** A folder of the real data, if DYSLAM_DATA names their folder and it contains the set. \param set
+ * name of the subfolder; empty for all data */
 inline std::optional<std::string> realDataFolder(const std::string& set = "")
 {
   const char* all = std::getenv("DYSLAM_DATA");

@@ -32,7 +32,7 @@ class RequireData : public testing::EmptyTestEventListener
   bool missed_ = false;
 };
 
-/** Removed with all that is in it at the end. */
+/** A temporary folder that is removed with its content at the end. */
 class TemporaryFolder
 {
  public:

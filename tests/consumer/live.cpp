@@ -17,7 +17,7 @@
 
 namespace
 {
-constexpr double period = 0.1;  // of the sensor [s]
+constexpr double period = 0.1;  // scan period of the sensor [s]
 
 /** Distance along a ray to the floor, the walls and four pillars of a hall of 60 x 24 m. */
 double rangeAlong(const Eigen::Vector3d& from, const Eigen::Vector3d& ray)
@@ -45,9 +45,8 @@ double rangeAlong(const Eigen::Vector3d& from, const Eigen::Vector3d& ray)
   return range;
 }
 
-/** What a driver delivers: points in the lidar frame [m], the time of the scan [s], and where the
- * lidar is mounted. Intensities, rings and times of the points are filled in where they are known.
- */
+/** A scan as a driver delivers it: points in the lidar frame [m], time stamp [s] and mounting of
+ * the lidar. Intensities, rings and times of the points are filled in if they are known. */
 dyslam::Scan scanAt(const dyslam::Pose& T_world_vehicle, double stamp)
 {
   dyslam::Scan scan;
@@ -70,7 +69,7 @@ dyslam::Scan scanAt(const dyslam::Pose& T_world_vehicle, double stamp)
   return scan;
 }
 
-/** The vehicle drives in a curve, at 3 m/s. */
+/** T_world_vehicle of a vehicle that drives in a curve, at 3 m/s. */
 dyslam::Pose poseAt(std::size_t scan)
 {
   dyslam::Pose T_world_vehicle = dyslam::Pose::Identity();
@@ -81,7 +80,7 @@ dyslam::Pose poseAt(std::size_t scan)
   return T_world_vehicle;
 }
 
-/** A driver would be asked here. */
+/** The next frame; a real program would ask the driver here. */
 dyslam::Frame frameAt(std::size_t scan)
 {
   dyslam::Frame frame;
@@ -90,14 +89,14 @@ dyslam::Frame frameAt(std::size_t scan)
   return frame;
 }
 
-/** The settings with which dyslam would run: the shipped ones that fit the sensor, single values
- * over them, the rotation that levels a lidar whose tilt is not known and, where the first scans
- * leave it open, the speed at which they begin. */
+/** The settings with which dyslam would run: the shipped settings that fit the sensor, single
+ * values that override them, the rotation that levels a lidar whose tilt is not known and, if the
+ * first scans do not determine it, the speed at which they begin. */
 dyslam::ChosenSettings settingsFrom(std::vector<dyslam::Frame>& first)
 {
   const dyslam::GivenSettings given = dyslam::readGivenSettings(
-      "", {"labels.hindsight=false",    // nothing of later scans is known
-           "preprocess.deskew=none"});  // these scans are taken at one moment
+      "", {"labels.hindsight=false",    // later scans are not available
+           "preprocess.deskew=none"});  // all points of these scans are measured at one moment
   const dyslam::RecordedSensor sensor = dyslam::recogniseSensor(first);
   dyslam::ChosenSettings chosen = dyslam::settingsFor(sensor, given);
   std::printf("%s; settings: %s\n", sensor.summary().c_str(), chosen.source.c_str());
@@ -120,9 +119,9 @@ dyslam::ChosenSettings settingsFrom(std::vector<dyslam::Frame>& first)
   return chosen;
 }
 
-/** What a program would publish: the vehicle and the objects in the odometry frame, and where that
- * frame is in the map.
- * \param levelling from the poses of the levelled vehicle to those of the vehicle itself */
+/** Results that a program would publish: the vehicle and the objects in the odometry frame, and the
+ * pose of that frame in the map. \param levelling converts poses of the levelled vehicle to poses
+ * of the vehicle itself */
 void publish(const dyslam::Frame& frame, const dyslam::Levelling& levelling)
 {
   const auto reported =
@@ -136,7 +135,7 @@ void publish(const dyslam::Frame& frame, const dyslam::Levelling& levelling)
               reported, frame.is_keyframe ? ", keyframe" : "");
 }
 
-/** The static map as a file; none if mapping is off. */
+/** Writes the static map to a file, unless mapping is off. */
 void saveMap(const dyslam::Pipeline& slam, const std::string& path)
 {
   if (const dyslam::StaticMap* map = slam.map())
@@ -148,7 +147,7 @@ void saveMap(const dyslam::Pipeline& slam, const std::string& path)
 int run()
 {
   constexpr std::size_t count = 30;
-  constexpr std::size_t waited_for = 10;  // that choose the settings
+  constexpr std::size_t waited_for = 10;  // number of scans that choose the settings
   std::vector<dyslam::Frame> frames;
   for (std::size_t i = 0; i < waited_for; ++i)
   {

@@ -12,7 +12,7 @@
 
 namespace
 {
-/** A folder in memory, of this process. */
+/** Folder of this process in a file system in memory. */
 std::filesystem::path makeFolder()
 {
   const auto folder = std::filesystem::path("/dev/shm") /
@@ -45,7 +45,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   }
   catch (const dyslam::UserError&)
   {
-    // as it should be
+    // the expected error for a bad file
   }
   return 0;
 }

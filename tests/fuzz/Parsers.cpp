@@ -49,7 +49,7 @@ void readRawlog(const std::string& path)
   (void)source.warnings();
 }
 
-/** Every lidar beside the one of the seeds is a further one. */
+/** Reads all lidars of a rawlog: the lidar of the seeds, and every other one as a further lidar. */
 void readRawlogOfLidars(const std::string& path)
 {
   RawlogSourceOptions options;
@@ -70,7 +70,7 @@ void readCapture(const std::string& path)
   }
 }
 
-/** Ouster packets of the lidar of the seeds. */
+/** Reads Ouster packets, with the metadata of the lidar of the seeds. */
 void readOusterCapture(const std::string& path)
 {
   PcapSourceOptions options;
@@ -88,7 +88,7 @@ void readCalibration(const std::string& path)
   (void)readVelodyneCalibration(path, lasers);
 }
 
-/** As a run is saved: frames, containers, numbers. */
+/** Reads an archive with frames and containers, as the state of a run. */
 void load(StateArchive archive)
 {
   std::vector<Frame> frames;
@@ -109,7 +109,7 @@ void readState(const std::string& path)
   load(file.part(0));
 }
 
-/** Every topic of a bag, through all decoders. */
+/** Reads the topics of a bag through all decoders. */
 void readBag(const std::string& path)
 {
   constexpr std::size_t most_messages = 2000;

@@ -6,15 +6,15 @@
 
 namespace dyslam::fuzz
 {
-/** Something that reads a file which others wrote. */
+/** A function that reads a file of others. */
 struct Parser
 {
-  const char* name;                       //!< of the fuzzer, and of its folder in corpus/
-  const char* file;                       //!< what the input is called: readers go by the ending
+  const char* name;                       //!< name of the fuzzer, and of its folder in corpus/
+  const char* file;                       //!< file name of the input: readers go by the extension
   void (*read)(const std::string& path);  //!< \throws UserError for a bad file, and nothing else
 };
 
 [[nodiscard]] const std::vector<Parser>& parsers();
-/** \throws std::out_of_range. */
+/** The parser of that name. \throws std::out_of_range. */
 [[nodiscard]] const Parser& parserNamed(const std::string& name);
 }  // namespace dyslam::fuzz

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What fuzzers found once is refused, or read, in time and with little memory.
+// Files that fuzzers found are refused, or read, in time and with little memory.
 #include <dyslam/core/Error.h>
 #include <gtest/gtest.h>
 #include <sys/resource.h>
@@ -17,7 +17,7 @@ namespace dyslam::fuzz
 {
 namespace
 {
-/** Of this process, so far [MB]. */
+/** Peak memory of this process so far [MB]. */
 long mostMegabytes()
 {
   struct rusage usage = {};
@@ -36,7 +36,7 @@ std::vector<fs::path> filesIn(const fs::path& folder)
   return files;
 }
 
-/** \return the message of the error, empty if there was none. */
+/** Reads a file. \return error message; empty if there was no error */
 std::string readCopy(const Parser& parser, const fs::path& file, const TestFolder& folder)
 {
   const std::string path = folder.file(parser.file);
@@ -81,7 +81,7 @@ TEST(FuzzReplay, SeedsAreReadByTheirParsers)
     for (const fs::path& seed : seeds)
     {
       const std::string error = readCopy(parser, seed, folder);
-      // MRPT has the XML of its calibrations in its library and in no file.
+      // MRPT has the XML of its calibrations only in its library, not in files.
       EXPECT_TRUE(error.empty() || parser.name == std::string("calibration_xml")) << error;
     }
   }

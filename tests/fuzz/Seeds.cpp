@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// fuzz_seeds <folder>: small good files for every parser, <folder>/<parser>/*.
+// fuzz_seeds <folder>: writes small valid files for every parser to <folder>/<parser>/.
 #include <dyslam/core/Frame.h>
 #include <dyslam/core/StateArchive.h>
 #include <dyslam/formats/ScanFiles.h>

@@ -15,7 +15,7 @@ namespace
 {
 struct Outcome
 {
-  double error = 0;  //!< of the position at the end, over the distance driven
+  double error = 0;  //!< position error at the end, divided by the distance driven
   std::vector<std::string> warnings;
 };
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// One run's outputs show the same objects: replay, tables, labels and scene.
+// All outputs of a run show the same objects: replay, tables, labels and scene.
 #include <dyslam/formats/LabelFiles.h>
 #include <dyslam/formats/TrackFiles.h>
 #include <dyslam/formats/TrajectoryFiles.h>
@@ -37,14 +37,14 @@ constexpr int town_scans = 40;
 /** A row of tracks.csv. */
 struct Row
 {
-  Box box;  //!< odometry frame
+  Box box;  //!< box, odometry frame
   bool vehicle = false;
   double course = 0;  //!< direction of motion, odometry frame [rad]
-  double speed = 0;
+  double speed = 0;   //!< [m/s]
   bool dynamic = false;
   bool observed = false;
 };
-using Rows = std::map<int, Row>;  // by the object's id
+using Rows = std::map<int, Row>;  // rows of a frame by the object's id
 
 std::vector<std::string> fieldsOf(const std::string& line)
 {
@@ -57,7 +57,7 @@ std::vector<std::string> fieldsOf(const std::string& line)
   return fields;
 }
 
-/** By frame. */
+/** Reads tracks.csv. \return rows by frame */
 std::vector<Rows> readTable(const fs::path& path)
 {
   std::vector<Rows> frames(town_scans);
@@ -85,10 +85,10 @@ std::vector<Rows> readTable(const fs::path& path)
   return frames;
 }
 
-/** What a scan's scene in the replay shows. */
+/** A box in a scan's scene in the replay. */
 struct DrawnBox
 {
-  mrpt::math::TPose3D pose;  //!< vehicle frame
+  mrpt::math::TPose3D pose;  //!< pose, vehicle frame
   Eigen::Vector3d size = Eigen::Vector3d::Zero();
   double speed = 0;
 };
@@ -96,7 +96,7 @@ struct DrawnBox
 std::map<int, DrawnBox> boxesOf(const mrpt::opengl::COpenGLScene& scene)
 {
   std::map<int, DrawnBox> boxes;
-  mrpt::opengl::CSetOfLines::Ptr box;  // comes before its text
+  mrpt::opengl::CSetOfLines::Ptr box;  // box whose text follows
   for (const auto& object : *scene.getViewport())
   {
     if (const auto lines = std::dynamic_pointer_cast<mrpt::opengl::CSetOfLines>(object))
@@ -123,7 +123,7 @@ std::map<int, DrawnBox> boxesOf(const mrpt::opengl::COpenGLScene& scene)
   return boxes;
 }
 
-/** By frame. */
+/** Reads a replay. \return boxes by frame and object's id */
 std::vector<std::map<int, DrawnBox>> readReplay(const fs::path& path)
 {
   std::vector<std::map<int, DrawnBox>> frames;
@@ -141,7 +141,7 @@ std::vector<std::map<int, DrawnBox>> readReplay(const fs::path& path)
   return frames;
 }
 
-/** The instances of a .label file, less one. */
+/** The instances of a .label file minus 1. */
 std::set<int> idsOf(const fs::path& path)
 {
   std::set<int> ids;
@@ -168,8 +168,8 @@ class OutputsAgree : public ::testing::Test
     settings.labels = true;
     settings.config =
         Config::fromFile(std::string(DYSLAM_SOURCE_DIR) + "/share/dyslam/config_files/vlp16.ini");
-    settings.config.set("labels.hindsight=false");    // the others are causal
-    settings.config.set("track_smoothing.window=0");  // so are the objects of the replay
+    settings.config.set("labels.hindsight=false");    // all other outputs are causal
+    settings.config.set("track_smoothing.window=0");  // the objects of the replay are causal
     writeTown(settings.rawlog);
     ASSERT_EQ(runSlam(settings).frames, static_cast<std::size_t>(town_scans));
     table_ = readTable(folder_ / "run" / "tracks.csv");
@@ -268,7 +268,7 @@ TEST_F(OutputsAgree, ReplayAndTable)
       << "the town has traffic";
 }
 
-// The table has the objects from their first observation to their last.
+// The table contains objects from their first observation to their last.
 TEST_F(OutputsAgree, ReplayAndTableWithHindsight)
 {
   const fs::path run = folder_ / "not_smoothed";
@@ -313,7 +313,7 @@ TEST_F(OutputsAgree, LabelsAndTable)
   EXPECT_GT(seen, 20U);
 }
 
-// The objects that are tracked again with hindsight, from their first observation on.
+// Objects that are tracked again with hindsight are in all outputs from their first observation on.
 TEST_F(OutputsAgree, LabelsAndTableWithHindsight)
 {
   const std::vector<Rows> table = readTable(folder_ / "hindsight" / "tracks.csv");
@@ -348,7 +348,7 @@ TEST_F(OutputsAgree, LabelsAndTableWithHindsight)
   EXPECT_GT(driving, 5U);
 }
 
-// Also where the tables are not smoothed.
+// The outputs agree also if the tables are not smoothed.
 TEST_F(OutputsAgree, TheTwoTablesWithHindsight)
 {
   for (const char* run : {"hindsight", "not_smoothed"})

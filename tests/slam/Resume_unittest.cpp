@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Runs that were stopped or killed go on from their last checkpoint to the same bytes.
+// Runs that were stopped or killed continue from their last checkpoint and give the same bytes.
 #include <dyslam/core/Error.h>
 #include <dyslam/core/Files.h>
 #include <dyslam/io/RawlogWriter.h>
@@ -28,7 +28,7 @@ namespace
 constexpr int street_scans = 24;
 constexpr const char* state_name = "resume.state";
 
-/** Without the lines that hold times of the clock and memory. */
+/** A report without the lines that hold clock times and memory. */
 std::string figuresOf(const std::string& report)
 {
   std::string figures;
@@ -47,7 +47,7 @@ std::string figuresOf(const std::string& report)
   return figures;
 }
 
-/** Every file of a run by name, without times of the clock and the settings of checkpoints. */
+/** Content of every file of a run by name, without clock times and the settings of checkpoints. */
 std::map<std::string, std::string> comparableFiles(const fs::path& folder)
 {
   std::map<std::string, std::string> files;
@@ -114,7 +114,7 @@ class Resume : public ::testing::Test
   {
     SlamRunSettings s;
     s.rawlog = recording();
-    s.output_folder = (folder_ / output / "run").string();  // the name is in pictures
+    s.output_folder = (folder_ / output / "run").string();  // "run": pictures show the name
     s.config =
         Config::fromFile(std::string(DYSLAM_SOURCE_DIR) + "/share/dyslam/config_files/vlp16.ini");
     s.labels = true;
@@ -126,7 +126,8 @@ class Resume : public ::testing::Test
     return s;
   }
 
-  /** The folder as a kill would leave it now: the state first, for the rest may be ahead of it. */
+  /** Copies a run's folder as if the run was killed now; the state first, because the other files
+   * may be ahead of it. */
   static void snapshot(const fs::path& from, const fs::path& to)
   {
     while (!fs::exists(from / state_name))
@@ -138,7 +139,7 @@ class Resume : public ::testing::Test
     for (const auto& entry : fs::recursive_directory_iterator(from))
     {
       const fs::path target = to / fs::relative(entry.path(), from);
-      std::error_code ignored;  // a file may get its name just now
+      std::error_code ignored;  // a file may be renamed at this moment
       if (entry.is_directory(ignored))
       {
         fs::create_directories(target);
@@ -157,7 +158,8 @@ class Resume : public ::testing::Test
     return resumeSlam(s);
   }
 
-  /** Runs with a checkpoint at every scan, and resumes from where it was after each of `stops`. */
+  /** Runs with a checkpoint at every scan, and resumes copies of the run from after each of
+   * `stops`. */
   static void expectResumes(const std::string& name,
                             std::vector<std::string> assignments,
                             const std::vector<std::size_t>& stops)
@@ -191,8 +193,7 @@ class Resume : public ::testing::Test
     }
   }
 
-  /** Runs, or resumes, until so many scans are done and stops there. \return scans of its results
-   */
+  /** Runs, or resumes, and stops after at least `scans` scans. \return number of scans done */
   static std::size_t stopAfter(SlamRunSettings s, std::size_t scans, bool is_resumed)
   {
     std::size_t done = 0;
@@ -214,7 +215,8 @@ class Resume : public ::testing::Test
     return done;
   }
 
-  /** Stops runs after each of `stops` scans, and resumes them. Checkpoints are made there only. */
+  /** Stops runs after each of `stops` scans, and resumes them. Checkpoints are made only when a run
+   * stops. */
   static void expectResumesStopped(const std::string& name,
                                    const std::vector<std::string>& assignments,
                                    const std::vector<std::size_t>& stops)
@@ -295,7 +297,7 @@ TEST_F(Resume, FirstScanIsEnough)
                 {1});
 }
 
-/** The network encodes each scan ahead, beside the one before it. */
+/** With the network, which encodes each scan in advance while the previous one is processed. */
 TEST_F(Resume, TheNetworkGivesTheSameBytes)
 {
   expectResumes(

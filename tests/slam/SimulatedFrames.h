@@ -9,7 +9,7 @@
 
 namespace dyslam::test
 {
-/** The first frames of a simulated recording, with ground truth and the samples of other sensors.
+/** The first frames of a simulated recording, with ground truth and the samples of motion sensors.
  */
 inline std::vector<Frame> simulatedFrames(const sim::SimulatorOptions& options, std::size_t count)
 {

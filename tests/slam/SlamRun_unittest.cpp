@@ -30,7 +30,7 @@ namespace
 {
 constexpr int scan_count = 40;
 
-/** Every file of a run by name, without those that hold times of the clock. */
+/** Content of every file of a run by name, without files that hold clock times. */
 std::map<std::string, std::string> filesOf(const fs::path& folder)
 {
   std::map<std::string, std::string> files;
@@ -40,7 +40,7 @@ std::map<std::string, std::string> filesOf(const fs::path& folder)
     if (entry.is_regular_file() && name != "report.json" && name != "effective.ini")
     {
       const std::string content = readWhole(entry.path());
-      // What stands before the scans in the page are title, settings and times.
+      // Before the scans, the page has title, settings and times.
       files[name] = name == "report.html" ? content.substr(content.find("\"scans\":")) : content;
     }
   }
@@ -70,7 +70,8 @@ class SlamRun : public ::testing::Test
     return options;
   }
 
-  /** \param spoiled puts an empty scan and bad points amid the good ones. */
+  /** Writes a recording. \param spoiled adds an empty scan and invalid points among the good ones
+   */
   static void writeRecording(const std::string& path,
                              const sim::SimulatorOptions& options,
                              int scans,
@@ -208,7 +209,7 @@ TEST_F(SlamRun, SameBytesTwiceAndForAnyThreadCountAndMemory)
     ASSERT_EQ(files.size(), expected.size());
     for (const auto& [name, content] : expected)
     {
-      if (name != "trajectory.png")  // its title is the folder's name
+      if (name != "trajectory.png")  // its title contains the folder's name
       {
         EXPECT_TRUE(files.at(name) == content) << *folder << "/" << name << " differs";
       }
@@ -257,7 +258,7 @@ TEST_F(SlamRun, AStoppedRunLeavesItsResults)
   s.labels = false;
   s.config.set("output.checkpoint_seconds=0");
   int asked = 0;
-  s.stop = [&] { return ++asked == 7; };  // first before the first scan
+  s.stop = [&] { return ++asked == 7; };  // the first call is before the first scan
   const std::string error = errorOf(s);
   const std::size_t scans = readTum(s.output_folder + "/trajectory_tum.txt").size();
   EXPECT_GE(scans, 6U);
@@ -342,7 +343,8 @@ TEST_F(SlamRun, AnOutputThatFailsIsNamedAndTheOthersAreWritten)
   auto s = settings("one_fails");
   s.config.set("input.only_first_n=3");
   const fs::path folder = s.output_folder;
-  fs::create_directories(folder / "graph.g2o" / "of_the_user");  // stands in the way
+  fs::create_directories(folder / "graph.g2o" /
+                         "of_the_user");  // a folder that prevents writing the file
   s.force = true;
   const std::string error = errorOf(s);
   EXPECT_NE(error.find("graph.g2o"), std::string::npos) << error;
@@ -386,7 +388,7 @@ TEST_F(SlamRun, WarnsWhereNothingMeasuresTheMotion)
   EXPECT_NE(warnings.back().find("refine.method"), std::string::npos) << warnings.back();
 }
 
-/** A limit that no scan meets. */
+/** With a limit that no scan meets. */
 TEST_F(SlamRun, ARunThatFailedSaysSo)
 {
   auto s = settings("failed");
@@ -470,15 +472,15 @@ TEST_F(SlamRun, TheSegmentersMotionIsTheFirstGuess)
   EXPECT_NEAR(firstStep(s, "odometry_tum.txt").translation().norm(), truth, 0.5 * truth);
 }
 
-/** Highways on which registration alone takes the traffic for the world: fast, and in a jam. */
+/** Highways on which registration alone follows the traffic, fast and in a jam. */
 TEST_F(SlamRun, FindsTheWorldAmongTrafficThatDrivesAlong)
 {
   struct Traffic
   {
     double density;
     std::vector<int> seeds;
-    double within;      // error of the forward ratio ...
-    std::size_t least;  // ... in as many of the worlds
+    double within;      // largest error of the forward ratio of a success
+    std::size_t least;  // least number of worlds with success
   };
   for (const auto& [traffic, seeds, within, least] :
        {Traffic{0.6, {302}, 0.05, 1}, Traffic{1.0, {306, 305, 304, 303, 401, 402, 403}, 0.15, 5}})

@@ -14,7 +14,7 @@ namespace
 struct Beginning
 {
   std::vector<Frame> frames;
-  double speed = 0;  //!< at the first scan [m/s]
+  double speed = 0;  //!< speed at the first scan [m/s]
 };
 
 Beginning simulate(const sim::SimulatorOptions& options)

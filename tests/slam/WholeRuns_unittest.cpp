@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Runs with the shipped settings within bounds, all networks together, and a run that closes loops.
+// Runs with the shipped settings stay within error bounds; a run with all networks; a run that
+// closes loops.
 #include <dyslam/core/BoxOverlap.h>
 #include <dyslam/core/Files.h>
 #include <dyslam/eval/SegmentationMetrics.h>
@@ -58,7 +59,7 @@ class WholeRun : public ::testing::Test
     return std::string(DYSLAM_SOURCE_DIR) + "/rawlog/" + name;
   }
 
-  /** \param file of the run's folder */
+  /** Errors of a trajectory of the run. \param file name of the trajectory in the run's folder */
   [[nodiscard]] static TrajectoryReport errorsOf(const SlamRunSettings& run,
                                                  const char* file = "trajectory_tum.txt")
   {
@@ -82,7 +83,7 @@ class WholeRun : public ::testing::Test
   fs::path folder_;
 };
 
-/** The bounds are what was reached, and some per cent. */
+/** The bounds are the errors that were reached plus a few per cent. */
 TEST_F(WholeRun, TheBundledStreetStaysWithinBounds)
 {
   auto s = settings(bundled("street64.rawlog"), "kitti64.ini", "street64");
@@ -161,25 +162,25 @@ TEST_F(WholeRun, ASecondLidarHelps)
   EXPECT_TRUE(first->scan.ring.empty()) << "numbers of two lidars";
 }
 
-/** The true boxes as those of another detector, without a segmenter: each object has one track, two
- * at most if it was hidden for long. */
+/** The true boxes serve as detections of another detector, without a segmenter: each object has one
+ * track, or at most two if it was hidden for long. */
 TEST_F(WholeRun, BoxesOfAnotherDetectorAreTracked)
 {
   constexpr int scans = 40;
-  constexpr int first = 5;  // tracks are confirmed then
+  constexpr int first = 5;  // first frame at which tracks are confirmed
   auto s = settings(bundled("street64.rawlog"), "kitti64.ini", "boxes");
   s.config.set("dyseg.method=none");
   s.config.set("input.only_first_n=" + std::to_string(scans));
   s.config.set("boxes.file=" + bundled("street64.gt/tracks.txt"));
   (void)runSlam(s);
-  std::map<int, std::vector<LabelledBox>> tracked;  // by scan
+  std::map<int, std::vector<LabelledBox>> tracked;  // tracked boxes by scan
   for (const LabelledBox& box : readTracks(s.output_folder + "/tracks.txt"))
   {
     tracked[box.frame].push_back(box);
   }
   int boxes = 0;
   int found = 0;
-  std::map<int, std::set<int>> ids;  // by true object
+  std::map<int, std::set<int>> ids;  // track ids by true object
   for (const LabelledBox& truth : readTracks(bundled("street64.gt/tracks.txt")))
   {
     if (truth.frame < first || truth.frame >= scans)
@@ -206,7 +207,7 @@ TEST_F(WholeRun, BoxesOfAnotherDetectorAreTracked)
                           [](const auto& object) { return object.second.size() <= 2; }));
 }
 
-/** Segmenter, learned matcher and registration fed by one another. */
+/** Segmenter, learned matcher and registration use the results of one another. */
 TEST_F(WholeRun, DysegDyloAndRefineTogether)
 {
   auto s = settings(bundled("street64.rawlog"), "kitti64.ini", "networks");
@@ -242,8 +243,8 @@ TEST_F(WholeRun, DysegDyloAndRefineTogether)
   EXPECT_GT(accepted, 20) << "of 40";
 }
 
-/** In a jam the registration follows the vehicles; their labels show the next run the static world.
- */
+/** In a jam the registration follows the vehicles; with their labels the next run finds the static
+ * world. */
 TEST_F(WholeRun, LabelsOfAnEarlierRunHelpInAJam)
 {
   sim::SimulatorOptions options;
@@ -273,7 +274,7 @@ TEST_F(WholeRun, LabelsOfAnEarlierRunHelpInAJam)
             0.7 * errorsOf(first).relative.translation.rmse);
 }
 
-/** Out along a campus path and back again, by an odometry that drifts. */
+/** A drive along a campus path and back, with an odometry that drifts. */
 TEST_F(WholeRun, ALoopCorrectsTrajectoryAndMap)
 {
   sim::SimulatorOptions options;
@@ -282,7 +283,7 @@ TEST_F(WholeRun, ALoopCorrectsTrajectoryAndMap)
   options.columns = 600;
   options.seed = 5;
   options.ego_speed = 3;
-  options.motion_distortion = false;  // it would be that of the way out on the way back, too
+  options.motion_distortion = false;  // reversed scans would have the wrong distortion
   options.stops = false;
   sim::Simulator simulator(options, 1);
   const std::string rawlog = (folder_ / "there_and_back.rawlog").string();
@@ -318,7 +319,7 @@ TEST_F(WholeRun, ALoopCorrectsTrajectoryAndMap)
   EXPECT_GT(errorsOf(open).end.translation, 0.2) << "there is a drift to correct";
   EXPECT_LT(errorsOf(closed).end.translation, 0.5 * errorsOf(open).end.translation);
   EXPECT_LT(errorsOf(closed).end.translation, errorsOf(closed, "odometry_tum.txt").end.translation);
-  // Walls that are seen twice, at two places, fill more voxels.
+  // Walls that are mapped twice, at two positions, fill more voxels.
   EXPECT_LT(closed_report.map_points, open_report.map_points);
 }
 

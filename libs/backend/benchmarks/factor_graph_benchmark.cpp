@@ -20,15 +20,15 @@ namespace
 {
 using namespace dyslam;
 
-constexpr double scan_period = 0.1;        // [s]
-constexpr double keyframe_distance = 1.5;  // [m], driven in one scan
-constexpr double parked_spacing = 12;      // [m], along the road
-constexpr std::size_t lead_scans = 200;    // a car drives ahead for so long
-constexpr double position_sigma = 0.1;     // of observations [m]
-constexpr double heading_sigma = 0.03;     // [rad]
+constexpr double scan_period = 0.1;        // time between scans [s]
+constexpr double keyframe_distance = 1.5;  // distance driven in one scan [m]
+constexpr double parked_spacing = 12;      // distance of parked cars along the road [m]
+constexpr std::size_t lead_scans = 200;    // number of scans for which a car drives ahead
+constexpr double position_sigma = 0.1;     // sigma of observed positions [m]
+constexpr double heading_sigma = 0.03;     // sigma of observed headings [rad]
 constexpr std::size_t block_size = 500;    // keyframes per row of the table
 
-/** Processor time of this program: other programs do not count. [s] */
+/** Processor time of this program alone [s]. */
 double processorSeconds()
 {
   return static_cast<double>(std::clock()) / CLOCKS_PER_SEC;
@@ -43,14 +43,14 @@ double residentMebibytes()
   return resident * static_cast<double>(sysconf(_SC_PAGESIZE)) / (1 << 20);
 }
 
-/** A drive along a road of gentle bends, as odometry and tracker give it. */
+/** Results of odometry and tracker for a drive along a road of gentle bends. */
 class Traffic
 {
  public:
   explicit Traffic(std::size_t scans)
   {
     Pose pose = Pose::Identity();
-    // The road goes on beyond the drive, for the cars ahead.
+    // The road continues beyond the drive, for the cars ahead.
     for (std::size_t i = 0; i < scans + 40; ++i)
     {
       road_.push_back(pose);
@@ -72,7 +72,7 @@ class Traffic
           T_odom_vehicle_ * noisy(road_[scan - 1].inverse() * road_[scan], 0.01, 5e-4);
     }
     frame.T_odom_vehicle = T_odom_vehicle_;
-    // Three parked cars: those just passed or next ahead, each on its side of the road.
+    // Three parked cars, just passed or next ahead, each on its side of the road.
     const auto next =
         static_cast<std::size_t>(static_cast<double>(scan) * keyframe_distance / parked_spacing);
     for (std::size_t i = next; i < next + 3; ++i)

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Processor time of the loop search per keyframe as a run grows, at places that all differ.
+// Processor time of the loop search per keyframe as a run grows, with keyframes at different
+// places.
 #include <dyslam/backend/LoopCloser.h>
 
 #include <algorithm>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Processor time of closing loops as a run goes on: rounds of one block, with a loop to the round
-// before at every other keyframe. False loops are searched for as in a run.
+// Processor time of loop closing as a run grows: rounds of one block, with a loop to the previous
+// round at every other keyframe. False loops are searched for as in a run.
 //   loop_closing_benchmark [--keyframes N] [--newest N]      keyframes moved at once; 0: all
 #include <dyslam/backend/FactorGraph.h>
 #include <dyslam/backend/factors/LoopFactor.h>
@@ -21,11 +21,11 @@ namespace
 using namespace dyslam;
 
 constexpr std::size_t round_keyframes = 250;
-constexpr double keyframe_distance = 1.5;  // [m]
-constexpr double odometry_sigma = 0.01;    // per keyframe [m]; a twentieth of it [rad]
-constexpr double loop_sigma = 0.02;        // [m]; a twentieth of it [rad]
+constexpr double keyframe_distance = 1.5;  // distance between keyframes [m]
+constexpr double odometry_sigma = 0.01;    // sigma per keyframe [m]; rotation: a twentieth [rad]
+constexpr double loop_sigma = 0.02;        // sigma of a loop [m]; rotation: a twentieth [rad]
 
-/** A motion with noise, and what is stated about it. */
+/** A motion with noise, and its stated information. */
 class Noise
 {
  public:

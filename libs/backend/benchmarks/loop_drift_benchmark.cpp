@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Loops of a recording whose odometry is the ground truth with an error added to every step: what
-// drift they survive. Prints each run's loops, how many of them are false, and the error at the
-// end.
+// Loop closing under drift: the odometry of a recording is the ground truth with an error added to
+// every step. Prints the number of loops of each run, how many of them are false, and the error at
+// the end.
 #include <dyslam/backend/Backend.h>
 #include <dyslam/core/Error.h>
 #include <dyslam/io/RawlogSource.h>
@@ -18,12 +18,12 @@ namespace
 using dyslam::Frame;
 using dyslam::Pose;
 
-constexpr double false_loop = 0.5;  // a loop off by more is false [m]
+constexpr double false_loop = 0.5;  // position error above which a loop is false [m]
 
 struct Drift
 {
   double turn = 0;     //!< added heading per metre [rad]
-  double stretch = 0;  //!< of every step, 0.01: one per cent too long
+  double stretch = 0;  //!< relative error of every step's length; 0.01: one per cent too long
 };
 
 void preparePoints(Frame& frame)

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Pose-graph sets: our solver beside plain Ceres (autodiff, from the file's start).
+// Benchmark sets of pose graphs: PoseGraphSolver compared with plain Ceres (autodiff, from the
+// file's poses).
 //   pose_graph_benchmark [--plain-limit SECONDS] [FOLDER]      FOLDER defaults to
 //   $DYSLAM_DATA/pose_graphs
 #include <dyslam/backend/PoseGraphSolver.h>
@@ -20,10 +21,10 @@ namespace
 struct Set
 {
   const char* name;
-  double best_known;  //!< chi2 by g2o's definition
+  double best_known;  //!< lowest known chi2, by g2o's definition
 };
 
-// From the notes beside the data: the lowest found by Ceres 2.1 and g2o.
+// best_known is from the notes beside the data: the lowest chi2 found by Ceres 2.1 and g2o.
 const std::vector<Set> sets = {{"sphere2500", 727.1497}, {"parking-garage", 1.23869},
                                {"torus3D", 14574.75},    {"cubicle", 2379.917},
                                {"kitti_00", 98.3220},    {"kitti_02", 78.7643},

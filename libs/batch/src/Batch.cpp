@@ -31,10 +31,10 @@ constexpr double share_of_available = 0.9;
 struct Task
 {
   std::size_t index = 0;
-  bool alone = false;  //!< it was killed before, perhaps for lack of memory
+  bool alone = false;  //!< must run alone: it was killed before, perhaps for lack of memory
 };
 
-/** What the threads share, one per run at a time. */
+/** State shared by the threads; each thread has one run at a time. */
 class Runner
 {
  public:
@@ -87,8 +87,8 @@ class Runner
  private:
   [[nodiscard]] bool stopped() const { return refused_ || (watch_.stop && watch_.stop()); }
 
-  /** The message of a run that failed because of the settings that all have in common; nothing for
-   * another. */
+  /** The error message of a run that failed because of settings that all runs have in common;
+   * nothing for other results. */
   [[nodiscard]] std::optional<std::string> refusalOf(const Manifest& m) const
   {
     const auto message = messageOfErrorLine(program_name, m.reason);
@@ -97,7 +97,7 @@ class Runner
                : std::nullopt;
   }
 
-  /** Runs at a time. \param jobs as asked for; 0: as many as there are cores */
+  /** Number of runs at a time. \param jobs requested number; 0: number of cores */
   [[nodiscard]] std::size_t slotsFor(int jobs) const
   {
     if (jobs > 0)
@@ -107,7 +107,8 @@ class Runner
     return cores_.empty() ? std::max(1U, std::thread::hardware_concurrency()) : cores_.size();
   }
 
-  /** Equal parts of the cores; with more slots than cores, each has all of them. */
+  /** Cores of a slot: an equal part of all cores; with more slots than cores, each slot has all
+   * cores. */
   [[nodiscard]] std::vector<int> coresOf(std::size_t slot) const
   {
     const std::size_t each = cores_.size() / slots_;
@@ -241,7 +242,7 @@ class Runner
   std::condition_variable changed_;
   MemoryBudget budget_;
   std::deque<Task> waiting_;
-  std::deque<Task> failed_;  //!< to be run again when all others have ended
+  std::deque<Task> failed_;  //!< tasks to be run again when all others have ended
   std::size_t running_ = 0;
   std::size_t ended_ = 0;
   std::string refusal_;  //!< message of the first run that refused the common settings

@@ -24,7 +24,7 @@ namespace
 {
 constexpr int not_started = 127;
 
-/** After fork(): only calls that are allowed there. Never returns. */
+/** The child after fork(), where only async-signal-safe calls are allowed. Never returns. */
 [[noreturn]] void become(char* const* arguments,
                          const char* log,
                          const cpu_set_t* cores,
@@ -35,7 +35,7 @@ constexpr int not_started = 127;
   {
     ::_exit(not_started);
   }
-  ::setpgid(0, 0);  // Ctrl-C is for the parent, which then ends this one
+  ::setpgid(0, 0);  // Ctrl-C reaches only the parent, which then ends this process
   for (const int signal : {SIGINT, SIGTERM, SIGHUP, SIGPIPE})
   {
     ::signal(signal, SIG_DFL);
@@ -92,11 +92,11 @@ ChildOutcome runChild(const ChildCommand& command, const std::function<bool()>& 
   {
     if (stop && stop())
     {
-      ::kill(-child, SIGKILL);  // with what it has started
+      ::kill(-child, SIGKILL);  // the child and the processes that it has started
     }
     std::this_thread::sleep_for(std::chrono::milliseconds(20));
   }
-  if (ended < 0)  // where SIGCHLD is ignored, nobody learns how it ended
+  if (ended < 0)  // where SIGCHLD is ignored, the exit status is lost
   {
     throw UserError(command.words[0] + ": cannot wait for it: " + std::strerror(errno));
   }

@@ -12,7 +12,7 @@ namespace dyslam::batch
 namespace
 {
 /** Path of this process's group in the hierarchy of version 2. On hosts with both versions, lines
- * of version 1 stand before it. */
+ * of version 1 precede its line. */
 std::optional<fs::path> groupOf(const fs::path& root)
 {
   const std::string version_2 = "0::";
@@ -27,7 +27,7 @@ std::optional<fs::path> groupOf(const fs::path& root)
   return std::nullopt;
 }
 
-/** The number of a file; nothing for "max" and without the file. */
+/** The number in a file; nothing for "max" or if the file does not exist. */
 std::optional<std::uint64_t> numberIn(const fs::path& path)
 {
   std::uint64_t value = 0;
@@ -35,7 +35,7 @@ std::optional<std::uint64_t> numberIn(const fs::path& path)
   return file >> value ? std::optional(value) : std::nullopt;
 }
 
-/** The number behind a word at the beginning of a line; 0 without it. */
+/** The number after a word at the beginning of a line; 0 if there is no such line. */
 std::uint64_t numberBehind(const std::string& wanted, const fs::path& path)
 {
   std::ifstream file(path);
@@ -72,7 +72,7 @@ std::optional<std::uint64_t> memoryLeftByGroups(const std::string& root)
     return std::nullopt;
   }
   const fs::path groups = fs::path(root) / "sys/fs/cgroup";
-  const fs::path unified = groups / "unified";  // of hosts with both versions
+  const fs::path unified = groups / "unified";  // exists on hosts with both versions
   const fs::path& hierarchy = fs::is_directory(unified) ? unified : groups;
   std::optional<std::uint64_t> left;
   for (fs::path group = *own;; group = group.parent_path())

@@ -22,7 +22,8 @@ constexpr const char* own_style =
     "\n#runs td:first-child { white-space: nowrap; }\n#runs a { color: var(--accent); }\n"
     "#runs span { border-left-style: solid; border-left-width: 4px; padding: 1px 6px; }\n";
 
-/** A relative address of a file: all but letters, digits and a few others by their numbers. */
+/** Relative URL of a file: all characters but letters, digits and a few others are percent-encoded.
+ */
 std::string address(const std::string& path)
 {
   std::string result;
@@ -53,8 +54,8 @@ std::string numberCell(const Json& json, const std::string& pointer, int digits)
   return std::string("<td class=\"number\">") + text + "</td>";
 }
 
-/** The entry of each recording in table.json, null for one without results. The runs with results
- * are there in the order of the batch; their names are those that dyslam-eval gave them. */
+/** The entry of each recording in table.json, null without results. table.json has the runs with
+ * results in the order of the batch, with the names that dyslam-eval gave them. */
 std::vector<Json> errorsOf(const std::vector<BatchResult>& results, const std::string& folder)
 {
   std::vector<Json> errors(results.size());

@@ -52,7 +52,7 @@ class Sha256
 struct FileState
 {
   std::uintmax_t bytes = 0;
-  std::int64_t time = 0;  //!< of the last change [ns]
+  std::int64_t time = 0;  //!< time of the last change [ns]
 };
 
 std::optional<FileState> stateOf(const std::string& path)
@@ -67,8 +67,8 @@ std::optional<FileState> stateOf(const std::string& path)
       std::int64_t{status.st_mtim.tv_sec} * 1000000000 + std::int64_t{status.st_mtim.tv_nsec}};
 }
 
-/** Of the files in a folder: their size and the last change of any; folders change when a file is
- * removed. */
+/** Total size and latest change of the files and folders in a folder; a folder changes when a file
+ * is removed. */
 FileState stateOfFolder(const std::string& folder)
 {
   FileState all;
@@ -82,14 +82,15 @@ FileState stateOfFolder(const std::string& folder)
   return all;
 }
 
-/** The folder with files that belong to a recording: itself, or that of a rawlog's external files.
- */
+/** The folder with the files of a recording: the recording itself, or the folder of a rawlog's
+ * external files. */
 std::optional<std::string> folderOfFiles(const std::string& path)
 {
   return fs::is_directory(path) ? path : externalFolderOf(path);
 }
 
-/** Whether files of the same path can be taken for unchanged without reading them. */
+/** Whether a recording can be taken for unchanged without reading it: same path, sizes and times.
+ */
 bool looksUnchanged(const Work& known, const Work& now)
 {
   return known.input == now.input && known.input_bytes == now.input_bytes &&
@@ -97,7 +98,8 @@ bool looksUnchanged(const Work& known, const Work& now)
          known.external_time == now.external_time;
 }
 
-/** A rawlog and the files that it names, which stand in a folder beside it; or all in a folder. */
+/** Checksum of a rawlog and its external files in a folder beside it, or of all files of a
+ * recording that is a folder. */
 std::string checksumOfRecording(const std::string& path)
 {
   const auto folder = folderOfFiles(path);
@@ -187,7 +189,8 @@ std::optional<Manifest> readManifest(const std::string& folder)
     m.state = stateFromText(json.at("state"));
     m.reason = json.at("reason");
     const bool has_signal = m.reason.rfind("ended by the signal ", 0) == 0;
-    m.interrupted = json.value("interrupted", has_signal);  // earlier versions: by the reason only
+    m.interrupted = json.value(
+        "interrupted", has_signal);  // manifests of earlier versions: derived from the reason
     m.attempts = json.at("attempts");
     m.seconds = json.at("seconds");
     m.peak_memory = json.at("peak_memory_bytes");

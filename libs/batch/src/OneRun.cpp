@@ -47,8 +47,8 @@ std::string tailOf(const std::string& path)
   return text.str();
 }
 
-/** Moves results to their folder as a whole: those of an earlier run are replaced at the end, other
- * files stay. */
+/** Moves results to their folder as a whole: the results of an earlier run are replaced at the end,
+ * other files stay. */
 void moveResults(const fs::path& from, const fs::path& to)
 {
   const fs::path partial = to.string() + ".partial";
@@ -73,7 +73,8 @@ void moveResults(const fs::path& from, const fs::path& to)
   fs::remove_all(from);
 }
 
-/** What a run without results leaves for the next batch and its user; earlier results stay. */
+/** Copies log and manifest of a run without results for the next batch and the user; earlier
+ * results stay. */
 void copyFailure(const fs::path& from, const fs::path& to, const Manifest& manifest)
 {
   makeFolder(to.string(), "choose another --output");
@@ -81,8 +82,8 @@ void copyFailure(const fs::path& from, const fs::path& to, const Manifest& manif
   writeManifest(to.string(), manifest);
 }
 
-/** \param option that names its parent \throws UserError if the folder has something that no batch
- * put there. */
+/** Requires that a folder is empty or belongs to a batch. \param option flag that names its parent
+ * \throws UserError if the folder has files that no batch wrote. */
 void requireOwnFolder(const std::string& folder, const std::string& option)
 {
   if (fs::exists(folder) && !fs::is_empty(folder) && !fs::exists(fs::path(folder) / log_name))
@@ -108,16 +109,16 @@ std::string rawlogOf(const std::string& recording, const std::string& folder)
   return isConverted(recording) ? (fs::path(folder) / converted_rawlog_name).string() : recording;
 }
 
-/** Whether somebody stopped a run, and not the batch: by a signal that dyslam ends orderly on.
- * \param line the last one of its log */
+/** Whether a run was stopped on its own, not by the batch: by a signal on which dyslam saves its
+ * results and ends. \param line last line of its log */
 bool isStoppedAlone(const ChildOutcome& outcome, const std::string& line, const std::string& rawlog)
 {
   return outcome.signal == SIGINT || outcome.signal == SIGTERM || outcome.signal == SIGHUP ||
          (!hasResults(outcome) && isStoppedLine(program_name, rawlog, line));
 }
 
-/** Sets state and figures from the end of a run. \param folder of the run, the last line of whose
- * log is the reason */
+/** Sets state and figures of the manifest from the end of a run. \param folder folder of the run;
+ * the last line of its log is the reason */
 RunEnd recordOutcome(const ChildOutcome& outcome,
                      bool stopped,
                      const std::string& folder,
@@ -234,7 +235,7 @@ RunEnd runOne(const BatchSettings& settings,
   command.cores = cores;
   bool stopped = false;
   const ChildOutcome outcome = runChild(command, [&] { return stopped = stopped || stop(); });
-  stopped = stopped || (!hasResults(outcome) && stop());  // the same signal may have reached both
+  stopped = stopped || (!hasResults(outcome) && stop());  // the signal may have reached both
   const RunEnd end = recordOutcome(outcome, stopped, folder, m);
   if (m.hasResults())
   {

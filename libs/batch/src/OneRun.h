@@ -12,25 +12,26 @@ namespace dyslam::batch
 enum class RunEnd
 {
   by_itself,
-  stopped,  //!< by the batch, or alone by a signal that asks it to stop
-  killed    //!< by another signal
+  stopped,  //!< stopped by the batch, or alone by a signal that asks it to stop
+  killed    //!< ended by another signal
 };
 
 /** The name that dyslam begins its error lines with. */
 constexpr const char* program_name = "dyslam";
 
-/** Runs dyslam on one recording, with manifest and log. \param result work and attempts so far;
- * gets the rest. \param cores to use */
+/** Runs dyslam on one recording, with manifest and log. \param cores cores to use \param stop
+ * polled; true ends the run \param[in,out] result has work and attempts so far; gets the result of
+ * the run */
 RunEnd runOne(const BatchSettings& settings,
               const std::vector<int>& cores,
               const std::function<bool()>& stop,
               BatchResult& result);
 
-/** Records a run that could not be started or ended, if the folder is a batch's. Throws nothing: if
- * the manifest cannot be written, its reason says so. */
+/** Records a run that could not be started or ended, if the folder belongs to a batch. Throws
+ * nothing: if the manifest cannot be written, its `reason` says so. */
 void recordFailure(const std::string& folder, Manifest& manifest);
-/** Share of the work by the log of a run, 0 to 1. */
+/** Share of a run's work that is done, by its log, from 0 to 1. */
 [[nodiscard]] double shareOfRun(const std::string& log);
-/** Where the run of a recording writes to while it lasts. */
+/** Folder that the run of a recording writes to while it is running. */
 [[nodiscard]] std::string workFolder(const BatchSettings& settings, const Recording& recording);
 }  // namespace dyslam::batch

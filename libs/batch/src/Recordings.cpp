@@ -17,29 +17,29 @@ namespace dyslam::batch
 {
 namespace
 {
-constexpr int deepest_list = 8;  // lists within lists
+constexpr int deepest_list = 8;  // depth of list files within list files
 
-/** The folder of a run: its rawlogs are results, not recordings. */
+/** Whether a folder is that of a run, whose rawlogs are results, not recordings. */
 bool isRun(const fs::path& folder)
 {
   return fs::exists(folder / "report.json") || fs::exists(folder / "manifest.json");
 }
 
-/** A folder of a ROS 2 bag has its metadata. Any other one
- * with bags in it is a folder of recordings. */
+/** Whether a folder is a ROS 2 bag, which has metadata. Any other folder with bags is a folder of
+ * recordings. */
 bool isBagFolder(const std::string& folder)
 {
   return fs::is_regular_file(fs::path(folder) / "metadata.yaml") && isBag(folder);
 }
 
-/** A folder that is one recording and does not look like something else, as folders of point clouds
- * may: those must be named. */
+/** Whether a folder is certainly one recording. Folders of point clouds may be something else and
+ * must be named by the user. */
 bool isRecordingFolder(const std::string& folder)
 {
   return isBagFolder(folder) || officialKittiKind(folder).has_value();
 }
 
-/** A folder that is one recording, where the user names it. */
+/** Whether a folder that the user names is one recording. */
 bool isRecordingNamed(const std::string& folder)
 {
   const RecordingKind kind = recordingKind(folder);
@@ -169,7 +169,8 @@ std::string nameWith(const fs::path& path, int folders)
   return name;
 }
 
-/** Names that occur once are taken, the others get a folder more. */
+/** Gives unique names: names that occur once are final, the others are preceded by one more folder,
+ * repeatedly. */
 void giveNames(std::vector<Recording>& recordings)
 {
   std::set<std::string> taken;
@@ -216,7 +217,7 @@ std::uintmax_t sizeOf(const std::string& path)
   return bytes;
 }
 
-/** Absolute, without a slash at the end. */
+/** The absolute path without a slash at the end. */
 std::string normalPath(const std::string& path)
 {
   const fs::path normal = fs::absolute(path).lexically_normal();

@@ -15,7 +15,7 @@ namespace dyslam::batch
 {
 namespace
 {
-/** The text as one word of a shell command. */
+/** Quotes a text as one word of a shell command. */
 std::string quoted(const std::string& text)
 {
   std::string result = "'";
@@ -38,7 +38,7 @@ std::string commandOf(const SlurmJob& job)
 
 std::string header(const SlurmJob& job, const std::string& name, const std::string& log)
 {
-  // Slurm reads % in the name of a log; %% is a plain one.
+  // Slurm replaces patterns with % in the name of a log; %% stands for a %.
   std::string folder;
   for (const char c : job.output)
   {
@@ -71,7 +71,7 @@ std::string answerOf(const std::string& command)
   return answer;
 }
 
-/** The number of the job: "12" or "12;cluster". */
+/** The number of the job in sbatch's output: "12" or "12;cluster". */
 std::string submitted(const std::string& command)
 {
   const std::string answer = answerOf(command);
@@ -117,7 +117,7 @@ std::size_t arrayTasks(std::size_t recordings)
   const std::string key = "MaxArraySize";
   const auto at = config.find(key);
   const auto digit = config.find_first_of("0123456789", at);
-  // Slurm's limit is one above the highest task number; its default where it does not say.
+  // Slurm's limit is one above the highest task number; its default if scontrol does not print it.
   const std::size_t limit = at == std::string::npos || digit == std::string::npos
                                 ? 1001
                                 : std::stoul(config.substr(digit));

@@ -52,7 +52,7 @@ void writeJson(const std::string& path, const std::vector<BatchResult>& results)
   writeWhole(path, json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n");
 }
 
-/** \returns the first of dyslam-eval's tables. */
+/** Runs dyslam-eval on the results. \returns the first of its tables. */
 std::string evaluate(const BatchSettings& settings,
                      const std::vector<BatchResult>& results,
                      const std::string& evaluation)

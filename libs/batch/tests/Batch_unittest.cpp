@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A batch with a script in place of dyslam, that does what each test needs.
+// A batch that runs a shell script in place of dyslam.
 #include <dyslam/batch/Batch.h>
 #include <dyslam/batch/ChildProcess.h>
 #include <dyslam/batch/MemoryBudget.h>
@@ -18,7 +18,8 @@ namespace dyslam::batch
 {
 namespace
 {
-/** `$2` is the recording, `$4` the folder; each run leaves a line in runs.txt. */
+/** Script in place of dyslam: `$2` is the recording, `$4` the output folder; each run appends a
+ * line to runs.txt. */
 class Batch : public testing::Test
 {
  protected:
@@ -106,7 +107,7 @@ TEST_F(Batch, RunsThatAreStoppedAloneAreNotRepeatedButResumedByTheNextBatch)
   }
 }
 
-/** A run that reads what it made of its input is resumed without that input. */
+/** A run that reads the rawlog it converted its input to is resumed without that input. */
 TEST_F(Batch, ConvertedRecordingsAreResumed)
 {
   program(

@@ -8,7 +8,7 @@ namespace dyslam::batch
 {
 namespace
 {
-/** A root with /proc and /sys. */
+/** A root folder with /proc and /sys. */
 class ControlGroup : public testing::Test
 {
  protected:

@@ -43,7 +43,7 @@ TEST(Recordings, AreAllThatDyslamConverts)
 {
   const TestFolder folder;
   folder.write("all/a.rawlog", "");
-  folder.write("all/a_Images/0.bin", "");  // of the rawlog
+  folder.write("all/a_Images/0.bin", "");  // external file of the rawlog
   folder.write("all/a.gt/flow/000000.bin", "");
   folder.write("all/b.bag", "123");
   folder.write("all/c/c_0.mcap", "12");
@@ -59,7 +59,7 @@ TEST(Recordings, AreAllThatDyslamConverts)
   EXPECT_EQ(listed[1].bytes, 3U);
   EXPECT_EQ(listed[2].bytes, 5U) << "all files of the folder";
   EXPECT_EQ(listed[2].path, folder.file("all/c"));
-  // Clouds may be anything, unless they are named.
+  // Folders of point clouds are recordings only if they are named.
   EXPECT_EQ(namesOf(listRecordings({folder.file("all/map/")})), std::vector<std::string>{"map"});
 }
 

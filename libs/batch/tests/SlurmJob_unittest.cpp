@@ -11,7 +11,7 @@ namespace dyslam::batch
 {
 namespace
 {
-/** Runs a script as Slurm does, as one task; what its programs do is in `folder`. */
+/** Runs a script as Slurm runs one task; its programs are scripts in `folder`. */
 int runTask(const TestFolder& folder, const std::string& script)
 {
   folder.write("array.sh", script);

@@ -29,7 +29,7 @@ Eigen::Vector4d inImage(const Box& box, const KittiCalib& calib)
 {
   constexpr double image_width = 1242;
   constexpr double image_height = 375;
-  constexpr double nearest = 0.1;  // [m]
+  constexpr double nearest = 0.1;  // least distance of a projected corner [m]
   Eigen::Vector4d image(image_width, image_height, 0, 0);
   for (int corner = 0; corner < 8; ++corner)
   {
@@ -55,7 +55,7 @@ struct Recording
   std::vector<double> stamps;  // [s]
   std::vector<Pose> poses;     // T_world_velo
   std::vector<std::vector<Detection>> detections;
-  std::vector<std::vector<Eigen::Vector4d>> image_boxes;  // of the detections [px]
+  std::vector<std::vector<Eigen::Vector4d>> image_boxes;  // image boxes of the detections [px]
 };
 
 std::vector<double> frameTimes(const KittiMotSetup& setup, const std::string& name, std::size_t n)
@@ -154,7 +154,7 @@ void keepEvery(int n, Recording& recording, std::vector<LabelledBox>& labels)
 }
 
 /** Reported tracks of a frame in the lidar frame. Predicted tracks that left the image are not
- * reported because there are no labels there. */
+ * reported because there are no labels outside the image. */
 void collect(const std::vector<TrackedObject>& objects,
              const Recording& recording,
              std::size_t frame,
@@ -224,7 +224,8 @@ struct Published
   double mota;
   double motp;
   double frames_per_second;
-  // Scored as ours: its script loses tracks whose score equals a threshold to rounding.
+  // Scored by this program: AB3DMOT's script loses tracks whose score equals a threshold to
+  // rounding.
   double rescored_samota;
   double rescored_mota;
 };

@@ -9,9 +9,9 @@ namespace dyslam
 {
 namespace
 {
-constexpr int half_window = 5;      // scans beside one whose true speed is estimated
-constexpr double slowest = 1;       // of the evaluated vehicles [m/s]
-constexpr double max_distance = 2;  // of an observation from its label [m]
+constexpr int half_window = 5;      // scans to each side that give the true speed at a scan
+constexpr double slowest = 1;       // least speed of the evaluated vehicles [m/s]
+constexpr double max_distance = 2;  // largest distance of an observation from its label [m]
 
 using Track = std::map<int, Eigen::Vector2d>;  // positions in the plane by scan
 
@@ -21,7 +21,8 @@ bool isEvaluated(ObjectClass object_class)
          object_class == ObjectClass::truck;
 }
 
-/** Labels in the world; their scans are not deskewed either. */
+/** Deskewed positions of the labels in the world frame; like the detections, labels are from scans
+ * that are not deskewed. */
 std::map<int, Track> labelledTracks(const KittiDrive& drive)
 {
   std::map<int, Track> tracks;
@@ -61,7 +62,8 @@ bool trueSpeed(const Track& track, int scan, const std::vector<double>& stamps, 
   return true;
 }
 
-/** The observed track nearest to a place; null if none is near. \param T_world_odom at the scan */
+/** The observed track nearest to a position in the world; null if none is near. \param T_world_odom
+ * at the scan */
 const TrackedObject* nearest(const std::vector<TrackedObject>& tracked,
                              const Pose& T_world_odom,
                              const Eigen::Vector2d& place)
@@ -80,7 +82,7 @@ const TrackedObject* nearest(const std::vector<TrackedObject>& tracked,
   return best;
 }
 
-/** Sums of squares to root mean squares. */
+/** Converts sums of squares to root mean squares. */
 void takeRoots(KittiObjectErrors& e)
 {
   for (double* sum : {&e.observed_position, &e.tracked_position, &e.smoothed_position,
@@ -100,16 +102,16 @@ struct ObservedVehicle
 {
   int label = -1;
   int frame = 0;
-  Eigen::Vector2d place;        // label
-  Eigen::Vector2d observed;     // detection
-  Eigen::Vector2d tracked;      // filtered position
-  double tracked_speed = 0;     // [m/s]
-  double difference_speed = 0;  // of this and the previous observation of the track [m/s]
+  Eigen::Vector2d place;        // position of the label [m]
+  Eigen::Vector2d observed;     // position of the detection [m]
+  Eigen::Vector2d tracked;      // filtered position [m]
+  double tracked_speed = 0;     // speed by the tracker [m/s]
+  double difference_speed = 0;  // speed from the previous to this observation of the track [m/s]
   Eigen::Vector2d smoothed;
   double smoothed_speed = 0;
 };
 
-/** All but the first observation of each track. */
+/** Observations of labelled vehicles, except the first one of each track. */
 std::vector<ObservedVehicle> observedVehicles(const KittiDrive& drive,
                                               const std::map<int, Track>& labels,
                                               const std::vector<Pose>& odometry,

@@ -20,14 +20,15 @@ constexpr double paper_table4[5][7] = {{0.24, 0.23, 0.26, 0.28, 0.43, 0.62, 0.84
                                        {1.30, 0.48, 0.39, 0.33, 0.26, 0.27, 0.28},
                                        {1.34, 0.77, 0.60, 0.49, 0.38, 0.31, 0.33},
                                        {1.37, 1.50, 1.00, 0.74, 0.56, 0.43, 0.40}};
-/** Table 5: constant velocity, then degrees 1 to 4; six targets and their mean. */
+/** The paper's Table 5: rows constant velocity, then degrees 1 to 4; columns six targets and their
+ * mean. */
 constexpr double paper_table5[5][7] = {{1.33, 1.49, 1.37, 1.42, 0.57, 0.65, 1.14},
                                        {1.21, 0.65, 0.54, 0.28, 0.41, 0.45, 0.59},
                                        {0.71, 0.64, 0.60, 0.21, 0.14, 0.22, 0.42},
                                        {0.64, 0.81, 0.85, 0.33, 0.13, 0.23, 0.50},
                                        {0.81, 1.07, 1.17, 0.49, 0.18, 0.29, 0.67}};
 
-/** Nothing if the target is too short for a prediction. */
+/** RMSE of a predictor; nothing if the target is too short for a prediction. */
 std::optional<double> oneStepRmse(OneStepPredictor& predictor,
                                   const KittiTarget& target,
                                   int warm_up)
@@ -42,13 +43,13 @@ std::optional<double> fixedRmse(const KittiTarget& target, int degree, int windo
   return oneStepRmse(*polynomialPredictor(degree, window), target, window);
 }
 
-/** On the same frames as a full window of length `window`. */
+/** RMSE on the frames at which a window of length `window` is full. */
 std::optional<double> adaptiveRmse(const KittiTarget& target, int window)
 {
   return oneStepRmse(*adaptivePredictor(), target, window);
 }
 
-/** Of those that there are. */
+/** Mean of the values that are present. */
 std::optional<double> meanOf(const std::vector<std::optional<double>>& values)
 {
   double sum = 0;

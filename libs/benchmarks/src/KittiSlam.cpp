@@ -16,7 +16,7 @@ namespace dyslam
 {
 namespace
 {
-/** Scale of the visual odometry: ratio of the distance by OXTS along its steps. */
+/** Scale of the visual odometry: the distance by OXTS along its steps, divided by their length. */
 double scaleOf(const std::vector<Pose>& visual, const std::vector<Pose>& measured)
 {
   double products = 0;
@@ -36,8 +36,8 @@ double scaleOf(const std::vector<Pose>& visual, const std::vector<Pose>& measure
  * jitter by a tenth, and the visual odometry, which is smooth up to its scale. */
 std::vector<Pose> fusedTruth(const std::vector<Pose>& oxts, const std::vector<Pose>& visual)
 {
-  constexpr double position_sigma = 10;  // per reading; the errors are correlated [m]
-  constexpr double angle_sigma = 0.05;   // [rad]
+  constexpr double position_sigma = 10;  // large, since readings have correlated errors [m]
+  constexpr double angle_sigma = 0.05;   // sigma of a reading's orientation [rad]
   const Matrix6 absolute = informationFromSigmas(position_sigma, angle_sigma);
   const Matrix6 relative = informationFromSigmas(0.01, 0.0005);
   const double scale = scaleOf(visual, oxts);

@@ -46,7 +46,7 @@ struct ModeError
 };
 using SequenceErrors = std::map<std::string, ModeError>;  //!< by mode
 
-/** Moving vehicles, of the first seed in the last mode. */
+/** Errors of moving vehicles, of the first seed in the last mode. */
 Table objectTable(const std::map<std::string, KittiObjectErrors>& errors)
 {
   Table table({"sequence", "vehicles observed", "position of detections [m]", "tracker [m]",
@@ -72,7 +72,7 @@ ModeError errorOf(const KittiDrive& drive, const std::vector<Pose>& estimate, Al
   return {error.translation.rmse, error.rotation_deg.rmse * radians_per_degree};
 }
 
-/** FOLDER/SEQUENCE_LABEL_SOURCE.csv for each vehicle. */
+/** Writes FOLDER/SEQUENCE_LABEL_SOURCE.csv for each vehicle. */
 void writeSpeeds(const std::string& folder,
                  const std::string& sequence,
                  const std::map<int, KittiVehicleSpeeds>& vehicles)
@@ -95,7 +95,8 @@ void writeSpeeds(const std::string& folder,
   }
 }
 
-/** By the visual odometry of the data where `noise` is that, else by drawn ones. */
+/** Errors with the visual odometry of the data if `noise` is its model, else with drawn odometries.
+ */
 SequenceErrors errorsOn(const KittiDrive& drive,
                         const OdometryNoise& noise,
                         const KittiSlamSetup& setup,

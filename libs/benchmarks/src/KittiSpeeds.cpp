@@ -13,8 +13,9 @@ namespace dyslam
 {
 namespace
 {
-/** Speed of a quadratic fitted to the `window` positions around each frame, those of a gap left
- * out: positions by OXTS jump by up to 0.1 m from frame to frame. */
+/** Speed at each frame by a quadratic fitted to the `window` positions around it; frames in gaps
+ * are left out. A fit is needed because positions by OXTS jump by up to 0.1 m from frame to frame.
+ */
 FrameSpeeds centredSpeeds(const PlanarTrack& track, int window)
 {
   FrameSpeeds speeds;
@@ -71,7 +72,7 @@ FrameSpeeds causalSpeeds(const PlanarTrack& track, Model model)
   return speeds;
 }
 
-/** A CSV file with a header and the columns time [s since the first scan] and speed [m/s]. */
+/** Reads a CSV file with a header and the columns time [s since the first scan] and speed [m/s]. */
 FrameSpeeds readSpeeds(const std::string& path)
 {
   TextFile file(path, ",\r");
@@ -91,8 +92,8 @@ FrameSpeeds readSpeeds(const std::string& path)
 
 struct SpeedError
 {
-  double rmse = 0;  //!< [m/s]; NaN without a frame
-  int frames = 0;   //!< with both speeds
+  double rmse = 0;  //!< RMSE of the speed [m/s]; NaN without a frame
+  int frames = 0;   //!< number of frames with both speeds
 };
 
 SpeedError speedError(const FrameSpeeds& speeds, const FrameSpeeds& truth)

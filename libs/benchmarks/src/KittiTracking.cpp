@@ -12,7 +12,7 @@ namespace dyslam
 {
 namespace
 {
-// Between scans, in round numbers: positions that a fit predicts do not depend on it [s].
+// Rounded time between scans [s]: positions predicted by a fit do not depend on it.
 constexpr double frame_time = 0.1;
 
 Eigen::Vector2d inWorld(const LabelledBox& box, const std::vector<Pose>& poses)
@@ -82,7 +82,7 @@ KittiTarget readKittiTarget(const std::string& boxes,
                             int track,
                             const std::string& detections)
 {
-  constexpr double max_distance = 2;  // of a detection from the label [m]
+  constexpr double max_distance = 2;  // largest distance of a detection from the label [m]
   const KittiCalib mounting = readKittiCalib(calib);
   const std::vector<Pose> poses = kittiLidarPoses(oxts, mounting);
   const auto known = [&](const LabelledBox& box)

@@ -41,7 +41,7 @@ std::map<std::string, std::string> labelFiles(const std::string& folder)
   return files;
 }
 
-/** Those of which a point is labelled moving in any scan; 0 is none. */
+/** Instances (not 0) of which a point is labelled moving in any scan. */
 std::set<std::uint16_t> movingInstances(const std::map<std::string, std::string>& files)
 {
   std::set<std::uint16_t> result;
@@ -82,7 +82,7 @@ std::vector<Label> readAs(const ReferenceReading& reading,
   return labels;
 }
 
-/** A float32 for each of so many points. \throws UserError. */
+/** Reads a file with a float32 per point. \throws UserError for another number of points. */
 std::vector<float> readProbabilities(const std::string& path, std::size_t points)
 {
   const std::string bytes = readWhole(path);

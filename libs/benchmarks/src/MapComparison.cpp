@@ -102,7 +102,7 @@ void addDistanceRow(Table& table,
   table.addRow(std::move(cells));
 }
 
-/** \throws UserError if the map has no finite point. */
+/** Requires points. \throws UserError if the map has no finite point. */
 void requirePoints(const Scan& cloud, const std::string& path)
 {
   if (std::none_of(cloud.points.begin(), cloud.points.end(),

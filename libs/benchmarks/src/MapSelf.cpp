@@ -41,7 +41,8 @@ std::size_t forEachScan(const MapSelfArguments& a,
   return source.framesRead();
 }
 
-/** Trajectories with the times of the scans; KITTI's lines are those of the scans used. */
+/** Reads trajectories and gives them the times of the scans; the lines of KITTI files belong to the
+ * scans used. */
 std::vector<Trajectory> readTrajectories(const MapSelfArguments& a, MapListener& listener)
 {
   std::vector<Trajectory> result;
@@ -72,7 +73,7 @@ std::vector<Trajectory> readTrajectories(const MapSelfArguments& a, MapListener&
   return result;
 }
 
-/** The scans along the trajectories. */
+/** Reads the scans with their pose on each trajectory. */
 class ScanPlacer
 {
  public:
@@ -85,7 +86,7 @@ class ScanPlacer
     }
   }
 
-  /** The scan's pose of each trajectory; empty unless all have one. */
+  /** Pose of a scan on each trajectory; empty unless all trajectories have one. */
   [[nodiscard]] std::vector<Pose> posesOf(const Frame& frame) const
   {
     std::vector<Pose> poses;
@@ -129,7 +130,7 @@ class ScanPlacer
 
   [[nodiscard]] std::size_t size() const { return trajectories_.size(); }
 
-  /** For messages: ", FILE: from and to" of each trajectory. */
+  /** Text for messages: ", FILE: from and to" of each trajectory. */
   [[nodiscard]] std::string times() const
   {
     std::string text;
@@ -184,8 +185,8 @@ class PointChoice
     }
   }
 
-  /** One list per trajectory; those that range limits have left out of one trajectory are out of
-   * all. */
+  /** One list of points per trajectory; points that range limits exclude on one trajectory are left
+   * out of all. */
   [[nodiscard]] std::vector<Points> finish() const
   {
     std::vector<Points> result(trajectories_);
@@ -233,7 +234,7 @@ std::vector<MapSelfScores> evaluateMapSelf(const MapSelfArguments& a, MapListene
   const ScanPlacer placer(a, listener);
   PointChoice choice(a.points, placer.size());
   std::size_t used = 0;
-  double first = 0;  // and last time stamp of the scans [s]
+  double first = 0;  // first and last time stamp of the scans [s]
   double last = 0;
   const auto forEachPlaced = [&](const std::string& what, const auto& use)
   {

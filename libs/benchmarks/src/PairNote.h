@@ -10,9 +10,9 @@
 
 namespace dyslam
 {
-/** A note if errors are those of a part: fewer than 90 % of the pairs that the
- * shorter trajectory allows, or fewer than half of the estimated poses. \param estimate its file.
- * \param reference its file. \param tolerance of the time stamps, as the user knows it. */
+/** Notes if errors cover only a part of the trajectories: fewer than 90 % of the pairs that the
+ * shorter one allows, or fewer than half of the estimated poses. \param estimate, reference their
+ * files \param tolerance tolerance of the time stamps, as the user gave it [s] */
 inline void noteFewPairs(const PosePairs& pairs,
                          const std::string& estimate,
                          const std::string& reference,

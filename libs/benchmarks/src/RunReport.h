@@ -7,7 +7,7 @@
 
 namespace dyslam
 {
-/** report.json of a run's folder, an object; nothing if there is none: the run did not finish.
- * \throws UserError. */
+/** Reads report.json, an object, of a run's folder; nothing if it is missing, since the run did not
+ * finish. \throws UserError. */
 [[nodiscard]] std::optional<nlohmann::ordered_json> readRunReport(const std::string& folder);
 }  // namespace dyslam

@@ -43,7 +43,8 @@ Json readReport(const fs::path& folder, const NoteSink& note)
   return report.value_or(Json::object());
 }
 
-/** Number of a recording's scans that the run's settings use. \param recorded all of them */
+/** Number of a recording's scans that the run's settings use. \param recorded number of all scans
+ */
 std::size_t scansTaken(const fs::path& folder, const Trajectory& recorded)
 {
   RawlogSourceOptions input;
@@ -68,7 +69,7 @@ std::string textIn(const Json& json, const char* key)
 }
 
 /** Notes the progress of a run that was stopped or killed, or whose recording is damaged.
- * \return whether it is one */
+ * \return whether the run is such a run */
 bool noteUnfinished(const std::string& folder,
                     const Json& report,
                     const std::string& truth,
@@ -96,15 +97,15 @@ bool noteUnfinished(const std::string& folder,
   return true;
 }
 
-/** True poses: the run's own, else those of the ground-truth folder; may not be there. */
+/** File of the true poses: in the run's folder, else in the ground-truth folder; may not exist. */
 fs::path referenceOf(const fs::path& folder, const std::string& truth)
 {
   const fs::path own = folder / "reference_tum.txt";
   return fs::exists(own) || truth.empty() ? own : fs::path(truth) / "poses_tum.txt";
 }
 
-/** Where the poses of referenceOf() are from: as the run recorded it, else as the ground-truth
- * folder of its recording or the given one states it. */
+/** Origin of the poses of referenceOf(): as the run recorded it, else as stated in the ground-truth
+ * folder of its recording or in the given one. */
 PoseOrigin originOf(const fs::path& folder,
                     const Json& report,
                     const std::string& beside_rawlog,
@@ -128,7 +129,8 @@ PoseOrigin originOf(const fs::path& folder,
                                                                       : origin;
 }
 
-/** Nothing, with a note, if the run has no or too little ground truth. */
+/** Pairs with the true poses; nothing, with a note, if the run has no or too little ground truth.
+ */
 std::optional<PosePairs> pairsOf(const fs::path& estimate,
                                  const fs::path& reference,
                                  const NoteSink& note)
@@ -149,7 +151,8 @@ std::optional<PosePairs> pairsOf(const fs::path& estimate,
   return pairs;
 }
 
-/** Errors of the trajectory and of the odometry, with a note if the ground truth covers a part. */
+/** Errors of the trajectory and of the odometry, with a note if the ground truth covers only a
+ * part. */
 void evaluatePoses(const fs::path& folder,
                    const fs::path& reference,
                    const TrajectoryMetricsOptions& metrics,
@@ -169,7 +172,7 @@ void evaluatePoses(const fs::path& folder,
   }
 }
 
-/** Nothing if the run does not state its covariances. */
+/** Consistency of the odometry; nothing if the run does not state its covariances. */
 std::optional<OdometryConsistency> evaluateConsistency(const fs::path& folder,
                                                        const fs::path& reference)
 {
@@ -254,7 +257,7 @@ RunScores scoresOf(const std::string& folder,
       {
         scores.labels = compareLabelFolders(truth, folder);
       }
-      catch (const UserError& error)  // of one run: the others are evaluated
+      catch (const UserError& error)  // the other runs are evaluated all the same
       {
         note(folder + ": labels not evaluated against " + truth + ": " + error.what());
       }

@@ -42,7 +42,7 @@ void addRunRow(Table& table,
   cells.emplace_back(labels ? labels->precision() : Value(), 4);
   cells.emplace_back(labels ? labels->recall() : Value(), 4);
   const Value ms = whole ? number(run.report, "ms_per_scan") : Value();
-  cells.emplace_back(ms.value_or(0) > 0 ? ms : Value(), 1);  // 0 of a run that did not finish
+  cells.emplace_back(ms.value_or(0) > 0 ? ms : Value(), 1);  // 0: the run did not finish
   table.addRow(std::move(cells));
 }
 

@@ -21,7 +21,7 @@ namespace
 namespace fs = std::filesystem;
 using Value = std::optional<double>;
 
-/** A column of numbers of each drive. */
+/** A column with a number per drive. */
 struct Figure
 {
   std::string heading;
@@ -51,7 +51,8 @@ std::vector<RunColumn> withRuns(const std::vector<DriveScores>& drives,
   return present;
 }
 
-/** The cells of a row, the best of each group bold where the others are printed as worse. */
+/** The cells of a row; the best number of each group is bold if the others differ from it as
+ * printed. */
 std::vector<TableCell> cellsOf(const std::vector<Figure>& figures, const std::vector<Value>& values)
 {
   const auto printed = [&](std::size_t i)
@@ -164,7 +165,7 @@ void add(SegmentationScores& sum, const SegmentationScores& one)
   sum.ignored += one.ignored;
 }
 
-/** Which split the drives are of: a drive of the test split among others counts. */
+/** Names of the splits of the drives, with a remark if any drive is in the test split. */
 std::string splitLine(const std::vector<DriveScores>& drives)
 {
   const DataSplits splits = DataSplits::load("splits", "splits.ini");

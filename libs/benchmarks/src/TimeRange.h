@@ -8,7 +8,7 @@
 
 namespace dyslam
 {
-/** For messages: 0.01 instead of 0.010000. */
+/** A number for messages: 0.01 instead of 0.010000. */
 inline std::string shortNumber(double value)
 {
   char text[40];
@@ -16,7 +16,7 @@ inline std::string shortNumber(double value)
   return text;
 }
 
-/** For messages: "1600000000.000 to 1600000010.000 s". */
+/** A range of times for messages: "1600000000.000 to 1600000010.000 s". */
 inline std::string timesFrom(double first, double last)
 {
   char text[100];
@@ -24,7 +24,7 @@ inline std::string timesFrom(double first, double last)
   return text;
 }
 
-/** \pre the trajectory has poses */
+/** Range of the times of a trajectory, for messages. \pre the trajectory has poses */
 inline std::string timesOf(const Trajectory& trajectory)
 {
   return timesFrom(trajectory[0].stamp, trajectory[trajectory.size() - 1].stamp);

@@ -53,7 +53,8 @@ void keepFrames(std::vector<LabelledBox>& boxes, const FrameRange& range)
               boxes.end());
 }
 
-/** The given classes, as the boxes name them. \throws UserError for an unknown one. */
+/** The classes named by the user, as the boxes name them. \throws UserError for an unknown class.
+ */
 std::vector<std::string> givenClasses(const TrackSources& sources,
                                       const TrackSequence& sequence,
                                       const std::vector<std::string>& words_given)
@@ -195,7 +196,7 @@ void addMetrics(const std::string& name,
   const Hota higher_order = hota(sequences, rules);
   const RecallAverages averages = averagesOverRecall(sequences, rules);
   const auto percent = [](double x) { return TableCell(100 * x, 2); };
-  // Averages over forty recalls require as many boxes.
+  // Averages over forty recall values require at least forty boxes.
   const auto average = [&](double x)
   {
     const bool enough = mot.references >= 40;

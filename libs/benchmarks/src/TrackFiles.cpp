@@ -32,7 +32,7 @@ std::map<int, StampedPose> lidarPoses(const std::string& folder,
                                       const Trajectory& T_world_vehicle,
                                       const NoteSink& note)
 {
-  constexpr double tolerance = 1e-3;  // [s]; both files contain the scans' stamps
+  constexpr double tolerance = 1e-3;  // [s]; small, since both files contain the scans' stamps
   fs::path rawlog = fs::absolute(folder).lexically_normal();
   rawlog = (rawlog.has_filename() ? rawlog : rawlog.parent_path()).replace_extension(".rawlog");
   if (!fs::exists(rawlog))
@@ -91,7 +91,7 @@ bool fromImages(const std::vector<LabelledBox>& boxes)
                      [](const LabelledBox& box) { return !box.image_box.isZero(); });
 }
 
-/** Instance minus track id: instances are ids, or one more where id 0 is in use. */
+/** Instance minus track id: 0, or 1 where id 0 is in use. */
 int instanceOffset(const std::vector<LabelledBox>& boxes, const PointCounts& counts)
 {
   const auto boxes_with_points = [&](int offset)
@@ -104,7 +104,7 @@ int instanceOffset(const std::vector<LabelledBox>& boxes, const PointCounts& cou
   return boxes_with_points(1) > boxes_with_points(0) ? 1 : 0;
 }
 
-/** Speeds of a run's tracks.csv, by frame and id; without those of empty fields. */
+/** Speeds in a run's tracks.csv, by frame and id, without empty fields. */
 TrackSpeeds readTrackSpeeds(const std::string& path)
 {
   TextFile file = TextFile::table(path);
@@ -241,7 +241,7 @@ void removeUncovered(std::vector<LabelledBox>& estimates,
                      const std::vector<LabelledBox>& truth,
                      const TrackSelection& selection)
 {
-  constexpr double margin = 2;  // [m]; across the border, the estimate of a box that counts
+  constexpr double margin = 2;  // distance to a counted box up to which estimates stay [m]
   std::map<int, std::vector<Eigen::Vector2d>> counted;  // centres by frame
   for (const LabelledBox& box : truth)
   {

@@ -17,7 +17,7 @@ namespace dyslam
 {
 namespace
 {
-/** A file's poses; those of a camera are taken to the lidar. */
+/** Reads the poses of a file; poses of a camera are converted to poses of the lidar. */
 TrajectoryFile readPoses(const std::string& path, bool camera, const std::string& calib)
 {
   TrajectoryFile file = readTrajectory(path);
@@ -49,7 +49,7 @@ void requireNoTimeFlags(const PoseReading& a, const std::string& file)
   }
 }
 
-/** Those whose position is finite. */
+/** The poses whose position is finite. */
 Trajectory finitePoses(const Trajectory& trajectory)
 {
   Trajectory finite;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Tracking and speeds on a small folder of KITTI's layout made up here.
+// Tracking and speeds on a small synthetic folder in KITTI's layout.
 #include <dyslam/benchmarks/KittiMot.h>
 #include <dyslam/benchmarks/KittiSpeeds.h>
 #include <dyslam/core/Error.h>
@@ -38,7 +38,7 @@ class KittiMot : public ::testing::Test
     load(setup_.noise, config, "detection_noise");
   }
 
-  /** The message of the error that tracking ends with. */
+  /** Error message of tracking. */
   std::string refusal() const
   {
     return messageOfError<UserError>([&] { (void)runKittiMot(setup_, {"0000"}, "Car"); });
@@ -142,7 +142,7 @@ TEST_F(KittiMot, SpeedsCountTheFramesOfTheirError)
   sources.data = folder_.path();
   sources.sequence = "0000";
   sources.track = 1;
-  // The labels of the car give true speeds of frames 5 to 35 or so.
+  // The labels of the car give true speeds for about the frames 5 to 35.
   sources.series.emplace_back(
       "given", folder_.write("series.csv", "time,speed\n1.036,3\n2.072,3\n51.8,3\n"));
   const std::vector<NamedSpeeds> speeds = kittiSpeeds(sources);

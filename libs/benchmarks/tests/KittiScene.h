@@ -15,7 +15,7 @@ namespace dyslam
 {
 constexpr int kitti_scene_frames = 60;
 
-/** Writes sequence 0000 of a scene made up here in KITTI's layout: calib, oxts, label_02, and
+/** Writes a synthetic sequence 0000 in KITTI's layout: calib, oxts, label_02, and
  * det_pointrcnn with noise, misses and false alarms. The vehicle drives eastwards. */
 inline void writeKittiScene(const std::filesystem::path& folder)
 {
@@ -44,7 +44,7 @@ inline void writeKittiScene(const std::filesystem::path& folder)
   struct Actor
   {
     ObjectClass object_class;
-    Eigen::Vector2d start;  // in the first scan [m]
+    Eigen::Vector2d start;  // position in the first scan [m]
     Eigen::Vector2d velocity;
     Eigen::Vector3d size;
   };

@@ -17,7 +17,7 @@ namespace dyslam
 {
 namespace
 {
-/** Straight ahead, 1 m per 0.1 s. \param scale of the distances */
+/** A trajectory straight ahead, 1 m per 0.1 s. \param scale factor on the distances */
 Trajectory straight(double scale, int poses = 40)
 {
   Trajectory trajectory;

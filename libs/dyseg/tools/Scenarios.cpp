@@ -14,18 +14,18 @@ namespace
 {
 constexpr int scans = 19;
 constexpr std::size_t first_evaluated = 10;
-constexpr double period = 0.1;  // s
+constexpr double period = 0.1;  // time between scans [s]
 constexpr double half_turn = 3.14159265358979;
 
 /** A body that moves along a straight line. */
 struct Actor
 {
   BodyKind kind = BodyKind::car;
-  double x = 0;  //!< at 0 s, in the sensor frame of the first evaluated scan [m]
+  double x = 0;  //!< position at 0 s, sensor frame of the first evaluated scan [m]
   double y = 0;
   double heading = 0;  //!< [rad]
   std::function<double(double)>
-      distance;  //!< travelled along the heading since 0 s [m], as a function of time [s]
+      distance;  //!< distance along the heading since 0 s [m], as a function of time [s]
 };
 
 std::function<double(double)> at(double speed)
@@ -33,7 +33,7 @@ std::function<double(double)> at(double speed)
   return [speed](double t) { return speed * t; };
 }
 
-/** At rest until `start`, then accelerating uniformly. */
+/** Distance of an actor at rest until `start`, then accelerating uniformly. */
 std::function<double(double)> starting(double start, double acceleration)
 {
   return [=](double t)
@@ -43,7 +43,7 @@ std::function<double(double)> starting(double start, double acceleration)
   };
 }
 
-/** Decelerates uniformly to rest at `stop`. */
+/** Distance of an actor that decelerates uniformly to rest at `stop`. */
 std::function<double(double)> stopping(double stop, double speed, double braking)
 {
   return [=](double t)

@@ -77,7 +77,7 @@ Frame frameOf(const DysegClip::Frame& from, std::size_t number, const Pose& drif
   return frame;
 }
 
-/** Moving points of an object in one scan, and how many of them were found. */
+/** Number of moving points of an object in one scan, and of those that were found. */
 struct ObjectCounts
 {
   int points = 0;

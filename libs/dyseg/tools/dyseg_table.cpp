@@ -23,7 +23,7 @@ namespace
 {
 using namespace dyslam;
 
-constexpr std::size_t simulated_history = 10;  // scans before the evaluated ones
+constexpr std::size_t simulated_history = 10;  // number of scans before the evaluated ones
 
 struct Arguments
 {
@@ -36,9 +36,9 @@ struct Arguments
   bool network_only = false;
   bool scenarios = false;  //!< evaluate scenarios instead of the sets
   bool instances = false;
-  bool brief = false;    //!< without the rows of pose errors
-  std::string pictures;  //!< folder for one image of each set
-  std::string only;      //!< substring of the names of the sets
+  bool brief = false;    //!< omit the rows of pose errors
+  std::string pictures;  //!< folder for one image per set; empty: none
+  std::string only;      //!< evaluate only sets whose name contains this
 };
 
 void printRow(const std::string& set, const std::string& method, const SegmentationCounts& c)

@@ -38,7 +38,7 @@ void FactorGraphOptimizer::optimizeGraph()
     }
     if (moved_)
     {
-      m_graph->edges = view.edges;  // loops may be left out, or used again
+      m_graph->edges = view.edges;  // the optimiser may have left out loops, or used them again
     }
   }
   reset_ = context_->frame()->is_keyframe;

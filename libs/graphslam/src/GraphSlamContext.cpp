@@ -80,7 +80,8 @@ bool GraphSlamContext::optimise()
   return moved;
 }
 
-/** Ground truth may stand behind its scan: a frame waits for the next scan. */
+/** Completes the frame. Called at the next scan, because the ground truth of a scan may follow the
+ * scan. */
 void GraphSlamContext::complete()
 {
   std::optional<Frame> frame = std::exchange(frame_, std::nullopt);

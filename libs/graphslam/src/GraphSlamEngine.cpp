@@ -14,13 +14,13 @@ struct ConsoleCutOff::State
   std::ostringstream nowhere;
   std::streambuf* cout = std::cout.rdbuf(nowhere.rdbuf());
   std::streambuf* cerr = std::cerr.rdbuf(nowhere.rdbuf());
-  int keyboard = dup(STDIN_FILENO);  //!< negative if it is closed
+  int keyboard = dup(STDIN_FILENO);  //!< copy of standard input; negative if that is closed
 };
 
 ConsoleCutOff::ConsoleCutOff() : state_(std::make_unique<State>())
 {
   const int null = open("/dev/null", O_RDONLY | O_CLOEXEC);
-  if (null > STDIN_FILENO)  // else standard input was closed, and this one took its place
+  if (null > STDIN_FILENO)  // if standard input was closed, /dev/null took its number
   {
     dup2(null, STDIN_FILENO);
     close(null);
@@ -63,6 +63,6 @@ GraphSlamEngine::GraphSlamEngine(const std::string& ini,
   restore();
   logging_enable_console_output = false;
   m_time_logger.setMinLoggingLevel(
-      mrpt::system::LVL_ERROR);  // else it prints a table in its destructor
+      mrpt::system::LVL_ERROR);  // at other levels the destructor prints a table
 }
 }  // namespace dyslam

@@ -19,7 +19,7 @@ namespace
 namespace fs = std::filesystem;
 using OnFrame = std::function<void(double, std::size_t)>;
 
-/** Writes the engine's own settings. \return the path of the ini. \throws UserError. */
+/** Writes the engine's own settings. \return path of the ini file \throws UserError. */
 std::string writeEngineIni(const fs::path& folder)
 {
   const std::string path = (folder / "engine.ini").string();
@@ -49,7 +49,7 @@ void requireKnown(const GraphSlamPluginNames& names)
                    " (the folder for results is --output)");
 }
 
-/** The engine and what is plugged into it. */
+/** The engine and its plug-ins. */
 class Engine
 {
  public:
@@ -65,12 +65,13 @@ class Engine
   {
   }
 
-  /** \throws UserError of a plug-in, unwrapped from MRPT's exception. */
+  /** Gives an observation to the engine. \throws UserError of a plug-in, unwrapped from MRPT's
+   * exception. */
   void step(mrpt::obs::CObservation::Ptr observation, std::size_t entry)
   {
     if (observation->timestamp == INVALID_TIMESTAMP)
     {
-      context_->takeObservation(observation);  // for its warnings; the engine would throw
+      context_->takeObservation(observation);  // the engine would throw; the context warns
       return;
     }
     try
@@ -89,7 +90,7 @@ class Engine
     ours != nullptr ? ours->finish() : context_->finish();
   }
 
-  /** The files of graphslam-engine. \return their names. */
+  /** Writes the files that graphslam-engine writes. \return their names */
   [[nodiscard]] std::vector<std::string> writeReports()
   {
     engine_.generateReportFiles(folder_);
@@ -107,7 +108,7 @@ class Engine
   GraphSlamEngine engine_;
 };
 
-/** Every observation through the engine. \return whether it was stopped */
+/** Gives every observation to the engine. \return whether the run was stopped */
 bool replay(const SlamRunSettings& settings,
             const SlamRun& run,
             const GraphSlamContext& context,

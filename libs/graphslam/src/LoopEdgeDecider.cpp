@@ -55,7 +55,7 @@ void LoopEdgeDecider::registerNewEdge(const mrpt::graphs::TNodeID& from,
                                       const mrpt::graphs::TNodeID& to,
                                       const constraint_t& edge)
 {
-  CEdgeRegistrationDecider::registerNewEdge(from, to, edge);  // logs it
+  CEdgeRegistrationDecider::registerNewEdge(from, to, edge);  // logs the edge
   m_graph->insertEdge(from, to, edge);
 }
 

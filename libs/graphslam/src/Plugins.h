@@ -7,8 +7,8 @@
 
 namespace dyslam
 {
-/** Names a decider or optimiser, and keeps its messages off the console: they are recorded, and the
- * engine's report has them. */
+/** Names a decider or optimiser, and records its messages for the engine's report instead of
+ * printing them. */
 template <typename Plugin>
 void setUp(Plugin& plugin, const std::string& name)
 {

@@ -9,7 +9,8 @@ namespace dyslam
 {
 namespace
 {
-/** 1 for translations, and rotations that next to nothing can turn. */
+/** Information matrix: 1 for translations, and so much for rotations that they stay nearly fixed.
+ */
 constexpr const char* information = " 1 0 0 0 0 0 1 0 0 0 0 1 0 0 0 1e9 0 0 1e9 0 1e9\n";
 
 /** Four corners of a square whose last side disagrees with the others by 0.4 m. */
@@ -59,7 +60,7 @@ TEST_F(GraphFileRun, SpreadsTheErrorOfALoopAndWritesBothFormats)
     EXPECT_EQ(report.edges, 4U);
     EXPECT_TRUE(report.result.converged) << report.result.reason;
     EXPECT_NEAR(report.result.start_chi2, 0.16, 1e-9);
-    // Each of the four sides takes a quarter of it, in y.
+    // Each of the four sides takes a quarter of the error, in y.
     EXPECT_NEAR(report.result.final_chi2, 4 * 0.1 * 0.1, 1e-6);
     const auto written = readPoseGraph(pathOf(name));
     EXPECT_NEAR(PoseGraphSolver(PoseGraphSolverOptions()).chi2(written), report.result.final_chi2,
@@ -117,7 +118,7 @@ TEST_F(GraphFileRun, OptimisesAFactorGraphWithObjects)
   EXPECT_EQ(report.factors.at("observation"), 2U);
   EXPECT_EQ(report.warnings.size(), 1U);
   EXPECT_NEAR(report.result.initial_chi2, 0.09, 1e-9);
-  EXPECT_NEAR(report.result.final_chi2, 0.03, 1e-6);  // 0.3 m shared by three
+  EXPECT_NEAR(report.result.final_chi2, 0.03, 1e-6);  // an error of 0.3 m is shared by three edges
   const FactorGraphFileReport again = optimizeFactorGraphFile(pathOf("out.txt"), "");
   EXPECT_NEAR(again.result.initial_chi2, 0.03, 1e-6);
   EXPECT_TRUE(again.warnings.empty());

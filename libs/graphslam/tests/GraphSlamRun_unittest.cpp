@@ -102,11 +102,11 @@ TEST_F(GraphSlamRun, GivesTheBytesOfThePipeline)
               test::contentOf(fs::path(own.output_folder) / "graph.graph"));
 }
 
-/** MRPT's engine asks for a key. The test would wait for ever. */
+/** MRPT's engine waits for a key: without ConsoleCutOff the test would wait for ever. */
 TEST_F(GraphSlamRun, NeverReadsFromTheKeyboard)
 {
   int keyboard[2];
-  ASSERT_EQ(pipe(keyboard), 0);  // open, and nobody writes
+  ASSERT_EQ(pipe(keyboard), 0);  // an open pipe that nobody writes to
   const int stdin_before = dup(STDIN_FILENO);
   dup2(keyboard[0], STDIN_FILENO);
   auto s = settings("keyboard");
@@ -186,7 +186,7 @@ TEST_F(GraphSlamRun, BadRecordingsAreRefusedBeforeAnythingIsWritten)
   EXPECT_FALSE(fs::exists(s.output_folder));
 }
 
-/** As the pipeline does: what stands before the damage is worth keeping. */
+/** As runSlam(), the run keeps the results of the scans before the damage. */
 TEST_F(GraphSlamRun, ACutRecordingLeavesTheResultsOfItsWholeScans)
 {
   const std::string whole = test::contentOf(test::bundled("rawlog/campus16.rawlog"));

@@ -23,7 +23,7 @@ namespace
 {
 using Graph = mrpt::graphs::CNetworkOfPoses3DInf;
 
-/** Everything that plug-ins need. */
+/** The objects that plug-ins need. */
 struct Plugins
 {
   explicit Plugins(const Config& settings)
@@ -66,7 +66,7 @@ void expectSame(const Graph& graph, const Graph& expected)
   }
 }
 
-/** The next observations of a recording, up to and with a scan of the lidar. */
+/** The next observations of a recording, up to and including a scan of the lidar. */
 mrpt::obs::CSensoryFrame::Ptr nextSensoryFrame(RawlogStream& stream)
 {
   static const std::string lidar = RawlogSource(stream.path()).sensorLabel();

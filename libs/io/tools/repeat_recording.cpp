@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Makes a long recording of a part of a short one, which is repeated with the time going on: for
+// Makes a long recording by repeating a part of a short one with continuing time stamps, for
 // measurements of memory and speed.
 #include <dyslam/io/RawlogSource.h>
 #include <dyslam/io/RawlogWriter.h>

@@ -18,8 +18,7 @@ namespace
 {
 constexpr float ground_square = 2.0F;       // side of the large squares [m]
 constexpr float fine_ground_square = 0.5F;  // side of the small squares [m]
-constexpr float fine_reach =
-    0.5F;  // height over the large square's ground up to which returns count [m]
+constexpr float fine_reach = 0.5F;          // largest height over the large square's ground [m]
 constexpr std::uint32_t fewest_scans = 3;  // scans with returns in a small square that has a ground
 constexpr std::size_t ground_parts = 4;    // the ground is the lower quartile of the scans' heights
 constexpr float unknown_ground = std::numeric_limits<float>::quiet_NaN();

@@ -31,7 +31,7 @@ double distanceTo(const MapRegion& region, const Eigen::Vector2d& p)
   return (p - p.cwiseMax(region.low).cwiseMin(region.high)).norm();
 }
 
-/** The scan's parts, each from its first point in the cloud on. */
+/** The scan's parts, with `begin` as an index of the cloud. */
 std::vector<ScanPart> partsOfCloud(const Frame& frame)
 {
   std::vector<ScanPart> parts = frame.scan.parts;

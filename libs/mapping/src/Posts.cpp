@@ -21,7 +21,7 @@ VoxelCell squareOf(const Eigen::Vector3f& voxel)
   return voxelCell(Eigen::Vector3f(voxel.x(), voxel.y(), 0), 1 / square);
 }
 
-/** The voxels near a voxel: their height and how far they spread. */
+/** Number, height and horizontal spread of the voxels near a voxel. */
 class NearVoxels
 {
  public:

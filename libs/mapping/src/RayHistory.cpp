@@ -7,10 +7,9 @@ namespace dyslam
 {
 namespace
 {
-constexpr std::size_t chunk = 256;  // number of voxels that a thread evaluates at once
-constexpr std::size_t probe_stride =
-    3;  // step between scans evaluated first; odd: earlier and later ones
-constexpr int sufficient_scans = 6;  // least number of scans that observed a clear voxel
+constexpr std::size_t chunk = 256;       // number of voxels that a thread evaluates at once
+constexpr std::size_t probe_stride = 3;  // step of the scans evaluated first; odd: both sides
+constexpr int sufficient_scans = 6;      // least number of scans that observed a clear voxel
 
 /** Running sum over the earlier or the later scans, which are added from the nearest in time to the
  * farthest: +1 for a scan that observed the voxel free, -2 for one that observed it occupied. */

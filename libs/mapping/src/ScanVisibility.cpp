@@ -9,7 +9,7 @@ namespace dyslam
 {
 namespace
 {
-/** The evidence of several lidars that is taken: the one that comes last. */
+/** Rank of an evidence: of the evidences of several lidars the one of the highest rank is taken. */
 int rankOf(Evidence evidence)
 {
   switch (evidence)

@@ -127,7 +127,7 @@ struct StaticMap::Impl
   void takeNext(const Frame& frame);
   void addToVoxels(std::size_t keyframe, const BuiltMap* before);
   void rebuild(double voxel_size);
-  /** Largest distance of the store's poses from those that the map is built with [m]. */
+  /** Largest distance between the store's poses and the poses that the map is built with [m]. */
   [[nodiscard]] double largestCorrection() const;
   [[nodiscard]] bool isCorrectionDue() const;
   void correct();
@@ -146,7 +146,7 @@ struct StaticMap::Impl
 
 namespace
 {
-/** KeyframeCloud::lidar of a frame's cloud; empty for a vehicle with one. */
+/** KeyframeCloud::lidar of a frame's cloud; empty for a vehicle with one lidar. */
 std::vector<std::uint8_t> lidarOfPoints(const Frame& frame)
 {
   std::vector<std::uint8_t> result;
@@ -199,8 +199,8 @@ KeyframeCloud StaticMap::Impl::thinned(const Frame& frame) const
   return result;
 }
 
-/** Adds the keyframe's points to voxels; those whose voxel is full are removed.
- * \param before whose evidence the voxels of the same points inherit; may be null. */
+/** Adds the keyframe's points to voxels; points whose voxel is full are removed. \param before map
+ * before a rebuild, from which the voxels of its points inherit the evidence; may be null */
 void StaticMap::Impl::addToVoxels(std::size_t keyframe, const BuiltMap* before)
 {
   const Pose& T = poses[keyframe];
@@ -246,7 +246,8 @@ void StaticMap::Impl::addToVoxels(std::size_t keyframe, const BuiltMap* before)
   }
 }
 
-/** The same keyframes at their present poses, in voxels of this size. */
+/** Builds the map of its keyframes anew at their present poses. \param voxel_size side of the
+ * voxels [m] */
 void StaticMap::Impl::rebuild(double voxel_size)
 {
   cleaned.reset();

@@ -10,7 +10,8 @@ namespace dyslam
 {
 namespace
 {
-/** The first point of every cube; nothing if these are more than `most`. */
+/** The first point of every cube of side `size` [m]; nothing if there are more than `most` cubes.
+ */
 std::optional<MapPoints> onePerCube(const StaticMap& map, double size, std::size_t most)
 {
   const auto inverse = static_cast<float>(1 / size);

@@ -18,12 +18,11 @@ constexpr auto pi = static_cast<float>(M_PI);
 constexpr float row_height = 0.4F * pi / 180.0F;
 constexpr float horizon = 0.5F * row_height;  // elevation where row 0 begins [rad]
 constexpr float zenith_row = 225;             // row straight up; -225: straight down, or not finite
-constexpr int widest_window = 4;  // largest half width of the window around a voxel [pixels]
-constexpr int widest_gap = 6;     // largest distance to the rays above and below [rows]
-constexpr int widest_side = 3;    // largest distance to the rays on both sides [columns]
-constexpr float nearest = 0.5F;   // least range of a ray [m]
-constexpr float closest_pass =
-    0.1F;  // largest distance of a ray through a voxel from its centre [m]
+constexpr int widest_window = 4;      // largest half width of the window around a voxel [pixels]
+constexpr int widest_gap = 6;         // largest distance to the rays above and below [rows]
+constexpr int widest_side = 3;        // largest distance to the rays on both sides [columns]
+constexpr float nearest = 0.5F;       // least range of a ray [m]
+constexpr float closest_pass = 0.1F;  // largest distance of a ray from a voxel's centre [m]
 
 constexpr std::size_t block = 128;  // rays processed together
 }  // namespace
@@ -271,8 +270,8 @@ Evidence VisibilityImage::evidenceBetweenRows(int row, int col, float range, flo
   return Evidence::enclosed;
 }
 
-/** The nearest rays of one row: free if they passed on both sides of the voxel, of which one would
- * have ended before it on a surface that is seen at a grazing angle. */
+/** Evidence of the nearest rays to both sides in one row: free if both passed the voxel. On a
+ * surface that is seen at a grazing angle, one of them would have ended before it. */
 Evidence VisibilityImage::evidenceInRow(int row, int col, float range, float margin) const
 {
   if (row < 0 || row >= rows_)

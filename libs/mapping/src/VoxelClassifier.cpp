@@ -14,9 +14,8 @@ float movingScore(const VoxelFeatures& f)
 {
   // The weights of a logistic regression, see doc/labels.md for its training data. The score of
   // what nothing says to move and the limit of the change of segments were chosen by hand.
-  constexpr float a_little =
-      0.1F;                     // share of free rays that voxels of static objects hardly exceed
-  constexpr float lost = 0.5F;  // share of the free rays' weight lost where they are doubtful
+  constexpr float a_little = 0.1F;  // share of free rays that static voxels hardly exceed
+  constexpr float lost = 0.5F;      // share of the free rays' weight lost where they are doubtful
   const float trust = 1 - lost * f.doubt;
   const auto little = [=](const VoxelEvidence& e)
   { return trust * std::min(e.free, a_little) / a_little; };

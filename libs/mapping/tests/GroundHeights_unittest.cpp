@@ -14,8 +14,8 @@ float groundAt(float y)
   return y < 1 ? 0 : kerb;
 }
 
-/** Returns of the ground every 0.1 m from 0 to 4 m in x and y, and of a body's lower edge 0.25 m
- * above it between `from` and `to` in x. */
+/** Returns of the ground every 0.1 m from 0 to 4 m in x and y, or of a body's lower edge 0.25 m
+ * above the ground between `from` and `to` in x [m]. */
 std::vector<Eigen::Vector3f> returns(float from, float to)
 {
   std::vector<Eigen::Vector3f> points;

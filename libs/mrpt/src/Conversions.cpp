@@ -28,7 +28,7 @@ mrpt::poses::CPose3D toMrpt(const Pose& from)
 
 double toStamp(mrpt::Clock::time_point time)
 {
-  // Of a damaged file: anything. Unsigned numbers wrap, signed ones must not.
+  // The time of a damaged file may be any number: unsigned numbers may wrap, signed ones must not.
   const auto ticks = static_cast<std::uint64_t>(time.time_since_epoch().count()) -
                      static_cast<std::uint64_t>(unix_epoch_ticks);
   return static_cast<double>(static_cast<std::int64_t>(ticks)) / ticks_per_second;

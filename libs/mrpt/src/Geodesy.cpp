@@ -23,12 +23,12 @@ Eigen::Vector3d toEnu(const GeodeticPosition& position, const GeodeticPosition& 
   return {enu.x, enu.y, enu.z};
 }
 
-// MRPT's own way back (ENUToGeocentric, geocentricToGeodetic) is metres off; so toEnu() is
-// inverted.
+// MRPT's own inverse (ENUToGeocentric, geocentricToGeodetic) is wrong by metres, so toEnu() is
+// inverted by iteration.
 GeodeticPosition fromEnu(const Eigen::Vector3d& enu, const GeodeticPosition& origin)
 {
-  constexpr double metres_per_degree = 111320;  // of latitude, within one percent
-  constexpr int steps = 8;                      // each leaves a percent of the error
+  constexpr double metres_per_degree = 111320;  // degree of latitude, to one percent
+  constexpr int steps = 8;                      // each step leaves a percent of the error
   GeodeticPosition result = origin;
   for (int i = 0; i < steps; ++i)
   {
@@ -52,7 +52,7 @@ UtmPosition toUtm(const GeodeticPosition& position, int zone, bool north)
 {
   constexpr double axis = 6378137;  // WGS84 [m]
   constexpr double flattening = 1 / 298.257223563;
-  constexpr double scale = 0.9996;  // on the central meridian
+  constexpr double scale = 0.9996;  // scale on the central meridian
   constexpr double n = flattening / (2 - flattening);
   constexpr std::array<double, 3> series{n / 2 - 2 * n * n / 3 + 5 * n * n * n / 16,
                                          13 * n * n / 48 - 3 * n * n * n / 5, 61 * n * n * n / 240};
@@ -85,7 +85,7 @@ Trajectory inUtm(const Trajectory& of_map, const Georeference& georeference)
   const bool north_of_equator = georeference.epsg < 32700;
   const auto utmOf = [&](const Eigen::Vector3d& enu)
   { return toUtm(fromEnu(enu, georeference.origin), georeference.epsg % 100, north_of_equator); };
-  constexpr double short_way = 10;  // to the north, to see where that is in the grid [m]
+  constexpr double short_way = 10;  // step that shows true north in the grid [m]
   Trajectory result;
   for (const auto& [stamp, T_map_vehicle] : of_map)
   {

@@ -15,9 +15,11 @@ TEST(Geodesy, EnuThereAndBack)
     const GeodeticPosition there = fromEnu(enu, origin);
     EXPECT_LT((toEnu(there, origin) - enu).norm(), 1e-3);
   }
-  const Eigen::Vector3d far(7310.0772, 5565.4994, 78.3885);  // by the formulas of the ellipsoid
+  const Eigen::Vector3d far(7310.0772, 5565.4994,
+                            78.3885);  // computed by the formulas of the ellipsoid
   EXPECT_LT((toEnu({49.05, 8.5, 200}, origin) - far).norm(), 1e-3);
-  // A minute of latitude is about 1853 m here, and one of longitude that times the cosine.
+  // A minute of latitude is about 1853 m here, a minute of longitude that times the cosine of the
+  // latitude.
   const Eigen::Vector3d north = toEnu({49.0 + 1.0 / 60, 8.4, 115}, origin);
   EXPECT_NEAR(north.y(), 1853.4, 1);
   EXPECT_NEAR(north.x(), 0, 1e-6);
@@ -51,7 +53,7 @@ TEST(Geodesy, TrajectoryInUtm)
   const Eigen::Vector3d ahead = utm[0].pose.linear().col(0);  // north
   EXPECT_NEAR(std::atan2(ahead.x(), ahead.y()), convergence, 1e-4);
 
-  // Beyond the border of the zone its coordinates go on.
+  // Beyond the border of the zone its coordinates continue.
   georeference.origin.longitude = 11.9999;
   of_map.push_back(3, poseFromYpr(0, -1000, 0, 0, 0, 0));  // 1 km to the east
   const Trajectory beyond = inUtm(of_map, georeference);
@@ -71,7 +73,7 @@ TEST(Geodesy, UtmOfKnownPlaces)
   EXPECT_NEAR(sydney.northing, 6251925.3604, 1e-3);
   EXPECT_EQ(toUtm({0, 180, 0}).zone, 1);
   EXPECT_EQ(toUtm({0, 359, 0}).zone, 30);
-  // On the central meridian the easting is that of the zone's middle.
+  // On the central meridian the easting is 500 km.
   EXPECT_NEAR(toUtm({10, 9, 0}).easting, 500000, 0.5);
 }
 }  // namespace dyslam

@@ -112,7 +112,7 @@ CorrelationWindow windowAt(const float* centre, int radius)
   return w;
 }
 
-constexpr std::size_t largest_window = 21 * 21;  // for radius 10
+constexpr std::size_t largest_window = 21 * 21;  // cells of a window of radius 10
 
 using RowArray = Eigen::Map<Eigen::ArrayXf>;
 using ConstRow = Eigen::Map<const Eigen::ArrayXf>;

@@ -22,7 +22,7 @@ constexpr int bins = static_cast<int>((max_z - min_z) / bin_height);
 constexpr float unknown_height = 1e9F;
 constexpr float max_depth_below = 0.5F;
 constexpr float min_ground_range = 2.5F;  // nearer returns may be from the vehicle itself [m]
-constexpr float seed_radius = 16;         // around the sensor, for the seed height [m]
+constexpr float seed_radius = 16;         // radius around the sensor for the seed height [m]
 constexpr float max_slope = 0.12F;
 
 constexpr float lowest_slope = -0.55F;
@@ -152,7 +152,8 @@ void BevGround::makeConsistent(const std::vector<std::uint8_t>& known)
   {
     return;
   }
-  // From the sensor outwards, so that each cell has processed neighbours on its inner side.
+  // Cells in order of their distance from the sensor, so that each has processed neighbours on its
+  // inner side.
   const float middle = 0.5F * static_cast<float>(width_ - 1);
   std::vector<int> order(height_.size());
   std::vector<float> ring(height_.size());  // distance of a cell from the middle [cells]

@@ -103,7 +103,7 @@ class GatheredLinear : public torch::autograd::Function<GatheredLinear>
     const auto leak = static_cast<float>(slope);
     const OccupiedProducts products(rows.data_ptr<float>(), rows.size(1), weight.data_ptr<float>(),
                                     table.size(1), weight.size(0));
-    constexpr std::int64_t rows_at_once = 64;  // their sums stay in the first cache
+    constexpr std::int64_t rows_at_once = 64;  // number of rows whose sums stay in the L1 cache
     forBlocks(table.size(0), rows_at_once,
               [&](std::int64_t first, std::int64_t count)
               {

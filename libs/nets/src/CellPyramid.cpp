@@ -29,7 +29,7 @@ CellLevel finestLevel(const BevScan& scan)
   return level;
 }
 
-/** The same at half the resolution. */
+/** Occupied cells at half the resolution of `fine`. */
 CellLevel coarsened(const CellLevel& fine)
 {
   CellLevel level;

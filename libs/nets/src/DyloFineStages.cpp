@@ -17,10 +17,10 @@ constexpr double dense_thickness = 0.05;
 /** Dense stage: upper limit of the total weight of ground surfaces relative to all others. They do
  * not constrain the forward motion and only add their errors to it. */
 constexpr double max_ground_weight_ratio = 1.5;
-constexpr double min_ground_normal_cosine = 0.9;  //!< with the sensor's z axis
+constexpr double min_ground_normal_cosine = 0.9;  //!< least |z| of a ground normal
 constexpr double min_ground_weight = 0.02;
 
-/** Points of a scan, deskewed by `motion` instead of T_sweep; to first order of the difference. */
+/** Points of a scan deskewed by `motion` instead of T_sweep, to first order of the difference. */
 torch::Tensor deskewed(const torch::Tensor& xyz,
                        const torch::Tensor& phase,
                        const EncodedScan& scan,
@@ -68,7 +68,7 @@ torch::Tensor robustWeight(const Surfaces& surfaces, const torch::Tensor& residu
   return surfaces.valid / (off.square() * thick);
 }
 
-/** `weight` with the ground surfaces' total limited. */
+/** `weight` with the total weight of ground surfaces limited. */
 torch::Tensor limitGroundWeight(const torch::Tensor& weight, const torch::Tensor& normal)
 {
   const torch::Tensor ground =
@@ -80,7 +80,8 @@ torch::Tensor limitGroundWeight(const torch::Tensor& weight, const torch::Tensor
   return weight * (1 - (1 - factor) * ground);
 }
 
-/** Every other column of a level's nodes. \param of_nodes [N] or [N, 3]. */
+/** Every other column of values per node of a level. \param of_nodes [N] or [N, 3] \param first
+ * first column, 0 or 1 */
 torch::Tensor everyOtherColumn(const torch::Tensor& of_nodes,
                                const ScanTensors::Level& level,
                                std::int64_t first)
@@ -96,7 +97,7 @@ struct DenseCorrespondences
   torch::Tensor points, normal, offset, weight;
 };
 
-/** Points of scan 1 on surfaces of scan 2. \param fine weights of scan 1's nodes of level 1. */
+/** Points of scan 1 on surfaces of scan 2. \param fine weights of scan 1's nodes of level 1 */
 DenseCorrespondences matchForward(const EncodedScan& scan1,
                                   const ScanTensors& scan2,
                                   const PoseTensors& start,
@@ -116,8 +117,8 @@ DenseCorrespondences matchForward(const EncodedScan& scan1,
   return {warped, surfaces.normal, surfaces.offset, of_parents * robustWeight(surfaces, residual)};
 }
 
-/** Points of scan 2 on surfaces of scan 1. The step moves the surfaces, so rows and normals change
- * their signs. */
+/** Points of scan 2 on surfaces of scan 1. Here the step moves the surfaces, not the points, so
+ * rows and normals change their signs. */
 DenseCorrespondences matchBackward(const EncodedScan& scan1,
                                    const ScanTensors& scan2,
                                    const PoseTensors& start,

@@ -16,12 +16,12 @@ namespace
 {
 constexpr std::size_t sampled_level = 1;
 
-// Difference of the estimated motion from that of the deskewing, as motionSize() [m]:
-constexpr double min_redeskew = 0.005;  //!< below it, points are not re-deskewed
-constexpr double max_redeskew = 0.3;    //!< above it, the range image changes and is computed again
-constexpr double max_motion = 10;       //!< above it, the estimate is not used for deskewing
+// Limits of the difference between the estimated motion and the deskewing's, as motionSize() [m].
+constexpr double min_redeskew = 0.005;  //!< differences below: points are not re-deskewed
+constexpr double max_redeskew = 0.3;    //!< differences above: the range image is computed again
+constexpr double max_motion = 10;  //!< differences above: the estimate is not used for deskewing
 constexpr int max_encodings = 4;
-constexpr std::int64_t point_grain = 4096;  //!< points per thread
+constexpr std::int64_t point_grain = 4096;  //!< least number of points per thread
 
 /** Largest residual due to noise and surface sampling [m]. */
 double inlierDistance(double range)
@@ -29,7 +29,7 @@ double inlierDistance(double range)
   return 0.15 + 0.005 * range;
 }
 
-/** A point of level 1 and its static confidence; unmatched ones are placed out of reach. */
+/** A point of level 1 and its static confidence; unmatched points are placed out of reach. */
 struct SampledNode
 {
   Eigen::Vector3f point = Eigen::Vector3f::Constant(1e6F);
@@ -46,12 +46,12 @@ struct MatcherScan
   PreparedScan prepared;
   EncodedScan encoded;
   bool motion_known = false;  //!< `encoded` is deskewed with the scan's own motion
-  // How `encoded` came about, to make it again:
-  std::optional<Pose> T_encoded;     //!< it was encoded from deskewedBy() this; none: from `points`
-  std::optional<Pose> T_redeskewed;  //!< and redeskew()ed by this
+  // How `encoded` was computed, to compute it again:
+  std::optional<Pose> T_encoded;  //!< motion of deskewedBy() before encoding; none: from `points`
+  std::optional<Pose> T_redeskewed;  //!< motion of redeskew() after encoding, if any
 
   [[nodiscard]] bool empty() const { return prepared.empty(); }
-  /** The given points, deskewed by `T_sweep` instead of T_given. */
+  /** `points`, deskewed by `T_sweep` instead of T_given. */
   [[nodiscard]] std::vector<Eigen::Vector3f> deskewedBy(const Pose& T_sweep) const;
   /** Re-deskews the points of image and levels by `T_sweep`; their selection and features stay. */
   void redeskew(const Pose& T_sweep);
@@ -103,15 +103,15 @@ struct DyloMatcher::Impl
   DyloNetwork network{nullptr};
   int threads = 1;
   MatcherScan current, reference;
-  std::vector<SampledNode> nodes;  //!< of the last match
+  std::vector<SampledNode> nodes;  //!< nodes of the current scan in the last match
 
   void encodeScan(MatcherScan& scan,
                   const std::vector<Eigen::Vector3f>& points,
                   const Pose& T_sweep);
   std::vector<DyloStage> search(const Pose& start, bool deskew, const DyloPrior* prior);
   void storeConfidence(const DyloStage& stage);
-  /** Interpolates the confidence of the points [first, last) of `node` from it and its neighbours.
-   */
+  /** Interpolates the confidence of the points [first, last) of `node` from this node and its
+   * neighbours. */
   void interpolateConfidence(std::int32_t node,
                              const std::int32_t* first,
                              const std::int32_t* last,
@@ -231,8 +231,8 @@ void DyloMatcher::exchangeState(StateArchive& archive)
 }
 
 /** Matches, re-deskews by the estimate and repeats. A scan whose deskewing changes too much to keep
- * its range image is encoded again: the current one permanently, the reference only for this match,
- * because the estimate may yet be rejected. */
+ * its range image is encoded again: the current scan permanently, the reference only for this
+ * match, because the estimate may still be rejected. */
 std::vector<DyloStage> DyloMatcher::Impl::search(const Pose& start,
                                                  bool deskew,
                                                  const DyloPrior* prior)
@@ -245,7 +245,7 @@ std::vector<DyloStage> DyloMatcher::Impl::search(const Pose& start,
     EncodedScan scan1 = current.encoded;
     if (!deskew || !target->motion_known)
     {
-      // With equal distortion the two scans fit best.
+      // Two scans with the same distortion match best.
       scan1.phase = {};
       scan1.image_phase = torch::Tensor();
     }

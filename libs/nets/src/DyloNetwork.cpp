@@ -12,7 +12,7 @@ namespace
 {
 constexpr std::size_t coarse_stages = 4;
 
-/** Pyramid level of a coarse stage: 3, by the first cost volume, then 3, 2 and 1. */
+/** Pyramid level of a coarse stage: 3 for stage 0 (first cost volume), then 3, 2 and 1. */
 std::size_t coarseLevel(std::size_t stage)
 {
   return stage == 0 ? 3 : 4 - stage;
@@ -21,11 +21,12 @@ std::size_t coarseLevel(std::size_t stage)
 /** Approximate angle between the nodes of each level [rad]. */
 constexpr std::array<double, PreparedScan::level_count> spacing = {0.02, 0.05, 0.1, 0.2, 0.4};
 
-/** Limit of the fine stages and their convergence criterion, motionSize() [m]. */
+/** Largest number of fine stages, and the motionSize() of a step below which they have converged
+ * [m]. */
 constexpr int max_fine_passes = 8;
 constexpr double convergence_step = 0.008;
 
-/** Channels, as a multiple of PWCLO-Net's. */
+/** Number of channels: PWCLO-Net's `size` times `width`, at least 4. */
 std::int64_t scaled(double width, std::int64_t size)
 {
   return std::max<std::int64_t>(4, std::lround(width * static_cast<double>(size)));
@@ -43,7 +44,7 @@ constexpr std::int64_t moment_size = 21;
 
 torch::Tensor motionMoments(const torch::Tensor& warped, const Correlation& correlation)
 {
-  constexpr double lever = 20;  // m, typical range
+  constexpr double lever = 20;  // typical range [m]
   const torch::Tensor& normal = correlation.normal;
   const torch::Tensor arm = warped / lever;
   const torch::Tensor flow = correlation.target - warped;
@@ -121,7 +122,7 @@ void DyloNetworkImpl::addCoarseStage(std::size_t stage, std::int64_t embedding, 
   }
   if (stage == 0)
   {
-    return;  // its cost volume is the first one
+    return;  // stage 0 has the first cost volume
   }
   const std::string name = std::to_string(level);
   cost_.push_back(register_module(

@@ -17,7 +17,8 @@ namespace
 /** Logit of a cell below which its points are not segmented individually. */
 constexpr float min_cell_logit = -3.0F;
 
-/** Range differences of the past scan for a free and for an occupied position [m]. */
+/** Least range difference of a free position, and largest of an occupied one, in the past scan [m].
+ */
 constexpr float min_free_margin = 0.6F;
 constexpr float max_return_distance = 0.25F;
 

@@ -50,7 +50,7 @@ Tensor positionTensor(const CellLevel& level)
   return positions;
 }
 
-/** Average pooling over the four children of each cell; empty ones are zero. */
+/** Average pooling over the four children of each cell; empty children count as zero. */
 Tensor averageChildren(const Tensor& quarter, const Tensor& children)
 {
   return gatherRows(quarter, children).view({children.size(0), 4, quarter.size(1)}).mean(1);
@@ -133,7 +133,7 @@ DysegNetImpl::DysegNetImpl(const DysegNetworkOptions& options) : options_(option
   wide_third_ = register_module("wide_third", CellConv(o.quarter_channels, o.quarter_channels));
   fine_matching_ = register_module("fine_matching", RowLinear(o.half_channels, o.fine_channels));
   matching_ = register_module("matching", RowLinear(o.quarter_channels, o.matching_channels));
-  // The head of the appearance prior; checkpoints have it by these names.
+  // The head of the appearance prior; checkpoints use these names.
   static_hidden_ = register_module("anchor", RowLinear(o.quarter_channels, static_channels));
   static_logit_ = register_module("anchor_logit", RowLinear(static_channels, 1));
   state_ = register_module("state", RowLinear(o.quarter_channels, o.hidden));

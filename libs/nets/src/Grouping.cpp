@@ -280,7 +280,7 @@ Surface surfaceAround(const Eigen::Vector3f& p, const ImageView& image)
   }
   const Places near = (1 + distance2 / (gate * gate)).inverse();
   surface.weight_sum = near.sum();
-  // Relative to the nearest, so that the weights of a distant surface do not underflow.
+  // Weights relative to the nearest point's, so that those of a distant surface do not underflow.
   const Places attention = (-0.5F / (width * width) * (distance2 - distance2.minCoeff())).exp();
   surface.to_surface =
       Eigen::Vector3f((attention * x).sum(), (attention * y).sum(), (attention * z).sum()) /

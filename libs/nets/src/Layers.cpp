@@ -20,7 +20,7 @@ torch::Tensor usableOf(const torch::Tensor& valid, const Window& window)
          window.inside;
 }
 
-/** Softmax over the valid entries of dimension 1; 0 without any. */
+/** Softmax over the valid entries of dimension 1; 0 if there are none. */
 torch::Tensor maskedSoftmax(const torch::Tensor& logits, const torch::Tensor& valid)
 {
   return torch::softmax(logits + (valid - 1) * masked_logit, 1) * valid;

@@ -19,7 +19,7 @@ double parabolaVertex(double before, double at, double after)
   return curvature < -1e-9 ? std::clamp(0.5 * (before - after) / curvature, -0.5, 0.5) : 0;
 }
 
-/** The best score outside the neighbourhood of (x, y). */
+/** Best score more than one cell away from (x, y); at least 0. */
 float bestElsewhere(const Eigen::ArrayXf& scores, int side, int x, int y)
 {
   float best = 0;
@@ -42,14 +42,14 @@ class MotionLikelihood
   explicit MotionLikelihood(const OffsetWindows& windows)
       : windows_(windows), side_(2 * windows.radius + 1), bins_(side_ * side_)
   {
-    // Likelihood ratio to an outlier, which is uniform in the window.
+    // Likelihood ratio to an outlier, whose offset is uniform in the window.
     const float gain =
         (1 - outlier_probability) / (outlier_probability / static_cast<float>(bins_));
     const auto count = static_cast<Eigen::Index>(windows.positions.size()) * bins_;
     score_ = (gain * Eigen::Map<const Eigen::ArrayXf>(windows.probability, count)).log1p();
   }
 
-  /** Log-likelihoods of all translations of the grid, for one change of yaw. */
+  /** Log-likelihoods of all translations of the grid, for one change of yaw [rad]. */
   [[nodiscard]] Eigen::ArrayXf scores(double yaw_before, double change) const
   {
     Eigen::ArrayXf total = Eigen::ArrayXf::Zero(bins_);
@@ -69,7 +69,8 @@ class MotionLikelihood
   [[nodiscard]] int side() const { return side_; }
 
  private:
-  /** \param shift of the cell's window due to the rotation [cells] */
+  /** Adds the log-likelihoods of a cell. \param shift shift of the cell's window by the rotation
+   * [cells] */
   void addCell(std::size_t i, const Eigen::Vector2f& shift, Eigen::ArrayXf& total) const
   {
     const int x0 = static_cast<int>(std::floor(shift.x()));

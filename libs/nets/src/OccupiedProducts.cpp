@@ -8,7 +8,7 @@ namespace dyslam
 {
 namespace
 {
-/** A cell's features and where its sums are. */
+/** A cell's features and the address of its sums. */
 struct Term
 {
   const float* x;
@@ -33,7 +33,7 @@ namespace vectors_of_8
 #undef DYSLAM_TARGET
 }  // namespace vectors_of_8
 
-// Where all code is for processors with FMA, AVX-512 gives the same sums.
+// If all code is compiled for processors with FMA, AVX-512 gives the same sums.
 #if defined(__x86_64__) && defined(__FMA__)
 namespace vectors_of_16
 {

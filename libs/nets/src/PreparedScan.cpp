@@ -11,8 +11,8 @@ namespace dyslam
 {
 namespace
 {
-constexpr float min_range = 1.5F;  // m
-constexpr float max_range = 100;   // m
+constexpr float min_range = 1.5F;  // nearer points are ignored [m]
+constexpr float max_range = 100;   // farther points are ignored [m]
 constexpr auto pi = static_cast<float>(M_PI);
 
 /** Image row of each slope bin, from the histogram of the slopes. */
@@ -123,7 +123,7 @@ void sampleFirstLevel(PreparedScan& scan)
   }
 }
 
-/** Plane through a window of constant metric width around an image cell. */
+/** Fits a plane to a window of constant metric width around an image cell. */
 void fitPlane(const PreparedScan& scan,
               std::int32_t cell,
               Eigen::Vector3f& normal,
@@ -180,7 +180,7 @@ void fitPlane(const PreparedScan& scan,
   planarity = std::clamp((spread[1] - spread[0]) / (spread[1] + spread[0] + 1e-6F), 0.F, 1.F);
 }
 
-/** Per block of `from`, the node with the highest score. */
+/** A coarser level: per block of `from` the node with the highest score. */
 template <typename Score>
 PreparedScan::Level coarser(const PreparedScan::Level& from, int rows, int cols, const Score& score)
 {
@@ -225,7 +225,7 @@ void fillImage(const std::vector<Eigen::Vector3f>& points, PreparedScan& scan)
     const float range2 = p.squaredNorm();
     if (!(range2 >= min_range * min_range) || !(range2 <= max_range * max_range))
     {
-      continue;  // also NaN and infinite
+      continue;  // ranges out of bounds, also NaN and infinite ones
     }
     const float slope = p.z() / std::max(p.head<2>().norm(), 1e-3F);
     bins[i] = static_cast<std::int16_t>(slopeBin(slope));
@@ -261,7 +261,7 @@ void fillImage(const std::vector<Eigen::Vector3f>& points, PreparedScan& scan)
   }
 }
 
-/** A quarter of the first level's nodes, with normals and planarity. */
+/** Makes level 1: a quarter of the nodes of level 0, with normals and planarity. */
 void sampleSecondLevel(PreparedScan& scan)
 {
   const PreparedScan::Level& first = scan.levels[0];
@@ -283,7 +283,7 @@ void sampleSecondLevel(PreparedScan& scan)
           });
 }
 
-/** Level l from 2: of each block of the level before, the node with the highest planarity. */
+/** Makes level `l`, 2 or above: per block of level l - 1 the node with the highest planarity. */
 void sampleByPlanarity(PreparedScan& scan, std::size_t l, int rows, int cols)
 {
   const std::size_t before = scan.first_level_of.size() - (l > 2 ? scan.levels[l - 1].size() : 0);

@@ -12,18 +12,18 @@ using torch::Tensor;
 
 namespace
 {
-constexpr float voting_half_extent = 51.2F;  // of the cells that vote [m]
-constexpr float min_static_weight = 0.01F;   // below, a cell does not take part in the refinement
+constexpr float voting_half_extent = 51.2F;  // half side of the square of voting cells [m]
+constexpr float min_static_weight = 0.01F;   // least weight of a cell in the refinement
 constexpr double fine_width = 0.15;          // final width of the robust loss [m]
 // Yaw grids of the motion search: step [rad] and number of steps to each side.
 constexpr double coarse_yaw_step = 0.035;
 constexpr int coarse_yaw_steps = 3;
 constexpr double fine_yaw_step = 0.012;
 constexpr int fine_yaw_steps = 2;
-constexpr int max_refinements = 8;          // iterations of the fine fit
-constexpr double convergence_step = 0.003;  // of the fine fit [m]
-constexpr double max_contraction = 0.85;    // ratio of successive steps, upper limit
-constexpr double lever = 20;                // weights rotation against translation [m]
+constexpr int max_refinements = 8;          // largest number of iterations of the fine fit
+constexpr double convergence_step = 0.003;  // step below which the fine fit has converged [m]
+constexpr double max_contraction = 0.85;    // upper limit of the ratio of successive steps
+constexpr double lever = 20;                // lever arm of rotations in the size of a step [m]
 
 /** 1 for cells that vote for the static motion, else 0. Distant cells are excluded: they contain
  * few points each. */
@@ -36,7 +36,7 @@ Tensor votingMask(const std::vector<Eigen::Vector2f>& positions)
   return mask;
 }
 
-/** Maximum-likelihood static motion of a correlation. */
+/** Maximum-likelihood static motion from a correlation. */
 MotionSearchResult searchCorrelation(const Tensor& correlation,
                                      const Tensor& static_weight,
                                      int radius,

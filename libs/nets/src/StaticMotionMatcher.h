@@ -18,7 +18,7 @@ namespace dyslam
 class StaticMotionMatcher
 {
  public:
-  /** \param past middle features of the past scan \param radius of the windows [cells]. All
+  /** \param past middle features of the past scan \param radius radius of the windows [cells]. All
    * arguments must outlive the object. */
   StaticMotionMatcher(const BevScan& scan,
                       const DysegEncoding& current,
@@ -29,22 +29,22 @@ class StaticMotionMatcher
   [[nodiscard]] torch::Tensor correlationAround(const PlanarMotion& motion) const;
 
   /** Searches all motions: at 1/8 (`coarse_correlation`, around zero motion), then at 1/4.
-   * \param[out] margin of the search at 1/8 */
+   * \param[out] margin MotionSearchResult::margin of the search at 1/8 */
   [[nodiscard]] PlanarMotion search(const torch::Tensor& coarse_correlation, double& margin) const;
 
   /** Refines a motion at 1/4 by repeated robust fits to the correlation's peaks. Without cells that
-   * may be static it stays as it is, not converged.
-   * \param start_width initial width of the robust loss [m] */
+   * may be static, the result is `initial`, not converged. \param start_width initial width of the
+   * robust loss [m] */
   [[nodiscard]] RigidFlowFit refine(const PlanarMotion& initial, double start_width) const;
 
  private:
-  /** The cells at 1/4 that may be static, those within the radius that votes. */
+  /** Cells at 1/4 that may be static and are near enough to vote. */
   struct Voters
   {
-    std::vector<Eigen::Vector2f> centre;  //!< [m]
-    std::vector<float> weight;
-    torch::Tensor features;  //!< of the current scan, a row each
-    torch::Tensor position;  //!< in cells, a row each
+    std::vector<Eigen::Vector2f> centre;  //!< centre of each cell [m]
+    std::vector<float> weight;            //!< static weight of each cell
+    torch::Tensor features;               //!< features of the current scan, a row per cell
+    torch::Tensor position;               //!< position (x, y), a row per cell [cells]
   };
   [[nodiscard]] Voters voters() const;
   [[nodiscard]] RigidFlowFit fitPeaks(const Voters& voters,
@@ -55,7 +55,7 @@ class StaticMotionMatcher
   const DysegCells& cells_;
   const SparseMap& past_;
   int radius_;
-  float cell_size_;              //!< at 1/4 [m]
-  torch::Tensor static_weight_;  //!< N
+  float cell_size_;              //!< side of the cells at 1/4 [m]
+  torch::Tensor static_weight_;  //!< N: weight of each cell at 1/4
 };
 }  // namespace dyslam

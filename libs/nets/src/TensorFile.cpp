@@ -22,7 +22,7 @@ using Json = nlohmann::json;
 
 constexpr const char* metadata = "__metadata__";
 constexpr const char* checksum = "checksum";
-constexpr std::size_t length_bytes = 8;  // of the header, little-endian
+constexpr std::size_t length_bytes = 8;  // bytes of the header's length, little-endian
 constexpr std::uint64_t max_header = 16U << 20U;
 
 const std::array<std::pair<const char*, torch::Dtype>, 4> types{{{"F16", torch::kFloat16},
@@ -96,7 +96,8 @@ std::string checksumOf(const std::map<std::string, std::string>& texts,
   return sum.text();
 }
 
-/** A tensor of the header's description; false if that is not one within the values. */
+/** Reads a tensor by its entry in the header. \return false if the entry is invalid or exceeds the
+ * values */
 bool readTensor(const Json& entry, const std::string& values, torch::Tensor& tensor)
 {
   torch::Dtype type = torch::kFloat;

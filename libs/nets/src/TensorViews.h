@@ -18,7 +18,7 @@ template <typename T>
   return {tensor.data_ptr<T>(), tensor.size(0), tensor.size(1)};
 }
 
-/** Whether the hand-written layers can read it: floats in the memory of the CPU. */
+/** Whether the hand-written layers can read a tensor: float32 in the memory of the CPU. */
 [[nodiscard]] inline bool onCpu(const torch::Tensor& tensor)
 {
   return tensor.device().is_cpu() && tensor.scalar_type() == torch::kFloat;

@@ -9,7 +9,7 @@ namespace dyslam
 void useTorchThreads(int threads)
 {
   const int wanted = std::max(1, threads);
-  // Setting it may restart the thread pool.
+  // Setting the number of threads may restart the thread pool.
   if (at::get_num_threads() != wanted)
   {
     at::set_num_threads(wanted);

@@ -115,7 +115,7 @@ TEST(Correlate, FindsAShiftedPattern)
 {
   torch::manual_seed(4);
   const auto map = torch::randn({20, 20, 32}) * 3;
-  // The cell at (10, 9) of the first map is the one at (13, 7) of the second.
+  // Cell (10, 9) of the first map equals cell (13, 7) of the second.
   const auto source = map[7][13].unsqueeze(0);
   const auto window = dyslam::correlate(source, fullMap(map), torch::tensor({{10.0F, 9.0F}}), 5);
   const auto peak = dyslam::peakOffset(window, 5);

@@ -107,7 +107,7 @@ TEST(BevScan, KeepsPointsAboveGroundInTheirCells)
     EXPECT_EQ(scan.cell[i], iy * 512 + ix);
     EXPECT_NEAR(scan.height[i], p.z() + 1.7F, 0.1);
   }
-  // Both lie in one cell: they share its highest and lowest point.
+  // Both points lie in one cell and share its highest and lowest point.
   EXPECT_EQ(scan.cell[0], scan.cell[1]);
   EXPECT_FLOAT_EQ(scan.features[6], std::max(scan.height[0], scan.height[1]) - 1);
   EXPECT_FLOAT_EQ(scan.features[7], std::min(scan.height[0], scan.height[1]) - 1);

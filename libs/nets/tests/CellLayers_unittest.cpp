@@ -177,7 +177,7 @@ TEST(OccupiedProducts, WideVectorsGiveTheSameSums)
     };
     const std::vector<float> wide = sums(true);
     EXPECT_EQ(sums(false), wide) << outputs;
-    double expected = 0.5;  // of the last cell's last output
+    double expected = 0.5;  // the last output of the last cell
     for (std::int64_t p = 0; p < positions; ++p)
     {
       const std::int32_t at = table[static_cast<std::size_t>((cells - 1) * positions + p)];

@@ -52,7 +52,7 @@ TEST_F(DyloPriorTest, FusedStepMinimisesTheCost)
   {
     for (const double sign : {-1.0, 1.0})
     {
-      // Small against the distance to the prior, large against the linearisation error.
+      // A tolerance small against the distance to the prior, large against the linearisation error.
       EXPECT_LT(least, cost(best + sign * 0.002 * Vector6::Unit(axis))) << axis;
     }
   }

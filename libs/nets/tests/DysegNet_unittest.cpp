@@ -160,7 +160,7 @@ TEST(DysegModel, CudaGivesTheSameToRounding)
   }
 }
 
-/** Cells that far away do not vote for the static motion. */
+/** Cells beyond the voting square do not vote for the static motion. */
 TEST(DysegModel, WithoutStaticCellsTheMotionIsTheGuess)
 {
   BevOptions grid;

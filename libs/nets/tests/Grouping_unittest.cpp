@@ -8,7 +8,7 @@ namespace dyslam
 {
 namespace
 {
-/** A scan and points near it that lie in no cell's middle. */
+/** A scan and points near its surfaces, away from the centres of image cells. */
 struct Fixture
 {
   ScanTensors scan = toTensors(prepareScan(testing::room(64, 1800)));
@@ -93,7 +93,7 @@ TEST(Grouping, SurfacesWithoutFeaturesAreTheSame)
   EXPECT_TRUE(torch::equal(full.thickness, bare.thickness));
 }
 
-/** Every other node of a level is such a view. */
+/** Every other node of a level is a view that is not contiguous. */
 TEST(Grouping, SurfacesOfStridedViewsAreTheSame)
 {
   const Fixture f;

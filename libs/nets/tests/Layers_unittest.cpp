@@ -85,7 +85,7 @@ TEST(Window, ContainsTheCellOfThePoint)
     if (scan.source[static_cast<std::size_t>(cell)] >= 0)
     {
       wrong += window.index[cell][0].item<std::int64_t>() != cell;
-      cell += 96;  // a sample: item() is slow
+      cell += 96;  // only a sample of the cells: item() is slow
     }
   }
   EXPECT_LE(wrong, 2);  // rounding at a column's edge

@@ -14,7 +14,7 @@ constexpr int radius = 5;
 constexpr int side = 2 * radius + 1;
 constexpr float size = 0.8F;
 
-/** Windows of cells all over the place. */
+/** Windows of randomly placed cells. */
 struct Cells
 {
   std::vector<Eigen::Vector2f> positions;
@@ -22,7 +22,8 @@ struct Cells
   std::vector<float> probability;
   std::mt19937 random{3};
 
-  /** A cell whose window peaks at the motion; \param open leaves x open, as a rail does. */
+  /** Adds a cell whose window peaks at the motion. \param open leaves x ambiguous, as a guard rail
+   * does */
   void add(const PlanarMotion& motion, bool open, float trusted)
   {
     std::uniform_real_distribution<float> place(-45, 45);
@@ -89,7 +90,7 @@ TEST(MotionSearchResult, IgnoresAmbiguousAndLowWeightCells)
     cells.add(PlanarMotion(), false, 0.1F);
   }
   EXPECT_LT((cells.vote(PlanarMotion()).translation - truth.translation).norm(), 0.2);
-  // With full weight, the traffic is the majority.
+  // With full weight, the moving cells are the majority.
   std::fill(cells.trust.begin(), cells.trust.end(), 1.0F);
   EXPECT_LT(cells.vote(PlanarMotion()).translation.norm(), 0.2);
 }

@@ -71,7 +71,7 @@ TEST(RigidFlow, MovingObjectsDoNotBiasTheFit)
 TEST(RigidFlow, MinimisesTheSquaredError)
 {
   const auto f = staticField(someMotion(), 40, 0.3F, 3);
-  // A wide loss: weighted least squares.
+  // With a wide loss the fit is weighted least squares.
   const auto fit = fitRigidFlow(f.positions, f.flow, f.weights, 1e4, 1e4);
   const auto cost = [&](const PlanarMotion& m)
   {

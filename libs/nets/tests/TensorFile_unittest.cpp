@@ -21,7 +21,7 @@ class TensorFileTest : public testing::Test
   {
     std::ofstream(path_, std::ios::binary | std::ios::trunc) << bytes;
   }
-  /** A file of this header and these values. */
+  /** Writes a file with a header and values. */
   void write(const std::string& header, const std::string& values) const
   {
     const std::uint64_t length = header.size();
@@ -34,7 +34,7 @@ class TensorFileTest : public testing::Test
     std::ifstream file(path_, std::ios::binary);
     return {std::istreambuf_iterator<char>(file), {}};
   }
-  /** Empty if the file is accepted. */
+  /** Error message of reading the file; empty if it is accepted. */
   [[nodiscard]] std::string refusal() const
   {
     try
@@ -129,7 +129,7 @@ TEST_F(TensorFileTest, HeadersThatDoNotFitTheFileAreRefusedBeforeAnythingIsAlloc
   }
   write(R"({"a":{"dtype":"F32","shape":[2,2],"data_offsets":[0,16]}})", values);
   EXPECT_EQ(refusal(), "");
-  // A header that says it is larger than the file.
+  // The header claims to be larger than the file.
   std::string bytes("\xff\xff\xff\xff\xff\xff\xff\x7f{}", 10);
   write(bytes);
   EXPECT_NE(refusal(), "");

@@ -5,7 +5,7 @@
 
 #include "DyloScanMatcher.h"
 
-// The functions of the module `networks`, by which dyseg and odometry get the stages that need
+// The functions of the module `networks`, from which dyseg and odometry get their stages that need
 // libtorch.
 extern "C"
 {

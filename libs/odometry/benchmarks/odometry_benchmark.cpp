@@ -43,7 +43,7 @@ struct Arguments
   std::size_t first = 0;
   std::size_t frames = 100000;
   int threads = 2;
-  double period = 0.1;  //!< between scans [s]
+  double period = 0.1;  //!< time between scans [s]
   std::vector<std::string> methods;
   Config config;
 };
@@ -148,7 +148,7 @@ std::vector<Scan> readScans(const std::vector<std::string>& files)
   return scans;
 }
 
-/** How many of the scans are of each split: ", 80 training, 30 validation". */
+/** Number of scans in each split as text: ", 80 training, 30 validation". */
 std::string splitsOf(const std::vector<std::string>& files)
 {
   const DataSplits splits = DataSplits::load("splits", "splits.ini");
@@ -171,7 +171,7 @@ double cpuMs()
   return 1e3 * static_cast<double>(std::clock()) / CLOCKS_PER_SEC;
 }
 
-/** The config of a row's name. */
+/** The settings that a row's name stands for. */
 Config configOf(const std::string& method, const Arguments& a)
 {
   Config config = a.config;
@@ -192,7 +192,7 @@ Config configOf(const std::string& method, const Arguments& a)
   return config;
 }
 
-/** The reference's previous motion, as if it were an estimate. */
+/** Row constant_velocity: the reference's previous motion as the estimate. */
 Row repeatReference(const std::vector<Pose>& reference)
 {
   Row row;

@@ -21,7 +21,7 @@ constexpr int panel_height = 360 * supersampling;
 constexpr std::size_t max_unsmoothed_rows = 60;
 constexpr std::size_t windows_per_curve = 50;
 
-/** Finite, and so that the difference of two values is, too. */
+/** Whether a value is finite and small enough that the difference of two such values is finite. */
 bool isDrawable(double value)
 {
   constexpr double largest = 1e150;

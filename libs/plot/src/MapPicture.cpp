@@ -21,15 +21,15 @@ namespace
 {
 using namespace plot;
 
-constexpr double ground_cell = 2;   // side of the cells whose lowest point is their ground [m]
-constexpr float max_pit = 0.5F;     // below the ground of the neighbouring cells [m]
-constexpr double full_height = 4;   // over the ground: from here on a point is darkest [m]
+constexpr double ground_cell = 2;   // side of the cells in which the ground is estimated [m]
+constexpr float max_pit = 0.5F;     // largest depth of a cell's ground below its neighbours' [m]
+constexpr double full_height = 4;   // height over the ground from which on points are darkest [m]
 constexpr double point_side = 0.2;  // a point is drawn as large as a voxel of the map [m]
 constexpr double lightest_grey = 214;
 constexpr double darkest_grey = 70;
-constexpr int line_bits = 4;  // of a pixel, for lines
+constexpr int line_bits = 4;  // fractional bits of pixel coordinates of lines
 
-const cv::Scalar path_colour(190, 90, 20);  // all are blue, green, red
+const cv::Scalar path_colour(190, 90, 20);  // colours are blue, green, red
 const cv::Scalar start_colour(58, 143, 28);
 const cv::Scalar end_colour(34, 34, 194);
 const cv::Scalar loop_colour(200, 40, 200);
@@ -98,7 +98,7 @@ void include(View& view, const std::vector<Eigen::Vector3d>& path)
   }
 }
 
-/** The part around all paths of maps that are shown with one view. */
+/** View of the part around all paths of the maps that are shown. */
 View viewOf(const std::vector<const MapPictureContent*>& contents, const MapPictureOptions& options)
 {
   constexpr double infinity = std::numeric_limits<double>::infinity();
@@ -121,8 +121,8 @@ View viewOf(const std::vector<const MapPictureContent*>& contents, const MapPict
   return view;
 }
 
-/** Height of every point over the ground of its cell, a low quantile of the cell's points, or of
- * the cells around where it lies in a pit: reflections from below the ground do not count [m]. */
+/** Height of every point over the ground [m]. The ground is a low quantile of the cell's points, or
+ * of the cells around if the cell lies in a pit: reflections from below the ground do not count. */
 class PictureGround
 {
  public:
@@ -159,7 +159,7 @@ class PictureGround
     { return static_cast<std::int64_t>(std::floor(static_cast<double>(v) / ground_cell)); };
     return cell(p.x()) * row + cell(p.y());
   }
-  /** Of the cell and its neighbours. */
+  /** Median ground height of the cell and its neighbours [m]. */
   static float medianAround(const std::unordered_map<std::int64_t, float>& low, std::int64_t key)
   {
     std::vector<float> values;
@@ -196,7 +196,7 @@ void drawDot(const Eigen::Vector3f& p, const View& view, cv::Mat& page, const Pa
   }
 }
 
-/** Every pixel as dark as the highest of its points over the ground. */
+/** Draws the points: every pixel is as dark as its highest point over the ground. */
 void drawPoints(const std::vector<Eigen::Vector3f>& points, const View& view, cv::Mat& page)
 {
   const PictureGround ground(points);
@@ -264,7 +264,7 @@ void drawMark(const Eigen::Vector3d& p, const View& view, cv::Mat& page, const c
   cv::circle(page, centre, 6 * supersampling, colour, cv::FILLED, cv::LINE_AA);
 }
 
-/** Start and end of a path. */
+/** Marks start and end of a path. */
 void drawEnds(const std::vector<Eigen::Vector3d>& path, const View& view, cv::Mat& page)
 {
   const auto finite = [](const Eigen::Vector3d& p) { return p.allFinite(); };
@@ -277,7 +277,7 @@ void drawEnds(const std::vector<Eigen::Vector3d>& path, const View& view, cv::Ma
   }
 }
 
-/** Adds a white strip below or above. \return it */
+/** Adds a white strip below or above the picture. \return the strip */
 cv::Mat addStrip(cv::Mat& page, int height, bool above)
 {
   cv::copyMakeBorder(page, page, above ? height : 0, above ? 0 : height, 0, 0, cv::BORDER_CONSTANT,
@@ -285,7 +285,8 @@ cv::Mat addStrip(cv::Mat& page, int height, bool above)
   return page.rowRange(above ? 0 : page.rows - height, above ? height : page.rows);
 }
 
-/** A bar of a round length, about a sixth of the picture's width, at the right of a strip. */
+/** Draws a scale bar of a round length, about a sixth of the picture's width, at the right of a
+ * strip. */
 void drawScale(const View& view, cv::Mat& page)
 {
   const double wanted = page.cols / view.scale / 6;
@@ -315,7 +316,7 @@ std::vector<Curve> runEntries(const std::vector<PictureRun>& runs)
   return entries;
 }
 
-/** A strip below. */
+/** Adds a strip with a legend below the picture. */
 cv::Mat addLegend(const std::vector<Curve>& entries, int lines, cv::Mat& page)
 {
   cv::Mat strip = addStrip(page, (lines * 24 + 12) * supersampling, false);

@@ -13,7 +13,7 @@ namespace
 {
 using namespace plot;
 
-constexpr float half_side = 40;  // m
+constexpr float half_side = 40;  // half side of the view [m]
 constexpr int view_pixels = 720 * supersampling;
 constexpr int margin = 48 * supersampling;
 constexpr int curve_pixels = 420 * supersampling;

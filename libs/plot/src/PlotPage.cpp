@@ -176,7 +176,7 @@ cv::Point Panel::pixel(const Eigen::Vector2d& p, int bits) const
   const double unit = static_cast<double>(1 << bits);
   const double x = area_.x + (p.x() - x_.low) / x_.size() * area_.width;
   const double y = area_.y + (y_.high - p.y()) / y_.size() * area_.height;
-  // Far off the page is far enough.
+  // Coordinates are limited to positions far off the page.
   const auto whole = [unit](double value)
   {
     constexpr double farthest = 1e6;

@@ -77,6 +77,6 @@ class Panel
 void drawLegend(cv::Mat& page, cv::Point at, const std::vector<Curve>& curves);
 
 /** The page at its final size as PNG bytes.
- * \param levels of each colour channel: fewer make a smaller file */
+ * \param levels number of levels of each colour channel: fewer make a smaller file */
 [[nodiscard]] std::vector<std::uint8_t> encodePage(const cv::Mat& page, int levels = 256);
 }  // namespace dyslam::plot

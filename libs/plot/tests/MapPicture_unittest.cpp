@@ -11,7 +11,7 @@ namespace dyslam
 {
 namespace
 {
-/** A vehicle drives 20 m along x, 10 m shown around it: 40 m x 20 m. */
+/** A vehicle drives 20 m along x with a margin of 10 m: a picture of 40 m x 20 m. */
 MapPictureContent drive()
 {
   MapPictureContent content;

@@ -21,8 +21,7 @@ struct Car
   double s = 0;       // arc length along the centre line, in the driving direction
   double v = 0, a = 0;
   double desired_speed = 28, headway = 1.2;
-  double change = 0;
-  // offset of the old lane from the new one, left positive [m]
+  double change = 0;    // offset of the old lane from the new one, left positive [m]
   double progress = 1;  // progress of the lane change, from 0 to 1
   double last_change = -100;
   double wander = 0;

@@ -19,7 +19,7 @@ enum class Material : std::uint8_t
   concrete,
   window,
   roof,
-  paint,  // of vehicles; the instance has its reflectivity
+  paint,  // paint of vehicles; the instance has its reflectivity
   car_glass,
   rubber,
   licence_plate,

@@ -14,8 +14,7 @@ constexpr double kGravity = 9.81;                  // [m/s^2]
 // IMU's values are typical of uncalibrated consumer MEMS units.
 constexpr double kGyroscopeNoise = 0.002, kGyroscopeBias = 0.005;       // per axis [rad/s]
 constexpr double kAccelerometerNoise = 0.05, kAccelerometerBias = 0.1;  // per axis [m/s^2]
-constexpr double kWheelScale =
-    0.01;  // relative error of the tyre radius, by wear, load and pressure
+constexpr double kWheelScale = 0.01;  // relative error of the tyre radius (wear, load, pressure)
 constexpr double kWheelSpeedNoise = 0.02;    // resolution of the encoders, and slip [m/s]
 constexpr double kWheelYawRateNoise = 0.01;  // from the difference of left and right wheels [rad/s]
 

@@ -13,7 +13,6 @@ constexpr double kTwoPi = 2 * M_PI;
 constexpr int kWaves = 30;
 constexpr double kLongest = 60, kShortest = 1.2;  // wavelengths [m]
 constexpr double kReference = 0.1;                // wave number of the roughness [waves/m]
-// wave number of the roughness [waves/m]
 constexpr double kApart = 10;  // wavelength above which the two tracks rise and fall together [m]
 }  // namespace
 

@@ -61,9 +61,8 @@ class World
   Path highway;                     //!< closed centre line of highway and tunnel worlds
   int highway_lanes = 3;            //!< number of lanes each way
   double highway_lane_width = 3.6;  //!< width of a lane [m]
-  double highway_median = 1.6;
-  //!< distance from the centre line to the first lane [m]
-  double loop_length = 0;  //!< length of the ego's loop [m]
+  double highway_median = 1.6;      //!< distance from the centre line to the first lane [m]
+  double loop_length = 0;           //!< length of the ego's loop [m]
 
   std::vector<BodyModel> bodies;
   std::vector<int> cars, vans, trucks, buses, riders, people, cyclists,

@@ -158,8 +158,7 @@ struct Statistics
   int scans = 0;
   double points = 0, filled = 0, ground = 0, ground_roughness = 0, plane_roughness = 0,
          isolated = 0, intensity = 0;
-  std::array<double, 9>
-      range{};  // shares of returns up to 5, 10, 15, 20, 30, 40, 60, 80 m and beyond
+  std::array<double, 9> range{};  // shares up to 5, 10, 15, 20, 30, 40, 60, 80 m and beyond
   std::vector<double> ring;
 
   void add(const Scan& scan, const RowFinder& finder, int columns);

@@ -17,7 +17,7 @@ namespace
 constexpr std::array<const char*, 3> split_names = {"training", "validation", "test"};
 constexpr const char* simulator_section = "simulator";
 
-/** A number of digits alone. \throws std::logic_error. */
+/** Parses a number that consists of digits only. \throws std::logic_error. */
 std::int64_t digitsOf(const std::string& text)
 {
   if (text.empty() ||
@@ -28,7 +28,7 @@ std::int64_t digitsOf(const std::string& text)
   return std::stoll(text);
 }
 
-/** "80-109", "64-" or "7". */
+/** Parses a range: "80-109", "64-" (no upper limit) or "7". */
 NumberRange parseRange(const std::string& text, const Config::Value& value)
 {
   try
@@ -73,7 +73,7 @@ std::optional<std::int64_t> frameOf(const std::string& file)
   }
   const std::size_t before = stem.find_last_not_of(digits, last);
   const std::size_t first = before == std::string::npos ? 0 : before + 1;
-  constexpr std::size_t most_digits = 18;  // that fit
+  constexpr std::size_t most_digits = 18;  // digits that fit into std::int64_t
   const std::size_t count = std::min(last + 1 - first, most_digits);
   return digitsOf(stem.substr(last + 1 - count, count));
 }

@@ -16,11 +16,11 @@ torch::Tensor maskedMean(const torch::Tensor& x, const torch::Tensor& mask)
   return (x * mask).sum() / mask.sum().clamp_min(1);
 }
 
-// Floors of the errors of the final pose: of translation [m] and of half an angle [rad].
+// Floors of the errors of the final pose: translation [m] and half of the rotation angle [rad].
 constexpr double least_t = 0.005;
 constexpr double least_q = 0.0002;
 
-/** Quadratic below 1, linear beyond. */
+/** Huber loss: quadratic below 1, linear beyond. */
 torch::Tensor huber(const torch::Tensor& x)
 {
   const torch::Tensor size = x.abs();

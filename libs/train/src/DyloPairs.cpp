@@ -85,7 +85,7 @@ Pose drawInitialGuess(const Pose& truth,
                       std::uint64_t index)
 {
   RandomDraws draws(seed ^ 0x57A27ULL, index);
-  constexpr double reach = 1.5;  // m, range of a search from zero motion
+  constexpr double reach = 1.5;  // range of a search from zero motion [m]
   const double share =
       truth.translation().norm() > reach ? std::max(perturbed_starts, 0.8) : perturbed_starts;
   if (perturbed_starts <= 0 || !draws.chance(share))

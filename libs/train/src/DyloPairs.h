@@ -16,8 +16,8 @@
 
 namespace dyslam
 {
-/** The sources of training pairs that `[data]` gives a weight: recordings, single scans, simulator.
- * \param base folder that the paths are relative to \param seed of all draws
+/** Makes the sources of training pairs that have a weight in `[data]`: recordings, single scans,
+ * simulator. \param base folder that the paths are relative to \param seed seed of all draws
  * \throws UserError if there are none, for data that cannot be read, and for data of another split.
  */
 [[nodiscard]] std::unique_ptr<PairSource> makeDyloPairSource(

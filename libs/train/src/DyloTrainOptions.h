@@ -35,7 +35,7 @@ struct TrainOptions : Options
 struct DataOptions : Options
 {
   std::string base = "$DYSLAM_DATA";
-  std::string splits = "splits";  //!< training, validation and test frames
+  std::string splits = "splits";  //!< file of the training, validation and test frames
   // Lists, separated by '|'; see describe() for their fields.
   std::string recordings;
   std::string singles;
@@ -55,9 +55,9 @@ struct DataOptions : Options
   void describe(OptionsVisitor& visitor) override;
 };
 
-/** Recordings described one by one, separated by '|'; see parseRecording().
- * \param split of all their frames: those for training are corrected by their own motion, others by
- * that of the step before \throws UserError, also for frames of another split. */
+/** Reads recordings whose descriptions are separated by '|'; see parseRecording(). \param split
+ * split of all frames: training scans are deskewed by their own motion, others by that of the step
+ * before \throws UserError, also for frames of another split. */
 [[nodiscard]] std::vector<Recording> loadRecordings(const std::string& list,
                                                     const std::string& base,
                                                     const DataSplits& splits,

@@ -68,12 +68,12 @@ class Trainer : public TrainingTask
   DataOptions data_;
   AugmentationOptions augmentation_;
   DyloNetwork network_{nullptr};
-  DyloNetwork mean_{nullptr};  //!< exponential moving average of its weights
+  DyloNetwork mean_{nullptr};  //!< exponential moving average of the network's weights
   DyloLoss loss_{nullptr};
   std::unique_ptr<TrainingLoop> loop_;
   std::unique_ptr<PairSource> source_;
   std::vector<ThreadCopy> copies_;                      //!< one per thread
-  std::array<std::vector<PreparedDyloPair>, 2> batch_;  //!< of the even and of the odd steps
+  std::array<std::vector<PreparedDyloPair>, 2> batch_;  //!< pairs of the even and of the odd steps
   std::vector<DyloLossImpl::Terms> terms_;              //!< losses of the pairs of this step
   std::vector<Recording> validation_;
   torch::Device device_;

@@ -111,7 +111,7 @@ MotionErrors motionErrors(const std::vector<Pose>& estimates, const std::vector<
 
 namespace
 {
-/** Letters, digits, dots and dashes; other characters become underscores. */
+/** Replaces all characters but letters, digits, dots and dashes by underscores. */
 std::string asFileName(std::string name)
 {
   std::replace_if(
@@ -126,10 +126,11 @@ struct PairMotions
   std::vector<Pose> truths;
   std::vector<Pose> from_standing;        //!< network, started at zero motion
   std::vector<Pose> from_previous;        //!< network, started at its previous motion
-  std::vector<Pose> constant;             //!< the true motion before
-  std::vector<std::vector<Pose>> stages;  //!< of the network, from standing
+  std::vector<Pose> constant;             //!< constant velocity: the previous true motion
+  std::vector<std::vector<Pose>> stages;  //!< by stage: network, started at zero motion
 
-  /** \param found poses of all stages */
+  /** Adds a pair. \param found poses of all stages, started at zero motion \param predicted pose
+   * started at the previous motion */
   void add(const std::vector<Pose>& found, const Pose& predicted, const Pose& truth)
   {
     // Pairs converge after different numbers of stages; their pose then stays.
@@ -149,7 +150,7 @@ struct PairMotions
     row.network = motionErrors(from_standing, truths);
     row.predicted_start = motionErrors(from_previous, truths);
     row.zero_motion = motionErrors(std::vector<Pose>(truths.size(), Pose::Identity()), truths);
-    if (!truths.empty())  // the first step has no step before it
+    if (!truths.empty())  // the first pair has no previous motion
     {
       row.constant_velocity =
           motionErrors({constant.begin() + 1, constant.end()}, {truths.begin() + 1, truths.end()});
@@ -161,7 +162,7 @@ struct PairMotions
   }
 };
 
-/** \param mask_csv of one scan; empty: none */
+/** Evaluates a recording. \param mask_csv file for the points of one scan; empty: not written */
 ValidationRow validateRecording(DyloNetwork& network,
                                 const Recording& recording,
                                 torch::Device device,

@@ -13,13 +13,13 @@ namespace dyslam
 /** Errors of relative motions between consecutive scans. */
 struct MotionErrors
 {
-  double translation_rmse = 0;                                              //!< m
-  double translation_mean = 0;                                              //!< m
-  double translation_max = 0, translation_median = 0, translation_min = 0;  //!< m
-  double translation_deviation = 0;                                         //!< from the mean [m]
+  double translation_rmse = 0;                                              //!< [m]
+  double translation_mean = 0;                                              //!< [m]
+  double translation_max = 0, translation_median = 0, translation_min = 0;  //!< [m]
+  double translation_deviation = 0;  //!< standard deviation [m]
   double rotation_rmse_deg = 0;
   double rotation_mean_deg = 0;
-  double forward_ratio = 0;  //!< summed estimated over summed true motion along x
+  double forward_ratio = 0;  //!< sum of the estimated over sum of the true motions along x
 };
 
 [[nodiscard]] MotionErrors motionErrors(const std::vector<Pose>& estimates,
@@ -28,19 +28,20 @@ struct MotionErrors
 struct ValidationRow
 {
   std::string recording;
-  MotionErrors network;          //!< started from zero motion
-  MotionErrors predicted_start;  //!< started from its estimate of the previous motion
-  MotionErrors zero_motion, constant_velocity;
-  std::vector<double> stage_translation_rmse;  //!< m
+  MotionErrors network;          //!< network, started from zero motion
+  MotionErrors predicted_start;  //!< network, started from its estimate of the previous motion
+  MotionErrors zero_motion, constant_velocity;  //!< baselines
+  std::vector<double> stage_translation_rmse;   //!< RMSE of each stage of `network` [m]
   /** Area under the ROC curve of static confidence, moving against static sampled points; NaN where
    * the recording has no labels of both. */
   double mask_auc = std::numeric_limits<double>::quiet_NaN();
   std::size_t moving_points = 0;
   std::size_t still_points = 0;
-  double milliseconds = 0;  //!< encode one scan and match, mean
+  double milliseconds = 0;  //!< mean time to encode one scan and match it [ms]
 };
 
-/** \param mask_folder gets a CSV per recording of its middle scan's points, if not empty. */
+/** Evaluates a network on recordings. \param mask_folder folder for a CSV file per recording with
+ * the points of its middle scan; empty: not written */
 [[nodiscard]] std::vector<ValidationRow> validateDylo(DyloNetwork& network,
                                                       const std::vector<Recording>& recordings,
                                                       torch::Device device,

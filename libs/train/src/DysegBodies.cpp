@@ -17,7 +17,7 @@ class Builder
 {
  public:
   explicit Builder(RandomDraws& draws) : draws_(draws) {}
-  /** These sizes, varied by up to 12 %. */
+  /** Sizes varied by up to 12 %. */
   Builder& add(bool round, float x, float y, float z, float length, float width, float height)
   {
     height *= vary();

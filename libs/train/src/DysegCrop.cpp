@@ -9,7 +9,7 @@ namespace dyslam
 {
 namespace
 {
-constexpr double near_mover_share = 0.85;  // of the crops of pairs with moving objects
+constexpr double near_mover_share = 0.85;  // share of crops near a moving object, if there is one
 }
 
 Eigen::Vector2f drawCentre(const DysegSample& sample,
@@ -25,7 +25,7 @@ Eigen::Vector2f drawCentre(const DysegSample& sample,
   const float x = within(some);
   const float y = within(some);
   Eigen::Vector2f centre(x, y);
-  // No crop contains what is farther away.
+  // No crop contains objects that are farther away.
   std::vector<Eigen::Vector2f> movers;
   std::copy_if(sample.movers.begin(), sample.movers.end(), std::back_inserter(movers),
                [&](const Eigen::Vector2f& m) { return m.cwiseAbs().maxCoeff() < reach + half; });

@@ -30,12 +30,12 @@ std::uint8_t labelBySpeed(const DysegClip::Object& object)
 struct ObjectTruth
 {
   std::uint8_t label = DysegSample::ignored_point;
-  bool known = false;  //!< its motion
+  bool known = false;  //!< whether the motion is known
   Eigen::Isometry3f T_past_current = Eigen::Isometry3f::Identity();
 };
 
-/** \param then the object in the past frame; null if it is not there \param ego T_past_current of
- * the sensor. */
+/** Truth of an object's points. \param now object in the current frame \param then object in the
+ * past frame; null if it is not there \param ego T_past_current of the sensor */
 ObjectTruth truthOf(const DysegClip::Object& now, const DysegClip::Object* then, const Pose& ego)
 {
   ObjectTruth truth{labelBySpeed(now), true, ego.cast<float>()};
@@ -61,7 +61,7 @@ ObjectTruth truthOf(const DysegClip::Object& now, const DysegClip::Object* then,
   return truth;
 }
 
-/** Truth of all objects of a frame, and of points on none. */
+/** Truth of all objects of a frame, and of points on no object. */
 std::map<std::int32_t, ObjectTruth> truthOfObjects(const DysegClip::Frame& now,
                                                    const DysegClip::Frame& then,
                                                    const Pose& ego)
@@ -172,7 +172,7 @@ namespace
 {
 BodyKind drawKind(bool beside, RandomDraws& draws)
 {
-  // Right beside the sensor, large bodies: they fill the view and show mostly one side.
+  // Large bodies right beside the sensor fill the view and show mostly one side.
   constexpr BodyKind large[] = {BodyKind::truck, BodyKind::truck, BodyKind::truck, BodyKind::van,
                                 BodyKind::van,   BodyKind::car,   BodyKind::random};
   if (beside && draws.chance(0.7))
@@ -204,8 +204,8 @@ bool taken(const std::vector<Eigen::Vector3f>& points,
            const Pose& T_sensor_body,
            const CastBody& body)
 {
-  constexpr float sensor_clearance = 1.4F;  // m, more than half the width of its vehicle
-  constexpr float clearance = 0.2F;         // m
+  constexpr float sensor_clearance = 1.4F;  // more than half the width of the sensor's vehicle [m]
+  constexpr float clearance = 0.2F;         // margin around the body [m]
   const Eigen::Isometry3f T_body_sensor = T_sensor_body.inverse().cast<float>();
   if (body.covers(T_body_sensor.translation().head<2>(), sensor_clearance))
   {
@@ -226,12 +226,12 @@ bool taken(const std::vector<Eigen::Vector3f>& points,
   return inside > 4;
 }
 
-/** Where a body is, in the current sensor frame; upright, height not yet set. */
+/** Draws the upright pose of a body in the current sensor frame, z = 0. */
 Pose drawPlace(const CastBody& body, bool beside, double farthest, RandomDraws& draws)
 {
   if (beside)
   {
-    // Right next to the sensor, along the road or about so.
+    // Right beside the sensor, roughly parallel to the road.
     const double side = draws.chance(0.5) ? 1 : -1;
     const double width = body.bounds.max().y();
     const double along = draws.chance(0.5) ? M_PI : 0;
@@ -239,7 +239,7 @@ Pose drawPlace(const CastBody& body, bool beside, double farthest, RandomDraws& 
     const double y = side * (width + draws.uniform(1.5, 6));
     return poseFromYpr(draws.uniform(-8, 8), y, 0, yaw, 0, 0);
   }
-  // Near places more often, where the points are.
+  // Small distances are more frequent, since most points are there.
   constexpr double nearest = 4;
   const double distance = nearest + (farthest - nearest) * std::pow(draws.uniform(), 1.3);
   const double bearing = draws.uniform(-M_PI, M_PI);
@@ -251,8 +251,8 @@ Pose drawPlace(const CastBody& body, bool beside, double farthest, RandomDraws& 
 struct BodyMotion
 {
   bool moving = false;
-  double speed = 0;                    //!< m/s
-  Pose T_now_then = Pose::Identity();  //!< body then, in the frame of the body now
+  double speed = 0;                    //!< speed over ground [m/s]
+  Pose T_now_then = Pose::Identity();  //!< past pose of the body in its current frame
 };
 
 BodyMotion drawMotion(const CastBody& body, double moving_share, double elapsed, RandomDraws& draws)
@@ -261,7 +261,7 @@ BodyMotion drawMotion(const CastBody& body, double moving_share, double elapsed,
   m.moving = draws.chance(moving_share);
   if (m.moving)
   {
-    // Backwards along its heading, turning.
+    // The past pose lies behind the current one along the heading, with a turn.
     m.speed = drawSpeed(body, draws);
     const double length = m.speed * elapsed * (draws.chance(0.1) ? -1 : 1);
     m.T_now_then = poseFromYpr(-length, 0, 0, -draws.normal(0.3) * elapsed, 0, 0);
@@ -269,7 +269,7 @@ BodyMotion drawMotion(const CastBody& body, double moving_share, double elapsed,
   return m;
 }
 
-/** The motion of the sensor with a small deviation. */
+/** Motion of a body that moves along with the sensor, with a small deviation. */
 BodyMotion alongMotion(const DysegSample& sample, const Pose& T_now, RandomDraws& draws)
 {
   BodyMotion m;

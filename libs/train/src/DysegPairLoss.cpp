@@ -47,7 +47,7 @@ Tensor flagsOf(const std::vector<std::uint8_t>& labels, std::uint8_t value)
 
 PlanarMotion perturbed(PlanarMotion motion, double noise, RandomDraws& draws)
 {
-  // With outliers, as fits have them.
+  // With outliers, as in the errors of fits.
   const double scale = noise * (draws.chance(0.15) ? 2.5 : 1);
   const auto [x, y] = draws.normals<2>({scale, scale});
   motion.translation += Eigen::Vector2d(x, y);
@@ -101,14 +101,13 @@ DrawnPoints drawPoints(const DysegSample& sample,
   return chosen;
 }
 
-/** Norms of rows, N x 2; bounded away from 0, where the gradient is undefined. */
+/** Norms of the rows of an N x 2 tensor, bounded away from 0, where the gradient is undefined. */
 Tensor lengthOf(const Tensor& rows)
 {
   return rows.square().sum(1).add(1e-4).sqrt();
 }
 
-/** Offsets; NaN where the past scan has no points at the target of a cell: nothing to match there.
- */
+/** Offsets, set to NaN for cells at whose target the past scan has no points to match. */
 Tensor seenOffsets(const std::vector<Eigen::Vector2f>& flow,
                    const std::vector<Eigen::Vector2f>& places,
                    const PlanarMotion& centre,
@@ -161,18 +160,18 @@ struct ForwardPass
   BevScan current, past;
   PlanarMotion ego;
   TeacherMotions guide;
-  DysegEncoding a, b;  //!< of the current and the past scan
+  DysegEncoding a, b;  //!< encodings of the current and the past scan
   DysegMatch match;
   DysegCellOutput out;
-  DysegCellTruth truth;  //!< of the cells at 1/4
-  Tensor moving;         //!< flags of these cells
-  int radius = 0;        //!< of the windows [cells]
+  DysegCellTruth truth;  //!< truth of the cells at 1/4
+  Tensor moving;         //!< moving flags of the cells at 1/4
+  int radius = 0;        //!< radius of the correlation windows [cells]
 
   [[nodiscard]] const DysegCells& cells() const { return *a.cells; }
   [[nodiscard]] torch::Device device() const { return out.logit.device(); }
 };
 
-/** Cross-entropy of the coarse and finer windows against the true offsets. */
+/** Cross-entropy of the correlation windows at 1/8 and 1/4 against the true offsets. */
 Tensor matchingLoss(const ForwardPass& pass)
 {
   const DysegCells& cells = pass.cells();
@@ -222,7 +221,7 @@ Tensor flowLoss(const ForwardPass& pass)
 
 struct CellLosses
 {
-  Tensor static_probability;  //!< static, by the appearance in one scan
+  Tensor static_probability;  //!< loss of the appearance prior
   Tensor cell;
 };
 
@@ -251,7 +250,7 @@ CellLosses cellLosses(const ForwardPass& pass)
 struct PointLosses
 {
   Tensor point;
-  Tensor upsampled;  //!< of the flow at the points; no value where it is not known
+  Tensor upsampled;  //!< loss of the flow at the points; undefined if no flow is known
 };
 
 /** Without values where no point has a label. */
@@ -279,7 +278,8 @@ PointLosses pointLosses(DysegNet& net, const ForwardPass& pass, RandomDraws& dra
   const auto logit =
       net->segmentPoints(pass.current, pass.a, pass.b, pass.past.rays, pass.out, which);
   const auto moving = flagsOf(label, DysegSample::moving_point).to(pass.device());
-  // Balanced classes plus true class frequencies: high recall with few false positives.
+  // Loss with balanced classes plus loss with true class frequencies: high recall with few false
+  // positives.
   const auto weight = torch::tensor(drawn.weight).to(pass.device());
   const auto error = nnf::binary_cross_entropy_with_logits(
       logit, moving.to(torch::kFloat32),
@@ -301,7 +301,7 @@ PointLosses pointLosses(DysegNet& net, const ForwardPass& pass, RandomDraws& dra
   return losses;
 }
 
-/** Adds a loss, where there is one. \return its value. */
+/** Adds a loss to the total, if it is defined. \return its value, else 0 */
 double addTo(Tensor& total, const Tensor& loss, double weight)
 {
   if (!loss.defined())

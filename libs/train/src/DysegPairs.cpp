@@ -13,10 +13,11 @@ namespace dyslam
 namespace
 {
 constexpr int clip_scans = 11;
-constexpr std::size_t longest_gap = 10;  // scans between those compared
-constexpr double period = 0.1;           // s, as if between single scans seen twice
+constexpr std::size_t longest_gap = 10;  // largest distance of the scans of a pair [scans]
+constexpr double period = 0.1;           // time per scan of pairs made from one scan [s]
 
-/** Half of the clips have the sensor's own, the others fewer, as recordings do. */
+/** Draws the firings per revolution: 0 (default of the sensor) for half of the clips, else fewer,
+ * as in recordings. */
 int drawColumns(sim::SensorKind sensor, RandomDraws& draws)
 {
   constexpr int least = 400;
@@ -31,7 +32,7 @@ int drawColumns(sim::SensorKind sensor, RandomDraws& draws)
              : least + static_cast<int>(draws.below(std::size_t{most - least + 1}));
 }
 
-/** Light traffic most often on streets, as on real ones. */
+/** Draws the traffic density; on streets light traffic is most frequent, as on real ones. */
 double drawTraffic(sim::WorldKind world, RandomDraws& draws)
 {
   const double drawn = draws.uniform();
@@ -156,7 +157,7 @@ void DysegPairs::prepare(int step)
 
 namespace
 {
-/** One scan as if taken twice, from two nearby places. */
+/** A pair made from one scan, as if measured from two nearby positions. */
 DysegSample seenTwice(const std::vector<Eigen::Vector3f>& scan, RandomDraws& draws)
 {
   const double ahead = draws.chance(0.15) ? 0 : draws.uniform(-1.5, draws.chance(0.3) ? 7 : 2.5);

@@ -26,9 +26,9 @@ class DysegPairs
   explicit DysegPairs(const DysegTrainerOptions& options);
 
   /** Takes the simulated clips that belong to a step into the pool; call for every step in turn.
-   * The next ones are simulated meanwhile, in threads of their own. */
+   * The following clips are simulated meanwhile, in threads of their own. */
   void prepare(int step);
-  /** \throws UserError if there is no data at all. */
+  /** Draws a pair. \throws UserError if there is no data at all. */
   [[nodiscard]] DysegSample draw(RandomDraws& draws) const;
   [[nodiscard]] std::string summary() const;
 
@@ -37,11 +37,11 @@ class DysegPairs
   void simulateAhead();
 
   DysegTrainerOptions options_;
-  NumberRange seeds_;  //!< of simulated worlds
+  NumberRange seeds_;  //!< seeds of simulated worlds
   std::vector<DysegClip> runs_;
   std::vector<std::vector<Eigen::Vector3f>> singles_;
   std::deque<DysegClip> pool_;
   int next_clip_ = 0;                          //!< number of the next clip for the pool
-  std::deque<std::future<DysegClip>> coming_;  //!< that clip and those behind it
+  std::deque<std::future<DysegClip>> coming_;  //!< clip `next_clip_` and those after it
 };
 }  // namespace dyslam

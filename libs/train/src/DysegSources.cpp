@@ -50,16 +50,17 @@ void claimPoints(const LabelledBox& labelled, bool moving, DysegClip::Frame& fra
   }
 }
 
-// Frames to each side that give an object's speed. Boxes drawn by hand jump by up to half a metre
-// from frame to frame; over three frames to each side parked trucks are faster than 0.5 m/s.
+// Number of frames to each side that give an object's speed. Boxes drawn by hand jump by up to half
+// a metre from frame to frame: with three frames to each side, parked trucks would be faster than
+// 0.5 m/s.
 constexpr std::size_t speed_window = 8;
-constexpr int least_positions = 4;  // of an object whose speed is known
-// Parked motorcycles of vls128_run88, whose boxes of one frame were copied to others as they stood
-// relative to the sensor.
+constexpr int least_positions = 4;  // least number of positions that give a speed
+// Ids of parked motorcycles of vls128_run88, whose boxes were copied from one frame to others
+// without regard to the sensor's motion.
 constexpr std::int32_t first_parked = 500;
 constexpr std::int32_t last_parked = 599;
-constexpr double boxed_revolution = 0.091;  // of the VLS-128 of runs with boxes [s]
-constexpr double labelled_period = 0.1034;  // between scans of the HDL-64E of labelled runs [s]
+constexpr double boxed_revolution = 0.091;  // revolution of the VLS-128 of runs with boxes [s]
+constexpr double labelled_period = 0.1034;  // time between scans of labelled runs (HDL-64E) [s]
 
 UserError tooFewPoses(const std::string& file, std::size_t poses, std::size_t last_frame)
 {
@@ -80,7 +81,7 @@ namespace
 class Sweeps
 {
  public:
-  /** \param matched poses by scan matching */
+  /** \param matched T_world_sensor by scan matching, one per scan */
   Sweeps(const std::vector<Pose>& matched, const SweepDrift& drift) : drift_(drift)
   {
     Pose T = matched.front();
@@ -130,12 +131,12 @@ class Sweeps
 
   SweepDrift drift_;
   std::vector<Vector6> motions_;
-  std::vector<Pose> poses_;  // T_world_sensor
+  std::vector<Pose> poses_;  // T_world_sensor at the middle of each sweep
 };
 
 using Track = std::map<std::size_t, Eigen::Vector2d>;  // positions by frame
 
-/** Slope of the lines fitted to at least two positions, by least squares [m per frame]. */
+/** Velocity by a least-squares line through at least two positions [m per frame]. */
 Eigen::Vector2d fittedVelocity(Track::const_iterator begin, Track::const_iterator end)
 {
   const auto count = static_cast<double>(std::distance(begin, end));
@@ -260,7 +261,7 @@ DysegClip loadLabelledRun(const std::string& folder,
     std::map<std::int32_t, std::int32_t> own_id;
     for (const auto& [id, sum] : sums)
     {
-      // An id of this frame alone: its earlier position is unknown.
+      // The object gets an id that no other frame has: its earlier position is unknown.
       const std::int32_t own = ++last_id;
       own_id[id] = own;
       DysegClip::Object object;
@@ -298,7 +299,7 @@ DysegClip::Frame simulatedFrame(sim::SimulatedScan scan, bool deskewed)
   }
   for (std::size_t i = 0; i < frame.points.size(); ++i)
   {
-    // Also bodies that stand now: they may have moved between the scans of a pair.
+    // Bodies at rest are included: they may have moved between the scans of a pair.
     const auto id = static_cast<std::int32_t>(scan.label[i] >> 16U);
     if (frame.objects.count(id) != 0)
     {

@@ -26,7 +26,7 @@ namespace dyslam
 namespace
 {
 constexpr double clip_norm = 2;
-constexpr int report_every = 20;  // steps
+constexpr int report_every = 20;  // steps between reports
 
 constexpr const char* weights_file = "dyseg.safetensors";  // in the folder of output
 constexpr const char* log_file = "train.csv";
@@ -41,7 +41,7 @@ struct PreparedPair
   RandomDraws draws{0, 0};
 };
 
-/** Adds the terms of a loss, each divided by `divisor`; not its total. */
+/** Adds the terms of a loss but its total, each divided by `divisor`. */
 void addTerms(const DysegLoss& loss, int divisor, DysegLoss& sum)
 {
   sum.matching += loss.matching / divisor;
@@ -51,8 +51,8 @@ void addTerms(const DysegLoss& loss, int divisor, DysegLoss& sum)
   sum.point += loss.point / divisor;
 }
 
-/** The network's inputs are computed on the grid; only its extent may differ.
- * \throws UserError naming the file, the key and both values. */
+/** Requires that weights were trained for this grid; only its extent may differ. \throws UserError
+ * naming the file, the key and both values. */
 void requireSameGrid(const BevOptions& of_weights, const BevOptions& grid, const std::string& file)
 {
   const struct
@@ -91,11 +91,11 @@ struct DysegTrainer::Impl : TrainingTask
   std::unique_ptr<TrainingLoop> loop;
 
   std::unique_ptr<DysegPairs> pairs;
-  std::vector<DysegNet> copies;                    //!< of the network, one per thread
-  std::array<std::vector<PreparedPair>, 2> batch;  //!< of the even and of the odd steps
-  std::vector<DysegLoss> losses;                   //!< of the pairs of this step
-  DysegLoss sum;                                   //!< since the last row of the log
-  int counted = 0;                                 //!< steps in it
+  std::vector<DysegNet> copies;                    //!< copies of the network, one per thread
+  std::array<std::vector<PreparedPair>, 2> batch;  //!< pairs of the even and of the odd steps
+  std::vector<DysegLoss> losses;                   //!< losses of the pairs of this step
+  DysegLoss sum;                                   //!< sum of losses since the last row of the log
+  int counted = 0;                                 //!< number of steps in `sum`
   std::vector<DysegValidationSet> validation;
 
   std::vector<torch::Tensor> addCopy() override;
@@ -103,13 +103,13 @@ struct DysegTrainer::Impl : TrainingTask
   void preparePair(std::int64_t step, std::size_t number) override;
   void backward(std::int64_t step, std::size_t number, std::size_t copy) override;
   void log(double gradient) override;
-  /** One line for the user. \param loss mean since the last one. */
+  /** One line of progress for the user. \param loss mean since the last line */
   [[nodiscard]] std::string progress(const DysegLoss& loss) const;
-  /** The same as a row of train.csv. */
+  /** A row of train.csv. \param loss mean since the last row */
   [[nodiscard]] std::string logRow(const DysegLoss& loss) const;
   void validate() override;
   void saveWeights() override { saveDyseg({mean, grid}, loop->file(weights_file)); }
-  /** Rows "set,scores" of the weights in a file. */
+  /** Rows "set,scores" of the validation of the weights in a file. */
   std::vector<std::string> evaluate(const std::string& weights);
 };
 
@@ -188,7 +188,7 @@ std::string DysegTrainer::Impl::logRow(const DysegLoss& loss) const
 
 std::vector<std::string> DysegTrainer::Impl::evaluate(const std::string& weights)
 {
-  // First the file: without it, the user need not wait for the validation data.
+  // The file is read first: if it is missing, the user need not wait for the validation data.
   const DysegModel model(weights, options.threads, device.is_cuda() ? "cuda" : "cpu");
   if (validation.empty())
   {

@@ -12,10 +12,10 @@ namespace
 {
 namespace fs = std::filesystem;
 
-constexpr std::size_t far_back = 8;  // scans, of the slower comparison
+constexpr std::size_t far_back = 8;  // distance of the scans of the second comparison [scans]
 constexpr const char* far_name = " 8 scans back";
 
-/** Some frames of a run, and the keys of [train] they come from. */
+/** A range of frames of a run, and the key of [train] that names it. */
 struct Stretch
 {
   std::string folder;
@@ -26,7 +26,7 @@ struct Stretch
 
 void requireDisjoint(const Stretch& evaluated, const Stretch& trained, const std::string& data)
 {
-  std::error_code missing;  // reported where it is read
+  std::error_code missing;  // a missing folder is reported where it is read
   if (!evaluated.folder.empty() && !trained.folder.empty() && evaluated.first <= trained.last &&
       fs::equivalent(fs::path(data) / evaluated.folder, fs::path(data) / trained.folder, missing))
   {
@@ -74,25 +74,26 @@ Stretch labelledOf(const DysegTrainerOptions& o)
           o.labelled_validation_last};
 }
 
-/** The scenes of a row of simulated clips. */
+/** Scenes of a row of the validation table: several simulated clips. */
 struct SimulatedRow
 {
   const char* name;
   sim::WorldKind world;
   sim::SensorKind sensor;
-  int columns;               //!< 0: those of the sensor
-  std::uint64_t first_seed;  //!< behind `unseen_seeds`
-  bool near;                 //!< also to the scan before
+  int columns;               //!< firings per revolution; 0: default of the sensor
+  std::uint64_t first_seed;  //!< seed of the first clip minus `unseen_seeds`
+  bool near;                 //!< compared with the previous scan, too
 };
 
-// The same streets twice: their rows differ in the firings per revolution alone.
+// The first two rows have the same streets and differ only in the firings per revolution.
 constexpr SimulatedRow simulated_rows[] = {
     {"simulated street", sim::WorldKind::urban, sim::SensorKind::hdl64e, 0, 0, true},
     {"simulated street 512 columns", sim::WorldKind::urban, sim::SensorKind::hdl64e, 512, 0, false},
     {"simulated highway 1024 columns", sim::WorldKind::highway, sim::SensorKind::hdl64e, 1024, 4,
      false},
     {"simulated campus VLP-16", sim::WorldKind::campus, sim::SensorKind::vlp16, 0, 8, false}};
-constexpr double simulated_traffic[] = {0.2, 0.3, 0.4, 0.5};  // of the clips of each row
+constexpr double simulated_traffic[] = {0.2, 0.3, 0.4,
+                                        0.5};  // traffic density of each clip of a row
 
 std::vector<DysegValidationSet> simulatedSets(const DataSplits& splits)
 {

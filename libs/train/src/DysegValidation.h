@@ -12,16 +12,16 @@ namespace dyslam
 struct DysegValidationSet
 {
   std::string name;
-  bool with_guess = false;  //!< the ego-motion is searched around the true one
+  bool with_guess = false;  //!< the initial guess is the true ego-motion
   std::vector<DysegSample> samples;
 };
 
-/** \throws UserError if validation frames are training frames, or their first is after their
- * last. */
+/** Checks the validation frames. \throws UserError if they are training frames, or the first is
+ * after the last. */
 void checkDysegValidation(const DysegTrainerOptions& options);
 
 /** Fixed simulated scenes, and the frames of real runs that the options name. \throws UserError if
- * they are not there. */
+ * the runs do not exist. */
 [[nodiscard]] std::vector<DysegValidationSet> makeDysegValidation(
     const DysegTrainerOptions& options);
 }  // namespace dyslam

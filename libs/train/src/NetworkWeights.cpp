@@ -18,7 +18,8 @@ namespace
 {
 using State = std::decay_t<decltype(std::declval<torch::optim::Optimizer&>().state())>;
 
-/** Of a parameter in the optimizer's state: its address, or that as text, by version of torch. */
+/** Key of a parameter in the optimizer's state: its address, or its address as text, depending on
+ * the version of torch. */
 template <typename Key = State::key_type>
 Key keyOf(const torch::Tensor& parameter)
 {

@@ -52,7 +52,7 @@ TrainingPair RecordingPairSource::pair(std::uint64_t index) const
   {
     forward = !forward;
   }
-  // Near the middle of a short recording neither direction is long enough.
+  // Near the middle of a short recording the gap may exceed it in both directions.
   const std::size_t other = forward ? scan - std::min(gap, scan) : std::min(scan + gap, last);
 
   TrainingPair pair;

@@ -16,14 +16,14 @@ namespace
 {
 /** Neighbouring pairs share a world, which saves generating it. */
 constexpr std::uint64_t pairs_per_world = 16;
-constexpr int most_gap = 3;  // scans; each of the scans between costs as much as one of the pair
+constexpr int most_gap = 3;  // scans; simulating a scan between costs as much as one of the pair
 
 struct Scene
 {
   double share = 0;
   sim::WorldKind world = sim::WorldKind::urban;
   sim::SensorKind sensor = sim::SensorKind::hdl64e;
-  int columns = 0;  //!< 0: the sensor's
+  int columns = 0;  //!< firings per revolution; 0: default of the sensor
   double min_traffic = 0;
   double max_traffic = 0;
 };
@@ -56,7 +56,7 @@ Scene parseScene(const std::string& text)
                   "above 0 and 0 columns for the sensor's own");
 }
 
-/** From the lidar of one scan to that of another. */
+/** Takes points from the lidar frame of `from` to the lidar frame of `to`. */
 Pose motionBetween(const sim::SimulatedScan& from, const sim::SimulatedScan& to)
 {
   const Pose& T_vehicle_lidar = from.scan.T_vehicle_lidar;

@@ -14,10 +14,10 @@ namespace dyslam
 {
 /** Pairs from generated worlds.
  *
- * \param worlds each "share;world;sensor;columns;least traffic;most traffic", e.g.
- * "0.2;highway;HDL64E;1024;0;0.3"; 0 columns are the sensor's own
- * \param seeds of the worlds \throws UserError for others,
- * and where the simulator was not built. */
+ * \param worlds each "share;world;sensor;columns;least traffic;most traffic", such as
+ * "0.2;highway;HDL64E;1024;0;0.3"; 0 columns: default of the sensor \param seeds range of the
+ * worlds' seeds \throws UserError for a text of another form, and if the simulator was not built.
+ */
 [[nodiscard]] std::unique_ptr<PairSource> makeSimulatorPairSource(
     const std::vector<std::string>& worlds,
     const AugmentationOptions& augmentation,

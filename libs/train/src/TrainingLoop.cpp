@@ -90,7 +90,7 @@ double TrainingLoop::trainStep()
       *pool_, static_cast<std::size_t>(setup_.batch),
       [&](std::size_t i, std::size_t copy)
       {
-        useTorchThreads(1);  // of this thread
+        useTorchThreads(1);  // torch uses this thread only
         task_.backward(step_, i, copy);
       },
       [&](std::size_t i) { task_.preparePair(step_ + 1, i); });

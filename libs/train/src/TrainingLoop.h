@@ -18,20 +18,22 @@
 
 namespace dyslam
 {
-/** What a network's training has of its own: its pairs, their losses, its log and validation. */
+/** The parts of a training that depend on the network: pairs, losses, log and validation. */
 class TrainingTask
 {
  public:
   virtual ~TrainingTask() = default;
-  /** Makes one more copy of what is trained. \return its parameters, in the optimizer's order. */
+  /** Makes one more copy of the trained modules. \return its parameters, in the optimizer's order
+   */
   virtual std::vector<torch::Tensor> addCopy() = 0;
-  /** Called before the pairs of a step are prepared: in the first step, and in the one before. */
+  /** Called before the pairs of `step` are prepared: during the previous step, or at the start of
+   * the training. */
   virtual void beginPairs(std::int64_t /*step*/) {}
-  /** Prepares a pair, by its place in the batch. Threads call it at the same time, also while those
-   * of the step before are trained on. */
+  /** Prepares a pair, by its index in the batch. Threads call it at the same time, also while the
+   * pairs of the previous step are trained on. */
   virtual void preparePair(std::int64_t step, std::size_t pair) = 0;
-  /** Adds the gradients of a pair of this step to those of a copy. Threads call it at the same
-   * time. */
+  /** Adds the gradients of a pair of this step to the gradients of a copy. Threads call it at the
+   * same time. */
   virtual void backward(std::int64_t step, std::size_t pair, std::size_t copy) = 0;
   /** Called after each step. \param gradient norm of all gradients, before it is limited. */
   virtual void log(double gradient) = 0;
@@ -43,25 +45,24 @@ class TrainingTask
 
 struct TrainingLoopSetup
 {
-  std::string folder;    //!< of the results
-  std::string log_file;  //!< in the folder
+  std::string folder;    //!< folder of the results
+  std::string log_file;  //!< name of the log in `folder`
   std::string log_header, validation_header;
   std::int64_t steps = 0;
   int batch = 1;    //!< pairs in a step
   int threads = 1;  //!< pairs computed at a time
   LearningRateOptions rate;
-  double ema_decay = 0;                 //!< of the exponential moving average of the weights
+  double ema_decay = 0;                 //!< decay of the exponential moving average of the weights
   double clip = 0;                      //!< largest norm of the gradients
   int validate_every = 0;               //!< steps between validations; 0: none
   int checkpoint_every = 0;             //!< steps between checkpoints; 0: by time
   double checkpoint_minutes = 0;        //!< time between checkpoints [min]
-  bool checkpoint_has_minutes = false;  //!< the time trained so far is a part of checkpoints
-
-  std::string network_prefix;  //!< of the network's weights in a checkpoint
+  bool checkpoint_has_minutes = false;  //!< checkpoints contain the time trained so far
+  std::string network_prefix;           //!< prefix of the network's weights in a checkpoint
   std::shared_ptr<torch::nn::Module> network;
-  std::shared_ptr<torch::nn::Module> mean;  //!< exponential moving average of its weights
-  std::shared_ptr<torch::nn::Module> loss;  //!< with parameters that are trained; null if none
-  std::shared_ptr<torch::optim::Optimizer> optimizer;  //!< with one group of parameters
+  std::shared_ptr<torch::nn::Module> mean;  //!< exponential moving average of the network's weights
+  std::shared_ptr<torch::nn::Module> loss;  //!< loss with trained parameters; null if it has none
+  std::shared_ptr<torch::optim::Optimizer> optimizer;  //!< has one group of parameters
 };
 
 /** The steps of a training, with its learning rate, checkpoints and validations.
@@ -75,11 +76,14 @@ class TrainingLoop
   /** \param task outlives the loop. */
   TrainingLoop(TrainingLoopSetup setup, TrainingTask& task);
 
-  /** Makes sure that no training is overwritten. \throws UserError if the folder holds one. */
+  /** Makes sure that no training is overwritten. \throws UserError if the folder holds a training.
+   */
   void requireFreshFolder() const;
-  /** Resume from the folder's checkpoint. \throws UserError if there is none or it does not fit. */
+  /** Resumes from the folder's checkpoint. \throws UserError if there is none or it does not fit.
+   */
   void resume();
-  /** The weights of a checkpoint, without the optimizer's state and the step. \throws UserError. */
+  /** Loads the weights of a checkpoint, without the optimizer's state and the step. \throws
+   * UserError. */
   void loadWeights(const TensorFile& checkpoint);
   /** Trains to the last step and saves; called once.
    * \param stopped is polled before each step: true saves and ends; null for never.
@@ -93,11 +97,11 @@ class TrainingLoop
 
   /** Number of steps done. */
   [[nodiscard]] std::int64_t step() const { return step_; }
-  /** Of the last step. */
+  /** Learning rate of the last step. */
   [[nodiscard]] double rate() const;
   /** Time trained, in all runs of the program [min]. */
   [[nodiscard]] double minutes() const;
-  /** For the user: time per pair and time left. */
+  /** Text for the user: time per pair and time left. */
   [[nodiscard]] std::string timing() const;
   [[nodiscard]] std::string file(const std::string& name) const
   {
@@ -120,7 +124,7 @@ class TrainingLoop
   std::unique_ptr<ThreadPool> pool_;
   std::unique_ptr<PairGradients> gradients_;
   std::int64_t step_ = 0;
-  std::int64_t first_step_ = 0;  //!< of this run of the program
+  std::int64_t first_step_ = 0;  //!< first step of this run of the program
   std::int64_t saved_step_ = -1;
   std::int64_t validated_step_ = -1;
   double minutes_before_ = 0;

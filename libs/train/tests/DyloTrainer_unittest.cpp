@@ -79,7 +79,8 @@ TEST(DyloTrainer, AnyNumberOfThreadsGivesTheSameWeights)
   EXPECT_EQ(train(1), train(4));
 }
 
-/** At almost no learning rate the pairs of two steps have the losses that they have in one. */
+/** With a learning rate near 0, pairs have the same losses in two steps as in one step of twice the
+ * batch. */
 TEST(DyloTrainer, LogsTheMeanOfABatch)
 {
   const auto losses = [](int batch, int steps)

@@ -5,7 +5,7 @@
 
 namespace
 {
-constexpr double farthest = 26;  // m
+constexpr double farthest = 26;  // largest distance of a crop's centre [m]
 
 dyslam::BevOptions gridOf(int cells)
 {

@@ -119,8 +119,8 @@ TEST(DysegSample, FlowTakesPointsToWhereTheyWere)
   EXPECT_EQ(s.movers.size(), 1U);
 }
 
-/** The sensor moves 1 m, an object with some points `displacement` over ground; the sensor sees it
- * 1 m and that much farther away before. */
+/** A clip of two frames: the sensor moves by 1 m, an object by `displacement` over ground. In the
+ * earlier frame the object is 1 m + `displacement` farther away. */
 dyslam::DysegClip clipOf(bool moving, float displacement, std::size_t points)
 {
   dyslam::DysegClip clip;
@@ -197,7 +197,7 @@ TEST(DysegSample, CastBodiesWhoseMotionThePairDoesNotShowAreIgnored)
   {
     RandomDraws draws(8, k);
     auto s = dyslam::doubleScan(room(), Pose::Identity(), draws);
-    s.elapsed = 0.005;  // the fastest moves 0.09 m
+    s.elapsed = 0.005;  // the fastest body moves by 0.09 m
     dyslam::augment(options, draws, s);
     EXPECT_EQ(std::count(s.label.begin(), s.label.end(), DysegSample::moving_point), 0);
     EXPECT_TRUE(s.movers.empty());
@@ -278,7 +278,7 @@ TEST_F(BoxedRun, MalformedPosesAndTruncatedScansAreRefused)
   EXPECT_EQ(load().frames.size(), 1U) << "a blank line is none";
   for (const char* line : {"nothing", "1 0 0 0 0 1 0 0 0 0 1", "1 0 0 0 0 1 0 0 0 0 1 0 7"})
   {
-    // Passed over, it would give the frames behind it the poses of others.
+    // If the line were skipped, the following frames would get the poses of others.
     dyslam::writeWhole(poses, line + ("\n" + pose));
     EXPECT_THROW((void)load(), dyslam::UserError) << line;
   }
@@ -293,7 +293,7 @@ class DriftingRun : public ::testing::Test
 {
  protected:
   static constexpr int frames = 9;
-  static constexpr double per_revolution = 1;  // m
+  static constexpr double per_revolution = 1;  // distance driven per revolution [m]
 
   DriftingRun()
   {
@@ -328,11 +328,11 @@ class DriftingRun : public ::testing::Test
     return folder_ + "/" + part + "/00000" + std::to_string(frame) + ext;
   }
 
-  /** Where a scan has a standing object: as the sensor saw it when it looked there. */
+  /** Measured position of an object at rest in a scan, at the time at which the sweep passed it. */
   Eigen::Vector2d seen(const Eigen::Vector2d& world, int frame) const
   {
     Eigen::Vector2d p = world;
-    for (int i = 0; i < 20; ++i)  // the direction depends on the time, and that on the direction
+    for (int i = 0; i < 20; ++i)  // fixed point: direction and time depend on each other
     {
       const double begin = drift_.start_azimuth + frame * drift_.step;
       const double turned = begin - std::atan2(p.y(), p.x());
@@ -375,7 +375,7 @@ TEST_F(DriftingRun, OtherwiseItJumps)
   EXPECT_GT(farthest, 1.5);
 }
 
-/** The motions of labelled objects are not known: none has an earlier position. */
+/** The motions of labelled objects are not known: no object has an earlier position. */
 TEST(LabelledRun, ObjectsOfEachFrameHaveIdsOfTheirOwn)
 {
   const std::string folder = ::testing::TempDir() + "dyslam_labelled_run";

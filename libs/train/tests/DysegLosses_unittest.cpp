@@ -24,7 +24,7 @@ double slowLovasz(const std::vector<float>& logit,
   }
   std::sort(order.begin(), order.end(),
             [&](std::size_t a, std::size_t b) { return error[a] > error[b]; });
-  // Jaccard loss when the first k are wrong.
+  // Jaccard loss if the first k points are wrong.
   const auto jaccard = [&](std::size_t wrong)
   {
     double lost = 0;
@@ -77,7 +77,7 @@ TEST(DysegLosses, CorrelationLossIsLeastAtTheTrueOffset)
   { return dyslam::correlationLoss(c, offset, moving, 3).item<double>(); };
   EXPECT_LT(loss(peakAt(1, -2)), 0.01);
   EXPECT_GT(loss(peakAt(-2, 1)), 5);
-  // Halfway between two cells, each gets half.
+  // An offset halfway between two cells is shared by both.
   const auto half = torch::tensor({{0.5F, 0.0F}});
   const auto value = dyslam::correlationLoss(torch::zeros({1, 49}), half, moving, 3).item<double>();
   EXPECT_NEAR(value, std::log(49), 1e-5);

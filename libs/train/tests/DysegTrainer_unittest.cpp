@@ -27,7 +27,7 @@ class DysegTraining : public ::testing::Test
   DysegTraining()
       : folder_(fs::temp_directory_path() / ("dyslam_dyseg_" + std::to_string(::getpid())))
   {
-    // Small and simulated: 16 beams, a pool of two clips.
+    // Small simulated training: 16 beams, a pool of two clips.
     setup_.train.simulated_share = 1;
     setup_.train.few_beams_share = 1;
     setup_.train.campus_share = 0;

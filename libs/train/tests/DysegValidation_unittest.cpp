@@ -48,7 +48,7 @@ TEST(DysegValidation, SimulatedRowsAreOfFixedScenes)
   EXPECT_NEAR(thinner, 512.0 / 2083, 0.02) << "the same streets";
 }
 
-/** Points too far away for a search of the ego-motion: a guess is all there is. */
+/** Points too far away for a search of the ego-motion: only a guess is available. */
 TEST(DysegScores, AGuessReplacesTheSearchOverAllMotions)
 {
   dyslam::BevOptions grid;

@@ -14,7 +14,7 @@ namespace
 {
 using Points = std::vector<Eigen::Vector3f>;
 
-/** Points all around, between 5 and 40 m, no two in one direction. */
+/** Points in all directions at ranges from 5 to 40 m, no two in the same direction. */
 Points world()
 {
   Points points;
@@ -200,7 +200,7 @@ TEST(SingleScanSource, BothHalvesShowOneScan)
     const TrainingPair pair = source.pair(i);
     EXPECT_GT(pair.points1.size() + pair.points2.size(), points.size());
     const Eigen::Isometry3f T = pair.T_2_1.cast<float>();
-    // The earlier half holds the scan's own points.
+    // The earlier scan of the pair holds the scan's own points.
     for (const Eigen::Vector3f& p : pair.points2)
     {
       ASSERT_NE(std::find(points.begin(), points.end(), p), points.end());

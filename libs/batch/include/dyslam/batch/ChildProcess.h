@@ -8,18 +8,18 @@
 
 namespace dyslam::batch
 {
-/** A program to run beside this one. It ends when this one does, however that comes about. */
+/** A program to run as a child process. It ends when this program ends, for whatever reason. */
 struct ChildCommand
 {
   std::vector<std::string> words;  //!< path of the program and its arguments
   std::string log;                 //!< file that its stdout and stderr are appended to
-  std::vector<int> cores;          //!< that it may use; empty: those of this program
+  std::vector<int> cores;          //!< cores that it may use; empty: all cores of this program
 };
 
 struct ChildOutcome
 {
   int code = -1;                  //!< exit code; -1 if a signal ended it
-  int signal = 0;                 //!< that ended it
+  int signal = 0;                 //!< signal that ended it; 0: none
   double seconds = 0;             //!< wall time
   std::uint64_t peak_memory = 0;  //!< largest resident size [bytes]
 };
@@ -31,7 +31,7 @@ ChildOutcome runChild(const ChildCommand& command, const std::function<bool()>& 
 /** The cores that this program may use; empty if the system does not tell, as with more than 1024.
  */
 [[nodiscard]] std::vector<int> usableCores();
-/** Memory that this program may still take: the least of what the machine and its control
- * groups leave [bytes]. */
+/** Memory that this program may still allocate [bytes]: the least of what the machine and the
+ * program's control groups leave. */
 [[nodiscard]] std::uint64_t availableMemory();
 }  // namespace dyslam::batch

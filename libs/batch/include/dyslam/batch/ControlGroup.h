@@ -11,6 +11,6 @@ namespace dyslam::batch
  * group and of all groups above it, such as those of a Slurm job or a systemd slice [bytes]. File
  * cache that the kernel drops when memory is short is not counted as used. Nothing if no group has
  * a limit.
- * \param root that has `proc` and `sys`: `/`, except in tests. */
+ * \param root folder that has `proc` and `sys`: `/`, except in tests */
 [[nodiscard]] std::optional<std::uint64_t> memoryLeftByGroups(const std::string& root);
 }  // namespace dyslam::batch

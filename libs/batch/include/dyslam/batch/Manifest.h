@@ -15,20 +15,20 @@ namespace dyslam::batch
 struct Work
 {
   std::string input;                  //!< path of the recording
-  std::uintmax_t input_bytes = 0;     //!< its size; 0 for a folder, whose files are external
-  std::int64_t input_time = 0;        //!< of its last change [ns]
-  std::uintmax_t external_bytes = 0;  //!< size of its external files, in a folder beside it
-  std::int64_t external_time = 0;     //!< of the last change in that folder [ns]
-  std::string input_checksum;         //!< with that of its external files, if it has any
+  std::uintmax_t input_bytes = 0;     //!< size of the file; 0 for a folder: its files are external
+  std::int64_t input_time = 0;        //!< time of the last change of the file [ns]
+  std::uintmax_t external_bytes = 0;  //!< size of the external files, in a folder beside it
+  std::int64_t external_time = 0;     //!< time of the last change in that folder [ns]
+  std::string input_checksum;         //!< checksum of the file and its external files
   std::string settings;               //!< flags and ini, as text
-  std::string version;                //!< of the program
-  std::string program_checksum;       //!< of program, shipped settings and weights
+  std::string version;                //!< version of the program
+  std::string program_checksum;       //!< checksum of program, shipped settings and weights
 };
 
 enum class State
 {
   unknown,  //!< not run
-  running,  //!< or killed
+  running,  //!< still running, or killed
   done,
   unregistered,  //!< done, but most scans could not be registered
   failed
@@ -41,12 +41,12 @@ struct Manifest
 {
   Work work;
   State state = State::unknown;
-  std::string reason;             //!< why it failed, one line
+  std::string reason;             //!< why the run failed, one line
   bool interrupted = false;       //!< stopped or killed by a signal: can be resumed
-  std::string settings_checksum;  //!< of effective.ini, every setting of the run
-  int attempts = 0;
-  double seconds = 0;             //!< wall time of the last attempt
-  std::uint64_t peak_memory = 0;  //!< of it [bytes]
+  std::string settings_checksum;  //!< checksum of effective.ini, every setting of the run
+  int attempts = 0;               //!< number of attempts so far
+  double seconds = 0;             //!< wall time of the last attempt [s]
+  std::uint64_t peak_memory = 0;  //!< peak memory of the last attempt [bytes]
 
   /** Whether there are results. */
   [[nodiscard]] bool hasResults() const
@@ -55,9 +55,10 @@ struct Manifest
   }
 };
 
-/** Nothing if there is none or it cannot be understood: then the recording is run again. */
+/** Reads the manifest in a folder; nothing if there is none or it is invalid: then the recording is
+ * run again. */
 [[nodiscard]] std::optional<Manifest> readManifest(const std::string& folder);
-/** \throws UserError. */
+/** Writes the manifest into a folder. \throws UserError. */
 void writeManifest(const std::string& folder, const Manifest& manifest);
 
 /** The work of a recording. The checksum is not computed again if size and time of a known
@@ -67,7 +68,7 @@ void writeManifest(const std::string& folder, const Manifest& manifest);
                           const Work& common,
                           const std::optional<Manifest>& known);
 
-/** Whether both give the same results. */
+/** Whether two works give the same results. */
 [[nodiscard]] bool isSame(const Work& a, const Work& b);
 /** Whether a folder holds the results of this work, unchanged. */
 [[nodiscard]] bool isDone(const std::string& folder,

@@ -5,18 +5,20 @@
 
 namespace dyslam::batch
 {
-/** Number of runs that fit into memory. The need of a run is known when it has ended; until then
+/** Limits the number of runs by memory. The need of a run is known when it has ended; until then
  * the maximum of all earlier runs is assumed. Not thread-safe. */
 class MemoryBudget
 {
  public:
-  /** \param total for all runs \param first_estimate of a run before one has ended [bytes] */
+  /** \param total memory for all runs [bytes] \param first_estimate memory of a run, as assumed
+   * before one has ended [bytes] */
   MemoryBudget(std::uint64_t total, std::uint64_t first_estimate)
       : total_(total), estimate_(first_estimate)
   {
   }
 
-  /** Whether one more may start; if none is running, always. \param alone nothing beside it. */
+  /** Whether one more run may start; always true if none is running. \param alone the run must be
+   * the only one */
   [[nodiscard]] bool fits(bool alone) const
   {
     return running_ == 0 || (!alone && !alone_ && (running_ + 1) * estimate_ <= total_);
@@ -26,7 +28,7 @@ class MemoryBudget
     ++running_;
     alone_ = alone;
   }
-  /** \param peak memory that the run took [bytes]; 0 if it did not run. */
+  /** A run has ended. \param peak peak memory of the run [bytes]; 0 if it did not run */
   void finish(std::uint64_t peak)
   {
     --running_;

@@ -10,9 +10,9 @@ namespace dyslam::batch
 /** A recording of a batch. */
 struct Recording
 {
-  std::string name;  //!< of its results' folder, unlike any other of the batch
-  std::string path;  //!< absolute
-  std::uintmax_t bytes = 0;
+  std::string name;          //!< name of its results' folder, unique in the batch
+  std::string path;          //!< absolute path
+  std::uintmax_t bytes = 0;  //!< size
 };
 
 /** The recordings that a user names: all that dyslam reads, folders (rawlogs, bags, captures and
@@ -20,8 +20,8 @@ struct Recording
  * all these per line, relative to the list's folder; `#` begins a comment). A folder of point
  * clouds is a recording only if it is named itself.
  *
- * Each is taken once, in the order given, those of a folder or pattern by name. Names are the stem,
- * with as many folders before it as make it unique: `monday_drive`.
- * \throws UserError for an entry that names no recording. */
+ * Each recording is taken once, in the order given, and in a folder or pattern in the order of
+ * names. The name of a recording is its stem, preceded by as many folders as make it unique:
+ * `monday_drive`. \throws UserError for an entry that names no recording. */
 [[nodiscard]] std::vector<Recording> listRecordings(const std::vector<std::string>& entries);
 }  // namespace dyslam::batch

@@ -8,31 +8,32 @@
 namespace dyslam::batch
 {
 /** A batch for the workload manager Slurm: an array of tasks, each with its part of the recordings,
- * and a job behind it that writes table and page. */
+ * and a job after the array that writes table and page. */
 struct SlurmJob
 {
   std::string program;                 //!< path of dyslam-batch
   std::string list;                    //!< list file of the recordings
-  std::string output;                  //!< folder, on storage that all nodes share
-  std::vector<std::string> arguments;  //!< of dyslam-batch, but for those above
-  std::vector<std::string> options;    //!< of sbatch, as `--partition=x`
-  std::string scratch;  //!< absolute, on a disk of each node, to run in; empty: $TMPDIR or /tmp
-  std::size_t tasks = 1;
+  std::string output;                  //!< folder of the results, on storage that all nodes share
+  std::vector<std::string> arguments;  //!< further arguments of dyslam-batch
+  std::vector<std::string> options;    //!< options of sbatch, such as `--partition=x`
+  std::string scratch;    //!< absolute folder on each node to run in; empty: $TMPDIR or /tmp
+  std::size_t tasks = 1;  //!< number of tasks of the array
 };
 
-/** Runs a part of the list in a folder of its own on the node, which is removed behind it. A task
- * that a signal ends is queued again, twice at most; so is one that Slurm preempts. */
+/** Script of a task: runs its part of the list in a folder of its own on the node, which is removed
+ * at the end. A task that a signal ends is queued again, twice at most; a task that Slurm preempts
+ * is queued again, too. */
 [[nodiscard]] std::string arrayScript(const SlurmJob& job);
 [[nodiscard]] std::string gatherScript(const SlurmJob& job);
 
-/** Tasks that one array may have here, for that many recordings. \throws UserError without Slurm.
- */
+/** Number of tasks that an array may have on this cluster. \param recordings number of recordings
+ * \throws UserError without Slurm. */
 [[nodiscard]] std::size_t arrayTasks(std::size_t recordings);
 
 struct SubmittedJob
 {
-  std::string array;   //!< its number
-  std::string gather;  //!< begins when all tasks of the array have ended
+  std::string array;   //!< number of the array job
+  std::string gather;  //!< number of the job that begins when all tasks of the array have ended
 };
 
 /** Writes the scripts into `output`/slurm and hands them to sbatch. \throws UserError. */

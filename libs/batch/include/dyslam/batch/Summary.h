@@ -15,11 +15,11 @@ struct Counts
   std::size_t unregistered = 0;
   std::size_t failed = 0;
   std::size_t open = 0;     //!< not run, or not to the end
-  std::size_t skipped = 0;  //!< of those with results: done before
+  std::size_t skipped = 0;  //!< recordings with results that were done before
 };
 
 [[nodiscard]] Counts countsOf(const std::vector<BatchResult>& results);
-/** "7 done (2 before), 1 failed" */
+/** Text such as "7 done (2 before), 1 failed". */
 [[nodiscard]] std::string toText(const Counts& counts);
 
 /** Writes `batch.json`, `index.html`, which links the reports, and, by dyslam-eval, `table.txt`,
@@ -30,7 +30,8 @@ std::string summarise(const BatchSettings& settings,
                       const std::vector<BatchResult>& results,
                       const std::string& evaluation);
 
-/** The page. \param style what stands in its <style> element \param folder of the batch. */
+/** HTML of the page index.html. \param folder folder of the batch \param style content of the
+ * <style> element */
 [[nodiscard]] std::string indexPage(const std::vector<BatchResult>& results,
                                     const std::string& folder,
                                     const std::string& style);

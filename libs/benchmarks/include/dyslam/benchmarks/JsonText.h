@@ -7,7 +7,8 @@
 
 namespace dyslam
 {
-/** The value as text, indented; bytes that are no UTF-8 (of a folder's name) become U+FFFD. */
+/** The JSON value as indented text; bytes that are no UTF-8 (as in names of folders) become U+FFFD.
+ */
 [[nodiscard]] inline std::string textOf(const nlohmann::ordered_json& json)
 {
   return json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";

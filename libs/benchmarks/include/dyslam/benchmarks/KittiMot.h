@@ -13,17 +13,17 @@
 
 namespace dyslam
 {
-/** What is tracked, and how the detections are degraded before. */
+/** Input data of a tracking benchmark, and how its detections are degraded. */
 struct KittiMotSetup
 {
   std::string data;        //!< folder with label_02, oxts and calib; times/NNNN.txt where it exists
-  std::string detections;  //!< folder of NNNN.txt, or with one such folder for each class
+  std::string detections;  //!< folder of NNNN.txt files, or with one such folder per class
   TrackerOptions tracker;
   DetectionNoiseOptions noise;
-  double frame_time = kitti_scan_period;  //!< between scans, of sequences without times [s]
-  bool deskew = true;                     //!< boxes are of scans that are not deskewed
+  double frame_time = kitti_scan_period;  //!< time between scans of sequences without times [s]
+  bool deskew = true;      //!< correct the boxes, which are from scans that are not deskewed
   double added_noise = 0;  //!< standard deviation added to x and y of the detections [m]
-  int seed = 1;            //!< of that noise
+  int seed = 1;            //!< seed of `added_noise`
   int every = 1;           //!< only every n-th frame is used and evaluated
 };
 
@@ -32,16 +32,17 @@ struct KittiMotRun
 {
   std::vector<TrackSequence> sequences;
   int frames = 0;
-  double seconds = 0;  //!< spent in Tracker::update()
+  double seconds = 0;  //!< time spent in Tracker::update() [s]
 };
 
-/** One class over the sequences `names` ("0001", ...); ego-motion by OXTS. \throws UserError for
- * files that are missing or cannot be read. */
+/** Tracks one class in several sequences; the ego-motion is that of OXTS. \param names of the
+ * sequences ("0001", ...) \param type KITTI's name of the class \throws UserError for files that
+ * are missing or cannot be read. */
 [[nodiscard]] KittiMotRun runKittiMot(const KittiMotSetup& setup,
                                       const std::vector<std::string>& names,
                                       const std::string& type);
 
-/** The same several times, with the seconds of the fastest. \param repeats at least 1 */
+/** runKittiMot() several times; `seconds` is that of the fastest run. \param repeats at least 1 */
 [[nodiscard]] KittiMotRun fastestKittiMot(const KittiMotSetup& setup,
                                           const std::vector<std::string>& names,
                                           const std::string& type,
@@ -59,8 +60,9 @@ struct KittiMotScores
 
 /** Classes and their scores. */
 using NamedKittiMotScores = std::vector<std::pair<std::string, KittiMotScores>>;
-/** \param sequences which they are, for the title: "validation" \param with_published also
- * AB3DMOT's figures, of PointRCNN's detections of the validation sequences and IoU 0.25 */
+/** \param sequences name of the set of sequences for the title, such as "validation" \param
+ * with_published adds AB3DMOT's published figures (PointRCNN's detections, validation sequences,
+ * IoU 0.25) */
 [[nodiscard]] Table kittiMotTable(const NamedKittiMotScores& classes,
                                   const std::string& sequences,
                                   bool with_published);

@@ -10,23 +10,23 @@
 
 namespace dyslam
 {
-/** One-step errors for the paper's Tables 4 and 5, next to the paper's. */
+/** One-step prediction errors for the paper's Tables 4 and 5, next to the paper's figures. */
 struct PaperPrediction
 {
   std::string from;  //!< "labels" or "PointRCNN detections"
-  Table table4;      //!< target 10/0 by degree and window
-  Table table5;      //!< the six targets
-  Table means;       //!< of the six targets by degree and window
+  Table table4;      //!< errors of target 10/0 by degree and window
+  Table table5;      //!< errors of the six targets
+  Table means;       //!< mean errors of the six targets by degree and window
   nlohmann::ordered_json json;
 };
 /** \param data folder with label_02, oxts, calib and det_pointrcnn \throws UserError for files that
  * cannot be read. */
 [[nodiscard]] PaperPrediction predictPaperTargets(const std::string& data, bool from_detections);
 
-/** One-step errors for one target. */
+/** One-step prediction errors for one target. */
 struct TargetPrediction
 {
-  Table table;                              //!< by degree and window
+  Table table;                              //!< errors by degree and window
   std::optional<double> constant_velocity;  //!< RMSE [m]; nothing if the target is too short
   std::string json;
 };

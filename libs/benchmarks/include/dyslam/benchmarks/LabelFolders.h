@@ -18,7 +18,7 @@ namespace dyslam
 struct LabelComparison
 {
   SegmentationEvaluator evaluator;
-  CalibrationEvaluator calibration;  //!< of the probabilities, where the estimate has them
+  CalibrationEvaluator calibration;  //!< calibration of the probabilities, if the estimate has them
   std::size_t reference_scans = 0;
   std::size_t estimated_scans = 0;
 };
@@ -26,15 +26,15 @@ struct LabelComparison
 /** Interpretation of the reference labels. */
 struct ReferenceReading
 {
-  /** An instance that moves in one scan counts as moving in all, as SemanticKITTI labels them; else
-   * where its points are labelled so. */
+  /** An instance that moves in one scan counts as moving in all scans, as in SemanticKITTI; else
+   * only where its points are labelled moving. */
   bool ever_moving = false;
-  std::set<std::uint16_t> standing;  //!< static instances, whatever their labels are
+  std::set<std::uint16_t> standing;  //!< instances that count as static whatever their labels
 };
 
-/** Folders of NNNNNN.label, or folders with such a subfolder `labels`; `probabilities` beside that
- * of the estimate is read, too. \throws UserError if they have no scan in common or a scan's labels
- * differ in number. */
+/** Compares two folders of NNNNNN.label files, or folders with a subfolder `labels` of such files;
+ * the folder `probabilities` beside the labels of the estimate is read, too. \throws UserError if
+ * they have no scan in common or the numbers of labels of a scan differ. */
 [[nodiscard]] LabelComparison compareLabelFolders(const std::string& reference,
                                                   const std::string& estimate,
                                                   const ReferenceReading& reading = {});

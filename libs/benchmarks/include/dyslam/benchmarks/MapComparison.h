@@ -12,7 +12,7 @@
 
 namespace dyslam
 {
-/** The map that others are compared with. */
+/** The map that other maps are compared with. */
 struct ReferenceMap
 {
   std::string path;
@@ -22,7 +22,7 @@ struct ReferenceMap
 /** \throws UserError for a file that cannot be read. */
 [[nodiscard]] ReferenceMap readReferenceMap(const std::string& path);
 
-/** Labels of a reference, or why it has none. */
+/** Labels of a reference map, or why it has none. */
 struct ReferenceLabels
 {
   std::vector<Label> labels;
@@ -45,16 +45,16 @@ struct MapReport
   std::string json;
 };
 
-/** Static points preserved and dynamic points rejected. \throws UserError for a file that cannot be
- * read. */
+/** Shares of static points preserved and of dynamic points rejected. \throws UserError for a file
+ * that cannot be read. */
 [[nodiscard]] MapReport compareByLabels(const ReferenceMap& reference,
                                         const std::vector<Label>& labels,
                                         const std::vector<NamedMap>& maps,
                                         const MapMetricsOptions& metrics);
 
-/** Maps without labels: distances of the points of both from those of the other. \param distances
- * PLY to write, the map coloured by distance; empty: none \throws UserError for a file that cannot
- * be read or written, or a map without points. */
+/** For maps without labels: distances of the points of each map from the other map. \param
+ * distances PLY file to write, the map coloured by distance; empty: none \throws UserError for a
+ * file that cannot be read or written, or a map without points. */
 [[nodiscard]] MapReport compareByDistance(const ReferenceMap& reference,
                                           const std::vector<NamedMap>& maps,
                                           const std::string& distances = "");

@@ -12,7 +12,7 @@
 
 namespace dyslam
 {
-/** What is evaluated, and how (`dyslam-eval map --self`). */
+/** Arguments of `dyslam-eval map --self`. */
 struct MapSelfArguments
 {
   std::string rawlog;
@@ -20,22 +20,21 @@ struct MapSelfArguments
   std::vector<std::string> trajectories;  //!< TUM or KITTI files
   RawlogSourceOptions source;
   MapQualityOptions quality;
-  std::size_t points = 20000;  //!< of the map, whose neighbourhoods are evaluated
-  double tolerance = 0.01;     //!< of time stamps where a pose cannot be interpolated [s]
-  bool of_lidar = false;       //!< the poses are the lidar's, not the vehicle's
+  std::size_t points = 20000;  //!< number of map points whose neighbourhoods are evaluated
+  double tolerance = 0.01;     //!< tolerance of time stamps where a pose cannot be interpolated [s]
+  bool of_lidar = false;       //!< the poses are those of the lidar, not of the vehicle
 };
 
 /** Sharpness of the map of one trajectory. */
 struct MapSelfScores
 {
   MapSharpness mean;
-  std::size_t scans = 0;  //!< for which every trajectory has a pose
+  std::size_t scans = 0;  //!< number of scans for which every trajectory has a pose
 };
 
-/** One per trajectory, over the same scans and points. The recording is read twice: points are
- * chosen, then the map is streamed. The choice does not depend on the trajectories.
- * \param listener shows the progress of each reading \throws UserError for files that cannot be
- * used together. */
+/** Scores of each trajectory, over the same scans and points. The recording is read twice: first
+ * points are chosen, independently of the trajectories, then the map is streamed. \param listener
+ * shows the progress of each reading \throws UserError for files that cannot be used together. */
 [[nodiscard]] std::vector<MapSelfScores> evaluateMapSelf(const MapSelfArguments& a,
                                                          MapListener& listener);
 

@@ -6,7 +6,7 @@
 
 namespace dyslam
 {
-/** Takes what a user should know about the files that are read: one sentence, without a full stop
- * or an end of line. */
+/** Takes a note for the user about the files that are read: one sentence, without a full stop or an
+ * end of line. */
 using NoteSink = std::function<void(const std::string& note)>;
 }  // namespace dyslam

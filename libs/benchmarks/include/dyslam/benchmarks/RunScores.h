@@ -22,24 +22,26 @@ struct RunScores
   std::optional<TrajectoryReport> trajectory;
   std::optional<TrajectoryReport> odometry;
   std::optional<OdometryConsistency> consistency;  //!< nothing unless the ground truth is exact
-  PoseOrigin truth;                                //!< of the true poses
+  PoseOrigin truth;                                //!< origin of the true poses
   std::optional<LabelComparison> labels;
   std::optional<SimulatedWorld> world;  //!< nothing if the recording is not known to be simulated
 };
 
-/** Why this is no output folder of a run; empty if it is one. */
+/** Why a folder is no output folder of a run; empty if it is one. */
 [[nodiscard]] std::string whyNoRun(const std::string& folder);
 
-/** \param truth folder of the ground truth; empty: the one beside the rawlog \param note called for
- * what is missing \throws UserError if it is no folder of a run. */
+/** Evaluates a run. \param folder output folder of the run \param truth folder of the ground truth;
+ * empty: the folder beside the rawlog \param note called for missing data \throws UserError if
+ * `folder` is no folder of a run. */
 [[nodiscard]] RunScores scoresOf(const std::string& folder,
                                  const std::string& truth,
                                  const TrajectoryMetricsOptions& metrics,
                                  const NoteSink& note);
 
-/** A number of a report; nothing if it is missing. */
+/** A number of a JSON object; nothing if it is missing. */
 [[nodiscard]] std::optional<double> number(const nlohmann::ordered_json& json, const char* key);
 
-/** Nothing if it is not known which world was recorded, or its seed is in no split. */
+/** The split of the recorded world; nothing if the world is not known or its seed is in no split.
+ */
 [[nodiscard]] std::optional<Split> splitOf(const RunScores& scores, const DataSplits& splits);
 }  // namespace dyslam

@@ -9,17 +9,17 @@
 
 namespace dyslam
 {
-/** A row for the final trajectory of each run, with its labels and times, and one for its odometry.
- */
+/** Two rows per run: the final trajectory, with labels and times, and the odometry. */
 [[nodiscard]] Table runTable(const std::vector<RunScores>& runs);
-/** Mean time of each stage, one column per run; without rows if no run states any. */
+/** Mean time of each stage, one column per run; without rows if no run states times. */
 [[nodiscard]] Table stageTable(const std::vector<RunScores>& runs);
-/** Those of the runs that have one, with the names of the runs. */
+/** The odometry consistencies of the runs that have one, with the names of the runs. */
 [[nodiscard]] std::vector<OdometryConsistency> consistenciesOf(const std::vector<RunScores>& runs);
 /** The split of each run's recording, where that is known; one line each. \throws UserError if
  * splits.ini cannot be read. */
 [[nodiscard]] std::string splitLines(const std::vector<RunScores>& runs);
-/** Where the ground truth of each run is from, and what follows from it; one line each. */
+/** Where the ground truth of each run is from, and what this means for its figures; one line each.
+ */
 [[nodiscard]] std::string truthLines(const std::vector<RunScores>& runs);
 /** All results as JSON, one object per run. \throws UserError as splitLines(). */
 [[nodiscard]] std::string runJson(const std::vector<RunScores>& runs);

@@ -10,19 +10,19 @@
 
 namespace dyslam
 {
-/** A column of a table: its heading, and the folder of its runs. */
+/** A column of a table: its heading, and the folder (METHOD) of its runs. */
 struct RunColumn
 {
   std::string heading;
   std::string folder;
 };
 
-/** What the tables of a split show. */
+/** Folders whose runs the tables of a split show. */
 struct SplitColumns
 {
   std::string whole;                //!< folder of the runs of the whole pipeline
-  std::vector<RunColumn> odometry;  //!< of driftTable() and timeTable()
-  std::vector<RunColumn> labels;    //!< of movingTable()
+  std::vector<RunColumn> odometry;  //!< columns of driftTable() and timeTable()
+  std::vector<RunColumn> labels;    //!< columns of movingTable()
 };
 
 /** The runs of one drive by folder. */
@@ -32,37 +32,36 @@ struct DriveScores
   std::map<std::string, RunScores> runs;
 };
 
-/** The drives in a folder that has a run in each DRIVE/METHOD: every folder with runs of the
- * columns is one. \param note as scoresOf() \throws UserError if there is none. */
+/** Reads the drives in a folder that has a run in each DRIVE/METHOD: every DRIVE with runs of the
+ * columns. \param note as scoresOf() \throws UserError if there is no drive. */
 [[nodiscard]] std::vector<DriveScores> readDrives(const std::string& runs,
                                                   const SplitColumns& columns,
                                                   const TrajectoryMetricsOptions& metrics,
                                                   const NoteSink& note);
 
-// Means are over those drives for which no shown column lacks its figure, and say how many these
-// are; columns without any run are left out. The best of a row is bold.
+// Means are over the drives for which all shown columns have a figure, and state their number;
+// columns without any run are left out. The best figure of a row is bold.
 
-/** t_rel and r_rel of the odometry, in the form of the paper's Table 1; the means of its rows
- * are the last row. */
+/** t_rel and r_rel of the odometry, in the form of the paper's Table 1; its mean values are the
+ * last row. */
 [[nodiscard]] Table driftTable(const std::vector<DriveScores>& drives,
                                const std::vector<RunColumn>& columns);
-/** IoU, precision and recall of the moving points, of drives that have any. */
+/** IoU, precision and recall of the moving points, for drives with moving points. */
 [[nodiscard]] Table movingTable(const std::vector<DriveScores>& drives,
                                 const std::vector<RunColumn>& columns);
 /** Absolute errors of the odometry and of the final trajectory. */
 [[nodiscard]] Table absoluteTable(const std::vector<DriveScores>& drives,
                                   const std::string& folder);
-/** Time per scan, the mean over all scans, in the form of the paper's Table 3, whose rows are the
- * last. */
+/** Mean time per scan, in the form of the paper's Table 3, whose rows are appended. */
 [[nodiscard]] Table timeTable(const std::vector<DriveScores>& drives,
                               const std::vector<RunColumn>& columns);
 
-/** Properties of each drive: world, sensor, traffic, seed, scans and length. \param folder of the
- * runs that it is read from */
+/** Properties of each drive: world, sensor, traffic, seed, scans and length. \param folder folder
+ * (METHOD) of the runs that they are read from */
 [[nodiscard]] Table drivesTable(const std::vector<DriveScores>& drives, const std::string& folder);
 
-/** All these tables with their headings, in Markdown. \param segment_lengths of t_rel and r_rel [m]
- * \throws UserError if splits.ini cannot be read. */
+/** All tables of a split with their headings, in Markdown. \param segment_lengths lengths of the
+ * segments of t_rel and r_rel [m] \throws UserError if splits.ini cannot be read. */
 [[nodiscard]] std::string splitMarkdown(const std::vector<DriveScores>& drives,
                                         const SplitColumns& columns,
                                         const std::vector<double>& segment_lengths);

@@ -12,7 +12,7 @@
 
 namespace dyslam
 {
-/** Tracks that are compared. */
+/** Files of the tracks that are compared. */
 struct TrackSources
 {
   std::string reference;  //!< ground-truth folder of a recording, or a file of tracks
@@ -22,29 +22,31 @@ struct TrackSources
   std::string calib;
 };
 
-/** Which true and estimated boxes may be the same. */
+/** Conditions under which a true and an estimated box may match. */
 struct TrackMatching
 {
   double min_iou = 0.25;    //!< least 3D IoU
   double max_distance = 0;  //!< if positive: horizontal distance of the centres instead [m]
 };
 
-/** \param selection of a ground-truth folder, as readTruth(); of a file all boxes count \throws
- * UserError for files that are missing or cannot be read. */
+/** Reads the reference tracks. \param selection applies to a ground-truth folder, as in
+ * readTruth(); in a file all boxes count \throws UserError for files that are missing or cannot be
+ * read. */
 [[nodiscard]] TrackData readReferenceTracks(const TrackSources& sources,
                                             TrackSelection& selection,
                                             const NoteSink& note);
 
-/** Against a ground-truth folder only those that its selection covers. \throws UserError for files
- * that are missing or cannot be read. */
+/** Reads the estimated tracks; if the reference is a ground-truth folder, only those that the
+ * selection covers. \throws UserError for files that are missing or cannot be read. */
 [[nodiscard]] TrackData readEstimatedTracks(const TrackSources& sources,
                                             const TrackData& truth,
                                             const TrackSelection& selection);
 
-/** Whether Car, Van, Truck and Bus are one class: in folders, and in a file compared with one. */
+/** Whether Car, Van, Truck and Bus are one class: if the reference or the estimate is a folder. */
 [[nodiscard]] bool typesAreMerged(const TrackSources& sources);
 
-/** The boxes of both, classes merged if typesAreMerged(), over all frames of either. */
+/** The true and estimated boxes over all frames that either covers, classes merged if
+ * typesAreMerged(). */
 [[nodiscard]] TrackSequence sequenceOf(const TrackSources& sources,
                                        const TrackData& truth,
                                        const TrackData& estimate);
@@ -53,9 +55,9 @@ struct TrackMatching
  * box. \return those frames; nothing if all are kept */
 std::optional<FrameRange> keepProcessedFrames(const TrackSources& sources, TrackSequence& sequence);
 
-/** The classes to evaluate, as the boxes name them; "" is all together. \param given words for
- * them; empty: the classes of the reference's counted boxes, and all together for files in the
- * lidar frame \throws UserError for an unknown one. */
+/** The classes to evaluate, as the boxes name them; "" is all classes together. \param given
+ * classes as named by the user; empty: the classes of the reference's counted boxes, and all
+ * together for files in the lidar frame \throws UserError for an unknown class. */
 [[nodiscard]] std::vector<std::string> trackClasses(const TrackSources& sources,
                                                     const TrackSequence& sequence,
                                                     const std::vector<std::string>& given);
@@ -63,7 +65,7 @@ std::optional<FrameRange> keepProcessedFrames(const TrackSources& sources, Track
 struct TrackReport
 {
   Table metrics;  //!< CLEAR-MOT, HOTA and AB3DMOT's averages of each class
-  Table errors;   //!< of position, yaw and speed, by class and range
+  Table errors;   //!< errors of position, yaw and speed, by class and range
   std::string json;
 };
 

@@ -17,11 +17,11 @@ struct TrackSelection
   int min_points = 10;     //!< least number of points of the box's instance in the scan
   double min_speed = 0.5;  //!< least true speed [m/s]
   double max_range = 60;   //!< largest horizontal distance [m]
-  /** Horizontal field of view, centred ahead [deg]. By default that of KITTI's camera if the true
-   * boxes are from its images (they have rectangles), else all around. */
+  /** Horizontal field of view, centred ahead [deg]. By default the view of KITTI's camera if the
+   * true boxes are from its images (they have rectangles), else all around. */
   std::optional<double> view;
   int first_frame = 0;  //!< earlier frames are removed
-  /** Instance in the labels minus track id; by default 0 or 1, with which more boxes have points.
+  /** Instance in the labels minus track id; by default 0 or 1, whichever gives more boxes points.
    */
   std::optional<int> instance_offset;
 };
@@ -48,7 +48,7 @@ struct TrackData
 [[nodiscard]] TrackData readRun(const std::string& folder);
 
 /** Removes the estimates that the selection of true boxes does not cover: before its first frame,
- * or beyond its view and range and not within 2 m of a true box that counts. \param truth of
+ * or beyond its view and range and not within 2 m of a true box that counts. \param truth boxes of
  * readTruth() */
 void removeUncovered(std::vector<LabelledBox>& estimates,
                      const std::vector<LabelledBox>& truth,

@@ -17,12 +17,12 @@ struct PoseReading
 {
   static constexpr double default_tolerance = 0.01;  //!< [s]
 
-  std::optional<double> tolerance;    //!< of time stamps [s]; default_tolerance if not given
+  std::optional<double> tolerance;    //!< tolerance of time stamps [s]; empty: default_tolerance
   std::optional<double> time_offset;  //!< added to the time stamps of the estimate [s]
-  /** Whose poses are a camera's (z ahead) and are taken to the lidar's: "estimate", "reference", or
-   * empty for none. */
+  /** Which file has the poses of a camera (z ahead), which are converted to poses of the lidar:
+   * "estimate", "reference", or empty for none. */
   std::string camera;
-  std::string calib;  //!< KITTI's calib.txt with the mounting of that camera; empty: only its axes
+  std::string calib;  //!< KITTI's calib.txt with the camera's mounting; empty: only its axes
 };
 
 /** Pairs the poses of two files (TUM or KITTI): by time if both have time stamps, else by line.
@@ -34,7 +34,8 @@ struct PoseReading
                                   const PoseReading& reading,
                                   const NoteSink& note);
 
-/** Adds the means over several estimates: drift over those that are long enough to have one. */
+/** Adds a row of means over several estimates; the mean drift is over the estimates that are long
+ * enough to have one. */
 void addMeanRow(Table& table, const std::vector<TrajectoryReport>& reports);
 
 /** A trajectory that is not compared with another. */
@@ -42,13 +43,13 @@ struct PathSummary
 {
   std::string name;
   Trajectory trajectory;           //!< without poses whose position is not finite
-  std::optional<double> duration;  //!< [s]; nothing without time stamps
-  double length = 0;               //!< [m]
+  std::optional<double> duration;  //!< duration [s]; nothing without time stamps
+  double length = 0;               //!< length of the path [m]
   double start_to_end = 0;         //!< distance of the last position from the first [m]
 };
 
-/** Without a name. \param reading of its camera \throws UserError for a file that cannot be read or
- * has no poses. */
+/** Reads a trajectory; `name` stays empty. \param reading its camera and calib apply \throws
+ * UserError for a file that cannot be read or has no poses. */
 [[nodiscard]] PathSummary readPath(const std::string& path, const PoseReading& reading);
 /** One row per trajectory. */
 [[nodiscard]] Table pathTable(const std::vector<PathSummary>& paths);

@@ -9,12 +9,12 @@
 
 namespace dyslam
 {
-/** Optimiser for mrpt::graphslam::CGraphSlamEngine: the backend's, whose result is written to the
- * nodes of the engine's network. Works with OdometryNodeDecider on the same context.
+/** Optimiser for mrpt::graphslam::CGraphSlamEngine: runs the backend's optimiser and writes its
+ * result to the nodes of the engine's network. Works with OdometryNodeDecider on the same context.
  *
  * After a step with a new node the engine itself resets all nodes to the poses of the chained edges
  * (dijkstra_nodes_estimate()); the next step writes the optimised poses again. Call finish() after
- * the last observation, else the network may hold the former.
+ * the last observation, else the network may hold the poses of the chained edges.
  */
 class FactorGraphOptimizer
     : public mrpt::graphslam::optimizers::CGraphSlamOptimizer<GraphSlamContext::Graph>
@@ -22,7 +22,8 @@ class FactorGraphOptimizer
  public:
   explicit FactorGraphOptimizer(std::shared_ptr<GraphSlamContext> context);
 
-  /** Solves what is due after the frame of this step's observations, and writes the poses. */
+  /** Optimises, if that is due after the frame of this step's observations, and writes the poses.
+   */
   bool updateState(mrpt::obs::CActionCollection::Ptr action,
                    mrpt::obs::CSensoryFrame::Ptr observations,
                    mrpt::obs::CObservation::Ptr observation) override;
@@ -31,8 +32,8 @@ class FactorGraphOptimizer
   [[nodiscard]] bool justFullyOptimizedGraph() const override { return moved_; }
   void getDescriptiveReport(std::string* report) const override;
 
-  /** After the last observation: GraphSlamContext::finish(); the network then holds the nodes,
-   * edges and poses of the final result. */
+  /** To be called after the last observation: GraphSlamContext::finish(); the network then holds
+   * the nodes, edges and poses of the final result. */
   void finish();
 
  protected:
@@ -41,6 +42,6 @@ class FactorGraphOptimizer
  private:
   std::shared_ptr<GraphSlamContext> context_;
   bool reset_ = false;  //!< the engine has reset the nodes since the poses were written
-  bool moved_ = false;
+  bool moved_ = false;  //!< the last step moved keyframes
 };
 }  // namespace dyslam

@@ -18,7 +18,7 @@ struct GraphFileReport
   std::size_t nodes = 0;
   std::size_t edges = 0;
   PoseGraphResult result;
-  double seconds = 0;  //!< of the optimisation, without reading and writing
+  double seconds = 0;  //!< time of the optimisation, without reading and writing [s]
 };
 
 /** Optimises a saved graph (`.graph` or `.g2o`) by PoseGraphSolver, with the options of section
@@ -32,11 +32,11 @@ GraphFileReport optimizeGraphFile(const std::string& input,
 /** Result of optimising a saved factor graph. */
 struct FactorGraphFileReport
 {
-  std::map<std::string, std::size_t> variables;  //!< how many of each kind
-  std::map<std::string, std::size_t> factors;
+  std::map<std::string, std::size_t> variables;  //!< number of variables of each kind
+  std::map<std::string, std::size_t> factors;    //!< number of factors of each kind
   OptimisationResult result;
-  std::vector<std::string> warnings;  //!< of the file: factors left out
-  double seconds = 0;                 //!< of the optimisation, without reading and writing
+  std::vector<std::string> warnings;  //!< factors of the file that were left out
+  double seconds = 0;                 //!< time of the optimisation, without reading and writing [s]
 };
 
 /** Optimises a saved factor graph, with the options of section [solver].

@@ -38,8 +38,9 @@ class GraphSlamEngine : private ConsoleCutOff,
                         public mrpt::graphslam::CGraphSlamEngine<GraphSlamContext::Graph>
 {
  public:
-  /** \param ini for the engine's own settings, as [GeneralConfiguration] class_verbosity; must
-   * exist \param rawlog name for its reports. The plug-ins outlive the engine. */
+  /** \param ini file with the engine's own settings, such as [GeneralConfiguration]
+   * class_verbosity; must exist \param rawlog name of the recording, for the engine's reports. The
+   * plug-ins outlive the engine. */
   GraphSlamEngine(const std::string& ini,
                   const std::string& rawlog,
                   NodeDecider& nodes,

@@ -27,7 +27,7 @@ struct GraphSlamPlugin
   std::unique_ptr<Interface> (*make)(const std::shared_ptr<GraphSlamContext>& context);
 };
 
-/** All there are; the first of each is the default. */
+/** All plug-ins of each kind; the first of each is the default. */
 [[nodiscard]] std::vector<GraphSlamPlugin<NodeDecider>> nodeDeciders();
 [[nodiscard]] std::vector<GraphSlamPlugin<EdgeDecider>> edgeDeciders();
 [[nodiscard]] std::vector<GraphSlamPlugin<GraphOptimizer>> graphOptimizers();

@@ -18,12 +18,11 @@ struct GraphSlamPluginNames
 };
 
 /** As runSlam(), but driven by mrpt::graphslam::CGraphSlamEngine, without a window. With the
- * default plug-ins every file that runSlam() writes has the same bytes, but for the times in
- * report.json.
+ * default plug-ins every file has the same bytes as by runSlam(), but for the times in report.json.
  *
  * Writes besides what MRPT's graphslam-engine does: `output_graph.graph` (the engine's network),
  * `CGraphSlamEngine.log`, `timings.log`, `node_registrar.log`, `edge_registrar.log` and
- * `optimizer.log`; and `engine.ini`, which the engine was given.
+ * `optimizer.log`; and `engine.ini`, the settings of the engine.
  * \throws UserError as runSlam(), and for an unknown plug-in. */
 SlamRunReport runGraphSlam(const SlamRunSettings& settings,
                            const GraphSlamPluginNames& plugins = {},

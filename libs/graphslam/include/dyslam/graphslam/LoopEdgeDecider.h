@@ -18,7 +18,7 @@ class LoopEdgeDecider
  public:
   explicit LoopEdgeDecider(std::shared_ptr<GraphSlamContext> context);
 
-  /** Looks for loops of the frame that the node decider has made of this step's observations. */
+  /** Searches for loops of the frame that the node decider has made of this step's observations. */
   bool updateState(mrpt::obs::CActionCollection::Ptr action,
                    mrpt::obs::CSensoryFrame::Ptr observations,
                    mrpt::obs::CObservation::Ptr observation) override;
@@ -36,6 +36,6 @@ class LoopEdgeDecider
   void registerLoops();
 
   std::shared_ptr<GraphSlamContext> context_;
-  std::size_t seen_ = 0;  //!< of Backend::loops()
+  std::size_t seen_ = 0;  //!< number of Backend::loops() registered so far
 };
 }  // namespace dyslam

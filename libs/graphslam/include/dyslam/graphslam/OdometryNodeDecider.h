@@ -9,8 +9,8 @@
 
 namespace dyslam
 {
-/** Node registration for mrpt::graphslam::CGraphSlamEngine: 3D scans in, keyframes of our odometry
- * out, with the odometry between them as edges.
+/** Node registration for mrpt::graphslam::CGraphSlamEngine: makes keyframes from 3D scans by
+ * DySLAM's odometry; the odometry between keyframes becomes the edges.
  *
  * The engine demands two nodes at the first registration: keyframe 0 appears with keyframe 1.
  */
@@ -20,13 +20,13 @@ class OdometryNodeDecider
  public:
   explicit OdometryNodeDecider(std::shared_ptr<GraphSlamContext> context);
 
-  /** Takes an observation, or those of a sensory frame. \return whether a node was added.
+  /** Takes an observation, or all observations of a sensory frame. \return whether a node was added
    * \throws UserError for damaged data, and for a sensory frame with two scans of the lidar. */
   bool updateState(mrpt::obs::CActionCollection::Ptr action,
                    mrpt::obs::CSensoryFrame::Ptr observations,
                    mrpt::obs::CObservation::Ptr observation) override;
 
-  /** T_map_vehicle at the newest scan; identity before the first. */
+  /** T_map_vehicle at the newest scan; identity before the first scan. */
   [[nodiscard]] global_pose_t getCurrentRobotPosEstimation() const override;
   void getDescriptiveReport(std::string* report) const override;
 

@@ -45,9 +45,8 @@ struct StaticMapOptions : Options
   double visibility_range = 40.0;  //!< voxels up to here are checked [m]
   double visibility_margin = 0.5;  //!< a ray must end this far behind the voxel [m]
   int visibility_min_views = 3;    //!< least number of keyframes that observed a removed voxel free
-  double visibility_ratio =
-      1.5;  //!< least ratio of keyframes that observed it free to those that hit it
-  double ground_clearance = 0.3;  //!< voxels this near to the lowest of their column stay [m]
+  double visibility_ratio = 1.5;   //!< least ratio of keyframes seeing it free to hits
+  double ground_clearance = 0.3;   //!< voxels this near to the lowest of their column stay [m]
   MapChanges changes = MapChanges::latest;  //!< which runs count in a map of several runs
 
   void describe(OptionsVisitor& visitor) override;

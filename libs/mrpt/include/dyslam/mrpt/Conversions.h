@@ -7,15 +7,15 @@
 
 namespace dyslam
 {
-// Poses keep their numbers bit for bit: the rotation is passed as a matrix, never as angles.
+// Poses are converted bit for bit: the rotation is passed as a matrix, never as angles.
 
 [[nodiscard]] Pose toPose(const mrpt::poses::CPose3D& from);
 [[nodiscard]] mrpt::poses::CPose3D toMrpt(const Pose& from);
 
-// MRPT counts ticks of 100 ns since 1601. Both ways round to the nearest, so that stamps that were
-// read from text are preserved.
+// MRPT counts ticks of 100 ns since 1601. Both directions round to the nearest tick, so that stamps
+// that were read from text are preserved.
 
-/** \return UNIX time [s]; of a time that no clock shows (a damaged file), any number. */
+/** \return UNIX time [s]; an unspecified number for an invalid time, as in a damaged file. */
 [[nodiscard]] double toStamp(mrpt::Clock::time_point time);
 /** \param stamp UNIX time [s]; limited to 25 thousand years from 1970, and 1970 if not finite. */
 [[nodiscard]] mrpt::Clock::time_point toMrptTime(double stamp);

@@ -6,12 +6,13 @@
 
 namespace dyslam
 {
-/** East, north and up from an origin, in the plane that touches the ellipsoid there [m]. */
+/** East, north and up from an origin, in the tangent plane of the ellipsoid at the origin [m]. */
 [[nodiscard]] Eigen::Vector3d toEnu(const GeodeticPosition& position,
                                     const GeodeticPosition& origin);
+/** Inverse of toEnu(). \param enu east, north, up [m] */
 [[nodiscard]] GeodeticPosition fromEnu(const Eigen::Vector3d& enu, const GeodeticPosition& origin);
 
-/** Universal Transverse Mercator. */
+/** A position in Universal Transverse Mercator coordinates. */
 struct UtmPosition
 {
   int zone = 0;  //!< 1 to 60
@@ -22,14 +23,15 @@ struct UtmPosition
   /** Number of the coordinate reference system on WGS84: 32632 for zone 32 north. */
   [[nodiscard]] int epsg() const { return (north ? 32600 : 32700) + zone; }
 };
-/** \pre latitudes of -80 to 84 deg, where UTM is defined */
+/** UTM coordinates in the zone of the position. \pre the latitude is in -80 to 84 deg, where UTM is
+ * defined */
 [[nodiscard]] UtmPosition toUtm(const GeodeticPosition& position);
-/** In a zone that may be a neighbour of its own. \param north whether northings count from the
- * equator, else from 10,000 km south of it */
+/** UTM coordinates in a given zone, which may be a neighbour of the position's own. \param north
+ * whether northings count from the equator, else from 10,000 km south of it */
 [[nodiscard]] UtmPosition toUtm(const GeodeticPosition& position, int zone, bool north);
 
-/** Poses of a map in the zone of UTM of its origin: easting, northing, height above the ellipsoid;
- * the rotation is from the grid's east. Lengths of a scan stay as they are (those of UTM differ by
- * up to 0.1 %). Also where they reach into a neighbouring zone. */
+/** Poses of a map in UTM coordinates of the zone of the map's origin, also if they reach into a
+ * neighbouring zone: easting, northing and height above the ellipsoid [m]; the yaw counts from grid
+ * east. Lengths within a scan are not scaled (lengths in UTM differ by up to 0.1 %). */
 [[nodiscard]] Trajectory inUtm(const Trajectory& of_map, const Georeference& georeference);
 }  // namespace dyslam

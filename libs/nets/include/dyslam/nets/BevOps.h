@@ -33,7 +33,7 @@ struct SparseMap
  * \param source N x C features
  * \param target feature map of the other scan
  * \param centre N x 2 (x, y) window centres in cells of the target; may be fractional
- * \param radius of the window [cells]
+ * \param radius radius of the windows, r [cells]
  * \return N x (2r+1)^2, row by row (y slow, x fast): <source, target at centre + (x, y)> / sqrt(C),
  * with bilinear interpolation and zeros outside the target. Gradients reach source and target (rows
  * and empty), not centre. Any device; hand-written on the CPU.
@@ -43,7 +43,7 @@ struct SparseMap
                                       const torch::Tensor& centre,
                                       int radius);
 
-/** The same from torch operations: used on CUDA and as reference in tests. */
+/** correlate() from torch operations: used on CUDA and as reference in tests. */
 [[nodiscard]] torch::Tensor correlateReference(const torch::Tensor& source,
                                                const SparseMap& target,
                                                const torch::Tensor& centre,
@@ -56,6 +56,6 @@ struct SparseMap
  * neighbourhood. No gradients.
  */
 [[nodiscard]] torch::Tensor peakOffset(const torch::Tensor& correlation, int radius);
-/** The same from torch operations: used on CUDA and as reference in tests. */
+/** peakOffset() from torch operations: used on CUDA and as reference in tests. */
 [[nodiscard]] torch::Tensor peakOffsetReference(const torch::Tensor& correlation, int radius);
 }  // namespace dyslam

@@ -19,7 +19,7 @@ void requireMultipleOf16(const std::string& field, int cells);
 struct BevOptions : Options
 {
   int cells = 512;                //!< number of cells along each side; a multiple of 16
-  double cell_size = 0.2;         //!< [m]
+  double cell_size = 0.2;         //!< side of a cell [m]
   double ground_clearance = 0.2;  //!< height above ground up to which points are ground [m]
   double max_height = 4.5;        //!< height above ground beyond which points are removed [m]
 
@@ -44,11 +44,12 @@ class BevGround
 
  private:
   void makeConsistent(const std::vector<std::uint8_t>& known);
-  /** Median near the sensor: an error of a single first cell would propagate to all others. */
+  /** Median ground height near the sensor [m]: an error of a single first cell would propagate to
+   * all others. */
   [[nodiscard]] float seedHeight(const std::vector<int>& order,
                                  const std::vector<float>& ring,
                                  const std::vector<std::uint8_t>& known) const;
-  /** Heights of the nearest visited cells. */
+  /** Collects in `around` the heights of the visited cells nearest to `cell`. */
   void collectAround(int cell,
                      const std::vector<std::uint8_t>& visited,
                      std::vector<float>& around) const;
@@ -95,18 +96,17 @@ struct BevScan
   Eigen::Vector2f corner =
       Eigen::Vector2f::Zero();          //!< corner of cell 0, in the frame of the points [m]
   std::vector<Eigen::Vector3f> points;  //!< points in the grid and above ground [m]
-  std::vector<float> height;            //!< height of each above ground [m]
-  std::vector<std::uint32_t> source;    //!< index of each in the input
-  std::vector<std::int32_t> cell;       //!< cell index of each, ascending
+  std::vector<float> height;            //!< height of each point above ground [m]
+  std::vector<std::uint32_t> source;    //!< index of each point in the input
+  std::vector<std::int32_t> cell;       //!< cell index of each point, ascending
   std::vector<float> features;          //!< feature_count per point
-  BevRays rays;                         //!< of all input points
+  BevRays rays;                         //!< range image of all input points
 
   [[nodiscard]] std::size_t size() const { return points.size(); }
 };
 
-/** \param points sensor frame, z up [m]; invalid ones are ignored.
- * \param centre of the grid, in the same frame [m].
- * \throws UserError if an option is out of range. */
+/** \param points sensor frame, z up [m]; invalid ones are ignored \param centre centre of the grid,
+ * sensor frame [m] \throws UserError if an option is out of range. */
 [[nodiscard]] BevScan makeBevScan(const std::vector<Eigen::Vector3f>& points,
                                   const BevOptions& options,
                                   const Eigen::Vector2f& centre = Eigen::Vector2f::Zero());

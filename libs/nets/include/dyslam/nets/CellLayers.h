@@ -20,8 +20,8 @@ constexpr double relu = 0;  //!< slope of a leaky ReLU that is a ReLU
 /** leaky(gatherRows(rows, table) weight^T + bias): a sparse convolution over occupied cells.
  *
  * \param rows M x C \param table N x K row indices (int32), -1 for none \param weight out x (K C)
- * \param slope of the leaky ReLU; 1 for none \return N x out. Block by block on the CPU, with the
- * same result for any number of threads; torch operations elsewhere. */
+ * \param slope slope of the leaky ReLU; 1 for none \return N x out. Block by block on the CPU, with
+ * the same result for any number of threads; torch operations elsewhere. */
 [[nodiscard]] torch::Tensor gatheredLinear(const torch::Tensor& rows,
                                            const torch::Tensor& table,
                                            const torch::Tensor& weight,
@@ -36,7 +36,8 @@ class RowLinearImpl : public torch::nn::Module
 {
  public:
   RowLinearImpl(std::int64_t in, std::int64_t out);
-  /** \param slope of the leaky ReLU that follows; 1 for none, 0 for ReLU. */
+  /** \param rows N x in \param slope slope of the leaky ReLU that follows; 1 for none, 0 for ReLU
+   * \return N x out. */
   torch::Tensor forward(const torch::Tensor& rows, double slope = 1);
 
   torch::Tensor weight;  //!< out x in
@@ -51,7 +52,7 @@ class CellConvImpl : public torch::nn::Module
  public:
   CellConvImpl(std::int64_t in, std::int64_t out);
   /** \param rows M x in \param table N x 9 row indices under the kernel, -1 for none
-   * \param slope as above \return N x out. */
+   * \param slope as RowLinearImpl::forward() \return N x out. */
   torch::Tensor forward(const torch::Tensor& rows, const torch::Tensor& table, double slope = 1);
 
   torch::Tensor weight;  //!< out x in x 3 x 3

@@ -8,7 +8,8 @@
 
 namespace dyslam
 {
-/** The device of a setting. \param name cpu or cuda \param setting for the message, as "--device".
- * \throws UserError for another name, or where there is no CUDA. */
+/** The torch device of that name. \param name cpu or cuda \param setting where the name is from,
+ * for the message, such as "--device" \throws UserError for another name, or if CUDA is not
+ * available. */
 [[nodiscard]] torch::Device deviceNamed(const std::string& name, const std::string& setting);
 }  // namespace dyslam

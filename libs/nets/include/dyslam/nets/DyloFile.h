@@ -15,6 +15,7 @@ void saveDylo(DyloNetwork& network, const std::string& path);
 /** Whether the file was written by saveDylo(). */
 [[nodiscard]] bool isDyloModel(const std::string& path);
 
-/** \throws UserError if the file is missing, is not a DyLO model or is damaged. */
+/** Reads a network from a file of saveDylo(). \throws UserError if the file is missing, is not a
+ * DyLO model or is damaged. */
 [[nodiscard]] DyloNetwork loadDylo(const std::string& path);
 }  // namespace dyslam

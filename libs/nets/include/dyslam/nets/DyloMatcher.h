@@ -27,7 +27,7 @@ struct DyloMatch
   double effective_points = 0;  //!< effective sample size, 1 / sum of squared weights
   std::size_t sampled = 0;      //!< sampled points of the current scan
   std::size_t matched = 0;      //!< sampled points with a correspondence
-  std::size_t inliers = 0;      //!< of those, with a residual below 0.15 m + 0.005 * range
+  std::size_t inliers = 0;      //!< matched points with a residual below 0.15 m + 0.005 * range
   double last_step = 0;         //!< size of the last iteration's step, motionSize() [m]
 };
 
@@ -54,7 +54,7 @@ class DyloMatcher
                          const Pose& T_sweep = Pose::Identity());
   /** Makes the current scan the reference; re-deskews it by `T_sweep` if its motion is known. */
   void keepAsReference(const std::optional<Pose>& T_sweep = {});
-  /** The reference. It is encoded again when it is loaded, which gives the same. */
+  /** Saves or restores the reference; its encoding is computed again when it is restored. */
   void exchangeState(StateArchive& archive);
 
   /** Estimates the pose of the current scan in the frame of the reference; both must be set.

@@ -21,8 +21,8 @@ struct EncodedScan
   /** Acquisition time of the nodes of levels 0 and 1 [N] relative to the scan's stamp, as a
    * fraction of the scan period. Undefined if the scan is not to be deskewed further. */
   std::array<torch::Tensor, 2> phase;
-  torch::Tensor image_phase;        //!< the same of each image cell
-  Pose T_sweep = Pose::Identity();  //!< motion over one scan period it was deskewed with
+  torch::Tensor image_phase;        //!< acquisition time of each image cell, as `phase`
+  Pose T_sweep = Pose::Identity();  //!< motion over a scan period the scan was deskewed with
 };
 
 /** Estimate of one stage, coarse to fine. */
@@ -32,7 +32,7 @@ struct DyloStage
   bool dense = false;     //!< only pose and normal matrix are updated: see denseStage()
   PoseTensors pose;       //!< maps scan 1 to scan 2, including this stage's update
   MaskLogits logits;
-  torch::Tensor points;  //!< [N, 3] of scan 1, as deskewed in this stage
+  torch::Tensor points;  //!< [N, 3] points of scan 1, as deskewed in this stage [m]
   torch::Tensor weight;  //!< [N] mask weights M, sum 1
   torch::Tensor valid;   //!< [N] 1 for points with a correspondence
   // Correspondences at the pose before this stage (head gauss_newton): planes and points.
@@ -68,8 +68,8 @@ class DyloNetworkImpl : public torch::nn::Module
   [[nodiscard]] const DyloNetworkOptions& options() const { return options_; }
 
  private:
-  /** Registers the layers of a coarse stage. \param embedding, hidden channels. The order of the
-   * registrations is that of the optimizer's states in checkpoints. */
+  /** Registers the layers of a coarse stage, in the order of the optimizer's states in checkpoints.
+   * \param embedding, hidden numbers of channels */
   void addCoarseStage(std::size_t stage, std::int64_t embedding, std::int64_t hidden);
   /** Windows between two levels of a scan, kept from call to call; see windowBetween(). */
   [[nodiscard]] const Window& window(std::size_t from,
@@ -84,8 +84,8 @@ class DyloNetworkImpl : public torch::nn::Module
                                     const Correlation& correlation,
                                     const MaskLogits& logits,
                                     const torch::Tensor& embedding);
-  /** \param embedding of the points of `level_before`, undefined at stage 0; set to this stage's.
-   */
+  /** \param[in,out] embedding features of the nodes of `level_before`, undefined at stage 0; set to
+   * the features of this stage */
   [[nodiscard]] DyloStage coarseStage(std::size_t stage,
                                       const EncodedScan& scan1,
                                       const EncodedScan& scan2,
@@ -98,9 +98,9 @@ class DyloNetworkImpl : public torch::nn::Module
                                     const torch::Tensor& embedding,
                                     const DyloPrior* prior);
 
-  /** One more Gauss-Newton step, over twice the points of a fine stage and as many of scan 2 on
-   * surfaces of scan 1: the biases of the two directions cancel. Each point has the weight of its
-   * node of level 1, reduced by its residual and by its surface's thickness. */
+  /** One more Gauss-Newton step over more points, of scan 1 on surfaces of scan 2 and of scan 2 on
+   * surfaces of scan 1: the biases of the two directions cancel. A point's weight is that of its
+   * node of level 1, reduced by its residual and by the thickness of its surface. */
   [[nodiscard]] DyloStage denseStage(const EncodedScan& scan1,
                                      const EncodedScan& scan2,
                                      const DyloStage& fine,
@@ -113,15 +113,15 @@ class DyloNetworkImpl : public torch::nn::Module
   SetConv cost_down_{nullptr};
   DynamicMask coarsest_mask_{nullptr};
   SetUpConv cost_up_{nullptr};
-  std::vector<AttentiveCostVolume> cost_;  //!< at levels 3, 2 and 1
+  std::vector<AttentiveCostVolume> cost_;  //!< cost volumes at levels 3, 2 and 1
   std::vector<SetUpConv> up_;
   std::vector<Mlp> fusion_;
   std::vector<DynamicMask> mask_;
   std::vector<Mlp> regression_;
-  torch::Tensor isotropic_;  //!< logarithm, per stage
+  torch::Tensor isotropic_;  //!< per stage: log weight of the point-to-point term
   Mlp fine_embed_{nullptr};
   DynamicMask fine_mask_{nullptr};
-  torch::Tensor noise_;  //!< logarithm, per stage; the fine passes share the last
+  torch::Tensor noise_;  //!< per stage: log of DyloStage::noise; the fine stages share the last
   std::map<std::tuple<std::int64_t, std::int64_t, std::int64_t, std::int64_t, std::int64_t>, Window>
       windows_;
 };

@@ -9,7 +9,7 @@ namespace dyslam
 struct DyloPrior
 {
   Pose T_reference_current = Pose::Identity();
-  Matrix6 information = Matrix6::Zero();  //!< of log(T_prior^-1 T), [translation, rotation]
+  Matrix6 information = Matrix6::Zero();  //!< matrix of log(T_prior^-1 T), [translation, rotation]
   double points_per_measurement = 24;     //!< sampled points per independent measurement
 };
 

@@ -18,6 +18,7 @@ struct DysegNetwork
 /** Writes weights (half precision), shape and grid to one file. \throws UserError if it cannot be
  * written. */
 void saveDyseg(const DysegNetwork& network, const std::string& file);
-/** \throws UserError naming the file if it is missing, damaged or not a DySeg network. */
+/** Reads a file of saveDyseg(). \throws UserError naming the file if it is missing, damaged or not
+ * a DySeg network. */
 [[nodiscard]] DysegNetwork loadDyseg(const std::string& file);
 }  // namespace dyslam

@@ -26,11 +26,12 @@ struct DysegResult
   /** Moving probability of each input point. 0 for ground, for points outside the grid and for
    * points that are too high or too low. */
   std::vector<float> moving_probability;
-  /** Of each input point; unknown where the probability is 0. */
+  /** Visibility of each input point in the past scan; unknown where the probability is 0. */
   std::vector<PastVisibility> past_visibility;
   /** Planar ego-motion (static flow), current to past scan, from the two scans alone. */
   RigidFlowFit static_flow;
-  /** Scene flow of the occupied cells at 1/4 of the grid's resolution, current to past. */
+  /** Occupied cells at 1/4 of the grid's resolution: centres, scene flow from current to past, and
+   * moving probability. */
   std::vector<Eigen::Vector2f> cell_centre;  //!< [m]
   std::vector<Eigen::Vector2f> cell_flow;    //!< [m]
   std::vector<float> cell_moving_probability;

@@ -22,20 +22,20 @@ struct DysegCells
   explicit DysegCells(const BevScan& scan);
 
   CellPyramid level;
-  torch::Tensor half_from_full;      //!< full-resolution rows under each kernel at 1/2, N2 x 9
-  torch::Tensor half_neighbours;     //!< N2 x 9
-  torch::Tensor quarter_from_half;   //!< rows at 1/2, N4 x 9
-  torch::Tensor quarter_neighbours;  //!< N4 x 9
-  torch::Tensor eighth_children;     //!< rows at 1/4, N8 x 4
-  torch::Tensor eighth_neighbours;   //!< N8 x 9
-  torch::Tensor quarter_parent;      //!< rows at 1/8, N4 x 1
-  torch::Tensor half_index;          //!< row of each cell, -1 if empty, H/2 x W/2
-  torch::Tensor quarter_index;
-  torch::Tensor eighth_index;
-  torch::Tensor quarter_position;  //!< N4 x 2 (x, y) [cells]
-  torch::Tensor eighth_position;
-  std::vector<Eigen::Vector2f> quarter_centre;  //!< centres, in the frame of the points [m]
-  std::vector<Eigen::Vector2f> eighth_centre;
+  torch::Tensor half_from_full;      //!< N2 x 9: full-resolution rows under each kernel at 1/2
+  torch::Tensor half_neighbours;     //!< N2 x 9: rows at 1/2 of the 3 x 3 cells around each
+  torch::Tensor quarter_from_half;   //!< N4 x 9: rows at 1/2 under each kernel at 1/4
+  torch::Tensor quarter_neighbours;  //!< N4 x 9: rows at 1/4 of the 3 x 3 cells around each
+  torch::Tensor eighth_children;     //!< N8 x 4: rows at 1/4 of the children of each cell
+  torch::Tensor eighth_neighbours;   //!< N8 x 9: rows at 1/8 of the 3 x 3 cells around each
+  torch::Tensor quarter_parent;      //!< N4 x 1: row at 1/8 of the parent of each cell
+  torch::Tensor half_index;          //!< H/2 x W/2: row of each cell, -1 if empty
+  torch::Tensor quarter_index;       //!< H/4 x W/4: row of each cell, -1 if empty
+  torch::Tensor eighth_index;        //!< H/8 x W/8: row of each cell, -1 if empty
+  torch::Tensor quarter_position;    //!< N4 x 2: position (x, y) of each cell [cells]
+  torch::Tensor eighth_position;     //!< N8 x 2: position (x, y) of each cell [cells]
+  std::vector<Eigen::Vector2f> quarter_centre;  //!< N4 cell centres, frame of the points [m]
+  std::vector<Eigen::Vector2f> eighth_centre;   //!< N8 cell centres, frame of the points [m]
 
   void to(torch::Device device);
 };
@@ -58,8 +58,9 @@ struct DysegEncoding
  */
 struct TeacherMotions
 {
-  PlanarMotion coarse;  //!< centre of the windows at 1/4, in place of the estimate at 1/8
-  PlanarMotion fine;    //!< the static flow, in place of the estimate at 1/4
+  PlanarMotion
+      coarse;         //!< motion at the centre of the windows at 1/4, replaces the estimate at 1/8
+  PlanarMotion fine;  //!< static motion, replaces the estimate at 1/4
 };
 
 /** Ego-motion between two scans. N occupied cells at 1/4 resolution. */
@@ -75,7 +76,7 @@ struct DysegMatch
  */
 struct DysegCellOutput
 {
-  PlanarMotion static_motion;           //!< to which the residual flow is relative
+  PlanarMotion static_motion;           //!< motion that the residual flow is relative to
   std::vector<torch::Tensor> residual;  //!< N x 2 after each update: flow minus static flow [m]
   torch::Tensor feature;                //!< N x cell_features, input of the point head
   torch::Tensor logit;                  //!< N: logit that the cell contains moving points
@@ -134,9 +135,9 @@ class DysegNetImpl : public torch::nn::Module
   [[nodiscard]] torch::Tensor surroundings(const torch::Tensor& quarter, const DysegCells& cells);
 
   DysegNetworkOptions options_;
-  torch::Tensor empty_fine_;  //!< matching feature of empty cells, learned
-  torch::Tensor empty_middle_;
-  torch::Tensor empty_coarse_;
+  torch::Tensor empty_fine_;    //!< learned matching feature of empty cells at 1/2
+  torch::Tensor empty_middle_;  //!< learned matching feature of empty cells at 1/4
+  torch::Tensor empty_coarse_;  //!< learned matching feature of empty cells at 1/8
   RowLinear pillar_{nullptr};
   RowLinear pillar_deep_{nullptr};
   CellConv half_{nullptr};

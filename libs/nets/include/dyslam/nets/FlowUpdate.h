@@ -8,7 +8,7 @@
 
 namespace dyslam
 {
-constexpr std::int64_t peak_channels = 3;  //!< what a cell knows of the best match in its window
+constexpr std::int64_t peak_channels = 3;  //!< channels of peakOffset()
 
 /** Convolutional GRU over occupied cells (3 x 3 sparse convolutions). */
 class ConvGruImpl : public torch::nn::Module
@@ -28,8 +28,9 @@ class ConvGruImpl : public torch::nn::Module
 };
 TORCH_MODULE(ConvGru);
 
-/** One iteration of RAFT's recurrent update: correlation at the current flow and hidden state to a
- * flow increment. The convolutions propagate it between neighbouring cells. */
+/** One iteration of RAFT's recurrent update: computes a flow increment from the correlation at the
+ * current flow and the hidden state. The convolutions propagate information between neighbouring
+ * cells. */
 class FlowUpdateImpl : public torch::nn::Module
 {
  public:
@@ -60,7 +61,7 @@ TORCH_MODULE(FlowUpdate);
 /** Convex upsampling (RAFT): flow at fine cells as learned convex combinations of the 3 x 3 coarse
  * cells, computed for queries only.
  *
- * \param flow N x 2 of the coarse cells \param weights N x (9 f^2) logits
+ * \param flow N x 2, flow of the coarse cells \param weights N x (9 f^2) logits
  * \param neighbours N x 9 row indices, -1 for none (int32)
  * \param row Q rows of the coarse cells (int64)
  * \param sub Q positions y * f + x of the fine cells in their coarse cells (int64)

@@ -19,11 +19,11 @@ namespace dyslam
 /** Weighted point-to-plane correspondences, optionally with a point-to-point term. */
 struct PoseStepProblem
 {
-  torch::Tensor points;     //!< [N, 3] of scan 1, transformed by the current pose
-  torch::Tensor normal;     //!< [N, 3]; norm below 1 where candidates disagree
-  torch::Tensor offset;     //!< [N]; residual = normal . point - offset [m]
-  torch::Tensor target;     //!< [N, 3] for the point-to-point term
-  torch::Tensor weight;     //!< [N], sums to 1
+  torch::Tensor points;     //!< [N, 3] points of scan 1, transformed by the current pose [m]
+  torch::Tensor normal;     //!< [N, 3] plane normals; norm below 1 where candidates disagree
+  torch::Tensor offset;     //!< [N] plane offsets: residual = normal . point - offset [m]
+  torch::Tensor target;     //!< [N, 3] target points of the point-to-point term [m]
+  torch::Tensor weight;     //!< [N] weights, sum 1
   torch::Tensor isotropic;  //!< relative weight of the point-to-point term; undefined for none
 };
 

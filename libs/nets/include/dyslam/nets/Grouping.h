@@ -12,7 +12,7 @@ namespace dyslam
 // hand-written pass over the points, with the same result for any number of threads; elsewhere the
 // implementation from torch operations in namespace `reference`, which the tests compare with.
 
-/** Nearest neighbours of each point in scan 2, nearest first; unused slots come last. */
+/** Nearest nodes of scan 2 for each point, nearest first; unused slots come last. */
 struct Neighbours
 {
   torch::Tensor index;   //!< [N, K] node index
@@ -28,8 +28,8 @@ struct Neighbours
                                          std::int64_t half_cols,
                                          std::int64_t count);
 
-/** [N, K, 3] offsets from each centre to the nodes of its group, in units of the node spacing
- * there. */
+/** [N, K, 3] offsets from each centre to the nodes of its group, in units of the node spacing at
+ * the centre's range. */
 [[nodiscard]] torch::Tensor groupOffsets(const torch::Tensor& xyz,
                                          const torch::Tensor& centre,
                                          const torch::Tensor& index,
@@ -52,13 +52,13 @@ struct Candidates
 struct Surfaces
 {
   static constexpr std::int64_t feature_size = 10;
-  torch::Tensor normal;    //!< [N, 3]
-  torch::Tensor target;    //!< [N, 3] weighted mean of the neighbouring points
+  torch::Tensor normal;    //!< [N, 3] surface normals
+  torch::Tensor target;    //!< [N, 3] weighted mean of the neighbouring points [m]
   torch::Tensor offset;    //!< [N] normal . target
   torch::Tensor features;  //!< [N, 10] input of the mask: residual, thickness, shape, distance, ...
   torch::Tensor
       thickness;        //!< [N] standard deviation of the neighbouring points from their plane [m]
-  torch::Tensor valid;  //!< [N]
+  torch::Tensor valid;  //!< [N] 1 for points with a surface
 };
 /** \param warped_normal may be undefined; then there are no features. */
 [[nodiscard]] Surfaces surfacesAround(const torch::Tensor& warped,
@@ -68,8 +68,8 @@ struct Surfaces
 
 /** First layer over groups: leaky([geometry, features[index]] weight^T + bias + own), [N, K, out],
  * without forming the concatenation. \param geometry [N, K, G] \param features [M, C] or undefined
- * for C = 0 \param index [N, K] \param weight [out, G + C] \param own [N, out] per group, or
- * undefined. */
+ * for C = 0 \param index [N, K] \param weight [out, G + C] \param own [N, out] term added per
+ * group, or undefined. */
 [[nodiscard]] torch::Tensor groupedLinear(const torch::Tensor& geometry,
                                           const torch::Tensor& features,
                                           const torch::Tensor& index,

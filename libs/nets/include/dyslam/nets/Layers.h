@@ -19,8 +19,9 @@ class MlpImpl : public torch::nn::Module
   /** \param sizes input, hidden..., output \param linear_end no activation after the last layer */
   explicit MlpImpl(const Sizes& sizes, bool linear_end = false);
   torch::Tensor forward(const torch::Tensor& x);
-  /** On [members, own of the group], without forming the concatenation. \param places [N, K, A]
-   * \param own [N, B] \return [N, K, sizes.back()]. */
+  /** forward() of the concatenation of each group's members and its own features, without forming
+   * it. \param places [N, K, A] features of the members \param own [N, B] features of the groups
+   * \return [N, K, sizes.back()]. */
   torch::Tensor forward(const torch::Tensor& places, const torch::Tensor& own);
   /** Scales the last layer's weights, for an initial output near zero. */
   void scaleOutput(double factor);
@@ -42,7 +43,7 @@ class GroupedMlpImpl : public torch::nn::Module
   /** \param sizes output channels of the layers */
   GroupedMlpImpl(std::int64_t geometry, std::int64_t features, const Sizes& sizes);
   /** \param geometry [N, K, G] \param features [M, C] or undefined \param index [N, K] into them.
-   * \param own [N, sizes.front()] added to the first layer of its group, or undefined.
+   * \param own [N, sizes.front()] term added to the first layer of each group, or undefined
    * \return [N, K, sizes.back()]. */
   torch::Tensor forward(const torch::Tensor& geometry,
                         const torch::Tensor& features,
@@ -89,7 +90,8 @@ struct Correlation
 class AttentiveCostVolumeImpl : public torch::nn::Module
 {
  public:
-  /** \param hidden, out sizes. \param candidates nearest points kept of a window. */
+  /** \param hidden, out numbers of channels \param candidates number of nearest points kept of a
+   * window */
   AttentiveCostVolumeImpl(std::int64_t features,
                           std::int64_t hidden,
                           std::int64_t out,
@@ -98,7 +100,8 @@ class AttentiveCostVolumeImpl : public torch::nn::Module
                           std::int64_t candidates,
                           double spacing);
   /** \param warped [N, 3] points and \param warped_normal [N, 3] normals of scan 1, transformed by
-   * the current pose \param level of scan 2 \param patch neighbours within scan 1's grid. */
+   * the current pose \param level pyramid level of scan 2 \param patch neighbours within scan 1's
+   * grid */
   Correlation forward(const torch::Tensor& warped,
                       const torch::Tensor& warped_normal,
                       const torch::Tensor& valid,

@@ -19,7 +19,7 @@ struct PreparedScan
 {
   static constexpr int columns = 1800;
   static constexpr int max_rows = 64;
-  static constexpr int slope_bins = 2048;  //!< of `row_of_slope`, over slopes in [-1, 1)
+  static constexpr int slope_bins = 2048;  //!< size of `row_of_slope`, over slopes in [-1, 1)
   static constexpr std::size_t level_count = 5;
 
   struct Level
@@ -32,17 +32,17 @@ struct PreparedScan
   };
 
   int rows = 0;
-  std::vector<Eigen::Vector3f> points;  //!< of each image cell, row-major; zero if empty [m]
-  std::vector<std::int32_t> source;     //!< index in the cloud, -1 if empty
+  std::vector<Eigen::Vector3f> points;  //!< point of each image cell, row-major; zero if empty [m]
+  std::vector<std::int32_t> source;     //!< index of each cell's point in the cloud, -1 if empty
   std::vector<std::int32_t>
       cell_of_point;  //!< image cell of each point of the cloud, -1 if not used
   std::vector<std::int32_t> row_of_slope;  //!< image row of each bin of slope z / hypot(x, y)
   std::array<Level, level_count> levels;   //!< 8192, 2048, 1024, 256 and 64 nodes
   std::vector<std::int32_t>
       first_level_of;  //!< concatenated levels 2 to 4: node of level 1, -1 if empty
-  std::vector<Eigen::Vector3f> normals;  //!< of level 1, towards the sensor; zero if unknown
-  std::vector<float> planarity;          //!< of level 1, in [0, 1]
-  std::size_t valid_points = 0;          //!< occupied image cells
+  std::vector<Eigen::Vector3f> normals;  //!< level 1, towards the sensor; zero if unknown
+  std::vector<float> planarity;          //!< planarity of level 1, in [0, 1]
+  std::size_t valid_points = 0;          //!< number of occupied image cells
 
   [[nodiscard]] bool empty() const { return valid_points == 0; }
 };

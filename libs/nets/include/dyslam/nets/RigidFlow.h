@@ -19,7 +19,7 @@ struct PlanarMotion
   {
     return Eigen::Rotation2Dd(yaw) * p + translation;
   }
-  /** Displacement of p. */
+  /** Displacement of p [m]. */
   [[nodiscard]] Eigen::Vector2f flowAt(const Eigen::Vector2f& p) const
   {
     return (*this * p.cast<double>()).cast<float>() - p;
@@ -41,8 +41,8 @@ struct RigidFlowFit
   PlanarMotion motion;
   std::vector<float> inlier;  //!< robust weight of each flow vector, in [0, 1]
   double rmse = 0;            //!< weighted RMS residual [m]
-  double margin = 1;       //!< of the search over all motions, if there was one: MotionSearchResult
-  bool converged = false;  //!< false with fewer than three vectors of positive weight
+  double margin = 1;          //!< MotionSearchResult::margin, if all motions were searched
+  bool converged = false;     //!< false with fewer than three vectors of positive weight
 };
 
 /** Rigid motion of the majority of a flow field: the static flow.
@@ -51,10 +51,10 @@ struct RigidFlowFit
  * annealed from `start_width` to `width` (graduated non-convexity), so that outliers with up to
  * half of the weight are rejected.
  *
- * \param positions start points of the flow vectors [m] \param flow the vectors [m] \param weights
- * >= 0 \param width, start_width of the loss [m] \param start initial motion, which is also the
- * result where too few vectors determine another; null to start with the weighted least-squares
- * fit.
+ * \param positions start points of the flow vectors [m] \param flow flow vectors [m] \param weights
+ * weights of the vectors, >= 0 \param width, start_width final and initial width of the loss [m]
+ * \param start initial motion, which is also the result if too few vectors determine another; null
+ * to start with the weighted least-squares fit.
  */
 [[nodiscard]] RigidFlowFit fitRigidFlow(const std::vector<Eigen::Vector2f>& positions,
                                         const std::vector<Eigen::Vector2f>& flow,

@@ -26,28 +26,29 @@ class TensorFile
    * written. */
   void write(const std::string& path) const;
 
-  /** The file that it was read from; empty if none. */
+  /** Path of the file that this was read from; empty if none. */
   [[nodiscard]] const std::string& path() const { return path_; }
 
   void setText(const std::string& name, const std::string& text) { texts_[name] = text; }
-  /** Empty if there is none. */
+  /** Text of that name; empty if there is none. */
   [[nodiscard]] std::string text(const std::string& name) const;
 
-  /** Takes a copy on the CPU. \param tensor of float16, float32, float64 or int64 */
+  /** Stores a copy of a tensor on the CPU. \param tensor float16, float32, float64 or int64 */
   void set(const std::string& name, const torch::Tensor& tensor);
   [[nodiscard]] bool has(const std::string& name) const { return tensors_.count(name) != 0; }
-  /** \throws UserError if there is none. */
+  /** Tensor of that name. \throws UserError if there is none. */
   [[nodiscard]] const torch::Tensor& tensor(const std::string& name) const;
 
-  /** Parameters of a network, each as `prefix` and its name. */
+  /** Stores the parameters of a network, each under `prefix` and its name. */
   void setWeights(const std::string& prefix,
                   const torch::nn::Module& network,
                   torch::Dtype stored_as = torch::kFloat);
-  /** \throws UserError if one is missing, of another shape or not finite. */
+  /** Sets the parameters of a network. \throws UserError if one is missing, of another shape or not
+   * finite. */
   void loadWeights(const std::string& prefix, torch::nn::Module& network) const;
 
  private:
-  std::string path_;  // read from, for messages
+  std::string path_;  // file that this was read from, for messages
   std::map<std::string, std::string> texts_;
   std::map<std::string, torch::Tensor> tensors_;
 };

@@ -22,7 +22,7 @@ struct LinePlotOptions
   std::string y_label;
   double low = 0;  //!< lowest value of the y axis
   double quantile =
-      1;  //!< of the values that the y axis must reach; single peaks are cut off below 1
+      1;  //!< quantile of the y values that the axis must reach; below 1 single peaks are cut off
 };
 
 /** PNG of lines over one pair of axes, with a legend. The first series is drawn first.

@@ -15,49 +15,51 @@ namespace dyslam
 struct PictureObject
 {
   ObjectClass object_class = ObjectClass::unknown;
-  std::vector<Eigen::Vector3d> path;  //!< of its centre [m], in order of time
-  Box last;                           //!< where it was seen last
+  std::vector<Eigen::Vector3d> path;  //!< positions of the centre [m], in order of time
+  Box last;                           //!< box at the last observation
 };
 
 /** The path of one of several runs. */
 struct PictureRun
 {
-  std::string name;                   //!< for the legend
+  std::string name;                   //!< name in the legend
   std::vector<Eigen::Vector3d> path;  //!< as MapPictureContent::path
 };
 
 /** What a picture of the map shows; all in the map frame [m]. */
 struct MapPictureContent
 {
-  const std::vector<Eigen::Vector3f>* points = nullptr;  //!< of the static map; may be null
-  const std::vector<Eigen::Vector3f>* marked = nullptr;  //!< drawn in red over these; may be null
-  /** Of the vehicle, in order of time; interrupted where a position is not finite. */
+  const std::vector<Eigen::Vector3f>* points = nullptr;  //!< points of the static map; may be null
+  const std::vector<Eigen::Vector3f>* marked = nullptr;  //!< drawn red over `points`; may be null
+  /** Positions of the vehicle, in order of time; the line is interrupted where a position is not
+   * finite. */
   std::vector<Eigen::Vector3d> path;
-  /** Several runs instead of `path`, each in a colour and with an entry of the legend. */
+  /** Several runs instead of `path`, each with its own colour and an entry in the legend. */
   std::vector<PictureRun> runs;
-  std::vector<std::pair<Eigen::Vector3d, Eigen::Vector3d>> loops;  //!< the two places of each
+  std::vector<std::pair<Eigen::Vector3d, Eigen::Vector3d>> loops;  //!< both ends of each loop
   std::vector<PictureObject> objects;
 };
 
 struct MapPictureOptions
 {
   int pixels = 1600;        //!< longer side of the picture
-  double margin = 40;       //!< shown around the vehicle's path [m]
-  double min_pixel = 0.05;  //!< side of a pixel, at least [m]
+  double margin = 40;       //!< width of the margin around the vehicle's path [m]
+  double min_pixel = 0.05;  //!< least side of a pixel [m]
 };
 
-/** PNG of the map from above, x to the right and y up: the higher a point stands over the ground of
- * its surroundings, the darker; over it the paths of the vehicle and of the objects, the last box
- * of each object, loops, a scale and a legend. The part around the vehicle's path is shown.
- * \return no bytes without a path. \throws std::invalid_argument for options that are not positive.
+/** PNG of the map from above, x to the right and y up. Points are darker the higher they are over
+ * the ground around them; over the points are drawn the paths of the vehicle and of the objects,
+ * the last box of each object, loops, a scale and a legend. The part around the vehicle's path is
+ * shown. \return no bytes without a path. \throws std::invalid_argument for options that are not
+ * positive.
  */
 [[nodiscard]] std::vector<std::uint8_t> renderMapPicture(const MapPictureContent& content,
                                                          const MapPictureOptions& options = {});
 
-/** Two maps side by side, or one above the other if they are wide, each with a title. Both show
- * the same part, that around the vehicle's paths of both; a legend below names the runs, if there
- * are several. The runs of both are in one order. \return no bytes without a path. \throws as
- * renderMapPicture(). */
+/** Two maps side by side, or one above the other if they are wide, each with a title. Both show the
+ * part around the vehicle's paths of both maps; a legend below names the runs, if there are
+ * several. Both maps must have the runs in the same order. \return no bytes without a path. \throws
+ * as renderMapPicture(). */
 [[nodiscard]] std::vector<std::uint8_t> renderMapComparison(
     const std::pair<std::string, MapPictureContent>& first,
     const std::pair<std::string, MapPictureContent>& second,

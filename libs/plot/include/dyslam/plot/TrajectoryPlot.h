@@ -30,15 +30,15 @@ struct TrajectoryPlotOptions
 [[nodiscard]] std::vector<std::uint8_t> renderTrajectoryPlot(
     const std::vector<TrajectoryPlotItem>& items, const TrajectoryPlotOptions& options = {});
 
-/** A path that is drawn as it is. */
+/** A path that is drawn without alignment. */
 struct NamedPath
 {
   std::string name;
-  std::vector<Pose> poses;  //!< those with a position that is not finite are left out
+  std::vector<Pose> poses;  //!< poses whose position is not finite are left out
 };
 
 /** PNG of trajectories from above without a reference, so neither aligned nor with errors. The view
- * is chosen by the first, as that of renderTrajectoryPlot().
- * \throws std::invalid_argument without paths or for a path without poses. */
+ * (x-y or x-z) is chosen by the first path, as in renderTrajectoryPlot(). \throws
+ * std::invalid_argument without paths or for a path without poses. */
 [[nodiscard]] std::vector<std::uint8_t> renderPaths(const std::vector<NamedPath>& paths);
 }  // namespace dyslam

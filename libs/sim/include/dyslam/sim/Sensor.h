@@ -57,7 +57,6 @@ struct SensorModel
   int columns = 0;         //!< firings of each beam per sweep
   double period = 0.1;     //!< duration of a sweep (a revolution, if the head spins) [s]
   double min_range = 0.5;  //!< least range of a return [m]
-  //!< least range of a return [m]
   double max_range = 100;  //!< largest range of a return [m]
 
   double range_noise = 0.02;    //!< standard deviation for a bright target [m]

@@ -43,8 +43,7 @@ struct SimulatedScan
   std::vector<Eigen::Vector3f> flow;
   std::vector<std::uint32_t> label;  //!< SemanticKITTI: class (252-259: moving) | instance << 16
   std::vector<std::uint8_t> moving;  //!< 1 for points on moving bodies
-  Pose T_map_vehicle = Pose::Identity();
-  //!< vehicle pose at the stamp
+  Pose T_map_vehicle = Pose::Identity();       //!< vehicle pose at the stamp
   Pose T_map_vehicle_next = Pose::Identity();  //!< vehicle pose at the next scan's stamp
   std::vector<SimulatedObject> objects;        //!< objects within range
   // Samples after the stamp of the previous scan up to that of this one; none in the first scan.

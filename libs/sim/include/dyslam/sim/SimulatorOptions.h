@@ -54,8 +54,7 @@ struct SimulatorOptions : Options
   bool reverse = false;  //!< the ego drives its loop in the opposite direction; not on a highway
   bool stops = true;     //!< the ego stops at random times
 
-  double mounting_roll = 0;
-  //!< roll of the lidar about the ego's x axis [rad]
+  double mounting_roll = 0;   //!< roll of the lidar about the ego's x axis [rad]
   double mounting_pitch = 0;  //!< pitch of the lidar about the ego's y axis [rad]; > 0: downwards
 
   std::vector<FurtherSensor> further_sensors;  //!< have the first sensor's period and stamps

@@ -29,19 +29,19 @@ struct AugmentationOptions : Options
   void describe(OptionsVisitor& visitor) override;
 };
 
-/** Points of one real object, in the frame of its sensor. */
+/** Points of one real object, in the frame of the sensor that measured it [m]. */
 using Body = std::vector<Eigen::Vector3f>;
 
 /** Instances labelled as moving vehicles (class 252, number in the high half) with at least
  * `min_points`, of every scan in a folder that has a .label beside it. */
 [[nodiscard]] std::vector<Body> loadBodies(const std::string& folder, std::size_t min_points);
 
-/** Inserts a body into both scans and removes the points that it occludes. `T_2_1_body` moves its
- * points from the later to the earlier scan. */
+/** Inserts a body into both scans and removes the points that it occludes. \param T_2_1_body motion
+ * of the body's points from the later to the earlier scan */
 void pasteBody(const Body& body, const Pose& T_2_1_body, PointLabel label, TrainingPair& pair);
 
-/** Applies all augmentations of the options to a pair. Eq. 12 with T_aug on the later scan; the
- * truth becomes T_2_1 T_aug^-1 (Eq. 13 in our direction). */
+/** Applies all augmentations of the options to a pair. T_aug moves the later scan (the paper's Eq.
+ * 12), so the truth becomes T_2_1 T_aug^-1 (Eq. 13 in our direction). */
 void augment(const AugmentationOptions& options,
              const std::vector<Body>& bodies,
              RandomDraws& draws,

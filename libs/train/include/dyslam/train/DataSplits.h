@@ -36,24 +36,24 @@ class DataSplits
  public:
   /** \throws UserError for keys that are no split, and for ranges that overlap. */
   explicit DataSplits(const Config& config);
-  /** A file, or the name of a shipped one. \param field the setting that names it. \throws
-   * UserError. */
+  /** Reads a file of splits, or a shipped one by its name. \param field setting that names the
+   * file, for the message \throws UserError. */
   [[nodiscard]] static DataSplits load(const std::string& file, const std::string& field);
 
-  /** Whether a scan is of a split. The recording is the innermost folder of its path that has a
-   * section, the frame the last number in the file's name. \param field the setting that names the
-   * scan \throws UserError if it is of another split or of none. */
+  /** Requires that a scan is in a split. Its recording is the innermost folder of its path that has
+   * a section, its frame the last number in the file's name. \param field setting that names the
+   * scan, for the message \throws UserError if the scan is in another split or in none. */
   void requireScan(const std::string& file, Split split, const std::string& field) const;
-  /** The same of the frames of a folder of scans. \throws UserError. */
+  /** requireScan() for a range of frames of a folder of scans. \throws UserError. */
   void requireFrames(const std::string& folder,
                      const NumberRange& frames,
                      Split split,
                      const std::string& field) const;
-  /** The same of a simulated world. \throws UserError. */
+  /** Requires that a simulated world is in a split. \throws UserError. */
   void requireSeed(std::int64_t seed, Split split, const std::string& field) const;
-  /** The split of a scan, found as by requireScan(); nothing if it is of none or has no number. */
+  /** The split of a scan, found as by requireScan(); nothing if it is in none or has no number. */
   [[nodiscard]] std::optional<Split> splitOfScan(const std::string& file) const;
-  /** The split of a simulated world; nothing if it is of none. */
+  /** The split of a simulated world; nothing if it is in none. */
   [[nodiscard]] std::optional<Split> splitOfSeed(std::int64_t seed) const;
   /** The seeds to draw worlds from for training. \throws UserError unless it is one range. */
   [[nodiscard]] NumberRange trainingSeeds() const;

@@ -9,21 +9,21 @@ namespace dyslam
 /** The fields between the separators, without surrounding blanks; empty fields are kept. */
 [[nodiscard]] std::vector<std::string> splitFields(const std::string& text, char separator);
 
-/** The same without empty fields. */
+/** splitFields() without empty fields. */
 [[nodiscard]] std::vector<std::string> listItems(const std::string& text, char separator);
 
-/** A text that is a number and nothing else. \throws std::invalid_argument or std::out_of_range. */
+/** Parses a text that is a number and nothing else. \throws std::invalid_argument or
+ * std::out_of_range. */
 [[nodiscard]] double numberOf(const std::string& text);
-/** ... a whole number. */
+/** Parses a text that is an integer and nothing else. \throws as numberOf(). */
 [[nodiscard]] int wholeNumberOf(const std::string& text);
 
-/** The CSV file of a training that is continued: rows of later steps are left out, since a training
- * that was stopped between two checkpoints repeats them; a new file gets its header. \param header
- * names of the columns; the step comes first. \return step of the last row kept, -1 if there is
- * none \throws UserError. */
+/** Prepares the CSV file of a training that is continued: removes rows after `last_step`, which the
+ * training repeats; a new file gets the header. \param header names of the columns, the step first
+ * \return step of the last row kept, -1 if there is none \throws UserError. */
 long long beginLog(const std::string& file, const std::string& header, long long last_step);
 
-/** Rows behind those of a CSV file. \throws UserError if they cannot be written. */
+/** Appends rows to a CSV file. \throws UserError if they cannot be written. */
 void appendRows(const std::string& file, const std::vector<std::string>& rows);
 
 /** The folder that a setting names; a leading $NAME is read from the environment.

@@ -21,7 +21,7 @@ struct DyloLossOptions : Options
 };
 
 /** Loss with learned weights s_x, s_q: per stage ||t - t*|| e^-s_x + s_x + ||q - q*|| e^-s_q + s_q,
- * levels weighted 1.6, 0.8, 0.4, 0.2 coarse to fine as in PWCLO-Net, further passes 0.2 each, and
+ * levels weighted 1.6, 0.8, 0.4, 0.2 coarse to fine as in PWCLO-Net, further stages 0.2 each, and
  * point-wise terms: flow, residual likelihood, moving labels. The term of the dense pass, whose
  * pose is the network's output, is log(||t - t*|| + 5 mm) + log(||q - q*|| + 0.0002): relative
  * errors count, of a pair accurate to centimetres as much as of one that diverged. */
@@ -47,7 +47,7 @@ class DyloLossImpl : public torch::nn::Module
 
  private:
   DyloLossOptions options_;
-  torch::Tensor s_x_, s_q_;  //!< per stage
+  torch::Tensor s_x_, s_q_;  //!< learned weights of translation and rotation, per stage
 };
 TORCH_MODULE(DyloLoss);
 }  // namespace dyslam

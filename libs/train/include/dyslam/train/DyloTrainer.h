@@ -12,14 +12,15 @@ struct DyloTrainRequest
 {
   std::string output;   //!< folder for checkpoint.safetensors, dylo.safetensors, log.csv,
                         //!< validation.csv, effective.ini
-  bool resume = false;  //!< continue from checkpoint.safetensors there
+  bool resume = false;  //!< continue from checkpoint.safetensors in `output`
   std::string start;    //!< a checkpoint.safetensors or dylo.safetensors with the initial weights,
-                        //!< or empty
+                        //!< or empty: none
   std::string device = "cpu";
-  /** Gets a CSV of points and static confidence per validation recording, named by its number and
-   * name; empty for none. */
+  /** Folder for a CSV file of points and static confidence per validation recording, named by its
+   * number and name; empty: not written. */
   std::string mask_folder;
-  /** Print the validation table of `start`, or else of what is in the folder, and write nothing. */
+  /** Print the validation table of `start`, or if that is empty of the weights in `output`, and
+   * write nothing. */
   bool validate_only = false;
   std::function<bool()>
       stopped;  //!< polled before each step: true saves and ends the training; may be empty

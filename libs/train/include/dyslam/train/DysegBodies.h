@@ -16,7 +16,7 @@ struct BodyPart
 {
   Eigen::Vector3f centre;  //!< body frame: x ahead, z up from the ground [m]
   Eigen::Vector3f half;    //!< half lengths along the axes [m]
-  bool round = false;      //!< an ellipsoid
+  bool round = false;      //!< an ellipsoid instead of a box
 };
 
 enum class BodyKind
@@ -34,11 +34,11 @@ struct CastBody
 {
   BodyKind kind = BodyKind::random;
   std::vector<BodyPart> parts;
-  float radius = 0;  //!< of a circle around the body's origin that holds it, seen from above [m]
-  Eigen::AlignedBox3f bounds;  //!< of all parts, body frame [m]
 
-  /** Whether the place lies within `margin` [m] of the bounds, seen from above. \param p body frame
-   * [m] */
+  float radius = 0;  //!< radius around the origin that holds the body, seen from above [m]
+  Eigen::AlignedBox3f bounds;  //!< bounding box of all parts, body frame [m]
+  /** Whether a position lies within `margin` [m] of the bounds, seen from above. \param p body
+   * frame [m] */
   [[nodiscard]] bool covers(const Eigen::Vector2f& p, float margin) const;
 };
 
@@ -53,7 +53,8 @@ struct CastBody
  * sensor or right beside it is not hit.
  *
  * \param T_sensor_body upright pose of the body, its origin on the ground
- * \param points sensor at the origin; changed \return positions of the points that now lie on it.
+ * \param[in,out] points sensor frame, sensor at the origin [m] \return indices of the points that
+ * now lie on the body
  */
 std::vector<std::uint32_t> castBody(const CastBody& body,
                                     const Pose& T_sensor_body,

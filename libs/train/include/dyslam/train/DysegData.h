@@ -14,13 +14,13 @@
 
 namespace dyslam
 {
-/** Speeds above and below which objects are labelled moving and static; in between they are ignored
- * [m/s]. */
+/** Speed above which objects are labelled moving, and below which static; in between they are
+ * ignored [m/s]. */
 constexpr double min_moving_speed = 0.5;
 constexpr double max_static_speed = 0.25;
 /** Speed above which cast bodies, whose motion is known exactly, are labelled moving [m/s]. */
 constexpr double min_cast_moving_speed = 0.3;
-/** A pair of scans does not show a smaller displacement of an object [m]: moving objects that are
+/** Least displacement of an object that a pair of scans shows [m]: moving objects that are
  * displaced by less are ignored. */
 constexpr double min_visible_displacement = 0.1;
 /** Static objects that are displaced by more than this between the scans of a pair are ignored [m].
@@ -28,7 +28,7 @@ constexpr double min_visible_displacement = 0.1;
 constexpr double max_static_displacement = 0.2;
 /** Moving objects with fewer points are not listed for the choice of crops. */
 constexpr std::size_t min_mover_points = 16;
-/** Seeds of simulated clips to validate on, from here on (splits.ini). */
+/** First seed of the simulated clips to validate on (splits.ini). */
 constexpr std::uint64_t unseen_seeds = 900000000;
 
 /** Some consecutive scans of one drive with the ground truth of every point. */
@@ -46,13 +46,13 @@ struct DysegClip
   struct Frame
   {
     std::vector<Eigen::Vector3f> points;  //!< sensor at the origin [m]; (0,0,0) for no return
-    std::vector<std::int32_t> object;     //!< id > 0, still or unknown
+    std::vector<std::int32_t> object;     //!< object of each point: id > 0, still or unknown
     Pose T_world_sensor = Pose::Identity();
     std::map<std::int32_t, Object> objects;
   };
 
   std::string name;
-  double period = 0.1;  //!< between frames [s]
+  double period = 0.1;  //!< time between frames [s]
   std::vector<Frame> frames;
 };
 
@@ -65,27 +65,28 @@ struct DysegSample
 
   std::vector<Eigen::Vector3f> current;
   std::vector<Eigen::Vector3f> past;
-  std::vector<std::uint8_t> label;  //!< of each current point
+  std::vector<std::uint8_t> label;  //!< label of each current point
   std::vector<Eigen::Vector2f>
-      flow;  //!< of each, current to past, in the plane; NaN if unknown [m]
+      flow;  //!< planar flow of each current point, current to past [m]; NaN if unknown
   Pose T_past_current = Pose::Identity();
-  double elapsed = 0.1;  //!< s
-  /** Centres of moving objects with `min_mover_points` or more, for the choice of crops [m]. */
+  double elapsed = 0.1;  //!< time from the past to the current scan [s]
+  /** Centres of moving objects with at least `min_mover_points` points, for the choice of crops
+   * [m]. */
   std::vector<Eigen::Vector2f> movers;
 };
 
-/** Labels of all points of a frame, as DysegSample's, from the speed of the objects at that time.
- */
+/** Labels of all points of a frame, as DysegSample::label, from the speed of the objects at that
+ * time. */
 [[nodiscard]] std::vector<std::uint8_t> labelsBySpeed(const DysegClip::Frame& frame);
 
-/** Frame `current` of a clip against frame `past`: places in the clip, from 0.
+/** A pair of frames of a clip. \param current, past indices of the frames in the clip
  *
  * The flow of an object in both frames is that of its poses, or the ego-motion's if it stands still
  * between them. Objects whose displacement contradicts the label of their speed are ignored. */
 [[nodiscard]] DysegSample makeSample(const DysegClip& clip, std::size_t current, std::size_t past);
 
-/** A scan as if it had been taken twice, from two places: itself, moved, thinned and with new
- * noise. Nothing moves in it. */
+/** A pair made from one scan, as if it had been measured from two positions: the past scan is the
+ * scan moved, thinned and with new noise. Nothing in it moves. */
 [[nodiscard]] DysegSample doubleScan(const std::vector<Eigen::Vector3f>& points,
                                      const Pose& T_past_current,
                                      RandomDraws& draws);
@@ -113,24 +114,24 @@ void augment(const DysegAugmentOptions& options, RandomDraws& draws, DysegSample
  * drift has passed. */
 struct SweepDrift
 {
-  double start_azimuth = 0;  //!< at scan 0, from +x towards +y [rad]
-  double step = 0;           //!< per scan [rad]; 0: whole revolutions, deskewed or at rest
+  double start_azimuth = 0;  //!< start of the sweep of scan 0, from +x towards +y [rad]
+  double step = 0;           //!< drift per scan [rad]; 0: whole revolutions, deskewed or at rest
 
-  /** From scan to scan. */
+  /** Number of revolutions from scan to scan. */
   [[nodiscard]] double revolutions() const;
 };
 
-/** vls128_run88: boxes of SUSTechPOINTS beside scans, and poses by scan matching, which are those
- * of one revolution. With a drift, points and boxes are deskewed to the middle of their sweep, and
- * the poses are those of the time that really passed. \param folder of the run. \throws UserError.
- */
+/** Reads a run such as vls128_run88: scans, boxes of SUSTechPOINTS, and poses by scan matching as
+ * if each step were one revolution. With a drift, points and boxes are deskewed to the middle of
+ * their sweep, and the steps of the poses are scaled to the time that really passed. \param folder
+ * folder of the run \throws UserError. */
 [[nodiscard]] DysegClip loadBoxedRun(const std::string& folder,
                                      std::size_t first,
                                      std::size_t last,
                                      const SweepDrift& drift);
 
-/** A run with SemanticKITTI labels per point (0 unknown, 252-259 moving) and poses per scan. The
- * motions of its objects are not known, so movers have no flow. \throws UserError. */
+/** Reads a run with SemanticKITTI labels per point (0 unknown, 252-259 moving) and a pose per scan.
+ * The motions of its objects are not known, so moving points have no flow. \throws UserError. */
 [[nodiscard]] DysegClip loadLabelledRun(const std::string& folder,
                                         const std::string& pose_file,
                                         std::size_t first,
@@ -142,13 +143,13 @@ struct DysegClipScene
   sim::WorldKind world = sim::WorldKind::urban;
   sim::SensorKind sensor = sim::SensorKind::hdl64e;
   double traffic = -1;   //!< 0 to 1; below 0 it is drawn from 0.3 to 1
-  int columns = 0;       //!< firings per revolution; 0: those of the sensor
-  double ego_speed = 0;  //!< cruising speed [m/s]; 0: that of the world
+  int columns = 0;       //!< firings per revolution; 0: default of the sensor
+  double ego_speed = 0;  //!< cruising speed [m/s]; 0: default of the world
   sim::EgoKind ego = sim::EgoKind::automatic;
 };
 
-/** `scans` consecutive scans from the simulator. \param deskewed or as the sensor gives them.
- * \throws UserError for a seed above 2147483647. */
+/** `scans` consecutive scans from the simulator. \param deskewed false: points as the sensor
+ * measures them \throws UserError for a seed above 2147483647. */
 [[nodiscard]] DysegClip simulateClip(std::uint64_t seed,
                                      int scans,
                                      bool deskewed,

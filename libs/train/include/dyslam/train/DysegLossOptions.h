@@ -10,9 +10,9 @@ struct DysegLossOptions : Options
 {
   int iterations = 2;          //!< flow updates in training
   double decay = 0.8;          //!< weight of an update's flow relative to the next one's
-  int points = 3072;           //!< number of points of a pair in the point loss
-  double first_noise = 0.35;   //!< sigma of the guide at 1/4 resolution [m]; its yaw: 1.5 deg per m
-  double second_noise = 0.06;  //!< sigma of the static flow [m]
+  int points = 3072;           //!< number of points sampled per pair for the point loss
+  double first_noise = 0.35;   //!< sigma of TeacherMotions::coarse [m]; of its yaw: 1.5 deg per m
+  double second_noise = 0.06;  //!< sigma of TeacherMotions::fine [m]
   void describe(OptionsVisitor& visitor) override;
 };
 }  // namespace dyslam

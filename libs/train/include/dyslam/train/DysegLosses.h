@@ -14,11 +14,12 @@ namespace dyslam
 struct DysegCellTruth
 {
   std::vector<Eigen::Vector2f> flow;  //!< current to past [m]; NaN if unknown
-  std::vector<std::uint8_t> label;    //!< as DysegSample
+  std::vector<std::uint8_t> label;    //!< values as of DysegSample::label
 };
 
 /** Truth of cells from the truth of the kept points in them: moving if some points move.
- * \param row_of_point row of each kept point's cell \param places centres of the cells. */
+ * \param row_of_point row of each kept point's cell \param places centres of the cells [m] \param
+ * ego static motion, current to past */
 [[nodiscard]] DysegCellTruth cellTruth(const DysegSample& sample,
                                        const BevScan& scan,
                                        const std::vector<std::int32_t>& row_of_point,
@@ -36,13 +37,13 @@ struct DysegCellTruth
                                             const torch::Tensor& moving,
                                             int radius);
 
-/** Lovasz extension of 1 - IoU of the positive class, of probabilities (Berman et al. 2018).
- * \param weight number of points that each represents. */
+/** Lovasz extension of 1 - IoU of the positive class (Berman et al. 2018), of the sigmoid of the
+ * logits. \param weight number of points that each sampled point represents */
 [[nodiscard]] torch::Tensor lovaszLoss(const torch::Tensor& logit,
                                        const torch::Tensor& label,
                                        const torch::Tensor& weight);
 
-/** Mean over static plus mean over moving, each if there are any. */
+/** Mean over static values plus mean over moving values, each if there are any. */
 [[nodiscard]] torch::Tensor balancedMean(const torch::Tensor& value, const torch::Tensor& moving);
 
 struct DysegLoss
@@ -55,7 +56,8 @@ struct DysegLoss
   double point = 0;
 };
 
-/** Forward pass of one pair, with all losses. \param grid and \param centre of the crop. */
+/** Forward pass of one pair, with all losses. \param grid grid of the crop \param centre centre of
+ * the crop, current sensor frame [m] */
 [[nodiscard]] DysegLoss dysegLoss(DysegNet& net,
                                   const DysegSample& sample,
                                   const BevOptions& grid,

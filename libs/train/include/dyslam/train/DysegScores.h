@@ -15,12 +15,12 @@ struct DysegScores
   std::uint64_t true_positives = 0;   //!< moving points, predicted moving
   std::uint64_t false_positives = 0;  //!< static points, predicted moving
   std::uint64_t false_negatives = 0;  //!< moving points, predicted static
-  double static_error = 0;            //!< sum of end-point errors of static cells [m]
-  double moving_error = 0;            //!< of moving cells [m]
+  double static_error = 0;            //!< sum of end-point errors of the flow of static cells [m]
+  double moving_error = 0;            //!< sum of end-point errors of the flow of moving cells [m]
   std::uint64_t static_cells = 0;
   std::uint64_t moving_cells = 0;
-  double translation_error = 0;  //!< sum of the static flow's errors [m]
-  double yaw_error = 0;          //!< [rad]
+  double translation_error = 0;  //!< sum of the translation errors of the static motion [m]
+  double yaw_error = 0;          //!< sum of the yaw errors of the static motion [rad]
   std::uint64_t pairs = 0;
 
   [[nodiscard]] double iou() const;
@@ -29,7 +29,7 @@ struct DysegScores
   void add(const DysegScores& other);
 };
 
-/** Forward pass of one pair, evaluated on all labelled points of the scan. \param guess of the
+/** Forward pass of one pair, evaluated on all labelled points of the scan. \param guess initial
  * ego-motion, current to past, as the application has for scans farther back; null for a search
  * over all motions in the correlation window. \param iterations flow updates, at least 1. */
 [[nodiscard]] DysegScores scorePair(const DysegModel& model,

@@ -18,27 +18,27 @@ namespace dyslam
 struct DysegTrainerOptions : Options
 {
   std::string data;               //!< folder with the real data; empty: simulated data only
-  std::string splits = "splits";  //!< training, validation and test frames
+  std::string splits = "splits";  //!< file of the training, validation and test frames
   std::string boxed_run = "vls128_run88";  //!< training run with boxes, under `data`; empty: none
   int boxed_last = 47;                     //!< last training frame of `boxed_run`
-  SweepDrift boxed_drift;                  //!< of the scans of runs with boxes
-  /** Frames of a run with boxes and of one with labels that are evaluated and never trained on.
-   * They are compared with frames before them, up to 8 back, that may be. Empty for none. */
+  SweepDrift boxed_drift;                  //!< drift of the sweeps of runs with boxes
+  /** Frames of a run with boxes and of a run with labels that are evaluated and never trained on.
+   * They are compared with up to 8 frames before, which may be trained on. Empty: none. */
   std::string boxed_validation = "vls128_run88";
   int boxed_validation_first = 48;
   int boxed_validation_last = 63;
   std::string labelled_validation = "kitti_raw_2011_09_26_drive_0005";
-  std::string labelled_poses = "poses_icp_raw_velo.txt";  //!< in its folder
+  std::string labelled_poses = "poses_icp_raw_velo.txt";  //!< file in that run's folder
   int labelled_validation_first = 80;
   int labelled_validation_last = 109;
   std::string single_scans = "hdl64_singles_sceneflow,hdl64_singles_object/velodyne";
-  double simulated_share = 0.5;  //!< share of simulated pairs; the rest is real, if there is any
+  double simulated_share = 0.5;  //!< share of simulated pairs, if there are real data
   double single_share = 0.3;     //!< share of real pairs from single scans
-  double same_scan_share = 0.1;  //!< share of pairs of runs and clips from one scan, seen twice
-  int gap = 8;                   //!< scans between those that the application compares
-  double gap_share = 0;  //!< of pairs of runs and clips, that far apart; the others 1 to 10 scans
+  double same_scan_share = 0.1;  //!< share of the pairs of runs and clips that are doubleScan()s
+  int gap = 8;                   //!< distance of the scans that the application compares [scans]
+  double gap_share = 0;  //!< share of the pairs of runs and clips `gap` apart; others: 1 to 10
   double campus_share = 0.25;    //!< share of simulated clips on a campus
-  double highway_share = 0.2;    //!< share on a highway, of the clips that are not on a campus;
+  double highway_share = 0.2;    //!< share on a highway of the clips that are not on a campus;
                                  //!< the others are on streets
   double few_beams_share = 0.2;  //!< share of simulated clips with 16 beams
   int simulated_pool = 80;       //!< number of clips kept; the oldest is replaced
@@ -46,8 +46,8 @@ struct DysegTrainerOptions : Options
   int crop = 256;                //!< cells along each side in training
   double crop_reach = 26;        //!< largest distance of a crop's centre, in x and in y [m]
   int steps = 100000;
-  /** Largest batch. The random draws of a pair depend on it: number of the pair = step * max_batch
-   * + place in the batch. */
+  /** Largest batch. It determines the random draws of a pair: number of the pair = step * max_batch
+   * + index in the batch. */
   static constexpr int max_batch = 64;
   int batch = 2;  //!< pairs in a step
   LearningRateOptions rate;
@@ -68,7 +68,7 @@ struct DysegTrainerSetup
   BevOptions grid;
   DysegAugmentOptions augmentation;
   DysegLossOptions loss;
-  std::string device = "cpu";  //!< or cuda; the data are prepared on the CPU
+  std::string device = "cpu";  //!< cpu or cuda; the data are prepared on the CPU
 };
 
 /** Trains DySeg's network and writes the results into a folder.
@@ -87,12 +87,14 @@ class DysegTrainer
   DysegTrainer(const DysegTrainerSetup& setup, std::string folder);
   ~DysegTrainer();
 
-  /** Makes sure that no training is overwritten. \throws UserError if the folder holds one. */
+  /** Makes sure that no training is overwritten. \throws UserError if the folder holds a training.
+   */
   void requireFreshFolder() const;
-  /** Resume from the folder's checkpoint. \throws UserError if there is none or it does not fit. */
+  /** Resumes from the folder's checkpoint. \throws UserError if there is none or it does not fit.
+   */
   void resume();
-  /** Start from the weights of a file. \throws UserError, also if they are of another grid; only
-   * the number of cells may differ. */
+  /** Starts from the weights of a file. \throws UserError, also if they were trained for another
+   * grid; only the number of cells may differ. */
   void startFrom(const std::string& weights);
   /** \param report is called with a line of progress from time to time \param stopped is polled
    * before each step: true saves and ends; null for never. \throws UserError if data are missing,

@@ -20,7 +20,7 @@ struct LearningRateOptions : Options
 
   /** Rate of a step, counted from 0. */
   [[nodiscard]] double rateAt(std::int64_t step, std::int64_t steps) const;
-  /** The first step of the decay. */
+  /** First step at which the rate decays. \param steps number of all steps */
   [[nodiscard]] std::int64_t firstOfDecay(std::int64_t steps) const;
 };
 }  // namespace dyslam

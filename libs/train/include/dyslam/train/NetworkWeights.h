@@ -9,14 +9,15 @@
 
 namespace dyslam
 {
-/** Copies the weights of a network of the same shape. \param file where they are from, for the
- * message \throws UserError naming the first that is missing there or of another shape. */
+/** Copies the weights of a network of the same shape. \param file file of the weights, for the
+ * message \throws UserError naming the first weight that is missing in `from` or of another shape.
+ */
 void copyWeights(torch::nn::Module& to, const torch::nn::Module& from, const std::string& file);
 
 /** Exponential moving average of the weights of a training, which scores better than the last
- * weights (Polyak and Juditsky 1992). \param mean, now of the same shape \param step that gave
- * `now`, from 0 \param decay weight of the mean; less in the first steps, so that these are
- * forgotten sooner. */
+ * weights (Polyak and Juditsky 1992). \param[in,out] mean averaged weights \param now weights after
+ * the step, of the same shape \param step step that gave `now`, from 0 \param decay weight of the
+ * mean; less in the first steps, so that these are forgotten sooner. */
 void updateMean(torch::nn::Module& mean,
                 const torch::nn::Module& now,
                 std::int64_t step,
@@ -24,10 +25,10 @@ void updateMean(torch::nn::Module& mean,
 
 /** Limits the norm of all gradients together to `clip` and takes a step of the optimizer. If the
  * norm is not finite, the gradients are set to zero and no step is taken: it would destroy the
- * weights. \return the norm before. */
+ * weights. \return the norm before the limit */
 double clippedStep(torch::optim::Optimizer& optimizer, double clip);
 
-/** State of Adam (or AdamW) for each of its parameters, for a checkpoint. */
+/** Stores the state of Adam (or AdamW) for each of its parameters, for a checkpoint. */
 void setOptimizerState(TensorFile& file, torch::optim::Optimizer& optimizer);
 
 /** Replaces the state of each parameter that has one in the file; a parameter that had no gradient

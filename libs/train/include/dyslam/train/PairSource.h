@@ -21,9 +21,9 @@ enum class PointLabel : std::uint8_t
 struct TrainingPair
 {
   std::vector<Eigen::Vector3f> points1;  //!< the later scan, sensor at the origin [m]
-  std::vector<Eigen::Vector3f> points2;  //!< the earlier scan [m]
+  std::vector<Eigen::Vector3f> points2;  //!< the earlier scan, sensor at the origin [m]
   std::vector<PointLabel> labels1;       //!< one per point of the later scan
-  Pose T_2_1 = Pose::Identity();  //!< takes points of the later scan to the earlier one's frame
+  Pose T_2_1 = Pose::Identity();  //!< takes points of the later scan to the earlier scan's frame
 };
 
 /** Endless training pairs by number. pair(i) depends on the source and i alone, so that a resumed

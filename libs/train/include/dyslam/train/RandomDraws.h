@@ -12,7 +12,7 @@
 
 namespace dyslam
 {
-/** Small seeded random numbers (splitmix64) whose draws are the same on every platform. Those of
+/** Small seeded random numbers (splitmix64) whose draws are the same on every platform. Draws of
  * different seeds or indices are independent, also of neighbouring ones.
  *
  * Several draws in the arguments of one call are not allowed: their order of evaluation is
@@ -32,12 +32,13 @@ class RandomDraws
     state_ += splitmix_increment;
     return mixedBits(state_);
   }
-  /** In [0, 1). */
+  /** Uniform in [0, 1). */
   double uniform() { return static_cast<double>(bits() >> 11) * 0x1.0p-53; }
   double uniform(double low, double high) { return low + (high - low) * uniform(); }
-  /** In [0, count); count at least 1. */
+  /** An integer in [0, count). \pre count is at least 1 */
   std::size_t below(std::size_t count) { return static_cast<std::size_t>(bits() % count); }
-  /** A place in a list of weights, as often as its weight is of their sum; it has one at least. */
+  /** An index into a list of weights that is not empty, with a probability proportional to the
+   * weight. */
   std::size_t byWeight(const std::vector<double>& weights)
   {
     double rest = uniform() * std::accumulate(weights.begin(), weights.end(), 0.0);
@@ -55,7 +56,7 @@ class RandomDraws
     const double radius = std::sqrt(-2 * std::log(1 - uniform()));
     return deviation * radius * std::cos(2 * M_PI * uniform());
   }
-  /** One for each standard deviation, drawn from the last to the first. */
+  /** A normal number for each standard deviation, drawn from the last to the first. */
   template <std::size_t N>
   std::array<double, N> normals(const std::array<double, N>& deviations)
   {

@@ -26,8 +26,8 @@ class RecordingPairSource : public PairSource
   std::uint64_t seed_;
 };
 
-/** One scan made into two: its points are split between both, one of which is moved by a random
- * motion. For variety of places, not for accuracy: both halves show the same rings. */
+/** Pairs made from one scan: its points are split into two scans, one of which is moved by a random
+ * motion. They add variety of places, not accuracy: both halves show the same rings. */
 class SingleScanSource : public PairSource
 {
  public:

@@ -7,8 +7,8 @@
 
 namespace dyslam
 {
-/** Points of a .bin file; all coordinates of those that are no returns become `no_return` (0 or
- * NaN). \throws UserError. */
+/** Reads the points of a .bin file [m]; all coordinates of points that are no returns become
+ * `no_return` (0 or NaN). \throws UserError. */
 [[nodiscard]] std::vector<Eigen::Vector3f> readTrainingPoints(const std::string& path,
                                                               float no_return);
 }  // namespace dyslam
