@@ -333,7 +333,9 @@ SlamRun::~SlamRun() = default;
 
 std::vector<std::string> SlamRun::sections()
 {
-  const Impl run{SlamRunSettings()};  // all stages and outputs load theirs, used or not
+  SlamRunSettings settings;
+  settings.rawlog = "none.rawlog";  // is not opened
+  const Impl run(settings);         // all stages and outputs load their sections, used or not
   std::vector<std::string> names = run.config.effective().sectionNames();
   std::sort(names.begin(), names.end());
   return names;
