@@ -11,7 +11,6 @@
 
 #include <cstdio>
 #include <filesystem>
-#include <optional>
 #include <ostream>
 #include <string>
 
@@ -74,14 +73,6 @@ std::string inDyslam(const UserError& error, const std::string& input, const std
                                                      " ... -o x.rawlog, then dyslam -i x.rawlog)");
 }
 
-/** When a file was last written; nothing if it is not there. */
-std::optional<fs::file_time_type> timeOf(const std::string& file)
-{
-  std::error_code missing;
-  const auto time = fs::last_write_time(file, missing);
-  return missing ? std::nullopt : std::make_optional(time);
-}
-
 /** Converts, and leaves the files so that a rerun may replace them. \throws UserError. */
 void convertTo(const ConvertedFiles& files,
                const RecordingConverter& converter,
@@ -89,7 +80,7 @@ void convertTo(const ConvertedFiles& files,
                const SlamArguments& a)
 {
   const std::string& input = a.settings.rawlog;
-  const auto earlier = timeOf(files.rawlog);
+  const bool is_new = !fs::exists(files.rawlog);
   try
   {
     const ConversionResult result =
@@ -107,13 +98,11 @@ void convertTo(const ConvertedFiles& files,
   }
   catch (const UserError& error)
   {
-    std::string message = inDyslam(error, input, converter.program());
-    if (const auto now = timeOf(files.rawlog); now && now != earlier)
+    if (is_new && fs::exists(files.rawlog))  // with the scans before the error
     {
       writeOrigin(input, converter.program(), files);
-      message += "; the scans before it are in " + files.rawlog;
     }
-    throw UserError(message);
+    throw UserError(inDyslam(error, input, converter.program()));
   }
 }
 }  // namespace

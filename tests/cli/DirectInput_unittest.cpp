@@ -220,7 +220,7 @@ TEST_F(DirectInput, ARerunConvertsAgain)
   EXPECT_EQ(0, run("dyslam", words + " --force").code);
 }
 
-TEST_F(DirectInput, ADamagedInputReplacesAnEarlierRecording)
+TEST_F(DirectInput, ADamagedInputLeavesAnEarlierRecording)
 {
   bins("scans");
   ASSERT_EQ(0, run("dyslam", "-q -i " + at("scans") + " -o " + at("run")).code);
@@ -228,9 +228,13 @@ TEST_F(DirectInput, ADamagedInputReplacesAnEarlierRecording)
   bins("damaged");
   fs::resize_file(at("damaged/000003.bin"), 1001);
   expectRefused("-q -i " + at("damaged") + " -o " + at("run"),
-                {"000003.bin", "the scans before it are in " + at("run/recording.rawlog")});
-  EXPECT_NE(earlier, folder_.read("run/recording.rawlog"));
-  EXPECT_TRUE(contains(folder_.read("run/recording.ini"), "input = " + at("damaged") + "\n"));
+                {"000003.bin", "; the earlier " + at("run/recording.rawlog") + " stays"});
+  EXPECT_EQ(earlier, folder_.read("run/recording.rawlog"));
+  EXPECT_TRUE(contains(folder_.read("run/recording.ini"), "input = " + at("scans") + "\n"));
+
+  expectRefused("-q -i " + at("damaged") + " -o " + at("new"),
+                {"000003.bin", "; the scans before it are in " + at("new/recording.rawlog")});
+  EXPECT_TRUE(contains(folder_.read("new/recording.ini"), "input = " + at("damaged") + "\n"));
 
   fs::remove(at("damaged/000000.bin"));  // no scan is left before the damaged one
   fs::remove(at("damaged/000001.bin"));

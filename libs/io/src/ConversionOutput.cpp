@@ -5,6 +5,7 @@
 #include <dyslam/core/Error.h>
 #include <dyslam/core/Files.h>
 #include <dyslam/formats/ExternalFiles.h>
+#include <dyslam/io/OptionError.h>
 
 #include <filesystem>
 #include <sstream>
@@ -83,7 +84,8 @@ void requireNoInput(const std::string& output, const std::vector<std::string>& i
 ConversionOutput::ConversionOutput(const std::string& path,
                                    bool external_storage,
                                    int compression_level)
-    : folder_(groundTruthFolder(path)),
+    : path_(path),
+      folder_(groundTruthFolder(path)),
       pending_(folder_ + ".tmp"),
       writer_(inFolder(path), writerOptions(external_storage, compression_level))
 {
@@ -95,10 +97,7 @@ ConversionOutput::~ConversionOutput()
 {
   try
   {
-    if (!closed_ && result_.scans > 0)
-    {
-      close();
-    }
+    (void)keepAfterError();
   }
   catch (const std::exception&)
   {
@@ -106,6 +105,38 @@ ConversionOutput::~ConversionOutput()
   }
   std::error_code ignored;
   fs::remove_all(pending_, ignored);
+}
+
+/** Ends the output after an error, as said at the class; does nothing if it is closed. \return end
+ * of the error's message, empty if no recording is kept. */
+std::string ConversionOutput::keepAfterError()
+{
+  if (closed_)
+  {
+    return "";
+  }
+  for (const std::string& earlier : {path_, folder_})
+  {
+    std::error_code ignored;
+    if (result_.scans > 0 && fs::exists(earlier, ignored))
+    {
+      abandon();
+      return "; the earlier " + earlier + " stays";
+    }
+  }
+  if (result_.scans == 0)
+  {
+    abandon();
+    return "";
+  }
+  close();
+  return "; the scans before it are in " + path_;
+}
+
+void ConversionOutput::abandon()
+{
+  closed_ = true;
+  writer_.abandon();
 }
 
 GroundTruthWriter& ConversionOutput::truth()
@@ -130,8 +161,7 @@ void ConversionOutput::reportProgress(const ConversionProgress& progress, double
   }
   catch (...)
   {
-    closed_ = true;
-    writer_.abandon();
+    abandon();
     throw;
   }
 }
@@ -213,5 +243,21 @@ ConversionResult ConversionOutput::close()
   }
   installTruth();
   return result_;
+}
+
+ConversionResult ConversionOutput::fill(const std::function<ConversionResult()>& work)
+{
+  try
+  {
+    return work();
+  }
+  catch (const OptionError& error)
+  {
+    throw OptionError(error.what() + keepAfterError(), error.flag());
+  }
+  catch (const UserError& error)
+  {
+    throw UserError(error.what() + keepAfterError());
+  }
 }
 }  // namespace dyslam

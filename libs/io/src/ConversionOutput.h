@@ -5,6 +5,7 @@
 #include <dyslam/io/Converters.h>
 #include <dyslam/io/RawlogWriter.h>
 
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -31,8 +32,9 @@ constexpr const char* thinned_without_times =
 
 /** A rawlog and, once there is truth for it, its sidecar; counts what it writes.
  *
- * Both get their names by close(), or by the destructor when an error ends the work after the first
- * scan. Until then files of an earlier conversion stay as they are.
+ * Both get their names by close(). When an error ends the work after the first scan, the scans
+ * before it are kept, unless there is an earlier recording or truth of the name: then that stays,
+ * and all that was written is removed.
  */
 class ConversionOutput
 {
@@ -60,6 +62,9 @@ class ConversionOutput
    * removed. */
   void reportProgress(const ConversionProgress& progress, double fraction);
   ConversionResult close();
+  /** Calls `work`, which fills and closes the output. \throws UserError of `work`, whose message
+   * then also names the recording that is kept, if there is one. */
+  ConversionResult fill(const std::function<ConversionResult()>& work);
 
   /** Number of the scan written last. \pre there is one */
   [[nodiscard]] std::size_t lastFrame() const { return result_.scans - 1; }
@@ -67,7 +72,10 @@ class ConversionOutput
  private:
   GroundTruthWriter& truth();
   void installTruth() const;
+  std::string keepAfterError();
+  void abandon();
 
+  std::string path_;     //!< file of the rawlog
   std::string folder_;   //!< folder of the ground truth
   std::string pending_;  //!< temporary folder of the ground truth
   RawlogWriter writer_;

@@ -98,6 +98,26 @@ void addNotes(const KittiLayout& layout,
                            " of oxts");
   }
 }
+/** \param deskewed all points are of one instant */
+Scan readKittiScan(const KittiLayout::Entry& entry,
+                   const Pose& T_vehicle_lidar,
+                   bool correct_angles,
+                   bool deskewed)
+{
+  Scan scan = readBin(entry.scan);
+  scan.stamp = entry.stamp;
+  scan.sensor_label = "velodyne";
+  scan.T_vehicle_lidar = T_vehicle_lidar;
+  if (correct_angles)
+  {
+    correctVerticalAngles(scan);
+  }
+  if (deskewed)
+  {
+    scan.time.assign(scan.size(), 0.F);
+  }
+  return scan;
+}
 }  // namespace
 
 void KittiConverterOptions::describe(OptionsVisitor& visitor)
@@ -165,40 +185,36 @@ ConversionResult convertKitti(const std::string& input,
   MotionSampleWriter motion;
   auto imu = layout.imu.begin();
   auto fix = layout.gnss.begin();
-  for (std::size_t i = 0; i < entries.size(); ++i)
-  {
-    const KittiLayout::Entry& entry = *entries[i];
-    Scan scan = readBin(entry.scan);
-    scan.stamp = entry.stamp;
-    scan.sensor_label = "velodyne";
-    scan.T_vehicle_lidar = T_vehicle_lidar;
-    if (options.vertical_angle_correction)
-    {
-      correctVerticalAngles(scan);
-    }
-    if (deskewed)
-    {
-      scan.time.assign(scan.size(), 0.F);  // deskewed: all points at one instant
-    }
-    for (; imu != layout.imu.end() && imu->stamp <= scan.stamp; ++imu)
-    {
-      motion.add(*imu);
-    }
-    for (; fix != layout.gnss.end() && fix->stamp <= scan.stamp; ++fix)
-    {
-      motion.add(*fix);
-    }
-    motion.writeUpTo(scan.stamp, out);
-    out.write(scan, entry.T_world_lidar);
-    if (!entry.labels.empty())
-    {
-      out.addLabels(readLabels(entry.labels, scan.size()));
-    }
-    const auto range = boxes.equal_range(static_cast<int>(entry.number));
-    std::for_each(range.first, range.second, [&out](const auto& box) { out.addBox(*box.second); });
-    out.reportProgress(progress, static_cast<double>(i + 1) / static_cast<double>(entries.size()));
-  }
-  ConversionResult result = out.close();
+  ConversionResult result = out.fill(
+      [&]
+      {
+        for (std::size_t i = 0; i < entries.size(); ++i)
+        {
+          const KittiLayout::Entry& entry = *entries[i];
+          const Scan scan =
+              readKittiScan(entry, T_vehicle_lidar, options.vertical_angle_correction, deskewed);
+          for (; imu != layout.imu.end() && imu->stamp <= scan.stamp; ++imu)
+          {
+            motion.add(*imu);
+          }
+          for (; fix != layout.gnss.end() && fix->stamp <= scan.stamp; ++fix)
+          {
+            motion.add(*fix);
+          }
+          motion.writeUpTo(scan.stamp, out);
+          out.write(scan, entry.T_world_lidar);
+          if (!entry.labels.empty())
+          {
+            out.addLabels(readLabels(entry.labels, scan.size()));
+          }
+          const auto range = boxes.equal_range(static_cast<int>(entry.number));
+          std::for_each(range.first, range.second,
+                        [&out](const auto& box) { out.addBox(*box.second); });
+          out.reportProgress(progress,
+                             static_cast<double>(i + 1) / static_cast<double>(entries.size()));
+        }
+        return out.close();
+      });
   result.warnings = layout.warnings;
   addNotes(layout, options, deskewed, motion, result);
   result.pose_source = layout.pose_file;

@@ -424,18 +424,22 @@ ConversionResult convertScans(const std::string& input,
   // Made last: bad input must not touch an earlier output.
   ScanSink sink(output, options);
   sink.setProgress(progress);
-  switch (kind)
-  {
-    case InputKind::folder:
-      convertFolder(input, sink, files, poses, options);
-      break;
-    case InputKind::pcap:
-      convertPcap(input, sink, options);
-      break;
-    case InputKind::bag:
-      convertBag(input, sink, options);
-      break;
-  }
-  return sink.close();
+  return sink.fill(
+      [&]
+      {
+        switch (kind)
+        {
+          case InputKind::folder:
+            convertFolder(input, sink, files, poses, options);
+            break;
+          case InputKind::pcap:
+            convertPcap(input, sink, options);
+            break;
+          case InputKind::bag:
+            convertBag(input, sink, options);
+            break;
+        }
+        return sink.close();
+      });
 }
 }  // namespace dyslam

@@ -5,6 +5,7 @@
 
 #include <cstddef>
 #include <deque>
+#include <functional>
 #include <map>
 #include <optional>
 #include <string>
@@ -51,6 +52,8 @@ class ScanSink
   void note(const std::string& what) { notes_.push_back(what); }
   void warn(const std::string& what) { warnings_.push_back(what); }
   ConversionResult close();
+  /** See ConversionOutput::fill(). */
+  ConversionResult fill(const std::function<ConversionResult()>& work) { return out_.fill(work); }
 
  private:
   static constexpr std::size_t most_waiting = 20;  //!< scans of a further lidar

@@ -6,6 +6,7 @@
 #include <dyslam/io/RawlogSource.h>
 
 #include <algorithm>
+#include <filesystem>
 
 #include "ScanFolders.h"
 
@@ -432,5 +433,35 @@ TEST(ScanConverter, Errors)
   EXPECT_TRUE(contains(message(folder.write("a.pcap", "nonsense")), "not a network capture"));
   options.sensor = "VLP99";
   EXPECT_TRUE(contains(message(folder.file("a.pcap")), "--sensor VLP99"));
+}
+
+TEST(ScanConverter, AnErrorBehindTheFirstScanLeavesAnEarlierRecording)
+{
+  const TestFolder folder;
+  writeBins(folder, "in", 4);
+  writeKittiPoses(folder.file("poses.txt"),
+                  std::vector<Pose>{somePose(0), somePose(1), somePose(2), somePose(3)});
+  ScanConverterOptions options;
+  options.poses = folder.file("poses.txt");
+  (void)convertScans(folder.file("in"), folder.file("x.rawlog"), options);
+  const std::string earlier = folder.read("x.rawlog");
+  const std::string earlier_truth = folder.read("x.gt/poses_tum.txt");
+  std::filesystem::resize_file(folder.file("in/000002.bin"), 17);
+  const auto message = [&](const std::string& output)
+  {
+    return messageOfError<UserError>(
+        [&] { (void)convertScans(folder.file("in"), folder.file(output), options); });
+  };
+  EXPECT_TRUE(contains(message("x.rawlog"), "000002.bin"));
+  EXPECT_TRUE(contains(message("x.rawlog"), "; the earlier " + folder.file("x.rawlog") + " stays"));
+  EXPECT_EQ(earlier, folder.read("x.rawlog"));
+  EXPECT_EQ(earlier_truth, folder.read("x.gt/poses_tum.txt"));
+  EXPECT_FALSE(std::filesystem::exists(folder.file("x.rawlog.tmp")));
+  EXPECT_FALSE(std::filesystem::exists(folder.file("x.gt.tmp")));
+
+  EXPECT_TRUE(
+      contains(message("new.rawlog"), "; the scans before it are in " + folder.file("new.rawlog")));
+  EXPECT_EQ(2U, readAll(folder.file("new.rawlog")).size());
+  EXPECT_TRUE(std::filesystem::exists(folder.file("new.gt/poses_tum.txt")));
 }
 }  // namespace dyslam
