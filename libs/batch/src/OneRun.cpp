@@ -2,8 +2,10 @@
 #include "OneRun.h"
 
 #include <dyslam/batch/ChildProcess.h>
+#include <dyslam/core/Config.h>
 #include <dyslam/core/Error.h>
 #include <dyslam/core/Files.h>
+#include <dyslam/core/PendingFile.h>
 #include <dyslam/formats/ProgramLines.h>
 #include <dyslam/formats/RecordingKind.h>
 #include <dyslam/formats/RunFiles.h>
@@ -14,6 +16,7 @@
 #include <exception>
 #include <filesystem>
 #include <fstream>
+#include <nlohmann/json.hpp>
 #include <sstream>
 #include <vector>
 
@@ -47,8 +50,58 @@ std::string tailOf(const std::string& path)
   return text.str();
 }
 
-/** Moves results to their folder as a whole: the results of an earlier run are replaced at the end,
- * other files stay. */
+/** A path within the folder `from`, once that is moved to `to`; any other as it is. */
+std::string movedPath(const std::string& path, const std::string& from, const std::string& to)
+{
+  const fs::path relative =
+      fs::path(path).lexically_relative(fs::absolute(from).lexically_normal());
+  return relative.empty() || *relative.begin() == ".."
+             ? path
+             : (fs::absolute(to).lexically_normal() / relative).string();
+}
+
+/** Replaces the first `before` in a file by `after`. */
+void replaceIn(const fs::path& file, const std::string& before, const std::string& after)
+{
+  std::string text = readWhole(file.string());
+  const std::size_t at = text.find(before);
+  if (at != std::string::npos && before != after)
+  {
+    writeWhole(file.string(), text.replace(at, before.size(), after));
+  }
+}
+
+/** Makes the files of a run name those of their own folder as they will be at `to`: the converted
+ * recording in report.json, the labels of the first pass in effective.ini. */
+void renameOwnFiles(const std::string& from, const std::string& to)
+{
+  const fs::path report = fs::path(from) / "report.json";
+  const fs::path ini = fs::path(from) / "effective.ini";
+  if (!fs::exists(report) || !fs::exists(ini))
+  {
+    return;
+  }
+  const auto json = nlohmann::json::parse(readWhole(report.string()), nullptr, false);
+  if (json.is_object() && json.contains("input") && json["input"].is_string())
+  {
+    const auto entry = [](const std::string& path)
+    {
+      return "\"input\": " +
+             nlohmann::json(path).dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+    };
+    const auto input = json["input"].get<std::string>();
+    replaceIn(report, entry(input), entry(movedPath(input, from, to)));
+  }
+  const Config settings = Config::fromFile(ini.string());
+  if (settings.has("dyseg", "labels"))
+  {
+    const std::string& labels = settings.section("dyseg").at("labels").text;
+    replaceIn(ini, labels, movedPath(labels, from, to));
+  }
+}
+
+/** Moves results to their folder as a whole: those of an earlier run are replaced at the end, other
+ * files stay. */
 void moveResults(const fs::path& from, const fs::path& to)
 {
   const fs::path partial = to.string() + ".partial";
@@ -239,6 +292,10 @@ RunEnd runOne(const BatchSettings& settings,
   const RunEnd end = recordOutcome(outcome, stopped, folder, m);
   if (m.hasResults())
   {
+    if (folder != final_folder)
+    {
+      renameOwnFiles(folder, final_folder);
+    }
     m.settings_checksum = checksumOfFile((fs::path(folder) / "effective.ini").string());
   }
   writeManifest(folder, m);

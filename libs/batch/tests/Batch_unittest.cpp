@@ -246,6 +246,23 @@ TEST_F(Batch, ResultsMoveFromScratchAsAWhole)
   EXPECT_EQ(countsOf(run()).skipped, 3U);
 }
 
+TEST_F(Batch, ResultsFromScratchNameTheFilesOfTheirFolder)
+{
+  settings_.scratch = folder_.file("scratch");
+  program(
+      "printf '{\n  \"input\": \"%s/recording.rawlog\"\n}\n' \"$4\" > \"$4/report.json\"\n"
+      "printf '[dyseg]\nmethod = none\nlabels = %s/first_pass/labels  // of points\n' \"$4\" > "
+      "\"$4/effective.ini\"\n"
+      "exit 0");
+  EXPECT_EQ(countsOf(run()).done, 3U);
+  const std::string out = folder_.file("out/b");
+  EXPECT_EQ(folder_.read("out/b/report.json"),
+            "{\n  \"input\": \"" + out + "/recording.rawlog\"\n}\n");
+  EXPECT_EQ(folder_.read("out/b/effective.ini"),
+            "[dyseg]\nmethod = none\nlabels = " + out + "/first_pass/labels  // of points\n");
+  EXPECT_EQ(countsOf(run()).skipped, 3U);
+}
+
 TEST_F(Batch, FailureInScratchLeavesEarlierResultsAndCheckpoints)
 {
   settings_.scratch = folder_.file("scratch");

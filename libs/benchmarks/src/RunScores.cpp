@@ -187,8 +187,8 @@ std::optional<OdometryConsistency> evaluateConsistency(const fs::path& folder,
   return odometryConsistency(pairs, readMotionFile(motions.string()), stamp_tolerance);
 }
 
-/** Ground-truth folder: as given, or next to the rawlog named in the report. */
-std::string truthFolder(const std::string& given, const Json& report)
+/** Ground-truth folder: as given, or next to the recording of the run. */
+std::string truthFolder(const std::string& given, const std::string& folder, const Json& report)
 {
   if (!given.empty())
   {
@@ -199,7 +199,7 @@ std::string truthFolder(const std::string& given, const Json& report)
   {
     return "";
   }
-  return groundTruthFolder(input->get<std::string>());
+  return groundTruthFolder(recordingOfRun(folder, input->get<std::string>()));
 }
 }  // namespace
 
@@ -229,12 +229,13 @@ RunScores scoresOf(const std::string& folder,
   }
   RunScores scores;
   scores.report = readReport(folder, note);
-  const std::string truth = truthFolder(given_truth, scores.report);
+  const std::string truth = truthFolder(given_truth, folder, scores.report);
   const fs::path reference = referenceOf(folder, given_truth);
   evaluatePoses(folder, reference, metrics, note, scores);
   if (scores.trajectory)
   {
-    scores.truth = originOf(folder, scores.report, truthFolder("", scores.report), given_truth);
+    scores.truth =
+        originOf(folder, scores.report, truthFolder("", folder, scores.report), given_truth);
     if (scores.truth.isExact())
     {
       scores.consistency = evaluateConsistency(folder, reference);

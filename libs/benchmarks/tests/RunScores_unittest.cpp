@@ -91,6 +91,22 @@ TEST_F(RunScoresOf, ReferenceLabelsAndReportAreUsed)
   EXPECT_DOUBLE_EQ(json["segmentation"]["recall"].get<double>(), 0.5);
 }
 
+TEST_F(RunScoresOf, GroundTruthOfAConvertedRecordingIsMovedWithItsRun)
+{
+  const std::string run =
+      writeRun("run", R"({"frames": 40, "input": "/before/run/recording.rawlog"})");
+  writeTum(folder_.file("run/reference_tum.txt"), straight(1));
+  folder_.write("run/recording.rawlog", "");
+  for (const std::string name : {"run/recording.gt/labels", "run/labels"})
+  {
+    std::filesystem::create_directories(folder_.file(name));
+    writeLabels(folder_.file(name + "/000000.label"), {label_moving, label_static});
+  }
+  const RunScores one = scores(run);
+  EXPECT_TRUE(notes_.empty()) << notes_.front();
+  EXPECT_TRUE(one.labels);
+}
+
 TEST_F(RunScoresOf, WhatIsMissingIsNoted)
 {
   const std::string run = writeRun("run", "");

@@ -25,4 +25,13 @@ std::vector<std::string> filesOfRun(const std::string& folder)
   }
   return names;
 }
+
+std::string recordingOfRun(const std::string& folder, const std::string& input)
+{
+  const auto name = std::filesystem::path(input).filename();
+  const auto beside = std::filesystem::path(folder) / name;
+  const bool moved =
+      !name.empty() && !std::filesystem::exists(input) && std::filesystem::exists(beside);
+  return moved ? beside.string() : input;
+}
 }  // namespace dyslam

@@ -18,4 +18,16 @@ TEST(RunFiles, AreThoseOfTheReport)
     EXPECT_TRUE(filesOfRun(folder.path()).empty()) << other;
   }
 }
+
+TEST(RunFiles, AConvertedRecordingIsMovedWithItsRun)
+{
+  const TestFolder folder;
+  const std::string before = folder.file("before/recording.rawlog");
+  EXPECT_EQ(recordingOfRun(folder.file("run"), before), before) << "neither is there";
+  const std::string beside = folder.write("run/recording.rawlog", "");
+  EXPECT_EQ(recordingOfRun(folder.file("run"), before), beside);
+  EXPECT_EQ(recordingOfRun(folder.file("run"), ""), "");
+  folder.write("before/recording.rawlog", "");
+  EXPECT_EQ(recordingOfRun(folder.file("run"), before), before);
+}
 }  // namespace dyslam

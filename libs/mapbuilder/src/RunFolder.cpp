@@ -5,6 +5,7 @@
 #include <dyslam/core/Options.h>
 #include <dyslam/formats/LabelFiles.h>
 #include <dyslam/formats/MotionFiles.h>
+#include <dyslam/formats/RunFiles.h>
 #include <dyslam/formats/TrajectoryFiles.h>
 #include <dyslam/mapbuilder/MapRun.h>
 #include <dyslam/mapbuilder/RunFolder.h>
@@ -51,8 +52,7 @@ void requireRecording(const std::string& rawlog, const std::string& run, const s
   }
 }
 
-/** The recording that a report names, or one of that name in its folder, which may have been moved
- * with it. */
+/** The recording of the run that a report is of, see recordingOfRun(). */
 std::string inputOf(const std::string& report)
 {
   const auto json = nlohmann::json::parse(readWhole(report), nullptr, false);
@@ -60,9 +60,7 @@ std::string inputOf(const std::string& report)
   {
     throw UserError(report + ": does not name the recording (\"input\"); is it of dyslam?");
   }
-  const auto input = json["input"].get<std::string>();
-  const fs::path beside = fs::path(report).parent_path() / fs::path(input).filename();
-  return !fs::exists(input) && fs::exists(beside) ? beside.string() : input;
+  return recordingOfRun(fs::path(report).parent_path().string(), json["input"].get<std::string>());
 }
 
 std::vector<double> keyframeStamps(const std::string& motions)

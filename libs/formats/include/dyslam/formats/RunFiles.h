@@ -14,4 +14,9 @@ constexpr const char* converted_rawlog_name = "recording.rawlog";
 
 /** Names of the files that a run wrote, by report.json in its folder; none without it. */
 [[nodiscard]] std::vector<std::string> filesOfRun(const std::string& folder);
+
+/** Path of the recording of a run: `input` or, if that is not there, the file of its name in the
+ * folder of the run, if there is one. A converted recording is moved with that folder.
+ * \param input as in report.json of the run */
+[[nodiscard]] std::string recordingOfRun(const std::string& folder, const std::string& input);
 }  // namespace dyslam
