@@ -13,6 +13,7 @@
 #include "../common/Checks.h"
 #include "../common/Progress.h"
 #include "../common/Shard.h"
+#include "../common/StopSignals.h"
 #include "Arguments.h"
 #include "Benchmark.h"
 #include "Recorder.h"
@@ -35,7 +36,15 @@ void recordOne(const Recording& recording, bool force, bool quiet)
   {
     Progress progress("dyslam-sim", "scans", quiet);
     result = record(recording,
-                    [&](double fraction, std::size_t scans) { progress.update(fraction, scans); });
+                    [&](double fraction, std::size_t scans)
+                    {
+                      progress.update(fraction, scans);
+                      if (stop_asked)
+                      {
+                        throw UserError("stopped after " + counted(scans, "scan") + "; " +
+                                        recording.output + " was not written");
+                      }
+                    });
     progress.finish(result.scans);
   }
   std::printf(
@@ -104,6 +113,7 @@ void recordBenchmark(const Arguments& a)
 
 void run(const Arguments& a)
 {
+  stopOnSignals();
   if (!(a.seconds.value_or(1) > 0))
   {
     throw UserError("--seconds: must be above 0");

@@ -7,10 +7,12 @@
 #include <mrpt/obs/CRawlog.h>
 
 #include <algorithm>
+#include <filesystem>
 #include <memory>
 #include <string>
 #include <vector>
 
+#include "InterruptProgram.h"
 #include "RunProgram.h"
 #include "TestFolder.h"
 
@@ -96,6 +98,39 @@ TEST_F(SimRecording, OptionsAreInTheGroundTruth)
   const std::string ini = folder_.read("x.gt/simulator.ini");
   EXPECT_NE(std::string::npos, ini.find("imu = true")) << ini;
   EXPECT_NE(std::string::npos, ini.find("wheels = false")) << ini;
+}
+
+TEST_F(SimRecording, InterruptedItLeavesTheEarlierOne)
+{
+  (void)recorded("--seed 1");
+  const std::vector<std::string> files{"x.rawlog", "x.gt/simulator.ini", "x.gt/poses_tum.txt",
+                                       "x.gt/labels/000000.label"};
+  std::vector<std::string> earlier;
+  for (const std::string& file : files)
+  {
+    earlier.push_back(folder_.read(file));
+    EXPECT_FALSE(earlier.back().empty()) << file;
+  }
+  for (const std::string name : {"x", "new"})
+  {
+    const int code = interrupted({std::string(DYSLAM_BIN_DIR) + "/dyslam-sim", "--world", "campus",
+                                  "--sensor", "VLP16", "--seed", "2", "--seconds", "10000", "-q",
+                                  "--force", "-o", folder_.file(name + ".rawlog")},
+                                 folder_.file("err.txt"), folder_.file(name + ".rawlog.tmp"));
+    const std::string said = folder_.read("err.txt");
+    EXPECT_EQ(1, code) << said;
+    EXPECT_NE(std::string::npos, said.find(name + ".rawlog was not written")) << said;
+    for (const char* ending : {".rawlog.tmp", ".gt.tmp"})
+    {
+      EXPECT_FALSE(std::filesystem::exists(folder_.file(name + ending))) << ending;
+    }
+  }
+  for (std::size_t i = 0; i < files.size(); ++i)
+  {
+    EXPECT_TRUE(earlier[i] == folder_.read(files[i])) << files[i];
+  }
+  EXPECT_FALSE(std::filesystem::exists(folder_.file("new.rawlog")));
+  EXPECT_FALSE(std::filesystem::exists(folder_.file("new.gt")));
 }
 }  // namespace
 }  // namespace dyslam
