@@ -2,6 +2,7 @@
 #include <dyslam/core/Error.h>
 #include <dyslam/core/Files.h>
 #include <dyslam/core/Printable.h>
+#include <dyslam/formats/GroundTruth.h>
 
 #include <algorithm>
 #include <cstdio>
@@ -57,6 +58,18 @@ void recordOne(const Recording& recording, bool force, bool quiet)
       result.ground_truth.c_str());
 }
 
+/** Simulates one recording of several, unless it is there already. \throws UserError. */
+void recordOneOfMany(const Recording& recording, bool force, bool quiet)
+{
+  if (!force && std::filesystem::is_regular_file(recording.output) &&
+      std::filesystem::is_directory(groundTruthFolder(recording.output)))
+  {
+    std::printf("%s: there already\n", recording.output.c_str());
+    return;
+  }
+  recordOne(recording, force, quiet);
+}
+
 /** Those of the requested shard. */
 std::vector<NamedRecording> partOf(const Arguments& a, const std::vector<NamedRecording>& all)
 {
@@ -107,7 +120,7 @@ void recordBenchmark(const Arguments& a)
     recording.threads = a.recording.threads;
     recording.seconds = std::min(recording.seconds, a.seconds.value_or(recording.seconds));
     recording.least_distance = a.seconds ? 0 : recording.least_distance;
-    recordOne(recording, a.force, a.quiet);
+    recordOneOfMany(recording, a.force, a.quiet);
   }
 }
 
@@ -140,7 +153,7 @@ void run(const Arguments& a)
   makeFolder(recording.output);
   for (const NamedRecording& named : partOf(a, seriesOf(a, recording)))
   {
-    recordOne(named.recording, a.force, a.quiet);
+    recordOneOfMany(named.recording, a.force, a.quiet);
   }
 }
 }  // namespace

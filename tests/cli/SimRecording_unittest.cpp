@@ -132,5 +132,24 @@ TEST_F(SimRecording, InterruptedItLeavesTheEarlierOne)
   EXPECT_FALSE(std::filesystem::exists(folder_.file("new.rawlog")));
   EXPECT_FALSE(std::filesystem::exists(folder_.file("new.gt")));
 }
+
+TEST_F(SimRecording, AnInterruptedSeriesIsContinued)
+{
+  const std::string words =
+      "--sensor VLP16 --columns 100 --loop 200 --seconds 0.1 --seed 4 -q -o " +
+      folder_.file("series") + " --count ";
+  ASSERT_EQ(0, runProgram("dyslam-sim", words + "1", folder_.path()).code);
+  const std::string first = folder_.file("series/urban_VLP16_4.rawlog");
+  const std::string second = folder_.file("series/urban_VLP16_5.rawlog");
+  folder_.write("series/urban_VLP16_4.rawlog", "mine");
+  const Outcome rest = runProgram("dyslam-sim", words + "2", folder_.path());
+  EXPECT_EQ(0, rest.code) << rest.err;
+  EXPECT_EQ(0U, rest.out.find(first + ": there already\n" + second + ": 1 scan, ")) << rest.out;
+  EXPECT_EQ("mine", contentOf(first));
+
+  const Outcome anew = runProgram("dyslam-sim", words + "1 --force", folder_.path());
+  EXPECT_EQ(0U, anew.out.find(first + ": 1 scan, ")) << anew.out << anew.err;
+  EXPECT_NE("mine", contentOf(first));
+}
 }  // namespace
 }  // namespace dyslam
