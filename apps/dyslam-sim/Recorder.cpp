@@ -8,8 +8,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
+#include <memory>
 #include <numeric>
 #include <set>
+#include <string>
+#include <system_error>
 
 #include "GnssReceiver.h"
 
@@ -146,6 +150,46 @@ void writeTruth(const SimulatedScan& scan,
     }
   }
 }
+/** A rawlog and its ground truth. Both get their names by close(); without it all that was written
+ * is removed, and an earlier recording of the name stays as it is. */
+class RecordingOutput
+{
+ public:
+  RecordingOutput(const std::string& path, const RawlogWriterOptions& options)
+      : folder_(groundTruthFolder(path)), rawlog_(path, options)
+  {
+    requireNoLinks(folder_);
+    std::filesystem::remove_all(pending());  // of a killed program
+    truth_ = std::make_unique<GroundTruthWriter>(pending());
+  }
+  ~RecordingOutput()
+  {
+    rawlog_.abandon();
+    truth_.reset();
+    std::error_code ignored;
+    std::filesystem::remove_all(pending(), ignored);
+  }
+  RecordingOutput(const RecordingOutput&) = delete;
+  RecordingOutput& operator=(const RecordingOutput&) = delete;
+
+  [[nodiscard]] const std::string& truthFolder() const { return folder_; }
+  RawlogWriter& rawlog() { return rawlog_; }
+  GroundTruthWriter& truth() { return *truth_; }
+  /** \throws UserError. */
+  void close()
+  {
+    truth_->close();
+    rawlog_.close();
+    installGroundTruth(pending(), folder_);
+  }
+
+ private:
+  [[nodiscard]] std::string pending() const { return folder_ + ".tmp"; }
+
+  std::string folder_;  //!< folder of the ground truth
+  RawlogWriter rawlog_;
+  std::unique_ptr<GroundTruthWriter> truth_;  //!< in a temporary folder
+};
 }  // namespace
 
 RecordingResult record(const Recording& recording,
@@ -154,11 +198,10 @@ RecordingResult record(const Recording& recording,
   Simulator simulator(recording.simulator, recording.threads);
   RecordingResult result;
   result.loop_length = simulator.loopLength();
-  result.ground_truth = groundTruthFolder(recording.output);
   RawlogWriterOptions writing;
   writing.compression_level = recording.compression_level;
-  RawlogWriter rawlog(recording.output, writing);
-  GroundTruthWriter truth(result.ground_truth);
+  RecordingOutput out(recording.output, writing);
+  result.ground_truth = out.truthFolder();
   GnssReceiver receiver(recording.simulator.trafficSeed());
   std::set<int> ids;
   const double period = simulator.sensor().period;
@@ -176,10 +219,10 @@ RecordingResult record(const Recording& recording,
     if (const auto fix =
             recording.gnss ? receiver.fixAt(scan.scan.stamp, scan.T_map_vehicle) : std::nullopt)
     {
-      rawlog.write(*fix);
+      out.rawlog().write(*fix);
     }
-    writeScan(scan, rawlog);
-    writeTruth(scan, i, recording.flow, truth, ids);
+    writeScan(scan, out.rawlog());
+    writeTruth(scan, i, recording.flow, out.truth(), ids);
     result.moving_points += static_cast<std::size_t>(
         std::accumulate(scan.moving.begin(), scan.moving.end(), std::size_t{0}));
     ++result.scans;
@@ -199,9 +242,8 @@ RecordingResult record(const Recording& recording,
       break;
     }
   }
-  rawlog.close();
-  truth.addSimulator(recording.simulator);
-  truth.close();
+  out.truth().addSimulator(recording.simulator);
+  out.close();
   result.objects = ids.size();
   return result;
 }

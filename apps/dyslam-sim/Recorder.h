@@ -38,8 +38,9 @@ struct RecordingResult
   std::string ground_truth;  //!< folder of the ground truth
 };
 
-/** Simulates and writes rawlog and ground truth. \throws UserError if options or files are invalid.
- */
+/** Simulates and writes rawlog and ground truth. If `progress` or anything else throws, all that
+ * was written is removed, and an earlier recording stays. \throws UserError if options or files are
+ * invalid. */
 RecordingResult record(const Recording& recording,
                        const std::function<void(double fraction, std::size_t scans)>& progress);
 }  // namespace dyslam::sim

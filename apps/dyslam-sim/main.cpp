@@ -2,6 +2,7 @@
 #include <dyslam/core/Error.h>
 #include <dyslam/core/Files.h>
 #include <dyslam/core/Printable.h>
+#include <dyslam/formats/GroundTruth.h>
 
 #include <algorithm>
 #include <cstdio>
@@ -13,6 +14,7 @@
 #include "../common/Checks.h"
 #include "../common/Progress.h"
 #include "../common/Shard.h"
+#include "../common/StopSignals.h"
 #include "Arguments.h"
 #include "Benchmark.h"
 #include "Recorder.h"
@@ -35,7 +37,15 @@ void recordOne(const Recording& recording, bool force, bool quiet)
   {
     Progress progress("dyslam-sim", "scans", quiet);
     result = record(recording,
-                    [&](double fraction, std::size_t scans) { progress.update(fraction, scans); });
+                    [&](double fraction, std::size_t scans)
+                    {
+                      progress.update(fraction, scans);
+                      if (stop_asked)
+                      {
+                        throw UserError("stopped after " + counted(scans, "scan") + "; " +
+                                        recording.output + " was not written");
+                      }
+                    });
     progress.finish(result.scans);
   }
   std::printf(
@@ -46,6 +56,18 @@ void recordOne(const Recording& recording, bool force, bool quiet)
           static_cast<double>(std::max<std::size_t>(1, result.points)),
       counted(result.objects, "object").c_str(), result.distance, result.loop_length,
       result.ground_truth.c_str());
+}
+
+/** Simulates one recording of several, unless it is there already. \throws UserError. */
+void recordOneOfMany(const Recording& recording, bool force, bool quiet)
+{
+  if (!force && std::filesystem::is_regular_file(recording.output) &&
+      std::filesystem::is_directory(groundTruthFolder(recording.output)))
+  {
+    std::printf("%s: there already\n", recording.output.c_str());
+    return;
+  }
+  recordOne(recording, force, quiet);
 }
 
 /** Those of the requested shard. */
@@ -98,12 +120,13 @@ void recordBenchmark(const Arguments& a)
     recording.threads = a.recording.threads;
     recording.seconds = std::min(recording.seconds, a.seconds.value_or(recording.seconds));
     recording.least_distance = a.seconds ? 0 : recording.least_distance;
-    recordOne(recording, a.force, a.quiet);
+    recordOneOfMany(recording, a.force, a.quiet);
   }
 }
 
 void run(const Arguments& a)
 {
+  stopOnSignals();
   if (!(a.seconds.value_or(1) > 0))
   {
     throw UserError("--seconds: must be above 0");
@@ -130,7 +153,7 @@ void run(const Arguments& a)
   makeFolder(recording.output);
   for (const NamedRecording& named : partOf(a, seriesOf(a, recording)))
   {
-    recordOne(named.recording, a.force, a.quiet);
+    recordOneOfMany(named.recording, a.force, a.quiet);
   }
 }
 }  // namespace

@@ -7,10 +7,12 @@
 #include <mrpt/obs/CRawlog.h>
 
 #include <algorithm>
+#include <filesystem>
 #include <memory>
 #include <string>
 #include <vector>
 
+#include "InterruptProgram.h"
 #include "RunProgram.h"
 #include "TestFolder.h"
 
@@ -96,6 +98,58 @@ TEST_F(SimRecording, OptionsAreInTheGroundTruth)
   const std::string ini = folder_.read("x.gt/simulator.ini");
   EXPECT_NE(std::string::npos, ini.find("imu = true")) << ini;
   EXPECT_NE(std::string::npos, ini.find("wheels = false")) << ini;
+}
+
+TEST_F(SimRecording, InterruptedItLeavesTheEarlierOne)
+{
+  (void)recorded("--seed 1");
+  const std::vector<std::string> files{"x.rawlog", "x.gt/simulator.ini", "x.gt/poses_tum.txt",
+                                       "x.gt/labels/000000.label"};
+  std::vector<std::string> earlier;
+  for (const std::string& file : files)
+  {
+    earlier.push_back(folder_.read(file));
+    EXPECT_FALSE(earlier.back().empty()) << file;
+  }
+  for (const std::string name : {"x", "new"})
+  {
+    const int code = interrupted({std::string(DYSLAM_BIN_DIR) + "/dyslam-sim", "--world", "campus",
+                                  "--sensor", "VLP16", "--seed", "2", "--seconds", "10000", "-q",
+                                  "--force", "-o", folder_.file(name + ".rawlog")},
+                                 folder_.file("err.txt"), folder_.file(name + ".rawlog.tmp"));
+    const std::string said = folder_.read("err.txt");
+    EXPECT_EQ(1, code) << said;
+    EXPECT_NE(std::string::npos, said.find(name + ".rawlog was not written")) << said;
+    for (const char* ending : {".rawlog.tmp", ".gt.tmp"})
+    {
+      EXPECT_FALSE(std::filesystem::exists(folder_.file(name + ending))) << ending;
+    }
+  }
+  for (std::size_t i = 0; i < files.size(); ++i)
+  {
+    EXPECT_TRUE(earlier[i] == folder_.read(files[i])) << files[i];
+  }
+  EXPECT_FALSE(std::filesystem::exists(folder_.file("new.rawlog")));
+  EXPECT_FALSE(std::filesystem::exists(folder_.file("new.gt")));
+}
+
+TEST_F(SimRecording, AnInterruptedSeriesIsContinued)
+{
+  const std::string words =
+      "--sensor VLP16 --columns 100 --loop 200 --seconds 0.1 --seed 4 -q -o " +
+      folder_.file("series") + " --count ";
+  ASSERT_EQ(0, runProgram("dyslam-sim", words + "1", folder_.path()).code);
+  const std::string first = folder_.file("series/urban_VLP16_4.rawlog");
+  const std::string second = folder_.file("series/urban_VLP16_5.rawlog");
+  folder_.write("series/urban_VLP16_4.rawlog", "mine");
+  const Outcome rest = runProgram("dyslam-sim", words + "2", folder_.path());
+  EXPECT_EQ(0, rest.code) << rest.err;
+  EXPECT_EQ(0U, rest.out.find(first + ": there already\n" + second + ": 1 scan, ")) << rest.out;
+  EXPECT_EQ("mine", contentOf(first));
+
+  const Outcome anew = runProgram("dyslam-sim", words + "1 --force", folder_.path());
+  EXPECT_EQ(0U, anew.out.find(first + ": 1 scan, ")) << anew.out << anew.err;
+  EXPECT_NE("mine", contentOf(first));
 }
 }  // namespace
 }  // namespace dyslam

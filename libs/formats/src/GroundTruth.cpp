@@ -219,4 +219,21 @@ void GroundTruthWriter::close()
     writeTracks((fs::path(folder_) / "tracks.txt").string(), boxes_);
   }
 }
+
+void installGroundTruth(const std::string& pending, const std::string& folder)
+{
+  GroundTruthWriter(folder).close();
+  for (const auto& entry : fs::recursive_directory_iterator(pending))
+  {
+    const fs::path to = fs::path(folder) / entry.path().lexically_relative(pending);
+    if (entry.is_directory())
+    {
+      fs::create_directories(to);
+    }
+    else
+    {
+      fs::rename(entry.path(), to);
+    }
+  }
+}
 }  // namespace dyslam

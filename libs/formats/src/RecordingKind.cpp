@@ -80,6 +80,10 @@ std::optional<KittiKind> kittiKindOf(const std::string& folder)
   {
     return std::nullopt;
   }
+  if (!has_raw_folder && hasFile(velodyne, isCloudFile) && !hasFile(velodyne, isKittiScan))
+  {
+    return std::nullopt;  // KITTI has .bin only
+  }
   if (has_raw_folder || fs::exists(path / "oxts.txt"))
   {
     return KittiKind::raw;

@@ -389,5 +389,11 @@ TEST(Bags, KindsOfRecordings)
   EXPECT_EQ(KittiKind::odometry, kittiKindOf(folder.file("sequences/00/")));
   folder.write("testing/velodyne/0000/1.bin", "");
   EXPECT_EQ(KittiKind::tracking, kittiKindOf(folder.file("testing")));
+  folder.write("pcd/velodyne/1.pcd", "");
+  folder.write("pcd/oxts.txt", "");
+  EXPECT_EQ(RecordingKind::unknown, kindOf("pcd"));
+  EXPECT_EQ(RecordingKind::scans, kindOf("pcd/velodyne"));
+  folder.write("pcd/velodyne/1.bin", "");
+  EXPECT_EQ(KittiKind::raw, kittiKindOf(folder.file("pcd")));
 }
 }  // namespace dyslam

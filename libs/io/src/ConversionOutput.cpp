@@ -170,25 +170,13 @@ void ConversionOutput::reportProgress(const ConversionProgress& progress, double
  * it. */
 void ConversionOutput::installTruth() const
 {
-  if (truth_ || fs::is_directory(folder_))
+  if (truth_)
+  {
+    installGroundTruth(pending_, folder_);
+  }
+  else if (fs::is_directory(folder_))
   {
     GroundTruthWriter(folder_).close();
-  }
-  if (!truth_)
-  {
-    return;
-  }
-  for (const auto& entry : fs::recursive_directory_iterator(pending_))
-  {
-    const fs::path to = fs::path(folder_) / entry.path().lexically_relative(pending_);
-    if (entry.is_directory())
-    {
-      fs::create_directories(to);
-    }
-    else
-    {
-      fs::rename(entry.path(), to);
-    }
   }
 }
 

@@ -115,7 +115,7 @@ std::size_t GzOutput::Read(void*, std::size_t)
   throw std::logic_error("GzOutput is for writing");
 }
 
-void GzOutput::close()
+void GzOutput::finish()
 {
   if (file_ == nullptr)
   {
@@ -133,6 +133,16 @@ void GzOutput::close()
   {
     throw UserError(pending_.path() + ": cannot be written to its end: " + std::strerror(errno));
   }
-  pending_.commit();
+  finished_ = true;
+}
+
+void GzOutput::close()
+{
+  finish();
+  if (finished_)
+  {
+    finished_ = false;
+    pending_.commit();
+  }
 }
 }  // namespace dyslam

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/core/Error.h>
+#include <dyslam/core/Files.h>
 #include <dyslam/core/StateArchive.h>
 #include <dyslam/formats/ExternalFiles.h>
 #include <dyslam/formats/TextFile.h>
@@ -17,7 +18,10 @@
 #include <cmath>
 #include <filesystem>
 #include <limits>
+#include <set>
 #include <stdexcept>
+#include <string>
+#include <system_error>
 #include <vector>
 
 #include "ObservationOutput.h"
@@ -32,6 +36,21 @@ namespace
 {
 /** Stands for "no time" in the time and ring cloud; no ring is -1. */
 constexpr float no_time = std::numeric_limits<float>::quiet_NaN();
+
+constexpr const char* cloud_ending = ".gz";  //!< of an externally stored cloud
+
+/** Whether a file has a name as putExternally() gives it: `<label>_NNNNNN.gz`. */
+bool isCloudName(const std::string& name)
+{
+  const auto at = name.rfind('_');
+  if (at == std::string::npos || at == 0)
+  {
+    return false;
+  }
+  const std::string numbered = name.substr(at + 1);
+  const auto number = numberOfName(numbered, cloud_ending);
+  return number && numbered == numberedName(static_cast<std::size_t>(*number), cloud_ending);
+}
 
 template <typename Map>
 typename Map::Ptr pointsMap(const Scan& scan)
@@ -156,6 +175,27 @@ struct RawlogWriter::Impl
     }
   }
 
+  /** Removes the clouds of an earlier rawlog of the name, which this one does not refer to; files
+   * of other names and a folder behind a link stay. */
+  void removeEarlierClouds() const
+  {
+    const std::string folder = externalStorageFolder(path);
+    std::error_code ignored;
+    if (fs::is_symlink(fs::symlink_status(folder, ignored)))
+    {
+      return;
+    }
+    const std::set<std::string> own(external.begin(), external.end());
+    for (const auto& entry : entriesIfReadable(folder))
+    {
+      const std::string name = entry.path().filename().string();
+      if (isCloudName(name) && own.count(name) == 0)
+      {
+        fs::remove(entry.path(), ignored);
+      }
+    }
+  }
+
   /** \param what is to be written at that time [s], for messages */
   void requireWritable(double stamp, const std::string& what) const
   {
@@ -186,7 +226,7 @@ struct RawlogWriter::Impl
 
   void putExternally(CObservationPointCloud& observation, const std::string& label)
   {
-    std::string name = label + "_" + numberedName(frames, ".gz");
+    std::string name = label + "_" + numberedName(frames, cloud_ending);
     std::replace(name.begin(), name.end(), '/', '_');
     external.push_back(name);
     GzOutput out((fs::path(pendingFolder()) / name).string(), options.compression_level);
@@ -325,11 +365,16 @@ void RawlogWriter::close()
     return;
   }
   impl_->closed = true;
+  impl_->file.finish();  // first: if the disk is full, an earlier rawlog keeps its clouds
   if (impl_->options.external_storage)
   {
     impl_->installClouds();
   }
   impl_->file.close();
+  if (impl_->options.external_storage)
+  {
+    impl_->removeEarlierClouds();
+  }
 }
 
 void RawlogWriter::abandon()

@@ -4,7 +4,10 @@
 #include <dyslam/io/RawlogWriter.h>
 #include <dyslam/io/ReplayWriter.h>
 
+#include <filesystem>
 #include <limits>
+#include <string>
+#include <vector>
 
 #include "FullDisk.h"
 #include "MotionBytes.h"
@@ -359,6 +362,40 @@ TEST(RawlogWriter, NothingWrittenLeavesTheEarlierFile)
   }
   EXPECT_EQ("an earlier one", folder.read("a.rawlog"));
   EXPECT_FALSE(std::filesystem::exists(folder.file("a.rawlog.tmp")));
+}
+
+TEST(RawlogWriter, RemovesTheCloudsOfAnEarlierFile)
+{
+  const TestFolder folder;
+  RawlogWriterOptions options;
+  options.external_storage = true;
+  const auto write = [&](std::size_t scans)
+  {
+    RawlogWriter writer(folder.file("a.rawlog"), options);
+    for (std::size_t i = 0; i < scans; ++i)
+    {
+      Scan scan = someScan(i, 10);
+      scan.sensor_label = "lidar";
+      writer.write(scan);
+    }
+    writer.close();
+  };
+  write(4);
+  const std::vector<std::string> others{"lidar_3.gz", "lidar_000003.bin", "000003.gz", "notes.gz"};
+  for (const std::string& other : others)
+  {
+    folder.write("a_Images/" + other, "mine");
+  }
+  ASSERT_TRUE(std::filesystem::exists(folder.file("a_Images/lidar_000003.gz")));
+  write(2);
+  EXPECT_TRUE(std::filesystem::exists(folder.file("a_Images/lidar_000001.gz")));
+  EXPECT_FALSE(std::filesystem::exists(folder.file("a_Images/lidar_000002.gz")));
+  EXPECT_FALSE(std::filesystem::exists(folder.file("a_Images/lidar_000003.gz")));
+  for (const std::string& other : others)
+  {
+    EXPECT_EQ("mine", folder.read("a_Images/" + other)) << other;
+  }
+  EXPECT_EQ(2U, readAll(folder.file("a.rawlog")).size());
 }
 
 TEST(RawlogWriter, RefusesWhatCannotBeWritten)

@@ -57,6 +57,9 @@ TEST(RecordingConverter, WhatIsNoRecording)
   folder.write("rawlogs/a.rawlog", "");
   EXPECT_TRUE(contains(refusal("rawlogs"), "such as " + folder.file("rawlogs/a.rawlog")));
 
+  folder.write("plain/velodyne/1.pcd", "");
+  EXPECT_TRUE(contains(refusal("plain"), "such as " + folder.file("plain/velodyne")));
+
   for (const char* result : {"effective.ini", "report.json", "map_static.pcd"})
   {
     folder.write("out/run/" + std::string(result), "");

@@ -76,4 +76,8 @@ class GroundTruthWriter
   std::vector<LabelledBox> boxes_;
   bool closed_ = false;
 };
+
+/** Moves a closed sidecar to its folder and removes the files of an earlier run there. Called when
+ * its rawlog is complete. \param pending a folder on the same file system. \throws UserError. */
+void installGroundTruth(const std::string& pending, const std::string& folder);
 }  // namespace dyslam

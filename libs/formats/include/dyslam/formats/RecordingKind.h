@@ -35,7 +35,8 @@ enum class KittiKind
 /** Kind whose official layout a folder has; nothing for any other folder. */
 [[nodiscard]] std::optional<KittiKind> officialKittiKind(const std::string& folder);
 /** Kind whose official layout a folder has; for any other folder with a subfolder `velodyne` the
- * most likely kind by its other files; nothing for all other folders. */
+ * most likely kind by its other files; nothing for all other folders, also for those whose
+ * `velodyne` has .pcd or .ply scans and no .bin. */
 [[nodiscard]] std::optional<KittiKind> kittiKindOf(const std::string& folder);
 
 /** Kind of a recording, by its name and the content of a folder. */

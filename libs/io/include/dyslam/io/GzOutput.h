@@ -42,7 +42,11 @@ class GzOutput
   void check() const;
   /** Saves or loads the length of the file and the content that is not packed yet. */
   void exchangeState(StateArchive& archive);
-  /** Completes the file. \throws UserError if not all could be written. */
+  /** Writes all that is left, still to the temporary file; only close() may follow. \throws
+   * UserError if not all could be written. */
+  void finish();
+  /** Completes the file and renames it. \throws UserError if not all could be written. Later calls
+   * do nothing. */
   void close();
 
  private:
@@ -54,6 +58,7 @@ class GzOutput
   std::unique_ptr<libdeflate_compressor, void (*)(libdeflate_compressor*)> compressor_;
   std::vector<char> content_;  //!< content of the current member
   std::vector<char> packed_;   //!< buffer of a compressed member
+  bool finished_ = false;      //!< all is written to the temporary file
   bool empty_ = true;          //!< no member was written
   std::string failure_;
 };

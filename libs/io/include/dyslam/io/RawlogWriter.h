@@ -35,8 +35,8 @@ struct RawlogWriterOptions : Options
  *
  * The file is written to `<path>.tmp` and renamed when closed: by close(), or by the destructor
  * when an exception unwinds the stack after the first scan, so that a file under its final name is
- * always complete. The same holds for externally stored clouds, in `<name>_Images.tmp/`. A killed
- * program leaves the `.tmp` files.
+ * always complete. The same holds for externally stored clouds, in `<name>_Images.tmp/`; those of
+ * an earlier rawlog of the name are removed. A killed program leaves the `.tmp` files.
  */
 class RawlogWriter
 {
