@@ -2,10 +2,12 @@
 #include "Arguments.h"
 
 #include <dyslam/core/Config.h>
+#include <dyslam/core/Error.h>
 #include <dyslam/core/RuntimeModule.h>
 #include <dyslam/core/SharedFiles.h>
 #include <dyslam/core/Version.h>
 #include <dyslam/core/Words.h>
+#include <dyslam/formats/RecordingKind.h>
 
 #include <CLI/CLI.hpp>
 #include <utility>
@@ -88,8 +90,40 @@ std::vector<std::string> runArguments(const Arguments& a)
   add(a.skip_first_n > 0, {"--skip-first-n", std::to_string(a.skip_first_n)});
   add(a.only_first_n > 0, {"--only-first-n", std::to_string(a.only_first_n)});
   add(a.passes > 1, {"--passes", std::to_string(a.passes)});
-  add(true, a.conversion.words());
   return words;
+}
+
+void requireFittingConversion(const RecordingOptions& conversion,
+                              const std::vector<Recording>& recordings)
+{
+  const std::string flag = conversion.givenFlag();
+  if (flag.empty())
+  {
+    return;
+  }
+  bool is_used = false;
+  for (const Recording& recording : recordings)
+  {
+    const RecordingKind kind = recordingKind(recording.path);
+    if (kind == RecordingKind::unknown)
+    {
+      continue;
+    }
+    is_used = true;
+    try
+    {
+      conversion.requireFitting(kind);
+    }
+    catch (const UserError& error)
+    {
+      throw UserError(recording.path + ": " + error.what());
+    }
+  }
+  if (!is_used)
+  {
+    throw UserError(flag + ": is for recordings that are converted, and none of these is; " +
+                    "leave it out");
+  }
 }
 
 Work commonWork(const Arguments& a, const std::string& program)

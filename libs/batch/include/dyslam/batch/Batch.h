@@ -13,15 +13,16 @@ namespace dyslam::batch
 {
 struct BatchSettings
 {
-  std::string output;                  //!< folder; each recording has one of its name in it
-  std::string program;                 //!< path of dyslam
-  std::vector<std::string> arguments;  //!< of dyslam, but for -i, -o and --force
-  Work common;                         //!< settings, version and checksum of the program
-  int jobs = 0;                        //!< at once; 0: as many as there are cores
-  std::uint64_t memory = 0;            //!< for all at once [bytes]; 0: what is available
-  std::string config;                  //!< the ini among the arguments; or none
-  std::string scratch;                 //!< folder to run in before results are moved; or none
-  int attempts = 2;                    //!< of a run that fails
+  std::string output;                   //!< folder; each recording has one of its name in it
+  std::string program;                  //!< path of dyslam
+  std::vector<std::string> arguments;   //!< of dyslam, but for -i, -o and --force
+  std::vector<std::string> conversion;  //!< further ones for recordings that dyslam converts
+  Work common;                          //!< settings, version and checksum of the program
+  int jobs = 0;                         //!< at once; 0: as many as there are cores
+  std::uint64_t memory = 0;             //!< for all at once [bytes]; 0: what is available
+  std::string config;                   //!< the ini among the arguments; or none
+  std::string scratch;                  //!< folder to run in before results are moved; or none
+  int attempts = 2;                     //!< of a run that fails
 };
 
 /** Result of a recording. */
