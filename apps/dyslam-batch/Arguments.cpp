@@ -10,6 +10,8 @@
 #include <dyslam/formats/RecordingKind.h>
 
 #include <CLI/CLI.hpp>
+#include <filesystem>
+#include <system_error>
 #include <utility>
 
 #include "../common/Checks.h"
@@ -18,6 +20,27 @@
 
 namespace dyslam::batch
 {
+namespace
+{
+/** Checksums of the files that values of settings name, such as weights and boxes. */
+std::string checksumsOfFilesIn(const Config& config)
+{
+  std::string sums;
+  for (const std::string& section : config.sectionNames())
+  {
+    for (const auto& [key, value] : config.section(section))
+    {
+      std::error_code none;
+      if (std::filesystem::is_regular_file(value.text, none))
+      {
+        sums += checksumOfFile(value.text);
+      }
+    }
+  }
+  return sums;
+}
+}  // namespace
+
 void declare(CLI::App& app, Arguments& a)
 {
   app.description(
@@ -143,19 +166,23 @@ Work commonWork(const Arguments& a, const std::string& program)
   {
     sums += checksumOfFile(networks);  // of this machine: results differ in their last digits
   }
-  work.program_checksum = checksumOfText(sums);
+  if (!a.conversion.calibration.empty())
+  {
+    sums += checksumOfFile(a.conversion.calibration);
+  }
   Arguments flags = a;
+  Config config;
   if (!a.config.empty())
   {
-    Config config =
-        Config::fromFile(findGivenOrShared(a.config, "config_files", ".ini", "", "dyslam"));
+    config = Config::fromFile(findGivenOrShared(a.config, "config_files", ".ini", "", "dyslam"));
     config.requireFor("dyslam");
     flags.config = config.toIni();
   }
   for (const std::string& assignment : a.assignments)
   {
-    Config().set(assignment);
+    config.set(assignment);
   }
+  work.program_checksum = checksumOfText(sums + checksumsOfFilesIn(config));
   work.settings = joined(runArguments(flags), " ");
   return work;
 }

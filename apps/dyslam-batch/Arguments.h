@@ -51,7 +51,8 @@ void declare(CLI::App& app, Arguments& a);
 void requireFittingConversion(const RecordingOptions& conversion,
                               const std::vector<Recording>& recordings);
 
-/** Common data of all runs: version and checksum of the program, and the settings, with the values
+/** Common data of all runs: version and checksum of the program, with the calibration and the files
+ * that settings name, and the settings, with the values
  * of the ini instead of its name. \param program path of dyslam \throws UserError. */
 [[nodiscard]] Work commonWork(const Arguments& a, const std::string& program);
 }  // namespace dyslam::batch

@@ -22,7 +22,7 @@ struct Work
   std::string input_checksum;         //!< with that of its external files, if it has any
   std::string settings;               //!< flags and ini, as text
   std::string version;                //!< of the program
-  std::string program_checksum;       //!< of program, shipped settings and weights
+  std::string program_checksum;       //!< of program, weights and other files that all runs read
 };
 
 enum class State
