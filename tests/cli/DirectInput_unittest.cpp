@@ -274,6 +274,7 @@ TEST_F(DirectInput, WhatCannotBeConverted)
   expectRefused("-i " + at("drive.mcap") + out + " --topic /nothing", {"/nothing is not in it"});
   expectRefused("-i " + at("drive.mcap") + out + " --set odometry.methd", {"odometry.methd"});
   expectRefused("--resume -i " + at("drive.mcap") + out, {"leave out --input"});
+  expectRefused("--resume --topic /points" + out, {"--topic: is for an input that is converted"});
   EXPECT_FALSE(fs::exists(at("never")));
 
   bins("scans");
