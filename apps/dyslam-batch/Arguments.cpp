@@ -2,12 +2,16 @@
 #include "Arguments.h"
 
 #include <dyslam/core/Config.h>
+#include <dyslam/core/Error.h>
 #include <dyslam/core/RuntimeModule.h>
 #include <dyslam/core/SharedFiles.h>
 #include <dyslam/core/Version.h>
 #include <dyslam/core/Words.h>
+#include <dyslam/formats/RecordingKind.h>
 
 #include <CLI/CLI.hpp>
+#include <filesystem>
+#include <system_error>
 #include <utility>
 
 #include "../common/Checks.h"
@@ -16,6 +20,27 @@
 
 namespace dyslam::batch
 {
+namespace
+{
+/** Checksums of the files that values of settings name, such as weights and boxes. */
+std::string checksumsOfFilesIn(const Config& config)
+{
+  std::string sums;
+  for (const std::string& section : config.sectionNames())
+  {
+    for (const auto& [key, value] : config.section(section))
+    {
+      std::error_code none;
+      if (std::filesystem::is_regular_file(value.text, none))
+      {
+        sums += checksumOfFile(value.text);
+      }
+    }
+  }
+  return sums;
+}
+}  // namespace
+
 void declare(CLI::App& app, Arguments& a)
 {
   app.description(
@@ -88,8 +113,40 @@ std::vector<std::string> runArguments(const Arguments& a)
   add(a.skip_first_n > 0, {"--skip-first-n", std::to_string(a.skip_first_n)});
   add(a.only_first_n > 0, {"--only-first-n", std::to_string(a.only_first_n)});
   add(a.passes > 1, {"--passes", std::to_string(a.passes)});
-  add(true, a.conversion.words());
   return words;
+}
+
+void requireFittingConversion(const RecordingOptions& conversion,
+                              const std::vector<Recording>& recordings)
+{
+  const std::string flag = conversion.givenFlag();
+  if (flag.empty())
+  {
+    return;
+  }
+  bool is_used = false;
+  for (const Recording& recording : recordings)
+  {
+    const RecordingKind kind = recordingKind(recording.path);
+    if (kind == RecordingKind::unknown)
+    {
+      continue;
+    }
+    is_used = true;
+    try
+    {
+      conversion.requireFitting(kind);
+    }
+    catch (const UserError& error)
+    {
+      throw UserError(recording.path + ": " + error.what());
+    }
+  }
+  if (!is_used)
+  {
+    throw UserError(flag + ": is for recordings that are converted, and none of these is; " +
+                    "leave it out");
+  }
 }
 
 Work commonWork(const Arguments& a, const std::string& program)
@@ -109,19 +166,23 @@ Work commonWork(const Arguments& a, const std::string& program)
   {
     sums += checksumOfFile(networks);  // of this machine: results differ in their last digits
   }
-  work.program_checksum = checksumOfText(sums);
+  if (!a.conversion.calibration.empty())
+  {
+    sums += checksumOfFile(a.conversion.calibration);
+  }
   Arguments flags = a;
+  Config config;
   if (!a.config.empty())
   {
-    Config config =
-        Config::fromFile(findGivenOrShared(a.config, "config_files", ".ini", "", "dyslam"));
+    config = Config::fromFile(findGivenOrShared(a.config, "config_files", ".ini", "", "dyslam"));
     config.requireFor("dyslam");
     flags.config = config.toIni();
   }
   for (const std::string& assignment : a.assignments)
   {
-    Config().set(assignment);
+    config.set(assignment);
   }
+  work.program_checksum = checksumOfText(sums + checksumsOfFilesIn(config));
   work.settings = joined(runArguments(flags), " ");
   return work;
 }

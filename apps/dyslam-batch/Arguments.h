@@ -2,6 +2,7 @@
 #pragma once
 
 #include <dyslam/batch/Manifest.h>
+#include <dyslam/batch/Recordings.h>
 #include <dyslam/io/RecordingOptions.h>
 
 #include <string>
@@ -41,10 +42,17 @@ struct Arguments
 
 void declare(CLI::App& app, Arguments& a);
 
-/** The arguments of dyslam that change results, as words of a command line. */
+/** The arguments of dyslam that change results, but for those of the conversion, as words of a
+ * command line. */
 [[nodiscard]] std::vector<std::string> runArguments(const Arguments& a);
 
-/** Common data of all runs: version and checksum of the program, and the settings, with the values
+/** \throws UserError if a given option applies to none of the recordings, or does not apply to one
+ * that is converted. */
+void requireFittingConversion(const RecordingOptions& conversion,
+                              const std::vector<Recording>& recordings);
+
+/** Common data of all runs: version and checksum of the program, with the calibration and the files
+ * that settings name, and the settings, with the values
  * of the ini instead of its name. \param program path of dyslam \throws UserError. */
 [[nodiscard]] Work commonWork(const Arguments& a, const std::string& program);
 }  // namespace dyslam::batch

@@ -10,6 +10,7 @@
 #include <iostream>
 #include <sstream>
 #include <string>
+#include <vector>
 
 namespace dyslam::batch
 {
@@ -27,6 +28,8 @@ void submitToSlurm(const Arguments& a, const std::vector<Recording>& recordings)
     absolute.config = std::filesystem::absolute(a.config).string();
   }
   job.arguments = runArguments(absolute);
+  const std::vector<std::string> conversion = absolute.conversion.words();
+  job.arguments.insert(job.arguments.end(), conversion.begin(), conversion.end());
   std::istringstream options(a.slurm_options);
   for (std::string option; options >> option;)
   {

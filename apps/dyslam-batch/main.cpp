@@ -92,6 +92,7 @@ std::vector<BatchResult> runHere(const Arguments& a,
 void run(const Arguments& a)
 {
   std::vector<Recording> recordings = listRecordings(a.entries);
+  requireFittingConversion(a.conversion, recordings);
   if (!a.shard.empty())
   {
     recordings = Shard::fromText(a.shard).of(recordings);
@@ -100,6 +101,7 @@ void run(const Arguments& a)
   settings.output = a.output;
   settings.program = programBeside("dyslam");
   settings.arguments = runArguments(a);
+  settings.conversion = a.conversion.words();
   settings.common = commonWork(a, settings.program);
   settings.jobs = a.jobs;
   settings.memory = static_cast<std::uint64_t>(a.memory * (1U << 30U));

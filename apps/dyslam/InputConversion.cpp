@@ -110,18 +110,22 @@ void convertTo(const ConvertedFiles& files,
 void convertInput(SlamArguments& a, const RecordingOptions& options)
 {
   const std::string input = a.settings.rawlog;
+  const std::string flag = options.givenFlag();
+  const auto refuse = [&flag](const std::string& reason)
+  { throw UserError(flag + ": is for an input that is converted; " + reason + "; leave it out"); };
+  if (a.resume && !flag.empty())
+  {
+    refuse("a resumed run reads what was converted");
+  }
   if (input.empty())
   {
     return;  // an error of its own, but for --resume
   }
   const RecordingConverter converter(input);
   const ConvertedFiles files(a.settings.output_folder);
-  const std::string flag = options.givenFlag();
-  if (!flag.empty() && (a.resume || !converter.isNeeded()))
+  if (!flag.empty() && !converter.isNeeded())
   {
-    throw UserError(flag + ": is for an input that is converted; " +
-                    (a.resume ? "a resumed run reads what was converted" : input + " is not") +
-                    "; leave it out");
+    refuse(input + " is not");
   }
   if (!converter.isNeeded())
   {

@@ -115,6 +115,25 @@ TEST(Batch, ProcessesEachRecordingTwiceIfAsked)
   }
 }
 
+TEST(Batch, AnEditedFileOfTheSettingsMakesNewResults)
+{
+  const TestFolder folder;
+  fs::copy(recordings + "/campus16.gt/tracks.txt", folder.file("boxes.txt"));
+  const auto said = [&folder]
+  {
+    return runProgram("dyslam-batch",
+                      recordings + "/campus16.rawlog" + settings + "--no-summary -o " +
+                          folder.file("batch") + " --set boxes.file=" + folder.file("boxes.txt"),
+                      folder.path())
+        .out;
+  };
+  EXPECT_TRUE(contains(said(), "campus16: done, "));
+  EXPECT_TRUE(contains(said(), "campus16: done before"));
+  const std::string boxes = folder.read("boxes.txt");
+  folder.write("boxes.txt", boxes.substr(boxes.find('\n') + 1));
+  EXPECT_TRUE(contains(said(), "campus16: done, "));
+}
+
 TEST(Batch, StoppedAndStartedAgainItGoesOn)
 {
   const TestFolder folder;

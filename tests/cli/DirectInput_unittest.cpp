@@ -188,6 +188,20 @@ TEST_F(DirectInput, InABatch)
                                                 " --no-summary --topic=/nothing");
   EXPECT_EQ(other.code, 2);
   EXPECT_TRUE(contains(other.out, "/nothing is not in it")) << other.out;
+
+  const std::string rest = " -o " + at("mixed") + " --no-summary ";
+  const std::string rawlog = at("single/recording.rawlog");
+  const Outcome unfit = run("dyslam-batch", at("all") + rest + "--topic /points");
+  EXPECT_EQ(unfit.code, 1);
+  EXPECT_TRUE(contains(unfit.err, at("all/drive_sync") + ": --topic works with a bag only"))
+      << unfit.err;
+  const Outcome unused = run("dyslam-batch", rawlog + rest + "--dt 0.2");
+  EXPECT_EQ(unused.code, 1);
+  EXPECT_TRUE(contains(unused.err, "--dt: is for recordings that are converted")) << unused.err;
+  EXPECT_FALSE(fs::exists(at("mixed")));
+  const Outcome mixed =
+      run("dyslam-batch", at("all/drive_sync") + " " + rawlog + rest + "--dt 0.2");
+  EXPECT_EQ(mixed.code, 0) << mixed.out << mixed.err;
 }
 
 TEST_F(DirectInput, ACapture)
@@ -265,6 +279,7 @@ TEST_F(DirectInput, WhatCannotBeConverted)
   expectRefused("-i " + at("drive.mcap") + out + " --topic /nothing", {"/nothing is not in it"});
   expectRefused("-i " + at("drive.mcap") + out + " --set odometry.methd", {"odometry.methd"});
   expectRefused("--resume -i " + at("drive.mcap") + out, {"leave out --input"});
+  expectRefused("--resume --topic /points" + out, {"--topic: is for an input that is converted"});
   EXPECT_FALSE(fs::exists(at("never")));
 
   bins("scans");

@@ -206,7 +206,8 @@ class Runner
       if (result.manifest.attempts == 0)
       {
         const auto known = readManifest(folder);
-        const Work work = workOn(result.recording.path, settings_.common, known);
+        const Work work =
+            workOn(result.recording.path, commonWorkFor(settings_, result.recording), known);
         if (isDone(folder, work, known))
         {
           result.manifest = *known;

@@ -6,6 +6,7 @@
 #include <dyslam/core/Error.h>
 #include <dyslam/core/Files.h>
 #include <dyslam/core/PendingFile.h>
+#include <dyslam/core/Words.h>
 #include <dyslam/formats/ProgramLines.h>
 #include <dyslam/formats/RecordingKind.h>
 #include <dyslam/formats/RunFiles.h>
@@ -222,6 +223,26 @@ std::string workFolder(const BatchSettings& settings, const Recording& recording
                                   : (fs::path(settings.scratch) / recording.name).string();
 }
 
+std::vector<std::string> argumentsFor(const BatchSettings& settings, const Recording& recording)
+{
+  std::vector<std::string> words = settings.arguments;
+  if (isConverted(recording.path))
+  {
+    words.insert(words.end(), settings.conversion.begin(), settings.conversion.end());
+  }
+  return words;
+}
+
+Work commonWorkFor(const BatchSettings& settings, const Recording& recording)
+{
+  Work work = settings.common;
+  if (isConverted(recording.path) && !settings.conversion.empty())
+  {
+    appendWord(work.settings, joined(settings.conversion, " "), " ");
+  }
+  return work;
+}
+
 double shareOfRun(const std::string& log)
 {
   return progressIn(tailOf(log));
@@ -283,7 +304,8 @@ RunEnd runOne(const BatchSettings& settings,
   else
   {
     command.words.emplace_back("--force");
-    command.words.insert(command.words.end(), settings.arguments.begin(), settings.arguments.end());
+    const std::vector<std::string> given = argumentsFor(settings, result.recording);
+    command.words.insert(command.words.end(), given.begin(), given.end());
   }
   command.cores = cores;
   bool stopped = false;

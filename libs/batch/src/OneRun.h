@@ -34,4 +34,9 @@ void recordFailure(const std::string& folder, Manifest& manifest);
 [[nodiscard]] double shareOfRun(const std::string& log);
 /** Folder that the run of a recording writes to while it is running. */
 [[nodiscard]] std::string workFolder(const BatchSettings& settings, const Recording& recording);
+/** Arguments of dyslam for a recording, but for -i, -o and --force. */
+[[nodiscard]] std::vector<std::string> argumentsFor(const BatchSettings& settings,
+                                                    const Recording& recording);
+/** BatchSettings::common, with the arguments of the conversion if the recording is converted. */
+[[nodiscard]] Work commonWorkFor(const BatchSettings& settings, const Recording& recording);
 }  // namespace dyslam::batch

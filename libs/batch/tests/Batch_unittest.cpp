@@ -122,6 +122,20 @@ TEST_F(Batch, ConvertedRecordingsAreResumed)
   EXPECT_EQ(folder_.read("out/drive/how"), "resumed\n");
 }
 
+TEST_F(Batch, OnlyConvertedRecordingsGetTheArgumentsOfTheConversion)
+{
+  program("echo \"${@:5}\" > \"$4/arguments\"");
+  settings_.arguments = {"--labels"};
+  settings_.conversion = {"--dt=0.2"};
+  names_ = {names_[0], folder_.write("in/drive.pcap", "x")};
+  EXPECT_EQ(toText(countsOf(run())), "2 done");
+  EXPECT_EQ(folder_.read("out/a/arguments"), "--force --labels\n");
+  EXPECT_EQ(folder_.read("out/drive/arguments"), "--force --labels --dt=0.2\n");
+  settings_.conversion = {"--dt=0.1"};
+  EXPECT_EQ(toText(countsOf(run())), "2 done (1 before)");
+  EXPECT_EQ(folder_.read("out/drive/arguments"), "--force --labels --dt=0.1\n");
+}
+
 TEST_F(Batch, ASignalToAllOfThemLeavesRunsToBeResumed)
 {
   names_ = {names_[2]};

@@ -88,7 +88,7 @@ ConversionResult RecordingConverter::convert(const std::string& output,
 {
   if (kitti_)
   {
-    options.requireFittingKitti();
+    options.requireFitting(RecordingKind::kitti);
     KittiConverterOptions of_kitti;
     of_kitti.kind = *kitti_;
     of_kitti.sensor_pose = options.sensor_pose;

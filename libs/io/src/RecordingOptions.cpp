@@ -36,29 +36,50 @@ std::string labelOfTopic(std::string topic)
   return topic;
 }
 
+bool isOfBag(RecordingKind kind)
+{
+  return kind == RecordingKind::bag;
+}
+
+bool mayHavePackets(RecordingKind kind)
+{
+  return kind == RecordingKind::bag || kind == RecordingKind::capture;
+}
+
+bool isNotKitti(RecordingKind kind)
+{
+  return kind != RecordingKind::kitti;
+}
+
+bool hasNoTimes(RecordingKind kind)
+{
+  return kind != RecordingKind::bag;
+}
+
 struct RecordingOption
 {
   const char* flag;
   Values (*values)(const RecordingOptions& options);  //!< those given
-  bool only_bags;
-  const char* with;  //!< the inputs that it works with, if KITTI's folders are none of them
+  bool (*fits)(RecordingKind kind);                   //!< null: every kind
+  const char* limit;                                  //!< what an error says of the others
 };
 
+constexpr const char* bags_only = " works with a bag only";
 using Given = const RecordingOptions&;
 const std::array<RecordingOption, 10> all_options{
-    {{"--topic", [](Given o) { return valuesOf(o.topic); }, true, "a bag"},
-     {"--further-topic", [](Given o) { return o.further_topics; }, true, "a bag"},
-     {"--imu-topic", [](Given o) { return valuesOf(o.imu_topic); }, true, "a bag"},
-     {"--odometry-topic", [](Given o) { return valuesOf(o.odometry_topic); }, true, "a bag"},
-     {"--gnss-topic", [](Given o) { return valuesOf(o.gnss_topic); }, true, "a bag"},
-     {"--sensor", [](Given o) { return valuesOf(o.sensor); }, false,
-      "a .pcap, a bag or a folder of scans"},
-     {"--calibration", [](Given o) { return valuesOf(o.calibration); }, false,
-      "the packets of a .pcap or a bag"},
-     {"--sensor-pose", [](Given o) { return valuesOf(o.sensor_pose); }, false, nullptr},
-     {"--base-frame", [](Given o) { return valuesOf(o.base_frame); }, true, "a bag"},
-     {"--dt", [](Given o) { return o.dt > 0 ? Values{exactText(o.dt)} : Values(); }, false,
-      nullptr}}};
+    {{"--topic", [](Given o) { return valuesOf(o.topic); }, isOfBag, bags_only},
+     {"--further-topic", [](Given o) { return o.further_topics; }, isOfBag, bags_only},
+     {"--imu-topic", [](Given o) { return valuesOf(o.imu_topic); }, isOfBag, bags_only},
+     {"--odometry-topic", [](Given o) { return valuesOf(o.odometry_topic); }, isOfBag, bags_only},
+     {"--gnss-topic", [](Given o) { return valuesOf(o.gnss_topic); }, isOfBag, bags_only},
+     {"--sensor", [](Given o) { return valuesOf(o.sensor); }, isNotKitti,
+      " works with a .pcap, a bag or a folder of scans only"},
+     {"--calibration", [](Given o) { return valuesOf(o.calibration); }, mayHavePackets,
+      " works with the packets of a .pcap or a bag only"},
+     {"--sensor-pose", [](Given o) { return valuesOf(o.sensor_pose); }, nullptr, ""},
+     {"--base-frame", [](Given o) { return valuesOf(o.base_frame); }, isOfBag, bags_only},
+     {"--dt", [](Given o) { return o.dt > 0 ? Values{exactText(o.dt)} : Values(); }, hasNoTimes,
+      ": the scans of a bag have times; leave it out"}}};
 }  // namespace
 
 std::vector<std::string> RecordingOptions::words() const
@@ -123,25 +144,13 @@ bool RecordingOptions::hasFlag(const std::string& flag)
                      [&flag](const RecordingOption& option) { return option.flag == flag; });
 }
 
-std::string RecordingOptions::givenFlagOfBags() const
+void RecordingOptions::requireFitting(RecordingKind kind) const
 {
   for (const RecordingOption& option : all_options)
   {
-    if (option.only_bags && !option.values(*this).empty())
+    if (option.fits != nullptr && !option.fits(kind) && !option.values(*this).empty())
     {
-      return option.flag;
-    }
-  }
-  return "";
-}
-
-void RecordingOptions::requireFittingKitti() const
-{
-  for (const RecordingOption& option : all_options)
-  {
-    if (option.with != nullptr && !option.values(*this).empty())
-    {
-      throw UserError(std::string(option.flag) + " works with " + option.with + " only");
+      throw UserError(option.flag + std::string(option.limit));
     }
   }
 }

@@ -304,13 +304,11 @@ void requireFitting(InputKind kind, const ScanConverterOptions& options)
     InputKind kind;
     const char* with;
   };
-  const std::string of_bags = options.givenFlagOfBags();
   for (const Use& use :
        {Use{"--bin-layout", options.bin_layout.has_value(), InputKind::folder, "a folder of scans"},
         Use{"--poses", !options.poses.empty(), InputKind::folder, "a folder of scans"},
         Use{"--times", !options.times.empty(), InputKind::folder, "a folder of scans"},
         Use{"--by-number", options.by_number, InputKind::folder, "a folder of scans"},
-        Use{of_bags.c_str(), !of_bags.empty(), InputKind::bag, "a bag"},
         Use{"--truth-topic", !options.truth_topic.empty(), InputKind::bag, "a bag"},
         Use{"--truth-frame", !options.truth_frame.empty(), InputKind::bag, "a bag"},
         Use{"--imu-pose", !options.imu_pose.empty(), InputKind::bag, "a bag"}})
@@ -320,15 +318,13 @@ void requireFitting(InputKind kind, const ScanConverterOptions& options)
       throw UserError(std::string(use.flag) + " works with " + use.with + " only");
     }
   }
-  if (kind == InputKind::folder && (options.keep_partial || !options.calibration.empty()))
+  if (kind == InputKind::folder && options.keep_partial)
   {
-    throw UserError(std::string(options.keep_partial ? "--keep-partial" : "--calibration") +
-                    " works with the packets of a .pcap or a bag only");
+    throw UserError("--keep-partial works with the packets of a .pcap or a bag only");
   }
-  if (kind == InputKind::bag && options.dt > 0)
-  {
-    throw UserError("--dt: the scans of a bag have times; leave it out");
-  }
+  options.requireFitting(kind == InputKind::bag      ? RecordingKind::bag
+                         : kind == InputKind::folder ? RecordingKind::scans
+                                                     : RecordingKind::capture);
   if (!options.times.empty() && options.dt > 0)
   {
     throw UserError("--times and --dt exclude each other");

@@ -107,15 +107,15 @@ TEST(RecordingOptions, OfEachTheFlagIsKnown)
   RecordingOptions options;
   options.dt = 0.1;
   EXPECT_EQ("--dt", options.givenFlag());
-  EXPECT_NO_THROW(options.requireFittingKitti());
+  EXPECT_NO_THROW(options.requireFitting(RecordingKind::kitti));
+  EXPECT_EQ("--dt: the scans of a bag have times; leave it out",
+            messageOfError<UserError>([&] { options.requireFitting(RecordingKind::bag); }));
   options.base_frame = "base_link";
   EXPECT_EQ("--base-frame", options.givenFlag());
-  EXPECT_EQ("--base-frame", options.givenFlagOfBags());
   EXPECT_EQ("--base-frame works with a bag only",
-            messageOfError<UserError>([&] { options.requireFittingKitti(); }));
+            messageOfError<UserError>([&] { options.requireFitting(RecordingKind::kitti); }));
   options.sensor = "VLP16";
   EXPECT_EQ("--sensor", options.givenFlag());
-  EXPECT_EQ("--base-frame", options.givenFlagOfBags());
   for (const char* flag : {"--dt", "--sensor", "--base-frame"})
   {
     EXPECT_TRUE(RecordingOptions::hasFlag(flag)) << flag;

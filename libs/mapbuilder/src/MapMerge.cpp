@@ -81,7 +81,7 @@ std::string addRecording(const RunFolder& run,
 {
   RunScansOptions options = run.scans;
   options.name = run.name;
-  options.tracks.clear();  // labels or hindsight give the moving points
+  options.tracks.clear();  // labels, else hindsight, give the moving points
   builder.beginRun(merged, options);
   RawlogSource source(run.rawlog, run.source);
   std::string damage = readScansAndWarn(source, "map, " + run.name, listener,
@@ -123,7 +123,8 @@ MergeReport mergeMaps(const std::vector<RunFolder>& runs,
                       MapListener& listener)
 {
   requireValidExports(outputs);
-  const MapBuilderOptions own = withNeedsOf(outputs, options);
+  MapBuilderOptions own = withNeedsOf(outputs, options);
+  own.hindsight.hindsight = true;  // of runs without labels: nothing else gives their moving points
   RunMergerConfig limited = merger;
   limited.memory = MemoryLimit(own.memory, own.temporary_folder);
   const MergedRuns joined = mergeRuns(runs, limited, own.map, own.threads, listener);

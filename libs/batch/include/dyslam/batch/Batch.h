@@ -13,11 +13,12 @@ namespace dyslam::batch
 {
 struct BatchSettings
 {
-  std::string output;                  //!< folder of the results, with a subfolder per recording
-  std::string program;                 //!< path of dyslam
-  std::vector<std::string> arguments;  //!< arguments of dyslam, but for -i, -o and --force
-  Work common;                         //!< settings, version and checksum of the program
-  int jobs = 0;                        //!< number of runs at a time; 0: number of cores
+  std::string output;                   //!< folder of the results, with a subfolder per recording
+  std::string program;                  //!< path of dyslam
+  std::vector<std::string> arguments;   //!< arguments of dyslam, but for -i, -o and --force
+  std::vector<std::string> conversion;  //!< further arguments for recordings that are converted
+  Work common;                          //!< settings, version and checksum of the program
+  int jobs = 0;                         //!< number of runs at a time; 0: number of cores
   std::uint64_t memory = 0;  //!< memory for all runs at a time [bytes]; 0: what is available
   std::string config;        //!< the ini among the arguments; empty: none
   std::string scratch;       //!< folder to run in before results are moved; empty: none

@@ -22,7 +22,8 @@ struct Work
   std::string input_checksum;         //!< checksum of the file and its external files
   std::string settings;               //!< flags and ini, as text
   std::string version;                //!< version of the program
-  std::string program_checksum;       //!< checksum of program, shipped settings and weights
+  std::string
+      program_checksum;  //!< checksum of program, weights and other files that all runs read
 };
 
 enum class State

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <dyslam/formats/RecordingKind.h>
+
 #include <string>
 #include <vector>
 
@@ -38,9 +40,8 @@ struct RecordingOptions
   [[nodiscard]] std::string givenFlag() const;
   /** Whether one of these options has this flag. */
   [[nodiscard]] static bool hasFlag(const std::string& flag);
-  /** Flag of a given option that applies only to bags; empty if none is given. */
-  [[nodiscard]] std::string givenFlagOfBags() const;
-  /** \throws UserError for a given option that does not apply to KITTI's folders. */
-  void requireFittingKitti() const;
+  /** \param kind of the recording, not unknown
+   * \throws UserError for a given option that does not apply to recordings of this kind. */
+  void requireFitting(RecordingKind kind) const;
 };
 }  // namespace dyslam

@@ -63,7 +63,8 @@ MapReport buildMap(const RecordingOnTrajectory& recording,
 
 /** Merges runs of one place: writes one map of all that share places with those joined before, a
  * trajectory of each in the frame of the first (TUM and KITTI) and a table, all beside the first
- * output. Runs that share no place with the others are left out.
+ * output. Runs that share no place with the others are left out. Moving points are those of the
+ * labels of a run; without them those with hindsight, whatever HindsightOptions::hindsight is.
  * \param runs from readRunFolders(), in order of time
  * \throws UserError as buildMap(), and if no run could be joined to the first: nothing is written
  *   then. */
