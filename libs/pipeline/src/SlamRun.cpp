@@ -335,6 +335,7 @@ std::vector<std::string> SlamRun::sections()
 {
   SlamRunSettings settings;
   settings.rawlog = "none.rawlog";  // is not opened
+  settings.output_folder = "none";  // is not made
   const Impl run(settings);         // all stages and outputs load their sections, used or not
   std::vector<std::string> names = run.config.effective().sectionNames();
   std::sort(names.begin(), names.end());
