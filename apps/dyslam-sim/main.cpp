@@ -7,7 +7,6 @@
 #include <algorithm>
 #include <cstdio>
 #include <filesystem>
-#include <limits>
 #include <string>
 
 #include "../common/AppMain.h"
@@ -18,6 +17,7 @@
 #include "Arguments.h"
 #include "Benchmark.h"
 #include "Recorder.h"
+#include "Series.h"
 
 namespace
 {
@@ -74,33 +74,6 @@ void recordOneOfMany(const Recording& recording, bool force, bool quiet)
 std::vector<NamedRecording> partOf(const Arguments& a, const std::vector<NamedRecording>& all)
 {
   return a.shard.empty() ? all : Shard::fromText(a.shard).of(all);
-}
-
-/** --count recordings of consecutive seeds, of the traffic where that has its own; each depends on
- * its seeds alone. \param first `output` is the folder for all */
-std::vector<NamedRecording> seriesOf(const Arguments& a, const Recording& first)
-{
-  std::vector<NamedRecording> series;
-  for (int i = 0; i < a.count; ++i)
-  {
-    NamedRecording one;
-    one.recording = first;
-    SimulatorOptions& o = one.recording.simulator;
-    const bool same_world = o.traffic_seed >= 0;
-    int& seed = same_world ? o.traffic_seed : o.seed;
-    if (seed > std::numeric_limits<int>::max() - i)
-    {
-      throw UserError("--count: the seeds from " + std::to_string(seed) + " on end at " +
-                      std::to_string(std::numeric_limits<int>::max()) +
-                      "; choose a smaller one, or fewer recordings");
-    }
-    seed += i;
-    one.name = a.world + "_" + a.sensor + "_" + std::to_string(o.seed) +
-               (same_world ? "_" + std::to_string(o.traffic_seed) : "");
-    one.recording.output = first.output + "/" + one.name + ".rawlog";
-    series.push_back(one);
-  }
-  return series;
 }
 
 /** The set of --benchmark, or the one recording of --only. */

@@ -55,7 +55,7 @@ std::string tailOf(const std::string& path)
 std::string movedPath(const std::string& path, const std::string& from, const std::string& to)
 {
   const fs::path relative =
-      fs::path(path).lexically_relative(fs::absolute(from).lexically_normal());
+      fs::path(path).lexically_normal().lexically_relative(fs::absolute(from).lexically_normal());
   return relative.empty() || *relative.begin() == ".."
              ? path
              : (fs::absolute(to).lexically_normal() / relative).string();
