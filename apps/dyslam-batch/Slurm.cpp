@@ -27,6 +27,10 @@ void submitToSlurm(const Arguments& a, const std::vector<Recording>& recordings)
   {
     absolute.config = std::filesystem::absolute(a.config).string();
   }
+  if (!a.conversion.calibration.empty())
+  {
+    absolute.conversion.calibration = std::filesystem::absolute(a.conversion.calibration).string();
+  }
   job.arguments = runArguments(absolute);
   const std::vector<std::string> conversion = absolute.conversion.words();
   job.arguments.insert(job.arguments.end(), conversion.begin(), conversion.end());

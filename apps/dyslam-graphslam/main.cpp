@@ -3,6 +3,10 @@
 #include <dyslam/graphslam/GraphSlamPlugins.h>
 #include <dyslam/graphslam/GraphSlamRun.h>
 
+#include <algorithm>
+#include <string>
+#include <vector>
+
 #include "../common/AppMain.h"
 #include "../common/OutputOptions.h"
 #include "../common/SlamProgram.h"
@@ -19,10 +23,12 @@ struct Arguments
   std::string graph;  //!< to optimise
   bool list_registrars = false;
   bool list_optimizers = false;
+  const CLI::App* parser = nullptr;  //!< of the command line
 };
 
 void declare(CLI::App& app, Arguments& a)
 {
+  a.parser = &app;
   app.description(
       "MRPT's graph-SLAM engine with our odometry, loops and optimiser on a rawlog, without a "
       "window; or optimises a saved graph");
@@ -67,22 +73,29 @@ bool showLists(const Arguments& a)
   return a.list_registrars || a.list_optimizers;
 }
 
+/** Requires that all given flags have a meaning for --optimize. \throws UserError naming one. */
+void requireGraphFlags(const CLI::App& parser)
+{
+  const std::vector<std::string> known = {"--optimize", "--output", "--optimizer",
+                                          "--set",      "--quiet",  "--verbosity"};
+  for (const CLI::Option* option :
+       parser.get_options([](const CLI::Option* o) { return o->count() > 0; }))
+  {
+    if (std::find(known.begin(), known.end(), option->get_name()) == known.end())
+    {
+      throw UserError("--optimize takes a saved graph instead of a rawlog; " + option->get_name() +
+                      " does not apply to it");
+    }
+  }
+}
+
 /** Optimises the graph of --optimize. \throws UserError, also for flags of a recording. */
 void optimizeSavedGraph(const Arguments& a)
 {
-  if (!a.slam.settings.rawlog.empty())
-  {
-    throw UserError("--optimize takes a saved graph instead of a rawlog; give one of them");
-  }
+  requireGraphFlags(*a.parser);
   if (!a.slam.settings.output_folder.empty() && !a.plugins.optimizer.empty())
   {
     throw UserError("--optimize writes one file: give -o or --output, not both");
-  }
-  if (!a.slam.config.empty() || a.slam.only_first_n || a.slam.skip_first_n || a.slam.start ||
-      a.slam.end || a.slam.passes > 1)
-  {
-    throw UserError(
-        "--optimize takes a saved graph and --set only, no -c and nothing of a recording");
   }
   dyslam::GraphOptimization job;
   job.input = a.graph;

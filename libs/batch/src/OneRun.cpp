@@ -102,7 +102,7 @@ void renameOwnFiles(const std::string& from, const std::string& to)
 }
 
 /** Moves results to their folder as a whole: those of an earlier run are replaced at the end, other
- * files stay. */
+ * files stay. A kill in between leaves the earlier folder, at worst as `to` with ".earlier". */
 void moveResults(const fs::path& from, const fs::path& to)
 {
   const fs::path partial = to.string() + ".partial";
@@ -110,21 +110,37 @@ void moveResults(const fs::path& from, const fs::path& to)
   fs::copy(from, partial, fs::copy_options::recursive);
   if (fs::exists(to))
   {
-    std::vector<std::string> earlier = filesOfRun(to.string());
-    earlier.emplace_back(log_name);
+    std::vector<std::string> replaced = filesOfRun(to.string());
+    replaced.emplace_back(log_name);
     for (const auto& entry : fs::directory_iterator(to))
     {
       const fs::path kept = partial / entry.path().filename();
       const std::string name = entry.path().filename().string();
-      if (std::find(earlier.begin(), earlier.end(), name) == earlier.end() && !fs::exists(kept))
+      if (std::find(replaced.begin(), replaced.end(), name) == replaced.end() && !fs::exists(kept))
       {
         fs::copy(entry.path(), kept, fs::copy_options::recursive);
       }
     }
   }
-  fs::remove_all(to);
+  const fs::path earlier = to.string() + ".earlier";
+  fs::remove_all(earlier);
+  if (fs::exists(to))
+  {
+    fs::rename(to, earlier);
+  }
   fs::rename(partial, to);
+  fs::remove_all(earlier);
   fs::remove_all(from);
+}
+
+/** Restores a folder that a killed moveResults() has left under its other name. */
+void restoreEarlier(const fs::path& to)
+{
+  const fs::path earlier = to.string() + ".earlier";
+  if (!fs::exists(to) && fs::exists(earlier / log_name))
+  {
+    fs::rename(earlier, to);
+  }
 }
 
 /** Copies log and manifest of a run without results for the next batch and the user; earlier
@@ -273,6 +289,7 @@ RunEnd runOne(const BatchSettings& settings,
 {
   const std::string folder = workFolder(settings, result.recording);
   const std::string final_folder = folderOf(settings, result.recording);
+  restoreEarlier(final_folder);
   requireOwnFolder(final_folder, "--output");
   const char* option = folder == final_folder ? "--output" : "--scratch";
   requireOwnFolder(folder, option);

@@ -298,6 +298,19 @@ TEST_F(Batch, FailureInScratchLeavesEarlierResultsAndCheckpoints)
   EXPECT_EQ(readBatch(settings_, listRecordings(names_))[0].manifest.state, State::failed);
 }
 
+/** What a kill leaves while results are moved: the earlier folder under its other name. */
+TEST_F(Batch, FolderOfAnInterruptedMoveIsRestored)
+{
+  settings_.scratch = folder_.file("scratch");
+  program("echo 1 > \"$4/x\"");
+  run();
+  folder_.write("out/c/notes.txt", "mine");
+  fs::rename(folder_.file("out/c"), folder_.file("out/c.earlier"));
+  EXPECT_EQ(countsOf(run()).done, 3U);
+  EXPECT_EQ(folder_.read("out/c/notes.txt"), "mine");
+  EXPECT_FALSE(fs::exists(folder_.file("out/c.earlier")));
+}
+
 TEST_F(Batch, ForeignFolderInScratchStaysAsItIs)
 {
   settings_.scratch = folder_.file("in");
