@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "SlamProgram.h"
 
+#include <dyslam/core/Angle.h>
 #include <dyslam/core/Printable.h>
 #include <dyslam/pipeline/TwoPassRun.h>
 #include <unistd.h>
@@ -102,6 +103,14 @@ void printResult(const SlamRunReport& report, const std::string& folder)
     std::printf("satellite receiver: %s, %.2f m from the trajectory, %.2f m in height (RMS)\n",
                 counted(report.georeference->fixes, "position").c_str(),
                 report.georeference->horizontal_rmse, report.georeference->vertical_rmse);
+  }
+  if (report.gravity)
+  {
+    const Gravity& gravity = *report.gravity;
+    std::printf("accelerometer: z of the map %s %.1f deg from the vertical (sigma %.1f deg)%s\n",
+                gravity.levelled ? "was" : "is", gravity.tilt / radians_per_degree,
+                gravity.tilt_sigma / radians_per_degree,
+                gravity.levelled ? "; the map was levelled" : "");
   }
   if (report.unconverged > 0)
   {

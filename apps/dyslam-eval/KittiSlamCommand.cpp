@@ -49,9 +49,12 @@ KittiSlamSetup setupOf(const KittiSlamArguments& a)
   setup.alignment = alignmentFromString(a.alignment);
   setup.tracker = loader.get<TrackerOptions>("tracker");
   setup.noise = loader.get<DetectionNoiseOptions>("detection_noise");
-  setup.backend = {loader.get<BackendOptions>("backend"), LoopCloserOptions{},
+  setup.backend = {loader.get<BackendOptions>("backend"),
+                   LoopCloserOptions{},
                    loader.get<ObjectGraphOptions>("objects"),
-                   loader.get<FactorGraphOptions>("solver"), GnssOptions{}};
+                   loader.get<FactorGraphOptions>("solver"),
+                   GnssOptions{},
+                   GravityOptions{}};
   loader.requireAllUsed();
   return setup;
 }

@@ -13,7 +13,9 @@
 #include <stdexcept>
 #include <utility>
 
+#include "FrameInKeyframe.h"
 #include "GnssAnchor.h"
+#include "GravityAnchor.h"
 #include "LoopCorrection.h"
 #include "ObjectGraph.h"
 #include "PoseGraphView.h"
@@ -25,14 +27,6 @@ namespace
 {
 /** Sigma of the rotation over an unmeasured stretch of the path [rad]. */
 constexpr double unseen_rotation = 0.5;
-
-/** Pose of a frame relative to the newest keyframe at that time. */
-struct FrameInKeyframe
-{
-  double stamp = 0;
-  std::size_t keyframe = 0;
-  Pose T_keyframe_frame = Pose::Identity();
-};
 
 /** Covariance of one odometry step: that of the odometry (a step that was not registered has the
  * prior's, large after a gap), and the option's in addition where it did not converge. */
@@ -82,11 +76,13 @@ struct Backend::State
         closer(config.loops, store),
         correction(config.backend, config.solver, graph),
         objects(config.objects, config.backend.mode == BackendMode::full, graph),
-        gnss(config.gnss)
+        gnss(config.gnss),
+        gravity_anchor(config.gravity)
   {
     validate(options, "backend");
     validate(solver, "solver");
     validate(gnss.options(), "gnss");
+    validate(gravity_anchor.options(), "gravity");
     if (!keyframes.empty())
     {
       throw std::invalid_argument("Backend: the store has keyframes already");
@@ -108,6 +104,8 @@ struct Backend::State
   void optimiseAll();
   void correctKeyframes(std::size_t first);
   [[nodiscard]] std::optional<VehicleInKeyframe> vehicleAt(double stamp) const;
+  void tieToVertical();
+  void levelMap(const Pose& T_level_map);
   void tieToEarth();
 
   BackendOptions options;
@@ -120,6 +118,8 @@ struct Backend::State
   ObjectGraph objects;
   GnssAnchor gnss;
   std::optional<Georeference> georeference;
+  GravityAnchor gravity_anchor;
+  std::optional<Gravity> gravity;
   std::vector<FrameInKeyframe> frames;
   std::vector<Loop> loops;
   std::vector<std::string> problems;        //!< factors that the graph rejected
@@ -284,6 +284,71 @@ std::optional<VehicleInKeyframe> Backend::State::vehicleAt(double stamp) const
                            before.T_keyframe_frame * expSE3(part * logSE3(T_before_after))};
 }
 
+void Backend::State::tieToVertical()
+{
+  const FactorGraph::Solution before = graph.solution();
+  const OptimisationResult result_before = correction.last();
+  if (!gravity_anchor.addTo(graph, frames))
+  {
+    return;
+  }
+  const bool fuse =
+      gravity_anchor.options().use == GravityUse::fuse && options.mode != BackendMode::odometry;
+  if (fuse)
+  {
+    optimiseAll();
+  }
+  const bool fits = gravity_anchor.fits(graph);
+  if (fits)
+  {
+    gravity = gravity_anchor.gravity(graph);
+    gravity->fused = fuse;
+  }
+  else
+  {
+    gravity_anchor.warn(
+        "the accelerations of the IMU are not used: they do not fit the trajectory; is the pose of "
+        "the IMU on the vehicle right, and its clock that of the lidar?");
+  }
+  if (fuse && !fits)
+  {
+    graph.restore(before);
+    correction.restoreLast(result_before);
+    correctKeyframes(0);
+  }
+  const Pose T_level_map = graph.pose(Key::vertical());
+  if (!fuse || !fits)
+  {
+    GravityAnchor::removeFrom(graph);
+  }
+  if (fits && gravity_anchor.options().level_map)
+  {
+    levelMap(T_level_map);
+  }
+}
+
+/** Rotates all poses of the graph. */
+void Backend::State::levelMap(const Pose& T_level_map)
+{
+  std::vector<std::pair<Key, Pose>> levelled;
+  for (const auto& [key, variable] : graph.variables())
+  {
+    if (key.isPose())
+    {
+      const Pose T = unpackPose(variable.block.data());
+      levelled.emplace_back(key,
+                            key == Key::vertical() ? T * T_level_map.inverse() : T_level_map * T);
+    }
+  }
+  for (const auto& [key, pose] : levelled)
+  {
+    graph.setPose(key, pose);
+  }
+  gravity->up_map = Eigen::Vector3d::UnitZ();
+  gravity->levelled = true;
+  correctKeyframes(0);
+}
+
 void Backend::State::tieToEarth()
 {
   const Key earth = Key::georeference();
@@ -368,6 +433,7 @@ bool Backend::addOdometry(Frame& frame)
 {
   State& s = *state_;
   s.path.add(frame.T_odom_vehicle.translation());
+  s.gravity_anchor.add(frame, s.T_odom_previous.inverse() * frame.T_odom_vehicle);
   if (!s.frames.empty())
   {
     s.accumulateOdometry(frame);
@@ -442,6 +508,7 @@ void Backend::finish()
   {
     s.optimiseAll();
   }
+  s.tieToVertical();
   s.tieToEarth();
 }
 
@@ -486,6 +553,11 @@ const std::optional<Georeference>& Backend::georeference() const
   return state_->georeference;
 }
 
+const std::optional<Gravity>& Backend::gravity() const
+{
+  return state_->gravity;
+}
+
 const OptimisationResult& Backend::lastOptimisation() const
 {
   return state_->correction.last();
@@ -494,8 +566,8 @@ const OptimisationResult& Backend::lastOptimisation() const
 std::vector<std::string> Backend::warnings() const
 {
   std::vector<std::string> result = state_->problems;
-  for (const auto& more :
-       {state_->correction.last().warnings, state_->objects.warnings(), state_->gnss.warnings()})
+  for (const auto& more : {state_->correction.last().warnings, state_->objects.warnings(),
+                           state_->gravity_anchor.warnings(), state_->gnss.warnings()})
   {
     result.insert(result.end(), more.begin(), more.end());
   }
@@ -505,8 +577,8 @@ std::vector<std::string> Backend::warnings() const
 void Backend::exchangeState(StateArchive& archive)
 {
   State& s = *state_;
-  archive(s.closer, s.graph, s.objects, s.gnss, s.frames, s.loops, s.correction, s.problems,
-          s.T_odom_keyframe, s.since_keyframe, s.T_odom_previous, s.path, s.unseen_path, s.drift,
-          s.drift_angle);
+  archive(s.closer, s.graph, s.objects, s.gnss, s.gravity_anchor, s.frames, s.loops, s.correction,
+          s.problems, s.T_odom_keyframe, s.since_keyframe, s.T_odom_previous, s.path, s.unseen_path,
+          s.drift, s.drift_angle);
 }
 }  // namespace dyslam

@@ -33,6 +33,10 @@ std::string toString(const Key& key)
       return "l" + std::to_string(key.object) + "@" + std::to_string(key.index);
     case VariableKind::georeference:
       return "g";
+    case VariableKind::vertical:
+      return "d";
+    case VariableKind::accelerometer_bias:
+      return "b";
     case VariableKind::object_velocity:
       break;
   }
@@ -53,6 +57,8 @@ std::string toString(FactorKind kind)
       return "object_motion";
     case FactorKind::gnss:
       return "gnss";
+    case FactorKind::gravity:
+      return "gravity";
     case FactorKind::smooth_motion:
       break;
   }

@@ -17,7 +17,7 @@ void requireType(const Key& key, bool pose)
   if (key.isPose() != pose)
   {
     throw std::invalid_argument("variable " + toString(key) +
-                                (pose ? ": is not a pose" : ": is not a velocity"));
+                                (pose ? ": is not a pose" : ": is a pose"));
   }
 }
 
@@ -92,12 +92,12 @@ void FactorGraph::addPose(const Key& key, const Pose& pose)
   packPose(pose, variables_[key].block.data());
 }
 
-void FactorGraph::addVelocity(const Key& key, const Vector6& twist)
+void FactorGraph::addVector(const Key& key, const Vector6& vector)
 {
   requireType(key, false);
-  requireFinite(key, twist.allFinite());
+  requireFinite(key, vector.allFinite());
   requireNew(key);
-  Eigen::Map<Vector6>(variables_[key].block.data()) = twist;
+  Eigen::Map<Vector6>(variables_[key].block.data()) = vector;
 }
 
 void FactorGraph::addBlock(const Key& key, const std::array<double, pose_block_size>& block)
@@ -123,7 +123,7 @@ Pose FactorGraph::pose(const Key& key) const
   return unpackPose(variable(key).block.data());
 }
 
-Vector6 FactorGraph::velocity(const Key& key) const
+Vector6 FactorGraph::vector(const Key& key) const
 {
   return Eigen::Map<const Vector6>(variable(key).block.data());
 }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/backend/FactorGraphFile.h>
 #include <dyslam/backend/factors/GnssFactor.h>
+#include <dyslam/backend/factors/GravityFactor.h>
 #include <dyslam/backend/factors/LoopFactor.h>
 #include <dyslam/backend/factors/ObjectMotionFactor.h>
 #include <dyslam/backend/factors/ObservationFactor.h>
@@ -39,6 +40,10 @@ std::string_view nameOf(VariableKind kind)
       return "OBJECT";
     case VariableKind::georeference:
       return "GEOREFERENCE";
+    case VariableKind::vertical:
+      return "VERTICAL";
+    case VariableKind::accelerometer_bias:
+      return "ACCELEROMETER_BIAS";
     case VariableKind::object_velocity:
       break;
   }
@@ -61,7 +66,7 @@ void append(std::string& text, std::int64_t value)
 void append(std::string& text, const Key& key)
 {
   text += nameOf(key.kind);
-  if (key.kind == VariableKind::georeference)
+  if (key.isSingle())
   {
     return;
   }
@@ -144,6 +149,11 @@ std::string factorLine(const Factor& factor, bool left_out)
       append(text, keys[0].index);
       append(text, Eigen::Vector3d(factor.measurement().translation()));
       append(text, static_cast<const GnssFactor&>(factor).antenna());
+      break;
+    case FactorKind::gravity:
+      text = "GRAVITY";
+      append(text, keys[0].index);
+      append(text, static_cast<const GravityFactor&>(factor).upwards());
       break;
     case FactorKind::object_motion:
     case FactorKind::smooth_motion:
@@ -230,9 +240,12 @@ class LineReader
     {
       return Key::ego(index());
     }
-    if (kind == nameOf(VariableKind::georeference))
+    for (const Key& single : {Key::georeference(), Key::vertical(), Key::accelerometerBias()})
     {
-      return Key::georeference();
+      if (kind == nameOf(single.kind))
+      {
+        return single;
+      }
     }
     for (const VariableKind known :
          {VariableKind::static_object, VariableKind::object_pose, VariableKind::object_velocity})
@@ -243,9 +256,9 @@ class LineReader
         return {known, object, static_cast<std::int64_t>(index())};
       }
     }
-    file_.fail(
-        "'" + std::string(kind) +
-        "' is no kind of variable; use EGO, STATIC_OBJECT, OBJECT, VELOCITY or GEOREFERENCE");
+    file_.fail("'" + std::string(kind) +
+               "' is no kind of variable; use EGO, STATIC_OBJECT, OBJECT, VELOCITY, GEOREFERENCE, "
+               "VERTICAL or ACCELEROMETER_BIAS");
   }
   Eigen::Vector3d vector()
   {
@@ -378,6 +391,15 @@ std::unique_ptr<const Factor> readGnss(LineReader& line)
   return std::make_unique<GnssFactor>(keyframe, position, antenna, information);
 }
 
+std::unique_ptr<const Factor> readGravity(LineReader& line)
+{
+  const std::size_t keyframe = line.index();
+  const Eigen::Vector3d upwards = line.vector();
+  const Matrix6 information = line.information();
+  line.finish();
+  return std::make_unique<GravityFactor>(keyframe, upwards, information);
+}
+
 std::unique_ptr<const Factor> readMotion(const std::string& kind, LineReader& line)
 {
   const int object = line.integer();
@@ -405,13 +427,14 @@ void readLine(const TextFile& file, FactorGraph& graph, std::vector<std::string>
     readFixed(file, graph);
     return;
   }
-  if (is({"EGO", "STATIC_OBJECT", "OBJECT", "VELOCITY", "GEOREFERENCE"}))
+  if (is({"EGO", "STATIC_OBJECT", "OBJECT", "VELOCITY", "GEOREFERENCE", "VERTICAL",
+          "ACCELEROMETER_BIAS"}))
   {
     readVariable(file, graph);
     return;
   }
   const bool is_motion = is({"OBJECT_MOTION", "SMOOTH_MOTION"});
-  if (!is_motion && !is({"ODOMETRY", "LOOP", "LEFT_OUT_LOOP", "OBSERVATION", "GNSS"}))
+  if (!is_motion && !is({"ODOMETRY", "LOOP", "LEFT_OUT_LOOP", "OBSERVATION", "GNSS", "GRAVITY"}))
   {
     file.fail("'" + kind + "' is no kind of variable or factor of a factor graph");
   }
@@ -419,9 +442,10 @@ void readLine(const TextFile& file, FactorGraph& graph, std::vector<std::string>
   {
     LineReader line(file);
     (void)line.word();
-    const FactorGraph::FactorId id = graph.add(is_motion      ? readMotion(kind, line)
-                                               : is({"GNSS"}) ? readGnss(line)
-                                                              : readRelativePose(kind, line));
+    const FactorGraph::FactorId id = graph.add(is_motion         ? readMotion(kind, line)
+                                               : is({"GNSS"})    ? readGnss(line)
+                                               : is({"GRAVITY"}) ? readGravity(line)
+                                                                 : readRelativePose(kind, line));
     if (kind == "LEFT_OUT_LOOP")
     {
       graph.leaveOut(id);

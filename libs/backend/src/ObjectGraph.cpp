@@ -276,13 +276,13 @@ void ObjectGraph::addMotionFactors(int id, const Observation& before, const Obse
   const Vector6 motion = logSE3(graph_.pose(Key::objectPose(id, before.scan)).inverse() *
                                 graph_.pose(Key::objectPose(id, now.scan)));
   const bool has_velocity = graph_.contains(key_before);
-  const Vector6 expected = has_velocity ? Vector6(dt * graph_.velocity(key_before)) : motion;
+  const Vector6 expected = has_velocity ? Vector6(dt * graph_.vector(key_before)) : motion;
   if ((motion - expected).head<3>().norm() > options_.max_jump)
   {
     ++jumps_;
     return;
   }
-  graph_.addVelocity(Key::objectVelocity(id, now.scan), motion / dt);
+  graph_.addVector(Key::objectVelocity(id, now.scan), motion / dt);
   graph_.add(std::make_unique<ObjectMotionFactor>(
       id, before.scan, now.scan, dt,
       informationFromSigmas(options_.motion_sigma * dt, options_.angular_motion_sigma * dt)));

@@ -51,7 +51,7 @@ void ObjectGraph::appendSmoothed(const ObjectKey& object_key,
       const Key key = Key::objectVelocity(object_key.first, object.observations[k].scan);
       if (graph_.contains(key))
       {
-        twist += graph_.velocity(key);
+        twist += graph_.vector(key);
         ++intervals;
       }
     }

@@ -2,6 +2,7 @@
 #include "SavedFactor.h"
 
 #include <dyslam/backend/factors/GnssFactor.h>
+#include <dyslam/backend/factors/GravityFactor.h>
 #include <dyslam/backend/factors/LoopFactor.h>
 #include <dyslam/backend/factors/ObjectMotionFactor.h>
 #include <dyslam/backend/factors/ObservationFactor.h>
@@ -30,6 +31,10 @@ SavedFactor savedFrom(const Factor* factor)
     if (saved.kind == FactorKind::gnss)
     {
       saved.antenna = static_cast<const GnssFactor&>(*factor).antenna();
+    }
+    if (saved.kind == FactorKind::gravity)
+    {
+      saved.upwards = static_cast<const GravityFactor&>(*factor).upwards();
     }
   }
   return saved;
@@ -66,6 +71,8 @@ std::unique_ptr<const Factor> made(const SavedFactor& saved)
       case FactorKind::gnss:
         return std::make_unique<GnssFactor>(index(0), saved.measurement.translation(),
                                             saved.antenna, saved.information);
+      case FactorKind::gravity:
+        return std::make_unique<GravityFactor>(index(0), saved.upwards, saved.information);
     }
   }
   catch (const std::logic_error& error)  // invalid_argument, out_of_range

@@ -16,6 +16,7 @@ struct SavedFactor
   Pose measurement = Pose::Identity();
   double dt = 0;                                      //!< object_motion: time between the poses [s]
   Eigen::Vector3d antenna = Eigen::Vector3d::Zero();  //!< gnss: antenna, vehicle frame [m]
+  Eigen::Vector3d upwards = Eigen::Vector3d::Zero();  //!< gravity: specific force [m/s^2]
   Matrix6 information = Matrix6::Zero();
 };
 

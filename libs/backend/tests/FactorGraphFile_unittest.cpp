@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/backend/FactorGraphFile.h>
 #include <dyslam/backend/factors/GnssFactor.h>
+#include <dyslam/backend/factors/GravityFactor.h>
 #include <dyslam/backend/factors/ObjectMotionFactor.h>
 #include <dyslam/backend/factors/ObservationFactor.h>
 #include <dyslam/backend/factors/SmoothMotionFactor.h>
@@ -71,11 +72,15 @@ FactorGraph everyKind()
   graph.add(std::make_unique<GnssFactor>(12, Eigen::Vector3d(120.25, -3.5, 4),
                                          Eigen::Vector3d(0.5, 0, 1.25),
                                          test::randomInformation(drive.rng)));
+  graph.addPose(Key::vertical(), pose());
+  graph.addVector(Key::accelerometerBias(), 0.1 * Vector6::Ones());
+  graph.add(std::make_unique<GravityFactor>(3, Eigen::Vector3d(0.1, -0.2, 9.7),
+                                            test::randomInformation(drive.rng)));
   graph.addPose(Key::objectPose(7, 3), pose());
   graph.addPose(Key::objectPose(7, 5), pose());
   graph.addPose(Key::objectPose(7, 6), pose());
-  graph.addVelocity(Key::objectVelocity(7, 5), logSE3(pose()));
-  graph.addVelocity(Key::objectVelocity(7, 6), logSE3(pose()));
+  graph.addVector(Key::objectVelocity(7, 5), logSE3(pose()));
+  graph.addVector(Key::objectVelocity(7, 6), logSE3(pose()));
   graph.setFixed(Key::objectPose(7, 3), true);
   for (const Key& key : {Key::staticObject(4), Key::staticObject(4, 2), Key::objectPose(7, 5)})
   {
@@ -122,7 +127,7 @@ TEST_F(FactorGraphFile, WrittenReadAndWrittenIsTheSame)
     EXPECT_EQ(copy.isLeftOut(copied[i]), graph.isLeftOut(ids[i]));
   }
   EXPECT_EQ(copy.leftOutLoops(), 1U);
-  EXPECT_EQ(kinds.size(), 6U);
+  EXPECT_EQ(kinds.size(), 7U);
   const double chi2 = graph.optimise({}).final_chi2;
   EXPECT_EQ(copy.optimise({}).final_chi2, chi2);
 }

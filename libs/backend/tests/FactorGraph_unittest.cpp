@@ -60,7 +60,7 @@ FactorGraph smallGraph(unsigned seed)
     {
       Vector6 velocity = Vector6::Zero();
       velocity.x() = 4;
-      graph.addVelocity(Key::objectVelocity(9, i), velocity);
+      graph.addVector(Key::objectVelocity(9, i), velocity);
       graph.add(
           std::make_unique<ObjectMotionFactor>(9, i - 1, i, 0.5, diagonalInformation(0.05, 0.05)));
     }
@@ -110,9 +110,9 @@ TEST(FactorGraph, VariablesAreAddedChangedAndRemoved)
   graph.addPose(Key::ego(0), at(1, 0.5));
   Vector6 twist;
   twist << 1, 2, 3, 0.1, 0.2, 0.3;
-  graph.addVelocity(Key::objectVelocity(3, 7), twist);
+  graph.addVector(Key::objectVelocity(3, 7), twist);
   EXPECT_TRUE(graph.pose(Key::ego(0)).isApprox(at(1, 0.5), 1e-12));
-  EXPECT_EQ(graph.velocity(Key::objectVelocity(3, 7)), twist);
+  EXPECT_EQ(graph.vector(Key::objectVelocity(3, 7)), twist);
   graph.setPose(Key::ego(0), at(2));
   EXPECT_TRUE(graph.pose(Key::ego(0)).isApprox(at(2), 1e-12));
   EXPECT_FALSE(graph.variables().at(Key::ego(0)).fixed);
@@ -141,10 +141,10 @@ TEST(FactorGraph, WrongUseIsRefusedAndChangesNothing)
   graph.addPose(Key::ego(0), at(0));
   EXPECT_THROW(graph.addPose(Key::ego(0), at(1)), std::invalid_argument);
   EXPECT_THROW(graph.addPose(Key::objectVelocity(1, 1), at(1)), std::invalid_argument);
-  EXPECT_THROW(graph.addVelocity(Key::ego(1), Vector6::Zero()), std::invalid_argument);
+  EXPECT_THROW(graph.addVector(Key::ego(1), Vector6::Zero()), std::invalid_argument);
   EXPECT_THROW(graph.addPose(Key::ego(1), at(std::nan(""))), std::invalid_argument);
-  EXPECT_THROW(graph.addVelocity(Key::objectVelocity(1, 1),
-                                 Vector6::Constant(std::numeric_limits<double>::infinity())),
+  EXPECT_THROW(graph.addVector(Key::objectVelocity(1, 1),
+                               Vector6::Constant(std::numeric_limits<double>::infinity())),
                std::invalid_argument);
   EXPECT_THROW(graph.setPose(Key::ego(0), at(std::nan(""))), std::invalid_argument);
   EXPECT_THROW(graph.add(odometryStep(0, 1)), std::invalid_argument);
@@ -163,7 +163,7 @@ TEST(FactorGraph, ValuesOfTheOtherTypeAreRefused)
 {
   FactorGraph graph;
   graph.addPose(Key::ego(0), at(0));
-  graph.addVelocity(Key::objectVelocity(1, 1), Vector6::Zero());
+  graph.addVector(Key::objectVelocity(1, 1), Vector6::Zero());
   EXPECT_THROW(graph.setPose(Key::objectVelocity(1, 1), at(0)), std::invalid_argument);
 }
 

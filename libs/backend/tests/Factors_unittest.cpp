@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/backend/factors/GnssFactor.h>
+#include <dyslam/backend/factors/GravityFactor.h>
 #include <dyslam/backend/factors/LoopFactor.h>
 #include <dyslam/backend/factors/ObjectMotionFactor.h>
 #include <dyslam/backend/factors/ObservationFactor.h>
@@ -147,6 +148,32 @@ TEST(GnssFactor, JacobiansMatchNumericalDerivatives)
   }
   EXPECT_THROW(GnssFactor(3, {nan_value, 0, 0}, {0, 0, 0}, Matrix6::Identity()),
                std::invalid_argument);
+}
+
+TEST(GravityFactor, JacobiansMatchNumericalDerivatives)
+{
+  for (unsigned seed = 1; seed <= 20; ++seed)
+  {
+    std::mt19937 rng(seed);
+    Blocks blocks;
+    const Pose T_map_vehicle = expSE3(randomTwist(rng, 30, 2));
+    const Pose T_level_map = expSE3(randomTwist(rng, 30, 1));
+    Vector6 bias = Vector6::Zero();
+    bias.head<3>() = randomTwist(rng, 0.5, 1).head<3>();
+    blocks.set(0, T_map_vehicle);
+    blocks.set(1, T_level_map);
+    blocks.set(2, bias);
+    const Eigen::Vector3d level(0.1, -0.05, 0.98);
+    const Eigen::Vector3d upwards =
+        standard_gravity * ((T_level_map * T_map_vehicle).linear().transpose() * level) +
+        bias.head<3>();
+    const GravityFactor factor(3, upwards, test::randomInformation(rng));
+    const Vector6 residual = residualAt(factor, blocks);
+    EXPECT_LT((residual.head<2>() - level.head<2>()).norm(), 1e-9);
+    EXPECT_EQ(residual.segment<3>(2), bias.head<3>());
+    expectNumericalJacobians(factor, blocks);
+  }
+  EXPECT_THROW(GravityFactor(3, {nan_value, 0, 9.8}, Matrix6::Identity()), std::invalid_argument);
 }
 
 TEST(ObjectMotionFactor, JacobiansMatchNumericalDerivatives)

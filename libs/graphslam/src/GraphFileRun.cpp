@@ -32,6 +32,10 @@ std::string nameOf(VariableKind kind)
       return "object poses";
     case VariableKind::georeference:
       return "georeference";
+    case VariableKind::vertical:
+      return "vertical";
+    case VariableKind::accelerometer_bias:
+      return "accelerometer bias";
     case VariableKind::object_velocity:
       break;
   }

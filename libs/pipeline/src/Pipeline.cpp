@@ -100,10 +100,11 @@ struct Pipeline::Stages
         boxes(givenBoxes(config)),
         tracker(config.get<TrackerOptions>("tracker")),
         keyframes({config.get<MemoryOptions>("memory"), temporary_folder}),
-        backend({config.get<BackendOptions>("backend"), config.get<LoopCloserOptions>("loop"),
-                 config.get<ObjectGraphOptions>("objects"),
-                 config.get<FactorGraphOptions>("solver"), config.get<GnssOptions>("gnss")},
-                keyframes),
+        backend(
+            {config.get<BackendOptions>("backend"), config.get<LoopCloserOptions>("loop"),
+             config.get<ObjectGraphOptions>("objects"), config.get<FactorGraphOptions>("solver"),
+             config.get<GnssOptions>("gnss"), config.get<GravityOptions>("gravity")},
+            keyframes),
         map(config.get<StaticMapOptions>("map"), keyframes)
   {
     const auto labels = config.get<HindsightOptions>("labels");

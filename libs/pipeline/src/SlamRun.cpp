@@ -315,6 +315,7 @@ void SlamRun::Impl::fillReport(SlamRunReport& report, const RunResults& results)
   report.loops = pipeline.backend().factorGraph().usedLoops().size();
   report.loops_left_out = pipeline.backend().factorGraph().leftOutLoops();
   report.georeference = pipeline.backend().georeference();
+  report.gravity = pipeline.backend().gravity();
   report.tracks = movingTracks(results);
   report.map_points = results.map == nullptr ? 0 : results.map->pointCount();
   const auto lengths = results.trajectory.pathLengths();

@@ -5,16 +5,6 @@
 
 namespace dyslam
 {
-namespace
-{
-Eigen::Matrix3d crossMatrix(const Eigen::Vector3d& v)
-{
-  Eigen::Matrix3d matrix;
-  matrix << 0, -v.z(), v.y(), v.z(), 0, -v.x(), -v.y(), v.x(), 0;
-  return matrix;
-}
-}  // namespace
-
 GnssFactor::GnssFactor(std::size_t keyframe,
                        const Eigen::Vector3d& position,
                        const Eigen::Vector3d& antenna,
@@ -45,12 +35,12 @@ Vector6 GnssFactor::residual(ValueBlocks blocks, FactorJacobians* jacobians) con
     Matrix6& by_vehicle = (*jacobians)[0];
     by_vehicle.setZero();
     by_vehicle.topLeftCorner<3, 3>() = R_enu_vehicle;
-    by_vehicle.topRightCorner<3, 3>() = -R_enu_vehicle * crossMatrix(antenna_);
+    by_vehicle.topRightCorner<3, 3>() = -R_enu_vehicle * skew(antenna_);
     Matrix6& by_map = (*jacobians)[1];
     by_map.setZero();
     by_map.topLeftCorner<3, 3>() = R_enu_map;
-    by_map.topRightCorner<3, 3>() = -R_enu_map * crossMatrix(in_map);
-    by_map.block<2, 3>(3, 3) = -(R_enu_map * crossMatrix(Eigen::Vector3d::UnitZ())).topRows<2>();
+    by_map.topRightCorner<3, 3>() = -R_enu_map * skew(in_map);
+    by_map.block<2, 3>(3, 3) = -(R_enu_map * skew(Eigen::Vector3d::UnitZ())).topRows<2>();
   }
   return residual;
 }

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/core/Angle.h>
 #include <dyslam/core/PendingFile.h>
 #include <dyslam/formats/GroundTruth.h>
 
@@ -78,6 +79,21 @@ class ReportOutput : public RunOutput
                       {"horizontal_rmse_m", rounded(report.georeference->horizontal_rmse)},
                       {"vertical_rmse_m", rounded(report.georeference->vertical_rmse)},
                       {"fused", report.georeference->fused}};
+    }
+    if (report.gravity)
+    {
+      const Gravity& gravity = *report.gravity;
+      const auto numbers = [](const Eigen::Vector3d& v) {
+        return Json::array({rounded(v.x()), rounded(v.y()), rounded(v.z())});
+      };
+      json["gravity"] = {{"directions", gravity.directions},
+                         {"rmse_deg", rounded(gravity.rmse / radians_per_degree)},
+                         {"map_tilt_deg", rounded(gravity.tilt / radians_per_degree)},
+                         {"map_tilt_sigma_deg", rounded(gravity.tilt_sigma / radians_per_degree)},
+                         {"up_map", numbers(gravity.up_map)},
+                         {"accelerometer_bias_mps2", numbers(gravity.bias)},
+                         {"fused", gravity.fused},
+                         {"levelled", gravity.levelled}};
     }
     json["tracks"] = report.tracks;
     json["map_points"] = report.map_points;

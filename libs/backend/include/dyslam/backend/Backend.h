@@ -3,6 +3,7 @@
 
 #include <dyslam/backend/FactorGraph.h>
 #include <dyslam/backend/GnssOptions.h>
+#include <dyslam/backend/GravityOptions.h>
 #include <dyslam/backend/LoopCloser.h>
 #include <dyslam/backend/ObjectGraphOptions.h>
 #include <dyslam/backend/PoseGraph.h>
@@ -10,6 +11,7 @@
 #include <dyslam/core/Angle.h>
 #include <dyslam/core/Frame.h>
 #include <dyslam/core/Georeference.h>
+#include <dyslam/core/Gravity.h>
 #include <dyslam/core/KeyframeStore.h>
 #include <dyslam/core/Options.h>
 #include <dyslam/core/Trajectory.h>
@@ -61,6 +63,7 @@ struct BackendConfig
   ObjectGraphOptions objects;
   FactorGraphOptions solver;
   GnssOptions gnss;
+  GravityOptions gravity;
 };
 
 /** Keyframes, odometry, loops and objects in one factor graph, and its optimisation (paper,
@@ -80,9 +83,9 @@ class Backend
   Backend(Backend&&) noexcept;
   Backend& operator=(Backend&&) noexcept;
 
-  /** Adds a frame; frames come in order of time. Reads scan.stamp, cloud, moving, motion,
-   * T_odom_vehicle, objects and gnss; sets is_keyframe and T_map_odom. Equivalent to addOdometry(),
-   * addLoops() and optimise(). */
+  /** Adds a frame; frames come in order of time. Reads scan.stamp, dt, cloud, moving,
+   * motion, T_odom_vehicle, objects, imu and gnss; sets is_keyframe and T_map_odom. Equivalent to
+   * addOdometry(), addLoops() and optimise(). */
   void addFrame(Frame& frame);
 
   /** First step of addFrame(), for callers that do something between the steps: accumulates the
@@ -97,8 +100,9 @@ class Backend
    * requires it. Sets T_map_odom. \return true if the pose of a keyframe changed */
   bool optimise(Frame& frame);
 
-  /** To be called after the last frame: decides the pending loops and objects, georeferences the
-   * map if there are positions of a satellite receiver, and optimises everything once more. */
+  /** To be called after the last frame: decides the pending loops and objects, finds the vertical
+   * if there are accelerations of an IMU, georeferences the map if there are positions of a
+   * satellite receiver, and optimises everything once more. */
   void finish();
 
   [[nodiscard]] const FactorGraph& factorGraph() const;
@@ -116,6 +120,8 @@ class Backend
   [[nodiscard]] std::vector<SmoothedObject> smoothedObjects() const;
   /** Pose of the map on the earth, after finish(); nothing if satellite positions don't show it. */
   [[nodiscard]] const std::optional<Georeference>& georeference() const;
+  /** The vertical in the map frame, after finish(); nothing if no accelerations show it. */
+  [[nodiscard]] const std::optional<Gravity>& gravity() const;
   /** Result of the last optimisation of the whole graph; default before the first. */
   [[nodiscard]] const OptimisationResult& lastOptimisation() const;
   /** Warnings about data that the backend could not use. */

@@ -12,7 +12,7 @@
 
 namespace dyslam
 {
-/** The kinds of factor of the paper's Fig. 6, and positions of a satellite receiver. */
+/** The kinds of factor of the paper's Fig. 6, positions of a satellite receiver, and gravity. */
 enum class FactorKind : std::uint8_t
 {
   odometry,       //!< f, Eq. 6: motion between two keyframes
@@ -21,13 +21,14 @@ enum class FactorKind : std::uint8_t
   object_motion,  //!< m, Eq. 9: two poses of an object and its velocity in between
   smooth_motion,  //!< o, Eq. 10: two successive velocities of an object
   gnss,           //!< a position of the vehicle on the earth
+  gravity,        //!< gravity measured at a keyframe
 };
 [[nodiscard]] std::string toString(FactorKind kind);
 
 /** Values of the variables of a factor as contiguous blocks, in the order of its keys.
  *
  * A pose is translation, then quaternion x y z w (7 numbers); a velocity is a twist
- * [translation m/s, rotation rad/s] in the object's frame (6 numbers).
+ * [translation m/s, rotation rad/s] in the object's frame (6 numbers); a bias has six, too.
  */
 using ValueBlocks = const double* const*;
 constexpr int pose_block_size = 7;

@@ -71,7 +71,7 @@ class FactorGraph
   /** Adds a variable. \throws std::invalid_argument if the key is taken, of the other type, or the
    * value is not finite. */
   void addPose(const Key& key, const Pose& pose);
-  void addVelocity(const Key& key, const Vector6& twist);
+  void addVector(const Key& key, const Vector6& vector);
   /** The same with the value as variables() has it. */
   void addBlock(const Key& key, const std::array<double, pose_block_size>& block);
   /** Removes a variable and all factors that have it. */
@@ -80,7 +80,7 @@ class FactorGraph
   [[nodiscard]] bool contains(const Key& key) const { return variables_.count(key) != 0; }
   /** \throws std::out_of_range, as the functions below, for a key that the graph does not have. */
   [[nodiscard]] Pose pose(const Key& key) const;
-  [[nodiscard]] Vector6 velocity(const Key& key) const;
+  [[nodiscard]] Vector6 vector(const Key& key) const;
   /** Sets a value. \throws std::invalid_argument for another type or a value that isn't finite. */
   void setPose(const Key& key, const Pose& pose);
   /** The same with the value as variables() has it. */

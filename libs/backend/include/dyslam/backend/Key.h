@@ -7,14 +7,17 @@
 
 namespace dyslam
 {
-/** The variables of a factor graph (paper, Fig. 6), and the pose of the map on the earth. */
+/** The variables of a factor graph (paper, Fig. 6), the pose of the map on the earth, its tilt, and
+ * the bias of the accelerometer. */
 enum class VariableKind : std::uint8_t
 {
-  ego_pose,         //!< x_k: T_map_vehicle at keyframe k
-  static_object,    //!< s_j: T_map_object of a static object, one for a whole sighting
-  object_pose,      //!< l_j,k: T_map_object of a moving object at scan k
-  object_velocity,  //!< V_j,k: twist of a moving object over the interval that ends at scan k
-  georeference,     //!< G: T_enu_map, the pose of the map on the earth
+  ego_pose,            //!< x_k: T_map_vehicle at keyframe k
+  static_object,       //!< s_j: T_map_object of a static object, one for a whole sighting
+  object_pose,         //!< l_j,k: T_map_object of a moving object at scan k
+  object_velocity,     //!< V_j,k: twist of a moving object over the interval that ends at scan k
+  georeference,        //!< G: T_enu_map, the pose of the map on the earth
+  vertical,            //!< D: T_level_map, whose rotation makes z of the map vertical
+  accelerometer_bias,  //!< B: vehicle axes [m/s^2], then three zeros
 };
 
 /** Names one variable of a factor graph. */
@@ -42,8 +45,21 @@ struct Key
   }
 
   [[nodiscard]] static Key georeference() { return {VariableKind::georeference, -1, 0}; }
+  [[nodiscard]] static Key vertical() { return {VariableKind::vertical, -1, 0}; }
 
-  [[nodiscard]] bool isPose() const { return kind != VariableKind::object_velocity; }
+  [[nodiscard]] static Key accelerometerBias() { return {VariableKind::accelerometer_bias, -1, 0}; }
+
+  /** Whether the value is a pose; else six numbers that are perturbed by addition. */
+  [[nodiscard]] bool isPose() const
+  {
+    return kind != VariableKind::object_velocity && kind != VariableKind::accelerometer_bias;
+  }
+  /** Whether a graph has at most one such variable. */
+  [[nodiscard]] bool isSingle() const
+  {
+    return kind == VariableKind::georeference || kind == VariableKind::vertical ||
+           kind == VariableKind::accelerometer_bias;
+  }
 
   friend bool operator==(const Key& a, const Key& b)
   {
@@ -57,6 +73,6 @@ struct Key
   }
 };
 
-/** Name of a key: "x12", "s4", "s4#1" for a second sighting, "l4@123", "v4@123", "g". */
+/** Name of a key: "x12", "s4", "s4#1" for a second sighting, "l4@123", "v4@123", "g", "d", "b". */
 [[nodiscard]] std::string toString(const Key& key);
 }  // namespace dyslam

@@ -4,6 +4,7 @@
 #include <dyslam/core/Config.h>
 #include <dyslam/core/Frame.h>
 #include <dyslam/core/Georeference.h>
+#include <dyslam/core/Gravity.h>
 
 #include <cstddef>
 #include <functional>
@@ -53,6 +54,7 @@ struct SlamRunReport
   std::size_t loops_left_out = 0;  //!< number of loops that contradict the others and the odometry
   /** Pose of the map on the earth; nothing if satellite positions don't show it. */
   std::optional<Georeference> georeference;
+  std::optional<Gravity> gravity;
   std::size_t tracks = 0;  //!< number of confirmed moving objects
   std::size_t map_points = 0;
   double path_length = 0;  //!< length of the trajectory [m]

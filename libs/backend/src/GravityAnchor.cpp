@@ -1,0 +1,283 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "GravityAnchor.h"
+
+#include <dyslam/backend/factors/GravityFactor.h>
+#include <dyslam/core/StateArchive.h>
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <memory>
+
+namespace dyslam
+{
+namespace
+{
+/** Largest plausible error of the measured magnitude of gravity [m/s^2]. */
+constexpr double magnitude_tolerance = 0.5;
+constexpr double longest_gap = 0.5;  // longest time between two frames of a window [s]
+constexpr std::size_t least_frames = 8;
+constexpr std::size_t least_directions = 3;
+
+Pose poseOf(const FactorGraph& graph, const FrameInKeyframe& frame)
+{
+  return graph.pose(Key::ego(frame.keyframe)) * frame.T_keyframe_frame;
+}
+
+/** The weights of a window: 1 - cos, with their integral normalised to 1. */
+struct WindowWeights
+{
+  double begin;
+  double duration;
+
+  /** Weight at a time [1/s]. */
+  [[nodiscard]] double at(double time) const { return (1 - std::cos(phase(time))) / duration; }
+  /** Integral of the weights up to a time. */
+  [[nodiscard]] double until(double time) const
+  {
+    return (phase(time) - std::sin(phase(time))) / (2 * M_PI);
+  }
+
+ private:
+  [[nodiscard]] double phase(double time) const { return 2 * M_PI * (time - begin) / duration; }
+};
+}  // namespace
+
+void GravityOptions::describe(OptionsVisitor& visitor)
+{
+  visitor.choice(
+      "use", use,
+      {{"off", GravityUse::off}, {"measure", GravityUse::measure}, {"fuse", GravityUse::fuse}},
+      "accelerations of an IMU: off; measure: find the vertical; fuse: and optimise the graph with "
+      "the measured directions");
+  visitor.flag("level_map", level_map,
+               "rotate the map at the end of the run so that its z axis is vertical");
+  visitor.real("window", window, 0.5, 60,
+               "duration over which accelerations are averaged to one direction [s]");
+  visitor.degrees("sigma_deg", sigma, 0.001, 90,
+                  "standard deviation of a measured direction, per axis [deg]");
+  visitor.real("bias_sigma", bias_sigma, 1e-6, 10,
+               "standard deviation of the accelerometer's constant error, per axis [m/s^2]");
+}
+
+void GravityAnchor::add(const Frame& frame, const Pose& T_previous_vehicle)
+{
+  Interval interval;
+  if (options_.use != GravityUse::off && !intervals_.empty() && frame.dt > 0)
+  {
+    const Eigen::Vector3d rotation = logSE3(T_previous_vehicle).tail<3>();
+    for (const ImuSample& sample : frame.imu)
+    {
+      const double to_frame = (frame.scan.stamp - sample.stamp) / frame.dt;  // 1: frame before
+      if (!sample.acceleration || !sample.acceleration->allFinite() || to_frame < 0 ||
+          to_frame >= 1)
+      {
+        continue;
+      }
+      Vector6 turn = Vector6::Zero();
+      turn.tail<3>() = -to_frame * rotation;
+      interval.specific_force +=
+          expSE3(turn).linear() * sample.T_vehicle_imu.linear() * *sample.acceleration;
+      interval.imu = sample.T_vehicle_imu.translation();
+      ++interval.samples;
+    }
+    interval.specific_force /= static_cast<double>(std::max<std::size_t>(1, interval.samples));
+  }
+  intervals_.push_back(interval);
+}
+
+double GravityAnchor::unit() const
+{
+  constexpr double tolerance = 0.1;  // of a mean magnitude of 1
+  double sum = 0;
+  std::size_t count = 0;
+  for (const Interval& interval : intervals_)
+  {
+    if (interval.samples > 0)
+    {
+      sum += interval.specific_force.norm();
+      ++count;
+    }
+  }
+  const bool is_in_g = std::abs(sum - static_cast<double>(count)) < tolerance * sum;
+  return is_in_g ? standard_gravity : 1;
+}
+
+std::optional<GravityAnchor::Measured> GravityAnchor::measure(
+    const FactorGraph& graph,
+    const std::vector<FrameInKeyframe>& frames,
+    std::size_t first,
+    std::size_t last,
+    double unit) const
+{
+  for (std::size_t i = first + 1; i <= last; ++i)
+  {
+    const double gap = frames[i].stamp - frames[i - 1].stamp;
+    if (intervals_[i].samples == 0 || gap <= 0 || gap > longest_gap)
+    {
+      return std::nullopt;
+    }
+  }
+  const WindowWeights weights{frames[first].stamp, frames[last].stamp - frames[first].stamp};
+  Measured measured;
+  measured.frame = (first + last) / 2;
+  const Pose T_middle_map = poseOf(graph, frames[measured.frame]).inverse();
+  Eigen::Vector3d position = Eigen::Vector3d::Zero();
+  Eigen::Vector3d velocity = Eigen::Vector3d::Zero();
+  for (std::size_t i = first; i <= last; ++i)
+  {
+    const Pose T_middle_frame = T_middle_map * poseOf(graph, frames[i]);
+    const Eigen::Vector3d next = T_middle_frame * intervals_[std::max(i, first + 1)].imu;
+    if (i > first)
+    {
+      const double before = frames[i - 1].stamp;
+      const Eigen::Vector3d next_velocity = (next - position) / (frames[i].stamp - before);
+      if (i > first + 1)
+      {
+        measured.upwards -= weights.at(before) * (next_velocity - velocity);
+      }
+      velocity = next_velocity;
+      measured.upwards += unit * (weights.until(frames[i].stamp) - weights.until(before)) *
+                          (T_middle_frame.linear() * intervals_[i].specific_force);
+    }
+    position = next;
+  }
+  return measured;
+}
+
+/** Windows overlap by half. */
+std::vector<GravityAnchor::Measured> GravityAnchor::measureAll(
+    const FactorGraph& graph, const std::vector<FrameInKeyframe>& frames) const
+{
+  std::vector<Measured> all;
+  const double unit_of_all = unit();
+  std::size_t first = 0;
+  while (first < frames.size())
+  {
+    std::size_t last = first;
+    std::size_t next = first + 1;
+    for (; last + 1 < frames.size() &&
+           frames[last + 1].stamp - frames[first].stamp <= options_.window + 1e-6;
+         ++last)
+    {
+      if (frames[last + 1].stamp - frames[first].stamp <= options_.window / 2)
+      {
+        next = last + 1;
+      }
+    }
+    if (last + 1 == frames.size() &&
+        frames[last].stamp - frames[first].stamp < options_.window - longest_gap)
+    {
+      break;
+    }
+    if (last - first + 1 >= least_frames)
+    {
+      if (const auto measured = measure(graph, frames, first, last, unit_of_all))
+      {
+        all.push_back(*measured);
+      }
+    }
+    first = std::max(first + 1, next);
+  }
+  return all;
+}
+
+bool GravityAnchor::addTo(FactorGraph& graph, const std::vector<FrameInKeyframe>& frames)
+{
+  const std::vector<Measured> all = measureAll(graph, frames);
+  if (all.size() < least_directions)
+  {
+    return false;
+  }
+  // Least squares for gravity's counterforce in the map frame and the bias in the vehicle's axes.
+  using Matrix36 = Eigen::Matrix<double, 3, 6>;
+  const double sigma = options_.sigma * standard_gravity;
+  Matrix6 information = Matrix6::Zero();
+  information.diagonal().tail<3>().setConstant(1 / (options_.bias_sigma * options_.bias_sigma));
+  Vector6 weighted = Vector6::Zero();
+  for (const Measured& measured : all)
+  {
+    Matrix36 rows;
+    rows << poseOf(graph, frames[measured.frame]).linear().transpose(), Eigen::Matrix3d::Identity();
+    information += rows.transpose() * rows / (sigma * sigma);
+    weighted += rows.transpose() * measured.upwards / (sigma * sigma);
+  }
+  const Vector6 solution = information.ldlt().solve(weighted);
+  const Eigen::Vector3d upwards = solution.head<3>();
+  if (!(std::abs(upwards.norm() - standard_gravity) < magnitude_tolerance))
+  {
+    char magnitude[32];
+    std::snprintf(magnitude, sizeof magnitude, "%.2f", upwards.norm());
+    warn(std::string("the accelerations of the IMU are not used: gravity would be ") + magnitude +
+         " m/s^2; are they in m/s^2, with gravity, and is the pose of the IMU on the vehicle "
+         "right?");
+    return false;
+  }
+  const Eigen::Matrix2d covariance = information.inverse().topLeftCorner<2, 2>();
+  tilt_sigma_ = std::sqrt(covariance.eigenvalues().real().maxCoeff()) / standard_gravity;
+  Pose T_level_map = Pose::Identity();
+  T_level_map.linear() =
+      Eigen::Quaterniond::FromTwoVectors(upwards, Eigen::Vector3d::UnitZ()).toRotationMatrix();
+  Vector6 bias = Vector6::Zero();
+  bias.head<3>() = solution.tail<3>();
+  graph.addPose(Key::vertical(), T_level_map);
+  graph.addVector(Key::accelerometerBias(), bias);
+  Matrix6 weight = Matrix6::Identity();
+  weight.diagonal().head<2>().setConstant(1 / (options_.sigma * options_.sigma));
+  weight.diagonal().segment<3>(2).setConstant(
+      1 / (options_.bias_sigma * options_.bias_sigma * static_cast<double>(all.size())));
+  for (const Measured& measured : all)
+  {
+    const FrameInKeyframe& frame = frames[measured.frame];
+    graph.add(std::make_unique<GravityFactor>(
+        frame.keyframe, frame.T_keyframe_frame.linear() * measured.upwards, weight));
+  }
+  return true;
+}
+
+void GravityAnchor::removeFrom(FactorGraph& graph)
+{
+  graph.remove(Key::vertical());
+  graph.remove(Key::accelerometerBias());
+}
+
+double GravityAnchor::rmse(const FactorGraph& graph) const
+{
+  const Eigen::Matrix3d R_level_map = graph.pose(Key::vertical()).linear();
+  const Eigen::Vector3d bias = graph.vector(Key::accelerometerBias()).head<3>();
+  double sum = 0;
+  const auto& factors = graph.factorsOf(Key::vertical());
+  for (const FactorGraph::FactorId id : factors)
+  {
+    const auto& factor = static_cast<const GravityFactor&>(graph.factor(id));
+    const Eigen::Vector3d up =
+        R_level_map * graph.pose(factor.keys()[0]).linear() * (factor.upwards() - bias);
+    sum += up.head<2>().squaredNorm() / up.squaredNorm();
+  }
+  return std::sqrt(sum / static_cast<double>(factors.size()));
+}
+
+bool GravityAnchor::fits(const FactorGraph& graph) const
+{
+  constexpr double most_sigmas = 3;
+  return rmse(graph) < most_sigmas * std::sqrt(2) * options_.sigma;
+}
+
+Gravity GravityAnchor::gravity(const FactorGraph& graph) const
+{
+  Gravity result;
+  result.up_map = graph.pose(Key::vertical()).linear().transpose() * Eigen::Vector3d::UnitZ();
+  result.tilt = std::acos(std::clamp(result.up_map.z(), -1.0, 1.0));
+  result.tilt_sigma = tilt_sigma_;
+  result.bias = graph.vector(Key::accelerometerBias()).head<3>();
+  result.directions = graph.factorsOf(Key::vertical()).size();
+  result.rmse = rmse(graph);
+  return result;
+}
+
+void GravityAnchor::exchangeState(StateArchive& archive)
+{
+  archive(intervals_);
+}
+}  // namespace dyslam

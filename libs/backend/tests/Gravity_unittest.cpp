@@ -1,0 +1,281 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Accelerations of an IMU: the vertical in the map frame, and a trajectory whose tilt does not
+// drift.
+#include <dyslam/backend/Backend.h>
+#include <dyslam/core/StateArchive.h>
+#include <gtest/gtest.h>
+#include <mrpt/graphs/CNetworkOfPoses.h>
+
+#include <cmath>
+#include <random>
+#include <string>
+#include <vector>
+
+namespace dyslam
+{
+namespace
+{
+const Pose T_vehicle_imu = poseFromYpr(1.2, -0.3, 0.4, 0.5, 0.1, -0.2);
+
+/** Pose at a time of a drive along bends and over hills, which begins on a slope, at 5 to 11 m/s.
+ */
+Pose truthAt(double t)
+{
+  const double distance = 8 * t + 6 * (1 - std::cos(0.5 * t));
+  const double yaw = 0.6 * std::sin(distance / 40);
+  const Eigen::Vector3d position(distance, 12 * std::sin(distance / 60),
+                                 0.1 * distance + 2 * std::sin(distance / 30));
+  return poseFromYpr(position.x(), position.y(), position.z(), yaw,
+                     -0.1 - 0.05 * std::cos(distance / 30), 0.02 * std::sin(1.7 * t));
+}
+
+/** A drive with IMU whose odometry pitches and rolls by a constant error per metre. */
+struct DriveWithImu
+{
+  std::vector<Frame> frames;
+  std::vector<Pose> truth;
+
+  DriveWithImu(double seconds, double drift, const Eigen::Vector3d& bias, double scale = 1)
+  {
+    std::mt19937 rng(3);
+    std::normal_distribution<double> normal;
+    Pose T_odom_vehicle = Pose::Identity();
+    for (std::size_t i = 0; 0.1 * static_cast<double>(i) < seconds; ++i)
+    {
+      const double time = 0.1 * static_cast<double>(i);
+      truth.push_back(truthAt(time));
+      Frame frame;
+      frame.index = i;
+      frame.scan.stamp = 100 + time;
+      if (i > 0)
+      {
+        frame.dt = frame.scan.stamp - frames.back().scan.stamp;
+        const Pose step =
+            truth[i - 1].inverse() * truth[i] * poseFromYpr(0, 0, 0, 0, drift, -0.5 * drift);
+        T_odom_vehicle = T_odom_vehicle * step;
+        frame.motion.T_previous_current = step;
+        for (int k = -9; k <= 0; ++k)
+        {
+          frame.imu.push_back(sampleAt(time + 0.01 * k, bias, scale));
+          for (double& value : *frame.imu.back().acceleration)
+          {
+            value += 0.05 * normal(rng);
+          }
+        }
+      }
+      Vector6 sigmas;
+      sigmas << 0.005, 0.005, 0.005, 0.0005, 0.0005, 0.0005;
+      frame.motion.status = MotionStatus::converged;
+      frame.motion.information = sigmas.array().square().inverse().matrix().asDiagonal();
+      frame.T_odom_vehicle = T_odom_vehicle;
+      frames.push_back(std::move(frame));
+    }
+  }
+
+  /** \param bias of the accelerometer, vehicle axes \param scale of its unit */
+  static ImuSample sampleAt(double time, const Eigen::Vector3d& bias, double scale)
+  {
+    constexpr double step = 1e-3;
+    const auto placeAt = [](double t) { return (truthAt(t) * T_vehicle_imu).translation(); };
+    const Eigen::Vector3d acceleration =
+        (placeAt(time + step) - 2 * placeAt(time) + placeAt(time - step)) / (step * step);
+    const Eigen::Vector3d force = acceleration + Eigen::Vector3d(0, 0, 9.80665);
+    ImuSample sample;
+    sample.stamp = 100 + time;
+    sample.T_vehicle_imu = T_vehicle_imu;
+    sample.acceleration = scale * (T_vehicle_imu.linear().transpose() *
+                                   (truthAt(time).linear().transpose() * force + bias));
+    return sample;
+  }
+
+  [[nodiscard]] Eigen::Vector3d upMap() const
+  {
+    return truth.front().linear().transpose() * Eigen::Vector3d::UnitZ();
+  }
+};
+
+struct GravityRun
+{
+  KeyframeStore keyframes;
+  Backend backend;
+
+  GravityRun(DriveWithImu drive, GravityUse use, bool level_map = false)
+      : backend(configOf(use, level_map), keyframes)
+  {
+    for (Frame& frame : drive.frames)
+    {
+      backend.addFrame(frame);
+    }
+    backend.finish();
+  }
+  static BackendConfig configOf(GravityUse use, bool level_map = false)
+  {
+    BackendConfig config;
+    config.gravity.use = use;
+    config.gravity.level_map = level_map;
+    return config;
+  }
+  /** Error of the height of the last pose, in the map [m]. */
+  [[nodiscard]] double endError(const DriveWithImu& drive) const
+  {
+    const Trajectory trajectory = backend.optimizedTrajectory();
+    const Eigen::Vector3d end = drive.truth.front().inverse() * drive.truth.back().translation();
+    return (trajectory[trajectory.size() - 1].pose.translation() - end).norm();
+  }
+  [[nodiscard]] double upError(const DriveWithImu& drive) const
+  {
+    return std::acos(std::min(1.0, backend.gravity()->up_map.dot(drive.upMap())));
+  }
+  [[nodiscard]] std::string warnings() const
+  {
+    std::string all;
+    for (const std::string& warning : backend.warnings())
+    {
+      all += warning + "\n";
+    }
+    return all;
+  }
+};
+
+constexpr double degrees = M_PI / 180;
+
+TEST(Gravity, ExactTrajectoryShowsTheVertical)
+{
+  const DriveWithImu drive(40, 0, Eigen::Vector3d::Zero());
+  for (const GravityUse use : {GravityUse::measure, GravityUse::fuse})
+  {
+    const GravityRun run(drive, use);
+    ASSERT_TRUE(run.backend.gravity()) << run.warnings();
+    EXPECT_LT(run.upError(drive), 0.05 * degrees);
+    EXPECT_GT(run.backend.gravity()->tilt, 5 * degrees) << "the drive begins on a slope";
+    EXPECT_LT(run.backend.gravity()->rmse, 0.1 * degrees);
+    EXPECT_EQ(run.backend.gravity()->fused, use == GravityUse::fuse);
+    EXPECT_EQ(run.backend.factorGraph().contains(Key::vertical()), use == GravityUse::fuse);
+    EXPECT_LT(run.endError(drive), 0.2);
+  }
+  EXPECT_FALSE(GravityRun(drive, GravityUse::off).backend.gravity());
+}
+
+TEST(Gravity, AccelerationsInMultiplesOfGravityAreRecognised)
+{
+  const DriveWithImu drive(40, 0, Eigen::Vector3d::Zero());
+  const DriveWithImu in_g(40, 0, Eigen::Vector3d::Zero(), 1 / 9.80665);
+  const GravityRun run(in_g, GravityUse::measure);
+  ASSERT_TRUE(run.backend.gravity()) << run.warnings();
+  EXPECT_LT(run.upError(drive), 0.2 * degrees) << "its noise is ten times larger";
+}
+
+TEST(Gravity, LevelledMapIsRotatedAsAWhole)
+{
+  const DriveWithImu drive(40, 0, Eigen::Vector3d::Zero());
+  for (const GravityUse use : {GravityUse::measure, GravityUse::fuse})
+  {
+    const GravityRun as_recorded(drive, use);
+    const GravityRun run(drive, use, true);
+    ASSERT_TRUE(run.backend.gravity()) << run.warnings();
+    EXPECT_TRUE(run.backend.gravity()->levelled);
+    EXPECT_EQ(run.backend.gravity()->tilt, as_recorded.backend.gravity()->tilt);
+    EXPECT_EQ(run.backend.gravity()->up_map, Eigen::Vector3d::UnitZ());
+    const Trajectory before = as_recorded.backend.optimizedTrajectory();
+    const Trajectory after = run.backend.optimizedTrajectory();
+    const Pose T_level_map = after[0].pose * before[0].pose.inverse();
+    EXPECT_NEAR(rotationAngle(T_level_map), run.backend.gravity()->tilt, 1e-4);
+    for (std::size_t i = 0; i < before.size(); i += 50)
+    {
+      EXPECT_TRUE((T_level_map * before[i].pose).isApprox(after[i].pose, 1e-9)) << i;
+      EXPECT_NEAR((after[i].pose.linear() *
+                   (drive.truth[i].linear().transpose() * Eigen::Vector3d::UnitZ()))
+                      .z(),
+                  1, 1e-5)
+          << i;
+    }
+    EXPECT_NEAR(run.backend.factorGraph().chi2(), as_recorded.backend.factorGraph().chi2(), 1e-6);
+  }
+}
+
+TEST(Gravity, FusedDirectionsRemoveTheDriftOfTheTilt)
+{
+  const DriveWithImu drive(60, 1e-4, {0.08, -0.06, 0.05});  // 3.4 deg in 600 scans
+  const GravityRun off(drive, GravityUse::off);
+  const GravityRun fused(drive, GravityUse::fuse);
+  ASSERT_TRUE(fused.backend.gravity()) << fused.warnings();
+  EXPECT_GT(off.endError(drive), 8);
+  EXPECT_LT(fused.endError(drive), 0.25 * off.endError(drive));
+  EXPECT_LT(fused.upError(drive), 0.6 * degrees) << "the bias, on a drive without turns";
+}
+
+TEST(Gravity, AccelerationsThatCannotBeUsedAreReported)
+{
+  const GravityRun wrong_unit(DriveWithImu(30, 0, Eigen::Vector3d::Zero(), 0.5), GravityUse::fuse);
+  EXPECT_FALSE(wrong_unit.backend.gravity());
+  EXPECT_NE(wrong_unit.warnings().find("gravity would be 5."), std::string::npos)
+      << wrong_unit.warnings();
+  EXPECT_FALSE(wrong_unit.backend.factorGraph().contains(Key::vertical()));
+
+  DriveWithImu misplaced(60, 0, Eigen::Vector3d::Zero());  // the IMU looks along changing axes
+  for (std::size_t i = 0; i < misplaced.frames.size(); ++i)
+  {
+    for (ImuSample& sample : misplaced.frames[i].imu)
+    {
+      sample.T_vehicle_imu =
+          poseFromYpr(0, 0, 0, 0, 0.15 * std::sin(0.03 * static_cast<double>(i)), 0) *
+          sample.T_vehicle_imu;
+    }
+  }
+  const GravityRun off(misplaced, GravityUse::off);
+  const GravityRun refused(misplaced, GravityUse::fuse);
+  EXPECT_FALSE(refused.backend.gravity());
+  EXPECT_NE(refused.warnings().find("are not used"), std::string::npos) << refused.warnings();
+  EXPECT_EQ(refused.endError(misplaced), off.endError(misplaced));
+
+  const DriveWithImu too_short(5, 0, Eigen::Vector3d::Zero());
+  EXPECT_FALSE(GravityRun(too_short, GravityUse::fuse).backend.gravity());
+}
+
+/** As a checkpoint saves and --resume loads them. */
+TEST(Gravity, AccelerationsAreKeptInTheStateOfARun)
+{
+  DriveWithImu drive(40, 1e-4, {0.05, 0.02, 0});
+  const GravityRun whole(drive, GravityUse::fuse);
+  KeyframeStore first_keyframes;
+  KeyframeStore second_keyframes;
+  Backend first(GravityRun::configOf(GravityUse::fuse), first_keyframes);
+  Backend second(GravityRun::configOf(GravityUse::fuse), second_keyframes);
+  const std::size_t half = drive.frames.size() / 2;
+  for (std::size_t i = 0; i < half; ++i)
+  {
+    first.addFrame(drive.frames[i]);
+  }
+  StateArchive saved;
+  first_keyframes.exchangeState(saved);
+  first.exchangeState(saved);
+  StateArchive loaded(saved.bytes());
+  second_keyframes.exchangeState(loaded);
+  second.exchangeState(loaded);
+  for (std::size_t i = half; i < drive.frames.size(); ++i)
+  {
+    second.addFrame(drive.frames[i]);
+  }
+  second.finish();
+  ASSERT_TRUE(second.gravity());
+  EXPECT_EQ(second.gravity()->up_map, whole.backend.gravity()->up_map);
+  EXPECT_EQ(second.gravity()->directions, whole.backend.gravity()->directions);
+}
+
+TEST(Gravity, WithoutAccelerationsNothingChanges)
+{
+  DriveWithImu drive(30, 1e-4, Eigen::Vector3d::Zero());
+  for (Frame& frame : drive.frames)
+  {
+    for (ImuSample& sample : frame.imu)
+    {
+      sample.acceleration.reset();
+    }
+  }
+  const GravityRun run(drive, GravityUse::fuse);
+  EXPECT_FALSE(run.backend.gravity());
+  EXPECT_EQ(run.warnings(), "");
+  EXPECT_EQ(run.endError(drive), GravityRun(drive, GravityUse::off).endError(drive));
+}
+}  // namespace
+}  // namespace dyslam
