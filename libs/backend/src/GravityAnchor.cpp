@@ -269,7 +269,7 @@ Gravity GravityAnchor::gravity(const FactorGraph& graph) const
   Gravity result;
   result.up_map = graph.pose(Key::vertical()).linear().transpose() * Eigen::Vector3d::UnitZ();
   result.tilt = std::acos(std::clamp(result.up_map.z(), -1.0, 1.0));
-  result.tilt_sigma = tilt_sigma_;
+  result.tilt_sigma = std::hypot(tilt_sigma_, rmse(graph));  // the latter for the drift
   result.bias = graph.vector(Key::accelerometerBias()).head<3>();
   result.directions = graph.factorsOf(Key::vertical()).size();
   result.rmse = rmse(graph);
