@@ -5,14 +5,20 @@
 #include <dyslam/core/Files.h>
 #include <dyslam/core/PendingFile.h>
 #include <dyslam/core/Printable.h>
+#include <dyslam/core/Words.h>
 #include <dyslam/formats/RunFiles.h>
 #include <dyslam/io/OptionError.h>
 #include <dyslam/pipeline/FolderLock.h>
+#include <dyslam/pipeline/SlamRun.h>
 
+#include <algorithm>
 #include <cstdio>
 #include <filesystem>
+#include <iostream>
 #include <ostream>
+#include <regex>
 #include <string>
+#include <vector>
 
 #include "../common/Checks.h"
 #include "../common/ConversionReport.h"
@@ -58,6 +64,49 @@ void writeOrigin(const std::string& input, const std::string& program, const Con
              });
 }
 
+/** How to convert with an option that dyslam does not have. */
+std::string withConverter(const std::string& program,
+                          const std::string& input,
+                          const std::string& flag)
+{
+  return program + " -i " + input + " " + flag + " ... -o x.rawlog, then dyslam -i x.rawlog";
+}
+
+/** Adds the options in a note of a converter that dyslam does not have to `flags`. */
+void addForeignFlags(const std::string& note, std::vector<std::string>& flags)
+{
+  const std::regex flag_of_note("(^|[ (])(--[a-z][a-z-]*)");
+  for (auto found = std::sregex_iterator(note.begin(), note.end(), flag_of_note);
+       found != std::sregex_iterator(); ++found)
+  {
+    const std::string flag = (*found)[2].str();
+    if (!RecordingOptions::hasFlag(flag) &&
+        std::find(flags.begin(), flags.end(), flag) == flags.end())
+    {
+      flags.push_back(flag);
+    }
+  }
+}
+
+/** Where the options are that the notes of a conversion advise and dyslam does not have; empty if
+ * there are none. */
+std::string aboutForeignFlags(const ConversionResult& result,
+                              const std::string& program,
+                              const std::string& input)
+{
+  std::vector<std::string> flags;
+  for (const auto* lines : {&result.notes, &result.warnings})
+  {
+    for (const std::string& line : *lines)
+    {
+      addForeignFlags(line, flags);
+    }
+  }
+  return flags.empty() ? ""
+                       : joined(flags) + (flags.size() == 1 ? ": an option" : ": options") +
+                             " of the converter: " + withConverter(program, input, flags.front());
+}
+
 /** An error of a converter, in the words of a user of dyslam. */
 std::string inDyslam(const UserError& error, const std::string& input, const std::string& program)
 {
@@ -67,10 +116,10 @@ std::string inDyslam(const UserError& error, const std::string& input, const std
   {
     return message;
   }
-  const std::string command = program + " -i " + input + " " + advice->flag();
-  return message + (advice->flag() == "--list" ? " (" + command + ")"
-                                               : " (an option of the converter: " + command +
-                                                     " ... -o x.rawlog, then dyslam -i x.rawlog)");
+  return message + (advice->flag() == "--list"
+                        ? " (" + program + " -i " + input + " --list)"
+                        : " (an option of the converter: " +
+                              withConverter(program, input, advice->flag()) + ")");
 }
 
 /** Converts, and leaves the files so that a rerun may replace them. \throws UserError. */
@@ -91,6 +140,10 @@ void convertTo(const ConvertedFiles& files,
     if (!a.quiet())
     {
       report(result, files.rawlog);
+      if (const auto about = aboutForeignFlags(result, converter.program(), input); !about.empty())
+      {
+        std::cerr << printable(about) << '\n';
+      }
       std::printf("%s stays: -i %s saves the conversion next time\n", files.rawlog.c_str(),
                   files.rawlog.c_str());
       std::fflush(stdout);
@@ -138,7 +191,8 @@ void convertInput(SlamArguments& a, const RecordingOptions& options)
   }
   requireNoUnfinishedRun(a.settings);
   requireApart(input, files.folder);
-  const Config given = readGivenSettings(a.config, assignmentsOf(a)).merged();  // throws early
+  const Config given = readGivenSettings(a.config, assignmentsOf(a)).merged();
+  SlamRun::requireKnownNames(given);  // not only after a conversion, which may take long
   if (!options.further_topics.empty() && !given.has("input", "further_lidars"))
   {
     a.assignments.push_back("input.further_lidars=" + options.furtherLidars());

@@ -128,6 +128,19 @@ TEST_F(DirectInput, AFolderOfScans)
   expectSameAsConvertedFirst("scans2rawlog", "scans", "--dt 0.2 --sensor-pose '0 0 1.7 0 0 0'");
 }
 
+TEST_F(DirectInput, OptionsThatOnlyTheConverterHasAreItsOwn)
+{
+  bins("scans");
+  const std::string advice = "--times: an option of the converter: scans2rawlog -i " + at("scans") +
+                             " --times ... -o x.rawlog, then dyslam -i x.rawlog\n";
+  const std::string words = "-i " + at("scans") + " -o " + at("run") + " --only-first-n 1";
+  const Outcome without_times = run("dyslam", words);
+  EXPECT_EQ(0, without_times.code) << without_times.err;
+  EXPECT_TRUE(contains(without_times.err, "give --times or --dt")) << without_times.err;
+  EXPECT_TRUE(contains(without_times.err, advice)) << without_times.err;
+  EXPECT_FALSE(contains(run("dyslam", words + " --dt 0.1").err, "of the converter"));
+}
+
 TEST_F(DirectInput, ABag)
 {
   bag("drive.mcap");
@@ -278,6 +291,10 @@ TEST_F(DirectInput, WhatCannotBeConverted)
   bag("drive.mcap");
   expectRefused("-i " + at("drive.mcap") + out + " --topic /nothing", {"/nothing is not in it"});
   expectRefused("-i " + at("drive.mcap") + out + " --set odometry.methd", {"odometry.methd"});
+  expectRefused("-i " + at("drive.mcap") + out + " --set odometry.methd=gicp",
+                {"[odometry]: unknown key 'methd'; did you mean 'method'?"});
+  expectRefused("-i " + at("drive.mcap") + out + " --set map_export.epsg=25832",
+                {"the section [map_export] belongs to dyslam-map"});
   expectRefused("--resume -i " + at("drive.mcap") + out, {"leave out --input"});
   expectRefused("--resume --topic /points" + out, {"--topic: is for an input that is converted"});
   EXPECT_FALSE(fs::exists(at("never")));
