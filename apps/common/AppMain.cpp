@@ -97,6 +97,15 @@ std::string givenPoseOption(const CLI::App& app)
   return "";
 }
 
+/** Whether a word is a setting, `section.key=value`, behind that of a --set. */
+bool isSecondSetting(const CLI::App& app, const std::string& word)
+{
+  const CLI::Option* option = app.get_option_no_throw("--set");
+  const auto dot = word.find('.');
+  return option != nullptr && option->count() > 0 && dot != std::string::npos &&
+         word.find('=', dot) != std::string::npos;
+}
+
 /** What the user did wrong, where the parser failed with `error`. */
 std::string parseErrorMessage(const CLI::App& app, const CLI::ParseError& error)
 {
@@ -114,6 +123,10 @@ std::string parseErrorMessage(const CLI::App& app, const CLI::ParseError& error)
   {
     return rest.front() + ": not expected; the six numbers of " + pose +
            " stand in quotes: 'x y z yaw pitch roll'";
+  }
+  if (!rest.empty() && isSecondSetting(app, rest.front()))
+  {
+    return rest.front() + ": not expected; each setting has a --set of its own";
   }
   if (!rest.empty() && app.get_require_subcommand_min() > 0 && app.get_subcommands().empty())
   {
