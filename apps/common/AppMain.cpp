@@ -76,18 +76,58 @@ std::string unknownOption(const CLI::App& app, const std::string& word)
   return unknownWord("option", word, known);
 }
 
+/** Whether a word of the command line is a number, also a negative one. */
+bool isNumber(const std::string& word)
+{
+  double value = 0;
+  return CLI::detail::lexical_cast(word, value);
+}
+
+/** The option of a pose that was given, whose six numbers are one word; empty if there is none. */
+std::string givenPoseOption(const CLI::App& app)
+{
+  for (const char* name : {"--sensor-pose", "--imu-pose", "--further-sensor"})
+  {
+    const CLI::Option* option = app.get_option_no_throw(name);
+    if (option != nullptr && option->count() > 0)
+    {
+      return name;
+    }
+  }
+  return "";
+}
+
+/** Whether a word is a setting, `section.key=value`, behind that of a --set. */
+bool isSecondSetting(const CLI::App& app, const std::string& word)
+{
+  const CLI::Option* option = app.get_option_no_throw("--set");
+  const auto dot = word.find('.');
+  return option != nullptr && option->count() > 0 && dot != std::string::npos &&
+         word.find('=', dot) != std::string::npos;
+}
+
 /** What the user did wrong, where the parser failed with `error`. */
 std::string parseErrorMessage(const CLI::App& app, const CLI::ParseError& error)
 {
   // CLI11 names a missing option first, even if it is missing because of a mistyped one.
   for (const std::string& word : app.remaining(true))
   {
-    if (word.size() > 1 && word[0] == '-')
+    if (word.size() > 1 && word[0] == '-' && !isNumber(word))
     {
       return unknownOption(app, word);
     }
   }
   const auto rest = app.remaining();
+  const std::string pose = givenPoseOption(app);
+  if (!rest.empty() && isNumber(rest.front()) && !pose.empty())
+  {
+    return rest.front() + ": not expected; the six numbers of " + pose +
+           " stand in quotes: 'x y z yaw pitch roll'";
+  }
+  if (!rest.empty() && isSecondSetting(app, rest.front()))
+  {
+    return rest.front() + ": not expected; each setting has a --set of its own";
+  }
   if (!rest.empty() && app.get_require_subcommand_min() > 0 && app.get_subcommands().empty())
   {
     return unknownCommand(app, rest.front());

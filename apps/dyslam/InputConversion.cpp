@@ -8,6 +8,7 @@
 #include <dyslam/formats/RunFiles.h>
 #include <dyslam/io/OptionError.h>
 #include <dyslam/pipeline/FolderLock.h>
+#include <dyslam/pipeline/SlamRun.h>
 
 #include <cstdio>
 #include <filesystem>
@@ -138,7 +139,8 @@ void convertInput(SlamArguments& a, const RecordingOptions& options)
   }
   requireNoUnfinishedRun(a.settings);
   requireApart(input, files.folder);
-  const Config given = readGivenSettings(a.config, assignmentsOf(a)).merged();  // throws early
+  const Config given = readGivenSettings(a.config, assignmentsOf(a)).merged();
+  SlamRun::requireKnownNames(given);  // not only after a conversion, which may take long
   if (!options.further_topics.empty() && !given.has("input", "further_lidars"))
   {
     a.assignments.push_back("input.further_lidars=" + options.furtherLidars());

@@ -13,9 +13,10 @@ namespace
 void declare(CLI::App& app, dyslam::SlamArguments& a, dyslam::RecordingOptions& conversion)
 {
   app.description("Replays a recording of 3D LiDAR scans: trajectory, moving objects, static map");
-  app.add_option("-i,--input", a.settings.rawlog,
-                 "rawlog to replay; or ROS bag, Velodyne .pcap, KITTI folder or folder of .bin, "
-                 ".pcd or .ply scans, converted to recording.rawlog in --output first");
+  app.add_option(
+      "-i,--input", a.settings.rawlog,
+      "rawlog to replay; or ROS bag, .pcap of a Velodyne, Hesai or Ouster, KITTI folder or folder "
+      "of .bin, .pcd or .ply scans, converted to recording.rawlog in --output first");
   dyslam::addOutputFolder(app, "-o,--output", a.settings.output_folder, "folder for the results")
       ->required();
   app.add_flag("--resume", a.resume,

@@ -386,6 +386,13 @@ TEST_F(BadInput, WordsOfTheCommandLine)
   expectRefusal("dyslam", "-i x -o " + at("never") + " --lables",
                 {"unknown option '--lables'", "did you mean '--labels'?"});
   expectRefusal("dyslam", "x.rawlog -o " + at("never"), {"x.rawlog: not expected", "--input"});
+  for (const std::string pose : {"0.5 0 1.7 -90 0 0", "0.5 -1 1.7 0 0 0"})
+  {
+    expectRefusal("dyslam", "-i x.mcap -o " + at("never") + " --sensor-pose " + pose,
+                  {"not expected", "--sensor-pose stand in quotes: 'x y z yaw pitch roll'"});
+  }
+  expectRefusal("dyslam", "-i x -o " + at("never") + " --set map.voxel_size=0.1 map.min_hits=2",
+                {"map.min_hits=2: not expected; each setting has a --set of its own"});
   expectRefusal("dyslam-map", "-i x --trajectory t -o a.pcd -o ./a.pcd", {"is given twice"});
   expectRefusal("dyslam", "-i x --skip-first-n -3 -o " + at("never"),
                 {"'-3' is not a number of 0 or more"});

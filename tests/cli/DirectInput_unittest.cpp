@@ -278,6 +278,10 @@ TEST_F(DirectInput, WhatCannotBeConverted)
   bag("drive.mcap");
   expectRefused("-i " + at("drive.mcap") + out + " --topic /nothing", {"/nothing is not in it"});
   expectRefused("-i " + at("drive.mcap") + out + " --set odometry.methd", {"odometry.methd"});
+  expectRefused("-i " + at("drive.mcap") + out + " --set odometry.methd=gicp",
+                {"[odometry]: unknown key 'methd'; did you mean 'method'?"});
+  expectRefused("-i " + at("drive.mcap") + out + " --set map_export.epsg=25832",
+                {"the section [map_export] belongs to dyslam-map"});
   expectRefused("--resume -i " + at("drive.mcap") + out, {"leave out --input"});
   expectRefused("--resume --topic /points" + out, {"--topic: is for an input that is converted"});
   EXPECT_FALSE(fs::exists(at("never")));

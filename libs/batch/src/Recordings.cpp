@@ -39,11 +39,14 @@ bool isRecordingFolder(const std::string& folder)
   return isBagFolder(folder) || officialKittiKind(folder).has_value();
 }
 
-/** Whether a folder that the user names is one recording. */
-bool isRecordingNamed(const std::string& folder)
+/** Whether a folder that the user names is one recording. Its clouds may be maps: those of a run,
+ * or beside recordings. \param inside recordings in the folder */
+bool isRecordingNamed(const std::string& folder, const std::vector<std::string>& inside)
 {
   const RecordingKind kind = recordingKind(folder);
-  return kind == RecordingKind::bag ? isBagFolder(folder) : kind != RecordingKind::unknown;
+  return kind == RecordingKind::bag     ? isBagFolder(folder)
+         : kind == RecordingKind::scans ? inside.empty() && !isRun(folder)
+                                        : kind != RecordingKind::unknown;
 }
 
 bool isRecordingFile(const fs::path& path)
@@ -120,14 +123,17 @@ void expand(const std::string& entry, int depth, std::vector<std::string>& files
   std::string why =
       ": has no recordings (.rawlog, .bag, .mcap, .db3, .pcap, KITTI drives; those in folders of "
       "runs are results)";
-  if (fs::is_directory(entry) && isRecordingNamed(entry))
-  {
-    files.push_back(entry);
-  }
-  else if (fs::is_directory(entry))
+  if (fs::is_directory(entry))
   {
     const auto found = within(entry);
-    files.insert(files.end(), found.begin(), found.end());
+    if (isRecordingNamed(entry, found))
+    {
+      files.push_back(entry);
+    }
+    else
+    {
+      files.insert(files.end(), found.begin(), found.end());
+    }
   }
   else if (fs::is_regular_file(entry))
   {

@@ -61,6 +61,8 @@ TEST(Recordings, AreAllThatDyslamConverts)
   EXPECT_EQ(listed[2].path, folder.file("all/c"));
   // Folders of point clouds are recordings only if they are named.
   EXPECT_EQ(namesOf(listRecordings({folder.file("all/map/")})), std::vector<std::string>{"map"});
+  folder.write("all/map.ply", "");
+  EXPECT_EQ(listRecordings({folder.file("all")}).size(), listed.size()) << "a cloud beside them";
 }
 
 TEST(Recordings, ResultsOfRunsAreNone)
@@ -73,6 +75,8 @@ TEST(Recordings, ResultsOfRunsAreNone)
   folder.write("drives/out/b/static_scans.rawlog", "");
   EXPECT_EQ(namesOf(listRecordings({folder.file("drives")})), std::vector<std::string>{"a"});
   EXPECT_THROW((void)listRecordings({folder.file("drives/out/a")}), UserError);
+  folder.write("drives/out/a/map_static.ply", "");
+  EXPECT_THROW((void)listRecordings({folder.file("drives/out/a")}), UserError) << "its map";
   EXPECT_EQ(listRecordings({folder.file("drives/out/a/replay.rawlog")}).size(), 1U) << "if named";
 }
 

@@ -2,6 +2,7 @@
 #include <dyslam/benchmarks/RunScores.h>
 #include <dyslam/core/Config.h>
 #include <dyslam/core/Error.h>
+#include <dyslam/core/Files.h>
 #include <dyslam/core/Printable.h>
 #include <dyslam/formats/MotionFiles.h>
 #include <dyslam/formats/RunFiles.h>
@@ -203,6 +204,15 @@ std::string truthFolder(const std::string& given, const std::string& folder, con
 }
 }  // namespace
 
+/** Whether a folder has output folders of runs in it. */
+bool hasRuns(const std::string& folder)
+{
+  const auto entries = entriesIfReadable(folder);
+  return std::any_of(entries.begin(), entries.end(),
+                     [](const fs::directory_entry& entry)
+                     { return fs::exists(entry.path() / "trajectory_tum.txt"); });
+}
+
 std::string whyNoRun(const std::string& folder)
 {
   if (!fs::is_directory(folder))
@@ -215,7 +225,8 @@ std::string whyNoRun(const std::string& folder)
   }
   return fs::exists(fs::path(folder) / "odometry_tum.txt.tmp")
              ? "unfinished, without a checkpoint: has no trajectory_tum.txt"
-             : "has no trajectory_tum.txt: is it the output folder of a run?";
+         : hasRuns(folder) ? "is a folder of runs, not that of one; give those in it"
+                           : "has no trajectory_tum.txt: is it the output folder of a run?";
 }
 
 RunScores scoresOf(const std::string& folder,

@@ -131,6 +131,7 @@ TEST_F(RunScoresOf, OtherFoldersAreRefused)
   EXPECT_EQ(whyNoRun(writeRun("run", "{}")), "");
   EXPECT_EQ(whyNoRun(folder_.file("none")), "is not a folder");
   EXPECT_TRUE(contains(whyNoRun(folder_.file("empty")), "has no trajectory_tum.txt"));
+  EXPECT_EQ(whyNoRun(folder_.path()), "is a folder of runs, not that of one; give those in it");
   EXPECT_TRUE(contains(messageOfError<UserError>([&] { (void)scores(folder_.file("empty")); }),
                        "empty: has no trajectory_tum.txt"));
   folder_.write("run/report.json", "[]");

@@ -6,11 +6,14 @@
 #include <dyslam/core/Trajectory.h>
 #include <dyslam/core/Words.h>
 #include <dyslam/formats/Bag.h>
+#include <dyslam/formats/RecordingKind.h>
 #include <dyslam/formats/RosMessages.h>
 #include <dyslam/formats/RosPackets.h>
+#include <dyslam/formats/ScanFiles.h>
 #include <dyslam/io/OptionError.h>
 
 #include <algorithm>
+#include <filesystem>
 #include <map>
 #include <set>
 #include <sstream>
@@ -24,6 +27,8 @@
 
 namespace dyslam
 {
+namespace fs = std::filesystem;
+
 namespace
 {
 constexpr double same_pose_time = 1e-6;  //!< [s]
@@ -430,11 +435,28 @@ class BagReader
   HeldScans held_;
   BagMessage message_;
 };
+/** Names the bags of a folder that nothing states to be parts of one recording. */
+void noteParts(const std::string& input, ScanSink& sink)
+{
+  if (!fs::is_directory(input) || fs::exists(fs::path(input) / "metadata.yaml"))
+  {
+    return;
+  }
+  const auto parts = listFiles(input, isBagFile);
+  if (parts.size() > 1)
+  {
+    const auto name = [](const std::string& part) { return fs::path(part).filename().string(); };
+    sink.note(input + ": its " + std::to_string(parts.size()) +
+              " bags are taken as the parts of one recording, from " + name(parts.front()) +
+              " to " + name(parts.back()));
+  }
+}
 }  // namespace
 
 void convertBag(const std::string& input, ScanSink& sink, const ScanConverterOptions& options)
 {
   const std::unique_ptr<Bag> bag = openBag(input);
+  noteParts(input, sink);
   const std::size_t at = scanTopic(input, *bag, options.topic, sink);
   const BagTopic topic = bag->topics()[at];
   const BagFrames frames{frameOfTopic(*bag, at), staticTransforms(*bag)};

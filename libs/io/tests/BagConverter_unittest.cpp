@@ -8,6 +8,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <filesystem>
 
 #include "BagWriters.h"
 #include "SyntheticHesai.h"
@@ -101,6 +102,25 @@ TEST(BagConverter, TheSameRecordingGivesTheSameBytesWhateverItCameIn)
     (void)convertScans(folder.file("x.mcap"), folder.file("x.rawlog"), options);
     EXPECT_EQ(bytes, folder.read("x.rawlog")) << compression;
   }
+}
+
+TEST(BagConverter, BagsOfAFolderWithoutMetadataAreNamed)
+{
+  const TestFolder folder;
+  std::filesystem::create_directories(folder.file("day"));
+  write(folder.file("day/a_0.mcap"));
+  write(folder.file("day/a_1.mcap"));
+  const auto isNamed = [&folder]
+  {
+    const auto result = convertScans(folder.file("day"), folder.file("x.rawlog"), {});
+    return std::count(result.notes.begin(), result.notes.end(),
+                      folder.file("day") +
+                          ": its 2 bags are taken as the parts of one recording, "
+                          "from a_0.mcap to a_1.mcap") == 1;
+  };
+  EXPECT_TRUE(isNamed());
+  folder.write("day/metadata.yaml", "");
+  EXPECT_FALSE(isNamed());
 }
 
 TEST(BagConverter, TruthOfATopic)

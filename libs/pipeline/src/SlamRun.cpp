@@ -160,10 +160,25 @@ void throwWhatFailed(const std::string& early, const RunResults& results, const 
   }
 }
 
+/** \throws UserError for a section of dyslam-map, such as [map_export]. */
+void requireNoneOfMap(const Config& config)
+{
+  for (const char* name : {"map_export", "merge"})
+  {
+    const Config::Section& section = config.section(name);
+    if (!section.empty())
+    {
+      throw UserError(section.begin()->second.origin + ": the section [" + name +
+                      "] belongs to dyslam-map");
+    }
+  }
+}
+
 /** Has loaded the sections that were used to choose the settings: they are part of effective.ini.
  */
 ConfigLoader loaderOf(const Config& config)
 {
+  requireNoneOfMap(config);
   ConfigLoader loader(config);
   (void)loader.get<SensorOptions>("sensor");
   (void)loader.get<StartOptions>("start");
@@ -195,6 +210,9 @@ struct SlamRun::Impl
       pipeline.onFinal([this](Frame frame) { addFinal(std::move(frame)); }, parts);
     }
   }
+
+  /** The settings of a run with those given, which ends before it begins. */
+  [[nodiscard]] static Config effective(const Config& config);
 
   void addFinal(Frame frame);
   /** Adds the part of the run before it was resumed. \param seconds time of that part */
@@ -332,15 +350,38 @@ void SlamRun::Impl::fillReport(SlamRunReport& report, const RunResults& results)
 SlamRun::SlamRun(const SlamRunSettings& settings) : impl_(std::make_unique<Impl>(settings)) {}
 SlamRun::~SlamRun() = default;
 
-std::vector<std::string> SlamRun::sections()
+Config SlamRun::Impl::effective(const Config& config)
 {
   SlamRunSettings settings;
   settings.rawlog = "none.rawlog";  // is not opened
   settings.output_folder = "none";  // is not made
-  const Impl run(settings);         // all stages and outputs load their sections, used or not
-  std::vector<std::string> names = run.config.effective().sectionNames();
+  settings.config = config;
+  const Impl run(settings);  // all stages and outputs load their sections, used or not
+  return run.config.effective();
+}
+
+std::vector<std::string> SlamRun::sections()
+{
+  std::vector<std::string> names = Impl::effective({}).sectionNames();
   std::sort(names.begin(), names.end());
   return names;
+}
+
+void SlamRun::requireKnownNames(const Config& config)
+{
+  const Config known = Impl::effective({});
+  Config unknown;
+  for (const std::string& section : config.sectionNames())
+  {
+    for (const auto& [key, value] : config.section(section))
+    {
+      if (!known.has(section, key))
+      {
+        unknown.set(section, key, value);
+      }
+    }
+  }
+  (void)Impl::effective(unknown);  // throws what the run would
 }
 
 Pipeline& SlamRun::pipeline()

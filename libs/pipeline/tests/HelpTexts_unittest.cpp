@@ -4,6 +4,7 @@
 
 #include <dyslam/backend/PoseGraphSolver.h>
 #include <dyslam/backend/RunMerger.h>
+#include <dyslam/core/Error.h>
 #include <dyslam/core/Files.h>
 #include <dyslam/io/Converters.h>
 #include <dyslam/io/KittiExport.h>
@@ -62,6 +63,24 @@ TEST(SlamRun, TheSectionsOfEffectiveIniAreKnown)
   std::vector<std::string> names = Config::fromFile(effectiveIniOfARun(folder)).sectionNames();
   std::sort(names.begin(), names.end());
   EXPECT_EQ(names, SlamRun::sections());
+}
+
+TEST(SlamRun, NamesOfSettingsAreCheckedWithoutARecording)
+{
+  const TestFolder folder;
+  Config config = Config::fromFile(effectiveIniOfARun(folder));
+  config.set("map.voxel_size=20cm");  // values are checked with those of the sensor's ini
+  EXPECT_NO_THROW(SlamRun::requireKnownNames(config));
+  const auto message = [](const std::string& assignment)
+  {
+    Config mistyped;
+    mistyped.set(assignment);
+    return messageOfError<UserError>([&] { SlamRun::requireKnownNames(mistyped); });
+  };
+  EXPECT_TRUE(contains(message("map.voxel_sise=0.1"), "did you mean 'voxel_size'?"));
+  EXPECT_TRUE(contains(message("mapp.voxel_size=0.1"), "unknown section 'mapp'"));
+  EXPECT_EQ("--set map_export.epsg: the section [map_export] belongs to dyslam-map",
+            message("map_export.epsg=1"));
 }
 
 /** The options of the other programs, with their defaults. */

@@ -76,12 +76,15 @@ void rotatedText(cv::Mat& page, const std::string& words, cv::Point center, doub
 
 cv::Scalar curveColour(std::size_t i)
 {
+  constexpr std::size_t rounds = 3;  // as they are, dark, light
   // Colour-blind safe palette (Okabe and Ito), in BGR.
   static const std::array<cv::Scalar, 7> colours{
       cv::Scalar(178, 114, 0),   cv::Scalar(0, 94, 213),  cv::Scalar(115, 158, 0),
       cv::Scalar(167, 121, 204), cv::Scalar(0, 159, 230), cv::Scalar(233, 180, 86),
       cv::Scalar(100, 100, 100)};
-  return colours[i % colours.size()];
+  const cv::Scalar& colour = colours[i % colours.size()];
+  const std::size_t round = i / colours.size() % rounds;
+  return round == 0 ? colour : round == 1 ? 0.5 * colour : 0.5 * (colour + white);
 }
 
 void Range::add(double v)

@@ -18,7 +18,7 @@ const cv::Scalar white(255, 255, 255);
 const cv::Scalar ink(40, 40, 40);
 const cv::Scalar reference_grey(185, 185, 185);
 
-/** Colour of the i-th curve. */
+/** Colour of the i-th curve; those of 21 curves differ. */
 [[nodiscard]] cv::Scalar curveColour(std::size_t i);
 
 struct Curve

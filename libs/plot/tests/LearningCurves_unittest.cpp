@@ -3,10 +3,14 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <opencv2/imgcodecs.hpp>
+#include <set>
 #include <stdexcept>
 #include <string>
 #include <vector>
+
+#include "PlotPage.h"
 
 namespace dyslam
 {
@@ -24,6 +28,17 @@ int colouredPixels(const std::vector<std::uint8_t>& png)
     count += most - least > 60 ? 1 : 0;
   }
   return count;
+}
+
+TEST(LearningCurves, ColoursOfManySeriesDiffer)
+{
+  std::set<std::array<double, 3>> colours;
+  for (std::size_t i = 0; i < 21; ++i)
+  {
+    const cv::Scalar colour = plot::curveColour(i);
+    colours.insert({colour[0], colour[1], colour[2]});
+  }
+  EXPECT_EQ(colours.size(), 21U);
 }
 
 TEST(LearningCurves, StepsAndValuesOfAnySizeAreDrawn)

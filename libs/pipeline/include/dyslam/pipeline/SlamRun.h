@@ -103,6 +103,10 @@ class SlamRun
    * and outputs load. Builds a run with the default settings to find them. */
   [[nodiscard]] static std::vector<std::string> sections();
 
+  /** Checks the names of settings, not their values, before the recording is at hand.
+   * \throws UserError for a section or key that no run has, as the constructor does */
+  static void requireKnownNames(const Config& config);
+
   [[nodiscard]] Pipeline& pipeline();
   /** Options of the ini section [input]. */
   [[nodiscard]] const RawlogSourceOptions& input() const;
