@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <dyslam/pipeline/JobThread.h>
+
 #include <functional>
 #include <memory>
 #include <mutex>
 #include <string>
 
-#include "JobThread.h"
 #include "StateFile.h"
 
 namespace dyslam

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "RunOutput.h"
+#include "OutputName.h"
 
 namespace dyslam
 {

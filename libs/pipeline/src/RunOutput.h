@@ -16,6 +16,8 @@
 #include <string>
 #include <vector>
 
+#include "OutputName.h"
+
 namespace dyslam
 {
 class StateArchive;
@@ -45,18 +47,6 @@ struct RunResults
   {
     return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
   }
-};
-
-/** A file, or a folder of numbered files, that an output writes to the run's folder. */
-struct OutputName
-{
-  OutputName(const char* file) : name(file) {}
-  OutputName(const char* folder, const char* extension_in) : name(folder), extension(extension_in)
-  {
-  }
-
-  std::string name;
-  std::string extension;  //!< for a folder: extension of its files (000000.label, ...)
 };
 
 /** Arguments of an output. An output's own options are a section of the config. */

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <dyslam/core/FrameCopy.h>
+#include <dyslam/pipeline/JobThread.h>
 
 #include <functional>
 #include <memory>
@@ -9,7 +10,6 @@
 #include <vector>
 
 #include "CheckpointWriter.h"
-#include "JobThread.h"
 #include "KeptFiles.h"
 #include "OutputFolder.h"
 #include "RunOutput.h"

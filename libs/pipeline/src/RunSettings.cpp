@@ -1,9 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/core/Error.h>
 #include <dyslam/io/RawlogSource.h>
 #include <dyslam/pipeline/Pipeline.h>
 #include <dyslam/pipeline/RunSettings.h>
 #include <dyslam/pipeline/SlamRun.h>
 #include <dyslam/pipeline/StartSpeed.h>
+
+#include <algorithm>
+#include <utility>
+#include <vector>
 
 namespace dyslam
 {
@@ -25,6 +30,31 @@ std::string RunSettings::aboutSensor() const
     text += (note.empty() ? "" : "; ") + note;
   }
   return text;
+}
+
+std::optional<double> findStartSpeed(const std::string& rawlog,
+                                     const RawlogSourceOptions& input,
+                                     const Config& config)
+{
+  StartOptions start;
+  load(start, config, "start");
+  RawlogSourceOptions options = input;
+  options.only_first_n =
+      input.only_first_n > 0 ? std::min(input.only_first_n, start.scans) : start.scans;
+  std::vector<Frame> frames;
+  try
+  {
+    RawlogSource source(rawlog, options);
+    while (auto frame = source.next())
+    {
+      frames.push_back(std::move(*frame));
+    }
+  }
+  catch (const UserError&)
+  {
+    return std::nullopt;  // the run reports it
+  }
+  return findStartSpeed(frames, config);
 }
 
 RunSettings chooseRunSettings(const std::string& rawlog, const GivenSettings& given)

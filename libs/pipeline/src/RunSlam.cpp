@@ -8,6 +8,7 @@
 #include <dyslam/io/RawlogSource.h>
 #include <dyslam/pipeline/FrontEnd.h>
 #include <dyslam/pipeline/Pipeline.h>
+#include <dyslam/pipeline/ReadAhead.h>
 #include <dyslam/pipeline/SlamRun.h>
 
 #include <atomic>
@@ -18,7 +19,6 @@
 #include <string>
 #include <utility>
 
-#include "ReadAhead.h"
 #include "SavedRun.h"
 
 namespace dyslam

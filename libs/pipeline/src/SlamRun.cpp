@@ -10,6 +10,7 @@
 #include <dyslam/formats/ProgramLines.h>
 #include <dyslam/io/RawlogSource.h>
 #include <dyslam/mapping/ThinnedPoints.h>
+#include <dyslam/pipeline/GivenBoxesOptions.h>
 #include <dyslam/pipeline/Pipeline.h>
 #include <dyslam/pipeline/SensorSettings.h>
 #include <dyslam/pipeline/SlamRun.h>
@@ -28,7 +29,6 @@
 #include <utility>
 
 #include "FirstPass.h"
-#include "GivenBoxes.h"
 #include "PathSettings.h"
 #include "RunHistory.h"
 #include "RunOutputs.h"

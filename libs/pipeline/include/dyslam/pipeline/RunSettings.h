@@ -5,10 +5,12 @@
 #include <dyslam/pipeline/SensorSettings.h>
 
 #include <future>
+#include <optional>
 #include <string>
 
 namespace dyslam
 {
+struct RawlogSourceOptions;
 struct SlamRunSettings;
 
 /** The sensor of a recording, and the settings that fit it. */
@@ -33,6 +35,11 @@ struct RunSettings : RecordingSettings
   /** Sensor of the recording, missing times and levelling as text, for the report. */
   [[nodiscard]] std::string aboutSensor() const;
 };
+
+/** findStartSpeed() for the first scans of a rawlog. */
+[[nodiscard]] std::optional<double> findStartSpeed(const std::string& rawlog,
+                                                   const RawlogSourceOptions& input,
+                                                   const Config& config);
 
 /** Chooses the settings of a run, as `dyslam` does: settingsForRecording(), then the speed of a
  * recording that begins in motion. Starts loading the networks that they need.

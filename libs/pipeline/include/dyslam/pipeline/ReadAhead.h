@@ -2,12 +2,11 @@
 #pragma once
 
 #include <dyslam/core/Frame.h>
+#include <dyslam/pipeline/BoundedQueue.h>
 
 #include <functional>
 #include <optional>
 #include <thread>
-
-#include "BoundedQueue.h"
 
 namespace dyslam
 {

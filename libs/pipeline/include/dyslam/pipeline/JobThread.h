@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <dyslam/pipeline/BoundedQueue.h>
+
 #include <functional>
 #include <thread>
-
-#include "BoundedQueue.h"
 
 namespace dyslam
 {
