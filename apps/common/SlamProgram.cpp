@@ -2,7 +2,7 @@
 #include "SlamProgram.h"
 
 #include <dyslam/core/Printable.h>
-#include <dyslam/pipeline/TwoPassRun.h>
+#include <dyslam/run/TwoPassRun.h>
 #include <unistd.h>
 
 #include <algorithm>

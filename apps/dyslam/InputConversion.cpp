@@ -7,7 +7,7 @@
 #include <dyslam/core/Printable.h>
 #include <dyslam/formats/RunFiles.h>
 #include <dyslam/io/OptionError.h>
-#include <dyslam/pipeline/FolderLock.h>
+#include <dyslam/run/FolderLock.h>
 
 #include <cstdio>
 #include <filesystem>
