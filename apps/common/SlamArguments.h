@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <dyslam/pipeline/TwoPassRun.h>
+#include <dyslam/run/TwoPassRun.h>
 
 #include <CLI/CLI.hpp>
 #include <optional>

@@ -3,7 +3,7 @@
 
 #include <dyslam/core/Angle.h>
 #include <dyslam/core/Printable.h>
-#include <dyslam/pipeline/TwoPassRun.h>
+#include <dyslam/run/TwoPassRun.h>
 #include <unistd.h>
 
 #include <algorithm>

@@ -8,9 +8,9 @@
 #include <dyslam/formats/RunFiles.h>
 #include <dyslam/formats/ScanFiles.h>
 #include <dyslam/mapbuilder/RunFolder.h>
-#include <dyslam/pipeline/GivenSettings.h>
-#include <dyslam/pipeline/RunSettings.h>
-#include <dyslam/pipeline/SlamRun.h>
+#include <dyslam/run/GivenSettings.h>
+#include <dyslam/run/RunSettings.h>
+#include <dyslam/run/SlamRun.h>
 
 #include <CLI/CLI.hpp>
 #include <algorithm>

@@ -7,8 +7,8 @@
 #include <dyslam/core/Printable.h>
 #include <dyslam/formats/RunFiles.h>
 #include <dyslam/io/OptionError.h>
-#include <dyslam/pipeline/FolderLock.h>
-#include <dyslam/pipeline/SlamRun.h>
+#include <dyslam/run/FolderLock.h>
+#include <dyslam/run/SlamRun.h>
 
 #include <cstdio>
 #include <filesystem>

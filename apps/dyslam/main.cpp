@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/core/Heap.h>
-#include <dyslam/pipeline/SlamRun.h>
+#include <dyslam/run/SlamRun.h>
 
 #include "../common/AppMain.h"
 #include "../common/ConversionFlags.h"

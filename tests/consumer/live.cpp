@@ -4,9 +4,9 @@
 // simulated hall; exit code 0 if its path is found.
 #include <dyslam/core/Error.h>
 #include <dyslam/mapexport/MapExport.h>
-#include <dyslam/pipeline/GivenSettings.h>
 #include <dyslam/pipeline/Pipeline.h>
 #include <dyslam/pipeline/StartSpeed.h>
+#include <dyslam/run/GivenSettings.h>
 #include <mrpt/system/CTimeLogger.h>
 
 #include <algorithm>

@@ -3,7 +3,7 @@
 #include <dyslam/core/Error.h>
 #include <dyslam/core/Files.h>
 #include <dyslam/io/RawlogWriter.h>
-#include <dyslam/pipeline/SlamRun.h>
+#include <dyslam/run/SlamRun.h>
 #include <dyslam/sim/Simulator.h>
 #include <gtest/gtest.h>
 #include <unistd.h>

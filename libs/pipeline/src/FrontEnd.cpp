@@ -6,6 +6,7 @@
 #include <dyslam/odometry/OwnVehicle.h>
 #include <dyslam/odometry/Preprocessor.h>
 #include <dyslam/pipeline/FrontEnd.h>
+#include <dyslam/pipeline/JobThread.h>
 #include <mrpt/system/CTimeLogger.h>
 
 #include <atomic>
@@ -16,7 +17,6 @@
 #include <utility>
 
 #include "EarlierLabels.h"
-#include "JobThread.h"
 
 namespace dyslam
 {

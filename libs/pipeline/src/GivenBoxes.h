@@ -3,7 +3,7 @@
 
 #include <dyslam/core/Frame.h>
 #include <dyslam/core/Objects.h>
-#include <dyslam/core/Options.h>
+#include <dyslam/pipeline/GivenBoxesOptions.h>
 #include <dyslam/tracking/DetectionNoise.h>
 
 #include <map>
@@ -12,16 +12,6 @@
 
 namespace dyslam
 {
-/** Ini section `[boxes]`. */
-struct GivenBoxesOptions : Options
-{
-  std::string file;   //!< boxes: one file, or a folder with a file per scan; empty: none
-  std::string calib;  //!< KITTI's calibration, for boxes in the camera frame; empty: lidar frame
-  double min_score = -1e6;  //!< boxes with a lower score are ignored
-
-  void describe(OptionsVisitor& visitor) override;
-};
-
 /** Boxes that another program detected in the scans, used instead of Detector. */
 class GivenBoxes
 {

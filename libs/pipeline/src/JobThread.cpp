@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "JobThread.h"
+#include <dyslam/pipeline/JobThread.h>
 
 #include <exception>
 

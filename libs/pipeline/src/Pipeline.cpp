@@ -11,6 +11,7 @@
 #include <dyslam/odometry/Odometry.h>
 #include <dyslam/odometry/Preprocessor.h>
 #include <dyslam/pipeline/FrontEnd.h>
+#include <dyslam/pipeline/JobThread.h>
 #include <dyslam/pipeline/Pipeline.h>
 #include <dyslam/tracking/Detector.h>
 #include <dyslam/tracking/Tracker.h>
@@ -24,7 +25,6 @@
 #include <vector>
 
 #include "GivenBoxes.h"
-#include "JobThread.h"
 
 namespace dyslam
 {

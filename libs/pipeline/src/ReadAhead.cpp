@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "ReadAhead.h"
+#include <dyslam/pipeline/ReadAhead.h>
 
 #include <exception>
 #include <utility>

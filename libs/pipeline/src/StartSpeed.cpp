@@ -1,7 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <dyslam/core/Error.h>
 #include <dyslam/core/Parallel.h>
-#include <dyslam/io/RawlogSource.h>
 #include <dyslam/odometry/MotionSensors.h>
 #include <dyslam/odometry/Odometry.h>
 #include <dyslam/odometry/Preprocessor.h>
@@ -15,7 +13,6 @@
 #include <cmath>
 #include <cstdio>
 #include <string>
-#include <utility>
 
 namespace dyslam
 {
@@ -304,31 +301,6 @@ std::optional<double> findStartSpeed(const std::vector<Frame>& frames, const Con
   const double settled = search.speedAfter(*speed, search.threads);
   return isPlausible(settled) && std::fabs(settled - *speed) < search.options.max_drift ? settled
                                                                                         : speed;
-}
-
-std::optional<double> findStartSpeed(const std::string& rawlog,
-                                     const RawlogSourceOptions& input,
-                                     const Config& config)
-{
-  StartOptions start;
-  load(start, config, "start");
-  RawlogSourceOptions options = input;
-  options.only_first_n =
-      input.only_first_n > 0 ? std::min(input.only_first_n, start.scans) : start.scans;
-  std::vector<Frame> frames;
-  try
-  {
-    RawlogSource source(rawlog, options);
-    while (auto frame = source.next())
-    {
-      frames.push_back(std::move(*frame));
-    }
-  }
-  catch (const UserError&)
-  {
-    return std::nullopt;  // the run reports it
-  }
-  return findStartSpeed(frames, config);
 }
 
 void setStartSpeed(double speed, Config& config)

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "../src/BoundedQueue.h"
-
+#include <dyslam/pipeline/BoundedQueue.h>
 #include <gtest/gtest.h>
 
 #include <atomic>

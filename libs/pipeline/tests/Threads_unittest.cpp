@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/pipeline/JobThread.h>
+#include <dyslam/pipeline/ReadAhead.h>
 #include <gtest/gtest.h>
 
 #include <stdexcept>
 #include <vector>
-
-#include "../src/JobThread.h"
-#include "../src/ReadAhead.h"
 
 namespace dyslam
 {

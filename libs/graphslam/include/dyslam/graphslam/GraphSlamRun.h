@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <dyslam/pipeline/SlamRun.h>
+#include <dyslam/run/SlamRun.h>
 
 #include <cstddef>
 #include <functional>

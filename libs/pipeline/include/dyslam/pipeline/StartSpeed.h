@@ -11,8 +11,6 @@
 
 namespace dyslam
 {
-struct RawlogSourceOptions;
-
 /** Ini section `[start]`: speed at the start of a recording that begins in motion. */
 struct StartOptions : Options
 {
@@ -57,11 +55,6 @@ struct SpeedDrift
  *   searched for
  * \throws UserError for bad options */
 [[nodiscard]] std::optional<double> findStartSpeed(const std::vector<Frame>& frames,
-                                                   const Config& config);
-
-/** findStartSpeed() for the first scans of a rawlog. */
-[[nodiscard]] std::optional<double> findStartSpeed(const std::string& rawlog,
-                                                   const RawlogSourceOptions& input,
                                                    const Config& config);
 
 /** Sets the speed at the start of a run: `odometry.start_speed`, rounded to 0.1 m/s, with

@@ -1,0 +1,277 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// A recording from its first scan to the last file: the threads of a run, and resumed runs.
+#include <dyslam/core/Error.h>
+#include <dyslam/core/Printable.h>
+#include <dyslam/core/StateArchive.h>
+#include <dyslam/core/Words.h>
+#include <dyslam/formats/ProgramLines.h>
+#include <dyslam/io/RawlogSource.h>
+#include <dyslam/pipeline/FrontEnd.h>
+#include <dyslam/pipeline/Pipeline.h>
+#include <dyslam/pipeline/ReadAhead.h>
+#include <dyslam/run/SlamRun.h>
+
+#include <atomic>
+#include <chrono>
+#include <exception>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <utility>
+
+#include "checkpoint/SavedRun.h"
+
+namespace dyslam
+{
+namespace
+{
+using OnFrame = std::function<void(double, std::size_t)>;
+
+/** Passes the waiting times of the threads to the run when it ends, also by an exception. */
+class NotedWaits
+{
+ public:
+  NotedWaits(SlamRun& run, ReadAhead& reader, ReadAhead& front_end)
+      : run_(run), reader_(reader), front_end_(front_end)
+  {
+  }
+  ~NotedWaits()
+  {
+    const QueueWaits scans = reader_.waits();
+    const QueueWaits frames = front_end_.waits();
+    run_.noteWait("reading", scans.for_room);
+    const FrontEndWaits encoding = run_.pipeline().frontEndWaits();
+    run_.noteWait("front_end", scans.for_items + frames.for_room + encoding.for_encoding);
+    if (encoding.for_scans > 0)
+    {
+      run_.noteWait("encoding", encoding.for_scans);
+    }
+    run_.noteWait("back_end", frames.for_items);
+  }
+  NotedWaits(const NotedWaits&) = delete;
+  NotedWaits& operator=(const NotedWaits&) = delete;
+
+ private:
+  SlamRun& run_;
+  ReadAhead& reader_;
+  ReadAhead& front_end_;
+};
+
+/** Saves the front end, in its thread, if a checkpoint is due after this frame.
+ * \param is_last the run stops after it */
+void beginCheckpoint(Pipeline& pipeline,
+                     std::size_t frame,
+                     const ScanSum& scans,
+                     bool is_last,
+                     Checkpoints& checkpoints)
+{
+  if (checkpoints.due(is_last))
+  {
+    StateArchive archive;
+    pipeline.exchangeFrontEndState(archive);
+    checkpoints.begin(frame, {archive.bytes(), pipeline.summary(), scans, is_last});
+  }
+}
+
+/** Passes every frame through the pipeline and to the outputs: reading, front end, back end and
+ * writing in one thread each, which processes all frames in order. A checkpoint passes through the
+ * threads with the frame after which it is made; no thread waits for another.
+ * \param scans checksum of the scans before, for a resumed run
+ * \return whether the run was stopped after a last checkpoint, at the frame that the front end was
+ *   processing */
+bool replay(const SlamRunSettings& settings,
+            RawlogSource& source,
+            SlamRun& run,
+            ScanSum scans,
+            const OnFrame& on_frame)
+{
+  std::atomic<double> read = 0;  // fraction of the file; only the reading thread uses the source
+  std::atomic<bool> is_stopping = false;
+  bool is_stopped = false;  // set by the front end's thread; read here after the last frame
+  Checkpoints checkpoints(run.checkpointSeconds());
+  ReadAhead reader(
+      [&]
+      {
+        auto frame = source.next();
+        read = source.progress();
+        return frame;
+      });
+  ReadAhead front_end(
+      [&]() -> std::optional<Frame>
+      {
+        auto frame = is_stopped ? std::nullopt : reader.next();
+        if (frame)
+        {
+          scans.add(*frame);
+          run.pipeline().runFrontEnd(*frame, reader.peek());
+          is_stopped = is_stopping && reader.peek() != nullptr;
+          beginCheckpoint(run.pipeline(), frame->index, scans, is_stopped, checkpoints);
+        }
+        return frame;
+      });
+  const NotedWaits waits(run, reader, front_end);
+  while (auto frame = front_end.next())
+  {
+    const std::size_t index = frame->index;
+    run.pipeline().runBackEnd(*frame);
+    run.add(std::move(*frame));
+    if (auto begun = checkpoints.take(index))
+    {
+      const auto start = std::chrono::steady_clock::now();
+      run.checkpoint(*begun);
+      checkpoints.took(
+          std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
+    }
+    if (on_frame)
+    {
+      on_frame(run.progress(read), run.frames());
+    }
+    is_stopping = is_stopping || (settings.stop && settings.stop());
+  }
+  return is_stopped;
+}
+
+/** Completes a run that has been opened or resumed. */
+SlamRunReport processRest(const SlamRunSettings& settings,
+                          RawlogSource& source,
+                          SlamRun& run,
+                          const ScanSum& scans,
+                          const OnFrame& on_frame)
+{
+  const EarlyEnd end = replayToTheEnd(
+      run, [&] { return replay(settings, source, run, scans, on_frame); },
+      [&run]
+      {
+        if (run.frames() > 0)
+        {
+          run.pipeline().finish();
+        }
+      });
+  return run.finish(source.warnings(), end);
+}
+
+/** \throws UserError if an output is requested that the run did not have from its first scan on. */
+void requireHad(bool asked, bool had, const std::string& flag)
+{
+  if (asked && !had)
+  {
+    throw UserError(flag +
+                    ": the run to resume was started without it; leave it out, or start anew");
+  }
+}
+
+/** Settings of the saved run, with those that are given again. */
+SlamRunSettings settingsOf(const SavedRun& saved, const SlamRunSettings& given)
+{
+  SlamRunSettings settings = given;
+  settings.rawlog = given.rawlog.empty() ? saved.rawlog : given.rawlog;
+  settings.config = Config::fromText(saved.settings, "the state's settings");
+  settings.config.merge(given.config);
+  settings.inputs = saved.inputs;
+  settings.sensor = saved.sensor;
+  settings.warnings = saved.warnings;
+  requireHad(given.static_scans, saved.static_scans, "--static-scans");
+  requireHad(given.labels, saved.labels, "--labels");
+  requireHad(given.probabilities, saved.probabilities, "--probabilities");
+  settings.static_scans = saved.static_scans;
+  settings.labels = saved.labels;
+  settings.probabilities = saved.probabilities;
+  return settings;
+}
+
+/** Skips the scans that the run has processed. \throws UserError if they differ. */
+ScanSum skipSeen(const SavedRun& saved, const std::string& rawlog, RawlogSource& source)
+{
+  const std::string advice = "; give the recording that the run had, or start anew";
+  if (std::filesystem::file_size(rawlog) != saved.rawlog_size)
+  {
+    throw UserError(rawlog + ": has another size than when the run began" + advice);
+  }
+  ScanSum scans;
+  while (scans.scans() < saved.scans)
+  {
+    const auto frame = source.next();
+    if (!frame)
+    {
+      break;
+    }
+    scans.add(*frame);
+  }
+  if (scans.scans() != saved.scans || scans.sum() != saved.scans_checksum)
+  {
+    throw UserError(rawlog + ": differs from the recording of the run in its first " +
+                    counted(saved.scans, "scan") + advice);
+  }
+  return scans;
+}
+}  // namespace
+
+void requireNotStopped(const SlamRunSettings& settings)
+{
+  if (settings.stop && settings.stop())
+  {
+    throw UserError(stoppedMessage(settings.rawlog, stopReason("before the first scan")));
+  }
+}
+
+EarlyEnd replayToTheEnd(const SlamRun& run,
+                        const std::function<bool()>& replay,
+                        const std::function<void()>& finish)
+{
+  EarlyEnd end;
+  std::exception_ptr failure;
+  try
+  {
+    end.is_stopped = replay();
+  }
+  catch (const std::exception& error)
+  {
+    failure = std::current_exception();
+    end.damage = error.what();
+  }
+  try
+  {
+    finish();
+  }
+  catch (const std::exception& error)
+  {
+    appendWord(end.damage, error.what(), "; ");
+  }
+  if (failure && run.frames() == 0)
+  {
+    std::rethrow_exception(failure);
+  }
+  return end;
+}
+
+SlamRunReport runSlam(const SlamRunSettings& settings, const OnFrame& on_frame)
+{
+  SlamRun run(settings);
+  RawlogSource source(settings.rawlog, run.input());
+  requireNotStopped(settings);
+  run.open();
+  return processRest(settings, source, run, ScanSum(), on_frame);
+}
+
+bool hasCheckpoint(const std::string& output_folder)
+{
+  return std::filesystem::exists(std::filesystem::path(output_folder) / state_file_name);
+}
+
+Config settingsOfCheckpoint(const std::string& output_folder)
+{
+  return Config::fromText(RunToResume(output_folder).run.settings, "the state's settings");
+}
+
+SlamRunReport resumeSlam(const SlamRunSettings& given, const OnFrame& on_frame)
+{
+  RunToResume saved(given.output_folder);
+  const SlamRunSettings settings = settingsOf(saved.run, given);
+  SlamRun run(settings);
+  RawlogSource source(settings.rawlog, run.input());
+  const ScanSum scans = skipSeen(saved.run, settings.rawlog, source);
+  requireNotStopped(settings);
+  run.resume(saved);
+  return processRest(settings, source, run, scans, on_frame);
+}
+}  // namespace dyslam

@@ -1,0 +1,170 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/backend/Backend.h>
+#include <dyslam/core/BoxOverlap.h>
+#include <dyslam/core/Files.h>
+#include <dyslam/core/PendingFile.h>
+#include <dyslam/core/SharedFiles.h>
+#include <dyslam/formats/GroundTruth.h>
+#include <dyslam/plot/MapPicture.h>
+#include <dyslam/report/RunPage.h>
+
+#include <algorithm>
+#include <map>
+#include <string_view>
+#include <utility>
+
+#include "../results/RunHistory.h"
+#include "../results/SmoothedTracks.h"
+#include "RunOutput.h"
+
+namespace dyslam
+{
+namespace
+{
+constexpr const char* html = "report.html";
+constexpr const char* png = "map.png";
+
+/** `map.png`, the map from above, and `report.html`, the run in a browser. */
+class PageOutput : public RunOutput
+{
+ public:
+  explicit PageOutput(const RunOutputContext& context)
+      : RunOutput(context, {html, png}),
+        options_(context.config.get<RunPageOptions>("report")),
+        config_(context.config),
+        folder_(context.settings.output_folder),
+        input_(context.settings.rawlog),
+        sensor_(context.settings.sensor),
+        truth_(poseOrigin(groundTruthFolder(context.settings.rawlog)).text())
+  {
+  }
+
+  void open() override { settings_ = config_.effective().toIni(); }
+
+  void exchangeState(StateArchive& /*archive*/) override { open(); }
+
+  void finish(const RunResults& results) override
+  {
+    RunPage page = pageOf(results);
+    page.picture = renderMapPicture(pictureOf(page));
+    if (!page.picture.empty())
+    {
+      writeWhole(path(png), std::string_view(reinterpret_cast<const char*>(page.picture.data()),
+                                             page.picture.size()));
+    }
+    page.files.emplace_back(png);
+    const std::string page_template = readWhole(findGivenOrShared("page.html", "report", ".html"));
+    writeWhole(path(html), renderRunPage(page, page_template, options_));
+  }
+
+ private:
+  [[nodiscard]] RunPage pageOf(const RunResults& results) const
+  {
+    RunPage page;
+    page.title = nameOfFile(folder_);
+    page.input = input_;
+    page.sensor = sensor_;
+    page.reference_origin = truth_;
+    page.settings = settings_;
+    page.method = results.report.method;
+    page.verdict = results.report.verdict;
+    page.failure = results.report.failure;
+    page.warnings = results.report.warnings;
+    page.files = results.report.files;
+    page.stage_ms = results.stage_ms;
+    for (const PastScan& scan : results.history->scans())
+    {
+      page.scans.push_back(
+          {scan.index, scan.points, scan.moving_points, scan.registered, scan.keyframe});
+      page.odometry.push_back(scan.stamp, scan.T_odom_vehicle);
+    }
+    page.trajectory = results.trajectory;
+    page.reference = results.reference;
+    page.loops = loopsOf(*results.backend);
+    page.loops_left_out = results.report.loops_left_out;
+    page.objects = objectsOf(results);
+    if (results.map != nullptr)
+    {
+      page.map_points = &results.map_points.points;
+      page.map_intensity = &results.map_points.intensity;
+    }
+    return page;
+  }
+
+  /** Loops in use, without those that the rest of the graph contradicts. */
+  static std::vector<PageLoop> loopsOf(const Backend& backend)
+  {
+    const FactorGraph& graph = backend.factorGraph();
+    std::vector<PageLoop> loops;
+    for (const FactorGraph::FactorId id : graph.usedLoops())
+    {
+      const std::vector<Key>& keys = graph.factor(id).keys();
+      loops.push_back({graph.pose(keys[0]).translation(), graph.pose(keys[1]).translation()});
+    }
+    return loops;
+  }
+
+  static std::vector<PageObject> objectsOf(const RunResults& results)
+  {
+    std::map<int, PageObject> objects;
+    forEachReported(results,
+                    [&](const ReportedState& state)
+                    {
+                      if (!state.object.dynamic)
+                      {
+                        return;
+                      }
+                      PageObject& object = objects[state.object.id];
+                      object.id = state.object.id;
+                      object.object_class = state.object.object_class;
+                      object.states.push_back({state.scan_number,
+                                               transformed(state.object.box, state.T_map_odom),
+                                               state.T_map_odom.linear() * state.object.velocity});
+                    });
+    std::vector<PageObject> result;
+    for (auto& [id, object] : objects)
+    {
+      result.push_back(std::move(object));
+    }
+    return result;
+  }
+
+  static MapPictureContent pictureOf(const RunPage& page)
+  {
+    MapPictureContent content;
+    content.points = page.map_points;
+    for (const auto& [stamp, pose] : page.trajectory)
+    {
+      content.path.emplace_back(pose.translation());
+    }
+    for (const PageLoop& loop : page.loops)
+    {
+      content.loops.emplace_back(loop.from, loop.to);
+    }
+    for (const PageObject& object : page.objects)
+    {
+      PictureObject drawn{object.object_class, {}, object.states.back().box};
+      for (const PageObjectState& state : object.states)
+      {
+        drawn.path.push_back(state.box.center);
+      }
+      content.objects.push_back(std::move(drawn));
+    }
+    return content;
+  }
+
+  RunPageOptions options_;
+  const ConfigLoader& config_;  // other parts of the run load sections until open()
+  std::string folder_;
+  std::string input_;
+  std::string sensor_;
+  std::string truth_;  //!< source of the ground truth
+  std::string settings_;
+};
+}  // namespace
+
+std::unique_ptr<RunOutput> makePageOutput(const RunOutputContext& context)
+{
+  return std::make_unique<PageOutput>(context);
+}
+}  // namespace dyslam

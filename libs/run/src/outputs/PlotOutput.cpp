@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/core/Files.h>
+#include <dyslam/core/PendingFile.h>
+#include <dyslam/plot/TrajectoryPlot.h>
+
+#include <string_view>
+
+#include "RunOutput.h"
+
+namespace dyslam
+{
+namespace
+{
+constexpr const char* picture = "trajectory.png";
+
+/** `trajectory.png`: the trajectory and the ground truth, if there is one. */
+class PlotOutput : public RunOutput
+{
+ public:
+  explicit PlotOutput(const RunOutputContext& context)
+      : RunOutput(context, {picture}), title_(nameOfFile(context.settings.output_folder))
+  {
+  }
+  void finish(const RunResults& results) override
+  {
+    constexpr double tolerance = 1e-3;  // [s]; both have the stamps of the scans
+    const TrajectoryPlotItem item{
+        "estimate", associateByTime(results.reference, results.trajectory, tolerance)};
+    if (item.pairs.size() < 2)
+    {
+      return;
+    }
+    const auto png = renderTrajectoryPlot({item}, {title_, Alignment::se3});
+    writeWhole(path(picture),
+               std::string_view(reinterpret_cast<const char*>(png.data()), png.size()));
+  }
+
+ private:
+  std::string title_;
+};
+}  // namespace
+
+std::unique_ptr<RunOutput> makePlotOutput(const RunOutputContext& context)
+{
+  return std::make_unique<PlotOutput>(context);
+}
+}  // namespace dyslam

@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/core/Files.h>
+#include <dyslam/core/PendingFile.h>
+#include <dyslam/core/StateArchive.h>
+#include <dyslam/formats/TextFile.h>
+
+#include <limits>
+#include <string_view>
+
+#include "RunOutput.h"
+
+namespace dyslam
+{
+namespace
+{
+constexpr const char* probability_folder = "probabilities";
+constexpr const char* probability_extension = ".bin";
+
+/** Moving probability of every point of the frame's scan; NaN for points not in the cloud. */
+std::vector<float> scanProbabilities(const Frame& frame)
+{
+  std::vector<float> result(frame.scan.size(), std::numeric_limits<float>::quiet_NaN());
+  for (std::size_t i = 0; i < frame.cloud.size(); ++i)
+  {
+    result[frame.cloud.source[i]] =
+        i < frame.moving_probability.size() ? frame.moving_probability[i] : 0.0F;
+  }
+  return result;
+}
+
+/** `probabilities/NNNNNN.bin`: float32 moving probability of every point of the input scan. */
+class ProbabilityOutput : public RunOutput
+{
+ public:
+  explicit ProbabilityOutput(const RunOutputContext& context)
+      : RunOutput(context, {{probability_folder, probability_extension}})
+  {
+  }
+  [[nodiscard]] bool isSlow() const override { return true; }
+  [[nodiscard]] FrameParts wants() const override { return FrameParts::all; }
+  void open() override { makeFolder(path(probability_folder)); }
+  void exchangeState(StateArchive& archive) override
+  {
+    if (archive.isLoading())
+    {
+      open();
+    }
+  }
+  void add(const Frame& frame) override
+  {
+    const std::vector<float> values = scanProbabilities(frame);
+    const std::string_view bytes(reinterpret_cast<const char*>(values.data()),
+                                 values.size() * sizeof(float));
+    writeWhole(numberedPath(path(probability_folder), frame.index, probability_extension), bytes,
+               Durable::no);
+  }
+};
+}  // namespace
+
+std::unique_ptr<RunOutput> makeProbabilityOutput(const RunOutputContext& context)
+{
+  return std::make_unique<ProbabilityOutput>(context);
+}
+}  // namespace dyslam

@@ -1,0 +1,139 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/core/Angle.h>
+#include <dyslam/core/PendingFile.h>
+#include <dyslam/formats/GroundTruth.h>
+
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+
+#include "RunOutput.h"
+
+namespace dyslam
+{
+namespace
+{
+constexpr const char* report_name = "report.json";
+using Json = nlohmann::ordered_json;
+
+/** Rounds to nine digits, more than the accuracy of any figure of the report. */
+double rounded(double value)
+{
+  char text[32];
+  std::snprintf(text, sizeof text, "%.9g", value);
+  return std::strtod(text, nullptr);
+}
+
+/** `report.json`: figures of the run. It is written last, marks the end of a run, and names files
+ * that could not be written. */
+class ReportOutput : public RunOutput
+{
+ public:
+  explicit ReportOutput(const RunOutputContext& context)
+      : RunOutput(context, {report_name}),
+        input_(std::filesystem::absolute(context.settings.rawlog).lexically_normal().string()),
+        sensor_(context.settings.sensor),
+        truth_(poseOrigin(groundTruthFolder(context.settings.rawlog)))
+  {
+  }
+  void checkpoint(const RunResults& results) override { write(results, false); }
+  void finish(const RunResults& results) override
+  {
+    write(results, results.report.ended_early.empty());
+  }
+
+ private:
+  void write(const RunResults& results, bool finished) const
+  {
+    constexpr int indent = 2;
+    const std::string text =
+        jsonOf(results, finished).dump(indent, ' ', false, Json::error_handler_t::replace);
+    writeWhole(path(report_name), text + "\n");
+  }
+
+  [[nodiscard]] Json jsonOf(const RunResults& results, bool finished) const
+  {
+    SlamRunReport report = results.report;
+    report.run_time = results.runTime();
+    Json json;
+    json["input"] = input_;
+    json["sensor"] = sensor_;
+    if (report.has_reference)
+    {
+      json["ground_truth"] = {{"source", toString(truth_.source)}, {"name", truth_.name}};
+    }
+    json["method"] = report.method;
+    json["finished"] = finished;
+    json["ended_early"] = report.ended_early;
+    json["frames"] = report.frames;
+    json["unconverged"] = report.unconverged;
+    json["odometry_failed"] = report.odometry_failed;
+    json["keyframes"] = report.keyframes;
+    json["loops"] = report.loops;
+    json["loops_left_out"] = report.loops_left_out;
+    if (report.georeference)
+    {
+      json["gnss"] = {{"positions", report.georeference->fixes},
+                      {"horizontal_rmse_m", rounded(report.georeference->horizontal_rmse)},
+                      {"vertical_rmse_m", rounded(report.georeference->vertical_rmse)},
+                      {"fused", report.georeference->fused}};
+    }
+    if (report.gravity)
+    {
+      const Gravity& gravity = *report.gravity;
+      const auto numbers = [](const Eigen::Vector3d& v) {
+        return Json::array({rounded(v.x()), rounded(v.y()), rounded(v.z())});
+      };
+      json["gravity"] = {{"directions", gravity.directions},
+                         {"rmse_deg", rounded(gravity.rmse / radians_per_degree)},
+                         {"map_tilt_deg", rounded(gravity.tilt / radians_per_degree)},
+                         {"map_tilt_sigma_deg", rounded(gravity.tilt_sigma / radians_per_degree)},
+                         {"up_map", numbers(gravity.up_map)},
+                         {"accelerometer_bias_mps2", numbers(gravity.bias)},
+                         {"fused", gravity.fused},
+                         {"levelled", gravity.levelled}};
+    }
+    json["tracks"] = report.tracks;
+    json["map_points"] = report.map_points;
+    json["path_length_m"] = rounded(report.path_length);
+    json["ms_per_scan"] = rounded(report.ms_per_scan);
+    json["stage_ms"] = Json::object();
+    for (const auto& [stage, ms] : results.stage_ms)
+    {
+      json["stage_ms"][stage] = rounded(ms);
+    }
+    json["wait_ms"] = Json::object();
+    for (const auto& [thread, ms] : results.wait_ms)
+    {
+      json["wait_ms"][thread] = rounded(ms);
+    }
+    json["memory_mb"] = Json::object();
+    for (const auto& [part, mb] : results.memory_mb)
+    {
+      json["memory_mb"][part] = std::round(10 * mb) / 10;
+    }
+    json["recording_time_s"] = rounded(report.recording_time);
+    json["run_time_s"] = rounded(report.run_time);
+    json["realtime_factor"] = rounded(report.realtimeFactor());
+    json["verdict"] = report.verdict;
+    json["failure"] = report.failure;
+    json["warnings"] = report.warnings;
+    json["not_written"] = results.failures;
+    json["files"] = report.files;
+    json["files"].push_back(report_name);
+    return json;
+  }
+
+  std::string input_;
+  std::string sensor_;
+  PoseOrigin truth_;
+};
+}  // namespace
+
+std::unique_ptr<RunOutput> makeReportOutput(const RunOutputContext& context)
+{
+  return std::make_unique<ReportOutput>(context);
+}
+}  // namespace dyslam

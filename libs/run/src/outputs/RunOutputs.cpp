@@ -1,0 +1,361 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "RunOutputs.h"
+
+#include <dyslam/core/Error.h>
+#include <dyslam/core/StateArchive.h>
+#include <dyslam/formats/LabelFiles.h>
+
+#include <algorithm>
+#include <exception>
+#include <filesystem>
+#include <future>
+#include <map>
+#include <utility>
+
+#include "../folder/OutputFolder.h"
+
+namespace fs = std::filesystem;
+
+namespace dyslam
+{
+namespace
+{
+/** Ini section `[output]`: the outputs that a run writes. */
+struct OutputOptions : Options
+{
+  OutputOptions()
+  {
+    for (const RunOutputKind& kind : runOutputKinds())
+    {
+      if (kind.key != nullptr)
+      {
+        on[kind.key] = true;
+      }
+    }
+  }
+  void describe(OptionsVisitor& v) override
+  {
+    for (const RunOutputKind& kind : runOutputKinds())
+    {
+      if (kind.key != nullptr)
+      {
+        v.flag(kind.key, on[kind.key], kind.help);
+      }
+    }
+    v.real("scene_voxel_size", scene_voxel_size, 0.01, 100,
+           "side of the cubes with one map point each in map.3Dscene [m]");
+    v.real("checkpoint_seconds", checkpoint_seconds, 0, 1e6,
+           "time between checkpoints for --resume; 0: none [s]");
+  }
+
+  std::map<std::string, bool> on;  //!< whether an output is on, by RunOutputKind::key
+  double scene_voxel_size = 0.4;   //!< side of the cubes with one map point each in the scene [m]
+  double checkpoint_seconds = 60;  //!< time between checkpoints [s]; 0: none
+};
+
+/** Files named in a config, such as weights and detections. */
+std::vector<std::string> filesNamedIn(const Config& config)
+{
+  std::vector<std::string> files;
+  for (const std::string& section : config.sectionNames())
+  {
+    for (const auto& [key, value] : config.section(section))
+    {
+      std::error_code ignored;
+      if (fs::exists(value.text, ignored))
+      {
+        files.push_back(value.text);
+      }
+    }
+  }
+  return files;
+}
+
+/** Calls `action` with the output; an output that throws is disabled. */
+template <typename Entry, typename Action>
+void attempt(Entry& entry, const Action& action)
+{
+  if (!entry.output)
+  {
+    return;
+  }
+  try
+  {
+    action(*entry.output);
+    return;
+  }
+  catch (const UserError& error)
+  {
+    entry.failure = error.what();
+  }
+  catch (const std::exception& error)
+  {
+    entry.failure = entry.names.front().name + ": " + error.what();
+  }
+  entry.output.reset();  // its partial file may have filled the disk
+}
+}  // namespace
+
+RunOutputs::RunOutputs(const SlamRunSettings& settings,
+                       ConfigLoader& config,
+                       const std::vector<RunOutputKind>& kinds)
+    : folder_(settings.output_folder),
+      force_(settings.force),
+      config_(config),
+      kept_files_(folder_),
+      checkpoints_(folder_, settings.warn)
+{
+  inputs_ = settings.inputs;
+  inputs_.push_back(settings.rawlog);
+  const auto options = config.get<OutputOptions>("output");
+  checkpoint_seconds_ = options.checkpoint_seconds;
+  names_.emplace_back(state_file_name);
+  for (const RunOutputKind& kind : kinds)
+  {
+    Entry entry;
+    entry.output = kind.make({settings, config, options.scene_voxel_size});
+    entry.names = entry.output->names();
+    entry.slow = entry.output->isSlow();
+    entry.final_parts = entry.output->wants();
+    names_.insert(names_.end(), entry.names.begin(), entry.names.end());
+    if (kind.changes_files)
+    {
+      names_.push_back(kept_files_.add(entry.names.front()));
+    }
+    const bool asked = kind.flag == nullptr || settings.*kind.flag;
+    if (asked && (kind.key == nullptr || options.on.at(kind.key)))
+    {
+      entries_.push_back(std::move(entry));
+    }
+  }
+}
+
+void RunOutputs::open()
+{
+  std::vector<std::string> inputs = inputs_;
+  const Config effective = config_.effective();
+  const std::vector<std::string> named = filesNamedIn(effective);
+  inputs.insert(inputs.end(), named.begin(), named.end());
+  if (effective.has("dyseg", "labels"))
+  {
+    if (const auto labels = labelFolderOf(effective.section("dyseg").at("labels").text))
+    {
+      inputs.push_back(*labels);
+    }
+  }
+  made_ = std::make_unique<OutputFolder>(folder_, names_, inputs, force_);
+  for (const Entry& entry : entries_)
+  {
+    entry.output->open();
+  }
+  writer_ = std::make_unique<JobThread>();
+}
+
+void RunOutputs::exchangeState(StateArchive& archive, bool slow)
+{
+  for (Entry& entry : entries_)
+  {
+    if (entry.slow != slow)
+    {
+      continue;
+    }
+    bool goes_on = entry.output != nullptr;
+    archive(goes_on, entry.failure);
+    if (goes_on)
+    {
+      entry.output->exchangeState(archive);
+    }
+    else
+    {
+      entry.output.reset();
+    }
+  }
+}
+
+void RunOutputs::checkpoint(const std::function<void(StateFileWriter&)>& add_state,
+                            const RunResults& results,
+                            bool is_last)
+{
+  if (is_last)
+  {
+    waitForWriter();
+  }
+  if (checkpoints_.isWriting())
+  {
+    return;
+  }
+  RunResults so_far = results;
+  for (Entry& entry : entries_)
+  {
+    try
+    {
+      if (!entry.slow && entry.output)
+      {
+        entry.output->checkpoint(so_far);
+      }
+    }
+    catch (const std::exception&)
+    {
+      // finish() reports the error, if it persists.
+    }
+    listFiles(entry, so_far.report);
+  }
+  checkpoints_.write(
+      [&](StateFileWriter& state)
+      {
+        add_state(state);
+        state.add([this](StateArchive& archive) { exchangeState(archive, false); });
+      },
+      [this](StateFileWriter& state)
+      { state.add([this](StateArchive& archive) { exchangeState(archive, true); }); },
+      *writer_);
+  if (is_last)
+  {
+    is_stopped_ = true;
+    writer_->add([this] { keepFiles(); });
+  }
+}
+
+void RunOutputs::waitForWriter()
+{
+  auto done = std::make_shared<std::promise<void>>();
+  const std::future<void> reached = done->get_future();
+  writer_->add([promise = std::move(done)] { promise->set_value(); });
+  reached.wait();
+}
+
+void RunOutputs::keepFiles()
+{
+  try
+  {
+    kept_files_.keep();
+    are_files_kept_ = true;
+  }
+  catch (const std::exception& error)
+  {
+    checkpoints_.setUnusable(error.what());
+  }
+}
+
+void RunOutputs::resume(RunToResume& run)
+{
+  made_ = std::move(run.lock);
+  checkpoints_.setResumable();
+  run.load(StatePart::outputs, [this](StateArchive& archive) { exchangeState(archive, false); });
+  run.load(StatePart::slow_outputs,
+           [this](StateArchive& archive) { exchangeState(archive, true); });
+  kept_files_.restore();
+  writer_ = std::make_unique<JobThread>();
+}
+
+void RunOutputs::add(Frame frame)
+{
+  add(std::move(frame), false);
+}
+
+FrameParts RunOutputs::chooseFrames(bool tracks_again)
+{
+  FrameParts parts = FrameParts::none;
+  for (const Entry& entry : entries_)
+  {
+    parts = std::max(parts, entry.final_parts);
+  }
+  if (tracks_again)
+  {
+    return parts;
+  }
+  const bool is_any_cloud_final = parts > FrameParts::intensity;
+  for (Entry& entry : entries_)
+  {
+    if (entry.final_parts == FrameParts::points ||
+        (entry.final_parts == FrameParts::intensity && !is_any_cloud_final))
+    {
+      entry.final_parts = FrameParts::none;
+    }
+  }
+  return is_any_cloud_final ? parts : FrameParts::none;
+}
+
+void RunOutputs::addFinal(Frame frame)
+{
+  add(std::move(frame), true);
+}
+
+void RunOutputs::add(Frame frame, bool is_final)
+{
+  addTo(frame, false, is_final);
+  if (std::any_of(entries_.begin(), entries_.end(),
+                  [&](const Entry& entry) { return entry.slow && entry.getsFinal() == is_final; }))
+  {
+    writer_->add([this, is_final, shared = std::make_shared<const Frame>(std::move(frame))]
+                 { addTo(*shared, true, is_final); });
+  }
+}
+
+void RunOutputs::addTo(const Frame& frame, bool slow, bool is_final)
+{
+  for (Entry& entry : entries_)
+  {
+    if (entry.slow == slow && entry.getsFinal() == is_final)
+    {
+      attempt(entry, [&](RunOutput& output) { output.add(frame); });
+    }
+  }
+}
+
+void RunOutputs::finish(RunResults& results)
+{
+  if (!fs::is_directory(folder_))
+  {
+    results.failures.push_back(folder_ + ": was removed during the run, with what was in it");
+    std::error_code ignored;
+    fs::create_directories(folder_, ignored);  // for the files written now
+  }
+  if (checkpoints_.isWriting())
+  {
+    writer_->finish();  // the result of its checkpoint is in the report
+  }
+  if (const std::string warning = checkpoints_.warning(); !warning.empty())
+  {
+    results.report.warnings.push_back(warning);
+  }
+  for (Entry& entry : entries_)
+  {
+    if (entry.slow)
+    {
+      writer_->finish();
+    }
+    attempt(entry, [&](RunOutput& output) { output.finish(results); });
+    if (!entry.failure.empty())
+    {
+      results.failures.push_back(entry.failure);
+    }
+    listFiles(entry, results.report);
+  }
+  writer_->finish();  // a checkpoint may still be written
+  removeState();
+}
+
+void RunOutputs::removeState()
+{
+  if (is_stopped_ && are_files_kept_ && checkpoints_.isResumable())
+  {
+    kept_files_.removeUnchanged();
+    return;
+  }
+  std::error_code ignored;
+  fs::remove(fs::path(folder_) / state_file_name, ignored);
+  kept_files_.removeAll();
+}
+
+void RunOutputs::listFiles(const Entry& entry, SlamRunReport& report) const
+{
+  for (const OutputName& name : entry.names)
+  {
+    if (fs::exists(fs::path(folder_) / name.name))
+    {
+      report.files.push_back(name.name);
+    }
+  }
+}
+}  // namespace dyslam

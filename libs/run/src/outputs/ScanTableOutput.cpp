@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/core/Printable.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+
+#include "RunOutput.h"
+#include "StreamedFile.h"
+
+namespace dyslam
+{
+namespace
+{
+constexpr const char* table = "scans.csv";
+constexpr const char* header =
+    "frame,stamp,points,moving_points,odometry_converged,odometry_accepted,odometry_inliers,"
+    "odometry_rmse,odometry_rejection,registered,inliers,rmse,reason,forward,turn_deg,keyframe\n";
+
+std::string rowOf(const Frame& frame)
+{
+  const MotionEstimate& odometry = frame.odometry;
+  const MotionEstimate& motion = frame.motion;
+  char numbers[160];
+  std::snprintf(numbers, sizeof numbers, "%zu,%.9f,%zu,%td,%d,%d,%zu,%.4f,", frame.index,
+                frame.scan.stamp, frame.cloud.size(),
+                std::count(frame.moving.begin(), frame.moving.end(), true),
+                odometry.registered() ? 1 : 0, frame.odometry_accepted ? 1 : 0, odometry.inliers,
+                odometry.rmse);
+  std::string row = numbers + csvField(frame.odometry_rejection);
+  std::snprintf(numbers, sizeof numbers, ",%d,%zu,%.4f,", motion.registered() ? 1 : 0,
+                motion.inliers, motion.rmse);
+  row += numbers + csvField(motion.reason);
+  const Pose& step = motion.T_previous_current;
+  std::snprintf(numbers, sizeof numbers, ",%.4f,%.4f,%d\n", step.translation().x(),
+                rotationAngle(step) * 180 / M_PI, frame.is_keyframe ? 1 : 0);
+  return row + numbers;
+}
+
+/** `scans.csv`: the result of each scan. */
+class ScanTableOutput : public RunOutput
+{
+ public:
+  explicit ScanTableOutput(const RunOutputContext& context) : RunOutput(context, {table}) {}
+  void open() override { file_.open(path(table), header); }
+  void add(const Frame& frame) override { file_.write(rowOf(frame)); }
+  void exchangeState(StateArchive& archive) override { file_.exchangeState(path(table), archive); }
+  void finish(const RunResults& /*results*/) override { file_.close(); }
+
+ private:
+  StreamedFile file_;
+};
+}  // namespace
+
+std::unique_ptr<RunOutput> makeScanTableOutput(const RunOutputContext& context)
+{
+  return std::make_unique<ScanTableOutput>(context);
+}
+}  // namespace dyslam

@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/core/PendingFile.h>
+#include <dyslam/core/StateArchive.h>
+
+#include "RunOutput.h"
+
+namespace dyslam
+{
+namespace
+{
+constexpr const char* ini = "effective.ini";
+
+/** `effective.ini`: every setting of the run. It identifies the folder of a run. */
+class SettingsOutput : public RunOutput
+{
+ public:
+  explicit SettingsOutput(const RunOutputContext& context)
+      : RunOutput(context, {ini}), config_(context.config)
+  {
+  }
+  void open() override { writeWhole(path(ini), config_.effective().toIni()); }
+  /** The folder may have been moved since, and the labels of a first pass with it. */
+  void exchangeState(StateArchive& archive) override
+  {
+    if (archive.isLoading())
+    {
+      open();
+    }
+  }
+
+ private:
+  const ConfigLoader& config_;  // other parts of the run load sections until open()
+};
+}  // namespace
+
+std::unique_ptr<RunOutput> makeSettingsOutput(const RunOutputContext& context)
+{
+  return std::make_unique<SettingsOutput>(context);
+}
+}  // namespace dyslam

@@ -1,0 +1,157 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/core/BoxOverlap.h>
+#include <dyslam/core/Files.h>
+#include <dyslam/core/PendingFile.h>
+#include <dyslam/core/StateArchive.h>
+#include <dyslam/formats/TrackFiles.h>
+
+#include <cstdio>
+#include <cstdlib>
+#include <filesystem>
+#include <functional>
+#include <sstream>
+#include <string>
+
+#include "../results/RunHistory.h"
+#include "../results/SmoothedTracks.h"
+#include "RunOutput.h"
+#include "StreamedFile.h"
+
+namespace dyslam
+{
+namespace
+{
+constexpr const char* csv_tracks = "tracks.csv";
+constexpr const char* kitti_tracks = "tracks.txt";
+constexpr const char* csv_header =
+    "frame,stamp,id,class,x,y,z,length,width,height,yaw,vx,vy,vz,speed,dynamic,observed,score\n";
+
+/** Box of an object in the lidar frame of a scan. \param object with its box in odometry frame */
+LabelledBox labelledBox(const TrackedObject& object,
+                        const PastScan& scan,
+                        const Pose& T_vehicle_lidar)
+{
+  LabelledBox box;
+  box.frame = static_cast<int>(scan.index);
+  box.id = object.id;
+  box.object_class = object.object_class;
+  box.type = toString(object.object_class);
+  box.box = transformed(object.box, (scan.T_odom_vehicle * T_vehicle_lidar).inverse());
+  box.score = object.score;
+  return box;
+}
+
+std::string rowOf(const TrackedObject& object, std::size_t scan, double stamp)
+{
+  const auto& c = object.box.center;
+  const auto& s = object.box.size;
+  const auto& v = object.velocity;
+  char text[512];
+  std::snprintf(
+      text, sizeof text,
+      "%zu,%.6f,%d,%s,%.3f,%.3f,%.3f,%.2f,%.2f,%.2f,%.4f,%.3f,%.3f,%.3f,%.3f,%d,%d,%.3f\n", scan,
+      stamp, object.id, toString(object.object_class).c_str(), c.x(), c.y(), c.z(), s.x(), s.y(),
+      s.z(), object.box.yaw, v.x(), v.y(), v.z(), v.norm(), object.dynamic ? 1 : 0,
+      object.observed ? 1 : 0, object.score);
+  return text;
+}
+
+/** The reported objects: `tracks.csv`, boxes in the odometry frame, and `tracks.txt`, in the lidar
+ * frame of each scan. */
+class TrackOutput : public RunOutput
+{
+ public:
+  explicit TrackOutput(const RunOutputContext& context)
+      : RunOutput(context, {csv_tracks, kitti_tracks})
+  {
+  }
+  [[nodiscard]] FrameParts wants() const override { return FrameParts::points; }
+  void open() override { rows_.open(path(csv_tracks), csv_header); }
+  void add(const Frame& frame) override
+  {
+    std::string rows;
+    for (const TrackedObject& object : frame.objects)
+    {
+      if (object.reported)
+      {
+        rows += rowOf(object, frame.index, frame.scan.stamp);
+      }
+    }
+    rows_.write(rows);
+    next_frame_ = frame.index + 1;
+  }
+  void checkpoint(const RunResults& results) override { writeBoxes(results); }
+  void exchangeState(StateArchive& archive) override
+  {
+    archive(next_frame_);
+    if (archive.isLoading())
+    {
+      rows_.open(path(csv_tracks), rowsSoFar());
+      rows_.keep();
+      std::error_code ignored;
+      std::filesystem::remove(path(csv_tracks), ignored);
+    }
+  }
+  void finish(const RunResults& results) override
+  {
+    eachByItself({[&] { writeBoxes(results); },
+                  [&]
+                  {
+                    rows_.close();
+                    writeWhole(path(csv_tracks),
+                               [&](std::ostream& out)
+                               {
+                                 out << csv_header;
+                                 forEachReported(
+                                     results, [&](const ReportedState& s)
+                                     { out << rowOf(s.object, s.scan.index, s.scan.stamp); });
+                               });
+                  }});
+  }
+
+ private:
+  /** Header and rows of the frames so far: of the growing table or, after the end of a stopped run,
+   * of the final table, whose rows differ; they are replaced at the end of this run. */
+  [[nodiscard]] std::string rowsSoFar() const
+  {
+    const std::string growing = path(csv_tracks) + ".tmp";
+    const std::string file = std::filesystem::exists(growing) ? growing : path(csv_tracks);
+    std::string rows = csv_header;
+    std::istringstream lines(std::filesystem::exists(file) ? readWhole(file) : "");
+    std::string line;
+    std::getline(lines, line);  // the header
+    while (std::getline(lines, line) && !lines.eof())
+    {
+      if (std::strtoull(line.c_str(), nullptr, 10) < next_frame_)
+      {
+        rows += line + '\n';
+      }
+    }
+    return rows;
+  }
+
+  void writeBoxes(const RunResults& results) const
+  {
+    writeWhole(path(kitti_tracks),
+               [&](std::ostream& out)
+               {
+                 forEachReported(results,
+                                 [&](const ReportedState& s)
+                                 {
+                                   const Pose& T_vehicle_lidar =
+                                       results.history->mounts()[s.scan.mount];
+                                   out << trackLine(labelledBox(s.object, s.scan, T_vehicle_lidar));
+                                 });
+               });
+  }
+
+  StreamedFile rows_;
+  std::size_t next_frame_ = 0;  //!< number after that of the last frame with rows
+};
+}  // namespace
+
+std::unique_ptr<RunOutput> makeTrackOutput(const RunOutputContext& context)
+{
+  return std::make_unique<TrackOutput>(context);
+}
+}  // namespace dyslam

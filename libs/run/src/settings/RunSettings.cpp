@@ -1,0 +1,83 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/core/Error.h>
+#include <dyslam/io/RawlogSource.h>
+#include <dyslam/pipeline/Pipeline.h>
+#include <dyslam/pipeline/StartSpeed.h>
+#include <dyslam/run/RunSettings.h>
+#include <dyslam/run/SlamRun.h>
+
+#include <algorithm>
+#include <utility>
+#include <vector>
+
+namespace dyslam
+{
+RecordingSettings settingsForRecording(const std::string& rawlog, const GivenSettings& given)
+{
+  RawlogSourceOptions input;
+  load(input, given.merged(), "input");
+  RecordingSettings settings;
+  settings.sensor = recogniseSensor(rawlog, input);
+  settings.chosen = settingsFor(settings.sensor, given);
+  return settings;
+}
+
+std::string RunSettings::aboutSensor() const
+{
+  std::string text = sensor.summary();
+  for (const std::string& note : {missing_times, chosen.levelling_note})
+  {
+    text += (note.empty() ? "" : "; ") + note;
+  }
+  return text;
+}
+
+std::optional<double> findStartSpeed(const std::string& rawlog,
+                                     const RawlogSourceOptions& input,
+                                     const Config& config)
+{
+  StartOptions start;
+  load(start, config, "start");
+  RawlogSourceOptions options = input;
+  options.only_first_n =
+      input.only_first_n > 0 ? std::min(input.only_first_n, start.scans) : start.scans;
+  std::vector<Frame> frames;
+  try
+  {
+    RawlogSource source(rawlog, options);
+    while (auto frame = source.next())
+    {
+      frames.push_back(std::move(*frame));
+    }
+  }
+  catch (const UserError&)
+  {
+    return std::nullopt;  // the run reports it
+  }
+  return findStartSpeed(frames, config);
+}
+
+RunSettings chooseRunSettings(const std::string& rawlog, const GivenSettings& given)
+{
+  RunSettings settings;
+  static_cast<RecordingSettings&>(settings) = settingsForRecording(rawlog, given);
+  Config& config = settings.chosen.config;
+  settings.loading = loadAhead(config);
+  settings.missing_times = settings.sensor.missingTimes(config);
+  RawlogSourceOptions input;
+  load(input, config, "input");
+  if (const auto speed = findStartSpeed(rawlog, input, config))
+  {
+    setStartSpeed(*speed, config);
+    settings.start_speed = config.section("odometry").at("start_speed").text;
+  }
+  return settings;
+}
+
+void setSettings(const RunSettings& chosen, SlamRunSettings& run)
+{
+  run.config = chosen.chosen.config;
+  run.sensor = chosen.aboutSensor();
+  run.warnings = chosen.chosen.warnings;
+}
+}  // namespace dyslam

@@ -1,0 +1,104 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/core/Error.h>
+#include <dyslam/core/SharedFiles.h>
+#include <dyslam/run/GivenSettings.h>
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+
+namespace dyslam
+{
+namespace
+{
+namespace fs = std::filesystem;
+
+/** A folder for inis. */
+class GivenSettingsTest : public testing::Test
+{
+ protected:
+  GivenSettingsTest()
+      : folder_(fs::temp_directory_path() / ("dyslam_given_" + std::to_string(getpid())))
+  {
+    fs::create_directories(folder_);
+  }
+  ~GivenSettingsTest() override { fs::remove_all(folder_); }
+
+  [[nodiscard]] std::string write(const std::string& name, const std::string& text) const
+  {
+    std::ofstream(folder_ / name) << text;
+    return (folder_ / name).string();
+  }
+
+ private:
+  fs::path folder_;
+};
+
+RecordedSensor sensorWith(std::size_t rings, double spacing_deg)
+{
+  RecordedSensor sensor;
+  sensor.pattern.ring_spacing = spacing_deg * M_PI / 180;
+  sensor.pattern.azimuth_extent = 2 * M_PI;
+  sensor.pattern.rings.resize(rings);
+  return sensor;
+}
+
+std::string valueOf(const Config& config, const std::string& section, const std::string& key)
+{
+  return config.has(section, key) ? config.section(section).at(key).text : "";
+}
+
+TEST_F(GivenSettingsTest, AssignmentsAreOverTheIniAndThatOverTheSensors)
+{
+  const std::string path =
+      write("my.ini", "[odometry]\nmethod = icp_po2pl\n[refine]\nmethod = gicp\n");
+  const GivenSettings given =
+      readGivenSettings(path, {"odometry.method=gicp", "labels.hindsight=false"});
+  EXPECT_EQ(path, given.path);
+  EXPECT_EQ("icp_po2pl", valueOf(given.ini, "odometry", "method"));
+  EXPECT_EQ("gicp", valueOf(given.merged(), "odometry", "method"));
+  EXPECT_EQ("", valueOf(given.merged(), "dyseg", "method"));
+
+  const ChosenSettings chosen = settingsFor(sensorWith(16, 2), given);
+  EXPECT_EQ("vlp16.ini + my.ini", chosen.source);
+  EXPECT_TRUE(chosen.warnings.empty());
+  EXPECT_EQ("gicp", valueOf(chosen.config, "odometry", "method"));
+  EXPECT_EQ("gicp", valueOf(chosen.config, "refine", "method"));
+  EXPECT_EQ("residual", valueOf(chosen.config, "dyseg", "method")) << "of vlp16.ini";
+  EXPECT_EQ("false", valueOf(chosen.config, "labels", "hindsight"));
+}
+
+TEST_F(GivenSettingsTest, WithoutAnIniTheSensorsAreTaken)
+{
+  const GivenSettings given = readGivenSettings("");
+  EXPECT_EQ("", given.path);
+  EXPECT_EQ("", given.merged().toIni());
+  const ChosenSettings chosen = settingsFor(sensorWith(64, 0.4), given);
+  EXPECT_EQ("kitti64.ini", chosen.source);
+  EXPECT_EQ(Config::fromFile(findGivenOrShared("kitti64", "config_files", ".ini")).toIni(),
+            chosen.config.toIni());
+}
+
+TEST_F(GivenSettingsTest, AShippedIniIsFoundByItsName)
+{
+  const GivenSettings given = readGivenSettings("kitti64");
+  EXPECT_EQ("kitti64.ini", fs::path(given.path).filename());
+  const ChosenSettings chosen = settingsFor(sensorWith(16, 2), given);
+  EXPECT_EQ("kitti64.ini", chosen.source);
+  EXPECT_EQ(1U, chosen.warnings.size()) << "for other sensors";
+}
+
+TEST_F(GivenSettingsTest, WhatIsWrongIsNamed)
+{
+  EXPECT_THROW((void)readGivenSettings("nothere.ini"), UserError);
+  EXPECT_THROW((void)readGivenSettings(write("junk.ini", "no ini\n")), UserError);
+  EXPECT_THROW((void)readGivenSettings(write("other.ini", "program = dyslam-train\n[a]\nb = 1\n")),
+               UserError);
+  const GivenSettings given = readGivenSettings("", {"odometry"});
+  EXPECT_THROW((void)given.merged(), UserError);
+  EXPECT_THROW((void)settingsFor(sensorWith(16, 2), given), UserError);
+}
+}  // namespace
+}  // namespace dyslam

@@ -1,0 +1,151 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Users read the help texts one at a time, in effective.ini.
+#include "HelpTexts.h"
+
+#include <dyslam/backend/PoseGraphSolver.h>
+#include <dyslam/backend/RunMerger.h>
+#include <dyslam/core/Error.h>
+#include <dyslam/core/Files.h>
+#include <dyslam/io/Converters.h>
+#include <dyslam/io/KittiExport.h>
+#include <dyslam/io/RawlogWriter.h>
+#include <dyslam/mapexport/MapExport.h>
+#include <dyslam/packets/PcapSource.h>
+#include <dyslam/run/SlamRun.h>
+#include <dyslam/tracking/DetectionNoise.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <string>
+#include <vector>
+
+#include "TestFolder.h"
+
+namespace dyslam
+{
+namespace
+{
+const std::vector<std::string> no_lines;
+
+/** The effective.ini of a run with default settings. */
+std::string effectiveIniOfARun(const TestFolder& folder)
+{
+  SlamRunSettings settings;
+  settings.rawlog = folder.file("drive.rawlog");  // is not opened
+  settings.output_folder = folder.file("run");
+  SlamRun run(settings);
+  run.open();
+  return folder.file("run/effective.ini");
+}
+
+TEST(HelpTexts, ThoseOfARunReadAlone)
+{
+  const TestFolder folder;
+  const std::string effective = readWhole(effectiveIniOfARun(folder));
+  for (const char* section : {"[sensor]", "[odometry]", "[dylo]", "[dyseg_network]", "[tracker]",
+                              "[loop]", "[map]", "[output]", "[replay]"})
+  {
+    EXPECT_TRUE(contains(effective, section)) << section;
+  }
+  EXPECT_EQ(no_lines, unclearHelpTexts(effective));
+}
+
+TEST(Defaults, ThoseOfARunAreRoundNumbers)
+{
+  const TestFolder folder;
+  EXPECT_EQ(no_lines, longNumbers(readWhole(effectiveIniOfARun(folder))));
+}
+
+/** dyslam-map refuses other sections in an ini. */
+TEST(SlamRun, TheSectionsOfEffectiveIniAreKnown)
+{
+  const TestFolder folder;
+  std::vector<std::string> names = Config::fromFile(effectiveIniOfARun(folder)).sectionNames();
+  std::sort(names.begin(), names.end());
+  EXPECT_EQ(names, SlamRun::sections());
+}
+
+TEST(SlamRun, NamesOfSettingsAreCheckedWithoutARecording)
+{
+  const TestFolder folder;
+  Config config = Config::fromFile(effectiveIniOfARun(folder));
+  config.set("map.voxel_size=20cm");  // values are checked with those of the sensor's ini
+  EXPECT_NO_THROW(SlamRun::requireKnownNames(config));
+  const auto message = [](const std::string& assignment)
+  {
+    Config mistyped;
+    mistyped.set(assignment);
+    return messageOfError<UserError>([&] { SlamRun::requireKnownNames(mistyped); });
+  };
+  EXPECT_TRUE(contains(message("map.voxel_sise=0.1"), "did you mean 'voxel_size'?"));
+  EXPECT_TRUE(contains(message("mapp.voxel_size=0.1"), "unknown section 'mapp'"));
+  EXPECT_EQ("--set map_export.epsg: the section [map_export] belongs to dyslam-map",
+            message("map_export.epsg=1"));
+}
+
+/** The options of the other programs, with their defaults. */
+std::string effectiveIniOfOtherPrograms()
+{
+  Config config;
+  save(MapExportOptions(), config, "map_export");
+  save(RunMergerOptions(), config, "merge");
+  save(PoseGraphSolverOptions(), config, "solver");
+  save(DetectionNoiseOptions(), config, "detection_noise");
+  save(KittiConverterOptions(), config, "kitti_converter");
+  save(ScanConverterOptions(), config, "scan_converter");
+  save(KittiExportOptions(), config, "kitti_export");
+  save(PcapSourceOptions(), config, "pcap");
+  save(RawlogWriterOptions(), config, "rawlog_writer");
+  return config.toIni();
+}
+
+TEST(HelpTexts, ThoseOfOtherProgramsReadAlone)
+{
+  EXPECT_EQ(no_lines, unclearHelpTexts(effectiveIniOfOtherPrograms()));
+}
+
+TEST(Defaults, ThoseOfOtherProgramsAreRoundNumbers)
+{
+  EXPECT_EQ(no_lines, longNumbers(effectiveIniOfOtherPrograms()));
+}
+
+TEST(Defaults, LongNumbersAreFound)
+{
+  EXPECT_EQ(no_lines,
+            longNumbers("[a]\nx = 0.0012  // size\ny = 1073741823  // seed\nz = 1e-06  // bound\n"
+                        "w = 12345_run  // name\nv =   // name\nu = true  // switch\n"
+                        "t = 1.234\n"));
+  for (const char* line : {"x = 0.300000702  // size [deg]", "x = 57.295779513",
+                           "x = -1234.5  // n", "x = 1.2345e-07  // bound"})
+  {
+    EXPECT_EQ(std::vector<std::string>{std::string("[a] ") + line},
+              longNumbers(std::string("[a]\n") + line + "\n"));
+  }
+}
+
+TEST(HelpTexts, UnclearOnesAreFound)
+{
+  EXPECT_EQ(no_lines,
+            unclearHelpTexts("[a]\nx = 1  // size of a cell [m]\n\n[b]\n"
+                             "x = 1  // size of a cell [m]\ny = no  // cells: use (yes, no)\n"));
+  const std::vector<std::string> bad{
+      "x = 1",
+      "x = 1  // ",
+      "x = 1  //  (yes, no)",
+      "x = 1  // ... and of its rotation",
+      "x = 1  // its increase",
+      "x = 1  // their rmse",
+      "x = 1  // the same of rotations",
+      "x = 1  // of the prior [m]",
+      "x = 1  // vehicles: its increase",
+      "y = 2  // size of a cell [m]",
+  };
+  for (const std::string& line : bad)
+  {
+    const std::vector<std::string> found =
+        unclearHelpTexts("[a]\nx = 1  // size of a cell [m]\n" + line + "\n");
+    EXPECT_EQ(std::vector<std::string>{"[a] " + line}, found);
+  }
+}
+}  // namespace
+}  // namespace dyslam

@@ -1,0 +1,435 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "../src/outputs/RunOutputs.h"
+
+#include <dyslam/core/Error.h>
+#include <dyslam/core/Files.h>
+#include <dyslam/core/PendingFile.h>
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <chrono>
+#include <filesystem>
+#include <fstream>
+#include <set>
+#include <stdexcept>
+#include <thread>
+
+namespace fs = std::filesystem;
+
+namespace dyslam
+{
+namespace
+{
+const RunOutputKind settings_row = runOutputKinds().front();
+const RunOutputKind report_row = runOutputKinds().back();
+
+enum class Failure
+{
+  none,
+  open,
+  add,
+  finish
+};
+
+/** Writes the number of its frames; fails where it is told to. */
+class FakeOutput : public RunOutput
+{
+ public:
+  FakeOutput(const RunOutputContext& context, const std::string& name, bool slow, Failure failure)
+      : RunOutput(context, {name.c_str()}), name_(name), slow_(slow), failure_(failure)
+  {
+  }
+  [[nodiscard]] bool isSlow() const override { return slow_; }
+  void open() override { failIf(Failure::open); }
+  void add(const Frame& frame) override
+  {
+    EXPECT_EQ(frame.index, frames_) << "frames come in order";
+    EXPECT_EQ(std::this_thread::get_id() != maker_, slow_) << "the slow ones in a thread of theirs";
+    ++frames_;
+    if (frames_ == 3)
+    {
+      failIf(Failure::add);
+    }
+  }
+  void finish(const RunResults& /*results*/) override
+  {
+    failIf(Failure::finish);
+    writeWhole(path(name_), std::to_string(frames_));
+  }
+
+ private:
+  void failIf(Failure where) const
+  {
+    if (failure_ == where)
+    {
+      throw UserError(name_ + ": disk full");
+    }
+  }
+
+  std::string name_;
+  bool slow_;
+  Failure failure_;
+  std::size_t frames_ = 0;
+  std::thread::id maker_ = std::this_thread::get_id();
+};
+
+template <Failure failure, bool slow>
+std::unique_ptr<RunOutput> makeA(const RunOutputContext& context)
+{
+  return std::make_unique<FakeOutput>(context, "a.txt", slow, failure);
+}
+
+template <bool slow>
+std::unique_ptr<RunOutput> makeB(const RunOutputContext& context)
+{
+  return std::make_unique<FakeOutput>(context, "b.txt", slow, Failure::none);
+}
+
+/** Writes how many frames it got, and wants them decided. */
+class DecidedOutput : public RunOutput
+{
+ public:
+  explicit DecidedOutput(const RunOutputContext& context) : RunOutput(context, {"decided.txt"}) {}
+  [[nodiscard]] FrameParts wants() const override { return FrameParts::all; }
+  void add(const Frame& frame) override { frames_ += std::to_string(frame.index) + " "; }
+  void finish(const RunResults& /*results*/) override { writeWhole(path("decided.txt"), frames_); }
+
+ private:
+  std::string frames_;
+};
+
+/** Takes what of final frames it is told to. */
+template <FrameParts parts>
+class PartOutput : public RunOutput
+{
+ public:
+  explicit PartOutput(const RunOutputContext& context) : RunOutput(context, {"parts.txt"}) {}
+  [[nodiscard]] FrameParts wants() const override { return parts; }
+};
+
+template <FrameParts parts>
+std::unique_ptr<RunOutput> makeParts(const RunOutputContext& context)
+{
+  return std::make_unique<PartOutput<parts>>(context);
+}
+
+std::unique_ptr<RunOutput> makeDecided(const RunOutputContext& context)
+{
+  return std::make_unique<DecidedOutput>(context);
+}
+
+/** Changes a numbered file at the end. */
+class NumberedOutput : public RunOutput
+{
+ public:
+  explicit NumberedOutput(const RunOutputContext& context)
+      : RunOutput(context, {{"numbered", ".txt"}})
+  {
+  }
+  [[nodiscard]] bool isSlow() const override { return true; }
+  void open() override
+  {
+    makeFolder(path("numbered"));
+    write("open");
+  }
+  void finish(const RunResults& /*results*/) override { write("finished"); }
+
+ private:
+  void write(const std::string& text) const { writeWhole(path("numbered") + "/000000.txt", text); }
+};
+
+std::unique_ptr<RunOutput> makeNumbered(const RunOutputContext& context)
+{
+  return std::make_unique<NumberedOutput>(context);
+}
+
+class RunOutputsTest : public ::testing::Test
+{
+ protected:
+  void SetUp() override
+  {
+    settings_.rawlog = "x.rawlog";
+    settings_.output_folder = folder_.string();
+  }
+  void TearDown() override { fs::remove_all(folder_); }
+
+  /** Five frames to these outputs. */
+  RunResults runOf(const std::vector<RunOutputKind>& kinds)
+  {
+    const Config given;
+    ConfigLoader config(given);
+    RunOutputs outputs(settings_, config, kinds);
+    outputs.open();
+    for (std::size_t i = 0; i < 5; ++i)
+    {
+      Frame frame;
+      frame.index = i;
+      outputs.add(frame);
+    }
+    RunResults results;
+    outputs.finish(results);
+    return results;
+  }
+
+  [[nodiscard]] std::string content(const std::string& name) const
+  {
+    return readWhole((folder_ / name).string());
+  }
+  [[nodiscard]] bool has(const std::string& name) const { return fs::exists(folder_ / name); }
+
+  fs::path folder_ = fs::temp_directory_path() / ("dyslam_outputs_" + std::to_string(::getpid()));
+  SlamRunSettings settings_;
+};
+
+TEST_F(RunOutputsTest, CausalFramesReplaceFinalOnesWhereTheyHaveTheSame)
+{
+  const auto partsOf = [&](const std::vector<RunOutputKind>& kinds, bool tracks_again)
+  {
+    const Config given;
+    ConfigLoader config(given);
+    return RunOutputs(settings_, config, kinds).chooseFrames(tracks_again);
+  };
+  const RunOutputKind points{makeParts<FrameParts::points>};
+  const RunOutputKind intensity{makeParts<FrameParts::intensity>};
+  const RunOutputKind all{makeParts<FrameParts::all>};
+  EXPECT_EQ(partsOf({points}, true), FrameParts::points);
+  EXPECT_EQ(partsOf({points, intensity}, true), FrameParts::intensity);
+  EXPECT_EQ(partsOf({points, intensity, all}, true), FrameParts::all);
+  EXPECT_EQ(partsOf({points, intensity}, false), FrameParts::none);
+  EXPECT_EQ(partsOf({points, intensity, all}, false), FrameParts::all);
+  EXPECT_EQ(partsOf({{makeB<false>}}, true), FrameParts::none);
+}
+
+TEST_F(RunOutputsTest, FinalFramesGoToThoseThatWantThem)
+{
+  const Config given;
+  ConfigLoader config(given);
+  RunOutputs outputs(settings_, config, {{makeDecided}, {makeB<true>}, report_row});
+  EXPECT_EQ(outputs.chooseFrames(true), FrameParts::all);
+  outputs.open();
+  for (std::size_t i = 0; i < 4; ++i)
+  {
+    Frame frame;
+    frame.index = i;
+    outputs.add(frame);
+  }
+  for (std::size_t i = 0; i < 3; ++i)
+  {
+    Frame frame;
+    frame.index = i;
+    outputs.addFinal(frame);
+  }
+  RunResults results;
+  outputs.finish(results);
+  EXPECT_EQ(content("decided.txt"), "0 1 2 ");
+  EXPECT_EQ(content("b.txt"), "4");
+}
+
+TEST_F(RunOutputsTest, WritesWhatDoesNotFailAndNamesWhatDoes)
+{
+  const std::vector<std::vector<RunOutputKind>> all{
+      {{makeA<Failure::add, false>}, {makeB<false>}, report_row},
+      {{makeA<Failure::finish, false>}, {makeB<true>}, report_row},
+      {{makeA<Failure::add, true>}, {makeB<false>}, report_row},
+      {{makeA<Failure::finish, true>}, {makeB<true>}, report_row}};
+  for (const auto& kinds : all)
+  {
+    const RunResults results = runOf(kinds);
+    EXPECT_EQ(results.failures, std::vector<std::string>{"a.txt: disk full"});
+    EXPECT_EQ(results.report.files, (std::vector<std::string>{"b.txt", "report.json"}));
+    EXPECT_FALSE(has("a.txt"));
+    EXPECT_EQ(content("b.txt"), "5");
+    EXPECT_NE(content("report.json").find("a.txt: disk full"), std::string::npos);
+    fs::remove_all(folder_);
+  }
+}
+
+TEST_F(RunOutputsTest, AFileThatCannotBeOpenedEndsTheRunAtOnce)
+{
+  EXPECT_THROW((void)runOf({{makeA<Failure::open, false>}, {makeB<false>}}), UserError);
+}
+
+TEST_F(RunOutputsTest, TheReportListsTheFilesWritten)
+{
+  const RunResults results = runOf({settings_row, {makeA<Failure::none, true>}, report_row});
+  EXPECT_TRUE(results.failures.empty());
+  const std::vector<std::string> files{"effective.ini", "a.txt", "report.json"};
+  EXPECT_EQ(results.report.files, files);
+  for (const std::string& file : files)
+  {
+    EXPECT_NE(content("report.json").find('"' + file + '"'), std::string::npos) << file;
+  }
+}
+
+TEST_F(RunOutputsTest, CheckpointsThatFailAreAWarning)
+{
+  std::vector<std::string> told;
+  settings_.warn = [&told](const std::string& warning) { told.push_back(warning); };
+  const auto warningsAfter = [this](const std::vector<std::string>& failures)
+  {
+    const Config given;
+    ConfigLoader config(given);
+    RunOutputs outputs(settings_, config, {settings_row, {makeB<true>}, report_row});
+    outputs.open();
+    for (const std::string& failure : failures)
+    {
+      const auto begin = std::chrono::steady_clock::now();
+      bool written = false;
+      while (!written && std::chrono::steady_clock::now() - begin < std::chrono::seconds(60))
+      {
+        // Left out while the one before is being written.
+        outputs.checkpoint(
+            [&](StateFileWriter&)
+            {
+              written = true;
+              if (!failure.empty())
+              {
+                throw UserError(failure);
+              }
+            },
+            RunResults());
+      }
+      EXPECT_TRUE(written);
+    }
+    RunResults results;
+    outputs.finish(results);
+    return results.report.warnings;
+  };
+  const std::string failed = "checkpoints could not be written: disk full; the run can";
+  EXPECT_EQ(warningsAfter({"no space", "disk full"}),
+            std::vector<std::string>{failed + "not be resumed"});
+  EXPECT_EQ(told.size(), 1U) << "once";
+  EXPECT_NE(content("report.json").find(failed + "not be resumed"), std::string::npos);
+  EXPECT_TRUE(warningsAfter({"disk full", ""}).empty()) << "a later one succeeded";
+  EXPECT_EQ(warningsAfter({"", "disk full"}),
+            std::vector<std::string>{failed + " be resumed from an earlier one only"});
+  EXPECT_EQ(told.size(), 3U);
+}
+
+TEST_F(RunOutputsTest, AStateThatCannotBeWrittenIsAWarning)
+{
+  const Config given;
+  ConfigLoader config(given);
+  RunOutputs outputs(settings_, config, {report_row});
+  outputs.open();
+  outputs.checkpoint([this](StateFileWriter&)
+                     { fs::create_directories(folder_ / "resume.state" / "in the way"); },
+                     RunResults());
+  RunResults results;
+  outputs.finish(results);
+  ASSERT_EQ(results.report.warnings.size(), 1U);
+  EXPECT_NE(results.report.warnings[0].find("resume.state"), std::string::npos)
+      << results.report.warnings[0];
+}
+
+TEST_F(RunOutputsTest, ChangedFilesAreKeptForAResumedRun)
+{
+  const auto write = [this](const std::string& name, const std::string& text)
+  { writeWhole((folder_ / name).string(), text); };
+  fs::create_directories(folder_ / "labels");
+  write("labels/000000.label", "same");
+  write("labels/000001.label", "before");
+  KeptFiles kept(folder_.string());
+  EXPECT_EQ(kept.add({"labels", ".label"}).name, "resume.labels");
+  kept.keep();
+  write("labels/000001.label", "changed");
+  write("labels/000002.label", "new");
+  kept.removeUnchanged();
+  EXPECT_FALSE(has("resume.labels/000000.label"));
+  EXPECT_EQ(content("resume.labels/000001.label"), "before");
+  EXPECT_EQ(content("labels/000001.label"), "changed");
+  kept.restore();
+  EXPECT_EQ(content("labels/000000.label"), "same");
+  EXPECT_EQ(content("labels/000001.label"), "before");
+  EXPECT_FALSE(has("resume.labels"));
+
+  kept.keep();  // and ended before anything was removed
+  kept.restore();
+  EXPECT_EQ(content("labels/000001.label"), "before");
+  EXPECT_FALSE(has("resume.labels"));
+  kept.keep();
+  kept.removeAll();
+  EXPECT_FALSE(has("resume.labels"));
+}
+
+TEST_F(RunOutputsTest, TheLastCheckpointStaysForAResumedRun)
+{
+  for (const bool is_last : {false, true})
+  {
+    const Config given;
+    ConfigLoader config(given);
+    RunOutputs outputs(settings_, config, {settings_row, {makeB<true>}, report_row});
+    outputs.open();
+    outputs.checkpoint([](StateFileWriter&) {}, RunResults());
+    outputs.checkpoint([](StateFileWriter&) {}, RunResults(), is_last);
+    RunResults results;
+    results.report.ended_early = is_last ? "stopped" : "";
+    outputs.finish(results);
+    EXPECT_EQ(has("resume.state"), is_last);
+    EXPECT_EQ(content("report.json").find("\"finished\": true") == std::string::npos, is_last);
+    EXPECT_TRUE(has("b.txt"));
+  }
+}
+
+TEST_F(RunOutputsTest, WithoutAStateNoFilesAreKept)
+{
+  for (const bool fails : {false, true})
+  {
+    const Config given;
+    ConfigLoader config(given);
+    RunOutputs outputs(settings_, config,
+                       {settings_row, {makeNumbered, nullptr, nullptr, nullptr, true}});
+    outputs.open();
+    const auto add_state = [fails](StateFileWriter& /*state*/)
+    {
+      if (fails)
+      {
+        throw UserError("disk full");
+      }
+    };
+    outputs.checkpoint(add_state, RunResults(), true);
+    RunResults results;
+    outputs.finish(results);
+    EXPECT_EQ(content("numbered/000000.txt"), "finished");
+    EXPECT_NE(has("resume.state"), fails);
+    EXPECT_NE(has("resume.numbered/000000.txt"), fails);
+  }
+}
+
+TEST_F(RunOutputsTest, WhatIsSwitchedOffIsRemovedAllTheSame)
+{
+  const std::vector<RunOutputKind> kinds{
+      settings_row,
+      {makeA<Failure::none, false>},
+      {makeB<false>, nullptr, nullptr, &SlamRunSettings::static_scans}};
+  settings_.static_scans = true;
+  (void)runOf(kinds);
+  ASSERT_TRUE(has("b.txt"));
+  writeWhole((folder_ / "b.txt.tmp").string(), "of a run that was killed");
+  writeWhole((folder_ / "notes.txt").string(), "mine");
+  settings_.static_scans = false;
+  (void)runOf(kinds);
+  EXPECT_TRUE(has("a.txt"));
+  EXPECT_FALSE(has("b.txt"));
+  EXPECT_FALSE(has("b.txt.tmp"));
+  EXPECT_TRUE(has("notes.txt"));
+}
+
+TEST_F(RunOutputsTest, EveryKindHasNamesOfItsOwn)
+{
+  const Config given;
+  ConfigLoader config(given);
+  std::set<std::string> names;
+  for (const RunOutputKind& kind : runOutputKinds())
+  {
+    const auto output = kind.make({settings_, config, 0.4});
+    EXPECT_FALSE(output->names().empty());
+    for (const OutputName& name : output->names())
+    {
+      EXPECT_TRUE(names.insert(name.name).second) << name.name << " is written by two outputs";
+    }
+  }
+  EXPECT_FALSE(fs::exists(folder_)) << "nothing is written before open()";
+}
+}  // namespace
+}  // namespace dyslam

@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/core/Error.h>
+#include <dyslam/run/RunSettings.h>
+#include <dyslam/run/SlamRun.h>
+#include <gtest/gtest.h>
+
+#include <string>
+
+#include "TestFolder.h"
+
+namespace dyslam
+{
+namespace
+{
+const std::string campus_rawlog = std::string(DYSLAM_SOURCE_DIR) + "/rawlog/campus16.rawlog";
+
+TEST(RunSettings, AreThoseOfTheSensorUnderThoseGiven)
+{
+  const TestFolder folder;
+  const GivenSettings given = readGivenSettings(
+      folder.write("my.ini", "[odometry]\nmethod = gicp\n"), {"dyseg.method=none"});
+  RunSettings chosen = chooseRunSettings(campus_rawlog, given);
+  EXPECT_EQ("vlp16.ini + my.ini", chosen.chosen.source);
+  EXPECT_EQ(16U, chosen.sensor.pattern.rings.size());
+  EXPECT_EQ(chosen.sensor.missingTimes(chosen.chosen.config), chosen.missing_times);
+  EXPECT_EQ("gicp", chosen.chosen.config.section("odometry").at("method").text);
+  EXPECT_EQ("none", chosen.chosen.config.section("dyseg").at("method").text);
+  SlamRunSettings run;
+  setSettings(chosen, run);
+  EXPECT_EQ(chosen.chosen.config.toIni(), run.config.toIni());
+  EXPECT_EQ(chosen.chosen.warnings, run.warnings);
+  EXPECT_EQ(0U, run.sensor.rfind(chosen.sensor.summary(), 0)) << run.sensor;
+}
+
+TEST(RunSettings, TheReportNamesSensorMissingTimesAndLevelling)
+{
+  RunSettings settings;
+  const std::string sensor = settings.sensor.summary();
+  EXPECT_EQ(sensor, settings.aboutSensor());
+  settings.chosen.levelling_note = "tilted by 15 deg";
+  EXPECT_EQ(sensor + "; tilted by 15 deg", settings.aboutSensor());
+  settings.missing_times = "no times";
+  EXPECT_EQ(sensor + "; no times; tilted by 15 deg", settings.aboutSensor());
+}
+
+TEST(RunSettings, BadOnesAndAMissingRecordingAreRefused)
+{
+  EXPECT_THROW((void)chooseRunSettings("none.rawlog", readGivenSettings("")), UserError);
+  const GivenSettings bad = readGivenSettings("", {"input.only_first=3"});
+  EXPECT_THROW((void)chooseRunSettings(campus_rawlog, bad), UserError);
+}
+}  // namespace
+}  // namespace dyslam

@@ -1,0 +1,173 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "../src/results/RunStatistics.h"
+
+#include <dyslam/core/StateArchive.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <string>
+
+namespace dyslam
+{
+namespace
+{
+Frame failed(bool map_restarted,
+             const std::string& reason,
+             FailureCause cause = FailureCause::estimation)
+{
+  Frame frame;
+  frame.motion.map_restarted = map_restarted;
+  frame.motion.reason = reason;
+  frame.motion.cause = cause;
+  return frame;
+}
+
+bool hasWarning(const RunStatistics& statistics, const std::string& part)
+{
+  const auto warnings = statistics.warnings(false);
+  return std::any_of(warnings.begin(), warnings.end(),
+                     [&part](const std::string& warning)
+                     { return warning.find(part) != std::string::npos; });
+}
+
+TEST(RunStatistics, CountsMapRestartsWhateverTheReasonsSay)
+{
+  RunStatistics statistics;
+  statistics.add(failed(false, "no overlap; the map is restarted"));
+  EXPECT_FALSE(hasWarning(statistics, "restarted"));
+  statistics.add(failed(true, "no overlap"));
+  EXPECT_TRUE(hasWarning(statistics, "the local map was restarted once"));
+  statistics.add(failed(true, ""));
+  EXPECT_TRUE(hasWarning(statistics, "the local map was restarted 2 times"));
+}
+
+TEST(RunStatistics, AdvisesByTheCauseOfTheMostFrequentReason)
+{
+  const auto failureOf = [](const std::string& reason, FailureCause cause)
+  {
+    RunStatistics statistics;
+    statistics.add(failed(false, "another reason"));
+    statistics.add(failed(false, reason + " 1", cause));
+    statistics.add(failed(false, reason + " 2", cause));
+    return statistics.failure(true);
+  };
+  const auto has = [](const std::string& text, const std::string& part)
+  { return text.find(part) != std::string::npos; };
+  const std::string motion = failureOf("the scan has ...", FailureCause::estimation);
+  EXPECT_TRUE(has(motion, "; try the settings that fit the sensor (no -c), -c handheld.ini"));
+  EXPECT_TRUE(has(motion, "odometry.start_speed")) << motion;
+  const std::string few = failureOf("few returns", FailureCause::recording);
+  EXPECT_TRUE(has(few,
+                  "; most often because: few returns 2; check the recording, and how it was "
+                  "converted"))
+      << few;
+  EXPECT_FALSE(has(few, "start_speed") || has(few, "handheld")) << few;
+  const std::string range = failureOf("few points left", FailureCause::preprocessing);
+  EXPECT_TRUE(has(range, "; change these settings, or check that the points are in metres"));
+  EXPECT_FALSE(has(range, "start_speed")) << range;
+}
+
+/** One threshold and one wording for console, report.json and report.html. */
+TEST(RunStatistics, TheVerdictFitsWarningsAndFailure)
+{
+  const auto statisticsOf = [](int failures, int restarts)
+  {
+    RunStatistics statistics;
+    for (int i = 0; i < 30; ++i)
+    {
+      Frame frame = failed(i < restarts, "no overlap");
+      frame.motion.status = i >= failures ? MotionStatus::converged : MotionStatus::not_found;
+      statistics.add(frame);
+    }
+    return statistics;
+  };
+  const RunStatistics few = statisticsOf(6, 0);
+  EXPECT_EQ(few.verdict(), "usable");
+  EXPECT_FALSE(hasWarning(few, "check trajectory and map"));
+  const RunStatistics many = statisticsOf(10, 2);
+  EXPECT_EQ(many.verdict(), "doubtful");
+  EXPECT_EQ(many.failure(false), "");
+  EXPECT_TRUE(hasWarning(many,
+                         "10 of 30 scans could not be registered: check trajectory and map; most "
+                         "often because: no overlap"));
+  EXPECT_EQ(statisticsOf(15, 0).verdict(), "doubtful");
+  const RunStatistics restarted = statisticsOf(5, 1);
+  EXPECT_EQ(restarted.verdict(), "doubtful");
+  EXPECT_TRUE(hasWarning(restarted, "check trajectory and map"));
+  const RunStatistics most = statisticsOf(16, 0);
+  EXPECT_EQ(most.verdict(), "unusable");
+  EXPECT_EQ(most.failure(false).find(
+                "16 of 30 scans could not be registered: do not trust trajectory and map"),
+            0U);
+  EXPECT_FALSE(hasWarning(most, "check trajectory and map"));
+}
+
+/** Their motions are measured, and their points are in the map. */
+TEST(RunStatistics, ScansThatDidNotSettleAreRegistered)
+{
+  const auto statisticsOf = [](int not_settled)
+  {
+    RunStatistics statistics;
+    for (int i = 0; i < 30; ++i)
+    {
+      Frame frame;
+      frame.is_keyframe = true;
+      frame.odometry.status = MotionStatus::converged;
+      frame.motion.status = i < not_settled ? MotionStatus::not_settled : MotionStatus::converged;
+      statistics.add(frame);
+    }
+    return statistics;
+  };
+  const RunStatistics all = statisticsOf(30);
+  EXPECT_EQ(all.registration_failures.total(), 0U);
+  EXPECT_EQ(all.unregistered_keyframes, 0U);
+  EXPECT_EQ(all.failure(false), "");
+  EXPECT_EQ(all.verdict(), "usable");
+  EXPECT_EQ(
+      all.warnings(false),
+      std::vector<std::string>{"the registration of 30 of 30 scans ended before it converged: "
+                               "their motions are less accurate; raise "
+                               "refine.max_iterations"});
+  EXPECT_TRUE(statisticsOf(6).warnings(false).empty());
+}
+
+TEST(RunStatistics, KeepsMapRestartsWhenARunIsResumed)
+{
+  RunStatistics statistics;
+  statistics.add(failed(true, "no overlap", FailureCause::preprocessing));
+  StateArchive saved;
+  saved(statistics);
+  RunStatistics resumed;
+  StateArchive archive(saved.bytes());
+  archive(resumed);
+  archive.requireEnd();
+  resumed.add(failed(true, "no overlap"));
+  EXPECT_TRUE(hasWarning(resumed, "the local map was restarted 2 times"));
+  EXPECT_EQ(resumed.registration_failures.total(), 2U);
+  EXPECT_EQ(resumed.registration_failures.mostFrequent().count, 2U);
+}
+
+TEST(RunStatistics, TheAdviceOfASecondPassIsOneOfTheWarnings)
+{
+  const auto statisticsOf = [](int moving)
+  {
+    Frame frame;
+    frame.motion.status = MotionStatus::converged;
+    frame.odometry.status = MotionStatus::converged;
+    frame.cloud.points.resize(100);
+    frame.moving.resize(100);
+    std::fill_n(frame.moving.begin(), moving, true);
+    RunStatistics statistics;
+    statistics.add(frame);
+    return statistics;
+  };
+  const RunStatistics dense = statisticsOf(16);
+  const std::string advice = dense.secondPassAdvice(false);
+  EXPECT_EQ(advice.find("16 % of the points move"), 0U) << advice;
+  EXPECT_EQ(dense.warnings(false), std::vector<std::string>{advice});
+  EXPECT_EQ(dense.secondPassAdvice(true), "") << "this is the second one";
+  EXPECT_TRUE(dense.warnings(true).empty());
+  EXPECT_EQ(statisticsOf(15).secondPassAdvice(false), "");
+}
+}  // namespace
+}  // namespace dyslam

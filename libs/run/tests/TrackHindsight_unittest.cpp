@@ -1,0 +1,233 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "../src/results/TrackHindsight.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+namespace dyslam
+{
+namespace
+{
+constexpr double speed = 6;     // of the vehicle, along +x [m/s]
+constexpr double length = 4.5;  // [m]
+
+/** A vehicle that drives past the sensor at the origin and comes into view from its rear on: its
+ * visible part grows for a second. Its centre is at `x(t) = 5 m + speed t`.
+ * \param clock_step by which the clock of the time stamps is set in the middle [s] */
+RunHistory vehicleThatComesIntoView(int scans, Trajectory& trajectory, double clock_step = 0)
+{
+  RunHistory history;
+  for (int i = 0; i < scans; ++i)
+  {
+    const double time = 0.1 * i;
+    Frame frame;
+    frame.index = static_cast<std::size_t>(3 + i);
+    frame.clock_offset = 2 * i >= scans ? clock_step : 0;
+    frame.scan.stamp = time + frame.clock_offset;
+    TrackedObject object;
+    object.id = 7;
+    object.object_class = ObjectClass::car;
+    object.reported = object.observed = object.dynamic = true;
+    object.box.size = {std::min(length, 0.5 + 4 * time), 1.8, 1.5};
+    object.box.center = {5 + speed * time - 0.5 * (length - object.box.size.x()), 3, 0.8};
+    object.velocity = {speed, 0, 0};
+    frame.objects.push_back(object);
+    history.addScan(frame);
+    history.addObjects(frame.index, frame.objects, TrackLife::reported);
+    trajectory.push_back(frame.scan.stamp, Pose::Identity());
+  }
+  return history;
+}
+
+TEST(TrackHindsight, VehiclesHaveTheirWholeSizeFromTheFirstScanOn)
+{
+  Trajectory trajectory;
+  const RunHistory history = vehicleThatComesIntoView(40, trajectory);
+  const auto objects = smoothReported(history, trajectory, {}, true).objects;
+  ASSERT_EQ(objects.size(), 40U);
+  for (std::size_t i = 0; i < objects.size(); ++i)
+  {
+    const SmoothedObject& object = objects[i];
+    EXPECT_EQ(object.id, 7);
+    EXPECT_EQ(object.scan, 3 + i);
+    EXPECT_TRUE(object.moving);
+    ASSERT_TRUE(object.size);
+    EXPECT_NEAR(object.size->x(), length, 1e-9);
+    EXPECT_NEAR(object.T_map_object.translation().x(), 5 + speed * object.stamp, 0.05) << i;
+    EXPECT_NEAR(object.velocity.x(), speed, 0.1) << i;
+  }
+  // Boxes of a detector are those of whole objects.
+  const auto given = smoothReported(history, trajectory, {}, false).objects;
+  EXPECT_NEAR(given.front().size->x(), 0.5, 1e-9);
+  EXPECT_GT(given.front().velocity.x(), speed + 1);
+}
+
+TEST(TrackHindsight, VelocitiesDoNotDependOnStepsOfTheClock)
+{
+  for (const double step : {-30.0, 7.0})
+  {
+    Trajectory trajectory;
+    const RunHistory history = vehicleThatComesIntoView(40, trajectory, step);
+    const auto objects = smoothReported(history, trajectory, {}, true).objects;
+    ASSERT_EQ(objects.size(), 40U);
+    for (std::size_t i = 0; i < objects.size(); ++i)
+    {
+      EXPECT_EQ(objects[i].stamp, trajectory[i].stamp);
+      EXPECT_NEAR(objects[i].velocity.x(), speed, 0.1) << i;
+      EXPECT_TRUE(objects[i].moving);
+    }
+  }
+}
+
+TEST(TrackHindsight, PositionsAreInTheMapFrame)
+{
+  Trajectory trajectory;
+  const RunHistory history = vehicleThatComesIntoView(20, trajectory);
+  const Pose T_map_odom(Eigen::Translation3d(10, -20, 1) *
+                        Eigen::AngleAxisd(0.5, Eigen::Vector3d::UnitZ()));
+  Trajectory moved;
+  for (const auto& [stamp, pose] : trajectory)
+  {
+    moved.push_back(stamp, T_map_odom * pose);
+  }
+  const auto objects = smoothReported(history, trajectory, {}, true).objects;
+  const auto in_map = smoothReported(history, moved, {}, true).objects;
+  ASSERT_EQ(objects.size(), in_map.size());
+  for (std::size_t i = 0; i < objects.size(); ++i)
+  {
+    EXPECT_TRUE(in_map[i].T_map_object.isApprox(T_map_odom * objects[i].T_map_object, 1e-6));
+    EXPECT_TRUE(in_map[i].velocity.isApprox(T_map_odom.linear() * objects[i].velocity, 1e-6));
+  }
+}
+
+/** A vehicle that drives along +y, 10 m in front of the sensor, and of which the rear alone is
+ * seen, as a box with its longer side across. The tracker reports it from the tenth scan on and
+ * does not know its heading. */
+RunHistory rearOfCar(Trajectory& trajectory)
+{
+  RunHistory history;
+  for (int i = 0; i < 30; ++i)
+  {
+    Frame frame;
+    frame.index = static_cast<std::size_t>(i);
+    frame.scan.stamp = 0.1 * i;
+    TrackedObject object;
+    object.id = 2;
+    object.object_class = ObjectClass::car;
+    object.observed = true;
+    object.reported = object.dynamic = i >= 10;
+    object.box.size = {1.8, 0.4, 1.5};
+    object.box.center = {1, 10 + speed * frame.scan.stamp, 0.8};
+    object.box.yaw = i < 10 ? M_PI : 0;
+    history.addScan(frame);
+    history.addObjects(frame.index, {object}, TrackLife::whole);
+    trajectory.push_back(frame.scan.stamp, Pose::Identity());
+  }
+  return history;
+}
+
+TEST(TrackHindsight, VehiclesHeadWhereTheyDriveAndAreAsLongAsACar)
+{
+  Trajectory trajectory;
+  const RunHistory history = rearOfCar(trajectory);
+  const auto objects = smoothReported(history, trajectory, {}, true).objects;
+  ASSERT_EQ(objects.size(), 30U);
+  for (const SmoothedObject& object : objects)
+  {
+    EXPECT_NEAR(yawPitchRoll(object.T_map_object).x(), M_PI / 2, 0.01);
+    ASSERT_TRUE(object.size);
+    EXPECT_TRUE(object.size->isApprox(Eigen::Vector3d(4, 1.8, 1.5), 1e-9)) << *object.size;
+    // The rear stays in place: at y = 10 m - 0.2 m at the beginning.
+    EXPECT_NEAR(object.T_map_object.translation().y(), 11.8 + speed * object.stamp, 0.02);
+    EXPECT_TRUE(object.moving) << object.scan;
+  }
+}
+
+TEST(TrackHindsight, BoxesOfADetectorAreNotEnlarged)
+{
+  Trajectory trajectory;
+  const RunHistory history = rearOfCar(trajectory);
+  const auto objects = smoothReported(history, trajectory, {}, false).objects;
+  ASSERT_EQ(objects.size(), 30U);
+  EXPECT_NEAR(objects.back().size->x(), 1.8, 1e-9);
+  EXPECT_NEAR(std::abs(yawPitchRoll(objects.back().T_map_object).x()), 0, 1e-9);
+}
+
+TEST(TrackHindsight, FastPeopleAreCyclistsAndHaveTheirSize)
+{
+  Trajectory trajectory;
+  RunHistory history;
+  for (int i = 0; i < 20; ++i)
+  {
+    Frame frame;
+    frame.index = static_cast<std::size_t>(i);
+    frame.scan.stamp = 0.1 * i;
+    TrackedObject object;
+    object.id = 3;
+    object.object_class = ObjectClass::pedestrian;
+    object.observed = object.reported = object.dynamic = true;
+    object.box.size = {0.8, 0.4, 1.7};
+    object.box.center = {5 + speed * frame.scan.stamp, -3, 0.9};
+    history.addScan(frame);
+    history.addObjects(frame.index, {object}, TrackLife::whole);
+    trajectory.push_back(frame.scan.stamp, Pose::Identity());
+  }
+  const auto objects = smoothReported(history, trajectory, {}, true).objects;
+  ASSERT_EQ(objects.size(), 20U);
+  for (const SmoothedObject& object : objects)
+  {
+    EXPECT_EQ(object.object_class, ObjectClass::cyclist);
+    EXPECT_TRUE(object.size->isApprox(Eigen::Vector3d(1.6, 0.6, 1.7), 1e-9));
+    EXPECT_NEAR(object.T_map_object.translation().x(), 5 + speed * object.stamp, 0.01);
+  }
+}
+
+TEST(TrackHindsight, TracksThatAlternateAreMerged)
+{
+  // One vehicle; every third scan observes the second track instead of the first one.
+  Trajectory trajectory;
+  RunHistory history;
+  for (int i = 0; i < 30; ++i)
+  {
+    Frame frame;
+    frame.index = static_cast<std::size_t>(i);
+    frame.scan.stamp = 0.1 * i;
+    for (const int id : {4, 9})
+    {
+      TrackedObject object;
+      object.id = id;
+      object.object_class = ObjectClass::car;
+      object.observed = (i % 3 == 2) == (id == 9);
+      object.reported = object.dynamic = true;
+      object.box.size = {4.5, 1.8, 1.5};
+      object.box.center = {5 + speed * frame.scan.stamp + (object.observed ? 0 : 0.7), -3, 0.9};
+      frame.objects.push_back(object);
+    }
+    history.addScan(frame);
+    history.addObjects(frame.index, frame.objects, TrackLife::whole);
+    trajectory.push_back(frame.scan.stamp, Pose::Identity());
+  }
+  const TracksInHindsight tracks = smoothReported(history, trajectory, {}, true);
+  EXPECT_EQ(tracks.merged, (std::map<int, int>{{9, 4}}));
+  ASSERT_EQ(tracks.objects.size(), 30U);
+  for (const SmoothedObject& object : tracks.objects)
+  {
+    EXPECT_EQ(object.id, 4);
+    EXPECT_NEAR(object.T_map_object.translation().x(), 5 + speed * object.stamp, 0.01);
+  }
+  TrackSmoothingOptions apart;
+  apart.merge_overlap = 1;
+  EXPECT_GT(smoothReported(history, trajectory, apart, true).objects.size(), 50U);
+}
+
+TEST(TrackHindsight, NoneWithoutWindow)
+{
+  Trajectory trajectory;
+  const RunHistory history = vehicleThatComesIntoView(5, trajectory);
+  TrackSmoothingOptions options;
+  options.window = 0;
+  EXPECT_TRUE(smoothReported(history, trajectory, options, true).objects.empty());
+}
+}  // namespace
+}  // namespace dyslam
