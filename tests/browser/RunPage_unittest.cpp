@@ -293,6 +293,31 @@ TEST(RunPageInBrowser, SaysWhichScansOfALongRunAreShownAndWhichLoopsAreLeftOut)
   EXPECT_EQ(browser.errors(), "");
 }
 
+TEST(RunPageInBrowser, SaysThatSatellitePositionsCorrectTheDriftAndHowLargeTheMapIs)
+{
+  DYSLAM_REQUIRE_BROWSER();
+  RunPage page = smallRun();
+  page.loops.clear();
+  page.satellite_fixes = 42;
+  page.reference = Trajectory();
+  page.reference.push_back(page.trajectory[0].stamp, page.trajectory[0].pose);
+  const std::vector<Eigen::Vector3f> points{{0, 0, 0}, {10, 20, 5}};
+  page.map_points = &points;
+  page.map_size = 5000000;
+  Browser browser;
+  browser.open(written(page, "satellites.html"));
+  ASSERT_TRUE(browser.waitFor(all_drawn)) << browser.errors();
+  const std::string summary = textOf(browser, "summary");
+  EXPECT_NE(summary.find("42 satellite positions moved the trajectory by up to"),
+            std::string::npos);
+  EXPECT_EQ(summary.find("nothing corrects the drift"), std::string::npos);
+  EXPECT_EQ(summary.find("has no ground truth"), std::string::npos);
+  EXPECT_NE(summary.find("5,000,000"), std::string::npos);
+  EXPECT_NE(textOf(browser, "view").find("2 of 5,000,000 map points, evenly thinned"),
+            std::string::npos);
+  EXPECT_EQ(browser.errors(), "");
+}
+
 TEST(RunPageInBrowser, HasAWordForARunWithoutScans)
 {
   DYSLAM_REQUIRE_BROWSER();

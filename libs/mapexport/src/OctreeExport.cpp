@@ -7,6 +7,8 @@
 #include <algorithm>
 #include <cstdio>
 #include <filesystem>
+#include <utility>
+#include <vector>
 
 #include "RayCells.h"
 
@@ -61,12 +63,42 @@ void requireWithinKeys(const StaticMap& map,
   throw UserError(path + text);
 }
 
+/** Calls `use(lidar, point)` for the points of a keyframe, in the map frame. */
+template <typename Use>
+void forEachPoint(const StaticMap& map, std::size_t k, const KeyframeCloud& cloud, const Use& use)
+{
+  for (std::size_t i = 0; i < cloud.size(); ++i)
+  {
+    use(cloud.lidarOf(i), toOctomap(map.poses()[k] * cloud.points[i].cast<double>()));
+  }
+}
+
+/** Cells of the tree with a point of the map. */
+CellSet staticCells(const StaticMap& map, const octomap::OcTree& tree)
+{
+  CellSet cells;
+  map.forEachStaticCloud(
+      [&](std::size_t k, const KeyframeCloud& cloud)
+      {
+        forEachPoint(map, k, cloud,
+                     [&](std::size_t, const octomap::point3d& point)
+                     { cells.insert(tree.coordToKey(point)); });
+      });
+  return cells;
+}
+
 /** octomap's insertPointCloud() with one ray per cell, with a faster set of cells. The rays of
- * several lidars are one scan: a cell that one of them hits is occupied. */
+ * several lidars are one scan: a cell that one of them hits is occupied. Cells with a point of the
+ * map are not cleared: rays that graze a surface or pass beside a post would outvote the hits,
+ * which the map stores up to `points_per_voxel` times only. */
 class ScanInserter
 {
  public:
-  ScanInserter(octomap::OcTree& tree, double range) : tree_(tree), range_(range) {}
+  /** \param is_static cells that no ray clears */
+  ScanInserter(octomap::OcTree& tree, double range, CellSet is_static)
+      : tree_(tree), range_(range), static_(std::move(is_static))
+  {
+  }
 
   /** Adds the rays of one lidar to the scan. */
   void addRays(const std::vector<octomap::point3d>& points, const octomap::point3d& sensor)
@@ -85,11 +117,14 @@ class ScanInserter
   /** Inserts the scan and begins the next one. */
   void insert()
   {
-    for (const octomap::OcTreeKey& key : occupied_)
-    {
-      free_.erase(key);
-    }
-    free_.forEach([&](const octomap::OcTreeKey& key) { tree_.updateNode(key, false, lazy); });
+    free_.forEach(
+        [&](const octomap::OcTreeKey& key)
+        {
+          if (!static_.contains(key))
+          {
+            tree_.updateNode(key, false, lazy);
+          }
+        });
     for (const octomap::OcTreeKey& key : occupied_)
     {
       tree_.updateNode(key, true, lazy);
@@ -128,6 +163,7 @@ class ScanInserter
 
   octomap::OcTree& tree_;
   double range_;
+  CellSet static_;
   CellSet free_;
   CellSet ends_;  //!< of the lidar's rays
   CellSet hit_;
@@ -161,18 +197,18 @@ void writeOctomap(const StaticMap& map,
   }
   requireWithinKeys(map, path, options);
   octomap::OcTree tree(options.octree_resolution);
-  ScanInserter inserter(tree, options.octree_range);
+  ScanInserter inserter(tree, options.octree_range, staticCells(map, tree));
   map.forEachStaticCloud(
       [&](std::size_t k, const KeyframeCloud& cloud)
       {
         const Pose& T = map.poses()[k];
         std::vector<std::vector<octomap::point3d>> points(1);  // by lidar
-        for (std::size_t i = 0; i < cloud.size(); ++i)
-        {
-          const std::size_t lidar = cloud.lidarOf(i);
-          points.resize(std::max(points.size(), lidar + 1));
-          points[lidar].push_back(toOctomap(T * cloud.points[i].cast<double>()));
-        }
+        forEachPoint(map, k, cloud,
+                     [&](std::size_t lidar, const octomap::point3d& point)
+                     {
+                       points.resize(std::max(points.size(), lidar + 1));
+                       points[lidar].push_back(point);
+                     });
         for (std::size_t lidar = 0; lidar < points.size(); ++lidar)
         {
           const Eigen::Vector3f& sensor = map.keyframes()[k].sensorOf(lidar);

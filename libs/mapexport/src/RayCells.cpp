@@ -11,11 +11,16 @@ void CellSet::clear()
   last_ = VoxelHash::none;
 }
 
-std::uint32_t CellSet::blockOf(const octomap::OcTreeKey& key)
+octomap::OcTreeKey CellSet::cornerOf(const octomap::OcTreeKey& key)
 {
   const auto corner = [&](unsigned axis)
   { return static_cast<octomap::key_type>(key[axis] / side * side); };
-  const octomap::OcTreeKey at(corner(0), corner(1), corner(2));
+  return {corner(0), corner(1), corner(2)};
+}
+
+std::uint32_t CellSet::blockOf(const octomap::OcTreeKey& key)
+{
+  const octomap::OcTreeKey at = cornerOf(key);
   if (last_ != VoxelHash::none && corners_[last_] == at)
   {
     return last_;
@@ -40,9 +45,11 @@ bool CellSet::insert(const octomap::OcTreeKey& key)
   return is_new;
 }
 
-void CellSet::erase(const octomap::OcTreeKey& key)
+bool CellSet::contains(const octomap::OcTreeKey& key) const
 {
+  const octomap::OcTreeKey at = cornerOf(key);
+  const std::uint32_t block = index_.find(voxelKey({at[0], at[1], at[2]}));
   const std::uint32_t bit = bitOf(key);
-  blocks_[blockOf(key)][bit / 64] &= ~(std::uint64_t{1} << (bit % 64));
+  return block != VoxelHash::none && (blocks_[block][bit / 64] >> (bit % 64) & 1U) != 0;
 }
 }  // namespace dyslam

@@ -19,7 +19,7 @@ class CellSet
   void clear();
   /** \return true if the cell is new */
   bool insert(const octomap::OcTreeKey& key);
-  void erase(const octomap::OcTreeKey& key);
+  [[nodiscard]] bool contains(const octomap::OcTreeKey& key) const;
   /** Calls `visit(key)` for every cell, block by block in the order in which blocks were met. */
   template <typename Visitor>
   void forEach(const Visitor& visit) const
@@ -43,6 +43,7 @@ class CellSet
   static constexpr std::uint32_t side = 8;
   using Block = std::array<std::uint64_t, side * side * side / 64>;
 
+  static octomap::OcTreeKey cornerOf(const octomap::OcTreeKey& key);
   std::uint32_t blockOf(const octomap::OcTreeKey& key);
   static std::uint32_t bitOf(const octomap::OcTreeKey& key)
   {

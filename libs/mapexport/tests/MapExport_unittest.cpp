@@ -253,30 +253,48 @@ TEST_F(MapExport, KeyframesAreCountedWhenTheyAreDone)
   }
 }
 
-TEST_F(MapExport, OctomapIsWhatItsOwnInsertionMakes)
+TEST_F(MapExport, OctomapIsWhatItsOwnInsertionMakesButRaysDoNotClearThePointsOfTheMap)
 {
   const test::TestMap held = test::room();
   MapExportOptions options;
   options.octree_range = 6.0;  // some rays are cut off
   writeOctomap(held.map, path("m.ot"), options);
   octomap::OcTree tree(options.octree_resolution);
+  std::vector<octomap::Pointcloud> scans;
+  octomap::KeySet is_static;
+  const auto toOctomap = [&](std::size_t k, const Eigen::Vector3f& p)
+  {
+    const Eigen::Vector3f q = (held.map.poses()[k] * p.cast<double>()).cast<float>();
+    return octomap::point3d(q.x(), q.y(), q.z());
+  };
   held.map.forEachStaticCloud(
       [&](std::size_t k, const KeyframeCloud& cloud)
       {
-        const Pose& T = held.map.poses()[k];
-        const auto toOctomap = [&](const Eigen::Vector3f& p)
-        {
-          const Eigen::Vector3f q = (T * p.cast<double>()).cast<float>();
-          return octomap::point3d(q.x(), q.y(), q.z());
-        };
-        octomap::Pointcloud points;
+        octomap::Pointcloud& points = scans.emplace_back();
         for (const auto& p : cloud.points)
         {
-          points.push_back(toOctomap(p));
+          points.push_back(toOctomap(k, p));
+          is_static.insert(tree.coordToKey(toOctomap(k, p)));
         }
-        tree.insertPointCloud(points, toOctomap(held.map.keyframes()[k].sensor),
-                              options.octree_range, true, true);
       });
+  for (std::size_t k = 0; k < scans.size(); ++k)
+  {
+    octomap::KeySet free;
+    octomap::KeySet occupied;
+    tree.computeDiscreteUpdate(scans[k], toOctomap(k, held.map.keyframes()[k].sensor), free,
+                               occupied, options.octree_range);
+    for (const octomap::OcTreeKey& key : free)
+    {
+      if (is_static.count(key) == 0)
+      {
+        tree.updateNode(key, false, true);
+      }
+    }
+    for (const octomap::OcTreeKey& key : occupied)
+    {
+      tree.updateNode(key, true, true);
+    }
+  }
   tree.updateInnerOccupancy();
   std::ostringstream expected;
   ASSERT_TRUE(tree.write(expected));
@@ -383,6 +401,39 @@ TEST_F(MapExport, OctomapKnowsOccupiedAndFree)
   EXPECT_FALSE(tree.isNodeOccupied(air));
   EXPECT_EQ(tree.search(12.0, 0, 1.0), nullptr);
   EXPECT_THROW(writeOctomap(map, path("m.oct"), {}), UserError);
+}
+
+/** From later places there are only rays past the post: its voxel has all points that it keeps. */
+TEST_F(MapExport, OctomapKeepsAThinPostThatManyRaysPass)
+{
+  StaticMapOptions options;
+  options.visibility = false;
+  test::TestMap held(options);
+  const Eigen::Vector3d post(5.1, 0.1, 1.1);
+  for (std::size_t k = 0; k < 20; ++k)
+  {
+    Frame frame;
+    frame.index = k;
+    frame.T_odom_vehicle = poseFromYpr(0, -0.4 * static_cast<double>(k), 1.1, 0, 0, 0);
+    const Eigen::Vector3d sensor = frame.T_odom_vehicle.translation();
+    const Eigen::Vector3d wall = sensor + 9.1 / 5.1 * (post - sensor);
+    for (const Eigen::Vector3d& p : {post, wall})
+    {
+      frame.cloud.points.push_back((frame.T_odom_vehicle.inverse() * p).cast<float>());
+      frame.cloud.intensity.push_back(0.25F);
+      frame.cloud.source.push_back(0);
+    }
+    held.insert(frame);
+  }
+  writeOctomap(held.map, path("m.bt"), {});
+  octomap::OcTree tree(0.2);
+  ASSERT_TRUE(tree.readBinary(path("m.bt")));
+  const auto* cell = tree.search(post.x(), post.y(), post.z());
+  ASSERT_NE(cell, nullptr);
+  EXPECT_TRUE(tree.isNodeOccupied(cell));
+  const auto* air = tree.search(2.5, -0.1, 1.1);
+  ASSERT_NE(air, nullptr);
+  EXPECT_FALSE(tree.isNodeOccupied(air));
 }
 
 TEST_F(MapExport, OctomapHasTheRaysOfEachLidar)

@@ -205,6 +205,7 @@ Json totalsJson(const RunPage& page)
           {"keyframes", count(&PageScan::keyframe)},
           {"loops", page.loops.size()},
           {"loops_left_out", page.loops_left_out},
+          {"satellite_fixes", page.satellite_fixes},
           {"correction", rounded(largestCorrection(page), millimetre)},
           {"seconds", rounded(seconds, millimetre)}};
 }
@@ -320,8 +321,9 @@ void addTrajectories(const RunPage& page, std::size_t step, std::size_t max_scan
 /** Extent of the points, and the range of heights of the colours. */
 Json mapJson(const RunPage& page, const PackedPoints& points)
 {
+  const std::size_t given = page.map_points == nullptr ? 0 : page.map_points->size();
   Json json{{"count", points.count},
-            {"of", page.map_points == nullptr ? 0 : page.map_points->size()},
+            {"of", std::max(given, page.map_size)},
             {"voxel", rounded(points.voxel_size, millimetre)},
             {"low", vectorJson(points.low, 1e-6)},
             {"step", vectorJson(points.step, 1e-9)}};

@@ -185,6 +185,27 @@ TEST(RunPage, ShowsObjectsLoopsAndMap)
   EXPECT_EQ(json["objects"][0]["speed"], nlohmann::json({5.0}));
 }
 
+/** The caller gives a part of the points of a map of millions. */
+TEST(RunPage, CountsThePointsOfTheWholeMap)
+{
+  RunPage page = smallRun();
+  const std::vector<Eigen::Vector3f> points{{0, 0, 0}, {10, 20, 5}};
+  page.map_points = &points;
+  EXPECT_EQ(dataOf(renderRunPage(page, page_template))["map"]["of"], 2);
+  page.map_size = 5000000;
+  const auto json = dataOf(renderRunPage(page, page_template));
+  EXPECT_EQ(json["map"]["of"], 5000000);
+  EXPECT_EQ(json["map"]["count"], 2);
+}
+
+TEST(RunPage, NamesTheSatellitePositionsInUse)
+{
+  RunPage page = smallRun();
+  EXPECT_EQ(dataOf(renderRunPage(page, page_template))["totals"]["satellite_fixes"], 0);
+  page.satellite_fixes = 42;
+  EXPECT_EQ(dataOf(renderRunPage(page, page_template))["totals"]["satellite_fixes"], 42);
+}
+
 TEST(RunPage, TextsCannotBecomeMarkup)
 {
   RunPage page = smallRun();

@@ -13,15 +13,17 @@ function kindsInWords(objects) {
   return [...numbers].map(([kind, n]) => count(n, kind.one, kind.many)).join(', ');
 }
 
-/** What loops were found and did. */
-function loopsInWords({loops, loops_left_out: rejected, correction}) {
+/** What loops were found, and what they and satellite positions did. */
+function loopsInWords({loops, loops_left_out: rejected, satellite_fixes: fixes, correction}) {
+  const moved = `moved the trajectory by up to ${fixed(correction, 2)} m.`;
   if (loops === 0) {
     const none = rejected === 0 ? 'No place was recognised a second time (no loops)' :
         `${count(rejected, 'loop')} left out, as they contradict the odometry or each other`;
-    return `${none}, so nothing corrects the drift of the odometry.`;
+    return fixes === 0 ? `${none}, so nothing corrects the drift of the odometry.` :
+        `${none}. ${count(fixes, 'satellite position')} ${moved}`;
   }
-  const found = `${count(loops, 'loop')}: places recognised a second time. They moved the trajectory by up to ` +
-      `${fixed(correction, 2)} m.`;
+  const found = `${count(loops, 'loop')}: places recognised a second time. ` +
+      (fixes === 0 ? `They ${moved}` : `They and ${count(fixes, 'satellite position')} ${moved}`);
   return rejected === 0 ? found :
       `${found} ${rejected.toLocaleString('en')} left out, as they contradict the others.`;
 }
@@ -54,7 +56,9 @@ function sentences(data) {
         'trajectory is off by ' +
         `${fixed(final.ate.translation_m.rmse, 3)} m (RMSE, after alignment).`);
   } else {
-    result.push('The recording has no ground truth, so the errors are not known.');
+    result.push(data.reference ?
+        'The ground truth of the recording has fewer than two poses at scans, so the errors are not known.' :
+        'The recording has no ground truth, so the errors are not known.');
   }
   if (n > 1 && seconds > 0) {
     const period = 1000 * seconds / (n - 1);

@@ -263,8 +263,8 @@ function mapInWords({map}) {
     return 'The run has no map: sensor, path and moving objects are shown without it. ';
   }
   const part = map.count < map.of ?
-      `${map.count.toLocaleString('en')} of ${count(map.of, 'map point')}, one per cube of ${fixed(map.voxel, 2)} m ` +
-      '(report.max_points), ' :
+      `${map.count.toLocaleString('en')} of ${count(map.of, 'map point')}, ` +
+      (map.voxel > 0 ? `one per cube of ${fixed(map.voxel, 2)} m (report.max_points), ` : 'evenly thinned, ') :
       `${count(map.count, 'map point')}, `;
   return part + 'those of the whole run. ';
 }

@@ -10,6 +10,7 @@
 
 #include <algorithm>
 #include <map>
+#include <optional>
 #include <string_view>
 #include <utility>
 
@@ -82,11 +83,14 @@ class PageOutput : public RunOutput
     page.reference = results.reference;
     page.loops = loopsOf(*results.backend);
     page.loops_left_out = results.report.loops_left_out;
+    const std::optional<Georeference>& georeference = results.report.georeference;
+    page.satellite_fixes = georeference && georeference->fused ? georeference->fixes : 0;
     page.objects = objectsOf(results);
     if (results.map != nullptr)
     {
       page.map_points = &results.map_points.points;
       page.map_intensity = &results.map_points.intensity;
+      page.map_size = results.report.map_points;
     }
     return page;
   }

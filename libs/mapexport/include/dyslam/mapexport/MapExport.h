@@ -49,9 +49,9 @@ void writeSimplemap(const StaticMap& map,
                     const Eigen::Vector3d& origin = Eigen::Vector3d::Zero(),
                     const MapProgress& on_keyframe = {});
 
-/** octomap's `.bt` (binary) or `.ot` (full): keyframes' static points and the rays to them. Stays
- * relative to the origin. \throws UserError for another ending, and for a map beyond the reach of
- * octomap's keys. */
+/** octomap's `.bt` (binary) or `.ot` (full): keyframes' static points and the rays to them, which
+ * clear cells without a static point only. Stays relative to the origin. \throws UserError for
+ * another ending, and for a map beyond the reach of octomap's keys. */
 void writeOctomap(const StaticMap& map,
                   const std::string& path,
                   const MapExportOptions& options,

@@ -68,11 +68,13 @@ struct RunPage
   std::string reference_origin;     //!< source of the ground truth, and whether it is exact
   std::vector<PageLoop> loops;      //!< loops in use
   std::size_t loops_left_out = 0;   //!< number of loops that contradict the others
+  std::size_t satellite_fixes = 0;  //!< number of satellite positions that the graph was fused with
   std::vector<PageObject> objects;  //!< objects that moved
 
   const std::vector<Eigen::Vector3f>* map_points = nullptr;  //!< map frame [m]; null: no map
   const std::vector<float>* map_intensity = nullptr;         //!< in [0, 1], one per point, or null
-  std::vector<std::uint8_t> picture;                         //!< PNG of the map from above, or none
+  std::size_t map_size = 0;  //!< number of points of the map, if map_points are a part of them
+  std::vector<std::uint8_t> picture;  //!< PNG of the map from above, or none
 };
 
 /** Ini section `[report]`. */
