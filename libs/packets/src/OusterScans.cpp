@@ -97,6 +97,7 @@ struct OusterScans::Impl
   Scan scan;                           //!< scan of the current frame
   std::optional<std::uint32_t> frame;  //!< number of the current frame
   std::vector<bool> received;          //!< whether each column of the frame was received
+  bool begun = false;                  //!< a column of the frame was received, with returns or not
   std::size_t first_column = 0;
   std::size_t last_column = 0;
   std::size_t returns = 0;    //!< number of points of all frames
@@ -186,6 +187,7 @@ struct OusterScans::Impl
                  static_cast<double>(last_column + 1) / turn);
     }
     scan = Scan();
+    begun = false;
     frame.reset();
   }
 
@@ -223,8 +225,9 @@ struct OusterScans::Impl
     { return seconds_per_nanosecond * static_cast<double>(static_cast<std::int64_t>(to - from)); };
     const double stamp = clock.advance(elapsed(last_time.value_or(0), column.time), captured);
     last_time = column.time;
-    if (scan.points.empty())
+    if (!begun)
     {
+      begun = true;
       scan.stamp = stamp;
       first_column = column.number;
       last_column = column.number;

@@ -26,6 +26,8 @@ struct SyntheticOuster
   std::uint64_t sensor = serial;
   std::size_t first_column = 0;  //!< of the window that has returns
   std::size_t last_column = columns - 1;
+  /** Columns of the first frame that see the sky: without returns. */
+  std::size_t sky_columns = 0;
 
   [[nodiscard]] bool isLegacy() const { return profile == "LEGACY"; }
   [[nodiscard]] bool isFusa() const { return profile.rfind("FUSA", 0) == 0; }
@@ -77,10 +79,10 @@ struct SyntheticOuster
   }
 
   /** Data of one pixel. */
-  [[nodiscard]] std::string pixel(std::size_t beam, std::size_t column) const
+  [[nodiscard]] std::string pixel(std::size_t beam, std::size_t column, bool sky) const
   {
-    const std::uint32_t near = range(beam, column);
-    const std::uint32_t far = secondRange(beam, column);
+    const std::uint32_t near = sky ? 0 : range(beam, column);
+    const std::uint32_t far = sky ? 0 : secondRange(beam, column);
     const std::uint8_t bright = reflectivity(beam, column);
     std::string bytes;
     if (profile == "LEGACY" || profile == "RNG19_RFL8_SIG16_NIR16")
@@ -150,7 +152,7 @@ struct SyntheticOuster
       }
       for (std::size_t beam = 0; beam < beams; ++beam)
       {
-        bytes += pixel(beam, column);
+        bytes += pixel(beam, column, frame == 0 && column < sky_columns);
       }
       if (isLegacy())
       {
