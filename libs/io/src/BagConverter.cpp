@@ -99,7 +99,7 @@ void mountLidar(const std::string& input,
                 const ScanConverterOptions& options,
                 ScanSink& sink)
 {
-  const std::string& base = options.base_frame;
+  const std::string base = plainFrame(options.base_frame);
   if (base.empty())
   {
     const std::string known = baseFrameOf(frames.transforms, frames.lidar);
@@ -185,6 +185,7 @@ Trajectory readTruth(const std::string& input,
                      ScanSink& sink)
 {
   const std::size_t topic = topicNamed(input, bag, "--truth-topic", options.truth_topic, isRosPose);
+  const std::string frame = plainFrame(options.truth_frame);
   bag.select({topic});
   std::map<std::string, std::map<double, Pose>> bodies;  // by child frame, in order of time
   BagMessage message;
@@ -193,7 +194,7 @@ Trajectory readTruth(const std::string& input,
   {
     for (const RosPose& pose : decodeRosPoses(bag.topics()[topic], message, &left_out))
     {
-      if (options.truth_frame.empty() || pose.child == options.truth_frame)
+      if (frame.empty() || pose.child == frame)
       {
         bodies[pose.child].emplace(pose.stamp != 0 ? pose.stamp : message.recorded, pose.pose);
       }
