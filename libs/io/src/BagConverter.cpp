@@ -259,7 +259,7 @@ class BagReader
         reader_(makeBagScans(input, bag, scans, options)),
         truth_(truth),
         sink_(sink),
-        motion_(input, bag, frames, options, sink),
+        motion_(input, bag, *reader_, frames, options, sink),
         held_(sink, motion_)
   {
     std::vector<std::size_t> topics = motion_.topicsWith(scans);
@@ -438,7 +438,9 @@ void convertBag(const std::string& input, ScanSink& sink, const ScanConverterOpt
   const std::unique_ptr<Bag> bag = openBag(input);
   const std::size_t at = scanTopic(input, *bag, options.topic, sink);
   const BagTopic topic = bag->topics()[at];
-  const BagFrames frames{frameOfTopic(*bag, at), staticTransforms(*bag)};
+  const bool is_ouster = packetMakerOf(topic) == PacketMaker::ouster;
+  const BagFrames frames{frameOfTopic(*bag, at), staticTransforms(*bag),
+                         is_ouster ? ousterImuTopics(*bag) : std::vector<std::size_t>()};
   mountLidar(input, frames, options, sink);
   const Trajectory truth =
       options.truth_topic.empty() ? Trajectory() : readTruth(input, *bag, options, sink);

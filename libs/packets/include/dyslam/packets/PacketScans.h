@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <dyslam/core/MotionSamples.h>
 #include <dyslam/core/Scan.h>
 #include <dyslam/packets/LidarPacket.h>
 
@@ -36,6 +37,15 @@ class PacketScans
   virtual void finish() = 0;
   /** The next complete scan; nothing until more packets are added. */
   [[nodiscard]] virtual std::optional<Scan> take() = 0;
+  /** Whether the packets of the IMU in this kind of lidar are decoded. */
+  [[nodiscard]] virtual bool readsImu() const { return false; }
+  /** Whether a datagram is a packet of the IMU in this lidar. */
+  [[nodiscard]] virtual bool takesImu(const LidarPacket& /*packet*/) const { return false; }
+  /** \pre takesImu(packet), and the packet was received after those of the lidar added before. */
+  virtual void addImu(const LidarPacket& /*packet*/) {}
+  /** Samples of the IMU since the last call, in the order of their packets, with stamps by the
+   * clock of the scans. T_vehicle_imu is their pose in the frame of the points. */
+  [[nodiscard]] virtual std::vector<ImuSample> takeImu() { return {}; }
   /** Name of the lidar, such as "VLP16" or "OS-1-128". */
   [[nodiscard]] virtual std::string sensor() const = 0;
   /** Notes and warnings about the packets, one line each. */
