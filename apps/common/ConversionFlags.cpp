@@ -45,6 +45,12 @@ void declareLidar(CLI::App& app, RecordingOptions& options)
       "Ouster's metadata (.json; default: those beside the .pcap or in the bag)");
 }
 
+void declareImu(CLI::App& app, RecordingOptions& options)
+{
+  app.add_flag("--imu", options.imu,
+               "also the IMU in the Ouster of a .pcap, whose samples are written beside the scans");
+}
+
 void declareSensorPose(CLI::App& app, std::string& pose)
 {
   app.add_option("--sensor-pose", pose,
@@ -69,6 +75,7 @@ void declareConversion(CLI::App& app, RecordingOptions& options)
                  "prints the topics)");
   declareFurtherTopics(app, options);
   app.add_option("--imu-topic", options.imu_topic, "a bag's sensor_msgs/Imu");
+  declareImu(app, options);
   app.add_option("--odometry-topic", options.odometry_topic, "a bag's speed by the wheels");
   app.add_option("--gnss-topic", options.gnss_topic, "a bag's sensor_msgs/NavSatFix");
   declareLidar(app, options);

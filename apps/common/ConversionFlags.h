@@ -22,6 +22,9 @@ void declareFurtherTopics(CLI::App& app, RecordingOptions& options);
 /** Flags of the lidar of a recording: --sensor and --calibration. */
 void declareLidar(CLI::App& app, RecordingOptions& options);
 
+/** Flag of the IMU in the lidar of a capture: --imu. */
+void declareImu(CLI::App& app, RecordingOptions& options);
+
 /** Flag of the pose of the lidar on the vehicle: --sensor-pose. */
 void declareSensorPose(CLI::App& app, std::string& pose);
 

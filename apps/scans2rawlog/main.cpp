@@ -54,6 +54,7 @@ void declare(CLI::App& app, Arguments& arguments)
                  "child frame of --truth-topic, where that has several");
   app.add_option("--imu-topic", o.imu_topic,
                  "a bag's sensor_msgs/Imu, whose samples are written beside the scans");
+  declareImu(app, o);
   app.add_option("--imu-pose", o.imu_pose,
                  "pose of the IMU on the vehicle: 'x y z yaw pitch roll' [m, deg] (default: by "
                  "/tf_static and --sensor-pose, else no rotation)");

@@ -3,6 +3,7 @@
 #include <dyslam/formats/Bag.h>
 #include <dyslam/formats/RecordingKind.h>
 #include <dyslam/formats/RosMessages.h>
+#include <dyslam/formats/RosPackets.h>
 #include <dyslam/formats/ScanFiles.h>
 
 #include <algorithm>
@@ -132,13 +133,15 @@ std::string row(const std::vector<std::string>& cells, const std::vector<std::si
   return line + "\n";
 }
 
-/** The option of scans2rawlog that adds the topic's samples to the scans; empty if none does. */
+/** The option of scans2rawlog that adds the topic's samples to the scans; empty if none does. \pre
+ * it is no topic of scans: packets of an Ouster are then of its IMU */
 std::string motionOption(const BagTopic& topic)
 {
-  return isRosImu(topic)     ? "--imu-topic"
-         : isRosTwist(topic) ? "--odometry-topic"
-         : isRosFix(topic)   ? "--gnss-topic"
-                             : "";
+  const bool of_imu = packetMakerOf(topic) == PacketMaker::ouster && topic.messages > 0;
+  return isRosImu(topic) || of_imu ? "--imu-topic"
+         : isRosTwist(topic)       ? "--odometry-topic"
+         : isRosFix(topic)         ? "--gnss-topic"
+                                   : "";
 }
 
 /** Points and frame of a topic of scans, the frame with a mark at that taken without --topic, or

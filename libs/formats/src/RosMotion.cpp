@@ -112,7 +112,7 @@ std::optional<RosTwist> decodeRosTwist(const BagTopic& topic, const BagMessage& 
   twist.frame = header.frame;
   if (topic.type == odometry_type)
   {
-    twist.frame = rosString(reader);
+    twist.frame = plainFrame(rosString(reader));
     skipDoubles(reader, 7 + 36);  // pose
     const std::vector<RosPose> poses = decodeRosPoses(topic, message);
     twist.T_parent_body = poses.empty() ? std::nullopt : std::optional(poses.front().pose);

@@ -61,7 +61,7 @@ std::optional<RosPose> readOne(ByteReader& reader, RosEncoding encoding, bool wi
   RosPose pose;
   pose.stamp = header.stamp;
   pose.parent = header.frame;
-  pose.child = with_child ? rosString(reader) : "";
+  pose.child = with_child ? plainFrame(rosString(reader)) : "";
   const std::optional<Pose> read = readPose(reader);
   if (!read)
   {
@@ -71,6 +71,11 @@ std::optional<RosPose> readOne(ByteReader& reader, RosEncoding encoding, bool wi
   return pose;
 }
 }  // namespace
+
+std::string plainFrame(std::string name)
+{
+  return name.erase(0, std::min(name.find_first_not_of('/'), name.size()));
+}
 
 bool isRosPose(const BagTopic& topic)
 {

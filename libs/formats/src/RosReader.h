@@ -2,6 +2,7 @@
 #pragma once
 
 #include <dyslam/formats/Bag.h>
+#include <dyslam/formats/RosMessages.h>
 
 #include "ByteReader.h"
 
@@ -53,7 +54,7 @@ inline RosHeader rosHeader(ByteReader& reader, RosEncoding encoding)
   }
   RosHeader header;
   header.stamp = reader.rosTime();
-  header.frame = rosString(reader);
+  header.frame = plainFrame(rosString(reader));
   return header;
 }
 }  // namespace dyslam

@@ -189,6 +189,28 @@ RosScanTopic RosScanDecoder::summaryOf(const BagTopic& topic, const BagMessage& 
   return summary;
 }
 
+std::vector<std::size_t> ousterImuTopics(Bag& bag)
+{
+  std::vector<std::size_t> topics;
+  for (std::size_t i = 0; i < bag.topics().size(); ++i)
+  {
+    if (packetMakerOf(bag.topics()[i]) == PacketMaker::ouster)
+    {
+      topics.push_back(i);
+    }
+  }
+  std::vector<std::size_t> of_imu;
+  forFirstMessages(bag, topics,
+                   [&](const BagMessage& message)
+                   {
+                     if (!areOfLidar(bag.topics()[message.topic], message))
+                     {
+                       of_imu.push_back(message.topic);
+                     }
+                   });
+  return of_imu;
+}
+
 std::vector<RosScanTopic> scanTopics(Bag& bag)
 {
   std::vector<std::size_t> topics;

@@ -7,7 +7,8 @@ namespace
 {
 bool isLivoxMessage(const std::string& type)
 {
-  return type == "livox_ros_driver/CustomMsg" || type == "livox_ros_driver2/CustomMsg";
+  return type == "livox_ros_driver/CustomMsg" || type == "livox_ros_driver2/CustomMsg" ||
+         type == "livox_interfaces/CustomMsg";
 }
 }  // namespace
 

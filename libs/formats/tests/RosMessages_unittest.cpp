@@ -262,7 +262,8 @@ TEST(RosScans, LivoxMessage)
   const Scan scan = sweepOf(50);
   for (const bool cdr : {false, true})
   {
-    for (const std::string type : {"livox_ros_driver/CustomMsg", "livox_ros_driver2/CustomMsg"})
+    for (const std::string type : {"livox_ros_driver/CustomMsg", "livox_ros_driver2/CustomMsg",
+                                   "livox_interfaces/CustomMsg"})
     {
       RosScanDecoder decoder;
       const std::string data = test::livoxMessage(cdr, scan);

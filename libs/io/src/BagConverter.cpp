@@ -104,7 +104,7 @@ void mountLidar(const std::string& input,
                 const ScanConverterOptions& options,
                 ScanSink& sink)
 {
-  const std::string& base = options.base_frame;
+  const std::string base = plainFrame(options.base_frame);
   if (base.empty())
   {
     const std::string known = baseFrameOf(frames.transforms, frames.lidar);
@@ -190,6 +190,7 @@ Trajectory readTruth(const std::string& input,
                      ScanSink& sink)
 {
   const std::size_t topic = topicNamed(input, bag, "--truth-topic", options.truth_topic, isRosPose);
+  const std::string frame = plainFrame(options.truth_frame);
   bag.select({topic});
   std::map<std::string, std::map<double, Pose>> bodies;  // by child frame, in order of time
   BagMessage message;
@@ -198,7 +199,7 @@ Trajectory readTruth(const std::string& input,
   {
     for (const RosPose& pose : decodeRosPoses(bag.topics()[topic], message, &left_out))
     {
-      if (options.truth_frame.empty() || pose.child == options.truth_frame)
+      if (frame.empty() || pose.child == frame)
       {
         bodies[pose.child].emplace(pose.stamp != 0 ? pose.stamp : message.recorded, pose.pose);
       }
@@ -263,7 +264,7 @@ class BagReader
         reader_(makeBagScans(input, bag, scans, options)),
         truth_(truth),
         sink_(sink),
-        motion_(input, bag, frames, options, sink),
+        motion_(input, bag, *reader_, frames, options, sink),
         held_(sink, motion_)
   {
     std::vector<std::size_t> topics = motion_.topicsWith(scans);
@@ -459,7 +460,9 @@ void convertBag(const std::string& input, ScanSink& sink, const ScanConverterOpt
   noteParts(input, sink);
   const std::size_t at = scanTopic(input, *bag, options.topic, sink);
   const BagTopic topic = bag->topics()[at];
-  const BagFrames frames{frameOfTopic(*bag, at), staticTransforms(*bag)};
+  const bool is_ouster = packetMakerOf(topic) == PacketMaker::ouster;
+  const BagFrames frames{frameOfTopic(*bag, at), staticTransforms(*bag),
+                         is_ouster ? ousterImuTopics(*bag) : std::vector<std::size_t>()};
   mountLidar(input, frames, options, sink);
   const Trajectory truth =
       options.truth_topic.empty() ? Trajectory() : readTruth(input, *bag, options, sink);

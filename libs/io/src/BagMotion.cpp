@@ -1,7 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "BagMotion.h"
 
+#include <dyslam/core/Error.h>
 #include <dyslam/core/Printable.h>
+#include <dyslam/formats/RosPackets.h>
+
+#include <algorithm>
 
 #include "BagTopics.h"
 
@@ -9,14 +13,17 @@ namespace dyslam
 {
 BagMotion::BagMotion(const std::string& input,
                      const Bag& bag,
+                     BagScans& lidar,
                      const BagFrames& frames,
                      const ScanConverterOptions& options,
                      ScanSink& sink)
-    : bag_(bag), frames_(frames), options_(options), sink_(sink)
+    : bag_(bag), lidar_(lidar), frames_(frames), options_(options), sink_(sink)
 {
   if (!options.imu_topic.empty())
   {
-    imu_ = topicNamed(input, bag, "--imu-topic", options.imu_topic, isRosImu);
+    requireLidarPackets(input);
+    imu_ = topicNamed(input, bag, "--imu-topic", options.imu_topic,
+                      [this](const BagTopic& topic) { return isImu(topic); });
   }
   if (!options.odometry_topic.empty())
   {
@@ -31,6 +38,28 @@ BagMotion::BagMotion(const std::string& input,
     T_vehicle_imu_ = poseFromOption("--imu-pose", options.imu_pose);
     imu_mounting_ = "mounted as --imu-pose states";
   }
+}
+
+void BagMotion::requireLidarPackets(const std::string& input) const
+{
+  const auto& topics = bag_.topics();
+  const bool are_packets = std::any_of(
+      topics.begin(), topics.end(),
+      [this](const BagTopic& topic)
+      { return topic.name == options_.imu_topic && packetMakerOf(topic) == PacketMaker::ouster; });
+  if (are_packets && frames_.imu_packets.empty())
+  {
+    throw UserError(
+        input + ": --imu-topic " + options_.imu_topic +
+        ": packets of an IMU are read with those of its lidar; give their --topic, too");
+  }
+}
+
+bool BagMotion::isImu(const BagTopic& topic) const
+{
+  return isRosImu(topic) ||
+         std::any_of(frames_.imu_packets.begin(), frames_.imu_packets.end(),
+                     [&](std::size_t packets) { return &bag_.topics()[packets] == &topic; });
 }
 
 std::vector<std::size_t> BagMotion::topicsWith(std::size_t scans) const
@@ -98,8 +127,28 @@ void BagMotion::mountBody(const std::string& frame)
   T_vehicle_body_ = mounting.value_or(Pose::Identity());
 }
 
+void BagMotion::addImuPackets(const BagMessage& message)
+{
+  const std::vector<ImuSample> samples = lidar_.addImu(bag_.topics()[message.topic], message);
+  for (ImuSample sample : samples)
+  {
+    if (!T_vehicle_imu_)
+    {
+      T_vehicle_imu_ = sink_.T_vehicle_lidar() * sample.T_vehicle_imu;
+      imu_mounting_ = "mounted as the metadata of the lidar state";
+    }
+    sample.T_vehicle_imu = *T_vehicle_imu_;
+    sink_.add(sample);
+  }
+}
+
 void BagMotion::addImu(const BagMessage& message)
 {
+  if (!isRosImu(bag_.topics()[message.topic]))
+  {
+    addImuPackets(message);
+    return;
+  }
   const std::optional<RosImu> imu = decodeRosImu(bag_.topics()[message.topic], message);
   if (!imu)
   {
@@ -234,7 +283,7 @@ void BagMotion::noteGnssTopics()
 void BagMotion::noteImuTopics()
 {
   const std::string names =
-      namesOf(bag_, [](const BagTopic& topic) { return isRosImu(topic) && topic.messages > 0; });
+      namesOf(bag_, [this](const BagTopic& topic) { return isImu(topic) && topic.messages > 0; });
   if (!names.empty())
   {
     const bool one = names.find(", ") == std::string::npos;

@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "BagScans.h"
 #include "BodyVelocities.h"
 #include "ScanSink.h"
 
@@ -19,6 +20,9 @@ struct BagFrames
 {
   std::string lidar;         //!< frame of the scans
   RosTransforms transforms;  //!< transforms of /tf_static
+  /** Topics with packets of the IMU in the lidar, indices in Bag::topics(), if the scans are
+   * packets, too: it is mounted and timed as these say. */
+  std::vector<std::size_t> imu_packets;
 };
 
 /** Passes IMU, wheel odometry and satellite receiver of a bag to the sink, as `imu_topic`,
@@ -26,9 +30,11 @@ struct BagFrames
 class BagMotion
 {
  public:
-  /** \throws UserError if the bag does not have a topic that is selected. */
+  /** \param lidar decodes the packets of the IMU in it; outlives this
+   * \throws UserError if the bag does not have a topic that is selected. */
   BagMotion(const std::string& input,
             const Bag& bag,
+            BagScans& lidar,
             const BagFrames& frames,
             const ScanConverterOptions& options,
             ScanSink& sink);
@@ -45,7 +51,11 @@ class BagMotion
   void report();
 
  private:
+  /** \throws UserError if packets are selected as IMU, and the scans are none. */
+  void requireLidarPackets(const std::string& input) const;
+  [[nodiscard]] bool isImu(const BagTopic& topic) const;
   void addImu(const BagMessage& message);
+  void addImuPackets(const BagMessage& message);
   void addTwist(const BagMessage& message);
   void addFix(const BagMessage& message);
   [[nodiscard]] WheelSample wheelSampleOf(const StampedVelocity& body) const;
@@ -61,6 +71,7 @@ class BagMotion
   void noteGnssTopics();
 
   const Bag& bag_;
+  BagScans& lidar_;
   const BagFrames& frames_;
   const ScanConverterOptions& options_;
   ScanSink& sink_;

@@ -63,6 +63,20 @@ class BagPackets : public BagScans
     return complete();
   }
 
+  [[nodiscard]] std::vector<ImuSample> addImu(const BagTopic& topic,
+                                              const BagMessage& message) override
+  {
+    for (const RosPacket& received : decodeRosPackets(topic, message))
+    {
+      packet_.bytes.assign(received.bytes.begin(), received.bytes.end());
+      if (scans_->takesImu(packet_))
+      {
+        scans_->addImu(packet_);
+      }
+    }
+    return scans_->takeImu();
+  }
+
   [[nodiscard]] std::vector<Scan> finish() override
   {
     scans_->finish();

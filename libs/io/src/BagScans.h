@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <dyslam/core/MotionSamples.h>
 #include <dyslam/core/Scan.h>
 #include <dyslam/formats/Bag.h>
 
@@ -24,6 +25,14 @@ class BagScans
   /** Adds a message. \return the scans that it completes: one for a cloud, one or none for packets
    * \throws UserError naming the message and the problem. */
   [[nodiscard]] virtual std::vector<Scan> add(const BagMessage& message) = 0;
+  /** Adds a message with packets of the IMU in the lidar. \return its samples, by the clock of the
+   * scans; T_vehicle_imu is their pose in the frame of the points; none of other packets
+   * \throws UserError naming the message and the problem. */
+  [[nodiscard]] virtual std::vector<ImuSample> addImu(const BagTopic& /*topic*/,
+                                                      const BagMessage& /*message*/)
+  {
+    return {};
+  }
   /** To be called after the last message. \return the remaining scans \throws UserError. */
   [[nodiscard]] virtual std::vector<Scan> finish() { return {}; }
   /** Interpretations of the messages, one line each. */

@@ -41,6 +41,11 @@ bool isOfBag(RecordingKind kind)
   return kind == RecordingKind::bag;
 }
 
+bool isCapture(RecordingKind kind)
+{
+  return kind == RecordingKind::capture;
+}
+
 bool mayHavePackets(RecordingKind kind)
 {
   return kind == RecordingKind::bag || kind == RecordingKind::capture;
@@ -66,10 +71,13 @@ struct RecordingOption
 
 constexpr const char* bags_only = " works with a bag only";
 using Given = const RecordingOptions&;
-const std::array<RecordingOption, 10> all_options{
+const std::array<RecordingOption, 11> all_options{
     {{"--topic", [](Given o) { return valuesOf(o.topic); }, isOfBag, bags_only},
      {"--further-topic", [](Given o) { return o.further_topics; }, isOfBag, bags_only},
      {"--imu-topic", [](Given o) { return valuesOf(o.imu_topic); }, isOfBag, bags_only},
+     {"--imu", [](Given o) { return o.imu ? Values{"true"} : Values(); }, isCapture,
+      " works with a .pcap only: --imu-topic names the IMU of a bag, kitti2rawlog --imu reads "
+      "KITTI's"},
      {"--odometry-topic", [](Given o) { return valuesOf(o.odometry_topic); }, isOfBag, bags_only},
      {"--gnss-topic", [](Given o) { return valuesOf(o.gnss_topic); }, isOfBag, bags_only},
      {"--sensor", [](Given o) { return valuesOf(o.sensor); }, isNotKitti,

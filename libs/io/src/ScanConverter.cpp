@@ -8,8 +8,6 @@
 #include <dyslam/formats/ScanFiles.h>
 #include <dyslam/formats/TrajectoryFiles.h>
 #include <dyslam/io/Converters.h>
-#include <dyslam/io/OptionError.h>
-#include <dyslam/packets/PcapSource.h>
 #include <dyslam/packets/VelodyneModels.h>
 
 #include <algorithm>
@@ -20,6 +18,7 @@
 #include <utility>
 
 #include "BagConverter.h"
+#include "CaptureConverter.h"
 #include "NameStamps.h"
 #include "ScanSink.h"
 
@@ -236,39 +235,6 @@ void convertFolder(const std::string& input,
   }
 }
 
-void convertPcap(const std::string& input, ScanSink& sink, const ScanConverterOptions& options)
-{
-  PcapSourceOptions source_options;
-  source_options.model = givenVelodyneModel(options.sensor);
-  source_options.calibration_file = options.calibration;
-  source_options.keep_partial = options.keep_partial;
-  PcapSource source(input, source_options);
-  for (const std::string& note : source.notes())
-  {
-    sink.note(note);
-  }
-  while (auto scan = source.next())
-  {
-    if (!sink.put(std::move(*scan), true, std::nullopt, source.progress()))
-    {
-      break;
-    }
-  }
-  if (sink.written() == 0)
-  {
-    if (sink.seen() == 0)
-    {
-      throw OptionError(input + ": holds no whole revolution; try --keep-partial",
-                        "--keep-partial");
-    }
-    throw UserError(input + ": " + emptyRange(options));
-  }
-  for (const std::string& warning : source.warnings())
-  {
-    sink.warn(warning);
-  }
-}
-
 enum class InputKind
 {
   folder,
@@ -329,6 +295,11 @@ void requireFitting(InputKind kind, const ScanConverterOptions& options)
   {
     throw UserError("--times and --dt exclude each other");
   }
+  if (options.imu && options.dt > 0)
+  {
+    throw UserError(
+        "--imu and --dt exclude each other: the samples of the IMU have the lidar's times");
+  }
   if (!options.times.empty() && options.by_number)
   {
     throw UserError("--times and --by-number exclude each other");
@@ -369,6 +340,7 @@ void ScanConverterOptions::describe(OptionsVisitor& visitor)
                "topic of a bag's true poses of the vehicle; empty: none");
   visitor.text("truth_frame", truth_frame, "child frame of the poses in truth_topic");
   visitor.text("imu_topic", imu_topic, "topic of a bag's IMU; empty: none");
+  visitor.flag("imu", imu, "convert the IMU in the Ouster of a capture, too");
   visitor.text("imu_pose", imu_pose,
                "pose of the IMU on the vehicle, x y z yaw pitch roll; empty: by the bag's "
                "/tf_static [m, deg]");
@@ -429,7 +401,7 @@ ConversionResult convertScans(const std::string& input,
             convertFolder(input, sink, files, poses, options);
             break;
           case InputKind::pcap:
-            convertPcap(input, sink, options);
+            convertCapture(input, sink, options);
             break;
           case InputKind::bag:
             convertBag(input, sink, options);

@@ -288,12 +288,14 @@ std::vector<test::TestMessage> ousterMessages(bool cdr)
       {"/rear/metadata", "std_msgs/String", 999, test::stringMessage(cdr, other.metadata())},
       {"/front/metadata", "std_msgs/String", 999, test::stringMessage(cdr, lidar.metadata())}};
   double time = 1000;
+  std::uint64_t imu_time = lidar.first_time + 10000000;  // [ns]
   for (const std::string& packet : lidar.packetsOf(4))
   {
     messages.push_back({"/front/lidar_packets", "ouster_sensor_msgs/PacketMsg", time,
                         test::ousterPacketMessage(cdr, packet)});
     messages.push_back({"/front/imu_packets", "ouster_sensor_msgs/PacketMsg", time,
-                        test::ousterPacketMessage(cdr, std::string(48, 'i'))});
+                        test::ousterPacketMessage(cdr, SyntheticOuster::imuPacket(imu_time))});
+    imu_time += 25000000;
     time += SyntheticOuster::turn / SyntheticOuster::packets;
   }
   return messages;
@@ -412,6 +414,42 @@ TEST(BagConverter, OusterPackets)
     ScanConverterOptions options;
     options.calibration = folder.write("m.json", SyntheticOuster().metadata(true));
     EXPECT_EQ(4U, convertedBag(folder, bag, options).frames.size()) << name;
+  }
+}
+
+TEST(BagConverter, TheImuInAnOuster)
+{
+  for (const char* name : {"a.bag", "a.mcap"})
+  {
+    const TestFolder folder;
+    const std::string bag = folder.file(name);
+    auto messages = ousterMessages(test::holdsCdr(bag));
+    test::writeBag(bag, messages);
+    EXPECT_TRUE(contains(listingOf(*openBag(bag)), "<- for --imu-topic"));
+    EXPECT_TRUE(hasNote(convertedBag(folder, bag), "--imu-topic /front/imu_packets adds"));
+    ScanConverterOptions options;
+    options.imu_topic = "/front/imu_packets";
+    const Converted converted = convertedBag(folder, bag, options);
+    EXPECT_TRUE(converted.result.warnings.empty());
+    EXPECT_TRUE(hasNote(converted, "12 samples; mounted as the metadata of the lidar state"));
+    ASSERT_EQ(4U, converted.frames.size()) << name;
+    EXPECT_EQ(4U, converted.frames[1].imu.size());
+    const ImuSample& sample = converted.frames[1].imu.front();
+    EXPECT_NEAR(1000.01, sample.stamp, 1e-6);
+    EXPECT_NEAR(M_PI_2, sample.angular_velocity.x(), 1e-6);
+    EXPECT_NEAR(0.008, sample.T_vehicle_imu.translation().z(), 1e-6);
+    options.imu_pose = "1 2 3 0 0 0";
+    EXPECT_NEAR(3, convertedBag(folder, bag, options).frames[1].imu.at(0).T_vehicle_imu(2, 3),
+                1e-6);
+
+    const Scan scan = scanWithTimes(0);
+    messages.push_back({"/points", "sensor_msgs/PointCloud2", 1001,
+                        test::pointCloud2(test::holdsCdr(bag), 1001, test::velodyneFields(scan))});
+    test::writeBag(bag, messages);
+    EXPECT_TRUE(
+        contains(messageOfError<UserError>([&] { (void)convertedBag(folder, bag, options); }),
+                 "--imu-topic /front/imu_packets: packets of an IMU are read with those of its "
+                 "lidar"));
   }
 }
 

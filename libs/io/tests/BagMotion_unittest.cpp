@@ -36,7 +36,7 @@ double sampleStamp(std::size_t number)
 using MessageOf = std::function<std::string(bool cdr, std::size_t number, double stamp)>;
 
 /** A message with a scan of 40 points, with times and rings. */
-std::string scanMessage(bool cdr, std::size_t number)
+std::string scanMessage(bool cdr, std::size_t number, const std::string& frame = "lidar")
 {
   Scan scan = someScan(number, 40);
   for (std::size_t k = 0; k < scan.size(); ++k)
@@ -44,7 +44,7 @@ std::string scanMessage(bool cdr, std::size_t number)
     scan.time.push_back(1e-3F * static_cast<float>(k));
     scan.ring.push_back(static_cast<std::uint16_t>(k % 16));
   }
-  return test::pointCloud2(cdr, scanStamp(number), test::velodyneFields(scan));
+  return test::pointCloud2(cdr, scanStamp(number), test::velodyneFields(scan), 1, frame);
 }
 
 /** Scans that are received 0.1 s after their stamp, and samples of a topic that are at once. */
@@ -53,7 +53,8 @@ void writeDrive(const std::string& path,
                 const std::string& type,
                 const MessageOf& messageOf,
                 const std::vector<std::pair<std::string, Pose>>& tf_static = {},
-                std::size_t samples = drive_samples)
+                std::size_t samples = drive_samples,
+                const std::string& scan_frame = "lidar")
 {
   const bool cdr = test::holdsCdr(path);
   std::vector<test::TestMessage> messages;
@@ -65,8 +66,8 @@ void writeDrive(const std::string& path,
   }
   for (std::size_t i = 0; i < drive_scans; ++i)
   {
-    messages.push_back(
-        {"/points", "sensor_msgs/PointCloud2", scanStamp(i) + 0.1, scanMessage(cdr, i)});
+    messages.push_back({"/points", "sensor_msgs/PointCloud2", scanStamp(i) + 0.1,
+                        scanMessage(cdr, i, scan_frame)});
   }
   for (std::size_t i = 0; i < samples; ++i)
   {
@@ -176,6 +177,32 @@ TEST(BagMotion, VehicleOfTheBag)
   EXPECT_TRUE(contains(error(), "it has the frames imu_link, lidar, map;"));
   options.sensor_pose = "0 0 1 0 0 0";
   EXPECT_TRUE(contains(error(), "give one of them"));
+}
+
+/** Drivers of ROS 1 put a slash before the names of frames, which the transforms do not have. */
+TEST(BagMotion, SlashesBeforeFramesAreIgnored)
+{
+  const TestFolder folder;
+  const Pose T_base_lidar = poseFromYpr(0.5, 0, 1.2, M_PI, 0.2, 0);
+  const Pose T_base_imu = poseFromYpr(0, 0.1, 0.3, 0, 0, M_PI / 2);
+  const auto message = [](bool cdr, std::size_t, double stamp)
+  {
+    test::ImuValues values;
+    values.frame = "/imu_link";
+    return test::imu(cdr, stamp, values);
+  };
+  writeDrive(folder.file("x.bag"), "/imu", "sensor_msgs/Imu", message,
+             {{"lidar", T_base_lidar}, {"/imu_link", T_base_imu}}, drive_samples, "/lidar");
+  ScanConverterOptions options;
+  options.imu_topic = "/imu";
+  options.base_frame = "/map";
+  const auto result = convertScans(folder.file("x.bag"), folder.file("x.rawlog"), options);
+  EXPECT_TRUE(hasLine(result.notes, "the vehicle is map, in which /tf_static places the lidar"));
+  for (const Frame& frame : readAll(folder.file("x.rawlog")))
+  {
+    EXPECT_TRUE(frame.scan.T_vehicle_lidar.isApprox(T_base_lidar, 1e-6));
+    EXPECT_TRUE(frame.imu.at(0).T_vehicle_imu.isApprox(T_base_imu, 1e-6));
+  }
 }
 
 /** A sensor with a latency above that of the scans: the scans wait for its samples. */

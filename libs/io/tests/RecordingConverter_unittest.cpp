@@ -3,6 +3,8 @@
 #include <dyslam/io/OptionError.h>
 #include <dyslam/io/RecordingConverter.h>
 
+#include <algorithm>
+
 #include "BagWriters.h"
 #include "ScanFolders.h"
 
@@ -114,9 +116,12 @@ TEST(RecordingOptions, OfEachTheFlagIsKnown)
   EXPECT_EQ("--base-frame", options.givenFlag());
   EXPECT_EQ("--base-frame works with a bag only",
             messageOfError<UserError>([&] { options.requireFitting(RecordingKind::kitti); }));
+  options.imu = true;
+  const std::vector<std::string> words = options.words();
+  EXPECT_EQ(1, std::count(words.begin(), words.end(), "--imu=true"));
   options.sensor = "VLP16";
   EXPECT_EQ("--sensor", options.givenFlag());
-  for (const char* flag : {"--dt", "--sensor", "--base-frame"})
+  for (const char* flag : {"--dt", "--sensor", "--base-frame", "--imu"})
   {
     EXPECT_TRUE(RecordingOptions::hasFlag(flag)) << flag;
   }

@@ -78,8 +78,9 @@ class Values
     {
       return &*at;
     }
-    for (const char* section : {"sensor_info", "beam_intrinsics", "lidar_intrinsics",
-                                "lidar_data_format", "data_format", "config_params"})
+    for (const char* section :
+         {"sensor_info", "beam_intrinsics", "lidar_intrinsics", "imu_intrinsics",
+          "lidar_data_format", "data_format", "config_params"})
     {
       const auto in = root_.find(section);
       if (in != root_.end() && in->is_object() && in->contains(name))
@@ -230,34 +231,50 @@ void readBeams(const Values& values, OusterMetadata& metadata)
   metadata.origin_up = beam_to_lidar.size() == 16 ? metres_per_millimetre * beam_to_lidar[11] : 0;
 }
 
-/** The frame of the sensor, x to its front; in that of the lidar x points to the connector. */
-Pose sensorPoseOf(const Values& values)
+/** Pose of the lidar in the frame of the sensor, of firmware that does not state it: x of the
+ * sensor points to its front, x of the lidar to the connector. */
+Pose usualLidarPose()
 {
-  const auto m = values.numbers("lidar_to_sensor_transform");
+  constexpr double height = 36.18;  // [mm]
   Pose T_sensor_lidar = Pose::Identity();
+  T_sensor_lidar.linear().diagonal() = Eigen::Vector3d(-1, -1, 1);
+  T_sensor_lidar.translation().z() = metres_per_millimetre * height;
+  return T_sensor_lidar;
+}
+
+/** Pose of the IMU in the frame of the sensor, of firmware that does not state it. */
+Pose usualImuPose()
+{
+  Pose T_sensor_imu = Pose::Identity();
+  T_sensor_imu.translation() = metres_per_millimetre * Eigen::Vector3d(6.253, -11.775, 7.645);
+  return T_sensor_imu;
+}
+
+/** A pose in the frame of the sensor. \param usual if it is not stated */
+Pose poseInSensor(const Values& values, const char* name, const Pose& usual)
+{
+  const auto m = values.numbers(name);
   if (m.empty())
   {
-    constexpr double usual_height = 36.18;  // [mm]
-    T_sensor_lidar.linear().diagonal() = Eigen::Vector3d(-1, -1, 1);
-    T_sensor_lidar.translation().z() = metres_per_millimetre * usual_height;
-    return T_sensor_lidar;
+    return usual;
   }
   if (m.size() != 16)
   {
-    values.fail("lidar_to_sensor_transform", "has not 16 numbers");
+    values.fail(name, "has not 16 numbers");
   }
+  Pose T_sensor_part = Pose::Identity();
   for (int row = 0; row < 3; ++row)
   {
     const auto at = static_cast<std::size_t>(4 * row);
-    T_sensor_lidar.linear().row(row) << m[at], m[at + 1], m[at + 2];
-    T_sensor_lidar.translation()[row] = metres_per_millimetre * m[at + 3];
+    T_sensor_part.linear().row(row) << m[at], m[at + 1], m[at + 2];
+    T_sensor_part.translation()[row] = metres_per_millimetre * m[at + 3];
   }
-  const Eigen::Matrix3d R = T_sensor_lidar.linear();
+  const Eigen::Matrix3d R = T_sensor_part.linear();
   if (!(R * R.transpose()).isIdentity(1e-3) || R.determinant() < 0)
   {
-    values.fail("lidar_to_sensor_transform", "is no pose");
+    values.fail(name, "is no pose");
   }
-  return T_sensor_lidar;
+  return T_sensor_part;
 }
 
 bool isOusterMetadata(const fs::path& path)
@@ -294,7 +311,8 @@ OusterMetadata parseOusterMetadata(const std::string& text, const std::string& p
   metadata.columns = columnsOf(values);
   metadata.packet_columns = packetColumnsOf(values);
   readBeams(values, metadata);
-  metadata.T_sensor_lidar = sensorPoseOf(values);
+  metadata.T_sensor_lidar = poseInSensor(values, "lidar_to_sensor_transform", usualLidarPose());
+  metadata.T_sensor_imu = poseInSensor(values, "imu_to_sensor_transform", usualImuPose());
   return metadata;
 }
 

@@ -1,13 +1,15 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/core/Printable.h>
+#include <dyslam/packets/OusterImu.h>
 #include <dyslam/packets/OusterScans.h>
 #include <dyslam/packets/SensorClock.h>
 
 #include <algorithm>
 #include <cmath>
-#include <cstring>
 #include <optional>
 #include <utility>
+
+#include "OusterBytes.h"
 
 namespace dyslam
 {
@@ -17,14 +19,6 @@ constexpr double seconds_per_nanosecond = 1e-9;
 constexpr double ouster_range_unit = 1e-3;  //!< [m]
 constexpr float full_reflectivity = 255;
 constexpr int latest_frames = 8;  //!< packets of as many earlier frames are late ones
-
-template <typename T>
-T numberAt(const std::uint8_t* bytes)
-{
-  T value;
-  std::memcpy(&value, bytes, sizeof value);  // little-endian, as this machine
-  return value;
-}
 
 /** Positions and sizes in a data packet [bytes]. */
 struct Layout
@@ -37,8 +31,8 @@ struct Layout
   explicit Layout(const OusterMetadata& metadata)
   {
     const bool legacy = metadata.profile.isLegacy();
-    packet_header = legacy ? 0 : 32;
-    packet_footer = legacy ? 0 : 32;
+    packet_header = legacy ? 0 : ouster_header_size;
+    packet_footer = legacy ? 0 : ouster_header_size;
     column_header = legacy ? 16 : 12;
     const std::size_t column_footer = legacy ? 4 : 0;
     column = column_header + metadata.beams() * metadata.profile.pixel_bytes + column_footer;
@@ -68,6 +62,12 @@ struct Column
   const std::uint8_t* pixels;
 };
 
+/** From a time of the sensor's clock to another [s]. */
+double elapsed(std::uint64_t from, std::uint64_t to)
+{
+  return seconds_per_nanosecond * static_cast<double>(static_cast<std::int64_t>(to - from));
+}
+
 /** Packets may overtake each other: the stamp becomes that of the first firing. */
 void startAtTheEarliest(Scan& scan)
 {
@@ -93,10 +93,14 @@ struct OusterScans::Impl
   RevolutionQueue queue;
   SensorClock clock;
   std::optional<std::uint64_t> last_time;  //!< last time of the sensor's clock [ns]
+  double last_stamp = 0;                   //!< of that time, UNIX time [s]
+  std::vector<ImuSample> imu;
+  std::size_t imu_left_out = 0;  //!< number of samples
 
   Scan scan;                           //!< scan of the current frame
   std::optional<std::uint32_t> frame;  //!< number of the current frame
   std::vector<bool> received;          //!< whether each column of the frame was received
+  bool begun = false;                  //!< a column of the frame was received, with returns or not
   std::size_t first_column = 0;
   std::size_t last_column = 0;
   std::size_t returns = 0;    //!< number of points of all frames
@@ -117,25 +121,17 @@ struct OusterScans::Impl
 
   [[nodiscard]] std::uint32_t frameOf(const std::uint8_t* packet) const
   {
-    return metadata.profile.isLegacy() ? numberAt<std::uint16_t>(packet + 10)
-           : metadata.fusa_header      ? numberAt<std::uint32_t>(packet + 4)
-                                       : numberAt<std::uint16_t>(packet + 2);
+    return metadata.profile.isLegacy() ? ousterNumberAt<std::uint16_t>(packet + 10)
+           : metadata.fusa_header      ? ousterNumberAt<std::uint32_t>(packet + 4)
+                                       : ousterNumberAt<std::uint16_t>(packet + 2);
   }
 
-  /** Serial number of the sensor in a packet's header, 40 bits; 0 if it has none. */
-  [[nodiscard]] std::uint64_t serialOf(const std::uint8_t* packet) const
-  {
-    constexpr std::uint64_t bits = (std::uint64_t{1} << 40U) - 1;
-    return metadata.profile.isLegacy()
-               ? 0
-               : numberAt<std::uint64_t>(packet + (metadata.fusa_header ? 11 : 7)) & bits;
-  }
-
+  /** \pre the packet has the size of a data packet */
   [[nodiscard]] bool isLidarPacket(const std::uint8_t* packet) const
   {
-    constexpr std::uint16_t lidar = 1;
     return metadata.profile.isLegacy() ||
-           (metadata.fusa_header ? packet[0] : numberAt<std::uint16_t>(packet)) == lidar;
+           (hasOusterType(packet, metadata, OusterPacketType::lidar) &&
+            hasOusterSerial(packet, metadata));
   }
 
   [[nodiscard]] Column columnOf(const std::uint8_t* packet, std::size_t i) const
@@ -143,10 +139,10 @@ struct OusterScans::Impl
     const std::uint8_t* at = packet + layout.packet_header + i * layout.column;
     const bool legacy = metadata.profile.isLegacy();
     Column column;
-    column.time = numberAt<std::uint64_t>(at);
-    column.number = numberAt<std::uint16_t>(at + 8);
-    column.valid = legacy ? numberAt<std::uint32_t>(at + layout.column - 4) == 0xffffffffU
-                          : (numberAt<std::uint16_t>(at + 10) & 1U) != 0;
+    column.time = ousterNumberAt<std::uint64_t>(at);
+    column.number = ousterNumberAt<std::uint16_t>(at + 8);
+    column.valid = legacy ? ousterNumberAt<std::uint32_t>(at + layout.column - 4) == 0xffffffffU
+                          : (ousterNumberAt<std::uint16_t>(at + 10) & 1U) != 0;
     column.pixels = at + layout.column_header;
     return column;
   }
@@ -186,6 +182,7 @@ struct OusterScans::Impl
                  static_cast<double>(last_column + 1) / turn);
     }
     scan = Scan();
+    begun = false;
     frame.reset();
   }
 
@@ -219,12 +216,12 @@ struct OusterScans::Impl
 
   void add(const Column& column, double captured)
   {
-    const auto elapsed = [](std::uint64_t from, std::uint64_t to)
-    { return seconds_per_nanosecond * static_cast<double>(static_cast<std::int64_t>(to - from)); };
     const double stamp = clock.advance(elapsed(last_time.value_or(0), column.time), captured);
     last_time = column.time;
-    if (scan.points.empty())
+    last_stamp = stamp;
+    if (!begun)
     {
+      begun = true;
       scan.stamp = stamp;
       first_column = column.number;
       last_column = column.number;
@@ -268,12 +265,29 @@ struct OusterScans::Impl
     }
   }
 
+  void addImu(const OusterImuSample& sample)
+  {
+    constexpr double longest_step = 1;  // [s] from a lidar's column, on the same clock
+    if (!last_time)
+    {
+      return;
+    }
+    const double step = elapsed(*last_time, sample.time);
+    if (std::abs(step) > longest_step)
+    {
+      ++imu_left_out;
+      return;
+    }
+    imu.push_back(
+        {last_stamp + step, sample.angular_velocity, sample.acceleration, metadata.T_sensor_imu});
+  }
+
   /** [mm], 0 without a return. */
   [[nodiscard]] static std::uint32_t rangeOf(const std::uint8_t* pixel, const OusterReturn& part)
   {
     const std::uint32_t bits = part.range_bytes == 2
-                                   ? numberAt<std::uint16_t>(pixel + part.range_at)
-                                   : numberAt<std::uint32_t>(pixel + part.range_at);
+                                   ? ousterNumberAt<std::uint16_t>(pixel + part.range_at)
+                                   : ousterNumberAt<std::uint32_t>(pixel + part.range_at);
     return (bits & ((1U << part.range_bits) - 1)) * part.range_unit;
   }
 
@@ -282,7 +296,7 @@ struct OusterScans::Impl
   {
     const std::uint8_t* at = pixel + part.reflectivity_at;
     const std::uint16_t value =
-        metadata.profile.isLegacy() ? numberAt<std::uint16_t>(at) : std::uint16_t{*at};
+        metadata.profile.isLegacy() ? ousterNumberAt<std::uint16_t>(at) : std::uint16_t{*at};
     return static_cast<float>(value) / full_reflectivity;
   }
 };
@@ -304,13 +318,8 @@ bool OusterScans::takes(const LidarPacket& packet) const
 {
   // Early drivers for ROS recorded a byte more.
   const std::size_t size = packetSize(impl_->metadata);
-  if ((packet.bytes.size() != size && packet.bytes.size() != size + 1) ||
-      !impl_->isLidarPacket(packet.bytes.data()))
-  {
-    return false;
-  }
-  const std::uint64_t serial = impl_->serialOf(packet.bytes.data());
-  return serial == 0 || impl_->metadata.serial == 0 || serial == impl_->metadata.serial;
+  return (packet.bytes.size() == size || packet.bytes.size() == size + 1) &&
+         impl_->isLidarPacket(packet.bytes.data());
 }
 
 void OusterScans::add(const LidarPacket& packet)
@@ -327,6 +336,24 @@ void OusterScans::finish()
 std::optional<Scan> OusterScans::take()
 {
   return impl_->queue.take();
+}
+
+bool OusterScans::takesImu(const LidarPacket& packet) const
+{
+  return isOusterImuPacket(packet.bytes, impl_->metadata);
+}
+
+void OusterScans::addImu(const LidarPacket& packet)
+{
+  for (const OusterImuSample& sample : decodeOusterImu(packet.bytes))
+  {
+    impl_->addImu(sample);
+  }
+}
+
+std::vector<ImuSample> OusterScans::takeImu()
+{
+  return std::exchange(impl_->imu, {});
 }
 
 std::string OusterScans::sensor() const
@@ -356,6 +383,11 @@ std::vector<std::string> OusterScans::warnings() const
   {
     lines.push_back(impl_->place + ": " + counted(impl_->alien, "column") +
                     " left out, whose numbers do not fit the metadata");
+  }
+  if (impl_->imu_left_out > 0)
+  {
+    lines.push_back(impl_->place + ": " + counted(impl_->imu_left_out, "sample") +
+                    " of the IMU left out, more than 1 s from the times of the lidar's packets");
   }
   return lines;
 }

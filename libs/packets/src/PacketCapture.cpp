@@ -37,12 +37,21 @@ std::size_t headerSize(int link)
   }
 }
 
-/** Where the IP header begins in a captured frame. */
+/** Where the IP header begins in a captured frame, behind any number of VLAN tags. */
 std::size_t ipHeaderAt(int link, const std::uint8_t* data, std::size_t size)
 {
-  constexpr std::uint16_t vlan = 0x8100;
-  const std::size_t at = headerSize(link);
-  return link == DLT_EN10MB && size > 18 && bigEndian(data + 12) == vlan ? at + 4 : at;
+  constexpr std::array<std::uint16_t, 3> tags{0x8100, 0x88a8, 0x9100};
+  constexpr std::size_t tag_size = 4;
+  std::size_t at = headerSize(link);
+  // Before the IP header stands the type of what follows.
+  for (; (link == DLT_EN10MB || link == DLT_LINUX_SLL) && size > at + tag_size; at += tag_size)
+  {
+    if (std::find(tags.begin(), tags.end(), bigEndian(data + at - 2)) == tags.end())
+    {
+      break;
+    }
+  }
+  return at;
 }
 
 std::uint32_t addressAt(const std::uint8_t* at)

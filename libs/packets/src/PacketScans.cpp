@@ -12,6 +12,8 @@ namespace
 {
 constexpr double whole_tolerance = 3.0 / 360;  //!< part that a complete revolution may lack [turns]
 constexpr int turn = 36000;                    //!< a revolution [0.01 deg]
+constexpr double longest_turn = 0.2;           //!< of the slowest lidars [s]
+constexpr double longest_delay = 0.02;         //!< of packets that others overtake [s]
 
 bool near(double a, double b)
 {
@@ -75,17 +77,26 @@ RevolutionCutter::RevolutionCutter(double cut_azimuth, bool keep_partial)
 {
 }
 
+bool RevolutionCutter::isLate(int onward, double stamp) const
+{
+  const double age = last_stamp_ - stamp;
+  return age > 0 && age < longest_delay && onward > turn / 2;
+}
+
 Scan& RevolutionCutter::scanOf(int azimuth, double stamp)
 {
   const int from_cut = (azimuth + turn - cut_) % turn;
-  const int step = from_cut - last_azimuth_;
-  const bool passes_clockwise = step < -turn / 2;
-  const bool passes_counter_clockwise = step > turn / 2;
-  turned_ += !begun_                    ? 0
-             : passes_clockwise         ? step + turn
-             : passes_counter_clockwise ? step - turn
-                                        : step;
-  if (turned_ >= 0 ? passes_clockwise : passes_counter_clockwise)
+  const int last = last_azimuth_.value_or(from_cut);
+  const int clockwise = (from_cut - last + turn) % turn;
+  steps_ += clockwise == 0 ? 0 : clockwise < turn / 2 ? 1 : -1;
+  const int onward = steps_ >= 0 ? clockwise : (turn - clockwise) % turn;
+  if (isLate(onward, stamp))
+  {
+    return scan_;
+  }
+  // A lidar may leave out most of the turn, so a step of any size leads on.
+  const bool passes_cut = steps_ >= 0 ? from_cut < last : from_cut > last;
+  if (passes_cut || stamp - last_stamp_ > longest_turn)
   {
     push();
   }
@@ -96,6 +107,7 @@ Scan& RevolutionCutter::scanOf(int azimuth, double stamp)
     first_azimuth_ = from_cut;
   }
   last_azimuth_ = from_cut;
+  last_stamp_ = stamp;
   return scan_;
 }
 
@@ -104,7 +116,7 @@ void RevolutionCutter::push()
   if (begun_)
   {
     queue_.push(std::exchange(scan_, Scan{}), static_cast<double>(first_azimuth_) / turn,
-                static_cast<double>(last_azimuth_) / turn);
+                static_cast<double>(*last_azimuth_) / turn);
   }
   begun_ = false;
 }

@@ -62,6 +62,7 @@ void PcapSourceOptions::describe(OptionsVisitor& visitor)
   visitor.degrees("cut_azimuth_deg", cut_azimuth, 0, 360,
                   "azimuth at which a Velodyne's or Hesai's scans are cut, clockwise from its "
                   "azimuth 0 [deg]");
+  visitor.flag("imu", imu, "keep the samples of the IMU in an Ouster");
   visitor.flag("keep_partial", keep_partial, "deliver also incomplete first and last revolutions");
 }
 
@@ -75,6 +76,7 @@ struct PcapSource::Impl
   std::vector<std::string> notes;
   std::optional<std::uint64_t> stream;  //!< stream of the lidar's first packet
   std::size_t taken = 0;                //!< number of packets of the lidar
+  std::size_t imu_packets = 0;          //!< number of packets of the IMU in the lidar
   std::size_t of_others = 0;            //!< number of packets of other lidars
   bool finished = false;
   std::optional<Scan> first;
@@ -238,10 +240,26 @@ struct PcapSource::Impl
     }
   }
 
+  /** Whether a packet was sent by the lidar, to whichever port. */
+  [[nodiscard]] bool isOfLidar(const LidarPacket& packet) const
+  {
+    constexpr unsigned port_bits = 16;
+    return stream && packet.stream >> port_bits == *stream >> port_bits;
+  }
+
   void add(const LidarPacket& packet)
   {
     if (!decoder.scans->takes(packet))
     {
+      if (isOfLidar(packet) && decoder.scans->takesImu(packet))
+      {
+        ++imu_packets;
+        if (options.imu)
+        {
+          decoder.scans->addImu(packet);
+        }
+        return;
+      }
       const bool of_lidar = VelodyneScans::isPacket(packet) || HesaiScans::isPacket(packet) ||
                             packet.bytes.size() == decoder.ouster_packet_size;
       of_others += of_lidar ? 1 : 0;
@@ -277,6 +295,21 @@ std::optional<Scan> PcapSource::next()
                     std::to_string(impl_->taken) + " packets: " + impl_->capture.damage());
   }
   return scan;
+}
+
+bool PcapSource::readsImu() const
+{
+  return impl_->decoder.scans->readsImu();
+}
+
+std::size_t PcapSource::imuPackets() const
+{
+  return impl_->imu_packets;
+}
+
+std::vector<ImuSample> PcapSource::takeImu()
+{
+  return impl_->decoder.scans->takeImu();
 }
 
 std::string PcapSource::sensor() const

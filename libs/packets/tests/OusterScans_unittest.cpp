@@ -156,6 +156,17 @@ TEST(OusterScans, AWindowIsAWholeFrame)
   EXPECT_EQ(2U, scansOf(lidar, lidar.packetsOf(3, 2)).size());
 }
 
+TEST(OusterScans, AFrameThatBeginsWithoutReturnsIsWhole)
+{
+  SyntheticOuster lidar;
+  lidar.sky_columns = 8;
+  const auto scans = scansOf(lidar, lidar.packetsOf(3));
+  ASSERT_EQ(3U, scans.size());
+  EXPECT_LT(scans[0].size(), scans[1].size());
+  EXPECT_NEAR(1000, scans[0].stamp, 1e-6);
+  EXPECT_NEAR(SyntheticOuster::turn, scans[1].stamp - scans[0].stamp, 1e-6);
+}
+
 TEST(OusterScans, PacketsThatOvertakeEachOther)
 {
   const SyntheticOuster lidar;

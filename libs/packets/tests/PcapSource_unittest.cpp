@@ -6,6 +6,7 @@
 #include <array>
 #include <cmath>
 #include <cstring>
+#include <utility>
 
 #include "SyntheticCapture.h"
 #include "TestFolder.h"
@@ -139,8 +140,60 @@ TEST(PcapSource, PausesAreKept)
     const auto times = [pause](double time) { return 1000 + time + (time < 1.05 ? 0 : pause); };
     const std::string path = folder.write("a.pcap", withTimes(captured(1600), times, times));
     const auto scans = revolutionsOf(path, options).scans;
-    ASSERT_EQ(21U, scans.size());
+    ASSERT_EQ(22U, scans.size()) << "the revolution with the pause is two scans";
     EXPECT_NEAR(pause + 2.0, scans.back().stamp - scans.front().stamp, 0.003);
+    for (const Scan& scan : scans)
+    {
+      EXPECT_LT(scan.time.back(), 0.103);
+    }
+  }
+}
+
+TEST(PcapSource, ASectorThatIsLeftOut)
+{
+  const TestFolder folder;
+  for (const auto& [begin, end] : {std::pair(300, 60), std::pair(10, 50), std::pair(100, 260)})
+  {
+    std::string capture = captureHeader();
+    for (std::size_t n = 0; n < 1600; ++n)
+    {
+      const double time = static_cast<double>(n) * packet_time;
+      const double azimuth = std::fmod(time * 3600, 360);
+      const bool in =
+          begin < end ? azimuth >= begin && azimuth <= end : azimuth >= begin || azimuth <= end;
+      if (in)
+      {
+        appendFrame(capture, 1000 + time, ipFrame(udpDatagram(velodynePacket(time), 2368), 0, 0));
+      }
+    }
+    const auto scans = revolutionsOf(folder.write("a.pcap", capture)).scans;
+    ASSERT_GE(scans.size(), 19U) << begin;
+    ASSERT_LE(scans.size(), 22U) << begin;
+    for (std::size_t i = 0; i < scans.size(); ++i)
+    {
+      EXPECT_LT(scans[i].time.back(), 0.103) << begin;
+      EXPECT_NEAR(0.1 * static_cast<double>(i), scans[i].stamp - scans[0].stamp, 0.004) << begin;
+    }
+  }
+}
+
+TEST(PcapSource, APacketThatIsOvertakenAtTheCut)
+{
+  const TestFolder folder;
+  std::string capture = captureHeader();
+  for (std::size_t n = 0; n < 700; ++n)
+  {
+    // The packets on either side of the first cut, at 0.05 s, in the other order.
+    const std::size_t sent = n == 37 ? 38 : n == 38 ? 37 : n;
+    const double time = static_cast<double>(sent) * packet_time;
+    appendFrame(capture, 1000 + static_cast<double>(n) * packet_time,
+                ipFrame(udpDatagram(velodynePacket(time), 2368), 0, 0));
+  }
+  const auto scans = revolutionsOf(folder.write("a.pcap", capture)).scans;
+  ASSERT_EQ(8U, scans.size());
+  for (const Scan& scan : scans)
+  {
+    EXPECT_NEAR(0.1 / (2 * 55.296e-6) * 30, static_cast<double>(scan.size()), 800);
   }
 }
 
@@ -220,6 +273,35 @@ TEST(PcapSource, RefusesWhatItCannotRead)
   PcapSourceOptions options;
   options.calibration_file = folder.write("e.xml", "<nothing/>");
   EXPECT_THROW(revolutionsOf(folder.write("f", whole), options), UserError);
+}
+
+TEST(PcapSource, VlanTagsAreSkipped)
+{
+  struct Kind
+  {
+    char link;              //!< type of the capture's frames
+    std::size_t addresses;  //!< what stands before the types [bytes]
+    std::string tags;
+  };
+  const std::string tag("\x81\x00\x00\x05", 4);
+  const std::string outer("\x88\xa8\x00\x01", 4);
+  const TestFolder folder;
+  // Ethernet (1) with one and two tags, and the cooked frames of `tcpdump -i any` (113).
+  for (const Kind& kind :
+       {Kind{1, 12, tag}, Kind{1, 12, outer + tag}, Kind{113, 14, ""}, Kind{113, 14, tag}})
+  {
+    std::string file = captureHeader();
+    file[20] = kind.link;
+    for (std::size_t n = 0; n < 300; ++n)
+    {
+      const double time = static_cast<double>(n) * packet_time;
+      const std::string frame = ipFrame(udpDatagram(velodynePacket(time), 2368), 0, 0);
+      appendFrame(file, 1000 + time,
+                  std::string(kind.addresses, '\0') + kind.tags + frame.substr(12));
+    }
+    EXPECT_EQ(3U, revolutionsOf(folder.write("a.pcap", file)).scans.size())
+        << static_cast<int>(kind.link) << ", " << kind.tags.size();
+  }
 }
 
 TEST(PcapSource, ADatagramWithAHoleIsNone)

@@ -18,6 +18,7 @@ struct SyntheticOuster
   static constexpr std::size_t columns = 64;
   static constexpr std::size_t packet_columns = 16;
   static constexpr std::size_t packets = columns / packet_columns;
+  static constexpr std::size_t header_size = 32;  //!< and size of the footer [bytes]
   static constexpr std::uint64_t serial = 992137000142;
   static constexpr double turn = 0.1;  //!< [s]
 
@@ -26,6 +27,8 @@ struct SyntheticOuster
   std::uint64_t sensor = serial;
   std::size_t first_column = 0;  //!< of the window that has returns
   std::size_t last_column = columns - 1;
+  /** Columns of the first frame that see the sky: without returns. */
+  std::size_t sky_columns = 0;
 
   [[nodiscard]] bool isLegacy() const { return profile == "LEGACY"; }
   [[nodiscard]] bool isFusa() const { return profile.rfind("FUSA", 0) == 0; }
@@ -65,22 +68,24 @@ struct SyntheticOuster
                                    ", \"lidar_origin_to_beam_origin_mm\": 16";
     const std::string pose =
         "\"lidar_to_sensor_transform\": [-1,0,0,0, 0,-1,0,0, 0,0,1,36, 0,0,0,1]";
+    const std::string imu_pose =
+        "\"imu_to_sensor_transform\": [0,-1,0,6, 1,0,0,-12, 0,0,1,8, 0,0,0,1]";
     const std::string info = "\"prod_line\": \"OS-1-4\", \"prod_sn\": \"992137000142\"";
     const std::string format =
         "{\"columns_per_frame\": 64, \"columns_per_packet\": 16, \"pixels_per_column\": 4" +
         (isLegacy() ? "" : ", \"udp_profile_lidar\": \"" + profile + "\"") + "}";
     return sections ? "{\"sensor_info\": {" + info + "}, \"beam_intrinsics\": {" + beams_text +
-                          "}, \"lidar_intrinsics\": {" + pose +
-                          "}, \"lidar_data_format\": " + format + "}"
-                    : "{" + info + ", " + beams_text + ", " + pose +
+                          "}, \"lidar_intrinsics\": {" + pose + "}, \"imu_intrinsics\": {" +
+                          imu_pose + "}, \"lidar_data_format\": " + format + "}"
+                    : "{" + info + ", " + beams_text + ", " + pose + ", " + imu_pose +
                           ", \"data_format\": " + format + "}";
   }
 
   /** Data of one pixel. */
-  [[nodiscard]] std::string pixel(std::size_t beam, std::size_t column) const
+  [[nodiscard]] std::string pixel(std::size_t beam, std::size_t column, bool sky) const
   {
-    const std::uint32_t near = range(beam, column);
-    const std::uint32_t far = secondRange(beam, column);
+    const std::uint32_t near = sky ? 0 : range(beam, column);
+    const std::uint32_t far = sky ? 0 : secondRange(beam, column);
     const std::uint8_t bright = reflectivity(beam, column);
     std::string bytes;
     if (profile == "LEGACY" || profile == "RNG19_RFL8_SIG16_NIR16")
@@ -117,25 +122,67 @@ struct SyntheticOuster
            static_cast<std::uint64_t>(1e9 * turn) * (frame * columns + column) / columns;
   }
 
-  /** The packet of a frame, from 0 on. */
-  [[nodiscard]] std::string packet(std::size_t frame, std::size_t number) const
+  /** Header of a packet. \param type 1: of the lidar, 2: of the IMU */
+  [[nodiscard]] std::string header(std::uint16_t type, std::size_t frame) const
   {
     std::string bytes;
     if (isFusa())
     {
-      appendBytes<std::uint32_t>(bytes, 1U | 0xabcd00U << 8U);
+      appendBytes<std::uint32_t>(bytes, type | 0xabcd00U << 8U);
       appendBytes(bytes, static_cast<std::uint32_t>(frame));
       bytes += std::string(3, '\0');
-      appendBytes<std::uint64_t>(bytes, sensor);
-      bytes.resize(32, '\0');
     }
-    else if (!isLegacy())
+    else
     {
-      appendBytes<std::uint16_t>(bytes, 1);
+      appendBytes(bytes, type);
       appendBytes(bytes, static_cast<std::uint16_t>(frame));
       bytes += std::string("\x01\x02\x03", 3);
-      appendBytes<std::uint64_t>(bytes, sensor);
-      bytes.resize(32, '\0');
+    }
+    appendBytes<std::uint64_t>(bytes, sensor);
+    bytes.resize(header_size, '\0');
+    return bytes;
+  }
+
+  /** Packet of the IMU, profile LEGACY. \param time when the gyroscope was read [ns] */
+  [[nodiscard]] static std::string imuPacket(std::uint64_t time)
+  {
+    std::string bytes;
+    appendBytes<std::uint64_t>(bytes, 77);              // since the start of the sensor
+    appendBytes<std::uint64_t>(bytes, time - 2000000);  // of the accelerometer
+    appendBytes(bytes, time);
+    for (const float value : {0.5F, -0.25F, 1.0F, 90.0F, -45.0F, 180.0F})  // [g], [deg/s]
+    {
+      appendBytes(bytes, value);
+    }
+    return bytes;
+  }
+
+  /** Packet of the IMU, profile ACCEL32_GYRO32_NMEA: 8 samples 1 ms apart, the last one invalid.
+   * \param time of the first [ns] */
+  [[nodiscard]] std::string newImuPacket(std::uint64_t time) const
+  {
+    constexpr std::uint16_t samples = 8;
+    std::string bytes = header(2, 0) + std::string(100, '$');
+    for (std::uint16_t i = 0; i < samples; ++i)
+    {
+      appendBytes<std::uint64_t>(bytes, time + i * std::uint64_t{1000000});
+      appendBytes(bytes, i);
+      appendBytes<std::uint16_t>(bytes, i + 1 < samples ? 1 : 0);
+      for (const float value : {1.0F, -2.0F, 9.75F, 0.5F, -0.25F, 0.125F})  // [m/s^2], [rad/s]
+      {
+        appendBytes(bytes, value);
+      }
+    }
+    return bytes + std::string(header_size, '\0');
+  }
+
+  /** The packet of a frame, from 0 on. */
+  [[nodiscard]] std::string packet(std::size_t frame, std::size_t number) const
+  {
+    std::string bytes;
+    if (!isLegacy())
+    {
+      bytes = header(1, frame);
     }
     for (std::size_t i = 0; i < packet_columns; ++i)
     {
@@ -150,14 +197,14 @@ struct SyntheticOuster
       }
       for (std::size_t beam = 0; beam < beams; ++beam)
       {
-        bytes += pixel(beam, column);
+        bytes += pixel(beam, column, frame == 0 && column < sky_columns);
       }
       if (isLegacy())
       {
         appendBytes<std::uint32_t>(bytes, valid ? 0xffffffffU : 0U);
       }
     }
-    return bytes + (isLegacy() ? "" : std::string(32, '\0'));
+    return bytes + (isLegacy() ? "" : std::string(header_size, '\0'));
   }
 
   /** All packets of frames, from the packet `first` on. */
@@ -171,16 +218,20 @@ struct SyntheticOuster
     return all;
   }
 
-  /** A capture of these packets, the first at 1000 s. \param fragment_size 0: none [bytes] */
+  /** A capture of these packets, the first at 1000 s; those of the IMU are received with the next
+   * one of the lidar. \param fragment_size 0: none [bytes] */
   [[nodiscard]] static std::string capture(const std::vector<std::string>& packets_in,
                                            std::size_t fragment_size = 0)
   {
-    constexpr std::size_t port = 7502;
+    constexpr std::size_t imu_size = 48;
+    constexpr std::size_t new_imu_size = 452;
     std::string file = captureHeader();
     double time = 1000;
     for (std::size_t n = 0; n < packets_in.size(); ++n)
     {
-      const std::string datagram = udpDatagram(packets_in[n], port);
+      const std::size_t size = packets_in[n].size();
+      const bool of_imu = size == imu_size || size == new_imu_size;
+      const std::string datagram = udpDatagram(packets_in[n], of_imu ? 7503 : 7502);
       auto frames = fragment_size == 0 ? std::vector<std::string>{ipFrame(datagram, n, 0)}
                                        : fragmentsOf(datagram, n, fragment_size);
       std::reverse(frames.begin(), frames.end());  // any order will do
@@ -188,7 +239,7 @@ struct SyntheticOuster
       {
         appendFrame(file, time, frame);
       }
-      time += turn / static_cast<double>(packets);
+      time += of_imu ? 0 : turn / static_cast<double>(packets);
     }
     return file;
   }

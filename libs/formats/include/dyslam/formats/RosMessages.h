@@ -83,6 +83,10 @@ class RosScanDecoder
  * transforms: "--sensor-pose 'x y z yaw pitch roll'  (frame in parent, /tf_static)" [m, deg]. */
 [[nodiscard]] std::string sensorPosesOf(Bag& bag, const std::vector<RosScanTopic>& scans);
 
+/** Name of a frame without a slash before it: drivers of ROS 1 put one there, and tf2 ignores it.
+ */
+[[nodiscard]] std::string plainFrame(std::string name);
+
 /** A pose or a transform: T_parent_child. */
 struct RosPose
 {

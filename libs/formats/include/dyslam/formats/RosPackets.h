@@ -31,6 +31,10 @@ struct RosPacket
 [[nodiscard]] std::vector<RosPacket> decodeRosPackets(const BagTopic& topic,
                                                       const BagMessage& message);
 
+/** Topics of the packets of the IMUs in Ouster lidars, by their first messages: indices in
+ * Bag::topics(). Reads the bag up to these. */
+[[nodiscard]] std::vector<std::size_t> ousterImuTopics(Bag& bag);
+
 /** Metadata of an Ouster lidar, published by its driver as `std_msgs/String`. */
 struct RosMetadata
 {

@@ -108,9 +108,9 @@ struct ScanConverterOptions : Options, ScanRange, RecordingOptions
 };
 
 /** Writes a folder of .bin, .pcd or .ply scans, a Velodyne .pcap or a ROS bag (see openBag()) as a
- * rawlog, with the IMU and the wheel odometry of a bag if the options name their topics. Scans of a
- * folder get the times of the file, of their names where those are times since 1970, or of their
- * points. \throws UserError. */
+ * rawlog, with the IMU and the wheel odometry of a bag if the options name their topics, and the
+ * IMU in the Ouster of a .pcap if they ask for it. Scans of a folder get the times of the file, of
+ * their names where those are times since 1970, or of their points. \throws UserError. */
 ConversionResult convertScans(const std::string& input,
                               const std::string& output,
                               const ScanConverterOptions& options,

@@ -16,6 +16,7 @@ struct RecordingOptions
    * furtherLabels(). */
   std::vector<std::string> further_topics;
   std::string imu_topic;       //!< topic of a bag's IMU; empty: none
+  bool imu = false;            //!< also the IMU in the Ouster of a capture
   std::string odometry_topic;  //!< topic of a bag's wheel odometry; empty: none
   std::string gnss_topic;      //!< topic of a bag's satellite receiver; empty: none
   std::string sensor;          //!< for packets: name of the VelodyneModel; else: label of the scans

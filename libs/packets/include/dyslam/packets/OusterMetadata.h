@@ -45,6 +45,7 @@ struct OusterMetadata
   double origin_outwards = 0;
   double origin_up = 0;
   Pose T_sensor_lidar = Pose::Identity();
+  Pose T_sensor_imu = Pose::Identity();
 
   [[nodiscard]] std::size_t beams() const { return altitudes.size(); }
 };

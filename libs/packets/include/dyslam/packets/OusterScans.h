@@ -18,6 +18,9 @@ namespace dyslam
  * column's time, the beam's rank by its angle as ring (0 the lowest) and the reflectivity as
  * intensity, 0 to 1. Stamps are by SensorClock.
  *
+ * Samples of the IMU in the lidar (OusterImu.h) are left out before the first packet of the lidar,
+ * which sets the clock, and if their time is more than 1 s from that of the lidar's last one.
+ *
  * Geometry: Ouster, Software User Manual, "Lidar Range to XYZ".
  */
 class OusterScans : public PacketScans
@@ -34,6 +37,10 @@ class OusterScans : public PacketScans
   void add(const LidarPacket& packet) override;
   void finish() override;
   [[nodiscard]] std::optional<Scan> take() override;
+  [[nodiscard]] bool readsImu() const override { return true; }
+  [[nodiscard]] bool takesImu(const LidarPacket& packet) const override;
+  void addImu(const LidarPacket& packet) override;
+  [[nodiscard]] std::vector<ImuSample> takeImu() override;
   [[nodiscard]] std::string sensor() const override;
   [[nodiscard]] std::vector<std::string> warnings() const override;
 

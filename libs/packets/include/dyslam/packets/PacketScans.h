@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <dyslam/core/MotionSamples.h>
 #include <dyslam/core/Scan.h>
 #include <dyslam/packets/LidarPacket.h>
 
 #include <cstddef>
 #include <cstdint>
 #include <deque>
+#include <limits>
 #include <optional>
 #include <string>
 #include <vector>
@@ -35,6 +37,15 @@ class PacketScans
   virtual void finish() = 0;
   /** The next complete scan; nothing until more packets are added. */
   [[nodiscard]] virtual std::optional<Scan> take() = 0;
+  /** Whether the packets of the IMU in this kind of lidar are decoded. */
+  [[nodiscard]] virtual bool readsImu() const { return false; }
+  /** Whether a datagram is a packet of the IMU in this lidar. */
+  [[nodiscard]] virtual bool takesImu(const LidarPacket& /*packet*/) const { return false; }
+  /** \pre takesImu(packet), and the packet was received after those of the lidar added before. */
+  virtual void addImu(const LidarPacket& /*packet*/) {}
+  /** Samples of the IMU since the last call, in the order of their packets, with stamps by the
+   * clock of the scans. T_vehicle_imu is their pose in the frame of the points. */
+  [[nodiscard]] virtual std::vector<ImuSample> takeImu() { return {}; }
   /** Name of the lidar, such as "VLP16" or "OS-1-128". */
   [[nodiscard]] virtual std::string sensor() const = 0;
   /** Notes and warnings about the packets, one line each. */
@@ -74,7 +85,9 @@ class RevolutionQueue
   double usual_end_ = 1;    //!< end of the latest one that is neither first nor last
 };
 
-/** Cuts the blocks of a spinning lidar, in either direction, into revolutions. */
+/** Cuts the blocks of a spinning lidar, in either direction, into revolutions: where the azimuth
+ * passes the cut, also if the lidar leaves out the sector around it, and at gaps of a turn or more.
+ */
 class RevolutionCutter
 {
  public:
@@ -83,9 +96,9 @@ class RevolutionCutter
   RevolutionCutter(double cut_azimuth, bool keep_partial);
 
   /** The scan that a block belongs to, which begins with this block if it is the first past the
-   * cut.
+   * cut. Blocks of packets that were overtaken go to the current scan.
    * \param azimuth of the block, 0 to 35999 [0.01 deg]
-   * \param stamp of a scan that begins here, UNIX time [s]
+   * \param stamp of the block, and of a scan that begins here, UNIX time [s]
    * \return valid until the next call of any method */
   [[nodiscard]] Scan& scanOf(int azimuth, double stamp);
   /** To be called after the last block. */
@@ -93,14 +106,18 @@ class RevolutionCutter
   [[nodiscard]] std::optional<Scan> take() { return queue_.take(); }
 
  private:
+  /** Whether a block is of a packet that was overtaken. \param onward angle from the last block, in
+   * the direction of rotation [0.01 deg] */
+  [[nodiscard]] bool isLate(int onward, double stamp) const;
   void push();
 
   int cut_;  //!< azimuth of the cut [0.01 deg]
   RevolutionQueue queue_;
   Scan scan_;
   bool begun_ = false;
-  int first_azimuth_ = 0;  //!< first azimuth of the scan, from the cut on [0.01 deg]
-  int last_azimuth_ = 0;   //!< last azimuth of the scan, from the cut on [0.01 deg]
-  double turned_ = 0;      //!< clockwise angle since the first block [0.01 deg]
+  int first_azimuth_ = 0;            //!< first azimuth of the scan, from the cut on [0.01 deg]
+  std::optional<int> last_azimuth_;  //!< of the latest block, from the cut on [0.01 deg]
+  double last_stamp_ = std::numeric_limits<double>::infinity();  //!< of the latest block [s]
+  std::int64_t steps_ = 0;  //!< number of clockwise steps minus that of the others
 };
 }  // namespace dyslam

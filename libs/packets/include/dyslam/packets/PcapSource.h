@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <dyslam/core/MotionSamples.h>
 #include <dyslam/core/Options.h>
 #include <dyslam/core/Scan.h>
 #include <dyslam/packets/VelodyneScans.h>
 
+#include <cstddef>
 #include <memory>
 #include <optional>
 #include <string>
@@ -14,6 +16,8 @@ namespace dyslam
 {
 struct PcapSourceOptions : Options, VelodyneScansOptions
 {
+  bool imu = false;  //!< keep the samples of the IMU in an Ouster for takeImu()
+
   void describe(OptionsVisitor& visitor) override;
 };
 
@@ -31,6 +35,13 @@ class PcapSource
 
   /** Scan of the next revolution; nothing at the end. \throws UserError if the file is damaged. */
   [[nodiscard]] std::optional<Scan> next();
+  /** Whether the packets of the IMU in this kind of lidar are decoded: in an Ouster they are. */
+  [[nodiscard]] bool readsImu() const;
+  /** Number of packets of that IMU that were received, also without PcapSourceOptions::imu. */
+  [[nodiscard]] std::size_t imuPackets() const;
+  /** With PcapSourceOptions::imu the samples of the IMU in the lidar since the last call, all that
+   * were received before the last scan was complete; see PacketScans::takeImu(). */
+  [[nodiscard]] std::vector<ImuSample> takeImu();
   /** Name of the lidar, such as "VLP16" or "OS-1-128". */
   [[nodiscard]] std::string sensor() const;
   [[nodiscard]] double progress() const;  //!< fraction of the file that was read, 0 to 1
