@@ -150,35 +150,6 @@ SlamRunReport processRest(const SlamRunSettings& settings,
   return run.finish(source.warnings(), end);
 }
 
-/** \throws UserError if an output is requested that the run did not have from its first scan on. */
-void requireHad(bool asked, bool had, const std::string& flag)
-{
-  if (asked && !had)
-  {
-    throw UserError(flag +
-                    ": the run to resume was started without it; leave it out, or start anew");
-  }
-}
-
-/** Settings of the saved run, with those that are given again. */
-SlamRunSettings settingsOf(const SavedRun& saved, const SlamRunSettings& given)
-{
-  SlamRunSettings settings = given;
-  settings.rawlog = given.rawlog.empty() ? saved.rawlog : given.rawlog;
-  settings.config = Config::fromText(saved.settings, "the state's settings");
-  settings.config.merge(given.config);
-  settings.inputs = saved.inputs;
-  settings.sensor = saved.sensor;
-  settings.warnings = saved.warnings;
-  requireHad(given.static_scans, saved.static_scans, "--static-scans");
-  requireHad(given.labels, saved.labels, "--labels");
-  requireHad(given.probabilities, saved.probabilities, "--probabilities");
-  settings.static_scans = saved.static_scans;
-  settings.labels = saved.labels;
-  settings.probabilities = saved.probabilities;
-  return settings;
-}
-
 /** Skips the scans that the run has processed. \throws UserError if they differ. */
 ScanSum skipSeen(const SavedRun& saved, const std::string& rawlog, RawlogSource& source)
 {

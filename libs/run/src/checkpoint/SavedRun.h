@@ -42,6 +42,24 @@ struct SavedRun
   double first_pass_time = 0;        //!< part of `seconds` for the first of two passes [s]
 };
 
+class ScanSum;
+
+/** Identity and progress of a run.
+ * \param config all settings \param scans checksum of the processed scans
+ * \param seconds time of the run so far [s] */
+[[nodiscard]] SavedRun savedRunOf(const SlamRunSettings& settings,
+                                  const Config& config,
+                                  const ScanSum& scans,
+                                  double seconds);
+
+/** Settings of the saved run, with those that are given again.
+ * \throws UserError if outputs are given that the run did not have. */
+[[nodiscard]] SlamRunSettings settingsOf(const SavedRun& saved, const SlamRunSettings& given);
+
+/** \throws UserError if a setting differs from that of the saved run.
+ * \param config all settings of the run that resumes it */
+void requireSameSettings(const SavedRun& saved, const Config& config);
+
 /** Parts of the state of a run, which different threads write. */
 enum class StatePart
 {

@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "RunEnd.h"
+
+#include <dyslam/core/Error.h>
+#include <dyslam/core/Printable.h>
+#include <dyslam/core/Words.h>
+#include <dyslam/formats/ProgramLines.h>
+
+namespace dyslam
+{
+namespace
+{
+/** Message for the user with advice. \return empty if the run did not end early */
+std::string messageOf(const EarlyEnd& end, std::size_t frames, const SlamRunSettings& settings)
+{
+  const std::string& folder = settings.output_folder;
+  std::string what;
+  if (end.is_stopped)
+  {
+    what = stoppedMessage(settings.rawlog, earlyEndReason(end, frames)) +
+           ", whose results are in " + folder;
+    what += hasCheckpoint(folder) ? "; continue with: dyslam --resume -o " + folder : "";
+  }
+  else if (!end.damage.empty())
+  {
+    what =
+        end.damage + "; results of the " + counted(frames, "scan") + " before it are in " + folder;
+  }
+  return what;
+}
+}  // namespace
+
+std::string earlyEndReason(const EarlyEnd& end, std::size_t frames)
+{
+  const std::string stopped =
+      end.is_stopped ? stopReason("on request after " + counted(frames, "scan")) : "";
+  return stopped + (stopped.empty() || end.damage.empty() ? "" : "; ") + end.damage;
+}
+
+void requireComplete(const EarlyEnd& end,
+                     const RunResults& results,
+                     const SlamRunSettings& settings)
+{
+  std::string what = messageOf(end, results.report.frames, settings);
+  for (const std::string& failure : results.failures)
+  {
+    appendWord(what, failure, "; ");
+  }
+  if (!results.failures.empty())
+  {
+    what += "; the other results are in " + settings.output_folder;
+  }
+  if (!what.empty())
+  {
+    throw UserError(what);
+  }
+}
+}  // namespace dyslam

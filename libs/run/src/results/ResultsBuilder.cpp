@@ -1,0 +1,157 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "ResultsBuilder.h"
+
+#include <dyslam/backend/Backend.h>
+#include <dyslam/dyseg/MovingSegmenter.h>
+#include <dyslam/mapping/ThinnedPoints.h>
+#include <dyslam/pipeline/GivenBoxesOptions.h>
+#include <dyslam/pipeline/Pipeline.h>
+#include <dyslam/tracking/Tracker.h>
+#include <sys/resource.h>
+
+#include <algorithm>
+#include <iterator>
+#include <map>
+#include <tuple>
+#include <utility>
+
+#include "SmoothedTracks.h"
+#include "TrackHindsight.h"
+
+namespace dyslam
+{
+namespace
+{
+constexpr std::size_t max_shown_points = 4000000;  // map points in pictures, page and scene
+
+/** Memory by part [MB]. */
+std::map<std::string, double> memoryOf(const Pipeline& pipeline)
+{
+  constexpr double megabyte = 1 << 20;
+  const KeyframeStore& keyframes = pipeline.backend().keyframes();
+  std::map<std::string, double> bytes{
+      {"keyframe_clouds", static_cast<double>(keyframes.cloudMemory())},
+      {"temporary_file", static_cast<double>(keyframes.memory().file->size())}};
+  if (pipeline.map() != nullptr)
+  {
+    bytes["map"] = static_cast<double>(pipeline.map()->memory());
+  }
+  for (auto& [part, size] : bytes)
+  {
+    size /= megabyte;
+  }
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  bytes["largest"] = static_cast<double>(usage.ru_maxrss) / 1024;  // kilobytes on Linux
+  return bytes;
+}
+
+void append(std::vector<std::string>& all, const std::vector<std::string>& more)
+{
+  all.insert(all.end(), more.begin(), more.end());
+}
+}  // namespace
+
+ResultsBuilder::ResultsBuilder(const SlamRunSettings& settings, ConfigLoader& config)
+    : settings_(settings),
+      track_smoothing_(config.get<TrackSmoothingOptions>("track_smoothing")),
+      has_boxes_(!config.get<GivenBoxesOptions>("boxes").file.empty()),
+      complete_boxes_(config.get<TrackerOptions>("tracker").complete_boxes && !has_boxes_),
+      has_labels_(!config.get<MovingSegmenterOptions>("dyseg").labels.empty())
+{
+}
+
+RunResults ResultsBuilder::atEnd(const RunData& run,
+                                 const std::vector<std::string>& source_warnings) const
+{
+  RunResults results;
+  results.begin = run.times.begin();
+  results.backend = &run.pipeline.backend();
+  results.map = run.pipeline.map();
+  results.history = &run.history;
+  results.map_points =
+      results.map == nullptr ? MapPoints() : thinnedPoints(*results.map, max_shown_points);
+  results.trajectory = run.pipeline.trajectory();
+  setObjects(run, results);
+  results.reference = run.statistics.referenceInMap(results.trajectory);
+  results.stage_ms = run.times.stageMilliseconds(run.statistics.frames);
+  results.memory_mb = memoryOf(run.pipeline);
+  results.report.method = run.pipeline.summary();
+  fillReport(run, results);
+  append(results.report.warnings, settings_.warnings);
+  append(results.report.warnings, source_warnings);
+  append(results.report.warnings, run.pipeline.warnings());
+  append(results.report.warnings, run.statistics.warnings(has_labels_));
+  results.report.second_pass_advice = run.statistics.secondPassAdvice(has_labels_);
+  if (has_boxes_ && run.statistics.detections == 0)
+  {
+    results.report.warnings.emplace_back(
+        "boxes.file has no box of a scan of this run: frames and file names are the numbers of the "
+        "scans in the recording, from 0");
+  }
+  return results;
+}
+
+RunResults ResultsBuilder::soFar(const RunData& run, const std::string& method) const
+{
+  constexpr std::size_t most_voxels = 2000000;  // writing a larger map takes seconds
+  RunResults results;  // without times and warnings of the front end, which is running
+  results.begin = run.times.begin();
+  results.backend = &run.pipeline.backend();
+  results.map = run.pipeline.map();
+  if (results.map != nullptr && results.map->voxelCount() > most_voxels)
+  {
+    results.map = nullptr;
+  }
+  results.history = &run.history;
+  results.trajectory = run.pipeline.trajectory();
+  results.reference = run.statistics.referenceInMap(results.trajectory);
+  results.report.method = method;
+  fillReport(run, results);
+  append(results.report.warnings, settings_.warnings);
+  return results;
+}
+
+void ResultsBuilder::setObjects(const RunData& run, RunResults& results) const
+{
+  const std::vector<SmoothedObject> of_graph = run.pipeline.backend().smoothedObjects();
+  TrackSmoothingOptions smoothing = track_smoothing_;
+  if (!of_graph.empty())
+  {
+    smoothing.merge_overlap = 1;  // in the graph every track is an object
+  }
+  TracksInHindsight of_tracks =
+      smoothReported(run.history, results.trajectory, smoothing, complete_boxes_);
+  results.merged_tracks = std::move(of_tracks.merged);
+  std::set_union(of_graph.begin(), of_graph.end(), of_tracks.objects.begin(),
+                 of_tracks.objects.end(), std::back_inserter(results.objects),
+                 [](const SmoothedObject& a, const SmoothedObject& b)
+                 { return std::tie(a.scan, a.id) < std::tie(b.scan, b.id); });
+}
+
+void ResultsBuilder::fillReport(const RunData& run, RunResults& results) const
+{
+  SlamRunReport& report = results.report;
+  report.frames = run.statistics.frames;
+  report.unconverged = run.statistics.registration_failures.total();
+  report.failure = run.statistics.failure(!settings_.inputs.empty());
+  report.verdict = run.statistics.verdict();
+  report.odometry_failed = run.statistics.odometry_failures.total();
+  report.keyframes = run.pipeline.backend().keyframes().size();
+  report.loops = run.pipeline.backend().factorGraph().usedLoops().size();
+  report.loops_left_out = run.pipeline.backend().factorGraph().leftOutLoops();
+  report.georeference = run.pipeline.backend().georeference();
+  report.gravity = run.pipeline.backend().gravity();
+  report.tracks = movingTracks(results);
+  report.map_points = results.map == nullptr ? 0 : results.map->pointCount();
+  const auto lengths = results.trajectory.pathLengths();
+  report.path_length = lengths.empty() ? 0 : lengths.back();
+  for (const auto& [stage, ms] : results.stage_ms)
+  {
+    report.ms_per_scan += stage.rfind("checkpoint", 0) == 0 ? 0 : ms;
+  }
+  report.has_reference = !results.reference.empty();
+  report.recording_time = run.statistics.recordingTime();
+  report.first_pass_time = settings_.first_pass_time;
+}
+}  // namespace dyslam
