@@ -8,8 +8,10 @@
 #include <cerrno>
 #include <cmath>
 #include <cstring>
+#include <filesystem>
 #include <numeric>
 #include <set>
+#include <system_error>
 #include <utility>
 
 namespace dyslam
@@ -53,19 +55,20 @@ MapRegion widened(const MapRegion& region, double margin)
 }  // namespace
 
 ScanStore::ScanStore(const std::string& path, const StaticMapOptions& options)
-    : options_(options), pending_(path)
+    : options_(options), path_(path + ".tmp")
 {
   errno = 0;
-  file_.open(pending_.temporary(),
-             std::ios::in | std::ios::out | std::ios::binary | std::ios::trunc);
+  file_.open(path_, std::ios::in | std::ios::out | std::ios::binary | std::ios::trunc);
   requireGood();
+  std::error_code ignored;
+  std::filesystem::remove(path_, ignored);
 }
 
 void ScanStore::requireGood() const
 {
   if (!file_)
   {
-    throw UserError(pending_.temporary() + ": the scans cannot be kept on disk: " +
+    throw UserError(path_ + ": the scans cannot be kept on disk: " +
                     (errno != 0 ? std::strerror(errno) : "unknown reason"));
   }
 }
