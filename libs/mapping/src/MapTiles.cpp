@@ -48,6 +48,14 @@ std::vector<ScanPart> partsOfCloud(const Frame& frame)
   return parts;
 }
 
+/** Width of the margin of a tile [m]: voxels that reach into the tile, or into a column of the
+ * ground that does, must be complete. */
+double marginFor(const StaticMapOptions& options)
+{
+  constexpr double ground_column = 1;  // [m]
+  return std::max(TileMap::margin, ground_column + options.voxel_size);
+}
+
 MapRegion widened(const MapRegion& region, double margin)
 {
   return {region.low.array() - margin, region.high.array() + margin};
@@ -174,10 +182,11 @@ std::vector<MapTile> tilesOf(const ScanStore& scans, const StaticMapOptions& opt
 }
 
 TileMap::TileMap(ScanStore& store, const StaticMapOptions& options, const MapTile& tile)
-    : map(options, keyframes, widened(tile.region, margin))
+    : map(options, keyframes, widened(tile.region, marginFor(options)))
 {
   // Largest distance of a scan from the tile; the margin's corners are less than two margins away.
-  const double reach = std::max(options.max_range, options.visibility_range) + 2 * margin;
+  const double reach =
+      std::max(options.max_range, options.visibility_range) + 2 * marginFor(options);
   for (std::size_t k = 0; k < store.size(); ++k)
   {
     const Pose& T = store.pose(k);

@@ -78,7 +78,8 @@ struct MapTile
  * equals that part of the whole map, since each of its voxels is hit by the same scans. */
 struct TileMap
 {
-  /** Width of the margin, so that normals and ground are correct up to the border [m]. */
+  /** Least width of the margin, so that normals and ground are correct up to the border [m]; with
+   * large voxels it is wider. */
   static constexpr double margin = 2;
 
   TileMap(ScanStore& scans, const StaticMapOptions& options, const MapTile& tile);
