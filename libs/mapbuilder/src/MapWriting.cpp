@@ -105,6 +105,21 @@ std::size_t writeClouds(MapBuilder& builder,
   return points;
 }
 
+/** \return a warning if the cells are larger than the option; else empty */
+std::string coarserCells(const std::string& path, double side, const MapExportOptions& exports)
+{
+  if (side <= exports.grid_resolution)
+  {
+    return {};
+  }
+  char text[200];
+  std::snprintf(text, sizeof text,
+                ": the cells have %g m instead of map_export.grid_resolution=%g, of which there "
+                "would be more than map_export.grid_max_cells=%d",
+                side, exports.grid_resolution, exports.grid_max_cells);
+  return path + text;
+}
+
 /** Writes a map that is no cloud. */
 void writeOther(MapBuilder& builder,
                 const std::string& path,
@@ -115,6 +130,7 @@ void writeOther(MapBuilder& builder,
   listener.beginWriting(fs::path(path).filename().string(), "keyframes");
   const MapProgress update = [&](std::size_t done)
   { listener.update(fractionOf(done, keyframes), done); };
+  std::string warning;
   switch (mapFormatOf(path))
   {
     case MapFormat::cloud:
@@ -129,10 +145,16 @@ void writeOther(MapBuilder& builder,
       writeScene(sceneOf(builder, exports.full_resolution), path);
       break;
     case MapFormat::grid:
-      writeOccupancyGrid(builder.map(), path, exports, builder.origin(), update);
+      warning = coarserCells(
+          path, writeOccupancyGrid(builder.map(), path, exports, builder.origin(), update),
+          exports);
       break;
   }
   listener.finish(keyframes);
+  if (!warning.empty())
+  {
+    listener.warn(warning);
+  }
 }
 
 void writePictures(const MapBuilder& builder, const MapOutputs& outputs)

@@ -188,6 +188,18 @@ TEST_F(MapRun, FilesWithCoordinatesOfTheirOwnAreWarnedOf)
             listener.warnings[0]);
 }
 
+TEST_F(MapRun, CoarserCellsOfAGridAreWarnedOf)
+{
+  outputs.maps = {folder.file("m.png")};
+  outputs.exports.grid_max_cells = 100;
+  (void)build();
+  ASSERT_EQ(1U, listener.warnings.size());
+  EXPECT_TRUE(contains(listener.warnings[0],
+                       "instead of map_export.grid_resolution=0.1, of which there would be more "
+                       "than map_export.grid_max_cells=100"))
+      << listener.warnings[0];
+}
+
 TEST_F(MapRun, RunsWithoutAPlaceInCommonAreNotMerged)
 {
   for (const char* name : {"a", "b"})

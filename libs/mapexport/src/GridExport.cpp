@@ -236,11 +236,11 @@ void writeGridmap(const Grid& grid, const std::string& path)
 }
 }  // namespace
 
-void writeOccupancyGrid(const StaticMap& map,
-                        const std::string& path,
-                        const MapExportOptions& options,
-                        const Eigen::Vector3d& origin,
-                        const MapProgress& on_keyframe)
+double writeOccupancyGrid(const StaticMap& map,
+                          const std::string& path,
+                          const MapExportOptions& options,
+                          const Eigen::Vector3d& origin,
+                          const MapProgress& on_keyframe)
 {
   validate(options, "map_export");
   if (options.obstacle_min_height >= options.obstacle_max_height)
@@ -260,6 +260,7 @@ void writeOccupancyGrid(const StaticMap& map,
   {
     writePngAndYaml(grid, path, origin);
   }
+  return grid.resolution;
 }
 
 bool isGridImage(const std::string& path)

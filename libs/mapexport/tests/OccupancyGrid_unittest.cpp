@@ -475,8 +475,9 @@ TEST_F(OccupancyGrid, EveryPointHasACellOfTheGrid)
 TEST_F(OccupancyGrid, LargeGridsGetCoarserCells)
 {
   MapExportOptions options;
+  EXPECT_EQ(writeOccupancyGrid(test::room().map, folder.file("m.png"), options), 0.1);
   options.grid_max_cells = 5000;
-  writeOccupancyGrid(test::room().map, folder.file("m.png"), options);
+  EXPECT_EQ(writeOccupancyGrid(test::room().map, folder.file("m.png"), options), 0.4);
   const cv::Mat grid = cv::imread(folder.file("m.png"), cv::IMREAD_UNCHANGED);
   EXPECT_LE(grid.rows * grid.cols, 5000);
   EXPECT_NE(folder.read("m.yaml").find("resolution: 0.4"), std::string::npos)

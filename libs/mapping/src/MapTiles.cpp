@@ -8,8 +8,10 @@
 #include <cerrno>
 #include <cmath>
 #include <cstring>
+#include <filesystem>
 #include <numeric>
 #include <set>
+#include <system_error>
 #include <utility>
 
 namespace dyslam
@@ -46,6 +48,14 @@ std::vector<ScanPart> partsOfCloud(const Frame& frame)
   return parts;
 }
 
+/** Width of the margin of a tile [m]: voxels that reach into the tile, or into a column of the
+ * ground that does, must be complete. */
+double marginFor(const StaticMapOptions& options)
+{
+  constexpr double ground_column = 1;  // [m]
+  return std::max(TileMap::margin, ground_column + options.voxel_size);
+}
+
 MapRegion widened(const MapRegion& region, double margin)
 {
   return {region.low.array() - margin, region.high.array() + margin};
@@ -53,19 +63,20 @@ MapRegion widened(const MapRegion& region, double margin)
 }  // namespace
 
 ScanStore::ScanStore(const std::string& path, const StaticMapOptions& options)
-    : options_(options), pending_(path)
+    : options_(options), path_(path + ".tmp")
 {
   errno = 0;
-  file_.open(pending_.temporary(),
-             std::ios::in | std::ios::out | std::ios::binary | std::ios::trunc);
+  file_.open(path_, std::ios::in | std::ios::out | std::ios::binary | std::ios::trunc);
   requireGood();
+  std::error_code ignored;
+  std::filesystem::remove(path_, ignored);
 }
 
 void ScanStore::requireGood() const
 {
   if (!file_)
   {
-    throw UserError(pending_.temporary() + ": the scans cannot be kept on disk: " +
+    throw UserError(path_ + ": the scans cannot be kept on disk: " +
                     (errno != 0 ? std::strerror(errno) : "unknown reason"));
   }
 }
@@ -171,10 +182,11 @@ std::vector<MapTile> tilesOf(const ScanStore& scans, const StaticMapOptions& opt
 }
 
 TileMap::TileMap(ScanStore& store, const StaticMapOptions& options, const MapTile& tile)
-    : map(options, keyframes, widened(tile.region, margin))
+    : map(options, keyframes, widened(tile.region, marginFor(options)))
 {
   // Largest distance of a scan from the tile; the margin's corners are less than two margins away.
-  const double reach = std::max(options.max_range, options.visibility_range) + 2 * margin;
+  const double reach =
+      std::max(options.max_range, options.visibility_range) + 2 * marginFor(options);
   for (std::size_t k = 0; k < store.size(); ++k)
   {
     const Pose& T = store.pose(k);

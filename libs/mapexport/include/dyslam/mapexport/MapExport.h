@@ -60,12 +60,13 @@ void writeOctomap(const StaticMap& map,
 /** 2D occupancy grid for navigation: `x.gridmap` (MRPT's COccupancyGridMap2D, which stays relative
  * to the origin), or with any other ending a PNG, and `x.yaml` for ROS's map_server beside it. In a
  * grid finer than the voxels, obstacles in neighbouring columns of voxels are connected.
+ * \return side of the cells [m], more than grid_resolution if there were more than grid_max_cells
  * \throws UserError if obstacle_min_height is not below obstacle_max_height. */
-void writeOccupancyGrid(const StaticMap& map,
-                        const std::string& path,
-                        const MapExportOptions& options,
-                        const Eigen::Vector3d& origin = Eigen::Vector3d::Zero(),
-                        const MapProgress& on_keyframe = {});
+double writeOccupancyGrid(const StaticMap& map,
+                          const std::string& path,
+                          const MapExportOptions& options,
+                          const Eigen::Vector3d& origin = Eigen::Vector3d::Zero(),
+                          const MapProgress& on_keyframe = {});
 
 /** Whether the file exists and is the image of an occupancy grid: `x.png` that `x.yaml` names. */
 [[nodiscard]] bool isGridImage(const std::string& path);

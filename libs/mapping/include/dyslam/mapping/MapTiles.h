@@ -2,7 +2,6 @@
 #pragma once
 
 #include <dyslam/core/Frame.h>
-#include <dyslam/core/PendingFile.h>
 #include <dyslam/mapping/StaticMap.h>
 
 #include <cstddef>
@@ -19,8 +18,8 @@ namespace dyslam
 class ScanStore
 {
  public:
-  /** \param path the scans are stored in `<path>.tmp`, which is removed with this object. \throws
-   * UserError if it cannot be written. */
+  /** \param path the scans are stored in `<path>.tmp`, which loses its name at once: nothing is
+   * left of it when the program ends or is killed. \throws UserError if it cannot be written. */
   ScanStore(const std::string& path, const StaticMapOptions& options);
 
   /** Adds a scan at its final pose; points in the boxes of moving objects are stored as moving.
@@ -55,7 +54,7 @@ class ScanStore
   void requireGood() const;
 
   StaticMapOptions options_;
-  PendingFile pending_;  //!< file of the scans, never committed
+  std::string path_;  //!< of the file of the scans, while it had a name
   std::fstream file_;
   std::vector<Entry> entries_;
   std::uint64_t bytes_ = 0;
@@ -79,7 +78,8 @@ struct MapTile
  * equals that part of the whole map, since each of its voxels is hit by the same scans. */
 struct TileMap
 {
-  /** Width of the margin, so that normals and ground are correct up to the border [m]. */
+  /** Least width of the margin, so that normals and ground are correct up to the border [m]; with
+   * large voxels it is wider. */
   static constexpr double margin = 2;
 
   TileMap(ScanStore& scans, const StaticMapOptions& options, const MapTile& tile);
