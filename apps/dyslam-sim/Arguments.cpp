@@ -22,11 +22,12 @@ void declareSets(CLI::App& app, Arguments& a)
   CLI::Option* benchmark = addOutputFolder(app, "--benchmark", a.benchmark,
                                            "write the fixed benchmark set to this folder instead");
   for (const char* fixed :
-       {"--world",   "--sensor",     "--traffic",  "--seed",          "--traffic-seed",
-        "--reverse", "--output",     "--ego",      "--speed",         "--loop",
-        "--start",   "--start-time", "--one-loop", "--columns",       "--max-range",
-        "--compact", "--no-flow",    "--no-noise", "--no-distortion", "--no-stops",
-        "--count",   "--imu",        "--wheels",   "--mounting",      "--further-sensor"})
+       {"--world",         "--sensor",     "--traffic",  "--seed",          "--traffic-seed",
+        "--reverse",       "--output",     "--ego",      "--speed",         "--loop",
+        "--start",         "--start-time", "--one-loop", "--columns",       "--max-range",
+        "--compact",       "--no-flow",    "--no-noise", "--no-distortion", "--no-stops",
+        "--count",         "--imu",        "--wheels",   "--gnss",          "--mounting",
+        "--further-sensor"})
   {
     benchmark->excludes(app.get_option(fixed));
   }
@@ -116,8 +117,8 @@ void declare(CLI::App& app, Arguments& a)
       "also wheel odometry: forward speed and yaw rate at 50 Hz; not with a hand-held ego");
   app.add_flag(
       "--gnss", a.recording.gnss,
-      "also a satellite receiver: a position each second, 1.1 m off horizontally and 2.2 m "
-      "vertically (RMS)");
+      "also a satellite receiver: a position each second, 1.1 m off in east and in north, 2.2 m in "
+      "height (RMS)");
   app.add_option("--threads", a.recording.threads, "0: number of cores (0)")
       ->check(CLI::Range(0, 256));
   declareSets(app, a);

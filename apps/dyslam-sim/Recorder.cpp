@@ -11,6 +11,7 @@
 #include <filesystem>
 #include <memory>
 #include <numeric>
+#include <optional>
 #include <set>
 #include <string>
 #include <system_error>
@@ -70,8 +71,9 @@ void makeCompact(SimulatedScan& s)
   reorder(s.moving, order);
 }
 
-/** The scan, after the samples since the scan before in order of time. */
-void writeScan(const SimulatedScan& scan, RawlogWriter& rawlog)
+/** The scan, after the samples since the scan before in order of time. \param fix at the scan's
+ * stamp, if any */
+void writeScan(const SimulatedScan& scan, const std::optional<GnssFix>& fix, RawlogWriter& rawlog)
 {
   auto wheels = scan.wheels.begin();
   for (const ImuSample& imu : scan.imu)
@@ -85,6 +87,10 @@ void writeScan(const SimulatedScan& scan, RawlogWriter& rawlog)
   for (; wheels != scan.wheels.end(); ++wheels)
   {
     rawlog.write(*wheels);
+  }
+  if (fix)
+  {
+    rawlog.write(*fix);
   }
   rawlog.write(scan.scan, scan.T_map_vehicle);
   for (const Scan& further : scan.further)
@@ -205,7 +211,8 @@ RecordingResult record(const Recording& recording,
   GnssReceiver receiver(recording.simulator.trafficSeed());
   std::set<int> ids;
   const double period = simulator.sensor().period;
-  const auto scans = static_cast<std::size_t>(std::llround(recording.seconds / period));
+  const auto scans =
+      static_cast<std::size_t>(std::max(1LL, std::llround(recording.seconds / period)));
   const std::size_t most = recording.least_distance > 0 ? 3 * scans : scans;
   const double wanted = result.loop_length + 30;
   Eigen::Vector3d last = Eigen::Vector3d::Zero();
@@ -216,12 +223,9 @@ RecordingResult record(const Recording& recording,
     {
       makeCompact(scan);
     }
-    if (const auto fix =
-            recording.gnss ? receiver.fixAt(scan.scan.stamp, scan.T_map_vehicle) : std::nullopt)
-    {
-      out.rawlog().write(*fix);
-    }
-    writeScan(scan, out.rawlog());
+    const auto fix =
+        recording.gnss ? receiver.fixAt(scan.scan.stamp, scan.T_map_vehicle) : std::nullopt;
+    writeScan(scan, fix, out.rawlog());
     writeTruth(scan, i, recording.flow, out.truth(), ids);
     result.moving_points += static_cast<std::size_t>(
         std::accumulate(scan.moving.begin(), scan.moving.end(), std::size_t{0}));

@@ -13,7 +13,7 @@ namespace dyslam::sim
 struct Recording
 {
   SimulatorOptions simulator;
-  double seconds = 10;    //!< simulated time; upper limit for `one_loop` [s]
+  double seconds = 10;    //!< simulated time, one scan at least; upper limit for `one_loop` [s]
   bool one_loop = false;  //!< stop 30 m after the ego has closed its loop
   /** Continues after `seconds` until this distance is driven [m], for at most three times as
    * long. */

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Recordings of dyslam-sim as stock MRPT reads them.
 #include <gtest/gtest.h>
+#include <mrpt/obs/CObservationGPS.h>
 #include <mrpt/obs/CObservationIMU.h>
 #include <mrpt/obs/CObservationOdometry.h>
 #include <mrpt/obs/CObservationPointCloud.h>
@@ -39,14 +40,15 @@ std::vector<std::shared_ptr<Observation>> ofClass(
 class SimRecording : public testing::Test
 {
  protected:
-  /** Simulates five scans. */
-  [[nodiscard]] std::vector<mrpt::obs::CObservation::Ptr> recorded(const std::string& flags) const
+  /** Simulates five scans, or other seconds. */
+  [[nodiscard]] std::vector<mrpt::obs::CObservation::Ptr> recorded(
+      const std::string& flags, const std::string& seconds = "0.5") const
   {
     const std::string path = folder_.file("x.rawlog");
     const Outcome outcome = runProgram("dyslam-sim",
                                        "--world campus --sensor VLP16 --columns 100 --loop 200 "
-                                       "--seconds 0.5 --no-flow -q --force -o " +
-                                           path + " " + flags,
+                                       "--no-flow -q --force --seconds " +
+                                           seconds + " -o " + path + " " + flags,
                                        folder_.path());
     EXPECT_EQ(0, outcome.code) << outcome.err;
     mrpt::obs::CRawlog rawlog;
@@ -83,6 +85,29 @@ TEST_F(SimRecording, HasTheSamplesBetweenTheScansInOrderOfTime)
   EXPECT_EQ(clouds.back()->timestamp, imu.back()->timestamp);
   EXPECT_EQ(clouds.back()->timestamp, wheels.back()->timestamp);
   EXPECT_EQ(clouds.back(), observations.back());
+}
+
+TEST_F(SimRecording, HasThePositionsInOrderOfTime)
+{
+  const auto observations = recorded("--imu --wheels --gnss", "1.2");
+  EXPECT_EQ(2U, ofClass<mrpt::obs::CObservationGPS>(observations).size());
+  EXPECT_TRUE(std::is_sorted(observations.begin(), observations.end(),
+                             [](const auto& a, const auto& b)
+                             { return a->timestamp < b->timestamp; }));
+}
+
+TEST_F(SimRecording, HasOneScanAtLeast)
+{
+  const auto clouds = ofClass<mrpt::obs::CObservationPointCloud>(recorded("", "0.01"));
+  EXPECT_EQ(1U, clouds.size());
+}
+
+TEST_F(SimRecording, TheBenchmarkSetsHaveNoPositions)
+{
+  const Outcome outcome =
+      runProgram("dyslam-sim", "--gnss --benchmark " + folder_.file("set"), folder_.path());
+  EXPECT_NE(0, outcome.code);
+  EXPECT_NE(std::string::npos, outcome.err.find("--gnss")) << outcome.err;
 }
 
 TEST_F(SimRecording, HasNoSamplesUnlessRequested)

@@ -14,6 +14,8 @@
 #include <optional>
 #include <set>
 
+#include "TimeRange.h"
+
 namespace dyslam
 {
 namespace
@@ -368,7 +370,7 @@ std::string splitMarkdown(const std::vector<DriveScores>& drives,
   std::string lengths;
   for (const double length : segment_lengths)
   {
-    appendWord(lengths, std::to_string(std::lround(length)));
+    appendWord(lengths, shortNumber(length));
   }
   std::string text = "Split: " + splitLine(drives) + ". DySLAM " + DYSLAM_VERSION + ".\n\n";
   text += drivesTable(drives, columns.whole).toMarkdown();

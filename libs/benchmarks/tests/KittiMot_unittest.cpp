@@ -156,6 +156,10 @@ TEST_F(KittiMot, SpeedsCountTheFramesOfTheirError)
   EXPECT_EQ(given.substr(given.rfind(',') + 1), "2") << given;
   EXPECT_FALSE(contains(csv, "labels"));
 
+  // Also a series with the name of the labels.
+  sources.series.front().first = "labels";
+  EXPECT_TRUE(contains(speedReport(sources, kittiSpeeds(sources)).table.toCsv(), "\nlabels,"));
+
   sources.series = {{"other", folder_.write("other.csv", "speed,time\n1,2\n")}};
   EXPECT_TRUE(contains(messageOfError<UserError>([&] { (void)kittiSpeeds(sources); }),
                        "the first line must be time,speed"));

@@ -2,7 +2,7 @@
 #include <dyslam/eval/PaperFigures.h>
 #include <dyslam/eval/TrajectoryReports.h>
 
-#include <cmath>
+#include <cstdio>
 #include <nlohmann/json.hpp>
 
 namespace dyslam
@@ -14,6 +14,14 @@ using Json = nlohmann::ordered_json;
 std::optional<double> where(bool condition, double value)
 {
   return condition ? std::optional<double>(value) : std::nullopt;
+}
+
+/** A segment length as it was given: 2.5, not 2. */
+std::string lengthText(double length)
+{
+  char text[32];
+  std::snprintf(text, sizeof text, "%g", length);
+  return text;
 }
 
 std::vector<TableCell> row(const TrajectoryReport& r)
@@ -138,7 +146,7 @@ Table driftTable(const std::vector<TrajectoryReport>& reports)
   const std::size_t lengths = reports.empty() ? 0 : reports.front().drift.per_length.size();
   for (std::size_t i = 0; i < lengths; ++i)
   {
-    std::vector<TableCell> cells{TableCell(reports.front().drift.per_length[i].length, 0)};
+    std::vector<TableCell> cells{lengthText(reports.front().drift.per_length[i].length)};
     for (const auto& r : reports)
     {
       const auto& drift = r.drift.per_length.at(i);

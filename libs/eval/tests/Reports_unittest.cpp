@@ -89,6 +89,10 @@ TEST(TrajectoryReports, DriftAndStatisticsTables)
   EXPECT_EQ(driftTable(reports).rows(), 8U);
   EXPECT_EQ(errorStatisticsTable(reports).rows(), 8U);
   EXPECT_EQ(driftTable({}).rows(), 0U);
+  TrajectoryMetricsOptions options;
+  options.lengths = {2.5};
+  const std::string text = driftTable({evaluateTrajectory("a", circle(0.01), options)}).toText();
+  EXPECT_NE(text.find("\n2.5 "), std::string::npos) << text;
 }
 }  // namespace
 }  // namespace dyslam

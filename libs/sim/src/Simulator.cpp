@@ -3,6 +3,7 @@
 #include <dyslam/core/Parallel.h>
 #include <dyslam/sim/Simulator.h>
 
+#include <algorithm>
 #include <cmath>
 #include <map>
 #include <string>
@@ -131,6 +132,17 @@ struct Simulator::Impl
     return interpolate(track[i], track[i + 1], x - static_cast<double>(i));
   }
 
+  /** Largest range of all sensors [m]. */
+  double maxRange() const
+  {
+    double range = model.max_range;
+    for (const FurtherLidar& lidar : further_lidars)
+    {
+      range = std::max(range, lidar.model.max_range);
+    }
+    return range;
+  }
+
   double stampOf(std::size_t scan) const
   {
     return kEpoch + model.period * (static_cast<double>(scan) + 0.5);
@@ -194,7 +206,7 @@ void Simulator::Impl::gatherBodies(const Eigen::Vector3d& center)
   bodies.clear();
   body_actor.clear();
   moving_scene.clear();
-  const double reach = model.max_range + 12;
+  const double reach = maxRange() + 12;
   for (std::size_t i = 0; i < crowd.actors().size(); ++i)
   {
     const BodyState &a = states[0][i], &b = states[1][i], &c = states[2][i];
@@ -263,7 +275,7 @@ void Simulator::Impl::describeObjects(const SweepScene& sweep,
     };
     o.box = boxAt(0);
     o.box_seen = boxAt(o.seen_time);
-    if (o.box.center.norm() < model.max_range)
+    if (o.box.center.norm() < maxRange())
     {
       scan.objects.push_back(o);
     }

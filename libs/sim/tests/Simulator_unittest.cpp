@@ -90,6 +90,26 @@ TEST(Simulator, FurtherSensorsSeeTheSameScene)
   }
 }
 
+TEST(Simulator, AFurtherSensorSeesObjectsBeyondTheRangeOfTheFirst)
+{
+  SimulatorOptions options = small(WorldKind::highway, 0.6);
+  options.sensor = SensorKind::vlp16;
+  options.further_sensors = {{SensorKind::pandar64, poseFromYpr(0.1, 0, 1.9, 0, 0, 0)}};
+  Simulator simulator(options, 2);
+  const SimulatedScan s = simulator.next();
+  const auto far = [](const Eigen::Vector3d& p) { return p.norm() > 120; };
+  EXPECT_GT(std::count_if(s.objects.begin(), s.objects.end(),
+                          [&](const SimulatedObject& object)
+                          { return object.points > 0 && far(object.box.center); }),
+            0);
+  std::size_t moving = 0;
+  for (std::size_t i = 0; i < s.moving.size(); ++i)
+  {
+    moving += s.moving[i] != 0 && far(s.deskewed[i].cast<double>()) ? 1U : 0U;
+  }
+  EXPECT_GT(moving, 0U);
+}
+
 TEST(Simulator, TheSameWorldWithOtherTraffic)
 {
   SimulatorOptions options = small(WorldKind::urban, 0.6);

@@ -45,7 +45,7 @@ struct SimulatedScan
   std::vector<std::uint8_t> moving;  //!< 1 for points on moving bodies
   Pose T_map_vehicle = Pose::Identity();       //!< vehicle pose at the stamp
   Pose T_map_vehicle_next = Pose::Identity();  //!< vehicle pose at the next scan's stamp
-  std::vector<SimulatedObject> objects;        //!< objects within range
+  std::vector<SimulatedObject> objects;        //!< objects within the range of a sensor
   // Samples after the stamp of the previous scan up to that of this one; none in the first scan.
   std::vector<ImuSample> imu;       //!< 100 Hz, if SimulatorOptions::imu
   std::vector<WheelSample> wheels;  //!< 50 Hz, if SimulatorOptions::wheels
