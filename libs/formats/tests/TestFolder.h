@@ -4,10 +4,12 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <fstream>
 #include <sstream>
 #include <string>
+#include <vector>
 
 #include "RealData.h"
 
@@ -88,5 +90,12 @@ std::string messageOfError(Call&& call)
 inline bool contains(const std::string& text, const std::string& part)
 {
   return text.find(part) != std::string::npos;
+}
+
+/** Whether one of the lines contains a text. */
+inline bool hasLine(const std::vector<std::string>& lines, const std::string& part)
+{
+  return std::any_of(lines.begin(), lines.end(),
+                     [&part](const std::string& line) { return contains(line, part); });
 }
 }  // namespace dyslam

@@ -183,6 +183,17 @@ std::vector<FurtherTopic> furtherTopics(const std::string& input,
   return further;
 }
 
+/** Options for the packets of a further lidar: model and calibration are those of the first one,
+ * and clouds are never partial. */
+ScanConverterOptions optionsOfFurther(const BagTopic& topic, const ScanConverterOptions& options)
+{
+  ScanConverterOptions of_further = options;
+  of_further.sensor.clear();
+  of_further.calibration.clear();
+  of_further.keep_partial = options.keep_partial && packetMakerOf(topic);
+  return of_further;
+}
+
 /** Poses of one body from a topic of the bag. */
 Trajectory readTruth(const std::string& input,
                      Bag& bag,
@@ -270,8 +281,9 @@ class BagReader
     std::vector<std::size_t> topics = motion_.topicsWith(scans);
     for (const FurtherTopic& lidar : further)
     {
-      further_.push_back(
-          {lidar, further_.size() + 1, makeBagScans(input, bag, lidar.topic, options)});
+      further_.push_back({lidar, further_.size() + 1,
+                          makeBagScans(input, bag, lidar.topic,
+                                       optionsOfFurther(bag.topics()[lidar.topic], options))});
       topics.push_back(lidar.topic);
     }
     bag_.select(topics);

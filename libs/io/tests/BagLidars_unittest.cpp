@@ -15,6 +15,7 @@
 #include <vector>
 
 #include "BagWriters.h"
+#include "SyntheticCapture.h"
 #include "SyntheticScans.h"
 #include "TestFolder.h"
 
@@ -240,6 +241,43 @@ TEST(BagLidars, TheLabelsOfTopicsDiffer)
   ScanConverterOptions lidar = frontAndRear();
   lidar.further_topics = {"/lidar"};
   EXPECT_EQ(partStamps(convertedFrames(folder, lidar)), (PartStamps{{0.031}}));
+}
+
+TEST(BagLidars, SensorAndCalibrationAreThoseOfTheFirst)
+{
+  const TestFolder folder;
+  constexpr double packet_time = 12 * 2 * 55.296e-6;  // [s]
+  const bool cdr = false;
+  std::vector<test::TestMessage> messages{
+      {"/tf_static", "tf2_msgs/TFMessage", bag_begin,
+       test::transforms(cdr, bag_begin,
+                        {{"front_lidar", poseFromYpr(1, 0, 1.5, 0, 0, 0)},
+                         {"velodyne", poseFromYpr(-2, 0, 1, M_PI, 0, 0)}})}};
+  for (std::size_t n = 0; n < 400; ++n)
+  {
+    const double time = static_cast<double>(n) * packet_time;
+    if (n % 76 == 0)
+    {
+      messages.push_back({"/front/points", "sensor_msgs/PointCloud2", bag_begin + time,
+                          bagScan(cdr, bag_begin + time, n / 76, "front_lidar")});
+    }
+    messages.push_back(
+        {"/velodyne_packets", "velodyne_msgs/VelodyneScan", bag_begin + time,
+         test::velodyneScan(cdr, bag_begin + time, {{bag_begin + time, velodynePacket(time)}})});
+  }
+  test::writeBag(folder.file("x.bag"), messages);
+  ScanConverterOptions options;
+  options.topic = "/front/points";
+  options.further_topics = {"/velodyne_packets"};
+  options.sensor = "roof";
+  const auto result = convertScans(folder.file("x.bag"), folder.file("x.rawlog"), options);
+  EXPECT_EQ(6U, result.scans);
+  EXPECT_GT(result.points, 3 * 27000U) << "with three revolutions of the further lidar";
+  options.sensor = "";
+  options.topic = "/velodyne_packets";
+  options.further_topics = {"/front/points"};
+  options.keep_partial = true;
+  EXPECT_EQ(6U, convertScans(folder.file("x.bag"), folder.file("x.rawlog"), options).scans);
 }
 
 TEST(BagLidars, ALidarOfABagThatCannotBePlacedIsAnError)

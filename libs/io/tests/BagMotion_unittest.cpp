@@ -109,12 +109,6 @@ void expectInOrder(const std::vector<Frame>& frames, std::vector<Sample> Frame::
     EXPECT_NEAR(frame.scan.stamp, last, 1e-6);
   }
 }
-
-bool hasLine(const std::vector<std::string>& lines, const std::string& part)
-{
-  return std::any_of(lines.begin(), lines.end(),
-                     [&part](const std::string& line) { return contains(line, part); });
-}
 }  // namespace
 
 TEST(BagMotion, ImuBetweenTheScans)

@@ -5,7 +5,6 @@
 #include <dyslam/io/RawlogSource.h>
 #include <gtest/gtest.h>
 
-#include <algorithm>
 #include <cmath>
 #include <string>
 #include <vector>
@@ -36,12 +35,6 @@ std::string ousterCapture(bool with_imu)
     time += 25 * millisecond;
   }
   return SyntheticOuster::capture(packets);
-}
-
-bool hasLine(const std::vector<std::string>& lines, const std::string& part)
-{
-  return std::any_of(lines.begin(), lines.end(),
-                     [&part](const std::string& line) { return contains(line, part); });
 }
 }  // namespace
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/core/Error.h>
 #include <dyslam/core/Files.h>
+#include <dyslam/core/Printable.h>
 #include <dyslam/formats/ScanFiles.h>
 #include <dyslam/packets/HesaiScans.h>
 #include <dyslam/packets/OusterScans.h>
@@ -74,10 +75,12 @@ struct PcapSource::Impl
   std::deque<LidarPacket> probed;
   Decoder decoder;
   std::vector<std::string> notes;
-  std::optional<std::uint64_t> stream;  //!< stream of the lidar's first packet
-  std::size_t taken = 0;                //!< number of packets of the lidar
-  std::size_t imu_packets = 0;          //!< number of packets of the IMU in the lidar
-  std::size_t of_others = 0;            //!< number of packets of other lidars
+  std::optional<std::uint64_t> stream;   //!< stream of the lidar's first packet
+  std::size_t taken = 0;                 //!< number of packets of the lidar
+  std::size_t imu_packets = 0;           //!< number of packets of the IMU in the lidar
+  std::vector<std::uint8_t> last_bytes;  //!< last packet of the lidar
+  std::size_t repeated = 0;              //!< number of packets that were the same as the one before
+  std::size_t of_others = 0;             //!< number of packets of other lidars
   bool finished = false;
   std::optional<Scan> first;
   std::string probed_kind;      //!< the most frequent packets, for messages; empty: there are none
@@ -271,6 +274,12 @@ struct PcapSource::Impl
       ++of_others;
       return;
     }
+    if (packet.bytes == last_bytes)
+    {
+      ++repeated;
+      return;
+    }
+    last_bytes = packet.bytes;
     ++taken;
     decoder.scans->add(packet);
   }
@@ -330,6 +339,11 @@ const std::vector<std::string>& PcapSource::notes() const
 std::vector<std::string> PcapSource::warnings() const
 {
   auto lines = impl_->decoder.scans->warnings();
+  if (impl_->repeated > 0)
+  {
+    lines.push_back(impl_->path + ": " + counted(impl_->repeated, "packet") +
+                    " received twice, as if captured on two interfaces; used once");
+  }
   if (impl_->of_others > 0)
   {
     lines.push_back(impl_->path + ": " + std::to_string(impl_->of_others) +

@@ -51,7 +51,16 @@ VelodyneDecoder::VelodyneDecoder(VelodyneModel model,
 
 bool VelodyneDecoder::isDual(const VelodynePacketView& packet) const
 {
-  return packet.returnMode() == VelodynePacketView::dual_return && model_ != VelodyneModel::hdl64e;
+  // An HDL-64E does not state it: there the banks of a firing follow each other twice.
+  return model_ == VelodyneModel::hdl64e ? packet.bank(0) && packet.bank(0) == packet.bank(2) &&
+                                               packet.azimuth(0) == packet.azimuth(2)
+                                         : packet.returnMode() == VelodynePacketView::dual_return;
+}
+
+std::optional<std::size_t> VelodyneDecoder::firstReturnOf(std::size_t block, bool dual) const
+{
+  const std::size_t distance = model_ == VelodyneModel::hdl64e ? 2 : 1;
+  return dual && block / distance % 2 == 1 ? std::optional(block - distance) : std::nullopt;
 }
 
 std::size_t VelodyneDecoder::blocksOfFiring(bool dual) const
@@ -121,11 +130,12 @@ bool VelodyneDecoder::decodeBlock(const VelodynePacketView& packet,
   // Blocks of 16 lasers have two firings each.
   const std::size_t firings = std::max<std::size_t>(1, returns_in_block / traits_.lasers);
   const double block_time = static_cast<double>(firings) * traits_.firing_time;
+  const auto first_return = firstReturnOf(block, dual);
   for (std::size_t k = 0; k < returns_in_block; ++k)
   {
     const std::uint16_t raw = packet.range(block, k);
-    // The odd block of a dual pair repeats the even one where there was a single return.
-    if (raw == 0 || (dual && block % 2 == 1 && raw == packet.range(block - 1, k)))
+    // The second block of a dual pair repeats the first one where there was a single return.
+    if (raw == 0 || (first_return && raw == packet.range(*first_return, k)))
     {
       continue;
     }

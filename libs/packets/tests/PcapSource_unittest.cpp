@@ -275,6 +275,29 @@ TEST(PcapSource, RefusesWhatItCannotRead)
   EXPECT_THROW(revolutionsOf(folder.write("f", whole), options), UserError);
 }
 
+TEST(PcapSource, PacketsThatWereCapturedTwice)
+{
+  const TestFolder folder;
+  std::string twice = captureHeader();
+  for (std::size_t n = 0; n < 300; ++n)
+  {
+    const double time = static_cast<double>(n) * packet_time;
+    const std::string frame = ipFrame(udpDatagram(velodynePacket(time), 2368), 0, 0);
+    appendFrame(twice, 1000 + time, frame);
+    appendFrame(twice, 1000 + time, frame);
+  }
+  const auto once = revolutionsOf(folder.write("a.pcap", captured(300)));
+  const auto read = revolutionsOf(folder.write("b.pcap", twice));
+  ASSERT_EQ(once.scans.size(), read.scans.size());
+  for (std::size_t i = 0; i < once.scans.size(); ++i)
+  {
+    EXPECT_EQ(once.scans[i].size(), read.scans[i].size());
+  }
+  EXPECT_TRUE(once.warnings.empty());
+  ASSERT_EQ(1U, read.warnings.size());
+  EXPECT_TRUE(contains(read.warnings[0], "b.pcap: 300 packets received twice"));
+}
+
 TEST(PcapSource, VlanTagsAreSkipped)
 {
   struct Kind

@@ -186,6 +186,37 @@ TEST(VelodyneModels, TurnsOfAVls128WithDualReturns)
   EXPECT_TRUE(scans.warnings().empty());
 }
 
+/** Its blocks are lower and upper bank of the first return, then both of the second. */
+TEST(VelodyneModels, DualReturnsOfAnHdl64e)
+{
+  std::string bytes;
+  for (std::size_t block = 0; block < 12; ++block)
+  {
+    appendBytes<std::uint16_t>(bytes, block % 2 == 0 ? 0xeeff : 0xddff);
+    appendBytes(bytes, static_cast<std::uint16_t>(9000 + 17 * (block / 4)));
+    for (std::size_t k = 0; k < 32; ++k)
+    {
+      // Every other laser has two different returns.
+      appendBytes<std::uint16_t>(bytes, block % 4 >= 2 && k % 2 == 1 ? 6000 : 5000);
+      bytes += static_cast<char>(51);
+    }
+  }
+  appendBytes<std::uint32_t>(bytes, 1000);
+  bytes += "H7";  // a status, no mode
+  mrpt::obs::VelodyneCalibration calibration;
+  calibration.laser_corrections.resize(64, {});
+  constexpr std::array<std::size_t, 4> points{32, 64, 80, 96};  // up to each block of a firing
+  const VelodyneDecoder decoder(VelodyneModel::hdl64e, calibration, 0, 300);
+  const VelodynePacketView view{reinterpret_cast<const std::uint8_t*>(bytes.data())};
+  Scan scan;
+  for (std::size_t block = 0; block < velodyne_blocks; ++block)
+  {
+    EXPECT_TRUE(decoder.decodeBlock(view, block, 0, scan));
+    EXPECT_EQ(block / 4 * 96 + points.at(block % 4), scan.size());
+    EXPECT_NEAR(48e-6 * static_cast<double>(block / 4) + 31 * 1.5e-6, scan.time.back(), 1e-9);
+  }
+}
+
 TEST(VelodyneModels, TheByteOfThePacketsIsRecognised)
 {
   struct Case

@@ -100,6 +100,8 @@ class VelodyneDecoder
     std::uint16_t ring;
   };
   [[nodiscard]] bool isDual(const VelodynePacketView& packet) const;
+  /** The block of which a block has the second returns; nothing if it has first ones. */
+  [[nodiscard]] std::optional<std::size_t> firstReturnOf(std::size_t block, bool dual) const;
   [[nodiscard]] std::size_t blocksOfFiring(bool dual) const;
   [[nodiscard]] double shotOffset(std::size_t laser, std::size_t place) const;
   [[nodiscard]] double azimuthStep(const VelodynePacketView& packet, bool dual) const;
