@@ -318,6 +318,20 @@ TEST(RunPageInBrowser, SaysThatSatellitePositionsCorrectTheDriftAndHowLargeTheMa
   EXPECT_EQ(browser.errors(), "");
 }
 
+/** As ms_per_scan of report.json. */
+TEST(RunPageInBrowser, CheckpointsAreNoStages)
+{
+  DYSLAM_REQUIRE_BROWSER();
+  RunPage page = smallRun();
+  page.stage_ms = {{"refine", 20.3}, {"map", 10}, {"checkpoint.back_end", 7}};
+  Browser browser;
+  browser.open(written(page, "checkpoints.html"));
+  ASSERT_TRUE(browser.waitFor(all_drawn)) << browser.errors();
+  EXPECT_NE(textOf(browser, "summary").find("The stages took 30.3 ms per scan"), std::string::npos)
+      << textOf(browser, "summary");
+  EXPECT_NE(textOf(browser, "times").find("checkpoint.back_end"), std::string::npos);
+}
+
 TEST(RunPageInBrowser, HasAWordForARunWithoutScans)
 {
   DYSLAM_REQUIRE_BROWSER();

@@ -3,6 +3,8 @@
 #include <dyslam/core/Bytes.h>
 #include <dyslam/formats/CloudHeader.h>
 
+#include <cstdint>
+#include <limits>
 #include <utility>
 #include <vector>
 
@@ -33,6 +35,12 @@ class PcdFormat : public CloudFormat
 {
  public:
   explicit PcdFormat(const CloudDescription& layout) : layout_(layout) {}
+
+  /** PCL counts with 32 bits. */
+  [[nodiscard]] std::uint64_t maxPoints() const override
+  {
+    return std::numeric_limits<std::uint32_t>::max();
+  }
 
   [[nodiscard]] std::string header(const CloudSummary& summary) const override
   {

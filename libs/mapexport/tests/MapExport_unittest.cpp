@@ -23,6 +23,7 @@
 #include <sstream>
 #include <utility>
 
+#include "CloudFormat.h"
 #include "FullDisk.h"
 #include "TestMap.h"
 #include "TestRoom.h"
@@ -224,6 +225,15 @@ TEST_F(MapExport, ACloudWithNormalsNeedsThemOfAllPoints)
   EXPECT_FALSE(fs::exists(path("m.ply"))) << "it is not closed";
   file.close();
   EXPECT_EQ(readCloud(path("m.ply")).points, points.points);
+}
+
+/** The point counts of LAS 1.2, and of PCL, which reads PCD, have 32 bits. */
+TEST_F(MapExport, FormatsHoldAsManyPointsAsTheirReadersCount)
+{
+  constexpr std::uint64_t of_32_bits = std::numeric_limits<std::uint32_t>::max();
+  EXPECT_EQ(makeLasFormat({})->maxPoints(), of_32_bits);
+  EXPECT_EQ(makePcdFormat({})->maxPoints(), of_32_bits);
+  EXPECT_GT(makePlyFormat({})->maxPoints(), of_32_bits);
 }
 
 TEST_F(MapExport, KeyframesAreCountedWhenTheyAreDone)

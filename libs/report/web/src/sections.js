@@ -33,10 +33,16 @@ function origin(data) {
   return data.reference_origin ? ` (${data.reference_origin})` : '';
 }
 
+/** Of all stages; checkpoints are none, as for console and report.json. */
+function millisecondsPerScan(data) {
+  return Object.entries(data.stage_ms).filter(([name]) => !name.startsWith('checkpoint'))
+      .reduce((sum, [, ms]) => sum + ms, 0);
+}
+
 function sentences(data) {
   const {scans: n, seconds} = data.totals;
   const lost = n - data.totals.registered;
-  const ms = Object.values(data.stage_ms).reduce((sum, v) => sum + v, 0);
+  const ms = millisecondsPerScan(data);
   const result = [];
   result.push(`${count(n, 'scan')} of ${fixed(seconds, 1)} s were processed; the sensor travelled ` +
       `${fixed(data.length, 1)} m.`);
@@ -95,7 +101,7 @@ function tile(value, unit, name) {
 
 export function summary(data) {
   const {scans: n, keyframes, loops} = data.totals;
-  const ms = Object.values(data.stage_ms).reduce((sum, v) => sum + v, 0);
+  const ms = millisecondsPerScan(data);
   return h('section', {id: 'summary'}, h('h2', {}, 'Summary'), verdict(data),
       h('div', {class: 'tiles'}, tile(n.toLocaleString('en'), '', 'scans'),
           tile(fixed(data.length, 1), 'm', 'path'), tile(keyframes.toLocaleString('en'), '', 'keyframes'),
