@@ -201,11 +201,20 @@ void Trainer::run()
 {
   if (request_.validate_only)
   {
+    if (validation_.empty())
+    {
+      throw UserError(
+          "--validate: there is nothing to validate on; set [data] validation or "
+          "simulated_validation");
+    }
     validate();
     return;
   }
   request_.report("training on: " + source_->name());
-  loop_->run(request_.report, request_.stopped);
+  if (loop_->run(request_.report, request_.stopped))
+  {
+    loop_->validate();
+  }
 }
 
 void Trainer::log(double gradient)

@@ -9,6 +9,8 @@
 
 #include <cmath>
 #include <filesystem>
+#include <string>
+#include <vector>
 
 #include "DyloValidation.h"
 
@@ -193,6 +195,35 @@ TEST(DyloTrainer, DoesNotOverwriteATraining)
   wider.set("network.width=0.25");
   EXPECT_THROW(trainDylo(wider, request), UserError) << "the checkpoint is of another shape";
   request.output = freshFolder("none");
+  EXPECT_THROW(trainDylo(tiny(1), request), UserError);
+}
+
+TEST(DyloTrainer, ValidatesTheResult)
+{
+  Config config = tiny(2);
+  config.set("data.simulated_validation=campus;VLP16;0;9004;2");
+  DyloTrainRequest request = requestFor(freshFolder("validated"));
+  trainDylo(config, request);
+  const auto steps = [&]
+  {
+    std::vector<std::string> column;
+    for (const std::string& row : listItems(readWhole(request.output + "/validation.csv"), '\n'))
+    {
+      column.push_back(splitFields(row, ',').front());
+    }
+    return column;
+  };
+  EXPECT_EQ(steps(), (std::vector<std::string>{"step", "2", "2"}));
+  request.resume = true;
+  trainDylo(config, request);
+  EXPECT_EQ(steps().size(), 3U) << "once";
+}
+
+TEST(DyloTrainer, ValidationNeedsRecordings)
+{
+  DyloTrainRequest request = requestFor(freshFolder("not_validated"));
+  trainDylo(tiny(1), request);
+  request.validate_only = true;
   EXPECT_THROW(trainDylo(tiny(1), request), UserError);
 }
 
