@@ -75,10 +75,12 @@ void readOusterCapture(const std::string& path)
 {
   PcapSourceOptions options;
   options.calibration_file = path + ".json";
+  options.imu = true;
   writeWhole(options.calibration_file, SyntheticOuster().metadata(), Durable::no);
   PcapSource source(path, options);
   while (source.next())
   {
+    (void)source.takeImu();
   }
 }
 

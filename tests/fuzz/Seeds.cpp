@@ -295,5 +295,9 @@ int main(int argc, char** argv)
   dyslam::write(folder / "ouster_metadata/a", ouster.metadata());
   dyslam::write(folder / "ouster_metadata/b", ouster.metadata(true));
   dyslam::write(folder / "ouster_pcap/a", ouster.capture(ouster.packetsOf(3), 512));
+  auto with_imu = ouster.packetsOf(1);
+  with_imu.push_back(dyslam::SyntheticOuster::imuPacket(ouster.first_time));
+  with_imu.push_back(ouster.newImuPacket(ouster.first_time));
+  dyslam::write(folder / "ouster_pcap/imu", ouster.capture(with_imu));
   return 0;
 }

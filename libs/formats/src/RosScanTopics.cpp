@@ -194,7 +194,8 @@ std::vector<std::size_t> ousterImuTopics(Bag& bag)
   std::vector<std::size_t> topics;
   for (std::size_t i = 0; i < bag.topics().size(); ++i)
   {
-    if (packetMakerOf(bag.topics()[i]) == PacketMaker::ouster)
+    const BagTopic& topic = bag.topics()[i];
+    if (packetMakerOf(topic) == PacketMaker::ouster && topic.messages > 0)
     {
       topics.push_back(i);
     }

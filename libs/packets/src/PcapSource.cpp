@@ -75,12 +75,13 @@ struct PcapSource::Impl
   std::deque<LidarPacket> probed;
   Decoder decoder;
   std::vector<std::string> notes;
-  std::optional<std::uint64_t> stream;   //!< stream of the lidar's first packet
-  std::size_t taken = 0;                 //!< number of packets of the lidar
-  std::size_t imu_packets = 0;           //!< number of packets of the IMU in the lidar
-  std::vector<std::uint8_t> last_bytes;  //!< last packet of the lidar
-  std::size_t repeated = 0;              //!< number of packets that were the same as the one before
-  std::size_t of_others = 0;             //!< number of packets of other lidars
+  std::optional<std::uint64_t> stream;       //!< stream of the lidar's first packet
+  std::size_t taken = 0;                     //!< number of packets of the lidar
+  std::size_t imu_packets = 0;               //!< number of packets of the IMU in the lidar
+  std::vector<std::uint8_t> last_bytes;      //!< last packet of the lidar
+  std::vector<std::uint8_t> last_imu_bytes;  //!< last packet of the IMU in it
+  std::size_t repeated = 0;   //!< number of packets that were the same as the one before
+  std::size_t of_others = 0;  //!< number of packets of other lidars
   bool finished = false;
   std::optional<Scan> first;
   std::string probed_kind;      //!< the most frequent packets, for messages; empty: there are none
@@ -250,17 +251,28 @@ struct PcapSource::Impl
     return stream && packet.stream >> port_bits == *stream >> port_bits;
   }
 
+  /** Counts a packet of the IMU in the lidar, and decodes it if the options ask for that. */
+  void addImu(const LidarPacket& packet)
+  {
+    if (packet.bytes == last_imu_bytes)
+    {
+      return;  // captured twice, as warned of the packets of the lidar
+    }
+    last_imu_bytes = packet.bytes;
+    ++imu_packets;
+    if (options.imu)
+    {
+      decoder.scans->addImu(packet);
+    }
+  }
+
   void add(const LidarPacket& packet)
   {
     if (!decoder.scans->takes(packet))
     {
       if (isOfLidar(packet) && decoder.scans->takesImu(packet))
       {
-        ++imu_packets;
-        if (options.imu)
-        {
-          decoder.scans->addImu(packet);
-        }
+        addImu(packet);
         return;
       }
       const bool of_lidar = VelodyneScans::isPacket(packet) || HesaiScans::isPacket(packet) ||

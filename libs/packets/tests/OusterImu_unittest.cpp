@@ -130,11 +130,13 @@ TEST(PcapSource, TheImuInAnOuster)
 {
   const SyntheticOuster lidar;
   std::vector<std::string> packets;
+  std::vector<std::string> twice;  // as captured on two interfaces
   for (const std::string& packet : lidar.packetsOf(3))
   {
     const auto n = packets.size() / 2;
     packets.push_back(packet);
     packets.push_back(SyntheticOuster::imuPacket(sample_time + 25000000 * n));
+    twice.insert(twice.end(), {packets[2 * n], packets[2 * n], packets.back(), packets.back()});
   }
   const TestFolder folder;
   folder.write("a.json", lidar.metadata());
@@ -161,6 +163,13 @@ TEST(PcapSource, TheImuInAnOuster)
   }
   EXPECT_EQ(packets.size() / 2, unasked.imuPackets());
   EXPECT_TRUE(unasked.takeImu().empty());
+  PcapSource of_two(folder.write("twice.pcap", SyntheticOuster::capture(twice)), options);
+  samples = 0;
+  while (of_two.next())
+  {
+    samples += of_two.takeImu().size();
+  }
+  EXPECT_EQ(packets.size() / 2, samples + of_two.takeImu().size());
   PcapSource other(folder.write("b.pcap", captured(300)));
   EXPECT_FALSE(other.readsImu());
   EXPECT_TRUE(other.takeImu().empty());
