@@ -71,16 +71,21 @@ Subcommand predictionCommand(CLI::App& app)
   CLI::App* sub = app.add_subcommand(
       "prediction",
       "One-step errors of trajectory prediction by degree and window (KITTI tracking)");
-  sub->add_option("--data", a->data,
-                  "KITTI tracking folder (label_02, oxts, calib, det_pointrcnn): the paper's six "
-                  "targets, with its results")
-      ->check(CLI::ExistingDirectory);
+  CLI::Option* data =
+      sub->add_option("--data", a->data,
+                      "KITTI tracking folder (label_02, oxts, calib, det_pointrcnn): the paper's "
+                      "six targets, with its results")
+          ->check(CLI::ExistingDirectory);
   sub->add_option("--boxes", a->boxes, "labels of one sequence (label_02/NNNN.txt)");
   sub->add_option("--oxts", a->oxts, "its GNSS/INS readings");
   sub->add_option("--calib", a->calib, "its calibration");
   sub->add_option("--track", a->track, "id of the target");
   sub->add_option("--detections", a->detections,
                   "predict from these detections (AB3DMOT's csv) instead of the labels");
+  for (const char* of_one_target : {"--boxes", "--oxts", "--calib", "--track", "--detections"})
+  {
+    data->excludes(sub->get_option(of_one_target));
+  }
   a->output.declare(*sub);
   return {sub, [a] { runPrediction(*a); }};
 }

@@ -33,10 +33,12 @@ void declareSets(CLI::App& app, Arguments& a)
   }
   app.add_option("--split", a.split, "the eleven drives of validation or test as benchmark set")
       ->needs(benchmark);
-  app.add_option("--only", a.only, "a single recording of the benchmark set")->needs(benchmark);
+  CLI::Option* only =
+      app.add_option("--only", a.only, "a single recording of the benchmark set")->needs(benchmark);
   app.add_option(
-      "--shard", a.shard,
-      "K/N: only the K-th of every N recordings of --benchmark or --count, for N machines");
+         "--shard", a.shard,
+         "K/N: only the K-th of every N recordings of --benchmark or --count, for N machines")
+      ->excludes(only);
 }
 
 EgoKind egoKind(const std::string& name)

@@ -79,4 +79,13 @@ TEST(KittiMotProgram, SpeedsAreInATable)
   EXPECT_EQ(unnamed.code, 1);
   EXPECT_TRUE(contains(unnamed.err, "must be NAME=FILE.csv")) << unnamed.err;
 }
+
+TEST(KittiMotProgram, PredictionOfThePapersTargetsHasNoOwnTarget)
+{
+  const TestFolder folder;
+  const Outcome outcome =
+      runProgram("dyslam-eval", "prediction --track 1 --data " + folder.path(), folder.path());
+  EXPECT_EQ(outcome.code, 1);
+  EXPECT_TRUE(contains(outcome.err, "excludes")) << outcome.err;
+}
 }  // namespace dyslam

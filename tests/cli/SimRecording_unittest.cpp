@@ -102,12 +102,15 @@ TEST_F(SimRecording, HasOneScanAtLeast)
   EXPECT_EQ(1U, clouds.size());
 }
 
-TEST_F(SimRecording, TheBenchmarkSetsHaveNoPositions)
+TEST_F(SimRecording, OfABenchmarkSetOnlyFlagsThatApplyAreAccepted)
 {
-  const Outcome outcome =
-      runProgram("dyslam-sim", "--gnss --benchmark " + folder_.file("set"), folder_.path());
-  EXPECT_NE(0, outcome.code);
-  EXPECT_NE(std::string::npos, outcome.err.find("--gnss")) << outcome.err;
+  for (const std::string flags : {"--gnss", "--only jam_empty --shard 2/3"})
+  {
+    const Outcome outcome =
+        runProgram("dyslam-sim", flags + " --benchmark " + folder_.file("set"), folder_.path());
+    EXPECT_NE(0, outcome.code) << flags;
+    EXPECT_NE(std::string::npos, outcome.err.find("excludes")) << outcome.err;
+  }
 }
 
 TEST_F(SimRecording, HasNoSamplesUnlessRequested)

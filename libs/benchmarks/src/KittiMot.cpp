@@ -286,6 +286,7 @@ KittiMotRun runKittiMot(const KittiMotSetup& setup,
                         const std::string& type)
 {
   KittiMotRun run;
+  run.every = setup.every;
   for (const std::string& name : names)
   {
     Recording recording = readRecording(setup, name, type);
@@ -366,6 +367,7 @@ void writeKittiMot(const std::string& folder,
       int next_id = first_id;
       for (LabelledBox box : run.sequences[i].estimate)
       {
+        box.frame *= run.every;
         box.id += first_id;
         next_id = std::max(next_id, box.id + 1);
         boxes.push_back(std::move(box));

@@ -14,6 +14,7 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 #include <set>
+#include <tuple>
 
 namespace dyslam
 {
@@ -22,12 +23,48 @@ namespace
 /** Limits of the range intervals of the error table [m]. */
 constexpr std::array<double, 4> range_limits{0, 20, 40, 60};
 
+/** Requires that no two boxes of a frame have the same id, as the metrics do. \param of_classes
+ * classes are evaluated one by one, each with its own ids \throws UserError. */
+void requireUniqueIds(const std::vector<LabelledBox>& boxes,
+                      bool of_classes,
+                      const std::string& path)
+{
+  std::set<std::tuple<int, int, std::string>> seen;
+  for (const LabelledBox& box : boxes)
+  {
+    if (box.id >= 0 && !seen.emplace(box.frame, box.id, of_classes ? lowered(box.type) : "").second)
+    {
+      throw UserError(path + ": two boxes of frame " + std::to_string(box.frame) + " have the id " +
+                      std::to_string(box.id) + "; give each object an id of its own");
+    }
+  }
+}
+
 TrackData readTrackFile(const TrackSources& sources, const std::string& path)
 {
-  return {sources.calib.empty()
-              ? readTracks(path)
-              : readKittiTracking(path, readKittiCalib(sources.calib).T_cam_velo, true),
-          {}};
+  const bool of_kitti = !sources.calib.empty();
+  TrackData data;
+  data.boxes = of_kitti ? readKittiTracking(path, readKittiCalib(sources.calib).T_cam_velo, true)
+                        : readTracks(path);
+  requireUniqueIds(data.boxes, of_kitti, path);
+  return data;
+}
+
+/** \throws UserError also for boxes that belong to no track. */
+TrackData readEstimateFile(const TrackSources& sources)
+{
+  TrackData data = readTrackFile(sources, sources.estimate);
+  for (const LabelledBox& box : data.boxes)
+  {
+    if (box.id < 0 && lowered(box.type) != "dontcare")
+    {
+      throw UserError(sources.estimate + ": a box of frame " + std::to_string(box.frame) +
+                      " has the id " + std::to_string(box.id) +
+                      "; the ids of tracks begin at 0, and detections without tracks cannot be "
+                      "evaluated");
+    }
+  }
+  return data;
 }
 
 /** Number of frames covered by either file. */
@@ -243,9 +280,8 @@ TrackData readEstimatedTracks(const TrackSources& sources,
                               const TrackData& truth,
                               const TrackSelection& selection)
 {
-  TrackData data = std::filesystem::is_directory(sources.estimate)
-                       ? readRun(sources.estimate)
-                       : readTrackFile(sources, sources.estimate);
+  TrackData data = std::filesystem::is_directory(sources.estimate) ? readRun(sources.estimate)
+                                                                   : readEstimateFile(sources);
   if (std::filesystem::is_directory(sources.reference))
   {
     removeUncovered(data.boxes, truth.boxes, selection);

@@ -156,6 +156,29 @@ TEST(TrackComparison, ClassesAreThoseOfTheReferenceOrTheGivenOnes)
   EXPECT_EQ(report.metrics.rows(), 2U);
 }
 
+TEST(TrackComparison, IdsOfAFileAreThoseOfTracks)
+{
+  const TestFolder folder;
+  const LabelledBox car = boxOf(3, 1, "Car", 10);
+  writeTracks(folder.file("a.txt"), {car, boxOf(3, 2, "Car", 20)});
+  writeTracks(folder.file("twice.txt"), {car, boxOf(3, 1, "Car", 20)});
+  writeTracks(folder.file("none.txt"), {car, boxOf(3, -1, "Car", 20)});
+  TrackSelection selection;
+  const auto read = [&](const std::string& reference, const std::string& estimate)
+  {
+    const TrackSources sources{folder.file(reference), folder.file(estimate), ""};
+    const TrackData truth = readReferenceTracks(sources, selection, ignore);
+    (void)readEstimatedTracks(sources, truth, selection);
+  };
+  EXPECT_NO_THROW(read("none.txt", "a.txt")) << "a true box without an id is left out";
+  EXPECT_TRUE(contains(messageOfError<UserError>([&] { read("a.txt", "none.txt"); }),
+                       "none.txt: a box of frame 3 has the id -1"));
+  EXPECT_TRUE(contains(messageOfError<UserError>([&] { read("a.txt", "twice.txt"); }),
+                       "twice.txt: two boxes of frame 3 have the id 1"));
+  EXPECT_TRUE(contains(messageOfError<UserError>([&] { read("twice.txt", "a.txt"); }),
+                       "twice.txt: two boxes of frame 3 have the id 1"));
+}
+
 TEST(TrackComparison, ScansThatWereDroppedShiftTheProcessedFrames)
 {
   const TestFolder folder;

@@ -8,6 +8,7 @@
 #include <dyslam/formats/KittiTracks.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 #include <set>
@@ -107,6 +108,21 @@ TEST_F(KittiMot, DropsFramesAndAddsNoiseOfItsSeed)
   EXPECT_EQ(noisy.averages.best.motp, scores(1, 0.3, 5).averages.best.motp);
   EXPECT_NE(noisy.averages.best.motp, scores(1, 0.3, 6).averages.best.motp);
   EXPECT_LT(noisy.averages.best.motp, all.averages.best.motp);
+}
+
+TEST_F(KittiMot, WrittenFramesHaveTheNumbersOfTheData)
+{
+  setup_.every = 3;
+  writeKittiMot(folder_.file("every"), folder_.path(), {"0000"},
+                {runKittiMot(setup_, {"0000"}, "Car")});
+  const Pose T_cam_velo = readKittiCalib(folder_.file("calib/0000.txt")).T_cam_velo;
+  int last_frame = 0;
+  for (const LabelledBox& box : readKittiTracking(folder_.file("every/0000.txt"), T_cam_velo))
+  {
+    EXPECT_EQ(box.frame % 3, 0) << box.frame;
+    last_frame = std::max(last_frame, box.frame);
+  }
+  EXPECT_GT(last_frame, kitti_scene_frames / 3);
 }
 
 TEST_F(KittiMot, TimesComeFromTheirFileAndAreChecked)

@@ -32,6 +32,12 @@ std::vector<std::string> cellsOf(const std::string& line)
   return cells;
 }
 
+/** Whether a column has names, which may be numbers (sequence "08"). */
+bool isOfNames(const std::string& column)
+{
+  return column == "recording" || column == "set" || column == "start";
+}
+
 bool numberOf(const std::string& cell, double& value)
 {
   char* end = nullptr;
@@ -80,7 +86,7 @@ LearningLog parseLearningLog(const std::string& text, const std::string& name)
     for (std::size_t r = 0; r < rows.size(); ++r)
     {
       double value = 0;
-      if (numberOf(rows[r][c], value))
+      if (!isOfNames(names[c]) && numberOf(rows[r][c], value))
       {
         column.value[r] = value;
         numeric = true;

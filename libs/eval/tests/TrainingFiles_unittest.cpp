@@ -27,6 +27,15 @@ TEST(LearningLog, ReadsColumnsAndSeries)
   EXPECT_TRUE(std::isnan(log.columns[1].value[1]));
 }
 
+TEST(LearningLog, RecordingsMayHaveNumbersAsNames)
+{
+  const auto log = parseLearningLog(
+      "step,recording,start,t_mean_m\n10,08,standing,0.5\n10,09,standing,0.7\n", "v.csv");
+  ASSERT_EQ(log.columns.size(), 1U);
+  EXPECT_EQ(log.columns[0].name, "t_mean_m");
+  EXPECT_EQ(log.series, (std::vector<std::string>{"08, standing", "09, standing"}));
+}
+
 TEST(LearningLog, RejectsOtherFiles)
 {
   const auto refused = [](const char* text, const char* part)

@@ -296,6 +296,7 @@ SweepScene Simulator::Impl::sweepOf(const SimulatedScan& scan,
   sweep.seed = combine(combine(options.trafficSeed(), 0x5CA7), index);
   sweep.noise = options.noise;
   sweep.motion_distortion = options.motion_distortion;
+  sweep.R_vehicle_lidar = mounting.linear().cast<float>();
   for (int c = 0; c < sensor.columns; ++c)
   {
     sweep.T_map_lidar_column.push_back(

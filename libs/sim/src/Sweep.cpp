@@ -76,7 +76,11 @@ class Caster
 {
  public:
   Caster(const SensorModel& sensor, const SweepScene& scene)
-      : sensor_(sensor), scene_(scene), beams_(tabulate(sensor)), beam_count_(sensor.beams.size())
+      : sensor_(sensor),
+        scene_(scene),
+        beams_(tabulate(sensor)),
+        beam_count_(sensor.beams.size()),
+        upright_(scene.R_vehicle_lidar.isIdentity())
   {
     hits_.resize(beam_count_ * static_cast<std::size_t>(sensor.columns));
   }
@@ -148,10 +152,14 @@ class Caster
     {
       return false;
     }
-    const Eigen::Vector3f ray =
-        sensor_.spins() ? Eigen::Vector3f::Zero() : throughPrisms(column.number, b);
-    const float a = std::abs(sensor_.spins() ? column.azimuth : std::atan2(ray.y(), ray.x()));
-    const float sine = sensor_.spins() ? beams_.sin_elevation[b] : ray.z();
+    float a = std::abs(column.azimuth);
+    float sine = beams_.sin_elevation[b];
+    if (!upright_ || !sensor_.spins())
+    {
+      const Eigen::Vector3f ray = scene_.R_vehicle_lidar * direction(column, b);
+      a = std::abs(std::atan2(ray.y(), ray.x()));
+      sine = ray.z();
+    }
     const float limit = a > 2.55F   ? -0.315F + 0.10F * (3.1416F - a)
                         : a > 2.05F ? -0.40F
                         : a > 1.9F  ? -0.37F
@@ -205,6 +213,7 @@ class Caster
   const SweepScene& scene_;
   BeamTable beams_;
   std::size_t beam_count_;
+  bool upright_;  //!< the sensor's axes are those of the vehicle
   std::vector<Hit> hits_;
 };
 

@@ -42,6 +42,7 @@ struct SweepScene
   bool noise = true;
   bool motion_distortion = true;
   bool on_car = false;  //!< the car's roof occludes some of the lowest rays
+  Eigen::Matrix3f R_vehicle_lidar = Eigen::Matrix3f::Identity();  //!< mounting on the car
 };
 
 /** Returns from one body in a sweep. */

@@ -110,6 +110,25 @@ TEST(Simulator, AFurtherSensorSeesObjectsBeyondTheRangeOfTheFirst)
   EXPECT_GT(moving, 0U);
 }
 
+TEST(Simulator, TheRoofOccludesRaysOfATiltedSensorBelowIt)
+{
+  // Rays from the vehicle: forwards below the bonnet's edge.
+  const auto isBelowBonnet = [](const Eigen::Vector3f& ray)
+  { return std::abs(std::atan2(ray.y(), ray.x())) < 0.2F && ray.z() < -0.45F; };
+  for (const bool noise : {true, false})
+  {
+    SimulatorOptions options = small(WorldKind::urban, 0);
+    options.mounting_pitch = 20 * M_PI / 180;
+    options.noise = noise;
+    const SimulatedScan s = Simulator(options, 2).next();
+    const Eigen::Matrix3f R = s.scan.T_vehicle_lidar.linear().cast<float>();
+    const auto below =
+        std::count_if(s.scan.points.begin(), s.scan.points.end(),
+                      [&](const Eigen::Vector3f& p) { return isBelowBonnet(R * p.normalized()); });
+    EXPECT_TRUE(noise ? below == 0 : below > 100) << below << ", without noise there is no car";
+  }
+}
+
 TEST(Simulator, TheSameWorldWithOtherTraffic)
 {
   SimulatorOptions options = small(WorldKind::urban, 0.6);

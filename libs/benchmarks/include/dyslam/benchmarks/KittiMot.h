@@ -31,6 +31,7 @@ struct KittiMotSetup
 struct KittiMotRun
 {
   std::vector<TrackSequence> sequences;
+  int every = 1;  //!< frame f of `sequences` is frame `every` * f of the data
   int frames = 0;
   double seconds = 0;  //!< time spent in Tracker::update() [s]
 };
@@ -69,7 +70,8 @@ using NamedKittiMotScores = std::vector<std::pair<std::string, KittiMotScores>>;
 [[nodiscard]] std::string kittiMotJson(const NamedKittiMotScores& classes);
 
 /** Writes the estimated tracks of all classes as KITTI's result files `folder`/NNNN.txt, ids made
- * unique. \param runs one for each class, over `names`. \throws UserError. */
+ * unique, frames numbered as in the data. \param runs one for each class, over `names`. \throws
+ * UserError. */
 void writeKittiMot(const std::string& folder,
                    const std::string& data,
                    const std::vector<std::string>& names,

@@ -31,13 +31,14 @@ struct TrackMatching
 
 /** Reads the reference tracks. \param selection applies to a ground-truth folder, as in
  * readTruth(); in a file all boxes count \throws UserError for files that are missing or cannot be
- * read. */
+ * read, or in which two boxes of a frame have the same id. */
 [[nodiscard]] TrackData readReferenceTracks(const TrackSources& sources,
                                             TrackSelection& selection,
                                             const NoteSink& note);
 
 /** Reads the estimated tracks; if the reference is a ground-truth folder, only those that the
- * selection covers. \throws UserError for files that are missing or cannot be read. */
+ * selection covers. \throws UserError for files that are missing or cannot be read, in which two
+ * boxes of a frame have the same id, or one has none. */
 [[nodiscard]] TrackData readEstimatedTracks(const TrackSources& sources,
                                             const TrackData& truth,
                                             const TrackSelection& selection);

@@ -7,7 +7,7 @@
 namespace dyslam
 {
 /** CSV log of a training. The first column is the step; rows are grouped into series by the columns
- * of text (such as the validation recording). */
+ * of text and by those named recording, set and start. */
 struct LearningLog
 {
   struct Column
