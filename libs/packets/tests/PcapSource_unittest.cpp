@@ -180,7 +180,7 @@ TEST(PcapSource, ASectorThatIsLeftOut)
     ASSERT_LE(scans.size(), 22U) << begin;
     for (std::size_t i = 0; i < scans.size(); ++i)
     {
-      EXPECT_NEAR(0.1 * static_cast<double>(i), scans[i].stamp - scans[0].stamp, 0.0005) << begin;
+      EXPECT_NEAR(0.1 * static_cast<double>(i), scans[i].stamp - scans[0].stamp, 0.0008) << begin;
       for (std::size_t k = 0; k < scans[i].size(); ++k)
       {
         // Clockwise from ahead at 10 Hz, from the first block on.
@@ -188,7 +188,7 @@ TEST(PcapSource, ASectorThatIsLeftOut)
         const double turned =
             2 * M_PI * 10 * (scans[i].time[k] + scans[i].stamp - scans[0].stamp) -
             (std::atan2(scans[0].points[0].y(), scans[0].points[0].x()) - std::atan2(p.y(), p.x()));
-        ASSERT_NEAR(0, std::remainder(turned, 2 * M_PI), 0.03) << begin << ", " << i << ", " << k;
+        ASSERT_NEAR(0, std::remainder(turned, 2 * M_PI), 0.05) << begin << ", " << i << ", " << k;
       }
     }
   }
