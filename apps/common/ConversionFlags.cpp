@@ -74,7 +74,8 @@ void declareConversion(CLI::App& app, RecordingOptions& options)
                  "a bag's topic of scans (default: the most likely lidar; scans2rawlog --list "
                  "prints the topics)");
   declareFurtherTopics(app, options);
-  app.add_option("--imu-topic", options.imu_topic, "a bag's sensor_msgs/Imu");
+  app.add_option("--imu-topic", options.imu_topic,
+                 "a bag's sensor_msgs/Imu, or packets of the IMU in an Ouster");
   declareImu(app, options);
   app.add_option("--odometry-topic", options.odometry_topic, "a bag's speed by the wheels");
   app.add_option("--gnss-topic", options.gnss_topic, "a bag's sensor_msgs/NavSatFix");

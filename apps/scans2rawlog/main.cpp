@@ -53,7 +53,8 @@ void declare(CLI::App& app, Arguments& arguments)
   app.add_option("--truth-frame", o.truth_frame,
                  "child frame of --truth-topic, where that has several");
   app.add_option("--imu-topic", o.imu_topic,
-                 "a bag's sensor_msgs/Imu, whose samples are written beside the scans");
+                 "a bag's sensor_msgs/Imu, or packets of the IMU in an Ouster, whose samples are "
+                 "written beside the scans");
   declareImu(app, o);
   app.add_option("--imu-pose", o.imu_pose,
                  "pose of the IMU on the vehicle: 'x y z yaw pitch roll' [m, deg] (default: by "

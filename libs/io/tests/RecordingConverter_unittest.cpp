@@ -119,6 +119,8 @@ TEST(RecordingOptions, OfEachTheFlagIsKnown)
   options.imu = true;
   const std::vector<std::string> words = options.words();
   EXPECT_EQ(1, std::count(words.begin(), words.end(), "--imu=true"));
+  EXPECT_EQ("--imu", options.givenFlag());
+  options.imu = false;
   options.sensor = "VLP16";
   EXPECT_EQ("--sensor", options.givenFlag());
   for (const char* flag : {"--dt", "--sensor", "--base-frame", "--imu"})

@@ -85,6 +85,45 @@ double VelodyneDecoder::azimuthStep(const VelodynePacketView& packet, bool dual)
   return steps.empty() ? traits_.firing_time * usual_turns_per_second * 36000 : upperMedian(steps);
 }
 
+/** Time from a firing in one block to that in the next one with other firings [s]. */
+double VelodyneDecoder::blockTime() const
+{
+  // Blocks of 16 lasers have two firings each.
+  const std::size_t firings = std::max<std::size_t>(1, returns_in_block / traits_.lasers);
+  return static_cast<double>(firings) * traits_.firing_time;
+}
+
+double VelodyneDecoder::timeOf(const VelodynePacketView& packet, std::size_t block) const
+{
+  constexpr double least_gap = 3;       // [steps]
+  constexpr int farthest_turn = 35000;  // [0.01 deg]; beyond that it is a step back by little
+  const bool dual = isDual(packet);
+  const std::size_t stride = blocksOfFiring(dual);
+  const double least_turn = least_gap * std::max(1.0, azimuthStep(packet, dual));
+  double steady_turn = 0;  // of all steps without a gap [0.01 deg]
+  double steady_steps = 0;
+  double gap_turn = 0;  // of all gaps before the block [0.01 deg]
+  double gaps = 0;
+  for (std::size_t next = stride; next < velodyne_blocks; next += stride)
+  {
+    const int turned = (36000 + packet.azimuth(next) - packet.azimuth(next - stride)) % 36000;
+    const bool is_known = packet.bank(next) && packet.bank(next - stride) && turned < farthest_turn;
+    if (is_known && turned <= least_turn)
+    {
+      steady_turn += turned;
+      ++steady_steps;
+    }
+    else if (is_known && next <= block)
+    {
+      gap_turn += turned;
+      ++gaps;
+    }
+  }
+  const double blocks = static_cast<double>(block / stride) - gaps;
+  return blockTime() *
+         (steady_turn > 0 ? blocks + gap_turn * steady_steps / steady_turn : blocks + gaps);
+}
+
 Eigen::Vector3f VelodyneDecoder::point(const Laser& laser, double range, double azimuth) const
 {
   // Clockwise azimuth from ahead; the result has x ahead, y left, z up.
@@ -120,16 +159,14 @@ bool VelodyneDecoder::decodeBlock(const VelodynePacketView& packet,
     return true;
   }
   const bool dual = isDual(packet);
-  const std::size_t stride = blocksOfFiring(dual);
   const auto bank = packet.bank(block);
   if (!bank || (*bank > 0 && (*bank + 1) * returns_in_block > traits_.lasers))
   {
     return false;
   }
   const double step = azimuthStep(packet, dual);
-  // Blocks of 16 lasers have two firings each.
-  const std::size_t firings = std::max<std::size_t>(1, returns_in_block / traits_.lasers);
-  const double block_time = static_cast<double>(firings) * traits_.firing_time;
+  const double block_time = blockTime();
+  const double firing_time = time + timeOf(packet, block);
   const auto first_return = firstReturnOf(block, dual);
   for (std::size_t k = 0; k < returns_in_block; ++k)
   {
@@ -150,8 +187,7 @@ bool VelodyneDecoder::decodeBlock(const VelodynePacketView& packet,
     const double azimuth = (packet.azimuth(block) + step * offset / block_time) * azimuth_unit;
     scan.points.push_back(point(laser, range, azimuth));
     scan.intensity.push_back(static_cast<float>(packet.intensity(block, k)) / 255.0F);
-    scan.time.push_back(
-        static_cast<float>(time + static_cast<double>(block / stride) * block_time + offset));
+    scan.time.push_back(static_cast<float>(firing_time + offset));
     scan.ring.push_back(laser.ring);
   }
   return true;

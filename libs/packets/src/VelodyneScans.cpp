@@ -155,7 +155,7 @@ struct VelodyneScans::Impl
         ++bad_blocks;
         continue;
       }
-      Scan& scan = revolutions.scanOf(view.azimuth(block), stamp);
+      Scan& scan = revolutions.scanOf(view.azimuth(block), stamp + decoder->timeOf(view, block));
       if (!decoder->decodeBlock(view, block, stamp - scan.stamp, scan))
       {
         ++bad_blocks;

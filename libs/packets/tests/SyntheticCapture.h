@@ -77,16 +77,15 @@ inline std::vector<std::string> fragmentsOf(const std::string& datagram,
   return frames;
 }
 
-/** A VLP-16 packet at a time since the first one [s]. Laser 3 sees nothing. */
-inline std::string velodynePacket(double time,
-                                  std::uint8_t model_byte = 0x22,
-                                  double first_azimuth = 0)
+/** A VLP-16 packet of 12 blocks at times since the first packet [s], at 10 Hz. Laser 3 sees
+ * nothing. */
+inline std::string velodynePacketOf(const std::vector<double>& times,
+                                    std::uint8_t model_byte = 0x22,
+                                    double first_azimuth = 0)
 {
-  constexpr double packet_time = 12 * 2 * 55.296e-6;
   std::string udp;
-  for (std::size_t block = 0; block < 12; ++block)
+  for (const double seconds : times)
   {
-    const double seconds = time + static_cast<double>(block) / 12 * packet_time;
     appendBytes<std::uint16_t>(udp, 0xeeff);
     appendBytes(
         udp, static_cast<std::uint16_t>(std::fmod(first_azimuth + seconds * 3600.0, 360.0) * 100));
@@ -96,11 +95,25 @@ inline std::string velodynePacket(double time,
       udp += static_cast<char>(51);
     }
   }
-  const double clock = 3599.5 + time;  // over the full hour
+  const double clock = 3599.5 + times.front();  // over the full hour
   appendBytes(udp, static_cast<std::uint32_t>(std::fmod(clock, 3600.0) * 1e6));
   udp += static_cast<char>(0x37);
   udp += static_cast<char>(model_byte);
   return udp;
+}
+
+/** One whose blocks follow each other without a gap. \param time of the first [s] */
+inline std::string velodynePacket(double time,
+                                  std::uint8_t model_byte = 0x22,
+                                  double first_azimuth = 0)
+{
+  constexpr double block_time = 2 * 55.296e-6;
+  std::vector<double> times;
+  for (std::size_t block = 0; block < 12; ++block)
+  {
+    times.push_back(time + static_cast<double>(block) * block_time);
+  }
+  return velodynePacketOf(times, model_byte, first_azimuth);
 }
 
 /** A VLP-16 at 10 Hz inside a sphere of 10 m, as a capture file. Laser 3 sees nothing. */

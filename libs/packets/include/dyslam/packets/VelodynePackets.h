@@ -84,6 +84,9 @@ class VelodyneDecoder
                   double min_range,
                   double max_range);
 
+  /** Time of a block's firing after the first one of its packet [s]. A sector that the lidar leaves
+   * out between two blocks takes its part of the turn. */
+  [[nodiscard]] double timeOf(const VelodynePacketView& packet, std::size_t block) const;
   /** Appends the returns of a block to the scan's points, intensity, time and ring.
    * \param time time of the packet's first firing after the scan's stamp [s]
    * \return false if the header of the block is not one of this model */
@@ -103,6 +106,7 @@ class VelodyneDecoder
   /** The block of which a block has the second returns; nothing if it has first ones. */
   [[nodiscard]] std::optional<std::size_t> firstReturnOf(std::size_t block, bool dual) const;
   [[nodiscard]] std::size_t blocksOfFiring(bool dual) const;
+  [[nodiscard]] double blockTime() const;
   [[nodiscard]] double shotOffset(std::size_t laser, std::size_t place) const;
   [[nodiscard]] double azimuthStep(const VelodynePacketView& packet, bool dual) const;
   [[nodiscard]] Eigen::Vector3f point(const Laser& laser, double range, double azimuth) const;
