@@ -147,12 +147,15 @@ OptimisationResult FactorGraph::optimise(const FactorGraphOptions& options)
   }
   left_out_.clear();
   const std::map<Key, Variable> start = variables_;
+  const double initial_chi2 = chi2();
   OptimisationResult result = optimiseVariables(options, free);
   if (options.loop_loss != RobustLoss::none)
   {
     leaveOutFalseLoops(options, free, start, result);
-    result.final_chi2 = chi2();
   }
+  // Also of factors between fixed variables and of loops that are left out.
+  result.initial_chi2 = initial_chi2;
+  result.final_chi2 = chi2();
   return result;
 }
 

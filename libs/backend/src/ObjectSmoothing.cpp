@@ -24,6 +24,21 @@ Eigen::Matrix4d levelCovariance(const Matrix6& tangent, const Pose& pose)
 }
 }  // namespace
 
+/** The velocity at a scan is the mean of these, over the intervals before and after it. */
+std::vector<Key> ObjectGraph::velocitiesAt(int id, const Object& object, std::size_t i) const
+{
+  std::vector<Key> keys;
+  for (std::size_t k = i; k < std::min(i + 2, object.in_graph); ++k)
+  {
+    const Key key = Key::objectVelocity(id, object.observations[k].scan);
+    if (graph_.contains(key))
+    {
+      keys.push_back(key);
+    }
+  }
+  return keys;
+}
+
 void ObjectGraph::appendSmoothed(const ObjectKey& object_key,
                                  const Object& object,
                                  std::vector<SmoothedObject>& result) const
@@ -43,20 +58,31 @@ void ObjectGraph::appendSmoothed(const ObjectKey& object_key,
       continue;
     }
     smoothed.T_map_object = graph_.pose(Key::objectPose(object_key.first, observation.scan));
-    // The velocity at a scan is the mean over the intervals before and after it.
+    const std::vector<Key> velocities = velocitiesAt(object_key.first, object, i);
     Vector6 twist = Vector6::Zero();
-    int intervals = 0;
-    for (std::size_t k = i; k < std::min(i + 2, object.in_graph); ++k)
+    for (const Key& key : velocities)
     {
-      const Key key = Key::objectVelocity(object_key.first, object.observations[k].scan);
-      if (graph_.contains(key))
-      {
-        twist += graph_.vector(key);
-        ++intervals;
-      }
+      twist += graph_.vector(key);
     }
-    smoothed.velocity = smoothed.T_map_object.linear() * twist.head<3>() / std::max(1, intervals);
+    smoothed.velocity = smoothed.T_map_object.linear() * twist.head<3>() /
+                        static_cast<double>(std::max<std::size_t>(1, velocities.size()));
     result.push_back(smoothed);
+  }
+}
+
+/** Sets the covariances of these variables, conditioned on all that are not in `free`. */
+void ObjectGraph::fillCovariances(const std::set<Key>& free,
+                                  std::map<Key, Matrix6>& covariances) const
+{
+  std::vector<Key> keys;
+  for (const auto& [key, covariance] : covariances)
+  {
+    keys.push_back(key);
+  }
+  const std::vector<Matrix6> found = graph_.covariances(keys, free);
+  for (std::size_t i = 0; i < keys.size(); ++i)
+  {
+    covariances.at(keys[i]) = found[i];
   }
 }
 
@@ -80,7 +106,6 @@ void ObjectGraph::addCovariances(const ObjectKey& object_key,
   {
     const std::size_t last = std::min(object.in_graph, first + piece_size);
     std::set<Key> free;
-    std::vector<Key> wanted;
     for (std::size_t i = first - std::min(first, margin);
          i < std::min(object.in_graph, last + margin); ++i)
     {
@@ -91,25 +116,31 @@ void ObjectGraph::addCovariances(const ObjectKey& object_key,
         if (graph_.contains(key))
         {
           free.insert(key);
-          if (i >= first && i < last)
-          {
-            wanted.push_back(key);
-          }
         }
       }
     }
-    const std::vector<Matrix6> covariances = graph_.covariances(wanted, free);
-    std::size_t next = 0;
+    std::map<Key, Matrix6> covariances;
+    for (std::size_t i = first; i < last; ++i)
+    {
+      covariances.emplace(Key::objectPose(object_key.first, object.observations[i].scan),
+                          Matrix6::Zero());
+      for (const Key& key : velocitiesAt(object_key.first, object, i))
+      {
+        covariances.emplace(key, Matrix6::Zero());
+      }
+    }
+    fillCovariances(free, covariances);
     for (std::size_t i = first; i < last; ++i)
     {
       SmoothedObject& smoothed = result[offset + i];
-      smoothed.covariance = levelCovariance(covariances[next++], smoothed.T_map_object);
-      if (next < wanted.size() &&
-          wanted[next] == Key::objectVelocity(object_key.first, smoothed.scan))
+      const Key pose_key = Key::objectPose(object_key.first, smoothed.scan);
+      smoothed.covariance = levelCovariance(covariances.at(pose_key), smoothed.T_map_object);
+      const Eigen::Matrix3d& R = smoothed.T_map_object.linear();
+      const std::vector<Key> velocities = velocitiesAt(object_key.first, object, i);
+      for (const Key& key : velocities)
       {
-        const Eigen::Matrix3d& R = smoothed.T_map_object.linear();
-        smoothed.velocity_covariance =
-            R * covariances[next++].topLeftCorner<3, 3>() * R.transpose();
+        smoothed.velocity_covariance += R * covariances.at(key).topLeftCorner<3, 3>() *
+                                        R.transpose() / static_cast<double>(velocities.size());
       }
     }
   }

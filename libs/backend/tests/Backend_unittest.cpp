@@ -304,8 +304,9 @@ TEST(Backend, WhatMayHaveBeenDrivenUnseenIsCounted)
   }
 }
 
-/** A straight drive past one parked car that is observed at every scan. */
-std::vector<Frame> drivePastACar()
+/** A straight drive past one car that is observed at every scan.
+ * \param speed along the drive [m/s] */
+std::vector<Frame> drivePastACar(double speed = 0)
 {
   std::vector<Frame> frames;
   for (std::size_t i = 0; i < 30; ++i)
@@ -321,7 +322,7 @@ std::vector<Frame> drivePastACar()
     car.object_class = ObjectClass::car;
     car.confirmed = true;
     car.observed = true;
-    car.observation.center = Eigen::Vector3d(20, 4, 0);
+    car.observation.center = Eigen::Vector3d(20 + speed * frame.scan.stamp, 4, 0);
     car.observation_covariance = 0.01 * Eigen::Matrix4d::Identity();
     frame.objects.push_back(car);
     frames.push_back(frame);
@@ -383,6 +384,27 @@ TEST(Backend, BadObservationsOfObjectsAreReportedAndTheRestGoesOn)
   {
     const double x = object.T_map_object.translation().x();
     EXPECT_NEAR(x, object.scan < 20 ? 20 : 35, 0.01) << object.scan;
+  }
+}
+
+TEST(Backend, EveryVelocityOfAMovingObjectHasACovariance)
+{
+  constexpr double speed = 8;
+  constexpr std::size_t gap = 12;  // longer than objects.max_gap: no motion factor across it
+  std::vector<Frame> frames = drivePastACar(speed);
+  for (std::size_t i = 14; i < 14 + gap; ++i)
+  {
+    frames[i].objects.clear();
+  }
+  std::vector<SmoothedObject> smoothed;
+  (void)warningsOf(frames, smoothed);
+  ASSERT_EQ(smoothed.size(), frames.size() - gap);
+  for (const SmoothedObject& object : smoothed)
+  {
+    EXPECT_TRUE(object.moving) << object.scan;
+    EXPECT_NEAR(object.velocity.x(), speed, 0.1) << object.scan;
+    EXPECT_GT(object.velocity_covariance(0, 0), 1e-4) << object.scan;
+    EXPECT_LT(object.velocity_covariance(0, 0), 100) << object.scan;
   }
 }
 

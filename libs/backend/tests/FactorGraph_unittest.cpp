@@ -289,6 +289,28 @@ TEST(FactorGraph, EmptyAndFixedGraphsConverge)
   EXPECT_TRUE(graph.optimise({}, {}).converged);
 }
 
+TEST(FactorGraph, FactorsBetweenFixedVariablesCountBeforeAndAfter)
+{
+  for (const RobustLoss loss : {RobustLoss::none, RobustLoss::dcs})
+  {
+    FactorGraph graph;
+    for (std::size_t i = 0; i < 3; ++i)
+    {
+      graph.addPose(Key::ego(i), at(1.5 * static_cast<double>(i)));
+      graph.setFixed(Key::ego(i), i < 2);
+    }
+    graph.add(odometryStep(0, 1));
+    graph.add(odometryStep(1, 2));
+    const double before = graph.chi2();
+    FactorGraphOptions options;
+    options.loop_loss = loss;
+    const OptimisationResult result = graph.optimise(options);
+    EXPECT_NEAR(result.initial_chi2, before, 1e-9 * before);
+    EXPECT_NEAR(result.final_chi2, 0.5 * before, 1e-6 * before);
+    EXPECT_EQ(result.final_chi2, graph.chi2());
+  }
+}
+
 TEST(FactorGraph, TwoRunsGiveTheSameBytes)
 {
   NoisyDrive drive(5);

@@ -6,7 +6,7 @@
 #include <dyslam/mapbuilder/ScanReading.h>
 #include <dyslam/mapping/MovingInMap.h>
 
-#include <cmath>
+#include <limits>
 #include <string>
 
 namespace dyslam
@@ -38,6 +38,18 @@ std::vector<Eigen::Vector3f> staticPoints(const RunScans& scans,
   return points;
 }
 
+/** Number of each keyframe's scan in the run's trajectory, which has a pose for every scan. */
+std::vector<std::size_t> keyframeScans(const RunFolder& run)
+{
+  constexpr double any_distance = std::numeric_limits<double>::infinity();
+  std::vector<std::size_t> scans;
+  for (const double stamp : run.keyframe_stamps)
+  {
+    scans.push_back(run.trajectory.nearest(stamp, any_distance).value());
+  }
+  return scans;
+}
+
 /** \return the ground truth of its recording */
 Trajectory addRun(const RunFolder& run,
                   const StaticMapOptions& map,
@@ -49,6 +61,7 @@ Trajectory addRun(const RunFolder& run,
   const RunScans scans(run.trajectory, run.scans, pool);
   RawlogSource source(run.rawlog, run.source);
   Trajectory truth;
+  const std::vector<std::size_t> keyframe_scans = keyframeScans(run);
   std::size_t next = 0;
   bool found = false;
   const std::string damage = readScans(
@@ -59,16 +72,14 @@ Trajectory addRun(const RunFolder& run,
         {
           truth.push_back(frame.scan.stamp, *frame.T_world_vehicle_truth);
         }
-        const auto stamp = [&](std::size_t k) { return run.keyframe_stamps[k]; };
-        while (next < run.keyframe_stamps.size() &&
-               stamp(next) < frame.scan.stamp - run.scans.tolerance)
+        const auto scan = run.trajectory.nearest(frame.scan.stamp, run.scans.tolerance);
+        while (scan && next < keyframe_scans.size() && keyframe_scans[next] < *scan)
         {
           merger.addKeyframe({});  // its scan is not in the recording any more
           ++next;
         }
         const auto pose = scans.poseOf(frame);
-        if (pose && next < run.keyframe_stamps.size() &&
-            std::abs(stamp(next) - frame.scan.stamp) <= run.scans.tolerance)
+        if (pose && scan && next < keyframe_scans.size() && keyframe_scans[next] == *scan)
         {
           merger.addKeyframe(scans.isRegistered(frame) ? staticPoints(scans, map, frame, *pose)
                                                        : std::vector<Eigen::Vector3f>());
@@ -83,7 +94,7 @@ Trajectory addRun(const RunFolder& run,
                                           "; is it the recording of that run?"
                                     : damage));
   }
-  for (; next < run.keyframe_stamps.size(); ++next)
+  for (; next < keyframe_scans.size(); ++next)
   {
     merger.addKeyframe({});
   }

@@ -108,6 +108,31 @@ TEST(MergeRuns, KeyframesWithoutTheirScanAreKept)
   EXPECT_EQ(3U, mergeRuns(test::listOf(std::move(run)), {}, {}, 1, listener).merge.poses[0].size());
 }
 
+TEST(MergeRuns, NeighboursOfAKeyframesScanAreNoneWhateverTheTolerance)
+{
+  const TestFolder folder;
+  const Trajectory drive = test::straightDrive(9, 1);
+  Trajectory others;  // without the scans of the keyframes
+  for (std::size_t i = 0; i < drive.size(); ++i)
+  {
+    if (i % 4 != 0)
+    {
+      others.push_back(drive[i].stamp, drive[i].pose);
+    }
+  }
+  for (const double periods : {0.1, 1.5, 2.5})
+  {
+    RunFolder run = runAlong(drive);
+    run.rawlog = folder.file("r.rawlog");
+    run.scans.tolerance = periods * test::period;
+    test::writeRecording(run.rawlog, others);
+    MapListener listener;
+    const std::string said = messageOfError<UserError>(
+        [&] { (void)mergeRuns(test::listOf(std::move(run)), {}, {}, 1, listener); });
+    EXPECT_TRUE(contains(said, "has none of the keyframes of run")) << periods << said;
+  }
+}
+
 TEST(MergeRuns, TheRecordingOfAnotherRunIsNamed)
 {
   const TestFolder folder;

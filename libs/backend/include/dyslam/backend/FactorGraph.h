@@ -43,8 +43,10 @@ struct FactorGraphOptions : Options
 /** Result of an optimisation. */
 struct OptimisationResult
 {
-  double initial_chi2 = 0;  //!< sum of squared whitened residuals, without robust loss
-  double final_chi2 = 0;    //!< the same at the end
+  /** Sum of squared whitened residuals before the optimisation, without robust loss: of all
+   * factors, as FactorGraph::chi2(), or of those of the given variables that are not left out. */
+  double initial_chi2 = 0;
+  double final_chi2 = 0;  //!< the same at the end
   int iterations = 0;
   std::size_t false_loops = 0;  //!< number of loops left out because they contradict the rest
   bool converged = false;

@@ -28,7 +28,9 @@ struct SmoothedObject
   /** Covariance of x, y, z [m^2], yaw [rad^2], map frame, given the ego poses; zero if not
    * `from_graph`. */
   Eigen::Matrix4d covariance = Eigen::Matrix4d::Zero();
-  Eigen::Matrix3d velocity_covariance = Eigen::Matrix3d::Zero();  //!< map frame [m^2/s^2]
+  /** Covariance of the velocity, map frame [m^2/s^2], given the ego poses; zero if static or not
+   * `from_graph`. An upper bound where the velocity is the mean of two intervals. */
+  Eigen::Matrix3d velocity_covariance = Eigen::Matrix3d::Zero();
 };
 
 /** State of an object at a scan; null if there is none.
