@@ -211,8 +211,9 @@ RecordingResult record(const Recording& recording,
   GnssReceiver receiver(recording.simulator.trafficSeed());
   std::set<int> ids;
   const double period = simulator.sensor().period;
+  constexpr double limit = 1e9;  // of scans; seconds may be infinite
   const auto scans =
-      static_cast<std::size_t>(std::max(1LL, std::llround(recording.seconds / period)));
+      static_cast<std::size_t>(std::clamp(std::round(recording.seconds / period), 1.0, limit));
   const std::size_t most = recording.least_distance > 0 ? 3 * scans : scans;
   const double wanted = result.loop_length + 30;
   Eigen::Vector3d last = Eigen::Vector3d::Zero();

@@ -206,6 +206,14 @@ TEST_F(SplitTables, WhatIsThereIsNotMadeAgain)
   EXPECT_EQ(fs::last_write_time(rawlog), rawlog_time);
 }
 
+TEST_F(SplitTables, StateTheSegmentLengthsAsGiven)
+{
+  ASSERT_EQ(result.code, 0) << result.err;
+  const Outcome tables =
+      runProgram("dyslam-eval", "tables " + folder + "/tables/runs --lengths 1.5,2", folder);
+  EXPECT_NE(tables.out.find("segments of 1.5, 2 m"), std::string::npos) << tables.out;
+}
+
 TEST_F(SplitTables, NameTheSplitOfARun)
 {
   ASSERT_EQ(result.code, 0) << result.err;

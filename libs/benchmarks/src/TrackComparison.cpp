@@ -67,6 +67,19 @@ TrackData readEstimateFile(const TrackSources& sources)
   return data;
 }
 
+/** Requires rectangles in the image: without them KITTI's image rules ignore every false alarm.
+ * \throws UserError. */
+void requireRectangles(const std::vector<LabelledBox>& boxes, const std::string& path)
+{
+  if (!boxes.empty() && std::all_of(boxes.begin(), boxes.end(),
+                                    [](const LabelledBox& box) { return box.image_box.isZero(); }))
+  {
+    throw UserError(path +
+                    ": its boxes have no rectangles in the image, which --calib needs; give KITTI "
+                    "result files with them, or tracks in the lidar frame without --calib");
+  }
+}
+
 /** Number of frames covered by either file. */
 int frameCount(const TrackSequence& sequence)
 {
@@ -282,6 +295,10 @@ TrackData readEstimatedTracks(const TrackSources& sources,
 {
   TrackData data = std::filesystem::is_directory(sources.estimate) ? readRun(sources.estimate)
                                                                    : readEstimateFile(sources);
+  if (!sources.calib.empty())
+  {
+    requireRectangles(data.boxes, sources.estimate);
+  }
   if (std::filesystem::is_directory(sources.reference))
   {
     removeUncovered(data.boxes, truth.boxes, selection);

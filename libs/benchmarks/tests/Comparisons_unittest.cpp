@@ -179,6 +179,28 @@ TEST(TrackComparison, IdsOfAFileAreThoseOfTracks)
                        "twice.txt: two boxes of frame 3 have the id 1"));
 }
 
+TEST(TrackComparison, KittisImageRulesNeedRectangles)
+{
+  const TestFolder folder;
+  const std::string calib =
+      folder.write("calib.txt",
+                   "P2: 700 0 600 0 0 700 180 0 0 0 1 0\nR_rect 1 0 0 0 1 0 0 0 1\n"
+                   "Tr_velo_cam 0 -1 0 0 0 0 -1 0 1 0 0 0\nTr_imu_velo 1 0 0 0 0 1 0 0 0 0 1 0\n");
+  const std::string box = " 1.5 1.8 4 0 1.6 20 0\n";  // height, width, length, x, y, z, ry
+  const std::string seen = folder.write("seen.txt", "0 1 Car 0 0 0 100 150 200 250" + box);
+  const std::string blind = folder.write("blind.txt", "0 1 Car 0 0 0 0 0 0 0" + box);
+  TrackSelection selection;
+  const auto read = [&](const std::string& estimate)
+  {
+    const TrackSources sources{seen, estimate, calib};
+    const TrackData truth = readReferenceTracks(sources, selection, ignore);
+    return readEstimatedTracks(sources, truth, selection).boxes.size();
+  };
+  EXPECT_EQ(read(seen), 1U);
+  EXPECT_TRUE(contains(messageOfError<UserError>([&] { (void)read(blind); }),
+                       "blind.txt: its boxes have no rectangles in the image"));
+}
+
 TEST(TrackComparison, ScansThatWereDroppedShiftTheProcessedFrames)
 {
   const TestFolder folder;

@@ -38,7 +38,8 @@ struct TrackMatching
 
 /** Reads the estimated tracks; if the reference is a ground-truth folder, only those that the
  * selection covers. \throws UserError for files that are missing or cannot be read, in which two
- * boxes of a frame have the same id, or one has none. */
+ * boxes of a frame have the same id, or one has none; for a calibration and boxes without
+ * rectangles in the image. */
 [[nodiscard]] TrackData readEstimatedTracks(const TrackSources& sources,
                                             const TrackData& truth,
                                             const TrackSelection& selection);
