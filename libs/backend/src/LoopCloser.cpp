@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/backend/LoopCloser.h>
+#include <dyslam/core/Error.h>
 #include <dyslam/core/StateArchive.h>
 
 #include <algorithm>
@@ -20,7 +21,7 @@ struct LoopCloser::State
         candidates(given, store.memory().part(descriptor_share)),
         agreement(given.nearby.min_support, given.by_appearance.min_support, given.support_window)
   {
-    validate(options, "loop");
+    options.requireValid();
   }
 
   [[nodiscard]] bool searchNear(const std::vector<Eigen::Vector3f>& source,
@@ -185,6 +186,19 @@ LoopCloserOptions::LoopCloserOptions()
   by_appearance.max_rmse = 0.15;
   by_appearance.min_observability = 0.05;
   by_appearance.min_support = 3;
+}
+
+void LoopCloserOptions::requireValid() const
+{
+  validate(*this, "loop");
+  const bool needs_support =
+      nearby.min_support > 0 || (appearance && by_appearance.min_support > 0);
+  if (needs_support && interval > support_window)
+  {
+    throw UserError("[loop] interval = " + std::to_string(interval) +
+                    " must not be above support_window = " + std::to_string(support_window) +
+                    ": no loop would have another one nearby that agrees (min_support)");
+  }
 }
 
 void LoopCloserOptions::describe(OptionsVisitor& visitor)

@@ -63,7 +63,7 @@ struct RunMerger::State
       : config(given), keyframes(given.memory), finder(given.loops, keyframes)
   {
     validate(config.merge, "merge");
-    validate(config.loops, "loop");
+    config.loops.requireValid();
     validate(config.solver, "solver");
   }
 

@@ -357,5 +357,21 @@ TEST(LoopCloser, ContractIsChecked)
   bad.nearby.min_overlap = 2;
   EXPECT_THROW(LoopCloser(bad, keyframes), UserError);
 }
+
+TEST(LoopCloser, TooRareSearchesForLoopsThatNeedSupportAreRefused)
+{
+  KeyframeStore keyframes;
+  LoopCloserOptions options;
+  options.interval = options.support_window;
+  EXPECT_NO_THROW(LoopCloser(options, keyframes));
+  ++options.interval;
+  EXPECT_THROW(LoopCloser(options, keyframes), UserError);
+  options.nearby.min_support = 0;
+  EXPECT_THROW(LoopCloser(options, keyframes), UserError);  // those by appearance
+  options.appearance = false;
+  EXPECT_NO_THROW(LoopCloser(options, keyframes));
+  options.nearby.min_support = 1;
+  EXPECT_THROW(LoopCloser(options, keyframes), UserError);
+}
 }  // namespace
 }  // namespace dyslam
