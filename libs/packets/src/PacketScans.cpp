@@ -12,6 +12,7 @@ namespace
 {
 constexpr double whole_tolerance = 3.0 / 360;  //!< part that a complete revolution may lack [turns]
 constexpr int turn = 36000;                    //!< a revolution [0.01 deg]
+constexpr int largest_jitter = 100;            //!< of azimuths, against the rotation [0.01 deg]
 constexpr double longest_turn = 0.2;           //!< of the slowest lidars [s]
 constexpr double longest_delay = 0.02;         //!< of packets that others overtake [s]
 
@@ -90,7 +91,7 @@ Scan& RevolutionCutter::scanOf(int azimuth, double stamp)
   const int clockwise = (from_cut - last + turn) % turn;
   steps_ += clockwise == 0 ? 0 : clockwise < turn / 2 ? 1 : -1;
   const int onward = steps_ >= 0 ? clockwise : (turn - clockwise) % turn;
-  if (isLate(onward, stamp))
+  if (onward > turn - largest_jitter || isLate(onward, stamp))
   {
     return scan_;
   }

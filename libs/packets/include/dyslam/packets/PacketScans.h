@@ -96,10 +96,10 @@ class RevolutionCutter
   RevolutionCutter(double cut_azimuth, bool keep_partial);
 
   /** The scan that a block belongs to, which begins with this block if it is the first past the
-   * cut. Blocks of packets that were overtaken go to the current scan.
-   * \param azimuth of the block, 0 to 35999 [0.01 deg]
-   * \param stamp of the block, and of a scan that begins here, UNIX time [s]
-   * \return valid until the next call of any method */
+   * cut. Blocks of packets that were overtaken, and such whose azimuth steps back by up to a
+   * degree, go to the current scan. \param azimuth of the block, 0 to 35999 [0.01 deg] \param stamp
+   * of the block, and of a scan that begins here, UNIX time [s] \return valid until the next call
+   * of any method */
   [[nodiscard]] Scan& scanOf(int azimuth, double stamp);
   /** To be called after the last block. */
   void finish();
