@@ -13,6 +13,8 @@
 #include <string>
 #include <vector>
 
+#include "ResumedRun.h"
+
 namespace dyslam
 {
 namespace
@@ -281,34 +283,14 @@ TEST(Gnss, AnAccurateReceiverWithItsAntennaElsewhereIsUsed)
   EXPECT_LT(run.endError(drive), 1);
 }
 
-/** As a checkpoint saves and --resume loads them. */
 TEST(Gnss, PositionsAreKeptInTheStateOfARun)
 {
   DriveWithFixes drive(0.5);
   const GnssRun whole(drive, with(GnssUse::fuse));
-  KeyframeStore first_keyframes;
-  KeyframeStore second_keyframes;
-  Backend first(GnssRun::configOf(with(GnssUse::fuse)), first_keyframes);
-  Backend second(GnssRun::configOf(with(GnssUse::fuse)), second_keyframes);
-  const std::size_t half = drive.frames.size() / 2;
-  for (std::size_t i = 0; i < half; ++i)
-  {
-    first.addFrame(drive.frames[i]);
-  }
-  StateArchive saved;
-  first_keyframes.exchangeState(saved);
-  first.exchangeState(saved);
-  StateArchive loaded(saved.bytes());
-  second_keyframes.exchangeState(loaded);
-  second.exchangeState(loaded);
-  for (std::size_t i = half; i < drive.frames.size(); ++i)
-  {
-    second.addFrame(drive.frames[i]);
-  }
-  second.finish();
-  ASSERT_TRUE(second.georeference());
-  EXPECT_EQ(second.georeference()->fixes, whole.backend.georeference()->fixes);
-  EXPECT_EQ(posesOf(second), posesOf(whole.backend));
+  const test::ResumedRun resumed(GnssRun::configOf(with(GnssUse::fuse)), drive.frames);
+  ASSERT_TRUE(resumed.backend.georeference());
+  EXPECT_EQ(resumed.backend.georeference()->fixes, whole.backend.georeference()->fixes);
+  EXPECT_EQ(posesOf(resumed.backend), posesOf(whole.backend));
 }
 
 /** A graph that was written after the fusion is solved again by dyslam-graphslam --optimize. */

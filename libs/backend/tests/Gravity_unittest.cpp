@@ -2,7 +2,6 @@
 // Accelerations of an IMU: the vertical in the map frame, and a trajectory whose tilt does not
 // drift.
 #include <dyslam/backend/Backend.h>
-#include <dyslam/core/StateArchive.h>
 #include <gtest/gtest.h>
 #include <mrpt/graphs/CNetworkOfPoses.h>
 
@@ -10,6 +9,8 @@
 #include <random>
 #include <string>
 #include <vector>
+
+#include "ResumedRun.h"
 
 namespace dyslam
 {
@@ -232,34 +233,14 @@ TEST(Gravity, AccelerationsThatCannotBeUsedAreReported)
   EXPECT_FALSE(GravityRun(too_short, GravityUse::fuse).backend.gravity());
 }
 
-/** As a checkpoint saves and --resume loads them. */
 TEST(Gravity, AccelerationsAreKeptInTheStateOfARun)
 {
   DriveWithImu drive(40, 1e-4, {0.05, 0.02, 0});
   const GravityRun whole(drive, GravityUse::fuse);
-  KeyframeStore first_keyframes;
-  KeyframeStore second_keyframes;
-  Backend first(GravityRun::configOf(GravityUse::fuse), first_keyframes);
-  Backend second(GravityRun::configOf(GravityUse::fuse), second_keyframes);
-  const std::size_t half = drive.frames.size() / 2;
-  for (std::size_t i = 0; i < half; ++i)
-  {
-    first.addFrame(drive.frames[i]);
-  }
-  StateArchive saved;
-  first_keyframes.exchangeState(saved);
-  first.exchangeState(saved);
-  StateArchive loaded(saved.bytes());
-  second_keyframes.exchangeState(loaded);
-  second.exchangeState(loaded);
-  for (std::size_t i = half; i < drive.frames.size(); ++i)
-  {
-    second.addFrame(drive.frames[i]);
-  }
-  second.finish();
-  ASSERT_TRUE(second.gravity());
-  EXPECT_EQ(second.gravity()->up_map, whole.backend.gravity()->up_map);
-  EXPECT_EQ(second.gravity()->directions, whole.backend.gravity()->directions);
+  const test::ResumedRun resumed(GravityRun::configOf(GravityUse::fuse), drive.frames);
+  ASSERT_TRUE(resumed.backend.gravity());
+  EXPECT_EQ(resumed.backend.gravity()->up_map, whole.backend.gravity()->up_map);
+  EXPECT_EQ(resumed.backend.gravity()->directions, whole.backend.gravity()->directions);
 }
 
 TEST(Gravity, WithoutAccelerationsNothingChanges)
