@@ -77,7 +77,8 @@ struct DriveWithImu
   static ImuSample sampleAt(double time, const Eigen::Vector3d& bias, double scale)
   {
     constexpr double step = 1e-3;
-    const auto placeAt = [](double t) { return (truthAt(t) * T_vehicle_imu).translation(); };
+    const auto placeAt = [](double t) -> Eigen::Vector3d
+    { return (truthAt(t) * T_vehicle_imu).translation(); };
     const Eigen::Vector3d acceleration =
         (placeAt(time + step) - 2 * placeAt(time) + placeAt(time - step)) / (step * step);
     const Eigen::Vector3d force = acceleration + Eigen::Vector3d(0, 0, 9.80665);
