@@ -12,7 +12,10 @@ set(dyslam_headers_apps ${dyslam_headers_core} <CLI/CLI.hpp> <nlohmann/json.hpp>
 
 # Options and messages of the programs, and tests, spend their time in the libraries: compiling them with few
 # optimisations takes 0.5 to 0.8 of the time.
-set(dyslam_quick_options $<$<CONFIG:Release>:-O1>)
+set(dyslam_quick_options "")
+if(CMAKE_BUILD_TYPE STREQUAL "Release")
+  set(dyslam_quick_options -O1)
+endif()
 
 # dyslam_use_headers(<target> <core|tests|torch|apps> [QUICK])
 # QUICK: compiled with dyslam_quick_options. A program compiles like the libraries (-fPIC), so that they may
@@ -20,7 +23,7 @@ set(dyslam_quick_options $<$<CONFIG:Release>:-O1>)
 function(dyslam_use_headers target kind)
   cmake_parse_arguments(ARG "QUICK" "" "" ${ARGN})
   set(holder dyslam_headers_${kind})
-  if(ARG_QUICK)
+  if(ARG_QUICK AND dyslam_quick_options)
     target_compile_options(${target} PRIVATE ${dyslam_quick_options})
     string(APPEND holder _quick)  # GCC compiles what was read with the optimisations that it was read with
   endif()
