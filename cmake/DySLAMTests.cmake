@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 # Tests as ctest sees them: `module.Suite`, and `module.Suite.Case` where a case may be skipped, so that
-# the skip is seen. Not one entry for every case: each would load libtorch, MRPT or PCL anew.
+# the skip is seen. Not one entry for every case: each would load libtorch, MRPT or PCL anew. With sanitizers,
+# where that takes up to 2 s, one entry for each program: `module`.
 
 # Reads suites and cases from a source, and adds an entry for each not seen before in this program.
 function(dyslam_add_test_entries name target source labels)
@@ -61,6 +62,12 @@ function(dyslam_add_test)
   else()
     list(APPEND labels unit)
     add_dependencies(unit_tests ${target})
+  endif()
+  if(DYSLAM_SANITIZE)
+    add_test(NAME ${ARG_NAME} COMMAND ${target})
+    set_tests_properties(${ARG_NAME} PROPERTIES LABELS "${labels}" TIMEOUT 1800 SKIP_RETURN_CODE 77
+      ENVIRONMENT "DYSLAM_SOURCE_DIR=${PROJECT_SOURCE_DIR}")
+    return()
   endif()
   foreach(source IN LISTS ARG_SOURCES)
     dyslam_add_test_entries(${ARG_NAME} ${target} ${CMAKE_CURRENT_SOURCE_DIR}/${source} "${labels}")
