@@ -1,75 +1,28 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/core/Error.h>
-#include <dyslam/core/ScanParts.h>
 #include <dyslam/odometry/LocalMapRegistration.h>
 #include <dyslam/odometry/Preprocessor.h>
 #include <gtest/gtest.h>
 
 #include <Eigen/Eigenvalues>
 #include <algorithm>
-#include <cstdint>
-#include <limits>
-#include <optional>
 #include <random>
 #include <stdexcept>
 #include <utility>
 #include <vector>
 
-#include "TestScene.h"
+#include "RegistrationTest.h"
 
 namespace dyslam
 {
 namespace
 {
+using test::drive;
+using test::step;
 
-class Registration : public testing::TestWithParam<RefineMethod>
+class Registration : public test::RegistrationTest
 {
- protected:
-  [[nodiscard]] static RefineOptions options()
-  {
-    RefineOptions o;
-    o.method = GetParam();
-    o.sample_size = 0.5;
-    return o;
-  }
-
-  test::StreetScene scene_;
-  ThreadPool pool_{2};
 };
-
-/** Registers a frame and adds it to the map, as the odometry does where nothing moves. */
-RegistrationResult step(LocalMapRegistration& registration,
-                        const Frame& frame,
-                        const Pose& guess,
-                        std::optional<double> initial_sigma = {})
-{
-  LocalMapRegistration::Alignment alignment =
-      registration.align(frame, guess, nullptr, initial_sigma);
-  const RegistrationResult result = alignment.result();
-  registration.commit(std::move(alignment), frame);
-  return result;
-}
-
-/** The frame with its points where the map has nothing. */
-Frame inTheAir(Frame frame)
-{
-  for (Eigen::Vector3f& p : frame.cloud.points)
-  {
-    p.z() += 40;
-  }
-  return frame;
-}
-
-/** A drive along a bend, every frame skewed by its own motion. */
-std::vector<Pose> drive(int frames)
-{
-  std::vector<Pose> poses{Pose::Identity()};
-  for (int i = 1; i < frames; ++i)
-  {
-    poses.push_back(poses.back() * poseFromYpr(0.8, 0.02, 0, 0.8 * test::degree, 0, 0));
-  }
-  return poses;
-}
 
 /** Preprocessing and registration with a constant-velocity initial guess. */
 std::vector<RegistrationResult> run(const test::StreetScene& scene,
@@ -158,7 +111,7 @@ TEST_P(Registration, AligningChangesNothing)
     step(tried, frame, poses[i]);
     step(plain, frame, poses[i]);
     const Frame next = frameAt(i + 1);
-    const Frame foreign = inTheAir(next);
+    const Frame foreign = test::inTheAir(next);
     EXPECT_TRUE(tried.align(next, poses[i + 1]).result().motion.converged());
     for (int failed = 0; failed < 6; ++failed)
     {
@@ -202,286 +155,6 @@ TEST_P(Registration, SameBytesForAnyNumberOfThreads)
   }
 }
 
-TEST_P(Registration, UselessFramesKeepTheGuessAndTheMap)
-{
-  LocalMapRegistration registration(options(), pool_);
-  step(registration, scene_.frame(Pose::Identity(), 0.01, 1), Pose::Identity());
-  const std::size_t cells = registration.mapPoints().size();
-  const Pose guess = poseFromYpr(0.3, 0, 0, 0, 0, 0);
-  for (const Frame& frame : {test::frameOf({}), test::frameOf({{1, 2, 3}}),
-                             test::frameOf(std::vector<Eigen::Vector3f>(500, test::nanPoint()))})
-  {
-    const RegistrationResult result = step(registration, frame, guess);
-    EXPECT_FALSE(result.motion.registered());
-    EXPECT_FALSE(result.motion.reason.empty());
-    EXPECT_EQ(result.motion.cause, FailureCause::recording);
-    EXPECT_TRUE(result.T_odom_vehicle.isApprox(guess));
-    EXPECT_EQ(registration.mapPoints().size(), cells);
-  }
-  const Pose T = poseFromYpr(0.4, 0, 0, 0.01, 0, 0);
-  const RegistrationResult good = step(registration, scene_.frame(T, 0.01, 2), guess);
-  EXPECT_TRUE(good.motion.converged()) << good.motion.reason;
-  EXPECT_LT((T.inverse() * good.T_odom_vehicle).translation().norm(), 0.03);
-}
-
-/** The frame that shows the motion of the first one is not the second: the first one stays where
- * it was. */
-TEST_P(Registration, AnEmptySecondFrameLeavesTheFirstInItsPlace)
-{
-  const std::vector<Pose> poses = drive(6);
-  const Preprocessor preprocessor(PreprocessOptions(), pool_);
-  LocalMapRegistration registration(options(), pool_);
-  Pose motion = Pose::Identity();
-  for (std::size_t i = 0; i < poses.size(); ++i)
-  {
-    const Pose T_sweep = poses[0].inverse() * poses[1];
-    Frame frame;
-    if (i != 1)
-    {
-      frame.scan = scene_.scan(poses[i], 0.01, static_cast<unsigned>(i + 1), T_sweep);
-    }
-    frame.cloud = preprocessor.prepare(frame.scan, motion, i == 0 ? 0 : 0.1);
-    // The prior of a vehicle whose speed is known.
-    motion = T_sweep;
-    const RegistrationResult result =
-        step(registration, frame, registration.pose() * (i == 0 ? Pose::Identity() : motion), 0.1);
-    EXPECT_EQ(result.motion.converged(), i != 1) << i << ": " << result.motion.reason;
-    const Pose error = poses[i].inverse() * result.T_odom_vehicle;
-    EXPECT_LT(error.translation().norm(), 0.1) << i;
-  }
-}
-
-/** A registration that max_iterations ends is accepted by its inliers. */
-TEST_P(Registration, AScanThatDoesNotSettleIsRegistered)
-{
-  RefineOptions o = options();
-  o.max_iterations = 1;
-  LocalMapRegistration registration(o, pool_);
-  step(registration, scene_.frame(Pose::Identity(), 0.01, 1), Pose::Identity());
-  const Pose T = poseFromYpr(0.02, 0.06, 0, 0, 0, 0);
-  const RegistrationResult result =
-      step(registration, scene_.frame(T, 0.01, 2), Pose::Identity(), 0.3);
-  EXPECT_EQ(result.motion.status, MotionStatus::not_settled);
-  EXPECT_TRUE(result.motion.registered());
-  EXPECT_FALSE(result.motion.converged());
-  EXPECT_EQ(result.motion.reason, "the registration did not converge");
-  EXPECT_LT((T.inverse() * result.T_odom_vehicle).translation().norm(), 0.04) << "not the guess";
-  EXPECT_EQ(registration.framesInMap(), 2) << "it is added";
-}
-
-TEST_P(Registration, AForeignSceneFailsAndThenRestartsTheMap)
-{
-  LocalMapRegistration registration(options(), pool_);
-  step(registration, scene_.frame(Pose::Identity(), 0.01, 1), Pose::Identity());
-  step(registration, scene_.frame(poseFromYpr(0.1, 0, 0, 0, 0, 0), 0.01, 2), Pose::Identity());
-  const Frame foreign = inTheAir(scene_.frame(Pose::Identity(), 0.01, 3));
-  const Pose guess = registration.pose();
-  for (int i = 0; i < 5; ++i)
-  {
-    const RegistrationResult result = step(registration, foreign, guess);
-    EXPECT_FALSE(result.motion.registered());
-    EXPECT_NE(result.motion.reason.find("local map"), std::string::npos);
-    EXPECT_EQ(result.motion.map_restarted, i == 4) << i;
-  }
-  const RegistrationResult after = step(registration, foreign, guess);
-  EXPECT_TRUE(after.motion.converged());
-  EXPECT_FALSE(after.motion.map_restarted);
-}
-
-TEST_P(Registration, AFirstScanOfAPartOfARevolutionIsReplacedAtOnce)
-{
-  LocalMapRegistration registration(options(), pool_);
-  Frame part = scene_.frame(Pose::Identity(), 0.01, 1);
-  Cloud& cloud = part.cloud;
-  std::vector<Eigen::Vector3f> sector;
-  std::copy_if(cloud.points.begin(), cloud.points.end(), std::back_inserter(sector),
-               [](const Eigen::Vector3f& p)
-               { return p.x() > 0 && std::abs(p.y()) < 0.1F * p.x(); });
-  ASSERT_GT(sector.size(), 100U);
-  cloud = Cloud();
-  cloud.points = sector;
-  part.scan = Scan();
-  step(registration, part, Pose::Identity());
-  const Pose T = poseFromYpr(0.5, 0, 0, 0, 0, 0);
-  const RegistrationResult second = step(registration, scene_.frame(T, 0.01, 2), T);
-  const RegistrationResult third = step(registration, scene_.frame(T * T, 0.01, 3), T * T);
-  EXPECT_TRUE(second.motion.converged() || second.motion.map_restarted) << second.motion.reason;
-  EXPECT_TRUE(third.motion.converged()) << third.motion.reason;
-}
-
-/** Value and limit of a rejected scan have the same unit, and the value is below the limit. */
-TEST_P(Registration, ARejectedScanHasItsRatioAndTheLimit)
-{
-  for (const double limit : {1.0, 0.995})
-  {
-    RefineOptions o = options();
-    o.min_inlier_ratio = limit;
-    LocalMapRegistration registration(o, pool_);
-    step(registration, scene_.frame(Pose::Identity(), 0.01, 1), Pose::Identity());
-    const RegistrationResult result =
-        step(registration, scene_.frame(Pose::Identity(), 0.01, 2), Pose::Identity(), 0.1);
-    ASSERT_FALSE(result.motion.converged());
-    double ratio = 0;
-    double read_limit = 0;
-    ASSERT_EQ(std::sscanf(result.motion.reason.c_str(),
-                          "the scan does not fit the local map: inlier ratio %lf, the limit is %lf "
-                          "(refine.min_inlier_ratio)",
-                          &ratio, &read_limit),
-              2)
-        << result.motion.reason;
-    EXPECT_EQ(read_limit, limit);
-    EXPECT_LT(ratio, limit);
-    EXPECT_GT(ratio, result.inlier_ratio - 0.01);
-    EXPECT_LE(ratio, result.inlier_ratio);
-  }
-}
-
-/** The rejected motion has deskewed the first frame. */
-TEST_P(Registration, ARejectedSecondFrameLeavesTheMapAsItWas)
-{
-  RefineOptions o = options();
-  o.min_inlier_ratio = 1;
-  const std::vector<Pose> poses = drive(2);
-  const Preprocessor preprocessor(PreprocessOptions(), pool_);
-  LocalMapRegistration registration(o, pool_);
-  std::vector<Eigen::Vector3f> map_before;
-  for (std::size_t i = 0; i < poses.size(); ++i)
-  {
-    Frame frame;
-    frame.scan = scene_.scan(poses[i], 0.01, static_cast<unsigned>(i + 1), poses[1]);
-    frame.cloud = preprocessor.prepare(frame.scan, Pose::Identity(), 0.1);
-    const RegistrationResult result = step(registration, frame, Pose::Identity());
-    EXPECT_EQ(result.motion.converged(), i == 0);
-    EXPECT_TRUE(result.T_odom_vehicle.isApprox(Pose::Identity()));
-    map_before = i == 0 ? registration.mapPoints() : map_before;
-  }
-  EXPECT_FALSE(map_before.empty());
-  EXPECT_EQ(registration.framesInMap(), 1);
-  EXPECT_EQ(registration.mapPoints(), map_before);
-}
-
-TEST_P(Registration, ASolutionThatIsNotFiniteIsRejected)
-{
-  LocalMapRegistration registration(options(), pool_);
-  step(registration, scene_.frame(Pose::Identity(), 0.01, 1), Pose::Identity());
-  const Frame frame = scene_.frame(poseFromYpr(0.05, 0, 0, 0, 0, 0), 0.01, 2);
-  MotionPrior prior;
-  prior.information.setConstant(std::numeric_limits<double>::quiet_NaN());
-  LocalMapRegistration::Alignment alignment =
-      registration.align(frame, Pose::Identity(), &prior, 0.1);
-  const RegistrationResult result = alignment.result();
-  registration.commit(std::move(alignment), frame);
-  EXPECT_FALSE(result.motion.converged());
-  EXPECT_EQ(result.motion.reason, "the registration has no finite solution");
-  EXPECT_TRUE(result.T_odom_vehicle.isApprox(Pose::Identity()));
-  EXPECT_EQ(registration.framesInMap(), 1) << "it is not added";
-  EXPECT_TRUE(step(registration, frame, Pose::Identity(), 0.1).motion.converged());
-}
-
-/** Every n-th of the scene's 32 rings. */
-Frame everyRing(int n, Frame frame)
-{
-  Cloud cloud;
-  for (std::size_t i = 0; i < frame.cloud.size(); ++i)
-  {
-    if (frame.scan.ring[frame.cloud.source[i]] % n == 0)
-    {
-      cloud.points.push_back(frame.cloud.points[i]);
-      cloud.source.push_back(frame.cloud.source[i]);
-    }
-  }
-  frame.cloud = cloud;
-  return frame;
-}
-
-/** With cells of one size, sparse rings give fewer surfaces, which does not lower the inlier ratio
- * of those that exist. Rings too far apart give only surfaces of single rings, and no motion;
- * additional larger cells solve it. */
-TEST_P(Registration, TheGateSeparatesFewSurfacesFromABadFit)
-{
-  const Pose T = poseFromYpr(0.1, 0.02, 0, 0.005, 0, 0);
-  const auto registerEvery = [&](int n, int levels)
-  {
-    RefineOptions o = options();
-    o.levels = levels;
-    LocalMapRegistration registration(o, pool_);
-    step(registration, everyRing(n, scene_.frame(Pose::Identity(), 0.01, 1)), Pose::Identity());
-    return step(registration, everyRing(n, scene_.frame(T, 0.01, 2)), T, 0.1);
-  };
-  const RegistrationResult every_ring = registerEvery(1, 1);
-  const RegistrationResult every_second = registerEvery(2, 1);
-  EXPECT_TRUE(every_second.motion.converged()) << every_second.motion.reason;
-  EXPECT_LT(every_second.surface_share, 0.8 * every_ring.surface_share);
-  EXPECT_NEAR(every_second.inlier_ratio, every_ring.inlier_ratio, 0.15);
-  const RegistrationResult every_fifth = registerEvery(5, 1);
-  EXPECT_FALSE(every_fifth.motion.converged());
-  EXPECT_NE(every_fifth.motion.reason.find("refine.cell_size"), std::string::npos)
-      << every_fifth.motion.reason;
-  const RegistrationResult in_levels = registerEvery(5, 4);
-  EXPECT_TRUE(in_levels.motion.converged()) << in_levels.motion.reason;
-  EXPECT_LT((T.inverse() * in_levels.T_odom_vehicle).translation().norm(), 0.03);
-}
-
-/** The scene, with a third of the rings. */
-Frame seenBySparseRings(const test::StreetScene& scene, const Pose& T, unsigned seed)
-{
-  constexpr int n = 3;
-  Frame frame = everyRing(n, scene.frame(T, 0.01, seed));
-  for (std::size_t i = 0; i < frame.scan.size(); ++i)
-  {
-    const int ring = frame.scan.ring[i];
-    frame.scan.ring[i] = static_cast<std::uint16_t>(ring / n);
-    if (ring % n != 0)
-    {
-      frame.scan.points[i].setZero();
-    }
-  }
-  return frame;
-}
-
-/** With sparse rings the spacing of the rings determines the cells, of the scan's own surfaces too,
- * not the option. */
-TEST_P(Registration, CellsAreAsLargeAsSparseRingsRequire)
-{
-  const Pose T = poseFromYpr(0.1, 0.02, 0, 0.005, 0, 0);
-  const auto poseWith = [&](double cell_size)
-  {
-    RefineOptions o = options();
-    o.cell_size = cell_size;
-    LocalMapRegistration registration(o, pool_);
-    step(registration, seenBySparseRings(scene_, Pose::Identity(), 1), Pose::Identity());
-    return step(registration, seenBySparseRings(scene_, T, 2), Pose::Identity(), 0.1)
-        .T_odom_vehicle;
-  };
-  const Pose found = poseWith(0.3);
-  EXPECT_LT((T.inverse() * found).translation().norm(), 0.08) << "registered";
-  EXPECT_EQ(found.matrix(), poseWith(0.6).matrix());
-}
-
-/** The rings of a further lidar, which have other numbers, change nothing. */
-TEST_P(Registration, CellsAreByTheRingsOfTheFirstLidar)
-{
-  const Pose T = poseFromYpr(0.1, 0.02, 0, 0.005, 0, 0);
-  const auto poseWith = [&](bool further)
-  {
-    const auto frameAt = [&](const Pose& at, unsigned seed)
-    {
-      Frame frame = seenBySparseRings(scene_, at, seed);
-      if (further)  // none of its points is in the cloud
-      {
-        Scan rear = frame.scan;
-        rear.T_vehicle_lidar = poseFromYpr(-1, 0, 1, M_PI, -0.1, 0);
-        appendScan(rear, 1, frame.scan);
-      }
-      return frame;
-    };
-    LocalMapRegistration registration(options(), pool_);
-    step(registration, frameAt(Pose::Identity(), 1), Pose::Identity());
-    return step(registration, frameAt(T, 2), Pose::Identity(), 0.1).T_odom_vehicle;
-  };
-  EXPECT_EQ(poseWith(true).matrix(), poseWith(false).matrix());
-}
-
 TEST_P(Registration, MovingPointsCanGetNoWeight)
 {
   const Pose T = poseFromYpr(0.4, 0, 0, 0.01, 0, 0);
@@ -505,9 +178,7 @@ TEST_P(Registration, MovingPointsCanGetNoWeight)
 INSTANTIATE_TEST_SUITE_P(Methods,
                          Registration,
                          testing::Values(RefineMethod::point_to_plane, RefineMethod::gicp),
-                         [](const testing::TestParamInfo<RefineMethod>& test_info) {
-                           return test_info.param == RefineMethod::gicp ? "gicp" : "point_to_plane";
-                         });
+                         test::methodName);
 
 /** A flat ground, or a tunnel along x, as an endless regular sampling. */
 Frame openScene(bool tunnel, const Pose& T)

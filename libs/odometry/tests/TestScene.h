@@ -57,20 +57,25 @@ class StreetScene
                           const Pose& T_sweep = Pose::Identity()) const
   {
     constexpr int rings = 32;
-    constexpr int columns = 720;
     std::mt19937 random(seed);
     std::normal_distribution<double> error(0, noise);
     const Vector6 twist = logSE3(T_sweep);
     Scan scan;
     scan.T_vehicle_lidar.translation().z() = 1.7;
+    std::vector<Pose> T_world_lidar;  // of each column
+    for (int column = 0; column < columns; ++column)
+    {
+      T_world_lidar.push_back(T_world_vehicle * expSE3((shareOf(column) - 0.5) * twist) *
+                              scan.T_vehicle_lidar);
+    }
     for (int ring = 0; ring < rings; ++ring)
     {
       const double elevation = (-24.0 + 1.0 * ring) * M_PI / 180;
       for (int column = 0; column < columns; ++column)
       {
-        const double share = (column + 0.5) / columns;
+        const double share = shareOf(column);
         const double azimuth = M_PI - 2 * M_PI * share;
-        const Pose T = T_world_vehicle * expSE3((share - 0.5) * twist) * scan.T_vehicle_lidar;
+        const Pose& T = T_world_lidar[static_cast<std::size_t>(column)];
         const Eigen::Vector3d d(std::cos(elevation) * std::cos(azimuth),
                                 std::cos(elevation) * std::sin(azimuth), std::sin(elevation));
         const double r = range(T.translation(), T.linear() * d) + error(random);
@@ -103,6 +108,11 @@ class StreetScene
   }
 
  private:
+  static constexpr int columns = 720;
+
+  /** When a column is measured, as a share of the sweep. */
+  static double shareOf(int column) { return (column + 0.5) / columns; }
+
   struct Box
   {
     Eigen::Vector3d low;
@@ -132,6 +142,10 @@ class StreetScene
     const Eigen::Vector2d d = along.head<2>();
     const double a = d.squaredNorm();
     const double b = o.dot(d);
+    if (b > 0)
+    {
+      return -1;  // behind
+    }
     const double root = b * b - a * (o.squaredNorm() - radius * radius);
     if (root < 0)
     {
