@@ -9,7 +9,7 @@
 #include <cmath>
 #include <random>
 
-#include "SyntheticScans.h"
+#include "BoxWorld.h"
 
 namespace dyslam
 {

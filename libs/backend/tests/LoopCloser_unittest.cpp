@@ -10,7 +10,7 @@
 #include <stdexcept>
 #include <utility>
 
-#include "SyntheticScans.h"
+#include "BoxWorld.h"
 
 namespace dyslam
 {

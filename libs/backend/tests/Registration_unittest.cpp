@@ -6,10 +6,10 @@
 #include <fstream>
 #include <string>
 
+#include "BoxWorld.h"
 #include "KeyframeRegistration.h"
 #include "PolarDescriptor.h"
 #include "RealData.h"
-#include "SyntheticScans.h"
 
 namespace dyslam
 {

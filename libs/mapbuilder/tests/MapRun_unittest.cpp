@@ -11,7 +11,7 @@
 #include <string>
 #include <utility>
 
-#include "SyntheticScans.h"
+#include "BoxWorld.h"
 #include "TestFolder.h"
 #include "TestRun.h"
 
