@@ -313,7 +313,7 @@ void DysegTrainer::run(const std::function<void(const std::string&)>& report,
                        const std::function<bool()>& stopped)
 {
   Impl& t = *impl_;
-  if (t.options.validate_every > 0)
+  if (t.options.validate_every > 0 && t.loop->step() < t.options.steps)
   {
     // Missing data are reported now, not after hours.
     t.validation = makeDysegValidation(t.options);
