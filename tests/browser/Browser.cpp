@@ -129,7 +129,6 @@ Browser::Browser() : driver_(std::make_unique<Driver>())
       "/session/" + command("POST", "/session", {{"capabilities", {{"alwaysMatch", wanted}}}})
                         .at("sessionId")
                         .get<std::string>();
-  resize(1280, 1200);
 }
 
 Browser::~Browser()

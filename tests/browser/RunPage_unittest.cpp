@@ -8,20 +8,12 @@
 #include <cstdint>
 #include <filesystem>
 #include <fstream>
-#include <memory>
 #include <opencv2/core.hpp>
 #include <opencv2/imgcodecs.hpp>
 #include <vector>
 
 #include "../cli/RunProgram.h"
-#include "Browser.h"
-
-#define DYSLAM_REQUIRE_BROWSER()                                                   \
-  if (!Browser::isInstalled())                                                     \
-  {                                                                                \
-    GTEST_SKIP() << "Chromium is not installed: apt-get install chromium "         \
-                    "chromium-driver (124 MB) to test the page that a run leaves"; \
-  }
+#include "BrowserTest.h"
 
 namespace dyslam
 {
@@ -96,14 +88,19 @@ RunPage smallRun()
   return page;
 }
 
-std::string textOf(Browser& browser, const std::string& id)
+class RunPageInBrowser : public BrowserTest
 {
-  return browser.run("return document.getElementById('" + id + "').textContent").get<std::string>();
-}
+ protected:
+  static std::string textOf(const std::string& id)
+  {
+    return browser()
+        .run("return document.getElementById('" + id + "').textContent")
+        .get<std::string>();
+  }
+};
 
-TEST(RunPageInBrowser, ShowsARunOfTheProgram)
+TEST_F(RunPageInBrowser, ShowsARunOfTheProgram)
 {
-  DYSLAM_REQUIRE_BROWSER();
   const fs::path folder = fs::temp_directory_path() / "page run";
   fs::create_directories(folder);
   const auto outcome = runProgram("dyslam",
@@ -114,52 +111,48 @@ TEST(RunPageInBrowser, ShowsARunOfTheProgram)
   ASSERT_EQ(outcome.code, 0) << outcome.err;
   ASSERT_TRUE(fs::exists(folder / "map.png"));
 
-  Browser browser;
-  browser.open((folder / "report.html").string());
-  ASSERT_TRUE(browser.waitFor(all_drawn)) << browser.errors();
-  EXPECT_EQ(browser.run("return performance.getEntriesByType('resource').filter(e => "
-                        "!e.name.startsWith('data:')).length"),
+  browser().open((folder / "report.html").string());
+  ASSERT_TRUE(browser().waitFor(all_drawn)) << browser().errors();
+  EXPECT_EQ(browser().run("return performance.getEntriesByType('resource').filter(e => "
+                          "!e.name.startsWith('data:')).length"),
             0)
       << "nothing is loaded";
   for (const char* section :
        {"summary", "view", "above", "errors", "trajectory", "drift", "tracks", "times", "details"})
   {
-    EXPECT_GT(browser.run(std::string("return document.getElementById('") + section +
-                          "').getBoundingClientRect().height"),
+    EXPECT_GT(browser().run(std::string("return document.getElementById('") + section +
+                            "').getBoundingClientRect().height"),
               60)
         << section;
   }
-  EXPECT_GT(browser.run("return document.querySelectorAll('#error-table tbody tr').length"), 5);
-  EXPECT_GT(browser.run("return document.getElementById('picture').naturalWidth"), 300);
-  EXPECT_GT(browser.run("return document.querySelectorAll('polyline').length"), 10);
-  EXPECT_GT(browser.run("return document.querySelectorAll('#times .bar').length"), 4);
-  EXPECT_EQ(browser.errors(), "");
+  EXPECT_GT(browser().run("return document.querySelectorAll('#error-table tbody tr').length"), 5);
+  EXPECT_GT(browser().run("return document.getElementById('picture').naturalWidth"), 300);
+  EXPECT_GT(browser().run("return document.querySelectorAll('polyline').length"), 10);
+  EXPECT_GT(browser().run("return document.querySelectorAll('#times .bar').length"), 4);
+  EXPECT_EQ(browser().errors(), "");
 }
 
-TEST(RunPageInBrowser, SliderMovesThroughTheScans)
+TEST_F(RunPageInBrowser, SliderMovesThroughTheScans)
 {
-  DYSLAM_REQUIRE_BROWSER();
-  Browser browser;
-  browser.open(written(smallRun(), "slider.html"));
-  ASSERT_TRUE(browser.waitFor(all_drawn)) << browser.errors();
-  EXPECT_EQ(textOf(browser, "scene-info"), "Scan 0 (1 of 20), 0.00 s: 1 moving object");
-  const std::string before = browser.screenshot("scene");
-  browser.type("time-slider", "\xEE\x80\x90");  // End, as WebDriver writes it: U+E010
-  EXPECT_EQ(textOf(browser, "scene-info"), "Scan 19 (20 of 20), 1.90 s: 1 moving object");
-  ASSERT_TRUE(browser.waitFor(all_drawn));
-  EXPECT_TRUE(differ(browser.screenshot("scene"), before));
+  browser().open(written(smallRun(), "slider.html"));
+  ASSERT_TRUE(browser().waitFor(all_drawn)) << browser().errors();
+  EXPECT_EQ(textOf("scene-info"), "Scan 0 (1 of 20), 0.00 s: 1 moving object");
+  const std::string before = browser().screenshot("scene");
+  browser().type("time-slider", "\xEE\x80\x90");  // End, as WebDriver writes it: U+E010
+  EXPECT_EQ(textOf("scene-info"), "Scan 19 (20 of 20), 1.90 s: 1 moving object");
+  ASSERT_TRUE(browser().waitFor(all_drawn));
+  EXPECT_TRUE(differ(browser().screenshot("scene"), before));
 
-  browser.click("play");  // at the end, playing begins again from the start
-  EXPECT_TRUE(browser.waitFor("return document.getElementById('time-slider').value > 3"));
-  EXPECT_TRUE(browser.waitFor("return document.getElementById('play').textContent === 'Play'"))
+  browser().click("play");  // at the end, playing begins again from the start
+  EXPECT_TRUE(browser().waitFor("return document.getElementById('time-slider').value > 3"));
+  EXPECT_TRUE(browser().waitFor("return document.getElementById('play').textContent === 'Play'"))
       << "it stops at the end";
-  EXPECT_EQ(browser.run("return document.getElementById('time-slider').value"), "19");
-  EXPECT_EQ(browser.errors(), "");
+  EXPECT_EQ(browser().run("return document.getElementById('time-slider').value"), "19");
+  EXPECT_EQ(browser().errors(), "");
 }
 
-TEST(RunPageInBrowser, LayersCanBeHidden)
+TEST_F(RunPageInBrowser, LayersCanBeHidden)
 {
-  DYSLAM_REQUIRE_BROWSER();
   RunPage page = smallRun();
   std::vector<Eigen::Vector3f> points;
   for (int i = 0; i < 4000; ++i)
@@ -169,31 +162,28 @@ TEST(RunPageInBrowser, LayersCanBeHidden)
   page.map_points = &points;
   page.reference = page.trajectory;
   page.loops.push_back({{0, 0, 0}, {19, 0, 0}});
-  Browser browser;
-  browser.open(written(page, "layers.html"));
-  ASSERT_TRUE(browser.waitFor(all_drawn)) << browser.errors();
+  browser().open(written(page, "layers.html"));
+  ASSERT_TRUE(browser().waitFor(all_drawn)) << browser().errors();
+  const std::string before = browser().screenshot("scene");
   for (const char* layer : {"map", "path", "loops", "objects", "tracks", "odometry", "truth",
                             "keyframes", "grid", "labels"})
   {
     const std::string id = std::string("layer-") + layer;
-    const std::string before = browser.screenshot("scene");
-    browser.click(id);
-    ASSERT_TRUE(browser.waitFor(all_drawn));
-    EXPECT_TRUE(differ(browser.screenshot("scene"), before)) << layer;
-    browser.click(id);
-    ASSERT_TRUE(browser.waitFor(all_drawn));
-    EXPECT_FALSE(differ(browser.screenshot("scene"), before)) << layer;
+    browser().click(id);
+    ASSERT_TRUE(browser().waitFor(all_drawn));
+    EXPECT_TRUE(differ(browser().screenshot("scene"), before)) << layer;
+    browser().click(id);
+    ASSERT_TRUE(browser().waitFor(all_drawn));
+    EXPECT_FALSE(differ(browser().screenshot("scene"), before)) << layer;
   }
-  const std::string before = browser.screenshot("scene");
-  browser.click("view-above");
-  ASSERT_TRUE(browser.waitFor(all_drawn));
-  EXPECT_TRUE(differ(browser.screenshot("scene"), before));
-  EXPECT_EQ(browser.errors(), "");
+  browser().click("view-above");
+  ASSERT_TRUE(browser().waitFor(all_drawn));
+  EXPECT_TRUE(differ(browser().screenshot("scene"), before));
+  EXPECT_EQ(browser().errors(), "");
 }
 
-TEST(RunPageInBrowser, OpensWithAMillionPoints)
+TEST_F(RunPageInBrowser, OpensWithAMillionPoints)
 {
-  DYSLAM_REQUIRE_BROWSER();
   RunPage page = smallRun();
   std::vector<Eigen::Vector3f> points;
   for (int i = 0; i < 1000000; ++i)
@@ -202,100 +192,88 @@ TEST(RunPageInBrowser, OpensWithAMillionPoints)
     points.emplace_back(1e-4F * t - 40, 20 * std::sin(0.01F * t), 3 * std::cos(0.003F * t));
   }
   page.map_points = &points;
-  Browser browser;
-  browser.open(written(page, "million.html"));
-  ASSERT_TRUE(browser.waitFor(all_drawn)) << browser.errors();
-  EXPECT_NE(textOf(browser, "view").find("1,000,000 map points"), std::string::npos);
-  EXPECT_EQ(browser.errors(), "");
+  browser().open(written(page, "million.html"));
+  ASSERT_TRUE(browser().waitFor(all_drawn)) << browser().errors();
+  EXPECT_NE(textOf("view").find("1,000,000 map points"), std::string::npos);
+  EXPECT_EQ(browser().errors(), "");
 }
 
-TEST(RunPageInBrowser, FitsASmallScreenAndShowsTextsAsTheyAre)
+TEST_F(RunPageInBrowser, FitsASmallScreenAndShowsTextsAsTheyAre)
 {
-  DYSLAM_REQUIRE_BROWSER();
   RunPage page = smallRun();
   const std::string evil = "</script><img src=x onerror='window.evil=1'>" + std::string(200, 'w');
   page.title = page.input = page.method = page.settings = page.failure = evil;
   page.warnings = {evil};
   page.files = {evil};
-  Browser browser;
-  browser.resize(500, 900);  // Chromium makes no smaller window
-  browser.open(written(page, "evil.html"));
-  ASSERT_TRUE(browser.waitFor(all_drawn)) << browser.errors();
-  EXPECT_EQ(browser.run("return window.evil === undefined"), true);
-  EXPECT_NE(textOf(browser, "verdict").find(evil), std::string::npos);
-  EXPECT_LE(browser.run("return document.documentElement.scrollWidth - window.innerWidth"), 0);
-  EXPECT_EQ(browser.errors(), "");
+  browser().resize(500, 900);  // Chromium makes no smaller window
+  browser().open(written(page, "evil.html"));
+  ASSERT_TRUE(browser().waitFor(all_drawn)) << browser().errors();
+  EXPECT_EQ(browser().run("return window.evil === undefined"), true);
+  EXPECT_NE(textOf("verdict").find(evil), std::string::npos);
+  EXPECT_LE(browser().run("return document.documentElement.scrollWidth - window.innerWidth"), 0);
+  EXPECT_EQ(browser().errors(), "");
 }
 
-TEST(RunPageInBrowser, StatesTheSensorAndWhereTheTruthIsFrom)
+TEST_F(RunPageInBrowser, StatesTheSensorAndWhereTheTruthIsFrom)
 {
-  DYSLAM_REQUIRE_BROWSER();
   RunPage page = smallRun();
   page.sensor = "64 rings; the points have no times";
   page.reference = page.trajectory;
   page.reference_origin = "GNSS/INS (oxts), not exact";
   page.stage_ms["deskew"] = 2;
-  Browser browser;
-  browser.open(written(page, "origin.html"));
-  ASSERT_TRUE(browser.waitFor(all_drawn)) << browser.errors();
-  EXPECT_NE(textOf(browser, "summary").find("Sensor: 64 rings; the points have no times."),
+  browser().open(written(page, "origin.html"));
+  ASSERT_TRUE(browser().waitFor(all_drawn)) << browser().errors();
+  EXPECT_NE(textOf("summary").find("Sensor: 64 rings; the points have no times."),
             std::string::npos);
-  EXPECT_NE(textOf(browser, "verdict").find("No warnings."), std::string::npos);
-  EXPECT_NE(textOf(browser, "errors").find("(GNSS/INS (oxts), not exact)"), std::string::npos);
-  EXPECT_NE(textOf(browser, "times").find("with the motion that was found"), std::string::npos);
-  EXPECT_EQ(browser.errors(), "");
+  EXPECT_NE(textOf("verdict").find("No warnings."), std::string::npos);
+  EXPECT_NE(textOf("errors").find("(GNSS/INS (oxts), not exact)"), std::string::npos);
+  EXPECT_NE(textOf("times").find("with the motion that was found"), std::string::npos);
+  EXPECT_EQ(browser().errors(), "");
 }
 
 /** The page has no threshold of its own: the number of scans that were not registered gives no
  * verdict by itself. */
-TEST(RunPageInBrowser, ShowsTheVerdictOfTheRun)
+TEST_F(RunPageInBrowser, ShowsTheVerdictOfTheRun)
 {
-  DYSLAM_REQUIRE_BROWSER();
   RunPage page = smallRun();
   for (PageScan& scan : page.scans)
   {
     scan.registered = false;
   }
-  Browser browser;
-  browser.open(written(page, "usable.html"));
-  ASSERT_TRUE(browser.waitFor(all_drawn)) << browser.errors();
-  EXPECT_NE(textOf(browser, "verdict").find("No warnings."), std::string::npos);
+  browser().open(written(page, "usable.html"));
+  ASSERT_TRUE(browser().waitFor(all_drawn)) << browser().errors();
+  EXPECT_NE(textOf("verdict").find("No warnings."), std::string::npos);
   page.verdict = "doubtful";
   page.warnings = {"7 of 20 scans could not be registered: check trajectory and map"};
-  browser.open(written(page, "doubtful.html"));
-  ASSERT_TRUE(browser.waitFor(all_drawn)) << browser.errors();
-  EXPECT_EQ(textOf(browser, "verdict").find("Check trajectory and map."), 0U);
-  EXPECT_NE(textOf(browser, "verdict").find(page.warnings[0]), std::string::npos);
+  browser().open(written(page, "doubtful.html"));
+  ASSERT_TRUE(browser().waitFor(all_drawn)) << browser().errors();
+  EXPECT_EQ(textOf("verdict").find("Check trajectory and map."), 0U);
+  EXPECT_NE(textOf("verdict").find(page.warnings[0]), std::string::npos);
 }
 
-TEST(RunPageInBrowser, SaysWhichScansOfALongRunAreShownAndWhichLoopsAreLeftOut)
+TEST_F(RunPageInBrowser, SaysWhichScansOfALongRunAreShownAndWhichLoopsAreLeftOut)
 {
-  DYSLAM_REQUIRE_BROWSER();
   RunPage page = smallRun();
   page.loops.push_back({{0, 0, 0}, {19, 0, 0}});
   page.loops_left_out = 20;
   RunPageOptions options;
   options.max_scans = 7;
-  Browser browser;
-  browser.open(written(page, "thinned.html", options));
-  ASSERT_TRUE(browser.waitFor(all_drawn)) << browser.errors();
-  browser.type("time-slider", "\xEE\x80\x90");  // End
-  EXPECT_EQ(textOf(browser, "scene-info").find("Scan 18 (19 of 20), 1.80 s"), 0U);
+  browser().open(written(page, "thinned.html", options));
+  ASSERT_TRUE(browser().waitFor(all_drawn)) << browser().errors();
+  browser().type("time-slider", "\xEE\x80\x90");  // End
+  EXPECT_EQ(textOf("scene-info").find("Scan 18 (19 of 20), 1.80 s"), 0U);
   for (const char* section : {"view", "trajectory"})
   {
-    EXPECT_NE(textOf(browser, section).find("Shown is every 3rd scan"), std::string::npos)
-        << section;
+    EXPECT_NE(textOf(section).find("Shown is every 3rd scan"), std::string::npos) << section;
   }
-  EXPECT_NE(textOf(browser, "summary").find("1 loop: places recognised a second time."),
+  EXPECT_NE(textOf("summary").find("1 loop: places recognised a second time."), std::string::npos);
+  EXPECT_NE(textOf("summary").find("20 left out, as they contradict the others."),
             std::string::npos);
-  EXPECT_NE(textOf(browser, "summary").find("20 left out, as they contradict the others."),
-            std::string::npos);
-  EXPECT_EQ(browser.errors(), "");
+  EXPECT_EQ(browser().errors(), "");
 }
 
-TEST(RunPageInBrowser, SaysThatSatellitePositionsCorrectTheDriftAndHowLargeTheMapIs)
+TEST_F(RunPageInBrowser, SaysThatSatellitePositionsCorrectTheDriftAndHowLargeTheMapIs)
 {
-  DYSLAM_REQUIRE_BROWSER();
   RunPage page = smallRun();
   page.loops.clear();
   page.satellite_fixes = 42;
@@ -304,41 +282,35 @@ TEST(RunPageInBrowser, SaysThatSatellitePositionsCorrectTheDriftAndHowLargeTheMa
   const std::vector<Eigen::Vector3f> points{{0, 0, 0}, {10, 20, 5}};
   page.map_points = &points;
   page.map_size = 5000000;
-  Browser browser;
-  browser.open(written(page, "satellites.html"));
-  ASSERT_TRUE(browser.waitFor(all_drawn)) << browser.errors();
-  const std::string summary = textOf(browser, "summary");
+  browser().open(written(page, "satellites.html"));
+  ASSERT_TRUE(browser().waitFor(all_drawn)) << browser().errors();
+  const std::string summary = textOf("summary");
   EXPECT_NE(summary.find("42 satellite positions moved the trajectory by up to"),
             std::string::npos);
   EXPECT_EQ(summary.find("nothing corrects the drift"), std::string::npos);
   EXPECT_EQ(summary.find("has no ground truth"), std::string::npos);
   EXPECT_NE(summary.find("5,000,000"), std::string::npos);
-  EXPECT_NE(textOf(browser, "view").find("2 of 5,000,000 map points, evenly thinned"),
-            std::string::npos);
-  EXPECT_EQ(browser.errors(), "");
+  EXPECT_NE(textOf("view").find("2 of 5,000,000 map points, evenly thinned"), std::string::npos);
+  EXPECT_EQ(browser().errors(), "");
 }
 
 /** As ms_per_scan of report.json. */
-TEST(RunPageInBrowser, CheckpointsAreNoStages)
+TEST_F(RunPageInBrowser, CheckpointsAreNoStages)
 {
-  DYSLAM_REQUIRE_BROWSER();
   RunPage page = smallRun();
   page.stage_ms = {{"refine", 20.3}, {"map", 10}, {"checkpoint.back_end", 7}};
-  Browser browser;
-  browser.open(written(page, "checkpoints.html"));
-  ASSERT_TRUE(browser.waitFor(all_drawn)) << browser.errors();
-  EXPECT_NE(textOf(browser, "summary").find("The stages took 30.3 ms per scan"), std::string::npos)
-      << textOf(browser, "summary");
-  EXPECT_NE(textOf(browser, "times").find("checkpoint.back_end"), std::string::npos);
+  browser().open(written(page, "checkpoints.html"));
+  ASSERT_TRUE(browser().waitFor(all_drawn)) << browser().errors();
+  EXPECT_NE(textOf("summary").find("The stages took 30.3 ms per scan"), std::string::npos)
+      << textOf("summary");
+  EXPECT_NE(textOf("times").find("checkpoint.back_end"), std::string::npos);
 }
 
-TEST(RunPageInBrowser, HasAWordForARunWithoutScans)
+TEST_F(RunPageInBrowser, HasAWordForARunWithoutScans)
 {
-  DYSLAM_REQUIRE_BROWSER();
-  Browser browser;
-  browser.open(written({}, "empty.html"));
-  EXPECT_TRUE(browser.waitFor("return document.getElementById('summary') !== null"));
-  EXPECT_EQ(browser.errors(), "");
+  browser().open(written({}, "empty.html"));
+  EXPECT_TRUE(browser().waitFor("return document.getElementById('summary') !== null"));
+  EXPECT_EQ(browser().errors(), "");
 }
 }  // namespace
 }  // namespace dyslam

@@ -54,11 +54,13 @@ TEST(Interrupt, ARunKeepsItsResultsAndCanBeResumed)
   const std::string run = folder.file("run");
   const auto said = [&](const std::string& program, const std::string& arguments)
   { return runProgram(program, arguments, folder.file(".")); };
-  const std::string settings = "-q -c vlp16.ini --labels --set labels.window=3 -i " + recording;
+  const std::string settings =
+      "-q -c vlp16.ini --labels --set labels.window=3 --only-first-n 60 -i " + recording;
   EXPECT_EQ(0, said("dyslam", settings + " -o " + folder.file("w/run")).code);
-  const int code = interrupted({bin + "/dyslam", "-q", "-c", "vlp16.ini", "--labels", "--set",
-                                "labels.window=3", "-i", recording, "-o", run},
-                               folder.file("err.txt"), run + "/labels/000005.label");
+  const int code =
+      interrupted({bin + "/dyslam", "-q", "-c", "vlp16.ini", "--labels", "--set", "labels.window=3",
+                   "--only-first-n", "60", "-i", recording, "-o", run},
+                  folder.file("err.txt"), run + "/labels/000005.label");
   const std::string err = folder.read("err.txt");
   EXPECT_EQ(1, code) << err;
   EXPECT_TRUE(contains(err, "dyslam: " + recording + ": stopped on request after ")) << err;
