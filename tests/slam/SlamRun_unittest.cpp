@@ -167,31 +167,23 @@ TEST_F(SlamRun, LeavesEveryFileAndASmallError)
   EXPECT_EQ(errors.pairs, static_cast<std::size_t>(scan_count));
   EXPECT_LT(errors.end.percent, 2.0);
   EXPECT_LT(errors.relative.translation.rmse, 0.05);
-}
 
-TEST_F(SlamRun, LabelsAreOnePerInputPoint)
-{
-  auto s = settings("labels");
-  (void)runSlam(s);
-  const auto truth_size = [&](int frame)
+  const auto pointsOf = [&](int frame)
   {
     RawlogSourceOptions options;
     options.skip_first_n = frame;
     RawlogSource source(s.rawlog, options);
     return source.next()->scan.size();
   };
-  EXPECT_EQ(readLabels(s.output_folder + "/labels/000000.label").size(), truth_size(0));
-  EXPECT_EQ(readLabels(s.output_folder + "/labels/000039.label").size(), truth_size(39));
+  EXPECT_EQ(readLabels(s.output_folder + "/labels/000000.label").size(), pointsOf(0));
+  EXPECT_EQ(readLabels(s.output_folder + "/labels/000039.label").size(), pointsOf(39));
 }
 
-TEST_F(SlamRun, SameBytesTwiceAndForAnyThreadCountAndMemory)
+TEST_F(SlamRun, SameBytesForAnyThreadCountAndMemory)
 {
   auto one = settings("one");
   one.config.set("pipeline.threads=1");
   (void)runSlam(one);
-  auto again = settings("again");
-  again.config.set("pipeline.threads=1");
-  (void)runSlam(again);
   auto three = settings("three");
   three.config.set("pipeline.threads=3");
   (void)runSlam(three);
@@ -203,7 +195,7 @@ TEST_F(SlamRun, SameBytesTwiceAndForAnyThreadCountAndMemory)
   EXPECT_NE(readWhole(one.output_folder + "/report.json").find("\"temporary_file\": 0.0"),
             std::string::npos);
   const auto expected = filesOf(one.output_folder);
-  for (const auto* folder : {&again.output_folder, &three.output_folder, &little.output_folder})
+  for (const auto* folder : {&three.output_folder, &little.output_folder})
   {
     const auto files = filesOf(*folder);
     ASSERT_EQ(files.size(), expected.size());
@@ -221,6 +213,7 @@ TEST_F(SlamRun, EffectiveIniGivesTheSameRun)
 {
   auto first = settings("first");
   first.config.set("refine.cell_size=0.7");
+  first.config.set("input.only_first_n=12");
   (void)runSlam(first);
   auto second = settings("second");
   second.config = Config::fromFile(first.output_folder + "/effective.ini");
@@ -483,7 +476,7 @@ TEST_F(SlamRun, FindsTheWorldAmongTrafficThatDrivesAlong)
     std::size_t least;  // least number of worlds with success
   };
   for (const auto& [traffic, seeds, within, least] :
-       {Traffic{0.6, {302}, 0.05, 1}, Traffic{1.0, {306, 305, 304, 303, 401, 402, 403}, 0.15, 5}})
+       {Traffic{0.6, {302}, 0.05, 1}, Traffic{1.0, {306, 305, 304, 303}, 0.15, 3}})
   {
     std::size_t found = 0;
     for (const int seed : seeds)

@@ -106,6 +106,82 @@ TEST_F(WholeRun, TheBundledCampusStaysWithinBounds)
   EXPECT_GT(iouOf(s, bundled("campus16.gt/labels")), 0.68);
 }
 
+/** With fewer iterations than most scans need, the motions are less accurate, and the user is told.
+ */
+TEST_F(WholeRun, FewIterationsLeaveAUsableTrajectory)
+{
+  auto s = settings(bundled("campus16.rawlog"), "vlp16.ini", "few_iterations");
+  s.config.set("refine.max_iterations=3");
+  s.config.set("input.only_first_n=40");
+  const SlamRunReport report = runSlam(s);
+  EXPECT_EQ(report.unconverged, 0U);
+  EXPECT_EQ(report.verdict, "usable");
+  ASSERT_EQ(report.warnings.size(), 1U);
+  EXPECT_NE(report.warnings[0].find("of 40 scans ended before it converged"), std::string::npos)
+      << report.warnings[0];
+  EXPECT_LT(errorsOf(s).relative.translation.rmse, 0.03);
+}
+
+/** On a slope, with an IMU: all results are those of the run that was not levelled, rotated. */
+TEST_F(WholeRun, ALevelMapIsTheMapRotated)
+{
+  constexpr int scans = 40;
+  const std::string rawlog = (folder_ / "slope.rawlog").string();
+  sim::SimulatorOptions campus;
+  campus.world = sim::WorldKind::campus;
+  campus.sensor = sim::SensorKind::vlp16;
+  campus.columns = 600;
+  campus.traffic = 0.8;
+  campus.seed = 700000053;
+  campus.imu = true;
+  sim::Simulator simulator(campus, 2);
+  RawlogWriter writer(rawlog);
+  Trajectory truth;
+  for (int i = 0; i < scans; ++i)
+  {
+    const auto simulated = simulator.next();
+    for (const ImuSample& sample : simulated.imu)
+    {
+      writer.write(sample);
+    }
+    writer.write(simulated.scan, simulated.T_map_vehicle);
+    truth.push_back(simulated.scan.stamp, simulated.T_map_vehicle);
+  }
+  writer.close();
+
+  const auto runWith = [&](const std::string& level_map)
+  {
+    auto s = settings(rawlog, "vlp16.ini", "level_map_" + level_map);
+    s.config.set("gravity.window=1");
+    s.config.set("gravity.level_map=" + level_map);
+    EXPECT_EQ(runSlam(s).unconverged, 0U);
+    return s;
+  };
+  const SlamRunSettings plain = runWith("false");
+  const SlamRunSettings level = runWith("true");
+  const auto trajectoryOf = [](const SlamRunSettings& run)
+  { return readTum(run.output_folder + "/trajectory_tum.txt"); };
+  const Trajectory before = trajectoryOf(plain);
+  const Trajectory after = trajectoryOf(level);
+  ASSERT_EQ(before.size(), truth.size());
+  ASSERT_EQ(after.size(), truth.size());
+  const Pose T_level_map = after[0].pose * before[0].pose.inverse();
+  EXPECT_GT(rotationAngle(T_level_map), 0.003) << "there is a slope";
+  for (std::size_t i = 0; i < after.size(); ++i)
+  {
+    EXPECT_TRUE(after[i].pose.isApprox(T_level_map * before[i].pose, 1e-6)) << i;
+  }
+  // The vehicle's upwards in the map, and in the world.
+  const auto upwards = [](const Trajectory& trajectory)
+  { return Eigen::Vector3d(trajectory[0].pose.linear().row(2)); };
+  EXPECT_LT((upwards(after) - upwards(truth)).norm(), 0.02);
+
+  const auto tracksOf = [](const SlamRunSettings& run)
+  { return readTracks(run.output_folder + "/tracks.txt"); };
+  EXPECT_EQ(tracksOf(level).size(), tracksOf(plain).size());
+  EXPECT_LT(errorsOf(level).absolute.translation.rmse, 0.03);
+}
+
 /** A robot with a lidar at the front and one at the rear. */
 TEST_F(WholeRun, ASecondLidarHelps)
 {

@@ -183,11 +183,35 @@ std::vector<GravityAnchor::Measured> GravityAnchor::measureAll(
   return all;
 }
 
+std::string GravityAnchor::reasonForFew(std::size_t directions) const
+{
+  if (options_.use == GravityUse::off)
+  {
+    return "gravity.use is off";
+  }
+  if (std::none_of(intervals_.begin(), intervals_.end(),
+                   [](const Interval& interval) { return interval.samples > 0; }))
+  {
+    return "the recording has no accelerations of an IMU";
+  }
+  char reason[200];
+  std::snprintf(
+      reason, sizeof reason,
+      "%zu of %zu directions of gravity that are needed; each takes gravity.window (%g s) "
+      "without a gap, and %zu scans",
+      directions, least_directions, options_.window, least_frames);
+  return reason;
+}
+
 bool GravityAnchor::addTo(FactorGraph& graph, const std::vector<FrameInKeyframe>& frames)
 {
   const std::vector<Measured> all = measureAll(graph, frames);
   if (all.size() < least_directions)
   {
+    if (options_.level_map)
+    {
+      warn("the map is not levelled: " + reasonForFew(all.size()));
+    }
     return false;
   }
   // Least squares for gravity's counterforce in the map frame and the bias in the vehicle's axes.

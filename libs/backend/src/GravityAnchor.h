@@ -73,6 +73,8 @@ class GravityAnchor
                                                 double unit) const;
   [[nodiscard]] std::vector<Measured> measureAll(const FactorGraph& graph,
                                                  const std::vector<FrameInKeyframe>& frames) const;
+  /** Why so few directions were measured. */
+  [[nodiscard]] std::string reasonForFew(std::size_t directions) const;
   [[nodiscard]] double rmse(const FactorGraph& graph) const;
 
   GravityOptions options_;

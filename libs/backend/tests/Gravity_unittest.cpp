@@ -244,9 +244,8 @@ TEST(Gravity, AccelerationsAreKeptInTheStateOfARun)
   EXPECT_EQ(resumed.backend.gravity()->directions, whole.backend.gravity()->directions);
 }
 
-TEST(Gravity, WithoutAccelerationsNothingChanges)
+void removeAccelerations(DriveWithImu& drive)
 {
-  DriveWithImu drive(30, 1e-4, Eigen::Vector3d::Zero());
   for (Frame& frame : drive.frames)
   {
     for (ImuSample& sample : frame.imu)
@@ -254,6 +253,30 @@ TEST(Gravity, WithoutAccelerationsNothingChanges)
       sample.acceleration.reset();
     }
   }
+}
+
+TEST(Gravity, AMapThatCannotBeLevelledIsReported)
+{
+  const auto warningsOf = [](const DriveWithImu& drive, GravityUse use)
+  {
+    const GravityRun run(drive, use, true);
+    EXPECT_FALSE(run.backend.gravity());
+    return run.warnings();
+  };
+  DriveWithImu drive(5, 0, Eigen::Vector3d::Zero());
+  EXPECT_EQ(warningsOf(drive, GravityUse::off), "the map is not levelled: gravity.use is off\n");
+  EXPECT_EQ(warningsOf(drive, GravityUse::measure),
+            "the map is not levelled: 1 of 3 directions of gravity that are needed; each takes "
+            "gravity.window (4 s) without a gap, and 8 scans\n");
+  removeAccelerations(drive);
+  EXPECT_EQ(warningsOf(drive, GravityUse::measure),
+            "the map is not levelled: the recording has no accelerations of an IMU\n");
+}
+
+TEST(Gravity, WithoutAccelerationsNothingChanges)
+{
+  DriveWithImu drive(30, 1e-4, Eigen::Vector3d::Zero());
+  removeAccelerations(drive);
   const GravityRun run(drive, GravityUse::fuse);
   EXPECT_FALSE(run.backend.gravity());
   EXPECT_EQ(run.warnings(), "");
