@@ -4,7 +4,7 @@
 # where that takes up to 2 s, one entry for each program: `module`.
 
 # Reads suites and cases from a source, and adds an entry for each not seen before in this program.
-function(dyslam_add_test_entries name target source labels)
+function(dyslam_add_test_entries name target source labels cost)
   set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS ${source})
   file(STRINGS ${source} skips REGEX "GTEST_SKIP|DYSLAM_REQUIRE_DATA" LIMIT_COUNT 1)
   file(STRINGS ${source} cases REGEX "^ *(TYPED_)?TEST(_F|_P)?\\(")
@@ -24,27 +24,31 @@ function(dyslam_add_test_entries name target source labels)
     set_property(GLOBAL APPEND PROPERTY DYSLAM_TEST_ENTRIES ${entry})
     set(filter "${suite}.${case}:*/${suite}.${case}/*:${suite}/*.${case}:*/${suite}/*.${case}")
     add_test(NAME ${entry} COMMAND ${target} --gtest_filter=${filter})
-    set_tests_properties(${entry} PROPERTIES LABELS "${labels}" TIMEOUT 900 SKIP_RETURN_CODE 77
+    set_tests_properties(${entry} PROPERTIES LABELS "${labels}" COST ${cost} TIMEOUT 900 SKIP_RETURN_CODE 77
       ENVIRONMENT "DYSLAM_SOURCE_DIR=${PROJECT_SOURCE_DIR}")
   endforeach()
 endfunction()
 
 # dyslam_add_test(NAME <module> SOURCES <tests/...> [LIBRARIES <targets>] [HEADERS <kind>] [PROGRAMS <targets>]
-#   [NETWORKS] [OPTIMISED])
+#   [NETWORKS] [OPTIMISED] [COST <seconds>])
 # One GTest program per module: <module>_tests. Its entries have the label <module>, and `unit` unless it
 # runs PROGRAMS; the target unit_tests builds those. NETWORKS: it may ask for a network while it runs.
+# COST: of its longest entry; ctest starts long ones first, so that none is left alone at the end.
 # OPTIMISED: compiled as the libraries, because it compares the bytes of templates compiled in both.
 function(dyslam_add_test)
   if(NOT DYSLAM_BUILD_TESTS)
     return()
   endif()
-  cmake_parse_arguments(ARG "NETWORKS;OPTIMISED" "NAME;HEADERS" "SOURCES;LIBRARIES;PROGRAMS" ${ARGN})
+  cmake_parse_arguments(ARG "NETWORKS;OPTIMISED" "NAME;HEADERS;COST" "SOURCES;LIBRARIES;PROGRAMS" ${ARGN})
   if(NOT TARGET dyslam_test_main)
     add_library(dyslam_test_main STATIC ${PROJECT_SOURCE_DIR}/tests/common/TestMain.cpp)
     target_link_libraries(dyslam_test_main PUBLIC GTest::gtest)
     target_include_directories(dyslam_test_main INTERFACE ${PROJECT_SOURCE_DIR}/tests/common)
     dyslam_set_warnings(dyslam_test_main)
     add_custom_target(unit_tests)
+  endif()
+  if(NOT ARG_COST)
+    set(ARG_COST 0)
   endif()
   set(target ${ARG_NAME}_tests)
   add_executable(${target} ${ARG_SOURCES})
@@ -65,11 +69,11 @@ function(dyslam_add_test)
   endif()
   if(DYSLAM_SANITIZE)
     add_test(NAME ${ARG_NAME} COMMAND ${target})
-    set_tests_properties(${ARG_NAME} PROPERTIES LABELS "${labels}" TIMEOUT 1800 SKIP_RETURN_CODE 77
+    set_tests_properties(${ARG_NAME} PROPERTIES LABELS "${labels}" COST ${ARG_COST} TIMEOUT 1800 SKIP_RETURN_CODE 77
       ENVIRONMENT "DYSLAM_SOURCE_DIR=${PROJECT_SOURCE_DIR}")
     return()
   endif()
   foreach(source IN LISTS ARG_SOURCES)
-    dyslam_add_test_entries(${ARG_NAME} ${target} ${CMAKE_CURRENT_SOURCE_DIR}/${source} "${labels}")
+    dyslam_add_test_entries(${ARG_NAME} ${target} ${CMAKE_CURRENT_SOURCE_DIR}/${source} "${labels}" ${ARG_COST})
   endforeach()
 endfunction()

@@ -16,7 +16,7 @@ dyslam_add_library(NAME train_dyseg INTERNAL HEADERS torch
   PUBLIC dyslam::core dyslam::nets_dyseg dyslam::sim dyslam::train_common
   PRIVATE dyslam::formats ${TORCH_LIBRARIES})
 
-dyslam_add_test(NAME train_dyseg HEADERS torch
+dyslam_add_test(NAME train_dyseg COST 30 HEADERS torch
   SOURCES
     tests/DysegCrop_unittest.cpp
     tests/DysegData_unittest.cpp
