@@ -2,9 +2,7 @@
 #include <dyslam/core/Deskew.h>
 #include <dyslam/core/FastAngle.h>
 
-#include <algorithm>
 #include <cmath>
-#include <stdexcept>
 
 namespace dyslam
 {
@@ -28,21 +26,5 @@ SweepMotion::SweepMotion(const Pose& T_start_end, double reference)
   w_translation_ = w.cross(v).cast<float>();
   ww_translation_ = w.cross(w.cross(v)).cast<float>();
   angle2_ = static_cast<float>(w.squaredNorm());
-}
-
-std::vector<Eigen::Vector3f> deskew(const std::vector<Eigen::Vector3f>& points,
-                                    const std::vector<float>& fractions,
-                                    const SweepMotion& motion)
-{
-  if (fractions.size() != points.size())
-  {
-    throw std::invalid_argument("deskew: one fraction per point is needed");
-  }
-  std::vector<Eigen::Vector3f> result(points.size());
-  for (std::size_t i = 0; i < points.size(); ++i)
-  {
-    result[i] = motion.toReference(points[i], fractions[i]);
-  }
-  return result;
 }
 }  // namespace dyslam

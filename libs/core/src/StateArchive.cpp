@@ -96,16 +96,6 @@ void StateArchive::exchange(std::vector<bool>& values)
   values.assign(bytes.begin(), bytes.end());
 }
 
-void StateArchive::mark(std::uint32_t expected)
-{
-  std::uint32_t found = expected;
-  raw(&found, sizeof found);
-  if (found != expected)
-  {
-    fail();
-  }
-}
-
 void StateArchive::requireEnd() const
 {
   if (left_ != 0)

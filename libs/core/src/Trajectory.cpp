@@ -19,8 +19,6 @@ auto lowerBound(const std::vector<StampedPose>& poses, double stamp)
 }
 }  // namespace
 
-Trajectory::Trajectory(std::vector<StampedPose> poses) : poses_(std::move(poses)) {}
-
 void Trajectory::push_back(double stamp, const Pose& pose)
 {
   poses_.push_back({stamp, pose});

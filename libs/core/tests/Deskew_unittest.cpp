@@ -39,15 +39,6 @@ TEST(SweepMotion, TakesPointsAlongTheScrewAndBack)
   }
 }
 
-TEST(SweepMotion, MovesCloudsPointByPoint)
-{
-  const SweepMotion motion(poseFromYpr(1, 0, 0, 0, 0, 0), 0);
-  const std::vector<Eigen::Vector3f> moved = deskew({{5, 0, 0}, {5, 1, 0}}, {0, 0.5F}, motion);
-  EXPECT_TRUE(moved[0].isApprox(Eigen::Vector3f(5, 0, 0)));
-  EXPECT_TRUE(moved[1].isApprox(Eigen::Vector3f(5.5F, 1, 0)));
-  EXPECT_THROW((void)deskew({{5, 0, 0}}, {}, motion), std::invalid_argument);
-}
-
 TEST(SweepModel, FractionRunsOnceRoundInItsDirection)
 {
   for (const int direction : {-1, 1})

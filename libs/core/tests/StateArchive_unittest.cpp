@@ -142,12 +142,8 @@ TEST(StateArchive, CountsBeyondTheBytesTakeNoMemory)
   EXPECT_THROW((void)(loaded<std::map<int, int>>(bytes)), UserError);
 }
 
-TEST(StateArchive, MarksMustFit)
+TEST(StateArchive, AFlagIsZeroOrOne)
 {
-  StateArchive out;
-  out.mark(1);
-  StateArchive in(out.bytes());
-  EXPECT_THROW(in.mark(2), UserError);
   const std::string byte(1, '\x02');
   StateArchive wrong(byte);
   bool flag = false;

@@ -5,7 +5,6 @@
 
 #include <Eigen/Core>
 #include <cmath>
-#include <vector>
 
 namespace dyslam
 {
@@ -65,9 +64,4 @@ class SweepMotion
 {
   return from > 0 && to > 0 ? static_cast<float>(from / to) : 1.0F;
 }
-
-/** All points taken to the reference time of `motion`. \pre as many fractions as points */
-[[nodiscard]] std::vector<Eigen::Vector3f> deskew(const std::vector<Eigen::Vector3f>& points,
-                                                  const std::vector<float>& fractions,
-                                                  const SweepMotion& motion);
 }  // namespace dyslam

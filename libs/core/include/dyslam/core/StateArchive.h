@@ -93,9 +93,6 @@ class StateArchive
   {
     (exchange(values), ...);
   }
-  /** Saves a number that must be the same when it is loaded, as a mark between parts.
-   * \throws UserError if it differs. */
-  void mark(std::uint32_t expected);
   /** \throws UserError unless all bytes have been loaded. */
   void requireEnd() const;
 

@@ -20,9 +20,6 @@ struct StampedPose
 class Trajectory
 {
  public:
-  Trajectory() = default;
-  explicit Trajectory(std::vector<StampedPose> poses);
-
   void push_back(double stamp, const Pose& pose);
   [[nodiscard]] bool empty() const { return poses_.empty(); }
   [[nodiscard]] std::size_t size() const { return poses_.size(); }
