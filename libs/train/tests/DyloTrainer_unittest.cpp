@@ -71,7 +71,7 @@ TEST(DyloTrainer, AnyNumberOfThreadsGivesTheSameWeights)
 {
   const auto train = [](int threads)
   {
-    Config config = tiny(3);
+    Config config = tiny(2);
     config.set("train.batch=3");
     config.set("train.threads=" + std::to_string(threads));
     const std::string folder = freshFolder("threads_" + std::to_string(threads));
@@ -150,16 +150,16 @@ Config decaying(int steps)
 TEST(DyloTrainer, IsLengthenedFromTheCheckpointBeforeTheDecay)
 {
   const std::string whole = freshFolder("long");
-  trainDylo(decaying(8), requestFor(whole));
+  trainDylo(decaying(4), requestFor(whole));
   const std::string shorter = freshFolder("short");
-  trainDylo(decaying(4), requestFor(shorter));
+  trainDylo(decaying(2), requestFor(shorter));
   const std::string lengthened = freshFolder("lengthened");
   std::filesystem::create_directories(lengthened);
   std::filesystem::copy_file(shorter + "/checkpoint_before_decay.safetensors",
                              lengthened + "/checkpoint.safetensors");
   DyloTrainRequest request = requestFor(lengthened);
   request.resume = true;
-  trainDylo(decaying(8), request);
+  trainDylo(decaying(4), request);
   const auto expected = loadDylo(whole + "/dylo.safetensors")->named_parameters();
   for (const auto& parameter : loadDylo(lengthened + "/dylo.safetensors")->named_parameters())
   {
