@@ -2,12 +2,12 @@
 // Files that fuzzers found are refused, or read, in time and with little memory.
 #include <dyslam/core/Error.h>
 #include <gtest/gtest.h>
-#include <sys/resource.h>
 
 #include <chrono>
 #include <filesystem>
 
 #include "Parsers.h"
+#include "PeakMemory.h"
 #include "RunProgram.h"
 #include "TestFolder.h"
 
@@ -17,14 +17,6 @@ namespace dyslam::fuzz
 {
 namespace
 {
-/** Peak memory of this process so far [MB]. */
-long mostMegabytes()
-{
-  struct rusage usage = {};
-  getrusage(RUSAGE_SELF, &usage);
-  return usage.ru_maxrss / 1024;
-}
-
 std::vector<fs::path> filesIn(const fs::path& folder)
 {
   std::vector<fs::path> files;
@@ -67,7 +59,7 @@ TEST(FuzzReplay, WhatWasFoundIsReadOrRefusedInTime)
       EXPECT_LT(seconds.count(), 5);
     }
   }
-  EXPECT_LT(mostMegabytes(), 1000);
+  EXPECT_LT(peakMegabytes(), 1000);
 }
 
 TEST(FuzzReplay, SeedsAreReadByTheirParsers)

@@ -18,11 +18,11 @@
 #include <mrpt/obs/CObservationRotatingScan.h>
 #include <mrpt/obs/CObservationVelodyneScan.h>
 #include <mrpt/obs/CSensoryFrame.h>
-#include <sys/resource.h>
 
 #include <cstring>
 
 #include "MrptBytes.h"
+#include "PeakMemory.h"
 #include "SyntheticScans.h"
 #include "TestFolder.h"
 
@@ -150,14 +150,6 @@ std::string renamed(std::string bytes, const std::string& from, const std::strin
     bytes.replace(at, from.size(), to);
   }
   return bytes;
-}
-
-/** The most memory that this process has had [MB]. */
-long mostMegabytes()
-{
-  struct rusage usage = {};
-  getrusage(RUSAGE_SELF, &usage);
-  return usage.ru_maxrss / 1024;
 }
 }  // namespace
 
@@ -309,7 +301,7 @@ TEST(ObjectLayout, TheReasonIsGivenForTheFirstObjectToo)
 TEST(ObjectLayout, NoCountTakesMemoryThatTheFileHasNot)
 {
   const TestFolder folder;
-  [[maybe_unused]] const long before = mostMegabytes();
+  [[maybe_unused]] const long before = peakMegabytes();
   std::size_t refused = 0;
   for (const auto& scan : scans())
   {
@@ -334,7 +326,7 @@ TEST(ObjectLayout, NoCountTakesMemoryThatTheFileHasNot)
   }
   EXPECT_GT(refused, 500U);
 #ifndef __SANITIZE_ADDRESS__  // it keeps freed memory
-  EXPECT_LT(mostMegabytes() - before, 100);
+  EXPECT_LT(peakMegabytes() - before, 100);
 #endif
 }
 }  // namespace dyslam
