@@ -44,17 +44,17 @@ void ScanClock::advance(double stamp)
 
 bool ScanClock::isDoubtful() const
 {
-  const double expected = period();
-  if (expected <= 0)
+  if (regular_.size() < min_intervals)
   {
     return scans_ > 1 && scans_ <= min_intervals + 1 && interval_ > max_extrapolation;
   }
+  const double expected = period();
   return interval_ < shortest * expected || interval_ > longest * expected;
 }
 
 double ScanClock::period() const
 {
-  if (regular_.size() < min_intervals)
+  if (regular_.empty())
   {
     return 0;
   }

@@ -15,16 +15,17 @@ namespace dyslam
 namespace
 {
 constexpr double period = 0.1;
-constexpr std::size_t before = 12;  // scans before what happens
+constexpr std::size_t enough_scans = 12;  // scans that show the sensor's rate
 constexpr std::size_t after = 8;
 
 struct Event
 {
-  double speed = 0;    // of the vehicle [m/s]
-  double passed = 0;   // between the scans before and after [s]
-  double step = 0;     // of the clock in that time [s]
-  double offset = 0;   // expected of Frame::clock_offset afterwards [s]
-  std::string warned;  // expected in the warnings; empty: no warning
+  double speed = 0;                   // of the vehicle [m/s]
+  double passed = 0;                  // between the scans before and after [s]
+  double step = 0;                    // of the clock in that time [s]
+  double offset = 0;                  // expected of Frame::clock_offset afterwards [s]
+  std::string warned;                 // expected in the warnings; empty: no warning
+  std::size_t before = enough_scans;  // scans before what happens
 };
 
 class ScanClockTest : public testing::TestWithParam<Event>
@@ -43,10 +44,10 @@ TEST_P(ScanClockTest, MotionGoesOn)
   Odometry odometry(loader, pool, times);
   double time = 0;
   double clock = 100;
-  for (std::size_t i = 0; i < before + after; ++i)
+  for (std::size_t i = 0; i < event.before + after; ++i)
   {
-    time += i == before ? event.passed : period;
-    clock += i == before ? event.passed + event.step : period;
+    time += i == event.before ? event.passed : period;
+    clock += i == event.before ? event.passed + event.step : period;
     Pose T = Pose::Identity();
     T.translation().x() = event.speed * time;
     Pose T_sweep = Pose::Identity();
@@ -64,7 +65,7 @@ TEST_P(ScanClockTest, MotionGoesOn)
     odometry.integrate(frame);
     EXPECT_TRUE(frame.motion.converged()) << i << ": " << frame.motion.reason;
     EXPECT_NEAR(frame.T_odom_vehicle.translation().x(), event.speed * (time - period), 0.1) << i;
-    if (i >= before)
+    if (i >= event.before)
     {
       EXPECT_NEAR(frame.clock_offset, event.offset, 0.01) << i;
     }
@@ -85,6 +86,14 @@ INSTANTIATE_TEST_SUITE_P(
                     Event{8, period, 0.5, 0.5, "set before scan 12, by 0.500 s"},
                     Event{8, period, 3600, 3600, "set before scan 12, by 3600.000 s"},
                     Event{8, period, -0.05, -0.05, "by -0.050 s"}));
+
+/** As soon as the vehicle's motion is known. */
+INSTANTIATE_TEST_SUITE_P(AtTheBeginning,
+                         ScanClockTest,
+                         testing::Values(Event{8, period, 3600, 3600,
+                                               "set before scan 4, by 3600.000 s", 4},
+                                         Event{8, 0.6, 0, 0, "", 4},
+                                         Event{0, 5, 0, 0, "", 4}));
 
 INSTANTIATE_TEST_SUITE_P(Gaps,
                          ScanClockTest,
@@ -115,7 +124,7 @@ TEST(Gaps, TheVelocityIsKeptWithoutRegistration)
     return frame.prior.T_previous_current.translation().x();
   };
   double stamp = 100;
-  for (std::size_t i = 0; i < before; ++i)
+  for (std::size_t i = 0; i < enough_scans; ++i)
   {
     (void)predicted(stamp);
     stamp += period;

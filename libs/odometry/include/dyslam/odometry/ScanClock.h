@@ -33,7 +33,7 @@ class ScanClock
   double nextSweep(double stamp);
   /** Stamp of the last scan minus that of the previous one [s]; 0 for the first scan. */
   [[nodiscard]] double interval() const { return interval_; }
-  /** Median of the last intervals that fit the rate [s]; 0 while too few are known. */
+  /** Median of the last intervals that fit the rate [s]; 0 without any. */
   [[nodiscard]] double period() const;
   /** Decides how much time has passed since the previous scan.
    * \param passed interval() or, where the clock was set, period() [s] */
