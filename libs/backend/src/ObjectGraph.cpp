@@ -337,12 +337,17 @@ void ObjectGraph::finish()
   }
 }
 
-/** Limits the total information of the observations of a static object to the information of
- * `static_saturation` keyframes. */
+/** Share of its information that each observation of a static object keeps: in total that of at
+ * most `static_saturation` keyframes. */
+double ObjectGraph::informationShare(std::size_t observations) const
+{
+  return std::min(1.0, options_.static_saturation / static_cast<double>(observations));
+}
+
 void ObjectGraph::limitInformation(const ObjectKey& key)
 {
   const std::vector<FactorGraph::FactorId> factors = graph_.factorsOf(staticKey(key));
-  const double share = options_.static_saturation / static_cast<double>(factors.size());
+  const double share = informationShare(factors.size());
   if (share >= 1)
   {
     return;
@@ -369,9 +374,11 @@ std::size_t ObjectGraph::releaseContradicted(const FactorGraphOptions& options)
     }
     std::size_t outside = 0;
     const auto& factors = graph_.factorsOf(staticKey(key));
+    // An observation does not fit better because there are many.
+    const double limit = options.object_loss_width * std::sqrt(informationShare(factors.size()));
     for (const FactorGraph::FactorId factor : factors)
     {
-      outside += graph_.whitenedResidual(factor) > options.object_loss_width ? 1 : 0;
+      outside += graph_.whitenedResidual(factor) > limit ? 1 : 0;
     }
     if (2 * outside > factors.size())
     {
