@@ -188,6 +188,12 @@ TEST_F(FactorGraphFile, UnusableFactorsAreReportedAndLeftOut)
   }
   EXPECT_TRUE(graph.optimise({}).converged);
   EXPECT_NEAR(graph.pose(Key::ego(1)).translation().x(), 2, 1e-6);
+
+  EXPECT_EQ(errorOf(header + "LOOP 0 1 " + motion + singular),
+            file("graph.txt") +
+                ":7: factor x0 -> x1: its information is not positive definite; correct or remove "
+                "the line")
+      << "without a list of warnings";
 }
 
 TEST_F(FactorGraphFile, DamagedFilesAreNamed)
