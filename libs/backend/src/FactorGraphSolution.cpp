@@ -5,6 +5,7 @@
 #include <dyslam/core/DisjointSets.h>
 
 #include <algorithm>
+#include <set>
 #include <stdexcept>
 #include <utility>
 
@@ -137,9 +138,10 @@ std::vector<Matrix6> FactorGraph::covariances(const std::vector<Key>& keys,
   plain.gnss_loss = RobustLoss::none;
   FactorGraphProblem problem(plain, free, variables_, factors_, left_out_);
   std::vector<std::pair<const double*, const double*>> pairs;
+  std::set<Key> listed;  // Ceres aborts the program if a pair is there twice
   for (const Key& key : keys)
   {
-    if (std::binary_search(free.begin(), free.end(), key))
+    if (std::binary_search(free.begin(), free.end(), key) && listed.insert(key).second)
     {
       const double* block = variable(key).block.data();
       pairs.emplace_back(block, block);
