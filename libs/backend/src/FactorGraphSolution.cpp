@@ -47,10 +47,9 @@ std::vector<Key> withFixedGauge(const FactorGraph& graph,
     const std::size_t root = sets.find(i);
     if (root != held && root == i)
     {
-      warnings.push_back(
-          toString(free[i]) +
-          " and the variables connected to it have no fixed variable: they are solved "
-          "separately");
+      const std::string name = toString(free[i]);
+      warnings.push_back(name + " and the variables connected to it have no fixed variable: " +
+                         name + " is held where it is");
       continue;
     }
     kept.push_back(free[i]);
