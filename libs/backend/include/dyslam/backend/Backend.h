@@ -62,8 +62,8 @@ class Backend
    * odometry; adds keyframe, odometry factor and objects. Sets is_keyframe, and T_map_odom by the
    * present estimate. \return is_keyframe */
   bool addOdometry(Frame& frame);
-  /** Second step of addFrame(): searches for loops from the frame, if it is a keyframe whose motion
-   * converged, and adds the accepted ones to the graph; changes no pose.
+  /** Second step of addFrame(): searches for loops from the frame, if it is a keyframe and was
+   * registered, and adds the accepted ones to the graph; changes no pose.
    * \return number of loops added */
   std::size_t addLoops(const Frame& frame);
   /** Third step of addFrame(): optimises the newest part of the graph, or all of it if a loop
