@@ -103,7 +103,7 @@ void runThrough(const std::string& rawlog,
     preparePoints(*frame);
     frame->T_odom_vehicle = T_odom;
     frame->motion.T_previous_current = step;
-    frame->motion.status = MotionStatus::converged;
+    frame->motion.status = dyslam::MotionStatus::converged;
     frame->motion.information =
         dyslam::informationFromSigmas(std::max(1e-3, std::abs(drift.stretch) * length),
                                       std::max(1e-4, std::abs(drift.turn) * length));

@@ -5,16 +5,22 @@
 #include <dyslam/core/DisjointSets.h>
 
 #include <algorithm>
+#include <set>
 #include <stdexcept>
 #include <utility>
 
 #include "FactorGraphProblem.h"
-#include "LoopConsistency.h"
+#include "LoopOutlierRejection.h"
 
 namespace dyslam
 {
-void FactorGraph::fixUnconstrainedParts(std::vector<Key>& free,
-                                        std::vector<std::string>& warnings) const
+namespace
+{
+/** Variables to be optimised: the given ones without the first of every part of the graph that has
+ * no fixed variable, which holds this part. \param free sorted \param warnings one per such part */
+std::vector<Key> withFixedGauge(const FactorGraph& graph,
+                                const std::vector<Key>& free,
+                                std::vector<std::string>& warnings)
 {
   const auto indexOf = [&free](const Key& key)
   {
@@ -26,9 +32,9 @@ void FactorGraph::fixUnconstrainedParts(std::vector<Key>& free,
   DisjointSets sets(free.size() + 1);
   for (std::size_t i = 0; i < free.size(); ++i)
   {
-    for (const FactorId id : variable(free[i]).factors)
+    for (const FactorGraph::FactorId id : graph.factorsOf(free[i]))
     {
-      for (const Key& key : factor(id).keys())
+      for (const Key& key : graph.factor(id).keys())
       {
         sets.join(i, indexOf(key));
       }
@@ -41,117 +47,34 @@ void FactorGraph::fixUnconstrainedParts(std::vector<Key>& free,
     const std::size_t root = sets.find(i);
     if (root != held && root == i)
     {
-      warnings.push_back(
-          toString(free[i]) +
-          " and the variables connected to it have no fixed variable: they are solved "
-          "separately");
+      const std::string name = toString(free[i]);
+      warnings.push_back(name + " and the variables connected to it have no fixed variable: " +
+                         name + " is held where it is");
       continue;
     }
     kept.push_back(free[i]);
   }
-  free = std::move(kept);
+  return kept;
 }
-
-OptimisationResult FactorGraph::optimiseVariables(const FactorGraphOptions& options,
-                                                  const std::vector<Key>& wanted)
-{
-  std::vector<std::string> warnings;
-  std::vector<Key> free = wanted;
-  fixUnconstrainedParts(free, warnings);
-  OptimisationResult result;
-  result.converged = true;
-  result.reason = "nothing to optimise";
-  if (!free.empty())
-  {
-    result = FactorGraphProblem(options, free, variables_, factors_, left_out_).solve();
-  }
-  result.warnings = std::move(warnings);
-  return result;
-}
-
-void FactorGraph::leaveOutContradicted(const FactorGraphOptions& options,
-                                       const std::vector<Key>& free,
-                                       OptimisationResult& result)
-{
-  const auto solve_without = [&](const std::set<FactorId>& loops)
-  {
-    left_out_.insert(loops.begin(), loops.end());
-    const OptimisationResult again = optimiseVariables(options, free);
-    result.iterations += again.iterations;
-    result.converged = again.converged;
-    result.reason = again.reason;
-  };
-  const auto contradicted = [&]
-  { return contradictedLoops(*this, options.loop_loss_width, options.odometry_sigma_scale); };
-  // Loops with large residuals stay while there is a contradicted group: without it they may fit.
-  for (auto worst = contradicted(); !worst.empty(); worst = contradicted())
-  {
-    solve_without(worst);
-  }
-  const std::set<FactorId> inconsistent = inconsistentLoops(*this, options.loop_loss_width);
-  if (!inconsistent.empty())
-  {
-    solve_without(inconsistent);
-  }
-}
-
-void FactorGraph::leaveOutFalseLoops(const FactorGraphOptions& options,
-                                     const std::vector<Key>& free,
-                                     const std::map<Key, Variable>& start,
-                                     OptimisationResult& result)
-{
-  leaveOutContradicted(options, free, result);
-  const auto used = [this]
-  {
-    const std::vector<FactorId> loops = usedLoops();
-    return std::set<FactorId>(loops.begin(), loops.end());
-  };
-  // One group of consistent but false loops may have won over several correct ones.
-  const std::set<FactorId> kept = used();
-  const std::size_t groups = independentGroups(*this, kept);
-  if (!kept.empty() && independentGroups(*this, left_out_) > groups)
-  {
-    const std::map<Key, Variable> solution = variables_;
-    const std::set<FactorId> solution_left_out = left_out_;
-    variables_ = start;
-    left_out_ = kept;
-    const OptimisationResult without = optimiseVariables(options, free);
-    result.iterations += without.iterations;
-    leaveOutContradicted(options, free, result);
-    if (independentGroups(*this, used()) <= groups)
-    {
-      variables_ = solution;
-      left_out_ = solution_left_out;
-    }
-  }
-  result.false_loops = left_out_.size();
-  if (!left_out_.empty())
-  {
-    const std::vector<Key>& keys = factor(*left_out_.begin()).keys();
-    result.warnings.push_back(
-        std::to_string(left_out_.size()) +
-        " loops contradict the rest of the graph and are left out, the first " + toString(keys[0]) +
-        " -> " + toString(keys[1]));
-  }
-}
+}  // namespace
 
 OptimisationResult FactorGraph::optimise(const FactorGraphOptions& options)
 {
-  std::vector<Key> free;
+  std::set<Key> free;
   for (const auto& [key, variable] : variables_)
   {
     if (!variable.fixed)
     {
-      free.push_back(key);
+      free.insert(free.end(), key);
     }
   }
   left_out_.clear();
-  const std::map<Key, Variable> start = variables_;
+  const Solution start = solution();
   const double initial_chi2 = chi2();
-  OptimisationResult result = optimiseVariables(options, free);
+  OptimisationResult result = optimise(options, free);
   if (options.loop_loss != RobustLoss::none)
   {
-    leaveOutFalseLoops(options, free, start, result);
+    LoopOutlierRejection(*this, options, std::move(free)).run(start, result);
   }
   // Also of factors between fixed variables and of loops that are left out.
   result.initial_chi2 = initial_chi2;
@@ -170,7 +93,17 @@ OptimisationResult FactorGraph::optimise(const FactorGraphOptions& options,
       free.push_back(key);
     }
   }
-  return optimiseVariables(options, free);
+  std::vector<std::string> warnings;
+  free = withFixedGauge(*this, free, warnings);
+  OptimisationResult result;
+  result.converged = true;
+  result.reason = "nothing to optimise";
+  if (!free.empty())
+  {
+    result = FactorGraphProblem(options, free, variables_, factors_, left_out_).solve();
+  }
+  result.warnings = std::move(warnings);
+  return result;
 }
 
 std::vector<Matrix6> FactorGraph::covariances(const std::vector<Key>& keys,
@@ -204,9 +137,10 @@ std::vector<Matrix6> FactorGraph::covariances(const std::vector<Key>& keys,
   plain.gnss_loss = RobustLoss::none;
   FactorGraphProblem problem(plain, free, variables_, factors_, left_out_);
   std::vector<std::pair<const double*, const double*>> pairs;
+  std::set<Key> listed;  // Ceres aborts the program if a pair is there twice
   for (const Key& key : keys)
   {
-    if (std::binary_search(free.begin(), free.end(), key))
+    if (std::binary_search(free.begin(), free.end(), key) && listed.insert(key).second)
     {
       const double* block = variable(key).block.data();
       pairs.emplace_back(block, block);

@@ -68,7 +68,7 @@ bool makePositiveDefinite(const GraphData& data, GraphEdge& edge, IndefiniteInfo
   {
     throw UserError(
         "pose graph: the information matrix of " + nameOf(data, edge) +
-        " is not positive definite; correct it or set indefinite_information = project");
+        " is not positive definite; correct it or set pose_graph.indefinite_information=project");
   }
   const Eigen::SelfAdjointEigenSolver<Matrix6> eigen(edge.information);
   const double floor = 1e-9 * eigen.eigenvalues().maxCoeff();

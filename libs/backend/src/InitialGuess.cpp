@@ -37,8 +37,8 @@ Eigen::MatrixXd solveSymmetric(Eigen::Index size, const Triplets& lower, const E
   if (cholesky.info() != Eigen::Success)
   {
     throw UserError(
-        "pose graph: start = chordal fails, as the information of the edges is too uneven; use "
-        "start = file");
+        "pose graph: the chordal initialisation fails, as the information of the edges is too "
+        "uneven; set pose_graph.start=file");
   }
   return cholesky.solve(rhs);
 }

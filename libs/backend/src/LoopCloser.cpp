@@ -191,13 +191,23 @@ LoopCloserOptions::LoopCloserOptions()
 void LoopCloserOptions::requireValid() const
 {
   validate(*this, "loop");
-  const bool needs_support =
-      nearby.min_support > 0 || (appearance && by_appearance.min_support > 0);
-  if (needs_support && interval > support_window)
+  const auto require_enough = [this](const LoopCriteria& criteria, const char* key)
   {
-    throw UserError("[loop] interval = " + std::to_string(interval) +
-                    " must not be above support_window = " + std::to_string(support_window) +
-                    ": no loop would have another one nearby that agrees (min_support)");
+    // One loop per searched keyframe, before and after.
+    if (2 * (support_window / interval) < criteria.min_support)
+    {
+      const int needed = interval * ((criteria.min_support + 1) / 2);
+      throw UserError("[loop] " + std::string(key) + " = " + std::to_string(criteria.min_support) +
+                      " cannot be reached with interval = " + std::to_string(interval) +
+                      " and support_window = " + std::to_string(support_window) +
+                      "; set support_window = " + std::to_string(needed) +
+                      " or lower interval or " + key);
+    }
+  };
+  require_enough(nearby, "min_support");
+  if (appearance)
+  {
+    require_enough(by_appearance, "appearance_min_support");
   }
 }
 

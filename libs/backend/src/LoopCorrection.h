@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <dyslam/backend/Backend.h>
+#include <dyslam/backend/BackendOptions.h>
 #include <dyslam/backend/FactorGraph.h>
 
 #include <cstddef>

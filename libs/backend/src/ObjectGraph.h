@@ -54,8 +54,9 @@ class ObjectGraph
 
   /** Decides all remaining objects at the end. */
   void finish();
-  /** Turns static objects that do not fit their observations at the present values into moving
-   * ones. \return their number */
+  /** Turns static objects into moving ones if most of their observations do not fit at the present
+   * values: their residuals are above `object_loss_width`, whitened without the limit of
+   * `static_saturation`. To be called after finish(). \return the number of these objects */
   std::size_t releaseContradicted(const FactorGraphOptions& options);
 
   /** Every object at every scan that observed it, ordered by scan, then id. */
@@ -126,6 +127,7 @@ class ObjectGraph
   /** Whether the whole sighting shows the object at rest. */
   [[nodiscard]] bool isStanding(const Object& object) const;
   [[nodiscard]] double staticLimit(const Object& object) const;
+  [[nodiscard]] double informationShare(std::size_t observations) const;
   void limitInformation(const ObjectKey& key);
   /** Adds the observations that are not in the graph yet, if the object is decided. */
   void insertNew(const ObjectKey& key, Object& object);

@@ -8,6 +8,7 @@
 #include <map>
 #include <set>
 #include <stdexcept>
+#include <string>
 #include <utility>
 
 #include "BoxWorld.h"
@@ -361,17 +362,39 @@ TEST(LoopCloser, ContractIsChecked)
 TEST(LoopCloser, TooRareSearchesForLoopsThatNeedSupportAreRefused)
 {
   KeyframeStore keyframes;
-  LoopCloserOptions options;
+  const auto refused = [&keyframes](const LoopCloserOptions& given)
+  {
+    try
+    {
+      const LoopCloser closer(given, keyframes);
+    }
+    catch (const UserError& error)
+    {
+      return std::string(error.what());
+    }
+    return std::string();
+  };
+  LoopCloserOptions options;  // three others must agree with a loop by appearance
+  options.support_window = 6;
+  options.interval = 3;  // keyframes 3 and 6 before and after
+  EXPECT_EQ(refused(options), "");
+  options.interval = 4;
+  EXPECT_EQ(
+      refused(options),
+      "[loop] appearance_min_support = 3 cannot be reached with interval = 4 and "
+      "support_window = 6; set support_window = 8 or lower interval or appearance_min_support");
+  options.support_window = 8;
+  EXPECT_EQ(refused(options), "");
+  options.appearance = false;  // one other must agree
   options.interval = options.support_window;
-  EXPECT_NO_THROW(LoopCloser(options, keyframes));
+  EXPECT_EQ(refused(options), "");
   ++options.interval;
-  EXPECT_THROW(LoopCloser(options, keyframes), UserError);
+  EXPECT_EQ(
+      refused(options),
+      "[loop] min_support = 1 cannot be reached with interval = 9 and support_window = 8; set "
+      "support_window = 9 or lower interval or min_support");
   options.nearby.min_support = 0;
-  EXPECT_THROW(LoopCloser(options, keyframes), UserError);  // those by appearance
-  options.appearance = false;
-  EXPECT_NO_THROW(LoopCloser(options, keyframes));
-  options.nearby.min_support = 1;
-  EXPECT_THROW(LoopCloser(options, keyframes), UserError);
+  EXPECT_EQ(refused(options), "");
 }
 }  // namespace
 }  // namespace dyslam

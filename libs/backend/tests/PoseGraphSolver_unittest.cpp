@@ -237,7 +237,9 @@ TEST(PoseGraphSolver, BadGraphsAreNamed)
   indefinite(0, 1) = indefinite(1, 0) = 2;
   graph = world.graph;
   addEdge(graph, 3, 40, Pose::Identity(), indefinite);
-  EXPECT_NE(messageOf(graph).find("edge 3 -> 40 is not positive definite"), std::string::npos);
+  EXPECT_NE(messageOf(graph).find("edge 3 -> 40 is not positive definite; correct it or set "
+                                  "pose_graph.indefinite_information=project"),
+            std::string::npos);
   PoseGraphSolverOptions project;
   project.indefinite_information = IndefiniteInformation::project;
   EXPECT_EQ(PoseGraphSolver(project).solve(graph).projected_edges, 1U);

@@ -12,6 +12,7 @@
 #include <charconv>
 #include <cmath>
 #include <optional>
+#include <set>
 #include <string_view>
 #include <vector>
 
@@ -299,22 +300,21 @@ class GraphReader
 
   void setRoot()
   {
-    if (root_)
+    std::set<TNodeID> ids;
+    for (const auto& [id, pose] : graph_.nodes)
     {
-      graph_.root = *root_;
-      return;
+      ids.insert(id);
     }
-    std::optional<TNodeID> lowest;
-    if (!graph_.nodes.empty())
+    for (const auto& [pair, edge] : graph_.edges)
     {
-      lowest = graph_.nodes.begin()->first;
+      ids.insert({pair.first, pair.second});
     }
-    for (const auto& [ids, edge] : graph_.edges)
+    if (root_ && ids.count(*root_) == 0)
     {
-      const TNodeID id = std::min(ids.first, ids.second);
-      lowest = lowest ? std::min(*lowest, id) : id;
+      throw UserError(path_ + ": FIX " + std::to_string(*root_) +
+                      " names a node without VERTEX and EDGE; correct or remove the line");
     }
-    graph_.root = lowest.value_or(0);
+    graph_.root = root_.value_or(*ids.begin());
   }
 
   const std::string& path_;

@@ -183,6 +183,7 @@ TEST_F(GraphFiles, ErrorsNameFileLineAndField)
   expectError("EDGE_SE3:QAUT 1 2\n", "did you mean 'EDGE_SE3:QUAT'?");
   expectError("EDGE2 1 2 1 2 1.5 10 0 0 30 0 500\n", "write VERTEX_SE2 and EDGE_SE2");
   expectError(vertex + "FIX 0\nFIX 1\n", ":3: a second FIX");
+  expectError(vertex + "FIX 7\n", "FIX 7 names a node without VERTEX and EDGE");
   expectError("", "has no VERTEX or EDGE line");
   EXPECT_THROW((void)readPoseGraph(folder_.file("missing.graph")), UserError);
   EXPECT_THROW(writeGraph(randomGraph(1), folder_.file("no/such/folder.graph")), UserError);

@@ -210,6 +210,7 @@ TEST_F(MapRun, RunsWithoutAPlaceInCommonAreNotMerged)
   const auto runs = readRunFolders({folder.file("a"), folder.file("b")}, 0.01);
   RunMergerConfig merger;
   merger.loops.by_appearance.min_support = 10;  // more than two keyframes can give
+  merger.loops.support_window = 10;
   const std::string said =
       messageOfError<UserError>([&] { (void)mergeMaps(runs, merger, options, outputs, listener); });
   EXPECT_TRUE(contains(said, folder.file("b") + ": no place in common with " + folder.file("a")))

@@ -139,7 +139,7 @@ void ResultsBuilder::fillReport(const RunData& run, RunResults& results) const
   report.odometry_failed = run.statistics.odometry_failures.total();
   report.keyframes = run.pipeline.backend().keyframes().size();
   report.loops = run.pipeline.backend().factorGraph().usedLoops().size();
-  report.loops_left_out = run.pipeline.backend().factorGraph().leftOutLoops();
+  report.loops_left_out = run.pipeline.backend().factorGraph().leftOutLoops().size();
   report.georeference = run.pipeline.backend().georeference();
   report.gravity = run.pipeline.backend().gravity();
   report.tracks = movingTracks(results);

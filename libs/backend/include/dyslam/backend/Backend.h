@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <dyslam/backend/BackendOptions.h>
 #include <dyslam/backend/FactorGraph.h>
 #include <dyslam/backend/GnssOptions.h>
 #include <dyslam/backend/GravityOptions.h>
@@ -8,12 +9,10 @@
 #include <dyslam/backend/ObjectGraphOptions.h>
 #include <dyslam/backend/PoseGraph.h>
 #include <dyslam/backend/SmoothedObject.h>
-#include <dyslam/core/Angle.h>
 #include <dyslam/core/Frame.h>
 #include <dyslam/core/Georeference.h>
 #include <dyslam/core/Gravity.h>
 #include <dyslam/core/KeyframeStore.h>
-#include <dyslam/core/Options.h>
 #include <dyslam/core/Trajectory.h>
 
 #include <cstddef>
@@ -25,35 +24,6 @@
 namespace dyslam
 {
 class StateArchive;
-
-/** Factors that the graph contains; the paper's ablation (Table 6). */
-enum class BackendMode
-{
-  odometry,  //!< the chain of odometry factors: nothing to optimise
-  ego,       //!< odometry and loops (DyLO-SAM)
-  segmot,    //!< odometry, loops, and every object as moving, as in LIO-SEGMOT
-  full,      //!< odometry, loops, static objects as landmarks, moving objects (DyLO-SAM-MOT)
-};
-
-struct BackendOptions : Options
-{
-  BackendMode mode = BackendMode::ego;
-  double keyframe_distance = 1.5;  //!< translation after which a keyframe is added [m]
-  /** Rotation after which a keyframe is added [rad]. */
-  double keyframe_angle = 10 * radians_per_degree;
-  double unconverged_sigma = 0.1;  //!< sigma of a step without convergence [m]
-  /** Sigma of a step without convergence [rad]. */
-  double unconverged_sigma_rotation = 0.286 * radians_per_degree;
-  /** Whitened residual of a new loop above which the graph is optimised. */
-  double residual_to_optimise = 3;
-  int loops_to_optimise = 20;  //!< number of new loops after which the graph is optimised
-  /** Newest keyframes optimised for a loop that fits odometry and earlier loops; 0: all. */
-  int correction_keyframes = 100;
-  /** Growth of the graph, as a fraction, after which a loop optimises all keyframes again. */
-  double correction_growth = 0.1;
-
-  void describe(OptionsVisitor& visitor) override;
-};
 
 /** All options of the backend. */
 struct BackendConfig
@@ -92,8 +62,8 @@ class Backend
    * odometry; adds keyframe, odometry factor and objects. Sets is_keyframe, and T_map_odom by the
    * present estimate. \return is_keyframe */
   bool addOdometry(Frame& frame);
-  /** Second step of addFrame(): searches for loops from the frame, if it is a keyframe whose motion
-   * converged, and adds the accepted ones to the graph; changes no pose.
+  /** Second step of addFrame(): searches for loops from the frame, if it is a keyframe and was
+   * registered, and adds the accepted ones to the graph; changes no pose.
    * \return number of loops added */
   std::size_t addLoops(const Frame& frame);
   /** Third step of addFrame(): optimises the newest part of the graph, or all of it if a loop

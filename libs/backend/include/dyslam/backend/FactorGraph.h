@@ -2,7 +2,7 @@
 #pragma once
 
 #include <dyslam/backend/Factor.h>
-#include <dyslam/core/Options.h>
+#include <dyslam/backend/FactorGraphOptions.h>
 
 #include <array>
 #include <cstddef>
@@ -15,30 +15,6 @@
 namespace dyslam
 {
 class StateArchive;
-
-/** Robust loss as a function of the squared whitened residual. */
-enum class RobustLoss
-{
-  none,
-  cauchy,  //!< logarithmic beyond the width
-  dcs,     //!< dynamic covariance scaling: a switchable constraint with the switch solved for
-};
-
-struct FactorGraphOptions : Options
-{
-  int max_iterations = 50;
-  double tolerance = 1e-6;  //!< stop when a step lowers the cost by less than this fraction
-  RobustLoss loop_loss = RobustLoss::dcs;  //!< robust loss of loop factors
-  double loop_loss_width = 3;              //!< width of loop_loss, as a whitened residual
-  /** Factor on the odometry's sigmas when loops are checked against the odometry. */
-  double odometry_sigma_scale = 3;
-  RobustLoss object_loss = RobustLoss::cauchy;  //!< robust loss of observation factors
-  double object_loss_width = 3;                 //!< width of object_loss, as a whitened residual
-  RobustLoss gnss_loss = RobustLoss::cauchy;    //!< robust loss of satellite positions
-  double gnss_loss_width = 2;                   //!< width of gnss_loss, as a whitened residual
-
-  void describe(OptionsVisitor& visitor) override;
-};
 
 /** Result of an optimisation. */
 struct OptimisationResult
@@ -132,7 +108,8 @@ class FactorGraph
   void leaveOut(FactorId loop);
   /** Loops that are not left out, in order of their ids. */
   [[nodiscard]] std::vector<FactorId> usedLoops() const;
-  [[nodiscard]] std::size_t leftOutLoops() const { return left_out_.size(); }
+  /** Loops that are left out. */
+  [[nodiscard]] const std::set<FactorId>& leftOutLoops() const { return left_out_; }
 
   /** Marginal covariances of the variables `keys` at the present values, without robust loss, over
    * tangents (poses) or components (velocities); conditioned on the fixed variables and, unless
@@ -148,22 +125,6 @@ class FactorGraph
   void requireNew(const Key& key) const;
   [[nodiscard]] Variable& variable(const Key& key);
   [[nodiscard]] const Variable& variable(const Key& key) const;
-  [[nodiscard]] OptimisationResult optimiseVariables(const FactorGraphOptions& options,
-                                                     const std::vector<Key>& free);
-  /** Solves again without the groups of loops that the rest of the graph contradicts, the worst
-   * first, and finally without single loops that do not fit. */
-  void leaveOutContradicted(const FactorGraphOptions& options,
-                            const std::vector<Key>& free,
-                            OptimisationResult& result);
-  /** As leaveOutContradicted(); if more groups of loops were left out than kept, also tries the
-   * solution without the kept ones, and uses it if it keeps more groups.
-   * \param start values before the first optimisation */
-  void leaveOutFalseLoops(const FactorGraphOptions& options,
-                          const std::vector<Key>& free,
-                          const std::map<Key, Variable>& start,
-                          OptimisationResult& result);
-  /** Removes the first pose of every unconstrained part of `free` from `free`, with a warning. */
-  void fixUnconstrainedParts(std::vector<Key>& free, std::vector<std::string>& warnings) const;
 
   std::map<Key, Variable> variables_;
   std::vector<std::unique_ptr<const Factor>> factors_;  //!< by id; null: removed

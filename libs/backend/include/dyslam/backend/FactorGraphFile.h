@@ -16,6 +16,7 @@ namespace dyslam
  * \throws UserError if the file cannot be read or is not of this format. */
 [[nodiscard]] FactorGraph readFactorGraph(const std::string& path,
                                           std::vector<std::string>& warnings);
+/** As above, but a factor that cannot be used is an error, too. */
 [[nodiscard]] FactorGraph readFactorGraph(const std::string& path);
 
 /** Writes a factor graph with all digits: reading and writing it again gives the same file. The

@@ -58,7 +58,7 @@ struct LoopCloserOptions : Options
     return of_appearance ? by_appearance : nearby;
   }
   /** \throws UserError if a value is out of range, or if loops are searched so rarely that none has
-   * others nearby that agree. */
+   * min_support others nearby. */
   void requireValid() const;
   void describe(OptionsVisitor& visitor) override;
 };

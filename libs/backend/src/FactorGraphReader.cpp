@@ -8,177 +8,23 @@
 #include <dyslam/backend/factors/OdometryFactor.h>
 #include <dyslam/backend/factors/SmoothMotionFactor.h>
 #include <dyslam/core/Error.h>
-#include <dyslam/core/PendingFile.h>
 #include <dyslam/formats/TextFile.h>
 
 #include <algorithm>
 #include <cmath>
 #include <memory>
-#include <ostream>
 #include <stdexcept>
+#include <string>
 #include <string_view>
+
+#include "FactorGraphFormat.h"
 
 namespace dyslam
 {
 namespace
 {
-constexpr std::string_view format_name = "DYSLAM_FACTOR_GRAPH";
-constexpr int format_version = 1;
-constexpr int all_digits = 17;
 constexpr std::size_t measurement_size = 12;  // a 3x4 matrix by rows
 constexpr double unit_tolerance = 1e-6;       // tolerance of quaternions and rotation matrices
-
-std::string_view nameOf(VariableKind kind)
-{
-  switch (kind)
-  {
-    case VariableKind::ego_pose:
-      return "EGO";
-    case VariableKind::static_object:
-      return "STATIC_OBJECT";
-    case VariableKind::object_pose:
-      return "OBJECT";
-    case VariableKind::georeference:
-      return "GEOREFERENCE";
-    case VariableKind::vertical:
-      return "VERTICAL";
-    case VariableKind::accelerometer_bias:
-      return "ACCELEROMETER_BIAS";
-    case VariableKind::object_velocity:
-      break;
-  }
-  return "VELOCITY";
-}
-
-// Writing
-
-void append(std::string& text, double value)
-{
-  text += ' ';
-  appendNumber(text, value, all_digits);
-}
-
-void append(std::string& text, std::int64_t value)
-{
-  text += ' ' + std::to_string(value);
-}
-
-void append(std::string& text, const Key& key)
-{
-  text += nameOf(key.kind);
-  if (key.isSingle())
-  {
-    return;
-  }
-  if (key.kind != VariableKind::ego_pose)
-  {
-    append(text, key.object);
-  }
-  append(text, key.index);
-}
-
-std::string variableLine(const Key& key, const FactorGraph::Variable& variable)
-{
-  std::string text;
-  append(text, key);
-  const int size = key.isPose() ? pose_block_size : velocity_block_size;
-  for (int i = 0; i < size; ++i)
-  {
-    append(text, variable.block[static_cast<std::size_t>(i)]);
-  }
-  text += '\n';
-  if (variable.fixed)
-  {
-    text += "FIX ";
-    append(text, key);
-    text += '\n';
-  }
-  return text;
-}
-
-void append(std::string& text, const Eigen::Vector3d& vector)
-{
-  for (const double value : vector)
-  {
-    append(text, value);
-  }
-}
-
-void appendMeasurement(std::string& text, const Pose& pose)
-{
-  for (int row = 0; row < 3; ++row)
-  {
-    for (int column = 0; column < 4; ++column)
-    {
-      append(text, pose(row, column));
-    }
-  }
-}
-
-std::string relativePoseName(const Factor& factor, bool left_out)
-{
-  if (factor.kind() == FactorKind::odometry)
-  {
-    return "ODOMETRY";
-  }
-  return left_out ? "LEFT_OUT_LOOP" : "LOOP";
-}
-
-std::string factorLine(const Factor& factor, bool left_out)
-{
-  const std::vector<Key>& keys = factor.keys();
-  std::string text;
-  switch (factor.kind())
-  {
-    case FactorKind::odometry:
-    case FactorKind::loop:
-      text = relativePoseName(factor, left_out);
-      append(text, keys[0].index);
-      append(text, keys[1].index);
-      appendMeasurement(text, factor.measurement());
-      break;
-    case FactorKind::observation:
-      text = "OBSERVATION";
-      append(text, keys[0].index);
-      text += ' ';
-      append(text, keys[1]);
-      appendMeasurement(text, factor.measurement());
-      break;
-    case FactorKind::gnss:
-      text = "GNSS";
-      append(text, keys[0].index);
-      append(text, Eigen::Vector3d(factor.measurement().translation()));
-      append(text, static_cast<const GnssFactor&>(factor).antenna());
-      break;
-    case FactorKind::gravity:
-      text = "GRAVITY";
-      append(text, keys[0].index);
-      append(text, static_cast<const GravityFactor&>(factor).upwards());
-      break;
-    case FactorKind::object_motion:
-    case FactorKind::smooth_motion:
-      text = factor.kind() == FactorKind::object_motion ? "OBJECT_MOTION" : "SMOOTH_MOTION";
-      append(text, keys[0].object);
-      append(text, keys[0].index);
-      append(text, keys[1].index);
-      if (factor.kind() == FactorKind::object_motion)
-      {
-        append(text, static_cast<const ObjectMotionFactor&>(factor).dt());
-      }
-      break;
-  }
-  const Matrix6& information = factor.information();
-  for (int row = 0; row < 6; ++row)
-  {
-    for (int column = row; column < 6; ++column)
-    {
-      append(text, information(row, column));
-    }
-  }
-  return text + '\n';
-}
-
-// Reading
 
 /** Thrown for a factor that is left out. */
 class UnusableFactor : public std::invalid_argument
@@ -236,13 +82,13 @@ class LineReader
   Key key()
   {
     const std::string_view kind = word();
-    if (kind == nameOf(VariableKind::ego_pose))
+    if (kind == lineNameOf(VariableKind::ego_pose))
     {
       return Key::ego(index());
     }
     for (const Key& single : {Key::georeference(), Key::vertical(), Key::accelerometerBias()})
     {
-      if (kind == nameOf(single.kind))
+      if (kind == lineNameOf(single.kind))
       {
         return single;
       }
@@ -250,7 +96,7 @@ class LineReader
     for (const VariableKind known :
          {VariableKind::static_object, VariableKind::object_pose, VariableKind::object_velocity})
     {
-      if (kind == nameOf(known))
+      if (kind == lineNameOf(known))
       {
         const int object = integer();
         return {known, object, static_cast<std::int64_t>(index())};
@@ -417,7 +263,8 @@ std::unique_ptr<const Factor> readMotion(const std::string& kind, LineReader& li
   return std::make_unique<ObjectMotionFactor>(object, from, to, dt, information);
 }
 
-void readLine(const TextFile& file, FactorGraph& graph, std::vector<std::string>& warnings)
+/** \param warnings of factors that are left out; null: such a factor is an error */
+void readLine(const TextFile& file, FactorGraph& graph, std::vector<std::string>* warnings)
 {
   const std::string kind(file.fields().front());
   const auto is = [&kind](std::initializer_list<const char*> kinds)
@@ -453,23 +300,27 @@ void readLine(const TextFile& file, FactorGraph& graph, std::vector<std::string>
   }
   catch (const std::invalid_argument& error)
   {
-    warnings.push_back(file.position() + ": left out: " + error.what());
+    if (warnings == nullptr)
+    {
+      file.fail(std::string(error.what()) + "; correct or remove the line");
+    }
+    warnings->push_back(file.position() + ": left out: " + error.what());
   }
 }
-}  // namespace
 
-FactorGraph readFactorGraph(const std::string& path, std::vector<std::string>& warnings)
+FactorGraph readFile(const std::string& path, std::vector<std::string>* warnings)
 {
   TextFile file(path);
-  const std::string header = std::string(format_name) + " " + std::to_string(format_version);
-  if (!file.next() || file.fields().size() != 2 || file.fields()[0] != format_name)
+  const std::string header =
+      std::string(factor_graph_format) + " " + std::to_string(factor_graph_version);
+  if (!file.next() || file.fields().size() != 2 || file.fields()[0] != factor_graph_format)
   {
     throw UserError(path + ": is no factor graph; its first line must be '" + header + "'");
   }
-  if (file.integer(1) != format_version)
+  if (file.integer(1) != factor_graph_version)
   {
     file.fail("version " + std::string(file.fields()[1]) + " is not known; this is version " +
-              std::to_string(format_version));
+              std::to_string(factor_graph_version));
   }
   FactorGraph graph;
   while (file.next())
@@ -478,33 +329,21 @@ FactorGraph readFactorGraph(const std::string& path, std::vector<std::string>& w
   }
   return graph;
 }
+}  // namespace
+
+FactorGraph readFactorGraph(const std::string& path, std::vector<std::string>& warnings)
+{
+  return readFile(path, &warnings);
+}
 
 FactorGraph readFactorGraph(const std::string& path)
 {
-  std::vector<std::string> warnings;
-  return readFactorGraph(path, warnings);
-}
-
-void writeFactorGraph(const FactorGraph& graph, const std::string& path)
-{
-  writeWhole(path,
-             [&graph](std::ostream& out)
-             {
-               out << format_name << ' ' << format_version << '\n';
-               for (const auto& [key, variable] : graph.variables())
-               {
-                 out << variableLine(key, variable);
-               }
-               for (const FactorGraph::FactorId id : graph.factorIds())
-               {
-                 out << factorLine(graph.factor(id), graph.isLeftOut(id));
-               }
-             });
+  return readFile(path, nullptr);
 }
 
 bool isFactorGraphFile(const std::string& path)
 {
   TextFile file(path);
-  return file.next() && file.fields().front() == format_name;
+  return file.next() && file.fields().front() == factor_graph_format;
 }
 }  // namespace dyslam

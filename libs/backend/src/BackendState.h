@@ -1,0 +1,93 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <dyslam/backend/Backend.h>
+
+#include <cstddef>
+#include <optional>
+#include <set>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "FrameInKeyframe.h"
+#include "GnssAnchor.h"
+#include "GravityAnchor.h"
+#include "LoopCorrection.h"
+#include "ObjectGraph.h"
+#include "OdometryChain.h"
+
+namespace dyslam
+{
+struct Backend::State
+{
+  State(const BackendConfig& config, KeyframeStore& store)
+      : options(config.backend),
+        solver(config.solver),
+        window_keyframes(static_cast<std::size_t>(config.objects.window_keyframes)),
+        keyframes(store),
+        odometry(config.backend),
+        closer(config.loops, store),
+        correction(config.backend, config.solver, graph),
+        objects(config.objects, config.backend.mode == BackendMode::full, graph),
+        gnss(config.gnss),
+        gravity_anchor(config.gravity)
+  {
+    validate(options, "backend");
+    validate(solver, "solver");
+    validate(gnss.options(), "gnss");
+    validate(gravity_anchor.options(), "gravity");
+    if (!keyframes.empty())
+    {
+      throw std::invalid_argument("Backend: the store has keyframes already");
+    }
+  }
+
+  [[nodiscard]] bool hasObjects() const
+  {
+    return options.mode == BackendMode::segmot || options.mode == BackendMode::full;
+  }
+  void addKeyframe(const Frame& frame);
+  /** \return number of loops added to the graph */
+  std::size_t insertLoops(const std::vector<Loop>& decided);
+  /** Variables of objects that are optimised with the newest keyframes. */
+  [[nodiscard]] std::set<Key> objectsOf(const Frame& frame) const;
+  bool optimiseWindow(const Frame& frame);
+  void optimiseForLoops(const Frame& frame);
+  void optimiseAll();
+  /** Copies the poses of keyframes from number `first` on from the graph. */
+  void correctKeyframes(std::size_t first);
+  /** T_map_odom by the present pose of the newest keyframe. */
+  [[nodiscard]] Pose mapFromOdometry() const
+  {
+    return keyframes.back().T_map_vehicle * odometry.keyframePose().inverse();
+  }
+
+  // BackendAnchors.cpp
+  /** Pose of the vehicle at a UNIX time [s]; nothing if no scan is near. */
+  [[nodiscard]] std::optional<VehicleInKeyframe> vehicleAt(double stamp) const;
+  /** Finds the vertical by the accelerations of an IMU. */
+  void tieToVertical();
+  /** Rotates all poses of the graph. */
+  void levelMap(const Pose& T_level_map);
+  /** Georeferences the map by the positions of a satellite receiver. */
+  void tieToEarth();
+
+  BackendOptions options;
+  FactorGraphOptions solver;
+  std::size_t window_keyframes;
+  KeyframeStore& keyframes;
+  OdometryChain odometry;
+  LoopCloser closer;
+  FactorGraph graph;
+  LoopCorrection correction;
+  ObjectGraph objects;
+  GnssAnchor gnss;
+  std::optional<Georeference> georeference;
+  GravityAnchor gravity_anchor;
+  std::optional<Gravity> gravity;
+  std::vector<FrameInKeyframe> frames;
+  std::vector<Loop> loops;
+  std::vector<std::string> problems;  //!< factors that the graph rejected
+};
+}  // namespace dyslam
