@@ -344,6 +344,69 @@ TEST(PcapSource, VlanTagsAreSkipped)
   }
 }
 
+TEST(PcapSource, PacketsOverIpv6)
+{
+  constexpr char udp = 17;
+  constexpr char destination_options = 60;
+  constexpr char fragment = 44;
+  const TestFolder folder;
+  const auto framesOf = [](std::size_t kind, const std::string& datagram, char number)
+  {
+    const std::string options("\x11\0\1\4\0\0\0\0", 8);  // before UDP, padded
+    switch (kind)
+    {
+      case 0:
+        return std::vector{ip6Frame(datagram, udp), ip6Frame(datagram.substr(0, 900), udp, 2)};
+      case 1:
+        return std::vector{ip6Frame(options + datagram, destination_options) + "filled up"};
+      default:
+        const std::string header("\x11\0", 2);
+        const std::string id = std::string("\0\1\0", 3) + number;
+        return std::vector{
+            ip6Frame(header + std::string("\2\0", 2) + id + datagram.substr(512), fragment),
+            ip6Frame(header + std::string("\0\1", 2) + id + datagram.substr(0, 512), fragment)};
+    }
+  };
+  const auto expected = revolutionsOf(folder.write("a.pcap", captured(300)));
+  for (std::size_t kind = 0; kind < 3; ++kind)
+  {
+    std::string file = captureHeader();
+    for (std::size_t n = 0; n < 300; ++n)
+    {
+      const double time = static_cast<double>(n) * packet_time;
+      const std::string datagram = udpDatagram(velodynePacket(time), 2368);
+      for (std::string frame : framesOf(kind, datagram, static_cast<char>(n)))
+      {
+        frame.insert(12, std::string("\x81\x00\x00\x05", 4));
+        appendFrame(file, 1000 + time, frame);
+      }
+    }
+    const auto read = revolutionsOf(folder.write("b.pcap", file));
+    ASSERT_EQ(expected.scans.size(), read.scans.size()) << kind;
+    EXPECT_EQ(expected.scans.back().points, read.scans.back().points) << kind;
+    EXPECT_TRUE(read.warnings.empty()) << kind;
+  }
+}
+
+TEST(PcapSource, TwoLidarsOverIpv6)
+{
+  const TestFolder folder;
+  std::string file = captureHeader();
+  for (std::size_t n = 0; n < 300; ++n)
+  {
+    const double time = static_cast<double>(n) * packet_time;
+    for (const char sender : {'\1', '\2'})
+    {
+      const std::string datagram = udpDatagram(velodynePacket(time), 2368);
+      appendFrame(file, 1000 + time, ip6Frame(datagram, 17, sender));
+    }
+  }
+  const auto read = revolutionsOf(folder.write("a.pcap", file));
+  EXPECT_EQ(3U, read.scans.size());
+  ASSERT_EQ(1U, read.warnings.size());
+  EXPECT_TRUE(contains(read.warnings[0], "300 packets of other senders"));
+}
+
 TEST(PcapSource, ADatagramWithAHoleIsNone)
 {
   const TestFolder folder;
