@@ -464,4 +464,27 @@ TEST(ScanConverter, AnErrorBehindTheFirstScanLeavesAnEarlierRecording)
   EXPECT_EQ(2U, readAll(folder.file("new.rawlog")).size());
   EXPECT_TRUE(std::filesystem::exists(folder.file("new.gt/poses_tum.txt")));
 }
+
+/** A program that is killed at that moment leaves no rawlog beside the truth of another. */
+TEST(ScanConverter, TheTruthOfAnEarlierRecordingGoesBeforeItsRawlog)
+{
+  const TestFolder folder;
+  writeBins(folder, "in", 2);
+  writeKittiPoses(folder.file("poses.txt"), std::vector<Pose>{somePose(0), somePose(1)});
+  ScanConverterOptions options;
+  options.poses = folder.file("poses.txt");
+  (void)convertScans(folder.file("in"), folder.file("x.rawlog"), options);
+  ASSERT_TRUE(std::filesystem::exists(folder.file("x.gt/poses_tum.txt")));
+  const auto block = [&](double, std::size_t scans)
+  {
+    if (scans == 2)
+    {
+      std::filesystem::remove(folder.file("x.rawlog"));
+      folder.write("x.rawlog/a", "no file can replace this folder");
+    }
+  };
+  EXPECT_THROW((void)convertScans(folder.file("in"), folder.file("x.rawlog"), options, block),
+               UserError);
+  EXPECT_FALSE(std::filesystem::exists(folder.file("x.gt/poses_tum.txt")));
+}
 }  // namespace dyslam
