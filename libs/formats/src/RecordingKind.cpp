@@ -94,9 +94,16 @@ std::optional<KittiKind> kittiKindOf(const std::string& folder)
              : KittiKind::odometry;
 }
 
-bool isBagFile(const std::string& path)
+std::string bagEnding(const std::string& path)
 {
   const std::string ending = lowerExtension(path);
+  const bool is_open = ending == ".active" && lowerExtension(fs::path(path).stem()) == ".bag";
+  return is_open ? ".bag" : ending;
+}
+
+bool isBagFile(const std::string& path)
+{
+  const std::string ending = bagEnding(path);
   return ending == ".bag" || ending == ".db3" || ending == ".mcap" || isPackedBag(path);
 }
 

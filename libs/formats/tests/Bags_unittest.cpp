@@ -165,6 +165,68 @@ TEST(Bags, AFolderIsOneRecording)
                        "two kinds"));
 }
 
+TEST(Bags, PartsWithDifferentTopicsAreReadSideBySide)
+{
+  const TestFolder folder;
+  const auto messages = someMessages(10);
+  std::vector<std::vector<TestMessage>> parts(3);  // one of /imu, two of the others
+  for (std::size_t i = 0; i < messages.size(); ++i)
+  {
+    parts[messages[i].topic == "/imu" ? 0 : i < 5 ? 1 : 2].push_back(messages[i]);
+  }
+  for (const std::string ending : {".bag", ".db3", ".mcap"})
+  {
+    std::filesystem::create_directories(folder.file(ending));
+    test::writeBag(folder.file(ending + "/imu" + ending), parts[0]);
+    test::writeBag(folder.file(ending + "/lidar_9" + ending), parts[1]);
+    test::writeBag(folder.file(ending + "/lidar_10" + ending), parts[2]);
+    const auto bag = openBag(folder.file(ending));
+    for (int time = 0; time < 2; ++time)
+    {
+      bag->select({0, 1, 2});
+      BagMessage message;
+      for (const TestMessage& expected : messages)
+      {
+        ASSERT_TRUE(bag->next(message)) << ending;
+        EXPECT_EQ(expected.data, message.data) << ending;
+        EXPECT_EQ(expected.topic, bag->topics()[message.topic].name) << ending;
+      }
+      EXPECT_FALSE(bag->next(message));
+      EXPECT_DOUBLE_EQ(bag->progress(), 1);
+    }
+    EXPECT_TRUE(bag->warnings().empty());
+  }
+}
+
+TEST(Bags, CopiesInAFolderAreLeftOut)
+{
+  const TestFolder folder;
+  const auto messages = someMessages(10);
+  std::filesystem::create_directories(folder.file("a"));
+  test::writeBag(folder.file("a/x.bag"), messages);
+  test::writeBag(folder.file("a/x.orig.bag"), messages);
+  folder.write("a/x.bag.zstd", "packed");
+  folder.write("a/._x.bag", "of macOS");
+  expectAll(folder.file("a"), messages);
+  test::writeBag(folder.file("a/y.bag"), messages);
+  const auto warnings = openBag(folder.file("a"))->warnings();
+  ASSERT_EQ(1U, warnings.size());
+  EXPECT_TRUE(contains(warnings[0], "a/y.bag: its messages of /points begin before"));
+  folder.write("a/z.bag.zstd", "packed");
+  EXPECT_TRUE(contains(messageOfError<UserError>([&] { (void)openBag(folder.file("a")); }),
+                       "zstd -d " + folder.file("a") + "/*.zstd"));
+}
+
+TEST(Bags, OneThatItsRecorderHasNotClosed)
+{
+  const TestFolder folder;
+  const auto messages = someMessages(10);
+  test::writeRos1Bag(folder.file("x.bag"), messages);
+  std::filesystem::rename(folder.file("x.bag"), folder.file("x.bag.active"));
+  EXPECT_EQ(RecordingKind::bag, recordingKind(folder.file("x.bag.active")));
+  expectAll(folder.file("x.bag.active"), messages);
+}
+
 TEST(Bags, Listing)
 {
   const TestFolder folder;

@@ -6,10 +6,8 @@
 #include <dyslam/core/Trajectory.h>
 #include <dyslam/core/Words.h>
 #include <dyslam/formats/Bag.h>
-#include <dyslam/formats/RecordingKind.h>
 #include <dyslam/formats/RosMessages.h>
 #include <dyslam/formats/RosPackets.h>
-#include <dyslam/formats/ScanFiles.h>
 #include <dyslam/io/OptionError.h>
 
 #include <algorithm>
@@ -466,7 +464,7 @@ void noteParts(const std::string& input, ScanSink& sink)
   {
     return;
   }
-  const auto parts = listFiles(input, isBagFile);
+  const auto parts = bagParts(input);
   if (parts.size() > 1)
   {
     const auto name = [](const std::string& part) { return fs::path(part).filename().string(); };

@@ -63,10 +63,16 @@ class Bag
   [[nodiscard]] virtual std::vector<std::string> warnings() const = 0;
 };
 
+/** The bags in a folder, the parts of one recording, in the order of their names. Left out are
+ * copies: compressed ones beside those that were unpacked, and what rosbag keeps when it rewrites a
+ * bag (`drive.orig.bag`). \throws UserError if they are of several kinds, or compressed. */
+[[nodiscard]] std::vector<std::string> bagParts(const std::string& folder);
+
 /** Opens a ROS 1 bag (v2.0; plain, bz2 or lz4 chunks), a ROS 2 bag of sqlite3 (`.db3`), an mcap
- * file (plain, lz4 or zstd chunks), or a folder of such files, the parts of one recording in the
- * order of their names. Finds topics and counts by the index, or by reading all where there is
- * none.
+ * file (plain, lz4 or zstd chunks), or a folder of such files, the parts of one recording
+ * (bagParts()). Of these, those with the same topics are read behind each other, those with
+ * different ones side by side, in the order of the times of recording. Finds topics and counts by
+ * the index, or by reading all where there is none.
  *
  * Formats: http://wiki.ros.org/Bags/Format/2.0, https://mcap.dev/spec,
  * https://github.com/ros2/rosbag2 (storage sqlite3).

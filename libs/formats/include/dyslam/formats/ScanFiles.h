@@ -58,8 +58,8 @@ void writeCloud(const std::string& path,
 /** True for the endings of point clouds: .bin, .pcd, .ply. */
 [[nodiscard]] bool isCloudFile(const std::string& path);
 
-/** Files of a folder for which `wanted` is true, sorted by name (numbers by value). \throws
- * UserError if there is no such folder. */
+/** Files of a folder, without hidden ones, for which `wanted` is true, sorted by name (numbers by
+ * value). \throws UserError if there is no such folder. */
 [[nodiscard]] std::vector<std::string> listFiles(
     const std::string& folder, const std::function<bool(const std::string&)>& wanted);
 /** Point clouds of a folder, sorted by name (numbers by value). Only one ending may occur.
