@@ -50,6 +50,12 @@ struct RosScanDecoder::Cloud2
 
   [[nodiscard]] std::size_t size() const { return static_cast<std::size_t>(width) * height; }
 
+  /** Whether there is nothing between and behind the rows. */
+  [[nodiscard]] bool hasNoGaps() const
+  {
+    return point_step > 0 && data.size() % point_step == 0 && data.size() / point_step == size();
+  }
+
   /** Field with the first of the names that a field has; null if none has. */
   template <typename Names>
   [[nodiscard]] const PointField* findAny(const Names& names) const

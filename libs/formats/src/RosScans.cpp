@@ -37,6 +37,10 @@ RosScanDecoder::Cloud2 RosScanDecoder::Cloud2::read(ByteReader reader, RosEncodi
   {
     reader.fail("has big-endian points, which are not read");
   }
+  if (cloud.hasNoGaps())
+  {
+    cloud.row_step = cloud.width * cloud.point_step;  // that of some drivers is wrong
+  }
   cloud.check(reader);
   return cloud;
 }

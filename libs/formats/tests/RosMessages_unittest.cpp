@@ -343,6 +343,20 @@ TEST(RosScans, EmptyScansAndStampsOfZero)
   expectSame(sweepOf(50), decoded(decoder, test::velodyneFields(sweepOf(50))), 0);
 }
 
+TEST(RosScans, RowsWithoutGapsNeedNoLength)
+{
+  const Scan scan = sweepOf(5);
+  std::string rows = test::pointCloud2(false, stamp, test::velodyneFields(scan), 2);
+  const std::size_t row_step = rows.size() - 1 - 4 - 4 - 10 * 2 * (3 + 4 * 5 + 2);
+  for (const char length : {'\0', '\x7F'})
+  {
+    rows.replace(row_step, 4, std::string(4, length));
+    RosScanDecoder decoder;
+    const Scan read = decoder.decode(topicOf(false, "sensor_msgs/PointCloud2"), messageOf(rows));
+    EXPECT_EQ(scan.points, read.points);
+  }
+}
+
 TEST(RosScans, DamagedMessagesAreRefused)
 {
   const Scan scan = sweepOf(5);
@@ -379,6 +393,34 @@ TEST(RosScans, DamagedMessagesAreRefused)
   auto fields = test::velodyneFields(scan);
   fields[0].name = "X";
   EXPECT_TRUE(contains(messageOfError<UserError>([&] { (void)decoded(decoder, fields); }), "x, y"));
+}
+
+TEST(RosPoses, StaticTransformsOfANamespace)
+{
+  const TestFolder folder;
+  const auto childrenOf = [&folder](const std::vector<std::string>& topics)
+  {
+    std::vector<test::TestMessage> messages;
+    for (const std::string& topic : topics)
+    {
+      messages.push_back({topic, "tf2_msgs/TFMessage", stamp,
+                          test::transforms(true, stamp, {{"of " + topic, Pose::Identity()}})});
+    }
+    test::writeBag(folder.file("x.mcap"), messages);
+    const auto bag = openBag(folder.file("x.mcap"));
+    std::vector<std::string> children;
+    for (const auto& [child, transform] : staticTransforms(*bag))
+    {
+      children.push_back(child);
+    }
+    return children;
+  };
+  using Names = std::vector<std::string>;
+  EXPECT_EQ(childrenOf({"/robot/tf_static"}), Names{"of /robot/tf_static"});
+  EXPECT_EQ(childrenOf({"/robot/tf_static", "/tf_static"}), Names{"of /tf_static"});
+  EXPECT_EQ(childrenOf({"tf_static"}), Names{"of tf_static"});
+  EXPECT_EQ(childrenOf({"/a/tf_static", "/b/tf_static"}), Names());
+  EXPECT_EQ(childrenOf({"/my_tf_static"}), Names());
 }
 
 TEST(RosPoses, EveryTypeInBothSerialisations)
