@@ -64,10 +64,14 @@ std::uint16_t ringNumber(double value)
 template <typename Names>
 void CloudColumns::offer(Role role, const Names& names, const std::string& name, CloudNumber type)
 {
-  const auto at = std::find(names.begin(), names.end(), name);
-  const auto rank = static_cast<std::size_t>(at - names.begin());
+  const auto at = std::find(names.begin(), names.end(), plainFieldName(name));
+  if (at == names.end())
+  {
+    return;
+  }
+  const auto rank = 2 * static_cast<std::size_t>(at - names.begin()) + (name == *at ? 0U : 1U);
   Column& column = columns_[role];
-  if (at == names.end() || (column.there && rank >= column.rank))
+  if (column.there && rank >= column.rank)
   {
     return;
   }
@@ -87,7 +91,8 @@ void CloudColumns::declare(const std::string& name, CloudNumber type)
   offer(x, Name{"x"}, name, type);
   offer(y, Name{"y"}, name, type);
   offer(z, Name{"z"}, name, type);
-  offer(name == calibrated_intensity_name ? calibrated : intensity, intensity_names, name, type);
+  const bool is_calibrated = plainFieldName(name) == calibrated_intensity_name;
+  offer(is_calibrated ? calibrated : intensity, intensity_names, name, type);
   offer(ring, ring_names, name, type);
   offer(time, time_names, name, type);
 }

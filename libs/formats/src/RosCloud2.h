@@ -7,6 +7,7 @@
 #include <optional>
 
 #include "CloudColumns.h"
+#include "FieldNames.h"
 #include "RosReader.h"
 
 namespace dyslam
@@ -56,18 +57,28 @@ struct RosScanDecoder::Cloud2
     return point_step > 0 && data.size() % point_step == 0 && data.size() / point_step == size();
   }
 
-  /** Field with the first of the names that a field has; null if none has. */
+  /** Field with the first of the names that a field has, as it is or as plainFieldName(); null if
+   * none has. */
   template <typename Names>
   [[nodiscard]] const PointField* findAny(const Names& names) const
   {
     for (const auto& name : names)
     {
+      const PointField* alike = nullptr;
       for (const PointField& field : fields)
       {
-        if (field.name == name && field.type)
+        if (field.type && field.name == name)
         {
           return &field;
         }
+        if (field.type && alike == nullptr && plainFieldName(field.name) == name)
+        {
+          alike = &field;
+        }
+      }
+      if (alike != nullptr)
+      {
+        return alike;
       }
     }
     return nullptr;

@@ -272,7 +272,8 @@ TEST(CloudFiles, NamesThatDriversGiveToFields)
     for (const char* time_name :
          {"t", "time", "timestamp", "offset_time", "time_offset", "time_stamp"})
     {
-      for (const char* intensity_name : {"intensity", "scalar_intensity", "reflectivity", "i"})
+      for (const char* intensity_name :
+           {"intensity", "Intensity", "scalar_Intensity", "reflectivity", "i"})
       {
         const Scan scan =
             readCloud(folder.write("a.pcd", textPcd({{"other", 'F', ring},

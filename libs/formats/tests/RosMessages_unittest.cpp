@@ -175,6 +175,29 @@ TEST(RosScans, HesaiAndRoboSenseHaveAbsoluteSeconds)
   expectSame(scan, decoded(other, fields), 1e-6);
   ASSERT_EQ(1U, other.warnings().size());
   EXPECT_TRUE(contains(other.warnings()[0], "clock"));
+  // Soon after its start-up, too.
+  RosScanDecoder early;
+  for (const double first : {3.0, 3.5})
+  {
+    fields[5].values = mapped(scan, [&](std::size_t i) { return first + scan.time[i]; });
+    expectSame(scan, decoded(early, fields), 1e-6);
+  }
+}
+
+TEST(RosScans, NamesOfFieldsInUpperCase)
+{
+  const Scan scan = sweepOf(50);
+  auto fields = test::velodyneFields(scan);
+  const std::vector<std::string> names{"X", "Y", "Z", "Intensity", "Ring", "scalar_Time"};
+  for (std::size_t i = 0; i < names.size(); ++i)
+  {
+    fields[i].name = names[i];
+  }
+  RosScanDecoder decoder;
+  expectSame(scan, decoded(decoder, fields), 0);
+  expectSame(scan, decoded(decoder, fields), 0);
+  fields.push_back({"x", 7, mapped(scan, [](std::size_t) { return 1.0; })});
+  EXPECT_EQ(decoded(decoder, fields).points[7].x(), 1);
 }
 
 TEST(RosScans, TheStampIsTheZeroOfTimesOfTheSameClock)
@@ -391,7 +414,7 @@ TEST(RosScans, DamagedMessagesAreRefused)
       "do not hold"));
   RosScanDecoder decoder;
   auto fields = test::velodyneFields(scan);
-  fields[0].name = "X";
+  fields[0].name = "east";
   EXPECT_TRUE(contains(messageOfError<UserError>([&] { (void)decoded(decoder, fields); }), "x, y"));
 }
 
