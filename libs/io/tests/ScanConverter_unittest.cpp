@@ -417,6 +417,29 @@ TEST(ScanConverter, PosesAndStaleTruth)
   EXPECT_FALSE(std::filesystem::exists(folder.file("x.gt/poses_tum.txt")));
 }
 
+TEST(ScanConverter, ColumnsThatAreNoIntensities)
+{
+  const TestFolder folder;
+  const Scan scan = someScan(0, 12);
+  std::string bytes;  // x y z
+  for (const Eigen::Vector3f& point : scan.points)
+  {
+    bytes.append(reinterpret_cast<const char*>(point.data()), 3 * sizeof(float));
+  }
+  folder.write("three/0.bin", "");
+  folder.write("three/1.bin", bytes);
+  writeBins(folder, "four", 2);
+  const auto isWarned = [&folder](const std::string& name)
+  {
+    const auto result = convertScans(folder.file(name), folder.file("x.rawlog"), {});
+    return std::any_of(result.warnings.begin(), result.warnings.end(),
+                       [](const std::string& line)
+                       { return contains(line, "1.bin: 33 % of the intensities are negative"); });
+  };
+  EXPECT_TRUE(isWarned("three"));
+  EXPECT_FALSE(isWarned("four"));
+}
+
 TEST(ScanConverter, Errors)
 {
   const TestFolder folder;
