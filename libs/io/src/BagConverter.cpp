@@ -72,6 +72,16 @@ std::size_t scanTopic(const std::string& input, Bag& bag, const std::string& ask
     reportOtherTopics(bag, candidates, sink);
     return candidates.front().topic;
   }
+  const std::string compressed =
+      namesOf(bag, [](const BagTopic& topic)
+              { return topic.type.find("CompressedPointCloud2") != std::string::npos; });
+  if (!compressed.empty())
+  {
+    throw UserError(input + ": has no sensor_msgs/PointCloud2, but compressed clouds (" +
+                    compressed +
+                    "): play it, decode them with point_cloud_transport's republish and record "
+                    "the PointCloud2");
+  }
   const std::string packets = namesOf(
       bag, [](const BagTopic& topic) { return topic.type.find("Packet") != std::string::npos; });
   if (packets.empty())

@@ -23,6 +23,8 @@ TEST(ScanConverter, StampsFromNames)
   };
   for (const Case& names : {Case{"s", "1600000000.250", "1600000000.500"},
                             Case{"split", "1600000000_250", "1600000000_500"},
+                            Case{"prefix", "cloud_1600000000.250", "cloud_1600000000.500"},
+                            Case{"both", "cloud_1600000000_250", "cloud_1600000000_500"},
                             Case{"ms", "1600000000250", "1600000000500"},
                             Case{"us", "1600000000250000", "1600000000500000"},
                             Case{"ns", "1600000000250000000", "1600000000500000000"}})
@@ -47,6 +49,7 @@ TEST(ScanConverter, NamesInTheOrderOfTheirTimes)
   const TestFolder folder;
   makeFolderOf(folder, "s");
   makeFolderOf(folder, "dates");
+  makeFolderOf(folder, "two");
   const Scan early = someScan(0, 5);
   const Scan late = someScan(1, 7);
   writeBin(folder.file("s/1600000000.15.bin"), late.points, late.intensity);
@@ -58,9 +61,14 @@ TEST(ScanConverter, NamesInTheOrderOfTheirTimes)
   EXPECT_NEAR(1600000000.15, frames.at(1).scan.stamp, 1e-6);
   writeBin(folder.file("dates/20180801151636123.bin"), early.points, early.intensity);
   writeBin(folder.file("dates/20180801151636223.bin"), late.points, late.intensity);
-  const auto result =
-      convertScans(folder.file("dates"), folder.file("y.rawlog"), ScanConverterOptions{});
-  EXPECT_TRUE(contains(result.notes.at(0), "are not taken as time stamps")) << result.notes[0];
+  writeBin(folder.file("two/left_1600000000.0.bin"), early.points, early.intensity);
+  writeBin(folder.file("two/right_1600000000.5.bin"), late.points, late.intensity);
+  for (const char* name : {"dates", "two"})
+  {
+    const auto result =
+        convertScans(folder.file(name), folder.file("y.rawlog"), ScanConverterOptions{});
+    EXPECT_TRUE(contains(result.notes.at(0), "are not taken as time stamps")) << result.notes[0];
+  }
 }
 
 /** As ROS 2's pointcloud_to_pcd wrote them: seconds and a count of nanoseconds. */
