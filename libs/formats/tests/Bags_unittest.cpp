@@ -5,7 +5,10 @@
 #include <dyslam/formats/RecordingKind.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <functional>
+#include <iterator>
+#include <numeric>
 
 #include "BagWriters.h"
 #include "TestFolder.h"
@@ -43,6 +46,26 @@ std::size_t topicAt(const Bag& bag, const std::string& name)
   }
   ADD_FAILURE() << "no topic " << name;
   return 0;
+}
+
+void expectInThisOrder(Bag& bag, const std::vector<TestMessage>& messages)
+{
+  std::vector<std::size_t> all(bag.topics().size());
+  std::iota(all.begin(), all.end(), 0U);
+  for (int time = 0; time < 2; ++time)
+  {
+    bag.select(all);
+    BagMessage message;
+    for (const TestMessage& expected : messages)
+    {
+      ASSERT_TRUE(bag.next(message));
+      EXPECT_EQ(expected.data, message.data);
+      EXPECT_EQ(expected.topic, bag.topics()[message.topic].name);
+    }
+    EXPECT_FALSE(bag.next(message));
+    EXPECT_DOUBLE_EQ(bag.progress(), 1);
+  }
+  EXPECT_TRUE(bag.warnings().empty());
 }
 
 std::vector<std::string> dataOf(Bag& bag, const std::string& topic)
@@ -180,21 +203,40 @@ TEST(Bags, PartsWithDifferentTopicsAreReadSideBySide)
     test::writeBag(folder.file(ending + "/imu" + ending), parts[0]);
     test::writeBag(folder.file(ending + "/lidar_9" + ending), parts[1]);
     test::writeBag(folder.file(ending + "/lidar_10" + ending), parts[2]);
-    const auto bag = openBag(folder.file(ending));
-    for (int time = 0; time < 2; ++time)
-    {
-      bag->select({0, 1, 2});
-      BagMessage message;
-      for (const TestMessage& expected : messages)
-      {
-        ASSERT_TRUE(bag->next(message)) << ending;
-        EXPECT_EQ(expected.data, message.data) << ending;
-        EXPECT_EQ(expected.topic, bag->topics()[message.topic].name) << ending;
-      }
-      EXPECT_FALSE(bag->next(message));
-      EXPECT_DOUBLE_EQ(bag->progress(), 1);
-    }
-    EXPECT_TRUE(bag->warnings().empty());
+    expectInThisOrder(*openBag(folder.file(ending)), messages);
+  }
+}
+
+/** As scripts write them that put one bag behind another. */
+TEST(Bags, TopicsBehindEachOtherAreReadSideBySide)
+{
+  const TestFolder folder;
+  const auto messages = someMessages(10);
+  std::vector<TestMessage> by_topic;
+  for (const std::string topic : {"/imu", "/late", "/points"})
+  {
+    std::copy_if(messages.begin(), messages.end(), std::back_inserter(by_topic),
+                 [&topic](const TestMessage& message) { return message.topic == topic; });
+  }
+  for (const std::string ending : {".bag", ".mcap"})
+  {
+    test::writeBag(folder.file("x" + ending), by_topic);
+    expectInThisOrder(*openBag(folder.file("x" + ending)), messages);
+  }
+}
+
+TEST(Bags, TheOrderOfTheFileCountsWhereTheClockWasSet)
+{
+  const TestFolder folder;
+  auto messages = someMessages(10);
+  for (std::size_t i = 6; i < messages.size(); ++i)
+  {
+    messages[i].stamp -= 1000;
+  }
+  for (const std::string ending : {".bag", ".mcap"})
+  {
+    test::writeBag(folder.file("x" + ending), messages);
+    expectInThisOrder(*openBag(folder.file("x" + ending)), messages);
   }
 }
 
