@@ -160,6 +160,14 @@ IpFragment udpFragment(int link, const std::uint8_t* data, std::size_t size)
                         : IpFragment{};
 }
 
+/** Whether an error of libpcap only says that a .pcapng has interfaces of several kinds, as
+ * Ethernet and USB: it reads the frames of those that are like the first. */
+bool isOfOtherInterface(const std::string& error)
+{
+  return error.find("of the first interface") != std::string::npos ||
+         error.find("there's no Interface Description Block") != std::string::npos;
+}
+
 /** Takes the payload out of a UDP datagram. \return false if there is none. */
 bool fillPacket(const std::uint8_t* udp,
                 std::size_t size,
@@ -196,9 +204,19 @@ bool PacketCapture::next(LidarPacket& packet)
 {
   pcap_pkthdr* header = nullptr;
   const u_char* data = nullptr;
-  int code = 0;
-  while ((code = pcap_next_ex(file_.get(), &header, &data)) == 1)
+  for (;;)
   {
+    const int code = pcap_next_ex(file_.get(), &header, &data);
+    if (code == PCAP_ERROR && isOfOtherInterface(pcap_geterr(file_.get())))
+    {
+      has_other_interfaces_ = true;
+      continue;
+    }
+    if (code != 1)
+    {
+      damage_ = code == PCAP_ERROR ? pcap_geterr(file_.get()) : damage_;
+      return false;
+    }
     const IpFragment fragment = udpFragment(pcap_datalink(file_.get()), data, header->caplen);
     if (fragment.data == nullptr)
     {
@@ -216,11 +234,6 @@ bool PacketCapture::next(LidarPacket& packet)
       return true;
     }
   }
-  if (code == PCAP_ERROR)
-  {
-    damage_ = pcap_geterr(file_.get());
-  }
-  return false;
 }
 
 double PacketCapture::progress() const

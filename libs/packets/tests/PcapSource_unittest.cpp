@@ -60,6 +60,43 @@ std::string withTimes(std::string capture, const Captured& captured_at, const Cl
   }
   return capture;
 }
+
+/** A block of a .pcapng. */
+std::string ngBlock(std::uint32_t type, std::string body)
+{
+  body.resize((body.size() + 3) / 4 * 4);
+  std::string block;
+  appendBytes(block, type);
+  appendBytes(block, static_cast<std::uint32_t>(body.size() + 12));
+  block += body;
+  appendBytes(block, static_cast<std::uint32_t>(body.size() + 12));
+  return block;
+}
+
+/** A .pcapng of two interfaces, of which one is Ethernet and has the frames of a lidar. */
+std::string capturedOnTwoInterfaces(std::uint32_t ethernet)
+{
+  std::string section("\x4D\x3C\x2B\x1A\x01\0\0\0", 8);
+  std::string file = ngBlock(0x0A0D0D0A, section + std::string(8, '\xFF'));
+  for (std::uint32_t i = 0; i < 2; ++i)
+  {
+    const std::string link = i == ethernet ? "\x01" : "\x71";  // the other one: cooked
+    file += ngBlock(1, link + std::string(7, '\0'));
+  }
+  for (std::size_t n = 0; n < 600; ++n)
+  {
+    const double time = static_cast<double>(n / 2) * packet_time;
+    const std::string frame = ipFrame(udpDatagram(velodynePacket(time), 2368), 0, 0);
+    std::string packet;
+    appendBytes(packet, n % 2 == 0 ? ethernet : 1 - ethernet);
+    appendBytes<std::uint32_t>(packet, 0);
+    appendBytes(packet, static_cast<std::uint32_t>(1e6 * time));
+    appendBytes(packet, static_cast<std::uint32_t>(frame.size()));
+    appendBytes(packet, static_cast<std::uint32_t>(frame.size()));
+    file += ngBlock(6, packet + frame);
+  }
+  return file;
+}
 }  // namespace
 
 TEST(PcapSource, CutsRevolutionsAndPlacesPoints)
@@ -342,6 +379,18 @@ TEST(PcapSource, VlanTagsAreSkipped)
     EXPECT_EQ(3U, revolutionsOf(folder.write("a.pcap", file)).scans.size())
         << static_cast<int>(kind.link) << ", " << kind.tags.size();
   }
+}
+
+TEST(PcapSource, InterfacesOfSeveralKinds)
+{
+  const TestFolder folder;
+  const auto read = revolutionsOf(folder.write("a.pcapng", capturedOnTwoInterfaces(0)));
+  EXPECT_EQ(3U, read.scans.size());
+  ASSERT_EQ(1U, read.warnings.size());
+  EXPECT_TRUE(contains(read.warnings[0], "interfaces of another kind or snapshot length"));
+  const std::string other = folder.write("b.pcapng", capturedOnTwoInterfaces(1));
+  EXPECT_TRUE(contains(messageOfError<UserError>([&] { revolutionsOf(other); }),
+                       "interfaces of another kind or snapshot length"));
 }
 
 TEST(PcapSource, PacketsOverIpv6)
