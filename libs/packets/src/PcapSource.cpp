@@ -369,7 +369,9 @@ std::vector<std::string> PcapSource::warnings() const
   if (impl_->of_others > 0)
   {
     lines.push_back(impl_->path + ": " + std::to_string(impl_->of_others) +
-                    " packets of other senders or ports left out; capture each lidar by itself");
+                    " packets of other senders or ports left out; make a capture of each lidar: "
+                    "tcpdump -r " +
+                    impl_->path + " -w one.pcap 'src host ADDRESS and udp dst port PORT'");
   }
   return lines;
 }

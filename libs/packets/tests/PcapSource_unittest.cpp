@@ -454,6 +454,7 @@ TEST(PcapSource, TwoLidarsOverIpv6)
   EXPECT_EQ(3U, read.scans.size());
   ASSERT_EQ(1U, read.warnings.size());
   EXPECT_TRUE(contains(read.warnings[0], "300 packets of other senders"));
+  EXPECT_TRUE(contains(read.warnings[0], "tcpdump -r " + folder.file("a.pcap") + " -w one.pcap"));
 }
 
 TEST(PcapSource, ADatagramWithAHoleIsNone)
