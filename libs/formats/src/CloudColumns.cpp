@@ -168,18 +168,22 @@ void CloudColumns::fillRings(FieldConventions& conventions, Scan& scan) const
   }
 }
 
+void failTooFar(double coordinate, const std::string& place)
+{
+  throw UserError(place + ": has a point at " + std::to_string(coordinate) +
+                  " m, more than 100 km from the origin, where single precision is too "
+                  "coarse; subtract an origin from its coordinates");
+}
+
 void CloudColumns::requireNearOrigin() const
 {
-  constexpr double farthest = 1e5;  // m: single precision has steps of 8 mm there
   for (const std::size_t axis : {x, y, z})
   {
     for (const double value : columns_[axis].values)
     {
-      if (columns_[axis].exact && std::isfinite(value) && std::abs(value) > farthest)
+      if (columns_[axis].exact && std::isfinite(value) && std::abs(value) > farthest_coordinate)
       {
-        throw UserError(path_ + ": has a point at " + std::to_string(value) +
-                        " m, more than 100 km from the origin, where single precision is too "
-                        "coarse; subtract an origin from its coordinates");
+        failTooFar(value, path_);
       }
     }
   }

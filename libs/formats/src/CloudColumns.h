@@ -93,6 +93,11 @@ class CloudColumns
 [[nodiscard]] double cloudNumber(const char* bytes, CloudNumber type);
 /** \param path of the file, for messages. \throws UserError if it is not a number. */
 [[nodiscard]] double cloudNumber(std::string_view word, const std::string& path);
+/** Distance from the origin beyond which single precision is too coarse for coordinates, with steps
+ * of 8 mm [m] */
+constexpr double farthest_coordinate = 1e5;
+/** \throws UserError about a coordinate beyond that [m]. \param place for messages */
+[[noreturn]] void failTooFar(double coordinate, const std::string& place);
 /** Ring number from the number of a field: an integer in 0 to 65535; 0 if it is not finite. */
 [[nodiscard]] std::uint16_t ringNumber(double value);
 /** Words of a line, separated by blanks. */

@@ -107,6 +107,10 @@ struct RosScanDecoder::Cloud2
     return all;
   }
 
+  /** \throws UserError if the median of a coordinate in double precision is too far away for
+   * single precision. */
+  void requireNearOrigin(const PointField& field) const;
+
   static Cloud2 read(ByteReader reader, RosEncoding encoding);
   void check(const ByteReader& reader) const;
 };

@@ -1,4 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <algorithm>
+#include <cmath>
+
 #include "RosCloud2.h"
 
 namespace dyslam
@@ -70,6 +73,25 @@ void RosScanDecoder::Cloud2::check(const ByteReader& reader) const
   }
 }
 
+void RosScanDecoder::Cloud2::requireNearOrigin(const PointField& field) const
+{
+  if (field.type->kind != CloudNumber::Kind::floating || field.type->size != 8)
+  {
+    return;
+  }
+  // A few may be marked as invalid by their distance.
+  std::vector<double> coordinates = values(field);
+  coordinates.erase(std::remove_if(coordinates.begin(), coordinates.end(),
+                                   [](double value) { return !std::isfinite(value); }),
+                    coordinates.end());
+  const auto middle = coordinates.begin() + static_cast<std::ptrdiff_t>(coordinates.size() / 2);
+  std::nth_element(coordinates.begin(), middle, coordinates.end());
+  if (middle != coordinates.end() && std::abs(*middle) > farthest_coordinate)
+  {
+    failTooFar(*middle, place);
+  }
+}
+
 bool RosScanDecoder::reads(const BagTopic& topic)
 {
   return topic.encoding != RosEncoding::other &&
@@ -102,6 +124,10 @@ Scan RosScanDecoder::decodeCloud(const BagTopic& topic, const BagMessage& messag
   if (x == nullptr || y == nullptr || z == nullptr)
   {
     throw UserError(cloud.place + ": has no fields x, y and z");
+  }
+  for (const PointField* field : {x, y, z})
+  {
+    cloud.requireNearOrigin(*field);
   }
   Scan scan;
   scan.stamp = cloud.header.stamp;

@@ -184,6 +184,22 @@ TEST(RosScans, HesaiAndRoboSenseHaveAbsoluteSeconds)
   }
 }
 
+TEST(RosScans, CoordinatesOfAMapAreTooFarForSinglePrecision)
+{
+  const Scan scan = sweepOf(50);
+  auto fields = test::velodyneFields(scan);
+  for (std::size_t axis = 0; axis < 3; ++axis)
+  {
+    fields[axis].type = 8;
+  }
+  fields[1].values[7] = 1e9;  // marks an invalid point
+  RosScanDecoder decoder;
+  EXPECT_EQ(decoded(decoder, fields).points[9], scan.points[9]);
+  fields[1].values = mapped(scan, [&](std::size_t i) { return 5.4e6 + scan.points[i].y(); });
+  EXPECT_TRUE(contains(messageOfError<UserError>([&] { (void)decoded(decoder, fields); }),
+                       "more than 100 km from the origin"));
+}
+
 TEST(RosScans, NamesOfFieldsInUpperCase)
 {
   const Scan scan = sweepOf(50);
