@@ -395,7 +395,9 @@ ConversionResult convertScans(const std::string& input,
   {
     throw UserError(input + ": no such file or folder");
   }
-  requireNoInput(output, {input, options.calibration, options.poses, options.times});
+  std::vector<std::string> inputs = options.files();
+  inputs.insert(inputs.end(), {input, options.poses, options.times});
+  requireNoInput(output, inputs);
   const InputKind kind = isBag(input)              ? InputKind::bag
                          : fs::is_directory(input) ? InputKind::folder
                                                    : InputKind::pcap;
