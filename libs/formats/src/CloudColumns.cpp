@@ -158,13 +158,18 @@ void CloudColumns::fillTimes(FieldConventions& conventions, Scan& scan) const
 void CloudColumns::fillRings(FieldConventions& conventions, Scan& scan) const
 {
   const Column& column = columns_[ring];
+  const bool by_rows = !column.there && row_length_ > 0;
+  for (std::size_t i = 0; by_rows && i < scan.size(); ++i)
+  {
+    scan.ring.push_back(static_cast<std::uint16_t>(i / row_length_));
+  }
   for (const double value : column.values)
   {
     scan.ring.push_back(ringNumber(value));
   }
   if (!scan.ring.empty())
   {
-    conventions.orderRings("field " + column.name, scan);
+    conventions.orderRings(by_rows ? "rows of the cloud" : "field " + column.name, scan, by_rows);
   }
 }
 

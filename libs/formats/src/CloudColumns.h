@@ -32,6 +32,13 @@ struct CloudNumber
   }
 };
 
+/** Whether the rows of an ordered cloud are taken as rings; more rows are a depth image's. */
+[[nodiscard]] inline bool rowsAreRings(std::uint64_t rows, std::uint64_t columns)
+{
+  constexpr std::uint64_t most_rows = 256;
+  return rows > 1 && rows <= most_rows && columns > rows;
+}
+
 /** Columns of a cloud that a Scan has, recognised by their usual names, of any type. */
 class CloudColumns
 {
@@ -42,6 +49,11 @@ class CloudColumns
   /** The file's next field; those are numbered from 0. */
   void declare(const std::string& name, CloudNumber type);
   [[nodiscard]] bool wants(std::size_t field) const { return roles_[field] != none; }
+  /** States that the cloud is ordered: without a field of rings its rows are. */
+  void setOrder(std::uint64_t rows, std::uint64_t columns)
+  {
+    row_length_ = rowsAreRings(rows, columns) ? static_cast<std::size_t>(columns) : 0;
+  }
   void reserve(std::uint64_t points);
   /** The next point's value of a field. \param bytes little-endian */
   void addBytes(std::size_t field, const char* bytes);
@@ -85,6 +97,7 @@ class CloudColumns
   void fillRings(FieldConventions& conventions, Scan& scan) const;
 
   std::string path_;
+  std::size_t row_length_ = 0;  //!< of rows that are rings; 0: they are not [points]
   std::vector<Role> roles_;
   std::array<Column, none> columns_;
 };
