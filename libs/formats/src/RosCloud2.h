@@ -3,6 +3,7 @@
 
 #include <dyslam/formats/RosMessages.h>
 
+#include <algorithm>
 #include <array>
 #include <optional>
 
@@ -47,6 +48,7 @@ struct RosScanDecoder::Cloud2
   std::uint32_t point_step = 0;
   std::uint32_t row_step = 0;
   std::string_view data;
+  bool is_big_endian = false;
   std::string place;
 
   [[nodiscard]] std::size_t size() const { return static_cast<std::size_t>(width) * height; }
@@ -93,7 +95,13 @@ struct RosScanDecoder::Cloud2
   {
     const char* at =
         data.data() + point / width * row_step + point % width * point_step + field.offset;
-    return cloudNumber(at, *field.type);
+    if (!is_big_endian)
+    {
+      return cloudNumber(at, *field.type);
+    }
+    std::array<char, 8> swapped{};
+    std::reverse_copy(at, at + field.type->size, swapped.begin());
+    return cloudNumber(swapped.data(), *field.type);
   }
 
   /** Values of a field, one per point. */
@@ -113,6 +121,9 @@ struct RosScanDecoder::Cloud2
 
   static Cloud2 read(ByteReader reader, RosEncoding encoding);
   void check(const ByteReader& reader) const;
+  /** Takes points that are stated to be big-endian as little-endian, if more of their coordinates
+   * are then plausible: RViz and PCL don't look at the statement, so that it may be wrong. */
+  void checkByteOrder();
 };
 
 }  // namespace dyslam

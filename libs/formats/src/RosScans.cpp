@@ -32,20 +32,36 @@ RosScanDecoder::Cloud2 RosScanDecoder::Cloud2::read(ByteReader reader, RosEncodi
     (void)reader.u32();  // count
     cloud.fields.push_back(field);
   }
-  const bool big_endian = reader.u8() != 0;
+  cloud.is_big_endian = reader.u8() != 0;
   cloud.point_step = reader.u32();
   cloud.row_step = reader.u32();
   cloud.data = reader.block();
-  if (big_endian)
-  {
-    reader.fail("has big-endian points, which are not read");
-  }
   if (cloud.hasNoGaps())
   {
     cloud.row_step = cloud.width * cloud.point_step;  // that of some drivers is wrong
   }
   cloud.check(reader);
+  cloud.checkByteOrder();
   return cloud;
+}
+
+void RosScanDecoder::Cloud2::checkByteOrder()
+{
+  const PointField* x = find("x");
+  if (!is_big_endian || x == nullptr)
+  {
+    return;
+  }
+  const auto plausible = [&]
+  {
+    const std::vector<double> coordinates = values(*x);
+    return std::count_if(coordinates.begin(), coordinates.end(),
+                         [](double value)
+                         { return std::abs(value) > 1e-6 && std::abs(value) < 1e6; });
+  };
+  const auto as_stated = plausible();
+  is_big_endian = false;
+  is_big_endian = as_stated >= plausible();
 }
 
 void RosScanDecoder::Cloud2::check(const ByteReader& reader) const

@@ -3,6 +3,7 @@
 #include <dyslam/formats/RosMessages.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <functional>
 #include <limits>
@@ -380,6 +381,30 @@ TEST(RosScans, EmptyScansAndStampsOfZero)
   EXPECT_EQ(12, scan.stamp);  // when it was recorded
   EXPECT_EQ(1U, decoder.warnings().size());
   expectSame(sweepOf(50), decoded(decoder, test::velodyneFields(sweepOf(50))), 0);
+}
+
+TEST(RosScans, BigEndianPoints)
+{
+  const Scan scan = sweepOf(50);
+  constexpr std::size_t step = 3 + 3 * 4;
+  const std::size_t size = scan.size() * step;
+  std::string data = test::pointCloud2(false, stamp, coordinates(scan));
+  data.at(data.size() - 1 - size - 4 - 4 - 4 - 1) = 1;
+  const auto pointsOf = [&data]
+  {
+    RosScanDecoder decoder;
+    return decoder.decode(topicOf(false, "sensor_msgs/PointCloud2"), messageOf(data)).points;
+  };
+  EXPECT_EQ(scan.points, pointsOf()) << "little-endian, whatever the message states";
+  for (std::size_t at = data.size() - 1 - size; at < data.size() - 1; at += step)
+  {
+    for (std::size_t axis = 0; axis < 3; ++axis)
+    {
+      const auto begin = data.begin() + static_cast<std::ptrdiff_t>(at + 3 + 4 * axis);
+      std::reverse(begin, begin + 4);
+    }
+  }
+  EXPECT_EQ(scan.points, pointsOf());
 }
 
 TEST(RosScans, RowsWithoutGapsNeedNoLength)
