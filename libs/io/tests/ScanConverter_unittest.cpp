@@ -6,6 +6,7 @@
 #include <dyslam/io/RawlogSource.h>
 
 #include <algorithm>
+#include <cmath>
 #include <filesystem>
 
 #include "ScanFolders.h"
@@ -423,6 +424,37 @@ TEST(ScanConverter, PosesAndStaleTruth)
   options.pose_source = PoseSource::unknown;
   EXPECT_EQ(0U, convertScans(folder.file("in"), folder.file("x.rawlog"), options).poses);
   EXPECT_FALSE(std::filesystem::exists(folder.file("x.gt/poses_tum.txt")));
+}
+
+TEST(ScanConverter, SectorsOfRevolutions)
+{
+  const TestFolder folder;
+  // Warned for scans of a width [deg], each turned by an angle [deg] from the one before.
+  const auto isWarned = [&folder](double width, double turn)
+  {
+    makeFolderOf(folder, "in");
+    for (std::size_t i = 0; i < 12; ++i)
+    {
+      std::vector<Eigen::Vector3f> points;
+      for (std::size_t k = 0; k < 60; ++k)
+      {
+        const double angle =
+            (turn * static_cast<double>(i) + width * static_cast<double>(k) / 60) * M_PI / 180;
+        points.emplace_back(
+            Eigen::Vector3d(9 * std::cos(angle), 9 * std::sin(angle), 0.5).cast<float>());
+      }
+      points.emplace_back(0, 0, 0);
+      writeBin(folder.file("in/" + number(i, 2) + ".bin"), points, {});
+    }
+    const auto result = convertScans(folder.file("in"), folder.file("x.rawlog"), {});
+    return std::any_of(result.warnings.begin(), result.warnings.end(),
+                       [](const std::string& line)
+                       { return contains(line, "only sectors of a revolution"); });
+  };
+  EXPECT_TRUE(isWarned(36, 36));
+  EXPECT_TRUE(isWarned(120, -120));
+  EXPECT_FALSE(isWarned(70, 0)) << "solid state";
+  EXPECT_FALSE(isWarned(360, 36));
 }
 
 TEST(ScanConverter, ColumnsThatAreNoIntensities)
