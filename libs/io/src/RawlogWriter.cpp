@@ -161,10 +161,20 @@ struct RawlogWriter::Impl
   /** Folder of external clouds until the rawlog is complete. */
   [[nodiscard]] std::string pendingFolder() const { return externalStorageFolder(path) + ".tmp"; }
 
+  /** An earlier rawlog whose clouds are replaced is removed before: a killed program must not leave
+   * it with the clouds of another. */
   void installClouds() const
   {
     const fs::path folder = externalStorageFolder(path);
     makeFolder(folder.string());
+    const bool are_replaced =
+        std::any_of(external.begin(), external.end(),
+                    [&folder](const std::string& name) { return fs::exists(folder / name); });
+    if (are_replaced)
+    {
+      std::error_code ignored;
+      fs::remove(path, ignored);
+    }
     for (const std::string& name : external)
     {
       std::error_code error;
