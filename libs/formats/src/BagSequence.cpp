@@ -62,8 +62,9 @@ class BagSequence : public Bag
     streams_.clear();
     for (const File& file : files_)
     {
+      constexpr std::size_t most_topics = 16;  // the file is opened for each
       const std::vector<std::size_t> own = selectedIn(file, topics);
-      if (own.size() < 2 || file.bag->isInOrder(own))
+      if (own.size() < 2 || own.size() > most_topics || file.bag->isInOrder(own))
       {
         addStream(file, nullptr, own);
         continue;
