@@ -38,8 +38,9 @@ std::vector<std::string> bagParts(const std::string& folder)
     {
       throw UserError(part +
                       ": is compressed as a whole, as may be other parts; unpack them "
-                      "first: zstd -d " +
-                      folder + "/*.zstd");
+                      "first: " +
+                      unpackCommand(part) + " " + folder + "/*" +
+                      fs::path(part).extension().string());
     }
     if (bagEnding(part) != bagEnding(parts.front()))
     {

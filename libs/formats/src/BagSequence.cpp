@@ -18,7 +18,8 @@ std::unique_ptr<Bag> openFile(const std::string& path)
 {
   if (isPackedBag(path))
   {
-    throw UserError(path + ": is compressed as a whole; unpack it first: zstd -d " + path);
+    throw UserError(path + ": is compressed as a whole; unpack it first: " + unpackCommand(path) +
+                    " " + path);
   }
   const std::string ending = bagEnding(path);
   return ending == ".bag"   ? openRos1Bag(path)

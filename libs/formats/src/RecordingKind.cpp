@@ -107,10 +107,19 @@ bool isBagFile(const std::string& path)
   return ending == ".bag" || ending == ".db3" || ending == ".mcap" || isPackedBag(path);
 }
 
+std::string unpackCommand(const std::string& path)
+{
+  const std::string ending = lowerExtension(path);
+  return ending == ".zstd" || ending == ".zst" ? "zstd -d"
+         : ending == ".gz"                     ? "gunzip -k"
+         : ending == ".bz2"                    ? "bunzip2 -k"
+         : ending == ".xz"                     ? "unxz -k"
+                                               : "";
+}
+
 bool isPackedBag(const std::string& path)
 {
-  return lowerExtension(path) == ".zstd" && fs::path(path).stem().has_extension() &&
-         isBagFile(fs::path(path).stem().string());
+  return !unpackCommand(path).empty() && isBagFile(fs::path(path).stem().string());
 }
 
 bool isBag(const std::string& path)
@@ -131,7 +140,8 @@ RecordingKind recordingKind(const std::string& path)
            : hasFile(path, isCloudFile) ? RecordingKind::scans
                                         : RecordingKind::unknown;
   }
-  const std::string ending = lowerExtension(path);
+  const std::string ending =
+      lowerExtension(unpackCommand(path).empty() ? path : fs::path(path).stem().string());
   return ending == ".pcap" || ending == ".pcapng" ? RecordingKind::capture : RecordingKind::unknown;
 }
 

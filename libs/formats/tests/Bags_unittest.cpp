@@ -412,6 +412,7 @@ TEST(Bags, Errors)
   EXPECT_TRUE(contains(message(folder.write("a.mcap", "hello")), "not an mcap file"));
   EXPECT_TRUE(contains(message(folder.write("a.db3", "hello, this is no database")), "a.db3"));
   EXPECT_TRUE(contains(message(folder.write("a.db3.zstd", "")), "zstd -d"));
+  EXPECT_TRUE(contains(message(folder.write("a.bag.gz", "")), "gunzip -k " + folder.file("a.bag")));
   // A chunk that announces more than there is allocates nothing for it.
   test::writeMcap(folder.file("c.mcap"), someMessages(4), {"zstd"});
   std::string bytes = folder.read("c.mcap");
@@ -472,6 +473,9 @@ TEST(Bags, KindsOfRecordings)
   { return recordingKind(folder.file(name)); };
   EXPECT_EQ(RecordingKind::bag, kindOf("a.db3"));
   EXPECT_EQ(RecordingKind::capture, kindOf("A.PCAPNG"));
+  EXPECT_EQ(RecordingKind::capture, kindOf("a.pcapng.gz"));
+  EXPECT_EQ(RecordingKind::bag, kindOf("a.mcap.zst"));
+  EXPECT_EQ(RecordingKind::unknown, kindOf("a.rawlog.gz"));
   EXPECT_EQ(RecordingKind::unknown, kindOf("a.rawlog"));
   EXPECT_EQ(RecordingKind::unknown, kindOf("a.pcd"));
   folder.write("recording/metadata.yaml", "");

@@ -268,6 +268,10 @@ void requireCapture(const std::string& file)
   {
     throw UserError(file + ": is a single scan; give the folder of the scans");
   }
+  if (const std::string command = unpackCommand(file); !command.empty())
+  {
+    throw UserError(file + ": is compressed; unpack it first: " + command + " " + file);
+  }
   if (ending == ".rawlog")
   {
     throw UserError(file + ": ends in .rawlog: dyslam reads rawlogs as they are");

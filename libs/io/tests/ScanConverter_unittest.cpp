@@ -494,6 +494,7 @@ TEST(ScanConverter, Errors)
   EXPECT_TRUE(contains(message(folder.file("in")), "has no .bin"));
   EXPECT_TRUE(contains(message(folder.write("a.bin", "")), "single scan"));
   EXPECT_TRUE(contains(message(folder.write("a.pcap", "nonsense")), "not a network capture"));
+  EXPECT_TRUE(contains(message(folder.write("a.pcapng.gz", "")), "unpack it first: gunzip -k "));
   options.sensor = "VLP99";
   EXPECT_TRUE(contains(message(folder.file("a.pcap")), "--sensor VLP99"));
 }
