@@ -26,8 +26,9 @@ void declareRange(CLI::App& app, ScanRange& range, int& every_n)
 void declareFurtherTopics(CLI::App& app, RecordingOptions& options)
 {
   app.add_option("--further-topic", options.further_topics,
-                 "topic of another lidar of the vehicle in a bag, placed by /tf_static; repeatable "
-                 "(dyslam merges its scans: input.further_lidars)")
+                 "topic of another lidar of the vehicle in a bag, placed by /tf_static; TOPIC=FILE "
+                 "with a calibration of its packets; repeatable (dyslam merges its scans: "
+                 "input.further_lidars)")
       ->take_all()
       ->allow_extra_args(false);
 }

@@ -166,9 +166,9 @@ Work commonWork(const Arguments& a, const std::string& program)
   {
     sums += checksumOfFile(networks);  // of this machine: results differ in their last digits
   }
-  if (!a.conversion.calibration.empty())
+  for (const std::string& file : a.conversion.files())
   {
-    sums += checksumOfFile(a.conversion.calibration);
+    sums += checksumOfFile(file);
   }
   Arguments flags = a;
   Config config;

@@ -27,12 +27,8 @@ void submitToSlurm(const Arguments& a, const std::vector<Recording>& recordings)
   {
     absolute.config = std::filesystem::absolute(a.config).string();
   }
-  if (!a.conversion.calibration.empty())
-  {
-    absolute.conversion.calibration = std::filesystem::absolute(a.conversion.calibration).string();
-  }
   job.arguments = runArguments(absolute);
-  const std::vector<std::string> conversion = absolute.conversion.words();
+  const std::vector<std::string> conversion = a.conversion.withAbsolutePaths().words();
   job.arguments.insert(job.arguments.end(), conversion.begin(), conversion.end());
   std::istringstream options(a.slurm_options);
   for (std::string option; options >> option;)

@@ -185,6 +185,8 @@ class RecordingOutput
   void close()
   {
     truth_->close();
+    rawlog_.finish();
+    removeGroundTruth(folder_);
     rawlog_.close();
     installGroundTruth(pending(), folder_);
   }

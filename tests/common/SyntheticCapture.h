@@ -44,6 +44,19 @@ inline std::string ipFrame(const std::string& data, std::size_t number, std::siz
   return frame + std::string("\x40\x11", 2) + std::string(10, '\0') + data;
 }
 
+/** A frame with an IPv6 datagram, or a part of one. \param next what the data are: 17 UDP, else an
+ * extension header \param sender last byte of the sender's address */
+inline std::string ip6Frame(const std::string& data, char next, char sender = 1)
+{
+  std::string frame(12, '\0');
+  frame += std::string("\x86\xdd\x60\0\0\0", 6);
+  appendBigEndian(frame, data.size());
+  frame += next;
+  frame += '\x40';
+  return frame + "\xfe\x80" + std::string(13, '\0') + sender + "\xff\x02" + std::string(13, '\0') +
+         "\x01" + data;
+}
+
 inline std::string udpDatagram(const std::string& payload, std::size_t port)
 {
   std::string udp;

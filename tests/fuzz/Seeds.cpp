@@ -273,6 +273,15 @@ int main(int argc, char** argv)
   dyslam::writeStates(folder);
   const std::string capture = dyslam::captured(110);
   dyslam::write(folder / "pcap/a", capture);
+  std::string over_ipv6 = dyslam::captureHeader();
+  for (int n = 0; n < 110; ++n)
+  {
+    constexpr char udp = 17;
+    const double time = n * 12 * 2 * 55.296e-6;
+    const std::string datagram = dyslam::udpDatagram(dyslam::velodynePacket(time), 2368);
+    dyslam::appendFrame(over_ipv6, 1000 + time, dyslam::ip6Frame(datagram, udp));
+  }
+  dyslam::write(folder / "pcap/ipv6", over_ipv6);
   // A pcapng of one section and one interface, with a block for the first packet.
   std::string ng("\x0A\x0D\x0D\x0A\x1C\0\0\0\x4D\x3C\x2B\x1A\x01\0\0\0", 16);
   ng += std::string(8, '\xFF') + std::string("\x1C\0\0\0", 4);

@@ -51,7 +51,9 @@ bool isRecordingNamed(const std::string& folder, const std::vector<std::string>&
 
 bool isRecordingFile(const fs::path& path)
 {
-  return path.extension() == ".rawlog" || recordingKind(path.string()) != RecordingKind::unknown;
+  const bool is_hidden = path.filename().string()[0] == '.';  // as ._a.bag of macOS
+  return !is_hidden &&
+         (path.extension() == ".rawlog" || recordingKind(path.string()) != RecordingKind::unknown);
 }
 
 std::vector<std::string> within(const std::string& folder)

@@ -46,6 +46,7 @@ TEST(Recordings, AreAllThatDyslamConverts)
   folder.write("all/a_Images/0.bin", "");  // external file of the rawlog
   folder.write("all/a.gt/flow/000000.bin", "");
   folder.write("all/b.bag", "123");
+  folder.write("all/._b.bag", "of macOS");
   folder.write("all/c/c_0.mcap", "12");
   folder.write("all/c/metadata.yaml", "345");
   folder.write("all/d.pcap", "");

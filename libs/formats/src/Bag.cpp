@@ -18,109 +18,41 @@ namespace fs = std::filesystem;
 
 namespace
 {
-/** The parts of one recording behind each other. */
-class BagSequence : public Bag
+/** Whether a file is a copy of a bag beside it: packed, or as it was before rosbag rewrote it. */
+bool isCopy(const fs::path& part)
 {
- public:
-  explicit BagSequence(const std::vector<std::string>& paths)
-  {
-    for (const std::string& path : paths)
-    {
-      parts_.push_back(openBag(path));
-      std::vector<std::size_t> common;
-      for (const BagTopic& topic : parts_.back()->topics())
-      {
-        common.push_back(include(topic));
-      }
-      common_.push_back(std::move(common));
-    }
-  }
+  const fs::path original = fs::path(part).replace_extension();  // drive.db3, drive.orig
+  return (isPackedBag(part.string()) && fs::exists(original)) ||
+         (original.extension() == ".orig" &&
+          fs::exists(fs::path(original).replace_extension(part.extension())));
+}
+}  // namespace
 
-  [[nodiscard]] const std::vector<BagTopic>& topics() const override { return topics_; }
-
-  void select(const std::vector<std::size_t>& topics) override
-  {
-    current_ = 0;
-    for (std::size_t i = 0; i < parts_.size(); ++i)
-    {
-      std::vector<std::size_t> own;
-      for (std::size_t j = 0; j < common_[i].size(); ++j)
-      {
-        if (std::find(topics.begin(), topics.end(), common_[i][j]) != topics.end())
-        {
-          own.push_back(j);
-        }
-      }
-      parts_[i]->select(own);
-    }
-  }
-
-  [[nodiscard]] bool next(BagMessage& message) override
-  {
-    for (; current_ < parts_.size(); ++current_)
-    {
-      if (parts_[current_]->next(message))
-      {
-        message.topic = common_[current_][message.topic];
-        return true;
-      }
-    }
-    return false;
-  }
-
-  [[nodiscard]] double progress() const override
-  {
-    const double part = current_ < parts_.size() ? parts_[current_]->progress() : 0;
-    return (static_cast<double>(current_) + part) / static_cast<double>(parts_.size());
-  }
-
-  [[nodiscard]] std::vector<std::string> warnings() const override
-  {
-    std::vector<std::string> all;
-    for (const auto& part : parts_)
-    {
-      const auto own = part->warnings();
-      all.insert(all.end(), own.begin(), own.end());
-    }
-    return all;
-  }
-
- private:
-  /** \return the topic's position among those of all parts. */
-  std::size_t include(const BagTopic& topic)
-  {
-    const auto found =
-        std::find_if(topics_.begin(), topics_.end(),
-                     [&topic](const BagTopic& other) { return isSameTopic(topic, other); });
-    if (found == topics_.end())
-    {
-      topics_.push_back(topic);
-      return topics_.size() - 1;
-    }
-    addMessages(MessageSpan{topic.messages, topic.first, topic.last}, *found);
-    return static_cast<std::size_t>(found - topics_.begin());
-  }
-
-  std::vector<std::unique_ptr<Bag>> parts_;
-  std::vector<BagTopic> topics_;
-  std::vector<std::vector<std::size_t>> common_;  //!< positions in topics_, by part and its topic
-  std::size_t current_ = 0;
-};
-
-std::vector<std::string> partsIn(const std::string& folder)
+std::vector<std::string> bagParts(const std::string& folder)
 {
-  const auto parts = listFiles(folder, isBagFile);
+  auto parts = listFiles(folder, isBagFile);
+  parts.erase(std::remove_if(parts.begin(), parts.end(), isCopy), parts.end());
   for (const std::string& part : parts)
   {
-    if (lowerExtension(part) != lowerExtension(parts.front()))
+    if (isPackedBag(part))
     {
-      throw UserError(folder + ": holds bags of two kinds (" + lowerExtension(parts.front()) +
-                      " and " + lowerExtension(part) + "); give the one that is meant");
+      throw UserError(part +
+                      ": is compressed as a whole, as may be other parts; unpack them "
+                      "first: " +
+                      unpackCommand(part) + " " + folder + "/*" +
+                      fs::path(part).extension().string());
+    }
+    if (bagEnding(part) != bagEnding(parts.front()))
+    {
+      throw UserError(folder + ": holds bags of two kinds (" + bagEnding(parts.front()) + " and " +
+                      bagEnding(part) + "); give the one that is meant");
     }
   }
   return parts;
 }
 
+namespace
+{
 std::string row(const std::vector<std::string>& cells, const std::vector<std::size_t>& widths)
 {
   std::string line;
@@ -183,16 +115,9 @@ std::unique_ptr<Bag> openBag(const std::string& path)
 {
   if (fs::is_directory(path))
   {
-    return std::make_unique<BagSequence>(partsIn(path));
+    return openParts(bagParts(path));
   }
-  if (isPackedBag(path))
-  {
-    throw UserError(path + ": is compressed as a whole; unpack it first: zstd -d " + path);
-  }
-  const std::string ending = lowerExtension(path);
-  return ending == ".bag"   ? openRos1Bag(path)
-         : ending == ".db3" ? openSqliteBag(path)
-                            : openMcap(path);
+  return openParts({path});
 }
 
 std::string listingOf(Bag& bag)

@@ -8,6 +8,7 @@
 #include <cstddef>
 #include <memory>
 #include <string>
+#include <vector>
 
 namespace dyslam
 {
@@ -62,4 +63,6 @@ template <typename Integer>
 [[nodiscard]] std::unique_ptr<Bag> openRos1Bag(const std::string& path);
 [[nodiscard]] std::unique_ptr<Bag> openMcap(const std::string& path);
 [[nodiscard]] std::unique_ptr<Bag> openSqliteBag(const std::string& path);
+/** Opens the files of one recording, see openBag(). */
+[[nodiscard]] std::unique_ptr<Bag> openParts(const std::vector<std::string>& paths);
 }  // namespace dyslam

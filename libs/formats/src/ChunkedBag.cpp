@@ -132,6 +132,36 @@ void ChunkedBag::select(const std::vector<std::size_t>& topics)
   reader_.reset();
 }
 
+bool ChunkedBag::isInOrder(const std::vector<std::size_t>& topics) const
+{
+  constexpr double tolerance = 1;         // [s], of messages on their way to the recorder
+  std::map<std::size_t, double> last_of;  // by topic [s]
+  double last = 0;                        // of the chunks before [s]
+  bool in_order = true;
+  for (const Chunk& chunk : chunks_)
+  {
+    double last_of_chunk = last;
+    for (const auto& [connection, span] : chunk.index)
+    {
+      const std::size_t topic = topic_of_.at(connection);
+      if (std::find(topics.begin(), topics.end(), topic) == topics.end())
+      {
+        continue;
+      }
+      double& own_last = last_of[topic];
+      if (span.first < own_last - tolerance)
+      {
+        return true;  // the recorder's clock was set, and times do not tell the order
+      }
+      own_last = std::max(own_last, span.last);
+      in_order = in_order && span.first >= last - tolerance;
+      last_of_chunk = std::max(last_of_chunk, span.last);
+    }
+    last = last_of_chunk;
+  }
+  return in_order;
+}
+
 bool ChunkedBag::holdsSelected(const Chunk& chunk) const
 {
   return std::any_of(chunk.index.begin(), chunk.index.end(),

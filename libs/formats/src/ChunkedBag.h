@@ -21,6 +21,7 @@ class ChunkedBag : public Bag
   [[nodiscard]] const std::vector<BagTopic>& topics() const override { return topics_; }
   void select(const std::vector<std::size_t>& topics) override;
   [[nodiscard]] bool next(BagMessage& message) override;
+  [[nodiscard]] bool isInOrder(const std::vector<std::size_t>& topics) const override;
   [[nodiscard]] double progress() const override;
   [[nodiscard]] std::vector<std::string> warnings() const override { return warnings_; }
 

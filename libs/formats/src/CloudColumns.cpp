@@ -64,10 +64,14 @@ std::uint16_t ringNumber(double value)
 template <typename Names>
 void CloudColumns::offer(Role role, const Names& names, const std::string& name, CloudNumber type)
 {
-  const auto at = std::find(names.begin(), names.end(), name);
-  const auto rank = static_cast<std::size_t>(at - names.begin());
+  const auto at = std::find(names.begin(), names.end(), plainFieldName(name));
+  if (at == names.end())
+  {
+    return;
+  }
+  const auto rank = 2 * static_cast<std::size_t>(at - names.begin()) + (name == *at ? 0U : 1U);
   Column& column = columns_[role];
-  if (at == names.end() || (column.there && rank >= column.rank))
+  if (column.there && rank >= column.rank)
   {
     return;
   }
@@ -87,7 +91,8 @@ void CloudColumns::declare(const std::string& name, CloudNumber type)
   offer(x, Name{"x"}, name, type);
   offer(y, Name{"y"}, name, type);
   offer(z, Name{"z"}, name, type);
-  offer(name == calibrated_intensity_name ? calibrated : intensity, intensity_names, name, type);
+  const bool is_calibrated = plainFieldName(name) == calibrated_intensity_name;
+  offer(is_calibrated ? calibrated : intensity, intensity_names, name, type);
   offer(ring, ring_names, name, type);
   offer(time, time_names, name, type);
 }
@@ -153,28 +158,37 @@ void CloudColumns::fillTimes(FieldConventions& conventions, Scan& scan) const
 void CloudColumns::fillRings(FieldConventions& conventions, Scan& scan) const
 {
   const Column& column = columns_[ring];
+  const bool by_rows = !column.there && row_length_ > 0;
+  for (std::size_t i = 0; by_rows && i < scan.size(); ++i)
+  {
+    scan.ring.push_back(static_cast<std::uint16_t>(i / row_length_));
+  }
   for (const double value : column.values)
   {
     scan.ring.push_back(ringNumber(value));
   }
   if (!scan.ring.empty())
   {
-    conventions.orderRings("field " + column.name, scan);
+    conventions.orderRings(by_rows ? "rows of the cloud" : "field " + column.name, scan, by_rows);
   }
+}
+
+void failTooFar(double coordinate, const std::string& place)
+{
+  throw UserError(place + ": has a point at " + std::to_string(coordinate) +
+                  " m, more than 100 km from the origin, where single precision is too "
+                  "coarse; subtract an origin from its coordinates");
 }
 
 void CloudColumns::requireNearOrigin() const
 {
-  constexpr double farthest = 1e5;  // m: single precision has steps of 8 mm there
   for (const std::size_t axis : {x, y, z})
   {
     for (const double value : columns_[axis].values)
     {
-      if (columns_[axis].exact && std::isfinite(value) && std::abs(value) > farthest)
+      if (columns_[axis].exact && std::isfinite(value) && std::abs(value) > farthest_coordinate)
       {
-        throw UserError(path_ + ": has a point at " + std::to_string(value) +
-                        " m, more than 100 km from the origin, where single precision is too "
-                        "coarse; subtract an origin from its coordinates");
+        failTooFar(value, path_);
       }
     }
   }

@@ -32,6 +32,13 @@ struct CloudNumber
   }
 };
 
+/** Whether the rows of an ordered cloud are taken as rings; more rows are a depth image's. */
+[[nodiscard]] inline bool rowsAreRings(std::uint64_t rows, std::uint64_t columns)
+{
+  constexpr std::uint64_t most_rows = 256;
+  return rows > 1 && rows <= most_rows && columns > rows;
+}
+
 /** Columns of a cloud that a Scan has, recognised by their usual names, of any type. */
 class CloudColumns
 {
@@ -42,6 +49,11 @@ class CloudColumns
   /** The file's next field; those are numbered from 0. */
   void declare(const std::string& name, CloudNumber type);
   [[nodiscard]] bool wants(std::size_t field) const { return roles_[field] != none; }
+  /** States that the cloud is ordered: without a field of rings its rows are. */
+  void setOrder(std::uint64_t rows, std::uint64_t columns)
+  {
+    row_length_ = rowsAreRings(rows, columns) ? static_cast<std::size_t>(columns) : 0;
+  }
   void reserve(std::uint64_t points);
   /** The next point's value of a field. \param bytes little-endian */
   void addBytes(std::size_t field, const char* bytes);
@@ -85,6 +97,7 @@ class CloudColumns
   void fillRings(FieldConventions& conventions, Scan& scan) const;
 
   std::string path_;
+  std::size_t row_length_ = 0;  //!< of rows that are rings; 0: they are not [points]
   std::vector<Role> roles_;
   std::array<Column, none> columns_;
 };
@@ -93,6 +106,11 @@ class CloudColumns
 [[nodiscard]] double cloudNumber(const char* bytes, CloudNumber type);
 /** \param path of the file, for messages. \throws UserError if it is not a number. */
 [[nodiscard]] double cloudNumber(std::string_view word, const std::string& path);
+/** Distance from the origin beyond which single precision is too coarse for coordinates, with steps
+ * of 8 mm [m] */
+constexpr double farthest_coordinate = 1e5;
+/** \throws UserError about a coordinate beyond that [m]. \param place for messages */
+[[noreturn]] void failTooFar(double coordinate, const std::string& place);
 /** Ring number from the number of a field: an integer in 0 to 65535; 0 if it is not finite. */
 [[nodiscard]] std::uint16_t ringNumber(double value);
 /** Words of a line, separated by blanks. */

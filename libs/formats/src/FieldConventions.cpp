@@ -117,9 +117,8 @@ const std::string& FieldConventions::intensityField(const std::string& usual,
  * which a scan lasts 5 ms to 2 s. */
 FieldConventions::TimeScale FieldConventions::scaleOf(double first, double last, bool is_integer)
 {
-  constexpr double earliest_date = 9e8;    // [s since 1970], in 1998
-  constexpr double latest_date = 4.1e9;    // [s since 1970], in 2099
-  constexpr double largest_relative = 10;  // [s]
+  constexpr double earliest_date = 9e8;  // [s since 1970], in 1998
+  constexpr double latest_date = 4.1e9;  // [s since 1970], in 2099
   const double span = last - first;
   const double date_unit = unitOfDate(first);
   const double date = first * date_unit;
@@ -129,7 +128,7 @@ FieldConventions::TimeScale FieldConventions::scaleOf(double first, double last,
   }
   const double span_unit = unitOfSpan(span);
   const double unit = span_unit != 0 ? span_unit : is_integer ? 1e-9 : 1.0;
-  return {unit, std::abs(first) * unit > largest_relative, span_unit != 0};
+  return {unit, std::abs(first) * unit > longest_scan, span_unit != 0};
 }
 
 void FieldConventions::setTimes(const std::string& field, double unit, bool absolute)

@@ -119,10 +119,9 @@ void requireNoLinks(const std::string& folder)
   }
 }
 
-GroundTruthWriter::GroundTruthWriter(const std::string& folder) : folder_(folder)
+void removeGroundTruth(const std::string& folder)
 {
   requireNoLinks(folder);
-  makeFolder(folder);
   for (const char* old : {"poses_tum.txt", "tracks.txt", simulator_file, origin_file})
   {
     std::error_code ignored;
@@ -140,7 +139,15 @@ GroundTruthWriter::GroundTruthWriter(const std::string& folder) : folder_(folder
         fs::remove(entry.path(), ignored);
       }
     }
+    std::error_code not_empty;
+    fs::remove(fs::path(folder) / sub, not_empty);
   }
+}
+
+GroundTruthWriter::GroundTruthWriter(const std::string& folder) : folder_(folder)
+{
+  removeGroundTruth(folder);
+  makeFolder(folder);
 }
 
 GroundTruthWriter::~GroundTruthWriter()
@@ -222,7 +229,13 @@ void GroundTruthWriter::close()
 
 void installGroundTruth(const std::string& pending, const std::string& folder)
 {
-  GroundTruthWriter(folder).close();
+  std::error_code not_empty;
+  fs::rename(pending, folder, not_empty);
+  if (!not_empty)
+  {
+    return;
+  }
+  makeFolder(folder);
   for (const auto& entry : fs::recursive_directory_iterator(pending))
   {
     const fs::path to = fs::path(folder) / entry.path().lexically_relative(pending);

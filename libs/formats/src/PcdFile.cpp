@@ -289,6 +289,10 @@ Scan readPcd(const std::string& path, FieldConventions& conventions)
   const std::vector<Field> fields = fieldsOf(header, path);
   const std::uint64_t points = pointsOf(header, path);
   CloudColumns columns(path);
+  if (header.width != "0")
+  {
+    columns.setOrder(numberIn(header.height, path), numberIn(header.width, path));
+  }
   std::uint64_t stride = 0;
   for (const Field& field : fields)
   {

@@ -94,16 +94,32 @@ std::optional<KittiKind> kittiKindOf(const std::string& folder)
              : KittiKind::odometry;
 }
 
-bool isBagFile(const std::string& path)
+std::string bagEnding(const std::string& path)
 {
   const std::string ending = lowerExtension(path);
+  const bool is_open = ending == ".active" && lowerExtension(fs::path(path).stem()) == ".bag";
+  return is_open ? ".bag" : ending;
+}
+
+bool isBagFile(const std::string& path)
+{
+  const std::string ending = bagEnding(path);
   return ending == ".bag" || ending == ".db3" || ending == ".mcap" || isPackedBag(path);
+}
+
+std::string unpackCommand(const std::string& path)
+{
+  const std::string ending = lowerExtension(path);
+  return ending == ".zstd" || ending == ".zst" ? "zstd -d"
+         : ending == ".gz"                     ? "gunzip -k"
+         : ending == ".bz2"                    ? "bunzip2 -k"
+         : ending == ".xz"                     ? "unxz -k"
+                                               : "";
 }
 
 bool isPackedBag(const std::string& path)
 {
-  return lowerExtension(path) == ".zstd" && fs::path(path).stem().has_extension() &&
-         isBagFile(fs::path(path).stem().string());
+  return !unpackCommand(path).empty() && isBagFile(fs::path(path).stem().string());
 }
 
 bool isBag(const std::string& path)
@@ -124,7 +140,8 @@ RecordingKind recordingKind(const std::string& path)
            : hasFile(path, isCloudFile) ? RecordingKind::scans
                                         : RecordingKind::unknown;
   }
-  const std::string ending = lowerExtension(path);
+  const std::string ending =
+      lowerExtension(unpackCommand(path).empty() ? path : fs::path(path).stem().string());
   return ending == ".pcap" || ending == ".pcapng" ? RecordingKind::capture : RecordingKind::unknown;
 }
 

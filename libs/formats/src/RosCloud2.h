@@ -3,10 +3,12 @@
 
 #include <dyslam/formats/RosMessages.h>
 
+#include <algorithm>
 #include <array>
 #include <optional>
 
 #include "CloudColumns.h"
+#include "FieldNames.h"
 #include "RosReader.h"
 
 namespace dyslam
@@ -46,22 +48,39 @@ struct RosScanDecoder::Cloud2
   std::uint32_t point_step = 0;
   std::uint32_t row_step = 0;
   std::string_view data;
+  bool is_big_endian = false;
   std::string place;
 
   [[nodiscard]] std::size_t size() const { return static_cast<std::size_t>(width) * height; }
 
-  /** Field with the first of the names that a field has; null if none has. */
+  /** Whether there is nothing between and behind the rows. */
+  [[nodiscard]] bool hasNoGaps() const
+  {
+    return point_step > 0 && data.size() % point_step == 0 && data.size() / point_step == size();
+  }
+
+  /** Field with the first of the names that a field has, as it is or as plainFieldName(); null if
+   * none has. */
   template <typename Names>
   [[nodiscard]] const PointField* findAny(const Names& names) const
   {
     for (const auto& name : names)
     {
+      const PointField* alike = nullptr;
       for (const PointField& field : fields)
       {
-        if (field.name == name && field.type)
+        if (field.type && field.name == name)
         {
           return &field;
         }
+        if (field.type && alike == nullptr && plainFieldName(field.name) == name)
+        {
+          alike = &field;
+        }
+      }
+      if (alike != nullptr)
+      {
+        return alike;
       }
     }
     return nullptr;
@@ -76,7 +95,13 @@ struct RosScanDecoder::Cloud2
   {
     const char* at =
         data.data() + point / width * row_step + point % width * point_step + field.offset;
-    return cloudNumber(at, *field.type);
+    if (!is_big_endian)
+    {
+      return cloudNumber(at, *field.type);
+    }
+    std::array<char, 8> swapped{};
+    std::reverse_copy(at, at + field.type->size, swapped.begin());
+    return cloudNumber(swapped.data(), *field.type);
   }
 
   /** Values of a field, one per point. */
@@ -90,8 +115,15 @@ struct RosScanDecoder::Cloud2
     return all;
   }
 
+  /** \throws UserError if the median of a coordinate in double precision is too far away for
+   * single precision. */
+  void requireNearOrigin(const PointField& field) const;
+
   static Cloud2 read(ByteReader reader, RosEncoding encoding);
   void check(const ByteReader& reader) const;
+  /** Takes points that are stated to be big-endian as little-endian, if more of their coordinates
+   * are then plausible: RViz and PCL don't look at the statement, so that it may be wrong. */
+  void checkByteOrder();
 };
 
 }  // namespace dyslam

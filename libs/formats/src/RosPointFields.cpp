@@ -57,9 +57,8 @@ void RosScanDecoder::fillTimes(const Cloud2& cloud, Scan& scan)
 /** The ring of a point is the value of its field or, in an organised cloud, its row. */
 void RosScanDecoder::fillRings(const Cloud2& cloud, Scan& scan)
 {
-  constexpr std::uint32_t most_rows = 256;  // more are a depth image's
   const PointField* field = ringField(cloud);
-  const bool rows = cloud.height > 1 && cloud.height <= most_rows && cloud.width > cloud.height;
+  const bool rows = rowsAreRings(cloud.height, cloud.width);
   if ((field == nullptr && !rows) || scan.points.empty())
   {
     return;

@@ -69,6 +69,34 @@ RosScanTopic packetSummaryOf(const BagTopic& topic, const BagMessage& message)
   return summary;
 }
 
+/** The topics of static transforms: `/tf_static` or, in a bag without it, the only one of a
+ * namespace, such as `/robot/tf_static`. */
+std::vector<std::size_t> staticTopics(const Bag& bag)
+{
+  const std::string name = "/tf_static";
+  std::vector<std::size_t> plain;
+  std::vector<std::size_t> of_namespaces;
+  std::set<std::string> names;
+  for (std::size_t i = 0; i < bag.topics().size(); ++i)
+  {
+    const BagTopic& topic = bag.topics()[i];
+    const std::string end = "/" + topic.name;  // the slash may be missing
+    if (!isRosPose(topic) || topic.messages == 0 || end.size() < name.size() ||
+        end.compare(end.size() - name.size(), name.size(), name) != 0)
+    {
+      continue;
+    }
+    if (plainFrame(topic.name) == "tf_static")
+    {
+      plain.push_back(i);
+      continue;
+    }
+    of_namespaces.push_back(i);
+    names.insert(topic.name);
+  }
+  return plain.empty() && names.size() == 1 ? of_namespaces : plain;
+}
+
 /** "x y z yaw pitch roll" [m, deg]. */
 std::string sensorPoseText(const Pose& pose)
 {
@@ -103,14 +131,7 @@ RosPose poseInParent(const RosTransforms& transforms,
 
 RosTransforms staticTransforms(Bag& bag)
 {
-  std::vector<std::size_t> topics;
-  for (std::size_t i = 0; i < bag.topics().size(); ++i)
-  {
-    if (bag.topics()[i].name == "/tf_static" && isRosPose(bag.topics()[i]))
-    {
-      topics.push_back(i);
-    }
-  }
+  const std::vector<std::size_t> topics = staticTopics(bag);
   RosTransforms by_child;
   if (topics.empty())
   {

@@ -1,4 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <algorithm>
+#include <cmath>
+
 #include "RosCloud2.h"
 
 namespace dyslam
@@ -29,16 +32,36 @@ RosScanDecoder::Cloud2 RosScanDecoder::Cloud2::read(ByteReader reader, RosEncodi
     (void)reader.u32();  // count
     cloud.fields.push_back(field);
   }
-  const bool big_endian = reader.u8() != 0;
+  cloud.is_big_endian = reader.u8() != 0;
   cloud.point_step = reader.u32();
   cloud.row_step = reader.u32();
   cloud.data = reader.block();
-  if (big_endian)
+  if (cloud.hasNoGaps())
   {
-    reader.fail("has big-endian points, which are not read");
+    cloud.row_step = cloud.width * cloud.point_step;  // that of some drivers is wrong
   }
   cloud.check(reader);
+  cloud.checkByteOrder();
   return cloud;
+}
+
+void RosScanDecoder::Cloud2::checkByteOrder()
+{
+  const PointField* x = find("x");
+  if (!is_big_endian || x == nullptr)
+  {
+    return;
+  }
+  const auto plausible = [&]
+  {
+    const std::vector<double> coordinates = values(*x);
+    return std::count_if(coordinates.begin(), coordinates.end(),
+                         [](double value)
+                         { return std::abs(value) > 1e-6 && std::abs(value) < 1e6; });
+  };
+  const auto as_stated = plausible();
+  is_big_endian = false;
+  is_big_endian = as_stated >= plausible();
 }
 
 void RosScanDecoder::Cloud2::check(const ByteReader& reader) const
@@ -63,6 +86,25 @@ void RosScanDecoder::Cloud2::check(const ByteReader& reader) const
     reader.fail("damaged: announces " + std::to_string(width) + " x " + std::to_string(height) +
                 " points of " + std::to_string(point_step) + " bytes, but has " +
                 std::to_string(data.size()) + " bytes");
+  }
+}
+
+void RosScanDecoder::Cloud2::requireNearOrigin(const PointField& field) const
+{
+  if (field.type->kind != CloudNumber::Kind::floating || field.type->size != 8)
+  {
+    return;
+  }
+  // A few may be marked as invalid by their distance.
+  std::vector<double> coordinates = values(field);
+  coordinates.erase(std::remove_if(coordinates.begin(), coordinates.end(),
+                                   [](double value) { return !std::isfinite(value); }),
+                    coordinates.end());
+  const auto middle = coordinates.begin() + static_cast<std::ptrdiff_t>(coordinates.size() / 2);
+  std::nth_element(coordinates.begin(), middle, coordinates.end());
+  if (middle != coordinates.end() && std::abs(*middle) > farthest_coordinate)
+  {
+    failTooFar(*middle, place);
   }
 }
 
@@ -98,6 +140,10 @@ Scan RosScanDecoder::decodeCloud(const BagTopic& topic, const BagMessage& messag
   if (x == nullptr || y == nullptr || z == nullptr)
   {
     throw UserError(cloud.place + ": has no fields x, y and z");
+  }
+  for (const PointField* field : {x, y, z})
+  {
+    cloud.requireNearOrigin(*field);
   }
   Scan scan;
   scan.stamp = cloud.header.stamp;

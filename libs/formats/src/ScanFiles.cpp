@@ -153,7 +153,8 @@ std::vector<std::string> listFiles(const std::string& folder,
   std::vector<std::string> files;
   for (const auto& entry : entriesOf(folder))
   {
-    if (entry.is_regular_file() && wanted(entry.path().string()))
+    const bool is_hidden = entry.path().filename().string()[0] == '.';  // as ._1.pcd of macOS
+    if (!is_hidden && entry.is_regular_file() && wanted(entry.path().string()))
     {
       files.push_back(entry.path().string());
     }

@@ -5,7 +5,10 @@
 #include <dyslam/formats/RecordingKind.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <functional>
+#include <iterator>
+#include <numeric>
 
 #include "BagWriters.h"
 #include "TestFolder.h"
@@ -43,6 +46,26 @@ std::size_t topicAt(const Bag& bag, const std::string& name)
   }
   ADD_FAILURE() << "no topic " << name;
   return 0;
+}
+
+void expectInThisOrder(Bag& bag, const std::vector<TestMessage>& messages)
+{
+  std::vector<std::size_t> all(bag.topics().size());
+  std::iota(all.begin(), all.end(), 0U);
+  for (int time = 0; time < 2; ++time)
+  {
+    bag.select(all);
+    BagMessage message;
+    for (const TestMessage& expected : messages)
+    {
+      ASSERT_TRUE(bag.next(message));
+      EXPECT_EQ(expected.data, message.data);
+      EXPECT_EQ(expected.topic, bag.topics()[message.topic].name);
+    }
+    EXPECT_FALSE(bag.next(message));
+    EXPECT_DOUBLE_EQ(bag.progress(), 1);
+  }
+  EXPECT_TRUE(bag.warnings().empty());
 }
 
 std::vector<std::string> dataOf(Bag& bag, const std::string& topic)
@@ -163,6 +186,87 @@ TEST(Bags, AFolderIsOneRecording)
   test::writeBag(folder.file(".bag/x_9.mcap"), first);
   EXPECT_TRUE(contains(messageOfError<UserError>([&] { (void)openBag(folder.file(".bag")); }),
                        "two kinds"));
+}
+
+TEST(Bags, PartsWithDifferentTopicsAreReadSideBySide)
+{
+  const TestFolder folder;
+  const auto messages = someMessages(10);
+  std::vector<std::vector<TestMessage>> parts(3);  // one of /imu, two of the others
+  for (std::size_t i = 0; i < messages.size(); ++i)
+  {
+    parts[messages[i].topic == "/imu" ? 0 : i < 5 ? 1 : 2].push_back(messages[i]);
+  }
+  for (const std::string ending : {".bag", ".db3", ".mcap"})
+  {
+    std::filesystem::create_directories(folder.file(ending));
+    test::writeBag(folder.file(ending + "/imu" + ending), parts[0]);
+    test::writeBag(folder.file(ending + "/lidar_9" + ending), parts[1]);
+    test::writeBag(folder.file(ending + "/lidar_10" + ending), parts[2]);
+    expectInThisOrder(*openBag(folder.file(ending)), messages);
+  }
+}
+
+/** As scripts write them that put one bag behind another. */
+TEST(Bags, TopicsBehindEachOtherAreReadSideBySide)
+{
+  const TestFolder folder;
+  const auto messages = someMessages(10);
+  std::vector<TestMessage> by_topic;
+  for (const std::string topic : {"/imu", "/late", "/points"})
+  {
+    std::copy_if(messages.begin(), messages.end(), std::back_inserter(by_topic),
+                 [&topic](const TestMessage& message) { return message.topic == topic; });
+  }
+  for (const std::string ending : {".bag", ".mcap"})
+  {
+    test::writeBag(folder.file("x" + ending), by_topic);
+    expectInThisOrder(*openBag(folder.file("x" + ending)), messages);
+  }
+}
+
+TEST(Bags, TheOrderOfTheFileCountsWhereTheClockWasSet)
+{
+  const TestFolder folder;
+  auto messages = someMessages(10);
+  for (std::size_t i = 6; i < messages.size(); ++i)
+  {
+    messages[i].stamp -= 1000;
+  }
+  for (const std::string ending : {".bag", ".mcap"})
+  {
+    test::writeBag(folder.file("x" + ending), messages);
+    expectInThisOrder(*openBag(folder.file("x" + ending)), messages);
+  }
+}
+
+TEST(Bags, CopiesInAFolderAreLeftOut)
+{
+  const TestFolder folder;
+  const auto messages = someMessages(10);
+  std::filesystem::create_directories(folder.file("a"));
+  test::writeBag(folder.file("a/x.bag"), messages);
+  test::writeBag(folder.file("a/x.orig.bag"), messages);
+  folder.write("a/x.bag.zstd", "packed");
+  folder.write("a/._x.bag", "of macOS");
+  expectAll(folder.file("a"), messages);
+  test::writeBag(folder.file("a/y.bag"), messages);
+  const auto warnings = openBag(folder.file("a"))->warnings();
+  ASSERT_EQ(1U, warnings.size());
+  EXPECT_TRUE(contains(warnings[0], "a/y.bag: its messages of /points begin before"));
+  folder.write("a/z.bag.zstd", "packed");
+  EXPECT_TRUE(contains(messageOfError<UserError>([&] { (void)openBag(folder.file("a")); }),
+                       "zstd -d " + folder.file("a") + "/*.zstd"));
+}
+
+TEST(Bags, OneThatItsRecorderHasNotClosed)
+{
+  const TestFolder folder;
+  const auto messages = someMessages(10);
+  test::writeRos1Bag(folder.file("x.bag"), messages);
+  std::filesystem::rename(folder.file("x.bag"), folder.file("x.bag.active"));
+  EXPECT_EQ(RecordingKind::bag, recordingKind(folder.file("x.bag.active")));
+  expectAll(folder.file("x.bag.active"), messages);
 }
 
 TEST(Bags, Listing)
@@ -308,6 +412,7 @@ TEST(Bags, Errors)
   EXPECT_TRUE(contains(message(folder.write("a.mcap", "hello")), "not an mcap file"));
   EXPECT_TRUE(contains(message(folder.write("a.db3", "hello, this is no database")), "a.db3"));
   EXPECT_TRUE(contains(message(folder.write("a.db3.zstd", "")), "zstd -d"));
+  EXPECT_TRUE(contains(message(folder.write("a.bag.gz", "")), "gunzip -k " + folder.file("a.bag")));
   // A chunk that announces more than there is allocates nothing for it.
   test::writeMcap(folder.file("c.mcap"), someMessages(4), {"zstd"});
   std::string bytes = folder.read("c.mcap");
@@ -368,6 +473,9 @@ TEST(Bags, KindsOfRecordings)
   { return recordingKind(folder.file(name)); };
   EXPECT_EQ(RecordingKind::bag, kindOf("a.db3"));
   EXPECT_EQ(RecordingKind::capture, kindOf("A.PCAPNG"));
+  EXPECT_EQ(RecordingKind::capture, kindOf("a.pcapng.gz"));
+  EXPECT_EQ(RecordingKind::bag, kindOf("a.mcap.zst"));
+  EXPECT_EQ(RecordingKind::unknown, kindOf("a.rawlog.gz"));
   EXPECT_EQ(RecordingKind::unknown, kindOf("a.rawlog"));
   EXPECT_EQ(RecordingKind::unknown, kindOf("a.pcd"));
   folder.write("recording/metadata.yaml", "");

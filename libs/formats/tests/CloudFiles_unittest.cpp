@@ -272,7 +272,8 @@ TEST(CloudFiles, NamesThatDriversGiveToFields)
     for (const char* time_name :
          {"t", "time", "timestamp", "offset_time", "time_offset", "time_stamp"})
     {
-      for (const char* intensity_name : {"intensity", "scalar_intensity", "reflectivity", "i"})
+      for (const char* intensity_name :
+           {"intensity", "Intensity", "scalar_Intensity", "reflectivity", "i"})
       {
         const Scan scan =
             readCloud(folder.write("a.pcd", textPcd({{"other", 'F', ring},
@@ -304,6 +305,28 @@ TEST(CloudFiles, RingsAreCountedFromTheLowest)
     EXPECT_EQ(i % 4, scan.ring[i]);
   }
   EXPECT_TRUE(contains(conventions.notes().at(0), "reversed"));
+}
+
+TEST(CloudFiles, RowsOfAnOrderedPcdAreRings)
+{
+  const TestFolder folder;
+  const auto ordered = [&folder](std::string text, FieldConventions& conventions)
+  {
+    const std::string one_row = "WIDTH 40\nHEIGHT 1\n";
+    text.replace(text.find(one_row), one_row.size(), "WIDTH 10\nHEIGHT 4\n");
+    return readCloud(folder.write("a.pcd", text), conventions);
+  };
+  FieldConventions of_rows;
+  const Scan scan = ordered(textPcd({}), of_rows);
+  ASSERT_EQ(40U, scan.ring.size());
+  for (std::size_t i = 0; i < scan.size(); ++i)
+  {
+    EXPECT_EQ(i / 10, scan.ring[i]);
+  }
+  EXPECT_EQ("ring: rows of the cloud", of_rows.notes().back());
+  const TextField ring{"ring", 'U', [](std::size_t i) { return static_cast<double>(i % 4); }};
+  FieldConventions of_field;
+  EXPECT_EQ(3, ordered(textPcd({ring}), of_field).ring.at(7));
 }
 
 TEST(CloudFiles, ReflectivityWhereTheIntensityCountsPhotons)

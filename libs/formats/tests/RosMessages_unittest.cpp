@@ -3,6 +3,7 @@
 #include <dyslam/formats/RosMessages.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <functional>
 #include <limits>
@@ -175,6 +176,45 @@ TEST(RosScans, HesaiAndRoboSenseHaveAbsoluteSeconds)
   expectSame(scan, decoded(other, fields), 1e-6);
   ASSERT_EQ(1U, other.warnings().size());
   EXPECT_TRUE(contains(other.warnings()[0], "clock"));
+  // Soon after its start-up, too.
+  RosScanDecoder early;
+  for (const double first : {3.0, 3.5})
+  {
+    fields[5].values = mapped(scan, [&](std::size_t i) { return first + scan.time[i]; });
+    expectSame(scan, decoded(early, fields), 1e-6);
+  }
+}
+
+TEST(RosScans, CoordinatesOfAMapAreTooFarForSinglePrecision)
+{
+  const Scan scan = sweepOf(50);
+  auto fields = test::velodyneFields(scan);
+  for (std::size_t axis = 0; axis < 3; ++axis)
+  {
+    fields[axis].type = 8;
+  }
+  fields[1].values[7] = 1e9;  // marks an invalid point
+  RosScanDecoder decoder;
+  EXPECT_EQ(decoded(decoder, fields).points[9], scan.points[9]);
+  fields[1].values = mapped(scan, [&](std::size_t i) { return 5.4e6 + scan.points[i].y(); });
+  EXPECT_TRUE(contains(messageOfError<UserError>([&] { (void)decoded(decoder, fields); }),
+                       "more than 100 km from the origin"));
+}
+
+TEST(RosScans, NamesOfFieldsInUpperCase)
+{
+  const Scan scan = sweepOf(50);
+  auto fields = test::velodyneFields(scan);
+  const std::vector<std::string> names{"X", "Y", "Z", "Intensity", "Ring", "scalar_Time"};
+  for (std::size_t i = 0; i < names.size(); ++i)
+  {
+    fields[i].name = names[i];
+  }
+  RosScanDecoder decoder;
+  expectSame(scan, decoded(decoder, fields), 0);
+  expectSame(scan, decoded(decoder, fields), 0);
+  fields.push_back({"x", 7, mapped(scan, [](std::size_t) { return 1.0; })});
+  EXPECT_EQ(decoded(decoder, fields).points[7].x(), 1);
 }
 
 TEST(RosScans, TheStampIsTheZeroOfTimesOfTheSameClock)
@@ -343,6 +383,44 @@ TEST(RosScans, EmptyScansAndStampsOfZero)
   expectSame(sweepOf(50), decoded(decoder, test::velodyneFields(sweepOf(50))), 0);
 }
 
+TEST(RosScans, BigEndianPoints)
+{
+  const Scan scan = sweepOf(50);
+  constexpr std::size_t step = 3 + 3 * 4;
+  const std::size_t size = scan.size() * step;
+  std::string data = test::pointCloud2(false, stamp, coordinates(scan));
+  data.at(data.size() - 1 - size - 4 - 4 - 4 - 1) = 1;
+  const auto pointsOf = [&data]
+  {
+    RosScanDecoder decoder;
+    return decoder.decode(topicOf(false, "sensor_msgs/PointCloud2"), messageOf(data)).points;
+  };
+  EXPECT_EQ(scan.points, pointsOf()) << "little-endian, whatever the message states";
+  for (std::size_t at = data.size() - 1 - size; at < data.size() - 1; at += step)
+  {
+    for (std::size_t axis = 0; axis < 3; ++axis)
+    {
+      const auto begin = data.begin() + static_cast<std::ptrdiff_t>(at + 3 + 4 * axis);
+      std::reverse(begin, begin + 4);
+    }
+  }
+  EXPECT_EQ(scan.points, pointsOf());
+}
+
+TEST(RosScans, RowsWithoutGapsNeedNoLength)
+{
+  const Scan scan = sweepOf(5);
+  std::string rows = test::pointCloud2(false, stamp, test::velodyneFields(scan), 2);
+  const std::size_t row_step = rows.size() - 1 - 4 - 4 - 10 * 2 * (3 + 4 * 5 + 2);
+  for (const char length : {'\0', '\x7F'})
+  {
+    rows.replace(row_step, 4, std::string(4, length));
+    RosScanDecoder decoder;
+    const Scan read = decoder.decode(topicOf(false, "sensor_msgs/PointCloud2"), messageOf(rows));
+    EXPECT_EQ(scan.points, read.points);
+  }
+}
+
 TEST(RosScans, DamagedMessagesAreRefused)
 {
   const Scan scan = sweepOf(5);
@@ -377,8 +455,36 @@ TEST(RosScans, DamagedMessagesAreRefused)
       "do not hold"));
   RosScanDecoder decoder;
   auto fields = test::velodyneFields(scan);
-  fields[0].name = "X";
+  fields[0].name = "east";
   EXPECT_TRUE(contains(messageOfError<UserError>([&] { (void)decoded(decoder, fields); }), "x, y"));
+}
+
+TEST(RosPoses, StaticTransformsOfANamespace)
+{
+  const TestFolder folder;
+  const auto childrenOf = [&folder](const std::vector<std::string>& topics)
+  {
+    std::vector<test::TestMessage> messages;
+    for (const std::string& topic : topics)
+    {
+      messages.push_back({topic, "tf2_msgs/TFMessage", stamp,
+                          test::transforms(true, stamp, {{"of " + topic, Pose::Identity()}})});
+    }
+    test::writeBag(folder.file("x.mcap"), messages);
+    const auto bag = openBag(folder.file("x.mcap"));
+    std::vector<std::string> children;
+    for (const auto& [child, transform] : staticTransforms(*bag))
+    {
+      children.push_back(child);
+    }
+    return children;
+  };
+  using Names = std::vector<std::string>;
+  EXPECT_EQ(childrenOf({"/robot/tf_static"}), Names{"of /robot/tf_static"});
+  EXPECT_EQ(childrenOf({"/robot/tf_static", "/tf_static"}), Names{"of /tf_static"});
+  EXPECT_EQ(childrenOf({"tf_static"}), Names{"of tf_static"});
+  EXPECT_EQ(childrenOf({"/a/tf_static", "/b/tf_static"}), Names());
+  EXPECT_EQ(childrenOf({"/my_tf_static"}), Names());
 }
 
 TEST(RosPoses, EveryTypeInBothSerialisations)

@@ -290,6 +290,34 @@ TEST(GroundTruth, WritingAgainLeavesNothingOld)
   EXPECT_TRUE(std::filesystem::exists(folder.file("a.gt/notes.md")));
 }
 
+TEST(GroundTruth, IsInstalledBesideFilesOfOthers)
+{
+  const TestFolder folder;
+  for (const bool notes : {false, true})
+  {
+    {
+      GroundTruthWriter earlier(folder.file("a.gt"));
+      earlier.addPose(0, Pose::Identity());
+      earlier.addLabels(1, {1, 2});
+    }
+    {
+      GroundTruthWriter writer(folder.file("a.gt.tmp"));
+      writer.addLabels(0, {3, 4});
+    }
+    if (notes)
+    {
+      folder.write("a.gt/labels/notes.md", "mine");
+    }
+    removeGroundTruth(folder.file("a.gt"));
+    EXPECT_FALSE(std::filesystem::exists(folder.file("a.gt/poses_tum.txt")));
+    EXPECT_FALSE(trueLabels(folder.file("a.gt"), 1, 2));
+    installGroundTruth(folder.file("a.gt.tmp"), folder.file("a.gt"));
+    EXPECT_EQ(trueLabels(folder.file("a.gt"), 0, 2), (std::vector<Label>{3, 4}));
+    EXPECT_EQ(notes, std::filesystem::exists(folder.file("a.gt/labels/notes.md")));
+    std::filesystem::remove_all(folder.file("a.gt.tmp"));
+  }
+}
+
 /** Of a simulator's options those that are read, and one more. */
 struct WorldOfTest : Options
 {

@@ -6,10 +6,8 @@
 #include <dyslam/core/Trajectory.h>
 #include <dyslam/core/Words.h>
 #include <dyslam/formats/Bag.h>
-#include <dyslam/formats/RecordingKind.h>
 #include <dyslam/formats/RosMessages.h>
 #include <dyslam/formats/RosPackets.h>
-#include <dyslam/formats/ScanFiles.h>
 #include <dyslam/io/OptionError.h>
 
 #include <algorithm>
@@ -74,6 +72,16 @@ std::size_t scanTopic(const std::string& input, Bag& bag, const std::string& ask
     reportOtherTopics(bag, candidates, sink);
     return candidates.front().topic;
   }
+  const std::string compressed =
+      namesOf(bag, [](const BagTopic& topic)
+              { return topic.type.find("CompressedPointCloud2") != std::string::npos; });
+  if (!compressed.empty())
+  {
+    throw UserError(input + ": has no sensor_msgs/PointCloud2, but compressed clouds (" +
+                    compressed +
+                    "): play it, decode them with point_cloud_transport's republish and record "
+                    "the PointCloud2");
+  }
   const std::string packets = namesOf(
       bag, [](const BagTopic& topic) { return topic.type.find("Packet") != std::string::npos; });
   if (packets.empty())
@@ -133,6 +141,7 @@ struct FurtherTopic
 {
   std::size_t topic = 0;
   std::string label;
+  std::string calibration;  //!< file; empty: none
   Pose T_vehicle_lidar;
 };
 
@@ -149,8 +158,9 @@ std::vector<FurtherTopic> furtherTopics(const std::string& input,
   const std::vector<std::string> labels = options.furtherLabels();
   for (std::size_t i = 0; i < labels.size(); ++i)
   {
-    const std::string& name = options.further_topics[i];
+    const auto [name, calibration] = splitFurtherTopic(options.further_topics[i]);
     FurtherTopic lidar;
+    lidar.calibration = calibration;
     lidar.topic = topicNamed(input, bag, "--further-topic", name,
                              [](const BagTopic& topic)
                              { return RosScanDecoder::reads(topic) || packetMakerOf(topic); });
@@ -183,14 +193,22 @@ std::vector<FurtherTopic> furtherTopics(const std::string& input,
   return further;
 }
 
-/** Options for the packets of a further lidar: model and calibration are those of the first one,
- * and clouds are never partial. */
-ScanConverterOptions optionsOfFurther(const BagTopic& topic, const ScanConverterOptions& options)
+PacketOptions optionsOfFirst(const ScanConverterOptions& options)
 {
-  ScanConverterOptions of_further = options;
-  of_further.sensor.clear();
-  of_further.calibration.clear();
-  of_further.keep_partial = options.keep_partial && packetMakerOf(topic);
+  PacketOptions of_first;
+  of_first.sensor = options.sensor;
+  of_first.calibration = options.calibration;
+  of_first.keep_partial = options.keep_partial;
+  return of_first;
+}
+
+/** Options for the packets of a further lidar; clouds are never partial. */
+PacketOptions optionsOfFurther(const BagTopic& topic, const std::string& calibration, bool partial)
+{
+  PacketOptions of_further;
+  of_further.calibration = calibration;
+  of_further.calibration_flag = "--further-topic " + topic.name + "=FILE";
+  of_further.keep_partial = partial && packetMakerOf(topic);
   return of_further;
 }
 
@@ -272,7 +290,7 @@ class BagReader
             ScanSink& sink)
       : bag_(bag),
         scans_(scans),
-        reader_(makeBagScans(input, bag, scans, options)),
+        reader_(makeBagScans(input, bag, scans, optionsOfFirst(options))),
         truth_(truth),
         sink_(sink),
         motion_(input, bag, *reader_, frames, options, sink),
@@ -281,9 +299,10 @@ class BagReader
     std::vector<std::size_t> topics = motion_.topicsWith(scans);
     for (const FurtherTopic& lidar : further)
     {
-      further_.push_back({lidar, further_.size() + 1,
-                          makeBagScans(input, bag, lidar.topic,
-                                       optionsOfFurther(bag.topics()[lidar.topic], options))});
+      const PacketOptions of_further =
+          optionsOfFurther(bag.topics()[lidar.topic], lidar.calibration, options.keep_partial);
+      further_.push_back(
+          {lidar, further_.size() + 1, makeBagScans(input, bag, lidar.topic, of_further)});
       topics.push_back(lidar.topic);
     }
     bag_.select(topics);
@@ -455,7 +474,7 @@ void noteParts(const std::string& input, ScanSink& sink)
   {
     return;
   }
-  const auto parts = listFiles(input, isBagFile);
+  const auto parts = bagParts(input);
   if (parts.size() > 1)
   {
     const auto name = [](const std::string& part) { return fs::path(part).filename().string(); };

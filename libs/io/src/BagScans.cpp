@@ -124,11 +124,12 @@ class BagPackets : public BagScans
 
 std::unique_ptr<BagScans> velodynePackets(const std::string& place,
                                           const BagTopic& topic,
-                                          const ScanConverterOptions& options)
+                                          const PacketOptions& options)
 {
   VelodyneScansOptions of_velodyne;
   of_velodyne.model = givenVelodyneModel(options.sensor);
   of_velodyne.calibration_file = options.calibration;
+  of_velodyne.calibration_flag = options.calibration_flag;
   of_velodyne.keep_partial = options.keep_partial;
   return std::make_unique<BagPackets>(topic, std::make_unique<VelodyneScans>(place, of_velodyne),
                                       "");
@@ -136,10 +137,11 @@ std::unique_ptr<BagScans> velodynePackets(const std::string& place,
 
 std::unique_ptr<BagScans> hesaiPackets(const std::string& place,
                                        const BagTopic& topic,
-                                       const ScanConverterOptions& options)
+                                       const PacketOptions& options)
 {
   HesaiScansOptions of_hesai;
   of_hesai.angle_file = options.calibration;
+  of_hesai.calibration_flag = options.calibration_flag;
   of_hesai.keep_partial = options.keep_partial;
   return std::make_unique<BagPackets>(topic, std::make_unique<HesaiScans>(place, of_hesai), "");
 }
@@ -147,7 +149,7 @@ std::unique_ptr<BagScans> hesaiPackets(const std::string& place,
 std::unique_ptr<BagScans> ousterPackets(const std::string& place,
                                         Bag& bag,
                                         const BagTopic& topic,
-                                        const ScanConverterOptions& options)
+                                        const PacketOptions& options)
 {
   RosMetadata metadata;
   if (!options.calibration.empty())
@@ -160,9 +162,8 @@ std::unique_ptr<BagScans> ousterPackets(const std::string& place,
   }
   else
   {
-    throw UserError(place +
-                    ": the bag has no metadata of this Ouster lidar; name its .json with "
-                    "--calibration");
+    throw UserError(place + ": the bag has no metadata of this Ouster lidar; name its .json with " +
+                    options.calibration_flag);
   }
   const OusterMetadata parsed = parseOusterMetadata(metadata.text, metadata.topic);
   return std::make_unique<BagPackets>(
@@ -174,7 +175,7 @@ std::unique_ptr<BagScans> ousterPackets(const std::string& place,
 std::unique_ptr<BagScans> makeBagScans(const std::string& input,
                                        Bag& bag,
                                        std::size_t topic_at,
-                                       const ScanConverterOptions& options)
+                                       const PacketOptions& options)
 {
   const BagTopic& topic = bag.topics()[topic_at];
   const std::string place = input + ": " + topic.name;
@@ -183,7 +184,8 @@ std::unique_ptr<BagScans> makeBagScans(const std::string& input,
   {
     if (!options.calibration.empty() || options.keep_partial)
     {
-      throw UserError(place + ": " + (options.keep_partial ? "--keep-partial" : "--calibration") +
+      throw UserError(place + ": " +
+                      (options.keep_partial ? "--keep-partial" : options.calibration_flag) +
                       " works with packets only, and these are clouds");
     }
     return std::make_unique<BagClouds>(topic);

@@ -9,8 +9,6 @@
 #include <string>
 #include <vector>
 
-#include "ScanSink.h"
-
 namespace dyslam
 {
 /** Makes scans of the messages of one topic of a bag. */
@@ -40,11 +38,20 @@ class BagScans
   [[nodiscard]] virtual std::vector<std::string> warnings() const = 0;
 };
 
+/** Options of one lidar whose packets are decoded. */
+struct PacketOptions
+{
+  std::string sensor;       //!< name of the VelodyneModel; empty: by the packets
+  std::string calibration;  //!< as RecordingOptions::calibration
+  std::string calibration_flag = "--calibration";  //!< flag of that file, for messages
+  bool keep_partial = false;                       //!< also incomplete first and last revolutions
+};
+
 /** Reader for a topic of clouds, or of the packets of a Velodyne, Hesai or Ouster. \param bag
  * outlives it; it is read up to the metadata of an Ouster. \throws UserError for options that do
  * not fit, or if the metadata of an Ouster are missing. */
 [[nodiscard]] std::unique_ptr<BagScans> makeBagScans(const std::string& input,
                                                      Bag& bag,
                                                      std::size_t topic,
-                                                     const ScanConverterOptions& options);
+                                                     const PacketOptions& options);
 }  // namespace dyslam

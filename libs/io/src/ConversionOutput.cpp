@@ -166,20 +166,6 @@ void ConversionOutput::reportProgress(const ConversionProgress& progress, double
   }
 }
 
-/** Moves the truth to its folder; that of an earlier file of this name must not be mistaken for
- * it. */
-void ConversionOutput::installTruth() const
-{
-  if (truth_)
-  {
-    installGroundTruth(pending_, folder_);
-  }
-  else if (fs::is_directory(folder_))
-  {
-    GroundTruthWriter(folder_).close();
-  }
-}
-
 void ConversionOutput::write(const Scan& scan, const std::optional<Pose>& T_world_lidar)
 {
   std::optional<Pose> T_world_vehicle;
@@ -221,15 +207,17 @@ ConversionResult ConversionOutput::close()
   closed_ = true;
   if (truth_)
   {
-    truth_->close();  // first: a new rawlog must not stand beside the truth of an earlier one
+    truth_->close();
   }
+  writer_.finish();  // first: if the disk is full, an earlier recording keeps its truth
+  removeGroundTruth(folder_);
   writer_.close();
   if (truth_)
   {
+    installGroundTruth(pending_, folder_);
     const bool any = result_.poses + result_.label_files + result_.boxes > 0;
     result_.ground_truth = any ? folder_ : "";
   }
-  installTruth();
   return result_;
 }
 

@@ -71,7 +71,6 @@ class ConversionOutput
 
  private:
   GroundTruthWriter& truth();
-  void installTruth() const;
   std::string keepAfterError();
   void abandon();
 

@@ -68,14 +68,22 @@ bool makeDecimals(std::vector<std::string>& names)
   return true;
 }
 
-/** The parts of the files' names that may be times, as decimal numbers; empty if it cannot be told
- * what the digits behind the point mean. */
+/** The parts of the files' names that may be times, as decimal numbers; empty if the text before
+ * them differs, as of two lidars, or if it cannot be told what the digits behind the point mean. */
 std::vector<std::string> timesInNames(const std::vector<std::string>& files)
 {
   std::vector<std::string> names;
+  std::string prefix;  // such as that of pcl_ros's pointcloud_to_pcd
   for (const std::string& file : files)
   {
     std::string name = timeInName(file);
+    const std::size_t begin = std::min(name.find_first_of("0123456789"), name.size());
+    if (!names.empty() && name.compare(0, begin, prefix) != 0)
+    {
+      return {};
+    }
+    prefix = name.substr(0, begin);
+    name.erase(0, begin);
     const auto part = name.find('_');
     if (part != std::string::npos)
     {

@@ -9,9 +9,10 @@ namespace dyslam
 /** A time since 1970 in seconds, whether it is in seconds, milli-, micro- or nanoseconds. */
 [[nodiscard]] double secondsOf(double time);
 
-/** Times since 1970 out of file names such as 1317042145951199337.bin, in nano-, micro-,
- * milliseconds or seconds by their size; nothing unless all names are such. Puts the files in the
- * order of these times, which differs from that of names such as 12.05 and 12.5. */
+/** Times since 1970 out of file names such as 1317042145951199337.bin or cloud_1317042145.95.pcd,
+ * in nano-, micro-, milliseconds or seconds by their size; nothing unless all names are such. Puts
+ * the files in the order of these times, which differs from that of names such as 12.05 and 12.5.
+ */
 [[nodiscard]] std::vector<double> stampsFromNames(std::vector<std::string>& files);
 
 /** Numbers at the end of file names such as 000024.bin or scan_24.pcd, which are equal before them;

@@ -129,6 +129,7 @@ struct RawlogWriter::Impl
   RawlogWriterOptions options;
   GzOutput file;
   std::size_t frames = 0;
+  bool finished = false;
   bool closed = false;
   std::vector<std::string> external;       //!< names of the clouds' files
   std::optional<WheelSample> wheels;       //!< the last one
@@ -160,10 +161,20 @@ struct RawlogWriter::Impl
   /** Folder of external clouds until the rawlog is complete. */
   [[nodiscard]] std::string pendingFolder() const { return externalStorageFolder(path) + ".tmp"; }
 
+  /** An earlier rawlog whose clouds are replaced is removed before: a killed program must not leave
+   * it with the clouds of another. */
   void installClouds() const
   {
     const fs::path folder = externalStorageFolder(path);
     makeFolder(folder.string());
+    const bool are_replaced =
+        std::any_of(external.begin(), external.end(),
+                    [&folder](const std::string& name) { return fs::exists(folder / name); });
+    if (are_replaced)
+    {
+      std::error_code ignored;
+      fs::remove(path, ignored);
+    }
     for (const std::string& name : external)
     {
       std::error_code error;
@@ -199,7 +210,7 @@ struct RawlogWriter::Impl
   /** \param what is to be written at that time [s], for messages */
   void requireWritable(double stamp, const std::string& what) const
   {
-    if (closed)
+    if (finished || closed)
     {
       throw std::logic_error("RawlogWriter is closed");
     }
@@ -259,8 +270,9 @@ RawlogWriter::~RawlogWriter()
 {
   try
   {
-    // If nothing was written, an earlier file of the name is kept.
-    if (impl_ && impl_->frames > 0)
+    // If nothing was written, or close() did not follow finish(), an earlier file of the name is
+    // kept.
+    if (impl_ && impl_->frames > 0 && !impl_->finished)
     {
       close();
     }
@@ -358,6 +370,12 @@ void RawlogWriter::write(const GnssFix& fix)
   writeObject(observation, impl_->file);
 }
 
+void RawlogWriter::finish()
+{
+  impl_->finished = true;
+  impl_->file.finish();
+}
+
 void RawlogWriter::close()
 {
   if (impl_->closed)
@@ -365,7 +383,7 @@ void RawlogWriter::close()
     return;
   }
   impl_->closed = true;
-  impl_->file.finish();  // first: if the disk is full, an earlier rawlog keeps its clouds
+  finish();  // first: if the disk is full, an earlier rawlog keeps its clouds
   if (impl_->options.external_storage)
   {
     impl_->installClouds();

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cstdio>
+#include <filesystem>
 #include <set>
 
 #include "LabelPattern.h"
@@ -90,6 +91,43 @@ const std::array<RecordingOption, 11> all_options{
       ": the scans of a bag have times; leave it out"}}};
 }  // namespace
 
+FurtherTopicOption splitFurtherTopic(const std::string& value)
+{
+  const std::size_t at = value.find('=');
+  if (at != std::string::npos && at + 1 == value.size())
+  {
+    throw UserError("--further-topic " + value +
+                    ": names no file; give the topic, or the topic with the calibration of its "
+                    "packets, TOPIC=FILE");
+  }
+  return {value.substr(0, at), at == std::string::npos ? "" : value.substr(at + 1)};
+}
+
+std::vector<std::string> RecordingOptions::files() const
+{
+  std::vector<std::string> result = valuesOf(calibration);
+  for (const std::string& further : further_topics)
+  {
+    const Values file = valuesOf(splitFurtherTopic(further).calibration);
+    result.insert(result.end(), file.begin(), file.end());
+  }
+  return result;
+}
+
+RecordingOptions RecordingOptions::withAbsolutePaths() const
+{
+  const auto absolute = [](const std::string& file)
+  { return file.empty() ? file : std::filesystem::absolute(file).string(); };
+  RecordingOptions result = *this;
+  result.calibration = absolute(calibration);
+  for (std::string& further : result.further_topics)
+  {
+    const FurtherTopicOption given = splitFurtherTopic(further);
+    further = given.topic + (given.calibration.empty() ? "" : "=" + absolute(given.calibration));
+  }
+  return result;
+}
+
 std::vector<std::string> RecordingOptions::words() const
 {
   std::vector<std::string> result;
@@ -108,9 +146,9 @@ std::vector<std::string> RecordingOptions::furtherLabels() const
 {
   std::set<std::string> used{firstLabel(), ""};
   std::vector<std::string> labels;
-  for (const std::string& topic : further_topics)
+  for (const std::string& further : further_topics)
   {
-    const std::string name = labelOfTopic(topic);
+    const std::string name = labelOfTopic(splitFurtherTopic(further).topic);
     std::string label = name;
     for (int n = 2; !used.insert(label).second; ++n)
     {

@@ -83,10 +83,19 @@ struct FolderFindings
   bool assumed_times = false;  //!< scans that are taken as equally far apart
   std::size_t empty = 0;       //!< files without points
   std::string first_empty;
+  std::string first_with_points;
+  double odd_intensities = 0;  //!< share of those of that file that are negative or no numbers
 
   void add(const Scan& scan, bool has_stamp, const std::string& file)
   {
     assumed_times = assumed_times || !has_stamp;
+    if (first_with_points.empty() && scan.size() > 0)
+    {
+      first_with_points = file;
+      const auto odd = std::count_if(scan.intensity.begin(), scan.intensity.end(),
+                                     [](float intensity) { return !(intensity >= 0); });
+      odd_intensities = static_cast<double>(odd) / static_cast<double>(scan.size());
+    }
     if (scan.size() == 0)
     {
       first_empty = empty == 0 ? fs::path(file).filename().string() : first_empty;
@@ -124,6 +133,15 @@ void warnAbout(const FolderFindings& findings,
   {
     sink.warn(counted(findings.empty, "file") + " without points, the first is " +
               findings.first_empty + ": empty scans are written");
+  }
+  constexpr double many = 0.05;
+  if (findings.odd_intensities > many && lowerExtension(findings.first_with_points) == ".bin")
+  {
+    sink.warn(fs::path(findings.first_with_points).filename().string() + ": " +
+              std::to_string(std::lround(100 * findings.odd_intensities)) +
+              " % of the intensities are negative or no numbers: its columns are probably not x y "
+              "z intensity (float32), and no others are read but x y z intensity ring; write it as "
+              "such, or as .pcd");
   }
 }
 
@@ -249,6 +267,10 @@ void requireCapture(const std::string& file)
   if (isCloudFile(file))
   {
     throw UserError(file + ": is a single scan; give the folder of the scans");
+  }
+  if (const std::string command = unpackCommand(file); !command.empty())
+  {
+    throw UserError(file + ": is compressed; unpack it first: " + command + " " + file);
   }
   if (ending == ".rawlog")
   {
@@ -377,7 +399,9 @@ ConversionResult convertScans(const std::string& input,
   {
     throw UserError(input + ": no such file or folder");
   }
-  requireNoInput(output, {input, options.calibration, options.poses, options.times});
+  std::vector<std::string> inputs = options.files();
+  inputs.insert(inputs.end(), {input, options.poses, options.times});
+  requireNoInput(output, inputs);
   const InputKind kind = isBag(input)              ? InputKind::bag
                          : fs::is_directory(input) ? InputKind::folder
                                                    : InputKind::pcap;

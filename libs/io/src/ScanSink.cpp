@@ -69,6 +69,7 @@ bool ScanSink::put(Scan scan,
     scan.sensor_label = options_.firstLabel();
   }
   scan.T_vehicle_lidar = T_vehicle_lidar_;
+  sectors_.add(scan);
   times_differ_ = times_differ_ || haveDifferentTimes(scan);
   if (!times_differ_ && scan.time.size() > 1)
   {
@@ -136,6 +137,12 @@ ConversionResult ScanSink::close()
   if (assumed_rate_)
   {
     warn("the scans have no times: 0.1 s between scans is assumed (give --times or --dt)");
+  }
+  if (sectors_.areSectors())
+  {
+    warn(
+        "the scans are only sectors of a revolution, which dyslam cannot register; record whole "
+        "revolutions with the lidar's driver, or its packets");
   }
   if (!any_times_)
   {

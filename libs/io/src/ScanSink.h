@@ -14,6 +14,7 @@
 #include "IntensityScaler.h"
 #include "MetScans.h"
 #include "MotionSampleWriter.h"
+#include "SectorCheck.h"
 
 namespace dyslam
 {
@@ -77,7 +78,8 @@ class ScanSink
   IntensityScaler scaler_;
   std::map<std::string, Further> further_;  //!< by label
   std::deque<Scan> waiting_;                //!< of further lidars
-  MetScans met_;                            //!< by their own stamps
+  SectorCheck sectors_;
+  MetScans met_;  //!< by their own stamps
   MotionSampleWriter motion_;
   ConversionProgress progress_;
   std::vector<std::string> notes_;

@@ -249,6 +249,9 @@ TEST(BagConverter, Errors)
   EXPECT_TRUE(contains(message("y.bag"), "packets (/packets)"));
   test::writeRos1Bag(folder.file("y.bag"), {{"/packets", "velodyne_msgs/VelodyneScan", 1, "x"}});
   EXPECT_TRUE(contains(message("y.bag"), "y.bag: message at byte"));
+  const std::string compressed = "point_cloud_interfaces/CompressedPointCloud2";
+  test::writeRos1Bag(folder.file("y.bag"), {{"/points/draco", compressed, 1, "x"}});
+  EXPECT_TRUE(contains(message("y.bag"), "compressed clouds (/points/draco)"));
   test::writeRos1Bag(folder.file("y.bag"), {{"/text", "std_msgs/String", 1, "x"}});
   EXPECT_TRUE(contains(message("y.bag"), "--list"));
   EXPECT_FALSE(std::filesystem::exists(folder.file("x.rawlog")));

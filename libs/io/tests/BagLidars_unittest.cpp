@@ -235,6 +235,16 @@ TEST(BagLidars, TheLabelsOfTopicsDiffer)
   options.further_topics.assign(4, "/" + std::string(70, 'x'));
   const auto message = messageOfError<UserError>([&] { (void)options.furtherLidars(); });
   EXPECT_TRUE(contains(message, "--further-topic")) << message;
+  options.further_topics = {"/a/b=c/d.csv", "/e"};
+  options.calibration = "f.yaml";
+  EXPECT_EQ(options.furtherLabels(), (std::vector<std::string>{"a_b_2", "e"}));
+  EXPECT_EQ(options.files(), (std::vector<std::string>{"f.yaml", "c/d.csv"}));
+  const std::string here = std::filesystem::current_path().string();
+  const RecordingOptions absolute = options.withAbsolutePaths();
+  EXPECT_EQ(absolute.files(), (std::vector<std::string>{here + "/f.yaml", here + "/c/d.csv"}));
+  EXPECT_EQ(absolute.further_topics[1], "/e");
+  EXPECT_TRUE(
+      contains(messageOfError<UserError>([] { (void)splitFurtherTopic("/a="); }), "names no file"));
 
   const TestFolder folder;
   writeBagOfScans(folder.file("x.mcap"), {{"/front/points", 0, 0}, {"/lidar", 0.03125, 0}});
@@ -273,8 +283,29 @@ TEST(BagLidars, SensorAndCalibrationAreThoseOfTheFirst)
   const auto result = convertScans(folder.file("x.bag"), folder.file("x.rawlog"), options);
   EXPECT_EQ(6U, result.scans);
   EXPECT_GT(result.points, 3 * 27000U) << "with three revolutions of the further lidar";
-  options.sensor = "";
+  std::string yaml = "lasers:\n";
+  for (int i = 0; i < 16; ++i)
+  {
+    yaml += "- {dist_correction: 0.5, laser_id: " + std::to_string(i) +
+            ", rot_correction: 0.1, vert_correction: " + std::to_string(0.02 * i) + "}\n";
+  }
+  const std::string calibration = folder.write("a.yaml", yaml + "num_lasers: 16\n");
+  options.further_topics = {"/velodyne_packets=" + calibration};
+  (void)convertScans(folder.file("x.bag"), folder.file("x.rawlog"), options);
+  RawlogSourceOptions of_further;
+  of_further.sensor_label = options.furtherLidars();
+  EXPECT_EQ(of_further.sensor_label, "velodyne_packets");
+  RawlogSource source(folder.file("x.rawlog"), of_further);
+  const auto frame = source.next();
+  ASSERT_TRUE(frame);
+  EXPECT_NEAR(frame->scan.points.at(0).norm(), 10.5, 1e-3) << "the spheres' radius is 10 m";
   options.topic = "/velodyne_packets";
+  options.sensor = "";
+  options.further_topics = {"/front/points=" + calibration};
+  EXPECT_TRUE(contains(
+      messageOfError<UserError>(
+          [&] { (void)convertScans(folder.file("x.bag"), folder.file("x.rawlog"), options); }),
+      "--further-topic /front/points=FILE works with packets only"));
   options.further_topics = {"/front/points"};
   options.keep_partial = true;
   EXPECT_EQ(6U, convertScans(folder.file("x.bag"), folder.file("x.rawlog"), options).scans);

@@ -396,6 +396,11 @@ TEST(RawlogWriter, RemovesTheCloudsOfAnEarlierFile)
     EXPECT_EQ("mine", folder.read("a_Images/" + other)) << other;
   }
   EXPECT_EQ(2U, readAll(folder.file("a.rawlog")).size());
+  // No rawlog stays with the clouds of another, even if these cannot be installed.
+  std::filesystem::remove(folder.file("a_Images/lidar_000001.gz"));
+  folder.write("a_Images/lidar_000001.gz/a", "no file can replace this folder");
+  EXPECT_THROW(write(3), UserError);
+  EXPECT_FALSE(std::filesystem::exists(folder.file("a.rawlog")));
 }
 
 TEST(RawlogWriter, RefusesWhatCannotBeWritten)

@@ -6,6 +6,7 @@
 #include <dyslam/io/RawlogSource.h>
 
 #include <algorithm>
+#include <cmath>
 #include <filesystem>
 
 #include "ScanFolders.h"
@@ -23,6 +24,8 @@ TEST(ScanConverter, StampsFromNames)
   };
   for (const Case& names : {Case{"s", "1600000000.250", "1600000000.500"},
                             Case{"split", "1600000000_250", "1600000000_500"},
+                            Case{"prefix", "cloud_1600000000.250", "cloud_1600000000.500"},
+                            Case{"both", "cloud_1600000000_250", "cloud_1600000000_500"},
                             Case{"ms", "1600000000250", "1600000000500"},
                             Case{"us", "1600000000250000", "1600000000500000"},
                             Case{"ns", "1600000000250000000", "1600000000500000000"}})
@@ -47,6 +50,7 @@ TEST(ScanConverter, NamesInTheOrderOfTheirTimes)
   const TestFolder folder;
   makeFolderOf(folder, "s");
   makeFolderOf(folder, "dates");
+  makeFolderOf(folder, "two");
   const Scan early = someScan(0, 5);
   const Scan late = someScan(1, 7);
   writeBin(folder.file("s/1600000000.15.bin"), late.points, late.intensity);
@@ -58,9 +62,14 @@ TEST(ScanConverter, NamesInTheOrderOfTheirTimes)
   EXPECT_NEAR(1600000000.15, frames.at(1).scan.stamp, 1e-6);
   writeBin(folder.file("dates/20180801151636123.bin"), early.points, early.intensity);
   writeBin(folder.file("dates/20180801151636223.bin"), late.points, late.intensity);
-  const auto result =
-      convertScans(folder.file("dates"), folder.file("y.rawlog"), ScanConverterOptions{});
-  EXPECT_TRUE(contains(result.notes.at(0), "are not taken as time stamps")) << result.notes[0];
+  writeBin(folder.file("two/left_1600000000.0.bin"), early.points, early.intensity);
+  writeBin(folder.file("two/right_1600000000.5.bin"), late.points, late.intensity);
+  for (const char* name : {"dates", "two"})
+  {
+    const auto result =
+        convertScans(folder.file(name), folder.file("y.rawlog"), ScanConverterOptions{});
+    EXPECT_TRUE(contains(result.notes.at(0), "are not taken as time stamps")) << result.notes[0];
+  }
 }
 
 /** As ROS 2's pointcloud_to_pcd wrote them: seconds and a count of nanoseconds. */
@@ -417,6 +426,60 @@ TEST(ScanConverter, PosesAndStaleTruth)
   EXPECT_FALSE(std::filesystem::exists(folder.file("x.gt/poses_tum.txt")));
 }
 
+TEST(ScanConverter, SectorsOfRevolutions)
+{
+  const TestFolder folder;
+  // Warned for scans of a width [deg], each turned by an angle [deg] from the one before.
+  const auto isWarned = [&folder](double width, double turn)
+  {
+    makeFolderOf(folder, "in");
+    for (std::size_t i = 0; i < 12; ++i)
+    {
+      std::vector<Eigen::Vector3f> points;
+      for (std::size_t k = 0; k < 60; ++k)
+      {
+        const double angle =
+            (turn * static_cast<double>(i) + width * static_cast<double>(k) / 60) * M_PI / 180;
+        points.emplace_back(
+            Eigen::Vector3d(9 * std::cos(angle), 9 * std::sin(angle), 0.5).cast<float>());
+      }
+      points.emplace_back(0, 0, 0);
+      writeBin(folder.file("in/" + number(i, 2) + ".bin"), points, {});
+    }
+    const auto result = convertScans(folder.file("in"), folder.file("x.rawlog"), {});
+    return std::any_of(result.warnings.begin(), result.warnings.end(),
+                       [](const std::string& line)
+                       { return contains(line, "only sectors of a revolution"); });
+  };
+  EXPECT_TRUE(isWarned(36, 36));
+  EXPECT_TRUE(isWarned(120, -120));
+  EXPECT_FALSE(isWarned(70, 0)) << "solid state";
+  EXPECT_FALSE(isWarned(360, 36));
+}
+
+TEST(ScanConverter, ColumnsThatAreNoIntensities)
+{
+  const TestFolder folder;
+  const Scan scan = someScan(0, 12);
+  std::string bytes;  // x y z
+  for (const Eigen::Vector3f& point : scan.points)
+  {
+    bytes.append(reinterpret_cast<const char*>(point.data()), 3 * sizeof(float));
+  }
+  folder.write("three/0.bin", "");
+  folder.write("three/1.bin", bytes);
+  writeBins(folder, "four", 2);
+  const auto isWarned = [&folder](const std::string& name)
+  {
+    const auto result = convertScans(folder.file(name), folder.file("x.rawlog"), {});
+    return std::any_of(result.warnings.begin(), result.warnings.end(),
+                       [](const std::string& line)
+                       { return contains(line, "1.bin: 33 % of the intensities are negative"); });
+  };
+  EXPECT_TRUE(isWarned("three"));
+  EXPECT_FALSE(isWarned("four"));
+}
+
 TEST(ScanConverter, Errors)
 {
   const TestFolder folder;
@@ -431,6 +494,7 @@ TEST(ScanConverter, Errors)
   EXPECT_TRUE(contains(message(folder.file("in")), "has no .bin"));
   EXPECT_TRUE(contains(message(folder.write("a.bin", "")), "single scan"));
   EXPECT_TRUE(contains(message(folder.write("a.pcap", "nonsense")), "not a network capture"));
+  EXPECT_TRUE(contains(message(folder.write("a.pcapng.gz", "")), "unpack it first: gunzip -k "));
   options.sensor = "VLP99";
   EXPECT_TRUE(contains(message(folder.file("a.pcap")), "--sensor VLP99"));
 }
@@ -463,5 +527,28 @@ TEST(ScanConverter, AnErrorBehindTheFirstScanLeavesAnEarlierRecording)
       contains(message("new.rawlog"), "; the scans before it are in " + folder.file("new.rawlog")));
   EXPECT_EQ(2U, readAll(folder.file("new.rawlog")).size());
   EXPECT_TRUE(std::filesystem::exists(folder.file("new.gt/poses_tum.txt")));
+}
+
+/** A program that is killed at that moment leaves no rawlog beside the truth of another. */
+TEST(ScanConverter, TheTruthOfAnEarlierRecordingGoesBeforeItsRawlog)
+{
+  const TestFolder folder;
+  writeBins(folder, "in", 2);
+  writeKittiPoses(folder.file("poses.txt"), std::vector<Pose>{somePose(0), somePose(1)});
+  ScanConverterOptions options;
+  options.poses = folder.file("poses.txt");
+  (void)convertScans(folder.file("in"), folder.file("x.rawlog"), options);
+  ASSERT_TRUE(std::filesystem::exists(folder.file("x.gt/poses_tum.txt")));
+  const auto block = [&](double, std::size_t scans)
+  {
+    if (scans == 2)
+    {
+      std::filesystem::remove(folder.file("x.rawlog"));
+      folder.write("x.rawlog/a", "no file can replace this folder");
+    }
+  };
+  EXPECT_THROW((void)convertScans(folder.file("in"), folder.file("x.rawlog"), options, block),
+               UserError);
+  EXPECT_FALSE(std::filesystem::exists(folder.file("x.gt/poses_tum.txt")));
 }
 }  // namespace dyslam

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <deque>
@@ -9,14 +10,17 @@
 
 namespace dyslam
 {
-/** A fragment of an IP datagram (RFC 791). */
+/** Address of IPv6, or of IPv4 in the last four bytes. */
+using IpAddress = std::array<std::uint8_t, 16>;
+
+/** A fragment of an IP datagram (RFC 791, RFC 8200). */
 struct IpFragment
 {
-  std::uint32_t sender = 0;    //!< address of the sender
-  std::uint32_t receiver = 0;  //!< address of the receiver
-  std::uint16_t number = 0;    //!< number of the datagram, the same in all its fragments
-  std::size_t offset = 0;      //!< offset of the data in the datagram [bytes]
-  bool more = false;           //!< further fragments follow in the datagram
+  IpAddress sender{};
+  IpAddress receiver{};
+  std::uint32_t number = 0;  //!< number of the datagram, the same in all its fragments
+  std::size_t offset = 0;    //!< offset of the data in the datagram [bytes]
+  bool more = false;         //!< further fragments follow in the datagram
   const std::uint8_t* data = nullptr;
   std::size_t size = 0;  //!< size of the data [bytes]
 };
@@ -35,9 +39,9 @@ class FragmentedDatagrams
  private:
   struct Datagram
   {
-    std::uint32_t sender;
-    std::uint32_t receiver;
-    std::uint16_t number;
+    IpAddress sender;
+    IpAddress receiver;
+    std::uint32_t number;
     std::uint64_t begun;  //!< number of fragments added before its first one
     std::vector<std::uint8_t> data;
     std::vector<bool> units;          //!< received, of eight bytes each

@@ -67,7 +67,8 @@ struct HesaiScans::Impl
       return *designed;
     }
     throw UserError(place + ": a Hesai " + layout->name +
-                    " needs its own angle correction file (.csv); name it with --calibration");
+                    " needs its own angle correction file (.csv); name it with " +
+                    options.calibration_flag);
   }
 
   void decode(const LidarPacket& packet)
@@ -178,8 +179,8 @@ std::vector<std::string> HesaiScans::warnings() const
   const bool designed = impl_->layout && impl_->options.angle_file.empty();
   return designed
              ? std::vector<std::string>{impl_->place + ": angles are those that a " + sensor() +
-                                        " is designed for; --calibration names the angle "
-                                        "correction file of this one (.csv)"}
+                                        " is designed for; " + impl_->options.calibration_flag +
+                                        " names the angle correction file of this one (.csv)"}
              : std::vector<std::string>();
 }
 

@@ -5,6 +5,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <map>
 #include <memory>
 #include <string>
 
@@ -14,8 +15,8 @@ struct pcap;
 
 namespace dyslam
 {
-/** The UDP datagrams of a network capture (.pcap, .pcapng) one by one, IPv4 only, put together from
- * their fragments. */
+/** The UDP datagrams of a network capture (.pcap, .pcapng) one by one, over IPv4 or IPv6, put
+ * together from their fragments. */
 class PacketCapture
 {
  public:
@@ -27,13 +28,18 @@ class PacketCapture
 
   /** Reason why the file cannot be read further; empty if it can, or has ended. */
   [[nodiscard]] const std::string& damage() const { return damage_; }
+  /** Whether there are interfaces of another kind or snapshot length than the first one, whose
+   * frames libpcap does not read. */
+  [[nodiscard]] bool hasOtherInterfaces() const { return has_other_interfaces_; }
   /** Fraction of the file that was read, 0 to 1. */
   [[nodiscard]] double progress() const;
 
  private:
   std::unique_ptr<pcap, void (*)(pcap*)> file_;
   FragmentedDatagrams fragments_;
-  std::uintmax_t size_ = 0;  //!< size of the file [bytes]
+  std::map<IpAddress, std::uint64_t> senders_;  //!< numbers of the senders, from 1
+  std::uintmax_t size_ = 0;                     //!< size of the file [bytes]
   std::string damage_;
+  bool has_other_interfaces_ = false;
 };
 }  // namespace dyslam

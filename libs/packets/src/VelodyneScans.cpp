@@ -131,7 +131,8 @@ struct VelodyneScans::Impl
     const std::string& file = options.calibration_file;
     if (file.empty() && model == VelodyneModel::hdl64e)
     {
-      throw UserError(place + ": an HDL64E needs its own calibration; name it with --calibration");
+      throw UserError(place + ": an HDL64E needs its own calibration; name it with " +
+                      options.calibration_flag);
     }
     return file.empty() ? usualCalibration(model)
                         : readVelodyneCalibration(file, traitsOf(model).lasers);

@@ -57,16 +57,30 @@ class Bag
   /** Reads the next message; false at the end. \throws UserError naming file and byte of damaged
    * data. */
   [[nodiscard]] virtual bool next(BagMessage& message) = 0;
+  /** Whether the messages of these topics come in the order of their recording: not, if the topics
+   * stand behind each other, each in order, as where bags were merged. \param topics indices in
+   * topics() */
+  [[nodiscard]] virtual bool isInOrder(const std::vector<std::size_t>& /*topics*/) const
+  {
+    return true;
+  }
   /** Fraction of the file that was read, 0 to 1. */
   [[nodiscard]] virtual double progress() const = 0;
   /** Warnings about the file for the user, one line each. */
   [[nodiscard]] virtual std::vector<std::string> warnings() const = 0;
 };
 
+/** The bags in a folder, the parts of one recording, in the order of their names. Left out are
+ * copies: compressed ones beside those that were unpacked, and what rosbag keeps when it rewrites a
+ * bag (`drive.orig.bag`). \throws UserError if they are of several kinds, or compressed. */
+[[nodiscard]] std::vector<std::string> bagParts(const std::string& folder);
+
 /** Opens a ROS 1 bag (v2.0; plain, bz2 or lz4 chunks), a ROS 2 bag of sqlite3 (`.db3`), an mcap
- * file (plain, lz4 or zstd chunks), or a folder of such files, the parts of one recording in the
- * order of their names. Finds topics and counts by the index, or by reading all where there is
- * none.
+ * file (plain, lz4 or zstd chunks), or a folder of such files, the parts of one recording
+ * (bagParts()). Of these, those with the same topics are read behind each other, those with
+ * different ones side by side, in the order of the times of recording; as are the topics of a
+ * file that are not in order (Bag::isInOrder()). Finds topics and counts by
+ * the index, or by reading all where there is none.
  *
  * Formats: http://wiki.ros.org/Bags/Format/2.0, https://mcap.dev/spec,
  * https://github.com/ros2/rosbag2 (storage sqlite3).

@@ -44,6 +44,11 @@ struct SimulatedWorld
 /** \throws UserError if a subfolder of the sidecar is a link: its files may belong to others. */
 void requireNoLinks(const std::string& folder);
 
+/** Removes the sidecar of an earlier recording; other files in its folder stay. To be called before
+ * the rawlog is replaced, so that a killed program never leaves one beside the truth of another.
+ * \throws UserError if a subfolder is a link. */
+void removeGroundTruth(const std::string& folder);
+
 /** Writes the sidecar: per-point files at once, poses and tracks when closed. */
 class GroundTruthWriter
 {
@@ -77,7 +82,8 @@ class GroundTruthWriter
   bool closed_ = false;
 };
 
-/** Moves a closed sidecar to its folder and removes the files of an earlier run there. Called when
- * its rawlog is complete. \param pending a folder on the same file system. \throws UserError. */
+/** Moves a closed sidecar to its folder, at once unless other files are there. Called when its
+ * rawlog has its name, after removeGroundTruth(). \param pending a folder on the same file system.
+ * \throws UserError. */
 void installGroundTruth(const std::string& pending, const std::string& folder);
 }  // namespace dyslam

@@ -6,6 +6,12 @@
 
 namespace dyslam
 {
+/** Ending of a bag's name in lower case; `.bag` also of one that its recorder has not closed,
+ * `drive.bag.active`. */
+[[nodiscard]] std::string bagEnding(const std::string& path);
+/** The command that unpacks a file that is compressed as a whole, by the ending of its name: "zstd
+ * -d" for `.zstd` and `.zst`; also for `.gz`, `.bz2` and `.xz`. Empty for all others. */
+[[nodiscard]] std::string unpackCommand(const std::string& path);
 /** Whether a name is one of a bag: `.bag`, `.db3` or `.mcap`, maybe compressed (`.zstd`). */
 [[nodiscard]] bool isBagFile(const std::string& path);
 /** Whether a name is one of a bag that is compressed as a whole: `drive.db3.zstd`. */

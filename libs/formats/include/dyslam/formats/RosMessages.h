@@ -108,7 +108,8 @@ struct RosPose
                                                   std::size_t* left_out = nullptr);
 
 using RosTransforms = std::map<std::string, RosPose>;  //!< transforms by child frame
-/** The transforms of `/tf_static`; for a damaged bag those before the damage. */
+/** The transforms of `/tf_static` or, in a bag without it, of the only topic of that name in a
+ * namespace (`/robot/tf_static`); for a damaged bag those before the damage. */
 [[nodiscard]] RosTransforms staticTransforms(Bag& bag);
 /** Transform T_a_b between two frames; nothing if the transforms do not connect them. */
 [[nodiscard]] std::optional<Pose> transformBetween(const RosTransforms& transforms,

@@ -45,7 +45,7 @@ void writeCloud(const std::string& path,
 
 /** Reads `.bin`, `.pcd` or `.ply` by its ending. Of PCD (ascii, binary, binary_compressed) and PLY
  * (ascii, binary) the fields x y z are taken, and those of intensity, ring and time by the names
- * and units of drivers (FieldConventions). Absolute times (above 10 s) are counted from the
+ * and units of drivers (FieldConventions). Absolute times (above 2 s) are counted from the
  * earliest, which becomes the stamp; smaller ones are counted as in the file, and intensities are
  * as in the file. Counts in headers are checked against the size of the file. \throws UserError. */
 [[nodiscard]] Scan readCloud(const std::string& path);
@@ -58,8 +58,8 @@ void writeCloud(const std::string& path,
 /** True for the endings of point clouds: .bin, .pcd, .ply. */
 [[nodiscard]] bool isCloudFile(const std::string& path);
 
-/** Files of a folder for which `wanted` is true, sorted by name (numbers by value). \throws
- * UserError if there is no such folder. */
+/** Files of a folder, without hidden ones, for which `wanted` is true, sorted by name (numbers by
+ * value). \throws UserError if there is no such folder. */
 [[nodiscard]] std::vector<std::string> listFiles(
     const std::string& folder, const std::function<bool(const std::string&)>& wanted);
 /** Point clouds of a folder, sorted by name (numbers by value). Only one ending may occur.

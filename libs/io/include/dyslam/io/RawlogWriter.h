@@ -63,6 +63,9 @@ class RawlogWriter
    * NV_OEM6_BESTPOS with them; label `gnss`. To be written before the first scan that is not older.
    * \throws UserError as for a scan. */
   void write(const GnssFix& fix);
+  /** Completes the file under its temporary name; nothing can be written behind it. \throws
+   * UserError if the disk is full. */
+  void finish();
   /** Completes and renames the file. \throws UserError if that fails. Later calls do nothing. */
   void close();
 

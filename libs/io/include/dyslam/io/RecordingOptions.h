@@ -8,12 +8,21 @@
 
 namespace dyslam
 {
+/** A value of RecordingOptions::further_topics. */
+struct FurtherTopicOption
+{
+  std::string topic;
+  std::string calibration;  //!< as RecordingOptions::calibration
+};
+/** \param value "TOPIC" or "TOPIC=FILE" \throws UserError if nothing is behind the =. */
+[[nodiscard]] FurtherTopicOption splitFurtherTopic(const std::string& value);
+
 /** Options of scans2rawlog that dyslam also has, for a recording of any kind. */
 struct RecordingOptions
 {
   std::string topic;  //!< topic of a bag's scans; empty: the one with the most
-  /** Topics of a bag's further lidars, placed by `/tf_static` relative to the first one; see
-   * furtherLabels(). */
+  /** Topics of a bag's further lidars, placed by `/tf_static` relative to the first one, as "TOPIC"
+   * or "TOPIC=FILE" with the calibration of their packets; see furtherLabels(). */
   std::vector<std::string> further_topics;
   std::string imu_topic;       //!< topic of a bag's IMU; empty: none
   bool imu = false;            //!< also the IMU in the Ouster of a capture
@@ -35,6 +44,10 @@ struct RecordingOptions
   /** RawlogSourceOptions::further_lidars for the scans of further_topics; empty without.
    * \throws UserError if it is too long for that option. */
   [[nodiscard]] std::string furtherLidars() const;
+  /** The files that the options name. */
+  [[nodiscard]] std::vector<std::string> files() const;
+  /** The same options, for another working folder. */
+  [[nodiscard]] RecordingOptions withAbsolutePaths() const;
   /** The given options as words of a command line: "--topic=/points". */
   [[nodiscard]] std::vector<std::string> words() const;
   /** Flag of a given option, for messages: "--topic"; empty if none is given. */

@@ -16,6 +16,7 @@ struct HesaiScansOptions
   double min_range = 0;       //!< range below which returns (vehicle, housing) are dropped [m]
   double cut_azimuth = M_PI;  //!< azimuth where scans are cut, clockwise from azimuth 0 [rad]
   bool keep_partial = false;  //!< deliver also incomplete first and last revolutions
+  std::string calibration_flag = "--calibration";  //!< flag of angle_file, for messages
 };
 
 /** Scans of the packets of a Hesai that turns: Pandar40P and 64, PandarXT (16, 32, 32M2X), PandarQT

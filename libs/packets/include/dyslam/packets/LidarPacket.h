@@ -11,6 +11,6 @@ struct LidarPacket
 {
   std::vector<std::uint8_t> bytes;
   double captured = 0;       //!< time of reception, UNIX time [s]
-  std::uint64_t stream = 0;  //!< sender's address and receiver's port; 0 in bags
+  std::uint64_t stream = 0;  //!< number of the sender and receiver's port; 0 in bags
 };
 }  // namespace dyslam

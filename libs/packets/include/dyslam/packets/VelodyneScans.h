@@ -17,6 +17,7 @@ struct VelodyneScansOptions
   double min_range = 0;          //!< range below which returns (vehicle, housing) are dropped [m]
   double cut_azimuth = M_PI;     //!< azimuth where scans are cut, clockwise from ahead [rad]
   bool keep_partial = false;     //!< deliver also incomplete first and last revolutions
+  std::string calibration_flag = "--calibration";  //!< flag of calibration_file, for messages
 };
 
 /** Scans of the packets of a Velodyne.
