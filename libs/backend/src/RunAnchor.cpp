@@ -59,6 +59,7 @@ void RunAnchor::takePositions(const FactorGraph& graph)
   information(0, 0) = information(1, 1) = 1 / (std::pow(positionSigma(), 2) * count);
   information(2, 2) = 1 / (std::pow(vertical_sigma, 2) * count);
   information(3, 3) = information(4, 4) = 1 / (map_tilt_sigma * map_tilt_sigma * count);
+  upwards_ = references_.georeference->T_enu_map.linear().transpose() * Eigen::Vector3d::UnitZ();
   for (std::size_t k = 0; k < poses_.size(); ++k)
   {
     positions_.push_back({k, references_.georeference->T_enu_map * poses_[k].translation(),
@@ -118,10 +119,12 @@ void RunAnchor::addPositions(FactorGraph& merged,
                                    merged.pose(Key::ego(first + middle())).inverse()));
   }
   const Pose T_enu_own = enuInEnu(references_.georeference->origin, origin);
+  const Eigen::Vector3d upwards = merged.pose(Key::ego(first + middle())).linear() *
+                                  poses_[middle()].linear().transpose() * upwards_;
   for (const Position& p : positions_)
   {
     merged.add(std::make_unique<GnssFactor>(first + p.keyframe, T_enu_own * p.position, p.antenna,
-                                            p.information));
+                                            p.information, upwards));
   }
 }
 

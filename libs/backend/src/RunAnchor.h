@@ -70,6 +70,8 @@ class RunAnchor
   RunReferences references_;
   std::vector<Pose> poses_;  //!< T_map_vehicle by the run alone
   std::vector<Position> positions_;
+  /** Axis of the run's map that is about vertical, for the satellite positions. */
+  Eigen::Vector3d upwards_ = Eigen::Vector3d::UnitZ();
   std::vector<Direction> directions_;
   std::optional<Vector6> bias_;  //!< of the accelerometer, if the graph has it as a variable
 };

@@ -87,7 +87,11 @@ SimilarLoops RunLoops::byAppearance(const KeyframeRange& older,
         fitting.push_back(loop);
       }
     }
-    if (fitting.size() == 1)  // if several places fit, none is accepted
+    // If several places fit, none is accepted. Those near each other may be one place.
+    const bool are_one =
+        near && std::all_of(fitting.begin(), fitting.end(),
+                            [&](const Loop& loop) { return agree(fitting.front(), loop); });
+    if (fitting.size() == 1 || (are_one && !fitting.empty()))
     {
       agreement.add(fitting.front(), keyframes_);
       ++result.fitting;
