@@ -137,7 +137,7 @@ TEST_F(MergeRuns, ARunWithSatellitePositionsPlacesTheOthersOnTheEarth)
   {
     const Eigen::Vector3d enu =
         toEnu(fromEnu(found.T_enu_map * first[i].pose.translation(), found.origin), origin);
-    EXPECT_LT((enu - truth[i].pose.translation()).head<2>().norm(), 6) << "three sigmas and more";
+    EXPECT_LT((enu - truth[i].pose.translation()).head<2>().norm(), 3);
   }
   EXPECT_EQ(readTum(at("earth_first_utm.txt")).size(), first.size());
   const std::string ini = contentOf(at("earth.effective.ini"));
