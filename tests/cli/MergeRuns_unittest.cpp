@@ -21,8 +21,8 @@ namespace
 {
 namespace fs = std::filesystem;
 
-/** Four drives: two past the same houses, the second of which begins a little farther on and has
- * other traffic, a longer one past them with satellite receiver and IMU, and one elsewhere. */
+/** Drives: two past the same houses, the second of which begins a little farther on and has other
+ * traffic, two longer ones past them with satellite receiver, and one elsewhere. */
 class MergeRuns : public testing::Test
 {
  protected:
@@ -35,6 +35,8 @@ class MergeRuns : public testing::Test
     make("elsewhere", "--seed 7");
     make("on_earth", "--seed 42 --traffic-seed 4 --traffic 0.1 --gnss --imu",
          "--speed 5 --seconds 16");
+    make("on_earth_later", "--seed 42 --traffic-seed 5 --traffic 0.1 --gnss --start 0.1",
+         "--speed 5 --seconds 12");
   }
   static void TearDownTestSuite() { fs::remove_all(folder); }
 
@@ -149,6 +151,33 @@ TEST_F(MergeRuns, ARunWithSatellitePositionsPlacesTheOthersOnTheEarth)
   EXPECT_NE(contentOf(at("utm.las")).substr(0, 2000).find("LASF_Projection"), std::string::npos);
   expectRefusal(at("first") + " " + at("second") + " --utm -o " + at("never.las"),
                 {"--utm: no run has a georeference.ini"});
+}
+
+TEST_F(MergeRuns, SatellitePositionsOfTwoRunsHaveToAgree)
+{
+  const Outcome map = merge(at("on_earth") + " " + at("on_earth_later") + " -o " + at("both.ply"));
+  ASSERT_EQ(map.code, 0) << map.err;
+  EXPECT_LT(std::stod(firstRow(contentOf(at("both_merge.csv")))[6]), 0.15) << "RMSE [m]";
+  const Georeference own = readGeoreference(at("on_earth/georeference.ini"));
+  const Georeference later = readGeoreference(at("on_earth_later/georeference.ini"));
+  const Georeference found = readGeoreference(at("both_georeference.ini"));
+  EXPECT_EQ(found.fixes, own.fixes + later.fixes);
+  EXPECT_EQ(found.origin.latitude, own.origin.latitude);
+  EXPECT_TRUE(found.fused);
+  EXPECT_LT(found.horizontal_rmse, 2);
+
+  fs::copy(at("on_earth_later"), at("moved"), fs::copy_options::recursive);
+  Georeference moved = later;
+  moved.origin.longitude += 0.003;  // 219 m
+  writeGeoreference(moved, at("moved/georeference.ini"));
+  const std::string runs = at("on_earth") + " " + at("moved");
+  expectRefusal(runs + " -o " + at("never.ply"),
+                {at("moved") + ": loops place it 2",
+                 " m from where its satellite positions do, by those of " + at("on_earth") + " (",
+                 "merge.gnss=false", "nothing was written"});
+  EXPECT_FALSE(fs::exists(at("never.ply")));
+  EXPECT_EQ(merge(runs + " --set merge.gnss=false -o " + at("without.ply")).code, 0);
+  EXPECT_FALSE(fs::exists(at("without_georeference.ini")));
 }
 
 TEST_F(MergeRuns, ARunOfAnotherPlaceIsNamed)
