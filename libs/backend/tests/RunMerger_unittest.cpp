@@ -96,13 +96,14 @@ double errorBetween(const RunMerge& merge,
   return compared > 0 ? worst : 1e9;
 }
 
-const GeodeticPosition place{49, 8.4, 115};  // where the world's origin is, its x axis to the east
+const GeodeticPosition world_origin{49, 8.4,
+                                    115};  // where the world's origin is, its x axis to the east
 
 /** The run knows where its map begins on the earth. \param east error of that [m] */
 void georeference(TestRun& run, double east = 0)
 {
   Georeference found;
-  found.origin = place;
+  found.origin = world_origin;
   found.T_enu_map = Eigen::Translation3d(east, 0, 0) * run.truth.front();
   found.fixes = 10;
   found.horizontal_rmse = 0.3;
@@ -114,10 +115,10 @@ void georeference(TestRun& run, double east = 0)
  * \param origin of the axes of the positions */
 void fusePositions(TestRun& run, const GeodeticPosition& origin)
 {
-  const Eigen::Vector3d antenna(0.3, -0.2, 1);
+  const Eigen::Vector3d lever_arm(0.3, -0.2, 1);
   Georeference found;
   found.origin = origin;
-  found.T_enu_map = enuInEnu(place, origin) * run.truth.front();
+  found.T_enu_map = enuInEnu(world_origin, origin) * run.truth.front();
   found.fused = true;
   run.graph.addPose(Key::georeference(), found.T_enu_map);
   Matrix6 information = Matrix6::Identity();
@@ -125,7 +126,7 @@ void fusePositions(TestRun& run, const GeodeticPosition& origin)
   for (std::size_t k = 0; k < run.truth.size(); k += 4)
   {
     run.graph.add(std::make_unique<GnssFactor>(
-        k, toEnu(fromEnu(run.truth[k] * antenna, place), origin), antenna, information));
+        k, toEnu(fromEnu(run.truth[k] * lever_arm, world_origin), origin), lever_arm, information));
     ++found.fixes;
   }
   run.references.georeference = found;
@@ -140,7 +141,8 @@ double errorOnEarth(const RunMerge& merge, const TestRun& run, std::size_t numbe
   {
     const Eigen::Vector3d enu = found.T_enu_map * merge.poses[number][k].translation();
     worst = std::max(
-        worst, (toEnu(fromEnu(enu, found.origin), place) - run.truth[k].translation()).norm());
+        worst,
+        (toEnu(fromEnu(enu, found.origin), world_origin) - run.truth[k].translation()).norm());
   }
   return worst;
 }
@@ -402,9 +404,9 @@ TEST(RunMerger, SatellitePositionsOfRunsWithDifferentOriginsAreFused)
   const std::vector<Pose> drive = driveAround(30, 20, 150, 1.5);
   TestRun first(world, part(drive, 0, 60), 1);
   TestRun second(world, part(drive, 40, 100), 2);
-  const GeodeticPosition origin = fromEnu({40, -25, 3}, place);
+  const GeodeticPosition origin = fromEnu({40, -25, 3}, world_origin);
   fusePositions(first, origin);
-  fusePositions(second, fromEnu({-900, 700, -20}, place));
+  fusePositions(second, fromEnu({-900, 700, -20}, world_origin));
   const RunMerge merge = merged({&first, &second});
   ASSERT_TRUE(merge.joined(1));
   ASSERT_TRUE(merge.georeference);
