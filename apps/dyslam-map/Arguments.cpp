@@ -202,6 +202,9 @@ void declare(CLI::App& app, Arguments& a)
       "map "
       "and a trajectory each in the first run's frame, instead of --input and --trajectory "
       "(RUN=RAWLOG where the recording was moved)");
+  CLI::Option* utm = app.add_flag(
+      "--utm", a.outputs.utm,
+      "with --merge: map files in UTM, if a run has satellite positions; .las states the zone");
   addOutputFile(app, "-o,--output", a.outputs.maps,
                 "map.{pcd,ply,las,bt,ot,simplemap,3Dscene,png,gridmap}; any number (png: grid with "
                 "its yaml)");
@@ -256,6 +259,8 @@ void declare(CLI::App& app, Arguments& a)
   {
     merge->excludes(app.get_option(single));
   }
+  utm->needs(merge);
+  utm->excludes(app.get_option("--compare"));       // which shows each run in its own frame
   run->excludes(app.get_option("--labelled-map"));  // a run has no true labels
   app.get_option("--poses-of")->needs(app.get_option("--trajectory"));
 }
@@ -299,6 +304,7 @@ void loadConfig(Arguments& a)
     a.merger.loops = loader.get<LoopCloserOptions>("loop");
     a.merger.solver = loader.get<FactorGraphOptions>("solver");
     a.merger.merge = loader.get<RunMergerOptions>("merge");
+    a.builder.hindsight.hindsight = true;  // as mergeMaps() does
   }
   a.outputs.exports = loader.get<MapExportOptions>("map_export");
   a.builder.memory = loader.get<MemoryOptions>("memory");
@@ -314,6 +320,7 @@ void loadConfig(Arguments& a)
   {
     save(a.recording.source, effective, "input");
   }
+  save(a.builder.hindsight, effective, "labels");
   save(a.outputs.exports, effective, "map_export");
   KeyframeOptions keyframes;
   keyframes.distance = a.builder.keyframe_distance;

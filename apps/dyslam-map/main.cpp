@@ -93,7 +93,8 @@ void runMerged(dyslam::Arguments& a)
   Printer printer(a.quiet);
   const dyslam::MergeReport report =
       dyslam::mergeMaps(runs, a.merger, a.builder, a.outputs, printer);
-  std::printf("%s%zu of %zu runs joined, ", report.table.c_str(), report.joined, runs.size());
+  std::printf("%s%s%zu of %zu runs joined, ", report.table.c_str(), report.references.c_str(),
+              report.joined, runs.size());
   printCounts(report, a.outputs.exports.full_resolution);
   requireComplete(report);
 }

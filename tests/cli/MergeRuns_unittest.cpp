@@ -1,5 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // dyslam-map --merge: recordings of one place, from the simulator to one map.
+#include <dyslam/formats/GeoreferenceFile.h>
+#include <dyslam/formats/TrajectoryFiles.h>
+#include <dyslam/mrpt/Geodesy.h>
 #include <gtest/gtest.h>
 #include <unistd.h>
 
@@ -18,8 +21,8 @@ namespace
 {
 namespace fs = std::filesystem;
 
-/** Three drives: two past the same houses, the second of which begins a little farther on and has
- * other traffic, and one elsewhere. */
+/** Drives: two past the same houses, the second of which begins a little farther on and has other
+ * traffic, two longer ones past them with satellite receiver, and one elsewhere. */
 class MergeRuns : public testing::Test
 {
  protected:
@@ -30,17 +33,23 @@ class MergeRuns : public testing::Test
     make("first", "--seed 42 --traffic-seed 1");
     make("second", "--seed 42 --traffic-seed 2 --start 0.03");
     make("elsewhere", "--seed 7");
+    make("on_earth", "--seed 42 --traffic-seed 4 --traffic 0.1 --gnss --imu",
+         "--speed 5 --seconds 16");
+    make("on_earth_later", "--seed 42 --traffic-seed 5 --traffic 0.1 --gnss --start 0.1",
+         "--speed 5 --seconds 12");
   }
   static void TearDownTestSuite() { fs::remove_all(folder); }
 
-  static void make(const std::string& name, const std::string& flags)
+  static void make(const std::string& name,
+                   const std::string& flags,
+                   const std::string& way = "--speed 3 --seconds 11")
   {
     const std::string rawlog = at(name + ".rawlog");
     const Outcome simulated =
         runProgram("dyslam-sim",
-                   "--world campus --sensor VLP16 --columns 600 --loop 240 --speed 3 --seconds 11 "
-                   "--no-flow --no-stops -q -o " +
-                       rawlog + " " + flags,
+                   "--world campus --sensor VLP16 --columns 600 --loop 240 --no-flow --no-stops -q "
+                   "-o " +
+                       rawlog + " " + flags + " " + way,
                    folder);
     ASSERT_EQ(simulated.code, 0) << simulated.err;
     const Outcome run =
@@ -112,6 +121,63 @@ TEST_F(MergeRuns, OneMapAndATrajectoryOfEach)
   {
     EXPECT_EQ(contentOf(at("one") + ending), contentOf(at("two") + ending)) << ending;
   }
+}
+
+TEST_F(MergeRuns, ARunWithSatellitePositionsPlacesTheOthersOnTheEarth)
+{
+  const std::string runs = at("first") + " " + at("on_earth");
+  const Outcome map = merge(runs + " -o " + at("earth.ply"));
+  ASSERT_EQ(map.code, 0) << map.err;
+  EXPECT_NE(map.out.find("satellite receivers: "), std::string::npos) << map.out;
+  EXPECT_NE(map.out.find("accelerometers: z of the merged map is "), std::string::npos) << map.out;
+  const Georeference found = readGeoreference(at("earth_georeference.ini"));
+  const Trajectory first = readTum(at("earth_first_tum.txt"));
+  const Trajectory truth = readTum(at("first.gt/poses_tum.txt"));
+  const GeodeticPosition origin{49, 8.4, 115};  // of the simulated world
+  ASSERT_EQ(first.size(), truth.size());
+  for (std::size_t i = 0; i < first.size(); ++i)
+  {
+    const Eigen::Vector3d enu =
+        toEnu(fromEnu(found.T_enu_map * first[i].pose.translation(), found.origin), origin);
+    EXPECT_LT((enu - truth[i].pose.translation()).head<2>().norm(), 3);
+  }
+  EXPECT_EQ(readTum(at("earth_first_utm.txt")).size(), first.size());
+  const std::string ini = contentOf(at("earth.effective.ini"));
+  EXPECT_NE(ini.find("\nhindsight = true"), std::string::npos)
+      << "is in effect, whatever labels.hindsight is";
+
+  const Outcome utm = merge(runs + " --utm -o " + at("utm.las"));
+  ASSERT_EQ(utm.code, 0) << utm.err;
+  EXPECT_NE(contentOf(at("utm.las")).substr(0, 2000).find("LASF_Projection"), std::string::npos);
+  expectRefusal(at("first") + " " + at("second") + " --utm -o " + at("never.las"),
+                {"--utm: no run has a georeference.ini"});
+}
+
+TEST_F(MergeRuns, SatellitePositionsOfTwoRunsHaveToAgree)
+{
+  const Outcome map = merge(at("on_earth") + " " + at("on_earth_later") + " -o " + at("both.ply"));
+  ASSERT_EQ(map.code, 0) << map.err;
+  EXPECT_LT(std::stod(firstRow(contentOf(at("both_merge.csv")))[6]), 0.15) << "RMSE [m]";
+  const Georeference own = readGeoreference(at("on_earth/georeference.ini"));
+  const Georeference later = readGeoreference(at("on_earth_later/georeference.ini"));
+  const Georeference found = readGeoreference(at("both_georeference.ini"));
+  EXPECT_EQ(found.fixes, own.fixes + later.fixes);
+  EXPECT_EQ(found.origin.latitude, own.origin.latitude);
+  EXPECT_TRUE(found.fused);
+  EXPECT_LT(found.horizontal_rmse, 2);
+
+  fs::copy(at("on_earth_later"), at("moved"), fs::copy_options::recursive);
+  Georeference moved = later;
+  moved.origin.longitude += 0.003;  // 219 m
+  writeGeoreference(moved, at("moved/georeference.ini"));
+  const std::string runs = at("on_earth") + " " + at("moved");
+  expectRefusal(runs + " -o " + at("never.ply"),
+                {at("moved") + ": loops place it 2",
+                 " m from where its satellite positions do, by those of " + at("on_earth") + " (",
+                 "merge.gnss=false", "nothing was written"});
+  EXPECT_FALSE(fs::exists(at("never.ply")));
+  EXPECT_EQ(merge(runs + " --set merge.gnss=false -o " + at("without.ply")).code, 0);
+  EXPECT_FALSE(fs::exists(at("without_georeference.ini")));
 }
 
 TEST_F(MergeRuns, ARunOfAnotherPlaceIsNamed)

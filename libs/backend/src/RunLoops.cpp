@@ -66,7 +66,9 @@ Loop RunLoops::verify(const LoopCandidate& candidate,
   return loop;
 }
 
-SimilarLoops RunLoops::byAppearance(const KeyframeRange& older, const KeyframeRange& newer)
+SimilarLoops RunLoops::byAppearance(const KeyframeRange& older,
+                                    const KeyframeRange& newer,
+                                    const NearKeyframes& near)
 {
   const int support = options_.by_appearance.min_support;
   LoopAgreement agreement(support, support, options_.support_window);
@@ -75,7 +77,8 @@ SimilarLoops RunLoops::byAppearance(const KeyframeRange& older, const KeyframeRa
   {
     std::vector<Loop> fitting;
     for (const LoopCandidate& candidate : candidates_.byAppearance(
-             keyframes_, views_.get(k), [&](std::size_t i) { return older.contains(i); }))
+             keyframes_, views_.get(k),
+             [&](std::size_t i) { return older.contains(i) && (!near || near(i, k)); }))
     {
       const Loop loop = verify(candidate, k, older, true);
       if (loop.verdict == LoopVerdict::accepted &&
@@ -84,7 +87,11 @@ SimilarLoops RunLoops::byAppearance(const KeyframeRange& older, const KeyframeRa
         fitting.push_back(loop);
       }
     }
-    if (fitting.size() == 1)  // if several places fit, none is accepted
+    // If several places fit, none is accepted. Those near each other may be one place.
+    const bool are_one =
+        near && std::all_of(fitting.begin(), fitting.end(),
+                            [&](const Loop& loop) { return agree(fitting.front(), loop); });
+    if (fitting.size() == 1 || (are_one && !fitting.empty()))
     {
       agreement.add(fitting.front(), keyframes_);
       ++result.fitting;

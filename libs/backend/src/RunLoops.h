@@ -7,6 +7,7 @@
 
 #include <Eigen/Core>
 #include <cstddef>
+#include <functional>
 #include <vector>
 
 #include "LoopCandidates.h"
@@ -29,6 +30,9 @@ struct SimilarLoops
   std::size_t fitting = 0;  //!< number of registered loops, before others have to agree
 };
 
+/** Whether keyframe `older` of one run may be near keyframe `newer` of another. */
+using NearKeyframes = std::function<bool(std::size_t older, std::size_t newer)>;
+
 /** Finds loops between the keyframes of different runs, which one store contains successively.
  * Deterministic; not thread-safe. */
 class RunLoops
@@ -41,8 +45,10 @@ class RunLoops
   void add(const std::vector<Eigen::Vector3f>& static_points);
 
   /** Loops from keyframes of one run to those of another by appearance alone, since the relative
-   * pose of the two runs is unknown. */
-  [[nodiscard]] SimilarLoops byAppearance(const KeyframeRange& older, const KeyframeRange& newer);
+   * pose of the two runs is unknown. \param near limits the search; all keyframes if it is empty */
+  [[nodiscard]] SimilarLoops byAppearance(const KeyframeRange& older,
+                                          const KeyframeRange& newer,
+                                          const NearKeyframes& near = {});
 
   /** Loops to the nearest keyframe of the other run. \param reach largest expected error of the
    * relative pose of the runs at every keyframe of `newer` [m] */

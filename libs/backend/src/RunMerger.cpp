@@ -5,102 +5,24 @@
 
 #include <algorithm>
 #include <cmath>
-#include <set>
 #include <stdexcept>
 #include <utility>
 
-#include "RunLoops.h"
+#include "RunMergerState.h"
 
 namespace dyslam
 {
-namespace
-{
-/** A factor between two keyframes of one run, by their numbers in the store. */
-struct Edge
-{
-  bool is_loop = false;
-  std::size_t from = 0;
-  std::size_t to = 0;
-  Pose T_from_to = Pose::Identity();
-  Matrix6 information = Matrix6::Identity();
-};
-
-struct Run
-{
-  KeyframeRange range;
-  std::vector<Edge> edges;
-  bool joined = false;
-  JoinEvidence evidence;
-};
-
-/** Loops by appearance between two runs: each suggests their relative pose. */
-struct Seeds
-{
-  std::size_t run_a = 0;
-  std::size_t run_b = 0;
-  std::vector<Loop> loops;
-  std::size_t found = 0;  //!< number of loops found, including those without agreement
-};
-
-/** Loops that agree on the pose of a run; the first one places it. */
-struct Placement
-{
-  std::size_t run = 0;
-  std::vector<Loop> loops;
-};
-}  // namespace
-
 void RunMergerOptions::describe(OptionsVisitor& visitor)
 {
   visitor.real(
       "min_confirmed", min_confirmed, 0, 1,
       "least fraction of the keyframes near those of other runs that registrations confirm");
+  visitor.flag("gnss", gnss, "use the satellite positions of the runs");
+  visitor.flag("gravity", gravity, "use the verticals that the runs found by accelerations");
+  visitor.flag("level_map", level_map,
+               "rotate the merged map so that its z axis is vertical; also done if that of the "
+               "first run was");
 }
-
-struct RunMerger::State
-{
-  explicit State(const RunMergerConfig& given)
-      : config(given), keyframes(given.memory), finder(given.loops, keyframes)
-  {
-    validate(config.merge, "merge");
-    config.loops.requireValid();
-    validate(config.solver, "solver");
-  }
-
-  /** Fills the seeds of all pairs of runs. */
-  void findSeeds();
-  /** Best supported placement of a run that is not joined yet. */
-  [[nodiscard]] Placement bestPlacement() const;
-  /** Largest subset of loops between two runs that agree with one of them; that one is first. */
-  [[nodiscard]] std::vector<Loop> largestGroup(const std::vector<Loop>& all) const;
-  /** Joins a run. \return false, with nothing changed, if the rest of the path contradicts it */
-  [[nodiscard]] bool join(const Placement& placement);
-  /** Removes the loops of a contradicted placement from the seeds. */
-  void refuse(const Placement& placement);
-  /** Transforms the keyframes of the run by the placement's first loop. */
-  void place(const Placement& placement);
-  /** Loops from the run to all joined runs, at the present poses. */
-  [[nodiscard]] NearLoops loopsAround(const Run& run, const std::vector<Loop>& known) const;
-  /** Largest expected error of the poses of the run's keyframes [m]: grows with the path to the
-   * nearest known loop; without known loops the poses count as optimised. */
-  [[nodiscard]] std::vector<double> reachOf(const Run& run, const std::vector<Loop>& known) const;
-  /** Optimises the joined runs with these loops between them; updates the keyframes' poses. */
-  void solve();
-  [[nodiscard]] std::size_t runOf(std::size_t keyframe) const;
-  /** Evidence about a run from the last attempt to join it. */
-  [[nodiscard]] JoinEvidence evidenceOf(std::size_t run) const;
-  [[nodiscard]] RunMerge result() const;
-
-  RunMergerConfig config;
-  KeyframeStore keyframes;
-  mutable RunLoops finder;
-  std::vector<Run> runs;
-  std::size_t ready = 0;              //!< number of keyframes with points
-  std::vector<Seeds> seeds;           //!< one entry per pair of runs
-  std::vector<Loop> loops;            //!< loops between joined runs
-  std::set<std::size_t> false_loops;  //!< indices of false loops in `loops`
-  OptimisationResult optimisation;
-};
 
 std::size_t RunMerger::State::runOf(std::size_t keyframe) const
 {
@@ -118,10 +40,23 @@ void RunMerger::State::findSeeds()
   {
     for (std::size_t a = 0; a < b; ++a)
     {
-      SimilarLoops similar = finder.byAppearance(runs[a].range, runs[b].range);
-      seeds.push_back({a, b, std::move(similar.accepted), similar.fitting});
+      seeds.push_back(findSeeds(a, b, true));
     }
   }
+}
+
+bool RunMerger::State::findSeedsAnywhere()
+{
+  bool any = false;
+  for (Seeds& pair : seeds)
+  {
+    if (pair.nearby && !(runs[pair.run_a].joined && runs[pair.run_b].joined))
+    {
+      pair = findSeeds(pair.run_a, pair.run_b, false);
+      any = true;
+    }
+  }
+  return any;
 }
 
 std::vector<Loop> RunMerger::State::largestGroup(const std::vector<Loop>& all) const
@@ -145,7 +80,7 @@ std::vector<Loop> RunMerger::State::largestGroup(const std::vector<Loop>& all) c
   return largest;
 }
 
-Placement RunMerger::State::bestPlacement() const
+RunMerger::State::Placement RunMerger::State::bestPlacement() const
 {
   Placement best;
   const auto least = static_cast<std::size_t>(config.loops.by_appearance.min_support);
@@ -256,7 +191,12 @@ void RunMerger::State::solve()
     ids.push_back(graph.add(
         std::make_unique<LoopFactor>(loop.from, loop.to, loop.T_from_to, loop.information)));
   }
+  addReferences(graph);
   optimisation = graph.optimise(config.solver);
+  const auto poseOf = [&graph](const Key& key)
+  { return graph.contains(key) ? std::optional<Pose>(graph.pose(key)) : std::nullopt; };
+  T_enu_map = poseOf(Key::georeference());
+  T_level_map = poseOf(Key::vertical());
   false_loops.clear();
   for (std::size_t i = 0; i < ids.size(); ++i)
   {
@@ -277,6 +217,11 @@ void RunMerger::State::solve()
 bool RunMerger::State::join(const Placement& placement)
 {
   Run& run = runs[placement.run];
+  run.evidence.contradiction = contradictionOf(placement);
+  if (run.evidence.contradiction)
+  {
+    return false;
+  }
   std::vector<Pose> before;
   for (const Keyframe& keyframe : keyframes)
   {
@@ -285,6 +230,8 @@ bool RunMerger::State::join(const Placement& placement)
   const std::vector<Loop> joined_loops = loops;
   const std::set<std::size_t> joined_false = false_loops;
   const OptimisationResult joined_optimisation = optimisation;
+  const std::optional<Pose> joined_on_earth = T_enu_map;
+  const std::optional<Pose> joined_level = T_level_map;
   const auto solveWith = [&](const std::vector<Loop>& more)
   {
     loops = joined_loops;
@@ -316,6 +263,8 @@ bool RunMerger::State::join(const Placement& placement)
   loops = joined_loops;
   false_loops = joined_false;
   optimisation = joined_optimisation;
+  T_enu_map = joined_on_earth;
+  T_level_map = joined_level;
   keyframes.correct(before);
   return false;
 }
@@ -333,6 +282,10 @@ JoinEvidence RunMerger::State::evidenceOf(std::size_t run) const
       evidence.loops += pair.found;
     }
   }
+  if (!runs[run].joined)
+  {
+    evidence.distance = distanceOnEarth(run);
+  }
   return evidence;
 }
 
@@ -349,6 +302,7 @@ RunMerge RunMerger::State::result() const
       merge.poses.back().push_back(keyframes[k].T_map_vehicle);
     }
   }
+  fillReferences(merge);
   for (std::size_t i = 0; i < loops.size(); ++i)
   {
     RunLoop entry{runOf(loops[i].from), runOf(loops[i].to), loops[i], false_loops.count(i) != 0};
@@ -367,10 +321,10 @@ RunMerger::~RunMerger() = default;
 RunMerger::RunMerger(RunMerger&&) noexcept = default;
 RunMerger& RunMerger::operator=(RunMerger&&) noexcept = default;
 
-void RunMerger::addRun(const FactorGraph& graph)
+void RunMerger::addRun(const FactorGraph& graph, const RunReferences& references)
 {
   State& s = *state_;
-  Run run;
+  State::Run run;
   run.range.begin = s.keyframes.size();
   if (s.ready != run.range.begin)
   {
@@ -400,9 +354,10 @@ void RunMerger::addRun(const FactorGraph& graph)
                            factor.measurement(), factor.information()});
     }
   }
-  for (const Edge& edge : run.edges)
+  for (const auto& [key, variable] : graph.variables())
   {
-    if (edge.from >= run.range.end || edge.to >= run.range.end)
+    if (key.kind == VariableKind::ego_pose &&
+        static_cast<std::size_t>(key.index) >= run.range.end - run.range.begin)
     {
       throw std::invalid_argument("RunMerger: the keyframes of the graph are not numbered 0, 1, 2");
     }
@@ -411,6 +366,16 @@ void RunMerger::addRun(const FactorGraph& graph)
   {
     throw std::invalid_argument("RunMerger: the graph has no keyframe 0");
   }
+  RunReferences used = references;
+  if (!s.config.merge.gnss)
+  {
+    used.georeference.reset();
+  }
+  if (!s.config.merge.gravity)
+  {
+    used.gravity.reset();
+  }
+  run.anchor = RunAnchor(graph, used);
   s.runs.push_back(std::move(run));
 }
 
@@ -425,18 +390,27 @@ void RunMerger::addKeyframe(const std::vector<Eigen::Vector3f>& static_points)
   ++s.ready;
 }
 
+void RunMerger::State::joinAll()
+{
+  for (Placement next = bestPlacement(); !next.loops.empty(); next = bestPlacement())
+  {
+    if (!join(next))
+    {
+      refuse(next);
+    }
+  }
+}
+
 RunMerge RunMerger::merge()
 {
   State& s = *state_;
   s.runs.front().joined = true;
   s.solve();
   s.findSeeds();
-  for (Placement next = s.bestPlacement(); !next.loops.empty(); next = s.bestPlacement())
+  s.joinAll();
+  if (s.findSeedsAnywhere())  // loops that contradict satellite positions are reported
   {
-    if (!s.join(next))
-    {
-      s.refuse(next);
-    }
+    s.joinAll();
   }
   return s.result();
 }

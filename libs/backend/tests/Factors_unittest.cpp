@@ -145,6 +145,10 @@ TEST(GnssFactor, JacobiansMatchNumericalDerivatives)
     EXPECT_LT((residual.head<3>() - error).norm(), 1e-9);
     EXPECT_NEAR(residual.segment<2>(3).norm(), std::sin(std::acos(T_enu_map.linear()(2, 2))), 1e-9);
     expectNumericalJacobians(factor, blocks);
+    const GnssFactor tilted(3, {0, 0, 0}, antenna, test::randomInformation(rng),
+                            T_enu_map.linear().row(2).transpose());
+    EXPECT_LT(residualAt(tilted, blocks).segment<2>(3).norm(), 1e-9) << "is upwards";
+    expectNumericalJacobians(tilted, blocks);
   }
   EXPECT_THROW(GnssFactor(3, {nan_value, 0, 0}, {0, 0, 0}, Matrix6::Identity()),
                std::invalid_argument);

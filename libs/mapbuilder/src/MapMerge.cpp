@@ -1,14 +1,21 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/core/Angle.h>
 #include <dyslam/core/Error.h>
 #include <dyslam/core/PendingFile.h>
 #include <dyslam/core/Printable.h>
 #include <dyslam/core/Words.h>
+#include <dyslam/formats/GeoreferenceFile.h>
 #include <dyslam/formats/TrajectoryFiles.h>
 #include <dyslam/mapbuilder/MapRun.h>
 #include <dyslam/mapbuilder/ScanReading.h>
+#include <dyslam/mrpt/Geodesy.h>
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
+#include <filesystem>
+#include <optional>
+#include <system_error>
 #include <utility>
 
 #include "MapPictures.h"
@@ -36,18 +43,55 @@ std::string reasonOf(const JoinEvidence& evidence)
          counted(evidence.consistent, "consistent loop") + ", " + needed + " are needed";
 }
 
+/** "monday: loops place it 48.2 m from where its satellite positions do, by those of tuesday ..."
+ */
+std::string contradictionOf(const RunFolder& run,
+                            const RunFolder& other,
+                            const GnssContradiction& contradiction)
+{
+  char numbers[120];
+  std::snprintf(numbers, sizeof numbers, ": loops place it %.1f m from where its satellite ",
+                contradiction.distance);
+  std::string text = run.folder + numbers + "positions do, by those of " + other.folder;
+  std::snprintf(numbers, sizeof numbers, " (%.1f m are tolerated); ", contradiction.tolerated);
+  return text + numbers + "the place looks like another, or positions are wrong: " +
+         "--set merge.gnss=false merges without them";
+}
+
+/** Distance of a run from the others by satellite positions, if they do not overlap. */
+std::string distanceOf(const JoinEvidence& evidence)
+{
+  constexpr double least = 10;  // shorter distances do not tell why [m]
+  return evidence.distance && *evidence.distance > least
+             ? "; by satellite positions the paths are " +
+                   std::to_string(std::lround(*evidence.distance)) + " m apart"
+             : "";
+}
+
 /** "`b`: no place in common ...; `c`: no ..."; empty if all are joined. */
 std::string unjoined(const std::vector<RunFolder>& runs, const RunMerge& merge)
 {
   std::string text;
   for (std::size_t r = 0; r < runs.size(); ++r)
   {
-    if (!merge.joined(r))
+    if (merge.joined(r))
+    {
+      continue;
+    }
+    const JoinEvidence& evidence = merge.evidence[r];
+    if (evidence.contradiction)
+    {
+      appendWord(
+          text,
+          contradictionOf(runs[r], runs[evidence.contradiction->run], *evidence.contradiction),
+          "; ");
+    }
+    else
     {
       appendWord(text,
                  runs[r].folder + ": no place in common with " + runs.front().folder +
                      (runs.size() > 2 ? " or with a run joined to it" : "") + " was recognised (" +
-                     reasonOf(merge.evidence[r]) + ")",
+                     reasonOf(evidence) + distanceOf(evidence) + ")",
                  "; ");
     }
   }
@@ -90,6 +134,90 @@ std::string addRecording(const RunFolder& run,
   return damage;
 }
 
+/** \throws UserError if an output needs a reference that no run has. */
+void requireReferences(const std::vector<RunFolder>& runs,
+                       const RunMergerOptions& merge,
+                       const MapOutputs& outputs)
+{
+  const auto any = [&](const auto& has) { return std::any_of(runs.begin(), runs.end(), has); };
+  if (outputs.utm && (!merge.gnss || !any([](const RunFolder& run)
+                                          { return run.references.georeference.has_value(); })))
+  {
+    throw UserError(
+        "--utm: no run has a georeference.ini; give one of a recording with satellite positions "
+        "(and merge.gnss=true)");
+  }
+  if (merge.level_map && (!merge.gravity || !any([](const RunFolder& run)
+                                                 { return run.references.gravity.has_value(); })))
+  {
+    throw UserError(
+        "merge.level_map: no run has found the vertical; give one of a recording with "
+        "accelerations (and merge.gravity=true)");
+  }
+}
+
+/** Removes a file of an earlier merge that is not of this one. */
+void removeStale(const std::string& path)
+{
+  std::error_code ignored;
+  std::filesystem::remove(path, ignored);
+}
+
+/** Georeference, trajectories in UTM and the references' table, as far as there are references.
+ * \return table and summary as text */
+std::string writeReferences(const std::vector<RunFolder>& runs,
+                            const RunMerge& merge,
+                            const std::vector<Trajectory>& merged,
+                            const MapOutputs& outputs)
+{
+  const Table table = referenceTable(runs, merge);
+  const std::string table_file = outputs.beside("_merge_references.csv");
+  const std::string georeference_file = outputs.beside("_georeference.ini");
+  removeStale(table_file);
+  removeStale(georeference_file);
+  if (table.rows() > 0)
+  {
+    writeWhole(table_file, table.toCsv());
+  }
+  if (merge.georeference)
+  {
+    writeGeoreference(*merge.georeference, georeference_file);
+  }
+  for (std::size_t r = 0; r < runs.size(); ++r)
+  {
+    const std::string utm_file = outputs.beside("_" + runs[r].name + "_utm.txt");
+    removeStale(utm_file);
+    if (merge.georeference && merge.joined(r))
+    {
+      writeTum(utm_file,
+               inUtm(runs[r].source.levelling().recorded(merged[r]), *merge.georeference));
+    }
+  }
+  std::string text = table.rows() > 0 ? table.toText() : "";
+  char line[200];
+  if (merge.georeference)
+  {
+    std::snprintf(line, sizeof line,
+                  "satellite receivers: %s, %.2f m from the merged trajectories, %.2f m in height "
+                  "(RMS)\n",
+                  counted(merge.georeference->fixes, "position").c_str(),
+                  merge.georeference->horizontal_rmse, merge.georeference->vertical_rmse);
+    text += line;
+  }
+  if (merge.gravity)
+  {
+    const Gravity& gravity = *merge.gravity;
+    std::snprintf(line, sizeof line,
+                  "accelerometers: z of the merged map %s %.1f deg from the vertical (sigma %.1f "
+                  "deg)%s\n",
+                  gravity.levelled ? "was" : "is", degrees_per_radian * gravity.tilt,
+                  degrees_per_radian * gravity.tilt_sigma,
+                  gravity.levelled ? "; the map was levelled" : "");
+    text += line;
+  }
+  return text;
+}
+
 /** Trajectories, table and picture. \return the table as text */
 std::string writeMerge(const std::vector<RunFolder>& runs,
                        const MergedRuns& joined,
@@ -123,6 +251,7 @@ MergeReport mergeMaps(const std::vector<RunFolder>& runs,
                       MapListener& listener)
 {
   requireValidExports(outputs);
+  requireReferences(runs, merger.merge, outputs);
   MapBuilderOptions own = withNeedsOf(outputs, options);
   own.hindsight.hindsight = true;  // of runs without labels: nothing else gives their moving points
   RunMergerConfig limited = merger;
@@ -138,19 +267,33 @@ MergeReport mergeMaps(const std::vector<RunFolder>& runs,
   {
     throw UserError(problem + "; nothing was written");
   }
+  const std::optional<Georeference>& georeference = joined.merge.georeference;
+  if (outputs.utm && !georeference)
+  {
+    throw UserError("--utm: no run with satellite positions could be joined; " + problem +
+                    "; nothing was written");
+  }
+  MapOutputs of_map = outputs;
+  if (outputs.utm && of_map.exports.epsg == 0)
+  {
+    of_map.exports.epsg = georeference->epsg;
+  }
   MapBuilder builder(own);
   std::size_t scans = 0;
   for (std::size_t r = 0; r < runs.size(); ++r)
   {
     if (!merged[r].empty())
     {
-      const std::string damage = addRecording(runs[r], merged[r], listener, builder, scans);
+      const std::string damage =
+          addRecording(runs[r], outputs.utm ? inUtm(merged[r], *georeference) : merged[r], listener,
+                       builder, scans);
       problem += (problem.empty() || damage.empty() ? "" : "; ") + damage;
     }
   }
   builder.finish();
   MergeReport report;
-  static_cast<MapReport&>(report) = writeMapOutputs(builder, outputs, listener);
+  static_cast<MapReport&>(report) = writeMapOutputs(builder, of_map, listener);
+  report.references = writeReferences(runs, joined.merge, merged, outputs);
   report.table = writeMerge(runs, joined, merged, builder, outputs);
   report.joined = joinedRuns(joined.merge);
   report.scans = scans;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "MergeTable.h"
 
+#include <dyslam/core/Angle.h>
 #include <dyslam/eval/Statistics.h>
 
 #include <cmath>
@@ -122,6 +123,31 @@ Table mergeTable(const std::vector<RunFolder>& runs,
            {number(s.rmse), 3},
            {number(s.max), 3}});
     }
+  }
+  return table;
+}
+
+Table referenceTable(const std::vector<RunFolder>& runs, const RunMerge& merge)
+{
+  Table table({"run", "positions", "horizontal RMSE [m]", "vertical RMSE [m]", "vertical off [deg]",
+               "sigma [deg]"});
+  for (std::size_t r = 0; r < runs.size(); ++r)
+  {
+    const ReferenceFit& fit = merge.fits[r];
+    if (fit.positions == 0 && !fit.up_error)
+    {
+      continue;
+    }
+    const auto ofPositions = [&](double value)
+    { return fit.positions > 0 ? std::optional<double>(value) : std::nullopt; };
+    const auto ofVertical = [&](double angle)
+    { return fit.up_error ? std::optional<double>(degrees_per_radian * angle) : std::nullopt; };
+    table.addRow({runs[r].name,
+                  {ofPositions(static_cast<double>(fit.positions)), 0},
+                  {ofPositions(fit.horizontal_rmse), 2},
+                  {ofPositions(fit.vertical_rmse), 2},
+                  {ofVertical(fit.up_error.value_or(0)), 2},
+                  {ofVertical(fit.up_sigma), 2}});
   }
   return table;
 }

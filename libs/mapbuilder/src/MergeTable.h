@@ -17,4 +17,8 @@ namespace dyslam
 [[nodiscard]] Table mergeTable(const std::vector<RunFolder>& runs,
                                const MergedRuns& joined,
                                const std::vector<Trajectory>& merged);
+
+/** A row for each joined run with satellite positions or a vertical: their number, their distance
+ * from the merged poses, and the angle between the verticals of run and merged map. */
+[[nodiscard]] Table referenceTable(const std::vector<RunFolder>& runs, const RunMerge& merge);
 }  // namespace dyslam

@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/backend/FactorGraphFile.h>
+#include <dyslam/core/Angle.h>
 #include <dyslam/core/Error.h>
 #include <dyslam/core/Files.h>
 #include <dyslam/core/Options.h>
+#include <dyslam/formats/GeoreferenceFile.h>
 #include <dyslam/formats/LabelFiles.h>
 #include <dyslam/formats/MotionFiles.h>
 #include <dyslam/formats/RunFiles.h>
@@ -10,8 +12,11 @@
 #include <dyslam/mapbuilder/MapRun.h>
 #include <dyslam/mapbuilder/RunFolder.h>
 
+#include <algorithm>
+#include <cmath>
 #include <filesystem>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <set>
 #include <utility>
 
@@ -63,6 +68,60 @@ std::string inputOf(const std::string& report)
   return recordingOfRun(fs::path(report).parent_path().string(), json["input"].get<std::string>());
 }
 
+/** The vertical in a report; nothing if the run did not find it. \throws UserError. */
+std::optional<Gravity> gravityOf(const std::string& report)
+{
+  const auto json = nlohmann::json::parse(readWhole(report), nullptr, false);
+  if (!json.is_object() || !json.contains("gravity"))
+  {
+    return std::nullopt;
+  }
+  const auto& found = json["gravity"];
+  const auto numberAt = [&](const char* key)
+  {
+    if (!found.is_object() || !found.contains(key) || !found[key].is_number())
+    {
+      throw UserError(report + ": gravity has no number \"" + key + "\"; is it of dyslam?");
+    }
+    return found[key].get<double>();
+  };
+  Gravity gravity;
+  gravity.tilt = radians_per_degree * numberAt("map_tilt_deg");
+  gravity.tilt_sigma = radians_per_degree * numberAt("map_tilt_sigma_deg");
+  gravity.directions = static_cast<std::size_t>(std::max(0.0, numberAt("directions")));
+  gravity.fused = found.value("fused", nlohmann::json()) == true;
+  gravity.levelled = found.value("levelled", nlohmann::json()) == true;
+  const auto up = found.value("up_map", nlohmann::json());
+  const bool is_vector = up.is_array() && up.size() == 3 && up[0].is_number() &&
+                         up[1].is_number() && up[2].is_number();
+  if (is_vector)
+  {
+    gravity.up_map = {up[0].get<double>(), up[1].get<double>(), up[2].get<double>()};
+  }
+  if (!is_vector || !(std::abs(gravity.up_map.norm() - 1) < 1e-3))
+  {
+    throw UserError(report + ": gravity.up_map is no unit vector; is it of dyslam?");
+  }
+  gravity.up_map.normalize();
+  return gravity;
+}
+
+/** Georeference and vertical of a run. \throws UserError. */
+RunReferences referencesOf(const std::string& folder, const FactorGraph& graph)
+{
+  RunReferences references;
+  const std::string georeference =
+      graph.contains(Key::georeference())
+          ? fileOf(folder, "georeference.ini", "places its satellite positions")
+          : fileIfThere(folder, "georeference.ini");
+  if (!georeference.empty())
+  {
+    references.georeference = readGeoreference(georeference);
+  }
+  references.gravity = gravityOf((fs::path(folder) / "report.json").string());
+  return references;
+}
+
 std::vector<double> keyframeStamps(const std::string& motions)
 {
   std::vector<double> stamps;
@@ -101,6 +160,7 @@ RunFolder readRun(const std::string& argument, double tolerance)
   requireRecording(run.rawlog, run.folder, run.folder + "=RECORDING");
   run.trajectory = readTum(fileOf(run.folder, "trajectory_tum.txt", "has the poses"));
   run.graph = readFactorGraph(fileOf(run.folder, "factor_graph.txt", "has the odometry"));
+  run.references = referencesOf(run.folder, run.graph);
   const std::string motions = fileOf(run.folder, "motions.csv", "has the times of the keyframes");
   run.keyframe_stamps = keyframeStamps(motions);
   if (run.keyframe_stamps.empty() || run.keyframe_stamps.size() != keyframesOf(run.graph))

@@ -57,7 +57,7 @@ Trajectory addRun(const RunFolder& run,
                   MapListener& listener,
                   RunMerger& merger)
 {
-  merger.addRun(run.graph);
+  merger.addRun(run.graph, run.references);
   const RunScans scans(run.trajectory, run.scans, pool);
   RawlogSource source(run.rawlog, run.source);
   Trajectory truth;

@@ -1,13 +1,16 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/core/Error.h>
+#include <dyslam/formats/GeoreferenceFile.h>
 #include <dyslam/formats/LabelFiles.h>
 #include <dyslam/formats/ScanFiles.h>
 #include <dyslam/formats/TrackFiles.h>
 #include <dyslam/formats/TrajectoryFiles.h>
 #include <dyslam/mapbuilder/MapRun.h>
+#include <dyslam/mrpt/Geodesy.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <string>
 #include <utility>
 
@@ -219,16 +222,17 @@ TEST_F(MapRun, RunsWithoutAPlaceInCommonAreNotMerged)
   EXPECT_FALSE(fs::exists(folder.file("m.ply")));
 }
 
-/** A run of scans along these poses, each a keyframe, whose recording has lost its last tenth. */
-RunFolder damagedRun(const TestFolder& folder,
-                     const std::string& name,
-                     const test::BoxWorld& world,
-                     const std::vector<Pose>& poses,
-                     unsigned seed)
+/** A run of scans along these poses, each a keyframe. */
+RunFolder wholeRun(const TestFolder& folder,
+                   const std::string& name,
+                   const test::BoxWorld& world,
+                   const std::vector<Pose>& poses,
+                   unsigned seed)
 {
   RunFolder run;
   run.folder = run.name = name;
-  RawlogWriter writer(folder.file("whole.rawlog"));
+  run.rawlog = folder.file(name + ".rawlog");
+  RawlogWriter writer(run.rawlog);
   for (std::size_t i = 0; i < poses.size(); ++i)
   {
     Scan scan;
@@ -239,10 +243,21 @@ RunFolder damagedRun(const TestFolder& folder,
     run.keyframe_stamps.push_back(scan.stamp);
   }
   writer.close();
-  const std::string whole = folder.read("whole.rawlog");
-  run.rawlog = folder.write(name + ".rawlog", whole.substr(0, whole.size() / 10 * 9));
   run.graph = test::graphOf(run.trajectory, 1);
   run.scans = test::asRecorded();
+  return run;
+}
+
+/** The same, whose recording has lost its last tenth. */
+RunFolder damagedRun(const TestFolder& folder,
+                     const std::string& name,
+                     const test::BoxWorld& world,
+                     const std::vector<Pose>& poses,
+                     unsigned seed)
+{
+  RunFolder run = wholeRun(folder, name, world, poses, seed);
+  const std::string whole = folder.read(name + ".rawlog");
+  folder.write(name + ".rawlog", whole.substr(0, whole.size() / 10 * 9));
   return run;
 }
 
@@ -262,6 +277,104 @@ TEST_F(MapRun, OfMergedRunsEveryDamagedRecordingIsNamed)
   EXPECT_NE(std::string::npos, first) << report.problem;
   EXPECT_NE(std::string::npos, report.problem.find("tuesday.rawlog", second)) << report.problem;
   EXPECT_TRUE(contains(report.problem, "; the map of the rest was written")) << report.problem;
+}
+
+/** Two runs of one place, of which the second knows where it is on the earth and its vertical. */
+std::vector<RunFolder> runsOnTheEarth(const TestFolder& folder, double east_of_first = 0)
+{
+  const test::BoxWorld world(13, 30, 20);
+  const std::vector<Pose> poses = test::driveAround(30, 20, 90, 1.5);
+  auto runs =
+      test::listOf(wholeRun(folder, "monday", world, poses, 5000),
+                   wholeRun(folder, "tuesday", world, {poses.begin(), poses.begin() + 30}, 6000));
+  Georeference georeference;
+  georeference.origin = {49, 8.4, 115};
+  georeference.T_enu_map = poses.front();
+  georeference.fixes = 12;
+  runs[1].references.georeference = georeference;
+  Gravity gravity;
+  gravity.tilt_sigma = 0.01;
+  gravity.directions = 5;
+  runs[1].references.gravity = gravity;
+  if (east_of_first != 0)
+  {
+    georeference.T_enu_map = Eigen::Translation3d(east_of_first, 0, 0) * poses.front();
+    runs[0].references.georeference = georeference;
+  }
+  return runs;
+}
+
+TEST_F(MapRun, AMergeWithSatellitePositionsIsGeoreferenced)
+{
+  const auto runs = runsOnTheEarth(folder);
+  outputs.maps = {folder.file("m.las")};
+  const MergeReport report = mergeMaps(runs, {}, options, outputs, listener);
+  EXPECT_EQ("", report.problem);
+  EXPECT_TRUE(contains(report.references, "satellite receivers: 12 positions, "))
+      << report.references;
+  EXPECT_TRUE(contains(report.references, "z of the merged map is 0.")) << report.references;
+  const Georeference found = readGeoreference(folder.file("m_georeference.ini"));
+  EXPECT_EQ(32632, found.epsg);
+  EXPECT_EQ(49, found.origin.latitude);
+  EXPECT_TRUE(found.T_enu_map.translation().isApprox(
+      runs[1].references.georeference->T_enu_map.translation(), 0.02));
+  EXPECT_TRUE(contains(folder.read("m_merge_references.csv"), "tuesday,12,"));
+  const Trajectory monday = readTum(folder.file("m_monday_tum.txt"));
+  const Trajectory in_utm = readTum(folder.file("m_monday_utm.txt"));
+  ASSERT_EQ(monday.size(), in_utm.size());
+  const Trajectory expected = inUtm(monday, found);
+  EXPECT_LT((in_utm[59].pose.translation() - expected[59].pose.translation()).norm(), 0.01);
+  const auto eastOfLas = [&]
+  {
+    double east = 0;
+    folder.read("m.las").copy(reinterpret_cast<char*>(&east), sizeof east, 187);
+    return east;
+  };
+  EXPECT_LT(std::abs(eastOfLas()), 200) << "in the map frame";
+
+  outputs.utm = true;
+  (void)mergeMaps(runs, {}, options, outputs, listener);
+  EXPECT_NEAR(in_utm[0].pose.translation().x(), eastOfLas(), 200);
+  EXPECT_TRUE(contains(folder.read("m.las").substr(0, 2000), "LASF_Projection"));
+
+  outputs.utm = false;
+  RunMergerConfig without;
+  without.merge.gnss = without.merge.gravity = false;
+  EXPECT_EQ("", mergeMaps(runs, without, options, outputs, listener).references);
+  for (const char* name : {"m_georeference.ini", "m_monday_utm.txt", "m_merge_references.csv"})
+  {
+    EXPECT_FALSE(fs::exists(folder.file(name))) << name << " is of the merge before";
+  }
+}
+
+TEST_F(MapRun, AMergeThatContradictsSatellitePositionsIsRefused)
+{
+  const auto runs = runsOnTheEarth(folder, 105);
+  outputs.maps = {folder.file("m.ply")};
+  const std::string said =
+      messageOfError<UserError>([&] { (void)mergeMaps(runs, {}, options, outputs, listener); });
+  EXPECT_TRUE(contains(said, "tuesday: loops place it 10")) << said;
+  EXPECT_TRUE(contains(said, "positions do, by those of monday")) << said;
+  EXPECT_TRUE(contains(said, "merge.gnss=false")) << said;
+  EXPECT_FALSE(fs::exists(folder.file("m.ply")));
+}
+
+TEST_F(MapRun, WhatNoRunShowsIsRefusedBeforeAnythingIsRead)
+{
+  std::vector<RunFolder> runs(2);  // without a recording
+  outputs.maps = {folder.file("m.las")};
+  RunMergerConfig merger;
+  const auto said = [&]
+  {
+    return messageOfError<UserError>(
+        [&] { (void)mergeMaps(runs, merger, options, outputs, listener); });
+  };
+  outputs.utm = true;
+  EXPECT_TRUE(contains(said(), "--utm: no run has a georeference.ini")) << said();
+  outputs.utm = false;
+  merger.merge.level_map = true;
+  EXPECT_TRUE(contains(said(), "merge.level_map: no run has found the vertical")) << said();
+  EXPECT_TRUE(listener.log.empty());
 }
 
 TEST_F(MapRun, TilesThatAreTooSmallAreRefusedBeforeAnythingIsRead)

@@ -3,6 +3,9 @@
 
 #include <gtest/gtest.h>
 
+#include <string>
+
+#include "TestFolder.h"
 #include "TestRun.h"
 
 namespace dyslam
@@ -19,6 +22,11 @@ RunFolder runWith(const std::string& name, const Trajectory& trajectory)
     run.keyframe_stamps.push_back(stamp);
   }
   return run;
+}
+
+std::string firstLine(const std::string& text)
+{
+  return text.substr(0, text.find_first_of("\r\n"));
 }
 
 RunLoop loopBetween(std::size_t from, std::size_t to, double residual, bool left_out)
@@ -76,6 +84,28 @@ TEST(MergeTable, PlacesAreWithinFiveMetres)
       "runs,loops,left out,residual [m],places,error: median [m],RMSE,max\n"
       "a - b,0,0,,1,0,0,0\n",
       mergeTable(runs, joined, {drive, beside}).toCsv());
+}
+
+TEST(ReferenceTable, HasARowForEachRunWithReferences)
+{
+  const Trajectory drive = test::straightDrive(3, 10);
+  const auto runs =
+      test::listOf(runWith("monday", drive), runWith("tuesday", drive), runWith("friday", drive));
+  RunMerge merge;
+  merge.fits.resize(3);
+  merge.fits[1].positions = 12;
+  merge.fits[1].horizontal_rmse = 0.456;
+  merge.fits[1].vertical_rmse = 1.234;
+  merge.fits[2].up_error = 0.01;
+  merge.fits[2].up_sigma = 0.005;
+  const Table table = referenceTable(runs, merge);
+  EXPECT_EQ(2U, table.rows());
+  EXPECT_EQ("run,positions,horizontal RMSE [m],vertical RMSE [m],vertical off [deg],sigma [deg]",
+            firstLine(table.toCsv()));
+  EXPECT_TRUE(contains(table.toCsv(), "tuesday,12,0.456,1.234,,")) << table.toCsv();
+  EXPECT_TRUE(contains(table.toCsv(), "friday,,,,0.57295779")) << table.toCsv();
+  merge.fits.assign(3, ReferenceFit());
+  EXPECT_EQ(0U, referenceTable(runs, merge).rows());
 }
 }  // namespace
 }  // namespace dyslam

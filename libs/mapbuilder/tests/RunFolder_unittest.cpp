@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/core/Error.h>
+#include <dyslam/formats/GeoreferenceFile.h>
 #include <dyslam/mapbuilder/MapRun.h>
 #include <dyslam/mapbuilder/RunFolder.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <utility>
 
 #include "TestFolder.h"
@@ -61,6 +63,49 @@ TEST_F(RunFolderTest, HasTheResultsOfTheRun)
   EXPECT_EQ(0.02, run.scans.tolerance);
   EXPECT_EQ("", run.scans.labels);
   EXPECT_EQ("", run.scans.tracks);
+}
+
+TEST_F(RunFolderTest, HasWhereItsMapIs)
+{
+  Georeference georeference;
+  georeference.origin = {49, 8.4, 115};
+  georeference.T_enu_map = poseFromYpr(3, 4, 5, 1, 0, 0);
+  georeference.fixes = 12;
+  writeGeoreference(georeference, folder.file("monday/georeference.ini"));
+  const std::string report = "{\"input\": \"" + folder.file("r.rawlog") + "\", \"gravity\": ";
+  folder.write("monday/report.json",
+               report +
+                   "{\"directions\": 7, \"map_tilt_deg\": 36.87, \"map_tilt_sigma_deg\": 0.5, "
+                   "\"up_map\": [0.6, 0, 0.8], \"fused\": false, \"levelled\": true}}");
+  const auto runs = read({"monday", "tuesday"});
+  const RunReferences& found = runs[0].references;
+  ASSERT_TRUE(found.georeference);
+  EXPECT_EQ(12U, found.georeference->fixes);
+  ASSERT_TRUE(found.gravity);
+  EXPECT_EQ(7U, found.gravity->directions);
+  EXPECT_NEAR(0.6, found.gravity->up_map.x(), 1e-12);
+  EXPECT_NEAR(0.5 * M_PI / 180, found.gravity->tilt_sigma, 1e-12);
+  EXPECT_FALSE(found.gravity->fused);
+  EXPECT_TRUE(found.gravity->levelled);
+  EXPECT_FALSE(runs[1].references.georeference);
+  EXPECT_FALSE(runs[1].references.gravity);
+
+  folder.write("tuesday/report.json", report + "{\"directions\": \"some\"}}");
+  EXPECT_TRUE(contains(said("tuesday"), "report.json: gravity has no number")) << said("tuesday");
+  folder.write("tuesday/report.json",
+               report +
+                   "{\"directions\": 7, \"map_tilt_deg\": 1, \"map_tilt_sigma_deg\": 0.5, "
+                   "\"up_map\": [0, 0, 2]}}");
+  EXPECT_TRUE(contains(said("tuesday"), "gravity.up_map is no unit vector")) << said("tuesday");
+}
+
+TEST_F(RunFolderTest, AGraphWithSatellitePositionsNeedsItsGeoreference)
+{
+  FactorGraph graph = test::graphOf(test::straightDrive(9, 1), 4);
+  graph.addPose(Key::georeference(), Pose::Identity());
+  writeFactorGraph(graph, folder.file("tuesday/factor_graph.txt"));
+  EXPECT_TRUE(contains(said("tuesday"), "has no georeference.ini, which places"))
+      << said("tuesday");
 }
 
 TEST_F(RunFolderTest, LabelsComeBeforeTracks)

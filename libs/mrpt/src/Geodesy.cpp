@@ -3,6 +3,7 @@
 #include <dyslam/mrpt/Geodesy.h>
 #include <mrpt/topography/conversions.h>
 
+#include <Eigen/Geometry>
 #include <array>
 #include <cmath>
 
@@ -13,6 +14,19 @@ namespace
 mrpt::topography::TGeodeticCoords coordsOf(const GeodeticPosition& position)
 {
   return {position.latitude, position.longitude, position.height};
+}
+
+/** East, north and up at a position, as columns, in geocentric axes. */
+Eigen::Matrix3d enuAxes(const GeodeticPosition& position)
+{
+  const double latitude = radians_per_degree * position.latitude;
+  const double longitude = radians_per_degree * position.longitude;
+  const Eigen::Vector3d east(-std::sin(longitude), std::cos(longitude), 0);
+  const Eigen::Vector3d up(std::cos(latitude) * std::cos(longitude),
+                           std::cos(latitude) * std::sin(longitude), std::sin(latitude));
+  Eigen::Matrix3d axes;
+  axes << east, up.cross(east), up;
+  return axes;
 }
 }  // namespace
 
@@ -38,6 +52,14 @@ GeodeticPosition fromEnu(const Eigen::Vector3d& enu, const GeodeticPosition& ori
     result.height += missing.z();
   }
   return result;
+}
+
+Pose enuInEnu(const GeodeticPosition& origin, const GeodeticPosition& other)
+{
+  Pose T_other_enu = Pose::Identity();
+  T_other_enu.linear() = enuAxes(other).transpose() * enuAxes(origin);
+  T_other_enu.translation() = toEnu(origin, other);
+  return T_other_enu;
 }
 
 int utmZoneOf(const GeodeticPosition& position)

@@ -28,6 +28,20 @@ TEST(Geodesy, EnuThereAndBack)
   EXPECT_GT(east.y(), 0);  // parallels curve towards the pole
 }
 
+TEST(Geodesy, EnuInTheAxesOfAnotherOrigin)
+{
+  const GeodeticPosition here{49.0, 8.4, 115};
+  for (const GeodeticPosition& other :
+       {here, GeodeticPosition{49.02, 8.37, 60}, GeodeticPosition{-33.86, 151.21, 40}})
+  {
+    const Pose T_other_here = enuInEnu(here, other);
+    for (const Eigen::Vector3d& enu : {Eigen::Vector3d(0, 0, 0), Eigen::Vector3d(1200, -800, 35)})
+    {
+      EXPECT_LT((T_other_here * enu - toEnu(fromEnu(enu, here), other)).norm(), 2e-3);
+    }
+  }
+}
+
 TEST(Geodesy, TrajectoryInUtm)
 {
   Georeference georeference;

@@ -8,12 +8,14 @@ namespace dyslam
 GnssFactor::GnssFactor(std::size_t keyframe,
                        const Eigen::Vector3d& position,
                        const Eigen::Vector3d& antenna,
-                       const Matrix6& information)
+                       const Matrix6& information,
+                       const Eigen::Vector3d& upwards)
     : Factor({Key::ego(keyframe), Key::georeference()}, information),
       position_(position),
-      antenna_(antenna)
+      antenna_(antenna),
+      upwards_(upwards)
 {
-  if (!position.allFinite() || !antenna.allFinite())
+  if (!position.allFinite() || !antenna.allFinite() || !upwards.allFinite())
   {
     throw std::invalid_argument("factor " + toString(keys()[0]) + " -> " + toString(keys()[1]) +
                                 ": its position has numbers that are not finite");
@@ -28,7 +30,7 @@ Vector6 GnssFactor::residual(ValueBlocks blocks, FactorJacobians* jacobians) con
   const Eigen::Matrix3d& R_enu_map = T_enu_map.linear();
   Vector6 residual = Vector6::Zero();
   residual.head<3>() = T_enu_map * in_map - position_;
-  residual.segment<2>(3) = R_enu_map.col(2).head<2>();
+  residual.segment<2>(3) = (R_enu_map * upwards_).head<2>();
   if (jacobians != nullptr)
   {
     const Eigen::Matrix3d R_enu_vehicle = R_enu_map * T_map_vehicle.linear();
@@ -40,7 +42,7 @@ Vector6 GnssFactor::residual(ValueBlocks blocks, FactorJacobians* jacobians) con
     by_map.setZero();
     by_map.topLeftCorner<3, 3>() = R_enu_map;
     by_map.topRightCorner<3, 3>() = -R_enu_map * skew(in_map);
-    by_map.block<2, 3>(3, 3) = -(R_enu_map * skew(Eigen::Vector3d::UnitZ())).topRows<2>();
+    by_map.block<2, 3>(3, 3) = -(R_enu_map * skew(upwards_)).topRows<2>();
   }
   return residual;
 }

@@ -7,9 +7,9 @@ namespace dyslam
 {
 GravityFactor::GravityFactor(std::size_t keyframe,
                              const Eigen::Vector3d& upwards,
-                             const Matrix6& information)
-    : Factor({Key::ego(keyframe), Key::vertical(), Key::accelerometerBias()}, information),
-      upwards_(upwards)
+                             const Matrix6& information,
+                             const Key& bias)
+    : Factor({Key::ego(keyframe), Key::vertical(), bias}, information), upwards_(upwards)
 {
   if (!upwards.allFinite())
   {

@@ -46,15 +46,18 @@ struct Key
 
   [[nodiscard]] static Key georeference() { return {VariableKind::georeference, -1, 0}; }
   [[nodiscard]] static Key vertical() { return {VariableKind::vertical, -1, 0}; }
-
-  [[nodiscard]] static Key accelerometerBias() { return {VariableKind::accelerometer_bias, -1, 0}; }
+  /** \param run number of the run in a graph of several, each with its own accelerometer */
+  [[nodiscard]] static Key accelerometerBias(std::size_t run = 0)
+  {
+    return {VariableKind::accelerometer_bias, -1, static_cast<std::int64_t>(run)};
+  }
 
   /** Whether the value is a pose; else six numbers that are perturbed by addition. */
   [[nodiscard]] bool isPose() const
   {
     return kind != VariableKind::object_velocity && kind != VariableKind::accelerometer_bias;
   }
-  /** Whether a graph has at most one such variable. */
+  /** Whether the graph of a run has at most one such variable. */
   [[nodiscard]] bool isSingle() const
   {
     return kind == VariableKind::georeference || kind == VariableKind::vertical ||

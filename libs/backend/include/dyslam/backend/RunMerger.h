@@ -3,6 +3,8 @@
 
 #include <dyslam/backend/FactorGraph.h>
 #include <dyslam/backend/LoopCloser.h>
+#include <dyslam/core/Georeference.h>
+#include <dyslam/core/Gravity.h>
 #include <dyslam/core/Options.h>
 #include <dyslam/core/Pose.h>
 #include <dyslam/core/SwapFile.h>
@@ -10,6 +12,7 @@
 #include <Eigen/Core>
 #include <cstddef>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -20,6 +23,9 @@ struct RunMergerOptions : Options
   /** Least fraction of the keyframes near those of other runs that registrations confirm; rejects a
    * street that looks like another one. */
   double min_confirmed = 0.5;
+  bool gnss = true;        //!< use the satellite positions of the runs
+  bool gravity = true;     //!< use the verticals of the runs
+  bool level_map = false;  //!< rotate the merged map so that its z axis is vertical
 
   void describe(OptionsVisitor& visitor) override;
 };
@@ -33,6 +39,13 @@ struct RunMergerConfig
   MemoryLimit memory;  //!< limit for points and descriptors of the keyframes, like KeyframeStore's
 };
 
+/** What a run found about its map, as far as it did. */
+struct RunReferences
+{
+  std::optional<Georeference> georeference;
+  std::optional<Gravity> gravity;
+};
+
 /** A loop between two runs; `from` and `to` count each run's keyframes from 0. */
 struct RunLoop
 {
@@ -41,6 +54,14 @@ struct RunLoop
   Loop loop;
   bool left_out = false;  //!< left out because it contradicts the rest of the graph
   double residual = 0;    //!< translation between the measurement and the merged poses [m]
+};
+
+/** Satellite positions by which the place of a run, as the loops give it, is a wrong one. */
+struct GnssContradiction
+{
+  std::size_t run = 0;   //!< the joined run whose satellite positions contradict those of the run
+  double distance = 0;   //!< horizontal distance of the run's place by loops from that by GNSS [m]
+  double tolerated = 0;  //!< distance that the accuracies explain [m]
 };
 
 /** Evidence for and against joining a run. */
@@ -53,15 +74,37 @@ struct JoinEvidence
   std::size_t confirmed = 0;   //!< number of tried keyframes confirmed by a registration
   double min_confirmed = 0;    //!< least fraction of tried keyframes that have to be confirmed
   std::size_t consistent = 0;  //!< number of nearby loops that the graph does not leave out
+  /** Why loops that agree did not join the run. */
+  std::optional<GnssContradiction> contradiction;
+  /** Least horizontal distance from the joined runs by satellite positions [m], of a run that is
+   * not joined; nothing if one of the two sides has none. */
+  std::optional<double> distance;
+};
+
+/** How the references of a run fit the merged map. */
+struct ReferenceFit
+{
+  std::size_t positions = 0;   //!< number of satellite positions; 0: none
+  double horizontal_rmse = 0;  //!< horizontal RMSE of the positions against the merged poses [m]
+  double vertical_rmse = 0;    //!< vertical RMSE of the positions against the merged poses [m]
+  std::size_t directions = 0;  //!< number of measured directions of gravity
+  std::optional<double> up_error;  //!< angle between the verticals of run and merged map [rad]
+  double up_sigma = 0;             //!< sigma of the vertical by the run [rad]
 };
 
 /** Result of a merge. */
 struct RunMerge
 {
-  /** T_map_vehicle of every keyframe of every run, in the first run's map frame; empty for a run
-   * that shares no place with the others. */
+  /** T_map_vehicle of every keyframe of every run, in the first run's map frame, which is rotated
+   * to the merged vertical if it was levelled or RunMergerOptions::level_map is set; empty for a
+   * run that shares no place with the others. */
   std::vector<std::vector<Pose>> poses;
   std::vector<JoinEvidence> evidence;  //!< one entry per run
+  std::vector<ReferenceFit> fits;      //!< one entry per run
+  /** Of the merged map, if a joined run has it. Its origin is that of the first such run. */
+  std::optional<Georeference> georeference;
+  /** Of the merged map, if a joined run has it; `bias` has no meaning. */
+  std::optional<Gravity> gravity;
   /** Accepted loops between joined runs. */
   std::vector<RunLoop> loops;
   OptimisationResult optimisation;
@@ -71,7 +114,10 @@ struct RunMerge
 
 /** Places several runs in one map: loops between them are found by appearance, verified as
  * LoopCloser does, confirmed along the whole path, and solved in one factor graph with the odometry
- * and the loops of each run.
+ * and the loops of each run. Satellite positions and verticals of the runs take part in it: as
+ * factors of the run's graph if that was optimised with them, else as one of the map as a whole.
+ * Between two runs with satellite positions, loops are first searched among keyframes that these
+ * place near each other, and loops that contradict them do not join a run.
  *
  * A run is joined to those joined before, in the order of evidence, so that runs which meet the
  * first one only through others (a chain) are joined too. Deterministic; not thread-safe. Points
@@ -87,10 +133,10 @@ class RunMerger
   RunMerger& operator=(RunMerger&&) noexcept;
 
   /** Begins the next run. \param graph factor graph of the run; its ego poses, odometry and used
-   * loops are copied
+   * loops are copied, and its satellite positions and gravity for which there are `references`
    * \throws std::invalid_argument unless the keyframes are numbered 0, 1, 2, ... and all keyframes
    * of the previous run have their points. */
-  void addRun(const FactorGraph& graph);
+  void addRun(const FactorGraph& graph, const RunReferences& references = {});
   /** Adds the points of the run's next keyframe. \param static_points vehicle frame [m]; empty if
    * unknown \throws std::invalid_argument if the run has no further keyframe. */
   void addKeyframe(const std::vector<Eigen::Vector3f>& static_points);

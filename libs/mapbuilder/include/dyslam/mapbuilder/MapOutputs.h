@@ -17,6 +17,7 @@ struct MapOutputs
   std::string comparison;  //!< PNG: map before and after cleaning; several runs: before merging
   std::string
       labelled_map;      //!< `.ply`, `.pcd` or `.bin`: LabelledMap, with a `.label` file beside it
+  bool utm = false;      //!< of merged runs: maps in UTM instead of the first run's map frame
   std::string settings;  //!< settings as an ini, written beside the first output
 
   /** Path beside the first output: `map_tum.txt` for `map.las` and `_tum.txt`; else empty. */

@@ -50,6 +50,7 @@ struct MergeReport : MapReport
 {
   std::size_t joined = 0;  //!< number of runs in the map
   std::string table;       //!< loops and errors between the runs, as text
+  std::string references;  //!< satellite positions and verticals of the runs, as text; else empty
 };
 
 /** Builds the static map of a recording along a trajectory, and writes it.
@@ -63,11 +64,12 @@ MapReport buildMap(const RecordingOnTrajectory& recording,
 
 /** Merges runs of one place: writes one map of all that share places with those joined before, a
  * trajectory of each in the frame of the first (TUM and KITTI) and a table, all beside the first
- * output. Runs that share no place with the others are left out. Moving points are those of the
- * labels of a run; without them those with hindsight, whatever HindsightOptions::hindsight is.
- * \param runs from readRunFolders(), in order of time
- * \throws UserError as buildMap(), and if no run could be joined to the first: nothing is written
- *   then. */
+ * output. With satellite positions of a joined run the merged map has a georeference and
+ * trajectories in UTM, too. Runs that share no place with the others are left out. Moving points
+ * are those of the labels of a run; without them those with hindsight, whatever
+ * HindsightOptions::hindsight is. \param runs from readRunFolders(), in order of time \throws
+ * UserError as buildMap(), if MapOutputs::utm or RunMergerOptions::level_map asks for what no run
+ * shows, and if no run could be joined to the first: nothing is written then. */
 MergeReport mergeMaps(const std::vector<RunFolder>& runs,
                       const RunMergerConfig& merger,
                       const MapBuilderOptions& options,

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <dyslam/backend/FactorGraph.h>
+#include <dyslam/backend/RunMerger.h>
 #include <dyslam/core/Trajectory.h>
 #include <dyslam/io/RawlogSource.h>
 #include <dyslam/mapbuilder/RunScans.h>
@@ -19,6 +20,7 @@ struct RunFolder
   std::string rawlog;     //!< recording by report.json, unless another one was given
   Trajectory trajectory;  //!< T_map_vehicle of every scan, levelled vehicle frame
   FactorGraph graph;
+  RunReferences references;             //!< from georeference.ini and report.json
   std::vector<double> keyframe_stamps;  //!< UNIX time [s], one per ego pose of the graph
   RawlogSourceOptions source;
   RunScansOptions scans;

@@ -12,6 +12,9 @@ namespace dyslam
 /** Inverse of toEnu(). \param enu east, north, up [m] */
 [[nodiscard]] GeodeticPosition fromEnu(const Eigen::Vector3d& enu, const GeodeticPosition& origin);
 
+/** Pose of the east-north-up axes of one origin relative to those of another. */
+[[nodiscard]] Pose enuInEnu(const GeodeticPosition& origin, const GeodeticPosition& other);
+
 /** A position in Universal Transverse Mercator coordinates. */
 struct UtmPosition
 {

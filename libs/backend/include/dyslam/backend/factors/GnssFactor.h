@@ -8,17 +8,20 @@ namespace dyslam
 /** Position of the satellite receiver's antenna, relative to the pose of the map on the earth.
  *
  * The residual is the error of the position, east, north and up [m], then the east and north
- * components of the map's z axis (a unit vector), and zero. */
+ * components of a unit vector that should be upwards (the map's z axis unless another one is
+ * given), and zero. */
 class GnssFactor final : public Factor
 {
  public:
   /** \param position measured position of the antenna, east-north-up [m]
    *  \param antenna position of the antenna in the vehicle frame of the keyframe [m]
+   *  \param upwards unit vector, map frame
    *  \throws std::invalid_argument for numbers that are not finite. */
   GnssFactor(std::size_t keyframe,
              const Eigen::Vector3d& position,
              const Eigen::Vector3d& antenna,
-             const Matrix6& information);
+             const Matrix6& information,
+             const Eigen::Vector3d& upwards = Eigen::Vector3d::UnitZ());
 
   [[nodiscard]] FactorKind kind() const override { return FactorKind::gnss; }
   [[nodiscard]] Vector6 residual(ValueBlocks blocks, FactorJacobians* jacobians) const override;
@@ -29,5 +32,6 @@ class GnssFactor final : public Factor
  private:
   Eigen::Vector3d position_;
   Eigen::Vector3d antenna_;
+  Eigen::Vector3d upwards_;
 };
 }  // namespace dyslam

@@ -16,8 +16,12 @@ class GravityFactor final : public Factor
 {
  public:
   /** \param upwards measured specific force without the vehicle's own acceleration, vehicle frame
-   * of the keyframe [m/s^2] \throws std::invalid_argument for numbers that are not finite. */
-  GravityFactor(std::size_t keyframe, const Eigen::Vector3d& upwards, const Matrix6& information);
+   * of the keyframe [m/s^2] \param bias variable of the accelerometer's bias
+   * \throws std::invalid_argument for numbers that are not finite. */
+  GravityFactor(std::size_t keyframe,
+                const Eigen::Vector3d& upwards,
+                const Matrix6& information,
+                const Key& bias = Key::accelerometerBias());
 
   [[nodiscard]] FactorKind kind() const override { return FactorKind::gravity; }
   [[nodiscard]] Vector6 residual(ValueBlocks blocks, FactorJacobians* jacobians) const override;

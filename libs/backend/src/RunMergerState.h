@@ -1,0 +1,118 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <dyslam/backend/RunMerger.h>
+#include <dyslam/core/KeyframeStore.h>
+
+#include <cstddef>
+#include <optional>
+#include <set>
+#include <vector>
+
+#include "RunAnchor.h"
+#include "RunLoops.h"
+
+namespace dyslam
+{
+struct RunMerger::State
+{
+  /** A factor between two keyframes of one run, by their numbers in the store. */
+  struct Edge
+  {
+    bool is_loop = false;
+    std::size_t from = 0;
+    std::size_t to = 0;
+    Pose T_from_to = Pose::Identity();
+    Matrix6 information = Matrix6::Identity();
+  };
+
+  struct Run
+  {
+    KeyframeRange range;
+    std::vector<Edge> edges;
+    RunAnchor anchor;
+    bool joined = false;
+    JoinEvidence evidence;
+  };
+
+  /** Loops by appearance between two runs: each suggests their relative pose. */
+  struct Seeds
+  {
+    std::size_t run_a = 0;
+    std::size_t run_b = 0;
+    std::vector<Loop> loops;
+    std::size_t found = 0;  //!< number of loops found, including those without agreement
+    bool nearby = false;    //!< only of keyframes near each other by satellite positions
+  };
+
+  /** Loops that agree on the pose of a run; the first one places it. */
+  struct Placement
+  {
+    std::size_t run = 0;
+    std::vector<Loop> loops;
+  };
+
+  explicit State(const RunMergerConfig& given)
+      : config(given), keyframes(given.memory), finder(given.loops, keyframes)
+  {
+    validate(config.merge, "merge");
+    config.loops.requireValid();
+    validate(config.solver, "solver");
+  }
+
+  /** Loops by appearance between two runs. \param nearby only between keyframes near each other by
+   * satellite positions, where both runs have them */
+  [[nodiscard]] Seeds findSeeds(std::size_t a, std::size_t b, bool nearby);
+  /** Fills the seeds of all pairs of runs. */
+  void findSeeds();
+  /** Fills those of runs that are not joined again, at any distance. \return whether there were
+   * any */
+  bool findSeedsAnywhere();
+  void joinAll();
+  /** The first joined run with satellite positions; nothing if there is none. */
+  [[nodiscard]] const RunAnchor* firstOnEarth() const;
+  /** Whether satellite positions contradict the placement. */
+  [[nodiscard]] std::optional<GnssContradiction> contradictionOf(const Placement& placement) const;
+  /** Least horizontal distance of the run from joined ones by satellite positions [m]. */
+  [[nodiscard]] std::optional<double> distanceOnEarth(std::size_t run) const;
+  /** Best supported placement of a run that is not joined yet. */
+  [[nodiscard]] Placement bestPlacement() const;
+  /** Largest subset of loops between two runs that agree with one of them; that one is first. */
+  [[nodiscard]] std::vector<Loop> largestGroup(const std::vector<Loop>& all) const;
+  /** Joins a run. \return false, with nothing changed, if the rest of the path contradicts it */
+  [[nodiscard]] bool join(const Placement& placement);
+  /** Removes the loops of a contradicted placement from the seeds. */
+  void refuse(const Placement& placement);
+  /** Transforms the keyframes of the run by the placement's first loop. */
+  void place(const Placement& placement);
+  /** Loops from the run to all joined runs, at the present poses. */
+  [[nodiscard]] NearLoops loopsAround(const Run& run, const std::vector<Loop>& known) const;
+  /** Largest expected error of the poses of the run's keyframes [m]: grows with the path to the
+   * nearest known loop; without known loops the poses count as optimised. */
+  [[nodiscard]] std::vector<double> reachOf(const Run& run, const std::vector<Loop>& known) const;
+  /** Optimises the joined runs with these loops between them; updates the keyframes' poses. */
+  void solve();
+  [[nodiscard]] std::size_t runOf(std::size_t keyframe) const;
+  /** Evidence about a run from the last attempt to join it. */
+  [[nodiscard]] JoinEvidence evidenceOf(std::size_t run) const;
+  /** Adds satellite positions and verticals of the joined runs. */
+  void addReferences(FactorGraph& graph) const;
+  /** Adds those of the merged map to a result that has the poses, and levels it. */
+  void fillReferences(RunMerge& merge) const;
+  [[nodiscard]] Georeference georeferenceOf(const RunMerge& merge) const;
+  [[nodiscard]] Gravity gravityOf(const RunMerge& merge) const;
+  [[nodiscard]] RunMerge result() const;
+
+  RunMergerConfig config;
+  KeyframeStore keyframes;
+  mutable RunLoops finder;
+  std::vector<Run> runs;
+  std::size_t ready = 0;              //!< number of keyframes with points
+  std::vector<Seeds> seeds;           //!< one entry per pair of runs
+  std::vector<Loop> loops;            //!< loops between joined runs
+  std::set<std::size_t> false_loops;  //!< indices of false loops in `loops`
+  OptimisationResult optimisation;
+  std::optional<Pose> T_enu_map;    //!< of the joined runs, east-north-up of firstOnEarth()
+  std::optional<Pose> T_level_map;  //!< of the joined runs
+};
+}  // namespace dyslam
