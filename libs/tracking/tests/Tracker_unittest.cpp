@@ -416,6 +416,26 @@ TEST(Tracker, clustersMustMoveToBeReported)
   EXPECT_LE(first_reported, 8);
 }
 
+/** Whether slow motion is significant depends on the time that it lasts, at any rate of scans. */
+TEST(Tracker, slowPeopleAreReportedAtAnyRate)
+{
+  constexpr double speed = 0.6;  // [m/s]
+  for (const double interval : {0.05, 0.1, 0.2})
+  {
+    Tracker tracker;
+    std::vector<TrackedObject> objects;
+    for (int scan = 0; scan * interval < 3; ++scan)
+    {
+      Detection person = clusterAt({5 + speed * interval * scan, -6});
+      person.box.size = {0.6, 0.5, 1.7};
+      person.object_class = ObjectClass::pedestrian;
+      objects = tracker.update(interval * scan, {person}, Pose::Identity());
+      ASSERT_EQ(objects.size(), 1u) << interval;
+    }
+    EXPECT_TRUE(objects[0].reported) << interval;
+  }
+}
+
 /** Of a tram that passes by, one side is visible. It is a vehicle, and no strip. */
 TEST(Tracker, sidesOfLongVehiclesAreReported)
 {
