@@ -30,13 +30,19 @@ bool ObjectGraph::isStray(const ObjectKey& key,
          options_.max_jump;
 }
 
-std::vector<PlanarObservation> ObjectGraph::recent(const Object& object, double duration) const
+std::vector<PlanarObservation> ObjectGraph::recent(const Object& object,
+                                                   double duration,
+                                                   std::size_t least) const
 {
   std::vector<PlanarObservation> result;
-  const double newest = object.observations.back().time;
-  for (auto it = object.observations.rbegin();
-       it != object.observations.rend() && newest - it->time <= duration; ++it)
+  const Observation& newest = object.observations.back();
+  for (auto it = object.observations.rbegin(); it != object.observations.rend(); ++it)
   {
+    const bool successive = newest.scan - it->scan == result.size();
+    if (newest.time - it->time > duration && !(successive && result.size() < least))
+    {
+      break;
+    }
     const Pose T_map_object = graph_.pose(Key::ego(it->keyframe)) * it->T_keyframe_object;
     const double sigma =
         options_.moving_sigma_scale * std::sqrt(0.5 * it->covariance.topLeftCorner<2, 2>().trace());
@@ -77,7 +83,7 @@ void ObjectGraph::decide(const ObjectKey& key, Object& object) const
   {
     return;
   }
-  const auto window = recent(object, options_.speed_window);
+  const auto window = recent(object, options_.speed_window, min_for_speed);
   if (window.size() >= min_for_speed)
   {
     const bool fast = fitSpeed(window).atLeast() > options_.moving_speed;

@@ -122,8 +122,11 @@ class ObjectGraph
   {
     return Key::staticObject(key.first, key.second);
   }
-  /** The observations of the last `duration` seconds, the newest first. */
-  [[nodiscard]] std::vector<PlanarObservation> recent(const Object& object, double duration) const;
+  /** The observations of the last `duration` seconds, the newest first; older ones, too, up to
+   * `least`, as long as they are of successive scans. */
+  [[nodiscard]] std::vector<PlanarObservation> recent(const Object& object,
+                                                      double duration,
+                                                      std::size_t least = 0) const;
   /** Whether the whole sighting shows the object at rest. */
   [[nodiscard]] bool isStanding(const Object& object) const;
   [[nodiscard]] double staticLimit(const Object& object) const;

@@ -305,15 +305,15 @@ TEST(Backend, WhatMayHaveBeenDrivenUnseenIsCounted)
 }
 
 /** A straight drive past one car that is observed at every scan.
- * \param speed along the drive [m/s] */
-std::vector<Frame> drivePastACar(double speed = 0)
+ * \param speed along the drive [m/s] \param interval between scans [s] */
+std::vector<Frame> drivePastACar(double speed = 0, double interval = 0.1)
 {
   std::vector<Frame> frames;
   for (std::size_t i = 0; i < 30; ++i)
   {
     Frame frame;
     frame.index = i;
-    frame.scan.stamp = 0.1 * static_cast<double>(i);
+    frame.scan.stamp = interval * static_cast<double>(i);
     frame.motion.status = MotionStatus::converged;
     frame.motion.information = 1e6 * Matrix6::Identity();
     frame.T_odom_vehicle = poseFromYpr(static_cast<double>(i), 0, 0, 0, 0, 0);
@@ -405,6 +405,23 @@ TEST(Backend, EveryVelocityOfAMovingObjectHasACovariance)
     EXPECT_NEAR(object.velocity.x(), speed, 0.1) << object.scan;
     EXPECT_GT(object.velocity_covariance(0, 0), 1e-4) << object.scan;
     EXPECT_LT(object.velocity_covariance(0, 0), 100) << object.scan;
+  }
+}
+
+/** There are fewer scans within objects.speed_window than the estimate of a speed needs. */
+TEST(Backend, ObjectsOfSlowScansAreDynamic)
+{
+  constexpr double speed = 3;
+  for (const double interval : {0.4, 0.5, 1.0})
+  {
+    std::vector<SmoothedObject> smoothed;
+    EXPECT_EQ(warningsOf(drivePastACar(speed, interval), smoothed), "");
+    EXPECT_EQ(smoothed.size(), 30U) << interval;
+    for (const SmoothedObject& object : smoothed)
+    {
+      EXPECT_TRUE(object.moving) << interval;
+      EXPECT_NEAR(object.velocity.x(), speed, 0.1) << interval;
+    }
   }
 }
 

@@ -13,8 +13,14 @@ bool hasSignificantMotion(const PositionHistory& history)
   constexpr double sigmas = 8;
   constexpr std::size_t min_count = 4;
   constexpr double prior_sigma = 0.05;  // prior sigma of one observation [m]
-  constexpr std::size_t max_count = 12;
-  const std::size_t count = std::min(max_count, history.size());
+  constexpr std::size_t usual_count = 12;
+  constexpr double usual_duration = 1.1;  // at 10 Hz; of faster scans more observations count [s]
+  std::size_t count = std::min(usual_count, history.size());
+  while (count < history.size() &&
+         history.back().stamp - history[history.size() - count - 1].stamp <= usual_duration)
+  {
+    ++count;
+  }
   if (count < min_count)
   {
     return false;

@@ -2,40 +2,20 @@
 #include "TrackHindsight.h"
 
 #include <dyslam/core/BoxOverlap.h>
-#include <dyslam/core/Quantile.h>
-#include <dyslam/tracking/Detector.h>
 #include <dyslam/tracking/TrackMerging.h>
 
 #include <algorithm>
-#include <cmath>
+#include <iterator>
 #include <map>
-#include <optional>
 #include <tuple>
+
+#include "TrackCompletion.h"
 
 namespace dyslam
 {
 namespace
 {
-constexpr double static_speed = 0.5;  // speed below which an object not known to move stands [m/s]
-constexpr double least_speed_of_course = 2;  // speed above which course is heading [m/s]
-constexpr double size_quantile = 0.8;        // quantile of a box's sizes; larger ones are outliers
-
-/** An object at one of the scans at which it counts, map frame. */
-struct Sighting
-{
-  std::size_t scan;  //!< Frame::index
-  double stamp;      //!< UNIX time [s]
-  double time;       //!< Frame::time() [s]
-  ObjectClass object_class;
-  Box box;
-  Eigen::Vector3d velocity;  //!< map frame [m/s]
-  Eigen::Vector3d sensor;    //!< position of the lidar, map frame [m]
-  bool observed;
-  bool dynamic;
-  bool reported;  //!< TrackedObject::reported at that scan
-};
-
-using Track = std::vector<Sighting>;
+using Tracks = std::map<int, Sightings>;  //!< by the id of the object
 
 Sighting sightingOf(const PastObject& report,
                     const PastScan& scan,
@@ -57,172 +37,44 @@ Sighting sightingOf(const PastObject& report,
   return s;
 }
 
-/** Exchanges the axes of a box so that its heading is within 45 deg of `yaw`. */
-void assignAxes(double yaw, Box& box)
+/** Sightings of all objects that were reported at some scan. */
+Tracks reportedTracks(const RunHistory& history,
+                      const Trajectory& trajectory,
+                      const std::map<int, int>& merged)
 {
-  const double quarters = std::round((box.yaw - yaw) / (M_PI / 2));
-  box.yaw -= quarters * M_PI / 2;
-  if (std::fmod(std::abs(quarters), 2) == 1)
-  {
-    std::swap(box.size.x(), box.size.y());
-  }
-}
-
-/** Aligns the axes of sightings before the tracker reported the object with the later ones: the
- * longer visible side may have been the width, and the heading was unknown before it moved. */
-void alignEarlyBoxes(Track& track)
-{
-  const auto first =
-      std::find_if(track.begin(), track.end(), [](const Sighting& s) { return s.reported; });
-  double yaw = first->box.yaw;
-  for (auto s = std::make_reverse_iterator(first); s != track.rend(); ++s)
-  {
-    assignAxes(yaw, s->box);
-    yaw = s->box.yaw;
-  }
-}
-
-/** Sets the heading of driving vehicles to their course; they keep its axes when they slow down. */
-void alignWithCourse(const std::vector<TrackState>& smooth, Track& track)
-{
-  std::optional<double> heading;
-  std::size_t first = 0;  // first sighting with a course
-  for (std::size_t i = 0; i < track.size(); ++i)
-  {
-    Box& box = track[i].box;
-    const Eigen::Vector3d& velocity = smooth[i].velocity;
-    if (velocity.head<2>().norm() > least_speed_of_course)
-    {
-      const double course = std::atan2(velocity.y(), velocity.x());
-      assignAxes(course, box);
-      box.yaw = course;
-      first = heading ? first : i;
-      heading = course;
-    }
-    else if (heading)
-    {
-      assignAxes(*heading, box);
-      heading = box.yaw;
-    }
-  }
-  for (std::size_t i = heading ? first : 0; i-- > 0;)
-  {
-    assignAxes(track[i + 1].box.yaw, track[i].box);
-  }
-}
-
-/** Whether the object moves at each sighting: by the tracker from its first "dynamic" on, before
- * that by the speed. */
-std::vector<bool> movingOf(const Track& track, const std::vector<TrackState>& smooth)
-{
-  const auto first =
-      std::find_if(track.begin(), track.end(), [](const Sighting& s) { return s.dynamic; });
-  const auto undecided =
-      first == track.end() ? std::ptrdiff_t{0} : std::distance(track.begin(), first);
-  std::vector<bool> moving;
-  for (std::size_t i = 0; i < track.size(); ++i)
-  {
-    moving.push_back(static_cast<std::ptrdiff_t>(i) < undecided
-                         ? smooth[i].velocity.head<2>().norm() > static_speed
-                         : track[i].dynamic);
-  }
-  return moving;
-}
-
-/** Size of the whole object [m], of which single scans see a part. */
-Eigen::Vector3d sizeOf(const Track& track)
-{
-  Eigen::Vector3d size;
-  for (int k = 0; k < 3; ++k)
-  {
-    std::vector<double> sizes;
-    for (const Sighting& s : track)
-    {
-      if (s.reported)
+  Tracks tracks;
+  history.forEachObject(
+      merged,
+      [&](const PastObject& report)
       {
-        sizes.push_back(s.box.size[k]);
-      }
-    }
-    size[k] = quantile(sizes, size_quantile);
+        const PastScan& scan = history.scans()[report.scan];
+        const StampedPose& pose = trajectory[report.scan];
+        Sightings& track = tracks[report.id];
+        if (track.empty() || scan.time > track.back().time)
+        {
+          track.push_back(sightingOf(report, scan, history.mounts()[scan.mount], pose));
+        }
+      });
+  for (auto track = tracks.begin(); track != tracks.end();)
+  {
+    const bool reported = std::any_of(track->second.begin(), track->second.end(),
+                                      [](const Sighting& s) { return s.reported; });
+    track = reported ? std::next(track) : tracks.erase(track);
   }
-  return size;
+  return tracks;
 }
 
-/** Most frequent class of the sightings. */
-ObjectClass classOf(const Track& track)
+std::vector<TrackBox> boxesOf(const Tracks& tracks)
 {
-  std::map<ObjectClass, int> counts;
-  for (const Sighting& s : track)
+  std::vector<TrackBox> boxes;
+  for (const auto& [id, track] : tracks)
   {
-    counts[s.object_class] += s.reported ? 1 : 0;
-  }
-  const auto most =
-      std::max_element(counts.begin(), counts.end(),
-                       [](const auto& a, const auto& b) { return a.second < b.second; });
-  return most->first;
-}
-
-/** Sets boxes that are much larger than the vehicle, and therefore contain something else, to its
- * size; they count as predicted. \return whether there are any */
-bool rejectLargeBoxes(const Eigen::Vector3d& size, Track& track)
-{
-  constexpr double excess = 1;  // in width or length [m]
-  bool any = false;
-  for (Sighting& s : track)
-  {
-    if (((s.box.size - size).head<2>().array() > excess).any())
+    for (const Sighting& sighting : track)
     {
-      s.box.size = s.box.size.cwiseMin(size);
-      s.observed = false;
-      any = true;
+      boxes.push_back({sighting.scan, id, sighting.box});
     }
   }
-  return any;
-}
-
-/** Extends the boxes of a vehicle to its size on the hidden sides, so that a vehicle that gradually
- * comes into view does not seem slower or faster. */
-void completeVehicle(const Eigen::Vector3d& size, Track& track)
-{
-  for (Sighting& s : track)
-  {
-    const Eigen::Vector3d sensor(s.sensor.x(), s.sensor.y(), 0);
-    s.box.center -= sensor;
-    s.box = completeBox(s.box, size);
-    s.box.center += sensor;
-  }
-}
-
-/** Enlarges the boxes of pedestrians and cyclists around the centre of the visible part, which is
- * accurate enough for small objects. The top stays in place: feet are removed with the ground. */
-void enlarge(const Eigen::Vector3d& size, Track& track)
-{
-  for (Sighting& s : track)
-  {
-    const double top = s.box.center.z() + 0.5 * s.box.size.z();
-    s.box.size = s.box.size.cwiseMax(size);
-    s.box.center.z() = top - 0.5 * s.box.size.z();
-  }
-}
-
-std::vector<TrackState> smoothed(const Track& track, const TrackSmoothingOptions& options)
-{
-  std::vector<TrackState> states;
-  for (const Sighting& s : track)
-  {
-    states.push_back({s.time, s.box.center, s.velocity, s.observed});
-  }
-  return smoothTrack(states, options);
-}
-
-double medianSpeed(const std::vector<TrackState>& states)
-{
-  std::vector<double> speeds;
-  for (const TrackState& state : states)
-  {
-    speeds.push_back(state.velocity.head<2>().norm());
-  }
-  return upperMedian(speeds);
+  return boxes;
 }
 
 SmoothedObject smoothedObject(int id, const Sighting& sighting)
@@ -239,84 +91,6 @@ SmoothedObject smoothedObject(int id, const Sighting& sighting)
   object.size = sighting.box.size;
   object.object_class = sighting.object_class;
   return object;
-}
-
-using Tracks = std::map<int, Track>;  //!< by the id of the object
-
-/** Sightings of all objects that were reported at some scan. */
-Tracks reportedTracks(const RunHistory& history,
-                      const Trajectory& trajectory,
-                      const std::map<int, int>& merged)
-{
-  Tracks tracks;
-  history.forEachObject(
-      merged,
-      [&](const PastObject& report)
-      {
-        const PastScan& scan = history.scans()[report.scan];
-        const StampedPose& pose = trajectory[report.scan];
-        Track& track = tracks[report.id];
-        if (track.empty() || scan.time > track.back().time)
-        {
-          track.push_back(sightingOf(report, scan, history.mounts()[scan.mount], pose));
-        }
-      });
-  for (auto track = tracks.begin(); track != tracks.end();)
-  {
-    const bool reported = std::any_of(track->second.begin(), track->second.end(),
-                                      [](const Sighting& s) { return s.reported; });
-    track = reported ? std::next(track) : tracks.erase(track);
-  }
-  return tracks;
-}
-
-/** Sets class, box, velocity and motion of every sighting to the smoothed ones of the object. */
-void completeAndSmooth(const TrackSmoothingOptions& options, bool complete_boxes, Track& track)
-{
-  alignEarlyBoxes(track);
-  ObjectClass object_class = classOf(track);
-  if (complete_boxes)
-  {
-    const std::vector<TrackState> states = smoothed(track, options);
-    object_class = refineClass(object_class, sizeOf(track), medianSpeed(states));
-    if (isVehicle(object_class))
-    {
-      alignWithCourse(states, track);
-      const Eigen::Vector3d size = sizeOf(track);
-      if (rejectLargeBoxes(size, track))
-      {
-        alignWithCourse(smoothed(track, options), track);
-      }
-      object_class = refineVehicle(object_class, size);
-      completeVehicle(size.cwiseMax(leastSize(object_class)), track);
-    }
-    else
-    {
-      enlarge(leastSize(object_class), track);
-    }
-  }
-  const std::vector<TrackState> states = smoothed(track, options);
-  const std::vector<bool> moving = movingOf(track, states);
-  for (std::size_t i = 0; i < track.size(); ++i)
-  {
-    track[i].object_class = object_class;
-    track[i].box.center = states[i].center;
-    track[i].velocity = states[i].velocity;
-    track[i].dynamic = moving[i];
-  }
-}
-
-std::vector<TrackBox> boxesOf(const Tracks& tracks)
-{
-  std::vector<TrackBox> boxes;
-  for (const auto& [id, track] : tracks)
-  {
-    for (const Sighting& sighting : track)
-    {
-      boxes.push_back({sighting.scan, id, sighting.box});
-    }
-  }
-  return boxes;
 }
 }  // namespace
 

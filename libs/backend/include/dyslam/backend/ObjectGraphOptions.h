@@ -16,7 +16,7 @@ struct ObjectGraphOptions : Options
 
   // Static or dynamic
   double moving_speed = 0.6;     //!< an object that was ever significantly faster is dynamic [m/s]
-  double speed_window = 1;       //!< time window of the speed estimate [s]
+  double speed_window = 1;       //!< time window of the speed, at least four successive scans [s]
   double max_static_motion = 1;  //!< an object displaced by more within its sighting is dynamic [m]
   double min_static_time = 1;    //!< observed at one place for so long, an object is static [s]
 
