@@ -167,6 +167,8 @@ TEST_F(DirectInput, ABagOfSeveralLidars)
   EXPECT_TRUE(contains(folder_.read("run/effective.ini"), "further_lidars = rear_lidar_points"));
   EXPECT_EQ(fs::file_size(at("run/labels/000003.label")), 2 * 4 * scans_[3].size());
   EXPECT_TRUE(contains(folder_.read("run/scan_parts.csv"), "\n3,rear_lidar_points,"));
+  EXPECT_TRUE(contains(folder_.read("run/report.html"),
+                       "\"further_lidars\":[{\"label\":\"rear_lidar_points\",\"scans\":"));
 }
 
 TEST_F(DirectInput, InABatch)

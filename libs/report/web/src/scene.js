@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The 3D view: what is in it. view.js has the buttons and the slider.
 import {AmbientLight, BoxGeometry, BufferAttribute, BufferGeometry, Color, CylinderGeometry,
-  DirectionalLight, EdgesGeometry, GLSL3, GridHelper, Group, LineBasicMaterial, LineSegments, Line, Mesh,
+  DirectionalLight, EdgesGeometry, GLSL3, GridHelper, Group, LineBasicMaterial, LineSegments, Mesh,
   MeshLambertMaterial, Points, RawShaderMaterial, Scene, Vector3} from 'three';
+import {Line2} from 'three/addons/lines/Line2.js';
+import {LineGeometry} from 'three/addons/lines/LineGeometry.js';
+import {LineMaterial} from 'three/addons/lines/LineMaterial.js';
 import {colours, everyNth, kindOf} from './data.js';
 
 const max_boxes = 200;  // of objects shown at one time
@@ -36,14 +39,15 @@ in vec3 colour;
 out vec4 result;
 void main() { result = vec4(colour, 1.0); }`;
 
+/** A line of some pixels: those of LineBasicMaterial are one pixel wide. */
 function line(poses, colour, lift) {
-  const geometry = new BufferGeometry();
+  const geometry = new LineGeometry();
   const values = new Float32Array(3 * poses.x.length);
   for (let i = 0; i < poses.x.length; ++i) {
     values.set([poses.x[i], poses.y[i], poses.z[i] + lift], 3 * i);
   }
-  geometry.setAttribute('position', new BufferAttribute(values, 3));
-  return new Line(geometry, new LineBasicMaterial({color: colour}));
+  geometry.setPositions(values);
+  return new Line2(geometry, new LineMaterial({color: colour, linewidth: 2.5}));
 }
 
 function mapOf(data, values) {
