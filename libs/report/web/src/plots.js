@@ -138,10 +138,10 @@ function readout(options, series, x) {
 function draw(container, svg, note, options) {
   const width = Math.max(260, container.clientWidth);
   const height = options.equal ? Math.min(560, Math.max(300, width * 0.75)) : 230;
-  const box = {left: 58, top: 8, width: width - 70, height: height - 52};
+  const box = {left: 58, top: 8, width: width - 76, height: height - 52};
   let x = rangeOf(options.series, 'x', options.equal ? undefined : 0);
   if (!options.equal) {
-    x = [x[0], Math.max(...options.series.map((line) => line.x[line.x.length - 1] || 0), 1e-6)];
+    x = [x[0], Math.max(...options.series.map((line) => line.x[line.x.length - 1] || 0)) || 1];
   }
   let y = rangeOf(options.series, 'y', options.floor);
   if (options.equal) {

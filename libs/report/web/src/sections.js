@@ -123,7 +123,7 @@ function tile(value, unit, name) {
 
 export function summary(data) {
   const {scans: n, keyframes, loops} = data.totals;
-  const time = data.run_time > 0 ? tile(fixed(data.recording_time / data.run_time, 2), '×', 'real time') :
+  const time = data.run_time > 0 && data.recording_time > 0 ? tile(fixed(data.recording_time / data.run_time, 2), '×', 'real time') :
       tile(fixed(millisecondsPerScan(data), 1), 'ms', 'per scan, all stages');
   return h('section', {id: 'summary'}, h('h2', {}, 'Summary'), verdict(data),
       h('div', {class: 'tiles'}, tile(n.toLocaleString('en'), '', 'scans'),
@@ -275,11 +275,11 @@ function chart(data, area) {
   const width = Math.max(260, area.clientWidth);
   const objects = [...data.objects].sort((a, b) => a.scan[0] - b.scan[0] || a.id - b.id);
   const row = objects.length > 60 ? Math.max(2, 900 / objects.length) : 15;
-  const label = row >= 12 ? 58 : 12;
+  const label = 58;  // as the plots, so that the times are below each other
   const height = objects.length * row + 46;
   const t = data.scans.time;
-  const end = Math.max(t[t.length - 1] || 0, 1e-6);
-  const px = (v) => label + v / end * (width - label - 12);
+  const end = t[t.length - 1] || 1;
+  const px = (v) => label + v / end * (width - label - 18);
   const svg = s('svg', {width: '100%', height, viewBox: `0 0 ${width} ${height}`, role: 'img',
     'aria-label': 'Tracks over time'});
   const {values, digits} = ticks([0, end], roundStep([0, end], (width - label) / 80));

@@ -135,7 +135,8 @@ class View {
       label.textContent = `${object.class} ${object.id}, ${fixed(object.speed[i], 1)} m/s`;
       label.style.background = kindOf(object).colour;
       label.style.color = kindOf(object).ink || '#fff';
-      const px = (at.x + 1) / 2 * this.stage.clientWidth;
+      const half = label.offsetWidth / 2;
+      const px = Math.max(half, Math.min(this.stage.clientWidth - half, (at.x + 1) / 2 * this.stage.clientWidth));
       const py = (1 - at.y) / 2 * this.stage.clientHeight;
       label.style.transform = `translate(${px.toFixed(1)}px, ${py.toFixed(1)}px) translate(-50%, -100%)`;
     });
