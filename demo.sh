@@ -6,8 +6,9 @@
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")"
 source scripts/dependencies.sh
-install_packages
 rawlog=${1:-rawlog/street64.rawlog}
+[[ -e $rawlog ]] || { echo "demo.sh: $rawlog: no such file in $PWD" >&2; exit 1; }
+install_packages
 config=(${2:+-c "$2"})
 out=out/$(basename "$rawlog" .rawlog)
 echo "Building dyslam and dyslam-eval in build/release"

@@ -122,7 +122,7 @@ void printResult(const SlamRunReport& report, const std::string& folder)
   if (report.frames > 0 && report.run_time > 0)
   {
     std::printf(
-        "; %.1f ms of wall time, as stages run in parallel",
+        ", some in parallel; %.1f ms of wall time",
         1e3 * (report.run_time - report.first_pass_time) / static_cast<double>(report.frames));
   }
   std::printf("\n");

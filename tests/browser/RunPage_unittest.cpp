@@ -249,6 +249,61 @@ TEST_F(RunPageInBrowser, ShowsTheVerdictOfTheRun)
   ASSERT_TRUE(browser().waitFor(all_drawn)) << browser().errors();
   EXPECT_EQ(textOf("verdict").find("Check trajectory and map."), 0U);
   EXPECT_NE(textOf("verdict").find(page.warnings[0]), std::string::npos);
+  page.verdict = "unusable";
+  page.failure = "15 of 20 scans could not be registered: do not trust trajectory and map";
+  page.warnings = {"the local map was restarted 2 times"};
+  browser().open(written(page, "unusable.html"));
+  ASSERT_TRUE(browser().waitFor(all_drawn)) << browser().errors();
+  EXPECT_EQ(textOf("verdict").find("This run is unusable."), 0U);
+  EXPECT_NE(textOf("verdict").find(page.failure), std::string::npos);
+  EXPECT_NE(textOf("verdict").find(page.warnings[0]), std::string::npos);
+}
+
+TEST_F(RunPageInBrowser, MarksScansThatWereNotRegistered)
+{
+  const char* const crosses = "return document.querySelectorAll('#trajectory .plot path').length";
+  RunPage page = smallRun();
+  browser().open(written(page, "registered.html"));
+  ASSERT_TRUE(browser().waitFor(all_drawn)) << browser().errors();
+  EXPECT_EQ(browser().run(crosses), 0);
+  EXPECT_EQ(textOf("trajectory").find("not registered"), std::string::npos);
+  page.scans[19].registered = false;
+  browser().open(written(page, "lost.html"));
+  ASSERT_TRUE(browser().waitFor(all_drawn)) << browser().errors();
+  EXPECT_EQ(browser().run(crosses), 2) << "from above, and in the speed";
+  EXPECT_NE(textOf("trajectory").find("not registered"), std::string::npos);
+  browser().type("time-slider", "\xEE\x80\x90");  // End
+  EXPECT_EQ(textOf("scene-info"), "Scan 19 (20 of 20), 1.90 s: 1 moving object, not registered");
+  EXPECT_EQ(browser().errors(), "");
+}
+
+TEST_F(RunPageInBrowser, ListsFurtherLidars)
+{
+  RunPage page = smallRun();
+  browser().open(written(page, "one lidar.html"));
+  ASSERT_TRUE(browser().waitFor(all_drawn)) << browser().errors();
+  EXPECT_EQ(browser().run("return document.getElementById('lidars') === null"), true);
+  page.parts = {{0, "left", 100.02, 500}, {1, "left", 100.13, 700}, {1, "rear", 100.05, 900}};
+  browser().open(written(page, "three lidars.html"));
+  ASSERT_TRUE(browser().waitFor(all_drawn)) << browser().errors();
+  EXPECT_EQ(browser().run("return [...document.querySelectorAll('#lidars tbody tr')].map(r => "
+                          "[...r.children].map(c => c.textContent).join('|')).join(' ')"),
+            "left|2|2 of 20 scans|30.0|30.0|600 rear|1|1 of 20 scans|-50.0|-50.0|900");
+  EXPECT_NE(textOf("summary").find("Merged with its scans are those of left, rear."),
+            std::string::npos);
+  EXPECT_EQ(browser().errors(), "");
+}
+
+/** Plots of zeros would look like an odometry without errors. */
+TEST_F(RunPageInBrowser, DrawsNoDriftWhereNothingWasCorrected)
+{
+  RunPage page = smallRun();
+  page.odometry = page.trajectory;
+  browser().open(written(page, "uncorrected.html"));
+  ASSERT_TRUE(browser().waitFor(all_drawn)) << browser().errors();
+  EXPECT_EQ(browser().run("return document.querySelectorAll('#drift .plot').length"), 0);
+  EXPECT_NE(textOf("drift").find("does not mean that nothing has drifted"), std::string::npos);
+  EXPECT_EQ(browser().errors(), "");
 }
 
 TEST_F(RunPageInBrowser, SaysWhichScansOfALongRunAreShownAndWhichLoopsAreLeftOut)
@@ -276,7 +331,11 @@ TEST_F(RunPageInBrowser, SaysThatSatellitePositionsCorrectTheDriftAndHowLargeThe
 {
   RunPage page = smallRun();
   page.loops.clear();
-  page.satellite_fixes = 42;
+  page.georeference.emplace();
+  page.georeference->fixes = 42;
+  page.georeference->fused = true;
+  page.georeference->horizontal_rmse = 0.93;
+  page.georeference->epsg = 32632;
   page.reference = Trajectory();
   page.reference.push_back(page.trajectory[0].stamp, page.trajectory[0].pose);
   const std::vector<Eigen::Vector3f> points{{0, 0, 0}, {10, 20, 5}};
@@ -287,6 +346,9 @@ TEST_F(RunPageInBrowser, SaysThatSatellitePositionsCorrectTheDriftAndHowLargeThe
   const std::string summary = textOf("summary");
   EXPECT_NE(summary.find("42 satellite positions moved the trajectory by up to"),
             std::string::npos);
+  EXPECT_NE(
+      summary.find("(georeference.ini; UTM: EPSG 32632); they are 0.93 m from the trajectory"),
+      std::string::npos);
   EXPECT_EQ(summary.find("nothing corrects the drift"), std::string::npos);
   EXPECT_EQ(summary.find("has no ground truth"), std::string::npos);
   EXPECT_NE(summary.find("5,000,000"), std::string::npos);

@@ -100,6 +100,8 @@ class DirectInput : public ::testing::Test
     EXPECT_TRUE(contains(folder_.read(out + "recording.ini"), "input = " + at(input)));
     EXPECT_TRUE(contains(direct.err, "dyslam, conversion: 100%")) << direct.err;
     EXPECT_TRUE(contains(direct.out, out + "recording.rawlog stays")) << direct.out;
+    EXPECT_TRUE(contains(direct.out, "dyslam does not have are those of " + converter + "\n"))
+        << direct.out;
   }
 
   /** Expects an error. \param says parts of the only line on stderr */
@@ -167,6 +169,8 @@ TEST_F(DirectInput, ABagOfSeveralLidars)
   EXPECT_TRUE(contains(folder_.read("run/effective.ini"), "further_lidars = rear_lidar_points"));
   EXPECT_EQ(fs::file_size(at("run/labels/000003.label")), 2 * 4 * scans_[3].size());
   EXPECT_TRUE(contains(folder_.read("run/scan_parts.csv"), "\n3,rear_lidar_points,"));
+  EXPECT_TRUE(contains(folder_.read("run/report.html"),
+                       "\"further_lidars\":[{\"label\":\"rear_lidar_points\",\"scans\":"));
 }
 
 TEST_F(DirectInput, InABatch)

@@ -173,7 +173,8 @@ TEST_F(SlamProgramTest, TheWallTimeOfAScanIsPrinted)
   report_.ms_per_scan = 60;
   report_.run_time = 0.1;
   EXPECT_TRUE(
-      contains(printedByRun(), "60.0 ms per scan, all stages added up; 50.0 ms of wall time"));
+      contains(printedByRun(),
+               "60.0 ms per scan, all stages added up, some in parallel; 50.0 ms of wall time"));
 }
 
 TEST_F(SlamProgramTest, TheTimeOfBothPassesIsPrinted)
@@ -185,7 +186,7 @@ TEST_F(SlamProgramTest, TheTimeOfBothPassesIsPrinted)
   EXPECT_TRUE(
       contains(printed, "real-time factor 1.50: 0.3 s of recording in 0.2 s, both passes\n"))
       << printed;
-  EXPECT_TRUE(contains(printed, "; 50.0 ms of wall time, as stages run in parallel")) << printed;
+  EXPECT_TRUE(contains(printed, "; 50.0 ms of wall time\n")) << printed;
 }
 
 TEST_F(SlamProgramTest, OneScanIsNamedAsOne)

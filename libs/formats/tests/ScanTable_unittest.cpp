@@ -32,6 +32,26 @@ TEST(ScanTable, NamesTheDamagedLine)
   }
 }
 
+TEST(ScanTable, HasTheScansOfFurtherLidars)
+{
+  const TestFolder folder;
+  const std::string path = folder.write("scan_parts.csv",
+                                        "frame,sensor_label,stamp,first_point,points\n"
+                                        "7,left,100.250000000,4,3\n"
+                                        "7,\"rear,2\",99.500000000,7,1\n");
+  const std::vector<ScanPartRow> rows = readScanParts(path);
+  ASSERT_EQ(rows.size(), 2U);
+  EXPECT_EQ(rows[0].frame, 7U);
+  EXPECT_EQ(rows[0].sensor_label, "left");
+  EXPECT_EQ(rows[0].stamp, 100.25);
+  EXPECT_EQ(rows[0].points, 3U);
+  EXPECT_EQ(rows[1].sensor_label, "rear,2");
+  EXPECT_EQ(rows[1].points, 1U);
+  folder.write("scan_parts.csv", "frame,sensor_label,stamp,first_point,points\n7,left,1.5,4,-3\n");
+  EXPECT_TRUE(contains(messageOfError<UserError>([&] { (void)readScanParts(path); }),
+                       "scan_parts.csv:2: '-3' is not a whole number"));
+}
+
 TEST(ScanTable, NamesTheMissingColumn)
 {
   const TestFolder folder;

@@ -45,7 +45,7 @@ struct ObjectStyle
 const std::array<ObjectStyle, 4> styles{{{"vehicle", {40, 40, 214}},
                                          {"person", {14, 127, 255}},
                                          {"two-wheeler", {189, 60, 140}},
-                                         {"unknown object", {60, 140, 60}}}};
+                                         {"unknown object", {115, 158, 0}}}};
 
 const ObjectStyle& styleOf(ObjectClass object_class)
 {

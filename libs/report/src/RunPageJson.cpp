@@ -1,12 +1,15 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "RunPageJson.h"
 
+#include <dyslam/core/Angle.h>
 #include <dyslam/core/Quantile.h>
 #include <dyslam/core/Version.h>
 #include <dyslam/eval/TrajectoryReports.h>
 
 #include <algorithm>
 #include <cmath>
+#include <map>
+#include <set>
 
 #include "PoseDrift.h"
 
@@ -205,17 +208,16 @@ Json totalsJson(const RunPage& page)
           {"keyframes", count(&PageScan::keyframe)},
           {"loops", page.loops.size()},
           {"loops_left_out", page.loops_left_out},
-          {"satellite_fixes", page.satellite_fixes},
           {"correction", rounded(largestCorrection(page), millimetre)},
           {"seconds", rounded(seconds, millimetre)}};
 }
 
-/** Every n-th scan. */
+/** Every n-th scan; `registered`: whether it and those up to the next shown one are. */
 Json scansJson(const RunPage& page, std::size_t step)
 {
   Json json;
   json["step"] = step;
-  for (const char* name : {"index", "time", "points", "moving"})
+  for (const char* name : {"index", "time", "points", "moving", "registered"})
   {
     json[name] = Json::array();
   }
@@ -227,6 +229,10 @@ Json scansJson(const RunPage& page, std::size_t step)
         rounded(page.trajectory[i].stamp - page.trajectory[0].stamp, millimetre));
     json["points"].push_back(scan.points);
     json["moving"].push_back(scan.moving_points);
+    json["registered"].push_back(std::all_of(
+        page.scans.begin() + static_cast<std::ptrdiff_t>(i),
+        page.scans.begin() + static_cast<std::ptrdiff_t>(std::min(i + step, page.scans.size())),
+        [](const PageScan& s) { return s.registered; }));
   }
   json["speed"] = rounded(everyNth(speeds(page.trajectory), step), millimetre);
   return json;
@@ -250,6 +256,74 @@ Json keyframesJson(const RunPage& page, std::size_t max_keyframes)
     json["position"].push_back(vectorJson(position, 0.01));
   }
   return json;
+}
+
+/** Scans of one further lidar. */
+struct FurtherLidar
+{
+  std::set<std::size_t> merged_into;
+  std::vector<double> offsets;  //!< stamps relative to the scans that they were merged into [s]
+  std::size_t points = 0;
+};
+
+/** A row per further lidar: its merged scans in numbers. */
+Json furtherLidarsJson(const RunPage& page)
+{
+  std::map<std::size_t, double> stamps;
+  for (std::size_t i = 0; i < page.scans.size(); ++i)
+  {
+    stamps[page.scans[i].index] = page.trajectory[i].stamp;
+  }
+  std::map<std::string, FurtherLidar> lidars;
+  for (const PageScanPart& part : page.parts)
+  {
+    const auto into = stamps.find(part.scan);
+    if (into != stamps.end())
+    {
+      FurtherLidar& lidar = lidars[part.sensor_label];
+      lidar.merged_into.insert(part.scan);
+      lidar.offsets.push_back(part.stamp - into->second);
+      lidar.points += part.points;
+    }
+  }
+  Json json = Json::array();
+  for (auto& [label, lidar] : lidars)
+  {
+    const std::size_t count = lidar.offsets.size();
+    const double largest =
+        *std::max_element(lidar.offsets.begin(), lidar.offsets.end(),
+                          [](double a, double b) { return std::abs(a) < std::abs(b); });
+    json.push_back({{"label", label},
+                    {"scans", count},
+                    {"merged_into", lidar.merged_into.size()},
+                    {"offset_ms", rounded(1e3 * upperMedian(lidar.offsets), 0.1)},
+                    {"largest_offset_ms", rounded(1e3 * largest, 0.1)},
+                    {"points", lidar.points / count}});
+  }
+  return json;
+}
+
+/** What satellite positions and accelerations show; null without. */
+void addEarth(const RunPage& page, Json& json)
+{
+  json["georeference"] = Json();
+  if (page.georeference)
+  {
+    const Georeference& g = *page.georeference;
+    json["georeference"] = {{"fixes", g.fixes},
+                            {"fused", g.fused},
+                            {"epsg", g.epsg},
+                            {"horizontal_rmse", rounded(g.horizontal_rmse, 0.01)},
+                            {"vertical_rmse", rounded(g.vertical_rmse, 0.01)}};
+  }
+  json["gravity"] = Json();
+  if (page.gravity)
+  {
+    const Gravity& g = *page.gravity;
+    json["gravity"] = {{"tilt_deg", rounded(g.tilt / radians_per_degree, 0.1)},
+                       {"tilt_sigma_deg", rounded(g.tilt_sigma / radians_per_degree, 0.1)},
+                       {"levelled", g.levelled}};
+  }
 }
 
 Json objectJson(const PageObject& object)
@@ -368,9 +442,13 @@ nlohmann::ordered_json runPageJson(const RunPage& page,
   {
     json["stage_ms"][stage] = rounded(ms, 1e-4);
   }
+  json["run_time"] = rounded(page.run_time, 0.01);
+  json["recording_time"] = rounded(page.recording_time, 0.01);
   json["totals"] = totalsJson(page);
   json["scans"] = scansJson(page, step);
   json["keyframes"] = keyframesJson(page, max_scans);
+  json["further_lidars"] = furtherLidarsJson(page);
+  addEarth(page, json);
   addTrajectories(page, step, max_scans, json);
   const auto lengths = page.trajectory.pathLengths();
   json["length"] = rounded(lengths.empty() ? 0 : lengths.back(), 0.01);

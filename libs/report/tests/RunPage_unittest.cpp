@@ -198,12 +198,57 @@ TEST(RunPage, CountsThePointsOfTheWholeMap)
   EXPECT_EQ(json["map"]["count"], 2);
 }
 
-TEST(RunPage, NamesTheSatellitePositionsInUse)
+TEST(RunPage, HasWhatSatellitePositionsAndAccelerationsShow)
 {
   RunPage page = smallRun();
-  EXPECT_EQ(dataOf(renderRunPage(page, page_template))["totals"]["satellite_fixes"], 0);
-  page.satellite_fixes = 42;
-  EXPECT_EQ(dataOf(renderRunPage(page, page_template))["totals"]["satellite_fixes"], 42);
+  const auto without = dataOf(renderRunPage(page, page_template));
+  EXPECT_TRUE(without["georeference"].is_null());
+  EXPECT_TRUE(without["gravity"].is_null());
+  page.georeference.emplace();
+  page.georeference->fixes = 42;
+  page.georeference->fused = true;
+  page.georeference->horizontal_rmse = 0.9312;
+  page.gravity.emplace();
+  page.gravity->tilt = 0.035;
+  const auto json = dataOf(renderRunPage(page, page_template));
+  EXPECT_EQ(json["georeference"]["fixes"], 42);
+  EXPECT_EQ(json["georeference"]["fused"], true);
+  EXPECT_EQ(json["georeference"]["horizontal_rmse"], 0.93);
+  EXPECT_EQ(json["gravity"]["tilt_deg"], 2.0);
+}
+
+TEST(RunPage, CountsTheScansOfFurtherLidars)
+{
+  RunPage page = smallRun();
+  EXPECT_TRUE(dataOf(renderRunPage(page, page_template))["further_lidars"].empty());
+  page.parts = {{10, "left", 100.01, 500},  {10, "rear", 100.05, 900}, {11, "left", 100.07, 700},
+                {11, "left", 100.125, 600}, {12, "left", 100.21, 600}, {99, "left", 200, 1}};
+  const auto lidars = dataOf(renderRunPage(page, page_template))["further_lidars"];
+  ASSERT_EQ(lidars.size(), 2U);
+  EXPECT_EQ(lidars[0]["label"], "left");
+  EXPECT_EQ(lidars[0]["scans"], 4) << "without that of a scan that is not in the run";
+  EXPECT_EQ(lidars[0]["merged_into"], 3);
+  EXPECT_EQ(lidars[0]["offset_ms"], 10.0);
+  EXPECT_EQ(lidars[0]["largest_offset_ms"], -30.0);
+  EXPECT_EQ(lidars[0]["points"], 600);
+  EXPECT_EQ(lidars[1]["label"], "rear");
+  EXPECT_EQ(lidars[1]["merged_into"], 1);
+}
+
+/** A scan that is not shown passes its mark on to the shown one before it. */
+TEST(RunPage, MarksTheScansThatWereNotRegistered)
+{
+  RunPage page;
+  for (int i = 0; i < 6; ++i)
+  {
+    page.scans.push_back({static_cast<std::size_t>(i), 1000, 0, i != 3, false});
+    page.trajectory.push_back(0.1 * i, poseFromYpr(i, 0, 0, 0, 0, 0));
+    page.odometry.push_back(0.1 * i, poseFromYpr(i, 0, 0, 0, 0, 0));
+  }
+  RunPageOptions options;
+  options.max_scans = 3;
+  EXPECT_EQ(dataOf(renderRunPage(page, page_template, options))["scans"]["registered"],
+            nlohmann::json({true, false, true}));
 }
 
 TEST(RunPage, TextsCannotBecomeMarkup)

@@ -37,12 +37,12 @@ export function shownScans(data) {
       `Shown is ${everyNth(data.scans.step, 'scan')} (report.max_scans). `;
 }
 
-/** What a reader calls a class of objects, and its colour. */
+/** What a reader calls a class of objects, its colour (as in map.png), and that of text on it where not white. */
 const kinds = {
   vehicle: {one: 'vehicle', many: 'vehicles', colour: '#d62828'},
-  person: {one: 'person', many: 'persons', colour: '#ff7f0e'},
+  person: {one: 'person', many: 'persons', colour: '#ff7f0e', ink: '#000'},
   twoWheeler: {one: 'two-wheeler', many: 'two-wheelers', colour: '#8c3cbd'},
-  unknown: {one: 'unknown object', many: 'unknown objects', colour: '#3c8c3c'},
+  unknown: {one: 'unknown object', many: 'unknown objects', colour: '#009e73'},
 };
 const kindOfClass = {
   Car: 'vehicle', Van: 'vehicle', Truck: 'vehicle', Bus: 'vehicle', Pedestrian: 'person',

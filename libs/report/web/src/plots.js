@@ -4,11 +4,15 @@ import {fixed, h, s} from './dom.js';
 
 const max_points = 1500;  // of a line; of more, the extremes of each group are drawn
 
-/** About `wanted` round values between low and high. */
-function ticks(low, high, wanted) {
+/** A round step that divides a range into about `wanted` parts. */
+export function roundStep([low, high], wanted) {
   const raw = (high - low) / Math.max(1, wanted);
   const power = 10 ** Math.floor(Math.log10(raw));
-  const step = [1, 2, 5, 10].map((m) => m * power).find((candidate) => candidate >= raw);
+  return [1, 2, 5, 10].map((m) => m * power).find((candidate) => candidate >= 0.7 * raw);
+}
+
+/** The multiples of a step in a range, and the decimals that they need. */
+export function ticks([low, high], step) {
   const result = [];
   for (let i = Math.ceil(low / step - 1e-9); i * step <= high + 1e-9 * step; ++i) {
     result.push(i * step);
@@ -69,8 +73,10 @@ function equalise(x, y, width, height) {
 
 function axes(options, box, x, y, px, py) {
   const parts = [];
-  const xt = ticks(x[0], x[1], box.width / 80);
-  const yt = ticks(y[0], y[1], box.height / 40);
+  const x_step = roundStep(x, box.width / 80);
+  const y_step = roundStep(y, box.height / 40);
+  const xt = ticks(x, options.equal ? Math.max(x_step, y_step) : x_step);
+  const yt = ticks(y, options.equal ? Math.max(x_step, y_step) : y_step);
   for (const v of xt.values) {
     parts.push(
         s('line', {x1: px(v), x2: px(v), y1: box.top, y2: box.top + box.height, class: 'grid'}),
@@ -99,6 +105,18 @@ function lineOf(line, px, py) {
     'stroke-width': line.width || 1.8, 'stroke-dasharray': line.dash, 'stroke-linejoin': 'round'});
 }
 
+const cross = (x, y) => `M${x - 4},${y - 4}l8,8m0,-8l-8,8`;
+
+/** A dot with its name: the start's to the upper left, the others' to the lower right, as far as they fit. */
+function markOf(mark, k, box, px, py) {
+  const [cx, cy] = [px(mark.x), py(mark.y)];
+  const left = k === 0 ? cx > box.left + 40 : cx > box.left + box.width - 40;
+  const above = k === 0 ? cy > box.top + 20 : cy > box.top + box.height - 20;
+  return s('g', {}, s('circle', {cx, cy, r: 5, fill: mark.colour, stroke: '#fff'}),
+      s('text', {x: cx + (left ? -7 : 7), y: cy + (above ? -7 : 15), class: 'mark',
+        'text-anchor': left ? 'end' : 'start'}, mark.name));
+}
+
 /** The first point of each line from an x on, in words. */
 function readout(options, series, x) {
   const values = series.filter((line) => line.x.length > 0).map((line) => {
@@ -120,10 +138,10 @@ function readout(options, series, x) {
 function draw(container, svg, note, options) {
   const width = Math.max(260, container.clientWidth);
   const height = options.equal ? Math.min(560, Math.max(300, width * 0.75)) : 230;
-  const box = {left: 58, top: 8, width: width - 70, height: height - 52};
+  const box = {left: 58, top: 8, width: width - 76, height: height - 52};
   let x = rangeOf(options.series, 'x', options.equal ? undefined : 0);
   if (!options.equal) {
-    x = [x[0], Math.max(...options.series.map((line) => line.x[line.x.length - 1] || 0), 1e-6)];
+    x = [x[0], Math.max(...options.series.map((line) => line.x[line.x.length - 1] || 0)) || 1];
   }
   let y = rangeOf(options.series, 'y', options.floor);
   if (options.equal) {
@@ -133,10 +151,13 @@ function draw(container, svg, note, options) {
   const py = (v) => box.top + box.height - (v - y[0]) / (y[1] - y[0]) * box.height;
   svg.setAttribute('viewBox', `0 0 ${width} ${height}`);
   svg.setAttribute('height', height);
-  const marks = (options.marks || []).map((mark) => s('g', {}, s('title', {}, mark.name),
-      s('circle', {cx: px(mark.x), cy: py(mark.y), r: 5, fill: mark.colour, stroke: '#fff'})));
+  const crosses = (options.crosses ? options.crosses.points : [])
+      .filter((p) => Number.isFinite(p.x) && Number.isFinite(p.y))
+      .map((p) => cross(Math.round(px(p.x)), Math.round(py(p.y)))).join('');
   svg.replaceChildren(...axes(options, box, x, y, px, py),
-      ...options.series.map((line) => lineOf({...line, equal: options.equal}, px, py)), ...marks);
+      ...options.series.map((line) => lineOf({...line, equal: options.equal}, px, py)),
+      ...(crosses ? [s('path', {d: crosses, stroke: options.crosses.colour, 'stroke-width': 1.8, fill: 'none'})] : []),
+      ...(options.marks || []).map((mark, k) => markOf(mark, k, box, px, py)));
   svg.onpointermove = (event) => {
     const at = (event.clientX - svg.getBoundingClientRect().left - box.left) / box.width;
     if (!options.equal && at >= 0 && at <= 1) {
@@ -149,18 +170,22 @@ function draw(container, svg, note, options) {
 export function legend(entries) {
   return h('ul', {class: 'legend'}, entries.map((line) => h('li', {},
       s('svg', {width: 26, height: 10, 'aria-hidden': 'true'},
-          s('line', {x1: 0, x2: 26, y1: 5, y2: 5, stroke: line.colour, 'stroke-width': 3,
-            'stroke-dasharray': line.dash})), line.name)));
+          line.points ? s('path', {d: cross(13, 5), stroke: line.colour, 'stroke-width': 1.8, fill: 'none'}) :
+              s('line', {x1: 0, x2: 26, y1: 5, y2: 5, stroke: line.colour, 'stroke-width': 3,
+                'stroke-dasharray': line.dash})), line.name)));
 }
 
 /** A figure with title, legend, lines and a sentence that says what it shows.
- * series: {name, x, y, colour, dash}; equal: x and y to the same scale; floor: lowest y shown. */
+ * series: {name, x, y, colour, dash}; equal: x and y to the same scale; floor: lowest y shown;
+ * marks: named dots {name, x, y, colour}; crosses: {name, colour, points: [{x, y}]}. */
 export function plot(options) {
   const svg = s('svg', {role: 'img', 'aria-label': options.title, width: '100%'});
   const note = h('p', {class: 'readout'});
   const area = h('div', {class: 'plot'}, svg);
+  const crosses = options.crosses && options.crosses.points.length > 0 ? [options.crosses] : [];
+  const entries = [...options.series, ...crosses];
   const figure = h('figure', {}, h('figcaption', {}, h('strong', {}, options.title), ' ',
-      options.words), legend(options.series), area, note);
+      options.words), entries.length > 1 ? legend(entries) : null, area, note);
   new ResizeObserver(() => draw(area, svg, note, options)).observe(area);
   return figure;
 }

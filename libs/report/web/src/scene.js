@@ -1,8 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The 3D view: what is in it. view.js has the buttons and the slider.
 import {AmbientLight, BoxGeometry, BufferAttribute, BufferGeometry, Color, CylinderGeometry,
-  DirectionalLight, EdgesGeometry, GLSL3, GridHelper, Group, LineBasicMaterial, LineSegments, Line, Mesh,
+  DirectionalLight, EdgesGeometry, GLSL3, GridHelper, Group, LineBasicMaterial, LineSegments, Mesh,
   MeshLambertMaterial, Points, RawShaderMaterial, Scene, Vector3} from 'three';
+import {Line2} from 'three/addons/lines/Line2.js';
+import {LineGeometry} from 'three/addons/lines/LineGeometry.js';
+import {LineMaterial} from 'three/addons/lines/LineMaterial.js';
+import {LineSegments2} from 'three/addons/lines/LineSegments2.js';
+import {LineSegmentsGeometry} from 'three/addons/lines/LineSegmentsGeometry.js';
 import {colours, everyNth, kindOf} from './data.js';
 
 const max_boxes = 200;  // of objects shown at one time
@@ -36,14 +41,15 @@ in vec3 colour;
 out vec4 result;
 void main() { result = vec4(colour, 1.0); }`;
 
+/** A line of some pixels: those of LineBasicMaterial are one pixel wide. */
 function line(poses, colour, lift) {
-  const geometry = new BufferGeometry();
+  const geometry = new LineGeometry();
   const values = new Float32Array(3 * poses.x.length);
   for (let i = 0; i < poses.x.length; ++i) {
     values.set([poses.x[i], poses.y[i], poses.z[i] + lift], 3 * i);
   }
-  geometry.setAttribute('position', new BufferAttribute(values, 3));
-  return new Line(geometry, new LineBasicMaterial({color: colour}));
+  geometry.setPositions(values);
+  return new Line2(geometry, new LineMaterial({color: colour, linewidth: 2.5}));
 }
 
 function mapOf(data, values) {
@@ -60,25 +66,20 @@ function mapOf(data, values) {
   return points;
 }
 
+/** Line segments: two ends each, three coordinates an end. */
+function segments(ends, colour) {
+  const geometry = new LineSegmentsGeometry();
+  geometry.setPositions(new Float32Array(ends));
+  return new LineSegments2(geometry, new LineMaterial({color: colour, linewidth: 1.5}));
+}
+
+/** Seen from above the two ends of a loop are one place: a post makes it visible. */
 function loopsOf(loops) {
-  const geometry = new BufferGeometry();
-  const ends = loops.flatMap((loop) => [...loop.from, ...loop.to]);
-  geometry.setAttribute('position', new BufferAttribute(new Float32Array(ends), 3));
-  const group = new Group();
-  group.add(new LineSegments(geometry, new LineBasicMaterial({color: colours.loop})));
-  // Drawn over each other the two ends of a loop are one place: a post makes it visible.
-  const posts = new BufferGeometry();
-  const heights = loops.flatMap(({to}) => [...to, to[0], to[1], to[2] + 6]);
-  posts.setAttribute('position', new BufferAttribute(new Float32Array(heights), 3));
-  group.add(new LineSegments(posts, new LineBasicMaterial({color: colours.loop})));
-  return group;
+  return segments(loops.flatMap(({from, to}) => [...from, ...to, ...to, to[0], to[1], to[2] + 6]), colours.loop);
 }
 
 function keyframesOf(positions) {
-  const geometry = new BufferGeometry();
-  const values = positions.flatMap(([x, y, z]) => [x, y, z, x, y, z + 1]);
-  geometry.setAttribute('position', new BufferAttribute(new Float32Array(values), 3));
-  return new LineSegments(geometry, new LineBasicMaterial({color: colours.final}));
+  return segments(positions.flatMap(([x, y, z]) => [x, y, z, x, y, z + 1]), colours.final);
 }
 
 /** The vehicle: a disc with a pointer ahead. */

@@ -2,7 +2,7 @@
 // The parts of the page that need no 3D.
 import {colours, kindOf, shownScans} from './data.js';
 import {count, fixed, h, s} from './dom.js';
-import {legend, plot} from './plots.js';
+import {legend, plot, roundStep, ticks} from './plots.js';
 
 function kindsInWords(objects) {
   const numbers = new Map();
@@ -14,7 +14,9 @@ function kindsInWords(objects) {
 }
 
 /** What loops were found, and what they and satellite positions did. */
-function loopsInWords({loops, loops_left_out: rejected, satellite_fixes: fixes, correction}) {
+function loopsInWords({totals, georeference}) {
+  const {loops, loops_left_out: rejected, correction} = totals;
+  const fixes = georeference && georeference.fused ? georeference.fixes : 0;
   const moved = `moved the trajectory by up to ${fixed(correction, 2)} m.`;
   if (loops === 0) {
     const none = rejected === 0 ? 'No place was recognised a second time (no loops)' :
@@ -26,6 +28,23 @@ function loopsInWords({loops, loops_left_out: rejected, satellite_fixes: fixes, 
       (fixes === 0 ? `They ${moved}` : `They and ${count(fixes, 'satellite position')} ${moved}`);
   return rejected === 0 ? found :
       `${found} ${rejected.toLocaleString('en')} left out, as they contradict the others.`;
+}
+
+/** What satellite positions and accelerations say of the map; nothing for a run without them. */
+function earthInWords({georeference, gravity}) {
+  const result = [];
+  if (georeference) {
+    const {fixes, horizontal_rmse: horizontal, vertical_rmse: vertical, epsg} = georeference;
+    result.push(`${count(fixes, 'satellite position')} show where the map is on the earth ` +
+        `(georeference.ini${epsg > 0 ? `; UTM: EPSG ${epsg}` : ''}); they are ${fixed(horizontal, 2)} m from ` +
+        `the trajectory, ${fixed(vertical, 2)} m in height (RMS).`);
+  }
+  if (gravity) {
+    result.push(`By the accelerometer, z of the map ${gravity.levelled ? 'was' : 'is'} ` +
+        `${fixed(gravity.tilt_deg, 1)}° from the vertical (sigma ${fixed(gravity.tilt_sigma_deg, 1)}°)` +
+        (gravity.levelled ? '; the map was levelled.' : '.'));
+  }
+  return result;
 }
 
 /** Where the ground truth is from, in brackets. */
@@ -44,16 +63,18 @@ function sentences(data) {
   const lost = n - data.totals.registered;
   const ms = millisecondsPerScan(data);
   const result = [];
-  result.push(`${count(n, 'scan')} of ${fixed(seconds, 1)} s were processed; the sensor travelled ` +
-      `${fixed(data.length, 1)} m.`);
+  result.push(`${count(n, 'scan')} in ${fixed(seconds, 1)} s; the sensor travelled ${fixed(data.length, 1)} m.`);
   if (data.sensor) {
     result.push(`Sensor: ${data.sensor}.`);
   }
+  if (data.further_lidars.length > 0) {
+    result.push(`Merged with its scans are those of ${data.further_lidars.map((l) => l.label).join(', ')}.`);
+  }
   result.push(lost === 0 ?
       'The motion of every scan was found by registration.' :
-      `${lost} of ${count(n, 'scan')} could not be registered: their motion was predicted from ` +
-      'the motion before. The first scan of a recording that starts in motion is often among them.');
-  result.push(loopsInWords(data.totals));
+      `${lost} of ${count(n, 'scan')} could not be registered (crosses in the plots): their motion was predicted ` +
+      'from the motion before. The first scan of a recording that starts in motion is often among them.');
+  result.push(loopsInWords(data), ...earthInWords(data));
   result.push(data.objects.length === 0 ? 'No moving object was tracked.' :
       `${count(data.objects.length, 'moving object')} tracked: ${kindsInWords(data.objects)}.`);
   const final = data.errors.find((e) => e.name === 'final');
@@ -68,20 +89,21 @@ function sentences(data) {
   }
   if (n > 1 && seconds > 0) {
     const period = 1000 * seconds / (n - 1);
-    result.push(`The stages took ${fixed(ms, 1)} ms per scan, added up, though some run side by side; ` +
+    result.push((data.run_time > 0 ? `The run took ${fixed(data.run_time, 1)} s for ${fixed(data.recording_time, 1)} s ` +
+        'of recording. ' : '') + `The stages took ${fixed(ms, 1)} ms per scan, added up, though some run side by side; ` +
         `a scan came every ${fixed(period, 0)} ms.`);
   }
   return result;
 }
 
 function warningList(data) {
-  return h('ul', {}, data.warnings.map((w) => h('li', {}, w)));
+  return data.warnings.length > 0 ? h('ul', {}, data.warnings.map((w) => h('li', {}, w))) : null;
 }
 
 function verdict(data) {
   if (data.failure) {
     return h('div', {class: 'verdict bad', id: 'verdict'}, h('strong', {}, 'This run is unusable. '),
-        data.failure);
+        data.failure, warningList(data));
   }
   if (data.verdict === 'doubtful') {
     return h('div', {class: 'verdict warn', id: 'verdict'},
@@ -101,13 +123,13 @@ function tile(value, unit, name) {
 
 export function summary(data) {
   const {scans: n, keyframes, loops} = data.totals;
-  const ms = millisecondsPerScan(data);
+  const time = data.run_time > 0 && data.recording_time > 0 ? tile(fixed(data.recording_time / data.run_time, 2), '×', 'real time') :
+      tile(fixed(millisecondsPerScan(data), 1), 'ms', 'per scan, all stages');
   return h('section', {id: 'summary'}, h('h2', {}, 'Summary'), verdict(data),
       h('div', {class: 'tiles'}, tile(n.toLocaleString('en'), '', 'scans'),
           tile(fixed(data.length, 1), 'm', 'path'), tile(keyframes.toLocaleString('en'), '', 'keyframes'),
           tile(loops, '', 'loops'), tile(data.objects.length, '', 'moving objects'),
-          tile(data.map.of.toLocaleString('en'), '', 'map points'),
-          tile(fixed(ms, 1), 'ms', 'per scan, all stages')),
+          tile(data.map.of.toLocaleString('en'), '', 'map points'), time),
       h('ul', {class: 'sentences'}, sentences(data).map((line) => h('li', {}, line))));
 }
 
@@ -164,22 +186,29 @@ function lines(data, build) {
   return all.map((line) => ({...line, ...build(line.poses)}));
 }
 
+/** Crosses at the scans that were not registered; of long runs, at the shown scan before each. */
+function notRegistered(data, x, y) {
+  const points = data.scans.registered.flatMap((ok, i) => ok ? [] : [{x: x[i], y: y[i]}]);
+  return {name: 'not registered', colour: colours.bad, points};
+}
+
 export function trajectory(data) {
   const n = data.final.x.length;
   const mark = (i, name, colour) => ({x: data.final.x[i], y: data.final.y[i], name, colour});
   const shown = shownScans(data);
   return h('section', {id: 'trajectory'}, h('h2', {}, 'Trajectory'), shown ? h('p', {}, shown) : null,
       h('div', {class: 'columns'},
-      plot({title: 'From above.', words: 'Green dot: start, red dot: end. Where the lines lie on one ' +
-          'another, only the upper one is seen.', equal: true, x: 'x [m]', y: 'y [m]',
-          series: lines(data, (p) => ({x: p.x, y: p.y})),
+      plot({title: 'From above.', words: 'Where lines lie on one another, only the upper one is seen.',
+          equal: true, x: 'x [m]', y: 'y [m]', series: lines(data, (p) => ({x: p.x, y: p.y})),
+          crosses: notRegistered(data, data.final.x, data.final.y),
           marks: n > 0 ? [mark(0, 'start', '#1c8f3a'), mark(n - 1, 'end', colours.bad)] : []}),
       h('div', {},
           plot({title: 'Height.', words: 'z of the sensor\'s vehicle over the distance travelled.',
             x: 'distance [m]', y: 'z [m]', series: lines(data, (p) => ({x: p.distance, y: p.z}))}),
           plot({title: 'Speed.', words: 'By the final trajectory, over half a second.', x: 'time [s]',
             y: 'speed [m/s]', floor: 0, digits: 2,
-            series: [{name: 'final', colour: colours.final, x: data.scans.time, y: data.scans.speed}]}))));
+            series: [{name: 'final', colour: colours.final, x: data.scans.time, y: data.scans.speed}],
+            crosses: notRegistered(data, data.scans.time, data.scans.speed)}))));
 }
 
 export function drift(data) {
@@ -189,20 +218,26 @@ export function drift(data) {
   if (names.length === 0) {
     return null;
   }
+  if (!truth && data.totals.correction < 0.0005) {
+    section.append(h('p', {}, 'There is no ground truth, and final trajectory and odometry are the same: no loop or ' +
+        'satellite position has corrected the odometry. That does not mean that nothing has drifted.'));
+    return section;
+  }
   section.append(h('p', {}, truth ?
     'Errors against the ground truth, the first poses made to coincide: what odometry accumulates grows ' +
     'with the distance.' :
     'There is no ground truth. Shown is by how much the odometry differs from the final trajectory: what ' +
     'loops and graph have corrected. Zero everywhere means that nothing was corrected, not that ' +
     'nothing has drifted.'));
+  const what = truth ? 'error' : 'difference';
   const series = (key) => names.map((name) => ({name, x: data.drift[name].distance,
     y: data.drift[name][key], colour: colours[name], dash: name === 'odometry' ? '7 4' : undefined}));
   section.append(h('div', {class: 'columns three'},
-      plot({title: 'Position,', words: 'horizontal distance.', x: 'distance [m]', y: 'position [m]',
+      plot({title: 'Position,', words: 'horizontal distance.', x: 'distance [m]', y: `position ${what} [m]`,
         floor: 0, series: series('position')}),
       plot({title: 'Height,', words: truth ? 'estimate minus truth.' : 'odometry minus final.',
-        x: 'distance [m]', y: 'height [m]', series: series('height')}),
-      plot({title: 'Heading,', words: 'positive is to the left.', x: 'distance [m]', y: 'heading [°]',
+        x: 'distance [m]', y: `height ${what} [m]`, series: series('height')}),
+      plot({title: 'Heading,', words: 'positive is to the left.', x: 'distance [m]', y: `heading ${what} [°]`,
         series: series('heading')})));
   return section;
 }
@@ -214,13 +249,13 @@ const stages = {
   odometry: 'matches the scan with the one before it',
   refine: 'registers the scan to the local map',
   tracking: 'detects and tracks the moving objects',
-  'hindsight.tracking': 'detects and tracks them again, on the final labels',
+  'hindsight.tracking': 'detects and tracks the moving objects again, on the final labels',
   backend: 'factor graph and search for loops',
   'backend.finish': 'last optimisation of the graph, spread over all scans',
   map: 'adds keyframes to the static map',
   'map.finish': 'stitches the map again, spread over all scans',
   hindsight: 'decides again what moves, from the scans before and after',
-  'hindsight.finish': 'the same for the last scans, spread over all',
+  'hindsight.finish': 'decides again what moves in the last scans, spread over all',
   'checkpoint.front_end': 'saves the state of odometry and tracks, spread over all scans',
   'checkpoint.back_end': 'saves the state of graph and map, spread over all scans',
 };
@@ -240,17 +275,17 @@ function chart(data, area) {
   const width = Math.max(260, area.clientWidth);
   const objects = [...data.objects].sort((a, b) => a.scan[0] - b.scan[0] || a.id - b.id);
   const row = objects.length > 60 ? Math.max(2, 900 / objects.length) : 15;
-  const label = row >= 12 ? 58 : 12;
+  const label = 58;  // as the plots, so that the times are below each other
   const height = objects.length * row + 46;
   const t = data.scans.time;
-  const end = Math.max(t[t.length - 1] || 0, 1e-6);
-  const px = (v) => label + v / end * (width - label - 12);
+  const end = t[t.length - 1] || 1;
+  const px = (v) => label + v / end * (width - label - 18);
   const svg = s('svg', {width: '100%', height, viewBox: `0 0 ${width} ${height}`, role: 'img',
     'aria-label': 'Tracks over time'});
-  const step = [0.5, 1, 2, 5, 10, 20, 50, 100, 200, 500, 1000].find((v) => end / v <= width / 70) || 5000;
-  for (let v = 0; v <= end; v += step) {
+  const {values, digits} = ticks([0, end], roundStep([0, end], (width - label) / 80));
+  for (const v of values) {
     svg.append(s('line', {x1: px(v), x2: px(v), y1: 4, y2: height - 40, class: 'grid'}),
-        s('text', {x: px(v), y: height - 24, 'text-anchor': 'middle'}, String(v)));
+        s('text', {x: px(v), y: height - 24, 'text-anchor': 'middle'}, fixed(v, digits)));
   }
   svg.append(s('text', {x: (label + width) / 2, y: height - 6, 'text-anchor': 'middle', class: 'axis'},
       'time [s]'));
@@ -265,7 +300,7 @@ function chart(data, area) {
         ++b;
       }
       g.append(s('rect', {x: px(t[object.scan[a]]), y: y + row * 0.12, height: row * 0.76, rx: 2,
-        width: Math.max(2, px(t[object.scan[b]] + gap) - px(t[object.scan[a]])),
+        width: Math.max(2, px(Math.min(end, t[object.scan[b]] + gap)) - px(t[object.scan[a]])),
         fill: kindOf(object).colour}));
     }
     svg.append(g);
@@ -296,6 +331,24 @@ export function tracks(data) {
   return section;
 }
 
+/** The scans of further lidars that were merged with those of the first one. */
+export function furtherLidars(data) {
+  if (data.further_lidars.length === 0) {
+    return null;
+  }
+  const head = ['lidar', 'its scans', 'merged into', 'time offset [ms]', 'largest [ms]', 'points per scan'];
+  return h('section', {id: 'lidars'}, h('h2', {}, 'Further lidars'),
+      h('p', {}, 'Scans of these lidars were merged with those of the first one. Time offset: stamp of the ' +
+          'scan minus that of the one that it was merged into, median and largest. ', h('code', {}, 'scan_parts.csv'),
+          ' has a row for each.'),
+      h('div', {class: 'scroll'}, h('table', {}, h('thead', {}, h('tr', {}, head.map((name, i) =>
+        h('th', {class: i > 0 ? 'number' : false}, name)))),
+      h('tbody', {}, data.further_lidars.map((lidar) => h('tr', {}, h('td', {}, h('code', {}, lidar.label)),
+          [lidar.scans.toLocaleString('en'), `${lidar.merged_into.toLocaleString('en')} of ` +
+            count(data.totals.scans, 'scan'), fixed(lidar.offset_ms, 1), fixed(lidar.largest_offset_ms, 1),
+          Math.round(lidar.points).toLocaleString('en')].map((text) => h('td', {class: 'number'}, text))))))));
+}
+
 export function picture(data) {
   const image = document.getElementById('picture');
   const section = h('section', {id: 'above'}, h('h2', {}, 'Map from above'));
@@ -317,9 +370,13 @@ const contents = {
   'odometry_tum.txt': 'trajectory before the factor graph',
   'reference_tum.txt': 'ground truth of the recording',
   'graph.graph': 'pose graph for MRPT', 'graph.g2o': 'pose graph for g2o',
+  'georeference.ini': 'where the map is on the earth',
+  'trajectory_utm.txt': 'final trajectory in UTM: time [s], easting, northing, height [m], quaternion x y z w',
   'factor_graph.txt': 'factor graph with its objects', 'scans.csv': 'what became of each scan',
+  'scan_parts.csv': 'which scans of further lidars were merged into each scan',
   'motions.csv': 'covariance of each motion', 'tracks.csv': 'tracked objects as a table',
   'tracks.txt': 'tracked objects in KITTI\'s layout', 'labels': 'moving or static for each point',
+  'probabilities': 'probability that a point moves, for each point',
   'static_scans': 'scans without moving points', 'static_scans.rawlog': 'scans without moving points',
   'replay.rawlog': 'the run as a replay for RawLogViewer',
   'keyframes.simplemap': 'static points of the keyframes for MRPT',

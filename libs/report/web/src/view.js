@@ -134,7 +134,9 @@ class View {
       label.hidden = at.z > 1 || Math.abs(at.x) > 1 || Math.abs(at.y) > 1;
       label.textContent = `${object.class} ${object.id}, ${fixed(object.speed[i], 1)} m/s`;
       label.style.background = kindOf(object).colour;
-      const px = (at.x + 1) / 2 * this.stage.clientWidth;
+      label.style.color = kindOf(object).ink || '#fff';
+      const half = label.offsetWidth / 2;
+      const px = Math.max(half, Math.min(this.stage.clientWidth - half, (at.x + 1) / 2 * this.stage.clientWidth));
       const py = (1 - at.y) / 2 * this.stage.clientHeight;
       label.style.transform = `translate(${px.toFixed(1)}px, ${py.toFixed(1)}px) translate(-50%, -100%)`;
     });
@@ -150,10 +152,11 @@ class View {
       this.controls.target.add(step);
       this.controls.update();
     }
-    const {index, time, step} = this.data.scans;
+    const {index, time, step, registered} = this.data.scans;
     this.info.textContent = `Scan ${index[scan]} (${scan * step + 1} of ${this.data.totals.scans}), ` +
         `${fixed(time[scan], 2)} s: ` +
-        count(this.states.length, 'moving object');
+        count(this.states.length, 'moving object') +
+        (step > 1 || registered[scan] ? '' : ', not registered');
     this.request();
   }
 

@@ -5,12 +5,12 @@
 #include <dyslam/core/PendingFile.h>
 #include <dyslam/core/SharedFiles.h>
 #include <dyslam/formats/GroundTruth.h>
+#include <dyslam/formats/ScanTable.h>
 #include <dyslam/plot/MapPicture.h>
 #include <dyslam/report/RunPage.h>
 
 #include <algorithm>
 #include <map>
-#include <optional>
 #include <string_view>
 #include <utility>
 
@@ -24,6 +24,7 @@ namespace
 {
 constexpr const char* html = "report.html";
 constexpr const char* png = "map.png";
+constexpr const char* merged_scans = "scan_parts.csv";  // complete before the page
 
 /** `map.png`, the map from above, and `report.html`, the run in a browser. */
 class PageOutput : public RunOutput
@@ -73,6 +74,9 @@ class PageOutput : public RunOutput
     page.warnings = results.report.warnings;
     page.files = results.report.files;
     page.stage_ms = results.stage_ms;
+    page.run_time = results.runTime();
+    page.recording_time = results.report.recording_time;
+    page.parts = partsOf(results.report.files);
     for (const PastScan& scan : results.history->scans())
     {
       page.scans.push_back(
@@ -83,8 +87,8 @@ class PageOutput : public RunOutput
     page.reference = results.reference;
     page.loops = loopsOf(*results.backend);
     page.loops_left_out = results.report.loops_left_out;
-    const std::optional<Georeference>& georeference = results.report.georeference;
-    page.satellite_fixes = georeference && georeference->fused ? georeference->fixes : 0;
+    page.georeference = results.report.georeference;
+    page.gravity = results.report.gravity;
     page.objects = objectsOf(results);
     if (results.map != nullptr)
     {
@@ -93,6 +97,20 @@ class PageOutput : public RunOutput
       page.map_size = results.report.map_points;
     }
     return page;
+  }
+
+  /** Scans of further lidars, if there are any. \param files of the run */
+  [[nodiscard]] std::vector<PageScanPart> partsOf(const std::vector<std::string>& files) const
+  {
+    std::vector<PageScanPart> parts;
+    if (std::find(files.begin(), files.end(), merged_scans) != files.end())
+    {
+      for (ScanPartRow& row : readScanParts(folder_ + "/" + merged_scans))
+      {
+        parts.push_back({row.frame, std::move(row.sensor_label), row.stamp, row.points});
+      }
+    }
+    return parts;
   }
 
   /** Loops in use, without those that the rest of the graph contradicts. */

@@ -27,8 +27,8 @@ std::string adviceFor(FailureCause cause, bool has_ini)
       break;
   }
   return "try " + std::string(has_ini ? "the settings that fit the sensor (no -c), " : "") +
-         "-c handheld.ini for a handheld one, or odometry.start_speed for a recording that begins "
-         "in motion";
+         "-c handheld.ini for a hand-held sensor, or odometry.start_speed for a recording that "
+         "begins in motion";
 }
 }  // namespace
 

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <dyslam/core/Georeference.h>
+#include <dyslam/core/Gravity.h>
 #include <dyslam/core/Objects.h>
 #include <dyslam/core/Options.h>
 #include <dyslam/core/Trajectory.h>
@@ -9,6 +11,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <map>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -46,6 +49,15 @@ struct PageLoop
   Eigen::Vector3d to = Eigen::Vector3d::Zero();    //!< position at the later visit, map frame [m]
 };
 
+/** A scan of a further lidar that was merged into one of the first lidar. */
+struct PageScanPart
+{
+  std::size_t scan = 0;  //!< PageScan::index of the scan that it was merged into
+  std::string sensor_label;
+  double stamp = 0;  //!< [s]
+  std::size_t points = 0;
+};
+
 /** Content of the page of a run. Texts may have any characters; the page shows them literally. */
 struct RunPage
 {
@@ -60,15 +72,19 @@ struct RunPage
   std::vector<std::string> warnings;
   std::vector<std::string> files;          //!< names of the files in the folder of the run
   std::map<std::string, double> stage_ms;  //!< mean time of each stage per scan [ms]
+  double run_time = 0;                     //!< time of the run up to the page [s]; 0: unknown
+  double recording_time = 0;               //!< duration of the processed part of the recording [s]
 
   std::vector<PageScan> scans;
+  std::vector<PageScanPart> parts;  //!< scans of further lidars
   Trajectory trajectory;            //!< vehicle pose of every scan, map frame
   Trajectory odometry;              //!< vehicle pose of every scan by odometry, odometry frame
   Trajectory reference;             //!< ground truth in the map frame; empty without
   std::string reference_origin;     //!< source of the ground truth, and whether it is exact
   std::vector<PageLoop> loops;      //!< loops in use
   std::size_t loops_left_out = 0;   //!< number of loops that contradict the others
-  std::size_t satellite_fixes = 0;  //!< number of satellite positions that the graph was fused with
+  std::optional<Georeference> georeference;
+  std::optional<Gravity> gravity;
   std::vector<PageObject> objects;  //!< objects that moved
 
   const std::vector<Eigen::Vector3f>* map_points = nullptr;  //!< map frame [m]; null: no map
