@@ -293,10 +293,12 @@ std::size_t MapClouds::writeTiles(ScanStore& scans,
                                   const TileProgress& on_tile) const
 {
   const auto tiles = tilesOf(scans, map_options_, exports_.tile_size);
+  const Eigen::Vector3d zero = Eigen::Vector3d::Zero();
   std::vector<TileIndex> indices;
   for (const std::string& path : paths)
   {
-    indices.emplace_back(path, description_.origin, exports_.tile_size);
+    const Eigen::Vector3d origin = holdsOrigin(path) ? description_.origin : zero;
+    indices.emplace_back(path, origin, exports_.tile_size);
   }
   std::size_t count = 0;
   std::size_t done = 0;
