@@ -63,6 +63,11 @@ MapReport buildMap(const RecordingOnTrajectory& recording,
   }
   MapReport report = writeMapOutputs(builder, outputs, listener);
   report.scans = source.framesRead();
+  if (report.points == 0)
+  {
+    listener.warn(
+        "the map has no points; check map.min_range, map.max_range, map.min_hits and the labels");
+  }
   if (10 * report.skipped > report.scans)
   {
     listener.warn(recording.trajectory + ": has no pose for " + std::to_string(report.skipped) +

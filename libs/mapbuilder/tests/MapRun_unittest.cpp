@@ -80,6 +80,16 @@ TEST_F(MapRun, WritesEveryOutput)
   EXPECT_TRUE(listener.in_range);
 }
 
+TEST_F(MapRun, AMapWithoutPointsIsWrittenWithAWarning)
+{
+  outputs.maps = {folder.file("m.ply"), folder.file("m.png"), folder.file("m.bt")};
+  options.map.min_range = 79.99;
+  EXPECT_EQ(0U, build().points);
+  EXPECT_TRUE(readCloud(folder.file("m.ply")).points.empty());
+  ASSERT_EQ(1U, listener.warnings.size());
+  EXPECT_TRUE(contains(listener.warnings[0], "the map has no points")) << listener.warnings[0];
+}
+
 TEST_F(MapRun, TilesAreCountedAndTheScansAreRemoved)
 {
   outputs.maps = {folder.file("t.las")};

@@ -7,6 +7,7 @@
 #include <mrpt/serialization/CArchive.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdint>
 #include <cstdio>
@@ -14,7 +15,9 @@
 #include <fstream>
 #include <limits>
 #include <opencv2/imgcodecs.hpp>
+#include <opencv2/imgproc.hpp>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "GridGround.h"
@@ -90,6 +93,37 @@ void clearRay(Grid& grid, const Eigen::Vector2d& a, const Eigen::Vector2d& b)
   }
 }
 
+/** Marks the triangle between two rays as free, up to where they are `width` apart [m]. */
+void clearBetween(Grid& grid,
+                  const Eigen::Vector2d& sensor,
+                  const Eigen::Vector2d& a,
+                  const Eigen::Vector2d& b,
+                  double width)
+{
+  constexpr int bits = 4;  // fractions of a cell
+  const Eigen::Vector2d to_a = a - sensor;
+  const Eigen::Vector2d to_b = b - sensor;
+  const double sine = to_a.x() * to_b.y() - to_a.y() * to_b.x();
+  const double angle = std::abs(std::atan2(sine, to_a.dot(to_b)));
+  const double length =
+      std::min({to_a.norm(), to_b.norm(), width / angle}) - grid.resolution;  // less its end cell
+  if (length <= 0)
+  {
+    return;
+  }
+  std::array<cv::Point, 3> triangle;
+  for (const auto& [corner, p] : {std::pair(0, sensor),
+                                  {1, sensor + length * to_a.normalized()},
+                                  {2, sensor + length * to_b.normalized()}})
+  {
+    const Eigen::Vector2d cell = (p - grid.origin) / grid.resolution;
+    triangle[corner] = {cvRound((cell.x() - 0.5) * (1 << bits)),
+                        cvRound((grid.cells.rows - 0.5 - cell.y()) * (1 << bits))};
+  }
+  cv::fillConvexPoly(grid.cells, triangle.data(), static_cast<int>(triangle.size()),
+                     cv::Scalar(Grid::free_space), cv::LINE_8, bits);
+}
+
 /** Farthest returns around a lidar, by direction. */
 struct FarthestReturns
 {
@@ -110,12 +144,27 @@ struct FarthestReturns
     }
   }
 
+  /** In order of their azimuths. */
+  [[nodiscard]] std::vector<Eigen::Vector2d> returns() const
+  {
+    std::vector<Eigen::Vector2d> result;
+    for (std::size_t bin = 0; bin < azimuth_bins; ++bin)
+    {
+      if (range[bin] > 0)
+      {
+        result.push_back(ends[bin]);
+      }
+    }
+    return result;
+  }
+
   Eigen::Vector2d sensor;
   std::vector<double> range;  //!< 0: none
   std::vector<Eigen::Vector2d> ends;
 };
 
-/** In every direction the ray to the farthest return below the obstacles' upper border is free. */
+/** In every direction the ray to the farthest return below the obstacles' upper border is free, and
+ * so is what lies between two rays no more than two voxels apart, as their thinned returns are. */
 void clearRays(Grid& grid,
                const StaticMap& map,
                const GridGround& ground,
@@ -143,12 +192,12 @@ void clearRays(Grid& grid,
         }
         for (const FarthestReturns& lidar : lidars)
         {
-          for (std::size_t bin = 0; bin < azimuth_bins; ++bin)
+          const std::vector<Eigen::Vector2d> returns = lidar.returns();
+          for (std::size_t i = 0; i < returns.size(); ++i)
           {
-            if (lidar.range[bin] > 0)
-            {
-              clearRay(grid, lidar.sensor, lidar.ends[bin]);
-            }
+            clearRay(grid, lidar.sensor, returns[i]);
+            clearBetween(grid, lidar.sensor, returns[i], returns[(i + 1) % returns.size()],
+                         2 * map.voxelSize());
           }
         }
         if (on_keyframe)

@@ -35,6 +35,11 @@ std::unique_ptr<CloudFormat> formatOf(const std::string& path, const CloudDescri
 }
 }  // namespace
 
+bool holdsOrigin(const std::string& path)
+{
+  return std::filesystem::path(path).extension() != ".pcd";
+}
+
 struct MapCloudFile::Impl
 {
   Impl(const std::string& path, const CloudDescription& with)

@@ -10,11 +10,13 @@
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
+#include <map>
 #include <memory>
 #include <numeric>
 #include <set>
 #include <stdexcept>
 #include <system_error>
+#include <utility>
 
 #include "YamlText.h"
 
@@ -127,7 +129,7 @@ class TileIndex
   {
     char text[128];
     std::snprintf(text, sizeof text, "x_resolution: %.10g\ny_resolution: %.10g\n", size, size);
-    text_ = text;
+    head_ = text;
   }
   /** \return path of the tile's cloud */
   std::string add(const MapTile& tile)
@@ -136,14 +138,19 @@ class TileIndex
     char text[128];
     std::snprintf(text, sizeof text, ": [%.10g, %.10g]\n", tile.region.low.x() + origin_.x(),
                   tile.region.low.y() + origin_.y());
-    text_ += yamlText(name) + text;
+    lines_[{tile.x, tile.y}] = yamlText(name) + text;
     names_.insert(name);
     return (file_.parent_path() / name).string();
   }
   /** Writes the index and removes the tiles of the earlier export that are not in it. */
   void write() const
   {
-    writeWhole(indexPath(file_), text_);
+    std::string text = head_;
+    for (const auto& [tile, line] : lines_)
+    {
+      text += line;
+    }
+    writeWhole(indexPath(file_), text);
     for (const std::string& name : before_)
     {
       if (names_.count(name) == 0)
@@ -156,7 +163,8 @@ class TileIndex
  private:
   fs::path file_;
   Eigen::Vector3d origin_;
-  std::string text_;
+  std::string head_;
+  std::map<std::pair<std::int64_t, std::int64_t>, std::string> lines_;  // by tile
   std::set<std::string> names_;
   std::vector<std::string> before_;
 };
@@ -167,10 +175,12 @@ class TileFiles
  public:
   explicit TileFiles(const MapTile& tile) : tile_(tile) {}
 
-  void add(const MapPoints& points,
+  /** Adds those of the points that are in the tile. */
+  void add(const MapPoints& of_block,
            const CloudDescription& description,
            std::vector<TileIndex>& indices)
   {
+    const MapPoints points = pointsWithin(of_block, tile_.region);
     if (points.size() == 0)
     {
       return;
@@ -283,25 +293,37 @@ std::size_t MapClouds::writeTiles(ScanStore& scans,
                                   const TileProgress& on_tile) const
 {
   const auto tiles = tilesOf(scans, map_options_, exports_.tile_size);
+  const Eigen::Vector3d zero = Eigen::Vector3d::Zero();
   std::vector<TileIndex> indices;
   for (const std::string& path : paths)
   {
-    indices.emplace_back(path, description_.origin, exports_.tile_size);
+    const Eigen::Vector3d origin = holdsOrigin(path) ? description_.origin : zero;
+    indices.emplace_back(path, origin, exports_.tile_size);
   }
   std::size_t count = 0;
+  std::size_t done = 0;
   std::size_t written = 0;
-  for (std::size_t t = 0; t < tiles.size(); ++t)
+  for (const TileBlock& block : blocksOf(tiles, exports_.tile_size))
   {
-    const TileMap part(scans, map_options_, tiles[t]);
-    TileFiles files(tiles[t]);
-    forEachPart(part.map, part.scans, tiles[t].region, &scans,
+    const TileMap part(scans, map_options_, block.region);
+    std::vector<TileFiles> files(block.tiles.begin(), block.tiles.end());
+    forEachPart(part.map, part.scans, block.region, &scans,
                 [&](const MapPoints& points, std::size_t)
-                { files.add(points, description_, indices); });
-    count += files.close();
-    written += files.empty() ? 0 : 1;
-    if (on_tile)
+                {
+                  for (TileFiles& tile : files)
+                  {
+                    tile.add(points, description_, indices);
+                  }
+                });
+    for (TileFiles& tile : files)
     {
-      on_tile(t + 1, tiles.size(), written);
+      count += tile.close();
+      written += tile.empty() ? 0 : 1;
+      ++done;
+      if (on_tile)
+      {
+        on_tile(done, tiles.size(), written);
+      }
     }
   }
   for (const TileIndex& index : indices)

@@ -175,7 +175,10 @@ TEST_F(MapCloudsTest, TheIndexHasTheCornerOfEveryTile)
   exports_.tile_size = 16;
   exports_.normals = false;
   origin_ = Eigen::Vector3d(456000, -1000, 0);
-  (void)clouds().writeTiles(*scans_, {file("map.las")});
+  (void)clouds().writeTiles(*scans_, {file("map.las"), file("map.pcd")});
+  EXPECT_NE(readWhole(file("map.pcd.tiles.yaml")).find("map_1_-1.pcd: [16, -16]\n"),
+            std::string::npos)
+      << "relative to the origin, as its points";
   const std::string index = readWhole(file("map.las.tiles.yaml"));
   EXPECT_EQ(0U, index.find("x_resolution: 16\ny_resolution: 16\n")) << index;
   EXPECT_NE(index.find("map_1_-1.las: [456016, -1016]\n"), std::string::npos) << index;

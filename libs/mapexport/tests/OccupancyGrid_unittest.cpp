@@ -228,6 +228,48 @@ TEST_F(OccupancyGrid, RaysOfEachLidarClearCells)
   }
 }
 
+/** One scan of a circle on the floor, 20 m around the lidar. */
+test::TestMap circle(int points)
+{
+  test::TestMap map;
+  Frame frame;
+  frame.scan.T_vehicle_lidar.translation().z() = 1.7;
+  for (int i = 0; i < points; ++i)
+  {
+    const float angle =
+        2 * static_cast<float>(M_PI) * static_cast<float>(i) / static_cast<float>(points);
+    frame.cloud.points.emplace_back(20 * std::cos(angle), 20 * std::sin(angle), 0.0F);
+    frame.cloud.source.push_back(0);
+  }
+  map.insert(frame);
+  return map;
+}
+
+TEST_F(OccupancyGrid, BetweenRaysThatAreTwoVoxelsApartIsFreeSpace)
+{
+  options.grid_resolution = 0.05;
+  const auto at = [&](double range, double degrees)
+  {
+    const double angle = degrees * M_PI / 180;
+    return image.at<std::uint8_t>(
+        cellOf(range * Eigen::Vector2d(std::cos(angle), std::sin(angle))));
+  };
+  write(circle(720));  // 0.17 m apart
+  for (double degrees = 0.1; degrees < 360; degrees += 0.37)
+  {
+    for (const double range : {0.5, 3.0, 8.0, 15.0, 19.0})
+    {
+      EXPECT_EQ(at(range, degrees), 254) << range << " m, " << degrees << " deg";
+    }
+  }
+  write(circle(180));  // 0.4 m apart at 11.5 m
+  for (double degrees = 1; degrees < 360; degrees += 2)
+  {
+    EXPECT_EQ(at(10, degrees), 254) << degrees;
+    EXPECT_EQ(at(14, degrees), 205) << degrees;
+  }
+}
+
 TEST_F(OccupancyGrid, TheYamlNamesItsImage)
 {
   const test::TestMap empty;

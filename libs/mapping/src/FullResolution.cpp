@@ -89,9 +89,10 @@ MapPoints FullResolution::of(const Frame& frame, const MapRegion& region) const
     }
     const Eigen::Vector3d at = frame.cloud.points[i].cast<double>();
     const Eigen::Vector3d p = T * at;
+    const Eigen::Vector3f rounded = p.cast<float>();  // each is in one of adjoining regions
     const double range = at.norm();
     if (moving[i] || !(range >= options_.min_range && range <= options_.max_range) ||
-        !region.contains(p))
+        !region.contains(rounded.cast<double>()))
     {
       continue;
     }
@@ -100,7 +101,7 @@ MapPoints FullResolution::of(const Frame& frame, const MapRegion& region) const
     {
       continue;
     }
-    result.points.push_back(p.cast<float>());
+    result.points.push_back(rounded);
     result.intensity.push_back(has_intensity ? frame.cloud.intensity[i] : 0.0F);
     result.hits.push_back(points_.hits[point]);
     result.voxel.push_back(points_.voxel[point]);

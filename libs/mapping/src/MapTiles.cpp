@@ -9,6 +9,7 @@
 #include <cmath>
 #include <cstring>
 #include <filesystem>
+#include <map>
 #include <numeric>
 #include <set>
 #include <system_error>
@@ -48,7 +49,7 @@ std::vector<ScanPart> partsOfCloud(const Frame& frame)
   return parts;
 }
 
-/** Width of the margin of a tile [m]: voxels that reach into the tile, or into a column of the
+/** Width of the margin of a region [m]: voxels that reach into the region, or into a column of the
  * ground that does, must be complete. */
 double marginFor(const StaticMapOptions& options)
 {
@@ -181,16 +182,40 @@ std::vector<MapTile> tilesOf(const ScanStore& scans, const StaticMapOptions& opt
   return result;
 }
 
-TileMap::TileMap(ScanStore& store, const StaticMapOptions& options, const MapTile& tile)
-    : map(options, keyframes, widened(tile.region, marginFor(options)))
+std::vector<TileBlock> blocksOf(const std::vector<MapTile>& tiles, double size)
 {
-  // Largest distance of a scan from the tile; the margin's corners are less than two margins away.
+  constexpr double largest_side = 100;  // about the reach of a scan [m]
+  constexpr double most_tiles = 8;      // along a side: the files of all tiles are open together
+  const double along = std::clamp(std::floor(largest_side / size), 1.0, most_tiles);
+  const auto blockOf = [along](std::int64_t i)
+  { return static_cast<std::int64_t>(std::floor(static_cast<double>(i) / along)); };
+  std::map<std::pair<std::int64_t, std::int64_t>, TileBlock> blocks;
+  for (const MapTile& tile : tiles)
+  {
+    TileBlock& block = blocks[{blockOf(tile.x), blockOf(tile.y)}];
+    const MapRegion before = block.tiles.empty() ? tile.region : block.region;
+    block.region = {before.low.cwiseMin(tile.region.low), before.high.cwiseMax(tile.region.high)};
+    block.tiles.push_back(tile);
+  }
+  std::vector<TileBlock> result;
+  for (auto& [place, block] : blocks)
+  {
+    result.push_back(std::move(block));
+  }
+  return result;
+}
+
+TileMap::TileMap(ScanStore& store, const StaticMapOptions& options, const MapRegion& region)
+    : map(options, keyframes, widened(region, marginFor(options)))
+{
+  // Largest distance of a scan from the region; the margin's corners are less than two margins
+  // away.
   const double reach =
       std::max(options.max_range, options.visibility_range) + 2 * marginFor(options);
   for (std::size_t k = 0; k < store.size(); ++k)
   {
     const Pose& T = store.pose(k);
-    if (T.matrix().allFinite() && distanceTo(tile.region, T.translation().head<2>()) <= reach)
+    if (T.matrix().allFinite() && distanceTo(region, T.translation().head<2>()) <= reach)
     {
       const Frame frame = store.read(k);
       if (!scans.empty() && store.run(k) != store.run(scans.back()))

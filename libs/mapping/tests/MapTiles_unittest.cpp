@@ -9,7 +9,9 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <set>
 #include <tuple>
+#include <utility>
 
 #include "TestMap.h"
 #include "WalledStreet.h"
@@ -97,7 +99,7 @@ TEST_F(MapTiles, TogetherAreTheWholeMap)
     const auto tiles = tilesOf(store, options_, 16.0);
     for (const MapTile& tile : tiles)
     {
-      const TileMap part(store, options_, tile);
+      const TileMap part(store, options_, tile.region);
       EXPECT_LT(part.map.voxelCount(), whole.map.voxelCount() / 2);
       const auto places = placesOf(pointsWithin(part.map.points(), tile.region));
       found.insert(found.end(), places.begin(), places.end());
@@ -127,7 +129,7 @@ TEST_F(MapTiles, OfLargeVoxelsAreTheWholeMap)
   std::vector<Place> found;
   for (const MapTile& tile : tilesOf(store, options_, 19.0))
   {
-    const TileMap part(store, options_, tile);
+    const TileMap part(store, options_, tile.region);
     const auto places = placesOf(pointsWithin(part.map.points(), tile.region));
     found.insert(found.end(), places.begin(), places.end());
   }
@@ -135,6 +137,60 @@ TEST_F(MapTiles, OfLargeVoxelsAreTheWholeMap)
   std::sort(expected.begin(), expected.end());
   std::sort(found.begin(), found.end());
   EXPECT_EQ(found, expected);
+}
+
+TEST(TileBlocks, HoldEveryTileOnceAndAreNoLargerThanAScanReaches)
+{
+  for (const double size : {5.0, 16.0, 30.0, 100.0, 250.0})
+  {
+    std::vector<MapTile> tiles;
+    for (std::int64_t x = -13; x < 12; ++x)
+    {
+      for (std::int64_t y = -3; y < 9; ++y)
+      {
+        const Eigen::Vector2d low(static_cast<double>(x) * size, static_cast<double>(y) * size);
+        tiles.push_back({x, y, {low, low.array() + size}});
+      }
+    }
+    const std::vector<TileBlock> blocks = blocksOf(tiles, size);
+    EXPECT_LE(blocks.size(), size > 50 ? tiles.size() : tiles.size() / 4);
+    std::set<std::pair<std::int64_t, std::int64_t>> found;
+    for (const TileBlock& block : blocks)
+    {
+      const Eigen::Vector2d sides = block.region.high - block.region.low;
+      EXPECT_LE(sides.maxCoeff(), std::max(size, std::min(100.0, 8 * size)) + 1e-9);
+      for (const MapTile& tile : block.tiles)
+      {
+        EXPECT_TRUE(found.emplace(tile.x, tile.y).second);
+        EXPECT_TRUE((tile.region.low.array() >= block.region.low.array()).all());
+        EXPECT_TRUE((tile.region.high.array() <= block.region.high.array()).all());
+      }
+    }
+    EXPECT_EQ(found.size(), tiles.size());
+  }
+}
+
+/** In float32, as the files have them, these points lie on the border. */
+TEST_F(MapTiles, PointsThatRoundToABorderAreInOneOfItsSides)
+{
+  options_.visibility = false;
+  Frame frame;
+  frame.T_odom_vehicle.translation().x() = -1e-9;
+  for (float y = -2; y < 2; y += 0.1F)
+  {
+    frame.cloud.points.emplace_back(16.0F, y, 1.0F);
+  }
+  frame.moving.assign(frame.cloud.size(), false);
+  test::TestMap map(options_);
+  map.insert(frame);
+  const MapPoints points = map.map.points();
+  const FullResolution full(map.map, options_, points);
+  MapRegion below;
+  below.high.x() = 16;
+  MapRegion above;
+  above.low.x() = 16;
+  EXPECT_EQ(full.of(frame, below).size(), 0U);
+  EXPECT_EQ(full.of(frame, above).size(), frame.cloud.size());
 }
 
 TEST_F(MapTiles, StoredScansKnowWhichLidarMeasuredThePoints)
@@ -152,7 +208,7 @@ TEST_F(MapTiles, StoredScansKnowWhichLidarMeasuredThePoints)
   EXPECT_EQ(ranges[1].end, frame.cloud.size());
   EXPECT_EQ(ranges[1].lidar, 1U);
   EXPECT_EQ(ranges[1].sensor(), expected[1].sensor());
-  const TileMap tile(store, options_, tilesOf(store, options_, 100).front());
+  const TileMap tile(store, options_, tilesOf(store, options_, 100).front().region);
   ASSERT_EQ(tile.keyframes.size(), 1U);
   EXPECT_EQ(tile.keyframes[0].sensorOf(1), expected[1].sensor());
   const std::vector<std::uint8_t> lidars = tile.keyframes.mapCloud(0).unpacked().lidar;

@@ -309,7 +309,11 @@ std::vector<Curve> runEntries(const std::vector<PictureRun>& runs)
   std::vector<Curve> entries;
   for (const PictureRun& run : runs)
   {
-    entries.push_back({"path of " + run.name + (entries.empty() ? ends_text : ""),
+    const std::string name = drawable(run.name);
+    const std::string number = "run " + std::to_string(entries.size() + 1);
+    const bool is_readable = name.find('?') == std::string::npos;
+    entries.push_back({"path of " + (is_readable ? name : number + " (" + name + ")") +
+                           (entries.empty() ? ends_text : ""),
                        {},
                        curveColour(entries.size())});
   }

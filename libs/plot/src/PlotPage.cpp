@@ -6,6 +6,7 @@
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 #include <stdexcept>
+#include <string_view>
 
 namespace dyslam::plot
 {
@@ -72,7 +73,47 @@ void rotatedText(cv::Mat& page, const std::string& words, cv::Point center, doub
   label(on_page - place.tl()).copyTo(page(on_page));
 }
 
+/** The letter under a character's accent; empty for accents alone, `?` for other characters. */
+std::string letterOf(unsigned code)
+{
+  constexpr unsigned first = 0xC0;
+  static constexpr std::string_view letters =  // U+00C0 to U+017F
+      "AAAAAAACEEEEIIIIDNOOOOOxOUUUUYTsaaaaaaaceeeeiiiidnooooo/ouuuuyty"
+      "AaAaAaCcCcCcCcDdDdEeEeEeEeEeGgGgGgGgHhHhIiIiIiIiIiIiJjKkkLlLlLlL"
+      "lLlNnNnNnnNnOoOoOoOoRrRrRrSsSsSsSsTtTtTtUuUuUuUuUuUuWwYyYZzZzZzs";
+  constexpr unsigned sharp_s = 0xDF;
+  if (code >= 0x300 && code < 0x370)  // combining accents
+  {
+    return "";
+  }
+  return code == sharp_s                                  ? "ss"
+         : code >= first && code < first + letters.size() ? std::string(1, letters[code - first])
+                                                          : "?";
+}
+
 }  // namespace
+
+std::string drawable(const std::string& words)
+{
+  const auto byte = [&words](std::size_t i) { return static_cast<unsigned char>(words[i]); };
+  std::string result;
+  for (std::size_t i = 0; i < words.size();)
+  {
+    const std::size_t begin = i++;
+    if (byte(begin) < 0x80)
+    {
+      result.push_back(words[begin]);
+      continue;
+    }
+    while (i < words.size() && (byte(i) & 0xC0U) == 0x80)
+    {
+      ++i;
+    }
+    const bool two_bytes = i - begin == 2 && (byte(begin) & 0xE0U) == 0xC0;
+    result += letterOf(two_bytes ? (byte(begin) & 0x1FU) << 6 | (byte(begin + 1) & 0x3FU) : 0);
+  }
+  return result;
+}
 
 cv::Scalar curveColour(std::size_t i)
 {
@@ -100,12 +141,15 @@ void text(cv::Mat& page,
           double scale,
           const cv::Scalar& colour)
 {
+  const std::string letters = drawable(words);
   const double size = scale * supersampling;
   int baseline = 0;
-  const auto box = cv::getTextSize(words, cv::FONT_HERSHEY_SIMPLEX, size, supersampling, &baseline);
+  const auto box =
+      cv::getTextSize(letters, cv::FONT_HERSHEY_SIMPLEX, size, supersampling, &baseline);
   at.x -= anchor == Anchor::middle ? box.width / 2 : anchor == Anchor::right ? box.width : 0;
   at.y += box.height / 2;
-  cv::putText(page, words, at, cv::FONT_HERSHEY_SIMPLEX, size, colour, supersampling, cv::LINE_AA);
+  cv::putText(page, letters, at, cv::FONT_HERSHEY_SIMPLEX, size, colour, supersampling,
+              cv::LINE_AA);
 }
 
 Panel::Panel(cv::Mat& page, cv::Rect area, Range x, Range y, int steps)

@@ -45,6 +45,11 @@ enum class Anchor
   right
 };
 
+/** UTF-8 text in the ASCII letters that the font has: Latin letters without accents, `?` for every
+ * other character. */
+[[nodiscard]] std::string drawable(const std::string& words);
+
+/** Draws words as drawable() has them. */
 void text(cv::Mat& page,
           const std::string& words,
           cv::Point at,

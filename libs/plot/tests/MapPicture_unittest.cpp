@@ -158,6 +158,22 @@ TEST(MapPicture, EachRunHasItsColourItsEndsAndALegend)
   }
 }
 
+/** The fonts have ASCII only. */
+TEST(MapPicture, NamesThatAreNotAsciiAreReadable)
+{
+  const auto pictureOf = [](const std::string& name)
+  {
+    MapPictureContent content;
+    content.runs = {{"monday", drive().path}, {name, drive().path}};
+    return renderMapPicture(content, options);
+  };
+  EXPECT_EQ(pictureOf("Zürich_Straße"), pictureOf("Zurich_Strasse"));
+  EXPECT_EQ(pictureOf("Łódź čáp"), pictureOf("Lodz cap"));
+  EXPECT_EQ(pictureOf("Mu\xCC\x88nchen"), pictureOf("Munchen")) << "u and a combining accent";
+  EXPECT_EQ(pictureOf("東京"), pictureOf("??")) << "one a character";
+  EXPECT_EQ(pictureOf("a\xFF\x80"), pictureOf("a?")) << "no UTF-8";
+}
+
 TEST(MapPicture, OfNothingIsNone)
 {
   EXPECT_TRUE(renderMapPicture({}).empty());

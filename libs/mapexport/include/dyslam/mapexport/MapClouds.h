@@ -43,11 +43,11 @@ class MapClouds
                     const std::vector<std::string>& paths,
                     const MapProgress& on_keyframe = {}) const;
 
-  /** Writes the map of the scans tile by tile, with one tile in memory at a time: `map.las` becomes
-   * `map_X_Y.las` for each tile with points, and `map.las.tiles.yaml` with their lower corners, in
-   * the layout that Autoware reads. Tiles of an earlier index of this name that the new index does
-   * not list are removed.
-   * \return number of points \throws UserError for a file that cannot be written. */
+  /** Writes the map of the scans in tiles, with one TileBlock in memory at a time: `map.las`
+   * becomes `map_X_Y.las` for each tile with points, and `map.las.tiles.yaml` with their lower
+   * corners, in the coordinates of the points and the layout that Autoware reads. Tiles of an
+   * earlier index of this name that the new index does not list are removed. \return number of
+   * points \throws UserError for a file that cannot be written. */
   std::size_t writeTiles(ScanStore& scans,
                          const std::vector<std::string>& paths,
                          const TileProgress& on_tile = {}) const;

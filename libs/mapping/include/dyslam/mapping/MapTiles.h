@@ -74,7 +74,18 @@ struct MapTile
                                            const StaticMapOptions& options,
                                            double size);
 
-/** The static map of one tile and a margin around it, made of the scans that can reach it. It
+/** Tiles that are built together, so that each scan is read and thinned once for all of them. */
+struct TileBlock
+{
+  MapRegion region;  //!< around the tiles
+  std::vector<MapTile> tiles;
+};
+
+/** Every tile in a block of at most 100 m and 8 tiles along each side, or of one larger tile.
+ * \param size side of a tile [m] */
+[[nodiscard]] std::vector<TileBlock> blocksOf(const std::vector<MapTile>& tiles, double size);
+
+/** The static map of a region and a margin around it, made of the scans that can reach it. It
  * equals that part of the whole map, since each of its voxels is hit by the same scans. */
 struct TileMap
 {
@@ -82,11 +93,11 @@ struct TileMap
    * large voxels it is wider. */
   static constexpr double margin = 2;
 
-  TileMap(ScanStore& scans, const StaticMapOptions& options, const MapTile& tile);
+  TileMap(ScanStore& scans, const StaticMapOptions& options, const MapRegion& region);
   TileMap(const TileMap&) = delete;  // `map` refers to `keyframes`
   TileMap& operator=(const TileMap&) = delete;
 
-  std::vector<std::size_t> scans;  //!< scans that can reach the tile
+  std::vector<std::size_t> scans;  //!< scans that can reach the region
   KeyframeStore keyframes;
   StaticMap map;
 };

@@ -22,7 +22,9 @@ struct PictureObject
 /** The path of one of several runs. */
 struct PictureRun
 {
-  std::string name;                   //!< name in the legend
+  /** Name in the legend, in Latin letters without accents; with the number of the run if it has
+   * other characters. */
+  std::string name;
   std::vector<Eigen::Vector3d> path;  //!< as MapPictureContent::path
 };
 
