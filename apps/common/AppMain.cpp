@@ -6,7 +6,9 @@
 #include <dyslam/core/Words.h>
 #include <dyslam/formats/ProgramLines.h>
 
+#include <cmath>
 #include <exception>
+#include <functional>
 #include <iostream>
 #include <new>
 #include <sstream>
@@ -83,6 +85,52 @@ bool isNumber(const std::string& word)
   return CLI::detail::lexical_cast(word, value);
 }
 
+/** Calls visit(option) for every option that was given, of the program and of its subcommand. */
+void forGivenOptions(const CLI::App& app, const std::function<void(const CLI::Option&)>& visit)
+{
+  for (const CLI::Option* option : app.get_options())
+  {
+    if (option->count() > 0)
+    {
+      visit(*option);
+    }
+  }
+  for (const CLI::App* command : app.get_subcommands())
+  {
+    forGivenOptions(*command, visit);
+  }
+}
+
+/** Error message for a value that is no number of the option's type; empty if all are. */
+std::string wrongNumber(const CLI::App& app)
+{
+  std::string message;
+  forGivenOptions(app,
+                  [&](const CLI::Option& option)
+                  {
+                    const std::string type = option.get_type_name();
+                    const bool whole = type.rfind("INT", 0) == 0 || type.rfind("UINT", 0) == 0;
+                    if (!whole && type.rfind("FLOAT", 0) != 0)
+                    {
+                      return;
+                    }
+                    for (const std::string& word : option.results())
+                    {
+                      double value = 0;
+                      const bool number = CLI::detail::lexical_cast(word, value);
+                      if (!number || std::isnan(value))
+                      {
+                        message = option.get_name() + " " + word + ": is not a number";
+                      }
+                      else if (whole && value != std::floor(value))
+                      {
+                        message = option.get_name() + " " + word + ": is not a whole number";
+                      }
+                    }
+                  });
+  return message;
+}
+
 /** The option of a pose that was given, whose six numbers are one word; empty if there is none. */
 std::string givenPoseOption(const CLI::App& app)
 {
@@ -136,7 +184,9 @@ std::string parseErrorMessage(const CLI::App& app, const CLI::ParseError& error)
   {
     return rest.front() + ": not expected; the recording is given with --input";
   }
-  return firstMeaningfulLine(error.what());
+  const std::string number =
+      dynamic_cast<const CLI::ConversionError*>(&error) != nullptr ? wrongNumber(app) : "";
+  return number.empty() ? firstMeaningfulLine(error.what()) : number;
 }
 }  // namespace
 
@@ -160,6 +210,10 @@ int runApp(int argc,
   {
     declare(app);
     app.parse(argc, argv);
+    if (const std::string number = wrongNumber(app); !number.empty())
+    {
+      return fail(number + " (see " + name + " --help)");  // NaN is within all of CLI11's ranges
+    }
     requireOutputsApart(app);
     run();
     std::cout.flush();

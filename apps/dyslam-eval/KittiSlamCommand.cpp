@@ -2,9 +2,11 @@
 #include "KittiSlamCommand.h"
 
 #include <dyslam/benchmarks/KittiSlamErrors.h>
+#include <dyslam/core/Error.h>
 #include <dyslam/core/Options.h>
 #include <dyslam/core/SharedFiles.h>
 
+#include <algorithm>
 #include <iostream>
 #include <memory>
 #include <string>
@@ -33,8 +35,22 @@ struct KittiSlamArguments
   OutputFlags output;
 };
 
+/** \throws UserError if a word is given twice, which would count twice in the means */
+void requireDifferent(const std::string& option, std::vector<std::string> words)
+{
+  std::sort(words.begin(), words.end());
+  const auto twice = std::adjacent_find(words.begin(), words.end());
+  if (twice != words.end())
+  {
+    throw UserError(option + ": '" + *twice + "' is given twice");
+  }
+}
+
 KittiSlamSetup setupOf(const KittiSlamArguments& a)
 {
+  requireDifferent("--modes", a.setup.modes);
+  requireDifferent("--odometry", a.setup.odometries);
+  requireDifferent("--sequences", a.setup.sequences);
   Config config =
       Config::fromFile(findGivenOrShared(a.config, "config_files", ".ini", "", "dyslam-eval"));
   config.requireFor("dyslam-eval");

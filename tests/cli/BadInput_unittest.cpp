@@ -396,6 +396,12 @@ TEST_F(BadInput, WordsOfTheCommandLine)
   expectRefusal("dyslam-map", "-i x --trajectory t -o a.pcd -o ./a.pcd", {"is given twice"});
   expectRefusal("dyslam", "-i x --skip-first-n -3 -o " + at("never"),
                 {"'-3' is not a number of 0 or more"});
+  expectRefusal("dyslam", "-i x --only-first-n 1.5 -o " + at("never"),
+                {"--only-first-n 1.5: is not a whole number"});
+  expectRefusal("dyslam-eval", "tracks --reference x --estimate y --distance nan",
+                {"--distance nan: is not a number"});
+  expectRefusal("dyslam-eval", "kitti-slam --data " + at("") + " --modes full odometry full",
+                {"--modes: 'full' is given twice"});
   expectRefusal("dyslam", "-i " + write("a.pcap", "x") + " -o " + at("never"),
                 {"a.pcap: is not a network capture"});
   expectRefusal("dyslam-eval", "run --truth /nope " + at(""), {"/nope: is not a folder"});
