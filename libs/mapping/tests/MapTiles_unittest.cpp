@@ -176,9 +176,9 @@ TEST_F(MapTiles, PointsThatRoundToABorderAreInOneOfItsSides)
   options_.visibility = false;
   Frame frame;
   frame.T_odom_vehicle.translation().x() = -1e-9;
-  for (float y = -2; y < 2; y += 0.1F)
+  for (float y = -1.95F; y < 2; y += 0.1F)
   {
-    frame.cloud.points.emplace_back(16.0F, y, 1.0F);
+    frame.cloud.points.emplace_back(16.0F, y, 1.1F);
   }
   frame.moving.assign(frame.cloud.size(), false);
   test::TestMap map(options_);
