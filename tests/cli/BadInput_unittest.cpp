@@ -398,8 +398,6 @@ TEST_F(BadInput, WordsOfTheCommandLine)
                 {"'-3' is not a number of 0 or more"});
   expectRefusal("dyslam", "-i x --only-first-n 1.5 -o " + at("never"),
                 {"--only-first-n 1.5: is not a whole number"});
-  expectRefusal("dyslam-eval", "tracks --reference x --estimate y --distance nan",
-                {"--distance nan: is not a number"});
   expectRefusal("dyslam-eval", "kitti-slam --data " + at("") + " --modes full odometry full",
                 {"--modes: 'full' is given twice"});
   expectRefusal("dyslam", "-i " + write("a.pcap", "x") + " -o " + at("never"),
@@ -409,6 +407,7 @@ TEST_F(BadInput, WordsOfTheCommandLine)
   const std::string tracks = "tracks --reference " + box + " --estimate " + box;
   expectRefusal("dyslam-eval", tracks + " --class Truckk",
                 {"unknown class 'Truckk'", "Pedestrian", "did you mean 'Truck'?"});
+  expectRefusal("dyslam-eval", tracks + " --distance nan", {"--distance nan: is not a number"});
   EXPECT_EQ(run("dyslam-eval", tracks + " --class Car").code, 0);
   write("tracked/tracks.txt", "0 1 Car 0 0 0 0 0 0 0 1.5 1.8 4 10 2 0 0\n");
   write("tracked/tracks.csv", "frame,stamp,id,class,speed,score\n0,,1,,2.5,\n0,0,2,Car,,1\n");
