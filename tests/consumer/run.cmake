@@ -53,6 +53,7 @@ if(NOT out MATCHES "dyslam/core/Frame.h")
 endif()
 
 file(GLOB programs ${work}/all/uses_*)
+list(FILTER programs EXCLUDE REGEX "\\.dir$")  # of the precompiled headers
 set(told "")
 if(NOT position EQUAL 0)
   set(told ${CMAKE_COMMAND} -E env DYSLAM_SHARE=${prefix}/share/dyslam)
