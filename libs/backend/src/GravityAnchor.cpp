@@ -240,12 +240,9 @@ bool GravityAnchor::addTo(FactorGraph& graph, const std::vector<FrameInKeyframe>
   }
   const Eigen::Matrix2d covariance = information.inverse().topLeftCorner<2, 2>();
   tilt_sigma_ = std::sqrt(covariance.eigenvalues().real().maxCoeff()) / standard_gravity;
-  Pose T_level_map = Pose::Identity();
-  T_level_map.linear() =
-      Eigen::Quaterniond::FromTwoVectors(upwards, Eigen::Vector3d::UnitZ()).toRotationMatrix();
   Vector6 bias = Vector6::Zero();
   bias.head<3>() = solution.tail<3>();
-  graph.addPose(Key::vertical(), T_level_map);
+  graph.addPose(Key::vertical(), levellingOf(upwards));
   graph.addVector(Key::accelerometerBias(), bias);
   Matrix6 weight = Matrix6::Identity();
   weight.diagonal().head<2>().setConstant(1 / (options_.sigma * options_.sigma));
@@ -303,5 +300,13 @@ Gravity GravityAnchor::gravity(const FactorGraph& graph) const
 void GravityAnchor::exchangeState(StateArchive& archive)
 {
   archive(intervals_);
+}
+
+Pose levellingOf(const Eigen::Vector3d& up_map)
+{
+  Pose T_level_map = Pose::Identity();
+  T_level_map.linear() =
+      Eigen::Quaterniond::FromTwoVectors(up_map, Eigen::Vector3d::UnitZ()).toRotationMatrix();
+  return T_level_map;
 }
 }  // namespace dyslam

@@ -82,4 +82,8 @@ class GravityAnchor
   double tilt_sigma_ = 0;            //!< of the vertical that addTo() found [rad]
   std::vector<std::string> warnings_;
 };
+
+/** T_level_map: the least rotation that makes `up_map` the z axis. \param up_map upwards in the map
+ * frame, of any length */
+[[nodiscard]] Pose levellingOf(const Eigen::Vector3d& up_map);
 }  // namespace dyslam

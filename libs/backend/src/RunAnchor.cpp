@@ -11,6 +11,8 @@
 #include <cmath>
 #include <memory>
 
+#include "GravityAnchor.h"
+
 namespace dyslam
 {
 namespace
@@ -132,12 +134,7 @@ void RunAnchor::addVertical(FactorGraph& merged, std::size_t first, std::size_t 
 {
   if (!merged.contains(Key::vertical()))
   {
-    Pose T_level_map = Pose::Identity();
-    T_level_map.linear() =
-        Eigen::Quaterniond::FromTwoVectors(upIn(merged.pose(Key::ego(first + middle()))),
-                                           Eigen::Vector3d::UnitZ())
-            .toRotationMatrix();
-    merged.addPose(Key::vertical(), T_level_map);
+    merged.addPose(Key::vertical(), levellingOf(upIn(merged.pose(Key::ego(first + middle())))));
   }
   const Key bias = Key::accelerometerBias(run);
   merged.addVector(bias, bias_.value_or(Vector6::Zero()));

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Satellite positions and verticals in a merge of runs.
+#include <dyslam/core/Quantile.h>
 #include <dyslam/mrpt/Geodesy.h>
 
 #include <Eigen/Geometry>
@@ -8,6 +9,7 @@
 #include <limits>
 #include <utility>
 
+#include "GravityAnchor.h"
 #include "RunMergerState.h"
 
 namespace dyslam
@@ -40,10 +42,7 @@ double horizontalDistance(const Eigen::Vector3d& a, const Eigen::Vector3d& b)
 /** Rotates the merged map so that its z axis is vertical. \pre merge.gravity */
 void level(RunMerge& merge)
 {
-  Pose T_level_map = Pose::Identity();
-  T_level_map.linear() =
-      Eigen::Quaterniond::FromTwoVectors(merge.gravity->up_map, Eigen::Vector3d::UnitZ())
-          .toRotationMatrix();
+  const Pose T_level_map = levellingOf(merge.gravity->up_map);
   for (std::vector<Pose>& poses : merge.poses)
   {
     for (Pose& pose : poses)
@@ -58,13 +57,6 @@ void level(RunMerge& merge)
   }
   merge.gravity->up_map = Eigen::Vector3d::UnitZ();
   merge.gravity->levelled = true;
-}
-
-double medianOf(std::vector<double> values)
-{
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
 }
 }  // namespace
 
@@ -134,7 +126,7 @@ std::optional<GnssContradiction> RunMerger::State::contradictionOf(const Placeme
   }
   const double tolerated =
       toleratedDistance(runs[nearest.second].anchor, run.anchor) + usual_drift * nearest.first;
-  const double median = medianOf(std::move(distances));
+  const double median = upperMedian(distances);
   if (median <= tolerated)
   {
     return std::nullopt;

@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/core/Quantile.h>
+
 #include <algorithm>
 #include <cmath>
 
@@ -100,11 +102,10 @@ void RosScanDecoder::Cloud2::requireNearOrigin(const PointField& field) const
   coordinates.erase(std::remove_if(coordinates.begin(), coordinates.end(),
                                    [](double value) { return !std::isfinite(value); }),
                     coordinates.end());
-  const auto middle = coordinates.begin() + static_cast<std::ptrdiff_t>(coordinates.size() / 2);
-  std::nth_element(coordinates.begin(), middle, coordinates.end());
-  if (middle != coordinates.end() && std::abs(*middle) > farthest_coordinate)
+  const double middle = coordinates.empty() ? 0 : upperMedian(coordinates);
+  if (std::abs(middle) > farthest_coordinate)
   {
-    failTooFar(*middle, place);
+    failTooFar(middle, place);
   }
 }
 
