@@ -20,10 +20,12 @@ Factory residual(const ResidualSegmenterOptions& options)
   { return std::make_unique<ResidualSegmenter>(options, pool); };
 }
 
-Factory network(const NetworkSegmenterOptions& options)
+Factory network(const NetworkSegmenterOptions& given)
 {
-  return [=](ThreadPool&) -> Segmenter
+  return [=](ThreadPool& pool) -> Segmenter
   {
+    NetworkSegmenterOptions options = given;
+    options.threads = given.threads > 0 ? given.threads : pool.size();
     auto* make = runtimeModuleFunction<MakeNetworkSegmenter>(
         "networks", "dyslam_make_network_segmenter", "dyseg.method: network");
     return Segmenter(make(options));

@@ -16,7 +16,7 @@ void NetworkSegmenterOptions::describe(OptionsVisitor& v)
          "output of the network that is mapped to a moving probability of 0.5");
   v.integer("min_points", min_points, 0, 1000, "least number of points in a moving group");
   v.integer("iterations", iterations, 1, 12, "iterations of the flow update");
-  v.integer("threads", threads, 1, 64, "threads of the network");
+  v.integer("threads", threads, 0, 64, "threads of the network; 0: those of pipeline.threads");
   v.word("device", device, {"cpu", "cuda"},
          "device of the network; cuda needs a libtorch with CUDA");
   v.flag("encode_ahead", encode_ahead,

@@ -4,11 +4,13 @@
 #include <dyslam/core/Quantile.h>
 #include <dyslam/core/Scan.h>
 #include <dyslam/nets/BevScan.h>
+#include <dyslam/nets/Threads.h>
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <numeric>
+#include <optional>
 
 namespace dyslam
 {
@@ -363,41 +365,49 @@ BevScan makeBevScan(const std::vector<Eigen::Vector3f>& points,
                     const Eigen::Vector2f& centre)
 {
   validate(options, "grid");
-  const BevGround ground(points);
   BevScan scan;
   scan.cells = options.cells;
   scan.cell_size = static_cast<float>(options.cell_size);
   scan.corner = centre - Eigen::Vector2f::Constant(options.halfExtent());
-  scan.rays = BevRays(points);
+  std::optional<BevGround> ground;
+  inParallel([&] { ground.emplace(points); }, [&] { scan.rays = BevRays(points); });
 
   const auto clearance = static_cast<float>(options.ground_clearance);
   const auto ceiling = static_cast<float>(options.max_height);
   const float inverse = 1 / scan.cell_size;
   std::vector<std::int32_t> cell_of(points.size(), -1);
   std::vector<float> height_of(points.size(), 0.0F);
-  for (std::size_t i = 0; i < points.size(); ++i)
+  const auto place = [&](std::size_t i)
   {
     const auto& p = points[i];
     if (!isReturn(p))
     {
-      continue;
+      return;
     }
     const float u = (p.x() - scan.corner.x()) * inverse;
     const float v = (p.y() - scan.corner.y()) * inverse;
     if (u < 0 || v < 0 || u >= static_cast<float>(scan.cells) ||
         v >= static_cast<float>(scan.cells))
     {
-      continue;
+      return;
     }
     // Points below the ground are multipath echoes.
-    height_of[i] = p.z() - ground.heightAt(p.x(), p.y());
+    height_of[i] = p.z() - ground->heightAt(p.x(), p.y());
     if (height_of[i] >= clearance && height_of[i] <= ceiling)
     {
       const int ix = std::min(static_cast<int>(u), scan.cells - 1);
       const int iy = std::min(static_cast<int>(v), scan.cells - 1);
       cell_of[i] = iy * scan.cells + ix;
     }
-  }
+  };
+  forRows(static_cast<std::int64_t>(points.size()), 4096,
+          [&](std::int64_t first, std::int64_t last)
+          {
+            for (std::int64_t i = first; i < last; ++i)
+            {
+              place(static_cast<std::size_t>(i));
+            }
+          });
   sortByCell(points, cell_of, height_of, scan);
   fillFeatures(scan);
   return scan;

@@ -100,8 +100,10 @@ void MatcherScan::redeskew(const Pose& T_sweep)
 
 struct DyloMatcher::Impl
 {
+  explicit Impl(int threads) : pool(threads) {}
+
   DyloNetwork network{nullptr};
-  int threads = 1;
+  ThreadPool pool;
   MatcherScan current, reference;
   std::vector<SampledNode> nodes;  //!< nodes of the current scan in the last match
 
@@ -118,11 +120,11 @@ struct DyloMatcher::Impl
                              std::vector<float>& confidence) const;
 };
 
-DyloMatcher::DyloMatcher(const std::string& weights, int threads) : impl_(std::make_unique<Impl>())
+DyloMatcher::DyloMatcher(const std::string& weights, int threads)
+    : impl_(std::make_unique<Impl>(threads))
 {
   impl_->network = loadDylo(weights);
   impl_->network->eval();
-  impl_->threads = threads;
 }
 
 DyloMatcher::~DyloMatcher() = default;
@@ -177,7 +179,7 @@ std::size_t DyloMatcher::setCurrent(const std::vector<Eigen::Vector3f>& points,
 {
   const torch::NoGradGuard no_grad;
   Impl& s = *impl_;
-  useTorchThreads(s.threads);
+  const LoopsOnPool loops(s.pool);
   s.current.points = points;
   s.current.phase = phase.size() == points.size() ? phase : std::vector<float>();
   s.current.T_given = T_sweep;
@@ -191,6 +193,7 @@ std::size_t DyloMatcher::setCurrent(const std::vector<Eigen::Vector3f>& points,
 void DyloMatcher::keepAsReference(const std::optional<Pose>& T_sweep)
 {
   Impl& s = *impl_;
+  const LoopsOnPool loops(s.pool);
   MatcherScan& scan = s.current;
   if (T_sweep && !scan.motion_known && !scan.empty())
   {
@@ -214,7 +217,7 @@ void DyloMatcher::exchangeState(StateArchive& archive)
   {
     return;
   }
-  useTorchThreads(s.threads);
+  const LoopsOnPool loops(s.pool);
   const std::optional<Pose> T_redeskewed = scan.T_redeskewed;
   if (scan.T_encoded)
   {
@@ -280,7 +283,7 @@ DyloMatch DyloMatcher::match(const Pose& start, bool deskew, const DyloPrior* pr
   {
     return match;
   }
-  useTorchThreads(s.threads);
+  const LoopsOnPool loops(s.pool);
   const std::vector<DyloStage> stages = s.search(start, deskew, prior);
   const DyloStage& last = stages.back();
   const Pose before = stages[stages.size() - 2].pose.toPose();
@@ -431,7 +434,7 @@ std::vector<float> DyloMatcher::staticConfidence() const
       ordered[static_cast<std::size_t>(place)] = static_cast<std::int32_t>(i);
     }
   }
-  useTorchThreads(s.threads);
+  const LoopsOnPool loops(impl_->pool);
   forRows(static_cast<std::int64_t>(level.size()), 64,
           [&](std::int64_t first, std::int64_t last)
           {

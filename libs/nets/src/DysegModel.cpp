@@ -59,13 +59,16 @@ class DysegModel::Encoded
 
 struct DysegModel::Impl
 {
+  explicit Impl(int threads) : pool(threads) {}
+
   DysegNetwork network;
-  int threads = 1;
+  ThreadPool pool;
 };
 
 DysegModel::DysegModel(const std::string& file, int threads, const std::string& device)
-    : impl_(std::make_unique<Impl>(Impl{loadDyseg(file), threads}))
+    : impl_(std::make_unique<Impl>(threads))
 {
+  impl_->network = loadDyseg(file);
   impl_->network.net->to(deviceNamed(device, "dyseg_network.device"));
   impl_->network.net->eval();
 }
@@ -74,9 +77,8 @@ DysegModel::DysegModel(const DysegNetworkOptions& network,
                        const BevOptions& grid,
                        std::uint64_t seed,
                        int threads)
-    : impl_(std::make_unique<Impl>())
+    : impl_(std::make_unique<Impl>(threads))
 {
-  impl_->threads = threads;
   torch::manual_seed(seed);
   impl_->network.net = DysegNet(network);
   impl_->network.grid = grid;
@@ -95,7 +97,7 @@ std::shared_ptr<const DysegModel::Encoded> DysegModel::encode(
     const std::vector<Eigen::Vector3f>& points) const
 {
   torch::InferenceMode inference;
-  useTorchThreads(impl_->threads);
+  const LoopsOnPool loops(impl_->pool);
   auto encoded = std::make_shared<Encoded>(makeBevScan(points, grid()), points.size());
   encoded->encoding = impl_->network.net->encode(encoded->scan);
   return encoded;
@@ -106,7 +108,7 @@ RigidFlowFit DysegModel::match(const Encoded& current,
                                const PlanarPrior* guess) const
 {
   torch::InferenceMode inference;
-  useTorchThreads(impl_->threads);
+  const LoopsOnPool loops(impl_->pool);
   if (current.scan.size() == 0 || past.scan.size() == 0)
   {
     return {};
@@ -142,7 +144,7 @@ DysegResult DysegModel::segment(const Encoded& current,
                                 int iterations) const
 {
   torch::InferenceMode inference;
-  useTorchThreads(impl_->threads);
+  const LoopsOnPool loops(impl_->pool);
   DysegResult result;
   result.static_flow = static_flow;
   result.moving_probability.assign(current.inputs, 0.0F);

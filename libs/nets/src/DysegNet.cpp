@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/nets/BevOps.h>
 #include <dyslam/nets/DysegNet.h>
+#include <dyslam/nets/Threads.h>
 #include <torch/torch.h>
 
 #include <algorithm>
@@ -280,7 +281,7 @@ PointGeometry pointGeometry(const BevScan& scan,
   const Eigen::Matrix2f R = Eigen::Rotation2Dd(static_motion.yaw).toRotationMatrix().cast<float>();
   const Eigen::Vector2f t = static_motion.translation.cast<float>();
   const float size = 2 * scan.cell_size;
-  for (std::size_t q = 0; q < indices.size(); ++q)
+  const auto fill = [&](std::size_t q)
   {
     const auto i = static_cast<std::size_t>(indices[q]);
     const auto& p = scan.points[i];
@@ -296,7 +297,15 @@ PointGeometry pointGeometry(const BevScan& scan,
     const Eigen::Vector2f flat = R * p.head<2>() + t;
     past_rays.compare(Eigen::Vector3f(flat.x(), flat.y(), p.z()), rays + q * BevRays::channels);
     row[q] = cells.level.quarter.row_of_point[i];
-  }
+  };
+  forRows(count, 256,
+          [&](std::int64_t first, std::int64_t last)
+          {
+            for (std::int64_t q = first; q < last; ++q)
+            {
+              fill(static_cast<std::size_t>(q));
+            }
+          });
   return g;
 }
 }  // namespace

@@ -10,7 +10,7 @@ void DyloOptions::describe(OptionsVisitor& v)
   v.choice("start", start,
            {{"standing", DyloStart::standing}, {"prediction", DyloStart::prediction}},
            "initial guess of the motion: zero (standing) or the predicted motion");
-  v.integer("threads", threads, 1, 64, "threads of the network");
+  v.integer("threads", threads, 0, 64, "threads of the network; 0: those of pipeline.threads");
   v.flag("prior", prior, "fuse the predicted motion as a prior");
   v.flag("deskew", deskew, "deskew by the estimated motion, not only by the predicted one");
   v.flag("confidence", confidence, "output the static confidence of each point");

@@ -21,7 +21,7 @@ struct DyloOptions : Options
 {
   std::string weights = "dylo.safetensors";  //!< file, or name of weights shipped with DySLAM
   DyloStart start = DyloStart::prediction;
-  int threads = 1;         //!< threads of the network
+  int threads = 0;         //!< threads of the network; 0: those of the stages
   bool prior = true;       //!< fuse the motion prior, if it has an information
   bool deskew = true;      //!< deskew with the estimated motion, not only with the predicted one
   bool confidence = true;  //!< output the static confidence of each point

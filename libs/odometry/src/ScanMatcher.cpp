@@ -39,10 +39,12 @@ Factory gicp(const GicpOptions& options)
   return [=](ThreadPool& pool) -> Matcher { return std::make_unique<GicpMatcher>(options, pool); };
 }
 
-Factory dylo(const DyloOptions& options)
+Factory dylo(const DyloOptions& given)
 {
-  return [=](ThreadPool&) -> Matcher
+  return [=](ThreadPool& pool) -> Matcher
   {
+    DyloOptions options = given;
+    options.threads = given.threads > 0 ? given.threads : pool.size();
     auto* make = runtimeModuleFunction<MakeDyloMatcher>("networks", "dyslam_make_dylo_matcher",
                                                         "odometry.method: dylo");
     return Matcher(make(options));

@@ -80,7 +80,11 @@ void TrainingLoop::begin()
   gradients_ = std::make_unique<PairGradients>(parameters_, std::move(of_copies));
   task_.beginPairs(step_);
   pool_->forChunks(static_cast<std::size_t>(setup_.batch), 1,
-                   [&](std::size_t i, std::size_t, std::size_t) { task_.preparePair(step_, i); });
+                   [&](std::size_t i, std::size_t, std::size_t)
+                   {
+                     useTorchThreads(1);  // torch uses this thread only
+                     task_.preparePair(step_, i);
+                   });
 }
 
 double TrainingLoop::trainStep()
@@ -90,10 +94,14 @@ double TrainingLoop::trainStep()
       *pool_, static_cast<std::size_t>(setup_.batch),
       [&](std::size_t i, std::size_t copy)
       {
-        useTorchThreads(1);  // torch uses this thread only
+        useTorchThreads(1);
         task_.backward(step_, i, copy);
       },
-      [&](std::size_t i) { task_.preparePair(step_ + 1, i); });
+      [&](std::size_t i)
+      {
+        useTorchThreads(1);
+        task_.preparePair(step_ + 1, i);
+      });
   if (std::none_of(parameters_.begin(), parameters_.end(),
                    [](const torch::Tensor& parameter) { return parameter.grad().defined(); }))
   {

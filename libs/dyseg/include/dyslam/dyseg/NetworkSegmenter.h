@@ -21,7 +21,7 @@ struct NetworkSegmenterOptions : Options
   double threshold = 0.5;      //!< network output that is mapped to a probability of 0.5
   int min_points = 5;          //!< least number of points in a moving group
   int iterations = 2;          //!< iterations of the flow update
-  int threads = 1;             //!< threads of the network
+  int threads = 0;             //!< threads of the network; 0: those of the stages
   std::string device = "cpu";  //!< device of the network: cpu or cuda
   /** Encode each scan, deskewed with the motion predicted for the previous scan, while that one is
    * processed: faster with three or more cores, a few more false alarms. */

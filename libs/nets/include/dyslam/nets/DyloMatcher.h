@@ -38,7 +38,7 @@ struct DyloMatch
 class DyloMatcher
 {
  public:
-  /** \param weights file of saveDylo() \param threads of the CPU
+  /** \param weights file of saveDylo() \param threads of the CPU; 0: one per core
    * \throws UserError if the file is missing, damaged or of another shape. */
   explicit DyloMatcher(const std::string& weights, int threads = 1);
   ~DyloMatcher();

@@ -42,8 +42,9 @@ struct DysegResult
 class DysegModel
 {
  public:
-  /** Loads weights written by saveDyseg(). \param threads of the CPU \param device cpu or cuda
-   * \throws UserError if the file is missing, damaged or not a DySeg network, or without CUDA. */
+  /** Loads weights written by saveDyseg(). \param threads of the CPU; 0: one per core \param device
+   * cpu or cuda \throws UserError if the file is missing, damaged or not a DySeg network, or
+   * without CUDA. */
   explicit DysegModel(const std::string& file, int threads = 1, const std::string& device = "cpu");
   /** Untrained network with random weights from a seed, for tests and timing. */
   DysegModel(const DysegNetworkOptions& network,

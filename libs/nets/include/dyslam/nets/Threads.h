@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <dyslam/core/Parallel.h>
+
 #include <cstdint>
 #include <functional>
 
@@ -10,8 +12,25 @@ namespace dyslam
  * Values below 1 are taken as 1. */
 void useTorchThreads(int threads);
 
+/** While an object of this class lives, the loops of its thread run on its pool, and torch's own
+ * operations in that thread alone: results do not depend on the number of threads. Without it, as
+ * in training, the loops run on torch's threads.
+ */
+class LoopsOnPool
+{
+ public:
+  /** \param pool outlives this object */
+  explicit LoopsOnPool(ThreadPool& pool);
+  ~LoopsOnPool();
+  LoopsOnPool(const LoopsOnPool&) = delete;
+  LoopsOnPool& operator=(const LoopsOnPool&) = delete;
+
+ private:
+  ThreadPool* before_;
+};
+
 /** Calls body(begin, end) for parts of [0, count) in parallel; `grain` is the least size of a part.
- * The parts depend on the number of threads, so a body must treat each row independently.
+ * The parts may depend on the number of threads, so a body must treat each row independently.
  */
 void forRows(std::int64_t count,
              std::int64_t grain,
@@ -22,4 +41,7 @@ void forRows(std::int64_t count,
 void forBlocks(std::int64_t count,
                std::int64_t block,
                const std::function<void(std::int64_t, std::int64_t)>& body);
+
+/** Calls both functions, in parallel. */
+void inParallel(const std::function<void()>& one, const std::function<void()>& other);
 }  // namespace dyslam
