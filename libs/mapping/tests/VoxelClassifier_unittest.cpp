@@ -93,9 +93,8 @@ TEST(VoxelClassifier, WhatIsHigherThanVehiclesIsNotJudgedAsAWhole)
 TEST(VoxelClassifier, ADistantVehicleMayBeARowOfVoxelsNearTheGround)
 {
   VoxelEvidence busy = occupied();  // a lane in which one vehicle follows the other
-  busy.free = 0.4F;
-  busy.change_before = 0.67F;
-  busy.change_after = 0.33F;
+  busy.free = 0.6F;
+  busy.change_before = 0.33F;
   VoxelFeatures row = voxel(busy, busy);
   row.segment_height = 0.02F;  // hit by one ring
   row.voxels = 12;
