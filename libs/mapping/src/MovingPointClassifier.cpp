@@ -162,7 +162,7 @@ void MovingPointClassifier::label(Frame& frame, const ScanWindow& window)
   const Segments segments = segment(points);
   std::vector<VoxelEvidence> evidence = causalEvidence(frame, window, segments);
   addRayEvidence(frame, window, points, segments, evidence);
-  const std::vector<float> voxel_probability = classify(points, segments, evidence);
+  const std::vector<float> voxel_probability = classify(frame, points, segments, evidence);
   frame.moving_probability = probabilityOfPoints(segments, voxel_probability);
   labelLowPoints(window, points, segments, voxel_probability, frame.moving_probability);
   frame.moving.resize(frame.cloud.size());
@@ -231,12 +231,14 @@ void MovingPointClassifier::addRayEvidence(const Frame& frame,
 }
 
 /** Probability that a voxel's points move, one value per voxel. */
-std::vector<float> MovingPointClassifier::classify(const Points& points,
+std::vector<float> MovingPointClassifier::classify(const Frame& frame,
+                                                   const Points& points,
                                                    const Segments& segments,
                                                    const std::vector<VoxelEvidence>& evidence)
 {
   const std::vector<VoxelFeatures> features =
-      voxelFeatures(segments, evidence, points.positions, points.heights);
+      voxelFeatures(segments, evidence, points.positions, points.heights,
+                    frame.T_odom_vehicle.translation().cast<float>());
   std::vector<Eigen::Vector3f> voxels;  // a point of each voxel, odometry frame [m]
   voxels.reserve(features.size());
   for (const VoxelFeatures& f : features)

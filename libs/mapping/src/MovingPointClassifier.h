@@ -47,7 +47,8 @@ class MovingPointClassifier
                       const Points& points,
                       const Segments& segments,
                       std::vector<VoxelEvidence>& evidence);
-  [[nodiscard]] std::vector<float> classify(const Points& points,
+  [[nodiscard]] std::vector<float> classify(const Frame& frame,
+                                            const Points& points,
                                             const Segments& segments,
                                             const std::vector<VoxelEvidence>& evidence);
   static void labelLowPoints(const ScanWindow& window,

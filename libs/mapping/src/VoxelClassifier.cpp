@@ -5,6 +5,20 @@
 
 namespace dyslam
 {
+namespace
+{
+constexpr float low_segment = 0.8F;  // height below which segments are less likely to move [m]
+
+/** Whether the voxel may be of a vehicle that only one ring of a sensor with 16 hits: distant, in a
+ * low segment, and not as high over the ground as most twigs and leaves. */
+bool mayBeHitByOneRing(const VoxelFeatures& f)
+{
+  constexpr float distant = 12;     // range within which several rings hit a vehicle [m]
+  constexpr float near_ground = 2;  // height over the ground [m]
+  return f.segment_height < low_segment && f.range > distant && f.height < near_ground;
+}
+}  // namespace
+
 void discount(VoxelEvidence& evidence, float false_free)
 {
   evidence.free = std::max(0.0F, evidence.free - false_free) / (1 - false_free);
@@ -13,7 +27,8 @@ void discount(VoxelEvidence& evidence, float false_free)
 float movingScore(const VoxelFeatures& f)
 {
   // The weights of a logistic regression, see doc/labels.md for its training data. The score of
-  // what nothing says to move and the limit of the change of segments were chosen by hand.
+  // what nothing says to move, the limit of the change of segments and what differs where one ring
+  // may hit a vehicle were chosen by hand.
   constexpr float a_little = 0.1F;  // share of free rays that static voxels hardly exceed
   constexpr float lost = 0.5F;      // share of the free rays' weight lost where they are doubtful
   const float trust = 1 - lost * f.doubt;
@@ -22,11 +37,21 @@ float movingScore(const VoxelFeatures& f)
   const auto change = [=](const VoxelEvidence& e)
   { return trust * std::max(e.change_before, e.change_after); };
   const bool known = f.own.known > 0;
+  const bool one_ring = mayBeHitByOneRing(f);
+  // In a busy lane other vehicles hide the change: what counts there is how often it is free.
+  constexpr float often = 0.6F;  // share of free rays that is as good as a certain change
+  const float change_around =
+      one_ring ? trust * std::min(f.segment.free / often, 1.0F) : change(f.around);
   float score = -6.3F;
   score += 1.5F * f.own.probability + 1.0F * f.around.probability + 0.9F * f.around.tracked;
-  score += 1.3F * little(f.around) + 2.65F * change(f.around);
+  score += 1.3F * little(f.around) + 2.65F * change_around;
   score += -2.2F * std::min(f.height, 4.0F) / 4;
-  score += (f.voxels < 12 ? -0.5F : 0.0F) + (f.segment_height < 0.8F ? -2.0F : 0.0F);
+  score += (f.voxels < 12 ? -0.5F : 0.0F) + (f.segment_height < low_segment ? -2.0F : 0.0F);
+  if (one_ring)
+  {
+    constexpr float row = 6;  // number of voxels that are certainly a row: a vehicle, not a twig
+    score += 2.5F * std::min((f.voxels - 1) / (row - 1), 1.0F);
+  }
   if (known && change(f.own) < 0.05F && f.own.free < 0.3F && f.own.tracked < 0.5F &&
       f.own.probability < 0.5F)
   {

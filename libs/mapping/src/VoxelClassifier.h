@@ -27,6 +27,7 @@ struct VoxelFeatures
   VoxelEvidence around;      //!< evidence of its cell and the cells that touch it
   VoxelEvidence segment;     //!< evidence of the segment it belongs to
   float height = 0;          //!< height of the point over the ground [m]
+  float range = 0;           //!< distance of the point from the vehicle [m]
   float length = 0;          //!< larger extent of the segment along x or y (odometry frame) [m]
   float segment_height = 0;  //!< extent of the segment along z [m]
   float voxels = 0;          //!< number of voxels of the segment

@@ -88,7 +88,8 @@ float falseFreeShare(const std::vector<VoxelFeatures>& features)
 std::vector<VoxelFeatures> voxelFeatures(const Segments& segments,
                                          const std::vector<VoxelEvidence>& evidence,
                                          const std::vector<Eigen::Vector3f>& points,
-                                         const std::vector<float>& heights)
+                                         const std::vector<float>& heights,
+                                         const Eigen::Vector3f& vehicle)
 {
   std::vector<EvidenceSum> of_cell(segments.cells.size());
   std::vector<EvidenceSum> of_segment(segments.segments);
@@ -121,6 +122,7 @@ std::vector<VoxelFeatures> voxelFeatures(const Segments& segments,
     f.around = around[segments.cell_of_voxel[g]];
     f.segment = whole[s];
     f.height = heights[f.point];
+    f.range = (points[f.point] - vehicle).norm();
     const Eigen::Vector3f size = extent[s].high - extent[s].low;
     f.length = std::max(size.x(), size.y());
     f.segment_height = size.z();

@@ -90,6 +90,27 @@ TEST(VoxelClassifier, WhatIsHigherThanVehiclesIsNotJudgedAsAWhole)
   EXPECT_LT(movingScore(house), movingScore(voxel(occupied(), visited())));
 }
 
+TEST(VoxelClassifier, ADistantVehicleMayBeARowOfVoxelsNearTheGround)
+{
+  VoxelEvidence busy = occupied();  // a lane in which one vehicle follows the other
+  busy.free = 0.6F;
+  busy.change_before = 0.33F;
+  VoxelFeatures row = voxel(busy, busy);
+  row.segment_height = 0.02F;  // hit by one ring
+  row.voxels = 12;
+  row.range = 25;
+  EXPECT_GT(movingScore(row), 1);
+  VoxelFeatures twig = row;
+  twig.voxels = 1;
+  EXPECT_LT(movingScore(twig), -0.5F);
+  VoxelFeatures leaves = row;
+  leaves.height = 2.5F;
+  EXPECT_LT(movingScore(leaves), -0.5F);
+  VoxelFeatures kerb = row;  // hit by several rings if it were higher
+  kerb.range = 8;
+  EXPECT_LT(movingScore(kerb), -0.5F);
+}
+
 TEST(VoxelClassifier, RaysThatStaticThingsLetPassAreDiscounted)
 {
   VoxelEvidence e = visited();
