@@ -2,7 +2,7 @@
 #include "GraphOptimization.h"
 
 #include <dyslam/backend/FactorGraphFile.h>
-#include <dyslam/core/Printable.h>
+#include <dyslam/base/Printable.h>
 #include <dyslam/graphslam/GraphFileRun.h>
 
 #include <cstddef>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // fuzz_seeds <folder>: writes small valid files for every parser to <folder>/<parser>/.
+#include <dyslam/base/StateArchive.h>
 #include <dyslam/core/Frame.h>
-#include <dyslam/core/StateArchive.h>
 #include <dyslam/formats/ScanFiles.h>
 #include <dyslam/io/RawlogWriter.h>
 #include <mrpt/maps/CColouredPointsMap.h>

@@ -3,7 +3,7 @@
 // every step. Prints the number of loops of each run, how many of them are false, and the error at
 // the end.
 #include <dyslam/backend/Backend.h>
-#include <dyslam/core/Error.h>
+#include <dyslam/base/Error.h>
 #include <dyslam/io/RawlogSource.h>
 
 #include <algorithm>

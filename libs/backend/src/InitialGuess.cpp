@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "InitialGuess.h"
 
-#include <dyslam/core/Error.h>
+#include <dyslam/base/Error.h>
 
 #include <Eigen/Dense>
 #include <Eigen/SparseCholesky>

@@ -4,8 +4,8 @@
 #include <dyslam/backend/factors/ObjectMotionFactor.h>
 #include <dyslam/backend/factors/ObservationFactor.h>
 #include <dyslam/backend/factors/SmoothMotionFactor.h>
+#include <dyslam/base/StateArchive.h>
 #include <dyslam/core/Motion.h>
-#include <dyslam/core/StateArchive.h>
 
 #include <Eigen/Dense>
 #include <algorithm>

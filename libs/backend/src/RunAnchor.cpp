@@ -3,7 +3,7 @@
 
 #include <dyslam/backend/factors/GnssFactor.h>
 #include <dyslam/backend/factors/GravityFactor.h>
-#include <dyslam/core/Angle.h>
+#include <dyslam/base/Angle.h>
 #include <dyslam/mrpt/Geodesy.h>
 
 #include <Eigen/Geometry>

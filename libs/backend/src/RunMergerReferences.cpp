@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Satellite positions and verticals in a merge of runs.
-#include <dyslam/core/Quantile.h>
+#include <dyslam/base/Quantile.h>
 #include <dyslam/mrpt/Geodesy.h>
 
 #include <Eigen/Geometry>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Positions of a satellite receiver: where the map is on the earth, and a trajectory without drift.
 #include <dyslam/backend/Backend.h>
-#include <dyslam/core/StateArchive.h>
+#include <dyslam/base/StateArchive.h>
 #include <dyslam/mrpt/Geodesy.h>
 #include <gtest/gtest.h>
 #include <mrpt/graphs/CNetworkOfPoses.h>

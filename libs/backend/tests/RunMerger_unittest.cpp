@@ -4,7 +4,7 @@
 #include <dyslam/backend/factors/GravityFactor.h>
 #include <dyslam/backend/factors/LoopFactor.h>
 #include <dyslam/backend/factors/OdometryFactor.h>
-#include <dyslam/core/Angle.h>
+#include <dyslam/base/Angle.h>
 #include <dyslam/mrpt/Geodesy.h>
 #include <gtest/gtest.h>
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/base/Angle.h>
 #include <dyslam/benchmarks/DetectionDeskew.h>
-#include <dyslam/core/Angle.h>
 #include <dyslam/core/BoxOverlap.h>
 
 #include <cmath>

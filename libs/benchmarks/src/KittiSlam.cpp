@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/backend/factors/LoopFactor.h>
 #include <dyslam/backend/factors/OdometryFactor.h>
+#include <dyslam/base/Error.h>
 #include <dyslam/benchmarks/DetectionDeskew.h>
 #include <dyslam/benchmarks/KittiSlam.h>
 #include <dyslam/benchmarks/KittiTracking.h>
-#include <dyslam/core/Error.h>
 #include <dyslam/formats/KittiFiles.h>
 #include <dyslam/formats/KittiTracks.h>
 #include <dyslam/formats/TrajectoryFiles.h>

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Comparisons of files: trajectories, tracks and maps.
+#include <dyslam/base/Error.h>
 #include <dyslam/benchmarks/DistanceCloud.h>
 #include <dyslam/benchmarks/MapComparison.h>
 #include <dyslam/benchmarks/TrackComparison.h>
 #include <dyslam/benchmarks/TrackFiles.h>
 #include <dyslam/benchmarks/TrajectoryComparison.h>
-#include <dyslam/core/Error.h>
 #include <dyslam/formats/LabelFiles.h>
 #include <dyslam/formats/ScanFiles.h>
 #include <dyslam/formats/TrackFiles.h>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <dyslam/core/Angle.h>
-#include <dyslam/core/Assignment.h>
+#include <dyslam/base/Angle.h>
+#include <dyslam/base/Assignment.h>
 #include <dyslam/eval/Statistics.h>
 #include <dyslam/eval/TrackErrors.h>
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "TrackPreparation.h"
 
+#include <dyslam/base/Printable.h>
 #include <dyslam/core/BoxOverlap.h>
-#include <dyslam/core/Printable.h>
 
 #include <algorithm>
 #include <cmath>

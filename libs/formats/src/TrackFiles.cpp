@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <dyslam/core/PendingFile.h>
+#include <dyslam/base/PendingFile.h>
 #include <dyslam/formats/TextFile.h>
 #include <dyslam/formats/TrackFiles.h>
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <dyslam/core/Error.h>
-#include <dyslam/core/Printable.h>
+#include <dyslam/base/Error.h>
+#include <dyslam/base/Printable.h>
+#include <dyslam/base/Words.h>
 #include <dyslam/core/ScanParts.h>
-#include <dyslam/core/Words.h>
 #include <dyslam/io/RawlogSource.h>
 #include <dyslam/io/ScanDecoder.h>
 #include <dyslam/mrpt/Conversions.h>

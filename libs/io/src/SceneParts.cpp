@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "SceneParts.h"
 
-#include <dyslam/core/Quantile.h>
+#include <dyslam/base/Quantile.h>
 #include <dyslam/mrpt/Conversions.h>
 #include <mrpt/core/bits_math.h>
 #include <mrpt/opengl/CArrow.h>

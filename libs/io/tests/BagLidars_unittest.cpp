@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Further lidars of a bag, converted and merged.
-#include <dyslam/core/Error.h>
+#include <dyslam/base/Error.h>
 #include <dyslam/core/ScanParts.h>
 #include <dyslam/io/Converters.h>
 #include <dyslam/io/RawlogSource.h>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/base/Error.h>
 #include <dyslam/core/BoxOverlap.h>
-#include <dyslam/core/Error.h>
 #include <dyslam/core/Labels.h>
 #include <dyslam/formats/LabelFiles.h>
 #include <dyslam/formats/ScanTable.h>

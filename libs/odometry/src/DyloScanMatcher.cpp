@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "DyloScanMatcher.h"
 
+#include <dyslam/base/SharedFiles.h>
 #include <dyslam/core/ScanParts.h>
-#include <dyslam/core/SharedFiles.h>
 
 #include <algorithm>
 #include <cmath>

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "GicpMatcher.h"
 
+#include <dyslam/base/StateArchive.h>
 #include <dyslam/core/Normals.h>
 #include <dyslam/core/PoseGaussNewton.h>
-#include <dyslam/core/StateArchive.h>
 #include <dyslam/core/VoxelGrid.h>
 #include <pcl/point_types.h>
 #include <pcl/registration/gicp.h>

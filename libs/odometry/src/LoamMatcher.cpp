@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "LoamMatcher.h"
 
+#include <dyslam/base/StateArchive.h>
 #include <dyslam/core/Normals.h>
-#include <dyslam/core/StateArchive.h>
 
 #include <Eigen/Eigenvalues>
 #include <cmath>

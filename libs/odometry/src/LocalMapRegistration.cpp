@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <dyslam/core/Error.h>
+#include <dyslam/base/Error.h>
+#include <dyslam/base/StateArchive.h>
 #include <dyslam/core/ScanParts.h>
-#include <dyslam/core/StateArchive.h>
 #include <dyslam/odometry/LocalMapRegistration.h>
 
 #include <cmath>

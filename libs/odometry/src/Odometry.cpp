@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <dyslam/core/StateArchive.h>
+#include <dyslam/base/StateArchive.h>
 #include <dyslam/odometry/LocalMapRegistration.h>
 #include <dyslam/odometry/Odometry.h>
 #include <dyslam/odometry/ScanMatcher.h>

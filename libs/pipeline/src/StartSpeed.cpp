@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <dyslam/core/Parallel.h>
+#include <dyslam/base/Parallel.h>
 #include <dyslam/odometry/MotionSensors.h>
 #include <dyslam/odometry/Odometry.h>
 #include <dyslam/odometry/Preprocessor.h>

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "RunPageJson.h"
 
-#include <dyslam/core/Angle.h>
-#include <dyslam/core/Quantile.h>
-#include <dyslam/core/Version.h>
+#include <dyslam/base/Angle.h>
+#include <dyslam/base/Quantile.h>
+#include <dyslam/base/Version.h>
 #include <dyslam/eval/TrajectoryReports.h>
 
 #include <algorithm>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 /** Run times of association and tracking on one thread; minimum of several runs. */
-#include <dyslam/core/Assignment.h>
+#include <dyslam/base/Assignment.h>
 #include <dyslam/tracking/AdaptivePredictor.h>
 #include <dyslam/tracking/Tracker.h>
 

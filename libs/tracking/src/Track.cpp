@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Track.h"
 
-#include <dyslam/core/Angle.h>
-#include <dyslam/core/StateArchive.h>
+#include <dyslam/base/Angle.h>
+#include <dyslam/base/StateArchive.h>
 #include <dyslam/tracking/Detector.h>
 
 #include <Eigen/LU>

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <dyslam/core/Angle.h>
-#include <dyslam/core/Assignment.h>
+#include <dyslam/base/Angle.h>
+#include <dyslam/base/Assignment.h>
+#include <dyslam/base/Error.h>
+#include <dyslam/base/StateArchive.h>
 #include <dyslam/core/BoxInterior.h>
 #include <dyslam/core/BoxOverlap.h>
-#include <dyslam/core/Error.h>
-#include <dyslam/core/StateArchive.h>
 #include <dyslam/tracking/Tracker.h>
 
 #include <Eigen/Geometry>

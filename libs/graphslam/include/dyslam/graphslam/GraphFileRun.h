@@ -3,7 +3,7 @@
 
 #include <dyslam/backend/FactorGraph.h>
 #include <dyslam/backend/PoseGraphSolver.h>
-#include <dyslam/core/Config.h>
+#include <dyslam/base/Config.h>
 
 #include <cstddef>
 #include <map>
