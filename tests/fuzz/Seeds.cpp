@@ -22,6 +22,7 @@
 
 #include "BagWriters.h"
 #include "MrptBytes.h"
+#include "RosMessageWriters.h"
 #include "StateFile.h"
 #include "SyntheticCapture.h"
 #include "SyntheticHesai.h"

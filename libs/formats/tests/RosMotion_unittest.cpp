@@ -5,7 +5,7 @@
 
 #include <limits>
 
-#include "BagWriters.h"
+#include "RosMessageWriters.h"
 #include "SingleMessage.h"
 #include "TestFolder.h"
 

@@ -11,6 +11,7 @@
 #include <filesystem>
 
 #include "BagWriters.h"
+#include "RosMessageWriters.h"
 #include "SyntheticHesai.h"
 #include "SyntheticOuster.h"
 #include "SyntheticScans.h"

@@ -15,6 +15,7 @@
 #include <vector>
 
 #include "BagWriters.h"
+#include "RosMessageWriters.h"
 #include "SyntheticCapture.h"
 #include "SyntheticScans.h"
 #include "TestFolder.h"

@@ -10,6 +10,7 @@
 #include <optional>
 
 #include "BagWriters.h"
+#include "RosMessageWriters.h"
 #include "SyntheticScans.h"
 #include "TestFolder.h"
 
