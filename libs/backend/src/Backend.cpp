@@ -235,7 +235,7 @@ const KeyframeStore& Backend::keyframes() const
   return state_->keyframes;
 }
 
-Trajectory Backend::optimizedTrajectory() const
+Trajectory Backend::optimisedTrajectory() const
 {
   Trajectory trajectory;
   for (const FrameInKeyframe& frame : state_->frames)

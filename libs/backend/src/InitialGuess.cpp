@@ -61,7 +61,7 @@ Eigen::Matrix3d nearestRotation(const Eigen::Matrix3d& m)
 {
   Pose pose = Pose::Identity();
   pose.linear() = m;
-  return orthonormalized(pose).linear();
+  return orthonormalised(pose).linear();
 }
 
 /** Rows of all rotations, R_i Z = R_j in the least-squares sense: the three rows of a rotation

@@ -47,13 +47,13 @@ void level(RunMerge& merge)
   {
     for (Pose& pose : poses)
     {
-      pose = orthonormalized(T_level_map * pose);
+      pose = orthonormalised(T_level_map * pose);
     }
   }
   if (merge.georeference)
   {
     merge.georeference->T_enu_map =
-        orthonormalized(merge.georeference->T_enu_map * T_level_map.inverse());
+        orthonormalised(merge.georeference->T_enu_map * T_level_map.inverse());
   }
   merge.gravity->up_map = Eigen::Vector3d::UnitZ();
   merge.gravity->levelled = true;

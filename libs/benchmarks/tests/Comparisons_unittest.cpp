@@ -50,7 +50,7 @@ LabelledBox boxOf(int frame, int id, const std::string& type, double x)
   box.id = id;
   box.type = type;
   box.object_class = objectClassFromString(type);
-  box.box.center = {x, 0, 0};
+  box.box.centre = {x, 0, 0};
   box.box.size = {4, 2, 1.5};
   return box;
 }

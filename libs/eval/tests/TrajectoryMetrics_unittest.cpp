@@ -299,7 +299,7 @@ std::vector<Pose> readKitti(const std::string& path)
     {
       numbers >> pose.matrix()(i / 4, i % 4);
     }
-    poses.push_back(orthonormalized(pose));
+    poses.push_back(orthonormalised(pose));
   }
   return poses;
 }

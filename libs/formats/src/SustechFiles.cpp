@@ -52,7 +52,7 @@ LabelledBox boxFrom(const json& object, int frame)
   box.type = object.at("obj_type").get<std::string>();
   box.object_class = objectClassFromString(box.type);
   const json& psr = object.at("psr");
-  box.box.center = vectorFrom(psr.at("position"));
+  box.box.centre = vectorFrom(psr.at("position"));
   box.box.size = vectorFrom(psr.at("scale"));
   box.box.yaw = wrapAngle(psr.at("rotation").at("z").get<double>());
   return box;

@@ -28,7 +28,7 @@ Pose poseFromRow(const TextFile& file, const std::vector<double>& row)
   {
     file.fail("columns 1-3, 5-7, 9-11 are not a rotation matrix");
   }
-  return orthonormalized(pose);
+  return orthonormalised(pose);
 }
 
 /** Poses at 0, 1, 2, ... */

@@ -57,7 +57,7 @@ Writer writerFor(const std::string& path)
 }
 }  // namespace
 
-GraphFileReport optimizeGraphFile(const std::string& input,
+GraphFileReport optimiseGraphFile(const std::string& input,
                                   const std::string& output,
                                   const Config& config)
 {
@@ -87,7 +87,7 @@ GraphFileReport optimizeGraphFile(const std::string& input,
   return report;
 }
 
-FactorGraphFileReport optimizeFactorGraphFile(const std::string& input,
+FactorGraphFileReport optimiseFactorGraphFile(const std::string& input,
                                               const std::string& output,
                                               const Config& config)
 {

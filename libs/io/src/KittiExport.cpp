@@ -215,7 +215,7 @@ class Sequence
     std::vector<Pose> poses;
     for (const Pose& pose : poses_)
     {
-      poses.push_back(orthonormalized(poses_.front().inverse() * pose));
+      poses.push_back(orthonormalised(poses_.front().inverse() * pose));
     }
     return cameraToLidarPoses(poses, calib_.T_cam_velo.inverse());
   }

@@ -152,7 +152,7 @@ Trajectory mergedTrajectory(const RunFolder& run, const std::vector<Pose>& merge
       corrected =
           interpolate(corrected, from(k + 1, pose), (stamp - run.keyframe_stamps[k]) / span);
     }
-    result.push_back(stamp, orthonormalized(corrected));
+    result.push_back(stamp, orthonormalised(corrected));
   }
   return result;
 }

@@ -97,7 +97,7 @@ MotionEstimate GicpMatcher::align(const Pose& T_reference_current_guess)
   }
   Pose T;
   T.matrix() = gicp.getFinalTransformation().cast<double>();
-  T = orthonormalized(T);
+  T = orthonormalised(T);
 
   MotionEstimate estimate = estimateAt(T);
   if (estimate.registered() && !(gicp.hasConverged() && T.matrix().allFinite()))

@@ -83,11 +83,11 @@ SurfacePyramid SurfacePyramid::coarser(int factor) const
   return coarse;
 }
 
-void SurfacePyramid::crop(const Eigen::Vector3d& center, double radius)
+void SurfacePyramid::crop(const Eigen::Vector3d& centre, double radius)
 {
   for (SurfaceMap& level : levels_)
   {
-    level.crop(center, radius);
+    level.crop(centre, radius);
   }
 }
 

@@ -195,7 +195,7 @@ const StaticMap* Pipeline::map() const
 
 Trajectory Pipeline::trajectory() const
 {
-  return stages_->backend.optimizedTrajectory();
+  return stages_->backend.optimisedTrajectory();
 }
 
 FrontEndWaits Pipeline::frontEndWaits() const

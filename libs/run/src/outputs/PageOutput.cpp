@@ -168,7 +168,7 @@ class PageOutput : public RunOutput
       PictureObject drawn{object.object_class, {}, object.states.back().box};
       for (const PageObjectState& state : object.states)
       {
-        drawn.path.push_back(state.box.center);
+        drawn.path.push_back(state.box.centre);
       }
       content.objects.push_back(std::move(drawn));
     }

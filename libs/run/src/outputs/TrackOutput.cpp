@@ -43,7 +43,7 @@ LabelledBox labelledBox(const TrackedObject& object,
 
 std::string rowOf(const TrackedObject& object, std::size_t scan, double stamp)
 {
-  const auto& c = object.box.center;
+  const auto& c = object.box.centre;
   const auto& s = object.box.size;
   const auto& v = object.velocity;
   char text[512];

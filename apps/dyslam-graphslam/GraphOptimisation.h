@@ -8,7 +8,7 @@
 namespace dyslam
 {
 /** A saved graph to optimise. */
-struct GraphOptimization
+struct GraphOptimisation
 {
   std::string input;   //!< factor_graph.txt, .graph or .g2o
   std::string output;  //!< file to write; empty: none
@@ -17,5 +17,5 @@ struct GraphOptimization
 };
 
 /** Optimises a saved graph and prints the figures. \throws UserError for a bad file or setting. */
-void optimizeGraph(const GraphOptimization& job);
+void optimiseGraph(const GraphOptimisation& job);
 }  // namespace dyslam

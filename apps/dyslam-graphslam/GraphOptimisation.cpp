@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "GraphOptimization.h"
+#include "GraphOptimisation.h"
 
 #include <dyslam/backend/FactorGraphFile.h>
 #include <dyslam/base/Printable.h>
@@ -41,9 +41,9 @@ void printSolution(int iterations, double seconds, const std::string& reason)
               reason.c_str());
 }
 
-void optimizeFactorGraph(const GraphOptimization& job)
+void optimiseFactorGraph(const GraphOptimisation& job)
 {
-  const FactorGraphFileReport report = optimizeFactorGraphFile(job.input, job.output, job.config);
+  const FactorGraphFileReport report = optimiseFactorGraphFile(job.input, job.output, job.config);
   const OptimisationResult& result = report.result;
   for (const auto& warnings : {report.warnings, result.warnings})
   {
@@ -64,9 +64,9 @@ void optimizeFactorGraph(const GraphOptimization& job)
   printWritten(job.output);
 }
 
-void optimizePoseGraph(const GraphOptimization& job)
+void optimisePoseGraph(const GraphOptimisation& job)
 {
-  const GraphFileReport report = optimizeGraphFile(job.input, job.output, job.config);
+  const GraphFileReport report = optimiseGraphFile(job.input, job.output, job.config);
   if (job.quiet)
   {
     return;
@@ -86,17 +86,17 @@ void optimizePoseGraph(const GraphOptimization& job)
 }
 }  // namespace
 
-void optimizeGraph(const GraphOptimization& job)
+void optimiseGraph(const GraphOptimisation& job)
 {
   const bool has_objects = isFactorGraphFile(job.input);
   job.config.requireKnownSections({has_objects ? "solver" : "pose_graph"});
   if (has_objects)
   {
-    optimizeFactorGraph(job);
+    optimiseFactorGraph(job);
   }
   else
   {
-    optimizePoseGraph(job);
+    optimisePoseGraph(job);
   }
 }
 }  // namespace dyslam
