@@ -18,9 +18,9 @@ namespace dyslam
 {
 namespace
 {
-using SlamRunResults = SlamRunTest;
+using SlamRun = SlamRunTest;
 
-TEST_F(SlamRunResults, LeavesEveryFileAndASmallError)
+TEST_F(SlamRun, LeavesEveryFileAndASmallError)
 {
   auto s = settings("whole");
   const SlamRunReport report = runSlam(s);
@@ -54,7 +54,7 @@ TEST_F(SlamRunResults, LeavesEveryFileAndASmallError)
   EXPECT_EQ(readLabels(s.output_folder + "/labels/000039.label").size(), pointsOf(39));
 }
 
-TEST_F(SlamRunResults, SameBytesForAnyThreadCountAndMemory)
+TEST_F(SlamRun, SameBytesForAnyThreadCountAndMemory)
 {
   auto one = settings("one");
   one.config.set("pipeline.threads=1");
@@ -84,7 +84,7 @@ TEST_F(SlamRunResults, SameBytesForAnyThreadCountAndMemory)
   }
 }
 
-TEST_F(SlamRunResults, EffectiveIniGivesTheSameRun)
+TEST_F(SlamRun, EffectiveIniGivesTheSameRun)
 {
   auto first = settings("first");
   first.config.set("refine.cell_size=0.7");
@@ -99,7 +99,7 @@ TEST_F(SlamRunResults, EffectiveIniGivesTheSameRun)
             readWhole(second.output_folder + "/effective.ini"));
 }
 
-TEST_F(SlamRunResults, TheTimeOfAFirstPassCounts)
+TEST_F(SlamRun, TheTimeOfAFirstPassCounts)
 {
   auto s = settings("second_pass");
   s.labels = false;
@@ -111,7 +111,7 @@ TEST_F(SlamRunResults, TheTimeOfAFirstPassCounts)
   EXPECT_LT(report.realtimeFactor(), 0.001);
 }
 
-TEST_F(SlamRunResults, AKnownStartSpeedIsTheFirstGuess)
+TEST_F(SlamRun, AKnownStartSpeedIsTheFirstGuess)
 {
   auto s = settings("start_speed");
   s.labels = false;
@@ -124,7 +124,7 @@ TEST_F(SlamRunResults, AKnownStartSpeedIsTheFirstGuess)
   EXPECT_NEAR(firstStep(s, "odometry_tum.txt").translation().x(), 1.2, 0.01);
 }
 
-TEST_F(SlamRunResults, TheSegmentersMotionIsTheFirstGuess)
+TEST_F(SlamRun, TheSegmentersMotionIsTheFirstGuess)
 {
   auto s = settings("segmenter_start");
   s.labels = false;
@@ -141,7 +141,7 @@ TEST_F(SlamRunResults, TheSegmentersMotionIsTheFirstGuess)
 }
 
 /** Highways on which registration alone follows the traffic, fast and in a jam. */
-TEST_F(SlamRunResults, FindsTheWorldAmongTrafficThatDrivesAlong)
+TEST_F(SlamRun, FindsTheWorldAmongTrafficThatDrivesAlong)
 {
   struct Traffic
   {
@@ -188,7 +188,7 @@ TEST_F(SlamRunResults, FindsTheWorldAmongTrafficThatDrivesAlong)
   }
 }
 
-TEST_F(SlamRunResults, StaticScansAreTheScansWithoutWhatMoves)
+TEST_F(SlamRun, StaticScansAreTheScansWithoutWhatMoves)
 {
   auto s = settings("static_scans");
   s.static_scans = true;
@@ -225,7 +225,7 @@ TEST_F(SlamRunResults, StaticScansAreTheScansWithoutWhatMoves)
   EXPECT_GT(moving, 0U) << "the town has traffic";
 }
 
-TEST_F(SlamRunResults, ProbabilitiesAreThoseThatTheLabelsWereDecidedBy)
+TEST_F(SlamRun, ProbabilitiesAreThoseThatTheLabelsWereDecidedBy)
 {
   for (const bool hindsight : {true, false})
   {
@@ -263,7 +263,7 @@ TEST_F(SlamRunResults, ProbabilitiesAreThoseThatTheLabelsWereDecidedBy)
   }
 }
 
-TEST_F(SlamRunResults, EveryOdometryMethodRuns)
+TEST_F(SlamRun, EveryOdometryMethodRuns)
 {
   for (const auto* method : {"constant_velocity", "icp_po2po", "icp_po2pl", "gicp", "loam"})
   {
