@@ -41,7 +41,7 @@ if(DYSLAM_INSTRUCTIONS STREQUAL "x86-64-v3")
   add_compile_options(-march=x86-64-v3)
 endif()
 
-# Eigen's memory layout is that of the packaged libraries (PCL, MRPT), built for plain x86-64. dyslam::core
+# Eigen's memory layout is that of the packaged libraries (PCL, MRPT), built for plain x86-64. dyslam::base
 # passes it on: a user built with AVX must see the same sizes of the types as the library.
 set(DYSLAM_LAYOUT_DEFINITIONS EIGEN_MAX_ALIGN_BYTES=16)
 

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "AppMain.h"
 
-#include <dyslam/core/Error.h>
-#include <dyslam/core/Version.h>
-#include <dyslam/core/Words.h>
+#include <dyslam/base/Error.h>
+#include <dyslam/base/Version.h>
+#include <dyslam/base/Words.h>
 #include <dyslam/formats/ProgramLines.h>
 
 #include <cmath>

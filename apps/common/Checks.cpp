@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Checks.h"
 
-#include <dyslam/core/Error.h>
+#include <dyslam/base/Error.h>
 #include <dyslam/formats/GroundTruth.h>
 #include <dyslam/formats/RecordingKind.h>
 #include <unistd.h>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <dyslam/core/Words.h>
+#include <dyslam/base/Words.h>
 
 #include <CLI/CLI.hpp>
 #include <map>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "SlamArguments.h"
 
-#include <dyslam/core/Error.h>
+#include <dyslam/base/Error.h>
 
 #include "Checks.h"
 #include "OutputOptions.h"

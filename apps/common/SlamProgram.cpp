@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "SlamProgram.h"
 
-#include <dyslam/core/Angle.h>
-#include <dyslam/core/Printable.h>
+#include <dyslam/base/Angle.h>
+#include <dyslam/base/Printable.h>
 #include <dyslam/run/TwoPassRun.h>
 #include <unistd.h>
 

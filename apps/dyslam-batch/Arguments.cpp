@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Arguments.h"
 
-#include <dyslam/core/Config.h>
-#include <dyslam/core/Error.h>
-#include <dyslam/core/RuntimeModule.h>
-#include <dyslam/core/SharedFiles.h>
-#include <dyslam/core/Version.h>
-#include <dyslam/core/Words.h>
+#include <dyslam/base/Config.h>
+#include <dyslam/base/Error.h>
+#include <dyslam/base/RuntimeModule.h>
+#include <dyslam/base/SharedFiles.h>
+#include <dyslam/base/Version.h>
+#include <dyslam/base/Words.h>
 #include <dyslam/formats/RecordingKind.h>
 
 #include <CLI/CLI.hpp>

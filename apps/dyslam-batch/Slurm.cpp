@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Slurm.h"
 
+#include <dyslam/base/Error.h>
+#include <dyslam/base/Files.h>
+#include <dyslam/base/PendingFile.h>
 #include <dyslam/batch/SlurmJob.h>
-#include <dyslam/core/Error.h>
-#include <dyslam/core/Files.h>
-#include <dyslam/core/PendingFile.h>
 
 #include <filesystem>
 #include <iostream>

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/base/Error.h>
+#include <dyslam/base/Files.h>
+#include <dyslam/base/Printable.h>
 #include <dyslam/batch/Batch.h>
 #include <dyslam/batch/Summary.h>
-#include <dyslam/core/Error.h>
-#include <dyslam/core/Files.h>
-#include <dyslam/core/Printable.h>
 #include <unistd.h>
 
 #include <csignal>

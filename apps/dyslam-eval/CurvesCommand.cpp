@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "CurvesCommand.h"
 
-#include <dyslam/core/Files.h>
+#include <dyslam/base/Files.h>
 #include <dyslam/plot/LearningCurves.h>
 
 #include <cstdio>

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "KittiMotCommand.h"
 
+#include <dyslam/base/Error.h>
+#include <dyslam/base/Files.h>
+#include <dyslam/base/Options.h>
+#include <dyslam/base/SharedFiles.h>
 #include <dyslam/benchmarks/KittiMot.h>
-#include <dyslam/core/Error.h>
-#include <dyslam/core/Files.h>
-#include <dyslam/core/Options.h>
-#include <dyslam/core/SharedFiles.h>
 
 #include <memory>
 #include <string>

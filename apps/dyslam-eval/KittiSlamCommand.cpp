@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "KittiSlamCommand.h"
 
+#include <dyslam/base/Error.h>
+#include <dyslam/base/Options.h>
+#include <dyslam/base/SharedFiles.h>
 #include <dyslam/benchmarks/KittiSlamErrors.h>
-#include <dyslam/core/Error.h>
-#include <dyslam/core/Options.h>
-#include <dyslam/core/SharedFiles.h>
 
 #include <algorithm>
 #include <iostream>

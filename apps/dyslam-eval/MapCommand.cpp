@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "MapCommand.h"
 
+#include <dyslam/base/Error.h>
+#include <dyslam/base/Printable.h>
 #include <dyslam/benchmarks/MapComparison.h>
 #include <dyslam/benchmarks/MapSelf.h>
-#include <dyslam/core/Error.h>
-#include <dyslam/core/Printable.h>
 #include <dyslam/formats/ScanFiles.h>
 
 #include <memory>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "MaskCommand.h"
 
-#include <dyslam/core/Files.h>
+#include <dyslam/base/Files.h>
 #include <dyslam/eval/Table.h>
 #include <dyslam/plot/MaskPicture.h>
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "OutputFiles.h"
 
-#include <dyslam/core/PendingFile.h>
+#include <dyslam/base/PendingFile.h>
 
 #include <filesystem>
 #include <iostream>

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "PredictionCommand.h"
 
+#include <dyslam/base/Error.h>
 #include <dyslam/benchmarks/JsonText.h>
 #include <dyslam/benchmarks/KittiPrediction.h>
-#include <dyslam/core/Error.h>
 
 #include <iostream>
 #include <memory>

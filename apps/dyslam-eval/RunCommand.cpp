@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "RunCommand.h"
 
+#include <dyslam/base/Error.h>
+#include <dyslam/base/Printable.h>
 #include <dyslam/benchmarks/RunTables.h>
-#include <dyslam/core/Error.h>
-#include <dyslam/core/Printable.h>
 
 #include <filesystem>
 #include <iostream>

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "SpeedsCommand.h"
 
+#include <dyslam/base/Error.h>
 #include <dyslam/benchmarks/KittiSpeeds.h>
 #include <dyslam/benchmarks/KittiTracking.h>
-#include <dyslam/core/Error.h>
 #include <dyslam/plot/LinePlot.h>
 
 #include <memory>

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "TablesCommand.h"
 
+#include <dyslam/base/Error.h>
+#include <dyslam/base/PendingFile.h>
 #include <dyslam/benchmarks/SplitTables.h>
-#include <dyslam/core/Error.h>
-#include <dyslam/core/PendingFile.h>
 
 #include <iostream>
 #include <memory>

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "TrajectoryCommand.h"
 
+#include <dyslam/base/Error.h>
 #include <dyslam/benchmarks/TrajectoryComparison.h>
-#include <dyslam/core/Error.h>
 #include <dyslam/eval/Axes.h>
 #include <dyslam/eval/TrajectoryReports.h>
 #include <dyslam/plot/TrajectoryPlot.h>

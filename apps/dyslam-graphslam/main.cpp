@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <dyslam/core/Heap.h>
+#include <dyslam/base/Heap.h>
 #include <dyslam/graphslam/GraphSlamPlugins.h>
 #include <dyslam/graphslam/GraphSlamRun.h>
 
@@ -10,7 +10,7 @@
 #include "../common/AppMain.h"
 #include "../common/OutputOptions.h"
 #include "../common/SlamProgram.h"
-#include "GraphOptimization.h"
+#include "GraphOptimisation.h"
 
 namespace
 {
@@ -90,14 +90,14 @@ void requireGraphFlags(const CLI::App& parser)
 }
 
 /** Optimises the graph of --optimize. \throws UserError, also for flags of a recording. */
-void optimizeSavedGraph(const Arguments& a)
+void optimiseSavedGraph(const Arguments& a)
 {
   requireGraphFlags(*a.parser);
   if (!a.slam.settings.output_folder.empty() && !a.plugins.optimizer.empty())
   {
     throw UserError("--optimize writes one file: give -o or --output, not both");
   }
-  dyslam::GraphOptimization job;
+  dyslam::GraphOptimisation job;
   job.input = a.graph;
   job.output = a.plugins.optimizer.empty() ? a.slam.settings.output_folder : a.plugins.optimizer;
   job.quiet = a.slam.quiet();
@@ -105,7 +105,7 @@ void optimizeSavedGraph(const Arguments& a)
   {
     job.config.set(assignment);
   }
-  dyslam::optimizeGraph(job);
+  dyslam::optimiseGraph(job);
 }
 
 void run(Arguments& a)
@@ -116,7 +116,7 @@ void run(Arguments& a)
   }
   if (!a.graph.empty())
   {
-    optimizeSavedGraph(a);
+    optimiseSavedGraph(a);
     return;
   }
   if (a.slam.settings.rawlog.empty())

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Series.h"
 
-#include <dyslam/core/Error.h>
+#include <dyslam/base/Error.h>
 
 #include <limits>
 #include <string>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <dyslam/core/Files.h>
-#include <dyslam/core/Options.h>
-#include <dyslam/core/PendingFile.h>
+#include <dyslam/base/Files.h>
+#include <dyslam/base/Options.h>
+#include <dyslam/base/PendingFile.h>
 #include <dyslam/train/DataText.h>
 #include <dyslam/train/DysegTrainer.h>
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "TrainArguments.h"
 
-#include <dyslam/core/Error.h>
-#include <dyslam/core/SharedFiles.h>
+#include <dyslam/base/Error.h>
+#include <dyslam/base/SharedFiles.h>
 
 #include "../common/Checks.h"
 #include "../common/OutputOptions.h"

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <dyslam/core/Heap.h>
-#include <dyslam/core/Version.h>
+#include <dyslam/base/Heap.h>
+#include <dyslam/base/Version.h>
 
 #include "../common/AppMain.h"
 #include "TrainArguments.h"

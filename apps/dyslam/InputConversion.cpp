@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "InputConversion.h"
 
-#include <dyslam/core/Error.h>
-#include <dyslam/core/Files.h>
-#include <dyslam/core/PendingFile.h>
-#include <dyslam/core/Printable.h>
+#include <dyslam/base/Error.h>
+#include <dyslam/base/Files.h>
+#include <dyslam/base/PendingFile.h>
+#include <dyslam/base/Printable.h>
 #include <dyslam/formats/RunFiles.h>
 #include <dyslam/io/OptionError.h>
 #include <dyslam/run/FolderLock.h>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <dyslam/core/Heap.h>
+#include <dyslam/base/Heap.h>
 #include <dyslam/run/SlamRun.h>
 
 #include "../common/AppMain.h"

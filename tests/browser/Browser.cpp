@@ -2,7 +2,7 @@
 #include "Browser.h"
 
 #include <arpa/inet.h>
-#include <dyslam/core/Files.h>
+#include <dyslam/base/Files.h>
 #include <netinet/in.h>
 #include <sys/socket.h>
 #include <unistd.h>

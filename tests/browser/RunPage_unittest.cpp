@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // report.html, opened in Chromium and used as a reader uses it.
-#include <dyslam/core/Files.h>
+#include <dyslam/base/Files.h>
 #include <dyslam/report/RunPage.h>
 #include <gtest/gtest.h>
 

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "BagWriters.h"
+#include "RosMessageWriters.h"
 #include "RunProgram.h"
 #include "SyntheticCapture.h"
 #include "TestFolder.h"

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Georeferenced map of a recording with GNSS positions and a tilted lidar.
-#include <dyslam/core/Angle.h>
-#include <dyslam/core/Files.h>
+#include <dyslam/base/Angle.h>
+#include <dyslam/base/Files.h>
 #include <dyslam/formats/GeoreferenceFile.h>
 #include <dyslam/formats/TrajectoryFiles.h>
 #include <dyslam/io/RawlogWriter.h>

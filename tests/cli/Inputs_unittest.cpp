@@ -21,6 +21,7 @@
 #include <vector>
 
 #include "BagWriters.h"
+#include "RosMessageWriters.h"
 #include "RunProgram.h"
 #include "SyntheticCapture.h"
 #include "SyntheticOuster.h"

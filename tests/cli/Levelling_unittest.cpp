@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // A lidar that is tilted on its vehicle, in a recording that does not state the tilt.
-#include <dyslam/core/Angle.h>
+#include <dyslam/base/Angle.h>
 #include <dyslam/core/GroundPlane.h>
 #include <dyslam/core/Trajectory.h>
 #include <dyslam/formats/KittiFiles.h>

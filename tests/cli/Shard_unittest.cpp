@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "../../apps/common/Shard.h"
 
-#include <dyslam/core/Error.h>
+#include <dyslam/base/Error.h>
 #include <gtest/gtest.h>
 
 #include <set>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The drives of the splits, and the tables that scripts/split_tables.sh makes from them.
-#include <dyslam/core/Error.h>
+#include <dyslam/base/Error.h>
 #include <dyslam/train/DataSplits.h>
 #include <gtest/gtest.h>
 

@@ -72,7 +72,7 @@ inline void writeKittiScene(const std::filesystem::path& folder)
       {
         continue;
       }
-      box.box.center = {at.x(), at.y(), -0.9};
+      box.box.centre = {at.x(), at.y(), -0.9};
       box.box.size = actors[i].size;
       box.image_box = {100.0 * static_cast<double>(i), 100, 100.0 * static_cast<double>(i) + 90,
                        200};
@@ -81,7 +81,7 @@ inline void writeKittiScene(const std::filesystem::path& folder)
       {
         continue;
       }
-      box.box.center += Eigen::Vector3d(noise(generator), noise(generator), 0);
+      box.box.centre += Eigen::Vector3d(noise(generator), noise(generator), 0);
       box.score = 4 + uniform(generator);
       detections.push_back(box);
     }
@@ -89,7 +89,7 @@ inline void writeKittiScene(const std::filesystem::path& folder)
     {
       LabelledBox box = labels.back();
       box.object_class = ObjectClass::car;
-      box.box.center = {10 + 40 * uniform(generator), 20 * uniform(generator) - 10, -0.9};
+      box.box.centre = {10 + 40 * uniform(generator), 20 * uniform(generator) - 10, -0.9};
       box.box.size = actors[0].size;
       box.score = 0.5 + uniform(generator);
       detections.push_back(box);

@@ -2,7 +2,7 @@
 // Network captures of lidars that see a sphere. They know nothing of the readers.
 #pragma once
 
-#include <dyslam/core/Bytes.h>
+#include <dyslam/base/Bytes.h>
 
 #include <algorithm>
 #include <cmath>

@@ -2,7 +2,7 @@
 // SLAM on scans as a live driver delivers them: one Frame per scan goes through the pipeline, which
 // fills in pose, moving points and objects. Here the scans are of a vehicle that drives through a
 // simulated hall; exit code 0 if its path is found.
-#include <dyslam/core/Error.h>
+#include <dyslam/base/Error.h>
 #include <dyslam/mapexport/MapExport.h>
 #include <dyslam/pipeline/Pipeline.h>
 #include <dyslam/pipeline/StartSpeed.h>

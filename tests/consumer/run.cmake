@@ -38,7 +38,7 @@ function(build_consumer name components forbidden)
     -DCMAKE_BUILD_TYPE=Release -DCMAKE_CXX_FLAGS=${flags} "-DCOMPONENTS=${components}" "-DFORBIDDEN=${forbidden}")
   step(${CMAKE_COMMAND} --build ${work}/${name})
 endfunction()
-build_consumer(core core "Torch;PCL;Ceres;MRPT;OpenCV;octomap;embree")
+build_consumer(core "base;core" "Torch;PCL;Ceres;MRPT;OpenCV;octomap;embree")
 build_consumer(io io "Torch;Ceres;OpenCV;octomap;embree")
 build_consumer(all "" "")
 
@@ -64,10 +64,10 @@ endforeach()
 
 # The shared files: where installed, where told, and beside a program that was moved.
 if(position EQUAL 0)
-  step(${work}/core/uses_core ${prefix}/share/dyslam/)
+  step(${work}/core/uses_base ${prefix}/share/dyslam/)
 endif()
 file(COPY ${prefix}/share/dyslam DESTINATION ${work}/moved/share)
-file(COPY ${work}/core/uses_core DESTINATION ${work}/moved/bin)
-step(${work}/moved/bin/uses_core ${work}/moved/share/dyslam/)
-step(${CMAKE_COMMAND} -E env DYSLAM_SHARE=${work}/moved/share/dyslam ${work}/core/uses_core
+file(COPY ${work}/core/uses_base DESTINATION ${work}/moved/bin)
+step(${work}/moved/bin/uses_base ${work}/moved/share/dyslam/)
+step(${CMAKE_COMMAND} -E env DYSLAM_SHARE=${work}/moved/share/dyslam ${work}/core/uses_base
   ${work}/moved/share/dyslam/)

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // One program for each parser: DYSLAM_PARSER says which. Run it as any libFuzzer program.
-#include <dyslam/core/Error.h>
+#include <dyslam/base/Error.h>
 #include <unistd.h>
 
 #include <cstdint>

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Parsers.h"
 
-#include <dyslam/core/Config.h>
-#include <dyslam/core/Error.h>
-#include <dyslam/core/Files.h>
+#include <dyslam/base/Config.h>
+#include <dyslam/base/Error.h>
+#include <dyslam/base/Files.h>
+#include <dyslam/base/PendingFile.h>
+#include <dyslam/base/StateArchive.h>
 #include <dyslam/core/Frame.h>
-#include <dyslam/core/PendingFile.h>
-#include <dyslam/core/StateArchive.h>
 #include <dyslam/formats/Bag.h>
 #include <dyslam/formats/KittiFiles.h>
 #include <dyslam/formats/KittiTracks.h>

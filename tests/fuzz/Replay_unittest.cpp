@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Files that fuzzers found are refused, or read, in time and with little memory.
-#include <dyslam/core/Error.h>
+#include <dyslam/base/Error.h>
 #include <gtest/gtest.h>
 
 #include <chrono>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // fuzz_seeds <folder>: writes small valid files for every parser to <folder>/<parser>/.
+#include <dyslam/base/StateArchive.h>
 #include <dyslam/core/Frame.h>
-#include <dyslam/core/StateArchive.h>
 #include <dyslam/formats/ScanFiles.h>
 #include <dyslam/io/RawlogWriter.h>
 #include <mrpt/maps/CColouredPointsMap.h>
@@ -22,6 +22,7 @@
 
 #include "BagWriters.h"
 #include "MrptBytes.h"
+#include "RosMessageWriters.h"
 #include "StateFile.h"
 #include "SyntheticCapture.h"
 #include "SyntheticHesai.h"

@@ -72,7 +72,7 @@ std::vector<Rows> readTable(const fs::path& path)
     const auto f = fieldsOf(line);
     const auto number = [&](std::size_t i) { return std::stod(f.at(i)); };
     Row row;
-    row.box.center = {number(4), number(5), number(6)};
+    row.box.centre = {number(4), number(5), number(6)};
     row.box.size = {number(7), number(8), number(9)};
     row.box.yaw = number(10);
     row.vehicle = isVehicle(objectClassFromString(f.at(3)));
@@ -243,12 +243,12 @@ std::vector<std::size_t> expectInTable(const fs::path& run, const std::vector<Ro
       }
       const Row& row = found->second;
       const Pose T_vehicle_odom = odometry[frame].pose.inverse();
-      const Eigen::Vector3d center = T_vehicle_odom * row.box.center;
+      const Eigen::Vector3d centre = T_vehicle_odom * row.box.centre;
       const Eigen::Vector3d heading =
           T_vehicle_odom.linear() *
           Eigen::Vector3d(std::cos(row.box.yaw), std::sin(row.box.yaw), 0);
       const Eigen::Vector3d at(drawn.pose.x, drawn.pose.y, drawn.pose.z);
-      EXPECT_LT((at - center).norm(), 0.002) << frame << " " << id;
+      EXPECT_LT((at - centre).norm(), 0.002) << frame << " " << id;
       EXPECT_NEAR(std::cos(drawn.pose.yaw - std::atan2(heading.y(), heading.x())), 1, 1e-6);
       EXPECT_LT((drawn.size - row.box.size).norm(), 0.02) << frame << " " << id;
       EXPECT_NEAR(drawn.speed, row.speed, 0.051) << frame << " " << id;

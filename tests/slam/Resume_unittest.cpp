@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Runs that were stopped or killed continue from their last checkpoint and give the same bytes.
-#include <dyslam/core/Error.h>
-#include <dyslam/core/Files.h>
+#include <dyslam/base/Error.h>
+#include <dyslam/base/Files.h>
 #include <dyslam/io/RawlogWriter.h>
 #include <dyslam/run/SlamRun.h>
 #include <dyslam/sim/Simulator.h>

@@ -1,26 +1,16 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Whole runs on a small simulated recording: from the rawlog to every file of the output folder.
-#include <dyslam/core/Error.h>
-#include <dyslam/core/Files.h>
-#include <dyslam/eval/TrajectoryMetrics.h>
+#include <dyslam/core/Labels.h>
 #include <dyslam/formats/LabelFiles.h>
 #include <dyslam/formats/ScanFiles.h>
-#include <dyslam/formats/TrajectoryFiles.h>
 #include <dyslam/io/RawlogSource.h>
-#include <dyslam/io/RawlogWriter.h>
-#include <dyslam/run/SlamRun.h>
-#include <dyslam/sim/Simulator.h>
-#include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <cmath>
+#include <cstdio>
 #include <cstring>
-#include <filesystem>
-#include <fstream>
-#include <limits>
-#include <map>
-#include <sstream>
-#include <tuple>
+#include <vector>
+
+#include "SlamRunTest.h"
 
 namespace fs = std::filesystem;
 
@@ -28,122 +18,7 @@ namespace dyslam
 {
 namespace
 {
-constexpr int scan_count = 40;
-
-/** Content of every file of a run by name, without files that hold clock times. */
-std::map<std::string, std::string> filesOf(const fs::path& folder)
-{
-  std::map<std::string, std::string> files;
-  for (const auto& entry : fs::recursive_directory_iterator(folder))
-  {
-    const std::string name = fs::relative(entry.path(), folder).string();
-    if (entry.is_regular_file() && name != "report.json" && name != "effective.ini")
-    {
-      const std::string content = readWhole(entry.path());
-      // Before the scans, the page has title, settings and times.
-      files[name] = name == "report.html" ? content.substr(content.find("\"scans\":")) : content;
-    }
-  }
-  return files;
-}
-
-class SlamRun : public ::testing::Test
-{
- protected:
-  static void SetUpTestSuite()
-  {
-    folder_ = fs::temp_directory_path() / ("dyslam_slam_run_" + std::to_string(::getpid()));
-    fs::create_directories(folder_);
-    writeRecording(recording(), town(), scan_count, false);
-  }
-  static void TearDownTestSuite() { fs::remove_all(folder_); }
-
-  static std::string recording() { return (folder_ / "town.rawlog").string(); }
-
-  static sim::SimulatorOptions town()
-  {
-    sim::SimulatorOptions options;
-    options.sensor = sim::SensorKind::vlp16;
-    options.columns = 900;
-    options.traffic = 0.5;
-    options.seed = 11;
-    return options;
-  }
-
-  /** Writes a recording. \param spoiled adds an empty scan and invalid points among the good ones
-   */
-  static void writeRecording(const std::string& path,
-                             const sim::SimulatorOptions& options,
-                             int scans,
-                             bool spoiled)
-  {
-    sim::Simulator simulator(options, 1);
-    RawlogWriter writer(path);
-    for (int i = 0; i < scans; ++i)
-    {
-      auto simulated = simulator.next();
-      Scan& scan = simulated.scan;
-      if (spoiled && i == 20)
-      {
-        scan.points.clear();
-        scan.intensity.clear();
-        scan.time.clear();
-        scan.ring.clear();
-      }
-      else if (spoiled && i > 5)
-      {
-        const float nan = std::numeric_limits<float>::quiet_NaN();
-        scan.points.at(100) = Eigen::Vector3f(nan, 0, 0);
-        scan.points.at(101) = Eigen::Vector3f(0, std::numeric_limits<float>::infinity(), 0);
-        scan.points.at(102).setZero();
-      }
-      writer.write(scan, simulated.T_map_vehicle);
-    }
-    writer.close();
-  }
-
-  static SlamRunSettings settings(const std::string& output)
-  {
-    SlamRunSettings s;
-    s.rawlog = recording();
-    s.output_folder = (folder_ / output).string();
-    s.config =
-        Config::fromFile(std::string(DYSLAM_SOURCE_DIR) + "/share/dyslam/config_files/vlp16.ini");
-    s.labels = true;
-    return s;
-  }
-
-  /** Motion between the two poses of a run of two scans. */
-  static Pose firstStep(const SlamRunSettings& s, const char* file)
-  {
-    const Trajectory poses = readTum((fs::path(s.output_folder) / file).string());
-    EXPECT_EQ(poses.size(), 2U) << file;
-    return poses.size() == 2 ? poses[0].pose.inverse() * poses[1].pose : Pose::Identity();
-  }
-
-  static TrajectoryReport errorsOf(const fs::path& run)
-  {
-    const auto pairs = associateByTime(readTum((run / "reference_tum.txt").string()),
-                                       readTum((run / "trajectory_tum.txt").string()), 1e-3);
-    return evaluateTrajectory("run", pairs);
-  }
-
-  static std::string errorOf(const SlamRunSettings& s)
-  {
-    try
-    {
-      (void)runSlam(s);
-    }
-    catch (const UserError& error)
-    {
-      return error.what();
-    }
-    return "no error";
-  }
-
-  static fs::path folder_;
-};
-fs::path SlamRun::folder_;
+using SlamRun = SlamRunTest;
 
 TEST_F(SlamRun, LeavesEveryFileAndASmallError)
 {
@@ -224,63 +99,6 @@ TEST_F(SlamRun, EffectiveIniGivesTheSameRun)
             readWhole(second.output_folder + "/effective.ini"));
 }
 
-TEST_F(SlamRun, ATruncatedRawlogLeavesTheResultsBeforeTheCut)
-{
-  const std::string whole = readWhole(recording());
-  const std::string cut = (folder_ / "cut.rawlog").string();
-  std::ofstream(cut, std::ios::binary)
-      .write(whole.data(), static_cast<long>(whole.size() * 6 / 10));
-  auto s = settings("cut");
-  s.rawlog = cut;
-  EXPECT_NE(errorOf(s).find("cut.rawlog"), std::string::npos);
-  const auto errors = errorsOf(s.output_folder);
-  EXPECT_GT(errors.pairs, 15U);
-  EXPECT_LT(errors.pairs, static_cast<std::size_t>(scan_count));
-  const std::string report = readWhole(s.output_folder + "/report.json");
-  EXPECT_NE(report.find("\"finished\": false"), std::string::npos) << report;
-  EXPECT_NE(report.find("\"ended_early\": \"" + cut), std::string::npos) << report;
-  EXPECT_NE(report.find("\"the run is not complete: " + cut), std::string::npos) << report;
-  EXPECT_NE(readWhole(s.output_folder + "/report.html").find("the run is not complete: "),
-            std::string::npos);
-  EXPECT_FALSE(hasCheckpoint(s.output_folder)) << "the same damage would end it again";
-}
-
-TEST_F(SlamRun, AStoppedRunLeavesItsResults)
-{
-  auto s = settings("stopped");
-  s.labels = false;
-  s.config.set("output.checkpoint_seconds=0");
-  int asked = 0;
-  s.stop = [&] { return ++asked == 7; };  // the first call is before the first scan
-  const std::string error = errorOf(s);
-  const std::size_t scans = readTum(s.output_folder + "/trajectory_tum.txt").size();
-  EXPECT_GE(scans, 6U);
-  EXPECT_LE(scans, 12U) << "those in work when it was asked";
-  const std::string reason = "stopped on request after " + std::to_string(scans) + " scans";
-  EXPECT_EQ(error, s.rawlog + ": " + reason + ", whose results are in " + s.output_folder);
-  const std::string report = readWhole(s.output_folder + "/report.json");
-  EXPECT_NE(report.find("\"finished\": false"), std::string::npos) << report;
-  EXPECT_NE(report.find("\"ended_early\": \"" + reason + "\""), std::string::npos) << report;
-  EXPECT_NE(report.find("\"the run is not complete: " + reason + "\""), std::string::npos)
-      << report;
-  EXPECT_NE(readWhole(s.output_folder + "/report.html").find(reason), std::string::npos);
-  EXPECT_FALSE(hasCheckpoint(s.output_folder));
-}
-
-TEST_F(SlamRun, StoppedAtTheLastScanItIsComplete)
-{
-  auto s = settings("at_the_end");
-  s.labels = false;
-  s.config.set("input.only_first_n=4");
-  int asked = 0;
-  s.stop = [&] { return ++asked == 5; };
-  EXPECT_EQ(runSlam(s).frames, 4U);
-  const std::string report = readWhole(s.output_folder + "/report.json");
-  EXPECT_NE(report.find("\"finished\": true"), std::string::npos) << report;
-  EXPECT_NE(report.find("\"ended_early\": \"\""), std::string::npos) << report;
-  EXPECT_FALSE(hasCheckpoint(s.output_folder));
-}
-
 TEST_F(SlamRun, TheTimeOfAFirstPassCounts)
 {
   auto s = settings("second_pass");
@@ -291,149 +109,6 @@ TEST_F(SlamRun, TheTimeOfAFirstPassCounts)
   EXPECT_GT(report.run_time, 1000);
   EXPECT_EQ(report.first_pass_time, 1000);
   EXPECT_LT(report.realtimeFactor(), 0.001);
-}
-
-TEST_F(SlamRun, StoppedBeforeTheFirstScanItLeavesTheEarlierRun)
-{
-  auto s = settings("kept");
-  s.config.set("input.only_first_n=3");
-  (void)runSlam(s);
-  const auto before = filesOf(s.output_folder);
-  const std::string report = readWhole(s.output_folder + "/report.json");
-  s.stop = [] { return true; };
-  EXPECT_EQ(errorOf(s), s.rawlog + ": stopped before the first scan");
-  EXPECT_EQ(before, filesOf(s.output_folder));
-  EXPECT_EQ(report, readWhole(s.output_folder + "/report.json"));
-}
-
-TEST_F(SlamRun, AnEarlierRunLeavesNothingBehindInTheFolder)
-{
-  auto s = settings("again");
-  s.static_scans = true;
-  s.config.set("input.only_first_n=4");
-  (void)runSlam(s);
-  const fs::path folder = s.output_folder;
-  ASSERT_TRUE(fs::exists(folder / "labels" / "000003.label"));
-  std::ofstream(folder / "notes.txt") << "mine";
-  std::ofstream(folder / "labels" / "notes.txt") << "mine";
-
-  s.labels = false;
-  s.static_scans = false;
-  s.config.set("input.only_first_n=2");
-  s.config.set("pipeline.mapping=false");
-  (void)runSlam(s);
-  EXPECT_FALSE(fs::exists(folder / "labels" / "000000.label"));
-  for (const char* gone : {"static_scans", "static_scans.rawlog", "map_static.ply"})
-  {
-    EXPECT_FALSE(fs::exists(folder / gone)) << gone;
-  }
-  EXPECT_TRUE(fs::exists(folder / "notes.txt"));
-  EXPECT_TRUE(fs::exists(folder / "labels" / "notes.txt"));
-}
-
-TEST_F(SlamRun, AnOutputThatFailsIsNamedAndTheOthersAreWritten)
-{
-  auto s = settings("one_fails");
-  s.config.set("input.only_first_n=3");
-  const fs::path folder = s.output_folder;
-  fs::create_directories(folder / "graph.g2o" /
-                         "of_the_user");  // a folder that prevents writing the file
-  s.force = true;
-  const std::string error = errorOf(s);
-  EXPECT_NE(error.find("graph.g2o"), std::string::npos) << error;
-  EXPECT_EQ(error.find("trajectory"), std::string::npos) << error;
-  for (const char* written : {"trajectory_tum.txt", "scans.csv", "labels/000002.label",
-                              "replay.rawlog", "map_static.ply", "map.3Dscene", "trajectory.png"})
-  {
-    EXPECT_TRUE(fs::exists(folder / written)) << written;
-  }
-  EXPECT_NE(readWhole(folder / "report.json").find("graph.g2o: "), std::string::npos);
-  EXPECT_TRUE(fs::exists(folder / "factor_graph.txt"));
-}
-
-TEST_F(SlamRun, WhatNoRunWroteIsNotReplaced)
-{
-  auto s = settings("sequence");
-  const fs::path folder = s.output_folder;
-  fs::create_directories(folder / "labels");
-  std::ofstream(folder / "labels" / "000000.label") << "official";
-  EXPECT_NE(errorOf(s).find("files that no run wrote"), std::string::npos);
-  EXPECT_EQ(readWhole(folder / "labels" / "000000.label"), "official");
-
-  s = settings("in_place");
-  fs::create_directories(s.output_folder);
-  s.rawlog = s.output_folder + "/static_scans.rawlog";
-  fs::copy_file(recording(), s.rawlog);
-  const std::string before = readWhole(s.rawlog);
-  EXPECT_NE(errorOf(s).find("would be replaced"), std::string::npos);
-  EXPECT_EQ(readWhole(s.rawlog), before);
-}
-
-TEST_F(SlamRun, WarnsWhereNothingMeasuresTheMotion)
-{
-  auto s = settings("unmeasured");
-  s.labels = false;
-  s.config.set("odometry.method=constant_velocity");
-  s.config.set("refine.method=none");
-  s.config.set("input.only_first_n=2");
-  const auto warnings = runSlam(s).warnings;
-  ASSERT_FALSE(warnings.empty());
-  EXPECT_NE(warnings.back().find("refine.method"), std::string::npos) << warnings.back();
-}
-
-/** With a limit that no scan meets. */
-TEST_F(SlamRun, ARunThatFailedSaysSo)
-{
-  auto s = settings("failed");
-  s.labels = false;
-  s.config.set("refine.min_inlier_ratio=1");
-  s.config.set("input.only_first_n=12");
-  s.config.set("output.replay=false");
-  const SlamRunReport report = runSlam(s);
-  EXPECT_GT(report.unconverged, 6U);
-  EXPECT_NE(report.failure.find("of 12 scans could not be registered"), std::string::npos)
-      << report.failure;
-  EXPECT_NE(report.failure.find("inlier ratio"), std::string::npos) << report.failure;
-  EXPECT_EQ(report.verdict, "unusable");
-  EXPECT_NE(readWhole(fs::path(s.output_folder) / "report.json").find("could not be registered"),
-            std::string::npos);
-}
-
-TEST_F(SlamRun, EmptyScansAndBadPointsDoNotStopIt)
-{
-  auto s = settings("spoiled");
-  s.rawlog = (folder_ / "spoiled.rawlog").string();
-  writeRecording(s.rawlog, town(), scan_count, true);
-  const auto report = runSlam(s);
-  EXPECT_EQ(report.frames, static_cast<std::size_t>(scan_count));
-  EXPECT_EQ(report.unconverged, 1U);
-  EXPECT_LT(errorsOf(s.output_folder).end.percent, 3.0);
-}
-
-TEST_F(SlamRun, BadConfigIsNamedBeforeAnythingIsWritten)
-{
-  const auto errorWith = [](const std::string& assignment)
-  {
-    auto s = settings("never");
-    s.config.set(assignment);
-    return errorOf(s);
-  };
-  EXPECT_NE(errorWith("odometri.method=gicp").find("did you mean 'odometry'"), std::string::npos);
-  EXPECT_NE(errorWith("odometry.methode=gicp").find("did you mean 'method'"), std::string::npos);
-  EXPECT_NE(errorWith("odometry.method=gicpp").find("did you mean 'gicp'"), std::string::npos);
-  EXPECT_NE(errorWith("refine.cell_size=-1").find("out of range"), std::string::npos);
-  EXPECT_NE(errorWith("refine.cell_size=wide").find("not a number"), std::string::npos);
-  EXPECT_FALSE(fs::exists(folder_ / "never"));
-}
-
-TEST_F(SlamRun, AnOutputFolderThatCannotBeMadeIsNamed)
-{
-  auto s = settings("x");
-  s.output_folder = "/proc/dyslam-out";
-  EXPECT_NE(errorOf(s).find("/proc/dyslam-out"), std::string::npos);
-  std::ofstream(folder_ / "file") << "x";
-  s.output_folder = (folder_ / "file" / "below").string();
-  EXPECT_NE(errorOf(s).find("output"), std::string::npos);
 }
 
 TEST_F(SlamRun, AKnownStartSpeedIsTheFirstGuess)

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Runs with the shipped settings stay within error bounds; a run with all networks; a run that
 // closes loops.
+#include <dyslam/base/Files.h>
 #include <dyslam/core/BoxOverlap.h>
-#include <dyslam/core/Files.h>
 #include <dyslam/eval/SegmentationMetrics.h>
 #include <dyslam/eval/TrajectoryMetrics.h>
 #include <dyslam/formats/LabelFiles.h>

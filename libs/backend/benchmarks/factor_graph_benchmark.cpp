@@ -96,7 +96,7 @@ class Traffic
     Vector6 x = Vector6::NullaryExpr([this] { return normal_(rng_); });
     x.head<3>() *= sigma;
     x.tail<3>() *= rotation_sigma;
-    return orthonormalized(pose * expSE3(x));
+    return orthonormalised(pose * expSE3(x));
   }
 
   void observe(Frame& frame, int id, const Pose& T_map_object)
@@ -108,10 +108,10 @@ class Traffic
     object.object_class = ObjectClass::car;
     object.confirmed = true;
     object.observed = true;
-    object.observation.center = seen.translation();
+    object.observation.centre = seen.translation();
     for (int i = 0; i < 3; ++i)
     {
-      object.observation.center[i] += position_sigma * normal_(rng_);
+      object.observation.centre[i] += position_sigma * normal_(rng_);
     }
     object.observation.yaw = std::atan2(seen(1, 0), seen(0, 0)) + heading_sigma * normal_(rng_);
     object.observation_covariance.setIdentity();

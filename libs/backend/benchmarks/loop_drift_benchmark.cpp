@@ -3,7 +3,7 @@
 // every step. Prints the number of loops of each run, how many of them are false, and the error at
 // the end.
 #include <dyslam/backend/Backend.h>
-#include <dyslam/core/Error.h>
+#include <dyslam/base/Error.h>
 #include <dyslam/io/RawlogSource.h>
 
 #include <algorithm>
@@ -62,9 +62,9 @@ void report(const dyslam::Backend& backend,
       wrong += error.translation().norm() > false_loop ? 1 : 0;
     }
   }
-  const Pose estimated = backend.optimizedTrajectory()[truth.size() - 1].pose;
+  const Pose estimated = backend.optimisedTrajectory()[truth.size() - 1].pose;
   const Pose off = (truth.front().inverse() * truth.back()).inverse() *
-                   backend.optimizedTrajectory()[0].pose.inverse() * estimated;
+                   backend.optimisedTrajectory()[0].pose.inverse() * estimated;
   std::printf(
       "appearance %-3s  loops %3d (by appearance %3d, false %d), beyond the radius tried %3d, "
       "ambiguous %3d, error at the end %.2f m, %.1f ms a keyframe\n",

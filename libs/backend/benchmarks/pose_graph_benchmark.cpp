@@ -4,7 +4,7 @@
 //   pose_graph_benchmark [--plain-limit SECONDS] [FOLDER]      FOLDER defaults to
 //   $DYSLAM_DATA/pose_graphs
 #include <dyslam/backend/PoseGraphSolver.h>
-#include <dyslam/core/Error.h>
+#include <dyslam/base/Error.h>
 #include <dyslam/io/GraphFiles.h>
 
 #include <chrono>

@@ -2,7 +2,7 @@
 #include <dyslam/backend/Backend.h>
 #include <dyslam/backend/factors/LoopFactor.h>
 #include <dyslam/backend/factors/OdometryFactor.h>
-#include <dyslam/core/StateArchive.h>
+#include <dyslam/base/StateArchive.h>
 #include <mrpt/graphs/CNetworkOfPoses.h>
 
 #include <Eigen/Dense>
@@ -235,7 +235,7 @@ const KeyframeStore& Backend::keyframes() const
   return state_->keyframes;
 }
 
-Trajectory Backend::optimizedTrajectory() const
+Trajectory Backend::optimisedTrajectory() const
 {
   Trajectory trajectory;
   for (const FrameInKeyframe& frame : state_->frames)

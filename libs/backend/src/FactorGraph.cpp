@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/backend/FactorGraph.h>
-#include <dyslam/core/StateArchive.h>
+#include <dyslam/base/StateArchive.h>
 
 #include <algorithm>
 #include <stdexcept>

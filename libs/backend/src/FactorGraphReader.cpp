@@ -7,7 +7,7 @@
 #include <dyslam/backend/factors/ObservationFactor.h>
 #include <dyslam/backend/factors/OdometryFactor.h>
 #include <dyslam/backend/factors/SmoothMotionFactor.h>
-#include <dyslam/core/Error.h>
+#include <dyslam/base/Error.h>
 #include <dyslam/formats/TextFile.h>
 
 #include <algorithm>

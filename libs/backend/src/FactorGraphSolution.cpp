@@ -2,7 +2,7 @@
 // Optimisation of a factor graph, and covariances.
 #include <ceres/covariance.h>
 #include <dyslam/backend/FactorGraph.h>
-#include <dyslam/core/DisjointSets.h>
+#include <dyslam/base/DisjointSets.h>
 
 #include <algorithm>
 #include <set>

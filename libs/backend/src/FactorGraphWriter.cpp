@@ -3,7 +3,7 @@
 #include <dyslam/backend/factors/GnssFactor.h>
 #include <dyslam/backend/factors/GravityFactor.h>
 #include <dyslam/backend/factors/ObjectMotionFactor.h>
-#include <dyslam/core/PendingFile.h>
+#include <dyslam/base/PendingFile.h>
 #include <dyslam/formats/TextFile.h>
 
 #include <cstdint>

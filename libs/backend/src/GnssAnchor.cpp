@@ -2,8 +2,8 @@
 #include "GnssAnchor.h"
 
 #include <dyslam/backend/factors/GnssFactor.h>
-#include <dyslam/core/Printable.h>
-#include <dyslam/core/StateArchive.h>
+#include <dyslam/base/Printable.h>
+#include <dyslam/base/StateArchive.h>
 #include <dyslam/mrpt/Geodesy.h>
 
 #include <algorithm>

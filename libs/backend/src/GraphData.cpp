@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "GraphData.h"
 
-#include <dyslam/core/Error.h>
+#include <dyslam/base/Error.h>
 #include <dyslam/core/PoseInformation.h>
 #include <dyslam/mrpt/Conversions.h>
 

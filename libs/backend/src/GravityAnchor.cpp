@@ -2,7 +2,7 @@
 #include "GravityAnchor.h"
 
 #include <dyslam/backend/factors/GravityFactor.h>
-#include <dyslam/core/StateArchive.h>
+#include <dyslam/base/StateArchive.h>
 
 #include <Eigen/Dense>
 #include <algorithm>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "InitialGuess.h"
 
-#include <dyslam/core/Error.h>
+#include <dyslam/base/Error.h>
 
 #include <Eigen/Dense>
 #include <Eigen/SparseCholesky>
@@ -61,7 +61,7 @@ Eigen::Matrix3d nearestRotation(const Eigen::Matrix3d& m)
 {
   Pose pose = Pose::Identity();
   pose.linear() = m;
-  return orthonormalized(pose).linear();
+  return orthonormalised(pose).linear();
 }
 
 /** Rows of all rotations, R_i Z = R_j in the least-squares sense: the three rows of a rotation

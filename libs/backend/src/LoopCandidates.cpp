@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "LoopCandidates.h"
 
-#include <dyslam/core/Bytes.h>
-#include <dyslam/core/StateArchive.h>
+#include <dyslam/base/Bytes.h>
+#include <dyslam/base/StateArchive.h>
 
 #include <algorithm>
 #include <utility>

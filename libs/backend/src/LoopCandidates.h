@@ -2,7 +2,7 @@
 #pragma once
 
 #include <dyslam/backend/LoopCloser.h>
-#include <dyslam/core/SwappedStore.h>
+#include <dyslam/base/SwappedStore.h>
 
 #include <cstddef>
 #include <functional>

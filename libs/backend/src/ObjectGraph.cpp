@@ -4,8 +4,8 @@
 #include <dyslam/backend/factors/ObjectMotionFactor.h>
 #include <dyslam/backend/factors/ObservationFactor.h>
 #include <dyslam/backend/factors/SmoothMotionFactor.h>
+#include <dyslam/base/StateArchive.h>
 #include <dyslam/core/Motion.h>
-#include <dyslam/core/StateArchive.h>
 
 #include <Eigen/Dense>
 #include <algorithm>
@@ -23,7 +23,7 @@ constexpr double forget_after = 5;
 
 Pose poseOf(const Box& box)
 {
-  return poseFromYpr(box.center.x(), box.center.y(), box.center.z(), box.yaw, 0, 0);
+  return poseFromYpr(box.centre.x(), box.centre.y(), box.centre.z(), box.yaw, 0, 0);
 }
 
 /** Covariance over an object pose's tangent from the one of x, y, z, yaw in a level frame. */
@@ -198,7 +198,7 @@ void ObjectGraph::insertStanding(const ObjectKey& object_key,
   ++mean.count;
   const double share = 1 / static_cast<double>(mean.count);
   mean.T_keyframe_object =
-      mean.count == 1 ? T : orthonormalized(interpolate(mean.T_keyframe_object, T, share));
+      mean.count == 1 ? T : orthonormalised(interpolate(mean.T_keyframe_object, T, share));
   mean.covariance += share * (covariance - mean.covariance);
   mean.factor = graph_.add(std::make_unique<ObservationFactor>(
       mean.keyframe, key, mean.T_keyframe_object,

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "PolarDescriptor.h"
 
-#include <dyslam/core/Angle.h>
-#include <dyslam/core/Bytes.h>
+#include <dyslam/base/Angle.h>
+#include <dyslam/base/Bytes.h>
 
 #include <algorithm>
 #include <bitset>

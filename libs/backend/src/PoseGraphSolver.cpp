@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <ceres/ceres.h>
 #include <dyslam/backend/PoseGraphSolver.h>
-#include <dyslam/core/Error.h>
+#include <dyslam/base/Error.h>
 #include <dyslam/mrpt/Conversions.h>
 
 #include <array>

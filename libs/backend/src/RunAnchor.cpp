@@ -3,7 +3,7 @@
 
 #include <dyslam/backend/factors/GnssFactor.h>
 #include <dyslam/backend/factors/GravityFactor.h>
-#include <dyslam/core/Angle.h>
+#include <dyslam/base/Angle.h>
 #include <dyslam/mrpt/Geodesy.h>
 
 #include <Eigen/Geometry>
@@ -117,7 +117,7 @@ void RunAnchor::addPositions(FactorGraph& merged,
   if (!merged.contains(Key::georeference()))
   {
     merged.addPose(Key::georeference(),
-                   orthonormalized(onEarth(middle(), origin) *
+                   orthonormalised(onEarth(middle(), origin) *
                                    merged.pose(Key::ego(first + middle())).inverse()));
   }
   const Pose T_enu_own = enuInEnu(references_.georeference->origin, origin);

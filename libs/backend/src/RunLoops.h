@@ -2,8 +2,8 @@
 #pragma once
 
 #include <dyslam/backend/LoopCloser.h>
+#include <dyslam/base/SwappedStore.h>
 #include <dyslam/core/KeyframeStore.h>
-#include <dyslam/core/SwappedStore.h>
 
 #include <Eigen/Core>
 #include <cstddef>

@@ -125,7 +125,7 @@ void RunMerger::State::place(const Placement& placement)
                                    keyframes[seed.from].T_map_vehicle.inverse();
   for (std::size_t k = range.begin; k < range.end; ++k)
   {
-    keyframes[k].T_map_vehicle = orthonormalized(T_map_run * keyframes[k].T_map_vehicle);
+    keyframes[k].T_map_vehicle = orthonormalised(T_map_run * keyframes[k].T_map_vehicle);
   }
 }
 

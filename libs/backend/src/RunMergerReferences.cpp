@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Satellite positions and verticals in a merge of runs.
-#include <dyslam/core/Quantile.h>
+#include <dyslam/base/Quantile.h>
 #include <dyslam/mrpt/Geodesy.h>
 
 #include <Eigen/Geometry>
@@ -47,13 +47,13 @@ void level(RunMerge& merge)
   {
     for (Pose& pose : poses)
     {
-      pose = orthonormalized(T_level_map * pose);
+      pose = orthonormalised(T_level_map * pose);
     }
   }
   if (merge.georeference)
   {
     merge.georeference->T_enu_map =
-        orthonormalized(merge.georeference->T_enu_map * T_level_map.inverse());
+        orthonormalised(merge.georeference->T_enu_map * T_level_map.inverse());
   }
   merge.gravity->up_map = Eigen::Vector3d::UnitZ();
   merge.gravity->levelled = true;

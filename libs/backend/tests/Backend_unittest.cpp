@@ -96,14 +96,14 @@ TEST(Backend, LoopsLowerTheTrajectoryError)
   BackendOptions odometry;
   odometry.mode = BackendMode::odometry;
   const BackendRun without(drive, odometry);
-  const double before = rmsError(without.backend.optimizedTrajectory(), drive.truth);
+  const double before = rmsError(without.backend.optimisedTrajectory(), drive.truth);
   EXPECT_TRUE(without.backend.loops().empty());
   EXPECT_EQ(without.keyframes.revision(), 0U);
 
   const BackendRun with(drive);
   const Backend& backend = with.backend;
   const KeyframeStore& keyframes = with.keyframes;
-  const double after = rmsError(backend.optimizedTrajectory(), drive.truth);
+  const double after = rmsError(backend.optimisedTrajectory(), drive.truth);
   RecordProperty("rms_before", std::to_string(before));
   RecordProperty("rms_after", std::to_string(after));
   const auto accepted =
@@ -117,7 +117,7 @@ TEST(Backend, LoopsLowerTheTrajectoryError)
   EXPECT_TRUE(backend.lastOptimisation().converged);
 
   // Frames, keyframes and graph agree.
-  const Trajectory trajectory = backend.optimizedTrajectory();
+  const Trajectory trajectory = backend.optimisedTrajectory();
   ASSERT_EQ(trajectory.size(), drive.frames.size());
   const PoseGraph graph = backend.graph();
   ASSERT_EQ(graph.nodes.size(), keyframes.size());
@@ -147,8 +147,8 @@ TEST(Backend, TwoRunsGiveTheSameBytes)
 {
   const BoxWorld world(22, 20, 15);
   Drive drive = makeDrive(world, driveAround(20, 15, 170, 0.75), 0.001, 0.01);
-  const Trajectory a = BackendRun(drive).backend.optimizedTrajectory();
-  const Trajectory b = BackendRun(drive).backend.optimizedTrajectory();
+  const Trajectory a = BackendRun(drive).backend.optimisedTrajectory();
+  const Trajectory b = BackendRun(drive).backend.optimisedTrajectory();
   ASSERT_EQ(a.size(), b.size());
   for (std::size_t i = 0; i < a.size(); ++i)
   {
@@ -322,7 +322,7 @@ std::vector<Frame> drivePastACar(double speed = 0, double interval = 0.1)
     car.object_class = ObjectClass::car;
     car.confirmed = true;
     car.observed = true;
-    car.observation.center = Eigen::Vector3d(20 + speed * frame.scan.stamp, 4, 0);
+    car.observation.centre = Eigen::Vector3d(20 + speed * frame.scan.stamp, 4, 0);
     car.observation_covariance = 0.01 * Eigen::Matrix4d::Identity();
     frame.objects.push_back(car);
     frames.push_back(frame);
@@ -366,7 +366,7 @@ TEST(Backend, BadObservationsOfObjectsAreReportedAndTheRestGoesOn)
   EXPECT_EQ(smoothed.size(), 30U);
 
   std::vector<Frame> frames = drivePastACar();
-  frames[10].objects[0].observation.center.x() = NAN;
+  frames[10].objects[0].observation.centre.x() = NAN;
   frames[20].objects[0].observation_covariance.setZero();
   std::string warnings = warningsOf(frames, smoothed);
   EXPECT_EQ(warnings.find("2 observations of objects have no finite position or covariance"), 0U)
@@ -376,7 +376,7 @@ TEST(Backend, BadObservationsOfObjectsAreReportedAndTheRestGoesOn)
   frames = drivePastACar();
   for (std::size_t i = 20; i < frames.size(); ++i)
   {
-    frames[i].objects[0].observation.center.x() += 15;
+    frames[i].objects[0].observation.centre.x() += 15;
   }
   warnings = warningsOf(frames, smoothed);
   EXPECT_EQ(warnings.find("objects jumped 3 times"), 0U) << warnings;
@@ -430,15 +430,15 @@ TEST(Backend, EmptyRunAndOneFrame)
   BackendRun run;
   Backend& backend = run.backend;
   backend.finish();
-  EXPECT_TRUE(backend.optimizedTrajectory().empty());
+  EXPECT_TRUE(backend.optimisedTrajectory().empty());
   EXPECT_TRUE(backend.graph().nodes.empty());
   Frame frame;
   frame.T_odom_vehicle = poseFromYpr(1, 2, 3, 0.5, 0, 0);
   backend.addFrame(frame);
   backend.finish();
   EXPECT_TRUE(frame.is_keyframe);
-  EXPECT_EQ(backend.optimizedTrajectory().size(), 1U);
-  EXPECT_TRUE(backend.optimizedTrajectory()[0].pose.isApprox(frame.T_odom_vehicle, 1e-12));
+  EXPECT_EQ(backend.optimisedTrajectory().size(), 1U);
+  EXPECT_TRUE(backend.optimisedTrajectory()[0].pose.isApprox(frame.T_odom_vehicle, 1e-12));
   EXPECT_TRUE(frame.T_map_odom.isApprox(Pose::Identity(), 1e-12));
 }
 }  // namespace

@@ -5,7 +5,7 @@
 #include <dyslam/backend/factors/ObjectMotionFactor.h>
 #include <dyslam/backend/factors/ObservationFactor.h>
 #include <dyslam/backend/factors/SmoothMotionFactor.h>
-#include <dyslam/core/Error.h>
+#include <dyslam/base/Error.h>
 #include <gtest/gtest.h>
 
 #include <filesystem>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Positions of a satellite receiver: where the map is on the earth, and a trajectory without drift.
 #include <dyslam/backend/Backend.h>
-#include <dyslam/core/StateArchive.h>
+#include <dyslam/base/StateArchive.h>
 #include <dyslam/mrpt/Geodesy.h>
 #include <gtest/gtest.h>
 #include <mrpt/graphs/CNetworkOfPoses.h>
@@ -30,14 +30,14 @@ struct DriveWithFixes
   std::vector<Pose> truth;  //!< east-north-up of `place`
   Pose T_enu_map = Pose::Identity();
 
-  explicit DriveWithFixes(double noise, double meters = 400, double turn = 1e-4)
+  explicit DriveWithFixes(double noise, double metres = 400, double turn = 1e-4)
   {
     std::mt19937 rng(7);
     std::normal_distribution<double> normal;
     constexpr double radius = 150;
     constexpr double step_length = 0.8;
     Pose T_odom_vehicle = Pose::Identity();
-    for (std::size_t i = 0; step_length * static_cast<double>(i) < meters; ++i)
+    for (std::size_t i = 0; step_length * static_cast<double>(i) < metres; ++i)
     {
       const double angle = step_length * static_cast<double>(i) / radius;
       truth.push_back(poseFromYpr(20 + radius * std::cos(angle), -40 + radius * std::sin(angle),
@@ -101,7 +101,7 @@ struct GnssRun
   /** Of the last pose, in the map [m]. */
   [[nodiscard]] double endError(const DriveWithFixes& drive) const
   {
-    const Trajectory trajectory = backend.optimizedTrajectory();
+    const Trajectory trajectory = backend.optimisedTrajectory();
     return (drive.T_enu_map.inverse() * drive.truth.back().translation() -
             trajectory[trajectory.size() - 1].pose.translation())
         .norm();
@@ -117,7 +117,7 @@ struct GnssRun
   /** Of the last pose, where the georeference places it on the earth [m]. */
   [[nodiscard]] double endOnEarthError(const DriveWithFixes& drive) const
   {
-    const Trajectory trajectory = backend.optimizedTrajectory();
+    const Trajectory trajectory = backend.optimisedTrajectory();
     const auto& found = *backend.georeference();
     const Eigen::Vector3d end =
         found.T_enu_map * trajectory[trajectory.size() - 1].pose.translation();

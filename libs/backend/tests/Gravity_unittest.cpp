@@ -120,7 +120,7 @@ struct GravityRun
   /** Error of the height of the last pose, in the map [m]. */
   [[nodiscard]] double endError(const DriveWithImu& drive) const
   {
-    const Trajectory trajectory = backend.optimizedTrajectory();
+    const Trajectory trajectory = backend.optimisedTrajectory();
     const Eigen::Vector3d end = drive.truth.front().inverse() * drive.truth.back().translation();
     return (trajectory[trajectory.size() - 1].pose.translation() - end).norm();
   }
@@ -178,8 +178,8 @@ TEST(Gravity, LevelledMapIsRotatedAsAWhole)
     EXPECT_TRUE(run.backend.gravity()->levelled);
     EXPECT_EQ(run.backend.gravity()->tilt, as_recorded.backend.gravity()->tilt);
     EXPECT_EQ(run.backend.gravity()->up_map, Eigen::Vector3d::UnitZ());
-    const Trajectory before = as_recorded.backend.optimizedTrajectory();
-    const Trajectory after = run.backend.optimizedTrajectory();
+    const Trajectory before = as_recorded.backend.optimisedTrajectory();
+    const Trajectory after = run.backend.optimisedTrajectory();
     const Pose T_level_map = after[0].pose * before[0].pose.inverse();
     EXPECT_NEAR(rotationAngle(T_level_map), run.backend.gravity()->tilt, 1e-4);
     for (std::size_t i = 0; i < before.size(); i += 50)

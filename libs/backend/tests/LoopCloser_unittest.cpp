@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/backend/LoopCloser.h>
-#include <dyslam/core/Error.h>
+#include <dyslam/base/Error.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>

@@ -33,7 +33,7 @@ std::size_t releasedAfter(double sigmas)
     car.confirmed = true;
     car.observed = true;
     const double offset = sigmas * options.static_sigma_scale * sigma;
-    car.observation.center = Eigen::Vector3d(20, i % 2 == 0 ? offset : -offset, 0);
+    car.observation.centre = Eigen::Vector3d(20, i % 2 == 0 ? offset : -offset, 0);
     car.observation_covariance = sigma * sigma * Eigen::Matrix4d::Identity();
     frame.objects.push_back(car);
     ObjectGraph::View view;

@@ -2,7 +2,7 @@
 #pragma once
 
 #include <dyslam/backend/Backend.h>
-#include <dyslam/core/StateArchive.h>
+#include <dyslam/base/StateArchive.h>
 
 #include <cstddef>
 #include <vector>

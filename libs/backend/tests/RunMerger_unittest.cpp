@@ -4,7 +4,7 @@
 #include <dyslam/backend/factors/GravityFactor.h>
 #include <dyslam/backend/factors/LoopFactor.h>
 #include <dyslam/backend/factors/OdometryFactor.h>
-#include <dyslam/core/Angle.h>
+#include <dyslam/base/Angle.h>
 #include <dyslam/mrpt/Geodesy.h>
 #include <gtest/gtest.h>
 
@@ -155,7 +155,7 @@ void tilt(TestRun& run, double yaw, double pitch, double roll)
                              radians_per_degree * roll);
   for (std::size_t k = 0; k < run.truth.size(); ++k)
   {
-    run.graph.setPose(Key::ego(k), orthonormalized(T * run.graph.pose(Key::ego(k))));
+    run.graph.setPose(Key::ego(k), orthonormalised(T * run.graph.pose(Key::ego(k))));
   }
   Gravity gravity;
   gravity.up_map = T.linear().col(2);

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/base/Config.h>
+#include <dyslam/base/Error.h>
+#include <dyslam/base/Files.h>
 #include <dyslam/batch/Batch.h>
 #include <dyslam/batch/ChildProcess.h>
 #include <dyslam/batch/MemoryBudget.h>
-#include <dyslam/core/Config.h>
-#include <dyslam/core/Error.h>
-#include <dyslam/core/Files.h>
 #include <dyslam/formats/ProgramLines.h>
 
 #include <algorithm>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/base/Error.h>
 #include <dyslam/batch/ChildProcess.h>
 #include <dyslam/batch/ControlGroup.h>
-#include <dyslam/core/Error.h>
 #include <fcntl.h>
 #include <sched.h>
 #include <signal.h>

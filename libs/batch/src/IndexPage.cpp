@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/base/Files.h>
+#include <dyslam/base/Printable.h>
 #include <dyslam/batch/Summary.h>
-#include <dyslam/core/Files.h>
-#include <dyslam/core/Printable.h>
 
 #include <algorithm>
 #include <cctype>

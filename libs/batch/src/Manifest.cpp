@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/base/Error.h>
+#include <dyslam/base/Files.h>
+#include <dyslam/base/PendingFile.h>
 #include <dyslam/batch/Manifest.h>
-#include <dyslam/core/Error.h>
-#include <dyslam/core/Files.h>
-#include <dyslam/core/PendingFile.h>
 #include <dyslam/formats/ExternalFiles.h>
 #include <openssl/evp.h>
 #include <sys/stat.h>

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "OneRun.h"
 
+#include <dyslam/base/Config.h>
+#include <dyslam/base/Error.h>
+#include <dyslam/base/Files.h>
+#include <dyslam/base/PendingFile.h>
+#include <dyslam/base/Words.h>
 #include <dyslam/batch/ChildProcess.h>
-#include <dyslam/core/Config.h>
-#include <dyslam/core/Error.h>
-#include <dyslam/core/Files.h>
-#include <dyslam/core/PendingFile.h>
-#include <dyslam/core/Words.h>
 #include <dyslam/formats/ProgramLines.h>
 #include <dyslam/formats/RecordingKind.h>
 #include <dyslam/formats/RunFiles.h>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/base/Error.h>
+#include <dyslam/base/Files.h>
 #include <dyslam/batch/Recordings.h>
-#include <dyslam/core/Error.h>
-#include <dyslam/core/Files.h>
 #include <dyslam/formats/RecordingKind.h>
 #include <glob.h>
 

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/base/Error.h>
+#include <dyslam/base/Files.h>
+#include <dyslam/base/PendingFile.h>
+#include <dyslam/base/SharedFiles.h>
 #include <dyslam/batch/ChildProcess.h>
 #include <dyslam/batch/Summary.h>
-#include <dyslam/core/Error.h>
-#include <dyslam/core/Files.h>
-#include <dyslam/core/PendingFile.h>
-#include <dyslam/core/SharedFiles.h>
 
 #include <filesystem>
 #include <nlohmann/json.hpp>

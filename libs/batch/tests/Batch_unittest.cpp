@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // A batch that runs a shell script in place of dyslam.
+#include <dyslam/base/Error.h>
 #include <dyslam/batch/Batch.h>
 #include <dyslam/batch/ChildProcess.h>
 #include <dyslam/batch/MemoryBudget.h>
 #include <dyslam/batch/Summary.h>
-#include <dyslam/core/Error.h>
 #include <gtest/gtest.h>
 
 #include <atomic>

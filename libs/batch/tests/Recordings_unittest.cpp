@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/base/Error.h>
 #include <dyslam/batch/Recordings.h>
-#include <dyslam/core/Error.h>
 #include <gtest/gtest.h>
 
 #include "TestFolder.h"

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/base/Angle.h>
 #include <dyslam/benchmarks/DetectionDeskew.h>
-#include <dyslam/core/Angle.h>
 #include <dyslam/core/BoxOverlap.h>
 
 #include <cmath>
@@ -18,7 +18,7 @@ Pose sweepMotion(
   {
     throw std::invalid_argument("deskewed: interval and period must be positive");
   }
-  const double time = sweepTime(std::atan2(box.center.y(), box.center.x()), period, model);
+  const double time = sweepTime(std::atan2(box.centre.y(), box.centre.x()), period, model);
   return expSE3(time / interval * logSE3(T_now_next));
 }
 }  // namespace

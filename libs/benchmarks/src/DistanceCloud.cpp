@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/base/Bytes.h>
 #include <dyslam/benchmarks/DistanceCloud.h>
-#include <dyslam/core/Bytes.h>
 #include <dyslam/formats/CloudHeader.h>
 
 #include <algorithm>

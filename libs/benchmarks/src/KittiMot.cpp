@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/base/Error.h>
 #include <dyslam/benchmarks/DetectionDeskew.h>
 #include <dyslam/benchmarks/JsonText.h>
 #include <dyslam/benchmarks/KittiMot.h>
 #include <dyslam/core/BoxOverlap.h>
-#include <dyslam/core/Error.h>
 #include <dyslam/formats/KittiTracks.h>
 #include <dyslam/formats/TrajectoryFiles.h>
 
@@ -36,7 +36,7 @@ Eigen::Vector4d inImage(const Box& box, const KittiCalib& calib)
     const Eigen::Vector3d half(corner & 1 ? 0.5 : -0.5, corner & 2 ? 0.5 : -0.5,
                                corner & 4 ? 0.5 : -0.5);
     Eigen::Vector3d p =
-        calib.T_cam_velo * (box.center + Eigen::AngleAxisd(box.yaw, Eigen::Vector3d::UnitZ()) *
+        calib.T_cam_velo * (box.centre + Eigen::AngleAxisd(box.yaw, Eigen::Vector3d::UnitZ()) *
                                              half.cwiseProduct(box.size));
     p.z() = std::max(p.z(), nearest);
     const Eigen::Vector3d pixel = calib.P2 * p.homogeneous();
@@ -115,7 +115,7 @@ Recording readRecording(const KittiMotSetup& setup,
     {
       continue;
     }
-    box.box.center.head<2>() += setup.added_noise * draw;
+    box.box.centre.head<2>() += setup.added_noise * draw;
     Detection detection;
     detection.box = box.box;
     detection.object_class = box.object_class;
@@ -183,7 +183,7 @@ void collect(const std::vector<TrackedObject>& objects,
     box.image_box = object.detection >= 0
                         ? recording.image_boxes[frame][static_cast<std::size_t>(object.detection)]
                         : inImage(box.box, recording.calib);
-    const bool in_view = box.box.center.x() > 0.5 && box.image_box[2] - box.image_box[0] > 2;
+    const bool in_view = box.box.centre.x() > 0.5 && box.image_box[2] - box.image_box[0] > 2;
     if (object.detection >= 0 || in_view)
     {
       estimate.push_back(box);

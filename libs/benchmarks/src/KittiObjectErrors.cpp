@@ -36,7 +36,7 @@ std::map<int, Track> labelledTracks(const KittiDrive& drive)
     const double interval = drive.stamps[scan] - drive.stamps[scan - 1];
     const Box box = deskewed(label.box, drive.truth[scan - 1].inverse() * drive.truth[scan],
                              interval, interval);
-    tracks[label.id][label.frame] = (drive.truth[scan] * box.center).head<2>();
+    tracks[label.id][label.frame] = (drive.truth[scan] * box.centre).head<2>();
   }
   return tracks;
 }
@@ -72,7 +72,7 @@ const TrackedObject* nearest(const std::vector<TrackedObject>& tracked,
   double smallest = max_distance;
   for (const TrackedObject& object : tracked)
   {
-    const double distance = ((T_world_odom * object.observation.center).head<2>() - place).norm();
+    const double distance = ((T_world_odom * object.observation.centre).head<2>() - place).norm();
     if (object.observed && distance < smallest)
     {
       smallest = distance;
@@ -131,14 +131,14 @@ std::vector<ObservedVehicle> observedVehicles(const KittiDrive& drive,
       {
         continue;
       }
-      const Eigen::Vector2d observed = (T_world_odom * tracked->observation.center).head<2>();
+      const Eigen::Vector2d observed = (T_world_odom * tracked->observation.centre).head<2>();
       const auto previous = before.find(tracked->id);
       const SmoothedObject* smoothed = findSmoothed(run.objects, scan, tracked->id);
       if (previous != before.end() && smoothed != nullptr)
       {
         const double dt = drive.stamps[scan] - previous->second.first;
         vehicles.push_back(
-            {label, frame, place, observed, (T_world_odom * tracked->box.center).head<2>(),
+            {label, frame, place, observed, (T_world_odom * tracked->box.centre).head<2>(),
              tracked->velocity.head<2>().norm(), (observed - previous->second.second).norm() / dt,
              (T_world_map * smoothed->T_map_object.translation()).head<2>(),
              smoothed->velocity.head<2>().norm()});

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/backend/factors/LoopFactor.h>
 #include <dyslam/backend/factors/OdometryFactor.h>
+#include <dyslam/base/Error.h>
 #include <dyslam/benchmarks/DetectionDeskew.h>
 #include <dyslam/benchmarks/KittiSlam.h>
 #include <dyslam/benchmarks/KittiTracking.h>
-#include <dyslam/core/Error.h>
 #include <dyslam/formats/KittiFiles.h>
 #include <dyslam/formats/KittiTracks.h>
 #include <dyslam/formats/TrajectoryFiles.h>
@@ -138,7 +138,7 @@ std::vector<Pose> noisyOdometry(const std::vector<Pose>& truth,
     {
       error[k] = normal(generator) * (k < 3 ? sigma : noise.turn);
     }
-    odometry.push_back(orthonormalized(odometry.back() * step * expSE3(error)));
+    odometry.push_back(orthonormalised(odometry.back() * step * expSE3(error)));
   }
   return odometry;
 }
@@ -185,7 +185,7 @@ KittiSlamRun runKittiSlam(const KittiDrive& drive,
     run.tracked.push_back(frame.objects);
   }
   backend.finish();
-  const Trajectory trajectory = backend.optimizedTrajectory();
+  const Trajectory trajectory = backend.optimisedTrajectory();
   for (std::size_t i = 0; i < trajectory.size(); ++i)
   {
     run.trajectory.push_back(trajectory[i].pose);

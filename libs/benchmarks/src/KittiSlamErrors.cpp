@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/base/Angle.h>
+#include <dyslam/base/PendingFile.h>
 #include <dyslam/benchmarks/JsonText.h>
 #include <dyslam/benchmarks/KittiSlamErrors.h>
-#include <dyslam/core/Angle.h>
-#include <dyslam/core/PendingFile.h>
 #include <dyslam/eval/PaperFigures.h>
 
 #include <algorithm>

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/base/Error.h>
 #include <dyslam/benchmarks/JsonText.h>
 #include <dyslam/benchmarks/KittiSpeeds.h>
 #include <dyslam/benchmarks/KittiTracking.h>
-#include <dyslam/core/Error.h>
 #include <dyslam/formats/TextFile.h>
 
 #include <cmath>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/base/Error.h>
 #include <dyslam/benchmarks/KittiTracking.h>
 #include <dyslam/core/BoxOverlap.h>
-#include <dyslam/core/Error.h>
 #include <dyslam/formats/KittiTracks.h>
 
 #include <algorithm>
@@ -17,7 +17,7 @@ constexpr double frame_time = 0.1;
 
 Eigen::Vector2d inWorld(const LabelledBox& box, const std::vector<Pose>& poses)
 {
-  return (poses[static_cast<std::size_t>(box.frame)] * box.box.center).head<2>();
+  return (poses[static_cast<std::size_t>(box.frame)] * box.box.centre).head<2>();
 }
 
 class PolynomialOneStep : public OneStepPredictor
@@ -93,7 +93,7 @@ KittiTarget readKittiTarget(const std::string& boxes,
   {
     if (box.id == track && known(box))
     {
-      label_at[box.frame] = box.box.center.head<2>();
+      label_at[box.frame] = box.box.centre.head<2>();
       target.truth[box.frame] = inWorld(box, poses);
     }
   }
@@ -114,7 +114,7 @@ KittiTarget readKittiTarget(const std::string& boxes,
     {
       continue;
     }
-    const double distance = (box.box.center.head<2>() - label->second).norm();
+    const double distance = (box.box.centre.head<2>() - label->second).norm();
     const auto best = nearest.find(box.frame);
     if (distance < max_distance && (best == nearest.end() || distance < best->second))
     {

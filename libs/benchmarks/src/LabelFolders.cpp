@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/base/Error.h>
+#include <dyslam/base/Files.h>
 #include <dyslam/benchmarks/JsonText.h>
 #include <dyslam/benchmarks/LabelFolders.h>
-#include <dyslam/core/Error.h>
-#include <dyslam/core/Files.h>
 #include <dyslam/eval/MapMetrics.h>
 #include <dyslam/formats/LabelFiles.h>
 

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/base/Error.h>
+#include <dyslam/base/PendingFile.h>
 #include <dyslam/benchmarks/DistanceCloud.h>
 #include <dyslam/benchmarks/JsonText.h>
 #include <dyslam/benchmarks/MapComparison.h>
-#include <dyslam/core/Error.h>
-#include <dyslam/core/PendingFile.h>
 #include <dyslam/eval/MapDistance.h>
 #include <dyslam/eval/SegmentationMetrics.h>
 #include <dyslam/formats/LabelFiles.h>

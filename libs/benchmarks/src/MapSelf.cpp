@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/base/Error.h>
+#include <dyslam/base/SharedFiles.h>
+#include <dyslam/base/Splitmix.h>
 #include <dyslam/benchmarks/JsonText.h>
 #include <dyslam/benchmarks/MapSelf.h>
-#include <dyslam/core/Error.h>
-#include <dyslam/core/SharedFiles.h>
-#include <dyslam/core/Splitmix.h>
 #include <dyslam/formats/TrajectoryFiles.h>
 #include <dyslam/mapbuilder/ScanReading.h>
 #include <dyslam/odometry/Preprocessor.h>

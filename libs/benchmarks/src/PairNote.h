@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <dyslam/base/Printable.h>
 #include <dyslam/benchmarks/NoteSink.h>
-#include <dyslam/core/Printable.h>
 #include <dyslam/eval/Association.h>
 
 #include <algorithm>

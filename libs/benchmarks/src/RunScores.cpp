@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/base/Config.h>
+#include <dyslam/base/Error.h>
+#include <dyslam/base/Files.h>
+#include <dyslam/base/Printable.h>
 #include <dyslam/benchmarks/RunScores.h>
-#include <dyslam/core/Config.h>
-#include <dyslam/core/Error.h>
-#include <dyslam/core/Files.h>
-#include <dyslam/core/Printable.h>
 #include <dyslam/formats/MotionFiles.h>
 #include <dyslam/formats/RunFiles.h>
 #include <dyslam/formats/TrajectoryFiles.h>

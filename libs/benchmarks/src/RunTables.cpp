@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/base/Printable.h>
 #include <dyslam/benchmarks/JsonText.h>
 #include <dyslam/benchmarks/RunTables.h>
-#include <dyslam/core/Printable.h>
 
 #include <nlohmann/json.hpp>
 #include <optional>

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/base/Error.h>
+#include <dyslam/base/Files.h>
+#include <dyslam/base/Options.h>
 #include <dyslam/benchmarks/TrackFiles.h>
-#include <dyslam/core/Error.h>
-#include <dyslam/core/Files.h>
-#include <dyslam/core/Options.h>
 #include <dyslam/formats/LabelFiles.h>
 #include <dyslam/formats/TextFile.h>
 #include <dyslam/formats/TrackFiles.h>
@@ -137,9 +137,9 @@ TrackSpeeds readTrackSpeeds(const std::string& path)
 /** Whether a box is beyond view or range. */
 bool isOutside(const LabelledBox& box, const TrackSelection& selection)
 {
-  const double azimuth = std::atan2(box.box.center.y(), box.box.center.x());
+  const double azimuth = std::atan2(box.box.centre.y(), box.box.centre.x());
   return std::abs(azimuth) > 0.5 * selection.view.value_or(all_around) * M_PI / 180 ||
-         box.box.center.head<2>().norm() > selection.max_range;
+         box.box.centre.head<2>().norm() > selection.max_range;
 }
 
 template <typename Condition>
@@ -247,7 +247,7 @@ void removeUncovered(std::vector<LabelledBox>& estimates,
   {
     if (box.id >= 0 && box.occluded != ignored_box)
     {
-      counted[box.frame].emplace_back(box.box.center.head<2>());
+      counted[box.frame].emplace_back(box.box.centre.head<2>());
     }
   }
   const auto isNearCounted = [&](const LabelledBox& estimate)
@@ -255,7 +255,7 @@ void removeUncovered(std::vector<LabelledBox>& estimates,
     const std::vector<Eigen::Vector2d>& centres = counted[estimate.frame];
     return std::any_of(centres.begin(), centres.end(),
                        [&](const Eigen::Vector2d& centre)
-                       { return (estimate.box.center.head<2>() - centre).norm() <= margin; });
+                       { return (estimate.box.centre.head<2>() - centre).norm() <= margin; });
   };
   removeIf(estimates,
            [&](const LabelledBox& box)

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Comparisons of files: trajectories, tracks and maps.
+#include <dyslam/base/Error.h>
 #include <dyslam/benchmarks/DistanceCloud.h>
 #include <dyslam/benchmarks/MapComparison.h>
 #include <dyslam/benchmarks/TrackComparison.h>
 #include <dyslam/benchmarks/TrackFiles.h>
 #include <dyslam/benchmarks/TrajectoryComparison.h>
-#include <dyslam/core/Error.h>
 #include <dyslam/formats/LabelFiles.h>
 #include <dyslam/formats/ScanFiles.h>
 #include <dyslam/formats/TrackFiles.h>
@@ -50,7 +50,7 @@ LabelledBox boxOf(int frame, int id, const std::string& type, double x)
   box.id = id;
   box.type = type;
   box.object_class = objectClassFromString(type);
-  box.box.center = {x, 0, 0};
+  box.box.centre = {x, 0, 0};
   box.box.size = {4, 2, 1.5};
   return box;
 }

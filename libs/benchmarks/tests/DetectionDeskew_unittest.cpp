@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/base/Angle.h>
 #include <dyslam/benchmarks/DetectionDeskew.h>
-#include <dyslam/core/Angle.h>
 #include <dyslam/core/BoxOverlap.h>
 #include <gtest/gtest.h>
 
@@ -15,7 +15,7 @@ namespace
 Box boxAt(double range, double azimuth)
 {
   Box box;
-  box.center = {range * std::cos(azimuth), range * std::sin(azimuth), -0.8};
+  box.centre = {range * std::cos(azimuth), range * std::sin(azimuth), -0.8};
   box.yaw = 0.4;
   return box;
 }
@@ -36,18 +36,18 @@ TEST(DetectionDeskew, RecoversAStandingBoxFromItsSkewedObservation)
     const Pose T_now_then = expSE3(time / interval * logSE3(T_now_next));
     const Box expected = transformed(seen, T_now_then);
     const Box found = deskewed(seen, T_now_next, interval, period);
-    EXPECT_NEAR((found.center - expected.center).norm(), 0, 1e-12);
+    EXPECT_NEAR((found.centre - expected.centre).norm(), 0, 1e-12);
     EXPECT_NEAR(wrapAngle(found.yaw - expected.yaw), 0, 1e-12);
     const Box again = skewed(found, T_now_next, interval, period);
-    EXPECT_NEAR((again.center - seen.center).norm(), 0, 0.002) << azimuth;
+    EXPECT_NEAR((again.centre - seen.centre).norm(), 0, 0.002) << azimuth;
   }
   // The left is swept before the stamp on a clockwise sweep. Driving ahead, the box is nearer at
   // the stamp than it was then.
-  EXPECT_LT(deskewed(boxAt(15, 0.8), T_now_next, interval, period).center.x(),
-            boxAt(15, 0.8).center.x());
+  EXPECT_LT(deskewed(boxAt(15, 0.8), T_now_next, interval, period).centre.x(),
+            boxAt(15, 0.8).centre.x());
   const SweepModel counter_clockwise{1, M_PI};
-  EXPECT_GT(deskewed(boxAt(15, 0.8), T_now_next, interval, period, counter_clockwise).center.x(),
-            boxAt(15, 0.8).center.x());
+  EXPECT_GT(deskewed(boxAt(15, 0.8), T_now_next, interval, period, counter_clockwise).centre.x(),
+            boxAt(15, 0.8).centre.x());
 }
 
 TEST(DetectionDeskew, TurnsCovariancesAlongAndChecksTimes)
@@ -73,7 +73,7 @@ TEST(DetectionDeskew, SweepTimeIsThatOfThePoints)
   {
     for (const double azimuth : {-3.0, -1.2, 0.0, 0.4, 2.9})
     {
-      const Eigen::Vector3f p = boxAt(10, azimuth).center.cast<float>();
+      const Eigen::Vector3f p = boxAt(10, azimuth).centre.cast<float>();
       EXPECT_NEAR((static_cast<double>(sweepFraction(p, model)) - 0.5) * period,
                   sweepTime(azimuth, period, model), 1e-5);
     }

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Tracking and speeds on a small synthetic folder in KITTI's layout.
+#include <dyslam/base/Error.h>
+#include <dyslam/base/Options.h>
 #include <dyslam/benchmarks/KittiMot.h>
 #include <dyslam/benchmarks/KittiSpeeds.h>
-#include <dyslam/core/Error.h>
-#include <dyslam/core/Options.h>
 #include <dyslam/eval/TrackMetrics.h>
 #include <dyslam/formats/KittiTracks.h>
 #include <gtest/gtest.h>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/base/Error.h>
 #include <dyslam/benchmarks/RunTables.h>
 #include <dyslam/benchmarks/SplitTables.h>
-#include <dyslam/core/Error.h>
 #include <dyslam/formats/LabelFiles.h>
 #include <dyslam/formats/TrajectoryFiles.h>
 #include <gtest/gtest.h>

@@ -37,12 +37,12 @@ Polygon footprint(const Box& box, const Vector2d& origin)
 {
   const Vector2d forward = 0.5 * box.size.x() * Vector2d(std::cos(box.yaw), std::sin(box.yaw));
   const Vector2d left = 0.5 * box.size.y() * Vector2d(-std::sin(box.yaw), std::cos(box.yaw));
-  const Vector2d center = box.center.head<2>() - origin;
+  const Vector2d centre = box.centre.head<2>() - origin;
   Polygon polygon;
-  polygon.add(center + forward + left);
-  polygon.add(center - forward + left);
-  polygon.add(center - forward - left);
-  polygon.add(center + forward - left);
+  polygon.add(centre + forward + left);
+  polygon.add(centre - forward + left);
+  polygon.add(centre - forward - left);
+  polygon.add(centre + forward - left);
   return polygon;
 }
 
@@ -126,14 +126,14 @@ double hullArea(const Polygon& a, const Polygon& b)
 
 bool hasExtent(const Box& box)
 {
-  return box.center.allFinite() && box.size.allFinite() && std::isfinite(box.yaw) &&
+  return box.centre.allFinite() && box.size.allFinite() && std::isfinite(box.yaw) &&
          box.size.minCoeff() > 0;
 }
 
 double commonHeight(const Box& a, const Box& b)
 {
-  const double top = std::min(a.center.z() + 0.5 * a.size.z(), b.center.z() + 0.5 * b.size.z());
-  const double bottom = std::max(a.center.z() - 0.5 * a.size.z(), b.center.z() - 0.5 * b.size.z());
+  const double top = std::min(a.centre.z() + 0.5 * a.size.z(), b.centre.z() + 0.5 * b.size.z());
+  const double bottom = std::max(a.centre.z() - 0.5 * a.size.z(), b.centre.z() - 0.5 * b.size.z());
   return std::max(0.0, top - bottom);
 }
 }  // namespace
@@ -145,7 +145,7 @@ BoxOverlap boxOverlap(const Box& a, const Box& b)
   {
     return overlap;
   }
-  const Vector2d origin = a.center.head<2>();
+  const Vector2d origin = a.centre.head<2>();
   const Polygon pa = footprint(a, origin);
   const Polygon pb = footprint(b, origin);
   const double common = intersectionArea(pa, pb);
@@ -155,8 +155,8 @@ BoxOverlap boxOverlap(const Box& a, const Box& b)
   const double volume = common * commonHeight(a, b);
   const double both = a.size.prod() + b.size.prod() - volume;
   overlap.iou = volume / both;
-  const double top = std::max(a.center.z() + 0.5 * a.size.z(), b.center.z() + 0.5 * b.size.z());
-  const double bottom = std::min(a.center.z() - 0.5 * a.size.z(), b.center.z() - 0.5 * b.size.z());
+  const double top = std::max(a.centre.z() + 0.5 * a.size.z(), b.centre.z() + 0.5 * b.size.z());
+  const double bottom = std::min(a.centre.z() - 0.5 * a.size.z(), b.centre.z() - 0.5 * b.size.z());
   const double hull = std::max(both, hullArea(pa, pb) * (top - bottom));
   overlap.giou = overlap.iou - (hull - both) / hull;
   return overlap;
@@ -165,7 +165,7 @@ BoxOverlap boxOverlap(const Box& a, const Box& b)
 double boxIou(const Box& a, const Box& b)
 {
   const double reach = 0.5 * (a.size.head<2>().norm() + b.size.head<2>().norm());
-  if (!((a.center - b.center).head<2>().squaredNorm() < reach * reach) || !hasExtent(a) ||
+  if (!((a.centre - b.centre).head<2>().squaredNorm() < reach * reach) || !hasExtent(a) ||
       !hasExtent(b))
   {
     return 0;
@@ -175,7 +175,7 @@ double boxIou(const Box& a, const Box& b)
   {
     return 0;
   }
-  const Vector2d origin = a.center.head<2>();
+  const Vector2d origin = a.centre.head<2>();
   const double volume = height * intersectionArea(footprint(a, origin), footprint(b, origin));
   return volume / (a.size.prod() + b.size.prod() - volume);
 }
@@ -185,7 +185,7 @@ Box transformed(const Box& box, const Pose& T)
   const Eigen::Vector3d forward =
       T.linear() * Eigen::Vector3d(std::cos(box.yaw), std::sin(box.yaw), 0);
   Box moved = box;
-  moved.center = T * box.center;
+  moved.centre = T * box.centre;
   moved.yaw = std::atan2(forward.y(), forward.x());
   return moved;
 }
@@ -195,7 +195,7 @@ Box transformedBack(const Box& moved, const Pose& T)
   const Eigen::Vector2d forward = T.linear().topLeftCorner<2, 2>().inverse() *
                                   Eigen::Vector2d(std::cos(moved.yaw), std::sin(moved.yaw));
   Box box = moved;
-  box.center = T.inverse() * moved.center;
+  box.centre = T.inverse() * moved.centre;
   box.yaw = std::atan2(forward.y(), forward.x());
   return box;
 }

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <dyslam/core/Fields.h>
+#include <dyslam/base/Fields.h>
+#include <dyslam/base/StateArchive.h>
 #include <dyslam/core/Frame.h>
-#include <dyslam/core/StateArchive.h>
 
 #include <tuple>
 #include <utility>

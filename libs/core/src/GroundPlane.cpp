@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <dyslam/core/Angle.h>
+#include <dyslam/base/Angle.h>
 #include <dyslam/core/GroundPlane.h>
 #include <dyslam/core/Scan.h>
 #include <dyslam/core/VoxelGrid.h>

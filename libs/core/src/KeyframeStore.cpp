@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <dyslam/core/Bytes.h>
+#include <dyslam/base/Bytes.h>
+#include <dyslam/base/StateArchive.h>
 #include <dyslam/core/KeyframeStore.h>
-#include <dyslam/core/StateArchive.h>
 
 #include <algorithm>
 #include <cmath>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/base/StateArchive.h>
 #include <dyslam/core/MotionAccumulator.h>
-#include <dyslam/core/StateArchive.h>
 
 #include <Eigen/Eigenvalues>
 
@@ -30,7 +30,7 @@ void MotionAccumulator::add(const Pose& T_previous_current,
 {
   const Matrix6 noise = carried(noise_now_, T_previous_current) + pose_noise;
   drift_ = carried(drift_, T_previous_current) + positive(covariance - noise);
-  T_start_now_ = orthonormalized(T_start_now_ * T_previous_current);
+  T_start_now_ = orthonormalised(T_start_now_ * T_previous_current);
   noise_now_ = pose_noise;
   moved_ = true;
 }

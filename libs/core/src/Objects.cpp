@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/base/Printable.h>
 #include <dyslam/core/Objects.h>
-#include <dyslam/core/Printable.h>
 
 #include <array>
 #include <utility>

@@ -171,7 +171,7 @@ Eigen::Vector3d yawPitchRoll(const Pose& pose)
   return {std::atan2(R(1, 0), R(0, 0)), pitch, std::atan2(R(2, 1), R(2, 2))};
 }
 
-Pose orthonormalized(const Pose& pose)
+Pose orthonormalised(const Pose& pose)
 {
   const Eigen::JacobiSVD<Eigen::Matrix3d> svd(pose.linear(),
                                               Eigen::ComputeFullU | Eigen::ComputeFullV);

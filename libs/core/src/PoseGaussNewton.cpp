@@ -76,7 +76,7 @@ PoseGaussNewtonResult poseGaussNewton(std::size_t count,
       result.reason = "the normal equations have no solution";
       return result;
     }
-    result.T = orthonormalized(result.T * expSE3(step));
+    result.T = orthonormalised(result.T * expSE3(step));
     last_step = motionSize(step);
     if (gate <= settings.end_gate && last_step < settings.settled_step)
     {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/base/Quantile.h>
 #include <dyslam/core/FiringOrder.h>
-#include <dyslam/core/Quantile.h>
 #include <dyslam/core/Rings.h>
 #include <dyslam/core/ScanParts.h>
 #include <dyslam/core/ScanPattern.h>

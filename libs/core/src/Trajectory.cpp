@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/base/StateArchive.h>
 #include <dyslam/core/PathLength.h>
-#include <dyslam/core/StateArchive.h>
 #include <dyslam/core/Trajectory.h>
 
 #include <algorithm>

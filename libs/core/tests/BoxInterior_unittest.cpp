@@ -11,13 +11,13 @@ namespace
 TEST(BoxInterior, TheBoxIsTurnedAndItsMarginsDiffer)
 {
   Box box;
-  box.center = {10, 5, 1};
+  box.centre = {10, 5, 1};
   box.size = {4, 2, 1.5};
   box.yaw = 1.5707963267948966;  // its length is along y
   const Eigen::Vector3d margin(0.3, 0.2, 0.1);
   const BoxInterior<double> interior(box, margin);
   const auto isInside = [&](double x, double y, double z)
-  { return interior.contains(box.center + Eigen::Vector3d(x, y, z)); };
+  { return interior.contains(box.centre + Eigen::Vector3d(x, y, z)); };
   EXPECT_TRUE(isInside(0, 0, 0));
   for (const double side : {-1.0, 1.0})
   {
@@ -33,7 +33,7 @@ TEST(BoxInterior, TheBoxIsTurnedAndItsMarginsDiffer)
 TEST(BoxInterior, TheGroundIsCutFromTheBottomOfTheBox)
 {
   Box box;
-  box.center = {10, 5, 0.75};
+  box.centre = {10, 5, 0.75};
   box.size = {4, 2, 1.5};
   const BoxInterior<float> interior =
       BoxInterior<float>(box, Eigen::Vector3f::Constant(0.1F)).aboveGround(0.25F);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <dyslam/core/Angle.h>
+#include <dyslam/base/Angle.h>
 #include <dyslam/core/BoxOverlap.h>
 #include <gtest/gtest.h>
 
@@ -14,7 +14,7 @@ namespace
 Box makeBox(double x, double y, double z, double l, double w, double h, double yaw)
 {
   Box box;
-  box.center = {x, y, z};
+  box.centre = {x, y, z};
   box.size = {l, w, h};
   box.yaw = yaw;
   return box;
@@ -22,7 +22,7 @@ Box makeBox(double x, double y, double z, double l, double w, double h, double y
 
 bool contains(const Box& box, const Eigen::Vector3d& p)
 {
-  const Eigen::Vector3d d = p - box.center;
+  const Eigen::Vector3d d = p - box.centre;
   const double along = std::cos(box.yaw) * d.x() + std::sin(box.yaw) * d.y();
   const double across = -std::sin(box.yaw) * d.x() + std::cos(box.yaw) * d.y();
   return std::abs(along) <= 0.5 * box.size.x() && std::abs(across) <= 0.5 * box.size.y() &&
@@ -88,7 +88,7 @@ TEST(BoxOverlap, nothingForNaNAndFlatBoxes)
 {
   const Box a = makeBox(0, 0, 0, 2, 2, 2, 0);
   Box bad = a;
-  bad.center.x() = std::numeric_limits<double>::quiet_NaN();
+  bad.centre.x() = std::numeric_limits<double>::quiet_NaN();
   EXPECT_EQ(boxIou(a, bad), 0);
   EXPECT_EQ(boxOverlap(bad, a).giou, -1);
   Box flat = a;
@@ -96,11 +96,11 @@ TEST(BoxOverlap, nothingForNaNAndFlatBoxes)
   EXPECT_EQ(boxIou(a, flat), 0);
 }
 
-TEST(BoxOverlap, transformedMovesCenterAndYaw)
+TEST(BoxOverlap, transformedMovesCentreAndYaw)
 {
   const Box a = makeBox(3, 0, 1, 4, 2, 1.5, 0.2);
   const Box moved = transformed(a, poseFromYpr(10, 20, 0, M_PI / 2, 0, 0));
-  EXPECT_NEAR((moved.center - Eigen::Vector3d(10, 23, 1)).norm(), 0, 1e-12);
+  EXPECT_NEAR((moved.centre - Eigen::Vector3d(10, 23, 1)).norm(), 0, 1e-12);
   EXPECT_NEAR(wrapAngle(moved.yaw - 0.2 - M_PI / 2), 0, 1e-12);
   EXPECT_EQ(moved.size, a.size);
 }
@@ -115,7 +115,7 @@ TEST(BoxOverlap, transformedHasAnInverse)
     {
       const Box box = makeBox(5, -3, 1, 4, 2, 1.5, 0.5 * i);
       const Box back = transformedBack(transformed(box, T), T);
-      EXPECT_NEAR((back.center - box.center).norm(), 0, 1e-9);
+      EXPECT_NEAR((back.centre - box.centre).norm(), 0, 1e-9);
       EXPECT_NEAR(wrapAngle(back.yaw - box.yaw), 0, 1e-9);
       EXPECT_EQ(box.size, back.size);
     }

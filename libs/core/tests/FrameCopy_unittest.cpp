@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/base/StateArchive.h>
 #include <dyslam/core/FrameCopy.h>
-#include <dyslam/core/StateArchive.h>
 #include <gtest/gtest.h>
 
 #include <iterator>

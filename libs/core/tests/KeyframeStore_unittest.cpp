@@ -3,7 +3,11 @@
 #include <gtest/gtest.h>
 
 #include <limits>
+#include <memory>
+#include <random>
 #include <stdexcept>
+
+#include "TestFolder.h"
 
 namespace dyslam
 {
@@ -79,6 +83,46 @@ TEST(KeyframeStore, NumbersKeyframesAndCorrectsTheirPoses)
   EXPECT_EQ(store.revision(), 1U);
   EXPECT_EQ(store.back().T_map_vehicle.matrix(), moved.matrix());
   EXPECT_THROW(store.correct({moved}), std::invalid_argument);
+}
+
+TEST(KeyframeStore, CloudsOnDiskAreTheSame)
+{
+  const TestFolder folder;
+  MemoryLimit memory;
+  memory.file = std::make_shared<SwapFile>(folder.path());
+  memory.bytes = 1;
+  KeyframeStore on_disk(memory);
+  KeyframeStore in_memory;
+  std::mt19937 random(3);
+  std::uniform_real_distribution<float> coordinate(-90, 90);
+  for (std::size_t k = 0; k < 50; ++k)
+  {
+    KeyframeCloud cloud;
+    for (std::size_t i = 0; i < 10 * k; ++i)
+    {
+      cloud.points.emplace_back(coordinate(random), coordinate(random), coordinate(random));
+      cloud.intensity.push_back(0.25F);
+      cloud.is_static.push_back(static_cast<std::uint8_t>(i % 2));
+    }
+    for (KeyframeStore* store : {&on_disk, &in_memory})
+    {
+      store->add({});
+      store->editMapCloud(k) = PackedCloud(cloud, 100);
+      KeyframeCloud points;
+      points.points = cloud.points;
+      store->setLoopCloud(k, PackedCloud(points, 100));
+    }
+  }
+  for (std::size_t k = 0; k < 50; ++k)
+  {
+    const KeyframeCloud a = on_disk.mapCloud(k).unpacked();
+    const KeyframeCloud b = in_memory.mapCloud(k).unpacked();
+    EXPECT_EQ(a.points, b.points);
+    EXPECT_EQ(a.intensity, b.intensity);
+    EXPECT_EQ(a.is_static, b.is_static);
+    EXPECT_EQ(on_disk.loopCloud(k).unpacked().points, in_memory.loopCloud(k).unpacked().points);
+  }
+  EXPECT_GT(memory.file->size(), 100000U);
 }
 }  // namespace
 }  // namespace dyslam

@@ -95,11 +95,11 @@ TEST(Pose, InterpolationKeepsEndsAndMiddle)
   EXPECT_NEAR(rotationAngle(interpolate(a, b, 0.5)), 0.2, 1e-12);
 }
 
-TEST(Pose, OrthonormalizedRepairsRoundedRotations)
+TEST(Pose, OrthonormalisedRepairsRoundedRotations)
 {
   Pose pose = poseFromYpr(1, 2, 3, 1, 0.2, 0.1);
   pose.linear() *= 1.0003;
-  const Pose repaired = orthonormalized(pose);
+  const Pose repaired = orthonormalised(pose);
   EXPECT_LT(
       (repaired.linear() * repaired.linear().transpose() - Eigen::Matrix3d::Identity()).norm(),
       1e-12);

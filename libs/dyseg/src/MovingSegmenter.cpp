@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <dyslam/core/Registry.h>
-#include <dyslam/core/RuntimeModule.h>
+#include <dyslam/base/Registry.h>
+#include <dyslam/base/RuntimeModule.h>
 #include <dyslam/dyseg/MovingSegmenter.h>
 #include <dyslam/dyseg/NetworkSegmenter.h>
 #include <dyslam/dyseg/ResidualSegmenter.h>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <dyslam/core/SharedFiles.h>
-#include <dyslam/core/StateArchive.h>
+#include <dyslam/base/SharedFiles.h>
+#include <dyslam/base/StateArchive.h>
 #include <dyslam/dyseg/NetworkSegmenter.h>
 #include <dyslam/nets/DysegModel.h>
 

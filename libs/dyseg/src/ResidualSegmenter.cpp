@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/base/Error.h>
+#include <dyslam/base/StateArchive.h>
 #include <dyslam/core/Deskew.h>
-#include <dyslam/core/Error.h>
 #include <dyslam/core/ScanParts.h>
-#include <dyslam/core/StateArchive.h>
 #include <dyslam/dyseg/ResidualSegmenter.h>
 
 #include <algorithm>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // One contract for every segmenter, and the decision of what moves.
-#include <dyslam/core/Error.h>
-#include <dyslam/core/StateArchive.h>
+#include <dyslam/base/Error.h>
+#include <dyslam/base/StateArchive.h>
 #include <dyslam/dyseg/MovingSegmenter.h>
 #include <gtest/gtest.h>
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Evaluates moving-point segmentation: the network, and the residual baseline with given poses.
-#include <dyslam/core/Error.h>
+#include <dyslam/base/Error.h>
+#include <dyslam/base/SharedFiles.h>
 #include <dyslam/core/Scan.h>
-#include <dyslam/core/SharedFiles.h>
 #include <dyslam/dyseg/NetworkSegmenter.h>
 #include <dyslam/dyseg/ResidualSegmenter.h>
 #include <dyslam/train/DysegBodies.h>

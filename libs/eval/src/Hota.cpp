@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <dyslam/core/Assignment.h>
+#include <dyslam/base/Assignment.h>
 #include <dyslam/eval/TrackMetrics.h>
 
 #include <algorithm>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/base/Parallel.h>
+#include <dyslam/base/Quantile.h>
 #include <dyslam/core/NeighbourSearch.h>
-#include <dyslam/core/Parallel.h>
-#include <dyslam/core/Quantile.h>
 #include <dyslam/eval/MapDistance.h>
 #include <dyslam/eval/Statistics.h>
 

@@ -53,7 +53,7 @@ class PointGrid
 
   [[nodiscard]] bool hasNear(const Eigen::Vector3f& p) const
   {
-    const Cell center = cellOf(p, radius_);
+    const Cell centre = cellOf(p, radius_);
     const double limit = radius_ * radius_;
     for (std::int64_t dx = -1; dx <= 1; ++dx)
     {
@@ -61,7 +61,7 @@ class PointGrid
       {
         for (std::int64_t dz = -1; dz <= 1; ++dz)
         {
-          const auto it = cells_.find({center[0] + dx, center[1] + dy, center[2] + dz});
+          const auto it = cells_.find({centre[0] + dx, centre[1] + dy, centre[2] + dz});
           if (it != cells_.end() && anyWithin(it->second, p, limit))
           {
             return true;

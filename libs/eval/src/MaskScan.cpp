@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <dyslam/core/AreaUnderCurve.h>
-#include <dyslam/core/Error.h>
+#include <dyslam/base/AreaUnderCurve.h>
+#include <dyslam/base/Error.h>
 #include <dyslam/eval/MaskScan.h>
 
 #include <algorithm>

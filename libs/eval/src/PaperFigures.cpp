@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <dyslam/core/Angle.h>
-#include <dyslam/core/Error.h>
-#include <dyslam/core/Words.h>
+#include <dyslam/base/Angle.h>
+#include <dyslam/base/Error.h>
+#include <dyslam/base/Words.h>
 #include <dyslam/eval/PaperFigures.h>
 
 #include <array>

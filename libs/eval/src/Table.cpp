@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <dyslam/core/Printable.h>
+#include <dyslam/base/Printable.h>
 #include <dyslam/eval/Table.h>
 
 #include <algorithm>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <dyslam/core/Angle.h>
-#include <dyslam/core/Assignment.h>
+#include <dyslam/base/Angle.h>
+#include <dyslam/base/Assignment.h>
 #include <dyslam/eval/Statistics.h>
 #include <dyslam/eval/TrackErrors.h>
 
@@ -32,7 +32,7 @@ std::vector<Boxes> byFrame(const std::vector<LabelledBox>& boxes, int frames)
 
 double distance(const LabelledBox& a, const LabelledBox& b)
 {
-  return (a.box.center - b.box.center).head<2>().norm();
+  return (a.box.centre - b.box.centre).head<2>().norm();
 }
 
 std::optional<double> find(const TrackSpeeds& speeds, const LabelledBox& box)
@@ -47,7 +47,7 @@ TrackError errorOf(const LabelledBox& reference)
   error.frame = reference.frame;
   error.id = reference.id;
   error.type = reference.type;
-  error.range = reference.box.center.head<2>().norm();
+  error.range = reference.box.centre.head<2>().norm();
   return error;
 }
 
@@ -75,7 +75,7 @@ TrackSpeeds speedsFrom(const std::vector<LabelledBox>& boxes,
     const auto pose = T_world_lidar.find(box.frame);
     if (box.id >= 0 && pose != T_world_lidar.end())
     {
-      observations[{box.id, box.frame}] = {pose->second.stamp, pose->second.pose * box.box.center};
+      observations[{box.id, box.frame}] = {pose->second.stamp, pose->second.pose * box.box.centre};
     }
   }
   TrackSpeeds speeds;

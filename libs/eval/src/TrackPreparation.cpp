@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "TrackPreparation.h"
 
+#include <dyslam/base/Printable.h>
 #include <dyslam/core/BoxOverlap.h>
-#include <dyslam/core/Printable.h>
 
 #include <algorithm>
 #include <cmath>
@@ -115,7 +115,7 @@ class Preparation
     {
       return boxIou(reference, estimate);
     }
-    const double separation = (reference.center - estimate.center).head<2>().norm();
+    const double separation = (reference.centre - estimate.centre).head<2>().norm();
     return std::max(0.0, 1 - separation / rules_.max_distance);
   }
 

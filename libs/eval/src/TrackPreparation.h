@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <dyslam/core/Assignment.h>
+#include <dyslam/base/Assignment.h>
 #include <dyslam/eval/TrackMetrics.h>
 
 #include <map>

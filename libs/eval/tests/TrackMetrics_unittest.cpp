@@ -16,7 +16,7 @@ LabelledBox boxAt(int frame, int id, double x, double y, const std::string& type
   box.id = id;
   box.type = type;
   box.object_class = objectClassFromString(type);
-  box.box.center = {x, y, 0};
+  box.box.centre = {x, y, 0};
   box.box.size = {4, 2, 1.5};
   return box;
 }
@@ -107,7 +107,7 @@ TEST(TrackMetrics, matchesOfIgnoredBoxesCountUnderKittisRulesOnly)
   std::vector<LabelledBox> estimates;
   for (LabelledBox box : sequence.estimate)
   {
-    box.box.center.x() += box.id == 108 ? 0.5 : 0;
+    box.box.centre.x() += box.id == 108 ? 0.5 : 0;
     if (box.id == 108 || box.frame < 6)
     {
       estimates.push_back(box);
@@ -142,7 +142,7 @@ TEST(TrackMetrics, distanceInsteadOfOverlap)
   TrackSequence sequence = perfect();
   for (LabelledBox& box : sequence.estimate)
   {
-    box.box.center.y() += 1.5;  // IoU with its own reference below 0.25
+    box.box.centre.y() += 1.5;  // IoU with its own reference below 0.25
   }
   TrackRules rules = plainRules();
   EXPECT_LT(clearMot({sequence}, rules).mota, 0);
@@ -181,9 +181,9 @@ TEST(TrackErrors, speedsUseTheLidarPosesByFrameIndex)
     const Eigen::Vector3d at_rest = T.inverse() * Eigen::Vector3d(20, 5, 1);
     const Eigen::Vector3d in_motion = T.inverse() * Eigen::Vector3d(20 + 0.8 * f, -5, 1);
     boxes.push_back(boxAt(f, 1, at_rest.x(), at_rest.y()));
-    boxes.back().box.center.z() = at_rest.z();
+    boxes.back().box.centre.z() = at_rest.z();
     boxes.push_back(boxAt(f, 2, in_motion.x(), in_motion.y()));
-    boxes.back().box.center.z() = in_motion.z();
+    boxes.back().box.centre.z() = in_motion.z();
   }
   const TrackSpeeds speeds = speedsFrom(boxes, T_world_lidar);
   EXPECT_EQ(speeds.size(), 10u);

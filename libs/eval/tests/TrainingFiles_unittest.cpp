@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // What dyslam-train writes: logs, and scans with the mask of DyLO.
-#include <dyslam/core/Error.h>
+#include <dyslam/base/Error.h>
 #include <dyslam/eval/LearningLog.h>
 #include <dyslam/eval/MaskScan.h>
 #include <gtest/gtest.h>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <dyslam/core/Error.h>
+#include <dyslam/base/Error.h>
 #include <dyslam/eval/TrajectoryMetrics.h>
 #include <gtest/gtest.h>
 
@@ -299,7 +299,7 @@ std::vector<Pose> readKitti(const std::string& path)
     {
       numbers >> pose.matrix()(i / 4, i % 4);
     }
-    poses.push_back(orthonormalized(pose));
+    poses.push_back(orthonormalised(pose));
   }
   return poses;
 }

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <dyslam/core/Error.h>
+#include <dyslam/base/Error.h>
 
 #include <algorithm>
 #include <array>

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "ChunkedBag.h"
 
-#include <dyslam/core/Error.h>
-#include <dyslam/core/Files.h>
+#include <dyslam/base/Error.h>
+#include <dyslam/base/Files.h>
 #include <libdeflate.h>
 
 #include <algorithm>

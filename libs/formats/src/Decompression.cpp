@@ -2,7 +2,7 @@
 #include "Decompression.h"
 
 #include <bzlib.h>
-#include <dyslam/core/Error.h>
+#include <dyslam/base/Error.h>
 #include <lz4frame.h>
 #include <zstd.h>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <dyslam/core/Files.h>
+#include <dyslam/base/Files.h>
 #include <dyslam/formats/ExternalFiles.h>
 
 #include <filesystem>

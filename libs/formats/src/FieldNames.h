@@ -3,7 +3,7 @@
 // plainFieldName() makes them. Of several in one cloud the first is taken.
 #pragma once
 
-#include <dyslam/core/Printable.h>
+#include <dyslam/base/Printable.h>
 
 #include <array>
 #include <string>

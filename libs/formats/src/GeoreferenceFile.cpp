@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <dyslam/core/Angle.h>
-#include <dyslam/core/Config.h>
-#include <dyslam/core/Error.h>
-#include <dyslam/core/Options.h>
-#include <dyslam/core/PendingFile.h>
+#include <dyslam/base/Angle.h>
+#include <dyslam/base/Config.h>
+#include <dyslam/base/Error.h>
+#include <dyslam/base/Options.h>
+#include <dyslam/base/PendingFile.h>
 #include <dyslam/formats/GeoreferenceFile.h>
 #include <dyslam/formats/TextFile.h>
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <dyslam/core/Error.h>
-#include <dyslam/core/Files.h>
+#include <dyslam/base/Error.h>
+#include <dyslam/base/Files.h>
 #include <dyslam/formats/KittiFiles.h>
 #include <dyslam/formats/TextFile.h>
 #include <dyslam/formats/TrajectoryFiles.h>
@@ -99,7 +99,7 @@ Pose requirePose(const CalibEntries& entries,
                     " is not a rotation: its rows must be unit vectors at right angles, with a "
                     "determinant of 1");
   }
-  return orthonormalized(pose);
+  return orthonormalised(pose);
 }
 
 Pose poseFromRT(const std::string& path)
@@ -356,7 +356,7 @@ Box toLidar(const CameraBox& box, const Pose& T_cam_velo)
 {
   const Pose T_velo_cam = T_cam_velo.inverse();
   Box result;
-  result.center = T_velo_cam * (box.bottom - Eigen::Vector3d(0, box.height / 2, 0));
+  result.centre = T_velo_cam * (box.bottom - Eigen::Vector3d(0, box.height / 2, 0));
   result.size = {box.length, box.width, box.height};
   const Eigen::Vector3d heading =
       T_velo_cam.linear() * Eigen::Vector3d(std::cos(box.ry), 0, -std::sin(box.ry));

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <dyslam/core/Angle.h>
-#include <dyslam/core/PendingFile.h>
+#include <dyslam/base/Angle.h>
+#include <dyslam/base/PendingFile.h>
 #include <dyslam/formats/KittiTracks.h>
 #include <dyslam/formats/TextFile.h>
 
@@ -73,7 +73,7 @@ CameraBox toCamera(const Box& box, const Pose& T_cam_velo)
   result.length = box.size.x();
   result.width = box.size.y();
   result.height = box.size.z();
-  result.bottom = T_cam_velo * box.center + Eigen::Vector3d(0, box.size.z() / 2, 0);
+  result.bottom = T_cam_velo * box.centre + Eigen::Vector3d(0, box.size.z() / 2, 0);
   // The direction of this yaw that lies in the camera's horizontal plane.
   const Eigen::Matrix3d& R = T_cam_velo.linear();
   Eigen::Vector3d heading(std::cos(box.yaw), std::sin(box.yaw), 0);

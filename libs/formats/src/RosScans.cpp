@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <dyslam/core/Quantile.h>
+#include <dyslam/base/Quantile.h>
 
 #include <algorithm>
 #include <cmath>

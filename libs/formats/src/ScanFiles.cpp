@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <dyslam/core/Error.h>
-#include <dyslam/core/Files.h>
-#include <dyslam/core/PendingFile.h>
-#include <dyslam/core/Printable.h>
+#include <dyslam/base/Error.h>
+#include <dyslam/base/Files.h>
+#include <dyslam/base/PendingFile.h>
+#include <dyslam/base/Printable.h>
 #include <dyslam/formats/CloudHeader.h>
 #include <dyslam/formats/RecordingKind.h>
 #include <dyslam/formats/ScanFiles.h>

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <dyslam/core/Angle.h>
-#include <dyslam/core/Error.h>
-#include <dyslam/core/Files.h>
-#include <dyslam/core/Printable.h>
+#include <dyslam/base/Angle.h>
+#include <dyslam/base/Error.h>
+#include <dyslam/base/Files.h>
+#include <dyslam/base/Printable.h>
 #include <dyslam/formats/SustechFiles.h>
 
 #include <charconv>
@@ -52,7 +52,7 @@ LabelledBox boxFrom(const json& object, int frame)
   box.type = object.at("obj_type").get<std::string>();
   box.object_class = objectClassFromString(box.type);
   const json& psr = object.at("psr");
-  box.box.center = vectorFrom(psr.at("position"));
+  box.box.centre = vectorFrom(psr.at("position"));
   box.box.size = vectorFrom(psr.at("scale"));
   box.box.yaw = wrapAngle(psr.at("rotation").at("z").get<double>());
   return box;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <dyslam/core/PendingFile.h>
+#include <dyslam/base/PendingFile.h>
 #include <dyslam/formats/TextFile.h>
 #include <dyslam/formats/TrackFiles.h>
 
@@ -16,7 +16,7 @@ std::vector<LabelledBox> readTracks(const std::string& path)
     LabelledBox box = readTrackLine(file, "height width length x y z yaw");
     box.id = file.integer(1);
     box.box.size = {file.number(12), file.number(11), file.number(10)};
-    box.box.center = {file.number(13), file.number(14), file.number(15)};
+    box.box.centre = {file.number(13), file.number(14), file.number(15)};
     box.box.yaw = file.number(16);
     boxes.push_back(box);
   }
@@ -39,8 +39,8 @@ std::string trackLine(const LabelledBox& box)
     append(box.image_box[i]);
   }
   const Box& b = box.box;
-  for (const double value : {b.size.z(), b.size.y(), b.size.x(), b.center.x(), b.center.y(),
-                             b.center.z(), b.yaw, box.score})
+  for (const double value : {b.size.z(), b.size.y(), b.size.x(), b.centre.x(), b.centre.y(),
+                             b.centre.z(), b.yaw, box.score})
   {
     append(value);
   }

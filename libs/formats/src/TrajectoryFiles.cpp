@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <dyslam/core/Error.h>
-#include <dyslam/core/PendingFile.h>
+#include <dyslam/base/Error.h>
+#include <dyslam/base/PendingFile.h>
 #include <dyslam/formats/TextFile.h>
 #include <dyslam/formats/TrajectoryFiles.h>
 
@@ -28,7 +28,7 @@ Pose poseFromRow(const TextFile& file, const std::vector<double>& row)
   {
     file.fail("columns 1-3, 5-7, 9-11 are not a rotation matrix");
   }
-  return orthonormalized(pose);
+  return orthonormalised(pose);
 }
 
 /** Poses at 0, 1, 2, ... */

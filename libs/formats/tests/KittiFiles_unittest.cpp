@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <dyslam/core/Error.h>
+#include <dyslam/base/Error.h>
 #include <dyslam/formats/KittiFiles.h>
 #include <dyslam/formats/SustechFiles.h>
 #include <dyslam/formats/TrajectoryFiles.h>
@@ -78,8 +78,8 @@ TEST(KittiBoxes, KnownCase)
   const CameraBox camera{{0, 1.6, 20}, 1.5, 1.8, 4.0, -M_PI / 2};
   const Box box = toLidar(camera, someMounting());
   // The lidar is 0.3 m behind the camera and 0.1 m above; the centre is 0.85 m under the camera.
-  EXPECT_TRUE(box.center.isApprox(Eigen::Vector3d(20.3, 0.05, -0.95), 1e-12))
-      << box.center.transpose();
+  EXPECT_TRUE(box.centre.isApprox(Eigen::Vector3d(20.3, 0.05, -0.95), 1e-12))
+      << box.centre.transpose();
   EXPECT_EQ(Eigen::Vector3d(4.0, 1.8, 1.5), box.size);
   EXPECT_NEAR(0, box.yaw, 1e-12);
   // To the left of that is the camera's turn the other way, about its downward axis.
@@ -130,7 +130,7 @@ TEST(KittiBoxes, Detections)
   EXPECT_EQ(ObjectClass::pedestrian, boxes[0].object_class);
   EXPECT_EQ(4.9, boxes[0].score);
   EXPECT_EQ(-1, boxes[0].id);
-  EXPECT_TRUE(boxes[0].box.center.isApprox(Eigen::Vector3d(20.3, 0.05, -0.95), 1e-9));
+  EXPECT_TRUE(boxes[0].box.centre.isApprox(Eigen::Vector3d(20.3, 0.05, -0.95), 1e-9));
   EXPECT_EQ(Eigen::Vector3d(4.0, 1.8, 1.5), boxes[0].box.size);
   EXPECT_THROW(
       (void)readDetectionsCsv(folder.write("e.txt", "4,9,0,0,1,1,4.9,1.5,1.8,4.0,0,1.6,20,0,0\n"),

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <dyslam/core/Error.h>
+#include <dyslam/base/Error.h>
 #include <dyslam/formats/KittiTracks.h>
 #include <gtest/gtest.h>
 
@@ -64,7 +64,7 @@ TEST(KittiTracks, EveryLayoutOfDetectionsIsTheSameBox)
     EXPECT_EQ(box.object_class, ObjectClass::car);
     EXPECT_EQ(box.score, 7.5);
     EXPECT_EQ(box.image_box, Eigen::Vector4d(100, 150, 200, 250));
-    EXPECT_TRUE(box.box.center.isApprox(csv[0].box.center, 1e-12));
+    EXPECT_TRUE(box.box.centre.isApprox(csv[0].box.centre, 1e-12));
     EXPECT_EQ(box.box.size, Eigen::Vector3d(4.0, 1.8, 1.5));
     EXPECT_NEAR(box.box.yaw, csv[0].box.yaw, 1e-12);
   }
@@ -98,7 +98,7 @@ TEST(KittiTracks, WrittenTracksReadBack)
     box.frame = i / 2;
     box.id = i;
     box.object_class = i % 2 == 0 ? ObjectClass::pedestrian : ObjectClass::cyclist;
-    box.box.center = {12.3456789 + i, -3.21 * i, -0.9};
+    box.box.centre = {12.3456789 + i, -3.21 * i, -0.9};
     box.box.size = {0.8, 0.61234567, 1.7};
     box.box.yaw = -3 + 1.3 * i;
     box.score = 3.3333333333 - i;
@@ -120,7 +120,7 @@ TEST(KittiTracks, WrittenTracksReadBack)
     EXPECT_EQ(again[i].frame, boxes[i].frame);
     EXPECT_EQ(again[i].id, boxes[i].id);
     EXPECT_EQ(again[i].object_class, boxes[i].object_class);
-    EXPECT_NEAR((again[i].box.center - boxes[i].box.center).norm(), 0, 1e-9);
+    EXPECT_NEAR((again[i].box.centre - boxes[i].box.centre).norm(), 0, 1e-9);
     EXPECT_NEAR((again[i].box.size - boxes[i].box.size).norm(), 0, 1e-9);
     EXPECT_NEAR(std::remainder(again[i].box.yaw - boxes[i].box.yaw, 2 * M_PI), 0, 1e-9);
     EXPECT_NEAR(again[i].score, boxes[i].score, 1e-9);

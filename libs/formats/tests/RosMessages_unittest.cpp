@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <dyslam/core/Error.h>
+#include <dyslam/base/Error.h>
 #include <dyslam/formats/RosMessages.h>
 #include <gtest/gtest.h>
 
@@ -9,6 +9,7 @@
 #include <limits>
 
 #include "BagWriters.h"
+#include "RosMessageWriters.h"
 #include "SingleMessage.h"
 #include "TestFolder.h"
 

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <dyslam/core/Error.h>
+#include <dyslam/base/Error.h>
 #include <dyslam/formats/RosMessages.h>
 #include <gtest/gtest.h>
 
 #include <limits>
 
-#include "BagWriters.h"
+#include "RosMessageWriters.h"
 #include "SingleMessage.h"
 #include "TestFolder.h"
 

@@ -6,7 +6,7 @@
 #include <utility>
 #include <vector>
 
-#include "BagWriters.h"
+#include "RosMessageWriters.h"
 #include "SingleMessage.h"
 
 namespace dyslam

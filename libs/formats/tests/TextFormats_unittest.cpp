@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <dyslam/core/Error.h>
+#include <dyslam/base/Error.h>
 #include <dyslam/formats/GroundTruth.h>
 #include <dyslam/formats/MotionFiles.h>
 #include <dyslam/formats/TextFile.h>
@@ -231,7 +231,7 @@ TEST(GroundTruth, SidecarRoundTrip)
   box.frame = 2;
   box.id = 5;
   box.object_class = ObjectClass::pedestrian;
-  box.box.center = {1.25, -2.5, 0.125};
+  box.box.centre = {1.25, -2.5, 0.125};
   box.box.size = {0.5, 0.75, 1.75};
   box.box.yaw = -1.5;
   box.occluded = 1;
@@ -262,7 +262,7 @@ TEST(GroundTruth, SidecarRoundTrip)
   EXPECT_EQ(5, read.id);
   EXPECT_EQ("Pedestrian", read.type);
   EXPECT_EQ(ObjectClass::pedestrian, read.object_class);
-  EXPECT_EQ(box.box.center, read.box.center);
+  EXPECT_EQ(box.box.centre, read.box.centre);
   EXPECT_EQ(box.box.size, read.box.size);
   EXPECT_EQ(box.box.yaw, read.box.yaw);
   EXPECT_EQ(1, read.occluded);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/backend/FactorGraphFile.h>
-#include <dyslam/core/Error.h>
+#include <dyslam/base/Error.h>
 #include <dyslam/graphslam/GraphFileRun.h>
 #include <dyslam/io/GraphFiles.h>
 
@@ -57,7 +57,7 @@ Writer writerFor(const std::string& path)
 }
 }  // namespace
 
-GraphFileReport optimizeGraphFile(const std::string& input,
+GraphFileReport optimiseGraphFile(const std::string& input,
                                   const std::string& output,
                                   const Config& config)
 {
@@ -87,7 +87,7 @@ GraphFileReport optimizeGraphFile(const std::string& input,
   return report;
 }
 
-FactorGraphFileReport optimizeFactorGraphFile(const std::string& input,
+FactorGraphFileReport optimiseFactorGraphFile(const std::string& input,
                                               const std::string& output,
                                               const Config& config)
 {

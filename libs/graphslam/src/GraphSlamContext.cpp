@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/backend/Backend.h>
-#include <dyslam/core/Error.h>
+#include <dyslam/base/Error.h>
 #include <dyslam/graphslam/GraphSlamContext.h>
 #include <dyslam/pipeline/Pipeline.h>
 

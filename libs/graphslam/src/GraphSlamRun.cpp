@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <dyslam/core/Error.h>
-#include <dyslam/core/PendingFile.h>
+#include <dyslam/base/Error.h>
+#include <dyslam/base/PendingFile.h>
 #include <dyslam/graphslam/FactorGraphOptimizer.h>
 #include <dyslam/graphslam/GraphSlamEngine.h>
 #include <dyslam/graphslam/GraphSlamRun.h>

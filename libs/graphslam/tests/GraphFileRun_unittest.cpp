@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <dyslam/core/Error.h>
+#include <dyslam/base/Error.h>
 #include <dyslam/graphslam/GraphFileRun.h>
 #include <dyslam/io/GraphFiles.h>
 
@@ -40,7 +40,7 @@ class GraphFileRun : public test::WithFolder
   {
     try
     {
-      (void)optimizeGraphFile(input, output);
+      (void)optimiseGraphFile(input, output);
       return "";
     }
     catch (const UserError& error)
@@ -55,7 +55,7 @@ TEST_F(GraphFileRun, SpreadsTheErrorOfALoopAndWritesBothFormats)
   const std::string input = write("square.g2o", squareText());
   for (const char* name : {"out.g2o", "out.graph"})
   {
-    const GraphFileReport report = optimizeGraphFile(input, pathOf(name));
+    const GraphFileReport report = optimiseGraphFile(input, pathOf(name));
     EXPECT_EQ(report.nodes, 4U);
     EXPECT_EQ(report.edges, 4U);
     EXPECT_TRUE(report.result.converged) << report.result.reason;
@@ -77,9 +77,9 @@ TEST_F(GraphFileRun, TakesTheSolversOptions)
   Config config;
   config.set("pose_graph.max_iterations=1");
   config.set("pose_graph.start=file");
-  EXPECT_EQ(optimizeGraphFile(input, "", config).result.iterations, 1);
+  EXPECT_EQ(optimiseGraphFile(input, "", config).result.iterations, 1);
   config.set("pose_graph.max_iteration=1");
-  EXPECT_THROW((void)optimizeGraphFile(input, "", config), UserError);
+  EXPECT_THROW((void)optimiseGraphFile(input, "", config), UserError);
 }
 
 TEST_F(GraphFileRun, BadFilesAreNamed)
@@ -111,7 +111,7 @@ TEST_F(GraphFileRun, OptimisesAFactorGraphWithObjects)
                 unit + "OBSERVATION 0 STATIC_OBJECT 5 0 1 0 0 4 0 1 0 0 0 0 1 0" + unit +
                 "OBSERVATION 1 STATIC_OBJECT 5 0 1 0 0 3 0 1 0 0 0 0 1 0" + unit +
                 "OBSERVATION 1 STATIC_OBJECT 5 0 1 0 0 nan 0 1 0 0 0 0 1 0" + unit);
-  const FactorGraphFileReport report = optimizeFactorGraphFile(input, pathOf("out.txt"));
+  const FactorGraphFileReport report = optimiseFactorGraphFile(input, pathOf("out.txt"));
   EXPECT_EQ(report.variables.at("ego poses"), 2U);
   EXPECT_EQ(report.variables.at("static objects"), 1U);
   EXPECT_EQ(report.factors.at("odometry"), 1U);
@@ -119,7 +119,7 @@ TEST_F(GraphFileRun, OptimisesAFactorGraphWithObjects)
   EXPECT_EQ(report.warnings.size(), 1U);
   EXPECT_NEAR(report.result.initial_chi2, 0.09, 1e-9);
   EXPECT_NEAR(report.result.final_chi2, 0.03, 1e-6);  // an error of 0.3 m is shared by three edges
-  const FactorGraphFileReport again = optimizeFactorGraphFile(pathOf("out.txt"), "");
+  const FactorGraphFileReport again = optimiseFactorGraphFile(pathOf("out.txt"), "");
   EXPECT_NEAR(again.result.initial_chi2, 0.03, 1e-6);
   EXPECT_TRUE(again.warnings.empty());
 }

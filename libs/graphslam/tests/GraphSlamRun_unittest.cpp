@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Whole runs of MRPT's engine, compared with the pipeline's own.
-#include <dyslam/core/Error.h>
+#include <dyslam/base/Error.h>
 #include <dyslam/graphslam/GraphSlamRun.h>
 #include <dyslam/io/RawlogStream.h>
 #include <mrpt/io/CFileGZOutputStream.h>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The plug-ins in MRPT's own engine, as a program of somebody else would use them.
 #include <dyslam/backend/Backend.h>
-#include <dyslam/core/Error.h>
+#include <dyslam/base/Error.h>
 #include <dyslam/graphslam/FactorGraphOptimizer.h>
 #include <dyslam/graphslam/GraphSlamEngine.h>
 #include <dyslam/graphslam/LoopEdgeDecider.h>

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "BagConverter.h"
 
-#include <dyslam/core/Error.h>
-#include <dyslam/core/Printable.h>
+#include <dyslam/base/Error.h>
+#include <dyslam/base/Printable.h>
+#include <dyslam/base/Words.h>
 #include <dyslam/core/Trajectory.h>
-#include <dyslam/core/Words.h>
 #include <dyslam/formats/Bag.h>
 #include <dyslam/formats/RosMessages.h>
 #include <dyslam/formats/RosPackets.h>

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "BagMotion.h"
 
-#include <dyslam/core/Error.h>
-#include <dyslam/core/Printable.h>
+#include <dyslam/base/Error.h>
+#include <dyslam/base/Printable.h>
 #include <dyslam/formats/RosPackets.h>
 
 #include <algorithm>

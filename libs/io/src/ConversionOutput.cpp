@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "ConversionOutput.h"
 
-#include <dyslam/core/Angle.h>
-#include <dyslam/core/Error.h>
-#include <dyslam/core/Files.h>
+#include <dyslam/base/Angle.h>
+#include <dyslam/base/Error.h>
+#include <dyslam/base/Files.h>
 #include <dyslam/formats/ExternalFiles.h>
 #include <dyslam/io/OptionError.h>
 

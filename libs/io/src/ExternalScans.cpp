@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "ExternalScans.h"
 
-#include <dyslam/core/Error.h>
+#include <dyslam/base/Error.h>
 #include <dyslam/formats/ScanFiles.h>
 #include <dyslam/formats/TextFile.h>
 #include <mrpt/io/lazy_load_path.h>

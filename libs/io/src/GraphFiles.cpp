@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <dyslam/core/Error.h>
-#include <dyslam/core/PendingFile.h>
+#include <dyslam/base/Error.h>
+#include <dyslam/base/PendingFile.h>
+#include <dyslam/base/Words.h>
 #include <dyslam/core/PoseInformation.h>
-#include <dyslam/core/Words.h>
 #include <dyslam/formats/TextFile.h>
 #include <dyslam/io/GraphFiles.h>
 #include <dyslam/mrpt/Conversions.h>

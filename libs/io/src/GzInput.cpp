@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "GzInput.h"
 
-#include <dyslam/core/Error.h>
+#include <dyslam/base/Error.h>
 #include <dyslam/formats/TextFile.h>
 #include <fcntl.h>
 #include <isa-l/igzip_lib.h>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <dyslam/core/Error.h>
-#include <dyslam/core/Files.h>
-#include <dyslam/core/PendingFile.h>
+#include <dyslam/base/Error.h>
+#include <dyslam/base/Files.h>
+#include <dyslam/base/PendingFile.h>
 #include <dyslam/formats/GroundTruth.h>
 #include <dyslam/formats/KittiFiles.h>
 #include <dyslam/formats/ScanFiles.h>
@@ -215,7 +215,7 @@ class Sequence
     std::vector<Pose> poses;
     for (const Pose& pose : poses_)
     {
-      poses.push_back(orthonormalized(poses_.front().inverse() * pose));
+      poses.push_back(orthonormalised(poses_.front().inverse() * pose));
     }
     return cameraToLidarPoses(poses, calib_.T_cam_velo.inverse());
   }

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "KittiLayout.h"
 
-#include <dyslam/core/Error.h>
-#include <dyslam/core/Files.h>
-#include <dyslam/core/Printable.h>
+#include <dyslam/base/Error.h>
+#include <dyslam/base/Files.h>
+#include <dyslam/base/Printable.h>
 #include <dyslam/core/Trajectory.h>
 #include <dyslam/formats/RecordingKind.h>
 #include <dyslam/formats/ScanFiles.h>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <dyslam/core/Error.h>
-#include <dyslam/core/Files.h>
-#include <dyslam/core/StateArchive.h>
+#include <dyslam/base/Error.h>
+#include <dyslam/base/Files.h>
+#include <dyslam/base/StateArchive.h>
 #include <dyslam/formats/ExternalFiles.h>
 #include <dyslam/formats/TextFile.h>
 #include <dyslam/io/GzOutput.h>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "RecordingNotes.h"
 
-#include <dyslam/core/Printable.h>
+#include <dyslam/base/Printable.h>
 
 #include <algorithm>
 

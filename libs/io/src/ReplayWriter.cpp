@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <dyslam/core/StateArchive.h>
+#include <dyslam/base/StateArchive.h>
 #include <dyslam/core/VoxelGrid.h>
 #include <dyslam/io/GzOutput.h>
 #include <dyslam/io/ReplayWriter.h>
@@ -118,7 +118,7 @@ void insertObject(mrpt::opengl::COpenGLScene& scene,
 {
   const TColor colour = object.dynamic ? objectColour(object.id) : TColor(150, 150, 150);
   scene.insert(wireBox(object.box, T_vehicle_odom, colour));
-  const Eigen::Vector3d top = object.box.center + Eigen::Vector3d(0, 0, 0.5 * object.box.size.z());
+  const Eigen::Vector3d top = object.box.centre + Eigen::Vector3d(0, 0, 0.5 * object.box.size.z());
   scene.insert(
       textAt(labelOf(object), T_vehicle_odom * (top + Eigen::Vector3d(0, 0, 0.4)), colour));
   if (const auto shape =

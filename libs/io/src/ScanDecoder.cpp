@@ -1,26 +1,26 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <dyslam/core/Error.h>
-#include <dyslam/core/Printable.h>
+#include <dyslam/base/Error.h>
+#include <dyslam/base/Printable.h>
+#include <dyslam/base/Words.h>
 #include <dyslam/core/ScanParts.h>
-#include <dyslam/core/Words.h>
 #include <dyslam/io/RawlogSource.h>
 #include <dyslam/io/ScanDecoder.h>
 #include <dyslam/mrpt/Conversions.h>
 #include <mrpt/obs/CObservationRobotPose.h>
 
-#include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <map>
 #include <sstream>
 #include <utility>
 
 #include "FurtherLidars.h"
+#include "FurtherScanChecks.h"
 #include "IntensityScaler.h"
 #include "LabelPattern.h"
 #include "MotionSampleReader.h"
 #include "MrptErrors.h"
 #include "ObservationScans.h"
+#include "RecordingClock.h"
 #include "RecordingNotes.h"
 #include "TruePoses.h"
 
@@ -30,16 +30,8 @@ namespace
 {
 using mrpt::obs::CObservation;
 
-constexpr std::size_t max_dropped_in_a_row = 10;
-constexpr std::size_t scans_after_step = 4;  //!< regular scans that show a clock set back
-constexpr double same_time = 1e-6;           //!< stamps this near are one [s]
-constexpr std::size_t scans_ahead = 3;       //!< read to wait for those of further lidars
-
-struct Mounting
-{
-  std::string label;
-  Pose T_vehicle_lidar = Pose::Identity();
-};
+constexpr double same_time = 1e-6;      //!< stamps this near are one [s]
+constexpr std::size_t scans_ahead = 3;  //!< read to wait for those of further lidars
 
 bool endsWith(const std::string& text, const std::string& end)
 {
@@ -52,6 +44,7 @@ struct ScanDecoder::Impl
   Impl(const RawlogSourceOptions& options_in, std::string name, std::string folder)
       : options(options_in),
         recording(std::move(name)),
+        clock(recording),
         external{std::move(folder), options_in.external_anywhere},
         wanted("sensor_label", options_in.sensor_label),
         motion(options_in),
@@ -115,7 +108,7 @@ struct ScanDecoder::Impl
     }
     try
     {
-      further.hold(observation, clock_shift);
+      further.hold(observation, clock.shift());
     }
     catch (const UserError& error)
     {
@@ -134,11 +127,11 @@ struct ScanDecoder::Impl
       if (!options.ground_truth_label.empty() &&
           robot_pose->sensorLabel == options.ground_truth_label)
       {
-        truths.add(toStamp(robot_pose->timestamp), toPose(robot_pose->pose.mean), clock_shift);
+        truths.add(toStamp(robot_pose->timestamp), toPose(robot_pose->pose.mean), clock.shift());
       }
       return false;
     }
-    if (motion.take(*observation, clock_shift, notes) || !is3dScan(*observation))
+    if (motion.take(*observation, clock.shift(), notes) || !is3dScan(*observation))
     {
       return false;
     }
@@ -168,56 +161,16 @@ struct ScanDecoder::Impl
   [[nodiscard]] bool acceptStamp(const CObservation& observation, std::size_t index)
   {
     const bool has_time = observation.timestamp != INVALID_TIMESTAMP;
-    const double stamp = toStamp(observation.timestamp) + clock_shift;
-    if (has_time && (!last_stamp || stamp > *last_stamp || bridgesStep(stamp, index)))
+    const double shift = clock.shift();
+    const RecordingClock::Verdict verdict = clock.accept(
+        has_time ? std::optional<double>(toStamp(observation.timestamp)) : std::nullopt, index,
+        notes);
+    if (verdict.shift != 0)
     {
-      last_stamp = toStamp(observation.timestamp) + clock_shift;
-      first_stamp = first_stamp ? first_stamp : last_stamp;
-      dropped_in_a_row = 0;
-      stamps_gone_back.clear();
-      return true;
+      truths.shiftClock(shift, verdict.shift);
+      motion.shiftClock(verdict.shift);
     }
-    ++dropped;
-    ++dropped_in_a_row;
-    notes.add(!has_time              ? "a scan without a time stamp was dropped"
-              : stamp == *last_stamp ? "a scan with the time stamp of the one before was dropped"
-                                     : "a scan whose time stamp goes back was dropped",
-              index);
-    if (dropped_in_a_row > max_dropped_in_a_row)
-    {
-      throw UserError(recording + ": the time stamps stand still or run backwards from scan " +
-                      std::to_string(index - max_dropped_in_a_row) +
-                      " on; give the file proper times (rawlog-edit, or convert with --dt)");
-    }
-    return false;
-  }
-
-  /** A scan that is not later than the last one used. Whether it and those dropped before it show a
-   * clock that was set back; then clock_shift compensates it. */
-  [[nodiscard]] bool bridgesStep(double stamp, std::size_t index)
-  {
-    if (!stamps_gone_back.empty() && stamp <= stamps_gone_back.back())
-    {
-      stamps_gone_back.clear();
-    }
-    stamps_gone_back.push_back(stamp);
-    const std::size_t n = stamps_gone_back.size();
-    if (n < scans_after_step)
-    {
-      return false;
-    }
-    const double period = (stamp - stamps_gone_back.front()) / static_cast<double>(n - 1);
-    const double shift = *last_stamp + static_cast<double>(n) * period - stamp;
-    truths.shiftClock(clock_shift, shift);
-    motion.shiftClock(shift);
-    clock_shift += shift;
-    char text[160];
-    std::snprintf(text, sizeof text,
-                  "the clock of the recording was set back; stamps from there on are %.3f s later "
-                  "than recorded",
-                  clock_shift);
-    notes.add(text, index);
-    return true;
+    return verdict.accepted;
   }
 
   void addTimeRing(CObservation* own, std::size_t index, Scan& scan)
@@ -265,37 +218,6 @@ struct ScanDecoder::Impl
     }
   }
 
-  /** Notes that a further lidar has the mounting of another one. */
-  void checkMounting(const Scan& part, std::size_t lidar, const Scan& scan)
-  {
-    mountings.insert_or_assign(0, Mounting{scan.sensor_label, scan.T_vehicle_lidar});
-    mountings.insert_or_assign(lidar, Mounting{part.sensor_label, part.T_vehicle_lidar});
-    const auto same = std::find_if(
-        mountings.begin(), mountings.end(),
-        [&](const auto& other)
-        { return other.second.T_vehicle_lidar.matrix() == part.T_vehicle_lidar.matrix(); });
-    if (same != mountings.end() && same->first < lidar)
-    {
-      notes.add("'" + part.sensor_label + "' has the same sensorPose as '" + same->second.label +
-                "': their scans fit only if each has its own mounting on the vehicle");
-    }
-  }
-
-  /** Notes times of points that a further scan lacks, or alone has. */
-  void checkTimes(const Scan& part, const Scan& scan)
-  {
-    if (part.time.empty() && !scan.time.empty())
-    {
-      notes.add("the points of '" + part.sensor_label +
-                "' have no times: they count as measured at the time stamp of their scan");
-    }
-    if (!part.time.empty() && scan.time.empty() && scan.size() > 0)
-    {
-      notes.add("the times of the points of '" + part.sensor_label +
-                "' are not used: the first lidar has none");
-    }
-  }
-
   /** Adds the scans of further lidars to a decoded one. */
   void joinFurther(double stamp, std::size_t index, Scan& scan)
   {
@@ -307,8 +229,7 @@ struct ScanDecoder::Impl
         notes.add("an empty scan of '" + part.sensor_label + "'", index);
         continue;
       }
-      checkMounting(part, held.lidar, scan);
-      checkTimes(part, scan);
+      further_checks.check(part, held.lidar, scan, notes);
       appendScan(part, held.lidar, scan);
     }
   }
@@ -338,7 +259,7 @@ struct ScanDecoder::Impl
       text << "; the file has " << counted(scans_seen, "scan");
       if (options.start > 0)
       {
-        text << ", the last " << *last_stamp - *first_stamp << " s after the first";
+        text << ", the last " << *clock.last() - *clock.first() << " s after the first";
       }
     }
     return text.str();
@@ -346,10 +267,12 @@ struct ScanDecoder::Impl
 
   RawlogSourceOptions options;
   std::string recording;
+  RecordingClock clock;
   ExternalFiles external;
   LabelPattern wanted;
   MotionSampleReader motion;
   FurtherLidars further;
+  FurtherScanChecks further_checks;
   IntensityScaler scale_intensity;
   ScanSelection selection;
   std::string label;  //!< of the lidar in use, once it is known
@@ -357,15 +280,8 @@ struct ScanDecoder::Impl
   CObservation::Ptr companion;  //!< read, its scan not yet
   TruePoses truths;
   Levelling levelling;
-  std::map<std::size_t, Mounting> mountings;  //!< by ScanPart::lidar
 
-  std::size_t scans_seen = 0;            //!< with the wanted label, delivered or not
-  std::optional<double> first_stamp;     //!< of those with a good stamp
-  std::optional<double> last_stamp;      //!< of those with a good stamp, shifted
-  double clock_shift = 0;                //!< from the recording's stamps to the frames' [s]
-  std::vector<double> stamps_gone_back;  //!< of scans dropped in a row, ascending
-  std::size_t dropped = 0;
-  std::size_t dropped_in_a_row = 0;
+  std::size_t scans_seen = 0;  //!< with the wanted label, delivered or not
   bool any_decoded = false;
 
   std::map<std::string, std::size_t> seen_classes;
@@ -397,8 +313,8 @@ std::optional<RecordedScan> ScanDecoder::take(const CObservation::Ptr& observati
   {
     return std::nullopt;
   }
-  const bool taken = s.selection.takes(index, *s.last_stamp);
-  s.further.metScan(*s.last_stamp, taken);
+  const bool taken = s.selection.takes(index, *s.clock.last());
+  s.further.metScan(*s.clock.last(), taken);
   if (!taken)
   {
     return std::nullopt;
@@ -407,8 +323,8 @@ std::optional<RecordedScan> ScanDecoder::take(const CObservation::Ptr& observati
   scan.observation = observation;
   scan.time_ring = std::move(own);
   scan.index = index;
-  scan.clock_shift = s.clock_shift;
-  s.motion.handOver(*s.last_stamp, scan, s.notes);
+  scan.clock_shift = s.clock.shift();
+  s.motion.handOver(*s.clock.last(), scan, s.notes);
   return scan;
 }
 
@@ -470,7 +386,7 @@ std::optional<Pose> ScanDecoder::truthAt(double stamp, double clock_shift)
 }
 std::size_t ScanDecoder::framesDropped() const
 {
-  return impl_->dropped;
+  return impl_->clock.dropped();
 }
 std::string ScanDecoder::sensorLabel() const
 {
@@ -483,9 +399,9 @@ void ScanDecoder::failWithoutScans(const std::map<std::string, std::size_t>& lef
   if (s.scans_seen > 0)
   {
     throw UserError(s.recording + ": " +
-                    (s.last_stamp ? s.emptyRange()
-                                  : "none of its " + counted(s.scans_seen, "scan") +
-                                        " has a time stamp; convert it with --dt"));
+                    (s.clock.last() ? s.emptyRange()
+                                    : "none of its " + counted(s.scans_seen, "scan") +
+                                          " has a time stamp; convert it with --dt"));
   }
   if (!s.lidar_labels.empty())
   {

@@ -79,12 +79,12 @@ void insertBoxes(mrpt::opengl::COpenGLScene& scene, const SceneContent& content)
     const Eigen::Vector3d over(0, 0, 0.5 * object.box.size.z() + 0.5);
     insert(scene,
            textAt(toString(object.object_class) + " " + std::to_string(object.id),
-                  object.box.center + over, colour),
+                  object.box.centre + over, colour),
            name + " label");
     if (i < content.velocities.size())
     {
       const Eigen::Vector3d top =
-          object.box.center + Eigen::Vector3d(0, 0, 0.5 * object.box.size.z());
+          object.box.centre + Eigen::Vector3d(0, 0, 0.5 * object.box.size.z());
       if (const auto shape = velocityArrow(top, content.velocities[i], colour))
       {
         insert(scene, shape, name + " velocity");

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "SceneParts.h"
 
-#include <dyslam/core/Quantile.h>
+#include <dyslam/base/Quantile.h>
 #include <dyslam/mrpt/Conversions.h>
 #include <mrpt/core/bits_math.h>
 #include <mrpt/opengl/CArrow.h>
@@ -158,7 +158,7 @@ mrpt::opengl::CRenderizable::Ptr wireBox(const Box& box, const Pose& T, const TC
   lines->setColor_u8(colour);
   Pose T_frame_box = Pose::Identity();
   T_frame_box.linear() = Eigen::AngleAxisd(box.yaw, Eigen::Vector3d::UnitZ()).toRotationMatrix();
-  T_frame_box.translation() = box.center;
+  T_frame_box.translation() = box.centre;
   lines->setPose(toMrpt(T * T_frame_box));
   return lines;
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <dyslam/core/Error.h>
+#include <dyslam/base/Error.h>
 #include <dyslam/formats/Bag.h>
 #include <dyslam/formats/GroundTruth.h>
 #include <dyslam/formats/TrajectoryFiles.h>
@@ -11,6 +11,7 @@
 #include <filesystem>
 
 #include "BagWriters.h"
+#include "RosMessageWriters.h"
 #include "SyntheticHesai.h"
 #include "SyntheticOuster.h"
 #include "SyntheticScans.h"

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Further lidars of a bag, converted and merged.
-#include <dyslam/core/Error.h>
+#include <dyslam/base/Error.h>
 #include <dyslam/core/ScanParts.h>
 #include <dyslam/io/Converters.h>
 #include <dyslam/io/RawlogSource.h>
@@ -15,6 +15,7 @@
 #include <vector>
 
 #include "BagWriters.h"
+#include "RosMessageWriters.h"
 #include "SyntheticCapture.h"
 #include "SyntheticScans.h"
 #include "TestFolder.h"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <dyslam/core/Error.h>
+#include <dyslam/base/Error.h>
 #include <dyslam/io/Converters.h>
 #include <dyslam/io/RawlogSource.h>
 #include <gtest/gtest.h>
@@ -10,6 +10,7 @@
 #include <optional>
 
 #include "BagWriters.h"
+#include "RosMessageWriters.h"
 #include "SyntheticScans.h"
 #include "TestFolder.h"
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The IMU in the Ouster of a capture, beside the scans of its rawlog.
-#include <dyslam/core/Error.h>
+#include <dyslam/base/Error.h>
 #include <dyslam/io/Converters.h>
 #include <dyslam/io/RawlogSource.h>
 #include <gtest/gtest.h>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <dyslam/core/Error.h>
+#include <dyslam/base/Error.h>
 #include <dyslam/formats/GroundTruth.h>
 #include <dyslam/formats/ScanFiles.h>
 #include <dyslam/formats/TrackFiles.h>
@@ -135,7 +135,7 @@ TEST(KittiConverter, OfficialTrackingWithBoxesAndALostScan)
   EXPECT_NEAR(2, frames[1].T_world_vehicle_truth->translation().x(), 0.2);
   EXPECT_EQ(1U, trueBoxes(folder, 0).size());
   ASSERT_EQ(2U, trueBoxes(folder, 1).size());
-  EXPECT_TRUE(trueBoxes(folder, 1)[0].box.center.isApprox(Eigen::Vector3d(20, 0, -0.25), 1e-6));
+  EXPECT_TRUE(trueBoxes(folder, 1)[0].box.centre.isApprox(Eigen::Vector3d(20, 0, -0.25), 1e-6));
   EXPECT_TRUE(trueBoxes(folder, 2).empty());
 }
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Samples of IMUs and wheel odometry in rawlogs, and the frames that they come with.
-#include <dyslam/core/Error.h>
+#include <dyslam/base/Error.h>
 #include <dyslam/io/RawlogSource.h>
 #include <dyslam/io/RawlogWriter.h>
 #include <mrpt/io/CFileGZOutputStream.h>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Observations of motion sensors in every version of MRPT's, and damaged ones.
-#include <dyslam/core/Error.h>
+#include <dyslam/base/Error.h>
 #include <dyslam/io/RawlogSource.h>
 #include <dyslam/io/RawlogStream.h>
 #include <mrpt/obs/CSensoryFrame.h>

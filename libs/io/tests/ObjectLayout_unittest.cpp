@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Objects of MRPT with every part filled in, and with every count damaged.
-#include <dyslam/core/Error.h>
+#include <dyslam/base/Error.h>
 #include <dyslam/io/RawlogSource.h>
 #include <dyslam/io/RawlogStream.h>
 #include <mrpt/io/CFileGZOutputStream.h>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Samples of IMUs and wheels that RawlogWriter writes.
-#include <dyslam/core/Error.h>
-#include <dyslam/core/StateArchive.h>
+#include <dyslam/base/Error.h>
+#include <dyslam/base/StateArchive.h>
 #include <dyslam/io/RawlogStream.h>
 #include <dyslam/io/RawlogWriter.h>
 

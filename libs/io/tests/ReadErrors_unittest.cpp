@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Whatever cannot be read is an error, never the end of the file.
-#include <dyslam/core/Config.h>
-#include <dyslam/core/Error.h>
+#include <dyslam/base/Config.h>
+#include <dyslam/base/Error.h>
 #include <dyslam/formats/LabelFiles.h>
 #include <dyslam/formats/ScanFiles.h>
 #include <dyslam/formats/TrackFiles.h>

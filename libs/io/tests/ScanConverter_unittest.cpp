@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <dyslam/core/Error.h>
+#include <dyslam/base/Error.h>
 #include <dyslam/formats/GroundTruth.h>
 #include <dyslam/formats/TrajectoryFiles.h>
 #include <dyslam/io/Converters.h>

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <dyslam/core/Angle.h>
-#include <dyslam/core/Error.h>
-#include <dyslam/core/PendingFile.h>
-#include <dyslam/core/Printable.h>
-#include <dyslam/core/Words.h>
+#include <dyslam/base/Angle.h>
+#include <dyslam/base/Error.h>
+#include <dyslam/base/PendingFile.h>
+#include <dyslam/base/Printable.h>
+#include <dyslam/base/Words.h>
 #include <dyslam/formats/GeoreferenceFile.h>
 #include <dyslam/formats/TrajectoryFiles.h>
 #include <dyslam/mapbuilder/MapRun.h>

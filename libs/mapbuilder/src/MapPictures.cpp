@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "MapPictures.h"
 
-#include <dyslam/core/PendingFile.h>
+#include <dyslam/base/PendingFile.h>
 #include <dyslam/formats/ScanFiles.h>
 #include <dyslam/mapping/MapDifference.h>
 #include <dyslam/plot/MapPicture.h>

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "MapWriting.h"
 
-#include <dyslam/core/Error.h>
-#include <dyslam/core/PendingFile.h>
-#include <dyslam/core/Words.h>
+#include <dyslam/base/Error.h>
+#include <dyslam/base/PendingFile.h>
+#include <dyslam/base/Words.h>
 #include <dyslam/formats/LabelFiles.h>
 #include <dyslam/formats/ScanFiles.h>
 #include <dyslam/mapexport/MapClouds.h>

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/backend/FactorGraphFile.h>
-#include <dyslam/core/Angle.h>
-#include <dyslam/core/Error.h>
-#include <dyslam/core/Files.h>
-#include <dyslam/core/Options.h>
+#include <dyslam/base/Angle.h>
+#include <dyslam/base/Error.h>
+#include <dyslam/base/Files.h>
+#include <dyslam/base/Options.h>
 #include <dyslam/formats/GeoreferenceFile.h>
 #include <dyslam/formats/LabelFiles.h>
 #include <dyslam/formats/MotionFiles.h>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "RunMerging.h"
 
-#include <dyslam/core/Error.h>
+#include <dyslam/base/Error.h>
 #include <dyslam/formats/GroundTruth.h>
 #include <dyslam/mapbuilder/ScanReading.h>
 #include <dyslam/mapping/MovingInMap.h>
@@ -152,7 +152,7 @@ Trajectory mergedTrajectory(const RunFolder& run, const std::vector<Pose>& merge
       corrected =
           interpolate(corrected, from(k + 1, pose), (stamp - run.keyframe_stamps[k]) / span);
     }
-    result.push_back(stamp, orthonormalized(corrected));
+    result.push_back(stamp, orthonormalised(corrected));
   }
   return result;
 }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/base/Error.h>
 #include <dyslam/core/BoxOverlap.h>
-#include <dyslam/core/Error.h>
 #include <dyslam/core/Labels.h>
 #include <dyslam/formats/LabelFiles.h>
 #include <dyslam/formats/ScanTable.h>
@@ -139,7 +139,7 @@ void RunScans::noteObjects(const Frame& frame)
     LabelledBox box = it->second;
     box.box = transformedBack(box.box, T_map_lidar.inverse());
     ObjectPath& object = objects_[box.id];
-    object.path.push_back(box.box.center);
+    object.path.push_back(box.box.centre);
     object.last = box;
     const double moved = (object.path.back() - object.path.front()).norm();
     if (dynamic_.count(box.id) == 0)

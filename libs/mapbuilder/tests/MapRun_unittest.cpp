@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <dyslam/core/Error.h>
+#include <dyslam/base/Error.h>
 #include <dyslam/formats/GeoreferenceFile.h>
 #include <dyslam/formats/LabelFiles.h>
 #include <dyslam/formats/ScanFiles.h>
@@ -130,7 +130,7 @@ TEST_F(MapRun, TheLabelledMapIsWrittenAlone)
 {
   std::vector<LabelledBox> boxes(1);
   boxes[0].type = "Car";
-  boxes[0].box.center = {100, 0, 0};
+  boxes[0].box.centre = {100, 0, 0};
   recording.scans.tracks = folder.file("tracks.txt");
   writeTracks(recording.scans.tracks, boxes);
   outputs.labelled_map = folder.file("truth.ply");

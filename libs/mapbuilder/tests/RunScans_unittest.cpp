@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <dyslam/core/Error.h>
+#include <dyslam/base/Error.h>
 #include <dyslam/formats/TrackFiles.h>
 #include <dyslam/mapbuilder/RunScans.h>
 #include <gtest/gtest.h>
@@ -22,7 +22,7 @@ LabelledBox boxAt(int frame, int id, double x)
   box.id = id;
   box.object_class = ObjectClass::car;
   box.type = "Car";
-  box.box.center = {x, 0, 0.75 - 1.7};
+  box.box.centre = {x, 0, 0.75 - 1.7};
   box.box.size = {4, 2, 1.5};
   return box;
 }
@@ -173,7 +173,7 @@ TEST_F(RunScansTest, ObjectsMoveInAllScansIfTheyMoveAtAll)
   const ObjectPath& path = moving.at(2);
   ASSERT_EQ(3U, path.path.size());
   EXPECT_TRUE(path.path[2].isApprox(Eigen::Vector3d(12, 0, 0.75), 1e-6)) << path.path[2];
-  EXPECT_TRUE(path.last.box.center.isApprox(path.path[2], 1e-9));
+  EXPECT_TRUE(path.last.box.centre.isApprox(path.path[2], 1e-9));
 
   Frame frame = test::frameFrom(drive[0].pose, 0);
   frame.T_odom_vehicle = drive[0].pose;
@@ -182,7 +182,7 @@ TEST_F(RunScansTest, ObjectsMoveInAllScansIfTheyMoveAtAll)
   for (const TrackedObject& object : frame.objects)
   {
     EXPECT_EQ(object.id == 2, object.dynamic);
-    EXPECT_TRUE(object.box.center.isApprox(Eigen::Vector3d(10, 0, 0.75), 1e-6));
+    EXPECT_TRUE(object.box.centre.isApprox(Eigen::Vector3d(10, 0, 0.75), 1e-6));
   }
 }
 

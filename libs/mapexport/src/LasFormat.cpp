@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // LAS 1.2 (ASPRS), point data record format 0, which every reader supports. Debian 12 has no
 // library for it.
-#include <dyslam/core/Bytes.h>
+#include <dyslam/base/Bytes.h>
 
 #include <algorithm>
 #include <array>

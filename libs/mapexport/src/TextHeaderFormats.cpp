@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // PCD 0.7 and PLY 1.0, binary.
-#include <dyslam/core/Bytes.h>
+#include <dyslam/base/Bytes.h>
 #include <dyslam/formats/CloudHeader.h>
 
 #include <cstdint>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "CleanedMap.h"
 
-#include <dyslam/core/Bytes.h>
+#include <dyslam/base/Bytes.h>
 
 #include <algorithm>
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <dyslam/core/SwappedStore.h>
+#include <dyslam/base/SwappedStore.h>
 #include <dyslam/mapping/StaticMap.h>
 
 #include <array>

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "GroundHeights.h"
 
+#include <dyslam/base/Quantile.h>
+#include <dyslam/base/StateArchive.h>
 #include <dyslam/core/GroundSquare.h>
-#include <dyslam/core/Quantile.h>
-#include <dyslam/core/StateArchive.h>
 #include <dyslam/core/VoxelGrid.h>
 
 #include <algorithm>

@@ -20,11 +20,11 @@ std::vector<bool> movingInMap(const Frame& frame, const StaticMapOptions& option
     const auto inside = BoxInterior<double>(box, Eigen::Vector3d::Constant(options.box_margin))
                             .aboveGround(over_ground - options.box_margin);
     const double reach = 0.5 * box.size.norm() + 2 * options.box_margin;
-    const Eigen::Vector3d center = frame.T_odom_vehicle.inverse() * box.center;
+    const Eigen::Vector3d centre = frame.T_odom_vehicle.inverse() * box.centre;
     for (std::size_t i = 0; i < moving.size(); ++i)
     {
       const Eigen::Vector3d p = frame.cloud.points[i].cast<double>();
-      moving[i] = moving[i] || ((p - center).squaredNorm() < reach * reach &&
+      moving[i] = moving[i] || ((p - centre).squaredNorm() < reach * reach &&
                                 inside.contains(frame.T_odom_vehicle * p));
     }
   }

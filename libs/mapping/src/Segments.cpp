@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Segments.h"
 
-#include <dyslam/core/DisjointSets.h>
+#include <dyslam/base/DisjointSets.h>
 
 #include <algorithm>
 

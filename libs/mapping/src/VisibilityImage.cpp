@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "VisibilityImage.h"
 
+#include <dyslam/base/StateArchive.h>
 #include <dyslam/core/Deskew.h>
 #include <dyslam/core/FastAngle.h>
-#include <dyslam/core/StateArchive.h>
 
 #include <algorithm>
 #include <array>

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <dyslam/base/SwappedStore.h>
 #include <dyslam/core/Pose.h>
-#include <dyslam/core/SwappedStore.h>
 #include <dyslam/core/VoxelGrid.h>
 #include <dyslam/mapping/StaticMap.h>
 

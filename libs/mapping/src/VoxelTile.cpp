@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "VoxelTile.h"
 
-#include <dyslam/core/Bytes.h>
+#include <dyslam/base/Bytes.h>
 
 namespace dyslam
 {

@@ -49,11 +49,11 @@ TEST(LabelledMap, WithoutLabelsObjectsMoveAndTheGroundBelowThemDoesNot)
 {
   Frame frame = frameOf({{5, 0, 0.1F}, {5, 0, 1}, {5, 1.05F, 1}, {5, 1.2F, 1}, {20, 0, 1}});
   TrackedObject car;
-  car.box.center = {5, 0, 0.75};
+  car.box.centre = {5, 0, 0.75};
   car.box.size = {4, 2, 1.5};
   car.dynamic = true;
   frame.objects = {car};
-  car.box.center.x() = 20;
+  car.box.centre.x() = 20;
   car.dynamic = false;
   frame.objects.push_back(car);
   LabelledMap map;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <dyslam/core/Error.h>
+#include <dyslam/base/Error.h>
 #include <dyslam/core/ScanParts.h>
 #include <dyslam/mapping/FullResolution.h>
 #include <dyslam/mapping/MapTiles.h>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <dyslam/core/Error.h>
+#include <dyslam/base/Error.h>
 #include <dyslam/core/VoxelGrid.h>
 #include <dyslam/mapping/StaticMap.h>
 #include <gtest/gtest.h>
@@ -105,11 +105,11 @@ TEST(StaticMap, LeavesOutMovingPointsAndTracks)
   frame.moving = {true, true, false, false};
   TrackedObject by_box;
   by_box.dynamic = true;
-  by_box.box.center = {7, 0, 1};
+  by_box.box.centre = {7, 0, 1};
   by_box.box.size = {0.5, 0.5, 1};
   TrackedObject parked = by_box;
   parked.dynamic = false;
-  parked.box.center = {8, 0, 1};
+  parked.box.centre = {8, 0, 1};
   frame.objects = {by_box, parked};
   TestMap map;
   map.insert(frame);

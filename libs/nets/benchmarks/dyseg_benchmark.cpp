@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Run times of the parts of DySeg on scans of a folder: dyseg_benchmark FOLDER [threads] [MODEL]
-#include <dyslam/core/Heap.h>
+#include <dyslam/base/Heap.h>
 #include <dyslam/nets/BevScan.h>
 #include <dyslam/nets/DysegModel.h>
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <dyslam/core/Error.h>
+#include <dyslam/base/Error.h>
+#include <dyslam/base/Quantile.h>
 #include <dyslam/core/FastAngle.h>
-#include <dyslam/core/Quantile.h>
 #include <dyslam/core/Scan.h>
 #include <dyslam/nets/BevScan.h>
 #include <dyslam/nets/Threads.h>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <dyslam/core/Config.h>
-#include <dyslam/core/Error.h>
+#include <dyslam/base/Config.h>
+#include <dyslam/base/Error.h>
 #include <dyslam/nets/DyloFile.h>
 #include <dyslam/nets/TensorFile.h>
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/base/StateArchive.h>
 #include <dyslam/core/Deskew.h>
-#include <dyslam/core/StateArchive.h>
 #include <dyslam/nets/DyloFile.h>
 #include <dyslam/nets/DyloMatcher.h>
 #include <dyslam/nets/Threads.h>

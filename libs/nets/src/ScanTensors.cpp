@@ -118,7 +118,7 @@ Pose PoseTensors::toPose() const
   pose.linear() =
       Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(r.data_ptr<double>());
   pose.translation() = Eigen::Map<const Eigen::Vector3d>(t.data_ptr<double>());
-  return orthonormalized(pose);
+  return orthonormalised(pose);
 }
 
 torch::Tensor PoseTensors::apply(const torch::Tensor& points) const

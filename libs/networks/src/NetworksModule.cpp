@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <dyslam/core/RuntimeModule.h>
-#include <dyslam/core/Version.h>
+#include <dyslam/base/RuntimeModule.h>
+#include <dyslam/base/Version.h>
 #include <dyslam/dyseg/NetworkSegmenter.h>
 
 #include "DyloScanMatcher.h"

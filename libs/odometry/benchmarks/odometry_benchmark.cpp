@@ -9,10 +9,10 @@
 // the class Odometry: METHOD is a scan matcher alone, METHOD+refine the matcher with registration
 // to the local map, refine:point_to_plane and refine:gicp that registration from the prior alone.
 // constant_velocity repeats the reference's previous motion.
-#include <dyslam/core/Angle.h>
-#include <dyslam/core/Error.h>
-#include <dyslam/core/Heap.h>
-#include <dyslam/core/Quantile.h>
+#include <dyslam/base/Angle.h>
+#include <dyslam/base/Error.h>
+#include <dyslam/base/Heap.h>
+#include <dyslam/base/Quantile.h>
 #include <dyslam/formats/ScanFiles.h>
 #include <dyslam/formats/TrajectoryFiles.h>
 #include <dyslam/odometry/Odometry.h>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "CloudCheck.h"
 
-#include <dyslam/core/Printable.h>
+#include <dyslam/base/Printable.h>
 
 #include <algorithm>
 #include <vector>

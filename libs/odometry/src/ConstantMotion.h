@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <dyslam/core/StateArchive.h>
+#include <dyslam/base/StateArchive.h>
 #include <dyslam/odometry/ScanMatcher.h>
 
 #include <string>

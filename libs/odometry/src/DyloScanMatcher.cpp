@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "DyloScanMatcher.h"
 
+#include <dyslam/base/SharedFiles.h>
 #include <dyslam/core/ScanParts.h>
-#include <dyslam/core/SharedFiles.h>
 
 #include <algorithm>
 #include <cmath>
@@ -102,7 +102,7 @@ MotionEstimate DyloScanMatcher::align(const Pose& T_reference_current_guess)
       matcher_.match(start, referenceIsPrevious(), has_prior ? &prior : nullptr);
   MotionEstimate estimate;
   estimate.T_previous_current =
-      orthonormalized(T_vehicle_lidar_ * match.T_reference_current * T_lidar_vehicle);
+      orthonormalised(T_vehicle_lidar_ * match.T_reference_current * T_lidar_vehicle);
   estimate.iterations = 1;
   estimate.inliers = match.inliers;
   estimate.rmse = match.rmse;

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <dyslam/core/Options.h>
-#include <dyslam/core/StateArchive.h>
+#include <dyslam/base/Options.h>
+#include <dyslam/base/StateArchive.h>
 #include <dyslam/nets/DyloMatcher.h>
 
 #include <string>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "FirstScan.h"
 
-#include <dyslam/core/StateArchive.h>
+#include <dyslam/base/StateArchive.h>
 
 #include <vector>
 

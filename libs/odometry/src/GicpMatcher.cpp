@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "GicpMatcher.h"
 
+#include <dyslam/base/StateArchive.h>
 #include <dyslam/core/Normals.h>
 #include <dyslam/core/PoseGaussNewton.h>
-#include <dyslam/core/StateArchive.h>
 #include <dyslam/core/VoxelGrid.h>
 #include <pcl/point_types.h>
 #include <pcl/registration/gicp.h>
@@ -97,7 +97,7 @@ MotionEstimate GicpMatcher::align(const Pose& T_reference_current_guess)
   }
   Pose T;
   T.matrix() = gicp.getFinalTransformation().cast<double>();
-  T = orthonormalized(T);
+  T = orthonormalised(T);
 
   MotionEstimate estimate = estimateAt(T);
   if (estimate.registered() && !(gicp.hasConverged() && T.matrix().allFinite()))

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "IcpMatcher.h"
 
+#include <dyslam/base/StateArchive.h>
 #include <dyslam/core/PoseGaussNewton.h>
-#include <dyslam/core/StateArchive.h>
 #include <dyslam/core/VoxelGrid.h>
 
 namespace dyslam

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "LoamMatcher.h"
 
+#include <dyslam/base/StateArchive.h>
 #include <dyslam/core/Normals.h>
-#include <dyslam/core/StateArchive.h>
 
 #include <Eigen/Eigenvalues>
 #include <cmath>
@@ -74,13 +74,13 @@ void LoamMatcher::FeatureMap::add(const std::vector<LoamPoint>& features,
                                   double size,
                                   double radius)
 {
-  const Eigen::Vector3f center = T.translation().cast<float>();
+  const Eigen::Vector3f centre = T.translation().cast<float>();
   const auto radius2 = static_cast<float>(radius * radius);
   std::vector<Eigen::Vector3f> all;
   all.reserve(target.points.size() + features.size());
   for (const Eigen::Vector3f& p : target.points)
   {
-    if ((p - center).squaredNorm() <= radius2)
+    if ((p - centre).squaredNorm() <= radius2)
     {
       all.push_back(p);
     }
@@ -274,7 +274,7 @@ MotionEstimate LoamMatcher::align(const Pose& T_reference_current_guess)
     return estimate;
   }
   mapped.T_previous_current =
-      orthonormalized(T_map_reference_.inverse() * mapped.T_previous_current);
+      orthonormalised(T_map_reference_.inverse() * mapped.T_previous_current);
   mapped.iterations += estimate.iterations;
   return mapped;
 }
@@ -285,7 +285,7 @@ void LoamMatcher::accept(const Pose& T_reference_current)
   planes_.set(features_.target_planes);
   if (mapping_)
   {
-    T_map_reference_ = orthonormalized(T_map_reference_ * T_reference_current);
+    T_map_reference_ = orthonormalised(T_map_reference_ * T_reference_current);
     edge_map_.add(features_.target_edges, T_map_reference_, options_.map_edge_size,
                   options_.map_radius);
     plane_map_.add(features_.target_planes, T_map_reference_, options_.map_plane_size,

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "LocalMap.h"
 
+#include <dyslam/base/StateArchive.h>
 #include <dyslam/core/ScanPattern.h>
-#include <dyslam/core/StateArchive.h>
 
 #include <algorithm>
 #include <utility>

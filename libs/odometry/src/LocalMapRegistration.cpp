@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <dyslam/core/Error.h>
+#include <dyslam/base/Error.h>
+#include <dyslam/base/StateArchive.h>
 #include <dyslam/core/ScanParts.h>
-#include <dyslam/core/StateArchive.h>
 #include <dyslam/odometry/LocalMapRegistration.h>
 
 #include <cmath>
@@ -267,7 +267,7 @@ void LocalMapRegistration::State::accept(const ScanToMapResult& found,
   result.motion.information += found.information;
   result.motion.status = found.converged ? MotionStatus::converged : MotionStatus::not_settled;
   result.motion.reason = found.converged ? "" : "the registration did not converge";
-  result.motion.T_previous_current = orthonormalized(addition.T_odom_previous.inverse() * found.T);
+  result.motion.T_previous_current = orthonormalised(addition.T_odom_previous.inverse() * found.T);
   result.T_odom_vehicle = found.T;
 }
 
@@ -301,7 +301,7 @@ LocalMapRegistration::Alignment LocalMapRegistration::align(
   alignment.addition_ = std::make_unique<Addition>();
   Addition& addition = *alignment.addition_;
   RegistrationResult& result = alignment.result_;
-  const Pose T_guess = orthonormalized(T_odom_vehicle_guess);
+  const Pose T_guess = orthonormalised(T_odom_vehicle_guess);
   addition.points = s.map.takeMemory();
   addition.progress = s.progress;
   addition.progress.T_odom_vehicle = T_guess;
@@ -310,7 +310,7 @@ LocalMapRegistration::Alignment LocalMapRegistration::align(
 
   const State::PosePrior pose_prior = s.posePrior(T_guess, prior);
   result.T_odom_vehicle = T_guess;
-  result.motion.T_previous_current = orthonormalized(addition.T_odom_previous.inverse() * T_guess);
+  result.motion.T_previous_current = orthonormalised(addition.T_odom_previous.inverse() * T_guess);
   result.motion.information = pose_prior.information;
   setReasonUnusable(frame, result.motion);
   if (!result.motion.reason.empty())

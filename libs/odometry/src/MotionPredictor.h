@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <dyslam/base/StateArchive.h>
 #include <dyslam/core/Frame.h>
-#include <dyslam/core/StateArchive.h>
 #include <dyslam/odometry/LocalMapRegistration.h>
 #include <dyslam/odometry/MotionFilter.h>
 #include <dyslam/odometry/MotionSensors.h>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <dyslam/core/Printable.h>
-#include <dyslam/core/StateArchive.h>
+#include <dyslam/base/Printable.h>
+#include <dyslam/base/StateArchive.h>
 #include <dyslam/odometry/MotionSensors.h>
 
 #include <Eigen/Cholesky>

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <dyslam/base/Options.h>
 #include <dyslam/core/Motion.h>
-#include <dyslam/core/Options.h>
 
 namespace dyslam
 {

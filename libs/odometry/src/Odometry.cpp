@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <dyslam/core/StateArchive.h>
+#include <dyslam/base/StateArchive.h>
 #include <dyslam/odometry/LocalMapRegistration.h>
 #include <dyslam/odometry/Odometry.h>
 #include <dyslam/odometry/ScanMatcher.h>
@@ -256,7 +256,7 @@ void Odometry::State::takeMatcherMotion(Frame& frame,
 {
   frame.motion = frame.odometry;
   uncertainty.calibrateMatch(frame.dt, frame.prior.information, frame.motion);
-  frame.T_odom_vehicle = orthonormalized(history.T_odom_previous * T_guess);
+  frame.T_odom_vehicle = orthonormalised(history.T_odom_previous * T_guess);
   predictor.updateUnregistered(frame, context, T_guess);
 }
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/base/Quantile.h>
+#include <dyslam/base/StateArchive.h>
 #include <dyslam/core/Motion.h>
-#include <dyslam/core/Quantile.h>
-#include <dyslam/core/StateArchive.h>
 #include <dyslam/odometry/MotionFilter.h>
 #include <dyslam/odometry/ScanClock.h>
 

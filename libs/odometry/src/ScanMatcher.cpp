@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <dyslam/core/Registry.h>
-#include <dyslam/core/RuntimeModule.h>
+#include <dyslam/base/Registry.h>
+#include <dyslam/base/RuntimeModule.h>
 #include <dyslam/odometry/ScanMatcher.h>
 
 #include "ConstantMotion.h"

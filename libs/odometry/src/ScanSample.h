@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <dyslam/base/Parallel.h>
 #include <dyslam/core/Frame.h>
-#include <dyslam/core/Parallel.h>
 
 #include <cstddef>
 #include <cstdint>

@@ -259,7 +259,7 @@ ScanToMapResult ScanToMap::align(const RawPoints& scan,
       result.finite = false;
       break;
     }
-    result.T = orthonormalized(result.T * expSE3(step));
+    result.T = orthonormalised(result.T * expSE3(step));
     if (loss_width <= settings.loss_width && step.head<3>().norm() < settled_step &&
         step.tail<3>().norm() < settled_step_angle)
     {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "ScanToScan.h"
 
-#include <dyslam/core/StateArchive.h>
+#include <dyslam/base/StateArchive.h>
 
 #include <algorithm>
 
@@ -26,7 +26,7 @@ ScanMatch ScanToScan::match(const Frame& frame, const MotionPrior& prior)
 MotionEstimate ScanToScan::find(const Frame& frame, const MotionPrior& prior)
 {
   MotionEstimate estimate;
-  const Pose prediction = orthonormalized(prior.T_previous_current);
+  const Pose prediction = orthonormalised(prior.T_previous_current);
   estimate.T_previous_current = has_reference_ ? prediction : Pose::Identity();
   estimate.information.setZero();
   setReasonUnusable(frame, estimate);
@@ -64,7 +64,7 @@ MotionEstimate ScanToScan::find(const Frame& frame, const MotionPrior& prior)
   }
   accept(found.T_previous_current);
   found.T_previous_current =
-      orthonormalized(T_reference_previous_.inverse() * found.T_previous_current);
+      orthonormalised(T_reference_previous_.inverse() * found.T_previous_current);
   T_reference_previous_.setIdentity();
   failures_ = 0;
   return found;

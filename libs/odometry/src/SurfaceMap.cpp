@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "SurfaceMap.h"
 
-#include <dyslam/core/StateArchive.h>
+#include <dyslam/base/StateArchive.h>
 
 #include <Eigen/Eigenvalues>
 #include <cmath>
@@ -308,7 +308,7 @@ SurfaceMap SurfaceMap::coarser(int factor) const
   return coarse;
 }
 
-void SurfaceMap::crop(const Eigen::Vector3d& center, double radius)
+void SurfaceMap::crop(const Eigen::Vector3d& centre, double radius)
 {
   const auto radius2 = radius * radius;
   pool_.forChunks(shard_count, 1,
@@ -319,7 +319,7 @@ void SurfaceMap::crop(const Eigen::Vector3d& center, double radius)
                     kept.reserve(shard.cells.size());
                     for (const Cell& cell : shard.cells)
                     {
-                      if ((corner(cell.cell) - center).squaredNorm() <= radius2)
+                      if ((corner(cell.cell) - centre).squaredNorm() <= radius2)
                       {
                         kept.push_back(cell);
                       }
@@ -360,10 +360,10 @@ std::vector<Eigen::Vector3f> SurfaceMap::means() const
   {
     for (const Cell& cell : shard.cells)
     {
-      const Eigen::Vector3d center =
+      const Eigen::Vector3d centre =
           corner(cell.cell) + Eigen::Vector3d::Constant(0.5 * static_cast<double>(size_));
       result.push_back(
-          (center + (cell.moments.sum / cell.moments.count).cast<double>()).cast<float>());
+          (centre + (cell.moments.sum / cell.moments.count).cast<double>()).cast<float>());
     }
   }
   return result;

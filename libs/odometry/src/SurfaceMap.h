@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <dyslam/core/Parallel.h>
+#include <dyslam/base/Parallel.h>
 #include <dyslam/core/Pose.h>
 #include <dyslam/core/VoxelGrid.h>
 
@@ -52,8 +52,8 @@ class SurfaceMap
   /** Surface around `p`, both relative to the corner of `base` [m]. */
   [[nodiscard]] Surface surfaceAt(const Eigen::Vector3f& p, const VoxelCell& base) const;
 
-  /** Removes cells farther than `radius` from `center` [m]. */
-  void crop(const Eigen::Vector3d& center, double radius);
+  /** Removes cells farther than `radius` from `centre` [m]. */
+  void crop(const Eigen::Vector3d& centre, double radius);
   void clear();
   [[nodiscard]] std::size_t size() const;
   [[nodiscard]] std::vector<Eigen::Vector3f> means() const;

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "SurfacePyramid.h"
 
-#include <dyslam/core/Error.h>
-#include <dyslam/core/StateArchive.h>
+#include <dyslam/base/Error.h>
+#include <dyslam/base/StateArchive.h>
 
 #include <algorithm>
 #include <utility>
@@ -83,11 +83,11 @@ SurfacePyramid SurfacePyramid::coarser(int factor) const
   return coarse;
 }
 
-void SurfacePyramid::crop(const Eigen::Vector3d& center, double radius)
+void SurfacePyramid::crop(const Eigen::Vector3d& centre, double radius)
 {
   for (SurfaceMap& level : levels_)
   {
-    level.crop(center, radius);
+    level.crop(centre, radius);
   }
 }
 

@@ -40,7 +40,7 @@ class SurfacePyramid
            const Pose& T_map_body);
   /** A map of one level with cells `factor` times as large as the smallest ones. */
   [[nodiscard]] SurfacePyramid coarser(int factor) const;
-  void crop(const Eigen::Vector3d& center, double radius);
+  void crop(const Eigen::Vector3d& centre, double radius);
   void clear();
   /** Empties the map and sets its cell size [m] and its number of levels. */
   void restart(double cell_size, int levels);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // DyLO with the shipped weights, on scenes of exact geometry.
+#include <dyslam/base/Error.h>
 #include <dyslam/core/Deskew.h>
-#include <dyslam/core/Error.h>
 #include <dyslam/odometry/ScanMatcher.h>
 #include <gtest/gtest.h>
 

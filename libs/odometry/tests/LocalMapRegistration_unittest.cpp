@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <dyslam/core/Error.h>
+#include <dyslam/base/Error.h>
 #include <dyslam/odometry/LocalMapRegistration.h>
 #include <dyslam/odometry/Preprocessor.h>
 #include <gtest/gtest.h>
@@ -239,7 +239,7 @@ TEST(RegistrationMap, TakesNoAlignmentOfNoFrame)
  * stand out of its walls, with faces across the way that constrain the motion along it. */
 Frame corridorAt(int x)
 {
-  constexpr int kColumnsPerMeter = 10;
+  constexpr int kColumnsPerMetre = 10;
   std::mt19937 generator(static_cast<unsigned>(x));
   std::normal_distribution<float> noise(0, 0.01F);
   std::uniform_real_distribution<float> within_step(-0.5F, 0.5F);
@@ -249,14 +249,14 @@ Frame corridorAt(int x)
     points.push_back(Eigen::Vector3f{along + noise(generator), across + noise(generator),
                                      up + noise(generator)});
   };
-  for (int k = -15 * kColumnsPerMeter; k <= 15 * kColumnsPerMeter; ++k)
+  for (int k = -15 * kColumnsPerMetre; k <= 15 * kColumnsPerMetre; ++k)
   {
-    const int in_period = (k + x * kColumnsPerMeter + 1700) % 170;
+    const int in_period = (k + x * kColumnsPerMetre + 1700) % 170;
     const bool pillar = in_period % 40 < 8 && in_period < 160;
     const bool face = (in_period % 40 == 0 || in_period % 40 == 8) && in_period < 160;
     for (int j = 0; j < 12; ++j)
     {
-      const float along = (static_cast<float>(k) + within_step(generator)) / kColumnsPerMeter;
+      const float along = (static_cast<float>(k) + within_step(generator)) / kColumnsPerMetre;
       const float up = 0.25F * (static_cast<float>(j) + within_step(generator));
       add(along, up - 1.5F, 0);
       for (const float side : {-1.0F, 1.0F})
@@ -265,7 +265,7 @@ Frame corridorAt(int x)
         for (int i = 0; face && i < 8; ++i)
         {
           const float across = 2.2F + 0.1F * (static_cast<float>(i) + within_step(generator));
-          add(static_cast<float>(k) / kColumnsPerMeter, side * across, up);
+          add(static_cast<float>(k) / kColumnsPerMetre, side * across, up);
         }
       }
     }

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "MotionUncertainty.h"
 
-#include <dyslam/core/Error.h>
+#include <dyslam/base/Error.h>
 #include <dyslam/core/MotionAccumulator.h>
 #include <gtest/gtest.h>
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/base/StateArchive.h>
 #include <dyslam/core/ScanParts.h>
-#include <dyslam/core/StateArchive.h>
 #include <dyslam/odometry/OwnVehicle.h>
 #include <dyslam/odometry/Preprocessor.h>
 #include <gtest/gtest.h>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/base/Error.h>
 #include <dyslam/core/Deskew.h>
-#include <dyslam/core/Error.h>
 #include <dyslam/core/ScanParts.h>
 #include <dyslam/odometry/Preprocessor.h>
 #include <gtest/gtest.h>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <dyslam/core/Angle.h>
-#include <dyslam/core/Error.h>
+#include <dyslam/base/Angle.h>
+#include <dyslam/base/Error.h>
 #include <dyslam/formats/TextFile.h>
 #include <dyslam/packets/VelodyneModels.h>
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <dyslam/core/Error.h>
-#include <dyslam/core/Quantile.h>
+#include <dyslam/base/Error.h>
+#include <dyslam/base/Quantile.h>
 #include <dyslam/packets/SensorClock.h>
 #include <dyslam/packets/VelodynePackets.h>
 #include <dyslam/packets/VelodyneScans.h>

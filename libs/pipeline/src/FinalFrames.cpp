@@ -2,8 +2,8 @@
 #include "FinalFrames.h"
 
 #include <dyslam/backend/Backend.h>
-#include <dyslam/core/Parallel.h>
-#include <dyslam/core/StateArchive.h>
+#include <dyslam/base/Parallel.h>
+#include <dyslam/base/StateArchive.h>
 #include <dyslam/odometry/Preprocessor.h>
 #include <dyslam/pipeline/JobThread.h>
 #include <mrpt/system/CTimeLogger.h>

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <dyslam/base/Options.h>
 #include <dyslam/core/Frame.h>
 #include <dyslam/core/FrameCopy.h>
 #include <dyslam/core/KeyframeStore.h>
-#include <dyslam/core/Options.h>
 #include <dyslam/mapping/HindsightLabels.h>
 #include <dyslam/mapping/StaticMap.h>
 #include <dyslam/pipeline/Pipeline.h>

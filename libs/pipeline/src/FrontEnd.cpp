@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <dyslam/core/Parallel.h>
-#include <dyslam/core/StateArchive.h>
+#include <dyslam/base/Parallel.h>
+#include <dyslam/base/StateArchive.h>
 #include <dyslam/dyseg/MovingSegmenter.h>
 #include <dyslam/odometry/Odometry.h>
 #include <dyslam/odometry/OwnVehicle.h>

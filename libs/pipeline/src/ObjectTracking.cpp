@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "ObjectTracking.h"
 
-#include <dyslam/core/Error.h>
-#include <dyslam/core/StateArchive.h>
+#include <dyslam/base/Error.h>
+#include <dyslam/base/StateArchive.h>
 #include <dyslam/pipeline/Pipeline.h>
 
 namespace dyslam

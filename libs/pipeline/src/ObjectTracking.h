@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <dyslam/base/Options.h>
 #include <dyslam/core/Frame.h>
-#include <dyslam/core/Options.h>
 #include <dyslam/tracking/Detector.h>
 #include <dyslam/tracking/Tracker.h>
 

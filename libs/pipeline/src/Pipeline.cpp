@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/backend/Backend.h>
-#include <dyslam/core/Parallel.h>
-#include <dyslam/core/RuntimeModule.h>
-#include <dyslam/core/StateArchive.h>
+#include <dyslam/base/Parallel.h>
+#include <dyslam/base/RuntimeModule.h>
+#include <dyslam/base/StateArchive.h>
 #include <dyslam/dyseg/MovingSegmenter.h>
 #include <dyslam/odometry/Odometry.h>
 #include <dyslam/odometry/Preprocessor.h>
@@ -195,7 +195,7 @@ const StaticMap* Pipeline::map() const
 
 Trajectory Pipeline::trajectory() const
 {
-  return stages_->backend.optimizedTrajectory();
+  return stages_->backend.optimisedTrajectory();
 }
 
 FrontEndWaits Pipeline::frontEndWaits() const

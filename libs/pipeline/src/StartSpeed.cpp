@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <dyslam/core/Parallel.h>
+#include <dyslam/base/Parallel.h>
 #include <dyslam/odometry/MotionSensors.h>
 #include <dyslam/odometry/Odometry.h>
 #include <dyslam/odometry/Preprocessor.h>
@@ -28,8 +28,6 @@ struct NoTimes : mrpt::system::CTimeLogger
 constexpr double same_speed = 0.3;
 /** Distance of a probe speed, which may drift back to the odometry's speed [m/s]. */
 constexpr double probe_distance = 5;
-/** Difference to the odometry's speed below which a speed is not reported [m/s]. */
-constexpr double min_difference = 3;
 /** Limits of odometry.start_speed [m/s]. */
 constexpr double min_speed = -50;
 constexpr double max_speed = 100;
@@ -202,31 +200,6 @@ std::vector<SpeedDrift> StartSearch::drifts() const
   return result;
 }
 
-/** Speed at which the drift, interpolated linearly, changes from forward to backward.
- * \return the lower speed if it does not */
-double crossing(const SpeedDrift& lower, const SpeedDrift& upper)
-{
-  if (lower.drift <= 0 || upper.drift >= 0)
-  {
-    return lower.speed;
-  }
-  return lower.speed + (upper.speed - lower.speed) * lower.drift / (lower.drift - upper.drift);
-}
-
-/** Integral of the drift over the speed, from the first speed on [m^2/s^2]. */
-double support(const std::vector<SpeedDrift>& drifts, double speed)
-{
-  double sum = 0;
-  for (std::size_t i = 1; i < drifts.size() && drifts[i - 1].speed < speed; ++i)
-  {
-    const SpeedDrift& a = drifts[i - 1];
-    const SpeedDrift& b = drifts[i];
-    const double share = std::min(1.0, (speed - a.speed) / (b.speed - a.speed));
-    const double end = a.drift + share * (b.drift - a.drift);
-    sum += share * (b.speed - a.speed) * (a.drift + end) / 2;
-  }
-  return sum;
-}
 }  // namespace
 
 void StartOptions::describe(OptionsVisitor& v)
@@ -244,35 +217,6 @@ void StartOptions::describe(OptionsVisitor& v)
   v.real("min_margin", min_margin, 0, 1e6,
          "least support (integral of drift over speed) beyond that of the odometry's own speed "
          "[m^2/s^2]");
-}
-
-std::optional<double> speedOfDrifts(const std::vector<SpeedDrift>& drifts,
-                                    double start,
-                                    const StartOptions& options)
-{
-  std::vector<SpeedDrift> limited = drifts;
-  for (SpeedDrift& tried : limited)
-  {
-    tried.drift = std::clamp(tried.drift, -options.max_drift, options.max_drift);
-  }
-  double best = start;
-  double best_support = support(limited, start);
-  const double least = best_support + options.min_margin;
-  for (std::size_t i = 1; i < limited.size(); ++i)
-  {
-    const double candidate = crossing(limited[i - 1], limited[i]);
-    const double candidate_support = support(limited, candidate);
-    if (candidate_support > best_support)
-    {
-      best = candidate;
-      best_support = candidate_support;
-    }
-  }
-  if (best_support < least || std::fabs(best - start) < min_difference)
-  {
-    return std::nullopt;
-  }
-  return best;
 }
 
 std::optional<double> findStartSpeed(const std::vector<Frame>& frames, const Config& config)

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <dyslam/core/StateArchive.h>
+#include <dyslam/base/StateArchive.h>
 #include <dyslam/pipeline/FrontEnd.h>
 #include <gtest/gtest.h>
 #include <mrpt/system/CTimeLogger.h>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "../src/GivenBoxes.h"
 
-#include <dyslam/core/Error.h>
+#include <dyslam/base/Error.h>
 #include <gtest/gtest.h>
 
 #include <filesystem>
@@ -61,7 +61,7 @@ TEST_F(GivenBoxesFile, AreDetectionsWithTheirPoints)
   EXPECT_TRUE(car.external);
   EXPECT_EQ(ObjectClass::car, car.object_class);
   EXPECT_EQ(0.7, car.score);
-  EXPECT_TRUE(car.box.center.isApprox(Eigen::Vector3d(10.5, 1, 0.75), 1e-9)) << "vehicle frame";
+  EXPECT_TRUE(car.box.centre.isApprox(Eigen::Vector3d(10.5, 1, 0.75), 1e-9)) << "vehicle frame";
   EXPECT_TRUE(car.box.size.isApprox(Eigen::Vector3d(4.2, 1.8, 1.5)));
   EXPECT_NEAR(0.1, car.box.yaw, 1e-9);
   EXPECT_EQ(std::vector<std::uint32_t>{0}, car.points);
@@ -109,7 +109,7 @@ TEST_F(GivenBoxesFile, MayBeInTheCameraFrame)
     read(name).detect(frame);
     ASSERT_EQ(1U, frame.detections.size()) << name;
     const Box& found = frame.detections[0].box;
-    EXPECT_TRUE(found.center.isApprox(Eigen::Vector3d(10.5, 1, 0.75), 1e-6)) << name;
+    EXPECT_TRUE(found.centre.isApprox(Eigen::Vector3d(10.5, 1, 0.75), 1e-6)) << name;
     EXPECT_NEAR(0, found.yaw, 1e-4) << name;
   }
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <dyslam/core/Quantile.h>
+#include <dyslam/base/Quantile.h>
 #include <dyslam/plot/MapPicture.h>
 
 #include <algorithm>
@@ -249,7 +249,7 @@ void drawObject(const PictureObject& object, const View& view, cv::Mat& page)
   std::vector<Eigen::Vector3d> box;
   for (const auto& [x, y] : {std::pair{1, 1}, {-1, 1}, {-1, -1}, {1, -1}})
   {
-    Eigen::Vector3d corner = object.last.center;
+    Eigen::Vector3d corner = object.last.centre;
     corner.head<2>() += 0.5 * (x * object.last.size.x() * ahead + y * object.last.size.y() * left);
     box.push_back(corner);
   }

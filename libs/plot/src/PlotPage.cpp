@@ -58,7 +58,7 @@ std::string tickText(double value, double step)
   return buffer;
 }
 
-void rotatedText(cv::Mat& page, const std::string& words, cv::Point center, double scale = 0.5)
+void rotatedText(cv::Mat& page, const std::string& words, cv::Point centre, double scale = 0.5)
 {
   int baseline = 0;
   const double size = scale * supersampling;
@@ -67,7 +67,7 @@ void rotatedText(cv::Mat& page, const std::string& words, cv::Point center, doub
   cv::putText(label, words, {0, box.height + baseline / 2}, cv::FONT_HERSHEY_SIMPLEX, size, ink,
               supersampling, cv::LINE_AA);
   cv::rotate(label, label, cv::ROTATE_90_COUNTERCLOCKWISE);
-  const cv::Rect place(center.x - label.cols / 2, center.y - label.rows / 2, label.cols,
+  const cv::Rect place(centre.x - label.cols / 2, centre.y - label.rows / 2, label.cols,
                        label.rows);
   const cv::Rect on_page = place & cv::Rect(0, 0, page.cols, page.rows);
   label(on_page - place.tl()).copyTo(page(on_page));

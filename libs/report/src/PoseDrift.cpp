@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "PoseDrift.h"
 
-#include <dyslam/core/Angle.h>
+#include <dyslam/base/Angle.h>
 #include <dyslam/core/PathLength.h>
 #include <dyslam/core/Pose.h>
 #include <dyslam/eval/TrajectoryMetrics.h>

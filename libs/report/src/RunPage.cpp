@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <dyslam/core/Error.h>
-#include <dyslam/core/Printable.h>
+#include <dyslam/base/Error.h>
+#include <dyslam/base/Printable.h>
 #include <dyslam/report/RunPage.h>
 
 #include <stdexcept>

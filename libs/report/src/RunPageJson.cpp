@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "RunPageJson.h"
 
-#include <dyslam/core/Angle.h>
-#include <dyslam/core/Quantile.h>
-#include <dyslam/core/Version.h>
+#include <dyslam/base/Angle.h>
+#include <dyslam/base/Quantile.h>
+#include <dyslam/base/Version.h>
 #include <dyslam/eval/TrajectoryReports.h>
 
 #include <algorithm>
@@ -337,9 +337,9 @@ Json objectJson(const PageObject& object)
   {
     const Box& box = state.box;
     json["scan"].push_back(state.scan);
-    json["x"].push_back(rounded(box.center.x(), 0.01));
-    json["y"].push_back(rounded(box.center.y(), 0.01));
-    json["z"].push_back(rounded(box.center.z(), 0.01));
+    json["x"].push_back(rounded(box.centre.x(), 0.01));
+    json["y"].push_back(rounded(box.centre.y(), 0.01));
+    json["z"].push_back(rounded(box.centre.z(), 0.01));
     json["yaw"].push_back(rounded(box.yaw, 1e-3));
     json["length"].push_back(rounded(box.size.x(), 0.01));
     json["width"].push_back(rounded(box.size.y(), 0.01));

@@ -2,7 +2,7 @@
 // The first of two passes over a recording: its settings, and the labels for the second pass.
 #pragma once
 
-#include <dyslam/core/Config.h>
+#include <dyslam/base/Config.h>
 #include <dyslam/run/TwoPassRun.h>
 
 #include <string>

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "RunEnd.h"
 
-#include <dyslam/core/Error.h>
-#include <dyslam/core/Printable.h>
-#include <dyslam/core/Words.h>
+#include <dyslam/base/Error.h>
+#include <dyslam/base/Printable.h>
+#include <dyslam/base/Words.h>
 #include <dyslam/formats/ProgramLines.h>
 
 namespace dyslam

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // A recording from its first scan to the last file: the threads of a run, and resumed runs.
-#include <dyslam/core/Error.h>
-#include <dyslam/core/Printable.h>
-#include <dyslam/core/StateArchive.h>
-#include <dyslam/core/Words.h>
+#include <dyslam/base/Error.h>
+#include <dyslam/base/Printable.h>
+#include <dyslam/base/StateArchive.h>
+#include <dyslam/base/Words.h>
 #include <dyslam/formats/ProgramLines.h>
 #include <dyslam/io/RawlogSource.h>
 #include <dyslam/pipeline/FrontEnd.h>

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/backend/Backend.h>
-#include <dyslam/core/Error.h>
-#include <dyslam/core/Files.h>
-#include <dyslam/core/StateArchive.h>
+#include <dyslam/base/Error.h>
+#include <dyslam/base/Files.h>
+#include <dyslam/base/StateArchive.h>
 #include <dyslam/io/RawlogSource.h>
 #include <dyslam/pipeline/Pipeline.h>
 #include <dyslam/pipeline/StartSpeed.h>

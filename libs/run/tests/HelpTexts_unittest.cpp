@@ -4,8 +4,8 @@
 
 #include <dyslam/backend/PoseGraphSolver.h>
 #include <dyslam/backend/RunMerger.h>
-#include <dyslam/core/Error.h>
-#include <dyslam/core/Files.h>
+#include <dyslam/base/Error.h>
+#include <dyslam/base/Files.h>
 #include <dyslam/io/Converters.h>
 #include <dyslam/io/KittiExport.h>
 #include <dyslam/io/RawlogWriter.h>

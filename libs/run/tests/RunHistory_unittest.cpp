@@ -30,7 +30,7 @@ TEST(RunHistory, KeepsPastObjectsOnDisk)
       object.id = id;
       object.reported = id != 1;
       object.dynamic = id == 2;
-      object.box.center.x() = static_cast<double>(i);
+      object.box.centre.x() = static_cast<double>(i);
       object.velocity.y() = 0.5;
       object.score = 0.25;
       frame.objects.push_back(object);
@@ -50,7 +50,7 @@ TEST(RunHistory, KeepsPastObjectsOnDisk)
       {
         EXPECT_EQ(object.scan, count / 2);
         EXPECT_EQ(object.id, count % 2 == 0 ? 0 : 2);
-        EXPECT_EQ(object.box.center.x(), static_cast<double>(count / 2));
+        EXPECT_EQ(object.box.centre.x(), static_cast<double>(count / 2));
         EXPECT_EQ(object.tracked().velocity.y(), 0.5);
         EXPECT_EQ(object.score, 0.25);
         EXPECT_EQ(object.dynamic, count % 2 == 1);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <dyslam/core/Error.h>
+#include <dyslam/base/Error.h>
+#include <dyslam/base/SharedFiles.h>
 #include <dyslam/core/ScanParts.h>
-#include <dyslam/core/SharedFiles.h>
 #include <dyslam/io/RawlogSource.h>
 #include <dyslam/io/RawlogWriter.h>
 #include <dyslam/run/SensorSettings.h>

@@ -30,7 +30,7 @@ RunHistory vehicleThatComesIntoView(int scans, Trajectory& trajectory, double cl
     object.object_class = ObjectClass::car;
     object.reported = object.observed = object.dynamic = true;
     object.box.size = {std::min(length, 0.5 + 4 * time), 1.8, 1.5};
-    object.box.center = {5 + speed * time - 0.5 * (length - object.box.size.x()), 3, 0.8};
+    object.box.centre = {5 + speed * time - 0.5 * (length - object.box.size.x()), 3, 0.8};
     object.velocity = {speed, 0, 0};
     frame.objects.push_back(object);
     history.addScan(frame);
@@ -118,7 +118,7 @@ RunHistory rearOfCar(Trajectory& trajectory)
     object.observed = true;
     object.reported = object.dynamic = i >= 10;
     object.box.size = {1.8, 0.4, 1.5};
-    object.box.center = {1, 10 + speed * frame.scan.stamp, 0.8};
+    object.box.centre = {1, 10 + speed * frame.scan.stamp, 0.8};
     object.box.yaw = i < 10 ? M_PI : 0;
     history.addScan(frame);
     history.addObjects(frame.index, {object}, TrackLife::whole);
@@ -168,7 +168,7 @@ TEST(TrackHindsight, FastPeopleAreCyclistsAndHaveTheirSize)
     object.object_class = ObjectClass::pedestrian;
     object.observed = object.reported = object.dynamic = true;
     object.box.size = {0.8, 0.4, 1.7};
-    object.box.center = {5 + speed * frame.scan.stamp, -3, 0.9};
+    object.box.centre = {5 + speed * frame.scan.stamp, -3, 0.9};
     history.addScan(frame);
     history.addObjects(frame.index, {object}, TrackLife::whole);
     trajectory.push_back(frame.scan.stamp, Pose::Identity());
@@ -201,7 +201,7 @@ TEST(TrackHindsight, TracksThatAlternateAreMerged)
       object.observed = (i % 3 == 2) == (id == 9);
       object.reported = object.dynamic = true;
       object.box.size = {4.5, 1.8, 1.5};
-      object.box.center = {5 + speed * frame.scan.stamp + (object.observed ? 0 : 0.7), -3, 0.9};
+      object.box.centre = {5 + speed * frame.scan.stamp + (object.observed ? 0 : 0.7), -3, 0.9};
       frame.objects.push_back(object);
     }
     history.addScan(frame);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // A run in one pass or two: when it stops, what it refuses, what the second pass has of the first.
-#include <dyslam/core/Error.h>
-#include <dyslam/core/Files.h>
+#include <dyslam/base/Error.h>
+#include <dyslam/base/Files.h>
 #include <dyslam/run/TwoPassRun.h>
 #include <gtest/gtest.h>
 

@@ -22,7 +22,7 @@ struct BodyModel
   ObjectClass object_class = ObjectClass::car;
   Gait gait = Gait::rigid;
   Eigen::Vector3d size = Eigen::Vector3d::Ones();  //!< length, width, height of the box [m]
-  double center_x = 0;                             //!< box centre along the body [m]
+  double centre_x = 0;                             //!< box centre along the body [m]
   double wheelbase = 2.6;   //!< distance between the points that follow the path [m]
   double scale = 1;         //!< scale of the shapes: a person's height [m]
   std::vector<int> shapes;  //!< indices in World::shapes

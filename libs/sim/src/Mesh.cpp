@@ -9,7 +9,7 @@ namespace
 {
 constexpr float kFullTurn = 6.2831853F;
 
-std::vector<Eigen::Vector3f> circle(const Eigen::Vector3f& center,
+std::vector<Eigen::Vector3f> circle(const Eigen::Vector3f& centre,
                                     const Eigen::Vector3f& u,
                                     const Eigen::Vector3f& v,
                                     int sides)
@@ -19,7 +19,7 @@ std::vector<Eigen::Vector3f> circle(const Eigen::Vector3f& center,
   for (int i = 0; i < sides; ++i)
   {
     const float angle = kFullTurn * static_cast<float>(i) / static_cast<float>(sides);
-    points.push_back(center + std::cos(angle) * u + std::sin(angle) * v);
+    points.push_back(centre + std::cos(angle) * u + std::sin(angle) * v);
   }
   return points;
 }
@@ -104,7 +104,7 @@ void addLoft(Mesh& mesh,
 }
 
 void addBox(Mesh& mesh,
-            const Eigen::Vector3f& center,
+            const Eigen::Vector3f& centre,
             const Eigen::Vector3f& size,
             Material material)
 {
@@ -112,8 +112,8 @@ void addBox(Mesh& mesh,
   const auto section = [&](float x)
   {
     return std::vector<Eigen::Vector3f>{
-        center + Eigen::Vector3f(x, -h.y(), -h.z()), center + Eigen::Vector3f(x, h.y(), -h.z()),
-        center + Eigen::Vector3f(x, h.y(), h.z()), center + Eigen::Vector3f(x, -h.y(), h.z())};
+        centre + Eigen::Vector3f(x, -h.y(), -h.z()), centre + Eigen::Vector3f(x, h.y(), -h.z()),
+        centre + Eigen::Vector3f(x, h.y(), h.z()), centre + Eigen::Vector3f(x, -h.y(), h.z())};
   };
   addLoft(mesh, {section(-h.x()), section(h.x())}, material);
 }
@@ -135,7 +135,7 @@ void addTube(Mesh& mesh,
 }
 
 void addEllipsoid(Mesh& mesh,
-                  const Eigen::Vector3f& center,
+                  const Eigen::Vector3f& centre,
                   const Eigen::Vector3f& half_axes,
                   int sides,
                   Material material)
@@ -147,7 +147,7 @@ void addEllipsoid(Mesh& mesh,
     const float latitude =
         0.5F * kFullTurn * (static_cast<float>(r) / static_cast<float>(rows) - 0.5F);
     const float radius = std::max(0.02F, std::cos(latitude));
-    sections.push_back(circle(center + Eigen::Vector3f(0, 0, half_axes.z() * std::sin(latitude)),
+    sections.push_back(circle(centre + Eigen::Vector3f(0, 0, half_axes.z() * std::sin(latitude)),
                               Eigen::Vector3f(radius * half_axes.x(), 0, 0),
                               Eigen::Vector3f(0, radius * half_axes.y(), 0), sides));
   }

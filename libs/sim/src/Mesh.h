@@ -31,7 +31,7 @@ struct Mesh
 
 /** Axis-aligned box. */
 void addBox(Mesh& mesh,
-            const Eigen::Vector3f& center,
+            const Eigen::Vector3f& centre,
             const Eigen::Vector3f& size,
             Material material);
 
@@ -47,7 +47,7 @@ void addTube(Mesh& mesh,
 
 /** Ellipsoid of the given half axes. */
 void addEllipsoid(Mesh& mesh,
-                  const Eigen::Vector3f& center,
+                  const Eigen::Vector3f& centre,
                   const Eigen::Vector3f& half_axes,
                   int sides,
                   Material material);

@@ -18,7 +18,7 @@ float in(Rng& rng, const SizeRange& range)
 }
 
 /** A clump of leaves: one small quad with random orientation. Beams pass between clumps. */
-void addLeaves(Mesh& mesh, Rng& rng, const V& center, float size, Material material)
+void addLeaves(Mesh& mesh, Rng& rng, const V& centre, float size, Material material)
 {
   const float z = in(rng, -1, 1), y = in(rng, -1, 1), x = in(rng, -1, 1);
   V u(x, y, z);
@@ -26,13 +26,13 @@ void addLeaves(Mesh& mesh, Rng& rng, const V& center, float size, Material mater
   const V w = u.unitOrthogonal();
   const float angle = in(rng, 0, 6.2831853);
   const V v = std::cos(angle) * w + std::sin(angle) * u.cross(w);
-  mesh.addQuad(center - size * u, center - 0.6F * size * v, center + size * u,
-               center + 0.6F * size * v, material);
+  mesh.addQuad(centre - size * u, centre - 0.6F * size * v, centre + size * u,
+               centre + 0.6F * size * v, material);
 }
 
 /** Leaves in an ellipsoid, denser near its surface. */
 void addCrown(
-    Mesh& mesh, Rng& rng, const V& center, const V& half, int clumps, float size, Material material)
+    Mesh& mesh, Rng& rng, const V& centre, const V& half, int clumps, float size, Material material)
 {
   for (int i = 0; i < clumps; ++i)
   {
@@ -43,7 +43,7 @@ void addCrown(
     d.normalize();
     const float radius = std::cbrt(in(rng, 0.15, 1.0)) *
                          (0.85F + 0.25F * latticeNoise(3 * d.x(), 3 * d.y(), 3 * d.z()));
-    addLeaves(mesh, rng, center + radius * d.cwiseProduct(half), size * in(rng, 0.6, 1.3),
+    addLeaves(mesh, rng, centre + radius * d.cwiseProduct(half), size * in(rng, 0.6, 1.3),
               material);
   }
 }
@@ -62,17 +62,17 @@ Mesh makeTree(Rng& rng, float height, float crown_radius, float trunk_height)
           Material::bark);
   const int branches = 5 + rng.below(4);
   const float crown_half = 0.5F * (height - trunk_height) + 0.2F;
-  const V center(fork.x(), fork.y(), trunk_height + crown_half);
+  const V centre(fork.x(), fork.y(), trunk_height + crown_half);
   for (int i = 0; i < branches; ++i)
   {
     const float a = in(rng, 0, 6.2831853);
-    const V tip = center + V(0.7F * crown_radius * std::cos(a), 0.7F * crown_radius * std::sin(a),
+    const V tip = centre + V(0.7F * crown_radius * std::cos(a), 0.7F * crown_radius * std::sin(a),
                              in(rng, -0.4, 0.4) * crown_half);
     addTube(mesh, fork + V(0, 0, in(rng, 0, 0.4) * crown_half), tip, 0.35F * r, 0.1F * r, 5,
             Material::bark);
     addCrown(mesh, rng, tip, V(0.55F, 0.55F, 0.45F) * crown_radius, 40, 0.22F, Material::leaf);
   }
-  addCrown(mesh, rng, center, V(crown_radius, crown_radius, crown_half),
+  addCrown(mesh, rng, centre, V(crown_radius, crown_radius, crown_half),
            150 + static_cast<int>(60 * crown_radius), 0.24F, Material::leaf);
   return mesh;
 }

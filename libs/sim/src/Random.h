@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <dyslam/core/Splitmix.h>
+#include <dyslam/base/Splitmix.h>
 
 #include <cmath>
 #include <cstdint>

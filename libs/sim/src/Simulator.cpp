@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <dyslam/core/Error.h>
-#include <dyslam/core/Parallel.h>
+#include <dyslam/base/Error.h>
+#include <dyslam/base/Parallel.h>
 #include <dyslam/sim/Simulator.h>
 
 #include <algorithm>
@@ -156,7 +156,7 @@ struct Simulator::Impl
                    SimulatedScan& scan,
                    std::vector<BodyReturns>& body_returns);
   void sampleMotion();
-  void gatherBodies(const Eigen::Vector3d& center);
+  void gatherBodies(const Eigen::Vector3d& centre);
   void describeObjects(const SweepScene& sweep,
                        const std::vector<BodyReturns>& body_returns,
                        SimulatedScan& scan) const;
@@ -201,7 +201,7 @@ void Simulator::Impl::sampleMotion()
   }
 }
 
-void Simulator::Impl::gatherBodies(const Eigen::Vector3d& center)
+void Simulator::Impl::gatherBodies(const Eigen::Vector3d& centre)
 {
   bodies.clear();
   body_actor.clear();
@@ -210,7 +210,7 @@ void Simulator::Impl::gatherBodies(const Eigen::Vector3d& center)
   for (std::size_t i = 0; i < crowd.actors().size(); ++i)
   {
     const BodyState &a = states[0][i], &b = states[1][i], &c = states[2][i];
-    if ((a.position - center).head<2>().norm() > reach ||
+    if ((a.position - centre).head<2>().norm() > reach ||
         (b.position - a.position).norm() > kJump || (c.position - b.position).norm() > kJump)
     {
       continue;
@@ -268,14 +268,14 @@ void Simulator::Impl::describeObjects(const SweepScene& sweep,
       const Pose pose = interpolate(bodyPose(a), bodyPose(b), time / model.period + 0.5);
       Box box;
       box.size = m.size;
-      box.center = T_lidar_map * (pose * Eigen::Vector3d(m.center_x, 0, 0.5 * m.size.z()));
+      box.centre = T_lidar_map * (pose * Eigen::Vector3d(m.centre_x, 0, 0.5 * m.size.z()));
       const Eigen::Vector3d heading = T_lidar_map.linear() * pose.linear().col(0);
       box.yaw = std::atan2(heading.y(), heading.x());
       return box;
     };
     o.box = boxAt(0);
     o.box_seen = boxAt(o.seen_time);
-    if (o.box.center.norm() < maxRange())
+    if (o.box.centre.norm() < maxRange())
     {
       scan.objects.push_back(o);
     }

@@ -23,7 +23,7 @@ Nearest nearest(const std::vector<Street>& streets, double x)
   Nearest best{nullptr, std::numeric_limits<double>::max()};
   for (const auto& s : streets)
   {
-    const double d = std::abs(x - s.center);
+    const double d = std::abs(x - s.centre);
     if (d < best.distance)
     {
       best = {&s, d};
@@ -49,7 +49,7 @@ StreetGrid::StreetGrid(std::uint64_t seed, int blocks_u, int blocks_v, double bl
     for (int i = 0; i <= blocks; ++i)
     {
       Street s;
-      s.center = x;
+      s.centre = x;
       s.lane = rng.uniform(3.1, 4.2);
       s.parking = rng.chance(0.7) ? 2.2 : 0.0;
       s.walk = rng.uniform(2.0, 6.0);
@@ -158,10 +158,10 @@ Mesh StreetGrid::mesh() const
       {
         for (const double d : {0.08, s.lane, s.half() - 0.01, s.half() + 0.01, s.half() + s.walk})
         {
-          fixed.push_back(s.center + side * d);
+          fixed.push_back(s.centre + side * d);
         }
       }
-      fixed.push_back(s.center);
+      fixed.push_back(s.centre);
     }
     const auto step = [&streets](double x)
     {
@@ -183,7 +183,7 @@ std::array<double, 4> StreetGrid::blockKerb(int i, int j) const
       return outer;
     }
     const auto& street = s[static_cast<std::size_t>(index)];
-    return street.center + side * street.half();
+    return street.centre + side * street.half();
   };
   return {edge(along_v, i, 1, minU()), edge(along_u, j, 1, minV()),
           edge(along_v, i + 1, -1, maxU()), edge(along_u, j + 1, -1, maxV())};

@@ -13,7 +13,7 @@ namespace dyslam::sim
 /** A street, straight in local coordinates. */
 struct Street
 {
-  double center = 0;       //!< local coordinate u or v of the centre line [m]
+  double centre = 0;       //!< local coordinate u or v of the centre line [m]
   double lane = 3.4;       //!< width of one lane; one lane each way [m]
   double parking = 2.2;    //!< width of the parking strips on both sides; 0 for none [m]
   double walk = 3;         //!< width of the pavement [m]
@@ -55,14 +55,14 @@ class StreetGrid : public Ground
   [[nodiscard]] std::array<double, 4> blockKerb(int i, int j) const;
   [[nodiscard]] double minU() const
   {
-    return along_v.front().center - along_v.front().half() - belt;
+    return along_v.front().centre - along_v.front().half() - belt;
   }
-  [[nodiscard]] double maxU() const { return along_v.back().center + along_v.back().half() + belt; }
+  [[nodiscard]] double maxU() const { return along_v.back().centre + along_v.back().half() + belt; }
   [[nodiscard]] double minV() const
   {
-    return along_u.front().center - along_u.front().half() - belt;
+    return along_u.front().centre - along_u.front().half() - belt;
   }
-  [[nodiscard]] double maxV() const { return along_u.back().center + along_u.back().half() + belt; }
+  [[nodiscard]] double maxV() const { return along_u.back().centre + along_u.back().half() + belt; }
 
  private:
   Terrain terrain_;

@@ -46,16 +46,16 @@ Path laneFrom(const StreetGrid& grid, const LaneKey& k)
     const double sign = k.direction == 0 ? 1 : -1;
     const Street &here = at(su, k.i), &there = at(su, k.i + static_cast<int>(sign)),
                  &street = at(sv, k.j);
-    const double v = street.center - sign * 0.5 * street.lane;
-    return warped(grid, {here.center + sign * (here.half() + kSetback), v},
-                  {there.center - sign * (there.half() + kSetback), v});
+    const double v = street.centre - sign * 0.5 * street.lane;
+    return warped(grid, {here.centre + sign * (here.half() + kSetback), v},
+                  {there.centre - sign * (there.half() + kSetback), v});
   }
   const double sign = k.direction == 1 ? 1 : -1;
   const Street &here = at(sv, k.j), &there = at(sv, k.j + static_cast<int>(sign)),
                &street = at(su, k.i);
-  const double u = street.center + sign * 0.5 * street.lane;
-  return warped(grid, {u, here.center + sign * (here.half() + kSetback)},
-                {u, there.center - sign * (there.half() + kSetback)});
+  const double u = street.centre + sign * 0.5 * street.lane;
+  return warped(grid, {u, here.centre + sign * (here.half() + kSetback)},
+                {u, there.centre - sign * (there.half() + kSetback)});
 }
 
 using Junction = std::array<int, 2>;  // numbers of the junction's two streets

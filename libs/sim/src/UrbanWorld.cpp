@@ -114,12 +114,12 @@ class BlockBuilder
               const std::vector<Street>& crossing)
   {
     const auto local = [&](double s, double d)
-    { return runs_along_v ? P(street.center + d, s) : P(s, street.center - d); };
+    { return runs_along_v ? P(street.centre + d, s) : P(s, street.centre - d); };
     const auto clear = [&](double s, double margin)
     {
       return std::all_of(crossing.begin(), crossing.end(),
                          [&](const Street& c)
-                         { return std::abs(s - c.center) > c.half() + margin; });
+                         { return std::abs(s - c.centre) > c.half() + margin; });
     };
     for (const double side : {-1.0, 1.0})
     {
@@ -187,7 +187,7 @@ class BlockBuilder
     {
       for (const double sv : {-1.0, 1.0})
       {
-        const P where(a.center + su * (a.half() + 0.6), b.center + sv * (b.half() + 2.0));
+        const P where(a.centre + su * (a.half() + 0.6), b.centre + sv * (b.half() + 2.0));
         const double turned = rng_.uniform(0, 6.28);
         world_.placeOnGround(lights ? furnishing_.light : rng_.pick(furnishing_.signs),
                              grid_.toWorld(where), turned);

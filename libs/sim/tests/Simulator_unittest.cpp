@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <dyslam/core/Error.h>
-#include <dyslam/core/Quantile.h>
+#include <dyslam/base/Error.h>
+#include <dyslam/base/Quantile.h>
 #include <dyslam/sim/Simulator.h>
 #include <gtest/gtest.h>
 
@@ -26,7 +26,7 @@ Pose nextLidarPose(const SimulatedScan& s)
 
 Eigen::Vector3d inBox(const Box& box, const Eigen::Vector3f& p)
 {
-  return Eigen::AngleAxisd(-box.yaw, Eigen::Vector3d::UnitZ()) * (p.cast<double>() - box.center);
+  return Eigen::AngleAxisd(-box.yaw, Eigen::Vector3d::UnitZ()) * (p.cast<double>() - box.centre);
 }
 
 /** Position of a point in its body, computed in the map so that the sensor's tilt has no effect. */
@@ -35,7 +35,7 @@ Eigen::Vector3d inBody(const Pose& T_map_lidar, const Box& box, const Eigen::Vec
   const Eigen::Vector3d heading =
       T_map_lidar.linear() * Eigen::Vector3d(std::cos(box.yaw), std::sin(box.yaw), 0);
   return Eigen::AngleAxisd(-std::atan2(heading.y(), heading.x()), Eigen::Vector3d::UnitZ()) *
-         (T_map_lidar.linear() * (p.cast<double>() - box.center));
+         (T_map_lidar.linear() * (p.cast<double>() - box.centre));
 }
 
 TEST(Simulator, EqualSeedsGiveEqualBytesOnAnyNumberOfThreads)
@@ -100,7 +100,7 @@ TEST(Simulator, AFurtherSensorSeesObjectsBeyondTheRangeOfTheFirst)
   const auto far = [](const Eigen::Vector3d& p) { return p.norm() > 120; };
   EXPECT_GT(std::count_if(s.objects.begin(), s.objects.end(),
                           [&](const SimulatedObject& object)
-                          { return object.points > 0 && far(object.box.center); }),
+                          { return object.points > 0 && far(object.box.centre); }),
             0);
   std::size_t moving = 0;
   for (std::size_t i = 0; i < s.moving.size(); ++i)
@@ -147,7 +147,7 @@ TEST(Simulator, TheSameWorldWithOtherTraffic)
     double range = 1e9;
     for (const SimulatedObject& object : scan.objects)
     {
-      range = std::min(range, object.box.center.norm());
+      range = std::min(range, object.box.centre.norm());
     }
     return range;
   };

@@ -31,7 +31,7 @@ bool collide(const Box& a, const Box& b)
   {
     for (const auto& axis : axes(*x))
     {
-      if (std::abs(axis.dot((a.center - b.center).head<2>())) > extent(a, axis) + extent(b, axis))
+      if (std::abs(axis.dot((a.centre - b.centre).head<2>())) > extent(a, axis) + extent(b, axis))
       {
         return false;
       }
@@ -71,7 +71,7 @@ TEST(Traffic, VehiclesDoNotCollide)
           for (std::size_t l = 0; l < k; ++l)
           {
             if (vehicle(s.objects[l]) &&
-                (s.objects[k].box.center - s.objects[l].box.center).norm() < 20)
+                (s.objects[k].box.centre - s.objects[l].box.centre).norm() < 20)
             {
               ++pairs;
               clashes += collide(s.objects[k].box, s.objects[l].box) ? 1 : 0;

@@ -3,8 +3,8 @@
 //   sim_compare --world urban --sensor HDL64E --scans 20 --real DIR_OF_BIN [--every N] -o PREFIX
 // Writes PREFIX_range.png (real above simulated) and PREFIX_bev.png (real left) and prints one
 // table of statistics for Markdown.
-#include <dyslam/core/Error.h>
-#include <dyslam/core/Quantile.h>
+#include <dyslam/base/Error.h>
+#include <dyslam/base/Quantile.h>
 #include <dyslam/formats/ScanFiles.h>
 #include <dyslam/sim/Simulator.h>
 

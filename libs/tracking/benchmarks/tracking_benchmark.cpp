@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 /** Run times of association and tracking on one thread; minimum of several runs. */
-#include <dyslam/core/Assignment.h>
+#include <dyslam/base/Assignment.h>
 #include <dyslam/tracking/AdaptivePredictor.h>
 #include <dyslam/tracking/Tracker.h>
 
@@ -54,7 +54,7 @@ void timeTracker()
           for (int i = 0; i < 200; ++i)
           {
             Detection& d = detections[static_cast<std::size_t>(i)];
-            d.box.center = {9.0 * (i / 10) - 90 + 0.1 * scan * (5 + i % 10) + noise(generator),
+            d.box.centre = {9.0 * (i / 10) - 90 + 0.1 * scan * (5 + i % 10) + noise(generator),
                             3.5 * (i % 10) + noise(generator), 0};
             d.box.size = {4.2, 1.8, 1.5};
             d.object_class = ObjectClass::car;

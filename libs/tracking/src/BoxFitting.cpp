@@ -86,8 +86,8 @@ Box fitLShape(const std::vector<Eigen::Vector3f>& points, double yaw_step)
     box.size.setZero();
     return box;
   }
-  box.center.head<2>() = 0.5 * (along.low + along.high) * u + 0.5 * (across.low + across.high) * v;
-  box.center.z() = 0.5 * (up.low + up.high);
+  box.centre.head<2>() = 0.5 * (along.low + along.high) * u + 0.5 * (across.low + across.high) * v;
+  box.centre.z() = 0.5 * (up.low + up.high);
   box.size = {along.high - along.low, across.high - across.low, up.high - up.low};
   box.yaw = best_yaw;
   if (box.size.y() > box.size.x())
@@ -191,13 +191,13 @@ Box completeBox(const Box& visible, const Eigen::Vector3d& size)
   for (int k = 0; k < 2; ++k)
   {
     const Eigen::Vector2d axis = k == 0 ? u : v;
-    const double offset = axis.dot(visible.center.head<2>());
+    const double offset = axis.dot(visible.centre.head<2>());
     const double half = 0.5 * visible.size[k];
     const double side = std::clamp(half > 0 ? offset / half : 0.0, -1.0, 1.0);
-    full.center.head<2>() += 0.5 * (full.size[k] - visible.size[k]) * side * axis;
+    full.centre.head<2>() += 0.5 * (full.size[k] - visible.size[k]) * side * axis;
   }
   // The top stays in place: the ground filter and occlusion remove the lower part.
-  full.center.z() = visible.center.z() + 0.5 * (visible.size.z() - full.size.z());
+  full.centre.z() = visible.centre.z() + 0.5 * (visible.size.z() - full.size.z());
   return full;
 }
 }  // namespace dyslam

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <dyslam/core/Angle.h>
+#include <dyslam/base/Angle.h>
 #include <dyslam/tracking/DetectionNoise.h>
 
 #include "ClassOptions.h"
@@ -68,7 +68,7 @@ Eigen::Matrix4d detectionCovariance(const Box& box,
                                     const Eigen::Vector2d& sensor)
 {
   const ClassNoise& noise = optionsFor(options, object_class);
-  const Eigen::Vector2d sight = box.center.head<2>() - sensor;
+  const Eigen::Vector2d sight = box.centre.head<2>() - sensor;
   const double range = sight.norm();
   const Eigen::Vector2d radial =
       range > 0 ? Eigen::Vector2d(sight / range) : Eigen::Vector2d::UnitX();

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <dyslam/core/DisjointSets.h>
-#include <dyslam/core/Error.h>
+#include <dyslam/base/DisjointSets.h>
+#include <dyslam/base/Error.h>
 #include <dyslam/core/GroundSquare.h>
 #include <dyslam/tracking/Detector.h>
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Track.h"
 
-#include <dyslam/core/Angle.h>
-#include <dyslam/core/StateArchive.h>
+#include <dyslam/base/Angle.h>
+#include <dyslam/base/StateArchive.h>
 #include <dyslam/tracking/Detector.h>
 
 #include <Eigen/LU>
@@ -101,9 +101,9 @@ void Track::confirm(const Observation& observation)
 
 void Track::addToHistory(const Observation& observation)
 {
-  const TimedPosition where{stamp_, box_.center.head<2>()};
+  const TimedPosition where{stamp_, box_.centre.head<2>()};
   const TimedPosition raw{
-      stamp_, observation.from_points ? where.position : observation.box.center.head<2>().eval()};
+      stamp_, observation.from_points ? where.position : observation.box.centre.head<2>().eval()};
   const auto add = [&](auto& motion)
   {
     if constexpr (std::is_same_v<std::decay_t<decltype(motion)>, KalmanMotion>)
@@ -139,8 +139,8 @@ void Track::predict(double stamp)
   ++age_;
   const MotionPrediction predicted =
       std::visit([&](const auto& motion) { return motion.predict(stamp); }, motion_);
-  box_.center.head<2>() = predicted.position;
-  box_.center.z() += vertical_velocity_ * dt;
+  box_.centre.head<2>() = predicted.position;
+  box_.centre.z() += vertical_velocity_ * dt;
   velocity_ = predicted.velocity;
   velocity_covariance_ = predicted.velocity_covariance;
   position_covariance_ =
@@ -164,9 +164,9 @@ Box Track::alignedBox(const Observation& observation) const
   }
   if (options_->complete_boxes)
   {
-    observed.center.head<2>() -= observation.sensor;
+    observed.centre.head<2>() -= observation.sensor;
     observed = completeBox(observed, box_.size);
-    observed.center.head<2>() += observation.sensor;
+    observed.centre.head<2>() += observation.sensor;
   }
   return observed;
 }
@@ -176,14 +176,14 @@ void Track::match(const Observation& observation)
   ++hits_;
   misses_ = 0;
   predicted_hits_ = observation.predicted ? predicted_hits_ + 1 : 0;
-  const Eigen::Vector2d before = alignedBox(observation).center.head<2>();
+  const Eigen::Vector2d before = alignedBox(observation).centre.head<2>();
   updateSize(observation);
   const Box observed = alignedBox(observation);
   if (observation.from_points)
   {
     // A larger size moves the estimated centre, which is a correction of the history, no motion.
-    const Eigen::Vector2d offset = observed.center.head<2>() - before;
-    box_.center.head<2>() += offset;
+    const Eigen::Vector2d offset = observed.centre.head<2>() - before;
+    box_.centre.head<2>() += offset;
     std::visit([&](auto& motion) { motion.shift(offset); }, motion_);
   }
   updateHeading(observation, observed.yaw);
@@ -195,7 +195,7 @@ void Track::match(const Observation& observation)
   velocity_covariance_ = now.velocity_covariance;
   if (const auto* filter = std::get_if<KalmanMotion>(&motion_))
   {
-    box_.center.head<2>() = now.position;
+    box_.centre.head<2>() = now.position;
     position_covariance_ = filter->positionCovariance();
   }
   updateDynamicState();
@@ -210,18 +210,18 @@ void Track::updatePosition(const Observation& observation, const Box& observed)
   // The predicted covariance contains the observation's noise already; the update is approximate.
   const Eigen::Matrix2d noise = observation.covariance.topLeftCorner<2, 2>();
   const Eigen::Matrix2d gain = position_covariance_ * (position_covariance_ + noise).inverse();
-  const Eigen::Vector2d innovation = observed.center.head<2>() - box_.center.head<2>();
+  const Eigen::Vector2d innovation = observed.centre.head<2>() - box_.centre.head<2>();
   if (observation.from_points)
   {
-    box_.center.head<2>() = observed.center.head<2>();
+    box_.centre.head<2>() = observed.centre.head<2>();
   }
   else
   {
-    box_.center.head<2>() += gain * innovation;
+    box_.centre.head<2>() += gain * innovation;
   }
   position_covariance_ = (Eigen::Matrix2d::Identity() - gain) * position_covariance_;
-  const double rise = observed.center.z() - box_.center.z();
-  box_.center.z() += height_gain * rise;
+  const double rise = observed.centre.z() - box_.centre.z();
+  box_.centre.z() += height_gain * rise;
   vertical_velocity_ += vertical_velocity_gain * rise;
   vertical_velocity_ = std::clamp(vertical_velocity_, -3.0, 3.0);
   z_variance_ =
@@ -358,10 +358,10 @@ bool Track::isAliased(const std::vector<Observation>& observations) const
   }
   const auto is_taken = [&](const TimedPosition& place)
   {
-    return (box_.center.head<2>() - place.position).norm() > clear_distance &&
+    return (box_.centre.head<2>() - place.position).norm() > clear_distance &&
            std::any_of(observations.begin(), observations.end(),
                        [&](const Observation& o)
-                       { return (o.box.center.head<2>() - place.position).norm() < same_place; });
+                       { return (o.box.centre.head<2>() - place.position).norm() < same_place; });
   };
   const std::deque<TimedPosition>& past = history();
   const auto count = static_cast<std::ptrdiff_t>(std::min(places, past.size()));

@@ -16,7 +16,7 @@ using TrackPair = std::pair<int, int>;  // two ids, the smaller one first
 double sharedFootprint(const Box& a, const Box& b)
 {
   const double reach = 0.5 * (a.size.head<2>().norm() + b.size.head<2>().norm());
-  if ((a.center - b.center).head<2>().norm() > reach)
+  if ((a.centre - b.centre).head<2>().norm() > reach)
   {
     return 0;
   }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <dyslam/core/Quantile.h>
+#include <dyslam/base/Quantile.h>
 #include <dyslam/tracking/TrackSmoother.h>
 
 #include <Eigen/QR>
@@ -19,14 +19,14 @@ constexpr double samples_per_degree = 2;  // least number of observations per de
 struct Position
 {
   double time;
-  Eigen::RowVector3d center;
+  Eigen::RowVector3d centre;
   Eigen::RowVector3d velocity;  // velocity by the tracker
   double robust = 1;            // robustness weight
 };
 
 struct Fit
 {
-  Eigen::RowVector3d center;
+  Eigen::RowVector3d centre;
   Eigen::RowVector3d velocity;
 };
 
@@ -49,7 +49,7 @@ std::vector<Position> observationsOf(const std::vector<TrackState>& track)
   {
     if (state.observed)
     {
-      observations.push_back({state.time, state.center.transpose(), state.velocity.transpose()});
+      observations.push_back({state.time, state.centre.transpose(), state.velocity.transpose()});
     }
   }
   return observations;
@@ -78,7 +78,7 @@ bool fitAt(const std::vector<Position>& observations,
   const int degree = std::clamp(static_cast<int>(static_cast<double>(count) / samples_per_degree),
                                 0, options.degree);
   Eigen::MatrixXd basis(count, degree + 1);
-  Eigen::MatrixXd centers(count, 3);
+  Eigen::MatrixXd centres(count, 3);
   for (Eigen::Index i = 0; i < count; ++i)
   {
     const Position& o = begin[i];
@@ -90,16 +90,16 @@ bool fitAt(const std::vector<Position>& observations,
     {
       basis(i, d) = power;
     }
-    centers.row(i) = weight * o.center;
+    centres.row(i) = weight * o.centre;
     if (degree == 0)
     {
-      centers.row(i) += weight * (time - o.time) * velocity;
+      centres.row(i) += weight * (time - o.time) * velocity;
     }
   }
-  const Eigen::MatrixXd plane = basis.colPivHouseholderQr().solve(centers.leftCols<2>());
+  const Eigen::MatrixXd plane = basis.colPivHouseholderQr().solve(centres.leftCols<2>());
   const Eigen::VectorXd height =
-      basis.leftCols(std::min(degree, 1) + 1).colPivHouseholderQr().solve(centers.col(2));
-  fit.center << plane.row(0), height[0];
+      basis.leftCols(std::min(degree, 1) + 1).colPivHouseholderQr().solve(centres.col(2));
+  fit.centre << plane.row(0), height[0];
   fit.velocity = velocity;
   if (degree > 0)
   {
@@ -116,7 +116,7 @@ void weighOutliers(std::vector<Position>& observations, const TrackSmoothingOpti
   {
     Fit fit;
     fitAt(observations, o.time, o.velocity, options, fit);
-    residuals.push_back((o.center - fit.center).head<2>().norm());
+    residuals.push_back((o.centre - fit.centre).head<2>().norm());
   }
   std::vector<double> reordered = residuals;
   const double limit = outlier_medians * std::max(upperMedian(reordered), least_scatter);
@@ -162,7 +162,7 @@ std::vector<TrackState> smoothTrack(const std::vector<TrackState>& track,
     Fit fit;
     if (fitAt(observations, state.time, state.velocity.transpose(), options, fit))
     {
-      state.center = fit.center.transpose();
+      state.centre = fit.centre.transpose();
       state.velocity = fit.velocity.transpose();
     }
   }

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <dyslam/core/Angle.h>
-#include <dyslam/core/Assignment.h>
+#include <dyslam/base/Angle.h>
+#include <dyslam/base/Assignment.h>
+#include <dyslam/base/Error.h>
+#include <dyslam/base/StateArchive.h>
 #include <dyslam/core/BoxInterior.h>
 #include <dyslam/core/BoxOverlap.h>
-#include <dyslam/core/Error.h>
-#include <dyslam/core/StateArchive.h>
 #include <dyslam/tracking/Tracker.h>
 
 #include <Eigen/Geometry>
@@ -27,7 +27,7 @@ constexpr double forbidden = std::numeric_limits<double>::infinity();
 
 bool isValid(const Detection& detection)
 {
-  return detection.box.center.allFinite() && detection.box.size.allFinite() &&
+  return detection.box.centre.allFinite() && detection.box.size.allFinite() &&
          std::isfinite(detection.box.yaw) && detection.box.size.minCoeff() > 0 &&
          std::isfinite(detection.score) && detection.covariance.allFinite();
 }
@@ -96,7 +96,7 @@ struct Tracker::Implementation
   {
     const ClassTracking& class_options = track.classOptions();
     const Box seen = track.alignedBox(observation);
-    const Eigen::Vector2d difference = (seen.center - track.box().center).head<2>();
+    const Eigen::Vector2d difference = (seen.centre - track.box().centre).head<2>();
     if (difference.norm() > track.gateDistance())
     {
       return forbidden;
@@ -122,7 +122,7 @@ struct Tracker::Implementation
       Box predicted = track.box();
       if (track.isNew())
       {
-        predicted.center = seen.center;  // motion unknown: only sizes and headings are compared
+        predicted.centre = seen.centre;  // motion unknown: only sizes and headings are compared
       }
       const double overlap = boxOverlap(predicted, seen).giou;
       if (overlap < class_options.min_overlap)
@@ -149,7 +149,7 @@ struct Tracker::Implementation
                            return false;  // the cluster may be this object
                          }
                          const BoxInterior<double> inside(track.box(), margin);
-                         return inside.contains(observation.box.center);
+                         return inside.contains(observation.box.centre);
                        });
   }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <dyslam/core/Error.h>
+#include <dyslam/base/Error.h>
 #include <dyslam/tracking/DetectionNoise.h>
 #include <gtest/gtest.h>
 
@@ -12,7 +12,7 @@ namespace
 Box boxAt(double range, double azimuth)
 {
   Box box;
-  box.center = {range * std::cos(azimuth), range * std::sin(azimuth), -0.8};
+  box.centre = {range * std::cos(azimuth), range * std::sin(azimuth), -0.8};
   box.yaw = 0.4;
   return box;
 }

@@ -42,7 +42,7 @@ struct Scene
     std::uniform_real_distribution<double> unit(-0.5, 0.5);
     std::normal_distribution<double> noise(0, 0.01);
     const Eigen::Rotation2Dd turn(box.yaw);
-    const Eigen::Vector2d to_sensor = turn.inverse() * (-box.center.head<2>());
+    const Eigen::Vector2d to_sensor = turn.inverse() * (-box.centre.head<2>());
     for (int i = 0; i < count; ++i)
     {
       Eigen::Vector2d local(unit(generator) * box.size.x(), unit(generator) * box.size.y());
@@ -55,9 +55,9 @@ struct Scene
       {
         local.y() = std::copysign(0.5 * box.size.y(), to_sensor.y());
       }
-      const Eigen::Vector2d flat = turn * local + box.center.head<2>();
+      const Eigen::Vector2d flat = turn * local + box.centre.head<2>();
       add({flat.x() + noise(generator), flat.y() + noise(generator),
-           box.center.z() + unit(generator) * box.size.z()},
+           box.centre.z() + unit(generator) * box.size.z()},
           0.9F);
     }
   }
@@ -66,7 +66,7 @@ struct Scene
 Box makeBox(double x, double y, double z, double l, double w, double h, double yaw)
 {
   Box box;
-  box.center = {x, y, z};
+  box.centre = {x, y, z};
   box.size = {l, w, h};
   box.yaw = yaw;
   return box;
@@ -92,7 +92,7 @@ TEST(Detector, detectsCarPedestrianAndCyclist)
   EXPECT_EQ(found[2].object_class, ObjectClass::cyclist);
   EXPECT_GT(boxOverlap(found[0].box, car).ground_iou, 0.85);
   EXPECT_NEAR(std::remainder(found[0].box.yaw - 0.5, M_PI), 0, 0.05);
-  EXPECT_LT((found[1].box.center - person.center).head<2>().norm(), 0.3);
+  EXPECT_LT((found[1].box.centre - person.centre).head<2>().norm(), 0.3);
   EXPECT_GT(found[1].covariance(3, 3), found[0].covariance(3, 3));
   for (const Detection& detection : found)
   {
@@ -157,7 +157,7 @@ TEST(Detector, clusteringAdaptsToRange)
   int near = 0;
   for (const Detection& detection : found)
   {
-    (detection.box.center.x() > 30 ? far : near) += 1;
+    (detection.box.centre.x() > 30 ? far : near) += 1;
   }
   EXPECT_EQ(far, 1);
   EXPECT_EQ(near, 0);  // single columns, thinner than any object: below min_points each
@@ -196,12 +196,12 @@ TEST(Detector, completeBoxKeepsTheVisibleSides)
   // Only the rear of a car ahead is visible: the rest lies beyond.
   const Box rear = makeBox(10, 0, 0, 0.3, 1.8, 1.5, 0);
   const Box full = completeBox(rear, {4.3, 1.8, 1.5});
-  EXPECT_NEAR(full.center.x() - 0.5 * full.size.x(), 9.85, 1e-9);
-  EXPECT_NEAR(full.center.y(), 0, 1e-9);
+  EXPECT_NEAR(full.centre.x() - 0.5 * full.size.x(), 9.85, 1e-9);
+  EXPECT_NEAR(full.centre.y(), 0, 1e-9);
   EXPECT_NEAR(full.size.x(), 4.3, 1e-12);
   // Of a car behind, only the front is visible.
   const Box behind = completeBox(makeBox(-10, 0, 0, 0.3, 1.8, 1.5, 0), {4.3, 1.8, 1.5});
-  EXPECT_NEAR(behind.center.x() + 0.5 * behind.size.x(), -9.85, 1e-9);
+  EXPECT_NEAR(behind.centre.x() + 0.5 * behind.size.x(), -9.85, 1e-9);
 }
 
 TEST(Detector, optionsRoundTripThroughText)

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <dyslam/core/Angle.h>
+#include <dyslam/base/Angle.h>
 #include <dyslam/tracking/Tracker.h>
 #include <gtest/gtest.h>
 
@@ -13,10 +13,10 @@ namespace
 {
 constexpr double scan_time = 0.1;  // [s]
 
-Detection car(const Eigen::Vector3d& center, double yaw)
+Detection car(const Eigen::Vector3d& centre, double yaw)
 {
   Detection detection;
-  detection.box.center = center;
+  detection.box.centre = centre;
   detection.box.size = {4.2, 1.8, 1.5};
   detection.box.yaw = yaw;
   detection.object_class = ObjectClass::car;
@@ -36,10 +36,10 @@ TEST(TrackedObservation, isTheDetectionInTheOdometryFrame)
   ASSERT_TRUE(objects[0].observed);
   const Box& seen = objects[0].observation;
   // A quarter turn: x of the vehicle is y of the odometry frame.
-  EXPECT_NEAR((seen.center - Eigen::Vector3d(3 - 1.2, -2 + 10.3, 0.5 - 0.7)).norm(), 0, 1e-12);
+  EXPECT_NEAR((seen.centre - Eigen::Vector3d(3 - 1.2, -2 + 10.3, 0.5 - 0.7)).norm(), 0, 1e-12);
   EXPECT_NEAR(seen.yaw, M_PI / 2 + 0.2, 1e-12);
   EXPECT_NEAR((seen.size - Eigen::Vector3d(4.2, 1.8, 1.5)).norm(), 0, 1e-12);
-  EXPECT_GT((objects[0].box.center - seen.center).norm(), 0.01);  // the state is filtered
+  EXPECT_GT((objects[0].box.centre - seen.centre).norm(), 0.01);  // the state is filtered
   const Eigen::Matrix4d expected = Eigen::Vector4d(0.01, 0.04, 0.02, 0.03).asDiagonal();
   EXPECT_NEAR((objects[0].observation_covariance - expected).norm(), 0, 1e-12);
 }
@@ -50,7 +50,7 @@ TEST(TrackedObservation, isSetAtBirthAndOnlyWhereObserved)
   auto objects = tracker.update(0, {car({8, 3, 0}, 0.3)}, Pose::Identity());
   ASSERT_EQ(objects.size(), 1u);
   EXPECT_TRUE(objects[0].observed);
-  EXPECT_NEAR((objects[0].observation.center - Eigen::Vector3d(8, 3, 0)).norm(), 0, 1e-12);
+  EXPECT_NEAR((objects[0].observation.centre - Eigen::Vector3d(8, 3, 0)).norm(), 0, 1e-12);
   EXPECT_NEAR(objects[0].observation_covariance(0, 0), 0.04, 1e-12);
   objects = tracker.update(scan_time, {}, Pose::Identity());
   ASSERT_EQ(objects.size(), 1u);
@@ -106,7 +106,7 @@ TEST(TrackedObservation, ofAClusterIsCompletedToTheWholeObject)
   EXPECT_GT(seen.size.x(), 3.5);
   EXPECT_NEAR(seen.size.y(), 1.8, 0.1);
   // The front, the side that faces the sensor, stays where it was seen.
-  EXPECT_NEAR(seen.center.x() - 0.5 * seen.size.x(), 30 - 0.6 * 39, 0.1);
+  EXPECT_NEAR(seen.centre.x() - 0.5 * seen.size.x(), 30 - 0.6 * 39, 0.1);
 }
 
 /** The lidar is behind the origin of the vehicle, and at the end the car is between them. */
@@ -115,7 +115,7 @@ TEST(TrackedObservation, isCompletedOnTheSideThatTheLidarDoesNotSee)
   const Eigen::Vector3d lidar(-10, 0, 0);
   const Box seen = approachingCar(lidar).observation;
   EXPECT_GT(seen.size.x(), 3.5);
-  EXPECT_NEAR(seen.center.x() - 0.5 * seen.size.x() - lidar.x(), 30 - 0.6 * 39, 0.1);
+  EXPECT_NEAR(seen.centre.x() - 0.5 * seen.size.x() - lidar.x(), 30 - 0.6 * 39, 0.1);
 }
 
 /** Detections six times as noisy as their covariances say. */
@@ -141,7 +141,7 @@ TEST(NoiseOfDetections, IsFoundAndFilteredAway)
       if (scan >= 200)
       {
         EXPECT_EQ(objects.size(), 1u);
-        squared_errors += (objects[0].box.center.head<2>() - truth).squaredNorm() / 200;
+        squared_errors += (objects[0].box.centre.head<2>() - truth).squaredNorm() / 200;
         variance = objects[0].observation_covariance(0, 0);
       }
     }

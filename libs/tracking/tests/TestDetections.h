@@ -13,7 +13,7 @@ inline constexpr double dt = 0.1;  //!< between scans [s]
 inline Detection carAt(const Eigen::Vector2d& position, double yaw = 0)
 {
   Detection detection;
-  detection.box.center = {position.x(), position.y(), -0.8};
+  detection.box.centre = {position.x(), position.y(), -0.8};
   detection.box.size = {4.2, 1.8, 1.5};
   detection.box.yaw = yaw;
   detection.object_class = ObjectClass::car;

@@ -15,7 +15,7 @@ constexpr double overlap = 0.3;
 Box boxAt(double x, double y = 0, double length = 4, double yaw = 0)
 {
   Box box;
-  box.center = {x, y, 0.8};
+  box.centre = {x, y, 0.8};
   box.size = {length, 1.8, 1.5};
   box.yaw = yaw;
   return box;

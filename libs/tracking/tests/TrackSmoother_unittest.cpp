@@ -16,7 +16,7 @@ TrackState onCircle(double time)
   const double rate = 8.0 / 20.0;
   TrackState state;
   state.time = time;
-  state.center = {20 * std::sin(rate * time), 20 - 20 * std::cos(rate * time), 1};
+  state.centre = {20 * std::sin(rate * time), 20 - 20 * std::cos(rate * time), 1};
   state.velocity = {8 * std::cos(rate * time), 8 * std::sin(rate * time), 0};
   return state;
 }
@@ -36,7 +36,7 @@ double rmsError(const std::vector<TrackState>& track)
   double sum = 0;
   for (const TrackState& state : track)
   {
-    sum += (state.center - onCircle(state.time).center).squaredNorm();
+    sum += (state.centre - onCircle(state.time).centre).squaredNorm();
   }
   return std::sqrt(sum / static_cast<double>(track.size()));
 }
@@ -48,15 +48,15 @@ TEST(TrackSmoother, NoiseIsReducedAndOutliersHaveNoInfluence)
   std::normal_distribution<double> noise(0, 0.2);
   for (TrackState& state : track)
   {
-    state.center += Eigen::Vector3d(noise(random), noise(random), 0);
+    state.centre += Eigen::Vector3d(noise(random), noise(random), 0);
     state.velocity.setZero();
   }
   const double before = rmsError(track);
-  track[40].center.x() += 3;
-  track[41].center.x() += 3;
+  track[40].centre.x() += 3;
+  track[41].centre.x() += 3;
   const auto smooth = smoothTrack(track, {});
   EXPECT_LT(rmsError(smooth), 0.5 * before);
-  EXPECT_LT((smooth[40].center - onCircle(4.0).center).norm(), 0.3);
+  EXPECT_LT((smooth[40].centre - onCircle(4.0).centre).norm(), 0.3);
   for (std::size_t i = 5; i + 5 < smooth.size(); ++i)
   {
     EXPECT_LT((smooth[i].velocity - onCircle(smooth[i].time).velocity).norm(), 1.0) << i;
@@ -71,13 +71,13 @@ TEST(TrackSmoother, MotionsOfTheDegreeStayAsTheyAre)
     const double t = 0.1 * i;
     TrackState state;
     state.time = t;
-    state.center = {3 * t - 0.5 * t * t, 2 + t, 0.5};
+    state.centre = {3 * t - 0.5 * t * t, 2 + t, 0.5};
     track.push_back(state);
   }
   const auto smooth = smoothTrack(track, {});
   for (std::size_t i = 0; i < track.size(); ++i)
   {
-    EXPECT_LT((smooth[i].center - track[i].center).norm(), 1e-9);
+    EXPECT_LT((smooth[i].centre - track[i].centre).norm(), 1e-9);
     EXPECT_NEAR(smooth[i].velocity.x(), 3 - track[i].time, 1e-8);
     EXPECT_NEAR(smooth[i].velocity.y(), 1, 1e-8);
   }
@@ -89,7 +89,7 @@ TEST(TrackSmoother, PredictedStatesFollowTheObservationsAroundThem)
   for (std::size_t i = 30; i < 33; ++i)
   {
     track[i].observed = false;
-    track[i].center.y() += 2;
+    track[i].centre.y() += 2;
   }
   const auto smooth = smoothTrack(track, {});
   EXPECT_LT(rmsError(smooth), 0.1);
@@ -100,12 +100,12 @@ TEST(TrackSmoother, FewObservationsLowerTheDegree)
   TrackSmoothingOptions options;
   EXPECT_TRUE(smoothTrack({}, options).empty());
   const auto one = smoothTrack(circle(1), options);
-  EXPECT_LT((one[0].center - onCircle(0).center).norm(), 1e-12);
+  EXPECT_LT((one[0].centre - onCircle(0).centre).norm(), 1e-12);
   // Farther from all observations than the window: as the tracker predicted it.
   auto track = circle(2);
   track[1].time = 5;
   track[1].observed = false;
-  EXPECT_EQ(smoothTrack(track, options)[1].center, track[1].center);
+  EXPECT_EQ(smoothTrack(track, options)[1].centre, track[1].centre);
 }
 
 /** A slow sensor, or the scan between two gaps: one observation does not tell the velocity. */
@@ -119,7 +119,7 @@ TEST(TrackSmoother, LoneObservationsKeepTheTrackersVelocity)
   const auto smooth = smoothTrack(track, {});
   for (std::size_t i = 0; i < track.size(); ++i)
   {
-    EXPECT_EQ(smooth[i].center, track[i].center) << i;
+    EXPECT_EQ(smooth[i].centre, track[i].centre) << i;
     EXPECT_EQ(smooth[i].velocity, track[i].velocity) << i;
   }
   // A predicted state a second after the only observation around it is not drawn back to it.
@@ -127,7 +127,7 @@ TEST(TrackSmoother, LoneObservationsKeepTheTrackersVelocity)
   track[1] = onCircle(1.0);
   track[1].observed = false;
   const auto after = smoothTrack(track, {});
-  EXPECT_LT((after[1].center - track[0].center - track[1].velocity).norm(), 1e-9);
+  EXPECT_LT((after[1].centre - track[0].centre - track[1].velocity).norm(), 1e-9);
   EXPECT_EQ(after[1].velocity, track[1].velocity);
 }
 
@@ -150,8 +150,8 @@ TEST(TrackSmoother, NoWindowChangesNothingAndTimesMustIncrease)
   TrackSmoothingOptions options;
   options.window = 0;
   auto track = circle(5);
-  track[2].center.x() = 7;
-  EXPECT_EQ(smoothTrack(track, options)[2].center.x(), 7);
+  track[2].centre.x() = 7;
+  EXPECT_EQ(smoothTrack(track, options)[2].centre.x(), 7);
   track[2].time = track[1].time;
   EXPECT_THROW((void)smoothTrack(track, options), std::invalid_argument);
 }

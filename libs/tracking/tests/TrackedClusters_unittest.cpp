@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Tracks of clusters of points, and the first observations of a track.
-#include <dyslam/core/Angle.h>
+#include <dyslam/base/Angle.h>
 #include <dyslam/tracking/Tracker.h>
 #include <gtest/gtest.h>
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <dyslam/core/Error.h>
-#include <dyslam/core/StateArchive.h>
+#include <dyslam/base/Error.h>
+#include <dyslam/base/StateArchive.h>
 #include <dyslam/tracking/Tracker.h>
 #include <gtest/gtest.h>
 
@@ -95,7 +95,7 @@ Outcome play(
       {
         const Vector2d truth = actors[static_cast<std::size_t>(actor)].where(t);
         outcome.max_position_error =
-            std::max(outcome.max_position_error, (object.box.center.head<2>() - truth).norm());
+            std::max(outcome.max_position_error, (object.box.centre.head<2>() - truth).norm());
       }
     }
   }
@@ -204,7 +204,7 @@ TEST(Tracker, reportsPredictionsOnlyBriefly)
     ASSERT_EQ(objects.size(), 1u);
     EXPECT_FALSE(objects[0].observed);
     EXPECT_EQ(objects[0].reported, miss <= defaults.vehicle.report_misses) << miss;
-    EXPECT_NEAR(objects[0].box.center.x(), 0.8 * (19 + miss), 0.3);
+    EXPECT_NEAR(objects[0].box.centre.x(), 0.8 * (19 + miss), 0.3);
   }
 }
 
@@ -264,7 +264,7 @@ TEST(Tracker, dynamicStateFollowsStartAndStop)
     ASSERT_EQ(objects.size(), 1u);
     ids.insert(objects[0].id);
     dynamic.push_back(objects[0].dynamic);
-    worst = std::max(worst, (objects[0].box.center.head<2>() - p).norm());
+    worst = std::max(worst, (objects[0].box.centre.head<2>() - p).norm());
   }
   EXPECT_EQ(ids.size(), 1u);
   EXPECT_FALSE(std::any_of(dynamic.begin(), dynamic.begin() + 30, [](bool d) { return d; }));
@@ -377,7 +377,7 @@ TEST(Tracker, rejectsInvalidInput)
   Tracker tracker;
   EXPECT_TRUE(tracker.update(0, {}, Pose::Identity()).empty());
   std::vector<Detection> bad(4, carAt({1, 1}));
-  bad[0].box.center.x() = std::numeric_limits<double>::quiet_NaN();
+  bad[0].box.centre.x() = std::numeric_limits<double>::quiet_NaN();
   bad[1].box.size.y() = 0;
   bad[2].covariance(0, 0) = std::numeric_limits<double>::infinity();
   bad[3].score = std::numeric_limits<double>::quiet_NaN();

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <dyslam/core/Error.h>
-#include <dyslam/core/SharedFiles.h>
+#include <dyslam/base/Error.h>
+#include <dyslam/base/SharedFiles.h>
 #include <dyslam/train/DataSplits.h>
 #include <dyslam/train/DataText.h>
 

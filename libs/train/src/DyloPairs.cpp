@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "DyloPairs.h"
 
-#include <dyslam/core/Error.h>
+#include <dyslam/base/Error.h>
 #include <dyslam/formats/ScanFiles.h>
 #include <dyslam/train/DataText.h>
 #include <dyslam/train/RandomDraws.h>

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "DyloValidation.h"
 
-#include <dyslam/core/AreaUnderCurve.h>
-#include <dyslam/core/PendingFile.h>
+#include <dyslam/base/AreaUnderCurve.h>
+#include <dyslam/base/PendingFile.h>
 
 #include <algorithm>
 #include <cctype>

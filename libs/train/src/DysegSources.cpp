@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/base/Error.h>
 #include <dyslam/core/Deskew.h>
-#include <dyslam/core/Error.h>
 #include <dyslam/core/Scan.h>
 #include <dyslam/formats/LabelFiles.h>
 #include <dyslam/formats/SustechFiles.h>
@@ -24,13 +24,13 @@ void claimPoints(const LabelledBox& labelled, bool moving, DysegClip::Frame& fra
 {
   const Box& box = labelled.box;
   const Eigen::Isometry3f T_box_sensor =
-      poseFromYpr(box.center.x(), box.center.y(), box.center.z(), box.yaw, 0, 0)
+      poseFromYpr(box.centre.x(), box.centre.y(), box.centre.z(), box.yaw, 0, 0)
           .inverse()
           .cast<float>();
   const Eigen::Vector3f half = 0.5F * box.size.cast<float>();
   const Eigen::Vector3f inner = half + Eigen::Vector3f::Constant(0.05F);
   const Eigen::Vector3f outer = half + Eigen::Vector3f(0.4F, 0.4F, 0.3F);
-  const Eigen::Vector3f centre = box.center.cast<float>();
+  const Eigen::Vector3f centre = box.centre.cast<float>();
   const float reach = outer.norm();
   for (std::size_t i = 0; i < frame.points.size(); ++i)
   {
@@ -158,7 +158,7 @@ Eigen::Vector2d fittedVelocity(Track::const_iterator begin, Track::const_iterato
 
 Pose poseOf(const Box& box)
 {
-  return poseFromYpr(box.center.x(), box.center.y(), box.center.z() - 0.5 * box.size.z(), box.yaw,
+  return poseFromYpr(box.centre.x(), box.centre.y(), box.centre.z() - 0.5 * box.size.z(), box.yaw,
                      0, 0);
 }
 }  // namespace
@@ -291,7 +291,7 @@ DysegClip::Frame simulatedFrame(sim::SimulatedScan scan, bool deskewed)
     DysegClip::Object object;
     const Box& box = o.points > 0 ? o.box_seen : o.box;
     object.T_sensor_object =
-        poseFromYpr(box.center.x(), box.center.y(), box.center.z(), box.yaw, 0, 0);
+        poseFromYpr(box.centre.x(), box.centre.y(), box.centre.z(), box.yaw, 0, 0);
     const double speed = o.velocity.norm();
     object.moving = speed > min_moving_speed;
     object.doubtful = !object.moving && speed > max_static_speed;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <dyslam/core/Words.h>
+#include <dyslam/base/Words.h>
 #include <dyslam/train/PairSource.h>
 #include <dyslam/train/RandomDraws.h>
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "SimulatorPairSource.h"
 
-#include <dyslam/core/Error.h>
+#include <dyslam/base/Error.h>
 #include <dyslam/train/DataText.h>
 #ifdef DYSLAM_HAVE_SIM
 #include <dyslam/sim/ClipGenerator.h>

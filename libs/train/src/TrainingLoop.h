@@ -2,7 +2,7 @@
 // Includes torch.
 #pragma once
 
-#include <dyslam/core/Parallel.h>
+#include <dyslam/base/Parallel.h>
 #include <dyslam/nets/TensorFile.h>
 #include <dyslam/train/LearningRate.h>
 #include <dyslam/train/PairGradients.h>

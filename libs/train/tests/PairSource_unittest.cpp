@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // After any augmentation the true motion of a pair maps static points of the later scan to the
 // earlier one.
-#include <dyslam/core/Error.h>
+#include <dyslam/base/Error.h>
 #include <dyslam/train/RecordingPairSource.h>
 #include <gtest/gtest.h>
 

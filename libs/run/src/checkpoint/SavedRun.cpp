@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "SavedRun.h"
 
-#include <dyslam/core/Error.h>
-#include <dyslam/core/StateArchive.h>
-#include <dyslam/core/Version.h>
+#include <dyslam/base/Error.h>
+#include <dyslam/base/StateArchive.h>
+#include <dyslam/base/Version.h>
 
 #include <algorithm>
 #include <filesystem>

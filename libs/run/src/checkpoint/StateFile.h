@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <dyslam/core/PendingFile.h>
-#include <dyslam/core/StateArchive.h>
+#include <dyslam/base/PendingFile.h>
+#include <dyslam/base/StateArchive.h>
 #include <dyslam/formats/RunFiles.h>
 
 #include <cstddef>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "KeptFiles.h"
 
-#include <dyslam/core/Files.h>
+#include <dyslam/base/Files.h>
 
 #include <system_error>
 

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/backend/Backend.h>
+#include <dyslam/base/Files.h>
+#include <dyslam/base/PendingFile.h>
+#include <dyslam/base/SharedFiles.h>
 #include <dyslam/core/BoxOverlap.h>
-#include <dyslam/core/Files.h>
-#include <dyslam/core/PendingFile.h>
-#include <dyslam/core/SharedFiles.h>
 #include <dyslam/formats/GroundTruth.h>
 #include <dyslam/formats/ScanTable.h>
 #include <dyslam/plot/MapPicture.h>
@@ -168,7 +168,7 @@ class PageOutput : public RunOutput
       PictureObject drawn{object.object_class, {}, object.states.back().box};
       for (const PageObjectState& state : object.states)
       {
-        drawn.path.push_back(state.box.center);
+        drawn.path.push_back(state.box.centre);
       }
       content.objects.push_back(std::move(drawn));
     }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <dyslam/core/Files.h>
-#include <dyslam/core/PendingFile.h>
+#include <dyslam/base/Files.h>
+#include <dyslam/base/PendingFile.h>
 #include <dyslam/plot/TrajectoryPlot.h>
 
 #include <string_view>

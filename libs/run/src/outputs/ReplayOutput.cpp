@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <dyslam/core/Options.h>
-#include <dyslam/core/StateArchive.h>
+#include <dyslam/base/Options.h>
+#include <dyslam/base/StateArchive.h>
 #include <dyslam/io/ReplayWriter.h>
 
 #include <optional>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <dyslam/core/Angle.h>
-#include <dyslam/core/PendingFile.h>
+#include <dyslam/base/Angle.h>
+#include <dyslam/base/PendingFile.h>
 #include <dyslam/formats/GroundTruth.h>
 
 #include <cmath>

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "RunOutput.h"
 
-#include <dyslam/core/Error.h>
-#include <dyslam/core/Words.h>
+#include <dyslam/base/Error.h>
+#include <dyslam/base/Words.h>
 
 #include <algorithm>
 #include <filesystem>

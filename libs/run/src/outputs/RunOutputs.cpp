@@ -1,18 +1,18 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "RunOutputs.h"
 
-#include <dyslam/core/Error.h>
-#include <dyslam/core/StateArchive.h>
+#include <dyslam/base/Error.h>
+#include <dyslam/base/StateArchive.h>
 #include <dyslam/formats/LabelFiles.h>
 
 #include <algorithm>
 #include <exception>
 #include <filesystem>
 #include <future>
-#include <map>
 #include <utility>
 
 #include "../folder/OutputFolder.h"
+#include "RunOutputOptions.h"
 
 namespace fs = std::filesystem;
 
@@ -20,39 +20,6 @@ namespace dyslam
 {
 namespace
 {
-/** Ini section `[output]`: the outputs that a run writes. */
-struct OutputOptions : Options
-{
-  OutputOptions()
-  {
-    for (const RunOutputKind& kind : runOutputKinds())
-    {
-      if (kind.key != nullptr)
-      {
-        on[kind.key] = true;
-      }
-    }
-  }
-  void describe(OptionsVisitor& v) override
-  {
-    for (const RunOutputKind& kind : runOutputKinds())
-    {
-      if (kind.key != nullptr)
-      {
-        v.flag(kind.key, on[kind.key], kind.help);
-      }
-    }
-    v.real("scene_voxel_size", scene_voxel_size, 0.01, 100,
-           "side of the cubes with one map point each in map.3Dscene [m]");
-    v.real("checkpoint_seconds", checkpoint_seconds, 0, 1e6,
-           "time between checkpoints for --resume; 0: none [s]");
-  }
-
-  std::map<std::string, bool> on;  //!< whether an output is on, by RunOutputKind::key
-  double scene_voxel_size = 0.4;   //!< side of the cubes with one map point each in the scene [m]
-  double checkpoint_seconds = 60;  //!< time between checkpoints [s]; 0: none
-};
-
 /** Files named in a config, such as weights and detections. */
 std::vector<std::string> filesNamedIn(const Config& config)
 {
@@ -107,7 +74,7 @@ RunOutputs::RunOutputs(const SlamRunSettings& settings,
 {
   inputs_ = settings.inputs;
   inputs_.push_back(settings.rawlog);
-  const auto options = config.get<OutputOptions>("output");
+  const auto options = config.get<RunOutputOptions>("output");
   checkpoint_seconds_ = options.checkpoint_seconds;
   names_.emplace_back(state_file_name);
   for (const RunOutputKind& kind : kinds)

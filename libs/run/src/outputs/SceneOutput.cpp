@@ -57,7 +57,7 @@ class SceneOutput : public RunOutput
                         return;
                       }
                       const TrackedObject& object = state.object;
-                      scene.object_paths[object.id].push_back(state.T_map_odom * object.box.center);
+                      scene.object_paths[object.id].push_back(state.T_map_odom * object.box.centre);
                       auto& [box, velocity] = last[object.id];
                       box.id = object.id;
                       box.object_class = object.object_class;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <dyslam/core/PendingFile.h>
-#include <dyslam/core/StateArchive.h>
+#include <dyslam/base/PendingFile.h>
+#include <dyslam/base/StateArchive.h>
 
 #include "RunOutput.h"
 

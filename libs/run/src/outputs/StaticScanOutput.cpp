@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <dyslam/core/Files.h>
-#include <dyslam/core/StateArchive.h>
+#include <dyslam/base/Files.h>
+#include <dyslam/base/StateArchive.h>
 #include <dyslam/formats/ScanFiles.h>
 #include <dyslam/formats/TextFile.h>
 #include <dyslam/io/RawlogSource.h>

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <dyslam/core/Error.h>
-#include <dyslam/core/PendingFile.h>
-#include <dyslam/core/StateArchive.h>
+#include <dyslam/base/Error.h>
+#include <dyslam/base/PendingFile.h>
+#include <dyslam/base/StateArchive.h>
 
 #include <cstdint>
 #include <fstream>

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/base/Files.h>
+#include <dyslam/base/PendingFile.h>
+#include <dyslam/base/StateArchive.h>
 #include <dyslam/core/BoxOverlap.h>
-#include <dyslam/core/Files.h>
-#include <dyslam/core/PendingFile.h>
-#include <dyslam/core/StateArchive.h>
 #include <dyslam/formats/TrackFiles.h>
 
 #include <cstdio>
@@ -43,7 +43,7 @@ LabelledBox labelledBox(const TrackedObject& object,
 
 std::string rowOf(const TrackedObject& object, std::size_t scan, double stamp)
 {
-  const auto& c = object.box.center;
+  const auto& c = object.box.centre;
   const auto& s = object.box.size;
   const auto& v = object.velocity;
   char text[512];

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "RunHistory.h"
 
-#include <dyslam/core/Bytes.h>
+#include <dyslam/base/Bytes.h>
 
 #include <algorithm>
 #include <utility>
@@ -36,7 +36,7 @@ void forEachField(Object& o, const Field& field)
   field(o.object_class);
   for (int i = 0; i < 3; ++i)
   {
-    field(o.box.center[i]);
+    field(o.box.centre[i]);
     field(o.box.size[i]);
     field(o.velocity[i]);
   }

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <dyslam/base/SwappedStore.h>
 #include <dyslam/core/Frame.h>
-#include <dyslam/core/SwappedStore.h>
 
 #include <cstddef>
 #include <cstdint>

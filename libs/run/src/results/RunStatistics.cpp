@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "RunStatistics.h"
 
-#include <dyslam/core/Printable.h>
-#include <dyslam/core/StateArchive.h>
+#include <dyslam/base/Printable.h>
+#include <dyslam/base/StateArchive.h>
 
 #include <algorithm>
 #include <cctype>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "SmoothedTracks.h"
 
-#include <dyslam/core/Angle.h>
+#include <dyslam/base/Angle.h>
 
 #include <cmath>
 #include <set>
@@ -15,7 +15,7 @@ TrackedObject smoothedTrack(const TrackedObject& tracked,
 {
   TrackedObject result = tracked;
   const Pose T_odom_object = T_odom_map * smoothed.T_map_object;
-  result.box.center = T_odom_object.translation();
+  result.box.centre = T_odom_object.translation();
   const double yaw = yawPitchRoll(T_odom_object).x();
   const bool reversed = smoothed.from_graph && std::cos(yaw - tracked.box.yaw) < 0;
   result.box.yaw = wrapAngle(reversed ? yaw + M_PI : yaw);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "TrackCompletion.h"
 
-#include <dyslam/core/Quantile.h>
+#include <dyslam/base/Quantile.h>
 #include <dyslam/tracking/Detector.h>
 
 #include <algorithm>
@@ -148,9 +148,9 @@ void completeVehicle(const Eigen::Vector3d& size, Sightings& track)
   for (Sighting& s : track)
   {
     const Eigen::Vector3d sensor(s.sensor.x(), s.sensor.y(), 0);
-    s.box.center -= sensor;
+    s.box.centre -= sensor;
     s.box = completeBox(s.box, size);
-    s.box.center += sensor;
+    s.box.centre += sensor;
   }
 }
 
@@ -160,9 +160,9 @@ void enlarge(const Eigen::Vector3d& size, Sightings& track)
 {
   for (Sighting& s : track)
   {
-    const double top = s.box.center.z() + 0.5 * s.box.size.z();
+    const double top = s.box.centre.z() + 0.5 * s.box.size.z();
     s.box.size = s.box.size.cwiseMax(size);
-    s.box.center.z() = top - 0.5 * s.box.size.z();
+    s.box.centre.z() = top - 0.5 * s.box.size.z();
   }
 }
 
@@ -171,7 +171,7 @@ std::vector<TrackState> smoothed(const Sightings& track, const TrackSmoothingOpt
   std::vector<TrackState> states;
   for (const Sighting& s : track)
   {
-    states.push_back({s.time, s.box.center, s.velocity, s.observed});
+    states.push_back({s.time, s.box.centre, s.velocity, s.observed});
   }
   return smoothTrack(states, options);
 }
@@ -216,7 +216,7 @@ void completeAndSmooth(const TrackSmoothingOptions& options, bool complete_boxes
   for (std::size_t i = 0; i < track.size(); ++i)
   {
     track[i].object_class = object_class;
-    track[i].box.center = states[i].center;
+    track[i].box.centre = states[i].centre;
     track[i].velocity = states[i].velocity;
     track[i].dynamic = moving[i];
   }

@@ -84,7 +84,7 @@ SmoothedObject smoothedObject(int id, const Sighting& sighting)
   object.from_graph = false;
   object.scan = sighting.scan;
   object.stamp = sighting.stamp;
-  object.T_map_object = Eigen::Translation3d(sighting.box.center) *
+  object.T_map_object = Eigen::Translation3d(sighting.box.centre) *
                         Eigen::AngleAxisd(sighting.box.yaw, Eigen::Vector3d::UnitZ());
   object.velocity = sighting.velocity;
   object.moving = sighting.dynamic;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <dyslam/core/SharedFiles.h>
+#include <dyslam/base/SharedFiles.h>
 #include <dyslam/run/GivenSettings.h>
 
 #include <filesystem>

@@ -2,7 +2,7 @@
 // Settings of a run that are paths: it may be resumed in another working directory.
 #pragma once
 
-#include <dyslam/core/Config.h>
+#include <dyslam/base/Config.h>
 
 #include <string>
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The sensor of a recording, from its first scans.
-#include <dyslam/core/Error.h>
-#include <dyslam/core/Quantile.h>
+#include <dyslam/base/Error.h>
+#include <dyslam/base/Quantile.h>
 #include <dyslam/core/ScanParts.h>
 #include <dyslam/io/RawlogSource.h>
 #include <dyslam/run/RecordedSensor.h>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "SensorDescription.h"
 
-#include <dyslam/core/Angle.h>
+#include <dyslam/base/Angle.h>
 
 #include <array>
 #include <cmath>

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <dyslam/core/Error.h>
-#include <dyslam/core/Files.h>
-#include <dyslam/core/Printable.h>
-#include <dyslam/core/SharedFiles.h>
+#include <dyslam/base/Error.h>
+#include <dyslam/base/Files.h>
+#include <dyslam/base/Printable.h>
+#include <dyslam/base/SharedFiles.h>
 #include <dyslam/io/RawlogSource.h>
 #include <dyslam/run/SensorSettings.h>
 

@@ -82,7 +82,7 @@ class Backend
   [[nodiscard]] PoseGraph graph() const;
   [[nodiscard]] const KeyframeStore& keyframes() const;
   /** T_map_vehicle of every frame by the present estimate. */
-  [[nodiscard]] Trajectory optimizedTrajectory() const;
+  [[nodiscard]] Trajectory optimisedTrajectory() const;
   /** All loop candidates that were decided, in order. factorGraph().usedLoops() has the accepted
    * ones that the rest of the graph does not contradict. */
   [[nodiscard]] const std::vector<Loop>& loops() const;

@@ -2,7 +2,7 @@
 #pragma once
 
 #include <dyslam/backend/PoseGraph.h>
-#include <dyslam/core/Options.h>
+#include <dyslam/base/Options.h>
 
 #include <cstddef>
 #include <string>

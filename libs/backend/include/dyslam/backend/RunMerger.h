@@ -3,11 +3,11 @@
 
 #include <dyslam/backend/FactorGraph.h>
 #include <dyslam/backend/LoopCloser.h>
+#include <dyslam/base/Options.h>
+#include <dyslam/base/SwapFile.h>
 #include <dyslam/core/Georeference.h>
 #include <dyslam/core/Gravity.h>
-#include <dyslam/core/Options.h>
 #include <dyslam/core/Pose.h>
-#include <dyslam/core/SwapFile.h>
 
 #include <Eigen/Core>
 #include <cstddef>

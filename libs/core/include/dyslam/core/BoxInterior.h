@@ -18,7 +18,7 @@ class BoxInterior
 
   /** \param margin by which the box is widened to each side: along, across and vertical [m] */
   BoxInterior(const Box& box, const Point& margin)
-      : centre_(box.center.template cast<Scalar>()),
+      : centre_(box.centre.template cast<Scalar>()),
         half_(Scalar(0.5) * box.size.template cast<Scalar>() + margin),
         bottom_(-half_.z()),
         height_(static_cast<Scalar>(box.size.z())),

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <dyslam/core/Quantile.h>
+#include <dyslam/base/Quantile.h>
 
 #include <array>
 #include <cstddef>

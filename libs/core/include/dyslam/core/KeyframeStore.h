@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <dyslam/base/SwappedStore.h>
 #include <dyslam/core/Frame.h>
 #include <dyslam/core/Pose.h>
-#include <dyslam/core/SwappedStore.h>
 
 #include <Eigen/Core>
 #include <array>

@@ -30,7 +30,7 @@ enum class ObjectClass
 /** An upright box; its frame is documented where it is used. */
 struct Box
 {
-  Eigen::Vector3d center = Eigen::Vector3d::Zero();  //!< centre of the volume [m]
+  Eigen::Vector3d centre = Eigen::Vector3d::Zero();  //!< centre of the volume [m]
   Eigen::Vector3d size = Eigen::Vector3d::Ones();    //!< length (along heading), width, height [m]
   double yaw = 0;                                    //!< heading about +z from +x [rad]
 };

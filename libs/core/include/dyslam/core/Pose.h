@@ -43,5 +43,5 @@ using Matrix6 = Eigen::Matrix<double, 6, 6>;
 
 /** The pose with its rotation replaced by the nearest proper rotation: for poses read from text and
  * for long products. */
-[[nodiscard]] Pose orthonormalized(const Pose& pose);
+[[nodiscard]] Pose orthonormalised(const Pose& pose);
 }  // namespace dyslam

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <dyslam/base/Parallel.h>
 #include <dyslam/core/Motion.h>
-#include <dyslam/core/Parallel.h>
 #include <dyslam/core/Pose.h>
 
 #include <cstddef>

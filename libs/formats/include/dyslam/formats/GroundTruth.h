@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <dyslam/base/Options.h>
 #include <dyslam/core/Objects.h>
-#include <dyslam/core/Options.h>
 #include <dyslam/core/Trajectory.h>
 #include <dyslam/formats/LabelFiles.h>
 #include <dyslam/formats/PoseOrigin.h>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <dyslam/core/Files.h>
+#include <dyslam/base/Files.h>
 
 #include <cstddef>
 #include <fstream>

@@ -3,7 +3,7 @@
 
 #include <dyslam/backend/FactorGraph.h>
 #include <dyslam/backend/PoseGraphSolver.h>
-#include <dyslam/core/Config.h>
+#include <dyslam/base/Config.h>
 
 #include <cstddef>
 #include <map>
@@ -25,7 +25,7 @@ struct GraphFileReport
  * [pose_graph].
  * \param output `.graph` or `.g2o`, by its extension; empty: nothing is written
  * \throws UserError for a bad file, a graph that cannot be solved, and an unknown extension. */
-GraphFileReport optimizeGraphFile(const std::string& input,
+GraphFileReport optimiseGraphFile(const std::string& input,
                                   const std::string& output,
                                   const Config& config = {});
 
@@ -41,7 +41,7 @@ struct FactorGraphFileReport
 
 /** Optimises a saved factor graph, with the options of section [solver].
  * \param output file to write; empty: nothing is written \throws UserError for a bad file. */
-FactorGraphFileReport optimizeFactorGraphFile(const std::string& input,
+FactorGraphFileReport optimiseFactorGraphFile(const std::string& input,
                                               const std::string& output,
                                               const Config& config = {});
 }  // namespace dyslam

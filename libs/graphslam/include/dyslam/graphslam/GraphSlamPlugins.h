@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <dyslam/core/Error.h>
-#include <dyslam/core/Words.h>
+#include <dyslam/base/Error.h>
+#include <dyslam/base/Words.h>
 #include <dyslam/graphslam/GraphSlamContext.h>
 #include <mrpt/graphslam/interfaces/CEdgeRegistrationDecider.h>
 #include <mrpt/graphslam/interfaces/CGraphSlamOptimizer.h>

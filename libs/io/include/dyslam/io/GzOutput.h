@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <dyslam/core/PendingFile.h>
+#include <dyslam/base/PendingFile.h>
 
 #include <cstddef>
 #include <cstdio>

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <dyslam/base/Parallel.h>
 #include <dyslam/core/Frame.h>
 #include <dyslam/core/Objects.h>
-#include <dyslam/core/Parallel.h>
 #include <dyslam/core/Trajectory.h>
 #include <dyslam/formats/LabelFiles.h>
 #include <dyslam/odometry/Preprocessor.h>

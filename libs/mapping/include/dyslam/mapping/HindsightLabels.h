@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <dyslam/base/Options.h>
 #include <dyslam/core/FrameCopy.h>
-#include <dyslam/core/Options.h>
 
 #include <cstddef>
 #include <functional>

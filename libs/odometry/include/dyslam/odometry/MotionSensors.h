@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <dyslam/core/Angle.h>
+#include <dyslam/base/Angle.h>
+#include <dyslam/base/Options.h>
 #include <dyslam/core/Frame.h>
-#include <dyslam/core/Options.h>
 #include <dyslam/core/Pose.h>
 
 #include <memory>

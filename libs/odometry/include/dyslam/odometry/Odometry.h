@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <dyslam/core/Angle.h>
+#include <dyslam/base/Angle.h>
+#include <dyslam/base/Options.h>
+#include <dyslam/base/Parallel.h>
 #include <dyslam/core/Frame.h>
-#include <dyslam/core/Options.h>
-#include <dyslam/core/Parallel.h>
 
 #include <functional>
 #include <memory>

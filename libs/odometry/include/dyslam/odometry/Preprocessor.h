@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <dyslam/base/Options.h>
+#include <dyslam/base/Parallel.h>
 #include <dyslam/core/Deskew.h>
-#include <dyslam/core/Options.h>
-#include <dyslam/core/Parallel.h>
 #include <dyslam/core/Pose.h>
 #include <dyslam/core/Scan.h>
 

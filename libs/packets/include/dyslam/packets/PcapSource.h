@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <dyslam/base/Options.h>
 #include <dyslam/core/MotionSamples.h>
-#include <dyslam/core/Options.h>
 #include <dyslam/core/Scan.h>
 #include <dyslam/packets/VelodyneScans.h>
 

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <dyslam/base/Options.h>
 #include <dyslam/core/Georeference.h>
 #include <dyslam/core/Gravity.h>
 #include <dyslam/core/Objects.h>
-#include <dyslam/core/Options.h>
 #include <dyslam/core/Trajectory.h>
 
 #include <Eigen/Core>

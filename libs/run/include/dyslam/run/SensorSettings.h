@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <dyslam/core/Angle.h>
-#include <dyslam/core/Config.h>
+#include <dyslam/base/Angle.h>
+#include <dyslam/base/Config.h>
+#include <dyslam/base/Options.h>
 #include <dyslam/core/Frame.h>
-#include <dyslam/core/Options.h>
 #include <dyslam/core/ScanPattern.h>
 #include <dyslam/io/Levelling.h>
 #include <dyslam/run/RecordedSensor.h>

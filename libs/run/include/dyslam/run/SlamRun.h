@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <dyslam/core/Config.h>
+#include <dyslam/base/Config.h>
 #include <dyslam/core/Frame.h>
 #include <dyslam/core/Georeference.h>
 #include <dyslam/core/Gravity.h>

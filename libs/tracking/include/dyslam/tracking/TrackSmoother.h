@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <dyslam/core/Options.h>
+#include <dyslam/base/Options.h>
 
 #include <Eigen/Core>
 #include <vector>
@@ -23,7 +23,7 @@ struct TrackSmoothingOptions : Options
 struct TrackState
 {
   double time = 0;                                     //!< Frame::time() [s]
-  Eigen::Vector3d center = Eigen::Vector3d::Zero();    //!< centre of its box [m]
+  Eigen::Vector3d centre = Eigen::Vector3d::Zero();    //!< centre of its box [m]
   Eigen::Vector3d velocity = Eigen::Vector3d::Zero();  //!< velocity of the centre [m/s]
   bool observed = true;  //!< false: predicted by the tracker, not used by the smoother
 };

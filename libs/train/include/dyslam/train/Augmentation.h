@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <dyslam/core/Angle.h>
-#include <dyslam/core/Options.h>
+#include <dyslam/base/Angle.h>
+#include <dyslam/base/Options.h>
 #include <dyslam/train/PairSource.h>
 #include <dyslam/train/RandomDraws.h>
 

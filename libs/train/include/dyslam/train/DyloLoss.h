@@ -2,7 +2,7 @@
 // Includes torch: for train and its tests only.
 #pragma once
 
-#include <dyslam/core/Options.h>
+#include <dyslam/base/Options.h>
 #include <dyslam/nets/DyloNetwork.h>
 
 #include <vector>

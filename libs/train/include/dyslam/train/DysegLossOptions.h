@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <dyslam/core/Options.h>
+#include <dyslam/base/Options.h>
 
 namespace dyslam
 {

@@ -2,7 +2,7 @@
 // Includes torch: for train only.
 #pragma once
 
-#include <dyslam/core/Parallel.h>
+#include <dyslam/base/Parallel.h>
 #include <torch/torch.h>
 
 #include <cstddef>

@@ -1,0 +1,121 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/base/Config.h>
+#include <dyslam/base/Error.h>
+#include <dyslam/base/Files.h>
+#include <dyslam/base/SharedFiles.h>
+#include <dyslam/base/Words.h>
+
+#include <cstdlib>
+#include <filesystem>
+#include <map>
+#include <vector>
+
+#include "ProgramFolders.h"
+
+namespace fs = std::filesystem;
+
+namespace dyslam
+{
+namespace
+{
+/** \throws UserError if $DYSLAM_SHARE names no folder: the files of another version would be used.
+ */
+std::vector<fs::path> sharedFolders()
+{
+  const char* given = std::getenv("DYSLAM_SHARE");
+  std::error_code ignored;
+  if (given != nullptr && *given != '\0' && !fs::is_directory(given, ignored))
+  {
+    throw UserError("DYSLAM_SHARE = " + std::string(given) +
+                    ": is not a folder; set it to the folder share/dyslam, or unset it");
+  }
+  return ProgramFolders{"DYSLAM_SHARE", DYSLAM_SOURCE_SHARE, fs::path("share") / "dyslam",
+                        DYSLAM_INSTALLED_SHARE}
+      .candidates();
+}
+
+bool isFor(const std::string& ini, const std::string& program)
+{
+  try
+  {
+    Config::fromFile(ini).requireFor(program);
+    return true;
+  }
+  catch (const UserError&)
+  {
+    return false;
+  }
+}
+
+std::string namesIn(const std::string& folder,
+                    const std::string& extension,
+                    const std::string& program)
+{
+  std::string text;
+  for (const auto& path : sharedFiles(folder, extension))
+  {
+    if (!program.empty() && !isFor(path, program))
+    {
+      continue;
+    }
+    appendWord(text, fs::path(path).filename().string());
+  }
+  return text;
+}
+}  // namespace
+
+std::vector<std::string> sharedFiles(const std::string& folder, const std::string& extension)
+{
+  std::map<std::string, std::string> by_name;
+  for (const auto& shared : sharedFolders())
+  {
+    for (const auto& entry : entriesIfReadable(shared / folder))
+    {
+      if (entry.path().extension() == extension)
+      {
+        by_name.emplace(entry.path().filename().string(), entry.path().string());
+      }
+    }
+  }
+  std::vector<std::string> paths;
+  for (const auto& [name, path] : by_name)
+  {
+    paths.push_back(path);
+  }
+  return paths;
+}
+
+std::string findGivenOrShared(const std::string& path,
+                              const std::string& folder,
+                              const std::string& extension,
+                              const std::string& field,
+                              const std::string& program)
+{
+  if (fs::is_regular_file(path))
+  {
+    return path;
+  }
+  if (path.find('/') == std::string::npos)
+  {
+    for (const auto& shared : sharedFolders())
+    {
+      for (const auto& name : {path, path + extension})
+      {
+        if (fs::is_regular_file(shared / folder / name))
+        {
+          return (shared / folder / name).string();
+        }
+      }
+    }
+  }
+  const std::string known = namesIn(folder, extension, program);
+  const bool lacks_shared = path.find('/') == std::string::npos && known.empty() &&
+                            sharedFiles(folder, extension).empty();
+  throw UserError((field.empty() ? "" : field + " = ") + (path.empty() ? "(nothing)" : path) +
+                  (fs::is_directory(path) ? ": is a folder" : ": no such file") +
+                  (known.empty() ? "" : "; give a path or one of: " + known) +
+                  (lacks_shared ? "; if it is a shipped one: set DYSLAM_SHARE to the folder "
+                                  "share/dyslam"
+                                : ""));
+}
+}  // namespace dyslam

@@ -1,0 +1,108 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/base/Error.h>
+#include <dyslam/base/SharedFiles.h>
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+
+namespace fs = std::filesystem;
+
+namespace dyslam
+{
+namespace
+{
+/** Works in a new, empty folder. */
+class SharedFiles : public testing::Test
+{
+ protected:
+  SharedFiles() : before_(fs::current_path())
+  {
+    const auto* test = testing::UnitTest::GetInstance()->current_test_info();
+    folder_ = fs::path(testing::TempDir()) / ("dyslam_shared_files_" + std::string(test->name()));
+    fs::remove_all(folder_);
+    fs::create_directories(folder_);
+    fs::current_path(folder_);
+  }
+  ~SharedFiles() override
+  {
+    fs::current_path(before_);
+    fs::remove_all(folder_);
+  }
+
+  static std::string found(const std::string& path)
+  {
+    return findGivenOrShared(path, "config_files", ".ini");
+  }
+
+ private:
+  fs::path before_;
+  fs::path folder_;
+};
+
+TEST_F(SharedFiles, AreFoundByNameWithOrWithoutExtension)
+{
+  for (const char* name : {"kitti64", "kitti64.ini"})
+  {
+    EXPECT_EQ(fs::path(found(name)).filename(), "kitti64.ini");
+    EXPECT_TRUE(fs::is_regular_file(found(name)));
+  }
+}
+
+TEST_F(SharedFiles, GivenFileComesFirstButNoFolder)
+{
+  fs::create_directory("kitti64");
+  EXPECT_EQ(fs::path(found("kitti64")).filename(), "kitti64.ini");
+  std::ofstream("kitti64.ini") << "[preprocess]\n";
+  EXPECT_EQ(found("kitti64.ini"), "kitti64.ini");
+}
+
+TEST_F(SharedFiles, AFolderThatIsNotFoundNamesTheVariable)
+{
+  try
+  {
+    (void)findGivenOrShared("kitti64", "no_such_folder", ".ini");
+    FAIL();
+  }
+  catch (const UserError& error)
+  {
+    EXPECT_NE(std::string(error.what()).find("set DYSLAM_SHARE"), std::string::npos)
+        << error.what();
+  }
+}
+
+TEST_F(SharedFiles, AVariableThatNamesNoFolderIsAnError)
+{
+  const char* given = std::getenv("DYSLAM_SHARE");
+  const std::string before = given == nullptr ? "" : given;
+  ASSERT_EQ(setenv("DYSLAM_SHARE", "/no/such/folder", 1), 0);
+  try
+  {
+    (void)found("kitti64");
+    ADD_FAILURE() << "found without the folder";
+  }
+  catch (const UserError& error)
+  {
+    EXPECT_NE(std::string(error.what()).find("DYSLAM_SHARE = /no/such/folder: is not a folder"),
+              std::string::npos)
+        << error.what();
+  }
+  (void)(before.empty() ? unsetenv("DYSLAM_SHARE") : setenv("DYSLAM_SHARE", before.c_str(), 1));
+}
+
+TEST_F(SharedFiles, UnknownNameListsTheKnown)
+{
+  try
+  {
+    (void)found("no_such");
+    FAIL();
+  }
+  catch (const UserError& error)
+  {
+    EXPECT_NE(std::string(error.what()).find("kitti64.ini"), std::string::npos) << error.what();
+  }
+  EXPECT_THROW((void)found("./kitti64"), UserError);
+}
+}  // namespace
+}  // namespace dyslam
