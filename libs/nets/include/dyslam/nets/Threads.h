@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <dyslam/core/Parallel.h>
+#include <dyslam/base/Parallel.h>
 
 #include <cstdint>
 #include <functional>
