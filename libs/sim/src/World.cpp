@@ -16,7 +16,7 @@ int addRigid(World& world, Mesh mesh, ObjectClass object_class, double wheelbase
   const Eigen::AlignedBox3f box = mesh.bounds();
   model.object_class = object_class;
   model.size = box.sizes().cast<double>();
-  model.centre_x = static_cast<double>(box.centre().x());
+  model.centre_x = static_cast<double>(box.center().x());
   model.wheelbase = wheelbase;
   model.shapes = {world.addShape(std::move(mesh))};
   world.bodies.push_back(model);
