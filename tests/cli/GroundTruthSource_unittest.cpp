@@ -411,6 +411,7 @@ TEST(EvaluationFlags, ThoseWithoutAnEffectAreErrors)
   {
     expect(self + " " + flag, 1, "excludes");
   }
+  expect(self + " -c kitti_mot.ini", 1, "these settings are for dyslam-eval, not for dyslam");
   const std::string maps = "map --reference a.ply --estimate b.ply";
   for (const std::string flag :
        {"--config a.ini", "--neighbourhood 1", "--min-neighbours 5", "--points 9", "--tolerance 1",
