@@ -2,8 +2,8 @@
 #include <dyslam/core/NeighbourSearch.h>
 #include <dyslam/core/Parallel.h>
 #include <dyslam/core/Quantile.h>
+#include <dyslam/core/Statistics.h>
 #include <dyslam/eval/MapDistance.h>
-#include <dyslam/eval/Statistics.h>
 
 #include <algorithm>
 #include <cmath>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/core/Angle.h>
 #include <dyslam/core/Assignment.h>
-#include <dyslam/eval/Statistics.h>
+#include <dyslam/core/Statistics.h>
 #include <dyslam/eval/TrackErrors.h>
 
 #include <cmath>

@@ -2,7 +2,7 @@
 #include "MergeTable.h"
 
 #include <dyslam/core/Angle.h>
-#include <dyslam/eval/Statistics.h>
+#include <dyslam/core/Statistics.h>
 
 #include <cmath>
 #include <optional>

@@ -2,8 +2,8 @@
 #pragma once
 
 #include <dyslam/core/MotionAccumulator.h>
+#include <dyslam/core/Statistics.h>
 #include <dyslam/eval/Association.h>
-#include <dyslam/eval/Statistics.h>
 #include <dyslam/eval/Table.h>
 
 #include <string>
