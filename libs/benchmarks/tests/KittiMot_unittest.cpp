@@ -90,6 +90,18 @@ TEST_F(KittiMot, WrittenTracksScoreAsThoseTracked)
   }
 }
 
+TEST_F(KittiMot, AveragesOfFewBoxesAreNull)
+{
+  const NamedKittiMotScores scores{
+      {"Cyclist",
+       kittiMotScores(runKittiMot(setup_, {"0000"}, "Cyclist"), TrackRules::kitti("Cyclist"))}};
+  const auto cyclists = nlohmann::json::parse(kittiMotJson(scores))["Cyclist"];
+  EXPECT_EQ(cyclists["references"], 0);
+  EXPECT_TRUE(cyclists["samota"].is_null());
+  EXPECT_TRUE(cyclists["mota"].is_null());
+  EXPECT_FALSE(contains(kittiMotTable(scores, "chosen", false).toText(), "sAMOTA"));
+}
+
 TEST_F(KittiMot, DropsFramesAndAddsNoiseOfItsSeed)
 {
   const auto scores = [&](int every, double noise, int seed)
