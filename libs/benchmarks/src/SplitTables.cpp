@@ -207,16 +207,24 @@ Table driftTable(const std::vector<DriveScores>& drives, const std::vector<RunCo
 
 Table movingTable(const std::vector<DriveScores>& drives, const std::vector<RunColumn>& columns)
 {
+  const std::vector<RunColumn> shown = withRuns(drives, columns);
+  const auto has_labels = [](const RunScores* run) { return run != nullptr && run->labels; };
+  const auto is_complete = [&](const DriveScores& drive)
+  {
+    return std::all_of(shown.begin(), shown.end(),
+                       [&](const RunColumn& c) { return has_labels(runOf(drive, c.folder)); });
+  };
   std::vector<Figure> figures;
   std::vector<Value> pooled;
-  for (const RunColumn& c : withRuns(drives, columns))
+  for (const RunColumn& c : shown)
   {
     SegmentationScores all;
     for (const DriveScores& drive : drives)
     {
-      const RunScores* run = runOf(drive, c.folder);
-      add(all,
-          run != nullptr && run->labels ? run->labels->evaluator.scores() : SegmentationScores());
+      if (is_complete(drive))
+      {
+        add(all, runOf(drive, c.folder)->labels->evaluator.scores());
+      }
     }
     int group = 0;
     const auto figure = [&](const char* name, Value (SegmentationScores::*score)() const)
