@@ -304,6 +304,9 @@ TEST(MapComparison, MapsAreComparedByLabelsOrByDistance)
   const auto points = nlohmann::json::parse(by_labels.json)["maps"][0]["by_point"];
   EXPECT_EQ(points["static"], 3);
   EXPECT_EQ(points["dynamic"], 1);
+  EXPECT_DOUBLE_EQ(
+      std::sqrt(points["preservation"].get<double>() * points["rejection"].get<double>()),
+      points["geometric_mean"].get<double>());
   EXPECT_TRUE(contains(messageOfError<UserError>(
                            [&] {
                              (void)compareByDistance({"empty.ply", Scan()}, maps);

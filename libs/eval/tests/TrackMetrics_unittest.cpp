@@ -96,6 +96,18 @@ TEST(TrackMetrics, ignoredBoxesAreNeitherHitsNorMisses)
   EXPECT_EQ(clearMot({sequence}, plainRules()).misses, 10u);
 }
 
+TEST(TrackMetrics, areasWithoutLabelsAreNoEstimates)
+{
+  TrackSequence sequence = perfect();
+  for (int f = 0; f < sequence.frames; ++f)
+  {
+    sequence.reference.push_back(boxAt(f, -1, -1000, -1000, "DontCare"));
+    sequence.estimate.push_back(boxAt(f, -1, -1000, -1000, "DontCare"));
+  }
+  EXPECT_EQ(clearMot({sequence}, plainRules()).false_alarms, 0u);
+  EXPECT_NEAR(hota({sequence}, plainRules()).hota, 1, 1e-6);
+}
+
 /** Six of ten counted boxes are found, and all ignored ones, with half a metre of error. */
 TEST(TrackMetrics, matchesOfIgnoredBoxesCountUnderKittisRulesOnly)
 {
