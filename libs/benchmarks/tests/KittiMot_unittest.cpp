@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Tracking and speeds on a small synthetic folder in KITTI's layout.
 #include <dyslam/benchmarks/KittiMot.h>
+#include <dyslam/benchmarks/KittiSlam.h>
 #include <dyslam/benchmarks/KittiSpeeds.h>
 #include <dyslam/core/Error.h>
 #include <dyslam/core/Options.h>
@@ -9,6 +10,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 #include <set>
@@ -191,5 +193,13 @@ TEST_F(KittiMot, SpeedsCountTheFramesOfTheirError)
   sources.series = {{"other", folder_.write("other.csv", "speed,time\n1,2\n")}};
   EXPECT_TRUE(contains(messageOfError<UserError>([&] { (void)kittiSpeeds(sources); }),
                        "the first line must be time,speed"));
+}
+
+TEST(KittiSlam, ErrorsOfNoVehicleAreNotZero)
+{
+  const KittiObjectErrors errors = kittiObjectErrors({}, {}, {});
+  EXPECT_EQ(errors.count, 0U);
+  EXPECT_TRUE(std::isnan(errors.smoothed_position));
+  EXPECT_TRUE(std::isnan(errors.tracked_speed));
 }
 }  // namespace dyslam
