@@ -275,9 +275,10 @@ Table timeTable(const std::vector<DriveScores>& drives, const std::vector<RunCol
     for (const DriveScores& drive : drives)
     {
       const RunScores* run = runOf(drive, c.folder);
-      if (run == nullptr)
+      const double per_scan = run != nullptr ? number(run->report, "ms_per_scan").value_or(0) : 0;
+      if (per_scan <= 0)
       {
-        continue;
+        continue;  // no run, or it did not finish
       }
       const double frames = number(run->report, "frames").value_or(0);
       const auto stages = run->report.find("stage_ms");
@@ -287,7 +288,7 @@ Table timeTable(const std::vector<DriveScores>& drives, const std::vector<RunCol
       preprocess += stage("preprocess");
       segmentation += stage("dyseg");
       pose += stage("odometry") + stage("refine");
-      overall += frames * number(run->report, "ms_per_scan").value_or(0);
+      overall += frames * per_scan;
     }
     const auto mean = [scans](double sum) { return scans > 0 ? Value(sum / scans) : Value(); };
     table.addRow({c.heading, TableCell(mean(preprocess), 1), TableCell(mean(segmentation), 1),

@@ -158,6 +158,9 @@ TEST_F(RunScoresOf, ASplitHasItsDrives)
   const std::string times = timeTable(found, columns.odometry).toCsv();
   EXPECT_TRUE(contains(times, "DySLAM,")) << times;
   EXPECT_FALSE(contains(times, "GICP")) << "no drive has that run";
+
+  writeRun("runs/b/dyslam", R"({"frames": 40, "ms_per_scan": 0.0, "finished": false})");
+  EXPECT_EQ(timeTable(drives(), columns.odometry).toCsv(), times) << "b did not finish";
 }
 
 TEST_F(RunScoresOf, AllPointsAreOfDrivesWithLabelsOfEveryMethod)
