@@ -39,8 +39,8 @@ struct TrackRules
   [[nodiscard]] static TrackRules kitti(const std::string& type);
 };
 
-/** CLEAR-MOT (Bernardin and Stiefelhagen, 2008) at one confidence threshold. Ratios are fractions, 1
- * is 100 %; NaN where the denominator is 0, such as the precision without an estimate. */
+/** CLEAR-MOT (Bernardin and Stiefelhagen, 2008) at one confidence threshold. Ratios are fractions,
+ * 1 is 100 %; NaN where the denominator is 0, such as the precision without an estimate. */
 struct ClearMot
 {
   double mota = 0;       //!< at most 1; negative with many false alarms
