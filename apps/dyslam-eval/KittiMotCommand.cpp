@@ -124,10 +124,12 @@ Subcommand kittiMotCommand(CLI::App& app)
       ->capture_default_str();
   sub->add_option("--set", a->set, "one setting, overrides the ini")
       ->type_name("SECTION.KEY=VALUE");
-  sub->add_option("--split", a->split, "AB3DMOT's validation sequences, or the others")
-      ->check(CLI::IsMember({"validation", "training"}))
-      ->capture_default_str();
-  sub->add_option("--sequences", a->sequences, "these sequences (0000 ...) instead of the split");
+  CLI::Option* split =
+      sub->add_option("--split", a->split, "AB3DMOT's validation sequences, or the others")
+          ->check(CLI::IsMember({"validation", "training"}))
+          ->capture_default_str();
+  sub->add_option("--sequences", a->sequences, "these sequences (0000 ...) instead of the split")
+      ->excludes(split);
   sub->add_option("--class", a->types, "classes to track")
       ->check(CLI::IsMember({"Car", "Pedestrian", "Cyclist"}))
       ->capture_default_str();
@@ -143,10 +145,13 @@ Subcommand kittiMotCommand(CLI::App& app)
       ->capture_default_str();
   sub->add_flag("--deskew,!--no-deskew", a->setup.deskew,
                 "boxes and labels are of scans that are not deskewed, as KITTI's (default)");
-  sub->add_option("--noise", a->setup.added_noise,
-                  "standard deviation of noise added to x and y of the detections, m")
-      ->check(CLI::Range(0.0, 10.0));
-  sub->add_option("--seed", a->setup.seed, "seed of the added noise")->capture_default_str();
+  CLI::Option* noise =
+      sub->add_option("--noise", a->setup.added_noise,
+                      "standard deviation of noise added to x and y of the detections, m")
+          ->check(CLI::Range(0.0, 10.0));
+  sub->add_option("--seed", a->setup.seed, "seed of the added noise")
+      ->needs(noise)
+      ->capture_default_str();
   sub->add_option("--every", a->setup.every, "use and evaluate only every n-th frame")
       ->check(CLI::Range(1, 100))
       ->capture_default_str();

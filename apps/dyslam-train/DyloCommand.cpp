@@ -19,6 +19,6 @@ void trainDyloCommand(const TrainArguments& arguments)
   request.validate_only = arguments.validate_only;
   request.report = [](const std::string& line) { std::cout << line << std::endl; };
   request.stopped = stopRequested;
-  trainDylo(arguments.loadConfig(), request);
+  trainDylo(arguments.loadConfig("dylo"), request);
 }
 }  // namespace dyslam

@@ -14,7 +14,7 @@ namespace dyslam
 void trainDysegCommand(const TrainArguments& arguments)
 {
   arguments.requireConsistent();
-  const Config config = arguments.loadConfig();
+  const Config config = arguments.loadConfig("dyseg");
   ConfigLoader loader(config);
   DysegTrainerSetup setup;
   setup.train = loader.get<DysegTrainerOptions>("train");

@@ -30,11 +30,11 @@ void declareCommon(CLI::App& app, TrainArguments& a)
 }
 }  // namespace
 
-Config TrainArguments::loadConfig() const
+Config TrainArguments::loadConfig(const std::string& network) const
 {
-  Config loaded =
-      Config::fromFile(findGivenOrShared(config, "config_files", ".ini", "", "dyslam-train"));
-  loaded.requireFor("dyslam-train");
+  const std::string program = "dyslam-train " + network;
+  Config loaded = Config::fromFile(findGivenOrShared(config, "config_files", ".ini", "", program));
+  loaded.requireFor(program);
   for (const std::string& assignment : assignments)
   {
     loaded.set(assignment);

@@ -24,8 +24,8 @@ struct TrainArguments
 
   /** \throws UserError for options that do not go together. */
   void requireConsistent() const;
-  /** The config file with the assignments done. \throws UserError. */
-  [[nodiscard]] Config loadConfig() const;
+  /** The config file with the assignments done. \param network dylo or dyseg \throws UserError. */
+  [[nodiscard]] Config loadConfig(const std::string& network) const;
 };
 
 /** The subcommand of each network, filling `arguments`. */

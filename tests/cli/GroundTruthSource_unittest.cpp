@@ -406,11 +406,23 @@ TEST(EvaluationFlags, ThoseWithoutAnEffectAreErrors)
   expect(files + kitti + " --time-offset 0", 1, "leave --time-offset out");
   expect(files + tum + " --tolerance 0.01 --time-offset 0", 0, "");
 
+  const std::string boxes = folder.write("boxes.txt", trackLine(1, "Car", 10, 2));
+  const std::string tracks = "tracks --estimate " + boxes + " --reference ";
+  expect(tracks + boxes, 0, "");
+  for (const std::string flag : {"--min-points 5", "--min-speed 1", "--max-range 9", "--view 90",
+                                 "--first-frame 1", "--instance-offset 1"})
+  {
+    expect(tracks + boxes + " " + flag, 1,
+           flag.substr(0, flag.find(' ')) + ": selects boxes of a folder x.gt");
+  }
+  expect(tracks + boxes + " --iou 0.5 --distance 2", 1, "excludes");
+
   const std::string self = "map --self x.rawlog --estimate " + tum;
   for (const char* flag : {"--labels x.label", "--radius 0.1", "--voxel 0.2"})
   {
     expect(self + " " + flag, 1, "excludes");
   }
+  expect(self + " -c kitti_mot.ini", 1, "these settings are for dyslam-eval, not for dyslam");
   const std::string maps = "map --reference a.ply --estimate b.ply";
   for (const std::string flag :
        {"--config a.ini", "--neighbourhood 1", "--min-neighbours 5", "--points 9", "--tolerance 1",

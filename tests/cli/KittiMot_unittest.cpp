@@ -62,6 +62,19 @@ TEST(KittiMotProgram, PublishedFiguresAreOfPointRcnnsDetectionsOnly)
   EXPECT_FALSE(contains(given.out, "AB3DMOT")) << given.out;
 }
 
+TEST(KittiMotProgram, OptionsWithoutAnEffectAreErrors)
+{
+  const TestFolder folder;
+  writeKittiScene(folder.path());
+  const std::string data = "--data " + folder.path();
+  const Outcome seed = kittiMot(folder, data + " --sequences 0000 --seed 2");
+  EXPECT_EQ(seed.code, 1);
+  EXPECT_TRUE(contains(seed.err, "--seed requires --noise")) << seed.err;
+  const Outcome split = kittiMot(folder, data + " --sequences 0000 --split training");
+  EXPECT_EQ(split.code, 1);
+  EXPECT_TRUE(contains(split.err, "excludes")) << split.err;
+}
+
 TEST(KittiMotProgram, SpeedsAreInATable)
 {
   const TestFolder folder;

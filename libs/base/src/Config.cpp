@@ -184,7 +184,9 @@ void Config::merge(const Config& other)
 
 void Config::requireFor(const std::string& program) const
 {
-  if (!program_.text.empty() && program_.text != program)
+  // "dyslam-train" is for all of its commands.
+  const bool fits = (program + " ").rfind(program_.text + " ", 0) == 0;
+  if (!program_.text.empty() && !fits)
   {
     throw UserError(program_.origin + ": these settings are for " + program_.text + ", not for " +
                     program);

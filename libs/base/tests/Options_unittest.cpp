@@ -302,6 +302,19 @@ TEST_F(ConfigFiles, AnIniForAnotherProgramIsRefused)
   }
 }
 
+TEST_F(ConfigFiles, AnIniForAnotherCommandOfTheProgramIsRefused)
+{
+  const Config of_command = Config::fromFile(write("c.ini", "program = dyslam-train dylo\n"));
+  EXPECT_NO_THROW(of_command.requireFor("dyslam-train dylo"));
+  for (const char* other : {"dyslam-train dyseg", "dyslam-train", "dyslam-train dylo2", "dyslam"})
+  {
+    EXPECT_THROW(of_command.requireFor(other), UserError) << other;
+  }
+  const Config of_program = Config::fromFile(write("p.ini", "program = dyslam-train\n"));
+  EXPECT_NO_THROW(of_program.requireFor("dyslam-train dylo"));
+  EXPECT_THROW(of_program.requireFor("dyslam-train2"), UserError);
+}
+
 TEST(Config, MissingFileIsAnError)
 {
   EXPECT_THROW((void)Config::fromFile("/nowhere/x.ini"), UserError);

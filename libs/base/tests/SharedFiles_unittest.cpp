@@ -104,5 +104,28 @@ TEST_F(SharedFiles, UnknownNameListsTheKnown)
   }
   EXPECT_THROW((void)found("./kitti64"), UserError);
 }
+
+TEST_F(SharedFiles, OnlyInisOfTheProgramAreListed)
+{
+  const auto listed = [](const std::string& program)
+  {
+    try
+    {
+      (void)findGivenOrShared("no_such", "config_files", ".ini", "", program);
+    }
+    catch (const UserError& error)
+    {
+      return std::string(error.what());
+    }
+    return std::string("found");
+  };
+  const std::string start = "no_such: no such file; give a path or one of: ";
+  EXPECT_EQ(start + "handheld.ini, kitti64.ini, paper64.ini, solid_state.ini, vlp16.ini",
+            listed("dyslam"));
+  EXPECT_EQ(start + "kitti_mot.ini", listed("dyslam-eval"));
+  EXPECT_EQ(start + "train_dylo.ini", listed("dyslam-train dylo"));
+  EXPECT_EQ(start + "train_dyseg.ini", listed("dyslam-train dyseg"));
+  EXPECT_EQ(start + "splits.ini", listed("dyslam-train splits"));
+}
 }  // namespace
 }  // namespace dyslam

@@ -3,6 +3,7 @@
 #include <dyslam/benchmarks/KittiSlam.h>
 
 #include <cmath>
+#include <limits>
 #include <map>
 
 namespace dyslam
@@ -82,13 +83,14 @@ const TrackedObject* nearest(const std::vector<TrackedObject>& tracked,
   return best;
 }
 
-/** Converts sums of squares to root mean squares. */
+/** Converts sums of squares to root mean squares; NaN of no vehicle. */
 void takeRoots(KittiObjectErrors& e)
 {
   for (double* sum : {&e.observed_position, &e.tracked_position, &e.smoothed_position,
                       &e.difference_speed, &e.tracked_speed, &e.smoothed_speed})
   {
-    *sum = e.count > 0 ? std::sqrt(*sum / static_cast<double>(e.count)) : 0;
+    *sum = e.count > 0 ? std::sqrt(*sum / static_cast<double>(e.count))
+                       : std::numeric_limits<double>::quiet_NaN();
   }
 }
 

@@ -33,9 +33,9 @@ std::optional<double> oneStepRmse(OneStepPredictor& predictor,
                                   const KittiTarget& target,
                                   int warm_up)
 {
-  const PredictionError error = predictionError(predictor, target.observations, target.truth,
-                                                static_cast<std::size_t>(warm_up));
-  return error.predictions > 0 ? std::optional<double>(error.rmse) : std::nullopt;
+  const Statistics error = predictionError(predictor, target.observations, target.truth,
+                                           static_cast<std::size_t>(warm_up));
+  return error.count > 0 ? std::optional<double>(error.rmse) : std::nullopt;
 }
 
 std::optional<double> fixedRmse(const KittiTarget& target, int degree, int window)

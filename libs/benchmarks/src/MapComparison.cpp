@@ -66,7 +66,8 @@ nlohmann::ordered_json toJson(const MapScores& s)
           {"unlabelled", s.unlabelled},
           {"preservation", orNull(s.preservation())},
           {"rejection", orNull(s.rejection())},
-          {"harmonic_mean", orNull(harmonicMean(s.preservation(), s.rejection()))}};
+          {"harmonic_mean", orNull(harmonicMean(s.preservation(), s.rejection()))},
+          {"geometric_mean", orNull(geometricMean(s.preservation(), s.rejection()))}};
 }
 
 nlohmann::ordered_json toJson(const DistanceSummary& s)

@@ -149,9 +149,10 @@ class ScanPlacer
     PreprocessOptions options;
     if (!a.config.empty())
     {
-      load(options,
-           Config::fromFile(findGivenOrShared(a.config, "config_files", ".ini", "", "dyslam")),
-           "preprocess");
+      const Config config =
+          Config::fromFile(findGivenOrShared(a.config, "config_files", ".ini", "", "dyslam"));
+      config.requireFor("dyslam");
+      load(options, config, "preprocess");
     }
     return options;
   }

@@ -207,16 +207,24 @@ Table driftTable(const std::vector<DriveScores>& drives, const std::vector<RunCo
 
 Table movingTable(const std::vector<DriveScores>& drives, const std::vector<RunColumn>& columns)
 {
+  const std::vector<RunColumn> shown = withRuns(drives, columns);
+  const auto has_labels = [](const RunScores* run) { return run != nullptr && run->labels; };
+  const auto is_complete = [&](const DriveScores& drive)
+  {
+    return std::all_of(shown.begin(), shown.end(),
+                       [&](const RunColumn& c) { return has_labels(runOf(drive, c.folder)); });
+  };
   std::vector<Figure> figures;
   std::vector<Value> pooled;
-  for (const RunColumn& c : withRuns(drives, columns))
+  for (const RunColumn& c : shown)
   {
     SegmentationScores all;
     for (const DriveScores& drive : drives)
     {
-      const RunScores* run = runOf(drive, c.folder);
-      add(all,
-          run != nullptr && run->labels ? run->labels->evaluator.scores() : SegmentationScores());
+      if (is_complete(drive))
+      {
+        add(all, runOf(drive, c.folder)->labels->evaluator.scores());
+      }
     }
     int group = 0;
     const auto figure = [&](const char* name, Value (SegmentationScores::*score)() const)
@@ -267,9 +275,10 @@ Table timeTable(const std::vector<DriveScores>& drives, const std::vector<RunCol
     for (const DriveScores& drive : drives)
     {
       const RunScores* run = runOf(drive, c.folder);
-      if (run == nullptr)
+      const double per_scan = run != nullptr ? number(run->report, "ms_per_scan").value_or(0) : 0;
+      if (per_scan <= 0)
       {
-        continue;
+        continue;  // no run, or it did not finish
       }
       const double frames = number(run->report, "frames").value_or(0);
       const auto stages = run->report.find("stage_ms");
@@ -279,7 +288,7 @@ Table timeTable(const std::vector<DriveScores>& drives, const std::vector<RunCol
       preprocess += stage("preprocess");
       segmentation += stage("dyseg");
       pose += stage("odometry") + stage("refine");
-      overall += frames * number(run->report, "ms_per_scan").value_or(0);
+      overall += frames * per_scan;
     }
     const auto mean = [scans](double sum) { return scans > 0 ? Value(sum / scans) : Value(); };
     table.addRow({c.heading, TableCell(mean(preprocess), 1), TableCell(mean(segmentation), 1),

@@ -186,19 +186,14 @@ Table errorTable(const std::vector<TrackError>& errors,
     {
       return;
     }
-    const auto known = [](bool any, double x)
-    { return any ? std::optional<double>(x) : std::nullopt; };
-    const bool any = s.found > 0;
     const double boxes = static_cast<double>(s.boxes);
     const double found = static_cast<double>(s.found);
     const std::string name = type.empty() ? "all" : type;
     table.addRow({name, range, TableCell(boxes, 0), TableCell(100 * found / boxes, 1),
-                  TableCell(known(any, 100 * static_cast<double>(s.same_type) / found), 1),
-                  TableCell(known(any, s.position_mean), 2),
-                  TableCell(known(any, s.position_rmse), 2),
-                  TableCell(known(any, s.yaw_median * 180 / M_PI), 1),
-                  TableCell(known(s.speeds > 0, s.speed_mean_abs), 2),
-                  TableCell(known(s.speeds > 0, s.speed_bias), 2)});
+                  TableCell(100 * static_cast<double>(s.same_type) / found, 1),
+                  TableCell(s.position_mean, 2), TableCell(s.position_rmse, 2),
+                  TableCell(s.yaw_median * 180 / M_PI, 1), TableCell(s.speed_mean_abs, 2),
+                  TableCell(s.speed_bias, 2)});
     json[name][range] = toJson(s);
   };
   types.emplace_back();
@@ -246,19 +241,13 @@ void addMetrics(const std::string& name,
   const Hota higher_order = hota(sequences, rules);
   const RecallAverages averages = averagesOverRecall(sequences, rules);
   const auto percent = [](double x) { return TableCell(100 * x, 2); };
-  // Averages over forty recall values require at least forty boxes.
-  const auto average = [&](double x)
-  {
-    const bool enough = mot.references >= 40;
-    return TableCell(enough ? std::optional<double>(100 * x) : std::nullopt, 2);
-  };
   const auto whole = [](std::size_t n) { return TableCell(static_cast<double>(n), 0); };
   table.addRow({name, whole(mot.references), percent(mot.mota), percent(mot.motp),
                 percent(mot.recall), percent(mot.precision), whole(mot.id_switches),
                 whole(mot.fragmentations), whole(mot.false_alarms), whole(mot.misses),
                 percent(mot.mostly_tracked), percent(mot.mostly_lost), percent(higher_order.hota),
                 percent(higher_order.detection), percent(higher_order.association),
-                average(averages.samota), average(averages.amota), average(averages.amotp)});
+                percent(averages.samota), percent(averages.amota), percent(averages.amotp)});
   json = {{"references", mot.references},
           {"mota", mot.mota},
           {"motp", mot.motp},

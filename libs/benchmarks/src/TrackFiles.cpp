@@ -203,7 +203,15 @@ TrackData readTruth(const std::string& folder, TrackSelection& selection, const 
   {
     data.speeds = speedsFrom(data.boxes, lidarPoses(folder, readTum(poses.string()), note));
   }
+  else if (selection.min_speed > 0)
+  {
+    note(folder + " has no poses_tum.txt: speeds are not known, so boxes at rest count, too");
+  }
   const bool has_labels = fs::is_directory(labels);
+  if (!has_labels && selection.min_points > 0)
+  {
+    note(folder + " has no labels: boxes count whatever the number of their points");
+  }
   const PointCounts counts = has_labels ? pointCounts(labels.string()) : PointCounts();
   selection.view = selection.view.value_or(fromImages(data.boxes) ? kitti_camera : all_around);
   selection.instance_offset =

@@ -156,6 +156,30 @@ TEST(TrackComparison, ClassesAreThoseOfTheReferenceOrTheGivenOnes)
   EXPECT_EQ(report.metrics.rows(), 2U);
 }
 
+TEST(TrackComparison, WhatTheSelectionOfTrueBoxesLacksIsNoted)
+{
+  const TestFolder folder;
+  std::filesystem::create_directories(folder.file("x.gt"));
+  writeTracks(folder.file("x.gt/tracks.txt"), {boxOf(0, 1, "Car", 10)});
+  const TrackSources sources{folder.file("x.gt"), folder.file("x.gt/tracks.txt"), ""};
+  Names notes;
+  const auto read = [&](TrackSelection selection)
+  {
+    notes.clear();
+    return readReferenceTracks(sources, selection,
+                               [&](const std::string& note) { notes.push_back(note); });
+  };
+  EXPECT_NE(read({}).boxes.at(0).occluded, ignored_box);
+  ASSERT_EQ(notes.size(), 2U);
+  EXPECT_TRUE(contains(notes[0], "x.gt has no poses_tum.txt: speeds are not known"));
+  EXPECT_TRUE(contains(notes[1], "x.gt has no labels: boxes count whatever"));
+  TrackSelection every_box;
+  every_box.min_speed = 0;
+  every_box.min_points = 0;
+  (void)read(every_box);
+  EXPECT_TRUE(notes.empty());
+}
+
 TEST(TrackComparison, IdsOfAFileAreThoseOfTracks)
 {
   const TestFolder folder;
@@ -304,6 +328,9 @@ TEST(MapComparison, MapsAreComparedByLabelsOrByDistance)
   const auto points = nlohmann::json::parse(by_labels.json)["maps"][0]["by_point"];
   EXPECT_EQ(points["static"], 3);
   EXPECT_EQ(points["dynamic"], 1);
+  EXPECT_DOUBLE_EQ(
+      std::sqrt(points["preservation"].get<double>() * points["rejection"].get<double>()),
+      points["geometric_mean"].get<double>());
   EXPECT_TRUE(contains(messageOfError<UserError>(
                            [&] {
                              (void)compareByDistance({"empty.ply", Scan()}, maps);

@@ -3,12 +3,14 @@
 #include <dyslam/base/Error.h>
 #include <dyslam/base/Options.h>
 #include <dyslam/benchmarks/KittiMot.h>
+#include <dyslam/benchmarks/KittiSlam.h>
 #include <dyslam/benchmarks/KittiSpeeds.h>
 #include <dyslam/eval/TrackMetrics.h>
 #include <dyslam/formats/KittiTracks.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 #include <set>
@@ -88,6 +90,18 @@ TEST_F(KittiMot, WrittenTracksScoreAsThoseTracked)
                 json[type]["hota"].get<double>(), 1e-9)
         << type;
   }
+}
+
+TEST_F(KittiMot, AveragesOfFewBoxesAreNull)
+{
+  const NamedKittiMotScores scores{
+      {"Cyclist",
+       kittiMotScores(runKittiMot(setup_, {"0000"}, "Cyclist"), TrackRules::kitti("Cyclist"))}};
+  const auto cyclists = nlohmann::json::parse(kittiMotJson(scores))["Cyclist"];
+  EXPECT_EQ(cyclists["references"], 0);
+  EXPECT_TRUE(cyclists["samota"].is_null());
+  EXPECT_TRUE(cyclists["mota"].is_null());
+  EXPECT_FALSE(contains(kittiMotTable(scores, "chosen", false).toText(), "sAMOTA"));
 }
 
 TEST_F(KittiMot, DropsFramesAndAddsNoiseOfItsSeed)
@@ -179,5 +193,13 @@ TEST_F(KittiMot, SpeedsCountTheFramesOfTheirError)
   sources.series = {{"other", folder_.write("other.csv", "speed,time\n1,2\n")}};
   EXPECT_TRUE(contains(messageOfError<UserError>([&] { (void)kittiSpeeds(sources); }),
                        "the first line must be time,speed"));
+}
+
+TEST(KittiSlam, ErrorsOfNoVehicleAreNotZero)
+{
+  const KittiObjectErrors errors = kittiObjectErrors({}, {}, {});
+  EXPECT_EQ(errors.count, 0U);
+  EXPECT_TRUE(std::isnan(errors.smoothed_position));
+  EXPECT_TRUE(std::isnan(errors.tracked_speed));
 }
 }  // namespace dyslam

@@ -158,5 +158,34 @@ TEST_F(RunScoresOf, ASplitHasItsDrives)
   const std::string times = timeTable(found, columns.odometry).toCsv();
   EXPECT_TRUE(contains(times, "DySLAM,")) << times;
   EXPECT_FALSE(contains(times, "GICP")) << "no drive has that run";
+
+  writeRun("runs/b/dyslam", R"({"frames": 40, "ms_per_scan": 0.0, "finished": false})");
+  EXPECT_EQ(timeTable(drives(), columns.odometry).toCsv(), times) << "b did not finish";
+}
+
+TEST_F(RunScoresOf, AllPointsAreOfDrivesWithLabelsOfEveryMethod)
+{
+  const auto withLabels = [](const std::vector<Label>& estimate)
+  {
+    RunScores run;
+    run.labels.emplace();
+    run.labels->evaluator.add({label_moving, label_moving, label_static}, estimate);
+    return run;
+  };
+  std::vector<DriveScores> drives(2);
+  drives[0].name = "both";
+  drives[0].runs["causal"] = withLabels({label_moving, label_static, label_static});
+  drives[0].runs["dyslam"] = withLabels({label_moving, label_moving, label_static});
+  drives[1].name = "one";
+  drives[1].runs["causal"] = withLabels({label_moving, label_static, label_static});
+  drives[1].runs["dyslam"] = RunScores();  // without labels
+  const std::string table =
+      movingTable(drives, {{"causal", "causal"}, {"hindsight", "dyslam"}}).toCsv();
+  EXPECT_TRUE(contains(table, "\nmean of 1,0.5,1,0.5,1,1,1\n")) << table;
+  EXPECT_TRUE(contains(table, "\nall points,0.5,1,0.5,1,1,1\n")) << table;
+  drives[0].runs["causal"] = withLabels({label_static, label_static, label_moving});
+  const std::string other =
+      movingTable(drives, {{"causal", "causal"}, {"hindsight", "dyslam"}}).toCsv();
+  EXPECT_TRUE(contains(other, "\nall points,0,0,0,1,1,1\n")) << "not those of one, too\n" << other;
 }
 }  // namespace dyslam

@@ -43,10 +43,11 @@ struct Arguments
 
 void printRow(const std::string& set, const std::string& method, const SegmentationCounts& c)
 {
+  const double nan = std::nan("");
   auto ms = c.ms;
   std::sort(ms.begin(), ms.end());
   std::printf("%-22s %-28s IoU %.3f  precision %.3f  recall %.3f", set.c_str(), method.c_str(),
-              c.iou(), c.precision(), c.recall());
+              c.iou().value_or(nan), c.precision().value_or(nan), c.recall().value_or(nan));
   if (!ms.empty())
   {
     auto cpu = c.cpu_ms;
@@ -299,7 +300,7 @@ void printScenarios(const Arguments& a)
     for (const auto& c : sums)
     {
       std::printf(
-          "  recall %.3f FPR %.4f %%", c.recall(),
+          "  recall %.3f FPR %.4f %%", c.recall().value_or(std::nan("")),
           100 * static_cast<double>(c.false_positives) / static_cast<double>(c.static_points));
     }
     std::printf("\n");

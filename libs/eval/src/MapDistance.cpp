@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/base/Parallel.h>
 #include <dyslam/base/Quantile.h>
+#include <dyslam/base/Statistics.h>
 #include <dyslam/core/NeighbourSearch.h>
 #include <dyslam/eval/MapDistance.h>
-#include <dyslam/eval/Statistics.h>
 
 #include <algorithm>
 #include <cmath>

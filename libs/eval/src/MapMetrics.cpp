@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/base/Statistics.h>
 #include <dyslam/core/Labels.h>
 #include <dyslam/eval/MapMetrics.h>
-#include <dyslam/eval/Statistics.h>
 
 #include <array>
 #include <cmath>

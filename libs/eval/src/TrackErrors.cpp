@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/base/Angle.h>
 #include <dyslam/base/Assignment.h>
-#include <dyslam/eval/Statistics.h>
+#include <dyslam/base/Statistics.h>
 #include <dyslam/eval/TrackErrors.h>
 
 #include <cmath>
+#include <limits>
 
 #include "TrackPreparation.h"
 
@@ -176,15 +177,15 @@ TrackErrorSummary summaryOf(const std::vector<TrackError>& errors,
       summary.speed_bias += *error.speed;
     }
   }
+  constexpr double undefined = std::numeric_limits<double>::quiet_NaN();
+  const bool any = summary.found > 0;
   const Statistics position = statisticsOf(positions);
-  summary.position_mean = position.mean;
-  summary.position_rmse = position.rmse;
-  summary.yaw_median = statisticsOf(yaws).median;
-  if (summary.speeds > 0)
-  {
-    summary.speed_mean_abs /= static_cast<double>(summary.speeds);
-    summary.speed_bias /= static_cast<double>(summary.speeds);
-  }
+  summary.position_mean = any ? position.mean : undefined;
+  summary.position_rmse = any ? position.rmse : undefined;
+  summary.yaw_median = any ? statisticsOf(yaws).median : undefined;
+  const double speeds = summary.speeds > 0 ? static_cast<double>(summary.speeds) : undefined;
+  summary.speed_mean_abs /= speeds;
+  summary.speed_bias /= speeds;
   return summary;
 }
 }  // namespace dyslam

@@ -28,6 +28,7 @@ struct TrackHistory
 };
 
 constexpr double all_tracks = -std::numeric_limits<double>::infinity();
+constexpr double undefined = std::numeric_limits<double>::quiet_NaN();
 
 class ClearMotCount
 {
@@ -53,17 +54,15 @@ class ClearMotCount
   ClearMot result() const
   {
     ClearMot r = result_;
-    const auto ratio = [](double a, double b) { return b > 0 ? a / b : 0.0; };
+    const auto ratio = [](double a, double b) { return b > 0 ? a / b : undefined; };
     const auto tp = static_cast<double>(r.matches);
     const auto fp = static_cast<double>(r.false_alarms);
     const auto fn = static_cast<double>(r.misses);
     r.precision = ratio(tp, tp + fp);
     r.recall = ratio(tp, tp + fn);
-    r.f1 = ratio(2 * r.precision * r.recall, r.precision + r.recall);
     r.motp = ratio(overlap_, tp);
-    r.mota = r.references > 0 ? 1 - (fn + fp + static_cast<double>(r.id_switches)) /
-                                        static_cast<double>(r.references)
-                              : 0;
+    r.mota =
+        1 - ratio(fn + fp + static_cast<double>(r.id_switches), static_cast<double>(r.references));
     r.mostly_tracked = ratio(mostly_tracked_, reference_tracks_);
     r.mostly_lost = ratio(mostly_lost_, reference_tracks_);
     return r;
@@ -283,12 +282,16 @@ RecallAverages averagesOverRecall(const std::vector<TrackSequence>& sequences,
     point.smota = std::clamp(smota, 0.0, 1.0);
     averages.samota += point.smota / recall_points;
     averages.amota += point.mot.mota / recall_points;
-    averages.amotp += point.mot.motp / recall_points;
+    averages.amotp += point.mot.matches > 0 ? point.mot.motp / recall_points : 0;
     if (point.mot.mota > averages.best.mota)
     {
       averages.best = point.mot;
     }
     averages.points.push_back(point);
+  }
+  if (whole.references < static_cast<std::size_t>(recall_points))
+  {
+    averages.samota = averages.amota = averages.amotp = undefined;
   }
   return averages;
 }

@@ -102,7 +102,7 @@ class Preparation
     }
     for (const LabelledBox& box : input_.estimate)
     {
-      if (inSequence(box) && isOfType(box))
+      if (inSequence(box) && isOfType(box) && !sameType(box.type, "DontCare"))
       {
         estimates_[static_cast<std::size_t>(box.frame)].push_back(&box);
       }

@@ -96,6 +96,18 @@ TEST(TrackMetrics, ignoredBoxesAreNeitherHitsNorMisses)
   EXPECT_EQ(clearMot({sequence}, plainRules()).misses, 10u);
 }
 
+TEST(TrackMetrics, areasWithoutLabelsAreNoEstimates)
+{
+  TrackSequence sequence = perfect();
+  for (int f = 0; f < sequence.frames; ++f)
+  {
+    sequence.reference.push_back(boxAt(f, -1, -1000, -1000, "DontCare"));
+    sequence.estimate.push_back(boxAt(f, -1, -1000, -1000, "DontCare"));
+  }
+  EXPECT_EQ(clearMot({sequence}, plainRules()).false_alarms, 0u);
+  EXPECT_NEAR(hota({sequence}, plainRules()).hota, 1, 1e-6);
+}
+
 /** Six of ten counted boxes are found, and all ignored ones, with half a metre of error. */
 TEST(TrackMetrics, matchesOfIgnoredBoxesCountUnderKittisRulesOnly)
 {
@@ -156,13 +168,39 @@ TEST(TrackMetrics, distanceInsteadOfOverlap)
 TEST(TrackMetrics, emptyInputs)
 {
   const ClearMot mot = clearMot({}, plainRules());
-  EXPECT_EQ(mot.mota, 0);
+  EXPECT_TRUE(std::isnan(mot.mota));
   TrackSequence nothing;
   nothing.frames = 3;
   EXPECT_EQ(clearMot({nothing}, plainRules()).references, 0u);
   EXPECT_TRUE(std::isfinite(hota({nothing}, plainRules()).hota));
   EXPECT_TRUE(trackErrors(nothing, plainRules(), 2).empty());
   EXPECT_EQ(summaryOf({}).boxes, 0u);
+}
+
+TEST(TrackMetrics, whatCannotBeComputedIsNotZero)
+{
+  const RecallAverages twenty_boxes = averagesOverRecall({perfect()}, plainRules(), 21);
+  EXPECT_TRUE(std::isnan(twenty_boxes.samota));
+  EXPECT_TRUE(std::isnan(twenty_boxes.amota));
+  EXPECT_TRUE(std::isnan(twenty_boxes.amotp));
+  EXPECT_DOUBLE_EQ(twenty_boxes.best.mota, 1);
+  EXPECT_NEAR(averagesOverRecall({perfect()}, plainRules(), 19).samota, 1, 1e-9);
+
+  TrackSequence without_estimates = perfect();
+  without_estimates.estimate.clear();
+  const ClearMot mot = clearMot({without_estimates}, plainRules());
+  EXPECT_DOUBLE_EQ(mot.mota, 0);
+  EXPECT_DOUBLE_EQ(mot.recall, 0);
+  EXPECT_DOUBLE_EQ(mot.mostly_lost, 1);
+  EXPECT_TRUE(std::isnan(mot.precision));
+  EXPECT_TRUE(std::isnan(mot.motp));
+  EXPECT_EQ(averagesOverRecall({without_estimates}, plainRules(), 20).samota, 0);
+
+  const TrackErrorSummary errors = summaryOf(trackErrors(without_estimates, plainRules(), 2));
+  EXPECT_EQ(errors.boxes, 20u);
+  EXPECT_TRUE(std::isnan(errors.position_mean));
+  EXPECT_TRUE(std::isnan(errors.yaw_median));
+  EXPECT_TRUE(std::isnan(errors.speed_bias));
 }
 
 TEST(TrackErrors, speedsUseTheLidarPosesByFrameIndex)

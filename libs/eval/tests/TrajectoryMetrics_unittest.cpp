@@ -55,21 +55,6 @@ std::vector<Pose> straight(std::size_t count, double step)
   return poses;
 }
 
-TEST(Statistics, KnownValues)
-{
-  const auto s = statisticsOf({4, 1, 3, 2});
-  EXPECT_EQ(s.count, 4U);
-  EXPECT_DOUBLE_EQ(s.max, 4);
-  EXPECT_DOUBLE_EQ(s.min, 1);
-  EXPECT_DOUBLE_EQ(s.mean, 2.5);
-  EXPECT_DOUBLE_EQ(s.median, 2.5);
-  EXPECT_DOUBLE_EQ(s.rmse, std::sqrt(7.5));
-  EXPECT_DOUBLE_EQ(s.standard_deviation, std::sqrt(1.25));
-  EXPECT_DOUBLE_EQ(statisticsOf({5, 1, 2}).median, 2);
-  EXPECT_EQ(statisticsOf({}).count, 0U);
-  EXPECT_THROW((void)statisticsOf({1, std::nan("")}), std::invalid_argument);
-}
-
 TEST(Association, ByTimeIsOneToOneAndNearest)
 {
   Trajectory reference;

@@ -2,6 +2,7 @@
 #include <dyslam/base/Error.h>
 #include <dyslam/base/Files.h>
 #include <dyslam/base/PendingFile.h>
+#include <dyslam/base/Printable.h>
 #include <dyslam/formats/GroundTruth.h>
 #include <dyslam/formats/KittiFiles.h>
 #include <dyslam/formats/ScanFiles.h>
@@ -141,6 +142,14 @@ class Sequence
     writeWhole((pending_ / "times.txt").string(), times_);
     writeCalib();
     const bool poses = !poses_.empty() && poses_.size() == result_.scans;
+    if (poses && linesLeft() > 0)
+    {
+      result_.warnings.push_back(options_.trajectory + ": has " +
+                                 counted(given_->trajectory.size(), "pose") + " for " +
+                                 counted(result_.scans, "scan") +
+                                 "; without times the first ones are used: give the TUM file of "
+                                 "the run if they are not of these scans");
+    }
     if (poses)
     {
       writeKittiPoses((pending_ / "poses.txt").string(), cameraPoses());
@@ -151,6 +160,12 @@ class Sequence
     {
       result_.warnings.push_back("no poses are written: " + std::to_string(poses_.size()) + " of " +
                                  std::to_string(result_.scans) + " scans have one");
+    }
+    if (options_.rings && ring_files_ < result_.scans)
+    {
+      result_.warnings.push_back("--rings: " + std::to_string(ring_files_) + " of " +
+                                 std::to_string(result_.scans) +
+                                 " scans have ring numbers; the others have no .ring");
     }
     if (options_.no_scans)
     {
@@ -184,6 +199,7 @@ class Sequence
         rings += static_cast<char>(std::min<std::uint16_t>(ring, 255));
       }
       writeWhole((velodyne / numberedName(result_.scans, ".ring")).string(), rings);
+      ++ring_files_;
     }
     if (const auto labels = trueLabels(truth_, frame.index, scan.size()))
     {
@@ -207,6 +223,15 @@ class Sequence
     }
     const auto nearest = poses.nearest(frame.scan.stamp, same_instant);
     return nearest ? std::optional<Pose>(poses[*nearest].pose) : std::nullopt;
+  }
+
+  /** Lines of a trajectory without times beyond the scans of the whole recording. */
+  [[nodiscard]] std::size_t linesLeft() const
+  {
+    const bool whole = options_.only_first_n == 0 && options_.end <= 0;
+    return given_ && given_->format == TrajectoryFormat::kitti && whole
+               ? given_->trajectory.size() - result_.scans
+               : 0;
   }
 
   /** Of camera 0 in its own first frame. */
@@ -247,6 +272,7 @@ class Sequence
   KittiCalib calib_ = calibAtLidar();
   std::string times_;
   double first_stamp_ = 0;
+  std::size_t ring_files_ = 0;
   std::vector<Pose> poses_;  //!< T_world_lidar
   ConversionResult result_;
 };
@@ -282,6 +308,10 @@ ConversionResult exportKitti(const std::string& rawlog,
     throw UserError(
         "--rings: rings of several lidars are no numbers of one; leave out "
         "--further-lidars");
+  }
+  if (options.rings && options.no_scans)
+  {
+    throw UserError("--rings: are written beside the scans; leave out --no-scans");
   }
   RawlogSourceOptions source_options;
   static_cast<ScanRange&>(source_options) = options;

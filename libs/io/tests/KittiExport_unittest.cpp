@@ -120,6 +120,40 @@ TEST(KittiExport, ScansOfFurtherLidarsAreMerged)
   EXPECT_TRUE(contains(message, "--rings")) << message;
 }
 
+TEST(KittiExport, OptionsWithoutAnEffectAreSaid)
+{
+  const TestFolder folder;
+  {
+    RawlogWriter writer(folder.file("x.rawlog"));
+    std::vector<Pose> poses;
+    for (std::size_t i = 0; i < 3; ++i)
+    {
+      writer.write(someScan(i, 10));
+      poses.push_back(somePose(i));
+    }
+    writer.close();
+    poses.push_back(somePose(3));
+    writeKittiPoses(folder.file("four.txt"), poses);
+  }
+  KittiExportOptions options;
+  options.rings = true;
+  options.trajectory = folder.file("four.txt");
+  const auto result = exportKitti(folder.file("x.rawlog"), folder.file("kitti"), options);
+  EXPECT_EQ(3U, result.poses);
+  ASSERT_EQ(2U, result.warnings.size());
+  EXPECT_TRUE(contains(result.warnings[0], "four.txt: has 4 poses for 3 scans"));
+  EXPECT_TRUE(contains(result.warnings[1], "--rings: 0 of 3 scans have ring numbers"));
+
+  options.sequence = "01";
+  options.rings = false;
+  options.only_first_n = 3;
+  EXPECT_TRUE(exportKitti(folder.file("x.rawlog"), folder.file("kitti"), options).warnings.empty());
+  options.rings = options.no_scans = true;
+  EXPECT_TRUE(contains(messageOfError<UserError>(
+                           [&] { (void)exportKitti(folder.file("x.rawlog"), "never", options); }),
+                       "--rings: are written beside the scans"));
+}
+
 TEST(KittiExport, DamagedTracksDoNotStopIt)
 {
   const TestFolder folder;

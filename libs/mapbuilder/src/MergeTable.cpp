@@ -2,7 +2,7 @@
 #include "MergeTable.h"
 
 #include <dyslam/base/Angle.h>
-#include <dyslam/eval/Statistics.h>
+#include <dyslam/base/Statistics.h>
 
 #include <cmath>
 #include <optional>

@@ -144,9 +144,10 @@ DataSplits::DataSplits(const Config& config)
 
 DataSplits DataSplits::load(const std::string& file, const std::string& field)
 {
+  const std::string program = "dyslam-train splits";
   const Config config =
-      Config::fromFile(findGivenOrShared(file, "config_files", ".ini", field, "dyslam-train"));
-  config.requireFor("dyslam-train");
+      Config::fromFile(findGivenOrShared(file, "config_files", ".ini", field, program));
+  config.requireFor(program);
   return DataSplits(config);
 }
 

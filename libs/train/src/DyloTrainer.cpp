@@ -282,8 +282,8 @@ void Trainer::validate()
       const MotionErrors& e = predicted ? row.predicted_start : row.network;
       std::ostringstream line;
       line << loop_->step() << ',' << row.recording << ','
-           << (predicted ? "prediction" : "standing") << ',' << e.translation_mean << ','
-           << e.translation_rmse << ',' << e.rotation_mean_deg << ',' << e.rotation_rmse_deg << ','
+           << (predicted ? "prediction" : "standing") << ',' << e.translation.mean << ','
+           << e.translation.rmse << ',' << e.rotation_deg.mean << ',' << e.rotation_deg.rmse << ','
            << e.forward_ratio;
       lines.push_back(line.str());
     }

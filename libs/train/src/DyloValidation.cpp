@@ -9,6 +9,7 @@
 #include <chrono>
 #include <cmath>
 #include <cstdio>
+#include <limits>
 #include <ostream>
 
 namespace dyslam
@@ -19,7 +20,7 @@ std::string line(const char* name, const MotionErrors& e)
 {
   char text[200];
   std::snprintf(text, sizeof text, "    %-18s %8.4f %8.4f m  %8.4f %8.4f deg  %7.3f\n", name,
-                e.translation_mean, e.translation_rmse, e.rotation_mean_deg, e.rotation_rmse_deg,
+                e.translation.mean, e.translation.rmse, e.rotation_deg.mean, e.rotation_deg.rmse,
                 e.forward_ratio);
   return text;
 }
@@ -72,39 +73,34 @@ void sampleMask(const DyloStage& stage,
                }
              });
 }
+
+/** Statistics of errors; NaN if one of them is not finite, as of a network that diverged. */
+Statistics statisticsOrNaN(const std::vector<double>& errors)
+{
+  constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+  const bool finite =
+      std::all_of(errors.begin(), errors.end(), [](double e) { return std::isfinite(e); });
+  return finite ? statisticsOf(errors) : Statistics{errors.size(), nan, nan, nan, nan, nan, nan};
+}
 }  // namespace
 
 MotionErrors motionErrors(const std::vector<Pose>& estimates, const std::vector<Pose>& truths)
 {
-  MotionErrors errors;
+  std::vector<double> translations;
+  std::vector<double> rotations_deg;
   double forward = 0;
   double forward_truth = 0;
-  const auto count = static_cast<double>(std::max<std::size_t>(truths.size(), 1));
-  std::vector<double> translations;
   for (std::size_t i = 0; i < truths.size(); ++i)
   {
     const Pose difference = truths[i].inverse() * estimates[i];
-    const double t = difference.translation().norm();
-    const double r = rotationAngle(difference) * 180 / M_PI;
-    translations.push_back(t);
-    errors.translation_mean += t / count;
-    errors.translation_rmse += t * t / count;
-    errors.rotation_mean_deg += r / count;
-    errors.rotation_rmse_deg += r * r / count;
+    translations.push_back(difference.translation().norm());
+    rotations_deg.push_back(rotationAngle(difference) * 180 / M_PI);
     forward += estimates[i].translation().x();
     forward_truth += truths[i].translation().x();
   }
-  if (!translations.empty())
-  {
-    std::sort(translations.begin(), translations.end());
-    errors.translation_min = translations.front();
-    errors.translation_median = translations[translations.size() / 2];
-    errors.translation_max = translations.back();
-  }
-  errors.translation_deviation = std::sqrt(
-      std::max(0.0, errors.translation_rmse - errors.translation_mean * errors.translation_mean));
-  errors.translation_rmse = std::sqrt(errors.translation_rmse);
-  errors.rotation_rmse_deg = std::sqrt(errors.rotation_rmse_deg);
+  MotionErrors errors;
+  errors.translation = statisticsOrNaN(translations);
+  errors.rotation_deg = statisticsOrNaN(rotations_deg);
   errors.forward_ratio = std::abs(forward_truth) > 1e-9 ? forward / forward_truth : 0;
   return errors;
 }
@@ -157,7 +153,7 @@ struct PairMotions
     }
     for (const auto& stage : stages)
     {
-      row.stage_translation_rmse.push_back(motionErrors(stage, truths).translation_rmse);
+      row.stage_translation_rmse.push_back(motionErrors(stage, truths).translation.rmse);
     }
   }
 };
@@ -245,8 +241,8 @@ std::string validationTable(const std::vector<ValidationRow>& rows)
     char spread[120];
     std::snprintf(spread, sizeof spread,
                   "    dylo, t max %.4f  median %.4f  min %.4f  std %.4f m\n",
-                  row.network.translation_max, row.network.translation_median,
-                  row.network.translation_min, row.network.translation_deviation);
+                  row.network.translation.max, row.network.translation.median,
+                  row.network.translation.min, row.network.translation.standard_deviation);
     text += spread;
     text += "    stages, t rmse [m]:";
     for (const double error : row.stage_translation_rmse)

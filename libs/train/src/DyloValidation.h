@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <dyslam/base/Statistics.h>
 #include <dyslam/nets/DyloNetwork.h>
 #include <dyslam/train/Recordings.h>
 
@@ -10,15 +11,11 @@
 
 namespace dyslam
 {
-/** Errors of relative motions between consecutive scans. */
+/** Errors of relative motions between consecutive scans; NaN where an estimate is not finite. */
 struct MotionErrors
 {
-  double translation_rmse = 0;                                              //!< [m]
-  double translation_mean = 0;                                              //!< [m]
-  double translation_max = 0, translation_median = 0, translation_min = 0;  //!< [m]
-  double translation_deviation = 0;  //!< standard deviation [m]
-  double rotation_rmse_deg = 0;
-  double rotation_mean_deg = 0;
+  Statistics translation;    //!< [m]
+  Statistics rotation_deg;   //!< [deg]
   double forward_ratio = 0;  //!< sum of the estimated over sum of the true motions along x
 };
 

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/base/Statistics.h>
 #include <dyslam/core/Scan.h>
 #include <dyslam/train/DysegLosses.h>
 #include <dyslam/train/DysegScores.h>
@@ -7,25 +8,17 @@
 
 namespace dyslam
 {
-namespace
-{
-double ratio(std::uint64_t part, std::uint64_t whole)
-{
-  return whole > 0 ? static_cast<double>(part) / static_cast<double>(whole) : 0;
-}
-}  // namespace
-
-double DysegScores::iou() const
+std::optional<double> DysegScores::iou() const
 {
   return ratio(true_positives, true_positives + false_positives + false_negatives);
 }
 
-double DysegScores::precision() const
+std::optional<double> DysegScores::precision() const
 {
   return ratio(true_positives, true_positives + false_positives);
 }
 
-double DysegScores::recall() const
+std::optional<double> DysegScores::recall() const
 {
   return ratio(true_positives, true_positives + false_negatives);
 }

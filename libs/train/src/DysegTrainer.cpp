@@ -30,8 +30,6 @@ constexpr int report_every = 20;  // steps between reports
 
 constexpr const char* weights_file = "dyseg.safetensors";  // in the folder of output
 constexpr const char* log_file = "train.csv";
-constexpr const char* score_names =
-    "set,iou,precision,recall,epe_static_m,epe_moving_m,own_motion_m,own_motion_rad";
 
 /** A pair of a step, with the random numbers that its loss draws. */
 struct PreparedPair
@@ -203,14 +201,7 @@ std::vector<std::string> DysegTrainer::Impl::evaluate(const std::string& weights
       const PlanarPrior guess{PlanarMotion::fromPose(sample.T_past_current)};
       s.add(scorePair(model, sample, set.with_guess ? &guess : nullptr));
     }
-    char scores[200];
-    std::snprintf(scores, sizeof(scores), ",%.4f,%.4f,%.4f,%.4f,%.4f,%.4f,%.5f", s.iou(),
-                  s.precision(), s.recall(),
-                  s.static_error / std::max<double>(1, static_cast<double>(s.static_cells)),
-                  s.moving_error / std::max<double>(1, static_cast<double>(s.moving_cells)),
-                  s.translation_error / static_cast<double>(s.pairs),
-                  s.yaw_error / static_cast<double>(s.pairs));
-    rows.push_back(set.name + scores);
+    rows.push_back(set.name + scoreFields(s));
   }
   return rows;
 }
@@ -219,7 +210,7 @@ void DysegTrainer::Impl::validate()
 {
   loop->save();
   const std::string step = std::to_string(loop->step());
-  report("validation at step " + step + ": " + score_names);
+  report("validation at step " + step + ": " + dyseg_score_names);
   std::vector<std::string> rows;
   for (const std::string& row : evaluate(loop->file(weights_file)))
   {
@@ -257,7 +248,7 @@ DysegTrainer::DysegTrainer(const DysegTrainerSetup& setup, std::string folder)
   loop.folder = std::move(folder);
   loop.log_file = log_file;
   loop.log_header = "step,minutes,rate,matching,flow,static_probability,cell,point";
-  loop.validation_header = std::string("step,") + score_names;
+  loop.validation_header = std::string("step,") + dyseg_score_names;
   loop.steps = options.steps;
   loop.batch = options.batch;
   loop.threads = options.threads;
@@ -301,7 +292,7 @@ void DysegTrainer::resume()
 void DysegTrainer::validateOnly(const std::string& weights,
                                 const std::function<void(const std::string&)>& report)
 {
-  report(std::string("validation: ") + score_names);
+  report(std::string("validation: ") + dyseg_score_names);
   for (const std::string& row :
        impl_->evaluate(weights.empty() ? impl_->loop->file(weights_file) : weights))
   {

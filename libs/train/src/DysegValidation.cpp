@@ -4,7 +4,9 @@
 #include <dyslam/base/Error.h>
 #include <dyslam/train/DataSplits.h>
 
+#include <cstdio>
 #include <filesystem>
+#include <optional>
 
 namespace dyslam
 {
@@ -128,6 +130,30 @@ std::vector<DysegValidationSet> simulatedSets(const DataSplits& splits)
   return sets;
 }
 }  // namespace
+
+std::string scoreFields(const DysegScores& s)
+{
+  const auto mean = [](double sum, std::uint64_t count)
+  { return count > 0 ? std::optional(sum / static_cast<double>(count)) : std::nullopt; };
+  std::string fields;
+  const auto add = [&fields](std::optional<double> value, int digits)
+  {
+    char text[40] = "";
+    if (value)
+    {
+      std::snprintf(text, sizeof text, "%.*f", digits, *value);
+    }
+    fields += std::string(",") + text;
+  };
+  add(s.iou(), 4);
+  add(s.precision(), 4);
+  add(s.recall(), 4);
+  add(mean(s.static_error, s.static_cells), 4);
+  add(mean(s.moving_error, s.moving_cells), 4);
+  add(mean(s.translation_error, s.pairs), 4);
+  add(mean(s.yaw_error, s.pairs), 5);
+  return fields;
+}
 
 void checkDysegValidation(const DysegTrainerOptions& options)
 {

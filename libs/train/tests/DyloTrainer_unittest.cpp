@@ -44,6 +44,33 @@ DyloTrainRequest requestFor(const std::string& folder)
   return request;
 }
 
+TEST(DyloValidation, StatisticsOfTheErrorsOfMotions)
+{
+  const Pose quarter_turn = poseFromYpr(0, 0, 0, M_PI / 2, 0, 0);
+  std::vector<Pose> truths(4, Pose::Identity());
+  std::vector<Pose> estimates(4, Pose::Identity());
+  for (std::size_t i = 0; i < truths.size(); ++i)
+  {
+    truths[i].translation().x() = 10;
+    const double forward = i == 3 ? 17 : 10 + static_cast<double>(i);
+    estimates[i].translation().x() = forward;  // errors 0, 1, 2, 7
+  }
+  estimates[1].linear() = quarter_turn.linear();
+  const MotionErrors errors = motionErrors(estimates, truths);
+  EXPECT_DOUBLE_EQ(2.5, errors.translation.mean);
+  EXPECT_DOUBLE_EQ(1.5, errors.translation.median);
+  EXPECT_DOUBLE_EQ(0, errors.translation.min);
+  EXPECT_DOUBLE_EQ(7, errors.translation.max);
+  EXPECT_DOUBLE_EQ(std::sqrt(54.0 / 4), errors.translation.rmse);
+  EXPECT_NEAR(90.0 / 4, errors.rotation_deg.mean, 1e-9);
+  EXPECT_NEAR(45, errors.rotation_deg.rmse, 1e-9);
+  EXPECT_DOUBLE_EQ(1.25, errors.forward_ratio);
+
+  estimates[0].translation().y() = std::nan("");  // of a network that diverged
+  EXPECT_TRUE(std::isnan(motionErrors(estimates, truths).translation.median));
+  EXPECT_EQ(0U, motionErrors({}, {}).translation.count);
+}
+
 TEST(DyloTrainer, AStoppedTrainingGoesOnExactly)
 {
   const std::string whole = freshFolder("whole");

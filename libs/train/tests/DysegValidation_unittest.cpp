@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <optional>
 
 namespace
 {
@@ -46,6 +47,24 @@ TEST(DysegValidation, SimulatedRowsAreOfFixedScenes)
   const double thinner =
       static_cast<double>(pointsOf(sets[2])) / static_cast<double>(pointsOf(sets[1]));
   EXPECT_NEAR(thinner, 512.0 / 2083, 0.02) << "the same streets";
+}
+
+TEST(DysegScores, WhatCannotBeEvaluatedIsNotZero)
+{
+  dyslam::DysegScores scores;
+  scores.static_error = 3;
+  scores.static_cells = 4;
+  scores.translation_error = 0.5;
+  scores.yaw_error = 0.02;
+  scores.pairs = 2;
+  EXPECT_EQ(std::nullopt, scores.iou()) << "nothing moves and nothing was found";
+  EXPECT_EQ(",,,,0.7500,,0.2500,0.01000", dyslam::scoreFields(scores));
+  scores.false_positives = 1;
+  EXPECT_EQ(",0.0000,0.0000,,0.7500,,0.2500,0.01000", dyslam::scoreFields(scores));
+  scores.true_positives = 3;
+  scores.moving_error = 1;
+  scores.moving_cells = 2;
+  EXPECT_EQ(",0.7500,0.7500,1.0000,0.7500,0.5000,0.2500,0.01000", dyslam::scoreFields(scores));
 }
 
 /** Points too far away for a search of the ego-motion: only a guess is available. */

@@ -12,8 +12,8 @@ namespace dyslam
  * The syntax is MRPT's ini (`[section]`, `key = value // comment`, lines opening with `;`, `#` or
  * `//` are comments) read strictly: junk lines and repeated keys are errors. Two keys may stand
  * before the first section: `include = FILE` includes another ini (of the same folder, or a shipped
- * one), whose values the file may override, and may be repeated; `program = NAME` is the program
- * that the ini is for.
+ * one), whose values the file may override, and may be repeated; `program = NAME` is the program,
+ * or one command of it, that the ini is for.
  */
 class Config
 {
@@ -33,7 +33,9 @@ class Config
   /** Merges another config: its values replace those of this one. */
   void merge(const Config& other);
 
-  /** \throws UserError if the ini is for another program. */
+  /** \param program with its command if it has any: "dyslam", "dyslam-train dylo"; an ini for
+   * "dyslam-train" is for all commands of that program \throws UserError if the ini is for another
+   * program or command. */
   void requireFor(const std::string& program) const;
 
   /** Sets the value of one `section.key=value`, as given to --set; replaces a value from the file.

@@ -13,7 +13,8 @@ namespace dyslam
  * source tree; for any other in share/dyslam beside the program's folder (an installed tree), then
  * in the prefix that the library was configured to be installed in.
  * \param field the setting that names the file, for the message; empty for none
- * \param program inis of other programs are not listed in the message; empty: all are
+ * \param program as of Config::requireFor(): inis of others are not listed in the message; empty:
+ * all are
  * \throws UserError naming the shared files of that kind, or if $DYSLAM_SHARE is no folder. */
 [[nodiscard]] std::string findGivenOrShared(const std::string& path,
                                             const std::string& folder,

@@ -66,7 +66,8 @@ struct KittiSlamRun
                                         const TrackerOptions& tracker,
                                         const BackendConfig& backend);
 
-/** Errors of moving vehicles against their labels, RMSE over all scans that observed them. */
+/** Errors of moving vehicles against their labels, RMSE over all scans that observed them; NaN if
+ * none did. */
 struct KittiObjectErrors
 {
   std::size_t count = 0;         //!< observations of vehicles faster than 1 m/s

@@ -46,7 +46,8 @@ struct DriveScores
  * last row. */
 [[nodiscard]] Table driftTable(const std::vector<DriveScores>& drives,
                                const std::vector<RunColumn>& columns);
-/** IoU, precision and recall of the moving points, for drives with moving points. */
+/** IoU, precision and recall of the moving points, for drives with moving points. The last row is
+ * of all points together, of the drives for which all shown columns have labels. */
 [[nodiscard]] Table movingTable(const std::vector<DriveScores>& drives,
                                 const std::vector<RunColumn>& columns);
 /** Absolute errors of the odometry and of the final trajectory. */

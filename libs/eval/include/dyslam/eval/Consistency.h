@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <dyslam/base/Statistics.h>
 #include <dyslam/core/MotionAccumulator.h>
 #include <dyslam/eval/Association.h>
-#include <dyslam/eval/Statistics.h>
 #include <dyslam/eval/Table.h>
 
 #include <string>

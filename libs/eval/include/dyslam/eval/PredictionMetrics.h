@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <dyslam/base/Statistics.h>
+
 #include <Eigen/Core>
 #include <cstddef>
 #include <functional>
@@ -23,19 +25,12 @@ class OneStepPredictor
   [[nodiscard]] virtual std::optional<Eigen::Vector2d> predict(int frame) const = 0;
 };
 
-struct PredictionError
-{
-  std::size_t predictions = 0;
-  double rmse = 0;    //!< root of the mean squared distance in the plane [m]
-  double median = 0;  //!< median error [m]; the upper one for an even number
-  double max = 0;     //!< largest error [m]
-};
-
-/** Errors of one-step prediction (the paper's Tables 4 and 5): after each observation the position
- * in the next frame is predicted and compared with `truth`. The first `warm_up` - 1 observations
- * are not evaluated, nor are frames without truth; gaps in the observations are not bridged. */
-[[nodiscard]] PredictionError predictionError(OneStepPredictor& predictor,
-                                              const PlanarTrack& observations,
-                                              const PlanarTrack& truth,
-                                              std::size_t warm_up);
+/** Errors of one-step prediction (the paper's Tables 4 and 5), distances in the plane [m]: after
+ * each observation the position in the next frame is predicted and compared with `truth`. The first
+ * `warm_up` - 1 observations are not evaluated, nor are frames without truth; gaps in the
+ * observations are not bridged. */
+[[nodiscard]] Statistics predictionError(OneStepPredictor& predictor,
+                                         const PlanarTrack& observations,
+                                         const PlanarTrack& truth,
+                                         std::size_t warm_up);
 }  // namespace dyslam

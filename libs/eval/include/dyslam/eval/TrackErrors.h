@@ -50,7 +50,7 @@ struct TrackError
                                                   const TrackSpeeds& true_speeds = {},
                                                   const TrackSpeeds& estimated_speeds = {});
 
-/** Averages over the errors of a set of boxes. */
+/** Averages over the errors of a set of boxes; NaN where there is nothing to average. */
 struct TrackErrorSummary
 {
   std::size_t boxes = 0;      //!< true boxes

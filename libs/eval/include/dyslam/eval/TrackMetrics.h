@@ -39,15 +39,14 @@ struct TrackRules
   [[nodiscard]] static TrackRules kitti(const std::string& type);
 };
 
-/** CLEAR-MOT (Bernardin and Stiefelhagen, 2008) at one confidence threshold. Ratios are fractions:
- * 1 is 100 %. */
+/** CLEAR-MOT (Bernardin and Stiefelhagen, 2008) at one confidence threshold. Ratios are fractions,
+ * 1 is 100 %; NaN where the denominator is 0, such as the precision without an estimate. */
 struct ClearMot
 {
   double mota = 0;       //!< at most 1; negative with many false alarms
   double motp = 0;       //!< mean IoU of the matches, or similarity (TrackRules::max_distance)
   double precision = 0;  //!< in [0, 1]
   double recall = 0;     //!< in [0, 1]
-  double f1 = 0;         //!< harmonic mean of precision and recall
   std::size_t references = 0;  //!< reference boxes that are not ignored
   /** True positives; under KITTI's image rules with the matched ignored boxes, as KITTI and AB3DMOT
    * count them. */
@@ -72,7 +71,9 @@ struct ClearMot
 [[nodiscard]] std::vector<TrackSequence> tracksAbove(std::vector<TrackSequence> sequences,
                                                      double threshold);
 
-/** AB3DMOT's averages over recall (Weng et al., 2020), and CLEAR-MOT at the best MOTA. */
+/** AB3DMOT's averages over recall (Weng et al., 2020), and CLEAR-MOT at the best MOTA. The averages
+ * are NaN if the reference has fewer boxes than there are recall values: most of these then have no
+ * threshold of their own. */
 struct RecallAverages
 {
   struct Point

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <dyslam/base/Statistics.h>
 #include <dyslam/eval/Association.h>
-#include <dyslam/eval/Statistics.h>
 
 #include <optional>
 #include <string>

@@ -5,6 +5,7 @@
 #include <dyslam/train/DysegData.h>
 
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 namespace dyslam
@@ -23,9 +24,10 @@ struct DysegScores
   double yaw_error = 0;          //!< sum of the yaw errors of the static motion [rad]
   std::uint64_t pairs = 0;
 
-  [[nodiscard]] double iou() const;
-  [[nodiscard]] double precision() const;
-  [[nodiscard]] double recall() const;
+  /** Ratios in [0, 1]; nothing where the denominator is 0. */
+  [[nodiscard]] std::optional<double> iou() const;
+  [[nodiscard]] std::optional<double> precision() const;
+  [[nodiscard]] std::optional<double> recall() const;
   void add(const DysegScores& other);
 };
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <dyslam/eval/Statistics.h>
+#include <dyslam/base/Statistics.h>
 
 #include <algorithm>
 #include <cmath>
