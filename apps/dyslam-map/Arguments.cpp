@@ -325,7 +325,7 @@ void loadConfig(Arguments& a)
   KeyframeOptions keyframes;
   keyframes.distance = a.builder.keyframe_distance;
   save(keyframes, effective, "backend");
-  a.outputs.settings = effective.toIni();
+  a.outputs.settings = std::move(effective);
   for (const std::string& message : messages)
   {
     if (!a.quiet)
