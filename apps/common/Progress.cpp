@@ -35,6 +35,14 @@ void Progress::update(double fraction, std::size_t count)
   show(std::min(fraction, 0.99), count);  // finish() says 100%
 }
 
+void Progress::note(const std::string& work)
+{
+  if (!quiet_ && (terminal_ || shown_))
+  {
+    print(1, work);
+  }
+}
+
 void Progress::finish(std::size_t count)
 {
   if (!quiet_)
@@ -46,7 +54,12 @@ void Progress::finish(std::size_t count)
 void Progress::show(double fraction, std::size_t count)
 {
   const double seconds = std::chrono::duration<double>(Clock::now() - start_).count();
-  const std::string text = progressText(fraction, count, unit_, seconds);
+  print(fraction, progressText(fraction, count, unit_, seconds));
+}
+
+void Progress::print(double fraction, const std::string& text)
+{
+  shown_ = true;
   if (!terminal_)
   {
     std::fprintf(stderr, "%s: %s\n", what_.c_str(), text.c_str());
@@ -60,6 +73,5 @@ void Progress::show(double fraction, std::size_t count)
   }
   std::fprintf(stderr, "\r\033[K%s [%s] %s", what_.c_str(), bar.c_str(), text.c_str());
   std::fflush(stderr);
-  shown_ = true;
 }
 }  // namespace dyslam

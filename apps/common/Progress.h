@@ -21,6 +21,10 @@ class Progress
   /** \param fraction of the work done, 0 to 1; below 0 if unknown. \param count units done. */
   void update(double fraction, std::size_t count);
 
+  /** Says what is done behind the last unit, whose time is not known: on a terminal, else only
+   * below earlier lines of progress. */
+  void note(const std::string& work);
+
   /** To be called at the end: prints the last line. */
   void finish(std::size_t count);
 
@@ -28,6 +32,7 @@ class Progress
   using Clock = std::chrono::steady_clock;
 
   void show(double fraction, std::size_t count);
+  void print(double fraction, const std::string& text);
 
   std::string what_;
   std::string unit_;

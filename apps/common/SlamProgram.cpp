@@ -173,7 +173,9 @@ SlamRunReport runWithProgress(const std::string& title,
 {
   Progress progress(title, "scans", quiet);
   bool is_stopping = false;
-  SlamRunReport report = run(settings,
+  SlamRunSettings told = settings;
+  told.after_scans = [&progress](const std::string& work) { progress.note(work); };
+  SlamRunReport report = run(told,
                              [&](double fraction, std::size_t frames)
                              {
                                printOnce(messages, quiet);

@@ -70,7 +70,7 @@ void evaluateRuns(const RunArguments& a)
     runs.back().name = names[i];
   }
   a.output.write(runTable(runs), runJson(runs));
-  std::cout << splitLines(runs) << truthLines(runs);
+  std::cout << splitLines(runs) << truthLines(runs) << warningLines(runs);
   if (const auto consistencies = consistenciesOf(runs); !consistencies.empty())
   {
     std::cout << '\n' << consistencyTable(consistencies).toText();

@@ -302,6 +302,13 @@ void loadConfig(Arguments& a)
   else
   {
     a.merger.loops = loader.get<LoopCloserOptions>("loop");
+    if (!a.merger.loops.appearance)
+    {
+      a.merger.loops.appearance = true;  // as RunMerger does
+      messages.emplace_back(
+          "note: loop.appearance=false is for single runs: nothing but appearance shows where the "
+          "merged ones meet (limits: loop.appearance_...)");
+    }
     a.merger.solver = loader.get<FactorGraphOptions>("solver");
     a.merger.merge = loader.get<RunMergerOptions>("merge");
     a.builder.hindsight.hindsight = true;  // as mergeMaps() does
@@ -320,12 +327,16 @@ void loadConfig(Arguments& a)
   {
     save(a.recording.source, effective, "input");
   }
+  else
+  {
+    save(a.merger.loops, effective, "loop");
+  }
   save(a.builder.hindsight, effective, "labels");
   save(a.outputs.exports, effective, "map_export");
   KeyframeOptions keyframes;
   keyframes.distance = a.builder.keyframe_distance;
   save(keyframes, effective, "backend");
-  a.outputs.settings = effective.toIni();
+  a.outputs.settings = std::move(effective);
   for (const std::string& message : messages)
   {
     if (!a.quiet)

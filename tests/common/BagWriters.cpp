@@ -300,6 +300,11 @@ bool holdsCdr(const std::string& path)
   return std::filesystem::path(path).extension() != ".bag";
 }
 
+std::string zstdOf(const std::string& data)
+{
+  return compressed("zstd", data);
+}
+
 void writeBag(const std::string& path, const std::vector<TestMessage>& messages)
 {
   const std::string ending = std::filesystem::path(path).extension().string();

@@ -37,6 +37,8 @@ void writeMcap(const std::string& path,
 void writeSqliteBag(const std::string& path,
                     const std::vector<TestMessage>& messages,
                     bool packed = false);
+/** Compressed with zstd. */
+[[nodiscard]] std::string zstdOf(const std::string& data);
 /** By the ending of the path; CDR for .db3 and .mcap. */
 void writeBag(const std::string& path, const std::vector<TestMessage>& messages);
 /** True for the files whose messages are CDR. */

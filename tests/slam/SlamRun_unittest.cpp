@@ -54,6 +54,22 @@ TEST_F(SlamRun, LeavesEveryFileAndASmallError)
   EXPECT_EQ(readLabels(s.output_folder + "/labels/000039.label").size(), pointsOf(39));
 }
 
+TEST_F(SlamRun, WhatFollowsTheLastScanIsAnnounced)
+{
+  SlamRunSettings s = settings("announced");
+  s.config.set("input.only_first_n=3");
+  std::vector<std::string> told;
+  std::size_t frames = 0;
+  s.after_scans = [&](const std::string& work)
+  {
+    EXPECT_EQ(frames, 3U);
+    told.push_back(work);
+  };
+  (void)runSlam(s, [&](double, std::size_t count) { frames = count; });
+  EXPECT_EQ(told,
+            (std::vector<std::string>{"completing graph, labels and map", "writing the results"}));
+}
+
 TEST_F(SlamRun, SameBytesForAnyThreadCountAndMemory)
 {
   auto one = settings("one");

@@ -1,16 +1,19 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Optimisation of a factor graph, and covariances.
 #include <ceres/covariance.h>
+#include <ceres/manifold.h>
 #include <dyslam/backend/FactorGraph.h>
 #include <dyslam/base/DisjointSets.h>
 
 #include <algorithm>
+#include <memory>
 #include <set>
 #include <stdexcept>
 #include <utility>
 
 #include "FactorGraphProblem.h"
 #include "LoopOutlierRejection.h"
+#include "PoseManifold.h"
 
 namespace dyslam
 {
@@ -56,6 +59,85 @@ std::vector<Key> withFixedGauge(const FactorGraph& graph,
   }
   return kept;
 }
+
+using Directions = Eigen::Matrix<double, 6, Eigen::Dynamic, Eigen::RowMajor>;
+
+/** The directions of a variable's tangent that factors can measure, as columns: all six, but of the
+ * vertical the rotations about the two level axes alone, of the bias the three that have a meaning.
+ */
+Directions measurableDirections(const Key& key, const double* block)
+{
+  switch (key.kind)
+  {
+    case VariableKind::vertical:
+    {
+      Directions tilt = Directions::Zero(6, 2);
+      tilt.bottomRows<3>() = unpackPose(block).linear().transpose().leftCols<2>();
+      return tilt;
+    }
+    case VariableKind::accelerometer_bias:
+      return Directions::Identity(6, 3);
+    default:
+      return Directions::Identity(6, 6);
+  }
+}
+
+/** Changes of a pose or six numbers in some directions of the tangent, given as columns of unit
+ * length that are perpendicular to each other. */
+class DirectionsManifold final : public ceres::Manifold
+{
+ public:
+  DirectionsManifold(bool is_pose, Directions directions)
+      : is_pose_(is_pose), directions_(std::move(directions))
+  {
+  }
+
+  [[nodiscard]] int AmbientSize() const override
+  {
+    return is_pose_ ? pose_block_size : velocity_block_size;
+  }
+  [[nodiscard]] int TangentSize() const override { return static_cast<int>(directions_.cols()); }
+  bool Plus(const double* x, const double* delta, double* x_plus_delta) const override
+  {
+    const Vector6 step = directions_ * Eigen::Map<const Eigen::VectorXd>(delta, directions_.cols());
+    if (is_pose_)
+    {
+      return PoseManifold().Plus(x, step.data(), x_plus_delta);
+    }
+    Eigen::Map<Vector6>{x_plus_delta} = Eigen::Map<const Vector6>(x) + step;
+    return true;
+  }
+  bool PlusJacobian(const double* /*x*/, double* jacobian) const override
+  {
+    Eigen::Map<Jacobian> map(jacobian, AmbientSize(), TangentSize());
+    map.setZero();
+    map.topRows<6>() = directions_;
+    return true;
+  }
+  bool Minus(const double* y, const double* x, double* y_minus_x) const override
+  {
+    Vector6 step = Eigen::Map<const Vector6>(y) - Eigen::Map<const Vector6>(x);
+    if (is_pose_)
+    {
+      PoseManifold().Minus(y, x, step.data());
+    }
+    Eigen::Map<Eigen::VectorXd>(y_minus_x, directions_.cols()) = directions_.transpose() * step;
+    return true;
+  }
+  bool MinusJacobian(const double* /*x*/, double* jacobian) const override
+  {
+    Eigen::Map<Jacobian> map(jacobian, TangentSize(), AmbientSize());
+    map.setZero();
+    map.leftCols<6>() = directions_.transpose();
+    return true;
+  }
+
+ private:
+  using Jacobian = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+
+  bool is_pose_;
+  Directions directions_;
+};
 }  // namespace
 
 OptimisationResult FactorGraph::optimise(const FactorGraphOptions& options)
@@ -135,7 +217,19 @@ std::vector<Matrix6> FactorGraph::covariances(const std::vector<Key>& keys,
   plain.loop_loss = RobustLoss::none;
   plain.object_loss = RobustLoss::none;
   plain.gnss_loss = RobustLoss::none;
+  std::vector<std::unique_ptr<DirectionsManifold>> manifolds;  // outlive the problem
   FactorGraphProblem problem(plain, free, variables_, factors_, left_out_);
+  for (const Key& key : free)
+  {
+    double* block = variable(key).block.data();
+    Directions directions = measurableDirections(key, block);
+    if (directions.cols() < 6)
+    {
+      manifolds.push_back(
+          std::make_unique<DirectionsManifold>(key.isPose(), std::move(directions)));
+      problem.problem().SetManifold(block, manifolds.back().get());
+    }
+  }
   std::vector<std::pair<const double*, const double*>> pairs;
   std::set<Key> listed;  // Ceres aborts the program if a pair is there twice
   for (const Key& key : keys)
@@ -162,13 +256,17 @@ std::vector<Matrix6> FactorGraph::covariances(const std::vector<Key>& keys,
   std::vector<Matrix6> result;
   for (const Key& key : keys)
   {
-    Eigen::Matrix<double, 6, 6, Eigen::RowMajor> block = Matrix6::Zero();
+    Matrix6 in_all = Matrix6::Zero();
     const double* values = variable(key).block.data();
     if (std::binary_search(free.begin(), free.end(), key))
     {
+      const Directions directions = measurableDirections(key, values);
+      Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor> block(
+          directions.cols(), directions.cols());
       covariance.GetCovarianceBlockInTangentSpace(values, values, block.data());
+      in_all = directions * block * directions.transpose();
     }
-    result.emplace_back(block);
+    result.emplace_back(in_all);
   }
   return result;
 }

@@ -56,6 +56,7 @@ struct RunMerger::State
       : config(given), keyframes(given.memory), finder(given.loops, keyframes)
   {
     validate(config.merge, "merge");
+    config.loops.appearance = true;  // its limits must be reachable, too
     config.loops.requireValid();
     validate(config.solver, "solver");
   }

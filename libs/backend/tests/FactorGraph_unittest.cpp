@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/backend/FactorGraph.h>
+#include <dyslam/backend/factors/GravityFactor.h>
 #include <dyslam/backend/factors/ObjectMotionFactor.h>
 #include <dyslam/backend/factors/ObservationFactor.h>
 #include <dyslam/backend/factors/SmoothMotionFactor.h>
@@ -231,6 +232,64 @@ TEST(FactorGraph, CovariancesAreThoseOfTheDenseInverse)
   ASSERT_EQ(twice.size(), 2U);
   EXPECT_EQ(twice[0], twice[1]);
   EXPECT_LT(conditional.trace(), twice[0].trace());
+}
+
+/** Yaw and translation of the vertical, and half of the bias, are not measured. */
+TEST(FactorGraph, CovariancesWithGravityAreThoseOfWhatItMeasures)
+{
+  FactorGraph graph = smallGraph(4);
+  const Pose T_level_map = poseFromYpr(1, 2, 3, 0.4, 0.1, -0.2);
+  const Eigen::Vector3d bias(0.03, -0.02, 0.01);
+  graph.addPose(Key::vertical(), T_level_map);
+  graph.addVector(Key::accelerometerBias(), Vector6::Zero());
+  for (std::size_t i = 0; i < 3; ++i)
+  {
+    const Eigen::Matrix3d R_level_vehicle = T_level_map.linear() * graph.pose(Key::ego(i)).linear();
+    const Eigen::Vector3d upwards =
+        R_level_vehicle.transpose() * Eigen::Vector3d(0.05, -0.1, standard_gravity) + bias;
+    graph.add(std::make_unique<GravityFactor>(i, upwards, diagonalInformation(0.02, 0.1)));
+  }
+  (void)graph.optimise({});
+  std::vector<Key> keys;
+  for (const auto& [key, variable] : graph.variables())
+  {
+    if (!variable.fixed)
+    {
+      keys.push_back(key);
+    }
+  }
+  const auto size = 6 * static_cast<Eigen::Index>(keys.size());
+  Eigen::MatrixXd measured = Eigen::MatrixXd::Zero(size, size - 7);  // columns: directions
+  Eigen::Index column = 0;
+  for (std::size_t i = 0; i < keys.size(); ++i)
+  {
+    Eigen::MatrixXd directions = Matrix6::Identity();
+    if (keys[i] == Key::vertical())
+    {
+      directions = Eigen::MatrixXd::Zero(6, 2);
+      directions.bottomRows(3) =
+          graph.pose(keys[i]).linear().transpose() * Eigen::Matrix<double, 3, 2>::Identity();
+    }
+    else if (keys[i] == Key::accelerometerBias())
+    {
+      directions = Eigen::MatrixXd::Identity(6, 3);
+    }
+    measured.block(6 * static_cast<Eigen::Index>(i), column, 6, directions.cols()) = directions;
+    column += directions.cols();
+  }
+  ASSERT_EQ(column, measured.cols());
+  const Eigen::MatrixXd covariance =
+      measured * (measured.transpose() * denseInformation(graph, keys) * measured).inverse() *
+      measured.transpose();
+  const std::vector<Matrix6> all = graph.covariances(keys);
+  ASSERT_EQ(all.size(), keys.size());
+  for (std::size_t i = 0; i < keys.size(); ++i)
+  {
+    const auto offset = 6 * static_cast<Eigen::Index>(i);
+    const Matrix6 expected = covariance.block<6, 6>(offset, offset);
+    EXPECT_GT(expected.norm(), 0) << toString(keys[i]);
+    EXPECT_LT((all[i] - expected).norm(), 1e-6 * expected.norm()) << toString(keys[i]);
+  }
 }
 
 TEST(FactorGraph, UnconstrainedDirectionsHaveNoCovariance)

@@ -5,6 +5,7 @@
 #include <dyslam/backend/factors/LoopFactor.h>
 #include <dyslam/backend/factors/OdometryFactor.h>
 #include <dyslam/base/Angle.h>
+#include <dyslam/base/Error.h>
 #include <dyslam/mrpt/Geodesy.h>
 #include <gtest/gtest.h>
 
@@ -14,9 +15,11 @@
 #include <memory>
 #include <random>
 #include <stdexcept>
+#include <string>
 #include <utility>
 
 #include "BoxWorld.h"
+#include "TestFolder.h"
 
 namespace dyslam
 {
@@ -546,6 +549,16 @@ TEST(RunMerger, EachRunHasABiasOfItsOwn)
   ASSERT_TRUE(merge.gravity);
   EXPECT_TRUE(merge.gravity->fused);
   EXPECT_LT(degreesBetween(merge.gravity->up_map, up), 0.5);
+}
+
+TEST(RunMerger, LimitsOfAppearanceCountWithoutThatOfSingleRuns)
+{
+  RunMergerConfig config;
+  config.loops.appearance = false;
+  EXPECT_NO_THROW(RunMerger{config});
+  config.loops.interval = 6;  // enough for nearby loops
+  const std::string message = messageOfError<UserError>([&] { const RunMerger merger(config); });
+  EXPECT_TRUE(contains(message, "[loop] appearance_min_support = 3 cannot be reached")) << message;
 }
 
 TEST(RunMerger, FalseUseIsRefused)

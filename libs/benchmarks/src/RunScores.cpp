@@ -63,12 +63,6 @@ std::size_t scansTaken(const fs::path& folder, const Trajectory& recorded)
   return most > 0 ? std::min(taken, most) : taken;
 }
 
-std::string textIn(const Json& json, const char* key)
-{
-  const auto it = json.find(key);
-  return it != json.end() && it->is_string() ? it->get<std::string>() : "";
-}
-
 /** Notes the progress of a run that was stopped or killed, or whose recording is damaged.
  * \return whether the run is such a run */
 bool noteUnfinished(const std::string& folder,
@@ -288,6 +282,12 @@ std::optional<double> number(const Json& json, const char* key)
   const auto it = json.find(key);
   return it != json.end() && it->is_number() ? std::optional<double>(it->get<double>())
                                              : std::nullopt;
+}
+
+std::string textIn(const Json& json, const char* key)
+{
+  const auto it = json.find(key);
+  return it != json.end() && it->is_string() ? it->get<std::string>() : "";
 }
 
 std::optional<Split> splitOf(const RunScores& scores, const DataSplits& splits)

@@ -160,6 +160,27 @@ std::string truthLines(const std::vector<RunScores>& runs)
   return lines;
 }
 
+std::string warningLines(const std::vector<RunScores>& runs)
+{
+  std::string lines;
+  for (const RunScores& run : runs)
+  {
+    if (const std::string failure = textIn(run.report, "failure"); !failure.empty())
+    {
+      lines += run.name + ": unusable: " + printable(failure) + '\n';
+    }
+    const Json warnings = run.report.value("warnings", Json());
+    for (const Json& warning : warnings)
+    {
+      if (warning.is_string())
+      {
+        lines += run.name + ": warning: " + printable(warning.get<std::string>()) + '\n';
+      }
+    }
+  }
+  return lines;
+}
+
 std::string runJson(const std::vector<RunScores>& runs)
 {
   Json json;

@@ -125,6 +125,20 @@ TEST_F(RunScoresOf, WhatIsMissingIsNoted)
   EXPECT_EQ(notes_[2], run + ": unfinished: 40 scans; continue with: dyslam --resume -o " + run);
 }
 
+TEST_F(RunScoresOf, WarningsOfTheReportAreListed)
+{
+  RunScores lost = scores(writeRun(
+      "lost", R"({"verdict": "unusable", "failure": "30 of 40 scans could not be registered",
+                  "warnings": ["the local map was restarted once", 7]})"));
+  lost.name = "lost";
+  RunScores sound = scores(writeRun("sound", R"({"verdict": "usable", "warnings": []})"));
+  sound.name = "sound";
+  EXPECT_EQ(warningLines({lost, sound}),
+            "lost: unusable: 30 of 40 scans could not be registered\n"
+            "lost: warning: the local map was restarted once\n");
+  EXPECT_EQ(warningLines({scores(writeRun("unfinished", ""))}), "");
+}
+
 TEST_F(RunScoresOf, OtherFoldersAreRefused)
 {
   std::filesystem::create_directories(folder_.file("empty"));

@@ -34,7 +34,7 @@ std::vector<std::string> bagParts(const std::string& folder)
   parts.erase(std::remove_if(parts.begin(), parts.end(), isCopy), parts.end());
   for (const std::string& part : parts)
   {
-    if (isPackedBag(part))
+    if (isPackedBag(part) && !isZstdBag(part))
     {
       throw UserError(part +
                       ": is compressed as a whole, as may be other parts; unpack them "

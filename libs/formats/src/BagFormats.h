@@ -3,6 +3,7 @@
 #pragma once
 
 #include <dyslam/formats/Bag.h>
+#include <dyslam/formats/RecordingKind.h>
 
 #include <algorithm>
 #include <cstddef>
@@ -55,6 +56,12 @@ template <typename Integer>
   constexpr Integer second = 1000000000;
   return static_cast<double>(nanoseconds / second) +
          1e-9 * static_cast<double>(nanoseconds % second);
+}
+
+/** Whether a bag is compressed as a whole with zstd, as rosbag2 does; such bags are read. */
+[[nodiscard]] inline bool isZstdBag(const std::string& path)
+{
+  return isPackedBag(path) && unpackCommand(path) == "zstd -d";
 }
 
 /** "sensor_msgs/PointCloud2" for ROS 2's "sensor_msgs/msg/PointCloud2". */

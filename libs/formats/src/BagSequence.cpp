@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "BagFormats.h"
+#include "UnpackedBag.h"
 
 namespace dyslam
 {
@@ -37,7 +38,14 @@ class BagSequence : public Bag
   {
     for (const std::string& path : paths)
     {
-      File file{path, openFile(path), {}};
+      File file;
+      file.path = path;
+      if (isZstdBag(path))
+      {
+        file.unpacked = std::make_unique<UnpackedBag>(path);
+        file.path = file.unpacked->path();
+      }
+      file.bag = openFile(file.path);
       const std::vector<BagTopic>& own = file.bag->topics();
       const auto overlapping = std::find_if(
           own.begin(), own.end(), [this](const BagTopic& topic) { return overlaps(topic); });
@@ -123,7 +131,8 @@ class BagSequence : public Bag
  private:
   struct File
   {
-    std::string path;
+    std::string path;  //!< of the unpacked one
+    std::unique_ptr<UnpackedBag> unpacked;
     std::unique_ptr<Bag> bag;
     std::vector<std::size_t> common;  //!< positions in topics_, by its own topic
   };

@@ -3,6 +3,7 @@
 
 #include <bzlib.h>
 #include <dyslam/base/Error.h>
+#include <dyslam/base/Files.h>
 #include <lz4frame.h>
 #include <zstd.h>
 
@@ -11,6 +12,7 @@
 #include <limits>
 #include <memory>
 #include <new>
+#include <ostream>
 #include <vector>
 
 namespace dyslam
@@ -98,6 +100,20 @@ Unpacker zstdUnpacker()
   };
 }
 
+/** \throws UserError if the unpacker found damage. */
+void requireSound(const Step& step, const std::string& place)
+{
+  if (!step.error.empty())
+  {
+    throw UserError(place + ": damaged compressed data (" + step.error + ")");
+  }
+}
+
+[[noreturn]] void throwCutShort(const std::string& place)
+{
+  throw UserError(place + ": compressed data end early");
+}
+
 std::string unpack(const Unpacker& unpacker,
                    std::string_view data,
                    std::uint64_t size,
@@ -109,10 +125,7 @@ std::string unpack(const Unpacker& unpacker,
   for (Step step; !step.finished;)
   {
     step = unpacker(data, buffer);
-    if (!step.error.empty())
-    {
-      throw UserError(place + ": damaged compressed data (" + step.error + ")");
-    }
+    requireSound(step, place);
     if (result.size() + step.produced > limit)
     {
       throw UserError(place + ": damaged: unpacks to more than " + std::to_string(limit) +
@@ -122,7 +135,7 @@ std::string unpack(const Unpacker& unpacker,
     data.remove_prefix(step.consumed);
     if (!step.finished && step.produced == 0 && (data.empty() || step.consumed == 0))
     {
-      throw UserError(place + ": compressed data end early");
+      throwCutShort(place);
     }
   }
   if (size != 0 && result.size() != size)
@@ -157,5 +170,42 @@ std::string decompressed(const std::string& compression,
   }
   throw UserError(place + ": compression '" + compression +
                   "' is not supported (bz2, lz4, zstd or none); rewrite the bag uncompressed");
+}
+
+void unpackZstdFile(const std::string& path, std::ostream& out)
+{
+  std::ifstream file = openBinary(path);
+  const Unpacker unpacker = zstdUnpacker();
+  std::vector<char> packed(buffer_size);
+  std::vector<char> buffer(buffer_size);
+  Step step;  // the last one: a file may have several frames, of which each finishes
+  while (out && (file.read(packed.data(), static_cast<std::streamsize>(packed.size())) ||
+                 file.gcount() > 0))
+  {
+    std::string_view data(packed.data(), static_cast<std::size_t>(file.gcount()));
+    while (!data.empty() || (!step.finished && step.produced == buffer.size()))
+    {
+      step = unpacker(data, buffer);
+      requireSound(step, path);
+      out.write(buffer.data(), static_cast<std::streamsize>(step.produced));
+      data.remove_prefix(step.consumed);
+    }
+  }
+  requireReadable(file, path);
+  if (out && !step.finished)
+  {
+    throwCutShort(path);
+  }
+}
+
+std::uint64_t zstdContentSize(const std::string& path)
+{
+  constexpr std::size_t largest_header = 18;
+  std::string header(largest_header, '\0');
+  std::ifstream file = openBinary(path);
+  file.read(header.data(), static_cast<std::streamsize>(header.size()));
+  const auto size =
+      ZSTD_getFrameContentSize(header.data(), static_cast<std::size_t>(file.gcount()));
+  return size == ZSTD_CONTENTSIZE_UNKNOWN || size == ZSTD_CONTENTSIZE_ERROR ? 0 : size;
 }
 }  // namespace dyslam

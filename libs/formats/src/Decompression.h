@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <iosfwd>
 #include <string>
 #include <string_view>
 
@@ -17,4 +18,11 @@ namespace dyslam
                                        std::string_view data,
                                        std::uint64_t size,
                                        const std::string& place);
+
+/** Unpacks a zstd file; ends early if `out` fails. \throws UserError if the file can't be read or
+ * is damaged. */
+void unpackZstdFile(const std::string& path, std::ostream& out);
+/** The size that the header of a zstd file states for the unpacked data [bytes]; 0: it states none.
+ * \throws UserError if the file can't be read. */
+[[nodiscard]] std::uint64_t zstdContentSize(const std::string& path);
 }  // namespace dyslam

@@ -96,6 +96,10 @@ std::optional<KittiKind> kittiKindOf(const std::string& folder)
 
 std::string bagEnding(const std::string& path)
 {
+  if (!unpackCommand(path).empty())
+  {
+    return bagEnding(fs::path(path).stem().string());
+  }
   const std::string ending = lowerExtension(path);
   const bool is_open = ending == ".active" && lowerExtension(fs::path(path).stem()) == ".bag";
   return is_open ? ".bag" : ending;
@@ -104,7 +108,7 @@ std::string bagEnding(const std::string& path)
 bool isBagFile(const std::string& path)
 {
   const std::string ending = bagEnding(path);
-  return ending == ".bag" || ending == ".db3" || ending == ".mcap" || isPackedBag(path);
+  return ending == ".bag" || ending == ".db3" || ending == ".mcap";
 }
 
 std::string unpackCommand(const std::string& path)
@@ -119,7 +123,7 @@ std::string unpackCommand(const std::string& path)
 
 bool isPackedBag(const std::string& path)
 {
-  return !unpackCommand(path).empty() && isBagFile(fs::path(path).stem().string());
+  return !unpackCommand(path).empty() && isBagFile(path);
 }
 
 bool isBag(const std::string& path)

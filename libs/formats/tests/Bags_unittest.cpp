@@ -6,11 +6,14 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cstdlib>
 #include <functional>
 #include <iterator>
 #include <numeric>
+#include <optional>
 
 #include "BagWriters.h"
+#include "FullDisk.h"
 #include "TestFolder.h"
 
 namespace dyslam
@@ -34,6 +37,26 @@ std::vector<TestMessage> someMessages(std::size_t count)
   messages.push_back({"/late", "std_msgs/String", 1.6e9 + 100, "late"});
   return messages;
 }
+
+/** The folder for temporary files, until the object's end. */
+class TemporaryFiles
+{
+ public:
+  explicit TemporaryFiles(const std::string& folder)
+  {
+    if (const char* before = std::getenv("TMPDIR"))
+    {
+      before_ = before;
+    }
+    ::setenv("TMPDIR", folder.c_str(), 1);
+  }
+  ~TemporaryFiles() { before_ ? ::setenv("TMPDIR", before_->c_str(), 1) : ::unsetenv("TMPDIR"); }
+  TemporaryFiles(const TemporaryFiles&) = delete;
+  TemporaryFiles& operator=(const TemporaryFiles&) = delete;
+
+ private:
+  std::optional<std::string> before_;
+};
 
 std::size_t topicAt(const Bag& bag, const std::string& name)
 {
@@ -254,9 +277,53 @@ TEST(Bags, CopiesInAFolderAreLeftOut)
   const auto warnings = openBag(folder.file("a"))->warnings();
   ASSERT_EQ(1U, warnings.size());
   EXPECT_TRUE(contains(warnings[0], "a/y.bag: its messages of /points begin before"));
-  folder.write("a/z.bag.zstd", "packed");
+  folder.write("a/z.bag.gz", "packed");
   EXPECT_TRUE(contains(messageOfError<UserError>([&] { (void)openBag(folder.file("a")); }),
-                       "zstd -d " + folder.file("a") + "/*.zstd"));
+                       "gunzip -k " + folder.file("a") + "/*.gz"));
+}
+
+/** As rosbag2 writes them with --compression-mode file. */
+TEST(Bags, OnesThatAreCompressedAsAWhole)
+{
+  const TestFolder folder;
+  std::filesystem::create_directories(folder.file("tmp"));
+  const TemporaryFiles temporary(folder.file("tmp"));
+  const auto isTidy = [&folder] { return std::filesystem::is_empty(folder.file("tmp")); };
+  const auto messages = someMessages(10);
+  for (const std::string ending : {".db3", ".mcap", ".bag"})
+  {
+    test::writeBag(folder.file("x" + ending), messages);
+    const std::string plain = folder.read("x" + ending);
+    std::filesystem::remove(folder.file("x" + ending));
+    expectAll(folder.write("x" + ending + ".zstd", test::zstdOf(plain)), messages);
+    const std::size_t half = plain.size() / 2;
+    expectAll(folder.write("x" + ending + ".zst",
+                           test::zstdOf(plain.substr(0, half)) + test::zstdOf(plain.substr(half))),
+              messages);
+  }
+  EXPECT_TRUE(isTidy());
+
+  // Two parts, of which the recorder did not come to compress the last one.
+  const auto middle = messages.begin() + 6;
+  test::writeSqliteBag(folder.file("whole.db3"), {messages.begin(), middle});
+  const std::string first = test::zstdOf(folder.read("whole.db3"));
+  folder.write("drive/drive_0.db3.zstd", first);
+  test::writeSqliteBag(folder.file("drive/drive_1.db3"), {middle, messages.end()});
+  expectAll(folder.file("drive"), messages);
+
+  const auto message = [&folder](const std::string& name)
+  { return messageOfError<UserError>([&] { (void)openBag(folder.file(name)); }); };
+  folder.write("cut.db3.zstd", first.substr(0, first.size() / 2));
+  EXPECT_TRUE(contains(message("cut.db3.zstd"), "cut.db3.zstd: compressed data end early"));
+  folder.write("no.db3.zstd", "no zstd at all");
+  EXPECT_TRUE(contains(message("no.db3.zstd"), "no.db3.zstd: damaged compressed data ("));
+  {
+    const test::FullDisk full;
+    const std::string no_room = message("drive");
+    EXPECT_TRUE(contains(no_room, "drive_0.db3.zstd: is compressed as a whole")) << no_room;
+    EXPECT_TRUE(contains(no_room, "; set TMPDIR to a folder with room")) << no_room;
+  }
+  EXPECT_TRUE(isTidy());
 }
 
 TEST(Bags, OneThatItsRecorderHasNotClosed)
@@ -411,7 +478,7 @@ TEST(Bags, Errors)
   EXPECT_TRUE(contains(message(folder.write("b.bag", "#ROSBAG V1.2\nxxxxxxxx")), "migrate"));
   EXPECT_TRUE(contains(message(folder.write("a.mcap", "hello")), "not an mcap file"));
   EXPECT_TRUE(contains(message(folder.write("a.db3", "hello, this is no database")), "a.db3"));
-  EXPECT_TRUE(contains(message(folder.write("a.db3.zstd", "")), "zstd -d"));
+  EXPECT_TRUE(contains(message(folder.write("a.db3.zstd", "")), "end early"));
   EXPECT_TRUE(contains(message(folder.write("a.bag.gz", "")), "gunzip -k " + folder.file("a.bag")));
   // A chunk that announces more than there is allocates nothing for it.
   test::writeMcap(folder.file("c.mcap"), someMessages(4), {"zstd"});

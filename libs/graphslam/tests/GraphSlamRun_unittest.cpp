@@ -2,12 +2,15 @@
 // Whole runs of MRPT's engine, compared with the pipeline's own.
 #include <dyslam/base/Error.h>
 #include <dyslam/graphslam/GraphSlamRun.h>
+#include <dyslam/io/RawlogSource.h>
 #include <dyslam/io/RawlogStream.h>
+#include <dyslam/io/RawlogWriter.h>
 #include <mrpt/io/CFileGZOutputStream.h>
 #include <mrpt/obs/CObservationRobotPose.h>
 #include <mrpt/serialization/CArchive.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
 #include <set>
 #include <stdexcept>
@@ -57,7 +60,62 @@ class GraphSlamRun : public test::WithFolder
     }
     return names;
   }
+
+  /** Expects the bytes of every file of a run in another one, but of those with times.
+   * \return their names */
+  static std::set<std::string> expectFilesOf(const SlamRunSettings& own,
+                                             const SlamRunSettings& engine)
+  {
+    const std::set<std::string> names = namesIn(own.output_folder);
+    for (const std::string& name : names)
+    {
+      const bool has_times = name == "report.json" || name == "report.html";
+      if (!has_times && fs::is_regular_file(fs::path(own.output_folder) / name))
+      {
+        EXPECT_TRUE(test::contentOf(fs::path(own.output_folder) / name) ==
+                    test::contentOf(fs::path(engine.output_folder) / name))
+            << name;
+      }
+    }
+    return names;
+  }
 };
+
+/** Writes the first scans of a recording as those of two lidars: every second point is of one that
+ * looks back, recorded shortly before the first one. */
+void splitInTwoLidars(const std::string& rawlog, int scans, const std::string& output)
+{
+  constexpr double earlier = 0.01;  // [s]
+  const Pose T_front_rear = poseFromYpr(-1, 0.2, 0, M_PI, 0, 0);
+  RawlogSource source(rawlog, RawlogSourceOptions());
+  RawlogWriter writer(output);
+  for (int i = 0; i < scans; ++i)
+  {
+    const Scan whole = source.next().value().scan;
+    Scan front;
+    front.stamp = whole.stamp;
+    front.T_vehicle_lidar = whole.T_vehicle_lidar;
+    front.sensor_label = "front";
+    Scan rear = front;
+    rear.stamp -= earlier;
+    rear.T_vehicle_lidar = front.T_vehicle_lidar * T_front_rear;
+    rear.sensor_label = "rear";
+    for (std::size_t k = 0; k < whole.size(); ++k)
+    {
+      const bool is_front = k % 2 == 0 || !isReturn(whole.points[k]);
+      Scan& scan = is_front ? front : rear;
+      scan.points.push_back(
+          is_front ? whole.points[k]
+                   : (T_front_rear.inverse() * whole.points[k].cast<double>()).cast<float>());
+      scan.intensity.push_back(whole.intensity.at(k));
+      scan.time.push_back(whole.time.at(k) + (is_front ? 0 : static_cast<float>(earlier)));
+      scan.ring.push_back(whole.ring.at(k));
+    }
+    writer.write(rear);
+    writer.write(front);
+  }
+  writer.close();
+}
 
 TEST_F(GraphSlamRun, GivesTheBytesOfThePipeline)
 {
@@ -78,18 +136,8 @@ TEST_F(GraphSlamRun, GivesTheBytesOfThePipeline)
   EXPECT_EQ(report.keyframes, expected.keyframes);
   EXPECT_GE(calls + 2, static_cast<std::size_t>(scan_count));
 
-  auto names = namesIn(own.output_folder);
+  auto names = expectFilesOf(own, engine);
   EXPECT_GT(names.size(), static_cast<std::size_t>(scan_count));
-  for (const std::string& name : names)
-  {
-    const bool has_times = name == "report.json" || name == "report.html";
-    if (!has_times && fs::is_regular_file(fs::path(own.output_folder) / name))
-    {
-      EXPECT_TRUE(test::contentOf(fs::path(own.output_folder) / name) ==
-                  test::contentOf(fs::path(engine.output_folder) / name))
-          << name;
-    }
-  }
   for (const char* name :
        {"output_graph.graph", "CGraphSlamEngine.log", "timings.log", "engine.ini",
         "node_registrar.log", "edge_registrar.log", "optimizer.log"})
@@ -100,6 +148,23 @@ TEST_F(GraphSlamRun, GivesTheBytesOfThePipeline)
   // The engine's network is the backend's graph.
   EXPECT_TRUE(test::contentOf(fs::path(engine.output_folder) / "output_graph.graph") ==
               test::contentOf(fs::path(own.output_folder) / "graph.graph"));
+}
+
+TEST_F(GraphSlamRun, GivesTheBytesOfThePipelineForSeveralLidars)
+{
+  constexpr int scans = 12;
+  auto own = settings("two_a/run");
+  own.rawlog = pathOf("two.rawlog");
+  splitInTwoLidars(test::bundled("rawlog/campus16.rawlog"), scans, own.rawlog);
+  own.config = test::loopyConfig(scans);
+  own.config.set("input.further_lidars=rear");
+  auto engine = own;
+  engine.output_folder = pathOf("two_b/run");
+  EXPECT_EQ(runSlam(own).frames, static_cast<std::size_t>(scans));
+  EXPECT_EQ(runGraphSlam(engine).frames, static_cast<std::size_t>(scans));
+  EXPECT_EQ(expectFilesOf(own, engine).count("scan_parts.csv"), 1U);
+  const std::string parts = test::contentOf(fs::path(engine.output_folder) / "scan_parts.csv");
+  EXPECT_EQ(std::count(parts.begin(), parts.end(), '\n'), 1 + scans);
 }
 
 /** MRPT's engine waits for a key: without ConsoleCutOff the test would wait for ever. */

@@ -147,6 +147,13 @@ void requireReferences(const std::vector<RunFolder>& runs,
         "--utm: no run has a georeference.ini; give one of a recording with satellite positions "
         "(and merge.gnss=true)");
   }
+  if (!outputs.utm && outputs.exports.epsg != 0)
+  {
+    throw UserError(
+        "map_export.epsg: the merged map is in the map frame of its first run; --utm writes it in "
+        "a "
+        "reference system");
+  }
   if (merge.level_map && (!merge.gravity || !any([](const RunFolder& run)
                                                  { return run.references.gravity.has_value(); })))
   {
@@ -277,6 +284,7 @@ MergeReport mergeMaps(const std::vector<RunFolder>& runs,
   if (outputs.utm && of_map.exports.epsg == 0)
   {
     of_map.exports.epsg = georeference->epsg;
+    save(of_map.exports, of_map.settings, "map_export");
   }
   MapBuilder builder(own);
   std::size_t scans = 0;

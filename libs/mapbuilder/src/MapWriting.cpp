@@ -236,7 +236,7 @@ MapReport writeMapOutputs(MapBuilder& builder, const MapOutputs& outputs, MapLis
   }
   if (const std::string ini = outputs.settingsFile(); !ini.empty())
   {
-    writeWhole(ini, outputs.settings);
+    writeWhole(ini, outputs.settings.toIni());
   }
   if (!outputs.labelled_map.empty())
   {

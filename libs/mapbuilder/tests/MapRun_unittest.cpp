@@ -36,7 +36,7 @@ class MapRun : public testing::Test
     writeTum(recording.trajectory, drive);
     options.threads = 1;
     options.hindsight.hindsight = false;
-    outputs.settings = "[map]\n";
+    outputs.settings.set("map.voxel_size=0.2");
   }
   MapReport build() { return buildMap(recording, options, outputs, listener); }
 
@@ -69,7 +69,7 @@ TEST_F(MapRun, WritesEveryOutput)
   {
     EXPECT_GT(fs::file_size(file), 0U) << file;
   }
-  EXPECT_EQ("[map]\n", folder.read("m.effective.ini"));
+  EXPECT_EQ(outputs.settings.toIni(), folder.read("m.effective.ini"));
   EXPECT_EQ(
       (std::vector<std::string>{
           "reading ", "finished 8", "writing m.ply m.pcd, keyframes", "finished 8",
@@ -346,6 +346,9 @@ TEST_F(MapRun, AMergeWithSatellitePositionsIsGeoreferenced)
   (void)mergeMaps(runs, {}, options, outputs, listener);
   EXPECT_NEAR(in_utm[0].pose.translation().x(), eastOfLas(), 200);
   EXPECT_TRUE(contains(folder.read("m.las").substr(0, 2000), "LASF_Projection"));
+  const Config settings = Config::fromFile(folder.file("m.effective.ini"));
+  EXPECT_EQ("32632", settings.section("map_export").at("epsg").text);
+  EXPECT_TRUE(settings.has("map", "voxel_size"));
 
   outputs.utm = false;
   RunMergerConfig without;
@@ -382,6 +385,9 @@ TEST_F(MapRun, WhatNoRunShowsIsRefusedBeforeAnythingIsRead)
   outputs.utm = true;
   EXPECT_TRUE(contains(said(), "--utm: no run has a georeference.ini")) << said();
   outputs.utm = false;
+  outputs.exports.epsg = 32632;
+  EXPECT_TRUE(contains(said(), "map_export.epsg: the merged map is in the map frame")) << said();
+  outputs.exports.epsg = 0;
   merger.merge.level_map = true;
   EXPECT_TRUE(contains(said(), "merge.level_map: no run has found the vertical")) << said();
   EXPECT_TRUE(listener.log.empty());

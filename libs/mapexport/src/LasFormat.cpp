@@ -29,12 +29,14 @@ void appendText(std::string& out, const std::string& text, std::size_t size)
 }
 
 /** Day of the year and year in UTC: of the recording, since the time of writing would give each
- * file of one map other bytes; zeros if it is not known. */
+ * file of one map other bytes; zeros if it is not known, as of a clock that counts from its start.
+ */
 void appendDate(std::string& out, const std::optional<double>& stamp)
 {
+  constexpr double first = 631152000;    // 1 January 1990: earlier stamps are no UNIX times
   constexpr double last = 253402300799;  // 31 December 9999
   std::tm date{};
-  const bool known = stamp && *stamp >= 0 && *stamp <= last;
+  const bool known = stamp && *stamp >= first && *stamp <= last;
   const auto seconds = static_cast<std::time_t>(known ? *stamp : 0);
   const bool valid = known && ::gmtime_r(&seconds, &date) != nullptr;
   appendBytes(out, static_cast<std::uint16_t>(valid ? date.tm_yday + 1 : 0));

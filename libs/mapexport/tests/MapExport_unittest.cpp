@@ -150,9 +150,9 @@ TEST_F(MapExport, TheDateOfALasIsThatOfTheRecording)
   };
   EXPECT_EQ((std::pair<int, int>(269, 2011)), dateOf(1317042752.9));  // 26 September, 13:12
   EXPECT_EQ((std::pair<int, int>(366, 2020)), dateOf(1609459199));    // 31 December, 23:59:59
-  EXPECT_EQ((std::pair<int, int>(1, 1970)), dateOf(1000));
-  for (const std::optional<double> none :
-       {std::optional<double>(), std::optional<double>(-1),
+  for (const std::optional<double> none :  // a clock that counts from its start: 1000 s, a year
+       {std::optional<double>(), std::optional<double>(-1), std::optional<double>(1000),
+        std::optional<double>(3.2e7),
         std::optional<double>(std::numeric_limits<double>::quiet_NaN()),
         std::optional<double>(1e300)})
   {

@@ -256,12 +256,29 @@ void drawObject(const PictureObject& object, const View& view, cv::Mat& page)
   drawPath(box, view, page, colour, 2 * supersampling, true);
 }
 
-void drawMark(const Eigen::Vector3d& p, const View& view, cv::Mat& page, const cv::Scalar& colour)
+/** Draws a dot or a square with a white border. */
+void drawMark(const Eigen::Vector3d& p,
+              const View& view,
+              cv::Mat& page,
+              const cv::Scalar& colour,
+              bool square)
 {
   const Eigen::Vector2d at = view.pixel(p.head<2>());
   const cv::Point centre(static_cast<int>(at.x()), static_cast<int>(at.y()));
-  cv::circle(page, centre, 8 * supersampling, white, cv::FILLED, cv::LINE_AA);
-  cv::circle(page, centre, 6 * supersampling, colour, cv::FILLED, cv::LINE_AA);
+  const auto draw = [&](int pixels, const cv::Scalar& fill)
+  {
+    const int r = pixels * supersampling;
+    if (square)
+    {
+      cv::rectangle(page, centre - cv::Point(r, r), centre + cv::Point(r, r), fill, cv::FILLED);
+    }
+    else
+    {
+      cv::circle(page, centre, r, fill, cv::FILLED, cv::LINE_AA);
+    }
+  };
+  draw(8, white);
+  draw(6, colour);
 }
 
 /** Marks start and end of a path. */
@@ -272,8 +289,8 @@ void drawEnds(const std::vector<Eigen::Vector3d>& path, const View& view, cv::Ma
   const auto last = std::find_if(path.rbegin(), path.rend(), finite);
   if (first != path.end())
   {
-    drawMark(*last, view, page, end_colour);
-    drawMark(*first, view, page, start_colour);
+    drawMark(*last, view, page, end_colour, true);
+    drawMark(*first, view, page, start_colour, false);
   }
 }
 
@@ -301,7 +318,7 @@ void drawScale(const View& view, cv::Mat& page)
   text(page, words, {(left.x + right.x) / 2, right.y - 12 * supersampling}, Anchor::middle);
 }
 
-const char* const ends_text = " (green dot: start, red dot: end)";
+const char* const ends_text = " (green dot: start, red square: end)";
 
 /** Entries of the legend. */
 std::vector<Curve> runEntries(const std::vector<PictureRun>& runs)

@@ -67,6 +67,9 @@ TEST(MapPicture, MarksStartAndEnd)
   EXPECT_GT(start[1], start[2] + 60) << "green";
   const cv::Vec3b end = picture.at<cv::Vec3b>(200, 600);
   EXPECT_GT(end[2], end[1] + 60) << "red";
+  // A dot and a square tell them apart without colours: 5 pixels from the centre in x and y.
+  EXPECT_LT(cv::norm(picture.at<cv::Vec3b>(205, 605), end), 60) << "corner of the square";
+  EXPECT_GT(cv::norm(picture.at<cv::Vec3b>(205, 195), start), 150) << "outside of the dot";
 }
 
 TEST(MapPicture, ComparisonHidesNothingOfTheMap)

@@ -202,6 +202,7 @@ EarlyEnd replayToTheEnd(const SlamRun& run,
   }
   try
   {
+    run.announce("completing graph, labels and map");
     finish();
   }
   catch (const std::exception& error)

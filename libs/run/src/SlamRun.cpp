@@ -260,9 +260,18 @@ double SlamRun::progress(double read) const
   return limit > 0 ? std::max(read, static_cast<double>(frames()) / limit) : read;
 }
 
+void SlamRun::announce(const std::string& work) const
+{
+  if (impl_->settings.after_scans && frames() > 0)
+  {
+    impl_->settings.after_scans(work);
+  }
+}
+
 SlamRunReport SlamRun::finish(const std::vector<std::string>& source_warnings, const EarlyEnd& end)
 {
   Impl& m = *impl_;
+  announce("writing the results");
   RunResults results = m.results.atEnd(m.data(), source_warnings);
   results.wait_ms = m.times.waitMilliseconds(m.statistics.frames, m.outputs.waits());
   SlamRunReport& report = results.report;

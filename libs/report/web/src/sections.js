@@ -359,7 +359,7 @@ export function picture(data) {
   }
   image.hidden = false;
   section.append(h('p', {}, 'The static map (darker: higher over the ground), the path of the sensor with start ' +
-      '(green dot) and end (red dot), and the moving objects with their paths and last boxes. The same picture is the file ',
+      '(green dot) and end (red square), and the moving objects with their paths and last boxes. The same picture is the file ',
       h('code', {}, 'map.png'), '.'), image);
   return section;
 }

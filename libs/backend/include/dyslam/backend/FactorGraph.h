@@ -113,7 +113,8 @@ class FactorGraph
 
   /** Marginal covariances of the variables `keys` at the present values, without robust loss, over
    * tangents (poses) or components (velocities); conditioned on the fixed variables and, unless
-   * `free` is empty, on all variables that are not in `free`.
+   * `free` is empty, on all variables that are not in `free`. What no factor measures (yaw and
+   * translation of the vertical, the last three numbers of the accelerometer's bias) has zeros.
    * \throws std::runtime_error if the factors do not constrain a direction. */
   [[nodiscard]] std::vector<Matrix6> covariances(const std::vector<Key>& keys,
                                                  const std::set<Key>& free = {});

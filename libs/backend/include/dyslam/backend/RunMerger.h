@@ -34,7 +34,7 @@ struct RunMergerOptions : Options
 struct RunMergerConfig
 {
   RunMergerOptions merge;
-  LoopCloserOptions loops;
+  LoopCloserOptions loops;  //!< whatever `appearance` is: nothing else shows where runs meet
   FactorGraphOptions solver;
   MemoryLimit memory;  //!< limit for points and descriptors of the keyframes, like KeyframeStore's
 };
@@ -127,6 +127,7 @@ struct RunMerge
 class RunMerger
 {
  public:
+  /** \throws UserError for options that are out of range, also LoopCloserOptions::by_appearance. */
   explicit RunMerger(const RunMergerConfig& config);
   ~RunMerger();
   RunMerger(RunMerger&&) noexcept;

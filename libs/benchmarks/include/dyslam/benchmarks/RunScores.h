@@ -40,6 +40,8 @@ struct RunScores
 
 /** A number of a JSON object; nothing if it is missing. */
 [[nodiscard]] std::optional<double> number(const nlohmann::ordered_json& json, const char* key);
+/** A text of a JSON object; empty if it is missing. */
+[[nodiscard]] std::string textIn(const nlohmann::ordered_json& json, const char* key);
 
 /** The split of the recorded world; nothing if the world is not known or its seed is in no split.
  */

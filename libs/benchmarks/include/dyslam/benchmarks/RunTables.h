@@ -21,6 +21,8 @@ namespace dyslam
 /** Where the ground truth of each run is from, and what this means for its figures; one line each.
  */
 [[nodiscard]] std::string truthLines(const std::vector<RunScores>& runs);
+/** What the reports of the runs warn of: why a run is unusable, and its warnings; one line each. */
+[[nodiscard]] std::string warningLines(const std::vector<RunScores>& runs);
 /** All results as JSON, one object per run. \throws UserError as splitLines(). */
 [[nodiscard]] std::string runJson(const std::vector<RunScores>& runs);
 }  // namespace dyslam

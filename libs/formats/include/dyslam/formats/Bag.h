@@ -72,7 +72,8 @@ class Bag
 
 /** The bags in a folder, the parts of one recording, in the order of their names. Left out are
  * copies: compressed ones beside those that were unpacked, and what rosbag keeps when it rewrites a
- * bag (`drive.orig.bag`). \throws UserError if they are of several kinds, or compressed. */
+ * bag (`drive.orig.bag`). \throws UserError if they are of several kinds, or compressed otherwise
+ * than with zstd. */
 [[nodiscard]] std::vector<std::string> bagParts(const std::string& folder);
 
 /** Opens a ROS 1 bag (v2.0; plain, bz2 or lz4 chunks), a ROS 2 bag of sqlite3 (`.db3`), an mcap
@@ -80,7 +81,8 @@ class Bag
  * (bagParts()). Of these, those with the same topics are read behind each other, those with
  * different ones side by side, in the order of the times of recording; as are the topics of a
  * file that are not in order (Bag::isInOrder()). Finds topics and counts by
- * the index, or by reading all where there is none.
+ * the index, or by reading all where there is none. Files that are compressed as a whole with zstd
+ * (`.db3.zstd`) are unpacked to the folder for temporary files as long as the bag is open.
  *
  * Formats: http://wiki.ros.org/Bags/Format/2.0, https://mcap.dev/spec,
  * https://github.com/ros2/rosbag2 (storage sqlite3).

@@ -6,8 +6,8 @@
 
 namespace dyslam
 {
-/** Ending of a bag's name in lower case; `.bag` also of one that its recorder has not closed,
- * `drive.bag.active`. */
+/** Ending of a bag's name in lower case, without that of a compression; `.bag` also of one that its
+ * recorder has not closed, `drive.bag.active`. */
 [[nodiscard]] std::string bagEnding(const std::string& path);
 /** The command that unpacks a file that is compressed as a whole, by the ending of its name: "zstd
  * -d" for `.zstd` and `.zst`; also for `.gz`, `.bz2` and `.xz`. Empty for all others. */

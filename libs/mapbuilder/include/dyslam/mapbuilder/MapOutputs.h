@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <dyslam/base/Config.h>
 #include <dyslam/mapexport/MapExport.h>
 
 #include <string>
@@ -16,9 +17,9 @@ struct MapOutputs
   std::string picture;     //!< PNG: the map from above, with paths and objects
   std::string comparison;  //!< PNG: map before and after cleaning; several runs: before merging
   std::string
-      labelled_map;      //!< `.ply`, `.pcd` or `.bin`: LabelledMap, with a `.label` file beside it
-  bool utm = false;      //!< of merged runs: maps in UTM instead of the first run's map frame
-  std::string settings;  //!< settings as an ini, written beside the first output
+      labelled_map;  //!< `.ply`, `.pcd` or `.bin`: LabelledMap, with a `.label` file beside it
+  bool utm = false;  //!< of merged runs: maps in UTM instead of the first run's map frame
+  Config settings;   //!< all settings, written as an ini beside the first output
 
   /** Path beside the first output: `map_tum.txt` for `map.las` and `_tum.txt`; else empty. */
   [[nodiscard]] std::string beside(const std::string& ending) const;

@@ -17,8 +17,8 @@ struct CloudDescription
   bool normals = false;
   /** Origin of the map frame in the coordinates of the file [m]. */
   Eigen::Vector3d origin = Eigen::Vector3d::Zero();
-  /** UNIX time of the recording's first scan [s], for the date in the header of a `.las`; nothing:
-   * no date. */
+  /** UNIX time of the recording's first scan [s], for the date in the header of a `.las`; nothing,
+   * or a time before 1990: no date. */
   std::optional<double> recorded;
   /** EPSG number of the coordinate reference system, for `.las`; 0: none. */
   int epsg = 0;

@@ -40,6 +40,9 @@ struct SlamRunSettings
   std::function<bool()> stop;
   /** Receives warnings immediately that the report has, too; called from any thread. */
   std::function<void(const std::string&)> warn;
+  /** Receives what the run does after the last scan, which may take a while, such as "writing the
+   * results"; called from the thread of the run. */
+  std::function<void(const std::string&)> after_scans;
 };
 
 /** Result of a run, as in report.json. */
@@ -129,6 +132,8 @@ class SlamRun
   void noteWait(const std::string& thread, double seconds);
   /** Fraction of the work done, given the fraction of the file read. */
   [[nodiscard]] double progress(double read) const;
+  /** Tells SlamRunSettings::after_scans, if there were scans. */
+  void announce(const std::string& work) const;
   /** Called after Pipeline::finish(): writes all results that are known only at the end.
    * \param source_warnings warnings about the recording
    * \throws UserError for an early end, and if files could not be written (others are written). */
