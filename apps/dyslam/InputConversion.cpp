@@ -92,10 +92,8 @@ void convertTo(const ConvertedFiles& files,
     if (!a.quiet())
     {
       report(result, files.rawlog);
-      std::printf(
-          "%s stays: -i %s saves the conversion next time; options that dyslam does not have are "
-          "those of %s\n",
-          files.rawlog.c_str(), files.rawlog.c_str(), converter.program().c_str());
+      std::printf("%s stays: -i %s saves the conversion next time; %s converts with more options\n",
+                  files.rawlog.c_str(), files.rawlog.c_str(), converter.program().c_str());
       std::fflush(stdout);
     }
   }

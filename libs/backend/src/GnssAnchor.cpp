@@ -182,8 +182,8 @@ bool GnssAnchor::addTo(FactorGraph& graph,
     warn("the positions of the satellite receiver are not used: " +
          counted(used_.size(), "position") + " at scans, within " +
          std::to_string(used_.empty() ? 0 : std::lround(extent(graph))) + " m; " +
-         std::to_string(least) + " within " + std::to_string(std::lround(needed)) +
-         " m or more would show where the map is");
+         std::to_string(least) + " that are spread over " + std::to_string(std::lround(needed)) +
+         " m are needed to place the map on the earth");
     return false;
   }
   graph.addPose(Key::georeference(), initialPose(graph));

@@ -204,7 +204,9 @@ Scan readBin(const std::string& path, BinLayout layout)
   if (bytes.size() % step != 0)
   {
     throw UserError(path + ": " + std::to_string(bytes.size()) + " bytes are not whole points of " +
-                    std::to_string(columns) + " floats; the file is cut short or no scan");
+                    std::to_string(columns) + " floats (x y z intensity" +
+                    (columns == 5 ? " ring" : "") +
+                    "); the file is cut short, or has other columns");
   }
   Scan scan;
   const std::size_t count = bytes.size() / step;

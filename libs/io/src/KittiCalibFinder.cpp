@@ -83,10 +83,10 @@ std::string KittiCalibFinder::missingText(const std::string& for_what) const
     return input_.string() + ": neither " + folderAbove(input_).string() +
            " nor the drive's folder has calib_cam_to_cam.txt, calib_velo_to_cam.txt and "
            "calib_imu_to_velo.txt, needed for " +
-           for_what + "; put them there, or name their folder with --calib";
+           for_what + "; put them there, or name their folder with --calib of kitti2rawlog";
   }
   return input_.string() + ": has no calib.txt, which is needed for " + for_what +
-         "; name it with --calib";
+         "; name it with --calib of kitti2rawlog";
 }
 
 const KittiCalib& KittiCalibFinder::require(const std::string& for_what)

@@ -2,6 +2,7 @@
 #include <dyslam/base/Error.h>
 #include <dyslam/base/Files.h>
 #include <dyslam/base/Printable.h>
+#include <dyslam/base/Quantile.h>
 #include <dyslam/formats/FieldConventions.h>
 #include <dyslam/formats/KittiFiles.h>
 #include <dyslam/formats/RecordingKind.h>
@@ -77,6 +78,22 @@ std::vector<double> stampsByNumber(const std::vector<std::string>& files,
   return stamps;
 }
 
+/** Median range of the points, without those at the origin and those that are no numbers [m]; 0
+ * without any. */
+float medianRange(const Scan& scan)
+{
+  std::vector<float> ranges;
+  ranges.reserve(scan.size());
+  for (const Eigen::Vector3f& point : scan.points)
+  {
+    if (const float range = point.stableNorm(); range > 0 && std::isfinite(range))
+    {
+      ranges.push_back(range);
+    }
+  }
+  return ranges.empty() ? 0 : upperMedian(ranges);
+}
+
 /** What is unusual about the scans of a folder. */
 struct FolderFindings
 {
@@ -85,7 +102,9 @@ struct FolderFindings
   std::string first_empty;
   std::string first_with_points;
   double odd_intensities = 0;  //!< share of those of that file that are negative or no numbers
+  float median_range = 0;      //!< of that file [m]
 
+  /** \throws UserError if the first file with points has no scan of a lidar. */
   void add(const Scan& scan, bool has_stamp, const std::string& file)
   {
     assumed_times = assumed_times || !has_stamp;
@@ -95,6 +114,17 @@ struct FolderFindings
       const auto odd = std::count_if(scan.intensity.begin(), scan.intensity.end(),
                                      [](float intensity) { return !(intensity >= 0); });
       odd_intensities = static_cast<double>(odd) / static_cast<double>(scan.size());
+      median_range = medianRange(scan);
+      constexpr float farthest = 1e5F;
+      if (median_range > farthest)
+      {
+        throw UserError(
+            file + ": half of its points are more than 100 km from the origin: " +
+            (lowerExtension(file) == ".bin"
+                 ? "its columns are probably not x y z intensity (float32), or not "
+                   "relative to the lidar; write it as such, or as .pcd"
+                 : "its coordinates are not relative to the lidar; subtract an origin"));
+      }
     }
     if (scan.size() == 0)
     {
@@ -142,6 +172,14 @@ void warnAbout(const FolderFindings& findings,
               " % of the intensities are negative or no numbers: its columns are probably not x y "
               "z intensity (float32), and no others are read but x y z intensity ring; write it as "
               "such, or as .pcd");
+  }
+  constexpr float implausible = 1000;
+  if (findings.median_range > implausible)
+  {
+    sink.warn(fs::path(findings.first_with_points).filename().string() +
+              ": half of its points are more than " +
+              std::to_string(std::lround(findings.median_range)) +
+              " m away: its coordinates are probably in millimetres; write them in metres");
   }
 }
 

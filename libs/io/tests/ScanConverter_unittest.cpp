@@ -480,6 +480,41 @@ TEST(ScanConverter, ColumnsThatAreNoIntensities)
   EXPECT_FALSE(isWarned("four"));
 }
 
+/** Coordinates in millimetres give a warning, those that no lidar measures are an error. */
+TEST(ScanConverter, PointsThatAreNotInMetres)
+{
+  const TestFolder folder;
+  const auto write = [&folder](const std::string& name, float scale, float origin)
+  {
+    Scan scan = someScan(0, 60);
+    for (Eigen::Vector3f& point : scan.points)
+    {
+      point = scale * point + Eigen::Vector3f(origin, origin, 0);
+    }
+    makeFolderOf(folder, name.substr(0, name.find('/')));
+    writeCloud(folder.file(name), scan.points, scan.intensity);
+  };
+  write("m/0.bin", 1, 0);
+  write("mm/0.bin", 1000, 0);
+  write("utm/0.pcd", 1, 5e6F);
+  write("odd/0.bin", 1, 5e6F);
+  const auto converted = [&folder](const std::string& name)
+  { return convertScans(folder.file(name), folder.file("x.rawlog"), {}); };
+  const auto isWarned = [&](const std::string& name)
+  {
+    const auto warnings = converted(name).warnings;
+    return std::any_of(warnings.begin(), warnings.end(),
+                       [](const std::string& line) { return contains(line, "in millimetres"); });
+  };
+  EXPECT_FALSE(isWarned("m"));
+  EXPECT_TRUE(isWarned("mm"));
+  EXPECT_TRUE(contains(messageOfError<UserError>([&] { converted("utm"); }),
+                       "0.pcd: half of its points are more than 100 km from the origin: its "
+                       "coordinates are not relative to the lidar"));
+  EXPECT_TRUE(contains(messageOfError<UserError>([&] { converted("odd"); }),
+                       "its columns are probably not x y z intensity"));
+}
+
 TEST(ScanConverter, Errors)
 {
   const TestFolder folder;

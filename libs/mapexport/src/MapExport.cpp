@@ -78,6 +78,10 @@ MapFormat mapFormatOf(const std::string& path)
   {
     throw UserError(path + ": compressed LAS is not written; give .las and compress it after");
   }
+  if (ending == ".pgm" || ending == ".yaml")
+  {
+    throw UserError(path + ": give the occupancy grid as .png; its .yaml is written beside it");
+  }
   throw UserError(path + ": " + unknownWord("ending", ending, known));
 }
 }  // namespace dyslam

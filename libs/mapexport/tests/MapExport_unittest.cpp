@@ -521,6 +521,15 @@ TEST_F(MapExport, UnwritableFoldersAndBadEndings)
     EXPECT_NE(std::string(error.what()).find("did you mean '.3Dscene'"), std::string::npos)
         << error.what();
   }
+  try
+  {
+    (void)mapFormatOf("grid.pgm");
+    FAIL() << "a bad ending was accepted";
+  }
+  catch (const UserError& error)
+  {
+    EXPECT_NE(std::string(error.what()).find("grid as .png"), std::string::npos) << error.what();
+  }
 }
 
 TEST(MapExportOptions, TilesAreNotTooSmall)

@@ -38,7 +38,8 @@ void MotionPredictor::predict(Frame& frame, FrameContext& context)
   clock_.advance(frame.scan.stamp);
   context.interval_doubtful = clock_.isDoubtful();
   frame.sweep_duration = clock_.sweepDuration();
-  frame.dt = frame.sweep_duration;  // correctInterval() corrects it
+  // correctInterval() corrects a doubtful one
+  frame.dt = context.interval_doubtful ? frame.sweep_duration : clock_.interval();
   frame.clock_offset = clock_.offset();
   senseMotion(frame, context);
   frame.prior = priorAfter(frame.dt);
@@ -181,11 +182,7 @@ bool MotionPredictor::showsClockStep(const Pose& T_previous_current) const
 
 std::vector<std::string> MotionPredictor::warnings() const
 {
-  std::vector<std::string> warnings;
-  if (std::string of_clock = clock_.warning(); !of_clock.empty())
-  {
-    warnings.push_back(std::move(of_clock));
-  }
+  std::vector<std::string> warnings = clock_.warnings();
   for (std::string& of_sensor : sensors_.warnings())
   {
     warnings.push_back(std::move(of_sensor));

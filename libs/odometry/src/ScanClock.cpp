@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/base/Printable.h>
 #include <dyslam/base/Quantile.h>
 #include <dyslam/base/StateArchive.h>
 #include <dyslam/core/Motion.h>
 #include <dyslam/odometry/MotionFilter.h>
 #include <dyslam/odometry/ScanClock.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <vector>
@@ -17,12 +19,21 @@ constexpr std::size_t min_intervals = 5;  // least number of intervals that dete
 constexpr std::size_t max_intervals = 15;
 constexpr double shortest = 0.75;  // shortest interval that fits the rate [periods]
 constexpr double longest = 1.3;
+constexpr double multiple_tolerance = 0.2;  // distance from a multiple of a period [periods]
+constexpr std::size_t scans_per_gap = 10;   // missing scans are reported below this
 constexpr std::size_t max_clock_steps = 3;  // more are reported as uneven stamps
 constexpr double motion_gate = 3;           // largest Mahalanobis distance from the prediction
 constexpr double margin = 1;  // Mahalanobis distance by which a period has to fit better
 // Sigmas of a motion between scans by the registration.
 constexpr double sigma = 0.03;         // [m]
 constexpr double sigma_angle = 0.005;  // [rad]
+
+/** The number of periods in an interval, where it is about a whole number of them; else 0. */
+double multipleOf(double period, double interval)
+{
+  const double multiple = std::round(interval / period);
+  return std::abs(interval - multiple * period) <= multiple_tolerance * period ? multiple : 0;
+}
 
 /** Mahalanobis distance of a motion from what the filter predicts for `dt`. */
 double distanceAfter(const MotionFilter& filter, double dt, const Pose& T_previous_current)
@@ -42,14 +53,37 @@ void ScanClock::advance(double stamp)
   ++scans_;
 }
 
-bool ScanClock::isDoubtful() const
+bool ScanClock::fitsRate() const
 {
   if (regular_.size() < min_intervals)
   {
-    return scans_ > 1 && scans_ <= min_intervals + 1 && interval_ > max_extrapolation;
+    return scans_ <= 1 || scans_ > min_intervals + 1 || interval_ <= max_extrapolation;
   }
   const double expected = period();
-  return interval_ < shortest * expected || interval_ > longest * expected;
+  return interval_ >= shortest * expected && interval_ <= longest * expected;
+}
+
+bool ScanClock::isDoubtful() const
+{
+  const double expected = period();
+  return !fitsRate() && !(scansAreMissing() && std::any_of(regular_.begin(), regular_.end(),
+                                                           [&](double passed) {
+                                                             return std::abs(interval_ - passed) <=
+                                                                    multiple_tolerance * expected;
+                                                           }));
+}
+
+/** Whether the last intervals are multiples of the shortest one, and not all once. */
+bool ScanClock::scansAreMissing() const
+{
+  if (regular_.size() < min_intervals)
+  {
+    return false;
+  }
+  const auto [least, most] = std::minmax_element(regular_.begin(), regular_.end());
+  return multipleOf(*least, *most) > 1 &&
+         std::all_of(regular_.begin(), regular_.end(),
+                     [unit = *least](double passed) { return multipleOf(unit, passed) > 0; });
 }
 
 double ScanClock::period() const
@@ -59,6 +93,14 @@ double ScanClock::period() const
     return 0;
   }
   std::vector<double> intervals(regular_.begin(), regular_.end());
+  if (scansAreMissing())
+  {
+    const double unit = *std::min_element(intervals.begin(), intervals.end());
+    for (double& interval : intervals)
+    {
+      interval /= multipleOf(unit, interval);
+    }
+  }
   return upperMedian(intervals);
 }
 
@@ -74,6 +116,12 @@ void ScanClock::settle(double passed)
   }
   else if (passed > 0 && passed <= max_extrapolation)
   {
+    const double periods = regular_.size() < min_intervals ? 1 : multipleOf(period(), passed);
+    if (periods > 1)
+    {
+      ++gaps_;
+      missing_ += static_cast<std::size_t>(periods) - 1;
+    }
     regular_.push_back(passed);
     if (regular_.size() > max_intervals)
     {
@@ -90,12 +138,9 @@ double ScanClock::nextSweep(double stamp)
   return duration;
 }
 
-std::string ScanClock::warning() const
+std::vector<std::string> ScanClock::warnings() const
 {
-  if (steps_ == 0)
-  {
-    return {};
-  }
+  std::vector<std::string> warnings;
   char text[240];
   if (steps_ > max_clock_steps)
   {
@@ -105,8 +150,9 @@ std::string ScanClock::warning() const
         "up to %.3f s from what the vehicle's motion shows; the sensor's rate is used "
         "there",
         steps_, first_step_, std::abs(largest_step_));
+    warnings.emplace_back(text);
   }
-  else
+  else if (steps_ > 0)
   {
     std::snprintf(text, sizeof text,
                   "the clock of the recording was set before scan %zu%s, by %s%.3f s, while the "
@@ -114,8 +160,16 @@ std::string ScanClock::warning() const
                   "results are the recording's",
                   first_step_, steps_ > 1 ? " and again later" : "", steps_ > 1 ? "up to " : "",
                   largest_step_);
+    warnings.emplace_back(text);
   }
-  return text;
+  if (gaps_ * scans_per_gap > scans_)
+  {
+    warnings.push_back("about " + std::to_string(missing_) + " of " +
+                       counted(scans_ + missing_, "scan") +
+                       " are missing, by the time stamps: results are better with all; check the "
+                       "recorder and the conversion");
+  }
+  return warnings;
 }
 
 bool showsClockStep(const MotionFilter& filter,
@@ -141,7 +195,7 @@ bool showsClockStep(const MotionFilter& filter,
 
 void ScanClock::exchangeState(StateArchive& archive)
 {
-  archive(started_, stamp_, interval_, offset_, regular_, scans_, steps_, first_step_,
-          largest_step_);
+  archive(started_, stamp_, interval_, offset_, regular_, scans_, gaps_, missing_, steps_,
+          first_step_, largest_step_);
 }
 }  // namespace dyslam

@@ -150,5 +150,59 @@ TEST(ScanClock, SweepsLastAsLongAsTheSensorTurns)
   EXPECT_NEAR(clock.interval(), 4 * period, 1e-9);
   EXPECT_NEAR(clock.nextSweep(stamp + period), period, 1e-9);
 }
+
+/** Intervals that are multiples of the period: the sensor turns at its rate, and an interval that
+ * occurred before is no step of the clock. */
+TEST(ScanClock, TheRateIsKnownWhereScansAreMissing)
+{
+  ScanClock clock;
+  double stamp = 100;
+  (void)clock.nextSweep(stamp);
+  for (const int periods : {1, 2, 3, 2, 2, 3, 2, 1, 2})
+  {
+    stamp += periods * period;
+    (void)clock.nextSweep(stamp);
+  }
+  EXPECT_NEAR(clock.period(), period, 1e-9);
+  for (const int periods : {3, 1, 2})
+  {
+    stamp += periods * period;
+    clock.advance(stamp);
+    EXPECT_FALSE(clock.isDoubtful()) << periods;
+    EXPECT_NEAR(clock.sweepDuration(), period, 1e-9) << periods;
+    clock.settle(clock.interval());
+  }
+  clock.advance(stamp + 7 * period);
+  EXPECT_TRUE(clock.isDoubtful());
+  ASSERT_EQ(clock.warnings().size(), 1U);
+  EXPECT_EQ(clock.warnings()[0].find("about 7 of 21 scans are missing"), 0U) << clock.warnings()[0];
+}
+
+TEST(ScanClock, SingleMissingScansAreNotReported)
+{
+  ScanClock clock;
+  double stamp = 100;
+  for (int i = 0; i < 40; ++i)
+  {
+    (void)clock.nextSweep(stamp);
+    stamp += i == 20 ? 3 * period : period;
+  }
+  EXPECT_TRUE(clock.warnings().empty());
+}
+
+/** Stamps that jitter are no multiples of a period. */
+TEST(ScanClock, TheRateOfUnevenStampsIsTheMedian)
+{
+  ScanClock clock;
+  double stamp = 100;
+  for (const double interval : {0.1, 0.07, 0.1, 0.13, 0.1, 0.09, 0.1, 0.1})
+  {
+    (void)clock.nextSweep(stamp);
+    stamp += interval;
+  }
+  EXPECT_NEAR(clock.period(), 0.1, 1e-9);
+  clock.advance(stamp + 0.05);
+  EXPECT_TRUE(clock.isDoubtful());
+}
 }  // namespace
 }  // namespace dyslam

@@ -63,8 +63,22 @@ TEST(RunStatistics, AdvisesByTheCauseOfTheMostFrequentReason)
       << few;
   EXPECT_FALSE(has(few, "start_speed") || has(few, "handheld")) << few;
   const std::string range = failureOf("few points left", FailureCause::preprocessing);
-  EXPECT_TRUE(has(range, "; change these settings, or check that the points are in metres"));
+  EXPECT_TRUE(has(range,
+                  "; change these settings, or check that the points are in metres, in the frame "
+                  "of the lidar"));
   EXPECT_FALSE(has(range, "start_speed")) << range;
+}
+
+/** A gyroscope in degrees makes all registrations fail. */
+TEST(RunStatistics, AdvisesToDoWithoutMotionSensors)
+{
+  RunStatistics statistics;
+  statistics.add(failed(false, "no overlap"));
+  EXPECT_EQ(statistics.failure(false).find("motion_sensors"), std::string::npos);
+  Frame frame = failed(false, "no overlap");
+  frame.imu.emplace_back();
+  statistics.add(frame);
+  EXPECT_NE(statistics.failure(false).find("motion_sensors.gyroscope=false"), std::string::npos);
 }
 
 /** One threshold and one wording for console, report.json and report.html. */

@@ -14,21 +14,27 @@ namespace
 constexpr double unusable_share = 0.5;  // share of scans not registered: more is unusable
 constexpr double doubtful_share = 0.2;  // share of scans not registered: more is doubtful
 
-/** Advice for the user. \param has_ini an ini was given, which may be the reason */
-std::string adviceFor(FailureCause cause, bool has_ini)
+/** Advice for the user. \param has_ini an ini was given, which may be the reason
+ * \param has_motion_sensors so may an IMU or wheel odometry */
+std::string adviceFor(FailureCause cause, bool has_ini, bool has_motion_sensors)
 {
   switch (cause)
   {
     case FailureCause::recording:
       return "check the recording, and how it was converted";
     case FailureCause::preprocessing:
-      return "change these settings, or check that the points are in metres";
+      return "change these settings, or check that the points are in metres, in the frame of the "
+             "lidar";
     case FailureCause::estimation:
       break;
   }
   return "try " + std::string(has_ini ? "the settings that fit the sensor (no -c), " : "") +
          "-c handheld.ini for a hand-held sensor, or odometry.start_speed for a recording that "
-         "begins in motion";
+         "begins in motion" +
+         (has_motion_sensors
+              ? "; or without IMU and wheel odometry, whose units, poses or clocks may be wrong: "
+                "motion_sensors.gyroscope=false, motion_sensors.wheel_odometry=false"
+              : "");
 }
 }  // namespace
 
@@ -68,6 +74,7 @@ void RunStatistics::add(const Frame& frame)
   {
     odometry_failures.add(frame.odometry);
   }
+  has_motion_sensors = has_motion_sensors || !frame.imu.empty() || !frame.wheels.empty();
   points += frame.cloud.size();
   detections += frame.detections.size();
   moving_points +=
@@ -163,7 +170,7 @@ std::string RunStatistics::failure(bool has_ini) const
     return {};
   }
   return registrationSentence("do not trust trajectory and map") + "; " +
-         adviceFor(registration_failures.mostFrequent().cause, has_ini);
+         adviceFor(registration_failures.mostFrequent().cause, has_ini, has_motion_sensors);
 }
 
 std::string RunStatistics::verdict() const
@@ -195,7 +202,7 @@ void Reasons::exchangeState(StateArchive& archive)
 void RunStatistics::exchangeState(StateArchive& archive)
 {
   archive(frames, first_time, last_time, registration_failures, map_restarts,
-          unregistered_keyframes, not_settled, odometry_failures, points, moving_points, detections,
-          reference);
+          unregistered_keyframes, not_settled, odometry_failures, has_motion_sensors, points,
+          moving_points, detections, reference);
 }
 }  // namespace dyslam

@@ -74,10 +74,11 @@ struct RunStatistics
   std::size_t unregistered_keyframes = 0;
   std::size_t not_settled = 0;  //!< registered frames whose iterations ended too early
   Reasons odometry_failures;
-  std::size_t points = 0;         //!< number of points of all clouds
-  std::size_t moving_points = 0;  //!< number of moving points, by the causal labels
-  std::size_t detections = 0;     //!< number of detections in all scans
-  Trajectory reference;           //!< ground truth as recorded
+  bool has_motion_sensors = false;  //!< there are samples of an IMU or of wheels
+  std::size_t points = 0;           //!< number of points of all clouds
+  std::size_t moving_points = 0;    //!< number of moving points, by the causal labels
+  std::size_t detections = 0;       //!< number of detections in all scans
+  Trajectory reference;             //!< ground truth as recorded
 
  private:
   /** Whether registration failed on more than `share` of all scans. */

@@ -112,7 +112,8 @@ std::vector<std::string> doubtsAbout(const RecordedSensor& sensor, const Levelli
   if ((pattern.hasRings() || isDenseRevolution(pattern)) && sensor.share_above > max_share_above)
   {
     return {"most points (" + fixed(100 * sensor.share_above, 0) +
-            " %) lie above the lidar: is its z axis down? (--sensor-pose of the converters)"};
+            " %) lie above the lidar: if its z axis points down, convert the recording with "
+            "--sensor-pose '0 0 0 0 0 180'"};
   }
   return {};
 }
