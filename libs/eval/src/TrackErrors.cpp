@@ -177,13 +177,13 @@ TrackErrorSummary summaryOf(const std::vector<TrackError>& errors,
       summary.speed_bias += *error.speed;
     }
   }
-  constexpr double undefined = std::numeric_limits<double>::quiet_NaN();
+  constexpr double none = std::numeric_limits<double>::quiet_NaN();
   const bool any = summary.found > 0;
   const Statistics position = statisticsOf(positions);
-  summary.position_mean = any ? position.mean : undefined;
-  summary.position_rmse = any ? position.rmse : undefined;
-  summary.yaw_median = any ? statisticsOf(yaws).median : undefined;
-  const double speeds = summary.speeds > 0 ? static_cast<double>(summary.speeds) : undefined;
+  summary.position_mean = any ? position.mean : none;
+  summary.position_rmse = any ? position.rmse : none;
+  summary.yaw_median = any ? statisticsOf(yaws).median : none;
+  const double speeds = summary.speeds > 0 ? static_cast<double>(summary.speeds) : none;
   summary.speed_mean_abs /= speeds;
   summary.speed_bias /= speeds;
   return summary;

@@ -156,6 +156,31 @@ TEST_F(DysegTraining, FramesToValidateOnAreNotTrainedOn)
   EXPECT_NO_THROW(make(48));
 }
 
+TEST_F(DysegTraining, FramesToValidateOnHaveScansBeforeThem)
+{
+  const auto said = [&]
+  {
+    try
+    {
+      const DysegTrainer trainer(setup_, (folder_ / "out").string());
+    }
+    catch (const dyslam::UserError& e)
+    {
+      return std::string(e.what());
+    }
+    return std::string();
+  };
+  setup_.train.boxed_validation_first = 7;
+  EXPECT_NE(said().find("[train] boxed_validation_first = 7 is out of range; use 8"),
+            std::string::npos)
+      << said();
+  setup_.train.boxed_validation_first = 8;
+  setup_.train.labelled_validation_first = 0;
+  EXPECT_NE(said().find("[train] labelled_validation_first = 0 is out of range; use 1"),
+            std::string::npos)
+      << said();
+}
+
 TEST_F(DysegTraining, FramesAndSeedsOfAnotherSplitAreRefused)
 {
   const std::string run = "vls128_run88";
