@@ -69,6 +69,29 @@ TEST(RunStatistics, AdvisesByTheCauseOfTheMostFrequentReason)
   EXPECT_FALSE(has(range, "start_speed")) << range;
 }
 
+/** As in clouds of Ouster's os_lidar, and of lidars whose azimuth 0 is y. */
+TEST(RunStatistics, AVehicleThatDoesNotMoveForwardIsAWarning)
+{
+  const auto statisticsOf = [](double x, double y, int steps)
+  {
+    RunStatistics statistics;
+    for (int i = 0; i < steps; ++i)
+    {
+      Frame frame;
+      frame.odometry.status = MotionStatus::converged;
+      frame.motion.status = MotionStatus::converged;
+      frame.motion.T_previous_current.translation() = Eigen::Vector3d(x, y, 0);
+      statistics.add(frame);
+    }
+    return statistics;
+  };
+  EXPECT_EQ(statisticsOf(1, 0.2, 20).directionWarning(), "");
+  EXPECT_EQ(statisticsOf(-1, 0, 5).directionWarning(), "") << "a manoeuvre";
+  EXPECT_TRUE(hasWarning(statisticsOf(-1, 0, 20), "the vehicle moved 180 deg to the left"));
+  EXPECT_TRUE(hasWarning(statisticsOf(0, -1, 20), "the vehicle moved 90 deg to the right"));
+  EXPECT_TRUE(hasWarning(statisticsOf(0, -1, 20), "(--sensor-pose) that is 90 deg more"));
+}
+
 /** A gyroscope in degrees makes all registrations fail. */
 TEST(RunStatistics, AdvisesToDoWithoutMotionSensors)
 {

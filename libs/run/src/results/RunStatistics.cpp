@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "RunStatistics.h"
 
+#include <dyslam/base/Angle.h>
 #include <dyslam/base/Printable.h>
 #include <dyslam/base/StateArchive.h>
 
 #include <algorithm>
 #include <cctype>
+#include <cmath>
 
 namespace dyslam
 {
@@ -64,7 +66,14 @@ void RunStatistics::add(const Frame& frame)
   last_time = frame.time();
   ++frames;
   map_restarts += frame.motion.map_restarted ? 1U : 0U;
-  if (!frame.motion.registered())
+  if (frame.motion.registered())
+  {
+    const Eigen::Vector3d step = frame.motion.T_previous_current.translation();
+    path += step.norm();
+    path_forward += step.x();
+    path_left += step.y();
+  }
+  else
   {
     registration_failures.add(frame.motion);
     unregistered_keyframes += frame.is_keyframe ? 1U : 0U;
@@ -133,6 +142,10 @@ std::vector<std::string> RunStatistics::warnings(bool has_labels) const
   {
     result.push_back(advice);
   }
+  if (const std::string warning = directionWarning(); !warning.empty())
+  {
+    result.push_back(warning);
+  }
   if (map_restarts > 0)
   {
     result.push_back("the local map was restarted " +
@@ -159,8 +172,28 @@ std::string RunStatistics::secondPassAdvice(bool has_labels) const
     return {};
   }
   return std::to_string(100 * moving_points / points) +
-         " % of the points move: in traffic as dense as this the odometry may follow the vehicles; "
+         " % of the points move: in traffic as dense as this the odometry may follow the "
+         "vehicles; "
          "compare with a second pass (--passes 2)";
+}
+
+std::string RunStatistics::directionWarning() const
+{
+  constexpr double min_path = 10;  // [m]
+  constexpr double min_share = 0.9;
+  constexpr double min_angle = 30 * radians_per_degree;
+  const double angle = std::atan2(path_left, path_forward);
+  if (failedOnMoreThan(unusable_share) || path < min_path ||
+      std::hypot(path_forward, path_left) < min_share * path || std::abs(angle) < min_angle)
+  {
+    return {};
+  }
+  const std::string degrees = std::to_string(std::lround(std::abs(angle) * degrees_per_radian));
+  return "the vehicle moved " + degrees + " deg to the " + (angle > 0 ? "left" : "right") +
+         " of its x axis, which should point forward: if the lidar is mounted rotated, convert "
+         "the "
+         "recording with a yaw (--sensor-pose) that is " +
+         degrees + " deg " + (angle > 0 ? "less" : "more");
 }
 
 std::string RunStatistics::failure(bool has_ini) const
@@ -202,7 +235,7 @@ void Reasons::exchangeState(StateArchive& archive)
 void RunStatistics::exchangeState(StateArchive& archive)
 {
   archive(frames, first_time, last_time, registration_failures, map_restarts,
-          unregistered_keyframes, not_settled, odometry_failures, has_motion_sensors, points,
-          moving_points, detections, reference);
+          unregistered_keyframes, not_settled, odometry_failures, has_motion_sensors, path,
+          path_forward, path_left, points, moving_points, detections, reference);
 }
 }  // namespace dyslam

@@ -56,6 +56,9 @@ struct RunStatistics
   /** The warning that advises a second pass because of dense traffic; else empty. */
   [[nodiscard]] std::string secondPassAdvice(bool has_labels) const;
 
+  /** The warning that the vehicle moved in another direction than x; empty if it did not. */
+  [[nodiscard]] std::string directionWarning() const;
+
   /** Why the result is unusable, if more than half of the scans could not be registered; else
    * empty.
    * \param has_ini an ini was given, which may be the reason */
@@ -75,6 +78,9 @@ struct RunStatistics
   std::size_t not_settled = 0;  //!< registered frames whose iterations ended too early
   Reasons odometry_failures;
   bool has_motion_sensors = false;  //!< there are samples of an IMU or of wheels
+  double path = 0;                  //!< sum of the registered motions [m]
+  double path_forward = 0;          //!< part of it along x of the vehicle [m]
+  double path_left = 0;             //!< part of it along y of the vehicle [m]
   std::size_t points = 0;           //!< number of points of all clouds
   std::size_t moving_points = 0;    //!< number of moving points, by the causal labels
   std::size_t detections = 0;       //!< number of detections in all scans
