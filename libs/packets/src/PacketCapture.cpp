@@ -160,6 +160,14 @@ IpFragment udpFragment(int link, const std::uint8_t* data, std::size_t size)
                         : IpFragment{};
 }
 
+/** Whether an error of libpcap only says that a .pcapng has interfaces of several kinds, as
+ * Ethernet and USB: it reads the frames of those that are like the first. */
+bool isOfOtherInterface(const std::string& error)
+{
+  return error.find("of the first interface") != std::string::npos ||
+         error.find("there's no Interface Description Block") != std::string::npos;
+}
+
 /** Takes the payload out of a UDP datagram. \return false if there is none. */
 bool fillPacket(const std::uint8_t* udp,
                 std::size_t size,
@@ -181,13 +189,8 @@ bool fillPacket(const std::uint8_t* udp,
 
 PacketCapture::PacketCapture(const std::string& path) : file_(nullptr, &pcap_close)
 {
-  const bool is_ng = NgCapture::isOne(path);
+  (void)openBinary(path);
   size_ = std::filesystem::file_size(path);
-  if (is_ng)
-  {
-    ng_.emplace(path);
-    return;
-  }
   std::array<char, PCAP_ERRBUF_SIZE> message{};
   file_.reset(pcap_open_offline(path.c_str(), message.data()));
   if (file_ == nullptr)
@@ -197,29 +200,24 @@ PacketCapture::PacketCapture(const std::string& path) : file_(nullptr, &pcap_clo
   }
 }
 
-bool PacketCapture::nextOfPcap(CapturedFrame& frame)
+bool PacketCapture::next(LidarPacket& packet)
 {
   pcap_pkthdr* header = nullptr;
   const u_char* data = nullptr;
-  const int code = pcap_next_ex(file_.get(), &header, &data);
-  if (code != 1)
+  for (;;)
   {
-    damage_ = code == PCAP_ERROR ? pcap_geterr(file_.get()) : damage_;
-    return false;
-  }
-  frame = {pcap_datalink(file_.get()),
-           static_cast<double>(header->ts.tv_sec) + 1e-6 * static_cast<double>(header->ts.tv_usec),
-           reinterpret_cast<const char*>(data), header->caplen};
-  return true;
-}
-
-bool PacketCapture::next(LidarPacket& packet)
-{
-  CapturedFrame frame;
-  while (ng_ ? ng_->next(frame) : nextOfPcap(frame))
-  {
-    const IpFragment fragment =
-        udpFragment(frame.link, reinterpret_cast<const std::uint8_t*>(frame.data), frame.size);
+    const int code = pcap_next_ex(file_.get(), &header, &data);
+    if (code == PCAP_ERROR && isOfOtherInterface(pcap_geterr(file_.get())))
+    {
+      has_other_interfaces_ = true;
+      continue;
+    }
+    if (code != 1)
+    {
+      damage_ = code == PCAP_ERROR ? pcap_geterr(file_.get()) : damage_;
+      return false;
+    }
+    const IpFragment fragment = udpFragment(pcap_datalink(file_.get()), data, header->caplen);
     if (fragment.data == nullptr)
     {
       continue;
@@ -231,18 +229,16 @@ bool PacketCapture::next(LidarPacket& packet)
     if ((alone && fillPacket(fragment.data, fragment.size, sender, packet)) ||
         (whole && fillPacket(whole->data(), whole->size(), sender, packet)))
     {
-      packet.captured = frame.captured;
+      packet.captured =
+          static_cast<double>(header->ts.tv_sec) + 1e-6 * static_cast<double>(header->ts.tv_usec);
       return true;
     }
   }
-  damage_ = ng_ ? ng_->damage() : damage_;
-  return false;
 }
 
 double PacketCapture::progress() const
 {
-  const double at = ng_ ? static_cast<double>(ng_->position())
-                        : static_cast<double>(std::ftell(pcap_file(file_.get())));
-  return at < 0 || size_ == 0 ? 1.0 : at / static_cast<double>(size_);
+  const long at = std::ftell(pcap_file(file_.get()));
+  return at < 0 || size_ == 0 ? 1.0 : static_cast<double>(at) / static_cast<double>(size_);
 }
 }  // namespace dyslam

@@ -7,11 +7,9 @@
 #include <cstdint>
 #include <map>
 #include <memory>
-#include <optional>
 #include <string>
 
 #include "FragmentedDatagrams.h"
-#include "NgCapture.h"
 
 struct pcap;
 
@@ -30,17 +28,18 @@ class PacketCapture
 
   /** Reason why the file cannot be read further; empty if it can, or has ended. */
   [[nodiscard]] const std::string& damage() const { return damage_; }
+  /** Whether there are interfaces of another kind or snapshot length than the first one, whose
+   * frames libpcap does not read. */
+  [[nodiscard]] bool hasOtherInterfaces() const { return has_other_interfaces_; }
   /** Fraction of the file that was read, 0 to 1. */
   [[nodiscard]] double progress() const;
 
  private:
-  [[nodiscard]] bool nextOfPcap(CapturedFrame& frame);
-
-  std::unique_ptr<pcap, void (*)(pcap*)> file_;  //!< null: a .pcapng
-  std::optional<NgCapture> ng_;
+  std::unique_ptr<pcap, void (*)(pcap*)> file_;
   FragmentedDatagrams fragments_;
   std::map<IpAddress, std::uint64_t> senders_;  //!< numbers of the senders, from 1
   std::uintmax_t size_ = 0;                     //!< size of the file [bytes]
   std::string damage_;
+  bool has_other_interfaces_ = false;
 };
 }  // namespace dyslam

@@ -20,6 +20,10 @@ namespace
 {
 constexpr std::size_t probe_packets = 256;  //!< number of packets examined to find the maker
 
+constexpr const char* other_interfaces =
+    "interfaces of another kind or snapshot length than the first are left out; capture on that of "
+    "the lidar alone";
+
 /** Makes the scans of a capture. */
 struct Decoder
 {
@@ -191,7 +195,9 @@ struct PcapSource::Impl
 
   [[nodiscard]] std::string whyNone() const
   {
-    const std::string damage = capture.damage().empty() ? "" : "; " + capture.damage();
+    const std::string damage =
+        (capture.damage().empty() ? "" : "; " + capture.damage()) +
+        (capture.hasOtherInterfaces() ? "; " + std::string(other_interfaces) : "");
     const std::string has = probed_kind.empty() ? "" : ", but UDP packets of " + probed_kind;
     if (!decoder.metadata.empty())
     {
@@ -355,6 +361,10 @@ std::vector<std::string> PcapSource::warnings() const
   {
     lines.push_back(impl_->path + ": " + counted(impl_->repeated, "packet") +
                     " received twice, as if captured on two interfaces; used once");
+  }
+  if (impl_->capture.hasOtherInterfaces())
+  {
+    lines.push_back(impl_->path + ": " + other_interfaces);
   }
   if (impl_->of_others > 0)
   {
