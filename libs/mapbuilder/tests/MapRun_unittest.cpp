@@ -107,10 +107,19 @@ TEST_F(MapRun, TilesAreCountedAndTheScansAreRemoved)
 
 TEST_F(MapRun, ALasHasTheDateOfTheFirstScan)
 {
+  constexpr double july = 1593561600;  // 1 July 2020, UNIX time [s]
+  Trajectory dated;
+  for (const auto& [stamp, pose] : drive)
+  {
+    dated.push_back(stamp - test::start_time + july, pose);
+  }
+  recording.rawlog = folder.file("dated.rawlog");
+  test::writeRecording(recording.rawlog, dated);
+  writeTum(recording.trajectory, dated);
   outputs.maps = {folder.file("m.las")};
   (void)build();
-  EXPECT_EQ(std::string("\x01\x00\xB2\x07", 4), folder.read("m.las").substr(90, 4))
-      << "day 1 of 1970: stamps from 1000 s on";
+  EXPECT_EQ(std::string("\xB7\x00\xE4\x07", 4), folder.read("m.las").substr(90, 4))
+      << "day 183 of 2020";
 }
 
 TEST_F(MapRun, TheSceneHasAPointPerTenCentimetresInFullResolution)
