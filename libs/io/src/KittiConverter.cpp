@@ -82,6 +82,11 @@ void addNotes(const KittiLayout& layout,
   {
     result.warnings.emplace_back(thinned_without_times);
   }
+  if (layout.has_unused_oxts)
+  {
+    result.notes.emplace_back(
+        "oxts has an IMU and positions: kitti2rawlog --imu and --gnss convert them, too");
+  }
   if (layout.pose_origin.source == PoseSource::gnss_ins)
   {
     result.notes.push_back("the true poses are from GNSS/INS (" + layout.pose_origin.name +

@@ -74,6 +74,10 @@ class LayoutReader
     {
       readUnit(options_.imu ? "--imu" : "--gnss");
     }
+    else
+    {
+      layout_.has_unused_oxts = !oxtsPath().empty();
+    }
     return std::move(layout_);
   }
 

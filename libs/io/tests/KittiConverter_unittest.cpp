@@ -270,6 +270,7 @@ TEST(KittiConverter, TheTruthStatesItsSource)
   EXPECT_EQ("oxts.txt", originWith(options).name);
   const auto result = convertKitti(folder.file("in"), folder.file("x.rawlog"), options);
   EXPECT_TRUE(contains(result.notes.back(), "GNSS/INS (oxts.txt)")) << result.notes.back();
+  EXPECT_TRUE(contains(result.notes.at(1), "--imu and --gnss convert them")) << result.notes.at(1);
   options.poses = folder.file("icp.txt");
   writeKittiPoses(options.poses, std::vector<Pose>{somePose(0), somePose(1)});
   EXPECT_EQ(PoseSource::given, originWith(options).source);
