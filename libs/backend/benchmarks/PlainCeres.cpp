@@ -7,8 +7,8 @@
 #include <Eigen/Dense>
 #include <vector>
 
-#include "GraphData.h"
-#include "InitialGuess.h"
+#include "graph/GraphData.h"
+#include "graph/InitialGuess.h"
 
 namespace dyslam
 {

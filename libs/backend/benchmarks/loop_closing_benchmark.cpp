@@ -14,7 +14,7 @@
 #include <random>
 #include <string>
 
-#include "LoopCorrection.h"
+#include "loops/LoopCorrection.h"
 
 namespace
 {

@@ -11,7 +11,7 @@
 #include <utility>
 
 #include "BackendState.h"
-#include "PoseGraphView.h"
+#include "graph/PoseGraphView.h"
 
 namespace dyslam
 {

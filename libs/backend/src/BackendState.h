@@ -10,12 +10,12 @@
 #include <string>
 #include <vector>
 
-#include "FrameInKeyframe.h"
 #include "GnssAnchor.h"
 #include "GravityAnchor.h"
-#include "LoopCorrection.h"
-#include "ObjectGraph.h"
 #include "OdometryChain.h"
+#include "loops/LoopCorrection.h"
+#include "objects/FrameInKeyframe.h"
+#include "objects/ObjectGraph.h"
 
 namespace dyslam
 {

@@ -11,7 +11,7 @@
 #include <string>
 #include <vector>
 
-#include "FrameInKeyframe.h"
+#include "objects/FrameInKeyframe.h"
 
 namespace dyslam
 {

@@ -6,7 +6,7 @@
 #include <dyslam/core/MotionAccumulator.h>
 #include <dyslam/core/PathLength.h>
 
-#include "UnseenPath.h"
+#include "loops/UnseenPath.h"
 
 namespace dyslam
 {

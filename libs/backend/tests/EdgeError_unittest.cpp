@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "EdgeError.h"
+#include "graph/EdgeError.h"
 
 #include <gtest/gtest.h>
 
@@ -7,8 +7,8 @@
 #include <memory>
 #include <random>
 
-#include "EdgeCost.h"
-#include "RobustLosses.h"
+#include "graph/EdgeCost.h"
+#include "graph/RobustLosses.h"
 
 namespace dyslam
 {

@@ -15,7 +15,7 @@
 #include <stdexcept>
 
 #include "NoisyDrive.h"
-#include "PoseManifold.h"
+#include "graph/PoseManifold.h"
 
 namespace dyslam
 {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "ObjectGraph.h"
+#include "objects/ObjectGraph.h"
 
 #include <gtest/gtest.h>
 

@@ -7,9 +7,9 @@
 #include <string>
 
 #include "BoxWorld.h"
-#include "KeyframeRegistration.h"
-#include "PolarDescriptor.h"
 #include "RealData.h"
+#include "loops/KeyframeRegistration.h"
+#include "loops/PolarDescriptor.h"
 
 namespace dyslam
 {

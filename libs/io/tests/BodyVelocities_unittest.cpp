@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "../src/BodyVelocities.h"
+#include "../src/recording/BodyVelocities.h"
 
 #include <gtest/gtest.h>
 

@@ -7,7 +7,7 @@
 #include <iterator>
 #include <string>
 
-#include "../src/GzInput.h"
+#include "../src/rawlog/GzInput.h"
 #include "TestFolder.h"
 
 namespace dyslam

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Samples of other sensors that a converter writes between the scans.
-#include "../src/MotionSampleWriter.h"
+#include "../src/conversion/MotionSampleWriter.h"
 
 #include <dyslam/io/RawlogStream.h>
 #include <gtest/gtest.h>

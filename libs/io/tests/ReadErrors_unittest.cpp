@@ -13,7 +13,7 @@
 #include <functional>
 #include <stdexcept>
 
-#include "../src/GzInput.h"
+#include "../src/rawlog/GzInput.h"
 #include "TestFolder.h"
 
 namespace dyslam

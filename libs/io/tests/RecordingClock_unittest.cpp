@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "../src/RecordingClock.h"
+#include "../src/recording/RecordingClock.h"
 
 #include <dyslam/base/Error.h>
 #include <gtest/gtest.h>
 
-#include "../src/RecordingNotes.h"
+#include "../src/recording/RecordingNotes.h"
 
 namespace dyslam
 {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "../src/TruePoses.h"
+#include "../src/recording/TruePoses.h"
 
 #include <gtest/gtest.h>
 

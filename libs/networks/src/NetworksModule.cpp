@@ -3,7 +3,7 @@
 #include <dyslam/base/Version.h>
 #include <dyslam/dyseg/NetworkSegmenter.h>
 
-#include "DyloScanMatcher.h"
+#include "matchers/DyloScanMatcher.h"
 
 // The functions of the module `networks`, from which dyseg and odometry get their stages that need
 // libtorch.

@@ -9,12 +9,12 @@
 #include <optional>
 #include <utility>
 
-#include "CloudCheck.h"
 #include "FrameContext.h"
-#include "IntervalResolver.h"
-#include "MotionGate.h"
-#include "MotionPredictor.h"
-#include "MotionUncertainty.h"
+#include "matchers/CloudCheck.h"
+#include "motion/IntervalResolver.h"
+#include "motion/MotionGate.h"
+#include "motion/MotionPredictor.h"
+#include "motion/MotionUncertainty.h"
 
 namespace dyslam
 {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "LoamFeatures.h"
+#include "matchers/LoamFeatures.h"
 
 #include <gtest/gtest.h>
 

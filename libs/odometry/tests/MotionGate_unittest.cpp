@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "MotionGate.h"
+#include "motion/MotionGate.h"
 
 #include <gtest/gtest.h>
 

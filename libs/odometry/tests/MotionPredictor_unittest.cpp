@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "MotionPredictor.h"
+#include "motion/MotionPredictor.h"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "MotionUncertainty.h"
+#include "motion/MotionUncertainty.h"
 
 #include <dyslam/base/Error.h>
 #include <dyslam/core/MotionAccumulator.h>

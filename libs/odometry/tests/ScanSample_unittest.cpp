@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "../src/ScanSample.h"
+#include "../src/local_map/ScanSample.h"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "ScanToMap.h"
+#include "local_map/ScanToMap.h"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "SurfaceMap.h"
+#include "local_map/SurfaceMap.h"
 
 #include <gtest/gtest.h>
 

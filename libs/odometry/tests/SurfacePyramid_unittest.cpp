@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "SurfacePyramid.h"
+#include "local_map/SurfacePyramid.h"
 
 #include <gtest/gtest.h>
 

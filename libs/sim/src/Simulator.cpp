@@ -9,10 +9,10 @@
 #include <string>
 #include <utility>
 
-#include "EgoMotion.h"
-#include "MotionSampler.h"
-#include "Sweep.h"
-#include "Traffic.h"
+#include "sensor/EgoMotion.h"
+#include "sensor/MotionSampler.h"
+#include "sensor/Sweep.h"
+#include "traffic/Traffic.h"
 
 namespace dyslam::sim
 {

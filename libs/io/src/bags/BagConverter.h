@@ -1,0 +1,14 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <dyslam/io/Converters.h>
+
+#include <string>
+
+#include "conversion/ScanSink.h"
+
+namespace dyslam
+{
+/** Writes the scans of a ROS bag. \throws UserError. */
+void convertBag(const std::string& input, ScanSink& sink, const ScanConverterOptions& options);
+}  // namespace dyslam

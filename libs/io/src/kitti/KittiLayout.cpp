@@ -1,0 +1,469 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "KittiLayout.h"
+
+#include <dyslam/base/Error.h>
+#include <dyslam/base/Files.h>
+#include <dyslam/base/Printable.h>
+#include <dyslam/core/Trajectory.h>
+#include <dyslam/formats/RecordingKind.h>
+#include <dyslam/formats/ScanFiles.h>
+#include <dyslam/formats/SustechFiles.h>
+#include <dyslam/formats/TrajectoryFiles.h>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <functional>
+#include <limits>
+
+#include "KittiCalibFinder.h"
+#include "KittiScans.h"
+#include "conversion/ConversionOutput.h"
+
+namespace dyslam
+{
+namespace fs = std::filesystem;
+
+namespace
+{
+constexpr double kitti_dt = 0.1034;  //!< [s] HDL-64E at about 9.67 Hz
+
+/** The folder of the recording without a slash at its end. \throws UserError if it is none. */
+fs::path recordingFolder(const std::string& input)
+{
+  if (isBag(input))
+  {
+    throw UserError(input + ": " + conversionAdvice(input));
+  }
+  if (!fs::is_directory(input))
+  {
+    throw UserError(input + ": no such folder");
+  }
+  const fs::path folder = fs::path(input).lexically_normal();
+  return folder.has_filename() ? folder : folder.parent_path();
+}
+
+/** Gathers one layout; each method finds one kind of file. */
+class LayoutReader
+{
+ public:
+  LayoutReader(const fs::path& input, KittiScans scans, const KittiConverterOptions& options)
+      : input_(input),
+        options_(options),
+        sequence_(scans.sequence),
+        calib_(input, scans.sequence, options)
+  {
+    layout_.entries = std::move(scans.entries);
+  }
+
+  KittiLayout read()
+  {
+    readStamps();
+    if (!options_.calib.empty())
+    {
+      calib_.read();
+    }
+    if (!options_.no_truth)
+    {
+      findLabels();
+      readTruth("poses", !options_.poses.empty() || !options_.oxts.empty(),
+                [this] { readPoses(); });
+      readTruth("boxes", !options_.boxes.empty(), [this] { readBoxes(); });
+    }
+    if (options_.imu || options_.gnss)
+    {
+      readUnit(options_.imu ? "--imu" : "--gnss");
+    }
+    else
+    {
+      layout_.has_unused_oxts = !oxtsPath().empty();
+    }
+    return std::move(layout_);
+  }
+
+ private:
+  /** Reads one kind of ground truth. If that was found but not requested, an error is a warning. */
+  void readTruth(const char* what, bool requested, const std::function<void()>& read)
+  {
+    try
+    {
+      read();
+    }
+    catch (const UserError& error)
+    {
+      if (requested || !options_.calib.empty())
+      {
+        throw;
+      }
+      layout_.warnings.push_back("converted without true " + std::string(what) + ": " +
+                                 error.what());
+    }
+  }
+
+  void findLabels()
+  {
+    const std::string folder = firstExisting(
+        options_.labels, {input_ / "labels", fs::path(layout_.entries.front().scan).parent_path()});
+    if (folder.empty())
+    {
+      return;
+    }
+    std::size_t found = 0;
+    for (auto& entry : layout_.entries)
+    {
+      const fs::path file = fs::path(folder) / (fs::path(entry.scan).stem().string() + ".label");
+      if (fs::exists(file))
+      {
+        entry.labels = file.string();
+        ++found;
+      }
+    }
+    if (found == 0 && !options_.labels.empty())
+    {
+      throw UserError(folder + ": has no .label file named as a scan, such as " +
+                      fs::path(layout_.entries.front().scan).stem().string() + ".label");
+    }
+    if (found > 0 && found < layout_.entries.size())
+    {
+      layout_.warnings.push_back(folder + ": labels for " + std::to_string(found) + " of " +
+                                 std::to_string(layout_.entries.size()) + " scans");
+    }
+  }
+
+  void readStamps()
+  {
+    auto& entries = layout_.entries;
+    std::vector<double> times;
+    std::string source;
+    if (options_.dt > 0 && !options_.times.empty())
+    {
+      throw UserError("--times and --dt exclude each other");
+    }
+    if (options_.dt == 0)
+    {
+      source = firstExisting(options_.times,
+                             {input_ / "times.txt", input_ / "velodyne_points" / "timestamps.txt"});
+      if (!source.empty())
+      {
+        times = readTimesOrTimestamps(source);
+      }
+      else
+      {
+        layout_.warnings.emplace_back(
+            "no times.txt: 0.1034 s between scans is assumed (give --times or --dt)");
+      }
+    }
+    has_times_ = !source.empty();  // a file without times is an error below
+    has_raw_times_ =
+        has_times_ && options_.times.empty() && fs::path(source).filename() == "timestamps.txt";
+    const double dt = options_.dt > 0 ? options_.dt : kitti_dt;
+    for (std::size_t i = 0; i < entries.size(); ++i)
+    {
+      const std::size_t number = entries[i].number;
+      if (!has_times_)
+      {
+        entries[i].stamp = static_cast<double>(number - entries.front().number) * dt;
+        continue;
+      }
+      if (number >= times.size())
+      {
+        throw UserError(source + ": has " + std::to_string(times.size()) +
+                        " times, none for scan " + std::to_string(number));
+      }
+      if (std::isnan(times[number]))
+      {
+        throw UserError(source + ": has an empty line instead of a time for scan " +
+                        std::to_string(number));
+      }
+      entries[i].stamp = times[number];
+    }
+  }
+
+  void readPoses()
+  {
+    std::vector<fs::path> candidates{input_ / "poses.txt"};
+    if (options_.kind == KittiKind::odometry)
+    {
+      const fs::path dataset = folderAbove(folderAbove(input_));
+      candidates.push_back((dataset / "poses" / (nameOfFile(input_) + ".txt")).lexically_normal());
+    }
+    const std::string path = firstExisting(options_.poses, candidates);
+    if (path.empty())
+    {
+      readOxtsPoses();
+      return;
+    }
+    const TrajectoryFile file = readTrajectory(path);
+    std::vector<Pose> poses;
+    for (const StampedPose& pose : file.trajectory)
+    {
+      poses.push_back(pose.pose);
+    }
+    if (isCameraFrame(path, file.format))
+    {
+      poses = cameraToLidarPoses(poses, calib_.requireCamera("poses of the camera"));
+    }
+    if (file.format == TrajectoryFormat::tum && has_times_)
+    {
+      Trajectory of_lidar;
+      for (std::size_t i = 0; i < poses.size(); ++i)
+      {
+        of_lidar.push_back(file.trajectory[i].stamp, poses[i]);
+      }
+      for (auto& entry : layout_.entries)
+      {
+        entry.T_world_lidar = of_lidar.at(entry.stamp, truth_max_gap);
+      }
+    }
+    else
+    {
+      assign(path, poses);
+    }
+    setPoseSource(PoseSource::given, path);
+  }
+
+  [[nodiscard]] bool isCameraFrame(const std::string& path, TrajectoryFormat format) const
+  {
+    if (options_.pose_frame != PoseFrame::automatic)
+    {
+      return options_.pose_frame == PoseFrame::camera;
+    }
+    const std::string name = fs::path(path).filename().string();
+    return options_.kind == KittiKind::odometry && format == TrajectoryFormat::kitti &&
+           name.find("velo") == std::string::npos && name.find("lidar") == std::string::npos;
+  }
+
+  /** Empty if there is none. */
+  [[nodiscard]] std::string oxtsPath() const
+  {
+    std::vector<fs::path> candidates{input_ / "oxts.txt"};
+    if (!sequence_.empty())
+    {
+      candidates.insert(candidates.begin(), input_ / "oxts" / (sequence_ + ".txt"));
+    }
+    if (options_.kind == KittiKind::raw)
+    {
+      candidates.push_back(input_ / "oxts");
+    }
+    return firstExisting(options_.oxts, candidates);
+  }
+
+  void readOxtsPoses()
+  {
+    const std::string path = oxtsPath();
+    if (path.empty())
+    {
+      return;
+    }
+    const Pose& T_velo_imu = calib_.requireImu("poses of oxts");
+    assign(path, imuToLidarPoses(oxtsPoses(readOxts(path)), T_velo_imu));
+    setPoseSource(PoseSource::gnss_ins, path);
+  }
+
+  /** The samples of oxts that the options want. \param flag that wants them. */
+  void readUnit(const char* flag)
+  {
+    const std::string path = oxtsPath();
+    if (path.empty())
+    {
+      throw UserError(input_.string() + ": has no oxts, which is needed for " + flag +
+                      "; name it with --oxts");
+    }
+    const Pose T_vehicle_unit =
+        poseFromOption("--sensor-pose", options_.sensor_pose) * calib_.requireImu(flag);
+    const std::vector<OxtsReading> readings = readOxts(path);
+    const std::vector<double> times = oxtsTimes(path, readings.size());
+    for (std::size_t i = 0; i < readings.size(); ++i)
+    {
+      const OxtsReading& r = readings[i];
+      if (std::isfinite(times[i]) && options_.imu)
+      {
+        layout_.imu.push_back({times[i], r.angular_velocity, r.acceleration, T_vehicle_unit});
+      }
+      if (std::isfinite(times[i]) && options_.gnss)
+      {
+        layout_.gnss.push_back({times[i],
+                                {r.latitude, r.longitude, r.altitude},
+                                r.position_accuracy,
+                                r.position_accuracy,
+                                T_vehicle_unit.translation()});
+      }
+    }
+    const auto earlier = [](const auto& a, const auto& b) { return a.stamp < b.stamp; };
+    std::stable_sort(layout_.imu.begin(), layout_.imu.end(), earlier);
+    std::stable_sort(layout_.gnss.begin(), layout_.gnss.end(), earlier);
+  }
+
+  /** Times of the readings [s]: their own if the scans have those of KITTI raw, else those of the
+   * scans; NaN for readings without. */
+  [[nodiscard]] std::vector<double> oxtsTimes(const std::string& path, std::size_t readings) const
+  {
+    const std::string file = has_raw_times_ ? oxtsTimestamps(path) : "";
+    if (!file.empty())
+    {
+      const std::vector<double> times = readKittiTimestamps(file);
+      if (times.size() < readings)
+      {
+        throw UserError(file + ": has " + counted(times.size(), "time") + ", but there are " +
+                        counted(readings, "reading") + " of oxts");
+      }
+      return times;
+    }
+    std::vector<double> times(readings, std::numeric_limits<double>::quiet_NaN());
+    const std::vector<std::size_t> lines = linesOfScans(path, readings, "reading");
+    for (std::size_t i = 0; i < lines.size(); ++i)
+    {
+      if (lines[i] < readings)
+      {
+        times[lines[i]] = layout_.entries[i].stamp;
+      }
+    }
+    return times;
+  }
+
+  /** timestamps.txt of raw's oxts folder, or of the folder that its data are in; empty if there is
+   * none. */
+  [[nodiscard]] std::string oxtsTimestamps(const std::string& path) const
+  {
+    const fs::path folder = (fs::path(path) / "").lexically_normal().parent_path();
+    std::vector<fs::path> candidates;
+    if (fs::is_directory(folder))
+    {
+      candidates = {folder / "oxts" / "timestamps.txt", folder / "timestamps.txt"};
+      if (folder.filename() == "data")
+      {
+        candidates.push_back(folder.parent_path() / "timestamps.txt");
+      }
+    }
+    return firstExisting("", candidates);
+  }
+
+  /** The line of each scan in a file that has one for each frame number, or for each scan there is.
+   * \throws UserError if neither can be told from the other. */
+  [[nodiscard]] std::vector<std::size_t> linesOfScans(const std::string& path,
+                                                      std::size_t count,
+                                                      const std::string& what) const
+  {
+    const auto& entries = layout_.entries;
+    const bool by_number = count > entries.back().number;
+    const bool has_gaps = entries.back().number - entries.front().number + 1 != entries.size();
+    if (!by_number && has_gaps && count != entries.size())
+    {
+      throw UserError(path + ": has " + counted(count, what) + ", but there are " +
+                      counted(entries.size(), "scan") + ", numbered up to " +
+                      std::to_string(entries.back().number) + " with gaps; a " + what +
+                      " for each scan or for each number is needed");
+    }
+    std::vector<std::size_t> lines;
+    for (std::size_t i = 0; i < entries.size(); ++i)
+    {
+      lines.push_back(by_number ? entries[i].number : i);
+    }
+    return lines;
+  }
+
+  void assign(const std::string& path, const std::vector<Pose>& poses)
+  {
+    const std::vector<std::size_t> lines = linesOfScans(path, poses.size(), "pose");
+    for (std::size_t i = 0; i < lines.size(); ++i)
+    {
+      if (lines[i] < poses.size())
+      {
+        layout_.entries[i].T_world_lidar = poses[lines[i]];
+      }
+    }
+  }
+
+  void setPoseSource(PoseSource source, const std::string& path)
+  {
+    layout_.pose_file = path;
+    const bool is_given = options_.pose_source != PoseSource::unknown;
+    layout_.pose_origin = {is_given ? options_.pose_source : source, nameOfFile(path)};
+    warnAboutMissing(path);
+  }
+
+  void warnAboutMissing(const std::string& path)
+  {
+    const auto missing =
+        std::count_if(layout_.entries.begin(), layout_.entries.end(),
+                      [](const auto& entry) { return !entry.T_world_lidar.has_value(); });
+    if (missing > 0)
+    {
+      layout_.warnings.push_back(path + ": has no pose for " + std::to_string(missing) + " of " +
+                                 std::to_string(layout_.entries.size()) + " scans");
+    }
+  }
+
+  void readBoxes()
+  {
+    std::vector<fs::path> candidates{input_ / "label_02.txt", input_ / "label_json"};
+    if (!sequence_.empty())
+    {
+      candidates.insert(candidates.begin(), input_ / "label_02" / (sequence_ + ".txt"));
+    }
+    const std::string path = firstExisting(options_.boxes, candidates);
+    if (path.empty())
+    {
+      return;
+    }
+    if (!fs::is_directory(path))
+    {
+      layout_.boxes = readKittiTracking(path, calib_.requireCamera("boxes of the camera"));
+      return;
+    }
+    for (auto& entry : layout_.entries)
+    {
+      const fs::path file = fs::path(path) / (fs::path(entry.scan).stem().string() + ".json");
+      if (fs::exists(file))
+      {
+        const auto boxes = readSustechJson(file.string(), static_cast<int>(entry.number));
+        layout_.boxes.insert(layout_.boxes.end(), boxes.begin(), boxes.end());
+      }
+    }
+    if (layout_.boxes.empty() && !options_.boxes.empty())
+    {
+      throw UserError(path + ": has no .json boxes named as a scan");
+    }
+    assignMissingIds(path);
+  }
+
+  /** Boxes without a usable id become objects of their own, each of one scan. */
+  void assignMissingIds(const std::string& path)
+  {
+    int last = -1;
+    std::size_t without_id = 0;
+    for (const LabelledBox& box : layout_.boxes)
+    {
+      last = std::max(last, box.id);
+      without_id += box.id < 0 ? 1 : 0;
+    }
+    if (without_id == 0)
+    {
+      return;
+    }
+    layout_.warnings.push_back(path + ": " + std::to_string(without_id) + " of " +
+                               std::to_string(layout_.boxes.size()) +
+                               " boxes have no usable obj_id; each gets one of its own, from " +
+                               std::to_string(last + 1) + " on");
+    for (LabelledBox& box : layout_.boxes)
+    {
+      box.id = box.id < 0 ? ++last : box.id;
+    }
+  }
+
+  fs::path input_;
+  const KittiConverterOptions& options_;
+  std::string sequence_;
+  KittiCalibFinder calib_;
+  KittiLayout layout_;
+  bool has_times_ = false;
+  bool has_raw_times_ = false;  //!< those of velodyne_points/timestamps.txt
+};
+}  // namespace
+
+KittiLayout readKittiLayout(const std::string& input, const KittiConverterOptions& options)
+{
+  const fs::path folder = recordingFolder(input);
+  return LayoutReader(folder, findKittiScans(folder, options), options).read();
+}
+}  // namespace dyslam

@@ -1,0 +1,452 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/base/Error.h>
+#include <dyslam/base/Printable.h>
+#include <dyslam/base/Words.h>
+#include <dyslam/core/ScanParts.h>
+#include <dyslam/io/RawlogSource.h>
+#include <dyslam/io/ScanDecoder.h>
+#include <dyslam/mrpt/Conversions.h>
+#include <mrpt/obs/CObservationRobotPose.h>
+
+#include <cmath>
+#include <map>
+#include <sstream>
+#include <utility>
+
+#include "FurtherLidars.h"
+#include "FurtherScanChecks.h"
+#include "IntensityScaler.h"
+#include "LabelPattern.h"
+#include "MotionSampleReader.h"
+#include "RecordingClock.h"
+#include "RecordingNotes.h"
+#include "TruePoses.h"
+#include "rawlog/MrptErrors.h"
+#include "rawlog/ObservationScans.h"
+
+namespace dyslam
+{
+namespace
+{
+using mrpt::obs::CObservation;
+
+constexpr double same_time = 1e-6;      //!< stamps this near are one [s]
+constexpr std::size_t scans_ahead = 3;  //!< read to wait for those of further lidars
+
+bool endsWith(const std::string& text, const std::string& end)
+{
+  return text.size() >= end.size() && text.compare(text.size() - end.size(), end.size(), end) == 0;
+}
+}  // namespace
+
+struct ScanDecoder::Impl
+{
+  Impl(const RawlogSourceOptions& options_in, std::string name, std::string folder)
+      : options(options_in),
+        recording(std::move(name)),
+        clock(recording),
+        external{std::move(folder), options_in.external_anywhere},
+        wanted("sensor_label", options_in.sensor_label),
+        motion(options_in),
+        further(options_in.further_lidars, options_in.merge_further, options_in.intensity_scale),
+        scale_intensity(options_in.intensity_scale),
+        selection(options_in),
+        truths(options_in.ground_truth_max_gap),
+        levelling(options_in.levelling())
+  {
+  }
+
+  /** Whether a lidar may be the first one: without sensor_label one that further_lidars does not
+   * select. */
+  [[nodiscard]] bool mayBeFirst(const std::string& name) const
+  {
+    return options.sensor_label.empty() ? !further.areNamed(name) : wanted.fits(name);
+  }
+
+  [[nodiscard]] bool isWanted(const CObservation& observation)
+  {
+    const std::string& name = observation.sensorLabel;
+    ++lidar_labels[name];
+    if (mayBeFirst(name) && (scans_seen == 0 || name == label))
+    {
+      label = name;
+      return true;
+    }
+    if (mayBeFirst(name) && !further.areNamed(name))
+    {
+      notes.add("scans of '" + name + "' are ignored: '" + label +
+                "' came first; choose with sensor_label, or merge them with further_lidars");
+    }
+    return false;
+  }
+
+  void holdTimeRing(const CObservation::Ptr& observation)
+  {
+    std::string name = observation->sensorLabel;
+    name.resize(name.size() - std::string(time_ring_suffix).size());
+    further.holdTimeRing(name, observation);
+    // That of another lidar must not take the place of the one that waits.
+    const bool may_be_firsts =
+        scans_seen == 0 && (!options.sensor_label.empty() || !further.areNamed(name));
+    if (may_be_firsts || (scans_seen > 0 && name == label))
+    {
+      companion = observation;
+    }
+  }
+
+  /** Holds a scan of a further lidar. \throws UserError for too many lidars. */
+  void holdFurther(const CObservation::Ptr& observation)
+  {
+    if (!further.areMerged())
+    {
+      return;
+    }
+    if (observation->timestamp == INVALID_TIMESTAMP)
+    {
+      notes.add("a scan of a further lidar without a time stamp was dropped");
+      return;
+    }
+    try
+    {
+      further.hold(observation, clock.shift());
+    }
+    catch (const UserError& error)
+    {
+      throw UserError(recording + ": " + error.what());
+    }
+  }
+
+  /** Classifies one observation as ground truth, companion, motion sensor or neither; true for a
+   * wanted scan. */
+  [[nodiscard]] bool isScan(const CObservation::Ptr& observation)
+  {
+    ++seen_classes[stripped(observation->GetRuntimeClass()->className)];
+    if (const auto* robot_pose =
+            dynamic_cast<const mrpt::obs::CObservationRobotPose*>(observation.get()))
+    {
+      if (!options.ground_truth_label.empty() &&
+          robot_pose->sensorLabel == options.ground_truth_label)
+      {
+        truths.add(toStamp(robot_pose->timestamp), toPose(robot_pose->pose.mean), clock.shift());
+      }
+      return false;
+    }
+    if (motion.take(*observation, clock.shift(), notes) || !is3dScan(*observation))
+    {
+      return false;
+    }
+    if (endsWith(observation->sensorLabel, time_ring_suffix))
+    {
+      holdTimeRing(observation);
+      return false;
+    }
+    if (isWanted(*observation))
+    {
+      return true;
+    }
+    if (further.areNamed(observation->sensorLabel))
+    {
+      holdFurther(observation);
+    }
+    return false;
+  }
+
+  static std::string stripped(const std::string& name)
+  {
+    return name.substr(name.find_last_of(':') + 1);
+  }
+
+  /** Whether the time of scan `index` comes after that of the one before. \throws UserError if it
+   * never does. */
+  [[nodiscard]] bool acceptStamp(const CObservation& observation, std::size_t index)
+  {
+    const bool has_time = observation.timestamp != INVALID_TIMESTAMP;
+    const double shift = clock.shift();
+    const RecordingClock::Verdict verdict = clock.accept(
+        has_time ? std::optional<double>(toStamp(observation.timestamp)) : std::nullopt, index,
+        notes);
+    if (verdict.shift != 0)
+    {
+      truths.shiftClock(shift, verdict.shift);
+      motion.shiftClock(verdict.shift);
+    }
+    return verdict.accepted;
+  }
+
+  void addTimeRing(CObservation* own, std::size_t index, Scan& scan)
+  {
+    if (own == nullptr)
+    {
+      return;
+    }
+    const bool fits = own->sensorLabel == scan.sensor_label + time_ring_suffix &&
+                      std::abs(toStamp(own->timestamp) - scan.stamp) <= same_time &&
+                      applyTimeRing(*own, external, scan);
+    if (!fits)
+    {
+      notes.add("times and rings that do not fit their scan were ignored", index);
+    }
+  }
+
+  /** The points of an observation, in its lidar's frame. */
+  [[nodiscard]] Scan scanOf(CObservation& observation, CObservation* time_ring, std::size_t index)
+  {
+    Scan scan = scanFromObservation(observation, external);
+    addTimeRing(time_ring, index, scan);
+    return scan;
+  }
+
+  /** A scan of a further lidar. \param index of the scan that it joins \throws UserError for
+   * damaged data. */
+  [[nodiscard]] Scan furtherScan(const FurtherLidars::HeldScan& held, std::size_t index)
+  {
+    const std::string& name = held.observation->sensorLabel;
+    try
+    {
+      Scan part = scanOf(*held.observation, held.time_ring.get(), index);
+      part.stamp = held.stamp;
+      further.intensityScaler(held.lidar)(part);
+      return part;
+    }
+    catch (const UserError& error)
+    {
+      throw UserError("that of '" + name + "': " + error.what());
+    }
+    catch (const std::exception& error)
+    {
+      throw UserError("that of '" + name + "' is damaged: " + messageOf(error));
+    }
+  }
+
+  /** Adds the scans of further lidars to a decoded one. */
+  void joinFurther(double stamp, std::size_t index, Scan& scan)
+  {
+    for (const FurtherLidars::HeldScan& held : further.takeFor(stamp))
+    {
+      const Scan part = furtherScan(held, index);
+      if (part.size() == 0)
+      {
+        notes.add("an empty scan of '" + part.sensor_label + "'", index);
+        continue;
+      }
+      further_checks.check(part, held.lidar, scan, notes);
+      appendScan(part, held.lidar, scan);
+    }
+  }
+
+  /** Why the options leave no scan. */
+  [[nodiscard]] std::string emptyRange() const
+  {
+    std::ostringstream text;
+    const char* separator = "";
+    if (options.skip_first_n > 0)
+    {
+      text << "skip_first_n = " << options.skip_first_n;
+      separator = ", ";
+    }
+    if (options.start > 0)
+    {
+      text << separator << "start = " << options.start << " s";
+      separator = ", ";
+    }
+    if (options.end > 0)
+    {
+      text << separator << "end = " << options.end << " s";
+    }
+    text << (text.tellp() > 0 ? ": " : "") << "no scan is left";
+    if (!selection.isPastEnd())
+    {
+      text << "; the file has " << counted(scans_seen, "scan");
+      if (options.start > 0)
+      {
+        text << ", the last " << *clock.last() - *clock.first() << " s after the first";
+      }
+    }
+    return text.str();
+  }
+
+  RawlogSourceOptions options;
+  std::string recording;
+  RecordingClock clock;
+  ExternalFiles external;
+  LabelPattern wanted;
+  MotionSampleReader motion;
+  FurtherLidars further;
+  FurtherScanChecks further_checks;
+  IntensityScaler scale_intensity;
+  ScanSelection selection;
+  std::string label;  //!< of the lidar in use, once it is known
+
+  CObservation::Ptr companion;  //!< read, its scan not yet
+  TruePoses truths;
+  Levelling levelling;
+
+  std::size_t scans_seen = 0;  //!< with the wanted label, delivered or not
+  bool any_decoded = false;
+
+  std::map<std::string, std::size_t> seen_classes;
+  std::map<std::string, std::size_t> lidar_labels;
+  RecordingNotes notes;
+};
+
+ScanDecoder::ScanDecoder(const RawlogSourceOptions& options,
+                         const std::string& recording,
+                         const std::string& external_folder)
+{
+  validate(options, "input");
+  impl_ = std::make_unique<Impl>(options, recording, external_folder);
+}
+ScanDecoder::~ScanDecoder() = default;
+ScanDecoder::ScanDecoder(ScanDecoder&&) noexcept = default;
+ScanDecoder& ScanDecoder::operator=(ScanDecoder&&) noexcept = default;
+
+std::optional<RecordedScan> ScanDecoder::take(const CObservation::Ptr& observation)
+{
+  Impl& s = *impl_;
+  if (!s.isScan(observation))
+  {
+    return std::nullopt;
+  }
+  const std::size_t index = s.scans_seen++;
+  CObservation::Ptr own = std::exchange(s.companion, nullptr);
+  if (!s.acceptStamp(*observation, index))
+  {
+    return std::nullopt;
+  }
+  const bool taken = s.selection.takes(index, *s.clock.last());
+  s.further.metScan(*s.clock.last(), taken);
+  if (!taken)
+  {
+    return std::nullopt;
+  }
+  RecordedScan scan;
+  scan.observation = observation;
+  scan.time_ring = std::move(own);
+  scan.index = index;
+  scan.clock_shift = s.clock.shift();
+  s.motion.handOver(*s.clock.last(), scan, s.notes);
+  return scan;
+}
+
+double RecordedScan::stamp() const
+{
+  return toStamp(observation->timestamp) + clock_shift;
+}
+
+bool ScanDecoder::isPastEnd() const
+{
+  return impl_->selection.isPastEnd();
+}
+
+bool ScanDecoder::waitsForFurther(const RecordedScan& scan) const
+{
+  const Impl& s = *impl_;
+  // Before the first scan all are read ahead, to learn which lidars there are.
+  return s.further.areMerged() && s.scans_seen <= scan.index + scans_ahead &&
+         !(s.any_decoded && s.further.areCompleteFor(scan.stamp()));
+}
+
+Frame ScanDecoder::decode(const RecordedScan& scan)
+{
+  Impl& s = *impl_;
+  s.any_decoded = true;
+  Frame frame;
+  frame.index = scan.index;
+  frame.imu = scan.imu;
+  frame.wheels = scan.wheels;
+  frame.gnss = scan.gnss;
+  try
+  {
+    frame.scan = s.scanOf(*scan.observation, scan.time_ring.get(), scan.index);
+    frame.scan.stamp += scan.clock_shift;
+    s.scale_intensity(frame.scan);
+    s.joinFurther(scan.stamp(), scan.index, frame.scan);
+  }
+  catch (const UserError& error)
+  {
+    throw UserError(s.recording + ": scan " + std::to_string(frame.index) + ": " + error.what());
+  }
+  catch (const std::exception& error)
+  {
+    throw UserError(s.recording + ": scan " + std::to_string(frame.index) +
+                    " is damaged: " + messageOf(error));
+  }
+  s.levelling.apply(frame);
+  if (frame.scan.size() == 0)
+  {
+    s.notes.add("an empty scan", scan.index);
+  }
+  return frame;
+}
+
+std::optional<Pose> ScanDecoder::truthAt(double stamp, double clock_shift)
+{
+  const auto recorded = impl_->truths.at(stamp - clock_shift, clock_shift);
+  return recorded ? std::optional<Pose>(impl_->levelling.levelled(*recorded)) : std::nullopt;
+}
+std::size_t ScanDecoder::framesDropped() const
+{
+  return impl_->clock.dropped();
+}
+std::string ScanDecoder::sensorLabel() const
+{
+  return impl_->label;
+}
+
+void ScanDecoder::failWithoutScans(const std::map<std::string, std::size_t>& left_out) const
+{
+  const Impl& s = *impl_;
+  if (s.scans_seen > 0)
+  {
+    throw UserError(s.recording + ": " +
+                    (s.clock.last() ? s.emptyRange()
+                                    : "none of its " + counted(s.scans_seen, "scan") +
+                                          " has a time stamp; convert it with --dt"));
+  }
+  if (!s.lidar_labels.empty())
+  {
+    std::string known;
+    for (const auto& [name, count] : s.lidar_labels)
+    {
+      known += (known.empty() ? "'" : ", '") + name + "'";
+    }
+    if (s.options.sensor_label.empty())
+    {
+      throw UserError(s.recording + ": further_lidars = " + s.further.pattern() +
+                      " selects every lidar of the file, " + known +
+                      "; name the first one with sensor_label");
+    }
+    throw UserError(s.recording + ": no 3D scan has a label like '" + s.options.sensor_label +
+                    "'; the file has " + known);
+  }
+  std::string held;
+  auto classes = s.seen_classes;
+  classes.insert(left_out.begin(), left_out.end());
+  for (const auto& [name, count] : classes)
+  {
+    appendWord(held, std::to_string(count) + " " + name);
+  }
+  const bool flat = s.seen_classes.count("CObservation2DRangeScan") > 0;
+  throw UserError(s.recording + ": has no 3D scans" + (held.empty() ? "" : ", only " + held) +
+                  (flat ? "; 2D scans cannot be used" : "") + "; give a recording of a 3D LiDAR");
+}
+
+std::vector<std::string> ScanDecoder::warnings() const
+{
+  std::vector<std::string> lines = impl_->notes.lines(impl_->recording);
+  for (const std::string& text : impl_->motion.missing())
+  {
+    lines.push_back(impl_->recording + ": " + printable(text));
+  }
+  if (const std::string reason = impl_->further.reasonForNone(); !reason.empty())
+  {
+    lines.push_back(impl_->recording + ": " + printable(reason));
+  }
+  if (const std::size_t count = impl_->further.dropped(); count > 0)
+  {
+    lines.push_back(impl_->recording + ": " + counted(count, "scan") +
+                    " of further lidars left out: not within 0.15 s of one of the first lidar");
+  }
+  return lines;
+}
+}  // namespace dyslam

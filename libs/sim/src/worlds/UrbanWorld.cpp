@@ -1,0 +1,424 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <algorithm>
+#include <cmath>
+
+#include "Random.h"
+#include "StreetGrid.h"
+#include "World.h"
+#include "shapes/Building.h"
+#include "shapes/Shapes.h"
+
+namespace dyslam::sim
+{
+namespace
+{
+using P = Eigen::Vector2d;
+
+/** Shapes of street furniture and plants, registered once per world. */
+struct Furnishing
+{
+  std::vector<int> trees, small_trees, bushes, hedges, signs, fences, clutter;
+  int lamp = 0, light = 0, bus_stop = 0, bollard = 0, bench = 0;
+
+  Furnishing(World& world, Rng& rng)
+  {
+    const auto in = [&](double a, double b) { return static_cast<float>(rng.uniform(a, b)); };
+    for (int i = 0; i < 4; ++i)
+    {
+      trees.push_back(world.addShape(drawTree(rng, {7, 12}, {1.8, 3.4}, {2.2, 3.2})));
+      small_trees.push_back(world.addShape(i == 3 ? drawConifer(rng, {5, 9}, {1.3, 2})
+                                                  : drawTree(rng, {3.5, 6}, {1, 1.9}, {1.2, 2})));
+      bushes.push_back(world.addShape(drawBush(rng, {0.5, 1.2}, {0.7, 1.6})));
+      signs.push_back(world.addShape(makeSign(i)));
+    }
+    for (int i = 0; i < 3; ++i)
+    {
+      const float height = in(0.9, 1.8), width = in(0.6, 1.0);
+      hedges.push_back(world.addShape(makeHedge(rng, 3.0F, width, height)));
+    }
+    for (int i = 0; i < 4; ++i)
+    {
+      fences.push_back(world.addShape(makeFence(i, 3.0F, in(0.9, 1.5))));
+    }
+    clutter = {world.addShape(makeBin()), world.addShape(makeCabinet()),
+               world.addShape(makeBollard())};
+    const float arm = in(0.6, 1.6);
+    lamp = world.addShape(makeLampPost(in(5, 8.5), arm));
+    light = world.addShape(makeTrafficLight());
+    bus_stop = world.addShape(makeBusStop());
+    bollard = clutter[2];
+    bench = world.addShape(makeBench());
+  }
+};
+
+/** One side of a block: origin at a corner, `along` the street, `inward` to the block's interior.
+ */
+struct Side
+{
+  P origin, along, inward;
+  double length, depth;
+  [[nodiscard]] P at(double s, double d) const { return origin + s * along + d * inward; }
+};
+
+class BlockBuilder
+{
+ public:
+  BlockBuilder(World& world, const StreetGrid& grid, Rng& rng)
+      : world_(world), grid_(grid), rng_(rng), furnishing_(world, rng)
+  {
+  }
+
+  void build(int i, int j)
+  {
+    const auto e = grid_.blockInside(i, j);
+    const P sw(e[0], e[1]), se(e[2], e[1]), ne(e[2], e[3]), nw(e[0], e[3]);
+    const double width = e[2] - e[0], height = e[3] - e[1];
+    const int character = rng_.below(10);
+    const bool belt = i < 0 || j < 0 || i + 1 >= static_cast<int>(grid_.along_v.size()) ||
+                      j + 1 >= static_cast<int>(grid_.along_u.size());
+    if (character == 0 && !belt)
+    {
+      park(sw, width, height);
+      return;
+    }
+    const bool dense = character < 5;
+    const double depth = dense ? 14 : 20;
+    const int nu = static_cast<int>(grid_.along_v.size()),
+              nv = static_cast<int>(grid_.along_u.size());
+    // The south and north sides include the corners.
+    const bool south = j >= 0, north = j + 1 < nv, west = i >= 0, east = i + 1 < nu;
+    if (south)
+    {
+      side({se, P(-1, 0), P(0, 1), width, depth}, dense);
+    }
+    if (north)
+    {
+      side({nw, P(1, 0), P(0, -1), width, depth}, dense);
+    }
+    const double cut0 = south ? depth + 1 : 0, cut1 = north ? depth + 1 : 0;
+    if (west && height - cut0 - cut1 > 8)
+    {
+      side({sw + P(0, cut0), P(0, 1), P(1, 0), height - cut0 - cut1, depth}, dense);
+    }
+    if (east && height - cut0 - cut1 > 8)
+    {
+      side({ne - P(0, cut1), P(0, -1), P(-1, 0), height - cut0 - cut1, depth}, dense);
+    }
+    scatter(sw + P(depth, depth), width - 2 * depth, height - 2 * depth, 12);
+  }
+
+  void street(const Street& street,
+              bool runs_along_v,
+              double from,
+              double to,
+              const std::vector<Street>& crossing)
+  {
+    const auto local = [&](double s, double d)
+    { return runs_along_v ? P(street.centre + d, s) : P(s, street.centre - d); };
+    const auto clear = [&](double s, double margin)
+    {
+      return std::all_of(crossing.begin(), crossing.end(),
+                         [&](const Street& c)
+                         { return std::abs(s - c.centre) > c.half() + margin; });
+    };
+    for (const double side : {-1.0, 1.0})
+    {
+      parkCars(street, side, from, to, local, clear);
+      double next_lamp = from + rng_.uniform(3, 20), next_tree = from + rng_.uniform(2, 12);
+      const double kerb = street.half() + 0.45;
+      for (double s = from; s < to; s += 1.0)
+      {
+        if (!clear(s, 2.5))
+        {
+          continue;
+        }
+        const P where = local(s, side * kerb);
+        const double yaw = heading(where, runs_along_v) + (side > 0 ? 0 : 3.14159265);
+        if (s >= next_lamp && side > 0)
+        {
+          next_lamp = s + rng_.uniform(22, 32);
+          world_.placeOnGround(furnishing_.lamp, grid_.toWorld(where), yaw);
+        }
+        else if (street.trees && s >= next_tree)
+        {
+          next_tree = s + rng_.uniform(6, 14);
+          const auto scale = static_cast<float>(rng_.uniform(0.8, 1.15));
+          const double turned = rng_.uniform(0, 6.28);
+          world_.placeOnGround(rng_.pick(furnishing_.trees),
+                               grid_.toWorld(local(s, side * (kerb + 0.5))), turned, scale);
+        }
+        else if (rng_.chance(0.02))
+        {
+          world_.placeOnGround(rng_.pick(furnishing_.signs), grid_.toWorld(where),
+                               yaw + 3.14159265);
+        }
+        else if (rng_.chance(0.05))
+        {
+          world_.placeOnGround(rng_.pick(furnishing_.clutter),
+                               grid_.toWorld(local(s, side * (street.half() + street.walk - 0.5))),
+                               yaw);
+        }
+        else if (rng_.chance(0.03))
+        {
+          const P wall = local(s, side * (street.half() + street.walk - 0.35));
+          const double turned = rng_.uniform(0, 6.28);
+          world_.placeOnGround(rng_.pick(furnishing_.bushes), grid_.toWorld(wall), turned, 0.6F);
+        }
+        else if (rng_.chance(0.02))
+        {
+          const double turned = yaw + rng_.uniform(-0.3, 0.3);
+          world_.park(rng_.pick(world_.parked_bicycles),
+                      grid_.toWorld(local(s, side * (street.half() + street.walk - 0.4))), turned,
+                      rng_);
+        }
+        else if (rng_.chance(0.003))
+        {
+          world_.placeOnGround(furnishing_.bus_stop, grid_.toWorld(local(s, side * (kerb + 0.6))),
+                               yaw);
+        }
+      }
+    }
+  }
+
+  void junction(const Street& a, const Street& b)
+  {
+    const bool lights = rng_.chance(0.4);
+    for (const double su : {-1.0, 1.0})
+    {
+      for (const double sv : {-1.0, 1.0})
+      {
+        const P where(a.centre + su * (a.half() + 0.6), b.centre + sv * (b.half() + 2.0));
+        const double turned = rng_.uniform(0, 6.28);
+        world_.placeOnGround(lights ? furnishing_.light : rng_.pick(furnishing_.signs),
+                             grid_.toWorld(where), turned);
+      }
+    }
+  }
+
+ private:
+  double heading(const P& local, bool along_v) const
+  {
+    return grid_.headingOfU(local) + (along_v ? 1.5707963 : 0.0);
+  }
+
+  template <typename Local, typename Clear>
+  void parkCars(const Street& street,
+                double side,
+                double from,
+                double to,
+                const Local& local,
+                const Clear& clear)
+  {
+    if (street.parking <= 0)
+    {
+      return;
+    }
+    for (double s = from + rng_.uniform(0, 6); s < to; s += rng_.uniform(5.8, 7.0))
+    {
+      if (!clear(s, 7.0) || !rng_.chance(street.occupancy))
+      {
+        continue;
+      }
+      const int model = rng_.chance(0.9) ? rng_.pick(world_.cars) : rng_.pick(world_.vans);
+      const P where = local(s, side * (street.lane + 0.5 * street.parking + rng_.uniform(0, 0.1)));
+      const bool along_v = (local(1, 0) - local(0, 0)).y() > 0.5;
+      const bool ahead = rng_.chance(0.85) == (side > 0);
+      const double yaw =
+          heading(where, along_v) + (ahead ? 0 : 3.14159265) + rng_.uniform(-0.03, 0.03);
+      world_.park(model, grid_.toWorld(where), yaw, rng_);
+    }
+  }
+
+  void side(const Side& side, bool dense)
+  {
+    double s = dense ? 0 : rng_.uniform(1, 4);
+    while (s < side.length - 6)
+    {
+      BuildingStyle style = dense ? drawTownHouse(rng_) : drawHouse(rng_);
+      style.width = static_cast<float>(std::min(static_cast<double>(style.width), side.length - s));
+      style.depth = static_cast<float>(
+          std::min(static_cast<double>(style.depth), side.depth - (dense ? 0.5 : 12)));
+      const double front =
+          dense ? (rng_.chance(0.5) ? 0.05 : rng_.uniform(0.2, 4.0)) : rng_.uniform(4.5, 12);
+      const double width = static_cast<double>(style.width);
+      if (dense && rng_.chance(0.12))
+      {
+        furnishGap(side, s, width);  // a gap between houses
+      }
+      else
+      {
+        addHouse(side, s, front, style);
+        if (!dense)
+        {
+          garden(side, s, width, front);
+        }
+      }
+      s += width + (dense ? (rng_.chance(0.2) ? rng_.uniform(1.5, 4) : 0.0) : rng_.uniform(3, 8));
+    }
+  }
+
+  void addHouse(const Side& side, double s, double front, const BuildingStyle& style)
+  {
+    // The facade's left corner as seen from the street is at the greater s.
+    const double width = static_cast<double>(style.width), depth = static_cast<double>(style.depth);
+    const P corner_local = side.at(s, front);
+    const P middle = side.at(s + 0.5 * width, front + 0.5 * depth);
+    const P d = grid_.toWorld(middle + 0.5 * side.along) - grid_.toWorld(middle - 0.5 * side.along);
+    double yaw = std::atan2(d.y(), d.x());
+    // y points inwards if the block is on the left of x.
+    const double cross = side.along.x() * side.inward.y() - side.along.y() * side.inward.x();
+    P corner = corner_local;
+    if (cross < 0)
+    {
+      yaw += 3.14159265;
+      corner = side.at(s + width, front);
+    }
+    const P w = grid_.toWorld(corner);
+    // The building stands at the lowest ground height of its corners.
+    double z = 1e9;
+    for (const double a : {0.0, width})
+    {
+      for (const double b : {0.0, depth})
+      {
+        z = std::min(z, grid_.heightLocal(side.at(s + a, front + b)));
+      }
+    }
+    Eigen::Affine3f transform = Eigen::Affine3f::Identity();
+    transform.translate(
+        Eigen::Vector3d(w.x(), w.y(), std::max(z, grid_.heightLocal(corner_local) - 0.3))
+            .cast<float>());
+    transform.rotate(Eigen::AngleAxisf(static_cast<float>(yaw), Eigen::Vector3f::UnitZ()));
+    addBuilding(world_.meshes.back(), style, transform, rng_);
+  }
+
+  /** A row of 3 m elements along a side of a block. */
+  void row(const Side& side, double s, double length, double front, int shape)
+  {
+    for (double x = 0; x + 3 <= length + 0.5; x += 3)
+    {
+      const P a = grid_.toWorld(side.at(s + x, front)),
+              b = grid_.toWorld(side.at(s + x + 3, front));
+      world_.placeOnGround(shape, a, std::atan2(b.y() - a.y(), b.x() - a.x()));
+    }
+  }
+
+  void garden(const Side& side, double s, double width, double front)
+  {
+    const double u = rng_.uniform();
+    if (u < 0.75)
+    {
+      row(side, s - 1, width + 2, 0.4,
+          u < 0.4 ? rng_.pick(furnishing_.hedges) : rng_.pick(furnishing_.fences));
+    }
+    const int plants = rng_.below(18);
+    for (int k = 0; k < plants; ++k)
+    {
+      const double inward = rng_.uniform(1.2, std::max(1.3, front - 0.8));
+      const P where = side.at(s + rng_.uniform(0, width), inward);
+      const double turned = rng_.uniform(0, 6.28);
+      world_.placeOnGround(
+          rng_.chance(0.6) ? rng_.pick(furnishing_.bushes) : rng_.pick(furnishing_.small_trees),
+          grid_.toWorld(where), turned);
+    }
+    if (rng_.chance(0.4) && front > 5)
+    {
+      const P a = grid_.toWorld(side.at(s + width + 1.5, 1)),
+              b = grid_.toWorld(side.at(s + width + 1.5, 5));
+      world_.park(rng_.pick(world_.cars), 0.5 * (a + b), std::atan2(b.y() - a.y(), b.x() - a.x()),
+                  rng_);
+    }
+  }
+
+  void furnishGap(const Side& side, double s, double width)
+  {
+    row(side, s, width, 0.4, rng_.pick(furnishing_.fences));
+    for (int k = 0; k < 4; ++k)
+    {
+      const double turned = rng_.uniform(0, 6.28);
+      const double inward = rng_.uniform(2, side.depth);
+      const P where = side.at(s + rng_.uniform(0, width), inward);
+      world_.placeOnGround(
+          rng_.pick(rng_.chance(0.5) ? furnishing_.bushes : furnishing_.small_trees),
+          grid_.toWorld(where), turned);
+    }
+  }
+
+  void scatter(const P& corner, double width, double height, int count)
+  {
+    for (int k = 0; k < count && width > 4 && height > 4; ++k)
+    {
+      const double y = rng_.uniform(0, height), x = rng_.uniform(0, width);
+      const double turned = rng_.uniform(0, 6.28);
+      world_.placeOnGround(
+          rng_.pick(rng_.chance(0.5) ? furnishing_.trees : furnishing_.small_trees),
+          grid_.toWorld(corner + P(x, y)), turned);
+    }
+  }
+
+  void park(const P& corner, double width, double height)
+  {
+    scatter(corner + P(2, 2), width - 4, height - 4, static_cast<int>(width * height / 110));
+    for (int k = 0; k < 10; ++k)
+    {
+      const double y = rng_.uniform(2, height - 2), x = rng_.uniform(2, width - 2);
+      const double turned = rng_.uniform(0, 6.28);
+      world_.placeOnGround(rng_.chance(0.5) ? rng_.pick(furnishing_.bushes) : furnishing_.bench,
+                           grid_.toWorld(corner + P(x, y)), turned);
+    }
+    const Side south{corner, P(1, 0), P(0, 1), width, height};
+    row(south, 1, width - 2, 0.5,
+        rng_.chance(0.5) ? rng_.pick(furnishing_.hedges) : rng_.pick(furnishing_.fences));
+  }
+
+  World& world_;
+  const StreetGrid& grid_;
+  Rng& rng_;
+  Furnishing furnishing_;
+};
+}  // namespace
+
+void buildUrban(World& world, const SimulatorOptions& options)
+{
+  Rng rng(combine(world.seed, 0x0B8A));
+  const double block = rng.uniform(78, 105);
+  const double quarter = options.loop_length / 4;
+  const int ring_u =
+      std::max(1, static_cast<int>(std::lround(quarter * rng.uniform(0.85, 1.15) / block)));
+  const int ring_v =
+      std::max(1, static_cast<int>(std::lround(options.loop_length / (2 * block))) - ring_u);
+  auto grid = std::make_unique<StreetGrid>(world.seed, ring_u + 2, ring_v + 2, block);
+  const StreetGrid& streets = *grid;
+  world.meshes.push_back(streets.mesh());
+  world.ground = std::move(grid);
+  world.meshes.emplace_back();  // all buildings
+  BlockBuilder builder(world, streets, rng);
+  const int nu = static_cast<int>(streets.along_v.size()),
+            nv = static_cast<int>(streets.along_u.size());
+  for (int i = -1; i < nu; ++i)
+  {
+    for (int j = -1; j < nv; ++j)
+    {
+      builder.build(i, j);
+    }
+  }
+  for (const auto& s : streets.along_v)
+  {
+    builder.street(s, true, streets.minV(), streets.maxV(), streets.along_u);
+    for (const auto& t : streets.along_u)
+    {
+      builder.junction(s, t);
+    }
+  }
+  for (const auto& s : streets.along_u)
+  {
+    builder.street(s, false, streets.minU(), streets.maxU(), streets.along_v);
+  }
+  world.roads = makeLanes(streets, 1, 1, ring_u, ring_v, rng.chance(0.5) != options.reverse);
+  world.walks = makeWalks(streets);
+  world.bicycle_loops = makeBicycleLoops(streets);
+  for (const int lane : world.roads.ego_route)
+  {
+    world.loop_length += world.roads.lanes[static_cast<std::size_t>(lane)].path.length();
+  }
+}
+}  // namespace dyslam::sim
