@@ -4,7 +4,7 @@
 #include <cmath>
 #include <stdexcept>
 
-#include "../EdgeError.h"
+#include "graph/EdgeError.h"
 
 namespace dyslam
 {

@@ -3,7 +3,7 @@
 
 #include <stdexcept>
 
-#include "../EdgeError.h"
+#include "graph/EdgeError.h"
 
 namespace dyslam
 {
