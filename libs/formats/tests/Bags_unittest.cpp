@@ -317,6 +317,11 @@ TEST(Bags, OnesThatAreCompressedAsAWhole)
   EXPECT_TRUE(contains(message("cut.db3.zstd"), "cut.db3.zstd: compressed data end early"));
   folder.write("no.db3.zstd", "no zstd at all");
   EXPECT_TRUE(contains(message("no.db3.zstd"), "no.db3.zstd: damaged compressed data ("));
+  for (const std::string name : {"no.mcap.zstd", "not.bag.zst", "not.db3.zst"})
+  {
+    folder.write(name, test::zstdOf(std::string(1000, 'x')));
+    EXPECT_EQ(message(name).find(folder.file(name) + ": is not a"), 0U) << message(name);
+  }
   {
     const test::FullDisk full;
     const std::string no_room = message("drive");

@@ -150,9 +150,8 @@ void requireReferences(const std::vector<RunFolder>& runs,
   if (!outputs.utm && outputs.exports.epsg != 0)
   {
     throw UserError(
-        "map_export.epsg: the merged map is in the map frame of its first run; --utm writes it in "
-        "a "
-        "reference system");
+        "map_export.epsg: the merged map is in the map frame of its first run; --utm writes it "
+        "in a reference system");
   }
   if (merge.level_map && (!merge.gravity || !any([](const RunFolder& run)
                                                  { return run.references.gravity.has_value(); })))

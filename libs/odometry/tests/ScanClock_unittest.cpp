@@ -190,6 +190,22 @@ TEST(ScanClock, SingleMissingScansAreNotReported)
   EXPECT_TRUE(clock.warnings().empty());
 }
 
+/** A first sweep that is cut, and a late stamp: one interval is half as long as the others. */
+TEST(ScanClock, SingleShortIntervalsAreNotTheRate)
+{
+  constexpr int late = 17;
+  ScanClock clock;
+  EXPECT_EQ(clock.nextSweep(100), 0);
+  double stamp = 100 + period / 2;
+  EXPECT_NEAR(clock.nextSweep(stamp), period / 2, 1e-9);
+  for (int i = 0; i < 40; ++i)
+  {
+    stamp += period;
+    EXPECT_NEAR(clock.nextSweep(i == late ? stamp + period / 2 : stamp), period, 1e-9) << i;
+  }
+  EXPECT_TRUE(clock.warnings().empty());
+}
+
 /** Stamps that jitter are no multiples of a period. */
 TEST(ScanClock, TheRateOfUnevenStampsIsTheMedian)
 {

@@ -67,9 +67,16 @@ template <typename Integer>
 /** "sensor_msgs/PointCloud2" for ROS 2's "sensor_msgs/msg/PointCloud2". */
 [[nodiscard]] std::string plainRosType(std::string type);
 
-[[nodiscard]] std::unique_ptr<Bag> openRos1Bag(const std::string& path);
-[[nodiscard]] std::unique_ptr<Bag> openMcap(const std::string& path);
-[[nodiscard]] std::unique_ptr<Bag> openSqliteBag(const std::string& path);
+/** A bag to read. */
+struct BagFile
+{
+  std::string path;  //!< of the bag, or of what it was unpacked to
+  std::string name;  //!< path of the bag as given, for messages
+};
+
+[[nodiscard]] std::unique_ptr<Bag> openRos1Bag(const BagFile& file);
+[[nodiscard]] std::unique_ptr<Bag> openMcap(const BagFile& file);
+[[nodiscard]] std::unique_ptr<Bag> openSqliteBag(const BagFile& file);
 /** Opens the files of one recording, see openBag(). */
 [[nodiscard]] std::unique_ptr<Bag> openParts(const std::vector<std::string>& paths);
 }  // namespace dyslam

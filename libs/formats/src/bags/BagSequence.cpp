@@ -15,17 +15,17 @@ namespace dyslam
 {
 namespace
 {
-std::unique_ptr<Bag> openFile(const std::string& path)
+std::unique_ptr<Bag> openFile(const BagFile& file)
 {
-  if (isPackedBag(path))
+  if (isPackedBag(file.path))
   {
-    throw UserError(path + ": is compressed as a whole; unpack it first: " + unpackCommand(path) +
-                    " " + path);
+    throw UserError(file.name + ": is compressed as a whole; unpack it first: " +
+                    unpackCommand(file.path) + " " + file.name);
   }
-  const std::string ending = bagEnding(path);
-  return ending == ".bag"   ? openRos1Bag(path)
-         : ending == ".db3" ? openSqliteBag(path)
-                            : openMcap(path);
+  const std::string ending = bagEnding(file.path);
+  return ending == ".bag"   ? openRos1Bag(file)
+         : ending == ".db3" ? openSqliteBag(file)
+                            : openMcap(file);
 }
 
 /** The files of one recording: those with the same topics behind each other, in their order, and
@@ -39,13 +39,13 @@ class BagSequence : public Bag
     for (const std::string& path : paths)
     {
       File file;
-      file.path = path;
+      file.source = {path, path};
       if (isZstdBag(path))
       {
         file.unpacked = std::make_unique<UnpackedBag>(path);
-        file.path = file.unpacked->path();
+        file.source.path = file.unpacked->path();
       }
-      file.bag = openFile(file.path);
+      file.bag = openFile(file.source);
       const std::vector<BagTopic>& own = file.bag->topics();
       const auto overlapping = std::find_if(
           own.begin(), own.end(), [this](const BagTopic& topic) { return overlaps(topic); });
@@ -80,7 +80,7 @@ class BagSequence : public Bag
       }
       for (const std::size_t topic : own)
       {
-        addStream(file, openFile(file.path), {topic});
+        addStream(file, openFile(file.source), {topic});
       }
     }
   }
@@ -131,7 +131,7 @@ class BagSequence : public Bag
  private:
   struct File
   {
-    std::string path;  //!< of the unpacked one
+    BagFile source;
     std::unique_ptr<UnpackedBag> unpacked;
     std::unique_ptr<Bag> bag;
     std::vector<std::size_t> common;  //!< positions in topics_, by its own topic

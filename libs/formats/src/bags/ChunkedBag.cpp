@@ -12,14 +12,14 @@
 
 namespace dyslam
 {
-ChunkedBag::ChunkedBag(const std::string& path) : path_(path), file_(openBinary(path))
+ChunkedBag::ChunkedBag(const BagFile& file) : name_(file.name), file_(openBinary(file.path))
 {
-  size_ = std::filesystem::file_size(path);
+  size_ = std::filesystem::file_size(file.path);
 }
 
 std::string ChunkedBag::place(std::uint64_t offset, const char* what) const
 {
-  return path_ + ": " + what + " at byte " + std::to_string(offset);
+  return name_ + ": " + what + " at byte " + std::to_string(offset);
 }
 
 std::string ChunkedBag::bytesAt(std::uint64_t offset, std::uint64_t count)
@@ -32,7 +32,7 @@ std::string ChunkedBag::bytesAt(std::uint64_t offset, std::uint64_t count)
   file_.clear();
   file_.seekg(static_cast<std::streamoff>(offset));
   file_.read(bytes.data(), static_cast<std::streamsize>(count));
-  requireReadable(file_, path_);
+  requireReadable(file_, name_);
   if (static_cast<std::uint64_t>(file_.gcount()) != count)
   {
     throw UserError(place(offset) + ": cannot be read");

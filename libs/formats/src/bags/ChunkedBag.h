@@ -37,7 +37,7 @@ class ChunkedBag : public Bag
     std::map<std::uint32_t, MessageSpan> index;  //!< messages by connection
   };
 
-  explicit ChunkedBag(const std::string& path);
+  explicit ChunkedBag(const BagFile& file);
 
   /** One record of a chunk; nothing unless it is a message. Definitions are noted by define(). */
   struct Record
@@ -59,9 +59,9 @@ class ChunkedBag : public Bag
   /** Reads `count` bytes from an offset. \throws UserError if the file is shorter. */
   [[nodiscard]] std::string bytesAt(std::uint64_t offset, std::uint64_t count);
   [[nodiscard]] std::uint64_t size() const { return size_; }
-  [[nodiscard]] const std::string& path() const { return path_; }
+  [[nodiscard]] const std::string& name() const { return name_; }
   [[nodiscard]] std::string place(std::uint64_t offset, const char* what = "record") const;
-  void warn(const std::string& what) { warnings_.push_back(path_ + ": " + what); }
+  void warn(const std::string& what) { warnings_.push_back(name_ + ": " + what); }
   /** The file ends too early: the newest chunk's index may lack entries. */
   void warnCutShort(std::uint64_t offset);
 
@@ -71,7 +71,7 @@ class ChunkedBag : public Bag
   void countByReading(Chunk& chunk);
   [[nodiscard]] bool holdsSelected(const Chunk& chunk) const;
 
-  std::string path_;
+  std::string name_;  //!< BagFile::name
   std::ifstream file_;
   std::uint64_t size_ = 0;
   std::vector<BagTopic> topics_;

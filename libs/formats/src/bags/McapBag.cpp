@@ -22,11 +22,11 @@ enum McapOp : std::uint8_t
 class McapBag : public ChunkedBag
 {
  public:
-  explicit McapBag(const std::string& path) : ChunkedBag(path)
+  explicit McapBag(const BagFile& file) : ChunkedBag(file)
   {
     if (bytesAt(0, std::min<std::uint64_t>(size(), mcap_magic.size())) != mcap_magic)
     {
-      throw UserError(path + ": is not an mcap file (its first bytes are not those of one)");
+      throw UserError(name() + ": is not an mcap file (its first bytes are not those of one)");
     }
     std::uint64_t at = mcap_magic.size();
     bool whole = false;
@@ -173,8 +173,8 @@ class McapBag : public ChunkedBag
 };
 }  // namespace
 
-std::unique_ptr<Bag> openMcap(const std::string& path)
+std::unique_ptr<Bag> openMcap(const BagFile& file)
 {
-  return std::make_unique<McapBag>(path);
+  return std::make_unique<McapBag>(file);
 }
 }  // namespace dyslam

@@ -64,14 +64,15 @@ class Fields
 class Ros1Bag : public ChunkedBag
 {
  public:
-  explicit Ros1Bag(const std::string& path) : ChunkedBag(path)
+  explicit Ros1Bag(const BagFile& file) : ChunkedBag(file)
   {
     const std::string start = bytesAt(0, std::min<std::uint64_t>(size(), ros1_magic.size()));
     if (start != ros1_magic)
     {
-      throw UserError(path + (start.rfind("#ROSBAG V1", 0) == 0
-                                  ? ": is a bag of version 1; convert it with 'rosbag migrate'"
-                                  : ": is not a ROS 1 bag (it does not begin with #ROSBAG V2.0)"));
+      throw UserError(name() +
+                      (start.rfind("#ROSBAG V1", 0) == 0
+                           ? ": is a bag of version 1; convert it with 'rosbag migrate'"
+                           : ": is not a ROS 1 bag (it does not begin with #ROSBAG V2.0)"));
     }
     try
     {
@@ -140,7 +141,7 @@ class Ros1Bag : public ChunkedBag
       case bag_header:
         if (fields.has("encryptor") && !fields.text("encryptor").empty())
         {
-          throw UserError(path() +
+          throw UserError(name() +
                           ": is encrypted; rewrite it without encryption, with ROS's rosbag");
         }
         if (fields.number<std::uint64_t>("index_pos") == 0)
@@ -204,8 +205,8 @@ class Ros1Bag : public ChunkedBag
 };
 }  // namespace
 
-std::unique_ptr<Bag> openRos1Bag(const std::string& path)
+std::unique_ptr<Bag> openRos1Bag(const BagFile& file)
 {
-  return std::make_unique<Ros1Bag>(path);
+  return std::make_unique<Ros1Bag>(file);
 }
 }  // namespace dyslam

@@ -30,13 +30,13 @@ struct CloseStatement
 class Query
 {
  public:
-  Query(sqlite3* database, const std::string& sql, const std::string& path)
-      : database_(database), path_(path)
+  Query(sqlite3* database, const std::string& sql, const std::string& name)
+      : database_(database), name_(name)
   {
     sqlite3_stmt* statement = nullptr;
     if (sqlite3_prepare_v2(database, sql.c_str(), -1, &statement, nullptr) != SQLITE_OK)
     {
-      throw UserError(path + ": is not a ROS 2 bag: " + sqlite3_errmsg(database));
+      throw UserError(name + ": is not a ROS 2 bag: " + sqlite3_errmsg(database));
     }
     statement_.reset(statement);
   }
@@ -46,7 +46,7 @@ class Query
     const int code = sqlite3_step(statement_.get());
     if (code != SQLITE_ROW && code != SQLITE_DONE)
     {
-      throw UserError(path_ + ": cannot be read further: " + sqlite3_errmsg(database_));
+      throw UserError(name_ + ": cannot be read further: " + sqlite3_errmsg(database_));
     }
     return code == SQLITE_ROW;
   }
@@ -69,25 +69,25 @@ class Query
 
  private:
   sqlite3* database_;
-  std::string path_;
+  std::string name_;
   std::unique_ptr<sqlite3_stmt, CloseStatement> statement_;
 };
 
 class SqliteBag : public Bag
 {
  public:
-  explicit SqliteBag(const std::string& path) : path_(path)
+  explicit SqliteBag(const BagFile& file) : name_(file.name)
   {
-    (void)openBinary(path);
+    (void)openBinary(file.path);
     sqlite3* database = nullptr;
-    const int code = sqlite3_open_v2(path.c_str(), &database, SQLITE_OPEN_READONLY, nullptr);
+    const int code = sqlite3_open_v2(file.path.c_str(), &database, SQLITE_OPEN_READONLY, nullptr);
     database_.reset(database);
     if (code != SQLITE_OK)
     {
-      throw UserError(path + ": cannot be opened: " + sqlite3_errmsg(database));
+      throw UserError(name_ + ": cannot be opened: " + sqlite3_errmsg(database));
     }
     Query topics(database, "SELECT id, name, type, serialization_format FROM topics ORDER BY id",
-                 path);
+                 name_);
     while (topics.next())
     {
       BagTopic topic;
@@ -118,7 +118,7 @@ class SqliteBag : public Bag
                                      "SELECT id, topic_id, timestamp, data FROM messages WHERE "
                                      "topic_id IN (" +
                                          ids + ") ORDER BY timestamp, id",
-                                     path_);
+                                     name_);
   }
 
   [[nodiscard]] bool next(BagMessage& message) override
@@ -131,7 +131,7 @@ class SqliteBag : public Bag
     const auto id = std::find(ids_.begin(), ids_.end(), query_->integer(1));
     message.topic = static_cast<std::size_t>(id - ids_.begin());
     message.recorded = secondsOfNanoseconds(query_->integer(2));
-    message.place = path_ + ": message " + std::to_string(query_->integer(0));
+    message.place = name_ + ": message " + std::to_string(query_->integer(0));
     message.data = query_->blob(3);
     if (message.data.substr(0, zstd_magic.size()) == zstd_magic)
     {
@@ -153,7 +153,7 @@ class SqliteBag : public Bag
     Query counts(database_.get(),
                  "SELECT topic_id, COUNT(*), MIN(timestamp), MAX(timestamp) FROM messages GROUP BY "
                  "topic_id",
-                 path_);
+                 name_);
     while (counts.next())
     {
       const auto id = std::find(ids_.begin(), ids_.end(), counts.integer(0));
@@ -167,7 +167,7 @@ class SqliteBag : public Bag
     }
   }
 
-  std::string path_;
+  std::string name_;  //!< BagFile::name
   std::unique_ptr<sqlite3, CloseDatabase> database_;
   std::vector<BagTopic> topics_;
   std::vector<std::int64_t> ids_;  //!< the database's numbers of the topics
@@ -178,8 +178,8 @@ class SqliteBag : public Bag
 };
 }  // namespace
 
-std::unique_ptr<Bag> openSqliteBag(const std::string& path)
+std::unique_ptr<Bag> openSqliteBag(const BagFile& file)
 {
-  return std::make_unique<SqliteBag>(path);
+  return std::make_unique<SqliteBag>(file);
 }
 }  // namespace dyslam

@@ -73,17 +73,24 @@ bool ScanClock::isDoubtful() const
                                                            }));
 }
 
-/** Whether the last intervals are multiples of the shortest one, and not all once. */
+/** Whether the last intervals are multiples of the shortest one, and not all once. A single short
+ * interval among equal ones, or among many, is no sign of it: its stamp is off. */
 bool ScanClock::scansAreMissing() const
 {
+  constexpr std::size_t many = 8;
   if (regular_.size() < min_intervals)
   {
     return false;
   }
-  const auto [least, most] = std::minmax_element(regular_.begin(), regular_.end());
-  return multipleOf(*least, *most) > 1 &&
-         std::all_of(regular_.begin(), regular_.end(),
-                     [unit = *least](double passed) { return multipleOf(unit, passed) > 0; });
+  std::vector<double> sorted(regular_.begin(), regular_.end());
+  std::sort(sorted.begin(), sorted.end());
+  const double unit = sorted.front();
+  const double second = multipleOf(unit, sorted[1]);
+  const double most = multipleOf(unit, sorted.back());
+  const bool unit_recurs = second == 1 || (sorted.size() < many && second < most);
+  return most > 1 && unit_recurs &&
+         std::all_of(sorted.begin(), sorted.end(),
+                     [unit](double passed) { return multipleOf(unit, passed) > 0; });
 }
 
 double ScanClock::period() const

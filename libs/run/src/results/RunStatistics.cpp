@@ -172,8 +172,7 @@ std::string RunStatistics::secondPassAdvice(bool has_labels) const
     return {};
   }
   return std::to_string(100 * moving_points / points) +
-         " % of the points move: in traffic as dense as this the odometry may follow the "
-         "vehicles; "
+         " % of the points move: in traffic as dense as this the odometry may follow the vehicles; "
          "compare with a second pass (--passes 2)";
 }
 
@@ -190,8 +189,7 @@ std::string RunStatistics::directionWarning() const
   }
   const std::string degrees = std::to_string(std::lround(std::abs(angle) * degrees_per_radian));
   return "the vehicle moved " + degrees + " deg to the " + (angle > 0 ? "left" : "right") +
-         " of its x axis, which should point forward: if the lidar is mounted rotated, convert "
-         "the "
+         " of its x axis, which should point forward: if the lidar is mounted rotated, convert the "
          "recording with a yaw (--sensor-pose) that is " +
          degrees + " deg " + (angle > 0 ? "less" : "more");
 }
