@@ -377,37 +377,30 @@ BevScan makeBevScan(const std::vector<Eigen::Vector3f>& points,
   const float inverse = 1 / scan.cell_size;
   std::vector<std::int32_t> cell_of(points.size(), -1);
   std::vector<float> height_of(points.size(), 0.0F);
-  const auto place = [&](std::size_t i)
-  {
-    const auto& p = points[i];
-    if (!isReturn(p))
-    {
-      return;
-    }
-    const float u = (p.x() - scan.corner.x()) * inverse;
-    const float v = (p.y() - scan.corner.y()) * inverse;
-    if (u < 0 || v < 0 || u >= static_cast<float>(scan.cells) ||
-        v >= static_cast<float>(scan.cells))
-    {
-      return;
-    }
-    // Points below the ground are multipath echoes.
-    height_of[i] = p.z() - ground->heightAt(p.x(), p.y());
-    if (height_of[i] >= clearance && height_of[i] <= ceiling)
-    {
-      const int ix = std::min(static_cast<int>(u), scan.cells - 1);
-      const int iy = std::min(static_cast<int>(v), scan.cells - 1);
-      cell_of[i] = iy * scan.cells + ix;
-    }
-  };
-  forRows(static_cast<std::int64_t>(points.size()), 4096,
-          [&](std::int64_t first, std::int64_t last)
-          {
-            for (std::int64_t i = first; i < last; ++i)
-            {
-              place(static_cast<std::size_t>(i));
-            }
-          });
+  forEachRow(points.size(), 4096,
+             [&](std::size_t i)
+             {
+               const auto& p = points[i];
+               if (!isReturn(p))
+               {
+                 return;
+               }
+               const float u = (p.x() - scan.corner.x()) * inverse;
+               const float v = (p.y() - scan.corner.y()) * inverse;
+               if (u < 0 || v < 0 || u >= static_cast<float>(scan.cells) ||
+                   v >= static_cast<float>(scan.cells))
+               {
+                 return;
+               }
+               // Points below the ground are multipath echoes.
+               height_of[i] = p.z() - ground->heightAt(p.x(), p.y());
+               if (height_of[i] >= clearance && height_of[i] <= ceiling)
+               {
+                 const int ix = std::min(static_cast<int>(u), scan.cells - 1);
+                 const int iy = std::min(static_cast<int>(v), scan.cells - 1);
+                 cell_of[i] = iy * scan.cells + ix;
+               }
+             });
   sortByCell(points, cell_of, height_of, scan);
   fillFeatures(scan);
   return scan;

@@ -281,31 +281,25 @@ PointGeometry pointGeometry(const BevScan& scan,
   const Eigen::Matrix2f R = Eigen::Rotation2Dd(static_motion.yaw).toRotationMatrix().cast<float>();
   const Eigen::Vector2f t = static_motion.translation.cast<float>();
   const float size = 2 * scan.cell_size;
-  const auto fill = [&](std::size_t q)
-  {
-    const auto i = static_cast<std::size_t>(indices[q]);
-    const auto& p = scan.points[i];
-    const int x = scan.cell[i] % scan.cells / 2;
-    const int y = scan.cell[i] / scan.cells / 2;
-    fine[q] = cells.level.half.row_of_point[i];
-    const Eigen::Vector2f centre =
-        scan.corner +
-        size * Eigen::Vector2f(static_cast<float>(x) + 0.5F, static_cast<float>(y) + 0.5F);
-    const Eigen::Vector2f there = (R * centre + t - scan.corner) / size;
-    place[2 * q] = there.x() - 0.5F;
-    place[2 * q + 1] = there.y() - 0.5F;
-    const Eigen::Vector2f flat = R * p.head<2>() + t;
-    past_rays.compare(Eigen::Vector3f(flat.x(), flat.y(), p.z()), rays + q * BevRays::channels);
-    row[q] = cells.level.quarter.row_of_point[i];
-  };
-  forRows(count, 256,
-          [&](std::int64_t first, std::int64_t last)
-          {
-            for (std::int64_t q = first; q < last; ++q)
-            {
-              fill(static_cast<std::size_t>(q));
-            }
-          });
+  forEachRow(
+      indices.size(), 256,
+      [&](std::size_t q)
+      {
+        const auto i = static_cast<std::size_t>(indices[q]);
+        const auto& p = scan.points[i];
+        const int x = scan.cell[i] % scan.cells / 2;
+        const int y = scan.cell[i] / scan.cells / 2;
+        fine[q] = cells.level.half.row_of_point[i];
+        const Eigen::Vector2f centre =
+            scan.corner +
+            size * Eigen::Vector2f(static_cast<float>(x) + 0.5F, static_cast<float>(y) + 0.5F);
+        const Eigen::Vector2f there = (R * centre + t - scan.corner) / size;
+        place[2 * q] = there.x() - 0.5F;
+        place[2 * q + 1] = there.y() - 0.5F;
+        const Eigen::Vector2f flat = R * p.head<2>() + t;
+        past_rays.compare(Eigen::Vector3f(flat.x(), flat.y(), p.z()), rays + q * BevRays::channels);
+        row[q] = cells.level.quarter.row_of_point[i];
+      });
   return g;
 }
 }  // namespace

@@ -67,13 +67,6 @@ void forBlocks(std::int64_t count,
 
 void inParallel(const std::function<void()>& one, const std::function<void()>& other)
 {
-  forRows(2, 1,
-          [&](std::int64_t begin, std::int64_t end)
-          {
-            for (std::int64_t i = begin; i < end; ++i)
-            {
-              (i == 0 ? one : other)();
-            }
-          });
+  forEachRow(2, 1, [&](std::size_t i) { (i == 0 ? one : other)(); });
 }
 }  // namespace dyslam
