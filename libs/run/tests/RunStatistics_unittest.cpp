@@ -2,6 +2,7 @@
 #include "../src/results/RunStatistics.h"
 
 #include <dyslam/base/StateArchive.h>
+#include <dyslam/odometry/MotionSensors.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -49,7 +50,7 @@ TEST(RunStatistics, AdvisesByTheCauseOfTheMostFrequentReason)
     statistics.add(failed(false, "another reason"));
     statistics.add(failed(false, reason + " 1", cause));
     statistics.add(failed(false, reason + " 2", cause));
-    return statistics.failure(true);
+    return statistics.failure("my.ini", {});
   };
   const auto has = [](const std::string& text, const std::string& part)
   { return text.find(part) != std::string::npos; };
@@ -93,15 +94,37 @@ TEST(RunStatistics, AVehicleThatDoesNotMoveForwardIsAWarning)
 }
 
 /** A gyroscope in degrees makes all registrations fail. */
-TEST(RunStatistics, AdvisesToDoWithoutMotionSensors)
+TEST(RunStatistics, AdvisesToDoWithoutTheMotionSensorsInUse)
 {
   RunStatistics statistics;
+  MotionSensorOptions sensors;
+  const auto advises = [&](const std::string& part)
+  { return statistics.failure("", sensors).find(part) != std::string::npos; };
   statistics.add(failed(false, "no overlap"));
-  EXPECT_EQ(statistics.failure(false).find("motion_sensors"), std::string::npos);
+  EXPECT_FALSE(advises("motion_sensors")) << "there are none";
   Frame frame = failed(false, "no overlap");
   frame.imu.emplace_back();
   statistics.add(frame);
-  EXPECT_NE(statistics.failure(false).find("motion_sensors.gyroscope=false"), std::string::npos);
+  EXPECT_TRUE(advises("motion_sensors.gyroscope=false"));
+  EXPECT_FALSE(advises("wheel_odometry=false")) << "there is none";
+  sensors.gyroscope = false;
+  EXPECT_FALSE(advises("motion_sensors")) << "it was not used";
+  frame.wheels.emplace_back();
+  statistics.add(frame);
+  EXPECT_TRUE(advises("be wrong: motion_sensors.wheel_odometry=false"));
+  sensors.wheel_odometry = false;
+  EXPECT_FALSE(advises("motion_sensors"));
+}
+
+TEST(RunStatistics, DoesNotAdviseTheIniThatWasGiven)
+{
+  RunStatistics statistics;
+  statistics.add(failed(false, "no overlap"));
+  const std::string failure = statistics.failure("/share/handheld.ini", {});
+  EXPECT_EQ(failure.find("-c handheld.ini"), std::string::npos) << failure;
+  EXPECT_NE(failure.find("try the settings that fit the sensor (no -c), or odometry.start_speed"),
+            std::string::npos)
+      << failure;
 }
 
 /** One threshold and one wording for console, report.json and report.html. */
@@ -123,7 +146,7 @@ TEST(RunStatistics, TheVerdictFitsWarningsAndFailure)
   EXPECT_FALSE(hasWarning(few, "check trajectory and map"));
   const RunStatistics many = statisticsOf(10, 2);
   EXPECT_EQ(many.verdict(), "doubtful");
-  EXPECT_EQ(many.failure(false), "");
+  EXPECT_EQ(many.failure("", {}), "");
   EXPECT_TRUE(hasWarning(many,
                          "10 of 30 scans could not be registered: check trajectory and map; most "
                          "often because: no overlap"));
@@ -133,7 +156,7 @@ TEST(RunStatistics, TheVerdictFitsWarningsAndFailure)
   EXPECT_TRUE(hasWarning(restarted, "check trajectory and map"));
   const RunStatistics most = statisticsOf(16, 0);
   EXPECT_EQ(most.verdict(), "unusable");
-  EXPECT_EQ(most.failure(false).find(
+  EXPECT_EQ(most.failure("", {}).find(
                 "16 of 30 scans could not be registered: do not trust trajectory and map"),
             0U);
   EXPECT_FALSE(hasWarning(most, "check trajectory and map"));
@@ -158,7 +181,7 @@ TEST(RunStatistics, ScansThatDidNotSettleAreRegistered)
   const RunStatistics all = statisticsOf(30);
   EXPECT_EQ(all.registration_failures.total(), 0U);
   EXPECT_EQ(all.unregistered_keyframes, 0U);
-  EXPECT_EQ(all.failure(false), "");
+  EXPECT_EQ(all.failure("", {}), "");
   EXPECT_EQ(all.verdict(), "usable");
   EXPECT_EQ(
       all.warnings(false),

@@ -54,6 +54,7 @@ void append(std::vector<std::string>& all, const std::vector<std::string>& more)
 
 ResultsBuilder::ResultsBuilder(const SlamRunSettings& settings, ConfigLoader& config)
     : settings_(settings),
+      motion_sensors_(config.get<MotionSensorOptions>("motion_sensors")),
       track_smoothing_(config.get<TrackSmoothingOptions>("track_smoothing")),
       has_boxes_(!config.get<GivenBoxesOptions>("boxes").file.empty()),
       complete_boxes_(config.get<TrackerOptions>("tracker").complete_boxes && !has_boxes_),
@@ -134,7 +135,8 @@ void ResultsBuilder::fillReport(const RunData& run, RunResults& results) const
   SlamRunReport& report = results.report;
   report.frames = run.statistics.frames;
   report.unconverged = run.statistics.registration_failures.total();
-  report.failure = run.statistics.failure(!settings_.inputs.empty());
+  report.failure = run.statistics.failure(settings_.inputs.empty() ? "" : settings_.inputs.front(),
+                                          motion_sensors_);
   report.verdict = run.statistics.verdict();
   report.odometry_failed = run.statistics.odometry_failures.total();
   report.keyframes = run.pipeline.backend().keyframes().size();

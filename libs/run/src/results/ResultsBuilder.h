@@ -2,6 +2,7 @@
 #pragma once
 
 #include <dyslam/base/Options.h>
+#include <dyslam/odometry/MotionSensors.h>
 #include <dyslam/tracking/TrackSmoother.h>
 
 #include <string>
@@ -49,6 +50,7 @@ class ResultsBuilder
   void fillReport(const RunData& run, RunResults& results) const;
 
   const SlamRunSettings& settings_;
+  MotionSensorOptions motion_sensors_;
   TrackSmoothingOptions track_smoothing_;
   bool has_boxes_;       //!< boxes of another detector are used
   bool complete_boxes_;  //!< boxes are those of visible parts of objects, to be completed

@@ -4,10 +4,13 @@
 #include <dyslam/base/Angle.h>
 #include <dyslam/base/Printable.h>
 #include <dyslam/base/StateArchive.h>
+#include <dyslam/base/Words.h>
+#include <dyslam/odometry/MotionSensors.h>
 
 #include <algorithm>
 #include <cctype>
 #include <cmath>
+#include <filesystem>
 
 namespace dyslam
 {
@@ -16,9 +19,9 @@ namespace
 constexpr double unusable_share = 0.5;  // share of scans not registered: more is unusable
 constexpr double doubtful_share = 0.2;  // share of scans not registered: more is doubtful
 
-/** Advice for the user. \param has_ini an ini was given, which may be the reason
- * \param has_motion_sensors so may an IMU or wheel odometry */
-std::string adviceFor(FailureCause cause, bool has_ini, bool has_motion_sensors)
+/** Advice for the user. \param ini that was given, which may be the reason; empty: none
+ * \param sensors assignments that do without the IMU and wheel odometry in use; empty: none is */
+std::string adviceFor(FailureCause cause, const std::string& ini, const std::string& sensors)
 {
   switch (cause)
   {
@@ -30,13 +33,15 @@ std::string adviceFor(FailureCause cause, bool has_ini, bool has_motion_sensors)
     case FailureCause::estimation:
       break;
   }
-  return "try " + std::string(has_ini ? "the settings that fit the sensor (no -c), " : "") +
-         "-c handheld.ini for a hand-held sensor, or odometry.start_speed for a recording that "
-         "begins in motion" +
-         (has_motion_sensors
-              ? "; or without IMU and wheel odometry, whose units, poses or clocks may be wrong: "
-                "motion_sensors.gyroscope=false, motion_sensors.wheel_odometry=false"
-              : "");
+  constexpr const char* handheld = "handheld.ini";
+  const bool is_handheld = std::filesystem::path(ini).filename() == handheld;
+  return "try " + std::string(ini.empty() ? "" : "the settings that fit the sensor (no -c), ") +
+         (is_handheld ? "" : std::string("-c ") + handheld + " for a hand-held sensor, ") +
+         "or odometry.start_speed for a recording that begins in motion" +
+         (sensors.empty() ? ""
+                          : "; or without IMU and wheel odometry, whose units, poses or clocks may "
+                            "be wrong: " +
+                                sensors);
 }
 }  // namespace
 
@@ -83,7 +88,8 @@ void RunStatistics::add(const Frame& frame)
   {
     odometry_failures.add(frame.odometry);
   }
-  has_motion_sensors = has_motion_sensors || !frame.imu.empty() || !frame.wheels.empty();
+  has_imu = has_imu || !frame.imu.empty();
+  has_wheels = has_wheels || !frame.wheels.empty();
   points += frame.cloud.size();
   detections += frame.detections.size();
   moving_points +=
@@ -194,14 +200,23 @@ std::string RunStatistics::directionWarning() const
          degrees + " deg " + (angle > 0 ? "less" : "more");
 }
 
-std::string RunStatistics::failure(bool has_ini) const
+std::string RunStatistics::failure(const std::string& ini, const MotionSensorOptions& sensors) const
 {
   if (!failedOnMoreThan(unusable_share))
   {
     return {};
   }
+  std::string without;
+  if (has_imu && sensors.gyroscope)
+  {
+    appendWord(without, "motion_sensors.gyroscope=false", ", ");
+  }
+  if (has_wheels && sensors.wheel_odometry)
+  {
+    appendWord(without, "motion_sensors.wheel_odometry=false", ", ");
+  }
   return registrationSentence("do not trust trajectory and map") + "; " +
-         adviceFor(registration_failures.mostFrequent().cause, has_ini, has_motion_sensors);
+         adviceFor(registration_failures.mostFrequent().cause, ini, without);
 }
 
 std::string RunStatistics::verdict() const
@@ -233,7 +248,7 @@ void Reasons::exchangeState(StateArchive& archive)
 void RunStatistics::exchangeState(StateArchive& archive)
 {
   archive(frames, first_time, last_time, registration_failures, map_restarts,
-          unregistered_keyframes, not_settled, odometry_failures, has_motion_sensors, path,
+          unregistered_keyframes, not_settled, odometry_failures, has_imu, has_wheels, path,
           path_forward, path_left, points, moving_points, detections, reference);
 }
 }  // namespace dyslam

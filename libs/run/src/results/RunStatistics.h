@@ -12,6 +12,7 @@
 namespace dyslam
 {
 class StateArchive;
+struct MotionSensorOptions;
 
 /** Counts why scans failed; reasons that differ only in their numbers are counted together. */
 class Reasons
@@ -61,8 +62,10 @@ struct RunStatistics
 
   /** Why the result is unusable, if more than half of the scans could not be registered; else
    * empty.
-   * \param has_ini an ini was given, which may be the reason */
-  [[nodiscard]] std::string failure(bool has_ini) const;
+   * \param ini path of the ini that was given, which may be the reason; empty: none
+   * \param sensors options of the run: advises to do without the sensors that it used */
+  [[nodiscard]] std::string failure(const std::string& ini,
+                                    const MotionSensorOptions& sensors) const;
 
   /** How far the result can be trusted: "unusable" (there is a failure()), "doubtful" (more than a
    * fifth of the scans could not be registered, or the local map was restarted; the warnings say
@@ -77,14 +80,15 @@ struct RunStatistics
   std::size_t unregistered_keyframes = 0;
   std::size_t not_settled = 0;  //!< registered frames whose iterations ended too early
   Reasons odometry_failures;
-  bool has_motion_sensors = false;  //!< there are samples of an IMU or of wheels
-  double path = 0;                  //!< sum of the registered motions [m]
-  double path_forward = 0;          //!< part of it along x of the vehicle [m]
-  double path_left = 0;             //!< part of it along y of the vehicle [m]
-  std::size_t points = 0;           //!< number of points of all clouds
-  std::size_t moving_points = 0;    //!< number of moving points, by the causal labels
-  std::size_t detections = 0;       //!< number of detections in all scans
-  Trajectory reference;             //!< ground truth as recorded
+  bool has_imu = false;           //!< there are samples of an IMU
+  bool has_wheels = false;        //!< there are samples of wheel odometry
+  double path = 0;                //!< sum of the registered motions [m]
+  double path_forward = 0;        //!< part of it along x of the vehicle [m]
+  double path_left = 0;           //!< part of it along y of the vehicle [m]
+  std::size_t points = 0;         //!< number of points of all clouds
+  std::size_t moving_points = 0;  //!< number of moving points, by the causal labels
+  std::size_t detections = 0;     //!< number of detections in all scans
+  Trajectory reference;           //!< ground truth as recorded
 
  private:
   /** Whether registration failed on more than `share` of all scans. */
