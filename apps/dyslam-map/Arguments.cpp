@@ -130,12 +130,32 @@ int referenceSystemOf(const std::string& trajectory)
              : 0;
 }
 
+/** Whether a run wrote the file. */
+bool isFileOfRun(const std::string& file)
+{
+  const std::filesystem::path path(file);
+  const auto names = filesOfRun(path.parent_path().string());
+  return std::find(names.begin(), names.end(), path.filename().string()) != names.end();
+}
+
+/** Number of the reference system of the map files; 0: none. \param given by the settings; 0: none
+ * \throws UserError for a given number of a run's trajectory that is not in UTM. */
+int referenceSystem(int given, const std::string& trajectory)
+{
+  const int of_trajectory = referenceSystemOf(trajectory);
+  if (given != 0 && of_trajectory == 0 && isFileOfRun(trajectory))
+  {
+    throw UserError("map_export.epsg = " + std::to_string(given) + ": " + trajectory +
+                    " is in the map frame of its run; give trajectory_utm.txt, or "
+                    "--set map_export.epsg=0");
+  }
+  return given != 0 ? given : of_trajectory;
+}
+
 /** \throws UserError for a file that a run wrote. */
 void requireNotOfRun(const std::string& output)
 {
-  const std::filesystem::path path(output);
-  const auto names = filesOfRun(path.parent_path().string());
-  if (std::find(names.begin(), names.end(), path.filename().string()) != names.end())
+  if (isFileOfRun(output))
   {
     throw UserError(output +
                     ": is a file of the run in this folder; choose another name, or --force");
@@ -316,10 +336,7 @@ void loadConfig(Arguments& a)
   a.outputs.exports = loader.get<MapExportOptions>("map_export");
   a.builder.memory = loader.get<MemoryOptions>("memory");
   a.outputs.exports.full_resolution = a.outputs.exports.full_resolution || a.full;
-  if (a.outputs.exports.epsg == 0)
-  {
-    a.outputs.exports.epsg = referenceSystemOf(a.recording.trajectory);
-  }
+  a.outputs.exports.epsg = referenceSystem(a.outputs.exports.epsg, a.recording.trajectory);
   a.builder.keyframe_distance =
       a.keyframe_distance ? *a.keyframe_distance : keyframeDistance(config);
   Config effective = loader.effective();

@@ -108,5 +108,17 @@ TEST_F(GeoreferencedRun, TrajectoryAndMapAreInUtm)
   double east_of_map = 0;
   las.copy(reinterpret_cast<char*>(&east_of_map), sizeof east_of_map, 187);
   EXPECT_NEAR(east_of_map, utm[0].pose.translation().x(), 150);
+
+  const std::string in_map_frame =
+      "--run " + at("out") + " -c " + at("m.effective.ini") + " -o " + at("n.las");
+  const Outcome refused = run("dyslam-map", in_map_frame);
+  EXPECT_EQ(1, refused.code);
+  EXPECT_NE(refused.err.find("map_export.epsg = 32756: " + at("out/trajectory_tum.txt") +
+                             " is in the map frame of its run"),
+            std::string::npos)
+      << refused.err;
+  const Outcome without = run("dyslam-map", in_map_frame + " --set map_export.epsg=0");
+  EXPECT_EQ(0, without.code) << without.err;
+  EXPECT_EQ(readWhole(at("n.las")).find("LASF_Projection"), std::string::npos);
 }
 }  // namespace dyslam
