@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Progress.h"
 
-#include <dyslam/formats/ProgramLines.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -35,6 +34,12 @@ void Progress::update(double fraction, std::size_t count)
   show(std::min(fraction, 0.99), count);  // finish() says 100%
 }
 
+void Progress::beginBehind(const EarlierWork& earlier)
+{
+  earlier_ = earlier;
+  start_ = Clock::now();
+}
+
 void Progress::note(const std::string& work)
 {
   if (!quiet_ && (terminal_ || shown_))
@@ -54,7 +59,7 @@ void Progress::finish(std::size_t count)
 void Progress::show(double fraction, std::size_t count)
 {
   const double seconds = std::chrono::duration<double>(Clock::now() - start_).count();
-  print(fraction, progressText(fraction, count, unit_, seconds));
+  print(fraction, progressText(fraction, count, unit_, seconds, earlier_));
 }
 
 void Progress::print(double fraction, const std::string& text)

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <dyslam/formats/ProgramLines.h>
+
 #include <chrono>
 #include <cstddef>
 #include <string>
@@ -21,6 +23,10 @@ class Progress
   /** \param fraction of the work done, 0 to 1; below 0 if unknown. \param count units done. */
   void update(double fraction, std::size_t count);
 
+  /** What was done before, of which the time is not known: rate and time left are of the rest,
+   * which begins now. */
+  void beginBehind(const EarlierWork& earlier);
+
   /** Says what is done behind the last unit, whose time is not known: on a terminal, else only
    * below earlier lines of progress. */
   void note(const std::string& work);
@@ -39,6 +45,7 @@ class Progress
   bool quiet_;
   bool terminal_;
   bool shown_ = false;
+  EarlierWork earlier_;
   Clock::time_point start_ = Clock::now();
   Clock::time_point last_ = start_;
 };

@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <cstdio>
 #include <filesystem>
+#include <utility>
 #include <vector>
 
 #include "AppMain.h"
@@ -165,7 +166,8 @@ void printWarning(const std::string& warning, bool quiet)
 
 /** Runs a pass and shows the progress. \param title of the line of progress
  * \param messages printed at the first scan \throws UserError. */
-SlamRunReport runWithProgress(const std::string& title,
+SlamRunReport runWithProgress(Pass pass,
+                              const std::string& title,
                               const SlamRunSettings& settings,
                               std::vector<std::string> messages,
                               bool quiet,
@@ -173,12 +175,17 @@ SlamRunReport runWithProgress(const std::string& title,
 {
   Progress progress(title, "scans", quiet);
   bool is_stopping = false;
+  bool is_behind_others = pass == Pass::resumed;
   SlamRunSettings told = settings;
   told.after_scans = [&progress](const std::string& work) { progress.note(work); };
   SlamRunReport report = run(told,
                              [&](double fraction, std::size_t frames)
                              {
                                printOnce(messages, quiet);
+                               if (std::exchange(is_behind_others, false))
+                               {
+                                 progress.beginBehind({fraction, frames - 1});
+                               }
                                progress.update(fraction, frames);
                                if (!is_stopping && settings.stop && settings.stop())
                                {
@@ -214,8 +221,8 @@ void runSlamProgram(const std::string& program, const SlamArguments& a, const Sl
       request,
       [&](Pass pass, const SlamRunSettings& settings, const RunSettings* chosen)
       {
-        return runWithProgress(program + (pass == Pass::first ? ", first pass" : ""), settings,
-                               messagesAbout(program, pass, chosen, output), quiet, run);
+        return runWithProgress(pass, program + (pass == Pass::first ? ", first pass" : ""),
+                               settings, messagesAbout(program, pass, chosen, output), quiet, run);
       });
   const SlamRunReport& report = result.report;
   if (!quiet && result.pass != Pass::first)

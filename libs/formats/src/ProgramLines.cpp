@@ -2,7 +2,9 @@
 #include <dyslam/base/Printable.h>
 #include <dyslam/formats/ProgramLines.h>
 
+#include <algorithm>
 #include <cctype>
+#include <cmath>
 #include <cstdio>
 #include <cstdlib>
 
@@ -13,6 +15,7 @@ namespace
 constexpr const char* behind_name = ": ";
 constexpr const char* stopped_word = "stopped ";
 constexpr const char* percent_sign = "% ";
+constexpr double longest = 1e6;  // largest time left [s]
 
 bool isDigitAt(const std::string& text, std::size_t at)
 {
@@ -50,19 +53,24 @@ bool isStoppedLine(const std::string& program, const std::string& input, const s
 std::string progressText(double fraction,
                          std::size_t count,
                          const std::string& unit,
-                         double seconds)
+                         double seconds,
+                         const EarlierWork& earlier)
 {
-  const double rate = seconds > 0 ? static_cast<double>(count) / seconds : 0;
-  const std::string units = count == 1 ? unit.substr(0, unit.size() - 1) : unit;
+  const std::size_t now = count - std::min(count, earlier.count);
+  const double rate = seconds > 0 ? static_cast<double>(now) / seconds : 0;
+  const std::string units =
+      (count == 1 ? unit.substr(0, unit.size() - 1) : unit) +
+      (fraction >= 1 && earlier.count > 0 ? ", " + std::to_string(now) + " of them" : "");
   char text[160];
   if (fraction >= 1)
   {
     std::snprintf(text, sizeof text, "100%s%zu %s in %.1f s, %.1f/s", percent_sign, count,
                   units.c_str(), seconds, rate);
   }
-  else if (fraction > 0)
+  else if (fraction > earlier.fraction)
   {
-    const long left = static_cast<long>(seconds * (1 - fraction) / fraction + 0.5);
+    const double left_share = (1 - fraction) / (fraction - earlier.fraction);
+    const long left = std::lround(std::min(seconds * left_share, longest));
     std::snprintf(text, sizeof text, "%3.0f%s%zu %s, %.1f/s, %ld:%02ld left", 100 * fraction,
                   percent_sign, count, units.c_str(), rate, left / 60, left % 60);
   }

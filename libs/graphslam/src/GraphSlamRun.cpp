@@ -111,7 +111,7 @@ class Engine
 /** Gives every observation to the engine. \return whether the run was stopped */
 bool replay(const SlamRunSettings& settings,
             const SlamRun& run,
-            const GraphSlamContext& context,
+            GraphSlamContext& context,
             RawlogStream& stream,
             Engine& engine,
             const OnFrame& on_frame)
@@ -128,7 +128,7 @@ bool replay(const SlamRunSettings& settings,
     frames = run.frames();
     if (on_frame)
     {
-      on_frame(run.progress(stream.progress()), frames);
+      on_frame(context.decoder().progress(stream.progress(), frames), frames);
     }
     if (settings.stop && settings.stop())
     {

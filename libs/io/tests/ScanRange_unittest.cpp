@@ -70,6 +70,37 @@ TEST(ScanRange, PastTheEndNothingFollows)
   EXPECT_TRUE(selection.isPastEnd());
 }
 
+/** A scan each 0.1 s; a tenth of the recording is read with each. */
+TEST(ScanRange, ProgressIsThatOfTheScansToUse)
+{
+  const auto progressAt = [](const ScanRange& range, std::size_t last)
+  {
+    ScanSelection selection(range);
+    std::size_t used = 0;
+    double progress = 0;
+    for (std::size_t i = 0; i <= last; ++i)
+    {
+      used += selection.takes(i, 1000 + 0.1 * static_cast<double>(i)) ? 1 : 0;
+      progress = selection.progress(0.1 * static_cast<double>(i + 1), used);
+    }
+    return progress;
+  };
+  EXPECT_NEAR(0.3, progressAt({}, 2), 1e-9);
+  EXPECT_NEAR(1, progressAt({}, 9), 1e-9);
+  EXPECT_EQ(0, progressAt(range(0, 0.5, 0), 4)) << "none is used yet";
+  EXPECT_NEAR(0, progressAt(range(0, 0.5, 0), 5), 1e-9);
+  EXPECT_NEAR(0.5, progressAt(range(5, 0, 0), 7), 1e-9);
+  EXPECT_NEAR(1, progressAt(range(5, 0, 0), 9), 1e-9);
+  EXPECT_EQ(1, progressAt(range(9, 0, 0), 9)) << "the last scan alone";
+  EXPECT_NEAR(0.5, progressAt(range(0, 0.2, 0.6), 4), 1e-5);
+  EXPECT_EQ(1, progressAt(range(0, 0.2, 0.6), 6));
+  EXPECT_NEAR(0.5, progressAt(range(0, 0, 100), 4), 1e-9) << "the recording ends before";
+  ScanRange first = range(2, 0, 0);
+  first.only_first_n = 4;
+  EXPECT_NEAR(0.25, progressAt(first, 2), 1e-9);
+  EXPECT_NEAR(0.75, progressAt(first, 4), 1e-9);
+}
+
 TEST(ScanRange, AnEndBeforeTheStartIsAnError)
 {
   EXPECT_THROW(ScanSelection(range(0, 2, 1)), UserError);

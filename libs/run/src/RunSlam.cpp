@@ -85,7 +85,7 @@ bool replay(const SlamRunSettings& settings,
             ScanSum scans,
             const OnFrame& on_frame)
 {
-  std::atomic<double> read = 0;  // fraction of the file; only the reading thread uses the source
+  std::atomic<double> per_scan = 0;  // progress by scan; only the reading thread uses the source
   std::atomic<bool> is_stopping = false;
   bool is_stopped = false;  // set by the front end's thread; read here after the last frame
   Checkpoints checkpoints(run.checkpointSeconds());
@@ -93,7 +93,10 @@ bool replay(const SlamRunSettings& settings,
       [&]
       {
         auto frame = source.next();
-        read = source.progress();
+        if (frame)
+        {
+          per_scan = source.progress() / static_cast<double>(source.framesRead());
+        }
         return frame;
       });
   ReadAhead front_end(
@@ -124,7 +127,7 @@ bool replay(const SlamRunSettings& settings,
     }
     if (on_frame)
     {
-      on_frame(run.progress(read), run.frames());
+      on_frame(per_scan * static_cast<double>(run.frames()), run.frames());
     }
     is_stopping = is_stopping || (settings.stop && settings.stop());
   }

@@ -254,12 +254,6 @@ void SlamRun::noteWait(const std::string& thread, double seconds)
   impl_->times.noteWait(thread, seconds);
 }
 
-double SlamRun::progress(double read) const
-{
-  const int limit = impl_->input.only_first_n;
-  return limit > 0 ? std::max(read, static_cast<double>(frames()) / limit) : read;
-}
-
 void SlamRun::announce(const std::string& work) const
 {
   if (impl_->settings.after_scans && frames() > 0)

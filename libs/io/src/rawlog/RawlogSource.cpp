@@ -139,7 +139,7 @@ std::optional<Frame> RawlogSource::next()
 }
 double RawlogSource::progress() const
 {
-  return impl_->stream.progress();
+  return impl_->decoder.progress(impl_->stream.progress(), impl_->delivered);
 }
 std::size_t RawlogSource::framesRead() const
 {

@@ -338,6 +338,11 @@ bool ScanDecoder::isPastEnd() const
   return impl_->selection.isPastEnd();
 }
 
+double ScanDecoder::progress(double read, std::size_t used)
+{
+  return impl_->selection.progress(read, used);
+}
+
 bool ScanDecoder::waitsForFurther(const RecordedScan& scan) const
 {
   const Impl& s = *impl_;

@@ -2,6 +2,7 @@
 #include <dyslam/base/Error.h>
 #include <dyslam/io/ScanRange.h>
 
+#include <algorithm>
 #include <sstream>
 
 namespace dyslam
@@ -39,9 +40,35 @@ ScanSelection::ScanSelection(const ScanRange& range, int every_n)
 bool ScanSelection::takes(std::size_t index, double stamp)
 {
   first_stamp_ = first_stamp_.value_or(stamp);
-  const double time = stamp - *first_stamp_ + stamp_tolerance;
-  past_end_ = past_end_ || (range_.end != 0 && time >= range_.end);
+  time_ = stamp - *first_stamp_ + stamp_tolerance;
+  past_end_ = past_end_ || (range_.end != 0 && time_ >= range_.end);
   const auto first = static_cast<std::size_t>(range_.skip_first_n);
-  return !past_end_ && index >= first && (index - first) % every_n_ == 0 && time >= range_.start;
+  const bool takes =
+      !past_end_ && index >= first && (index - first) % every_n_ == 0 && time_ >= range_.start;
+  if (takes && !begin_)
+  {
+    begin_ = time_;
+  }
+  return takes;
+}
+
+double ScanSelection::progress(double read, std::size_t used)
+{
+  if (!begin_)
+  {
+    return 0;
+  }
+  const bool passes_over = range_.skip_first_n > 0 || range_.start > 0;
+  passed_over_ = passed_over_.value_or(passes_over ? read : 0);
+  double done = *passed_over_ < 1 ? (read - *passed_over_) / (1 - *passed_over_) : 1;
+  if (range_.end != 0)
+  {
+    done = std::max(done, (time_ - *begin_) / (range_.end - *begin_));
+  }
+  if (range_.only_first_n > 0)
+  {
+    done = std::max(done, static_cast<double>(used) / range_.only_first_n);
+  }
+  return std::clamp(done, 0.0, 1.0);
 }
 }  // namespace dyslam

@@ -28,13 +28,22 @@ namespace dyslam
                                  const std::string& input,
                                  const std::string& line);
 
+/** Part of a work that was done before. */
+struct EarlierWork
+{
+  double fraction = 0;    //!< of the whole work
+  std::size_t count = 0;  //!< units done
+};
+
 /** Progress of long work, behind its name: " 45% 9 scans, 10.0/s, 0:01 left".
  * \param fraction of the work done; 1 at its end, 0 or below if unknown \param count units done
- * \param unit in the plural with an s \param seconds since the start */
+ * \param unit in the plural with an s \param seconds since the start, or since `earlier` was done
+ */
 [[nodiscard]] std::string progressText(double fraction,
                                        std::size_t count,
                                        const std::string& unit,
-                                       double seconds);
+                                       double seconds,
+                                       const EarlierWork& earlier = {});
 
 /** Fraction of the work done by the last progressText() in a log, 0 to 1; 0 without one. */
 [[nodiscard]] double progressIn(const std::string& log);

@@ -59,7 +59,7 @@ class GraphSlamContext
   [[nodiscard]] Graph view() const;
   /** T_map_vehicle at the newest scan; identity before the first scan. */
   [[nodiscard]] const Pose& vehicle() const { return T_map_vehicle_; }
-  [[nodiscard]] const ScanDecoder& decoder() const { return decoder_; }
+  [[nodiscard]] ScanDecoder& decoder() { return decoder_; }
   [[nodiscard]] const Pipeline& pipeline() const { return pipeline_; }
   [[nodiscard]] const Backend& backend() const;
 

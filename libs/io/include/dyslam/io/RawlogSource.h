@@ -83,7 +83,8 @@ class RawlogSource
    * were delivered. */
   [[nodiscard]] std::optional<Frame> next();
 
-  /** Fraction of the (compressed) file read so far, 0 to 1. */
+  /** Fraction of the scans to use that were delivered so far, 0 to 1: of the (compressed) file
+   * after the scans that are skipped, of the time to `end`, or of `only_first_n`. */
   [[nodiscard]] double progress() const;
   /** Number of frames delivered so far. */
   [[nodiscard]] std::size_t framesRead() const;

@@ -62,6 +62,8 @@ class ScanDecoder
 
   /** Whether no later scan is used, as it would be at or after the `end` of the options. */
   [[nodiscard]] bool isPastEnd() const;
+  /** As ScanSelection::progress(). */
+  [[nodiscard]] double progress(double read, std::size_t used);
 
   /** Whether late scans of further lidars may still come for a scan: false once the scans of all
    * lidars are past it, or three more scans of the first lidar were taken. */

@@ -35,10 +35,17 @@ class ScanSelection
   /** Whether no later scan is used. */
   [[nodiscard]] bool isPastEnd() const { return past_end_; }
 
+  /** Fraction of the scans to use that were met, 0 to 1. To be called from the first one on.
+   * \param read fraction of the recording that was read \param used number of scans used so far */
+  [[nodiscard]] double progress(double read, std::size_t used);
+
  private:
   ScanRange range_;
   std::size_t every_n_;
   std::optional<double> first_stamp_;
+  double time_ = 0;                    //!< of the last scan, since the first [s]
+  std::optional<double> begin_;        //!< that of the first scan used [s]
+  std::optional<double> passed_over_;  //!< fraction of the recording before the first scan used
   bool past_end_ = false;
 };
 }  // namespace dyslam

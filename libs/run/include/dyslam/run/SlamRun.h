@@ -130,8 +130,6 @@ class SlamRun
   [[nodiscard]] std::size_t frames() const;
   /** Records how long a thread of the caller waited for others [s], for the report. */
   void noteWait(const std::string& thread, double seconds);
-  /** Fraction of the work done, given the fraction of the file read. */
-  [[nodiscard]] double progress(double read) const;
   /** Tells SlamRunSettings::after_scans, if there were scans. */
   void announce(const std::string& work) const;
   /** Called after Pipeline::finish(): writes all results that are known only at the end.
