@@ -362,6 +362,32 @@ TEST(MotionSensors, SamplesOfAnotherClockAreReported)
       << sensors.warnings()[0];
 }
 
+TEST(MotionSensors, AClockThatDiffersByLessIsReported)
+{
+  for (const double late : {0.0, 0.3})
+  {
+    MotionSensors sensors{MotionSensorOptions()};
+    for (int scan = 1; scan <= 120; ++scan)
+    {
+      Frame frame = frameAt(scan);
+      for (ImuSample& sample : frame.imu)
+      {
+        sample.stamp += late;
+      }
+      sensors.add(frame);
+      sensors.compareClocks(frame.scan.stamp - scan_interval, frame.scan.stamp,
+                            motionBefore(frame));
+    }
+    const std::vector<std::string> warnings = sensors.warnings();
+    ASSERT_EQ(warnings.size(), late > 0 ? 1U : 0U);
+    if (late > 0)
+    {
+      EXPECT_EQ(warnings[0].find("the gyroscope's stamps are about 0.30 s late against"), 0U)
+          << warnings[0];
+    }
+  }
+}
+
 TEST(MotionSensors, StateIsKept)
 {
   MotionSensors sensors{MotionSensorOptions()};

@@ -140,11 +140,15 @@ void MotionPredictor::update(const Frame& frame,
                        Matrix6(root.asDiagonal() * context.sensed_information * root.asDiagonal()),
                    registration.prior_weight);
   }
-  if (context.sensed && frame.dt == clock_.interval() && registration.points > 0 &&
-      motion.converged())
+  if (frame.dt == clock_.interval() && registration.points > 0 && motion.converged())
   {
-    sensors_.compare(*context.sensed, context.sensed_information, frame.dt,
-                     motion.T_previous_current, registration.measured_information);
+    if (context.sensed)
+    {
+      sensors_.compare(*context.sensed, context.sensed_information, frame.dt,
+                       motion.T_previous_current, registration.measured_information);
+    }
+    sensors_.compareClocks(frame.scan.stamp - frame.dt, frame.scan.stamp,
+                           motion.T_previous_current);
   }
   if (frame.dt > 0 && motion.registered() && !context.after_gap)
   {

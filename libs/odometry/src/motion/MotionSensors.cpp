@@ -8,8 +8,10 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <cstdio>
 #include <deque>
 
+#include "GyroscopeClock.h"
 #include "SampledSignal.h"
 
 namespace dyslam
@@ -191,6 +193,7 @@ struct MotionSensors::State
   double conflict = 0;  //!< recent share of rotations that contradict the scans
   SensorUse gyroscope;
   SensorUse wheels;
+  GyroscopeClock clock;
 };
 
 MotionSensors::MotionSensors(const MotionSensorOptions& options)
@@ -224,6 +227,7 @@ void MotionSensors::add(const Frame& frame)
       s.speeds.push_back({sample.stamp, sample.forward_speed});
     }
   }
+  s.clock.compare(s.rates, s.options.max_gap);
 }
 
 std::optional<SensedMotion> MotionSensors::sense(double begin, double end, const Pose& T_predicted)
@@ -357,6 +361,14 @@ void MotionSensors::compare(const SensedMotion& sensed,
   }
 }
 
+void MotionSensors::compareClocks(double begin, double end, const Pose& T_previous_current)
+{
+  if (!state_->rates.empty() && end > begin)
+  {
+    state_->clock.add(begin, end, logSO3(T_previous_current.linear()) / (end - begin));
+  }
+}
+
 void MotionSensors::State::compareRotation(const SensedMotion& sensed,
                                            const Matrix6& fused,
                                            double dt,
@@ -420,6 +432,15 @@ std::string MotionSensors::name() const
 std::vector<std::string> MotionSensors::warnings() const
 {
   std::vector<std::string> warnings;
+  if (const std::optional<double> offset = state_->clock.offset())
+  {
+    char seconds[32];
+    std::snprintf(seconds, sizeof seconds, "%.2f", std::abs(*offset));
+    warnings.push_back("the gyroscope's stamps are about " + std::string(seconds) + " s " +
+                       (*offset > 0 ? "late" : "early") +
+                       " against those of the scans; synchronise the clocks when recording, or set "
+                       "motion_sensors.gyroscope=false");
+  }
   state_->gyroscope.warn("gyroscope",
                          "the IMU's pose on the vehicle, its clock and its units, or set "
                          "motion_sensors.gyroscope=false",
@@ -433,6 +454,6 @@ std::vector<std::string> MotionSensors::warnings() const
 void MotionSensors::exchangeState(StateArchive& archive)
 {
   State& s = *state_;
-  archive(s.rates, s.speeds, s.bias, s.scale, s.conflict, s.gyroscope, s.wheels);
+  archive(s.rates, s.speeds, s.bias, s.scale, s.conflict, s.gyroscope, s.wheels, s.clock);
 }
 }  // namespace dyslam

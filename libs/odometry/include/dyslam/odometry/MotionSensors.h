@@ -88,9 +88,14 @@ class MotionSensors
                const Pose& T_previous_current,
                const Matrix6& measured);
 
+  /** Compares a rotation that the scans show with the gyroscope's at earlier and later times, for a
+   * warning. \param begin,end stamps of two successive scans [s] */
+  void compareClocks(double begin, double end, const Pose& T_previous_current);
+
   /** Names of the sensors that were used: " + gyroscope + wheel_odometry", or a part of it. */
   [[nodiscard]] std::string name() const;
-  /** Warnings about sensors that contradict the scans or their times, one sentence each. */
+  /** Warnings about sensors that contradict the scans or their times, or whose clock differs, one
+   * sentence each. */
   [[nodiscard]] std::vector<std::string> warnings() const;
   /** Saves or loads the state between frames. */
   void exchangeState(StateArchive& archive);
