@@ -432,6 +432,10 @@ std::string MotionSensors::name() const
 std::vector<std::string> MotionSensors::warnings() const
 {
   std::vector<std::string> warnings;
+  state_->gyroscope.warn("gyroscope",
+                         "the IMU's pose on the vehicle, its clock and its units, or set "
+                         "motion_sensors.gyroscope=false",
+                         warnings);
   if (const std::optional<double> offset = state_->clock.offset())
   {
     char seconds[32];
@@ -441,10 +445,6 @@ std::vector<std::string> MotionSensors::warnings() const
                        " against those of the scans; synchronise the clocks when recording, or set "
                        "motion_sensors.gyroscope=false");
   }
-  state_->gyroscope.warn("gyroscope",
-                         "the IMU's pose on the vehicle, its clock and its units, or set "
-                         "motion_sensors.gyroscope=false",
-                         warnings);
   state_->wheels.warn("wheel odometry",
                       "its clock, units and direction, or set motion_sensors.wheel_odometry=false",
                       warnings);
