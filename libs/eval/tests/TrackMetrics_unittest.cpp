@@ -185,6 +185,8 @@ TEST(TrackMetrics, whatCannotBeComputedIsNotZero)
   EXPECT_TRUE(std::isnan(twenty_boxes.amotp));
   EXPECT_DOUBLE_EQ(twenty_boxes.best.mota, 1);
   EXPECT_NEAR(averagesOverRecall({perfect()}, plainRules(), 19).samota, 1, 1e-9);
+  EXPECT_NEAR(averagesOverRecall({perfect()}, plainRules(), 20).samota, 0.95, 1e-9)
+      << "AB3DMOT's thresholds: the first of the twenty matches counts as recall 0";
 
   TrackSequence without_estimates = perfect();
   without_estimates.estimate.clear();
