@@ -88,13 +88,14 @@ void declare(CLI::App& app, Arguments& arguments)
 
 void run(const Arguments& arguments)
 {
+  const auto unpacking = unpackWithProgress("scans2rawlog", arguments.quiet);
   if (arguments.list)
   {
     if (!isBag(arguments.input))
     {
       throw UserError(arguments.input + ": is no bag; --list prints the topics of one");
     }
-    const auto bag = openBag(arguments.input);
+    const auto bag = openBag(arguments.input, unpacking);
     for (const std::string& warning : bag->warnings())
     {
       std::cerr << "warning: " << printable(warning) << '\n';
@@ -106,10 +107,12 @@ void run(const Arguments& arguments)
   {
     throw UserError("--output: name the rawlog to write (-o x.rawlog)");
   }
-  runConversion(
-      "scans2rawlog", arguments.output, arguments.force, arguments.quiet,
-      [&](const ConversionProgress& progress)
-      { return convertScans(arguments.input, arguments.output, arguments.options, progress); });
+  runConversion("scans2rawlog", arguments.output, arguments.force, arguments.quiet,
+                [&](const ConversionProgress& progress)
+                {
+                  return convertScans(arguments.input, arguments.output, arguments.options,
+                                      progress, unpacking);
+                });
 }
 }  // namespace
 

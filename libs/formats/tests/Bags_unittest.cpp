@@ -6,7 +6,9 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cstdint>
 #include <cstdlib>
+#include <filesystem>
 #include <functional>
 #include <iterator>
 #include <numeric>
@@ -329,6 +331,65 @@ TEST(Bags, OnesThatAreCompressedAsAWhole)
     EXPECT_TRUE(contains(no_room, "; set TMPDIR to a folder with room")) << no_room;
   }
   EXPECT_TRUE(isTidy());
+}
+
+TEST(Bags, UnpackingIsReportedAndCanBeEnded)
+{
+  const TestFolder folder;
+  std::filesystem::create_directories(folder.file("tmp"));
+  const TemporaryFiles temporary(folder.file("tmp"));
+  test::writeBag(folder.file("x.mcap"), someMessages(10));
+  const std::string plain = folder.read("x.mcap");
+  const std::string packed = folder.write("y.mcap.zstd", test::zstdOf(plain));
+  std::vector<BagUnpacking> states;
+  (void)openBag(packed, [&states](const BagUnpacking& state) { states.push_back(state); });
+  ASSERT_GE(states.size(), 3U);
+  EXPECT_EQ(packed, states.front().bag);
+  EXPECT_EQ(states.front().folder.rfind(folder.file("tmp/"), 0), 0U) << states.front().folder;
+  EXPECT_EQ(0U, states.front().bytes);
+  EXPECT_FALSE(states[states.size() - 2].is_done);
+  EXPECT_TRUE(states.back().is_done);
+  EXPECT_EQ(plain.size(), states.back().bytes);
+  EXPECT_EQ(1, states.back().fraction);
+  const auto stop = [](const BagUnpacking& state)
+  {
+    if (state.bytes > 0)
+    {
+      throw UserError("stop");
+    }
+  };
+  EXPECT_EQ("stop", messageOfError<UserError>([&] { (void)openBag(packed, stop); }));
+  EXPECT_TRUE(std::filesystem::is_empty(folder.file("tmp")));
+}
+
+/** By the sizes that the packed files state. */
+TEST(Bags, RoomToUnpackAllPartsIsNeeded)
+{
+  const TestFolder folder;
+  const std::string tmp = std::filesystem::temp_directory_path().string();
+  const auto room = static_cast<double>(std::filesystem::space(tmp).available);
+  const auto header = [room](double share)
+  {
+    const auto size = static_cast<std::uint64_t>(share * room);
+    std::string bytes = "\x28\xB5\x2F\xFD\xE0";  // a frame that states its size in eight bytes
+    for (unsigned i = 0; i < 64; i += 8)
+    {
+      bytes += static_cast<char>((size >> i) & 0xFFU);
+    }
+    return bytes;
+  };
+  const auto message = [&folder](const std::string& name)
+  { return messageOfError<UserError>([&] { (void)openBag(folder.file(name)); }); };
+  folder.write("x.db3.zstd", header(2));
+  folder.write("parts/x_0.db3.zstd", header(0.75));
+  folder.write("parts/x_1.db3.zstd", header(0.75));
+  const std::string cannot = ".db3.zstd: is compressed as a whole and cannot be unpacked to " + tmp;
+  EXPECT_TRUE(contains(message("x.db3.zstd"), cannot + ": it has ")) << message("x.db3.zstd");
+  EXPECT_TRUE(contains(message("parts"), "x_0" + cannot + ": it and the other parts have "))
+      << message("parts");
+  folder.write("parts/x_0.db3.zstd", header(0.01));
+  folder.write("parts/x_1.db3.zstd", header(0.01));
+  EXPECT_FALSE(contains(message("parts"), "cannot be unpacked")) << message("parts");
 }
 
 TEST(Bags, OneThatItsRecorderHasNotClosed)

@@ -485,9 +485,12 @@ void noteParts(const std::string& input, ScanSink& sink)
 }
 }  // namespace
 
-void convertBag(const std::string& input, ScanSink& sink, const ScanConverterOptions& options)
+void convertBag(const std::string& input,
+                ScanSink& sink,
+                const ScanConverterOptions& options,
+                const BagUnpackingProgress& unpacking)
 {
-  const std::unique_ptr<Bag> bag = openBag(input);
+  const std::unique_ptr<Bag> bag = openBag(input, unpacking);
   noteParts(input, sink);
   const std::size_t at = scanTopic(input, *bag, options.topic, sink);
   const BagTopic topic = bag->topics()[at];

@@ -430,7 +430,8 @@ void ScanConverterOptions::describe(OptionsVisitor& visitor)
 ConversionResult convertScans(const std::string& input,
                               const std::string& output,
                               const ScanConverterOptions& options,
-                              const ConversionProgress& progress)
+                              const ConversionProgress& progress,
+                              const BagUnpackingProgress& unpacking)
 {
   validate(options, "scans2rawlog");
   if (!fs::exists(input))
@@ -466,7 +467,7 @@ ConversionResult convertScans(const std::string& input,
             convertCapture(input, sink, options);
             break;
           case InputKind::bag:
-            convertBag(input, sink, options);
+            convertBag(input, sink, options, unpacking);
             break;
         }
         return sink.close();

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <dyslam/base/Options.h>
+#include <dyslam/formats/Bag.h>
 #include <dyslam/formats/PoseOrigin.h>
 #include <dyslam/formats/RecordingKind.h>
 #include <dyslam/formats/ScanFiles.h>
@@ -110,11 +111,13 @@ struct ScanConverterOptions : Options, ScanRange, RecordingOptions
 /** Writes a folder of .bin, .pcd or .ply scans, a Velodyne .pcap or a ROS bag (see openBag()) as a
  * rawlog, with the IMU and the wheel odometry of a bag if the options name their topics, and the
  * IMU in the Ouster of a .pcap if they ask for it. Scans of a folder get the times of the file, of
- * their names where those are times since 1970, or of their points. \throws UserError. */
+ * their names where those are times since 1970, or of their points. \param unpacking of a bag that
+ * is compressed as a whole, before the first scan; see openBag() \throws UserError. */
 ConversionResult convertScans(const std::string& input,
                               const std::string& output,
                               const ScanConverterOptions& options,
-                              const ConversionProgress& progress = {});
+                              const ConversionProgress& progress = {},
+                              const BagUnpackingProgress& unpacking = {});
 
 /** T_vehicle_sensor of "x y z yaw pitch roll" [m, deg], separated by spaces or commas; identity if
  * empty. \param option for messages: "--sensor-pose". \throws UserError. */
