@@ -17,10 +17,11 @@ void declareRange(CLI::App& app, ScanRange& range)
       ->check(positive());
 }
 
-void declareRange(CLI::App& app, ScanRange& range, int& every_n)
+void declareRawlog(CLI::App& app, ConversionOptions& options)
 {
-  declareRange(app, range);
-  app.add_option("--every", every_n, "convert every n-th scan only")->check(positive());
+  declareRange(app, options);
+  app.add_option("--every", options.every_n, "convert every n-th scan only")->check(positive());
+  app.add_flag("--external-storage", options.external_storage, "clouds in separate files");
 }
 
 void declareFurtherTopics(CLI::App& app, RecordingOptions& options)

@@ -80,8 +80,7 @@ void declare(CLI::App& app, Arguments& arguments)
                "where numbers have gaps");
   app.add_flag("--keep-partial", o.keep_partial,
                "also the incomplete first and last revolutions of packets");
-  declareRange(app, o, o.every_n);
-  app.add_flag("--external-storage", o.external_storage, "clouds in separate files");
+  declareRawlog(app, o);
   app.add_flag("--force", arguments.force, "replace an earlier recording and its ground truth");
   app.add_flag("-q,--quiet", arguments.quiet, "no progress");
 }

@@ -419,12 +419,7 @@ void ScanConverterOptions::describe(OptionsVisitor& visitor)
   describePoseSource(
       visitor, "pose_source", pose_source,
       "source of the poses of poses or truth_topic; unknown: given, of unknown accuracy");
-  describeRange(visitor);
-  visitor.integer("every_n", every_n, 1, 1000000,
-                  "interval between converted scans; 1: every scan [scans]");
-  visitor.flag("external_storage", external_storage, "write clouds in separate files");
-  visitor.integer("compression_level", compression_level, 0, 9,
-                  "level of the gzip compression: 0 none, 1 fast, 9 small");
+  describeConversion(visitor);
 }
 
 ConversionResult convertScans(const std::string& input,

@@ -28,7 +28,7 @@ ScanSink::ScanSink(const std::string& output, const ScanConverterOptions& option
     : options_(options),
       T_vehicle_lidar_(poseFromOption("--sensor-pose", options.sensor_pose)),
       selection_(options, options.every_n),
-      out_(output, options.external_storage, options.compression_level)
+      out_(output, options)
 {
 }
 
