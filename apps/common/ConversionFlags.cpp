@@ -53,6 +53,14 @@ void declareImu(CLI::App& app, RecordingOptions& options)
                "also the IMU in the Ouster of a .pcap, whose samples are written beside the scans");
 }
 
+void declareScale(CLI::App& app, RecordingOptions& options)
+{
+  app.add_option("--scale", options.scale,
+                 "metres per unit of the coordinates in a folder of scans: 0.001 for millimetres "
+                 "(default: 1)")
+      ->check(positive());
+}
+
 void declareSensorPose(CLI::App& app, std::string& pose)
 {
   app.add_option("--sensor-pose", pose,
@@ -88,6 +96,7 @@ void declareConversion(CLI::App& app, RecordingOptions& options)
          "seconds between the scans of a folder; default: their own times, else 0.1 (KITTI: "
          "0.1034)")
       ->check(positive());
+  declareScale(app, options);
   app.option_defaults()->group(before);
 }
 

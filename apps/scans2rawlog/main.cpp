@@ -75,6 +75,7 @@ void declare(CLI::App& app, Arguments& arguments)
                  "times of a folder's scans, a line each: seconds, or KITTI's timestamps.txt");
   declareMounting(app, o);
   app.add_option("--dt", o.dt, "seconds between scans; default: their own times, else 0.1");
+  declareScale(app, o);
   app.add_flag("--by-number", o.by_number,
                "times of a folder's scans: the number in the file name times --dt (default 0.1), "
                "where numbers have gaps");

@@ -498,16 +498,30 @@ TEST(ScanConverter, PointsThatAreNotInMetres)
   write("mm/0.bin", 1000, 0);
   write("utm/0.pcd", 1, 5e6F);
   write("odd/0.bin", 1, 5e6F);
-  const auto converted = [&folder](const std::string& name)
-  { return convertScans(folder.file(name), folder.file("x.rawlog"), {}); };
+  ScanConverterOptions options;
+  const auto converted = [&](const std::string& name)
+  { return convertScans(folder.file(name), folder.file("x.rawlog"), options); };
   const auto isWarned = [&](const std::string& name)
   {
     const auto warnings = converted(name).warnings;
     return std::any_of(warnings.begin(), warnings.end(),
-                       [](const std::string& line) { return contains(line, "in millimetres"); });
+                       [](const std::string& line)
+                       { return contains(line, "in millimetres (--scale 0.001)"); });
   };
   EXPECT_FALSE(isWarned("m"));
   EXPECT_TRUE(isWarned("mm"));
+  options.scale = 0.001;
+  EXPECT_FALSE(isWarned("mm"));
+  const auto frames = readAll(folder.file("x.rawlog"));
+  ASSERT_EQ(60U, frames.at(0).scan.size());
+  EXPECT_TRUE(frames[0].scan.points[50].isApprox(someScan(0, 60).points[50], 1e-6F));
+  EXPECT_EQ(someScan(0, 60).intensity, frames[0].scan.intensity);
+  for (const double nonsense : {0.0, -0.001, std::nan("")})
+  {
+    options.scale = nonsense;
+    EXPECT_TRUE(contains(messageOfError<UserError>([&] { converted("mm"); }), "scale"));
+  }
+  options.scale = 1;
   EXPECT_TRUE(contains(messageOfError<UserError>([&] { converted("utm"); }),
                        "0.pcd: half of its points are more than 100 km from the origin: its "
                        "coordinates are not relative to the lidar"));
