@@ -167,6 +167,32 @@ TEST(Bags, McapOfEachCompressionWithAndWithoutIndexOrChunks)
   EXPECT_EQ(RosEncoding::other, openBag(folder.file("x.mcap"))->topics().front().encoding);
 }
 
+TEST(Bags, ProgressWithinAChunk)
+{
+  const TestFolder folder;
+  const auto messages = someMessages(9);
+  for (const std::string ending : {".bag", ".mcap"})
+  {
+    const BagStyle one_chunk{"none", 100};
+    ending == ".bag" ? test::writeRos1Bag(folder.file("x.bag"), messages, one_chunk)
+                     : test::writeMcap(folder.file("x.mcap"), messages, one_chunk);
+    const auto bag = openBag(folder.file("x" + ending));
+    std::vector<std::size_t> all(bag->topics().size());
+    std::iota(all.begin(), all.end(), 0U);
+    bag->select(all);
+    BagMessage message;
+    double last = 0;
+    for (std::size_t i = 0; i < messages.size(); ++i)
+    {
+      ASSERT_TRUE(bag->next(message));
+      EXPECT_GT(bag->progress(), last);
+      EXPECT_NEAR(0.1 * static_cast<double>(i + 1), bag->progress(), 0.3) << ending << i;
+      last = bag->progress();
+    }
+    EXPECT_LT(last, 1 + 1e-9);
+  }
+}
+
 TEST(Bags, McapChecksChunks)
 {
   const TestFolder folder;

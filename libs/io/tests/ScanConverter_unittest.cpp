@@ -363,6 +363,18 @@ TEST(ScanConverter, NumbersOfTenDigits)
   EXPECT_NEAR(1.0, frames[2].scan.stamp, 1e-6);
 }
 
+TEST(ScanConverter, ProgressOfALimitedConversion)
+{
+  const TestFolder folder;
+  writeBins(folder, "in", 8);
+  ScanConverterOptions options;
+  options.only_first_n = 2;
+  std::vector<double> fractions;
+  (void)convertScans(folder.file("in"), folder.file("x.rawlog"), options,
+                     [&fractions](double fraction, std::size_t) { fractions.push_back(fraction); });
+  EXPECT_EQ((std::vector<double>{0.5, 1}), fractions);
+}
+
 TEST(ScanConverter, FilesWithoutPointsAreReported)
 {
   const TestFolder folder;

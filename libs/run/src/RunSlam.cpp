@@ -85,7 +85,9 @@ bool replay(const SlamRunSettings& settings,
             ScanSum scans,
             const OnFrame& on_frame)
 {
-  std::atomic<double> read = 0;  // fraction of the file; only the reading thread uses the source
+  // Part of the file that a scan has in the mean; only the reading thread, which is ahead of the
+  // others, uses the source.
+  std::atomic<double> part_of_scan = 0;
   std::atomic<bool> is_stopping = false;
   bool is_stopped = false;  // set by the front end's thread; read here after the last frame
   Checkpoints checkpoints(run.checkpointSeconds());
@@ -93,7 +95,10 @@ bool replay(const SlamRunSettings& settings,
       [&]
       {
         auto frame = source.next();
-        read = source.progress();
+        if (frame)
+        {
+          part_of_scan = source.progress() / static_cast<double>(frame->index + 1);
+        }
         return frame;
       });
   ReadAhead front_end(
@@ -124,7 +129,7 @@ bool replay(const SlamRunSettings& settings,
     }
     if (on_frame)
     {
-      on_frame(run.progress(read), run.frames());
+      on_frame(run.progress(part_of_scan * static_cast<double>(index + 1)), run.frames());
     }
     is_stopping = is_stopping || (settings.stop && settings.stop());
   }
