@@ -17,10 +17,11 @@ void declareRange(CLI::App& app, ScanRange& range)
       ->check(positive());
 }
 
-void declareRange(CLI::App& app, ScanRange& range, int& every_n)
+void declareRawlog(CLI::App& app, ConversionOptions& options)
 {
-  declareRange(app, range);
-  app.add_option("--every", every_n, "convert every n-th scan only")->check(positive());
+  declareRange(app, options);
+  app.add_option("--every", options.every_n, "convert every n-th scan only")->check(positive());
+  app.add_flag("--external-storage", options.external_storage, "clouds in separate files");
 }
 
 void declareFurtherTopics(CLI::App& app, RecordingOptions& options)
@@ -50,6 +51,14 @@ void declareImu(CLI::App& app, RecordingOptions& options)
 {
   app.add_flag("--imu", options.imu,
                "also the IMU in the Ouster of a .pcap, whose samples are written beside the scans");
+}
+
+void declareScale(CLI::App& app, RecordingOptions& options)
+{
+  app.add_option("--scale", options.scale,
+                 "metres per unit of the coordinates in a folder of scans: 0.001 for millimetres "
+                 "(default: 1)")
+      ->check(positive());
 }
 
 void declareSensorPose(CLI::App& app, std::string& pose)
@@ -87,6 +96,7 @@ void declareConversion(CLI::App& app, RecordingOptions& options)
          "seconds between the scans of a folder; default: their own times, else 0.1 (KITTI: "
          "0.1034)")
       ->check(positive());
+  declareScale(app, options);
   app.option_defaults()->group(before);
 }
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <dyslam/formats/PoseOrigin.h>
+#include <dyslam/io/Converters.h>
 #include <dyslam/io/RecordingOptions.h>
 #include <dyslam/io/ScanRange.h>
 
@@ -13,8 +14,8 @@ namespace dyslam
 /** Flags that select scans of a recording for a converter. */
 void declareRange(CLI::App& app, ScanRange& range);
 
-/** declareRange() with --every. */
-void declareRange(CLI::App& app, ScanRange& range, int& every_n);
+/** declareRange() with --every and --external-storage, for a converter to rawlogs. */
+void declareRawlog(CLI::App& app, ConversionOptions& options);
 
 /** Flag of further lidars of a bag: --further-topic. */
 void declareFurtherTopics(CLI::App& app, RecordingOptions& options);
@@ -24,6 +25,9 @@ void declareLidar(CLI::App& app, RecordingOptions& options);
 
 /** Flag of the IMU in the lidar of a capture: --imu. */
 void declareImu(CLI::App& app, RecordingOptions& options);
+
+/** Flag of the unit of the coordinates in a folder of scans: --scale. */
+void declareScale(CLI::App& app, RecordingOptions& options);
 
 /** Flag of the pose of the lidar on the vehicle: --sensor-pose. */
 void declareSensorPose(CLI::App& app, std::string& pose);

@@ -5,7 +5,9 @@
 #include <dyslam/base/Printable.h>
 
 #include <cstddef>
+#include <cstdint>
 #include <iostream>
+#include <memory>
 
 #include "Checks.h"
 #include "Progress.h"
@@ -59,6 +61,35 @@ ConversionResult convertWithProgress(
       });
   progress.finish(result.scans);
   return result;
+}
+
+BagUnpackingProgress unpackWithProgress(const std::string& program, bool quiet)
+{
+  return [program, quiet, progress = std::shared_ptr<Progress>()](const BagUnpacking& state) mutable
+  {
+    if (!progress)
+    {
+      stopOnSignals();
+      if (!quiet)
+      {
+        std::cerr << program << ": " << printable(state.bag) << ": is unpacked to "
+                  << printable(state.folder) << '\n';
+      }
+      progress = std::make_shared<Progress>(program + ", unpacking", "megabytes", quiet);
+    }
+    if (stop_asked)
+    {
+      throw UserError("stopped while " + state.bag + " was unpacked");
+    }
+    constexpr std::uint64_t megabyte = 1000000;
+    const auto megabytes = static_cast<std::size_t>(state.bytes / megabyte);
+    progress->update(state.fraction, megabytes);
+    if (state.is_done)
+    {
+      progress->finish(megabytes);
+      progress.reset();
+    }
+  };
 }
 
 void runConversion(const std::string& program,

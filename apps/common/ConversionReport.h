@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <dyslam/formats/Bag.h>
 #include <dyslam/io/Converters.h>
 
 #include <functional>
@@ -19,6 +20,11 @@ ConversionResult convertWithProgress(
     const std::string& output,
     bool quiet,
     const std::function<ConversionResult(const ConversionProgress&)>& convert);
+
+/** Says what bag that is compressed as a whole is unpacked where, with a line of progress. From the
+ * first call of the result on a signal ends the unpacking, which removes the unpacked files.
+ * \param program its name. The result \throws UserError after a signal. */
+[[nodiscard]] BagUnpackingProgress unpackWithProgress(const std::string& program, bool quiet);
 
 /** Writes a rawlog with a line of progress, and prints the result.
  * \param force replace an earlier recording and its ground truth \throws UserError. */

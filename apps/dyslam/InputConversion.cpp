@@ -87,7 +87,10 @@ void convertTo(const ConvertedFiles& files,
     const ConversionResult result =
         convertWithProgress("dyslam, conversion", files.rawlog, a.quiet(),
                             [&](const ConversionProgress& progress)
-                            { return converter.convert(files.rawlog, options, progress); });
+                            {
+                              return converter.convert(files.rawlog, options, progress,
+                                                       unpackWithProgress("dyslam", a.quiet()));
+                            });
     writeOrigin(input, converter.program(), files);
     if (!a.quiet())
     {

@@ -75,26 +75,27 @@ void declare(CLI::App& app, Arguments& arguments)
                  "times of a folder's scans, a line each: seconds, or KITTI's timestamps.txt");
   declareMounting(app, o);
   app.add_option("--dt", o.dt, "seconds between scans; default: their own times, else 0.1");
+  declareScale(app, o);
   app.add_flag("--by-number", o.by_number,
                "times of a folder's scans: the number in the file name times --dt (default 0.1), "
                "where numbers have gaps");
   app.add_flag("--keep-partial", o.keep_partial,
                "also the incomplete first and last revolutions of packets");
-  declareRange(app, o, o.every_n);
-  app.add_flag("--external-storage", o.external_storage, "clouds in separate files");
+  declareRawlog(app, o);
   app.add_flag("--force", arguments.force, "replace an earlier recording and its ground truth");
   app.add_flag("-q,--quiet", arguments.quiet, "no progress");
 }
 
 void run(const Arguments& arguments)
 {
+  const auto unpacking = unpackWithProgress("scans2rawlog", arguments.quiet);
   if (arguments.list)
   {
     if (!isBag(arguments.input))
     {
       throw UserError(arguments.input + ": is no bag; --list prints the topics of one");
     }
-    const auto bag = openBag(arguments.input);
+    const auto bag = openBag(arguments.input, unpacking);
     for (const std::string& warning : bag->warnings())
     {
       std::cerr << "warning: " << printable(warning) << '\n';
@@ -106,10 +107,12 @@ void run(const Arguments& arguments)
   {
     throw UserError("--output: name the rawlog to write (-o x.rawlog)");
   }
-  runConversion(
-      "scans2rawlog", arguments.output, arguments.force, arguments.quiet,
-      [&](const ConversionProgress& progress)
-      { return convertScans(arguments.input, arguments.output, arguments.options, progress); });
+  runConversion("scans2rawlog", arguments.output, arguments.force, arguments.quiet,
+                [&](const ConversionProgress& progress)
+                {
+                  return convertScans(arguments.input, arguments.output, arguments.options,
+                                      progress, unpacking);
+                });
 }
 }  // namespace
 

@@ -130,6 +130,26 @@ TEST_F(DirectInput, AFolderOfScans)
   expectSameAsConvertedFirst("scans2rawlog", "scans", "--dt 0.2 --sensor-pose '0 0 1.7 0 0 0'");
 }
 
+TEST_F(DirectInput, ScansInMillimetres)
+{
+  const std::vector<Scan> in_metres = scans_;
+  for (Scan& scan : scans_)
+  {
+    for (Eigen::Vector3f& point : scan.points)
+    {
+      point *= 1000;
+    }
+  }
+  bins("scans");
+  scans_ = in_metres;
+  expectSameAsConvertedFirst("scans2rawlog", "scans", "--scale 0.001");
+  for (const std::string scale : {"0", "-1", "nan", "mm"})
+  {
+    expectRefused("-i " + at("scans") + " -o " + at("never") + " --scale " + scale,
+                  {"--scale", scale});
+  }
+}
+
 TEST_F(DirectInput, ABag)
 {
   bag("drive.mcap");

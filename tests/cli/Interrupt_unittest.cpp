@@ -1,14 +1,16 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Ctrl-C during a conversion: a message, and no partial file; during a run: all results so far, and
-// a checkpoint.
+// Ctrl-C during a conversion: a message, and no partial file; while a bag is unpacked: no temporary
+// file; during a run: all results so far, and a checkpoint.
 #include <dyslam/formats/ScanFiles.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <string>
 #include <vector>
 
+#include "BagWriters.h"
 #include "InterruptProgram.h"
 #include "RunProgram.h"
 #include "TestFolder.h"
@@ -44,6 +46,44 @@ TEST(Interrupt, AConversionSaysAWordAndLeavesNothing)
   EXPECT_TRUE(contains(said, "x.rawlog was not written")) << said;
   EXPECT_FALSE(fs::exists(folder.file("x.rawlog.tmp")));
   EXPECT_EQ("an earlier one", folder.read("x.rawlog"));
+}
+
+/** As rosbag2 compresses a recording: it is unpacked before anything else. */
+TEST(Interrupt, ABagThatIsUnpackedLeavesNothing)
+{
+  const TestFolder folder;
+  const std::string megabyte = test::zstdOf(std::string(1U << 20U, 'x'));
+  std::string packed;
+  for (int i = 0; i < 4000; ++i)  // takes longer than the test waits
+  {
+    packed += megabyte;
+  }
+  const std::string bag = folder.write("drive.mcap.zstd", packed);
+  fs::create_directories(folder.file("tmp"));
+  const auto isUnpacking = [&folder]
+  {
+    const fs::recursive_directory_iterator entries(folder.file("tmp"));
+    return std::any_of(begin(entries), end(entries),
+                       [](const fs::directory_entry& entry) { return entry.is_regular_file(); });
+  };
+  const std::string bin = DYSLAM_BIN_DIR;
+  const std::vector<std::vector<std::string>> commands{
+      {bin + "/scans2rawlog", "--list", "-i", bag},
+      {bin + "/scans2rawlog", "-i", bag, "-o", folder.file("x.rawlog")},
+      {bin + "/dyslam", "-i", bag, "-o", folder.file("run")}};
+  for (const auto& command : commands)
+  {
+    std::vector<std::string> words{"/usr/bin/env", "TMPDIR=" + folder.file("tmp")};
+    words.insert(words.end(), command.begin(), command.end());
+    const int code = interrupted(words, folder.file("err.txt"), isUnpacking);
+    const std::string said = folder.read("err.txt");
+    EXPECT_EQ(1, code) << said;
+    EXPECT_TRUE(contains(said, ": " + bag + ": is unpacked to " + folder.file("tmp/dyslam_")))
+        << said;
+    EXPECT_TRUE(contains(said, ": stopped while " + bag + " was unpacked\n")) << said;
+    EXPECT_TRUE(fs::is_empty(folder.file("tmp")));
+    EXPECT_FALSE(fs::exists(folder.file("x.rawlog.tmp")));
+  }
 }
 
 TEST(Interrupt, ARunKeepsItsResultsAndCanBeResumed)

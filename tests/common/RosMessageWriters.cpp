@@ -74,7 +74,8 @@ std::string pointCloud2(bool cdr,
     return type == 2 ? 1 : type == 4 ? 2 : type == 8 ? 8 : 4;
   };
   MessageBytes message(cdr);
-  const auto points = static_cast<std::uint32_t>(fields.front().values.size());
+  const auto points =
+      fields.empty() ? 0U : static_cast<std::uint32_t>(fields.front().values.size());
   message.header(stamp, frame).put(rows).put(points / rows);
   message.put(static_cast<std::uint32_t>(fields.size()));
   std::uint32_t step = 3;  // drivers leave gaps, too

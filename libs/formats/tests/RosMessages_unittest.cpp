@@ -384,6 +384,39 @@ TEST(RosScans, EmptyScansAndStampsOfZero)
   expectSame(sweepOf(50), decoded(decoder, test::velodyneFields(sweepOf(50))), 0);
 }
 
+/** As drivers publish them before the first revolution. */
+TEST(RosScans, AMessageWithoutFieldsIsAnEmptyScan)
+{
+  const TestFolder folder;
+  const Scan scan = sweepOf(50);
+  for (const std::string ending : {".bag", ".mcap"})
+  {
+    const bool cdr = test::holdsCdr("x" + ending);
+    const std::string first = test::pointCloud2(cdr, stamp, {}, 1, "");
+    RosScanDecoder decoder;
+    const Scan none = decoder.decode(topicOf(cdr, "sensor_msgs/PointCloud2"), messageOf(first));
+    EXPECT_EQ(0U, none.size());
+    EXPECT_NEAR(stamp, none.stamp, 1e-6);
+
+    std::vector<test::TestMessage> messages{{"/points", "sensor_msgs/PointCloud2", stamp, first}};
+    for (int i = 1; i < 3; ++i)
+    {
+      const double later = stamp + 0.1 * i;
+      messages.push_back({"/depth", "sensor_msgs/PointCloud2", later,
+                          test::pointCloud2(cdr, later, coordinates(scan))});
+      messages.push_back({"/points", "sensor_msgs/PointCloud2", later,
+                          test::pointCloud2(cdr, later, test::velodyneFields(scan))});
+    }
+    test::writeBag(folder.file("x" + ending), messages);
+    const auto bag = openBag(folder.file("x" + ending));
+    const RosScanTopic taken = scanTopics(*bag).front();
+    EXPECT_EQ("/points", bag->topics()[taken.topic].name);
+    EXPECT_EQ(50U, taken.points);
+    EXPECT_EQ("lidar", taken.frame);
+    EXPECT_EQ("lidar", frameOfTopic(*bag, taken.topic));
+  }
+}
+
 TEST(RosScans, BigEndianPoints)
 {
   const Scan scan = sweepOf(50);

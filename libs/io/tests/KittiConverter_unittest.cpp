@@ -2,43 +2,17 @@
 #include <dyslam/base/Error.h>
 #include <dyslam/formats/GroundTruth.h>
 #include <dyslam/formats/ScanFiles.h>
-#include <dyslam/formats/TrackFiles.h>
 #include <dyslam/formats/TrajectoryFiles.h>
 #include <dyslam/io/Converters.h>
 #include <dyslam/io/RawlogSource.h>
 
-#include <algorithm>
 #include <cmath>
 #include <stdexcept>
 
-#include "ScanFolders.h"
+#include "KittiFolders.h"
 
 namespace dyslam
 {
-namespace
-{
-const char* const tracking_calib =
-    "R_rect 1 0 0 0 1 0 0 0 1\nTr_velo_cam 0 -1 0 0 0 0 -1 0 1 0 0 0\n"
-    "Tr_imu_velo 1 0 0 0 0 1 0 0 0 0 1 0\n";
-
-std::string oxtsLine(double metres_north)
-{
-  const double latitude = 49.0 + metres_north / 111319.49;
-  return std::to_string(latitude) + " 8.4 110 0 0 1.5707963267949" +
-         std::string(" 0 0 10 1 2 0 0 0 0 0 0 0 0 0 0 0 0 0.05 0 4 10 4 4 0\n");
-}
-
-/** Of one frame of x.rawlog. */
-std::vector<LabelledBox> trueBoxes(const TestFolder& folder, int frame)
-{
-  std::vector<LabelledBox> boxes = readTracks(folder.file("x.gt/tracks.txt"));
-  boxes.erase(std::remove_if(boxes.begin(), boxes.end(),
-                             [frame](const LabelledBox& box) { return box.frame != frame; }),
-              boxes.end());
-  return boxes;
-}
-}  // namespace
-
 TEST(KittiConverter, PlainOdometryWithEverything)
 {
   const TestFolder folder;
@@ -90,67 +64,6 @@ TEST(KittiConverter, DeskewedScansWereSeenAtOneInstant)
   EXPECT_TRUE(times(KittiKind::odometry, ScansDeskewed::no).empty());
 }
 
-TEST(KittiConverter, OfficialOdometryFindsPosesOfItsSequence)
-{
-  const TestFolder folder;
-  writeBins(folder, "dataset/sequences/07/velodyne", 2);
-  folder.write("dataset/sequences/07/calib.txt", "Tr: 0 -1 0 0 0 0 -1 0 1 0 0 0\n");
-  folder.write("dataset/poses/07.txt", "1 0 0 0 0 1 0 0 0 0 1 0\n1 0 0 0 0 1 0 0 0 0 1 3\n");
-  KittiConverterOptions options;
-  const auto result =
-      convertKitti(folder.file("dataset/sequences/07/"), folder.file("x.rawlog"), options);
-  EXPECT_EQ(2U, result.poses);
-  const auto frames = readAll(folder.file("x.rawlog"));
-  EXPECT_NEAR(3, frames.at(1).T_world_vehicle_truth->translation().x(), 1e-9);
-  EXPECT_NEAR(0.1034, frames.at(1).scan.stamp, 1e-9);
-}
-
-TEST(KittiConverter, OfficialTrackingWithBoxesAndALostScan)
-{
-  const TestFolder folder;
-  writeBins(folder, "training/velodyne/0001", 4);
-  writeBins(folder, "training/velodyne/0002", 1);
-  std::filesystem::remove(folder.file("training/velodyne/0001/000001.bin"));
-  folder.write("training/calib/0001.txt", tracking_calib);
-  folder.write("training/oxts/0001.txt", oxtsLine(0) + oxtsLine(1) + oxtsLine(2) + oxtsLine(3));
-  const std::string box = " 5 Car 0 0 0 1 2 3 4 1.5 1.8 4 0 1 20 -1.5707963\n";
-  folder.write("training/label_02/0001.txt",
-               "-1" + box + "0" + box + "1" + box + "2" + box + "2" + box);
-  KittiConverterOptions options;
-  options.kind = KittiKind::tracking;
-  const auto message = messageOfError<UserError>(
-      [&] { convertKitti(folder.file("training"), folder.file("x.rawlog"), options); });
-  EXPECT_TRUE(contains(message, "--sequence")) << message;
-
-  options.sequence = "0001";
-  options.dt = 0.1;
-  const auto result = convertKitti(folder.file("training"), folder.file("x.rawlog"), options);
-  EXPECT_EQ(3U, result.scans);
-  EXPECT_EQ(3U, result.boxes);
-  EXPECT_EQ(3U, result.poses);
-  const auto frames = readAll(folder.file("x.rawlog"));
-  EXPECT_NEAR(0.2, frames.at(1).scan.stamp, 1e-9);
-  EXPECT_EQ(12U, frames[1].scan.size());
-  // Oxts text above has six decimals of a degree: 0.1 m.
-  EXPECT_NEAR(2, frames[1].T_world_vehicle_truth->translation().x(), 0.2);
-  EXPECT_EQ(1U, trueBoxes(folder, 0).size());
-  ASSERT_EQ(2U, trueBoxes(folder, 1).size());
-  EXPECT_TRUE(trueBoxes(folder, 1)[0].box.centre.isApprox(Eigen::Vector3d(20, 0, -0.25), 1e-6));
-  EXPECT_TRUE(trueBoxes(folder, 2).empty());
-}
-
-/** A raw drive of two scans, without calibration. \return its folder */
-std::string writeRawDrive(const TestFolder& folder)
-{
-  const std::string drive = "2011_09_26/2011_09_26_drive_0001_sync/";
-  writeBins(folder, drive + "velodyne_points/data", 2, 10);
-  folder.write(drive + "velodyne_points/timestamps.txt",
-               "2011-09-26 13:02:25.951199337\n2011-09-26 13:02:26.055098\n");
-  folder.write(drive + "oxts/data/0000000000.txt", oxtsLine(0));
-  folder.write(drive + "oxts/data/0000000001.txt", oxtsLine(1));
-  return drive;
-}
-
 TEST(KittiConverter, OfficialRaw)
 {
   const TestFolder folder;
@@ -198,22 +111,6 @@ TEST(KittiConverter, LostScansOfARawDrive)
   EXPECT_EQ(3U, convert().scans);
 }
 
-TEST(KittiConverter, LabelsBesideTheScans)
-{
-  const TestFolder folder;
-  writeBins(folder, "in/velodyne", 3);
-  for (const std::size_t i : {1U, 2U})
-  {
-    writeLabels(folder.file("in/velodyne/" + number(i, 6) + ".label"),
-                std::vector<Label>(10 + i, static_cast<Label>(250 + i)));
-  }
-  const auto result =
-      convertKitti(folder.file("in"), folder.file("x.rawlog"), KittiConverterOptions{});
-  EXPECT_EQ(2U, result.label_files);
-  EXPECT_FALSE(trueLabels(folder.file("x.gt"), 0, 10));
-  EXPECT_EQ(252U, trueLabels(folder.file("x.gt"), 2, 12).value().front());
-}
-
 TEST(KittiConverter, VerticalAngleCorrection)
 {
   const TestFolder folder;
@@ -231,56 +128,6 @@ TEST(KittiConverter, VerticalAngleCorrection)
   EXPECT_NEAR(0, points[1].x(), 1e-6);
   EXPECT_EQ(Eigen::Vector3f(0, 0, 0), points[2]);
   EXPECT_EQ(Eigen::Vector3f(0, 0, 3), points[3]);
-}
-
-TEST(KittiConverter, SkipsAndLimitsRenumberTheTruth)
-{
-  const TestFolder folder;
-  writeBins(folder, "in/velodyne", 5);
-  folder.write("in/label_02.txt", "3 5 Car 0 0 0 1 2 3 4 1.5 1.8 4 0 1 20 0\n");
-  folder.write("in/calib.txt", tracking_calib);
-  KittiConverterOptions options;
-  options.kind = KittiKind::tracking;
-  options.skip_first_n = 2;
-  options.only_first_n = 2;
-  std::size_t stated = 0;
-  const auto result = convertKitti(folder.file("in"), folder.file("x.rawlog"), options,
-                                   [&stated](double, std::size_t scans) { stated = scans; });
-  EXPECT_EQ(2U, result.scans);
-  EXPECT_EQ(2U, stated);
-  EXPECT_EQ(1U, trueBoxes(folder, 1).size());
-  options.skip_first_n = 5;
-  EXPECT_THROW(convertKitti(folder.file("in"), folder.file("x.rawlog"), options), UserError);
-}
-
-TEST(KittiConverter, TheTruthStatesItsSource)
-{
-  const TestFolder folder;
-  writeBins(folder, "in/velodyne", 2);
-  folder.write("in/calib.txt", tracking_calib);
-  folder.write("in/oxts.txt", oxtsLine(0) + oxtsLine(1));
-  const auto originWith = [&](const KittiConverterOptions& options)
-  {
-    (void)convertKitti(folder.file("in"), folder.file("x.rawlog"), options);
-    return poseOrigin(folder.file("x.gt"));
-  };
-  KittiConverterOptions options;
-  options.kind = KittiKind::tracking;
-  EXPECT_EQ(PoseSource::gnss_ins, originWith(options).source);
-  EXPECT_EQ("oxts.txt", originWith(options).name);
-  const auto result = convertKitti(folder.file("in"), folder.file("x.rawlog"), options);
-  EXPECT_TRUE(contains(result.notes.back(), "GNSS/INS (oxts.txt)")) << result.notes.back();
-  EXPECT_TRUE(contains(result.notes.at(1), "--imu and --gnss convert them")) << result.notes.at(1);
-  options.poses = folder.file("icp.txt");
-  writeKittiPoses(options.poses, std::vector<Pose>{somePose(0), somePose(1)});
-  EXPECT_EQ(PoseSource::given, originWith(options).source);
-  EXPECT_EQ("icp.txt", originWith(options).name);
-  options.pose_source = PoseSource::simulated;
-  EXPECT_TRUE(originWith(options).isExact());
-  options = {};
-  options.kind = KittiKind::tracking;
-  options.no_truth = true;
-  EXPECT_EQ(PoseSource::unknown, originWith(options).source) << "of the conversion before";
 }
 
 TEST(KittiConverter, ARangeOfTimeAndEveryNthScan)
@@ -387,38 +234,6 @@ TEST(KittiConverter, Errors)
   EXPECT_EQ(1U, readAll(folder.file("x.rawlog")).size());
 }
 
-TEST(KittiConverter, MissingCalibrationCostsTheTruthOnly)
-{
-  const TestFolder folder;
-  const std::string drive = writeRawDrive(folder);
-  KittiConverterOptions options;
-  options.kind = KittiKind::raw;
-  const auto convert = [&]
-  { return convertKitti(folder.file(drive), folder.file("x.rawlog"), options); };
-  const auto without = convert();
-  EXPECT_EQ(2U, without.scans);
-  EXPECT_EQ(0U, without.poses);
-  ASSERT_EQ(1U, without.warnings.size());
-  EXPECT_TRUE(contains(without.warnings[0], "calib_imu_to_velo.txt")) << without.warnings[0];
-  EXPECT_TRUE(contains(without.warnings[0], "without true poses"));
-  // GNSS needs no camera.
-  folder.write("2011_09_26/calib_imu_to_velo.txt", "R: 1 0 0 0 1 0 0 0 1\nT: 0 0 0\n");
-  EXPECT_EQ(2U, convert().poses);
-  std::filesystem::rename(folder.file("2011_09_26/calib_imu_to_velo.txt"),
-                          folder.file("calib_imu_to_velo.txt"));
-  EXPECT_EQ(0U, convert().poses);
-  options.calib = folder.file("calib_imu_to_velo.txt");
-  EXPECT_EQ(2U, convert().poses);
-  options.no_truth = true;
-  EXPECT_EQ(0U, convert().poses);
-  EXPECT_TRUE(convert().warnings.empty());
-  // What was asked for must be there.
-  options = {};
-  options.kind = KittiKind::raw;
-  options.oxts = folder.file(drive + "oxts");
-  EXPECT_TRUE(contains(messageOfError<UserError>([&] { (void)convert(); }), "--calib"));
-}
-
 TEST(KittiConverter, AWrongKindIsNoticedAndTheRightOneNamed)
 {
   const TestFolder folder;
@@ -463,32 +278,6 @@ TEST(KittiConverter, AFolderIsGivenFromItsParent)
   EXPECT_EQ(2U, convertKitti("2011_09_26_drive_0001_sync", folder.file("x.rawlog"), options).poses);
 }
 
-TEST(KittiConverter, BoxesWithoutANumberGetOne)
-{
-  const TestFolder folder;
-  writeBins(folder, "in/velodyne", 2);
-  const auto box = [](const std::string& id)
-  {
-    return "{" + id +
-           R"("obj_type": "Car", "psr": {"position": {"x": 1, "y": 2, "z": 0},)"
-           R"("scale": {"x": 4, "y": 2, "z": 1.5}, "rotation": {"x": 0, "y": 0, "z": 0}}})";
-  };
-  folder.write("in/label_json/000000.json",
-               "[" + box(R"("obj_id": "7",)") + "," + box(R"("obj_id": "",)") + "]");
-  folder.write("in/label_json/000001.json", "[" + box(R"("obj_id": "7",)") + "," + box("") + "]");
-  const auto result =
-      convertKitti(folder.file("in"), folder.file("x.rawlog"), KittiConverterOptions{});
-  EXPECT_EQ(4U, result.boxes);
-  EXPECT_TRUE(contains(result.warnings.back(), "2 of 4 boxes")) << result.warnings.back();
-  const auto boxes = readTracks(folder.file("x.gt/tracks.txt"));
-  std::vector<int> ids;
-  for (const auto& one : boxes)
-  {
-    ids.push_back(one.id);
-  }
-  EXPECT_EQ((std::vector<int>{7, 8, 7, 9}), ids);
-}
-
 TEST(KittiConverter, TimesAndSensorPose)
 {
   const TestFolder folder;
@@ -517,29 +306,6 @@ TEST(KittiConverter, AFileWithoutTimesIsAnError)
       messageOfError<UserError>(
           [&] { (void)convertKitti(folder.file("in"), folder.file("x.rawlog"), options); }),
       "t.txt: has 0 times, none for scan 0"));
-}
-
-/** A pose within 0.2 s before and after a scan is needed; poses of the camera are converted. */
-TEST(KittiConverter, PosesWithTimes)
-{
-  const TestFolder folder;
-  writeBins(folder, "in/velodyne", 3);
-  KittiConverterOptions options;
-  options.times = folder.write("t.txt", "10\n10.1\n11\n");
-  options.poses =
-      folder.write("poses.tum", "9.95 0 0 0 0 0 0 1\n10.15 2 0 0 0 0 0 1\n20 9 0 0 0 0 0 1\n");
-  options.pose_frame = PoseFrame::lidar;
-  const auto result = convertKitti(folder.file("in"), folder.file("x.rawlog"), options);
-  EXPECT_TRUE(contains(result.warnings.at(0), "has no pose for 1 of 3")) << result.warnings[0];
-  const auto frames = readAll(folder.file("x.rawlog"));
-  ASSERT_TRUE(frames.at(1).T_world_vehicle_truth);
-  EXPECT_NEAR(frames[1].T_world_vehicle_truth->translation().x(), 1.5, 1e-6);
-  EXPECT_FALSE(frames.at(2).T_world_vehicle_truth);
-  options.pose_frame = PoseFrame::camera;
-  EXPECT_TRUE(
-      contains(messageOfError<UserError>(
-                   [&] { convertKitti(folder.file("in"), folder.file("x.rawlog"), options); }),
-               "--calib"));
 }
 
 TEST(Conversions, AnInterruptedOneLeavesWhatWasThere)

@@ -42,7 +42,7 @@ class SampledOutput
 
  private:
   TestFolder folder_;
-  ConversionOutput output_{folder_.file("x.rawlog"), false, 1};
+  ConversionOutput output_{folder_.file("x.rawlog"), ConversionOptions()};
 };
 
 void expectStamps(const std::vector<double>& expected, const std::vector<double>& stamps)

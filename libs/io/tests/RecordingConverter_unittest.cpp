@@ -123,7 +123,11 @@ TEST(RecordingOptions, OfEachTheFlagIsKnown)
   options.imu = false;
   options.sensor = "VLP16";
   EXPECT_EQ("--sensor", options.givenFlag());
-  for (const char* flag : {"--dt", "--sensor", "--base-frame", "--imu"})
+  options.scale = 0.001;
+  EXPECT_EQ("--scale=0.001", options.words().back());
+  EXPECT_EQ("--scale works with a folder of scans only",
+            messageOfError<UserError>([&] { options.requireFitting(RecordingKind::capture); }));
+  for (const char* flag : {"--dt", "--sensor", "--base-frame", "--imu", "--scale"})
   {
     EXPECT_TRUE(RecordingOptions::hasFlag(flag)) << flag;
   }

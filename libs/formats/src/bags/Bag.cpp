@@ -111,13 +111,10 @@ std::string plainRosType(std::string type)
   return at == std::string::npos ? type : type.erase(at, 4);
 }
 
-std::unique_ptr<Bag> openBag(const std::string& path)
+std::unique_ptr<Bag> openBag(const std::string& path, const BagUnpackingProgress& unpacking)
 {
-  if (fs::is_directory(path))
-  {
-    return openParts(bagParts(path));
-  }
-  return openParts({path});
+  return openParts(fs::is_directory(path) ? bagParts(path) : std::vector<std::string>{path},
+                   unpacking);
 }
 
 std::string listingOf(Bag& bag)

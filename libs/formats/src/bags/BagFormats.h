@@ -78,5 +78,6 @@ struct BagFile
 [[nodiscard]] std::unique_ptr<Bag> openMcap(const BagFile& file);
 [[nodiscard]] std::unique_ptr<Bag> openSqliteBag(const BagFile& file);
 /** Opens the files of one recording, see openBag(). */
-[[nodiscard]] std::unique_ptr<Bag> openParts(const std::vector<std::string>& paths);
+[[nodiscard]] std::unique_ptr<Bag> openParts(const std::vector<std::string>& paths,
+                                             const BagUnpackingProgress& unpacking);
 }  // namespace dyslam

@@ -34,15 +34,16 @@ std::unique_ptr<Bag> openFile(const BagFile& file)
 class BagSequence : public Bag
 {
  public:
-  explicit BagSequence(const std::vector<std::string>& paths)
+  BagSequence(const std::vector<std::string>& paths, const BagUnpackingProgress& unpacking)
   {
+    requireRoomToUnpack(paths);
     for (const std::string& path : paths)
     {
       File file;
       file.source = {path, path};
       if (isZstdBag(path))
       {
-        file.unpacked = std::make_unique<UnpackedBag>(path);
+        file.unpacked = std::make_unique<UnpackedBag>(path, unpacking);
         file.source.path = file.unpacked->path();
       }
       file.bag = openFile(file.source);
@@ -277,8 +278,9 @@ class BagSequence : public Bag
 };
 }  // namespace
 
-std::unique_ptr<Bag> openParts(const std::vector<std::string>& paths)
+std::unique_ptr<Bag> openParts(const std::vector<std::string>& paths,
+                               const BagUnpackingProgress& unpacking)
 {
-  return std::make_unique<BagSequence>(paths);
+  return std::make_unique<BagSequence>(paths, unpacking);
 }
 }  // namespace dyslam

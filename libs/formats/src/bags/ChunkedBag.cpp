@@ -215,7 +215,13 @@ bool ChunkedBag::next(BagMessage& message)
 
 double ChunkedBag::progress() const
 {
-  return chunks_.empty() ? 1.0
-                         : static_cast<double>(next_chunk_) / static_cast<double>(chunks_.size());
+  if (chunks_.empty())
+  {
+    return 1;
+  }
+  const double left = reader_ && !content_.empty() ? static_cast<double>(reader_->left()) /
+                                                         static_cast<double>(content_.size())
+                                                   : 0;
+  return (static_cast<double>(next_chunk_) - left) / static_cast<double>(chunks_.size());
 }
 }  // namespace dyslam

@@ -8,6 +8,7 @@
 #include <zstd.h>
 
 #include <algorithm>
+#include <filesystem>
 #include <functional>
 #include <limits>
 #include <memory>
@@ -172,27 +173,37 @@ std::string decompressed(const std::string& compression,
                   "' is not supported (bz2, lz4, zstd or none); rewrite the bag uncompressed");
 }
 
-void unpackZstdFile(const std::string& path, std::ostream& out)
+void unpackZstdFile(const std::string& path,
+                    std::ostream& out,
+                    const std::function<void(double, std::uint64_t)>& progress)
 {
   std::ifstream file = openBinary(path);
+  const auto size = static_cast<double>(std::filesystem::file_size(path));
+  std::uint64_t read = 0;
+  std::uint64_t unpacked = 0;
   const Unpacker unpacker = zstdUnpacker();
   std::vector<char> packed(buffer_size);
   std::vector<char> buffer(buffer_size);
   Step step;  // the last one: a file may have several frames, of which each finishes
-  while (out && (file.read(packed.data(), static_cast<std::streamsize>(packed.size())) ||
-                 file.gcount() > 0))
+  while (file.read(packed.data(), static_cast<std::streamsize>(packed.size())) || file.gcount() > 0)
   {
     std::string_view data(packed.data(), static_cast<std::size_t>(file.gcount()));
+    read += data.size();
     while (!data.empty() || (!step.finished && step.produced == buffer.size()))
     {
       step = unpacker(data, buffer);
       requireSound(step, path);
-      out.write(buffer.data(), static_cast<std::streamsize>(step.produced));
+      if (!out.write(buffer.data(), static_cast<std::streamsize>(step.produced)))
+      {
+        return;
+      }
       data.remove_prefix(step.consumed);
+      unpacked += step.produced;
+      progress(static_cast<double>(read - data.size()) / size, unpacked);
     }
   }
   requireReadable(file, path);
-  if (out && !step.finished)
+  if (!step.finished)
   {
     throwCutShort(path);
   }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <iosfwd>
 #include <string>
 #include <string_view>
@@ -19,9 +20,12 @@ namespace dyslam
                                        std::uint64_t size,
                                        const std::string& place);
 
-/** Unpacks a zstd file; ends early if `out` fails. \throws UserError if the file can't be read or
- * is damaged. */
-void unpackZstdFile(const std::string& path, std::ostream& out);
+/** Unpacks a zstd file; ends early if `out` fails. \param progress is called again and again with
+ * the fraction of the file that was read and the number of bytes that were unpacked
+ * \throws UserError if the file can't be read or is damaged. */
+void unpackZstdFile(const std::string& path,
+                    std::ostream& out,
+                    const std::function<void(double, std::uint64_t)>& progress);
 /** The size that the header of a zstd file states for the unpacked data [bytes]; 0: it states none.
  * \throws UserError if the file can't be read. */
 [[nodiscard]] std::uint64_t zstdContentSize(const std::string& path);

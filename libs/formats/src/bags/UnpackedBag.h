@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <dyslam/formats/Bag.h>
+
 #include <string>
+#include <vector>
 
 namespace dyslam
 {
@@ -11,7 +14,7 @@ class UnpackedBag
 {
  public:
   /** \throws UserError if the bag can't be read or is damaged, or if there is no room for it. */
-  explicit UnpackedBag(const std::string& path);
+  UnpackedBag(const std::string& path, const BagUnpackingProgress& progress);
 
   /** Path of the unpacked file. */
   [[nodiscard]] const std::string& path() const { return path_; }
@@ -34,4 +37,8 @@ class UnpackedBag
   Folder folder_;
   std::string path_;
 };
+
+/** \param paths bags that are open at the same time \throws UserError if the folder for temporary
+ * files has less room than those of them that are compressed as a whole state to need. */
+void requireRoomToUnpack(const std::vector<std::string>& paths);
 }  // namespace dyslam

@@ -16,21 +16,27 @@ namespace dyslam
 {
 namespace
 {
-/** Calls `use` with the first message of each of the topics. Ends at a damaged message, or one that
- * `use` throws a UserError for. */
+/** Calls `use` with the first messages of each topic, until it returns true for one, at most 20.
+ * Ends at damage, and at a message that `use` throws a UserError for. */
 template <typename Use>
 void forFirstMessages(Bag& bag, const std::vector<std::size_t>& topics, const Use& use)
 {
-  std::set<std::size_t> open(topics.begin(), topics.end());
+  constexpr int most = 20;
+  std::map<std::size_t, int> open;  // number of messages left, by topic
+  for (const std::size_t topic : topics)
+  {
+    open[topic] = most;
+  }
   bag.select(topics);
   try
   {
     BagMessage message;
     while (!open.empty() && bag.next(message))
     {
-      if (open.erase(message.topic) > 0)
+      const auto topic = open.find(message.topic);
+      if (topic != open.end() && (use(message) || --topic->second == 0))
       {
-        use(message);
+        open.erase(topic);
       }
     }
   }
@@ -185,6 +191,7 @@ std::string frameOfTopic(Bag& bag, std::size_t topic)
                      const BagTopic& read = bag.topics()[topic];
                      ByteReader reader = rosReader(read, message);
                      frame = rosHeader(reader, read.encoding).frame;
+                     return !frame.empty();
                    });
   return frame;
 }
@@ -229,6 +236,7 @@ std::vector<std::size_t> ousterImuTopics(Bag& bag)
                      {
                        of_imu.push_back(message.topic);
                      }
+                     return true;
                    });
   return of_imu;
 }
@@ -260,14 +268,15 @@ std::vector<RosScanTopic> scanTopics(Bag& bag)
                        if (summary.packets && !areOfLidar(topic, message))
                        {
                          of_others.insert(message.topic);
-                         return;
+                         return true;
                        }
                        summary = summary.packets ? packetSummaryOf(topic, message)
                                                  : RosScanDecoder::summaryOf(topic, message);
+                       return summary.packets || summary.points > 0;  // an empty scan says nothing
                      }
                      catch (const UserError&)
                      {
-                       // Scans that cannot be read are the last to be taken.
+                       return true;  // scans that cannot be read are the last to be taken
                      }
                    });
   found.erase(

@@ -68,6 +68,10 @@ void RosScanDecoder::Cloud2::checkByteOrder()
 
 void RosScanDecoder::Cloud2::check(const ByteReader& reader) const
 {
+  if (size() == 0)
+  {
+    return;  // some drivers leave everything empty then
+  }
   for (const PointField& field : fields)
   {
     const std::size_t size = field.type ? field.type->size : 0;
@@ -81,9 +85,9 @@ void RosScanDecoder::Cloud2::check(const ByteReader& reader) const
     reader.fail("damaged: rows of " + std::to_string(row_step) + " bytes do not hold " +
                 std::to_string(width) + " points of " + std::to_string(point_step));
   }
-  if (size() > 0 && static_cast<std::uint64_t>(height - 1) * row_step +
-                            static_cast<std::uint64_t>(width) * point_step >
-                        data.size())
+  if (static_cast<std::uint64_t>(height - 1) * row_step +
+          static_cast<std::uint64_t>(width) * point_step >
+      data.size())
   {
     reader.fail("damaged: announces " + std::to_string(width) + " x " + std::to_string(height) +
                 " points of " + std::to_string(point_step) + " bytes, but has " +
@@ -135,6 +139,12 @@ Scan RosScanDecoder::decode(const BagTopic& topic, const BagMessage& message)
 Scan RosScanDecoder::decodeCloud(const BagTopic& topic, const BagMessage& message)
 {
   const Cloud2 cloud = Cloud2::read(rosReader(topic, message), topic.encoding);
+  Scan scan;
+  scan.stamp = cloud.header.stamp;
+  if (cloud.size() == 0)
+  {
+    return scan;
+  }
   const PointField* x = cloud.find("x");
   const PointField* y = cloud.find("y");
   const PointField* z = cloud.find("z");
@@ -146,8 +156,6 @@ Scan RosScanDecoder::decodeCloud(const BagTopic& topic, const BagMessage& messag
   {
     cloud.requireNearOrigin(*field);
   }
-  Scan scan;
-  scan.stamp = cloud.header.stamp;
   scan.points.reserve(cloud.size());
   for (std::size_t i = 0; i < cloud.size(); ++i)
   {

@@ -9,6 +9,9 @@
 
 namespace dyslam
 {
-/** Writes the scans of a ROS bag. \throws UserError. */
-void convertBag(const std::string& input, ScanSink& sink, const ScanConverterOptions& options);
+/** Writes the scans of a ROS bag. \param unpacking see openBag() \throws UserError. */
+void convertBag(const std::string& input,
+                ScanSink& sink,
+                const ScanConverterOptions& options,
+                const BagUnpackingProgress& unpacking);
 }  // namespace dyslam

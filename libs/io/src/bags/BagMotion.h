@@ -2,29 +2,19 @@
 #pragma once
 
 #include <dyslam/formats/Bag.h>
-#include <dyslam/formats/RosMessages.h>
 
 #include <cstddef>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "BagLidars.h"
 #include "BagScans.h"
 #include "conversion/ScanSink.h"
 #include "recording/BodyVelocities.h"
 
 namespace dyslam
 {
-/** Mountings of the sensors of a bag. */
-struct BagFrames
-{
-  std::string lidar;         //!< frame of the scans
-  RosTransforms transforms;  //!< transforms of /tf_static
-  /** Topics with packets of the IMU in the lidar, indices in Bag::topics(), if the scans are
-   * packets, too: it is mounted and timed as these say. */
-  std::vector<std::size_t> imu_packets;
-};
-
 /** Passes IMU, wheel odometry and satellite receiver of a bag to the sink, as `imu_topic`,
  * `odometry_topic` and `gnss_topic` select them. */
 class BagMotion

@@ -3,12 +3,43 @@
 
 #include <dyslam/base/Error.h>
 #include <dyslam/base/Words.h>
+#include <dyslam/formats/RosMessages.h>
+#include <dyslam/formats/RosPackets.h>
 #include <dyslam/io/OptionError.h>
 
 #include <algorithm>
 
 namespace dyslam
 {
+namespace
+{
+/** Reports scans of other topics; as a warning, where they may be the lidar's. */
+void reportOtherTopics(const Bag& bag, const std::vector<RosScanTopic>& candidates, ScanSink& sink)
+{
+  const RosScanTopic& taken = candidates.front();
+  std::string likely;
+  std::string others;
+  for (const RosScanTopic& other : candidates)
+  {
+    if (other.topic != taken.topic)
+    {
+      const bool alike =
+          other.packets == taken.packets && other.has_times_or_rings == taken.has_times_or_rings;
+      appendWord(alike ? likely : others, bag.topics()[other.topic].name);
+    }
+  }
+  if (!likely.empty())
+  {
+    sink.warn("the scans of " + bag.topics()[taken.topic].name +
+              " are converted, which have the most bytes; --topic chooses others: " + likely);
+  }
+  if (!others.empty())
+  {
+    sink.note("--topic chooses other scans: " + others);
+  }
+}
+}  // namespace
+
 std::string namesOf(const Bag& bag, const std::function<bool(const BagTopic&)>& wanted)
 {
   std::string names;
@@ -47,5 +78,40 @@ std::size_t topicNamed(const std::string& input,
     throw OptionError(what + "; --list shows the topics", "--list");
   }
   throw UserError(what + "; use " + usable);
+}
+
+std::size_t scanTopic(const std::string& input, Bag& bag, const std::string& asked, ScanSink& sink)
+{
+  if (!asked.empty())
+  {
+    return topicNamed(input, bag, "--topic", asked,
+                      [](const BagTopic& topic)
+                      { return RosScanDecoder::reads(topic) || packetMakerOf(topic); });
+  }
+  const std::vector<RosScanTopic> candidates = scanTopics(bag);
+  if (!candidates.empty())
+  {
+    reportOtherTopics(bag, candidates, sink);
+    return candidates.front().topic;
+  }
+  const std::string compressed =
+      namesOf(bag, [](const BagTopic& topic)
+              { return topic.type.find("CompressedPointCloud2") != std::string::npos; });
+  if (!compressed.empty())
+  {
+    throw UserError(input + ": has no sensor_msgs/PointCloud2, but compressed clouds (" +
+                    compressed +
+                    "): play it, decode them with point_cloud_transport's republish and record "
+                    "the PointCloud2");
+  }
+  const std::string packets = namesOf(
+      bag, [](const BagTopic& topic) { return topic.type.find("Packet") != std::string::npos; });
+  if (packets.empty())
+  {
+    throw OptionError(input + ": has no sensor_msgs/PointCloud2; --list shows the topics",
+                      "--list");
+  }
+  throw UserError(input + ": has no sensor_msgs/PointCloud2, but packets (" + packets +
+                  "): play it to the lidar's driver and record its PointCloud2");
 }
 }  // namespace dyslam

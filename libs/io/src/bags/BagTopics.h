@@ -7,6 +7,8 @@
 #include <functional>
 #include <string>
 
+#include "conversion/ScanSink.h"
+
 namespace dyslam
 {
 /** Names of a bag's topics that `wanted` takes: "/a, /b". */
@@ -20,4 +22,12 @@ namespace dyslam
                                      const std::string& option,
                                      const std::string& name,
                                      const std::function<bool(const BagTopic&)>& wanted);
+
+/** Position of the topic of the scans: the one that is asked for, or the most likely lidar, with a
+ * note or warning of other topics of scans. \param asked of --topic; empty: none
+ * \throws UserError if the bag has no such topic. */
+[[nodiscard]] std::size_t scanTopic(const std::string& input,
+                                    Bag& bag,
+                                    const std::string& asked,
+                                    ScanSink& sink);
 }  // namespace dyslam

@@ -27,14 +27,24 @@ const std::string& inFolder(const std::string& path)
   return path;
 }
 
-RawlogWriterOptions writerOptions(bool external_storage, int compression_level)
+RawlogWriterOptions writerOptions(const ConversionOptions& options)
 {
-  RawlogWriterOptions options;
-  options.external_storage = external_storage;
-  options.compression_level = compression_level;
-  return options;
+  RawlogWriterOptions of_writer;
+  of_writer.external_storage = options.external_storage;
+  of_writer.compression_level = options.compression_level;
+  return of_writer;
 }
 }  // namespace
+
+void ConversionOptions::describeConversion(OptionsVisitor& visitor)
+{
+  describeRange(visitor);
+  visitor.integer("every_n", every_n, 1, 1000000,
+                  "interval between converted scans; 1: every scan [scans]");
+  visitor.flag("external_storage", external_storage, "write clouds in separate files");
+  visitor.integer("compression_level", compression_level, 0, 9,
+                  "level of the gzip compression: 0 none, 1 fast, 9 small");
+}
 
 Pose poseFromOption(const std::string& option, std::string text)
 {
@@ -81,13 +91,11 @@ void requireNoInput(const std::string& output, const std::vector<std::string>& i
   }
 }
 
-ConversionOutput::ConversionOutput(const std::string& path,
-                                   bool external_storage,
-                                   int compression_level)
+ConversionOutput::ConversionOutput(const std::string& path, const ConversionOptions& options)
     : path_(path),
       folder_(groundTruthFolder(path)),
       pending_(folder_ + ".tmp"),
-      writer_(inFolder(path), writerOptions(external_storage, compression_level))
+      writer_(inFolder(path), writerOptions(options))
 {
   requireNoLinks(folder_);
   fs::remove_all(pending_);  // of a killed program

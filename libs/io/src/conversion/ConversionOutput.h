@@ -39,7 +39,7 @@ constexpr const char* thinned_without_times =
 class ConversionOutput
 {
  public:
-  ConversionOutput(const std::string& path, bool external_storage, int compression_level);
+  ConversionOutput(const std::string& path, const ConversionOptions& options);
   ~ConversionOutput();
   ConversionOutput(const ConversionOutput&) = delete;
   ConversionOutput& operator=(const ConversionOutput&) = delete;

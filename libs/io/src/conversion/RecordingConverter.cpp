@@ -84,7 +84,8 @@ std::string RecordingConverter::program() const
 
 ConversionResult RecordingConverter::convert(const std::string& output,
                                              const RecordingOptions& options,
-                                             const ConversionProgress& progress) const
+                                             const ConversionProgress& progress,
+                                             const BagUnpackingProgress& unpacking) const
 {
   if (kitti_)
   {
@@ -97,6 +98,6 @@ ConversionResult RecordingConverter::convert(const std::string& output,
   }
   ScanConverterOptions of_scans;
   static_cast<RecordingOptions&>(of_scans) = options;
-  return convertScans(input_, output, of_scans, progress);
+  return convertScans(input_, output, of_scans, progress, unpacking);
 }
 }  // namespace dyslam

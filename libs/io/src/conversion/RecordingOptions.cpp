@@ -57,6 +57,11 @@ bool isNotKitti(RecordingKind kind)
   return kind != RecordingKind::kitti;
 }
 
+bool isFolderOfScans(RecordingKind kind)
+{
+  return kind == RecordingKind::scans;
+}
+
 bool hasNoTimes(RecordingKind kind)
 {
   return kind != RecordingKind::bag;
@@ -72,7 +77,7 @@ struct RecordingOption
 
 constexpr const char* bags_only = " works with a bag only";
 using Given = const RecordingOptions&;
-const std::array<RecordingOption, 11> all_options{
+const std::array<RecordingOption, 12> all_options{
     {{"--topic", [](Given o) { return valuesOf(o.topic); }, isOfBag, bags_only},
      {"--further-topic", [](Given o) { return o.further_topics; }, isOfBag, bags_only},
      {"--imu-topic", [](Given o) { return valuesOf(o.imu_topic); }, isOfBag, bags_only},
@@ -88,7 +93,9 @@ const std::array<RecordingOption, 11> all_options{
      {"--sensor-pose", [](Given o) { return valuesOf(o.sensor_pose); }, nullptr, ""},
      {"--base-frame", [](Given o) { return valuesOf(o.base_frame); }, isOfBag, bags_only},
      {"--dt", [](Given o) { return o.dt > 0 ? Values{exactText(o.dt)} : Values(); }, hasNoTimes,
-      ": the scans of a bag have times; leave it out"}}};
+      ": the scans of a bag have times; leave it out"},
+     {"--scale", [](Given o) { return o.scale != 1 ? Values{exactText(o.scale)} : Values(); },
+      isFolderOfScans, " works with a folder of scans only"}}};
 }  // namespace
 
 FurtherTopicOption splitFurtherTopic(const std::string& value)

@@ -179,7 +179,7 @@ void warnAbout(const FolderFindings& findings,
     sink.warn(fs::path(findings.first_with_points).filename().string() +
               ": half of its points are more than " +
               std::to_string(std::lround(findings.median_range)) +
-              " m away: its coordinates are probably in millimetres; write them in metres");
+              " m away: its coordinates are probably in millimetres (--scale 0.001)");
   }
 }
 
@@ -258,6 +258,13 @@ void convertFolder(const std::string& input,
   {
     Scan scan =
         layout == BinLayout::xyzir ? readBin(files[i], layout) : readCloud(files[i], conventions);
+    if (options.scale != 1)
+    {
+      for (Eigen::Vector3f& point : scan.points)
+      {
+        point *= static_cast<float>(options.scale);
+      }
+    }
     if (options.by_number)
     {
       scan.stamp = stamps[i];
@@ -413,24 +420,23 @@ void ScanConverterOptions::describe(OptionsVisitor& visitor)
                "frame of the vehicle in a bag's /tf_static, which places the lidar in it; empty: "
                "sensor_pose");
   visitor.real("dt", dt, 0, 3600, "time between scans; 0: the scans' own times, else 0.1 [s]");
+  visitor.real(
+      "scale", scale, 1e-6, 1e6,
+      "length of the unit of the coordinates in a folder of scans; 0.001: millimetres [m]");
   visitor.flag("by_number", by_number,
                "times of a folder's scans by the numbers in their names, dt apart");
   visitor.flag("keep_partial", keep_partial, "convert also incomplete first and last revolutions");
   describePoseSource(
       visitor, "pose_source", pose_source,
       "source of the poses of poses or truth_topic; unknown: given, of unknown accuracy");
-  describeRange(visitor);
-  visitor.integer("every_n", every_n, 1, 1000000,
-                  "interval between converted scans; 1: every scan [scans]");
-  visitor.flag("external_storage", external_storage, "write clouds in separate files");
-  visitor.integer("compression_level", compression_level, 0, 9,
-                  "level of the gzip compression: 0 none, 1 fast, 9 small");
+  describeConversion(visitor);
 }
 
 ConversionResult convertScans(const std::string& input,
                               const std::string& output,
                               const ScanConverterOptions& options,
-                              const ConversionProgress& progress)
+                              const ConversionProgress& progress,
+                              const BagUnpackingProgress& unpacking)
 {
   validate(options, "scans2rawlog");
   if (!fs::exists(input))
@@ -466,7 +472,7 @@ ConversionResult convertScans(const std::string& input,
             convertCapture(input, sink, options);
             break;
           case InputKind::bag:
-            convertBag(input, sink, options);
+            convertBag(input, sink, options, unpacking);
             break;
         }
         return sink.close();

@@ -28,7 +28,7 @@ ScanSink::ScanSink(const std::string& output, const ScanConverterOptions& option
     : options_(options),
       T_vehicle_lidar_(poseFromOption("--sensor-pose", options.sensor_pose)),
       selection_(options, options.every_n),
-      out_(output, options.external_storage, options.compression_level)
+      out_(output, options)
 {
 }
 
@@ -80,7 +80,9 @@ bool ScanSink::put(Scan scan,
   motion_.writeUpTo(scan.stamp, out_);
   out_.write(scan, T_world_lidar);
   ++written_;
-  out_.reportProgress(progress_, progress);
+  const double of_limit =
+      limit == 0 ? 0 : static_cast<double>(written_) / static_cast<double>(limit);
+  out_.reportProgress(progress_, std::max(progress, of_limit));
   // With further lidars the next scan shows which of theirs belong to the last one.
   return limit == 0 || written_ < limit || !options_.further_topics.empty();
 }

@@ -157,12 +157,7 @@ void KittiConverterOptions::describe(OptionsVisitor& visitor)
                "correct the elevation of points by +0.205 deg");
   describePoseSource(visitor, "pose_source", pose_source,
                      "source of the true poses; unknown: by the files that they are from");
-  describeRange(visitor);
-  visitor.integer("every_n", every_n, 1, 1000000,
-                  "interval between converted scans; 1: every scan [scans]");
-  visitor.flag("external_storage", external_storage, "write clouds in separate files");
-  visitor.integer("compression_level", compression_level, 0, 9,
-                  "level of the gzip compression: 0 none, 1 fast, 9 small");
+  describeConversion(visitor);
 }
 
 ConversionResult convertKitti(const std::string& input,
@@ -185,7 +180,7 @@ ConversionResult convertKitti(const std::string& input,
   const bool deskewed =
       options.deskewed == ScansDeskewed::yes ||
       (options.deskewed == ScansDeskewed::automatic && options.kind == KittiKind::odometry);
-  ConversionOutput out(output, options.external_storage, options.compression_level);
+  ConversionOutput out(output, options);
   out.setPoseOrigin(layout.pose_origin);
   MotionSampleWriter motion;
   auto imu = layout.imu.begin();

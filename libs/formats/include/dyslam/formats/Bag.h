@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <string>
 #include <string_view>
@@ -70,6 +71,19 @@ class Bag
   [[nodiscard]] virtual std::vector<std::string> warnings() const = 0;
 };
 
+/** State of the unpacking of a bag that is compressed as a whole, which may take minutes. */
+struct BagUnpacking
+{
+  std::string bag;          //!< path of the packed bag
+  std::string folder;       //!< for temporary files, that it is unpacked to
+  double fraction = 0;      //!< of the packed bag that was read, 0 to 1
+  std::uint64_t bytes = 0;  //!< that were unpacked
+  bool is_done = false;
+};
+/** Called for each packed bag when its unpacking begins, again and again, and when it is done. An
+ * exception from it ends the unpacking, and removes what was unpacked. */
+using BagUnpackingProgress = std::function<void(const BagUnpacking&)>;
+
 /** The bags in a folder, the parts of one recording, in the order of their names. Left out are
  * copies: compressed ones beside those that were unpacked, and what rosbag keeps when it rewrites a
  * bag (`drive.orig.bag`). \throws UserError if they are of several kinds, or compressed otherwise
@@ -86,8 +100,10 @@ class Bag
  *
  * Formats: http://wiki.ros.org/Bags/Format/2.0, https://mcap.dev/spec,
  * https://github.com/ros2/rosbag2 (storage sqlite3).
- * \throws UserError naming the file, the byte and what to do. */
-[[nodiscard]] std::unique_ptr<Bag> openBag(const std::string& path);
+ * \throws UserError naming the file, the byte and what to do; also if the folder for temporary
+ * files has less room than compressed files state to need. */
+[[nodiscard]] std::unique_ptr<Bag> openBag(const std::string& path,
+                                           const BagUnpackingProgress& unpacking = {});
 
 /** Table of the topics with types, counts and rates, for scans also points and frame; the scans
  * that are used by default and the topics of IMU and odometry are marked. Then the duration, and

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <dyslam/base/Options.h>
+#include <dyslam/formats/Bag.h>
 #include <dyslam/formats/PoseOrigin.h>
 #include <dyslam/formats/RecordingKind.h>
 #include <dyslam/formats/ScanFiles.h>
@@ -33,6 +34,16 @@ struct ConversionResult
   std::vector<std::string> warnings;
 };
 
+/** Options of every conversion: the scans that are converted, and the form of the rawlog. */
+struct ConversionOptions : ScanRange
+{
+  int every_n = 1;                //!< of the scans behind those skipped, every n-th is converted
+  bool external_storage = false;  //!< as in RawlogWriterOptions
+  int compression_level = 1;      //!< as in RawlogWriterOptions
+
+  void describeConversion(OptionsVisitor& visitor);
+};
+
 /** Whether scans are already deskewed; deskewed scans get point times of 0. */
 enum class ScansDeskewed
 {
@@ -49,7 +60,7 @@ enum class PoseFrame
   camera
 };
 
-struct KittiConverterOptions : Options, ScanRange
+struct KittiConverterOptions : Options, ConversionOptions
 {
   KittiKind kind = KittiKind::odometry;
   std::string calib;        //!< calibration file or folder; empty: that of the layout
@@ -68,9 +79,6 @@ struct KittiConverterOptions : Options, ScanRange
   ScansDeskewed deskewed = ScansDeskewed::automatic;
   double dt = 0;  //!< time between scans [s]; 0: times of the layout, else 0.1034
   bool vertical_angle_correction = false;  //!< raise the points by 0.205 deg about the sensor
-  int every_n = 1;  //!< of the scans behind those skipped, every n-th is converted
-  bool external_storage = false;
-  int compression_level = 1;
 
   void describe(OptionsVisitor& visitor) override;
 };
@@ -88,7 +96,7 @@ ConversionResult convertKitti(const std::string& input,
                               const KittiConverterOptions& options,
                               const ConversionProgress& progress = {});
 
-struct ScanConverterOptions : Options, ScanRange, RecordingOptions
+struct ScanConverterOptions : Options, ConversionOptions, RecordingOptions
 {
   std::string poses;  //!< TUM or KITTI file of lidar poses, for folders
   std::string times;  //!< file of times [s] or KITTI time stamps for a folder, one line per scan
@@ -100,9 +108,6 @@ struct ScanConverterOptions : Options, ScanRange, RecordingOptions
   std::optional<BinLayout> bin_layout;  //!< layout of .bin files; nothing: by their content
   bool by_number = false;     //!< time of a scan of a folder: dt times the number in its name
   bool keep_partial = false;  //!< write also incomplete first and last revolutions of a pcap
-  int every_n = 1;            //!< of the scans behind those skipped, every n-th is converted
-  bool external_storage = false;
-  int compression_level = 1;
 
   void describe(OptionsVisitor& visitor) override;
 };
@@ -110,11 +115,13 @@ struct ScanConverterOptions : Options, ScanRange, RecordingOptions
 /** Writes a folder of .bin, .pcd or .ply scans, a Velodyne .pcap or a ROS bag (see openBag()) as a
  * rawlog, with the IMU and the wheel odometry of a bag if the options name their topics, and the
  * IMU in the Ouster of a .pcap if they ask for it. Scans of a folder get the times of the file, of
- * their names where those are times since 1970, or of their points. \throws UserError. */
+ * their names where those are times since 1970, or of their points. \param unpacking of a bag that
+ * is compressed as a whole, before the first scan; see openBag() \throws UserError. */
 ConversionResult convertScans(const std::string& input,
                               const std::string& output,
                               const ScanConverterOptions& options,
-                              const ConversionProgress& progress = {});
+                              const ConversionProgress& progress = {},
+                              const BagUnpackingProgress& unpacking = {});
 
 /** T_vehicle_sensor of "x y z yaw pitch roll" [m, deg], separated by spaces or commas; identity if
  * empty. \param option for messages: "--sensor-pose". \throws UserError. */

@@ -1,0 +1,199 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "BagReader.h"
+
+#include <dyslam/base/Error.h>
+#include <dyslam/formats/RosPackets.h>
+
+#include <algorithm>
+#include <sstream>
+#include <utility>
+
+#include "BagTruth.h"
+
+namespace dyslam
+{
+namespace
+{
+PacketOptions optionsOfFirst(const ScanConverterOptions& options)
+{
+  PacketOptions of_first;
+  of_first.sensor = options.sensor;
+  of_first.calibration = options.calibration;
+  of_first.keep_partial = options.keep_partial;
+  return of_first;
+}
+
+/** Options for the packets of a further lidar; clouds are never partial. */
+PacketOptions optionsOfFurther(const BagTopic& topic, const std::string& calibration, bool partial)
+{
+  PacketOptions of_further;
+  of_further.calibration = calibration;
+  of_further.calibration_flag = "--further-topic " + topic.name + "=FILE";
+  of_further.keep_partial = partial && packetMakerOf(topic);
+  return of_further;
+}
+}  // namespace
+
+BagReader::BagReader(const std::string& input,
+                     Bag& bag,
+                     std::size_t scans,
+                     const std::vector<FurtherTopic>& further,
+                     const BagFrames& frames,
+                     const Trajectory& truth,
+                     const ScanConverterOptions& options,
+                     ScanSink& sink)
+    : bag_(bag),
+      scans_(scans),
+      reader_(makeBagScans(input, bag, scans, optionsOfFirst(options))),
+      truth_(truth),
+      sink_(sink),
+      motion_(input, bag, *reader_, frames, options, sink),
+      held_(sink, motion_)
+{
+  std::vector<std::size_t> topics = motion_.topicsWith(scans);
+  for (const FurtherTopic& lidar : further)
+  {
+    const PacketOptions of_further =
+        optionsOfFurther(bag.topics()[lidar.topic], lidar.calibration, options.keep_partial);
+    further_.push_back(
+        {lidar, further_.size() + 1, makeBagScans(input, bag, lidar.topic, of_further)});
+    topics.push_back(lidar.topic);
+  }
+  bag_.select(topics);
+}
+
+void BagReader::read()
+{
+  while (takeNext() && held_.passOn(message_.recorded))
+  {
+  }
+  finish();
+}
+
+void BagReader::report(const std::string& truth_topic)
+{
+  motion_.report();
+  if (!truth_.empty() && held_.withoutPose() > 0)
+  {
+    std::ostringstream text;
+    text << truth_topic << ": has no pose within " << truth_max_gap << " s of "
+         << held_.withoutPose() << " scans";
+    sink_.warn(text.str());
+  }
+  report(*reader_);
+  for (const FurtherReader& lidar : further_)
+  {
+    report(*lidar.reader);
+    if (lidar.scans == 0)
+    {
+      sink_.warn(bag_.topics()[lidar.topic.topic].name + ": no scan of this further lidar");
+    }
+  }
+}
+
+void BagReader::report(const BagScans& reader)
+{
+  for (const std::string& note : reader.notes())
+  {
+    sink_.note(note);
+  }
+  for (const std::string& warning : reader.warnings())
+  {
+    sink_.warn(warning);
+  }
+}
+
+/** Passes on what was held back. */
+void BagReader::finish()
+{
+  hold(reader_->finish());
+  for (FurtherReader& lidar : further_)
+  {
+    hold(lidar, lidar.reader->finish());
+  }
+  held_.passOnAll();
+}
+
+/** \return false at the end of the bag. */
+bool BagReader::takeNext()
+{
+  try
+  {
+    if (!bag_.next(message_))
+    {
+      return false;
+    }
+    takeMessage();
+    return true;
+  }
+  catch (const UserError&)
+  {
+    finish();
+    throw;
+  }
+}
+
+void BagReader::takeMessage()
+{
+  const auto lidar =
+      std::find_if(further_.begin(), further_.end(),
+                   [&](const FurtherReader& other) { return other.topic.topic == message_.topic; });
+  if (lidar != further_.end())
+  {
+    hold(*lidar, lidar->reader->add(message_));
+  }
+  else if (message_.topic == scans_)
+  {
+    hold(reader_->add(message_));
+  }
+  else
+  {
+    motion_.add(message_);
+  }
+}
+
+void BagReader::hold(FurtherReader& lidar, std::vector<Scan> scans)
+{
+  for (Scan& scan : scans)
+  {
+    HeldScans::Entry entry;
+    entry.scan = std::move(scan);
+    entry.scan.sensor_label = lidar.topic.label;
+    entry.scan.T_vehicle_lidar = lidar.topic.T_vehicle_lidar;
+    entry.lidar = lidar.number;
+    entry.recorded = message_.recorded;
+    held_.hold(std::move(entry));
+    ++lidar.scans;
+  }
+}
+
+void BagReader::hold(std::vector<Scan> scans)
+{
+  for (Scan& scan : scans)
+  {
+    requireOtherLabel(scan);
+    HeldScans::Entry entry;
+    entry.scan = std::move(scan);
+    if (const auto T_world_vehicle = truePoseAt(truth_, entry.scan.stamp))
+    {
+      entry.T_world_lidar = *T_world_vehicle * sink_.T_vehicle_lidar();
+    }
+    entry.recorded = message_.recorded;
+    entry.progress = bag_.progress();
+    held_.hold(std::move(entry));
+  }
+}
+
+/** \throws UserError if the scans' own label is that of a further lidar. */
+void BagReader::requireOtherLabel(const Scan& scan) const
+{
+  for (const FurtherReader& lidar : further_)
+  {
+    if (lidar.topic.label == scan.sensor_label)
+    {
+      throw UserError(bag_.topics()[lidar.topic.topic].name + ": its label in the rawlog, " +
+                      lidar.topic.label + ", is that of the first lidar; convert one lidar");
+    }
+  }
+}
+}  // namespace dyslam

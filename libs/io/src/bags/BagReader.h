@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <dyslam/core/Trajectory.h>
+#include <dyslam/formats/Bag.h>
+
+#include <cstddef>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "BagLidars.h"
+#include "BagMotion.h"
+#include "BagScans.h"
+#include "HeldScans.h"
+#include "conversion/ScanSink.h"
+
+namespace dyslam
+{
+/** Passes the scans of a bag, and what other sensors measured, to the sink. */
+class BagReader
+{
+ public:
+  /** \param scans topic of the first lidar. bag, frames, truth, options and sink outlive this.
+   * \throws UserError if what the options ask for is not in the bag. */
+  BagReader(const std::string& input,
+            Bag& bag,
+            std::size_t scans,
+            const std::vector<FurtherTopic>& further,
+            const BagFrames& frames,
+            const Trajectory& truth,
+            const ScanConverterOptions& options,
+            ScanSink& sink);
+
+  /** Reads up to the end of the bag, or until the sink takes no more. Scans before damaged data are
+   * passed on. \throws UserError */
+  void read();
+  /** Warnings about the scans of the first lidar. */
+  [[nodiscard]] std::vector<std::string> warnings() const { return reader_->warnings(); }
+  /** Adds notes and warnings about what was read. \param truth_topic topic of the true poses */
+  void report(const std::string& truth_topic);
+
+ private:
+  struct FurtherReader
+  {
+    FurtherTopic topic;
+    std::size_t number = 1;  //!< HeldScans::Entry::lidar
+    std::unique_ptr<BagScans> reader;
+    std::size_t scans = 0;
+  };
+
+  void report(const BagScans& reader);
+  void finish();
+  [[nodiscard]] bool takeNext();
+  void takeMessage();
+  void hold(FurtherReader& lidar, std::vector<Scan> scans);
+  void hold(std::vector<Scan> scans);
+  void requireOtherLabel(const Scan& scan) const;
+
+  Bag& bag_;
+  std::size_t scans_;  //!< topic
+  std::unique_ptr<BagScans> reader_;
+  std::vector<FurtherReader> further_;
+  const Trajectory& truth_;
+  ScanSink& sink_;
+  BagMotion motion_;
+  HeldScans held_;
+  BagMessage message_;
+};
+}  // namespace dyslam
