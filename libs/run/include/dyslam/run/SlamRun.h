@@ -66,8 +66,8 @@ struct SlamRunReport
   std::size_t map_points = 0;
   double path_length = 0;  //!< length of the trajectory [m]
   double ms_per_scan = 0;  //!< mean time of all stages, without reading and writing files
-  double run_time = 0;     //!< from the construction of SlamRun to its last file, including the
-  //!< first of two passes [s]
+  /** From the construction of SlamRun to its last file, including the first of two passes [s]. */
+  double run_time = 0;
   double first_pass_time = 0;  //!< part of run_time for the first of two passes [s]
   double recording_time = 0;   //!< duration of the processed part of the recording [s]
   bool has_reference = false;  //!< the recording had ground truth; reference_tum.txt was written
