@@ -85,8 +85,8 @@ void printWarnings(const std::vector<std::string>& warnings,
   }
 }
 
-/** Prints the result of a run. \param folder of its files */
-void printResult(const SlamRunReport& report, const std::string& folder)
+/** Prints what the run found: sizes, loops, satellite positions, the vertical. */
+void printFindings(const SlamRunReport& report)
 {
   std::printf("%s\n", report.method.c_str());
   std::printf("%s, %.1f m, %s, %s, %s, %s\n", counted(report.frames, "scan").c_str(),
@@ -119,6 +119,11 @@ void printResult(const SlamRunReport& report, const std::string& folder)
                 counted(report.unconverged, "scan").c_str(),
                 report.unconverged == 1 ? "its" : "their");
   }
+}
+
+/** Prints the time per scan, and how it compares with the recording's. */
+void printTimes(const SlamRunReport& report)
+{
   std::printf("%.1f ms per scan, all stages added up", report.ms_per_scan);
   if (report.frames > 0 && report.run_time > 0)
   {
@@ -133,6 +138,11 @@ void printResult(const SlamRunReport& report, const std::string& folder)
                 report.recording_time, report.run_time,
                 report.first_pass_time > 0 ? ", both passes" : "");
   }
+}
+
+/** Prints where the results are. \param folder of the files of the run */
+void printFiles(const SlamRunReport& report, const std::string& folder)
+{
   std::printf("results in %s: %s\n", folder.c_str(), counted(report.files.size(), "file").c_str());
   if (std::find(report.files.begin(), report.files.end(), "report.html") != report.files.end())
   {
@@ -228,7 +238,9 @@ void runSlamProgram(const std::string& program, const SlamArguments& a, const Sl
   if (!quiet && result.pass != Pass::first)
   {
     printWarnings(result.new_warnings, printed_warnings);
-    printResult(report, output);
+    printFindings(report);
+    printTimes(report);
+    printFiles(report, output);
   }
   if (!report.failure.empty())
   {

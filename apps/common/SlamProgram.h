@@ -3,7 +3,6 @@
 
 #include <dyslam/run/SlamRun.h>
 
-#include <cstddef>
 #include <functional>
 #include <string>
 
@@ -11,8 +10,9 @@
 
 namespace dyslam
 {
-using SlamRunner = std::function<SlamRunReport(
-    const SlamRunSettings& settings, const std::function<void(double, std::size_t)>& on_frame)>;
+/** Runs one pass, as runSlam() and resumeSlam() do. */
+using SlamRunner =
+    std::function<SlamRunReport(const SlamRunSettings& settings, const FrameCallback& on_frame)>;
 
 /** Runs the pipeline on a rawlog as the arguments say, shows the progress of each pass and prints
  * the result. \param run runs one pass \throws UserError, UnusableResult. */

@@ -199,12 +199,9 @@ double keyframeDistance(const Config& config)
   }
   return options.distance;
 }
-}  // namespace
 
-void declare(CLI::App& app, Arguments& a)
+void declareRecordings(CLI::App& app, Arguments& a)
 {
-  app.description(
-      "Builds the static map of a rawlog along a trajectory, or one map of several runs");
   app.add_option("-i,--input", a.recording.rawlog, "rawlog of 3D LiDAR scans");
   app.add_option("--trajectory", a.recording.trajectory,
                  "poses of the scans: TUM, or KITTI line by line");
@@ -212,19 +209,22 @@ void declare(CLI::App& app, Arguments& a)
          "--poses-of", [&a](const std::string& body) { a.recording.of_lidar = body == "lidar"; },
          "what the poses are of: vehicle (default) or lidar, as KISS-ICP and others write them")
       ->check(CLI::IsMember({"vehicle", "lidar"}));
-  CLI::Option* run = app.add_option(
+  app.add_option(
       "--run", a.run,
       "DIR: output folder of dyslam, which names the recording and has trajectory, settings, "
       "labels and tracks; --input, --trajectory, --config, --labels and --tracks replace its own");
-  CLI::Option* merge = app.add_option(
+  app.add_option(
       "--merge", a.runs,
       "RUN RUN...: merge the output folders of several runs of one place, in order of time, to one "
-      "map "
-      "and a trajectory each in the first run's frame, instead of --input and --trajectory "
+      "map and a trajectory each in the first run's frame, instead of --input and --trajectory "
       "(RUN=RAWLOG where the recording was moved)");
-  CLI::Option* utm = app.add_flag(
+  app.add_flag(
       "--utm", a.outputs.utm,
       "with --merge: map files in UTM, if a run has satellite positions; .las states the zone");
+}
+
+void declareOutputs(CLI::App& app, Arguments& a)
+{
   addOutputFile(app, "-o,--output", a.outputs.maps,
                 "map.{pcd,ply,las,bt,ot,simplemap,3Dscene,png,gridmap}; any number (png: grid with "
                 "its yaml)");
@@ -234,11 +234,19 @@ void declare(CLI::App& app, Arguments& a)
   addOutputFile(app, "--compare", a.outputs.comparison,
                 "F.png: the map with everything that moved beside the clean one; what was removed "
                 "is red");
+}
+
+void declareMoving(CLI::App& app, Arguments& a)
+{
   app.add_option("--labels", a.recording.scans.labels,
                  "folder of .label files: moving points are left out");
   app.add_option("--tracks", a.recording.scans.tracks,
                  "tracks.txt: moving objects are left out, by tracks.csv beside it those that are "
                  "dynamic at some time, otherwise those that move by more than 1 m");
+}
+
+void declareSettings(CLI::App& app, Arguments& a)
+{
   app.add_option(
       "-c,--config", a.config,
       "ini file with [map], [labels], [preprocess], [input], [map_export], [memory] and "
@@ -257,6 +265,10 @@ void declare(CLI::App& app, Arguments& a)
                  "interpolated [s]")
       ->check(notNegative())
       ->capture_default_str();
+}
+
+void declareRange(CLI::App& app, Arguments& a)
+{
   app.add_option("--skip-first-n", a.skip_first_n, "scans to skip")->check(notNegative());
   app.add_option("--only-first-n", a.only_first_n, "scans to use after those; 0: all")
       ->check(notNegative());
@@ -264,81 +276,74 @@ void declare(CLI::App& app, Arguments& a)
       ->check(notNegative());
   app.add_option("--end", a.end, "use scans before this time [s since the first scan]")
       ->check(positive());
-  addOutputFile(
-      app, "--labelled-map", a.outputs.labelled_map,
-      "also write all points with the true labels of --labels or --tracks (F.ply, F.pcd or F.bin, "
-      "and F.label beside it): the reference for dyslam-eval map");
-  app.add_option("--threads", a.builder.threads, "0: all cores")
-      ->check(CLI::Range(0, 256))
-      ->capture_default_str();
-  app.add_flag("--force", a.force, "replace files that a run wrote");
-  app.add_flag("-q,--quiet", a.quiet, "no progress");
+}
+
+/** Flags that do not go together. */
+void excludeFlags(CLI::App& app)
+{
+  CLI::Option* merge = app.get_option("--merge");
   for (const char* single :
        {"--input", "--trajectory", "--poses-of", "--labels", "--tracks", "--skip-first-n",
         "--only-first-n", "--start", "--end", "--labelled-map", "--run"})
   {
     merge->excludes(app.get_option(single));
   }
+  CLI::Option* utm = app.get_option("--utm");
   utm->needs(merge);
-  utm->excludes(app.get_option("--compare"));       // which shows each run in its own frame
-  run->excludes(app.get_option("--labelled-map"));  // a run has no true labels
+  utm->excludes(app.get_option("--compare"));  // which shows each run in its own frame
+  app.get_option("--run")->excludes(app.get_option("--labelled-map"));  // a run has no true labels
   app.get_option("--poses-of")->needs(app.get_option("--trajectory"));
 }
 
-void loadConfig(Arguments& a)
+/** \throws UserError for a section that --set may not change. */
+void requireOwnSection(const std::string& assignment, const Arguments& a)
 {
-  std::vector<std::string> messages;
-  Config config = baseSettings(a, messages);
-  for (const auto& assignment : a.assignments)
+  const std::string section = assignment.substr(0, assignment.find('.'));
+  const auto own = ownSections(a);
+  if (std::find(own.begin(), own.end(), section) == own.end())
   {
-    const std::string section = assignment.substr(0, assignment.find('.'));
-    const auto own = ownSections(a);
-    if (std::find(own.begin(), own.end(), section) == own.end())
+    std::string names;
+    for (const std::string& name : own)
     {
-      std::string names;
-      for (const std::string& name : own)
-      {
-        names += (names.empty() ? "" : name == own.back() ? " and " : ", ") + name;
-      }
-      throw UserError("--set " + assignment + ": dyslam-map has the sections " + names +
-                      (a.runs.empty() ? "" : " (--merge)"));
+      names += (names.empty() ? "" : name == own.back() ? " and " : ", ") + name;
     }
-    config.set(assignment);
+    throw UserError("--set " + assignment + ": dyslam-map has the sections " + names +
+                    (a.runs.empty() ? "" : " (--merge)"));
   }
-  config.requireKnownSections(knownSections());
-  ConfigLoader loader(config);
-  a.builder.map = loader.get<StaticMapOptions>("map");
-  a.builder.hindsight = loader.get<HindsightOptions>("labels");
-  if (a.runs.empty())
+}
+
+/** Settings with which a single recording is read. */
+void loadRecording(ConfigLoader& loader, Arguments& a)
+{
+  a.recording.scans.scan_table = scanTableBeside(a.recording.trajectory);
+  a.recording.scans.preprocess = loader.get<PreprocessOptions>("preprocess");
+  RawlogSourceOptions& source = a.recording.source;
+  source = loader.get<RawlogSourceOptions>("input");
+  source.skip_first_n = a.skip_first_n.value_or(source.skip_first_n);
+  source.only_first_n = a.only_first_n.value_or(source.only_first_n);
+  source.start = a.start.value_or(source.start);
+  source.end = a.end.value_or(source.end);
+}
+
+/** Settings with which runs are merged. \param messages gets notes about them */
+void loadMerger(ConfigLoader& loader, Arguments& a, std::vector<std::string>& messages)
+{
+  a.merger.loops = loader.get<LoopCloserOptions>("loop");
+  if (!a.merger.loops.appearance)
   {
-    a.recording.scans.scan_table = scanTableBeside(a.recording.trajectory);
-    a.recording.scans.preprocess = loader.get<PreprocessOptions>("preprocess");
-    a.recording.source = loader.get<RawlogSourceOptions>("input");
-    a.recording.source.skip_first_n = a.skip_first_n.value_or(a.recording.source.skip_first_n);
-    a.recording.source.only_first_n = a.only_first_n.value_or(a.recording.source.only_first_n);
-    a.recording.source.start = a.start.value_or(a.recording.source.start);
-    a.recording.source.end = a.end.value_or(a.recording.source.end);
+    a.merger.loops.appearance = true;  // as RunMerger does
+    messages.emplace_back(
+        "note: loop.appearance=false is for single runs: nothing but appearance shows where the "
+        "merged ones meet (limits: loop.appearance_...)");
   }
-  else
-  {
-    a.merger.loops = loader.get<LoopCloserOptions>("loop");
-    if (!a.merger.loops.appearance)
-    {
-      a.merger.loops.appearance = true;  // as RunMerger does
-      messages.emplace_back(
-          "note: loop.appearance=false is for single runs: nothing but appearance shows where the "
-          "merged ones meet (limits: loop.appearance_...)");
-    }
-    a.merger.solver = loader.get<FactorGraphOptions>("solver");
-    a.merger.merge = loader.get<RunMergerOptions>("merge");
-    a.builder.hindsight.hindsight = true;  // as mergeMaps() does
-  }
-  a.outputs.exports = loader.get<MapExportOptions>("map_export");
-  a.builder.memory = loader.get<MemoryOptions>("memory");
-  a.outputs.exports.full_resolution = a.outputs.exports.full_resolution || a.full;
-  a.outputs.exports.epsg = referenceSystem(a.outputs.exports.epsg, a.recording.trajectory);
-  a.builder.keyframe_distance =
-      a.keyframe_distance ? *a.keyframe_distance : keyframeDistance(config);
+  a.merger.solver = loader.get<FactorGraphOptions>("solver");
+  a.merger.merge = loader.get<RunMergerOptions>("merge");
+  a.builder.hindsight.hindsight = true;  // as mergeMaps() does
+}
+
+/** All settings in use: those that were loaded, as the flags have changed them. */
+Config effectiveSettings(const ConfigLoader& loader, const Arguments& a)
+{
   Config effective = loader.effective();
   if (a.runs.empty())
   {
@@ -353,7 +358,59 @@ void loadConfig(Arguments& a)
   KeyframeOptions keyframes;
   keyframes.distance = a.builder.keyframe_distance;
   save(keyframes, effective, "backend");
-  a.outputs.settings = std::move(effective);
+  return effective;
+}
+}  // namespace
+
+void declare(CLI::App& app, Arguments& a)
+{
+  app.description(
+      "Builds the static map of a rawlog along a trajectory, or one map of several runs");
+  declareRecordings(app, a);
+  declareOutputs(app, a);
+  declareMoving(app, a);
+  declareSettings(app, a);
+  declareRange(app, a);
+  addOutputFile(
+      app, "--labelled-map", a.outputs.labelled_map,
+      "also write all points with the true labels of --labels or --tracks (F.ply, F.pcd or F.bin, "
+      "and F.label beside it): the reference for dyslam-eval map");
+  app.add_option("--threads", a.builder.threads, "0: all cores")
+      ->check(CLI::Range(0, 256))
+      ->capture_default_str();
+  app.add_flag("--force", a.force, "replace files that a run wrote");
+  app.add_flag("-q,--quiet", a.quiet, "no progress");
+  excludeFlags(app);
+}
+
+void loadConfig(Arguments& a)
+{
+  std::vector<std::string> messages;
+  Config config = baseSettings(a, messages);
+  for (const auto& assignment : a.assignments)
+  {
+    requireOwnSection(assignment, a);
+    config.set(assignment);
+  }
+  config.requireKnownSections(knownSections());
+  ConfigLoader loader(config);
+  a.builder.map = loader.get<StaticMapOptions>("map");
+  a.builder.hindsight = loader.get<HindsightOptions>("labels");
+  if (a.runs.empty())
+  {
+    loadRecording(loader, a);
+  }
+  else
+  {
+    loadMerger(loader, a, messages);
+  }
+  a.outputs.exports = loader.get<MapExportOptions>("map_export");
+  a.builder.memory = loader.get<MemoryOptions>("memory");
+  a.outputs.exports.full_resolution = a.outputs.exports.full_resolution || a.full;
+  a.outputs.exports.epsg = referenceSystem(a.outputs.exports.epsg, a.recording.trajectory);
+  a.builder.keyframe_distance =
+      a.keyframe_distance ? *a.keyframe_distance : keyframeDistance(config);
+  a.outputs.settings = effectiveSettings(loader, a);
   for (const std::string& message : messages)
   {
     if (!a.quiet)

@@ -1,283 +1,38 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The table of inputs in doc/formats.md, row by row: the programs read each format, and the same
-// drive gives the same trajectory from every format.
+// drive gives the same scans from every format. ROS bags: BagInputs_unittest.cpp.
 #include <dyslam/core/NeighbourSearch.h>
 #include <dyslam/formats/LabelFiles.h>
 #include <dyslam/formats/ScanFiles.h>
 #include <dyslam/formats/TrajectoryFiles.h>
-#include <dyslam/io/RawlogSource.h>
 #include <dyslam/io/RawlogWriter.h>
-#include <dyslam/sim/Simulator.h>
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <array>
+#include <cstddef>
+#include <cstdint>
 #include <cstring>
-#include <filesystem>
-#include <fstream>
-#include <functional>
 #include <string>
 #include <vector>
 
-#include "BagWriters.h"
-#include "RosMessageWriters.h"
+#include "ConvertedDrive.h"
 #include "RunProgram.h"
 #include "SyntheticCapture.h"
 #include "SyntheticOuster.h"
-
-namespace fs = std::filesystem;
 
 namespace dyslam
 {
 namespace
 {
-constexpr std::size_t scan_count = 6;
-
-class Inputs : public ::testing::Test
+class Inputs : public test::ConvertedDrive
 {
- protected:
-  static void SetUpTestSuite()
-  {
-    folder_ = fs::temp_directory_path() / ("dyslam_inputs_" + std::to_string(::getpid()));
-    fs::create_directories(folder_);
-    sim::SimulatorOptions options;
-    options.sensor = sim::SensorKind::vlp16;
-    options.columns = 600;
-    options.seed = 5;
-    sim::Simulator simulator(options, 1);
-    RawlogWriter writer(at("original.rawlog"));
-    for (std::size_t i = 0; i < scan_count; ++i)
-    {
-      auto simulated = simulator.next();
-      simulated.scan.T_vehicle_lidar = Pose::Identity();
-      simulated.scan.sensor_label = "lidar";
-      simulated.scan.stamp += 1.6e9;  // bags count from 1970
-      writer.write(simulated.scan);
-      scans_.push_back(simulated.scan);
-      poses_.push_back(simulated.T_map_vehicle);
-    }
-    writer.close();
-  }
-  static void TearDownTestSuite() { fs::remove_all(folder_); }
-
-  static std::string at(const std::string& name) { return (folder_ / name).string(); }
-  static void makeFolder(const std::string& name) { fs::create_directories(folder_ / name); }
-  static void write(const std::string& name, const std::string& text)
-  {
-    fs::create_directories((folder_ / name).parent_path());
-    std::ofstream(folder_ / name) << text;
-  }
-  static Outcome run(const std::string& program, const std::string& arguments)
-  {
-    return runProgram(program, arguments, folder_.string());
-  }
-
-  /** Converts a recording, expects success, and reads the result. \param says parts of the
-   * converter's output */
-  static std::vector<Frame> converted(const std::string& program,
-                                      const std::string& arguments,
-                                      const std::vector<std::string>& says = {})
-  {
-    const Outcome outcome = run(program, arguments + " -q --force -o " + at("out.rawlog"));
-    EXPECT_EQ(0, outcome.code) << program << ' ' << arguments << '\n' << outcome.err;
-    for (const std::string& part : says)
-    {
-      EXPECT_NE(outcome.err.find(part), std::string::npos) << part << "\nnot in\n" << outcome.err;
-    }
-    std::vector<Frame> frames;
-    RawlogSource source(at("out.rawlog"));
-    while (auto frame = source.next())
-    {
-      frames.push_back(std::move(*frame));
-    }
-    return frames;
-  }
-
-  static void expectOriginal(const std::vector<Frame>& frames)
-  {
-    ASSERT_EQ(scan_count, frames.size());
-    for (std::size_t i = 0; i < scan_count; ++i)
-    {
-      EXPECT_EQ(scans_[i].points, frames[i].scan.points);
-      EXPECT_EQ(scans_[i].intensity, frames[i].scan.intensity);
-    }
-  }
-
-  static std::vector<test::TestMessage> messages(bool cdr)
-  {
-    std::vector<test::TestMessage> all;
-    for (std::size_t i = 0; i < scan_count; ++i)
-    {
-      const double stamp = scans_[i].stamp;
-      all.push_back({"/points", "sensor_msgs/PointCloud2", stamp,
-                     test::pointCloud2(cdr, stamp, test::velodyneFields(scans_[i]))});
-      all.push_back({"/odom", "nav_msgs/Odometry", stamp, test::odometry(cdr, stamp, poses_[i])});
-    }
-    return all;
-  }
-  static std::string bag(const std::string& name)
-  {
-    fs::create_directories((folder_ / name).parent_path());
-    test::writeBag(at(name), messages(test::holdsCdr(name)));
-    return at(name);
-  }
-
-  /** Writes the scans as .bin files. \param name folder \param file stem of a scan's file name, by
-   * number */
-  static void bins(const std::string& name,
-                   const std::function<std::string(std::size_t)>& file,
-                   const std::string& ending = ".bin")
-  {
-    makeFolder(name);
-    for (std::size_t i = 0; i < scan_count; ++i)
-    {
-      writeCloud(at(name + "/" + file(i) + ending), scans_[i].points, scans_[i].intensity);
-    }
-  }
-  static std::string counted(std::size_t i) { return "00000" + std::to_string(i); }
-
-  static std::string slam(const std::string& rawlog, const std::string& output)
-  {
-    const Outcome outcome = run("dyslam", "-i " + rawlog + " -v ERROR -o " + at(output));
-    EXPECT_EQ(0, outcome.code) << outcome.err;
-    return contentOf(at(output) + "/trajectory_kitti.txt");
-  }
-
-  static fs::path folder_;
-  static std::vector<Scan> scans_;
-  static std::vector<Pose> poses_;
 };
-fs::path Inputs::folder_;
-std::vector<Scan> Inputs::scans_;
-std::vector<Pose> Inputs::poses_;
 
 std::string oxts(std::size_t i)
 {
   return "49.0" + std::to_string(i) +
          " 8.4 110 0 0 1.5707963 0 0 10 1 2 0 0 0 0 0 0 0 0 0 0 0 0 0.05 0 4 10 4 4 0\n";
-}
-
-TEST_F(Inputs, Ros1Ros2AndMcapGiveTheTrajectoryOfTheRawlog)
-{
-  const std::string expected = slam(at("original.rawlog"), "run");
-  ASSERT_FALSE(expected.empty());
-  std::vector<std::string> bytes;
-  for (const std::string name : {"drive.bag", "drive.db3", "drive.mcap"})
-  {
-    const auto frames =
-        converted("scans2rawlog", "-i " + bag(name) + " --topic /points --truth-topic /odom",
-                  {"scans: /points", "per-point time: field time", "ring: field ring"});
-    expectOriginal(frames);
-    for (std::size_t i = 0; i < frames.size(); ++i)
-    {
-      EXPECT_EQ(scans_[i].time, frames[i].scan.time);
-      EXPECT_EQ(scans_[i].ring, frames[i].scan.ring);
-      EXPECT_TRUE(frames[i].T_world_vehicle_truth->isApprox(poses_[i], 1e-9));
-    }
-    bytes.push_back(contentOf(at("out.rawlog")));
-    EXPECT_EQ(expected, slam(at("out.rawlog"), "run_" + name)) << name;
-  }
-  EXPECT_EQ(bytes[0], bytes[1]);
-  EXPECT_EQ(bytes[0], bytes[2]);
-}
-
-TEST_F(Inputs, AFolderOfARos2Recording)
-{
-  write("recording/metadata.yaml", "rosbag2_bagfile_information:\n");
-  expectOriginal(
-      (bag("recording/recording_0.db3"), converted("scans2rawlog", "-i " + at("recording"))));
-}
-
-TEST_F(Inputs, LivoxMessagesInABag)
-{
-  std::vector<test::TestMessage> all;
-  for (Scan scan : scans_)
-  {
-    std::fill(scan.intensity.begin(), scan.intensity.end(), 51.F);
-    for (float& time : scan.time)
-    {
-      time = std::max(time, 0.F);
-    }
-    all.push_back({"/livox/lidar", "livox_ros_driver2/CustomMsg", scan.stamp,
-                   test::livoxMessage(true, scan)});
-  }
-  test::writeBag(at("livox.mcap"), all);
-  const auto frames = converted("scans2rawlog", "-i " + at("livox.mcap"), {"field offset_time"});
-  ASSERT_EQ(scan_count, frames.size());
-  EXPECT_EQ(scans_[3].points, frames[3].scan.points);
-  EXPECT_FLOAT_EQ(0.2F, frames[3].scan.intensity[7]);
-}
-
-TEST_F(Inputs, TopicsOfABag)
-{
-  for (const std::string name : {"drive.bag", "drive.db3", "drive.mcap"})
-  {
-    const Outcome outcome = run("scans2rawlog", "--list -i " + bag(name));
-    EXPECT_EQ(0, outcome.code);
-    EXPECT_NE(outcome.out.find("/points  sensor_msgs/PointCloud2         6"), std::string::npos)
-        << outcome.out;
-    EXPECT_NE(outcome.out.find("nav_msgs/Odometry"), std::string::npos);
-    EXPECT_NE(outcome.out.find("duration 0.50 s"), std::string::npos);
-  }
-}
-
-/** Beside a depth camera with more scans and points, the lidar is chosen, whose points have rings
- * and times. */
-TEST_F(Inputs, TheLidarIsTakenAmongOtherScans)
-{
-  std::vector<test::TestMessage> all;
-  for (std::size_t i = 0; i < 2 * scan_count; ++i)
-  {
-    const Scan& scan = scans_[i / 2];
-    const double stamp = scan.stamp + 0.01 * static_cast<double>(i % 2);
-    const std::vector<double> zeros(2 * scan.size(), 0.0);
-    all.push_back(
-        {"/depth", "sensor_msgs/PointCloud2", stamp,
-         test::pointCloud2(true, stamp, {{"x", 7, zeros}, {"y", 7, zeros}, {"z", 7, zeros}})});
-    if (i % 2 == 0)
-    {
-      all.push_back({"/points", "sensor_msgs/PointCloud2", stamp,
-                     test::pointCloud2(true, stamp, test::velodyneFields(scan))});
-    }
-  }
-  Pose mounting = Pose::Identity();
-  mounting.translation() = Eigen::Vector3d(0.8, 0, 1.7);
-  all.push_back({"/tf_static", "tf2_msgs/TFMessage", scans_[0].stamp,
-                 test::transforms(true, scans_[0].stamp, {{"lidar", mounting}})});
-  test::writeBag(at("two.mcap"), all);
-  expectOriginal(converted("scans2rawlog", "-i " + at("two.mcap"),
-                           {"scans: /points", "--topic chooses other scans: /depth"}));
-  const Outcome list = run("scans2rawlog", "--list -i " + at("two.mcap"));
-  EXPECT_NE(list.out.find(std::to_string(scans_[0].size()) + "  lidar  <- taken without --topic\n"),
-            std::string::npos)
-      << list.out;
-  EXPECT_NE(list.out.find("--sensor-pose '0.8 0 1.7 0 0 0'  (lidar in map, /tf_static)"),
-            std::string::npos)
-      << list.out;
-
-  for (const Scan& scan : scans_)
-  {
-    all.push_back({"/rear", "sensor_msgs/PointCloud2", scan.stamp,
-                   test::pointCloud2(true, scan.stamp, test::velodyneFields(scans_[0]))});
-  }
-  test::writeBag(at("three.mcap"), all);
-  const Outcome three = run("scans2rawlog", "-q -i " + at("three.mcap") + " -o " + at("o.rawlog"));
-  EXPECT_NE(three.err.find("warning: the scans of /"), std::string::npos) << three.err;
-  EXPECT_NE(three.err.find("--topic chooses others: /"), std::string::npos) << three.err;
-}
-
-TEST_F(Inputs, ATruthTopicOfOnePoseIsNamed)
-{
-  auto all = messages(true);
-  all.push_back({"/pose", "geometry_msgs/PoseStamped", scans_[0].stamp,
-                 test::poseStamped(true, scans_[0].stamp, poses_[0])});
-  test::writeBag(at("pose.mcap"), all);
-  const Outcome outcome =
-      run("scans2rawlog",
-          "-q -i " + at("pose.mcap") + " --truth-topic /pose --force -o " + at("o.rawlog"));
-  EXPECT_EQ(1, outcome.code);
-  EXPECT_NE(outcome.err.find("/pose has only one pose"), std::string::npos) << outcome.err;
 }
 
 /** A map along poses of the lidar equals the map along the poses of the vehicle. */
@@ -289,7 +44,7 @@ TEST_F(Inputs, PosesOfTheLidar)
                    .code);
   std::string vehicle;
   std::string lidar;
-  for (std::size_t i = 0; i < scan_count; ++i)
+  for (std::size_t i = 0; i < test::drive_scans; ++i)
   {
     vehicle += "1 0 0 " + std::to_string(i) + " 0 1 0 0 0 0 1 0\n";
     lidar += "0 -1 0 " + std::to_string(i + 1) + " 1 0 0 0 0 0 1 2\n";
@@ -325,28 +80,6 @@ TEST_F(Inputs, PosesOfTheLidar)
   EXPECT_GT(different(mistaken), static_cast<std::ptrdiff_t>(expected.size() / 2));
 }
 
-TEST_F(Inputs, ProgramsThatReadRawlogsSayWhatToDoWithABag)
-{
-  for (const std::string name : {"drive.bag", "drive.db3", "drive.mcap"})
-  {
-    const std::string path = bag(name);
-    for (const auto& [program, arguments] : std::vector<std::pair<std::string, std::string>>{
-             {"dyslam-map", "--trajectory t.txt -o " + at("never.pcd") + " -i "},
-             {"kitti2rawlog", "--kind raw -o " + at("never.rawlog") + " -i "},
-             {"rawlog2kitti", "-o " + at("never") + " -i "},
-             {"dyslam-eval", "trajectory --reference " + path + " --estimate "},
-             {"dyslam-eval", "map --reference " + path + " --estimate "}})
-    {
-      const Outcome outcome = run(program, arguments + path);
-      EXPECT_EQ(1, outcome.code) << program;
-      EXPECT_EQ(1, std::count(outcome.err.begin(), outcome.err.end(), '\n')) << outcome.err;
-      EXPECT_NE(outcome.err.find("scans2rawlog -i " + path + " -o drive.rawlog"), std::string::npos)
-          << program << ": " << outcome.err;
-    }
-  }
-  EXPECT_FALSE(fs::exists(at("never")));
-}
-
 TEST_F(Inputs, FoldersOfScans)
 {
   bins("counted", counted);
@@ -375,7 +108,7 @@ TEST_F(Inputs, RingsTimesAndPosesOfFolders)
 {
   bins("ringed", counted);
   std::vector<Pose> poses;
-  for (std::size_t i = 0; i < scan_count; ++i)
+  for (std::size_t i = 0; i < test::drive_scans; ++i)
   {
     std::string rings;
     for (const std::uint16_t ring : scans_[i].ring)
@@ -385,7 +118,7 @@ TEST_F(Inputs, RingsTimesAndPosesOfFolders)
     write("ringed/" + counted(i) + ".ring", rings);
   }
   Trajectory truth;
-  for (std::size_t i = 0; i < scan_count; ++i)
+  for (std::size_t i = 0; i < test::drive_scans; ++i)
   {
     truth.push_back(static_cast<double>(i), poses_[i]);
   }
@@ -480,7 +213,7 @@ TEST_F(Inputs, KittiRaw)
   const std::string drive = "2011_09_26/2011_09_26_drive_0001_sync";
   bins(drive + "/velodyne_points/data", counted);
   std::string stamps;
-  for (std::size_t i = 0; i < scan_count; ++i)
+  for (std::size_t i = 0; i < test::drive_scans; ++i)
   {
     stamps += "2011-09-26 13:02:2" + std::to_string(i) + ".5\n";
     write(drive + "/oxts/data/" + counted(i) + ".txt", oxts(i));
@@ -516,7 +249,7 @@ TEST_F(Inputs, ARawlogAsKittiAndBack)
 {
   {
     RawlogWriter writer(at("truth.rawlog"));
-    for (std::size_t i = 0; i < scan_count; ++i)
+    for (std::size_t i = 0; i < test::drive_scans; ++i)
     {
       writer.write(scans_[i], poses_[i]);
     }

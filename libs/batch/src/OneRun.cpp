@@ -282,6 +282,31 @@ void recordFailure(const std::string& folder, Manifest& manifest)
   }
 }
 
+/** The command that runs the pipeline on a recording, or resumes its run in the folder. */
+std::vector<std::string> commandFor(const BatchSettings& settings,
+                                    const Recording& recording,
+                                    const std::string& folder,
+                                    bool resume)
+{
+  std::vector<std::string> words{settings.program};
+  if (!resume || !isConverted(recording.path))
+  {
+    words.insert(words.end(), {"-i", recording.path});
+  }
+  words.insert(words.end(), {"-o", folder});
+  if (resume)
+  {
+    words.emplace_back("--resume");
+  }
+  else
+  {
+    words.emplace_back("--force");
+    const std::vector<std::string> given = argumentsFor(settings, recording);
+    words.insert(words.end(), given.begin(), given.end());
+  }
+  return words;
+}
+
 RunEnd runOne(const BatchSettings& settings,
               const std::vector<int>& cores,
               const std::function<bool()>& stop,
@@ -308,22 +333,7 @@ RunEnd runOne(const BatchSettings& settings,
   }
   std::ofstream(command.log, std::ios::app) << "attempt " << m.attempts << '\n';
   writeManifest(folder, m);
-  command.words = {settings.program};
-  if (!resume || !isConverted(result.recording.path))
-  {
-    command.words.insert(command.words.end(), {"-i", result.recording.path});
-  }
-  command.words.insert(command.words.end(), {"-o", folder});
-  if (resume)
-  {
-    command.words.emplace_back("--resume");
-  }
-  else
-  {
-    command.words.emplace_back("--force");
-    const std::vector<std::string> given = argumentsFor(settings, result.recording);
-    command.words.insert(command.words.end(), given.begin(), given.end());
-  }
+  command.words = commandFor(settings, result.recording, folder, resume);
   command.cores = cores;
   bool stopped = false;
   const ChildOutcome outcome = runChild(command, [&] { return stopped = stopped || stop(); });

@@ -17,7 +17,6 @@ namespace dyslam
 namespace
 {
 namespace fs = std::filesystem;
-using OnFrame = std::function<void(double, std::size_t)>;
 
 /** Writes the engine's own settings. \return path of the ini file \throws UserError. */
 std::string writeEngineIni(const fs::path& folder)
@@ -114,7 +113,7 @@ bool replay(const SlamRunSettings& settings,
             GraphSlamContext& context,
             RawlogStream& stream,
             Engine& engine,
-            const OnFrame& on_frame)
+            const FrameCallback& on_frame)
 {
   std::size_t entry = 0;
   std::size_t frames = 0;
@@ -141,7 +140,7 @@ bool replay(const SlamRunSettings& settings,
 
 SlamRunReport runGraphSlam(const SlamRunSettings& settings,
                            const GraphSlamPluginNames& plugins,
-                           const OnFrame& on_frame)
+                           const FrameCallback& on_frame)
 {
   requireKnown(plugins);
   SlamRun run(settings);

@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/mapexport/MapExport.h>
 #include <gtest/gtest.h>
-#include <mrpt/io/CFileGZInputStream.h>
-#include <mrpt/maps/COccupancyGridMap2D.h>
-#include <mrpt/serialization/CArchive.h>
 
 #include <cmath>
-#include <cstdio>
+#include <cstddef>
+#include <cstdint>
 #include <opencv2/imgcodecs.hpp>
+#include <string>
 #include <vector>
 
+#include "ReadGrid.h"
 #include "TestFolder.h"
 #include "TestMap.h"
 #include "TestRoom.h"
@@ -80,18 +80,7 @@ class OccupancyGrid : public testing::Test
     const std::string path = folder.file("m.png");
     writeOccupancyGrid(map.map, path, options);
     image = cv::imread(path, cv::IMREAD_UNCHANGED);
-    const std::string yaml = folder.read("m.yaml");
-    ASSERT_EQ(2, std::sscanf(yaml.c_str() + yaml.find("origin:"), "origin: [%lf, %lf", &low.x(),
-                             &low.y()));
-  }
-  /** The grid in m.gridmap, as MRPT reads it. */
-  [[nodiscard]] mrpt::maps::COccupancyGridMap2D readGridmap() const
-  {
-    mrpt::io::CFileGZInputStream file(folder.file("m.gridmap"));
-    auto archive = mrpt::serialization::archiveFrom(file);
-    mrpt::maps::COccupancyGridMap2D grid;
-    archive >> grid;
-    return grid;
+    low = test::originIn(folder.read("m.yaml"));
   }
   /** Middle of a cell. */
   [[nodiscard]] Eigen::Vector2d placeOf(const cv::Point& c) const
@@ -270,217 +259,6 @@ TEST_F(OccupancyGrid, BetweenRaysThatAreTwoVoxelsApartIsFreeSpace)
   }
 }
 
-TEST_F(OccupancyGrid, TheYamlNamesItsImage)
-{
-  const test::TestMap empty;
-  for (const std::string name : {"grid", "a: b #1", "#1"})
-  {
-    const std::string image_path = folder.file(name + ".png");
-    EXPECT_FALSE(isGridImage(image_path));
-    writeOccupancyGrid(empty.map, image_path, options);
-    EXPECT_TRUE(isGridImage(image_path)) << folder.read(name + ".yaml");
-  }
-  EXPECT_TRUE(contains(folder.read("grid.yaml"), "image: grid.png\nmode: trinary\n"));
-  EXPECT_TRUE(contains(folder.read("#1.yaml"), "image: \"#1.png\"\nmode: trinary\n"));
-  folder.write("other.png", "");
-  EXPECT_FALSE(isGridImage(folder.file("other.png"))) << "no yaml";
-  folder.write("other.yaml", "image: grid.png\n");
-  EXPECT_FALSE(isGridImage(folder.file("other.png"))) << "of another image";
-}
-
-TEST_F(OccupancyGrid, GridmapIsWhatMrptReads)
-{
-  const test::TestMap held = test::room();
-  writeOccupancyGrid(held.map, folder.file("m.gridmap"), {});
-  const auto grid = readGridmap();
-  EXPECT_FLOAT_EQ(grid.getResolution(), 0.1F);
-  writeOccupancyGrid(held.map, folder.file("m.png"), {});
-  const cv::Mat image = cv::imread(folder.file("m.png"), cv::IMREAD_UNCHANGED);
-  const std::string yaml = folder.read("m.yaml");
-  double x0 = 0;
-  double y0 = 0;
-  ASSERT_EQ(std::sscanf(yaml.c_str() + yaml.find("origin:"), "origin: [%lf, %lf", &x0, &y0), 2);
-  std::size_t occupied = 0;
-  for (int row = 0; row < image.rows; ++row)
-  {
-    for (int column = 0; column < image.cols; ++column)
-    {
-      const double x = x0 + (column + 0.5) * 0.1;
-      const double y = y0 + (image.rows - row - 0.5) * 0.1;
-      const float free = grid.getPos(static_cast<float>(x), static_cast<float>(y));
-      const int cell = image.at<std::uint8_t>(row, column);
-      ASSERT_NEAR(free, cell == 0 ? 0.02F : cell == 254 ? 0.98F : 0.5F, 0.01F) << x << " " << y;
-      occupied += free < 0.1F ? 1 : 0;
-    }
-  }
-  EXPECT_GT(occupied, 80U);
-}
-
-TEST_F(OccupancyGrid, GridIsWhatMapServersRead)
-{
-  const test::TestMap held = test::room();
-  const StaticMap& map = held.map;
-  writeOccupancyGrid(map, folder.file("m.png"), {});
-  const cv::Mat grid = cv::imread(folder.file("m.png"), cv::IMREAD_UNCHANGED);
-  ASSERT_EQ(grid.type(), CV_8UC1);
-  const std::string yaml = folder.read("m.yaml");
-  EXPECT_NE(yaml.find("image: m.png\n"), std::string::npos) << yaml;
-  EXPECT_NE(yaml.find("resolution: 0.1\n"), std::string::npos) << yaml;
-  double x0 = 0;
-  double y0 = 0;
-  ASSERT_EQ(std::sscanf(yaml.c_str() + yaml.find("origin:"), "origin: [%lf, %lf", &x0, &y0), 2);
-  const auto at = [&](double x, double y)
-  {
-    const int column = static_cast<int>(std::floor((x - x0) / 0.1));
-    const int row = grid.rows - 1 - static_cast<int>(std::floor((y - y0) / 0.1));
-    return static_cast<int>(grid.at<std::uint8_t>(row, column));
-  };
-  EXPECT_EQ(at(2.0, 1.0), 254);
-  EXPECT_EQ(at(7.0, -3.0), 254);
-  int occupied = 0;
-  for (double y = -9; y < 9; y += 0.1)
-  {
-    occupied += at(8.05, y) == 0 ? 1 : 0;
-  }
-  EXPECT_GT(occupied, 80);
-  for (double y = -9; y < 9; y += 0.1)
-  {
-    for (double x = -9; x < 7.5; x += 0.1)
-    {
-      ASSERT_NE(at(x, y), 0) << x << " " << y;
-    }
-  }
-}
-
-/** One keyframe sees a post 1 m high at x = 3, all of them one at x = 5. */
-test::TestMap twoPosts(std::size_t keyframes)
-{
-  test::TestMap map;
-  for (std::size_t k = 0; k < keyframes; ++k)
-  {
-    Frame frame;
-    frame.index = k;
-    frame.scan.T_vehicle_lidar.translation().z() = 1.7;
-    const auto add = [&](float x, float y, float z)
-    {
-      frame.cloud.points.emplace_back(x, y, z);
-      frame.cloud.intensity.push_back(0.25F);
-      frame.cloud.source.push_back(0);
-    };
-    for (int i = 0; i < 6400; ++i)  // floor of 8 m by 8 m
-    {
-      add(0.1F * static_cast<float>(i % 80) + 0.05F, 0.1F * static_cast<float>(i / 80) - 3.95F,
-          0.02F);
-    }
-    for (float z = 0.5F; z < 1; z += 0.1F)
-    {
-      add(5.05F, 0.05F, z);
-      if (k == 0)
-      {
-        add(3.05F, 0.05F, z);
-      }
-    }
-    map.insert(frame);
-  }
-  return map;
-}
-
-TEST_F(OccupancyGrid, ObstaclesOfTheGridAreSeenByTwoKeyframes)
-{
-  const auto occupied = [&](std::size_t keyframes, int min_hits, double x)
-  {
-    MapExportOptions options;
-    options.obstacle_min_hits = min_hits;
-    writeOccupancyGrid(twoPosts(keyframes).map, folder.file("m.gridmap"), options);
-    const auto grid = readGridmap();
-    return grid.getPos(static_cast<float>(x), 0.05F) < 0.4F;
-  };
-  EXPECT_TRUE(occupied(3, 1, 3.05));
-  EXPECT_FALSE(occupied(3, 2, 3.05)) << "seen once";
-  EXPECT_TRUE(occupied(3, 2, 5.05));
-  EXPECT_TRUE(occupied(1, 2, 3.05)) << "there is but one keyframe";
-}
-
-/** Multipath echoes lie below the road; a quarter of the columns with one is no obstacle. */
-TEST_F(OccupancyGrid, EchoesBelowTheRoadLeaveItFree)
-{
-  test::TestMap map;
-  for (std::size_t k = 0; k < 3; ++k)
-  {
-    Frame frame;
-    frame.index = k;
-    frame.scan.T_vehicle_lidar.translation().z() = 1.7;
-    const auto add = [&](double x, double y, double z)
-    {
-      frame.cloud.points.emplace_back(static_cast<float>(x), static_cast<float>(y),
-                                      static_cast<float>(z));
-      frame.cloud.source.push_back(0);
-    };
-    for (int i = 0; i < 6400; ++i)  // road of 8 m by 8 m
-    {
-      add(0.1 * (i % 80) + 0.05, 0.1 * (i / 80) - 3.95, 0.02);
-    }
-    for (int i = 0; k == 1 && i < 64; ++i)  // an echo in every second column, seen once
-    {
-      if (i % 2 == 0)
-      {
-        add(i % 8 + 0.55, i / 8 - 3.45, -0.8);
-      }
-    }
-    map.insert(frame);
-  }
-  writeOccupancyGrid(map.map, folder.file("m.gridmap"), MapExportOptions());
-  const auto grid = readGridmap();
-  for (float x = 0.55F; x < 7.5F; x += 0.1F)
-  {
-    EXPECT_GT(grid.getPos(x, 0.05F), 0.4F) << x;
-  }
-}
-
-/** A ramp of 12 degrees with a box on it. */
-TEST_F(OccupancyGrid, RampsAreFreeAndWhatStandsOnThemIsNot)
-{
-  test::TestMap map;
-  for (std::size_t k = 0; k < 3; ++k)
-  {
-    Frame frame;
-    frame.index = k;
-    frame.scan.T_vehicle_lidar.translation().z() = 1.7;
-    const auto add = [&](double x, double y, double height)
-    {
-      frame.cloud.points.emplace_back(static_cast<float>(x), static_cast<float>(y),
-                                      static_cast<float>(std::tan(12 * M_PI / 180) * x + height));
-      frame.cloud.source.push_back(0);
-    };
-    for (int i = 0; i < 10000; ++i)  // 10 m by 10 m
-    {
-      add(3.05 + 0.1 * (i % 100), 0.1 * (i / 100) - 4.95, 0);
-    }
-    for (double y = 1.05; y < 2; y += 0.1)
-    {
-      for (double height = 0.2; height < 1; height += 0.1)
-      {
-        add(7.05, y, height);
-      }
-    }
-    map.insert(frame);
-  }
-  writeOccupancyGrid(map.map, folder.file("m.gridmap"), MapExportOptions());
-  const auto grid = readGridmap();
-  int occupied = 0;
-  for (float y = -4.45F; y < 4.5F; y += 0.1F)
-  {
-    for (float x = 3.55F; x < 12.5F; x += 0.1F)
-    {
-      const bool is_box = std::abs(x - 7.05F) < 0.3F && std::abs(y - 1.5F) < 0.7F;
-      const bool is_occupied = grid.getPos(x, y) < 0.4F;
-      EXPECT_TRUE(is_box || !is_occupied) << x << " " << y;
-      occupied += is_occupied ? 1 : 0;
-    }
-  }
-  EXPECT_GE(occupied, 4);
-}
-
 /** Where `(high - origin) / resolution` is rounded up to a whole number, and where the origin is
  * rounded to above `low`. */
 TEST_F(OccupancyGrid, EveryPointHasACellOfTheGrid)
@@ -512,18 +290,6 @@ TEST_F(OccupancyGrid, EveryPointHasACellOfTheGrid)
     EXPECT_EQ(2, freeCells(-823.125, 28, 0.07, axis)) << axis.transpose();
     EXPECT_EQ(2, freeCells(-3.625, 5, 0.145, axis)) << axis.transpose();
   }
-}
-
-TEST_F(OccupancyGrid, LargeGridsGetCoarserCells)
-{
-  MapExportOptions options;
-  EXPECT_EQ(writeOccupancyGrid(test::room().map, folder.file("m.png"), options), 0.1);
-  options.grid_max_cells = 5000;
-  EXPECT_EQ(writeOccupancyGrid(test::room().map, folder.file("m.png"), options), 0.4);
-  const cv::Mat grid = cv::imread(folder.file("m.png"), cv::IMREAD_UNCHANGED);
-  EXPECT_LE(grid.rows * grid.cols, 5000);
-  EXPECT_NE(folder.read("m.yaml").find("resolution: 0.4"), std::string::npos)
-      << folder.read("m.yaml");
 }
 }  // namespace
 }  // namespace dyslam

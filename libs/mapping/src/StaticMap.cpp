@@ -45,6 +45,20 @@ void reserve(std::size_t count, MapPoints& points)
   points.keyframe.reserve(count);
   points.lidar.reserve(count);
 }
+
+/** KeyframeCloud::lidar of a frame's cloud; empty for a vehicle with one lidar. */
+std::vector<std::uint8_t> lidarOfPoints(const Frame& frame)
+{
+  std::vector<std::uint8_t> result;
+  if (!frame.scan.parts.empty())
+  {
+    for (const LidarRange& range : lidarRanges(frame.scan, frame.cloud))
+    {
+      result.resize(range.end, static_cast<std::uint8_t>(range.lidar));
+    }
+  }
+  return result;
+}
 }  // namespace
 
 void MapPoints::add(const MapPoints& others, std::size_t i)
@@ -122,8 +136,9 @@ struct StaticMap::Impl
     }
   }
 
+  /** The frame's points within the range limits, one per voxel, static ones first. */
   [[nodiscard]] KeyframeCloud thinned(const Frame& frame) const;
-  /** Appends the pose of the next keyframe. */
+  /** Appends the pose of the next keyframe; corrects the map first, if that is due. */
   void takeNext(const Frame& frame);
   void addToVoxels(std::size_t keyframe, const BuiltMap* before);
   void rebuild(double voxel_size);
@@ -143,23 +158,6 @@ struct StaticMap::Impl
   VoxelMap map;
   mutable std::optional<CleanedMap> cleaned;  //!< valid until the map changes
 };
-
-namespace
-{
-/** KeyframeCloud::lidar of a frame's cloud; empty for a vehicle with one lidar. */
-std::vector<std::uint8_t> lidarOfPoints(const Frame& frame)
-{
-  std::vector<std::uint8_t> result;
-  if (!frame.scan.parts.empty())
-  {
-    for (const LidarRange& range : lidarRanges(frame.scan, frame.cloud))
-    {
-      result.resize(range.end, static_cast<std::uint8_t>(range.lidar));
-    }
-  }
-  return result;
-}
-}  // namespace
 
 KeyframeCloud StaticMap::Impl::thinned(const Frame& frame) const
 {
@@ -307,16 +305,6 @@ void StaticMap::Impl::keepWithinLimit()
   }
 }
 
-StaticMap::StaticMap(const StaticMapOptions& options,
-                     KeyframeStore& keyframes,
-                     const MapRegion& region)
-    : impl_(std::make_unique<Impl>(options, keyframes, region))
-{
-}
-StaticMap::~StaticMap() = default;
-StaticMap::StaticMap(StaticMap&&) noexcept = default;
-StaticMap& StaticMap::operator=(StaticMap&&) noexcept = default;
-
 void StaticMap::Impl::takeNext(const Frame& frame)
 {
   if (keyframes.size() <= poses.size() || keyframes[poses.size()].frame != frame.index)
@@ -331,6 +319,25 @@ void StaticMap::Impl::takeNext(const Frame& frame)
   }
   poses.push_back(keyframes[poses.size()].T_map_vehicle);
 }
+
+const CleanedMap& StaticMap::Impl::cleanedMap() const
+{
+  if (!cleaned)
+  {
+    cleaned.emplace(map, options, keyframes.memory().part(cleaned_share));
+  }
+  return *cleaned;
+}
+
+StaticMap::StaticMap(const StaticMapOptions& options,
+                     KeyframeStore& keyframes,
+                     const MapRegion& region)
+    : impl_(std::make_unique<Impl>(options, keyframes, region))
+{
+}
+StaticMap::~StaticMap() = default;
+StaticMap::StaticMap(StaticMap&&) noexcept = default;
+StaticMap& StaticMap::operator=(StaticMap&&) noexcept = default;
 
 void StaticMap::insert(const Frame& frame)
 {
@@ -370,15 +377,6 @@ void StaticMap::beginRun()
 void StaticMap::correct()
 {
   impl_->correct();
-}
-
-const CleanedMap& StaticMap::Impl::cleanedMap() const
-{
-  if (!cleaned)
-  {
-    cleaned.emplace(map, options, keyframes.memory().part(cleaned_share));
-  }
-  return *cleaned;
 }
 
 std::size_t StaticMap::pointCount() const

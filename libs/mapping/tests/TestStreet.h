@@ -2,10 +2,12 @@
 #pragma once
 
 #include <dyslam/core/Frame.h>
+#include <dyslam/mapping/StaticMap.h>
 
 #include <cmath>
 #include <cstddef>
 #include <limits>
+#include <vector>
 
 namespace dyslam::test
 {
@@ -75,4 +77,34 @@ inline Frame scanAt(std::size_t index, double x, double car_x)
 }
 
 inline constexpr double kNoCar = std::numeric_limits<double>::quiet_NaN();
+
+/** Number of map points in an axis-aligned box, borders included. */
+inline std::size_t countIn(const MapPoints& map,
+                           const Eigen::Vector3f& low,
+                           const Eigen::Vector3f& high)
+{
+  std::size_t count = 0;
+  for (const auto& p : map.points)
+  {
+    count += (p.array() >= low.array()).all() && (p.array() <= high.array()).all() ? 1 : 0;
+  }
+  return count;
+}
+
+/** Number of map points at the height and in the lane of the car of scanAt(). */
+inline std::size_t carPoints(const MapPoints& map)
+{
+  return countIn(map, {-20, -4.5F, 0.4F}, {80, -1.6F, 1.8F});
+}
+
+/** Poses along the street. \param step distance between them [m] */
+inline std::vector<Pose> posesOf(std::size_t count, double step)
+{
+  std::vector<Pose> poses;
+  for (std::size_t i = 0; i < count; ++i)
+  {
+    poses.push_back(poseFromYpr(step * static_cast<double>(i), 0, 0, 0, 0, 0));
+  }
+  return poses;
+}
 }  // namespace dyslam::test

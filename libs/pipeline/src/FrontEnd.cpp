@@ -32,6 +32,7 @@ struct SweepPrediction
   double sweep_duration = 0;  //!< Frame::sweep_duration [s]
 };
 
+/** A prepared cloud, and the same as the segmenter's network encodes it. */
 struct EncodedScan
 {
   Cloud cloud;
@@ -77,12 +78,15 @@ struct FrontEnd::Stages
   [[nodiscard]] Cloud prepareUnlabelled(const Scan& scan, const SweepPrediction& sweep);
   [[nodiscard]] std::shared_ptr<const EncodedCloud> encode(const Cloud& cloud, const Scan& scan);
   [[nodiscard]] EncodedScan encodeAhead(const Scan& scan, const SweepPrediction& sweep);
+  /** Starts preparing and encoding the next scan in ahead_thread, if it may be encoded ahead.
+   * \param next see FrontEnd::process() */
   void beginAhead(const Frame* next);
   /** Sets the frame's cloud. \return the cloud encoded ahead; null if there is none */
   [[nodiscard]] std::shared_ptr<const EncodedCloud> preprocess(Frame& frame);
   /** Segments, if the segmenter runs before (false) or after (true) the pose is known. */
   void segment(Frame& frame, bool pose_known, const std::shared_ptr<const EncodedCloud>& encoded);
-  /** \param scan scan of the points that an earlier run labelled moving */
+  /** Puts the points that an earlier run labelled moving back into scan and cloud, as moving.
+   * \param scan scan of these points, see takeMoving() */
   void putBack(const Scan& scan, Frame& frame);
 
   mrpt::system::CTimeLogger& times;
@@ -95,7 +99,6 @@ struct FrontEnd::Stages
   OwnVehicle own_vehicle;
   std::unique_ptr<MovingSegmenter> segmenter;  //!< null: no segmentation
   Odometry odometry;
-  SweepPrediction sweep_used;  //!< motion that deskewed the current cloud
   /** Motion for deskewing and encoding the next scan ahead; empty if the scan is encoded after its
    * own prediction. */
   std::optional<SweepPrediction> sweep_ahead;
@@ -172,7 +175,6 @@ void FrontEnd::Stages::beginAhead(const Frame* next)
 std::shared_ptr<const EncodedCloud> FrontEnd::Stages::preprocess(Frame& frame)
 {
   const SweepPrediction predicted{frame.prior.T_previous_current, frame.dt, frame.sweep_duration};
-  sweep_used = predicted;
   std::shared_ptr<const EncodedCloud> encoded;
   if (sweep_ahead)
   {
@@ -187,13 +189,13 @@ std::shared_ptr<const EncodedCloud> FrontEnd::Stages::preprocess(Frame& frame)
     frame.cloud = prepareUnlabelled(frame.scan, predicted);
   }
   bool prepared_again = false;
-  odometry.resolveInterval(frame,
-                           [&](const Pose& T_previous_current, double dt)
-                           {
-                             prepared_again = true;
-                             sweep_used = {T_previous_current, dt, frame.sweep_duration};
-                             return prepareUnlabelled(frame.scan, sweep_used);
-                           });
+  odometry.resolveInterval(
+      frame,
+      [&](const Pose& T_previous_current, double dt)
+      {
+        prepared_again = true;
+        return prepareUnlabelled(frame.scan, {T_previous_current, dt, frame.sweep_duration});
+      });
   if (segmenter && (!encoded || prepared_again))
   {
     encoded = encode(frame.cloud, frame.scan);

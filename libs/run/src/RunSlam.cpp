@@ -25,17 +25,15 @@ namespace dyslam
 {
 namespace
 {
-using OnFrame = std::function<void(double, std::size_t)>;
-
 /** Passes the waiting times of the threads to the run when it ends, also by an exception. */
-class NotedWaits
+class WaitRecorder
 {
  public:
-  NotedWaits(SlamRun& run, ReadAhead& reader, ReadAhead& front_end)
+  WaitRecorder(SlamRun& run, ReadAhead& reader, ReadAhead& front_end)
       : run_(run), reader_(reader), front_end_(front_end)
   {
   }
-  ~NotedWaits()
+  ~WaitRecorder()
   {
     const QueueWaits scans = reader_.waits();
     const QueueWaits frames = front_end_.waits();
@@ -48,8 +46,8 @@ class NotedWaits
     }
     run_.noteWait("back_end", frames.for_items);
   }
-  NotedWaits(const NotedWaits&) = delete;
-  NotedWaits& operator=(const NotedWaits&) = delete;
+  WaitRecorder(const WaitRecorder&) = delete;
+  WaitRecorder& operator=(const WaitRecorder&) = delete;
 
  private:
   SlamRun& run_;
@@ -83,7 +81,7 @@ bool replay(const SlamRunSettings& settings,
             RawlogSource& source,
             SlamRun& run,
             ScanSum scans,
-            const OnFrame& on_frame)
+            const FrameCallback& on_frame)
 {
   std::atomic<double> per_scan = 0;  // progress by scan; only the reading thread uses the source
   std::atomic<bool> is_stopping = false;
@@ -112,7 +110,7 @@ bool replay(const SlamRunSettings& settings,
         }
         return frame;
       });
-  const NotedWaits waits(run, reader, front_end);
+  const WaitRecorder recorder(run, reader, front_end);
   while (auto frame = front_end.next())
   {
     const std::size_t index = frame->index;
@@ -122,7 +120,7 @@ bool replay(const SlamRunSettings& settings,
     {
       const auto start = std::chrono::steady_clock::now();
       run.checkpoint(*begun);
-      checkpoints.took(
+      checkpoints.recordDuration(
           std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
     }
     if (on_frame)
@@ -139,7 +137,7 @@ SlamRunReport processRest(const SlamRunSettings& settings,
                           RawlogSource& source,
                           SlamRun& run,
                           const ScanSum& scans,
-                          const OnFrame& on_frame)
+                          const FrameCallback& on_frame)
 {
   const EarlyEnd end = replayToTheEnd(
       run, [&] { return replay(settings, source, run, scans, on_frame); },
@@ -154,7 +152,7 @@ SlamRunReport processRest(const SlamRunSettings& settings,
 }
 
 /** Skips the scans that the run has processed. \throws UserError if they differ. */
-ScanSum skipSeen(const SavedRun& saved, const std::string& rawlog, RawlogSource& source)
+ScanSum skipProcessed(const SavedRun& saved, const std::string& rawlog, RawlogSource& source)
 {
   const std::string advice = "; give the recording that the run had, or start anew";
   if (std::filesystem::file_size(rawlog) != saved.rawlog_size)
@@ -219,7 +217,7 @@ EarlyEnd replayToTheEnd(const SlamRun& run,
   return end;
 }
 
-SlamRunReport runSlam(const SlamRunSettings& settings, const OnFrame& on_frame)
+SlamRunReport runSlam(const SlamRunSettings& settings, const FrameCallback& on_frame)
 {
   SlamRun run(settings);
   RawlogSource source(settings.rawlog, run.input());
@@ -238,13 +236,13 @@ Config settingsOfCheckpoint(const std::string& output_folder)
   return Config::fromText(RunToResume(output_folder).run.settings, "the state's settings");
 }
 
-SlamRunReport resumeSlam(const SlamRunSettings& given, const OnFrame& on_frame)
+SlamRunReport resumeSlam(const SlamRunSettings& given, const FrameCallback& on_frame)
 {
   RunToResume saved(given.output_folder);
   const SlamRunSettings settings = settingsOf(saved.run, given);
   SlamRun run(settings);
   RawlogSource source(settings.rawlog, run.input());
-  const ScanSum scans = skipSeen(saved.run, settings.rawlog, source);
+  const ScanSum scans = skipProcessed(saved.run, settings.rawlog, source);
   requireNotStopped(settings);
   run.resume(saved);
   return processRest(settings, source, run, scans, on_frame);

@@ -233,8 +233,9 @@ struct Tracker::Implementation
     unmatched_observations = std::move(remaining_observations);
   }
 
-  /** Updates all tracks, which are predicted to this scan. New tracks have wide gates, so that they
-   * are associated last. Unassigned observations remain. */
+  /** Associates all tracks, predicted to the stamp of the observations, and updates them. New
+   * tracks have wide gates, so that they are associated last. \param strong, weak indices of the
+   * observations with at least birth_score, and of the others; unassigned ones remain */
   void updateTracks(const std::vector<Observation>& observations,
                     std::vector<std::size_t>& strong,
                     std::vector<std::size_t>& weak)

@@ -55,6 +55,8 @@ class Trainer : public TrainingTask
   void run();
 
  private:
+  [[nodiscard]] TrainingLoopSetup loopSetup() const;
+  void loadWeights();
   void startFrom(const std::string& path);
   std::vector<torch::Tensor> addCopy() override;
   void preparePair(std::int64_t step, std::size_t pair) override;
@@ -102,8 +104,31 @@ Trainer::Trainer(const Config& config, const DyloTrainRequest& request)
   copyWeights(*mean_, *network_, "");
   loss_->to(device_);
 
+  loop_ = std::make_unique<TrainingLoop>(loopSetup(), *this);
+  loadWeights();
+  if (!request.validate_only)
+  {
+    makeFolder(request.output, "choose another --output");
+  }
+  const std::string base = dataFolder(data_.base, "[data] base");
+  const DataSplits splits = DataSplits::load(data_.splits, "[data] splits");
+  validation_ = loadRecordings(data_.validation, base, splits, Split::validation);
+  for (const std::string& item : listItems(data_.simulated_validation, '|'))
+  {
+    validation_.push_back(simulateRecording(item, splits));
+  }
+  if (!request.validate_only)
+  {
+    writeWhole(request.output + "/effective.ini", loader.effective().toIni());
+    source_ = makeDyloPairSource(data_, augmentation_, base, splits,
+                                 static_cast<std::uint64_t>(options_.seed));
+  }
+}
+
+TrainingLoopSetup Trainer::loopSetup() const
+{
   TrainingLoopSetup setup;
-  setup.folder = request.output;
+  setup.folder = request_.output;
   setup.log_file = log_file;
   setup.log_header =
       "step,learning_rate,loss,pose,flow,precision,moving,final_pose,gradient,first_stage_m,"
@@ -125,40 +150,27 @@ Trainer::Trainer(const Config& config, const DyloTrainRequest& request)
   setup.optimizer = std::make_shared<torch::optim::Adam>(
       parametersOf(network_, loss_),
       torch::optim::AdamOptions(options_.rate.learning_rate).betas({0.9, 0.999}));
-  loop_ = std::make_unique<TrainingLoop>(std::move(setup), *this);
+  return setup;
+}
 
-  if (request.validate_only && !request.start.empty())
+/** Starts from given weights, from the last checkpoint, or anew. */
+void Trainer::loadWeights()
+{
+  if (request_.validate_only && !request_.start.empty())
   {
-    startFrom(request.start);
+    startFrom(request_.start);
   }
-  else if (request.resume || request.validate_only)
+  else if (request_.resume || request_.validate_only)
   {
     loop_->resume();
   }
   else
   {
     loop_->requireFreshFolder();
-    if (!request.start.empty())
+    if (!request_.start.empty())
     {
-      startFrom(request.start);
+      startFrom(request_.start);
     }
-  }
-  if (!request.validate_only)
-  {
-    makeFolder(request.output, "choose another --output");
-  }
-  const std::string base = dataFolder(data_.base, "[data] base");
-  const DataSplits splits = DataSplits::load(data_.splits, "[data] splits");
-  validation_ = loadRecordings(data_.validation, base, splits, Split::validation);
-  for (const std::string& item : listItems(data_.simulated_validation, '|'))
-  {
-    validation_.push_back(simulateRecording(item, splits));
-  }
-  if (!request.validate_only)
-  {
-    writeWhole(request.output + "/effective.ini", loader.effective().toIni());
-    source_ = makeDyloPairSource(data_, augmentation_, base, splits,
-                                 static_cast<std::uint64_t>(options_.seed));
   }
 }
 

@@ -82,6 +82,67 @@ Directions measurableDirections(const Key& key, const double* block)
   }
 }
 
+using BlockPairs = std::vector<std::pair<const double*, const double*>>;
+
+/** The variables of the graph that are not fixed. \param wanted only those of them; empty: all
+ * \return sorted */
+std::vector<Key> freeKeys(const FactorGraph& graph, const std::set<Key>& wanted)
+{
+  std::vector<Key> free;
+  const auto add = [&free](const Key& key, const FactorGraph::Variable& variable)
+  {
+    if (!variable.fixed)
+    {
+      free.push_back(key);
+    }
+  };
+  for (const Key& key : wanted)
+  {
+    const auto found = graph.variables().find(key);
+    if (found != graph.variables().end())
+    {
+      add(key, found->second);
+    }
+  }
+  if (wanted.empty())
+  {
+    for (const auto& [key, variable] : graph.variables())
+    {
+      add(key, variable);
+    }
+  }
+  return free;
+}
+
+/** The blocks of the covariance matrix for the marginals of `keys` that are free, each once: Ceres
+ * aborts the program if a pair is there twice. \param free sorted */
+BlockPairs marginalBlocks(const FactorGraph& graph,
+                          const std::vector<Key>& free,
+                          const std::vector<Key>& keys)
+{
+  BlockPairs pairs;
+  std::set<Key> listed;
+  for (const Key& key : keys)
+  {
+    if (std::binary_search(free.begin(), free.end(), key) && listed.insert(key).second)
+    {
+      const double* block = graph.variables().at(key).block.data();
+      pairs.emplace_back(block, block);
+    }
+  }
+  return pairs;
+}
+
+ceres::Covariance::Options covarianceOptions()
+{
+  ceres::Covariance::Options options;
+  options.algorithm_type = ceres::SPARSE_QR;
+  options.sparse_linear_algebra_library_type = ceres::EIGEN_SPARSE;
+  options.num_threads = 1;
+  options.apply_loss_function = false;
+  return options;
+}
+
 /** Changes of a pose or six numbers in some directions of the tangent, given as columns of unit
  * length that are perpendicular to each other. */
 class DirectionsManifold final : public ceres::Manifold
@@ -191,28 +252,7 @@ OptimisationResult FactorGraph::optimise(const FactorGraphOptions& options,
 std::vector<Matrix6> FactorGraph::covariances(const std::vector<Key>& keys,
                                               const std::set<Key>& wanted)
 {
-  std::vector<Key> free;
-  const auto addFree = [&](const Key& key, const Variable& variable)
-  {
-    if (!variable.fixed)
-    {
-      free.push_back(key);
-    }
-  };
-  for (const Key& key : wanted)
-  {
-    if (const auto found = variables_.find(key); found != variables_.end())
-    {
-      addFree(key, found->second);
-    }
-  }
-  if (wanted.empty())
-  {
-    for (const auto& [key, variable] : variables_)
-    {
-      addFree(key, variable);
-    }
-  }
+  const std::vector<Key> free = freeKeys(*this, wanted);
   FactorGraphOptions plain;
   plain.loop_loss = RobustLoss::none;
   plain.object_loss = RobustLoss::none;
@@ -230,22 +270,8 @@ std::vector<Matrix6> FactorGraph::covariances(const std::vector<Key>& keys,
       problem.problem().SetManifold(block, manifolds.back().get());
     }
   }
-  std::vector<std::pair<const double*, const double*>> pairs;
-  std::set<Key> listed;  // Ceres aborts the program if a pair is there twice
-  for (const Key& key : keys)
-  {
-    if (std::binary_search(free.begin(), free.end(), key) && listed.insert(key).second)
-    {
-      const double* block = variable(key).block.data();
-      pairs.emplace_back(block, block);
-    }
-  }
-  ceres::Covariance::Options options;
-  options.algorithm_type = ceres::SPARSE_QR;
-  options.sparse_linear_algebra_library_type = ceres::EIGEN_SPARSE;
-  options.num_threads = 1;
-  options.apply_loss_function = false;
-  ceres::Covariance covariance(options);
+  const BlockPairs pairs = marginalBlocks(*this, free, keys);
+  ceres::Covariance covariance(covarianceOptions());
   if (!pairs.empty() && !covariance.Compute(pairs, &problem.problem()))
   {
     throw std::runtime_error(

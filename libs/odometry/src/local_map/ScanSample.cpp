@@ -59,7 +59,7 @@ void RawPoints::rescalePhase(double unit)
   phase_unit = unit;
 }
 
-void ScanSample::ingest(const Frame& frame, double spacing, ThreadPool& pool)
+void ScanSample::selectAlongRings(const Frame& frame, double spacing)
 {
   const Cloud& cloud = frame.cloud;
   const std::size_t count = cloud.size();
@@ -86,22 +86,34 @@ void ScanSample::ingest(const Frame& frame, double spacing, ThreadPool& pool)
       source.push_back(static_cast<std::uint32_t>(i));
     }
   }
+}
 
+void ScanSample::assignLidars(const Frame& frame)
+{
   scan.lidar.clear();
-  if (!frame.scan.parts.empty())
+  if (frame.scan.parts.empty())
   {
-    const std::vector<LidarRange> ranges = lidarRanges(frame.scan, cloud);
-    scan.lidar.reserve(source.size());
-    std::size_t lidar = 0;
-    for (const std::uint32_t i : source)
-    {
-      while (i >= ranges[lidar].end)
-      {
-        ++lidar;
-      }
-      scan.lidar.push_back(static_cast<std::uint8_t>(lidar));
-    }
+    return;
   }
+  const std::vector<LidarRange> ranges = lidarRanges(frame.scan, frame.cloud);
+  scan.lidar.reserve(source.size());
+  std::size_t lidar = 0;
+  for (const std::uint32_t i : source)
+  {
+    while (i >= ranges[lidar].end)
+    {
+      ++lidar;
+    }
+    scan.lidar.push_back(static_cast<std::uint8_t>(lidar));
+  }
+}
+
+void ScanSample::ingest(const Frame& frame, double spacing, ThreadPool& pool)
+{
+  selectAlongRings(frame, spacing);
+  assignLidars(frame);
+  const Cloud& cloud = frame.cloud;
+  const std::size_t count = cloud.size();
   const bool skewed = cloud.phase.size() == count;
   scan_index_.resize(cloud.source.size() == count ? source.size() : 0);
   for (std::size_t i = 0; i < scan_index_.size(); ++i)

@@ -48,7 +48,13 @@ struct ScanSample
   void draw(double size, std::size_t max_points);
 
  private:
-  std::vector<Eigen::Vector3f> last_of_ring_;
-  std::vector<std::uint32_t> scan_index_;  //!< Cloud::source of the points of `scan`
+  /** Sets `source` to points of the cloud that are at least `spacing` [m] apart along their ring.
+   */
+  void selectAlongRings(const Frame& frame, double spacing);
+  /** Sets the lidars of the points in `source`. */
+  void assignLidars(const Frame& frame);
+
+  std::vector<Eigen::Vector3f> last_of_ring_;  //!< last selected point of each ring
+  std::vector<std::uint32_t> scan_index_;      //!< Cloud::source of the points of `scan`
 };
 }  // namespace dyslam

@@ -59,6 +59,7 @@ class ScanToMap
                         const ScanToMapSettings& settings);
 
  private:
+  /** The surface of a point, kept while the point moves little. */
   struct Match
   {
     Eigen::Vector3f looked_up_at;  //!< position of the look-up, relative to the base [m]
@@ -66,6 +67,7 @@ class ScanToMap
     float offset = 0;  //!< distance of the plane from the base, along its normal [m]
     float weight = 0;  //!< weight of the match; 0: no surface
   };
+  /** Sums over points, by the weights of the robust loss. */
   struct Sums
   {
     NormalEquations ground;
@@ -80,12 +82,21 @@ class ScanToMap
     /** Sum of ground and others; the weight of the ground is limited to `max_ground_weight_ratio`
      * times the others' weight, but not below a fifth of its own. */
     [[nodiscard]] NormalEquations balanced(double max_ground_weight_ratio) const;
+    /** Sets number, shares and ratio of the inliers. */
+    void copyShares(ScanToMapResult& result) const;
   };
+  /** What one Gauss-Newton iteration reads. */
   struct Iteration
   {
-    Pose T_motion;  //!< motion since the previous frame
-    Eigen::Matrix3f R;
-    Eigen::Vector3f t;
+    /** \param T_before pose of the previous frame \param T present estimate of the pose
+     * \param lidars_vehicle positions of the lidars, vehicle frame [m] */
+    void setPose(const Pose& T_before,
+                 const Pose& T,
+                 const std::vector<Eigen::Vector3f>& lidars_vehicle);
+
+    Pose T_motion;      //!< motion since the previous frame
+    Eigen::Matrix3f R;  //!< rotation of the estimate
+    Eigen::Vector3f t;  //!< translation of the estimate from the base [m]
     SurfacePyramid::Base base;
     std::vector<Eigen::Vector3f> lidars;  //!< positions relative to the base [m]
     float min_incidence = 0;

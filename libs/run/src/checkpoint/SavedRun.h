@@ -131,7 +131,7 @@ class Checkpoints
   // Called in the back end's thread:
   /** Records the duration of a checkpoint [s]: the interval is adapted, so that checkpoints take at
    * most a twentieth of the time for any size of the state. */
-  void took(double seconds) { cost_ = seconds; }
+  void recordDuration(double seconds) { cost_ = seconds; }
   /** What was begun at this frame. */
   [[nodiscard]] std::optional<BegunCheckpoint> take(std::size_t frame);
 

@@ -7,7 +7,9 @@
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>
+#include <map>
 #include <nlohmann/json.hpp>
+#include <string>
 
 #include "RunOutput.h"
 
@@ -24,6 +26,41 @@ double rounded(double value)
   char text[32];
   std::snprintf(text, sizeof text, "%.9g", value);
   return std::strtod(text, nullptr);
+}
+
+Json jsonOf(const Georeference& georeference)
+{
+  return {{"positions", georeference.fixes},
+          {"horizontal_rmse_m", rounded(georeference.horizontal_rmse)},
+          {"vertical_rmse_m", rounded(georeference.vertical_rmse)},
+          {"fused", georeference.fused}};
+}
+
+Json jsonOf(const Gravity& gravity)
+{
+  const auto numbers = [](const Eigen::Vector3d& v) {
+    return Json::array({rounded(v.x()), rounded(v.y()), rounded(v.z())});
+  };
+  return {{"directions", gravity.directions},
+          {"rmse_deg", rounded(gravity.rmse / radians_per_degree)},
+          {"map_tilt_deg", rounded(gravity.tilt / radians_per_degree)},
+          {"map_tilt_sigma_deg", rounded(gravity.tilt_sigma / radians_per_degree)},
+          {"up_map", numbers(gravity.up_map)},
+          {"accelerometer_bias_mps2", numbers(gravity.bias)},
+          {"fused", gravity.fused},
+          {"levelled", gravity.levelled}};
+}
+
+/** An object with the values, each passed through `round`. */
+template <typename Round>
+Json jsonOf(const std::map<std::string, double>& values, const Round& round)
+{
+  Json json = Json::object();
+  for (const auto& [name, value] : values)
+  {
+    json[name] = round(value);
+  }
+  return json;
 }
 
 /** `report.json`: figures of the run. It is written last, marks the end of a run, and names files
@@ -49,11 +86,11 @@ class ReportOutput : public RunOutput
   {
     constexpr int indent = 2;
     const std::string text =
-        jsonOf(results, finished).dump(indent, ' ', false, Json::error_handler_t::replace);
+        toJson(results, finished).dump(indent, ' ', false, Json::error_handler_t::replace);
     writeWhole(path(report_name), text + "\n");
   }
 
-  [[nodiscard]] Json jsonOf(const RunResults& results, bool finished) const
+  [[nodiscard]] Json toJson(const RunResults& results, bool finished) const
   {
     SlamRunReport report = results.report;
     report.run_time = results.runTime();
@@ -75,45 +112,20 @@ class ReportOutput : public RunOutput
     json["loops_left_out"] = report.loops_left_out;
     if (report.georeference)
     {
-      json["gnss"] = {{"positions", report.georeference->fixes},
-                      {"horizontal_rmse_m", rounded(report.georeference->horizontal_rmse)},
-                      {"vertical_rmse_m", rounded(report.georeference->vertical_rmse)},
-                      {"fused", report.georeference->fused}};
+      json["gnss"] = jsonOf(*report.georeference);
     }
     if (report.gravity)
     {
-      const Gravity& gravity = *report.gravity;
-      const auto numbers = [](const Eigen::Vector3d& v) {
-        return Json::array({rounded(v.x()), rounded(v.y()), rounded(v.z())});
-      };
-      json["gravity"] = {{"directions", gravity.directions},
-                         {"rmse_deg", rounded(gravity.rmse / radians_per_degree)},
-                         {"map_tilt_deg", rounded(gravity.tilt / radians_per_degree)},
-                         {"map_tilt_sigma_deg", rounded(gravity.tilt_sigma / radians_per_degree)},
-                         {"up_map", numbers(gravity.up_map)},
-                         {"accelerometer_bias_mps2", numbers(gravity.bias)},
-                         {"fused", gravity.fused},
-                         {"levelled", gravity.levelled}};
+      json["gravity"] = jsonOf(*report.gravity);
     }
     json["tracks"] = report.tracks;
     json["map_points"] = report.map_points;
     json["path_length_m"] = rounded(report.path_length);
     json["ms_per_scan"] = rounded(report.ms_per_scan);
-    json["stage_ms"] = Json::object();
-    for (const auto& [stage, ms] : results.stage_ms)
-    {
-      json["stage_ms"][stage] = rounded(ms);
-    }
-    json["wait_ms"] = Json::object();
-    for (const auto& [thread, ms] : results.wait_ms)
-    {
-      json["wait_ms"][thread] = rounded(ms);
-    }
-    json["memory_mb"] = Json::object();
-    for (const auto& [part, mb] : results.memory_mb)
-    {
-      json["memory_mb"][part] = std::round(10 * mb) / 10;
-    }
+    json["stage_ms"] = jsonOf(results.stage_ms, rounded);
+    json["wait_ms"] = jsonOf(results.wait_ms, rounded);
+    json["memory_mb"] =
+        jsonOf(results.memory_mb, [](double mb) { return std::round(10 * mb) / 10; });
     json["recording_time_s"] = rounded(report.recording_time);
     json["run_time_s"] = rounded(report.run_time);
     json["realtime_factor"] = rounded(report.realtimeFactor());

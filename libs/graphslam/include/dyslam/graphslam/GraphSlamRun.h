@@ -3,8 +3,6 @@
 
 #include <dyslam/run/SlamRun.h>
 
-#include <cstddef>
-#include <functional>
 #include <string>
 
 namespace dyslam
@@ -26,5 +24,5 @@ struct GraphSlamPluginNames
  * \throws UserError as runSlam(), and for an unknown plug-in. */
 SlamRunReport runGraphSlam(const SlamRunSettings& settings,
                            const GraphSlamPluginNames& plugins = {},
-                           const std::function<void(double, std::size_t)>& on_frame = {});
+                           const FrameCallback& on_frame = {});
 }  // namespace dyslam

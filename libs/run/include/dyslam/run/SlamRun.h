@@ -45,6 +45,10 @@ struct SlamRunSettings
   std::function<void(const std::string&)> after_scans;
 };
 
+/** Called after each frame of a run. \param fraction share of the work that is done, in [0, 1]
+ * \param frames number of frames so far */
+using FrameCallback = std::function<void(double fraction, std::size_t frames)>;
+
 /** Result of a run, as in report.json. */
 struct SlamRunReport
 {
@@ -62,8 +66,8 @@ struct SlamRunReport
   std::size_t map_points = 0;
   double path_length = 0;  //!< length of the trajectory [m]
   double ms_per_scan = 0;  //!< mean time of all stages, without reading and writing files
-  double run_time = 0;     //!< from the construction of SlamRun to its last file, including the
-  //!< first of two passes [s]
+  /** From the construction of SlamRun to its last file, including the first of two passes [s]. */
+  double run_time = 0;
   double first_pass_time = 0;  //!< part of run_time for the first of two passes [s]
   double recording_time = 0;   //!< duration of the processed part of the recording [s]
   bool has_reference = false;  //!< the recording had ground truth; reference_tum.txt was written
@@ -158,11 +162,9 @@ void requireNotStopped(const SlamRunSettings& settings);
  * If the recording turns out damaged halfway, or the run is stopped, complete results of the frames
  * before are written, then the error is thrown. If a file cannot be written, all others are written
  * and report.json names it, then the error is thrown. A stopped run also leaves a checkpoint,
- * unless `output.checkpoint_seconds` is 0. \param on_frame called after each frame with the share
- * of the work done and the number of frames. \throws UserError for bad input, config or output
- * folder. */
-SlamRunReport runSlam(const SlamRunSettings& settings,
-                      const std::function<void(double, std::size_t)>& on_frame = {});
+ * unless `output.checkpoint_seconds` is 0.
+ * \throws UserError for bad input, config or output folder. */
+SlamRunReport runSlam(const SlamRunSettings& settings, const FrameCallback& on_frame = {});
 
 /** Resumes a run that was stopped or killed from its last checkpoint. The files become byte for
  * byte those of an uninterrupted run, except for times in the reports.
@@ -174,8 +176,7 @@ SlamRunReport runSlam(const SlamRunSettings& settings,
  *   `config` with settings that have to be equal to the run's; `stop` and `profile_csv`
  * \throws UserError as runSlam(), and if there is nothing to resume, the state is damaged, or
  *   recording, settings or program differ. Nothing is removed then. */
-SlamRunReport resumeSlam(const SlamRunSettings& given,
-                         const std::function<void(double, std::size_t)>& on_frame = {});
+SlamRunReport resumeSlam(const SlamRunSettings& given, const FrameCallback& on_frame = {});
 
 /** Whether the output folder of a run has a checkpoint, which resumeSlam() continues from. */
 [[nodiscard]] bool hasCheckpoint(const std::string& output_folder);
