@@ -263,6 +263,24 @@ TEST(CloudFiles, AbsoluteTimesInSinglePrecisionAreLeftOut)
   EXPECT_TRUE(contains(conventions.warnings().at(0), "too coarse"));
 }
 
+/** A float32 since 1970 has steps of 128 s: all points of a scan have the same. */
+TEST(CloudFiles, EqualTimesInSinglePrecisionAreReported)
+{
+  const TestFolder folder;
+  const std::string path =
+      folder.write("a.pcd",
+                   "FIELDS x y z timestamp\nSIZE 4 4 4 4\nTYPE F F F F\nWIDTH 2\nHEIGHT 1\n"
+                   "POINTS 2\nDATA ascii\n1 2 3 1700000000\n2 2 3 1700000000\n");
+  FieldConventions conventions;
+  for (int scan = 0; scan < 2; ++scan)
+  {
+    EXPECT_TRUE(readCloud(path, conventions).time.empty());
+  }
+  ASSERT_EQ(1U, conventions.warnings().size());
+  EXPECT_TRUE(contains(conventions.warnings()[0],
+                       "field timestamp is the same for all points and not taken"));
+}
+
 TEST(CloudFiles, NamesThatDriversGiveToFields)
 {
   const TestFolder folder;
@@ -273,7 +291,7 @@ TEST(CloudFiles, NamesThatDriversGiveToFields)
          {"t", "time", "timestamp", "offset_time", "time_offset", "time_stamp"})
     {
       for (const char* intensity_name :
-           {"intensity", "Intensity", "scalar_Intensity", "reflectivity", "i"})
+           {"intensity", "Intensity", "scalar_Intensity", "reflectivity", "i", "reflectance"})
       {
         const Scan scan =
             readCloud(folder.write("a.pcd", textPcd({{"other", 'F', ring},

@@ -384,6 +384,24 @@ TEST(RosScans, EmptyScansAndStampsOfZero)
   expectSame(sweepOf(50), decoded(decoder, test::velodyneFields(sweepOf(50))), 0);
 }
 
+/** The clock of the points is that of the recorder. */
+TEST(RosScans, AbsoluteTimesWithoutAStampOfTheHeader)
+{
+  const Scan scan = sweepOf(50);
+  constexpr double recorded = 12;  // see messageOf()
+  auto fields = coordinates(scan);
+  fields.push_back({"timestamp", 8,
+                    mapped(scan, [&](std::size_t i) { return recorded - 0.15 + scan.time[i]; })});
+  const std::string data = test::pointCloud2(true, 0, fields);
+  RosScanDecoder decoder;
+  const Scan read = decoder.decode(topicOf(true, "sensor_msgs/PointCloud2"), messageOf(data));
+  EXPECT_EQ(recorded, read.stamp);
+  ASSERT_EQ(scan.size(), read.time.size());
+  EXPECT_NEAR(scan.time.back() - 0.15F, read.time.back(), 1e-6);
+  ASSERT_EQ(1U, decoder.warnings().size());
+  EXPECT_TRUE(contains(decoder.warnings()[0], "its headers have no time stamp"));
+}
+
 /** As drivers publish them before the first revolution. */
 TEST(RosScans, AMessageWithoutFieldsIsAnEmptyScan)
 {
@@ -411,7 +429,7 @@ TEST(RosScans, AMessageWithoutFieldsIsAnEmptyScan)
     const auto bag = openBag(folder.file("x" + ending));
     const RosScanTopic taken = scanTopics(*bag).front();
     EXPECT_EQ("/points", bag->topics()[taken.topic].name);
-    EXPECT_EQ(50U, taken.points);
+    EXPECT_EQ(scan.size(), taken.points);
     EXPECT_EQ("lidar", taken.frame);
     EXPECT_EQ("lidar", frameOfTopic(*bag, taken.topic));
   }

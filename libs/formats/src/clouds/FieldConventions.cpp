@@ -186,6 +186,16 @@ double FieldConventions::zeroOf(double first, double last, double stamp)
   return first;
 }
 
+void FieldConventions::noteEqualTimes(const TimeField& field)
+{
+  if (!times_equal_)
+  {
+    warn("field " + field.name +
+         " is the same for all points and not taken for their times, in the first scan at least");
+  }
+  times_equal_ = true;  // a later scan may show them
+}
+
 void FieldConventions::fillTimes(const TimeField& field, Scan& scan)
 {
   learnTimes(field);
@@ -195,12 +205,7 @@ void FieldConventions::fillTimes(const TimeField& field, Scan& scan)
   }
   if (!scale_)
   {
-    if (!times_equal_)
-    {
-      warn("field " + field.name +
-           " is the same for all points and not taken for their times, in the first scan at least");
-    }
-    times_equal_ = true;  // a later scan may show them
+    noteEqualTimes(field);
     return;
   }
   const TimeRange range(field.values);
@@ -217,8 +222,12 @@ void FieldConventions::fillTimesAndStamp(const TimeField& field, Scan& scan)
   learnTimes(field);
   const TimeRange range(field.values);
   const TimeScale scale = scale_.value_or(scaleOf(range.first, range.last, field.is_integer));
-  const bool unusable = times_unusable_ || (!scale_ && scale.absolute && field.is_float32);
-  if (unusable || (scale.absolute && range.first == 0))
+  if (!scale_ && !times_unusable_ && scale.absolute && field.is_float32)
+  {
+    noteEqualTimes(field);
+    return;
+  }
+  if (times_unusable_ || (scale.absolute && range.first == 0))
   {
     return;
   }

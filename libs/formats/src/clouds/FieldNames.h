@@ -13,8 +13,8 @@ namespace dyslam
 /** Reflectivity on a fixed scale, where a driver has it beside an intensity without one. */
 inline constexpr const char* calibrated_intensity_name = "reflectivity";
 
-inline constexpr std::array<const char*, 3> intensity_names{"intensity", calibrated_intensity_name,
-                                                            "i"};
+inline constexpr std::array<const char*, 4> intensity_names{"intensity", calibrated_intensity_name,
+                                                            "i", "reflectance"};
 inline constexpr std::array<const char*, 6> time_names{"t",           "time",        "timestamp",
                                                        "offset_time", "time_offset", "time_stamp"};
 inline constexpr std::array<const char*, 4> ring_names{"ring", "line", "channel", "laser_id"};

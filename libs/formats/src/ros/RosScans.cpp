@@ -123,24 +123,31 @@ Scan RosScanDecoder::decode(const BagTopic& topic, const BagMessage& message)
 {
   Scan scan =
       isLivoxMessage(topic.type) ? decodeLivox(topic, message) : decodeCloud(topic, message);
-  if (scan.stamp == 0)
-  {
-    if (first_)
-    {
-      conventions_.warn(topic.name +
-                        ": its headers have no time stamp; the times of recording are used");
-    }
-    scan.stamp = message.recorded;
-  }
   first_ = first_ && scan.points.empty();
   return scan;
+}
+
+double RosScanDecoder::stampOf(const RosHeader& header,
+                               const BagTopic& topic,
+                               const BagMessage& message)
+{
+  if (header.stamp != 0)
+  {
+    return header.stamp;
+  }
+  if (first_)
+  {
+    conventions_.warn(topic.name +
+                      ": its headers have no time stamp; the times of recording are used");
+  }
+  return message.recorded;
 }
 
 Scan RosScanDecoder::decodeCloud(const BagTopic& topic, const BagMessage& message)
 {
   const Cloud2 cloud = Cloud2::read(rosReader(topic, message), topic.encoding);
   Scan scan;
-  scan.stamp = cloud.header.stamp;
+  scan.stamp = stampOf(cloud.header, topic, message);
   if (cloud.size() == 0)
   {
     return scan;
@@ -173,7 +180,7 @@ Scan RosScanDecoder::decodeLivox(const BagTopic& topic, const BagMessage& messag
 {
   ByteReader reader = rosReader(topic, message);
   Scan scan;
-  scan.stamp = rosHeader(reader, topic.encoding).stamp;
+  scan.stamp = stampOf(rosHeader(reader, topic.encoding), topic, message);
   (void)reader.u64();  // time base: the stamp in nanoseconds
   (void)reader.u32();  // number of points, given again below
   (void)reader.u32();  // number of the lidar, and three reserved bytes

@@ -87,6 +87,7 @@ class FieldConventions
   };
   static TimeScale scaleOf(double first, double last, bool is_integer);
   void learnTimes(const TimeField& field);
+  void noteEqualTimes(const TimeField& field);
   double zeroOf(double first, double last, double stamp);
 
   std::vector<std::string> notes_;

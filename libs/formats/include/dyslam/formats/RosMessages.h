@@ -16,6 +16,7 @@
 namespace dyslam
 {
 struct PointField;
+struct RosHeader;
 
 /** Properties of a topic of scans, from its first message. */
 struct RosScanTopic
@@ -65,6 +66,7 @@ class RosScanDecoder
   struct Cloud2;
   Scan decodeCloud(const BagTopic& topic, const BagMessage& message);
   Scan decodeLivox(const BagTopic& topic, const BagMessage& message);
+  double stampOf(const RosHeader& header, const BagTopic& topic, const BagMessage& message);
   static const PointField* timeField(const Cloud2& cloud);
   static const PointField* ringField(const Cloud2& cloud);
   void fillIntensity(const Cloud2& cloud, Scan& scan);
@@ -77,7 +79,7 @@ class RosScanDecoder
 
 /** Topics of scans that have messages, the most likely lidar first: those with times or rings
  * of the points, then packets, then other clouds; then by bytes and messages. Reads the bag up to
- * the first message of each. */
+ * the first message with points of each, or to its 20th. */
 [[nodiscard]] std::vector<RosScanTopic> scanTopics(Bag& bag);
 /** A line for each frame of the scans that `/tf_static` places in base_link, or in the root of its
  * transforms: "--sensor-pose 'x y z yaw pitch roll'  (frame in parent, /tf_static)" [m, deg]. */
