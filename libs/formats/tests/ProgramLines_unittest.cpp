@@ -35,7 +35,7 @@ TEST(ProgramLines, ProgressIsReadAsItIsWritten)
   EXPECT_EQ("100% 1 scan in 2.0 s, 0.5/s", progressText(1, 1, "scans", 2));
   EXPECT_EQ("9 scans, 4.5/s", progressText(-1, 9, "scans", 2));
   const EarlierWork earlier{0.5, 5};
-  EXPECT_EQ(" 90% 9 scans, 2.0/s, 0:01 left", progressText(0.9, 9, "scans", 2, earlier));
+  EXPECT_EQ(" 80% 9 scans, 2.0/s, 0:01 left", progressText(0.8, 9, "scans", 2, earlier));
   EXPECT_EQ("100% 10 scans, 5 of them in 2.0 s, 2.5/s", progressText(1, 10, "scans", 2, earlier));
   EXPECT_EQ("6 scans, 0.5/s", progressText(0.5, 6, "scans", 2, earlier));
   std::string log = "attempt 1\n";
