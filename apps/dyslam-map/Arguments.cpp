@@ -34,7 +34,7 @@ std::vector<std::string> knownSections()
   return known;
 }
 
-/** Those that --set may change: of merged runs each has its own [preprocess] and [input]. */
+/** Sections that --set may change: merged runs have [preprocess] and [input] of their own. */
 std::vector<std::string> ownSections(const Arguments& a)
 {
   return a.runs.empty() ? std::vector<std::string>{"map",   "labels",     "preprocess",

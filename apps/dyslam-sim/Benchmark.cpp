@@ -80,7 +80,8 @@ constexpr std::array<Drive, 11> drives{{
     {WorldKind::campus, SensorKind::vlp16, 0.50, 2.6, 300, 60, false},    // 09 robot on a campus
     {WorldKind::urban, SensorKind::hdl32e, 0.20, 10, 700, 50, false},     // 10 street
 }};
-/** Of those without a loop: the shortest segment of t_rel and half of it [m]. */
+/** Least distance of a recording without a loop [m]: the shortest segment of t_rel and half of it.
+ */
 constexpr double least_distance = 150;
 constexpr int first_validation_seed = 900000001;
 constexpr int first_test_seed = 1200000001;

@@ -70,7 +70,7 @@ void recordOneOfMany(const Recording& recording, bool force, bool quiet)
   recordOne(recording, force, quiet);
 }
 
-/** Those of the requested shard. */
+/** The recordings of the requested shard. */
 std::vector<NamedRecording> partOf(const Arguments& a, const std::vector<NamedRecording>& all)
 {
   return a.shard.empty() ? all : Shard::fromText(a.shard).of(all);

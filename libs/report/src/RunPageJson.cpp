@@ -99,7 +99,7 @@ std::vector<double> speeds(const Trajectory& trajectory)
   return result;
 }
 
-/** Of how many entries one is shown so that at most `most` are. */
+/** Every how many entries one is shown, so that at most `most` are. */
 std::size_t stepFor(std::size_t count, std::size_t most)
 {
   return std::max<std::size_t>(1, (count + most - 1) / most);

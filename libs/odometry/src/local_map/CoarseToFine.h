@@ -14,7 +14,7 @@ struct AlignmentProblem
 {
   const RawPoints& points;
   const std::vector<Eigen::Matrix3f>& covariances;  //!< as in ScanToMap::align()
-  Pose T_odom_previous;                             //!< of the scan before
+  Pose T_odom_previous;                             //!< pose of the scan before
   ScanToMapSettings settings;  //!< in the map's own cells; start_loss_width is not used
 };
 

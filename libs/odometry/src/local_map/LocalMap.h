@@ -46,7 +46,7 @@ class LocalMap
   [[nodiscard]] const FirstScan& first() const { return first_; }
   /** Scans in the map since it was started. */
   [[nodiscard]] int scans() const;
-  /** Of the sensor's rings [rad]; 0 if it has none. */
+  /** Angle between neighbouring rings of the sensor [rad]; 0 if it has none. */
   [[nodiscard]] double ringSpacing() const { return ring_spacing_; }
   /** Side of the smallest cells [m]. */
   [[nodiscard]] double cellSize() const { return cell_size_; }
@@ -56,7 +56,7 @@ class LocalMap
   void setResolution(const Scan& scan);
   /** Adds `points_`, as they are deskewed. */
   void addPoints(const Pose& T_odom_vehicle);
-  /** Until add() is done. */
+  /** Waits until the points of the last add() are in the map. */
   void wait() const;
 
   RefineOptions options_;
@@ -68,8 +68,8 @@ class LocalMap
   double cell_size_ = 0;                                  //!< [m]
   int levels_ = 1;
   int scans_ = 0;
-  ScanSample points_;  //!< of the scan added last
+  ScanSample points_;  //!< sample of the scan that was added last
 
-  mutable std::future<void> adding_;  //!< last: its thread uses the others
+  mutable std::future<void> adding_;  //!< last member: its thread uses the others
 };
 }  // namespace dyslam

@@ -47,14 +47,14 @@ struct LocalMapRegistration::State
     int failures = 0;                        //!< successive ones
     double guess_error2 = 0;                 //!< running mean square of the error of guesses [m^2]
     double usual_inliers = 0;                //!< running mean of the inlier share
-    Pose T_odom_vehicle = Pose::Identity();  //!< of the last frame
+    Pose T_odom_vehicle = Pose::Identity();  //!< pose of the last frame
   };
   /** Prior of a frame's pose, with its guess. */
   struct PosePrior
   {
     std::optional<Pose> T_odom_vehicle;           //!< the guess if there is none
-    Matrix6 information = Matrix6::Zero();        //!< of the prior and the guess
-    Matrix6 guess_information = Matrix6::Zero();  //!< of a guess that is not the prior
+    Matrix6 information = Matrix6::Zero();        //!< sum for prior and guess
+    Matrix6 guess_information = Matrix6::Zero();  //!< part of a guess that differs from it
   };
 
   State(const RefineOptions& o, ThreadPool& p) : options(o), pool(p), map(o, p), aligner(o, p) {}
@@ -91,8 +91,8 @@ struct LocalMapRegistration::Addition
 {
   State::Progress progress;                 //!< after this frame
   bool restarts = false;                    //!< the map starts anew from it
-  Pose T_odom_previous = Pose::Identity();  //!< of the frame before
-  double dt = 0;                            //!< since that frame [s]
+  Pose T_odom_previous = Pose::Identity();  //!< pose of the frame before
+  double dt = 0;                            //!< time since that frame [s]
   std::optional<Pose> T_first_sweep;        //!< deskews the map's first scan anew, if set
   ScanSample points;
 };
@@ -120,7 +120,8 @@ LocalMapRegistration::State::PosePrior LocalMapRegistration::State::posePrior(
   return result;
 }
 
-/** Of the sample's surroundings in its own scan; none for point to plane. */
+/** Covariances of the surfaces around the sampled points, from their own scan [m^2]; empty for
+ * point to plane. */
 std::vector<Eigen::Matrix3f> LocalMapRegistration::State::covariancesOf(
     const ScanSample& sampled) const
 {

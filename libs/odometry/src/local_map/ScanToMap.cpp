@@ -75,28 +75,6 @@ void ScanToMap::Sums::add(const Sums& other)
   inliers += other.inliers;
 }
 
-void ScanToMap::Sums::copyShares(ScanToMapResult& result) const
-{
-  result.inliers = inliers;
-  result.inlier_share = weight > 0 ? inlier_weight / weight : 0;
-  result.surface_share = weight > 0 ? matched_weight / weight : 0;
-  result.inlier_ratio = matched_weight > 0 ? inlier_weight / matched_weight : 0;
-}
-
-void ScanToMap::Iteration::setPose(const Pose& T_before,
-                                   const Pose& T,
-                                   const std::vector<Eigen::Vector3f>& lidars_vehicle)
-{
-  T_motion = T_before.inverse() * T;
-  R = T.linear().cast<float>();
-  t = (T.translation() - base.origin).cast<float>();
-  lidars.clear();
-  for (const Eigen::Vector3f& lidar : lidars_vehicle)
-  {
-    lidars.emplace_back(R * lidar + t);
-  }
-}
-
 void ScanToMap::refresh(Match& match,
                         const Eigen::Vector3f& q,
                         const Eigen::Vector3f& lidar,
@@ -244,7 +222,14 @@ ScanToMapResult ScanToMap::align(const RawPoints& scan,
   double loss_width = std::max(settings.loss_width, settings.start_loss_width);
   while (result.iterations < settings.max_iterations)
   {
-    iteration.setPose(T_before, result.T, settings.lidars);
+    iteration.T_motion = T_before.inverse() * result.T;
+    iteration.R = result.T.linear().cast<float>();
+    iteration.t = (result.T.translation() - iteration.base.origin).cast<float>();
+    iteration.lidars.clear();
+    for (const Eigen::Vector3f& lidar : settings.lidars)
+    {
+      iteration.lidars.emplace_back(iteration.R * lidar + iteration.t);
+    }
     iteration.loss_width = static_cast<float>(loss_width);
     Sums sums;
     accumulate(scan, shapes, map, iteration, sums);
@@ -255,7 +240,10 @@ ScanToMapResult ScanToMap::align(const RawPoints& scan,
     const double unit =
         (variance + sensor_sigma * sensor_sigma) * std::max(1.0, settings.points_per_measurement);
     result.rmse = std::sqrt(variance);
-    sums.copyShares(result);
+    result.inliers = sums.inliers;
+    result.inlier_share = sums.weight > 0 ? sums.inlier_weight / sums.weight : 0;
+    result.surface_share = sums.weight > 0 ? sums.matched_weight / sums.weight : 0;
+    result.inlier_ratio = sums.matched_weight > 0 ? sums.inlier_weight / sums.matched_weight : 0;
     result.information = equations.H / unit;
 
     const Vector6 off_prior = logSE3(T_prior.inverse() * result.T);

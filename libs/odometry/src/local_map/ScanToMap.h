@@ -82,18 +82,10 @@ class ScanToMap
     /** Sum of ground and others; the weight of the ground is limited to `max_ground_weight_ratio`
      * times the others' weight, but not below a fifth of its own. */
     [[nodiscard]] NormalEquations balanced(double max_ground_weight_ratio) const;
-    /** Sets number, shares and ratio of the inliers. */
-    void copyShares(ScanToMapResult& result) const;
   };
   /** What one Gauss-Newton iteration reads. */
   struct Iteration
   {
-    /** \param T_before pose of the previous frame \param T present estimate of the pose
-     * \param lidars_vehicle positions of the lidars, vehicle frame [m] */
-    void setPose(const Pose& T_before,
-                 const Pose& T,
-                 const std::vector<Eigen::Vector3f>& lidars_vehicle);
-
     Pose T_motion;      //!< motion since the previous frame
     Eigen::Matrix3f R;  //!< rotation of the estimate
     Eigen::Vector3f t;  //!< translation of the estimate from the base [m]

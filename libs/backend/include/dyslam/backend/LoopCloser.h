@@ -52,7 +52,7 @@ struct LoopCloserOptions : Options
   double place_distance = 10;  //!< candidates farther apart count as different places [m]
 
   LoopCloserOptions();
-  /** Of loops within the search radius, or of those beyond it. */
+  /** Criteria for loops within the search radius, or for those beyond it. */
   [[nodiscard]] const LoopCriteria& criteria(bool of_appearance) const
   {
     return of_appearance ? by_appearance : nearby;

@@ -101,9 +101,10 @@ struct RunMerge
   std::vector<std::vector<Pose>> poses;
   std::vector<JoinEvidence> evidence;  //!< one entry per run
   std::vector<ReferenceFit> fits;      //!< one entry per run
-  /** Of the merged map, if a joined run has it. Its origin is that of the first such run. */
+  /** Pose of the merged map on the earth, if a joined run has one. Its origin is that of the first
+   * such run. */
   std::optional<Georeference> georeference;
-  /** Of the merged map, if a joined run has it; `bias` has no meaning. */
+  /** The vertical in the merged map, if a joined run has it; `bias` has no meaning. */
   std::optional<Gravity> gravity;
   /** Accepted loops between joined runs. */
   std::vector<RunLoop> loops;

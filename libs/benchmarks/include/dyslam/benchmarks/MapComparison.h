@@ -30,8 +30,8 @@ struct ReferenceLabels
   std::string from_intensity;  //!< meaning of the intensities that are labels; empty: of a file
 };
 
-/** Of the file `labels`, else of F.label beside the map, else of the map's intensity, if all are
- * flags (0, 1) or SemanticKITTI classes and not all are the same.
+/** Labels of a reference map: those of the file `labels`, else of F.label beside the map, else of
+ * the map's intensity, if all are flags (0, 1) or SemanticKITTI classes and not all are the same.
  * \throws UserError for a file that cannot be read or has another number of labels. */
 [[nodiscard]] ReferenceLabels readReferenceLabels(const ReferenceMap& reference,
                                                   const std::string& labels = "");

@@ -41,7 +41,7 @@ struct Detection
   Box box;  //!< vehicle frame at the scan's stamp
   ObjectClass object_class = ObjectClass::unknown;
   double score = 1;  //!< detector's confidence; its scale is the detector's
-  /** Of the box's x, y, z [m^2], yaw [rad^2], vehicle frame at the scan's stamp. */
+  /** Covariance of the box's x, y, z [m^2], yaw [rad^2], vehicle frame at the scan's stamp. */
   Eigen::Matrix4d covariance = 0.1 * Eigen::Matrix4d::Identity();
   std::vector<std::uint32_t> points;  //!< positions in Frame::cloud; empty if not known
   bool predicted = false;             //!< most of its points are Frame::moving_by_prediction
@@ -55,7 +55,7 @@ struct TrackedObject
   Box box;  //!< odometry frame
   ObjectClass object_class = ObjectClass::unknown;
   Eigen::Vector3d velocity = Eigen::Vector3d::Zero();  //!< odometry frame [m/s] (Eq. 5)
-  /** Of the box's x, y, z [m^2], yaw [rad^2], odometry frame. */
+  /** Covariance of the box's x, y, z [m^2], yaw [rad^2], odometry frame. */
   Eigen::Matrix4d covariance = Eigen::Matrix4d::Identity();
   bool confirmed = false;  //!< seen often enough to be reported
   bool dynamic = false;    //!< speed over the threshold, with hysteresis

@@ -22,7 +22,7 @@ struct RegistrationResult
    * r = log(T_measured^-1 T), plus that of the prior and the guess: it is small, but positive,
    * along directions that the scene does not constrain. */
   MotionEstimate motion;
-  /** Of the registration, and of a guess that came with a prior of another pose. */
+  /** Information of the registration, plus that of a guess that differs from the prior. */
   Matrix6 measured_information = Matrix6::Zero();
   /** Robust weight of the prior per component: below 1 where the points contradict it. */
   Vector6 prior_weight = Vector6::Ones();
@@ -32,7 +32,7 @@ struct RegistrationResult
   double surface_share = 0;  //!< weight of the points with a surface in the map over that of all
   double inlier_ratio = 0;   //!< weight of the inliers over that of the points with a surface
   double loss_width = 0;     //!< initial width of the robust loss [m]
-  std::size_t points = 0;    //!< registered
+  std::size_t points = 0;    //!< number of registered points
 };
 
 /** Registration of each scan to a local map of surfaces (scan to map odometry): align() finds the
