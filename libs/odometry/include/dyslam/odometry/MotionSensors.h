@@ -20,14 +20,14 @@ struct MotionSensorOptions : Options
 {
   bool gyroscope = true;       //!< use the angular velocities of Frame::imu
   bool wheel_odometry = true;  //!< use the speeds of Frame::wheels
-  /** Of the mean angular velocity between two scans [rad/s]. */
+  /** Sigma of the mean angular velocity between two scans [rad/s]. */
   double gyroscope_sigma = 0.286 * radians_per_degree;
   /** Error in proportion to the angular velocity: misaligned axes, clocks that differ. */
   double gyroscope_sigma_ratio = 0.02;
-  /** Of the bias, before it is estimated [rad/s]. */
+  /** Sigma of the bias, before it is estimated [rad/s]. */
   double gyroscope_bias_sigma = 0.573 * radians_per_degree;
-  double wheel_sigma = 0.05;        //!< of the mean speed between two scans [m/s]
-  double wheel_scale_sigma = 0.03;  //!< of the relative scale error, before it is estimated
+  double wheel_sigma = 0.05;        //!< sigma of the mean speed between two scans [m/s]
+  double wheel_scale_sigma = 0.03;  //!< sigma of the relative scale error, before it is estimated
   double wheel_gate = 6;            //!< sigmas from the prior beyond which a speed is rejected
   double max_gap = 0.25;            //!< largest time without a sample [s]
 
