@@ -270,7 +270,8 @@ TEST(CloudFiles, EqualTimesInSinglePrecisionAreReported)
   const std::string path =
       folder.write("a.pcd",
                    "FIELDS x y z timestamp\nSIZE 4 4 4 4\nTYPE F F F F\nWIDTH 2\nHEIGHT 1\n"
-                   "POINTS 2\nDATA ascii\n1 2 3 1700000000\n2 2 3 1700000000\n");
+                   "POINTS 2\nDATA binary\n" +
+                       bytesOf<float>({1, 2, 3, 1.7e9F, 2, 2, 3, 1.7e9F}));
   FieldConventions conventions;
   for (int scan = 0; scan < 2; ++scan)
   {

@@ -123,6 +123,7 @@ TEST(RecordingOptions, OfEachTheFlagIsKnown)
   options.imu = false;
   options.sensor = "VLP16";
   EXPECT_EQ("--sensor", options.givenFlag());
+  options.base_frame.clear();
   options.scale = 0.001;
   EXPECT_EQ("--scale=0.001", options.words().back());
   EXPECT_EQ("--scale works with a folder of scans only",
