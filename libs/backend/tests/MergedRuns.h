@@ -92,4 +92,17 @@ inline std::vector<Pose> part(const std::vector<Pose>& poses, std::size_t begin,
   return {poses.begin() + static_cast<std::ptrdiff_t>(begin),
           poses.begin() + static_cast<std::ptrdiff_t>(end)};
 }
+
+/** Two runs along parts of one drive, which overlap. */
+struct OverlappingRuns
+{
+  OverlappingRuns() : OverlappingRuns({11, 30, 20}, driveAround(30, 20, 150, 1.5)) {}
+  OverlappingRuns(const BoxWorld& world, const std::vector<Pose>& drive)
+      : first(world, part(drive, 0, 60), 1), second(world, part(drive, 40, 100), 2)
+  {
+  }
+
+  TestRun first;
+  TestRun second;
+};
 }  // namespace dyslam::test

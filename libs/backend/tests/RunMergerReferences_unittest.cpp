@@ -25,6 +25,7 @@ using test::BoxWorld;
 using test::driveAround;
 using test::errorBetween;
 using test::merged;
+using test::OverlappingRuns;
 using test::part;
 using test::TestRun;
 
@@ -130,10 +131,8 @@ double degreesBetween(const Eigen::Vector3d& a, const Eigen::Vector3d& b)
 
 TEST(RunMergerReferences, WithoutReferencesTheMergeHasNone)
 {
-  const BoxWorld world(11, 30, 20);
-  const std::vector<Pose> drive = driveAround(30, 20, 150, 1.5);
-  const TestRun first(world, part(drive, 0, 60), 1);
-  const TestRun second(world, part(drive, 40, 100), 2);
+  const OverlappingRuns overlapping;
+  const auto& [first, second] = overlapping;
   const RunMerge merge = merged({&first, &second});
   EXPECT_FALSE(merge.georeference);
   EXPECT_FALSE(merge.gravity);
@@ -144,10 +143,8 @@ TEST(RunMergerReferences, WithoutReferencesTheMergeHasNone)
 
 TEST(RunMergerReferences, OneGeoreferencedRunPlacesTheMapOnTheEarth)
 {
-  const BoxWorld world(11, 30, 20);
-  const std::vector<Pose> drive = driveAround(30, 20, 150, 1.5);
-  TestRun first(world, part(drive, 0, 60), 1);
-  TestRun second(world, part(drive, 40, 100), 2);
+  OverlappingRuns overlapping;
+  auto& [first, second] = overlapping;
   georeference(second);
   for (const auto& runs : {std::vector<const TestRun*>{&first, &second}, {&second, &first}})
   {
@@ -170,10 +167,8 @@ TEST(RunMergerReferences, OneGeoreferencedRunPlacesTheMapOnTheEarth)
 
 TEST(RunMergerReferences, SatellitePositionsOfRunsWithDifferentOriginsAreFused)
 {
-  const BoxWorld world(11, 30, 20);
-  const std::vector<Pose> drive = driveAround(30, 20, 150, 1.5);
-  TestRun first(world, part(drive, 0, 60), 1);
-  TestRun second(world, part(drive, 40, 100), 2);
+  OverlappingRuns overlapping;
+  auto& [first, second] = overlapping;
   const GeodeticPosition origin = fromEnu({40, -25, 3}, world_origin);
   fusePositions(first, origin);
   fusePositions(second, fromEnu({-900, 700, -20}, world_origin));
@@ -209,10 +204,8 @@ TEST(RunMergerReferences, SatellitePositionsTellPlacesApartThatLookAlike)
 
 TEST(RunMergerReferences, LoopsThatContradictSatellitePositionsJoinNoRun)
 {
-  const BoxWorld world(11, 30, 20);
-  const std::vector<Pose> drive = driveAround(30, 20, 150, 1.5);
-  TestRun first(world, part(drive, 0, 60), 1);
-  TestRun second(world, part(drive, 40, 100), 2);
+  OverlappingRuns overlapping;
+  auto& [first, second] = overlapping;
   georeference(first);
   georeference(second, 300);
   const RunMerge merge = merged({&first, &second});
@@ -232,10 +225,8 @@ TEST(RunMergerReferences, LoopsThatContradictSatellitePositionsJoinNoRun)
 
 TEST(RunMergerReferences, TwoTiltedRunsGiveOneVertical)
 {
-  const BoxWorld world(11, 30, 20);
-  const std::vector<Pose> drive = driveAround(30, 20, 150, 1.5);
-  TestRun first(world, part(drive, 0, 60), 1);
-  TestRun second(world, part(drive, 40, 100), 2);
+  OverlappingRuns overlapping;
+  auto& [first, second] = overlapping;
   tilt(first, 0, 8, -3);
   tilt(second, 20, -6, 5);
   const Eigen::Vector3d up = first.references.gravity->up_map;
@@ -275,10 +266,8 @@ TEST(RunMergerReferences, TwoTiltedRunsGiveOneVertical)
 
 TEST(RunMergerReferences, AMergeIsLevelIfTheFirstRunIs)
 {
-  const BoxWorld world(11, 30, 20);
-  const std::vector<Pose> drive = driveAround(30, 20, 150, 1.5);
-  TestRun level(world, part(drive, 0, 60), 1);
-  TestRun tilted(world, part(drive, 40, 100), 2);
+  OverlappingRuns overlapping;
+  auto& [level, tilted] = overlapping;
   tilt(level, 0, 0, 0);
   level.references.gravity->levelled = true;
   tilt(tilted, 0, 8, -3);
@@ -301,10 +290,8 @@ TEST(RunMergerReferences, AMergeIsLevelIfTheFirstRunIs)
 
 TEST(RunMergerReferences, EachRunHasABiasOfItsOwn)
 {
-  const BoxWorld world(11, 30, 20);
-  const std::vector<Pose> drive = driveAround(30, 20, 150, 1.5);
-  TestRun first(world, part(drive, 0, 60), 1);
-  TestRun second(world, part(drive, 40, 100), 2);
+  OverlappingRuns overlapping;
+  auto& [first, second] = overlapping;
   tilt(first, 0, 8, -3);
   tilt(second, 20, -6, 5);
   const Eigen::Vector3d up = first.references.gravity->up_map;

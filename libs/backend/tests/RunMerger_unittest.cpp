@@ -24,6 +24,7 @@ using test::BoxWorld;
 using test::driveAround;
 using test::errorBetween;
 using test::merged;
+using test::OverlappingRuns;
 using test::part;
 using test::TestRun;
 
@@ -40,10 +41,8 @@ std::vector<Pose> turnedRound(std::vector<Pose> poses)
 
 TEST(RunMerger, TwoHalvesOfOneDriveMeetWhereTheyOverlap)
 {
-  const BoxWorld world(11, 30, 20);
-  const std::vector<Pose> drive = driveAround(30, 20, 150, 1.5);
-  const TestRun first(world, part(drive, 0, 60), 1);
-  const TestRun second(world, part(drive, 40, 100), 2);
+  const OverlappingRuns overlapping;
+  const auto& [first, second] = overlapping;
   const RunMerge merge = merged({&first, &second});
   ASSERT_TRUE(merge.joined(1));
   EXPECT_TRUE(merge.poses[0][0].isApprox(Pose::Identity(), 1e-9)) << "the first run's map frame";
