@@ -132,6 +132,8 @@ TEST_F(BadFiles, ScansToConvert)
                 {"empty: ", "give a folder, .pcap, .bag, .db3 or .mcap"});
   expectRefusal("scans2rawlog", "-i " + at("good.rawlog") + out,
                 {"good.rawlog: ends in .rawlog: dyslam reads rawlogs as they are"});
+  expectRefusal("scans2rawlog", "-i " + write("drive.osf", "x") + out,
+                {"drive.osf: is a recording of Ouster's SDK", "save drive.pcap"});
   expectRefusal("scans2rawlog", "-i " + write("bag/metadata.yaml", "x") + out,
                 {"metadata.yaml: ", "give the bag's folder"});
   expectRefusal("scans2rawlog", "-i " + at("none_inside") + " -o " + at("never"),

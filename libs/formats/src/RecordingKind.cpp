@@ -151,6 +151,12 @@ RecordingKind recordingKind(const std::string& path)
 
 std::string conversionAdvice(const std::string& path)
 {
+  if (lowerExtension(path) == ".osf")
+  {
+    return "is a recording of Ouster's SDK, whose own format is not read; save its packets: "
+           "ouster-cli source " +
+           path + " save " + fs::path(path).stem().string() + ".pcap";
+  }
   switch (recordingKind(path))
   {
     case RecordingKind::bag:

@@ -317,6 +317,10 @@ void requireCapture(const std::string& file)
   {
     throw UserError(file + ": is compressed; unpack it first: " + command + " " + file);
   }
+  if (ending == ".osf")
+  {
+    throw UserError(file + ": " + conversionAdvice(file));
+  }
   if (ending == ".rawlog")
   {
     throw UserError(file + ": ends in .rawlog: dyslam reads rawlogs as they are");

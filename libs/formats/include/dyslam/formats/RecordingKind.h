@@ -49,6 +49,7 @@ enum class KittiKind
 [[nodiscard]] RecordingKind recordingKind(const std::string& path);
 
 /** Advice for a recording that is no rawlog: "is a ROS bag; make a rawlog of it first: scans2rawlog
- * -i drive.bag -o drive.rawlog". Empty for all other paths. By name and content of a folder. */
+ * -i drive.bag -o drive.rawlog"; of an Ouster's .osf, which no converter reads, how to save its
+ * packets. Empty for all other paths. By name and content of a folder. */
 [[nodiscard]] std::string conversionAdvice(const std::string& path);
 }  // namespace dyslam
