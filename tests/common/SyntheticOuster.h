@@ -25,7 +25,9 @@ struct SyntheticOuster
   std::string profile = "RNG19_RFL8_SIG16_NIR16";
   std::uint64_t first_time = 100000000000;  //!< of the sensor's clock [ns]
   std::uint64_t sensor = serial;
-  std::size_t first_column = 0;  //!< of the window that has returns
+  std::uint32_t initialization = 0x030201;
+  std::size_t lidar_port = 7502;  //!< that of the IMU is the next
+  std::size_t first_column = 0;   //!< of the window that has returns
   std::size_t last_column = columns - 1;
   /** Columns of the first frame that see the sky: without returns. */
   std::size_t sky_columns = 0;
@@ -70,15 +72,21 @@ struct SyntheticOuster
         "\"lidar_to_sensor_transform\": [-1,0,0,0, 0,-1,0,0, 0,0,1,36, 0,0,0,1]";
     const std::string imu_pose =
         "\"imu_to_sensor_transform\": [0,-1,0,6, 1,0,0,-12, 0,0,1,8, 0,0,0,1]";
-    const std::string info = "\"prod_line\": \"OS-1-4\", \"prod_sn\": \"992137000142\"";
+    const std::string info = "\"prod_line\": \"OS-1-4\", \"prod_sn\": \"" + std::to_string(sensor) +
+                             "\", \"initialization_id\": " + std::to_string(initialization);
+    const std::string ports = "\"udp_port_lidar\": " + std::to_string(lidar_port) +
+                              ", \"udp_port_imu\": " + std::to_string(lidar_port + 1);
     const std::string format =
-        "{\"columns_per_frame\": 64, \"columns_per_packet\": 16, \"pixels_per_column\": 4" +
+        "{\"columns_per_frame\": 64, \"columns_per_packet\": 16, \"pixels_per_column\": 4, "
+        "\"column_window\": [" +
+        std::to_string(first_column) + ", " + std::to_string(last_column) + "]" +
         (isLegacy() ? "" : ", \"udp_profile_lidar\": \"" + profile + "\"") + "}";
-    return sections ? "{\"sensor_info\": {" + info + "}, \"beam_intrinsics\": {" + beams_text +
-                          "}, \"lidar_intrinsics\": {" + pose + "}, \"imu_intrinsics\": {" +
-                          imu_pose + "}, \"lidar_data_format\": " + format + "}"
-                    : "{" + info + ", " + beams_text + ", " + pose + ", " + imu_pose +
-                          ", \"data_format\": " + format + "}";
+    return sections
+               ? "{\"sensor_info\": {" + info + "}, \"beam_intrinsics\": {" + beams_text +
+                     "}, \"lidar_intrinsics\": {" + pose + "}, \"imu_intrinsics\": {" + imu_pose +
+                     "}, \"config_params\": {" + ports + "}, \"lidar_data_format\": " + format + "}"
+               : "{" + info + ", " + ports + ", " + beams_text + ", " + pose + ", " + imu_pose +
+                     ", \"data_format\": " + format + "}";
   }
 
   /** Data of one pixel. */
@@ -128,7 +136,7 @@ struct SyntheticOuster
     std::string bytes;
     if (isFusa())
     {
-      appendBytes<std::uint32_t>(bytes, type | 0xabcd00U << 8U);
+      appendBytes<std::uint32_t>(bytes, type | initialization << 8U);
       appendBytes(bytes, static_cast<std::uint32_t>(frame));
       bytes += std::string(3, '\0');
     }
@@ -136,7 +144,8 @@ struct SyntheticOuster
     {
       appendBytes(bytes, type);
       appendBytes(bytes, static_cast<std::uint16_t>(frame));
-      bytes += std::string("\x01\x02\x03", 3);
+      appendBytes(bytes, initialization);
+      bytes.pop_back();  // it has three bytes
     }
     appendBytes<std::uint64_t>(bytes, sensor);
     bytes.resize(header_size, '\0');

@@ -36,6 +36,15 @@ inline bool hasOusterType(const std::uint8_t* packet,
   return stated == static_cast<std::uint16_t>(type);
 }
 
+/** Number of the sensor's initialization, another after each restart and change of its mode. \pre
+ * the profile is not LEGACY, and the packet has a header */
+inline std::uint32_t ousterInitialization(const std::uint8_t* packet,
+                                          const OusterMetadata& metadata)
+{
+  constexpr std::uint32_t bits = (1U << 24U) - 1;
+  return ousterNumberAt<std::uint32_t>(packet + (metadata.fusa_header ? 1 : 4)) & bits;
+}
+
 /** Whether a packet has the serial number of the metadata's sensor, or either is not stated. \pre
  * the profile is not LEGACY, and the packet has a header */
 inline bool hasOusterSerial(const std::uint8_t* packet, const OusterMetadata& metadata)

@@ -180,6 +180,26 @@ std::size_t packetColumnsOf(const Values& values)
   return static_cast<std::size_t>(columns);
 }
 
+/** A whole number from 1 to `most`; 0: not stated. */
+std::uint32_t positiveOf(const Values& values, const char* name, double most)
+{
+  const double number = values.number(name, 0);
+  return number >= 1 && number <= most ? static_cast<std::uint32_t>(number) : 0;
+}
+
+/** First and last column with returns. \pre the number of columns is set */
+void readWindow(const Values& values, OusterMetadata& metadata)
+{
+  metadata.last_column = metadata.columns - 1;
+  const auto window = values.numbers("column_window");
+  if (window.size() == 2 && window[0] >= 0 && window[0] <= window[1] &&
+      window[1] < static_cast<double>(metadata.columns))
+  {
+    metadata.first_column = static_cast<std::size_t>(window[0]);
+    metadata.last_column = static_cast<std::size_t>(window[1]);
+  }
+}
+
 /** Distance of the beams' origin from the axis, of firmware that does not state it [mm]. */
 double usualOrigin(const std::string& product)
 {
@@ -305,11 +325,15 @@ OusterMetadata parseOusterMetadata(const std::string& text, const std::string& p
   const std::string product = values.text("prod_line");
   metadata.product = product.empty() ? "Ouster" : product;
   metadata.serial = std::strtoull(values.text("prod_sn").c_str(), nullptr, 10);
+  metadata.initialization = positiveOf(values, "initialization_id", (1U << 24U) - 1);
+  metadata.lidar_port = static_cast<std::uint16_t>(positiveOf(values, "udp_port_lidar", 65535));
+  metadata.imu_port = static_cast<std::uint16_t>(positiveOf(values, "udp_port_imu", 65535));
   metadata.profile = profileOf(values);
   metadata.fusa_header =
       values.text("header_type") == "FUSA" || metadata.profile.name.compare(0, 5, "FUSA_") == 0;
   metadata.columns = columnsOf(values);
   metadata.packet_columns = packetColumnsOf(values);
+  readWindow(values, metadata);
   readBeams(values, metadata);
   metadata.T_sensor_lidar = poseInSensor(values, "lidar_to_sensor_transform", usualLidarPose());
   metadata.T_sensor_imu = poseInSensor(values, "imu_to_sensor_transform", usualImuPose());

@@ -108,6 +108,7 @@ struct OusterScans::Impl
   std::size_t late = 0;       //!< number of packets of frames that were passed on before
   std::size_t repeated = 0;   //!< number of repeated columns
   std::size_t alien = 0;      //!< number of columns that no frame of this sensor has
+  std::size_t otherwise_initialized = 0;  //!< number of packets of another initialization
 
   Impl(std::string place_in, const OusterMetadata& metadata_in, bool keep_partial)
       : place(std::move(place_in)),
@@ -115,8 +116,14 @@ struct OusterScans::Impl
         layout(metadata_in),
         rings(ringsByElevation(metadata_in.altitudes)),
         directions(directionsOf(metadata_in)),
-        queue(keep_partial)
+        queue(keep_partial, inTurns(metadata_in.first_column), inTurns(metadata_in.last_column + 1))
   {
+  }
+
+  /** Angle from the connector to where a column begins [turns]. */
+  [[nodiscard]] double inTurns(std::size_t column) const
+  {
+    return static_cast<double>(column) / static_cast<double>(metadata.columns);
   }
 
   [[nodiscard]] std::uint32_t frameOf(const std::uint8_t* packet) const
@@ -132,6 +139,17 @@ struct OusterScans::Impl
     return metadata.profile.isLegacy() ||
            (hasOusterType(packet, metadata, OusterPacketType::lidar) &&
             hasOusterSerial(packet, metadata));
+  }
+
+  /** Whether a packet states another initialization of the sensor than the metadata. */
+  [[nodiscard]] bool isOtherwiseInitialized(const std::uint8_t* packet) const
+  {
+    if (metadata.initialization == 0 || metadata.profile.isLegacy())
+    {
+      return false;
+    }
+    const std::uint32_t stated = ousterInitialization(packet, metadata);
+    return stated != 0 && stated != metadata.initialization;
   }
 
   [[nodiscard]] Column columnOf(const std::uint8_t* packet, std::size_t i) const
@@ -177,9 +195,7 @@ struct OusterScans::Impl
     {
       startAtTheEarliest(scan);
       scan.sensor_label = metadata.product;
-      const auto turn = static_cast<double>(metadata.columns);
-      queue.push(std::move(scan), static_cast<double>(first_column) / turn,
-                 static_cast<double>(last_column + 1) / turn);
+      queue.push(std::move(scan), inTurns(first_column), inTurns(last_column + 1));
     }
     scan = Scan();
     begun = false;
@@ -192,6 +208,7 @@ struct OusterScans::Impl
     {
       return;
     }
+    otherwise_initialized += isOtherwiseInitialized(packet.bytes.data()) ? 1 : 0;
     for (std::size_t i = 0; i < metadata.packet_columns; ++i)
     {
       const Column column = columnOf(packet.bytes.data(), i);
@@ -383,6 +400,13 @@ std::vector<std::string> OusterScans::warnings() const
   {
     lines.push_back(impl_->place + ": " + counted(impl_->alien, "column") +
                     " left out, whose numbers do not fit the metadata");
+  }
+  if (impl_->otherwise_initialized > 0)
+  {
+    lines.push_back(
+        impl_->place + ": " + counted(impl_->otherwise_initialized, "packet") +
+        " of another initialization of the sensor than its metadata: the points are "
+        "wrong if its mode was changed in between; give the metadata of this recording");
   }
   if (impl_->imu_left_out > 0)
   {

@@ -2,6 +2,7 @@
 #include <dyslam/base/Error.h>
 #include <dyslam/base/Files.h>
 #include <dyslam/base/Printable.h>
+#include <dyslam/base/Words.h>
 #include <dyslam/formats/ScanFiles.h>
 #include <dyslam/packets/HesaiScans.h>
 #include <dyslam/packets/OusterScans.h>
@@ -12,6 +13,7 @@
 #include <map>
 #include <utility>
 
+#include "OusterBytes.h"
 #include "PacketCapture.h"
 
 namespace dyslam
@@ -24,19 +26,41 @@ constexpr const char* other_interfaces =
     "interfaces of another kind or snapshot length than the first are left out; capture on that of "
     "the lidar alone";
 
+constexpr unsigned port_bits = 16;  //!< of the receiver's port in the number of a stream
+
+std::uint64_t portOf(const LidarPacket& packet)
+{
+  return packet.stream & ((1U << port_bits) - 1);
+}
+
 /** Makes the scans of a capture. */
 struct Decoder
 {
   std::unique_ptr<PacketScans> scans;
   std::string metadata;                //!< metadata file of an Ouster; empty: a Velodyne
   std::size_t ouster_packet_size = 0;  //!< packet size of an Ouster [bytes]; 0: a Velodyne
+  std::uint64_t lidar_port = 0;        //!< port that these metadata state; 0: none
+  std::uint64_t imu_port = 0;          //!< of the IMU
+  int fit = 0;  //!< how well these metadata fit the packets; 0: none is of their lidar
 
-  [[nodiscard]] bool takesAny(const std::deque<LidarPacket>& packets) const
+  /** Whether there is a packet that is of the other's lidar and not of this one. */
+  [[nodiscard]] bool leavesTo(const Decoder& other, const std::deque<LidarPacket>& packets) const
   {
     return std::any_of(packets.begin(), packets.end(),
-                       [this](const LidarPacket& packet) { return scans->takes(packet); });
+                       [&](const LidarPacket& packet)
+                       { return other.scans->takes(packet) && !scans->takes(packet); });
   }
 };
+
+/** How well the metadata of a decoder fit one of its packets: the sensor's initialization tells the
+ * mode of the recording, then the port a lidar whose packets have no serial number. */
+int fitOf(const OusterMetadata& metadata, const LidarPacket& packet)
+{
+  const bool same_initialization =
+      metadata.initialization != 0 && !metadata.profile.isLegacy() &&
+      ousterInitialization(packet.bytes.data(), metadata) == metadata.initialization;
+  return 1 + (same_initialization ? 2 : 0) + (portOf(packet) == metadata.lidar_port ? 1 : 0);
+}
 
 /** Size and port of the most frequent datagrams. */
 std::pair<std::size_t, std::uint64_t> mostFrequent(const std::deque<LidarPacket>& packets)
@@ -45,7 +69,7 @@ std::pair<std::size_t, std::uint64_t> mostFrequent(const std::deque<LidarPacket>
   std::pair<std::size_t, std::uint64_t> most;
   for (const LidarPacket& packet : packets)
   {
-    const std::pair kind(packet.bytes.size(), packet.stream & 0xffffU);
+    const std::pair kind(packet.bytes.size(), portOf(packet));
     if (++counts[kind] > counts[most])
     {
       most = kind;
@@ -79,7 +103,9 @@ struct PcapSource::Impl
   std::deque<LidarPacket> probed;
   Decoder decoder;
   std::vector<std::string> notes;
-  std::optional<std::uint64_t> stream;       //!< stream of the lidar's first packet
+  std::string other_metadata;                //!< files beside, of other lidars in the capture
+  std::optional<std::uint64_t> stream;       //!< stream of the lidar's packets
+  bool has_imu_port = false;                 //!< packets of the IMU have the port that is stated
   std::size_t taken = 0;                     //!< number of packets of the lidar
   std::size_t imu_packets = 0;               //!< number of packets of the IMU in the lidar
   std::vector<std::uint8_t> last_bytes;      //!< last packet of the lidar
@@ -106,6 +132,7 @@ struct PcapSource::Impl
       probed_kind = std::to_string(size) + " bytes (port " + std::to_string(port) + ")";
     }
     decoder = chooseDecoder();
+    readPorts();
     first = read();
     if (taken == 0)
     {
@@ -113,7 +140,7 @@ struct PcapSource::Impl
     }
   }
 
-  /** For the lidar of the capture: of the metadata beside it the first that fit its packets. */
+  /** For the lidar of the capture: of the metadata beside it those that fit its packets best. */
   [[nodiscard]] Decoder chooseDecoder()
   {
     const std::string& calibration = options.calibration_file;
@@ -138,44 +165,78 @@ struct PcapSource::Impl
     return {std::make_unique<VelodyneScans>(path, options), "", 0};
   }
 
-  /** With the metadata beside the capture: the first that fit its packets, or else the first, so
-   * that messages name it; none if there are none. \throws UserError if all are damaged. */
+  /** With the metadata beside the capture: those that fit its packets best, or else the first, so
+   * that messages name them; none if there are none. \throws UserError if all are damaged. */
   [[nodiscard]] Decoder ousterBeside()
   {
     std::optional<UserError> damage;
-    Decoder first_whole;
+    std::vector<Decoder> whole;
     for (const std::string& file : ousterMetadataBeside(path))
     {
       try
       {
-        Decoder ouster = ousterDecoder(file);
-        if (ouster.takesAny(probed))
-        {
-          notes.push_back("metadata of the lidar: " + file);
-          return ouster;
-        }
-        if (first_whole.scans == nullptr)
-        {
-          first_whole = std::move(ouster);
-        }
+        whole.push_back(ousterDecoder(file));
       }
       catch (const UserError& error)
       {
         damage = damage.value_or(error);
       }
     }
-    if (first_whole.scans == nullptr && damage)
+    if (whole.empty() && damage)
     {
       throw UserError(*damage);
     }
-    return first_whole;
+    const auto best =
+        std::max_element(whole.begin(), whole.end(),
+                         [](const Decoder& a, const Decoder& b) { return a.fit < b.fit; });
+    if (best == whole.end())
+    {
+      return {};
+    }
+    if (best->fit > 0)
+    {
+      notes.push_back("metadata of the lidar: " + best->metadata);
+    }
+    for (const Decoder& other : whole)
+    {
+      if (best->leavesTo(other, probed))
+      {
+        appendWord(other_metadata, other.metadata);
+      }
+    }
+    return std::move(*best);
   }
 
   [[nodiscard]] Decoder ousterDecoder(const std::string& file) const
   {
     const OusterMetadata metadata = parseOusterMetadata(readWhole(file), file);
-    return {std::make_unique<OusterScans>(path, metadata, options.keep_partial), file,
-            OusterScans::packetSize(metadata)};
+    Decoder ouster{std::make_unique<OusterScans>(path, metadata, options.keep_partial), file,
+                   OusterScans::packetSize(metadata), metadata.lidar_port, metadata.imu_port};
+    for (const LidarPacket& packet : probed)
+    {
+      if (ouster.scans->takes(packet))
+      {
+        ouster.fit = std::max(ouster.fit, fitOf(metadata, packet));
+      }
+    }
+    return ouster;
+  }
+
+  /** Finds the packets of an Ouster by the ports that its metadata state, where others are alike:
+   * those of several lidars that ouster-cli saved have the same sender. */
+  void readPorts()
+  {
+    for (const LidarPacket& packet : probed)
+    {
+      if (!stream && portOf(packet) == decoder.lidar_port && decoder.scans->takes(packet))
+      {
+        stream = packet.stream;
+      }
+    }
+    has_imu_port = std::any_of(
+        probed.begin(), probed.end(),
+        [this](const LidarPacket& packet)
+        { return portOf(packet) == decoder.imu_port && decoder.scans->takesImu(packet); });
   }
 
   [[nodiscard]] HesaiScansOptions hesaiOptions() const
@@ -250,11 +311,11 @@ struct PcapSource::Impl
     }
   }
 
-  /** Whether a packet was sent by the lidar, to whichever port. */
-  [[nodiscard]] bool isOfLidar(const LidarPacket& packet) const
+  /** Whether a packet was sent by the IMU in the lidar. */
+  [[nodiscard]] bool isOfImu(const LidarPacket& packet) const
   {
-    constexpr unsigned port_bits = 16;
-    return stream && packet.stream >> port_bits == *stream >> port_bits;
+    return stream && packet.stream >> port_bits == *stream >> port_bits &&
+           (!has_imu_port || portOf(packet) == decoder.imu_port) && decoder.scans->takesImu(packet);
   }
 
   /** Counts a packet of the IMU in the lidar, and decodes it if the options ask for that. */
@@ -276,7 +337,7 @@ struct PcapSource::Impl
   {
     if (!decoder.scans->takes(packet))
     {
-      if (isOfLidar(packet) && decoder.scans->takesImu(packet))
+      if (isOfImu(packet))
       {
         addImu(packet);
         return;
@@ -366,7 +427,14 @@ std::vector<std::string> PcapSource::warnings() const
   {
     lines.push_back(impl_->path + ": " + other_interfaces);
   }
-  if (impl_->of_others > 0)
+  if (!impl_->other_metadata.empty())
+  {
+    lines.push_back(impl_->path +
+                    ": has packets of other lidars, too; --calibration with their "
+                    "metadata reads them: " +
+                    impl_->other_metadata);
+  }
+  else if (impl_->of_others > 0)
   {
     lines.push_back(impl_->path + ": " + std::to_string(impl_->of_others) +
                     " packets of other senders or ports left out; make a capture of each lidar: "

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "ReceivedPacket.h"
 #include "SyntheticOuster.h"
@@ -93,6 +94,27 @@ std::vector<Expected> expectedPoints(bool dual)
   return points;
 }
 
+/** A capture of three frames of each lidar and of packets of its IMU, all from one address, as
+ * ouster-cli saves them. */
+std::string captureOfSeveral(const std::vector<SyntheticOuster>& lidars)
+{
+  std::string file = captureHeader();
+  for (std::size_t n = 0; n < 3 * SyntheticOuster::packets; ++n)
+  {
+    const double time = 1000 + SyntheticOuster::turn * static_cast<double>(n) /
+                                   static_cast<double>(SyntheticOuster::packets);
+    for (const SyntheticOuster& lidar : lidars)
+    {
+      const std::string data =
+          lidar.packet(n / SyntheticOuster::packets, n % SyntheticOuster::packets);
+      appendFrame(file, time, ipFrame(udpDatagram(data, lidar.lidar_port), n, 0));
+      const std::string imu = SyntheticOuster::imuPacket(lidar.first_time + 25000000 * n);
+      appendFrame(file, time, ipFrame(udpDatagram(imu, lidar.lidar_port + 1), n, 0));
+    }
+  }
+  return file;
+}
+
 std::string errorOf(const std::string& metadata)
 {
   return messageOfError<UserError>([&] { (void)parseOusterMetadata(metadata, "m.json"); });
@@ -154,6 +176,11 @@ TEST(OusterScans, AWindowIsAWholeFrame)
   lidar.last_column = 40;
   EXPECT_EQ(3U, scansOf(lidar, lidar.packetsOf(3)).size());
   EXPECT_EQ(2U, scansOf(lidar, lidar.packetsOf(3, 2)).size());
+  for (const std::size_t frames : {1U, 2U})  // no other frame tells where one begins and ends
+  {
+    EXPECT_EQ(frames, scansOf(lidar, lidar.packetsOf(frames)).size());
+  }
+  EXPECT_TRUE(scansOf(lidar, lidar.packetsOf(1, 1)).empty());
 }
 
 TEST(OusterScans, AFrameThatBeginsWithoutReturnsIsWhole)
@@ -248,6 +275,46 @@ TEST(OusterScans, PacketsThatWereCapturedTwice)
   EXPECT_TRUE(contains(decoder.warnings()[0], "x: 128 columns received twice"));
 }
 
+TEST(OusterScans, PacketsOfAnotherInitialization)
+{
+  for (const char* profile : {"RNG19_RFL8_SIG16_NIR16", "FUSA_RNG15_RFL8_NIR8_DUAL"})
+  {
+    SyntheticOuster lidar;
+    lidar.profile = profile;
+    OusterScans decoder("x", parseOusterMetadata(lidar.metadata(), "x.json"), true);
+    for (const std::uint32_t initialization : {7U, 0U})  // 0: not stated
+    {
+      lidar.initialization = initialization;
+      for (const std::string& packet : lidar.packetsOf(1))
+      {
+        ASSERT_TRUE(decoder.takes(received(packet))) << profile;
+        decoder.add(received(packet));
+      }
+      decoder.finish();
+      lidar.first_time += 1000000000;
+    }
+    const auto warnings = decoder.warnings();
+    ASSERT_EQ(1U, warnings.size()) << profile;
+    EXPECT_TRUE(contains(warnings[0], "x: 4 packets of another initialization of the sensor"));
+  }
+}
+
+TEST(OusterMetadata, WindowOfColumns)
+{
+  using Window = std::pair<std::size_t, std::size_t>;
+  const auto windowOf = [](std::size_t first, std::size_t last)
+  {
+    SyntheticOuster lidar;
+    lidar.first_column = first;
+    lidar.last_column = last;
+    const OusterMetadata metadata = parseOusterMetadata(lidar.metadata(), "m.json");
+    return Window(metadata.first_column, metadata.last_column);
+  };
+  EXPECT_EQ(Window(8, 40), windowOf(8, 40));
+  EXPECT_EQ(Window(0, 63), windowOf(40, 8)) << "with the connector, where frames begin";
+  EXPECT_EQ(Window(0, 63), windowOf(8, 64)) << "of another mode";
+}
+
 TEST(OusterMetadata, SectionsOrNone)
 {
   const SyntheticOuster lidar;
@@ -257,6 +324,9 @@ TEST(OusterMetadata, SectionsOrNone)
   {
     EXPECT_EQ("OS-1-4", m.product);
     EXPECT_EQ(SyntheticOuster::serial, m.serial);
+    EXPECT_EQ(lidar.initialization, m.initialization);
+    EXPECT_EQ(7502, m.lidar_port);
+    EXPECT_EQ(7503, m.imu_port);
     EXPECT_EQ("RNG19_RFL8_SIG16_NIR16", m.profile.name);
     EXPECT_EQ(4U, m.beams());
     EXPECT_EQ(64U, m.columns);
@@ -269,6 +339,8 @@ TEST(OusterMetadata, SectionsOrNone)
       R"({"lidar_mode": "512x20", "beam_altitude_angles": [1, 2], "beam_azimuth_angles": [0, 0]})",
       "old");
   EXPECT_TRUE(old.profile.isLegacy());
+  EXPECT_EQ(0U, old.initialization);
+  EXPECT_EQ(0, old.lidar_port);
   EXPECT_EQ(512U, old.columns);
   EXPECT_DOUBLE_EQ(-1, old.T_sensor_lidar.linear()(0, 0));
 }
@@ -331,5 +403,76 @@ TEST(PcapSource, OusterWithMetadataBeside)
   options.calibration_file = folder.file("a.json");
   EXPECT_TRUE(contains(messageOfError<UserError>([&] { PcapSource source(path, options); }),
                        "has no data packets of the lidar of"));
+}
+
+TEST(PcapSource, OusterMetadataOfTheSameInitialization)
+{
+  const SyntheticOuster lidar;
+  SyntheticOuster earlier;
+  earlier.initialization = 7;
+  const TestFolder folder;
+  const std::string path = folder.write("drive.pcap", lidar.capture(lidar.packetsOf(3)));
+  folder.write("drive.json", with(earlier.metadata(), "\"columns_per_frame\": 64",
+                                  "\"columns_per_frame\": 128"));  // another mode
+  const std::string own = folder.write("a.json", lidar.metadata());
+  PcapSource source(path);
+  EXPECT_EQ(std::vector<std::string>{"metadata of the lidar: " + own}, source.notes());
+  const auto scan = source.next();
+  ASSERT_TRUE(scan);
+  const Eigen::Vector3d last = scan->points.back().cast<double>();
+  EXPECT_LT((expectedPoints(false).back().point - last).norm(), 1e-5);
+  EXPECT_TRUE(source.warnings().empty());
+}
+
+TEST(PcapSource, OustersWithoutSerialNumbersAreToldByTheirPorts)
+{
+  SyntheticOuster front;
+  front.profile = "LEGACY";
+  SyntheticOuster rear = front;
+  rear.lidar_port = 7504;
+  rear.first_time += 1000000;
+  rear.sky_columns = 8;
+  const TestFolder folder;
+  const std::string both = folder.write("drive.pcap", captureOfSeveral({front, rear}));
+  const std::string of_rear = folder.write("drive_0.json", rear.metadata());
+  const std::string of_front = folder.write("drive_1.json", front.metadata());
+  PcapSourceOptions options;
+  options.imu = true;
+  for (const std::string& metadata : {of_rear, of_front})
+  {
+    options.calibration_file = metadata == of_front ? of_front : "";
+    PcapSource source(both, options);
+    const auto first = source.next();
+    const auto second = source.next();
+    ASSERT_TRUE(first && second);
+    EXPECT_EQ(metadata == of_rear, first->size() < second->size());
+    while (source.next())
+    {
+    }
+    EXPECT_EQ(12U, source.imuPackets());
+    EXPECT_EQ(12U, source.takeImu().size());
+  }
+  const std::string one = folder.write("drive_0.pcap", captureOfSeveral({front}));
+  EXPECT_EQ("metadata of the lidar: " + of_front, PcapSource(one).notes().at(0));
+}
+
+TEST(PcapSource, OtherOustersWhoseMetadataAreBesideAreNamed)
+{
+  const SyntheticOuster front;
+  SyntheticOuster rear;
+  rear.sensor = 42;
+  const TestFolder folder;
+  const std::string path = folder.write("drive.pcap", captureOfSeveral({front, rear}));
+  folder.write("drive_0.json", front.metadata());
+  const std::string other = folder.write("drive_1.json", rear.metadata());
+  PcapSource source(path);
+  while (source.next())
+  {
+  }
+  const auto warnings = source.warnings();
+  ASSERT_EQ(1U, warnings.size());
+  EXPECT_EQ(path + ": has packets of other lidars, too; --calibration with their metadata reads " +
+                "them: " + other,
+            warnings[0]);
 }
 }  // namespace dyslam

@@ -33,14 +33,21 @@ struct OusterProfile
 /** Packets and beams of an Ouster lidar, from its metadata (.json). */
 struct OusterMetadata
 {
-  std::string product;       //!< name of the product: "OS-1-128"
-  std::uint64_t serial = 0;  //!< serial number; 0: not stated
+  std::string product;               //!< name of the product: "OS-1-128"
+  std::uint64_t serial = 0;          //!< serial number; 0: not stated
+  std::uint32_t initialization = 0;  //!< number of the sensor's initialization; 0: not stated
+  std::uint16_t lidar_port = 0;      //!< UDP port of the data packets; 0: not stated
+  std::uint16_t imu_port = 0;        //!< UDP port of the packets of the IMU; 0: not stated
   OusterProfile profile;
   bool fusa_header = false;        //!< packets begin with the header for functional safety
   std::size_t columns = 0;         //!< number of columns in a revolution
   std::size_t packet_columns = 0;  //!< number of columns in a packet
-  std::vector<double> altitudes;   //!< elevations of the beams (rows of the image) [rad]
-  std::vector<double> azimuths;    //!< azimuths of the beams from the encoder's direction [rad]
+  /** First and last column of the azimuth window; of a revolution, also if the window holds the
+   * connector. */
+  std::size_t first_column = 0;
+  std::size_t last_column = 0;
+  std::vector<double> altitudes;  //!< elevations of the beams (rows of the image) [rad]
+  std::vector<double> azimuths;   //!< azimuths of the beams from the encoder's direction [rad]
   /** Offset of the beams' common origin from the axis of rotation, outwards and up [m]. */
   double origin_outwards = 0;
   double origin_up = 0;

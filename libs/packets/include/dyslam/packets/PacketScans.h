@@ -57,8 +57,13 @@ class PacketScans
 class RevolutionQueue
 {
  public:
-  /** \param keep_partial deliver also incomplete first and last revolutions. */
-  explicit RevolutionQueue(bool keep_partial) : keep_partial_(keep_partial) {}
+  /** \param keep_partial deliver also incomplete first and last revolutions.
+   * \param usual_begin, usual_end angles where complete ones begin and end, in turns from the cut,
+   * as long as no others tell */
+  explicit RevolutionQueue(bool keep_partial, double usual_begin = 0, double usual_end = 1)
+      : keep_partial_(keep_partial), usual_begin_(usual_begin), usual_end_(usual_end)
+  {
+  }
 
   /** Adds a revolution. \param begin, end angles where it begins and ends, in turns from the cut */
   void push(Scan scan, double begin, double end);
@@ -80,9 +85,9 @@ class RevolutionQueue
   bool finished_ = false;
   std::deque<Revolution> waiting_;
   std::size_t pushed_ = 0;
-  std::size_t taken_ = 0;   //!< number of revolutions taken, delivered or not
-  double usual_begin_ = 0;  //!< begin of the second revolution
-  double usual_end_ = 1;    //!< end of the latest one that is neither first nor last
+  std::size_t taken_ = 0;  //!< number of revolutions taken, delivered or not
+  double usual_begin_;     //!< begin of the second revolution
+  double usual_end_;       //!< end of the latest one that is neither first nor last
 };
 
 /** Cuts the blocks of a spinning lidar, in either direction, into revolutions: where the azimuth
