@@ -297,25 +297,6 @@ Pose poseInSensor(const Values& values, const char* name, const Pose& usual)
   return T_sensor_part;
 }
 
-bool isOusterMetadata(const fs::path& path)
-{
-  constexpr std::uintmax_t largest = 1 << 20;  // [bytes]
-  std::error_code unreadable;
-  const std::uintmax_t size = fs::file_size(path, unreadable);
-  if (unreadable || size > largest)
-  {
-    return false;
-  }
-  try
-  {
-    return readWhole(path.string()).find(altitudes_name) != std::string::npos;
-  }
-  catch (const UserError&)
-  {
-    return false;  // another file of the folder, whose owner keeps it private
-  }
-}
-
 }  // namespace
 
 OusterMetadata parseOusterMetadata(const std::string& text, const std::string& place)
@@ -340,6 +321,25 @@ OusterMetadata parseOusterMetadata(const std::string& text, const std::string& p
   return metadata;
 }
 
+bool isOusterMetadata(const std::string& path)
+{
+  constexpr std::uintmax_t largest = 1 << 20;  // [bytes]
+  std::error_code unreadable;
+  const std::uintmax_t size = fs::file_size(path, unreadable);
+  if (unreadable || size > largest)
+  {
+    return false;
+  }
+  try
+  {
+    return readWhole(path).find(altitudes_name) != std::string::npos;
+  }
+  catch (const UserError&)
+  {
+    return false;  // another file of the folder, whose owner keeps it private
+  }
+}
+
 std::vector<std::string> ousterMetadataBeside(const std::string& capture)
 {
   const fs::path path(capture);
@@ -349,7 +349,7 @@ std::vector<std::string> ousterMetadataBeside(const std::string& capture)
   for (const auto& entry : entriesIfReadable(folder))
   {
     const fs::path& file = entry.path();
-    if (lowerExtension(file.string()) == ".json" && isOusterMetadata(file))
+    if (lowerExtension(file.string()) == ".json" && isOusterMetadata(file.string()))
     {
       files.emplace_back(commonPrefix(file.stem().string(), stem), file.string());
     }

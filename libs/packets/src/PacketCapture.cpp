@@ -222,6 +222,7 @@ bool PacketCapture::next(LidarPacket& packet)
     {
       continue;
     }
+    has_cut_frames_ = has_cut_frames_ || header->caplen < header->len;
     const std::uint64_t sender =
         senders_.emplace(fragment.sender, senders_.size() + 1).first->second;
     const bool alone = fragment.offset == 0 && !fragment.more;

@@ -31,6 +31,8 @@ class PacketCapture
   /** Whether there are interfaces of another kind or snapshot length than the first one, whose
    * frames libpcap does not read. */
   [[nodiscard]] bool hasOtherInterfaces() const { return has_other_interfaces_; }
+  /** Whether UDP frames were captured in part, for a short snapshot length. */
+  [[nodiscard]] bool hasCutFrames() const { return has_cut_frames_; }
   /** Fraction of the file that was read, 0 to 1. */
   [[nodiscard]] double progress() const;
 
@@ -41,5 +43,6 @@ class PacketCapture
   std::uintmax_t size_ = 0;                     //!< size of the file [bytes]
   std::string damage_;
   bool has_other_interfaces_ = false;
+  bool has_cut_frames_ = false;
 };
 }  // namespace dyslam

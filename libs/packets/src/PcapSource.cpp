@@ -144,7 +144,7 @@ struct PcapSource::Impl
   [[nodiscard]] Decoder chooseDecoder()
   {
     const std::string& calibration = options.calibration_file;
-    if (lowerExtension(calibration) == ".json")
+    if (lowerExtension(calibration) == ".json" || isOusterMetadata(calibration))
     {
       return ousterDecoder(calibration);
     }
@@ -258,7 +258,9 @@ struct PcapSource::Impl
   {
     const std::string damage =
         (capture.damage().empty() ? "" : "; " + capture.damage()) +
-        (capture.hasOtherInterfaces() ? "; " + std::string(other_interfaces) : "");
+        (capture.hasOtherInterfaces() ? "; " + std::string(other_interfaces) : "") +
+        (capture.hasCutFrames() ? "; frames were cut at capture (tcpdump -s 0 keeps them whole)"
+                                : "");
     const std::string has = probed_kind.empty() ? "" : ", but UDP packets of " + probed_kind;
     if (!decoder.metadata.empty())
     {

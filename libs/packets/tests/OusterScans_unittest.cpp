@@ -400,6 +400,8 @@ TEST(PcapSource, OusterWithMetadataBeside)
     EXPECT_TRUE(source.warnings().empty());
   }
   PcapSourceOptions options;
+  options.calibration_file = folder.write("metadata.txt", lidar.metadata());
+  EXPECT_EQ("OS-1-4", PcapSource(path, options).sensor());
   options.calibration_file = folder.file("a.json");
   EXPECT_TRUE(contains(messageOfError<UserError>([&] { PcapSource source(path, options); }),
                        "has no data packets of the lidar of"));

@@ -121,6 +121,21 @@ TEST(PcapFrames, InterfacesOfSeveralKinds)
                        "interfaces of another kind or snapshot length"));
 }
 
+TEST(PcapFrames, FramesThatWereCut)
+{
+  constexpr std::size_t snapshot = 200;  // [bytes]
+  const std::string frame = ipFrame(udpDatagram(velodynePacket(0), 2368), 0, 0);
+  std::string file = captureHeader();
+  appendBytes<std::uint64_t>(file, 1000);
+  appendBytes(file, static_cast<std::uint32_t>(snapshot));
+  appendBytes(file, static_cast<std::uint32_t>(frame.size()));
+  file += frame.substr(0, snapshot);
+  const TestFolder folder;
+  const std::string path = folder.write("cut.pcap", file);
+  EXPECT_TRUE(contains(messageOfError<UserError>([&] { PcapSource source(path); }),
+                       "frames were cut at capture (tcpdump -s 0 keeps them whole)"));
+}
+
 TEST(PcapFrames, PacketsOverIpv6)
 {
   constexpr char udp = 17;

@@ -63,6 +63,9 @@ struct OusterMetadata
  * \throws UserError naming the value that is missing or wrong. */
 [[nodiscard]] OusterMetadata parseOusterMetadata(const std::string& text, const std::string& place);
 
+/** Whether a file holds beam angles as the metadata of an Ouster lidar do, whatever its name. */
+[[nodiscard]] bool isOusterMetadata(const std::string& path);
+
 /** The .json files in the folder of a capture that are metadata of an Ouster lidar, first those
  * whose names have most in common with the capture's. */
 [[nodiscard]] std::vector<std::string> ousterMetadataBeside(const std::string& capture);
