@@ -36,13 +36,34 @@ inline bool hasOusterType(const std::uint8_t* packet,
   return stated == static_cast<std::uint16_t>(type);
 }
 
-/** Number of the sensor's initialization, another after each restart and change of its mode. \pre
- * the profile is not LEGACY, and the packet has a header */
-inline std::uint32_t ousterInitialization(const std::uint8_t* packet,
-                                          const OusterMetadata& metadata)
+/** What a packet tells of the mode of the sensor, against that in the metadata. */
+enum class OusterMode
 {
+  unknown,
+  same,
+  other
+};
+
+/** Mode by the number of the sensor's initialization, another after each change of the mode; of the
+ * profile LEGACY by encoder and number of the first column. \pre the packet has the size of one of
+ * the lidar */
+inline OusterMode modeOfOuster(const std::uint8_t* packet, const OusterMetadata& metadata)
+{
+  constexpr std::uint64_t encoder_turn = 90112;
+  if (metadata.profile.isLegacy())
+  {
+    const std::uint64_t column = ousterNumberAt<std::uint16_t>(packet + 8);
+    const std::uint64_t encoder = ousterNumberAt<std::uint32_t>(packet + 12);
+    return column == 0 || encoder == 0                           ? OusterMode::unknown
+           : encoder * metadata.columns == column * encoder_turn ? OusterMode::same
+                                                                 : OusterMode::other;
+  }
   constexpr std::uint32_t bits = (1U << 24U) - 1;
-  return ousterNumberAt<std::uint32_t>(packet + (metadata.fusa_header ? 1 : 4)) & bits;
+  const std::uint32_t initialization =
+      ousterNumberAt<std::uint32_t>(packet + (metadata.fusa_header ? 1 : 4)) & bits;
+  return initialization == 0 || metadata.initialization == 0 ? OusterMode::unknown
+         : initialization == metadata.initialization         ? OusterMode::same
+                                                             : OusterMode::other;
 }
 
 /** Whether a packet has the serial number of the metadata's sensor, or either is not stated. \pre

@@ -103,12 +103,12 @@ struct OusterScans::Impl
   bool begun = false;                  //!< a column of the frame was received, with returns or not
   std::size_t first_column = 0;
   std::size_t last_column = 0;
-  std::size_t returns = 0;    //!< number of points of all frames
-  std::size_t saturated = 0;  //!< number of points with an intensity above the scale
-  std::size_t late = 0;       //!< number of packets of frames that were passed on before
-  std::size_t repeated = 0;   //!< number of repeated columns
-  std::size_t alien = 0;      //!< number of columns that no frame of this sensor has
-  std::size_t otherwise_initialized = 0;  //!< number of packets of another initialization
+  std::size_t returns = 0;        //!< number of points of all frames
+  std::size_t saturated = 0;      //!< number of points with an intensity above the scale
+  std::size_t late = 0;           //!< number of packets of frames that were passed on before
+  std::size_t repeated = 0;       //!< number of repeated columns
+  std::size_t alien = 0;          //!< number of columns that no frame of this sensor has
+  std::size_t of_other_mode = 0;  //!< number of packets of another mode than the metadata
 
   Impl(std::string place_in, const OusterMetadata& metadata_in, bool keep_partial)
       : place(std::move(place_in)),
@@ -139,17 +139,6 @@ struct OusterScans::Impl
     return metadata.profile.isLegacy() ||
            (hasOusterType(packet, metadata, OusterPacketType::lidar) &&
             hasOusterSerial(packet, metadata));
-  }
-
-  /** Whether a packet states another initialization of the sensor than the metadata. */
-  [[nodiscard]] bool isOtherwiseInitialized(const std::uint8_t* packet) const
-  {
-    if (metadata.initialization == 0 || metadata.profile.isLegacy())
-    {
-      return false;
-    }
-    const std::uint32_t stated = ousterInitialization(packet, metadata);
-    return stated != 0 && stated != metadata.initialization;
   }
 
   [[nodiscard]] Column columnOf(const std::uint8_t* packet, std::size_t i) const
@@ -208,7 +197,7 @@ struct OusterScans::Impl
     {
       return;
     }
-    otherwise_initialized += isOtherwiseInitialized(packet.bytes.data()) ? 1 : 0;
+    of_other_mode += modeOfOuster(packet.bytes.data(), metadata) == OusterMode::other ? 1 : 0;
     for (std::size_t i = 0; i < metadata.packet_columns; ++i)
     {
       const Column column = columnOf(packet.bytes.data(), i);
@@ -401,12 +390,15 @@ std::vector<std::string> OusterScans::warnings() const
     lines.push_back(impl_->place + ": " + counted(impl_->alien, "column") +
                     " left out, whose numbers do not fit the metadata");
   }
-  if (impl_->otherwise_initialized > 0)
+  if (impl_->of_other_mode > 0)
   {
-    lines.push_back(
-        impl_->place + ": " + counted(impl_->otherwise_initialized, "packet") +
-        " of another initialization of the sensor than its metadata: the points are "
-        "wrong if its mode was changed in between; give the metadata of this recording");
+    lines.push_back(impl_->place + ": " + counted(impl_->of_other_mode, "packet") +
+                    (impl_->metadata.profile.isLegacy()
+                         ? " with another number of columns in a revolution than the metadata "
+                           "state: their points are wrong"
+                         : " of another initialization of the sensor than the metadata: their "
+                           "points are wrong if its mode was changed in between") +
+                    "; give the metadata of this recording");
   }
   if (impl_->imu_left_out > 0)
   {

@@ -52,14 +52,12 @@ struct Decoder
   }
 };
 
-/** How well the metadata of a decoder fit one of its packets: the sensor's initialization tells the
- * mode of the recording, then the port a lidar whose packets have no serial number. */
+/** How well the metadata of a decoder fit one of its packets: those of the sensor's mode, then
+ * those of the port, which tells lidars whose packets have no serial number. */
 int fitOf(const OusterMetadata& metadata, const LidarPacket& packet)
 {
-  const bool same_initialization =
-      metadata.initialization != 0 && !metadata.profile.isLegacy() &&
-      ousterInitialization(packet.bytes.data(), metadata) == metadata.initialization;
-  return 1 + (same_initialization ? 2 : 0) + (portOf(packet) == metadata.lidar_port ? 1 : 0);
+  const bool has_mode = modeOfOuster(packet.bytes.data(), metadata) == OusterMode::same;
+  return 1 + (has_mode ? 2 : 0) + (portOf(packet) == metadata.lidar_port ? 1 : 0);
 }
 
 /** Size and port of the most frequent datagrams. */

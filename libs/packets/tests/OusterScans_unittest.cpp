@@ -299,6 +299,23 @@ TEST(OusterScans, PacketsOfAnotherInitialization)
   }
 }
 
+TEST(OusterScans, LegacyPacketsOfAnotherMode)
+{
+  SyntheticOuster lidar;
+  lidar.profile = "LEGACY";
+  const std::string other =
+      with(lidar.metadata(), "\"columns_per_frame\": 64", "\"columns_per_frame\": 128");
+  OusterScans decoder("x", parseOusterMetadata(other, "x.json"), true);
+  for (const std::string& packet : lidar.packetsOf(1))
+  {
+    decoder.add(received(packet));
+  }
+  const auto warnings = decoder.warnings();
+  ASSERT_EQ(1U, warnings.size());
+  EXPECT_TRUE(contains(warnings[0], "x: 3 packets with another number of columns"))
+      << "column 0 of the first one has no angle";
+}
+
 TEST(OusterMetadata, WindowOfColumns)
 {
   using Window = std::pair<std::size_t, std::size_t>;
@@ -407,23 +424,27 @@ TEST(PcapSource, OusterWithMetadataBeside)
                        "has no data packets of the lidar of"));
 }
 
-TEST(PcapSource, OusterMetadataOfTheSameInitialization)
+TEST(PcapSource, OusterMetadataOfTheSameMode)
 {
-  const SyntheticOuster lidar;
-  SyntheticOuster earlier;
-  earlier.initialization = 7;
-  const TestFolder folder;
-  const std::string path = folder.write("drive.pcap", lidar.capture(lidar.packetsOf(3)));
-  folder.write("drive.json", with(earlier.metadata(), "\"columns_per_frame\": 64",
-                                  "\"columns_per_frame\": 128"));  // another mode
-  const std::string own = folder.write("a.json", lidar.metadata());
-  PcapSource source(path);
-  EXPECT_EQ(std::vector<std::string>{"metadata of the lidar: " + own}, source.notes());
-  const auto scan = source.next();
-  ASSERT_TRUE(scan);
-  const Eigen::Vector3d last = scan->points.back().cast<double>();
-  EXPECT_LT((expectedPoints(false).back().point - last).norm(), 1e-5);
-  EXPECT_TRUE(source.warnings().empty());
+  for (const char* profile : {"LEGACY", "RNG19_RFL8_SIG16_NIR16", "FUSA_RNG15_RFL8_NIR8_DUAL"})
+  {
+    SyntheticOuster lidar;
+    lidar.profile = profile;
+    SyntheticOuster earlier = lidar;
+    earlier.initialization = 7;
+    const TestFolder folder;
+    const std::string path = folder.write("drive.pcap", lidar.capture(lidar.packetsOf(3)));
+    folder.write("drive.json", with(earlier.metadata(), "\"columns_per_frame\": 64",
+                                    "\"columns_per_frame\": 128"));
+    const std::string own = folder.write("a.json", lidar.metadata());
+    PcapSource source(path);
+    EXPECT_EQ(std::vector<std::string>{"metadata of the lidar: " + own}, source.notes());
+    const auto scan = source.next();
+    ASSERT_TRUE(scan) << profile;
+    const Eigen::Vector3d last = scan->points.back().cast<double>();
+    EXPECT_LT((expectedPoints(lidar.isFusa()).back().point - last).norm(), 1e-5);
+    EXPECT_TRUE(source.warnings().empty()) << profile;
+  }
 }
 
 TEST(PcapSource, OustersWithoutSerialNumbersAreToldByTheirPorts)
