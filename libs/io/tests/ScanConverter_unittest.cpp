@@ -280,6 +280,8 @@ TEST(ScanConverter, Errors)
   EXPECT_TRUE(contains(message(folder.file("none")), "no such file"));
   makeFolderOf(folder, "in");
   EXPECT_TRUE(contains(message(folder.file("in")), "has no .bin"));
+  const std::string capture = folder.write("captures/a.pcap", "");
+  EXPECT_TRUE(contains(message(folder.file("captures")), "; give its capture " + capture));
   EXPECT_TRUE(contains(message(folder.write("a.bin", "")), "single scan"));
   EXPECT_TRUE(contains(message(folder.write("a.pcap", "nonsense")), "not a network capture"));
   EXPECT_TRUE(contains(message(folder.write("a.pcapng.gz", "")), "unpack it first: gunzip -k "));

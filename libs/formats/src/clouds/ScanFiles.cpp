@@ -309,16 +309,21 @@ bool isCloudFile(const std::string& path)
 
 namespace
 {
-/** The first folder within that has scans; empty: none. */
-std::string folderWithin(const std::string& folder)
+/** What is in a folder without scans, for messages: a capture, or a folder that has scans. */
+std::string foundInstead(const std::string& folder)
 {
   for (const auto& entry : entriesIfReadable(folder))
   {
+    const std::string within = entry.path().string();
+    if (recordingKind(within) == RecordingKind::capture)
+    {
+      return "; give its capture " + within;
+    }
     const auto files = entriesIfReadable(entry.path());
     if (std::any_of(files.begin(), files.end(),
                     [](const auto& file) { return isCloudFile(file.path().string()); }))
     {
-      return entry.path().string();
+      return "; its folder " + within + " has";
     }
   }
   return "";
@@ -330,9 +335,7 @@ std::vector<std::string> listCloudFiles(const std::string& folder)
   const auto files = listFiles(folder, isCloudFile);
   if (files.empty())
   {
-    const std::string within = folderWithin(folder);
-    throw UserError(folder + ": has no .bin, .pcd or .ply files" +
-                    (within.empty() ? "" : "; its folder " + within + " has"));
+    throw UserError(folder + ": has no .bin, .pcd or .ply files" + foundInstead(folder));
   }
   for (const std::string& file : files)
   {
