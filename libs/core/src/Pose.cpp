@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/base/Angle.h>
 #include <dyslam/core/Pose.h>
 
 #include <Eigen/SVD>
 #include <cmath>
+#include <cstdio>
 
 namespace dyslam
 {
@@ -169,6 +171,17 @@ Eigen::Vector3d yawPitchRoll(const Pose& pose)
     return {std::atan2(-R(0, 1), R(1, 1)), pitch, 0.0};
   }
   return {std::atan2(R(1, 0), R(0, 0)), pitch, std::atan2(R(2, 1), R(2, 2))};
+}
+
+std::string poseText(const Pose& pose)
+{
+  const Eigen::Vector3d t = pose.translation();
+  const Eigen::Vector3d angles = degrees_per_radian * yawPitchRoll(pose);
+  char text[160];
+  // Adding zero makes a negative zero positive.
+  std::snprintf(text, sizeof text, "%.7g %.7g %.7g %.7g %.7g %.7g", t.x() + 0.0, t.y() + 0.0,
+                t.z() + 0.0, angles.x() + 0.0, angles.y() + 0.0, angles.z() + 0.0);
+  return text;
 }
 
 Pose orthonormalised(const Pose& pose)

@@ -85,6 +85,14 @@ TEST(Pose, YawPitchRollRoundTrip)
   EXPECT_TRUE(yawPitchRoll(pose).isApprox(Eigen::Vector3d(0.5, -0.3, 2.0), 1e-12));
 }
 
+TEST(Pose, TextIsThatOfOptions)
+{
+  Pose pose = Pose::Identity();
+  pose.linear() << 0, -1, 0, 1, 0, 0, 0, 0, 1;
+  pose.translation() << 1, -2.5, -0.0;
+  EXPECT_EQ("1 -2.5 0 90 0 0", poseText(pose));
+}
+
 TEST(Pose, InterpolationKeepsEndsAndMiddle)
 {
   const Pose a = poseFromYpr(0, 0, 0, 0, 0, 0);

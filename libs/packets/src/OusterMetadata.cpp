@@ -80,7 +80,7 @@ class Values
     }
     for (const char* section :
          {"sensor_info", "beam_intrinsics", "lidar_intrinsics", "imu_intrinsics",
-          "lidar_data_format", "data_format", "config_params"})
+          "lidar_data_format", "data_format", "config_params", "ouster-sdk"})
     {
       const auto in = root_.find(section);
       if (in != root_.end() && in->is_object() && in->contains(name))
@@ -270,8 +270,8 @@ Pose usualImuPose()
   return T_sensor_imu;
 }
 
-/** A pose in the frame of the sensor. \param usual if it is not stated */
-Pose poseInSensor(const Values& values, const char* name, const Pose& usual)
+/** A pose. \param unit of its translation [m] \param usual if it is not stated */
+Pose poseOf(const Values& values, const char* name, double unit, const Pose& usual)
 {
   const auto m = values.numbers(name);
   if (m.empty())
@@ -282,19 +282,19 @@ Pose poseInSensor(const Values& values, const char* name, const Pose& usual)
   {
     values.fail(name, "has not 16 numbers");
   }
-  Pose T_sensor_part = Pose::Identity();
+  Pose T_frame_part = Pose::Identity();
   for (int row = 0; row < 3; ++row)
   {
     const auto at = static_cast<std::size_t>(4 * row);
-    T_sensor_part.linear().row(row) << m[at], m[at + 1], m[at + 2];
-    T_sensor_part.translation()[row] = metres_per_millimetre * m[at + 3];
+    T_frame_part.linear().row(row) << m[at], m[at + 1], m[at + 2];
+    T_frame_part.translation()[row] = unit * m[at + 3];
   }
-  const Eigen::Matrix3d R = T_sensor_part.linear();
+  const Eigen::Matrix3d R = T_frame_part.linear();
   if (!(R * R.transpose()).isIdentity(1e-3) || R.determinant() < 0)
   {
     values.fail(name, "is no pose");
   }
-  return T_sensor_part;
+  return T_frame_part;
 }
 
 }  // namespace
@@ -316,8 +316,11 @@ OusterMetadata parseOusterMetadata(const std::string& text, const std::string& p
   metadata.packet_columns = packetColumnsOf(values);
   readWindow(values, metadata);
   readBeams(values, metadata);
-  metadata.T_sensor_lidar = poseInSensor(values, "lidar_to_sensor_transform", usualLidarPose());
-  metadata.T_sensor_imu = poseInSensor(values, "imu_to_sensor_transform", usualImuPose());
+  metadata.T_sensor_lidar =
+      poseOf(values, "lidar_to_sensor_transform", metres_per_millimetre, usualLidarPose());
+  metadata.T_sensor_imu =
+      poseOf(values, "imu_to_sensor_transform", metres_per_millimetre, usualImuPose());
+  metadata.T_vehicle_sensor = poseOf(values, "extrinsic", 1, Pose::Identity());
   return metadata;
 }
 

@@ -37,10 +37,11 @@ std::uint64_t portOf(const LidarPacket& packet)
 struct Decoder
 {
   std::unique_ptr<PacketScans> scans;
-  std::string metadata;                //!< metadata file of an Ouster; empty: a Velodyne
-  std::size_t ouster_packet_size = 0;  //!< packet size of an Ouster [bytes]; 0: a Velodyne
-  std::uint64_t lidar_port = 0;        //!< port that these metadata state; 0: none
-  std::uint64_t imu_port = 0;          //!< of the IMU
+  std::string metadata;                     //!< metadata file of an Ouster; empty: a Velodyne
+  std::size_t ouster_packet_size = 0;       //!< packet size of an Ouster [bytes]; 0: a Velodyne
+  std::uint64_t lidar_port = 0;             //!< port that these metadata state; 0: none
+  std::uint64_t imu_port = 0;               //!< of the IMU
+  Pose T_vehicle_lidar = Pose::Identity();  //!< that they state
   int fit = 0;  //!< how well these metadata fit the packets; 0: none is of their lidar
 
   /** Whether there is a packet that is of the other's lidar and not of this one. */
@@ -131,6 +132,12 @@ struct PcapSource::Impl
     }
     decoder = chooseDecoder();
     readPorts();
+    if (!decoder.T_vehicle_lidar.matrix().isIdentity(1e-6))
+    {
+      notes.push_back(
+          "the metadata place the lidar on its vehicle, which is done by --sensor-pose '" +
+          poseText(decoder.T_vehicle_lidar) + "'");
+    }
     first = read();
     if (taken == 0)
     {
@@ -208,8 +215,12 @@ struct PcapSource::Impl
   [[nodiscard]] Decoder ousterDecoder(const std::string& file) const
   {
     const OusterMetadata metadata = parseOusterMetadata(readWhole(file), file);
-    Decoder ouster{std::make_unique<OusterScans>(path, metadata, options.keep_partial), file,
-                   OusterScans::packetSize(metadata), metadata.lidar_port, metadata.imu_port};
+    Decoder ouster{std::make_unique<OusterScans>(path, metadata, options.keep_partial),
+                   file,
+                   OusterScans::packetSize(metadata),
+                   metadata.lidar_port,
+                   metadata.imu_port,
+                   metadata.T_vehicle_sensor};
     for (const LidarPacket& packet : probed)
     {
       if (ouster.scans->takes(packet))

@@ -447,6 +447,25 @@ TEST(PcapSource, OusterMetadataOfTheSameMode)
   }
 }
 
+TEST(PcapSource, ThePoseThatOustersSdkWasTold)
+{
+  const SyntheticOuster lidar;
+  const TestFolder folder;
+  const std::string path = folder.write("drive.pcap", lidar.capture(lidar.packetsOf(3)));
+  const std::string none = lidar.metadata(true);
+  const auto told = [&](const std::string& pose)
+  { return none.substr(0, none.size() - 1) + ", \"ouster-sdk\": {\"extrinsic\": " + pose + "}}"; };
+  folder.write("drive.json", told("[1,0,0,0, 0,1,0,0, 0,0,1,0, 0,0,0,1]"));
+  EXPECT_EQ(1U, PcapSource(path).notes().size()) << "the identity";
+  folder.write("drive.json", told("[0,-1,0,0.5, 1,0,0,0, 0,0,1,1.25, 0,0,0,1]"));
+  const PcapSource source(path);
+  ASSERT_EQ(2U, source.notes().size());
+  EXPECT_EQ(
+      "the metadata place the lidar on its vehicle, which is done by --sensor-pose '0.5 0 1.25 90 "
+      "0 0'",
+      source.notes()[1]);
+}
+
 TEST(PcapSource, OustersWithoutSerialNumbersAreToldByTheirPorts)
 {
   SyntheticOuster front;

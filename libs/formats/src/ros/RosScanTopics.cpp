@@ -1,11 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <dyslam/base/Angle.h>
 #include <dyslam/base/Error.h>
 #include <dyslam/formats/RosPackets.h>
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <map>
 #include <set>
 #include <tuple>
@@ -101,18 +99,6 @@ std::vector<std::size_t> staticTopics(const Bag& bag)
     names.insert(topic.name);
   }
   return plain.empty() && names.size() == 1 ? of_namespaces : plain;
-}
-
-/** "x y z yaw pitch roll" [m, deg]. */
-std::string sensorPoseText(const Pose& pose)
-{
-  const Eigen::Vector3d t = pose.translation();
-  const Eigen::Vector3d angles = degrees_per_radian * yawPitchRoll(pose);
-  char text[160];
-  // Adding zero makes a negative zero positive.
-  std::snprintf(text, sizeof text, "%.7g %.7g %.7g %.7g %.7g %.7g", t.x() + 0.0, t.y() + 0.0,
-                t.z() + 0.0, angles.x() + 0.0, angles.y() + 0.0, angles.z() + 0.0);
-  return text;
 }
 
 /** Pose of a frame in the last of its parents, or in `last` if that is one of them. */
@@ -303,7 +289,7 @@ std::string sensorPosesOf(Bag& bag, const std::vector<RosScanTopic>& scans)
     const RosPose lidar = poseInParent(transforms, scan.frame, "base_link");
     if (lidar.parent != scan.frame && said.insert(scan.frame).second)
     {
-      text += "--sensor-pose '" + sensorPoseText(lidar.pose) + "'  (" + scan.frame + " in " +
+      text += "--sensor-pose '" + poseText(lidar.pose) + "'  (" + scan.frame + " in " +
               lidar.parent + ", /tf_static)\n";
     }
   }

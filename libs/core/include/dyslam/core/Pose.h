@@ -3,6 +3,7 @@
 
 #include <Eigen/Core>
 #include <Eigen/Geometry>
+#include <string>
 
 namespace dyslam
 {
@@ -40,6 +41,8 @@ using Matrix6 = Eigen::Matrix<double, 6, 6>;
 /** x, y, z [m] and yaw, pitch, roll [rad] (R = Rz(yaw) Ry(pitch) Rx(roll), as MRPT's CPose3D). */
 [[nodiscard]] Pose poseFromYpr(double x, double y, double z, double yaw, double pitch, double roll);
 [[nodiscard]] Eigen::Vector3d yawPitchRoll(const Pose& pose);
+/** "x y z yaw pitch roll" [m, deg], as options such as --sensor-pose take a pose. */
+[[nodiscard]] std::string poseText(const Pose& pose);
 
 /** The pose with its rotation replaced by the nearest proper rotation: for poses read from text and
  * for long products. */

@@ -53,6 +53,8 @@ struct OusterMetadata
   double origin_up = 0;
   Pose T_sensor_lidar = Pose::Identity();
   Pose T_sensor_imu = Pose::Identity();
+  /** Pose that Ouster's SDK was told (extrinsic); the identity if it was not. */
+  Pose T_vehicle_sensor = Pose::Identity();
 
   [[nodiscard]] std::size_t beams() const { return altitudes.size(); }
 };
