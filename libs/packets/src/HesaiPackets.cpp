@@ -197,6 +197,25 @@ std::optional<HesaiLayout> hesaiLayoutOf(const LidarPacket& packet)
   return fits ? layout : std::nullopt;
 }
 
+std::optional<std::string> whyNoHesaiScans(const LidarPacket& packet)
+{
+  const std::vector<std::uint8_t>& bytes = packet.bytes;
+  if (bytes.size() < 12 || bytes[0] != 0xee || bytes[1] != 0xff)
+  {
+    return std::nullopt;
+  }
+  const int protocol = 100 * bytes[2] + bytes[3];
+  const char* const name = protocol == 108                      ? "JT16"
+                           : protocol == 401 || protocol == 403 ? "AT128"
+                           : protocol == 407                    ? "ATX"
+                           : protocol == 702                    ? "FT120"
+                                                                : nullptr;
+  return name != nullptr ? std::optional("of a Hesai " + std::string(name) +
+                                         ", which are not decoded; record the point cloud of its "
+                                         "driver instead")
+                         : std::nullopt;
+}
+
 std::size_t HesaiPacketView::returns() const
 {
   constexpr std::uint8_t first_dual = 0x39;

@@ -428,6 +428,26 @@ TEST(HesaiScans, OtherPacketsAreNotTaken)
   EXPECT_FALSE(scans.takes(received(other.packet(0))));
 }
 
+TEST(HesaiScans, PacketsThatAreNotDecodedAreNamed)
+{
+  const SyntheticHesai lidar;
+  std::string packet = lidar.packet(0);
+  EXPECT_FALSE(whyNoHesaiScans(received(packet)));
+  EXPECT_FALSE(whyNoHesaiScans(received(std::string(1206, '\x20'))));
+  EXPECT_FALSE(whyNoHesaiScans(received("")));
+  packet.replace(2, 2, "\x04\x03");
+  EXPECT_NE(whyNoHesaiScans(received(packet)).value_or("").find("Hesai AT128"), std::string::npos);
+  const TestFolder folder;
+  std::string capture = captureHeader();
+  appendFrame(capture, 1000, ipFrame(udpDatagram(packet, 2368), 0, 0));
+  std::ofstream(folder.file("at.pcap"), std::ios::binary) << capture;
+  const std::string message =
+      messageOfError<UserError>([&] { PcapSource source(folder.file("at.pcap")); });
+  EXPECT_NE(message.find("at.pcap: has UDP packets of a Hesai AT128, which are not decoded"),
+            std::string::npos)
+      << message;
+}
+
 TEST(HesaiScans, ACaptureIsRecognised)
 {
   const TestFolder folder;

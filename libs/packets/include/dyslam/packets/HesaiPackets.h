@@ -41,6 +41,9 @@ struct HesaiLayout
 /** By the header, or of a Pandar40P, which has none, by the size; nothing for packets of other
  * sensors and of Hesai's that do not turn as a whole (AT128, FT120). */
 [[nodiscard]] std::optional<HesaiLayout> hesaiLayoutOf(const LidarPacket& packet);
+/** What to say of the packets of a Hesai that are not decoded, such as an AT128's; nothing for all
+ * others. */
+[[nodiscard]] std::optional<std::string> whyNoHesaiScans(const LidarPacket& packet);
 
 /** One data packet. \pre the packet outlives the view, and `layout` is its own */
 class HesaiPacketView
