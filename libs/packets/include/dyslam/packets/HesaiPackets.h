@@ -39,7 +39,7 @@ struct HesaiLayout
 };
 
 /** By the header, or of a Pandar40P, which has none, by the size; nothing for packets of other
- * sensors and of Hesai's that do not turn as a whole (AT128, FT120). */
+ * sensors and of Hesai's that are not decoded (AT128, FT120, JT16). */
 [[nodiscard]] std::optional<HesaiLayout> hesaiLayoutOf(const LidarPacket& packet);
 /** What to say of the packets of a Hesai that are not decoded, such as an AT128's; nothing for all
  * others. */
