@@ -151,10 +151,15 @@ std::optional<HesaiLayout> layoutOfProtocol(const std::vector<std::uint8_t>& byt
       return layout;
     case 302:
       layout.name = "QT" + std::to_string(layout.lasers);
-      layout.return_bytes = (flags & has_confidence) != 0 ? 4 : 3;
       layout.block_period = 111.11e-6;
       layout.begins_after = 9e-6;
       layout.sequence_at = setOptionalParts(layout, flags) + mode_flag;
+      // Earlier firmware has the byte of the confidence, too, but not the flag.
+      if ((flags & has_confidence) == 0 && bytes.size() < layout.packet_bytes)
+      {
+        layout.return_bytes = 3;
+        layout.sequence_at = setOptionalParts(layout, flags) + mode_flag;
+      }
       layout.has_chosen_channels = (flags & has_chosen_channels) != 0;
       return layout;
     case 601:

@@ -401,6 +401,23 @@ TEST(HesaiScans, TheSeriesOfThePandar128AreToldApart)
   EXPECT_EQ(hesaiLayoutOf(received(packet))->name, "Pandar64E3X");
 }
 
+TEST(HesaiScans, AQt128MayHaveTheConfidenceWithoutItsFlag)
+{
+  SyntheticHesai lidar;
+  lidar.kind = HesaiKind::qt128;
+  std::string packet = lidar.packet(0);
+  const auto flagged = hesaiLayoutOf(received(packet));
+  packet[11] = '\x05';
+  const auto layout = hesaiLayoutOf(received(packet));
+  ASSERT_TRUE(flagged && layout);
+  EXPECT_EQ(layout->return_bytes, 4U);
+  EXPECT_EQ(layout->packet_bytes, flagged->packet_bytes);
+  constexpr std::size_t confidences = 2 * 128;
+  const auto without = hesaiLayoutOf(received(packet.substr(0, packet.size() - confidences)));
+  ASSERT_TRUE(without);
+  EXPECT_EQ(without->return_bytes, 3U);
+}
+
 TEST(HesaiScans, SelectedChannelsAreAnError)
 {
   SyntheticHesai lidar;
