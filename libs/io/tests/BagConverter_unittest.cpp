@@ -395,6 +395,20 @@ TEST(BagConverter, HesaiPackets)
   }
 }
 
+TEST(BagConverter, HesaiPacketsThatAreNotDecodedAreNamed)
+{
+  std::string packet = SyntheticHesai().packet(0);
+  packet.replace(2, 2, "\x04\x03");
+  const TestFolder folder;
+  const std::string bag = folder.file("a.db3");
+  test::writeBag(
+      bag, {{"/lidar_packets", "pandar_msgs/PandarScan", 1000,
+             test::hesaiMessage(true, 1000, {{1000, packet}}, test::HesaiMessage::pandar_scan)}});
+  const std::string message = messageOfError<UserError>([&] { (void)convertedBag(folder, bag); });
+  EXPECT_TRUE(contains(message, "1 packets are of a Hesai AT128, which are not decoded"))
+      << message;
+}
+
 TEST(BagConverter, OusterPackets)
 {
   for (const char* name : {"a.bag", "a.db3"})

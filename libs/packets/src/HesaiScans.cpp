@@ -5,6 +5,7 @@
 #include <dyslam/packets/SensorClock.h>
 
 #include <algorithm>
+#include <array>
 #include <cstdint>
 #include <optional>
 #include <utility>
@@ -33,8 +34,11 @@ struct HesaiScans::Impl
   HesaiScansOptions options;
   std::optional<HesaiLayout> layout;  //!< layout of the first packet
   std::vector<Laser> lasers;
+  std::array<std::vector<double>, 2> shots;  //!< of both firing sequences, after its begin [s]
   RevolutionCutter revolutions;
   SensorClock clock;
+  std::optional<int> last_azimuth;  //!< of the latest block [0.01 deg]
+  int direction = 1;                //!< 1: clockwise, -1: counter-clockwise
   std::optional<double> last_time;  //!< last time of the sensor's clock [s]
 
   Impl(std::string place_in, const HesaiScansOptions& options_in)
@@ -47,6 +51,7 @@ struct HesaiScans::Impl
   void start(const LidarPacket& packet)
   {
     layout = hesaiLayoutOf(packet);
+    shots = {hesaiShots(*layout, false), hesaiShots(*layout, true)};
     const HesaiAngles angles = anglesOfLidar();
     const auto rings = ringsByElevation(angles.elevations);
     for (std::size_t i = 0; i < layout->lasers; ++i)
@@ -58,6 +63,11 @@ struct HesaiScans::Impl
 
   [[nodiscard]] HesaiAngles anglesOfLidar() const
   {
+    if (layout->has_chosen_channels)
+    {
+      throw UserError(place + ": this Hesai sends selected channels only, and its packets do not " +
+                      "tell which; record with all channels (web page of the lidar)");
+    }
     if (!options.angle_file.empty())
     {
       return readHesaiAngles(options.angle_file, layout->lasers);
@@ -80,20 +90,42 @@ struct HesaiScans::Impl
     const std::size_t returns = view.returns();
     for (std::size_t block = 0; block < layout->blocks; ++block)
     {
-      const std::size_t firing =
-          layout->stamps_last ? (layout->blocks - 1 - block) / returns : block / returns;
-      const double offset = layout->block_period * static_cast<double>(firing);
+      const std::size_t firing = block / returns;
+      const double periods = layout->stamps_last
+                                 ? -static_cast<double>((layout->blocks - 1 - block) / returns)
+                                 : static_cast<double>(firing);
       decodeBlock(view, block, block - block % returns,
-                  stamp + (layout->stamps_last ? -offset : offset));
+                  stamp + layout->begins_after + layout->block_period * periods,
+                  shots[view.isSecondSequence(firing) ? 1 : 0]);
     }
   }
 
-  /** \param first block of the same firing. \param time of the block, UNIX time [s] */
-  void decodeBlock(const HesaiPacketView& view, std::size_t block, std::size_t first, double time)
+  /** Follows the direction of rotation. Larger steps are of sectors that the lidar leaves out. */
+  void turnTo(int azimuth)
+  {
+    constexpr int turn = 36000;
+    constexpr int largest_step = 1000;
+    const int step = (azimuth - last_azimuth.value_or(azimuth) + turn) % turn;
+    if (step > 0 && (step < largest_step || step > turn - largest_step))
+    {
+      direction = step < largest_step ? 1 : -1;
+    }
+    last_azimuth = azimuth;
+  }
+
+  /** \param first block of the same firing. \param time of its begin, UNIX time [s]
+   * \param shots_of_block times of the shots after that [s] */
+  void decodeBlock(const HesaiPacketView& view,
+                   std::size_t block,
+                   std::size_t first,
+                   double time,
+                   const std::vector<double>& shots_of_block)
   {
     const int block_azimuth = view.azimuth(block);
+    turnTo(block_azimuth);
+    const double speed = direction * view.speed();
     Scan& scan = revolutions.scanOf(block_azimuth, time);
-    const auto since_begin = static_cast<float>(time - scan.stamp);
+    const double since_begin = time - scan.stamp;
     for (std::size_t i = 0; i < layout->lasers; ++i)
     {
       const std::uint16_t raw = view.range(block, i);
@@ -103,13 +135,16 @@ struct HesaiScans::Impl
         continue;
       }
       const Laser& laser = lasers[i];
-      const double azimuth = azimuth_unit * block_azimuth + laser.azimuth;
+      const double shot = shots_of_block[i];
+      // The rotor turns on between the shots of a firing.
+      const double turned = speed * (shot - layout->azimuth_after);
+      const double azimuth = azimuth_unit * block_azimuth + laser.azimuth + turned;
       const double flat = range * laser.cos_elevation;
       scan.points.push_back(Eigen::Vector3d(flat * std::sin(azimuth), flat * std::cos(azimuth),
                                             range * laser.sin_elevation)
                                 .cast<float>());
       scan.intensity.push_back(static_cast<float>(view.reflectivity(block, i)) / 255.0F);
-      scan.time.push_back(since_begin);
+      scan.time.push_back(static_cast<float>(since_begin + shot));
       scan.ring.push_back(laser.ring);
     }
   }

@@ -4,6 +4,7 @@
 #include <dyslam/base/Printable.h>
 #include <dyslam/base/Words.h>
 #include <dyslam/formats/ScanFiles.h>
+#include <dyslam/packets/HesaiPackets.h>
 #include <dyslam/packets/HesaiScans.h>
 #include <dyslam/packets/OusterScans.h>
 #include <dyslam/packets/PcapSource.h>
@@ -115,6 +116,7 @@ struct PcapSource::Impl
   std::optional<Scan> first;
   std::string probed_kind;      //!< the most frequent packets, for messages; empty: there are none
   std::size_t probed_size = 0;  //!< size of the most frequent packets [bytes]
+  std::optional<std::string> not_decoded;  //!< what to say of packets that are known only
 
   Impl(const std::string& path_in, const PcapSourceOptions& options_in)
       : path(path_in), options(options_in), capture(path_in)
@@ -122,6 +124,7 @@ struct PcapSource::Impl
     LidarPacket packet;
     while (probed.size() < probe_packets && capture.next(packet))
     {
+      not_decoded = not_decoded ? not_decoded : whyNoHesaiScans(packet);
       probed.push_back(std::move(packet));
     }
     if (!probed.empty())
@@ -278,6 +281,10 @@ struct PcapSource::Impl
              (probed_size == decoder.ouster_packet_size ? " of a sensor with another serial number"
                                                         : "") +
              damage;
+    }
+    if (not_decoded)
+    {
+      return path + ": has UDP packets " + *not_decoded + damage;
     }
     return path + ": has no data packets of a Velodyne (UDP, 1206 bytes) or a Hesai" + has +
            damage +

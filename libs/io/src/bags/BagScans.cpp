@@ -6,6 +6,7 @@
 #include <dyslam/formats/RosMessages.h>
 #include <dyslam/formats/RosPackets.h>
 #include <dyslam/formats/ScanFiles.h>
+#include <dyslam/packets/HesaiPackets.h>
 #include <dyslam/packets/HesaiScans.h>
 #include <dyslam/packets/OusterScans.h>
 #include <dyslam/packets/VelodyneModels.h>
@@ -58,6 +59,7 @@ class BagPackets : public BagScans
       else
       {
         ++left_out_;
+        not_decoded_ = not_decoded_ ? not_decoded_ : whyNoHesaiScans(packet_);
       }
     }
     return complete();
@@ -98,8 +100,8 @@ class BagPackets : public BagScans
     auto lines = scans_->warnings();
     if (left_out_ > 0)
     {
-      lines.push_back(topic_.name + ": " + std::to_string(left_out_) + " packets are not of a " +
-                      scans_->sensor() + " and were left out");
+      lines.push_back(topic_.name + ": " + std::to_string(left_out_) + " packets are " +
+                      not_decoded_.value_or("not of a " + scans_->sensor() + " and were left out"));
     }
     return lines;
   }
@@ -120,6 +122,7 @@ class BagPackets : public BagScans
   std::string note_;
   LidarPacket packet_;
   std::size_t left_out_ = 0;
+  std::optional<std::string> not_decoded_;  //!< what to say of packets that are known only
 };
 
 std::unique_ptr<BagScans> velodynePackets(const std::string& place,

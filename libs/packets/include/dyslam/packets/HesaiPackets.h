@@ -3,6 +3,7 @@
 
 #include <dyslam/packets/LidarPacket.h>
 
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
@@ -25,16 +26,24 @@ struct HesaiLayout
   std::size_t return_mode_at = 0;
   std::size_t date_at = 0;
   std::size_t clock_at = 0;
-  double block_period = 0;   //!< time from one firing of all lasers to the next [s]
+  std::size_t speed_at = 0;                //!< position of the motor's speed [rpm]
+  std::optional<std::size_t> sequence_at;  //!< of the flag which firing sequence is the first
+  bool has_chosen_channels = false;        //!< only those that the user selected on the lidar
+  double block_period = 0;                 //!< time from one firing of all lasers to the next [s]
   bool stamps_last = false;  //!< the packet's time is that of its last firing, not of its first
+  double begins_after = 0;   //!< time from the packet's to the begin of that firing [s]
+  double azimuth_after = 0;  //!< time from the begin of a firing to the block's azimuth [s]
   std::size_t packet_bytes = 0;
 
   [[nodiscard]] std::size_t blockBytes() const { return azimuth_at + 2 + lasers * return_bytes; }
 };
 
 /** By the header, or of a Pandar40P, which has none, by the size; nothing for packets of other
- * sensors and of Hesai's that do not turn as a whole (AT128, FT120). */
+ * sensors and of Hesai's that are not decoded (AT128, FT120, JT16). */
 [[nodiscard]] std::optional<HesaiLayout> hesaiLayoutOf(const LidarPacket& packet);
+/** What to say of the packets of a Hesai that are not decoded, such as an AT128's; nothing for all
+ * others. */
+[[nodiscard]] std::optional<std::string> whyNoHesaiScans(const LidarPacket& packet);
 
 /** One data packet. \pre the packet outlives the view, and `layout` is its own */
 class HesaiPacketView
@@ -58,6 +67,14 @@ class HesaiPacketView
   [[nodiscard]] std::uint8_t reflectivity(std::size_t block, std::size_t laser) const
   {
     return bytes_[returnAt(block, laser) + 2];
+  }
+  /** Speed of the motor, in either direction [rad/s]. */
+  [[nodiscard]] double speed() const { return u16(layout_.speed_at) * (2 * M_PI / 60); }
+  /** Whether a firing is of the second sequence of a lidar that has two. \param firing number in
+   * the packet, from 0 */
+  [[nodiscard]] bool isSecondSequence(std::size_t firing) const
+  {
+    return layout_.sequence_at && (bytes_[*layout_.sequence_at] + firing) % 2 == 0;
   }
   /** Number of blocks per firing: 1, or 2 or 3 with several returns. */
   [[nodiscard]] std::size_t returns() const;
@@ -88,6 +105,10 @@ struct HesaiAngles
   std::vector<double> elevations;
   std::vector<double> azimuths;  //!< clockwise, relative to the azimuth of the block
 };
+
+/** Times of the lasers' shots after the begin of a firing [s], after the maker's user manuals;
+ * zeros for models whose shots are not known. \param second of the second firing sequence */
+[[nodiscard]] std::vector<double> hesaiShots(const HesaiLayout& layout, bool second);
 
 /** Nominal angles of a model; nothing for models whose lidars all differ. */
 [[nodiscard]] std::optional<HesaiAngles> designedHesaiAngles(const HesaiLayout& layout);

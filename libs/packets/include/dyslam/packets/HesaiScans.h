@@ -20,12 +20,12 @@ struct HesaiScansOptions
 };
 
 /** Scans of the packets of a Hesai that turns: Pandar40P and 64, PandarXT (16, 32, 32M2X), PandarQT
- * (64, 128), and the packets of version 1.4, which Pandar128 and OT128 send.
+ * (64, 128), and the packets of version 1.4, which Pandar128, OT128 and JT128 send.
  *
  * Points are in the frame of the maker's drivers: azimuth 0 of the housing lies on y, x is to the
- * right of it, z up. All shots of a firing have the time of its block, which is within 0.1 ms of
- * their own; angles are those of the maker's drivers without a file of firing times. With several
- * returns a scan has all that differ. Stamps are by SensorClock.
+ * right of it, z up. A point has the time of its own shot and the azimuth of the rotor then; those
+ * of version 1.4 have time and azimuth of their block, which are within 0.11 ms of their own. With
+ * several returns a scan has all that differ. Stamps are by SensorClock.
  */
 class HesaiScans : public PacketScans
 {
