@@ -372,16 +372,22 @@ TEST(RosScans, InvalidPointsKeepTheirPlaces)
   EXPECT_NEAR(scan.time[5], read.time[5], 1e-6);
 }
 
-TEST(RosScans, EmptyScansAndStampsOfZero)
+TEST(RosScans, ABlankMessageSaysNothingAboutTheStamps)
 {
+  const Scan scan = sweepOf(50);
+  const BagTopic topic = topicOf(false, "sensor_msgs/PointCloud2");
   RosScanDecoder decoder;
-  const auto fields = test::velodyneFields(Scan());
-  const std::string data = test::pointCloud2(false, 0, fields);
-  const Scan scan = decoder.decode(topicOf(false, "sensor_msgs/PointCloud2"), messageOf(data));
-  EXPECT_EQ(0U, scan.size());
-  EXPECT_EQ(12, scan.stamp);  // when it was recorded
-  EXPECT_EQ(1U, decoder.warnings().size());
-  expectSame(sweepOf(50), decoded(decoder, test::velodyneFields(sweepOf(50))), 0);
+  const std::string blank = test::pointCloud2(false, 0, test::velodyneFields(Scan()));
+  const Scan none = decoder.decode(topic, messageOf(blank));
+  EXPECT_EQ(0U, none.size());
+  EXPECT_EQ(0, none.stamp);
+  expectSame(scan, decoded(decoder, test::velodyneFields(scan)), 0);
+  EXPECT_TRUE(decoder.warnings().empty());
+
+  RosScanDecoder without;
+  const std::string data = test::pointCloud2(false, 0, test::velodyneFields(scan));
+  EXPECT_EQ(12, without.decode(topic, messageOf(data)).stamp);  // when it was recorded
+  EXPECT_EQ(1U, without.warnings().size());
 }
 
 /** The clock of the points is that of the recorder. */
