@@ -166,6 +166,12 @@ std::string conversionAdvice(const std::string& path)
     case RecordingKind::unknown:
       break;
   }
+  if (lowerExtension(path) == ".osf")
+  {
+    return "is an .osf of Ouster, which is not read; make a capture of it first: ouster-cli "
+           "source " +
+           path + " save " + fs::path(path).stem().string() + ".pcap";
+  }
   return fs::is_directory(path)
              ? "is a folder, a file is needed: kitti2rawlog makes a rawlog of a KITTI recording, "
                "scans2rawlog of a folder of scans"

@@ -15,6 +15,10 @@ TEST(RecordingKinds, AdviceForRecordings)
             conversionAdvice("a/b.mcap"));
   EXPECT_EQ("is a network capture; make a rawlog of it first: scans2rawlog -i b.pcap -o b.rawlog",
             conversionAdvice("b.pcap"));
+  EXPECT_EQ(
+      "is an .osf of Ouster, which is not read; make a capture of it first: ouster-cli "
+      "source a/b.osf save b.pcap",
+      conversionAdvice("a/b.osf"));
   EXPECT_EQ("", conversionAdvice("b.rawlog"));
   EXPECT_EQ("", conversionAdvice("none"));
   folder.write("scans/1.bin", "");
