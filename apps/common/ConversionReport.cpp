@@ -3,6 +3,7 @@
 
 #include <dyslam/base/Error.h>
 #include <dyslam/base/Printable.h>
+#include <dyslam/formats/ProgramLines.h>
 
 #include <cstddef>
 #include <cstdint>
@@ -43,6 +44,7 @@ void report(const ConversionResult& result, const std::string& output, bool are_
 
 ConversionResult convertWithProgress(
     const std::string& program,
+    const std::string& input,
     const std::string& output,
     bool quiet,
     const std::function<ConversionResult(const ConversionProgress&)>& convert)
@@ -50,22 +52,26 @@ ConversionResult convertWithProgress(
   stopOnSignals();
   Progress progress(program, "scans", quiet);
   ConversionResult result = convert(
-      [&progress, &output](double fraction, std::size_t scans)
+      [&progress, &input, &output](double fraction, std::size_t scans)
       {
         progress.update(fraction, scans);
         if (stop_asked)
         {
-          throw UserError("stopped after " + std::to_string(scans) + " scans; " + output +
-                          " was not written");
+          const std::string when = "after " + counted(scans, "scan");
+          throw UserError(
+              stoppedMessage(input, stopReason(when) + "; " + output + " was not written"));
         }
       });
   progress.finish(result.scans);
   return result;
 }
 
-BagUnpackingProgress unpackWithProgress(const std::string& program, bool quiet)
+BagUnpackingProgress unpackWithProgress(const std::string& program,
+                                        const std::string& input,
+                                        bool quiet)
 {
-  return [program, quiet, progress = std::shared_ptr<Progress>()](const BagUnpacking& state) mutable
+  return [program, input, quiet,
+          progress = std::shared_ptr<Progress>()](const BagUnpacking& state) mutable
   {
     if (!progress)
     {
@@ -79,7 +85,7 @@ BagUnpackingProgress unpackWithProgress(const std::string& program, bool quiet)
     }
     if (stop_asked)
     {
-      throw UserError("stopped while " + state.bag + " was unpacked");
+      throw UserError(stoppedMessage(input, stopReason("while it was unpacked")));
     }
     constexpr std::uint64_t megabyte = 1000000;
     const auto megabytes = static_cast<std::size_t>(state.bytes / megabyte);
@@ -93,12 +99,13 @@ BagUnpackingProgress unpackWithProgress(const std::string& program, bool quiet)
 }
 
 void runConversion(const std::string& program,
+                   const std::string& input,
                    const std::string& output,
                    bool force,
                    bool quiet,
                    const std::function<ConversionResult(const ConversionProgress&)>& convert)
 {
   requireNewRecording(output, force);
-  report(convertWithProgress(program, output, quiet, convert), output);
+  report(convertWithProgress(program, input, output, quiet, convert), output);
 }
 }  // namespace dyslam

@@ -84,13 +84,13 @@ void convertTo(const ConvertedFiles& files,
   const bool is_new = !fs::exists(files.rawlog);
   try
   {
-    const ConversionResult result =
-        convertWithProgress("dyslam, conversion", files.rawlog, a.quiet(),
-                            [&](const ConversionProgress& progress)
-                            {
-                              return converter.convert(files.rawlog, options, progress,
-                                                       unpackWithProgress("dyslam", a.quiet()));
-                            });
+    const ConversionResult result = convertWithProgress(
+        "dyslam, conversion", input, files.rawlog, a.quiet(),
+        [&](const ConversionProgress& progress)
+        {
+          return converter.convert(files.rawlog, options, progress,
+                                   unpackWithProgress("dyslam", input, a.quiet()));
+        });
     writeOrigin(input, converter.program(), files);
     if (!a.quiet())
     {

@@ -77,7 +77,7 @@ void run(const Arguments& arguments)
     throw UserError("--sequence goes with --kind tracking; another recording is its folder, -i");
   }
   runConversion(
-      "kitti2rawlog", arguments.output, arguments.force, arguments.quiet,
+      "kitti2rawlog", arguments.input, arguments.output, arguments.force, arguments.quiet,
       [&](const ConversionProgress& progress)
       { return convertKitti(arguments.input, arguments.output, arguments.options, progress); });
 }

@@ -52,7 +52,7 @@ void declare(CLI::App& app, Arguments& arguments)
 void run(const Arguments& arguments)
 {
   const ConversionResult result = convertWithProgress(
-      "rawlog2kitti", arguments.output, arguments.quiet,
+      "rawlog2kitti", arguments.input, arguments.output, arguments.quiet,
       [&](const ConversionProgress& progress)
       { return exportKitti(arguments.input, arguments.output, arguments.options, progress); });
   const std::string folder = arguments.output + "/sequences/" + arguments.options.sequence;

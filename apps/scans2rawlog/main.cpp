@@ -88,7 +88,7 @@ void declare(CLI::App& app, Arguments& arguments)
 
 void run(const Arguments& arguments)
 {
-  const auto unpacking = unpackWithProgress("scans2rawlog", arguments.quiet);
+  const auto unpacking = unpackWithProgress("scans2rawlog", arguments.input, arguments.quiet);
   if (arguments.list)
   {
     if (!isBag(arguments.input))
@@ -107,7 +107,7 @@ void run(const Arguments& arguments)
   {
     throw UserError("--output: name the rawlog to write (-o x.rawlog)");
   }
-  runConversion("scans2rawlog", arguments.output, arguments.force, arguments.quiet,
+  runConversion("scans2rawlog", arguments.input, arguments.output, arguments.force, arguments.quiet,
                 [&](const ConversionProgress& progress)
                 {
                   return convertScans(arguments.input, arguments.output, arguments.options,

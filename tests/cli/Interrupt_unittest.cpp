@@ -42,7 +42,7 @@ TEST(Interrupt, AConversionSaysAWordAndLeavesNothing)
                                folder.file("err.txt"), folder.file("x.rawlog.tmp"));
   const std::string said = folder.read("err.txt");
   EXPECT_EQ(1, code) << said;
-  EXPECT_TRUE(contains(said, "scans2rawlog: stopped after")) << said;
+  EXPECT_TRUE(contains(said, "scans2rawlog: " + folder.file("in") + ": stopped after ")) << said;
   EXPECT_TRUE(contains(said, "x.rawlog was not written")) << said;
   EXPECT_FALSE(fs::exists(folder.file("x.rawlog.tmp")));
   EXPECT_EQ("an earlier one", folder.read("x.rawlog"));
@@ -80,7 +80,7 @@ TEST(Interrupt, ABagThatIsUnpackedLeavesNothing)
     EXPECT_EQ(1, code) << said;
     EXPECT_TRUE(contains(said, ": " + bag + ": is unpacked to " + folder.file("tmp/dyslam_")))
         << said;
-    EXPECT_TRUE(contains(said, ": stopped while " + bag + " was unpacked\n")) << said;
+    EXPECT_TRUE(contains(said, ": " + bag + ": stopped while it was unpacked\n")) << said;
     EXPECT_TRUE(fs::is_empty(folder.file("tmp")));
     EXPECT_FALSE(fs::exists(folder.file("x.rawlog.tmp")));
   }

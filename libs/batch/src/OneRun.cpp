@@ -180,11 +180,15 @@ std::string rawlogOf(const std::string& recording, const std::string& folder)
 }
 
 /** Whether a run was stopped on its own, not by the batch: by a signal on which dyslam saves its
- * results and ends. \param line last line of its log */
-bool isStoppedAlone(const ChildOutcome& outcome, const std::string& line, const std::string& rawlog)
+ * results, if it does not yet convert the recording, and ends. \param line last line of its log */
+bool isStoppedAlone(const ChildOutcome& outcome,
+                    const std::string& line,
+                    const std::string& recording,
+                    const std::string& folder)
 {
   return outcome.signal == SIGINT || outcome.signal == SIGTERM || outcome.signal == SIGHUP ||
-         (!hasResults(outcome) && isStoppedLine(program_name, rawlog, line));
+         (!hasResults(outcome) && (isStoppedLine(program_name, recording, line) ||
+                                   isStoppedLine(program_name, rawlogOf(recording, folder), line)));
 }
 
 /** Sets state and figures of the manifest from the end of a run. \param folder folder of the run;
@@ -219,7 +223,7 @@ RunEnd recordOutcome(const ChildOutcome& outcome,
                    ? std::string("ended by the signal ") + ::strsignal(outcome.signal)
                    : lastLine(tailOf(log));
   }
-  const bool stopped_alone = isStoppedAlone(outcome, m.reason, rawlogOf(m.work.input, folder));
+  const bool stopped_alone = isStoppedAlone(outcome, m.reason, m.work.input, folder);
   m.interrupted = outcome.signal != 0 || stopped_alone;
   return stopped_alone ? RunEnd::stopped : m.interrupted ? RunEnd::killed : RunEnd::by_itself;
 }

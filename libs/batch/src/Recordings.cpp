@@ -10,6 +10,7 @@
 #include <map>
 #include <set>
 #include <sstream>
+#include <system_error>
 
 namespace fs = std::filesystem;
 
@@ -98,7 +99,11 @@ std::vector<std::string> matching(const std::string& pattern)
   return files;
 }
 
-void expand(const std::string& entry, int depth, std::vector<std::string>& files);
+/** \param list in which the entry is; empty if the user names it */
+void expand(const std::string& entry,
+            int depth,
+            std::vector<std::string>& files,
+            const std::string& list = "");
 
 void expandList(const std::string& list, int depth, std::vector<std::string>& files)
 {
@@ -114,18 +119,22 @@ void expandList(const std::string& list, int depth, std::vector<std::string>& fi
     if (begin != std::string::npos)
     {
       line = line.substr(begin, line.find_last_not_of(" \t\r") - begin + 1);
-      expand((fs::path(list).parent_path() / line).string(), depth + 1, files);
+      expand((fs::path(list).parent_path() / line).string(), depth + 1, files, list);
     }
   }
 }
 
-void expand(const std::string& entry, int depth, std::vector<std::string>& files)
+void expand(const std::string& entry,
+            int depth,
+            std::vector<std::string>& files,
+            const std::string& list)
 {
   const std::size_t before = files.size();
+  std::error_code no_path;  // a line of another text file may be too long for one
   std::string why =
       ": has no recordings (.rawlog, .bag, .mcap, .db3, .pcap, KITTI drives; those in folders of "
       "runs are results)";
-  if (fs::is_directory(entry))
+  if (fs::is_directory(entry, no_path))
   {
     const auto found = within(entry);
     if (isRecordingNamed(entry, found))
@@ -137,7 +146,7 @@ void expand(const std::string& entry, int depth, std::vector<std::string>& files
       files.insert(files.end(), found.begin(), found.end());
     }
   }
-  else if (fs::is_regular_file(entry))
+  else if (fs::is_regular_file(entry, no_path))
   {
     if (fs::path(entry).extension() == ".txt")
     {
@@ -152,7 +161,7 @@ void expand(const std::string& entry, int depth, std::vector<std::string>& files
   {
     for (const std::string& one : matching(entry))
     {
-      expand(one, depth, files);
+      expand(one, depth, files, list);
     }
     why = ": no file matches";
   }
@@ -162,7 +171,8 @@ void expand(const std::string& entry, int depth, std::vector<std::string>& files
   }
   if (files.size() == before)
   {
-    throw UserError(entry + why + "; give recordings, folders, patterns or lists (.txt) of them");
+    throw UserError((list.empty() ? "" : list + ": ") + entry + why +
+                    "; give recordings, folders, patterns or lists (.txt) of them");
   }
 }
 

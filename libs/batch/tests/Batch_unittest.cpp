@@ -122,6 +122,16 @@ TEST_F(Batch, ConvertedRecordingsAreResumed)
   EXPECT_EQ(folder_.read("out/drive/how"), "resumed\n");
 }
 
+TEST_F(Batch, RunsThatAreStoppedWhileTheyConvertAreNotRepeatedButRunByTheNextBatch)
+{
+  program(
+      "if [[ ! -e \"$4/tried\" ]]; then touch \"$4/tried\"\n"
+      "echo \"dyslam: $2: stopped after 3 scans; x was not written\" >&2; exit 1; fi");
+  names_ = {folder_.write("in/drive.bag", "x")};
+  EXPECT_EQ(toText(countsOf(run())), "0 done, 1 failed");
+  EXPECT_EQ(toText(countsOf(run())), "1 done");
+}
+
 TEST_F(Batch, OnlyConvertedRecordingsGetTheArgumentsOfTheConversion)
 {
   program("echo \"${@:5}\" > \"$4/arguments\"");

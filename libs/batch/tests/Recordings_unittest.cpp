@@ -102,6 +102,9 @@ TEST(Recordings, SayWhatIsMissing)
   const auto message = [](const std::string& entry)
   { return messageOfError<UserError>([&] { (void)listRecordings({entry}); }); };
   EXPECT_TRUE(contains(message(folder.file("none.rawlog")), "none.rawlog: no such file"));
+  const std::string poses = folder.write("poses.txt", std::string(300, '1') + "\n");
+  EXPECT_TRUE(contains(message(poses),
+                       poses + ": " + folder.file(std::string(300, '1')) + ": no such file"));
   EXPECT_TRUE(contains(message(folder.file("empty")), "has no recordings"));
   EXPECT_TRUE(contains(message(folder.file("*.rawlog")), "no file matches"));
   EXPECT_TRUE(contains(message(folder.file("circle.txt")), "lists within lists"));

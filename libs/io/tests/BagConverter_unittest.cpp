@@ -471,6 +471,28 @@ TEST(BagConverter, TheImuInAnOuster)
   }
 }
 
+/** The clock of the recorder, which is not that of the headers, would order the scans. */
+TEST(BagConverter, BlankMessagesWithoutAStampAreLeftOut)
+{
+  const TestFolder folder;
+  const std::string bag = folder.file("x.mcap");
+  const Scan scan = scanWithTimes(0);
+  std::vector<test::TestMessage> messages;
+  for (int i = 0; i < 6; ++i)
+  {
+    const bool is_blank = i % 3 == 0;
+    messages.push_back({"/points", "sensor_msgs/PointCloud2", 1.7e9 + 0.1 * i,
+                        test::pointCloud2(true, is_blank ? 0 : 1000 + 0.1 * i,
+                                          test::velodyneFields(is_blank ? Scan() : scan))});
+  }
+  test::writeBag(bag, messages);
+  const Converted converted = convertedBag(folder, bag);
+  ASSERT_EQ(4U, converted.frames.size());
+  EXPECT_NEAR(1000.1, converted.frames[0].scan.stamp, 1e-6);
+  EXPECT_NEAR(1000.5, converted.frames[3].scan.stamp, 1e-6);
+  EXPECT_TRUE(converted.result.warnings.empty());
+}
+
 TEST(BagConverter, CloudsComeBeforePackets)
 {
   const TestFolder folder;

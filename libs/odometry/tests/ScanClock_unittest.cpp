@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 #include <mrpt/system/CTimeLogger.h>
 
+#include <cmath>
 #include <string>
 
 #include "TestScene.h"
@@ -204,6 +205,21 @@ TEST(ScanClock, SingleShortIntervalsAreNotTheRate)
     EXPECT_NEAR(clock.nextSweep(i == late ? stamp + period / 2 : stamp), period, 1e-9) << i;
   }
   EXPECT_TRUE(clock.warnings().empty());
+}
+
+/** Stamps that are half a period late or early, now and then: no scan is missing. */
+TEST(ScanClock, ShortIntervalsBesideLongOnesAreNotTheRate)
+{
+  for (const double off : {period / 2, -period / 2})
+  {
+    ScanClock clock;
+    for (int i = 0; i < 60; ++i)
+    {
+      const double duration = clock.nextSweep(100 + i * period + (i % 6 == 5 ? off : 0));
+      EXPECT_TRUE(i < 7 || std::abs(duration - period) < 1e-9) << off << " " << i;
+    }
+    EXPECT_TRUE(clock.warnings().empty());
+  }
 }
 
 /** Stamps that jitter are no multiples of a period. */

@@ -129,9 +129,10 @@ Scan RosScanDecoder::decode(const BagTopic& topic, const BagMessage& message)
 
 double RosScanDecoder::stampOf(const RosHeader& header,
                                const BagTopic& topic,
-                               const BagMessage& message)
+                               const BagMessage& message,
+                               std::size_t points)
 {
-  if (header.stamp != 0)
+  if (header.stamp != 0 || points == 0)
   {
     return header.stamp;
   }
@@ -147,7 +148,7 @@ Scan RosScanDecoder::decodeCloud(const BagTopic& topic, const BagMessage& messag
 {
   const Cloud2 cloud = Cloud2::read(rosReader(topic, message), topic.encoding);
   Scan scan;
-  scan.stamp = stampOf(cloud.header, topic, message);
+  scan.stamp = stampOf(cloud.header, topic, message, cloud.size());
   if (cloud.size() == 0)
   {
     return scan;
@@ -180,7 +181,7 @@ Scan RosScanDecoder::decodeLivox(const BagTopic& topic, const BagMessage& messag
 {
   ByteReader reader = rosReader(topic, message);
   Scan scan;
-  scan.stamp = stampOf(rosHeader(reader, topic.encoding), topic, message);
+  const RosHeader header = rosHeader(reader, topic.encoding);
   (void)reader.u64();  // time base: the stamp in nanoseconds
   (void)reader.u32();  // number of points, given again below
   (void)reader.u32();  // number of the lidar, and three reserved bytes
@@ -191,6 +192,7 @@ Scan RosScanDecoder::decodeLivox(const BagTopic& topic, const BagMessage& messag
     reader.fail("damaged: announces " + std::to_string(count) + " points, but has " +
                 std::to_string(reader.left()) + " bytes for them");
   }
+  scan.stamp = stampOf(header, topic, message, count);
   for (std::uint32_t i = 0; i < count; ++i)
   {
     scan.time.push_back(1e-9F * static_cast<float>(reader.u32()));

@@ -27,7 +27,11 @@ class BagClouds : public BagScans
   [[nodiscard]] std::vector<Scan> add(const BagMessage& message) override
   {
     std::vector<Scan> scans;
-    scans.push_back(decoder_.decode(topic_, message));
+    Scan scan = decoder_.decode(topic_, message);
+    if (!scan.points.empty() || scan.stamp != 0)  // some drivers begin with blank messages
+    {
+      scans.push_back(std::move(scan));
+    }
     return scans;
   }
   [[nodiscard]] std::vector<std::string> notes() const override { return decoder_.notes(); }

@@ -8,7 +8,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <cstdio>
+#include <deque>
 #include <vector>
 
 namespace dyslam
@@ -33,6 +35,32 @@ double multipleOf(double period, double interval)
 {
   const double multiple = std::round(interval / period);
   return std::abs(interval - multiple * period) <= multiple_tolerance * period ? multiple : 0;
+}
+
+/** Whether every interval of one `unit` is short because a stamp is off: the interval before or
+ * behind it is longer than `usual` by as much. The neighbours of the newest one, and of the oldest
+ * one if there were some before, are not known. \param intervals in order of time */
+bool unitsAreOffStamps(const std::deque<double>& intervals, double unit, double usual)
+{
+  if (unit >= shortest * usual)
+  {
+    return false;
+  }
+  const auto isPair = [&](std::size_t i)
+  {
+    const double sum = intervals[i] + intervals[i + 1];
+    return std::abs(sum - 2 * usual) <= multiple_tolerance * usual;
+  };
+  const std::size_t newest = intervals.size() - 1;
+  for (std::size_t i = intervals.size() < max_intervals ? 0 : 1; i < newest; ++i)
+  {
+    const bool is_off = isPair(i) || (i > 0 && isPair(i - 1));
+    if (multipleOf(unit, intervals[i]) == 1 && !is_off)
+    {
+      return false;
+    }
+  }
+  return true;
 }
 
 /** Mahalanobis distance of a motion from what the filter predicts for `dt`. */
@@ -74,7 +102,8 @@ bool ScanClock::isDoubtful() const
 }
 
 /** Whether the last intervals are multiples of the shortest one, and not all once. A single short
- * interval among equal ones, or among many, is no sign of it: its stamp is off. */
+ * interval among equal ones, or among many, is no sign of it, nor are short ones beside longer
+ * ones: their stamps are off. */
 bool ScanClock::scansAreMissing() const
 {
   constexpr std::size_t many = 8;
@@ -88,7 +117,7 @@ bool ScanClock::scansAreMissing() const
   const double second = multipleOf(unit, sorted[1]);
   const double most = multipleOf(unit, sorted.back());
   const bool unit_recurs = second == 1 || (sorted.size() < many && second < most);
-  return most > 1 && unit_recurs &&
+  return most > 1 && unit_recurs && !unitsAreOffStamps(regular_, unit, sorted[sorted.size() / 2]) &&
          std::all_of(sorted.begin(), sorted.end(),
                      [unit](double passed) { return multipleOf(unit, passed) > 0; });
 }

@@ -9,20 +9,23 @@ namespace
 {
 using V = Eigen::Vector3f;
 
-/** Wall around an opening in the plane y = 0, with the opening's reveals and pane. */
+/** Rectangle in the plane y = 0 [m]. */
+struct Rectangle
+{
+  float x0, x1, z0, z1;
+};
+
+/** A part of a wall around an opening, with the opening's reveals and pane. \param recess of the
+ * pane in the wall [m] */
 void addOpening(Mesh& mesh,
-                float x0,
-                float x1,
-                float z0,
-                float z1,
-                float wx0,
-                float wx1,
-                float wz0,
-                float wz1,
+                const Rectangle& part,
+                const Rectangle& opening,
                 float recess,
                 Material wall,
                 Material pane)
 {
+  const auto [x0, x1, z0, z1] = part;
+  const auto [wx0, wx1, wz0, wz1] = opening;
   const auto quad = [&](float ax, float az, float bx, float bz)
   { mesh.addQuad(V(ax, 0, az), V(bx, 0, az), V(bx, 0, bz), V(ax, 0, bz), wall); };
   quad(x0, z0, wx0, z1);
@@ -87,15 +90,15 @@ void addFacade(Mesh& mesh, const BuildingStyle& s, float width, bool detail, Rng
       const float floor = s.floor_height * static_cast<float>(f);
       const float z0 = f == 0 ? base : floor, z1 = floor + s.floor_height;
       const float sill = floor + 0.9F;
+      const Rectangle part{x0, x1, z0, z1};
       if (f == 0 && b == door)
       {
-        addOpening(mesh, x0, x1, z0, z1, mid - 0.6F, mid + 0.6F, 0.1F, 2.3F, 0.35F, s.wall,
+        addOpening(mesh, part, {mid - 0.6F, mid + 0.6F, 0.1F, 2.3F}, 0.35F, s.wall,
                    Material::furniture);
       }
       else if (f == 0 && s.shop && detail)
       {
-        addOpening(mesh, x0, x1, z0, z1, x0 + 0.2F, x1 - 0.2F, 0.45F, 2.6F, 0.3F, s.wall,
-                   Material::window);
+        addOpening(mesh, part, {x0 + 0.2F, x1 - 0.2F, 0.45F, 2.6F}, 0.3F, s.wall, Material::window);
       }
       else if (!detail && b % 3 != 1)
       {
@@ -104,9 +107,9 @@ void addFacade(Mesh& mesh, const BuildingStyle& s, float width, bool detail, Rng
       else
       {
         const bool open = f > 0 && balcony_column[static_cast<std::size_t>(b)];
-        addOpening(mesh, x0, x1, z0, z1, mid - 0.5F * window, mid + 0.5F * window,
-                   open ? floor + 0.15F : sill, std::min(floor + 0.9F + s.window_height, z1 - 0.2F),
-                   s.recess, s.wall, Material::window);
+        const Rectangle pane{mid - 0.5F * window, mid + 0.5F * window, open ? floor + 0.15F : sill,
+                             std::min(floor + 0.9F + s.window_height, z1 - 0.2F)};
+        addOpening(mesh, part, pane, s.recess, s.wall, Material::window);
         if (open)
         {
           addBalcony(mesh, mid, floor + 0.02F, std::min(bay - 0.1F, 2.6F), panel, s.wall);

@@ -31,8 +31,8 @@ struct RosScanTopic
 
 /** Makes scans of `sensor_msgs/PointCloud2` and Livox's `CustomMsg`, ROS 1 or ROS 2.
  *
- * The stamp is the header's. Every point is kept in its order. Names and units of the drivers'
- * fields are recognised in the first scan:
+ * The stamp is the header's; the time of recording for points without one. Every point is kept in
+ * its order. Names and units of the drivers' fields are recognised in the first scan:
  *
  * | driver | time | ring |
  * |---|---|---|
@@ -66,7 +66,10 @@ class RosScanDecoder
   struct Cloud2;
   Scan decodeCloud(const BagTopic& topic, const BagMessage& message);
   Scan decodeLivox(const BagTopic& topic, const BagMessage& message);
-  double stampOf(const RosHeader& header, const BagTopic& topic, const BagMessage& message);
+  double stampOf(const RosHeader& header,
+                 const BagTopic& topic,
+                 const BagMessage& message,
+                 std::size_t points);
   static const PointField* timeField(const Cloud2& cloud);
   static const PointField* ringField(const Cloud2& cloud);
   void fillIntensity(const Cloud2& cloud, Scan& scan);
