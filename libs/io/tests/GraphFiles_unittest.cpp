@@ -226,7 +226,8 @@ TEST_F(GraphFiles, ErrorsNameFileLineAndField)
   expectError(vertex + "EDGE_SE3_PRIOR 0 0 0 0 0 0 0 0 1\n",
               ":2: 'EDGE_SE3_PRIOR' is not supported, only poses and edges between two of them");
   expectError("VERTEX_TRACKXYZ 3 0 0 0\n", "remove the lines of this type");
-  expectError("EQUIV 3 4\n", ":1: unknown entry 'EQUIV'");
+  expectError("EQUIV 3 4\n", ":1: 'EQUIV' is not supported");
+  expectError("ply\n", ":1: unknown entry 'ply'");
   expectError(std::string("\x1f\x8b\x08\x00\n\xff", 6), ":1: is not text");
   expectError(vertex + "FIX 0\nFIX 1\n", ":3: a second FIX");
   expectError(vertex + "FIX 7\n", "FIX 7 names a node without VERTEX and EDGE");

@@ -346,8 +346,8 @@ class GraphReader
                                             "VERTEX2",         "EDGE_SE3:QUAT", "EDGE_SE2",
                                             "EDGE3",           "EDGE2",         "FIX"};
     constexpr std::size_t misspelt = 2;  // edits
-    const bool is_other_type = word.rfind("VERTEX_", 0) == 0 || word.rfind("EDGE_", 0) == 0;
-    if (is_other_type && editDistance(word, nearestWord(word, known)) > misspelt)
+    const bool looks_like_type = word.front() >= 'A' && word.front() <= 'Z';
+    if (looks_like_type && editDistance(word, nearestWord(word, known)) > misspelt)
     {
       line.fail("'" + word + "' is not supported, only poses and edges between two of them (" +
                 joined(known) + "); remove the lines of this type");
