@@ -61,14 +61,14 @@ void appendPose(const TextFile& file,
   }
 }
 
-/** Whether the first line names the columns of EuRoC's csv: `#timestamp [ns]`, three of the
- * position, then `q_RS_w []` or `qw`. */
-bool hasEurocHeader(const std::string& path)
+/** The first line of EuRoC's csv, which names the columns: `#timestamp [ns]` or another time, three
+ * of the position, then `q_RS_w []` or `qw`; empty if the first line is another. */
+std::string eurocHeader(const std::string& path)
 {
   std::ifstream file = openBinary(path);
   std::string line;
   std::getline(file, line);
-  std::size_t begin = line.rfind("#timestamp", 0);
+  std::size_t begin = line.rfind("#time", 0);
   for (int column = 0; column < 4 && begin != std::string::npos; ++column)
   {
     begin = line.find(',', begin + 1);
@@ -76,18 +76,20 @@ bool hasEurocHeader(const std::string& path)
   begin = begin == std::string::npos ? begin : line.find_first_not_of(", ", begin);
   if (begin == std::string::npos)
   {
-    return false;
+    return "";
   }
-  const std::string name = line.substr(begin, line.find_first_of(" ,[\r", begin) - begin);
-  return !name.empty() && name.front() == 'q' && name.back() == 'w';
+  const std::string name = line.substr(begin, line.find_first_of(" ,[(\r", begin) - begin);
+  return !name.empty() && name.front() == 'q' && name.back() == 'w' ? line : "";
 }
 
 /** Poses of EuRoC's csv; columns behind the quaternion, such as velocity and biases, are skipped.
  */
-Trajectory readEuroc(const std::string& path)
+Trajectory readEuroc(const std::string& path, const std::string& header)
 {
+  const bool in_nanoseconds = header.substr(0, header.find(',')).find("ns") != std::string::npos;
   TextFile file(path);
   Trajectory trajectory;
+  double unit = 1e-9;
   while (file.next())
   {
     std::array<double, 8> row{};
@@ -100,8 +102,11 @@ Trajectory readEuroc(const std::string& path)
     {
       row[i] = file.number(i);
     }
-    constexpr double nanoseconds = 1e9;  // per second
-    appendPose(file, trajectory, row[0] / nanoseconds, Eigen::Vector3d(row[1], row[2], row[3]),
+    if (trajectory.empty() && !in_nanoseconds)
+    {
+      unit = unitOfDate(row[0]);
+    }
+    appendPose(file, trajectory, unit * row[0], Eigen::Vector3d(row[1], row[2], row[3]),
                Eigen::Quaterniond(row[4], row[5], row[6], row[7]));
   }
   return trajectory;
@@ -225,9 +230,9 @@ TrajectoryFile readTrajectory(const std::string& path)
   {
     throw UserError(path + ": holds no poses");
   }
-  if (hasEurocHeader(path))
+  if (const std::string header = eurocHeader(path); !header.empty())
   {
-    return {readEuroc(path), TrajectoryFormat::tum};
+    return {readEuroc(path, header), TrajectoryFormat::tum};
   }
   if (file.fields().size() == 8)
   {

@@ -153,7 +153,8 @@ TEST(TrajectoryFiles, EurocsCsvHasNanosecondsAndWFirst)
   const std::string text = header + ", v_RS_R_x [m s^-1]\r\n" + row + ",7\r\n";
   for (const std::string& path :
        {folder.write("motion.csv", text), folder.write("poses.csv", header + "\n" + row + "\n"),
-        folder.write("kimera.csv", "#timestamp,x,y,z,qw,qx,qy,qz,vx\n" + row + ",7\n")})
+        folder.write("kimera.csv", "#timestamp,x,y,z,qw,qx,qy,qz,vx\n" + row + ",7\n"),
+        folder.write("openvins.csv", "#time(ns),px,py,pz,qw,qx,qy,qz,vx\n" + row + ",7\n")})
   {
     const TrajectoryFile read = readTrajectory(path);
     EXPECT_EQ(TrajectoryFormat::tum, read.format);
@@ -166,6 +167,11 @@ TEST(TrajectoryFiles, EurocsCsvHasNanosecondsAndWFirst)
   }
   expectError([&] { (void)readTrajectory(folder.write("a.csv", header + "\n" + row + "\n1,2\n")); },
               "a.csv:3: has 2 fields, needs 8 or more");
+  EXPECT_NEAR(2.5e-3,
+              readTrajectory(folder.write("a.csv", header + "\n2500000,1,2,3,1,0,0,0\n"))
+                  .trajectory[0]
+                  .stamp,
+              1e-12);
   // The same numbers below other names are x y z w.
   const Pose tum =
       readTrajectory(folder.write("tum.csv", "#timestamp,x,y,z,qx,qy,qz,qw\n" + row + "\n"))
