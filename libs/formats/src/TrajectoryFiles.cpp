@@ -68,6 +68,7 @@ std::string eurocHeader(const std::string& path)
   std::ifstream file = openBinary(path);
   std::string line;
   std::getline(file, line);
+  removeByteOrderMark(line);
   std::size_t begin = line.rfind("#time", 0);
   for (int column = 0; column < 4 && begin != std::string::npos; ++column)
   {

@@ -119,6 +119,25 @@ TEST(TrajectoryFiles, TellsTheKinds)
   EXPECT_EQ(1.5, readTrajectory(folder.file("comma.csv")).trajectory[0].stamp);
 }
 
+TEST(TrajectoryFiles, AByteOrderMarkIsSkipped)
+{
+  const TestFolder folder;
+  const std::string mark = "\xEF\xBB\xBF";
+  const std::string row = "1.5 2 0 0 0 0 0 1\n";
+  for (const std::string& text : {mark + row, mark + "# t x y z qx qy qz qw\n" + row})
+  {
+    const Trajectory read = readTrajectory(folder.write("a", text)).trajectory;
+    ASSERT_EQ(1U, read.size());
+    EXPECT_EQ(1.5, read[0].stamp);
+    EXPECT_EQ(2, read[0].pose.translation().x());
+  }
+  const Trajectory euroc =
+      readTrajectory(folder.write("a", mark + "#timestamp,x,y,z,qw,qx,qy,qz\n1e18,1,2,3,0,1,0,0\n"))
+          .trajectory;
+  EXPECT_NEAR(-1, euroc[0].pose.linear()(2, 2), 1e-12);  // half a turn about x
+  expectError([&] { (void)readTum(folder.write("a", row + mark + row)); }, "a:2: ");
+}
+
 TEST(TrajectoryFiles, OfPosesOfOneTimeTheFirstCounts)
 {
   const TestFolder folder;
