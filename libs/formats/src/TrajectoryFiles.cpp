@@ -113,6 +113,34 @@ Trajectory readEuroc(const std::string& path, const std::string& header)
   return trajectory;
 }
 
+/** Poses of a file with a time since 1970 and KITTI's twelve numbers in each line. */
+Trajectory readStampedMatrices(const std::string& path)
+{
+  constexpr double first_date = 1e8;  // [s], in 1973
+  TextFile file(path);
+  Trajectory trajectory;
+  double unit = 1;
+  while (file.next())
+  {
+    file.requireFields(13, "a time, then a 3x4 matrix row by row");
+    const double stamp = file.number(0);
+    if (trajectory.empty())
+    {
+      unit = unitOfDate(stamp);
+      if (stamp < first_date)
+      {
+        file.fail(
+            "has 13 fields, of which the first is no time since 1970; without it the poses are "
+            "KITTI's, which are paired line by line");
+      }
+    }
+    const Pose pose = poseFromRow(file, file.numbers(1));
+    appendPose(file, trajectory, unit * stamp, pose.translation(),
+               Eigen::Quaterniond(pose.linear()));
+  }
+  return trajectory;
+}
+
 /** Poses at 0, 1, 2, ... */
 Trajectory numbered(const std::vector<Pose>& poses)
 {
@@ -242,6 +270,10 @@ TrajectoryFile readTrajectory(const std::string& path)
   if (file.fields().size() == 12)
   {
     return {numbered(readKittiPoses(path)), TrajectoryFormat::kitti};
+  }
+  if (file.fields().size() == 13)
+  {
+    return {readStampedMatrices(path), TrajectoryFormat::tum};
   }
   file.fail("has " + std::to_string(file.fields().size()) +
             " fields; a trajectory has 8 (TUM: t x y z qx qy qz qw), 12 (KITTI), or EuRoC's header "

@@ -199,6 +199,22 @@ TEST(TrajectoryFiles, EurocsCsvHasNanosecondsAndWFirst)
   EXPECT_TRUE(tum.linear().isApprox(Eigen::Quaterniond(0.5, 0.5, 0.5, -0.5).toRotationMatrix()));
 }
 
+TEST(TrajectoryFiles, MatricesMayHaveTimes)
+{
+  const TestFolder folder;
+  const TrajectoryFile read =
+      readTrajectory(folder.write("global_pose.csv",
+                                  "1561000444390857630,0,-1,0,5,1,0,0,6,0,0,1,7\n"
+                                  "1561000444490857630,1,0,0,5,0,1,0,6,0,0,1,8\n"));
+  EXPECT_EQ(TrajectoryFormat::tum, read.format);
+  ASSERT_EQ(2U, read.trajectory.size());
+  EXPECT_NEAR(1561000444.390858, read.trajectory[0].stamp, 1e-6);
+  EXPECT_TRUE(read.trajectory[0].pose.isApprox(poseFromYpr(5, 6, 7, M_PI / 2, 0, 0), 1e-12));
+  EXPECT_EQ(8, read.trajectory[1].pose.translation().z());
+  expectError([&] { (void)readTrajectory(folder.write("a", "2 1 0 0 0 0 1 0 0 0 0 1 0\n")); },
+              "a:1: has 13 fields, of which the first is no time since 1970");
+}
+
 TEST(TrajectoryFiles, ErrorsNameFileAndLine)
 {
   const TestFolder folder;

@@ -40,8 +40,9 @@ struct TrajectoryFile
   TrajectoryFormat format = TrajectoryFormat::tum;
 };
 /** Reads a TUM or KITTI file, told apart by the count of numbers in the first line (8: TUM, 12:
- * KITTI), or EuRoC's csv, which its header shows: times in ns, position, quaternion with w first,
- * other columns. Stamps of a KITTI file are the line numbers 0, 1, 2, ... */
+ * KITTI; 13: a time since 1970 and KITTI's twelve, as of MulRan), or EuRoC's csv, which its header
+ * shows: times in ns, position, quaternion with w first, other columns. Stamps of a KITTI file are
+ * the line numbers 0, 1, 2, ... */
 [[nodiscard]] TrajectoryFile readTrajectory(const std::string& path);
 
 /** T_cam_velo of a camera at the lidar's position that faces forward: its x is right, y down, z
