@@ -9,6 +9,7 @@
 #include <cstdio>
 #include <map>
 #include <string>
+#include <vector>
 
 namespace dyslam
 {
@@ -41,17 +42,20 @@ void printSolution(int iterations, double seconds, const std::string& reason)
               reason.c_str());
 }
 
+void printWarnings(const std::vector<std::string>& warnings)
+{
+  for (const std::string& warning : warnings)
+  {
+    std::fprintf(stderr, "warning: %s\n", printable(warning).c_str());
+  }
+}
+
 void optimiseFactorGraph(const GraphOptimisation& job)
 {
   const FactorGraphFileReport report = optimiseFactorGraphFile(job.input, job.output, job.config);
   const OptimisationResult& result = report.result;
-  for (const auto& warnings : {report.warnings, result.warnings})
-  {
-    for (const std::string& warning : warnings)
-    {
-      std::fprintf(stderr, "warning: %s\n", printable(warning).c_str());
-    }
-  }
+  printWarnings(report.warnings);
+  printWarnings(result.warnings);
   if (job.quiet)
   {
     return;
@@ -67,6 +71,7 @@ void optimiseFactorGraph(const GraphOptimisation& job)
 void optimisePoseGraph(const GraphOptimisation& job)
 {
   const GraphFileReport report = optimiseGraphFile(job.input, job.output, job.config);
+  printWarnings(report.warnings);
   if (job.quiet)
   {
     return;

@@ -86,8 +86,14 @@ std::vector<LabelledBox> detectionsOf(const KittiMotSetup& setup,
 {
   const fs::path folder(setup.detections);
   const fs::path own = folder / type / (name + ".txt");
+  const fs::path common = folder / (name + ".txt");
+  if (!fs::exists(own) && !fs::exists(common))
+  {
+    throw UserError(setup.detections + ": has neither " + name + ".txt nor " + type + "/" + name +
+                    ".txt, the detections of sequence " + name);
+  }
   std::vector<LabelledBox> boxes =
-      readDetections((fs::exists(own) ? own : folder / (name + ".txt")).string(), calib.T_cam_velo);
+      readDetections((fs::exists(own) ? own : common).string(), calib.T_cam_velo);
   boxes.erase(
       std::remove_if(boxes.begin(), boxes.end(),
                      [&](const LabelledBox& box) { return toString(box.object_class) != type; }),

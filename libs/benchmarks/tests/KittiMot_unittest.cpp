@@ -154,6 +154,13 @@ TEST_F(KittiMot, DetectionsWithoutScoreAreAnError)
   EXPECT_TRUE(contains(refusal(), "other/0000.txt:1: has no score"));
 }
 
+TEST_F(KittiMot, MissingDetectionsNameBothLayouts)
+{
+  folder_.write("ab3dmot/pointrcnn_Car_val/0000.txt", "");
+  setup_.detections = folder_.file("ab3dmot");
+  EXPECT_TRUE(contains(refusal(), "ab3dmot: has neither 0000.txt nor Car/0000.txt")) << refusal();
+}
+
 TEST_F(KittiMot, PublishedFiguresAreShownIfAskedFor)
 {
   const NamedKittiMotScores scores{{"Car", {}}, {"Pedestrian", {}}};

@@ -46,7 +46,10 @@ bool TextFile::nextOrEmpty()
 {
   while (std::getline(file_, line_))
   {
-    ++line_number_;
+    if (++line_number_ == 1)
+    {
+      removeByteOrderMark(line_);
+    }
     fields_.clear();
     separators_.empty() ? splitAtCommas() : splitAtSeparators();
     if (fields_.empty() || fields_.front().substr(0, 1) != "#")
@@ -160,6 +163,15 @@ std::string TextFile::position() const
 void TextFile::fail(const std::string& what) const
 {
   throw UserError(position() + ": " + what);
+}
+
+void removeByteOrderMark(std::string& first_line)
+{
+  constexpr std::string_view mark = "\xEF\xBB\xBF";
+  if (first_line.compare(0, mark.size(), mark) == 0)
+  {
+    first_line.erase(0, mark.size());
+  }
 }
 
 template <typename Real>

@@ -1,10 +1,15 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/base/Error.h>
+#include <dyslam/base/Files.h>
 #include <dyslam/base/PendingFile.h>
+#include <dyslam/formats/FieldConventions.h>
 #include <dyslam/formats/TextFile.h>
 #include <dyslam/formats/TrajectoryFiles.h>
 
+#include <array>
 #include <cmath>
+#include <cstddef>
+#include <fstream>
 
 #include "RotationCheck.h"
 
@@ -31,6 +36,111 @@ Pose poseFromRow(const TextFile& file, const std::vector<double>& row)
   return orthonormalised(pose);
 }
 
+/** Appends the pose of a line; a second one of the same time is left out. */
+void appendPose(const TextFile& file,
+                Trajectory& trajectory,
+                double stamp,
+                const Eigen::Vector3d& position,
+                const Eigen::Quaterniond& q)
+{
+  if (std::abs(q.norm() - 1) > 0.02)
+  {
+    file.fail("the quaternion's length is not 1");
+  }
+  const double last = trajectory.empty() ? stamp : trajectory[trajectory.size() - 1].stamp;
+  if (stamp < last)
+  {
+    file.fail("the time is before that of the line before; sort the lines by time");
+  }
+  if (trajectory.empty() || stamp > last)
+  {
+    Pose pose = Pose::Identity();
+    pose.linear() = q.normalized().toRotationMatrix();
+    pose.translation() = position;
+    trajectory.push_back(stamp, pose);
+  }
+}
+
+/** The first line of EuRoC's csv, which names the columns: `#timestamp [ns]` or another time, three
+ * of the position, then `q_RS_w []` or `qw`; empty if the first line is another. */
+std::string eurocHeader(const std::string& path)
+{
+  std::ifstream file = openBinary(path);
+  std::string line;
+  std::getline(file, line);
+  removeByteOrderMark(line);
+  std::size_t begin = line.rfind("#time", 0);
+  for (int column = 0; column < 4 && begin != std::string::npos; ++column)
+  {
+    begin = line.find(',', begin + 1);
+  }
+  begin = begin == std::string::npos ? begin : line.find_first_not_of(", ", begin);
+  if (begin == std::string::npos)
+  {
+    return "";
+  }
+  const std::string name = line.substr(begin, line.find_first_of(" ,[(\r", begin) - begin);
+  return !name.empty() && name.front() == 'q' && name.back() == 'w' ? line : "";
+}
+
+/** Poses of EuRoC's csv; columns behind the quaternion, such as velocity and biases, are skipped.
+ */
+Trajectory readEuroc(const std::string& path, const std::string& header)
+{
+  const bool in_nanoseconds = header.substr(0, header.find(',')).find("ns") != std::string::npos;
+  TextFile file(path);
+  Trajectory trajectory;
+  double unit = 1e-9;
+  while (file.next())
+  {
+    std::array<double, 8> row{};
+    if (file.fields().size() < row.size())
+    {
+      file.fail("has " + std::to_string(file.fields().size()) +
+                " fields, needs 8 or more (t x y z qw qx qy qz, as EuRoC's header says)");
+    }
+    for (std::size_t i = 0; i < row.size(); ++i)
+    {
+      row[i] = file.number(i);
+    }
+    if (trajectory.empty() && !in_nanoseconds)
+    {
+      unit = unitOfDate(row[0]);
+    }
+    appendPose(file, trajectory, unit * row[0], Eigen::Vector3d(row[1], row[2], row[3]),
+               Eigen::Quaterniond(row[4], row[5], row[6], row[7]));
+  }
+  return trajectory;
+}
+
+/** Poses of a file with a time since 1970 and KITTI's twelve numbers in each line. */
+Trajectory readStampedMatrices(const std::string& path)
+{
+  constexpr double first_date = 1e8;  // [s], in 1973
+  TextFile file(path);
+  Trajectory trajectory;
+  double unit = 1;
+  while (file.next())
+  {
+    file.requireFields(13, "a time, then a 3x4 matrix row by row");
+    const double stamp = file.number(0);
+    if (trajectory.empty())
+    {
+      unit = unitOfDate(stamp);
+      if (stamp < first_date)
+      {
+        file.fail(
+            "has 13 fields, of which the first is no time since 1970; without it the poses are "
+            "KITTI's, which are paired line by line");
+      }
+    }
+    const Pose pose = poseFromRow(file, file.numbers(1));
+    appendPose(file, trajectory, unit * stamp, pose.translation(),
+               Eigen::Quaterniond(pose.linear()));
+  }
+  return trajectory;
+}
+
 /** Poses at 0, 1, 2, ... */
 Trajectory numbered(const std::vector<Pose>& poses)
 {
@@ -47,23 +157,17 @@ Trajectory readTum(const std::string& path)
 {
   TextFile file(path);
   Trajectory trajectory;
+  double unit = 1;
   while (file.next())
   {
     file.requireFields(8, "t x y z qx qy qz qw");
     const auto row = file.numbers();
-    const Eigen::Quaterniond q(row[7], row[4], row[5], row[6]);
-    if (std::abs(q.norm() - 1) > 0.02)
+    if (trajectory.empty())
     {
-      file.fail("the quaternion's length is not 1");
+      unit = unitOfDate(row[0]);
     }
-    if (!trajectory.empty() && !(row[0] > trajectory[trajectory.size() - 1].stamp))
-    {
-      file.fail("the time does not come after that of the line before");
-    }
-    Pose pose = Pose::Identity();
-    pose.linear() = q.normalized().toRotationMatrix();
-    pose.translation() = Eigen::Vector3d(row[1], row[2], row[3]);
-    trajectory.push_back(row[0], pose);
+    appendPose(file, trajectory, unit * row[0], Eigen::Vector3d(row[1], row[2], row[3]),
+               Eigen::Quaterniond(row[7], row[4], row[5], row[6]));
   }
   return trajectory;
 }
@@ -148,32 +252,32 @@ std::vector<double> readTimes(const std::string& path)
   return times;
 }
 
-TrajectoryFormat trajectoryFormat(const std::string& path)
+TrajectoryFile readTrajectory(const std::string& path)
 {
   TextFile file(path);
   if (!file.next())
   {
     throw UserError(path + ": holds no poses");
   }
+  if (const std::string header = eurocHeader(path); !header.empty())
+  {
+    return {readEuroc(path, header), TrajectoryFormat::tum};
+  }
   if (file.fields().size() == 8)
   {
-    return TrajectoryFormat::tum;
+    return {readTum(path), TrajectoryFormat::tum};
   }
   if (file.fields().size() == 12)
   {
-    return TrajectoryFormat::kitti;
+    return {numbered(readKittiPoses(path)), TrajectoryFormat::kitti};
+  }
+  if (file.fields().size() == 13)
+  {
+    return {readStampedMatrices(path), TrajectoryFormat::tum};
   }
   file.fail("has " + std::to_string(file.fields().size()) +
-            " fields; a trajectory has 8 (TUM: t x y z qx qy qz qw) or 12 (KITTI)");
-}
-
-TrajectoryFile readTrajectory(const std::string& path)
-{
-  TrajectoryFile result;
-  result.format = trajectoryFormat(path);
-  result.trajectory =
-      result.format == TrajectoryFormat::tum ? readTum(path) : numbered(readKittiPoses(path));
-  return result;
+            " fields; a trajectory has 8 (TUM: t x y z qx qy qz qw), 12 (KITTI), or EuRoC's header "
+            "(#timestamp, ..., q_RS_w, ...)");
 }
 
 Pose cameraAxes()

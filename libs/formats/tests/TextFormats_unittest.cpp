@@ -119,6 +119,102 @@ TEST(TrajectoryFiles, TellsTheKinds)
   EXPECT_EQ(1.5, readTrajectory(folder.file("comma.csv")).trajectory[0].stamp);
 }
 
+TEST(TrajectoryFiles, AByteOrderMarkIsSkipped)
+{
+  const TestFolder folder;
+  const std::string mark = "\xEF\xBB\xBF";
+  const std::string row = "1.5 2 0 0 0 0 0 1\n";
+  for (const std::string& text : {mark + row, mark + "# t x y z qx qy qz qw\n" + row})
+  {
+    const Trajectory read = readTrajectory(folder.write("a", text)).trajectory;
+    ASSERT_EQ(1U, read.size());
+    EXPECT_EQ(1.5, read[0].stamp);
+    EXPECT_EQ(2, read[0].pose.translation().x());
+  }
+  const Trajectory euroc =
+      readTrajectory(folder.write("a", mark + "#timestamp,x,y,z,qw,qx,qy,qz\n1e18,1,2,3,0,1,0,0\n"))
+          .trajectory;
+  EXPECT_NEAR(-1, euroc[0].pose.linear()(2, 2), 1e-12);  // half a turn about x
+  expectError([&] { (void)readTum(folder.write("a", row + mark + row)); }, "a:2: ");
+}
+
+TEST(TrajectoryFiles, OfPosesOfOneTimeTheFirstCounts)
+{
+  const TestFolder folder;
+  const Trajectory read = readTum(folder.write("a",
+                                               "1 0 0 0 0 0 0 1\n"
+                                               "2 5 0 0 0 0 0 1\n"
+                                               "2 6 0 0 0 0 0 1\n"
+                                               "3 7 0 0 0 0 0 1\n"));
+  ASSERT_EQ(3U, read.size());
+  EXPECT_EQ(5, read[1].pose.translation().x());
+  EXPECT_EQ(3, read[2].stamp);
+}
+
+TEST(TrajectoryFiles, TimesMayBeInNanoseconds)
+{
+  const TestFolder folder;
+  const Trajectory read = readTum(folder.write("a",
+                                               "1403715524907143168.000000 0 0 0 0 0 0 1\n"
+                                               "1403715525007143168.000000 1 0 0 0 0 0 1\n"));
+  ASSERT_EQ(2U, read.size());
+  EXPECT_NEAR(1403715524.907143, read[0].stamp, 1e-6);
+  EXPECT_NEAR(0.1, read[1].stamp - read[0].stamp, 1e-6);
+}
+
+TEST(TrajectoryFiles, EurocsCsvHasNanosecondsAndWFirst)
+{
+  const TestFolder folder;
+  const std::string header =
+      "#timestamp [ns], p_RS_R_x [m], p_RS_R_y [m], p_RS_R_z [m], q_RS_w [], q_RS_x [], "
+      "q_RS_y [], q_RS_z []";
+  const std::string row = "1403715524907143168,1,2,3,0.5,0.5,-0.5,0.5";
+  const std::string text = header + ", v_RS_R_x [m s^-1]\r\n" + row + ",7\r\n";
+  for (const std::string& path :
+       {folder.write("motion.csv", text), folder.write("poses.csv", header + "\n" + row + "\n"),
+        folder.write("kimera.csv", "#timestamp,x,y,z,qw,qx,qy,qz,vx\n" + row + ",7\n"),
+        folder.write("openvins.csv", "#time(ns),px,py,pz,qw,qx,qy,qz,vx\n" + row + ",7\n")})
+  {
+    const TrajectoryFile read = readTrajectory(path);
+    EXPECT_EQ(TrajectoryFormat::tum, read.format);
+    ASSERT_EQ(1U, read.trajectory.size()) << path;
+    EXPECT_NEAR(1403715524.907143, read.trajectory[0].stamp, 1e-6);
+    Pose expected = Pose::Identity();
+    expected.linear() = Eigen::Quaterniond(0.5, 0.5, -0.5, 0.5).toRotationMatrix();
+    expected.translation() = Eigen::Vector3d(1, 2, 3);
+    EXPECT_TRUE(read.trajectory[0].pose.isApprox(expected, 1e-12)) << path;
+  }
+  expectError([&] { (void)readTrajectory(folder.write("a.csv", header + "\n" + row + "\n1,2\n")); },
+              "a.csv:3: has 2 fields, needs 8 or more");
+  EXPECT_NEAR(2.5e-3,
+              readTrajectory(folder.write("a.csv", header + "\n2500000,1,2,3,1,0,0,0\n"))
+                  .trajectory[0]
+                  .stamp,
+              1e-12);
+  // The same numbers below other names are x y z w.
+  const Pose tum =
+      readTrajectory(folder.write("tum.csv", "#timestamp,x,y,z,qx,qy,qz,qw\n" + row + "\n"))
+          .trajectory[0]
+          .pose;
+  EXPECT_TRUE(tum.linear().isApprox(Eigen::Quaterniond(0.5, 0.5, 0.5, -0.5).toRotationMatrix()));
+}
+
+TEST(TrajectoryFiles, MatricesMayHaveTimes)
+{
+  const TestFolder folder;
+  const TrajectoryFile read =
+      readTrajectory(folder.write("global_pose.csv",
+                                  "1561000444390857630,0,-1,0,5,1,0,0,6,0,0,1,7\n"
+                                  "1561000444490857630,1,0,0,5,0,1,0,6,0,0,1,8\n"));
+  EXPECT_EQ(TrajectoryFormat::tum, read.format);
+  ASSERT_EQ(2U, read.trajectory.size());
+  EXPECT_NEAR(1561000444.390858, read.trajectory[0].stamp, 1e-6);
+  EXPECT_TRUE(read.trajectory[0].pose.isApprox(poseFromYpr(5, 6, 7, M_PI / 2, 0, 0), 1e-12));
+  EXPECT_EQ(8, read.trajectory[1].pose.translation().z());
+  expectError([&] { (void)readTrajectory(folder.write("a", "2 1 0 0 0 0 1 0 0 0 0 1 0\n")); },
+              "a:1: has 13 fields, of which the first is no time since 1970");
+}
+
 TEST(TrajectoryFiles, ErrorsNameFileAndLine)
 {
   const TestFolder folder;
@@ -133,7 +229,8 @@ TEST(TrajectoryFiles, ErrorsNameFileAndLine)
   EXPECT_EQ(0, readTum(folder.write("a", "1 0 1e-999 0 0 0 0 1\n"))[0].pose.translation().y());
   expectError([&] { (void)readTum(folder.write("a", good + "2 0 0 0 0 0 0 2\n")); },
               "a:2: the quaternion's length");
-  expectError([&] { (void)readTum(folder.write("a", good + good)); }, "a:2: the time");
+  expectError([&] { (void)readTum(folder.write("a", "2 0 0 0 0 0 0 1\n" + good)); },
+              "a:2: the time is before that of the line before; sort the lines by time");
   expectError([&] { (void)readKittiPoses(folder.write("a", "1 0 0 0 0 5 0 0 0 0 1 0\n")); },
               "a:1: columns");
   expectError([&] { (void)readKittiPoses(folder.write("a", "-1 0 0 0 0 1 0 0 0 0 1 0\n")); },

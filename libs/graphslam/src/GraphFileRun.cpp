@@ -64,11 +64,11 @@ GraphFileReport optimiseGraphFile(const std::string& input,
   PoseGraphSolverOptions options;
   load(options, config, "pose_graph");
   const Writer write = output.empty() ? nullptr : writerFor(output);
-  Graph graph = readPoseGraph(input);
+  GraphFileReport report;
+  Graph graph = readPoseGraph(input, &report.warnings);
 
   const PoseGraphSolver solver(options);
   const auto start = std::chrono::steady_clock::now();
-  GraphFileReport report;
   try
   {
     report.result = solver.solve(graph);

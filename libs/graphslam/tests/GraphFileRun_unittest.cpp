@@ -71,6 +71,29 @@ TEST_F(GraphFileRun, SpreadsTheErrorOfALoopAndWritesBothFormats)
   }
 }
 
+TEST_F(GraphFileRun, TorosPlanarGraphsAreThoseOfG2o)
+{
+  // A square whose last side is too long; x and y are known equally well.
+  const auto square =
+      [](const std::string& vertex, const std::string& edge, const std::string& information)
+  {
+    const std::string turn = " 1.5707963267948966 ";
+    return vertex + " 0 0 0 0\n" + edge + " 0 1 1 0" + turn + information + edge + " 1 2 1 0" +
+           turn + information + edge + " 2 3 1 0" + turn + information + edge + " 3 0 1.4 0.1" +
+           turn + information;
+  };
+  const auto toro = optimiseGraphFile(
+      write("toro.graph", square("VERTEX2", "EDGE2", "40 0 40 900 0 0\n")), pathOf("out.graph"));
+  const auto g2o = optimiseGraphFile(
+      write("se2.g2o", square("VERTEX_SE2", "EDGE_SE2", "40 0 0 40 0 900\n")), "");
+  EXPECT_GT(g2o.result.final_chi2, 0.1);
+  EXPECT_NEAR(toro.result.final_chi2, g2o.result.final_chi2, 1e-6);
+  EXPECT_TRUE(toro.warnings.empty());
+  EXPECT_EQ(optimiseGraphFile(write("bare.g2o", square("VERTEX_SE2", "EDGE_SE2", "\n")), "")
+                .warnings.size(),
+            1U);
+}
+
 TEST_F(GraphFileRun, TakesTheSolversOptions)
 {
   const std::string input = write("options.g2o", squareText());

@@ -11,6 +11,7 @@
 #include <fstream>
 #include <random>
 #include <string>
+#include <vector>
 
 #include "FullDisk.h"
 #include "TestFolder.h"
@@ -161,6 +162,44 @@ TEST_F(GraphFiles, PlanarLinesAreLifted)
   EXPECT_TRUE(informationFromYpr(mean, edge.cov_inv.asEigen()).isApprox(expected, 1e-12));
 }
 
+TEST_F(GraphFiles, ToroOrdersThePlanarInformationInItsOwnWay)
+{
+  const Graph graph =
+      readPoseGraph(write("VERTEX2 4 0 0 0\nVERTEX2 5 1 2 1.5\n"
+                          "EDGE2 4 5 1 2 1.5 10 1 30 500 2 3\n"));
+  EXPECT_TRUE(toPose(graph.nodes.at(5)).isApprox(poseFromYpr(1, 2, 0, 1.5, 0, 0), 1e-12));
+  const auto& edge = graph.edges.begin()->second;
+  EXPECT_TRUE(toPose(edge.mean).isApprox(poseFromYpr(1, 2, 0, 1.5, 0, 0), 1e-12));
+  Matrix6 expected = Matrix6::Zero();  // x, y, z, yaw, pitch, roll
+  expected.diagonal() << 10, 30, 20, 500, 500, 500;
+  expected(0, 1) = expected(1, 0) = 1;
+  expected(0, 3) = expected(3, 0) = 2;
+  expected(1, 3) = expected(3, 1) = 3;
+  EXPECT_TRUE(edge.cov_inv.asEigen().isApprox(expected, 1e-12)) << edge.cov_inv.asEigen();
+}
+
+TEST_F(GraphFiles, EdgesWithoutInformationHaveTheIdentity)
+{
+  std::vector<std::string> warnings;
+  const Graph graph =
+      readPoseGraph(write("EDGE_SE3:QUAT 0 1 1 2 3 0 0 0 1\nEDGE_SE2 1 2 1 2 0 # a comment\n"
+                          "EDGE2 2 3 1 2 0\nEDGE3 3 4 1 2 3 0 0 0\n"
+                          "EDGE_SE2 4 5 1 2 0 1 0 0 1 0 1\n"),
+                    &warnings);
+  ASSERT_EQ(graph.edges.size(), 5U);
+  Vector6 expected = Vector6::Ones();
+  expected.tail<3>().setConstant(0.25);  // the vector part of a quaternion is half the rotation
+  for (const auto& [ids, edge] : graph.edges)
+  {
+    EXPECT_TRUE(edge.cov_inv.asEigen().isApprox(Matrix6(expected.asDiagonal()), 1e-12))
+        << ids.first;
+    expected.setOnes();
+  }
+  ASSERT_EQ(warnings.size(), 1U);
+  EXPECT_NE(warnings[0].find("graph.g2o: 4 edges without an information matrix"), std::string::npos)
+      << warnings[0];
+}
+
 TEST_F(GraphFiles, NodesWithoutVertexLineStayAway)
 {
   const Graph graph = readPoseGraph(write("EDGE_SE2 7 9 1 2 1.5 10 0 0 30 0 500\n"));
@@ -182,6 +221,14 @@ TEST_F(GraphFiles, ErrorsNameFileLineAndField)
   expectError("EDGE_SE2 1 2 1 2 1.5 10 0 0 30 0\n", "field 12 (information 3,3): the line ends");
   expectError("EDGE_SE3:QAUT 1 2\n", "did you mean 'EDGE_SE3:QUAT'?");
   expectError("EDGE2 1 2 1 2 1.5 10 0 0 30 0 500\n", "write VERTEX_SE2 and EDGE_SE2");
+  expectError("EDGE2 1 2 1 2 1.5 10 0 0 30 0 500\n", "not positive definite in TORO's order");
+  expectError("ODOMETRY 1 2 1 2 1.5 10 0 0 30 0 500\n", "write VERTEX_SE2 and EDGE_SE2");
+  expectError(vertex + "EDGE_SE3_PRIOR 0 0 0 0 0 0 0 0 1\n",
+              ":2: 'EDGE_SE3_PRIOR' is not supported, only poses and edges between two of them");
+  expectError("VERTEX_TRACKXYZ 3 0 0 0\n", "remove the lines of this type");
+  expectError("EQUIV 3 4\n", ":1: 'EQUIV' is not supported");
+  expectError("ply\n", ":1: unknown entry 'ply'");
+  expectError(std::string("\x1f\x8b\x08\x00\n\xff", 6), ":1: is not text");
   expectError(vertex + "FIX 0\nFIX 1\n", ":3: a second FIX");
   expectError(vertex + "FIX 7\n", "FIX 7 names a node without VERTEX and EDGE");
   expectError("", "has no VERTEX or EDGE line");

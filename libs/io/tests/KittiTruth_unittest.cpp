@@ -225,4 +225,24 @@ TEST(KittiTruth, PosesWithTimes)
                    [&] { convertKitti(folder.file("in"), folder.file("x.rawlog"), options); }),
                "--calib"));
 }
+
+/** Poses with times could belong to any of the scans, if these have none. */
+TEST(KittiTruth, PosesWithTimesForScansWithoutAny)
+{
+  const TestFolder folder;
+  writeBins(folder, "in/velodyne", 3);
+  KittiConverterOptions options;
+  options.pose_frame = PoseFrame::lidar;
+  const std::string row = " 0 0 0 0 0 1\n";
+  options.poses = folder.write("poses.tum", "10 0" + row + "10 0" + row + "10.2 2" + row);
+  EXPECT_TRUE(
+      contains(messageOfError<UserError>(
+                   [&] { convertKitti(folder.file("in"), folder.file("x.rawlog"), options); }),
+               "poses.tum: has poses at 2 times, but there are 3 scans without times; give "
+               "--times"));
+  options.poses = folder.write("all.tum", "10 0" + row + "10.1 1" + row + "10.2 2" + row);
+  convertKitti(folder.file("in"), folder.file("x.rawlog"), options);
+  EXPECT_NEAR(readAll(folder.file("x.rawlog")).at(1).T_world_vehicle_truth->translation().x(), 1,
+              1e-6);
+}
 }  // namespace dyslam

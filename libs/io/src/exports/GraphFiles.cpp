@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/base/Error.h>
 #include <dyslam/base/PendingFile.h>
+#include <dyslam/base/Printable.h>
 #include <dyslam/base/Words.h>
 #include <dyslam/core/PoseInformation.h>
 #include <dyslam/formats/TextFile.h>
@@ -8,9 +9,11 @@
 #include <dyslam/mrpt/Conversions.h>
 
 #include <Eigen/Dense>
+#include <algorithm>
 #include <array>
 #include <charconv>
 #include <cmath>
+#include <cstddef>
 #include <optional>
 #include <set>
 #include <string_view>
@@ -147,6 +150,30 @@ Eigen::Matrix<double, N, N> readUpperTriangle(LineReader& line)
   return m;
 }
 
+/** The information of TORO's EDGE2: xx xy yy hh xh yh. Other programs write EDGE2 in the order of
+ * EDGE_SE2, or the square root of the matrix. Their numbers, unless all are filled in, are not
+ * positive definite in TORO's order. */
+Eigen::Matrix3d readToroInformation(LineReader& line)
+{
+  constexpr std::array<std::array<Eigen::Index, 2>, 6> order = {
+      {{0, 0}, {0, 1}, {1, 1}, {2, 2}, {0, 2}, {1, 2}}};
+  Eigen::Matrix3d m;
+  for (const auto& [r, c] : order)
+  {
+    const std::string name = "information " + std::to_string(r + 1) + "," + std::to_string(c + 1);
+    m(r, c) = line.number(name.c_str());
+    m(c, r) = m(r, c);
+  }
+  if (m.llt().info() != Eigen::Success)
+  {
+    line.fail(
+        "the information of 'EDGE2' is not positive definite in TORO's order (xx xy yy hh xh yh), "
+        "other programs have others; write VERTEX_SE2 and EDGE_SE2 (information xx xy xh yy yh hh) "
+        "instead");
+  }
+  return m;
+}
+
 /** Swaps roll and yaw in rows and columns: MRPT's order in memory against that of its files. */
 Matrix6 swappedRollYaw(const Matrix6& m)
 {
@@ -178,6 +205,9 @@ class GraphReader
  public:
   explicit GraphReader(const std::string& path) : path_(path) {}
 
+  /** Number of edges without an information matrix. */
+  [[nodiscard]] std::size_t edgesWithoutInformation() const { return edges_without_information_; }
+
   Graph read()
   {
     for (TextFile file(path_, " \t\r"); file.next();)
@@ -204,7 +234,7 @@ class GraphReader
     {
       readVertex(line, readQuaternionPose);
     }
-    else if (key == "VERTEX_SE2")
+    else if (key == "VERTEX_SE2" || key == "VERTEX2")
     {
       readVertex(line, readPlanarPose);
     }
@@ -212,7 +242,7 @@ class GraphReader
     {
       readVertex(line, readRollPitchYawPose);
     }
-    else if (key == "EDGE_SE3:QUAT" || key == "EDGE_SE2" || key == "EDGE3")
+    else if (key == "EDGE_SE3:QUAT" || key == "EDGE_SE2" || key == "EDGE3" || key == "EDGE2")
     {
       readEdge(line, key);
     }
@@ -238,6 +268,18 @@ class GraphReader
     }
   }
 
+  /** The information matrix of an edge; the identity if the line has none, as in MRPT and g2o. */
+  template <typename Matrix>
+  Matrix informationOf(LineReader& line, Matrix (*read)(LineReader&))
+  {
+    if (!line.atEnd())
+    {
+      return read(line);
+    }
+    ++edges_without_information_;
+    return Matrix::Identity();
+  }
+
   void readEdge(LineReader& line, std::string_view key)
   {
     const TNodeID from = line.id("from");
@@ -251,20 +293,23 @@ class GraphReader
     if (key == "EDGE_SE2")
     {
       mean = readPlanarPose(line);
-      information_ypr = informationToYpr(mean, lifted(readUpperTriangle<3>(line)));
+      information_ypr = informationToYpr(mean, lifted(informationOf(line, readUpperTriangle<3>)));
+    }
+    else if (key == "EDGE2")
+    {
+      mean = readPlanarPose(line);
+      information_ypr = swappedRollYaw(lifted(informationOf(line, readToroInformation)));
     }
     else if (key == "EDGE3")
     {
       mean = readRollPitchYawPose(line);
-      // MRPT takes an edge without the matrix for one with the identity.
-      information_ypr =
-          line.atEnd() ? Matrix6(Matrix6::Identity()) : swappedRollYaw(readUpperTriangle<6>(line));
+      information_ypr = swappedRollYaw(informationOf(line, readUpperTriangle<6>));
     }
     else
     {
       mean = readQuaternionPose(line);
-      information_ypr =
-          informationToYpr(mean, informationFromQuaternion(readUpperTriangle<6>(line)));
+      information_ypr = informationToYpr(
+          mean, informationFromQuaternion(informationOf(line, readUpperTriangle<6>)));
     }
     line.requireEnd();
     const mrpt::poses::CPose3DPDFGaussianInf edge(toMrpt(mean),
@@ -287,14 +332,26 @@ class GraphReader
   static void failUnknown(LineReader& line, std::string_view key)
   {
     const std::string word(key);
-    if (word == "EDGE2" || word == "EDGE" || word == "ODOMETRY" || word == "VERTEX2" ||
-        word == "VERTEX")
+    if (std::any_of(word.begin(), word.end(),
+                    [](char c) { return static_cast<unsigned char>(c) < ' '; }))
+    {
+      line.fail("is not text; give a .graph or .g2o file, unpacked if it is compressed");
+    }
+    if (word == "EDGE" || word == "ODOMETRY" || word == "VERTEX")
     {
       line.fail("'" + word + "' is read differently by different programs; write VERTEX_SE2 and " +
                 "EDGE_SE2 (information xx xy xh yy yh hh) instead");
     }
-    const std::vector<std::string> known = {
-        "VERTEX_SE3:QUAT", "VERTEX_SE2", "VERTEX3", "EDGE_SE3:QUAT", "EDGE_SE2", "EDGE3", "FIX"};
+    const std::vector<std::string> known = {"VERTEX_SE3:QUAT", "VERTEX_SE2",    "VERTEX3",
+                                            "VERTEX2",         "EDGE_SE3:QUAT", "EDGE_SE2",
+                                            "EDGE3",           "EDGE2",         "FIX"};
+    constexpr std::size_t misspelt = 2;  // edits
+    const bool looks_like_type = word.front() >= 'A' && word.front() <= 'Z';
+    if (looks_like_type && editDistance(word, nearestWord(word, known)) > misspelt)
+    {
+      line.fail("'" + word + "' is not supported, only poses and edges between two of them (" +
+                joined(known) + "); remove the lines of this type");
+    }
     line.fail(unknownWord("entry", word, known));
   }
 
@@ -320,6 +377,7 @@ class GraphReader
   const std::string& path_;
   Graph graph_;
   std::optional<TNodeID> root_;
+  std::size_t edges_without_information_ = 0;
 };
 
 /** Collects the text in memory and writes it at once; numbers keep all their digits. */
@@ -376,9 +434,16 @@ void appendQuaternionPose(TextWriter& out, const mrpt::poses::CPose3D& pose)
 }
 }  // namespace
 
-Graph readPoseGraph(const std::string& path)
+Graph readPoseGraph(const std::string& path, std::vector<std::string>* warnings)
 {
-  return GraphReader(path).read();
+  GraphReader reader(path);
+  Graph graph = reader.read();
+  if (warnings != nullptr && reader.edgesWithoutInformation() > 0)
+  {
+    warnings->push_back(path + ": " + counted(reader.edgesWithoutInformation(), "edge") +
+                        " without an information matrix; the identity was used");
+  }
+  return graph;
 }
 
 void writeGraph(const Graph& graph, const std::string& path)

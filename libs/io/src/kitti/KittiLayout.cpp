@@ -215,6 +215,12 @@ class LayoutReader
         entry.T_world_lidar = of_lidar.at(entry.stamp, truth_max_gap);
       }
     }
+    else if (file.format == TrajectoryFormat::tum && poses.size() < layout_.entries.size())
+    {
+      throw UserError(path + ": has poses at " + counted(poses.size(), "time") +
+                      ", but there are " + counted(layout_.entries.size(), "scan") +
+                      " without times; give --times");
+    }
     else
     {
       assign(path, poses);

@@ -13,7 +13,7 @@
 namespace dyslam
 {
 /** Lines of a text file as fields separated by spaces, tabs or commas; every error says
- * file:line. */
+ * file:line. A byte order mark, as Windows' editors write it, is skipped. */
 class TextFile
 {
  public:
@@ -56,6 +56,9 @@ class TextFile
   std::vector<std::string_view> fields_;
   std::size_t line_number_ = 0;
 };
+
+/** Removes UTF-8's byte order mark from the first line of a file. */
+void removeByteOrderMark(std::string& first_line);
 
 /** The number in a word, in the C locale; a leading + is accepted. Numbers too small for the type
  * are 0, too large ones are infinite. \tparam Real float or double \return nothing if the word is

@@ -10,7 +10,7 @@ namespace dyslam
 {
 enum class TrajectoryFormat
 {
-  tum,   //!< t x y z qx qy qz qw
+  tum,   //!< t x y z qx qy qz qw, or another file with time stamps
   kitti  //!< 12 numbers: the upper 3x4 of the pose, row by row; no time
 };
 
@@ -18,7 +18,8 @@ enum class TrajectoryFormat
 // between numbers, and throw UserError "file:line: what" for anything else that is not as the
 // format says. Rotations are made orthonormal; one that is no rotation at all is an error.
 
-/** Reads a TUM file: lines of `t x y z qx qy qz qw`. */
+/** Reads a TUM file: lines of `t x y z qx qy qz qw` in order of time; of several with the same time
+ * the first counts. Times since 1970 may be in ms, us or ns. \return stamps in s */
 [[nodiscard]] Trajectory readTum(const std::string& path);
 /** A line of a TUM file: t with 9 decimals, the other numbers with 12 significant digits. */
 [[nodiscard]] std::string tumLine(double stamp, const Pose& pose);
@@ -33,15 +34,15 @@ void writeKittiPoses(const std::string& path, const Trajectory& trajectory);
 /** Reads times [s], one per line, as in KITTI's times.txt. */
 [[nodiscard]] std::vector<double> readTimes(const std::string& path);
 
-/** Format of a file, by the count of numbers in its first line (8: TUM, 12: KITTI). */
-[[nodiscard]] TrajectoryFormat trajectoryFormat(const std::string& path);
-
 struct TrajectoryFile
 {
   Trajectory trajectory;
   TrajectoryFormat format = TrajectoryFormat::tum;
 };
-/** Reads a TUM or KITTI file; stamps of a KITTI file are the line numbers 0, 1, 2, ... */
+/** Reads a TUM or KITTI file, told apart by the count of numbers in the first line (8: TUM, 12:
+ * KITTI; 13: a time since 1970 and KITTI's twelve, as of MulRan), or EuRoC's csv, which its header
+ * shows: times in ns, position, quaternion with w first, other columns. Stamps of a KITTI file are
+ * the line numbers 0, 1, 2, ... */
 [[nodiscard]] TrajectoryFile readTrajectory(const std::string& path);
 
 /** T_cam_velo of a camera at the lidar's position that faces forward: its x is right, y down, z

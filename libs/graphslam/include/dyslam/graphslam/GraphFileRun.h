@@ -18,7 +18,8 @@ struct GraphFileReport
   std::size_t nodes = 0;
   std::size_t edges = 0;
   PoseGraphResult result;
-  double seconds = 0;  //!< time of the optimisation, without reading and writing [s]
+  std::vector<std::string> warnings;  //!< about the file
+  double seconds = 0;                 //!< time of the optimisation, without reading and writing [s]
 };
 
 /** Optimises a saved graph (`.graph` or `.g2o`) by PoseGraphSolver, with the options of section
