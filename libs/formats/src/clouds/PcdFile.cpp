@@ -124,7 +124,11 @@ void correctPadding(PcdHeader& header, const std::string& path)
     return negative ? -count : count;
   };
   const auto bytesOf = [&](std::size_t field)
-  { return countOf(field) * static_cast<std::int64_t>(numberIn(header.sizes[field], path)); };
+  {
+    constexpr std::uint64_t largest = sizeof(double);
+    return countOf(field) *
+           static_cast<std::int64_t>(std::min(numberIn(header.sizes[field], path), largest));
+  };
   std::vector<std::size_t> padding;
   bool is_wrong = false;
   for (std::size_t i = 1; i < header.counts.size(); ++i)
