@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cerrno>
 #include <cstring>
+#include <string_view>
 #include <system_error>
 
 namespace dyslam
@@ -17,6 +18,24 @@ namespace
 std::string hintOf(const std::string& advice)
 {
   return advice.empty() ? "" : "; " + advice;
+}
+
+/** Whether a file of a Git repository was not downloaded, but stands for one in Git LFS. */
+bool isLfsPointer(const fs::path& path, std::ifstream& file)
+{
+  constexpr std::uintmax_t largest = 1023;  // [bytes]
+  constexpr std::string_view begin = "version https://git-lfs.github.com/spec/";
+  std::error_code unknown_size;
+  if (!fs::is_regular_file(path, unknown_size) || fs::file_size(path, unknown_size) > largest ||
+      unknown_size)
+  {
+    return false;
+  }
+  std::string start(begin.size(), '\0');
+  file.read(start.data(), static_cast<std::streamsize>(start.size()));
+  file.clear();
+  file.seekg(0);
+  return start == begin;
 }
 
 /** Absolute path; links are followed in its existing part. */
@@ -63,6 +82,10 @@ std::ifstream openBinary(const std::string& path, const std::string& advice)
   {
     throw UserError(path +
                     ": cannot be read: " + (errno != 0 ? std::strerror(errno) : "unknown reason"));
+  }
+  if (isLfsPointer(path, file))
+  {
+    throw UserError(path + ": is a Git LFS pointer, not the file itself; run 'git lfs pull' there");
   }
   return file;
 }

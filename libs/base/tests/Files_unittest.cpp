@@ -88,6 +88,29 @@ TEST_F(Files, EntriesComeByName)
   EXPECT_TRUE(entriesOf(listed_ / "a").empty());
 }
 
+/** Git leaves such a text in place of a file that is stored in Git LFS. */
+TEST_F(Files, GitLfsPointersAreNamed)
+{
+  const std::string file = path("in/drive.bag");
+  const std::string begin = "version https://git-lfs.github.com/spec/";
+  writeWhole(file, begin + "v1\noid sha256:" + std::string(64, '0') + "\nsize 990\n");
+  try
+  {
+    (void)readWhole(file);
+    ADD_FAILURE();
+  }
+  catch (const UserError& error)
+  {
+    EXPECT_EQ(std::string(error.what()),
+              file + ": is a Git LFS pointer, not the file itself; run 'git lfs pull' there");
+  }
+  for (const std::string& content : {std::string("version"), begin + std::string(2000, ' ')})
+  {
+    writeWhole(file, content);
+    EXPECT_EQ(readWhole(file), content);
+  }
+}
+
 TEST_F(Files, WhatCannotBeListedIsAnErrorThatNamesIt)
 {
   for (const fs::path& path : {listed_ / "b.txt", listed_ / "none"})

@@ -170,6 +170,60 @@ TEST(CloudFiles, OtherFieldsOfPcdAndPly)
   EXPECT_EQ((std::vector<float>{0.0F, 0.05F}), ply.time);
 }
 
+/** Some versions of PCL count padding with the size of the field behind it. */
+TEST(CloudFiles, WrongPaddingOfPclIsCorrected)
+{
+  struct Layout
+  {
+    std::string header;
+    std::size_t time = 0;  //!< offset of the time, float64 [bytes]
+    std::size_t ring = 0;  //!< offset of the ring [bytes]
+    std::size_t step = 0;  //!< of a point [bytes]
+  };
+  const std::vector<Layout> layouts{
+      {"FIELDS x y z _ intensity _ timestamp _ ring _\nSIZE 4 4 4 1 4 1 8 1 2 1\n"
+       "TYPE F F F U F U F U U U\nCOUNT 1 1 1 4 1 0 1 6 1 12\n",
+       24, 32, 48},
+      {"FIELDS x y z _ intensity tag ring _ timestamp _\nSIZE 4 4 4 1 4 1 1 1 8 1\n"
+       "TYPE F F F U F U U U F U\nCOUNT 1 1 1 4 1 1 1 -5 1 7\n",
+       24, 21, 32},
+      {"FIELDS x y z _ intensity _ timestamp ring _\nSIZE 4 4 4 1 4 1 8 2 1\n"
+       "TYPE F F F U F U F U U\nCOUNT 1 1 1 4 1 4 1 1 14\n",
+       24, 32, 48}};
+  const TestFolder folder;
+  for (const Layout& layout : layouts)
+  {
+    std::string bytes(2 * layout.step, '\0');
+    for (std::size_t i = 0; i < 2; ++i)
+    {
+      char* const point = &bytes[i * layout.step];
+      const float x = 1.0F + static_cast<float>(i);
+      const double time = 1500000000.0 + 0.0625 * static_cast<double>(i);
+      std::memcpy(point, &x, sizeof x);
+      std::memcpy(point + layout.time, &time, sizeof time);
+      point[layout.ring] = static_cast<char>(3 + i);
+    }
+    const Scan scan =
+        readCloud(folder.write("a.pcd", "VERSION 0.7\n" + layout.header +
+                                            "WIDTH 2\nHEIGHT 1\nPOINTS 2\nDATA binary\n" + bytes));
+    ASSERT_EQ(2U, scan.size()) << layout.header;
+    EXPECT_EQ(2.0F, scan.points[1].x()) << layout.header;
+    EXPECT_EQ(1500000000.0, scan.stamp) << layout.header;
+    EXPECT_EQ((std::vector<float>{0.0F, 0.0625F}), scan.time) << layout.header;
+    EXPECT_EQ((std::vector<std::uint16_t>{3, 4}), scan.ring) << layout.header;
+  }
+  const std::string impossible =
+      "FIELDS x y z _ w _ t\nSIZE 4 4 4 1 8 1 4\nTYPE F F F U F U F\nCOUNT 1 1 1 0 1 -9 1\n";
+  EXPECT_TRUE(contains(
+      messageOfError<UserError>(
+          [&]
+          {
+            (void)readCloud(folder.write(
+                "a.pcd", impossible + "WIDTH 1\nHEIGHT 1\nDATA binary\n" + std::string(48, '0')));
+          }),
+      "its header is missing or damaged"));
+}
+
 TEST(CloudFiles, TimesOf64Bits)
 {
   const TestFolder folder;

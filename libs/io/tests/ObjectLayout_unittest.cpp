@@ -8,6 +8,7 @@
 #include <mrpt/maps/CPointsMapXYZI.h>
 #include <mrpt/maps/CSimplePointsMap.h>
 #include <mrpt/maps/CWeightedPointsMap.h>
+#include <mrpt/math/CMatrixF.h>
 #include <mrpt/obs/CActionCollection.h>
 #include <mrpt/obs/CObservation3DRangeScan.h>
 #include <mrpt/obs/CObservationComment.h>
@@ -185,6 +186,40 @@ TEST(ObjectLayout, ImagesOfRangeScansAreLeftOut)
   EXPECT_EQ(3000, scan.rangeImage(5, 7));
   EXPECT_EQ("depth", scan.cameraParams.cameraName);
   EXPECT_EQ("lidar", scan.sensorLabel);
+}
+
+/** Version 8 has the ranges as a matrix of float32 [m], whose class was CMatrix before MRPT 2. */
+TEST(ObjectLayout, RangesOfOlderMrptAreRead)
+{
+  CObservation3DRangeScan scan;
+  scan.hasRangeImage = true;
+  scan.rangeImage_setSize(6, 8);
+  scan.sensorLabel = "lidar";
+  scan.timestamp = mrpt::Clock::fromDouble(1e9);
+  mrpt::math::CMatrixF ranges(6, 8);
+  ranges.fill(3);
+  const TestFolder folder;
+  for (const std::string name : {"CMatrixF", "CMatrix"})
+  {
+    const auto nameSize = [](const std::string& object)
+    { return static_cast<std::size_t>(static_cast<unsigned char>(object[0]) & 0x7FU); };
+    const std::string now = bytesOf(ranges);
+    const std::string matrix =
+        static_cast<char>(0x80U | name.size()) + name + now.substr(1 + nameSize(now));
+    std::string bytes = bytesOf(scan);
+    bytes[1 + nameSize(bytes)] = 8;
+    const std::size_t rows = bytes.find(std::string("\6\0\0\0\10\0\0\0", 8));
+    ASSERT_NE(std::string::npos, rows);
+    constexpr std::size_t unit = sizeof(float);
+    bytes.replace(rows - unit, unit + 8 + 6 * 8 * sizeof(std::uint16_t), matrix);
+    bytes.erase(bytes.size() - 2, 1);  // number of other layers
+    const auto read = readStream(folder.write("a.rawlog", bytes));
+    ASSERT_EQ(1U, read.size()) << name;
+    const auto& older = dynamic_cast<const CObservation3DRangeScan&>(*read[0]);
+    ASSERT_EQ(6, older.rangeImage.rows()) << name;
+    EXPECT_NEAR(3000, older.rangeImage(5, 7), 1) << name;
+    EXPECT_EQ("lidar", older.sensorLabel) << name;
+  }
 }
 
 TEST(ObjectLayout, OtherClassesArePassedOver)

@@ -6,6 +6,7 @@
 #include <dyslam/io/RawlogSource.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <filesystem>
 
@@ -205,6 +206,13 @@ TEST(ScanConverter, ColumnsThatAreNoIntensities)
   {
     bytes.append(reinterpret_cast<const char*>(point.data()), 3 * sizeof(float));
   }
+  std::string waymo;  // x y z intensity elongation time, with coordinates above 0
+  for (int point = 0; point < 12; ++point)
+  {
+    const std::array<float, 6> row{1.0F + static_cast<float>(point), 2, 1, 0.5F, 0.1F, 1.5e15F};
+    waymo.append(reinterpret_cast<const char*>(row.data()), sizeof row);
+  }
+  folder.write("six/1.bin", waymo);
   folder.write("three/0.bin", "");
   folder.write("three/1.bin", bytes);
   writeBins(folder, "four", 2);
@@ -216,6 +224,7 @@ TEST(ScanConverter, ColumnsThatAreNoIntensities)
                        { return contains(line, "1.bin: 33 % of the intensities are negative"); });
   };
   EXPECT_TRUE(isWarned("three"));
+  EXPECT_TRUE(isWarned("six"));
   EXPECT_FALSE(isWarned("four"));
 }
 

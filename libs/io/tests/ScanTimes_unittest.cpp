@@ -46,7 +46,8 @@ TEST(ScanTimes, StampsFromNames)
   }
 }
 
-/** Without trailing zeros, names are not in the order of their times. A date is no time. */
+/** Without trailing zeros, names are not in the order of their times. A date is no time, nor is a
+ * count from the start of a recorder (milliseconds and microseconds). */
 TEST(ScanTimes, NamesInTheOrderOfTheirTimes)
 {
   const TestFolder folder;
@@ -66,7 +67,13 @@ TEST(ScanTimes, NamesInTheOrderOfTheirTimes)
   writeBin(folder.file("dates/20180801151636223.bin"), late.points, late.intensity);
   writeBin(folder.file("two/left_1600000000.0.bin"), early.points, early.intensity);
   writeBin(folder.file("two/right_1600000000.5.bin"), late.points, late.intensity);
-  for (const char* name : {"dates", "two"})
+  makeFolderOf(folder, "milliseconds");
+  makeFolderOf(folder, "microseconds");
+  writeBin(folder.file("milliseconds/251370668.bin"), early.points, early.intensity);
+  writeBin(folder.file("milliseconds/251370769.bin"), late.points, late.intensity);
+  writeBin(folder.file("microseconds/251370668000.bin"), early.points, early.intensity);
+  writeBin(folder.file("microseconds/251370769000.bin"), late.points, late.intensity);
+  for (const char* name : {"dates", "two", "milliseconds", "microseconds"})
   {
     const auto result =
         convertScans(folder.file(name), folder.file("y.rawlog"), ScanConverterOptions{});

@@ -111,7 +111,51 @@ std::uint64_t numberIn(const std::string& word, const std::string& path)
   return value;
 }
 
-std::vector<Field> fieldsOf(const PcdHeader& header, const std::string& path)
+/** Some versions of PCL count the bytes of padding before a field with the size of that field
+ * instead of the one before it, which may come to none or fewer. Corrects the counts of such a
+ * header, which has sizes and counts for all fields. */
+void correctPadding(PcdHeader& header, const std::string& path)
+{
+  const auto countOf = [&](std::size_t field)
+  {
+    const std::string& word = header.counts[field];
+    const bool negative = word[0] == '-';
+    const auto count = static_cast<std::int64_t>(numberIn(word.substr(negative ? 1 : 0), path));
+    return negative ? -count : count;
+  };
+  const auto bytesOf = [&](std::size_t field)
+  {
+    constexpr std::uint64_t largest = sizeof(double);
+    return countOf(field) *
+           static_cast<std::int64_t>(std::min(numberIn(header.sizes[field], path), largest));
+  };
+  std::vector<std::size_t> padding;
+  bool is_wrong = false;
+  for (std::size_t i = 1; i < header.counts.size(); ++i)
+  {
+    if (header.names[i] == "_")
+    {
+      padding.push_back(i);
+      is_wrong = is_wrong || countOf(i) <= 0;
+    }
+  }
+  std::int64_t moved = 0;  // end of a point's last field [bytes]
+  for (std::size_t k = 0; is_wrong && k < padding.size(); ++k)
+  {
+    const std::size_t field = padding[k];
+    const bool at_end = field + 1 == header.counts.size();
+    const std::int64_t change = at_end ? -moved : bytesOf(field + 1) - bytesOf(field - 1);
+    const std::int64_t count = countOf(field) + change;
+    if (count < 0)
+    {
+      failPcdHeader(path);
+    }
+    header.counts[field] = std::to_string(count);
+    moved += change;
+  }
+}
+
+std::vector<Field> fieldsOf(PcdHeader header, const std::string& path)
 {
   const std::size_t count = header.names.size();
   if (header.sizes.size() != count || header.types.size() != count ||
@@ -119,6 +163,10 @@ std::vector<Field> fieldsOf(const PcdHeader& header, const std::string& path)
   {
     throw UserError(path + ": its header names " + std::to_string(count) +
                     " fields, but not as many sizes, types and counts");
+  }
+  if (header.encoding == "binary")  // the others have no padding
+  {
+    correctPadding(header, path);
   }
   std::vector<Field> fields;
   std::uint64_t offset = 0;

@@ -206,7 +206,7 @@ Scan readBin(const std::string& path, BinLayout layout)
     throw UserError(path + ": " + std::to_string(bytes.size()) + " bytes are not whole points of " +
                     std::to_string(columns) + " floats (x y z intensity" +
                     (columns == 5 ? " ring" : "") +
-                    "); the file is cut short, or has other columns");
+                    "); the file is cut short, or has other columns: write it with these");
   }
   Scan scan;
   const std::size_t count = bytes.size() / step;

@@ -127,6 +127,7 @@ double secondsOf(double time)
 
 std::vector<double> stampsFromNames(std::vector<std::string>& files)
 {
+  constexpr double earliest = 9e8;  // s since 1970, in 1998: 251370668 counts from a start
   constexpr double latest = 4.1e9;  // s since 1970, in 2099: 20180801151636 is a date
   std::vector<std::pair<double, std::string>> timed;
   const std::vector<std::string> names = timesInNames(files);
@@ -135,8 +136,8 @@ std::vector<double> stampsFromNames(std::vector<std::string>& files)
     const std::string& name = names[i];
     double value = 0;
     const auto [end, error] = std::from_chars(name.data(), name.data() + name.size(), value);
-    if (error != std::errc() || end != name.data() + name.size() || value < 1e8 ||
-        !(secondsOf(value) < latest))
+    if (error != std::errc() || end != name.data() + name.size() ||
+        !(secondsOf(value) >= earliest && secondsOf(value) < latest))
     {
       return {};
     }

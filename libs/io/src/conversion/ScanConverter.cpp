@@ -101,7 +101,7 @@ struct FolderFindings
   std::size_t empty = 0;       //!< files without points
   std::string first_empty;
   std::string first_with_points;
-  double odd_intensities = 0;  //!< share of those of that file that are negative or no numbers
+  double odd_intensities = 0;  //!< share of those of that file that no lidar gives
   float median_range = 0;      //!< of that file [m]
 
   /** \throws UserError if the first file with points has no scan of a lidar. */
@@ -111,8 +111,10 @@ struct FolderFindings
     if (first_with_points.empty() && scan.size() > 0)
     {
       first_with_points = file;
-      const auto odd = std::count_if(scan.intensity.begin(), scan.intensity.end(),
-                                     [](float intensity) { return !(intensity >= 0); });
+      constexpr float highest = 65535;  // of 16 bits
+      const auto odd =
+          std::count_if(scan.intensity.begin(), scan.intensity.end(),
+                        [](float intensity) { return !(intensity >= 0 && intensity <= highest); });
       odd_intensities = static_cast<double>(odd) / static_cast<double>(scan.size());
       median_range = medianRange(scan);
       constexpr float farthest = 1e5F;
@@ -169,9 +171,9 @@ void warnAbout(const FolderFindings& findings,
   {
     sink.warn(fs::path(findings.first_with_points).filename().string() + ": " +
               std::to_string(std::lround(100 * findings.odd_intensities)) +
-              " % of the intensities are negative or no numbers: its columns are probably not x y "
-              "z intensity (float32), and no others are read but x y z intensity ring; write it as "
-              "such, or as .pcd");
+              " % of the intensities are negative, above 65535 or no numbers: its columns are "
+              "probably not x y z intensity (float32), and no others are read but x y z intensity "
+              "ring; write it as such, or as .pcd");
   }
   constexpr float implausible = 1000;
   if (findings.median_range > implausible)

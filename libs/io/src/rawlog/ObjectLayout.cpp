@@ -116,7 +116,8 @@ std::uint32_t ObjectLayout::numbers(std::size_t size)
 void ObjectLayout::matrix(std::uint64_t largest)
 {
   const ObjectHeader found = header();
-  const bool single = found.class_name == "CMatrixF";
+  // CMatrix is the name of CMatrixF before MRPT 2.
+  const bool single = found.class_name == "CMatrixF" || found.class_name == "CMatrix";
   if ((!single && found.class_name != "CMatrixD") || found.version != 0)
   {
     fail("no matrix where one should be");
