@@ -53,8 +53,11 @@ void declareImu(CLI::App& app, RecordingOptions& options)
                "also the IMU in the Ouster of a .pcap, whose samples are written beside the scans");
 }
 
-void declareScale(CLI::App& app, RecordingOptions& options)
+void declareClouds(CLI::App& app, RecordingOptions& options)
 {
+  app.add_option("--bin-layout", options.bin_layout,
+                 "columns of .bin files (float32), a letter each: x y z, i intensity, r ring, t "
+                 "time, _ any other; KITTI's are xyzi (default: by their content)");
   app.add_option("--scale", options.scale,
                  "metres per unit of the coordinates in a folder of scans: 0.001 for millimetres "
                  "(default: 1)")
@@ -96,7 +99,7 @@ void declareConversion(CLI::App& app, RecordingOptions& options)
          "seconds between the scans of a folder; default: their own times, else 0.1 (KITTI: "
          "0.1034)")
       ->check(positive());
-  declareScale(app, options);
+  declareClouds(app, options);
   app.option_defaults()->group(before);
 }
 

@@ -26,8 +26,8 @@ void declareLidar(CLI::App& app, RecordingOptions& options);
 /** Flag of the IMU in the lidar of a capture: --imu. */
 void declareImu(CLI::App& app, RecordingOptions& options);
 
-/** Flag of the unit of the coordinates in a folder of scans: --scale. */
-void declareScale(CLI::App& app, RecordingOptions& options);
+/** Flags of the files in a folder of scans: --bin-layout and --scale. */
+void declareClouds(CLI::App& app, RecordingOptions& options);
 
 /** Flag of the pose of the lidar on the vehicle: --sensor-pose. */
 void declareSensorPose(CLI::App& app, std::string& pose);

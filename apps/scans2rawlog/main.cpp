@@ -6,11 +6,9 @@
 #include <dyslam/io/Converters.h>
 
 #include <iostream>
-#include <map>
 #include <string>
 
 #include "../common/AppMain.h"
-#include "../common/Checks.h"
 #include "../common/ConversionFlags.h"
 #include "../common/ConversionReport.h"
 #include "../common/OutputOptions.h"
@@ -28,9 +26,6 @@ struct Arguments
   bool force = false;
   bool quiet = false;
 };
-
-const std::map<std::string, BinLayout> bin_layouts{{"xyzi", BinLayout::xyzi},
-                                                   {"xyzir", BinLayout::xyzir}};
 
 void declare(CLI::App& app, Arguments& arguments)
 {
@@ -67,15 +62,11 @@ void declare(CLI::App& app, Arguments& arguments)
   declareLidar(app, o);
   app.add_option("--poses", o.poses, "true poses of the lidar, TUM or KITTI, a line for each scan");
   declarePoseSource(app, o.pose_source, "where --poses or --truth-topic are from");
-  app.add_option("--bin-layout", o.bin_layout,
-                 "columns of .bin files, all float32: xyzi (KITTI) or xyzir (nuScenes: with the "
-                 "ring); default: by their content")
-      ->transform(wordFor(bin_layouts));
   app.add_option("--times", o.times,
                  "times of a folder's scans, a line each: seconds, or KITTI's timestamps.txt");
   declareMounting(app, o);
   app.add_option("--dt", o.dt, "seconds between scans; default: their own times, else 0.1");
-  declareScale(app, o);
+  declareClouds(app, o);
   app.add_flag("--by-number", o.by_number,
                "times of a folder's scans: the number in the file name times --dt (default 0.1), "
                "where numbers have gaps");

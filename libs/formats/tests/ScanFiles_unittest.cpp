@@ -55,9 +55,9 @@ TEST(ScanFiles, FiveColumnsAreRecognisedAndRead)
   const TestFolder folder;
   const std::string path = folder.write("a.bin", bytesOf(ringScan(5)));
   ASSERT_EQ(0U, std::filesystem::file_size(path) % 16) << "the size alone does not tell";
-  EXPECT_EQ(BinLayout::xyzir, binLayoutOf(path));
+  EXPECT_EQ(nuscenes_layout, binLayoutOf(path));
   folder.write("a.ring", "of another file");
-  const Scan scan = readBin(path, BinLayout::xyzir);
+  const Scan scan = readBin(path, nuscenes_layout);
   ASSERT_EQ(320U, scan.size());
   EXPECT_TRUE(scan.points[33].isApprox(Eigen::Vector3f(6.6F, -2.7F, 0.33F), 1e-5F));
   EXPECT_EQ(33.0F, scan.intensity[33]);
@@ -65,11 +65,41 @@ TEST(ScanFiles, FiveColumnsAreRecognisedAndRead)
   std::vector<float> bad = ringScan(5);
   bad[9] = -1;
   folder.write("a.bin", bytesOf(bad));
-  EXPECT_TRUE(contains(messageOfError<UserError>([&] { (void)readBin(path, BinLayout::xyzir); }),
-                       "the fifth number of point 1"));
+  EXPECT_TRUE(contains(messageOfError<UserError>([&] { (void)readBin(path, nuscenes_layout); }),
+                       "number 5 of point 1"));
   folder.write("a.bin", bytesOf(ringScan(5)).substr(0, 100 * 20 - 4));
-  EXPECT_TRUE(contains(messageOfError<UserError>([&] { (void)readBin(path, BinLayout::xyzir); }),
+  EXPECT_TRUE(contains(messageOfError<UserError>([&] { (void)readBin(path, nuscenes_layout); }),
                        "not whole points of 5 floats"));
+}
+
+TEST(ScanFiles, LayoutsNameTheColumns)
+{
+  const TestFolder folder;
+  std::vector<float> values;
+  for (int i = 0; i < 20; ++i)
+  {
+    const auto k = static_cast<float>(i);
+    values.insert(values.end(), {0.5F * k, 7, 0.005F * k, 3 + k, 1, 2});
+  }
+  const std::string path = folder.write("a.bin", bytesOf(values));
+  const Scan scan = readBin(path, "i_tzxy");
+  ASSERT_EQ(20U, scan.size());
+  EXPECT_EQ(scan.points[2], Eigen::Vector3f(1, 2, 5));
+  EXPECT_EQ(scan.intensity[2], 1);
+  EXPECT_FLOAT_EQ(scan.time[2], 0.01F);
+  EXPECT_TRUE(scan.ring.empty());
+  const Scan plain = readBin(path, "xyz");
+  ASSERT_EQ(40U, plain.size());
+  EXPECT_EQ(plain.points[5], Eigen::Vector3f(5, 1, 2));
+  EXPECT_TRUE(plain.intensity.empty());
+  EXPECT_TRUE(plain.time.empty());
+  EXPECT_NO_THROW(requireBinLayout("xyz__i"));
+  for (const char* wrong : {"", "xyi", "xyzz", "xyzii", "xyza", "XYZI"})
+  {
+    EXPECT_TRUE(contains(messageOfError<UserError>([&] { requireBinLayout(wrong); }),
+                         "give a letter for each column"))
+        << wrong;
+  }
 }
 
 TEST(ScanFiles, FourColumnsAreNeverTakenForFive)
@@ -77,9 +107,9 @@ TEST(ScanFiles, FourColumnsAreNeverTakenForFive)
   const TestFolder folder;
   const auto layoutOf = [&folder](const std::vector<float>& values)
   { return binLayoutOf(folder.write("a.bin", bytesOf(values))); };
-  EXPECT_EQ(BinLayout::xyzi, layoutOf({}));
-  EXPECT_EQ(BinLayout::xyzi, layoutOf(ringScan(4)));
-  EXPECT_EQ(BinLayout::xyzi, layoutOf(std::vector<float>(4000, 0)));
+  EXPECT_EQ(kitti_layout, layoutOf({}));
+  EXPECT_EQ(kitti_layout, layoutOf(ringScan(4)));
+  EXPECT_EQ(kitti_layout, layoutOf(std::vector<float>(4000, 0)));
   // Coordinates in whole metres, with intensities of both kinds.
   for (const float intensity : {7.0F, 0.5F})
   {
@@ -89,19 +119,19 @@ TEST(ScanFiles, FourColumnsAreNeverTakenForFive)
       const auto k = static_cast<float>(i % 100);
       grid.insert(grid.end(), {k, 2 * k, 1, intensity});
     }
-    EXPECT_EQ(BinLayout::xyzi, layoutOf(grid)) << intensity;
+    EXPECT_EQ(kitti_layout, layoutOf(grid)) << intensity;
   }
   // A scan that was cut short behind whole points of five.
   std::vector<float> cut = ringScan(4);
   cut.resize(1005);
-  EXPECT_EQ(BinLayout::xyzi, layoutOf(cut));
+  EXPECT_EQ(kitti_layout, layoutOf(cut));
   // Five columns, but the fifth is a time.
   std::vector<float> timed = ringScan(5);
   for (std::size_t i = 4; i < timed.size(); i += 5)
   {
     timed[i] = 0.001F * static_cast<float>(i);
   }
-  EXPECT_EQ(BinLayout::xyzi, layoutOf(timed));
+  EXPECT_EQ(kitti_layout, layoutOf(timed));
 }
 
 TEST(ScanFiles, FourColumnsOfRealScansAreNotTakenForFive)
@@ -112,7 +142,7 @@ TEST(ScanFiles, FourColumnsOfRealScansAreNotTakenForFive)
   {
     for (const std::string& file : listBinFiles(*realDataFolder() + name))
     {
-      EXPECT_EQ(BinLayout::xyzi, binLayoutOf(file)) << file;
+      EXPECT_EQ(kitti_layout, binLayoutOf(file)) << file;
     }
   }
 }

@@ -128,7 +128,7 @@ TEST(RecordingOptions, OfEachTheFlagIsKnown)
   EXPECT_EQ("--scale=0.001", options.words().back());
   EXPECT_EQ("--scale works with a folder of scans only",
             messageOfError<UserError>([&] { options.requireFitting(RecordingKind::capture); }));
-  for (const char* flag : {"--dt", "--sensor", "--base-frame", "--imu", "--scale"})
+  for (const char* flag : {"--dt", "--sensor", "--base-frame", "--imu", "--bin-layout", "--scale"})
   {
     EXPECT_TRUE(RecordingOptions::hasFlag(flag)) << flag;
   }

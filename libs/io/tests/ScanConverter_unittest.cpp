@@ -32,14 +32,37 @@ TEST(ScanConverter, FilesOfNuScenes)
   EXPECT_EQ(1.0F, frames[1].scan.intensity[33]);
   EXPECT_EQ(1, frames[1].scan.ring[33]);
   // As requested, whatever the content looks like.
-  options.bin_layout = BinLayout::xyzi;
+  options.bin_layout = kitti_layout;
   EXPECT_EQ(800U, convertScans(folder.file("in"), folder.file("x.rawlog"), options).points);
-  options.bin_layout = BinLayout::xyzir;
+  options.bin_layout = nuscenes_layout;
   writeBins(folder, "four", 1);
   EXPECT_TRUE(contains(
       messageOfError<UserError>(
           [&] { (void)convertScans(folder.file("four"), folder.file("x.rawlog"), options); }),
       "000000.bin"));
+}
+
+TEST(ScanConverter, LayoutsOfBinFiles)
+{
+  const TestFolder folder;
+  folder.write("in/000000.bin", fiveColumns(0));
+  ScanConverterOptions options;
+  options.bin_layout = "xyz_r";
+  const auto result = convertScans(folder.file("in"), folder.file("x.rawlog"), options);
+  EXPECT_TRUE(contains(result.notes.at(1), "x y z _ ring (--bin-layout xyz_r)")) << result.notes[1];
+  const auto frames = readAll(folder.file("x.rawlog"));
+  ASSERT_EQ(1U, frames.size());
+  ASSERT_EQ(320U, frames[0].scan.size());
+  EXPECT_EQ(1, frames[0].scan.ring[33]);
+  const auto refusal = [&](const std::string& input)
+  {
+    return messageOfError<UserError>(
+        [&] { (void)convertScans(folder.file(input), folder.file("y.rawlog"), options); });
+  };
+  writePcd(folder.file("pcd/0.pcd"), {{1, 2, 3}});
+  EXPECT_TRUE(contains(refusal("pcd"), "--bin-layout is for .bin files")) << refusal("pcd");
+  options.bin_layout = "xy";
+  EXPECT_TRUE(contains(refusal("in"), "--bin-layout xy: give a letter")) << refusal("in");
 }
 
 TEST(ScanConverter, ARangeOfTimeAndEveryNthScan)

@@ -3,6 +3,7 @@
 #include <dyslam/base/Files.h>
 #include <dyslam/base/PendingFile.h>
 #include <dyslam/base/Printable.h>
+#include <dyslam/base/Words.h>
 #include <dyslam/formats/CloudHeader.h>
 #include <dyslam/formats/RecordingKind.h>
 #include <dyslam/formats/ScanFiles.h>
@@ -15,6 +16,7 @@
 #include <set>
 #include <string_view>
 
+#include "CloudColumns.h"
 #include "PcdFile.h"
 #include "PlyFile.h"
 
@@ -103,23 +105,77 @@ CloudHeader headerOf(const std::vector<Eigen::Vector3f>& points,
   return header;
 }
 
-/** The fifth of five columns. */
-void readRingColumn(const std::string& path, const std::string& bytes, Scan& scan)
+/** x y z intensity, as float32. */
+Scan kittiScan(const std::string& bytes)
+{
+  constexpr std::size_t step = 4 * sizeof(float);
+  Scan scan;
+  const std::size_t count = bytes.size() / step;
+  scan.points.resize(count);
+  scan.intensity.resize(count);
+  for (std::size_t i = 0; i < count; ++i)
+  {
+    std::memcpy(scan.points[i].data(), &bytes[i * step], 3 * sizeof(float));
+    std::memcpy(&scan.intensity[i], &bytes[i * step + 3 * sizeof(float)], sizeof(float));
+  }
+  return scan;
+}
+
+/** Name of the field of a column, as in a PCD. */
+std::string fieldOfColumn(char letter)
+{
+  switch (letter)
+  {
+    case 'i':
+      return "intensity";
+    case 'r':
+      return "ring";
+    case 't':
+      return "time";
+    default:
+      return {letter};
+  }
+}
+
+/** \throws UserError for a number of a ring that is none. */
+void requireRing(float ring, const std::string& path, const std::string& layout, std::size_t point)
 {
   constexpr float max_ring = 65535;
-  scan.ring.reserve(scan.size());
-  for (std::size_t i = 0; i < scan.size(); ++i)
+  if (!(ring >= 0 && ring <= max_ring))
   {
-    float ring = 0;
-    std::memcpy(&ring, &bytes[(5 * i + 4) * sizeof(float)], sizeof(float));
-    if (!(ring >= 0 && ring <= max_ring))
-    {
-      throw UserError(path + ": the fifth number of point " + std::to_string(i) +
-                      " is not the number of a ring; the file has other columns than x y z "
-                      "intensity ring");
-    }
-    scan.ring.push_back(static_cast<std::uint16_t>(ring));
+    throw UserError(path + ": number " + std::to_string(layout.find('r') + 1) + " of point " +
+                    std::to_string(point) +
+                    " is not that of a ring; the file has other columns than " + columnsOf(layout));
   }
+}
+
+/** \pre the bytes are whole points of the layout */
+Scan scanOfColumns(const std::string& path,
+                   const std::string& bytes,
+                   const std::string& layout,
+                   FieldConventions& conventions)
+{
+  CloudColumns columns(path);
+  for (const char letter : layout)
+  {
+    columns.declare(fieldOfColumn(letter), {CloudNumber::Kind::floating, sizeof(float)});
+  }
+  const std::size_t count = bytes.size() / (layout.size() * sizeof(float));
+  columns.reserve(count);
+  for (std::size_t i = 0, at = 0; i < count; ++i)
+  {
+    for (std::size_t column = 0; column < layout.size(); ++column, at += sizeof(float))
+    {
+      if (layout[column] == 'r')
+      {
+        float ring = 0;
+        std::memcpy(&ring, &bytes[at], sizeof ring);
+        requireRing(ring, path, layout, i);
+      }
+      columns.addBytes(column, &bytes[at]);
+    }
+  }
+  return columns.scan(conventions);
 }
 
 /** The file of rings beside a scan, if there is one. */
@@ -168,7 +224,7 @@ std::string lowerExtension(const std::string& path)
   return lowered(fs::path(path).extension().string());
 }
 
-BinLayout binLayoutOf(const std::string& path)
+std::string binLayoutOf(const std::string& path)
 {
   constexpr std::size_t min_points = 100;
   constexpr std::size_t min_rings = 4;
@@ -177,7 +233,7 @@ BinLayout binLayoutOf(const std::string& path)
   constexpr std::size_t step = 5 * sizeof(float);
   if (bytes.size() % step != 0 || bytes.size() < min_points * step)
   {
-    return BinLayout::xyzi;
+    return kitti_layout;
   }
   std::set<float> rings;
   bool fractions = false;  // among the coordinates
@@ -187,41 +243,61 @@ BinLayout binLayoutOf(const std::string& path)
     std::memcpy(row.data(), &bytes[at], step);
     if (!(row[4] >= 0 && row[4] <= max_ring && row[4] == std::floor(row[4])))
     {
-      return BinLayout::xyzi;
+      return kitti_layout;
     }
     rings.insert(row[4]);
     fractions = fractions || std::any_of(row.begin(), row.begin() + 3,
                                          [](float x) { return x != std::floor(x); });
   }
-  return fractions && rings.size() >= min_rings ? BinLayout::xyzir : BinLayout::xyzi;
+  return fractions && rings.size() >= min_rings ? nuscenes_layout : kitti_layout;
 }
 
-Scan readBin(const std::string& path, BinLayout layout)
+void requireBinLayout(const std::string& layout)
+{
+  constexpr const char* letters = "xyzirt_";
+  const auto occurs = [&layout](char letter)
+  { return std::count(layout.begin(), layout.end(), letter); };
+  const bool is_known = layout.find_first_not_of(letters) == std::string::npos;
+  const bool is_unique =
+      std::all_of(layout.begin(), layout.end(),
+                  [&](char letter) { return letter == '_' || occurs(letter) == 1; });
+  if (!is_known || !is_unique || occurs('x') == 0 || occurs('y') == 0 || occurs('z') == 0)
+  {
+    throw UserError("--bin-layout " + layout +
+                    ": give a letter for each column of the .bin files, x y z once each, i "
+                    "(intensity), r (ring), t (time) at most once, _ for any other: xyzi");
+  }
+}
+
+std::string columnsOf(const std::string& layout)
+{
+  std::string columns;
+  for (const char letter : layout)
+  {
+    appendWord(columns, fieldOfColumn(letter), " ");
+  }
+  return columns;
+}
+
+Scan readBin(const std::string& path, const std::string& layout)
+{
+  FieldConventions conventions;
+  return readBin(path, layout, conventions);
+}
+
+Scan readBin(const std::string& path, const std::string& layout, FieldConventions& conventions)
 {
   const std::string bytes = readWhole(path);
-  const std::size_t columns = layout == BinLayout::xyzir ? 5 : 4;
-  const std::size_t step = columns * sizeof(float);
-  if (bytes.size() % step != 0)
+  const std::size_t columns = layout.size();
+  if (bytes.size() % (columns * sizeof(float)) != 0)
   {
     throw UserError(path + ": " + std::to_string(bytes.size()) + " bytes are not whole points of " +
-                    std::to_string(columns) + " floats (x y z intensity" +
-                    (columns == 5 ? " ring" : "") +
-                    "); the file is cut short, or has other columns: write it with these");
+                    std::to_string(columns) + " floats (" + columnsOf(layout) +
+                    "); the file is cut short, or has other columns (--bin-layout)");
   }
-  Scan scan;
-  const std::size_t count = bytes.size() / step;
-  scan.points.resize(count);
-  scan.intensity.resize(count);
-  for (std::size_t i = 0; i < count; ++i)
-  {
-    std::memcpy(scan.points[i].data(), &bytes[i * step], 3 * sizeof(float));
-    std::memcpy(&scan.intensity[i], &bytes[i * step + 3 * sizeof(float)], sizeof(float));
-  }
-  if (layout == BinLayout::xyzir)
-  {
-    readRingColumn(path, bytes, scan);
-  }
-  else
+  Scan scan =
+      layout == kitti_layout ? kittiScan(bytes) : scanOfColumns(path, bytes, layout, conventions);
+  if (layout.find('r') == std::string::npos)
   {
     readRingFile(path, scan);
   }

@@ -76,8 +76,9 @@ struct RecordingOption
 };
 
 constexpr const char* bags_only = " works with a bag only";
+constexpr const char* folders_only = " works with a folder of scans only";
 using Given = const RecordingOptions&;
-const std::array<RecordingOption, 12> all_options{
+const std::array<RecordingOption, 13> all_options{
     {{"--topic", [](Given o) { return valuesOf(o.topic); }, isOfBag, bags_only},
      {"--further-topic", [](Given o) { return o.further_topics; }, isOfBag, bags_only},
      {"--imu-topic", [](Given o) { return valuesOf(o.imu_topic); }, isOfBag, bags_only},
@@ -94,8 +95,10 @@ const std::array<RecordingOption, 12> all_options{
      {"--base-frame", [](Given o) { return valuesOf(o.base_frame); }, isOfBag, bags_only},
      {"--dt", [](Given o) { return o.dt > 0 ? Values{exactText(o.dt)} : Values(); }, hasNoTimes,
       ": the scans of a bag have times; leave it out"},
+     {"--bin-layout", [](Given o) { return valuesOf(o.bin_layout); }, isFolderOfScans,
+      folders_only},
      {"--scale", [](Given o) { return o.scale != 1 ? Values{exactText(o.scale)} : Values(); },
-      isFolderOfScans, " works with a folder of scans only"}}};
+      isFolderOfScans, folders_only}}};
 }  // namespace
 
 FurtherTopicOption splitFurtherTopic(const std::string& value)

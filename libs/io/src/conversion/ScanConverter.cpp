@@ -172,8 +172,7 @@ void warnAbout(const FolderFindings& findings,
     sink.warn(fs::path(findings.first_with_points).filename().string() + ": " +
               std::to_string(std::lround(100 * findings.odd_intensities)) +
               " % of the intensities are negative, above 65535 or no numbers: its columns are "
-              "probably not x y z intensity (float32), and no others are read but x y z intensity "
-              "ring; write it as such, or as .pcd");
+              "probably not x y z intensity (float32); --bin-layout names them, a letter each");
   }
   constexpr float implausible = 1000;
   if (findings.median_range > implausible)
@@ -222,21 +221,18 @@ std::vector<double> stampsFor(std::vector<std::string>& files,
 }
 
 /** The columns of a folder's .bin files: as requested, or those of the first one with points. */
-BinLayout binLayoutFor(const std::vector<std::string>& files,
-                       const ScanConverterOptions& options,
-                       ScanSink& sink)
+std::string binLayoutFor(const std::vector<std::string>& files,
+                         const ScanConverterOptions& options,
+                         ScanSink& sink)
 {
-  BinLayout layout = options.bin_layout.value_or(BinLayout::xyzi);
-  if (!options.bin_layout && lowerExtension(files.front()) == ".bin")
+  const auto with_points = std::find_if(
+      files.begin(), files.end(), [](const std::string& file) { return fs::file_size(file) > 0; });
+  const std::string layout = !options.bin_layout.empty()  ? options.bin_layout
+                             : with_points == files.end() ? kitti_layout
+                                                          : binLayoutOf(*with_points);
+  if (layout != kitti_layout)
   {
-    const auto with_points =
-        std::find_if(files.begin(), files.end(),
-                     [](const std::string& file) { return fs::file_size(file) > 0; });
-    layout = with_points == files.end() ? layout : binLayoutOf(*with_points);
-  }
-  if (layout == BinLayout::xyzir)
-  {
-    sink.note("points: x y z intensity ring (--bin-layout xyzir)");
+    sink.note("points: " + columnsOf(layout) + " (--bin-layout " + layout + ")");
   }
   return layout;
 }
@@ -248,7 +244,8 @@ void convertFolder(const std::string& input,
                    const ScanConverterOptions& options)
 {
   const std::vector<double> stamps = stampsFor(files, options, sink);
-  const BinLayout layout = binLayoutFor(files, options, sink);
+  const bool are_bins = lowerExtension(files.front()) == ".bin";
+  const std::string layout = are_bins ? binLayoutFor(files, options, sink) : "";
   if (!poses.empty())
   {
     sink.setPoseOrigin(PoseSource::given, nameOfFile(options.poses));
@@ -259,7 +256,7 @@ void convertFolder(const std::string& input,
   for (std::size_t i = 0; i < files.size(); ++i)
   {
     Scan scan =
-        layout == BinLayout::xyzir ? readBin(files[i], layout) : readCloud(files[i], conventions);
+        are_bins ? readBin(files[i], layout, conventions) : readCloud(files[i], conventions);
     if (options.scale != 1)
     {
       for (Eigen::Vector3f& point : scan.points)
@@ -344,8 +341,7 @@ void requireFitting(InputKind kind, const ScanConverterOptions& options)
     const char* with;
   };
   for (const Use& use :
-       {Use{"--bin-layout", options.bin_layout.has_value(), InputKind::folder, "a folder of scans"},
-        Use{"--poses", !options.poses.empty(), InputKind::folder, "a folder of scans"},
+       {Use{"--poses", !options.poses.empty(), InputKind::folder, "a folder of scans"},
         Use{"--times", !options.times.empty(), InputKind::folder, "a folder of scans"},
         Use{"--by-number", options.by_number, InputKind::folder, "a folder of scans"},
         Use{"--truth-topic", !options.truth_topic.empty(), InputKind::bag, "a bag"},
@@ -364,6 +360,10 @@ void requireFitting(InputKind kind, const ScanConverterOptions& options)
   options.requireFitting(kind == InputKind::bag      ? RecordingKind::bag
                          : kind == InputKind::folder ? RecordingKind::scans
                                                      : RecordingKind::capture);
+  if (!options.bin_layout.empty())
+  {
+    requireBinLayout(options.bin_layout);
+  }
   if (!options.times.empty() && options.dt > 0)
   {
     throw UserError("--times and --dt exclude each other");
@@ -429,6 +429,8 @@ void ScanConverterOptions::describe(OptionsVisitor& visitor)
   visitor.real(
       "scale", scale, 1e-6, 1e6,
       "length of the unit of the coordinates in a folder of scans; 0.001: millimetres [m]");
+  visitor.text("bin_layout", bin_layout,
+               "columns of a folder's .bin files, a letter each; empty: by their content");
   visitor.flag("by_number", by_number,
                "times of a folder's scans by the numbers in their names, dt apart");
   visitor.flag("keep_partial", keep_partial, "convert also incomplete first and last revolutions");
@@ -458,6 +460,11 @@ ConversionResult convertScans(const std::string& input,
   requireFitting(kind, options);
   const bool folder = kind == InputKind::folder;
   const auto files = folder ? listCloudFiles(input) : std::vector<std::string>{};
+  if (!options.bin_layout.empty() && lowerExtension(files.front()) != ".bin")
+  {
+    throw UserError(input + ": --bin-layout is for .bin files, those of " +
+                    lowerExtension(files.front()) + " name their columns; leave it out");
+  }
   const auto poses = folder ? readPosesFor(options.poses, files.size()) : std::vector<Pose>{};
   if (kind == InputKind::pcap)
   {

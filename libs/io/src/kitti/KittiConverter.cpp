@@ -60,7 +60,7 @@ std::vector<const KittiLayout::Entry*> usedEntries(const std::string& input,
 /** \throws UserError for scans with other columns than KITTI's. */
 void requireKittiColumns(const std::string& scan)
 {
-  if (binLayoutOf(scan) != BinLayout::xyzi)
+  if (binLayoutOf(scan) != kitti_layout)
   {
     throw UserError(scan + ": has 5 numbers per point (x y z intensity ring), KITTI's have 4; " +
                     "convert the folder of the scans with scans2rawlog");

@@ -10,21 +10,27 @@
 
 namespace dyslam
 {
-/** Columns of a .bin file, little-endian float32. */
-enum class BinLayout
-{
-  xyzi,  //!< KITTI: x y z intensity
-  xyzir  //!< nuScenes: x y z intensity ring
-};
+/** Columns of a .bin file, little-endian float32, a letter for each: x, y, z [m], i intensity, r
+ * number of the ring, t time of the point (unit and zero as of a PCD's field), _ another number. */
+inline constexpr const char* kitti_layout = "xyzi";
+inline constexpr const char* nuscenes_layout = "xyzir";
+/** \throws UserError for a layout with other letters, with one twice, or without x, y and z. */
+void requireBinLayout(const std::string& layout);
+/** Names of the columns: "x y z intensity ring". */
+[[nodiscard]] std::string columnsOf(const std::string& layout);
 
 /** Reads a scan from a .bin file, with every point. Without a ring column, a file of the same name
  * ending in `.ring` (one byte per point) fills Scan::ring. \throws UserError. */
-[[nodiscard]] Scan readBin(const std::string& path, BinLayout layout = BinLayout::xyzi);
-/** Columns of a .bin file, recognised by its content: xyzir if every fifth number is an integer in
+[[nodiscard]] Scan readBin(const std::string& path, const std::string& layout = kitti_layout);
+/** readBin() for one scan of a recording, see readCloud(). */
+[[nodiscard]] Scan readBin(const std::string& path,
+                           const std::string& layout,
+                           FieldConventions& conventions);
+/** Layout of a .bin file, recognised by its content: xyzir if every fifth number is an integer in
  * [0, 255] and takes 4 values or more, as ring numbers do, and some coordinate is not an integer;
  * xyzi for all others, and for files of fewer than 100 points. \throws UserError if it cannot be
  * read. */
-[[nodiscard]] BinLayout binLayoutOf(const std::string& path);
+[[nodiscard]] std::string binLayoutOf(const std::string& path);
 /** Writes a .bin file. \param intensity one per point; empty: 0 is written \throws UserError. */
 void writeBin(const std::string& path,
               const std::vector<Eigen::Vector3f>& points,

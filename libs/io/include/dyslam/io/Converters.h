@@ -105,7 +105,6 @@ struct ScanConverterOptions : Options, ConversionOptions, RecordingOptions
   PoseSource pose_source = PoseSource::unknown;  //!< source of true poses; unknown: given
   /** T_vehicle_imu, in the format of sensor_pose; empty: by `/tf_static` and sensor_pose. */
   std::string imu_pose;
-  std::optional<BinLayout> bin_layout;  //!< layout of .bin files; nothing: by their content
   bool by_number = false;     //!< time of a scan of a folder: dt times the number in its name
   bool keep_partial = false;  //!< write also incomplete first and last revolutions of a pcap
 

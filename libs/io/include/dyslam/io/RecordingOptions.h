@@ -35,7 +35,9 @@ struct RecordingOptions
   std::string sensor_pose;  //!< T_vehicle_lidar: x y z yaw pitch roll [m, deg]; empty: identity
   std::string base_frame;   //!< vehicle frame in a bag's `/tf_static`, instead of sensor_pose
   double dt = 0;            //!< time between scans [s]; 0: the recording's times, else 0.1
-  double scale = 1;         //!< of the coordinates in a folder of scans [m]; millimetres: 0.001
+  std::string
+      bin_layout;    //!< of the .bin files of a folder, see readBin(); empty: by their content
+  double scale = 1;  //!< of the coordinates in a folder of scans [m]; millimetres: 0.001
 
   /** Sensor label of scans without a label of their own. */
   [[nodiscard]] std::string firstLabel() const { return sensor.empty() ? "lidar" : sensor; }
