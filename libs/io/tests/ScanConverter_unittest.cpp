@@ -59,6 +59,7 @@ TEST(ScanConverter, LayoutsOfBinFiles)
     return messageOfError<UserError>(
         [&] { (void)convertScans(folder.file(input), folder.file("y.rawlog"), options); });
   };
+  makeFolderOf(folder, "pcd");
   writePcd(folder.file("pcd/0.pcd"), {{1, 2, 3}});
   EXPECT_TRUE(contains(refusal("pcd"), "--bin-layout is for .bin files")) << refusal("pcd");
   options.bin_layout = "xy";
