@@ -128,6 +128,13 @@ TEST(RecordingOptions, OfEachTheFlagIsKnown)
   EXPECT_EQ("--scale=0.001", options.words().back());
   EXPECT_EQ("--scale works with a folder of scans only",
             messageOfError<UserError>([&] { options.requireFitting(RecordingKind::capture); }));
+  options = {};
+  options.bin_layout = "xyzi__";
+  EXPECT_NO_THROW(options.requireFitting(RecordingKind::scans));
+  options.bin_layout = "xyzw";
+  EXPECT_NE(std::string::npos,
+            messageOfError<UserError>([&] { options.requireFitting(RecordingKind::scans); })
+                .find("--bin-layout xyzw: give a letter for each column"));
   for (const char* flag : {"--dt", "--sensor", "--base-frame", "--imu", "--bin-layout", "--scale"})
   {
     EXPECT_TRUE(RecordingOptions::hasFlag(flag)) << flag;

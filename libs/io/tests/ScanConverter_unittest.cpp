@@ -298,7 +298,8 @@ TEST(ScanConverter, PointsThatAreNotInMetres)
                        "0.pcd: half of its points are more than 100 km from the origin: its "
                        "coordinates are not relative to the lidar"));
   EXPECT_TRUE(contains(messageOfError<UserError>([&] { converted("odd"); }),
-                       "its columns are probably not x y z intensity"));
+                       "its columns are probably not x y z intensity (float32), or not relative to "
+                       "the lidar; --bin-layout names its columns"));
 }
 
 TEST(ScanConverter, Errors)

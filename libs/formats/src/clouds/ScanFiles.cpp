@@ -263,9 +263,10 @@ void requireBinLayout(const std::string& layout)
                   [&](char letter) { return letter == '_' || occurs(letter) == 1; });
   if (!is_known || !is_unique || occurs('x') == 0 || occurs('y') == 0 || occurs('z') == 0)
   {
-    throw UserError("--bin-layout " + layout +
-                    ": give a letter for each column of the .bin files, x y z once each, i "
-                    "(intensity), r (ring), t (time) at most once, _ for any other: xyzi");
+    throw UserError(
+        "--bin-layout " + layout +
+        ": give a letter for each column of the .bin files, as in xyzi: x y z once each, i "
+        "(intensity), r (ring), t (time) at most once, _ for any other");
   }
 }
 
@@ -293,7 +294,7 @@ Scan readBin(const std::string& path, const std::string& layout, FieldConvention
   {
     throw UserError(path + ": " + std::to_string(bytes.size()) + " bytes are not whole points of " +
                     std::to_string(columns) + " floats (" + columnsOf(layout) +
-                    "); the file is cut short, or has other columns (--bin-layout)");
+                    "); the file is cut short, or has other columns (scans2rawlog --bin-layout)");
   }
   Scan scan =
       layout == kitti_layout ? kittiScan(bytes) : scanOfColumns(path, bytes, layout, conventions);

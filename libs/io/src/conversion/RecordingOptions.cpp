@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/base/Error.h>
+#include <dyslam/formats/ScanFiles.h>
 #include <dyslam/io/RecordingOptions.h>
 
 #include <algorithm>
@@ -208,6 +209,10 @@ void RecordingOptions::requireFitting(RecordingKind kind) const
     {
       throw UserError(option.flag + std::string(option.limit));
     }
+  }
+  if (!bin_layout.empty())
+  {
+    requireBinLayout(bin_layout);
   }
 }
 }  // namespace dyslam

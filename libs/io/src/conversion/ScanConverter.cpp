@@ -124,7 +124,7 @@ struct FolderFindings
             file + ": half of its points are more than 100 km from the origin: " +
             (lowerExtension(file) == ".bin"
                  ? "its columns are probably not x y z intensity (float32), or not "
-                   "relative to the lidar; write it as such, or as .pcd"
+                   "relative to the lidar; --bin-layout names its columns, a letter each"
                  : "its coordinates are not relative to the lidar; subtract an origin"));
       }
     }
@@ -360,10 +360,6 @@ void requireFitting(InputKind kind, const ScanConverterOptions& options)
   options.requireFitting(kind == InputKind::bag      ? RecordingKind::bag
                          : kind == InputKind::folder ? RecordingKind::scans
                                                      : RecordingKind::capture);
-  if (!options.bin_layout.empty())
-  {
-    requireBinLayout(options.bin_layout);
-  }
   if (!options.times.empty() && options.dt > 0)
   {
     throw UserError("--times and --dt exclude each other");

@@ -58,7 +58,8 @@ struct RecordingOptions
   /** Whether one of these options has this flag. */
   [[nodiscard]] static bool hasFlag(const std::string& flag);
   /** \param kind of the recording, not unknown
-   * \throws UserError for a given option that does not apply to recordings of this kind. */
+   * \throws UserError for a given option that does not apply to recordings of this kind, and for a
+   * wrong bin_layout. */
   void requireFitting(RecordingKind kind) const;
 };
 }  // namespace dyslam
