@@ -3,6 +3,7 @@
 #include <dyslam/base/Files.h>
 #include <dyslam/batch/Recordings.h>
 #include <dyslam/formats/RecordingKind.h>
+#include <dyslam/formats/TextFile.h>
 #include <glob.h>
 
 #include <algorithm>
@@ -111,7 +112,9 @@ void expandList(const std::string& list, int depth, std::vector<std::string>& fi
   {
     throw UserError(list + ": lists within lists, without end; name recordings in it");
   }
-  std::istringstream lines(readWhole(list));
+  std::string text = readWhole(list);
+  removeByteOrderMark(text);
+  std::istringstream lines(text);
   for (std::string line; std::getline(lines, line);)
   {
     line.erase(std::min(line.find('#'), line.size()));

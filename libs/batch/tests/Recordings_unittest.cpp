@@ -37,6 +37,8 @@ TEST(Recordings, AreFilesFoldersPatternsAndLists)
   EXPECT_EQ(namesOf(listed), (std::vector<std::string>{"x1", "x2", "a", "b", "c", "y"}));
   EXPECT_EQ(listed[3].bytes, 2U);
   EXPECT_EQ(listed[0].path, folder.file("two/x1.rawlog"));
+  folder.write("windows.txt", "\xEF\xBB\xBFone/b.rawlog\r\n");
+  EXPECT_EQ(namesOf(listRecordings({folder.file("windows.txt")})), std::vector<std::string>{"b"});
 }
 
 TEST(Recordings, AreAllThatDyslamConverts)

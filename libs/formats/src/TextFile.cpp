@@ -165,12 +165,12 @@ void TextFile::fail(const std::string& what) const
   throw UserError(position() + ": " + what);
 }
 
-void removeByteOrderMark(std::string& first_line)
+void removeByteOrderMark(std::string& text)
 {
   constexpr std::string_view mark = "\xEF\xBB\xBF";
-  if (first_line.compare(0, mark.size(), mark) == 0)
+  if (text.compare(0, mark.size(), mark) == 0)
   {
-    first_line.erase(0, mark.size());
+    text.erase(0, mark.size());
   }
 }
 

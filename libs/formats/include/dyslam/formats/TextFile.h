@@ -57,8 +57,8 @@ class TextFile
   std::size_t line_number_ = 0;
 };
 
-/** Removes UTF-8's byte order mark from the first line of a file. */
-void removeByteOrderMark(std::string& first_line);
+/** Removes UTF-8's byte order mark from the begin of a file's text, or of its first line. */
+void removeByteOrderMark(std::string& text);
 
 /** The number in a word, in the C locale; a leading + is accepted. Numbers too small for the type
  * are 0, too large ones are infinite. \tparam Real float or double \return nothing if the word is
