@@ -491,6 +491,25 @@ TEST(BagConverter, BlankMessagesWithoutAStampAreLeftOut)
   EXPECT_NEAR(1000.1, converted.frames[0].scan.stamp, 1e-6);
   EXPECT_NEAR(1000.5, converted.frames[3].scan.stamp, 1e-6);
   EXPECT_TRUE(converted.result.warnings.empty());
+
+  test::writeBag(bag, {messages[0], messages[3]});
+  const std::string message = messageOfError<UserError>([&] { (void)convertedBag(folder, bag); });
+  EXPECT_TRUE(contains(message, "/points has 2 messages without points and time stamp")) << message;
+}
+
+TEST(BagConverter, ScansAfterAClockThatWasSetBack)
+{
+  const TestFolder folder;
+  const std::string bag = folder.file("x.mcap");
+  std::vector<test::TestMessage> messages;
+  for (int i = 0; i < 12; ++i)
+  {
+    const double stamp = (i < 4 ? 1000 : 500) + 0.1 * i;
+    messages.push_back({"/points", "sensor_msgs/PointCloud2", 1.7e9 + 0.1 * i,
+                        test::pointCloud2(true, stamp, test::velodyneFields(scanWithTimes(0)))});
+  }
+  test::writeBag(bag, messages);
+  EXPECT_EQ(12U, convertedBag(folder, bag).result.scans);
 }
 
 TEST(BagConverter, CloudsComeBeforePackets)

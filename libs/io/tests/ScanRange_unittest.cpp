@@ -61,6 +61,16 @@ TEST(ScanRange, SkippedAndThinned)
   EXPECT_TRUE(taken(range(20, 0, 0)).empty());
 }
 
+TEST(ScanRange, WithoutAStartScansBeforeTheFirstAreTaken)
+{
+  ScanSelection all(range(0, 0, 0.2));
+  EXPECT_TRUE(all.takes(0, 1000));
+  EXPECT_TRUE(all.takes(1, 500));
+  ScanSelection late(range(0, 0.1, 0));
+  EXPECT_FALSE(late.takes(0, 1000));
+  EXPECT_FALSE(late.takes(1, 500));
+}
+
 TEST(ScanRange, PastTheEndNothingFollows)
 {
   ScanSelection selection(range(0, 0, 0.2));

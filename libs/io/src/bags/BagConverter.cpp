@@ -2,6 +2,7 @@
 #include "BagConverter.h"
 
 #include <dyslam/base/Error.h>
+#include <dyslam/base/Printable.h>
 #include <dyslam/core/Trajectory.h>
 #include <dyslam/formats/Bag.h>
 #include <dyslam/formats/RosMessages.h>
@@ -80,9 +81,11 @@ void convertBag(const std::string& input,
   }
   if (sink.written() == 0)
   {
-    throw UserError(input + ": " + topic.name + " has " + std::to_string(topic.messages) +
-                    " scans" +
-                    (topic.messages > 0 ? "; " + emptyRange(options) : "; choose another --topic"));
+    const std::string messages = counted(topic.messages, "message");
+    throw UserError(input + ": " + topic.name + " has " + messages +
+                    (sink.seen() > 0      ? "; " + emptyRange(options)
+                     : topic.messages > 0 ? " without points and time stamp; choose another --topic"
+                                          : "; choose another --topic"));
   }
   reader.report(options.truth_topic);
 }

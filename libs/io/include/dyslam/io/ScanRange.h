@@ -29,8 +29,8 @@ class ScanSelection
   explicit ScanSelection(const ScanRange& range, int every_n = 1);
 
   /** Whether a scan is used; only_first_n is left to the caller.
-   * \param index number of the scan in the recording, from 0 \param stamp stamp of the scan [s],
-   * not before that of the last call */
+   * \param index number of the scan in the recording, from 0 \param stamp stamp of the scan [s];
+   * one before that of the first is used if there is no start */
   [[nodiscard]] bool takes(std::size_t index, double stamp);
   /** Whether no later scan is used. */
   [[nodiscard]] bool isPastEnd() const { return past_end_; }
