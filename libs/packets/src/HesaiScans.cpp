@@ -37,8 +37,6 @@ struct HesaiScans::Impl
   std::array<std::vector<double>, 2> shots;  //!< of both firing sequences, after its begin [s]
   RevolutionCutter revolutions;
   SensorClock clock;
-  std::optional<int> last_azimuth;  //!< of the latest block [0.01 deg]
-  int direction = 1;                //!< 1: clockwise, -1: counter-clockwise
   std::optional<double> last_time;  //!< last time of the sensor's clock [s]
 
   Impl(std::string place_in, const HesaiScansOptions& options_in)
@@ -100,19 +98,6 @@ struct HesaiScans::Impl
     }
   }
 
-  /** Follows the direction of rotation. Larger steps are of sectors that the lidar leaves out. */
-  void turnTo(int azimuth)
-  {
-    constexpr int turn = 36000;
-    constexpr int largest_step = 1000;
-    const int step = (azimuth - last_azimuth.value_or(azimuth) + turn) % turn;
-    if (step > 0 && (step < largest_step || step > turn - largest_step))
-    {
-      direction = step < largest_step ? 1 : -1;
-    }
-    last_azimuth = azimuth;
-  }
-
   /** \param first block of the same firing. \param time of its begin, UNIX time [s]
    * \param shots_of_block times of the shots after that [s] */
   void decodeBlock(const HesaiPacketView& view,
@@ -122,9 +107,8 @@ struct HesaiScans::Impl
                    const std::vector<double>& shots_of_block)
   {
     const int block_azimuth = view.azimuth(block);
-    turnTo(block_azimuth);
-    const double speed = direction * view.speed();
     Scan& scan = revolutions.scanOf(block_azimuth, time);
+    const double speed = revolutions.isClockwise() ? view.speed() : -view.speed();
     const double since_begin = time - scan.stamp;
     for (std::size_t i = 0; i < layout->lasers; ++i)
     {

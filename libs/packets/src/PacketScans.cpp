@@ -90,13 +90,13 @@ Scan& RevolutionCutter::scanOf(int azimuth, double stamp)
   const int last = last_azimuth_.value_or(from_cut);
   const int clockwise = (from_cut - last + turn) % turn;
   steps_ += clockwise == 0 ? 0 : clockwise < turn / 2 ? 1 : -1;
-  const int onward = steps_ >= 0 ? clockwise : (turn - clockwise) % turn;
+  const int onward = isClockwise() ? clockwise : (turn - clockwise) % turn;
   if (onward > turn - largest_jitter || isLate(onward, stamp))
   {
     return scan_;
   }
   // A lidar may leave out most of the turn, so a step of any size leads on.
-  const bool passes_cut = steps_ >= 0 ? from_cut < last : from_cut > last;
+  const bool passes_cut = isClockwise() ? from_cut < last : from_cut > last;
   if (passes_cut || stamp - last_stamp_ > longest_turn)
   {
     push();

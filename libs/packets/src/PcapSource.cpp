@@ -55,11 +55,12 @@ struct Decoder
 };
 
 /** How well the metadata of a decoder fit one of its packets: those of the sensor's mode, then
- * those of the port, which tells lidars whose packets have no serial number. */
+ * those that state no other port, which tells lidars whose packets have no serial number. */
 int fitOf(const OusterMetadata& metadata, const LidarPacket& packet)
 {
   const bool has_mode = modeOfOuster(packet.bytes.data(), metadata) == OusterMode::same;
-  return 1 + (has_mode ? 2 : 0) + (portOf(packet) == metadata.lidar_port ? 1 : 0);
+  const bool has_port = metadata.lidar_port == 0 || portOf(packet) == metadata.lidar_port;
+  return 1 + (has_mode ? 2 : 0) + (has_port ? 1 : 0);
 }
 
 /** Size and port of the most frequent datagrams. */

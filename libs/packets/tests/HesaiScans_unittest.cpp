@@ -230,6 +230,34 @@ TEST(HesaiScans, APointHasTheRotorsAngleAtItsTime)
   }
 }
 
+TEST(HesaiScans, AnOvertakenPacketDoesNotReverseTheRotor)
+{
+  SyntheticHesai lidar;
+  lidar.kind = HesaiKind::qt64;
+  const auto sortedX = [&lidar](const std::vector<std::size_t>& order)
+  {
+    HesaiScansOptions options;
+    options.keep_partial = true;
+    HesaiScans scans("lidar.pcap", options);
+    for (const std::size_t n : order)
+    {
+      scans.add(received(lidar.packet(n), 2000 + static_cast<double>(n) * lidar.packetTime()));
+    }
+    scans.finish();
+    std::vector<float> xs;
+    while (const auto scan = scans.take())
+    {
+      for (const Eigen::Vector3f& point : scan->points)
+      {
+        xs.push_back(point.x());
+      }
+    }
+    std::sort(xs.begin(), xs.end());
+    return xs;
+  };
+  EXPECT_EQ(sortedX({0, 1, 2, 3, 4, 5, 6, 7}), sortedX({0, 1, 2, 4, 3, 5, 6, 7}));
+}
+
 TEST(HesaiScans, LasersShootAtTheirOwnTimes)
 {
   const auto shotsOf = [](HesaiKind kind, bool second)

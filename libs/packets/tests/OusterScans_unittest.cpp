@@ -498,6 +498,19 @@ TEST(PcapSource, OustersWithoutSerialNumbersAreToldByTheirPorts)
   EXPECT_EQ("metadata of the lidar: " + of_front, PcapSource(one).notes().at(0));
 }
 
+TEST(PcapSource, OusterMetadataWithoutAPortAreChosenByTheirName)
+{
+  SyntheticOuster lidar;
+  lidar.profile = "LEGACY";
+  const TestFolder folder;
+  folder.write("a.json", lidar.metadata());
+  std::string reduced = lidar.metadata();
+  reduced.replace(reduced.find("udp_port_lidar"), 3, "tcp");
+  const std::string own = folder.write("drive.json", reduced);
+  const std::string path = folder.write("drive.pcap", captureOfSeveral({lidar}));
+  EXPECT_EQ("metadata of the lidar: " + own, PcapSource(path).notes().at(0));
+}
+
 TEST(PcapSource, OtherOustersWhoseMetadataAreBesideAreNamed)
 {
   const SyntheticOuster front;

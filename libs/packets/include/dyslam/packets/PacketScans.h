@@ -106,6 +106,8 @@ class RevolutionCutter
    * of the block, and of a scan that begins here, UNIX time [s] \return valid until the next call
    * of any method */
   [[nodiscard]] Scan& scanOf(int azimuth, double stamp);
+  /** Direction of rotation, by most of the steps so far. */
+  [[nodiscard]] bool isClockwise() const { return steps_ >= 0; }
   /** To be called after the last block. */
   void finish();
   [[nodiscard]] std::optional<Scan> take() { return queue_.take(); }
