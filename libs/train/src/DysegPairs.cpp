@@ -7,6 +7,7 @@
 #include <dyslam/train/ScanFiles.h>
 
 #include <algorithm>
+#include <array>
 
 namespace dyslam
 {
@@ -77,6 +78,14 @@ DysegClipScene trainingScene(std::uint64_t number, const DysegTrainerOptions& op
   scene.columns = drawColumns(scene.sensor, draws);
   scene.traffic = drawTraffic(scene.world, draws);
   drawEgo(draws, scene);
+  // Drawn last and only if wanted, so that recipes without it keep their scenes.
+  if (options.other_sensors_share > 0 && scene.sensor == sim::SensorKind::hdl64e &&
+      draws.chance(options.other_sensors_share))
+  {
+    constexpr std::array others{sim::SensorKind::os1_64, sim::SensorKind::os1_128,
+                                sim::SensorKind::pandar64};
+    scene.sensor = others.at(draws.below(others.size()));
+  }
   return scene;
 }
 

@@ -72,6 +72,36 @@ TEST(TrainingScene, WorldsHaveTheirShares)
   EXPECT_NEAR(static_cast<double>(by_world.at(WorldKind::highway).size()), 0.7 * 0.4 * 4000, 120);
 }
 
+TEST(TrainingScene, OtherSensorsReplaceTheirShareOfTheHdl64)
+{
+  dyslam::DysegTrainerOptions options;
+  options.few_beams_share = 0.25;
+  const auto before = scenes(options, 4000);
+  options.other_sensors_share = 0.4;
+  const auto after = scenes(options, 4000);
+  std::map<dyslam::sim::SensorKind, int> by_sensor;
+  for (const auto& [world, of_world] : after)
+  {
+    ASSERT_EQ(of_world.size(), before.at(world).size());
+    for (std::size_t i = 0; i < of_world.size(); ++i)
+    {
+      ++by_sensor[of_world[i].sensor];
+      // The rest of the scene, and scenes with 16 beams, are as without other sensors.
+      EXPECT_EQ(of_world[i].columns, before.at(world)[i].columns);
+      EXPECT_EQ(of_world[i].ego_speed, before.at(world)[i].ego_speed);
+      EXPECT_EQ(of_world[i].sensor == dyslam::sim::SensorKind::vlp16,
+                before.at(world)[i].sensor == dyslam::sim::SensorKind::vlp16);
+    }
+  }
+  using dyslam::sim::SensorKind;
+  EXPECT_NEAR(by_sensor[SensorKind::vlp16], 1000, 120);
+  EXPECT_NEAR(by_sensor[SensorKind::hdl64e], 1800, 150);
+  for (const SensorKind other : {SensorKind::os1_64, SensorKind::os1_128, SensorKind::pandar64})
+  {
+    EXPECT_NEAR(by_sensor[other], 400, 80);
+  }
+}
+
 TEST(TrainingScene, HalfOfTheClipsHaveFewerColumns)
 {
   dyslam::DysegTrainerOptions options;

@@ -37,14 +37,16 @@ struct DysegTrainerOptions : Options
   double same_scan_share = 0.1;  //!< share of the pairs of runs and clips that are doubleScan()s
   int gap = 8;                   //!< distance of the scans that the application compares [scans]
   double gap_share = 0;  //!< share of the pairs of runs and clips `gap` apart; others: 1 to 10
-  double campus_share = 0.25;    //!< share of simulated clips on a campus
-  double highway_share = 0.2;    //!< share on a highway of the clips that are not on a campus;
-                                 //!< the others are on streets
-  double few_beams_share = 0.2;  //!< share of simulated clips with 16 beams
-  int simulated_pool = 80;       //!< number of clips kept; the oldest is replaced
-  int simulate_every = 16;       //!< steps between new clips
-  int crop = 256;                //!< cells along each side in training
-  double crop_reach = 26;        //!< largest distance of a crop's centre, in x and in y [m]
+  double campus_share = 0.25;      //!< share of simulated clips on a campus
+  double highway_share = 0.2;      //!< share on a highway of the clips that are not on a campus;
+                                   //!< the others are on streets
+  double few_beams_share = 0.2;    //!< share of simulated clips with 16 beams
+  double other_sensors_share = 0;  //!< share of the other clips with an OS1-64, OS1-128 or Pandar64
+                                   //!< instead of an HDL-64E
+  int simulated_pool = 80;         //!< number of clips kept; the oldest is replaced
+  int simulate_every = 16;         //!< steps between new clips
+  int crop = 256;                  //!< cells along each side in training
+  double crop_reach = 26;          //!< largest distance of a crop's centre, in x and in y [m]
   int steps = 100000;
   /** Largest batch. It determines the random draws of a pair: number of the pair = step * max_batch
    * + index in the batch. */
