@@ -250,20 +250,13 @@ void convertFolder(const std::string& input,
   {
     sink.setPoseOrigin(PoseSource::given, nameOfFile(options.poses));
   }
-  FieldConventions conventions;
+  FieldConventions conventions(options.scale);
   FolderFindings findings;
   findings.assumed_times = options.dt > 0 && !options.by_number;
   for (std::size_t i = 0; i < files.size(); ++i)
   {
     Scan scan =
         are_bins ? readBin(files[i], layout, conventions) : readCloud(files[i], conventions);
-    if (options.scale != 1)
-    {
-      for (Eigen::Vector3f& point : scan.points)
-      {
-        point *= static_cast<float>(options.scale);
-      }
-    }
     if (options.by_number)
     {
       scan.stamp = stamps[i];
