@@ -244,5 +244,15 @@ TEST(KittiTruth, PosesWithTimesForScansWithoutAny)
   convertKitti(folder.file("in"), folder.file("x.rawlog"), options);
   EXPECT_NEAR(readAll(folder.file("x.rawlog")).at(1).T_world_vehicle_truth->translation().x(), 1,
               1e-6);
+  options.poses =
+      folder.write("more.tum", "10 0" + row + "10.05 1" + row + "10.1 2" + row + "10.15 3" + row);
+  const auto result = convertKitti(folder.file("in"), folder.file("x.rawlog"), options);
+  EXPECT_TRUE(std::any_of(result.warnings.begin(), result.warnings.end(),
+                          [](const std::string& line)
+                          {
+                            return contains(line,
+                                            "has poses at 4 times, but there are 3 scans without "
+                                            "times: each has the pose in the line of its number");
+                          }));
 }
 }  // namespace dyslam

@@ -215,17 +215,35 @@ class LayoutReader
         entry.T_world_lidar = of_lidar.at(entry.stamp, truth_max_gap);
       }
     }
-    else if (file.format == TrajectoryFormat::tum && poses.size() < layout_.entries.size())
-    {
-      throw UserError(path + ": has poses at " + counted(poses.size(), "time") +
-                      ", but there are " + counted(layout_.entries.size(), "scan") +
-                      " without times; give --times");
-    }
     else
     {
+      if (file.format == TrajectoryFormat::tum)
+      {
+        checkPoseCount(path, poses.size());
+      }
       assign(path, poses);
     }
     setPoseSource(PoseSource::given, path);
+  }
+
+  /** Poses with times, of scans without, may be of another rate: warns if there are more of them.
+   * \throws UserError if there are fewer. */
+  void checkPoseCount(const std::string& path, std::size_t poses)
+  {
+    const std::size_t scans = layout_.entries.size();
+    const std::string counts = path + ": has poses at " + counted(poses, "time") +
+                               ", but there are " + counted(scans, "scan") + " without times";
+    if (poses < scans)
+    {
+      throw UserError(counts + "; give --times");
+    }
+    if (poses > scans)
+    {
+      layout_.warnings.push_back(
+          counts +
+          ": each has the pose in the line of its number; give --times unless there is "
+          "a pose for each");
+    }
   }
 
   [[nodiscard]] bool isCameraFrame(const std::string& path, TrajectoryFormat format) const
