@@ -142,7 +142,7 @@ std::string fieldOfColumn(char letter)
 void requireRing(float ring, const std::string& path, const std::string& layout, std::size_t point)
 {
   constexpr float max_ring = 65535;
-  if (!(ring >= 0 && ring <= max_ring))
+  if (!(ring >= 0 && ring <= max_ring && ring == std::floor(ring)))
   {
     throw UserError(path + ": number " + std::to_string(layout.find('r') + 1) + " of point " +
                     std::to_string(point) +

@@ -184,6 +184,24 @@ void warnAbout(const FolderFindings& findings,
   }
 }
 
+/** Warns of times that are not in seconds. \param stamps of the scans, in their order [s] */
+void warnAboutUnit(const std::string& times, const std::vector<double>& stamps, ScanSink& sink)
+{
+  constexpr double shortest = 1e-3;  // usual time between scans [s]
+  constexpr double longest = 60;     // [s]
+  std::vector<double> steps;
+  for (std::size_t i = 1; i < stamps.size(); ++i)
+  {
+    steps.push_back(stamps[i] - stamps[i - 1]);
+  }
+  const double usual = steps.empty() ? longest : upperMedian(steps);
+  if (usual < shortest || usual > longest)
+  {
+    sink.warn(times + ": its times are " + stepText(usual) +
+              " s apart: times that count from the start of the recording must be in seconds");
+  }
+}
+
 /** A time for each scan of a folder; empty if only the scans themselves have times. May put the
  * files in another order. */
 std::vector<double> stampsFor(std::vector<std::string>& files,
@@ -203,6 +221,7 @@ std::vector<double> stampsFor(std::vector<std::string>& files,
                       " times, but there are " + std::to_string(files.size()) + " scans");
     }
     sink.note("time stamps: " + options.times);
+    warnAboutUnit(options.times, stamps, sink);
     return stamps;
   }
   if (options.by_number)
