@@ -219,6 +219,10 @@ TEST(KittiTruth, PosesWithTimes)
   ASSERT_TRUE(frames.at(1).T_world_vehicle_truth);
   EXPECT_NEAR(frames[1].T_world_vehicle_truth->translation().x(), 1.5, 1e-6);
   EXPECT_FALSE(frames.at(2).T_world_vehicle_truth);
+  // Poses of the scans whose times have fewer decimals.
+  options.times = folder.write("t.txt", "9.949999653\n10.000000347\n10.150000456\n");
+  EXPECT_EQ(3U, convertKitti(folder.file("in"), folder.file("x.rawlog"), options).poses);
+  options.times = folder.write("t.txt", "10\n10.1\n11\n");
   options.pose_frame = PoseFrame::camera;
   EXPECT_TRUE(
       contains(messageOfError<UserError>(

@@ -8,7 +8,7 @@
 #include <sstream>
 #include <utility>
 
-#include "BagTruth.h"
+#include "conversion/ConversionOutput.h"
 
 namespace dyslam
 {

@@ -212,7 +212,7 @@ class LayoutReader
       }
       for (auto& entry : layout_.entries)
       {
-        entry.T_world_lidar = of_lidar.at(entry.stamp, truth_max_gap);
+        entry.T_world_lidar = truePoseAt(of_lidar, entry.stamp);
       }
     }
     else
