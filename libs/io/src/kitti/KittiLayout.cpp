@@ -149,8 +149,11 @@ class LayoutReader
       }
       else
       {
-        layout_.warnings.emplace_back(
-            "no times.txt: 0.1034 s between scans is assumed (give --times or --dt)");
+        const bool is_raw = options_.kind == KittiKind::raw;
+        layout_.warnings.push_back(
+            std::string(is_raw ? "no velodyne_points/timestamps.txt or times.txt"
+                               : "no times.txt") +
+            ": 0.1034 s between scans is assumed (give --times or --dt)");
       }
     }
     has_times_ = !source.empty();  // a file without times is an error below
