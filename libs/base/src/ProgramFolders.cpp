@@ -7,10 +7,16 @@ namespace fs = std::filesystem;
 
 namespace dyslam
 {
+std::string environmentValue(const std::string& name)
+{
+  const char* value = std::getenv(name.c_str());
+  return value != nullptr ? value : "";
+}
+
 std::vector<fs::path> ProgramFolders::candidates() const
 {
   std::vector<fs::path> folders;
-  if (const char* given = std::getenv(environment.c_str()))
+  if (const std::string given = environmentValue(environment); !given.empty())
   {
     folders.emplace_back(given);
   }

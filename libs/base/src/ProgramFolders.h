@@ -10,11 +10,14 @@ namespace dyslam
 /** Folders that may contain the files shipped with DySLAM, in the order of the search. */
 struct ProgramFolders
 {
-  std::string environment;          //!< environment variable with a folder
+  std::string environment;          //!< environment variable with a folder; none if it is empty
   std::filesystem::path build;      //!< the only further folder for programs in the build folder
   std::filesystem::path relative;   //!< folder relative to the prefix of the installed program
   std::filesystem::path installed;  //!< folder in the configured install prefix
 
   [[nodiscard]] std::vector<std::filesystem::path> candidates() const;
 };
+
+/** Value of an environment variable; empty if it is not set. */
+[[nodiscard]] std::string environmentValue(const std::string& name);
 }  // namespace dyslam

@@ -6,7 +6,6 @@
 #include <dyslam/base/Version.h>
 #include <dyslam/base/Words.h>
 
-#include <cstdlib>
 #include <vector>
 
 #include "ProgramFolders.h"
@@ -38,7 +37,7 @@ std::vector<std::filesystem::path> moduleFolders()
       ProgramFolders{"DYSLAM_MODULES", DYSLAM_BUILD_MODULES, DYSLAM_RELATIVE_MODULES,
                      DYSLAM_INSTALLED_MODULES}
           .candidates();
-  if (const char* share = std::getenv("DYSLAM_SHARE"))
+  if (const std::string share = environmentValue("DYSLAM_SHARE"); !share.empty())
   {
     // For programs outside an installation whose prefix is not the configured one.
     const auto prefix = std::filesystem::absolute(share) / ".." / "..";
@@ -51,10 +50,8 @@ std::vector<std::filesystem::path> moduleFolders()
 bool usesV3()
 {
 #ifdef __x86_64__
-  const char* asked = std::getenv("DYSLAM_CPU");
-  return (asked == nullptr || std::string(asked) != "baseline") &&
-         __builtin_cpu_supports("avx2") != 0 && __builtin_cpu_supports("fma") != 0 &&
-         __builtin_cpu_supports("bmi2") != 0;
+  return environmentValue("DYSLAM_CPU") != "baseline" && __builtin_cpu_supports("avx2") != 0 &&
+         __builtin_cpu_supports("fma") != 0 && __builtin_cpu_supports("bmi2") != 0;
 #else
   return false;
 #endif

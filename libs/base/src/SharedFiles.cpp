@@ -5,7 +5,6 @@
 #include <dyslam/base/SharedFiles.h>
 #include <dyslam/base/Words.h>
 
-#include <cstdlib>
 #include <filesystem>
 #include <map>
 #include <vector>
@@ -22,11 +21,11 @@ namespace
  */
 std::vector<fs::path> sharedFolders()
 {
-  const char* given = std::getenv("DYSLAM_SHARE");
+  const std::string given = environmentValue("DYSLAM_SHARE");
   std::error_code ignored;
-  if (given != nullptr && *given != '\0' && !fs::is_directory(given, ignored))
+  if (!given.empty() && !fs::is_directory(given, ignored))
   {
-    throw UserError("DYSLAM_SHARE = " + std::string(given) +
+    throw UserError("DYSLAM_SHARE = " + given +
                     ": is not a folder; set it to the folder share/dyslam, or unset it");
   }
   return ProgramFolders{"DYSLAM_SHARE", DYSLAM_SOURCE_SHARE, fs::path("share") / "dyslam",

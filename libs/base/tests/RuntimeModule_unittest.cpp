@@ -73,6 +73,22 @@ TEST(RuntimeModule, IsFoundBesideTheSharedFiles)
   fs::remove_all(prefix);
 }
 
+TEST(RuntimeModule, EmptyVariablesCountAsNotSet)
+{
+  for (const char* variable : {"DYSLAM_SHARE", "DYSLAM_MODULES"})
+  {
+    const char* given = std::getenv(variable);
+    const std::string before = given != nullptr ? given : "";
+    (void)unsetenv(variable);
+    const std::string file = runtimeModuleFile("test");
+    const std::string error = errorOf("nothing", "dyslam_test_square");
+    ASSERT_EQ(setenv(variable, "", 1), 0);
+    EXPECT_EQ(runtimeModuleFile("test"), file) << variable;
+    EXPECT_EQ(errorOf("nothing", "dyslam_test_square"), error) << variable;
+    (void)(before.empty() ? unsetenv(variable) : setenv(variable, before.c_str(), 1));
+  }
+}
+
 TEST(RuntimeModule, MissingOneNamesTheSettingAndTheFile)
 {
   const std::string error = errorOf("nothing", "dyslam_test_square");

@@ -102,7 +102,17 @@ std::optional<std::vector<Label>> trueLabels(const std::string& folder,
   {
     return std::nullopt;
   }
-  return readLabels(path.string(), points);
+  auto labels = readLabels(path.string());
+  if (labels.size() != points)
+  {
+    const bool may_be_of_several = labels.size() > points;
+    throw UserError(path.string() + ": has " + std::to_string(labels.size()) +
+                    " labels, but the scan has " + std::to_string(points) + " points" +
+                    (may_be_of_several ? "; those of a recording of several lidars are of the "
+                                         "points of all, which --further-lidars merges"
+                                       : ""));
+  }
+  return labels;
 }
 
 void requireNoLinks(const std::string& folder)

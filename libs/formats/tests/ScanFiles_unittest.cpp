@@ -5,6 +5,8 @@
 #include <dyslam/formats/ScanFiles.h>
 #include <dyslam/formats/TrajectoryFiles.h>
 
+#include <cmath>
+
 #include "TestFolder.h"
 
 namespace dyslam
@@ -63,10 +65,14 @@ TEST(ScanFiles, FiveColumnsAreRecognisedAndRead)
   EXPECT_EQ(33.0F, scan.intensity[33]);
   EXPECT_EQ(1, scan.ring[33]);
   std::vector<float> bad = ringScan(5);
-  bad[9] = -1;
-  folder.write("a.bin", bytesOf(bad));
-  EXPECT_TRUE(contains(messageOfError<UserError>([&] { (void)readBin(path, nuscenes_layout); }),
-                       "number 5 of point 1"));
+  for (const float number : {-1.0F, 0.5F, 65536.0F, std::nanf("")})
+  {
+    bad[9] = number;
+    folder.write("a.bin", bytesOf(bad));
+    EXPECT_TRUE(contains(messageOfError<UserError>([&] { (void)readBin(path, nuscenes_layout); }),
+                         "number 5 of point 1"))
+        << number;
+  }
   folder.write("a.bin", bytesOf(ringScan(5)).substr(0, 100 * 20 - 4));
   EXPECT_TRUE(contains(messageOfError<UserError>([&] { (void)readBin(path, nuscenes_layout); }),
                        "not whole points of 5 floats"));

@@ -348,6 +348,7 @@ TEST(GroundTruth, SidecarRoundTrip)
   EXPECT_FALSE(trueLabels(folder.file("a.gt"), 1, 3));
   EXPECT_FALSE(trueLabels(folder.file("none.gt"), 2, 3));
   expectError([&] { (void)trueLabels(folder.file("a.gt"), 2, 4); }, "000002.label");
+  expectError([&] { (void)trueLabels(folder.file("a.gt"), 2, 2); }, "--further-lidars merges");
   const std::string flow_bytes = folder.read("a.gt/flow/000000.flow");
   ASSERT_EQ(36U, flow_bytes.size());
   EXPECT_EQ(0, std::memcmp(flow_bytes.data(), flow.data(), flow_bytes.size()));

@@ -109,6 +109,8 @@ TEST(KittiConverter, LostScansOfARawDrive)
   }
   options.end = 0.35;
   EXPECT_EQ(3U, convert().scans);
+  std::filesystem::remove(folder.file(points + "timestamps.txt"));
+  EXPECT_TRUE(contains(convert().warnings.at(0), "no velodyne_points/timestamps.txt or times.txt"));
 }
 
 TEST(KittiConverter, VerticalAngleCorrection)

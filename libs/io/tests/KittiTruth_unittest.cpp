@@ -219,6 +219,10 @@ TEST(KittiTruth, PosesWithTimes)
   ASSERT_TRUE(frames.at(1).T_world_vehicle_truth);
   EXPECT_NEAR(frames[1].T_world_vehicle_truth->translation().x(), 1.5, 1e-6);
   EXPECT_FALSE(frames.at(2).T_world_vehicle_truth);
+  // Poses of the scans whose times have fewer decimals.
+  options.times = folder.write("t.txt", "9.949999653\n10.000000347\n10.150000456\n");
+  EXPECT_EQ(3U, convertKitti(folder.file("in"), folder.file("x.rawlog"), options).poses);
+  options.times = folder.write("t.txt", "10\n10.1\n11\n");
   options.pose_frame = PoseFrame::camera;
   EXPECT_TRUE(
       contains(messageOfError<UserError>(
@@ -244,5 +248,15 @@ TEST(KittiTruth, PosesWithTimesForScansWithoutAny)
   convertKitti(folder.file("in"), folder.file("x.rawlog"), options);
   EXPECT_NEAR(readAll(folder.file("x.rawlog")).at(1).T_world_vehicle_truth->translation().x(), 1,
               1e-6);
+  options.poses =
+      folder.write("more.tum", "10 0" + row + "10.05 1" + row + "10.1 2" + row + "10.15 3" + row);
+  const auto result = convertKitti(folder.file("in"), folder.file("x.rawlog"), options);
+  EXPECT_TRUE(std::any_of(result.warnings.begin(), result.warnings.end(),
+                          [](const std::string& line)
+                          {
+                            return contains(line,
+                                            "has poses at 4 times, but there are 3 scans without "
+                                            "times: each has the pose in the line of its number");
+                          }));
 }
 }  // namespace dyslam

@@ -252,6 +252,33 @@ TEST(ScanConverter, ColumnsThatAreNoIntensities)
   EXPECT_FALSE(isWarned("four"));
 }
 
+/** In millimetres the points of a lidar may have larger numbers than any coordinate in metres. */
+TEST(ScanConverter, FarPointsInMillimetres)
+{
+  const TestFolder folder;
+  const std::string points = "9000 1500 -800\n150000 -2500 4000\n";
+  folder.write("pcd/0.pcd",
+               "FIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nWIDTH 2\nHEIGHT 1\nDATA ascii\n" + points);
+  folder.write("ply/0.ply",
+               "ply\nformat ascii 1.0\nelement vertex 2\nproperty int x\nproperty int y\nproperty "
+               "int z\nend_header\n" +
+                   points);
+  for (const std::string input : {"pcd", "ply"})
+  {
+    ScanConverterOptions options;
+    const auto convert = [&]
+    { return convertScans(folder.file(input), folder.file("x.rawlog"), options); };
+    const std::string message = messageOfError<UserError>([&] { (void)convert(); });
+    EXPECT_TRUE(contains(message, "has a point at 150000.000000 m")) << message;
+    EXPECT_TRUE(contains(message, "--scale, 0.001: millimetres")) << message;
+    options.scale = 0.001;
+    EXPECT_EQ(2U, convert().points);
+    const auto frames = readAll(folder.file("x.rawlog"));
+    ASSERT_EQ(2U, frames.at(0).scan.size());
+    EXPECT_TRUE(frames[0].scan.points[1].isApprox(Eigen::Vector3f(150, -2.5F, 4), 1e-6F));
+  }
+}
+
 /** Coordinates in millimetres give a warning, those that no lidar measures are an error. */
 TEST(ScanConverter, PointsThatAreNotInMetres)
 {

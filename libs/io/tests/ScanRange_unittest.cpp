@@ -61,7 +61,7 @@ TEST(ScanRange, SkippedAndThinned)
   EXPECT_TRUE(taken(range(20, 0, 0)).empty());
 }
 
-TEST(ScanRange, WithoutAStartScansBeforeTheFirstAreTaken)
+TEST(ScanRange, ScansAfterAClockThatWasSetBackAreTaken)
 {
   ScanSelection all(range(0, 0, 0.2));
   EXPECT_TRUE(all.takes(0, 1000));
@@ -69,6 +69,8 @@ TEST(ScanRange, WithoutAStartScansBeforeTheFirstAreTaken)
   ScanSelection late(range(0, 0.1, 0));
   EXPECT_FALSE(late.takes(0, 1000));
   EXPECT_FALSE(late.takes(1, 500));
+  EXPECT_TRUE(late.takes(2, 1000.1));
+  EXPECT_TRUE(late.takes(3, 500.1));
 }
 
 TEST(ScanRange, PastTheEndNothingFollows)

@@ -139,6 +139,19 @@ TEST(ScanTimes, CountedNamesAndTimesOfAFile)
     const auto frames = readAll(folder.file("x.rawlog"));
     EXPECT_NEAR(0.25, frames.at(1).scan.stamp - frames[0].scan.stamp, 1e-6) << text;
   }
+  const auto isWarned = [&](const std::string& text)
+  {
+    options.times = folder.write("t.txt", text);
+    const auto warnings =
+        convertScans(folder.file("in"), folder.file("x.rawlog"), options).warnings;
+    return std::any_of(warnings.begin(), warnings.end(),
+                       [](const std::string& line)
+                       { return contains(line, "s apart: times that count from the start"); });
+  };
+  EXPECT_FALSE(isWarned("0\n0.1\n"));
+  EXPECT_FALSE(isWarned("1600000005000\n1600000005250\n"));
+  EXPECT_TRUE(isWarned("0\n100000000\n"));
+  EXPECT_TRUE(isWarned("0\n0.0001\n"));
   options.times = folder.write("t.txt", "1\n");
   EXPECT_TRUE(contains(
       messageOfError<UserError>(

@@ -173,22 +173,26 @@ void CloudColumns::fillRings(FieldConventions& conventions, Scan& scan) const
   }
 }
 
-void failTooFar(double coordinate, const std::string& place)
+void failTooFar(double coordinate, const std::string& place, const std::string& advice)
 {
   throw UserError(place + ": has a point at " + std::to_string(coordinate) +
                   " m, more than 100 km from the origin, where single precision is too "
-                  "coarse; subtract an origin from its coordinates");
+                  "coarse; subtract an origin from its coordinates" +
+                  advice);
 }
 
-void CloudColumns::requireNearOrigin() const
+void CloudColumns::requireNearOrigin(double length_unit) const
 {
   for (const std::size_t axis : {x, y, z})
   {
     for (const double value : columns_[axis].values)
     {
-      if (columns_[axis].exact && std::isfinite(value) && std::abs(value) > farthest_coordinate)
+      const double metres = length_unit * value;
+      if (columns_[axis].exact && std::isfinite(metres) && std::abs(metres) > farthest_coordinate)
       {
-        failTooFar(value, path_);
+        failTooFar(metres, path_,
+                   ", or, if they are not in metres, give their unit (scans2rawlog --scale, 0.001: "
+                   "millimetres)");
       }
     }
   }
@@ -208,7 +212,7 @@ Scan CloudColumns::scan(FieldConventions& conventions) const
       throw UserError(path_ + ": has fields with no number");
     }
   }
-  requireNearOrigin();
+  requireNearOrigin(conventions.lengthUnit());
   Scan scan;
   scan.points.reserve(xs.size());
   for (std::size_t i = 0; i < xs.size(); ++i)
@@ -216,6 +220,7 @@ Scan CloudColumns::scan(FieldConventions& conventions) const
     scan.points.emplace_back(static_cast<float>(xs[i]), static_cast<float>(columns_[y].values[i]),
                              static_cast<float>(columns_[z].values[i]));
   }
+  conventions.toMetres(scan);
   fillIntensity(conventions, scan);
   fillTimes(conventions, scan);
   fillRings(conventions, scan);

@@ -60,8 +60,8 @@ class CloudColumns
   /** \throws UserError if it is not a number. */
   void addText(std::size_t field, std::string_view word);
 
-  /** \param conventions of the recording that the file belongs to. \throws UserError without x, y
-   * and z, and for points too far away for single precision. */
+  /** The points in metres. \param conventions of the recording that the file belongs to
+   * \throws UserError without x, y and z, and for points too far away for single precision. */
   [[nodiscard]] Scan scan(FieldConventions& conventions) const;
   [[nodiscard]] const std::string& path() const { return path_; }
 
@@ -91,7 +91,7 @@ class CloudColumns
    * the field that has the role. */
   template <typename Names>
   void offer(Role role, const Names& names, const std::string& name, CloudNumber type);
-  void requireNearOrigin() const;
+  void requireNearOrigin(double length_unit) const;
   void fillIntensity(FieldConventions& conventions, Scan& scan) const;
   void fillTimes(FieldConventions& conventions, Scan& scan) const;
   void fillRings(FieldConventions& conventions, Scan& scan) const;
@@ -109,8 +109,11 @@ class CloudColumns
 /** Distance from the origin beyond which single precision is too coarse for coordinates, with steps
  * of 8 mm [m] */
 constexpr double farthest_coordinate = 1e5;
-/** \throws UserError about a coordinate beyond that [m]. \param place for messages */
-[[noreturn]] void failTooFar(double coordinate, const std::string& place);
+/** \throws UserError about a coordinate beyond that [m]. \param place for messages \param advice
+ * other than to subtract an origin, as the end of the message */
+[[noreturn]] void failTooFar(double coordinate,
+                             const std::string& place,
+                             const std::string& advice = "");
 /** Ring number from the number of a field: an integer in 0 to 65535; 0 if it is not finite. */
 [[nodiscard]] std::uint16_t ringNumber(double value);
 /** Words of a line, separated by blanks. */

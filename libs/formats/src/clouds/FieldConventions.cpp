@@ -73,6 +73,7 @@ void appendTimes(
                                 : static_cast<float>(value * unit - zero));
   }
 }
+
 /** The last ring of a lidar of which `last` is the highest ring with a return so far: of those with
  * a usual number of rings, if only a few are missing, as those that meet the sky or nothing within
  * range. */
@@ -94,6 +95,17 @@ std::uint16_t lastRingOf(std::uint16_t last)
 double unitOfDate(double time)
 {
   return time < 1e11 ? 1 : time < 1e14 ? 1e-3 : time < 1e17 ? 1e-6 : 1e-9;
+}
+
+void FieldConventions::toMetres(Scan& scan) const
+{
+  if (length_unit_ != 1)
+  {
+    for (Eigen::Vector3f& point : scan.points)
+    {
+      point *= static_cast<float>(length_unit_);
+    }
+  }
 }
 
 const std::string& FieldConventions::intensityField(const std::string& usual,

@@ -106,7 +106,7 @@ CloudHeader headerOf(const std::vector<Eigen::Vector3f>& points,
 }
 
 /** x y z intensity, as float32. */
-Scan kittiScan(const std::string& bytes)
+Scan kittiScan(const std::string& bytes, const FieldConventions& conventions)
 {
   constexpr std::size_t step = 4 * sizeof(float);
   Scan scan;
@@ -118,6 +118,7 @@ Scan kittiScan(const std::string& bytes)
     std::memcpy(scan.points[i].data(), &bytes[i * step], 3 * sizeof(float));
     std::memcpy(&scan.intensity[i], &bytes[i * step + 3 * sizeof(float)], sizeof(float));
   }
+  conventions.toMetres(scan);
   return scan;
 }
 
@@ -141,7 +142,7 @@ std::string fieldOfColumn(char letter)
 void requireRing(float ring, const std::string& path, const std::string& layout, std::size_t point)
 {
   constexpr float max_ring = 65535;
-  if (!(ring >= 0 && ring <= max_ring))
+  if (!(ring >= 0 && ring <= max_ring && ring == std::floor(ring)))
   {
     throw UserError(path + ": number " + std::to_string(layout.find('r') + 1) + " of point " +
                     std::to_string(point) +
@@ -296,8 +297,8 @@ Scan readBin(const std::string& path, const std::string& layout, FieldConvention
                     std::to_string(columns) + " floats (" + columnsOf(layout) +
                     "); the file is cut short, or has other columns (scans2rawlog --bin-layout)");
   }
-  Scan scan =
-      layout == kitti_layout ? kittiScan(bytes) : scanOfColumns(path, bytes, layout, conventions);
+  Scan scan = layout == kitti_layout ? kittiScan(bytes, conventions)
+                                     : scanOfColumns(path, bytes, layout, conventions);
   if (layout.find('r') == std::string::npos)
   {
     readRingFile(path, scan);
@@ -363,7 +364,7 @@ Scan readCloud(const std::string& path, FieldConventions& conventions)
   const std::string extension = lowerExtension(path);
   if (extension == ".bin")
   {
-    return readBin(path);
+    return readBin(path, kitti_layout, conventions);
   }
   if (extension == ".pcd")
   {

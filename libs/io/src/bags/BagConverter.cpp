@@ -52,12 +52,13 @@ void convertBag(const std::string& input,
   const std::size_t at = scanTopic(input, *bag, options.topic, sink);
   const BagTopic topic = bag->topics()[at];
   const bool is_ouster = packetMakerOf(topic) == PacketMaker::ouster;
-  const BagFrames frames{frameOfTopic(*bag, at), staticTransforms(*bag),
-                         is_ouster ? ousterImuTopics(*bag) : std::vector<std::size_t>()};
-  mountLidar(input, frames, options, sink);
-  const Trajectory truth =
+  BagContent content{input, *bag, at, {}, {}, {}};
+  content.frames = {frameOfTopic(*bag, at), staticTransforms(*bag),
+                    is_ouster ? ousterImuTopics(*bag) : std::vector<std::size_t>()};
+  mountLidar(input, content.frames, options, sink);
+  content.truth =
       options.truth_topic.empty() ? Trajectory() : readTruePoses(input, *bag, options, sink);
-  if (!truth.empty())
+  if (!content.truth.empty())
   {
     sink.setPoseOrigin(PoseSource::given, options.truth_topic);
   }
@@ -66,8 +67,8 @@ void convertBag(const std::string& input,
     sink.warn(warning);
   }
   sink.note("scans: " + topic.name + " (" + topic.type + ")");
-  const std::vector<FurtherTopic> further = furtherTopics(input, *bag, at, frames, options, sink);
-  BagReader reader(input, *bag, at, further, frames, truth, options, sink);
+  content.further = furtherTopics(input, *bag, at, content.frames, options, sink);
+  BagReader reader(content, options, sink);
   reader.read();
   if (sink.seen() == 0 && packetMakerOf(topic))
   {

@@ -8,7 +8,7 @@
 #include <sstream>
 #include <utility>
 
-#include "BagTruth.h"
+#include "conversion/ConversionOutput.h"
 
 namespace dyslam
 {
@@ -34,29 +34,21 @@ PacketOptions optionsOfFurther(const BagTopic& topic, const std::string& calibra
 }
 }  // namespace
 
-BagReader::BagReader(const std::string& input,
-                     Bag& bag,
-                     std::size_t scans,
-                     const std::vector<FurtherTopic>& further,
-                     const BagFrames& frames,
-                     const Trajectory& truth,
-                     const ScanConverterOptions& options,
-                     ScanSink& sink)
-    : bag_(bag),
-      scans_(scans),
-      reader_(makeBagScans(input, bag, scans, optionsOfFirst(options))),
-      truth_(truth),
+BagReader::BagReader(const BagContent& content, const ScanConverterOptions& options, ScanSink& sink)
+    : content_(content),
+      bag_(content.bag),
+      reader_(makeBagScans(content.input, bag_, content.scans, optionsOfFirst(options))),
       sink_(sink),
-      motion_(input, bag, *reader_, frames, options, sink),
+      motion_(content.input, bag_, *reader_, content.frames, options, sink),
       held_(sink, motion_)
 {
-  std::vector<std::size_t> topics = motion_.topicsWith(scans);
-  for (const FurtherTopic& lidar : further)
+  std::vector<std::size_t> topics = motion_.topicsWith(content.scans);
+  for (const FurtherTopic& lidar : content.further)
   {
     const PacketOptions of_further =
-        optionsOfFurther(bag.topics()[lidar.topic], lidar.calibration, options.keep_partial);
+        optionsOfFurther(bag_.topics()[lidar.topic], lidar.calibration, options.keep_partial);
     further_.push_back(
-        {lidar, further_.size() + 1, makeBagScans(input, bag, lidar.topic, of_further)});
+        {lidar, further_.size() + 1, makeBagScans(content.input, bag_, lidar.topic, of_further)});
     topics.push_back(lidar.topic);
   }
   bag_.select(topics);
@@ -73,7 +65,7 @@ void BagReader::read()
 void BagReader::report(const std::string& truth_topic)
 {
   motion_.report();
-  if (!truth_.empty() && held_.withoutPose() > 0)
+  if (!content_.truth.empty() && held_.withoutPose() > 0)
   {
     std::ostringstream text;
     text << truth_topic << ": has no pose within " << truth_max_gap << " s of "
@@ -142,7 +134,7 @@ void BagReader::takeMessage()
   {
     hold(*lidar, lidar->reader->add(message_));
   }
-  else if (message_.topic == scans_)
+  else if (message_.topic == content_.scans)
   {
     hold(reader_->add(message_));
   }
@@ -174,7 +166,7 @@ void BagReader::hold(std::vector<Scan> scans)
     requireOtherLabel(scan);
     HeldScans::Entry entry;
     entry.scan = std::move(scan);
-    if (const auto T_world_vehicle = truePoseAt(truth_, entry.scan.stamp))
+    if (const auto T_world_vehicle = truePoseAt(content_.truth, entry.scan.stamp))
     {
       entry.T_world_lidar = *T_world_vehicle * sink_.T_vehicle_lidar();
     }

@@ -17,20 +17,24 @@
 
 namespace dyslam
 {
+/** What is converted of a bag, beside the sensors that the options name. */
+struct BagContent
+{
+  std::string input;  //!< path of the bag, for messages
+  Bag& bag;
+  std::size_t scans = 0;              //!< topic of the first lidar
+  std::vector<FurtherTopic> further;  //!< other lidars
+  BagFrames frames;
+  Trajectory truth;  //!< T_world_vehicle; empty: no true poses
+};
+
 /** Passes the scans of a bag, and what other sensors measured, to the sink. */
 class BagReader
 {
  public:
-  /** \param scans topic of the first lidar. bag, frames, truth, options and sink outlive this.
-   * \throws UserError if what the options ask for is not in the bag. */
-  BagReader(const std::string& input,
-            Bag& bag,
-            std::size_t scans,
-            const std::vector<FurtherTopic>& further,
-            const BagFrames& frames,
-            const Trajectory& truth,
-            const ScanConverterOptions& options,
-            ScanSink& sink);
+  /** content, options and sink outlive this. \throws UserError if what the options ask for is not
+   * in the bag. */
+  BagReader(const BagContent& content, const ScanConverterOptions& options, ScanSink& sink);
 
   /** Reads up to the end of the bag, or until the sink takes no more. Scans before damaged data are
    * passed on. \throws UserError */
@@ -57,11 +61,10 @@ class BagReader
   void hold(std::vector<Scan> scans);
   void requireOtherLabel(const Scan& scan) const;
 
+  const BagContent& content_;
   Bag& bag_;
-  std::size_t scans_;  //!< topic
   std::unique_ptr<BagScans> reader_;
   std::vector<FurtherReader> further_;
-  const Trajectory& truth_;
   ScanSink& sink_;
   BagMotion motion_;
   HeldScans held_;

@@ -65,14 +65,4 @@ Trajectory readTruePoses(const std::string& input,
   }
   return trajectory;
 }
-
-std::optional<Pose> truePoseAt(const Trajectory& truth, double stamp)
-{
-  constexpr double same_pose_time = 1e-6;  // [s]
-  if (const auto same = truth.nearest(stamp, same_pose_time))
-  {
-    return truth[*same].pose;
-  }
-  return truth.at(stamp, truth_max_gap);
-}
 }  // namespace dyslam

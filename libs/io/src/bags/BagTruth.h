@@ -4,7 +4,6 @@
 #include <dyslam/core/Trajectory.h>
 #include <dyslam/formats/Bag.h>
 
-#include <optional>
 #include <string>
 
 #include "conversion/ScanSink.h"
@@ -17,7 +16,4 @@ namespace dyslam
                                        Bag& bag,
                                        const ScanConverterOptions& options,
                                        ScanSink& sink);
-
-/** True pose at a stamp [s], interpolated between poses within truth_max_gap; nothing without. */
-[[nodiscard]] std::optional<Pose> truePoseAt(const Trajectory& truth, double stamp);
 }  // namespace dyslam

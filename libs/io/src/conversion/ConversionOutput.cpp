@@ -46,6 +46,16 @@ void ConversionOptions::describeConversion(OptionsVisitor& visitor)
                   "level of the gzip compression: 0 none, 1 fast, 9 small");
 }
 
+std::optional<Pose> truePoseAt(const Trajectory& truth, double stamp)
+{
+  constexpr double same_pose_time = 1e-6;  // [s]
+  if (const auto same = truth.nearest(stamp, same_pose_time))
+  {
+    return truth[*same].pose;
+  }
+  return truth.at(stamp, truth_max_gap);
+}
+
 Pose poseFromOption(const std::string& option, std::string text)
 {
   if (text.empty())

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <dyslam/core/Trajectory.h>
 #include <dyslam/formats/GroundTruth.h>
 #include <dyslam/io/Converters.h>
 #include <dyslam/io/RawlogWriter.h>
@@ -16,6 +17,10 @@ namespace dyslam
 /** Longest time between a scan and the true poses from which its own is interpolated [s], as
  * RawlogSourceOptions::ground_truth_max_gap. */
 constexpr double truth_max_gap = 0.2;
+
+/** True pose at a stamp [s]: one within 1 us, or interpolated between poses within truth_max_gap;
+ * nothing without. */
+[[nodiscard]] std::optional<Pose> truePoseAt(const Trajectory& truth, double stamp);
 
 /** \param inputs files and folders that a conversion reads; empty ones are skipped.
  * \throws UserError if writing the rawlog `output` with its sidecar would replace one of them. */

@@ -1,25 +1,16 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/base/Error.h>
-#include <dyslam/base/Files.h>
-#include <dyslam/base/Printable.h>
-#include <dyslam/base/Quantile.h>
-#include <dyslam/formats/FieldConventions.h>
-#include <dyslam/formats/KittiFiles.h>
 #include <dyslam/formats/RecordingKind.h>
 #include <dyslam/formats/ScanFiles.h>
-#include <dyslam/formats/TrajectoryFiles.h>
 #include <dyslam/io/Converters.h>
 #include <dyslam/packets/VelodyneModels.h>
 
-#include <algorithm>
-#include <array>
-#include <cmath>
 #include <filesystem>
-#include <sstream>
-#include <utility>
+#include <string>
+#include <vector>
 
 #include "CaptureConverter.h"
-#include "NameStamps.h"
+#include "FolderConverter.h"
 #include "ScanSink.h"
 #include "bags/BagConverter.h"
 
@@ -29,281 +20,6 @@ namespace fs = std::filesystem;
 
 namespace
 {
-std::vector<Pose> readPosesFor(const std::string& path, std::size_t scans)
-{
-  std::vector<Pose> poses;
-  if (path.empty())
-  {
-    return poses;
-  }
-  for (const StampedPose& pose : readTrajectory(path).trajectory)
-  {
-    poses.push_back(pose.pose);
-  }
-  if (poses.size() != scans)
-  {
-    throw UserError(path + ": has " + std::to_string(poses.size()) + " poses, but there are " +
-                    std::to_string(scans) + " scans");
-  }
-  return poses;
-}
-
-std::string stepText(double dt)
-{
-  std::ostringstream text;
-  text << dt;
-  return text.str();
-}
-
-/** Times by the numbers in the files' names, counted from the first. \throws UserError. */
-std::vector<double> stampsByNumber(const std::vector<std::string>& files,
-                                   const ScanConverterOptions& options,
-                                   ScanSink& sink)
-{
-  const std::vector<int> numbers = numbersFromNames(files);
-  if (numbers.empty())
-  {
-    throw UserError(fs::path(files.front()).parent_path().string() +
-                    ": --by-number: the file names do not end in ascending numbers of at most nine "
-                    "digits after leading zeros, with the same text before them; give --times");
-  }
-  const double dt = options.dt > 0 ? options.dt : assumed_dt;
-  std::vector<double> stamps;
-  stamps.reserve(numbers.size());
-  for (const int number : numbers)
-  {
-    stamps.push_back(static_cast<double>(number - numbers.front()) * dt);
-  }
-  sink.note("time stamps: numbers in the file names, " + stepText(dt) + " s apart");
-  return stamps;
-}
-
-/** Median range of the points, without those at the origin and those that are no numbers [m]; 0
- * without any. */
-float medianRange(const Scan& scan)
-{
-  std::vector<float> ranges;
-  ranges.reserve(scan.size());
-  for (const Eigen::Vector3f& point : scan.points)
-  {
-    if (const float range = point.stableNorm(); range > 0 && std::isfinite(range))
-    {
-      ranges.push_back(range);
-    }
-  }
-  return ranges.empty() ? 0 : upperMedian(ranges);
-}
-
-/** What is unusual about the scans of a folder. */
-struct FolderFindings
-{
-  bool assumed_times = false;  //!< scans that are taken as equally far apart
-  std::size_t empty = 0;       //!< files without points
-  std::string first_empty;
-  std::string first_with_points;
-  double odd_intensities = 0;  //!< share of those of that file that no lidar gives
-  float median_range = 0;      //!< of that file [m]
-
-  /** \throws UserError if the first file with points has no scan of a lidar. */
-  void add(const Scan& scan, bool has_stamp, const std::string& file)
-  {
-    assumed_times = assumed_times || !has_stamp;
-    if (first_with_points.empty() && scan.size() > 0)
-    {
-      first_with_points = file;
-      constexpr float highest = 65535;  // of 16 bits
-      const auto odd =
-          std::count_if(scan.intensity.begin(), scan.intensity.end(),
-                        [](float intensity) { return !(intensity >= 0 && intensity <= highest); });
-      odd_intensities = static_cast<double>(odd) / static_cast<double>(scan.size());
-      median_range = medianRange(scan);
-      constexpr float farthest = 1e5F;
-      if (median_range > farthest)
-      {
-        throw UserError(
-            file + ": half of its points are more than 100 km from the origin: " +
-            (lowerExtension(file) == ".bin"
-                 ? "its columns are probably not x y z intensity (float32), or not "
-                   "relative to the lidar; --bin-layout names its columns, a letter each"
-                 : "its coordinates are not relative to the lidar; subtract an origin"));
-      }
-    }
-    if (scan.size() == 0)
-    {
-      first_empty = empty == 0 ? fs::path(file).filename().string() : first_empty;
-      ++empty;
-    }
-  }
-};
-
-/** Warns if the files are taken as `dt` apart, though numbers are missing between them. */
-void warnAboutGaps(const std::vector<std::string>& files, double dt, ScanSink& sink)
-{
-  const std::vector<int> numbers = numbersFromNames(files);
-  const auto gap =
-      std::adjacent_find(numbers.begin(), numbers.end(), [](int a, int b) { return b - a > 1; });
-  if (gap == numbers.end())
-  {
-    return;
-  }
-  const auto before = static_cast<std::size_t>(gap - numbers.begin());
-  sink.warn("file numbers have gaps: " + fs::path(files[before + 1]).filename().string() +
-            " follows " + fs::path(files[before]).filename().string() + "; scans are taken as " +
-            stepText(dt) + " s apart (--by-number takes their times from their numbers)");
-}
-
-void warnAbout(const FolderFindings& findings,
-               const std::vector<std::string>& files,
-               const ScanConverterOptions& options,
-               ScanSink& sink)
-{
-  if (findings.assumed_times)
-  {
-    warnAboutGaps(files, options.dt > 0 ? options.dt : assumed_dt, sink);
-  }
-  if (findings.empty > 0)
-  {
-    sink.warn(counted(findings.empty, "file") + " without points, the first is " +
-              findings.first_empty + ": empty scans are written");
-  }
-  constexpr double many = 0.05;
-  if (findings.odd_intensities > many && lowerExtension(findings.first_with_points) == ".bin")
-  {
-    sink.warn(fs::path(findings.first_with_points).filename().string() + ": " +
-              std::to_string(std::lround(100 * findings.odd_intensities)) +
-              " % of the intensities are negative, above 65535 or no numbers: its columns are "
-              "probably not x y z intensity (float32); --bin-layout names them, a letter each");
-  }
-  constexpr float implausible = 1000;
-  if (findings.median_range > implausible)
-  {
-    sink.warn(fs::path(findings.first_with_points).filename().string() +
-              ": half of its points are more than " +
-              std::to_string(std::lround(findings.median_range)) +
-              " m away: its coordinates are probably in millimetres (--scale 0.001)");
-  }
-}
-
-/** A time for each scan of a folder; empty if only the scans themselves have times. May put the
- * files in another order. */
-std::vector<double> stampsFor(std::vector<std::string>& files,
-                              const ScanConverterOptions& options,
-                              ScanSink& sink)
-{
-  if (!options.times.empty())
-  {
-    std::vector<double> stamps = readTimesOrTimestamps(options.times);
-    stamps.erase(std::remove_if(stamps.begin(), stamps.end(),  // of lost scans, without a file
-                                [](double stamp) { return std::isnan(stamp); }),
-                 stamps.end());
-    std::transform(stamps.begin(), stamps.end(), stamps.begin(), secondsOf);
-    if (stamps.size() != files.size())
-    {
-      throw UserError(options.times + ": has " + std::to_string(stamps.size()) +
-                      " times, but there are " + std::to_string(files.size()) + " scans");
-    }
-    sink.note("time stamps: " + options.times);
-    return stamps;
-  }
-  if (options.by_number)
-  {
-    return stampsByNumber(files, options, sink);
-  }
-  if (options.dt > 0)
-  {
-    return {};
-  }
-  const std::vector<double> stamps = stampsFromNames(files);
-  const std::string example = fs::path(files.front()).filename().string();
-  sink.note(stamps.empty() ? "the file names (" + example + ") are not taken as time stamps"
-                           : "time stamps: the file names (" + example + ")");
-  return stamps;
-}
-
-/** The columns of a folder's .bin files: as requested, or those of the first one with points. */
-std::string binLayoutFor(const std::vector<std::string>& files,
-                         const ScanConverterOptions& options,
-                         ScanSink& sink)
-{
-  const auto with_points = std::find_if(
-      files.begin(), files.end(), [](const std::string& file) { return fs::file_size(file) > 0; });
-  const std::string layout = !options.bin_layout.empty()  ? options.bin_layout
-                             : with_points == files.end() ? kitti_layout
-                                                          : binLayoutOf(*with_points);
-  if (layout != kitti_layout)
-  {
-    sink.note("points: " + columnsOf(layout) + " (--bin-layout " + layout + ")");
-  }
-  return layout;
-}
-
-void convertFolder(const std::string& input,
-                   ScanSink& sink,
-                   std::vector<std::string> files,
-                   const std::vector<Pose>& poses,
-                   const ScanConverterOptions& options)
-{
-  const std::vector<double> stamps = stampsFor(files, options, sink);
-  const bool are_bins = lowerExtension(files.front()) == ".bin";
-  const std::string layout = are_bins ? binLayoutFor(files, options, sink) : "";
-  if (!poses.empty())
-  {
-    sink.setPoseOrigin(PoseSource::given, nameOfFile(options.poses));
-  }
-  FieldConventions conventions;
-  FolderFindings findings;
-  findings.assumed_times = options.dt > 0 && !options.by_number;
-  for (std::size_t i = 0; i < files.size(); ++i)
-  {
-    Scan scan =
-        are_bins ? readBin(files[i], layout, conventions) : readCloud(files[i], conventions);
-    if (options.scale != 1)
-    {
-      for (Eigen::Vector3f& point : scan.points)
-      {
-        point *= static_cast<float>(options.scale);
-      }
-    }
-    if (options.by_number)
-    {
-      scan.stamp = stamps[i];
-    }
-    else if (!stamps.empty())
-    {
-      conventions.restamp(scan, stamps[i]);
-    }
-    const bool has_stamp = !stamps.empty() || scan.stamp != 0;
-    findings.add(scan, has_stamp, files[i]);
-    if (!sink.put(std::move(scan), has_stamp,
-                  i < poses.size() ? std::optional<Pose>(poses[i]) : std::nullopt,
-                  static_cast<double>(i + 1) / static_cast<double>(files.size())))
-    {
-      break;
-    }
-  }
-  if (sink.written() == 0)
-  {
-    throw UserError(input + ": " + emptyRange(options) + " of the " + std::to_string(files.size()) +
-                    " scans");
-  }
-  warnAbout(findings, files, options, sink);
-  for (const std::string& note : conventions.notes())
-  {
-    sink.note(note);
-  }
-  for (const std::string& warning : conventions.warnings())
-  {
-    sink.warn(warning);
-  }
-}
-
-enum class InputKind
-{
-  folder,
-  pcap,
-  bag
-};
-
 /** \throws UserError for a file that is known to be no network capture. */
 void requireCapture(const std::string& file)
 {
@@ -331,35 +47,33 @@ void requireCapture(const std::string& file)
 }
 
 /** \throws UserError for an option that does not apply to this kind of input. */
-void requireFitting(InputKind kind, const ScanConverterOptions& options)
+void requireFitting(RecordingKind kind, const ScanConverterOptions& options)
 {
   struct Use
   {
     const char* flag;
     bool given;
-    InputKind kind;
+    RecordingKind kind;
     const char* with;
   };
   for (const Use& use :
-       {Use{"--poses", !options.poses.empty(), InputKind::folder, "a folder of scans"},
-        Use{"--times", !options.times.empty(), InputKind::folder, "a folder of scans"},
-        Use{"--by-number", options.by_number, InputKind::folder, "a folder of scans"},
-        Use{"--truth-topic", !options.truth_topic.empty(), InputKind::bag, "a bag"},
-        Use{"--truth-frame", !options.truth_frame.empty(), InputKind::bag, "a bag"},
-        Use{"--imu-pose", !options.imu_pose.empty(), InputKind::bag, "a bag"}})
+       {Use{"--poses", !options.poses.empty(), RecordingKind::scans, "a folder of scans"},
+        Use{"--times", !options.times.empty(), RecordingKind::scans, "a folder of scans"},
+        Use{"--by-number", options.by_number, RecordingKind::scans, "a folder of scans"},
+        Use{"--truth-topic", !options.truth_topic.empty(), RecordingKind::bag, "a bag"},
+        Use{"--truth-frame", !options.truth_frame.empty(), RecordingKind::bag, "a bag"},
+        Use{"--imu-pose", !options.imu_pose.empty(), RecordingKind::bag, "a bag"}})
   {
     if (use.given && use.kind != kind)
     {
       throw UserError(std::string(use.flag) + " works with " + use.with + " only");
     }
   }
-  if (kind == InputKind::folder && options.keep_partial)
+  if (kind == RecordingKind::scans && options.keep_partial)
   {
     throw UserError("--keep-partial works with the packets of a .pcap or a bag only");
   }
-  options.requireFitting(kind == InputKind::bag      ? RecordingKind::bag
-                         : kind == InputKind::folder ? RecordingKind::scans
-                                                     : RecordingKind::capture);
+  options.requireFitting(kind);
   if (!options.times.empty() && options.dt > 0)
   {
     throw UserError("--times and --dt exclude each other");
@@ -450,19 +164,13 @@ ConversionResult convertScans(const std::string& input,
   std::vector<std::string> inputs = options.files();
   inputs.insert(inputs.end(), {input, options.poses, options.times});
   requireNoInput(output, inputs);
-  const InputKind kind = isBag(input)              ? InputKind::bag
-                         : fs::is_directory(input) ? InputKind::folder
-                                                   : InputKind::pcap;
+  const RecordingKind kind = isBag(input)              ? RecordingKind::bag
+                             : fs::is_directory(input) ? RecordingKind::scans
+                                                       : RecordingKind::capture;
   requireFitting(kind, options);
-  const bool folder = kind == InputKind::folder;
-  const auto files = folder ? listCloudFiles(input) : std::vector<std::string>{};
-  if (!options.bin_layout.empty() && lowerExtension(files.front()) != ".bin")
-  {
-    throw UserError(input + ": --bin-layout is for .bin files, those of " +
-                    lowerExtension(files.front()) + " name their columns; leave it out");
-  }
-  const auto poses = folder ? readPosesFor(options.poses, files.size()) : std::vector<Pose>{};
-  if (kind == InputKind::pcap)
+  const ScanFolder folder =
+      kind == RecordingKind::scans ? findScanFolder(input, options) : ScanFolder();
+  if (kind == RecordingKind::capture)
   {
     requireCapture(input);
   }
@@ -472,17 +180,17 @@ ConversionResult convertScans(const std::string& input,
   return sink.fill(
       [&]
       {
-        switch (kind)
+        if (kind == RecordingKind::bag)
         {
-          case InputKind::folder:
-            convertFolder(input, sink, files, poses, options);
-            break;
-          case InputKind::pcap:
-            convertCapture(input, sink, options);
-            break;
-          case InputKind::bag:
-            convertBag(input, sink, options, unpacking);
-            break;
+          convertBag(input, sink, options, unpacking);
+        }
+        else if (kind == RecordingKind::scans)
+        {
+          convertFolder(input, folder, sink, options);
+        }
+        else
+        {
+          convertCapture(input, sink, options);
         }
         return sink.close();
       });

@@ -103,6 +103,7 @@ void addNotes(const KittiLayout& layout,
                            " of oxts");
   }
 }
+
 /** \param deskewed all points are of one instant */
 Scan readKittiScan(const KittiLayout::Entry& entry,
                    const Pose& T_vehicle_lidar,

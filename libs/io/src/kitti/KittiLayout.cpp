@@ -149,8 +149,11 @@ class LayoutReader
       }
       else
       {
-        layout_.warnings.emplace_back(
-            "no times.txt: 0.1034 s between scans is assumed (give --times or --dt)");
+        const bool is_raw = options_.kind == KittiKind::raw;
+        layout_.warnings.push_back(
+            std::string(is_raw ? "no velodyne_points/timestamps.txt or times.txt"
+                               : "no times.txt") +
+            ": 0.1034 s between scans is assumed (give --times or --dt)");
       }
     }
     has_times_ = !source.empty();  // a file without times is an error below
@@ -212,20 +215,38 @@ class LayoutReader
       }
       for (auto& entry : layout_.entries)
       {
-        entry.T_world_lidar = of_lidar.at(entry.stamp, truth_max_gap);
+        entry.T_world_lidar = truePoseAt(of_lidar, entry.stamp);
       }
-    }
-    else if (file.format == TrajectoryFormat::tum && poses.size() < layout_.entries.size())
-    {
-      throw UserError(path + ": has poses at " + counted(poses.size(), "time") +
-                      ", but there are " + counted(layout_.entries.size(), "scan") +
-                      " without times; give --times");
     }
     else
     {
+      if (file.format == TrajectoryFormat::tum)
+      {
+        checkPoseCount(path, poses.size());
+      }
       assign(path, poses);
     }
     setPoseSource(PoseSource::given, path);
+  }
+
+  /** Poses with times, of scans without, may be of another rate: warns if there are more of them.
+   * \throws UserError if there are fewer. */
+  void checkPoseCount(const std::string& path, std::size_t poses)
+  {
+    const std::size_t scans = layout_.entries.size();
+    const std::string counts = path + ": has poses at " + counted(poses, "time") +
+                               ", but there are " + counted(scans, "scan") + " without times";
+    if (poses < scans)
+    {
+      throw UserError(counts + "; give --times");
+    }
+    if (poses > scans)
+    {
+      layout_.warnings.push_back(
+          counts +
+          ": each has the pose in the line of its number; give --times unless there is "
+          "a pose for each");
+    }
   }
 
   [[nodiscard]] bool isCameraFrame(const std::string& path, TrajectoryFormat format) const

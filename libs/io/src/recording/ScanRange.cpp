@@ -43,8 +43,8 @@ bool ScanSelection::takes(std::size_t index, double stamp)
   time_ = stamp - *first_stamp_ + stamp_tolerance;
   past_end_ = past_end_ || (range_.end != 0 && time_ >= range_.end);
   const auto first = static_cast<std::size_t>(range_.skip_first_n);
-  const bool is_in_time = range_.start == 0 || time_ >= range_.start;  // clocks may be set back
-  const bool takes = !past_end_ && is_in_time && index >= first && (index - first) % every_n_ == 0;
+  past_start_ = past_start_ || time_ >= range_.start;  // for good: clocks may be set back
+  const bool takes = !past_end_ && past_start_ && index >= first && (index - first) % every_n_ == 0;
   if (takes && !begin_)
   {
     begin_ = time_;

@@ -23,15 +23,22 @@ struct TimeField
 };
 
 /** Conventions for the fields of a recording's points: unit and zero of their times, order of their
- * rings, field of their intensities.
+ * rings, field of their intensities, and unit of their coordinates.
  *
- * Drivers differ in them, and neither files nor messages state them. Each convention is therefore
- * derived from the first scan that shows it, and then kept: one object per recording of one lidar
- * (a topic of a bag, a folder of scans).
+ * Drivers differ in them, and neither files nor messages state them. All but the last, which the
+ * user states, are therefore derived from the first scan that shows them, and then kept: one object
+ * per recording of one lidar (a topic of a bag, a folder of scans).
  */
 class FieldConventions
 {
  public:
+  /** \param length_unit unit of the coordinates in files [m] */
+  explicit FieldConventions(double length_unit = 1) : length_unit_(length_unit) {}
+
+  [[nodiscard]] double lengthUnit() const { return length_unit_; }
+  /** Converts the points of a scan from lengthUnit() to metres. */
+  void toMetres(Scan& scan) const;
+
   /** Name of the field with the intensities: `usual`, or `calibrated` if the values of the usual
    * one exceed 255 (a count of photons). A later scan may lack it. The converters limit the values
    * to 255, the readers do not. \param values values of the usual field \param calibrated empty:
@@ -90,6 +97,7 @@ class FieldConventions
   void noteEqualTimes(const TimeField& field);
   double zeroOf(double first, double last, double stamp);
 
+  double length_unit_;  //!< [m]
   std::vector<std::string> notes_;
   std::vector<std::string> warnings_;
   std::string intensity_field_;

@@ -34,9 +34,9 @@ struct SimulatedWorld
  * without both. \throws UserError if poses.ini is damaged. */
 [[nodiscard]] PoseOrigin poseOrigin(const std::string& folder);
 
-/** True labels of a frame's points in the order of the scan; nothing if the frame has none or the
- * folder doesn't exist. \param frame Frame::index \throws UserError unless there are `points`
- * labels. */
+/** True labels of a frame's points in the order of the scan, those of a recording of several lidars
+ * of the merged scan; nothing if the frame has none or the folder doesn't exist.
+ * \param frame Frame::index \throws UserError unless there are `points` labels. */
 [[nodiscard]] std::optional<std::vector<Label>> trueLabels(const std::string& folder,
                                                            std::size_t frame,
                                                            std::size_t points);

@@ -55,8 +55,8 @@ void writeCloud(const std::string& path,
  * earliest, which becomes the stamp; smaller ones are counted as in the file, and intensities are
  * as in the file. Counts in headers are checked against the size of the file. \throws UserError. */
 [[nodiscard]] Scan readCloud(const std::string& path);
-/** readCloud() for one scan of a recording. \param conventions conventions of the recording, used
- * for all of its files \throws UserError. */
+/** readCloud() for one scan of a recording, in metres. \param conventions conventions of the
+ * recording, used for all of its files \throws UserError. */
 [[nodiscard]] Scan readCloud(const std::string& path, FieldConventions& conventions);
 
 /** Ending of a file name with its dot, in lower case: ".bin". */

@@ -28,9 +28,9 @@ class ScanSelection
    * not after the start. */
   explicit ScanSelection(const ScanRange& range, int every_n = 1);
 
-  /** Whether a scan is used; only_first_n is left to the caller.
-   * \param index number of the scan in the recording, from 0 \param stamp stamp of the scan [s];
-   * one before that of the first is used if there is no start */
+  /** Whether a scan is used; only_first_n is left to the caller. Once the start is reached, scans
+   * with earlier stamps are used, too: a clock may be set back.
+   * \param index number of the scan in the recording, from 0 \param stamp stamp of the scan [s] */
   [[nodiscard]] bool takes(std::size_t index, double stamp);
   /** Whether no later scan is used. */
   [[nodiscard]] bool isPastEnd() const { return past_end_; }
@@ -46,6 +46,7 @@ class ScanSelection
   double time_ = 0;                    //!< of the last scan, since the first [s]
   std::optional<double> begin_;        //!< that of the first scan used [s]
   std::optional<double> passed_over_;  //!< fraction of the recording before the first scan used
+  bool past_start_ = false;
   bool past_end_ = false;
 };
 }  // namespace dyslam

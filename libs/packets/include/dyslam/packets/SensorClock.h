@@ -21,8 +21,10 @@ class SensorClock
   double advance(double step, double captured);
 
  private:
-  double sensor_time_ = 0;  //!< time by the sensor's clock [s]
-  double offset_ = 0;       //!< UNIX time minus sensor_time_ [s]
+  double begin_ = 0;  //!< UNIX time of the first packet [s]
+  /** Time since then [s]. Not added to begin_ at each step: a UNIX time in double precision has a
+   * resolution of 0.24 us, so that sums of many small steps drift. */
+  double elapsed_ = 0;
   std::optional<double> last_captured_;
 };
 }  // namespace dyslam

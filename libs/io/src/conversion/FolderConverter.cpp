@@ -1,0 +1,323 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "FolderConverter.h"
+
+#include <dyslam/base/Error.h>
+#include <dyslam/base/Files.h>
+#include <dyslam/base/Printable.h>
+#include <dyslam/base/Quantile.h>
+#include <dyslam/formats/FieldConventions.h>
+#include <dyslam/formats/KittiFiles.h>
+#include <dyslam/formats/ScanFiles.h>
+#include <dyslam/formats/TrajectoryFiles.h>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <optional>
+#include <sstream>
+#include <utility>
+
+#include "NameStamps.h"
+
+namespace dyslam
+{
+namespace fs = std::filesystem;
+
+namespace
+{
+std::vector<Pose> readPosesFor(const std::string& path, std::size_t scans)
+{
+  std::vector<Pose> poses;
+  if (path.empty())
+  {
+    return poses;
+  }
+  for (const StampedPose& pose : readTrajectory(path).trajectory)
+  {
+    poses.push_back(pose.pose);
+  }
+  if (poses.size() != scans)
+  {
+    throw UserError(path + ": has " + std::to_string(poses.size()) + " poses, but there are " +
+                    std::to_string(scans) + " scans");
+  }
+  return poses;
+}
+
+std::string stepText(double dt)
+{
+  std::ostringstream text;
+  text << dt;
+  return text.str();
+}
+
+/** Times by the numbers in the files' names, counted from the first. \throws UserError. */
+std::vector<double> stampsByNumber(const std::vector<std::string>& files,
+                                   const ScanConverterOptions& options,
+                                   ScanSink& sink)
+{
+  const std::vector<int> numbers = numbersFromNames(files);
+  if (numbers.empty())
+  {
+    throw UserError(fs::path(files.front()).parent_path().string() +
+                    ": --by-number: the file names do not end in ascending numbers of at most nine "
+                    "digits after leading zeros, with the same text before them; give --times");
+  }
+  const double dt = options.dt > 0 ? options.dt : assumed_dt;
+  std::vector<double> stamps;
+  stamps.reserve(numbers.size());
+  for (const int number : numbers)
+  {
+    stamps.push_back(static_cast<double>(number - numbers.front()) * dt);
+  }
+  sink.note("time stamps: numbers in the file names, " + stepText(dt) + " s apart");
+  return stamps;
+}
+
+/** Median range of the points, without those at the origin and those that are no numbers [m]; 0
+ * without any. */
+float medianRange(const Scan& scan)
+{
+  std::vector<float> ranges;
+  ranges.reserve(scan.size());
+  for (const Eigen::Vector3f& point : scan.points)
+  {
+    if (const float range = point.stableNorm(); range > 0 && std::isfinite(range))
+    {
+      ranges.push_back(range);
+    }
+  }
+  return ranges.empty() ? 0 : upperMedian(ranges);
+}
+
+/** What is unusual about the scans of a folder. */
+struct FolderFindings
+{
+  bool assumed_times = false;  //!< scans that are taken as equally far apart
+  std::size_t empty = 0;       //!< files without points
+  std::string first_empty;
+  std::string first_with_points;
+  double odd_intensities = 0;  //!< share of those of that file that no lidar gives
+  float median_range = 0;      //!< of that file [m]
+
+  /** \throws UserError if the first file with points has no scan of a lidar. */
+  void add(const Scan& scan, bool has_stamp, const std::string& file)
+  {
+    assumed_times = assumed_times || !has_stamp;
+    if (first_with_points.empty() && scan.size() > 0)
+    {
+      first_with_points = file;
+      constexpr float highest = 65535;  // of 16 bits
+      const auto odd =
+          std::count_if(scan.intensity.begin(), scan.intensity.end(),
+                        [](float intensity) { return !(intensity >= 0 && intensity <= highest); });
+      odd_intensities = static_cast<double>(odd) / static_cast<double>(scan.size());
+      median_range = medianRange(scan);
+      constexpr float farthest = 1e5F;
+      if (median_range > farthest)
+      {
+        throw UserError(
+            file + ": half of its points are more than 100 km from the origin: " +
+            (lowerExtension(file) == ".bin"
+                 ? "its columns are probably not x y z intensity (float32), or not "
+                   "relative to the lidar; --bin-layout names its columns, a letter each"
+                 : "its coordinates are not relative to the lidar; subtract an origin"));
+      }
+    }
+    if (scan.size() == 0)
+    {
+      first_empty = empty == 0 ? fs::path(file).filename().string() : first_empty;
+      ++empty;
+    }
+  }
+};
+
+/** Warns if the files are taken as `dt` apart, though numbers are missing between them. */
+void warnAboutGaps(const std::vector<std::string>& files, double dt, ScanSink& sink)
+{
+  const std::vector<int> numbers = numbersFromNames(files);
+  const auto gap =
+      std::adjacent_find(numbers.begin(), numbers.end(), [](int a, int b) { return b - a > 1; });
+  if (gap == numbers.end())
+  {
+    return;
+  }
+  const auto before = static_cast<std::size_t>(gap - numbers.begin());
+  sink.warn("file numbers have gaps: " + fs::path(files[before + 1]).filename().string() +
+            " follows " + fs::path(files[before]).filename().string() + "; scans are taken as " +
+            stepText(dt) + " s apart (--by-number takes their times from their numbers)");
+}
+
+void warnAbout(const FolderFindings& findings,
+               const std::vector<std::string>& files,
+               const ScanConverterOptions& options,
+               ScanSink& sink)
+{
+  if (findings.assumed_times)
+  {
+    warnAboutGaps(files, options.dt > 0 ? options.dt : assumed_dt, sink);
+  }
+  if (findings.empty > 0)
+  {
+    sink.warn(counted(findings.empty, "file") + " without points, the first is " +
+              findings.first_empty + ": empty scans are written");
+  }
+  constexpr double many = 0.05;
+  if (findings.odd_intensities > many && lowerExtension(findings.first_with_points) == ".bin")
+  {
+    sink.warn(fs::path(findings.first_with_points).filename().string() + ": " +
+              std::to_string(std::lround(100 * findings.odd_intensities)) +
+              " % of the intensities are negative, above 65535 or no numbers: its columns are "
+              "probably not x y z intensity (float32); --bin-layout names them, a letter each");
+  }
+  constexpr float implausible = 1000;
+  if (findings.median_range > implausible)
+  {
+    sink.warn(fs::path(findings.first_with_points).filename().string() +
+              ": half of its points are more than " +
+              std::to_string(std::lround(findings.median_range)) +
+              " m away: its coordinates are probably in millimetres (--scale 0.001)");
+  }
+}
+
+/** Warns of times that are not in seconds. \param stamps of the scans, in their order [s] */
+void warnAboutUnit(const std::string& times, const std::vector<double>& stamps, ScanSink& sink)
+{
+  constexpr double shortest = 1e-3;  // usual time between scans [s]
+  constexpr double longest = 60;     // [s]
+  std::vector<double> steps;
+  for (std::size_t i = 1; i < stamps.size(); ++i)
+  {
+    steps.push_back(stamps[i] - stamps[i - 1]);
+  }
+  const double usual = steps.empty() ? longest : upperMedian(steps);
+  if (usual < shortest || usual > longest)
+  {
+    sink.warn(times + ": its times are " + stepText(usual) +
+              " s apart: times that count from the start of the recording must be in seconds");
+  }
+}
+
+/** A time for each scan of a folder; empty if only the scans themselves have times. May put the
+ * files in another order. */
+std::vector<double> stampsFor(std::vector<std::string>& files,
+                              const ScanConverterOptions& options,
+                              ScanSink& sink)
+{
+  if (!options.times.empty())
+  {
+    std::vector<double> stamps = readTimesOrTimestamps(options.times);
+    stamps.erase(std::remove_if(stamps.begin(), stamps.end(),  // of lost scans, without a file
+                                [](double stamp) { return std::isnan(stamp); }),
+                 stamps.end());
+    std::transform(stamps.begin(), stamps.end(), stamps.begin(), secondsOf);
+    if (stamps.size() != files.size())
+    {
+      throw UserError(options.times + ": has " + std::to_string(stamps.size()) +
+                      " times, but there are " + std::to_string(files.size()) + " scans");
+    }
+    sink.note("time stamps: " + options.times);
+    warnAboutUnit(options.times, stamps, sink);
+    return stamps;
+  }
+  if (options.by_number)
+  {
+    return stampsByNumber(files, options, sink);
+  }
+  if (options.dt > 0)
+  {
+    return {};
+  }
+  const std::vector<double> stamps = stampsFromNames(files);
+  const std::string example = fs::path(files.front()).filename().string();
+  sink.note(stamps.empty() ? "the file names (" + example + ") are not taken as time stamps"
+                           : "time stamps: the file names (" + example + ")");
+  return stamps;
+}
+
+/** The columns of a folder's .bin files: as requested, or those of the first one with points. */
+std::string binLayoutFor(const std::vector<std::string>& files,
+                         const ScanConverterOptions& options,
+                         ScanSink& sink)
+{
+  const auto with_points = std::find_if(
+      files.begin(), files.end(), [](const std::string& file) { return fs::file_size(file) > 0; });
+  const std::string layout = !options.bin_layout.empty()  ? options.bin_layout
+                             : with_points == files.end() ? kitti_layout
+                                                          : binLayoutOf(*with_points);
+  if (layout != kitti_layout)
+  {
+    sink.note("points: " + columnsOf(layout) + " (--bin-layout " + layout + ")");
+  }
+  return layout;
+}
+}  // namespace
+
+ScanFolder findScanFolder(const std::string& input, const ScanConverterOptions& options)
+{
+  ScanFolder folder;
+  folder.files = listCloudFiles(input);
+  const std::string ending = lowerExtension(folder.files.front());
+  if (!options.bin_layout.empty() && ending != ".bin")
+  {
+    throw UserError(input + ": --bin-layout is for .bin files, those of " + ending +
+                    " name their columns; leave it out");
+  }
+  folder.poses = readPosesFor(options.poses, folder.files.size());
+  return folder;
+}
+
+void convertFolder(const std::string& input,
+                   const ScanFolder& folder,
+                   ScanSink& sink,
+                   const ScanConverterOptions& options)
+{
+  std::vector<std::string> files = folder.files;
+  const std::vector<Pose>& poses = folder.poses;
+  const std::vector<double> stamps = stampsFor(files, options, sink);
+  const bool are_bins = lowerExtension(files.front()) == ".bin";
+  const std::string layout = are_bins ? binLayoutFor(files, options, sink) : "";
+  if (!poses.empty())
+  {
+    sink.setPoseOrigin(PoseSource::given, nameOfFile(options.poses));
+  }
+  FieldConventions conventions(options.scale);
+  FolderFindings findings;
+  findings.assumed_times = options.dt > 0 && !options.by_number;
+  for (std::size_t i = 0; i < files.size(); ++i)
+  {
+    Scan scan =
+        are_bins ? readBin(files[i], layout, conventions) : readCloud(files[i], conventions);
+    if (options.by_number)
+    {
+      scan.stamp = stamps[i];
+    }
+    else if (!stamps.empty())
+    {
+      conventions.restamp(scan, stamps[i]);
+    }
+    const bool has_stamp = !stamps.empty() || scan.stamp != 0;
+    findings.add(scan, has_stamp, files[i]);
+    if (!sink.put(std::move(scan), has_stamp,
+                  i < poses.size() ? std::optional<Pose>(poses[i]) : std::nullopt,
+                  static_cast<double>(i + 1) / static_cast<double>(files.size())))
+    {
+      break;
+    }
+  }
+  if (sink.written() == 0)
+  {
+    throw UserError(input + ": " + emptyRange(options) + " of the " + std::to_string(files.size()) +
+                    " scans");
+  }
+  warnAbout(findings, files, options, sink);
+  for (const std::string& note : conventions.notes())
+  {
+    sink.note(note);
+  }
+  for (const std::string& warning : conventions.warnings())
+  {
+    sink.warn(warning);
+  }
+}
+}  // namespace dyslam
