@@ -15,6 +15,7 @@
 #include <array>
 #include <cmath>
 #include <cstdio>
+#include <filesystem>
 
 #include "DysegCrop.h"
 #include "DysegPairs.h"
@@ -287,6 +288,12 @@ void DysegTrainer::startFrom(const std::string& weights)
 void DysegTrainer::resume()
 {
   impl_->loop->resume();
+  // The checkpoint does not have the grid; the weights that were saved with it do.
+  const std::string weights = impl_->loop->file(weights_file);
+  if (std::filesystem::exists(weights))
+  {
+    requireSameGrid(loadDyseg(weights).grid, impl_->grid, weights);
+  }
 }
 
 void DysegTrainer::validateOnly(const std::string& weights,
