@@ -85,10 +85,10 @@ struct Simulator::Impl
         further_lidars(furtherLidarsOf(o)),
         moving_scene(world->device.handle())
   {
-    while (crowd.time() < options.start_time)
+    do  // one step at least, which places the vehicle
     {
       stepOnce();
-    }
+    } while (crowd.time() < options.start_time);
     steps_per_sweep = static_cast<int>(std::lround(model.period / kStep));
     track.assign(1, ego_pose);
     states.push_back(snapshot());
