@@ -2,8 +2,6 @@
 #include "Arguments.h"
 
 #include <dyslam/base/Angle.h>
-#include <dyslam/base/Error.h>
-#include <dyslam/base/Words.h>
 #include <dyslam/io/Converters.h>
 
 #include <CLI/CLI.hpp>
@@ -39,24 +37,6 @@ void declareSets(CLI::App& app, Arguments& a)
          "--shard", a.shard,
          "K/N: only the K-th of every N recordings of --benchmark or --count, for N machines")
       ->excludes(only);
-}
-
-EgoKind egoKind(const std::string& name)
-{
-  const std::vector<std::pair<std::string, EgoKind>> kinds{{"automatic", EgoKind::automatic},
-                                                           {"car", EgoKind::car},
-                                                           {"robot", EgoKind::robot},
-                                                           {"handheld", EgoKind::handheld}};
-  std::vector<std::string> words;
-  for (const auto& [word, kind] : kinds)
-  {
-    if (word == name)
-    {
-      return kind;
-    }
-    words.push_back(word);
-  }
-  throw UserError("--ego: " + unknownWord("vehicle", name, words));
 }
 }  // namespace
 
@@ -137,7 +117,7 @@ Recording recordingOf(const Arguments& a)
   SimulatorOptions& o = recording.simulator;
   o.world = worldKindFromString(a.world);
   o.sensor = sensorKindFromString(a.sensor);
-  o.ego = egoKind(a.ego);
+  o.ego = egoKindFromString(a.ego);
   for (const auto& [sensor, mounting] : a.further_sensors)
   {
     o.further_sensors.push_back(

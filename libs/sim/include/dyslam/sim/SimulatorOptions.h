@@ -79,4 +79,6 @@ struct SimulatorOptions : Options
 /** "urban", "campus", "highway", "tunnel", "field". \throws UserError naming the nearest. */
 [[nodiscard]] WorldKind worldKindFromString(const std::string& name);
 [[nodiscard]] std::string toString(WorldKind kind);
+/** "automatic", "car", "robot", "handheld". \throws UserError naming the nearest. */
+[[nodiscard]] EgoKind egoKindFromString(const std::string& name);
 }  // namespace dyslam::sim
