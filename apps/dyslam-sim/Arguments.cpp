@@ -89,7 +89,7 @@ void declare(CLI::App& app, Arguments& a)
   app.add_flag("--compact", a.recording.compact,
                "small files: coordinates in multiples of 1/128 m, points sorted by ring");
   app.add_flag("--no-flow", a.no_flow, "do not write the per-point scene flow");
-  app.add_flag("--no-noise", a.no_noise, "exact ranges without losses");
+  app.add_flag("--no-noise", a.no_noise, "exact ranges without losses, exact IMU and wheels");
   app.add_flag("--no-distortion", a.no_distortion,
                "all points of a scan are measured at its stamp");
   app.add_flag("--no-stops", a.no_stops, "the ego stops for other road users only");

@@ -172,7 +172,7 @@ struct Simulator::Impl
   std::vector<FurtherLidar> further_lidars;
   RayScene moving_scene;
   Pose ego_pose = Pose::Identity();
-  int steps_per_sweep = 8;
+  int steps_per_sweep = 0;
   std::vector<Pose> track;  // vehicle poses from the start of the sweep, every kStep
   std::vector<std::vector<BodyState>>
       states;                      // body states at the start, end and next end of the sweep
