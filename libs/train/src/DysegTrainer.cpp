@@ -247,6 +247,7 @@ DysegTrainer::DysegTrainer(const DysegTrainerSetup& setup, std::string folder)
 
   TrainingLoopSetup loop;
   loop.folder = std::move(folder);
+  loop.weights_file = weights_file;
   loop.log_file = log_file;
   loop.log_header = "step,minutes,rate,matching,flow,static_probability,cell,point";
   loop.validation_header = std::string("step,") + dyseg_score_names;

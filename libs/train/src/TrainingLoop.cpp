@@ -40,6 +40,10 @@ void TrainingLoop::requireFreshFolder() const
     throw UserError(file(checkpoint_file) +
                     ": is there already; add --resume or choose another folder");
   }
+  if (std::filesystem::exists(file(setup_.weights_file)))
+  {
+    throw UserError(file(setup_.weights_file) + ": is there already; choose another folder");
+  }
 }
 
 void TrainingLoop::resume()
