@@ -5,7 +5,6 @@
 #include <dyslam/io/Converters.h>
 
 #include <CLI/CLI.hpp>
-#include <utility>
 #include <vector>
 
 #include "../common/OutputOptions.h"

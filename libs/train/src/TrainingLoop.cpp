@@ -51,7 +51,7 @@ void TrainingLoop::resume()
   const std::string path = file(checkpoint_file);
   if (!std::filesystem::exists(path))
   {
-    throw UserError(path + ": no such file; there is no training in this folder to continue");
+    throw UserError(path + ": no such file; there is no training in this folder");
   }
   const TensorFile checkpoint(path);
   loadWeights(checkpoint);
