@@ -1,4 +1,5 @@
 #!/usr/bin/env bash
+# SPDX-License-Identifier: BSD-3-Clause
 # Rebuilds share/dyslam/report/page.html from libs/report/web; needs Node.js 18 or later and npm's registry.
 # Only needed after changes of the page: the product is part of the repository.
 #   scripts/build_report_page.sh [--check]      --check: fails if the page differs from its sources

@@ -1,4 +1,5 @@
 #!/usr/bin/env bash
+# SPDX-License-Identifier: BSD-3-Clause
 # Runs the fuzzers of all readers (or of the given ones) and prints a table: fuzz.sh RUNS SEED [PARSER...]
 # Build them first: cmake --preset fuzz && cmake --build --preset fuzz. Findings are in build/fuzz/found.
 set -euo pipefail

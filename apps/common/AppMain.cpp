@@ -51,22 +51,28 @@ std::string firstMeaningfulLine(const std::string& text)
   return first.empty() ? "unknown error" : first;
 }
 
-/** Error message for a word that is none of the parser's subcommands. */
-std::string unknownCommand(const CLI::App& app, const std::string& word)
+/** Error message where a subcommand is needed and none was chosen. \param rest words that the
+ * parser did not understand */
+std::string missingCommand(const CLI::App& app, const std::vector<std::string>& rest)
 {
   std::vector<std::string> known;
   for (const CLI::App* command : app.get_subcommands([](const CLI::App*) { return true; }))
   {
     known.push_back(command->get_name());
   }
-  return unknownWord("command", word, known);
+  if (rest.empty())
+  {
+    return "a command is needed (one of: " + joined(known) + ")";
+  }
+  const std::string& word = rest.front();
+  return word.rfind('-', 0) == 0
+             ? word + ": not expected before the command (one of: " + joined(known) + ")"
+             : unknownWord("command", word, known);
 }
 
-/** Error message for an option that the program or its subcommand does not have. */
-std::string unknownOption(const CLI::App& app, const std::string& word)
+/** Error message for an option that the command does not have. */
+std::string unknownOption(const CLI::App& command, const std::string& word)
 {
-  const auto chosen = app.get_subcommands();
-  const CLI::App& command = chosen.empty() ? app : *chosen.front();
   std::vector<std::string> known;
   for (const CLI::Option* option : command.get_options())
   {
@@ -132,11 +138,11 @@ std::string wrongNumber(const CLI::App& app)
 }
 
 /** The option of a pose that was given, whose six numbers are one word; empty if there is none. */
-std::string givenPoseOption(const CLI::App& app)
+std::string givenPoseOption(const CLI::App& command)
 {
   for (const char* name : {"--sensor-pose", "--imu-pose", "--further-sensor"})
   {
-    const CLI::Option* option = app.get_option_no_throw(name);
+    const CLI::Option* option = command.get_option_no_throw(name);
     if (option != nullptr && option->count() > 0)
     {
       return name;
@@ -146,9 +152,9 @@ std::string givenPoseOption(const CLI::App& app)
 }
 
 /** Whether a word is a setting, `section.key=value`, behind that of a --set. */
-bool isSecondSetting(const CLI::App& app, const std::string& word)
+bool isSecondSetting(const CLI::App& command, const std::string& word)
 {
-  const CLI::Option* option = app.get_option_no_throw("--set");
+  const CLI::Option* option = command.get_option_no_throw("--set");
   const auto dot = word.find('.');
   return option != nullptr && option->count() > 0 && dot != std::string::npos &&
          word.find('=', dot) != std::string::npos;
@@ -157,30 +163,32 @@ bool isSecondSetting(const CLI::App& app, const std::string& word)
 /** What the user did wrong, where the parser failed with `error`. */
 std::string parseErrorMessage(const CLI::App& app, const CLI::ParseError& error)
 {
+  const std::vector<std::string> rest = app.remaining(true);
+  const auto chosen = app.get_subcommands();
+  if (chosen.empty() && app.get_require_subcommand_min() > 0)
+  {
+    return missingCommand(app, rest);
+  }
+  const CLI::App& command = chosen.empty() ? app : *chosen.front();
   // CLI11 names a missing option first, even if it is missing because of a mistyped one.
-  for (const std::string& word : app.remaining(true))
+  for (const std::string& word : rest)
   {
     if (word.size() > 1 && word[0] == '-' && !isNumber(word))
     {
-      return unknownOption(app, word);
+      return unknownOption(command, word);
     }
   }
-  const auto rest = app.remaining();
-  const std::string pose = givenPoseOption(app);
+  const std::string pose = givenPoseOption(command);
   if (!rest.empty() && isNumber(rest.front()) && !pose.empty())
   {
     return rest.front() + ": not expected; the six numbers of " + pose +
            " stand in quotes: 'x y z yaw pitch roll'";
   }
-  if (!rest.empty() && isSecondSetting(app, rest.front()))
+  if (!rest.empty() && isSecondSetting(command, rest.front()))
   {
     return rest.front() + ": not expected; each setting has a --set of its own";
   }
-  if (!rest.empty() && app.get_require_subcommand_min() > 0 && app.get_subcommands().empty())
-  {
-    return unknownCommand(app, rest.front());
-  }
-  if (!rest.empty() && app.get_option_no_throw("--input") != nullptr)
+  if (!rest.empty() && command.get_option_no_throw("--input") != nullptr)
   {
     return rest.front() + ": not expected; the recording is given with --input";
   }

@@ -2,12 +2,9 @@
 #include "Arguments.h"
 
 #include <dyslam/base/Angle.h>
-#include <dyslam/base/Error.h>
-#include <dyslam/base/Words.h>
 #include <dyslam/io/Converters.h>
 
 #include <CLI/CLI.hpp>
-#include <utility>
 #include <vector>
 
 #include "../common/OutputOptions.h"
@@ -39,24 +36,6 @@ void declareSets(CLI::App& app, Arguments& a)
          "--shard", a.shard,
          "K/N: only the K-th of every N recordings of --benchmark or --count, for N machines")
       ->excludes(only);
-}
-
-EgoKind egoKind(const std::string& name)
-{
-  const std::vector<std::pair<std::string, EgoKind>> kinds{{"automatic", EgoKind::automatic},
-                                                           {"car", EgoKind::car},
-                                                           {"robot", EgoKind::robot},
-                                                           {"handheld", EgoKind::handheld}};
-  std::vector<std::string> words;
-  for (const auto& [word, kind] : kinds)
-  {
-    if (word == name)
-    {
-      return kind;
-    }
-    words.push_back(word);
-  }
-  throw UserError("--ego: " + unknownWord("vehicle", name, words));
 }
 }  // namespace
 
@@ -109,7 +88,7 @@ void declare(CLI::App& app, Arguments& a)
   app.add_flag("--compact", a.recording.compact,
                "small files: coordinates in multiples of 1/128 m, points sorted by ring");
   app.add_flag("--no-flow", a.no_flow, "do not write the per-point scene flow");
-  app.add_flag("--no-noise", a.no_noise, "exact ranges without losses");
+  app.add_flag("--no-noise", a.no_noise, "exact ranges without losses, exact IMU and wheels");
   app.add_flag("--no-distortion", a.no_distortion,
                "all points of a scan are measured at its stamp");
   app.add_flag("--no-stops", a.no_stops, "the ego stops for other road users only");
@@ -137,7 +116,7 @@ Recording recordingOf(const Arguments& a)
   SimulatorOptions& o = recording.simulator;
   o.world = worldKindFromString(a.world);
   o.sensor = sensorKindFromString(a.sensor);
-  o.ego = egoKind(a.ego);
+  o.ego = egoKindFromString(a.ego);
   for (const auto& [sensor, mounting] : a.further_sensors)
   {
     o.further_sensors.push_back(

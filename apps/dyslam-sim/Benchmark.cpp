@@ -4,30 +4,39 @@
 #include <dyslam/base/Error.h>
 #include <dyslam/base/Words.h>
 
+#include <algorithm>
 #include <array>
 
 namespace dyslam::sim
 {
 namespace
 {
-NamedRecording make(const std::string& name,
-                    WorldKind world,
-                    SensorKind sensor,
-                    double traffic,
-                    double loop,
-                    double seconds,
-                    int seed)
+/** A drive of a set. */
+struct Drive
+{
+  WorldKind world;
+  SensorKind sensor;
+  double traffic;
+  double speed;    //!< cruising [m/s]; 0 for the default of the world
+  double loop;     //!< [m]
+  double seconds;  //!< at most, if the loop is closed
+  bool closed;     //!< goes on until its loop is closed
+};
+
+NamedRecording make(const std::string& name, const Drive& drive, int seed)
 {
   NamedRecording r;
   r.name = name;
   SimulatorOptions& o = r.recording.simulator;
-  o.world = world;
-  o.sensor = sensor;
-  o.traffic = traffic;
-  o.loop_length = loop;
+  o.world = drive.world;
+  o.sensor = drive.sensor;
+  o.traffic = drive.traffic;
+  o.ego_speed = drive.speed;
+  o.loop_length = drive.loop;
   o.seed = seed;
-  o.columns = sensor == SensorKind::hdl64e ? 1024 : 0;
-  r.recording.seconds = seconds;
+  o.columns = drive.sensor == SensorKind::hdl64e ? 1024 : 0;
+  r.recording.seconds = drive.seconds;
+  r.recording.one_loop = drive.closed;
   r.recording.flow = false;
   r.recording.compact = true;
   r.recording.compression_level = 4;
@@ -52,21 +61,9 @@ void setPaths(std::vector<NamedRecording>& set, const std::string& dir)
   }
 }
 
-/** A drive of the sets of splits. Jams are highways in stop and go. */
-struct Drive
-{
-  WorldKind world;
-  SensorKind sensor;
-  double traffic;
-  double speed;    //!< cruising [m/s]; 0 for the default of the world
-  double loop;     //!< [m]
-  double seconds;  //!< at most, if the loop is closed
-  bool closed;     //!< goes on until its loop is closed
-};
-
-// As KITTI odometry 00-10 mostly streets in light traffic and one motorway, some of them with a
-// loop, and what those lack: a jam, a robot, other sensors. In denser traffic the ego mostly stands
-// in queues.
+// Drives of the splits. As KITTI odometry 00-10 mostly streets in light traffic and one motorway,
+// some of them with a loop, and what those lack: a jam, a robot, other sensors. In denser traffic
+// the ego mostly stands in queues.
 constexpr std::array<Drive, 11> drives{{
     {WorldKind::urban, SensorKind::hdl64e, 0.25, 11, 900, 60, false},     // 00 street
     {WorldKind::highway, SensorKind::hdl64e, 0.30, 28, 2400, 45, false},  // 01 highway
@@ -89,23 +86,15 @@ constexpr int first_test_seed = 1200000001;
 
 std::vector<NamedRecording> standingSet(const std::string& dir)
 {
+  const Drive urban{WorldKind::urban, SensorKind::hdl64e, 0.35, 13, 1700, 900, true};
+  const Drive campus{WorldKind::campus, SensorKind::vlp16, 0.5, 1.8, 400, 600, true};
+  const Drive highway{WorldKind::highway, SensorKind::hdl64e, 0.6, 28, 2400, 60, false};
+  const Drive jam{WorldKind::highway, SensorKind::hdl64e, 1.0, 0, 2400, 60, false};
   std::vector<NamedRecording> set;
-  NamedRecording urban =
-      make("urban_loop", WorldKind::urban, SensorKind::hdl64e, 0.35, 1700, 900, 101);
-  urban.recording.one_loop = true;
-  urban.recording.simulator.ego_speed = 13;
-  addWithAndWithoutTraffic(set, urban);
-  NamedRecording campus =
-      make("campus_loop", WorldKind::campus, SensorKind::vlp16, 0.5, 400, 600, 102);
-  campus.recording.one_loop = true;
-  campus.recording.simulator.ego_speed = 1.8;
-  addWithAndWithoutTraffic(set, campus);
-  NamedRecording highway =
-      make("highway_dense", WorldKind::highway, SensorKind::hdl64e, 0.6, 2400, 60, 103);
-  highway.recording.simulator.ego_speed = 28;
-  addWithAndWithoutTraffic(set, highway);
-  addWithAndWithoutTraffic(set,
-                           make("jam", WorldKind::highway, SensorKind::hdl64e, 1.0, 2400, 60, 104));
+  addWithAndWithoutTraffic(set, make("urban_loop", urban, 101));
+  addWithAndWithoutTraffic(set, make("campus_loop", campus, 102));
+  addWithAndWithoutTraffic(set, make("highway_dense", highway, 103));
+  addWithAndWithoutTraffic(set, make("jam", jam, 104));
   setPaths(set, dir);
   return set;
 }
@@ -122,10 +111,8 @@ std::vector<NamedRecording> splitSet(const std::string& dir, const std::string& 
   {
     const int number = static_cast<int>(set.size());
     const int first = split == "test" ? first_test_seed : first_validation_seed;
-    set.push_back(make(split + (number < 10 ? "_0" : "_") + std::to_string(number), drive.world,
-                       drive.sensor, drive.traffic, drive.loop, drive.seconds, first + number));
-    set.back().recording.simulator.ego_speed = drive.speed;
-    set.back().recording.one_loop = drive.closed;
+    set.push_back(
+        make(split + (number < 10 ? "_0" : "_") + std::to_string(number), drive, first + number));
     set.back().recording.least_distance = drive.closed ? 0 : least_distance;
   }
   setPaths(set, dir);

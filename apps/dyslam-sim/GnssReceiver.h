@@ -10,7 +10,8 @@
 
 namespace dyslam::sim
 {
-/** Simulates a satellite receiver with a position each second and its antenna 1 m above the lidar.
+/** Simulates a satellite receiver with a position each second and its antenna 1 m above the
+ * vehicle's origin.
  *
  * Its errors are white noise and, as those of the atmosphere and of reflections at buildings, a
  * Gauss-Markov process over a minute; twice as large vertically. */

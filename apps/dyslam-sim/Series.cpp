@@ -25,7 +25,7 @@ std::vector<NamedRecording> seriesOf(const Arguments& a, const Recording& first)
                       "; choose a smaller one, or fewer recordings");
     }
     seed += i;
-    one.name = a.world + "_" + a.sensor + "_" + std::to_string(o.seed) +
+    one.name = a.world + "_" + toString(o.sensor) + "_" + std::to_string(o.seed) +
                (same_world ? "_" + std::to_string(o.traffic_seed) : "");
     one.recording.output = first.output + "/" + one.name + ".rawlog";
     series.push_back(one);

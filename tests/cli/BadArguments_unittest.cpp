@@ -112,6 +112,9 @@ TEST_F(BadArguments, WordsOfTheCommandLine)
   const std::string out = " -o " + at("never.rawlog");
   expectRefusal("dyslam-eval", "foo", {"unknown command 'foo'"});
   expectRefusal("dyslam-eval", "trak", {"unknown command 'trak'", "did you mean 'tracks'?"});
+  expectRefusal("dyslam-eval", "trak --reference x", {"unknown command 'trak'"});
+  expectRefusal("dyslam-eval", "--reference x", {"--reference: not expected before the command"});
+  expectRefusal("dyslam-eval", "", {"a command is needed (one of: trajectory,"});
   expectRefusal("kitti2rawlog", "--kind foo -i " + at("") + out,
                 {"unknown word 'foo' (one of: odometry, raw, tracking)"});
   expectRefusal("kitti2rawlog", "--kind 1 -i " + at("") + out, {"unknown word '1'"});

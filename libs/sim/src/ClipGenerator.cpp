@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/base/Error.h>
 #include <dyslam/sim/ClipGenerator.h>
 
 #include <algorithm>
@@ -33,6 +34,14 @@ ClipGenerator::ClipGenerator(const ClipOptions& options, int threads)
     : options_(options), threads_(threads), cache_(std::make_shared<WorldCache>())
 {
   validate(options, "clips");
+  if (options.max_traffic < options.min_traffic)
+  {
+    throw UserError("[clips] max_traffic: is below min_traffic");
+  }
+  if (options.most_seed < options.least_seed)
+  {
+    throw UserError("[clips] most_seed: is below least_seed");
+  }
 }
 
 SimulatorOptions ClipGenerator::clipOptions(std::uint64_t index) const
@@ -50,14 +59,14 @@ SimulatorOptions ClipGenerator::clipOptions(std::uint64_t index) const
               : u < 0.92 ? WorldKind::highway
               : u < 0.96 ? WorldKind::tunnel
                          : WorldKind::field;
+    o.reverse = o.reverse && o.world != WorldKind::highway && o.world != WorldKind::tunnel;
   }
   // The seed determines the world; traffic, start and speed differ between clips.
-  const std::int64_t seeds = std::max<std::int64_t>(
-      1, std::int64_t{options_.most_seed} - std::int64_t{options_.least_seed} + 1);
+  const std::int64_t seeds = std::int64_t{options_.most_seed} - options_.least_seed + 1;
   o.seed = static_cast<int>(options_.least_seed +
                             static_cast<std::int64_t>(world_rng.bits() >> 34) % seeds);
-  o.traffic =
-      clip_rng.uniform(options_.min_traffic, std::max(options_.min_traffic, options_.max_traffic));
+  o.traffic_seed = static_cast<int>(combine(static_cast<std::uint64_t>(o.seed), index) >> 34);
+  o.traffic = clip_rng.uniform(options_.min_traffic, options_.max_traffic);
   o.start_fraction = clip_rng.uniform();
   o.start_time = std::min(o.start_time, 3.0) + clip_rng.uniform(0, 4);
   if (options_.simulator.ego_speed <= 0)
@@ -75,6 +84,7 @@ SimulatorOptions ClipGenerator::clipOptions(std::uint64_t index) const
         break;
       case WorldKind::campus:
         o.ego = clip_rng.chance(0.3) ? EgoKind::handheld : EgoKind::robot;
+        o.wheels = o.wheels && o.ego == EgoKind::robot;
         o.ego_speed = clip_rng.uniform(0.5, 3);
         break;
       case WorldKind::field:
@@ -105,10 +115,8 @@ std::vector<SimulatedScan> ClipGenerator::clip(std::uint64_t index) const
 
 std::vector<SimulatedScan> ClipGenerator::clip(std::uint64_t index, int count) const
 {
-  const SimulatorOptions o = clipOptions(index);
-  SimulatorOptions driven = o;
-  driven.seed = static_cast<int>(combine(static_cast<std::uint64_t>(o.seed), index) >> 34);
-  Simulator simulator(worldOf(index, o), driven, threads_);
+  const SimulatorOptions options = clipOptions(index);
+  Simulator simulator(worldOf(index, options), options, threads_);
   std::vector<SimulatedScan> scans;
   for (int i = 0; i < count; ++i)
   {

@@ -85,10 +85,10 @@ struct Simulator::Impl
         further_lidars(furtherLidarsOf(o)),
         moving_scene(world->device.handle())
   {
-    while (crowd.time() < options.start_time)
+    do  // one step at least, which places the vehicle
     {
       stepOnce();
-    }
+    } while (crowd.time() < options.start_time);
     steps_per_sweep = static_cast<int>(std::lround(model.period / kStep));
     track.assign(1, ego_pose);
     states.push_back(snapshot());
@@ -172,7 +172,7 @@ struct Simulator::Impl
   std::vector<FurtherLidar> further_lidars;
   RayScene moving_scene;
   Pose ego_pose = Pose::Identity();
-  int steps_per_sweep = 8;
+  int steps_per_sweep = 0;
   std::vector<Pose> track;  // vehicle poses from the start of the sweep, every kStep
   std::vector<std::vector<BodyState>>
       states;                      // body states at the start, end and next end of the sweep

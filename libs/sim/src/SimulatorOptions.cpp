@@ -15,6 +15,29 @@ constexpr std::initializer_list<std::pair<const char*, WorldKind>> kWorlds{
     {"highway", WorldKind::highway},
     {"tunnel", WorldKind::tunnel},
     {"field", WorldKind::field}};
+constexpr std::initializer_list<std::pair<const char*, EgoKind>> kEgos{
+    {"automatic", EgoKind::automatic},
+    {"car", EgoKind::car},
+    {"robot", EgoKind::robot},
+    {"handheld", EgoKind::handheld}};
+
+/** The enumerator of a word. \param kind what the word should name \throws UserError. */
+template <typename Enum>
+Enum enumeratorOf(const std::string& word,
+                  std::initializer_list<std::pair<const char*, Enum>> names,
+                  const std::string& kind)
+{
+  std::vector<std::string> words;
+  for (const auto& [text, enumerator] : names)
+  {
+    if (word == text)
+    {
+      return enumerator;
+    }
+    words.emplace_back(text);
+  }
+  throw UserError(unknownWord(kind, word, words));
+}
 }  // namespace
 
 void SimulatorOptions::describe(OptionsVisitor& visitor)
@@ -36,11 +59,7 @@ void SimulatorOptions::describe(OptionsVisitor& visitor)
   visitor.integer(
       "traffic_seed", traffic_seed, -1, 2147483647,
       "seed of traffic, ego-motion and noise, if other than that of the world; -1: seed");
-  visitor.choice("ego", ego,
-                 {{"automatic", EgoKind::automatic},
-                  {"car", EgoKind::car},
-                  {"robot", EgoKind::robot},
-                  {"handheld", EgoKind::handheld}},
+  visitor.choice("ego", ego, kEgos,
                  "carrier of the sensor; automatic: a robot on campus, else a car");
   visitor.real("ego_speed", ego_speed, 0, 40,
                "cruising speed of the ego; 0: the default of the world [m/s]");
@@ -71,16 +90,7 @@ void SimulatorOptions::describe(OptionsVisitor& visitor)
 
 WorldKind worldKindFromString(const std::string& name)
 {
-  std::vector<std::string> words;
-  for (const auto& [text, kind] : kWorlds)
-  {
-    if (name == text)
-    {
-      return kind;
-    }
-    words.emplace_back(text);
-  }
-  throw UserError(unknownWord("world", name, words));
+  return enumeratorOf(name, kWorlds, "world");
 }
 
 std::string toString(WorldKind kind)
@@ -93,5 +103,10 @@ std::string toString(WorldKind kind)
     }
   }
   return "?";
+}
+
+EgoKind egoKindFromString(const std::string& name)
+{
+  return enumeratorOf(name, kEgos, "carrier");
 }
 }  // namespace dyslam::sim

@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstddef>
+#include <map>
 #include <vector>
 
 #include "TestScans.h"
@@ -86,6 +88,65 @@ TEST(Traffic, VehiclesDoNotCollide)
       EXPECT_LT(fastest, 45);
     }
   }
+}
+
+struct RangeAndHeight
+{
+  double range;   // from the lidar [m]
+  double height;  // of the centre, map frame [m]
+};
+
+/** Bodies within 300 m at the first scan, by id. \param start of the ego on its loop, 0 to 1 */
+std::map<int, RangeAndHeight> firstSeenFrom(double start, SimulatorOptions options)
+{
+  options.start_fraction = start;
+  options.max_range = 300;
+  const SimulatedScan scan = Simulator(options).next();
+  const Pose T_map_lidar = scan.T_map_vehicle * scan.scan.T_vehicle_lidar;
+  std::map<int, RangeAndHeight> bodies;
+  for (const SimulatedObject& object : scan.objects)
+  {
+    bodies[object.id] = {object.box.centre.norm(), (T_map_lidar * object.box.centre).z()};
+  }
+  return bodies;
+}
+
+TEST(Traffic, BodiesTooFarAwayToBeSimulatedStandOnTheGround)
+{
+  SimulatorOptions options = small(WorldKind::campus, 1);
+  options.columns = 8;
+  options.loop_length = 1500;
+  options.start_time = 0;
+  const auto from_here = firstSeenFrom(0, options);
+  std::size_t compared = 0;
+  for (const auto& [id, there] : firstSeenFrom(0.25, options))
+  {
+    const auto found = from_here.find(id);
+    if (found != from_here.end() && found->second.range > 240 && there.range < 200)
+    {
+      EXPECT_NEAR(found->second.height, there.height, 0.15) << id;
+      ++compared;
+    }
+  }
+  EXPECT_GT(compared, 10U);
+}
+
+TEST(Ego, IsOnItsLoopFromTheBeginning)
+{
+  SimulatorOptions options = small(WorldKind::urban, 0);
+  options.start_time = 0;
+  const SimulatedScan scan = Simulator(options).next();
+  std::size_t compared = 0;
+  for (std::size_t i = 0; i < scan.scan.size(); ++i)
+  {
+    const Eigen::Vector3f& point = scan.scan.points[i];
+    if (point.norm() < 20)
+    {
+      EXPECT_LT((scan.deskewed[i] - point).norm(), 1.5) << "more than the motion of 0.05 s";
+      ++compared;
+    }
+  }
+  EXPECT_GT(compared, 1000U);
 }
 
 TEST(Ego, ClosesItsLoop)

@@ -318,7 +318,7 @@ int main(int argc, char** argv)
   app.add_option("--loop", loop);
   app.add_option("--speed", speed);
   app.add_option("--ego", ego);
-  app.add_option("--scans", scans);
+  app.add_option("--scans", scans)->check(CLI::PositiveNumber);
   app.add_option("--every", every, "stride of the evaluated simulated scans");
   app.add_option("--picture", picture,
                  "index of the drawn simulated scan among the evaluated ones");
@@ -340,10 +340,7 @@ int main(int argc, char** argv)
     options.seed = seed;
     options.loop_length = loop;
     options.ego_speed = speed;
-    options.ego = ego == "car"        ? dyslam::sim::EgoKind::car
-                  : ego == "handheld" ? dyslam::sim::EgoKind::handheld
-                  : ego == "robot"    ? dyslam::sim::EgoKind::robot
-                                      : dyslam::sim::EgoKind::automatic;
+    options.ego = dyslam::sim::egoKindFromString(ego);
     dyslam::sim::Simulator simulator(options, 2);
     const RowFinder finder(simulator.sensor());
     Statistics simulated, recorded;

@@ -62,7 +62,8 @@ long long beginLog(const std::string& file, const std::string& header, long long
   for (bool first = true; std::getline(before, line); first = false)
   {
     const long long step = std::atoll(line.c_str());
-    if (!first && step <= last_step)
+    const bool is_whole = !before.eof();  // a full disk cuts the last row off
+    if (!first && is_whole && step <= last_step)
     {
       kept += line + '\n';
       last_kept = step;

@@ -37,7 +37,7 @@ struct PreparedDyloPair
   Pose start = Pose::Identity();  //!< initial guess of T_2_1
 };
 
-/** \param perturbed_starts share of pairs whose initial guess is near the truth, not zero motion
+/** \param perturbed_starts as TrainOptions
  * \param seed, index number of the pair: the initial guess depends on both alone */
 [[nodiscard]] PreparedDyloPair prepareDyloPair(const TrainingPair& pair,
                                                double perturbed_starts,

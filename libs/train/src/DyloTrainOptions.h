@@ -20,9 +20,11 @@ struct TrainOptions : Options
   int steps = 8000;  //!< number of optimiser steps
   int batch = 2;     //!< number of pairs per step
   LearningRateOptions rate;
-  double ema_decay = 0.998;       //!< decay of the exponential moving average of the weights
-  double clip = 5;                //!< largest norm of the gradient
-  double perturbed_starts = 0.5;  //!< share of pairs with an initial guess near the truth
+  double ema_decay = 0.998;  //!< decay of the exponential moving average of the weights
+  double clip = 5;           //!< largest norm of the gradient
+  /** Share of pairs with an initial guess near the truth; 0.8 at least of pairs that moved by more
+   * than 1.5 m, unless it is 0. */
+  double perturbed_starts = 0.5;
   int threads = 1;                //!< pairs computed at a time
   double checkpoint_minutes = 3;  //!< time between checkpoints [min]
   int validate_every = 500;       //!< steps between validations

@@ -129,6 +129,7 @@ TrainingLoopSetup Trainer::loopSetup() const
 {
   TrainingLoopSetup setup;
   setup.folder = request_.output;
+  setup.weights_file = weights_file;
   setup.log_file = log_file;
   setup.log_header =
       "step,learning_rate,loss,pose,flow,precision,moving,final_pose,gradient,first_stage_m,"

@@ -15,6 +15,7 @@
 #include <array>
 #include <cmath>
 #include <cstdio>
+#include <filesystem>
 
 #include "DysegCrop.h"
 #include "DysegPairs.h"
@@ -246,6 +247,7 @@ DysegTrainer::DysegTrainer(const DysegTrainerSetup& setup, std::string folder)
 
   TrainingLoopSetup loop;
   loop.folder = std::move(folder);
+  loop.weights_file = weights_file;
   loop.log_file = log_file;
   loop.log_header = "step,minutes,rate,matching,flow,static_probability,cell,point";
   loop.validation_header = std::string("step,") + dyseg_score_names;
@@ -287,6 +289,12 @@ void DysegTrainer::startFrom(const std::string& weights)
 void DysegTrainer::resume()
 {
   impl_->loop->resume();
+  // The checkpoint does not have the grid; the weights that were saved with it do.
+  const std::string weights = impl_->loop->file(weights_file);
+  if (std::filesystem::exists(weights))
+  {
+    requireSameGrid(loadDyseg(weights).grid, impl_->grid, weights);
+  }
 }
 
 void DysegTrainer::validateOnly(const std::string& weights,

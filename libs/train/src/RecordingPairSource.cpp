@@ -17,6 +17,10 @@ RecordingPairSource::RecordingPairSource(std::vector<Recording> recordings,
       max_gap_(max_gap),
       seed_(seed)
 {
+  if (recordings_.empty())
+  {
+    throw UserError("recordings: none given");
+  }
   for (const Recording& recording : recordings_)
   {
     if (recording.scans.size() < 2)

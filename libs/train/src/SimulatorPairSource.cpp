@@ -28,6 +28,21 @@ struct Scene
   double max_traffic = 0;
 };
 
+/** Calls `use`; its errors get the setting, and the item of its list, in front. */
+template <typename Use>
+auto namingItem(const std::string& field, const std::string& item, const Use& use)
+{
+  try
+  {
+    return use();
+  }
+  catch (const UserError& error)
+  {
+    throw UserError(field + ": '" + item + "': " + error.what());
+  }
+}
+
+/** \throws UserError. */
 Scene parseScene(const std::string& text)
 {
   const std::vector<std::string> words = splitFields(text, ';');
@@ -51,9 +66,44 @@ Scene parseScene(const std::string& text)
   catch (const std::logic_error&)  // no number
   {
   }
-  throw UserError("[data] simulator_worlds: '" + text +
-                  "' is not share;world;sensor;columns;least traffic;most traffic, with a share "
-                  "above 0 and 0 columns for the sensor's own");
+  throw UserError(
+      "write share;world;sensor;columns;least traffic;most traffic, with a share above 0 and 0 "
+      "columns for the sensor's own");
+}
+
+/** A drive of simulated_validation. */
+struct ValidationDrive
+{
+  std::string name;
+  sim::SimulatorOptions options;
+  int scans = 0;
+};
+
+/** \throws UserError. */
+ValidationDrive parseDrive(const std::string& text)
+{
+  const std::vector<std::string> words = splitFields(text, ';');
+  try
+  {
+    if (words.size() == 5)
+    {
+      ValidationDrive drive;
+      drive.name = words[0] + " " + words[1] + " traffic " + words[2];
+      drive.options.world = sim::worldKindFromString(words[0]);
+      drive.options.sensor = sim::sensorKindFromString(words[1]);
+      drive.options.traffic = numberOf(words[2]);
+      drive.options.seed = wholeNumberOf(words[3]);
+      drive.scans = wholeNumberOf(words[4]);
+      if (drive.scans >= 2)
+      {
+        return drive;
+      }
+    }
+  }
+  catch (const std::logic_error&)  // no number
+  {
+  }
+  throw UserError("write world;sensor;traffic;seed;scans, with 2 scans or more");
 }
 
 /** Takes points from the lidar frame of `from` to the lidar frame of `to`. */
@@ -87,22 +137,9 @@ class SimulatorPairSource : public PairSource
   {
     // Simulated scans have moving objects already.
     augmentation_.bodies = 0;
-    for (std::size_t i = 0; i < worlds.size(); ++i)
+    for (const std::string& world : worlds)
     {
-      const Scene scene = parseScene(worlds[i]);
-      shares_.push_back(scene.share);
-      sim::ClipOptions options;
-      options.any_world = false;
-      options.clips_per_world = static_cast<int>(pairs_per_world);
-      options.min_traffic = scene.min_traffic;
-      options.max_traffic = scene.max_traffic;
-      options.simulator.world = scene.world;
-      options.simulator.sensor = scene.sensor;
-      options.simulator.columns = scene.columns;
-      options.simulator.seed = static_cast<int>(1000003 * (seed % 1000) + 7777 + i);
-      options.least_seed = static_cast<int>(seeds.first);
-      options.most_seed = static_cast<int>(seeds.last);
-      clips_.emplace_back(options);
+      namingItem("[data] simulator_worlds", world, [&] { addScene(parseScene(world), seeds); });
     }
   }
 
@@ -128,6 +165,24 @@ class SimulatorPairSource : public PairSource
   }
 
  private:
+  /** \throws UserError for numbers out of range. */
+  void addScene(const Scene& scene, const NumberRange& seeds)
+  {
+    sim::ClipOptions options;
+    options.any_world = false;
+    options.clips_per_world = static_cast<int>(pairs_per_world);
+    options.min_traffic = scene.min_traffic;
+    options.max_traffic = scene.max_traffic;
+    options.simulator.world = scene.world;
+    options.simulator.sensor = scene.sensor;
+    options.simulator.columns = scene.columns;
+    options.simulator.seed = static_cast<int>(1000003 * (seed_ % 1000) + 7777 + clips_.size());
+    options.least_seed = static_cast<int>(seeds.first);
+    options.most_seed = static_cast<int>(seeds.last);
+    clips_.emplace_back(options);
+    shares_.push_back(scene.share);
+  }
+
   [[nodiscard]] std::size_t scene(std::uint64_t index) const
   {
     RandomDraws draws(seed_ ^ 0x5CE7EULL, index / pairs_per_world);
@@ -157,34 +212,13 @@ std::unique_ptr<PairSource> makeSimulatorPairSource(const std::vector<std::strin
 
 Recording simulateRecording(const std::string& text, const DataSplits& splits)
 {
-  const std::vector<std::string> words = splitFields(text, ';');
-  sim::SimulatorOptions options;
-  int scans = 0;
-  try
-  {
-    if (words.size() == 5)
-    {
-      options.world = sim::worldKindFromString(words[0]);
-      options.sensor = sim::sensorKindFromString(words[1]);
-      options.traffic = numberOf(words[2]);
-      options.seed = wholeNumberOf(words[3]);
-      scans = wholeNumberOf(words[4]);
-    }
-  }
-  catch (const std::logic_error&)
-  {
-    scans = 0;
-  }
-  if (scans < 2)
-  {
-    throw UserError("[data] simulated_validation: '" + text +
-                    "' is not world;sensor;traffic;seed;scans, with 2 scans or more");
-  }
-  splits.requireSeed(options.seed, Split::validation, "[data] simulated_validation");
-  sim::Simulator simulator(options);
+  const std::string field = "[data] simulated_validation";
+  const ValidationDrive drive = namingItem(field, text, [&] { return parseDrive(text); });
+  splits.requireSeed(drive.options.seed, Split::validation, field);
+  sim::Simulator simulator = namingItem(field, text, [&] { return sim::Simulator(drive.options); });
   Recording recording;
-  recording.name = words[0] + " " + words[1] + " traffic " + words[2];
-  for (int i = 0; i < scans; ++i)
+  recording.name = drive.name;
+  for (int i = 0; i < drive.scans; ++i)
   {
     sim::SimulatedScan scan = simulator.next();
     recording.labels.push_back(pointLabels(scan));

@@ -40,6 +40,10 @@ void TrainingLoop::requireFreshFolder() const
     throw UserError(file(checkpoint_file) +
                     ": is there already; add --resume or choose another folder");
   }
+  if (std::filesystem::exists(file(setup_.weights_file)))
+  {
+    throw UserError(file(setup_.weights_file) + ": is there already; choose another folder");
+  }
 }
 
 void TrainingLoop::resume()
@@ -47,7 +51,7 @@ void TrainingLoop::resume()
   const std::string path = file(checkpoint_file);
   if (!std::filesystem::exists(path))
   {
-    throw UserError(path + ": no such file; there is no training in this folder to continue");
+    throw UserError(path + ": no such file; there is no training in this folder");
   }
   const TensorFile checkpoint(path);
   loadWeights(checkpoint);

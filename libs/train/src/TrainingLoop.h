@@ -45,8 +45,9 @@ class TrainingTask
 
 struct TrainingLoopSetup
 {
-  std::string folder;    //!< folder of the results
-  std::string log_file;  //!< name of the log in `folder`
+  std::string folder;        //!< folder of the results
+  std::string weights_file;  //!< name of the model in `folder`
+  std::string log_file;      //!< name of the log in `folder`
   std::string log_header, validation_header;
   std::int64_t steps = 0;
   int batch = 1;    //!< pairs in a step
@@ -76,8 +77,8 @@ class TrainingLoop
   /** \param task outlives the loop. */
   TrainingLoop(TrainingLoopSetup setup, TrainingTask& task);
 
-  /** Makes sure that no training is overwritten. \throws UserError if the folder holds a training.
-   */
+  /** Makes sure that no training is overwritten. \throws UserError if the folder holds a checkpoint
+   * or a model. */
   void requireFreshFolder() const;
   /** Resumes from the folder's checkpoint. \throws UserError if there is none or it does not fit.
    */

@@ -156,5 +156,16 @@ TEST(DataSplits, DyloTrainsAndValidatesOnNothingElse)
             "seed 1200000001 of the simulator is for test, not for validation");
   expectHas(errorOf("simulated_validation", "urban;VLP16;0;500000001;2"), "is for training");
 }
+
+TEST(DataSplits, ErrorsInSimulatedDriveNameTheirItem)
+{
+  const std::string validation = "[data] simulated_validation: 'urban;VLP16;";
+  expectHas(errorOf("simulated_validation", "urban;VLP16;0;9001"),
+            validation + "0;9001': write world;sensor;traffic;seed;scans");
+  expectHas(errorOf("simulated_validation", "urban;VLP16;1.5;9001;2"),
+            validation + "1.5;9001;2': [simulator] traffic = 1.5 is out of range; use 0 to 1");
+  expectHas(errorOf("simulated_validation", "urbn;VLP16;0;9001;2"),
+            "[data] simulated_validation: 'urbn;VLP16;0;9001;2': unknown world 'urbn'");
+}
 }  // namespace
 }  // namespace dyslam

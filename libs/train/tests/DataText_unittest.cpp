@@ -6,6 +6,7 @@
 
 #include <cstdlib>
 #include <filesystem>
+#include <fstream>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -45,6 +46,14 @@ TEST(DataText, LogsGoOnBehindTheLastStep)
   EXPECT_EQ(content(), "step,loss\n10,0.5\n20,0.4\n30,0.3\n");
   EXPECT_EQ(beginLog(file, "step,loss", 20), 20);
   EXPECT_EQ(content(), "step,loss\n10,0.5\n20,0.4\n");
+}
+
+TEST(DataText, ARowThatWasNotWrittenToItsEndIsRemoved)
+{
+  const std::string file = testing::TempDir() + "torn.csv";
+  std::ofstream(file) << "step,loss\n10,0.5\n1";  // of 1000,0.4
+  EXPECT_EQ(beginLog(file, "step,loss", 20), 10);
+  EXPECT_EQ(readWhole(file), "step,loss\n10,0.5\n");
 }
 
 TEST(DataText, RowsThatCannotBeWrittenAreAnError)

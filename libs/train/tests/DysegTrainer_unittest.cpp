@@ -276,5 +276,10 @@ TEST_F(DysegTraining, WeightsOfAnotherGridAreRefused)
   grid = setup_.grid;
   grid.max_height = 3;
   EXPECT_NE(said(grid).find("max_height = 4.5, not 3"), std::string::npos) << said(grid);
+
+  setup_.grid.cells = 1024;
+  EXPECT_NO_THROW(DysegTrainer(setup_, (folder_ / "first").string()).resume());
+  setup_.grid = grid;
+  EXPECT_THROW(DysegTrainer(setup_, (folder_ / "first").string()).resume(), dyslam::UserError);
 }
 }  // namespace

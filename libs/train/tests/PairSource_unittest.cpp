@@ -7,6 +7,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <string>
+
+#include "SimulatorPairSource.h"
 
 namespace dyslam
 {
@@ -189,6 +192,35 @@ TEST(RecordingPairSource, PairsOfDifferentScansAndTheirMotion)
     EXPECT_TRUE(ahead && back);
   }
   EXPECT_THROW(RecordingPairSource({Recording()}, {}, none(), 5, 7), UserError);
+  EXPECT_THROW(RecordingPairSource({}, {}, none(), 5, 7), UserError);
+}
+
+TEST(SimulatorPairSource, ErrorsNameTheWorld)
+{
+  const auto said = [](const std::string& world) -> std::string
+  {
+    try
+    {
+      (void)makeSimulatorPairSource({"1;urban;VLP16;0;0;1", world}, none(), 3, {5, 9}, 1);
+    }
+    catch (const UserError& error)
+    {
+      return error.what();
+    }
+    return "";
+  };
+  const std::string field = "[data] simulator_worlds: ";
+  EXPECT_EQ(said("1;campus;VLP16;900;0;1"), "");
+  for (const std::string world : {"1;urban;VLP16", "0;urban;VLP16;0;0;1", "1;urban;VLP16;x;0;1"})
+  {
+    EXPECT_EQ(said(world).rfind(field + "'" + world + "': write share;world;sensor;", 0), 0U)
+        << said(world);
+  }
+  EXPECT_EQ(
+      said("1;urban;VLP16;9000;0;1"),
+      field + "'1;urban;VLP16;9000;0;1': [clips] columns = 9000 is out of range; use 0 to 8192");
+  EXPECT_EQ(said("1;urbn;VLP16;0;0;1").rfind(field + "'1;urbn;VLP16;0;0;1': unknown world", 0), 0U)
+      << said("1;urbn;VLP16;0;0;1");
 }
 
 TEST(SingleScanSource, BothHalvesShowOneScan)

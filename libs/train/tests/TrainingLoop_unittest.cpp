@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "TrainingLoop.h"
 
+#include <dyslam/base/Error.h>
 #include <gtest/gtest.h>
 
 #include <filesystem>
+#include <fstream>
 #include <limits>
+#include <string>
 
 namespace dyslam
 {
@@ -51,6 +54,7 @@ TrainingLoopSetup setupFor(const LineTask& task, const std::string& name, int st
   TrainingLoopSetup setup;
   setup.folder = testing::TempDir() + "training_loop_" + name;
   std::filesystem::remove_all(setup.folder);
+  setup.weights_file = "line.safetensors";
   setup.log_file = "log.csv";
   setup.log_header = "step";
   setup.validation_header = "step";
@@ -104,6 +108,22 @@ TEST(TrainingLoop, ValidatesAndSavesAsOftenAsAsked)
   loop.save();
   EXPECT_EQ(task.validated, 3);
   EXPECT_EQ(task.saved, 3) << "once per step";
+}
+
+TEST(TrainingLoop, ACheckpointOrAModelIsNotOverwritten)
+{
+  for (const std::string name : {"checkpoint.safetensors", "line.safetensors"})
+  {
+    LineTask task;
+    const TrainingLoopSetup setup = setupFor(task, "kept", 1);
+    const TrainingLoop loop(setup, task);
+    EXPECT_NO_THROW(loop.requireFreshFolder());
+    std::filesystem::create_directories(setup.folder);
+    std::ofstream(setup.folder + "/log.csv") << "step\n";
+    EXPECT_NO_THROW(loop.requireFreshFolder());
+    std::ofstream(setup.folder + "/" + name) << "x";
+    EXPECT_THROW(loop.requireFreshFolder(), UserError) << name;
+  }
 }
 }  // namespace
 }  // namespace dyslam

@@ -35,7 +35,7 @@ class RayScene
   RayScene& operator=(const RayScene&) = delete;
   RayScene& operator=(RayScene&&) = delete;
 
-  /** `mesh` must outlive the scene; its last vertex is read with padding. */
+  /** `mesh` must outlive the scene, whose items refer to its materials. */
   void addMesh(const Mesh& mesh, const SceneItem& item);
   /** An instance of a shape at `start`, or moving from `start` to `end` over ray times 0 to 1. */
   void addInstance(const RayScene& shape,

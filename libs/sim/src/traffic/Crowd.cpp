@@ -65,6 +65,7 @@ Crowd::Crowd(const World& world, const SimulatorOptions& options) : world_(world
       groups_.push_back(makeHighwayTraffic(*this));
       break;
   }
+  alignWithGround();  // also bodies that are too far away to be simulated
 }
 
 Crowd::~Crowd() = default;

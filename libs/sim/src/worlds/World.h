@@ -54,8 +54,8 @@ class World
   WorldKind kind;
   std::uint64_t seed;
   std::unique_ptr<Ground> ground;
-  LaneNetwork roads;                //!< streets of urban, campus and field worlds
-  WalkNetwork walks;                //!< walkways of urban and campus worlds
+  LaneNetwork roads;                //!< streets of urban, service road of campus worlds
+  WalkNetwork walks;                //!< walkways of urban, campus and field worlds
   std::vector<Path> bicycle_loops;  //!< closed, at the edge of the carriageway
   Path ego_path;                    //!< closed path of the ego in campus and field worlds
   Path highway;                     //!< closed centre line of highway and tunnel worlds
@@ -88,6 +88,7 @@ class World
 /** Adds body models of all kinds, each in several variants. */
 void addBodies(World& world, Rng& rng);
 
+/** Draws a vehicle. \param heavy_share share of trucks and buses \return index in World::bodies */
 [[nodiscard]] int drawVehicle(const World& world, Rng& rng, double heavy_share);
 /** Draws a reflectivity of paint or clothes from a realistic distribution. */
 [[nodiscard]] float drawPaint(Rng& rng);

@@ -11,10 +11,11 @@ namespace dyslam::sim
 {
 struct ClipOptions : Options
 {
-  SimulatorOptions
-      simulator;          //!< world, sensor and ranges; seed, traffic and speed are drawn per clip
-  bool any_world = true;  //!< draw the kind of world as well (urban most often)
-  int scans = 2;          //!< consecutive scans in a clip
+  /** World, sensor and ranges. Seeds, traffic and start are drawn for each clip, and the speed if
+   * it is 0; then also whether the ego on a campus is a robot or hand-held (without wheels). */
+  SimulatorOptions simulator;
+  bool any_world = true;          //!< draw the kind of world as well, urban most often
+  int scans = 2;                  //!< consecutive scans in a clip
   int clips_per_world = 16;       //!< consecutive clips share a world, which saves time
   double min_traffic = 0;         //!< least traffic density drawn for a clip
   double max_traffic = 1;         //!< largest traffic density drawn for a clip
@@ -32,6 +33,8 @@ struct ClipOptions : Options
 class ClipGenerator
 {
  public:
+  /** \param threads of a clip; 0 for the number of cores. \throws UserError for options out of
+   * range. */
   explicit ClipGenerator(const ClipOptions& options, int threads = 1);
 
   /** `scans` consecutive scans with ground truth. */

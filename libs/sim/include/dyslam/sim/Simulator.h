@@ -63,9 +63,10 @@ class Simulator
   /** \param threads 0 for the number of cores. \throws UserError for options out of range, and for
    * wheels of a hand-held sensor. */
   explicit Simulator(const SimulatorOptions& options, int threads = 1);
-  /** Simulates in an existing world (generating one takes longer than a few scans). \throws
-   * UserError as the constructor above. \throws std::logic_error if `world` is of another kind than
-   * in the options. */
+  /** Simulates in an existing world (generating one takes longer than a few scans). Its seed and
+   * loop, and the direction of an urban loop, are those that it was made with. \throws UserError as
+   * the constructor above. \throws std::logic_error if `world` is of another kind than in the
+   * options. */
   Simulator(std::shared_ptr<const World> world, const SimulatorOptions& options, int threads = 1);
   ~Simulator();
   Simulator(Simulator&&) noexcept;

@@ -54,16 +54,17 @@ struct SimulatorOptions : Options
   bool reverse = false;  //!< the ego drives its loop in the opposite direction; not on a highway
   bool stops = true;     //!< the ego stops at random times
 
-  double mounting_roll = 0;   //!< roll of the lidar about the ego's x axis [rad]
-  double mounting_pitch = 0;  //!< pitch of the lidar about the ego's y axis [rad]; > 0: downwards
+  double mounting_roll = 0;   //!< roll of the first lidar about the ego's x axis [rad]
+  double mounting_pitch = 0;  //!< its pitch about the ego's y axis [rad]; > 0: downwards
 
   std::vector<FurtherSensor> further_sensors;  //!< have the first sensor's period and stamps
 
   bool motion_distortion = true;  //!< false: all points are measured at the stamp
-  bool noise = true;              //!< false: exact ranges without losses
-  int columns = 0;                //!< firings per revolution; 0: default of the sensor
-  double max_range = 0;           //!< largest range of a return [m]; 0: default of the sensor
-  double moving_speed = 0.2;      //!< speed above which bodies are labelled moving [m/s]
+  bool noise = true;  //!< false: exact ranges without losses, also at the car's own roof; exact IMU
+                      //!< and wheels
+  int columns = 0;    //!< firings per revolution of the first lidar; 0: default of the sensor
+  double max_range = 0;       //!< largest range of a return [m]; 0: default of the sensor
+  double moving_speed = 0.2;  //!< speed above which bodies are labelled moving [m/s]
 
   bool imu = false;     //!< simulate an IMU: SimulatedScan::imu
   bool wheels = false;  //!< simulate wheel odometry: SimulatedScan::wheels; not hand-held
@@ -79,4 +80,6 @@ struct SimulatorOptions : Options
 /** "urban", "campus", "highway", "tunnel", "field". \throws UserError naming the nearest. */
 [[nodiscard]] WorldKind worldKindFromString(const std::string& name);
 [[nodiscard]] std::string toString(WorldKind kind);
+/** "automatic", "car", "robot", "handheld". \throws UserError naming the nearest. */
+[[nodiscard]] EgoKind egoKindFromString(const std::string& name);
 }  // namespace dyslam::sim

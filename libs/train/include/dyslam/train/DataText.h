@@ -19,7 +19,8 @@ namespace dyslam
 [[nodiscard]] int wholeNumberOf(const std::string& text);
 
 /** Prepares the CSV file of a training that is continued: removes rows after `last_step`, which the
- * training repeats; a new file gets the header. \param header names of the columns, the step first
+ * training repeats, and a last row without a line end, which was not written to its end; a new file
+ * gets the header. \param header names of the columns, the step first
  * \return step of the last row kept, -1 if there is none \throws UserError. */
 long long beginLog(const std::string& file, const std::string& header, long long last_step);
 

@@ -10,6 +10,7 @@ namespace dyslam
 class RecordingPairSource : public PairSource
 {
  public:
+  /** \throws UserError if there is no recording, or one of fewer than two scans. */
   RecordingPairSource(std::vector<Recording> recordings,
                       std::vector<Body> bodies,
                       const AugmentationOptions& augmentation,
@@ -31,6 +32,7 @@ class RecordingPairSource : public PairSource
 class SingleScanSource : public PairSource
 {
  public:
+  /** \throws UserError if there is no scan. */
   SingleScanSource(std::vector<std::vector<Eigen::Vector3f>> scans,
                    std::vector<Body> bodies,
                    const AugmentationOptions& augmentation,
