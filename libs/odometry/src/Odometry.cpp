@@ -160,8 +160,9 @@ void Odometry::estimate(Frame& frame)
   const CTimeLoggerEntry timed(s.times, "refine");
   const bool usable = reasonUnusable(frame).empty();
   context.time_without_scan = s.history.time_without_scan + frame.dt;
-  const Pose T_guess =
-      usable || context.canExtrapolate() ? s.gate.initialGuess(frame, context) : Pose::Identity();
+  const Pose T_guess = usable || context.canExtrapolate()
+                           ? s.gate.initialGuess(frame, context)
+                           : context.sensedPart(frame.prior.T_previous_current, Vector6::Zero());
   if (s.registers())
   {
     s.registerToMap(frame, context, T_guess);
@@ -249,12 +250,13 @@ LocalMapRegistration::Alignment Odometry::State::registerFrom(const Pose& T_gues
   return registration.align(frame, history.T_odom_previous * steady->T_previous_current, &*steady);
 }
 
-/** Without a registration: the matcher's motion is the result. */
+/** Without a registration: the matcher's motion, or the prediction in its place, is the result. */
 void Odometry::State::takeMatcherMotion(Frame& frame,
                                         const FrameContext& context,
                                         const Pose& T_guess)
 {
   frame.motion = frame.odometry;
+  frame.motion.T_previous_current = T_guess;
   uncertainty.calibrateMatch(frame.dt, frame.prior.information, frame.motion);
   frame.T_odom_vehicle = orthonormalised(history.T_odom_previous * T_guess);
   predictor.updateUnregistered(frame, context, T_guess);

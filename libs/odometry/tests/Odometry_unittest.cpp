@@ -182,6 +182,23 @@ TEST_F(Fusion, WithoutRegistrationTheMatchersMotionIsTheMotion)
   EXPECT_TRUE(next(Pose::Identity()).prior.T_previous_current.isApprox(step, 1e-9));
 }
 
+TEST_F(Fusion, WithoutRegistrationTheMotionLeadsToThePoseAfterFailuresToo)
+{
+  start({"refine.method=none", "odometry.start_speed=5"});
+  script_.converged = false;
+  Pose T_before = Pose::Identity();
+  for (int i = 0; i < 30; ++i)
+  {
+    Frame frame = next(Pose::Identity());
+    frame.cloud = Cloud();
+    estimate(frame);
+    const Pose step = T_before.inverse() * frame.T_odom_vehicle;
+    EXPECT_TRUE(frame.motion.T_previous_current.isApprox(step, 1e-9)) << i;
+    T_before = frame.T_odom_vehicle;
+  }
+  EXPECT_NEAR(T_before.translation().x(), 2 * 5, 0.6) << "for 2 s at most";
+}
+
 TEST_F(Fusion, WithoutRegistrationAGapKeepsTheVelocity)
 {
   for (const bool uses_prior : {false, true})
@@ -295,6 +312,39 @@ TEST_F(OtherSensors, AreTheMotionWhileScansAreEmpty)
 {
   start();
   EXPECT_LT(errorAfter(poseFromYpr(0.4, 0, 0, 0.02, 0, 0), 60, 8), 0.5) << "after 5 s, 21 m";
+}
+
+/** Beyond the time of extrapolation the rest of the motion is not known. */
+TEST_F(OtherSensors, OneAloneStillGivesItsPartOfTheMotionWhileScansAreEmpty)
+{
+  script_.converged = false;
+  for (const bool imu : {true, false})
+  {
+    start();
+    const Pose step = poseFromYpr(0.4, 0, 0, 0.02, 0, 0);
+    Pose T = Pose::Identity();
+    Pose T_odom_before = T;
+    Frame frame;
+    for (int i = 0; i < 60; ++i)
+    {
+      T_odom_before = frame.T_odom_vehicle;
+      T = i > 0 ? T * step : T;
+      frame = nextWith(T, step, imu, !imu);
+      if (i >= 8)
+      {
+        frame.cloud = Cloud();
+      }
+      estimate(frame);
+    }
+    const Pose last = T_odom_before.inverse() * frame.T_odom_vehicle;
+    EXPECT_NEAR(last.translation().x(), imu ? 0 : 0.4, 0.01);
+    EXPECT_NEAR(rotationAngle(last), imu ? 0.02 : 0, 1e-3);
+    EXPECT_TRUE(frame.motion.T_previous_current.isApprox(last, 1e-9));
+    if (imu)
+    {
+      EXPECT_LT(rotationAngle(T.inverse() * frame.T_odom_vehicle), 0.02) << "after 1.2 rad";
+    }
+  }
 }
 
 TEST_F(OtherSensors, BridgeMissingScans)
@@ -454,6 +504,8 @@ TEST_F(Fusion, EmptyScansAreExtrapolatedOverForTwoSeconds)
     estimate(empty);
   }
   EXPECT_NEAR((T.inverse() * empty.T_odom_vehicle).translation().norm(), 2 * 5, 0.6);
+  EXPECT_TRUE(empty.motion.information.isApprox(empty.prior.information, 0.1))
+      << "nothing has measured that the vehicle stands";
   const Frame after = next(T);
   EXPECT_GT(after.prior.information.inverse()(0, 0), 0.1) << "the velocity is uncertain by now";
 }
