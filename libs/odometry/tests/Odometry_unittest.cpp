@@ -6,6 +6,7 @@
 #include <mrpt/system/CTimeLogger.h>
 
 #include <limits>
+#include <random>
 
 #include "TestScene.h"
 
@@ -476,6 +477,40 @@ TEST_F(Fusion, AnEmptyScanGetsThePriorsMotion)
   estimate(back);
   EXPECT_TRUE(back.motion.converged()) << back.motion.reason;
   EXPECT_LT(((T * step * step).inverse() * back.T_odom_vehicle).translation().norm(), 0.05);
+}
+
+/** Only the ground. \param seed of the places of the points */
+std::vector<Eigen::Vector3f> openField(unsigned seed)
+{
+  std::mt19937 random(seed);
+  std::uniform_real_distribution<float> place(-20, 20);
+  std::vector<Eigen::Vector3f> points;
+  for (int i = 0; i < 5000; ++i)
+  {
+    const float x = place(random);
+    points.emplace_back(x, place(random), 0);
+  }
+  return points;
+}
+
+TEST_F(Fusion, ScansThatDoNotDetermineTheMotionAreAWarning)
+{
+  for (const bool open : {false, true})
+  {
+    start();
+    for (unsigned i = 0; i < 12; ++i)
+    {
+      Frame frame = next(Pose::Identity());
+      frame.cloud = open ? test::frameOf(openField(i)).cloud : frame.cloud;
+      EXPECT_TRUE(estimate(frame).motion.registered()) << frame.motion.reason;
+    }
+    const std::vector<std::string> warnings = odometry_->warnings();
+    ASSERT_EQ(warnings.size(), open ? 1U : 0U);
+    if (open)
+    {
+      EXPECT_EQ(warnings[0].find("11 of 11 registered scans"), 0U) << warnings[0];
+    }
+  }
 }
 
 TEST_F(Fusion, AfterAMisjudgedMotionTheMeanOneIsTried)
