@@ -45,5 +45,17 @@ struct FrameContext
     return time_without_scan <= ScanClock::max_extrapolation || isDeadReckoned();
   }
   [[nodiscard]] bool acceptedSegmenterMotion() const { return !segmenter_information.isZero(); }
+  /** The components of the prior's motion that other sensors measured, and the others of `rest`.
+   * \param rest tangent of a motion, [translation, rotation] */
+  [[nodiscard]] Pose sensedPart(const Pose& T_prior, const Vector6& rest) const
+  {
+    const Vector6 of_prior = logSE3(T_prior);
+    Vector6 tangent = rest;
+    for (Eigen::Index i = 0; i < tangent.size(); ++i)
+    {
+      tangent[i] = sensed_information(i, i) > 0 ? of_prior[i] : rest[i];
+    }
+    return expSE3(tangent);
+  }
 };
 }  // namespace dyslam

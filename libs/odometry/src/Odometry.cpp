@@ -32,6 +32,8 @@ struct OdometryHistory
   bool registered = false;       //!< a scan has been registered to the map
   int segmenter_frames = 0;      //!< number of frames with an appearance prior
   int segmenter_failures = 0;    //!< number of those in which the segmenter found no ego-motion
+  int registered_scans = 0;      //!< number of scans registered to a map
+  int degenerate_scans = 0;      //!< number of those that do not determine all of the motion
 };
 
 /** Until motion can be observed, points of movable appearance have zero weight.
@@ -160,8 +162,9 @@ void Odometry::estimate(Frame& frame)
   const CTimeLoggerEntry timed(s.times, "refine");
   const bool usable = reasonUnusable(frame).empty();
   context.time_without_scan = s.history.time_without_scan + frame.dt;
-  const Pose T_guess =
-      usable || context.canExtrapolate() ? s.gate.initialGuess(frame, context) : Pose::Identity();
+  const Pose T_guess = usable || context.canExtrapolate()
+                           ? s.gate.initialGuess(frame, context)
+                           : context.sensedPart(frame.prior.T_previous_current, Vector6::Zero());
   if (s.registers())
   {
     s.registerToMap(frame, context, T_guess);
@@ -218,6 +221,12 @@ void Odometry::State::registerToMap(Frame& frame, const FrameContext& context, c
   alignment = registerFrom(T_guess, frame, context);
   const RegistrationResult& result = alignment.result();
   history.registered = history.registered || result.points > 0;
+  if (result.points > 0 && result.motion.registered())
+  {
+    const bool has_wheels = context.sensed_information(0, 0) > 0;
+    ++history.registered_scans;
+    history.degenerate_scans += result.degenerate && !has_wheels ? 1 : 0;
+  }
   frame.motion = result.motion;
   frame.T_odom_vehicle = result.T_odom_vehicle;
   predictor.update(frame, context, result);
@@ -249,12 +258,13 @@ LocalMapRegistration::Alignment Odometry::State::registerFrom(const Pose& T_gues
   return registration.align(frame, history.T_odom_previous * steady->T_previous_current, &*steady);
 }
 
-/** Without a registration: the matcher's motion is the result. */
+/** Without a registration: the matcher's motion, or the prediction in its place, is the result. */
 void Odometry::State::takeMatcherMotion(Frame& frame,
                                         const FrameContext& context,
                                         const Pose& T_guess)
 {
   frame.motion = frame.odometry;
+  frame.motion.T_previous_current = T_guess;
   uncertainty.calibrateMatch(frame.dt, frame.prior.information, frame.motion);
   frame.T_odom_vehicle = orthonormalised(history.T_odom_previous * T_guess);
   predictor.updateUnregistered(frame, context, T_guess);
@@ -292,6 +302,17 @@ std::vector<std::string> Odometry::warnings() const
     warnings.emplace_back(
         "nothing measures the motion: odometry.method=constant_velocity only predicts it, and "
         "refine.method is none; change one of them");
+  }
+  constexpr int min_registered = 10;
+  constexpr int degenerate_share = 5;  // one of so many scans
+  if (s.history.registered_scans >= min_registered &&
+      s.history.degenerate_scans * degenerate_share > s.history.registered_scans)
+  {
+    warnings.push_back(
+        std::to_string(s.history.degenerate_scans) + " of " +
+        std::to_string(s.history.registered_scans) +
+        " registered scans do not determine the motion in some direction, as in an open field: it "
+        "is predicted there, so that distances may be wrong; wheel odometry shows them");
   }
   constexpr int min_frames = 4;
   if (!s.predictor.startSpeedKnown() && s.history.segmenter_frames >= min_frames &&

@@ -6,6 +6,7 @@
 #include <mrpt/system/CTimeLogger.h>
 
 #include <limits>
+#include <random>
 
 #include "TestScene.h"
 
@@ -182,6 +183,23 @@ TEST_F(Fusion, WithoutRegistrationTheMatchersMotionIsTheMotion)
   EXPECT_TRUE(next(Pose::Identity()).prior.T_previous_current.isApprox(step, 1e-9));
 }
 
+TEST_F(Fusion, WithoutRegistrationTheMotionLeadsToThePoseAfterFailuresToo)
+{
+  start({"refine.method=none", "odometry.start_speed=5"});
+  script_.converged = false;
+  Pose T_before = Pose::Identity();
+  for (int i = 0; i < 30; ++i)
+  {
+    Frame frame = next(Pose::Identity());
+    frame.cloud = Cloud();
+    estimate(frame);
+    const Pose step = T_before.inverse() * frame.T_odom_vehicle;
+    EXPECT_TRUE(frame.motion.T_previous_current.isApprox(step, 1e-9)) << i;
+    T_before = frame.T_odom_vehicle;
+  }
+  EXPECT_NEAR(T_before.translation().x(), 2 * 5, 0.6) << "for 2 s at most";
+}
+
 TEST_F(Fusion, WithoutRegistrationAGapKeepsTheVelocity)
 {
   for (const bool uses_prior : {false, true})
@@ -295,6 +313,39 @@ TEST_F(OtherSensors, AreTheMotionWhileScansAreEmpty)
 {
   start();
   EXPECT_LT(errorAfter(poseFromYpr(0.4, 0, 0, 0.02, 0, 0), 60, 8), 0.5) << "after 5 s, 21 m";
+}
+
+/** Beyond the time of extrapolation the rest of the motion is not known. */
+TEST_F(OtherSensors, OneAloneStillGivesItsPartOfTheMotionWhileScansAreEmpty)
+{
+  script_.converged = false;
+  for (const bool imu : {true, false})
+  {
+    start();
+    const Pose step = poseFromYpr(0.4, 0, 0, 0.02, 0, 0);
+    Pose T = Pose::Identity();
+    Pose T_odom_before = T;
+    Frame frame;
+    for (int i = 0; i < 60; ++i)
+    {
+      T_odom_before = frame.T_odom_vehicle;
+      T = i > 0 ? T * step : T;
+      frame = nextWith(T, step, imu, !imu);
+      if (i >= 8)
+      {
+        frame.cloud = Cloud();
+      }
+      estimate(frame);
+    }
+    const Pose last = T_odom_before.inverse() * frame.T_odom_vehicle;
+    EXPECT_NEAR(last.translation().x(), imu ? 0 : 0.4, 0.01);
+    EXPECT_NEAR(rotationAngle(last), imu ? 0.02 : 0, 1e-3);
+    EXPECT_TRUE(frame.motion.T_previous_current.isApprox(last, 1e-9));
+    if (imu)
+    {
+      EXPECT_LT(rotationAngle(T.inverse() * frame.T_odom_vehicle), 0.02) << "after 1.2 rad";
+    }
+  }
 }
 
 TEST_F(OtherSensors, BridgeMissingScans)
@@ -428,6 +479,40 @@ TEST_F(Fusion, AnEmptyScanGetsThePriorsMotion)
   EXPECT_LT(((T * step * step).inverse() * back.T_odom_vehicle).translation().norm(), 0.05);
 }
 
+/** Only the ground. \param seed of the places of the points */
+std::vector<Eigen::Vector3f> openField(unsigned seed)
+{
+  std::mt19937 random(seed);
+  std::uniform_real_distribution<float> place(-20, 20);
+  std::vector<Eigen::Vector3f> points;
+  for (int i = 0; i < 5000; ++i)
+  {
+    const float x = place(random);
+    points.emplace_back(x, place(random), 0);
+  }
+  return points;
+}
+
+TEST_F(Fusion, ScansThatDoNotDetermineTheMotionAreAWarning)
+{
+  for (const bool open : {false, true})
+  {
+    start();
+    for (unsigned i = 0; i < 12; ++i)
+    {
+      Frame frame = next(Pose::Identity());
+      frame.cloud = open ? test::frameOf(openField(i)).cloud : frame.cloud;
+      EXPECT_TRUE(estimate(frame).motion.registered()) << frame.motion.reason;
+    }
+    const std::vector<std::string> warnings = odometry_->warnings();
+    ASSERT_EQ(warnings.size(), open ? 1U : 0U);
+    if (open)
+    {
+      EXPECT_EQ(warnings[0].find("11 of 11 registered scans"), 0U) << warnings[0];
+    }
+  }
+}
+
 TEST_F(Fusion, AfterAMisjudgedMotionTheMeanOneIsTried)
 {
   start({"motion.acceleration_sigma=10", "motion.angular_acceleration_sigma_deg_s2=600"});
@@ -454,6 +539,8 @@ TEST_F(Fusion, EmptyScansAreExtrapolatedOverForTwoSeconds)
     estimate(empty);
   }
   EXPECT_NEAR((T.inverse() * empty.T_odom_vehicle).translation().norm(), 2 * 5, 0.6);
+  EXPECT_TRUE(empty.motion.information.isApprox(empty.prior.information, 0.1))
+      << "nothing has measured that the vehicle stands";
   const Frame after = next(T);
   EXPECT_GT(after.prior.information.inverse()(0, 0), 0.1) << "the velocity is uncertain by now";
 }

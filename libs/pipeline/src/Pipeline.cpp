@@ -6,6 +6,7 @@
 #include <dyslam/dyseg/MovingSegmenter.h>
 #include <dyslam/odometry/Odometry.h>
 #include <dyslam/odometry/Preprocessor.h>
+#include <dyslam/odometry/ScanClock.h>
 #include <dyslam/pipeline/FrontEnd.h>
 #include <dyslam/pipeline/Pipeline.h>
 #include <mrpt/system/CTimeLogger.h>
@@ -111,7 +112,11 @@ void Pipeline::deskew(Frame& frame)
 {
   Stages& s = *stages_;
   const CTimeLoggerEntry timed(s.times, "deskew");
-  redeskew(frame.motion.T_previous_current, frame.dt, s.pool, frame.cloud);
+  // A prediction covers a part of a longer gap only.
+  if (frame.motion.registered() || frame.dt <= ScanClock::max_extrapolation)
+  {
+    redeskew(frame.motion.T_previous_current, frame.dt, s.pool, frame.cloud);
+  }
 }
 
 void Pipeline::trackObjects(Frame& frame)

@@ -316,6 +316,8 @@ LocalMapRegistration::Alignment LocalMapRegistration::align(
   setReasonUnusable(frame, result.motion);
   if (!result.motion.reason.empty())
   {
+    // No points have measured the guess.
+    result.motion.information = prior != nullptr ? prior->information : pose_prior.information;
     return alignment;
   }
   addition.points.ingest(frame, s.options.map_spacing, s.pool);

@@ -142,9 +142,10 @@ std::optional<double> GyroscopeClock::offset() const
   {
     return std::nullopt;
   }
-  const double bend = left[best - 1] - 2 * left[best] + left[best + 1];
+  const double curvature = left[best - 1] - 2 * left[best] + left[best + 1];
   const double offset =
-      lagAt(best) + (bend > 0 ? 0.5 * lag_step * (left[best - 1] - left[best + 1]) / bend : 0);
+      lagAt(best) +
+      (curvature > 0 ? 0.5 * lag_step * (left[best - 1] - left[best + 1]) / curvature : 0);
   if (std::abs(offset) < min_offset)
   {
     return std::nullopt;

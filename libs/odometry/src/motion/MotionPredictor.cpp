@@ -113,13 +113,8 @@ std::optional<MotionPrior> MotionPredictor::meanVelocityPrior(const Frame& frame
     return std::nullopt;
   }
   MotionPrior steady = frame.prior;
-  Vector6 step = frame.dt * *mean_velocity_;
-  const Vector6 of_prior = logSE3(frame.prior.T_previous_current);
-  for (Eigen::Index i = 0; i < step.size(); ++i)
-  {
-    step[i] = context.sensed_information(i, i) > 0 ? of_prior[i] : step[i];
-  }
-  steady.T_previous_current = expSE3(step);
+  steady.T_previous_current =
+      context.sensedPart(frame.prior.T_previous_current, frame.dt * *mean_velocity_);
   return steady;
 }
 

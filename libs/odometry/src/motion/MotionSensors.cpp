@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <dyslam/base/Printable.h>
 #include <dyslam/base/StateArchive.h>
 #include <dyslam/odometry/MotionSensors.h>
 
@@ -13,6 +12,7 @@
 
 #include "GyroscopeClock.h"
 #include "SampledSignal.h"
+#include "SensorUse.h"
 
 namespace dyslam
 {
@@ -39,10 +39,6 @@ constexpr double turn_gate = 3;
 constexpr double least_variance = 0.01;
 constexpr double conflict_share = 0.1;  //!< weight of a new rotation in State::conflict
 constexpr double max_conflict = 0.5;    //!< conflict above which the gyroscope is not trusted
-// Limits for warnings.
-constexpr std::size_t min_motions = 20;
-constexpr double max_contradictions = 0.2;  //!< largest share of contradictions
-constexpr double min_covered = 0.5;         //!< least share of motions with samples throughout
 
 double squared(double x)
 {
@@ -91,48 +87,6 @@ void dropOutside(double begin, double end, std::deque<Sample<Value>>& samples)
     samples.pop_back();
   }
 }
-
-/** Statistics of the motions by a sensor that has samples. */
-struct SensorUse
-{
-  std::size_t motions = 0;  //!< number of motions between scans
-  std::size_t covered = 0;  //!< number of motions with samples throughout
-  std::size_t compared = 0;
-  std::size_t contradictions = 0;  //!< number of compared motions with a contradiction
-  std::size_t unused = 0;          //!< number of compared motions that were not used
-
-  void count(bool is_covered)
-  {
-    ++motions;
-    covered += is_covered ? 1 : 0;
-  }
-  void compare(bool contradicts, bool is_used)
-  {
-    ++compared;
-    contradictions += contradicts ? 1 : 0;
-    unused += is_used ? 0 : 1;
-  }
-  /** Warning about the sensor. \param remedy end of the sentence */
-  void warn(const std::string& sensor,
-            const std::string& remedy,
-            std::vector<std::string>& warnings) const
-  {
-    if (motions >= min_motions &&
-        static_cast<double>(covered) < min_covered * static_cast<double>(motions))
-    {
-      warnings.push_back("the " + sensor + " has samples throughout in only " +
-                         std::to_string(covered) + " of " + counted(motions, "motion") +
-                         "; check its clock and its rate (motion_sensors.max_gap)");
-    }
-    if (compared >= min_motions &&
-        static_cast<double>(contradictions) > max_contradictions * static_cast<double>(compared))
-    {
-      warnings.push_back("the " + sensor + " contradicts the scans in " +
-                         std::to_string(contradictions) + " of " + counted(compared, "motion") +
-                         ", and was not used in " + std::to_string(unused) + "; check " + remedy);
-    }
-  }
-};
 }  // namespace
 
 void MotionSensorOptions::describe(OptionsVisitor& v)

@@ -75,8 +75,9 @@ class LocalMapRegistration
    * A cloud with phases is deskewed again with the current motion in each iteration; the frame's
    * own cloud stays as it is. The first frame gets the guess; the second also corrects the
    * deskewing of the first. If the registration fails, the guess is kept and motion.status is
-   * not_found, with a reason. With enough inliers the pose found is taken even if it did not
-   * converge within max_iterations; motion.status is not_settled then, with a reason.
+   * not_found, with a reason; without usable points the information is the prior's. With enough
+   * inliers the pose found is taken even if it did not converge within max_iterations;
+   * motion.status is not_settled then, with a reason.
    * \param prior of the motion since the previous frame; it is fused with the points under a robust
    *   loss. A guess that differs from it counts as a separate measurement with the standard
    *   deviation guess_sigma; without a prior the guess is the prior, with that standard deviation.
