@@ -19,6 +19,8 @@
 #include <thread>
 #include <vector>
 
+#include "TestFolder.h"
+
 namespace fs = std::filesystem;
 
 namespace dyslam
@@ -367,6 +369,60 @@ TEST_F(Resume, ResumedRunsCanBeKilledAgain)
   expectSameFiles(whole.output_folder, first);
   (void)resume(second);
   expectSameFiles(whole.output_folder, second);
+}
+
+TEST_F(Resume, WhatCouldNotBeWrittenAtTheEndIsWrittenByAResumedRun)
+{
+  const SlamRunSettings whole = settings("end", {"labels.window=6"});
+  (void)runSlam(whole);
+  const SlamRunSettings lacking =
+      settings("end_lacking", {"output.checkpoint_seconds=1e-6", "labels.window=6"});
+  const fs::path folder = lacking.output_folder;
+  const fs::path in_the_way = folder / "map.3Dscene";
+  const std::string error = messageOfError<UserError>(
+      [&]
+      {
+        (void)runSlam(lacking,
+                      [&](double, std::size_t scans)
+                      {
+                        if (scans == 12)
+                        {
+                          fs::create_directories(in_the_way / "x");
+                        }
+                      });
+      });
+  EXPECT_NE(error.find("map.3Dscene"), std::string::npos) << error;
+  EXPECT_NE(error.find("complete them with: dyslam --resume -o " + folder.string()),
+            std::string::npos)
+      << error;
+  fs::remove_all(in_the_way);
+  (void)resume(folder);
+  expectSameFiles(whole.output_folder, folder);
+}
+
+/** A replay that could not be written is removed: a checkpoint may still name it. */
+TEST_F(Resume, AReplayThatIsNotThereAnyMoreIsMissingAlone)
+{
+  const SlamRunSettings run = settings("replay", {"output.checkpoint_seconds=1e-6"});
+  const fs::path killed = folder_ / "replay_killed" / "run";
+  (void)runSlam(run,
+                [&](double, std::size_t scans)
+                {
+                  if (scans == 6)
+                  {
+                    snapshot(run.output_folder, killed);
+                  }
+                });
+  ASSERT_TRUE(fs::remove(killed / "replay.rawlog.tmp"));
+  const std::string error = messageOfError<UserError>([&] { (void)resume(killed); });
+  EXPECT_NE(error.find("replay.rawlog.tmp: cannot be resumed"), std::string::npos) << error;
+  EXPECT_EQ(error.find("--resume"), std::string::npos) << error;
+  for (const char* file : {"trajectory_tum.txt", "map_static.ply", "scans.csv", "tracks.csv",
+                           "static_scans.rawlog", "labels/000003.label", "labels/000023.label"})
+  {
+    EXPECT_TRUE(readWhole(fs::path(run.output_folder) / file) == readWhole(killed / file)) << file;
+  }
+  EXPECT_FALSE(fs::exists(killed / state_name));
 }
 
 TEST_F(Resume, DamageAndDifferencesAreErrorsThatRemoveNothing)

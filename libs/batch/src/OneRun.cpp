@@ -19,6 +19,7 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <sstream>
+#include <system_error>
 #include <vector>
 
 namespace fs = std::filesystem;
@@ -101,26 +102,43 @@ void renameOwnFiles(const std::string& from, const std::string& to)
   }
 }
 
+/** Copies results, and of an earlier run in `to` all files that these do not replace. */
+void copyResults(const fs::path& from, const fs::path& to, const fs::path& copy)
+{
+  fs::copy(from, copy, fs::copy_options::recursive);
+  if (!fs::exists(to))
+  {
+    return;
+  }
+  std::vector<std::string> replaced = filesOfRun(to.string());
+  replaced.emplace_back(log_name);
+  for (const auto& entry : fs::directory_iterator(to))
+  {
+    const fs::path kept = copy / entry.path().filename();
+    const std::string name = entry.path().filename().string();
+    if (std::find(replaced.begin(), replaced.end(), name) == replaced.end() && !fs::exists(kept))
+    {
+      fs::copy(entry.path(), kept, fs::copy_options::recursive);
+    }
+  }
+}
+
 /** Moves results to their folder as a whole: those of an earlier run are replaced at the end, other
- * files stay. A kill in between leaves the earlier folder, at worst as `to` with ".earlier". */
+ * files stay. A kill in between leaves the earlier folder, at worst as `to` with ".earlier"; a full
+ * disk leaves both folders as they are. */
 void moveResults(const fs::path& from, const fs::path& to)
 {
   const fs::path partial = to.string() + ".partial";
   fs::remove_all(partial);
-  fs::copy(from, partial, fs::copy_options::recursive);
-  if (fs::exists(to))
+  try
   {
-    std::vector<std::string> replaced = filesOfRun(to.string());
-    replaced.emplace_back(log_name);
-    for (const auto& entry : fs::directory_iterator(to))
-    {
-      const fs::path kept = partial / entry.path().filename();
-      const std::string name = entry.path().filename().string();
-      if (std::find(replaced.begin(), replaced.end(), name) == replaced.end() && !fs::exists(kept))
-      {
-        fs::copy(entry.path(), kept, fs::copy_options::recursive);
-      }
-    }
+    copyResults(from, to, partial);
+  }
+  catch (const std::exception&)
+  {
+    std::error_code ignored;
+    fs::remove_all(partial, ignored);
+    throw;
   }
   const fs::path earlier = to.string() + ".earlier";
   fs::remove_all(earlier);
@@ -324,6 +342,13 @@ RunEnd runOne(const BatchSettings& settings,
   requireOwnFolder(folder, option);
   makeFolder(folder, std::string("choose another ") + option);
   Manifest& m = result.manifest;
+  const auto known = readManifest(folder);
+  if (folder != final_folder && isDone(folder, m.work, known))  // could not be moved before
+  {
+    m = *known;
+    moveResults(folder, final_folder);
+    return RunEnd::by_itself;
+  }
   ++m.attempts;
   m.state = State::running;
   m.interrupted = false;

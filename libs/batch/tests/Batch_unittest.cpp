@@ -270,6 +270,20 @@ TEST_F(Batch, ResultsMoveFromScratchAsAWhole)
   EXPECT_EQ(countsOf(run()).skipped, 3U);
 }
 
+TEST_F(Batch, ResultsThatCannotBeMovedAreMovedByTheNextBatch)
+{
+  settings_.scratch = folder_.file("scratch");
+  program("echo x > \"$4/x\"; [[ $2 == */b.rawlog ]] && mkfifo \"$4/cannot_be_copied\"");
+  EXPECT_EQ(toText(countsOf(run())), "2 done, 1 failed");
+  EXPECT_FALSE(fs::exists(folder_.file("out/b.partial"))) << "it would fill the disk";
+  EXPECT_EQ(folder_.read("scratch/b/x"), "x\n");
+  ASSERT_TRUE(fs::remove(folder_.file("scratch/b/cannot_be_copied")));
+  EXPECT_EQ(toText(countsOf(run())), "3 done (2 before)");
+  EXPECT_EQ(runs(), 3U);
+  EXPECT_EQ(folder_.read("out/b/x"), "x\n");
+  EXPECT_TRUE(fs::is_empty(folder_.file("scratch")));
+}
+
 TEST_F(Batch, ResultsFromScratchNameTheFilesOfTheirFolder)
 {
   settings_.scratch = folder_.file("scratch");

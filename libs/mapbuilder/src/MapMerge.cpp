@@ -224,29 +224,37 @@ std::string writeReferences(const std::vector<RunFolder>& runs,
   return text;
 }
 
-/** Trajectories, table and picture. \return the table as text */
+/** Trajectories, table and picture, each also if another cannot be written. \param report gets the
+ * table as text \return what failed; empty if nothing did */
 std::string writeMerge(const std::vector<RunFolder>& runs,
                        const MergedRuns& joined,
                        const std::vector<Trajectory>& merged,
                        const MapBuilder& builder,
-                       const MapOutputs& outputs)
+                       const MapOutputs& outputs,
+                       MergeReport& report)
 {
+  std::vector<FileWriter> writers;
   for (std::size_t r = 0; r < runs.size(); ++r)
   {
     if (joined.merge.joined(r))
     {
       const Trajectory poses = runs[r].source.levelling().recorded(merged[r]);
-      writeTum(outputs.beside("_" + runs[r].name + "_tum.txt"), poses);
-      writeKittiPoses(outputs.beside("_" + runs[r].name + "_kitti.txt"), poses);
+      const std::string tum = outputs.beside("_" + runs[r].name + "_tum.txt");
+      const std::string kitti = outputs.beside("_" + runs[r].name + "_kitti.txt");
+      writers.push_back({tum, [tum, poses] { writeTum(tum, poses); }});
+      writers.push_back({kitti, [kitti, poses] { writeKittiPoses(kitti, poses); }});
     }
   }
   const Table table = mergeTable(runs, joined, merged);
-  writeWhole(outputs.beside("_merge.csv"), table.toCsv());
+  report.table = table.toText();
+  const std::string csv = outputs.beside("_merge.csv");
+  writers.push_back({csv, [&] { writeWhole(csv, table.toCsv()); }});
   if (!outputs.comparison.empty())
   {
-    writeMergePicture(runs, joined.merge, builder, outputs.comparison);
+    writers.push_back({outputs.comparison, [&]
+                       { writeMergePicture(runs, joined.merge, builder, outputs.comparison); }});
   }
-  return table.toText();
+  return writeEach(writers);
 }
 }  // namespace
 
@@ -300,11 +308,21 @@ MergeReport mergeMaps(const std::vector<RunFolder>& runs,
   builder.finish();
   MergeReport report;
   static_cast<MapReport&>(report) = writeMapOutputs(builder, of_map, listener);
-  report.references = writeReferences(runs, joined.merge, merged, outputs);
-  report.table = writeMerge(runs, joined, merged, builder, outputs);
+  const std::string of_references =
+      writeEach({{outputs.beside("_merge_references.csv"), [&]
+                  { report.references = writeReferences(runs, joined.merge, merged, outputs); }}});
+  const std::string of_merge = writeMerge(runs, joined, merged, builder, outputs, report);
   report.joined = joinedRuns(joined.merge);
   report.scans = scans;
-  report.problem = problem.empty() ? problem : problem + "; the map of the rest was written";
+  for (const std::string& more :
+       {of_references, of_merge,
+        problem.empty() ? problem : problem + "; the map of the rest was written"})
+  {
+    if (!more.empty())
+    {
+      appendWord(report.problem, more, "; ");
+    }
+  }
   return report;
 }
 }  // namespace dyslam

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/base/Error.h>
 #include <dyslam/base/Printable.h>
+#include <dyslam/base/Words.h>
 #include <dyslam/mapbuilder/MapRun.h>
 #include <dyslam/mapbuilder/ScanReading.h>
 
@@ -76,8 +77,10 @@ MapReport buildMap(const RecordingOnTrajectory& recording,
   }
   if (!damage.empty())
   {
-    report.problem = damage + "; the map of the " + std::to_string(report.scans) +
-                     " scans before it was written";
+    appendWord(report.problem,
+               damage + "; the map of the " + std::to_string(report.scans) +
+                   " scans before it was written",
+               "; ");
   }
   return report;
 }

@@ -9,6 +9,7 @@
 #include <dyslam/mapexport/MapClouds.h>
 
 #include <cstdio>
+#include <exception>
 #include <filesystem>
 #include <string>
 #include <vector>
@@ -157,24 +158,74 @@ void writeOther(MapBuilder& builder,
   }
 }
 
-void writePictures(const MapBuilder& builder, const MapOutputs& outputs)
-{
-  if (!outputs.picture.empty())
-  {
-    writeMapPicture(builder, outputs.picture);
-  }
-  if (!outputs.comparison.empty() && builder.uncleanedMap() != nullptr)
-  {
-    writeCleaningPicture(builder, outputs.comparison);
-  }
-}
-
 void writeLabelledMap(const LabelledMap& map, const std::string& path)
 {
   writeCloud(path, map.points());
   writeLabels(fs::path(path).replace_extension(".label").string(), map.labels());
 }
+
+/** Writers of all outputs. \param report gets the number of points of the clouds */
+std::vector<FileWriter> writersOf(const MapOutputs& outputs,
+                                  MapBuilder& builder,
+                                  MapListener& listener,
+                                  MapReport& report)
+{
+  std::vector<FileWriter> writers;
+  if (const auto clouds = cloudsOf(outputs); !clouds.empty())
+  {
+    writers.push_back({namesOf(clouds), [&outputs, &builder, &listener, &report, clouds] {
+                         report.points = writeClouds(builder, clouds, outputs.exports, listener);
+                       }});
+  }
+  for (const std::string& path : outputs.maps)
+  {
+    if (mapFormatOf(path) != MapFormat::cloud)
+    {
+      writers.push_back({path, [&] { writeOther(builder, path, outputs.exports, listener); }});
+    }
+  }
+  if (!outputs.picture.empty())
+  {
+    writers.push_back({outputs.picture, [&] { writeMapPicture(builder, outputs.picture); }});
+  }
+  if (!outputs.comparison.empty() && builder.uncleanedMap() != nullptr)
+  {
+    writers.push_back(
+        {outputs.comparison, [&] { writeCleaningPicture(builder, outputs.comparison); }});
+  }
+  if (const std::string ini = outputs.settingsFile(); !ini.empty())
+  {
+    writers.push_back({ini, [&outputs, ini] { writeWhole(ini, outputs.settings.toIni()); }});
+  }
+  if (!outputs.labelled_map.empty())
+  {
+    writers.push_back({outputs.labelled_map,
+                       [&] { writeLabelledMap(builder.labelledMap(), outputs.labelled_map); }});
+  }
+  return writers;
+}
 }  // namespace
+
+std::string writeEach(const std::vector<FileWriter>& writers)
+{
+  std::string failures;
+  for (const FileWriter& writer : writers)
+  {
+    try
+    {
+      writer.write();
+    }
+    catch (const UserError& error)
+    {
+      appendWord(failures, error.what(), "; ");
+    }
+    catch (const std::exception& error)
+    {
+      appendWord(failures, writer.name + ": " + error.what(), "; ");
+    }
+  }
+  return failures;
+}
 
 void requireValidExports(const MapOutputs& outputs)
 {
@@ -218,29 +269,10 @@ MapReport writeMapOutputs(MapBuilder& builder, const MapOutputs& outputs, MapLis
   const bool whole = outputs.needWholeMap();
   report.voxel_size = whole ? builder.map().voxelSize() : builder.options().map.voxel_size;
   report.points = whole ? builder.map().pointCount() : 0;
-  if (const auto clouds = cloudsOf(outputs); !clouds.empty())
-  {
-    report.points = writeClouds(builder, clouds, outputs.exports, listener);
-  }
-  for (const auto& path : outputs.maps)
-  {
-    if (mapFormatOf(path) != MapFormat::cloud)
-    {
-      writeOther(builder, path, outputs.exports, listener);
-    }
-  }
-  writePictures(builder, outputs);
+  report.problem = writeEach(writersOf(outputs, builder, listener, report));
   if (!builder.memoryProblem().empty())
   {
     listener.warn(builder.memoryProblem());
-  }
-  if (const std::string ini = outputs.settingsFile(); !ini.empty())
-  {
-    writeWhole(ini, outputs.settings.toIni());
-  }
-  if (!outputs.labelled_map.empty())
-  {
-    writeLabelledMap(builder.labelledMap(), outputs.labelled_map);
   }
   return report;
 }

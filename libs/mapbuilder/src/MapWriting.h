@@ -6,8 +6,22 @@
 #include <dyslam/mapbuilder/MapOutputs.h>
 #include <dyslam/mapbuilder/MapRun.h>
 
+#include <functional>
+#include <string>
+#include <vector>
+
 namespace dyslam
 {
+/** Writes a file, or files that belong together. */
+struct FileWriter
+{
+  std::string name;  //!< for errors that do not name the file
+  std::function<void()> write;
+};
+
+/** Calls all writers, also after one that fails. \return what failed; empty if nothing did */
+[[nodiscard]] std::string writeEach(const std::vector<FileWriter>& writers);
+
 /** Checks the export options before anything is read. \throws UserError. */
 void requireValidExports(const MapOutputs& outputs);
 
@@ -16,6 +30,6 @@ void requireValidExports(const MapOutputs& outputs);
 
 /** Writes the maps, the picture, the picture of what was removed (with an uncleaned map), the
  * settings and the labelled map. Warns of coordinates that are relative to an origin.
- * \return all but MapReport::scans and `problem`. \throws UserError. */
+ * \return all but MapReport::scans; `problem` names the files that could not be written */
 MapReport writeMapOutputs(MapBuilder& builder, const MapOutputs& outputs, MapListener& listener);
 }  // namespace dyslam

@@ -298,6 +298,42 @@ TEST_F(MapRun, OfMergedRunsEveryDamagedRecordingIsNamed)
   EXPECT_TRUE(contains(report.problem, "; the map of the rest was written")) << report.problem;
 }
 
+TEST_F(MapRun, AFileThatCannotBeWrittenDoesNotKeepTheOthersFromBeingWritten)
+{
+  fs::create_directories(folder.file("m.bt"));
+  outputs.maps = {folder.file("m.bt"), folder.file("m.png")};
+  outputs.picture = folder.file("picture.png");
+  const MapReport report = build();
+  EXPECT_TRUE(contains(report.problem, folder.file("m.bt") + ": is a folder")) << report.problem;
+  EXPECT_EQ(8U, report.keyframes);
+  for (const char* file : {"m.png", "m.yaml", "picture.png", "m.effective.ini"})
+  {
+    EXPECT_GT(fs::file_size(folder.file(file)), 0U) << file;
+  }
+}
+
+TEST_F(MapRun, AMergeWritesItsTrajectoriesIfTheMapCannotBeWritten)
+{
+  const test::BoxWorld world(13, 30, 20);
+  const std::vector<Pose> poses = test::driveAround(30, 20, 90, 1.5);
+  const auto runs =
+      test::listOf(wholeRun(folder, "monday", world, poses, 5000),
+                   wholeRun(folder, "tuesday", world, {poses.begin(), poses.begin() + 30}, 6000));
+  fs::create_directories(folder.file("m.ply"));
+  fs::create_directories(folder.file("m_monday_tum.txt"));
+  outputs.maps = {folder.file("m.ply")};
+  const MergeReport report = mergeMaps(runs, {}, options, outputs, listener);
+  EXPECT_EQ(2U, report.joined);
+  EXPECT_TRUE(contains(report.problem, folder.file("m.ply") + ": is a folder")) << report.problem;
+  EXPECT_TRUE(contains(report.problem, folder.file("m_monday_tum.txt") + ": is a folder"))
+      << report.problem;
+  for (const char* file : {"m_monday_kitti.txt", "m_tuesday_tum.txt", "m_merge.csv"})
+  {
+    EXPECT_GT(fs::file_size(folder.file(file)), 0U) << file;
+  }
+  EXPECT_FALSE(report.table.empty());
+}
+
 /** Two runs of one place, of which the second knows where it is on the earth and its vertical. */
 std::vector<RunFolder> runsOnTheEarth(const TestFolder& folder, double east_of_first = 0)
 {
@@ -412,6 +448,16 @@ TEST_F(MapRun, TilesThatAreTooSmallAreRefusedBeforeAnythingIsRead)
   EXPECT_TRUE(contains(
       messageOfError<UserError>([&] { (void)mergeMaps(runs, {}, options, outputs, listener); }),
       "tile_size"));
+  EXPECT_TRUE(listener.log.empty());
+}
+
+TEST_F(MapRun, HeightsOfObstaclesInTheWrongOrderAreRefusedBeforeAnythingIsRead)
+{
+  outputs.maps = {folder.file("m.png")};
+  outputs.exports.obstacle_min_height = outputs.exports.obstacle_max_height;
+  recording.rawlog = folder.file("none.rawlog");
+  EXPECT_TRUE(contains(messageOfError<UserError>([&] { (void)build(); }),
+                       "[map_export] obstacle_min_height must be below obstacle_max_height"));
   EXPECT_TRUE(listener.log.empty());
 }
 

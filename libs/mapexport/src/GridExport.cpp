@@ -292,10 +292,6 @@ double writeOccupancyGrid(const StaticMap& map,
                           const MapProgress& on_keyframe)
 {
   validate(options, "map_export");
-  if (options.obstacle_min_height >= options.obstacle_max_height)
-  {
-    throw UserError("map_export: obstacle_min_height must be below obstacle_max_height");
-  }
   const MapPoints points = map.points();
   Grid grid = emptyGrid(points, options);
   const GridGround ground(points);

@@ -48,13 +48,14 @@ void appendDate(std::string& out, const std::optional<double>& stamp)
 void appendExtraBytes(std::string& out, const std::string& name, const std::string& description)
 {
   constexpr char float32 = 9;
+  constexpr std::size_t text_size = 32;  // of the name, and of the description at the end
   const std::size_t begin = out.size();
   out.append(2, '\0');  // reserved
   out.push_back(float32);
   out.push_back('\0');  // options: no_data, min, max, scale and offset are not stated
-  appendText(out, name, 32);
-  out.append(extra_bytes_size - 32 - (out.size() - begin - 32) - 32, '\0');
-  appendText(out, description, 32);
+  appendText(out, name, text_size);
+  out.resize(begin + extra_bytes_size - text_size, '\0');
+  appendText(out, description, text_size);
 }
 
 class LasFormat : public CloudFormat

@@ -45,6 +45,10 @@ void MapExportOptions::describe(OptionsVisitor& v)
          "height above ground up to which objects can be driven over [m]");
   v.real("obstacle_max_height", obstacle_max_height, -10, 100,
          "height above ground from which objects can be driven under [m]");
+  if (obstacle_min_height >= obstacle_max_height)
+  {
+    throw UserError("[map_export] obstacle_min_height must be below obstacle_max_height");
+  }
   v.integer(
       "obstacle_min_hits", obstacle_min_hits, 1, 1000,
       "least number of keyframes that observed an obstacle; 1: ghosts of moving objects stay");

@@ -8,6 +8,8 @@
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
+#include <system_error>
+#include <vector>
 
 #include "settings/PathSettings.h"
 
@@ -22,16 +24,18 @@ fs::path labelsOfFirstPass(const std::string& output)
   return fs::path(output) / "first_pass" / "labels";
 }
 
-/** Removes only the label files in a folder. */
-void removeLabels(const fs::path& folder)
+/** Only the label files in a folder, which may have files of the user, too. */
+std::vector<fs::path> labelFilesIn(const fs::path& folder)
 {
+  std::vector<fs::path> files;
   for (const auto& entry : entriesOf(folder))
   {
     if (entry.path().extension() == ".label")
     {
-      fs::remove(entry.path());
+      files.push_back(entry.path());
     }
   }
+  return files;
 }
 }  // namespace
 
@@ -84,12 +88,16 @@ std::string keepLabelsOfFirstPass(const std::string& output)
       }
     }
     fs::create_directories(kept);
-    removeLabels(kept);
-    for (const auto& entry : entriesOf(made))
+    for (const fs::path& earlier : labelFilesIn(kept))
     {
-      fs::rename(entry.path(), kept / entry.path().filename());
+      fs::remove(earlier);
     }
-    fs::remove(made);
+    for (const fs::path& label : labelFilesIn(made))
+    {
+      fs::rename(label, kept / label.filename());
+    }
+    std::error_code ignored;
+    fs::remove(made, ignored);  // succeeds only if the folder is empty
   }
   catch (const fs::filesystem_error& error)
   {

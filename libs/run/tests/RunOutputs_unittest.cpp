@@ -371,6 +371,33 @@ TEST_F(RunOutputsTest, TheLastCheckpointStaysForAResumedRun)
   }
 }
 
+TEST_F(RunOutputsTest, TheStateStaysForWhatFailedAfterIt)
+{
+  const auto stays = [this](const RunOutputKind& kind, const std::string& ended_early)
+  {
+    const Config given;
+    ConfigLoader config(given);
+    RunOutputs outputs(settings_, config, {settings_row, kind, report_row});
+    outputs.open();
+    for (std::size_t i = 0; i < 5; ++i)
+    {
+      Frame frame;
+      frame.index = i;
+      outputs.add(frame);
+    }
+    outputs.checkpoint([](StateFileWriter&) {}, RunResults());
+    RunResults results;
+    results.report.ended_early = ended_early;
+    outputs.finish(results);
+    return has("resume.state");
+  };
+  EXPECT_FALSE(stays({makeA<Failure::none, false>}, ""));
+  EXPECT_TRUE(stays({makeA<Failure::finish, false>}, ""));
+  EXPECT_FALSE(stays({makeA<Failure::finish, false>}, "damaged")) << "it would end there again";
+  EXPECT_FALSE(stays({makeA<Failure::add, false>}, "")) << "it failed before";
+  EXPECT_FALSE(stays({makeA<Failure::add, true>}, "")) << "it failed before";
+}
+
 TEST_F(RunOutputsTest, WithoutAStateNoFilesAreKept)
 {
   for (const bool fails : {false, true})

@@ -104,6 +104,15 @@ TEST_F(TwoPassRun, TheLabelsOfTheFirstPassHaveAnAbsolutePath)
             labelsIn(runs_[1].config));
 }
 
+TEST_F(TwoPassRun, FilesOfTheUserAmongTheLabelsStayThere)
+{
+  folder_.write("run/labels/notes.txt", "mine");
+  request_.passes = 2;
+  EXPECT_EQ(Pass::second, run().pass);
+  EXPECT_EQ("mine", folder_.read("run/labels/notes.txt"));
+  EXPECT_EQ("0000", folder_.read("run/first_pass/labels/000000.label"));
+}
+
 TEST_F(TwoPassRun, TheOnlyPassHasTheSettingsOfTheRequest)
 {
   request_.settings.probabilities = true;

@@ -9,6 +9,7 @@
 #include <exception>
 #include <filesystem>
 #include <future>
+#include <string_view>
 #include <utility>
 
 #include "../folder/OutputFolder.h"
@@ -70,6 +71,7 @@ RunOutputs::RunOutputs(const SlamRunSettings& settings,
       force_(settings.force),
       config_(config),
       kept_files_(folder_),
+      warn_(settings.warn),
       checkpoints_(folder_, settings.warn)
 {
   inputs_ = settings.inputs;
@@ -128,13 +130,46 @@ void RunOutputs::exchangeState(StateArchive& archive, bool slow)
     }
     bool goes_on = entry.output != nullptr;
     archive(goes_on, entry.failure);
-    if (goes_on)
-    {
-      entry.output->exchangeState(archive);
-    }
-    else
+    entry.is_lost = !goes_on;
+    if (!goes_on)
     {
       entry.output.reset();
+      continue;
+    }
+    StateArchive saved;
+    if (!archive.isLoading())
+    {
+      entry.output->exchangeState(saved);
+    }
+    std::string bytes = saved.bytes();
+    archive(bytes);
+    if (archive.isLoading())
+    {
+      loadState(bytes, entry);
+    }
+  }
+}
+
+void RunOutputs::loadState(const std::string& bytes, Entry& entry) const
+{
+  try
+  {
+    StateArchive archive{std::string_view(bytes)};
+    entry.output->exchangeState(archive);
+    archive.requireEnd();
+  }
+  catch (const UserError& error)
+  {
+    if (!entry.slow)
+    {
+      throw;
+    }
+    entry.failure = error.what();
+    entry.is_lost = true;
+    entry.output.reset();
+    if (warn_)
+    {
+      warn_(entry.failure + "; the run goes on without it");
     }
   }
 }
@@ -300,12 +335,17 @@ void RunOutputs::finish(RunResults& results)
     listFiles(entry, results.report);
   }
   writer_->finish();  // a checkpoint may still be written
-  removeState();
+  removeState(results.report.ended_early.empty());
 }
 
-void RunOutputs::removeState()
+void RunOutputs::removeState(bool at_end)
 {
-  if (is_stopped_ && are_files_kept_ && checkpoints_.isResumable())
+  const bool can_be_completed =
+      at_end &&
+      std::any_of(entries_.begin(), entries_.end(),
+                  [](const Entry& entry) { return !entry.failure.empty() && !entry.is_lost; });
+  const bool is_stopped = is_stopped_ && are_files_kept_;
+  if ((is_stopped || can_be_completed) && checkpoints_.isResumable())
   {
     kept_files_.removeUnchanged();
     return;

@@ -20,7 +20,8 @@ namespace dyslam
 /** All outputs that a run writes to its folder.
  *
  * An output that fails (for example on a full disk) is disabled; the others continue, and the
- * reasons are in RunResults::failures at the end. */
+ * reasons are in RunResults::failures at the end. The last state then stays, so that a resumed run
+ * writes what failed after it. */
 class RunOutputs
 {
  public:
@@ -68,6 +69,7 @@ class RunOutputs
     bool slow = false;
     FrameParts final_parts = FrameParts::none;  //!< of final frames; none: it gets causal ones
     std::string failure;                        //!< why it has failed; empty if it has not
+    bool is_lost = false;  //!< it had failed when the last state was saved, or cannot be continued
 
     [[nodiscard]] bool getsFinal() const { return final_parts != FrameParts::none; }
   };
@@ -81,10 +83,14 @@ class RunOutputs
   void waitForWriter();
   /** Called in the writing thread, after the last state. */
   void keepFiles();
-  /** Called at the end: removes the state, unless the run was stopped and can be resumed. */
-  void removeState();
+  /** Called at the end: removes the state, unless the run can be resumed and was stopped, or lacks
+   * outputs that a resumed run can write. \param at_end the run reached the end of the recording */
+  void removeState(bool at_end);
   /** State of the outputs of one thread. */
   void exchangeState(StateArchive& archive, bool slow);
+  /** Loads the state of an output. A slow one ends if it cannot be continued: its file was removed
+   * when it could not be written. \throws UserError for other outputs. */
+  void loadState(const std::string& bytes, Entry& entry) const;
 
   std::string folder_;
   bool force_;
@@ -97,6 +103,7 @@ class RunOutputs
   bool is_stopped_ = false;      //!< the last checkpoint stopped the run
   bool are_files_kept_ = false;  //!< read once the writing thread has ended
   std::vector<Entry> entries_;
+  std::function<void(const std::string&)> warn_;  //!< may be empty
   CheckpointWriter checkpoints_;
   std::unique_ptr<JobThread> writer_;  //!< last: its jobs use the entries and checkpoints
 };

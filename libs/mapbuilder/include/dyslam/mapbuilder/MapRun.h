@@ -42,7 +42,9 @@ struct MapReport
   std::size_t keyframes = 0;
   std::size_t points = 0;  //!< number of points of the clouds, or of the map
   double voxel_size = 0;   //!< side of the map's voxels [m]
-  std::string problem;     //!< what the files lack: scans after damage, runs; empty if nothing
+  /** Files that could not be written, and what the others lack: scans after damage, runs; empty if
+   * nothing. */
+  std::string problem;
 };
 
 /** Summary of a map of several runs. */
@@ -55,8 +57,9 @@ struct MergeReport : MapReport
 
 /** Builds the static map of a recording along a trajectory, and writes it.
  *
- * If the recording turns out damaged halfway, the map has the scans before the damage.
- * \throws UserError for bad input, and for files that cannot be written. */
+ * If the recording turns out damaged halfway, the map has the scans before the damage. If a file
+ * cannot be written, the others are: MapReport::problem.
+ * \throws UserError for bad input. */
 MapReport buildMap(const RecordingOnTrajectory& recording,
                    const MapBuilderOptions& options,
                    const MapOutputs& outputs,

@@ -61,7 +61,7 @@ void writeOctomap(const StaticMap& map,
  * to the origin), or with any other ending a PNG, and `x.yaml` for ROS's map_server beside it. In a
  * grid finer than the voxels, obstacles in neighbouring columns of voxels are connected.
  * \return side of the cells [m], more than grid_resolution if there were more than grid_max_cells
- * \throws UserError if obstacle_min_height is not below obstacle_max_height. */
+ */
 double writeOccupancyGrid(const StaticMap& map,
                           const std::string& path,
                           const MapExportOptions& options,
