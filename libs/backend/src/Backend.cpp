@@ -5,12 +5,12 @@
 #include <dyslam/base/StateArchive.h>
 #include <mrpt/graphs/CNetworkOfPoses.h>
 
-#include <Eigen/Dense>
 #include <algorithm>
 #include <stdexcept>
 #include <utility>
 
 #include "BackendState.h"
+#include "graph/CovarianceInverse.h"
 #include "graph/PoseGraphView.h"
 
 namespace dyslam
@@ -48,9 +48,9 @@ void Backend::State::addKeyframe(const Frame& frame)
   else
   {
     constexpr double floor = 1e-12;  // keeps the covariance positive definite [m^2, rad^2]
-    Matrix6 information = (since_keyframe.covariance() + floor * Matrix6::Identity()).inverse();
-    information = 0.5 * (information + information.transpose()).eval();
-    graph.add(std::make_unique<OdometryFactor>(id - 1, id, since_keyframe.motion(), information));
+    const Matrix6 covariance = since_keyframe.covariance() + floor * Matrix6::Identity();
+    graph.add(std::make_unique<OdometryFactor>(id - 1, id, since_keyframe.motion(),
+                                               informationFromCovariance(covariance)));
   }
   keyframes.add(keyframe);
   odometry.beginAtKeyframe();

@@ -225,6 +225,37 @@ TEST(Backend, UnconvergedOdometryOrInvalidInformationMeansLittleTrust)
       << "not settled, or after a gap";
 }
 
+/** As by a registration along a corridor of exact planes: one direction is known to rounding errors
+ * only. */
+TEST(Backend, ADirectionThatIsNearlyUnknownEndsNoRun)
+{
+  std::mt19937 generator(1);
+  std::normal_distribution<double> normal;
+  BackendRun run;
+  for (std::size_t i = 0; i < 60; ++i)
+  {
+    Matrix6 random;
+    for (Eigen::Index k = 0; k < random.size(); ++k)
+    {
+      random.data()[k] = normal(generator);
+    }
+    const Matrix6 axes = random.householderQr().householderQ();
+    Vector6 information = Vector6::Constant(1e7);
+    information[5] = 1e-9;
+    Frame frame;
+    frame.index = i;
+    frame.scan.stamp = 0.1 * static_cast<double>(i);
+    frame.motion.status = MotionStatus::converged;
+    frame.motion.information = axes * information.asDiagonal() * axes.transpose();
+    frame.motion.information =
+        0.5 * (frame.motion.information + frame.motion.information.transpose()).eval();
+    frame.T_odom_vehicle = poseFromYpr(2.0 * static_cast<double>(i), 0, 0, 0, 0, 0);
+    run.backend.addFrame(frame);
+  }
+  run.backend.finish();
+  EXPECT_EQ(run.backend.graph().edges.size(), 59U);
+}
+
 TEST(Backend, ScansThatWereNotRegisteredMakeNoLoops)
 {
   const BoxWorld world(21, 30, 20);

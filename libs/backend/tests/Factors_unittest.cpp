@@ -15,6 +15,7 @@
 #include <stdexcept>
 
 #include "NoisyDrive.h"
+#include "graph/CovarianceInverse.h"
 #include "graph/PoseManifold.h"
 
 namespace dyslam
@@ -225,6 +226,32 @@ TEST(Factor, WhiteningIsTheUpperRootOfTheInformation)
   EXPECT_LT((factor.information() - information).norm(), 1e-12 * information.norm());
   const Vector6 x = randomTwist(rng, 1, 1);
   EXPECT_NEAR((factor.whitening() * x).squaredNorm(), x.dot(information * x), 1e-12);
+}
+
+TEST(CovarianceInverse, IsTheInverseOrAtLeastPositiveDefinite)
+{
+  std::mt19937 generator(1);
+  std::normal_distribution<double> normal;
+  for (int exponent = -30; exponent <= 30; ++exponent)
+  {
+    Matrix6 random;
+    for (Eigen::Index i = 0; i < random.size(); ++i)
+    {
+      random.data()[i] = normal(generator);
+    }
+    const Matrix6 axes = random.householderQr().householderQ();
+    Vector6 variances = Vector6::Constant(1e-6);
+    variances[5] = std::pow(10.0, exponent);
+    const Matrix6 product = axes * variances.asDiagonal() * axes.transpose();
+    const Matrix6 covariance = 0.5 * (product + product.transpose());
+    const Matrix6 information = informationFromCovariance(covariance);
+    EXPECT_TRUE(information == information.transpose()) << exponent;
+    EXPECT_EQ(information.llt().info(), Eigen::Success) << exponent;
+    if (std::abs(exponent + 6) < 6)
+    {
+      EXPECT_TRUE((information * covariance).isIdentity(1e-6)) << exponent;
+    }
+  }
 }
 
 TEST(Factor, KeysAndKindsAreTold)

@@ -196,7 +196,6 @@ std::string truthFolder(const std::string& given, const std::string& folder, con
   }
   return groundTruthFolder(recordingOfRun(folder, input->get<std::string>()));
 }
-}  // namespace
 
 /** Whether a folder has output folders of runs in it. */
 bool hasRuns(const std::string& folder)
@@ -206,6 +205,7 @@ bool hasRuns(const std::string& folder)
                      [](const fs::directory_entry& entry)
                      { return fs::exists(entry.path() / "trajectory_tum.txt"); });
 }
+}  // namespace
 
 std::string whyNoRun(const std::string& folder)
 {

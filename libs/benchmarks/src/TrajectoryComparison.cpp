@@ -49,18 +49,13 @@ void requireNoTimeFlags(const PoseReading& a, const std::string& file)
   }
 }
 
-/** The poses whose position is finite. */
-Trajectory finitePoses(const Trajectory& trajectory)
+/** \throws UserError for a single pose: errors are of the motion between two. */
+void requireTwoPoses(const Trajectory& trajectory, const std::string& path)
 {
-  Trajectory finite;
-  for (const StampedPose& pose : trajectory)
+  if (trajectory.size() < 2)
   {
-    if (pose.pose.translation().allFinite())
-    {
-      finite.push_back(pose.stamp, pose.pose);
-    }
+    throw UserError(path + ": has one pose; errors need two or more");
   }
-  return finite;
 }
 
 /** Mean over the estimates, for benchmarks of several sequences; the drift over those that are long
@@ -100,17 +95,10 @@ PosePairs pairFiles(const std::string& reference_path,
   {
     estimate.trajectory[i].stamp += a.time_offset.value_or(0);
   }
-  if (reference.trajectory.empty() || estimate.trajectory.empty())
-  {
-    throw UserError((reference.trajectory.empty() ? reference_path : estimate_path) +
-                    ": has no poses");
-  }
+  requireTwoPoses(reference.trajectory, reference_path);
+  requireTwoPoses(estimate.trajectory, estimate_path);
   if (reference.format == TrajectoryFormat::tum && estimate.format == TrajectoryFormat::tum)
   {
-    if (estimate.trajectory.size() < 2)
-    {
-      throw UserError(estimate_path + ": has one pose; errors need two or more");
-    }
     PosePairs pairs = associateByTime(reference.trajectory, estimate.trajectory, tolerance);
     if (pairs.size() < 2)
     {
@@ -154,13 +142,9 @@ void addMeanRow(Table& table, const std::vector<TrajectoryReport>& reports)
 
 PathSummary readPath(const std::string& path, const PoseReading& reading)
 {
-  const TrajectoryFile file = readPoses(path, reading.camera == "estimate", reading.calib);
+  TrajectoryFile file = readPoses(path, reading.camera == "estimate", reading.calib);
   PathSummary summary;
-  summary.trajectory = finitePoses(file.trajectory);
-  if (summary.trajectory.empty())
-  {
-    throw UserError(path + ": has no poses");
-  }
+  summary.trajectory = std::move(file.trajectory);
   const StampedPose& first = summary.trajectory[0];
   const StampedPose& last = summary.trajectory[summary.trajectory.size() - 1];
   if (file.format == TrajectoryFormat::tum)

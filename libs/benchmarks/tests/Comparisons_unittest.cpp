@@ -21,6 +21,7 @@
 #include <nlohmann/json.hpp>
 #include <stdexcept>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "TestFolder.h"
@@ -106,6 +107,21 @@ TEST(TrajectoryComparison, TimesAreShiftedAndTheirDifferenceIsLimited)
   EXPECT_EQ(pairs().size(), 10U);
   reading.tolerance = 0.001;
   EXPECT_TRUE(contains(messageOfError<UserError>(pairs), "within --tolerance 0.001 s"));
+}
+
+TEST(TrajectoryComparison, ASinglePoseIsRefusedInEitherFile)
+{
+  const TestFolder folder;
+  writeKittiPoses(folder.file("one.txt"), kittiSteps(1));
+  writeKittiPoses(folder.file("many.txt"), kittiSteps(5));
+  const std::string one = folder.file("one.txt") + ": has one pose; errors need two or more";
+  for (const auto& [reference, estimate] :
+       {std::make_pair("many.txt", "one.txt"), std::make_pair("one.txt", "many.txt")})
+  {
+    EXPECT_EQ(messageOfError<UserError>([&, r = folder.file(reference), e = folder.file(estimate)]
+                                        { (void)pairFiles(r, e, {}, ignore); }),
+              one);
+  }
 }
 
 TEST(TrajectoryComparison, OfOnePathAreItsLengths)

@@ -167,7 +167,7 @@ void PoseGraphSolverOptions::describe(OptionsVisitor& visitor)
 
 PoseGraphSolver::PoseGraphSolver(const PoseGraphSolverOptions& options) : options_(options)
 {
-  validate(options_, "solver");
+  validate(options_, "pose_graph");
 }
 
 PoseGraphResult PoseGraphSolver::solve(PoseGraph& graph) const

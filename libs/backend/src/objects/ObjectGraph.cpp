@@ -12,6 +12,8 @@
 #include <cmath>
 #include <memory>
 
+#include "graph/CovarianceInverse.h"
+
 namespace dyslam
 {
 namespace
@@ -52,6 +54,12 @@ Matrix6 reversed(const Matrix6& covariance)
   Vector6 sign;
   sign << -1, -1, 1, -1, -1, 1;  // half a turn about z
   return sign.asDiagonal() * covariance * sign.asDiagonal();
+}
+
+/** Information of an observation. \param sigma_scale factor on its standard deviations */
+Matrix6 informationOf(const Matrix6& covariance, double sigma_scale)
+{
+  return informationFromCovariance(covariance * sigma_scale * sigma_scale);
 }
 
 bool isReversed(const Pose& a, const Pose& b)
@@ -160,12 +168,6 @@ void ObjectGraph::removeFromGraph(const ObjectKey& key, Object& object)
   graph_.remove(staticKey(key));
   object.in_graph = 0;
   object.mean = {};
-}
-
-Matrix6 ObjectGraph::informationOf(const Matrix6& covariance, double sigma_scale) const
-{
-  const Matrix6 inverse = (covariance * sigma_scale * sigma_scale).inverse();
-  return 0.5 * (inverse + inverse.transpose());
 }
 
 void ObjectGraph::insertStanding(const ObjectKey& object_key,

@@ -140,7 +140,6 @@ class ObjectGraph
    * object jumped. */
   void addMotionFactors(int id, const Observation& before, const Observation& now);
   void removeFromGraph(const ObjectKey& key, Object& object);
-  [[nodiscard]] Matrix6 informationOf(const Matrix6& covariance, double sigma_scale) const;
   [[nodiscard]] std::vector<Key> velocitiesAt(int id, const Object& object, std::size_t i) const;
   void fillCovariances(const std::set<Key>& free, std::map<Key, Matrix6>& covariances) const;
   void appendSmoothed(const ObjectKey& key,

@@ -42,7 +42,7 @@ void addMeanRow(Table& table, const std::vector<TrajectoryReport>& reports);
 struct PathSummary
 {
   std::string name;
-  Trajectory trajectory;           //!< without poses whose position is not finite
+  Trajectory trajectory;
   std::optional<double> duration;  //!< duration [s]; nothing without time stamps
   double length = 0;               //!< length of the path [m]
   double start_to_end = 0;         //!< distance of the last position from the first [m]

@@ -40,7 +40,12 @@ struct TrackRules
 };
 
 /** CLEAR-MOT (Bernardin and Stiefelhagen, 2008) at one confidence threshold. Ratios are fractions,
- * 1 is 100 %; NaN where the denominator is 0, such as the precision without an estimate. */
+ * 1 is 100 %; NaN where the denominator is 0, such as the precision without an estimate.
+ *
+ * Under KITTI's image rules the figures are those of the benchmark's script, but for two cases that
+ * it counts and this does not: a match of an ignored box that is the first of its track, as tracked
+ * (which may also make a switch or a fragmentation later); and the match of a track's last box, if
+ * none precedes it since the last ignored box, as a fragmentation. */
 struct ClearMot
 {
   double mota = 0;       //!< at most 1; negative with many false alarms
