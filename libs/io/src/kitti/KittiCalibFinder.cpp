@@ -90,6 +90,11 @@ void KittiCalibFinder::read()
     }
   }
   path_ = firstExisting(options_.calib, candidates);
+  const bool is_folder = !path_.empty() && fs::is_directory(path_);
+  if (options_.kind == KittiKind::kitti360 && is_folder && !isKitti360Calib(path_))
+  {
+    throw UserError(path_ + ": has no calib_cam_to_velo.txt; give KITTI-360's folder calibration");
+  }
   if (!path_.empty())
   {
     calib_ = readKittiCalib(path_);

@@ -227,6 +227,11 @@ class LayoutReader
     if (path.empty())
     {
       readOxtsPoses();
+      if (options_.kind == KittiKind::kitti360)
+      {
+        layout_.warnings.push_back("converted without true poses: no " + poseFiles()[1].string() +
+                                   "; name another file with --poses of kitti2rawlog");
+      }
       return;
     }
     if (options_.kind == KittiKind::kitti360 && hasKitti360Poses(path))

@@ -60,8 +60,9 @@ std::vector<std::string> drivesIn(const fs::path& folder)
 void requireKind(const std::string& input, KittiKind kind)
 {
   const auto found = officialKittiKind(input);
-  // Drives of KITTI-360 differ from raw's by their name alone, which a user may have changed.
-  const bool is_renamed = found == KittiKind::raw && kind == KittiKind::kitti360;
+  // Drives of KITTI-360 are known by their name, which a user may have changed; raw's have oxts.
+  const bool is_renamed =
+      found == KittiKind::raw && kind == KittiKind::kitti360 && !isFolder(fs::path(input) / "oxts");
   if (found && *found != kind && !is_renamed)
   {
     throw OptionError(input + ": has the layout of KITTI " + toString(*found) + "; use --kind " +
