@@ -24,8 +24,10 @@ struct Arguments
   bool quiet = false;
 };
 
-const std::map<std::string, KittiKind> kinds{
-    {"odometry", KittiKind::odometry}, {"raw", KittiKind::raw}, {"tracking", KittiKind::tracking}};
+const std::map<std::string, KittiKind> kinds{{"odometry", KittiKind::odometry},
+                                             {"raw", KittiKind::raw},
+                                             {"tracking", KittiKind::tracking},
+                                             {"360", KittiKind::kitti360}};
 const std::map<std::string, PoseFrame> pose_frames{
     {"auto", PoseFrame::automatic}, {"lidar", PoseFrame::lidar}, {"camera", PoseFrame::camera}};
 
@@ -36,15 +38,16 @@ void declare(CLI::App& app, Arguments& arguments)
 {
   KittiConverterOptions& o = arguments.options;
   app.description("Converts a KITTI recording to an MRPT rawlog with its ground truth beside it");
-  app.add_option("--kind", o.kind, "odometry, raw or tracking")
+  app.add_option("--kind", o.kind, "odometry, raw, tracking or 360 (KITTI-360)")
       ->required()
       ->transform(wordFor(kinds));
   app.add_option("-i,--input", arguments.input, "folder of the recording")->required();
   addOutputFile(app, "-o,--output", arguments.output, "rawlog to write")->required();
   app.add_option("--calib", o.calib,
-                 "calib.txt, or folder with calib_cam_to_cam.txt, calib_velo_to_cam.txt and "
-                 "calib_imu_to_velo.txt");
-  app.add_option("--poses", o.poses, "true poses, TUM or KITTI");
+                 "calib.txt, folder with calib_cam_to_cam.txt, calib_velo_to_cam.txt and "
+                 "calib_imu_to_velo.txt, or calibration of KITTI-360");
+  app.add_option("--poses", o.poses,
+                 "true poses, TUM or KITTI, or poses.txt or cam0_to_world.txt of KITTI-360");
   app.add_option("--pose-frame", o.pose_frame, "frame of these poses: auto, lidar or camera")
       ->transform(wordFor(pose_frames));
   declarePoseSource(app, o.pose_source, "where the true poses are from");
@@ -57,7 +60,8 @@ void declare(CLI::App& app, Arguments& arguments)
   app.add_flag("--gnss", o.gnss, "with the positions of oxts, beside the scans");
   app.add_option("--labels", o.labels, "folder of .label files, one label per point");
   app.add_option("--boxes", o.boxes, "label_02 file, or folder of SUSTechPOINTS json");
-  app.add_option("--sequence", o.sequence, "sequence of tracking's official layout, such as 0000");
+  app.add_option("--sequence", o.sequence,
+                 "sequence of tracking's official layout or drive of KITTI-360, such as 0000");
   app.add_flag("--no-truth", o.no_truth, "scans only: no poses, labels or boxes");
   app.add_option("--times", o.times,
                  "times, a line for each frame number: seconds, or KITTI's timestamps.txt");
@@ -72,9 +76,12 @@ void declare(CLI::App& app, Arguments& arguments)
 
 void run(const Arguments& arguments)
 {
-  if (!arguments.options.sequence.empty() && arguments.options.kind != KittiKind::tracking)
+  const KittiKind kind = arguments.options.kind;
+  if (!arguments.options.sequence.empty() && kind != KittiKind::tracking &&
+      kind != KittiKind::kitti360)
   {
-    throw UserError("--sequence goes with --kind tracking; another recording is its folder, -i");
+    throw UserError(
+        "--sequence goes with --kind tracking or 360; another recording is its folder, -i");
   }
   runConversion(
       "kitti2rawlog", arguments.input, arguments.output, arguments.force, arguments.quiet,

@@ -116,10 +116,10 @@ TEST_F(BadArguments, WordsOfTheCommandLine)
   expectRefusal("dyslam-eval", "--reference x", {"--reference: not expected before the command"});
   expectRefusal("dyslam-eval", "", {"a command is needed (one of: trajectory,"});
   expectRefusal("kitti2rawlog", "--kind foo -i " + at("") + out,
-                {"unknown word 'foo' (one of: odometry, raw, tracking)"});
+                {"unknown word 'foo' (one of: 360, odometry, raw, tracking)"});
   expectRefusal("kitti2rawlog", "--kind 1 -i " + at("") + out, {"unknown word '1'"});
   expectRefusal("kitti2rawlog", "--kind odometry --sequence 0000 -i " + at("") + out,
-                {"--sequence goes with --kind tracking"});
+                {"--sequence goes with --kind tracking or 360"});
   expectRefusal("dyslam", "-i x -o " + at("never") + " --lables",
                 {"unknown option '--lables'", "did you mean '--labels'?"});
   expectRefusal("dyslam", "x.rawlog -o " + at("never"), {"x.rawlog: not expected", "--input"});

@@ -240,6 +240,14 @@ TEST_F(DirectInput, KittiFolders)
   writeKittiPoses(at("drive_sync/poses.txt"), poses_);
   expectSameAsConvertedFirst("kitti2rawlog --kind raw", "drive_sync");
   EXPECT_FALSE(folder_.read("direct_drive_sync/recording.gt/poses_tum.txt").empty());
+
+  const std::string of_360 = "2013_05_28_drive_0000_sync";
+  bins(of_360 + "/velodyne_points/data");
+  folder_.write(of_360 + "/calib_cam_to_velo.txt", "0 0 1 0 -1 0 0 0 0 -1 0 0\n");
+  folder_.write(of_360 + "/calib_cam_to_pose.txt", "image_00: 0 0 1 0 1 0 0 0 0 1 0 0\n");
+  folder_.write(of_360 + "/poses.txt", "1 1 0 0 5 0 -1 0 6 0 0 -1 7\n");
+  expectSameAsConvertedFirst("kitti2rawlog --kind 360", of_360);
+  EXPECT_FALSE(folder_.read("direct_" + of_360 + "/recording.gt/poses_tum.txt").empty());
 }
 
 TEST_F(DirectInput, ARerunConvertsAgain)

@@ -8,6 +8,7 @@
 #include <dyslam/base/StateArchive.h>
 #include <dyslam/core/Frame.h>
 #include <dyslam/formats/Bag.h>
+#include <dyslam/formats/Kitti360Files.h>
 #include <dyslam/formats/KittiFiles.h>
 #include <dyslam/formats/KittiTracks.h>
 #include <dyslam/formats/LabelFiles.h>
@@ -153,6 +154,7 @@ const std::vector<Parser>& parsers()
       {"kitti_calib", "calib.txt", [](const std::string& path) { (void)readKittiCalib(path); }},
       {"kitti_boxes", "a.txt",
        [](const std::string& path) { (void)readKittiTracking(path, Pose::Identity()); }},
+      {"kitti360_poses", "a.txt", [](const std::string& path) { (void)readKitti360Poses(path); }},
       {"oxts", "a.txt", [](const std::string& path) { (void)readOxts(path); }},
       {"motions", "a.csv", [](const std::string& path) { (void)readMotionFile(path); }},
       {"sustech", "a.json", [](const std::string& path) { (void)readSustechJson(path, 0); }},

@@ -36,6 +36,13 @@ bool isNumberedFolder(const std::string& path)
   return isFolder(path) && numberOfName(fs::path(path).filename().string(), "").has_value();
 }
 
+/** Whether a drive of this name is one of KITTI-360, all of which were recorded in one day. KITTI
+ * raw has the same folders, and no drive of that day. */
+bool isDriveOfKitti360(const std::string& name)
+{
+  return name.rfind("2013_05_28_drive_", 0) == 0;
+}
+
 std::string firstMake(const std::string& program, const std::string& path)
 {
   fs::path name = fs::path(path).lexically_normal();
@@ -47,7 +54,18 @@ std::string firstMake(const std::string& program, const std::string& path)
 
 std::string toString(KittiKind kind)
 {
-  return kind == KittiKind::odometry ? "odometry" : kind == KittiKind::raw ? "raw" : "tracking";
+  switch (kind)
+  {
+    case KittiKind::odometry:
+      return "odometry";
+    case KittiKind::raw:
+      return "raw";
+    case KittiKind::tracking:
+      return "tracking";
+    case KittiKind::kitti360:
+      break;
+  }
+  return "360";
 }
 
 std::optional<KittiKind> officialKittiKind(const std::string& folder)
@@ -56,7 +74,7 @@ std::optional<KittiKind> officialKittiKind(const std::string& folder)
   const fs::path path = fs::absolute(fs::path(folder) / "").lexically_normal().parent_path();
   if (hasFile(path / "velodyne_points" / "data", isKittiScan))
   {
-    return KittiKind::raw;
+    return isDriveOfKitti360(path.filename().string()) ? KittiKind::kitti360 : KittiKind::raw;
   }
   if (hasFile(path / "velodyne", isKittiScan))
   {
@@ -168,7 +186,7 @@ std::string conversionAdvice(const std::string& path)
     case RecordingKind::kitti:
       return "is a KITTI recording" +
              firstMake("kitti2rawlog --kind " + toString(kittiKindOf(path).value()), path) +
-             " (--kind is raw, odometry or tracking)";
+             " (--kind is raw, odometry, tracking or 360)";
     case RecordingKind::unknown:
       break;
   }

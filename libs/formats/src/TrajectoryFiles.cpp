@@ -131,7 +131,8 @@ Trajectory readStampedMatrices(const std::string& path)
       {
         file.fail(
             "has 13 fields, of which the first is no time since 1970; without it the poses are "
-            "KITTI's, which are paired line by line");
+            "KITTI's, which are paired line by line; with a frame number they are KITTI-360's, "
+            "which kitti2rawlog --kind 360 reads");
       }
     }
     const Pose pose = poseFromRow(file, file.numbers(1));

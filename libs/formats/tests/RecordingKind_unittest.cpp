@@ -34,6 +34,12 @@ TEST(RecordingKinds, OfficialLayoutsOfKitti)
   { return officialKittiKind(folder.file(name)); };
   folder.write("drive_sync/velodyne_points/data/1.bin", "");
   EXPECT_EQ(KittiKind::raw, kindOf("drive_sync"));
+  const std::string drive = "data_3d_raw/2013_05_28_drive_0000_sync";
+  folder.write(drive + "/velodyne_points/data/1.bin", "");
+  EXPECT_EQ(KittiKind::kitti360, kindOf(drive));
+  EXPECT_EQ(KittiKind::kitti360, kittiKindOf(folder.file(drive + "/")));
+  EXPECT_FALSE(kindOf("data_3d_raw"));
+  EXPECT_TRUE(contains(conversionAdvice(folder.file(drive)), "kitti2rawlog --kind 360 -i"));
   folder.write("testing/velodyne/0000/1.bin", "");
   EXPECT_EQ(KittiKind::tracking, kindOf("testing"));
   folder.write("sequences/00/velodyne/1.bin", "");

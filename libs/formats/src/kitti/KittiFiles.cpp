@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/base/Error.h>
 #include <dyslam/base/Files.h>
+#include <dyslam/formats/Kitti360Files.h>
 #include <dyslam/formats/KittiFiles.h>
 #include <dyslam/formats/TextFile.h>
 #include <dyslam/formats/TrajectoryFiles.h>
@@ -11,9 +12,8 @@
 #include <cstdlib>
 #include <filesystem>
 #include <limits>
-#include <map>
 
-#include "RotationCheck.h"
+#include "CalibEntries.h"
 #include "TrackLines.h"
 
 namespace dyslam
@@ -24,89 +24,11 @@ namespace
 {
 constexpr double earth_radius = 6378137.0;  // [m], as the development kit has it
 
-using CalibEntries = std::map<std::string, std::vector<double>>;
-
-/** `key: numbers` or `key numbers`; entries that hold text (dates) are left out. */
-CalibEntries readEntries(const std::string& path)
-{
-  TextFile file(path, " \t\r:");
-  CalibEntries entries;
-  while (file.next())
-  {
-    const std::string key(file.fields().front());
-    if (key == "calib_time")
-    {
-      continue;
-    }
-    entries[key] = file.numbers(1);
-  }
-  return entries;
-}
-
-const std::vector<double>* find(const CalibEntries& entries,
-                                std::initializer_list<const char*> keys,
-                                std::size_t size,
-                                const std::string& path)
-{
-  for (const char* key : keys)
-  {
-    const auto it = entries.find(key);
-    if (it != entries.end())
-    {
-      if (it->second.size() != size)
-      {
-        throw UserError(path + ": " + key + " has " + std::to_string(it->second.size()) +
-                        " numbers, needs " + std::to_string(size));
-      }
-      return &it->second;
-    }
-  }
-  return nullptr;
-}
-
-const std::vector<double>& require(const CalibEntries& entries,
-                                   std::initializer_list<const char*> keys,
-                                   std::size_t size,
-                                   const std::string& path)
-{
-  const auto* values = find(entries, keys, size, path);
-  if (values == nullptr)
-  {
-    throw UserError(path + ": has no " + *keys.begin());
-  }
-  return *values;
-}
-
-/** The pose whose upper 3 rows of `columns` numbers each are the entry, row by row: 4 for a
- * transformation, 3 for a rotation alone.
- * \throws UserError if the file has none of the keys, or its matrix is not a rotation. */
-Pose requirePose(const CalibEntries& entries,
-                 std::initializer_list<const char*> keys,
-                 std::size_t columns,
-                 const std::string& path)
-{
-  const std::vector<double>& values = require(entries, keys, 3 * columns, path);
-  Pose pose = Pose::Identity();
-  for (std::size_t i = 0; i < values.size(); ++i)
-  {
-    pose.matrix()(static_cast<int>(i / columns), static_cast<int>(i % columns)) = values[i];
-  }
-  if (!isRotation(pose.linear()))
-  {
-    const auto* const key = std::find_if(keys.begin(), keys.end(),
-                                         [&](const char* one) { return entries.count(one) > 0; });
-    throw UserError(path + ": the matrix of " + *key +
-                    " is not a rotation: its rows must be unit vectors at right angles, with a "
-                    "determinant of 1");
-  }
-  return orthonormalised(pose);
-}
-
 Pose poseFromRT(const std::string& path)
 {
-  const auto entries = readEntries(path);
-  Pose pose = requirePose(entries, {"R"}, 3, path);
-  const auto& t = require(entries, {"T"}, 3, path);
+  const CalibEntries entries(path);
+  Pose pose = entries.pose({"R"}, 3);
+  const auto& t = entries.numbers({"T"}, 3);
   pose.translation() = Eigen::Vector3d(t[0], t[1], t[2]);
   return pose;
 }
@@ -128,9 +50,9 @@ KittiCalib readRawFolder(const fs::path& folder)
   calib.has_camera = fs::exists(camera) || fs::exists(lidar) || !fs::exists(imu);
   if (calib.has_camera)
   {
-    const auto entries = readEntries(camera);
-    calib.T_cam_velo = requirePose(entries, {"R_rect_00"}, 3, camera) * poseFromRT(lidar);
-    if (const auto* P2 = find(entries, {"P_rect_02"}, 12, camera))
+    const CalibEntries entries(camera);
+    calib.T_cam_velo = entries.pose({"R_rect_00"}, 3) * poseFromRT(lidar);
+    if (const auto* P2 = entries.find({"P_rect_02"}, 12))
     {
       setP2(*P2, calib);
     }
@@ -141,6 +63,20 @@ KittiCalib readRawFolder(const fs::path& folder)
     calib.has_imu = true;
   }
   return calib;
+}
+
+KittiCalib readFolder(const fs::path& folder)
+{
+  return isKitti360Calib(folder.string()) ? readKitti360Calib(folder.string())
+                                          : readRawFolder(folder);
+}
+
+/** Whether a file of this name is read with the others of its folder. */
+bool isPartOfFolder(const std::string& name)
+{
+  const auto names = {"calib_cam_to_cam.txt", "calib_velo_to_cam.txt", "calib_imu_to_velo.txt",
+                      "calib_cam_to_velo.txt", "calib_cam_to_pose.txt"};
+  return std::find(names.begin(), names.end(), name) != names.end();
 }
 
 OxtsReading oxtsFrom(const TextFile& file)
@@ -175,34 +111,31 @@ KittiCalib readKittiCalib(const std::string& file_or_folder)
 {
   if (fs::is_directory(file_or_folder))
   {
-    return readRawFolder(file_or_folder);
+    return readFolder(file_or_folder);
   }
   const std::string& path = file_or_folder;
-  const std::string name = fs::path(path).filename().string();
-  if (name == "calib_cam_to_cam.txt" || name == "calib_velo_to_cam.txt" ||
-      name == "calib_imu_to_velo.txt")
+  if (isPartOfFolder(fs::path(path).filename().string()))
   {
     const fs::path folder = fs::path(path).parent_path();
-    return readRawFolder(folder.empty() ? fs::path(".") : folder);
+    return readFolder(folder.empty() ? fs::path(".") : folder);
   }
-  const auto entries = readEntries(path);
+  const CalibEntries entries(path);
   KittiCalib calib;
-  if (entries.count("Tr") > 0)
+  if (entries.has("Tr"))
   {
-    calib.T_cam_velo = requirePose(entries, {"Tr"}, 4, path);
+    calib.T_cam_velo = entries.pose({"Tr"}, 4);
   }
   else
   {
-    const Pose rectification = requirePose(entries, {"R_rect", "R0_rect"}, 3, path);
-    calib.T_cam_velo =
-        rectification * requirePose(entries, {"Tr_velo_cam", "Tr_velo_to_cam"}, 4, path);
+    const Pose rectification = entries.pose({"R_rect", "R0_rect"}, 3);
+    calib.T_cam_velo = rectification * entries.pose({"Tr_velo_cam", "Tr_velo_to_cam"}, 4);
   }
-  if (entries.count("Tr_imu_velo") + entries.count("Tr_imu_to_velo") > 0)
+  if (entries.has("Tr_imu_velo") || entries.has("Tr_imu_to_velo"))
   {
-    calib.T_velo_imu = requirePose(entries, {"Tr_imu_velo", "Tr_imu_to_velo"}, 4, path);
+    calib.T_velo_imu = entries.pose({"Tr_imu_velo", "Tr_imu_to_velo"}, 4);
     calib.has_imu = true;
   }
-  if (const auto* P2 = find(entries, {"P2"}, 12, path))
+  if (const auto* P2 = entries.find({"P2"}, 12))
   {
     setP2(*P2, calib);
   }

@@ -37,7 +37,8 @@ std::string whyNotRunFolder(const std::string& folder)
 /** The recording in a folder that was probably meant, for the message; empty if there is none. */
 std::string recordingWithin(const fs::path& folder)
 {
-  for (const fs::path& root : {folder, folder / "sequences", folder / "dataset" / "sequences"})
+  for (const fs::path& root :
+       {folder, folder / "sequences", folder / "dataset" / "sequences", folder / "data_3d_raw"})
   {
     for (const auto& entry : entriesIfReadable(root))
     {

@@ -3,6 +3,7 @@
 
 #include <dyslam/base/Error.h>
 #include <dyslam/base/Files.h>
+#include <dyslam/formats/Kitti360Files.h>
 #include <dyslam/io/OptionError.h>
 
 namespace dyslam
@@ -51,6 +52,15 @@ std::vector<fs::path> KittiCalibFinder::rawFolders() const
           (folderAbove(above) / day).lexically_normal()};
 }
 
+/** Folders that KITTI-360's calibration may be: that of the data set, in which the drive is in
+ * `data_3d_raw`, first. */
+std::vector<fs::path> KittiCalibFinder::foldersOf360() const
+{
+  const fs::path above = folderAbove(input_);
+  return {(folderAbove(above) / "calibration").lexically_normal(),
+          (above / "calibration").lexically_normal(), input_ / "calibration", input_};
+}
+
 void KittiCalibFinder::read()
 {
   std::vector<fs::path> candidates{input_ / "calib.txt"};
@@ -69,7 +79,22 @@ void KittiCalibFinder::read()
       }
     }
   }
+  if (options_.kind == KittiKind::kitti360)
+  {
+    for (const fs::path& folder : foldersOf360())
+    {
+      if (isKitti360Calib(folder.string()))
+      {
+        candidates.push_back(folder);
+      }
+    }
+  }
   path_ = firstExisting(options_.calib, candidates);
+  const bool is_folder = !path_.empty() && fs::is_directory(path_);
+  if (options_.kind == KittiKind::kitti360 && is_folder && !isKitti360Calib(path_))
+  {
+    throw UserError(path_ + ": has no calib_cam_to_velo.txt; give KITTI-360's folder calibration");
+  }
   if (!path_.empty())
   {
     calib_ = readKittiCalib(path_);
@@ -84,6 +109,12 @@ std::string KittiCalibFinder::missingText(const std::string& for_what) const
            " nor the drive's folder has calib_cam_to_cam.txt, calib_velo_to_cam.txt and "
            "calib_imu_to_velo.txt, needed for " +
            for_what + "; put them there, or name their folder with --calib of kitti2rawlog";
+  }
+  if (options_.kind == KittiKind::kitti360)
+  {
+    return input_.string() + ": " + foldersOf360().front().string() +
+           " has no calib_cam_to_velo.txt and calib_cam_to_pose.txt, needed for " + for_what +
+           "; put them there, or name their folder with --calib of kitti2rawlog";
   }
   return input_.string() + ": has no calib.txt, which is needed for " + for_what +
          "; name it with --calib of kitti2rawlog";
@@ -106,7 +137,10 @@ const Pose& KittiCalibFinder::requireCamera(const std::string& for_what)
 {
   if (!require(for_what).has_camera)
   {
-    throw UserError(path_ + ": has no calib_cam_to_cam.txt and calib_velo_to_cam.txt, needed for " +
+    throw UserError(path_ +
+                    (options_.kind == KittiKind::kitti360 ? ": has no perspective.txt, needed for "
+                                                          : ": has no calib_cam_to_cam.txt and "
+                                                            "calib_velo_to_cam.txt, needed for ") +
                     for_what);
   }
   return calib_.T_cam_velo;
@@ -117,8 +151,10 @@ const Pose& KittiCalibFinder::requireImu(const std::string& for_what)
   if (!require(for_what).has_imu)
   {
     throw UserError(path_ + ": has no IMU mounting (" +
-                    (fs::is_directory(path_) ? "calib_imu_to_velo.txt" : "Tr_imu_velo") +
-                    "), needed for oxts");
+                    (options_.kind == KittiKind::kitti360 ? "calib_cam_to_pose.txt"
+                     : fs::is_directory(path_)            ? "calib_imu_to_velo.txt"
+                                                          : "Tr_imu_velo") +
+                    "), needed for " + for_what);
   }
   return calib_.T_velo_imu;
 }

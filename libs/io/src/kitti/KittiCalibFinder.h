@@ -39,6 +39,7 @@ class KittiCalibFinder
 
  private:
   [[nodiscard]] std::vector<std::filesystem::path> rawFolders() const;
+  [[nodiscard]] std::vector<std::filesystem::path> foldersOf360() const;
   [[nodiscard]] std::string missingText(const std::string& for_what) const;
   const KittiCalib& require(const std::string& for_what);
 

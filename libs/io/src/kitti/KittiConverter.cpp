@@ -131,14 +131,16 @@ void KittiConverterOptions::describe(OptionsVisitor& visitor)
   visitor.choice("kind", kind,
                  {{"odometry", KittiKind::odometry},
                   {"raw", KittiKind::raw},
-                  {"tracking", KittiKind::tracking}},
+                  {"tracking", KittiKind::tracking},
+                  {"360", KittiKind::kitti360}},
                  "kind of KITTI's folder layouts");
   visitor.text("calib", calib, "calibration file or folder; empty: as in the layout");
-  visitor.text("poses", poses, "file of TUM or KITTI poses; empty: as in the layout");
+  visitor.text("poses", poses, "file of TUM, KITTI or KITTI-360 poses; empty: as in the layout");
   visitor.text("oxts", oxts, "GNSS/INS file or folder, used where there are no poses");
   visitor.text("labels", labels, "folder of .label files of the scans");
   visitor.text("boxes", boxes, "boxes of objects: label_02 file, or folder of SUSTechPOINTS json");
-  visitor.text("sequence", sequence, "sequence of tracking's official layout, such as 0000");
+  visitor.text("sequence", sequence,
+               "sequence of tracking's official layout or drive of KITTI-360, such as 0000");
   visitor.text("times", times, "file of times, a line for each frame number");
   visitor.text("sensor_pose", sensor_pose,
                "pose of the lidar on the vehicle, x y z yaw pitch roll; empty: identity [m, deg]");

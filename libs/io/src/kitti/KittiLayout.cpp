@@ -5,6 +5,7 @@
 #include <dyslam/base/Files.h>
 #include <dyslam/base/Printable.h>
 #include <dyslam/core/Trajectory.h>
+#include <dyslam/formats/Kitti360Files.h>
 #include <dyslam/formats/RecordingKind.h>
 #include <dyslam/formats/ScanFiles.h>
 #include <dyslam/formats/SustechFiles.h>
@@ -43,15 +44,29 @@ fs::path recordingFolder(const std::string& input)
   return folder.has_filename() ? folder : folder.parent_path();
 }
 
+/** The calibration of KITTI-360 is for the axes of its poses (y right, z down); those of the
+ * readings in its oxts may be others. \throws UserError for options that need them. */
+void requireUsableOxts(const KittiConverterOptions& options)
+{
+  const char* const flag = !options.oxts.empty() ? "--oxts"
+                           : options.imu         ? "--imu"
+                           : options.gnss        ? "--gnss"
+                                                 : nullptr;
+  if (options.kind == KittiKind::kitti360 && flag != nullptr)
+  {
+    throw UserError(std::string(flag) + ": the oxts of KITTI-360 are not read; leave it out");
+  }
+}
+
 /** Gathers one layout; each method finds one kind of file. */
 class LayoutReader
 {
  public:
-  LayoutReader(const fs::path& input, KittiScans scans, const KittiConverterOptions& options)
-      : input_(input),
+  LayoutReader(KittiScans scans, const KittiConverterOptions& options)
+      : input_(scans.folder),
         options_(options),
         sequence_(scans.sequence),
-        calib_(input, scans.sequence, options)
+        calib_(scans.folder, scans.sequence, options)
   {
     layout_.entries = std::move(scans.entries);
   }
@@ -149,25 +164,29 @@ class LayoutReader
       }
       else
       {
-        const bool is_raw = options_.kind == KittiKind::raw;
-        layout_.warnings.push_back(
-            std::string(is_raw ? "no velodyne_points/timestamps.txt or times.txt"
-                               : "no times.txt") +
-            ": 0.1034 s between scans is assumed (give --times or --dt)");
+        const std::string missing =
+            options_.kind == KittiKind::kitti360
+                ? "velodyne_points/timestamps.txt, a download of its own (data_3d_timestamps.zip)"
+            : options_.kind == KittiKind::raw ? "velodyne_points/timestamps.txt or times.txt"
+                                              : "times.txt";
+        layout_.warnings.push_back("no " + missing +
+                                   ": 0.1034 s between scans is assumed (give --times or --dt)");
       }
     }
     has_times_ = !source.empty();  // a file without times is an error below
     has_raw_times_ =
         has_times_ && options_.times.empty() && fs::path(source).filename() == "timestamps.txt";
     const double dt = options_.dt > 0 ? options_.dt : kitti_dt;
+    // A line for each frame number, or for each scan where numbers are left out.
+    const bool by_scan = entries.back().number >= times.size() && times.size() == entries.size();
     for (std::size_t i = 0; i < entries.size(); ++i)
     {
-      const std::size_t number = entries[i].number;
       if (!has_times_)
       {
-        entries[i].stamp = static_cast<double>(number - entries.front().number) * dt;
+        entries[i].stamp = static_cast<double>(entries[i].number - entries.front().number) * dt;
         continue;
       }
+      const std::size_t number = by_scan ? i : entries[i].number;
       if (number >= times.size())
       {
         throw UserError(source + ": has " + std::to_string(times.size()) +
@@ -182,18 +201,44 @@ class LayoutReader
     }
   }
 
-  void readPoses()
+  /** Files of true poses that the layout may have. */
+  [[nodiscard]] std::vector<fs::path> poseFiles() const
   {
-    std::vector<fs::path> candidates{input_ / "poses.txt"};
+    std::vector<fs::path> files{input_ / "poses.txt"};
+    const std::string name = nameOfFile(input_);
+    const fs::path above = folderAbove(input_);
+    const fs::path dataset = folderAbove(above);
     if (options_.kind == KittiKind::odometry)
     {
-      const fs::path dataset = folderAbove(folderAbove(input_));
-      candidates.push_back((dataset / "poses" / (nameOfFile(input_) + ".txt")).lexically_normal());
+      files.push_back((dataset / "poses" / (name + ".txt")).lexically_normal());
     }
-    const std::string path = firstExisting(options_.poses, candidates);
+    if (options_.kind == KittiKind::kitti360)
+    {
+      for (const fs::path& folder : {dataset, above})
+      {
+        files.push_back((folder / "data_poses" / name / "poses.txt").lexically_normal());
+      }
+    }
+    return files;
+  }
+
+  void readPoses()
+  {
+    const std::string path = firstExisting(options_.poses, poseFiles());
     if (path.empty())
     {
       readOxtsPoses();
+      if (options_.kind == KittiKind::kitti360)
+      {
+        layout_.warnings.push_back("converted without true poses: no " + poseFiles()[1].string() +
+                                   "; name another file with --poses of kitti2rawlog");
+      }
+      return;
+    }
+    if (options_.kind == KittiKind::kitti360 && hasKitti360Poses(path))
+    {
+      assignByFrame(path, readKitti360Poses(path));
+      setPoseSource(PoseSource::given, path, ": KITTI-360 has none where the car hardly moved");
       return;
     }
     const TrajectoryFile file = readTrajectory(path);
@@ -260,9 +305,46 @@ class LayoutReader
            name.find("velo") == std::string::npos && name.find("lidar") == std::string::npos;
   }
 
+  /** Poses of KITTI-360, with the calibration of the sensor that they are of. */
+  void assignByFrame(const std::string& path, const Kitti360Poses& poses)
+  {
+    Pose T_sensor_lidar = Pose::Identity();
+    if (options_.pose_frame == PoseFrame::camera ||
+        (options_.pose_frame == PoseFrame::automatic && poses.are_of_camera))
+    {
+      T_sensor_lidar = calib_.requireCamera("poses of the camera");
+    }
+    else if (options_.pose_frame == PoseFrame::automatic)
+    {
+      T_sensor_lidar = calib_.requireImu("poses of the IMU").inverse();
+    }
+    std::size_t found = 0;
+    for (auto& entry : layout_.entries)
+    {
+      const auto pose = poses.of_frame.find(static_cast<int>(entry.number));
+      if (pose != poses.of_frame.end())
+      {
+        entry.T_world_lidar = pose->second * T_sensor_lidar;
+        ++found;
+      }
+    }
+    if (found == 0)
+    {
+      throw UserError(
+          path + ": has poses of frames " + std::to_string(poses.of_frame.begin()->first) + " to " +
+          std::to_string(poses.of_frame.rbegin()->first) + ", none of the scans " +
+          std::to_string(layout_.entries.front().number) + " to " +
+          std::to_string(layout_.entries.back().number) + "; give those of the same drive");
+    }
+  }
+
   /** Empty if there is none. */
   [[nodiscard]] std::string oxtsPath() const
   {
+    if (options_.kind == KittiKind::kitti360)
+    {
+      return {};
+    }
     std::vector<fs::path> candidates{input_ / "oxts.txt"};
     if (!sequence_.empty())
     {
@@ -401,15 +483,18 @@ class LayoutReader
     }
   }
 
-  void setPoseSource(PoseSource source, const std::string& path)
+  /** \param why_missing reason for scans without a pose, for the warning */
+  void setPoseSource(PoseSource source,
+                     const std::string& path,
+                     const std::string& why_missing = "")
   {
     layout_.pose_file = path;
     const bool is_given = options_.pose_source != PoseSource::unknown;
     layout_.pose_origin = {is_given ? options_.pose_source : source, nameOfFile(path)};
-    warnAboutMissing(path);
+    warnAboutMissing(path, why_missing);
   }
 
-  void warnAboutMissing(const std::string& path)
+  void warnAboutMissing(const std::string& path, const std::string& why)
   {
     const auto missing =
         std::count_if(layout_.entries.begin(), layout_.entries.end(),
@@ -417,7 +502,7 @@ class LayoutReader
     if (missing > 0)
     {
       layout_.warnings.push_back(path + ": has no pose for " + std::to_string(missing) + " of " +
-                                 std::to_string(layout_.entries.size()) + " scans");
+                                 std::to_string(layout_.entries.size()) + " scans" + why);
     }
   }
 
@@ -491,6 +576,7 @@ class LayoutReader
 KittiLayout readKittiLayout(const std::string& input, const KittiConverterOptions& options)
 {
   const fs::path folder = recordingFolder(input);
-  return LayoutReader(folder, findKittiScans(folder, options), options).read();
+  requireUsableOxts(options);
+  return LayoutReader(findKittiScans(folder, options), options).read();
 }
 }  // namespace dyslam

@@ -17,6 +17,8 @@ namespace fs = std::filesystem;
 
 namespace
 {
+constexpr const char* drives_of_360 = "data_3d_raw";
+
 bool allDigits(const std::string& text)
 {
   return !text.empty() && text.size() < 12 &&
@@ -47,10 +49,21 @@ std::vector<std::string> foldersThat(const Wanted& wanted, const fs::path& folde
   return names;
 }
 
+/** Names of the drives of KITTI raw or KITTI-360 in a folder, sorted. */
+std::vector<std::string> drivesIn(const fs::path& folder)
+{
+  return foldersThat([&folder](const std::string& name)
+                     { return hasScans(folder / name / "velodyne_points" / "data"); },
+                     folder);
+}
+
 void requireKind(const std::string& input, KittiKind kind)
 {
   const auto found = officialKittiKind(input);
-  if (found && *found != kind)
+  // Drives of KITTI-360 are known by their name, which a user may have changed; raw's have oxts.
+  const bool is_renamed =
+      found == KittiKind::raw && kind == KittiKind::kitti360 && !isFolder(fs::path(input) / "oxts");
+  if (found && *found != kind && !is_renamed)
   {
     throw OptionError(input + ": has the layout of KITTI " + toString(*found) + "; use --kind " +
                           toString(*found),
@@ -71,12 +84,15 @@ std::string nearbyRecording(const fs::path& input)
              (root / sequences.front()).string();
     }
   }
-  const auto drives = foldersThat([&input](const std::string& name)
-                                  { return hasScans(input / name / "velodyne_points" / "data"); },
-                                  input);
-  if (!drives.empty())
+  for (const fs::path& root : {input, input / drives_of_360})
   {
-    return "; give one of its drives, such as --kind raw -i " + (input / drives.front()).string();
+    const auto drives = drivesIn(root);
+    if (!drives.empty())
+    {
+      const std::string drive = (root / drives.front()).string();
+      const KittiKind kind = officialKittiKind(drive).value_or(KittiKind::raw);
+      return "; give one of its drives, such as --kind " + toString(kind) + " -i " + drive;
+    }
   }
   for (const char* part : {"training", "testing"})
   {
@@ -104,6 +120,52 @@ std::string findSequence(const fs::path& input, const std::string& asked)
   return names.empty() ? "" : names.front();
 }
 
+/** Whether a drive of KITTI-360 is the one that `asked` names, by its folder or its number. */
+bool isDrive(const std::string& name, const std::string& asked)
+{
+  return name == asked || name == "2013_05_28_drive_" + asked + "_sync";
+}
+
+/** The folder of a drive: `input`, or the one in its `data_3d_raw` or in itself that is asked for.
+ * The input if it has no drives. */
+fs::path findDrive(const fs::path& input, const std::string& asked)
+{
+  if (hasScans(input / "velodyne_points" / "data"))
+  {
+    const std::string name = nameOfFile(input);
+    if (!asked.empty() && !isDrive(name, asked))
+    {
+      throw OptionError(input.string() + ": is the folder of a drive, not of " + asked +
+                            "; leave --sequence out, or give the folder of all drives with -i",
+                        "--sequence");
+    }
+    return input;
+  }
+  const fs::path root = isFolder(input / drives_of_360) ? input / drives_of_360 : input;
+  const std::vector<std::string> drives = drivesIn(root);
+  std::vector<std::string> matching = drives;
+  if (!asked.empty())
+  {
+    matching.erase(
+        std::remove_if(matching.begin(), matching.end(),
+                       [&asked](const std::string& name) { return !isDrive(name, asked); }),
+        matching.end());
+  }
+  if (matching.size() == 1)
+  {
+    return root / matching.front();
+  }
+  if (drives.empty())
+  {
+    return input;
+  }
+  throw OptionError(root.string() +
+                        (asked.empty() ? ": holds " + std::to_string(drives.size()) + " drives"
+                                       : ": has no scans of drive " + asked) +
+                        "; choose one with --sequence, such as " + drives.front(),
+                    "--sequence");
+}
+
 /** File names are frame numbers, with gaps where KITTI lost a scan; else they are just counted.
  * \throws UserError for numbers that are too large for those of boxes. */
 void numberScans(std::vector<KittiLayout::Entry>& entries)
@@ -128,12 +190,14 @@ void numberScans(std::vector<KittiLayout::Entry>& entries)
 }
 }  // namespace
 
-KittiScans findKittiScans(const fs::path& input, const KittiConverterOptions& options)
+KittiScans findKittiScans(const fs::path& given, const KittiConverterOptions& options)
 {
-  requireKind(input.string(), options.kind);
+  requireKind(given.string(), options.kind);
   KittiScans scans;
+  scans.folder = options.kind == KittiKind::kitti360 ? findDrive(given, options.sequence) : given;
+  const fs::path& input = scans.folder;
   std::vector<fs::path> candidates;
-  if (options.kind == KittiKind::raw)
+  if (options.kind == KittiKind::raw || options.kind == KittiKind::kitti360)
   {
     candidates.push_back(input / "velodyne_points" / "data");
   }

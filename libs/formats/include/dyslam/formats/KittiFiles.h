@@ -27,7 +27,7 @@ struct KittiCalib
 /** Reads an odometry (`Tr`), tracking or object (`R_rect`/`R0_rect`, `Tr_velo_cam`/
  * `Tr_velo_to_cam`, `Tr_imu_velo`/...) calib file, or a raw day's folder with
  * `calib_velo_to_cam.txt` and `calib_cam_to_cam.txt`, `calib_imu_to_velo.txt`, or all three (or one
- * of them, for its folder).
+ * of them, for its folder), or KITTI-360's `calibration` (see readKitti360Calib()).
  * \throws UserError, also for a matrix that is not a rotation.
  */
 [[nodiscard]] KittiCalib readKittiCalib(const std::string& file_or_folder);

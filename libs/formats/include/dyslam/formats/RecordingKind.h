@@ -34,7 +34,9 @@ enum class KittiKind
 {
   odometry,  //!< velodyne/NNNNNN.bin, times.txt, calib.txt, poses of camera 0
   raw,       //!< velodyne_points/data/NNNNNN.bin and timestamps, oxts/data, the day's calib files
-  tracking   //!< velodyne/NNNN/NNNNNN.bin, oxts/NNNN.txt, calib/NNNN.txt, label_02/NNNN.txt
+  tracking,  //!< velodyne/NNNN/NNNNNN.bin, oxts/NNNN.txt, calib/NNNN.txt, label_02/NNNN.txt
+  kitti360   //!< 2013_05_28_drive_NNNN_sync with the same folder as raw; poses and calibration
+             //!< beside
 };
 /** Name of a kind as an argument of kitti2rawlog's --kind, such as "odometry". */
 [[nodiscard]] std::string toString(KittiKind kind);

@@ -55,7 +55,8 @@ enum class ScansDeskewed
 /** Frame of the poses of a pose file. */
 enum class PoseFrame
 {
-  automatic,  //!< camera for poses of KITTI odometry; lidar for files named velo or lidar
+  automatic,  //!< camera for poses of KITTI odometry; lidar for files named velo or lidar;
+              //!< of KITTI-360 the IMU or the camera, as its files have them
   lidar,
   camera
 };
@@ -63,12 +64,14 @@ enum class PoseFrame
 struct KittiConverterOptions : Options, ConversionOptions
 {
   KittiKind kind = KittiKind::odometry;
-  std::string calib;        //!< calibration file or folder; empty: that of the layout
-  std::string poses;        //!< TUM or KITTI file of true poses
-  std::string oxts;         //!< GNSS/INS readings: file or folder
-  std::string labels;       //!< folder of .label files
-  std::string boxes;        //!< label_02 file, or folder of SUSTechPOINTS json
-  std::string sequence;     //!< sequence of KITTI tracking: "0000"; empty: the only one
+  std::string calib;   //!< calibration file or folder; empty: that of the layout
+  std::string poses;   //!< TUM, KITTI or KITTI-360 file of true poses
+  std::string oxts;    //!< GNSS/INS readings: file or folder
+  std::string labels;  //!< folder of .label files
+  std::string boxes;   //!< label_02 file, or folder of SUSTechPOINTS json
+  /** Sequence of KITTI tracking, "0000", or drive of KITTI-360, "0000" or the name of its folder;
+   * empty: the only one. */
+  std::string sequence;
   std::string times;        //!< file of times [s] or KITTI time stamps, one line per frame number
   std::string sensor_pose;  //!< T_vehicle_lidar: x y z yaw pitch roll [m, deg]; empty: identity
   bool imu = false;         //!< write angular velocities and accelerations of oxts
@@ -83,8 +86,9 @@ struct KittiConverterOptions : Options, ConversionOptions
   void describe(OptionsVisitor& visitor) override;
 };
 
-/** Writes a KITTI folder, official or plain (`velodyne/NNNNNN.bin` and whatever files the options
- * name), as a rawlog with its ground-truth sidecar. Every point is kept in its order.
+/** Writes a KITTI folder, official (of KITTI-360 also the folder of its drives) or plain
+ * (`velodyne/NNNNNN.bin` and whatever files the options name), as a rawlog with its ground-truth
+ * sidecar. Every point is kept in its order.
  *
  * Ground truth in the folder that cannot be read, for example without calibration, is left out with
  * a warning; ground truth that the options name must be readable.
