@@ -125,8 +125,9 @@ void DysegPairs::readRuns(const DataSplits& splits)
     const RecordingDescription description = parseRecording(item, options_.data, field);
     const NumberRange frames{static_cast<std::int64_t>(description.first),
                              static_cast<std::int64_t>(description.last)};
+    LabelledRun run(description, options_.labelled_period);
     splits.requireFrames(description.folder, frames, Split::training, field);
-    labelled_runs_.emplace_back(description, options_.labelled_period);
+    labelled_runs_.push_back(std::move(run));
   }
 }
 

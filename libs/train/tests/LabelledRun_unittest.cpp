@@ -211,6 +211,8 @@ TEST_F(SemanticKitti, FramesOfOtherSplitsAreRefused)
   EXPECT_NE(
       said(runOf("00", 0, 10)).find("[train] labelled_runs: frame 10 of 00 is for validation"),
       std::string::npos);
+  EXPECT_NE(said(runOf("02", 0, 3)).find("02/velodyne: no such folder"), std::string::npos);
+  writeSequence("02", 4);
   EXPECT_NE(said(runOf("02", 0, 3)).find("none of its folders is a section of the file of splits"),
             std::string::npos);
   EXPECT_NE(
