@@ -13,6 +13,7 @@ dyslam_add_library(NAME train_dyseg INTERNAL HEADERS torch
     src/DysegTrainer.cpp
     src/DysegTrainerOptions.cpp
     src/DysegValidation.cpp
+    src/LabelledRun.cpp
   PUBLIC dyslam::core dyslam::nets_dyseg dyslam::sim dyslam::train_common
   PRIVATE dyslam::formats ${TORCH_LIBRARIES})
 
@@ -25,6 +26,7 @@ dyslam_add_test(NAME train_dyseg COST 30 HEADERS torch
     tests/DysegPairs_unittest.cpp
     tests/DysegTrainer_unittest.cpp
     tests/DysegValidation_unittest.cpp
+    tests/LabelledRun_unittest.cpp
   LIBRARIES dyslam::train_dyseg ${TORCH_LIBRARIES})
 if(TARGET train_dyseg_tests)
   target_include_directories(train_dyseg_tests PRIVATE ${CMAKE_CURRENT_SOURCE_DIR}/src)

@@ -7,6 +7,7 @@
 #include <dyslam/dyseg/ResidualSegmenter.h>
 #include <dyslam/train/DysegBodies.h>
 #include <dyslam/train/DysegScores.h>
+#include <dyslam/train/LabelledRun.h>
 
 #include <CLI/CLI.hpp>
 #include <algorithm>

@@ -61,23 +61,6 @@ bool contains(const std::vector<NumberRange>& ranges, std::int64_t number)
                      { return r.first <= number && number <= r.last; });
 }
 
-/** The last number in the name of a file, without its extension; nothing if it has none. */
-std::optional<std::int64_t> frameOf(const std::string& file)
-{
-  const std::string stem = std::filesystem::path(file).stem().string();
-  const std::string digits = "0123456789";
-  const std::size_t last = stem.find_last_of(digits);
-  if (last == std::string::npos)
-  {
-    return std::nullopt;
-  }
-  const std::size_t before = stem.find_last_not_of(digits, last);
-  const std::size_t first = before == std::string::npos ? 0 : before + 1;
-  constexpr std::size_t most_digits = 18;  // digits that fit into std::int64_t
-  const std::size_t count = std::min(last + 1 - first, most_digits);
-  return digitsOf(stem.substr(last + 1 - count, count));
-}
-
 using SplitRanges = std::array<std::vector<NumberRange>, 3>;
 
 std::optional<Split> splitIn(const SplitRanges& ranges, std::int64_t number)
@@ -109,6 +92,22 @@ void requireOneOf(const SplitRanges& ranges,
 std::string toString(Split split)
 {
   return split_names[static_cast<std::size_t>(split)];
+}
+
+std::optional<std::int64_t> frameNumberOf(const std::string& file)
+{
+  const std::string stem = std::filesystem::path(file).stem().string();
+  const std::string digits = "0123456789";
+  const std::size_t last = stem.find_last_of(digits);
+  if (last == std::string::npos)
+  {
+    return std::nullopt;
+  }
+  const std::size_t before = stem.find_last_not_of(digits, last);
+  const std::size_t first = before == std::string::npos ? 0 : before + 1;
+  constexpr std::size_t most_digits = 18;  // digits that fit into std::int64_t
+  const std::size_t count = std::min(last + 1 - first, most_digits);
+  return digitsOf(stem.substr(last + 1 - count, count));
 }
 
 DataSplits::DataSplits(const Config& config)
@@ -179,7 +178,7 @@ void DataSplits::requireScan(const std::string& file, Split split, const std::st
                     ": none of its folders is a section of the file of splits; add one that says "
                     "which frames are for training, validation and test");
   }
-  const std::optional<std::int64_t> frame = frameOf(file);
+  const std::optional<std::int64_t> frame = frameNumberOf(file);
   if (!frame)
   {
     throw UserError(field + ": " + file +
@@ -211,7 +210,7 @@ std::optional<Split> DataSplits::splitOfScan(const std::string& file) const
 {
   std::string name;
   const Ranges* ranges = recordingOf(file, name);
-  const std::optional<std::int64_t> frame = frameOf(file);
+  const std::optional<std::int64_t> frame = frameNumberOf(file);
   return ranges != nullptr && frame ? splitIn(*ranges, *frame) : std::nullopt;
 }
 

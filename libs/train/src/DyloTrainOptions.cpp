@@ -35,7 +35,8 @@ void DataOptions::describe(OptionsVisitor& visitor)
       "splits of the frames (training, validation, test): a file, or the name of a shipped one");
   visitor.text(
       "recordings", recordings,
-      "training recordings, folder;poses;first;last[;deskew][;labels=folder] each, separated by |");
+      "training recordings, folder;poses;first;last[;deskew][;labels=folder][;calib=calib.txt] "
+      "each, separated by |");
   visitor.text("singles", singles, "folders of single scans, separated by |");
   visitor.text("bodies", bodies,
                "folders of labelled scans from which bodies are cut, separated by |");

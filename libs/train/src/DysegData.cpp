@@ -94,13 +94,18 @@ std::vector<std::uint8_t> labelsBySpeed(const DysegClip::Frame& frame)
 
 DysegSample makeSample(const DysegClip& clip, std::size_t current, std::size_t past)
 {
-  const auto& now = clip.frames.at(current);
-  const auto& then = clip.frames.at(past);
+  return makeSample(
+      clip.frames.at(current), clip.frames.at(past),
+      clip.period * std::abs(static_cast<double>(current) - static_cast<double>(past)));
+}
+
+DysegSample makeSample(const DysegClip::Frame& now, const DysegClip::Frame& then, double elapsed)
+{
   DysegSample sample;
   sample.current = now.points;
   sample.past = then.points;
   sample.T_past_current = then.T_world_sensor.inverse() * now.T_world_sensor;
-  sample.elapsed = clip.period * std::abs(static_cast<double>(current) - static_cast<double>(past));
+  sample.elapsed = elapsed;
   sample.label.reserve(now.points.size());
   sample.flow.reserve(now.points.size());
 

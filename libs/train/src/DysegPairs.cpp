@@ -96,22 +96,46 @@ DysegPairs::DysegPairs(const DysegTrainerOptions& options) : options_(options)
   {
     seeds_ = splits.trainingSeeds();
   }
-  if (options.data.empty())
+  if (!options.data.empty())
   {
-    return;
+    readRuns(splits);
+    readSingles(splits);
   }
-  const auto under = [&](const std::string& part) { return options.data + "/" + part; };
-  if (!options.boxed_run.empty())
+  else if (!options.labelled_runs.empty())
   {
-    splits.requireFrames(under(options.boxed_run) + "/velodyne", {0, options.boxed_last},
-                         Split::training, "[train] boxed_run");
-    runs_.push_back(loadBoxedRun(under(options.boxed_run), 0,
-                                 static_cast<std::size_t>(options.boxed_last),
-                                 options.boxed_drift));
+    throw UserError(
+        "[train] labelled_runs: [train] data is empty, so only simulated data are used; set data "
+        "to the folder of the recordings, or leave labelled_runs empty");
   }
-  for (const auto& part : listItems(options.single_scans, ','))
+}
+
+void DysegPairs::readRuns(const DataSplits& splits)
+{
+  if (!options_.boxed_run.empty())
   {
-    for (const auto& f : listBinFiles(under(part)))
+    const std::string folder = options_.data + "/" + options_.boxed_run;
+    splits.requireFrames(folder + "/velodyne", {0, options_.boxed_last}, Split::training,
+                         "[train] boxed_run");
+    runs_.push_back(
+        loadBoxedRun(folder, 0, static_cast<std::size_t>(options_.boxed_last), options_.boxed));
+  }
+  const std::string field = "[train] labelled_runs";
+  for (const std::string& item : listItems(options_.labelled_runs, '|'))
+  {
+    const RecordingDescription description = parseRecording(item, options_.data, field);
+    const NumberRange frames{static_cast<std::int64_t>(description.first),
+                             static_cast<std::int64_t>(description.last)};
+    LabelledRun run(description, options_.labelled_period);
+    splits.requireFrames(description.folder, frames, Split::training, field);
+    labelled_runs_.push_back(std::move(run));
+  }
+}
+
+void DysegPairs::readSingles(const DataSplits& splits)
+{
+  for (const auto& part : listItems(options_.single_scans, ','))
+  {
+    for (const auto& f : listBinFiles(options_.data + "/" + part))
     {
       splits.requireScan(f, Split::training, "[train] single_scans");
       singles_.push_back(readTrainingPoints(f, 0));
@@ -177,43 +201,105 @@ DysegSample seenTwice(const std::vector<Eigen::Vector3f>& scan, RandomDraws& dra
   return sample;
 }
 
+struct DrawnFrames
+{
+  std::size_t current = 0;
+  std::size_t past = 0;
+};
+
+/** Draws the scans of a pair out of `frames` consecutive ones. */
+DrawnFrames drawFrames(std::size_t frames, const DysegTrainerOptions& options, RandomDraws& draws)
+{
+  const std::size_t longest = std::min(longest_gap, frames - 1);
+  const std::size_t gap = draws.chance(options.gap_share)
+                              ? std::min(static_cast<std::size_t>(options.gap), longest)
+                              : 1 + draws.below(longest);
+  const std::size_t later = gap + draws.below(frames - gap);
+  return draws.chance(0.7) ? DrawnFrames{later, later - gap} : DrawnFrames{later - gap, later};
+}
+
 DysegSample pairOf(const DysegClip& clip, const DysegTrainerOptions& options, RandomDraws& draws)
 {
   if (draws.chance(options.same_scan_share))
   {
     return seenTwice(clip.frames[draws.below(clip.frames.size())].points, draws);
   }
-  const std::size_t longest = std::min(longest_gap, clip.frames.size() - 1);
-  const std::size_t gap = draws.chance(options.gap_share)
-                              ? std::min(static_cast<std::size_t>(options.gap), longest)
-                              : 1 + draws.below(longest);
-  const std::size_t later = gap + draws.below(clip.frames.size() - gap);
-  return draws.chance(0.7) ? makeSample(clip, later, later - gap)
-                           : makeSample(clip, later - gap, later);
+  const DrawnFrames drawn = drawFrames(clip.frames.size(), options, draws);
+  return makeSample(clip, drawn.current, drawn.past);
+}
+
+DysegSample pairOf(const LabelledRun& run, const DysegTrainerOptions& options, RandomDraws& draws)
+{
+  if (draws.chance(options.same_scan_share))
+  {
+    return seenTwice(run.points(draws.below(run.size())), draws);
+  }
+  const DrawnFrames drawn = drawFrames(run.size(), options, draws);
+  return run.sample(drawn.current, drawn.past);
 }
 }  // namespace
 
+DysegSample DysegPairs::drawOfRuns(RandomDraws& draws) const
+{
+  if (labelled_runs_.empty())
+  {
+    return pairOf(runs_[draws.below(runs_.size())], options_, draws);
+  }
+  std::size_t scans = 0;
+  for (const DysegClip& run : runs_)
+  {
+    scans += run.frames.size();
+  }
+  for (const LabelledRun& run : labelled_runs_)
+  {
+    scans += run.size();
+  }
+  std::size_t scan = draws.below(scans);
+  for (const DysegClip& run : runs_)
+  {
+    if (scan < run.frames.size())
+    {
+      return pairOf(run, options_, draws);
+    }
+    scan -= run.frames.size();
+  }
+  auto run = labelled_runs_.begin();
+  for (; scan >= run->size(); ++run)
+  {
+    scan -= run->size();
+  }
+  return pairOf(*run, options_, draws);
+}
+
 DysegSample DysegPairs::draw(RandomDraws& draws) const
 {
-  const bool real = !runs_.empty() || !singles_.empty();
+  const bool runs = !runs_.empty() || !labelled_runs_.empty();
+  const bool real = runs || !singles_.empty();
   if (!pool_.empty() && (!real || draws.chance(options_.simulated_share)))
   {
     return pairOf(pool_[draws.below(pool_.size())], options_, draws);
   }
-  if (!singles_.empty() && (runs_.empty() || draws.chance(options_.single_share)))
+  if (!singles_.empty() && (!runs || draws.chance(options_.single_share)))
   {
     return seenTwice(singles_[draws.below(singles_.size())], draws);
   }
-  if (runs_.empty())
+  if (!runs)
   {
     throw UserError("training has no data: set data, or simulated_share above 0");
   }
-  return pairOf(runs_[draws.below(runs_.size())], options_, draws);
+  return drawOfRuns(draws);
 }
 
 std::string DysegPairs::summary() const
 {
-  return std::to_string(runs_.size()) + " real runs, " + std::to_string(singles_.size()) +
-         " single scans";
+  std::size_t labelled_scans = 0;
+  for (const LabelledRun& run : labelled_runs_)
+  {
+    labelled_scans += run.size();
+  }
+  return std::to_string(runs_.size() + labelled_runs_.size()) + " real runs" +
+         (labelled_scans > 0 ? " (" + std::to_string(labelled_scans) + " scans with point labels)"
+                             : "") +
+         ", " + std::to_string(singles_.size()) + " single scans";
 }
 }  // namespace dyslam

@@ -4,6 +4,7 @@
 #include <dyslam/train/DataSplits.h>
 #include <dyslam/train/DysegData.h>
 #include <dyslam/train/DysegTrainer.h>
+#include <dyslam/train/LabelledRun.h>
 
 #include <deque>
 #include <future>
@@ -33,12 +34,18 @@ class DysegPairs
   [[nodiscard]] std::string summary() const;
 
  private:
+  void readRuns(const DataSplits& splits);
+  void readSingles(const DataSplits& splits);
   [[nodiscard]] DysegClip simulate(int number) const;
   void simulateAhead();
+  /** Draws a pair of a run: by the number of scans if there are runs with labels per point, which
+   * may be of any length, else of every run equally often. */
+  [[nodiscard]] DysegSample drawOfRuns(RandomDraws& draws) const;
 
   DysegTrainerOptions options_;
-  NumberRange seeds_;  //!< seeds of simulated worlds
-  std::vector<DysegClip> runs_;
+  NumberRange seeds_;            //!< seeds of simulated worlds
+  std::vector<DysegClip> runs_;  //!< runs with boxes
+  std::vector<LabelledRun> labelled_runs_;
   std::vector<std::vector<Eigen::Vector3f>> singles_;
   std::deque<DysegClip> pool_;
   int next_clip_ = 0;                          //!< number of the next clip for the pool

@@ -2,7 +2,6 @@
 #include <dyslam/base/Error.h>
 #include <dyslam/core/Deskew.h>
 #include <dyslam/core/Scan.h>
-#include <dyslam/formats/LabelFiles.h>
 #include <dyslam/formats/SustechFiles.h>
 #include <dyslam/formats/TextFile.h>
 #include <dyslam/formats/TrajectoryFiles.h>
@@ -55,12 +54,6 @@ void claimPoints(const LabelledBox& labelled, bool moving, DysegClip::Frame& fra
 // 0.5 m/s.
 constexpr std::size_t speed_window = 8;
 constexpr int least_positions = 4;  // least number of positions that give a speed
-// Ids of parked motorcycles of vls128_run88, whose boxes were copied from one frame to others
-// without regard to the sensor's motion.
-constexpr std::int32_t first_parked = 500;
-constexpr std::int32_t last_parked = 599;
-constexpr double boxed_revolution = 0.091;  // revolution of the VLS-128 of runs with boxes [s]
-constexpr double labelled_period = 0.1034;  // time between scans of labelled runs (HDL-64E) [s]
 
 UserError tooFewPoses(const std::string& file, std::size_t poses, std::size_t last_frame)
 {
@@ -166,18 +159,18 @@ Pose poseOf(const Box& box)
 DysegClip loadBoxedRun(const std::string& folder,
                        std::size_t first,
                        std::size_t last,
-                       const SweepDrift& drift)
+                       const BoxedRunOptions& options)
 {
   DysegClip clip;
   clip.name = folder;
-  clip.period = boxed_revolution * drift.revolutions();
+  clip.period = options.revolution * options.drift.revolutions();
   const std::string pose_file = folder + "/poses_icp_frame_to_frame.txt";
   const auto matched = readKittiPoses(pose_file);
   if (matched.size() <= last)
   {
     throw tooFewPoses(pose_file, matched.size(), last);
   }
-  const Sweeps sweeps(matched, drift);
+  const Sweeps sweeps(matched, options.drift);
   std::vector<std::vector<LabelledBox>> boxes;
   std::map<std::int32_t, Track> tracks;
   for (std::size_t f = first; f <= last; ++f)
@@ -198,7 +191,7 @@ DysegClip loadBoxedRun(const std::string& folder,
     frame.object.assign(frame.points.size(), DysegClip::still);
     for (const auto& labelled : boxes[f - first])
     {
-      if (labelled.id >= first_parked && labelled.id <= last_parked)
+      if (labelled.id >= options.standing_first && labelled.id <= options.standing_last)
       {
         continue;
       }
@@ -215,64 +208,6 @@ DysegClip loadBoxedRun(const std::string& folder,
       claimPoints(labelled, object.moving, frame);
     }
     sweeps.deskew(f, frame.points);
-    clip.frames.push_back(std::move(frame));
-  }
-  return clip;
-}
-
-DysegClip loadLabelledRun(const std::string& folder,
-                          const std::string& pose_file,
-                          std::size_t first,
-                          std::size_t last)
-{
-  DysegClip clip;
-  clip.name = folder;
-  clip.period = labelled_period;
-  const auto poses = readKittiPoses(pose_file);
-  if (poses.size() <= last)
-  {
-    throw tooFewPoses(pose_file, poses.size(), last);
-  }
-  std::int32_t last_id = 0;
-  for (std::size_t f = first; f <= last; ++f)
-  {
-    DysegClip::Frame frame;
-    frame.T_world_sensor = poses[f];
-    frame.points = readTrainingPoints(numberedPath(folder + "/velodyne", f, ".bin"), 0);
-    const auto labels =
-        readLabels(numberedPath(folder + "/labels", f, ".label"), frame.points.size());
-    frame.object.assign(frame.points.size(), DysegClip::still);
-    std::map<std::int32_t, std::pair<Eigen::Vector3d, int>> sums;
-    for (std::size_t i = 0; i < frame.points.size(); ++i)
-    {
-      if (isIgnoredLabel(labels[i]))
-      {
-        frame.object[i] = DysegClip::unknown;
-      }
-      else if (isMovingLabel(labels[i]))
-      {
-        const auto id = std::int32_t{instanceOf(labels[i])} + 1;
-        frame.object[i] = id;
-        auto& sum = sums.try_emplace(id, Eigen::Vector3d::Zero(), 0).first->second;
-        sum.first += frame.points[i].cast<double>();
-        ++sum.second;
-      }
-    }
-    std::map<std::int32_t, std::int32_t> own_id;
-    for (const auto& [id, sum] : sums)
-    {
-      // The object gets an id that no other frame has: its earlier position is unknown.
-      const std::int32_t own = ++last_id;
-      own_id[id] = own;
-      DysegClip::Object object;
-      object.T_sensor_object.translation() = sum.first / sum.second;
-      object.moving = true;
-      frame.objects[own] = object;
-    }
-    for (auto& o : frame.object)
-    {
-      o = o > 0 ? own_id[o] : o;
-    }
     clip.frames.push_back(std::move(frame));
   }
   return clip;

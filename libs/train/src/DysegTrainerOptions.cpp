@@ -10,11 +10,23 @@ void DysegTrainerOptions::describe(OptionsVisitor& v)
          "splits of the frames (training, validation, test): a file, or the name of a shipped one");
   v.text("boxed_run", boxed_run, "training run with boxes, a folder under data; empty: none");
   v.integer("boxed_last", boxed_last, 1, 1000000, "last training frame of boxed_run");
-  v.degrees("boxed_start_azimuth_deg", boxed_drift.start_azimuth, -360, 360,
+  v.degrees("boxed_start_azimuth_deg", boxed.drift.start_azimuth, -360, 360,
             "azimuth at which scan 0 of the runs with boxes begins and ends, from +x towards +y "
             "[deg]");
-  v.degrees("boxed_azimuth_step_deg", boxed_drift.step, -180, 0,
+  v.degrees("boxed_azimuth_step_deg", boxed.drift.step, -180, 0,
             "drift of that azimuth per scan; 0: none, the scans are not deskewed [deg]");
+  v.real("boxed_revolution", boxed.revolution, 0.001, 10,
+         "time of a revolution of the sensor of the runs with boxes [s]");
+  v.integer("boxed_standing_first", boxed.standing_first, -1, 2000000000,
+            "first id of the objects of runs with boxes that are known to stand; their boxes are "
+            "not used");
+  v.integer("boxed_standing_last", boxed.standing_last, -1, 2000000000,
+            "last id of those objects; below boxed_standing_first: none");
+  v.text("labelled_runs", labelled_runs,
+         "training runs with point labels, folder;poses;first;last[;deskew][;labels=folder]"
+         "[;calib=calib.txt] each under data, separated by |; empty: none");
+  v.real("labelled_period", labelled_period, 0.001, 10,
+         "time between the scans of runs with point labels [s]");
   v.text("boxed_validation", boxed_validation,
          "validation run with boxes, a folder under data; empty: none");
   v.integer("boxed_validation_first", boxed_validation_first, 8, 1000000,
@@ -25,6 +37,9 @@ void DysegTrainerOptions::describe(OptionsVisitor& v)
          "validation run with point labels, a folder under data; empty: none");
   v.text("labelled_poses", labelled_poses,
          "name of the pose file in the folder of labelled_validation");
+  v.text("labelled_calib", labelled_calib,
+         "name of KITTI's calib.txt in that folder if its poses are of the camera; empty: of the "
+         "lidar");
   v.integer("labelled_validation_first", labelled_validation_first, 1, 1000000,
             "first frame of labelled_validation that is evaluated");
   v.integer("labelled_validation_last", labelled_validation_last, 1, 1000000,

@@ -3,6 +3,7 @@
 
 #include <dyslam/base/Error.h>
 #include <dyslam/train/DataSplits.h>
+#include <dyslam/train/LabelledRun.h>
 
 #include <cstdio>
 #include <filesystem>
@@ -74,6 +75,19 @@ Stretch labelledOf(const DysegTrainerOptions& o)
 {
   return {o.labelled_validation, "labelled_validation", o.labelled_validation_first,
           o.labelled_validation_last};
+}
+
+/** The frames of labelled_validation and the one before them. */
+RecordingDescription labelledDescription(const DysegTrainerOptions& o)
+{
+  const std::string folder = o.data + "/" + o.labelled_validation;
+  RecordingDescription description;
+  description.folder = folder + "/velodyne";
+  description.pose_file = folder + "/" + o.labelled_poses;
+  description.calib_file = o.labelled_calib.empty() ? "" : folder + "/" + o.labelled_calib;
+  description.first = static_cast<std::size_t>(o.labelled_validation_first) - 1;
+  description.last = static_cast<std::size_t>(o.labelled_validation_last);
+  return description;
 }
 
 /** Scenes of a row of the validation table: several simulated clips. */
@@ -195,7 +209,7 @@ std::vector<DysegValidationSet> makeDysegValidation(const DysegTrainerOptions& o
   {
     const auto run = loadBoxedRun(options.data + "/" + boxed.folder,
                                   static_cast<std::size_t>(boxed.first) - far_back,
-                                  static_cast<std::size_t>(boxed.last), options.boxed_drift);
+                                  static_cast<std::size_t>(boxed.last), options.boxed);
     DysegValidationSet near{nameOf(boxed), false, {}};
     DysegValidationSet slow{nameOf(boxed) + far_name, true, {}};
     for (std::size_t i = far_back; i < run.frames.size(); i += 2)
@@ -208,14 +222,11 @@ std::vector<DysegValidationSet> makeDysegValidation(const DysegTrainerOptions& o
   }
   if (!labelled.folder.empty())
   {
-    const auto folder = options.data + "/" + labelled.folder;
-    const auto run = loadLabelledRun(folder, folder + "/" + options.labelled_poses,
-                                     static_cast<std::size_t>(labelled.first) - 1,
-                                     static_cast<std::size_t>(labelled.last));
+    const LabelledRun run(labelledDescription(options), options.labelled_period);
     DysegValidationSet set{nameOf(labelled), false, {}};
-    for (std::size_t i = 1; i < run.frames.size(); i += 3)
+    for (std::size_t i = 1; i < run.size(); i += 3)
     {
-      set.samples.push_back(makeSample(run, i, i - 1));
+      set.samples.push_back(run.sample(i, i - 1));
     }
     sets.push_back(std::move(set));
   }

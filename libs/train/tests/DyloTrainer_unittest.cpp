@@ -274,10 +274,12 @@ TEST(DyloTrainer, AskedToStopItSavesWhatItHas)
 TEST(Recordings, DescribedByATextOfFields)
 {
   const RecordingDescription d = parseRecording(
-      "run/velodyne; run/poses.txt ;3; 20;deskew;labels=run/labels", "/data", "[data] recordings");
+      "run/velodyne; run/poses.txt ;3; 20;deskew;labels=run/labels; calib=run/calib.txt", "/data",
+      "[data] recordings");
   EXPECT_EQ(d.folder, "/data/run/velodyne");
   EXPECT_EQ(d.pose_file, "/data/run/poses.txt");
   EXPECT_EQ(d.label_folder, "/data/run/labels");
+  EXPECT_EQ(d.calib_file, "/data/run/calib.txt");
   EXPECT_EQ(d.first, 3U);
   EXPECT_EQ(d.last, 20U);
   EXPECT_TRUE(d.deskew);

@@ -3,6 +3,7 @@
 #include <dyslam/base/PendingFile.h>
 #include <dyslam/train/DysegBodies.h>
 #include <dyslam/train/DysegData.h>
+#include <dyslam/train/LabelledRun.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -323,6 +324,13 @@ class DriftingRun : public ::testing::Test
   }
   ~DriftingRun() override { std::filesystem::remove_all(folder_); }
 
+  static dyslam::BoxedRunOptions optionsWith(const dyslam::SweepDrift& drift)
+  {
+    dyslam::BoxedRunOptions options;
+    options.drift = drift;
+    return options;
+  }
+
   [[nodiscard]] std::string name(const std::string& part, int frame, const char* ext) const
   {
     return folder_ + "/" + part + "/00000" + std::to_string(frame) + ext;
@@ -344,12 +352,13 @@ class DriftingRun : public ::testing::Test
   }
 
   dyslam::SweepDrift drift_{0.3, -0.5 * M_PI};
+  dyslam::BoxedRunOptions options_ = optionsWith(drift_);
   std::string folder_ = ::testing::TempDir() + "dyslam_drifting_run";
 };
 
 TEST_F(DriftingRun, WhatStandsStaysInItsPlace)
 {
-  const auto clip = dyslam::loadBoxedRun(folder_, 0, frames - 1, drift_);
+  const auto clip = dyslam::loadBoxedRun(folder_, 0, frames - 1, options_);
   for (const auto& frame : clip.frames)
   {
     const Eigen::Vector3d post = frame.T_world_sensor * frame.points[0].cast<double>();
@@ -361,6 +370,17 @@ TEST_F(DriftingRun, WhatStandsStaysInItsPlace)
   }
   EXPECT_NEAR(clip.frames[8].T_world_sensor.translation().x(), 10, 1e-9) << "8 x 1.25 revolutions";
   EXPECT_NEAR(clip.period, 1.25 * 0.091, 1e-9);
+}
+
+TEST_F(DriftingRun, RevolutionAndStandingObjectsAreOfTheRecording)
+{
+  options_.revolution = 0.05;
+  options_.standing_first = options_.standing_last = 3;
+  const auto clip = dyslam::loadBoxedRun(folder_, 0, frames - 1, options_);
+  EXPECT_NEAR(clip.period, 1.25 * 0.05, 1e-9);
+  EXPECT_TRUE(clip.frames[0].objects.empty());
+  options_.standing_last = 2;
+  EXPECT_EQ(dyslam::loadBoxedRun(folder_, 0, 0, options_).frames[0].objects.count(3), 1U);
 }
 
 TEST_F(DriftingRun, OtherwiseItJumps)

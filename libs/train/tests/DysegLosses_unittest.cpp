@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 #include <torch/torch.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -99,6 +100,46 @@ TEST(DysegLosses, MoversWeighAsMuchAsTheStatic)
   EXPECT_FLOAT_EQ(dyslam::balancedMean(value, moving).item<float>(), 6);
   EXPECT_FLOAT_EQ(dyslam::balancedMean(value, torch::zeros({4}, torch::kBool)).item<float>(), 2);
 }
+
+/** Of recordings with labels per point only the flow of the static is known. */
+TEST(DysegLosses, MoversOfUnknownFlowAreSegmentedButNotMatched)
+{
+  dyslam::DysegClipScene scene;
+  scene.sensor = dyslam::sim::SensorKind::vlp16;
+  auto sample = makeSample(dyslam::simulateClip(500000001, 3, true, scene), 2, 0);
+  dyslam::BevOptions grid;
+  grid.cells = 256;
+  const auto lossOf = [&](const Eigen::Vector2f& moving_flow)
+  {
+    for (std::size_t i = 0; i < sample.label.size(); ++i)
+    {
+      sample.flow[i] =
+          sample.label[i] == dyslam::DysegSample::moving_point ? moving_flow : sample.flow[i];
+    }
+    torch::manual_seed(1);
+    dyslam::DysegNet net{dyslam::DysegNetworkOptions()};
+    dyslam::RandomDraws draws(1, 2);
+    auto loss = dysegLoss(net, sample, grid, {0, 0}, {}, draws);
+    loss.total.backward();
+    for (const auto& parameter : net->named_parameters())
+    {
+      EXPECT_TRUE(!parameter.value().grad().defined() ||
+                  parameter.value().grad().isfinite().all().item<bool>())
+          << parameter.key();
+    }
+    return loss;
+  };
+  ASSERT_GT(std::count(sample.label.begin(), sample.label.end(), dyslam::DysegSample::moving_point),
+            30);
+  const auto known = lossOf({0.5F, 0.3F});
+  const auto unknown = lossOf(Eigen::Vector2f::Constant(std::numeric_limits<float>::quiet_NaN()));
+  EXPECT_TRUE(std::isfinite(unknown.total.item<double>()));
+  EXPECT_LT(unknown.flow, known.flow);
+  EXPECT_LT(unknown.matching, known.matching);
+  EXPECT_NEAR(unknown.cell, known.cell, 1e-6) << "moving all the same";
+  EXPECT_NEAR(unknown.point, known.point, 1e-6);
+}
+
 TEST(DysegLosses, CudaGivesTheSameGradientsToRounding)
 {
   if (!torch::cuda::is_available())

@@ -29,6 +29,10 @@ struct NumberRange
   std::int64_t last = 0;
 };
 
+/** The frame number of a scan: the last number in the name of its file, without the extension;
+ * nothing if it has none. */
+[[nodiscard]] std::optional<std::int64_t> frameNumberOf(const std::string& file);
+
 /** Which frames of real recordings, and which seeds of simulated worlds, are for training, for
  * validation and for test (splits.ini). */
 class DataSplits

@@ -84,6 +84,10 @@ struct DysegSample
  * The flow of an object in both frames is that of its poses, or the ego-motion's if it stands still
  * between them. Objects whose displacement contradicts the label of their speed are ignored. */
 [[nodiscard]] DysegSample makeSample(const DysegClip& clip, std::size_t current, std::size_t past);
+/** A pair of frames. \param elapsed time between them [s] */
+[[nodiscard]] DysegSample makeSample(const DysegClip::Frame& now,
+                                     const DysegClip::Frame& then,
+                                     double elapsed);
 
 /** A pair made from one scan, as if it had been measured from two positions: the past scan is the
  * scan moved, thinned and with new noise. Nothing in it moves. */
@@ -121,6 +125,18 @@ struct SweepDrift
   [[nodiscard]] double revolutions() const;
 };
 
+/** What is particular to recordings with boxes; the defaults are those of vls128_run88. */
+struct BoxedRunOptions
+{
+  SweepDrift drift;           //!< drift of the sweeps
+  double revolution = 0.091;  //!< time of a revolution of the sensor [s]
+  /** Ids of objects that stand and whose boxes are not used. Of vls128_run88, the boxes of parked
+   * motorcycles were copied from one frame to others without regard to the sensor's motion. None
+   * if the last is below the first. */
+  int standing_first = 500;
+  int standing_last = 599;
+};
+
 /** Reads a run such as vls128_run88: scans, boxes of SUSTechPOINTS, and poses by scan matching as
  * if each step were one revolution. With a drift, points and boxes are deskewed to the middle of
  * their sweep, and the steps of the poses are scaled to the time that really passed. \param folder
@@ -128,14 +144,7 @@ struct SweepDrift
 [[nodiscard]] DysegClip loadBoxedRun(const std::string& folder,
                                      std::size_t first,
                                      std::size_t last,
-                                     const SweepDrift& drift);
-
-/** Reads a run with SemanticKITTI labels per point (0 unknown, 252-259 moving) and a pose per scan.
- * The motions of its objects are not known, so moving points have no flow. \throws UserError. */
-[[nodiscard]] DysegClip loadLabelledRun(const std::string& folder,
-                                        const std::string& pose_file,
-                                        std::size_t first,
-                                        std::size_t last);
+                                     const BoxedRunOptions& options);
 
 /** World, sensor and carrier of a simulated drive. */
 struct DysegClipScene

@@ -6,6 +6,7 @@
 #include <dyslam/nets/DysegOptions.h>
 #include <dyslam/train/DysegData.h>
 #include <dyslam/train/DysegLossOptions.h>
+#include <dyslam/train/LabelledRun.h>
 #include <dyslam/train/LearningRate.h>
 
 #include <functional>
@@ -21,7 +22,12 @@ struct DysegTrainerOptions : Options
   std::string splits = "splits";  //!< file of the training, validation and test frames
   std::string boxed_run = "vls128_run88";  //!< training run with boxes, under `data`; empty: none
   int boxed_last = 47;                     //!< last training frame of `boxed_run`
-  SweepDrift boxed_drift;                  //!< drift of the sweeps of runs with boxes
+  BoxedRunOptions boxed;                   //!< of all runs with boxes
+  /** Training runs with labels per point, in the format of parseRecording() with paths relative to
+   * `data`, separated by '|'. With any, a run is drawn by its number of scans, else all runs are
+   * drawn equally often. */
+  std::string labelled_runs;
+  double labelled_period = hdl64e_period;  //!< time between scans of all runs with labels [s]
   /** Frames of a run with boxes and of a run with labels that are evaluated and never trained on.
    * They are compared with up to 8 frames before, which may be trained on. Empty: none. */
   std::string boxed_validation = "vls128_run88";
@@ -29,6 +35,7 @@ struct DysegTrainerOptions : Options
   int boxed_validation_last = 63;
   std::string labelled_validation = "kitti_raw_2011_09_26_drive_0005";
   std::string labelled_poses = "poses_icp_raw_velo.txt";  //!< file in that run's folder
+  std::string labelled_calib;  //!< KITTI's calib.txt in that folder for poses of a camera, or empty
   int labelled_validation_first = 80;
   int labelled_validation_last = 109;
   std::string single_scans = "hdl64_singles_sceneflow,hdl64_singles_object/velodyne";
