@@ -27,7 +27,7 @@ dyslam_add_test(NAME train_dyseg COST 30 HEADERS torch
     tests/DysegTrainer_unittest.cpp
     tests/DysegValidation_unittest.cpp
     tests/LabelledRun_unittest.cpp
-  LIBRARIES dyslam::train_dyseg ${TORCH_LIBRARIES})
+  LIBRARIES dyslam::formats dyslam::train_dyseg ${TORCH_LIBRARIES})
 if(TARGET train_dyseg_tests)
   target_include_directories(train_dyseg_tests PRIVATE ${CMAKE_CURRENT_SOURCE_DIR}/src)
 endif()
