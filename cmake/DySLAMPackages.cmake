@@ -39,7 +39,7 @@ set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
 set(CPACK_DEBIAN_PACKAGE_RELEASE 1)
 set(CPACK_DEBIAN_PACKAGE_CONTROL_STRICT_PERMISSION ON)
 
-# The weights are for non-commercial use, hence non-free.
+# The default weights are for non-commercial use, hence non-free.
 set(CPACK_DEBIAN_PROGRAMS_PACKAGE_NAME dyslam)
 set(CPACK_DEBIAN_PROGRAMS_PACKAGE_SECTION non-free/science)
 set(CPACK_DEBIAN_PROGRAMS_PACKAGE_SHLIBDEPS ON)
@@ -48,8 +48,8 @@ set(CPACK_DEBIAN_PROGRAMS_DESCRIPTION "DySLAM replays a recording of 3D LiDAR sc
 estimates the ego-motion, tracks the moving objects, optimises ego-motion and
 objects in one factor graph, and writes a clean static map.
 
-This package has the programs, the settings, the trained weights (for
-non-commercial use only), the documentation and two short recordings.")
+This package has the programs, the settings, the trained weights (the
+default ones for non-commercial use only), the documentation and two short recordings.")
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_NAME libdyslam-dev)
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_SECTION non-free/libdevel)
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_DEPENDS "dyslam (= ${PROJECT_VERSION}-${CPACK_DEBIAN_PACKAGE_RELEASE}), \

@@ -124,7 +124,7 @@ TEST_F(SharedFiles, OnlyInisOfTheProgramAreListed)
             listed("dyslam"));
   EXPECT_EQ(start + "kitti_mot.ini", listed("dyslam-eval"));
   EXPECT_EQ(start + "train_dylo.ini", listed("dyslam-train dylo"));
-  EXPECT_EQ(start + "train_dyseg.ini", listed("dyslam-train dyseg"));
+  EXPECT_EQ(start + "train_dyseg.ini, train_dyseg_simulated.ini", listed("dyslam-train dyseg"));
   EXPECT_EQ(start + "splits.ini", listed("dyslam-train splits"));
 }
 }  // namespace
