@@ -6,6 +6,7 @@
 #include <dyslam/formats/RecordingKind.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 
@@ -75,6 +76,16 @@ void requireConverted(const std::string& input)
   if (!advice.empty())
   {
     throw UserError(input + ": " + advice);
+  }
+}
+
+void requireDifferent(const std::string& option, std::vector<std::string> words)
+{
+  std::sort(words.begin(), words.end());
+  const auto twice = std::adjacent_find(words.begin(), words.end());
+  if (twice != words.end())
+  {
+    throw UserError(option + ": '" + *twice + "' is given twice");
   }
 }
 }  // namespace dyslam

@@ -20,6 +20,9 @@ CLI::Validator notNegative();
 
 CLI::Validator positive();
 
+/** \throws UserError if a word is given twice to an option whose words are averaged over */
+void requireDifferent(const std::string& option, std::vector<std::string> words);
+
 /** Maps an option's word to its enumerator; no other word is accepted. */
 template <typename Enum>
 CLI::Validator wordFor(const std::map<std::string, Enum>& words)

@@ -37,7 +37,8 @@ void report(const ConversionResult& result, const std::string& output, bool are_
                       : "")
               << counted(result.poses, "pose")
               << (result.pose_source.empty() ? "" : " (from " + result.pose_source + ")") << ", "
-              << result.label_files << " label files, " << result.boxes << " boxes";
+              << counted(result.label_files, "label file") << ", " << result.boxes
+              << (result.boxes == 1 ? " box" : " boxes");
   }
   std::cout << '\n';
 }

@@ -12,6 +12,7 @@
 #include <utility>
 #include <vector>
 
+#include "../common/Checks.h"
 #include "../common/OutputOptions.h"
 #include "OutputFiles.h"
 
@@ -84,6 +85,8 @@ void requireTracksApart(const KittiMotArguments& a, const KittiMotSetup& setup)
 
 void evaluateKittiMot(const KittiMotArguments& a)
 {
+  requireDifferent("--sequences", a.sequences);
+  requireDifferent("--class", a.types);
   const KittiMotSetup setup = setupOf(a);
   requireTracksApart(a, setup);
   const std::vector<std::string> names = !a.sequences.empty()      ? a.sequences

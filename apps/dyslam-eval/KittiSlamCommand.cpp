@@ -6,12 +6,12 @@
 #include <dyslam/base/SharedFiles.h>
 #include <dyslam/benchmarks/KittiSlamErrors.h>
 
-#include <algorithm>
 #include <iostream>
 #include <memory>
 #include <string>
 #include <vector>
 
+#include "../common/Checks.h"
 #include "../common/OutputOptions.h"
 #include "OutputFiles.h"
 
@@ -34,17 +34,6 @@ struct KittiSlamArguments
   KittiSlamSetup setup;
   OutputFlags output;
 };
-
-/** \throws UserError if a word is given twice, which would count twice in the means */
-void requireDifferent(const std::string& option, std::vector<std::string> words)
-{
-  std::sort(words.begin(), words.end());
-  const auto twice = std::adjacent_find(words.begin(), words.end());
-  if (twice != words.end())
-  {
-    throw UserError(option + ": '" + *twice + "' is given twice");
-  }
-}
 
 KittiSlamSetup setupOf(const KittiSlamArguments& a)
 {

@@ -137,6 +137,8 @@ TEST_F(BadArguments, WordsOfTheCommandLine)
                 {"--only-first-n 1.5: is not a whole number"});
   expectRefusal("dyslam-eval", "kitti-slam --data " + at("") + " --modes full odometry full",
                 {"--modes: 'full' is given twice"});
+  expectRefusal("dyslam-eval", "kitti-mot --data " + at("") + " --sequences 0001 0006 0001",
+                {"--sequences: '0001' is given twice"});
   expectRefusal("dyslam", "-i " + write("a.pcap", "x") + " -o " + at("never"),
                 {"a.pcap: is not a network capture"});
   expectRefusal("dyslam-eval", "run --truth /nope " + at(""), {"/nope: is not a folder"});
