@@ -175,9 +175,21 @@ TEST(NetworkSegmenter, TheStaticMotionIsThePriorsWhereItCannotBeFound)
   }
 }
 
-TEST(NetworkSegmenter, ShiftedScanGivesTheShiftAndNoMovers)
+/** The networks shipped with DySLAM, by the name of their weights. */
+class ShippedWeights : public ::testing::TestWithParam<std::string>
 {
-  NetworkSegmenter segmenter{NetworkSegmenterOptions()};
+ protected:
+  [[nodiscard]] static NetworkSegmenterOptions options()
+  {
+    NetworkSegmenterOptions options;
+    options.weights = GetParam();
+    return options;
+  }
+};
+
+TEST_P(ShippedWeights, ShiftedScanGivesTheShiftAndNoMovers)
+{
+  NetworkSegmenter segmenter(options());
   const auto now = street(1);
   // The same scan again as an ego that moved would see it: nothing in it moves.
   const auto truth = poseFromYpr(0.9, 0.05, 0, 0.02, 0, 0);
@@ -200,6 +212,59 @@ TEST(NetworkSegmenter, ShiftedScanGivesTheShiftAndNoMovers)
                     [](float p) { return p > 0.5F; });
   EXPECT_LT(static_cast<double>(moving), 0.005 * static_cast<double>(now.size()));
 }
+
+/** A car of 4.2 x 1.8 x 1.5 m on the ground stops the rays that hit it. \return its points */
+std::vector<std::size_t> addCar(const Eigen::Vector2f& centre, std::vector<Eigen::Vector3f>& points)
+{
+  const Eigen::Array3f low(centre.x() - 2.1F, centre.y() - 0.9F, -1.6F);
+  const Eigen::Array3f high(centre.x() + 2.1F, centre.y() + 0.9F, -0.1F);
+  std::vector<std::size_t> on_car;
+  for (std::size_t i = 0; i < points.size(); ++i)
+  {
+    // Fractions of the ray at which it enters and leaves the box.
+    const Eigen::Array3f to_low = low / points[i].array();
+    const Eigen::Array3f to_high = high / points[i].array();
+    const float enter = to_low.min(to_high).maxCoeff();
+    const float leave = to_low.max(to_high).minCoeff();
+    if (0 < enter && enter < std::min(leave, 1.0F))
+    {
+      points[i] *= enter;
+      on_car.push_back(i);
+    }
+  }
+  return on_car;
+}
+
+TEST_P(ShippedWeights, FindACarThatMovesAndNoneThatStands)
+{
+  NetworkSegmenter segmenter(options());
+  Frame frame;
+  std::vector<std::size_t> driving;
+  std::vector<std::size_t> parked;
+  for (std::size_t scan = 0; scan <= 8; ++scan)
+  {
+    frame = frameOf(street(static_cast<unsigned>(scan)), scan);
+    frame.prior.reliable = true;  // the ego stands
+    driving = addCar({4 + static_cast<float>(scan), 4}, frame.cloud.points);
+    parked = addCar({8, -4}, frame.cloud.points);
+    segmenter.segment(frame);
+  }
+  const auto moving_share = [&](const std::vector<std::size_t>& points)
+  {
+    const auto moving =
+        std::count_if(points.begin(), points.end(),
+                      [&](std::size_t i) { return frame.moving_probability[i] > 0.5F; });
+    return static_cast<double>(moving) / static_cast<double>(points.size());
+  };
+  ASSERT_GT(driving.size(), 200U);
+  ASSERT_GT(parked.size(), 200U);
+  EXPECT_GT(moving_share(driving), 0.6);
+  EXPECT_LT(moving_share(parked), 0.02);
+}
+
+INSTANTIATE_TEST_SUITE_P(NetworkSegmenter,
+                         ShippedWeights,
+                         ::testing::Values("dyseg", "dyseg_simulated"));
 
 TEST(NetworkSegmenter, EmptyAndInvalidScans)
 {
