@@ -170,6 +170,19 @@ class Resume : public ::testing::Test
     }
   }
 
+  /** Runs to the end, and leaves in `copy` what a kill after this many scans would have left. */
+  static void runWithCopy(const SlamRunSettings& run, std::size_t after, const fs::path& copy)
+  {
+    (void)runSlam(run,
+                  [&](double, std::size_t scans)
+                  {
+                    if (scans == after)
+                    {
+                      snapshot(run.output_folder, copy);
+                    }
+                  });
+  }
+
   static SlamRunReport resume(const fs::path& run)
   {
     SlamRunSettings s;
@@ -348,14 +361,7 @@ TEST_F(Resume, ResumedRunsCanBeKilledAgain)
   const SlamRunSettings whole = settings("again", some);
   const fs::path first = folder_ / "again_1" / "run";
   const fs::path second = folder_ / "again_2" / "run";
-  (void)runSlam(whole,
-                [&](double, std::size_t scans)
-                {
-                  if (scans == 8)
-                  {
-                    snapshot(whole.output_folder, first);
-                  }
-                });
+  runWithCopy(whole, 8, first);
   SlamRunSettings s;
   s.output_folder = first.string();
   (void)resumeSlam(s,
@@ -405,14 +411,7 @@ TEST_F(Resume, AReplayThatIsNotThereAnyMoreIsMissingAlone)
 {
   const SlamRunSettings run = settings("replay", {"output.checkpoint_seconds=1e-6"});
   const fs::path killed = folder_ / "replay_killed" / "run";
-  (void)runSlam(run,
-                [&](double, std::size_t scans)
-                {
-                  if (scans == 6)
-                  {
-                    snapshot(run.output_folder, killed);
-                  }
-                });
+  runWithCopy(run, 6, killed);
   ASSERT_TRUE(fs::remove(killed / "replay.rawlog.tmp"));
   const std::string error = messageOfError<UserError>([&] { (void)resume(killed); });
   EXPECT_NE(error.find("replay.rawlog.tmp: cannot be resumed"), std::string::npos) << error;
@@ -429,14 +428,7 @@ TEST_F(Resume, DamageAndDifferencesAreErrorsThatRemoveNothing)
 {
   const SlamRunSettings run = settings("odd", {"output.checkpoint_seconds=1e-6"});
   const fs::path killed = folder_ / "odd_killed" / "run";
-  (void)runSlam(run,
-                [&](double, std::size_t scans)
-                {
-                  if (scans == 6)
-                  {
-                    snapshot(run.output_folder, killed);
-                  }
-                });
+  runWithCopy(run, 6, killed);
   const auto before = comparableFiles(killed);
   const std::string state = readWhole(killed / state_name);
   const auto write = [&](const std::string& bytes)
