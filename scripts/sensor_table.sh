@@ -8,7 +8,7 @@ usage="Usage: sensor_table.sh [-s SEEDS] [-t SECONDS] [-w WORLDS] [-k SENSORS] [
   -s  seeds of the simulated worlds (21)
   -t  seconds of each recording (5)
   -w  worlds (urban campus highway tunnel)
-  -k  sensors (HDL64E OS1-128 OS1-64 PANDAR64 OS1-32 XT32 HDL32E VLP16 AVIA)
+  -k  sensors (HDL64E VLS128 OS1-128 OS1-64 PANDAR64 OS1-32 VLP32C XT32 HDL32E VLP16 AVIA)
   -o  folder for recordings and runs (./sensor_table); existing ones are kept
   -l  segment lengths of t_rel [m] (5,10,20)
 
@@ -16,7 +16,7 @@ The programs are taken from \$DYSLAM_BIN, else from the PATH."
 seeds=21
 seconds=5
 worlds="urban campus highway tunnel"
-sensors="HDL64E OS1-128 OS1-64 PANDAR64 OS1-32 XT32 HDL32E VLP16 AVIA"
+sensors="HDL64E VLS128 OS1-128 OS1-64 PANDAR64 OS1-32 VLP32C XT32 HDL32E VLP16 AVIA"
 output=sensor_table
 lengths=5,10,20
 while getopts s:t:w:k:o:l:h option; do

@@ -47,6 +47,8 @@ void SimulatorOptions::describe(OptionsVisitor& visitor)
                  {{"HDL64E", SensorKind::hdl64e},
                   {"HDL32E", SensorKind::hdl32e},
                   {"VLP16", SensorKind::vlp16},
+                  {"VLP32C", SensorKind::vlp32c},
+                  {"VLS128", SensorKind::vls128},
                   {"OS1-32", SensorKind::os1_32},
                   {"OS1-64", SensorKind::os1_64},
                   {"OS1-128", SensorKind::os1_128},

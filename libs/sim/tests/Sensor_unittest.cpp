@@ -3,6 +3,7 @@
 #include <dyslam/sim/Simulator.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <set>
 
@@ -33,6 +34,8 @@ TEST(Sensor, BeamTablesMatchTheDataSheets)
   check(SensorKind::hdl64e, 64, -24.33, 2.0);
   check(SensorKind::hdl32e, 32, -30.67, 10.67);
   check(SensorKind::vlp16, 16, -15, 15);
+  check(SensorKind::vlp32c, 32, -25, 15);
+  check(SensorKind::vls128, 128, -25, 15);
   check(SensorKind::os1_64, 64, -22.5, 22.5);
   check(SensorKind::os1_32, 32, -22.5, 22.5);
   check(SensorKind::os1_128, 128, -22.5, 22.5);
@@ -51,6 +54,25 @@ TEST(Sensor, VelodyneFiringTimesMatchTheDataSheet)
   EXPECT_NEAR(m.beams[15].fire_time, 15 * 2.304e-6, 1e-12);
 }
 
+TEST(Sensor, AzimuthsOfTheLasersAreClockwiseInVelodynesTables)
+{
+  // VLP-32C: laser 0 at -25 degrees is 1.4 degrees ahead of the head, which turns clockwise; laser
+  // 1 fires with it, laser 2 next. VLS-128: laser 0 at -11.742 degrees and 6.354 degrees ahead.
+  const SensorModel m = sensorModel(SensorKind::vlp32c);
+  EXPECT_NEAR(m.beams[0].azimuth_offset, -1.4 * kDegree, 1e-9);
+  EXPECT_NEAR(m.beams[0].fire_time, 0, 1e-12);
+  const auto beam_at = [](const SensorModel& model, double elevation)
+  {
+    return *std::find_if(model.beams.begin(), model.beams.end(),
+                         [&](const Beam& b)
+                         { return std::abs(b.elevation - elevation * kDegree) < 1e-6; });
+  };
+  EXPECT_NEAR(beam_at(m, -1.667).fire_time, 2.304e-6, 1e-12);
+  const Beam first = beam_at(sensorModel(SensorKind::vls128), -11.742);
+  EXPECT_NEAR(first.azimuth_offset, -6.354 * kDegree, 1e-9);
+  EXPECT_NEAR(first.fire_time, 0, 1e-12);
+}
+
 TEST(Sensor, SweepIsClockwiseAndFacesForwardAtTheStamp)
 {
   const SensorModel m = sensorModel(SensorKind::hdl64e);
@@ -63,9 +85,10 @@ TEST(Sensor, SweepIsClockwiseAndFacesForwardAtTheStamp)
 
 TEST(Sensor, NamesRoundTripAndErrorsSuggestTheNearest)
 {
-  for (const auto kind : {SensorKind::hdl64e, SensorKind::hdl32e, SensorKind::vlp16,
-                          SensorKind::os1_32, SensorKind::os1_64, SensorKind::os1_128,
-                          SensorKind::pandar64, SensorKind::xt32, SensorKind::avia})
+  for (const auto kind :
+       {SensorKind::hdl64e, SensorKind::hdl32e, SensorKind::vlp16, SensorKind::vlp32c,
+        SensorKind::vls128, SensorKind::os1_32, SensorKind::os1_64, SensorKind::os1_128,
+        SensorKind::pandar64, SensorKind::xt32, SensorKind::avia})
   {
     EXPECT_EQ(sensorKindFromString(toString(kind)), kind);
   }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/base/Error.h>
 #include <dyslam/base/Words.h>
+#include <dyslam/core/VelodyneLasers.h>
 #include <dyslam/sim/Sensor.h>
 
 #include <algorithm>
@@ -20,15 +21,17 @@ struct Name
   SensorKind kind;
   const char* text;
 };
-constexpr std::array<Name, 9> kNames{{{SensorKind::hdl64e, "HDL64E"},
-                                      {SensorKind::hdl32e, "HDL32E"},
-                                      {SensorKind::vlp16, "VLP16"},
-                                      {SensorKind::os1_32, "OS1-32"},
-                                      {SensorKind::os1_64, "OS1-64"},
-                                      {SensorKind::os1_128, "OS1-128"},
-                                      {SensorKind::pandar64, "PANDAR64"},
-                                      {SensorKind::xt32, "XT32"},
-                                      {SensorKind::avia, "AVIA"}}};
+constexpr std::array<Name, 11> kNames{{{SensorKind::hdl64e, "HDL64E"},
+                                       {SensorKind::hdl32e, "HDL32E"},
+                                       {SensorKind::vlp16, "VLP16"},
+                                       {SensorKind::vlp32c, "VLP32C"},
+                                       {SensorKind::vls128, "VLS128"},
+                                       {SensorKind::os1_32, "OS1-32"},
+                                       {SensorKind::os1_64, "OS1-64"},
+                                       {SensorKind::os1_128, "OS1-128"},
+                                       {SensorKind::pandar64, "PANDAR64"},
+                                       {SensorKind::xt32, "XT32"},
+                                       {SensorKind::avia, "AVIA"}}};
 
 // Upper block: 32 lasers at steps of 1/3 degree from +2; lower block: 32 lasers at 1/2 degree, seen
 // from the origin as if they began higher: the lowest ring of real scans from 1.73 m above the road
@@ -94,6 +97,58 @@ SensorModel hdl32e()
   m.range_resolution = 0.002;
   m.reference_range = 60;
   m.divergence = 0.0014;
+  m.beam_range_bias = 0.006;
+  return m;
+}
+
+/** \param azimuths of the lasers that fire together, repeated for all, clockwise [deg] \param fire
+ * time between firings \param cycle time of a column [s] */
+template <typename Elevations, typename Azimuths>
+SensorModel velodyneIrregular(const Elevations& elevations,
+                              const Azimuths& azimuths,
+                              std::size_t fired_together,
+                              double fire,
+                              double cycle)
+{
+  SensorModel m;
+  for (std::size_t id = 0; id < elevations.size(); ++id)
+  {
+    m.beams.push_back({elevations[id] * kDegree, -azimuths[id % azimuths.size()] * kDegree,
+                       fire * static_cast<double>(id / fired_together), 0});
+  }
+  std::sort(m.beams.begin(), m.beams.end(),
+            [](const Beam& a, const Beam& b) { return a.elevation < b.elevation; });
+  m.period = 0.1;
+  m.columns = static_cast<int>(std::lround(m.period / cycle));
+  return m;
+}
+
+// From -25 to 15 degrees: 1/3 degree apart between -4 and 1.67, coarser outside.
+SensorModel vlp32c()
+{
+  SensorModel m = velodyneIrregular(velodyne::vlp32c_elevations, velodyne::vlp32c_azimuths, 2,
+                                    2.304e-6, 55.296e-6);
+  m.min_range = 1;
+  m.max_range = 200;
+  m.range_noise = 0.012;
+  m.range_resolution = 0.004;
+  m.reference_range = 100;
+  m.divergence = 0.0015;
+  m.beam_range_bias = 0.006;
+  return m;
+}
+
+// From -25 to 15 degrees: 0.11 degrees apart between -6.5 and 5, coarser outside.
+SensorModel vls128()
+{
+  SensorModel m = velodyneIrregular(velodyne::vls128_elevations, velodyne::vls128_azimuths, 8,
+                                    2.665e-6, 53.3e-6);
+  m.min_range = 0.4;
+  m.max_range = 245;
+  m.range_noise = 0.012;
+  m.range_resolution = 0.004;
+  m.reference_range = 220;
+  m.divergence = 0.001;
   m.beam_range_bias = 0.006;
   return m;
 }
@@ -226,6 +281,12 @@ SensorModel sensorModel(SensorKind kind)
       break;
     case SensorKind::vlp16:
       model = vlp16();
+      break;
+    case SensorKind::vlp32c:
+      model = vlp32c();
+      break;
+    case SensorKind::vls128:
+      model = vls128();
       break;
     case SensorKind::os1_32:
       model = os1(32);

@@ -11,6 +11,8 @@ enum class SensorKind
   hdl64e,
   hdl32e,
   vlp16,
+  vlp32c,
+  vls128,
   os1_32,
   os1_64,
   os1_128,
@@ -85,8 +87,8 @@ struct SensorModel
  * prisms were measured on a Livox Mid-40, the order of its six lasers is assumed. */
 [[nodiscard]] SensorModel sensorModel(SensorKind kind);
 
-/** "HDL64E", "HDL32E", "VLP16", "OS1-32", "OS1-64", "OS1-128", "PANDAR64", "XT32", "AVIA", in any
- * case. \throws UserError. */
+/** "HDL64E", "HDL32E", "VLP16", "VLP32C", "VLS128", "OS1-32", "OS1-64", "OS1-128", "PANDAR64",
+ * "XT32", "AVIA", in any case. \throws UserError. */
 [[nodiscard]] SensorKind sensorKindFromString(const std::string& name);
 [[nodiscard]] std::string toString(SensorKind kind);
 }  // namespace dyslam::sim
