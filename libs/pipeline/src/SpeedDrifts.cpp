@@ -36,17 +36,27 @@ double support(const std::vector<SpeedDrift>& drifts, double speed)
   }
   return sum;
 }
+std::vector<SpeedDrift> limitedDrifts(const std::vector<SpeedDrift>& drifts, double max_drift)
+{
+  std::vector<SpeedDrift> limited = drifts;
+  for (SpeedDrift& tried : limited)
+  {
+    tried.drift = std::clamp(tried.drift, -max_drift, max_drift);
+  }
+  return limited;
+}
 }  // namespace
+
+double supportOf(const std::vector<SpeedDrift>& drifts, double speed, const StartOptions& options)
+{
+  return support(limitedDrifts(drifts, options.max_drift), speed);
+}
 
 std::optional<double> speedOfDrifts(const std::vector<SpeedDrift>& drifts,
                                     double start,
                                     const StartOptions& options)
 {
-  std::vector<SpeedDrift> limited = drifts;
-  for (SpeedDrift& tried : limited)
-  {
-    tried.drift = std::clamp(tried.drift, -options.max_drift, options.max_drift);
-  }
+  const std::vector<SpeedDrift> limited = limitedDrifts(drifts, options.max_drift);
   double best = start;
   double best_support = support(limited, start);
   const double least = best_support + options.min_margin;

@@ -12,7 +12,10 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <memory>
+#include <numeric>
 #include <string>
+#include <utility>
 
 namespace dyslam
 {
@@ -26,6 +29,11 @@ struct NoTimes : mrpt::system::CTimeLogger
 
 /** Difference below which two speeds count as equal [m/s]. */
 constexpr double same_speed = 0.3;
+/** The same for later scans, where the vehicle may accelerate in between [m/s]. */
+constexpr double same_later_speed = 1;
+/** Speed from which the run's own start is compared with that of the registration, which takes a
+ * few tenths of a second [m/s]. */
+constexpr double fast = 10;
 /** Distance of a probe speed, which may drift back to the odometry's speed [m/s]. */
 constexpr double probe_distance = 5;
 /** Limits of odometry.start_speed [m/s]. */
@@ -44,30 +52,65 @@ double knownSpeed(double speed)
 
 struct StartSearch
 {
-  StartSearch(const std::vector<Frame>& first_frames, const Config& run_config)
-      : frames(first_frames), config(run_config), priors(frames.size())
+  StartSearch(const NextScan& next_scan, const Config& run_config)
+      : next(next_scan), config(run_config)
   {
     ConfigLoader loader(config);
     options = loader.get<StartOptions>("start");
     threads = loader.get<PipelineOptions>("pipeline").threads;
   }
 
+  bool readTo(std::size_t end);
   [[nodiscard]] bool isWanted() const;
+  [[nodiscard]] bool isMeasured() const;
   [[nodiscard]] Config startingAt(std::optional<double> speed) const;
-  [[nodiscard]] double speedAfter(std::optional<double> start, int of_threads) const;
-  [[nodiscard]] std::vector<double> speedsAfter(const std::vector<double>& starts) const;
-  [[nodiscard]] double speedOfFrontEnd();
+  [[nodiscard]] double speedAfter(std::size_t first,
+                                  std::optional<double> start,
+                                  int of_threads) const;
+  [[nodiscard]] std::vector<double> speedsAfter(std::size_t first,
+                                                const std::vector<double>& starts) const;
+  bool runTo(std::size_t end);
   [[nodiscard]] bool isPulledTo(double speed) const;
   [[nodiscard]] std::vector<SpeedDrift> drifts() const;
+  [[nodiscard]] std::optional<double> laterSpeed();
 
-  const std::vector<Frame>& frames;
+  const NextScan& next;
   const Config& config;
   StartOptions options;
   int threads = 0;
+  NoTimes times;
+  std::unique_ptr<FrontEnd> front_end;  //!< of the run from the first scan on
+  std::vector<Frame> frames;            //!< first scans of the recording
+  std::vector<double> speeds;           //!< speed at each scan that the run would estimate [m/s]
   StaticPriors priors;
 };
 
+/** Reads the first `end` scans. \return whether the recording has them */
+bool StartSearch::readTo(std::size_t end)
+{
+  while (frames.size() < end)
+  {
+    std::optional<Frame> frame = next();
+    if (!frame)
+    {
+      return false;
+    }
+    frames.push_back(std::move(*frame));
+    priors.emplace_back();
+  }
+  return true;
+}
+
+/** Whether the run's settings leave the speed to be searched for. */
 bool StartSearch::isWanted() const
+{
+  ConfigLoader loader(config);
+  return options.search && loader.get<OdometryOptions>("odometry").start_speed == 0 &&
+         loader.get<RefineOptions>("refine").method != RefineMethod::none;
+}
+
+/** Whether wheels measure the speed at the first scan. */
+bool StartSearch::isMeasured() const
 {
   ConfigLoader loader(config);
   MotionSensors sensors(loader.get<MotionSensorOptions>("motion_sensors"));
@@ -75,10 +118,7 @@ bool StartSearch::isWanted() const
   {
     sensors.add(frame);
   }
-  const bool sensed = !frames.empty() && sensors.speedAt(frames.front().scan.stamp);
-  return options.search && !sensed && loader.get<OdometryOptions>("odometry").start_speed == 0 &&
-         loader.get<RefineOptions>("refine").method != RefineMethod::none &&
-         static_cast<int>(frames.size()) >= options.scans;
+  return sensors.speedAt(frames.front().scan.stamp).has_value();
 }
 
 Config StartSearch::startingAt(std::optional<double> speed) const
@@ -98,8 +138,9 @@ double forwardSpeed(const Frame& frame)
   return frame.dt > 0 ? frame.motion.T_previous_current.translation().x() / frame.dt : 0;
 }
 
-/** Speed at the last frame by registration only, started at a given speed [m/s]. */
-double StartSearch::speedAfter(std::optional<double> start, int of_threads) const
+/** Speed after `options.scans` scans by registration only [m/s]. \param first scan with which the
+ * odometry begins \param start speed there */
+double StartSearch::speedAfter(std::size_t first, std::optional<double> start, int of_threads) const
 {
   NoTimes times;
   const Config changed = startingAt(start);
@@ -108,7 +149,7 @@ double StartSearch::speedAfter(std::optional<double> start, int of_threads) cons
   Preprocessor preprocessor(loader.get<PreprocessOptions>("preprocess"), pool);
   Odometry odometry(loader, pool, times);
   double speed = 0;
-  for (std::size_t i = 0; i < frames.size(); ++i)
+  for (std::size_t i = first; i < first + static_cast<std::size_t>(options.scans); ++i)
   {
     Frame frame = frames[i];
     const auto prepare = [&](const Pose& T_previous_current, double dt)
@@ -130,18 +171,25 @@ double StartSearch::speedAfter(std::optional<double> start, int of_threads) cons
   return speed;
 }
 
-/** Speed at the last frame that the run would estimate [m/s]; stores the appearance priors. */
-double StartSearch::speedOfFrontEnd()
+/** Reads the first `end` scans and estimates their speeds and appearance priors as the run would.
+ * \return whether the recording has them */
+bool StartSearch::runTo(std::size_t end)
 {
-  NoTimes times;
-  ConfigLoader loader(config);
-  FrontEnd front_end(threads, loader, times);
-  double speed = 0;
-  for (std::size_t i = 0; i < frames.size(); ++i)
+  if (!front_end)
   {
+    ConfigLoader loader(config);
+    front_end = std::make_unique<FrontEnd>(threads, loader, times);
+  }
+  if (!readTo(end))
+  {
+    return false;
+  }
+  while (speeds.size() < end)
+  {
+    const std::size_t i = speeds.size();
     Frame frame = frames[i];
-    front_end.process(frame);
-    speed = forwardSpeed(frame);
+    front_end->process(frame);
+    speeds.push_back(forwardSpeed(frame));
     if (!frame.static_prior.empty())
     {
       priors[i].assign(frame.scan.size(), 1);
@@ -151,22 +199,23 @@ double StartSearch::speedOfFrontEnd()
       }
     }
   }
-  return speed;
+  return true;
 }
 
-std::vector<double> StartSearch::speedsAfter(const std::vector<double>& starts) const
+std::vector<double> StartSearch::speedsAfter(std::size_t first,
+                                             const std::vector<double>& starts) const
 {
-  std::vector<double> speeds(starts.size());
+  std::vector<double> after(starts.size());
   ThreadPool pool(threads);
   pool.forChunks(starts.size(), 1,
                  [&](std::size_t begin, std::size_t end, std::size_t)
                  {
                    for (std::size_t i = begin; i < end; ++i)
                    {
-                     speeds[i] = speedAfter(starts[i], 1);
+                     after[i] = speedAfter(first, starts[i], 1);
                    }
                  });
-  return speeds;
+  return after;
 }
 
 /** Whether a speed and the probes beside it are possible start speeds: false if the odometry
@@ -179,9 +228,9 @@ bool isPlausible(double speed)
 /** Whether a lower and a higher initial speed both drift to a speed. */
 bool StartSearch::isPulledTo(double speed) const
 {
-  const auto speeds = speedsAfter({speed - probe_distance, speed + probe_distance});
-  return std::all_of(speeds.begin(), speeds.end(),
-                     [&](double after) { return std::fabs(after - speed) < same_speed; });
+  const auto after = speedsAfter(0, {speed - probe_distance, speed + probe_distance});
+  return std::all_of(after.begin(), after.end(),
+                     [&](double probe) { return std::fabs(probe - speed) < same_speed; });
 }
 
 std::vector<SpeedDrift> StartSearch::drifts() const
@@ -191,13 +240,40 @@ std::vector<SpeedDrift> StartSearch::drifts() const
   {
     starts.push_back(speed);
   }
-  const std::vector<double> speeds = speedsAfter(starts);
+  const std::vector<double> after = speedsAfter(0, starts);
   std::vector<SpeedDrift> result;
   for (std::size_t i = 0; i < starts.size(); ++i)
   {
-    result.push_back({starts[i], speeds[i] - starts[i]});
+    result.push_back({starts[i], after[i] - starts[i]});
   }
   return result;
+}
+
+/** Speed of the run at the first later scans that determine it: starts beside its speed end where
+ * it does [m/s]. */
+std::optional<double> StartSearch::laterSpeed()
+{
+  const auto scans = static_cast<std::size_t>(options.scans);
+  const auto look_ahead = static_cast<std::size_t>(options.look_ahead);
+  for (std::size_t first = scans; first <= look_ahead && runTo(first + scans); first += scans)
+  {
+    if (!isPlausible(speeds[first]))
+    {
+      return std::nullopt;
+    }
+    const double run = speeds[first + scans - 1];
+    const auto after =
+        speedsAfter(first, {speeds[first] - probe_distance, speeds[first] + probe_distance});
+    if (std::all_of(after.begin(), after.end(),
+                    [&](double probe) { return std::fabs(probe - run) < same_later_speed; }))
+    {
+      // Single motions swing by up to a tenth between rails: the mean of several.
+      const auto end = speeds.begin() + static_cast<std::ptrdiff_t>(first + scans);
+      const auto begin = end - static_cast<std::ptrdiff_t>((scans + 1) / 2);
+      return std::accumulate(begin, end, 0.0) / static_cast<double>(end - begin);
+    }
+  }
+  return std::nullopt;
 }
 
 }  // namespace
@@ -207,6 +283,8 @@ void StartOptions::describe(OptionsVisitor& v)
   v.flag("search", search,
          "search for the speed at the first scan where the first scans do not determine it");
   v.integer("scans", scans, 3, 100, "number of first scans used in the search for the start speed");
+  v.integer("look_ahead", look_ahead, 0, 1000,
+            "number of further scans used where the first scans do not determine the speed");
   v.real("slowest", slowest, min_speed, 0, "lowest start speed that is tried [m/s]");
   v.real("fastest", fastest, 0, max_speed, "highest start speed that is tried [m/s]");
   v.real("step", step, 0.5, 20, "step between the start speeds that are tried [m/s]");
@@ -219,32 +297,59 @@ void StartOptions::describe(OptionsVisitor& v)
          "[m^2/s^2]");
 }
 
-std::optional<double> findStartSpeed(const std::vector<Frame>& frames, const Config& config)
+std::optional<double> findStartSpeed(const NextScan& next, const Config& config)
 {
-  StartSearch search(frames, config);
-  if (!search.isWanted())
+  StartSearch search(next, config);
+  if (!search.isWanted() || !search.readTo(static_cast<std::size_t>(search.options.scans)) ||
+      search.isMeasured())
   {
     return std::nullopt;
   }
-  const double registered = search.speedAfter(std::nullopt, search.threads);
-  if (!isPlausible(registered) || search.isPulledTo(registered))
+  const double registered = search.speedAfter(0, std::nullopt, search.threads);
+  if (!isPlausible(registered))
   {
     return std::nullopt;
   }
-  const double start = search.speedOfFrontEnd();
+  const bool determined = search.isPulledTo(registered);
+  if (determined && std::fabs(registered) < fast)
+  {
+    return std::nullopt;
+  }
+  search.runTo(search.frames.size());
+  const double start = search.speeds.back();
+  if (determined)
+  {
+    // Between uniform rails the segmenter may lead the run away from the speed of the registration.
+    return std::fabs(start - registered) < same_later_speed ? std::nullopt
+                                                            : std::optional(registered);
+  }
   if (!isPlausible(start) || search.isPulledTo(start))
   {
     return std::nullopt;
   }
-  const auto speed = speedOfDrifts(search.drifts(), start, search.options);
-  if (!speed)
+  const std::vector<SpeedDrift> drifts = search.drifts();
+  if (const auto speed = speedOfDrifts(drifts, start, search.options))
   {
-    return std::nullopt;
+    // The grid of speeds is coarse; the odometry refines the result.
+    const double settled = search.speedAfter(0, *speed, search.threads);
+    return isPlausible(settled) && std::fabs(settled - *speed) < search.options.max_drift ? settled
+                                                                                          : speed;
   }
-  // The grid of speeds is coarse; the odometry refines the result.
-  const double settled = search.speedAfter(*speed, search.threads);
-  return isPlausible(settled) && std::fabs(settled - *speed) < search.options.max_drift ? settled
-                                                                                        : speed;
+  // Later scans decide, unless the drifts contradict them: the vehicle may have accelerated.
+  const auto later = search.laterSpeed();
+  const auto support = [&](double speed) { return supportOf(drifts, speed, search.options); };
+  return later && std::fabs(*later - start) > same_later_speed &&
+                 support(start) < support(*later) + search.options.min_margin
+             ? later
+             : std::nullopt;
+}
+
+std::optional<double> findStartSpeed(const std::vector<Frame>& frames, const Config& config)
+{
+  std::size_t read = 0;
+  const auto next = [&]
+  { return read < frames.size() ? std::optional<Frame>(frames[read++]) : std::nullopt; };
+  return findStartSpeed(next, config);
 }
 
 void setStartSpeed(double speed, Config& config)

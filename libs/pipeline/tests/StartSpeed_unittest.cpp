@@ -50,6 +50,14 @@ TEST(StartSpeed, StaysWithTheOdometryWhereNothingLeadsAway)
       speedOfDrifts(driftsOf([](double speed) { return speed < 12 ? 5 - speed : 0; }), 5, {}));
 }
 
+TEST(StartSpeed, SupportIsLargestWhereTheDriftsLead)
+{
+  const auto drifts = driftsOf([](double speed) { return 0.1 * (20 - speed); });
+  EXPECT_GT(supportOf(drifts, 20, {}), supportOf(drifts, 15, {}));
+  EXPECT_GT(supportOf(drifts, 20, {}), supportOf(drifts, 25, {}));
+  EXPECT_NEAR(supportOf(drifts, 20, {}) - supportOf(drifts, 10, {}), 5, 1e-9);
+}
+
 TEST(StartSpeed, OneWildDriftCountsLittle)
 {
   auto drifts = driftsOf([](double speed) { return 0.2 * (5 - speed); });
@@ -103,6 +111,84 @@ std::vector<Frame> driveThroughRoom(double period)
     }
   }
   return frames;
+}
+
+/** Scans 0.1 s and 0.4 m apart between walls with ribs every 0.4 m, which look the same in every
+ * scan, and from `first_pillar` on [m] with pillars at irregular distances. */
+std::vector<Frame> driveBetweenWalls(std::size_t count, float first_pillar)
+{
+  constexpr float rib_distance = 0.4F;
+  std::vector<Frame> frames(count);
+  for (std::size_t k = 0; k < frames.size(); ++k)
+  {
+    Scan& scan = frames[k].scan;
+    frames[k].index = k;
+    scan.stamp = 0.1 * static_cast<double>(k);
+    const float at = rib_distance * static_cast<float>(k);
+    for (float z = -1.7F; z < 3; z += 0.4F)
+    {
+      for (float x = -40; x < 40; x += 0.25F)
+      {
+        scan.points.emplace_back(x, -8, z);
+        scan.points.emplace_back(x, 9, z);
+      }
+      for (int rib = -30; rib < 30; ++rib)
+      {
+        const float x = rib_distance * static_cast<float>(rib);
+        for (float out = 0.05F; out < 0.5F && x + at < first_pillar; out += 0.1F)
+        {
+          scan.points.emplace_back(x, 9 - out, z);
+        }
+      }
+      for (int i = 0; i < 40; ++i)
+      {
+        const float ahead = first_pillar + 2.9F * static_cast<float>(i) +
+                            0.8F * static_cast<float>((i * i) % 3) - at;
+        for (float y = -7.5; y < -1 && std::fabs(ahead) < 40; y += 0.25F)
+        {
+          scan.points.emplace_back(ahead, y, z);
+        }
+      }
+    }
+    for (float x = -20; x < 20; x += 0.5F)
+    {
+      for (float y = -8; y < 9; y += 0.5F)
+      {
+        scan.points.emplace_back(x, y, -1.7F);
+      }
+    }
+  }
+  return frames;
+}
+
+TEST(StartSpeed, IsFoundByLaterScansWhereTheFirstOnesLeaveItOpen)
+{
+  const Config config = Config::fromText(
+      "[dyseg]\nmethod = none\n[preprocess]\ndeskew = none\n[motion]\nstart_speed_sigma = "
+      "1\n[refine]\ninitial_sigma = 0.2\n[start]\nmax_drift = 0.1\nstep = 10\n",
+      "test");
+  const std::vector<Frame> frames = driveBetweenWalls(50, 45);
+  const auto found = findStartSpeed(frames, config);
+  ASSERT_TRUE(found);
+  EXPECT_NEAR(*found, 4, 0.5);
+
+  Config no_look_ahead = config;
+  no_look_ahead.set("start.look_ahead=0");
+  std::size_t read = 0;
+  const auto next = [&] { return std::optional<Frame>(frames.at(read++)); };
+  EXPECT_FALSE(findStartSpeed(next, no_look_ahead));
+  EXPECT_EQ(read, 10U);
+}
+
+TEST(StartSpeed, NoFurtherScansAreReadWhereTheFirstOnesDetermineIt)
+{
+  const Config config = Config::fromText(
+      "[dyseg]\nmethod = none\n[preprocess]\ndeskew = none\n[pipeline]\nthreads = 1\n", "test");
+  const std::vector<Frame> frames = driveThroughRoom(0.1);
+  std::size_t read = 0;
+  const auto next = [&] { return std::optional<Frame>(frames.at(read++)); };
+  EXPECT_FALSE(findStartSpeed(next, config));
+  EXPECT_EQ(read, 10U);
 }
 
 TEST(StartSpeed, IsNotSearchedForWhereTimeStampsAreWrong)

@@ -38,23 +38,19 @@ std::optional<double> findStartSpeed(const std::string& rawlog,
 {
   StartOptions start;
   load(start, config, "start");
-  RawlogSourceOptions options = input;
-  options.only_first_n =
-      input.only_first_n > 0 ? std::min(input.only_first_n, start.scans) : start.scans;
-  std::vector<Frame> frames;
+  if (!start.search)
+  {
+    return std::nullopt;
+  }
   try
   {
-    RawlogSource source(rawlog, options);
-    while (auto frame = source.next())
-    {
-      frames.push_back(std::move(*frame));
-    }
+    RawlogSource source(rawlog, input);
+    return findStartSpeed([&] { return source.next(); }, config);
   }
   catch (const UserError&)
   {
     return std::nullopt;  // the run reports it
   }
-  return findStartSpeed(frames, config);
 }
 
 RunSettings chooseRunSettings(const std::string& rawlog, const GivenSettings& given)

@@ -5,6 +5,7 @@
 #include <dyslam/base/Options.h>
 #include <dyslam/core/Frame.h>
 
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -16,6 +17,7 @@ struct StartOptions : Options
 {
   bool search = true;     //!< search for the initial speed if the first scans do not determine it
   int scans = 10;         //!< number of first scans used in the search
+  int look_ahead = 40;    //!< number of further scans used if the first leave the speed open
   double slowest = -5;    //!< lowest speed that is tried [m/s]
   double fastest = 45;    //!< highest speed that is tried [m/s]
   double step = 5;        //!< step between the speeds that are tried [m/s]
@@ -42,18 +44,34 @@ struct SpeedDrift
                                                   double start,
                                                   const StartOptions& options);
 
+/** Support of a speed: the integral of the drift over the speed, from the first speed tried up to
+ * it, largest at the speed towards which those around it drift. Drifts are clamped to
+ * `options.max_drift`. \param drifts at least two, ascending by speed [m^2/s^2] */
+[[nodiscard]] double supportOf(const std::vector<SpeedDrift>& drifts,
+                               double speed,
+                               const StartOptions& options);
+
+/** The next scan of a recording, where only index, scan and what was measured with it are filled;
+ * nothing after the last one. */
+using NextScan = std::function<std::optional<Frame>()>;
+
 /** Searches for the speed at the start of a recording.
  *
  * Between uniform guard rails, or in traffic, the first scans can be registered at several speeds.
  * The odometry is therefore started at several speeds. The few informative points pull a wrong
  * speed towards the true one from scan to scan, so that the drift of the speeds shows the true
- * speed even if none of them reaches it. Points are weighted by the segmenter's appearance prior.
- * \param frames the first scans of a recording; dt, poses and so on are not needed
+ * speed even if none of them reaches it. If the drifts are too small to show it, later scans are
+ * used: the speed where starts at several speeds end at the same one. Points are weighted by the
+ * segmenter's appearance prior.
+ * \param next called for the first `start.scans` scans, and for up to `start.look_ahead` further
+ *   ones if these leave the speed open
  * \param config config of the run
  * \return the speed [m/s] if the odometry would not find it by itself; nothing if it does, if
  *   `odometry.start_speed` is given or wheels measure the speed, and if nothing is registered or
  *   searched for
  * \throws UserError for bad options */
+[[nodiscard]] std::optional<double> findStartSpeed(const NextScan& next, const Config& config);
+/** The same for scans that are there already, such as the first ones of a live sensor. */
 [[nodiscard]] std::optional<double> findStartSpeed(const std::vector<Frame>& frames,
                                                    const Config& config);
 
