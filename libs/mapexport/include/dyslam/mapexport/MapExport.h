@@ -23,7 +23,7 @@ struct MapExportOptions : Options
   bool normals = true;               //!< clouds with normals
   double normal_radius = 0.8;        //!< radius of the neighbourhood of a normal [m]
   int epsg = 0;                      //!< EPSG number of the coordinates' system, for .las; 0: none
-  double tile_size = 0;              //!< clouds in tiles of this side, at least 5 [m]; 0: one file
+  double tile_size = 0;              //!< clouds in tiles of this side, whole metres; 0: one file
   double octree_resolution = 0.2;    //!< side of octomap's leaves [m]
   double octree_range = 40.0;        //!< range at which rays are cut off [m]
   double grid_resolution = 0.1;      //!< side of the occupancy grid's cells [m]
