@@ -210,6 +210,41 @@ TEST_F(MapRun, FilesWithCoordinatesOfTheirOwnAreWarnedOf)
             listener.warnings[0]);
 }
 
+TEST_F(MapRun, ALabelledMapFarFromZeroIsWarnedOfByItsOwnName)
+{
+  Trajectory far;
+  for (const auto& [stamp, pose] : drive)
+  {
+    far.push_back(stamp, Eigen::Translation3d(20500, 0, 0) * pose);
+  }
+  writeTum(recording.trajectory, far);
+  outputs.labelled_map = folder.file("truth.ply");
+  (void)build();
+  ASSERT_EQ(1U, listener.warnings.size());
+  EXPECT_TRUE(contains(listener.warnings[0], "truth.ply: coordinates so far from zero"))
+      << listener.warnings[0];
+}
+
+/** For example where a receiver has not found its position when the trajectory begins. */
+TEST_F(MapRun, AFirstPoseFarFromTheOthersIsWarnedOf)
+{
+  Trajectory far;
+  far.push_back(drive[0].stamp - 5, Pose::Identity());
+  for (const auto& [stamp, pose] : drive)
+  {
+    far.push_back(stamp, Eigen::Translation3d(0, 5400000, 0) * pose);
+  }
+  writeTum(recording.trajectory, far);
+  outputs.maps = {folder.file("m.ply"), folder.file("m.las")};
+  const MapReport report = build();
+  ASSERT_EQ(1U, listener.warnings.size());
+  EXPECT_EQ(
+      "the map reaches 5400 km from its origin, where coordinates are rounded to 0.5 m; are all "
+      "poses of the trajectory right?",
+      listener.warnings[0]);
+  EXPECT_TRUE(contains(report.problem, "m.las: the format reaches 2147 km")) << report.problem;
+}
+
 TEST_F(MapRun, CoarserCellsOfAGridAreWarnedOf)
 {
   outputs.maps = {folder.file("m.png")};
@@ -332,6 +367,27 @@ TEST_F(MapRun, AMergeWritesItsTrajectoriesIfTheMapCannotBeWritten)
     EXPECT_GT(fs::file_size(folder.file(file)), 0U) << file;
   }
   EXPECT_FALSE(report.table.empty());
+}
+
+TEST_F(MapRun, ARunThatIsNotMergedHasNoTrajectoryOfAnEarlierMerge)
+{
+  const test::BoxWorld world(13, 30, 20);
+  const std::vector<Pose> poses = test::driveAround(30, 20, 90, 1.5);
+  const auto runs =
+      test::listOf(wholeRun(folder, "monday", world, poses, 5000),
+                   wholeRun(folder, "tuesday", world, {poses.begin(), poses.begin() + 30}, 6000),
+                   wholeRun(folder, "short", world, {poses.begin(), poses.begin() + 2}, 7000));
+  for (const char* file : {"m_short_tum.txt", "m_short_kitti.txt"})
+  {
+    folder.write(file, "of an earlier merge");
+  }
+  outputs.maps = {folder.file("m.ply")};
+  const MergeReport report = mergeMaps(runs, {}, options, outputs, listener);
+  EXPECT_EQ(2U, report.joined);
+  EXPECT_TRUE(contains(report.problem, "short: no place in common with monday")) << report.problem;
+  EXPECT_TRUE(fs::exists(folder.file("m_tuesday_tum.txt")));
+  EXPECT_FALSE(fs::exists(folder.file("m_short_tum.txt")));
+  EXPECT_FALSE(fs::exists(folder.file("m_short_kitti.txt")));
 }
 
 /** Two runs of one place, of which the second knows where it is on the earth and its vertical. */
