@@ -236,11 +236,16 @@ std::string writeMerge(const std::vector<RunFolder>& runs,
   std::vector<FileWriter> writers;
   for (std::size_t r = 0; r < runs.size(); ++r)
   {
-    if (joined.merge.joined(r))
+    const std::string tum = outputs.beside("_" + runs[r].name + "_tum.txt");
+    const std::string kitti = outputs.beside("_" + runs[r].name + "_kitti.txt");
+    if (!joined.merge.joined(r))
+    {
+      removeStale(tum);
+      removeStale(kitti);
+    }
+    else
     {
       const Trajectory poses = runs[r].source.levelling().recorded(merged[r]);
-      const std::string tum = outputs.beside("_" + runs[r].name + "_tum.txt");
-      const std::string kitti = outputs.beside("_" + runs[r].name + "_kitti.txt");
       writers.push_back({tum, [tum, poses] { writeTum(tum, poses); }});
       writers.push_back({kitti, [kitti, poses] { writeKittiPoses(kitti, poses); }});
     }

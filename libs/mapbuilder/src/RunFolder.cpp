@@ -26,7 +26,7 @@ namespace
 {
 namespace fs = std::filesystem;
 
-/** \param advice what to give instead */
+/** \param advice what to give instead; for an unfinished run the advice is to complete it */
 std::string fileOf(const std::string& folder,
                    const std::string& name,
                    const std::string& what,
@@ -35,7 +35,10 @@ std::string fileOf(const std::string& folder,
   const std::string path = (fs::path(folder) / name).string();
   if (!fs::exists(path))
   {
-    throw UserError(folder + ": has no " + name + ", which " + what + "; give " + advice);
+    throw UserError(folder + ": has no " + name + ", which " + what + "; " +
+                    (fs::exists(fs::path(folder) / state_file_name)
+                         ? "the run is unfinished: dyslam --resume -o " + folder + " completes it"
+                         : "give " + advice));
   }
   return path;
 }

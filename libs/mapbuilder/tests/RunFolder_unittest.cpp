@@ -152,6 +152,12 @@ TEST_F(RunFolderTest, WhatIsNoRunIsNamed)
     EXPECT_TRUE(contains(said("tuesday"), std::string("has no ") + file)) << said("tuesday");
     fs::rename(name + ".gone", name);
   }
+  folder.write("tuesday/resume.state", "");
+  fs::remove(folder.file("tuesday/motions.csv"));
+  EXPECT_TRUE(contains(said("tuesday"),
+                       "has no motions.csv, which has the times of the keyframes; "
+                       "the run is unfinished: dyslam --resume -o "))
+      << said("tuesday");
   folder.write("tuesday/report.json", "{\"input\": 7}");
   EXPECT_TRUE(contains(said("tuesday"), "does not name the recording"));
 }
