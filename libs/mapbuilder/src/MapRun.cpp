@@ -64,7 +64,7 @@ MapReport buildMap(const RecordingOnTrajectory& recording,
   }
   MapReport report = writeMapOutputs(builder, outputs, listener);
   report.scans = source.framesRead();
-  if (report.points == 0)
+  if (report.points == 0 && report.problem.empty())
   {
     listener.warn(
         "the map has no points; check map.min_range, map.max_range, map.min_hits and the labels");

@@ -105,6 +105,16 @@ TEST_F(MapRun, TilesAreCountedAndTheScansAreRemoved)
   EXPECT_EQ("finished " + std::to_string(files), listener.log.at(3));
 }
 
+TEST_F(MapRun, TilesThatCannotBeWrittenAreNoMapWithoutPoints)
+{
+  fs::create_directories(folder.file("t_0_0.las"));
+  outputs.maps = {folder.file("t.las")};
+  outputs.exports.tile_size = 10;
+  const MapReport report = build();
+  EXPECT_TRUE(contains(report.problem, "t_0_0.las: is a folder")) << report.problem;
+  EXPECT_TRUE(listener.warnings.empty()) << listener.warnings.front();
+}
+
 TEST_F(MapRun, ALasHasTheDateOfTheFirstScan)
 {
   constexpr double july = 1593561600;  // 1 July 2020, UNIX time [s]
