@@ -144,10 +144,10 @@ std::string coarserCells(const std::string& path, double side, const MapExportOp
   {
     return {};
   }
-  char text[200];
+  char text[240];
   std::snprintf(text, sizeof text,
                 ": the cells have %g m instead of map_export.grid_resolution=%g, of which there "
-                "would be more than map_export.grid_max_cells=%d",
+                "would be more than map_export.grid_max_cells=%d, or more than a million in a row",
                 side, exports.grid_resolution, exports.grid_max_cells);
   return path + text;
 }

@@ -60,8 +60,8 @@ void writeOctomap(const StaticMap& map,
 /** 2D occupancy grid for navigation: `x.gridmap` (MRPT's COccupancyGridMap2D, which stays relative
  * to the origin), or with any other ending a PNG, and `x.yaml` for ROS's map_server beside it. In a
  * grid finer than the voxels, obstacles in neighbouring columns of voxels are connected.
- * \return side of the cells [m], more than grid_resolution if there were more than grid_max_cells
- */
+ * \return side of the cells [m], more than grid_resolution if there were more than grid_max_cells,
+ * or more than a million in a row, which no PNG has */
 double writeOccupancyGrid(const StaticMap& map,
                           const std::string& path,
                           const MapExportOptions& options,
