@@ -453,8 +453,16 @@ TEST_F(MapRun, AMergeWithSatellitePositionsIsGeoreferenced)
   };
   EXPECT_LT(std::abs(eastOfLas()), 200) << "in the map frame";
 
+  fs::remove(folder.file("m_merge_references.csv"));
+  folder.write("m_merge_references.csv/in_the_way", "");
   outputs.utm = true;
-  (void)mergeMaps(runs, {}, options, outputs, listener);
+  const MergeReport incomplete = mergeMaps(runs, {}, options, outputs, listener);
+  EXPECT_TRUE(contains(incomplete.problem, "m_merge_references.csv: is a folder"))
+      << incomplete.problem;
+  EXPECT_EQ(report.references, incomplete.references);
+  EXPECT_TRUE(fs::exists(folder.file("m_georeference.ini")));
+  EXPECT_TRUE(fs::exists(folder.file("m_monday_utm.txt")));
+  fs::remove_all(folder.file("m_merge_references.csv"));
   EXPECT_NEAR(in_utm[0].pose.translation().x(), eastOfLas(), 200);
   EXPECT_TRUE(contains(folder.read("m.las").substr(0, 2000), "LASF_Projection"));
   const Config settings = Config::fromFile(folder.file("m.effective.ini"));
