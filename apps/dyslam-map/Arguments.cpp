@@ -343,7 +343,8 @@ void loadMerger(ConfigLoader& loader, Arguments& a, std::vector<std::string>& me
   a.builder.hindsight.hindsight = true;  // as mergeMaps() does
 }
 
-/** All settings in use: those that were loaded, as the flags have changed them. */
+/** All settings in use: those that were loaded, as the flags have changed them. \throws UserError
+ * for a flag that is out of range. */
 Config effectiveSettings(const ConfigLoader& loader, const Arguments& a)
 {
   Config effective = loader.effective();
@@ -359,6 +360,7 @@ Config effectiveSettings(const ConfigLoader& loader, const Arguments& a)
   save(a.outputs.exports, effective, "map_export");
   KeyframeOptions keyframes;
   keyframes.distance = a.builder.keyframe_distance;
+  validate(keyframes, "backend");
   save(keyframes, effective, "backend");
   return effective;
 }
