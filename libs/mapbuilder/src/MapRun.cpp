@@ -72,8 +72,9 @@ MapReport buildMap(const RecordingOnTrajectory& recording,
   if (10 * report.skipped > report.scans)
   {
     listener.warn(recording.trajectory + ": has no pose for " + std::to_string(report.skipped) +
-                  " of " + counted(report.scans, "scan") + ", which are not in the map; is it of " +
-                  recording.rawlog + "? (--tolerance)");
+                  " of " + counted(report.scans, "scan") + ", which are not in the map; " +
+                  (recording.unfinished ? "the run is unfinished"
+                                        : "is it of " + recording.rawlog + "? (--tolerance)"));
   }
   if (!damage.empty())
   {

@@ -71,6 +71,15 @@ std::string inputOf(const std::string& report)
   return recordingOfRun(fs::path(report).parent_path().string(), json["input"].get<std::string>());
 }
 
+/** Whether a run ended before its recording, by its report; false without one. */
+bool isUnfinished(const std::string& folder)
+{
+  const std::string report = fileIfThere(folder, "report.json");
+  const auto json =
+      report.empty() ? nlohmann::json() : nlohmann::json::parse(readWhole(report), nullptr, false);
+  return json.is_object() && json.value("finished", nlohmann::json()) == false;
+}
+
 /** The vertical in a report; nothing if the run did not find it. \throws UserError. */
 std::optional<Gravity> gravityOf(const std::string& report)
 {
@@ -249,6 +258,7 @@ void completeFromRun(const std::string& folder, RecordingOnTrajectory& recording
   {
     recording.trajectory =
         fileOf(folder, "trajectory_tum.txt", "has the poses", "them with --trajectory");
+    recording.unfinished = isUnfinished(folder);
   }
   RunScansOptions& scans = recording.scans;
   scans.labels = scans.labels.empty() ? labelFolderOf(folder).value_or("") : scans.labels;

@@ -204,6 +204,26 @@ TEST_F(MapRun, ATrajectoryOfAnotherRecordingIsRefused)
   EXPECT_FALSE(fs::exists(folder.file("m.ply")));
 }
 
+TEST_F(MapRun, ScansWithoutAPoseAreWarnedOf)
+{
+  Trajectory first;
+  for (std::size_t i = 0; i < 4; ++i)
+  {
+    first.push_back(drive[i].stamp, drive[i].pose);
+  }
+  writeTum(recording.trajectory, first);
+  outputs.maps = {folder.file("m.ply")};
+  EXPECT_EQ(4U, build().skipped);
+  recording.unfinished = true;
+  EXPECT_EQ(4U, build().skipped);
+  ASSERT_EQ(2U, listener.warnings.size());
+  const std::string missing = recording.trajectory +
+                              ": has no pose for 4 of 8 scans, which are "
+                              "not in the map; ";
+  EXPECT_EQ(missing + "is it of " + recording.rawlog + "? (--tolerance)", listener.warnings[0]);
+  EXPECT_EQ(missing + "the run is unfinished", listener.warnings[1]);
+}
+
 TEST_F(MapRun, FilesWithCoordinatesOfTheirOwnAreWarnedOf)
 {
   Trajectory far;
