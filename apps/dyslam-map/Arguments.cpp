@@ -26,6 +26,8 @@ namespace dyslam
 {
 namespace
 {
+const std::string warning_mark = "warning: ";  // begins messages that --quiet prints, too
+
 /** Sections of an ini: our own, and those of dyslam, which may have written it. */
 std::vector<std::string> knownSections()
 {
@@ -106,7 +108,7 @@ Config baseSettings(const Arguments& a, std::vector<std::string>& messages)
   }
   for (const std::string& warning : chosen.warnings)
   {
-    messages.push_back("warning: " + warning);
+    messages.push_back(warning_mark + warning);
   }
   return std::move(chosen.config);
 }
@@ -341,7 +343,8 @@ void loadMerger(ConfigLoader& loader, Arguments& a, std::vector<std::string>& me
   a.builder.hindsight.hindsight = true;  // as mergeMaps() does
 }
 
-/** All settings in use: those that were loaded, as the flags have changed them. */
+/** All settings in use: those that were loaded, as the flags have changed them. \throws UserError
+ * for a flag that is out of range. */
 Config effectiveSettings(const ConfigLoader& loader, const Arguments& a)
 {
   Config effective = loader.effective();
@@ -357,6 +360,7 @@ Config effectiveSettings(const ConfigLoader& loader, const Arguments& a)
   save(a.outputs.exports, effective, "map_export");
   KeyframeOptions keyframes;
   keyframes.distance = a.builder.keyframe_distance;
+  validate(keyframes, "backend");
   save(keyframes, effective, "backend");
   return effective;
 }
@@ -413,7 +417,7 @@ void loadConfig(Arguments& a)
   a.outputs.settings = effectiveSettings(loader, a);
   for (const std::string& message : messages)
   {
-    if (!a.quiet)
+    if (!a.quiet || message.rfind(warning_mark, 0) == 0)
     {
       std::fprintf(stderr, "%s\n", printable(message).c_str());
     }

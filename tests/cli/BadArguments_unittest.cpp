@@ -85,6 +85,9 @@ TEST_F(BadArguments, Configs)
   expectRefusal("dyslam-map",
                 "-i " + at("good.rawlog") + " --trajectory x -o m.pcd --set map.nothing=1",
                 {"[map]: unknown key 'nothing'"});
+  expectRefusal("dyslam-map",
+                "-i " + at("good.rawlog") + " --trajectory x -o m.pcd --keyframe-distance 2000",
+                {"keyframe_distance = 2000", "out of range"});
   expectRefusal(
       "dyslam-map",
       "-i " + at("good.rawlog") + " --trajectory x -o m.pcd -c vlp16.ini --set mapp.voxel_size=1",

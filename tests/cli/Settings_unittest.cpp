@@ -60,6 +60,20 @@ TEST(Settings, ThoseOfTheSensorAreTakenAndNamed)
   EXPECT_EQ(settingsOf(folder, "again"), settingsOf(folder, "run"));
 }
 
+TEST(Settings, AMapWithoutProgressStillWarnsOfThoseOfAnotherSensor)
+{
+  const TestFolder folder;
+  const std::string truth = std::string(DYSLAM_SOURCE_DIR) + "/rawlog/campus16.gt/poses_tum.txt";
+  const Outcome outcome =
+      runProgram("dyslam-map",
+                 "-q -i " + campus16 + " --trajectory " + truth +
+                     " --only-first-n 2 -c kitti64.ini -o " + folder.file("map.ply"),
+                 folder.path());
+  EXPECT_EQ(0, outcome.code) << outcome.err;
+  EXPECT_EQ(0U, outcome.err.find("warning: kitti64.ini is for sensors")) << outcome.err;
+  EXPECT_FALSE(contains(outcome.err, "settings: ")) << outcome.err;
+}
+
 TEST(Settings, AnIniOfOneLineChangesOneLine)
 {
   const TestFolder folder;

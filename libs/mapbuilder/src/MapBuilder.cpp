@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/mapbuilder/MapBuilder.h>
 
+#include <algorithm>
 #include <cmath>
 #include <utility>
 
@@ -120,6 +121,7 @@ void MapBuilder::add(Frame frame)
   if (frame.is_keyframe)
   {
     last_keyframe_ = frame.T_odom_vehicle;
+    reach_ = std::max(reach_, frame.T_odom_vehicle.translation().norm());
     run.fillMoving(frame);
     if (options_.labelled_map)
     {

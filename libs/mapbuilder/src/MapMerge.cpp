@@ -169,36 +169,9 @@ void removeStale(const std::string& path)
   std::filesystem::remove(path, ignored);
 }
 
-/** Georeference, trajectories in UTM and the references' table, as far as there are references.
- * \return table and summary as text */
-std::string writeReferences(const std::vector<RunFolder>& runs,
-                            const RunMerge& merge,
-                            const std::vector<Trajectory>& merged,
-                            const MapOutputs& outputs)
+/** What the satellite positions and verticals of the merged runs show. \param table of the runs */
+std::string referencesText(const Table& table, const RunMerge& merge)
 {
-  const Table table = referenceTable(runs, merge);
-  const std::string table_file = outputs.beside("_merge_references.csv");
-  const std::string georeference_file = outputs.beside("_georeference.ini");
-  removeStale(table_file);
-  removeStale(georeference_file);
-  if (table.rows() > 0)
-  {
-    writeWhole(table_file, table.toCsv());
-  }
-  if (merge.georeference)
-  {
-    writeGeoreference(*merge.georeference, georeference_file);
-  }
-  for (std::size_t r = 0; r < runs.size(); ++r)
-  {
-    const std::string utm_file = outputs.beside("_" + runs[r].name + "_utm.txt");
-    removeStale(utm_file);
-    if (merge.georeference && merge.joined(r))
-    {
-      writeTum(utm_file,
-               inUtm(runs[r].source.levelling().recorded(merged[r]), *merge.georeference));
-    }
-  }
   std::string text = table.rows() > 0 ? table.toText() : "";
   char line[200];
   if (merge.georeference)
@@ -224,6 +197,47 @@ std::string writeReferences(const std::vector<RunFolder>& runs,
   return text;
 }
 
+/** Georeference, trajectories in UTM and the references' table, as far as there are references,
+ * each also if another cannot be written. \param report gets table and summary as text
+ * \return what failed; empty if nothing did */
+std::string writeReferences(const std::vector<RunFolder>& runs,
+                            const RunMerge& merge,
+                            const std::vector<Trajectory>& merged,
+                            const MapOutputs& outputs,
+                            MergeReport& report)
+{
+  const Table table = referenceTable(runs, merge);
+  report.references = referencesText(table, merge);
+  const std::string table_file = outputs.beside("_merge_references.csv");
+  const std::string georeference_file = outputs.beside("_georeference.ini");
+  removeStale(table_file);
+  removeStale(georeference_file);
+  std::vector<FileWriter> writers;
+  if (table.rows() > 0)
+  {
+    writers.push_back({table_file, [&] { writeWhole(table_file, table.toCsv()); }});
+  }
+  if (merge.georeference)
+  {
+    writers.push_back(
+        {georeference_file, [&] { writeGeoreference(*merge.georeference, georeference_file); }});
+  }
+  for (std::size_t r = 0; r < runs.size(); ++r)
+  {
+    const std::string utm_file = outputs.beside("_" + runs[r].name + "_utm.txt");
+    removeStale(utm_file);
+    if (merge.georeference && merge.joined(r))
+    {
+      writers.push_back({utm_file, [&, r, utm_file]
+                         {
+                           writeTum(utm_file, inUtm(runs[r].source.levelling().recorded(merged[r]),
+                                                    *merge.georeference));
+                         }});
+    }
+  }
+  return writeEach(writers);
+}
+
 /** Trajectories, table and picture, each also if another cannot be written. \param report gets the
  * table as text \return what failed; empty if nothing did */
 std::string writeMerge(const std::vector<RunFolder>& runs,
@@ -236,11 +250,16 @@ std::string writeMerge(const std::vector<RunFolder>& runs,
   std::vector<FileWriter> writers;
   for (std::size_t r = 0; r < runs.size(); ++r)
   {
-    if (joined.merge.joined(r))
+    const std::string tum = outputs.beside("_" + runs[r].name + "_tum.txt");
+    const std::string kitti = outputs.beside("_" + runs[r].name + "_kitti.txt");
+    if (!joined.merge.joined(r))
+    {
+      removeStale(tum);
+      removeStale(kitti);
+    }
+    else
     {
       const Trajectory poses = runs[r].source.levelling().recorded(merged[r]);
-      const std::string tum = outputs.beside("_" + runs[r].name + "_tum.txt");
-      const std::string kitti = outputs.beside("_" + runs[r].name + "_kitti.txt");
       writers.push_back({tum, [tum, poses] { writeTum(tum, poses); }});
       writers.push_back({kitti, [kitti, poses] { writeKittiPoses(kitti, poses); }});
     }
@@ -308,9 +327,7 @@ MergeReport mergeMaps(const std::vector<RunFolder>& runs,
   builder.finish();
   MergeReport report;
   static_cast<MapReport&>(report) = writeMapOutputs(builder, of_map, listener);
-  const std::string of_references =
-      writeEach({{outputs.beside("_merge_references.csv"), [&]
-                  { report.references = writeReferences(runs, joined.merge, merged, outputs); }}});
+  const std::string of_references = writeReferences(runs, joined.merge, merged, outputs, report);
   const std::string of_merge = writeMerge(runs, joined, merged, builder, outputs, report);
   report.joined = joinedRuns(joined.merge);
   report.scans = scans;

@@ -64,7 +64,7 @@ MapReport buildMap(const RecordingOnTrajectory& recording,
   }
   MapReport report = writeMapOutputs(builder, outputs, listener);
   report.scans = source.framesRead();
-  if (report.points == 0)
+  if (report.points == 0 && report.problem.empty())
   {
     listener.warn(
         "the map has no points; check map.min_range, map.max_range, map.min_hits and the labels");
@@ -72,8 +72,9 @@ MapReport buildMap(const RecordingOnTrajectory& recording,
   if (10 * report.skipped > report.scans)
   {
     listener.warn(recording.trajectory + ": has no pose for " + std::to_string(report.skipped) +
-                  " of " + counted(report.scans, "scan") + ", which are not in the map; is it of " +
-                  recording.rawlog + "? (--tolerance)");
+                  " of " + counted(report.scans, "scan") + ", which are not in the map; " +
+                  (recording.unfinished ? "the run is unfinished"
+                                        : "is it of " + recording.rawlog + "? (--tolerance)"));
   }
   if (!damage.empty())
   {

@@ -8,9 +8,11 @@
 #include <dyslam/formats/ScanFiles.h>
 #include <dyslam/mapexport/MapClouds.h>
 
+#include <cmath>
 #include <cstdio>
 #include <exception>
 #include <filesystem>
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -28,10 +30,26 @@ double fractionOf(std::size_t done, std::size_t all)
   return static_cast<double>(done) / static_cast<double>(all);
 }
 
-/** Formats whose coordinates are float32 or small keys. */
-void warnOfOrigin(const Eigen::Vector3d& origin,
-                  const std::vector<std::string>& maps,
-                  MapListener& listener)
+/** Outputs whose coordinates are float32 or small keys. */
+std::vector<std::string> relativeOutputs(const MapOutputs& outputs)
+{
+  std::vector<std::string> relative;
+  for (const std::string& path : outputs.maps)
+  {
+    const std::string ending = fs::path(path).extension().string();
+    if (ending != ".las" && ending != ".ply" && ending != ".simplemap" && ending != ".png")
+    {
+      relative.push_back(path);
+    }
+  }
+  if (!outputs.labelled_map.empty())
+  {
+    relative.push_back(outputs.labelled_map);
+  }
+  return relative;
+}
+
+void warnOfOrigin(const Eigen::Vector3d& origin, const MapOutputs& outputs, MapListener& listener)
 {
   if (origin.isZero(0))
   {
@@ -39,17 +57,30 @@ void warnOfOrigin(const Eigen::Vector3d& origin,
   }
   char numbers[80];
   std::snprintf(numbers, sizeof numbers, "%.0f %.0f %.0f", origin.x(), origin.y(), origin.z());
-  for (const auto& path : maps)
+  for (const std::string& path : relativeOutputs(outputs))
   {
-    const std::string ending = fs::path(path).extension().string();
-    if (ending != ".las" && ending != ".ply" && ending != ".simplemap" && ending != ".png")
-    {
-      listener.warn(path +
-                    ": coordinates so far from zero would be rounded: the map is relative "
-                    "to " +
-                    numbers);
-    }
+    listener.warn(path +
+                  ": coordinates so far from zero would be rounded: the map is relative to " +
+                  numbers);
   }
+}
+
+/** Of a map whose float32 coordinates are rounded: the trajectory is long, or has a wrong pose. */
+void warnOfReach(double reach, MapListener& listener)
+{
+  constexpr double precise = 100000;  // [m]; float32 rounds to 8 mm there
+  if (reach <= precise)
+  {
+    return;
+  }
+  const auto farthest = static_cast<float>(reach);
+  const float step = std::nextafter(farthest, std::numeric_limits<float>::infinity()) - farthest;
+  char text[160];
+  std::snprintf(text, sizeof text,
+                "the map reaches %.0f km from its origin, where coordinates are rounded to %.2g m; "
+                "are all poses of the trajectory right?",
+                reach / 1000, static_cast<double>(step));
+  listener.warn(text);
 }
 
 std::vector<std::string> cloudsOf(const MapOutputs& outputs)
@@ -113,10 +144,10 @@ std::string coarserCells(const std::string& path, double side, const MapExportOp
   {
     return {};
   }
-  char text[200];
+  char text[240];
   std::snprintf(text, sizeof text,
                 ": the cells have %g m instead of map_export.grid_resolution=%g, of which there "
-                "would be more than map_export.grid_max_cells=%d",
+                "would be more than map_export.grid_max_cells=%d, or more than a million in a row",
                 side, exports.grid_resolution, exports.grid_max_cells);
   return path + text;
 }
@@ -256,12 +287,8 @@ MapBuilderOptions withNeedsOf(const MapOutputs& outputs, MapBuilderOptions optio
 
 MapReport writeMapOutputs(MapBuilder& builder, const MapOutputs& outputs, MapListener& listener)
 {
-  std::vector<std::string> rounded = outputs.maps;
-  if (!outputs.labelled_map.empty())
-  {
-    rounded.push_back(fs::path(outputs.labelled_map).replace_extension(".label").string());
-  }
-  warnOfOrigin(builder.origin(), rounded, listener);
+  warnOfOrigin(builder.origin(), outputs, listener);
+  warnOfReach(builder.reach(), listener);
   MapReport report;
   report.keyframes = builder.keyframes();
   report.skipped = builder.skipped();

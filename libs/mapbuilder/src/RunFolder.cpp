@@ -26,7 +26,7 @@ namespace
 {
 namespace fs = std::filesystem;
 
-/** \param advice what to give instead */
+/** \param advice what to give instead; for an unfinished run the advice is to complete it */
 std::string fileOf(const std::string& folder,
                    const std::string& name,
                    const std::string& what,
@@ -35,7 +35,10 @@ std::string fileOf(const std::string& folder,
   const std::string path = (fs::path(folder) / name).string();
   if (!fs::exists(path))
   {
-    throw UserError(folder + ": has no " + name + ", which " + what + "; give " + advice);
+    throw UserError(folder + ": has no " + name + ", which " + what + "; " +
+                    (fs::exists(fs::path(folder) / state_file_name)
+                         ? "the run is unfinished: dyslam --resume -o " + folder + " completes it"
+                         : "give " + advice));
   }
   return path;
 }
@@ -66,6 +69,15 @@ std::string inputOf(const std::string& report)
     throw UserError(report + ": does not name the recording (\"input\"); is it of dyslam?");
   }
   return recordingOfRun(fs::path(report).parent_path().string(), json["input"].get<std::string>());
+}
+
+/** Whether a run ended before its recording, by its report; false without one. */
+bool isUnfinished(const std::string& folder)
+{
+  const std::string report = fileIfThere(folder, "report.json");
+  const auto json =
+      report.empty() ? nlohmann::json() : nlohmann::json::parse(readWhole(report), nullptr, false);
+  return json.is_object() && json.value("finished", nlohmann::json()) == false;
 }
 
 /** The vertical in a report; nothing if the run did not find it. \throws UserError. */
@@ -246,6 +258,7 @@ void completeFromRun(const std::string& folder, RecordingOnTrajectory& recording
   {
     recording.trajectory =
         fileOf(folder, "trajectory_tum.txt", "has the poses", "them with --trajectory");
+    recording.unfinished = isUnfinished(folder);
   }
   RunScansOptions& scans = recording.scans;
   scans.labels = scans.labels.empty() ? labelFolderOf(folder).value_or("") : scans.labels;

@@ -90,8 +90,9 @@ std::vector<Label> RunScans::labelsOf(const Frame& frame) const
   if (!fs::exists(path))
   {
     throw UserError(path + ": no such file, but scan " + std::to_string(frame.index) +
-                    " needs its labels; give --labels of this recording, and the --skip-first-n "
-                    "and --only-first-n of the run that wrote them");
+                    " needs its labels; give --labels of this recording, and only scans that have "
+                    "them (--skip-first-n, --only-first-n); those of an unfinished run end early, "
+                    "dyslam --resume completes it");
   }
   const auto labels = readLabels(path, frame.scan.size());
   std::vector<Label> result;

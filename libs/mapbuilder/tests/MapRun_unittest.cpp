@@ -105,6 +105,16 @@ TEST_F(MapRun, TilesAreCountedAndTheScansAreRemoved)
   EXPECT_EQ("finished " + std::to_string(files), listener.log.at(3));
 }
 
+TEST_F(MapRun, TilesThatCannotBeWrittenAreNoMapWithoutPoints)
+{
+  fs::create_directories(folder.file("t_0_0.las"));
+  outputs.maps = {folder.file("t.las")};
+  outputs.exports.tile_size = 10;
+  const MapReport report = build();
+  EXPECT_TRUE(contains(report.problem, "t_0_0.las: is a folder")) << report.problem;
+  EXPECT_TRUE(listener.warnings.empty()) << listener.warnings.front();
+}
+
 TEST_F(MapRun, ALasHasTheDateOfTheFirstScan)
 {
   constexpr double july = 1593561600;  // 1 July 2020, UNIX time [s]
@@ -194,6 +204,26 @@ TEST_F(MapRun, ATrajectoryOfAnotherRecordingIsRefused)
   EXPECT_FALSE(fs::exists(folder.file("m.ply")));
 }
 
+TEST_F(MapRun, ScansWithoutAPoseAreWarnedOf)
+{
+  Trajectory first;
+  for (std::size_t i = 0; i < 4; ++i)
+  {
+    first.push_back(drive[i].stamp, drive[i].pose);
+  }
+  writeTum(recording.trajectory, first);
+  outputs.maps = {folder.file("m.ply")};
+  EXPECT_EQ(4U, build().skipped);
+  recording.unfinished = true;
+  EXPECT_EQ(4U, build().skipped);
+  ASSERT_EQ(2U, listener.warnings.size());
+  const std::string missing = recording.trajectory +
+                              ": has no pose for 4 of 8 scans, which are "
+                              "not in the map; ";
+  EXPECT_EQ(missing + "is it of " + recording.rawlog + "? (--tolerance)", listener.warnings[0]);
+  EXPECT_EQ(missing + "the run is unfinished", listener.warnings[1]);
+}
+
 TEST_F(MapRun, FilesWithCoordinatesOfTheirOwnAreWarnedOf)
 {
   Trajectory far;
@@ -208,6 +238,41 @@ TEST_F(MapRun, FilesWithCoordinatesOfTheirOwnAreWarnedOf)
   EXPECT_EQ(folder.file("m.pcd") +
                 ": coordinates so far from zero would be rounded: the map is relative to 20000 0 0",
             listener.warnings[0]);
+}
+
+TEST_F(MapRun, ALabelledMapFarFromZeroIsWarnedOfByItsOwnName)
+{
+  Trajectory far;
+  for (const auto& [stamp, pose] : drive)
+  {
+    far.push_back(stamp, Eigen::Translation3d(20500, 0, 0) * pose);
+  }
+  writeTum(recording.trajectory, far);
+  outputs.labelled_map = folder.file("truth.ply");
+  (void)build();
+  ASSERT_EQ(1U, listener.warnings.size());
+  EXPECT_TRUE(contains(listener.warnings[0], "truth.ply: coordinates so far from zero"))
+      << listener.warnings[0];
+}
+
+/** For example where a receiver has not found its position when the trajectory begins. */
+TEST_F(MapRun, AFirstPoseFarFromTheOthersIsWarnedOf)
+{
+  Trajectory far;
+  far.push_back(drive[0].stamp - 5, Pose::Identity());
+  for (const auto& [stamp, pose] : drive)
+  {
+    far.push_back(stamp, Eigen::Translation3d(0, 5400000, 0) * pose);
+  }
+  writeTum(recording.trajectory, far);
+  outputs.maps = {folder.file("m.ply"), folder.file("m.las")};
+  const MapReport report = build();
+  ASSERT_EQ(1U, listener.warnings.size());
+  EXPECT_EQ(
+      "the map reaches 5400 km from its origin, where coordinates are rounded to 0.5 m; are all "
+      "poses of the trajectory right?",
+      listener.warnings[0]);
+  EXPECT_TRUE(contains(report.problem, "m.las: the format reaches 2147 km")) << report.problem;
 }
 
 TEST_F(MapRun, CoarserCellsOfAGridAreWarnedOf)
@@ -334,6 +399,27 @@ TEST_F(MapRun, AMergeWritesItsTrajectoriesIfTheMapCannotBeWritten)
   EXPECT_FALSE(report.table.empty());
 }
 
+TEST_F(MapRun, ARunThatIsNotMergedHasNoTrajectoryOfAnEarlierMerge)
+{
+  const test::BoxWorld world(13, 30, 20);
+  const std::vector<Pose> poses = test::driveAround(30, 20, 90, 1.5);
+  const auto runs =
+      test::listOf(wholeRun(folder, "monday", world, poses, 5000),
+                   wholeRun(folder, "tuesday", world, {poses.begin(), poses.begin() + 30}, 6000),
+                   wholeRun(folder, "short", world, {poses.begin(), poses.begin() + 2}, 7000));
+  for (const char* file : {"m_short_tum.txt", "m_short_kitti.txt"})
+  {
+    folder.write(file, "of an earlier merge");
+  }
+  outputs.maps = {folder.file("m.ply")};
+  const MergeReport report = mergeMaps(runs, {}, options, outputs, listener);
+  EXPECT_EQ(2U, report.joined);
+  EXPECT_TRUE(contains(report.problem, "short: no place in common with monday")) << report.problem;
+  EXPECT_TRUE(fs::exists(folder.file("m_tuesday_tum.txt")));
+  EXPECT_FALSE(fs::exists(folder.file("m_short_tum.txt")));
+  EXPECT_FALSE(fs::exists(folder.file("m_short_kitti.txt")));
+}
+
 /** Two runs of one place, of which the second knows where it is on the earth and its vertical. */
 std::vector<RunFolder> runsOnTheEarth(const TestFolder& folder, double east_of_first = 0)
 {
@@ -387,8 +473,16 @@ TEST_F(MapRun, AMergeWithSatellitePositionsIsGeoreferenced)
   };
   EXPECT_LT(std::abs(eastOfLas()), 200) << "in the map frame";
 
+  fs::remove(folder.file("m_merge_references.csv"));
+  folder.write("m_merge_references.csv/in_the_way", "");
   outputs.utm = true;
-  (void)mergeMaps(runs, {}, options, outputs, listener);
+  const MergeReport incomplete = mergeMaps(runs, {}, options, outputs, listener);
+  EXPECT_TRUE(contains(incomplete.problem, "m_merge_references.csv: is a folder"))
+      << incomplete.problem;
+  EXPECT_EQ(report.references, incomplete.references);
+  EXPECT_TRUE(fs::exists(folder.file("m_georeference.ini")));
+  EXPECT_TRUE(fs::exists(folder.file("m_monday_utm.txt")));
+  fs::remove_all(folder.file("m_merge_references.csv"));
   EXPECT_NEAR(in_utm[0].pose.translation().x(), eastOfLas(), 200);
   EXPECT_TRUE(contains(folder.read("m.las").substr(0, 2000), "LASF_Projection"));
   const Config settings = Config::fromFile(folder.file("m.effective.ini"));

@@ -152,6 +152,12 @@ TEST_F(RunFolderTest, WhatIsNoRunIsNamed)
     EXPECT_TRUE(contains(said("tuesday"), std::string("has no ") + file)) << said("tuesday");
     fs::rename(name + ".gone", name);
   }
+  folder.write("tuesday/resume.state", "");
+  fs::remove(folder.file("tuesday/motions.csv"));
+  EXPECT_TRUE(contains(said("tuesday"),
+                       "has no motions.csv, which has the times of the keyframes; "
+                       "the run is unfinished: dyslam --resume -o "))
+      << said("tuesday");
   folder.write("tuesday/report.json", "{\"input\": 7}");
   EXPECT_TRUE(contains(said("tuesday"), "does not name the recording"));
 }
@@ -165,6 +171,7 @@ TEST_F(RunFolderTest, CompletesARecording)
   EXPECT_EQ(folder.file("monday/trajectory_tum.txt"), plain.trajectory);
   EXPECT_EQ("", plain.scans.labels);
   EXPECT_EQ("", plain.scans.tracks);
+  EXPECT_FALSE(plain.unfinished);
   folder.write("monday/labels/000000.label", "");
   folder.write("monday/tracks.txt", "");
   RecordingOnTrajectory full;
@@ -193,6 +200,19 @@ TEST_F(RunFolderTest, ARecordingIsMovedWithItsFolder)
   RecordingOnTrajectory recording;
   completeFromRun(folder.file("tuesday"), recording);
   EXPECT_EQ(folder.file("tuesday/recording.rawlog"), recording.rawlog);
+}
+
+TEST_F(RunFolderTest, AnUnfinishedRunIsRecognised)
+{
+  folder.write("tuesday/report.json",
+               "{\"input\": \"" + folder.file("r.rawlog") + "\", \"finished\": false}");
+  RecordingOnTrajectory recording;
+  completeFromRun(folder.file("tuesday"), recording);
+  EXPECT_TRUE(recording.unfinished);
+  RecordingOnTrajectory along_another;
+  along_another.trajectory = "other.txt";
+  completeFromRun(folder.file("tuesday"), along_another);
+  EXPECT_FALSE(along_another.unfinished);
 }
 
 TEST_F(RunFolderTest, WhatARecordingLacksIsNamedWithItsFlag)

@@ -140,6 +140,7 @@ TEST_F(RunScansTest, WhatMovesIsByTheLabels)
   run.fillCloud(later);
   const std::string said = messageOfError<UserError>([&] { run.fillMoving(later); });
   EXPECT_TRUE(contains(said, "000001.label")) << said;
+  EXPECT_TRUE(contains(said, "dyslam --resume")) << said;
 }
 
 TEST_F(RunScansTest, LabelsBesideAFolderWithoutAnyAreFound)

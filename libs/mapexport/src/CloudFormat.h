@@ -31,6 +31,11 @@ class CloudFormat
   {
     return std::numeric_limits<std::uint64_t>::max();
   }
+  /** Largest coordinate relative to the origin, of either sign [m]. */
+  [[nodiscard]] virtual double maxCoordinate() const
+  {
+    return std::numeric_limits<double>::infinity();
+  }
   [[nodiscard]] virtual std::string header(const CloudSummary& summary) const = 0;
   /** Appends point `i`. \pre normals, if the layout has them */
   virtual void append(const MapPoints& points, std::size_t i, std::string& out) const = 0;

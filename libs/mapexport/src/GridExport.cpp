@@ -32,7 +32,8 @@ namespace
 const std::string image_key = "image: ";
 
 constexpr int azimuth_bins = 1440;
-constexpr double ray_range = 40.0;  // farther returns do not clear cells [m]
+constexpr double ray_range = 40.0;    // farther returns do not clear cells [m]
+constexpr double longest_side = 1e6;  // of a picture that libpng writes [pixels]
 
 using Grid = OccupancyCells;
 
@@ -70,7 +71,7 @@ Grid emptyGrid(const MapPoints& map, const MapExportOptions& options)
     high = high.cwiseMax(q);
   }
   Eigen::Vector2d size = fitGrid(low, high, grid);
-  while (size.x() * size.y() > options.grid_max_cells)
+  while (size.x() * size.y() > options.grid_max_cells || size.maxCoeff() > longest_side)
   {
     grid.resolution *= 2;
     size = fitGrid(low, high, grid);

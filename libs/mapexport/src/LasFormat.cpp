@@ -7,6 +7,7 @@
 #include <array>
 #include <cmath>
 #include <ctime>
+#include <limits>
 #include <optional>
 
 #include "CloudFormat.h"
@@ -67,6 +68,12 @@ class LasFormat : public CloudFormat
   [[nodiscard]] std::uint64_t maxPoints() const override
   {
     return std::numeric_limits<std::uint32_t>::max();
+  }
+
+  /** Whole steps have 32 bits. */
+  [[nodiscard]] double maxCoordinate() const override
+  {
+    return scale * std::numeric_limits<std::int32_t>::max();
   }
 
   [[nodiscard]] std::string header(const CloudSummary& summary) const override

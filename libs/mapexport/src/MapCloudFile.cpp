@@ -5,6 +5,7 @@
 #include <dyslam/mapexport/MapExport.h>
 
 #include <cerrno>
+#include <cmath>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
@@ -55,6 +56,19 @@ struct MapCloudFile::Impl
     file.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
     requireGood();
   }
+  /** \throws UserError if the format cannot express the coordinates. \param p relative to the
+   * origin [m] */
+  void requireReach(const Eigen::Vector3d& p) const
+  {
+    const double farthest = p.cwiseAbs().maxCoeff();
+    if (farthest > format->maxCoordinate())
+    {
+      throw UserError(pending.path() + ": the format reaches " +
+                      std::to_string(std::lround(format->maxCoordinate() / 1000)) +
+                      " km, but the map reaches " + std::to_string(std::lround(farthest / 1000)) +
+                      " km from its origin; are all poses of the trajectory right?");
+    }
+  }
   void requireGood() const
   {
     if (!file)
@@ -99,6 +113,7 @@ void MapCloudFile::add(const MapPoints& points)
   for (std::size_t i = 0; i < points.size(); ++i)
   {
     const Eigen::Vector3d p = points.points[i].cast<double>();
+    m.requireReach(p);
     m.summary.low = m.summary.low.cwiseMin(p);
     m.summary.high = m.summary.high.cwiseMax(p);
     m.format->append(points, i, buffer);

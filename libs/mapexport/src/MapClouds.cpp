@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/base/Error.h>
 #include <dyslam/base/PendingFile.h>
+#include <dyslam/base/Words.h>
 #include <dyslam/mapexport/MapCloudFile.h>
 #include <dyslam/mapexport/MapClouds.h>
 #include <dyslam/mapping/FullResolution.h>
@@ -31,7 +32,8 @@ bool isWhole(const MapRegion& region)
   return region.low.array().isInf().all() && region.high.array().isInf().all();
 }
 
-/** Clouds that are open at the same time. */
+/** Clouds that are open at the same time. One that cannot be written does not keep the others from
+ * being completed. All functions throw UserError once none is left. */
 class CloudFiles
 {
  public:
@@ -39,28 +41,66 @@ class CloudFiles
   {
     for (const auto& path : paths)
     {
-      files_.push_back(std::make_unique<MapCloudFile>(path, description));
+      attempt([&] { files_.push_back(std::make_unique<MapCloudFile>(path, description)); });
     }
+    requireAny();
   }
   void add(const MapPoints& points)
   {
-    for (auto& file : files_)
-    {
-      file->add(points);
-    }
+    forEachFile([&](MapCloudFile& file) { file.add(points); });
     count_ += points.size();
   }
+  /** \throws UserError if one of the files could not be written. */
   void close()
   {
-    for (auto& file : files_)
+    forEachFile([](MapCloudFile& file) { file.close(); });
+    if (!failures_.empty())
     {
-      file->close();
+      throw UserError(failures_);
     }
   }
   [[nodiscard]] std::size_t count() const { return count_; }
 
  private:
+  template <typename Work>
+  bool attempt(const Work& work)
+  {
+    try
+    {
+      work();
+      return true;
+    }
+    catch (const UserError& error)
+    {
+      appendWord(failures_, error.what(), "; ");
+      return false;
+    }
+  }
+  /** Drops the files with which `use` fails. */
+  template <typename Use>
+  void forEachFile(const Use& use)
+  {
+    std::vector<std::unique_ptr<MapCloudFile>> good;
+    for (auto& file : files_)
+    {
+      if (attempt([&] { use(*file); }))
+      {
+        good.push_back(std::move(file));
+      }
+    }
+    files_ = std::move(good);
+    requireAny();
+  }
+  void requireAny() const
+  {
+    if (files_.empty() && !failures_.empty())
+    {
+      throw UserError(failures_);
+    }
+  }
+
   std::vector<std::unique_ptr<MapCloudFile>> files_;
+  std::string failures_;
   std::size_t count_ = 0;
 };
 

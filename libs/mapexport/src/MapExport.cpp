@@ -4,6 +4,7 @@
 #include <dyslam/mapexport/MapExport.h>
 
 #include <array>
+#include <cmath>
 #include <cstdio>
 #include <filesystem>
 #include <utility>
@@ -14,6 +15,22 @@ namespace dyslam
 namespace
 {
 constexpr double smallest_tile = 5;  // [m]; a scan would reach millions of tiles that are too small
+
+/** \throws UserError for tiles that are too small, or whose corners are no whole metres: those are
+ * what Autoware's map loader reads. */
+void requireTileSize(double size)
+{
+  if (size == 0 || (size >= smallest_tile && size == std::floor(size)))
+  {
+    return;
+  }
+  char text[120];
+  std::snprintf(text, sizeof text,
+                "[map_export] tile_size = %g: use a whole number of metres, at least %g, or 0 for "
+                "one file",
+                size, smallest_tile);
+  throw UserError(text);
+}
 }  // namespace
 
 void MapExportOptions::describe(OptionsVisitor& v)
@@ -27,16 +44,8 @@ void MapExportOptions::describe(OptionsVisitor& v)
       "number of the coordinate reference system (EPSG) of the trajectory, which .las files state; "
       "0: none");
   v.real("tile_size", tile_size, 0, 100000,
-         "side of the tiles in which clouds are written, at least 5; 0: one file [m]");
-  if (tile_size > 0 && tile_size < smallest_tile)
-  {
-    char text[120];
-    std::snprintf(
-        text, sizeof text,
-        "[map_export] tile_size = %g is too small; use at least %g (m), or 0 for one file",
-        tile_size, smallest_tile);
-    throw UserError(text);
-  }
+         "side of the tiles in which clouds are written, whole and at least 5; 0: one file [m]");
+  requireTileSize(tile_size);
   v.real("octree_resolution", octree_resolution, 0.01, 10, "side of the octree's leaves [m]");
   v.real("octree_range", octree_range, 1, 300,
          "range at which rays into the octree are cut off [m]");

@@ -110,5 +110,22 @@ TEST(GridFiles, LargeGridsGetCoarserCells)
   EXPECT_NE(folder.read("m.yaml").find("resolution: 0.4"), std::string::npos)
       << folder.read("m.yaml");
 }
+
+TEST(GridFiles, GridsThatAreTooLongForAPictureGetCoarserCells)
+{
+  const TestFolder folder;
+  test::TestMap map;
+  for (std::size_t k = 0; k < 2; ++k)
+  {
+    Frame frame;
+    frame.index = k;
+    frame.T_odom_vehicle.translation().x() = 120000.0 * static_cast<double>(k);
+    frame.cloud.points = {{5, 0, 0}, {6, 0, 0}};
+    frame.cloud.source = {0, 1};
+    map.insert(frame);
+  }
+  EXPECT_EQ(writeOccupancyGrid(map.map, folder.file("m.png"), {}), 0.2);
+  EXPECT_NEAR(cv::imread(folder.file("m.png"), cv::IMREAD_UNCHANGED).cols, 600005, 2);
+}
 }  // namespace
 }  // namespace dyslam

@@ -208,5 +208,26 @@ TEST(MapCloudFile, FormatsHoldAsManyPointsAsTheirReadersCount)
   EXPECT_EQ(makePcdFormat({})->maxPoints(), of_32_bits);
   EXPECT_GT(makePlyFormat({})->maxPoints(), of_32_bits);
 }
+
+TEST(MapCloudFile, CoordinatesBeyondTheStepsOfALasAreRefused)
+{
+  const TestFolder folder;
+  MapPoints points;
+  points.points = {{1, 2, 3}, {0, -2147000, 0}};
+  points.intensity = {0, 0};
+  writeMapCloud(points, folder.file("m.las"));
+  const std::string within = folder.read("m.las");
+  EXPECT_EQ(-2147000000, numberAt<std::int32_t>(within, within.size() - 20 + 4));
+  points.points[1].y() = -5400000;
+  const std::string said =
+      messageOfError<UserError>([&] { writeMapCloud(points, folder.file("m.las")); });
+  EXPECT_EQ(folder.file("m.las") +
+                ": the format reaches 2147 km, but the map reaches 5400 km from its origin; are "
+                "all poses of the trajectory right?",
+            said);
+  EXPECT_EQ(within, folder.read("m.las")) << "the earlier file stays";
+  writeMapCloud(points, folder.file("m.ply"));
+  EXPECT_EQ(-5400000, readCloud(folder.file("m.ply")).points[1].y());
+}
 }  // namespace
 }  // namespace dyslam

@@ -16,6 +16,7 @@
 #include <utility>
 #include <vector>
 
+#include "TestFolder.h"
 #include "TestMap.h"
 #include "WalledStreet.h"
 
@@ -113,6 +114,18 @@ TEST_F(MapCloudsTest, EveryFileHasThePointsOfTheMap)
     EXPECT_EQ(expected, read("a.pcd"));
     EXPECT_EQ(count, last);
   }
+}
+
+TEST_F(MapCloudsTest, AFileThatCannotBeWrittenDoesNotKeepTheOthersFromBeingWritten)
+{
+  fs::create_directories(file("a.ply"));
+  const auto said = [&](const std::vector<std::string>& paths)
+  { return messageOfError<UserError>([&] { (void)clouds().write(map_->map, nullptr, paths); }); };
+  EXPECT_EQ(file("a.ply") + ": is a folder, give the name of a file",
+            said({file("a.ply"), file("a.pcd")}));
+  EXPECT_EQ(sorted(map_->map.points().points), read("a.pcd"));
+  fs::create_directories(file("b.las"));
+  EXPECT_TRUE(contains(said({file("a.ply"), file("b.las")}), "b.las: is a folder"));
 }
 
 TEST_F(MapCloudsTest, FullResolutionHasEveryStaticPoint)

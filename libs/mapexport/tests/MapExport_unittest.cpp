@@ -174,7 +174,7 @@ TEST(MapExport, UnwritableFoldersAndBadEndings)
   }
 }
 
-TEST(MapExportOptions, TilesAreNotTooSmall)
+TEST(MapExportOptions, TilesAreNotTooSmallAndHaveWholeCorners)
 {
   const auto loaded = [](const std::string& tile_size)
   {
@@ -185,18 +185,13 @@ TEST(MapExportOptions, TilesAreNotTooSmall)
   };
   EXPECT_EQ(0, loaded("0"));
   EXPECT_EQ(5, loaded("5"));
+  EXPECT_EQ(250, loaded("250.0"));
   EXPECT_THROW((void)loaded("4.9"), UserError);
-  try
-  {
-    (void)loaded("0.01");
-    FAIL() << "millions of tiles";
-  }
-  catch (const UserError& error)
-  {
-    EXPECT_STREQ(
-        "[map_export] tile_size = 0.01 is too small; use at least 5 (m), or 0 for one file",
-        error.what());
-  }
+  const auto said = [&](const std::string& size)
+  { return messageOfError<UserError>([&] { (void)loaded(size); }); };
+  const std::string advice = ": use a whole number of metres, at least 5, or 0 for one file";
+  EXPECT_EQ("[map_export] tile_size = 0.01" + advice, said("0.01")) << "millions of tiles";
+  EXPECT_EQ("[map_export] tile_size = 12.5" + advice, said("12.5")) << "no corners of Autoware";
 }
 }  // namespace
 }  // namespace dyslam

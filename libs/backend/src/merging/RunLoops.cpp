@@ -21,6 +21,29 @@ LoopCloserOptions withoutPoints(LoopCloserOptions options)
   return options;
 }
 
+/** Distance [m] and number of the keyframe of `range` nearest to keyframe `k`. \param farthest
+ * keyframes beyond this distance need not be found [m] \return an infinite distance if there is
+ * none */
+std::pair<double, std::size_t> nearestTo(std::size_t k,
+                                         const KeyframeRange& range,
+                                         double farthest,
+                                         const KeyframeStore& keyframes)
+{
+  constexpr double rounding = 1e-6;  // of a distance, relative and in metres
+  const Eigen::Vector3d at = keyframes[k].T_map_vehicle.translation();
+  std::pair<double, std::size_t> nearest(std::numeric_limits<double>::infinity(), 0);
+  for (std::size_t i = range.begin; i < range.end; ++i)
+  {
+    // Whole poses are slow to invert and multiply: only for those that may be the nearest.
+    const double limit = (1 + rounding) * std::min(nearest.first, farthest) + rounding;
+    if ((keyframes[i].T_map_vehicle.translation() - at).squaredNorm() <= limit * limit)
+    {
+      nearest = std::min(nearest, {poseBetween(keyframes, i, k).translation().norm(), i});
+    }
+  }
+  return nearest;
+}
+
 void takeAccepted(std::vector<Loop>&& decided, std::vector<Loop>& accepted)
 {
   for (Loop& loop : decided)
@@ -113,20 +136,16 @@ NearLoops RunLoops::byPosition(const KeyframeRange& older,
   for (std::size_t k = newer.begin; k < newer.end; k += static_cast<std::size_t>(options_.interval))
   {
     const double farthest = reach[k - newer.begin];
-    std::pair<double, std::size_t> nearest(std::numeric_limits<double>::infinity(), 0);
-    for (std::size_t i = older.begin; i < older.end; ++i)
-    {
-      nearest = std::min(nearest, {poseBetween(keyframes_, i, k).translation().norm(), i});
-    }
+    const auto [distance, near] = nearestTo(k, older, farthest, keyframes_);
     // Keyframes without points, for example of a missing scan, confirm nothing.
-    if (nearest.first < farthest && keyframes_.loopCloud(k).size() > 0)
+    if (distance < farthest && keyframes_.loopCloud(k).size() > 0)
     {
       LoopCandidate candidate;
-      candidate.id = nearest.second;
-      candidate.T_from_to = poseBetween(keyframes_, nearest.second, k);
+      candidate.id = near;
+      candidate.T_from_to = poseBetween(keyframes_, near, k);
       const Loop loop = verify(candidate, k, older, false);
       const Pose correction = candidate.T_from_to.inverse() * loop.T_from_to;
-      tried[k - newer.begin] = nearest.first < options_.search_radius;
+      tried[k - newer.begin] = distance < options_.search_radius;
       if (loop.verdict == LoopVerdict::accepted && correction.translation().norm() <= farthest &&
           rotationAngle(correction) <= options_.max_correction_angle)
       {

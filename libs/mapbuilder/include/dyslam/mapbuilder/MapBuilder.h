@@ -61,6 +61,8 @@ class MapBuilder
   /** Origin of all results [m]: the start of the trajectory, in whole kilometres, if it is farther
    * than 10 km from zero, where float32 would round; else 0. */
   [[nodiscard]] const Eigen::Vector3d& origin() const { return origin_; }
+  /** Largest distance of a keyframe from the origin [m]. */
+  [[nodiscard]] double reach() const { return reach_; }
   [[nodiscard]] const StaticMap& map() const { return map_; }
   /** The map including moving points; null without `uncleaned_map`. */
   [[nodiscard]] const StaticMap* uncleanedMap() const
@@ -101,6 +103,7 @@ class MapBuilder
   };
 
   Eigen::Vector3d origin_ = Eigen::Vector3d::Zero();
+  double reach_ = 0;
   MapBuilderOptions options_;
   ThreadPool pool_;
   std::deque<RunScans> runs_;

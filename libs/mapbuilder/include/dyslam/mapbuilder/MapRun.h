@@ -19,8 +19,9 @@ namespace dyslam
 struct RecordingOnTrajectory
 {
   std::string rawlog;
-  std::string trajectory;  //!< TUM or KITTI file
-  bool of_lidar = false;   //!< poses of the lidar, not of the vehicle
+  std::string trajectory;   //!< TUM or KITTI file
+  bool of_lidar = false;    //!< poses of the lidar, not of the vehicle
+  bool unfinished = false;  //!< poses of a run that ended before its recording
   RawlogSourceOptions source;
   RunScansOptions scans;
 };

@@ -46,7 +46,7 @@ class MapCloudFile
 
   /** \param points map frame [m] \throws std::invalid_argument if the file has normals and the
    * points have none; UserError if the file cannot be written, or the format does not hold so many
-   * points. */
+   * points or such coordinates. */
   void add(const MapPoints& points);
   /** Number of points added. */
   [[nodiscard]] std::size_t count() const;

@@ -36,8 +36,8 @@ class MapClouds
 
   /** \param scans that the map was made of, one per keyframe; read for `full_resolution` only, else
    * it may be null \param on_keyframe called with the number of keyframes that are done
-   * \return number of points \throws UserError for a file that cannot be written;
-   *   std::invalid_argument for `full_resolution` without scans. */
+   * \return number of points \throws UserError for files that cannot be written, after the others
+   *   are complete; std::invalid_argument for `full_resolution` without scans. */
   std::size_t write(const StaticMap& map,
                     ScanStore* scans,
                     const std::vector<std::string>& paths,

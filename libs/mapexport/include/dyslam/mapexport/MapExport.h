@@ -23,7 +23,7 @@ struct MapExportOptions : Options
   bool normals = true;               //!< clouds with normals
   double normal_radius = 0.8;        //!< radius of the neighbourhood of a normal [m]
   int epsg = 0;                      //!< EPSG number of the coordinates' system, for .las; 0: none
-  double tile_size = 0;              //!< clouds in tiles of this side, at least 5 [m]; 0: one file
+  double tile_size = 0;              //!< clouds in tiles of this side, whole metres; 0: one file
   double octree_resolution = 0.2;    //!< side of octomap's leaves [m]
   double octree_range = 40.0;        //!< range at which rays are cut off [m]
   double grid_resolution = 0.1;      //!< side of the occupancy grid's cells [m]
@@ -60,8 +60,8 @@ void writeOctomap(const StaticMap& map,
 /** 2D occupancy grid for navigation: `x.gridmap` (MRPT's COccupancyGridMap2D, which stays relative
  * to the origin), or with any other ending a PNG, and `x.yaml` for ROS's map_server beside it. In a
  * grid finer than the voxels, obstacles in neighbouring columns of voxels are connected.
- * \return side of the cells [m], more than grid_resolution if there were more than grid_max_cells
- */
+ * \return side of the cells [m], more than grid_resolution if there were more than grid_max_cells,
+ * or more than a million in a row, which no PNG has */
 double writeOccupancyGrid(const StaticMap& map,
                           const std::string& path,
                           const MapExportOptions& options,
