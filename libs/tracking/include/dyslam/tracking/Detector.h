@@ -22,7 +22,7 @@ struct DetectorOptions : Options
   double min_height = 0.3;               //!< least height of a cluster [m]
   double max_length = 20;                //!< largest length of a cluster wider than 4 m [m]
   double max_narrow_length = 50;         //!< of a narrower one: trams, road trains [m]
-  double max_range = 80;                 //!< largest horizontal range of points [m]
+  double max_range = 80;  //!< largest horizontal distance of points from the vehicle's origin [m]
   double yaw_step = 1.5 * radians_per_degree;  //!< step of the L-shape heading search [rad]
   double position_sigma = 0.15;  //!< sigma of the position of a box of many points [m]
   /** Sigma of the heading of a box of many points [rad]. */
@@ -48,8 +48,8 @@ class Detector
 
   /** \param points vehicle frame [m] \param moving as long as `points`, or empty if nothing moves
    * \param probability moving probability of each point, for the score; empty for 1
-   * \param lidar position of the lidar in the vehicle frame [m], from which ranges are counted
-   * \return boxes in the vehicle frame. */
+   * \param lidar position of the lidar in the vehicle frame [m]: ranges are from it, but for
+   * max_range \return boxes in the vehicle frame. */
   [[nodiscard]] std::vector<Detection> detect(const std::vector<Eigen::Vector3f>& points,
                                               const std::vector<bool>& moving,
                                               const std::vector<float>& probability,
