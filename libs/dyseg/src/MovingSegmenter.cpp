@@ -51,8 +51,8 @@ void MovingSegmenterOptions::describe(OptionsVisitor& visitor)
   visitor.word("method", method, segmenterMethods(), "segmentation method for moving points");
   visitor.text(
       "labels", labels,
-      "folder of an earlier run of the recording with --labels: segmentation and odometry do "
-      "without the points that it labelled moving");
+      "folder of an earlier run of the recording with --labels, or of another program's .label "
+      "files: segmentation and odometry do without the points labelled moving");
   visitor.real("moving_threshold", moving_threshold, 0, 1,
                "moving probability above which the segmenter classifies a point as moving");
 }

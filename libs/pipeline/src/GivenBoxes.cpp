@@ -26,7 +26,12 @@ std::vector<LabelledBox> readFolder(const std::string& folder,
   {
     if (const auto scan = numberOfName(entry.path().filename().string(), ".txt"))
     {
-      files.emplace(*scan, entry.path().string());
+      const std::string file = entry.path().string();
+      const auto [known, is_first] = files.emplace(*scan, file);
+      if (!is_first)
+      {
+        throw UserError(file + ": is of the same scan as " + known->second + " (boxes.file)");
+      }
     }
   }
   if (files.empty())
@@ -43,6 +48,11 @@ std::vector<LabelledBox> readFolder(const std::string& folder,
     }
   }
   return boxes;
+}
+
+bool hasExtent(const LabelledBox& box)
+{
+  return box.box.size.minCoeff() > 0;
 }
 
 /** \throws UserError that names the key. */
@@ -88,17 +98,23 @@ GivenBoxes::GivenBoxes(const GivenBoxesOptions& options, const DetectionNoiseOpt
 {
   validate(options, "boxes");
   validate(noise, "detection_noise");
+  bool has_flat = false;
   for (LabelledBox& box : readBoxes(options))
   {
     if (box.frame >= 0 && box.score >= options.min_score && box.type != "DontCare")
     {
-      boxes_[static_cast<std::size_t>(box.frame)].push_back(std::move(box));
+      has_flat = has_flat || !hasExtent(box);
+      if (hasExtent(box))
+      {
+        boxes_[static_cast<std::size_t>(box.frame)].push_back(std::move(box));
+      }
     }
   }
   if (boxes_.empty())
   {
     throw UserError("boxes.file: " + options.file + ": has no boxes" +
-                    (options.min_score > GivenBoxesOptions().min_score
+                    (has_flat ? " with a height, width and length above 0"
+                     : options.min_score > GivenBoxesOptions().min_score
                          ? " with a score of at least boxes.min_score"
                          : ""));
   }

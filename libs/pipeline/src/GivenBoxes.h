@@ -17,8 +17,8 @@ class GivenBoxes
 {
  public:
   /** Reads a file as readTracks() does, with a calibration as readDetections() does, or a folder of
-   * NNNNNN.txt in KITTI's object layout. \throws UserError for files that cannot be read, and if
-   * there are no boxes. */
+   * NNNNNN.txt in KITTI's object layout. Boxes without extent are left out. \throws UserError for
+   * files that cannot be read, and if there are no boxes. */
   GivenBoxes(const GivenBoxesOptions& options, const DetectionNoiseOptions& noise);
 
   /** Sets the detections of a frame to the boxes of its index. Reads cloud and T_vehicle_lidar. */

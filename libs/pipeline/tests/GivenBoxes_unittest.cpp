@@ -50,6 +50,7 @@ TEST_F(GivenBoxesFile, AreDetectionsWithTheirPoints)
                 "2 -1 Car 0 0 -10 0 0 0 0 1.5 1.8 4.2 10 1 -0.95 0.1 0.7\n"
                 "2 -1 DontCare 0 0 -10 0 0 0 0 1 1 1 5 5 0 0 0.9\n"
                 "2 -1 Pedestrian 0 0 -10 0 0 0 0 1.7 0.6 0.6 20 5 -0.8 0 0.2\n"
+                "2 -1 Car 0 0 -10 0 0 0 0 1.5 0 4.2 30 1 -0.95 0.1 0.7\n"
                 "4 -1 Cyclist 0 0 -10 0 0 0 0 1.7 0.6 1.6 20 5 -0.8 0 0.9\n");
   min_score_ = 0.3;
   const GivenBoxes boxes = read("boxes.txt");
@@ -124,6 +125,14 @@ TEST_F(GivenBoxesFile, Errors)
   std::filesystem::create_directories(folder_.file("bad"));
   folder_.write("bad/000007.txt", "Car 0 0 -10\n");
   EXPECT_NE(errorOf("bad").find("000007.txt:1"), std::string::npos) << errorOf("bad");
+  folder_.write("bad/7.txt", "");
+  EXPECT_NE(errorOf("bad").find("7.txt: is of the same scan as"), std::string::npos)
+      << errorOf("bad");
+  folder_.write("flat.txt", "2 -1 Car 0 0 -10 0 0 0 0 1.5 -1.8 4.2 10 1 -0.95 0.1\n");
+  EXPECT_NE(errorOf("flat.txt").find("length above 0"), std::string::npos) << errorOf("flat.txt");
+  folder_.write("weak.txt", "2 -1 Car 0 0 -10 0 0 0 0 1.5 1.8 4.2 10 1 -0.95 0.1 0.7\n");
+  min_score_ = 0.8;
+  EXPECT_NE(errorOf("weak.txt").find("boxes.min_score"), std::string::npos) << errorOf("weak.txt");
 }
 }  // namespace
 }  // namespace dyslam

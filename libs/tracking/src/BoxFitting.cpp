@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <dyslam/tracking/Detector.h>
+#include <dyslam/tracking/BoxFitting.h>
 
 #include <algorithm>
 #include <cmath>
@@ -140,7 +140,8 @@ ObjectClass refineClass(ObjectClass initial, const Eigen::Vector3d& size, double
 
 namespace
 {
-/** Class of a vehicle. \param size along and across the heading, and height [m] */
+/** Whether a vehicle is a truck or a bus. \param size along and across the heading, and height [m]
+ */
 bool isHeavyVehicle(const Eigen::Vector3d& size)
 {
   constexpr double max_width_of_vans = 2.25;  // [m]

@@ -2,6 +2,7 @@
 #include <dyslam/base/DisjointSets.h>
 #include <dyslam/base/Error.h>
 #include <dyslam/core/GroundSquare.h>
+#include <dyslam/tracking/BoxFitting.h>
 #include <dyslam/tracking/Detector.h>
 
 #include <algorithm>

@@ -3,7 +3,7 @@
 
 #include <dyslam/base/Angle.h>
 #include <dyslam/base/StateArchive.h>
-#include <dyslam/tracking/Detector.h>
+#include <dyslam/tracking/BoxFitting.h>
 
 #include <Eigen/LU>
 #include <algorithm>

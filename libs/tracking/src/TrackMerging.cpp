@@ -71,6 +71,10 @@ int rootOf(const std::map<int, int>& merged, int track)
 
 std::map<int, int> findMergedTracks(std::vector<TrackBox> boxes, double overlap, double least_share)
 {
+  if (overlap >= 1)
+  {
+    return {};  // rounding may give shares above 1
+  }
   std::sort(boxes.begin(), boxes.end(),
             [](const TrackBox& a, const TrackBox& b)
             { return std::tie(a.scan, a.track) < std::tie(b.scan, b.track); });

@@ -24,6 +24,8 @@ namespace dyslam
 namespace
 {
 constexpr double forbidden = std::numeric_limits<double>::infinity();
+/** Longest time between scans over which tracks are predicted [s]. */
+constexpr double longest_gap = 5;
 
 bool isValid(const Detection& detection)
 {
@@ -88,6 +90,9 @@ struct Tracker::Implementation
   int next_id = 0;
   bool started = false;
   double stamp = 0;
+
+  /** Whether tracks are continued at the time of a scan [s]. */
+  bool continuesAt(double time) const { return time - stamp <= longest_gap; }
 
   /** Association cost of a pair, relative to max_cost; infinite outside the gates. */
   double associationCost(const Track& track,
@@ -272,6 +277,10 @@ Tracker& Tracker::operator=(Tracker&&) noexcept = default;
 void Tracker::markPredicted(Frame& frame) const
 {
   frame.moving_by_prediction.clear();
+  if (!implementation_->continuesAt(frame.time()))
+  {
+    return;
+  }
   for (const Track& track : implementation_->tracks)
   {
     if (track.movesByPrediction())
@@ -298,6 +307,10 @@ std::vector<TrackedObject> Tracker::update(double stamp,
   if (!std::isfinite(stamp) || (self.started && stamp <= self.stamp))
   {
     throw std::invalid_argument("Tracker::update: stamps must increase");
+  }
+  if (!self.continuesAt(stamp))
+  {
+    self.tracks.clear();
   }
   self.started = true;
   self.stamp = stamp;

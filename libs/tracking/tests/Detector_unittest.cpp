@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/core/BoxOverlap.h>
+#include <dyslam/tracking/BoxFitting.h>
 #include <dyslam/tracking/Detector.h>
 #include <gtest/gtest.h>
 

@@ -49,7 +49,7 @@ class Drive
   const Frame& next(double share)
   {
     frame_ = Frame();
-    frame_.scan.stamp = period * static_cast<double>(scan_);
+    frame_.scan.stamp = pauses_ + period * static_cast<double>(scan_);
     frame_.cloud = sceneAt(frame_.scan.stamp);
     frame_.moving.assign(frame_.cloud.size(), false);
     frame_.moving_probability.assign(frame_.cloud.size(), 0.02F);
@@ -71,12 +71,15 @@ class Drive
       next(share);
     }
   }
+  /** Time without scans [s]. */
+  void pause(double seconds) { pauses_ += seconds; }
 
  private:
   Detector detector_;
   Tracker tracker_;
   Frame frame_;
   int scan_ = 0;
+  double pauses_ = 0;  //!< sum of all pauses [s]
 };
 
 std::size_t movingOf(const Frame& frame, std::size_t first, std::size_t last)
@@ -141,4 +144,16 @@ TEST(PredictedPoints, ATrackThatIsNotKnownToMoveMarksNothing)
   Drive drive;
   drive.pass(2, 1);
   EXPECT_EQ(movingOf(drive.next(0), 0, sides), 0U);
+}
+
+TEST(PredictedPoints, AfterALongPauseNothingIsMarked)
+{
+  Drive drive;
+  drive.pass(20, 1);
+  drive.pause(1);
+  EXPECT_GT(movingOf(drive.next(0), 0, sides), 0U);
+  drive.pause(6);  // the car is where it is predicted
+  const Frame& frame = drive.next(0);
+  EXPECT_EQ(movingOf(frame, 0, frame.cloud.size()), 0U);
+  EXPECT_TRUE(frame.objects.empty());
 }

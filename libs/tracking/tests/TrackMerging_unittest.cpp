@@ -39,6 +39,19 @@ TEST(TrackMerging, TracksAtTheSamePlaceAreOneObject)
   EXPECT_TRUE(findMergedTracks(boxes, 1).empty());
 }
 
+TEST(TrackMerging, AtAnOverlapOfOneNoneAreMerged)
+{
+  for (int i = 0; i < 100; ++i)
+  {
+    const double yaw = 0.06 * i;
+    const double x = 1 + 7.3 * i;
+    // The second box is within the first one, at any yaw.
+    EXPECT_TRUE(
+        findMergedTracks({{0, 1, boxAt(x, 3, 4, yaw)}, {0, 2, boxAt(x, 3, 2, yaw)}}, 1).empty())
+        << i;
+  }
+}
+
 TEST(TrackMerging, ObjectsThatMeetAreTwo)
 {
   std::vector<TrackBox> boxes;

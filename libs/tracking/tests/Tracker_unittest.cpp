@@ -392,6 +392,29 @@ TEST(Tracker, rejectsInvalidInput)
                std::invalid_argument);
 }
 
+TEST(Tracker, startsAnewAfterALongGap)
+{
+  Tracker tracker;
+  double stamp = 0;
+  const auto next = [&](double interval)
+  {
+    stamp += interval;
+    return tracker.update(stamp, {carAt({5, 5})}, Pose::Identity());
+  };
+  for (int scan = 0; scan < 20; ++scan)
+  {
+    (void)next(dt);
+  }
+  auto objects = next(4.9);
+  ASSERT_EQ(objects.size(), 1u);
+  EXPECT_EQ(objects[0].id, 0);
+  objects = next(5.1);
+  ASSERT_EQ(objects.size(), 1u);
+  EXPECT_EQ(objects[0].id, 1);
+  EXPECT_EQ(objects[0].age, 0);
+  EXPECT_TRUE(objects[0].observed);
+}
+
 TEST(Tracker, speedsOfTheDecisionAreInOrder)
 {
   TrackerOptions options;

@@ -2,7 +2,7 @@
 #include "TrackCompletion.h"
 
 #include <dyslam/base/Quantile.h>
-#include <dyslam/tracking/Detector.h>
+#include <dyslam/tracking/BoxFitting.h>
 
 #include <algorithm>
 #include <cmath>

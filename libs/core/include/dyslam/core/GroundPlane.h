@@ -31,8 +31,8 @@ enum class GroundSide
 
 /** Finds the ground plane in a scan of a sensor with unknown tilt: the plane with most surface
  * within 15 m, minus the surface behind it, that extends in two directions and is inclined by at
- * most 50 degrees. With the ground above the sensor (`Side`), most of the surface has to be above,
- * too; a ceiling then fulfils this as well.
+ * most 50 degrees. With the ground above the sensor (GroundSide::above), most of the surface has to
+ * be above, too; a ceiling then fulfils this as well.
  *
  * Planes through three points, drawn with a fixed seed (RANSAC: Fischler and Bolles, 1981), then
  * least squares. The same points give the same plane.

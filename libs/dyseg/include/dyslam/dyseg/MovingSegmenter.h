@@ -63,7 +63,7 @@ class MovingSegmenter
 struct MovingSegmenterOptions : Options
 {
   std::string method = "residual";
-  std::string labels;             //!< folder of an earlier run's labels; empty: none
+  std::string labels;             //!< folder of labels, of an earlier run or given; empty: none
   double moving_threshold = 0.5;  //!< moving probability above which Frame::moving is set
   void describe(OptionsVisitor& visitor) override;
 };

@@ -27,7 +27,7 @@ struct ClassNoise : Options
 };
 
 /** Noise of detected boxes by class. The defaults are those of PointRCNN on KITTI. Its errors are
- * correlated from scan to scan: filters that assume white noise need a `factor` of 2 to 4. */
+ * correlated from scan to scan: filters that assume white noise need a `sigma_scale` of 2 to 4. */
 struct DetectionNoiseOptions : Options
 {
   double sigma_scale = 1;  //!< factor on all standard deviations

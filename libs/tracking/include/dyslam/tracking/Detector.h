@@ -22,7 +22,7 @@ struct DetectorOptions : Options
   double min_height = 0.3;               //!< least height of a cluster [m]
   double max_length = 20;                //!< largest length of a cluster wider than 4 m [m]
   double max_narrow_length = 50;         //!< of a narrower one: trams, road trains [m]
-  double max_range = 80;                 //!< largest horizontal range of points [m]
+  double max_range = 80;  //!< largest horizontal distance of points from the vehicle's origin [m]
   double yaw_step = 1.5 * radians_per_degree;  //!< step of the L-shape heading search [rad]
   double position_sigma = 0.15;  //!< sigma of the position of a box of many points [m]
   /** Sigma of the heading of a box of many points [rad]. */
@@ -48,8 +48,8 @@ class Detector
 
   /** \param points vehicle frame [m] \param moving as long as `points`, or empty if nothing moves
    * \param probability moving probability of each point, for the score; empty for 1
-   * \param lidar position of the lidar in the vehicle frame [m], from which ranges are counted
-   * \return boxes in the vehicle frame. */
+   * \param lidar position of the lidar in the vehicle frame [m]: ranges are from it, but for
+   * max_range \return boxes in the vehicle frame. */
   [[nodiscard]] std::vector<Detection> detect(const std::vector<Eigen::Vector3f>& points,
                                               const std::vector<bool>& moving,
                                               const std::vector<float>& probability,
@@ -64,30 +64,4 @@ class Detector
 
   DetectorOptions options_;
 };
-
-/** Upright box by L-shape fitting (Zhang et al., "Efficient L-shape fitting for vehicle detection
- * using laser scanners", 2017, closeness criterion), with the full height of the points. The yaw is
- * that of the longer side, in (-pi/2, pi/2]. \param yaw_step step of the search [rad] */
-[[nodiscard]] Box fitLShape(const std::vector<Eigen::Vector3f>& points, double yaw_step);
-
-/** Class by the visible size [m] alone; the object may be larger. */
-[[nodiscard]] ObjectClass classifyBySize(const Eigen::Vector3d& size);
-/** Class by full size [m] and speed [m/s]; `initial` if size and speed agree with it. */
-[[nodiscard]] ObjectClass refineClass(ObjectClass initial,
-                                      const Eigen::Vector3d& size,
-                                      double speed);
-
-/** Class of a vehicle by its full size along and across its heading [m], and its height [m]: trucks
- * and buses are wider and higher than vans; a box wider than all of them is unknown. In KITTI's
- * tracking labels 99 % of the cars are at most 1.9 m wide, 95 % of the vans at most 2.2 m, and 95 %
- * of the trucks at least 2.2 m. \param initial result for other sizes */
-[[nodiscard]] ObjectClass refineVehicle(ObjectClass initial, const Eigen::Vector3d& size);
-
-/** Least length, width and height of an object of a class [m], of which only one side may be
- * visible; zero if unknown. */
-[[nodiscard]] Eigen::Vector3d leastSize(ObjectClass object_class);
-
-/** Enlarges a partly visible box to at least `size`. The sides of `visible` that face the sensor
- * (at the origin) stay in place; the occluded part is added behind them. */
-[[nodiscard]] Box completeBox(const Box& visible, const Eigen::Vector3d& size);
 }  // namespace dyslam

@@ -84,7 +84,8 @@ struct TrackerOptions : Options
 };
 
 /** Multi-object tracker: associates the detections of each scan with tracks in the odometry frame
- * and manages their lifecycle (tentative, confirmed, deleted).
+ * and manages their lifecycle (tentative, confirmed, deleted). After more than 5 s without a scan
+ * all tracks are deleted.
  *
  * Deterministic; not thread-safe. Detections with non-finite values or without extent are ignored.
  */
