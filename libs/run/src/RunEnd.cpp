@@ -49,10 +49,10 @@ void requireComplete(const EarlyEnd& end,
   if (!results.failures.empty())
   {
     what += "; the other results are in " + settings.output_folder;
-    what += !end.is_stopped && hasCheckpoint(settings.output_folder)
-                ? "; once there is room, complete them with: dyslam --resume -o " +
-                      settings.output_folder
-                : "";
+    if (!end.is_stopped && hasCheckpoint(settings.output_folder))
+    {
+      what += "; " + completeLaterAdvice(settings.output_folder);
+    }
   }
   if (!what.empty())
   {
