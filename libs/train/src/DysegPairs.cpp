@@ -113,7 +113,7 @@ void DysegPairs::readRuns(const DataSplits& splits)
 {
   if (!options_.boxed_run.empty())
   {
-    const std::string folder = options_.data + "/" + options_.boxed_run;
+    const std::string folder = dataPath(options_.data, options_.boxed_run);
     splits.requireFrames(folder + "/velodyne", {0, options_.boxed_last}, Split::training,
                          "[train] boxed_run");
     runs_.push_back(
@@ -135,7 +135,7 @@ void DysegPairs::readSingles(const DataSplits& splits)
 {
   for (const auto& part : listItems(options_.single_scans, ','))
   {
-    for (const auto& f : listBinFiles(options_.data + "/" + part))
+    for (const auto& f : listBinFiles(dataPath(options_.data, part)))
     {
       splits.requireScan(f, Split::training, "[train] single_scans");
       singles_.push_back(readTrainingPoints(f, 0));

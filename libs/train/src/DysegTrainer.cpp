@@ -308,8 +308,7 @@ void DysegTrainer::validateOnly(const std::string& weights,
   }
 }
 
-void DysegTrainer::run(const std::function<void(const std::string&)>& report,
-                       const std::function<bool()>& stopped)
+void DysegTrainer::loadData()
 {
   Impl& t = *impl_;
   if (t.options.validate_every > 0 && t.loop->step() < t.options.steps)
@@ -318,6 +317,16 @@ void DysegTrainer::run(const std::function<void(const std::string&)>& report,
     t.validation = makeDysegValidation(t.options);
   }
   t.pairs = std::make_unique<DysegPairs>(t.options);
+}
+
+void DysegTrainer::run(const std::function<void(const std::string&)>& report,
+                       const std::function<bool()>& stopped)
+{
+  Impl& t = *impl_;
+  if (!t.pairs)
+  {
+    loadData();
+  }
   report("data: " + t.pairs->summary());
   t.report = report;
   if (t.loop->run(report, stopped) && t.options.validate_every > 0)

@@ -62,8 +62,7 @@ RecordingDescription parseRecording(const std::string& text,
     throw UserError(
         subject + ": write folder;pose file;first;last[;deskew][;labels=folder][;calib=calib.txt]");
   }
-  const auto path = [&](const std::string& name)
-  { return (std::filesystem::path(base) / name).string(); };
+  const auto path = [&](const std::string& name) { return dataPath(base, name); };
   RecordingDescription description;
   description.folder = path(parts[0]);
   description.pose_file = path(parts[1]);
