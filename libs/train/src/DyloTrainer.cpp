@@ -161,6 +161,10 @@ void Trainer::loadWeights()
   else if (request_.resume || request_.validate_only)
   {
     loop_->resume();
+    if (request_.resume)
+    {
+      loop_->requireNotBeyondEnd();
+    }
   }
   else
   {

@@ -289,6 +289,7 @@ void DysegTrainer::startFrom(const std::string& weights)
 void DysegTrainer::resume()
 {
   impl_->loop->resume();
+  impl_->loop->requireNotBeyondEnd();
   // The checkpoint does not have the grid; the weights that were saved with it do.
   const std::string weights = impl_->loop->file(weights_file);
   if (std::filesystem::exists(weights))
