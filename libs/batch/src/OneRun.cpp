@@ -68,6 +68,17 @@ void requireOwnFolder(const std::string& folder, const std::string& option)
   }
 }
 
+/** Requires that a folder in --scratch, from which results are moved, is not within their folder,
+ * nor that within it. \throws UserError. */
+void requireApart(const std::string& folder, const std::string& final_folder)
+{
+  if (folder != final_folder && (isWithin(folder, final_folder) || isWithin(final_folder, folder)))
+  {
+    throw UserError(folder + " and " + final_folder +
+                    ": one is within the other; choose another --scratch");
+  }
+}
+
 bool hasResults(const ChildOutcome& outcome)
 {
   return outcome.code == 0 || outcome.code == 2;
@@ -148,8 +159,11 @@ bool canResume(const std::string& folder, const Work& work)
 
 std::string workFolder(const BatchSettings& settings, const Recording& recording)
 {
-  return settings.scratch.empty() ? folderOf(settings, recording)
-                                  : (fs::path(settings.scratch) / recording.name).string();
+  const std::string final_folder = folderOf(settings, recording);
+  const std::string folder = settings.scratch.empty()
+                                 ? final_folder
+                                 : (fs::path(settings.scratch) / recording.name).string();
+  return isSamePath(folder, final_folder) ? final_folder : folder;
 }
 
 std::vector<std::string> argumentsFor(const BatchSettings& settings, const Recording& recording)
@@ -227,6 +241,7 @@ RunEnd runOne(const BatchSettings& settings,
 {
   const std::string folder = workFolder(settings, result.recording);
   const std::string final_folder = folderOf(settings, result.recording);
+  requireApart(folder, final_folder);
   restoreEarlier(final_folder);
   requireOwnFolder(final_folder, "--output");
   const char* option = folder == final_folder ? "--output" : "--scratch";

@@ -300,6 +300,30 @@ TEST_F(Batch, ResultsMoveFromScratchAsAWhole)
   EXPECT_EQ(countsOf(run()).skipped, 3U);
 }
 
+/** Moving a folder to itself would remove it. */
+TEST_F(Batch, ScratchMayBeTheFolderOfTheResults)
+{
+  fs::create_directories(settings_.output);
+  fs::create_directory_symlink(settings_.output, folder_.file("link"));
+  program("echo x > \"$4/x\"");
+  for (const std::string& scratch : {settings_.output + "/.", folder_.file("link")})
+  {
+    settings_.scratch = scratch;
+    settings_.common.settings += "--labels ";
+    EXPECT_EQ(countsOf(run()).done, 3U) << scratch;
+    EXPECT_EQ(folder_.read("out/b/x"), "x\n") << scratch;
+  }
+}
+
+TEST_F(Batch, ScratchWithinTheResultsOfARecordingIsRefused)
+{
+  settings_.scratch = settings_.output + "/b";
+  names_ = {names_[1]};
+  const auto results = run();
+  EXPECT_EQ(results[0].manifest.state, State::failed);
+  EXPECT_TRUE(contains(results[0].manifest.reason, "one is within the other"));
+}
+
 TEST_F(Batch, ResultsThatCannotBeMovedAreMovedByTheNextBatch)
 {
   settings_.scratch = folder_.file("scratch");
