@@ -456,6 +456,16 @@ TEST(IndexPage, LinksReportsAndShowsNamesAsTheyAre)
   EXPECT_FALSE(contains(page, "http"));
 }
 
+TEST(IndexPage, IsNamedAfterItsFolder)
+{
+  const TestFolder folder;
+  fs::create_directory(folder.file("results"));
+  for (const char* name : {"results", "results/"})
+  {
+    EXPECT_TRUE(contains(indexPage({}, folder.file(name), ""), "<h1>results</h1>")) << name;
+  }
+}
+
 TEST(IndexPage, ErrorsDoNotDependOnTheNamesInTheTable)
 {
   const TestFolder folder;
