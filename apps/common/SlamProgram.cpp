@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <cstdio>
 #include <filesystem>
+#include <mutex>
 #include <utility>
 #include <vector>
 
@@ -212,12 +213,14 @@ void runSlamProgram(const std::string& program, const SlamArguments& a, const Sl
 {
   stopOnSignals();
   const bool quiet = a.quiet();
+  std::mutex mutex;  // of printed_warnings: warnings come from any thread
   std::vector<std::string> printed_warnings;
   RunRequest request = static_cast<const RunRequest&>(a);
   request.assignments = assignmentsOf(a);
   request.settings.stop = [] { return stop_asked.load(); };
-  request.settings.warn = [&printed_warnings, quiet](const std::string& warning)
+  request.settings.warn = [&mutex, &printed_warnings, quiet](const std::string& warning)
   {
+    const std::lock_guard<std::mutex> lock(mutex);
     printed_warnings.push_back(warning);
     printWarning(warning, quiet);
   };

@@ -72,7 +72,7 @@ void declare(CLI::App& app, Arguments& a)
       ->check(CLI::Range(0, 4096));
   app.add_option("--memory", a.memory,
                  "of all runs together [GiB]; 0: 90 % of the available memory (0)")
-      ->check(notNegative());
+      ->check(CLI::Range(0.0, 1e9));
   addOutputFolder(app, "--scratch", a.scratch,
                   "folder to run in, on a disk of this machine, with --slurm of each node; whole "
                   "results move to --output");
@@ -89,7 +89,8 @@ void declare(CLI::App& app, Arguments& a)
     slurm->excludes(app.get_option(of_this_machine));
   }
   app.add_option("--slurm-options", a.slurm_options,
-                 "of sbatch, as \"--partition=x --mem=8G --cpus-per-task=4\"");
+                 "of sbatch, as \"--partition=x --mem=8G --cpus-per-task=4\"")
+      ->needs(slurm);
   app.add_flag("-q,--quiet", a.quiet, "no progress");
   declareConversion(app, a.conversion);
 }

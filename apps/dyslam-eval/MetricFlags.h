@@ -5,6 +5,7 @@
 
 #include <CLI/CLI.hpp>
 #include <string>
+#include <vector>
 
 #include "../common/Checks.h"
 
@@ -28,8 +29,15 @@ struct MetricFlags
         ->check(positive())
         ->default_str("100,200,...,800");
   }
+  /** \throws UserError for a length given twice, whose segments would count double. */
   [[nodiscard]] TrajectoryMetricsOptions options() const
   {
+    std::vector<std::string> words;
+    for (const double length : lengths.lengths)
+    {
+      words.push_back(CLI::detail::to_string(length));
+    }
+    requireDifferent("--lengths", words);
     TrajectoryMetricsOptions all = lengths;
     all.alignment = alignmentFromString(align);
     return all;

@@ -50,6 +50,11 @@ void runTracks(const TracksArguments& a)
   }
   const TrackData estimate = readEstimatedTracks(a.sources, truth, selection);
   TrackSequence sequence = sequenceOf(a.sources, truth, estimate);
+  if (selection.first_frame > 0 && sequence.frames == 0)
+  {
+    throw UserError("--first-frame " + std::to_string(selection.first_frame) +
+                    ": no box of either side is in this frame or later");
+  }
   if (const auto range = keepProcessedFrames(a.sources, sequence))
   {
     std::cout << "frames " << range->first << '-' << range->last << " of " << sequence.frames

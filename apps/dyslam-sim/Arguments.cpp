@@ -5,6 +5,7 @@
 #include <dyslam/io/Converters.h>
 
 #include <CLI/CLI.hpp>
+#include <limits>
 #include <vector>
 
 #include "../common/OutputOptions.h"
@@ -42,19 +43,23 @@ void declareSets(CLI::App& app, Arguments& a)
 void declare(CLI::App& app, Arguments& a)
 {
   SimulatorOptions& o = a.recording.simulator;
+  // The ranges are those of SimulatorOptions, whose errors name its keys instead of the flags.
+  const CLI::Validator seeds = CLI::Range(0, std::numeric_limits<int>::max());
   app.description(
       "Simulates a LiDAR in a dynamic environment; writes a rawlog and its ground truth");
   app.add_option("--world", a.world, "urban, campus, highway, tunnel or field (urban)");
   app.add_option("--sensor", a.sensor,
                  "HDL64E, HDL32E, VLP16, VLP32C, VLS128, OS1-32, OS1-64, OS1-128, PANDAR64, XT32 "
                  "or AVIA (HDL64E)");
-  app.add_option("--traffic", o.traffic, "density, from 0 (nothing moves) to 1 (jam) (0.4)");
+  app.add_option("--traffic", o.traffic, "density, from 0 (nothing moves) to 1 (jam) (0.4)")
+      ->check(CLI::Range(0.0, 1.0));
   app.add_option("--seconds", a.seconds,
                  "simulated time [s] (10); upper limit for the benchmark sets");
-  app.add_option("--seed", o.seed, "seed of world, traffic and noise (1)");
+  app.add_option("--seed", o.seed, "seed of world, traffic and noise (1)")->check(seeds);
   app.add_option("--traffic-seed", o.traffic_seed,
                  "seed of traffic, the ego's motion and noise, in the world of --seed: another "
-                 "recording of the same place (--seed)");
+                 "recording of the same place (--seed)")
+      ->check(seeds);
   addOutputFile(app, "-o,--output", a.recording.output, "rawlog to write; with --count a folder");
   app.add_option(
          "--count", a.count,
@@ -63,16 +68,22 @@ void declare(CLI::App& app, Arguments& a)
       ->check(CLI::Range(1, 1000000));
   app.add_option("--ego", a.ego,
                  "carrier of the sensor: car, robot or handheld (default of the world)");
-  app.add_option("--speed", o.ego_speed, "cruising speed [m/s]; 0: default of the world (0)");
-  app.add_option("--loop", o.loop_length, "approximate length of the closed loop [m] (400)");
-  app.add_option("--start", o.start_fraction, "start of the ego on the loop, 0 to 1 (0)");
+  app.add_option("--speed", o.ego_speed, "cruising speed [m/s]; 0: default of the world (0)")
+      ->check(CLI::Range(0.0, 40.0));
+  app.add_option("--loop", o.loop_length, "approximate length of the closed loop [m] (400)")
+      ->check(CLI::Range(50.0, 10000.0));
+  app.add_option("--start", o.start_fraction, "start of the ego on the loop, 0 to 1 (0)")
+      ->check(CLI::Range(0.0, 1.0));
   app.add_flag("--reverse", o.reverse,
                "drive the loop in the opposite direction; not on a highway or in a tunnel");
-  app.add_option("--start-time", o.start_time, "traffic simulated before the first scan [s] (5)");
+  app.add_option("--start-time", o.start_time, "traffic simulated before the first scan [s] (5)")
+      ->check(CLI::Range(0.0, 600.0));
   app.add_flag("--one-loop", a.recording.one_loop,
                "stop when the loop is closed, or after --seconds");
-  app.add_option("--columns", o.columns, "firings per revolution; 0: the sensor's (0)");
-  app.add_option("--max-range", o.max_range, "[m] (the sensor's)");
+  app.add_option("--columns", o.columns, "firings per revolution; 0: the sensor's (0)")
+      ->check(CLI::Range(0, 8192));
+  app.add_option("--max-range", o.max_range, "[m]; 0: the sensor's (0)")
+      ->check(CLI::Range(0.0, 300.0));
   app.add_option_function<std::vector<double>>(
          "--mounting",
          [&o](const std::vector<double>& deg)

@@ -46,6 +46,7 @@ void trainDysegCommand(const TrainArguments& arguments)
       trainer.startFrom(arguments.start);
     }
   }
+  trainer.loadData();  // before anything is written: settings that fail leave the folder as it is
   makeFolder(output, "choose another --output");
   writeWhole(output + "/effective.ini", loader.effective().toIni());
   trainer.run(report, stopRequested);

@@ -66,7 +66,8 @@ void declare(CLI::App& app, Arguments& arguments)
   app.add_option("--times", o.times,
                  "times, a line for each frame number: seconds, or KITTI's timestamps.txt");
   declareSensorPose(app, o.sensor_pose);
-  app.add_option("--dt", o.dt, "seconds between scans; default: the layout's times, else 0.1034");
+  app.add_option("--dt", o.dt, "seconds between scans; default: the layout's times, else 0.1034")
+      ->check(positive());
   app.add_flag("--kitti-vertical-angle-correction", o.vertical_angle_correction,
                "correct the elevation of the points by +0.205 deg, as KITTI odometry's scans need");
   declareRawlog(app, o);

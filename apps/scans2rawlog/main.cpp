@@ -9,6 +9,7 @@
 #include <string>
 
 #include "../common/AppMain.h"
+#include "../common/Checks.h"
 #include "../common/ConversionFlags.h"
 #include "../common/ConversionReport.h"
 #include "../common/OutputOptions.h"
@@ -65,7 +66,8 @@ void declare(CLI::App& app, Arguments& arguments)
   app.add_option("--times", o.times,
                  "times of a folder's scans, a line each: seconds, or KITTI's timestamps.txt");
   declareMounting(app, o);
-  app.add_option("--dt", o.dt, "seconds between scans; default: their own times, else 0.1");
+  app.add_option("--dt", o.dt, "seconds between scans; default: their own times, else 0.1")
+      ->check(positive());
   declareClouds(app, o);
   app.add_flag("--by-number", o.by_number,
                "times of a folder's scans: the number in the file name times --dt (default 0.1), "

@@ -177,6 +177,7 @@ TEST(Batch, BadInputIsOneLine)
   EXPECT_TRUE(contains(said(recordings + out + " --shard 3/2"), "is not K/N"));
   EXPECT_TRUE(contains(said(recordings + out + " -c none.ini"), "none.ini: no such file"));
   EXPECT_TRUE(contains(said(recordings + out + " --set nonsense"), "nonsense"));
+  EXPECT_TRUE(contains(said(recordings + out + " --slurm-options --mem=1G"), "--slurm"));
   for (const std::string option : {"--jobs 2", "--memory 8", "--no-summary", "--gather"})
   {
     const std::string line = said(recordings + out + " --slurm " + option);

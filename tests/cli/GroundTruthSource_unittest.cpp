@@ -340,6 +340,9 @@ TEST(TrajectoryPaths, NeedNoReference)
         << outcome.err;
   }
   EXPECT_TRUE(contains(evaluate("--camera reference").err, "there is no --reference"));
+  const Outcome twice = evaluate("--lengths 2,3,2 --reference " + a);
+  EXPECT_EQ(1, twice.code);
+  EXPECT_TRUE(contains(twice.err, "--lengths: '2' is given twice")) << twice.err;
 }
 
 TEST(MapDistances, OfMapsWithoutLabels)

@@ -180,5 +180,19 @@ TEST_F(SimRecording, AnInterruptedSeriesIsContinued)
   EXPECT_EQ(0U, anew.out.find(first + ": 1 scan, ")) << anew.out << anew.err;
   EXPECT_NE("mine", contentOf(first));
 }
+
+TEST_F(SimRecording, NumbersOutOfRangeNameTheFlag)
+{
+  for (const std::string flag :
+       {"--traffic 7", "--seed -3", "--traffic-seed -3", "--speed 99", "--loop 1", "--start 3",
+        "--start-time -1", "--columns 9999999", "--max-range 1000"})
+  {
+    const Outcome outcome =
+        runProgram("dyslam-sim", flag + " -o " + folder_.file("x.rawlog"), folder_.path());
+    EXPECT_EQ(1, outcome.code) << flag;
+    EXPECT_NE(std::string::npos, outcome.err.find(flag.substr(0, flag.find(' ')) + ":"))
+        << outcome.err;
+  }
+}
 }  // namespace
 }  // namespace dyslam

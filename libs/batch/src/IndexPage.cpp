@@ -114,7 +114,7 @@ std::string indexPage(const std::vector<BatchResult>& results,
                       const std::string& style)
 {
   const std::vector<Json> errors = errorsOf(results, folder);
-  const std::string title = escapedHtml(fs::path(folder).filename().string());
+  const std::string title = escapedHtml(nameOfFile(folder));
   const Counts counts = countsOf(results);
   const bool good = counts.done == results.size();
   std::string html =

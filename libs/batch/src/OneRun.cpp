@@ -1,10 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "OneRun.h"
 
-#include <dyslam/base/Config.h>
 #include <dyslam/base/Error.h>
 #include <dyslam/base/Files.h>
-#include <dyslam/base/PendingFile.h>
 #include <dyslam/base/Words.h>
 #include <dyslam/batch/ChildProcess.h>
 #include <dyslam/formats/ProgramLines.h>
@@ -17,10 +15,11 @@
 #include <exception>
 #include <filesystem>
 #include <fstream>
-#include <nlohmann/json.hpp>
 #include <sstream>
 #include <system_error>
 #include <vector>
+
+#include "MovedResults.h"
 
 namespace fs = std::filesystem;
 
@@ -28,8 +27,6 @@ namespace dyslam::batch
 {
 namespace
 {
-constexpr const char* log_name = "log.txt";
-
 std::string lastLine(const std::string& text)
 {
   const auto end = text.find_last_not_of(" \r\n");
@@ -52,115 +49,6 @@ std::string tailOf(const std::string& path)
   return text.str();
 }
 
-/** A path within the folder `from`, once that is moved to `to`; any other as it is. */
-std::string movedPath(const std::string& path, const std::string& from, const std::string& to)
-{
-  const fs::path relative =
-      fs::path(path).lexically_normal().lexically_relative(fs::absolute(from).lexically_normal());
-  return relative.empty() || *relative.begin() == ".."
-             ? path
-             : (fs::absolute(to).lexically_normal() / relative).string();
-}
-
-/** Replaces the first `before` in a file by `after`. */
-void replaceIn(const fs::path& file, const std::string& before, const std::string& after)
-{
-  std::string text = readWhole(file.string());
-  const std::size_t at = text.find(before);
-  if (at != std::string::npos && before != after)
-  {
-    writeWhole(file.string(), text.replace(at, before.size(), after));
-  }
-}
-
-/** Makes the files of a run name those of their own folder as they will be at `to`: the converted
- * recording in report.json, the labels of the first pass in effective.ini. */
-void renameOwnFiles(const std::string& from, const std::string& to)
-{
-  const fs::path report = fs::path(from) / "report.json";
-  const fs::path ini = fs::path(from) / "effective.ini";
-  if (!fs::exists(report) || !fs::exists(ini))
-  {
-    return;
-  }
-  const auto json = nlohmann::json::parse(readWhole(report.string()), nullptr, false);
-  if (json.is_object() && json.contains("input") && json["input"].is_string())
-  {
-    const auto entry = [](const std::string& path)
-    {
-      return "\"input\": " +
-             nlohmann::json(path).dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
-    };
-    const auto input = json["input"].get<std::string>();
-    replaceIn(report, entry(input), entry(movedPath(input, from, to)));
-  }
-  const Config settings = Config::fromFile(ini.string());
-  if (settings.has("dyseg", "labels"))
-  {
-    const std::string& labels = settings.section("dyseg").at("labels").text;
-    replaceIn(ini, labels, movedPath(labels, from, to));
-  }
-}
-
-/** Copies results, and of an earlier run in `to` all files that these do not replace. */
-void copyResults(const fs::path& from, const fs::path& to, const fs::path& copy)
-{
-  fs::copy(from, copy, fs::copy_options::recursive);
-  if (!fs::exists(to))
-  {
-    return;
-  }
-  std::vector<std::string> replaced = filesOfRun(to.string());
-  replaced.emplace_back(log_name);
-  for (const auto& entry : fs::directory_iterator(to))
-  {
-    const fs::path kept = copy / entry.path().filename();
-    const std::string name = entry.path().filename().string();
-    if (std::find(replaced.begin(), replaced.end(), name) == replaced.end() && !fs::exists(kept))
-    {
-      fs::copy(entry.path(), kept, fs::copy_options::recursive);
-    }
-  }
-}
-
-/** Moves results to their folder as a whole: those of an earlier run are replaced at the end, other
- * files stay. A kill in between leaves the earlier folder, at worst as `to` with ".earlier"; a full
- * disk leaves both folders as they are. */
-void moveResults(const fs::path& from, const fs::path& to)
-{
-  const fs::path partial = to.string() + ".partial";
-  fs::remove_all(partial);
-  try
-  {
-    copyResults(from, to, partial);
-  }
-  catch (const std::exception&)
-  {
-    std::error_code ignored;
-    fs::remove_all(partial, ignored);
-    throw;
-  }
-  const fs::path earlier = to.string() + ".earlier";
-  fs::remove_all(earlier);
-  if (fs::exists(to))
-  {
-    fs::rename(to, earlier);
-  }
-  fs::rename(partial, to);
-  fs::remove_all(earlier);
-  fs::remove_all(from);
-}
-
-/** Restores a folder that a killed moveResults() has left under its other name. */
-void restoreEarlier(const fs::path& to)
-{
-  const fs::path earlier = to.string() + ".earlier";
-  if (!fs::exists(to) && fs::exists(earlier / log_name))
-  {
-    fs::rename(earlier, to);
-  }
-}
-
 /** Copies log and manifest of a run without results for the next batch and the user; earlier
  * results stay. */
 void copyFailure(const fs::path& from, const fs::path& to, const Manifest& manifest)
@@ -177,6 +65,17 @@ void requireOwnFolder(const std::string& folder, const std::string& option)
   if (fs::exists(folder) && !fs::is_empty(folder) && !fs::exists(fs::path(folder) / log_name))
   {
     throw UserError(folder + ": has files that no batch wrote; choose another " + option);
+  }
+}
+
+/** Requires that a folder in --scratch, from which results are moved, is not within their folder,
+ * nor that within it. \throws UserError. */
+void requireApart(const std::string& folder, const std::string& final_folder)
+{
+  if (folder != final_folder && (isWithin(folder, final_folder) || isWithin(final_folder, folder)))
+  {
+    throw UserError(folder + " and " + final_folder +
+                    ": one is within the other; choose another --scratch");
   }
 }
 
@@ -241,12 +140,15 @@ RunEnd recordOutcome(const ChildOutcome& outcome,
                    ? std::string("ended by the signal ") + ::strsignal(outcome.signal)
                    : lastLine(tailOf(log));
   }
-  const bool stopped_alone = isStoppedAlone(outcome, m.reason, m.work.input, folder);
-  m.interrupted = outcome.signal != 0 || stopped_alone;
-  return stopped_alone ? RunEnd::stopped : m.interrupted ? RunEnd::killed : RunEnd::by_itself;
+  const bool is_for_next_batch =
+      isStoppedAlone(outcome, m.reason, m.work.input, folder) ||
+      (m.state == State::failed && canBeCompletedLine(program_name, m.reason));
+  m.interrupted = outcome.signal != 0 || is_for_next_batch;
+  return is_for_next_batch ? RunEnd::stopped : m.interrupted ? RunEnd::killed : RunEnd::by_itself;
 }
 
-/** Whether the folder has a run of the same work that was stopped or killed, with a checkpoint. */
+/** Whether the folder has a run of the same work that was stopped or killed, or could not write all
+ * of its results, with a checkpoint. */
 bool canResume(const std::string& folder, const Work& work)
 {
   const auto known = readManifest(folder);
@@ -257,8 +159,11 @@ bool canResume(const std::string& folder, const Work& work)
 
 std::string workFolder(const BatchSettings& settings, const Recording& recording)
 {
-  return settings.scratch.empty() ? folderOf(settings, recording)
-                                  : (fs::path(settings.scratch) / recording.name).string();
+  const std::string final_folder = folderOf(settings, recording);
+  const std::string folder = settings.scratch.empty()
+                                 ? final_folder
+                                 : (fs::path(settings.scratch) / recording.name).string();
+  return isSamePath(folder, final_folder) ? final_folder : folder;
 }
 
 std::vector<std::string> argumentsFor(const BatchSettings& settings, const Recording& recording)
@@ -336,6 +241,7 @@ RunEnd runOne(const BatchSettings& settings,
 {
   const std::string folder = workFolder(settings, result.recording);
   const std::string final_folder = folderOf(settings, result.recording);
+  requireApart(folder, final_folder);
   restoreEarlier(final_folder);
   requireOwnFolder(final_folder, "--output");
   const char* option = folder == final_folder ? "--output" : "--scratch";
@@ -353,6 +259,11 @@ RunEnd runOne(const BatchSettings& settings,
   m.state = State::running;
   m.interrupted = false;
   const bool resume = canResume(folder, m.work);
+  if (!resume)
+  {
+    // Otherwise, if this run is killed before its first checkpoint, that of other work is resumed.
+    fs::remove(fs::path(folder) / state_file_name);
+  }
   ChildCommand command;
   command.log = (fs::path(folder) / log_name).string();
   if (m.attempts == 1)

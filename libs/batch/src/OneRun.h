@@ -12,8 +12,10 @@ namespace dyslam::batch
 enum class RunEnd
 {
   by_itself,
-  stopped,  //!< stopped by the batch, or alone by a signal that asks it to stop
-  killed    //!< ended by another signal
+  /** By the batch, alone by a signal that asks it to stop, or without room for all results: the
+   * next batch resumes it. */
+  stopped,
+  killed  //!< ended by another signal
 };
 
 /** The name that dyslam begins its error lines with. */

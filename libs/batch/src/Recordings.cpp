@@ -58,6 +58,43 @@ bool isRecordingFile(const fs::path& path)
          (path.extension() == ".rawlog" || recordingKind(path.string()) != RecordingKind::unknown);
 }
 
+/** Adds an entry of a folder if it is a recording, or all recordings in it, at any depth. Links to
+ * folders are not followed. \throws UserError for a folder that cannot be read. */
+void addRecordings(const fs::directory_entry& entry, std::vector<std::string>& files)
+{
+  std::error_code none;
+  const std::string path = entry.path().string();
+  if (!entry.is_directory(none))
+  {
+    if (entry.is_regular_file(none) && isRecordingFile(entry.path()))
+    {
+      files.push_back(path);
+    }
+    return;
+  }
+  if (entry.path().filename() == "lost+found")  // of each ext4 disk; only root can read it
+  {
+    return;
+  }
+  const auto inside = entriesOf(entry.path());
+  if (isRun(entry.path()))
+  {
+    return;
+  }
+  if (isRecordingFolder(path))
+  {
+    files.push_back(path);
+  }
+  else if (!entry.is_symlink(none))
+  {
+    for (const auto& one : inside)
+    {
+      addRecordings(one, files);
+    }
+  }
+}
+
+/** The recordings in a folder, by path; none in that of a run. */
 std::vector<std::string> within(const std::string& folder)
 {
   std::vector<std::string> files;
@@ -65,24 +102,9 @@ std::vector<std::string> within(const std::string& folder)
   {
     return files;
   }
-  for (auto entry = fs::recursive_directory_iterator(folder);
-       entry != fs::recursive_directory_iterator(); ++entry)
+  for (const auto& entry : entriesOf(folder))
   {
-    const bool is_folder = entry->is_directory();
-    const bool is_recording = is_folder ? isRecordingFolder(entry->path().string())
-                                        : entry->is_regular_file() && isRecordingFile(*entry);
-    if (is_folder && isRun(entry->path()))
-    {
-      entry.disable_recursion_pending();
-    }
-    else if (is_recording)
-    {
-      files.push_back(entry->path().string());
-      if (is_folder)
-      {
-        entry.disable_recursion_pending();
-      }
-    }
+    addRecordings(entry, files);
   }
   std::sort(files.begin(), files.end());
   return files;

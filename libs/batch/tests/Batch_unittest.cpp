@@ -5,6 +5,7 @@
 #include <dyslam/batch/ChildProcess.h>
 #include <dyslam/batch/MemoryBudget.h>
 #include <dyslam/batch/Summary.h>
+#include <dyslam/formats/ProgramLines.h>
 #include <gtest/gtest.h>
 
 #include <atomic>
@@ -81,6 +82,35 @@ TEST_F(Batch, RunsThatCannotBeResumedBeginAnew)
   const auto results = run();
   EXPECT_EQ(countsOf(results).done, 3U);
   EXPECT_EQ(runs(), 5U);
+}
+
+/** The new run is killed before it has replaced the checkpoint of the earlier one. */
+TEST_F(Batch, CheckpointsOfOtherSettingsAreNotResumed)
+{
+  settings_.attempts = 1;
+  names_ = {names_[2]};
+  program("touch \"$4/resume.state\"; kill -9 $$");
+  EXPECT_EQ(toText(countsOf(run())), "0 done, 1 failed");
+  settings_.common.settings += "--labels ";
+  program("kill -9 $$");
+  EXPECT_EQ(toText(countsOf(run())), "0 done, 1 failed");
+  program("if [[ $5 == --resume ]]; then echo resumed > \"$4/how\"; fi");
+  EXPECT_EQ(toText(countsOf(run())), "1 done");
+  EXPECT_FALSE(fs::exists(folder_.file("out/c/how")));
+}
+
+TEST_F(Batch, RunsWithoutRoomForResultsAreNotRepeatedButCompletedByTheNextBatch)
+{
+  program(
+      "if [[ $5 == --resume ]]; then echo resumed > \"$4/how\"; rm \"$4/resume.state\"\n"
+      "else touch \"$4/resume.state\"\n"
+      "echo \"dyslam: map.png: cannot be written: No space left on device; " +
+      completeLaterAdvice("$4") + "\" >&2; exit 1; fi");
+  names_ = {names_[2]};
+  EXPECT_EQ(toText(countsOf(run())), "0 done, 1 failed");
+  EXPECT_EQ(runs(), 1U);
+  EXPECT_EQ(toText(countsOf(run())), "1 done");
+  EXPECT_EQ(folder_.read("out/c/how"), "resumed\n");
 }
 
 TEST_F(Batch, RunsThatAreStoppedAloneAreNotRepeatedButResumedByTheNextBatch)
@@ -270,6 +300,30 @@ TEST_F(Batch, ResultsMoveFromScratchAsAWhole)
   EXPECT_EQ(countsOf(run()).skipped, 3U);
 }
 
+/** Moving a folder to itself would remove it. */
+TEST_F(Batch, ScratchMayBeTheFolderOfTheResults)
+{
+  fs::create_directories(settings_.output);
+  fs::create_directory_symlink(settings_.output, folder_.file("link"));
+  program("echo x > \"$4/x\"");
+  for (const std::string& scratch : {settings_.output + "/.", folder_.file("link")})
+  {
+    settings_.scratch = scratch;
+    settings_.common.settings += "--labels ";
+    EXPECT_EQ(countsOf(run()).done, 3U) << scratch;
+    EXPECT_EQ(folder_.read("out/b/x"), "x\n") << scratch;
+  }
+}
+
+TEST_F(Batch, ScratchWithinTheResultsOfARecordingIsRefused)
+{
+  settings_.scratch = settings_.output + "/b";
+  names_ = {names_[1]};
+  const auto results = run();
+  EXPECT_EQ(results[0].manifest.state, State::failed);
+  EXPECT_TRUE(contains(results[0].manifest.reason, "one is within the other"));
+}
+
 TEST_F(Batch, ResultsThatCannotBeMovedAreMovedByTheNextBatch)
 {
   settings_.scratch = folder_.file("scratch");
@@ -400,6 +454,16 @@ TEST(IndexPage, LinksReportsAndShowsNamesAsTheyAre)
   }
   EXPECT_TRUE(contains(page, "1 warning"));
   EXPECT_FALSE(contains(page, "http"));
+}
+
+TEST(IndexPage, IsNamedAfterItsFolder)
+{
+  const TestFolder folder;
+  fs::create_directory(folder.file("results"));
+  for (const char* name : {"results", "results/"})
+  {
+    EXPECT_TRUE(contains(indexPage({}, folder.file(name), ""), "<h1>results</h1>")) << name;
+  }
 }
 
 TEST(IndexPage, ErrorsDoNotDependOnTheNamesInTheTable)

@@ -41,6 +41,16 @@ TEST(Recordings, AreFilesFoldersPatternsAndLists)
   EXPECT_EQ(namesOf(listRecordings({folder.file("windows.txt")})), std::vector<std::string>{"b"});
 }
 
+TEST(Recordings, AreOnADiskWithLostAndFound)
+{
+  const TestFolder folder;
+  folder.write("disk/lost+found/a.rawlog", "");
+  folder.write("disk/b.rawlog", "");
+  folder.write("elsewhere/c.rawlog", "");
+  std::filesystem::create_directory_symlink(folder.file("elsewhere"), folder.file("disk/link"));
+  EXPECT_EQ(namesOf(listRecordings({folder.file("disk")})), std::vector<std::string>{"b"});
+}
+
 TEST(Recordings, AreAllThatDyslamConverts)
 {
   const TestFolder folder;

@@ -52,9 +52,13 @@ LearningLog parseLearningLog(const std::string& text, const std::string& name)
   std::string line;
   std::getline(in, line);
   const auto names = cellsOf(line);
-  if (names.size() < 2 || names.front() != "step")
+  if (names.empty() || names.front() != "step")
   {
     throw UserError(name + ": the first column must be `step`; give a log of dyslam-train");
+  }
+  if (names.size() == 1)
+  {
+    throw UserError(name + ": has no column beside `step`; give a log of dyslam-train");
   }
   LearningLog log;
   log.name = name;

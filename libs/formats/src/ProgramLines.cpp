@@ -14,6 +14,8 @@ namespace
 {
 constexpr const char* behind_name = ": ";
 constexpr const char* stopped_word = "stopped ";
+constexpr const char* complete_later =
+    "once there is room, complete them with: dyslam --resume -o ";
 constexpr const char* percent_sign = "% ";
 constexpr double longest = 1e6;  // largest time left [s]
 
@@ -48,6 +50,17 @@ bool isStoppedLine(const std::string& program, const std::string& input, const s
 {
   const auto message = messageOfErrorLine(program, line);
   return message && message->rfind(stoppedMessage(printable(input), stopped_word), 0) == 0;
+}
+
+std::string completeLaterAdvice(const std::string& folder)
+{
+  return complete_later + folder;
+}
+
+bool canBeCompletedLine(const std::string& program, const std::string& line)
+{
+  const auto message = messageOfErrorLine(program, line);
+  return message && message->find(complete_later) != std::string::npos;
 }
 
 std::string progressText(double fraction,

@@ -29,6 +29,15 @@ TEST(ProgramLines, AStoppedRunIsKnownByItsError)
   EXPECT_FALSE(isStoppedLine("dyslam", "a.rawlog", ""));
 }
 
+TEST(ProgramLines, ARunThatCanBeCompletedIsKnownByItsError)
+{
+  const std::string message = "out/a/map.pcd: cannot be written: No space left on device; ";
+  EXPECT_TRUE(
+      canBeCompletedLine("dyslam", errorLine("dyslam", message + completeLaterAdvice("out/a"))));
+  EXPECT_FALSE(canBeCompletedLine("dyslam", errorLine("dyslam", message)));
+  EXPECT_FALSE(canBeCompletedLine("dyslam", ""));
+}
+
 TEST(ProgramLines, ProgressIsReadAsItIsWritten)
 {
   EXPECT_EQ(" 45% 9 scans, 4.5/s, 0:02 left", progressText(0.45, 9, "scans", 2));

@@ -6,6 +6,8 @@
 #include <dyslam/base/Words.h>
 #include <dyslam/formats/ProgramLines.h>
 
+#include <vector>
+
 namespace dyslam
 {
 namespace
@@ -28,6 +30,22 @@ std::string messageOf(const EarlyEnd& end, std::size_t frames, const SlamRunSett
   }
   return what;
 }
+/** Appends what could not be written. The advice that follows must be in the printed line, which is
+ * cut at its end, so after a full disk only the first failures are named. */
+void appendFailures(const std::vector<std::string>& failures, std::string& what)
+{
+  constexpr std::size_t long_enough = 200;  // letters
+  std::size_t named = 0;
+  while (named < failures.size() && (named == 0 || what.size() < long_enough))
+  {
+    appendWord(what, failures[named], "; ");
+    ++named;
+  }
+  if (named < failures.size())
+  {
+    what += "; " + counted(failures.size() - named, "more result") + " could not be written";
+  }
+}
 }  // namespace
 
 std::string earlyEndReason(const EarlyEnd& end, std::size_t frames)
@@ -42,17 +60,14 @@ void requireComplete(const EarlyEnd& end,
                      const SlamRunSettings& settings)
 {
   std::string what = messageOf(end, results.report.frames, settings);
-  for (const std::string& failure : results.failures)
-  {
-    appendWord(what, failure, "; ");
-  }
+  appendFailures(results.failures, what);
   if (!results.failures.empty())
   {
     what += "; the other results are in " + settings.output_folder;
-    what += !end.is_stopped && hasCheckpoint(settings.output_folder)
-                ? "; once there is room, complete them with: dyslam --resume -o " +
-                      settings.output_folder
-                : "";
+    if (!end.is_stopped && hasCheckpoint(settings.output_folder))
+    {
+      what += "; " + completeLaterAdvice(settings.output_folder);
+    }
   }
   if (!what.empty())
   {

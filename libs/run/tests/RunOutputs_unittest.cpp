@@ -232,9 +232,18 @@ TEST_F(RunOutputsTest, WritesWhatDoesNotFailAndNamesWhatDoes)
       {{makeA<Failure::finish, false>}, {makeB<true>}, report_row},
       {{makeA<Failure::add, true>}, {makeB<false>}, report_row},
       {{makeA<Failure::finish, true>}, {makeB<true>}, report_row}};
+  std::size_t fail_while_running = 0;
+  std::vector<std::string> told;
+  settings_.warn = [&told](const std::string& warning) { told.push_back(warning); };
   for (const auto& kinds : all)
   {
+    told.clear();
     const RunResults results = runOf(kinds);
+    fail_while_running += told.size();
+    if (!told.empty())
+    {
+      EXPECT_EQ(told, std::vector<std::string>{"a.txt: disk full; the run goes on without it"});
+    }
     EXPECT_EQ(results.failures, std::vector<std::string>{"a.txt: disk full"});
     EXPECT_EQ(results.report.files, (std::vector<std::string>{"b.txt", "report.json"}));
     EXPECT_FALSE(has("a.txt"));
@@ -242,6 +251,7 @@ TEST_F(RunOutputsTest, WritesWhatDoesNotFailAndNamesWhatDoes)
     EXPECT_NE(content("report.json").find("a.txt: disk full"), std::string::npos);
     fs::remove_all(folder_);
   }
+  EXPECT_EQ(fail_while_running, 2U);
 }
 
 TEST_F(RunOutputsTest, AFileThatCannotBeOpenedEndsTheRunAtOnce)

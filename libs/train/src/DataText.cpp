@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cstdlib>
+#include <filesystem>
 #include <fstream>
 #include <sstream>
 #include <stdexcept>
@@ -103,5 +104,10 @@ std::string dataFolder(const std::string& folder, const std::string& field)
                     " is not set; export it, or write the folder");
   }
   return value + (slash == std::string::npos ? "" : folder.substr(slash));
+}
+
+std::string dataPath(const std::string& data, const std::string& name)
+{
+  return (std::filesystem::path(data) / name).string();
 }
 }  // namespace dyslam

@@ -27,11 +27,11 @@ std::vector<Body> readBodies(const DataOptions& data,
   std::vector<Body> bodies;
   for (const std::string& folder : listItems(data.bodies, '|'))
   {
-    for (const std::string& file : listBinFiles(base + "/" + folder))
+    for (const std::string& file : listBinFiles(dataPath(base, folder)))
     {
       splits.requireScan(file, Split::training, "[data] bodies");
     }
-    for (Body& body : loadBodies(base + "/" + folder, min_body_points))
+    for (Body& body : loadBodies(dataPath(base, folder), min_body_points))
     {
       bodies.push_back(std::move(body));
     }
@@ -46,7 +46,7 @@ std::vector<std::vector<Eigen::Vector3f>> readSingleScans(const DataOptions& dat
   std::vector<std::vector<Eigen::Vector3f>> scans;
   for (const std::string& folder : listItems(data.singles, '|'))
   {
-    for (const std::string& file : listBinFiles(base + "/" + folder))
+    for (const std::string& file : listBinFiles(dataPath(base, folder)))
     {
       splits.requireScan(file, Split::training, "[data] singles");
       scans.push_back(readTrainingPoints(file, std::numeric_limits<float>::quiet_NaN()));

@@ -106,10 +106,6 @@ Trainer::Trainer(const Config& config, const DyloTrainRequest& request)
 
   loop_ = std::make_unique<TrainingLoop>(loopSetup(), *this);
   loadWeights();
-  if (!request.validate_only)
-  {
-    makeFolder(request.output, "choose another --output");
-  }
   const std::string base = dataFolder(data_.base, "[data] base");
   const DataSplits splits = DataSplits::load(data_.splits, "[data] splits");
   validation_ = loadRecordings(data_.validation, base, splits, Split::validation);
@@ -119,9 +115,10 @@ Trainer::Trainer(const Config& config, const DyloTrainRequest& request)
   }
   if (!request.validate_only)
   {
-    writeWhole(request.output + "/effective.ini", loader.effective().toIni());
     source_ = makeDyloPairSource(data_, augmentation_, base, splits,
                                  static_cast<std::uint64_t>(options_.seed));
+    makeFolder(request.output, "choose another --output");
+    writeWhole(request.output + "/effective.ini", loader.effective().toIni());
   }
 }
 
@@ -164,6 +161,10 @@ void Trainer::loadWeights()
   else if (request_.resume || request_.validate_only)
   {
     loop_->resume();
+    if (request_.resume)
+    {
+      loop_->requireNotBeyondEnd();
+    }
   }
   else
   {

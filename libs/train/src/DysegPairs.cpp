@@ -2,12 +2,14 @@
 #include "DysegPairs.h"
 
 #include <dyslam/base/Error.h>
+#include <dyslam/base/Printable.h>
 #include <dyslam/formats/ScanFiles.h>
 #include <dyslam/train/DataText.h>
 #include <dyslam/train/ScanFiles.h>
 
 #include <algorithm>
 #include <array>
+#include <stdexcept>
 
 namespace dyslam
 {
@@ -107,13 +109,19 @@ DysegPairs::DysegPairs(const DysegTrainerOptions& options) : options_(options)
         "[train] labelled_runs: [train] data is empty, so only simulated data are used; set data "
         "to the folder of the recordings, or leave labelled_runs empty");
   }
+  if (options.simulated_share <= 0 && runs_.empty() && labelled_runs_.empty() && singles_.empty())
+  {
+    throw UserError(
+        "[train]: no training data; set data and the runs or single scans in it, or "
+        "simulated_share above 0");
+  }
 }
 
 void DysegPairs::readRuns(const DataSplits& splits)
 {
   if (!options_.boxed_run.empty())
   {
-    const std::string folder = options_.data + "/" + options_.boxed_run;
+    const std::string folder = dataPath(options_.data, options_.boxed_run);
     splits.requireFrames(folder + "/velodyne", {0, options_.boxed_last}, Split::training,
                          "[train] boxed_run");
     runs_.push_back(
@@ -135,7 +143,7 @@ void DysegPairs::readSingles(const DataSplits& splits)
 {
   for (const auto& part : listItems(options_.single_scans, ','))
   {
-    for (const auto& f : listBinFiles(options_.data + "/" + part))
+    for (const auto& f : listBinFiles(dataPath(options_.data, part)))
     {
       splits.requireScan(f, Split::training, "[train] single_scans");
       singles_.push_back(readTrainingPoints(f, 0));
@@ -285,7 +293,7 @@ DysegSample DysegPairs::draw(RandomDraws& draws) const
   }
   if (!runs)
   {
-    throw UserError("training has no data: set data, or simulated_share above 0");
+    throw std::logic_error("DysegPairs: prepare() makes the clips to draw from");
   }
   return drawOfRuns(draws);
 }
@@ -297,9 +305,9 @@ std::string DysegPairs::summary() const
   {
     labelled_scans += run.size();
   }
-  return std::to_string(runs_.size() + labelled_runs_.size()) + " real runs" +
-         (labelled_scans > 0 ? " (" + std::to_string(labelled_scans) + " scans with point labels)"
+  return counted(runs_.size() + labelled_runs_.size(), "real run") +
+         (labelled_scans > 0 ? " (" + counted(labelled_scans, "scan") + " with point labels)"
                              : "") +
-         ", " + std::to_string(singles_.size()) + " single scans";
+         ", " + counted(singles_.size(), "single scan");
 }
 }  // namespace dyslam

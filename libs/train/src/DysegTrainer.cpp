@@ -289,6 +289,7 @@ void DysegTrainer::startFrom(const std::string& weights)
 void DysegTrainer::resume()
 {
   impl_->loop->resume();
+  impl_->loop->requireNotBeyondEnd();
   // The checkpoint does not have the grid; the weights that were saved with it do.
   const std::string weights = impl_->loop->file(weights_file);
   if (std::filesystem::exists(weights))
@@ -308,8 +309,7 @@ void DysegTrainer::validateOnly(const std::string& weights,
   }
 }
 
-void DysegTrainer::run(const std::function<void(const std::string&)>& report,
-                       const std::function<bool()>& stopped)
+void DysegTrainer::loadData()
 {
   Impl& t = *impl_;
   if (t.options.validate_every > 0 && t.loop->step() < t.options.steps)
@@ -318,6 +318,16 @@ void DysegTrainer::run(const std::function<void(const std::string&)>& report,
     t.validation = makeDysegValidation(t.options);
   }
   t.pairs = std::make_unique<DysegPairs>(t.options);
+}
+
+void DysegTrainer::run(const std::function<void(const std::string&)>& report,
+                       const std::function<bool()>& stopped)
+{
+  Impl& t = *impl_;
+  if (!t.pairs)
+  {
+    loadData();
+  }
   report("data: " + t.pairs->summary());
   t.report = report;
   if (t.loop->run(report, stopped) && t.options.validate_every > 0)

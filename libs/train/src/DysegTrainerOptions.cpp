@@ -8,7 +8,8 @@ void DysegTrainerOptions::describe(OptionsVisitor& v)
   v.text("data", data, "folder with the real data; empty: simulated data only");
   v.text("splits", splits,
          "splits of the frames (training, validation, test): a file, or the name of a shipped one");
-  v.text("boxed_run", boxed_run, "training run with boxes, a folder under data; empty: none");
+  v.text("boxed_run", boxed_run,
+         "training run with boxes, a folder under data or an absolute path; empty: none");
   v.integer("boxed_last", boxed_last, 1, 1000000, "last training frame of boxed_run");
   v.degrees("boxed_start_azimuth_deg", boxed.drift.start_azimuth, -360, 360,
             "azimuth at which scan 0 of the runs with boxes begins and ends, from +x towards +y "
@@ -28,13 +29,13 @@ void DysegTrainerOptions::describe(OptionsVisitor& v)
   v.real("labelled_period", labelled_period, 0.001, 10,
          "time between the scans of runs with point labels [s]");
   v.text("boxed_validation", boxed_validation,
-         "validation run with boxes, a folder under data; empty: none");
+         "validation run with boxes, a folder under data or an absolute path; empty: none");
   v.integer("boxed_validation_first", boxed_validation_first, 8, 1000000,
             "first frame of boxed_validation that is evaluated");
   v.integer("boxed_validation_last", boxed_validation_last, 8, 1000000,
             "last frame of boxed_validation that is evaluated");
   v.text("labelled_validation", labelled_validation,
-         "validation run with point labels, a folder under data; empty: none");
+         "validation run with point labels, a folder under data or an absolute path; empty: none");
   v.text("labelled_poses", labelled_poses,
          "name of the pose file in the folder of labelled_validation");
   v.text("labelled_calib", labelled_calib,
@@ -44,7 +45,8 @@ void DysegTrainerOptions::describe(OptionsVisitor& v)
             "first frame of labelled_validation that is evaluated");
   v.integer("labelled_validation_last", labelled_validation_last, 1, 1000000,
             "last frame of labelled_validation that is evaluated");
-  v.text("single_scans", single_scans, "folders of single scans under data, separated by commas");
+  v.text("single_scans", single_scans,
+         "folders of single scans under data or absolute, separated by commas");
   v.real("simulated_share", simulated_share, 0, 1, "share of pairs that are simulated");
   v.real("single_share", single_share, 0, 1, "share of real pairs that are made from single scans");
   v.real("same_scan_share", same_scan_share, 0, 1,

@@ -3,6 +3,7 @@
 
 #include <dyslam/base/Error.h>
 #include <dyslam/train/DataSplits.h>
+#include <dyslam/train/DataText.h>
 #include <dyslam/train/LabelledRun.h>
 
 #include <cstdio>
@@ -31,7 +32,7 @@ void requireDisjoint(const Stretch& evaluated, const Stretch& trained, const std
 {
   std::error_code missing;  // a missing folder is reported where it is read
   if (!evaluated.folder.empty() && !trained.folder.empty() && evaluated.first <= trained.last &&
-      fs::equivalent(fs::path(data) / evaluated.folder, fs::path(data) / trained.folder, missing))
+      fs::equivalent(dataPath(data, evaluated.folder), dataPath(data, trained.folder), missing))
   {
     throw UserError("[train] " + evaluated.key + "_first = " + std::to_string(evaluated.first) +
                     ": frames of " + evaluated.folder + " up to " + trained.key +
@@ -42,7 +43,7 @@ void requireDisjoint(const Stretch& evaluated, const Stretch& trained, const std
 
 void requireExisting(const Stretch& evaluated, const std::string& data)
 {
-  if (!evaluated.folder.empty() && !fs::is_directory(data + "/" + evaluated.folder))
+  if (!evaluated.folder.empty() && !fs::is_directory(dataPath(data, evaluated.folder)))
   {
     throw UserError("[train] " + evaluated.key + " = " + evaluated.folder + ": no such folder in " +
                     data + "; name another, or leave it empty");
@@ -53,7 +54,7 @@ void requireSplit(const Stretch& evaluated, const std::string& data, const DataS
 {
   if (!evaluated.folder.empty())
   {
-    splits.requireFrames(data + "/" + evaluated.folder + "/velodyne",
+    splits.requireFrames(dataPath(data, evaluated.folder) + "/velodyne",
                          {evaluated.first, evaluated.last}, Split::validation,
                          "[train] " + evaluated.key);
   }
@@ -80,7 +81,7 @@ Stretch labelledOf(const DysegTrainerOptions& o)
 /** The frames of labelled_validation and the one before them. */
 RecordingDescription labelledDescription(const DysegTrainerOptions& o)
 {
-  const std::string folder = o.data + "/" + o.labelled_validation;
+  const std::string folder = dataPath(o.data, o.labelled_validation);
   RecordingDescription description;
   description.folder = folder + "/velodyne";
   description.pose_file = folder + "/" + o.labelled_poses;
@@ -207,7 +208,7 @@ std::vector<DysegValidationSet> makeDysegValidation(const DysegTrainerOptions& o
   }
   if (!boxed.folder.empty())
   {
-    const auto run = loadBoxedRun(options.data + "/" + boxed.folder,
+    const auto run = loadBoxedRun(dataPath(options.data, boxed.folder),
                                   static_cast<std::size_t>(boxed.first) - far_back,
                                   static_cast<std::size_t>(boxed.last), options.boxed);
     DysegValidationSet near{nameOf(boxed), false, {}};

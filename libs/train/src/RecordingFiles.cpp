@@ -62,8 +62,7 @@ RecordingDescription parseRecording(const std::string& text,
     throw UserError(
         subject + ": write folder;pose file;first;last[;deskew][;labels=folder][;calib=calib.txt]");
   }
-  const auto path = [&](const std::string& name)
-  { return (std::filesystem::path(base) / name).string(); };
+  const auto path = [&](const std::string& name) { return dataPath(base, name); };
   RecordingDescription description;
   description.folder = path(parts[0]);
   description.pose_file = path(parts[1]);
@@ -99,9 +98,11 @@ std::vector<Pose> readLidarPoses(const RecordingDescription& description)
   {
     if (shareAlong(2, poses) > most)
     {
-      throw UserError(description.pose_file +
-                      ": the sensor drives along its z axis, so these are poses of KITTI's camera; "
-                      "add ;calib=calib.txt to the recording, or convert them to the lidar");
+      throw UserError(
+          description.pose_file +
+          ": the sensor drives along its z axis, so these are poses of KITTI's camera; "
+          "add ;calib=calib.txt to the recording (for labelled_validation set labelled_calib), or "
+          "convert them to the lidar");
     }
     return poses;
   }
@@ -109,7 +110,7 @@ std::vector<Pose> readLidarPoses(const RecordingDescription& description)
   {
     throw UserError(description.pose_file +
                     ": the sensor drives along its x axis, so these are poses of the lidar "
-                    "already; leave out calib=");
+                    "already; leave out calib= (for labelled_validation: labelled_calib)");
   }
   const KittiCalib calib = readKittiCalib(description.calib_file);
   if (!calib.has_camera)

@@ -63,6 +63,15 @@ void TrainingLoop::resume()
   }
 }
 
+void TrainingLoop::requireNotBeyondEnd() const
+{
+  if (step_ > setup_.steps)
+  {
+    throw UserError(file(checkpoint_file) + ": is of step " + std::to_string(step_) +
+                    ", but [train] steps = " + std::to_string(setup_.steps) + "; set more steps");
+  }
+}
+
 void TrainingLoop::loadWeights(const TensorFile& checkpoint)
 {
   checkpoint.loadWeights(setup_.network_prefix, *setup_.network);

@@ -83,6 +83,9 @@ class TrainingLoop
   /** Resumes from the folder's checkpoint. \throws UserError if there is none or it does not fit.
    */
   void resume();
+  /** \throws UserError if the checkpoint that was resumed is of more steps than the training has.
+   */
+  void requireNotBeyondEnd() const;
   /** Loads the weights of a checkpoint, without the optimizer's state and the step. \throws
    * UserError. */
   void loadWeights(const TensorFile& checkpoint);

@@ -34,6 +34,13 @@ TEST(DataText, NumbersAreNothingElse)
   EXPECT_THROW((void)numberOf(""), std::logic_error);
 }
 
+TEST(DataText, PathsAreInTheFolderOfTheDataOrAbsolute)
+{
+  EXPECT_EQ(dataPath("/data", "run/velodyne"), "/data/run/velodyne");
+  EXPECT_EQ(dataPath("/data", "/mine/run"), "/mine/run");
+  EXPECT_EQ(dataPath("", "run"), "run");
+}
+
 TEST(DataText, LogsGoOnBehindTheLastStep)
 {
   const std::string file = testing::TempDir() + "log.csv";

@@ -225,6 +225,21 @@ TEST(DyloTrainer, DoesNotOverwriteATraining)
   EXPECT_THROW(trainDylo(tiny(1), request), UserError);
 }
 
+TEST(DyloTrainer, MissingDataLeaveTheFolderAsItIs)
+{
+  Config config = tiny(1);
+  config.set("data.recordings_weight=1");
+  config.set("data.recordings=nowhere/velodyne;nowhere/poses.txt;0;9");
+  DyloTrainRequest request = requestFor(freshFolder("missing_data"));
+  EXPECT_THROW(trainDylo(config, request), UserError);
+  EXPECT_FALSE(std::filesystem::exists(request.output));
+  trainDylo(tiny(1), request);
+  const std::string before = readWhole(request.output + "/effective.ini");
+  request.resume = true;
+  EXPECT_THROW(trainDylo(config, request), UserError);
+  EXPECT_EQ(readWhole(request.output + "/effective.ini"), before);
+}
+
 TEST(DyloTrainer, ValidatesTheResult)
 {
   Config config = tiny(2);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "DysegPairs.h"
 
+#include <dyslam/base/Error.h>
 #include <gtest/gtest.h>
 
 #include <map>
@@ -46,6 +47,13 @@ TEST(DysegPairs, AShareIsAsFarApartAsInTheApplication)
   EXPECT_LT(gaps.count(8), 10U);
   EXPECT_GE(*gaps.begin(), 1);
   EXPECT_LE(*gaps.rbegin(), 10);
+}
+
+TEST(DysegPairs, WithoutDataIsAnErrorBeforeTheTraining)
+{
+  auto options = simulatedOnly();
+  options.simulated_share = 0;
+  EXPECT_THROW(dyslam::DysegPairs{options}, dyslam::UserError);
 }
 
 /** Scenes of a training's first clips, by world. */

@@ -225,8 +225,9 @@ TEST_F(DysegTraining, MissingValidationDataAreToldBeforeTheFirstStep)
   setup_.train.single_scans.clear();
   setup_.train.boxed_validation = "nowhere";
   DysegTrainer trainer(setup_, (folder_ / "out").string());
+  EXPECT_THROW(trainer.loadData(), dyslam::UserError);
   EXPECT_THROW(trainer.run([](const std::string&) {}), dyslam::UserError);
-  EXPECT_FALSE(fs::exists(folder_ / "out" / "train.csv"));
+  EXPECT_FALSE(fs::exists(folder_ / "out"));
 }
 
 TEST_F(DysegTraining, CropsThatCannotBeHalvedAreRefused)

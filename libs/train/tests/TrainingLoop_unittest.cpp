@@ -110,6 +110,20 @@ TEST(TrainingLoop, ValidatesAndSavesAsOftenAsAsked)
   EXPECT_EQ(task.saved, 3) << "once per step";
 }
 
+TEST(TrainingLoop, ACheckpointOfMoreStepsIsRefused)
+{
+  LineTask task;
+  TrainingLoopSetup setup = setupFor(task, "longer", 2);
+  TrainingLoop(setup, task).run([](const std::string&) {}, nullptr);
+  TrainingLoop same(setup, task);
+  same.resume();
+  EXPECT_NO_THROW(same.requireNotBeyondEnd());
+  setup.steps = 1;
+  TrainingLoop fewer(setup, task);
+  fewer.resume();
+  EXPECT_THROW(fewer.requireNotBeyondEnd(), UserError);
+}
+
 TEST(TrainingLoop, ACheckpointOrAModelIsNotOverwritten)
 {
   for (const std::string name : {"checkpoint.safetensors", "line.safetensors"})

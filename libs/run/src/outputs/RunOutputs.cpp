@@ -39,18 +39,18 @@ std::vector<std::string> filesNamedIn(const Config& config)
   return files;
 }
 
-/** Calls `action` with the output; an output that throws is disabled. */
+/** Calls `action` with the output; an output that throws is disabled. \return false if it did */
 template <typename Entry, typename Action>
-void attempt(Entry& entry, const Action& action)
+bool attempt(Entry& entry, const Action& action)
 {
   if (!entry.output)
   {
-    return;
+    return true;
   }
   try
   {
     action(*entry.output);
-    return;
+    return true;
   }
   catch (const UserError& error)
   {
@@ -61,6 +61,7 @@ void attempt(Entry& entry, const Action& action)
     entry.failure = entry.names.front().name + ": " + error.what();
   }
   entry.output.reset();  // its partial file may have filled the disk
+  return false;
 }
 }  // namespace
 
@@ -167,10 +168,15 @@ void RunOutputs::loadState(const std::string& bytes, Entry& entry) const
     entry.failure = error.what();
     entry.is_lost = true;
     entry.output.reset();
-    if (warn_)
-    {
-      warn_(entry.failure + "; the run goes on without it");
-    }
+    warnOfLost(entry);
+  }
+}
+
+void RunOutputs::warnOfLost(const Entry& entry) const
+{
+  if (warn_)
+  {
+    warn_(entry.failure + "; the run goes on without it");
   }
 }
 
@@ -300,7 +306,10 @@ void RunOutputs::addTo(const Frame& frame, bool slow, bool is_final)
   {
     if (entry.slow == slow && entry.getsFinal() == is_final)
     {
-      attempt(entry, [&](RunOutput& output) { output.add(frame); });
+      if (!attempt(entry, [&](RunOutput& output) { output.add(frame); }))
+      {
+        warnOfLost(entry);
+      }
     }
   }
 }
@@ -327,7 +336,7 @@ void RunOutputs::finish(RunResults& results)
     {
       writer_->finish();
     }
-    attempt(entry, [&](RunOutput& output) { output.finish(results); });
+    (void)attempt(entry, [&](RunOutput& output) { output.finish(results); });
     if (!entry.failure.empty())
     {
       results.failures.push_back(entry.failure);

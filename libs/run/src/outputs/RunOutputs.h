@@ -91,6 +91,8 @@ class RunOutputs
   /** Loads the state of an output. A slow one ends if it cannot be continued: its file was removed
    * when it could not be written. \throws UserError for other outputs. */
   void loadState(const std::string& bytes, Entry& entry) const;
+  /** Tells of an output that has ended before the run. */
+  void warnOfLost(const Entry& entry) const;
 
   std::string folder_;
   bool force_;

@@ -50,9 +50,10 @@ struct BatchWatch
 /** Runs dyslam on every recording that is not done, as child processes, each on cores of its own.
  *
  * A run that failed is repeated after all others, up to `attempts` attempts in all, unless a signal
- * stopped this run alone. \return one entry per recording, in their order; recordings not reached
- * before a stop are `unknown` or `running` \throws UserError if the output folder cannot be made,
- * and if dyslam refuses the settings that all runs have in common. */
+ * stopped this run alone or its results could not be written. \return one entry per recording, in
+ * their order; recordings not reached before a stop are `unknown` or `running` \throws UserError if
+ * the output folder cannot be made, and if dyslam refuses the settings that all runs have in
+ * common. */
 std::vector<BatchResult> runBatch(const BatchSettings& settings,
                                   const std::vector<Recording>& recordings,
                                   const BatchWatch& watch);

@@ -43,7 +43,7 @@ struct Manifest
   Work work;
   State state = State::unknown;
   std::string reason;             //!< why the run failed, one line
-  bool interrupted = false;       //!< stopped or killed by a signal: can be resumed
+  bool interrupted = false;       //!< stopped, killed, or without room for results: can be resumed
   std::string settings_checksum;  //!< checksum of effective.ini, every setting of the run
   int attempts = 0;               //!< number of attempts so far
   double seconds = 0;             //!< wall time of the last attempt [s]

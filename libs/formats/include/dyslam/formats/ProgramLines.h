@@ -28,6 +28,13 @@ namespace dyslam
                                  const std::string& input,
                                  const std::string& line);
 
+/** End of the error message of a run that has a checkpoint, but not all of its final files: how to
+ * write them. \param folder of the results */
+[[nodiscard]] std::string completeLaterAdvice(const std::string& folder);
+
+/** Whether a line is the error line of a program with completeLaterAdvice(). */
+[[nodiscard]] bool canBeCompletedLine(const std::string& program, const std::string& line);
+
 /** Part of a work that was done before. */
 struct EarlierWork
 {

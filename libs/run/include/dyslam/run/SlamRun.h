@@ -38,7 +38,8 @@ struct SlamRunSettings
   /** Called before the output folder is opened (true: the folder is not changed) and after every
    * scan (true: the run ends after the few scans that are being processed). */
   std::function<bool()> stop;
-  /** Receives warnings immediately that the report has, too; called from any thread. */
+  /** Receives warnings immediately that the report has, too, and which outputs have failed; called
+   * from any thread. */
   std::function<void(const std::string&)> warn;
   /** Receives what the run does after the last scan, which may take a while, such as "writing the
    * results"; called from the thread of the run. */

@@ -30,4 +30,7 @@ void appendRows(const std::string& file, const std::vector<std::string>& rows);
 /** The folder that a setting names; a leading $NAME is read from the environment.
  * \param field the setting, for the message \throws UserError if the variable is not set. */
 [[nodiscard]] std::string dataFolder(const std::string& folder, const std::string& field);
+
+/** A file or folder that a setting names: relative to the folder of the data, or absolute. */
+[[nodiscard]] std::string dataPath(const std::string& data, const std::string& name);
 }  // namespace dyslam

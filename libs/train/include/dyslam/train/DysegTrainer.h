@@ -105,9 +105,11 @@ class DysegTrainer
   /** Starts from the weights of a file. \throws UserError, also if they were trained for another
    * grid; only the number of cells may differ. */
   void startFrom(const std::string& weights);
+  /** Reads the data of training and validation; run() does it otherwise. Writes nothing.
+   * \throws UserError if some are missing or of another split. */
+  void loadData();
   /** \param report is called with a line of progress from time to time \param stopped is polled
-   * before each step: true saves and ends; null for never. \throws UserError if data are missing,
-   * also validation data. */
+   * before each step: true saves and ends; null for never. \throws UserError as loadData(). */
   void run(const std::function<void(const std::string&)>& report,
            const std::function<bool()>& stopped = nullptr);
   /** The validation table of a file of weights, empty for the folder's dyseg.safetensors. Writes
