@@ -29,8 +29,10 @@ struct NoTimes : mrpt::system::CTimeLogger
 
 /** Difference below which two speeds count as equal [m/s]. */
 constexpr double same_speed = 0.3;
-/** The same for later scans, where the vehicle may accelerate in between [m/s]. */
+/** The same for later scans, whose single motions swing between rails [m/s]. */
 constexpr double same_later_speed = 1;
+/** Acceleration that explains a difference between the speeds at the start and later [m/s^2]. */
+constexpr double usual_acceleration = 1;
 /** Speed from which the run's own start is compared with that of the registration, which takes a
  * few tenths of a second [m/s]. */
 constexpr double fast = 10;
@@ -49,6 +51,13 @@ double knownSpeed(double speed)
   constexpr double standing = 1e-3;
   return std::fabs(speed) < standing ? standing : speed;
 }
+
+/** Speed at some time. */
+struct TimedSpeed
+{
+  double stamp = 0;  //!< [s]
+  double speed = 0;  //!< [m/s]
+};
 
 struct StartSearch
 {
@@ -72,7 +81,7 @@ struct StartSearch
   bool runTo(std::size_t end);
   [[nodiscard]] bool isPulledTo(double speed) const;
   [[nodiscard]] std::vector<SpeedDrift> drifts() const;
-  [[nodiscard]] std::optional<double> laterSpeed();
+  [[nodiscard]] std::optional<TimedSpeed> laterSpeed();
 
   const NextScan& next;
   const Config& config;
@@ -250,8 +259,8 @@ std::vector<SpeedDrift> StartSearch::drifts() const
 }
 
 /** Speed of the run at the first later scans that determine it: starts beside its speed end where
- * it does [m/s]. */
-std::optional<double> StartSearch::laterSpeed()
+ * it does. */
+std::optional<TimedSpeed> StartSearch::laterSpeed()
 {
   const auto scans = static_cast<std::size_t>(options.scans);
   const auto look_ahead = static_cast<std::size_t>(options.look_ahead);
@@ -267,10 +276,11 @@ std::optional<double> StartSearch::laterSpeed()
     if (std::all_of(after.begin(), after.end(),
                     [&](double probe) { return std::fabs(probe - run) < same_later_speed; }))
     {
-      // Single motions swing by up to a tenth between rails: the mean of several.
+      const std::size_t averaged = (scans + 1) / 2;
       const auto end = speeds.begin() + static_cast<std::ptrdiff_t>(first + scans);
-      const auto begin = end - static_cast<std::ptrdiff_t>((scans + 1) / 2);
-      return std::accumulate(begin, end, 0.0) / static_cast<double>(end - begin);
+      const double sum = std::accumulate(end - static_cast<std::ptrdiff_t>(averaged), end, 0.0);
+      return TimedSpeed{frames[first + scans - 1 - averaged / 2].scan.stamp,
+                        sum / static_cast<double>(averaged)};
     }
   }
   return std::nullopt;
@@ -335,12 +345,18 @@ std::optional<double> findStartSpeed(const NextScan& next, const Config& config)
     return isPlausible(settled) && std::fabs(settled - *speed) < search.options.max_drift ? settled
                                                                                           : speed;
   }
-  // Later scans decide, unless the drifts contradict them: the vehicle may have accelerated.
+  const double stamp = search.frames.back().scan.stamp;  // laterSpeed() reads more
   const auto later = search.laterSpeed();
+  if (!later)
+  {
+    return std::nullopt;
+  }
+  // Later scans decide, unless the vehicle may have accelerated or the drifts contradict them.
+  const double explained = std::max(same_later_speed, usual_acceleration * (later->stamp - stamp));
   const auto support = [&](double speed) { return supportOf(drifts, speed, search.options); };
-  return later && std::fabs(*later - start) > same_later_speed &&
-                 support(start) < support(*later) + search.options.min_margin
-             ? later
+  return std::fabs(later->speed - start) > explained &&
+                 support(start) < support(later->speed) + search.options.min_margin
+             ? std::optional(later->speed)
              : std::nullopt;
 }
 
