@@ -45,7 +45,7 @@ Density densityIn(WorldKind kind)
     case WorldKind::urban:
       return {10, 1.6, 0.8, {0.06}};
     case WorldKind::downtown:
-      return {9, 1.0, 0.35, {0.16, 0.16, 0.26}};
+      return {16, 1.1, 0.6, {0.16, 0.16, 0.26}};
     default:
       return {22, 1.6, 0.8, {0.02}};
   }
@@ -270,12 +270,13 @@ class StreetTraffic : public Crowd::Group
   /** Whether the traffic light is red for a turn: the two streets have green alternately. */
   bool isRed(const Lane& turn) const
   {
-    if (net_.light_cycle <= 0)
+    const auto junction = static_cast<std::size_t>(turn.junction);
+    if (net_.light_cycles.empty() || net_.light_cycles[junction] <= 0)
     {
       return false;
     }
     const double begin = 0.37 * turn.junction + 0.5 * turn.axis;  // of green [cycles]
-    const double phase = crowd_.time() / net_.light_cycle - begin;
+    const double phase = crowd_.time() / net_.light_cycles[junction] - begin;
     return phase - std::floor(phase) > 0.42;
   }
 

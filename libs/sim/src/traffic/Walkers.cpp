@@ -88,7 +88,7 @@ class Walkers : public Crowd::Group
     const bool campus = crowd.world().kind == WorldKind::campus;
     const double per_metre =
         crowd.options().traffic * (campus                                      ? 0.10
-                                   : crowd.world().kind == WorldKind::downtown ? 0.15
+                                   : crowd.world().kind == WorldKind::downtown ? 0.11
                                    : crowd.world().kind == WorldKind::field    ? 0.01
                                                                                : 0.05);
     for (std::size_t l = 0; l < net_.links.size(); ++l)

@@ -146,14 +146,15 @@ class DowntownBuilder
     }
   }
 
-  void junction(const Street& a, const Street& b)
+  void junction(const Street& a, const Street& b, bool lights)
   {
     for (const double su : {-1.0, 1.0})
     {
       for (const double sv : {-1.0, 1.0})
       {
         const P where(a.centre + su * (a.half() + 0.6), b.centre + sv * (b.half() + 2.0));
-        world_.placeOnGround(shapes_.light, grid_.toWorld(where), rng_.uniform(0, 6.28));
+        const int shape = lights ? shapes_.light : rng_.pick(shapes_.signs);
+        world_.placeOnGround(shape, grid_.toWorld(where), rng_.uniform(0, 6.28));
       }
     }
   }
@@ -614,12 +615,14 @@ void buildDowntown(World& world, const SimulatorOptions& options)
       builder.block(i, j);
     }
   }
+  std::vector<double> light_cycles;  // by junction, in the order of the lane network's
   for (const auto& s : streets.along_v)
   {
     builder.street(s, true, streets.minV(), streets.maxV());
     for (const auto& t : streets.along_u)
     {
-      builder.junction(s, t);
+      light_cycles.push_back(rng.chance(0.5) ? rng.uniform(12, 22) : 0);
+      builder.junction(s, t, light_cycles.back() > 0);
     }
   }
   for (const auto& s : streets.along_u)
@@ -627,11 +630,11 @@ void buildDowntown(World& world, const SimulatorOptions& options)
     builder.street(s, false, streets.minU(), streets.maxU());
   }
   world.roads = makeLanes(streets, 1, 1, ring_u, ring_v, rng.chance(0.5) != options.reverse);
+  world.roads.light_cycles = light_cycles;
   for (Lane& lane : world.roads.lanes)
   {
     lane.speed_limit *= lane.junction < 0 ? 0.8 : 1.0;
   }
-  world.roads.light_cycle = rng.uniform(20, 34);
   world.walks = makeWalks(streets);
   world.bicycle_loops = makeBicycleLoops(streets);
   for (const int lane : world.roads.ego_route)

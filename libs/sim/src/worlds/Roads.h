@@ -23,8 +23,9 @@ struct LaneNetwork
 {
   std::vector<Lane> lanes;
   int junctions = 0;
-  double light_cycle = 0;      //!< period of the traffic lights [s]; 0: there are none
-  std::vector<int> ego_route;  //!< closed sequence of lanes
+  std::vector<double> light_cycles;  //!< by junction: period of its traffic lights, 0 for none [s];
+                                     //!< empty: there are no lights
+  std::vector<int> ego_route;        //!< closed sequence of lanes
 
   /** Computes the turns' conflicts from their geometry. */
   void findConflicts();
