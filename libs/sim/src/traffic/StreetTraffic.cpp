@@ -45,7 +45,7 @@ Density densityIn(WorldKind kind)
     case WorldKind::urban:
       return {10, 1.6, 0.8, {0.06}};
     case WorldKind::downtown:
-      return {16, 1.1, 0.6, {0.16, 0.16, 0.26}};
+      return {16, 1.1, 0.6, {0.2, 0.16, 0.26}};
     default:
       return {22, 1.6, 0.8, {0.02}};
   }

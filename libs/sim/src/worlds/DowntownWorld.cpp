@@ -193,9 +193,9 @@ class DowntownBuilder
   /** Heading of the street in the world, such that the kerb is on the right. */
   double heading(const Kerb& kerb, double s, double d) const
   {
-    const P local = kerb.at(s, d);
-    return grid_.headingOfU(local) + (kerb.along_v ? 0.5 * kHalfTurnAngle : 0.0) +
-           (kerb.side > 0 ? 0 : kHalfTurnAngle);
+    const P ahead = grid_.toWorld(kerb.at(s + 0.5 * kerb.side, d)) -
+                    grid_.toWorld(kerb.at(s - 0.5 * kerb.side, d));
+    return std::atan2(ahead.y(), ahead.x());
   }
 
   void placeAt(int shape, const Kerb& kerb, double s, double d, double turn = 0)
