@@ -157,7 +157,7 @@ void addGroundFloor(Mesh& mesh, const ShopHouseStyle& s, Rng& rng)
     const bool shop = kind < static_cast<double>(s.open);
     if (shop)
     {
-      unit.addOpenShop(std::min(rng.uniformFloat(2, 6.5), s.depth - s.arcade - 0.5F));
+      unit.addOpenShop(std::min(rng.uniformFloat(2, 6), s.depth - s.arcade - 0.5F));
     }
     else if (kind < static_cast<double>(s.open) + 0.15)
     {

@@ -151,9 +151,7 @@ std::map<std::pair<int, int>, int> addTurns(const StreetGrid& grid,
   {
     const Junction at = junctionAfter({from.i, from.j}, from.direction);
     const int lanes = lanesTowards(grid, at, from.direction);
-    const auto towards = [&, &all = ids](int direction) {
-      return all.count({at[0], at[1], direction, 0}) > 0;
-    };
+    const auto towards = [&](int direction) { return ids.count({at[0], at[1], direction, 0}) > 0; };
     for (const int turn : turnsFrom(from, lanes, towards))
     {
       const int direction = (from.direction + turn) % 4;
