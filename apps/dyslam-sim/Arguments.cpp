@@ -47,7 +47,7 @@ void declare(CLI::App& app, Arguments& a)
   const CLI::Validator seeds = CLI::Range(0, std::numeric_limits<int>::max());
   app.description(
       "Simulates a LiDAR in a dynamic environment; writes a rawlog and its ground truth");
-  app.add_option("--world", a.world, "urban, campus, highway, tunnel or field (urban)");
+  app.add_option("--world", a.world, "urban, downtown, campus, highway, tunnel or field (urban)");
   app.add_option("--sensor", a.sensor,
                  "HDL64E, HDL32E, VLP16, VLP32C, VLS128, OS1-32, OS1-64, OS1-128, PANDAR64, XT32 "
                  "or AVIA (HDL64E)");

@@ -12,7 +12,8 @@ namespace dyslam::sim
 void ClipOptions::describe(OptionsVisitor& visitor)
 {
   simulator.describe(visitor);
-  visitor.flag("any_world", any_world, "draw the kind of world for each clip, most often urban");
+  visitor.flag("any_world", any_world,
+               "draw the kind of world for each clip, most often urban, never downtown");
   visitor.integer("scans", scans, 1, 1000, "consecutive scans in a clip");
   visitor.integer("clips_per_world", clips_per_world, 1, 100000,
                   "consecutive clips that share a world");
@@ -89,6 +90,9 @@ SimulatorOptions ClipGenerator::clipOptions(std::uint64_t index) const
         break;
       case WorldKind::field:
         o.ego_speed = clip_rng.uniform(1, 8);
+        break;
+      case WorldKind::downtown:
+        o.ego_speed = clip_rng.uniform(3, 13);
         break;
     }
   }

@@ -40,6 +40,7 @@ class Rng
   std::uint64_t bits() { return splitmix64(state_++); }
   double uniform() { return static_cast<double>(bits() >> 11) * 0x1p-53; }
   double uniform(double low, double high) { return low + (high - low) * uniform(); }
+  float uniformFloat(double low, double high) { return static_cast<float>(uniform(low, high)); }
   int below(int count) { return static_cast<int>(uniform() * count); }
   bool chance(double probability) { return uniform() < probability; }
   /** A random element of a list that is not empty. */

@@ -10,11 +10,9 @@ namespace dyslam::sim
 namespace
 {
 constexpr std::initializer_list<std::pair<const char*, WorldKind>> kWorlds{
-    {"urban", WorldKind::urban},
-    {"campus", WorldKind::campus},
-    {"highway", WorldKind::highway},
-    {"tunnel", WorldKind::tunnel},
-    {"field", WorldKind::field}};
+    {"urban", WorldKind::urban},     {"campus", WorldKind::campus},
+    {"highway", WorldKind::highway}, {"tunnel", WorldKind::tunnel},
+    {"field", WorldKind::field},     {"downtown", WorldKind::downtown}};
 constexpr std::initializer_list<std::pair<const char*, EgoKind>> kEgos{
     {"automatic", EgoKind::automatic},
     {"car", EgoKind::car},

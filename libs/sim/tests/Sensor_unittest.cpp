@@ -96,6 +96,7 @@ TEST(Sensor, NamesRoundTripAndErrorsSuggestTheNearest)
   EXPECT_THROW((void)sensorKindFromString("HDL65E"), UserError);
   EXPECT_THROW((void)worldKindFromString("town"), UserError);
   EXPECT_EQ(worldKindFromString("tunnel"), WorldKind::tunnel);
+  EXPECT_EQ(worldKindFromString(toString(WorldKind::downtown)), WorldKind::downtown);
   EXPECT_EQ(egoKindFromString("robot"), EgoKind::robot);
   EXPECT_THROW((void)egoKindFromString("lorry"), UserError);
 }

@@ -40,7 +40,8 @@ Eigen::Vector3d inBody(const Pose& T_map_lidar, const Box& box, const Eigen::Vec
 
 TEST(Simulator, EqualSeedsGiveEqualBytesOnAnyNumberOfThreads)
 {
-  for (const auto world : {WorldKind::urban, WorldKind::campus, WorldKind::highway})
+  for (const auto world :
+       {WorldKind::urban, WorldKind::campus, WorldKind::highway, WorldKind::downtown})
   {
     Simulator one(small(world, 0.6), 1), three(small(world, 0.6), 3);
     SimulatorOptions other_seed = small(world, 0.6);
@@ -156,7 +157,8 @@ TEST(Simulator, TheSameWorldWithOtherTraffic)
 
 TEST(Simulator, TheLoopTheOtherWayRound)
 {
-  for (const WorldKind world : {WorldKind::urban, WorldKind::campus, WorldKind::field})
+  for (const WorldKind world :
+       {WorldKind::urban, WorldKind::campus, WorldKind::field, WorldKind::downtown})
   {
     SimulatorOptions options = small(world, 0);
     options.stops = false;
@@ -413,7 +415,7 @@ TEST(Simulator, DeskewingCompensatesEgoMotion)
 TEST(Simulator, HasNoMovingPointsWithoutTraffic)
 {
   for (const auto world : {WorldKind::urban, WorldKind::campus, WorldKind::highway,
-                           WorldKind::tunnel, WorldKind::field})
+                           WorldKind::tunnel, WorldKind::field, WorldKind::downtown})
   {
     Simulator simulator(small(world, 0));
     const SimulatedScan s = simulator.next();
@@ -423,10 +425,41 @@ TEST(Simulator, HasNoMovingPointsWithoutTraffic)
   }
 }
 
+TEST(Simulator, ACityCentreHasShopsMotorcyclesAndMixedTraffic)
+{
+  SimulatorOptions options = small(WorldKind::downtown, 0.6);
+  std::map<std::uint32_t, std::size_t> points;  // by class
+  std::size_t moving = 0;
+  for (const int seed : {5, 6, 7})
+  {
+    options.seed = seed;
+    Simulator simulator(options, 2);
+    for (int i = 0; i < 10; ++i)
+    {
+      const SimulatedScan s = simulator.next();
+      ASSERT_GT(s.scan.size(), 10000U) << seed;
+      for (std::size_t k = 0; k < s.scan.size(); ++k)
+      {
+        ++points[s.label[k] & 0xFFFFU];
+        moving += s.moving[k];
+      }
+    }
+  }
+  constexpr std::uint32_t motorcycle = 15, building = 50, pole = 80, goods = 99;
+  constexpr std::uint32_t moving_car = 252, moving_person = 254, moving_motorcyclist = 255,
+                          moving_truck = 258;
+  for (const std::uint32_t kind : {motorcycle, building, pole, goods, moving_car, moving_person,
+                                   moving_motorcyclist, moving_truck})
+  {
+    EXPECT_GT(points[kind], 100U) << kind;
+  }
+  EXPECT_GT(moving, 5000U);
+}
+
 TEST(Simulator, GroundIsNotPlanar)
 {
-  for (const auto world :
-       {WorldKind::urban, WorldKind::campus, WorldKind::highway, WorldKind::field})
+  for (const auto world : {WorldKind::urban, WorldKind::campus, WorldKind::highway,
+                           WorldKind::field, WorldKind::downtown})
   {
     SimulatorOptions options = small(world, 0);
     options.noise = false;

@@ -44,7 +44,7 @@ bool collide(const Box& a, const Box& b)
 
 TEST(Traffic, VehiclesDoNotCollide)
 {
-  for (const auto world : {WorldKind::urban, WorldKind::highway})
+  for (const auto world : {WorldKind::urban, WorldKind::highway, WorldKind::downtown})
   {
     for (const double traffic : {0.4, 1.0})
     {

@@ -45,6 +45,8 @@ double drawTraffic(sim::WorldKind world, RandomDraws& draws)
       return 0.03 + 0.97 * drawn * drawn;
     case sim::WorldKind::highway:
       return 0.05 + 0.95 * drawn;
+    case sim::WorldKind::downtown:
+      return 0.2 + 0.8 * drawn;
     default:
       return 0.3 + 0.7 * drawn;
   }
@@ -59,6 +61,9 @@ void drawEgo(RandomDraws& draws, DysegClipScene& scene)
       break;
     case sim::WorldKind::highway:
       scene.ego_speed = draws.uniform(15, 32);
+      break;
+    case sim::WorldKind::downtown:
+      scene.ego_speed = draws.uniform(3, 13);
       break;
     default:
       scene.ego = draws.chance(0.3) ? sim::EgoKind::handheld : sim::EgoKind::robot;
@@ -75,6 +80,12 @@ DysegClipScene trainingScene(std::uint64_t number, const DysegTrainerOptions& op
   scene.world = draws.chance(options.campus_share)    ? sim::WorldKind::campus
                 : draws.chance(options.highway_share) ? sim::WorldKind::highway
                                                       : sim::WorldKind::urban;
+  // Drawn only if wanted, so that recipes without it keep their scenes.
+  if (options.downtown_share > 0 && scene.world == sim::WorldKind::urban &&
+      draws.chance(options.downtown_share))
+  {
+    scene.world = sim::WorldKind::downtown;
+  }
   scene.sensor =
       draws.chance(options.few_beams_share) ? sim::SensorKind::vlp16 : sim::SensorKind::hdl64e;
   scene.columns = drawColumns(scene.sensor, draws);

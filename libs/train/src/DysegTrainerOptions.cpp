@@ -58,6 +58,9 @@ void DysegTrainerOptions::describe(OptionsVisitor& v)
          "share of simulated clips that are on a campus (many pedestrians)");
   v.real("highway_share", highway_share, 0, 1,
          "share of simulated clips that are on a highway, of those that are not on a campus");
+  v.real("downtown_share", downtown_share, 0, 1,
+         "share of simulated clips that are in a dense city centre, of those that are neither on a "
+         "campus nor on a highway");
   v.real("few_beams_share", few_beams_share, 0, 1,
          "share of simulated clips that are scanned with 16 beams");
   v.real("other_sensors_share", other_sensors_share, 0, 1,

@@ -80,6 +80,38 @@ TEST(TrainingScene, WorldsHaveTheirShares)
   EXPECT_NEAR(static_cast<double>(by_world.at(WorldKind::highway).size()), 0.7 * 0.4 * 4000, 120);
 }
 
+TEST(TrainingScene, CityCentresReplaceTheirShareOfTheStreets)
+{
+  dyslam::DysegTrainerOptions options;
+  options.campus_share = 0.2;
+  options.highway_share = 0.25;
+  using dyslam::sim::WorldKind;
+  const auto before = scenes(options, 4000);
+  EXPECT_EQ(before.count(WorldKind::downtown), 0U);
+  options.downtown_share = 0.5;
+  const auto after = scenes(options, 4000);
+  for (const auto world : {WorldKind::campus, WorldKind::highway})
+  {
+    ASSERT_EQ(after.at(world).size(), before.at(world).size());
+    for (std::size_t i = 0; i < after.at(world).size(); ++i)
+    {
+      EXPECT_EQ(after.at(world)[i].traffic, before.at(world)[i].traffic);
+      EXPECT_EQ(after.at(world)[i].ego_speed, before.at(world)[i].ego_speed);
+      EXPECT_EQ(after.at(world)[i].columns, before.at(world)[i].columns);
+    }
+  }
+  EXPECT_EQ(after.at(WorldKind::urban).size() + after.at(WorldKind::downtown).size(),
+            before.at(WorldKind::urban).size());
+  EXPECT_NEAR(static_cast<double>(after.at(WorldKind::downtown).size()), 0.8 * 0.75 * 0.5 * 4000,
+              120);
+  for (const auto& scene : after.at(WorldKind::downtown))
+  {
+    EXPECT_TRUE(scene.traffic >= 0.2 && scene.traffic <= 1) << scene.traffic;
+    EXPECT_TRUE(scene.ego_speed >= 3 && scene.ego_speed <= 13) << scene.ego_speed;
+    EXPECT_EQ(scene.ego, dyslam::sim::EgoKind::automatic);
+  }
+}
+
 TEST(TrainingScene, OtherSensorsReplaceTheirShareOfTheHdl64)
 {
   dyslam::DysegTrainerOptions options;

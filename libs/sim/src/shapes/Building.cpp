@@ -8,15 +8,8 @@ namespace dyslam::sim
 namespace
 {
 using V = Eigen::Vector3f;
+}  // namespace
 
-/** Rectangle in the plane y = 0 [m]. */
-struct Rectangle
-{
-  float x0, x1, z0, z1;
-};
-
-/** A part of a wall around an opening, with the opening's reveals and pane. \param recess of the
- * pane in the wall [m] */
 void addOpening(Mesh& mesh,
                 const Rectangle& part,
                 const Rectangle& opening,
@@ -67,6 +60,8 @@ void addBalcony(Mesh& mesh, float x, float z, float width, bool panel, Material 
   }
 }
 
+namespace
+{
 /** A facade facing -y. Without `detail`: few windows, no balconies. */
 void addFacade(Mesh& mesh, const BuildingStyle& s, float width, bool detail, Rng& rng)
 {

@@ -24,6 +24,25 @@ struct BuildingStyle
 [[nodiscard]] BuildingStyle drawHouse(Rng& rng);
 [[nodiscard]] BuildingStyle drawHall(Rng& rng);
 
+/** Rectangle in the plane y = 0 [m]. */
+struct Rectangle
+{
+  float x0, x1, z0, z1;
+};
+
+/** Adds a part of a wall around an opening, with the opening's reveals and pane. \param recess of
+ * the pane in the wall [m] */
+void addOpening(Mesh& mesh,
+                const Rectangle& part,
+                const Rectangle& opening,
+                float recess,
+                Material wall,
+                Material pane);
+
+/** Adds a balcony in front of the wall y = 0. \param x, z middle of its floor \param panel a closed
+ * parapet instead of bars */
+void addBalcony(Mesh& mesh, float x, float z, float width, bool panel, Material wall);
+
 /** Adds a building whose frame has its origin at the front's left corner on the ground, x along the
  * front and y into the building. \param transform building to mesh frame */
 void addBuilding(Mesh& mesh,

@@ -22,7 +22,7 @@ struct CarStyle
 [[nodiscard]] CarStyle drawVanStyle(Rng& rng);
 [[nodiscard]] Mesh makeTruck(float length, float width, float height, bool trailer);
 [[nodiscard]] Mesh makeBus(float length, float width, float height);
-[[nodiscard]] Mesh makeScooter();  //!< with its rider
+[[nodiscard]] Mesh makeScooter(bool rider);
 
 // Pedestrians of height 1 m, to be scaled. The torso's origin is between the feet; limbs hang from
 // their joint at the origin.
@@ -62,4 +62,14 @@ struct SizeRange
 /** A fence along x from the origin. */
 [[nodiscard]] Mesh makeFence(int kind, float length, float height);
 [[nodiscard]] Mesh makeBusStop();
+
+// What stands on the pavements of a busy street: origin at the foot of the middle, x along the
+// street, y away from the carriageway.
+/** A table with goods below a canopy on four posts. */
+[[nodiscard]] Mesh makeStall(Rng& rng, float length, float depth);
+/** An umbrella above a table and two stools. */
+[[nodiscard]] Mesh makeUmbrella(Rng& rng, float radius);
+/** Boxes in layers; flush at +y. */
+[[nodiscard]] Mesh makeGoodsPile(Rng& rng, float length, float depth);
+[[nodiscard]] Mesh makeClothesRack(Rng& rng, float length);
 }  // namespace dyslam::sim

@@ -212,7 +212,7 @@ Mesh makeBus(float length, float width, float height)
   return mesh;
 }
 
-Mesh makeScooter()
+Mesh makeScooter(bool rider)
 {
   Mesh mesh;
   addTube(mesh, V(0.65F, -0.06F, 0.28F), V(0.65F, 0.06F, 0.28F), 0.28F, 0.28F, 12, Material::rubber,
@@ -224,6 +224,10 @@ Mesh makeScooter()
   addTube(mesh, V(0.62F, 0, 0.4F), V(0.42F, 0, 1.05F), 0.09F, 0.09F, 6, Material::paint, true);
   addTube(mesh, V(0.42F, -0.35F, 1.05F), V(0.42F, 0.35F, 1.05F), 0.025F, 0.025F, 5, Material::steel,
           true);
+  if (!rider)
+  {
+    return mesh;
+  }
   addEllipsoid(mesh, V(-0.18F, 0, 1.12F), V(0.16F, 0.23F, 0.35F), 10, Material::cloth);
   addEllipsoid(mesh, V(-0.1F, 0, 1.58F), V(0.14F, 0.13F, 0.15F), 10, Material::paint);
   for (const float side : {-1.0F, 1.0F})

@@ -27,6 +27,8 @@ double egoCruise(const World& world, const SimulatorOptions& options)
       return 20;
     case WorldKind::field:
       return 4;
+    case WorldKind::downtown:
+      return 8;
     case WorldKind::campus:
       break;
   }
@@ -50,6 +52,7 @@ Crowd::Crowd(const World& world, const SimulatorOptions& options) : world_(world
   switch (world.kind)
   {
     case WorldKind::urban:
+    case WorldKind::downtown:
       groups_.push_back(makeStreetTraffic(*this, true));
       groups_.push_back(makeBicycles(*this));
       groups_.push_back(makeWalkers(*this));

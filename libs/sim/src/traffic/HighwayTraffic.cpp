@@ -103,9 +103,9 @@ class HighwayTraffic : public Crowd::Group
     {
       Car c;
       const int model = drawVehicle(world_, rng_,
-                                    lane == lanes_ - 1 ? 0.4
-                                    : lane == 0        ? 0.02
-                                                       : 0.12);
+                                    {lane == lanes_ - 1 ? 0.4
+                                     : lane == 0        ? 0.02
+                                                        : 0.12});
       const BodyModel& m = world_.bodies[static_cast<std::size_t>(model)];
       c.length = m.size.x();
       c.wheelbase = m.wheelbase;

@@ -29,6 +29,28 @@ struct Vehicle
   double wander = 0;           // phase of the lateral oscillation in the lane
 };
 
+/** How many vehicles there are, and of which kinds. */
+struct Density
+{
+  double spacing;   // mean distance of vehicles on a lane in the densest traffic [m]
+  double exponent;  // the spacing grows by this power of 1 / traffic
+  double slowest;   // least speed that a driver wants, relative to the limit
+  VehicleMix mix;
+};
+
+Density densityIn(WorldKind kind)
+{
+  switch (kind)
+  {
+    case WorldKind::urban:
+      return {10, 1.6, 0.8, {0.06}};
+    case WorldKind::downtown:
+      return {16, 1.1, 0.6, {0.2, 0.16, 0.26}};
+    default:
+      return {22, 1.6, 0.8, {0.02}};
+  }
+}
+
 class StreetTraffic : public Crowd::Group
 {
  public:
@@ -105,8 +127,9 @@ class StreetTraffic : public Crowd::Group
   void populate()
   {
     const double traffic = crowd_.options().traffic;
-    const bool streets = crowd_.world().kind == WorldKind::urban;
-    const double spacing = traffic > 0 ? (streets ? 10.0 : 22.0) / std::pow(traffic, 1.6) : kFar;
+    const Density density = densityIn(crowd_.world().kind);
+    const double spacing =
+        traffic > 0 ? density.spacing / std::pow(traffic, density.exponent) : kFar;
     for (std::size_t l = 0; l < net_.lanes.size(); ++l)
     {
       const Lane& here = net_.lanes[l];
@@ -118,13 +141,13 @@ class StreetTraffic : public Crowd::Group
       while (s < here.path.length() - 4)
       {
         Vehicle v;
-        const int model = drawVehicle(crowd_.world(), rng_, streets ? 0.06 : 0.02);
+        const int model = drawVehicle(crowd_.world(), rng_, density.mix);
         const BodyModel& body = crowd_.world().bodies[static_cast<std::size_t>(model)];
         v.length = body.size.x();
         v.width = body.size.y();
         v.lane = static_cast<int>(l);
         v.s = s;
-        v.desired_speed = rng_.uniform(0.8, 1.15);
+        v.desired_speed = rng_.uniform(density.slowest, 1.15);
         v.headway = rng_.uniform(1.0, 1.8);
         v.v = std::min(0.5, 1 - traffic) * here.speed_limit;
         v.next_stop = rng_.uniform(5, 240);
@@ -210,7 +233,7 @@ class StreetTraffic : public Crowd::Group
       }
       const double rest = lane(v.lane).path.length() - v.s - 0.5 * v.length;
       const bool first = on_lane_[static_cast<std::size_t>(v.lane)].back() == static_cast<int>(i);
-      if (first && rest < v.v * v.v / 4.0 + 8)
+      if (first && rest < v.v * v.v / 4.0 + 8 && !isRed(lane(v.turn)))
       {
         v.waiting_since = v.waiting_since < 0 ? crowd_.time() : v.waiting_since;
         waiting.push_back(static_cast<int>(i));
@@ -242,6 +265,19 @@ class StreetTraffic : public Crowd::Group
         users.push_back({i, v.turn});  // this vehicle has priority over later ones
       }
     }
+  }
+
+  /** Whether the traffic light is red for a turn: the two streets have green alternately. */
+  bool isRed(const Lane& turn) const
+  {
+    const auto junction = static_cast<std::size_t>(turn.junction);
+    if (net_.light_cycles.empty() || net_.light_cycles[junction] <= 0)
+    {
+      return false;
+    }
+    const double begin = 0.37 * turn.junction + 0.5 * turn.axis;  // of green [cycles]
+    const double phase = crowd_.time() / net_.light_cycles[junction] - begin;
+    return phase - std::floor(phase) > 0.42;
   }
 
   struct User

@@ -87,9 +87,10 @@ class Walkers : public Crowd::Group
     }
     const bool campus = crowd.world().kind == WorldKind::campus;
     const double per_metre =
-        crowd.options().traffic * (campus                                   ? 0.10
-                                   : crowd.world().kind == WorldKind::field ? 0.01
-                                                                            : 0.05);
+        crowd.options().traffic * (campus                                      ? 0.10
+                                   : crowd.world().kind == WorldKind::downtown ? 0.11
+                                   : crowd.world().kind == WorldKind::field    ? 0.01
+                                                                               : 0.05);
     for (std::size_t l = 0; l < net_.links.size(); ++l)
     {
       const auto& link = net_.links[l];
@@ -198,7 +199,7 @@ class Walkers : public Crowd::Group
       return distance < half_length + 4.5 ||
              (speed > 0.3 && ahead > 0 && distance < half_length + 5 + 4.5 * speed);
     };
-    if (crowd_.world().kind == WorldKind::urban &&
+    if ((crowd_.world().kind == WorldKind::urban || crowd_.world().kind == WorldKind::downtown) &&
         comes(crowd_.ego().position, crowd_.ego().yaw, crowd_.ego().speed, 2.2))
     {
       return false;

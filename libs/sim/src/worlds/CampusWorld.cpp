@@ -270,12 +270,12 @@ class CampusBuilder
       if (rng_.chance(0.55))
       {
         const double yaw = rng_.uniform(-0.04, 0.04);
-        world_.park(drawVehicle(world_, rng_, 0), {x, road_low_.y() + 4.5}, yaw, rng_);
+        world_.park(drawVehicle(world_, rng_, {0}), {x, road_low_.y() + 4.5}, yaw, rng_);
       }
       if (rng_.chance(0.35))
       {
         const double yaw = 3.14159 + rng_.uniform(-0.04, 0.04);
-        world_.park(drawVehicle(world_, rng_, 0), {x, road_high_.y() - 4.5}, yaw, rng_);
+        world_.park(drawVehicle(world_, rng_, {0}), {x, road_high_.y() - 4.5}, yaw, rng_);
       }
     }
   }

@@ -14,6 +14,7 @@ struct Lane
   Path path;
   std::vector<int> next;       //!< successors; turns, if the lane ends at a junction
   int junction = -1;           //!< junction that a turn crosses; -1 for other lanes
+  int axis = 0;                //!< of a turn: which of the two crossing streets it comes from
   std::vector<int> conflicts;  //!< turns that must not be used at the same time as this turn
   double speed_limit = 14;     //!< speed limit [m/s]
 };
@@ -22,7 +23,9 @@ struct LaneNetwork
 {
   std::vector<Lane> lanes;
   int junctions = 0;
-  std::vector<int> ego_route;  //!< closed sequence of lanes
+  std::vector<double> light_cycles;  //!< by junction: period of its traffic lights, 0 for none [s];
+                                     //!< empty: there are no lights
+  std::vector<int> ego_route;        //!< closed sequence of lanes
 
   /** Computes the turns' conflicts from their geometry. */
   void findConflicts();

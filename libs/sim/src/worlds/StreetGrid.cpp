@@ -33,7 +33,22 @@ Nearest nearest(const std::vector<Street>& streets, double x)
 }
 }  // namespace
 
-StreetGrid::StreetGrid(std::uint64_t seed, int blocks_u, int blocks_v, double block_size)
+Street drawTownStreet(Rng& rng)
+{
+  Street s;
+  s.lane = rng.uniform(3.1, 4.2);
+  s.parking = rng.chance(0.7) ? 2.2 : 0.0;
+  s.walk = rng.uniform(2.0, 6.0);
+  s.trees = rng.chance(0.5);
+  s.occupancy = rng.uniform(0.2, 0.95);
+  return s;
+}
+
+StreetGrid::StreetGrid(std::uint64_t seed,
+                       int blocks_u,
+                       int blocks_v,
+                       double block_size,
+                       const std::function<Street(Rng&)>& draw)
     : terrain_(seed, 0.035, 0.1), seed_(seed)
 {
   Rng rng(combine(seed, 0x57EE7));
@@ -48,14 +63,8 @@ StreetGrid::StreetGrid(std::uint64_t seed, int blocks_u, int blocks_v, double bl
     double x = -0.5 * blocks * block_size;
     for (int i = 0; i <= blocks; ++i)
     {
-      Street s;
-      s.centre = x;
-      s.lane = rng.uniform(3.1, 4.2);
-      s.parking = rng.chance(0.7) ? 2.2 : 0.0;
-      s.walk = rng.uniform(2.0, 6.0);
-      s.trees = rng.chance(0.5);
-      s.occupancy = rng.uniform(0.2, 0.95);
-      streets.push_back(s);
+      streets.push_back(draw(rng));
+      streets.back().centre = x;
       x += block_size * rng.uniform(0.82, 1.18);
     }
   };
@@ -90,7 +99,8 @@ StreetGrid::Zone StreetGrid::zone(double u, double v) const
   const bool on_a = a.distance < a.street->half(), on_b = b.distance < b.street->half();
   if (on_a || on_b)
   {
-    const bool lane_a = a.distance < a.street->lane, lane_b = b.distance < b.street->lane;
+    const bool lane_a = a.distance < a.street->carriageway(),
+               lane_b = b.distance < b.street->carriageway();
     return lane_a || lane_b || (on_a && on_b) ? Zone::road : Zone::parking;
   }
   if (a.distance < a.street->half() + a.street->walk ||
@@ -141,6 +151,10 @@ Material StreetGrid::surface(double u, double v) const
     case Zone::block:
       break;
   }
+  if (paved)
+  {
+    return Material::paving;
+  }
   // Patches of lawn, paving and soil.
   const float patch = latticeNoise(static_cast<float>(0.05 * u), static_cast<float>(0.05 * v),
                                    static_cast<float>(seed_ % 97));
@@ -156,7 +170,8 @@ Mesh StreetGrid::mesh() const
     {
       for (const double side : {-1.0, 1.0})
       {
-        for (const double d : {0.08, s.lane, s.half() - 0.01, s.half() + 0.01, s.half() + s.walk})
+        for (const double d :
+             {0.08, s.carriageway(), s.half() - 0.01, s.half() + 0.01, s.half() + s.walk})
         {
           fixed.push_back(s.centre + side * d);
         }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <functional>
 #include <vector>
 
 #include "Ground.h"
@@ -14,13 +15,19 @@ namespace dyslam::sim
 struct Street
 {
   double centre = 0;       //!< local coordinate u or v of the centre line [m]
-  double lane = 3.4;       //!< width of one lane; one lane each way [m]
+  double lane = 3.4;       //!< width of one lane [m]
+  int lanes = 1;           //!< number of lanes each way
   double parking = 2.2;    //!< width of the parking strips on both sides; 0 for none [m]
   double walk = 3;         //!< width of the pavement [m]
   bool trees = false;      //!< trees in the pavement
   double occupancy = 0.6;  //!< share of the parking strips that is occupied
-  [[nodiscard]] double half() const { return lane + parking; }
+  /** Half the width of the lanes of both directions [m]. */
+  [[nodiscard]] double carriageway() const { return lanes * lane; }
+  [[nodiscard]] double half() const { return carriageway() + parking; }
 };
+
+/** A street of a town with gardens and parked cars. */
+[[nodiscard]] Street drawTownStreet(Rng& rng);
 
 /** Orthogonal streets in local coordinates: `along_v` at constant u, `along_u` at constant v.
  * Blocks lie between them and around the outermost streets. */
@@ -35,7 +42,12 @@ class StreetGrid : public Ground
     block
   };
 
-  StreetGrid(std::uint64_t seed, int blocks_u, int blocks_v, double block_size);
+  /** \param draw draws a street; its centre is set by the grid */
+  StreetGrid(std::uint64_t seed,
+             int blocks_u,
+             int blocks_v,
+             double block_size,
+             const std::function<Street(Rng&)>& draw = drawTownStreet);
 
   [[nodiscard]] Eigen::Vector2d toWorld(const Eigen::Vector2d& local) const override;
   [[nodiscard]] Eigen::Vector2d toLocal(const Eigen::Vector2d& world) const override;
@@ -46,7 +58,8 @@ class StreetGrid : public Ground
   [[nodiscard]] Mesh mesh() const;
 
   std::vector<Street> along_v, along_u;
-  double belt = 45;  //!< depth of the surrounding blocks [m]
+  double belt = 45;    //!< depth of the surrounding blocks [m]
+  bool paved = false;  //!< blocks have no lawn and no soil
 
   /** Edges u0, v0, u1, v1 of a block inside the pavements [m]. \param i, j indices of the block,
    * from -1 */

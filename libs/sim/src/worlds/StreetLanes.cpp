@@ -15,9 +15,10 @@ using P = Eigen::Vector2d;
 struct LaneKey
 {
   int i, j, direction;
+  int lane = 0;  // 0 beside the centre line
   bool operator<(const LaneKey& o) const
   {
-    return std::tie(i, j, direction) < std::tie(o.i, o.j, o.direction);
+    return std::tie(i, j, direction, lane) < std::tie(o.i, o.j, o.direction, o.lane);
   }
 };
 
@@ -41,19 +42,20 @@ Path laneFrom(const StreetGrid& grid, const LaneKey& k)
   const auto& sv = grid.along_u;
   const auto at = [](const std::vector<Street>& s, int index) -> const Street&
   { return s[static_cast<std::size_t>(index)]; };
+  const double across = k.lane + 0.5;  // distance from the centre line [widths of a lane]
   if (k.direction % 2 == 0)
   {
     const double sign = k.direction == 0 ? 1 : -1;
     const Street &here = at(su, k.i), &there = at(su, k.i + static_cast<int>(sign)),
                  &street = at(sv, k.j);
-    const double v = street.centre - sign * 0.5 * street.lane;
+    const double v = street.centre - sign * across * street.lane;
     return warped(grid, {here.centre + sign * (here.half() + kSetback), v},
                   {there.centre - sign * (there.half() + kSetback), v});
   }
   const double sign = k.direction == 1 ? 1 : -1;
   const Street &here = at(sv, k.j), &there = at(sv, k.j + static_cast<int>(sign)),
                &street = at(su, k.i);
-  const double u = street.centre + sign * 0.5 * street.lane;
+  const double u = street.centre + sign * across * street.lane;
   return warped(grid, {u, here.centre + sign * (here.half() + kSetback)},
                 {u, there.centre - sign * (there.half() + kSetback)});
 }
@@ -67,7 +69,14 @@ Junction junctionAfter(const Junction& junction, int direction)
   return {junction[0] + step[0], junction[1] + step[1]};
 }
 
-/** Adds a lane from each junction to each of its neighbours. \return numbers of the lanes */
+/** Number of lanes that leave a junction in a direction. */
+int lanesTowards(const StreetGrid& grid, const Junction& junction, int direction)
+{
+  return direction % 2 == 0 ? grid.along_u[static_cast<std::size_t>(junction[1])].lanes
+                            : grid.along_v[static_cast<std::size_t>(junction[0])].lanes;
+}
+
+/** Adds the lanes from each junction to each of its neighbours. \return numbers of the lanes */
 std::map<LaneKey, int> addStreetLanes(const StreetGrid& grid, int nu, int nv, LaneNetwork& net)
 {
   std::map<LaneKey, int> ids;
@@ -83,46 +92,84 @@ std::map<LaneKey, int> addStreetLanes(const StreetGrid& grid, int nu, int nv, La
         {
           continue;
         }
-        Lane lane;
-        lane.path = laneFrom(grid, {i, j, d});
-        lane.speed_limit = rng.uniform(10, 15);
-        ids[{i, j, d}] = static_cast<int>(net.lanes.size());
-        net.lanes.push_back(lane);
+        for (int k = 0; k < lanesTowards(grid, {i, j}, d); ++k)
+        {
+          Lane lane;
+          lane.path = laneFrom(grid, {i, j, d, k});
+          lane.speed_limit = rng.uniform(10, 15);
+          ids[{i, j, d, k}] = static_cast<int>(net.lanes.size());
+          net.lanes.push_back(lane);
+        }
       }
     }
   }
   return ids;
 }
 
+constexpr int kRight = 3, kStraight = 0, kLeft = 1;  // turns, added to a direction
+
+/** Turns that may be taken from a lane, in the order right, straight on, left: a street's outermost
+ * lane turns right and its innermost one left, but a lane without any such turn has all there are.
+ * \param towards whether a street leaves the junction in a direction */
+template <typename Towards>
+std::vector<int> turnsFrom(const LaneKey& from, int lanes, const Towards& towards)
+{
+  std::vector<int> all, own;
+  for (const int turn : {kRight, kStraight, kLeft})
+  {
+    if (towards((from.direction + turn) % 4))
+    {
+      all.push_back(turn);
+      if (turn == kStraight || from.lane == (turn == kRight ? lanes - 1 : 0))
+      {
+        own.push_back(turn);
+      }
+    }
+  }
+  return own.empty() ? all : own;
+}
+
+/** The lane that a turn leads to. */
+int laneAfter(int turn, int lane, int lanes_before, int lanes_after)
+{
+  if (turn == kRight && lane == lanes_before - 1)
+  {
+    return lanes_after - 1;
+  }
+  return std::min(lane, lanes_after - 1);
+}
+
 /** Adds the lanes across the junctions (turns). \return numbers of the turns, by the lanes that
  * they connect */
-std::map<std::pair<int, int>, int> addTurns(const std::map<LaneKey, int>& ids,
+std::map<std::pair<int, int>, int> addTurns(const StreetGrid& grid,
+                                            const std::map<LaneKey, int>& ids,
                                             int nv,
                                             LaneNetwork& net)
 {
   std::map<std::pair<int, int>, int> turn_between;
   for (const auto& [from, from_id] : ids)
   {
-    const auto [i, j] = junctionAfter({from.i, from.j}, from.direction);
-    for (const int turn : {3, 0, 1})  // right, straight on, left
+    const Junction at = junctionAfter({from.i, from.j}, from.direction);
+    const int lanes = lanesTowards(grid, at, from.direction);
+    const auto towards = [&](int direction) { return ids.count({at[0], at[1], direction, 0}) > 0; };
+    for (const int turn : turnsFrom(from, lanes, towards))
     {
-      const auto to = ids.find({i, j, (from.direction + turn) % 4});
-      if (to == ids.end())
-      {
-        continue;
-      }
+      const int direction = (from.direction + turn) % 4;
+      const int to_lane = laneAfter(turn, from.lane, lanes, lanesTowards(grid, at, direction));
+      const int to = ids.at({at[0], at[1], direction, to_lane});
       Lane lane;
       const auto start = net.lanes[static_cast<std::size_t>(from_id)].path.at(1e9);
-      const auto end = net.lanes[static_cast<std::size_t>(to->second)].path.at(0);
+      const auto end = net.lanes[static_cast<std::size_t>(to)].path.at(0);
       lane.path =
           Path(bezier(start.position, start.heading, end.position, end.heading, kTurnPoints));
-      lane.junction = i * nv + j;
-      lane.speed_limit = turn == 0 ? 11 : turn == 3 ? 5.0 : 6.0;
-      lane.next = {to->second};
+      lane.junction = at[0] * nv + at[1];
+      lane.speed_limit = turn == kStraight ? 11 : turn == kRight ? 5.0 : 6.0;
+      lane.next = {to};
+      lane.axis = from.direction % 2;
       const int id = static_cast<int>(net.lanes.size());
       net.lanes.push_back(lane);
       net.lanes[static_cast<std::size_t>(from_id)].next.push_back(id);
-      turn_between[{from_id, to->second}] = id;
+      turn_between[{from_id, to}] = id;
     }
   }
   return turn_between;
@@ -160,7 +207,7 @@ LaneNetwork makeLanes(
   const int nu = static_cast<int>(grid.along_v.size()), nv = static_cast<int>(grid.along_u.size());
   const std::map<LaneKey, int> ids = addStreetLanes(grid, nu, nv, net);
   net.junctions = nu * nv;
-  const std::map<std::pair<int, int>, int> turn_between = addTurns(ids, nv, net);
+  const std::map<std::pair<int, int>, int> turn_between = addTurns(grid, ids, nv, net);
   net.findConflicts();
 
   std::vector<Junction> ring = ringJunctions(first_u, first_v, ring_u, ring_v);
@@ -168,6 +215,7 @@ LaneNetwork makeLanes(
   {
     std::reverse(ring.begin(), ring.end());
   }
+  // The ego keeps to the lane that turns as its route does.
   std::vector<int> route;
   for (std::size_t k = 0; k < ring.size(); ++k)
   {
@@ -175,7 +223,8 @@ LaneNetwork makeLanes(
     {
       if (junctionAfter(ring[k], d) == ring[(k + 1) % ring.size()])
       {
-        route.push_back(ids.at({ring[k][0], ring[k][1], d}));
+        route.push_back(ids.at(
+            {ring[k][0], ring[k][1], d, clockwise ? lanesTowards(grid, ring[k], d) - 1 : 0}));
       }
     }
   }

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "BlockSide.h"
 #include "Random.h"
 #include "StreetGrid.h"
 #include "World.h"
@@ -49,15 +50,6 @@ struct Furnishing
     bollard = clutter[2];
     bench = world.addShape(makeBench());
   }
-};
-
-/** One side of a block: origin at a corner, `along` the street, `inward` to the block's interior.
- */
-struct Side
-{
-  P origin, along, inward;
-  double length, depth;
-  [[nodiscard]] P at(double s, double d) const { return origin + s * along + d * inward; }
 };
 
 class BlockBuilder
@@ -220,7 +212,8 @@ class BlockBuilder
         continue;
       }
       const int model = rng_.chance(0.9) ? rng_.pick(world_.cars) : rng_.pick(world_.vans);
-      const P where = local(s, side * (street.lane + 0.5 * street.parking + rng_.uniform(0, 0.1)));
+      const P where =
+          local(s, side * (street.carriageway() + 0.5 * street.parking + rng_.uniform(0, 0.1)));
       const bool along_v = (local(1, 0) - local(0, 0)).y() > 0.5;
       const bool ahead = rng_.chance(0.85) == (side > 0);
       const double yaw =
@@ -259,36 +252,9 @@ class BlockBuilder
 
   void addHouse(const Side& side, double s, double front, const BuildingStyle& style)
   {
-    // The facade's left corner as seen from the street is at the greater s.
-    const double width = static_cast<double>(style.width), depth = static_cast<double>(style.depth);
-    const P corner_local = side.at(s, front);
-    const P middle = side.at(s + 0.5 * width, front + 0.5 * depth);
-    const P d = grid_.toWorld(middle + 0.5 * side.along) - grid_.toWorld(middle - 0.5 * side.along);
-    double yaw = std::atan2(d.y(), d.x());
-    // y points inwards if the block is on the left of x.
-    const double cross = side.along.x() * side.inward.y() - side.along.y() * side.inward.x();
-    P corner = corner_local;
-    if (cross < 0)
-    {
-      yaw += 3.14159265;
-      corner = side.at(s + width, front);
-    }
-    const P w = grid_.toWorld(corner);
-    // The building stands at the lowest ground height of its corners.
-    double z = 1e9;
-    for (const double a : {0.0, width})
-    {
-      for (const double b : {0.0, depth})
-      {
-        z = std::min(z, grid_.heightLocal(side.at(s + a, front + b)));
-      }
-    }
-    Eigen::Affine3f transform = Eigen::Affine3f::Identity();
-    transform.translate(
-        Eigen::Vector3d(w.x(), w.y(), std::max(z, grid_.heightLocal(corner_local) - 0.3))
-            .cast<float>());
-    transform.rotate(Eigen::AngleAxisf(static_cast<float>(yaw), Eigen::Vector3f::UnitZ()));
-    addBuilding(world_.meshes.back(), style, transform, rng_);
+    const auto frame = houseFrame(grid_, side, s, front, static_cast<double>(style.width),
+                                  static_cast<double>(style.depth));
+    addBuilding(world_.meshes.back(), style, frame, rng_);
   }
 
   /** A row of 3 m elements along a side of a block. */

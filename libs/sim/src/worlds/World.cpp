@@ -8,8 +8,6 @@
 
 namespace dyslam::sim
 {
-namespace
-{
 int addRigid(World& world, Mesh mesh, ObjectClass object_class, double wheelbase)
 {
   BodyModel model;
@@ -23,6 +21,8 @@ int addRigid(World& world, Mesh mesh, ObjectClass object_class, double wheelbase
   return static_cast<int>(world.bodies.size()) - 1;
 }
 
+namespace
+{
 void addPeople(World& world, Rng& rng)
 {
   const int arm = world.addShape(makeArm());
@@ -155,23 +155,23 @@ void addBodies(World& world, Rng& rng)
         addRigid(world, makeBus(length, 2.55F, static_cast<float>(rng.uniform(3.0, 3.25))),
                  ObjectClass::bus, 0.5 * static_cast<double>(length)));
   }
-  world.riders.push_back(addRigid(world, makeScooter(), ObjectClass::motorcyclist, 1.3));
+  world.riders.push_back(addRigid(world, makeScooter(true), ObjectClass::motorcyclist, 1.3));
   world.parked_bicycles.push_back(addRigid(world, makeBicycle(false), ObjectClass::unknown, 1.04));
   addPeople(world, rng);
 }
 
-int drawVehicle(const World& world, Rng& rng, double heavy_share)
+int drawVehicle(const World& world, Rng& rng, const VehicleMix& mix)
 {
   const double u = rng.uniform();
-  if (u < heavy_share)
+  if (u < mix.heavy)
   {
     return rng.chance(0.25) ? rng.pick(world.buses) : rng.pick(world.trucks);
   }
-  if (u < heavy_share + 0.14)
+  if (u < mix.heavy + mix.vans)
   {
     return rng.pick(world.vans);
   }
-  return u > 0.96 ? rng.pick(world.riders) : rng.pick(world.cars);
+  return u > 1 - mix.riders ? rng.pick(world.riders) : rng.pick(world.cars);
 }
 
 float drawPaint(Rng& rng)
@@ -209,7 +209,7 @@ std::shared_ptr<const World> makeWorld(const SimulatorOptions& options)
       (options.world == WorldKind::highway || options.world == WorldKind::tunnel))
   {
     throw UserError("simulator.reverse: a " + toString(options.world) +
-                    " has one direction; choose urban, campus or field");
+                    " has one direction; choose urban, downtown, campus or field");
   }
   auto world = std::make_shared<World>(options.world, static_cast<std::uint64_t>(options.seed));
   Rng rng(combine(world->seed, 0xB0D1E5));
@@ -228,6 +228,9 @@ std::shared_ptr<const World> makeWorld(const SimulatorOptions& options)
       break;
     case WorldKind::field:
       buildField(*world, options);
+      break;
+    case WorldKind::downtown:
+      buildDowntown(*world, options);
       break;
   }
   world->finish();

@@ -54,8 +54,8 @@ class World
   WorldKind kind;
   std::uint64_t seed;
   std::unique_ptr<Ground> ground;
-  LaneNetwork roads;                //!< streets of urban, service road of campus worlds
-  WalkNetwork walks;                //!< walkways of urban, campus and field worlds
+  LaneNetwork roads;  //!< streets of urban and downtown, service road of campus worlds
+  WalkNetwork walks;  //!< walkways of urban, downtown, campus and field worlds
   std::vector<Path> bicycle_loops;  //!< closed, at the edge of the carriageway
   Path ego_path;                    //!< closed path of the ego in campus and field worlds
   Path highway;                     //!< closed centre line of highway and tunnel worlds
@@ -85,17 +85,27 @@ class World
   int instances_ = 0;
 };
 
+/** Adds the model of a rigid body. \return its index in World::bodies */
+int addRigid(World& world, Mesh mesh, ObjectClass object_class, double wheelbase);
 /** Adds body models of all kinds, each in several variants. */
 void addBodies(World& world, Rng& rng);
 
-/** Draws a vehicle. \param heavy_share share of trucks and buses \return index in World::bodies */
-[[nodiscard]] int drawVehicle(const World& world, Rng& rng, double heavy_share);
+/** Shares of the kinds of vehicles in traffic; the others are cars. */
+struct VehicleMix
+{
+  double heavy = 0.06;   //!< trucks and buses
+  double vans = 0.14;    //!< vans
+  double riders = 0.04;  //!< motorcyclists
+};
+/** Draws a vehicle. \return index in World::bodies */
+[[nodiscard]] int drawVehicle(const World& world, Rng& rng, const VehicleMix& mix);
 /** Draws a reflectivity of paint or clothes from a realistic distribution. */
 [[nodiscard]] float drawPaint(Rng& rng);
 /** SemanticKITTI classes of a body at rest (first) and in motion (second). */
 [[nodiscard]] std::pair<std::uint16_t, std::uint16_t> semanticClasses(ObjectClass object_class);
 
 void buildUrban(World& world, const SimulatorOptions& options);
+void buildDowntown(World& world, const SimulatorOptions& options);
 void buildCampus(World& world, const SimulatorOptions& options);
 void buildHighway(World& world, const SimulatorOptions& options);  //!< highway or tunnel
 void buildField(World& world, const SimulatorOptions& options);

@@ -14,12 +14,12 @@ struct ClipOptions : Options
   /** World, sensor and ranges. Seeds, traffic and start are drawn for each clip, and the speed if
    * it is 0; then also whether the ego on a campus is a robot or hand-held (without wheels). */
   SimulatorOptions simulator;
-  bool any_world = true;          //!< draw the kind of world as well, urban most often
-  int scans = 2;                  //!< consecutive scans in a clip
-  int clips_per_world = 16;       //!< consecutive clips share a world, which saves time
-  double min_traffic = 0;         //!< least traffic density drawn for a clip
-  double max_traffic = 1;         //!< largest traffic density drawn for a clip
-  int least_seed = 0;             //!< least seed drawn for a world
+  bool any_world = true;     //!< draw the kind of world as well, urban most often, downtown never
+  int scans = 2;             //!< consecutive scans in a clip
+  int clips_per_world = 16;  //!< consecutive clips share a world, which saves time
+  double min_traffic = 0;    //!< least traffic density drawn for a clip
+  double max_traffic = 1;    //!< largest traffic density drawn for a clip
+  int least_seed = 0;        //!< least seed drawn for a world
   int most_seed = (1 << 30) - 1;  //!< largest seed drawn for a world
 
   void describe(OptionsVisitor& visitor) override;

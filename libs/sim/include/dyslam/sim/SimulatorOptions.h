@@ -17,7 +17,8 @@ enum class WorldKind
   campus,
   highway,
   tunnel,
-  field
+  field,
+  downtown
 };
 
 /** Carrier of the sensor. */
@@ -77,7 +78,8 @@ struct SimulatorOptions : Options
   void describe(OptionsVisitor& visitor) override;
 };
 
-/** "urban", "campus", "highway", "tunnel", "field". \throws UserError naming the nearest. */
+/** "urban", "campus", "highway", "tunnel", "field", "downtown". \throws UserError naming the
+ * nearest. */
 [[nodiscard]] WorldKind worldKindFromString(const std::string& name);
 [[nodiscard]] std::string toString(WorldKind kind);
 /** "automatic", "car", "robot", "handheld". \throws UserError naming the nearest. */

@@ -47,6 +47,7 @@ struct DysegTrainerOptions : Options
   double campus_share = 0.25;      //!< share of simulated clips on a campus
   double highway_share = 0.2;      //!< share on a highway of the clips that are not on a campus;
                                    //!< the others are on streets
+  double downtown_share = 0;       //!< share in a dense city centre of those on neither
   double few_beams_share = 0.2;    //!< share of simulated clips with 16 beams
   double other_sensors_share = 0;  //!< share of the other clips with an OS1-64, OS1-128, Pandar64
                                    //!< or VLS-128 instead of an HDL-64E
