@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "RunEnd.h"
+#include "../src/RunEnd.h"
 
 #include <dyslam/base/Error.h>
 #include <dyslam/formats/ProgramLines.h>

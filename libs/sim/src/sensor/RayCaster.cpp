@@ -73,27 +73,29 @@ void RayCaster::tracePacket(std::size_t column, std::size_t count, std::size_t b
   rtcInitIntersectContext(&context);
   context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
   rtcIntersect8(valid, scene_.static_scene->handle(), &context, &packet);
-  float static_range[kPacket];
-  std::copy(packet.ray.tfar, packet.ray.tfar + kPacket, static_range);
+  // A hit in the moving scene replaces that in the static one, also at the same range.
+  const RTCHit8 static_hit = packet.hit;
+  std::fill_n(packet.hit.geomID, kPacket, RTC_INVALID_GEOMETRY_ID);
   if (!scene_.moving_scene->empty())
   {
     rtcIntersect8(valid, scene_.moving_scene->handle(), &context, &packet);
   }
   for (std::size_t k = 0; k < count; ++k)
   {
-    if (packet.hit.geomID[k] == RTC_INVALID_GEOMETRY_ID)
+    const bool moved = packet.hit.geomID[k] != RTC_INVALID_GEOMETRY_ID;
+    const RTCHit8& found = moved ? packet.hit : static_hit;
+    if (found.geomID[k] == RTC_INVALID_GEOMETRY_ID)
     {
       continue;
     }
     Hit& hit = hits_[(column + k) * rays_.beamCount() + b];
-    const bool moved = packet.ray.tfar[k] < static_range[k];
-    const unsigned instance = packet.hit.instID[0][k];
-    const auto item = static_cast<std::int32_t>(
-        instance != RTC_INVALID_GEOMETRY_ID ? instance : packet.hit.geomID[k]);
+    const unsigned instance = found.instID[0][k];
+    const auto item =
+        static_cast<std::int32_t>(instance != RTC_INVALID_GEOMETRY_ID ? instance : found.geomID[k]);
     hit.item = moved ? -1 - item : item;
-    hit.quad = static_cast<std::int32_t>(packet.hit.primID[k]);
+    hit.quad = static_cast<std::int32_t>(found.primID[k]);
     hit.range = packet.ray.tfar[k];
-    Eigen::Vector3f normal_local(packet.hit.Ng_x[k], packet.hit.Ng_y[k], packet.hit.Ng_z[k]);
+    Eigen::Vector3f normal_local(found.Ng_x[k], found.Ng_y[k], found.Ng_z[k]);
     const Eigen::Vector3f w(packet.ray.dir_x[k], packet.ray.dir_y[k], packet.ray.dir_z[k]);
     if (instance != RTC_INVALID_GEOMETRY_ID)
     {
