@@ -34,13 +34,13 @@ std::vector<LabelledBox> readFolder(const std::string& folder,
       const auto [known, is_first] = files.emplace(*scan, file);
       if (!is_first)
       {
-        throw UserError(file + ": is of the same scan as " + known->second + " (boxes.file)");
+        throw UserError(file + ": is of the same scan as " + known->second);
       }
     }
   }
   if (files.empty())
   {
-    throw UserError(folder + ": has no NNNNNN.txt with the boxes of a scan (boxes.file)");
+    throw UserError(folder + ": has no NNNNNN.txt with the boxes of a scan");
   }
   std::vector<LabelledBox> boxes;
   for (const auto& [scan, file] : files)
@@ -75,13 +75,17 @@ std::vector<LabelledBox> readBoxes(const GivenBoxesOptions& options)
   if (!options.calib.empty())
   {
     requireThere("calib", options.calib);
-    T_cam_velo = readKittiCalib(options.calib).T_cam_velo;
+    T_cam_velo = namingSetting("boxes.calib", options.calib,
+                               [&] { return readKittiCalib(options.calib).T_cam_velo; });
   }
-  if (fs::is_directory(options.file))
-  {
-    return readFolder(options.file, T_cam_velo);
-  }
-  return T_cam_velo ? readDetections(options.file, *T_cam_velo) : readTracks(options.file);
+  return namingSetting("boxes.file", options.file,
+                       [&]
+                       {
+                         return fs::is_directory(options.file)
+                                    ? readFolder(options.file, T_cam_velo)
+                                : T_cam_velo ? readDetections(options.file, *T_cam_velo)
+                                             : readTracks(options.file);
+                       });
 }
 }  // namespace
 

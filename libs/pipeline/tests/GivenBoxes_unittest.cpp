@@ -181,9 +181,11 @@ TEST_F(GivenBoxesFile, Errors)
   EXPECT_NE(errorOf("empty").find("has no NNNNNN.txt"), std::string::npos) << errorOf("empty");
   folder_.write("short.txt", "2 -1 Car 0 0\n");
   EXPECT_NE(errorOf("short.txt").find("short.txt:1"), std::string::npos) << errorOf("short.txt");
+  EXPECT_EQ(0U, errorOf("short.txt").rfind("boxes.file: ", 0)) << errorOf("short.txt");
   std::filesystem::create_directories(folder_.file("bad"));
   folder_.write("bad/000007.txt", "Car 0 0 -10\n");
   EXPECT_NE(errorOf("bad").find("000007.txt:1"), std::string::npos) << errorOf("bad");
+  EXPECT_EQ(0U, errorOf("bad").rfind("boxes.file: ", 0)) << errorOf("bad");
   folder_.write("bad/7.txt", "");
   EXPECT_NE(errorOf("bad").find("7.txt: is of the same scan as"), std::string::npos)
       << errorOf("bad");
@@ -192,6 +194,9 @@ TEST_F(GivenBoxesFile, Errors)
   folder_.write("weak.txt", "2 -1 Car 0 0 -10 0 0 0 0 1.5 1.8 4.2 10 1 -0.95 0.1 0.7\n");
   min_score_ = 0.8;
   EXPECT_NE(errorOf("weak.txt").find("boxes.min_score"), std::string::npos) << errorOf("weak.txt");
+  folder_.write("calib.txt", "P2: 1 0 0\n");
+  calib_ = "calib.txt";
+  EXPECT_EQ(0U, errorOf("weak.txt").rfind("boxes.calib: ", 0)) << errorOf("weak.txt");
 }
 }  // namespace
 }  // namespace dyslam

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "DyloScanMatcher.h"
 
+#include <dyslam/base/Error.h>
 #include <dyslam/base/SharedFiles.h>
 #include <dyslam/core/ScanParts.h>
 
@@ -17,12 +18,18 @@ namespace dyslam
 namespace
 {
 constexpr std::size_t fewest_matches = 50;
+
+/** The network with the weights of the options. \throws UserError. */
+DyloMatcher matcherFor(const DyloOptions& options)
+{
+  const char* setting = "dylo.weights";
+  const std::string file = findGivenOrShared(options.weights, "models", ".safetensors", setting);
+  return namingSetting(setting, file, [&] { return DyloMatcher(file, options.threads); });
+}
 }  // namespace
 
 DyloScanMatcher::DyloScanMatcher(const DyloOptions& options)
-    : options_(options),
-      matcher_(findGivenOrShared(options.weights, "models", ".safetensors", "dylo.weights"),
-               options.threads)
+    : options_(options), matcher_(matcherFor(options))
 {
 }
 
