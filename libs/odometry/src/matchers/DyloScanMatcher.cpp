@@ -2,6 +2,7 @@
 #include "DyloScanMatcher.h"
 
 #include <dyslam/base/Error.h>
+#include <dyslam/base/Printable.h>
 #include <dyslam/base/SharedFiles.h>
 #include <dyslam/core/ScanParts.h>
 
@@ -61,7 +62,7 @@ std::string DyloScanMatcher::extract(const Frame& frame)
   const std::size_t usable = options_.deskew
                                  ? matcher_.setCurrent(points_, frame.cloud.phase, T_sweep)
                                  : matcher_.setCurrent(points_);
-  return usable < fewest_matches ? "only " + std::to_string(usable) + " points within range"
+  return usable < fewest_matches ? "only " + counted(usable, "point") + " within range"
                                  : std::string();
 }
 
@@ -70,7 +71,7 @@ std::string DyloScanMatcher::doubts(const DyloMatch& match) const
   char text[120];
   if (match.matched < fewest_matches)
   {
-    return "only " + std::to_string(match.matched) + " matches";
+    return "only " + std::to_string(match.matched) + (match.matched == 1 ? " match" : " matches");
   }
   const double share = static_cast<double>(match.inliers) / static_cast<double>(match.sampled);
   if (share < options_.min_inlier_share)
