@@ -26,8 +26,8 @@ void report(const ConversionResult& result, const std::string& output, bool are_
   {
     std::cerr << "warning: " << printable(warning) << '\n';
   }
-  std::cout << output << ": " << counted(result.scans, "scan") << ", " << result.points
-            << " points";
+  std::cout << output << ": " << counted(result.scans, "scan") << ", "
+            << counted(result.points, "point");
   if (result.poses + result.label_files + result.boxes > 0)
   {
     std::cout << "; "

@@ -4,6 +4,7 @@
 #include <dyslam/base/Error.h>
 #include <dyslam/base/Files.h>
 #include <dyslam/base/PendingFile.h>
+#include <dyslam/base/Printable.h>
 #include <dyslam/batch/SlurmJob.h>
 
 #include <filesystem>
@@ -48,8 +49,8 @@ void submitToSlurm(const Arguments& a, const std::vector<Recording>& recordings)
   makeFolder(job.output + "/slurm", "choose another --output");
   writeWhole(job.list, list);
   const SubmittedJob numbers = submit(job);
-  std::cout << recordings.size() << " recordings in job " << numbers.array << ", " << job.tasks
-            << " tasks; job " << numbers.gather << " gathers into " << job.output
-            << "/index.html; logs in " << job.output << "/slurm\n";
+  std::cout << counted(recordings.size(), "recording") << " in job " << numbers.array << ", "
+            << counted(job.tasks, "task") << "; job " << numbers.gather << " gathers into "
+            << job.output << "/index.html; logs in " << job.output << "/slurm\n";
 }
 }  // namespace dyslam::batch

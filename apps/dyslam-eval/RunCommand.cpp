@@ -3,12 +3,14 @@
 
 #include <dyslam/base/Error.h>
 #include <dyslam/base/Printable.h>
+#include <dyslam/base/Words.h>
 #include <dyslam/benchmarks/RunTables.h>
 
 #include <filesystem>
 #include <iostream>
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "MetricFlags.h"
@@ -55,6 +57,35 @@ std::vector<std::string> runsAmong(const std::vector<std::string>& folders)
   return runs;
 }
 
+/** The scores of runs; of several, those that cannot be read are left out, with a note on each.
+ * \param failed their folders \throws UserError if none can be read. */
+std::vector<RunScores> scoresOfAll(const std::vector<std::string>& folders,
+                                   const RunArguments& a,
+                                   std::vector<std::string>& failed)
+{
+  const auto names = shortNames(folders);
+  std::vector<RunScores> runs;
+  for (std::size_t i = 0; i < folders.size(); ++i)
+  {
+    try
+    {
+      RunScores scores = scoresOf(folders[i], a.truth, a.metrics.options(), printNote);
+      scores.name = names[i];
+      runs.push_back(std::move(scores));
+    }
+    catch (const UserError& error)
+    {
+      failed.push_back(folders[i]);
+      if (failed.size() == folders.size())
+      {
+        throw;
+      }
+      printNote(printable(folders[i]) + ": not evaluated: " + printable(error.what()));
+    }
+  }
+  return runs;
+}
+
 void evaluateRuns(const RunArguments& a)
 {
   if (!a.truth.empty() && !fs::is_directory(a.truth))
@@ -62,13 +93,8 @@ void evaluateRuns(const RunArguments& a)
     throw UserError("--truth " + a.truth + ": is not a folder");
   }
   const auto folders = runsAmong(a.folders);
-  const auto names = shortNames(folders);
-  std::vector<RunScores> runs;
-  for (std::size_t i = 0; i < folders.size(); ++i)
-  {
-    runs.push_back(scoresOf(folders[i], a.truth, a.metrics.options(), printNote));
-    runs.back().name = names[i];
-  }
+  std::vector<std::string> failed;
+  const std::vector<RunScores> runs = scoresOfAll(folders, a, failed);
   a.output.write(runTable(runs), runJson(runs));
   std::cout << splitLines(runs) << truthLines(runs) << warningLines(runs);
   if (const auto consistencies = consistenciesOf(runs); !consistencies.empty())
@@ -79,6 +105,11 @@ void evaluateRuns(const RunArguments& a)
   if (stages.rows() > 0)
   {
     std::cout << '\n' << stages.toText();
+  }
+  if (!failed.empty())
+  {
+    throw UserError(std::to_string(failed.size()) + " of " + counted(folders.size(), "run") +
+                    " not evaluated: " + joined(failed));
   }
 }
 }  // namespace

@@ -49,9 +49,10 @@ void recordOne(const Recording& recording, bool force, bool quiet)
     progress.finish(result.scans);
   }
   std::printf(
-      "%s: %s, %zu points (%.1f %% moving), %s observed, %.1f m travelled, loop %.1f m; ground "
+      "%s: %s, %s (%.1f %% moving), %s observed, %.1f m travelled, loop %.1f m; ground "
       "truth in %s\n",
-      recording.output.c_str(), counted(result.scans, "scan").c_str(), result.points,
+      recording.output.c_str(), counted(result.scans, "scan").c_str(),
+      counted(result.points, "point").c_str(),
       100.0 * static_cast<double>(result.moving_points) /
           static_cast<double>(std::max<std::size_t>(1, result.points)),
       counted(result.objects, "object").c_str(), result.distance, result.loop_length,

@@ -6,6 +6,7 @@
 #include <dyslam/train/DysegTrainer.h>
 
 #include <iostream>
+#include <optional>
 
 #include "TrainArguments.h"
 
@@ -31,7 +32,9 @@ void trainDysegCommand(const TrainArguments& arguments)
   DysegTrainer trainer(setup, output);
   if (arguments.validate_only)
   {
-    trainer.validateOnly(arguments.start, report);
+    const bool has_grid = !config.section("grid").empty();
+    trainer.validateOnly(arguments.start,
+                         has_grid ? std::optional<BevOptions>(setup.grid) : std::nullopt, report);
     return;
   }
   if (arguments.resume)

@@ -73,7 +73,7 @@ TEST_F(BadFiles, MapsOfPosesAndLabelsThatDoNotFit)
                 {"000004.label: no such file", "--labels of this recording"});
   write("other_labels/000004.label", "1234");
   expectRefusal("dyslam-map", part + output + " --labels " + at("other_labels"),
-                {"000004.label: has 1 labels"});
+                {"000004.label: has 1 label,"});
   expectRefusal("dyslam-map",
                 part + " --labelled-map " + at("ref") + " --labels " + at("no_labels"),
                 {"ref: the ending is none of .ply"});

@@ -311,6 +311,38 @@ TEST(Runs, ThoseAmongOtherFoldersAreEvaluated)
   EXPECT_TRUE(contains(none.err, "none of the 2 folders is that of a run")) << none.err;
 }
 
+TEST(Runs, OneWithADamagedReportDoesNotEndTheTable)
+{
+  const TestFolder folder;
+  for (const std::string name : {"a", "broken", "c"})
+  {
+    folder.write(name + "/trajectory_tum.txt", posesOf(3));
+    folder.write(name + "/reference_tum.txt", posesOf(3));
+    folder.write(name + "/report.json", name == "broken" ? "{ \"frames\": " : "{\"frames\": 3}");
+  }
+  const auto evaluate = [&](const std::string& names)
+  {
+    std::string arguments = "run --csv " + folder.file("t.csv");
+    std::istringstream words(names);
+    for (std::string name; words >> name;)
+    {
+      arguments += " " + folder.file(name);
+    }
+    return runProgram("dyslam-eval", arguments, folder.path());
+  };
+  const Outcome some = evaluate("broken a c");
+  EXPECT_EQ(1, some.code);
+  EXPECT_TRUE(contains(some.err, "broken/report.json: is not the JSON report")) << some.err;
+  EXPECT_TRUE(contains(some.err, "1 of 3 runs not evaluated: " + folder.file("broken") + "\n"))
+      << some.err;
+  const std::string table = contentOf(folder.file("t.csv"));
+  EXPECT_TRUE(contains(table, "\na,final,3,") && contains(table, "\nc,final,3,")) << table;
+  EXPECT_FALSE(contains(table, "broken")) << table;
+  const Outcome none = evaluate("broken broken");
+  EXPECT_EQ(1, none.code);
+  EXPECT_TRUE(contains(none.err, "dyslam-eval: " + folder.file("broken/report.json"))) << none.err;
+}
+
 TEST(TrajectoryPaths, NeedNoReference)
 {
   const TestFolder folder;

@@ -241,7 +241,7 @@ TEST(MapSelf, SaysWhatCannotBeCompared)
                                        (folder / "kitti.txt").string(),
                                    folder.string());
   EXPECT_EQ(kitti.code, 1);
-  EXPECT_NE(kitti.err.find("has 1 poses, but 3 scans"), std::string::npos) << kitti.err;
+  EXPECT_NE(kitti.err.find("has 1 pose, but 3 scans"), std::string::npos) << kitti.err;
 
   const Outcome neither = runProgram("dyslam-eval", "map --estimate " + elsewhen, folder.string());
   EXPECT_EQ(neither.code, 1);

@@ -51,8 +51,14 @@ struct Config::Parser
     {
       throw UserError(path + ": no such config file; give an existing .ini with --config");
     }
+    const std::string text = readWhole(path);
+    if (text.find_first_not_of(std::string(" \t\r\n\0", 5)) == std::string::npos)
+    {
+      // As a power cut may leave it; it would be read as all defaults.
+      throw UserError(path + ": is empty; restore it, or give another .ini");
+    }
     chain.push_back(path);
-    Config config = read(readWhole(path), fs::path(path).filename().string());
+    Config config = read(text, fs::path(path).filename().string());
     chain.pop_back();
     return config;
   }

@@ -319,5 +319,26 @@ TEST(Config, MissingFileIsAnError)
 {
   EXPECT_THROW((void)Config::fromFile("/nowhere/x.ini"), UserError);
 }
+
+TEST(Config, EmptyFileIsAnError)
+{
+  const fs::path file = fs::path(::testing::TempDir()) / "empty.ini";
+  for (const std::string& text : {std::string(), std::string("\n \n"), std::string(100, '\0')})
+  {
+    std::ofstream(file) << text;
+    try
+    {
+      (void)Config::fromFile(file.string());
+      ADD_FAILURE() << text.size();
+    }
+    catch (const UserError& error)
+    {
+      EXPECT_EQ(file.string() + ": is empty; restore it, or give another .ini", error.what());
+    }
+  }
+  std::ofstream(file) << "# all defaults\n";
+  EXPECT_NO_THROW((void)Config::fromFile(file.string()));
+  fs::remove(file);
+}
 }  // namespace
 }  // namespace dyslam

@@ -8,6 +8,7 @@
 #include <dyslam/formats/ProgramLines.h>
 
 #include <algorithm>
+#include <array>
 #include <atomic>
 #include <chrono>
 #include <condition_variable>
@@ -16,6 +17,7 @@
 #include <filesystem>
 #include <mutex>
 #include <optional>
+#include <string_view>
 #include <thread>
 
 #include "OneRun.h"
@@ -27,6 +29,22 @@ namespace
 // A run on street64 with the network takes 0.9 GB, one of 1700 m 2 GB.
 constexpr std::uint64_t first_estimate = std::uint64_t{2} << 30U;
 constexpr double share_of_available = 0.9;
+
+/** Settings that name files, which are the same for all runs. Errors about these files begin with
+ * the setting. */
+constexpr std::array<std::string_view, 5> file_settings{"boxes.calib", "boxes.file", "dyseg.labels",
+                                                        "dyseg_network.weights", "dylo.weights"};
+
+/** Whether the error message of a run is about a file that a setting names. */
+bool isAboutFileOfSetting(const std::string& message)
+{
+  return std::any_of(file_settings.begin(), file_settings.end(),
+                     [&message](std::string_view setting)
+                     {
+                       return message.compare(0, setting.size(), setting) == 0 &&
+                              message.find_first_of(":= ", setting.size()) == setting.size();
+                     });
+}
 
 struct Task
 {
@@ -87,12 +105,21 @@ class Runner
  private:
   [[nodiscard]] bool stopped() const { return refused_ || (watch_.stop && watch_.stop()); }
 
-  /** The error message of a run that failed because of settings that all runs have in common;
-   * nothing for other results. */
+  /** The error message of a run that failed because of what all runs have in common: their
+   * settings, or a program that cannot be run; nothing for other results. */
   [[nodiscard]] std::optional<std::string> refusalOf(const Manifest& m) const
   {
+    if (m.state != State::failed)
+    {
+      return std::nullopt;
+    }
+    if (m.reason.rfind(settings_.program + ": ", 0) == 0)  // of runChild() or the loader
+    {
+      return m.reason;
+    }
     const auto message = messageOfErrorLine(program_name, m.reason);
-    return m.state == State::failed && message && isAboutSettings(*message, settings_.config)
+    return message &&
+                   (isAboutSettings(*message, settings_.config) || isAboutFileOfSetting(*message))
                ? message
                : std::nullopt;
   }

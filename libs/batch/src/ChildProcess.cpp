@@ -24,11 +24,18 @@ namespace
 {
 constexpr int not_started = 127;
 
-/** The child after fork(), where only async-signal-safe calls are allowed. Never returns. */
-[[noreturn]] void become(char* const* arguments,
-                         const char* log,
-                         const cpu_set_t* cores,
-                         pid_t parent)
+/** Ends the child, which could not become the program, and writes the error number to the pipe. */
+[[noreturn]] void reportAndEnd(int pipe)
+{
+  const int error = errno;
+  [[maybe_unused]] const auto written = ::write(pipe, &error, sizeof error);
+  ::_exit(not_started);
+}
+
+/** The child after fork(), where only async-signal-safe calls are allowed.
+ * \param failure pipe for the number of an error */
+[[noreturn]] void become(
+    char* const* arguments, const char* log, const cpu_set_t* cores, pid_t parent, int failure)
 {
   ::prctl(PR_SET_PDEATHSIG, SIGKILL);
   if (::getppid() != parent)
@@ -44,15 +51,47 @@ constexpr int not_started = 127;
   const int in = ::open("/dev/null", O_RDONLY);
   if (out < 0 || in < 0 || ::dup2(in, 0) < 0 || ::dup2(out, 1) < 0 || ::dup2(out, 2) < 0)
   {
-    ::_exit(not_started);
+    reportAndEnd(failure);
   }
   if (CPU_COUNT(cores) > 0)
   {
     ::sched_setaffinity(0, sizeof *cores, cores);
   }
   ::execv(arguments[0], arguments);
-  ::_exit(not_started);
+  reportAndEnd(failure);
 }
+
+/** A pipe in which a child writes why it could not become the program; closed by exec(). */
+class FailurePipe
+{
+ public:
+  /** \throws UserError. */
+  explicit FailurePipe(const std::string& program)
+  {
+    if (::pipe2(ends_, O_CLOEXEC | O_NONBLOCK) != 0)
+    {
+      throw UserError(program + ": cannot be started: " + std::strerror(errno));
+    }
+  }
+  ~FailurePipe()
+  {
+    ::close(ends_[0]);
+    ::close(ends_[1]);
+  }
+  FailurePipe(const FailurePipe&) = delete;
+  FailurePipe& operator=(const FailurePipe&) = delete;
+
+  [[nodiscard]] int writeEnd() const { return ends_[1]; }
+  /** The error number that the child wrote; 0 if it became the program. */
+  [[nodiscard]] int error() const
+  {
+    int number = 0;
+    return ::read(ends_[0], &number, sizeof number) == sizeof number ? number : 0;
+  }
+
+ private:
+  int ends_[2] = {-1, -1};
+};
 }  // namespace
 
 ChildOutcome runChild(const ChildCommand& command, const std::function<bool()>& stop)
@@ -75,6 +114,7 @@ ChildOutcome runChild(const ChildCommand& command, const std::function<bool()>& 
     CPU_SET(static_cast<std::size_t>(core), &cores);
   }
   const auto start = std::chrono::steady_clock::now();
+  const FailurePipe failure(command.words[0]);
   const pid_t parent = ::getpid();
   const pid_t child = ::fork();
   if (child < 0)
@@ -83,7 +123,7 @@ ChildOutcome runChild(const ChildCommand& command, const std::function<bool()>& 
   }
   if (child == 0)
   {
-    become(arguments.data(), command.log.c_str(), &cores, parent);
+    become(arguments.data(), command.log.c_str(), &cores, parent, failure.writeEnd());
   }
   int status = 0;
   struct rusage usage = {};
@@ -99,6 +139,10 @@ ChildOutcome runChild(const ChildCommand& command, const std::function<bool()>& 
   if (ended < 0)  // where SIGCHLD is ignored, the exit status is lost
   {
     throw UserError(command.words[0] + ": cannot wait for it: " + std::strerror(errno));
+  }
+  if (const int error = failure.error(); error != 0)
+  {
+    throw UserError(command.words[0] + ": cannot be run: " + std::strerror(error));
   }
   ChildOutcome outcome;
   outcome.code = WIFEXITED(status) ? WEXITSTATUS(status) : -1;

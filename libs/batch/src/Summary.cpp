@@ -5,6 +5,7 @@
 #include <dyslam/base/SharedFiles.h>
 #include <dyslam/batch/ChildProcess.h>
 #include <dyslam/batch/Summary.h>
+#include <dyslam/formats/ProgramLines.h>
 
 #include <filesystem>
 #include <nlohmann/json.hpp>
@@ -52,7 +53,8 @@ void writeJson(const std::string& path, const std::vector<BatchResult>& results)
   writeWhole(path, json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n");
 }
 
-/** Runs dyslam-eval on the results. \returns the first of its tables. */
+/** Runs dyslam-eval on the results. \returns the first of its tables \throws UserError if runs
+ * could not be evaluated; the table has the others then. */
 std::string evaluate(const BatchSettings& settings,
                      const std::vector<BatchResult>& results,
                      const std::string& evaluation)
@@ -80,19 +82,25 @@ std::string evaluate(const BatchSettings& settings,
                                              (folder / "table.json").string()});
   command.log = (folder / "table.log").string();
   const ChildOutcome outcome = runChild(command);
-  const std::string printed = readWhole(command.log);
-  if (outcome.code != 0)
-  {
-    throw UserError(command.log + ": dyslam-eval could not evaluate the runs; it says why");
-  }
-  fs::remove(command.log);
+  const bool has_table = fs::exists(folder / "table.json");  // of the runs that can be read
   std::string table;
-  std::istringstream lines(printed);
+  std::istringstream lines(has_table ? readWhole(command.log) : "");
   for (std::string line; std::getline(lines, line);)
   {
-    table += line.rfind("note: ", 0) == 0 ? "" : line + "\n";
+    const bool is_about_files =
+        line.rfind("note: ", 0) == 0 || messageOfErrorLine("dyslam-eval", line).has_value();
+    table += is_about_files ? "" : line + "\n";
   }
-  writeWhole((folder / "table.txt").string(), table);
+  if (has_table)
+  {
+    writeWhole((folder / "table.txt").string(), table);
+  }
+  if (outcome.code != 0)
+  {
+    throw UserError(command.log + ": dyslam-eval could not evaluate " +
+                    (has_table ? "some of the runs" : "the runs") + "; it says why");
+  }
+  fs::remove(command.log);
   return table.substr(0, table.find("\n\n") + 1);
 }
 }  // namespace

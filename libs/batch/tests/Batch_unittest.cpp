@@ -263,6 +263,33 @@ TEST_F(Batch, SettingsThatAreRefusedEndItAtOnce)
   EXPECT_TRUE(contains(messageOfError<UserError>([&] { run(); }), "my.ini:2"));
 }
 
+TEST_F(Batch, FilesOfSettingsThatAreRefusedEndItAtOnce)
+{
+  settings_.jobs = 1;
+  std::size_t before = 0;
+  for (const std::string said :
+       {"boxes.file: /data/boxes.txt:1: has 5 fields", "boxes.calib is of the boxes of boxes.file",
+        "dyseg_network.weights = nope: no such file", "dylo.weights: x.safetensors: is damaged"})
+  {
+    program("echo 'dyslam: " + said + "' >&2; exit 1");
+    EXPECT_EQ(said + " (the same for every recording: nothing more was run)",
+              messageOfError<UserError>([&] { run(); }));
+    EXPECT_EQ(++before, runs()) << said;
+  }
+  program("echo 'dyslam: input.sensor_label = front: no such sensor' >&2; exit 1");
+  EXPECT_EQ(toText(countsOf(run())), "0 done, 3 failed") << "others may have it";
+}
+
+TEST_F(Batch, AProgramThatCannotBeRunEndsItAtOnce)
+{
+  folder_.write("dyslam", "no program");
+  fs::permissions(settings_.program, fs::perms::owner_all);
+  const std::string said = messageOfError<UserError>([&] { run(); });
+  EXPECT_EQ(said.rfind(settings_.program + ": cannot be run: Exec format error", 0), 0U) << said;
+  program("echo \"$0: error while loading shared libraries: libx.so\" >&2; exit 127");
+  EXPECT_TRUE(contains(messageOfError<UserError>([&] { run(); }), "libx.so"));
+}
+
 TEST_F(Batch, UselessRunHasResultsAndIsNotRepeated)
 {
   program(

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/base/Error.h>
+#include <dyslam/base/Printable.h>
 #include <dyslam/benchmarks/DetectionDeskew.h>
 #include <dyslam/benchmarks/JsonText.h>
 #include <dyslam/benchmarks/KittiMot.h>
@@ -73,8 +74,8 @@ std::vector<double> frameTimes(const KittiMotSetup& setup, const std::string& na
   std::vector<double> stamps = readTimes(path);
   if (stamps.size() < n)
   {
-    throw UserError(path + ": has " + std::to_string(stamps.size()) + " times; oxts has " +
-                    std::to_string(n) + " frames");
+    throw UserError(path + ": has " + counted(stamps.size(), "time") + "; oxts has " +
+                    counted(n, "frame"));
   }
   return stamps;
 }

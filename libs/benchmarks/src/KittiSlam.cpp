@@ -2,6 +2,7 @@
 #include <dyslam/backend/factors/LoopFactor.h>
 #include <dyslam/backend/factors/OdometryFactor.h>
 #include <dyslam/base/Error.h>
+#include <dyslam/base/Printable.h>
 #include <dyslam/benchmarks/DetectionDeskew.h>
 #include <dyslam/benchmarks/KittiSlam.h>
 #include <dyslam/benchmarks/KittiTracking.h>
@@ -92,8 +93,8 @@ KittiDrive readKittiDrive(const std::string& folder,
   if (drive.visual.size() != readings.size())
   {
     throw UserError(folder + "/orbslam3_cam0/" + file + ": has " +
-                    std::to_string(drive.visual.size()) + " poses for " +
-                    std::to_string(readings.size()) + " readings of oxts");
+                    counted(drive.visual.size(), "pose") + " for " +
+                    counted(readings.size(), "reading") + " of oxts");
   }
   drive.truth = fusedTruth(imuToLidarPoses(oxtsPoses(readings), calib.T_velo_imu), drive.visual);
   drive.detections.resize(drive.truth.size());

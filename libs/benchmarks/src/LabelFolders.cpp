@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/base/Error.h>
 #include <dyslam/base/Files.h>
+#include <dyslam/base/Printable.h>
 #include <dyslam/benchmarks/JsonText.h>
 #include <dyslam/benchmarks/LabelFolders.h>
 #include <dyslam/eval/MapMetrics.h>
@@ -88,9 +89,9 @@ std::vector<float> readProbabilities(const std::string& path, std::size_t points
   const std::string bytes = readWhole(path);
   if (bytes.size() != points * sizeof(float))
   {
-    throw UserError(path + ": has " + std::to_string(bytes.size()) + " bytes for " +
-                    std::to_string(points) +
-                    " points of 4 bytes; give the labels of the same recording");
+    throw UserError(path + ": has " + counted(bytes.size(), "byte") + " for " +
+                    counted(points, "point") +
+                    " of 4 bytes; give the labels of the same recording");
   }
   std::vector<float> values(points);
   std::memcpy(values.data(), bytes.data(), bytes.size());

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/base/Error.h>
+#include <dyslam/base/Printable.h>
 #include <dyslam/base/SharedFiles.h>
 #include <dyslam/base/Splitmix.h>
 #include <dyslam/benchmarks/JsonText.h>
@@ -58,8 +59,8 @@ std::vector<Trajectory> readTrajectories(const MapSelfArguments& a, MapListener&
       }
       if (file.trajectory.size() != stamps.size())
       {
-        throw UserError(path + ": has " + std::to_string(file.trajectory.size()) + " poses, but " +
-                        std::to_string(stamps.size()) + " scans of " + a.rawlog +
+        throw UserError(path + ": has " + counted(file.trajectory.size(), "pose") + ", but " +
+                        counted(stamps.size(), "scan") + " of " + a.rawlog +
                         " are used; give the --skip-first-n and --only-first-n that it was made "
                         "with, or a TUM file");
       }

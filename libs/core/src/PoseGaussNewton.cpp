@@ -65,7 +65,8 @@ PoseGaussNewtonResult poseGaussNewton(std::size_t count,
     {
       result.equations = NormalEquations();
       result.equations.inliers = sums.inliers;
-      result.reason = "only " + std::to_string(sums.inliers) + " matches";
+      result.reason =
+          "only " + std::to_string(sums.inliers) + (sums.inliers == 1 ? " match" : " matches");
       return result;
     }
     result.equations = sums;

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/base/Error.h>
 #include <dyslam/base/SharedFiles.h>
 #include <dyslam/base/StateArchive.h>
 #include <dyslam/dyseg/NetworkSegmenter.h>
@@ -123,15 +124,16 @@ struct NetworkSegmenter::Impl
 NetworkSegmenter::NetworkSegmenter(const NetworkSegmenterOptions& options)
 {
   validate(options, "dyseg_network");
-  impl_ = std::make_unique<Impl>(Impl{
-      options,
-      DysegModel(
-          findGivenOrShared(options.weights, "models", ".safetensors", "dyseg_network.weights"),
-          options.threads, options.device),
-      {},
-      {},
-      {},
-      {}});
+  const char* setting = "dyseg_network.weights";
+  const std::string file = findGivenOrShared(options.weights, "models", ".safetensors", setting);
+  impl_ = std::make_unique<Impl>(
+      Impl{options,
+           namingSetting(setting, file,
+                         [&] { return DysegModel(file, options.threads, options.device); }),
+           {},
+           {},
+           {},
+           {}});
 }
 
 NetworkSegmenter::~NetworkSegmenter() = default;

@@ -293,7 +293,8 @@ TEST(NetworkSegmenter, ForeignWeightsAreAClearError)
   }
   catch (const dyslam::UserError& error)
   {
-    EXPECT_NE(std::string(error.what()).find(file), std::string::npos);
+    EXPECT_EQ(std::string(error.what()).rfind("dyseg_network.weights: " + file, 0), 0U)
+        << error.what();
   }
   // The odometry's weights are not DySeg's either.
   options.weights = "dylo";

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/base/Error.h>
+#include <dyslam/base/Printable.h>
 #include <dyslam/base/Words.h>
 #include <dyslam/eval/LearningLog.h>
 
@@ -73,7 +74,7 @@ LearningLog parseLearningLog(const std::string& text, const std::string& name)
     if (cells.size() != names.size())
     {
       throw UserError(name + ": row " + std::to_string(rows.size() + 1) + " has " +
-                      std::to_string(cells.size()) + " fields, the header " +
+                      counted(cells.size(), "field") + ", the header " +
                       std::to_string(names.size()));
     }
     rows.push_back(cells);

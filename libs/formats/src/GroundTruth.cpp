@@ -106,8 +106,8 @@ std::optional<std::vector<Label>> trueLabels(const std::string& folder,
   if (labels.size() != points)
   {
     const bool may_be_of_several = labels.size() > points;
-    throw UserError(path.string() + ": has " + std::to_string(labels.size()) +
-                    " labels, but the scan has " + std::to_string(points) + " points" +
+    throw UserError(path.string() + ": has " + counted(labels.size(), "label") +
+                    ", but the scan has " + counted(points, "point") +
                     (may_be_of_several ? "; those of a recording of several lidars are of the "
                                          "points of all, which --further-lidars merges"
                                        : ""));

@@ -2,6 +2,7 @@
 #include <dyslam/base/Error.h>
 #include <dyslam/base/Files.h>
 #include <dyslam/base/PendingFile.h>
+#include <dyslam/base/Printable.h>
 #include <dyslam/formats/LabelFiles.h>
 
 #include <algorithm>
@@ -36,8 +37,8 @@ std::vector<Label> readLabels(const std::string& path, std::size_t expected)
   auto labels = readLabels(path);
   if (labels.size() != expected)
   {
-    throw UserError(path + ": has " + std::to_string(labels.size()) + " labels, but the scan has " +
-                    std::to_string(expected) + " points");
+    throw UserError(path + ": has " + counted(labels.size(), "label") + ", but the scan has " +
+                    counted(expected, "point"));
   }
   return labels;
 }

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/base/Error.h>
+#include <dyslam/base/Printable.h>
 #include <dyslam/formats/ScanTable.h>
 #include <dyslam/formats/TextFile.h>
 
@@ -40,7 +41,7 @@ class ScanTableFile
     }
     if (file_.fields().size() != columns_)
     {
-      file_.fail("has " + std::to_string(file_.fields().size()) + " fields, not " +
+      file_.fail("has " + counted(file_.fields().size(), "field") + ", not " +
                  std::to_string(columns_) + " as the first line");
     }
     return true;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/base/Error.h>
+#include <dyslam/base/Printable.h>
 #include <dyslam/formats/RecordingKind.h>
 #include <dyslam/formats/TextFile.h>
 
@@ -150,8 +151,8 @@ void TextFile::requireFields(std::size_t count, const char* what) const
 {
   if (fields_.size() != count)
   {
-    fail("has " + std::to_string(fields_.size()) + " fields, needs " + std::to_string(count) +
-         " (" + what + ")");
+    fail("has " + counted(fields_.size(), "field") + ", needs " + std::to_string(count) + " (" +
+         what + ")");
   }
 }
 

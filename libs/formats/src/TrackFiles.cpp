@@ -3,6 +3,7 @@
 #include <dyslam/formats/TextFile.h>
 #include <dyslam/formats/TrackFiles.h>
 
+#include "PoseChecks.h"
 #include "TrackLines.h"
 
 namespace dyslam
@@ -17,6 +18,7 @@ std::vector<LabelledBox> readTracks(const std::string& path)
     box.id = file.integer(1);
     box.box.size = {file.number(12), file.number(11), file.number(10)};
     box.box.centre = {file.number(13), file.number(14), file.number(15)};
+    requirePosition(file, box.box.centre);
     box.box.yaw = file.number(16);
     boxes.push_back(box);
   }

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <string>
 
+#include "PoseChecks.h"
+
 namespace dyslam
 {
 LabelledBox readTrackLine(const TextFile& file, const char* box_columns)
@@ -34,6 +36,7 @@ CameraBox cameraBoxFrom(const TextFile& file, std::size_t first)
   box.length = file.number(first + 2);
   box.bottom = {file.number(first + 3), file.number(first + 4), file.number(first + 5)};
   box.ry = file.number(first + 6);
+  requirePosition(file, box.bottom);
   return box;
 }
 

@@ -11,7 +11,7 @@
 #include <cstddef>
 #include <fstream>
 
-#include "RotationCheck.h"
+#include "PoseChecks.h"
 
 namespace dyslam
 {
@@ -33,6 +33,7 @@ Pose poseFromRow(const TextFile& file, const std::vector<double>& row)
   {
     file.fail("columns 1-3, 5-7, 9-11 are not a rotation matrix");
   }
+  requirePosition(file, pose.translation());
   return orthonormalised(pose);
 }
 
@@ -47,6 +48,7 @@ void appendPose(const TextFile& file,
   {
     file.fail("the quaternion's length is not 1");
   }
+  requirePosition(file, position);
   const double last = trajectory.empty() ? stamp : trajectory[trajectory.size() - 1].stamp;
   if (stamp < last)
   {

@@ -226,6 +226,13 @@ TEST(TrajectoryFiles, ErrorsNameFileAndLine)
               "a:2: 'nan' is not a finite number");
   expectError([&] { (void)readTum(folder.write("a", good + "2 0 -1e999 0 0 0 0 1\n")); },
               "a:2: '-1e999' is too large a number");
+  expectError([&] { (void)readTum(folder.write("a", good + "2 0 1e200 0 0 0 0 1\n")); },
+              "a:2: the position is more than 1e12 m from the origin; coordinates are in metres");
+  expectError([&] { (void)readKittiPoses(folder.write("a", "1 0 0 0 0 1 0 -2e12 0 0 1 0\n")); },
+              "a:1: the position is more than 1e12 m");
+  expectError(
+      [&] { (void)readTracks(folder.write("a", "0 1 Car 0 0 -10 0 0 0 0 1 2 3 4 5 1e13 0\n")); },
+      "a:1: the position is more than 1e12 m");
   EXPECT_EQ(0, readTum(folder.write("a", "1 0 1e-999 0 0 0 0 1\n"))[0].pose.translation().y());
   expectError([&] { (void)readTum(folder.write("a", good + "2 0 0 0 0 0 0 2\n")); },
               "a:2: the quaternion's length");

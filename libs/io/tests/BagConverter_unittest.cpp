@@ -405,7 +405,7 @@ TEST(BagConverter, HesaiPacketsThatAreNotDecodedAreNamed)
       bag, {{"/lidar_packets", "pandar_msgs/PandarScan", 1000,
              test::hesaiMessage(true, 1000, {{1000, packet}}, test::HesaiMessage::pandar_scan)}});
   const std::string message = messageOfError<UserError>([&] { (void)convertedBag(folder, bag); });
-  EXPECT_TRUE(contains(message, "1 packets are of a Hesai AT128, which are not decoded"))
+  EXPECT_TRUE(contains(message, "left out 1 packet of a Hesai AT128, which are not decoded"))
       << message;
 }
 

@@ -312,7 +312,7 @@ TEST(ObjectLayout, ObjectsOfANewerMrptAreCalledSo)
                                    " of version 12, written by a newer MRPT than 2.5.8; "))
         << text;
     const std::string damaged = said(xyzi + ofVersion(xyzi, class_name, 116));
-    EXPECT_TRUE(contains(damaged, "is damaged after 1 objects: a " + std::string(class_name) +
+    EXPECT_TRUE(contains(damaged, "is damaged after 1 object: a " + std::string(class_name) +
                                       " of version 116, which is not known; copy or record"))
         << damaged;
   }

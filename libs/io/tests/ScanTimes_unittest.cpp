@@ -156,7 +156,7 @@ TEST(ScanTimes, CountedNamesAndTimesOfAFile)
   EXPECT_TRUE(contains(
       messageOfError<UserError>(
           [&] { (void)convertScans(folder.file("in"), folder.file("x.rawlog"), options); }),
-      "has 1 times, but there are 2 scans"));
+      "has 1 time, but there are 2 scans"));
 }
 
 TEST(ScanTimes, GapsInTheNumbersOfFiles)

@@ -39,8 +39,8 @@ Trajectory withScanTimes(const Trajectory& poses,
   if (poses.size() != scans.size() && poses.size() != in_file)
   {
     throw UserError(recording.trajectory + ": has " + counted(poses.size(), "pose") + ", but " +
-                    std::to_string(scans.size()) + " scans are used and " + recording.rawlog +
-                    " has " + std::to_string(in_file) +
+                    counted(scans.size(), "scan") + (scans.size() == 1 ? " is" : " are") +
+                    " used and " + recording.rawlog + " has " + std::to_string(in_file) +
                     "; give the run's --skip-first-n, --only-first-n, --start and --end, or its "
                     "trajectory_tum.txt");
   }

@@ -152,6 +152,10 @@ TEST_F(RunFolderTest, WhatIsNoRunIsNamed)
     EXPECT_TRUE(contains(said("tuesday"), std::string("has no ") + file)) << said("tuesday");
     fs::rename(name + ".gone", name);
   }
+  folder.write("tuesday/effective.ini", "");
+  EXPECT_TRUE(contains(messageOfError<UserError>(
+                           [&] { (void)Config::fromFile(settingsOfRun(folder.file("tuesday"))); }),
+                       "tuesday/effective.ini: is empty"));
   folder.write("tuesday/resume.state", "");
   fs::remove(folder.file("tuesday/motions.csv"));
   EXPECT_TRUE(contains(said("tuesday"),

@@ -338,7 +338,7 @@ TEST_F(Dylo, SaysWhichWeightsFileIsMissingOrNone)
   const std::string other = testing::TempDir() + "no_weights.safetensors";
   std::ofstream(other) << "not a model";
   const std::string message = messageOf(other);
-  EXPECT_NE(message.find("is no file of weights"), std::string::npos) << message;
+  EXPECT_EQ(0U, message.rfind("dylo.weights: " + other + ": is no file of weights", 0)) << message;
   EXPECT_EQ(message.find('\n'), std::string::npos);
   // The weights of another network.
   EXPECT_NE(messageOf("dyseg.safetensors").find("is not a DyLO model"), std::string::npos);

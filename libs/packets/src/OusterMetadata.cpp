@@ -214,8 +214,7 @@ void readBeams(const Values& values, OusterMetadata& metadata)
   const std::size_t beams = metadata.altitudes.size();
   if (beams == 0 || beams > most_beams)
   {
-    values.fail(altitudes_name,
-                "has " + std::to_string(beams) + " angles, one of each beam needed");
+    values.fail(altitudes_name, "has " + counted(beams, "angle") + ", one of each beam needed");
   }
   if (metadata.azimuths.size() != beams)
   {

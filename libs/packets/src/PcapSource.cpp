@@ -399,7 +399,7 @@ std::optional<Scan> PcapSource::next()
   if (!scan && !impl_->capture.damage().empty())
   {
     throw UserError(impl_->path + ": is cut short or damaged after " +
-                    std::to_string(impl_->taken) + " packets: " + impl_->capture.damage());
+                    counted(impl_->taken, "packet") + ": " + impl_->capture.damage());
   }
   return scan;
 }

@@ -20,9 +20,9 @@ std::string requireLabels(const std::string& folder)
   const auto labels = labelFolderOf(folder);
   if (!labels && !folder.empty())
   {
-    throw UserError(folder +
-                    ": has no labels (dyseg.labels); give the folder of a run with --labels, or of "
-                    "NNNNNN.label files, one for each scan");
+    throw UserError("dyseg.labels: " + folder +
+                    ": has no labels; give the folder of a run with --labels, or of NNNNNN.label "
+                    "files, one for each scan");
   }
   return labels.value_or("");
 }

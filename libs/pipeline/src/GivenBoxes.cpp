@@ -3,6 +3,8 @@
 
 #include <dyslam/base/Error.h>
 #include <dyslam/base/Files.h>
+#include <dyslam/base/Printable.h>
+#include <dyslam/base/Words.h>
 #include <dyslam/formats/KittiTracks.h>
 #include <dyslam/formats/TextFile.h>
 #include <dyslam/formats/TrackFiles.h>
@@ -11,6 +13,8 @@
 #include <algorithm>
 #include <filesystem>
 #include <optional>
+
+#include "DetectorClasses.h"
 
 namespace dyslam
 {
@@ -30,13 +34,13 @@ std::vector<LabelledBox> readFolder(const std::string& folder,
       const auto [known, is_first] = files.emplace(*scan, file);
       if (!is_first)
       {
-        throw UserError(file + ": is of the same scan as " + known->second + " (boxes.file)");
+        throw UserError(file + ": is of the same scan as " + known->second);
       }
     }
   }
   if (files.empty())
   {
-    throw UserError(folder + ": has no NNNNNN.txt with the boxes of a scan (boxes.file)");
+    throw UserError(folder + ": has no NNNNNN.txt with the boxes of a scan");
   }
   std::vector<LabelledBox> boxes;
   for (const auto& [scan, file] : files)
@@ -71,13 +75,17 @@ std::vector<LabelledBox> readBoxes(const GivenBoxesOptions& options)
   if (!options.calib.empty())
   {
     requireThere("calib", options.calib);
-    T_cam_velo = readKittiCalib(options.calib).T_cam_velo;
+    T_cam_velo = namingSetting("boxes.calib", options.calib,
+                               [&] { return readKittiCalib(options.calib).T_cam_velo; });
   }
-  if (fs::is_directory(options.file))
-  {
-    return readFolder(options.file, T_cam_velo);
-  }
-  return T_cam_velo ? readDetections(options.file, *T_cam_velo) : readTracks(options.file);
+  return namingSetting("boxes.file", options.file,
+                       [&]
+                       {
+                         return fs::is_directory(options.file)
+                                    ? readFolder(options.file, T_cam_velo)
+                                : T_cam_velo ? readDetections(options.file, *T_cam_velo)
+                                             : readTracks(options.file);
+                       });
 }
 }  // namespace
 
@@ -101,23 +109,39 @@ GivenBoxes::GivenBoxes(const GivenBoxesOptions& options, const DetectionNoiseOpt
   bool has_flat = false;
   for (LabelledBox& box : readBoxes(options))
   {
-    if (box.frame >= 0 && box.score >= options.min_score && box.type != "DontCare")
+    const std::optional<ObjectClass> object_class = classFromDetector(box.type);
+    const bool counts = box.frame >= 0 && box.score >= options.min_score && box.type != "DontCare";
+    if (counts && !object_class)
     {
-      has_flat = has_flat || !hasExtent(box);
-      if (hasExtent(box))
-      {
-        boxes_[static_cast<std::size_t>(box.frame)].push_back(std::move(box));
-      }
+      ++immobile_;
+      immobile_names_.insert(box.type);
+    }
+    else if (counts && !hasExtent(box))
+    {
+      has_flat = true;
+    }
+    else if (counts)
+    {
+      box.object_class = *object_class;
+      boxes_[static_cast<std::size_t>(box.frame)].push_back(std::move(box));
     }
   }
   if (boxes_.empty())
   {
     throw UserError("boxes.file: " + options.file + ": has no boxes" +
-                    (has_flat ? " with a height, width and length above 0"
+                    (has_flat        ? " with a height, width and length above 0"
+                     : immobile_ > 0 ? " of things that can move"
                      : options.min_score > GivenBoxesOptions().min_score
                          ? " with a score of at least boxes.min_score"
                          : ""));
   }
+}
+
+std::string GivenBoxes::warning() const
+{
+  return immobile_ == 0 ? ""
+                        : "boxes.file: left out " + counted(immobile_, "detection") +
+                              " of things that cannot move (" + joined(immobile_names_) + ")";
 }
 
 void GivenBoxes::detect(Frame& frame) const

@@ -6,7 +6,9 @@
 #include <dyslam/pipeline/GivenBoxesOptions.h>
 #include <dyslam/tracking/DetectionNoise.h>
 
+#include <cstddef>
 #include <map>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -17,9 +19,13 @@ class GivenBoxes
 {
  public:
   /** Reads a file as readTracks() does, with a calibration as readDetections() does, or a folder of
-   * NNNNNN.txt in KITTI's object layout. Boxes without extent are left out. \throws UserError for
-   * files that cannot be read, and if there are no boxes. */
+   * NNNNNN.txt in KITTI's object layout. Classes as classFromDetector(). Boxes without extent or of
+   * things that cannot move are left out. \throws UserError for files that cannot be read, and if
+   * there are no boxes. */
   GivenBoxes(const GivenBoxesOptions& options, const DetectionNoiseOptions& noise);
+
+  /** Which boxes are left out because such things cannot move; empty if none are. */
+  [[nodiscard]] std::string warning() const;
 
   /** Sets the detections of a frame to the boxes of its index. Reads cloud and T_vehicle_lidar. */
   void detect(Frame& frame) const;
@@ -30,6 +36,8 @@ class GivenBoxes
 
  private:
   std::map<std::size_t, std::vector<LabelledBox>> boxes_;  //!< by Frame::index, lidar frame
+  std::size_t immobile_ = 0;              //!< number of boxes of things that cannot move
+  std::set<std::string> immobile_names_;  //!< their classes, as in the file
   DetectionNoiseOptions noise_;
 };
 }  // namespace dyslam

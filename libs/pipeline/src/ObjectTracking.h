@@ -7,6 +7,7 @@
 #include <dyslam/tracking/Tracker.h>
 
 #include <optional>
+#include <string>
 
 #include "GivenBoxes.h"
 
@@ -24,6 +25,8 @@ class ObjectTracking
 
   /** Whether boxes of another program are used instead of the detector's. */
   [[nodiscard]] bool hasGivenBoxes() const { return boxes_.has_value(); }
+  /** GivenBoxes::warning(); empty without boxes of another program. */
+  [[nodiscard]] std::string warning() const { return boxes_ ? boxes_->warning() : ""; }
 
   /** Sets detections and objects of the frame. Frames come in order of time. */
   void update(Frame& frame);

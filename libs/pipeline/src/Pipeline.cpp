@@ -218,6 +218,10 @@ std::vector<std::string> Pipeline::warnings() const
   std::vector<std::string> result = stages_->front_end.warnings();
   const std::vector<std::string> more = stages_->backend.warnings();
   result.insert(result.end(), more.begin(), more.end());
+  if (const std::string warning = stages_->tracking.warning(); !warning.empty())
+  {
+    result.push_back(warning);
+  }
   if (const std::string& problem = stages_->keyframes.memory().file->problem(); !problem.empty())
   {
     result.push_back(problem);

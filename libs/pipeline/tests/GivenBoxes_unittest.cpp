@@ -6,7 +6,10 @@
 
 #include <filesystem>
 #include <string>
+#include <utility>
+#include <vector>
 
+#include "../src/DetectorClasses.h"
 #include "TestFolder.h"
 
 namespace dyslam
@@ -72,6 +75,62 @@ TEST_F(GivenBoxesFile, AreDetectionsWithTheirPoints)
   EXPECT_TRUE(frame.detections.empty());
 }
 
+/** Names of KITTI, nuScenes, Waymo and Autoware. */
+TEST(DetectorClasses, OfCommonDetectors)
+{
+  const std::vector<std::pair<ObjectClass, std::vector<std::string>>> known{
+      {ObjectClass::car,
+       {"Car", "car", "CAR", "vehicle.car", "TYPE_VEHICLE", "Vehicle", "vehicle.emergency.police"}},
+      {ObjectClass::van, {"Van"}},
+      {ObjectClass::truck,
+       {"truck", "TRUCK", "vehicle.truck", "trailer", "TRAILER", "vehicle.trailer",
+        "construction_vehicle", "vehicle.construction"}},
+      {ObjectClass::bus, {"bus", "BUS", "vehicle.bus.rigid", "vehicle.bus.bendy"}},
+      {ObjectClass::motorcyclist, {"motorcycle", "MOTORCYCLE", "vehicle.motorcycle"}},
+      {ObjectClass::cyclist, {"bicycle", "BICYCLE", "vehicle.bicycle", "Cyclist", "TYPE_CYCLIST"}},
+      {ObjectClass::pedestrian,
+       {"pedestrian", "Pedestrian", "PEDESTRIAN", "TYPE_PEDESTRIAN", "Person_sitting",
+        "human.pedestrian.adult", "human.pedestrian.construction_worker"}},
+      {ObjectClass::unknown,
+       {"Misc", "Tram", "animal", "movable_object.debris", "TYPE_UNKNOWN", "", ".", "type_"}}};
+  for (const auto& [object_class, names] : known)
+  {
+    for (const std::string& name : names)
+    {
+      const auto found = classFromDetector(name);
+      ASSERT_TRUE(found) << name;
+      EXPECT_EQ(object_class, *found) << name;
+    }
+  }
+  for (const char* name : {"traffic_cone", "barrier", "movable_object.trafficcone", "TYPE_SIGN",
+                           "movable_object.barrier", "static_object.bicycle_rack"})
+  {
+    EXPECT_FALSE(classFromDetector(name)) << name;
+  }
+}
+
+TEST_F(GivenBoxesFile, MayBeOfThingsThatCannotMove)
+{
+  const std::string place = " 0 0 -10 0 0 0 0 1.5 0.6 0.6 10 1 -0.95 0.1 0.7\n";
+  folder_.write("none.txt", "2 -1 bicycle" + place);
+  EXPECT_EQ("", read("none.txt").warning());
+  folder_.write("one.txt", "2 -1 bicycle" + place + "2 -1 barrier" + place);
+  EXPECT_EQ("boxes.file: left out 1 detection of things that cannot move (barrier)",
+            read("one.txt").warning());
+  folder_.write("boxes.txt", "2 -1 traffic_cone" + place + "2 -1 bicycle" + place + "2 -1 barrier" +
+                                 place + "3 -1 barrier" + place);
+  const GivenBoxes boxes = read("boxes.txt");
+  EXPECT_EQ("boxes.file: left out 3 detections of things that cannot move (barrier, traffic_cone)",
+            boxes.warning());
+  Frame frame = frameWithCar(2);
+  boxes.detect(frame);
+  ASSERT_EQ(1U, frame.detections.size());
+  EXPECT_EQ(ObjectClass::cyclist, frame.detections[0].object_class);
+  folder_.write("cones.txt", "2 -1 traffic_cone" + place);
+  EXPECT_NE(errorOf("cones.txt").find("has no boxes of things that can move"), std::string::npos)
+      << errorOf("cones.txt");
+}
+
 TEST_F(GivenBoxesFile, OfDynamicObjectsMove)
 {
   folder_.write("boxes.txt", "2 -1 Car 0 0 -10 0 0 0 0 1.5 1.8 4.2 10 1 -0.95 0.1 0.7\n");
@@ -122,9 +181,11 @@ TEST_F(GivenBoxesFile, Errors)
   EXPECT_NE(errorOf("empty").find("has no NNNNNN.txt"), std::string::npos) << errorOf("empty");
   folder_.write("short.txt", "2 -1 Car 0 0\n");
   EXPECT_NE(errorOf("short.txt").find("short.txt:1"), std::string::npos) << errorOf("short.txt");
+  EXPECT_EQ(0U, errorOf("short.txt").rfind("boxes.file: ", 0)) << errorOf("short.txt");
   std::filesystem::create_directories(folder_.file("bad"));
   folder_.write("bad/000007.txt", "Car 0 0 -10\n");
   EXPECT_NE(errorOf("bad").find("000007.txt:1"), std::string::npos) << errorOf("bad");
+  EXPECT_EQ(0U, errorOf("bad").rfind("boxes.file: ", 0)) << errorOf("bad");
   folder_.write("bad/7.txt", "");
   EXPECT_NE(errorOf("bad").find("7.txt: is of the same scan as"), std::string::npos)
       << errorOf("bad");
@@ -133,6 +194,9 @@ TEST_F(GivenBoxesFile, Errors)
   folder_.write("weak.txt", "2 -1 Car 0 0 -10 0 0 0 0 1.5 1.8 4.2 10 1 -0.95 0.1 0.7\n");
   min_score_ = 0.8;
   EXPECT_NE(errorOf("weak.txt").find("boxes.min_score"), std::string::npos) << errorOf("weak.txt");
+  folder_.write("calib.txt", "P2: 1 0 0\n");
+  calib_ = "calib.txt";
+  EXPECT_EQ(0U, errorOf("weak.txt").rfind("boxes.calib: ", 0)) << errorOf("weak.txt");
 }
 }  // namespace
 }  // namespace dyslam

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/base/Error.h>
+#include <dyslam/base/Printable.h>
 #include <dyslam/core/Deskew.h>
 #include <dyslam/core/Scan.h>
 #include <dyslam/formats/SustechFiles.h>
@@ -57,7 +58,7 @@ constexpr int least_positions = 4;  // least number of positions that give a spe
 
 UserError tooFewPoses(const std::string& file, std::size_t poses, std::size_t last_frame)
 {
-  return UserError(file + ": has " + std::to_string(poses) + " poses, but frame " +
+  return UserError(file + ": has " + counted(poses, "pose") + ", but frame " +
                    std::to_string(last_frame) +
                    " is requested (frames count from 0); request fewer frames");
 }

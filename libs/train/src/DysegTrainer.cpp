@@ -50,29 +50,47 @@ void addTerms(const DysegLoss& loss, int divisor, DysegLoss& sum)
   sum.point += loss.point / divisor;
 }
 
+/** \param otherwise what else the user can do \throws UserError naming the file, the key and both
+ * values if they differ. */
+void requireSameValue(const std::string& file,
+                      const char* key,
+                      double of_weights,
+                      double given,
+                      const char* otherwise)
+{
+  if (of_weights != given)
+  {
+    char values[160];
+    std::snprintf(values, sizeof(values),
+                  ": trained with [grid] %s = %g, not %g; set it to %g, or %s", key, of_weights,
+                  given, of_weights, otherwise);
+    throw UserError(file + values);
+  }
+}
+
 /** Requires that weights were trained for this grid; only its extent may differ. \throws UserError
  * naming the file, the key and both values. */
-void requireSameGrid(const BevOptions& of_weights, const BevOptions& grid, const std::string& file)
+void requireSameGrid(const BevOptions& of_weights,
+                     const BevOptions& grid,
+                     const std::string& file,
+                     const char* otherwise = "train from scratch")
 {
-  const struct
-  {
-    const char* key;
-    double of_weights;
-    double given;
-  } fields[] = {{"cell_size", of_weights.cell_size, grid.cell_size},
-                {"ground_clearance", of_weights.ground_clearance, grid.ground_clearance},
-                {"max_height", of_weights.max_height, grid.max_height}};
-  for (const auto& field : fields)
-  {
-    if (field.of_weights != field.given)
-    {
-      char values[160];
-      std::snprintf(values, sizeof(values),
-                    ": trained with [grid] %s = %g, not %g; set it to %g, or train from scratch",
-                    field.key, field.of_weights, field.given, field.of_weights);
-      throw UserError(file + values);
-    }
-  }
+  const auto require = [&](const char* key, double own, double given)
+  { requireSameValue(file, key, own, given, otherwise); };
+  require("cell_size", of_weights.cell_size, grid.cell_size);
+  require("ground_clearance", of_weights.ground_clearance, grid.ground_clearance);
+  require("max_height", of_weights.max_height, grid.max_height);
+}
+
+/** Requires that weights, which are validated with the grid that they were trained for, were
+ * trained for this one. \throws UserError as requireSameGrid(). */
+void requireGridOfValidation(const BevOptions& of_weights,
+                             const BevOptions& grid,
+                             const std::string& file)
+{
+  const char* otherwise = "leave it out";
+  requireSameGrid(of_weights, grid, file, otherwise);
+  requireSameValue(file, "cells", of_weights.cells, grid.cells, otherwise);
 }
 }  // namespace
 
@@ -108,8 +126,10 @@ struct DysegTrainer::Impl : TrainingTask
   [[nodiscard]] std::string logRow(const DysegLoss& loss) const;
   void validate() override;
   void saveWeights() override { saveDyseg({mean, grid}, loop->file(weights_file)); }
-  /** Rows "set,scores" of the validation of the weights in a file. */
-  std::vector<std::string> evaluate(const std::string& weights);
+  /** Rows "set,scores" of the validation of the weights in a file. \param given grid that they must
+   * have been trained for; nothing: any */
+  std::vector<std::string> evaluate(const std::string& weights,
+                                    const std::optional<BevOptions>& given = std::nullopt);
 };
 
 std::vector<torch::Tensor> DysegTrainer::Impl::addCopy()
@@ -185,10 +205,15 @@ std::string DysegTrainer::Impl::logRow(const DysegLoss& loss) const
   return row;
 }
 
-std::vector<std::string> DysegTrainer::Impl::evaluate(const std::string& weights)
+std::vector<std::string> DysegTrainer::Impl::evaluate(const std::string& weights,
+                                                      const std::optional<BevOptions>& given)
 {
   // The file is read first: if it is missing, the user need not wait for the validation data.
   const DysegModel model(weights, options.threads, device.is_cuda() ? "cuda" : "cpu");
+  if (given)
+  {
+    requireGridOfValidation(model.grid(), *given, weights);
+  }
   if (validation.empty())
   {
     validation = makeDysegValidation(options);
@@ -299,11 +324,12 @@ void DysegTrainer::resume()
 }
 
 void DysegTrainer::validateOnly(const std::string& weights,
+                                const std::optional<BevOptions>& given,
                                 const std::function<void(const std::string&)>& report)
 {
   report(std::string("validation: ") + dyseg_score_names);
   for (const std::string& row :
-       impl_->evaluate(weights.empty() ? impl_->loop->file(weights_file) : weights))
+       impl_->evaluate(weights.empty() ? impl_->loop->file(weights_file) : weights, given))
   {
     report("  " + row);
   }

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/base/Error.h>
+#include <dyslam/base/Printable.h>
 #include <dyslam/formats/LabelFiles.h>
 #include <dyslam/formats/ScanFiles.h>
 #include <dyslam/train/Recordings.h>
@@ -39,8 +40,8 @@ Recording loadRecording(const RecordingDescription& description, bool by_own_mot
   {
     throw UserError(description.folder + ": frames " + std::to_string(description.first) + " to " +
                     std::to_string(description.last) + " are requested, but there are " +
-                    std::to_string(files.size()) + " scans, and " + std::to_string(poses.size()) +
-                    " poses in " + description.pose_file + "; frames count from 0");
+                    counted(files.size(), "scan") + ", and " + counted(poses.size(), "pose") +
+                    " in " + description.pose_file + "; frames count from 0");
   }
   if (description.first >= description.last)
   {

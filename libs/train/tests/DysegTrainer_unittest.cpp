@@ -129,10 +129,24 @@ TEST_F(DysegTraining, AFinishedRunIsValidatedOnce)
 
   const auto before = files();
   std::string said;
-  trainer.validateOnly("", [&](const std::string& line) { said += line + "\n"; });
+  const auto say = [&](const std::string& line) { said += line + "\n"; };
+  trainer.validateOnly("", setup_.grid, say);
   EXPECT_NE(said.find("simulated street 8 scans back,"), std::string::npos) << said;
   EXPECT_EQ(files(), before) << "validation alone leaves the folder as it is";
   EXPECT_EQ(contentOf(folder / "validation.csv"), rows);
+  auto other = setup_.grid;
+  other.cells = 512;
+  try
+  {
+    trainer.validateOnly("", other, say);
+    ADD_FAILURE() << "the grid is not that of the weights";
+  }
+  catch (const dyslam::UserError& error)
+  {
+    EXPECT_NE(std::string(error.what()).find("trained with [grid] cells = 256, not 512"),
+              std::string::npos)
+        << error.what();
+  }
 
   train("finished", 1, true);
   EXPECT_EQ(contentOf(folder / "validation.csv"), rows);

@@ -8,6 +8,7 @@
 #include <dyslam/backend/factors/OdometryFactor.h>
 #include <dyslam/backend/factors/SmoothMotionFactor.h>
 #include <dyslam/base/Error.h>
+#include <dyslam/base/Printable.h>
 #include <dyslam/formats/TextFile.h>
 
 #include <algorithm>
@@ -144,7 +145,7 @@ class LineReader
   {
     if (next_ != file_.fields().size())
     {
-      file_.fail("has " + std::to_string(file_.fields().size()) + " fields, needs " +
+      file_.fail("has " + counted(file_.fields().size(), "field") + ", needs " +
                  std::to_string(next_));
     }
     if (!finite_)
@@ -162,7 +163,7 @@ class LineReader
   {
     if (next_ >= file_.fields().size())
     {
-      file_.fail("ends after " + std::to_string(next_) + " fields; the line is cut off");
+      file_.fail("ends after " + counted(next_, "field") + "; the line is cut off");
     }
   }
 

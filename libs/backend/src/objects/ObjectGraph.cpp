@@ -4,6 +4,7 @@
 #include <dyslam/backend/factors/ObjectMotionFactor.h>
 #include <dyslam/backend/factors/ObservationFactor.h>
 #include <dyslam/backend/factors/SmoothMotionFactor.h>
+#include <dyslam/base/Printable.h>
 #include <dyslam/base/StateArchive.h>
 #include <dyslam/core/Motion.h>
 
@@ -355,13 +356,12 @@ std::vector<std::string> ObjectGraph::warnings() const
   std::vector<std::string> result;
   if (unusable_ > 0)
   {
-    result.push_back(std::to_string(unusable_) +
-                     " observations of objects have no finite position or covariance and were left "
-                     "out of the graph");
+    result.push_back(counted(unusable_, "observation") +
+                     " of objects left out of the graph: no finite position or covariance");
   }
   if (jumps_ > 0)
   {
-    result.push_back("objects jumped " + std::to_string(jumps_) + " times by more than " +
+    result.push_back("objects jumped " + counted(jumps_, "time") + " by more than " +
                      std::to_string(options_.max_jump).substr(0, 4) +
                      " m (objects.max_jump): no motion factor links these observations");
   }

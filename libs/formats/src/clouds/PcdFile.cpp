@@ -3,6 +3,7 @@
 
 #include <dyslam/base/Error.h>
 #include <dyslam/base/Files.h>
+#include <dyslam/base/Printable.h>
 
 #include <algorithm>
 #include <charconv>
@@ -198,7 +199,7 @@ std::uint64_t pointsOf(const PcdHeader& header, const std::string& path)
   const std::uint64_t points = header.points.empty() ? grid : numberIn(header.points, path);
   if (grid != points && header.width != "0")
   {
-    throw UserError(path + ": its header says " + std::to_string(points) + " points, but " +
+    throw UserError(path + ": its header says " + counted(points, "point") + ", but " +
                     header.width + " x " + header.height);
   }
   return points;
@@ -206,8 +207,7 @@ std::uint64_t pointsOf(const PcdHeader& header, const std::string& path)
 
 [[noreturn]] void failShort(const std::string& path, std::uint64_t points)
 {
-  throw UserError(path + ": is cut short: its header announces " + std::to_string(points) +
-                  " points");
+  throw UserError(path + ": is cut short: its header announces " + counted(points, "point"));
 }
 
 /** LZF: runs of bytes, and copies of bytes that came before. */
@@ -314,7 +314,7 @@ void fillFromText(std::string_view body,
     if (words.size() != numbers)
     {
       throw UserError(columns.path() + ": point " + std::to_string(point) + " has " +
-                      std::to_string(words.size()) + " numbers, not " + std::to_string(numbers));
+                      counted(words.size(), "number") + ", not " + std::to_string(numbers));
     }
     std::size_t word = 0;
     for (std::size_t i = 0; i < fields.size(); ++i)

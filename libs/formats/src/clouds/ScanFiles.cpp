@@ -190,8 +190,8 @@ void readRingFile(const std::string& path, Scan& scan)
   const std::string rings = readWhole(ring_path);
   if (rings.size() != scan.size())
   {
-    throw UserError(ring_path + ": has " + std::to_string(rings.size()) +
-                    " rings, but the scan has " + std::to_string(scan.size()) + " points");
+    throw UserError(ring_path + ": has " + counted(rings.size(), "ring") + ", but the scan has " +
+                    counted(scan.size(), "point"));
   }
   for (const char ring : rings)
   {
@@ -294,7 +294,7 @@ Scan readBin(const std::string& path, const std::string& layout, FieldConvention
   if (bytes.size() % (columns * sizeof(float)) != 0)
   {
     throw UserError(path + ": " + std::to_string(bytes.size()) + " bytes are not whole points of " +
-                    std::to_string(columns) + " floats (" + columnsOf(layout) +
+                    counted(columns, "float") + " (" + columnsOf(layout) +
                     "); the file is cut short, or has other columns (scans2rawlog --bin-layout)");
   }
   Scan scan = layout == kitti_layout ? kittiScan(bytes, conventions)

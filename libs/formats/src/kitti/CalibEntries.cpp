@@ -6,7 +6,7 @@
 
 #include <algorithm>
 
-#include "RotationCheck.h"
+#include "PoseChecks.h"
 
 namespace dyslam
 {
@@ -22,6 +22,10 @@ Pose poseFromRows(const std::vector<double>& values, std::size_t columns, const 
     throw UserError(what +
                     " is not a rotation: its rows must be unit vectors at right angles, with a "
                     "determinant of 1");
+  }
+  if (const std::string error = positionError(pose.translation()); !error.empty())
+  {
+    throw UserError(what + ": " + error);
   }
   return orthonormalised(pose);
 }

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/base/Printable.h>
 #include <dyslam/base/Quantile.h>
 
 #include <algorithm>
@@ -82,16 +83,16 @@ void RosScanDecoder::Cloud2::check(const ByteReader& reader) const
   }
   if (height > 1 && row_step < static_cast<std::uint64_t>(width) * point_step)
   {
-    reader.fail("damaged: rows of " + std::to_string(row_step) + " bytes do not hold " +
-                std::to_string(width) + " points of " + std::to_string(point_step));
+    reader.fail("damaged: rows of " + counted(row_step, "byte") + " do not hold " +
+                counted(width, "point") + " of " + std::to_string(point_step));
   }
   if (static_cast<std::uint64_t>(height - 1) * row_step +
           static_cast<std::uint64_t>(width) * point_step >
       data.size())
   {
     reader.fail("damaged: announces " + std::to_string(width) + " x " + std::to_string(height) +
-                " points of " + std::to_string(point_step) + " bytes, but has " +
-                std::to_string(data.size()) + " bytes");
+                " points of " + counted(point_step, "byte") + ", but has " +
+                counted(data.size(), "byte"));
   }
 }
 
@@ -189,8 +190,8 @@ Scan RosScanDecoder::decodeLivox(const BagTopic& topic, const BagMessage& messag
   constexpr std::size_t smallest_point = 19;
   if (count > (reader.left() + smallest_point - 1) / smallest_point)
   {
-    reader.fail("damaged: announces " + std::to_string(count) + " points, but has " +
-                std::to_string(reader.left()) + " bytes for them");
+    reader.fail("damaged: announces " + counted(count, "point") + ", but has " +
+                counted(reader.left(), "byte") + " for them");
   }
   scan.stamp = stampOf(header, topic, message, count);
   for (std::uint32_t i = 0; i < count; ++i)

@@ -2,6 +2,7 @@
 #include "BagReader.h"
 
 #include <dyslam/base/Error.h>
+#include <dyslam/base/Printable.h>
 #include <dyslam/formats/RosPackets.h>
 
 #include <algorithm>
@@ -69,7 +70,7 @@ void BagReader::report(const std::string& truth_topic)
   {
     std::ostringstream text;
     text << truth_topic << ": has no pose within " << truth_max_gap << " s of "
-         << held_.withoutPose() << " scans";
+         << counted(held_.withoutPose(), "scan");
     sink_.warn(text.str());
   }
   report(*reader_);

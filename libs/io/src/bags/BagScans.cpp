@@ -3,6 +3,7 @@
 
 #include <dyslam/base/Error.h>
 #include <dyslam/base/Files.h>
+#include <dyslam/base/Printable.h>
 #include <dyslam/formats/RosMessages.h>
 #include <dyslam/formats/RosPackets.h>
 #include <dyslam/formats/ScanFiles.h>
@@ -104,8 +105,8 @@ class BagPackets : public BagScans
     auto lines = scans_->warnings();
     if (left_out_ > 0)
     {
-      lines.push_back(topic_.name + ": " + std::to_string(left_out_) + " packets are " +
-                      not_decoded_.value_or("not of a " + scans_->sensor() + " and were left out"));
+      lines.push_back(topic_.name + ": left out " + counted(left_out_, "packet") + " " +
+                      not_decoded_.value_or("not of a " + scans_->sensor()));
     }
     return lines;
   }

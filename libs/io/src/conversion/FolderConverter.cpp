@@ -38,8 +38,8 @@ std::vector<Pose> readPosesFor(const std::string& path, std::size_t scans)
   }
   if (poses.size() != scans)
   {
-    throw UserError(path + ": has " + std::to_string(poses.size()) + " poses, but there are " +
-                    std::to_string(scans) + " scans");
+    throw UserError(path + ": has " + counted(poses.size(), "pose") + ", but there are " +
+                    counted(scans, "scan"));
   }
   return poses;
 }
@@ -213,8 +213,8 @@ std::vector<double> stampsFor(std::vector<std::string>& files,
     std::transform(stamps.begin(), stamps.end(), stamps.begin(), secondsOf);
     if (stamps.size() != files.size())
     {
-      throw UserError(options.times + ": has " + std::to_string(stamps.size()) +
-                      " times, but there are " + std::to_string(files.size()) + " scans");
+      throw UserError(options.times + ": has " + counted(stamps.size(), "time") +
+                      ", but there are " + counted(files.size(), "scan"));
     }
     sink.note("time stamps: " + options.times);
     warnAboutUnit(options.times, stamps, sink);
@@ -307,8 +307,8 @@ void convertFolder(const std::string& input,
   }
   if (sink.written() == 0)
   {
-    throw UserError(input + ": " + emptyRange(options) + " of the " + std::to_string(files.size()) +
-                    " scans");
+    throw UserError(input + ": " + emptyRange(options) + " of the " +
+                    counted(files.size(), "scan"));
   }
   warnAbout(findings, files, options, sink);
   for (const std::string& note : conventions.notes())

@@ -2,6 +2,7 @@
 #include "ExternalScans.h"
 
 #include <dyslam/base/Error.h>
+#include <dyslam/base/Printable.h>
 #include <dyslam/formats/ScanFiles.h>
 #include <dyslam/formats/TextFile.h>
 #include <mrpt/io/lazy_load_path.h>
@@ -130,7 +131,7 @@ Scan readTextRows(const std::string& path)
     columns = columns == 0 ? count : columns;
     if (count != columns || (count != 3 && count != 4 && count != coloured))
     {
-      file.fail("has " + std::to_string(count) + " fields, needs 3, 4 or 6, as all other lines");
+      file.fail("has " + counted(count, "field") + ", needs 3, 4 or 6, as all other lines");
     }
     std::array<float, coloured> values{};
     for (std::size_t i = 0; i < count; ++i)

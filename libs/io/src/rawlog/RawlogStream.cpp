@@ -66,8 +66,8 @@ void RawlogStream::failReading(const std::string& reason) const
 {
   if (!file_->readError().empty())
   {
-    throw UserError(path_ + ": cannot be read to its end, after " + std::to_string(objects_) +
-                    " objects: " + file_->readError() + "; check the disk, or copy the file again");
+    throw UserError(path_ + ": cannot be read to its end, after " + counted(objects_, "object") +
+                    ": " + file_->readError() + "; check the disk, or copy the file again");
   }
   if (objects_ == 0)
   {
@@ -76,18 +76,19 @@ void RawlogStream::failReading(const std::string& reason) const
                     (file_->cut() ? " (the file ends there)" : "") +
                     (reason.empty() ? "" : ": " + reason) + "; " + advice);
   }
-  const std::string count = std::to_string(objects_);
+  const std::string count = counted(objects_, "object");
   if (file_->broken() || (!file_->cut() && file_->checkMember()))
   {
     throw UserError(path_ + ": the compressed data are damaged after " + count +
-                    " objects; copy or record the file again");
+                    "; copy or record the file again");
   }
   if (file_->cut())
   {
-    throw UserError(path_ + ": is cut short: the file ends within an object, after " + count +
-                    " whole ones; copy or record it again");
+    throw UserError(path_ + ": is cut short: the file ends within an object, after " +
+                    std::to_string(objects_) + (objects_ == 1 ? " whole one" : " whole ones") +
+                    "; copy or record it again");
   }
-  throw UserError(path_ + ": is damaged after " + count + " objects: " + reason +
+  throw UserError(path_ + ": is damaged after " + count + ": " + reason +
                   "; copy or record it again");
 }
 

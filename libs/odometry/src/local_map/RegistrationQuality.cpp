@@ -33,8 +33,8 @@ std::string failureReason(const ScanToMapResult& found, const RefineOptions& opt
   if (found.inliers < min_inliers)
   {
     std::snprintf(text, sizeof text,
-                  "the scan does not fit the local map: %zu inliers, the limit is %zu",
-                  found.inliers, min_inliers);
+                  "the scan does not fit the local map: %zu inlier%s, the limit is %zu",
+                  found.inliers, found.inliers == 1 ? "" : "s", min_inliers);
     return text;
   }
   if (found.inlier_ratio < options.min_inlier_ratio)

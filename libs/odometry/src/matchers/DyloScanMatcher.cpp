@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "DyloScanMatcher.h"
 
+#include <dyslam/base/Error.h>
+#include <dyslam/base/Printable.h>
 #include <dyslam/base/SharedFiles.h>
 #include <dyslam/core/ScanParts.h>
 
@@ -17,12 +19,18 @@ namespace dyslam
 namespace
 {
 constexpr std::size_t fewest_matches = 50;
+
+/** The network with the weights of the options. \throws UserError. */
+DyloMatcher matcherFor(const DyloOptions& options)
+{
+  const char* setting = "dylo.weights";
+  const std::string file = findGivenOrShared(options.weights, "models", ".safetensors", setting);
+  return namingSetting(setting, file, [&] { return DyloMatcher(file, options.threads); });
+}
 }  // namespace
 
 DyloScanMatcher::DyloScanMatcher(const DyloOptions& options)
-    : options_(options),
-      matcher_(findGivenOrShared(options.weights, "models", ".safetensors", "dylo.weights"),
-               options.threads)
+    : options_(options), matcher_(matcherFor(options))
 {
 }
 
@@ -54,7 +62,7 @@ std::string DyloScanMatcher::extract(const Frame& frame)
   const std::size_t usable = options_.deskew
                                  ? matcher_.setCurrent(points_, frame.cloud.phase, T_sweep)
                                  : matcher_.setCurrent(points_);
-  return usable < fewest_matches ? "only " + std::to_string(usable) + " points within range"
+  return usable < fewest_matches ? "only " + counted(usable, "point") + " within range"
                                  : std::string();
 }
 
@@ -63,7 +71,7 @@ std::string DyloScanMatcher::doubts(const DyloMatch& match) const
   char text[120];
   if (match.matched < fewest_matches)
   {
-    return "only " + std::to_string(match.matched) + " matches";
+    return "only " + std::to_string(match.matched) + (match.matched == 1 ? " match" : " matches");
   }
   const double share = static_cast<double>(match.inliers) / static_cast<double>(match.sampled);
   if (share < options_.min_inlier_share)

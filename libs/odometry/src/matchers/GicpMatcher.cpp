@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "GicpMatcher.h"
 
+#include <dyslam/base/Printable.h>
 #include <dyslam/base/StateArchive.h>
 #include <dyslam/core/Normals.h>
 #include <dyslam/core/PoseGaussNewton.h>
@@ -70,7 +71,8 @@ std::string GicpMatcher::extract(const Frame& frame)
   const auto needed = static_cast<std::size_t>(options_.neighbours) + 1;
   if (points_.size() < needed)
   {
-    return "only " + std::to_string(points_.size()) + " points are left after thinning";
+    return "only " + counted(points_.size(), "point") + (points_.size() == 1 ? " is" : " are") +
+           " left after thinning";
   }
   return {};
 }

@@ -2,6 +2,7 @@
 #include "SensorDescription.h"
 
 #include <dyslam/base/Angle.h>
+#include <dyslam/base/Printable.h>
 
 #include <array>
 #include <cmath>
@@ -38,10 +39,10 @@ std::string ringsOf(const ScanPattern& pattern)
 {
   if (pattern.hasRings())
   {
-    return std::to_string(pattern.rings.size()) + " rings, " + degrees(pattern.ring_spacing, 1) +
+    return counted(pattern.rings.size(), "ring") + ", " + degrees(pattern.ring_spacing, 1) +
            " deg apart";
   }
   return (isDenseRevolution(pattern) ? "rings not separable (no ring numbers), " : "no rings, ") +
-         std::to_string(pattern.returns) + " points a scan";
+         counted(pattern.returns, "point") + " a scan";
 }
 }  // namespace dyslam

@@ -26,7 +26,7 @@ class Config
   };
   using Section = std::map<std::string, Value>;
 
-  /** \throws UserError naming file, line and fix. */
+  /** \throws UserError naming file, line and fix; also for an empty file. */
   [[nodiscard]] static Config fromFile(const std::string& path);
   [[nodiscard]] static Config fromText(const std::string& text, const std::string& name);
 

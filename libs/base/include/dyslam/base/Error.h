@@ -16,4 +16,21 @@ class UserError : public std::runtime_error
  public:
   using std::runtime_error::runtime_error;
 };
+
+/** Calls `read()`, which reads the file or folder of a setting: errors that begin with its path
+ * name the setting, too: "boxes.file: a.txt:3: ...". \param setting `section.key` \throws
+ * UserError. */
+template <typename Read>
+auto namingSetting(const std::string& setting, const std::string& path, const Read& read)
+{
+  try
+  {
+    return read();
+  }
+  catch (const UserError& error)
+  {
+    const std::string message = error.what();
+    throw UserError((message.rfind(path, 0) == 0 ? setting + ": " : "") + message);
+  }
+}
 }  // namespace dyslam

@@ -25,7 +25,7 @@ struct ChildOutcome
 };
 
 /** Runs a program to its end. \param stop polled; true kills it and what it started.
- * \throws UserError if it cannot be started. */
+ * \throws UserError that begins with the path of the program if it cannot be run. */
 ChildOutcome runChild(const ChildCommand& command, const std::function<bool()>& stop = {});
 
 /** The cores that this program may use; empty if the system does not tell, as with more than 1024.

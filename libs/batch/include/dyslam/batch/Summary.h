@@ -25,7 +25,7 @@ struct Counts
 /** Writes `batch.json`, `index.html`, which links the reports, and, by dyslam-eval, `table.txt`,
  * `table.csv` and `table.json`, the errors of all runs.
  * \param evaluation path of dyslam-eval \returns the table as text, empty if no run has results.
- * \throws UserError. */
+ * \throws UserError, also if runs cannot be evaluated; the files have the others then. */
 std::string summarise(const BatchSettings& settings,
                       const std::vector<BatchResult>& results,
                       const std::string& evaluation);

@@ -11,6 +11,7 @@
 
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 
 namespace dyslam
@@ -113,9 +114,12 @@ class DysegTrainer
    * before each step: true saves and ends; null for never. \throws UserError as loadData(). */
   void run(const std::function<void(const std::string&)>& report,
            const std::function<bool()>& stopped = nullptr);
-  /** The validation table of a file of weights, empty for the folder's dyseg.safetensors. Writes
-   * nothing. \throws UserError if there is none. */
+  /** The validation table of a file of weights, empty for the folder's dyseg.safetensors, with the
+   * grid that they were trained for. Writes nothing. \param given the grid of the user, which must
+   * be that of the weights; nothing: none is given \throws UserError if there are no weights, or of
+   * another grid. */
   void validateOnly(const std::string& weights,
+                    const std::optional<BevOptions>& given,
                     const std::function<void(const std::string&)>& report);
 
  private:
