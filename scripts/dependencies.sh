@@ -21,5 +21,6 @@ install_packages() {
   ((EUID == 0)) || sudo=(sudo)
   echo "Installing: ${missing[*]}"
   "${sudo[@]}" apt-get update -qq
-  "${sudo[@]}" env DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends "${missing[@]}" >/dev/null
+  "${sudo[@]}" env DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends "${missing[@]}" >/dev/null ||
+    { echo "These are packages of Debian 12; on another system: docker build -t dyslam . (doc/install.md)" >&2; return 1; }
 }

@@ -89,7 +89,7 @@ void printWarnings(const std::vector<std::string>& warnings,
 /** Prints what the run found: sizes, loops, satellite positions, the vertical. */
 void printFindings(const SlamRunReport& report)
 {
-  std::printf("%s\n", report.method.c_str());
+  std::printf("methods: %s\n", report.method.c_str());
   std::printf("%s, %.1f m, %s, %s, %s, %s\n", counted(report.frames, "scan").c_str(),
               report.path_length, counted(report.keyframes, "keyframe").c_str(),
               counted(report.loops, "loop").c_str(),

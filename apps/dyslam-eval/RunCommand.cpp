@@ -90,7 +90,10 @@ void evaluateRuns(const RunArguments& a)
 {
   if (!a.truth.empty() && !fs::is_directory(a.truth))
   {
-    throw UserError("--truth " + a.truth + ": is not a folder");
+    throw UserError(
+        "--truth " + a.truth +
+        ": is not a folder; give the .gt of a recording (errors against a file of poses: "
+        "dyslam-eval trajectory)");
   }
   const auto folders = runsAmong(a.folders);
   std::vector<std::string> failed;

@@ -14,6 +14,7 @@
 #include <filesystem>
 #include <ostream>
 #include <string>
+#include <vector>
 
 #include "../common/Checks.h"
 #include "../common/ConversionReport.h"
@@ -74,11 +75,12 @@ std::string inDyslam(const UserError& error, const std::string& input, const std
                                                      " ... -o x.rawlog, then dyslam -i x.rawlog)");
 }
 
-/** Converts, and leaves the files so that a rerun may replace them. \throws UserError. */
-void convertTo(const ConvertedFiles& files,
-               const RecordingConverter& converter,
-               const RecordingOptions& options,
-               const SlamArguments& a)
+/** Converts, and leaves the files so that a rerun may replace them. \return warnings about the
+ * recording \throws UserError. */
+std::vector<std::string> convertTo(const ConvertedFiles& files,
+                                   const RecordingConverter& converter,
+                                   const RecordingOptions& options,
+                                   const SlamArguments& a)
 {
   const std::string& input = a.settings.rawlog;
   const bool is_new = !fs::exists(files.rawlog);
@@ -99,6 +101,7 @@ void convertTo(const ConvertedFiles& files,
                   files.rawlog.c_str(), files.rawlog.c_str(), converter.program().c_str());
       std::fflush(stdout);
     }
+    return result.warnings;
   }
   catch (const UserError& error)
   {
@@ -154,7 +157,7 @@ void convertInput(SlamArguments& a, const RecordingOptions& options)
   {
     const FolderLock lock(files.folder);
     requireNewRecording(files.rawlog, a.settings.force || fs::is_regular_file(files.origin));
-    convertTo(files, converter, options, a);
+    a.settings.warnings = convertTo(files, converter, options, a);
   }
   catch (...)
   {

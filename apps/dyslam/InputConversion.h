@@ -10,7 +10,7 @@
 namespace dyslam
 {
 /** Converts an input that is no rawlog to `recording.rawlog` in the output folder, with its ground
- * truth beside it, and makes that the input.
+ * truth beside it, and makes that the input. Its warnings become those of the run.
  *
  * It is converted in every run, since calibration, poses and labels that are read may be anywhere.
  * `recording.ini` beside it names its sources; without this file an earlier recording of the name

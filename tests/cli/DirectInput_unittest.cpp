@@ -143,6 +143,8 @@ TEST_F(DirectInput, ScansInMillimetres)
   bins("scans");
   scans_ = in_metres;
   expectSameAsConvertedFirst("scans2rawlog", "scans", "--scale 0.001");
+  EXPECT_TRUE(contains(folder_.read("direct_scans/report.json"), "0.1 s between scans is assumed"))
+      << "a warning of the conversion";
   for (const std::string scale : {"0", "-1", "nan", "mm"})
   {
     expectRefused("-i " + at("scans") + " -o " + at("never") + " --scale " + scale,

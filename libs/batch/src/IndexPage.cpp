@@ -122,8 +122,8 @@ std::string indexPage(const std::vector<BatchResult>& results,
       "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n<title>" +
       title + " - DySLAM batch</title>\n<style>\n" + style + own_style +
       "</style>\n</head>\n<body>\n<main>\n<header><h1>" + title + "</h1><p>" +
-      std::to_string(results.size()) +
-      " recordings, DySLAM</p></header>\n<section><h2>Runs</h2>\n<div class=\"verdict " +
+      counted(results.size(), "recording") +
+      ", DySLAM</p></header>\n<section><h2>Runs</h2>\n<div class=\"verdict " +
       (good                              ? "good"
        : counts.failed + counts.open > 0 ? "bad"
                                          : "warn") +

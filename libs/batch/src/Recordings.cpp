@@ -158,7 +158,7 @@ void expand(const std::string& entry,
   std::error_code no_path;  // a line of another text file may be too long for one
   std::string why =
       ": has no recordings (.rawlog, .bag, .mcap, .db3, .pcap, KITTI drives; those in folders of "
-      "runs are results)";
+      "runs are results; a folder of point clouds must be named itself)";
   if (fs::is_directory(entry, no_path))
   {
     const auto found = within(entry);

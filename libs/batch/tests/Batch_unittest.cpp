@@ -475,6 +475,7 @@ TEST(IndexPage, LinksReportsAndShowsNamesAsTheyAre)
   r.manifest.state = State::done;
   const std::string page = indexPage({r}, folder.path(), "body {}");
   EXPECT_TRUE(contains(page, "<a href=\"a%26%3Cb/report.html\">a&amp;&lt;b</a>")) << page;
+  EXPECT_TRUE(contains(page, "<p>1 recording, DySLAM</p>")) << page;
   for (const char* figure : {">17</td>", ">0.500</td>", ">0.250</td>", ">0.1250</td>"})
   {
     EXPECT_TRUE(contains(page, figure)) << figure;

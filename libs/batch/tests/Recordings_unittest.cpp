@@ -74,6 +74,10 @@ TEST(Recordings, AreAllThatDyslamConverts)
   EXPECT_EQ(listed[2].path, folder.file("all/c"));
   // Folders of point clouds are recordings only if they are named.
   EXPECT_EQ(namesOf(listRecordings({folder.file("all/map/")})), std::vector<std::string>{"map"});
+  folder.write("clouds/one/0.pcd", "");
+  EXPECT_TRUE(
+      contains(messageOfError<UserError>([&] { (void)listRecordings({folder.file("clouds")}); }),
+               "a folder of point clouds must be named itself"));
   folder.write("all/map.ply", "");
   EXPECT_EQ(listRecordings({folder.file("all")}).size(), listed.size()) << "a cloud beside them";
 }

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <system_error>
 
 namespace dyslam
 {
@@ -174,6 +175,12 @@ std::string conversionAdvice(const std::string& path)
     return "is a recording of Ouster's SDK, whose own format is not read; save its packets: "
            "ouster-cli source " +
            path + " save " + fs::path(path).stem().string() + ".pcap";
+  }
+  std::error_code no_run;
+  if (fs::is_regular_file(fs::path(path) / "report.json", no_run))  // its clouds are maps
+  {
+    return "is the output folder of a run, a file is needed; its recording is \"input\" in its "
+           "report.json";
   }
   switch (recordingKind(path))
   {

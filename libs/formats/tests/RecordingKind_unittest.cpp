@@ -23,6 +23,9 @@ TEST(RecordingKinds, AdviceForRecordings)
   EXPECT_EQ("", conversionAdvice("none"));
   folder.write("scans/1.bin", "");
   EXPECT_TRUE(contains(conversionAdvice(folder.file("scans")), "scans2rawlog"));
+  folder.write("run/map_static.pcd", "");
+  folder.write("run/report.json", "{}");
+  EXPECT_TRUE(contains(conversionAdvice(folder.file("run")), "is the output folder of a run"));
   folder.write("kitti/velodyne/1.bin", "");
   EXPECT_TRUE(contains(conversionAdvice(folder.file("kitti")), "kitti2rawlog --kind odometry"));
 }

@@ -74,8 +74,10 @@ TEST(ScanFiles, FiveColumnsAreRecognisedAndRead)
         << number;
   }
   folder.write("a.bin", bytesOf(ringScan(5)).substr(0, 100 * 20 - 4));
-  EXPECT_TRUE(contains(messageOfError<UserError>([&] { (void)readBin(path, nuscenes_layout); }),
-                       "not whole points of 5 floats"));
+  const std::string message =
+      messageOfError<UserError>([&] { (void)readBin(path, nuscenes_layout); });
+  EXPECT_TRUE(contains(message, "not whole points of 5 floats")) << message;
+  EXPECT_TRUE(contains(message, "--bin-layout of dyslam and scans2rawlog")) << message;
 }
 
 TEST(ScanFiles, LayoutsNameTheColumns)

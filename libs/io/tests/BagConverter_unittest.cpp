@@ -198,6 +198,25 @@ TEST(BagConverter, ChoosesTheTopicThatLooksMostLikeTheLidars)
   EXPECT_EQ(2U, convertScans(folder.file("x.bag"), folder.file("x.rawlog"), options).scans);
 }
 
+TEST(BagConverter, CloudsInTheFrameOfAMapAreAWarning)
+{
+  const TestFolder folder;
+  const auto isWarning = [&folder](const std::string& frame)
+  {
+    const Scan scan = scanWithTimes(0);
+    const std::string path = folder.file("x.bag");
+    test::writeRos1Bag(
+        path, {{"/cloud_registered", "sensor_msgs/PointCloud2", scan.stamp,
+                test::pointCloud2(false, scan.stamp, test::velodyneFields(scan), 1, frame)}});
+    const auto warnings = convertScans(path, folder.file("x.rawlog"), {}).warnings;
+    return std::any_of(warnings.begin(), warnings.end(),
+                       [](const std::string& warning)
+                       { return contains(warning, "/cloud_registered is in the frame 'odom'"); });
+  };
+  EXPECT_TRUE(isWarning("/odom"));
+  EXPECT_FALSE(isWarning("velodyne"));
+}
+
 TEST(BagConverter, BrightIntensitiesAreLimitedAsInFiles)
 {
   const TestFolder folder;
@@ -253,6 +272,8 @@ TEST(BagConverter, Errors)
   const std::string compressed = "point_cloud_interfaces/CompressedPointCloud2";
   test::writeRos1Bag(folder.file("y.bag"), {{"/points/draco", compressed, 1, "x"}});
   EXPECT_TRUE(contains(message("y.bag"), "compressed clouds (/points/draco)"));
+  test::writeRos1Bag(folder.file("y.bag"), {{"/scan", "sensor_msgs/LaserScan", 1, "x"}});
+  EXPECT_TRUE(contains(message("y.bag"), "2D scans (/scan), which are not read"));
   test::writeRos1Bag(folder.file("y.bag"), {{"/text", "std_msgs/String", 1, "x"}});
   EXPECT_TRUE(contains(message("y.bag"), "--list"));
   EXPECT_FALSE(std::filesystem::exists(folder.file("x.rawlog")));

@@ -78,14 +78,14 @@ TEST(ScanConverter, ARangeOfTimeAndEveryNthScan)
   options.every_n = 2;
   const auto convert = [&]
   { return convertScans(folder.file("in"), folder.file("x.rawlog"), options); };
-  EXPECT_TRUE(contains(convert().warnings.back(), "preprocess.deskew=none"));
+  EXPECT_TRUE(hasLine(convert().warnings, "preprocess.deskew=none"));
   const auto frames = readAll(folder.file("x.rawlog"));
   ASSERT_EQ(3U, frames.size());
   EXPECT_TRUE(samePoints(someScan(3, 13), frames[0].scan));
   EXPECT_TRUE(samePoints(someScan(7, 17), frames[2].scan));
   EXPECT_NEAR(0.2, frames[1].scan.stamp - frames[0].scan.stamp, 1e-6);
   options.every_n = 1;
-  EXPECT_FALSE(contains(convert().warnings.back(), "preprocess.deskew=none"));
+  EXPECT_FALSE(hasLine(convert().warnings, "preprocess.deskew=none"));
   EXPECT_EQ(5U, convert().scans);
   options.start = 1;
   options.end = 0;

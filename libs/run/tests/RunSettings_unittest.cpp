@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <string>
+#include <vector>
 
 #include "TestFolder.h"
 
@@ -26,9 +27,11 @@ TEST(RunSettings, AreThoseOfTheSensorUnderThoseGiven)
   EXPECT_EQ("gicp", chosen.chosen.config.section("odometry").at("method").text);
   EXPECT_EQ("none", chosen.chosen.config.section("dyseg").at("method").text);
   SlamRunSettings run;
+  run.warnings = {"of the conversion"};
+  chosen.chosen.warnings = {"of the settings"};
   setSettings(chosen, run);
   EXPECT_EQ(chosen.chosen.config.toIni(), run.config.toIni());
-  EXPECT_EQ(chosen.chosen.warnings, run.warnings);
+  EXPECT_EQ((std::vector<std::string>{"of the conversion", "of the settings"}), run.warnings);
   EXPECT_EQ(0U, run.sensor.rfind(chosen.sensor.summary(), 0)) << run.sensor;
 }
 

@@ -90,7 +90,9 @@ TEST(RunStatistics, AVehicleThatDoesNotMoveForwardIsAWarning)
   EXPECT_EQ(statisticsOf(-1, 0, 5).directionWarning(), "") << "a manoeuvre";
   EXPECT_TRUE(hasWarning(statisticsOf(-1, 0, 20), "the vehicle moved 180 deg to the left"));
   EXPECT_TRUE(hasWarning(statisticsOf(0, -1, 20), "the vehicle moved 90 deg to the right"));
-  EXPECT_TRUE(hasWarning(statisticsOf(0, -1, 20), "(--sensor-pose) that is 90 deg more"));
+  EXPECT_TRUE(hasWarning(statisticsOf(0, -1, 20),
+                         "(--sensor-pose) that is 90 deg more: '0 0 0 90 0 0' if it had none"));
+  EXPECT_TRUE(hasWarning(statisticsOf(0, 1, 20), "90 deg less: '0 0 0 -90 0 0' if it had none"));
 }
 
 /** A gyroscope in degrees makes all registrations fail. */

@@ -293,9 +293,11 @@ Scan readBin(const std::string& path, const std::string& layout, FieldConvention
   const std::size_t columns = layout.size();
   if (bytes.size() % (columns * sizeof(float)) != 0)
   {
-    throw UserError(path + ": " + std::to_string(bytes.size()) + " bytes are not whole points of " +
-                    counted(columns, "float") + " (" + columnsOf(layout) +
-                    "); the file is cut short, or has other columns (scans2rawlog --bin-layout)");
+    throw UserError(
+        path + ": " + std::to_string(bytes.size()) + " bytes are not whole points of " +
+        counted(columns, "float") + " (" + columnsOf(layout) +
+        "); the file is cut short, or has other columns, which --bin-layout of dyslam and "
+        "scans2rawlog names: xyz without intensity");
   }
   Scan scan = layout == kitti_layout ? kittiScan(bytes, conventions)
                                      : scanOfColumns(path, bytes, layout, conventions);

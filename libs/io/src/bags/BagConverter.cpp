@@ -11,6 +11,8 @@
 
 #include <filesystem>
 #include <memory>
+#include <set>
+#include <string>
 #include <vector>
 
 #include "BagLidars.h"
@@ -40,6 +42,19 @@ void noteParts(const std::string& input, ScanSink& sink)
               " to " + name(parts.back()));
   }
 }
+
+/** Warns of clouds in the frame of a map, as other SLAM programs publish them: registered to it
+ * again, they show no motion. */
+void warnOfMapFrame(const std::string& topic, const std::string& frame, ScanSink& sink)
+{
+  const std::set<std::string> maps = {"camera_init", "map", "odom", "world"};  // LOAM's: first
+  if (maps.count(frame) > 0)
+  {
+    sink.warn(topic + " is in the frame '" + frame +
+              "', which seems to be that of a map: scans are needed as measured, in the frame of "
+              "the lidar; choose its topic (--topic)");
+  }
+}
 }  // namespace
 
 void convertBag(const std::string& input,
@@ -55,6 +70,7 @@ void convertBag(const std::string& input,
   BagContent content{input, *bag, at, {}, {}, {}};
   content.frames = {frameOfTopic(*bag, at), staticTransforms(*bag),
                     is_ouster ? ousterImuTopics(*bag) : std::vector<std::size_t>()};
+  warnOfMapFrame(topic.name, content.frames.lidar, sink);
   mountLidar(input, content.frames, options, sink);
   content.truth =
       options.truth_topic.empty() ? Trajectory() : readTruePoses(input, *bag, options, sink);

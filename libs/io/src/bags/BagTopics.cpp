@@ -108,6 +108,13 @@ std::size_t scanTopic(const std::string& input, Bag& bag, const std::string& ask
       bag, [](const BagTopic& topic) { return topic.type.find("Packet") != std::string::npos; });
   if (packets.empty())
   {
+    const std::string flat =
+        namesOf(bag, [](const BagTopic& topic) { return topic.type == "sensor_msgs/LaserScan"; });
+    if (!flat.empty())
+    {
+      throw UserError(input + ": has no sensor_msgs/PointCloud2, but 2D scans (" + flat +
+                      "), which are not read");
+    }
     throw OptionError(input + ": has no sensor_msgs/PointCloud2; --list shows the topics",
                       "--list");
   }

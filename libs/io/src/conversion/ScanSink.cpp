@@ -148,9 +148,16 @@ ConversionResult ScanSink::close()
   }
   if (!any_times_)
   {
-    const std::string equal = equal_times_ ? " (those of a scan are all the same)" : "";
-    warn("the points have no times" + equal +
-         ": dyslam deskews by their order, by azimuth or not at all (preprocess.deskew)");
+    const std::string deskewing =
+        ": dyslam deskews by their order, by azimuth or not at all (preprocess.deskew)";
+    if (equal_times_)
+    {
+      warn("the points have no times (those of a scan are all the same)" + deskewing);
+    }
+    else
+    {
+      note("the points have no times" + deskewing);
+    }
     if (options_.every_n > 1)
     {
       warn(thinned_without_times);

@@ -197,7 +197,8 @@ std::string RunStatistics::directionWarning() const
   return "the vehicle moved " + degrees + " deg to the " + (angle > 0 ? "left" : "right") +
          " of its x axis, which should point forward: if the lidar is mounted rotated, convert the "
          "recording with a yaw (--sensor-pose) that is " +
-         degrees + " deg " + (angle > 0 ? "less" : "more");
+         degrees + " deg " + (angle > 0 ? "less" : "more") + ": '0 0 0 " + (angle > 0 ? "-" : "") +
+         degrees + " 0 0' if it had none";
 }
 
 std::string RunStatistics::failure(const std::string& ini, const MotionSensorOptions& sensors) const

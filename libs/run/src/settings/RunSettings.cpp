@@ -74,6 +74,7 @@ void setSettings(const RunSettings& chosen, SlamRunSettings& run)
 {
   run.config = chosen.chosen.config;
   run.sensor = chosen.aboutSensor();
-  run.warnings = chosen.chosen.warnings;
+  run.warnings.insert(run.warnings.end(), chosen.chosen.warnings.begin(),
+                      chosen.chosen.warnings.end());
 }
 }  // namespace dyslam

@@ -46,6 +46,7 @@ struct RunSettings : RecordingSettings
  * \throws UserError for bad settings, and if the rawlog has no scan. */
 [[nodiscard]] RunSettings chooseRunSettings(const std::string& rawlog, const GivenSettings& given);
 
-/** Sets the config of a run, and the texts about the settings for its report. */
+/** Sets the config of a run and, for its report, the text about the sensor; adds the warnings about
+ * the settings. */
 void setSettings(const RunSettings& chosen, SlamRunSettings& run);
 }  // namespace dyslam

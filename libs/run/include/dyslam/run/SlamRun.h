@@ -28,7 +28,7 @@ struct SlamRunSettings
   Config config;
   std::vector<std::string> inputs;    //!< other files that are read, which are never replaced
   std::string sensor;                 //!< description of the sensor, for the report
-  std::vector<std::string> warnings;  //!< warnings about the settings, for the report
+  std::vector<std::string> warnings;  //!< on conversion and settings, for the report
   bool force = false;                 //!< replace also files that no run wrote
   bool probabilities = false;         //!< write the moving probability of each point, .bin files
   bool static_scans = false;   //!< write the scans without moving points: .bin files and a rawlog
