@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <string>
 
 namespace dyslam
@@ -93,6 +94,39 @@ TEST(RunStatistics, AVehicleThatDoesNotMoveForwardIsAWarning)
   EXPECT_TRUE(hasWarning(statisticsOf(0, -1, 20),
                          "(--sensor-pose) that is 90 deg more: '0 0 0 90 0 0' if it had none"));
   EXPECT_TRUE(hasWarning(statisticsOf(0, 1, 20), "90 deg less: '0 0 0 -90 0 0' if it had none"));
+}
+
+TEST(RunStatistics, PointsInTheFrameOfAMapAreAWarning)
+{
+  // Points around the lidar, which has driven by `lidar_step` when the cloud is written, and by
+  // `odometry_step` in the estimate.
+  const auto statisticsOf = [](float lidar_step, double odometry_step)
+  {
+    RunStatistics statistics;
+    for (int i = 0; i < 30; ++i)
+    {
+      Frame frame;
+      frame.odometry.status = MotionStatus::converged;
+      frame.motion.status = MotionStatus::converged;
+      frame.T_odom_vehicle.translation().x() = odometry_step * i;
+      for (int k = 0; k < 640; ++k)
+      {
+        const float azimuth = 0.0098F * static_cast<float>(k);
+        const float range = k < 300 ? 5.0F : 20.0F;  // a truck on one side
+        frame.cloud.points.emplace_back(
+            range * std::cos(azimuth) + lidar_step * static_cast<float>(i),
+            range * std::sin(azimuth), 0);
+      }
+      statistics.add(frame);
+    }
+    return statistics;
+  };
+  const RunStatistics map_frame = statisticsOf(1, 0);
+  EXPECT_TRUE(hasWarning(map_frame, "in the frame of a map"));
+  EXPECT_EQ(map_frame.verdict(), "doubtful");
+  EXPECT_EQ(statisticsOf(0, 0).verdict(), "usable") << "at rest";
+  EXPECT_EQ(statisticsOf(0, 1).verdict(), "usable");
+  EXPECT_EQ(statisticsOf(1, 1).frameWarning(), "") << "an odd sensor, but it drives";
 }
 
 /** A gyroscope in degrees makes all registrations fail. */

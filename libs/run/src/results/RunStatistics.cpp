@@ -43,6 +43,25 @@ std::string adviceFor(FailureCause cause, const std::string& ini, const std::str
                             "be wrong: " +
                                 sensors);
 }
+/** Mean of the unit vectors from the vehicle to points, seen from above: near zero for a spinning
+ * lidar, whatever is around it. */
+Eigen::Vector2d meanDirection(const std::vector<Eigen::Vector3f>& points)
+{
+  constexpr std::size_t stride = 16;
+  Eigen::Vector2d sum = Eigen::Vector2d::Zero();
+  double count = 0;
+  for (std::size_t i = 0; i < points.size(); i += stride)
+  {
+    const Eigen::Vector2d direction = points[i].head<2>().cast<double>();
+    const double distance = direction.norm();
+    if (distance > 0)
+    {
+      sum += direction / distance;
+      count += 1;
+    }
+  }
+  return count > 0 ? Eigen::Vector2d(sum / count) : sum;
+}
 }  // namespace
 
 void Reasons::add(const MotionEstimate& failed)
@@ -70,6 +89,11 @@ void RunStatistics::add(const Frame& frame)
   first_time = frames == 0 ? frame.time() : first_time;
   last_time = frame.time();
   ++frames;
+  const Eigen::Vector2d view = meanDirection(frame.cloud.points);
+  first_view = frames == 1 ? view : first_view;
+  constexpr double another_view = 0.5;
+  shifted_views += (view - first_view).norm() > another_view ? 1U : 0U;
+  displacement = frame.T_odom_vehicle.translation().norm();
   map_restarts += frame.motion.map_restarted ? 1U : 0U;
   if (frame.motion.registered())
   {
@@ -152,6 +176,10 @@ std::vector<std::string> RunStatistics::warnings(bool has_labels) const
   {
     result.push_back(warning);
   }
+  if (const std::string warning = frameWarning(); !warning.empty())
+  {
+    result.push_back(warning);
+  }
   if (map_restarts > 0)
   {
     result.push_back("the local map was restarted " +
@@ -201,6 +229,20 @@ std::string RunStatistics::directionWarning() const
          degrees + " 0 0' if it had none";
 }
 
+std::string RunStatistics::frameWarning() const
+{
+  constexpr double at_rest = 2;  // [m]
+  constexpr double min_share = 0.2;
+  if (displacement > at_rest ||
+      static_cast<double>(shifted_views) < min_share * static_cast<double>(frames))
+  {
+    return {};
+  }
+  return "the vehicle is at rest, but sees the points in other directions than at first: they seem "
+         "to be in the frame of a map, where nothing moves; the scans must be in the frame of the "
+         "lidar";
+}
+
 std::string RunStatistics::failure(const std::string& ini, const MotionSensorOptions& sensors) const
 {
   if (!failedOnMoreThan(unusable_share))
@@ -226,7 +268,9 @@ std::string RunStatistics::verdict() const
   {
     return "unusable";
   }
-  return failedOnMoreThan(doubtful_share) || map_restarts > 0 ? "doubtful" : "usable";
+  return failedOnMoreThan(doubtful_share) || map_restarts > 0 || !frameWarning().empty()
+             ? "doubtful"
+             : "usable";
 }
 
 bool RunStatistics::failedOnMoreThan(double share) const
@@ -250,6 +294,7 @@ void RunStatistics::exchangeState(StateArchive& archive)
 {
   archive(frames, first_time, last_time, registration_failures, map_restarts,
           unregistered_keyframes, not_settled, odometry_failures, has_imu, has_wheels, path,
-          path_forward, path_left, points, moving_points, detections, reference);
+          path_forward, path_left, displacement, first_view, shifted_views, points, moving_points,
+          detections, reference);
 }
 }  // namespace dyslam

@@ -4,6 +4,7 @@
 #include <dyslam/core/Frame.h>
 #include <dyslam/core/Trajectory.h>
 
+#include <Eigen/Core>
 #include <cstddef>
 #include <map>
 #include <string>
@@ -60,6 +61,10 @@ struct RunStatistics
   /** The warning that the vehicle moved in another direction than x; empty if it did not. */
   [[nodiscard]] std::string directionWarning() const;
 
+  /** The warning that the points seem to be in the frame of a map: the vehicle is at rest, but the
+   * directions in which it sees points change; empty if they do not. */
+  [[nodiscard]] std::string frameWarning() const;
+
   /** Why the result is unusable, if more than half of the scans could not be registered; else
    * empty.
    * \param ini path of the ini that was given, which may be the reason; empty: none
@@ -80,11 +85,15 @@ struct RunStatistics
   std::size_t unregistered_keyframes = 0;
   std::size_t not_settled = 0;  //!< registered frames whose iterations ended too early
   Reasons odometry_failures;
-  bool has_imu = false;           //!< there are samples of an IMU
-  bool has_wheels = false;        //!< there are samples of wheel odometry
-  double path = 0;                //!< sum of the registered motions [m]
-  double path_forward = 0;        //!< part of it along x of the vehicle [m]
-  double path_left = 0;           //!< part of it along y of the vehicle [m]
+  bool has_imu = false;     //!< there are samples of an IMU
+  bool has_wheels = false;  //!< there are samples of wheel odometry
+  double path = 0;          //!< sum of the registered motions [m]
+  double path_forward = 0;  //!< part of it along x of the vehicle [m]
+  double path_left = 0;     //!< part of it along y of the vehicle [m]
+  double displacement = 0;  //!< distance of the last pose from the first one [m]
+  /** Mean of the horizontal directions to the points of the first scan. */
+  Eigen::Vector2d first_view = Eigen::Vector2d::Zero();
+  std::size_t shifted_views = 0;  //!< number of frames with another mean
   std::size_t points = 0;         //!< number of points of all clouds
   std::size_t moving_points = 0;  //!< number of moving points, by the causal labels
   std::size_t detections = 0;     //!< number of detections in all scans
