@@ -10,7 +10,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 #include <string>
 #include <utility>
 
@@ -28,6 +27,31 @@ double forwardSpeed(const Frame& frame)
 {
   return frame.dt > 0 ? frame.motion.T_previous_current.translation().x() / frame.dt : 0;
 }
+
+/** StartRun::fit of several frames. */
+class FitMean
+{
+ public:
+  void add(const Frame& frame)
+  {
+    inlier_share_ += static_cast<double>(frame.motion.inliers) /
+                     static_cast<double>(std::max<std::size_t>(1, frame.cloud.size()));
+    rmse_ += frame.motion.rmse;
+    count_ += 1;
+  }
+  [[nodiscard]] double value() const
+  {
+    constexpr double least_rmse = 1e-3;  // [m]
+    const double n = std::max(1.0, count_);
+    const double rmse = std::max(least_rmse, rmse_ / n);
+    return inlier_share_ / n / (rmse * rmse);
+  }
+
+ private:
+  double inlier_share_ = 0;
+  double rmse_ = 0;  // [m]
+  double count_ = 0;
+};
 }  // namespace
 
 StartSearch::StartSearch(const NextScan& next, const Config& config) : next_(next), config_(config)
@@ -37,19 +61,19 @@ StartSearch::StartSearch(const NextScan& next, const Config& config) : next_(nex
   threads_ = loader.get<PipelineOptions>("pipeline").threads;
 }
 
-bool StartSearch::readTo(std::size_t end)
+std::size_t StartSearch::readTo(std::size_t end)
 {
   while (frames_.size() < end)
   {
     std::optional<Frame> frame = next_();
     if (!frame)
     {
-      return false;
+      break;
     }
     frames_.push_back(std::move(*frame));
     priors_.emplace_back();
   }
-  return true;
+  return frames_.size();
 }
 
 bool StartSearch::isWanted() const
@@ -81,9 +105,8 @@ Config StartSearch::startingAt(std::optional<double> speed) const
   return changed;
 }
 
-/** Speed after `scans` scans by registration only. \param first scan with which the
- * odometry begins \param start speed there */
-double StartSearch::speedAfter(std::size_t first, std::optional<double> start, int of_threads) const
+/** A run of the registration over the first `scans` scans. \param start speed at the first one */
+StartRun StartSearch::runFrom(std::optional<double> start, std::size_t scans, int of_threads) const
 {
   NoTimes times;
   const Config changed = startingAt(start);
@@ -91,8 +114,9 @@ double StartSearch::speedAfter(std::size_t first, std::optional<double> start, i
   ThreadPool pool(of_threads);
   Preprocessor preprocessor(loader.get<PreprocessOptions>("preprocess"), pool);
   Odometry odometry(loader, pool, times);
-  double speed = 0;
-  for (std::size_t i = first; i < first + static_cast<std::size_t>(options_.scans); ++i)
+  StartRun run;
+  FitMean fit;
+  for (std::size_t i = 0; i < scans; ++i)
   {
     Frame frame = frames_[i];
     const auto prepare = [&](const Pose& T_previous_current, double dt)
@@ -109,119 +133,77 @@ double StartSearch::speedAfter(std::size_t first, std::optional<double> start, i
     }
     odometry.estimate(frame);
     odometry.integrate(frame);
-    speed = forwardSpeed(frame);
-  }
-  return speed;
-}
-
-/** Reads the first `end` scans and estimates their speeds and appearance priors as the run would.
- * \return whether the recording has them */
-bool StartSearch::runTo(std::size_t end)
-{
-  if (!front_end_)
-  {
-    ConfigLoader loader(config_);
-    front_end_ = std::make_unique<FrontEnd>(threads_, loader, times_);
-  }
-  if (!readTo(end))
-  {
-    return false;
-  }
-  while (speeds_.size() < end)
-  {
-    const std::size_t i = speeds_.size();
-    Frame frame = frames_[i];
-    front_end_->process(frame);
-    speeds_.push_back(forwardSpeed(frame));
-    if (!frame.static_prior.empty())
+    if (i < static_cast<std::size_t>(options_.scans))
     {
-      priors_[i].assign(frame.scan.size(), 1);
-      for (std::size_t k = 0; k < frame.cloud.size(); ++k)
-      {
-        priors_[i][frame.cloud.source[k]] = frame.static_prior[k];
-      }
+      run.speed = forwardSpeed(frame);
+    }
+    if (2 * i >= scans)
+    {
+      fit.add(frame);
     }
   }
-  return true;
+  run.fit = fit.value();
+  return run;
 }
 
-double StartSearch::speedAfter(std::optional<double> start) const
+std::vector<StartRun> StartSearch::runsFrom(const std::vector<double>& starts,
+                                            std::size_t scans) const
 {
-  return speedAfter(0, start, threads_);
-}
-
-/** Speeds after `scans` scans by registration only, started at several speeds. \param first scan
- * with which the odometry begins */
-std::vector<double> StartSearch::speedsAfter(std::size_t first,
-                                             const std::vector<double>& starts) const
-{
-  std::vector<double> after(starts.size());
+  std::vector<StartRun> runs(starts.size());
   ThreadPool pool(threads_);
   pool.forChunks(starts.size(), 1,
                  [&](std::size_t begin, std::size_t end, std::size_t)
                  {
                    for (std::size_t i = begin; i < end; ++i)
                    {
-                     after[i] = speedAfter(first, starts[i], 1);
+                     runs[i] = runFrom(starts[i], scans, 1);
                    }
                  });
-  return after;
+  return runs;
+}
+
+std::vector<StartRun> StartSearch::runsFrom(const std::vector<double>& starts) const
+{
+  return runsFrom(starts, frames_.size());
+}
+
+double StartSearch::speedAfter(std::optional<double> start) const
+{
+  return runFrom(start, static_cast<std::size_t>(options_.scans), threads_).speed;
 }
 
 bool StartSearch::isPulledTo(double speed) const
 {
-  const auto after = speedsAfter(0, {speed - probe_distance, speed + probe_distance});
-  return std::all_of(after.begin(), after.end(),
-                     [&](double probe) { return std::fabs(probe - speed) < same_speed; });
+  const auto runs = runsFrom({speed - probe_distance, speed + probe_distance},
+                             static_cast<std::size_t>(options_.scans));
+  return std::all_of(runs.begin(), runs.end(),
+                     [&](const StartRun& run)
+                     { return std::fabs(run.speed - speed) < same_speed; });
 }
 
-std::vector<SpeedDrift> StartSearch::drifts() const
+double StartSearch::speedOfRun()
 {
-  std::vector<double> starts;
-  for (double speed = options_.slowest; speed <= options_.fastest; speed += options_.step)
+  if (!front_end_)
   {
-    starts.push_back(speed);
+    ConfigLoader loader(config_);
+    front_end_ = std::make_unique<FrontEnd>(threads_, loader, times_);
   }
-  const std::vector<double> after = speedsAfter(0, starts);
-  std::vector<SpeedDrift> result;
-  for (std::size_t i = 0; i < starts.size(); ++i)
+  for (; processed_ < frames_.size(); ++processed_)
   {
-    result.push_back({starts[i], after[i] - starts[i]});
-  }
-  return result;
-}
-
-TimedSpeed StartSearch::speedOfRun()
-{
-  const auto scans = static_cast<std::size_t>(options_.scans);
-  runTo(scans);
-  return {frames_[scans - 1].scan.stamp, speeds_[scans - 1]};
-}
-
-std::optional<TimedSpeed> StartSearch::laterSpeed()
-{
-  const auto scans = static_cast<std::size_t>(options_.scans);
-  const auto look_ahead = static_cast<std::size_t>(options_.look_ahead);
-  for (std::size_t first = scans; first <= look_ahead && runTo(first + scans); first += scans)
-  {
-    if (!isPossibleStart(speeds_[first]))
+    Frame frame = frames_[processed_];
+    front_end_->process(frame);
+    speed_of_run_ = forwardSpeed(frame);
+    if (!frame.static_prior.empty())
     {
-      return std::nullopt;
-    }
-    const double run = speeds_[first + scans - 1];
-    const auto after =
-        speedsAfter(first, {speeds_[first] - probe_distance, speeds_[first] + probe_distance});
-    if (std::all_of(after.begin(), after.end(),
-                    [&](double probe) { return std::fabs(probe - run) < same_speed_of_runs; }))
-    {
-      const std::size_t averaged = (scans + 1) / 2;
-      const auto end = speeds_.begin() + static_cast<std::ptrdiff_t>(first + scans);
-      const double sum = std::accumulate(end - static_cast<std::ptrdiff_t>(averaged), end, 0.0);
-      return TimedSpeed{frames_[first + scans - 1 - averaged / 2].scan.stamp,
-                        sum / static_cast<double>(averaged)};
+      std::vector<float>& prior = priors_[processed_];
+      prior.assign(frame.scan.size(), 1);
+      for (std::size_t k = 0; k < frame.cloud.size(); ++k)
+      {
+        prior[frame.cloud.source[k]] = frame.static_prior[k];
+      }
     }
   }
-  return std::nullopt;
+  return speed_of_run_;
 }
 
 bool isPossibleStart(double speed)

@@ -14,13 +14,6 @@
 
 namespace dyslam
 {
-/** Speed at some time. */
-struct TimedSpeed
-{
-  double stamp = 0;  //!< [s]
-  double speed = 0;  //!< [m/s]
-};
-
 /** The runs over the first scans of a recording with which findStartSpeed() searches: of the
  * registration alone, started at some speed, and of the whole front end. All speeds are forward
  * speeds [m/s]. */
@@ -34,23 +27,21 @@ class StartSearch
   [[nodiscard]] const StartOptions& options() const { return options_; }
   /** Whether the settings leave the speed to be searched for. */
   [[nodiscard]] bool isWanted() const;
-  /** Reads the first `end` scans. \return whether the recording has them */
-  bool readTo(std::size_t end);
+  /** Reads up to the first `end` scans. \return number of scans read so far */
+  std::size_t readTo(std::size_t end);
   /** Whether wheels measure the speed at the first scan. */
   [[nodiscard]] bool isMeasured() const;
 
-  /** Speed after `scans` scans by registration only. \param start at the first scan; nothing: not
-   * known */
+  /** Speed after the first `scans` scans by registration only. \param start at the first scan;
+   * nothing: not known */
   [[nodiscard]] double speedAfter(std::optional<double> start) const;
-  /** Whether starts at a lower and a higher speed both drift to a speed. */
+  /** Whether starts at a lower and a higher speed both converge to a speed over the first `scans`
+   * scans. */
   [[nodiscard]] bool isPulledTo(double speed) const;
-  /** Drifts of the speeds from `slowest` to `fastest`. */
-  [[nodiscard]] std::vector<SpeedDrift> drifts() const;
-  /** Speed after the first `scans` scans by the front end, as the run would estimate it. */
-  [[nodiscard]] TimedSpeed speedOfRun();
-  /** Speed of the run at the first later scans that determine it: starts beside its speed end where
-   * it does. */
-  [[nodiscard]] std::optional<TimedSpeed> laterSpeed();
+  /** Speed at the last of all scans read by the front end, as the run would estimate it. */
+  [[nodiscard]] double speedOfRun();
+  /** Runs over all scans read, started at several speeds. */
+  [[nodiscard]] std::vector<StartRun> runsFrom(const std::vector<double>& starts) const;
 
  private:
   /** A time logger that is not used. */
@@ -60,12 +51,11 @@ class StartSearch
   };
 
   [[nodiscard]] Config startingAt(std::optional<double> speed) const;
-  [[nodiscard]] double speedAfter(std::size_t first,
-                                  std::optional<double> start,
-                                  int of_threads) const;
-  [[nodiscard]] std::vector<double> speedsAfter(std::size_t first,
-                                                const std::vector<double>& starts) const;
-  bool runTo(std::size_t end);
+  [[nodiscard]] StartRun runFrom(std::optional<double> start,
+                                 std::size_t scans,
+                                 int of_threads) const;
+  [[nodiscard]] std::vector<StartRun> runsFrom(const std::vector<double>& starts,
+                                               std::size_t scans) const;
 
   const NextScan& next_;
   const Config& config_;
@@ -74,7 +64,8 @@ class StartSearch
   NoTimes times_;
   std::unique_ptr<FrontEnd> front_end_;  //!< of the run from the first scan on
   std::vector<Frame> frames_;            //!< first scans of the recording
-  std::vector<double> speeds_;           //!< speed at each scan that the run would estimate [m/s]
+  std::size_t processed_ = 0;            //!< number of scans that the front end has processed
+  double speed_of_run_ = 0;              //!< its speed at the last one [m/s]
   /** Frame::static_prior per frame and point of its scan; empty if the segmenter gives none. */
   std::vector<std::vector<float>> priors_;
 };

@@ -15,56 +15,53 @@ namespace
 /** Speed from which the run's own start is compared with that of the registration, which takes a
  * few tenths of a second [m/s]. */
 constexpr double fast = 10;
-/** Acceleration that explains a difference between the speeds at the start and later [m/s^2]. */
-constexpr double usual_acceleration = 1;
-
-/** The speed of later scans, unless the vehicle may have accelerated or the drifts of the first
- * scans contradict it. \param start of the run */
-std::optional<double> speedOfLaterScans(StartSearch& search,
-                                        const TimedSpeed& start,
-                                        const std::vector<SpeedDrift>& drifts)
-{
-  const std::optional<TimedSpeed> later = search.laterSpeed();
-  if (!later)
-  {
-    return std::nullopt;
-  }
-  const double explained =
-      std::max(same_speed_of_runs, usual_acceleration * (later->stamp - start.stamp));
-  const StartOptions& options = search.options();
-  const bool contradicted = supportOf(drifts, start.speed, options) >=
-                            supportOf(drifts, later->speed, options) + options.min_margin;
-  return std::fabs(later->speed - start.speed) > explained && !contradicted
-             ? std::optional(later->speed)
-             : std::nullopt;
-}
 }  // namespace
 
 void StartOptions::describe(OptionsVisitor& v)
 {
   v.flag("search", search,
          "search for the speed at the first scan where the first scans do not determine it");
-  v.integer("scans", scans, 3, 100, "number of first scans used in the search for the start speed");
-  v.integer("look_ahead", look_ahead, 0, 1000,
-            "number of further scans used where the first scans do not determine the speed");
+  v.integer("scans", scans, 3, 100, "number of first scans that may determine the start speed");
+  v.integer("compared_scans", compared_scans, 3, 1000,
+            "number of first scans with which start speeds are compared where they do not");
   v.real("slowest", slowest, min_start_speed, 0, "lowest start speed that is tried [m/s]");
   v.real("fastest", fastest, 0, max_start_speed, "highest start speed that is tried [m/s]");
   v.real("step", step, 0.5, 20, "step between the start speeds that are tried [m/s]");
   v.real("sigma", sigma, 0.1, 20,
          "sigma of a start speed that is tried, and of the one found [m/s]");
-  v.real("max_drift", max_drift, 0.1, 100,
-         "limit to which the drift of a tried speed over the first scans is clamped [m/s]");
-  v.real("min_margin", min_margin, 0, 1e6,
-         "least support (integral of drift over speed) beyond that of the odometry's own speed "
-         "[m^2/s^2]");
+  v.real("min_gain", min_gain, 0, 100,
+         "least gain in the fit of the scans over the odometry's own start speed, as a share");
+}
+
+std::optional<double> bestStartSpeed(const std::vector<StartRun>& runs,
+                                     const StartRun& own,
+                                     double own_speed,
+                                     const StartOptions& options)
+{
+  const StartRun* best = &own;
+  for (const StartRun& run : runs)
+  {
+    if (isPossibleStart(run.speed) && run.fit > best->fit)
+    {
+      best = &run;
+    }
+  }
+  const auto differ = [](double a, double b) { return !(std::fabs(a - b) < same_speed_of_runs); };
+  const bool is_another = differ(best->speed, own.speed);
+  if (!differ(best->speed, own_speed) ||
+      (is_another && best->fit < (1 + options.min_gain) * own.fit))
+  {
+    return std::nullopt;
+  }
+  return best->speed;
 }
 
 std::optional<double> findStartSpeed(const NextScan& next, const Config& config)
 {
   StartSearch search(next, config);
   const StartOptions& options = search.options();
-  if (!search.isWanted() || !search.readTo(static_cast<std::size_t>(options.scans)) ||
-      search.isMeasured())
+  const auto scans = static_cast<std::size_t>(options.scans);
+  if (!search.isWanted() || search.readTo(scans) < scans || search.isMeasured())
   {
     return std::nullopt;
   }
@@ -78,26 +75,33 @@ std::optional<double> findStartSpeed(const NextScan& next, const Config& config)
   {
     return std::nullopt;
   }
-  const TimedSpeed start = search.speedOfRun();
+  const double own_speed = search.speedOfRun();
   if (is_determined)
   {
     // Between uniform rails the segmenter may lead the run away from the speed of the registration.
-    return std::fabs(start.speed - registered) < same_speed_of_runs ? std::nullopt
-                                                                    : std::optional(registered);
+    return std::fabs(own_speed - registered) < same_speed_of_runs ? std::nullopt
+                                                                  : std::optional(registered);
   }
-  if (!isPossibleStart(start.speed) || search.isPulledTo(start.speed))
+  if (!isPossibleStart(own_speed) || search.isPulledTo(own_speed))
   {
     return std::nullopt;
   }
-  const std::vector<SpeedDrift> drifts = search.drifts();
-  if (const auto speed = speedOfDrifts(drifts, start.speed, options))
+  search.readTo(static_cast<std::size_t>(options.compared_scans));
+  (void)search.speedOfRun();  // for the appearance priors of all scans
+  std::vector<double> starts{own_speed};
+  for (double speed = options.slowest; speed <= options.fastest; speed += options.step)
   {
-    // The grid of speeds is coarse; the odometry refines the result.
-    const double settled = search.speedAfter(*speed);
-    return isPossibleStart(settled) && std::fabs(settled - *speed) < options.max_drift ? settled
-                                                                                       : speed;
+    starts.push_back(speed);
   }
-  return speedOfLaterScans(search, start, drifts);
+  const std::vector<StartRun> runs = search.runsFrom(starts);
+  const auto best = bestStartSpeed(runs, runs.front(), own_speed, options);
+  if (!best)
+  {
+    return std::nullopt;
+  }
+  // The grid of speeds is coarse; the odometry refines the result.
+  const double settled = search.speedAfter(*best);
+  return std::fabs(settled - *best) < options.step / 2 ? settled : *best;
 }
 
 std::optional<double> findStartSpeed(const std::vector<Frame>& frames, const Config& config)

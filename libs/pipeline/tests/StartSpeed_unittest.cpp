@@ -13,58 +13,22 @@ namespace dyslam
 {
 namespace
 {
-std::vector<SpeedDrift> driftsOf(const std::function<double(double)>& drift)
+TEST(StartSpeed, IsThatUnderWhichTheScansFitBest)
 {
-  std::vector<SpeedDrift> drifts;
-  for (double speed = -5; speed <= 45; speed += 5)
-  {
-    drifts.push_back({speed, drift(speed)});
-  }
-  return drifts;
+  const std::vector<StartRun> runs{{-4, 2.1}, {1, 2.2}, {13, 2.6}, {27, 3.1}, {26, 3.0}, {40, 2.0}};
+  EXPECT_EQ(bestStartSpeed(runs, {0.5, 2.2}, 0.5, {}), 27);
+  EXPECT_FALSE(bestStartSpeed(runs, {27.2, 3.1}, 27.2, {})) << "the odometry's own";
+  EXPECT_FALSE(bestStartSpeed(runs, {5, 3.2}, 5, {})) << "the odometry's own fits better";
+  EXPECT_FALSE(bestStartSpeed(runs, {5, 3.09}, 5, {})) << "hardly better";
+  EXPECT_FALSE(bestStartSpeed(runs, {24, 2.9}, 26.5, {})) << "the odometry finds it";
+  EXPECT_EQ(bestStartSpeed(runs, {26.8, 3.1}, 30, {}), 26.8) << "the odometry is slow to find it";
+  EXPECT_FALSE(bestStartSpeed({}, {5, 3}, 5, {}));
 }
 
-/** Weakly towards 27 m/s, and strongly towards 0 from nearby, as the rings on the ground. */
-double driftBetweenGuardRails(double speed)
+TEST(StartSpeed, AnImpossibleSpeedIsNotFound)
 {
-  return std::fabs(speed) < 4 ? -0.5 * speed : 0.2 * (27 - speed);
-}
-
-TEST(StartSpeed, IsWhereDriftsLeadFromAfar)
-{
-  const auto speed = speedOfDrifts(driftsOf(driftBetweenGuardRails), 0.4, {});
-  ASSERT_TRUE(speed);
-  EXPECT_NEAR(*speed, 27, 0.5);
-}
-
-TEST(StartSpeed, IsNotReportedWhereTheOdometryFindsIt)
-{
-  EXPECT_FALSE(speedOfDrifts(driftsOf(driftBetweenGuardRails), 27.5, {}));
-  EXPECT_FALSE(speedOfDrifts(driftsOf(driftBetweenGuardRails), 25.5, {}));
-}
-
-TEST(StartSpeed, StaysWithTheOdometryWhereNothingLeadsAway)
-{
-  EXPECT_FALSE(speedOfDrifts(driftsOf([](double) { return 0.0; }), 3, {}));
-  // Each speed drifts to 5 m/s, or stays.
-  EXPECT_FALSE(
-      speedOfDrifts(driftsOf([](double speed) { return speed < 12 ? 5 - speed : 0; }), 5, {}));
-}
-
-TEST(StartSpeed, SupportIsLargestWhereTheDriftsLead)
-{
-  const auto drifts = driftsOf([](double speed) { return 0.1 * (20 - speed); });
-  EXPECT_GT(supportOf(drifts, 20, {}), supportOf(drifts, 15, {}));
-  EXPECT_GT(supportOf(drifts, 20, {}), supportOf(drifts, 25, {}));
-  EXPECT_NEAR(supportOf(drifts, 20, {}) - supportOf(drifts, 10, {}), 5, 1e-9);
-}
-
-TEST(StartSpeed, OneWildDriftCountsLittle)
-{
-  auto drifts = driftsOf([](double speed) { return 0.2 * (5 - speed); });
-  drifts[7].drift = 100;
-  EXPECT_FALSE(speedOfDrifts(drifts, 5, {}));
-  drifts[7].drift = std::numeric_limits<double>::quiet_NaN();
-  EXPECT_FALSE(speedOfDrifts(drifts, 5, {}));
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_FALSE(bestStartSpeed({{nan, 9}, {99, 9}, {-49, 9}, {20, nan}}, {5, 3}, 5, {}));
 }
 
 TEST(StartSpeed, IsSetWithItsDeviation)
@@ -152,23 +116,23 @@ std::vector<Frame> driveBetweenWalls(std::size_t count, float first_pillar)
   return frames;
 }
 
-TEST(StartSpeed, IsFoundByLaterScansWhereTheFirstOnesLeaveItOpen)
+TEST(StartSpeed, IsFoundByMoreScansWhereTheFirstOnesLeaveItOpen)
 {
   const Config config = Config::fromText(
       "[dyseg]\nmethod = none\n[preprocess]\ndeskew = none\n[motion]\nstart_speed_sigma = "
-      "1\n[refine]\ninitial_sigma = 0.2\n[start]\nmax_drift = 0.1\nstep = 10\nlook_ahead = 60\n",
+      "1\n[refine]\ninitial_sigma = 0.2\n[start]\nfastest = 10\ncompared_scans = 35\n",
       "test");
-  const std::vector<Frame> frames = driveBetweenWalls(70, 43);
+  const std::vector<Frame> frames = driveBetweenWalls(35, 43);
   const auto found = findStartSpeed(frames, config);
   ASSERT_TRUE(found);
-  EXPECT_NEAR(*found, 4, 0.5);
+  EXPECT_NEAR(*found, 4, 1);
 
-  Config no_look_ahead = config;
-  no_look_ahead.set("start.look_ahead=0");
+  Config fewer = config;
+  fewer.set("start.compared_scans=12");
   std::size_t read = 0;
   const auto next = [&] { return std::optional<Frame>(frames.at(read++)); };
-  EXPECT_FALSE(findStartSpeed(next, no_look_ahead));
-  EXPECT_EQ(read, 10U);
+  (void)findStartSpeed(next, fewer);
+  EXPECT_EQ(read, 12U);
 }
 
 TEST(StartSpeed, NoFurtherScansAreReadWhereTheFirstOnesDetermineIt)

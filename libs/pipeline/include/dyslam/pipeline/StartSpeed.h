@@ -15,41 +15,37 @@ namespace dyslam
 /** Ini section `[start]`: speed at the start of a recording that begins in motion. */
 struct StartOptions : Options
 {
-  bool search = true;     //!< search for the initial speed if the first scans do not determine it
-  int scans = 10;         //!< number of first scans used in the search
-  int look_ahead = 40;    //!< number of further scans used if the first leave the speed open
-  double slowest = -5;    //!< lowest speed that is tried [m/s]
-  double fastest = 45;    //!< highest speed that is tried [m/s]
-  double step = 5;        //!< step between the speeds that are tried [m/s]
-  double sigma = 1.5;     //!< sigma of a speed that is tried, and of the one found [m/s]
-  double max_drift = 2;   //!< limit of the change of a tried speed over the scans [m/s]
-  double min_margin = 6;  //!< least support above that of the odometry's own speed [m^2/s^2]
+  bool search = true;       //!< search for the initial speed if the first scans do not determine it
+  int scans = 10;           //!< number of first scans that may determine the speed
+  int compared_scans = 20;  //!< number of first scans with which speeds are compared otherwise
+  double slowest = -5;      //!< lowest speed that is tried [m/s]
+  double fastest = 45;      //!< highest speed that is tried [m/s]
+  double step = 5;          //!< step between the speeds that are tried [m/s]
+  double sigma = 1.5;       //!< sigma of a speed that is tried, and of the one found [m/s]
+  double min_gain = 0.01;   //!< least gain in fit over the odometry's own speed, as a share
 
   void describe(OptionsVisitor& visitor) override;
 };
 
-/** One speed that was tried. */
-struct SpeedDrift
+/** A run of the registration over the first scans, started at some speed. */
+struct StartRun
 {
-  double speed = 0;  //!< speed at the first scan [m/s]
-  double drift = 0;  //!< change of the speed by the odometry that was started with it [m/s]
+  double speed = 0;  //!< speed after the first `start.scans` scans [m/s]
+  /** How well the scans fit together: the share of the points that fit the local map, over the mean
+   * square of their residuals; mean over the second half of the scans [1/m^2] */
+  double fit = 0;
 };
 
-/** Speed towards which the speeds around it drift: the maximum of the integral of the drift over
- * the speed.
- * \param drifts at least two, ascending by speed \param start speed that the odometry finds by
- * itself \return the speed at the first scan [m/s]; nothing if its integral is less than
- * `min_margin` above that of `start` */
-[[nodiscard]] std::optional<double> speedOfDrifts(const std::vector<SpeedDrift>& drifts,
-                                                  double start,
-                                                  const StartOptions& options);
-
-/** Support of a speed: the integral of the drift over the speed, from the first speed tried up to
- * it, largest at the speed towards which those around it drift. Drifts are clamped to
- * `options.max_drift`. \param drifts at least two, ascending by speed [m^2/s^2] */
-[[nodiscard]] double supportOf(const std::vector<SpeedDrift>& drifts,
-                               double speed,
-                               const StartOptions& options);
+/** Chooses the speed under which the world stays still: that of the run whose scans fit together
+ * best.
+ * \param runs started at several speeds \param own the one started at the speed that the odometry
+ * finds by itself \param own_speed of the odometry after the first `start.scans` scans [m/s]
+ * \return the speed after as many scans [m/s]; nothing if it is nearly the odometry's, or if it is
+ * not that of `own` and its fit is less than `min_gain` better */
+[[nodiscard]] std::optional<double> bestStartSpeed(const std::vector<StartRun>& runs,
+                                                   const StartRun& own,
+                                                   double own_speed,
+                                                   const StartOptions& options);
 
 /** The next scan of a recording, where only index, scan and what was measured with it are filled;
  * nothing after the last one. */
@@ -57,15 +53,12 @@ using NextScan = std::function<std::optional<Frame>()>;
 
 /** Searches for the speed at the start of a recording.
  *
- * Between uniform guard rails, or in traffic, the first scans can be registered at several speeds.
- * The odometry is therefore started at several speeds. The few informative points pull a wrong
- * speed towards the true one from scan to scan, so that the drift of the speeds shows the true
- * speed even if none of them reaches it. If the drifts are too small to show it, later scans are
- * used: the speed where starts at several speeds end at the same one. Points are weighted by the
- * segmenter's appearance prior.
- * \param next called for the first `start.scans` scans, and for up to `start.look_ahead` further
- *   ones if these leave the speed open
- * \param config config of the run
+ * Between uniform guard rails, in tunnels and in traffic the first scans can be registered at
+ * several speeds. If starts 5 m/s slower and faster do not converge to the speed of the odometry,
+ * the registration is therefore started at several speeds, and the speed is that under which the
+ * scans fit together best: at a wrong one all that is not uniform smears. Points are weighted by
+ * the segmenter's appearance prior. \param next called for the first `start.scans` scans, and up to
+ * the first `start.compared_scans` if these leave the speed open \param config config of the run
  * \return the speed [m/s] if the odometry would not find it by itself; nothing if it does, if
  *   `odometry.start_speed` is given or wheels measure the speed, and if nothing is registered or
  *   searched for
