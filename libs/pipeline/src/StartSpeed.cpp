@@ -15,6 +15,8 @@ namespace
 /** Speed from which the run's own start is compared with that of the registration, which takes a
  * few tenths of a second [m/s]. */
 constexpr double fast = 10;
+/** Difference from the odometry's own speed from which another one is reported [m/s]. */
+constexpr double least_difference = 3;
 }  // namespace
 
 void StartOptions::describe(OptionsVisitor& v)
@@ -46,14 +48,15 @@ std::optional<double> bestStartSpeed(const std::vector<StartRun>& runs,
       best = &run;
     }
   }
-  const auto differ = [](double a, double b) { return !(std::fabs(a - b) < same_speed_of_runs); };
-  const bool is_another = differ(best->speed, own.speed);
-  if (!differ(best->speed, own_speed) ||
-      (is_another && best->fit < (1 + options.min_gain) * own.fit))
+  const double from_own = std::fabs(best->speed - own_speed);
+  if (std::fabs(best->speed - own.speed) < same_speed_of_runs)
   {
-    return std::nullopt;
+    // The odometry will find the speed, but at high speeds slowly.
+    return best->speed >= fast && from_own >= same_speed_of_runs ? std::optional(best->speed)
+                                                                 : std::nullopt;
   }
-  return best->speed;
+  const bool is_better = best->fit >= (1 + options.min_gain) * own.fit;
+  return is_better && from_own >= least_difference ? std::optional(best->speed) : std::nullopt;
 }
 
 std::optional<double> findStartSpeed(const NextScan& next, const Config& config)

@@ -22,6 +22,8 @@ TEST(StartSpeed, IsThatUnderWhichTheScansFitBest)
   EXPECT_FALSE(bestStartSpeed(runs, {5, 3.09}, 5, {})) << "hardly better";
   EXPECT_FALSE(bestStartSpeed(runs, {24, 2.9}, 26.5, {})) << "the odometry finds it";
   EXPECT_EQ(bestStartSpeed(runs, {26.8, 3.1}, 30, {}), 26.8) << "the odometry is slow to find it";
+  EXPECT_FALSE(bestStartSpeed({{4, 3}}, {2, 2}, 2, {})) << "a jam";
+  EXPECT_FALSE(bestStartSpeed({{4, 3}}, {4.2, 2.9}, 2, {})) << "a jam; the odometry will find it";
   EXPECT_FALSE(bestStartSpeed({}, {5, 3}, 5, {}));
 }
 

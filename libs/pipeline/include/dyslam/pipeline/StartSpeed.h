@@ -40,8 +40,10 @@ struct StartRun
  * best.
  * \param runs started at several speeds \param own the one started at the speed that the odometry
  * finds by itself \param own_speed of the odometry after the first `start.scans` scans [m/s]
- * \return the speed after as many scans [m/s]; nothing if it is nearly the odometry's, or if it is
- * not that of `own` and its fit is less than `min_gain` better */
+ * \return the speed after as many scans [m/s]; nothing if it is less than 3 m/s from `own_speed`,
+ * or its fit less than `min_gain` better than that of `own`; if it is nearly the speed of `own`,
+ * only above 10 m/s and if `own_speed` differs by 1 m/s, so that the odometry would find it slowly
+ */
 [[nodiscard]] std::optional<double> bestStartSpeed(const std::vector<StartRun>& runs,
                                                    const StartRun& own,
                                                    double own_speed,
