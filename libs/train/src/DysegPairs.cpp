@@ -96,7 +96,7 @@ DysegClipScene trainingScene(std::uint64_t number, const DysegTrainerOptions& op
       draws.chance(options.other_sensors_share))
   {
     constexpr std::array others{sim::SensorKind::os1_64, sim::SensorKind::os1_128,
-                                sim::SensorKind::pandar64, sim::SensorKind::vls128};
+                                sim::SensorKind::pandar64};
     scene.sensor = others.at(draws.below(others.size()));
   }
   return scene;

@@ -136,10 +136,9 @@ TEST(TrainingScene, OtherSensorsReplaceTheirShareOfTheHdl64)
   using dyslam::sim::SensorKind;
   EXPECT_NEAR(by_sensor[SensorKind::vlp16], 1000, 120);
   EXPECT_NEAR(by_sensor[SensorKind::hdl64e], 1800, 150);
-  for (const SensorKind other :
-       {SensorKind::os1_64, SensorKind::os1_128, SensorKind::pandar64, SensorKind::vls128})
+  for (const SensorKind other : {SensorKind::os1_64, SensorKind::os1_128, SensorKind::pandar64})
   {
-    EXPECT_NEAR(by_sensor[other], 300, 70);
+    EXPECT_NEAR(by_sensor[other], 400, 80);
   }
 }
 
