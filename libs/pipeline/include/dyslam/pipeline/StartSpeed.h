@@ -38,12 +38,12 @@ struct StartRun
 
 /** Chooses the speed under which the world stays still: that of the run whose scans fit together
  * best.
- * \param runs started at several speeds \param own the one started at the speed that the odometry
- * finds by itself \param own_speed of the odometry after the first `start.scans` scans [m/s]
+ * \param runs started at several speeds
+ * \param own the one started at the speed that the odometry finds by itself
+ * \param own_speed of the odometry after the first `start.scans` scans [m/s]
  * \return the speed after as many scans [m/s]; nothing if it is less than 3 m/s from `own_speed`,
- * or its fit less than `min_gain` better than that of `own`; if it is nearly the speed of `own`,
- * only above 10 m/s and if `own_speed` differs by 1 m/s, so that the odometry would find it slowly
- */
+ *   or its fit less than `min_gain` better than that of `own`; if it is nearly the speed of `own`,
+ *   only above 10 m/s and if `own_speed` differs by 1 m/s: the odometry would find it slowly */
 [[nodiscard]] std::optional<double> bestStartSpeed(const std::vector<StartRun>& runs,
                                                    const StartRun& own,
                                                    double own_speed,
@@ -59,8 +59,10 @@ using NextScan = std::function<std::optional<Frame>()>;
  * several speeds. If starts 5 m/s slower and faster do not converge to the speed of the odometry,
  * the registration is therefore started at several speeds, and the speed is that under which the
  * scans fit together best: at a wrong one all that is not uniform smears. Points are weighted by
- * the segmenter's appearance prior. \param next called for the first `start.scans` scans, and up to
- * the first `start.compared_scans` if these leave the speed open \param config config of the run
+ * the segmenter's appearance prior.
+ * \param next called for the first `start.scans` scans, and up to the first `start.compared_scans`
+ *   if these leave the speed open
+ * \param config config of the run
  * \return the speed [m/s] if the odometry would not find it by itself; nothing if it does, if
  *   `odometry.start_speed` is given or wheels measure the speed, and if nothing is registered or
  *   searched for
