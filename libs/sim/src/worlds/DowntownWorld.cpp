@@ -588,13 +588,9 @@ void buildDowntown(World& world, const SimulatorOptions& options)
 {
   Rng rng(combine(world.seed, 0xD0373));
   const double block = rng.uniform(80, 110);
-  const double quarter = options.loop_length / 4;
-  const int ring_u =
-      std::max(1, static_cast<int>(std::lround(quarter * rng.uniform(0.85, 1.15) / block)));
-  const int ring_v =
-      std::max(1, static_cast<int>(std::lround(options.loop_length / (2 * block))) - ring_u);
+  const BlockRing ring = drawBlockRing(options.loop_length, block, rng);
   auto grid =
-      std::make_unique<StreetGrid>(world.seed, ring_u + 2, ring_v + 2, block, drawDowntownStreet);
+      std::make_unique<StreetGrid>(world.seed, ring.u + 2, ring.v + 2, block, drawDowntownStreet);
   grid->paved = true;
   const StreetGrid& streets = *grid;
   world.meshes.push_back(streets.mesh());
@@ -605,7 +601,7 @@ void buildDowntown(World& world, const SimulatorOptions& options)
     return P(streets.along_v[static_cast<std::size_t>(i)].centre,
              streets.along_u[static_cast<std::size_t>(j)].centre);
   };
-  DowntownBuilder builder(world, streets, corner(1, 1), corner(1 + ring_u, 1 + ring_v), rng);
+  DowntownBuilder builder(world, streets, corner(1, 1), corner(1 + ring.u, 1 + ring.v), rng);
   const int nu = static_cast<int>(streets.along_v.size()),
             nv = static_cast<int>(streets.along_u.size());
   for (int i = -1; i < nu; ++i)
@@ -629,17 +625,11 @@ void buildDowntown(World& world, const SimulatorOptions& options)
   {
     builder.street(s, false, streets.minU(), streets.maxU());
   }
-  world.roads = makeLanes(streets, 1, 1, ring_u, ring_v, rng.chance(0.5) != options.reverse);
+  setNetworks(streets, ring, rng.chance(0.5) != options.reverse, world);
   world.roads.light_cycles = light_cycles;
   for (Lane& lane : world.roads.lanes)
   {
     lane.speed_limit *= lane.junction < 0 ? 0.8 : 1.0;
-  }
-  world.walks = makeWalks(streets);
-  world.bicycle_loops = makeBicycleLoops(streets);
-  for (const int lane : world.roads.ego_route)
-  {
-    world.loop_length += world.roads.lanes[static_cast<std::size_t>(lane)].path.length();
   }
 }
 }  // namespace dyslam::sim

@@ -33,6 +33,16 @@ Nearest nearest(const std::vector<Street>& streets, double x)
 }
 }  // namespace
 
+BlockRing drawBlockRing(double loop_length, double block_size, Rng& rng)
+{
+  const double quarter = loop_length / 4;
+  BlockRing ring;
+  ring.u =
+      std::max(1, static_cast<int>(std::lround(quarter * rng.uniform(0.85, 1.15) / block_size)));
+  ring.v = std::max(1, static_cast<int>(std::lround(loop_length / (2 * block_size))) - ring.u);
+  return ring;
+}
+
 Street drawTownStreet(Rng& rng)
 {
   Street s;

@@ -11,6 +11,8 @@
 
 namespace dyslam::sim
 {
+class World;
+
 /** A street, straight in local coordinates. */
 struct Street
 {
@@ -25,6 +27,16 @@ struct Street
   [[nodiscard]] double carriageway() const { return lanes * lane; }
   [[nodiscard]] double half() const { return carriageway() + parking; }
 };
+
+/** Blocks inside the ego's loop. */
+struct BlockRing
+{
+  int u = 1;  //!< number along u
+  int v = 1;  //!< number along v
+};
+
+/** Draws the blocks of a loop of about `loop_length` around blocks of side `block_size` [m]. */
+[[nodiscard]] BlockRing drawBlockRing(double loop_length, double block_size, Rng& rng);
 
 /** A street of a town with gardens and parked cars. */
 [[nodiscard]] Street drawTownStreet(Rng& rng);
@@ -91,4 +103,7 @@ class StreetGrid : public Ground
 [[nodiscard]] WalkNetwork makeWalks(const StreetGrid& grid);
 /** Bicycle loops around blocks at the edge of the carriageway, in the direction of traffic. */
 [[nodiscard]] std::vector<Path> makeBicycleLoops(const StreetGrid& grid);
+/** Sets the networks of a world's grid: lanes with the ego's route around the ring, whose first
+ * block is (1, 1), pavements and bicycle loops. */
+void setNetworks(const StreetGrid& grid, const BlockRing& ring, bool clockwise, World& world);
 }  // namespace dyslam::sim

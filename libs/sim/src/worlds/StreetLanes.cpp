@@ -4,6 +4,7 @@
 #include <map>
 
 #include "StreetGrid.h"
+#include "World.h"
 
 namespace dyslam::sim
 {
@@ -326,5 +327,16 @@ std::vector<Path> makeBicycleLoops(const StreetGrid& grid)
     }
   }
   return loops;
+}
+
+void setNetworks(const StreetGrid& grid, const BlockRing& ring, bool clockwise, World& world)
+{
+  world.roads = makeLanes(grid, 1, 1, ring.u, ring.v, clockwise);
+  world.walks = makeWalks(grid);
+  world.bicycle_loops = makeBicycleLoops(grid);
+  for (const int lane : world.roads.ego_route)
+  {
+    world.loop_length += world.roads.lanes[static_cast<std::size_t>(lane)].path.length();
+  }
 }
 }  // namespace dyslam::sim

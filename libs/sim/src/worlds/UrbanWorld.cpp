@@ -347,12 +347,8 @@ void buildUrban(World& world, const SimulatorOptions& options)
 {
   Rng rng(combine(world.seed, 0x0B8A));
   const double block = rng.uniform(78, 105);
-  const double quarter = options.loop_length / 4;
-  const int ring_u =
-      std::max(1, static_cast<int>(std::lround(quarter * rng.uniform(0.85, 1.15) / block)));
-  const int ring_v =
-      std::max(1, static_cast<int>(std::lround(options.loop_length / (2 * block))) - ring_u);
-  auto grid = std::make_unique<StreetGrid>(world.seed, ring_u + 2, ring_v + 2, block);
+  const BlockRing ring = drawBlockRing(options.loop_length, block, rng);
+  auto grid = std::make_unique<StreetGrid>(world.seed, ring.u + 2, ring.v + 2, block);
   const StreetGrid& streets = *grid;
   world.meshes.push_back(streets.mesh());
   world.ground = std::move(grid);
@@ -379,12 +375,6 @@ void buildUrban(World& world, const SimulatorOptions& options)
   {
     builder.street(s, false, streets.minU(), streets.maxU(), streets.along_v);
   }
-  world.roads = makeLanes(streets, 1, 1, ring_u, ring_v, rng.chance(0.5) != options.reverse);
-  world.walks = makeWalks(streets);
-  world.bicycle_loops = makeBicycleLoops(streets);
-  for (const int lane : world.roads.ego_route)
-  {
-    world.loop_length += world.roads.lanes[static_cast<std::size_t>(lane)].path.length();
-  }
+  setNetworks(streets, ring, rng.chance(0.5) != options.reverse, world);
 }
 }  // namespace dyslam::sim
