@@ -9,6 +9,7 @@
 
 namespace dyslam
 {
+class GroundPlanes;
 class StateArchive;
 
 /** Lowest returns of one scan in squares of 2 m of the odometry frame. */
@@ -42,9 +43,11 @@ class LowestReturns
 
 /** Heights of points over the ground, one per point [m]. The ground comes from several scans, so
  * that it is also known below objects. The ground of a square of 2 m is at most 0.3 m above the
- * median of the squares around it, so that a roof is no ground. \param points odometry frame [m] */
+ * median of the squares around it, so that a roof is no ground. \param points odometry frame [m]
+ * \param planes upper limits of the ground */
 [[nodiscard]] std::vector<float> heightsOverGround(const std::vector<const LowestReturns*>& scans,
-                                                   const std::vector<Eigen::Vector3f>& points);
+                                                   const std::vector<Eigen::Vector3f>& points,
+                                                   const GroundPlanes& planes);
 
 /** Heights of points over the ground in the squares of 0.5 m around them [m]. Where three scans
  * have returns in such a square, its ground is used if it is higher than that of the large square,

@@ -154,11 +154,13 @@ MovingPointClassifier::MovingPointClassifier(const HindsightOptions& options, in
 
 void MovingPointClassifier::label(Frame& frame, const ScanWindow& window)
 {
+  ground_planes_.beginScan(window.number());
   clear_voxels_.beginScan(window.number());
   recent_scores_.beginScan(window.number());
   Points points;
   points.positions = positionsOf(frame);
-  points.heights = heightsOverGround(window.lowestReturns(), points.positions);
+  ground_planes_.fit(window.lowestReturns(), points.positions);
+  points.heights = heightsOverGround(window.lowestReturns(), points.positions, ground_planes_);
   const Segments segments = segment(points);
   std::vector<VoxelEvidence> evidence = causalEvidence(frame, window, segments);
   addRayEvidence(frame, window, points, segments, evidence);
@@ -299,6 +301,6 @@ void MovingPointClassifier::labelLowPoints(const ScanWindow& window,
 
 void MovingPointClassifier::exchangeState(StateArchive& archive)
 {
-  archive(clear_voxels_, recent_scores_);
+  archive(ground_planes_, clear_voxels_, recent_scores_);
 }
 }  // namespace dyslam

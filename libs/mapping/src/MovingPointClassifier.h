@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "ClearVoxels.h"
+#include "GroundPlanes.h"
 #include "RecentScores.h"
 #include "ScanWindow.h"
 #include "Segments.h"
@@ -19,8 +20,9 @@ namespace dyslam
  * doc/labels.md. Points above the ground are grouped into voxels, voxels into segments; voxels are
  * classified, and lower points get the label of the voxels above them.
  *
- * Two results are kept from scan to scan: which voxels were never observed free (ClearVoxels), to
- * save time, and the scores of voxels (RecentScores), to smooth them. */
+ * Three results are kept from scan to scan: planes of the ground (GroundPlanes) and which voxels
+ * were never observed free (ClearVoxels), to save time, and the scores of voxels (RecentScores), to
+ * smooth them. */
 class MovingPointClassifier
 {
  public:
@@ -59,6 +61,7 @@ class MovingPointClassifier
 
   HindsightOptions options_;
   ThreadPool pool_;
+  GroundPlanes ground_planes_;
   ClearVoxels clear_voxels_;
   RecentScores recent_scores_;
 };

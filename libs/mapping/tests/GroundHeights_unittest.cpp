@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "../src/GroundHeights.h"
+#include "../src/GroundPlanes.h"
 
 #include <gtest/gtest.h>
 
@@ -58,7 +59,7 @@ class Kerb : public ::testing::Test
 
   static float height(const Scans& scans, const Eigen::Vector3f& p)
   {
-    return heightsOverGround(scans, {p})[0];
+    return heightsOverGround(scans, {p}, {})[0];
   }
   static float fineHeight(const Scans& scans, const Eigen::Vector3f& p)
   {
@@ -97,7 +98,7 @@ TEST_F(Kerb, OtherPointsOfACallDoNotMatter)
 {
   const std::vector<Eigen::Vector3f> points{{0.75F, 1.75F, 1}, {3.5F, 3.5F, 2}, {30, 30, 1},
                                             {2.5F, 0.5F, 3},   {4.5F, 1, 1},    {0.75F, 1.75F, 0}};
-  const std::vector<float> heights = heightsOverGround(scans(0, 4), points);
+  const std::vector<float> heights = heightsOverGround(scans(0, 4), points, {});
   const std::vector<float> fine = fineHeightsOverGround(scans(0, 4), points, heights);
   for (std::size_t i = 0; i < points.size(); ++i)
   {
@@ -123,7 +124,7 @@ TEST(GroundHeights, ARoofIsNoGround)
     }
   }
   const LowestReturns scan(points, Eigen::Isometry3f::Identity());
-  EXPECT_FLOAT_EQ(heightsOverGround({&scan}, {{5, 5, 1.5F}})[0], 1.2F);
+  EXPECT_FLOAT_EQ(heightsOverGround({&scan}, {{5, 5, 1.5F}}, {})[0], 1.2F);
 }
 }  // namespace
 }  // namespace dyslam

@@ -22,7 +22,7 @@ struct HindsightOptions : Options
   double segment_gap = 0.4;  //!< side of the cells that are clustered to segments [m]
   double margin = 0.5;       //!< a ray must end this far behind a voxel to observe it as free [m]
   double moving_threshold = 0.5;  //!< points with a higher probability are moving
-  double ground_clearance = 0.3;  //!< height below which returns get the label of those above [m]
+  double ground_clearance = 0.2;  //!< height below which returns get the label of those above [m]
 
   void describe(OptionsVisitor& visitor) override;
 };
