@@ -22,7 +22,7 @@ constexpr std::uint32_t fewest_scans = 3;  // scans with returns in a small squa
  * square */
 float highestGround(const NumberedSquares& squares,
                     std::size_t square,
-                    const std::vector<JoinedGround>& ground)
+                    const std::vector<float>& ground)
 {
   const VoxelCell& middle = squares[square];
   GroundAround around;
@@ -31,9 +31,9 @@ float highestGround(const NumberedSquares& squares,
     for (int dy = -1; dy <= 1; ++dy)
     {
       const std::uint32_t found = squares.find(voxelKey({middle.x + dx, middle.y + dy, 0}));
-      if (found != VoxelHash::none && !std::isnan(ground[found].z))
+      if (found != VoxelHash::none && !std::isnan(ground[found]))
       {
-        around.add(ground[found].z);
+        around.add(ground[found]);
       }
     }
   }
@@ -110,7 +110,7 @@ std::vector<float> heightsOverGround(const std::vector<const LowestReturns*>& sc
   {
     heights_of_scans.push_back(&scan->heights());
   }
-  const std::vector<JoinedGround> ground = joinGround(heights_of_scans, squares, 1);
+  const std::vector<float> ground = joinGround(heights_of_scans, squares, 1);
   std::vector<float> highest;
   highest.reserve(of_points);
   for (std::size_t s = 0; s < of_points; ++s)
@@ -124,7 +124,7 @@ std::vector<float> heightsOverGround(const std::vector<const LowestReturns*>& sc
     const std::uint32_t s = square_of_point[i];
     const float z = points[i].z();
     const float limit = std::min(highest[s], planes.highestAt(points[i]));
-    heights.push_back(z - std::min(std::isnan(ground[s].z) ? z : ground[s].z, limit));
+    heights.push_back(z - std::min(std::isnan(ground[s]) ? z : ground[s], limit));
   }
   return heights;
 }
@@ -145,12 +145,12 @@ std::vector<float> fineHeightsOverGround(const std::vector<const LowestReturns*>
   {
     heights_of_scans.push_back(&scan->fineHeights());
   }
-  const std::vector<JoinedGround> ground = joinGround(heights_of_scans, squares, fewest_scans);
+  const std::vector<float> ground = joinGround(heights_of_scans, squares, fewest_scans);
   std::vector<float> result;
   result.reserve(points.size());
   for (std::size_t i = 0; i < points.size(); ++i)
   {
-    const float fine = ground[square_of_point[i]].z;
+    const float fine = ground[square_of_point[i]];
     result.push_back(std::isnan(fine) ? heights[i] : std::min(heights[i], points[i].z() - fine));
   }
   return result;

@@ -47,7 +47,6 @@ struct FittedSquare
 {
   Eigen::Vector3d row;  //!< x and y of its middle from the middle of the block [m]; 1
   double z;             //!< height [m]
-  double weight;        //!< number of scans
 };
 
 /** A plane with a share of 0.15 of the squares below it: quantile regression by iteratively
@@ -68,8 +67,8 @@ Eigen::Vector3d fitLowPlane(const std::vector<FittedSquare>& squares)
     {
       const double above = square.z - plane.dot(square.row);
       const double side = above > 0 ? share_below : 1 - share_below;
-      const double loss = i == 0 ? 1 : side * tolerance / std::max(std::abs(above), tolerance);
-      const Eigen::Vector3d weighted = square.weight * loss * square.row;
+      const double weight = i == 0 ? 1 : side * tolerance / std::max(std::abs(above), tolerance);
+      const Eigen::Vector3d weighted = weight * square.row;
       information += weighted * square.row.transpose();
       right += weighted * square.z;
     }
@@ -81,7 +80,7 @@ Eigen::Vector3d fitLowPlane(const std::vector<FittedSquare>& squares)
 /** Plane of a block in the odometry frame; none where too few squares are known. */
 Eigen::Vector3d planeOf(const VoxelCell& block,
                         const NumberedSquares& squares,
-                        const std::vector<JoinedGround>& ground)
+                        const std::vector<float>& ground)
 {
   constexpr std::size_t fewest = 6;  // squares with a height that a plane needs
   constexpr auto side = static_cast<double>(ground_square);
@@ -91,14 +90,12 @@ Eigen::Vector3d planeOf(const VoxelCell& block,
   forEachSquareAround(block,
                       [&](const VoxelCell& square)
                       {
-                        const JoinedGround& found = ground[squares.find(voxelKey(square))];
-                        if (!std::isnan(found.z))
+                        const float z = ground[squares.find(voxelKey(square))];
+                        if (!std::isnan(z))
                         {
                           const Eigen::Vector2d at =
                               side * Eigen::Vector2d(square.x + 0.5, square.y + 0.5) - middle;
-                          fitted.push_back({{at.x(), at.y(), 1},
-                                            static_cast<double>(found.z),
-                                            static_cast<double>(found.scans)});
+                          fitted.push_back({{at.x(), at.y(), 1}, static_cast<double>(z)});
                         }
                       });
   if (fitted.size() < fewest)
@@ -165,7 +162,7 @@ void GroundPlanes::fit(const std::vector<const LowestReturns*>& scans,
   {
     heights.push_back(&scan->heights());
   }
-  const std::vector<JoinedGround> ground = joinGround(heights, squares, 1);
+  const std::vector<float> ground = joinGround(heights, squares, 1);
   for (std::size_t b = 0; b < blocks.size(); ++b)
   {
     const auto next = static_cast<std::uint32_t>(recent_.planes.size());

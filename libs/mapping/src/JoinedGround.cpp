@@ -3,6 +3,7 @@
 
 #include <dyslam/base/Quantile.h>
 
+#include <limits>
 #include <numeric>
 
 namespace dyslam
@@ -23,11 +24,11 @@ std::uint32_t NumberedSquares::add(const VoxelCell& square)
   return last_;
 }
 
-std::vector<JoinedGround> joinGround(const std::vector<const SquareHeights*>& scans,
-                                     const NumberedSquares& squares,
-                                     std::uint32_t fewest)
+std::vector<float> joinGround(const std::vector<const SquareHeights*>& scans,
+                              const NumberedSquares& squares,
+                              std::uint32_t fewest)
 {
-  constexpr std::size_t parts = 4;  // the ground is the lower quartile of the scans' heights
+  constexpr std::size_t parts = 4;
   std::vector<std::pair<std::uint32_t, float>> found;  // number of the square, height
   std::vector<std::uint32_t> counts(squares.size());   // number of heights per square
   for (const SquareHeights* scan : scans)
@@ -49,14 +50,13 @@ std::vector<JoinedGround> joinGround(const std::vector<const SquareHeights*>& sc
   {
     heights[ends[square]++] = z;
   }
-  std::vector<JoinedGround> result(counts.size());
+  std::vector<float> result(counts.size(), std::numeric_limits<float>::quiet_NaN());
   for (std::size_t s = 0; s < counts.size(); ++s)
   {
-    result[s].scans = counts[s];
     if (counts[s] >= fewest)
     {
       const auto end = heights.begin() + ends[s];
-      result[s].z = lowQuantile(end - counts[s], end, parts);
+      result[s] = lowQuantile(end - counts[s], end, parts);
     }
   }
   return result;

@@ -6,7 +6,6 @@
 #include <Eigen/Core>
 #include <cstddef>
 #include <cstdint>
-#include <limits>
 #include <optional>
 #include <utility>
 #include <vector>
@@ -47,16 +46,9 @@ class NumberedSquares
 /** Heights that one scan has in squares: voxelKey() of each square, z [m]. */
 using SquareHeights = std::vector<std::pair<std::uint64_t, float>>;
 
-/** Ground of one square, from several scans. */
-struct JoinedGround
-{
-  /** Lower quartile of the scans' heights; NaN where too few scans have one [m]. */
-  float z = std::numeric_limits<float>::quiet_NaN();
-  std::uint32_t scans = 0;  //!< number of scans that have a height
-};
-
-/** Ground of each square. \param fewest number of scans with a height from which on it is known */
-[[nodiscard]] std::vector<JoinedGround> joinGround(const std::vector<const SquareHeights*>& scans,
-                                                   const NumberedSquares& squares,
-                                                   std::uint32_t fewest);
+/** Ground of each square: the lower quartile of the scans' heights [m]; NaN where fewer than
+ * `fewest` scans have a height. */
+[[nodiscard]] std::vector<float> joinGround(const std::vector<const SquareHeights*>& scans,
+                                            const NumberedSquares& squares,
+                                            std::uint32_t fewest);
 }  // namespace dyslam
