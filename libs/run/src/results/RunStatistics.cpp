@@ -89,11 +89,8 @@ void RunStatistics::add(const Frame& frame)
   first_time = frames == 0 ? frame.time() : first_time;
   last_time = frame.time();
   ++frames;
-  const Eigen::Vector2d view = meanDirection(frame.cloud.points);
-  first_view = frames == 1 ? view : first_view;
-  constexpr double another_view = 0.5;
-  shifted_views += (view - first_view).norm() > another_view ? 1U : 0U;
-  displacement = frame.T_odom_vehicle.translation().norm();
+  addView(frame.cloud.points);
+  farthest = std::max(farthest, frame.T_odom_vehicle.translation().norm());
   map_restarts += frame.motion.map_restarted ? 1U : 0U;
   if (frame.motion.registered())
   {
@@ -122,6 +119,20 @@ void RunStatistics::add(const Frame& frame)
   {
     reference.push_back(frame.scan.stamp, *frame.T_world_vehicle_truth);
   }
+}
+
+void RunStatistics::addView(const std::vector<Eigen::Vector3f>& cloud)
+{
+  constexpr std::size_t many_more = 2;  // times the points
+  constexpr double another_view = 0.5;
+  const Eigen::Vector2d view = meanDirection(cloud);
+  if (cloud.size() > many_more * first_points)
+  {
+    first_view = view;
+    first_points = cloud.size();
+    shifted_views = 0;
+  }
+  shifted_views += !cloud.empty() && (view - first_view).norm() > another_view ? 1U : 0U;
 }
 
 double RunStatistics::recordingTime() const
@@ -233,7 +244,7 @@ std::string RunStatistics::frameWarning() const
 {
   constexpr double at_rest = 2;  // [m]
   constexpr double min_share = 0.2;
-  if (displacement > at_rest ||
+  if (farthest > at_rest ||
       static_cast<double>(shifted_views) < min_share * static_cast<double>(frames))
   {
     return {};
@@ -294,7 +305,7 @@ void RunStatistics::exchangeState(StateArchive& archive)
 {
   archive(frames, first_time, last_time, registration_failures, map_restarts,
           unregistered_keyframes, not_settled, odometry_failures, has_imu, has_wheels, path,
-          path_forward, path_left, displacement, first_view, shifted_views, points, moving_points,
-          detections, reference);
+          path_forward, path_left, farthest, first_view, first_points, shifted_views, points,
+          moving_points, detections, reference);
 }
 }  // namespace dyslam

@@ -61,8 +61,8 @@ struct RunStatistics
   /** The warning that the vehicle moved in another direction than x; empty if it did not. */
   [[nodiscard]] std::string directionWarning() const;
 
-  /** The warning that the points seem to be in the frame of a map: the vehicle is at rest, but the
-   * directions in which it sees points change; empty if they do not. */
+  /** The warning that the points seem to be in the frame of a map: the vehicle was at rest all the
+   * time, but the directions in which it sees points change; empty if they do not. */
   [[nodiscard]] std::string frameWarning() const;
 
   /** Why the result is unusable, if more than half of the scans could not be registered; else
@@ -90,16 +90,20 @@ struct RunStatistics
   double path = 0;          //!< sum of the registered motions [m]
   double path_forward = 0;  //!< part of it along x of the vehicle [m]
   double path_left = 0;     //!< part of it along y of the vehicle [m]
-  double displacement = 0;  //!< distance of the last pose from the first one [m]
-  /** Mean of the horizontal directions to the points of the first scan. */
+  double farthest = 0;      //!< largest distance of a pose from the first one [m]
+  /** Mean of the horizontal directions to the points of the first scan, or of the first one after
+   * it with more than twice its points: the first may be empty or a part of a revolution. */
   Eigen::Vector2d first_view = Eigen::Vector2d::Zero();
-  std::size_t shifted_views = 0;  //!< number of frames with another mean
+  std::size_t first_points = 0;   //!< number of points of that scan
+  std::size_t shifted_views = 0;  //!< number of frames since then with another mean
   std::size_t points = 0;         //!< number of points of all clouds
   std::size_t moving_points = 0;  //!< number of moving points, by the causal labels
   std::size_t detections = 0;     //!< number of detections in all scans
   Trajectory reference;           //!< ground truth as recorded
 
  private:
+  /** Counts the frames whose points are in other directions than at first. */
+  void addView(const std::vector<Eigen::Vector3f>& cloud);
   /** Whether registration failed on more than `share` of all scans. */
   [[nodiscard]] bool failedOnMoreThan(double share) const;
   /** Sentence "N of M scans could not be registered: `consequence`; most often because: ...". */
