@@ -73,8 +73,8 @@ struct RunStatistics
                                     const MotionSensorOptions& sensors) const;
 
   /** How far the result can be trusted: "unusable" (there is a failure()), "doubtful" (more than a
-   * fifth of the scans could not be registered, or the local map was restarted; the warnings say
-   * so) or "usable". */
+   * fifth of the scans could not be registered, the local map was restarted, or there is a
+   * frameWarning(); the warnings say so) or "usable". */
   [[nodiscard]] std::string verdict() const;
 
   std::size_t frames = 0;
