@@ -38,10 +38,11 @@ class StartSearch
   /** Whether starts at a lower and a higher speed both converge to a speed over the first `scans`
    * scans. */
   [[nodiscard]] bool isPulledTo(double speed) const;
-  /** Speed at the last of all scans read by the front end, as the run would estimate it. */
+  /** Speed after the first `scans` scans by the front end, as the run would estimate it. The points
+   * of all runs from then on are weighted by its appearance priors. */
   [[nodiscard]] double speedOfRun();
   /** Runs over all scans read, started at several speeds. */
-  [[nodiscard]] std::vector<StartRun> runsFrom(const std::vector<double>& starts) const;
+  [[nodiscard]] std::vector<StartRun> runsFrom(const std::vector<double>& starts);
 
  private:
   /** A time logger that is not used. */
@@ -50,6 +51,8 @@ class StartSearch
     NoTimes() : CTimeLogger(false, "start") {}
   };
 
+  /** Lets the front end process the next scan. */
+  void processNext();
   [[nodiscard]] Config startingAt(std::optional<double> speed) const;
   [[nodiscard]] StartRun runFrom(std::optional<double> start,
                                  std::size_t scans,
@@ -66,8 +69,24 @@ class StartSearch
   std::vector<Frame> frames_;            //!< first scans of the recording
   std::size_t processed_ = 0;            //!< number of scans that the front end has processed
   double speed_of_run_ = 0;              //!< its speed at the last one [m/s]
+  bool gives_priors_ = true;  //!< the segmenter gave a prior for the last one with points
   /** Frame::static_prior per frame and point of its scan; empty if the segmenter gives none. */
   std::vector<std::vector<float>> priors_;
+};
+
+/** StartRun::fit of several scans. */
+class FitMean
+{
+ public:
+  /** \param motion of a scan by the registration \param points number of points of its cloud */
+  void add(const MotionEstimate& motion, std::size_t points);
+  [[nodiscard]] double value() const;
+
+ private:
+  double inlier_share_ = 0;  //!< sum over the scans
+  double rmse_ = 0;          //!< sum over the scans with inliers [m]
+  double scans_ = 0;
+  double with_inliers_ = 0;  //!< number of scans with inliers
 };
 
 /** Whether a speed and the probes beside it are possible start speeds: false if the odometry

@@ -90,7 +90,6 @@ std::optional<double> findStartSpeed(const NextScan& next, const Config& config)
     return std::nullopt;
   }
   search.readTo(static_cast<std::size_t>(options.compared_scans));
-  (void)search.speedOfRun();  // for the appearance priors of all scans
   std::vector<double> starts{own_speed};
   for (double speed = options.slowest; speed <= options.fastest; speed += options.step)
   {

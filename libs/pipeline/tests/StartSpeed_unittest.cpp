@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/base/Error.h>
-#include <dyslam/pipeline/StartSpeed.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -8,6 +7,8 @@
 #include <limits>
 #include <optional>
 #include <vector>
+
+#include "../src/StartSearch.h"
 
 namespace dyslam
 {
@@ -33,6 +34,23 @@ TEST(StartSpeed, AnImpossibleSpeedIsNotFound)
   EXPECT_FALSE(bestStartSpeed({{nan, 9}, {99, 9}, {-49, 9}, {20, nan}}, {5, 3}, 5, {}));
 }
 
+TEST(StartSpeed, ScansWithoutInliersDoNotImproveTheFit)
+{
+  MotionEstimate fitting;
+  fitting.inliers = 400;
+  fitting.rmse = 0.05;
+  FitMean all;
+  FitMean most;
+  for (int i = 0; i < 10; ++i)
+  {
+    all.add(fitting, 1000);
+    most.add(i < 8 ? fitting : MotionEstimate(), 1000);  // then it has left the map
+  }
+  EXPECT_NEAR(all.value(), 0.4 / (0.05 * 0.05), 1e-9);
+  EXPECT_NEAR(most.value(), 0.8 * all.value(), 1e-9);
+  EXPECT_EQ(FitMean().value(), 0);
+}
+
 TEST(StartSpeed, IsSetWithItsDeviation)
 {
   Config config = Config::fromText("[start]\nsigma = 2.5\n[odometry]\nmethod = gicp\n", "test");
@@ -50,6 +68,7 @@ TEST(StartSpeed, IsSetWithItsDeviation)
   Config bad = Config::fromText("[start]\nsigma = -1\n", "test");
   EXPECT_THROW(setStartSpeed(3, bad), UserError);
 }
+
 /** Scans of a room with pillars, 0.5 m apart. \param period between their time stamps [s] */
 std::vector<Frame> driveThroughRoom(double period)
 {
