@@ -62,10 +62,9 @@ bool StartSearch::isMeasured() const
 {
   ConfigLoader loader(config_);
   MotionSensors sensors(loader.get<MotionSensorOptions>("motion_sensors"));
-  for (const Frame& frame : frames_)
-  {
-    sensors.add(frame);
-  }
+  // The odometry looks for the speed at the second scan; later samples come too late for it.
+  sensors.add(frames_.at(0));
+  sensors.add(frames_.at(1));
   return sensors.speedAt(frames_.front().scan.stamp).has_value();
 }
 

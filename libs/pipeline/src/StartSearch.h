@@ -29,7 +29,8 @@ class StartSearch
   [[nodiscard]] bool isWanted() const;
   /** Reads up to the first `end` scans. \return number of scans read so far */
   std::size_t readTo(std::size_t end);
-  /** Whether wheels measure the speed at the first scan. */
+  /** Whether wheels measure the speed at the first scan, by their samples up to the second one.
+   * \pre two scans have been read */
   [[nodiscard]] bool isMeasured() const;
 
   /** Speed after the first `scans` scans by registration only. \param start at the first scan;

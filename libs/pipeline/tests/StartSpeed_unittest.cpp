@@ -150,6 +150,33 @@ TEST(StartSpeed, NoFurtherScansAreReadWhereTheFirstOnesDetermineIt)
   EXPECT_EQ(read, 10U);
 }
 
+TEST(StartSpeed, IsMeasuredByWheelsWithSamplesUpToTheSecondScan)
+{
+  const auto isMeasured = [](std::size_t first_with_wheels)
+  {
+    const Config config;
+    std::size_t read = 0;
+    const NextScan next = [&]
+    {
+      Frame frame;
+      frame.index = read++;
+      frame.scan.stamp = 0.1 * static_cast<double>(frame.index);
+      if (frame.index >= first_with_wheels)
+      {
+        frame.wheels.push_back({frame.scan.stamp - 0.01, 3});
+      }
+      return std::optional<Frame>(frame);
+    };
+    StartSearch search(next, config);
+    search.readTo(10);
+    return search.isMeasured();
+  };
+  EXPECT_TRUE(isMeasured(0));
+  EXPECT_TRUE(isMeasured(1));
+  EXPECT_FALSE(isMeasured(2)) << "the odometry does not know them at its first motion";
+  EXPECT_FALSE(isMeasured(5));
+}
+
 TEST(StartSpeed, IsNotSearchedForWhereTimeStampsAreWrong)
 {
   // 0.5 m in 4 ms: faster than any start speed.
