@@ -6,6 +6,7 @@
 #include <functional>
 #include <limits>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "../src/StartSearch.h"
@@ -69,6 +70,12 @@ TEST(StartSpeed, IsSetWithItsDeviation)
   EXPECT_THROW(setStartSpeed(3, bad), UserError);
 }
 
+/** Settings for scans whose points are all measured at one moment, without a network. */
+Config simpleConfig(const std::string& more)
+{
+  return Config::fromText("[dyseg]\nmethod = none\n[preprocess]\ndeskew = none\n" + more, "test");
+}
+
 /** Scans of a room with pillars, 0.5 m apart. \param period between their time stamps [s] */
 std::vector<Frame> driveThroughRoom(double period)
 {
@@ -128,10 +135,8 @@ std::vector<Frame> driveBetweenWalls(std::size_t count)
 
 TEST(StartSpeed, MoreScansAreComparedWhereTheFirstOnesLeaveItOpen)
 {
-  const Config config = Config::fromText(
-      "[dyseg]\nmethod = none\n[preprocess]\ndeskew = none\n[motion]\nstart_speed_sigma = "
-      "1\n[start]\nfastest = 10\ncompared_scans = 15\n",
-      "test");
+  const Config config =
+      simpleConfig("[motion]\nstart_speed_sigma = 1\n[start]\nfastest = 10\ncompared_scans = 15\n");
   const std::vector<Frame> frames = driveBetweenWalls(20);
   std::size_t read = 0;
   const auto next = [&] { return std::optional<Frame>(frames.at(read++)); };
@@ -141,8 +146,7 @@ TEST(StartSpeed, MoreScansAreComparedWhereTheFirstOnesLeaveItOpen)
 
 TEST(StartSpeed, NoFurtherScansAreReadWhereTheFirstOnesDetermineIt)
 {
-  const Config config = Config::fromText(
-      "[dyseg]\nmethod = none\n[preprocess]\ndeskew = none\n[pipeline]\nthreads = 1\n", "test");
+  const Config config = simpleConfig("[pipeline]\nthreads = 1\n");
   const std::vector<Frame> frames = driveThroughRoom(0.1);
   std::size_t read = 0;
   const auto next = [&] { return std::optional<Frame>(frames.at(read++)); };
@@ -180,8 +184,7 @@ TEST(StartSpeed, IsMeasuredByWheelsWithSamplesUpToTheSecondScan)
 TEST(StartSpeed, IsNotSearchedForWhereTimeStampsAreWrong)
 {
   // 0.5 m in 4 ms: faster than any start speed.
-  const Config config = Config::fromText(
-      "[dyseg]\nmethod = none\n[preprocess]\ndeskew = none\n[pipeline]\nthreads = 1\n", "test");
+  const Config config = simpleConfig("[pipeline]\nthreads = 1\n");
   std::optional<double> found;
   EXPECT_NO_THROW(found = findStartSpeed(driveThroughRoom(0.004), config));
   EXPECT_FALSE(found);
