@@ -82,7 +82,7 @@ Config StartSearch::startingAt(std::optional<double> speed) const
 /** A run of the registration over the first `scans` scans. \param start speed at the first one */
 StartRun StartSearch::runFrom(std::optional<double> start, std::size_t scans, int of_threads) const
 {
-  NoTimes times;
+  mrpt::system::CTimeLogger times(false);
   const Config changed = startingAt(start);
   ConfigLoader loader(changed);
   ThreadPool pool(of_threads);

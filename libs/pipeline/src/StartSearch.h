@@ -46,12 +46,6 @@ class StartSearch
   [[nodiscard]] std::vector<StartRun> runsFrom(const std::vector<double>& starts);
 
  private:
-  /** A time logger that is not used. */
-  struct NoTimes : mrpt::system::CTimeLogger
-  {
-    NoTimes() : CTimeLogger(false, "start") {}
-  };
-
   /** Lets the front end process the next scan. */
   void processNext();
   [[nodiscard]] Config startingAt(std::optional<double> speed) const;
@@ -65,11 +59,11 @@ class StartSearch
   const Config& config_;
   StartOptions options_;
   int threads_ = 0;
-  NoTimes times_;
-  std::unique_ptr<FrontEnd> front_end_;  //!< of the run from the first scan on
-  std::vector<Frame> frames_;            //!< first scans of the recording
-  std::size_t processed_ = 0;            //!< number of scans that the front end has processed
-  double speed_of_run_ = 0;              //!< its speed at the last one [m/s]
+  mrpt::system::CTimeLogger times_{false};  //!< records nothing
+  std::unique_ptr<FrontEnd> front_end_;     //!< of the run from the first scan on
+  std::vector<Frame> frames_;               //!< first scans of the recording
+  std::size_t processed_ = 0;               //!< number of scans that the front end has processed
+  double speed_of_run_ = 0;                 //!< its speed at the last one [m/s]
   bool gives_priors_ = true;  //!< the segmenter gave a prior for the last one with points
   /** Frame::static_prior per frame and point of its scan; empty if the segmenter gives none. */
   std::vector<std::vector<float>> priors_;
