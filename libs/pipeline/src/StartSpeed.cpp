@@ -17,6 +17,28 @@ namespace
 constexpr double fast = 10;
 /** Difference from the odometry's own speed from which another one is reported [m/s]. */
 constexpr double least_difference = 3;
+
+/** Compares starts at several speeds over more scans. \param own_speed the odometry's own [m/s]
+ * \return as bestStartSpeed() */
+std::optional<double> comparedSpeed(double own_speed, StartSearch& search)
+{
+  const StartOptions& options = search.options();
+  search.readTo(static_cast<std::size_t>(options.compared_scans));
+  std::vector<double> starts{own_speed};
+  for (double speed = options.slowest; speed <= options.fastest; speed += options.step)
+  {
+    starts.push_back(speed);
+  }
+  const std::vector<StartRun> runs = search.runsFrom(starts);
+  const auto best = bestStartSpeed(runs, runs.front(), own_speed, options);
+  if (!best)
+  {
+    return std::nullopt;
+  }
+  // The grid of speeds is coarse; the odometry refines the result.
+  const double settled = search.speedAfter(*best);
+  return std::fabs(settled - *best) < options.step / 2 ? settled : *best;
+}
 }  // namespace
 
 void StartOptions::describe(OptionsVisitor& v)
@@ -62,8 +84,7 @@ std::optional<double> bestStartSpeed(const std::vector<StartRun>& runs,
 std::optional<double> findStartSpeed(const NextScan& next, const Config& config)
 {
   StartSearch search(next, config);
-  const StartOptions& options = search.options();
-  const auto scans = static_cast<std::size_t>(options.scans);
+  const auto scans = static_cast<std::size_t>(search.options().scans);
   if (!search.isWanted() || search.readTo(scans) < scans || search.isMeasured())
   {
     return std::nullopt;
@@ -89,21 +110,7 @@ std::optional<double> findStartSpeed(const NextScan& next, const Config& config)
   {
     return std::nullopt;
   }
-  search.readTo(static_cast<std::size_t>(options.compared_scans));
-  std::vector<double> starts{own_speed};
-  for (double speed = options.slowest; speed <= options.fastest; speed += options.step)
-  {
-    starts.push_back(speed);
-  }
-  const std::vector<StartRun> runs = search.runsFrom(starts);
-  const auto best = bestStartSpeed(runs, runs.front(), own_speed, options);
-  if (!best)
-  {
-    return std::nullopt;
-  }
-  // The grid of speeds is coarse; the odometry refines the result.
-  const double settled = search.speedAfter(*best);
-  return std::fabs(settled - *best) < options.step / 2 ? settled : *best;
+  return comparedSpeed(own_speed, search);
 }
 
 std::optional<double> findStartSpeed(const std::vector<Frame>& frames, const Config& config)
