@@ -214,7 +214,8 @@ double FitMean::value() const
 
 bool isPossibleStart(double speed)
 {
-  return speed >= min_start_speed + probe_distance && speed <= max_start_speed - probe_distance;
+  return speed >= OdometryOptions::min_start_speed + probe_distance &&
+         speed <= OdometryOptions::max_start_speed - probe_distance;
 }
 
 double knownSpeed(double speed)

@@ -90,11 +90,4 @@ class FitMean
 
 /** A speed for odometry.start_speed [m/s], where zero would mean unknown. */
 [[nodiscard]] double knownSpeed(double speed);
-
-/** Limits of odometry.start_speed [m/s]. */
-constexpr double min_start_speed = -50;
-constexpr double max_start_speed = 100;
-/** Difference below which the speeds of two runs count as equal, where single motions swing between
- * rails [m/s]. */
-constexpr double same_speed_of_runs = 1;
 }  // namespace dyslam

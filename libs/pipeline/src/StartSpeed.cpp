@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/odometry/Odometry.h>
 #include <dyslam/pipeline/StartSpeed.h>
 
 #include <algorithm>
@@ -15,6 +16,9 @@ namespace
 /** Speed from which the run's own start is compared with that of the registration, which takes a
  * few tenths of a second [m/s]. */
 constexpr double fast = 10;
+/** Difference below which the speeds of two runs count as equal, where single motions swing between
+ * rails [m/s]. */
+constexpr double same_speed_of_runs = 1;
 /** Difference from the odometry's own speed from which another one is reported [m/s]. */
 constexpr double least_difference = 3;
 
@@ -48,8 +52,10 @@ void StartOptions::describe(OptionsVisitor& v)
   v.integer("scans", scans, 3, 100, "number of first scans that may determine the start speed");
   v.integer("compared_scans", compared_scans, 3, 1000,
             "number of first scans with which start speeds are compared where they do not");
-  v.real("slowest", slowest, min_start_speed, 0, "lowest start speed that is tried [m/s]");
-  v.real("fastest", fastest, 0, max_start_speed, "highest start speed that is tried [m/s]");
+  v.real("slowest", slowest, OdometryOptions::min_start_speed, 0,
+         "lowest start speed that is tried [m/s]");
+  v.real("fastest", fastest, 0, OdometryOptions::max_start_speed,
+         "highest start speed that is tried [m/s]");
   v.real("step", step, 0.5, 20, "step between the start speeds that are tried [m/s]");
   v.real("sigma", sigma, 0.1, 20,
          "sigma of a start speed that is tried, and of the one found [m/s]");
