@@ -152,6 +152,20 @@ TEST(RunStatistics, AWayThereAndBackIsNoMapFrame)
   EXPECT_EQ(statistics.verdict(), "usable");
 }
 
+TEST(RunStatistics, ATurnOnTheSpotIsNoMapFrame)
+{
+  RunStatistics statistics;
+  for (int i = 0; i < 40; ++i)  // beside a wall, which all of the points are on
+  {
+    const float turned = 0.08F * static_cast<float>(i);
+    Frame frame = looking(0, {std::cos(turned), -std::sin(turned)}, 500);
+    frame.T_odom_vehicle.rotate(
+        Eigen::AngleAxisd(static_cast<double>(turned), Eigen::Vector3d::UnitZ()));
+    statistics.add(frame);
+  }
+  EXPECT_EQ(statistics.frameWarning(), "");
+}
+
 TEST(RunStatistics, ScansWithFewOrNoPointsAreNoMapFrame)
 {
   for (const std::size_t of_first : {0U, 100U})

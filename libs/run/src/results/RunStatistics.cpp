@@ -91,6 +91,7 @@ void RunStatistics::add(const Frame& frame)
   ++frames;
   addView(frame.cloud.points);
   farthest = std::max(farthest, frame.T_odom_vehicle.translation().norm());
+  largest_turn = std::max(largest_turn, rotationAngle(frame.T_odom_vehicle));
   map_restarts += frame.motion.map_restarted ? 1U : 0U;
   if (frame.motion.registered())
   {
@@ -243,8 +244,9 @@ std::string RunStatistics::directionWarning() const
 std::string RunStatistics::frameWarning() const
 {
   constexpr double at_rest = 2;  // [m]
+  constexpr double not_turned = 30 * radians_per_degree;
   constexpr double min_share = 0.2;
-  if (farthest > at_rest ||
+  if (farthest > at_rest || largest_turn > not_turned ||
       static_cast<double>(shifted_views) < min_share * static_cast<double>(frames))
   {
     return {};
@@ -305,7 +307,7 @@ void RunStatistics::exchangeState(StateArchive& archive)
 {
   archive(frames, first_time, last_time, registration_failures, map_restarts,
           unregistered_keyframes, not_settled, odometry_failures, has_imu, has_wheels, path,
-          path_forward, path_left, farthest, first_view, first_points, shifted_views, points,
-          moving_points, detections, reference);
+          path_forward, path_left, farthest, largest_turn, first_view, first_points, shifted_views,
+          points, moving_points, detections, reference);
 }
 }  // namespace dyslam

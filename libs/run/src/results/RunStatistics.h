@@ -91,6 +91,7 @@ struct RunStatistics
   double path_forward = 0;  //!< part of it along x of the vehicle [m]
   double path_left = 0;     //!< part of it along y of the vehicle [m]
   double farthest = 0;      //!< largest distance of a pose from the first one [m]
+  double largest_turn = 0;  //!< largest angle of a pose to the first one [rad]
   /** Mean of the horizontal directions to the points of the first scan, or of the first one after
    * it with more than twice its points: the first may be empty or a part of a revolution. */
   Eigen::Vector2d first_view = Eigen::Vector2d::Zero();
