@@ -84,12 +84,26 @@ Reasons::Kind Reasons::mostFrequent() const
   return most == kinds_.end() ? Kind() : most->second;
 }
 
+void Views::add(const std::vector<Eigen::Vector3f>& cloud)
+{
+  constexpr std::size_t many_more = 2;  // times the points
+  constexpr double another_view = 0.5;
+  const Eigen::Vector2d view = meanDirection(cloud);
+  if (cloud.size() > many_more * first_points)
+  {
+    first = view;
+    first_points = cloud.size();
+    shifted = 0;
+  }
+  shifted += !cloud.empty() && (view - first).norm() > another_view ? 1U : 0U;
+}
+
 void RunStatistics::add(const Frame& frame)
 {
   first_time = frames == 0 ? frame.time() : first_time;
   last_time = frame.time();
   ++frames;
-  addView(frame.cloud.points);
+  views.add(frame.cloud.points);
   farthest = std::max(farthest, frame.T_odom_vehicle.translation().norm());
   largest_turn = std::max(largest_turn, rotationAngle(frame.T_odom_vehicle));
   map_restarts += frame.motion.map_restarted ? 1U : 0U;
@@ -120,20 +134,6 @@ void RunStatistics::add(const Frame& frame)
   {
     reference.push_back(frame.scan.stamp, *frame.T_world_vehicle_truth);
   }
-}
-
-void RunStatistics::addView(const std::vector<Eigen::Vector3f>& cloud)
-{
-  constexpr std::size_t many_more = 2;  // times the points
-  constexpr double another_view = 0.5;
-  const Eigen::Vector2d view = meanDirection(cloud);
-  if (cloud.size() > many_more * first_points)
-  {
-    first_view = view;
-    first_points = cloud.size();
-    shifted_views = 0;
-  }
-  shifted_views += !cloud.empty() && (view - first_view).norm() > another_view ? 1U : 0U;
 }
 
 double RunStatistics::recordingTime() const
@@ -247,7 +247,7 @@ std::string RunStatistics::frameWarning() const
   constexpr double not_turned = 30 * radians_per_degree;
   constexpr double min_share = 0.2;
   if (farthest > at_rest || largest_turn > not_turned ||
-      static_cast<double>(shifted_views) < min_share * static_cast<double>(frames))
+      static_cast<double>(views.shifted) < min_share * static_cast<double>(frames))
   {
     return {};
   }
@@ -307,7 +307,7 @@ void RunStatistics::exchangeState(StateArchive& archive)
 {
   archive(frames, first_time, last_time, registration_failures, map_restarts,
           unregistered_keyframes, not_settled, odometry_failures, has_imu, has_wheels, path,
-          path_forward, path_left, farthest, largest_turn, first_view, first_points, shifted_views,
-          points, moving_points, detections, reference);
+          path_forward, path_left, farthest, largest_turn, views, points, moving_points, detections,
+          reference);
 }
 }  // namespace dyslam

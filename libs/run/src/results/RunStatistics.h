@@ -38,6 +38,19 @@ class Reasons
   std::size_t total_ = 0;
 };
 
+/** The directions in which a vehicle sees the points of its clouds, from above. */
+struct Views
+{
+  /** Mean of the unit vectors to the points of the first cloud, or of the first one after it with
+   * more than twice its points: the first may be empty or a part of a revolution. */
+  Eigen::Vector2d first = Eigen::Vector2d::Zero();
+  std::size_t first_points = 0;  //!< number of points of that cloud
+  std::size_t shifted = 0;       //!< number of clouds since then with another mean
+
+  /** \param cloud points, vehicle frame [m] */
+  void add(const std::vector<Eigen::Vector3f>& cloud);
+};
+
 /** Statistics of the frames of a run. */
 struct RunStatistics
 {
@@ -92,19 +105,13 @@ struct RunStatistics
   double path_left = 0;     //!< part of it along y of the vehicle [m]
   double farthest = 0;      //!< largest distance of a pose from the first one [m]
   double largest_turn = 0;  //!< largest angle of a pose to the first one [rad]
-  /** Mean of the horizontal directions to the points of the first scan, or of the first one after
-   * it with more than twice its points: the first may be empty or a part of a revolution. */
-  Eigen::Vector2d first_view = Eigen::Vector2d::Zero();
-  std::size_t first_points = 0;   //!< number of points of that scan
-  std::size_t shifted_views = 0;  //!< number of frames since then with another mean
+  Views views;
   std::size_t points = 0;         //!< number of points of all clouds
   std::size_t moving_points = 0;  //!< number of moving points, by the causal labels
   std::size_t detections = 0;     //!< number of detections in all scans
   Trajectory reference;           //!< ground truth as recorded
 
  private:
-  /** Counts the frames whose points are in other directions than at first. */
-  void addView(const std::vector<Eigen::Vector3f>& cloud);
   /** Whether registration failed on more than `share` of all scans. */
   [[nodiscard]] bool failedOnMoreThan(double share) const;
   /** Sentence "N of M scans could not be registered: `consequence`; most often because: ...". */
