@@ -111,7 +111,7 @@ StartRun StartSearch::runFrom(std::optional<double> start, std::size_t scans, in
     {
       run.speed = forwardSpeed(frame);
     }
-    if (2 * i >= scans)
+    if (2 * i >= scans)  // before, the local map has few scans
     {
       fit.add(frame.motion, frame.cloud.size());
     }
