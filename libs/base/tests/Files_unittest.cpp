@@ -3,11 +3,12 @@
 #include <dyslam/base/Files.h>
 #include <dyslam/base/PendingFile.h>
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <filesystem>
 #include <string>
 #include <vector>
+
+#include "TestFolder.h"
 
 namespace dyslam
 {
@@ -20,10 +21,9 @@ class Files : public testing::Test
  protected:
   void SetUp() override
   {
-    fs::create_directories(folder_ / "in");
-    writeWhole(path("in/a"), "a");
-    fs::create_symlink(folder_ / "in/a", folder_ / "file_link");
-    fs::create_directory_symlink(folder_ / "in", folder_ / "folder_link");
+    (void)folder_.write("in/a", "a");
+    fs::create_symlink(path("in/a"), path("file_link"));
+    fs::create_directory_symlink(path("in"), path("folder_link"));
     for (const char* name : {"b", "c", "a"})
     {
       fs::create_directories(listed_ / name);
@@ -31,15 +31,11 @@ class Files : public testing::Test
     writeWhole((listed_ / "b.txt").string(), "x");
     fs::create_symlink("nowhere", listed_ / "link");
   }
-  void TearDown() override { fs::remove_all(folder_); }
 
-  [[nodiscard]] std::string path(const std::string& name) const
-  {
-    return (folder_ / name).string();
-  }
+  [[nodiscard]] std::string path(const std::string& name) const { return folder_.file(name); }
 
-  const fs::path folder_ = fs::temp_directory_path() / ("dyslam_files_" + std::to_string(getpid()));
-  const fs::path listed_ = folder_ / "listed";
+  const TestFolder folder_;
+  const fs::path listed_ = folder_.file("listed");
 };
 
 TEST_F(Files, PathsAreComparedWithLinksFollowed)

@@ -2,12 +2,10 @@
 #include <dyslam/base/Error.h>
 #include <dyslam/base/Options.h>
 #include <gtest/gtest.h>
-#include <unistd.h>
 
-#include <filesystem>
-#include <fstream>
+#include <string>
 
-namespace fs = std::filesystem;
+#include "TestFolder.h"
 
 namespace dyslam
 {
@@ -233,28 +231,16 @@ TEST(Config, UnknownSectionNamesTheNearest)
 class ConfigFiles : public ::testing::Test
 {
  protected:
-  void SetUp() override { fs::create_directories(folder_ / "sub"); }
-  void TearDown() override { fs::remove_all(folder_); }
-  std::string write(const std::string& name, const std::string& text) const
+  [[nodiscard]] std::string write(const std::string& name, const std::string& text) const
   {
-    std::ofstream(folder_ / name) << text;
-    return (folder_ / name).string();
+    return folder_.write(name, text);
   }
   static std::string errorOf(const std::string& path)
   {
-    try
-    {
-      (void)Config::fromFile(path);
-      return "";
-    }
-    catch (const UserError& error)
-    {
-      return error.what();
-    }
+    return messageOfError<UserError>([&path] { (void)Config::fromFile(path); });
   }
 
-  const fs::path folder_ =
-      fs::temp_directory_path() / ("dyslam_config_" + std::to_string(::getpid()));
+  const TestFolder folder_;
 };
 
 TEST_F(ConfigFiles, AnIniChangesWhatItIncludes)
@@ -281,7 +267,7 @@ TEST_F(ConfigFiles, IncludesThatFailAreNamed)
   (void)write("two.ini", "include = one.ini\n");
   EXPECT_EQ(
       "two.ini:1: include = one.ini: that file includes this one; remove one of the two lines",
-      errorOf((folder_ / "one.ini").string()));
+      errorOf(folder_.file("one.ini")));
   EXPECT_NE(errorOf(write("self.ini", "include = self.ini\n")).find("self.ini:1"),
             std::string::npos);
 }
@@ -291,15 +277,8 @@ TEST_F(ConfigFiles, AnIniForAnotherProgramIsRefused)
   const Config config = Config::fromFile(write("t.ini", "program = dyslam-train\n[a]\nb = 1\n"));
   EXPECT_NO_THROW(config.requireFor("dyslam-train"));
   EXPECT_NO_THROW(Config().requireFor("dyslam"));
-  try
-  {
-    config.requireFor("dyslam");
-    FAIL();
-  }
-  catch (const UserError& error)
-  {
-    EXPECT_STREQ("t.ini:1: these settings are for dyslam-train, not for dyslam", error.what());
-  }
+  EXPECT_EQ("t.ini:1: these settings are for dyslam-train, not for dyslam",
+            messageOfError<UserError>([&config] { config.requireFor("dyslam"); }));
 }
 
 TEST_F(ConfigFiles, AnIniForAnotherCommandOfTheProgramIsRefused)
@@ -320,25 +299,14 @@ TEST(Config, MissingFileIsAnError)
   EXPECT_THROW((void)Config::fromFile("/nowhere/x.ini"), UserError);
 }
 
-TEST(Config, EmptyFileIsAnError)
+TEST_F(ConfigFiles, AnEmptyOneIsAnError)
 {
-  const fs::path file = fs::path(::testing::TempDir()) / "empty.ini";
   for (const std::string& text : {std::string(), std::string("\n \n"), std::string(100, '\0')})
   {
-    std::ofstream(file) << text;
-    try
-    {
-      (void)Config::fromFile(file.string());
-      ADD_FAILURE() << text.size();
-    }
-    catch (const UserError& error)
-    {
-      EXPECT_EQ(file.string() + ": is empty; restore it, or give another .ini", error.what());
-    }
+    const std::string file = write("empty.ini", text);
+    EXPECT_EQ(file + ": is empty; restore it, or give another .ini", errorOf(file));
   }
-  std::ofstream(file) << "# all defaults\n";
-  EXPECT_NO_THROW((void)Config::fromFile(file.string()));
-  fs::remove(file);
+  EXPECT_NO_THROW((void)Config::fromFile(write("comment.ini", "# all defaults\n")));
 }
 }  // namespace
 }  // namespace dyslam

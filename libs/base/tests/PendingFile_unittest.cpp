@@ -2,13 +2,12 @@
 #include <dyslam/base/Error.h>
 #include <dyslam/base/PendingFile.h>
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <filesystem>
 #include <fstream>
-#include <sstream>
 
 #include "FullDisk.h"
+#include "TestFolder.h"
 
 namespace dyslam
 {
@@ -19,26 +18,12 @@ namespace fs = std::filesystem;
 class PendingFiles : public testing::Test
 {
  protected:
-  void SetUp() override
-  {
-    folder_ = fs::temp_directory_path() / ("dyslam_pending_file_" + std::to_string(getpid()));
-    fs::create_directories(folder_);
-    writeWhole(path("a"), "earlier");
-  }
-  void TearDown() override { fs::remove_all(folder_); }
+  void SetUp() override { writeWhole(path("a"), "earlier"); }
 
-  [[nodiscard]] std::string path(const std::string& name) const
-  {
-    return (folder_ / name).string();
-  }
-  [[nodiscard]] std::string content(const std::string& name) const
-  {
-    std::ostringstream out;
-    out << std::ifstream(path(name), std::ios::binary).rdbuf();
-    return out.str();
-  }
+  [[nodiscard]] std::string path(const std::string& name) const { return folder_.file(name); }
+  [[nodiscard]] std::string content(const std::string& name) const { return folder_.read(name); }
 
-  fs::path folder_;
+  const TestFolder folder_;
 };
 
 TEST_F(PendingFiles, GetTheirNameByCommit)
@@ -107,7 +92,7 @@ TEST_F(PendingFiles, AFullDiskIsAnError)
 
 TEST_F(PendingFiles, RefuseWhatCannotBeWritten)
 {
-  EXPECT_THROW(PendingFile{folder_.string()}, UserError);
+  EXPECT_THROW(PendingFile{folder_.path()}, UserError);
   EXPECT_THROW(writeWhole(path("no/such/folder/a"), ""), UserError);
   EXPECT_THROW(PendingFile(path("never written")).commit(), UserError);
 }

@@ -7,6 +7,8 @@
 #include <filesystem>
 #include <fstream>
 
+#include "TestFolder.h"
+
 namespace fs = std::filesystem;
 
 namespace dyslam
@@ -17,28 +19,14 @@ namespace
 class SharedFiles : public testing::Test
 {
  protected:
-  SharedFiles() : before_(fs::current_path())
-  {
-    const auto* test = testing::UnitTest::GetInstance()->current_test_info();
-    folder_ = fs::path(testing::TempDir()) / ("dyslam_shared_files_" + std::string(test->name()));
-    fs::remove_all(folder_);
-    fs::create_directories(folder_);
-    fs::current_path(folder_);
-  }
-  ~SharedFiles() override
-  {
-    fs::current_path(before_);
-    fs::remove_all(folder_);
-  }
-
   static std::string found(const std::string& path)
   {
     return findGivenOrShared(path, "config_files", ".ini");
   }
 
  private:
-  fs::path before_;
-  fs::path folder_;
+  const TestFolder folder_;
+  const WorkingFolder within_{folder_.path()};
 };
 
 TEST_F(SharedFiles, AreFoundByNameWithOrWithoutExtension)

@@ -8,7 +8,7 @@ void OdometryOptions::describe(OptionsVisitor& v)
 {
   v.word("method", method, scanMatcherNames(),
          "scan matcher, which estimates the motion between scans");
-  v.real("start_speed", start_speed, -50, 100,
+  v.real("start_speed", start_speed, min_start_speed, max_start_speed,
          "forward speed at the first scan; 0: not known [m/s]");
   v.real("start_speed_sigma", start_speed_sigma, 1e-3, 100,
          "sigma of start_speed, where that is given [m/s]");

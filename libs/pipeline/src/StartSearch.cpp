@@ -27,31 +27,6 @@ double forwardSpeed(const Frame& frame)
 {
   return frame.dt > 0 ? frame.motion.T_previous_current.translation().x() / frame.dt : 0;
 }
-
-/** StartRun::fit of several frames. */
-class FitMean
-{
- public:
-  void add(const Frame& frame)
-  {
-    inlier_share_ += static_cast<double>(frame.motion.inliers) /
-                     static_cast<double>(std::max<std::size_t>(1, frame.cloud.size()));
-    rmse_ += frame.motion.rmse;
-    count_ += 1;
-  }
-  [[nodiscard]] double value() const
-  {
-    constexpr double least_rmse = 1e-3;  // [m]
-    const double n = std::max(1.0, count_);
-    const double rmse = std::max(least_rmse, rmse_ / n);
-    return inlier_share_ / n / (rmse * rmse);
-  }
-
- private:
-  double inlier_share_ = 0;
-  double rmse_ = 0;  // [m]
-  double count_ = 0;
-};
 }  // namespace
 
 StartSearch::StartSearch(const NextScan& next, const Config& config) : next_(next), config_(config)
@@ -87,10 +62,9 @@ bool StartSearch::isMeasured() const
 {
   ConfigLoader loader(config_);
   MotionSensors sensors(loader.get<MotionSensorOptions>("motion_sensors"));
-  for (const Frame& frame : frames_)
-  {
-    sensors.add(frame);
-  }
+  // The odometry looks for the speed at the second scan; later samples come too late for it.
+  sensors.add(frames_.at(0));
+  sensors.add(frames_.at(1));
   return sensors.speedAt(frames_.front().scan.stamp).has_value();
 }
 
@@ -108,7 +82,7 @@ Config StartSearch::startingAt(std::optional<double> speed) const
 /** A run of the registration over the first `scans` scans. \param start speed at the first one */
 StartRun StartSearch::runFrom(std::optional<double> start, std::size_t scans, int of_threads) const
 {
-  NoTimes times;
+  mrpt::system::CTimeLogger times(false);
   const Config changed = startingAt(start);
   ConfigLoader loader(changed);
   ThreadPool pool(of_threads);
@@ -137,9 +111,9 @@ StartRun StartSearch::runFrom(std::optional<double> start, std::size_t scans, in
     {
       run.speed = forwardSpeed(frame);
     }
-    if (2 * i >= scans)
+    if (2 * i >= scans)  // before, the local map has few scans
     {
-      fit.add(frame);
+      fit.add(frame.motion, frame.cloud.size());
     }
   }
   run.fit = fit.value();
@@ -162,8 +136,13 @@ std::vector<StartRun> StartSearch::runsFrom(const std::vector<double>& starts,
   return runs;
 }
 
-std::vector<StartRun> StartSearch::runsFrom(const std::vector<double>& starts) const
+std::vector<StartRun> StartSearch::runsFrom(const std::vector<double>& starts)
 {
+  // Segmenters give appearance priors for the first scans only.
+  while (front_end_ && gives_priors_ && processed_ < frames_.size())
+  {
+    processNext();
+  }
   return runsFrom(starts, frames_.size());
 }
 
@@ -183,32 +162,60 @@ bool StartSearch::isPulledTo(double speed) const
 
 double StartSearch::speedOfRun()
 {
-  if (!front_end_)
+  ConfigLoader loader(config_);
+  front_end_ = std::make_unique<FrontEnd>(threads_, loader, times_);
+  while (processed_ < frames_.size())
   {
-    ConfigLoader loader(config_);
-    front_end_ = std::make_unique<FrontEnd>(threads_, loader, times_);
-  }
-  for (; processed_ < frames_.size(); ++processed_)
-  {
-    Frame frame = frames_[processed_];
-    front_end_->process(frame);
-    speed_of_run_ = forwardSpeed(frame);
-    if (!frame.static_prior.empty())
-    {
-      std::vector<float>& prior = priors_[processed_];
-      prior.assign(frame.scan.size(), 1);
-      for (std::size_t k = 0; k < frame.cloud.size(); ++k)
-      {
-        prior[frame.cloud.source[k]] = frame.static_prior[k];
-      }
-    }
+    processNext();
   }
   return speed_of_run_;
 }
 
+void StartSearch::processNext()
+{
+  Frame frame = frames_[processed_];
+  front_end_->process(frame);
+  speed_of_run_ = forwardSpeed(frame);
+  gives_priors_ = frame.cloud.size() == 0 ? gives_priors_ : !frame.static_prior.empty();
+  if (!frame.static_prior.empty())
+  {
+    std::vector<float>& prior = priors_[processed_];
+    prior.assign(frame.scan.size(), 1);
+    for (std::size_t k = 0; k < frame.cloud.size(); ++k)
+    {
+      prior[frame.cloud.source[k]] = frame.static_prior[k];
+    }
+  }
+  ++processed_;
+}
+
+void FitMean::add(const MotionEstimate& motion, std::size_t points)
+{
+  ++scans_;
+  inlier_share_ +=
+      static_cast<double>(motion.inliers) / static_cast<double>(std::max<std::size_t>(1, points));
+  if (motion.inliers > 0)
+  {
+    ++with_inliers_;
+    rmse_ += motion.rmse;
+  }
+}
+
+double FitMean::value() const
+{
+  constexpr double least_rmse = 1e-3;  // [m]
+  if (with_inliers_ == 0)
+  {
+    return 0;
+  }
+  const double rmse = std::max(least_rmse, rmse_ / with_inliers_);
+  return inlier_share_ / scans_ / (rmse * rmse);
+}
+
 bool isPossibleStart(double speed)
 {
-  return speed >= min_start_speed + probe_distance && speed <= max_start_speed - probe_distance;
+  return speed >= OdometryOptions::min_start_speed + probe_distance &&
+         speed <= OdometryOptions::max_start_speed - probe_distance;
 }
 
 double knownSpeed(double speed)

@@ -29,7 +29,8 @@ class StartSearch
   [[nodiscard]] bool isWanted() const;
   /** Reads up to the first `end` scans. \return number of scans read so far */
   std::size_t readTo(std::size_t end);
-  /** Whether wheels measure the speed at the first scan. */
+  /** Whether wheels measure the speed at the first scan, by their samples up to the second one.
+   * \pre two scans have been read */
   [[nodiscard]] bool isMeasured() const;
 
   /** Speed after the first `scans` scans by registration only. \param start at the first scan;
@@ -38,18 +39,15 @@ class StartSearch
   /** Whether starts at a lower and a higher speed both converge to a speed over the first `scans`
    * scans. */
   [[nodiscard]] bool isPulledTo(double speed) const;
-  /** Speed at the last of all scans read by the front end, as the run would estimate it. */
+  /** Speed after the first `scans` scans by the front end, as the run would estimate it. The points
+   * of all runs from then on are weighted by its appearance priors. */
   [[nodiscard]] double speedOfRun();
   /** Runs over all scans read, started at several speeds. */
-  [[nodiscard]] std::vector<StartRun> runsFrom(const std::vector<double>& starts) const;
+  [[nodiscard]] std::vector<StartRun> runsFrom(const std::vector<double>& starts);
 
  private:
-  /** A time logger that is not used. */
-  struct NoTimes : mrpt::system::CTimeLogger
-  {
-    NoTimes() : CTimeLogger(false, "start") {}
-  };
-
+  /** Lets the front end process the next scan. */
+  void processNext();
   [[nodiscard]] Config startingAt(std::optional<double> speed) const;
   [[nodiscard]] StartRun runFrom(std::optional<double> start,
                                  std::size_t scans,
@@ -61,13 +59,29 @@ class StartSearch
   const Config& config_;
   StartOptions options_;
   int threads_ = 0;
-  NoTimes times_;
-  std::unique_ptr<FrontEnd> front_end_;  //!< of the run from the first scan on
-  std::vector<Frame> frames_;            //!< first scans of the recording
-  std::size_t processed_ = 0;            //!< number of scans that the front end has processed
-  double speed_of_run_ = 0;              //!< its speed at the last one [m/s]
+  mrpt::system::CTimeLogger times_{false};  //!< records nothing
+  std::unique_ptr<FrontEnd> front_end_;     //!< of the run from the first scan on
+  std::vector<Frame> frames_;               //!< first scans of the recording
+  std::size_t processed_ = 0;               //!< number of scans that the front end has processed
+  double speed_of_run_ = 0;                 //!< its speed at the last one [m/s]
+  bool gives_priors_ = true;  //!< the segmenter gave a prior for the last one with points
   /** Frame::static_prior per frame and point of its scan; empty if the segmenter gives none. */
   std::vector<std::vector<float>> priors_;
+};
+
+/** StartRun::fit of several scans. */
+class FitMean
+{
+ public:
+  /** \param motion of a scan by the registration \param points number of points of its cloud */
+  void add(const MotionEstimate& motion, std::size_t points);
+  [[nodiscard]] double value() const;
+
+ private:
+  double inlier_share_ = 0;  //!< sum over the scans
+  double rmse_ = 0;          //!< sum over the scans with inliers [m]
+  double scans_ = 0;
+  double with_inliers_ = 0;  //!< number of scans with inliers
 };
 
 /** Whether a speed and the probes beside it are possible start speeds: false if the odometry
@@ -76,11 +90,4 @@ class StartSearch
 
 /** A speed for odometry.start_speed [m/s], where zero would mean unknown. */
 [[nodiscard]] double knownSpeed(double speed);
-
-/** Limits of odometry.start_speed [m/s]. */
-constexpr double min_start_speed = -50;
-constexpr double max_start_speed = 100;
-/** Difference below which the speeds of two runs count as equal, where single motions swing between
- * rails [m/s]. */
-constexpr double same_speed_of_runs = 1;
 }  // namespace dyslam

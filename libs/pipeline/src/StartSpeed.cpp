@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/odometry/Odometry.h>
 #include <dyslam/pipeline/StartSpeed.h>
 
 #include <algorithm>
@@ -15,8 +16,33 @@ namespace
 /** Speed from which the run's own start is compared with that of the registration, which takes a
  * few tenths of a second [m/s]. */
 constexpr double fast = 10;
+/** Difference below which the speeds of two runs count as equal, where single motions swing between
+ * rails [m/s]. */
+constexpr double same_speed_of_runs = 1;
 /** Difference from the odometry's own speed from which another one is reported [m/s]. */
 constexpr double least_difference = 3;
+
+/** Compares starts at several speeds over more scans. \param own_speed the odometry's own [m/s]
+ * \return as bestStartSpeed() */
+std::optional<double> comparedSpeed(double own_speed, StartSearch& search)
+{
+  const StartOptions& options = search.options();
+  search.readTo(static_cast<std::size_t>(options.compared_scans));
+  std::vector<double> starts{own_speed};
+  for (double speed = options.slowest; speed <= options.fastest; speed += options.step)
+  {
+    starts.push_back(speed);
+  }
+  const std::vector<StartRun> runs = search.runsFrom(starts);
+  const auto best = bestStartSpeed(runs, runs.front(), own_speed, options);
+  if (!best)
+  {
+    return std::nullopt;
+  }
+  // The grid of speeds is coarse; the odometry refines the result.
+  const double settled = search.speedAfter(*best);
+  return std::fabs(settled - *best) < options.step / 2 ? settled : *best;
+}
 }  // namespace
 
 void StartOptions::describe(OptionsVisitor& v)
@@ -26,8 +52,10 @@ void StartOptions::describe(OptionsVisitor& v)
   v.integer("scans", scans, 3, 100, "number of first scans that may determine the start speed");
   v.integer("compared_scans", compared_scans, 3, 1000,
             "number of first scans with which start speeds are compared where they do not");
-  v.real("slowest", slowest, min_start_speed, 0, "lowest start speed that is tried [m/s]");
-  v.real("fastest", fastest, 0, max_start_speed, "highest start speed that is tried [m/s]");
+  v.real("slowest", slowest, OdometryOptions::min_start_speed, 0,
+         "lowest start speed that is tried [m/s]");
+  v.real("fastest", fastest, 0, OdometryOptions::max_start_speed,
+         "highest start speed that is tried [m/s]");
   v.real("step", step, 0.5, 20, "step between the start speeds that are tried [m/s]");
   v.real("sigma", sigma, 0.1, 20,
          "sigma of a start speed that is tried, and of the one found [m/s]");
@@ -62,8 +90,7 @@ std::optional<double> bestStartSpeed(const std::vector<StartRun>& runs,
 std::optional<double> findStartSpeed(const NextScan& next, const Config& config)
 {
   StartSearch search(next, config);
-  const StartOptions& options = search.options();
-  const auto scans = static_cast<std::size_t>(options.scans);
+  const auto scans = static_cast<std::size_t>(search.options().scans);
   if (!search.isWanted() || search.readTo(scans) < scans || search.isMeasured())
   {
     return std::nullopt;
@@ -89,22 +116,7 @@ std::optional<double> findStartSpeed(const NextScan& next, const Config& config)
   {
     return std::nullopt;
   }
-  search.readTo(static_cast<std::size_t>(options.compared_scans));
-  (void)search.speedOfRun();  // for the appearance priors of all scans
-  std::vector<double> starts{own_speed};
-  for (double speed = options.slowest; speed <= options.fastest; speed += options.step)
-  {
-    starts.push_back(speed);
-  }
-  const std::vector<StartRun> runs = search.runsFrom(starts);
-  const auto best = bestStartSpeed(runs, runs.front(), own_speed, options);
-  if (!best)
-  {
-    return std::nullopt;
-  }
-  // The grid of speeds is coarse; the odometry refines the result.
-  const double settled = search.speedAfter(*best);
-  return std::fabs(settled - *best) < options.step / 2 ? settled : *best;
+  return comparedSpeed(own_speed, search);
 }
 
 std::optional<double> findStartSpeed(const std::vector<Frame>& frames, const Config& config)

@@ -61,11 +61,6 @@ Frame streetScan(std::size_t index)
   return frame;
 }
 
-struct NoTimes : mrpt::system::CTimeLogger
-{
-  NoTimes() : CTimeLogger(false, "test") {}
-};
-
 /** A front end with DySeg, and what it makes of a street with a missing scan. */
 class FrontEndWithNetwork : public testing::Test
 {
@@ -91,7 +86,7 @@ class FrontEndWithNetwork : public testing::Test
         "azimuth\n",
         "test");
     ConfigLoader loader(config);
-    static NoTimes times;
+    static mrpt::system::CTimeLogger times(false);
     return std::make_unique<FrontEnd>(threads, loader, times);
   }
   static std::vector<Frame> run(FrontEnd& front_end, bool with_next, std::size_t first = 0)

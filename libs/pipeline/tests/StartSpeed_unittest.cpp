@@ -1,13 +1,15 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/base/Error.h>
-#include <dyslam/pipeline/StartSpeed.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <functional>
 #include <limits>
 #include <optional>
+#include <string>
 #include <vector>
+
+#include "../src/StartSearch.h"
 
 namespace dyslam
 {
@@ -33,6 +35,23 @@ TEST(StartSpeed, AnImpossibleSpeedIsNotFound)
   EXPECT_FALSE(bestStartSpeed({{nan, 9}, {99, 9}, {-49, 9}, {20, nan}}, {5, 3}, 5, {}));
 }
 
+TEST(StartSpeed, ScansWithoutInliersDoNotImproveTheFit)
+{
+  MotionEstimate fitting;
+  fitting.inliers = 400;
+  fitting.rmse = 0.05;
+  FitMean all;
+  FitMean most;
+  for (int i = 0; i < 10; ++i)
+  {
+    all.add(fitting, 1000);
+    most.add(i < 8 ? fitting : MotionEstimate(), 1000);  // then it has left the map
+  }
+  EXPECT_NEAR(all.value(), 0.4 / (0.05 * 0.05), 1e-9);
+  EXPECT_NEAR(most.value(), 0.8 * all.value(), 1e-9);
+  EXPECT_EQ(FitMean().value(), 0);
+}
+
 TEST(StartSpeed, IsSetWithItsDeviation)
 {
   Config config = Config::fromText("[start]\nsigma = 2.5\n[odometry]\nmethod = gicp\n", "test");
@@ -50,6 +69,13 @@ TEST(StartSpeed, IsSetWithItsDeviation)
   Config bad = Config::fromText("[start]\nsigma = -1\n", "test");
   EXPECT_THROW(setStartSpeed(3, bad), UserError);
 }
+
+/** Settings for scans whose points are all measured at one moment, without a network. */
+Config simpleConfig(const std::string& more)
+{
+  return Config::fromText("[dyseg]\nmethod = none\n[preprocess]\ndeskew = none\n" + more, "test");
+}
+
 /** Scans of a room with pillars, 0.5 m apart. \param period between their time stamps [s] */
 std::vector<Frame> driveThroughRoom(double period)
 {
@@ -109,10 +135,8 @@ std::vector<Frame> driveBetweenWalls(std::size_t count)
 
 TEST(StartSpeed, MoreScansAreComparedWhereTheFirstOnesLeaveItOpen)
 {
-  const Config config = Config::fromText(
-      "[dyseg]\nmethod = none\n[preprocess]\ndeskew = none\n[motion]\nstart_speed_sigma = "
-      "1\n[start]\nfastest = 10\ncompared_scans = 15\n",
-      "test");
+  const Config config =
+      simpleConfig("[motion]\nstart_speed_sigma = 1\n[start]\nfastest = 10\ncompared_scans = 15\n");
   const std::vector<Frame> frames = driveBetweenWalls(20);
   std::size_t read = 0;
   const auto next = [&] { return std::optional<Frame>(frames.at(read++)); };
@@ -122,8 +146,7 @@ TEST(StartSpeed, MoreScansAreComparedWhereTheFirstOnesLeaveItOpen)
 
 TEST(StartSpeed, NoFurtherScansAreReadWhereTheFirstOnesDetermineIt)
 {
-  const Config config = Config::fromText(
-      "[dyseg]\nmethod = none\n[preprocess]\ndeskew = none\n[pipeline]\nthreads = 1\n", "test");
+  const Config config = simpleConfig("[pipeline]\nthreads = 1\n");
   const std::vector<Frame> frames = driveThroughRoom(0.1);
   std::size_t read = 0;
   const auto next = [&] { return std::optional<Frame>(frames.at(read++)); };
@@ -131,11 +154,37 @@ TEST(StartSpeed, NoFurtherScansAreReadWhereTheFirstOnesDetermineIt)
   EXPECT_EQ(read, 10U);
 }
 
+TEST(StartSpeed, IsMeasuredByWheelsWithSamplesUpToTheSecondScan)
+{
+  const auto isMeasured = [](std::size_t first_with_wheels)
+  {
+    const Config config;
+    std::size_t read = 0;
+    const NextScan next = [&]
+    {
+      Frame frame;
+      frame.index = read++;
+      frame.scan.stamp = 0.1 * static_cast<double>(frame.index);
+      if (frame.index >= first_with_wheels)
+      {
+        frame.wheels.push_back({frame.scan.stamp - 0.01, 3});
+      }
+      return std::optional<Frame>(frame);
+    };
+    StartSearch search(next, config);
+    search.readTo(10);
+    return search.isMeasured();
+  };
+  EXPECT_TRUE(isMeasured(0));
+  EXPECT_TRUE(isMeasured(1));
+  EXPECT_FALSE(isMeasured(2)) << "the odometry does not know them at its first motion";
+  EXPECT_FALSE(isMeasured(5));
+}
+
 TEST(StartSpeed, IsNotSearchedForWhereTimeStampsAreWrong)
 {
   // 0.5 m in 4 ms: faster than any start speed.
-  const Config config = Config::fromText(
-      "[dyseg]\nmethod = none\n[preprocess]\ndeskew = none\n[pipeline]\nthreads = 1\n", "test");
+  const Config config = simpleConfig("[pipeline]\nthreads = 1\n");
   std::optional<double> found;
   EXPECT_NO_THROW(found = findStartSpeed(driveThroughRoom(0.004), config));
   EXPECT_FALSE(found);

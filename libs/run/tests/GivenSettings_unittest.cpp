@@ -3,39 +3,17 @@
 #include <dyslam/base/SharedFiles.h>
 #include <dyslam/run/GivenSettings.h>
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <cmath>
 #include <filesystem>
-#include <fstream>
+#include <string>
+
+#include "TestFolder.h"
 
 namespace dyslam
 {
 namespace
 {
-namespace fs = std::filesystem;
-
-/** A folder for inis. */
-class GivenSettingsTest : public testing::Test
-{
- protected:
-  GivenSettingsTest()
-      : folder_(fs::temp_directory_path() / ("dyslam_given_" + std::to_string(getpid())))
-  {
-    fs::create_directories(folder_);
-  }
-  ~GivenSettingsTest() override { fs::remove_all(folder_); }
-
-  [[nodiscard]] std::string write(const std::string& name, const std::string& text) const
-  {
-    std::ofstream(folder_ / name) << text;
-    return (folder_ / name).string();
-  }
-
- private:
-  fs::path folder_;
-};
-
 RecordedSensor sensorWith(std::size_t rings, double spacing_deg)
 {
   RecordedSensor sensor;
@@ -50,10 +28,11 @@ std::string valueOf(const Config& config, const std::string& section, const std:
   return config.has(section, key) ? config.section(section).at(key).text : "";
 }
 
-TEST_F(GivenSettingsTest, AssignmentsAreOverTheIniAndThatOverTheSensors)
+TEST(GivenSettings, AssignmentsAreOverTheIniAndThatOverTheSensors)
 {
+  const TestFolder folder;
   const std::string path =
-      write("my.ini", "[odometry]\nmethod = icp_po2pl\n[refine]\nmethod = gicp\n");
+      folder.write("my.ini", "[odometry]\nmethod = icp_po2pl\n[refine]\nmethod = gicp\n");
   const GivenSettings given =
       readGivenSettings(path, {"odometry.method=gicp", "labels.hindsight=false"});
   EXPECT_EQ(path, given.path);
@@ -70,7 +49,7 @@ TEST_F(GivenSettingsTest, AssignmentsAreOverTheIniAndThatOverTheSensors)
   EXPECT_EQ("false", valueOf(chosen.config, "labels", "hindsight"));
 }
 
-TEST_F(GivenSettingsTest, WithoutAnIniTheSensorsAreTaken)
+TEST(GivenSettings, WithoutAnIniTheSensorsAreTaken)
 {
   const GivenSettings given = readGivenSettings("");
   EXPECT_EQ("", given.path);
@@ -81,21 +60,23 @@ TEST_F(GivenSettingsTest, WithoutAnIniTheSensorsAreTaken)
             chosen.config.toIni());
 }
 
-TEST_F(GivenSettingsTest, AShippedIniIsFoundByItsName)
+TEST(GivenSettings, AShippedIniIsFoundByItsName)
 {
   const GivenSettings given = readGivenSettings("kitti64");
-  EXPECT_EQ("kitti64.ini", fs::path(given.path).filename());
+  EXPECT_EQ("kitti64.ini", std::filesystem::path(given.path).filename());
   const ChosenSettings chosen = settingsFor(sensorWith(16, 2), given);
   EXPECT_EQ("kitti64.ini", chosen.source);
   EXPECT_EQ(1U, chosen.warnings.size()) << "for other sensors";
 }
 
-TEST_F(GivenSettingsTest, WhatIsWrongIsNamed)
+TEST(GivenSettings, WhatIsWrongIsNamed)
 {
+  const TestFolder folder;
   EXPECT_THROW((void)readGivenSettings("nothere.ini"), UserError);
-  EXPECT_THROW((void)readGivenSettings(write("junk.ini", "no ini\n")), UserError);
-  EXPECT_THROW((void)readGivenSettings(write("other.ini", "program = dyslam-train\n[a]\nb = 1\n")),
-               UserError);
+  EXPECT_THROW((void)readGivenSettings(folder.write("junk.ini", "no ini\n")), UserError);
+  EXPECT_THROW(
+      (void)readGivenSettings(folder.write("other.ini", "program = dyslam-train\n[a]\nb = 1\n")),
+      UserError);
   const GivenSettings given = readGivenSettings("", {"odometry"});
   EXPECT_THROW((void)given.merged(), UserError);
   EXPECT_THROW((void)settingsFor(sensorWith(16, 2), given), UserError);

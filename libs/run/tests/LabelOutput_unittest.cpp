@@ -1,16 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/formats/LabelFiles.h>
 #include <gtest/gtest.h>
-#include <unistd.h>
 
-#include <filesystem>
 #include <string>
 #include <vector>
 
 #include "../src/outputs/RunOutput.h"
 #include "../src/results/RunHistory.h"
-
-namespace fs = std::filesystem;
+#include "TestFolder.h"
 
 namespace dyslam
 {
@@ -54,10 +51,9 @@ Frame frameAt(std::size_t scan)
 /** Instances of the points of each scan, after a run in which the tracks were merged or not. */
 std::vector<std::vector<int>> instancesAfter(const std::map<int, int>& merged)
 {
-  const fs::path folder =
-      fs::temp_directory_path() / ("dyslam_label_output_" + std::to_string(::getpid()));
+  const TestFolder folder;
   SlamRunSettings settings;
-  settings.output_folder = folder.string();
+  settings.output_folder = folder.path();
   const Config given;
   ConfigLoader config(given);
   const auto output = makeLabelOutput({settings, config, 0.1});
@@ -79,12 +75,11 @@ std::vector<std::vector<int>> instancesAfter(const std::map<int, int>& merged)
   {
     instances.emplace_back();
     for (const Label label :
-         readLabels((folder / "labels" / ("00000" + std::to_string(scan) + ".label")).string()))
+         readLabels(folder.file("labels/00000" + std::to_string(scan) + ".label")))
     {
       instances.back().push_back(instanceOf(label));
     }
   }
-  fs::remove_all(folder);
   return instances;
 }
 

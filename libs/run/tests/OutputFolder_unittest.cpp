@@ -4,11 +4,12 @@
 #include <dyslam/base/Error.h>
 #include <dyslam/base/Files.h>
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <filesystem>
 #include <fstream>
 #include <optional>
+
+#include "TestFolder.h"
 
 namespace fs = std::filesystem;
 
@@ -22,11 +23,6 @@ class OutputFolderTest : public ::testing::Test
 {
  protected:
   void SetUp() override { fs::create_directories(folder_); }
-  void TearDown() override
-  {
-    fs::remove_all(folder_);
-    fs::remove_all(elsewhere_);
-  }
   static void write(const fs::path& path, const std::string& text)
   {
     fs::create_directories(path.parent_path());
@@ -48,15 +44,10 @@ class OutputFolderTest : public ::testing::Test
   }
   [[nodiscard]] bool has(const std::string& name) const { return fs::exists(folder_ / name); }
 
-  const std::string mark_ = std::to_string(::getpid());
-  const fs::path folder_ = fs::temp_directory_path() / ("dyslam_folder_" + mark_);
-  const fs::path elsewhere_ = fs::temp_directory_path() / ("dyslam_elsewhere_" + mark_);
+  const TestFolder test_;
+  const fs::path folder_ = test_.file("run");
+  const fs::path elsewhere_ = test_.file("elsewhere");
 };
-
-bool contains(const std::string& text, const std::string& part)
-{
-  return text.find(part) != std::string::npos;
-}
 
 TEST_F(OutputFolderTest, OneRunAtATime)
 {

@@ -5,7 +5,6 @@
 #include <dyslam/base/Files.h>
 #include <dyslam/base/PendingFile.h>
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <chrono>
 #include <filesystem>
@@ -13,6 +12,8 @@
 #include <set>
 #include <stdexcept>
 #include <thread>
+
+#include "TestFolder.h"
 
 namespace fs = std::filesystem;
 
@@ -151,7 +152,6 @@ class RunOutputsTest : public ::testing::Test
     settings_.rawlog = "x.rawlog";
     settings_.output_folder = folder_.string();
   }
-  void TearDown() override { fs::remove_all(folder_); }
 
   /** Five frames to these outputs. */
   RunResults runOf(const std::vector<RunOutputKind>& kinds)
@@ -177,7 +177,8 @@ class RunOutputsTest : public ::testing::Test
   }
   [[nodiscard]] bool has(const std::string& name) const { return fs::exists(folder_ / name); }
 
-  fs::path folder_ = fs::temp_directory_path() / ("dyslam_outputs_" + std::to_string(::getpid()));
+  const TestFolder test_;
+  const fs::path folder_ = test_.file("run");  //!< made by the outputs
   SlamRunSettings settings_;
 };
 

@@ -35,7 +35,7 @@ TEST(RunSettings, AreThoseOfTheSensorUnderThoseGiven)
   EXPECT_EQ(0U, run.sensor.rfind(chosen.sensor.summary(), 0)) << run.sensor;
 }
 
-TEST(RunSettings, TheReportNamesSensorMissingTimesAndLevelling)
+TEST(RunSettings, TheReportNamesSensorMissingTimesLevellingAndStartSpeed)
 {
   RunSettings settings;
   const std::string sensor = settings.sensor.summary();
@@ -44,6 +44,11 @@ TEST(RunSettings, TheReportNamesSensorMissingTimesAndLevelling)
   EXPECT_EQ(sensor + "; tilted by 15 deg", settings.aboutSensor());
   settings.missing_times = "no times";
   EXPECT_EQ(sensor + "; no times; tilted by 15 deg", settings.aboutSensor());
+  settings.start_speed = "26.7";
+  EXPECT_EQ(sensor +
+                "; no times; tilted by 15 deg; begins at about 26.7 m/s "
+                "(odometry.start_speed)",
+            settings.aboutSensor());
 }
 
 TEST(RunSettings, BadOnesAndAMissingRecordingAreRefused)

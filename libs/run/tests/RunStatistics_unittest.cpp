@@ -129,6 +129,57 @@ TEST(RunStatistics, PointsInTheFrameOfAMapAreAWarning)
   EXPECT_EQ(statisticsOf(1, 1).frameWarning(), "") << "an odd sensor, but it drives";
 }
 
+/** A cloud of points in one direction. */
+Frame looking(double x, const Eigen::Vector2f& direction, std::size_t points)
+{
+  Frame frame;
+  frame.odometry.status = MotionStatus::converged;
+  frame.motion.status = MotionStatus::converged;
+  frame.T_odom_vehicle.translation().x() = x;
+  frame.cloud.points.assign(points, Eigen::Vector3f(10 * direction.x(), 10 * direction.y(), 0));
+  return frame;
+}
+
+TEST(RunStatistics, AWayThereAndBackIsNoMapFrame)
+{
+  RunStatistics statistics;
+  for (int i = 0; i <= 40; ++i)  // along a wall, which is on the other side on the way back
+  {
+    const bool is_back = i > 20;
+    statistics.add(looking(is_back ? 40 - i : i, {0, is_back ? -1.0F : 1.0F}, 500));
+  }
+  EXPECT_EQ(statistics.frameWarning(), "");
+  EXPECT_EQ(statistics.verdict(), "usable");
+}
+
+TEST(RunStatistics, ATurnOnTheSpotIsNoMapFrame)
+{
+  RunStatistics statistics;
+  for (int i = 0; i < 40; ++i)  // beside a wall, which all of the points are on
+  {
+    const float turned = 0.08F * static_cast<float>(i);
+    Frame frame = looking(0, {std::cos(turned), -std::sin(turned)}, 500);
+    frame.T_odom_vehicle.rotate(
+        Eigen::AngleAxisd(static_cast<double>(turned), Eigen::Vector3d::UnitZ()));
+    statistics.add(frame);
+  }
+  EXPECT_EQ(statistics.frameWarning(), "");
+}
+
+TEST(RunStatistics, ScansWithFewOrNoPointsAreNoMapFrame)
+{
+  for (const std::size_t of_first : {0U, 100U})
+  {
+    RunStatistics statistics;
+    statistics.add(looking(0, {-1, 0}, of_first));  // the sensor starts
+    for (int i = 0; i < 30; ++i)
+    {
+      statistics.add(looking(0, {1, 0}, i % 3 == 0 ? 0 : 500));
+    }
+    EXPECT_EQ(statistics.frameWarning(), "") << of_first;
+  }
+}
+
 /** A gyroscope in degrees makes all registrations fail. */
 TEST(RunStatistics, AdvisesToDoWithoutTheMotionSensorsInUse)
 {

@@ -192,7 +192,7 @@ Cloud Preprocessor::prepare(const Scan& scan,
   cloud.points.reserve(scan.size());
   cloud.source.reserve(scan.size());
   forEachPart(scan, [&](const Scan& part, const LidarRange& range)
-              { prepareOf(part, scan, range, range.stamp, sweep, own_vehicle, cloud); });
+              { prepareOf(part, scan, range, sweep, own_vehicle, cloud); });
   if (scan.intensity.size() == scan.size())
   {
     cloud.intensity.reserve(cloud.source.size());
@@ -205,16 +205,15 @@ Cloud Preprocessor::prepare(const Scan& scan,
 }
 
 /** Adds the points of one lidar. \param part part of the scan `all` in the lidar's frame, with its
- * points `range` \param stamp stamp of the lidar's own scan, relative to Scan::stamp [s] */
+ * points `range` */
 void Preprocessor::prepareOf(const Scan& part,
                              const Scan& all,
                              const LidarRange& range,
-                             double stamp,
                              const Sweep& sweep,
                              const OwnVehicle* own_vehicle,
                              Cloud& cloud) const
 {
-  const Phases phases(part, all, stamp, options_, sweep.dt, sweep.duration);
+  const Phases phases(part, all, range.stamp, options_, sweep.dt, sweep.duration);
   cloud.T_sweep = phases.known() && sweep.dt > 0 ? sweep.T_previous_current : Pose::Identity();
   cloud.phase_unit = phases.unit();
 

@@ -15,7 +15,7 @@ namespace dyslam
 {
 namespace
 {
-constexpr std::string_view magic = "DYSLAM STATE 10\n";
+constexpr std::string_view magic = "DYSLAM STATE 11\n";
 
 struct PartHeader
 {

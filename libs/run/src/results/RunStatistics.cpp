@@ -84,16 +84,28 @@ Reasons::Kind Reasons::mostFrequent() const
   return most == kinds_.end() ? Kind() : most->second;
 }
 
+void Views::add(const std::vector<Eigen::Vector3f>& cloud)
+{
+  constexpr std::size_t many_more = 2;  // times the points
+  constexpr double another_view = 0.5;
+  const Eigen::Vector2d view = meanDirection(cloud);
+  if (cloud.size() > many_more * first_points)
+  {
+    first = view;
+    first_points = cloud.size();
+    shifted = 0;
+  }
+  shifted += !cloud.empty() && (view - first).norm() > another_view ? 1U : 0U;
+}
+
 void RunStatistics::add(const Frame& frame)
 {
   first_time = frames == 0 ? frame.time() : first_time;
   last_time = frame.time();
   ++frames;
-  const Eigen::Vector2d view = meanDirection(frame.cloud.points);
-  first_view = frames == 1 ? view : first_view;
-  constexpr double another_view = 0.5;
-  shifted_views += (view - first_view).norm() > another_view ? 1U : 0U;
-  displacement = frame.T_odom_vehicle.translation().norm();
+  views.add(frame.cloud.points);
+  farthest = std::max(farthest, frame.T_odom_vehicle.translation().norm());
+  largest_turn = std::max(largest_turn, rotationAngle(frame.T_odom_vehicle));
   map_restarts += frame.motion.map_restarted ? 1U : 0U;
   if (frame.motion.registered())
   {
@@ -232,9 +244,10 @@ std::string RunStatistics::directionWarning() const
 std::string RunStatistics::frameWarning() const
 {
   constexpr double at_rest = 2;  // [m]
+  constexpr double not_turned = 30 * radians_per_degree;
   constexpr double min_share = 0.2;
-  if (displacement > at_rest ||
-      static_cast<double>(shifted_views) < min_share * static_cast<double>(frames))
+  if (farthest > at_rest || largest_turn > not_turned ||
+      static_cast<double>(views.shifted) < min_share * static_cast<double>(frames))
   {
     return {};
   }
@@ -294,7 +307,7 @@ void RunStatistics::exchangeState(StateArchive& archive)
 {
   archive(frames, first_time, last_time, registration_failures, map_restarts,
           unregistered_keyframes, not_settled, odometry_failures, has_imu, has_wheels, path,
-          path_forward, path_left, displacement, first_view, shifted_views, points, moving_points,
-          detections, reference);
+          path_forward, path_left, farthest, largest_turn, views, points, moving_points, detections,
+          reference);
 }
 }  // namespace dyslam

@@ -38,6 +38,19 @@ class Reasons
   std::size_t total_ = 0;
 };
 
+/** The directions in which a vehicle sees the points of its clouds, from above. */
+struct Views
+{
+  /** Mean of the unit vectors to the points of the first cloud, or of the first one after it with
+   * more than twice its points: the first may be empty or a part of a revolution. */
+  Eigen::Vector2d first = Eigen::Vector2d::Zero();
+  std::size_t first_points = 0;  //!< number of points of that cloud
+  std::size_t shifted = 0;       //!< number of clouds since then with another mean
+
+  /** \param cloud points, vehicle frame [m] */
+  void add(const std::vector<Eigen::Vector3f>& cloud);
+};
+
 /** Statistics of the frames of a run. */
 struct RunStatistics
 {
@@ -61,8 +74,8 @@ struct RunStatistics
   /** The warning that the vehicle moved in another direction than x; empty if it did not. */
   [[nodiscard]] std::string directionWarning() const;
 
-  /** The warning that the points seem to be in the frame of a map: the vehicle is at rest, but the
-   * directions in which it sees points change; empty if they do not. */
+  /** The warning that the points seem to be in the frame of a map: the vehicle was at rest all the
+   * time, but the directions in which it sees points change; empty if they do not. */
   [[nodiscard]] std::string frameWarning() const;
 
   /** Why the result is unusable, if more than half of the scans could not be registered; else
@@ -73,8 +86,8 @@ struct RunStatistics
                                     const MotionSensorOptions& sensors) const;
 
   /** How far the result can be trusted: "unusable" (there is a failure()), "doubtful" (more than a
-   * fifth of the scans could not be registered, or the local map was restarted; the warnings say
-   * so) or "usable". */
+   * fifth of the scans could not be registered, the local map was restarted, or there is a
+   * frameWarning(); the warnings say so) or "usable". */
   [[nodiscard]] std::string verdict() const;
 
   std::size_t frames = 0;
@@ -90,10 +103,9 @@ struct RunStatistics
   double path = 0;          //!< sum of the registered motions [m]
   double path_forward = 0;  //!< part of it along x of the vehicle [m]
   double path_left = 0;     //!< part of it along y of the vehicle [m]
-  double displacement = 0;  //!< distance of the last pose from the first one [m]
-  /** Mean of the horizontal directions to the points of the first scan. */
-  Eigen::Vector2d first_view = Eigen::Vector2d::Zero();
-  std::size_t shifted_views = 0;  //!< number of frames with another mean
+  double farthest = 0;      //!< largest distance of a pose from the first one [m]
+  double largest_turn = 0;  //!< largest angle of a pose to the first one [rad]
+  Views views;
   std::size_t points = 0;         //!< number of points of all clouds
   std::size_t moving_points = 0;  //!< number of moving points, by the causal labels
   std::size_t detections = 0;     //!< number of detections in all scans

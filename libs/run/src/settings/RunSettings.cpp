@@ -24,8 +24,10 @@ RecordingSettings settingsForRecording(const std::string& rawlog, const GivenSet
 
 std::string RunSettings::aboutSensor() const
 {
+  const std::string start =
+      start_speed.empty() ? "" : "begins at about " + start_speed + " m/s (odometry.start_speed)";
   std::string text = sensor.summary();
-  for (const std::string& note : {missing_times, chosen.levelling_note})
+  for (const std::string& note : {missing_times, chosen.levelling_note, start})
   {
     text += (note.empty() ? "" : "; ") + note;
   }

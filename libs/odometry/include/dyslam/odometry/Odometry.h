@@ -25,6 +25,9 @@ class ScanMatcher;
 /** Ini section `[odometry]`. */
 struct OdometryOptions : Options
 {
+  static constexpr double min_start_speed = -50;  //!< lower limit of start_speed [m/s]
+  static constexpr double max_start_speed = 100;  //!< upper limit of start_speed [m/s]
+
   std::string method = "constant_velocity";  //!< the scan matcher
   /** Forward speed at the first scan, if known; 0: not known. Among vehicles that all move alike
    * nothing else shows the speed at the start of a recording. [m/s] */

@@ -83,7 +83,6 @@ class Preprocessor
   void prepareOf(const Scan& part,
                  const Scan& all,
                  const LidarRange& range,
-                 double stamp,
                  const Sweep& sweep,
                  const OwnVehicle* own_vehicle,
                  Cloud& cloud) const;

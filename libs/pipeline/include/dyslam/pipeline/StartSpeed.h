@@ -31,8 +31,8 @@ struct StartOptions : Options
 struct StartRun
 {
   double speed = 0;  //!< speed after the first `start.scans` scans [m/s]
-  /** How well the scans fit together: the share of the points that fit the local map, over the mean
-   * square of their residuals; mean over the second half of the scans [1/m^2] */
+  /** How well the scans of the second half fit together: the mean share of their points that are
+   * inliers of the registration, over the square of the mean RMSE of these [1/m^2]. */
   double fit = 0;
 };
 

@@ -32,7 +32,8 @@ struct RunSettings : RecordingSettings
   std::string start_speed;    //!< odometry.start_speed, if findStartSpeed() found one [m/s]
   std::future<void> loading;  //!< loadAhead(): keep it until the Pipeline is constructed
 
-  /** Sensor of the recording, missing times and levelling as text, for the report. */
+  /** Sensor of the recording, missing times, levelling and the start speed that was found as text,
+   * for the report. */
   [[nodiscard]] std::string aboutSensor() const;
 };
 
