@@ -3,6 +3,7 @@
 
 #include <dyslam/backend/factors/GnssFactor.h>
 #include <dyslam/base/Printable.h>
+#include <dyslam/base/Quantile.h>
 #include <dyslam/base/StateArchive.h>
 #include <dyslam/mrpt/Geodesy.h>
 
@@ -59,6 +60,23 @@ double GnssAnchor::extent(const FactorGraph& graph) const
     largest = std::max(largest, (inMap(graph, used) - inMap(graph, used_.front())).norm());
   }
   return largest;
+}
+
+/** Least extent of the positions that shows the heading [m]. The median sigma counts: without
+ * enough satellites, as in a tunnel, a receiver may state kilometres. */
+double GnssAnchor::neededExtent() const
+{
+  if (used_.empty())
+  {
+    return options_.min_extent;
+  }
+  constexpr double sigmas_of_extent = 5;
+  std::vector<double> sigmas;
+  for (const Used& used : used_)
+  {
+    sigmas.push_back(used.horizontal_sigma);
+  }
+  return std::max(options_.min_extent, sigmas_of_extent * upperMedian(sigmas));
 }
 
 /** Positions with correlated errors share the information of one. */
@@ -150,10 +168,8 @@ Pose GnssAnchor::initialPose(const FactorGraph& graph) const
     {
       distances.push_back((T_enu_map * in_map[i] - used_[i].position).head<2>().norm());
     }
-    std::vector<double> sorted = distances;
-    std::nth_element(sorted.begin(),
-                     sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2), sorted.end());
-    const double scale = std::max(options_.min_sigma, sorted[sorted.size() / 2]);
+    std::vector<double> reordered = distances;
+    const double scale = std::max(options_.min_sigma, upperMedian(reordered));
     for (std::size_t i = 0; i < used_.size(); ++i)
     {
       weights[i] = 1 / (1 + std::pow(distances[i] / scale, 2));
@@ -171,12 +187,7 @@ bool GnssAnchor::addTo(FactorGraph& graph,
     return false;
   }
   select(graph, vehicleAt);
-  double mean_sigma = 0;
-  for (const Used& used : used_)
-  {
-    mean_sigma += used.horizontal_sigma / static_cast<double>(used_.size());
-  }
-  const double needed = std::max(options_.min_extent, 5 * mean_sigma);
+  const double needed = neededExtent();
   if (used_.size() < least || extent(graph) < needed)
   {
     warn("the positions of the satellite receiver are not used: " +

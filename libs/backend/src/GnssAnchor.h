@@ -62,6 +62,7 @@ class GnssAnchor
   [[nodiscard]] Eigen::Vector3d inMap(const FactorGraph& graph, const Used& used) const;
   [[nodiscard]] Eigen::Vector3d errorOf(const FactorGraph& graph, const Used& used) const;
   [[nodiscard]] double extent(const FactorGraph& graph) const;
+  [[nodiscard]] double neededExtent() const;
   [[nodiscard]] double informationShare() const;
 
   GnssOptions options_;

@@ -226,6 +226,28 @@ TEST(Gnss, WrongPositionsDoNotCount)
   EXPECT_GT(run.backend.georeference()->horizontal_rmse, 5);  // which tells of them
 }
 
+/** In a tunnel or before its first lock a receiver states an accuracy of kilometres. */
+TEST(Gnss, SomeInaccuratePositionsDoNotPreventTheUseOfTheOthers)
+{
+  DriveWithFixes drive(0.3, 400, 0);
+  std::size_t seen = 0;
+  for (Frame& frame : drive.frames)
+  {
+    for (GnssFix& fix : frame.gnss)
+    {
+      if (++seen % 5 == 0)
+      {
+        fix.position = fromEnu(toEnu(fix.position, place) + Eigen::Vector3d(600, 250, -30), place);
+        fix.horizontal_sigma = fix.vertical_sigma = 5000;
+      }
+    }
+  }
+  const GnssRun run(drive, with(GnssUse::fuse));
+  ASSERT_TRUE(run.backend.georeference()) << run.warnings();
+  EXPECT_LT(run.placeError(drive, {0, 0, 0}), 1.5);
+  EXPECT_LT(run.endError(drive), 1.5);
+}
+
 TEST(Gnss, PositionsThatCannotBeUsedAreReported)
 {
   DriveWithFixes drive_short(0.3, 20);
