@@ -273,6 +273,27 @@ TEST(Gravity, AMapThatCannotBeLevelledIsReported)
             "the map is not levelled: the recording has no accelerations of an IMU\n");
 }
 
+/** A second of scans, then ten seconds without any, again and again. */
+TEST(Gravity, PiecesShorterThanTheWindowShowNoDirection)
+{
+  DriveWithImu drive(30, 0, Eigen::Vector3d::Zero());
+  for (Frame& frame : drive.frames)
+  {
+    const std::size_t gaps = frame.index / 10;
+    const double missing = 10 * static_cast<double>(gaps);
+    frame.scan.stamp += missing;
+    for (ImuSample& sample : frame.imu)
+    {
+      sample.stamp += missing;
+    }
+  }
+  const GravityRun run(drive, GravityUse::measure, true);
+  EXPECT_FALSE(run.backend.gravity());
+  EXPECT_EQ(run.warnings(),
+            "the map is not levelled: 0 of 3 directions of gravity that are needed; each takes "
+            "gravity.window (4 s) without a gap, and 8 scans\n");
+}
+
 TEST(Gravity, WithoutAccelerationsNothingChanges)
 {
   DriveWithImu drive(30, 1e-4, Eigen::Vector3d::Zero());
