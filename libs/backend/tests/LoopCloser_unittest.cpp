@@ -357,6 +357,11 @@ TEST(LoopCloser, ContractIsChecked)
   LoopCloserOptions bad;
   bad.nearby.min_overlap = 2;
   EXPECT_THROW(LoopCloser(bad, keyframes), UserError);
+  LoopCloserOptions limited;
+  limited.search_radius = limited.max_search_radius;
+  EXPECT_NO_THROW(LoopCloser(limited, keyframes));
+  limited.search_radius += 1;
+  EXPECT_THROW(LoopCloser(limited, keyframes), UserError);
 }
 
 TEST(LoopCloser, TooRareSearchesForLoopsThatNeedSupportAreRefused)
