@@ -411,7 +411,9 @@ TEST(Backend, BadObservationsOfObjectsAreReportedAndTheRestGoesOn)
     frames[i].objects[0].observation.centre.x() += 15;
   }
   warnings = warningsOf(frames, smoothed);
-  EXPECT_EQ(warnings.find("objects jumped 3 times"), 0U) << warnings;
+  EXPECT_EQ(warnings,
+            "3 observations of objects not linked with earlier ones: more than 3 m from the "
+            "expected place (objects.max_jump)\n");
   for (const SmoothedObject& object : smoothed)
   {
     const double x = object.T_map_object.translation().x();

@@ -11,6 +11,7 @@
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <memory>
 
 #include "graph/CovarianceInverse.h"
@@ -361,9 +362,11 @@ std::vector<std::string> ObjectGraph::warnings() const
   }
   if (jumps_ > 0)
   {
-    result.push_back("objects jumped " + counted(jumps_, "time") + " by more than " +
-                     std::to_string(options_.max_jump).substr(0, 4) +
-                     " m (objects.max_jump): no motion factor links these observations");
+    char limit[32];
+    std::snprintf(limit, sizeof limit, "%g", options_.max_jump);
+    result.push_back(counted(jumps_, "observation") +
+                     " of objects not linked with earlier ones: more than " + limit +
+                     " m from the expected place (objects.max_jump)");
   }
   return result;
 }

@@ -155,6 +155,6 @@ class ObjectGraph
   std::map<ObjectKey, Object> objects_;
   std::map<int, int> sighting_;  //!< number of the newest sighting of each id
   std::size_t unusable_ = 0;     //!< number of observations that were left out
-  std::size_t jumps_ = 0;
+  std::size_t jumps_ = 0;        //!< number of observations beyond max_jump
 };
 }  // namespace dyslam
