@@ -270,15 +270,25 @@ void ObjectGraph::appendWindow(double time, std::set<Key>& free) const
       free.insert(staticKey(key));
       continue;
     }
-    for (std::size_t i = object.in_graph;
-         i > 0 && time - object.observations[i - 1].time <= options_.window; --i)
+    std::size_t first = object.in_graph;
+    while (first > 0 && time - object.observations[first - 1].time <= options_.window)
     {
-      const std::size_t scan = object.observations[i - 1].scan;
-      free.insert(Key::objectPose(key.first, scan));
-      if (graph_.contains(Key::objectVelocity(key.first, scan)))
-      {
-        free.insert(Key::objectVelocity(key.first, scan));
-      }
+      --first;
+    }
+    appendVariables(key.first, object, first, object.in_graph, free);
+  }
+}
+
+void ObjectGraph::appendVariables(
+    int id, const Object& object, std::size_t begin, std::size_t end, std::set<Key>& keys) const
+{
+  for (std::size_t i = begin; i < end; ++i)
+  {
+    const std::size_t scan = object.observations[i].scan;
+    keys.insert(Key::objectPose(id, scan));
+    if (graph_.contains(Key::objectVelocity(id, scan)))
+    {
+      keys.insert(Key::objectVelocity(id, scan));
     }
   }
 }
