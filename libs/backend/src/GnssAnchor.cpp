@@ -79,14 +79,20 @@ double GnssAnchor::neededExtent() const
   return std::max(options_.min_extent, sigmas_of_extent * upperMedian(sigmas));
 }
 
-/** Positions with correlated errors share the information of one. */
+/** Positions with correlated errors share the information of one. A pause, however long, counts as
+ * one correlation time: it has no positions. */
 double GnssAnchor::informationShare() const
 {
   if (options_.correlation_time <= 0)
   {
     return 1;
   }
-  const double duration = used_.back().stamp - used_.front().stamp;
+  double duration = used_.back().stamp - used_.front().stamp;
+  for (std::size_t i = 1; i < used_.size(); ++i)
+  {
+    const double pause = used_[i].stamp - used_[i - 1].stamp;
+    duration -= std::max(0.0, pause - options_.correlation_time);
+  }
   const double independent = 1 + duration / options_.correlation_time;
   return std::min(1.0, independent / static_cast<double>(used_.size()));
 }

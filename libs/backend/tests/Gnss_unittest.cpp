@@ -248,6 +248,30 @@ TEST(Gnss, SomeInaccuratePositionsDoNotPreventTheUseOfTheOthers)
   EXPECT_LT(run.endError(drive), 1.5);
 }
 
+/** While the vehicle stands for an hour, there are no positions whose errors could average out. */
+TEST(Gnss, APauseAddsNoInformation)
+{
+  const auto informationOf = [](DriveWithFixes& drive)
+  {
+    const GnssRun run(drive, with(GnssUse::fuse));
+    EXPECT_TRUE(run.backend.georeference()) << run.warnings();
+    const FactorGraph& graph = run.backend.factorGraph();
+    return graph.factor(graph.factorsOf(Key::georeference()).front()).information()(0, 0);
+  };
+  DriveWithFixes through(0.5);
+  DriveWithFixes interrupted(0.5);
+  for (std::size_t i = 250; i < interrupted.frames.size(); ++i)
+  {
+    Frame& frame = interrupted.frames[i];
+    frame.scan.stamp += 3600;
+    for (GnssFix& fix : frame.gnss)
+    {
+      fix.stamp += 3600;
+    }
+  }
+  EXPECT_LT(informationOf(interrupted), 2 * informationOf(through));
+}
+
 TEST(Gnss, PositionsThatCannotBeUsedAreReported)
 {
   DriveWithFixes drive_short(0.3, 20);
