@@ -97,14 +97,13 @@ double GnssAnchor::informationShare() const
   return std::min(1.0, independent / static_cast<double>(used_.size()));
 }
 
-void GnssAnchor::select(const FactorGraph& graph,
-                        const std::function<std::optional<VehicleInKeyframe>(double)>& vehicleAt)
+void GnssAnchor::select(const FactorGraph& graph, const VehicleAt& vehicle_at)
 {
   used_.clear();
   std::optional<Eigen::Vector3d> last;
   for (const GnssFix& fix : fixes_)
   {
-    const auto vehicle = vehicleAt(fix.stamp);
+    const auto vehicle = vehicle_at(fix.stamp);
     if (!vehicle)
     {
       continue;
@@ -184,15 +183,14 @@ Pose GnssAnchor::initialPose(const FactorGraph& graph) const
   return T_enu_map;
 }
 
-bool GnssAnchor::addTo(FactorGraph& graph,
-                       const std::function<std::optional<VehicleInKeyframe>(double)>& vehicleAt)
+bool GnssAnchor::addTo(FactorGraph& graph, const VehicleAt& vehicle_at)
 {
   constexpr std::size_t least = 3;
   if (fixes_.empty())
   {
     return false;
   }
-  select(graph, vehicleAt);
+  select(graph, vehicle_at);
   const double needed = neededExtent();
   if (used_.size() < least || extent(graph) < needed)
   {
