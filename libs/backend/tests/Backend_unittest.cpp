@@ -399,11 +399,12 @@ TEST(Backend, BadObservationsOfObjectsAreReportedAndTheRestGoesOn)
   std::vector<Frame> frames = drivePastACar();
   frames[10].objects[0].observation.centre.x() = NAN;
   frames[20].objects[0].observation_covariance.setZero();
+  frames[25].objects[0].observation_covariance(1, 1) = NAN;
   std::string warnings = warningsOf(frames, smoothed);
-  EXPECT_EQ(warnings.find("2 observations of objects left out of the graph: no finite position"),
+  EXPECT_EQ(warnings.find("3 observations of objects left out of the graph: no finite position"),
             0U)
       << warnings;
-  EXPECT_EQ(smoothed.size(), 28U);
+  EXPECT_EQ(smoothed.size(), 27U);
 
   frames = drivePastACar();
   for (std::size_t i = 20; i < frames.size(); ++i)

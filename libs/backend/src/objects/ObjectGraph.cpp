@@ -88,6 +88,7 @@ void ObjectGraph::add(const Frame& frame, const View& view)
     const Pose T_vehicle_object = T_vehicle_odom * poseOf(tracked.observation);
     const Observation observation = observationOf(tracked, T_vehicle_object, frame, view);
     if (!observation.T_keyframe_object.matrix().allFinite() ||
+        !observation.covariance.allFinite() ||  // which LLT does not report
         Eigen::LLT<Matrix6>(observation.covariance).info() != Eigen::Success)
     {
       ++unusable_;
