@@ -9,6 +9,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <memory>
 #include <set>
 
@@ -35,10 +36,15 @@ void GnssOptions::describe(OptionsVisitor& visitor)
 
 void GnssAnchor::add(const std::vector<GnssFix>& fixes)
 {
-  if (options_.use != GnssUse::off)
+  if (options_.use == GnssUse::off)
   {
-    fixes_.insert(fixes_.end(), fixes.begin(), fixes.end());
+    return;
   }
+  // Without a fix, receivers give positions of zeros or NaN.
+  std::copy_if(
+      fixes.begin(), fixes.end(), std::back_inserter(fixes_),
+      [](const GnssFix& fix)
+      { return std::isfinite(fix.stamp) && isOnEarth(fix.position) && fix.antenna.allFinite(); });
 }
 
 Eigen::Vector3d GnssAnchor::inMap(const FactorGraph& graph, const Used& used) const
@@ -121,7 +127,8 @@ void GnssAnchor::select(const FactorGraph& graph, const VehicleAt& vehicle_at)
     {
       origin_ = fix.position;
     }
-    const bool stated = fix.horizontal_sigma > 0 && fix.vertical_sigma > 0;
+    const bool stated = fix.horizontal_sigma > 0 && fix.vertical_sigma > 0 &&
+                        std::isfinite(fix.horizontal_sigma + fix.vertical_sigma);
     used.position = toEnu(fix.position, origin_);
     used.horizontal_sigma =
         std::max(options_.min_sigma, stated ? fix.horizontal_sigma : options_.default_sigma);

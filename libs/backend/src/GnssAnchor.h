@@ -29,6 +29,7 @@ class GnssAnchor
  public:
   explicit GnssAnchor(const GnssOptions& options) : options_(options) {}
 
+  /** Adds the positions of the next frame; those that are none (isOnEarth()) are ignored. */
   void add(const std::vector<GnssFix>& fixes);
 
   /** Adds the georeference and its factors to the graph, with a value near the optimum at the

@@ -248,6 +248,37 @@ TEST(Gnss, SomeInaccuratePositionsDoNotPreventTheUseOfTheOthers)
   EXPECT_LT(run.endError(drive), 1.5);
 }
 
+/** As a live program may get them from a receiver without a fix. */
+TEST(Gnss, PositionsThatAreNotFiniteAreIgnored)
+{
+  DriveWithFixes drive(0.3, 400, 0);
+  std::size_t seen = 0;
+  for (Frame& frame : drive.frames)
+  {
+    for (GnssFix& fix : frame.gnss)
+    {
+      switch (seen++ % 5)
+      {
+        case 0:
+          fix.position = {NAN, NAN, NAN};
+          break;
+        case 1:
+          fix.antenna.x() = NAN;
+          break;
+        case 2:
+          fix.horizontal_sigma = INFINITY;  // as if it was unknown
+          break;
+        default:
+          break;
+      }
+    }
+  }
+  const GnssRun run(drive, with(GnssUse::fuse));
+  ASSERT_TRUE(run.backend.georeference()) << run.warnings();
+  EXPECT_EQ(run.backend.georeference()->fixes, seen * 3 / 5);
+  EXPECT_LT(run.placeError(drive, {0, 0, 0}), 1.5);
+}
+
 /** While the vehicle stands for an hour, there are no positions whose errors could average out. */
 TEST(Gnss, APauseAddsNoInformation)
 {
