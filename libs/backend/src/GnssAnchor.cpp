@@ -11,7 +11,6 @@
 #include <cmath>
 #include <iterator>
 #include <memory>
-#include <set>
 
 namespace dyslam
 {

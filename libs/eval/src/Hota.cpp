@@ -2,7 +2,6 @@
 #include <dyslam/base/Assignment.h>
 #include <dyslam/eval/TrackMetrics.h>
 
-#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <map>

@@ -3,7 +3,6 @@
 #include <dyslam/eval/TrackMetrics.h>
 
 #include <algorithm>
-#include <cmath>
 #include <functional>
 #include <limits>
 #include <map>

@@ -3,7 +3,6 @@
 #include <dyslam/base/Error.h>
 #include <dyslam/base/StateArchive.h>
 
-#include <algorithm>
 #include <stdexcept>
 #include <utility>
 

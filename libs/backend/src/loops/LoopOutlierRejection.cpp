@@ -3,7 +3,6 @@
 
 #include <dyslam/base/Printable.h>
 
-#include <string>
 #include <vector>
 
 #include "LoopConsistency.h"

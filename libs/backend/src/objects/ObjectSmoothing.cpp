@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <Eigen/Dense>
 #include <algorithm>
-#include <cmath>
 
 #include "ObjectGraph.h"
 
