@@ -52,6 +52,7 @@ void Backend::State::tieToVertical()
   if (fuse)
   {
     optimiseAll();
+    GravityAnchor::removeYaw(graph);
   }
   const bool fits = gravity_anchor.fits(graph);
   if (fits)

@@ -260,6 +260,12 @@ void GravityAnchor::removeFrom(FactorGraph& graph)
   graph.remove(Key::accelerometerBias());
 }
 
+void GravityAnchor::removeYaw(FactorGraph& graph)
+{
+  const Eigen::Matrix3d R_level_map = graph.pose(Key::vertical()).linear();
+  graph.setPose(Key::vertical(), levellingOf(R_level_map.transpose() * Eigen::Vector3d::UnitZ()));
+}
+
 double GravityAnchor::rmse(const FactorGraph& graph) const
 {
   const Eigen::Matrix3d R_level_map = graph.pose(Key::vertical()).linear();

@@ -195,6 +195,16 @@ TEST(Gravity, LevelledMapIsRotatedAsAWhole)
   }
 }
 
+/** No factor determines the yaw of the vertical: what the solver leaves there turns no map. */
+TEST(Gravity, LevelledMapIsNotTurnedAboutTheVertical)
+{
+  const DriveWithImu drive(60, 1e-4, {0.08, -0.06, 0.05});
+  const GravityRun run(drive, GravityUse::fuse, true);
+  ASSERT_TRUE(run.backend.gravity()) << run.warnings();
+  const Pose first = run.backend.optimisedTrajectory()[0].pose;  // without levelling: identity
+  EXPECT_NEAR(rotationAngle(first), run.backend.gravity()->tilt, 1e-6);
+}
+
 TEST(Gravity, FusedDirectionsRemoveTheDriftOfTheTilt)
 {
   const DriveWithImu drive(60, 1e-4, {0.08, -0.06, 0.05});  // 3.4 deg in 600 scans
