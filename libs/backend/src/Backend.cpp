@@ -7,7 +7,6 @@
 
 #include <algorithm>
 #include <stdexcept>
-#include <utility>
 
 #include "BackendState.h"
 #include "graph/CovarianceInverse.h"

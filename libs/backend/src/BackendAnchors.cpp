@@ -33,10 +33,16 @@ std::optional<VehicleInKeyframe> Backend::State::vehicleAt(double stamp) const
                            before.T_keyframe_frame * expSE3(part * logSE3(T_before_after))};
 }
 
+void Backend::State::restore(const Solved& before)
+{
+  graph.restore(before.values);
+  correction.restoreLast(before.result);
+  correctKeyframes(0);
+}
+
 void Backend::State::tieToVertical()
 {
-  const FactorGraph::Solution before = graph.solution();
-  const OptimisationResult result_before = correction.last();
+  const Solved before = solved();
   if (!gravity_anchor.addTo(graph, frames))
   {
     return;
@@ -46,6 +52,7 @@ void Backend::State::tieToVertical()
   if (fuse)
   {
     optimiseAll();
+    GravityAnchor::removeYaw(graph);
   }
   const bool fits = gravity_anchor.fits(graph);
   if (fits)
@@ -61,9 +68,7 @@ void Backend::State::tieToVertical()
   }
   if (fuse && !fits)
   {
-    graph.restore(before);
-    correction.restoreLast(result_before);
-    correctKeyframes(0);
+    restore(before);
   }
   const Pose T_level_map = graph.pose(Key::vertical());
   if (!fuse || !fits)
@@ -110,15 +115,12 @@ void Backend::State::tieToEarth()
   bool fits = fuse || gnss.fits(graph, usual_drift);
   if (fuse)
   {
-    const FactorGraph::Solution before = graph.solution();
-    const OptimisationResult result_before = correction.last();
+    const Solved before = solved();
     optimiseAll();
     fits = gnss.fits(graph, 0);
     if (!fits)
     {
-      graph.restore(before);
-      correction.restoreLast(result_before);
-      correctKeyframes(0);
+      restore(before);
     }
   }
   if (!fits)

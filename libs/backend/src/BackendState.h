@@ -64,6 +64,14 @@ struct Backend::State
   }
 
   // BackendAnchors.cpp
+  /** What an optimisation of the whole graph changes. */
+  struct Solved
+  {
+    FactorGraph::Solution values;
+    OptimisationResult result;
+  };
+  [[nodiscard]] Solved solved() const { return {graph.solution(), correction.last()}; }
+  void restore(const Solved& before);
   /** Pose of the vehicle at a UNIX time [s]; nothing if no scan is near. */
   [[nodiscard]] std::optional<VehicleInKeyframe> vehicleAt(double stamp) const;
   /** Finds the vertical by the accelerations of an IMU. */

@@ -3,13 +3,14 @@
 
 #include <dyslam/backend/factors/GnssFactor.h>
 #include <dyslam/base/Printable.h>
+#include <dyslam/base/Quantile.h>
 #include <dyslam/base/StateArchive.h>
 #include <dyslam/mrpt/Geodesy.h>
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <memory>
-#include <set>
 
 namespace dyslam
 {
@@ -34,10 +35,15 @@ void GnssOptions::describe(OptionsVisitor& visitor)
 
 void GnssAnchor::add(const std::vector<GnssFix>& fixes)
 {
-  if (options_.use != GnssUse::off)
+  if (options_.use == GnssUse::off)
   {
-    fixes_.insert(fixes_.end(), fixes.begin(), fixes.end());
+    return;
   }
+  // Without a fix, receivers give positions of zeros or NaN.
+  std::copy_if(
+      fixes.begin(), fixes.end(), std::back_inserter(fixes_),
+      [](const GnssFix& fix)
+      { return std::isfinite(fix.stamp) && isOnEarth(fix.position) && fix.antenna.allFinite(); });
 }
 
 Eigen::Vector3d GnssAnchor::inMap(const FactorGraph& graph, const Used& used) const
@@ -61,26 +67,48 @@ double GnssAnchor::extent(const FactorGraph& graph) const
   return largest;
 }
 
-/** Positions with correlated errors share the information of one. */
+/** Least extent of the positions that shows the heading [m]. The median sigma counts: without
+ * enough satellites, as in a tunnel, a receiver may state kilometres. */
+double GnssAnchor::neededExtent() const
+{
+  if (used_.empty())
+  {
+    return options_.min_extent;
+  }
+  constexpr double sigmas_of_extent = 5;
+  std::vector<double> sigmas;
+  for (const Used& used : used_)
+  {
+    sigmas.push_back(used.horizontal_sigma);
+  }
+  return std::max(options_.min_extent, sigmas_of_extent * upperMedian(sigmas));
+}
+
+/** Positions with correlated errors share the information of one. A pause, however long, counts as
+ * one correlation time: it has no positions. */
 double GnssAnchor::informationShare() const
 {
   if (options_.correlation_time <= 0)
   {
     return 1;
   }
-  const double duration = used_.back().stamp - used_.front().stamp;
+  double duration = used_.back().stamp - used_.front().stamp;
+  for (std::size_t i = 1; i < used_.size(); ++i)
+  {
+    const double pause = used_[i].stamp - used_[i - 1].stamp;
+    duration -= std::max(0.0, pause - options_.correlation_time);
+  }
   const double independent = 1 + duration / options_.correlation_time;
   return std::min(1.0, independent / static_cast<double>(used_.size()));
 }
 
-void GnssAnchor::select(const FactorGraph& graph,
-                        const std::function<std::optional<VehicleInKeyframe>(double)>& vehicleAt)
+void GnssAnchor::select(const FactorGraph& graph, const VehicleAt& vehicle_at)
 {
   used_.clear();
   std::optional<Eigen::Vector3d> last;
   for (const GnssFix& fix : fixes_)
   {
-    const auto vehicle = vehicleAt(fix.stamp);
+    const auto vehicle = vehicle_at(fix.stamp);
     if (!vehicle)
     {
       continue;
@@ -98,7 +126,8 @@ void GnssAnchor::select(const FactorGraph& graph,
     {
       origin_ = fix.position;
     }
-    const bool stated = fix.horizontal_sigma > 0 && fix.vertical_sigma > 0;
+    const bool stated = fix.horizontal_sigma > 0 && fix.vertical_sigma > 0 &&
+                        std::isfinite(fix.horizontal_sigma + fix.vertical_sigma);
     used.position = toEnu(fix.position, origin_);
     used.horizontal_sigma =
         std::max(options_.min_sigma, stated ? fix.horizontal_sigma : options_.default_sigma);
@@ -150,10 +179,8 @@ Pose GnssAnchor::initialPose(const FactorGraph& graph) const
     {
       distances.push_back((T_enu_map * in_map[i] - used_[i].position).head<2>().norm());
     }
-    std::vector<double> sorted = distances;
-    std::nth_element(sorted.begin(),
-                     sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2), sorted.end());
-    const double scale = std::max(options_.min_sigma, sorted[sorted.size() / 2]);
+    std::vector<double> reordered = distances;
+    const double scale = std::max(options_.min_sigma, upperMedian(reordered));
     for (std::size_t i = 0; i < used_.size(); ++i)
     {
       weights[i] = 1 / (1 + std::pow(distances[i] / scale, 2));
@@ -162,21 +189,15 @@ Pose GnssAnchor::initialPose(const FactorGraph& graph) const
   return T_enu_map;
 }
 
-bool GnssAnchor::addTo(FactorGraph& graph,
-                       const std::function<std::optional<VehicleInKeyframe>(double)>& vehicleAt)
+bool GnssAnchor::addTo(FactorGraph& graph, const VehicleAt& vehicle_at)
 {
   constexpr std::size_t least = 3;
   if (fixes_.empty())
   {
     return false;
   }
-  select(graph, vehicleAt);
-  double mean_sigma = 0;
-  for (const Used& used : used_)
-  {
-    mean_sigma += used.horizontal_sigma / static_cast<double>(used_.size());
-  }
-  const double needed = std::max(options_.min_extent, 5 * mean_sigma);
+  select(graph, vehicle_at);
+  const double needed = neededExtent();
   if (used_.size() < least || extent(graph) < needed)
   {
     warn("the positions of the satellite receiver are not used: " +

@@ -19,6 +19,9 @@ struct VehicleInKeyframe
   Pose T_keyframe_vehicle = Pose::Identity();
 };
 
+/** Pose of the vehicle at a UNIX time [s]; nothing if no scan is near. */
+using VehicleAt = std::function<std::optional<VehicleInKeyframe>(double stamp)>;
+
 /** Collects the positions of a satellite receiver during a run, and georeferences the graph with
  * them at the end. */
 class GnssAnchor
@@ -26,13 +29,12 @@ class GnssAnchor
  public:
   explicit GnssAnchor(const GnssOptions& options) : options_(options) {}
 
+  /** Adds the positions of the next frame; those that are none (isOnEarth()) are ignored. */
   void add(const std::vector<GnssFix>& fixes);
 
   /** Adds the georeference and its factors to the graph, with a value near the optimum at the
-   * graph's present poses. \param vehicleAt pose at a UNIX time [s]; nothing if no scan is near
-   * \return whether the positions could be used */
-  bool addTo(FactorGraph& graph,
-             const std::function<std::optional<VehicleInKeyframe>(double)>& vehicleAt);
+   * graph's present poses. \return whether the positions could be used */
+  bool addTo(FactorGraph& graph, const VehicleAt& vehicle_at);
   /** Whether most positions fit the graph. \param drift tolerated error of the trajectory, as a
    * fraction of its extent */
   [[nodiscard]] bool fits(const FactorGraph& graph, double drift) const;
@@ -56,12 +58,12 @@ class GnssAnchor
     double vertical_sigma;     //!< sigma of the height [m]
     double stamp;              //!< UNIX time [s]
   };
-  void select(const FactorGraph& graph,
-              const std::function<std::optional<VehicleInKeyframe>(double)>& vehicleAt);
+  void select(const FactorGraph& graph, const VehicleAt& vehicle_at);
   [[nodiscard]] Pose initialPose(const FactorGraph& graph) const;
   [[nodiscard]] Eigen::Vector3d inMap(const FactorGraph& graph, const Used& used) const;
   [[nodiscard]] Eigen::Vector3d errorOf(const FactorGraph& graph, const Used& used) const;
   [[nodiscard]] double extent(const FactorGraph& graph) const;
+  [[nodiscard]] double neededExtent() const;
   [[nodiscard]] double informationShare() const;
 
   GnssOptions options_;

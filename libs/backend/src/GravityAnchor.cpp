@@ -146,7 +146,8 @@ std::optional<GravityAnchor::Measured> GravityAnchor::measure(
   return measured;
 }
 
-/** Windows overlap by half. */
+/** Windows overlap by half. Those that a gap or the end of the run cuts short are left out: the
+ * noise of the trajectory's acceleration grows as they shrink. */
 std::vector<GravityAnchor::Measured> GravityAnchor::measureAll(
     const FactorGraph& graph, const std::vector<FrameInKeyframe>& frames) const
 {
@@ -166,12 +167,8 @@ std::vector<GravityAnchor::Measured> GravityAnchor::measureAll(
         next = last + 1;
       }
     }
-    if (last + 1 == frames.size() &&
-        frames[last].stamp - frames[first].stamp < options_.window - longest_gap)
-    {
-      break;
-    }
-    if (last - first + 1 >= least_frames)
+    const double duration = frames[last].stamp - frames[first].stamp;
+    if (duration >= options_.window - longest_gap && last - first + 1 >= least_frames)
     {
       if (const auto measured = measure(graph, frames, first, last, unit_of_all))
       {
@@ -261,6 +258,12 @@ void GravityAnchor::removeFrom(FactorGraph& graph)
 {
   graph.remove(Key::vertical());
   graph.remove(Key::accelerometerBias());
+}
+
+void GravityAnchor::removeYaw(FactorGraph& graph)
+{
+  const Eigen::Matrix3d R_level_map = graph.pose(Key::vertical()).linear();
+  graph.setPose(Key::vertical(), levellingOf(R_level_map.transpose() * Eigen::Vector3d::UnitZ()));
 }
 
 double GravityAnchor::rmse(const FactorGraph& graph) const

@@ -36,6 +36,9 @@ class GravityAnchor
    * the accelerations could be used */
   bool addTo(FactorGraph& graph, const std::vector<FrameInKeyframe>& frames);
   static void removeFrom(FactorGraph& graph);
+  /** Makes the vertical the least rotation with its tilt, see levellingOf(). No factor determines
+   * its yaw, and an optimisation may leave it anywhere. */
+  static void removeYaw(FactorGraph& graph);
   /** Whether the directions fit the graph. */
   [[nodiscard]] bool fits(const FactorGraph& graph) const;
   /** Result. \pre addTo() returned true, and the graph still has the factors that it added */

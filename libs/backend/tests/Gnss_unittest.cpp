@@ -226,6 +226,83 @@ TEST(Gnss, WrongPositionsDoNotCount)
   EXPECT_GT(run.backend.georeference()->horizontal_rmse, 5);  // which tells of them
 }
 
+/** In a tunnel or before its first lock a receiver states an accuracy of kilometres. */
+TEST(Gnss, SomeInaccuratePositionsDoNotPreventTheUseOfTheOthers)
+{
+  DriveWithFixes drive(0.3, 400, 0);
+  std::size_t seen = 0;
+  for (Frame& frame : drive.frames)
+  {
+    for (GnssFix& fix : frame.gnss)
+    {
+      if (++seen % 5 == 0)
+      {
+        fix.position = fromEnu(toEnu(fix.position, place) + Eigen::Vector3d(600, 250, -30), place);
+        fix.horizontal_sigma = fix.vertical_sigma = 5000;
+      }
+    }
+  }
+  const GnssRun run(drive, with(GnssUse::fuse));
+  ASSERT_TRUE(run.backend.georeference()) << run.warnings();
+  EXPECT_LT(run.placeError(drive, {0, 0, 0}), 1.5);
+  EXPECT_LT(run.endError(drive), 1.5);
+}
+
+/** As a live program may get them from a receiver without a fix. */
+TEST(Gnss, PositionsThatAreNotFiniteAreIgnored)
+{
+  DriveWithFixes drive(0.3, 400, 0);
+  std::size_t seen = 0;
+  for (Frame& frame : drive.frames)
+  {
+    for (GnssFix& fix : frame.gnss)
+    {
+      switch (seen++ % 5)
+      {
+        case 0:
+          fix.position = {NAN, NAN, NAN};
+          break;
+        case 1:
+          fix.antenna.x() = NAN;
+          break;
+        case 2:
+          fix.horizontal_sigma = INFINITY;  // as if it was unknown
+          break;
+        default:
+          break;
+      }
+    }
+  }
+  const GnssRun run(drive, with(GnssUse::fuse));
+  ASSERT_TRUE(run.backend.georeference()) << run.warnings();
+  EXPECT_EQ(run.backend.georeference()->fixes, seen * 3 / 5);
+  EXPECT_LT(run.placeError(drive, {0, 0, 0}), 1.5);
+}
+
+/** While the vehicle stands for an hour, there are no positions whose errors could average out. */
+TEST(Gnss, APauseAddsNoInformation)
+{
+  const auto informationOf = [](DriveWithFixes& drive)
+  {
+    const GnssRun run(drive, with(GnssUse::fuse));
+    EXPECT_TRUE(run.backend.georeference()) << run.warnings();
+    const FactorGraph& graph = run.backend.factorGraph();
+    return graph.factor(graph.factorsOf(Key::georeference()).front()).information()(0, 0);
+  };
+  DriveWithFixes through(0.5);
+  DriveWithFixes interrupted(0.5);
+  for (std::size_t i = 250; i < interrupted.frames.size(); ++i)
+  {
+    Frame& frame = interrupted.frames[i];
+    frame.scan.stamp += 3600;
+    for (GnssFix& fix : frame.gnss)
+    {
+      fix.stamp += 3600;
+    }
+  }
+  EXPECT_LT(informationOf(interrupted), 2 * informationOf(through));
+}
+
 TEST(Gnss, PositionsThatCannotBeUsedAreReported)
 {
   DriveWithFixes drive_short(0.3, 20);

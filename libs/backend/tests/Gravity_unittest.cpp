@@ -195,6 +195,16 @@ TEST(Gravity, LevelledMapIsRotatedAsAWhole)
   }
 }
 
+/** No factor determines the yaw of the vertical: what the solver leaves there turns no map. */
+TEST(Gravity, LevelledMapIsNotTurnedAboutTheVertical)
+{
+  const DriveWithImu drive(60, 1e-4, {0.08, -0.06, 0.05});
+  const GravityRun run(drive, GravityUse::fuse, true);
+  ASSERT_TRUE(run.backend.gravity()) << run.warnings();
+  const Pose first = run.backend.optimisedTrajectory()[0].pose;  // without levelling: identity
+  EXPECT_NEAR(rotationAngle(first), run.backend.gravity()->tilt, 1e-6);
+}
+
 TEST(Gravity, FusedDirectionsRemoveTheDriftOfTheTilt)
 {
   const DriveWithImu drive(60, 1e-4, {0.08, -0.06, 0.05});  // 3.4 deg in 600 scans
@@ -271,6 +281,27 @@ TEST(Gravity, AMapThatCannotBeLevelledIsReported)
   removeAccelerations(drive);
   EXPECT_EQ(warningsOf(drive, GravityUse::measure),
             "the map is not levelled: the recording has no accelerations of an IMU\n");
+}
+
+/** A second of scans, then ten seconds without any, again and again. */
+TEST(Gravity, PiecesShorterThanTheWindowShowNoDirection)
+{
+  DriveWithImu drive(30, 0, Eigen::Vector3d::Zero());
+  for (Frame& frame : drive.frames)
+  {
+    const std::size_t gaps = frame.index / 10;
+    const double missing = 10 * static_cast<double>(gaps);
+    frame.scan.stamp += missing;
+    for (ImuSample& sample : frame.imu)
+    {
+      sample.stamp += missing;
+    }
+  }
+  const GravityRun run(drive, GravityUse::measure, true);
+  EXPECT_FALSE(run.backend.gravity());
+  EXPECT_EQ(run.warnings(),
+            "the map is not levelled: 0 of 3 directions of gravity that are needed; each takes "
+            "gravity.window (4 s) without a gap, and 8 scans\n");
 }
 
 TEST(Gravity, WithoutAccelerationsNothingChanges)

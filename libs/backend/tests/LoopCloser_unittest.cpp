@@ -118,6 +118,25 @@ TEST(LoopCloser, FindsTheSecondRoundAndMeasuresItWell)
   EXPECT_GT(accepted, 15) << textOf(loops);
 }
 
+TEST(LoopCloser, TriesAsManyCandidatesAsTheOptionAllows)
+{
+  const BoxWorld world(11, 30, 20);
+  const std::vector<Pose> truth = driveAround(30, 20, 120, 1.5);
+  LoopCloserOptions options;
+  options.appearance = false;
+  options.search_radius = options.max_search_radius;
+  options.nearby.candidates = 30;
+  options.nearby.max_descriptor_distance = 0;  // all of them are rejected
+  std::map<std::size_t, int> tried;
+  int most = 0;
+  for (const Loop& loop : runThrough(world, truth, truth, options))
+  {
+    EXPECT_EQ(loop.verdict, LoopVerdict::dissimilar);
+    most = std::max(most, ++tried[loop.to]);
+  }
+  EXPECT_EQ(most, 30);
+}
+
 TEST(LoopCloser, SeesTheSameStreetDrivenTheOtherWay)
 {
   const BoxWorld world(12, 30, 20);
@@ -357,6 +376,11 @@ TEST(LoopCloser, ContractIsChecked)
   LoopCloserOptions bad;
   bad.nearby.min_overlap = 2;
   EXPECT_THROW(LoopCloser(bad, keyframes), UserError);
+  LoopCloserOptions limited;
+  limited.search_radius = limited.max_search_radius;
+  EXPECT_NO_THROW(LoopCloser(limited, keyframes));
+  limited.search_radius += 1;
+  EXPECT_THROW(LoopCloser(limited, keyframes), UserError);
 }
 
 TEST(LoopCloser, TooRareSearchesForLoopsThatNeedSupportAreRefused)

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/eval/Axes.h>
 
-#include <algorithm>
 #include <cmath>
 
 namespace dyslam

@@ -2,7 +2,6 @@
 #include <dyslam/base/Assignment.h>
 #include <dyslam/eval/TrackMetrics.h>
 
-#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <map>
@@ -22,13 +21,13 @@ constexpr double not_allowed = std::numeric_limits<double>::infinity();
 
 /** The frame without ignored boxes: without ignored references, estimates matched to them, and
  * ignorable unmatched estimates. */
-EvaluationFrame withoutIgnored(const EvaluationFrame& frame, double min_iou)
+EvaluationFrame withoutIgnored(const EvaluationFrame& frame, double min_similarity)
 {
-  CostMatrix cost = frame.iou;
+  CostMatrix cost = frame.similarity;
   for (Eigen::Index i = 0; i < cost.size(); ++i)
   {
     double& c = cost.data()[i];
-    c = c >= min_iou ? 1 - c : not_allowed;
+    c = c >= min_similarity ? 1 - c : not_allowed;
   }
   const Assignment matched = assignShortestPaths(cost);
   std::vector<Eigen::Index> rows;
@@ -53,14 +52,14 @@ EvaluationFrame withoutIgnored(const EvaluationFrame& frame, double min_iou)
       kept.estimate_id.push_back(frame.estimate_id[j]);
     }
   }
-  kept.iou.resize(static_cast<Eigen::Index>(rows.size()),
-                  static_cast<Eigen::Index>(columns.size()));
+  kept.similarity.resize(static_cast<Eigen::Index>(rows.size()),
+                         static_cast<Eigen::Index>(columns.size()));
   for (std::size_t i = 0; i < rows.size(); ++i)
   {
     for (std::size_t j = 0; j < columns.size(); ++j)
     {
-      kept.iou(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(j)) =
-          frame.iou(rows[i], columns[j]);
+      kept.similarity(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(j)) =
+          frame.similarity(rows[i], columns[j]);
     }
   }
   return kept;
@@ -103,10 +102,10 @@ class HotaSequence
       for (std::size_t i = 0; i < frame.reference_id.size(); ++i)
       {
         const int j = matched.column_of_row[i];
-        if (j >= 0 && frame.iou(static_cast<Eigen::Index>(i), j) >= alpha - 1e-9)
+        if (j >= 0 && frame.similarity(static_cast<Eigen::Index>(i), j) >= alpha - 1e-9)
         {
           hits += 1;
-          sums.overlap += frame.iou(static_cast<Eigen::Index>(i), j);
+          sums.overlap += frame.similarity(static_cast<Eigen::Index>(i), j);
           pairs[{frame.reference_id[i], frame.estimate_id[static_cast<std::size_t>(j)]}] += 1;
         }
       }
@@ -133,21 +132,21 @@ class HotaSequence
     {
       estimate_count_[id] += 1;
     }
-    if (frame.iou.size() == 0)
+    if (frame.similarity.size() == 0)
     {
       return;
     }
-    const Eigen::VectorXd rows = frame.iou.rowwise().sum();
-    const Eigen::RowVectorXd columns = frame.iou.colwise().sum();
-    for (Eigen::Index i = 0; i < frame.iou.rows(); ++i)
+    const Eigen::VectorXd rows = frame.similarity.rowwise().sum();
+    const Eigen::RowVectorXd columns = frame.similarity.colwise().sum();
+    for (Eigen::Index i = 0; i < frame.similarity.rows(); ++i)
     {
-      for (Eigen::Index j = 0; j < frame.iou.cols(); ++j)
+      for (Eigen::Index j = 0; j < frame.similarity.cols(); ++j)
       {
-        if (frame.iou(i, j) > 0)
+        if (frame.similarity(i, j) > 0)
         {
           alignment_score_[{frame.reference_id[static_cast<std::size_t>(i)],
                             frame.estimate_id[static_cast<std::size_t>(j)]}] +=
-              frame.iou(i, j) / (rows[i] + columns[j] - frame.iou(i, j));
+              frame.similarity(i, j) / (rows[i] + columns[j] - frame.similarity(i, j));
         }
       }
     }
@@ -155,19 +154,20 @@ class HotaSequence
 
   CostMatrix matchingCost(const EvaluationFrame& frame) const
   {
-    CostMatrix cost = CostMatrix::Constant(frame.iou.rows(), frame.iou.cols(), not_allowed);
+    CostMatrix cost =
+        CostMatrix::Constant(frame.similarity.rows(), frame.similarity.cols(), not_allowed);
     for (Eigen::Index i = 0; i < cost.rows(); ++i)
     {
       for (Eigen::Index j = 0; j < cost.cols(); ++j)
       {
-        if (frame.iou(i, j) > 0)
+        if (frame.similarity(i, j) > 0)
         {
           const Ids ids{frame.reference_id[static_cast<std::size_t>(i)],
                         frame.estimate_id[static_cast<std::size_t>(j)]};
           const double alignment = alignment_score_.at(ids);
           const double jaccard = alignment / (reference_count_.at(ids.first) +
                                               estimate_count_.at(ids.second) - alignment);
-          cost(i, j) = -jaccard * frame.iou(i, j);
+          cost(i, j) = -jaccard * frame.similarity(i, j);
         }
       }
     }

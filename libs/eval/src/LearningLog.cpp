@@ -6,6 +6,7 @@
 
 #include <cmath>
 #include <cstdlib>
+#include <optional>
 #include <sstream>
 #include <utility>
 
@@ -39,78 +40,94 @@ bool isOfNames(const std::string& column)
   return column == "recording" || column == "set" || column == "start";
 }
 
-bool numberOf(const std::string& cell, double& value)
+std::optional<double> numberOf(const std::string& cell)
 {
   char* end = nullptr;
-  value = std::strtod(cell.c_str(), &end);
-  return !cell.empty() && *end == '\0';
+  const double value = std::strtod(cell.c_str(), &end);
+  return !cell.empty() && *end == '\0' ? std::optional(value) : std::nullopt;
+}
+
+/** A CSV file as words. */
+struct Words
+{
+  std::vector<std::string> names;              // names of the columns
+  std::vector<std::vector<std::string>> rows;  // each as long as `names`
+};
+
+Words readWords(const std::string& text, const std::string& name)
+{
+  Words words;
+  std::istringstream in(text);
+  std::string line;
+  std::getline(in, line);
+  words.names = cellsOf(line);
+  if (words.names.empty() || words.names.front() != "step")
+  {
+    throw UserError(name + ": the first column must be `step`; give a log of dyslam-train");
+  }
+  if (words.names.size() == 1)
+  {
+    throw UserError(name + ": has no column beside `step`; give a log of dyslam-train");
+  }
+  while (std::getline(in, line))
+  {
+    auto cells = cellsOf(line);
+    if (cells.empty())
+    {
+      continue;
+    }
+    if (cells.size() != words.names.size())
+    {
+      throw UserError(name + ": row " + std::to_string(words.rows.size() + 1) + " has " +
+                      counted(cells.size(), "field") + ", the header " +
+                      std::to_string(words.names.size()));
+    }
+    words.rows.push_back(std::move(cells));
+  }
+  if (words.rows.empty())
+  {
+    throw UserError(name + ": no rows; let the training run until its first report");
+  }
+  return words;
+}
+
+/** Numbers of a column, NaN where a cell has none; nothing for a column of text or names. */
+std::optional<std::vector<double>> numbersOf(const Words& words, std::size_t column)
+{
+  if (isOfNames(words.names[column]))
+  {
+    return std::nullopt;
+  }
+  std::vector<double> numbers;
+  bool any = false;
+  for (const std::vector<std::string>& row : words.rows)
+  {
+    const std::optional<double> number = numberOf(row[column]);
+    numbers.push_back(number.value_or(std::nan("")));
+    any = any || number.has_value();
+  }
+  return any ? std::optional(std::move(numbers)) : std::nullopt;
 }
 }  // namespace
 
 LearningLog parseLearningLog(const std::string& text, const std::string& name)
 {
-  std::istringstream in(text);
-  std::string line;
-  std::getline(in, line);
-  const auto names = cellsOf(line);
-  if (names.empty() || names.front() != "step")
-  {
-    throw UserError(name + ": the first column must be `step`; give a log of dyslam-train");
-  }
-  if (names.size() == 1)
-  {
-    throw UserError(name + ": has no column beside `step`; give a log of dyslam-train");
-  }
+  const Words words = readWords(text, name);
+  const std::size_t rows = words.rows.size();
   LearningLog log;
   log.name = name;
-  std::vector<std::vector<std::string>> rows;
-  while (std::getline(in, line))
+  log.step = numbersOf(words, 0).value_or(std::vector<double>(rows, std::nan("")));
+  log.series.resize(rows);
+  for (std::size_t c = 1; c < words.names.size(); ++c)
   {
-    const auto cells = cellsOf(line);
-    if (cells.empty())
+    if (auto numbers = numbersOf(words, c))
     {
+      log.columns.push_back({words.names[c], std::move(*numbers)});
       continue;
     }
-    if (cells.size() != names.size())
+    for (std::size_t r = 0; r < rows; ++r)
     {
-      throw UserError(name + ": row " + std::to_string(rows.size() + 1) + " has " +
-                      counted(cells.size(), "field") + ", the header " +
-                      std::to_string(names.size()));
-    }
-    rows.push_back(cells);
-  }
-  if (rows.empty())
-  {
-    throw UserError(name + ": no rows; let the training run until its first report");
-  }
-  log.series.resize(rows.size());
-  for (std::size_t c = 0; c < names.size(); ++c)
-  {
-    LearningLog::Column column{names[c], std::vector<double>(rows.size(), std::nan(""))};
-    bool numeric = false;
-    for (std::size_t r = 0; r < rows.size(); ++r)
-    {
-      double value = 0;
-      if (!isOfNames(names[c]) && numberOf(rows[r][c], value))
-      {
-        column.value[r] = value;
-        numeric = true;
-      }
-    }
-    if (c == 0)
-    {
-      log.step = column.value;
-    }
-    else if (numeric)
-    {
-      log.columns.push_back(std::move(column));
-    }
-    else
-    {
-      for (std::size_t r = 0; r < rows.size(); ++r)
-      {
-        appendWord(log.series[r], rows[r][c]);
-      }
+      appendWord(log.series[r], words.rows[r][c]);
     }
   }
   return log;

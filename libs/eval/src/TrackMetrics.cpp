@@ -3,7 +3,6 @@
 #include <dyslam/eval/TrackMetrics.h>
 
 #include <algorithm>
-#include <cmath>
 #include <functional>
 #include <limits>
 #include <map>
@@ -83,13 +82,14 @@ class ClearMotCount
         kept.push_back(static_cast<Eigen::Index>(j));
       }
     }
-    CostMatrix cost(frame.iou.rows(), static_cast<Eigen::Index>(kept.size()));
+    CostMatrix cost(frame.similarity.rows(), static_cast<Eigen::Index>(kept.size()));
     for (Eigen::Index i = 0; i < cost.rows(); ++i)
     {
       for (Eigen::Index j = 0; j < cost.cols(); ++j)
       {
-        const double iou = frame.iou(i, kept[static_cast<std::size_t>(j)]);
-        cost(i, j) = iou >= rules_.min_iou ? 1 - iou : std::numeric_limits<double>::infinity();
+        const double similarity = frame.similarity(i, kept[static_cast<std::size_t>(j)]);
+        cost(i, j) =
+            similarity >= rules_.min_iou ? 1 - similarity : std::numeric_limits<double>::infinity();
       }
     }
     const Assignment assignment = assignShortestPaths(cost);

@@ -141,13 +141,13 @@ class Preparation
       }
       result.ignorable.push_back(ignorable);
     }
-    result.iou.resize(static_cast<Eigen::Index>(references_[f].size()),
-                      static_cast<Eigen::Index>(estimates_[f].size()));
+    result.similarity.resize(static_cast<Eigen::Index>(references_[f].size()),
+                             static_cast<Eigen::Index>(estimates_[f].size()));
     for (std::size_t i = 0; i < references_[f].size(); ++i)
     {
       for (std::size_t j = 0; j < estimates_[f].size(); ++j)
       {
-        result.iou(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(j)) =
+        result.similarity(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(j)) =
             similarity(references_[f][i]->box, estimates_[f][j]->box);
       }
     }

@@ -16,7 +16,8 @@ struct EvaluationFrame
   std::vector<bool> ignored;  //!< per reference box: ignored, neither hit nor miss
   std::vector<int> estimate_id;
   std::vector<bool> ignorable;  //!< per estimate: no false positive if unmatched
-  CostMatrix iou;               //!< IoU or distance-based similarity, references x estimates
+  /** IoU, or similarity by distance (TrackRules::max_distance); references x estimates. */
+  CostMatrix similarity;
 };
 
 struct Sequence

@@ -255,6 +255,10 @@ void DetectorOptions::describe(OptionsVisitor& v)
 Detector::Detector(const DetectorOptions& options) : options_(options)
 {
   validate(options_, "detector");
+  if (options_.cluster_gap > options_.max_cluster_gap)
+  {
+    throw UserError("[detector] cluster_gap is above its upper limit, max_cluster_gap; change one");
+  }
   constexpr double most_cells = 1000;  // largest number of cells up to max_range: limits memory
   if (options_.max_range > most_cells * options_.ground_cell)
   {

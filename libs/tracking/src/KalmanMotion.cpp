@@ -11,7 +11,7 @@ namespace dyslam
 {
 namespace
 {
-constexpr std::size_t history_length = 12;
+constexpr std::size_t history_length = 50;  // more than SignificantMotion needs at 40 Hz
 }
 
 KalmanMotion::KalmanMotion(const KalmanOptions& options) : options_(options)

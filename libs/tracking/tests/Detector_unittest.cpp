@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/base/Error.h>
 #include <dyslam/core/BoxOverlap.h>
 #include <dyslam/tracking/BoxFitting.h>
 #include <dyslam/tracking/Detector.h>
@@ -216,4 +217,13 @@ TEST(Detector, optionsRoundTripThroughText)
   EXPECT_DOUBLE_EQ(loaded.cluster_gap, 0.37);
   options.min_points = 0;
   EXPECT_ANY_THROW(Detector{options});
+}
+
+TEST(Detector, theGapAtRangeZeroIsWithinItsLimit)
+{
+  DetectorOptions options;
+  options.cluster_gap = options.max_cluster_gap;
+  EXPECT_NO_THROW(Detector{options});
+  options.cluster_gap += 0.1;
+  EXPECT_THROW(Detector{options}, UserError);
 }

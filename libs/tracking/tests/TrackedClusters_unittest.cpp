@@ -52,19 +52,25 @@ TEST(TrackedClusters, clustersMustMoveToBeReported)
 TEST(TrackedClusters, slowPeopleAreReportedAtAnyRate)
 {
   constexpr double speed = 0.6;  // [m/s]
-  for (const double interval : {0.05, 0.1, 0.2})
+  for (const TrackMotion motion :
+       {TrackMotion::adaptive, TrackMotion::polynomial, TrackMotion::kalman})
   {
-    Tracker tracker;
-    std::vector<TrackedObject> objects;
-    for (int scan = 0; scan * interval < 3; ++scan)
+    for (const double interval : {0.05, 0.1, 0.2})
     {
-      Detection person = clusterAt({5 + speed * interval * scan, -6});
-      person.box.size = {0.6, 0.5, 1.7};
-      person.object_class = ObjectClass::pedestrian;
-      objects = tracker.update(interval * scan, {person}, Pose::Identity());
-      ASSERT_EQ(objects.size(), 1u) << interval;
+      TrackerOptions options;
+      options.motion = motion;
+      Tracker tracker(options);
+      std::vector<TrackedObject> objects;
+      for (int scan = 0; scan * interval < 3; ++scan)
+      {
+        Detection person = clusterAt({5 + speed * interval * scan, -6});
+        person.box.size = {0.6, 0.5, 1.7};
+        person.object_class = ObjectClass::pedestrian;
+        objects = tracker.update(interval * scan, {person}, Pose::Identity());
+        ASSERT_EQ(objects.size(), 1u) << interval;
+      }
+      EXPECT_TRUE(objects[0].reported) << static_cast<int>(motion) << " " << interval;
     }
-    EXPECT_TRUE(objects[0].reported) << interval;
   }
 }
 

@@ -4,7 +4,6 @@
 #include <dyslam/base/Angle.h>
 
 #include <Eigen/Cholesky>
-#include <algorithm>
 #include <array>
 
 namespace dyslam

@@ -4,8 +4,6 @@
 #include <ceres/ceres.h>
 
 #include <algorithm>
-#include <array>
-#include <cmath>
 
 #include "CeresOptions.h"
 #include "RobustLosses.h"

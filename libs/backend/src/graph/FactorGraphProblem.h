@@ -7,6 +7,8 @@
 #include <ceres/solver.h>
 #include <dyslam/backend/FactorGraph.h>
 
+#include <array>
+#include <map>
 #include <memory>
 #include <set>
 #include <vector>

@@ -4,9 +4,6 @@
 #include <dyslam/base/Error.h>
 #include <dyslam/mrpt/Conversions.h>
 
-#include <array>
-#include <utility>
-
 #include "CeresOptions.h"
 #include "EdgeCost.h"
 #include "GraphData.h"

@@ -11,8 +11,9 @@ namespace dyslam
 {
 namespace
 {
-constexpr std::size_t near_shortlist = 12;   // nearby descriptors fully compared per keyframe
-constexpr std::size_t alike_shortlist = 16;  // descriptors fully compared per viewpoint
+// Fully compared descriptors, at least as many as LoopCriteria::candidates.
+constexpr std::size_t near_shortlist = 12;   // per keyframe
+constexpr std::size_t alike_shortlist = 16;  // per viewpoint
 /** Lateral offsets of the viewpoints from which a place may have been seen (other lanes) [m]. */
 constexpr float viewpoints[] = {0, 2, -2, 4, -4};
 
@@ -120,7 +121,8 @@ std::vector<LoopCandidate> LoopCandidates::byPosition(const KeyframeStore& keyfr
       ranked.push_back({i, PolarDescriptor::ringDifference(ring_means_[i], ring_means_[newest])});
     }
   }
-  shortlist(ranked, near_shortlist);
+  const auto most = static_cast<std::size_t>(options_.nearby.candidates);
+  shortlist(ranked, std::max(near_shortlist, most));
   const PolarDescriptor::Columns ours = descriptors_.get(newest).columns();
   std::vector<LoopCandidate> candidates;
   for (const Ranked& one : ranked)
@@ -129,8 +131,7 @@ std::vector<LoopCandidate> LoopCandidates::byPosition(const KeyframeStore& keyfr
     candidates.push_back({one.id, match.distance, poseFromYpr(0, 0, 0, match.heading, 0, 0)});
   }
   std::sort(candidates.begin(), candidates.end(), isMoreSimilar);
-  candidates.resize(
-      std::min(candidates.size(), static_cast<std::size_t>(options_.nearby.candidates)));
+  candidates.resize(std::min(candidates.size(), most));
   return candidates;
 }
 
@@ -144,7 +145,8 @@ void LoopCandidates::addAlike(const PlaceViews::View& view,
     ranked.push_back(
         {i, static_cast<double>(difference(ring_means_[i], view.descriptor.ringMeans()))});
   }
-  shortlist(ranked, alike_shortlist);
+  const auto most = static_cast<std::size_t>(options_.by_appearance.candidates);
+  shortlist(ranked, std::max(alike_shortlist, most));
   const PolarDescriptor::Columns ours = view.descriptor.columns();
   for (const Ranked& one : ranked)
   {

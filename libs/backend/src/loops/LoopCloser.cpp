@@ -3,7 +3,6 @@
 #include <dyslam/base/Error.h>
 #include <dyslam/base/StateArchive.h>
 
-#include <algorithm>
 #include <stdexcept>
 #include <utility>
 
@@ -191,6 +190,10 @@ LoopCloserOptions::LoopCloserOptions()
 void LoopCloserOptions::requireValid() const
 {
   validate(*this, "loop");
+  if (search_radius > max_search_radius)
+  {
+    throw UserError("[loop] search_radius is above its upper limit, max_search_radius; change one");
+  }
   const auto require_enough = [this](const LoopCriteria& criteria, const char* key)
   {
     // One loop per searched keyframe, before and after.

@@ -16,8 +16,8 @@ class StateArchive;
  *
  * For a loop that is consistent with odometry and earlier loops, only the newest keyframes are
  * optimised and all others are held fixed, so that its cost does not grow with the run. All
- * keyframes are optimised, and false loops searched for, if a loop is not consistent, and whenever
- * the graph has grown by a fixed fraction (a bounded number of times per keyframe).
+ * keyframes are optimised, and false loops searched for, if a loop is not consistent, and for any
+ * loop once the graph has grown by a fixed fraction (a bounded number of times per keyframe).
  */
 class LoopCorrection
 {

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "LoopOutlierRejection.h"
 
-#include <string>
+#include <dyslam/base/Printable.h>
+
 #include <vector>
 
 #include "LoopConsistency.h"
@@ -79,10 +80,9 @@ void LoopOutlierRejection::run(const FactorGraph::Solution& start, OptimisationR
   if (!left_out.empty())
   {
     const std::vector<Key>& keys = graph_.factor(*left_out.begin()).keys();
-    result.warnings.push_back(
-        std::to_string(left_out.size()) +
-        " loops contradict the rest of the graph and are left out, the first " + toString(keys[0]) +
-        " -> " + toString(keys[1]));
+    result.warnings.push_back(counted(left_out.size(), "loop") +
+                              " left out that the rest of the graph contradicts; the first: " +
+                              toString(keys[0]) + " -> " + toString(keys[1]));
   }
 }
 }  // namespace dyslam

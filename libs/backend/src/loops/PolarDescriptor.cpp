@@ -7,7 +7,6 @@
 #include <algorithm>
 #include <bitset>
 #include <cmath>
-#include <cstring>
 
 #include "GroundHeight.h"
 

@@ -12,8 +12,7 @@ namespace
 {
 /** Number of successive observations that must show an object moving. */
 constexpr std::size_t moving_confirmations = 3;
-/** Least number of observations for the estimate of a speed. */
-constexpr std::size_t min_for_speed = 4;
+constexpr std::size_t min_for_speed = ObjectGraphOptions::min_for_speed;
 }  // namespace
 
 bool ObjectGraph::isStray(const ObjectKey& key,
@@ -79,7 +78,7 @@ bool ObjectGraph::isStanding(const Object& object) const
 void ObjectGraph::decide(const ObjectKey& key, Object& object) const
 {
   const auto count = static_cast<std::size_t>(options_.min_observations);
-  if (object.state == State::moving || object.observations.size() < std::max(count, min_for_speed))
+  if (object.state == State::moving || object.observations.size() < count)
   {
     return;
   }

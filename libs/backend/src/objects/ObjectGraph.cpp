@@ -11,6 +11,7 @@
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <memory>
 
 #include "graph/CovarianceInverse.h"
@@ -87,6 +88,7 @@ void ObjectGraph::add(const Frame& frame, const View& view)
     const Pose T_vehicle_object = T_vehicle_odom * poseOf(tracked.observation);
     const Observation observation = observationOf(tracked, T_vehicle_object, frame, view);
     if (!observation.T_keyframe_object.matrix().allFinite() ||
+        !observation.covariance.allFinite() ||  // which LLT does not report
         Eigen::LLT<Matrix6>(observation.covariance).info() != Eigen::Success)
     {
       ++unusable_;
@@ -269,15 +271,25 @@ void ObjectGraph::appendWindow(double time, std::set<Key>& free) const
       free.insert(staticKey(key));
       continue;
     }
-    for (std::size_t i = object.in_graph;
-         i > 0 && time - object.observations[i - 1].time <= options_.window; --i)
+    std::size_t first = object.in_graph;
+    while (first > 0 && time - object.observations[first - 1].time <= options_.window)
     {
-      const std::size_t scan = object.observations[i - 1].scan;
-      free.insert(Key::objectPose(key.first, scan));
-      if (graph_.contains(Key::objectVelocity(key.first, scan)))
-      {
-        free.insert(Key::objectVelocity(key.first, scan));
-      }
+      --first;
+    }
+    appendVariables(key.first, object, first, object.in_graph, free);
+  }
+}
+
+void ObjectGraph::appendVariables(
+    int id, const Object& object, std::size_t begin, std::size_t end, std::set<Key>& keys) const
+{
+  for (std::size_t i = begin; i < end; ++i)
+  {
+    const std::size_t scan = object.observations[i].scan;
+    keys.insert(Key::objectPose(id, scan));
+    if (graph_.contains(Key::objectVelocity(id, scan)))
+    {
+      keys.insert(Key::objectVelocity(id, scan));
     }
   }
 }
@@ -361,9 +373,11 @@ std::vector<std::string> ObjectGraph::warnings() const
   }
   if (jumps_ > 0)
   {
-    result.push_back("objects jumped " + counted(jumps_, "time") + " by more than " +
-                     std::to_string(options_.max_jump).substr(0, 4) +
-                     " m (objects.max_jump): no motion factor links these observations");
+    char limit[32];
+    std::snprintf(limit, sizeof limit, "%g", options_.max_jump);
+    result.push_back(counted(jumps_, "observation") +
+                     " of objects not linked with earlier ones: more than " + limit +
+                     " m from the expected place (objects.max_jump)");
   }
   return result;
 }

@@ -140,6 +140,10 @@ class ObjectGraph
    * object jumped. */
   void addMotionFactors(int id, const Observation& before, const Observation& now);
   void removeFromGraph(const ObjectKey& key, Object& object);
+  /** Appends the poses and velocities of a moving object at its observations [begin, end), which
+   * are in the graph. */
+  void appendVariables(
+      int id, const Object& object, std::size_t begin, std::size_t end, std::set<Key>& keys) const;
   [[nodiscard]] std::vector<Key> velocitiesAt(int id, const Object& object, std::size_t i) const;
   void fillCovariances(const std::set<Key>& free, std::map<Key, Matrix6>& covariances) const;
   void appendSmoothed(const ObjectKey& key,
@@ -155,6 +159,6 @@ class ObjectGraph
   std::map<ObjectKey, Object> objects_;
   std::map<int, int> sighting_;  //!< number of the newest sighting of each id
   std::size_t unusable_ = 0;     //!< number of observations that were left out
-  std::size_t jumps_ = 0;
+  std::size_t jumps_ = 0;        //!< number of observations beyond max_jump
 };
 }  // namespace dyslam

@@ -7,7 +7,7 @@ void ObjectGraphOptions::describe(OptionsVisitor& v)
 {
   v.real("max_range", max_range, 0, 1000,
          "largest range of object observations that are added to the graph [m]");
-  v.integer("min_observations", min_observations, 2, 10000,
+  v.integer("min_observations", min_observations, min_for_speed, 10000,
             "least number of observations of an object before it is added to the graph");
   v.real("max_gap", max_gap, 0, 100,
          "largest time between two observations that a motion factor links [s]");

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <Eigen/Dense>
 #include <algorithm>
-#include <cmath>
 
 #include "ObjectGraph.h"
 
@@ -106,19 +105,8 @@ void ObjectGraph::addCovariances(const ObjectKey& object_key,
   {
     const std::size_t last = std::min(object.in_graph, first + piece_size);
     std::set<Key> free;
-    for (std::size_t i = first - std::min(first, margin);
-         i < std::min(object.in_graph, last + margin); ++i)
-    {
-      const std::size_t scan = object.observations[i].scan;
-      for (const Key& key :
-           {Key::objectPose(object_key.first, scan), Key::objectVelocity(object_key.first, scan)})
-      {
-        if (graph_.contains(key))
-        {
-          free.insert(key);
-        }
-      }
-    }
+    appendVariables(object_key.first, object, first - std::min(first, margin),
+                    std::min(object.in_graph, last + margin), free);
     std::map<Key, Matrix6> covariances;
     for (std::size_t i = first; i < last; ++i)
     {

@@ -41,7 +41,8 @@ struct BackendConfig
  *
  * A frame costs a bounded time on average: the newest keyframes and objects are optimised, older
  * ones are held fixed. Everything is optimised together after a loop that does not fit otherwise,
- * whenever the graph has grown by a tenth, and at the end. Deterministic; not thread-safe.
+ * after any loop once the graph has grown by a tenth, and at the end. Deterministic; not
+ * thread-safe.
  */
 class Backend
 {

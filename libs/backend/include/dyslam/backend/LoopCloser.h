@@ -57,8 +57,8 @@ struct LoopCloserOptions : Options
   {
     return of_appearance ? by_appearance : nearby;
   }
-  /** \throws UserError if a value is out of range, or if loops are searched so rarely that none has
-   * min_support others nearby. */
+  /** \throws UserError if a value is out of range, if search_radius exceeds its upper limit, or if
+   * loops are searched so rarely that none has min_support others nearby. */
   void requireValid() const;
   void describe(OptionsVisitor& visitor) override;
 };

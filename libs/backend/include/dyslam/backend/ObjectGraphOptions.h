@@ -9,6 +9,9 @@ namespace dyslam
 /** Options of tracked objects in the factor graph. */
 struct ObjectGraphOptions : Options
 {
+  /** Least number of observations for the estimate of a speed. */
+  static constexpr int min_for_speed = 4;
+
   double max_range = 80;     //!< largest range of observations that are used [m]
   int min_observations = 5;  //!< least number before an object is added to the graph
   double max_gap = 1;        //!< largest time between observations linked by a motion factor [s]

@@ -66,14 +66,14 @@ class PoseGraphSolver
   explicit PoseGraphSolver(const PoseGraphSolverOptions& options);
 
   /** Optimises the poses of all nodes except the root, which is fixed (at identity if it has no
-   * pose). A graph without nodes or without edges converges at once.
+   * pose). A graph of at most one node converges at once.
    * \throws UserError for a node that is not connected to the root, and for an edge whose
    * information is not positive definite or whose numbers are not finite, naming them; also if the
    * information is too uneven for start = chordal. */
   PoseGraphResult solve(PoseGraph& graph) const;
 
   /** Sum of e' Omega e over all edges at the graph's poses; nodes without a pose are initialised
-   * from their neighbours. 0 without edges. \throws UserError as solve(). */
+   * from their neighbours. 0 for at most one node. \throws UserError as solve(). */
   [[nodiscard]] double chi2(const PoseGraph& graph) const;
 
   [[nodiscard]] const PoseGraphSolverOptions& options() const { return options_; }

@@ -26,8 +26,8 @@ struct TrackError
   bool found = false;      //!< matched; the other fields are valid only then
   bool same_type = false;  //!< the two boxes are of one type
   double position = 0;     //!< horizontal distance of the centres [m]
-  double yaw =
-      0;  //!< angle between the axes, in [0, pi/2] (front and rear are not distinguished) [rad]
+  /** Angle between the axes, in [0, pi/2]: front and rear are not distinguished [rad]. */
+  double yaw = 0;
   std::optional<double> speed;  //!< estimated minus true, if both are known [m/s]
 };
 

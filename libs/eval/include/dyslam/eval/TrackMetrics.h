@@ -26,7 +26,7 @@ struct TrackRules
 {
   std::string type;                     //!< class to evaluate; empty for all classes together
   std::vector<std::string> neighbours;  //!< reference classes whose boxes are ignored
-  double min_iou = 0.25;                //!< least 3D IoU of a match
+  double min_iou = 0.25;                //!< least 3D IoU, or similarity, of a match
   /** If positive, boxes are matched by the horizontal distance of their centres [m] instead of the
    * IoU: their similarity is 1 at distance 0 and falls linearly to 0 at this distance. */
   double max_distance = 0;
