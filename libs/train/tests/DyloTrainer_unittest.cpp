@@ -269,6 +269,32 @@ TEST(DyloTrainer, ValidationNeedsRecordings)
   EXPECT_THROW(trainDylo(tiny(1), request), UserError);
 }
 
+TEST(DyloTrainer, ValidatesAModelOnlyWithItsOwnSettings)
+{
+  const std::string trained = freshFolder("model_to_validate");
+  trainDylo(tiny(1), requestFor(trained));
+  DyloTrainRequest request;
+  request.start = trained + "/dylo.safetensors";
+  request.validate_only = true;
+  std::string said;
+  request.report = [&said](const std::string& line) { said += line + "\n"; };
+  Config config = tiny(1);
+  config.set("data.simulated_validation=campus;VLP16;0;9004;2");
+  trainDylo(config, request);
+  EXPECT_NE(said.find("validation of " + request.start), std::string::npos) << said;
+  config.set("network.mask=lonet");  // shares most layers; the mask's own would be random
+  try
+  {
+    trainDylo(config, request);
+    FAIL() << "a network with random layers is validated";
+  }
+  catch (const UserError& error)
+  {
+    EXPECT_NE(std::string(error.what()).find("mask = attention, not lonet"), std::string::npos)
+        << error.what();
+  }
+}
+
 TEST(DyloTrainer, AskedToStopItSavesWhatItHas)
 {
   DyloTrainRequest request = requestFor(freshFolder("stopped"));
