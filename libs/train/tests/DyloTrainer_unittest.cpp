@@ -346,5 +346,36 @@ TEST(Recordings, OneScanIsNone)
   description.last = 1;
   EXPECT_EQ(loadRecording(description, false).scans.size(), 2U);
 }
+
+/** As in KITTI's drive 2011_09_26_0009, which has poses of scans that are missing. */
+TEST(Recordings, PosesOfMissingScansAreNotThoseOfTheNext)
+{
+  const std::string folder = freshFolder("gap");
+  std::filesystem::create_directories(folder);
+  for (const char* scan : {"/08.bin", "/09.bin", "/11.bin"})
+  {
+    writeWhole(folder + scan, "");
+  }
+  const std::string pose = "1 0 0 0 0 1 0 0 0 0 1 0\n";
+  RecordingDescription description;
+  description.folder = folder;
+  description.pose_file = folder + "/poses.txt";
+  description.last = 2;
+  writeWhole(description.pose_file, pose + pose + pose);
+  EXPECT_EQ(loadRecording(description, false).scans.size(), 3U) << "a pose for each scan";
+  writeWhole(description.pose_file, pose + pose + pose + pose);
+  try
+  {
+    (void)loadRecording(description, false);
+    FAIL() << "scan 11 gets the pose of scan 10";
+  }
+  catch (const UserError& error)
+  {
+    EXPECT_NE(std::string(error.what()).find("no scan with number 10"), std::string::npos)
+        << error.what();
+  }
+  description.last = 1;
+  EXPECT_EQ(loadRecording(description, false).scans.size(), 2U) << "before the gap";
+}
 }  // namespace
 }  // namespace dyslam
