@@ -63,7 +63,7 @@ class BlockBuilder
   void build(int i, int j)
   {
     const auto e = grid_.blockInside(i, j);
-    const P sw(e[0], e[1]), se(e[2], e[1]), ne(e[2], e[3]), nw(e[0], e[3]);
+    const P sw(e[0], e[1]);
     const double width = e[2] - e[0], height = e[3] - e[1];
     const int character = rng_.below(10);
     const bool belt = i < 0 || j < 0 || i + 1 >= static_cast<int>(grid_.along_v.size()) ||
@@ -75,26 +75,9 @@ class BlockBuilder
     }
     const bool dense = character < 5;
     const double depth = dense ? 14 : 20;
-    const int nu = static_cast<int>(grid_.along_v.size()),
-              nv = static_cast<int>(grid_.along_u.size());
-    // The south and north sides include the corners.
-    const bool south = j >= 0, north = j + 1 < nv, west = i >= 0, east = i + 1 < nu;
-    if (south)
+    for (const Side& one : blockSides(grid_, i, j, depth))
     {
-      side({se, P(-1, 0), P(0, 1), width, depth}, dense);
-    }
-    if (north)
-    {
-      side({nw, P(1, 0), P(0, -1), width, depth}, dense);
-    }
-    const double cut0 = south ? depth + 1 : 0, cut1 = north ? depth + 1 : 0;
-    if (west && height - cut0 - cut1 > 8)
-    {
-      side({sw + P(0, cut0), P(0, 1), P(1, 0), height - cut0 - cut1, depth}, dense);
-    }
-    if (east && height - cut0 - cut1 > 8)
-    {
-      side({ne - P(0, cut1), P(0, -1), P(-1, 0), height - cut0 - cut1, depth}, dense);
+      side(one, dense);
     }
     scatter(sw + P(depth, depth), width - 2 * depth, height - 2 * depth, 12);
   }
