@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Streets of a downtown world: parked vehicles, and what stands on the pavements.
-#include <algorithm>
 #include <cmath>
 
 #include "Downtown.h"
@@ -33,27 +32,6 @@ class DowntownStreetBuilder
   }
 
  private:
-  /** One side of a street. */
-  struct Kerb
-  {
-    const Street& street;
-    bool along_v;
-    double side;  // -1 or 1
-    /** \param s along the street \param d from the centre line to this side [m] */
-    [[nodiscard]] P at(double s, double d) const
-    {
-      return along_v ? P(street.centre + side * d, s) : P(s, street.centre - side * d);
-    }
-  };
-
-  /** Whether a place is more than `margin` away from the streets that cross [m]. */
-  bool clear(const Kerb& kerb, double s, double margin) const
-  {
-    const auto& crossing = kerb.along_v ? grid_.along_u : grid_.along_v;
-    return std::all_of(crossing.begin(), crossing.end(),
-                       [&](const Street& c) { return std::abs(s - c.centre) > c.half() + margin; });
-  }
-
   /** Heading of the street in the world, such that the kerb is on the right. */
   double heading(const Kerb& kerb, double s, double d) const
   {
@@ -95,7 +73,7 @@ class DowntownStreetBuilder
     }
     for (double s = from + rng_.uniform(0, 6); s < to;)
     {
-      if (!clear(kerb, s, 7.0))
+      if (!kerb.isClear(grid_, s, 7.0))
       {
         s += 1;
         continue;
@@ -105,7 +83,7 @@ class DowntownStreetBuilder
       if (kind < 0.55 * street.occupancy)
       {
         length = rng_.uniform(3, 14);
-        while (length > 1 && !clear(kerb, s + length, 7.0))
+        while (length > 1 && !kerb.isClear(grid_, s + length, 7.0))
         {
           length -= 1;
         }
@@ -133,7 +111,7 @@ class DowntownStreetBuilder
     const bool ahead = rng_.chance(0.85);
     const double yaw =
         heading(kerb, middle, d) + (ahead ? 0 : kHalfTurnAngle) + rng_.uniform(-0.02, 0.02);
-    if (clear(kerb, s + length, 5.0) && town_.near(kerb.at(middle, d)))
+    if (kerb.isClear(grid_, s + length, 5.0) && town_.near(kerb.at(middle, d)))
     {
       world_.park(model, grid_.toWorld(kerb.at(middle, d)), yaw, rng_);
     }
@@ -154,7 +132,7 @@ class DowntownStreetBuilder
     bool has_pole = false;
     for (double s = from; s < to; s += 1.0)
     {
-      if (!clear(kerb, s, 3.5) || !town_.near(kerb.at(s, at_kerb)))
+      if (!kerb.isClear(grid_, s, 3.5) || !town_.near(kerb.at(s, at_kerb)))
       {
         has_pole = false;
         continue;
