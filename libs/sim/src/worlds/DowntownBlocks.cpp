@@ -13,6 +13,7 @@ namespace
 {
 using P = Eigen::Vector2d;
 
+/** Builds the sides of blocks. */
 class DowntownBlockBuilder
 {
  public:
@@ -109,7 +110,7 @@ class DowntownBlockBuilder
     return width;
   }
 
-  /** A yard behind a wall with an open gate; houses without shops around it. */
+  /** A yard behind a wall with an open gate, and a house with hardly any shop at its back. */
   double courtyard(const Side& side, double s)
   {
     const double width = rng_.uniform(9, 13), deep = rng_.uniform(8, 15);

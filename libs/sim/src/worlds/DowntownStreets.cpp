@@ -12,6 +12,7 @@ using P = Eigen::Vector2d;
 
 constexpr double kHalfTurnAngle = 3.14159265;  // [rad]
 
+/** Builds the two kerbs of streets. */
 class DowntownStreetBuilder
 {
  public:
@@ -20,7 +21,7 @@ class DowntownStreetBuilder
   {
   }
 
-  /** Parked vehicles and the furniture of the pavements. */
+  /** Parked vehicles and the furniture of the pavements. \param from, to along the street [m] */
   void build(const Street& street, bool runs_along_v, double from, double to)
   {
     for (const double side : {-1.0, 1.0})

@@ -16,6 +16,7 @@ using P = Eigen::Vector2d;
 using V = Eigen::Vector3f;
 constexpr double kTau = 2 * M_PI;
 
+/** A closed curve of about this length, near a circle, with points at equal distances. */
 Path closedCurve(Rng& rng, double length)
 {
   const double p2 = rng.uniform(0, kTau), p3 = rng.uniform(0, kTau), a2 = rng.uniform(0.05, 0.16),
@@ -37,6 +38,7 @@ Path closedCurve(Rng& rng, double length)
   return Path(even, true);
 }
 
+/** Builds the surface and what stands along it. \see RoadGround for the coordinates s and d */
 class RoadBuilder
 {
  public:
@@ -45,6 +47,7 @@ class RoadBuilder
   {
   }
 
+  /** \param reach of the ground to both sides of the centre line [m] */
   void surface(double reach)
   {
     const double median = world_.highway_median, w = world_.highway_lane_width;
