@@ -73,7 +73,13 @@ Recording loadRecording(const RecordingDescription& description, bool by_own_mot
   }
   requirePosesOfScans(files, poses.size(), description);
   Recording recording;
-  recording.name = std::filesystem::path(description.folder).parent_path().filename().string();
+  // The folder above that of the scans; a slash at the end does not count.
+  recording.name = std::filesystem::path(description.folder + "/")
+                       .lexically_normal()
+                       .parent_path()
+                       .parent_path()
+                       .filename()
+                       .string();
   for (std::size_t k = description.first; k <= description.last; ++k)
   {
     std::vector<Eigen::Vector3f> points =

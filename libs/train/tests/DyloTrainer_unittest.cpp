@@ -333,7 +333,7 @@ TEST(Recordings, DescribedByATextOfFields)
 
 TEST(Recordings, OneScanIsNone)
 {
-  const std::string folder = freshFolder("recording");
+  const std::string folder = freshFolder("recordings") + "/drive/velodyne";
   std::filesystem::create_directories(folder);
   writeWhole(folder + "/0.bin", "");
   writeWhole(folder + "/1.bin", "");
@@ -345,6 +345,9 @@ TEST(Recordings, OneScanIsNone)
   EXPECT_THROW((void)loadRecording(description, false), UserError);
   description.last = 1;
   EXPECT_EQ(loadRecording(description, false).scans.size(), 2U);
+  EXPECT_EQ(loadRecording(description, false).name, "drive");
+  description.folder += "/";
+  EXPECT_EQ(loadRecording(description, false).name, "drive");
 }
 
 /** As in KITTI's drive 2011_09_26_0009, which has poses of scans that are missing. */

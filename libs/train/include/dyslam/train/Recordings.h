@@ -13,7 +13,7 @@ namespace dyslam
 /** The scans of a description, in memory. */
 struct Recording
 {
-  std::string name;
+  std::string name;  //!< of the folder above that of the scans
   std::vector<std::vector<Eigen::Vector3f>> scans;
   std::vector<std::vector<PointLabel>> labels;  //!< empty, or as `scans`
   std::vector<Pose> T_world_scan;
