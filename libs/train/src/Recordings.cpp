@@ -74,7 +74,7 @@ Recording loadRecording(const RecordingDescription& description, bool by_own_mot
   requirePosesOfScans(files, poses.size(), description);
   Recording recording;
   // The folder above that of the scans; a slash at the end does not count.
-  recording.name = std::filesystem::path(description.folder + "/")
+  recording.name = std::filesystem::absolute(description.folder + "/")
                        .lexically_normal()
                        .parent_path()
                        .parent_path()
