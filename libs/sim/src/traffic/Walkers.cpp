@@ -16,6 +16,26 @@ bool isMotorised(ObjectClass c)
   return c != ObjectClass::pedestrian && c != ObjectClass::cyclist;
 }
 
+/** Number of pedestrians and cyclists on each metre of a link in the densest traffic. */
+double walkersPerMetre(WorldKind kind)
+{
+  switch (kind)
+  {
+    case WorldKind::campus:
+      return 0.10;
+    case WorldKind::downtown:
+      return 0.11;
+    case WorldKind::field:
+      return 0.01;
+    case WorldKind::urban:
+      return 0.05;
+    case WorldKind::highway:
+    case WorldKind::tunnel:
+      break;
+  }
+  return 0;  // no pavements
+}
+
 struct Walker
 {
   int actor = 0;
@@ -43,11 +63,7 @@ class Walkers : public Crowd::Group
       return;
     }
     const bool campus = crowd.world().kind == WorldKind::campus;
-    const double per_metre =
-        crowd.options().traffic * (campus                                      ? 0.10
-                                   : crowd.world().kind == WorldKind::downtown ? 0.11
-                                   : crowd.world().kind == WorldKind::field    ? 0.01
-                                                                               : 0.05);
+    const double per_metre = crowd.options().traffic * walkersPerMetre(crowd.world().kind);
     for (std::size_t l = 0; l < net_.links.size(); ++l)
     {
       const auto& link = net_.links[l];
