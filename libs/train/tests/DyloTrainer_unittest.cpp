@@ -282,6 +282,11 @@ TEST(DyloTrainer, ValidatesAModelOnlyWithItsOwnSettings)
   config.set("data.simulated_validation=campus;VLP16;0;9004;2");
   trainDylo(config, request);
   EXPECT_NE(said.find("validation of " + request.start), std::string::npos) << said;
+  request.start = trained + "/checkpoint.safetensors";
+  trainDylo(config, request);
+  config.set("network.mask=none");  // has a part of the layers
+  EXPECT_THROW(trainDylo(config, request), UserError);
+  request.start = trained + "/dylo.safetensors";
   config.set("network.mask=lonet");  // shares most layers; the mask's own would be random
   try
   {
