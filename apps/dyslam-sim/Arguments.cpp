@@ -2,9 +2,11 @@
 #include "Arguments.h"
 
 #include <dyslam/base/Angle.h>
+#include <dyslam/base/Error.h>
 #include <dyslam/io/Converters.h>
 
 #include <CLI/CLI.hpp>
+#include <cmath>
 #include <limits>
 #include <vector>
 
@@ -37,6 +39,21 @@ void declareSets(CLI::App& app, Arguments& a)
          "--shard", a.shard,
          "K/N: only the K-th of every N recordings of --benchmark or --count, for N machines")
       ->excludes(only);
+}
+
+/** \param deg roll and pitch; empty: upright \throws UserError. */
+void setMounting(const std::vector<double>& deg, SimulatorOptions& options)
+{
+  if (deg.empty())
+  {
+    return;
+  }
+  if (std::abs(deg[0]) > 180 || std::abs(deg[1]) > 90)
+  {
+    throw UserError("--mounting: give a roll from -180 to 180 and a pitch from -90 to 90 [deg]");
+  }
+  options.mounting_roll = deg[0] * radians_per_degree;
+  options.mounting_pitch = deg[1] * radians_per_degree;
 }
 }  // namespace
 
@@ -84,14 +101,7 @@ void declare(CLI::App& app, Arguments& a)
       ->check(CLI::Range(0, 8192));
   app.add_option("--max-range", o.max_range, "[m]; 0: the sensor's (0)")
       ->check(CLI::Range(0.0, 300.0));
-  app.add_option_function<std::vector<double>>(
-         "--mounting",
-         [&o](const std::vector<double>& deg)
-         {
-           o.mounting_roll = deg[0] * radians_per_degree;
-           o.mounting_pitch = deg[1] * radians_per_degree;
-         },
-         "roll and pitch of the lidar on the ego [deg] (0 0)")
+  app.add_option("--mounting", a.mounting_deg, "roll and pitch of the lidar on the ego [deg] (0 0)")
       ->expected(2);
   app.add_option("--further-sensor", a.further_sensors,
                  "another lidar on the ego and its pose there: x y z [m] yaw pitch roll [deg] in "
@@ -129,6 +139,7 @@ Recording recordingOf(const Arguments& a)
   o.world = worldKindFromString(a.world);
   o.sensor = sensorKindFromString(a.sensor);
   o.ego = egoKindFromString(a.ego);
+  setMounting(a.mounting_deg, o);
   for (const auto& [sensor, mounting] : a.further_sensors)
   {
     o.further_sensors.push_back(

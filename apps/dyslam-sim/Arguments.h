@@ -22,6 +22,7 @@ struct Arguments
   std::string world = "urban";
   std::string sensor = "HDL64E";
   std::string ego = "automatic";
+  std::vector<double> mounting_deg;  //!< roll and pitch of the first lidar; empty: upright
   std::vector<std::pair<std::string, std::string>> further_sensors;  //!< sensors and mountings
   std::string benchmark;  //!< folder for the benchmark set; empty: a recording or a series
   std::string split;      //!< data split whose drives are the set; empty: the standing set

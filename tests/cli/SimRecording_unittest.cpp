@@ -183,9 +183,9 @@ TEST_F(SimRecording, AnInterruptedSeriesIsContinued)
 
 TEST_F(SimRecording, NumbersOutOfRangeNameTheFlag)
 {
-  for (const std::string flag :
-       {"--traffic 7", "--seed -3", "--traffic-seed -3", "--speed 99", "--loop 1", "--start 3",
-        "--start-time -1", "--columns 9999999", "--max-range 1000"})
+  for (const std::string flag : {"--traffic 7", "--seed -3", "--traffic-seed -3", "--speed 99",
+                                 "--loop 1", "--start 3", "--start-time -1", "--columns 9999999",
+                                 "--max-range 1000", "--mounting 181 0", "--mounting 0 -91"})
   {
     const Outcome outcome =
         runProgram("dyslam-sim", flag + " -o " + folder_.file("x.rawlog"), folder_.path());

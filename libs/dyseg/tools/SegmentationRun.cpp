@@ -122,7 +122,7 @@ void addInstances(const std::map<std::int32_t, ObjectCounts>& by_object,
     {
       continue;
     }
-    SegmentedInstance& entry = instances[id > 100000 ? id % 100000 : id];
+    SegmentedInstance& entry = instances[id];
     const DysegClip::Object& object = from.objects.at(id);
     entry.distance += object.T_sensor_object.translation().norm();
     if (f > 0 && clip.frames[f - 1].objects.count(id) != 0)
@@ -133,6 +133,7 @@ void addInstances(const std::map<std::int32_t, ObjectCounts>& by_object,
            (from.T_world_sensor * object.T_sensor_object).translation())
               .norm() /
           clip.period;
+      ++entry.speeds;
     }
     ++entry.frames;
     entry.points += static_cast<std::uint64_t>(counts.points);

@@ -30,11 +30,12 @@ struct SegmentationCounts : DysegScores
 /** Segmentation of one object, summed over frames. */
 struct SegmentedInstance
 {
-  double distance = 0;
-  double speed = 0;
-  int frames = 0;
-  std::uint64_t points = 0;
-  std::uint64_t hits = 0;
+  double distance = 0;       //!< from the sensor [m]
+  double speed = 0;          //!< over ground since the frame before, where it is in both [m/s]
+  int frames = 0;            //!< number of frames in `distance`
+  int speeds = 0;            //!< number of frames in `speed`
+  std::uint64_t points = 0;  //!< moving points
+  std::uint64_t hits = 0;    //!< moving points that were found
 };
 using SegmentedInstances = std::map<std::int32_t, SegmentedInstance>;
 

@@ -70,8 +70,9 @@ void printInstances(const SegmentedInstances& network, const SegmentedInstances&
     const auto other = baseline.find(id);
     const auto recall = [](const SegmentedInstance& i)
     { return static_cast<double>(i.hits) / static_cast<double>(i.points); };
+    const double speed = n.speeds > 0 ? n.speed / n.speeds : std::nan("");
     std::printf("  %6d %4d %6.1f %6.1f %7.0f   %.2f   %.2f\n", id, n.frames, n.distance / n.frames,
-                n.speed / n.frames, static_cast<double>(n.points) / n.frames, recall(n),
+                speed, static_cast<double>(n.points) / n.frames, recall(n),
                 other != baseline.end() ? recall(other->second) : 0.0);
   }
 }
@@ -269,6 +270,7 @@ void printTable(const Arguments& a)
     checkUnseenShape(model, set);
   }
 }
+
 /** Traffic scenarios: recall of moving points and false positive rate. */
 void printScenarios(const Arguments& a)
 {

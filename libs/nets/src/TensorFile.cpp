@@ -243,7 +243,16 @@ void TensorFile::setWeights(const std::string& prefix,
 void TensorFile::loadWeights(const std::string& prefix, torch::nn::Module& network) const
 {
   const torch::NoGradGuard no_grad;
-  for (auto& weight : network.named_parameters())
+  auto weights = network.named_parameters();
+  for (const auto& [name, stored] : tensors_)
+  {
+    if (name.rfind(prefix, 0) == 0 && weights.find(name.substr(prefix.size())) == nullptr)
+    {
+      throw UserError(path_ + ": has " + name +
+                      ", which the network has not; it is of another network or version");
+    }
+  }
+  for (auto& weight : weights)
   {
     const torch::Tensor& stored = tensor(prefix + weight.key());
     if (stored.sizes() != weight.value().sizes())

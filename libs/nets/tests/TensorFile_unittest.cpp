@@ -85,6 +85,8 @@ TEST_F(TensorFileTest, WeightsOfANetwork)
   EXPECT_THROW(TensorFile(path_).loadWeights("other.", *other), UserError);
   torch::nn::Linear wider(4, 2);
   EXPECT_THROW(TensorFile(path_).loadWeights("net.", *wider), UserError);
+  torch::nn::Linear without_bias(torch::nn::LinearOptions(3, 2).bias(false));
+  EXPECT_THROW(TensorFile(path_).loadWeights("net.", *without_bias), UserError) << "a part of it";
   {
     const torch::NoGradGuard no_grad;
     layer->bias[0] = std::numeric_limits<float>::quiet_NaN();

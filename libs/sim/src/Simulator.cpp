@@ -47,16 +47,28 @@ struct FurtherLidar
   Pose T_vehicle_lidar;
 };
 
+/** The model of a sensor with the range of the options. \throws UserError. */
+SensorModel modelFor(SensorKind kind, const SimulatorOptions& options)
+{
+  SensorModel model = sensorModel(kind);
+  if (options.max_range > 0 && options.max_range <= model.min_range)
+  {
+    throw UserError("simulator.max_range: is not above the least range of the " + model.name +
+                    "; choose a larger one");
+  }
+  model.max_range = options.max_range > 0 ? options.max_range : model.max_range;
+  return model;
+}
+
 std::vector<FurtherLidar> furtherLidarsOf(const SimulatorOptions& options)
 {
   std::map<std::string, int> labels{{sensorModel(options.sensor).name, 1}};
   std::vector<FurtherLidar> lidars;
   for (const FurtherSensor& further : options.further_sensors)
   {
-    FurtherLidar lidar{sensorModel(further.sensor), further.T_vehicle_lidar};
+    FurtherLidar lidar{modelFor(further.sensor, options), further.T_vehicle_lidar};
     const int count = ++labels[lidar.model.name];
     lidar.model.name += count > 1 ? "_" + std::to_string(count) : "";
-    lidar.model.max_range = options.max_range > 0 ? options.max_range : lidar.model.max_range;
     lidars.push_back(lidar);
   }
   return lidars;
@@ -64,9 +76,8 @@ std::vector<FurtherLidar> furtherLidarsOf(const SimulatorOptions& options)
 
 SensorModel sensorFor(const SimulatorOptions& options)
 {
-  SensorModel sensor = sensorModel(options.sensor);
+  SensorModel sensor = modelFor(options.sensor, options);
   sensor.columns = options.columns > 0 ? options.columns : sensor.columns;
-  sensor.max_range = options.max_range > 0 ? options.max_range : sensor.max_range;
   return sensor;
 }
 }  // namespace

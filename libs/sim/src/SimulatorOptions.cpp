@@ -41,19 +41,9 @@ Enum enumeratorOf(const std::string& word,
 void SimulatorOptions::describe(OptionsVisitor& visitor)
 {
   visitor.choice("world", world, kWorlds, "kind of the simulated world");
-  visitor.choice("sensor", sensor,
-                 {{"HDL64E", SensorKind::hdl64e},
-                  {"HDL32E", SensorKind::hdl32e},
-                  {"VLP16", SensorKind::vlp16},
-                  {"VLP32C", SensorKind::vlp32c},
-                  {"VLS128", SensorKind::vls128},
-                  {"OS1-32", SensorKind::os1_32},
-                  {"OS1-64", SensorKind::os1_64},
-                  {"OS1-128", SensorKind::os1_128},
-                  {"PANDAR64", SensorKind::pandar64},
-                  {"XT32", SensorKind::xt32},
-                  {"AVIA", SensorKind::avia}},
-                 "simulated LiDAR");
+  std::string sensor_name = toString(sensor);
+  visitor.word("sensor", sensor_name, sensorNames(), "simulated LiDAR");
+  sensor = sensorKindFromString(sensor_name);
   visitor.real("traffic", traffic, 0, 1, "traffic density, from 0 (nothing moves) to 1 (jam)");
   visitor.integer("seed", seed, 0, 2147483647, "seed of world, traffic and noise");
   visitor.integer(

@@ -184,6 +184,19 @@ TEST(Simulator, TheLoopTheOtherWayRound)
   EXPECT_THROW(Simulator(highway, 1), UserError);
 }
 
+TEST(Simulator, ALargestRangeBelowTheLeastIsRefused)
+{
+  SimulatorOptions options = small(WorldKind::field, 0);
+  options.sensor = SensorKind::vlp16;  // from 0.4 m
+  options.max_range = 0.5;
+  EXPECT_NO_THROW(Simulator(options, 1));
+  options.max_range = 0.4;
+  EXPECT_THROW(Simulator(options, 1), UserError);
+  options.max_range = 0.5;
+  options.further_sensors = {{SensorKind::hdl32e, Pose::Identity()}};  // from 0.9 m
+  EXPECT_THROW(Simulator(options, 1), UserError);
+}
+
 TEST(Simulator, StaticFlowEqualsTheEgoMotion)
 {
   Simulator simulator(small(WorldKind::urban, 0.5));

@@ -151,12 +151,13 @@ TEST(Ego, IsOnItsLoopFromTheBeginning)
 
 TEST(Ego, ClosesItsLoop)
 {
-  for (const auto world : {WorldKind::urban, WorldKind::campus, WorldKind::field})
+  for (const auto world :
+       {WorldKind::urban, WorldKind::downtown, WorldKind::campus, WorldKind::field})
   {
     SimulatorOptions options = small(world, 0);
     options.columns = 8;
     options.stops = false;
-    options.ego_speed = world == WorldKind::urban ? 12 : 4;
+    options.ego_speed = world == WorldKind::campus || world == WorldKind::field ? 4 : 12;
     options.ego = world == WorldKind::campus ? EgoKind::handheld : EgoKind::automatic;
     Simulator simulator(options);
     SimulatedScan s = simulator.next();

@@ -48,6 +48,28 @@ std::vector<torch::Tensor> parametersOf(const DyloNetwork& network, const DyloLo
   return parameters;
 }
 
+/** Requires that a model has the given settings: layers that it lacks would stay random. \throws
+ * UserError naming the file, the first setting that differs and both values. */
+void requireSameNetwork(const DyloNetworkOptions& of_model,
+                        const DyloNetworkOptions& given,
+                        const std::string& file)
+{
+  const char* section = "network";
+  Config model;
+  Config wanted;
+  save(of_model, model, section);
+  save(given, wanted, section);
+  for (const auto& [key, value] : model.section(section))
+  {
+    const std::string& other = wanted.section(section).at(key).text;
+    if (value.text != other)
+    {
+      throw UserError(file + ": trained with [network] " + key + " = " + value.text + ", not " +
+                      other + "; set it to " + value.text);
+    }
+  }
+}
+
 class Trainer : public TrainingTask
 {
  public:
@@ -305,7 +327,7 @@ void Trainer::validate()
   appendRows(loop_->file("validation.csv"), lines);
 }
 
-/** Loads a checkpoint of the same network, or the common layers of a model. */
+/** Loads a checkpoint of the same network, or the common layers of a model; to validate it, all. */
 void Trainer::startFrom(const std::string& path)
 {
   if (!isDyloModel(path))
@@ -317,10 +339,15 @@ void Trainer::startFrom(const std::string& path)
     loop_->loadWeights(TensorFile(path));
     return;
   }
+  const DyloNetwork model = loadDylo(path);
+  if (request_.validate_only)
+  {
+    requireSameNetwork(model->options(), network_->options(), path);
+  }
   const torch::NoGradGuard no_grad;
   const auto own = network_->named_parameters();
   std::size_t taken = 0;
-  for (const auto& given : loadDylo(path)->named_parameters())
+  for (const auto& given : model->named_parameters())
   {
     const torch::Tensor* mine = own.find(given.key());
     if (mine != nullptr && mine->sizes() == given.value().sizes())

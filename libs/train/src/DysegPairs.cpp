@@ -3,6 +3,7 @@
 
 #include <dyslam/base/Error.h>
 #include <dyslam/base/Printable.h>
+#include <dyslam/base/Words.h>
 #include <dyslam/formats/ScanFiles.h>
 #include <dyslam/train/DataText.h>
 #include <dyslam/train/ScanFiles.h>
@@ -316,9 +317,19 @@ std::string DysegPairs::summary() const
   {
     labelled_scans += run.size();
   }
-  return counted(runs_.size() + labelled_runs_.size(), "real run") +
-         (labelled_scans > 0 ? " (" + counted(labelled_scans, "scan") + " with point labels)"
-                             : "") +
-         ", " + counted(singles_.size(), "single scan");
+  std::string kinds = options_.simulated_share > 0 ? "simulated clips" : "";
+  if (const std::size_t runs = runs_.size() + labelled_runs_.size(); runs > 0)
+  {
+    appendWord(kinds, counted(runs, "real run"));
+  }
+  if (labelled_scans > 0)
+  {
+    kinds += " (" + counted(labelled_scans, "scan") + " with point labels)";
+  }
+  if (!singles_.empty())
+  {
+    appendWord(kinds, counted(singles_.size(), "single scan"));
+  }
+  return kinds;
 }
 }  // namespace dyslam

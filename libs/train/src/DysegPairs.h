@@ -31,6 +31,7 @@ class DysegPairs
   void prepare(int step);
   /** Draws a pair. \throws UserError if there is no data at all. */
   [[nodiscard]] DysegSample draw(RandomDraws& draws) const;
+  /** The kinds of data, for the user: "simulated clips, 1 real run, 89 single scans". */
   [[nodiscard]] std::string summary() const;
 
  private:

@@ -19,10 +19,10 @@ namespace dyslam
 {
 namespace
 {
-/** Marks the points in a box, and those just around it as unknown if the box moves. */
-void claimPoints(const LabelledBox& labelled, bool moving, DysegClip::Frame& frame)
+/** Marks the points in a box as those of an object, and those just around it as unknown if the
+ * object moves. */
+void claimPoints(const Box& box, std::int32_t object, bool moving, DysegClip::Frame& frame)
 {
-  const Box& box = labelled.box;
   const Eigen::Isometry3f T_box_sensor =
       poseFromYpr(box.centre.x(), box.centre.y(), box.centre.z(), box.yaw, 0, 0)
           .inverse()
@@ -41,7 +41,7 @@ void claimPoints(const LabelledBox& labelled, bool moving, DysegClip::Frame& fra
     const Eigen::Array3f at = (T_box_sensor * frame.points[i]).array().abs();
     if ((at < inner.array()).all())
     {
-      frame.object[i] = labelled.id;
+      frame.object[i] = object;
     }
     else if (moving && (at < outer.array()).all() && frame.object[i] == DysegClip::still)
     {
@@ -196,6 +196,11 @@ DysegClip loadBoxedRun(const std::string& folder,
       {
         continue;
       }
+      if (labelled.id <= DysegClip::still)  // of no track: whether it moves is not known
+      {
+        claimPoints(labelled.box, DysegClip::unknown, false, frame);
+        continue;
+      }
       const auto& track = tracks[labelled.id];
       const auto begin = track.lower_bound(f < speed_window ? 0 : f - speed_window);
       const auto end = track.upper_bound(f + speed_window);
@@ -206,7 +211,7 @@ DysegClip loadBoxedRun(const std::string& folder,
       object.moving = speed > min_moving_speed;
       object.doubtful = !object.moving && (speed > max_static_speed || !known);
       frame.objects[labelled.id] = object;
-      claimPoints(labelled, object.moving, frame);
+      claimPoints(labelled.box, labelled.id, object.moving, frame);
     }
     sweeps.deskew(f, frame.points);
     clip.frames.push_back(std::move(frame));

@@ -3,6 +3,7 @@
 #include <dyslam/base/Printable.h>
 #include <dyslam/formats/LabelFiles.h>
 #include <dyslam/formats/ScanFiles.h>
+#include <dyslam/train/DataSplits.h>
 #include <dyslam/train/Recordings.h>
 #include <dyslam/train/ScanFiles.h>
 
@@ -30,6 +31,27 @@ std::vector<PointLabel> pointLabels(const std::string& path, std::size_t points)
   }
   return labels;
 }
+
+/** Requires that pose k is that of scan k of the folder, up to the last scan requested: there are
+ * as many poses as scans, or no number is missing among the names. \throws UserError. */
+void requirePosesOfScans(const std::vector<std::string>& files,
+                         std::size_t poses,
+                         const RecordingDescription& description)
+{
+  const auto first = frameNumberOf(files.front());
+  for (std::size_t k = 0; k <= description.last && files.size() != poses && first; ++k)
+  {
+    const std::int64_t expected = *first + static_cast<std::int64_t>(k);
+    if (frameNumberOf(files[k]) != expected)
+    {
+      throw UserError(description.folder + ": has no scan with number " + std::to_string(expected) +
+                      ", and " + description.pose_file + " has " + counted(poses, "pose") +
+                      " for " + counted(files.size(), "scan") +
+                      ": from there on they may be of other scans; leave out those without a scan, "
+                      "or request frames before");
+    }
+  }
+}
 }  // namespace
 
 Recording loadRecording(const RecordingDescription& description, bool by_own_motion)
@@ -49,8 +71,15 @@ Recording loadRecording(const RecordingDescription& description, bool by_own_mot
                     std::to_string(description.last) +
                     " are requested; a recording needs two scans or more");
   }
+  requirePosesOfScans(files, poses.size(), description);
   Recording recording;
-  recording.name = std::filesystem::path(description.folder).parent_path().filename().string();
+  // The folder above that of the scans; a slash at the end does not count.
+  recording.name = std::filesystem::absolute(description.folder + "/")
+                       .lexically_normal()
+                       .parent_path()
+                       .parent_path()
+                       .filename()
+                       .string();
   for (std::size_t k = description.first; k <= description.last; ++k)
   {
     std::vector<Eigen::Vector3f> points =

@@ -269,6 +269,37 @@ TEST(DyloTrainer, ValidationNeedsRecordings)
   EXPECT_THROW(trainDylo(tiny(1), request), UserError);
 }
 
+TEST(DyloTrainer, ValidatesAModelOnlyWithItsOwnSettings)
+{
+  const std::string trained = freshFolder("model_to_validate");
+  trainDylo(tiny(1), requestFor(trained));
+  DyloTrainRequest request;
+  request.start = trained + "/dylo.safetensors";
+  request.validate_only = true;
+  std::string said;
+  request.report = [&said](const std::string& line) { said += line + "\n"; };
+  Config config = tiny(1);
+  config.set("data.simulated_validation=campus;VLP16;0;9004;2");
+  trainDylo(config, request);
+  EXPECT_NE(said.find("validation of " + request.start), std::string::npos) << said;
+  request.start = trained + "/checkpoint.safetensors";
+  trainDylo(config, request);
+  config.set("network.mask=none");  // has a part of the layers
+  EXPECT_THROW(trainDylo(config, request), UserError);
+  request.start = trained + "/dylo.safetensors";
+  config.set("network.mask=lonet");  // shares most layers; the mask's own would be random
+  try
+  {
+    trainDylo(config, request);
+    FAIL() << "a network with random layers is validated";
+  }
+  catch (const UserError& error)
+  {
+    EXPECT_NE(std::string(error.what()).find("mask = attention, not lonet"), std::string::npos)
+        << error.what();
+  }
+}
+
 TEST(DyloTrainer, AskedToStopItSavesWhatItHas)
 {
   DyloTrainRequest request = requestFor(freshFolder("stopped"));
@@ -307,7 +338,7 @@ TEST(Recordings, DescribedByATextOfFields)
 
 TEST(Recordings, OneScanIsNone)
 {
-  const std::string folder = freshFolder("recording");
+  const std::string folder = freshFolder("recordings") + "/drive/velodyne";
   std::filesystem::create_directories(folder);
   writeWhole(folder + "/0.bin", "");
   writeWhole(folder + "/1.bin", "");
@@ -319,6 +350,40 @@ TEST(Recordings, OneScanIsNone)
   EXPECT_THROW((void)loadRecording(description, false), UserError);
   description.last = 1;
   EXPECT_EQ(loadRecording(description, false).scans.size(), 2U);
+  EXPECT_EQ(loadRecording(description, false).name, "drive");
+  description.folder += "/";
+  EXPECT_EQ(loadRecording(description, false).name, "drive");
+}
+
+/** As in KITTI's drive 2011_09_26_0009, which has poses of scans that are missing. */
+TEST(Recordings, PosesOfMissingScansAreNotThoseOfTheNext)
+{
+  const std::string folder = freshFolder("gap");
+  std::filesystem::create_directories(folder);
+  for (const char* scan : {"/08.bin", "/09.bin", "/11.bin"})
+  {
+    writeWhole(folder + scan, "");
+  }
+  const std::string pose = "1 0 0 0 0 1 0 0 0 0 1 0\n";
+  RecordingDescription description;
+  description.folder = folder;
+  description.pose_file = folder + "/poses.txt";
+  description.last = 2;
+  writeWhole(description.pose_file, pose + pose + pose);
+  EXPECT_EQ(loadRecording(description, false).scans.size(), 3U) << "a pose for each scan";
+  writeWhole(description.pose_file, pose + pose + pose + pose);
+  try
+  {
+    (void)loadRecording(description, false);
+    FAIL() << "scan 11 gets the pose of scan 10";
+  }
+  catch (const UserError& error)
+  {
+    EXPECT_NE(std::string(error.what()).find("no scan with number 10"), std::string::npos)
+        << error.what();
+  }
+  description.last = 1;
+  EXPECT_EQ(loadRecording(description, false).scans.size(), 2U) << "before the gap";
 }
 }  // namespace
 }  // namespace dyslam

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/base/Error.h>
+#include <dyslam/base/Files.h>
 #include <dyslam/base/PendingFile.h>
 #include <dyslam/train/DysegBodies.h>
 #include <dyslam/train/DysegData.h>
@@ -269,6 +270,27 @@ TEST_F(BoxedRun, BoxesWithoutNumbersAreAClearError)
   }
   dyslam::writeWhole(folder_ + "/label_json/000000.json", "[{\"obj_id\":");
   EXPECT_THROW((void)load(), dyslam::UserError);
+}
+
+/** Without an id, or with 0, which means no object, a box belongs to no track. */
+TEST_F(BoxedRun, PointsInBoxesOfNoTrackAreIgnored)
+{
+  const std::vector<float> point{1.5F, 2, 0, 0.5F};
+  dyslam::writeWhole(folder_ + "/velodyne/000000.bin",
+                     {reinterpret_cast<const char*>(point.data()), 4 * sizeof(float)});
+  const std::string labels = folder_ + "/label_json/000000.json";
+  const std::string given = dyslam::readWhole(labels);
+  EXPECT_EQ(load().frames[0].object, std::vector<std::int32_t>{3});
+  for (const char* id : {"0", ""})
+  {
+    std::string text = given;
+    dyslam::writeWhole(labels, text.replace(text.find("\"3\""), 3, std::string("\"") + id + "\""));
+    const auto frame = load().frames[0];
+    EXPECT_TRUE(frame.objects.empty()) << id;
+    EXPECT_EQ(dyslam::labelsBySpeed(frame),
+              std::vector<std::uint8_t>{dyslam::DysegSample::ignored_point})
+        << id;
+  }
 }
 
 TEST_F(BoxedRun, MalformedPosesAndTruncatedScansAreRefused)

@@ -37,6 +37,7 @@ TEST(DysegPairs, AShareIsAsFarApartAsInTheApplication)
   auto options = simulatedOnly();
   options.gap_share = 1;
   dyslam::DysegPairs all(options);
+  EXPECT_EQ(all.summary(), "simulated clips");
   all.prepare(0);
   EXPECT_EQ(gapsOf(all).count(8), 20U);
 

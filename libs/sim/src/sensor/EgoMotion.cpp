@@ -38,7 +38,7 @@ Pose EgoMotion::mounting(EgoKind kind)
   return Pose(Eigen::Translation3d(0, 0, 1.73));
 }
 
-Pose EgoMotion::update(const EgoState& ego, const Ground& ground, double time, double dt)
+std::array<double, 3> EgoMotion::equilibrium(const EgoState& ego, const Ground& ground, double dt)
 {
   const double wheelbase = kind_ == EgoKind::car ? 2.7 : 0.5;
   const double track = kind_ == EgoKind::car ? 1.5 : 0.5;
@@ -62,11 +62,14 @@ Pose EgoMotion::update(const EgoState& ego, const Ground& ground, double time, d
   speed_ = ego.speed;
   yaw_ = ego.yaw;
   // Braking pitches the nose down (pitch > 0); a left turn rolls the body to the right (roll > 0).
-  const std::array<double, 3> load =
-      kind_ == EgoKind::car
-          ? std::array<double, 3>{slope - 0.006 * acceleration, bank + 0.005 * ego.speed * turn,
-                                  0.5 * (front + back)}
-          : std::array<double, 3>{slope, bank, 0.5 * (front + back)};
+  return kind_ == EgoKind::car
+             ? std::array<double, 3>{slope - 0.006 * acceleration, bank + 0.005 * ego.speed * turn,
+                                     0.5 * (front + back)}
+             : std::array<double, 3>{slope, bank, 0.5 * (front + back)};
+}
+
+void EgoMotion::moveOnSprings(const std::array<double, 3>& rest, double dt)
+{
   // Natural frequencies [rad/s] and damping ratio of pitch, roll and height. With them and the road
   // a car's angular rates are those of real cars' gyroscopes.
   const bool car = kind_ == EgoKind::car;
@@ -77,15 +80,17 @@ Pose EgoMotion::update(const EgoState& ego, const Ground& ground, double time, d
   {
     if (first_)
     {
-      x_[i] = load[i];
+      x_[i] = rest[i];
     }
     const double pull =
-        frequency[i] * frequency[i] * (load[i] - x_[i]) - 2 * damping * frequency[i] * rate_[i];
+        frequency[i] * frequency[i] * (rest[i] - x_[i]) - 2 * damping * frequency[i] * rate_[i];
     rate_[i] += pull * dt;
     x_[i] += rate_[i] * dt;
   }
-  first_ = false;
+}
 
+Pose EgoMotion::gait(double speed, double time, double dt)
+{
   Eigen::Vector3d shift = Eigen::Vector3d::Zero(),
                   angles = Eigen::Vector3d::Zero();  // yaw, pitch, roll
   const auto wave = [&](double hertz, std::size_t k)
@@ -94,9 +99,9 @@ Pose EgoMotion::update(const EgoState& ego, const Ground& ground, double time, d
   {
     // Two steps per stride, and hand tremor. The frequency of the steps of walking adults grows
     // with the speed to the power of 0.58 (Grieve and Gear, 1966): 1.9 Hz at 1.4 m/s.
-    const double steps = 1.58 * std::pow(std::max(0.0, ego.speed), 0.58);  // [Hz]
+    const double steps = 1.58 * std::pow(std::max(0.0, speed), 0.58);  // [Hz]
     phase_ += 6.283185 * steps / 2 * dt;
-    const double walk = std::min(1.0, ego.speed);
+    const double walk = std::min(1.0, speed);
     shift = {0.01 * wave(0.7, 0), walk * 0.025 * std::sin(phase_) + 0.01 * wave(0.5, 1),
              walk * 0.022 * std::cos(2 * phase_)};
     angles = {0.05 * wave(0.4, 2) + walk * 0.02 * std::sin(phase_),
@@ -105,12 +110,19 @@ Pose EgoMotion::update(const EgoState& ego, const Ground& ground, double time, d
   }
   else if (kind_ == EgoKind::robot)
   {
-    const double rough = std::min(1.0, ego.speed);
+    const double rough = std::min(1.0, speed);
     // Pitch and roll rates up to 0.07 rad/s, as on a paved path.
     angles = {0, rough * 0.0032 * wave(3.3, 5), rough * 0.0045 * wave(2.4, 6)};
     shift.z() = rough * 0.003 * wave(6.7, 7);
   }
+  return poseFromYpr(shift.x(), shift.y(), shift.z(), angles.x(), angles.y(), angles.z());
+}
+
+Pose EgoMotion::update(const EgoState& ego, const Ground& ground, double time, double dt)
+{
+  moveOnSprings(equilibrium(ego, ground, dt), dt);
+  first_ = false;
   return poseFromYpr(ego.position.x(), ego.position.y(), x_[2], ego.yaw, x_[0], x_[1]) *
-         poseFromYpr(shift.x(), shift.y(), shift.z(), angles.x(), angles.y(), angles.z());
+         gait(ego.speed, time, dt);
 }
 }  // namespace dyslam::sim

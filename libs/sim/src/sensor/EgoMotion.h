@@ -26,6 +26,17 @@ class EgoMotion
   [[nodiscard]] static Pose mounting(EgoKind kind);
 
  private:
+  /** Advances along the road. \return pitch [rad], roll [rad] and height [m] at which the springs
+   * would be at rest on the ground below the wheels, with the forces of accelerating and turning */
+  [[nodiscard]] std::array<double, 3> equilibrium(const EgoState& ego,
+                                                  const Ground& ground,
+                                                  double dt);
+  /** Moves pitch, roll and height by one step. \param rest as of equilibrium() */
+  void moveOnSprings(const std::array<double, 3>& rest, double dt);
+  /** Motion in addition to that of the springs: steps and hands of a person, shaking of a robot,
+   * none of a car. */
+  [[nodiscard]] Pose gait(double speed, double time, double dt);
+
   EgoKind kind_;
   RoadProfile road_;
   double distance_ = 0;  // distance driven [m]

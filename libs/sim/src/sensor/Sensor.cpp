@@ -311,21 +311,29 @@ SensorModel sensorModel(SensorKind kind)
   return model;
 }
 
+std::vector<std::string> sensorNames()
+{
+  std::vector<std::string> names;
+  for (const auto& n : kNames)
+  {
+    names.emplace_back(n.text);
+  }
+  return names;
+}
+
 SensorKind sensorKindFromString(const std::string& name)
 {
   std::string upper = name;
   std::transform(upper.begin(), upper.end(), upper.begin(),
                  [](unsigned char c) { return static_cast<char>(std::toupper(c)); });
-  std::vector<std::string> words;
   for (const auto& n : kNames)
   {
     if (upper == n.text)
     {
       return n.kind;
     }
-    words.emplace_back(n.text);
   }
-  throw UserError(unknownWord("sensor", upper, words));
+  throw UserError(unknownWord("sensor", upper, sensorNames()));
 }
 
 std::string toString(SensorKind kind)

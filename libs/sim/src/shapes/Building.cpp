@@ -62,6 +62,41 @@ void addBalcony(Mesh& mesh, float x, float z, float width, bool panel, Material 
 
 namespace
 {
+/** Pilasters, downpipes, awnings, a step, and boxes at the foot of the wall. \param door bay with
+ * the door */
+void addFacadeDetails(Mesh& mesh, const BuildingStyle& s, float width, int bays, int door, Rng& rng)
+{
+  const float bay = width / static_cast<float>(bays);
+  const float top = s.floor_height * static_cast<float>(s.floors);
+  const bool pilasters = rng.chance(0.35);
+  for (int b = 0; b <= bays && pilasters; ++b)
+  {
+    addBox(mesh, V(bay * static_cast<float>(b), -0.06F, 0.5F * top - 0.5F),
+           V(0.35F, 0.14F, top + 1.0F), s.wall);
+  }
+  for (const float x : {0.25F, width - 0.25F})
+  {
+    addTube(mesh, V(x, -0.1F, -0.5F), V(x, -0.1F, top), 0.06F, 0.06F, 6, Material::steel);
+  }
+  for (int b = 0; b < bays; ++b)
+  {
+    const float mid = bay * (static_cast<float>(b) + 0.5F);
+    if (s.shop && rng.chance(0.4))
+    {
+      mesh.addQuad(V(mid - 0.5F * bay, 0, 2.9F), V(mid + 0.5F * bay, 0, 2.9F),
+                   V(mid + 0.5F * bay, -1.3F, 2.4F), V(mid - 0.5F * bay, -1.3F, 2.4F),
+                   Material::roof);
+    }
+    if (rng.chance(0.15))
+    {
+      const float h = rng.chance(0.5) ? 0.5F : 1.1F;
+      addBox(mesh, V(mid + 0.4F, -0.25F, 0.5F * h), V(0.7F, 0.45F, h), Material::furniture);
+    }
+  }
+  addBox(mesh, V(bay * (static_cast<float>(door) + 0.5F), -0.25F, 0.0F), V(1.6F, 0.6F, 0.3F),
+         Material::concrete);
+}
+
 /** A facade facing -y. Without `detail`: few windows, no balconies. */
 void addFacade(Mesh& mesh, const BuildingStyle& s, float width, bool detail, Rng& rng)
 {
@@ -119,34 +154,7 @@ void addFacade(Mesh& mesh, const BuildingStyle& s, float width, bool detail, Rng
   const float top = s.floor_height * static_cast<float>(s.floors);
   if (detail)
   {
-    // Details: pilasters, downpipes, awnings, steps and boxes at the foot of the wall.
-    const bool pilasters = rng.chance(0.35);
-    for (int b = 0; b <= bays && pilasters; ++b)
-    {
-      addBox(mesh, V(bay * static_cast<float>(b), -0.06F, 0.5F * top - 0.5F),
-             V(0.35F, 0.14F, top + 1.0F), s.wall);
-    }
-    for (const float x : {0.25F, width - 0.25F})
-    {
-      addTube(mesh, V(x, -0.1F, -0.5F), V(x, -0.1F, top), 0.06F, 0.06F, 6, Material::steel);
-    }
-    for (int b = 0; b < bays; ++b)
-    {
-      const float mid = bay * (static_cast<float>(b) + 0.5F);
-      if (s.shop && rng.chance(0.4))
-      {
-        mesh.addQuad(V(mid - 0.5F * bay, 0, 2.9F), V(mid + 0.5F * bay, 0, 2.9F),
-                     V(mid + 0.5F * bay, -1.3F, 2.4F), V(mid - 0.5F * bay, -1.3F, 2.4F),
-                     Material::roof);
-      }
-      if (rng.chance(0.15))
-      {
-        const float h = rng.chance(0.5) ? 0.5F : 1.1F;
-        addBox(mesh, V(mid + 0.4F, -0.25F, 0.5F * h), V(0.7F, 0.45F, h), Material::furniture);
-      }
-    }
-    addBox(mesh, V(bay * (static_cast<float>(door) + 0.5F), -0.25F, 0.0F), V(1.6F, 0.6F, 0.3F),
-           Material::concrete);
+    addFacadeDetails(mesh, s, width, bays, door, rng);
   }
   addBox(mesh, V(0.5F * width, -0.08F, top + 0.1F), V(width + 0.3F, 0.3F, 0.25F), s.wall);
 }

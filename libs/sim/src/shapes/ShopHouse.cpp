@@ -25,7 +25,8 @@ void addWall(Mesh& mesh,
                V(from.x(), from.y(), z1), wall);
 }
 
-/** Shelves with goods along the wall x = 0, towards +x. */
+/** Shelves with goods along the wall x = 0. \param side 1 if they stand on its side of +x, else -1
+ */
 void addShelves(Mesh& mesh, float y0, float y1, float height, Rng& rng, float side)
 {
   const float reach = rng.uniformFloat(0.3, 0.5);
@@ -48,6 +49,57 @@ void addShelves(Mesh& mesh, float y0, float y1, float height, Rng& rng, float si
       addBox(mesh, V(side * reach, post, 0.5F * top), V(0.03F, 0.03F, top), Material::furniture);
     }
     y += length + (rng.chance(0.2) ? 0.7F : 0.0F);
+  }
+}
+
+/** What stands in a room that is open at y = 0: shelves along the side walls, a partition, a
+ * counter, boxes. \param width, depth, height of the room [m] */
+void addShopInterior(Mesh& mesh, float width, float depth, float height, Rng& rng)
+{
+  const auto at = [&](float x, float y, const Mesh& part)
+  {
+    Eigen::Affine3f t = Eigen::Affine3f::Identity();
+    t.translate(V(x, y, 0));
+    mesh.append(part, t);
+  };
+  for (const float side : {1.0F, -1.0F})
+  {
+    if (rng.chance(0.7))
+    {
+      Mesh shelves;
+      addShelves(shelves, rng.uniformFloat(0.1, 0.8), depth - 0.1F, height, rng, side);
+      at(side > 0 ? 0.02F : width - 0.02F, 0, shelves);
+    }
+  }
+  if (rng.chance(0.5))  // a partition before the back wall
+  {
+    const float y = depth * rng.uniformFloat(0.5, 0.8), wide = width * rng.uniformFloat(0.3, 0.6);
+    const float x = rng.chance(0.5) ? 0 : width - wide;
+    addWall(mesh, {x, y}, {x + wide, y}, 0, height, Material::plaster);
+  }
+  if (rng.chance(0.6))  // a counter
+  {
+    const float wide = width * rng.uniformFloat(0.3, 0.6),
+                x = rng.uniformFloat(0.5, 0.5 + 0.4 * width);
+    addBox(
+        mesh,
+        V(std::min(x + 0.5F * wide, width - 0.5F * wide), depth * rng.uniformFloat(0.3, 0.7), 0.5F),
+        V(wide, 0.6F, 1.0F), Material::furniture);
+  }
+  const int boxes = rng.below(9);
+  for (int k = 0; k < boxes; ++k)
+  {
+    const float size = rng.uniformFloat(0.3, 0.8), tall = rng.uniformFloat(0.3, 1.5);
+    const float x = rng.uniformFloat(0.5, width - 0.5), y = rng.uniformFloat(0.3, depth - 0.4);
+    addBox(mesh, V(x, y, 0.5F * tall), V(size, size, tall), Material::furniture);
+  }
+  const int hanging = rng.below(5);
+  for (int k = 0; k < hanging; ++k)
+  {
+    const float tall = rng.uniformFloat(0.3, 0.9), x = rng.uniformFloat(0.3, width - 0.3),
+                y = rng.uniformFloat(0.1, 0.6 * depth);
+    addBox(mesh, V(x, y, height - 0.5F * tall), V(rng.uniformFloat(0.05, 0.5), 0.06F, tall),
+           Material::furniture);
   }
 }
 
@@ -111,7 +163,7 @@ class Unit
   Rng& rng_;
 };
 
-/** Sign boards, awning and air conditioner of a unit that begins at x. */
+/** Awning and sign boards of a unit that begins at x. */
 void addUnitDetails(Mesh& mesh, const ShopHouseStyle& s, float x, float width, bool shop, Rng& rng)
 {
   const float front = -s.projection;
@@ -245,55 +297,6 @@ ShopHouseStyle drawShopHouse(Rng& rng)
            : rng.chance(0.5) ? Material::brick
                              : Material::concrete;
   return s;
-}
-
-void addShopInterior(Mesh& mesh, float width, float depth, float height, Rng& rng)
-{
-  const auto at = [&](float x, float y, const Mesh& part)
-  {
-    Eigen::Affine3f t = Eigen::Affine3f::Identity();
-    t.translate(V(x, y, 0));
-    mesh.append(part, t);
-  };
-  for (const float side : {1.0F, -1.0F})
-  {
-    if (rng.chance(0.7))
-    {
-      Mesh shelves;
-      addShelves(shelves, rng.uniformFloat(0.1, 0.8), depth - 0.1F, height, rng, side);
-      at(side > 0 ? 0.02F : width - 0.02F, 0, shelves);
-    }
-  }
-  if (rng.chance(0.5))  // a partition before the back wall
-  {
-    const float y = depth * rng.uniformFloat(0.5, 0.8), wide = width * rng.uniformFloat(0.3, 0.6);
-    const float x = rng.chance(0.5) ? 0 : width - wide;
-    addWall(mesh, {x, y}, {x + wide, y}, 0, height, Material::plaster);
-  }
-  if (rng.chance(0.6))  // a counter
-  {
-    const float wide = width * rng.uniformFloat(0.3, 0.6),
-                x = rng.uniformFloat(0.5, 0.5 + 0.4 * width);
-    addBox(
-        mesh,
-        V(std::min(x + 0.5F * wide, width - 0.5F * wide), depth * rng.uniformFloat(0.3, 0.7), 0.5F),
-        V(wide, 0.6F, 1.0F), Material::furniture);
-  }
-  const int boxes = rng.below(9);
-  for (int k = 0; k < boxes; ++k)
-  {
-    const float size = rng.uniformFloat(0.3, 0.8), tall = rng.uniformFloat(0.3, 1.5);
-    const float x = rng.uniformFloat(0.5, width - 0.5), y = rng.uniformFloat(0.3, depth - 0.4);
-    addBox(mesh, V(x, y, 0.5F * tall), V(size, size, tall), Material::furniture);
-  }
-  const int hanging = rng.below(5);
-  for (int k = 0; k < hanging; ++k)
-  {
-    const float tall = rng.uniformFloat(0.3, 0.9), x = rng.uniformFloat(0.3, width - 0.3),
-                y = rng.uniformFloat(0.1, 0.6 * depth);
-    addBox(mesh, V(x, y, height - 0.5F * tall), V(rng.uniformFloat(0.05, 0.5), 0.06F, tall),
-           Material::furniture);
-  }
 }
 
 void addShopHouse(Mesh& mesh, const ShopHouseStyle& s, const Eigen::Affine3f& transform, Rng& rng)

@@ -32,12 +32,8 @@ void addShopHouse(Mesh& mesh,
                   const Eigen::Affine3f& transform,
                   Rng& rng);
 
-/** Adds what stands in a room that is open at y = 0: shelves along the side walls, counters, boxes.
- * \param width, depth, height of the room [m] */
-void addShopInterior(Mesh& mesh, float width, float depth, float height, Rng& rng);
-
-/** Adds the uneven walls of an alley from y = 0 inwards, with steps, doors, pipes and boxes on the
- * walls, at 0 < x < width. */
+/** Adds the uneven walls of an alley from y = 0 inwards, with pipes, air conditioners, canopies and
+ * boxes, at 0 < x < width; its end is a wall. \param width, length [m] */
 void addAlley(Mesh& mesh, float width, float length, const Eigen::Affine3f& transform, Rng& rng);
 
 /** Adds a wall of a courtyard along x with an open gate. \param gate, gate_width begin and width of

@@ -113,9 +113,9 @@ Mesh makeClothesRack(Rng& rng, float length)
   addTube(mesh, V(-half, 0, height), V(half, 0, height), 0.02F, 0.02F, 6, Material::steel);
   for (float x = -half + 0.1F; x < half - 0.05F; x += rng.uniformFloat(0.06, 0.2))
   {
-    const float long_by = rng.uniformFloat(0.6, 1.1);
-    addBox(mesh, V(x, 0, height - 0.5F * long_by - 0.03F),
-           V(0.04F, rng.uniformFloat(0.35, 0.5), long_by), Material::furniture);
+    const float garment = rng.uniformFloat(0.6, 1.1);  // its length [m]
+    addBox(mesh, V(x, 0, height - 0.5F * garment - 0.03F),
+           V(0.04F, rng.uniformFloat(0.35, 0.5), garment), Material::furniture);
   }
   return mesh;
 }

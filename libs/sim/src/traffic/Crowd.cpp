@@ -47,6 +47,50 @@ double driverAcceleration(double v, double v0, double gap, double v_leader, doub
   return std::max(-8.0, free - kAccelerate * interaction * interaction);
 }
 
+double pedalRate(double speed)
+{
+  constexpr double kPi = 3.14159265358979;
+  return speed / 5.2 * 2 * kPi;  // 5.2 m per revolution
+}
+
+std::optional<double> bodyAhead(const Crowd& crowd,
+                                int self,
+                                const Eigen::Vector2d& position,
+                                double yaw,
+                                double half_width,
+                                double reach)
+{
+  const Eigen::Vector2d forward(std::cos(yaw), std::sin(yaw));
+  std::optional<double> best;
+  const auto& actors = crowd.actors();
+  for (std::size_t i = 0; i < actors.size(); ++i)
+  {
+    if (static_cast<int>(i) == self || actors[i].frozen)
+    {
+      continue;
+    }
+    const Eigen::Vector2d d = actors[i].state.position.head<2>() - position;
+    if (std::abs(d.x()) > reach + 5 || std::abs(d.y()) > reach + 5)
+    {
+      continue;
+    }
+    const BodyModel& m = crowd.model(static_cast<int>(i));
+    // Extent of the other body along and across the line.
+    const double turn = actors[i].state.yaw - yaw;
+    const double along =
+        0.5 * (std::abs(std::cos(turn)) * m.size.x() + std::abs(std::sin(turn)) * m.size.y());
+    const double across =
+        0.5 * (std::abs(std::sin(turn)) * m.size.x() + std::abs(std::cos(turn)) * m.size.y());
+    const double x = forward.dot(d) - along;
+    const double y = std::abs(forward.x() * d.y() - forward.y() * d.x()) - across;
+    if (forward.dot(d) > 0 && x < reach && y < half_width && (!best || x < *best))
+    {
+      best = x;
+    }
+  }
+  return best;
+}
+
 Crowd::Crowd(const World& world, const SimulatorOptions& options) : world_(world), options_(options)
 {
   switch (world.kind)

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
 #include <cmath>
-#include <limits>
+#include <stdexcept>
 
 #include "Traffic.h"
 
@@ -46,9 +46,14 @@ Density densityIn(WorldKind kind)
       return {10, 1.6, 0.8, {0.06}};
     case WorldKind::downtown:
       return {16, 1.1, 0.6, {0.2, 0.16, 0.26}};
-    default:
+    case WorldKind::campus:
+    case WorldKind::field:
       return {22, 1.6, 0.8, {0.02}};
+    case WorldKind::highway:
+    case WorldKind::tunnel:
+      break;
   }
+  throw std::logic_error("StreetTraffic: highways have a traffic of their own");
 }
 
 class StreetTraffic : public Crowd::Group

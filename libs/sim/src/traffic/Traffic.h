@@ -2,6 +2,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "Random.h"
@@ -84,6 +85,18 @@ class Crowd
 [[nodiscard]] std::unique_ptr<Crowd::Group> makeBicycles(Crowd& crowd);
 /** The ego on World::ego_path; yields to pedestrians. */
 [[nodiscard]] std::unique_ptr<Crowd::Group> makePathEgo(Crowd& crowd);
+
+/** Distance to the nearest body that is within `half_width` of the line ahead and nearer than
+ * `reach` [m]; nothing if there is none. \param self actor that is left out; -1 for the ego */
+[[nodiscard]] std::optional<double> bodyAhead(const Crowd& crowd,
+                                              int self,
+                                              const Eigen::Vector2d& position,
+                                              double yaw,
+                                              double half_width,
+                                              double reach);
+
+/** Rate at which a cyclist turns the pedals [rad/s]. \param speed [m/s] */
+[[nodiscard]] double pedalRate(double speed);
 
 /** Acceleration of the intelligent driver model (Treiber et al., 2000) [m/s^2]. \param v speed
  * [m/s] \param v0 desired speed [m/s] \param gap distance to the leader [m] \param v_leader speed

@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Pedestrians, cyclists on campus paths and on the road, and the ego on a path.
+// Pedestrians, and cyclists on campus paths.
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "Traffic.h"
 
@@ -11,52 +10,30 @@ namespace dyslam::sim
 namespace
 {
 constexpr double kPi = 3.14159265358979;
-constexpr double kNoLimit = 1e9;
 
 bool isMotorised(ObjectClass c)
 {
   return c != ObjectClass::pedestrian && c != ObjectClass::cyclist;
 }
 
-/** Distance to the nearest body within `half_width` of the line ahead, and its index. */
-std::pair<double, int> bodyAhead(const Crowd& crowd,
-                                 int self,
-                                 const Eigen::Vector2d& position,
-                                 double yaw,
-                                 double half_width,
-                                 double reach)
+/** Number of pedestrians and cyclists on each metre of a link in the densest traffic. */
+double walkersPerMetre(WorldKind kind)
 {
-  const Eigen::Vector2d forward(std::cos(yaw), std::sin(yaw));
-  double best = kNoLimit;
-  int who = -1;
-  const auto& actors = crowd.actors();
-  for (std::size_t i = 0; i < actors.size(); ++i)
+  switch (kind)
   {
-    if (static_cast<int>(i) == self || actors[i].frozen)
-    {
-      continue;
-    }
-    const Eigen::Vector2d d = actors[i].state.position.head<2>() - position;
-    if (std::abs(d.x()) > reach + 5 || std::abs(d.y()) > reach + 5)
-    {
-      continue;
-    }
-    const BodyModel& m = crowd.model(static_cast<int>(i));
-    // Extent of the other body along and across the line.
-    const double turn = actors[i].state.yaw - yaw;
-    const double along =
-        0.5 * (std::abs(std::cos(turn)) * m.size.x() + std::abs(std::sin(turn)) * m.size.y());
-    const double across =
-        0.5 * (std::abs(std::sin(turn)) * m.size.x() + std::abs(std::cos(turn)) * m.size.y());
-    const double x = forward.dot(d) - along;
-    const double y = std::abs(forward.x() * d.y() - forward.y() * d.x()) - across;
-    if (forward.dot(d) > 0 && x < reach && y < half_width && x < best)
-    {
-      best = x;
-      who = static_cast<int>(i);
-    }
+    case WorldKind::campus:
+      return 0.10;
+    case WorldKind::downtown:
+      return 0.11;
+    case WorldKind::field:
+      return 0.01;
+    case WorldKind::urban:
+      return 0.05;
+    case WorldKind::highway:
+    case WorldKind::tunnel:
+      break;
   }
-  return {best, who};
+  return 0;  // no pavements
 }
 
 struct Walker
@@ -86,11 +63,7 @@ class Walkers : public Crowd::Group
       return;
     }
     const bool campus = crowd.world().kind == WorldKind::campus;
-    const double per_metre =
-        crowd.options().traffic * (campus                                      ? 0.10
-                                   : crowd.world().kind == WorldKind::downtown ? 0.11
-                                   : crowd.world().kind == WorldKind::field    ? 0.01
-                                                                               : 0.05);
+    const double per_metre = crowd.options().traffic * walkersPerMetre(crowd.world().kind);
     for (std::size_t l = 0; l < net_.links.size(); ++l)
     {
       const auto& link = net_.links[l];
@@ -244,7 +217,7 @@ class Walkers : public Crowd::Group
     w.position += w.v * dt * Eigen::Vector2d(std::cos(w.yaw), std::sin(w.yaw));
     if (w.rides)
     {
-      state.phase += w.v / 5.2 * 2 * kPi * dt;  // 5.2 m per pedal revolution
+      state.phase += pedalRate(w.v) * dt;
       state.roll = 0;
     }
     else
@@ -293,15 +266,15 @@ class Walkers : public Crowd::Group
     double desired_speed = crowd_.time() < w.pause_until ? 0 : w.desired_speed;
     const double off = wrapToPi(target_heading - w.yaw);
     desired_speed *= std::max(0.25, std::cos(std::min(std::abs(off), 1.4)));
-    const auto [gap, who] =
+    const auto gap =
         bodyAhead(crowd_, w.actor, w.position, w.yaw, w.rides ? 0.45 : 0.3, w.rides ? 3.5 : 1.6);
     double evasion = 0;
-    if (who >= 0)
+    if (gap)
     {
       const double room = w.rides ? 1.2 : 0.5;
       desired_speed =
-          std::min(desired_speed, std::max(0.0, 1.2 * (gap - room)) + (w.stuck > 1.5 ? 0.3 : 0.0));
-      evasion = w.stuck > 0.5 || gap < 1.2 ? -0.7 : -0.35;  // to the right
+          std::min(desired_speed, std::max(0.0, 1.2 * (*gap - room)) + (w.stuck > 1.5 ? 0.3 : 0.0));
+      evasion = w.stuck > 0.5 || *gap < 1.2 ? -0.7 : -0.35;  // to the right
     }
     const Eigen::Vector2d to_ego = crowd_.ego().position - w.position;
     if (to_ego.norm() < (w.rides ? 2.5 : 1.5) &&
@@ -319,150 +292,10 @@ class Walkers : public Crowd::Group
   Rng rng_;
   std::vector<Walker> walkers_;
 };
-
-/** Cyclists on closed paths at the edge of the carriageway. */
-class Bicycles : public Crowd::Group
-{
- public:
-  explicit Bicycles(Crowd& crowd)
-      : crowd_(crowd), rng_(combine(crowd.options().trafficSeed(), 0xB1C1))
-  {
-    for (const auto& loop : crowd.world().bicycle_loops)
-    {
-      const double traffic = crowd.options().traffic;
-      const double spacing = traffic > 0 ? 45 / traffic : kNoLimit;
-      for (double s = rng_.uniform(0, 1) * spacing; s < loop.length() - 6;
-           s += spacing * rng_.uniform(0.5, 1.5) + 5)
-      {
-        Rider r;
-        r.loop = &loop;
-        r.s = s;
-        r.desired_speed = rng_.uniform(3.2, 6.5);
-        r.v = r.desired_speed;
-        const auto& kinds = crowd.world().cyclists;
-        const float paint = drawPaint(rng_);
-        r.actor = crowd.addActor(rng_.pick(kinds), paint);
-        riders_.push_back(r);
-        const auto at = loop.at(s);
-        crowd.setPosition(r.actor, at.position, at.heading);
-      }
-    }
-  }
-
-  void step(double dt) override
-  {
-    for (auto& r : riders_)
-    {
-      const auto at = r.loop->at(r.s);
-      const bool active = crowd_.active(at.position);
-      Actor& actor = crowd_.actor(r.actor);
-      actor.frozen = !active;
-      if (!active)
-      {
-        continue;
-      }
-      const auto [gap, who] = bodyAhead(crowd_, r.actor, at.position, at.heading, 0.35, 8);
-      double desired_speed = r.desired_speed;
-      if (who >= 0 && r.stuck < 4)
-      {
-        desired_speed = std::min(desired_speed, std::max(0.0, 0.9 * (gap - 1.4)));
-      }
-      const double heading_change = std::abs(wrapToPi(r.loop->at(r.s + 4).heading - at.heading));
-      desired_speed = std::min(desired_speed, heading_change > 0.3 ? 2.8 : kNoLimit);
-      r.stuck = r.v < 0.2 ? r.stuck + dt : std::max(0.0, r.stuck - 0.3 * dt);
-      r.v += std::clamp(desired_speed - r.v, -3 * dt, 1.0 * dt);
-      r.v = std::max(0.0, r.v);
-      r.s += r.v * dt;
-      const auto now = r.loop->at(r.s);
-      crowd_.setPosition(r.actor, now.position, now.heading);
-      actor.state.roll = 0;
-      actor.state.speed = r.v;
-      actor.state.phase += r.v / 5.2 * 2 * kPi * dt;
-    }
-  }
-
- private:
-  struct Rider
-  {
-    const Path* loop = nullptr;
-    int actor = 0;
-    double s = 0, v = 0, desired_speed = 4, stuck = 0;
-  };
-  Crowd& crowd_;
-  Rng rng_;
-  std::vector<Rider> riders_;
-};
-
-/** The ego on a closed path. */
-class PathEgo : public Crowd::Group
-{
- public:
-  explicit PathEgo(Crowd& crowd)
-      : crowd_(crowd), rng_(combine(crowd.options().trafficSeed(), 0xE605))
-  {
-    s_ = crowd.options().start_fraction * crowd.world().ego_path.length();
-    next_stop_ = rng_.uniform(15, 40);
-    place();
-  }
-
-  void step(double dt) override
-  {
-    const Path& path = crowd_.world().ego_path;
-    double desired_speed = egoCruise(crowd_.world(), crowd_.options());
-    if (crowd_.options().stops && crowd_.time() > next_stop_)
-    {
-      stop_until_ = crowd_.time() + rng_.uniform(1.5, 5);
-      next_stop_ = stop_until_ + rng_.uniform(20, 60);
-    }
-    desired_speed = crowd_.time() < stop_until_ ? 0 : desired_speed;
-    const double heading_change =
-        std::abs(wrapToPi(path.at(s_ + 1.5 * sense()).heading - path.at(s_).heading));
-    desired_speed = std::min(desired_speed,
-                             heading_change > 0.2
-                                 ? std::max(0.6, 0.5 * egoCruise(crowd_.world(), crowd_.options()))
-                                 : kNoLimit);
-    const auto [gap, who] =
-        bodyAhead(crowd_, -1, crowd_.ego().position, crowd_.ego().yaw, 0.45, 2.5 + 1.5 * v_);
-    if (who >= 0 && stuck_ < 5)
-    {
-      desired_speed = std::min(desired_speed, std::max(0.0, 0.8 * (gap - 1.0)));
-    }
-    stuck_ = v_ < 0.1 && who >= 0 ? stuck_ + dt : std::max(0.0, stuck_ - 0.5 * dt);
-    v_ = std::max(0.0, v_ + std::clamp(desired_speed - v_, -1.8 * dt, 0.9 * dt));
-    s_ += sense() * v_ * dt;
-    place();
-  }
-
- private:
-  /** 1 along the path, -1 the other way. */
-  double sense() const { return crowd_.options().reverse ? -1 : 1; }
-
-  void place()
-  {
-    const Path& path = crowd_.world().ego_path;
-    const auto front = path.at(s_ + 0.4 * sense()), back = path.at(s_ - 0.4 * sense());
-    const Eigen::Vector2d d = front.position - back.position;
-    crowd_.ego() = {0.5 * (front.position + back.position), std::atan2(d.y(), d.x()), v_};
-  }
-
-  Crowd& crowd_;
-  Rng rng_;
-  double s_ = 0, v_ = 0, next_stop_ = 0, stop_until_ = 0, stuck_ = 0;
-};
 }  // namespace
 
 std::unique_ptr<Crowd::Group> makeWalkers(Crowd& crowd)
 {
   return std::make_unique<Walkers>(crowd);
-}
-
-std::unique_ptr<Crowd::Group> makeBicycles(Crowd& crowd)
-{
-  return std::make_unique<Bicycles>(crowd);
-}
-
-std::unique_ptr<Crowd::Group> makePathEgo(Crowd& crowd)
-{
-  return std::make_unique<PathEgo>(crowd);
 }
 }  // namespace dyslam::sim

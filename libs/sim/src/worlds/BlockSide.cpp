@@ -6,6 +6,37 @@
 
 namespace dyslam::sim
 {
+std::vector<Side> blockSides(const StreetGrid& grid, int i, int j, double depth)
+{
+  using P = Eigen::Vector2d;
+  constexpr double kShortest = 8;  // length of a side between two others [m]
+  const auto e = grid.blockInside(i, j);
+  const P sw(e[0], e[1]), se(e[2], e[1]), ne(e[2], e[3]), nw(e[0], e[3]);
+  const double width = e[2] - e[0], height = e[3] - e[1];
+  const int nu = static_cast<int>(grid.along_v.size()), nv = static_cast<int>(grid.along_u.size());
+  const bool south = j >= 0, north = j + 1 < nv, west = i >= 0, east = i + 1 < nu;
+  std::vector<Side> sides;
+  if (south)
+  {
+    sides.push_back({se, P(-1, 0), P(0, 1), width, depth});
+  }
+  if (north)
+  {
+    sides.push_back({nw, P(1, 0), P(0, -1), width, depth});
+  }
+  const double cut0 = south ? depth + 1 : 0, cut1 = north ? depth + 1 : 0;
+  const double rest = height - cut0 - cut1;
+  if (west && rest > kShortest)
+  {
+    sides.push_back({sw + P(0, cut0), P(0, 1), P(1, 0), rest, depth});
+  }
+  if (east && rest > kShortest)
+  {
+    sides.push_back({ne - P(0, cut1), P(0, -1), P(-1, 0), rest, depth});
+  }
+  return sides;
+}
+
 Eigen::Affine3f houseFrame(
     const StreetGrid& grid, const Side& side, double s, double front, double width, double depth)
 {

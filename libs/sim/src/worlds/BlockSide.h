@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <vector>
+
 #include "StreetGrid.h"
 
 namespace dyslam::sim
@@ -17,6 +19,10 @@ struct Side
     return origin + s * along + d * inward;
   }
 };
+
+/** The sides of a block that face a street: south and north, which include the corners, west and
+ * east. \param i, j indices of the block, from -1 \param depth of the sides [m] */
+[[nodiscard]] std::vector<Side> blockSides(const StreetGrid& grid, int i, int j, double depth);
 
 /** Frame of a house on a side of a block: origin at the left corner of its front, x along the
  * front, y into the block; at the lowest ground height of the house's corners. \param s begin of

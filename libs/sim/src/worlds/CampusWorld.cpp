@@ -67,7 +67,28 @@ class CampusBuilder
     world_.meshes.push_back(ground_->mesh(origin.x() - margin, origin.y() - margin,
                                           origin.x() + nx_ * pitch_ + margin,
                                           origin.y() + ny_ * pitch_ + margin, 0.9, Material::lawn));
-    // The ego follows the outer ring.
+    world_.ego_path = Path(roundedCorners(outerRing(), 3.0, 0.5, true), true);
+    world_.loop_length = world_.ego_path.length();
+  }
+
+  void furnish()
+  {
+    world_.meshes.emplace_back();
+    for (int i = 0; i < nx_; ++i)
+    {
+      for (int j = 0; j < ny_; ++j)
+      {
+        cell(i, j);
+      }
+    }
+    outskirts();
+    lampsAndBenches();
+  }
+
+ private:
+  /** The outermost nodes, which the ego follows one way round or the other. */
+  std::vector<P> outerRing()
+  {
     std::vector<P> ring;
     for (int i = 0; i < nx_; ++i)
     {
@@ -89,25 +110,9 @@ class CampusBuilder
     {
       std::reverse(ring.begin(), ring.end());
     }
-    world_.ego_path = Path(roundedCorners(ring, 3.0, 0.5, true), true);
-    world_.loop_length = world_.ego_path.length();
+    return ring;
   }
 
-  void furnish()
-  {
-    world_.meshes.emplace_back();
-    for (int i = 0; i < nx_; ++i)
-    {
-      for (int j = 0; j < ny_; ++j)
-      {
-        cell(i, j);
-      }
-    }
-    outskirts();
-    lampsAndBenches();
-  }
-
- private:
   void makeRoad(OpenGround& ground, const P& origin)
   {
     const double out = 15;

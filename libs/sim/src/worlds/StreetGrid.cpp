@@ -229,4 +229,11 @@ std::array<double, 4> StreetGrid::blockInside(int i, int j) const
   e[3] -= walk(along_u, j + 1);
   return e;
 }
+
+bool Kerb::isClear(const StreetGrid& grid, double s, double margin) const
+{
+  const auto& crossing = along_v ? grid.along_u : grid.along_v;
+  return std::all_of(crossing.begin(), crossing.end(),
+                     [&](const Street& c) { return std::abs(s - c.centre) > c.half() + margin; });
+}
 }  // namespace dyslam::sim

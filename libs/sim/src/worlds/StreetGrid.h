@@ -95,6 +95,23 @@ class StreetGrid : public Ground
   std::uint64_t seed_;
 };
 
+/** One side of a street. */
+struct Kerb
+{
+  const Street& street;
+  bool along_v;  //!< the street is one of StreetGrid::along_v
+  double side;   //!< 1: on the right in the direction of increasing v or u, else -1
+  /** \param s along the street \param d from the centre line to this side [m] \return local
+   * coordinates [m] */
+  [[nodiscard]] Eigen::Vector2d at(double s, double d) const
+  {
+    return along_v ? Eigen::Vector2d(street.centre + side * d, s)
+                   : Eigen::Vector2d(s, street.centre - side * d);
+  }
+  /** Whether a place is more than `margin` away from the streets that cross [m]. */
+  [[nodiscard]] bool isClear(const StreetGrid& grid, double s, double margin) const;
+};
+
 /** Lanes, junctions and turns of the grid, and a closed route around the central `ring_u x ring_v`
  * blocks from block (first_u, first_v). */
 [[nodiscard]] LaneNetwork makeLanes(

@@ -237,51 +237,66 @@ LaneNetwork makeLanes(
   return net;
 }
 
+namespace
+{
+/** Numbers of the corner nodes, by block and corner: south-west, south-east, north-east,
+ * north-west. */
+using CornerNodes = std::map<std::array<int, 3>, int>;
+
+/** Adds the pavements around block (i, j) and their corners. */
+void addPavements(const StreetGrid& grid, int i, int j, CornerNodes& corner, WalkNetwork& net)
+{
+  constexpr double kWidth = 1.6;  // [m]
+  const int nu = static_cast<int>(grid.along_v.size()), nv = static_cast<int>(grid.along_u.size());
+  const auto kerb = grid.blockKerb(i, j), inside = grid.blockInside(i, j);
+  std::array<double, 4> mid{};
+  for (std::size_t k = 0; k < 4; ++k)
+  {
+    mid[k] = 0.5 * (kerb[k] + inside[k]) + (k < 2 ? 0.2 : -0.2);
+  }
+  const std::array<P, 4> corners{P(mid[0], mid[1]), P(mid[2], mid[1]), P(mid[2], mid[3]),
+                                 P(mid[0], mid[3])};
+  for (int c = 0; c < 4; ++c)
+  {
+    corner[{i, j, c}] = net.addNode(grid.toWorld(corners[static_cast<std::size_t>(c)]));
+  }
+  for (int c = 0; c < 4; ++c)
+  {
+    // Blocks of the belt have no outer pavement.
+    const bool outside = (c == 0 && j < 0) || (c == 1 && i == nu - 1) || (c == 2 && j == nv - 1) ||
+                         (c == 3 && i < 0);
+    if (outside)
+    {
+      continue;
+    }
+    // Intermediate nodes follow curved streets.
+    const P a = corners[static_cast<std::size_t>(c)],
+            b = corners[static_cast<std::size_t>((c + 1) % 4)];
+    int previous = corner[{i, j, c}];
+    const int pieces = std::max(1, static_cast<int>((b - a).norm() / 15));
+    for (int k = 1; k < pieces; ++k)
+    {
+      const int node = net.addNode(grid.toWorld(a + (b - a) * k / pieces));
+      net.addLink(previous, node, false, kWidth);
+      previous = node;
+    }
+    // The fourth side ends at the first corner, which exists already.
+    net.addLink(previous, corner[{i, j, (c + 1) % 4}], false, kWidth);
+  }
+}
+}  // namespace
+
 WalkNetwork makeWalks(const StreetGrid& grid)
 {
+  constexpr double kCrossing = 2;  // width of a crossing [m]
   WalkNetwork net;
   const int nu = static_cast<int>(grid.along_v.size()), nv = static_cast<int>(grid.along_u.size());
-  // Corner nodes of every block, in the middle of the pavement: south-west, south-east, north-east,
-  // north-west. Blocks of the belt have no outer pavement.
-  std::map<std::array<int, 3>, int> corner;
+  CornerNodes corner;
   for (int i = -1; i < nu; ++i)
   {
     for (int j = -1; j < nv; ++j)
     {
-      const auto kerb = grid.blockKerb(i, j), inside = grid.blockInside(i, j);
-      std::array<double, 4> mid{};
-      for (std::size_t k = 0; k < 4; ++k)
-      {
-        mid[k] = 0.5 * (kerb[k] + inside[k]) + (k < 2 ? 0.2 : -0.2);
-      }
-      const std::array<P, 4> corners{P(mid[0], mid[1]), P(mid[2], mid[1]), P(mid[2], mid[3]),
-                                     P(mid[0], mid[3])};
-      for (int c = 0; c < 4; ++c)
-      {
-        corner[{i, j, c}] = net.addNode(grid.toWorld(corners[static_cast<std::size_t>(c)]));
-      }
-      for (int c = 0; c < 4; ++c)
-      {
-        const bool outside = (c == 0 && j < 0) || (c == 1 && i == nu - 1) ||
-                             (c == 2 && j == nv - 1) || (c == 3 && i < 0);
-        if (outside)
-        {
-          continue;
-        }
-        // Intermediate nodes follow curved streets.
-        const P a = corners[static_cast<std::size_t>(c)],
-                b = corners[static_cast<std::size_t>((c + 1) % 4)];
-        int previous = corner[{i, j, c}];
-        const int pieces = std::max(1, static_cast<int>((b - a).norm() / 15));
-        for (int k = 1; k < pieces; ++k)
-        {
-          const int node = net.addNode(grid.toWorld(a + (b - a) * k / pieces));
-          net.addLink(previous, node, false, 1.6);
-          previous = node;
-        }
-        // The fourth side ends at the first corner, which exists already.
-        net.addLink(previous, corner[{i, j, (c + 1) % 4}], false, 1.6);
-      }
+      addPavements(grid, i, j, corner, net);
     }
   }
   for (int i = -1; i < nu; ++i)
@@ -290,13 +305,13 @@ WalkNetwork makeWalks(const StreetGrid& grid)
     {
       if (i + 1 < nu)
       {
-        net.addLink(corner[{i, j, 1}], corner[{i + 1, j, 0}], true, 2.0);
-        net.addLink(corner[{i, j, 2}], corner[{i + 1, j, 3}], true, 2.0);
+        net.addLink(corner[{i, j, 1}], corner[{i + 1, j, 0}], true, kCrossing);
+        net.addLink(corner[{i, j, 2}], corner[{i + 1, j, 3}], true, kCrossing);
       }
       if (j + 1 < nv)
       {
-        net.addLink(corner[{i, j, 3}], corner[{i, j + 1, 0}], true, 2.0);
-        net.addLink(corner[{i, j, 2}], corner[{i, j + 1, 1}], true, 2.0);
+        net.addLink(corner[{i, j, 3}], corner[{i, j + 1, 0}], true, kCrossing);
+        net.addLink(corner[{i, j, 2}], corner[{i, j + 1, 1}], true, kCrossing);
       }
     }
   }

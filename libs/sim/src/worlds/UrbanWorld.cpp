@@ -63,7 +63,7 @@ class BlockBuilder
   void build(int i, int j)
   {
     const auto e = grid_.blockInside(i, j);
-    const P sw(e[0], e[1]), se(e[2], e[1]), ne(e[2], e[3]), nw(e[0], e[3]);
+    const P sw(e[0], e[1]);
     const double width = e[2] - e[0], height = e[3] - e[1];
     const int character = rng_.below(10);
     const bool belt = i < 0 || j < 0 || i + 1 >= static_cast<int>(grid_.along_v.size()) ||
@@ -75,100 +75,21 @@ class BlockBuilder
     }
     const bool dense = character < 5;
     const double depth = dense ? 14 : 20;
-    const int nu = static_cast<int>(grid_.along_v.size()),
-              nv = static_cast<int>(grid_.along_u.size());
-    // The south and north sides include the corners.
-    const bool south = j >= 0, north = j + 1 < nv, west = i >= 0, east = i + 1 < nu;
-    if (south)
+    for (const Side& one : blockSides(grid_, i, j, depth))
     {
-      side({se, P(-1, 0), P(0, 1), width, depth}, dense);
-    }
-    if (north)
-    {
-      side({nw, P(1, 0), P(0, -1), width, depth}, dense);
-    }
-    const double cut0 = south ? depth + 1 : 0, cut1 = north ? depth + 1 : 0;
-    if (west && height - cut0 - cut1 > 8)
-    {
-      side({sw + P(0, cut0), P(0, 1), P(1, 0), height - cut0 - cut1, depth}, dense);
-    }
-    if (east && height - cut0 - cut1 > 8)
-    {
-      side({ne - P(0, cut1), P(0, -1), P(-1, 0), height - cut0 - cut1, depth}, dense);
+      side(one, dense);
     }
     scatter(sw + P(depth, depth), width - 2 * depth, height - 2 * depth, 12);
   }
 
-  void street(const Street& street,
-              bool runs_along_v,
-              double from,
-              double to,
-              const std::vector<Street>& crossing)
+  /** Parked cars and the furniture of the pavements. */
+  void street(const Street& street, bool runs_along_v, double from, double to)
   {
-    const auto local = [&](double s, double d)
-    { return runs_along_v ? P(street.centre + d, s) : P(s, street.centre - d); };
-    const auto clear = [&](double s, double margin)
-    {
-      return std::all_of(crossing.begin(), crossing.end(),
-                         [&](const Street& c)
-                         { return std::abs(s - c.centre) > c.half() + margin; });
-    };
     for (const double side : {-1.0, 1.0})
     {
-      parkCars(street, side, from, to, local, clear);
-      double next_lamp = from + rng_.uniform(3, 20), next_tree = from + rng_.uniform(2, 12);
-      const double kerb = street.half() + 0.45;
-      for (double s = from; s < to; s += 1.0)
-      {
-        if (!clear(s, 2.5))
-        {
-          continue;
-        }
-        const P where = local(s, side * kerb);
-        const double yaw = heading(where, runs_along_v) + (side > 0 ? 0 : 3.14159265);
-        if (s >= next_lamp && side > 0)
-        {
-          next_lamp = s + rng_.uniform(22, 32);
-          world_.placeOnGround(furnishing_.lamp, grid_.toWorld(where), yaw);
-        }
-        else if (street.trees && s >= next_tree)
-        {
-          next_tree = s + rng_.uniform(6, 14);
-          const auto scale = static_cast<float>(rng_.uniform(0.8, 1.15));
-          const double turned = rng_.uniform(0, 6.28);
-          world_.placeOnGround(rng_.pick(furnishing_.trees),
-                               grid_.toWorld(local(s, side * (kerb + 0.5))), turned, scale);
-        }
-        else if (rng_.chance(0.02))
-        {
-          world_.placeOnGround(rng_.pick(furnishing_.signs), grid_.toWorld(where),
-                               yaw + 3.14159265);
-        }
-        else if (rng_.chance(0.05))
-        {
-          world_.placeOnGround(rng_.pick(furnishing_.clutter),
-                               grid_.toWorld(local(s, side * (street.half() + street.walk - 0.5))),
-                               yaw);
-        }
-        else if (rng_.chance(0.03))
-        {
-          const P wall = local(s, side * (street.half() + street.walk - 0.35));
-          const double turned = rng_.uniform(0, 6.28);
-          world_.placeOnGround(rng_.pick(furnishing_.bushes), grid_.toWorld(wall), turned, 0.6F);
-        }
-        else if (rng_.chance(0.02))
-        {
-          const double turned = yaw + rng_.uniform(-0.3, 0.3);
-          world_.park(rng_.pick(world_.parked_bicycles),
-                      grid_.toWorld(local(s, side * (street.half() + street.walk - 0.4))), turned,
-                      rng_);
-        }
-        else if (rng_.chance(0.003))
-        {
-          world_.placeOnGround(furnishing_.bus_stop, grid_.toWorld(local(s, side * (kerb + 0.6))),
-                               yaw);
-        }
-      }
+      const Kerb kerb{street, runs_along_v, side};
+      parkCars(kerb, from, to);
+      furnishPavement(kerb, from, to);
     }
   }
 
@@ -193,32 +114,91 @@ class BlockBuilder
     return grid_.headingOfU(local) + (along_v ? 1.5707963 : 0.0);
   }
 
-  template <typename Local, typename Clear>
-  void parkCars(const Street& street,
-                double side,
-                double from,
-                double to,
-                const Local& local,
-                const Clear& clear)
+  void parkCars(const Kerb& kerb, double from, double to)
   {
+    const Street& street = kerb.street;
     if (street.parking <= 0)
     {
       return;
     }
     for (double s = from + rng_.uniform(0, 6); s < to; s += rng_.uniform(5.8, 7.0))
     {
-      if (!clear(s, 7.0) || !rng_.chance(street.occupancy))
+      if (!kerb.isClear(grid_, s, 7.0) || !rng_.chance(street.occupancy))
       {
         continue;
       }
       const int model = rng_.chance(0.9) ? rng_.pick(world_.cars) : rng_.pick(world_.vans);
       const P where =
-          local(s, side * (street.carriageway() + 0.5 * street.parking + rng_.uniform(0, 0.1)));
-      const bool along_v = (local(1, 0) - local(0, 0)).y() > 0.5;
-      const bool ahead = rng_.chance(0.85) == (side > 0);
+          kerb.at(s, street.carriageway() + 0.5 * street.parking + rng_.uniform(0, 0.1));
+      const bool ahead = rng_.chance(0.85) == (kerb.side > 0);
       const double yaw =
-          heading(where, along_v) + (ahead ? 0 : 3.14159265) + rng_.uniform(-0.03, 0.03);
+          heading(where, kerb.along_v) + (ahead ? 0 : 3.14159265) + rng_.uniform(-0.03, 0.03);
       world_.park(model, grid_.toWorld(where), yaw, rng_);
+    }
+  }
+
+  /** Lamps on one side, trees, and smaller things between them. */
+  void furnishPavement(const Kerb& kerb, double from, double to)
+  {
+    double next_lamp = from + rng_.uniform(3, 20), next_tree = from + rng_.uniform(2, 12);
+    const double at_kerb = kerb.street.half() + 0.45;  // distance from the centre line [m]
+    for (double s = from; s < to; s += 1.0)
+    {
+      if (!kerb.isClear(grid_, s, 2.5))
+      {
+        continue;
+      }
+      const P where = kerb.at(s, at_kerb);
+      const double yaw = heading(where, kerb.along_v) + (kerb.side > 0 ? 0 : 3.14159265);
+      if (s >= next_lamp && kerb.side > 0)
+      {
+        next_lamp = s + rng_.uniform(22, 32);
+        world_.placeOnGround(furnishing_.lamp, grid_.toWorld(where), yaw);
+      }
+      else if (kerb.street.trees && s >= next_tree)
+      {
+        next_tree = s + rng_.uniform(6, 14);
+        const auto scale = static_cast<float>(rng_.uniform(0.8, 1.15));
+        const double turned = rng_.uniform(0, 6.28);
+        world_.placeOnGround(rng_.pick(furnishing_.trees), grid_.toWorld(kerb.at(s, at_kerb + 0.5)),
+                             turned, scale);
+      }
+      else
+      {
+        placeOnPavement(kerb, s, at_kerb, yaw);
+      }
+    }
+  }
+
+  /** A sign, a bin, a bush, a bicycle or a bus stop, or mostly nothing. \param yaw heading of the
+   * street with the kerb on the right [rad] */
+  void placeOnPavement(const Kerb& kerb, double s, double at_kerb, double yaw)
+  {
+    const double at_wall = kerb.street.half() + kerb.street.walk;
+    const auto place = [&](int shape, double d, double turned, float scale = 1)
+    { world_.placeOnGround(shape, grid_.toWorld(kerb.at(s, d)), turned, scale); };
+    if (rng_.chance(0.02))
+    {
+      place(rng_.pick(furnishing_.signs), at_kerb, yaw + 3.14159265);
+    }
+    else if (rng_.chance(0.05))
+    {
+      place(rng_.pick(furnishing_.clutter), at_wall - 0.5, yaw);
+    }
+    else if (rng_.chance(0.03))
+    {
+      const double turned = rng_.uniform(0, 6.28);
+      place(rng_.pick(furnishing_.bushes), at_wall - 0.35, turned, 0.6F);
+    }
+    else if (rng_.chance(0.02))
+    {
+      const double turned = yaw + rng_.uniform(-0.3, 0.3);
+      world_.park(rng_.pick(world_.parked_bicycles), grid_.toWorld(kerb.at(s, at_wall - 0.4)),
+                  turned, rng_);
+    }
+    else if (rng_.chance(0.003))
+    {
+      place(furnishing_.bus_stop, at_kerb + 0.6, yaw);
     }
   }
 
@@ -365,7 +345,7 @@ void buildUrban(World& world, const SimulatorOptions& options)
   }
   for (const auto& s : streets.along_v)
   {
-    builder.street(s, true, streets.minV(), streets.maxV(), streets.along_u);
+    builder.street(s, true, streets.minV(), streets.maxV());
     for (const auto& t : streets.along_u)
     {
       builder.junction(s, t);
@@ -373,7 +353,7 @@ void buildUrban(World& world, const SimulatorOptions& options)
   }
   for (const auto& s : streets.along_u)
   {
-    builder.street(s, false, streets.minU(), streets.maxU(), streets.along_v);
+    builder.street(s, false, streets.minU(), streets.maxU());
   }
   setNetworks(streets, ring, rng.chance(0.5) != options.reverse, world);
 }

@@ -44,7 +44,7 @@ class TensorFile
                   const torch::nn::Module& network,
                   torch::Dtype stored_as = torch::kFloat);
   /** Sets the parameters of a network. \throws UserError if one is missing, of another shape or not
-   * finite. */
+   * finite, and if there are others with this prefix: the file is of another network. */
   void loadWeights(const std::string& prefix, torch::nn::Module& network) const;
 
  private:

@@ -20,7 +20,7 @@ struct ClipOptions : Options
   double min_traffic = 0;    //!< least traffic density drawn for a clip
   double max_traffic = 1;    //!< largest traffic density drawn for a clip
   int least_seed = 0;        //!< least seed drawn for a world
-  int most_seed = (1 << 30) - 1;  //!< largest seed drawn for a world
+  int most_seed = (1 << 30) - 1;  //!< largest; of more than 2^30 seeds the first are drawn
 
   void describe(OptionsVisitor& visitor) override;
 };

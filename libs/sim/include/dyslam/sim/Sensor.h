@@ -87,8 +87,9 @@ struct SensorModel
  * prisms were measured on a Livox Mid-40, the order of its six lasers is assumed. */
 [[nodiscard]] SensorModel sensorModel(SensorKind kind);
 
-/** "HDL64E", "HDL32E", "VLP16", "VLP32C", "VLS128", "OS1-32", "OS1-64", "OS1-128", "PANDAR64",
- * "XT32", "AVIA", in any case. \throws UserError. */
+/** Names of the sensors, as of toString(): "HDL64E", "OS1-128", ... */
+[[nodiscard]] std::vector<std::string> sensorNames();
+/** The sensor of a name, in any case. \throws UserError naming the nearest. */
 [[nodiscard]] SensorKind sensorKindFromString(const std::string& name);
 [[nodiscard]] std::string toString(SensorKind kind);
 }  // namespace dyslam::sim

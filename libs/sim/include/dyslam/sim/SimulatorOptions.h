@@ -48,8 +48,9 @@ struct SimulatorOptions : Options
   EgoKind ego = EgoKind::automatic;
 
   double ego_speed = 0;  //!< cruising speed [m/s]; 0 for the default of the world
-  double loop_length =
-      400;  //!< approximate length of the ego's closed loop [m]; sets the world's size
+  /** Approximate length of the ego's closed loop [m]; sets the world's size. Highways and tunnels
+   * have 1500 m at least, streets are driven around one block at least. */
+  double loop_length = 400;
   double start_time = 5;      //!< time simulated before the first scan [s]
   double start_fraction = 0;  //!< start of the ego on its loop, in [0, 1)
   bool reverse = false;  //!< the ego drives its loop in the opposite direction; not on a highway

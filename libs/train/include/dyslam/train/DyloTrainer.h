@@ -20,7 +20,7 @@ struct DyloTrainRequest
    * number and name; empty: not written. */
   std::string mask_folder;
   /** Print the validation table of `start`, or if that is empty of the weights in `output`, and
-   * write nothing. */
+   * write nothing. A dylo.safetensors must have been trained with the settings of [network]. */
   bool validate_only = false;
   std::function<bool()>
       stopped;  //!< polled before each step: true saves and ends the training; may be empty
