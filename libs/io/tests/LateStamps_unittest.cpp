@@ -50,7 +50,7 @@ TEST(LateStamps, LateIsBehindThreeQuartersOfTheScan)
   EXPECT_EQ(firstOfLateStamp({-1.5F, -0.5F}), -1.5) << "of the arrival";
 }
 
-TEST(LateStamps, AllMoveByTheTimeOfTheFirstScan)
+TEST(LateStamps, AllMoveByTheTimeOfTheFirstScans)
 {
   LateStamps late;
   Scan without_times = someScan(0, 3);
@@ -67,7 +67,27 @@ TEST(LateStamps, AllMoveByTheTimeOfTheFirstScan)
   late(scan);
   EXPECT_EQ(scan.stamp, 10.5);
   EXPECT_EQ(scan.time, (std::vector<float>{0.25F, 0.5F}));
+  scan.stamp = 12;
+  scan.time = {-1.0F, 0.0F};
+  late(scan);
+  EXPECT_EQ(scan.stamp, 11.5);
+  EXPECT_EQ(scan.time, (std::vector<float>{-0.5F, 0.5F}));
   EXPECT_TRUE(hasLine(late.notes(), "moved by 0.500000 s to the first points"));
+}
+
+TEST(LateStamps, TheFirstScanMayBeAPart)
+{
+  LateStamps late;
+  Scan scan;
+  scan.stamp = 10;
+  scan.time = {-0.125F, 0.0F};
+  late(scan);
+  EXPECT_EQ(scan.stamp, 9.875);
+  scan.stamp = 11;
+  scan.time = {-1.0F, 0.0F};
+  late(scan);
+  EXPECT_EQ(scan.stamp, 10.0);
+  EXPECT_EQ(scan.time, (std::vector<float>{0.0F, 1.0F}));
 }
 
 TEST(LateStamps, OthersStay)
@@ -76,6 +96,7 @@ TEST(LateStamps, OthersStay)
   Scan scan;
   scan.stamp = 10;
   scan.time = {0.0F, 0.5F};
+  late(scan);
   late(scan);
   scan.time = {-0.5F, 0.0F};
   late(scan);

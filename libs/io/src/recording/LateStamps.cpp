@@ -29,28 +29,31 @@ std::optional<double> firstOfLateStamp(const std::vector<float>& times)
 
 void LateStamps::operator()(Scan& scan)
 {
-  if (!shift_)
+  constexpr int enough = 2;
+  if (scans_ < enough)
   {
-    shift_ = firstOfLateStamp(scan.time);
+    const std::optional<double> first = firstOfLateStamp(scan.time);
+    shift_ = std::min(shift_, first.value_or(0));
+    scans_ += first ? 1 : 0;
   }
-  if (!shift_ || *shift_ == 0)
+  if (shift_ == 0)
   {
     return;
   }
-  scan.stamp += *shift_;
+  scan.stamp += shift_;
   for (float& time : scan.time)
   {
-    time = static_cast<float>(time - *shift_);
+    time = static_cast<float>(time - shift_);
   }
 }
 
 std::vector<std::string> LateStamps::notes() const
 {
-  if (!shift_ || *shift_ == 0)
+  if (shift_ == 0)
   {
     return {};
   }
-  return {"time stamps: late in the scans; moved by " + std::to_string(-*shift_) +
+  return {"time stamps: late in the scans; moved by " + std::to_string(-shift_) +
           " s to the first points"};
 }
 }  // namespace dyslam

@@ -18,8 +18,9 @@ namespace dyslam
  * an error of a pose returns in the next one with the opposite sign and does not decay. */
 [[nodiscard]] std::optional<double> firstOfLateStamp(const std::vector<float>& times);
 
-/** Moves late stamps to the first points, for one recording of one lidar: all by the time that the
- * first scan shows, so that the intervals between the scans stay. */
+/** Moves late stamps to the first points, for one recording of one lidar: by the time that the
+ * first two scans show, so that the intervals between later ones stay. The first scan of a
+ * recording may be a part of a revolution. */
 class LateStamps
 {
  public:
@@ -28,6 +29,7 @@ class LateStamps
   [[nodiscard]] std::vector<std::string> notes() const;
 
  private:
-  std::optional<double> shift_;  //!< of the stamps [s], 0 or less; nothing: not known yet
+  double shift_ = 0;  //!< of the stamps [s], 0 or less
+  int scans_ = 0;     //!< that have shown it
 };
 }  // namespace dyslam
