@@ -307,5 +307,12 @@ TEST(ScanTimes, PointTimesCountFromTheStampOfTheName)
   check("first", 0, false);
   writeScans("leap", 1600000037.0);  // GPS time, or that of the lidar's start
   check("leap", 0, true);
+  ScanConverterOptions with_poses;  // those of the stamps
+  with_poses.poses =
+      folder.write("poses.txt", "1 0 0 0 0 1 0 0 0 0 1 0\n1 0 0 1 0 1 0 0 0 0 1 0\n");
+  (void)convertScans(folder.file("last"), folder.file("x.rawlog"), with_poses);
+  const auto frames = readAll(folder.file("x.rawlog"));
+  EXPECT_NEAR(frames.at(1).scan.stamp, 1600000000.2, 2e-6);
+  EXPECT_NEAR(frames.at(1).scan.time.front(), -0.1F, 4e-6);
 }
 }  // namespace dyslam
