@@ -141,7 +141,9 @@ bool isFileOfRun(const std::string& file)
 }
 
 /** Number of the reference system of the map files; 0: none. \param given by the settings; 0: none
- * \throws UserError for a given number of a run's trajectory that is not in UTM. */
+ * \throws UserError for a given number of a run's trajectory that is not in UTM, or in another
+ * zone.
+ */
 int referenceSystem(int given, const std::string& trajectory)
 {
   const int of_trajectory = referenceSystemOf(trajectory);
@@ -151,6 +153,7 @@ int referenceSystem(int given, const std::string& trajectory)
                     " is in the map frame of its run; give trajectory_utm.txt, or "
                     "--set map_export.epsg=0");
   }
+  requireZone(given, of_trajectory);
   return given != 0 ? given : of_trajectory;
 }
 

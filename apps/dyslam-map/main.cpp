@@ -47,6 +47,14 @@ class Printer : public dyslam::MapListener
   std::optional<dyslam::Progress> progress_;
 };
 
+/** " of 0.20 m"; empty for points that are not one per voxel. */
+std::string voxelText(const dyslam::MapReport& report, bool full_resolution)
+{
+  char text[40];
+  std::snprintf(text, sizeof text, " of %.2f m", report.voxel_size);
+  return full_resolution || report.voxel_size == 0 ? "" : text;
+}
+
 void printCounts(const dyslam::MapReport& report, bool full_resolution)
 {
   std::printf("%s, %zu without a pose, %s%s, %s%s\n", dyslam::counted(report.scans, "scan").c_str(),
@@ -56,9 +64,7 @@ void printCounts(const dyslam::MapReport& report, bool full_resolution)
                   : (std::to_string(report.unregistered) + " not registered by the run, ").c_str(),
               dyslam::counted(report.keyframes, "keyframe").c_str(),
               dyslam::counted(report.points, "map point").c_str(),
-              full_resolution
-                  ? ""
-                  : (" of " + std::to_string(report.voxel_size).substr(0, 4) + " m").c_str());
+              voxelText(report, full_resolution).c_str());
 }
 
 /** \throws UserError */

@@ -109,6 +109,14 @@ TEST_F(GeoreferencedRun, TrajectoryAndMapAreInUtm)
   las.copy(reinterpret_cast<char*>(&east_of_map), sizeof east_of_map, 187);
   EXPECT_NEAR(east_of_map, utm[0].pose.translation().x(), 150);
 
+  const Outcome other_zone =
+      run("dyslam-map", "--run " + at("out") + " --trajectory " + at("out/trajectory_utm.txt") +
+                            " --set map_export.epsg=32755 -o " + at("z.las"));
+  EXPECT_EQ(1, other_zone.code);
+  EXPECT_NE(other_zone.err.find("map_export.epsg = 32755: the coordinates are in 32756"),
+            std::string::npos)
+      << other_zone.err;
+
   const std::string in_map_frame =
       "--run " + at("out") + " -c " + at("m.effective.ini") + " -o " + at("n.las");
   const Outcome refused = run("dyslam-map", in_map_frame);

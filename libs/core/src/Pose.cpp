@@ -63,6 +63,12 @@ Eigen::Matrix3d couplingBlock(const Eigen::Vector3d& u, const Eigen::Vector3d& w
   return 0.5 * U + a * (W * U + U * W + W * U * W) + b * (W * W * U + U * W * W - 3 * W * U * W) +
          c * (W * U * W * W + W * W * U * W);
 }
+
+/** To a millionth, as products of rotations leave 1e-16 instead of 0; never a negative zero. */
+double millionths(double value)
+{
+  return std::round(1e6 * value) / 1e6 + 0.0;
+}
 }  // namespace
 
 Eigen::Matrix3d skew(const Eigen::Vector3d& v)
@@ -178,9 +184,9 @@ std::string poseText(const Pose& pose)
   const Eigen::Vector3d t = pose.translation();
   const Eigen::Vector3d angles = degrees_per_radian * yawPitchRoll(pose);
   char text[160];
-  // Adding zero makes a negative zero positive.
-  std::snprintf(text, sizeof text, "%.7g %.7g %.7g %.7g %.7g %.7g", t.x() + 0.0, t.y() + 0.0,
-                t.z() + 0.0, angles.x() + 0.0, angles.y() + 0.0, angles.z() + 0.0);
+  std::snprintf(text, sizeof text, "%.7g %.7g %.7g %.7g %.7g %.7g", millionths(t.x()),
+                millionths(t.y()), millionths(t.z()), millionths(angles.x()),
+                millionths(angles.y()), millionths(angles.z()));
   return text;
 }
 

@@ -91,6 +91,9 @@ TEST(Pose, TextIsThatOfOptions)
   pose.linear() << 0, -1, 0, 1, 0, 0, 0, 0, 1;
   pose.translation() << 1, -2.5, -0.0;
   EXPECT_EQ("1 -2.5 0 90 0 0", poseText(pose));
+  // What products of rotations leave of a zero is not written.
+  EXPECT_EQ("0.8 0.1 1.7 180 5.729578 0",
+            poseText(poseFromYpr(0.8, 0.1, 1.7, 3.14159265, 0.1, -3e-18)));
 }
 
 TEST(Pose, InterpolationKeepsEndsAndMiddle)

@@ -225,7 +225,7 @@ TEST(KittiConverter, Errors)
   EXPECT_TRUE(
       contains(messageOfError<UserError>(
                    [&] { convertKitti(folder.file("gaps"), folder.file("y.rawlog"), options); }),
-               "has 4 poses, but there are 3 scans, numbered up to 5 with gaps"));
+               "has 4 poses, but there are 3 scans, numbered from 0 to 5; a pose for each scan"));
   options.poses = "";
   folder.write("in/labels/000000.label", std::string(4 * 9, '\0'));
   EXPECT_TRUE(contains(message(), "has 9 labels, but the scan has 10 points"));

@@ -259,4 +259,42 @@ TEST(KittiTruth, PosesWithTimesForScansWithoutAny)
                                             "times: each has the pose in the line of its number");
                           }));
 }
+
+/** A part of a drive, whose scans keep their numbers: a pose for each number or for each scan. */
+TEST(KittiTruth, PosesOfScansThatAreNotNumberedFromZero)
+{
+  const TestFolder folder;
+  writeBins(folder, "in/velodyne", 4);
+  std::filesystem::remove(folder.file("in/velodyne/000000.bin"));
+  std::filesystem::remove(folder.file("in/velodyne/000001.bin"));
+  KittiConverterOptions options;
+  options.pose_frame = PoseFrame::lidar;
+  options.poses = folder.file("poses.txt");
+  const auto writePoses = [&](int count)
+  {
+    std::string text;
+    for (int i = 0; i < count; ++i)
+    {
+      text += "1 0 0 " + std::to_string(i) + " 0 1 0 0 0 0 1 0\n";
+    }
+    folder.write("poses.txt", text);
+  };
+  const auto firstPose = [&]
+  {
+    (void)convertKitti(folder.file("in"), folder.file("x.rawlog"), options);
+    return readAll(folder.file("x.rawlog")).at(0).T_world_vehicle_truth->translation().x();
+  };
+  writePoses(4);
+  EXPECT_NEAR(2, firstPose(), 1e-6);
+  writePoses(2);
+  EXPECT_NEAR(0, firstPose(), 1e-6);
+  for (const int count : {1, 3})
+  {
+    writePoses(count);
+    EXPECT_TRUE(contains(messageOfError<UserError>([&] { (void)firstPose(); }),
+                         "there are 2 scans, numbered from 2 to 3; a pose for each scan or for "
+                         "each number is needed"))
+        << count;
+  }
+}
 }  // namespace dyslam

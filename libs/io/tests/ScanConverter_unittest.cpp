@@ -380,6 +380,33 @@ TEST(ScanConverter, AnErrorBehindTheFirstScanLeavesAnEarlierRecording)
   EXPECT_TRUE(std::filesystem::exists(folder.file("new.gt/poses_tum.txt")));
 }
 
+TEST(ScanConverter, AnErrorOfTheTruthLeavesAnEarlierRecording)
+{
+  const TestFolder folder;
+  writeBins(folder, "in", 3);
+  writeKittiPoses(folder.file("poses.txt"),
+                  std::vector<Pose>{somePose(0), somePose(1), somePose(2)});
+  ScanConverterOptions options;
+  options.poses = folder.file("poses.txt");
+  (void)convertScans(folder.file("in"), folder.file("x.rawlog"), options);
+  const std::string earlier = folder.read("x.rawlog");
+  const std::string earlier_truth = folder.read("x.gt/poses_tum.txt");
+  const auto block = [&](double, std::size_t scans)
+  {
+    if (scans == 1)
+    {
+      folder.write("x.gt.tmp/poses_tum.txt/a", "no file can replace this folder");
+    }
+  };
+  options.skip_first_n = 1;
+  EXPECT_THROW((void)convertScans(folder.file("in"), folder.file("x.rawlog"), options, block),
+               UserError);
+  EXPECT_EQ(earlier, folder.read("x.rawlog"));
+  EXPECT_EQ(earlier_truth, folder.read("x.gt/poses_tum.txt"));
+  EXPECT_FALSE(std::filesystem::exists(folder.file("x.rawlog.tmp")));
+  EXPECT_FALSE(std::filesystem::exists(folder.file("x.gt.tmp")));
+}
+
 /** A program that is killed at that moment leaves no rawlog beside the truth of another. */
 TEST(ScanConverter, TheTruthOfAnEarlierRecordingGoesBeforeItsRawlog)
 {

@@ -266,7 +266,6 @@ TEST(ScanTimes, EqualTimesOfPointsAreNone)
   EXPECT_EQ(timesAfter(), std::pair(std::vector<float>{0, 0.01F, 0.02F}, std::vector<float>(3, 0)));
 }
 
-/** Drivers that give a scan the time of its last point. */
 TEST(ScanTimes, PointTimesCountFromTheStampOfTheName)
 {
   const TestFolder folder;
@@ -285,26 +284,35 @@ TEST(ScanTimes, PointTimesCountFromTheStampOfTheName)
       folder.write(name + "/1600000000." + std::to_string(scan) + "00.pcd", pcd);
     }
   };
-  const auto check = [&](const std::string& name, float first, bool warned)
+  const auto check = [&](const std::string& name, double moved, bool warned)
   {
     const auto result =
         convertScans(folder.file(name), folder.file("x.rawlog"), ScanConverterOptions{});
     EXPECT_EQ(warned, !result.warnings.empty()) << name;
     EXPECT_EQ(warned, warned && contains(result.warnings[0], "clock")) << name;
-    EXPECT_TRUE(contains(result.notes.back(), "field t, seconds from the clock's zero"));
+    EXPECT_TRUE(hasLine(result.notes, "field t, seconds from the clock's zero")) << name;
+    EXPECT_EQ(moved != 0, hasLine(result.notes, "moved by 0.1")) << name;
     for (const auto& frame : readAll(folder.file("x.rawlog")))
     {
-      EXPECT_NEAR(1600000000.1 + 0.1 * static_cast<double>(frame.index), frame.scan.stamp, 1e-6);
+      EXPECT_NEAR(1600000000.1 + moved + 0.1 * static_cast<double>(frame.index), frame.scan.stamp,
+                  2e-6);
       ASSERT_EQ(11U, frame.scan.time.size()) << name;
-      EXPECT_NEAR(first, frame.scan.time.front(), 2e-6) << name;
-      EXPECT_NEAR(first + 0.1F, frame.scan.time.back(), 2e-6) << name;
+      EXPECT_NEAR(0, frame.scan.time.front(), 4e-6) << name;
+      EXPECT_NEAR(0.1F, frame.scan.time.back(), 4e-6) << name;
     }
   };
   writeScans("last", 1600000000.0);
-  check("last", -0.1F, false);
+  check("last", -0.1, false);  // drivers that give a scan the time of its last point
   writeScans("first", 1600000000.1);
   check("first", 0, false);
   writeScans("leap", 1600000037.0);  // GPS time, or that of the lidar's start
   check("leap", 0, true);
+  ScanConverterOptions with_poses;  // those of the stamps
+  with_poses.poses =
+      folder.write("poses.txt", "1 0 0 0 0 1 0 0 0 0 1 0\n1 0 0 1 0 1 0 0 0 0 1 0\n");
+  (void)convertScans(folder.file("last"), folder.file("x.rawlog"), with_poses);
+  const auto frames = readAll(folder.file("x.rawlog"));
+  EXPECT_NEAR(frames.at(1).scan.stamp, 1600000000.2, 2e-6);
+  EXPECT_NEAR(frames.at(1).scan.time.front(), -0.1F, 4e-6);
 }
 }  // namespace dyslam

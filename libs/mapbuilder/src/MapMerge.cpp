@@ -162,6 +162,19 @@ void requireReferences(const std::vector<RunFolder>& runs,
   }
 }
 
+/** The outputs of a map in UTM, which state the zone unless another reference system is given.
+ * \throws UserError for the number of another zone. */
+MapOutputs inZoneOf(const Georeference& georeference, MapOutputs outputs)
+{
+  requireZone(outputs.exports.epsg, georeference.epsg);
+  if (outputs.exports.epsg == 0)
+  {
+    outputs.exports.epsg = georeference.epsg;
+    save(outputs.exports, outputs.settings, "map_export");
+  }
+  return outputs;
+}
+
 /** Removes a file of an earlier merge that is not of this one. */
 void removeStale(const std::string& path)
 {
@@ -306,12 +319,7 @@ MergeReport mergeMaps(const std::vector<RunFolder>& runs,
     throw UserError("--utm: no run with satellite positions could be joined; " + problem +
                     "; nothing was written");
   }
-  MapOutputs of_map = outputs;
-  if (outputs.utm && of_map.exports.epsg == 0)
-  {
-    of_map.exports.epsg = georeference->epsg;
-    save(of_map.exports, of_map.settings, "map_export");
-  }
+  const MapOutputs of_map = outputs.utm ? inZoneOf(*georeference, outputs) : outputs;
   MapBuilder builder(own);
   std::size_t scans = 0;
   for (std::size_t r = 0; r < runs.size(); ++r)

@@ -23,7 +23,8 @@ bool MapOutputs::needWholeMap() const
   const bool clouds_only =
       std::all_of(maps.begin(), maps.end(),
                   [](const auto& path) { return mapFormatOf(path) == MapFormat::cloud; });
-  return exports.tile_size == 0 || !clouds_only || !picture.empty() || !comparison.empty();
+  const bool all_in_tiles = exports.tile_size > 0 && clouds_only;
+  return !picture.empty() || !comparison.empty() || (!maps.empty() && !all_in_tiles);
 }
 
 bool MapOutputs::needScans() const

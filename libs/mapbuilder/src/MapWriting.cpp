@@ -294,8 +294,19 @@ MapReport writeMapOutputs(MapBuilder& builder, const MapOutputs& outputs, MapLis
   report.skipped = builder.skipped();
   report.unregistered = builder.unregistered();
   const bool whole = outputs.needWholeMap();
-  report.voxel_size = whole ? builder.map().voxelSize() : builder.options().map.voxel_size;
-  report.points = whole ? builder.map().pointCount() : 0;
+  if (whole)
+  {
+    report.voxel_size = builder.map().voxelSize();
+    report.points = builder.map().pointCount();
+  }
+  else if (!outputs.maps.empty())
+  {
+    report.voxel_size = builder.options().map.voxel_size;  // the tiles are counted when written
+  }
+  else
+  {
+    report.points = builder.labelledMap().points().size();
+  }
   report.problem = writeEach(writersOf(outputs, builder, listener, report));
   if (!builder.memoryProblem().empty())
   {

@@ -234,8 +234,13 @@ void nameRuns(std::vector<RunFolder>& runs)
 
 RunArgument::RunArgument(const std::string& argument) : folder(argument)
 {
-  const std::size_t split = argument.rfind('=');
-  if (split != std::string::npos && !fs::exists(argument))
+  // A folder stands before the sign, which names of folders and recordings may have, too.
+  std::size_t split = fs::exists(argument) ? std::string::npos : argument.rfind('=');
+  while (split != std::string::npos && !fs::is_directory(argument.substr(0, split)))
+  {
+    split = split == 0 ? std::string::npos : argument.rfind('=', split - 1);
+  }
+  if (split != std::string::npos)
   {
     folder = argument.substr(0, split);
     rawlog = argument.substr(split + 1);

@@ -42,6 +42,15 @@ TEST(MapOutputs, CloudsInTilesNeedNoWholeMap)
   }
 }
 
+TEST(MapOutputs, ALabelledMapAloneNeedsNoMap)
+{
+  MapOutputs outputs;
+  outputs.labelled_map = "truth.ply";
+  EXPECT_FALSE(outputs.needWholeMap());
+  outputs.maps = {"a.las"};
+  EXPECT_TRUE(outputs.needWholeMap());
+}
+
 TEST(MapOutputs, TilesAndFullResolutionNeedTheScans)
 {
   MapOutputs outputs;

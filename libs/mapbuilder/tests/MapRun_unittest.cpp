@@ -153,10 +153,14 @@ TEST_F(MapRun, TheLabelledMapIsWrittenAlone)
   recording.scans.tracks = folder.file("tracks.txt");
   writeTracks(recording.scans.tracks, boxes);
   outputs.labelled_map = folder.file("truth.ply");
-  (void)build();
+  outputs.exports.tile_size = 50;  // of clouds, which are no output here
+  const MapReport report = build();
   const std::size_t points = readCloud(outputs.labelled_map).points.size();
   EXPECT_GT(points, 1000U);
   EXPECT_EQ(points, readLabels(folder.file("truth.label")).size());
+  EXPECT_EQ(points, report.points);
+  EXPECT_EQ(0, report.voxel_size);
+  EXPECT_TRUE(listener.warnings.empty()) << listener.warnings.front();
   EXPECT_EQ((std::vector<std::string>{"reading tracks", "finished 8", "reading ", "finished 8"}),
             listener.log);
 }

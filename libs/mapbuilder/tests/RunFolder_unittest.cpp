@@ -135,6 +135,9 @@ TEST_F(RunFolderTest, AMovedRecordingIsGivenWithTheFolder)
   const auto runs = read({"monday", "tuesday=" + folder.file("moved.rawlog")});
   EXPECT_EQ(folder.file("moved.rawlog"), runs[1].rawlog);
   EXPECT_EQ(folder.file("tuesday"), runs[1].folder);
+  const RunArgument two_signs(folder.file("tuesday") + "=speed=10/moved.rawlog");
+  EXPECT_EQ(folder.file("tuesday"), two_signs.folder);
+  EXPECT_EQ("speed=10/moved.rawlog", two_signs.rawlog);
   fs::remove(folder.file("r.rawlog"));
   EXPECT_TRUE(contains(said("tuesday"), "r.rawlog: the recording of"));
 }

@@ -125,6 +125,17 @@ void clearBetween(Grid& grid,
                      cv::Scalar(Grid::free_space), cv::LINE_8, bits);
 }
 
+/** Position of the first lidar at each keyframe, map frame [m]. */
+std::vector<Eigen::Vector3d> lidarsOf(const StaticMap& map)
+{
+  std::vector<Eigen::Vector3d> lidars;
+  for (std::size_t k = 0; k < map.poses().size(); ++k)
+  {
+    lidars.emplace_back(map.poses()[k] * map.keyframes()[k].sensorOf(0).cast<double>());
+  }
+  return lidars;
+}
+
 /** Farthest returns around a lidar, by direction. */
 struct FarthestReturns
 {
@@ -186,7 +197,7 @@ void clearRays(Grid& grid,
             lidars.emplace_back((T * sensor.cast<double>()).head<2>());
           }
           const Eigen::Vector3d p = T * cloud.points[i].cast<double>();
-          if (ground.above(p) <= highest)
+          if (ground.above(p) <= highest && ground.isSeenAt(p))
           {
             lidars[lidar].add(p.head<2>());
           }
@@ -220,7 +231,8 @@ void markPoints(Grid& grid,
     for (const auto& point : points.points)
     {
       const Eigen::Vector3d p = point.cast<double>();
-      if (obstacles ? columns.isObstacle(p) : ground.above(p) < o.obstacle_min_height)
+      if (obstacles ? columns.isObstacle(p)
+                    : ground.above(p) < o.obstacle_min_height && ground.isSeenAt(p))
       {
         grid.set(grid.cellOf(p.x(), p.y()), obstacles ? Grid::occupied : Grid::free_space);
       }
@@ -295,7 +307,7 @@ double writeOccupancyGrid(const StaticMap& map,
   validate(options, "map_export");
   const MapPoints points = map.points();
   Grid grid = emptyGrid(points, options);
-  const GridGround ground(points);
+  const GridGround ground(points, lidarsOf(map));
   clearRays(grid, map, ground, options.obstacle_max_height, on_keyframe);
   markPoints(grid, map, points, ground, options);
   if (std::filesystem::path(path).extension() == ".gridmap")

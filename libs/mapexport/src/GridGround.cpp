@@ -2,6 +2,7 @@
 #include "GridGround.h"
 
 #include <dyslam/base/Quantile.h>
+#include <dyslam/core/NeighbourSearch.h>
 
 #include <Eigen/Cholesky>
 #include <algorithm>
@@ -17,6 +18,8 @@ constexpr int columns_around = 2;          // to each side
 constexpr std::size_t fewest_columns = 6;  // for a slope
 constexpr double on_plane = 0.08;          // largest distance of a column that a plane fits [m]
 constexpr double slope_prior = 0.5;        // weight of no slope, for columns in a line [m^2]
+constexpr int hanging_reach = 10;          // columns to each side whose ground is compared
+constexpr double highest_step = 1.0;       // of the ground, besides its slope [m]
 
 /** \param dx, dy columns from the one at `p` */
 std::uint64_t columnKey(const Eigen::Vector2d& p, int dx = 0, int dy = 0)
@@ -124,7 +127,7 @@ bool GridGround::Column::isSeenTwice() const
   return std::isfinite(lowest_seen_twice.z());
 }
 
-GridGround::GridGround(const MapPoints& map)
+GridGround::GridGround(const MapPoints& map, const std::vector<Eigen::Vector3d>& lidars)
 {
   addColumns(map);
   std::vector<std::optional<Eigen::Vector2d>> slopes;
@@ -139,6 +142,40 @@ GridGround::GridGround(const MapPoints& map)
     const Eigen::Vector2d slope = slopeAround(column, slopes);
     planes_.push_back({levelOn(slope, lowestAround(column)), slope});
   }
+  findHanging(lidars);
+}
+
+void GridGround::findHanging(const std::vector<Eigen::Vector3d>& lidars)
+{
+  const auto flat = [](const Eigen::Vector2d& p)
+  { return Eigen::Vector3f(static_cast<float>(p.x()), static_cast<float>(p.y()), 0.0F); };
+  std::vector<Eigen::Vector3f> places;
+  places.reserve(lidars.size());
+  for (const Eigen::Vector3d& lidar : lidars)
+  {
+    places.push_back(flat(lidar.head<2>()));
+  }
+  const KdTree tree(places);
+  for (std::size_t i = 0; i < columns_.size(); ++i)
+  {
+    Plane& plane = planes_[i];
+    Neighbour nearest;
+    plane.hangs = tree.nearest(flat(columns_[i].centre), nearest) &&
+                  plane.height > lidars[nearest.index].z() &&
+                  plane.height > highestGroundAt(columns_[i]);
+  }
+}
+
+double GridGround::highestGroundAt(const Column& column) const
+{
+  double highest = std::numeric_limits<double>::infinity();
+  forEachAround(column, hanging_reach,
+                [&](std::size_t other)
+                {
+                  const double distance = (columns_[other].centre - column.centre).norm();
+                  highest = std::min(highest, planes_[other].height + max_slope * distance);
+                });
+  return highest + highest_step;
 }
 
 void GridGround::addColumns(const MapPoints& map)
@@ -164,7 +201,7 @@ Eigen::Vector2d GridGround::slopeAround(
 {
   std::vector<double> x;
   std::vector<double> y;
-  forEachAround(column,
+  forEachAround(column, columns_around,
                 [&](std::size_t other)
                 {
                   if (slopes[other])
@@ -187,12 +224,18 @@ double GridGround::above(const Eigen::Vector3d& p) const
   return p.z() - plane.height - plane.slope.dot(p.head<2>() - columns_[found].centre);
 }
 
-template <typename Use>
-void GridGround::forEachAround(const Column& column, const Use& use) const
+bool GridGround::isSeenAt(const Eigen::Vector3d& p) const
 {
-  for (int dx = -columns_around; dx <= columns_around; ++dx)
+  const auto found = index_.find(columnKey(p.head<2>()));
+  return found != VoxelHash::none && !planes_[found].hangs;
+}
+
+template <typename Use>
+void GridGround::forEachAround(const Column& column, int reach, const Use& use) const
+{
+  for (int dx = -reach; dx <= reach; ++dx)
   {
-    for (int dy = -columns_around; dy <= columns_around; ++dy)
+    for (int dy = -reach; dy <= reach; ++dy)
     {
       const auto found = index_.find(columnKey(column.centre, dx, dy));
       if (found != VoxelHash::none)
@@ -209,7 +252,7 @@ std::vector<Eigen::Vector3d> GridGround::lowestAround(const Column& column) cons
   std::vector<Eigen::Vector3d> points;
   std::vector<Eigen::Vector3d> seen_twice;
   const Eigen::Vector3d centre(column.centre.x(), column.centre.y(), 0);
-  forEachAround(column,
+  forEachAround(column, columns_around,
                 [&](std::size_t other)
                 {
                   const Column& around = columns_[other];

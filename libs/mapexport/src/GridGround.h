@@ -17,17 +17,23 @@ namespace dyslam
  *
  * The plane is level unless another slope fits more of the columns, and the majority. Its height is
  * the lower quartile over the columns: robust to ghost points below the road and to walls.
- * Thread-safe. */
+ *
+ * Where the ground is hidden, the plane is through the lowest points of what hangs over it: a
+ * ceiling above shelves, the upper part of a facade behind a hedge. Thread-safe. */
 class GridGround
 {
  public:
   /** Steepest plane [m/m]; steeper ground rises above it and becomes an obstacle. */
   static constexpr double max_slope = 0.25;
 
-  explicit GridGround(const MapPoints& map);
+  /** \param lidars positions of the lidar at the keyframes; none: nothing counts as hanging */
+  explicit GridGround(const MapPoints& map, const std::vector<Eigen::Vector3d>& lidars = {});
 
   /** Height of a point above the ground [m]; NaN for points off the map. */
   [[nodiscard]] double above(const Eigen::Vector3d& p) const;
+  /** Whether the ground around a point was seen: the plane there is not above the nearest lidar, or
+   * no plane nearby is far below it. False for points off the map. */
+  [[nodiscard]] bool isSeenAt(const Eigen::Vector3d& p) const;
 
  private:
   /** The lowest points of a column. Multipath echoes lie metres below the road, where hardly any
@@ -46,11 +52,16 @@ class GridGround
   {
     double height = 0;
     Eigen::Vector2d slope = Eigen::Vector2d::Zero();
+    bool hangs = false;  //!< is not of the ground
   };
 
   void addColumns(const MapPoints& map);
+  void findHanging(const std::vector<Eigen::Vector3d>& lidars);
+  /** Height that the plane of a column may have, by the planes nearby [m]. */
+  [[nodiscard]] double highestGroundAt(const Column& column) const;
+  /** \param reach columns to each side */
   template <typename Use>
-  void forEachAround(const Column& column, const Use& use) const;
+  void forEachAround(const Column& column, int reach, const Use& use) const;
   [[nodiscard]] std::vector<Eigen::Vector3d> lowestAround(const Column& column) const;
   [[nodiscard]] Eigen::Vector2d slopeAround(
       const Column& column, const std::vector<std::optional<Eigen::Vector2d>>& slopes) const;

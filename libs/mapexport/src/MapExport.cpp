@@ -31,7 +31,26 @@ void requireTileSize(double size)
                 size, smallest_tile);
   throw UserError(text);
 }
+
+/** Whether a number is that of a zone of UTM (WGS84). */
+bool isZone(int epsg)
+{
+  constexpr int zones = 60;
+  constexpr int north = 32600;
+  constexpr int south = 32700;
+  return (epsg > north && epsg <= north + zones) || (epsg > south && epsg <= south + zones);
+}
 }  // namespace
+
+void requireZone(int epsg, int of_coordinates)
+{
+  if (isZone(epsg) && isZone(of_coordinates) && epsg != of_coordinates)
+  {
+    throw UserError("map_export.epsg = " + std::to_string(epsg) + ": the coordinates are in " +
+                    std::to_string(of_coordinates) +
+                    ", by georeference.ini; leave it out, or --set map_export.epsg=0");
+  }
+}
 
 void MapExportOptions::describe(OptionsVisitor& v)
 {

@@ -138,6 +138,32 @@ TEST_F(GridGroundTest, RampsBeginAndEnd)
 }
 
 /** Walls, steps and edges of 0.5 m or more are not taken for a slope, on level ground or on one. */
+TEST_F(GridGroundTest, WhatHangsOverHiddenGroundIsNotTheGround)
+{
+  addGround([](double x, double) { return x < 2 ? 0.0 : 4.0; });  // a floor, then a ceiling
+  const GridGround ground(map, {{-5, 0, 1.7}});
+  EXPECT_TRUE(ground.isSeenAt({-8, 0, 0}));
+  EXPECT_TRUE(ground.isSeenAt({1.5, 0, 0}));
+  for (double x = 4.5; x < 12; ++x)
+  {
+    EXPECT_FALSE(ground.isSeenAt({x, 0, 4})) << x;
+  }
+  EXPECT_FALSE(ground.isSeenAt({50, 0, 0})) << "off the map";
+  const GridGround upstairs(map, {{8, 0, 5.7}});
+  EXPECT_TRUE(upstairs.isSeenAt({8, 0, 4})) << "the lidar stands on it";
+  EXPECT_TRUE(GridGround(map).isSeenAt({8, 0, 4})) << "without lidars";
+}
+
+TEST_F(GridGroundTest, AHillAboveTheLidarIsGround)
+{
+  addGround([](double x, double) { return 0.2 * x; });
+  const GridGround ground(map, {{-11, 0, -0.5}});
+  for (double x = -11.5; x < 12; ++x)
+  {
+    EXPECT_TRUE(ground.isSeenAt({x, 0, 0.2 * x})) << x;
+  }
+}
+
 TEST_F(GridGroundTest, StepsStayObstacles)
 {
   for (const double slope : {0.0, 0.1})

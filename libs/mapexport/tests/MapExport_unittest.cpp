@@ -16,6 +16,7 @@
 #include <limits>
 #include <opencv2/imgcodecs.hpp>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "FullDisk.h"
@@ -172,6 +173,21 @@ TEST(MapExport, UnwritableFoldersAndBadEndings)
   {
     EXPECT_NE(std::string(error.what()).find("grid as .png"), std::string::npos) << error.what();
   }
+}
+
+TEST(MapExportOptions, CoordinatesAreNotOfAnotherZoneThanTheNumberStates)
+{
+  for (const auto& [given, of_coordinates] : {std::pair(0, 32632),
+                                              {32632, 32632},
+                                              {25832, 32632},  // ETRS89
+                                              {32632, 0}})
+  {
+    EXPECT_NO_THROW(requireZone(given, of_coordinates)) << given;
+  }
+  EXPECT_EQ(
+      "map_export.epsg = 32632: the coordinates are in 32733, by georeference.ini; leave it out, "
+      "or --set map_export.epsg=0",
+      messageOfError<UserError>([] { requireZone(32632, 32733); }));
 }
 
 TEST(MapExportOptions, TilesAreNotTooSmallAndHaveWholeCorners)

@@ -217,6 +217,46 @@ TEST_F(OccupancyGrid, RaysOfEachLidarClearCells)
   }
 }
 
+/** Of what lies behind a shelf only the ceiling over it is seen. */
+TEST_F(OccupancyGrid, BehindWhatHidesTheFloorCellsAreUnknown)
+{
+  test::TestMap map;
+  Frame frame;
+  frame.scan.T_vehicle_lidar.translation().z() = 1.7;
+  const auto add = [&](double x, double y, double z)
+  {
+    frame.cloud.points.emplace_back(static_cast<float>(x), static_cast<float>(y),
+                                    static_cast<float>(z));
+    frame.cloud.source.push_back(0);
+  };
+  for (double y = -9.95; y < 10; y += 0.2)
+  {
+    for (double x = -3.95; x < 12; x += 0.2)
+    {
+      add(x, y, 4);
+      if (x < 5)
+      {
+        add(x, y, 0.02);
+      }
+    }
+    for (double z = 0.1; z < 2.5; z += 0.1)
+    {
+      add(5.05, y, z);
+    }
+  }
+  map.insert(frame);
+  write(map);
+  for (double y = -5.95; y < 6; y += 0.4)
+  {
+    EXPECT_EQ(image.at<std::uint8_t>(cellOf({3.05, y})), 254) << y;
+    EXPECT_TRUE(isOccupied(cellOf({5.05, y}))) << y;
+    for (double x = 5.65; x < 11; x += 0.4)
+    {
+      EXPECT_EQ(image.at<std::uint8_t>(cellOf({x, y})), 205) << x << " " << y;
+    }
+  }
+}
+
 /** One scan of a circle on the floor, 20 m around the lidar. */
 test::TestMap circle(int points)
 {

@@ -16,6 +16,8 @@
 #include <optional>
 #include <utility>
 
+#include "recording/LateStamps.h"
+
 namespace dyslam
 {
 namespace
@@ -31,16 +33,24 @@ class BagClouds : public BagScans
     Scan scan = decoder_.decode(topic_, message);
     if (!scan.points.empty() || scan.stamp != 0)  // some drivers begin with blank messages
     {
+      late_stamps_(scan);
       scans.push_back(std::move(scan));
     }
     return scans;
   }
-  [[nodiscard]] std::vector<std::string> notes() const override { return decoder_.notes(); }
+  [[nodiscard]] std::vector<std::string> notes() const override
+  {
+    std::vector<std::string> lines = decoder_.notes();
+    const std::vector<std::string> of_stamps = late_stamps_.notes();
+    lines.insert(lines.end(), of_stamps.begin(), of_stamps.end());
+    return lines;
+  }
   [[nodiscard]] std::vector<std::string> warnings() const override { return decoder_.warnings(); }
 
  private:
   const BagTopic& topic_;
   RosScanDecoder decoder_;
+  LateStamps late_stamps_;
 };
 
 class BagPackets : public BagScans

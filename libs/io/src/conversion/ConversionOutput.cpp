@@ -223,11 +223,13 @@ void ConversionOutput::addBox(LabelledBox box)
 ConversionResult ConversionOutput::close()
 {
   closed_ = true;
+  // Both are complete before either gets its name: after an error an earlier recording keeps its
+  // truth. The writer is first, as an unfinished one would get its name when it is destroyed.
+  writer_.finish();
   if (truth_)
   {
     truth_->close();
   }
-  writer_.finish();  // first: if the disk is full, an earlier recording keeps its truth
   removeGroundTruth(folder_);
   writer_.close();
   if (truth_)

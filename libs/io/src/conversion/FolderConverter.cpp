@@ -18,6 +18,7 @@
 #include <utility>
 
 #include "NameStamps.h"
+#include "recording/LateStamps.h"
 
 namespace dyslam
 {
@@ -251,6 +252,22 @@ std::string binLayoutFor(const std::vector<std::string>& files,
   }
   return layout;
 }
+
+void report(const FieldConventions& conventions, const LateStamps& late_stamps, ScanSink& sink)
+{
+  for (const std::string& note : conventions.notes())
+  {
+    sink.note(note);
+  }
+  for (const std::string& note : late_stamps.notes())
+  {
+    sink.note(note);
+  }
+  for (const std::string& warning : conventions.warnings())
+  {
+    sink.warn(warning);
+  }
+}
 }  // namespace
 
 ScanFolder findScanFolder(const std::string& input, const ScanConverterOptions& options)
@@ -282,6 +299,7 @@ void convertFolder(const std::string& input,
     sink.setPoseOrigin(PoseSource::given, nameOfFile(options.poses));
   }
   FieldConventions conventions(options.scale);
+  LateStamps late_stamps;
   FolderFindings findings;
   findings.assumed_times = options.dt > 0 && !options.by_number;
   for (std::size_t i = 0; i < files.size(); ++i)
@@ -298,6 +316,10 @@ void convertFolder(const std::string& input,
     }
     const bool has_stamp = !stamps.empty() || scan.stamp != 0;
     findings.add(scan, has_stamp, files[i]);
+    if (poses.empty())  // they are of the stamps
+    {
+      late_stamps(scan);
+    }
     if (!sink.put(std::move(scan), has_stamp,
                   i < poses.size() ? std::optional<Pose>(poses[i]) : std::nullopt,
                   static_cast<double>(i + 1) / static_cast<double>(files.size())))
@@ -311,13 +333,6 @@ void convertFolder(const std::string& input,
                     counted(files.size(), "scan"));
   }
   warnAbout(findings, files, options, sink);
-  for (const std::string& note : conventions.notes())
-  {
-    sink.note(note);
-  }
-  for (const std::string& warning : conventions.warnings())
-  {
-    sink.warn(warning);
-  }
+  report(conventions, late_stamps, sink);
 }
 }  // namespace dyslam

@@ -454,14 +454,15 @@ class LayoutReader
                                                       const std::string& what) const
   {
     const auto& entries = layout_.entries;
-    const bool by_number = count > entries.back().number;
-    const bool has_gaps = entries.back().number - entries.front().number + 1 != entries.size();
-    if (!by_number && has_gaps && count != entries.size())
+    const std::size_t last = entries.back().number;
+    const bool by_number = count > last;
+    const bool counts_from_0 = last + 1 == entries.size();  // line and number are the same
+    if (!by_number && !counts_from_0 && count != entries.size())
     {
       throw UserError(path + ": has " + counted(count, what) + ", but there are " +
-                      counted(entries.size(), "scan") + ", numbered up to " +
-                      std::to_string(entries.back().number) + " with gaps; a " + what +
-                      " for each scan or for each number is needed");
+                      counted(entries.size(), "scan") + ", numbered from " +
+                      std::to_string(entries.front().number) + " to " + std::to_string(last) +
+                      "; a " + what + " for each scan or for each number is needed");
     }
     std::vector<std::size_t> lines;
     for (std::size_t i = 0; i < entries.size(); ++i)

@@ -17,6 +17,7 @@
 #include "FurtherScanChecks.h"
 #include "IntensityScaler.h"
 #include "LabelPattern.h"
+#include "LateStamps.h"
 #include "MotionSampleReader.h"
 #include "RecordingClock.h"
 #include "RecordingNotes.h"
@@ -196,6 +197,24 @@ struct ScanDecoder::Impl
     return scan;
   }
 
+  /** Warns of late stamps, by the first scan that shows them. */
+  void checkStamp(const Scan& scan)
+  {
+    if (stamp_is_checked)
+    {
+      return;
+    }
+    const std::optional<double> first = firstOfLateStamp(scan.time);
+    stamp_is_checked = first.has_value();
+    if (first.value_or(0) != 0)
+    {
+      notes.add(
+          "the time stamps are late in the scans, with which deskewing is unreliable: convert the "
+          "recording again with scans2rawlog, which moves them to the first points, or set "
+          "preprocess.deskew=none");
+    }
+  }
+
   /** A scan of a further lidar. \param index of the scan that it joins \throws UserError for
    * damaged data. */
   [[nodiscard]] Scan furtherScan(const FurtherLidars::HeldScan& held, std::size_t index)
@@ -283,6 +302,7 @@ struct ScanDecoder::Impl
 
   std::size_t scans_seen = 0;  //!< with the wanted label, delivered or not
   bool any_decoded = false;
+  bool stamp_is_checked = false;
 
   std::map<std::string, std::size_t> seen_classes;
   std::map<std::string, std::size_t> lidar_labels;
@@ -364,6 +384,7 @@ Frame ScanDecoder::decode(const RecordedScan& scan)
   {
     frame.scan = s.scanOf(*scan.observation, scan.time_ring.get(), scan.index);
     frame.scan.stamp += scan.clock_shift;
+    s.checkStamp(frame.scan);
     s.scale_intensity(frame.scan);
     s.joinFurther(scan.stamp(), scan.index, frame.scan);
   }

@@ -41,7 +41,7 @@ using Matrix6 = Eigen::Matrix<double, 6, 6>;
 /** x, y, z [m] and yaw, pitch, roll [rad] (R = Rz(yaw) Ry(pitch) Rx(roll), as MRPT's CPose3D). */
 [[nodiscard]] Pose poseFromYpr(double x, double y, double z, double yaw, double pitch, double roll);
 [[nodiscard]] Eigen::Vector3d yawPitchRoll(const Pose& pose);
-/** "x y z yaw pitch roll" [m, deg], as options such as --sensor-pose take a pose. */
+/** "x y z yaw pitch roll" [m, deg] to a millionth, as options such as --sensor-pose take a pose. */
 [[nodiscard]] std::string poseText(const Pose& pose);
 
 /** The pose with its rotation replaced by the nearest proper rotation: for poses read from text and

@@ -31,7 +31,9 @@ struct ScanPart
  */
 struct Scan
 {
-  double stamp = 0;                     //!< UNIX time [s] that `time` counts from
+  /** UNIX time [s] that `time` counts from; for scans with times at their beginning or middle, as
+   * deskewing to their end is unstable. */
+  double stamp = 0;
   std::vector<Eigen::Vector3f> points;  //!< lidar frame [m]
   std::vector<float> intensity;         //!< reflectivity in [0, 1]
   std::vector<float> time;              //!< seconds after `stamp` (may be negative)

@@ -25,7 +25,8 @@ struct MapOutputs
   [[nodiscard]] std::string beside(const std::string& ending) const;
   /** File of the settings; empty without any output but a labelled map. */
   [[nodiscard]] std::string settingsFile() const { return beside(".effective.ini"); }
-  /** Whether some output needs the map in memory as a whole: all but clouds in tiles. */
+  /** Whether some output needs the map in memory as a whole: all but clouds in tiles and the
+   * labelled map. */
   [[nodiscard]] bool needWholeMap() const;
   /** Whether some output needs the scans again after the map is built. */
   [[nodiscard]] bool needScans() const;

@@ -41,8 +41,8 @@ struct MapReport
   std::size_t skipped = 0;       //!< number of scans without a pose
   std::size_t unregistered = 0;  //!< number of scans that the run could not register
   std::size_t keyframes = 0;
-  std::size_t points = 0;  //!< number of points of the clouds, or of the map
-  double voxel_size = 0;   //!< side of the map's voxels [m]
+  std::size_t points = 0;  //!< number of points of the clouds, else of the map, else labelled ones
+  double voxel_size = 0;   //!< side of the map's voxels [m]; 0: there is only the labelled map
   /** Files that could not be written, and what the others lack: scans after damage, runs; empty if
    * nothing. */
   std::string problem;

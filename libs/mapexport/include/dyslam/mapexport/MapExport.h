@@ -35,6 +35,10 @@ struct MapExportOptions : Options
   void describe(OptionsVisitor& visitor) override;
 };
 
+/** \param epsg as MapExportOptions::epsg \param of_coordinates number of the zone of UTM that the
+ * coordinates are in; 0: not known \throws UserError if they name different zones of UTM (WGS84) */
+void requireZone(int epsg, int of_coordinates);
+
 /** Called with the number of keyframes done after each of them; may be empty. */
 using MapProgress = std::function<void(std::size_t)>;
 
