@@ -16,14 +16,17 @@ void trainDysegCommand(const TrainArguments& arguments)
 {
   arguments.requireConsistent();
   const Config config = arguments.loadConfig("dyseg");
-  ConfigLoader loader(config);
   DysegTrainerSetup setup;
-  setup.train = loader.get<DysegTrainerOptions>("train");
-  setup.network = loader.get<DysegNetworkOptions>("network");
-  setup.grid = loader.get<BevOptions>("grid");
-  setup.augmentation = loader.get<DysegAugmentOptions>("augmentation");
-  setup.loss = loader.get<DysegLossOptions>("loss");
-  loader.requireAllUsed();
+  const Config effective = loadAll(config,
+                                   [&setup](ConfigLoader& loader)
+                                   {
+                                     setup.train = loader.get<DysegTrainerOptions>("train");
+                                     setup.network = loader.get<DysegNetworkOptions>("network");
+                                     setup.grid = loader.get<BevOptions>("grid");
+                                     setup.augmentation =
+                                         loader.get<DysegAugmentOptions>("augmentation");
+                                     setup.loss = loader.get<DysegLossOptions>("loss");
+                                   });
   setup.device = arguments.device;
   setup.train.data = dataFolder(setup.train.data, "[train] data");
 
@@ -51,7 +54,7 @@ void trainDysegCommand(const TrainArguments& arguments)
   }
   trainer.loadData();  // before anything is written: settings that fail leave the folder as it is
   makeFolder(output, "choose another --output");
-  writeWhole(output + "/effective.ini", loader.effective().toIni());
+  writeWhole(output + "/effective.ini", effective.toIni());
   trainer.run(report, stopRequested);
 }
 }  // namespace dyslam

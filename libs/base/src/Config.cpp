@@ -256,7 +256,11 @@ void Config::requireKnownSections(const std::vector<std::string>& known) const
   {
     if (std::find(known.begin(), known.end(), name) == known.end())
     {
-      throw UserError(origin + ": " + unknownWord("section", name, known));
+      const Section& keys = section(name);
+      const bool has_one_key = keys.size() == 1;
+      throw UnknownSetting(origin + ": unknown section '" + name + "'", meantWord(name, known),
+                           has_one_key ? keys.begin()->first : "",
+                           has_one_key ? keys.begin()->second : Value{});
     }
   }
 }
@@ -279,6 +283,35 @@ std::string Config::toIni() const
     }
   }
   return out.str();
+}
+
+UnknownSetting::UnknownSetting(const std::string& what,
+                               const std::string& advice,
+                               std::string key,
+                               Config::Value value)
+    : UserError(what + advice), what_(what), key_(std::move(key)), value_(std::move(value))
+{
+}
+
+UserError UnknownSetting::withSectionsOf(const Config& known) const
+{
+  std::vector<std::string> sections;
+  for (const std::string& name : known.sectionNames())
+  {
+    if (known.has(name, key_))
+    {
+      sections.push_back(name);
+    }
+  }
+  if (sections.empty())
+  {
+    return UserError(what());
+  }
+  const bool is_assigned = value_.origin.rfind(set_flag, 0) == 0;
+  return UserError(what_ + "; '" + key_ + "' is a key of [" + joined(sections, "], [") + "]" +
+                   (is_assigned && sections.size() == 1
+                        ? ": " + (set_flag + sections.front()) + "." + key_ + "=" + value_.text
+                        : ""));
 }
 
 bool isAboutSettings(const std::string& message, const std::string& ini)

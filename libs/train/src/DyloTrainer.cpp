@@ -84,13 +84,18 @@ class Trainer : public TrainingTask
 Trainer::Trainer(const Config& config, const DyloTrainRequest& request)
     : request_(request), device_(deviceNamed(request.device, "--device"))
 {
-  ConfigLoader loader(config);
-  options_ = loader.get<TrainOptions>("train");
-  const auto shape = loader.get<DyloNetworkOptions>("network");
-  const auto loss = loader.get<DyloLossOptions>("loss");
-  augmentation_ = loader.get<AugmentationOptions>("augmentation");
-  data_ = loader.get<DataOptions>("data");
-  loader.requireAllUsed();
+  DyloNetworkOptions shape;
+  DyloLossOptions loss;
+  const Config effective = loadAll(config,
+                                   [&](ConfigLoader& loader)
+                                   {
+                                     options_ = loader.get<TrainOptions>("train");
+                                     shape = loader.get<DyloNetworkOptions>("network");
+                                     loss = loader.get<DyloLossOptions>("loss");
+                                     augmentation_ =
+                                         loader.get<AugmentationOptions>("augmentation");
+                                     data_ = loader.get<DataOptions>("data");
+                                   });
 
   useTorchThreads(options_.threads);
   torch::manual_seed(static_cast<std::uint64_t>(options_.seed));
@@ -118,7 +123,7 @@ Trainer::Trainer(const Config& config, const DyloTrainRequest& request)
     source_ = makeDyloPairSource(data_, augmentation_, base, splits,
                                  static_cast<std::uint64_t>(options_.seed));
     makeFolder(request.output, "choose another --output");
-    writeWhole(request.output + "/effective.ini", loader.effective().toIni());
+    writeWhole(request.output + "/effective.ini", effective.toIni());
   }
 }
 
