@@ -6,7 +6,7 @@
 #include <dyslam/base/Printable.h>
 #include <dyslam/base/Quantile.h>
 #include <dyslam/formats/FieldConventions.h>
-#include <dyslam/formats/KittiFiles.h>
+#include <dyslam/formats/RecordingKind.h>
 #include <dyslam/formats/ScanFiles.h>
 #include <dyslam/formats/TrajectoryFiles.h>
 
@@ -17,6 +17,7 @@
 #include <sstream>
 #include <utility>
 
+#include "FoundTimes.h"
 #include "NameStamps.h"
 
 namespace dyslam
@@ -145,7 +146,25 @@ void warnAboutGaps(const std::vector<std::string>& files, double dt, ScanSink& s
   const auto before = static_cast<std::size_t>(gap - numbers.begin());
   sink.warn("file numbers have gaps: " + fs::path(files[before + 1]).filename().string() +
             " follows " + fs::path(files[before]).filename().string() + "; scans are taken as " +
-            stepText(dt) + " s apart (--by-number takes their times from their numbers)");
+            stepText(dt) +
+            " s apart (--by-number of scans2rawlog takes their times from their numbers)");
+}
+
+/** Warns if the folder of the scans is part of a KITTI recording. */
+void warnAboutKitti(const std::string& input, ScanSink& sink)
+{
+  const fs::path folder = fs::absolute(fs::path(input) / "").lexically_normal().parent_path();
+  const bool is_data = folder.filename() == "data";
+  const fs::path recording = is_data ? folder.parent_path().parent_path() : folder.parent_path();
+  const fs::path scans = is_data ? "velodyne_points/data" : "velodyne";
+  const std::optional<KittiKind> kind = officialKittiKind(recording.string());
+  if (!kind || recording / scans != folder)
+  {
+    return;
+  }
+  sink.warn("the scans are those of a KITTI recording; give its folder, -i " + recording.string() +
+            ", for its true poses" +
+            (*kind == KittiKind::odometry ? ", and because its scans are already deskewed" : ""));
 }
 
 void warnAbout(const FolderFindings& findings,
@@ -198,19 +217,70 @@ void warnAboutUnit(const std::string& times, const std::vector<double>& stamps, 
   }
 }
 
+/** The columns of a folder's .bin files: as requested, or those of the first one with points; empty
+ * for other files. */
+std::string layoutOfBins(const std::vector<std::string>& files, const ScanConverterOptions& options)
+{
+  if (lowerExtension(files.front()) != ".bin")
+  {
+    return {};
+  }
+  const auto with_points = std::find_if(
+      files.begin(), files.end(), [](const std::string& file) { return fs::file_size(file) > 0; });
+  return !options.bin_layout.empty()  ? options.bin_layout
+         : with_points == files.end() ? kitti_layout
+                                      : binLayoutOf(*with_points);
+}
+
+/** Reads a scan of a folder. \param layout of its .bin files; empty: other files */
+Scan readFile(const std::string& file, const std::string& layout, FieldConventions& conventions)
+{
+  return layout.empty() ? readCloud(file, conventions) : readBin(file, layout, conventions);
+}
+
+/** Whether the first scan with points has a time of its own. */
+bool haveOwnTimes(const std::vector<std::string>& files,
+                  const std::string& layout,
+                  const ScanConverterOptions& options)
+{
+  FieldConventions conventions(options.scale);
+  for (const std::string& file : files)
+  {
+    const Scan scan = readFile(file, layout, conventions);
+    if (scan.size() > 0)
+    {
+      return scan.stamp != 0;
+    }
+  }
+  return false;
+}
+
+/** Times of a file that lies with the scans; empty if there is none that can be used. */
+std::vector<double> stampsOfFoundFile(const std::vector<std::string>& files, ScanSink& sink)
+{
+  FoundTimes found = findTimes(fs::path(files.front()).parent_path().string(), files.size());
+  if (!found.why_unused.empty())
+  {
+    sink.warn(found.why_unused);
+  }
+  if (!found.file.empty())
+  {
+    sink.note("time stamps: " + found.file);
+    warnAboutUnit(found.file, found.stamps, sink);
+  }
+  return std::move(found.stamps);
+}
+
 /** A time for each scan of a folder; empty if only the scans themselves have times. May put the
- * files in another order. */
+ * files in another order. \param layout of .bin files */
 std::vector<double> stampsFor(std::vector<std::string>& files,
+                              const std::string& layout,
                               const ScanConverterOptions& options,
                               ScanSink& sink)
 {
   if (!options.times.empty())
   {
-    std::vector<double> stamps = readTimesOrTimestamps(options.times);
-    stamps.erase(std::remove_if(stamps.begin(), stamps.end(),  // of lost scans, without a file
-                                [](double stamp) { return std::isnan(stamp); }),
-                 stamps.end());
-    std::transform(stamps.begin(), stamps.end(), stamps.begin(), secondsOf);
+    std::vector<double> stamps = readTimesOfScans(options.times);
     if (stamps.size() != files.size())
     {
       throw UserError(options.times + ": has " + counted(stamps.size(), "time") +
@@ -230,26 +300,13 @@ std::vector<double> stampsFor(std::vector<std::string>& files,
   }
   const std::vector<double> stamps = stampsFromNames(files);
   const std::string example = fs::path(files.front()).filename().string();
-  sink.note(stamps.empty() ? "the file names (" + example + ") are not taken as time stamps"
-                           : "time stamps: the file names (" + example + ")");
-  return stamps;
-}
-
-/** The columns of a folder's .bin files: as requested, or those of the first one with points. */
-std::string binLayoutFor(const std::vector<std::string>& files,
-                         const ScanConverterOptions& options,
-                         ScanSink& sink)
-{
-  const auto with_points = std::find_if(
-      files.begin(), files.end(), [](const std::string& file) { return fs::file_size(file) > 0; });
-  const std::string layout = !options.bin_layout.empty()  ? options.bin_layout
-                             : with_points == files.end() ? kitti_layout
-                                                          : binLayoutOf(*with_points);
-  if (layout != kitti_layout)
+  if (!stamps.empty())
   {
-    sink.note("points: " + columnsOf(layout) + " (--bin-layout " + layout + ")");
+    sink.note("time stamps: the file names (" + example + ")");
+    return stamps;
   }
-  return layout;
+  sink.note("the file names (" + example + ") are not taken as time stamps");
+  return haveOwnTimes(files, layout, options) ? stamps : stampsOfFoundFile(files, sink);
 }
 }  // namespace
 
@@ -274,9 +331,12 @@ void convertFolder(const std::string& input,
 {
   std::vector<std::string> files = folder.files;
   const std::vector<Pose>& poses = folder.poses;
-  const std::vector<double> stamps = stampsFor(files, options, sink);
-  const bool are_bins = lowerExtension(files.front()) == ".bin";
-  const std::string layout = are_bins ? binLayoutFor(files, options, sink) : "";
+  const std::string layout = layoutOfBins(files, options);
+  const std::vector<double> stamps = stampsFor(files, layout, options, sink);
+  if (!layout.empty() && layout != kitti_layout)
+  {
+    sink.note("points: " + columnsOf(layout) + " (--bin-layout " + layout + ")");
+  }
   if (!poses.empty())
   {
     sink.setPoseOrigin(PoseSource::given, nameOfFile(options.poses));
@@ -286,8 +346,7 @@ void convertFolder(const std::string& input,
   findings.assumed_times = options.dt > 0 && !options.by_number;
   for (std::size_t i = 0; i < files.size(); ++i)
   {
-    Scan scan =
-        are_bins ? readBin(files[i], layout, conventions) : readCloud(files[i], conventions);
+    Scan scan = readFile(files[i], layout, conventions);
     if (options.by_number)
     {
       scan.stamp = stamps[i];
@@ -311,6 +370,7 @@ void convertFolder(const std::string& input,
                     counted(files.size(), "scan"));
   }
   warnAbout(findings, files, options, sink);
+  warnAboutKitti(input, sink);
   for (const std::string& note : conventions.notes())
   {
     sink.note(note);

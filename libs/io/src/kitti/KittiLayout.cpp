@@ -16,10 +16,12 @@
 #include <filesystem>
 #include <functional>
 #include <limits>
+#include <utility>
 
 #include "KittiCalibFinder.h"
 #include "KittiScans.h"
 #include "conversion/ConversionOutput.h"
+#include "conversion/FoundTimes.h"
 
 namespace dyslam
 {
@@ -158,24 +160,22 @@ class LayoutReader
     {
       source = firstExisting(options_.times,
                              {input_ / "times.txt", input_ / "velodyne_points" / "timestamps.txt"});
+      has_raw_times_ = options_.times.empty() && fs::path(source).filename() == "timestamps.txt";
       if (!source.empty())
       {
         times = readTimesOrTimestamps(source);
       }
+      else if (FoundTimes found = findOtherTimes(); !found.file.empty())
+      {
+        source = found.file;
+        times = std::move(found.stamps);
+      }
       else
       {
-        const std::string missing =
-            options_.kind == KittiKind::kitti360
-                ? "velodyne_points/timestamps.txt, a download of its own (data_3d_timestamps.zip)"
-            : options_.kind == KittiKind::raw ? "velodyne_points/timestamps.txt or times.txt"
-                                              : "times.txt";
-        layout_.warnings.push_back("no " + missing +
-                                   ": 0.1034 s between scans is assumed (give --times or --dt)");
+        warnAboutMissingTimes();
       }
     }
     has_times_ = !source.empty();  // a file without times is an error below
-    has_raw_times_ =
-        has_times_ && options_.times.empty() && fs::path(source).filename() == "timestamps.txt";
     const double dt = options_.dt > 0 ? options_.dt : kitti_dt;
     // A line for each frame number, or for each scan where numbers are left out.
     const bool by_scan = entries.back().number >= times.size() && times.size() == entries.size();
@@ -199,6 +199,34 @@ class LayoutReader
       }
       entries[i].stamp = times[number];
     }
+  }
+
+  void warnAboutMissingTimes()
+  {
+    const std::string missing =
+        options_.kind == KittiKind::kitti360
+            ? "velodyne_points/timestamps.txt, a download of its own (data_3d_timestamps.zip)"
+        : options_.kind == KittiKind::raw ? "velodyne_points/timestamps.txt or times.txt"
+                                          : "times.txt";
+    layout_.warnings.push_back("no " + missing +
+                               ": 0.1034 s between scans is assumed; give --dt, or a file of times "
+                               "with --times of kitti2rawlog");
+  }
+
+  /** Times that lie with the scans, but not where the layout has them. */
+  FoundTimes findOtherTimes()
+  {
+    const std::string folder = fs::path(layout_.entries.front().scan).parent_path().string();
+    FoundTimes found = findTimes(folder, layout_.entries.size());
+    if (!found.why_unused.empty())
+    {
+      layout_.warnings.push_back(found.why_unused);
+    }
+    if (!found.file.empty())
+    {
+      layout_.notes.push_back("time stamps: " + found.file);
+    }
+    return found;
   }
 
   /** Files of true poses that the layout may have. */
