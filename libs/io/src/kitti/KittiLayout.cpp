@@ -75,6 +75,13 @@ class LayoutReader
 
   KittiLayout read()
   {
+    if (officialKittiKind(input_.string()) == KittiKind::odometry)
+    {
+      layout_.notes.emplace_back(
+          "trajectory_kitti.txt of a run has poses of the lidar (x ahead), KITTI's are of camera 0 "
+          "(z ahead): rawlog2kitti --trajectory writes such, dyslam-eval trajectory --camera "
+          "compares them");
+    }
     readStamps();
     if (!options_.calib.empty())
     {
@@ -256,6 +263,12 @@ class LayoutReader
     if (path.empty())
     {
       readOxtsPoses();
+      if (options_.kind == KittiKind::odometry && layout_.pose_file.empty())
+      {
+        layout_.notes.push_back("no true poses: the recording has neither " +
+                                poseFiles()[0].string() + " nor " + poseFiles()[1].string() +
+                                "; --poses of kitti2rawlog names another file");
+      }
       if (options_.kind == KittiKind::kitti360)
       {
         layout_.warnings.push_back("converted without true poses: no " + poseFiles()[1].string() +
