@@ -91,7 +91,15 @@ std::vector<BatchResult> runHere(const Arguments& a,
 
 void run(const Arguments& a)
 {
-  std::vector<Recording> recordings = listRecordings(a.entries);
+  std::vector<Recording> recordings = listRecordings(a.entries,
+                                                     [&a](const std::string& note)
+                                                     {
+                                                       if (!a.quiet)
+                                                       {
+                                                         std::cerr << "note: " << printable(note)
+                                                                   << '\n';
+                                                       }
+                                                     });
   requireFittingConversion(a.conversion, recordings);
   if (!a.shard.empty())
   {
