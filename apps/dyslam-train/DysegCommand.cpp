@@ -6,7 +6,6 @@
 #include <dyslam/train/DysegTrainer.h>
 
 #include <iostream>
-#include <optional>
 
 #include "TrainArguments.h"
 
@@ -35,9 +34,16 @@ void trainDysegCommand(const TrainArguments& arguments)
   DysegTrainer trainer(setup, output);
   if (arguments.validate_only)
   {
-    const bool has_grid = !config.section("grid").empty();
-    trainer.validateOnly(arguments.start,
-                         has_grid ? std::optional<BevOptions>(setup.grid) : std::nullopt, report);
+    GivenDysegShape given;
+    if (!config.section("grid").empty())
+    {
+      given.grid = setup.grid;
+    }
+    if (!config.section("network").empty())
+    {
+      given.network = setup.network;
+    }
+    trainer.validateOnly(arguments.start, given, report);
     return;
   }
   if (arguments.resume)

@@ -323,9 +323,14 @@ void Trainer::startFrom(const std::string& path)
     return;
   }
   const torch::NoGradGuard no_grad;
+  const DyloNetwork loaded = loadDylo(path);
+  if (request_.validate_only)
+  {
+    requireSameNetwork(loaded->options(), network_->options(), path);
+  }
   const auto own = network_->named_parameters();
   std::size_t taken = 0;
-  for (const auto& given : loadDylo(path)->named_parameters())
+  for (const auto& given : loaded->named_parameters())
   {
     const torch::Tensor* mine = own.find(given.key());
     if (mine != nullptr && mine->sizes() == given.value().sizes())

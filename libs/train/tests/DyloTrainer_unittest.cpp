@@ -269,6 +269,29 @@ TEST(DyloTrainer, ValidationNeedsRecordings)
   EXPECT_THROW(trainDylo(tiny(1), request), UserError);
 }
 
+TEST(DyloTrainer, ValidatesWeightsWithTheNetworkThatTheyWereTrainedFor)
+{
+  DyloTrainRequest request = requestFor(freshFolder("validated_weights"));
+  trainDylo(tiny(1), request);
+  request.start = request.output + "/dylo.safetensors";
+  request.output.clear();
+  request.validate_only = true;
+  Config config = tiny(1);
+  config.set("data.simulated_validation=campus;VLP16;0;9004;2");
+  EXPECT_NO_THROW(trainDylo(config, request));
+  config.set("network.mask=lonet");
+  try
+  {
+    trainDylo(config, request);
+    ADD_FAILURE() << "another network";
+  }
+  catch (const UserError& error)
+  {
+    EXPECT_NE(std::string(error.what()).find("trained with [network] mask = "), std::string::npos)
+        << error.what();
+  }
+}
+
 TEST(DyloTrainer, AskedToStopItSavesWhatItHas)
 {
   DyloTrainRequest request = requestFor(freshFolder("stopped"));
