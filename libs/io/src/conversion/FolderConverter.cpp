@@ -91,6 +91,24 @@ float medianRange(const Scan& scan)
   return ranges.empty() ? 0 : upperMedian(ranges);
 }
 
+/** Share of the points, without those at the origin, whose coordinates are all whole numbers; 0 of
+ * few points. */
+double shareOfWholeNumbers(const Scan& scan)
+{
+  constexpr std::size_t few = 1000;
+  std::size_t points = 0;
+  std::size_t whole = 0;
+  for (const Eigen::Vector3f& point : scan.points)
+  {
+    if (point.allFinite() && !point.isZero(0))
+    {
+      ++points;
+      whole += point.array().round().matrix() == point ? 1 : 0;
+    }
+  }
+  return points < few ? 0 : static_cast<double>(whole) / static_cast<double>(points);
+}
+
 /** What is unusual about the scans of a folder. */
 struct FolderFindings
 {
@@ -100,6 +118,7 @@ struct FolderFindings
   std::string first_with_points;
   double odd_intensities = 0;  //!< share of those of that file that no lidar gives
   float median_range = 0;      //!< of that file [m]
+  double whole_numbers = 0;    //!< shareOfWholeNumbers() of that file
 
   /** \throws UserError if the first file with points has no scan of a lidar. */
   void add(const Scan& scan, bool has_stamp, const std::string& file)
@@ -114,6 +133,7 @@ struct FolderFindings
                         [](float intensity) { return !(intensity >= 0 && intensity <= highest); });
       odd_intensities = static_cast<double>(odd) / static_cast<double>(scan.size());
       median_range = medianRange(scan);
+      whole_numbers = shareOfWholeNumbers(scan);
       constexpr float farthest = 1e5F;
       if (median_range > farthest)
       {
@@ -167,6 +187,31 @@ void warnAboutKitti(const std::string& input, ScanSink& sink)
             (*kind == KittiKind::odometry ? ", and because its scans are already deskewed" : ""));
 }
 
+/** Warns of coordinates that are not in metres. Distances alone do not show centimetres: those of a
+ * lidar on a drone are as large in metres. */
+void warnAboutLengths(const FolderFindings& findings, double scale, ScanSink& sink)
+{
+  const std::string file = fs::path(findings.first_with_points).filename().string();
+  const std::string millimetres = "millimetres (--scale 0.001)";
+  const std::string or_centimetres = " or in centimetres (--scale 0.01)";
+  constexpr float implausible = 1000;               // [m]
+  constexpr float implausible_centimetres = 10000;  // [cm]
+  if (findings.median_range > implausible)
+  {
+    sink.warn(file + ": half of its points are more than " +
+              std::to_string(std::lround(findings.median_range)) +
+              " m away: its coordinates are probably in " + millimetres +
+              (findings.median_range < implausible_centimetres ? or_centimetres : ""));
+    return;
+  }
+  constexpr double nearly_all = 0.99;
+  if (scale == 1 && findings.whole_numbers > nearly_all)
+  {
+    sink.warn(file + ": its coordinates are whole numbers: they are probably in " + millimetres +
+              or_centimetres);
+  }
+}
+
 void warnAbout(const FolderFindings& findings,
                const std::vector<std::string>& files,
                const ScanConverterOptions& options,
@@ -189,14 +234,7 @@ void warnAbout(const FolderFindings& findings,
               " % of the intensities are negative, above 65535 or no numbers: its columns are "
               "probably not x y z intensity (float32); --bin-layout names them, a letter each");
   }
-  constexpr float implausible = 1000;
-  if (findings.median_range > implausible)
-  {
-    sink.warn(fs::path(findings.first_with_points).filename().string() +
-              ": half of its points are more than " +
-              std::to_string(std::lround(findings.median_range)) +
-              " m away: its coordinates are probably in millimetres (--scale 0.001)");
-  }
+  warnAboutLengths(findings, options.scale, sink);
 }
 
 /** Warns of times that are not in seconds. \param stamps of the scans, in their order [s] */
