@@ -315,7 +315,7 @@ void requireOwnSections(const Config& assigned, const Arguments& a)
     const auto& [key, value] = *assigned.section(section).begin();
     throw UnknownSetting(value.origin + "=" + value.text + ": dyslam-map has the sections " +
                              names + (a.runs.empty() ? "" : " (--merge)"),
-                         "", key, value);
+                         "", {"", key, value});
   }
 }
 

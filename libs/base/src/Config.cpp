@@ -259,8 +259,8 @@ void Config::requireKnownSections(const std::vector<std::string>& known) const
       const Section& keys = section(name);
       const bool has_one_key = keys.size() == 1;
       throw UnknownSetting(origin + ": unknown section '" + name + "'", meantWord(name, known),
-                           has_one_key ? keys.begin()->first : "",
-                           has_one_key ? keys.begin()->second : Value{});
+                           {name, has_one_key ? keys.begin()->first : "",
+                            has_one_key ? keys.begin()->second : Value{}});
     }
   }
 }
@@ -285,32 +285,32 @@ std::string Config::toIni() const
   return out.str();
 }
 
-UnknownSetting::UnknownSetting(const std::string& what,
-                               const std::string& advice,
-                               std::string key,
-                               Config::Value value)
-    : UserError(what + advice), what_(what), key_(std::move(key)), value_(std::move(value))
+UnknownSetting::UnknownSetting(const std::string& what, const std::string& advice, Unknown unknown)
+    : UserError(what + advice), what_(what), unknown_(std::move(unknown))
 {
 }
 
 UserError UnknownSetting::withSectionsOf(const Config& known) const
 {
+  const auto& [unknown_section, key, value] = unknown_;
   std::vector<std::string> sections;
   for (const std::string& name : known.sectionNames())
   {
-    if (known.has(name, key_))
+    if (known.has(name, key))
     {
       sections.push_back(name);
     }
   }
-  if (sections.empty())
+  const bool is_mistyped = !unknown_section.empty() &&
+                           known.has(nearestWord(unknown_section, known.sectionNames()), key);
+  if (sections.empty() || is_mistyped)
   {
     return UserError(what());
   }
-  const bool is_assigned = value_.origin.rfind(set_flag, 0) == 0;
-  return UserError(what_ + "; '" + key_ + "' is a key of [" + joined(sections, "], [") + "]" +
+  const bool is_assigned = value.origin.rfind(set_flag, 0) == 0;
+  return UserError(what_ + "; '" + key + "' is a key of [" + joined(sections, "], [") + "]" +
                    (is_assigned && sections.size() == 1
-                        ? ": " + (set_flag + sections.front()) + "." + key_ + "=" + value_.text
+                        ? ": " + (set_flag + sections.front()) + "." + key + "=" + value.text
                         : ""));
 }
 

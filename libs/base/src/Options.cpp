@@ -296,7 +296,7 @@ void load(Options& options, const Config& config, const std::string& section)
                         old->second);
       }
       throw UnknownSetting(value.origin + ": [" + section + "]: unknown key '" + key + "'",
-                           meantWord(key, lister.keys), key, value);
+                           meantWord(key, lister.keys), {"", key, value});
     }
   }
   Loader loader(values, section);

@@ -281,8 +281,11 @@ TEST(Config, AKeyOfAnUnknownSectionIsNamedWithItsSections)
       errorOfProgram(assigned));
   EXPECT_EQ("a.ini:1: unknown section 'othr'; did you mean 'other'? (one of: sample, other)",
             errorOfProgram(Config::fromText("[othr]\nnothing = 1\n", "a.ini")));
-  const UnknownSetting error("here: unknown key 'x'", "; did you mean 'y'?", "x",
-                             {"1", "here", {}});
+  EXPECT_EQ("a.ini:1: unknown section 'othr'; did you mean 'other'? (one of: sample, other)",
+            errorOfProgram(Config::fromText("[othr]\nresolution = 1\n", "a.ini")))
+      << "a mistyped section";
+  const UnknownSetting error("here: unknown key 'x'", "; did you mean 'y'?",
+                             {"", "x", {"1", "here", {}}});
   Config known;
   known.set("b.x=1");
   known.set("a.x=2");

@@ -70,23 +70,25 @@ class Config
 class UnknownSetting : public UserError
 {
  public:
+  struct Unknown
+  {
+    std::string section;  //!< empty: the section is known
+    std::string key;      //!< empty: a section with no key, or with several
+    Config::Value value;
+  };
   /** \param what what is unknown, with its origin: "a.ini:3: [map]: unknown key 'x'"
-   * \param advice what may have been meant; follows `what` in the message
-   * \param key empty: an unknown section with no key, or with several */
-  UnknownSetting(const std::string& what,
-                 const std::string& advice,
-                 std::string key,
-                 Config::Value value);
+   * \param advice what may have been meant; follows `what` in the message */
+  UnknownSetting(const std::string& what, const std::string& advice, Unknown unknown);
 
   /** The error, which names the sections of `known` that have such a key, if there are any:
-   * "a.ini:3: [map]: unknown key 'x'; it is a key of [map_export]", with the right --set if it was
-   * given so. \param known config with every section and key of the program */
+   * "a.ini:3: [map]: unknown key 'x'; 'x' is a key of [map_export]", with the right --set if it was
+   * given so. Without them if the section is like one that has the key.
+   * \param known config with every section and key of the program */
   [[nodiscard]] UserError withSectionsOf(const Config& known) const;
 
  private:
   std::string what_;
-  std::string key_;
-  Config::Value value_;
+  Unknown unknown_;
 };
 
 /** Whether an error message is about a value of --set or of the ini `ini`: it begins with the
