@@ -16,7 +16,7 @@ namespace fs = std::filesystem;
 
 namespace
 {
-constexpr const char* section = "recording";
+constexpr const char* recording_section = "recording";
 
 std::string warningKey(std::size_t number)
 {
@@ -38,11 +38,11 @@ std::string recordingOriginFile(const std::string& folder)
 void writeRecordingOrigin(const RecordingOrigin& origin, const std::string& folder)
 {
   Config ini;
-  ini.set(section, "input", {origin.input, "", {}});
-  ini.set(section, "converter", {origin.converter, "", {}});
+  ini.set(recording_section, "input", {origin.input, "", {}});
+  ini.set(recording_section, "converter", {origin.converter, "", {}});
   for (std::size_t i = 0; i < origin.warnings.size(); ++i)
   {
-    ini.set(section, warningKey(i + 1), {inOneLine(origin.warnings[i]), "", {}});
+    ini.set(recording_section, warningKey(i + 1), {inOneLine(origin.warnings[i]), "", {}});
   }
   writeWhole(recordingOriginFile(folder), [&ini](std::ostream& out) { out << ini.toIni(); });
 }
@@ -66,9 +66,9 @@ std::optional<RecordingOrigin> originOfRecording(const std::string& rawlog)
     return std::nullopt;  // it is only for information
   }
   const auto value = [&ini](const std::string& key)
-  { return ini.has(section, key) ? ini.section(section).at(key).text : ""; };
+  { return ini.has(recording_section, key) ? ini.section(recording_section).at(key).text : ""; };
   RecordingOrigin origin{value("input"), value("converter"), {}};
-  for (std::size_t number = 1; ini.has(section, warningKey(number)); ++number)
+  for (std::size_t number = 1; ini.has(recording_section, warningKey(number)); ++number)
   {
     origin.warnings.push_back(value(warningKey(number)));
   }

@@ -8,7 +8,6 @@
 #include <dyslam/formats/Kitti360Files.h>
 #include <dyslam/formats/RecordingKind.h>
 #include <dyslam/formats/ScanFiles.h>
-#include <dyslam/formats/SustechFiles.h>
 #include <dyslam/formats/TrajectoryFiles.h>
 
 #include <algorithm>
@@ -18,6 +17,7 @@
 #include <limits>
 #include <utility>
 
+#include "KittiBoxes.h"
 #include "KittiCalibFinder.h"
 #include "KittiScans.h"
 #include "conversion/ConversionOutput.h"
@@ -564,44 +564,12 @@ class LayoutReader
       layout_.boxes = readKittiTracking(path, calib_.requireCamera("boxes of the camera"));
       return;
     }
-    for (auto& entry : layout_.entries)
-    {
-      const fs::path file = fs::path(path) / (fs::path(entry.scan).stem().string() + ".json");
-      if (fs::exists(file))
-      {
-        const auto boxes = readSustechJson(file.string(), static_cast<int>(entry.number));
-        layout_.boxes.insert(layout_.boxes.end(), boxes.begin(), boxes.end());
-      }
-    }
+    layout_.boxes = readBoxFolder(path, layout_.entries);
     if (layout_.boxes.empty() && !options_.boxes.empty())
     {
       throw UserError(path + ": has no .json boxes named as a scan");
     }
-    assignMissingIds(path);
-  }
-
-  /** Boxes without a usable id become objects of their own, each of one scan. */
-  void assignMissingIds(const std::string& path)
-  {
-    int last = -1;
-    std::size_t without_id = 0;
-    for (const LabelledBox& box : layout_.boxes)
-    {
-      last = std::max(last, box.id);
-      without_id += box.id < 0 ? 1 : 0;
-    }
-    if (without_id == 0)
-    {
-      return;
-    }
-    layout_.warnings.push_back(path + ": " + std::to_string(without_id) + " of " +
-                               std::to_string(layout_.boxes.size()) +
-                               " boxes have no usable obj_id; each gets one of its own, from " +
-                               std::to_string(last + 1) + " on");
-    for (LabelledBox& box : layout_.boxes)
-    {
-      box.id = box.id < 0 ? ++last : box.id;
-    }
+    assignMissingIds(path, layout_.boxes, layout_.warnings);
   }
 
   fs::path input_;
