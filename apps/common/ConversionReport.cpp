@@ -3,12 +3,14 @@
 
 #include <dyslam/base/Error.h>
 #include <dyslam/base/Printable.h>
+#include <dyslam/base/Words.h>
 #include <dyslam/formats/ProgramLines.h>
 
 #include <cstddef>
 #include <cstdint>
 #include <iostream>
 #include <memory>
+#include <string>
 
 #include "Checks.h"
 #include "Progress.h"
@@ -16,6 +18,29 @@
 
 namespace dyslam
 {
+namespace
+{
+/** What was converted besides the scans: "12 poses (from poses.txt), 1 box"; empty without. */
+std::string truthOf(const ConversionResult& result)
+{
+  std::string truth;
+  if (result.poses > 0)
+  {
+    truth = counted(result.poses, "pose") +
+            (result.pose_source.empty() ? "" : " (from " + result.pose_source + ")");
+  }
+  if (result.label_files > 0)
+  {
+    appendWord(truth, counted(result.label_files, "label file"));
+  }
+  if (result.boxes > 0)
+  {
+    appendWord(truth, std::to_string(result.boxes) + (result.boxes == 1 ? " box" : " boxes"));
+  }
+  return truth;
+}
+}  // namespace
+
 void report(const ConversionResult& result, const std::string& output, bool are_true)
 {
   for (const std::string& note : result.notes)
@@ -28,17 +53,15 @@ void report(const ConversionResult& result, const std::string& output, bool are_
   }
   std::cout << output << ": " << counted(result.scans, "scan") << ", "
             << counted(result.points, "point");
-  if (result.poses + result.label_files + result.boxes > 0)
+  if (const std::string truth = truthOf(result); !truth.empty())
   {
-    std::cout << "; "
-              << (are_true
-                      ? "truth" +
-                            (result.ground_truth.empty() ? "" : " in " + result.ground_truth) + ": "
-                      : "")
-              << counted(result.poses, "pose")
-              << (result.pose_source.empty() ? "" : " (from " + result.pose_source + ")") << ", "
-              << counted(result.label_files, "label file") << ", " << result.boxes
-              << (result.boxes == 1 ? " box" : " boxes");
+    std::cout << "; ";
+    if (are_true)
+    {
+      std::cout << "truth" << (result.ground_truth.empty() ? "" : " in " + result.ground_truth)
+                << ": ";
+    }
+    std::cout << truth;
   }
   std::cout << '\n';
 }

@@ -3,6 +3,7 @@
 
 #include <dyslam/base/Angle.h>
 #include <dyslam/base/Printable.h>
+#include <dyslam/formats/RecordingOrigin.h>
 #include <dyslam/run/TwoPassRun.h>
 #include <unistd.h>
 
@@ -10,6 +11,7 @@
 #include <cstdio>
 #include <filesystem>
 #include <mutex>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -208,6 +210,21 @@ SlamRunReport runWithProgress(Pass pass,
   return report;
 }
 }  // namespace
+
+void repeatConversionWarnings(SlamArguments& a)
+{
+  const auto origin = a.resume ? std::nullopt : originOfRecording(a.settings.rawlog);
+  if (!origin)
+  {
+    return;
+  }
+  for (const std::string& warning : origin->warnings)
+  {
+    const std::string repeated = "conversion of " + origin->input + ": " + warning;
+    a.settings.warnings.push_back(repeated);
+    printWarning(repeated, a.quiet());
+  }
+}
 
 void runSlamProgram(const std::string& program, const SlamArguments& a, const SlamRunner& run)
 {

@@ -45,9 +45,10 @@ void declare(CLI::App& app, Arguments& a)
 {
   app.description(
       "Runs dyslam on many recordings, here or as jobs of Slurm; resumes where it stopped");
-  app.add_option("recordings", a.entries,
-                 "rawlogs, ROS bags, captures (.pcap) and KITTI drives, folders of them, patterns, "
-                 "and lists (.txt) of all these")
+  app.add_option(
+         "recordings", a.entries,
+         "rawlogs, ROS bags, captures (.pcap), KITTI drives and folders of scans, folders of "
+         "them, patterns, and lists (.txt) of all these")
       ->required();
   addOutputFolder(app, "-o,--output", a.output,
                   "folder for the results, one within for each recording")

@@ -91,7 +91,14 @@ std::vector<BatchResult> runHere(const Arguments& a,
 
 void run(const Arguments& a)
 {
-  std::vector<Recording> recordings = listRecordings(a.entries);
+  const auto note = [&a](const std::string& text)
+  {
+    if (!a.quiet)
+    {
+      std::cerr << "note: " << printable(text) << '\n';
+    }
+  };
+  std::vector<Recording> recordings = listRecordings(a.entries, note);
   requireFittingConversion(a.conversion, recordings);
   if (!a.shard.empty())
   {

@@ -50,11 +50,13 @@ KittiMotSetup setupOf(const KittiMotArguments& a)
   {
     config.set(assignment);
   }
-  ConfigLoader loader(config);
   KittiMotSetup setup = a.setup;
-  setup.tracker = loader.get<TrackerOptions>("tracker");
-  setup.noise = loader.get<DetectionNoiseOptions>("detection_noise");
-  loader.requireAllUsed();
+  (void)loadAll(config,
+                [&setup](ConfigLoader& loader)
+                {
+                  setup.tracker = loader.get<TrackerOptions>("tracker");
+                  setup.noise = loader.get<DetectionNoiseOptions>("detection_noise");
+                });
   if (setup.detections.empty())
   {
     setup.detections = setup.data + "/det_pointrcnn";

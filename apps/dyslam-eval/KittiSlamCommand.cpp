@@ -49,18 +49,20 @@ KittiSlamSetup setupOf(const KittiSlamArguments& a)
   {
     config.set(assignment);
   }
-  ConfigLoader loader(config);
   KittiSlamSetup setup = a.setup;
   setup.alignment = alignmentFromString(a.alignment);
-  setup.tracker = loader.get<TrackerOptions>("tracker");
-  setup.noise = loader.get<DetectionNoiseOptions>("detection_noise");
-  setup.backend = {loader.get<BackendOptions>("backend"),
-                   LoopCloserOptions{},
-                   loader.get<ObjectGraphOptions>("objects"),
-                   loader.get<FactorGraphOptions>("solver"),
-                   GnssOptions{},
-                   GravityOptions{}};
-  loader.requireAllUsed();
+  (void)loadAll(config,
+                [&setup](ConfigLoader& loader)
+                {
+                  setup.tracker = loader.get<TrackerOptions>("tracker");
+                  setup.noise = loader.get<DetectionNoiseOptions>("detection_noise");
+                  setup.backend = {loader.get<BackendOptions>("backend"),
+                                   LoopCloserOptions{},
+                                   loader.get<ObjectGraphOptions>("objects"),
+                                   loader.get<FactorGraphOptions>("solver"),
+                                   GnssOptions{},
+                                   GravityOptions{}};
+                });
   return setup;
 }
 

@@ -127,6 +127,7 @@ void run(Arguments& a)
   {
     a.slam.settings.output_folder = "graphslam_results";
   }
+  dyslam::repeatConversionWarnings(a.slam);
   dyslam::runSlamProgram("dyslam-graphslam", a.slam,
                          [&a](const auto& settings, const auto& on_frame)
                          { return dyslam::runGraphSlam(settings, a.plugins, on_frame); });

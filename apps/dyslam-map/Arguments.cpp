@@ -300,20 +300,25 @@ void excludeFlags(CLI::App& app)
   app.get_option("--poses-of")->needs(app.get_option("--trajectory"));
 }
 
-/** \throws UserError for a section that --set may not change. */
-void requireOwnSection(const std::string& assignment, const Arguments& a)
+/** \param assigned sections of --set \throws UnknownSetting for one that --set may not change. */
+void requireOwnSections(const Config& assigned, const Arguments& a)
 {
-  const std::string section = assignment.substr(0, assignment.find('.'));
   const auto own = ownSections(a);
-  if (std::find(own.begin(), own.end(), section) == own.end())
+  for (const std::string& section : assigned.sectionNames())
   {
+    if (std::find(own.begin(), own.end(), section) != own.end())
+    {
+      continue;
+    }
     std::string names;
     for (const std::string& name : own)
     {
       names += (names.empty() ? "" : name == own.back() ? " and " : ", ") + name;
     }
-    throw UserError("--set " + assignment + ": dyslam-map has the sections " + names +
-                    (a.runs.empty() ? "" : " (--merge)"));
+    const auto& [key, value] = *assigned.section(section).begin();
+    throw UnknownSetting(value.origin + "=" + value.text + ": dyslam-map has the sections " +
+                             names + (a.runs.empty() ? "" : " (--merge)"),
+                         "", {"", key, value});
   }
 }
 
@@ -346,11 +351,54 @@ void loadMerger(ConfigLoader& loader, Arguments& a, std::vector<std::string>& me
   a.builder.hindsight.hindsight = true;  // as mergeMaps() does
 }
 
+/** Settings with which the map is built. \param messages gets notes about them */
+void loadSections(ConfigLoader& loader, Arguments& a, std::vector<std::string>& messages)
+{
+  a.builder.map = loader.get<StaticMapOptions>("map");
+  a.builder.hindsight = loader.get<HindsightOptions>("labels");
+  if (a.runs.empty())
+  {
+    loadRecording(loader, a);
+  }
+  else
+  {
+    loadMerger(loader, a, messages);
+  }
+  a.outputs.exports = loader.get<MapExportOptions>("map_export");
+  a.builder.memory = loader.get<MemoryOptions>("memory");
+}
+
+/** The sections that are loaded, with their defaults. */
+Config ownDefaults(Arguments a)
+{
+  const Config none;
+  ConfigLoader loader(none);
+  std::vector<std::string> ignored;
+  loadSections(loader, a, ignored);
+  return loader.effective();
+}
+
+/** The settings given by ini, run, sensor and --set. \param messages where they are from
+ * \throws UserError. */
+Config givenSettings(const Arguments& a, std::vector<std::string>& messages)
+{
+  Config config = baseSettings(a, messages);
+  Config assigned;
+  for (const auto& assignment : a.assignments)
+  {
+    assigned.set(assignment);
+  }
+  requireOwnSections(assigned, a);
+  config.merge(assigned);
+  config.requireKnownSections(knownSections());
+  return config;
+}
+
 /** All settings in use: those that were loaded, as the flags have changed them. \throws UserError
  * for a flag that is out of range. */
-Config effectiveSettings(const ConfigLoader& loader, const Arguments& a)
+Config effectiveSettings(const Config& loaded, const Arguments& a)
 {
-  Config effective = loader.effective();
+  Config effective = loaded;
   if (a.runs.empty())
   {
     save(a.recording.source, effective, "input");
@@ -393,31 +441,24 @@ void declare(CLI::App& app, Arguments& a)
 void loadConfig(Arguments& a)
 {
   std::vector<std::string> messages;
-  Config config = baseSettings(a, messages);
-  for (const auto& assignment : a.assignments)
+  Config config;
+  Config loaded;
+  try
   {
-    requireOwnSection(assignment, a);
-    config.set(assignment);
+    config = givenSettings(a, messages);
+    ConfigLoader loader(config);
+    loadSections(loader, a, messages);
+    loaded = loader.effective();
   }
-  config.requireKnownSections(knownSections());
-  ConfigLoader loader(config);
-  a.builder.map = loader.get<StaticMapOptions>("map");
-  a.builder.hindsight = loader.get<HindsightOptions>("labels");
-  if (a.runs.empty())
+  catch (const UnknownSetting& error)
   {
-    loadRecording(loader, a);
+    throw error.withSectionsOf(ownDefaults(a));
   }
-  else
-  {
-    loadMerger(loader, a, messages);
-  }
-  a.outputs.exports = loader.get<MapExportOptions>("map_export");
-  a.builder.memory = loader.get<MemoryOptions>("memory");
   a.outputs.exports.full_resolution = a.outputs.exports.full_resolution || a.full;
   a.outputs.exports.epsg = referenceSystem(a.outputs.exports.epsg, a.recording.trajectory);
   a.builder.keyframe_distance =
       a.keyframe_distance ? *a.keyframe_distance : keyframeDistance(config);
-  a.outputs.settings = effectiveSettings(loader, a);
+  a.outputs.settings = effectiveSettings(loaded, a);
   for (const std::string& message : messages)
   {
     if (!a.quiet || message.rfind(warning_mark, 0) == 0)

@@ -6,7 +6,6 @@
 #include <dyslam/train/DysegTrainer.h>
 
 #include <iostream>
-#include <optional>
 
 #include "TrainArguments.h"
 
@@ -16,14 +15,17 @@ void trainDysegCommand(const TrainArguments& arguments)
 {
   arguments.requireConsistent();
   const Config config = arguments.loadConfig("dyseg");
-  ConfigLoader loader(config);
   DysegTrainerSetup setup;
-  setup.train = loader.get<DysegTrainerOptions>("train");
-  setup.network = loader.get<DysegNetworkOptions>("network");
-  setup.grid = loader.get<BevOptions>("grid");
-  setup.augmentation = loader.get<DysegAugmentOptions>("augmentation");
-  setup.loss = loader.get<DysegLossOptions>("loss");
-  loader.requireAllUsed();
+  const Config effective = loadAll(config,
+                                   [&setup](ConfigLoader& loader)
+                                   {
+                                     setup.train = loader.get<DysegTrainerOptions>("train");
+                                     setup.network = loader.get<DysegNetworkOptions>("network");
+                                     setup.grid = loader.get<BevOptions>("grid");
+                                     setup.augmentation =
+                                         loader.get<DysegAugmentOptions>("augmentation");
+                                     setup.loss = loader.get<DysegLossOptions>("loss");
+                                   });
   setup.device = arguments.device;
   setup.train.data = dataFolder(setup.train.data, "[train] data");
 
@@ -32,9 +34,16 @@ void trainDysegCommand(const TrainArguments& arguments)
   DysegTrainer trainer(setup, output);
   if (arguments.validate_only)
   {
-    const bool has_grid = !config.section("grid").empty();
-    trainer.validateOnly(arguments.start,
-                         has_grid ? std::optional<BevOptions>(setup.grid) : std::nullopt, report);
+    GivenDysegShape given;
+    if (!config.section("grid").empty())
+    {
+      given.grid = setup.grid;
+    }
+    if (!config.section("network").empty())
+    {
+      given.network = setup.network;
+    }
+    trainer.validateOnly(arguments.start, given, report);
     return;
   }
   if (arguments.resume)
@@ -51,7 +60,7 @@ void trainDysegCommand(const TrainArguments& arguments)
   }
   trainer.loadData();  // before anything is written: settings that fail leave the folder as it is
   makeFolder(output, "choose another --output");
-  writeWhole(output + "/effective.ini", loader.effective().toIni());
+  writeWhole(output + "/effective.ini", effective.toIni());
   trainer.run(report, stopRequested);
 }
 }  // namespace dyslam

@@ -3,8 +3,8 @@
 
 #include <dyslam/base/Error.h>
 #include <dyslam/base/Files.h>
-#include <dyslam/base/PendingFile.h>
 #include <dyslam/base/Printable.h>
+#include <dyslam/formats/RecordingOrigin.h>
 #include <dyslam/formats/RunFiles.h>
 #include <dyslam/io/OptionError.h>
 #include <dyslam/run/FolderLock.h>
@@ -12,12 +12,12 @@
 
 #include <cstdio>
 #include <filesystem>
-#include <ostream>
 #include <string>
 #include <vector>
 
 #include "../common/Checks.h"
 #include "../common/ConversionReport.h"
+#include "../common/SlamProgram.h"
 
 namespace dyslam
 {
@@ -31,7 +31,7 @@ struct ConvertedFiles
   explicit ConvertedFiles(const std::string& output)
       : folder(output),
         rawlog((fs::path(output) / converted_rawlog_name).string()),
-        origin((fs::path(output) / "recording.ini").string())
+        origin(recordingOriginFile(output))
   {
   }
 
@@ -50,14 +50,13 @@ void requireApart(const std::string& input, const std::string& output)
   }
 }
 
-void writeOrigin(const std::string& input, const std::string& program, const ConvertedFiles& files)
+void writeOrigin(const std::string& input,
+                 const std::string& program,
+                 const ConvertedFiles& files,
+                 const std::vector<std::string>& warnings)
 {
-  writeWhole(files.origin,
-             [&](std::ostream& out)
-             {
-               out << "[recording]\ninput = " << fs::absolute(input).lexically_normal().string()
-                   << "\nconverter = " << program << '\n';
-             });
+  writeRecordingOrigin({fs::absolute(input).lexically_normal().string(), program, warnings},
+                       files.folder);
 }
 
 /** An error of a converter, in the words of a user of dyslam. */
@@ -93,7 +92,7 @@ std::vector<std::string> convertTo(const ConvertedFiles& files,
           return converter.convert(files.rawlog, options, progress,
                                    unpackWithProgress("dyslam", input, a.quiet()));
         });
-    writeOrigin(input, converter.program(), files);
+    writeOrigin(input, converter.program(), files, result.warnings);
     if (!a.quiet())
     {
       report(result, files.rawlog);
@@ -107,7 +106,8 @@ std::vector<std::string> convertTo(const ConvertedFiles& files,
   {
     if (is_new && fs::exists(files.rawlog))  // with the scans before the error
     {
-      writeOrigin(input, converter.program(), files);
+      writeOrigin(input, converter.program(), files,
+                  {std::string("it ended with an error: ") + error.what()});
     }
     throw UserError(inDyslam(error, input, converter.program()));
   }
@@ -136,6 +136,7 @@ void convertInput(SlamArguments& a, const RecordingOptions& options)
   }
   if (!converter.isNeeded())
   {
+    repeatConversionWarnings(a);
     return;
   }
   if (a.resume)

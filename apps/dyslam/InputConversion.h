@@ -10,10 +10,11 @@
 namespace dyslam
 {
 /** Converts an input that is no rawlog to `recording.rawlog` in the output folder, with its ground
- * truth beside it, and makes that the input. Its warnings become those of the run.
+ * truth beside it, and makes that the input. Its warnings become those of the run, also of a later
+ * run that reads `recording.rawlog` (repeatConversionWarnings()).
  *
  * It is converted in every run, since calibration, poses and labels that are read may be anywhere.
- * `recording.ini` beside it names its sources; without this file an earlier recording of the name
- * is only replaced with --force. \throws UserError. */
+ * `recording.ini` beside it names its sources and has the warnings; without this file an earlier
+ * recording of the name is only replaced with --force. \throws UserError. */
 void convertInput(SlamArguments& a, const RecordingOptions& options);
 }  // namespace dyslam

@@ -86,6 +86,13 @@ TEST_F(BadArguments, Configs)
                 "-i " + at("good.rawlog") + " --trajectory x -o m.pcd --set map.nothing=1",
                 {"[map]: unknown key 'nothing'"});
   expectRefusal("dyslam-map",
+                "-i " + at("good.rawlog") + " --trajectory x -o m.pcd --set map.grid_resolution=1",
+                {"[map]: unknown key 'grid_resolution'; 'grid_resolution' is a key of "
+                 "[map_export]: --set map_export.grid_resolution=1"});
+  expectRefusal("dyslam", start + "--set input.keyframe_distance=1",
+                {"[input]: unknown key 'keyframe_distance'; 'keyframe_distance' is a key of "
+                 "[backend]: --set backend.keyframe_distance=1"});
+  expectRefusal("dyslam-map",
                 "-i " + at("good.rawlog") + " --trajectory x -o m.pcd --keyframe-distance 2000",
                 {"keyframe_distance = 2000", "out of range"});
   expectRefusal(

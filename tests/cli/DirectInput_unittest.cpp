@@ -152,6 +152,18 @@ TEST_F(DirectInput, ScansInMillimetres)
   }
 }
 
+TEST_F(DirectInput, AConvertedRecordingKeepsTheWarningsOfItsConversion)
+{
+  bins("scans");
+  ASSERT_EQ(0, run("dyslam", "-q -i " + at("scans") + " -o " + at("run")).code);
+  const std::string warning =
+      "conversion of " + at("scans") + ": the scans have no times: 0.1 s between scans is assumed";
+  const Outcome again = run("dyslam", "-i " + at("run/recording.rawlog") + " -o " + at("again"));
+  EXPECT_EQ(0, again.code) << again.err;
+  EXPECT_TRUE(contains(again.err, "warning: " + warning)) << again.err;
+  EXPECT_TRUE(contains(folder_.read("again/report.json"), warning));
+}
+
 TEST_F(DirectInput, ABag)
 {
   bag("drive.mcap");

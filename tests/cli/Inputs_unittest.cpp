@@ -94,10 +94,10 @@ TEST_F(Inputs, FoldersOfScans)
   for (const std::string ending : {".pcd", ".ply"})
   {
     bins("clouds" + ending, counted, ending);
-    write("times.txt", "1\n1.5\n2\n2.5\n3\n3.5\n");
+    write("given/times.txt", "1\n1.5\n2\n2.5\n3\n3.5\n");
     const auto frames =
-        converted("scans2rawlog", "-i " + at("clouds" + ending) + " --times " + at("times.txt") +
-                                      " --sensor-pose '0 0 1.7 0 0 0'");
+        converted("scans2rawlog", "-i " + at("clouds" + ending) + " --times " +
+                                      at("given/times.txt") + " --sensor-pose '0 0 1.7 0 0 0'");
     expectOriginal(frames);
     EXPECT_NEAR(2.5, frames.at(3).scan.stamp, 1e-6);
     EXPECT_NEAR(1.7, frames[3].scan.T_vehicle_lidar.translation().z(), 1e-9);

@@ -256,7 +256,11 @@ void Config::requireKnownSections(const std::vector<std::string>& known) const
   {
     if (std::find(known.begin(), known.end(), name) == known.end())
     {
-      throw UserError(origin + ": " + unknownWord("section", name, known));
+      const Section& keys = section(name);
+      const bool has_one_key = keys.size() == 1;
+      throw UnknownSetting(origin + ": unknown section '" + name + "'", meantWord(name, known),
+                           {name, has_one_key ? keys.begin()->first : "",
+                            has_one_key ? keys.begin()->second : Value{}});
     }
   }
 }
@@ -279,6 +283,35 @@ std::string Config::toIni() const
     }
   }
   return out.str();
+}
+
+UnknownSetting::UnknownSetting(const std::string& what, const std::string& advice, Unknown unknown)
+    : UserError(what + advice), what_(what), unknown_(std::move(unknown))
+{
+}
+
+UserError UnknownSetting::withSectionsOf(const Config& known) const
+{
+  const auto& [unknown_section, key, value] = unknown_;
+  std::vector<std::string> sections;
+  for (const std::string& name : known.sectionNames())
+  {
+    if (known.has(name, key))
+    {
+      sections.push_back(name);
+    }
+  }
+  const bool is_mistyped = !unknown_section.empty() &&
+                           known.has(nearestWord(unknown_section, known.sectionNames()), key);
+  if (sections.empty() || is_mistyped)
+  {
+    return UserError(what());
+  }
+  const bool is_assigned = value.origin.rfind(set_flag, 0) == 0;
+  return UserError(what_ + "; '" + key + "' is a key of [" + joined(sections, "], [") + "]" +
+                   (is_assigned && sections.size() == 1
+                        ? ": " + (set_flag + sections.front()) + "." + key + "=" + value.text
+                        : ""));
 }
 
 bool isAboutSettings(const std::string& message, const std::string& ini)

@@ -295,8 +295,8 @@ void load(Options& options, const Config& config, const std::string& section)
         throw UserError(value.origin + ": [" + section + "] " + key + " was renamed to " +
                         old->second);
       }
-      throw UserError(value.origin + ": [" + section +
-                      "]: " + unknownWord("key", key, lister.keys));
+      throw UnknownSetting(value.origin + ": [" + section + "]: unknown key '" + key + "'",
+                           meantWord(key, lister.keys), {"", key, value});
     }
   }
   Loader loader(values, section);

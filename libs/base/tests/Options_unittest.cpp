@@ -227,6 +227,71 @@ TEST(Config, UnknownSectionNamesTheNearest)
   }
 }
 
+/** Options of another section than SampleOptions. */
+struct OtherOptions : Options
+{
+  double resolution = 0.1;
+  void describe(OptionsVisitor& v) override
+  {
+    v.real("resolution", resolution, 0, 1, "resolution of the grid [m]");
+  }
+};
+
+/** The error of a config that is loaded as a program with [sample] and [other] does. */
+std::string errorOfProgram(const Config& config)
+{
+  try
+  {
+    (void)loadAll(config,
+                  [](ConfigLoader& loader)
+                  {
+                    (void)loader.get<SampleOptions>("sample");
+                    (void)loader.get<OtherOptions>("other");
+                  });
+    return "";
+  }
+  catch (const UserError& error)
+  {
+    return error.what();
+  }
+}
+
+TEST(Config, AKeyOfAnotherSectionIsNamedWithThatSection)
+{
+  EXPECT_EQ("", errorOfProgram(Config::fromText("[other]\nresolution = 0.5\n", "a.ini")));
+  EXPECT_EQ("a.ini:2: [sample]: unknown key 'resolution'; 'resolution' is a key of [other]",
+            errorOfProgram(Config::fromText("[sample]\nresolution = 0.5\n", "a.ini")));
+  Config assigned;
+  assigned.set("sample.resolution=0.5");
+  EXPECT_EQ(
+      "--set sample.resolution: [sample]: unknown key 'resolution'; 'resolution' is a key of "
+      "[other]: --set other.resolution=0.5",
+      errorOfProgram(assigned));
+}
+
+TEST(Config, AKeyOfAnUnknownSectionIsNamedWithItsSections)
+{
+  Config assigned;
+  assigned.set("grid.resolution=0.5");
+  EXPECT_EQ(
+      "--set grid.resolution: unknown section 'grid'; 'resolution' is a key of [other]: --set "
+      "other.resolution=0.5",
+      errorOfProgram(assigned));
+  EXPECT_EQ("a.ini:1: unknown section 'othr'; did you mean 'other'? (one of: sample, other)",
+            errorOfProgram(Config::fromText("[othr]\nnothing = 1\n", "a.ini")));
+  EXPECT_EQ("a.ini:1: unknown section 'othr'; did you mean 'other'? (one of: sample, other)",
+            errorOfProgram(Config::fromText("[othr]\nresolution = 1\n", "a.ini")))
+      << "a mistyped section";
+  const UnknownSetting error("here: unknown key 'x'", "; did you mean 'y'?",
+                             {"", "x", {"1", "here", {}}});
+  Config known;
+  known.set("b.x=1");
+  known.set("a.x=2");
+  EXPECT_STREQ("here: unknown key 'x'; 'x' is a key of [a], [b]",
+               error.withSectionsOf(known).what());
+  EXPECT_STREQ("here: unknown key 'x'; did you mean 'y'?", error.withSectionsOf(Config()).what());
+}
+
 /** Inis in a folder of their own. */
 class ConfigFiles : public ::testing::Test
 {

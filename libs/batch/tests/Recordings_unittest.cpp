@@ -72,14 +72,68 @@ TEST(Recordings, AreAllThatDyslamConverts)
   EXPECT_EQ(listed[1].bytes, 3U);
   EXPECT_EQ(listed[2].bytes, 5U) << "all files of the folder";
   EXPECT_EQ(listed[2].path, folder.file("all/c"));
-  // Folders of point clouds are recordings only if they are named.
+  // A folder with one point cloud is a recording only if it is named.
   EXPECT_EQ(namesOf(listRecordings({folder.file("all/map/")})), std::vector<std::string>{"map"});
   folder.write("clouds/one/0.pcd", "");
   EXPECT_TRUE(
       contains(messageOfError<UserError>([&] { (void)listRecordings({folder.file("clouds")}); }),
-               "a folder of point clouds must be named itself"));
+               "any other folder of point clouds must be named itself"));
   folder.write("all/map.ply", "");
   EXPECT_EQ(listRecordings({folder.file("all")}).size(), listed.size()) << "a cloud beside them";
+}
+
+TEST(Recordings, AreFoldersOfSeveralCloudsDirectlyInAFolder)
+{
+  const TestFolder folder;
+  std::vector<std::string> notes;
+  const auto listed = [&](const std::string& name)
+  {
+    notes.clear();
+    return namesOf(listRecordings({folder.file(name)},
+                                  [&notes](const std::string& note) { notes.push_back(note); }));
+  };
+  for (const std::string name : {"all/scans/0.bin", "all/scans/1.bin", "all/ply/0.ply",
+                                 "all/ply/1.ply", "all/b.bag", "all/a.rawlog"})
+  {
+    folder.write(name, "");
+  }
+  EXPECT_EQ(listed("all"), (std::vector<std::string>{"a", "b", "ply", "scans"}));
+  EXPECT_TRUE(notes.empty());
+
+  for (const std::string name :
+       {"all/a_Images/0.bin", "all/a_Images/1.bin", "all/a.gt/flow/0.bin", "all/a.gt/flow/1.bin",
+        "all/map/map.pcd", "all/day/scans/0.pcd", "all/day/scans/1.pcd", "all/mixed/0.ply",
+        "all/mixed/1.ply", "all/mixed/c.bag", "all/run/report.json"})
+  {
+    folder.write(name, "");
+  }
+  EXPECT_EQ(listed("all"), (std::vector<std::string>{"a", "b", "c", "ply", "scans"}));
+  ASSERT_EQ(1U, notes.size());
+  EXPECT_TRUE(contains(notes[0], "all: left out: 3 folders of point clouds (")) << notes[0];
+  EXPECT_TRUE(contains(notes[0], "name those that are recordings), 1 output folder of runs"));
+
+  // A folder of scans is one recording, whatever folders of clouds are in it.
+  folder.write("all/scans/more/0.bin", "");
+  folder.write("all/scans/more/1.bin", "");
+  EXPECT_EQ(listed("all/scans"), std::vector<std::string>{"scans"});
+  EXPECT_TRUE(notes.empty());
+}
+
+TEST(Recordings, HaveNoNamesOfTheBatchsOwnFiles)
+{
+  const TestFolder folder;
+  folder.write("monday/index.html.rawlog", "");
+  folder.write("monday/batch.json.bag", "");
+  folder.write("monday/drive.rawlog", "");
+  std::vector<std::string> notes;
+  EXPECT_EQ(namesOf(listRecordings({folder.file("monday")},
+                                   [&notes](const std::string& note) { notes.push_back(note); })),
+            (std::vector<std::string>{"monday_batch.json", "drive", "monday_index.html"}));
+  ASSERT_EQ(2U, notes.size());
+  EXPECT_EQ(folder.file("monday/index.html.rawlog") +
+                ": its results are in monday_index.html, as index.html is a name that the batch "
+                "uses itself",
+            notes[1]);
 }
 
 TEST(Recordings, ResultsOfRunsAreNone)

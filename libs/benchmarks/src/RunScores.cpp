@@ -249,8 +249,10 @@ RunScores scoresOf(const std::string& folder,
   else if (!fs::exists(reference))
   {
     note(folder + " has no reference_tum.txt" +
-         (given_truth.empty() ? ": its recording has no ground truth"
-                              : ", " + given_truth + " no poses_tum.txt: no errors computed"));
+         (given_truth.empty()
+              ? ": its recording has no ground truth to compare the trajectory with "
+                "(dyslam-eval trajectory compares it with a file of poses)"
+              : ", " + given_truth + " no poses_tum.txt: no errors computed"));
   }
   scores.world = simulatedWorld(truth);
   const bool unfinished = noteUnfinished(folder, scores.report, truth, note);

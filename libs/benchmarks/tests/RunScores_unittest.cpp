@@ -113,7 +113,10 @@ TEST_F(RunScoresOf, WhatIsMissingIsNoted)
   EXPECT_FALSE(scores(run).trajectory);
   ASSERT_EQ(notes_.size(), 2U);
   EXPECT_EQ(notes_[0], run + " has no report.json: the run did not finish");
-  EXPECT_EQ(notes_[1], run + " has no reference_tum.txt: its recording has no ground truth");
+  EXPECT_EQ(notes_[1], run +
+                           " has no reference_tum.txt: its recording has no ground truth to "
+                           "compare the trajectory with (dyslam-eval trajectory compares it with "
+                           "a file of poses)");
 
   writeRun("run", R"({"frames": 40, "finished": false, "not_written": ["map.png: disk full"]})");
   folder_.write("run/resume.state", "");

@@ -43,6 +43,16 @@ TEST(KittiTruth, OfficialOdometryFindsPosesOfItsSequence)
   const auto frames = readAll(folder.file("x.rawlog"));
   EXPECT_NEAR(3, frames.at(1).T_world_vehicle_truth->translation().x(), 1e-9);
   EXPECT_NEAR(0.1034, frames.at(1).scan.stamp, 1e-9);
+  EXPECT_TRUE(hasLine(result.notes, "KITTI's are of camera 0 (z ahead)"));
+  EXPECT_FALSE(hasLine(result.notes, "no true poses"));
+
+  std::filesystem::remove(folder.file("dataset/poses/07.txt"));
+  const auto without =
+      convertKitti(folder.file("dataset/sequences/07"), folder.file("x.rawlog"), options);
+  EXPECT_EQ(0U, without.poses);
+  EXPECT_TRUE(hasLine(without.notes, "no true poses: the recording has neither " +
+                                         folder.file("dataset/sequences/07/poses.txt") + " nor " +
+                                         folder.file("dataset/poses/07.txt")));
 }
 
 TEST(KittiTruth, OfficialTrackingWithBoxesAndALostScan)

@@ -279,6 +279,39 @@ TEST(ScanConverter, FarPointsInMillimetres)
   }
 }
 
+/** No lidar measures whole metres. */
+TEST(ScanConverter, CoordinatesThatAreWholeNumbers)
+{
+  const TestFolder folder;
+  const auto isWarned = [&folder](float unit, std::size_t points, double scale = 1)
+  {
+    std::vector<Eigen::Vector3f> in_metres;
+    for (std::size_t i = 0; i < points; ++i)
+    {
+      const auto k = static_cast<float>(i);
+      in_metres.emplace_back(2 + 0.002F * k, 1.37F, -0.004F * k);
+    }
+    for (Eigen::Vector3f& point : in_metres)
+    {
+      point = (unit * point).array().round();
+      point /= unit < 100 ? unit : 1;  // of a grid in metres
+    }
+    makeFolderOf(folder, "scans");
+    writeCloud(folder.file("scans/0.bin"), in_metres, std::vector<float>(points, 0.5F));
+    ScanConverterOptions options;
+    options.scale = scale;
+    const auto warnings =
+        convertScans(folder.file("scans"), folder.file("x.rawlog"), options).warnings;
+    return hasLine(warnings,
+                   "0.bin: its coordinates are whole numbers: they are probably in millimetres "
+                   "(--scale 0.001) or in centimetres (--scale 0.01)");
+  };
+  EXPECT_TRUE(isWarned(100, 2000));
+  EXPECT_FALSE(isWarned(100, 100)) << "few points";
+  EXPECT_FALSE(isWarned(100, 2000, 0.01)) << "the unit is given";
+  EXPECT_FALSE(isWarned(10, 2000)) << "metres on a grid of 0.1 m";
+}
+
 /** Coordinates in millimetres give a warning, those that no lidar measures are an error. */
 TEST(ScanConverter, PointsThatAreNotInMetres)
 {

@@ -159,6 +159,97 @@ TEST(ScanTimes, CountedNamesAndTimesOfAFile)
       "has 1 time, but there are 2 scans"));
 }
 
+TEST(ScanTimes, AFileOfTimesWithTheScansIsFound)
+{
+  const TestFolder folder;
+  writeBins(folder, "drive/scans", 2);
+  const auto converted = [&](const ScanConverterOptions& options = {})
+  { return convertScans(folder.file("drive/scans"), folder.file("x.rawlog"), options); };
+  const auto step = [&]
+  {
+    const auto frames = readAll(folder.file("x.rawlog"));
+    return frames.at(1).scan.stamp - frames.at(0).scan.stamp;
+  };
+  const std::string above = folder.write("drive/times.txt", "0\n0.3\n");
+  ConversionResult result = converted();
+  EXPECT_TRUE(hasLine(result.notes, "time stamps: " + above));
+  EXPECT_FALSE(hasLine(result.warnings, "is assumed"));
+  EXPECT_NEAR(0.3, step(), 1e-6);
+
+  const std::string beside = folder.write("drive/scans/timestamps.txt",
+                                          "2011-09-26 13:02:25.5\n\n2011-09-26 13:02:25.75\n");
+  result = converted();
+  EXPECT_TRUE(hasLine(result.notes, "time stamps: " + beside));
+  EXPECT_NEAR(0.25, step(), 1e-6);
+
+  ScanConverterOptions options;
+  options.dt = 0.5;
+  EXPECT_FALSE(hasLine(converted(options).notes, "time stamps: "));
+  EXPECT_NEAR(0.5, step(), 1e-6);
+}
+
+TEST(ScanTimes, AFileOfTimesThatDoesNotFitIsNotUsed)
+{
+  const TestFolder folder;
+  writeBins(folder, "drive/scans", 2);
+  for (const auto& [text, why] :
+       {std::pair("0\n0.3\n0.6\n", "it has 3 times, but there are 2 scans"),
+        std::pair("0.3\n0.3\n", "its times do not ascend"),
+        std::pair("time\n0\n0.3\n", "times.txt:1")})
+  {
+    const std::string file = folder.write("drive/times.txt", text);
+    const ConversionResult result =
+        convertScans(folder.file("drive/scans"), folder.file("x.rawlog"), {});
+    EXPECT_TRUE(hasLine(result.warnings, file + " is not used: ")) << text;
+    EXPECT_TRUE(hasLine(result.warnings, why)) << text;
+    EXPECT_TRUE(hasLine(result.warnings, "0.1 s between scans is assumed; give --dt, or a file"))
+        << text;
+  }
+  folder.write("drive/times.txt", "0\n0.3\n");
+  folder.write("drive/timestamps.txt", "0\n0.4\n");
+  EXPECT_TRUE(
+      hasLine(convertScans(folder.file("drive/scans"), folder.file("x.rawlog"), {}).warnings,
+              "times.txt and timestamps.txt are not used"));
+}
+
+/** Times of the scans themselves, in their names or fields, are not replaced. */
+TEST(ScanTimes, AFileOfTimesDoesNotReplaceThoseOfTheScans)
+{
+  const TestFolder folder;
+  folder.write("times.txt", "5\n5.5\n");
+  makeFolderOf(folder, "named");
+  makeFolderOf(folder, "timed");
+  for (const std::string i : {"1", "2"})
+  {
+    const Scan scan = someScan(0, 5);
+    writeBin(folder.file("named/1600000000." + i + ".bin"), scan.points, scan.intensity);
+    folder.write("timed/" + i + ".pcd",
+                 "FIELDS x y z t\nSIZE 4 4 4 8\nTYPE F F F F\nWIDTH 2\nHEIGHT 1\nPOINTS 2\n"
+                 "DATA ascii\n5 0 0 1600000000." +
+                     i + "\n0 5 0 1600000000." + i + "5\n");
+  }
+  for (const char* name : {"named", "timed"})
+  {
+    const ConversionResult result = convertScans(folder.file(name), folder.file("x.rawlog"), {});
+    EXPECT_FALSE(hasLine(result.notes, "times.txt")) << name;
+    EXPECT_NEAR(1600000000.1, readAll(folder.file("x.rawlog")).at(0).scan.stamp, 1e-3) << name;
+  }
+}
+
+TEST(ScanTimes, TheScansOfAKittiRecordingAreBetterGivenWithIt)
+{
+  const TestFolder folder;
+  writeBins(folder, "sequences/00/velodyne", 2);
+  folder.write("sequences/00/times.txt", "0\n0.3\n");
+  const ConversionResult result =
+      convertScans(folder.file("sequences/00/velodyne/"), folder.file("x.rawlog"), {});
+  EXPECT_TRUE(hasLine(result.notes, "time stamps: " + folder.file("sequences/00/times.txt")));
+  EXPECT_TRUE(hasLine(result.warnings, "give its folder, -i " + folder.file("sequences/00") + ","));
+  writeBins(folder, "plain", 2);
+  EXPECT_FALSE(
+      hasLine(convertScans(folder.file("plain"), folder.file("x.rawlog"), {}).warnings, "KITTI"));
+}
+
 TEST(ScanTimes, GapsInTheNumbersOfFiles)
 {
   const TestFolder folder;

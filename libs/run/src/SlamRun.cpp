@@ -144,16 +144,21 @@ Config SlamRun::Impl::effective(const Config& config)
   return run.config.effective();
 }
 
+Config SlamRun::defaults()
+{
+  return Impl::effective({});
+}
+
 std::vector<std::string> SlamRun::sections()
 {
-  std::vector<std::string> names = Impl::effective({}).sectionNames();
+  std::vector<std::string> names = defaults().sectionNames();
   std::sort(names.begin(), names.end());
   return names;
 }
 
 void SlamRun::requireKnownNames(const Config& config)
 {
-  const Config known = Impl::effective({});
+  const Config known = defaults();
   Config unknown;
   for (const std::string& section : config.sectionNames())
   {
@@ -165,7 +170,14 @@ void SlamRun::requireKnownNames(const Config& config)
       }
     }
   }
-  (void)Impl::effective(unknown);  // throws what the run would
+  try
+  {
+    (void)Impl::effective(unknown);  // throws what the run would
+  }
+  catch (const UnknownSetting& error)
+  {
+    throw error.withSectionsOf(known);
+  }
 }
 
 Pipeline& SlamRun::pipeline()

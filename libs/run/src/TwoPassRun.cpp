@@ -134,9 +134,8 @@ PassesReport runSecond(const RunRequest& request,
   }
   return result;
 }
-}  // namespace
 
-PassesReport runInPasses(const RunRequest& request, const PassRunner& run)
+PassesReport runPasses(const RunRequest& request, const PassRunner& run)
 {
   if (request.resume)
   {
@@ -162,6 +161,19 @@ PassesReport runInPasses(const RunRequest& request, const PassRunner& run)
   RunRequest second = request;
   second.assignments.push_back("dyseg.labels=" + keepLabelsOfFirstPass(folder));
   return runSecond(second, kept, run);
+}
+}  // namespace
+
+PassesReport runInPasses(const RunRequest& request, const PassRunner& run)
+{
+  try
+  {
+    return runPasses(request, run);
+  }
+  catch (const UnknownSetting& error)
+  {
+    throw error.withSectionsOf(SlamRun::defaults());
+  }
 }
 
 void requireNoUnfinishedRun(const SlamRunSettings& settings)

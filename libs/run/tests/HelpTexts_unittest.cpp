@@ -79,6 +79,8 @@ TEST(SlamRun, NamesOfSettingsAreCheckedWithoutARecording)
   };
   EXPECT_TRUE(contains(message("map.voxel_sise=0.1"), "did you mean 'voxel_size'?"));
   EXPECT_TRUE(contains(message("mapp.voxel_size=0.1"), "unknown section 'mapp'"));
+  EXPECT_TRUE(contains(message("input.keyframe_distance=1"),
+                       "is a key of [backend]: --set backend.keyframe_distance=1"));
   EXPECT_EQ("--set map_export.epsg: the section [map_export] belongs to dyslam-map",
             message("map_export.epsg=1"));
 }

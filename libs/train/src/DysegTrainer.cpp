@@ -126,10 +126,9 @@ struct DysegTrainer::Impl : TrainingTask
   [[nodiscard]] std::string logRow(const DysegLoss& loss) const;
   void validate() override;
   void saveWeights() override { saveDyseg({mean, grid}, loop->file(weights_file)); }
-  /** Rows "set,scores" of the validation of the weights in a file. \param given grid that they must
-   * have been trained for; nothing: any */
-  std::vector<std::string> evaluate(const std::string& weights,
-                                    const std::optional<BevOptions>& given = std::nullopt);
+  /** Rows "set,scores" of the validation of the weights in a file. \param given grid and network
+   * that they must have been trained for; nothing: any */
+  std::vector<std::string> evaluate(const std::string& weights, const GivenDysegShape& given = {});
 };
 
 std::vector<torch::Tensor> DysegTrainer::Impl::addCopy()
@@ -206,13 +205,17 @@ std::string DysegTrainer::Impl::logRow(const DysegLoss& loss) const
 }
 
 std::vector<std::string> DysegTrainer::Impl::evaluate(const std::string& weights,
-                                                      const std::optional<BevOptions>& given)
+                                                      const GivenDysegShape& given)
 {
   // The file is read first: if it is missing, the user need not wait for the validation data.
   const DysegModel model(weights, options.threads, device.is_cuda() ? "cuda" : "cpu");
-  if (given)
+  if (given.grid)
   {
-    requireGridOfValidation(model.grid(), *given, weights);
+    requireGridOfValidation(model.grid(), *given.grid, weights);
+  }
+  if (given.network)
+  {
+    requireSameNetwork(loadDyseg(weights).net->options(), *given.network, weights, "leave it out");
   }
   if (validation.empty())
   {
@@ -324,7 +327,7 @@ void DysegTrainer::resume()
 }
 
 void DysegTrainer::validateOnly(const std::string& weights,
-                                const std::optional<BevOptions>& given,
+                                const GivenDysegShape& given,
                                 const std::function<void(const std::string&)>& report)
 {
   report(std::string("validation: ") + dyseg_score_names);

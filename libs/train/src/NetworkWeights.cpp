@@ -96,6 +96,28 @@ void loadState(const TensorFile& file, torch::optim::Optimizer& optimizer)
 }
 }  // namespace
 
+void requireSameNetwork(const Options& of_weights,
+                        const Options& given,
+                        const std::string& file,
+                        const std::string& otherwise)
+{
+  const std::string section = "network";
+  Config trained;
+  Config asked;
+  save(of_weights, trained, section);
+  save(given, asked, section);
+  for (const auto& [key, value] : trained.section(section))
+  {
+    const std::string& other = asked.section(section).at(key).text;
+    if (value.text != other)
+    {
+      throw UserError(file + ": trained with [" + section + "] " + key + " = " + value.text +
+                      ", not " + other + "; set it to " + value.text +
+                      (otherwise.empty() ? "" : ", or " + otherwise));
+    }
+  }
+}
+
 void copyWeights(torch::nn::Module& to, const torch::nn::Module& from, const std::string& file)
 {
   const torch::NoGradGuard no_grad;

@@ -130,7 +130,7 @@ TEST_F(DysegTraining, AFinishedRunIsValidatedOnce)
   const auto before = files();
   std::string said;
   const auto say = [&](const std::string& line) { said += line + "\n"; };
-  trainer.validateOnly("", setup_.grid, say);
+  trainer.validateOnly("", {setup_.grid, setup_.network}, say);
   EXPECT_NE(said.find("simulated street 8 scans back,"), std::string::npos) << said;
   EXPECT_EQ(files(), before) << "validation alone leaves the folder as it is";
   EXPECT_EQ(contentOf(folder / "validation.csv"), rows);
@@ -138,13 +138,25 @@ TEST_F(DysegTraining, AFinishedRunIsValidatedOnce)
   other.cells = 512;
   try
   {
-    trainer.validateOnly("", other, say);
+    trainer.validateOnly("", {other, std::nullopt}, say);
     ADD_FAILURE() << "the grid is not that of the weights";
   }
   catch (const dyslam::UserError& error)
   {
     EXPECT_NE(std::string(error.what()).find("trained with [grid] cells = 256, not 512"),
               std::string::npos)
+        << error.what();
+  }
+  auto network = setup_.network;
+  network.radius = setup_.network.radius + 1;
+  try
+  {
+    trainer.validateOnly("", {std::nullopt, network}, say);
+    ADD_FAILURE() << "the network is not that of the weights";
+  }
+  catch (const dyslam::UserError& error)
+  {
+    EXPECT_NE(std::string(error.what()).find("trained with [network] radius = "), std::string::npos)
         << error.what();
   }
 

@@ -6,7 +6,6 @@
 #include <dyslam/base/Printable.h>
 #include <dyslam/base/Quantile.h>
 #include <dyslam/formats/FieldConventions.h>
-#include <dyslam/formats/KittiFiles.h>
 #include <dyslam/formats/ScanFiles.h>
 #include <dyslam/formats/TrajectoryFiles.h>
 
@@ -14,9 +13,10 @@
 #include <cmath>
 #include <filesystem>
 #include <optional>
-#include <sstream>
 #include <utility>
 
+#include "FolderFindings.h"
+#include "FoundTimes.h"
 #include "NameStamps.h"
 #include "recording/LateStamps.h"
 
@@ -45,13 +45,6 @@ std::vector<Pose> readPosesFor(const std::string& path, std::size_t scans)
   return poses;
 }
 
-std::string stepText(double dt)
-{
-  std::ostringstream text;
-  text << dt;
-  return text.str();
-}
-
 /** Times by the numbers in the files' names, counted from the first. \throws UserError. */
 std::vector<double> stampsByNumber(const std::vector<std::string>& files,
                                    const ScanConverterOptions& options,
@@ -71,114 +64,8 @@ std::vector<double> stampsByNumber(const std::vector<std::string>& files,
   {
     stamps.push_back(static_cast<double>(number - numbers.front()) * dt);
   }
-  sink.note("time stamps: numbers in the file names, " + stepText(dt) + " s apart");
+  sink.note("time stamps: numbers in the file names, " + secondsText(dt) + " s apart");
   return stamps;
-}
-
-/** Median range of the points, without those at the origin and those that are no numbers [m]; 0
- * without any. */
-float medianRange(const Scan& scan)
-{
-  std::vector<float> ranges;
-  ranges.reserve(scan.size());
-  for (const Eigen::Vector3f& point : scan.points)
-  {
-    if (const float range = point.stableNorm(); range > 0 && std::isfinite(range))
-    {
-      ranges.push_back(range);
-    }
-  }
-  return ranges.empty() ? 0 : upperMedian(ranges);
-}
-
-/** What is unusual about the scans of a folder. */
-struct FolderFindings
-{
-  bool assumed_times = false;  //!< scans that are taken as equally far apart
-  std::size_t empty = 0;       //!< files without points
-  std::string first_empty;
-  std::string first_with_points;
-  double odd_intensities = 0;  //!< share of those of that file that no lidar gives
-  float median_range = 0;      //!< of that file [m]
-
-  /** \throws UserError if the first file with points has no scan of a lidar. */
-  void add(const Scan& scan, bool has_stamp, const std::string& file)
-  {
-    assumed_times = assumed_times || !has_stamp;
-    if (first_with_points.empty() && scan.size() > 0)
-    {
-      first_with_points = file;
-      constexpr float highest = 65535;  // of 16 bits
-      const auto odd =
-          std::count_if(scan.intensity.begin(), scan.intensity.end(),
-                        [](float intensity) { return !(intensity >= 0 && intensity <= highest); });
-      odd_intensities = static_cast<double>(odd) / static_cast<double>(scan.size());
-      median_range = medianRange(scan);
-      constexpr float farthest = 1e5F;
-      if (median_range > farthest)
-      {
-        throw UserError(
-            file + ": half of its points are more than 100 km from the origin: " +
-            (lowerExtension(file) == ".bin"
-                 ? "its columns are probably not x y z intensity (float32), or not "
-                   "relative to the lidar; --bin-layout names its columns, a letter each"
-                 : "its coordinates are not relative to the lidar; subtract an origin"));
-      }
-    }
-    if (scan.size() == 0)
-    {
-      first_empty = empty == 0 ? fs::path(file).filename().string() : first_empty;
-      ++empty;
-    }
-  }
-};
-
-/** Warns if the files are taken as `dt` apart, though numbers are missing between them. */
-void warnAboutGaps(const std::vector<std::string>& files, double dt, ScanSink& sink)
-{
-  const std::vector<int> numbers = numbersFromNames(files);
-  const auto gap =
-      std::adjacent_find(numbers.begin(), numbers.end(), [](int a, int b) { return b - a > 1; });
-  if (gap == numbers.end())
-  {
-    return;
-  }
-  const auto before = static_cast<std::size_t>(gap - numbers.begin());
-  sink.warn("file numbers have gaps: " + fs::path(files[before + 1]).filename().string() +
-            " follows " + fs::path(files[before]).filename().string() + "; scans are taken as " +
-            stepText(dt) + " s apart (--by-number takes their times from their numbers)");
-}
-
-void warnAbout(const FolderFindings& findings,
-               const std::vector<std::string>& files,
-               const ScanConverterOptions& options,
-               ScanSink& sink)
-{
-  if (findings.assumed_times)
-  {
-    warnAboutGaps(files, options.dt > 0 ? options.dt : assumed_dt, sink);
-  }
-  if (findings.empty > 0)
-  {
-    sink.warn(counted(findings.empty, "file") + " without points, the first is " +
-              findings.first_empty + ": empty scans are written");
-  }
-  constexpr double many = 0.05;
-  if (findings.odd_intensities > many && lowerExtension(findings.first_with_points) == ".bin")
-  {
-    sink.warn(fs::path(findings.first_with_points).filename().string() + ": " +
-              std::to_string(std::lround(100 * findings.odd_intensities)) +
-              " % of the intensities are negative, above 65535 or no numbers: its columns are "
-              "probably not x y z intensity (float32); --bin-layout names them, a letter each");
-  }
-  constexpr float implausible = 1000;
-  if (findings.median_range > implausible)
-  {
-    sink.warn(fs::path(findings.first_with_points).filename().string() +
-              ": half of its points are more than " +
-              std::to_string(std::lround(findings.median_range)) +
-              " m away: its coordinates are probably in millimetres (--scale 0.001)");
-  }
 }
 
 /** Warns of times that are not in seconds. \param stamps of the scans, in their order [s] */
@@ -194,24 +81,75 @@ void warnAboutUnit(const std::string& times, const std::vector<double>& stamps, 
   const double usual = steps.empty() ? longest : upperMedian(steps);
   if (usual < shortest || usual > longest)
   {
-    sink.warn(times + ": its times are " + stepText(usual) +
+    sink.warn(times + ": its times are " + secondsText(usual) +
               " s apart: times that count from the start of the recording must be in seconds");
   }
 }
 
+/** The columns of a folder's .bin files: as requested, or those of the first one with points; empty
+ * for other files. */
+std::string layoutOfBins(const std::vector<std::string>& files, const ScanConverterOptions& options)
+{
+  if (lowerExtension(files.front()) != ".bin")
+  {
+    return {};
+  }
+  const auto with_points = std::find_if(
+      files.begin(), files.end(), [](const std::string& file) { return fs::file_size(file) > 0; });
+  return !options.bin_layout.empty()  ? options.bin_layout
+         : with_points == files.end() ? kitti_layout
+                                      : binLayoutOf(*with_points);
+}
+
+/** Reads a scan of a folder. \param layout of its .bin files; empty: other files */
+Scan readFile(const std::string& file, const std::string& layout, FieldConventions& conventions)
+{
+  return layout.empty() ? readCloud(file, conventions) : readBin(file, layout, conventions);
+}
+
+/** Whether the first scan with points has a time of its own. */
+bool haveOwnTimes(const std::vector<std::string>& files,
+                  const std::string& layout,
+                  const ScanConverterOptions& options)
+{
+  FieldConventions conventions(options.scale);
+  for (const std::string& file : files)
+  {
+    const Scan scan = readFile(file, layout, conventions);
+    if (scan.size() > 0)
+    {
+      return scan.stamp != 0;
+    }
+  }
+  return false;
+}
+
+/** Times of a file that lies with the scans; empty if there is none that can be used. */
+std::vector<double> stampsOfFoundFile(const std::vector<std::string>& files, ScanSink& sink)
+{
+  FoundTimes found = findTimes(fs::path(files.front()).parent_path().string(), files.size());
+  if (!found.why_unused.empty())
+  {
+    sink.warn(found.why_unused);
+  }
+  if (!found.file.empty())
+  {
+    sink.note("time stamps: " + found.file);
+    warnAboutUnit(found.file, found.stamps, sink);
+  }
+  return std::move(found.stamps);
+}
+
 /** A time for each scan of a folder; empty if only the scans themselves have times. May put the
- * files in another order. */
+ * files in another order. \param layout of .bin files */
 std::vector<double> stampsFor(std::vector<std::string>& files,
+                              const std::string& layout,
                               const ScanConverterOptions& options,
                               ScanSink& sink)
 {
   if (!options.times.empty())
   {
-    std::vector<double> stamps = readTimesOrTimestamps(options.times);
-    stamps.erase(std::remove_if(stamps.begin(), stamps.end(),  // of lost scans, without a file
-                                [](double stamp) { return std::isnan(stamp); }),
-                 stamps.end());
-    std::transform(stamps.begin(), stamps.end(), stamps.begin(), secondsOf);
+    std::vector<double> stamps = readTimesOfScans(options.times);
     if (stamps.size() != files.size())
     {
       throw UserError(options.times + ": has " + counted(stamps.size(), "time") +
@@ -231,26 +169,13 @@ std::vector<double> stampsFor(std::vector<std::string>& files,
   }
   const std::vector<double> stamps = stampsFromNames(files);
   const std::string example = fs::path(files.front()).filename().string();
-  sink.note(stamps.empty() ? "the file names (" + example + ") are not taken as time stamps"
-                           : "time stamps: the file names (" + example + ")");
-  return stamps;
-}
-
-/** The columns of a folder's .bin files: as requested, or those of the first one with points. */
-std::string binLayoutFor(const std::vector<std::string>& files,
-                         const ScanConverterOptions& options,
-                         ScanSink& sink)
-{
-  const auto with_points = std::find_if(
-      files.begin(), files.end(), [](const std::string& file) { return fs::file_size(file) > 0; });
-  const std::string layout = !options.bin_layout.empty()  ? options.bin_layout
-                             : with_points == files.end() ? kitti_layout
-                                                          : binLayoutOf(*with_points);
-  if (layout != kitti_layout)
+  if (!stamps.empty())
   {
-    sink.note("points: " + columnsOf(layout) + " (--bin-layout " + layout + ")");
+    sink.note("time stamps: the file names (" + example + ")");
+    return stamps;
   }
-  return layout;
+  sink.note("the file names (" + example + ") are not taken as time stamps");
+  return haveOwnTimes(files, layout, options) ? stamps : stampsOfFoundFile(files, sink);
 }
 
 void report(const FieldConventions& conventions, const LateStamps& late_stamps, ScanSink& sink)
@@ -291,9 +216,12 @@ void convertFolder(const std::string& input,
 {
   std::vector<std::string> files = folder.files;
   const std::vector<Pose>& poses = folder.poses;
-  const std::vector<double> stamps = stampsFor(files, options, sink);
-  const bool are_bins = lowerExtension(files.front()) == ".bin";
-  const std::string layout = are_bins ? binLayoutFor(files, options, sink) : "";
+  const std::string layout = layoutOfBins(files, options);
+  const std::vector<double> stamps = stampsFor(files, layout, options, sink);
+  if (!layout.empty() && layout != kitti_layout)
+  {
+    sink.note("points: " + columnsOf(layout) + " (--bin-layout " + layout + ")");
+  }
   if (!poses.empty())
   {
     sink.setPoseOrigin(PoseSource::given, nameOfFile(options.poses));
@@ -304,8 +232,7 @@ void convertFolder(const std::string& input,
   findings.assumed_times = options.dt > 0 && !options.by_number;
   for (std::size_t i = 0; i < files.size(); ++i)
   {
-    Scan scan =
-        are_bins ? readBin(files[i], layout, conventions) : readCloud(files[i], conventions);
+    Scan scan = readFile(files[i], layout, conventions);
     if (options.by_number)
     {
       scan.stamp = stamps[i];
@@ -332,7 +259,7 @@ void convertFolder(const std::string& input,
     throw UserError(input + ": " + emptyRange(options) + " of the " +
                     counted(files.size(), "scan"));
   }
-  warnAbout(findings, files, options, sink);
+  warnAbout(findings, input, files, options, sink);
   report(conventions, late_stamps, sink);
 }
 }  // namespace dyslam

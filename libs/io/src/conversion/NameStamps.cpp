@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <charconv>
 #include <filesystem>
+#include <sstream>
 #include <utility>
 
 namespace dyslam
@@ -118,6 +119,13 @@ std::vector<int> numbersFromNames(const std::vector<std::string>& files)
     numbers.push_back(number);
   }
   return numbers;
+}
+
+std::string secondsText(double seconds)
+{
+  std::ostringstream text;
+  text << seconds;
+  return text.str();
 }
 
 double secondsOf(double time)

@@ -19,4 +19,7 @@ namespace dyslam
  * nothing unless all names are such, with numbers that ascend, of at most nine digits after leading
  * zeros. */
 [[nodiscard]] std::vector<int> numbersFromNames(const std::vector<std::string>& files);
+
+/** A time in messages, without zeros at the end: "0.1". */
+[[nodiscard]] std::string secondsText(double seconds);
 }  // namespace dyslam

@@ -138,7 +138,9 @@ ConversionResult ScanSink::close()
   ConversionResult result = out_.close();
   if (assumed_rate_)
   {
-    warn("the scans have no times: 0.1 s between scans is assumed (give --times or --dt)");
+    warn(
+        "the scans have no times: 0.1 s between scans is assumed; give --dt, or a file of times "
+        "with --times of scans2rawlog");
   }
   if (sectors_.areSectors())
   {

@@ -74,10 +74,12 @@ void addNotes(const KittiLayout& layout,
               const MotionSampleWriter& motion,
               ConversionResult& result)
 {
+  result.notes.insert(result.notes.end(), layout.notes.begin(), layout.notes.end());
   result.notes.emplace_back(
-      deskewed ? "the scans count as deskewed (--deskewed no: as they were recorded)"
-               : "the points have no times: dyslam deskews by their order, by azimuth or not at "
-                 "all (preprocess.deskew)");
+      deskewed
+          ? "the scans count as deskewed (--deskewed no of kitti2rawlog: as they were recorded)"
+          : "the points have no times: dyslam deskews by their order, by azimuth or not at "
+            "all (preprocess.deskew)");
   if (options.every_n > 1 && !deskewed)
   {
     result.warnings.emplace_back(thinned_without_times);
@@ -90,8 +92,8 @@ void addNotes(const KittiLayout& layout,
   if (layout.pose_origin.source == PoseSource::gnss_ins)
   {
     result.notes.push_back("the true poses are from GNSS/INS (" + layout.pose_origin.name +
-                           "), which is off by centimetres from scan to scan; --poses FILE for "
-                           "better ones, --no-truth for none");
+                           "), which is off by centimetres from scan to scan; --poses FILE of "
+                           "kitti2rawlog for better ones, --no-truth for none");
   }
   if (options.imu)
   {

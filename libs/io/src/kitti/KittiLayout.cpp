@@ -8,7 +8,6 @@
 #include <dyslam/formats/Kitti360Files.h>
 #include <dyslam/formats/RecordingKind.h>
 #include <dyslam/formats/ScanFiles.h>
-#include <dyslam/formats/SustechFiles.h>
 #include <dyslam/formats/TrajectoryFiles.h>
 
 #include <algorithm>
@@ -16,10 +15,13 @@
 #include <filesystem>
 #include <functional>
 #include <limits>
+#include <utility>
 
+#include "KittiBoxes.h"
 #include "KittiCalibFinder.h"
 #include "KittiScans.h"
 #include "conversion/ConversionOutput.h"
+#include "conversion/FoundTimes.h"
 
 namespace dyslam
 {
@@ -73,6 +75,13 @@ class LayoutReader
 
   KittiLayout read()
   {
+    if (officialKittiKind(input_.string()) == KittiKind::odometry)
+    {
+      layout_.notes.emplace_back(
+          "trajectory_kitti.txt of a run has poses of the lidar (x ahead), KITTI's are of camera 0 "
+          "(z ahead): rawlog2kitti --trajectory writes such, dyslam-eval trajectory --camera "
+          "compares them");
+    }
     readStamps();
     if (!options_.calib.empty())
     {
@@ -158,24 +167,22 @@ class LayoutReader
     {
       source = firstExisting(options_.times,
                              {input_ / "times.txt", input_ / "velodyne_points" / "timestamps.txt"});
+      has_raw_times_ = options_.times.empty() && fs::path(source).filename() == "timestamps.txt";
       if (!source.empty())
       {
         times = readTimesOrTimestamps(source);
       }
+      else if (FoundTimes found = findOtherTimes(); !found.file.empty())
+      {
+        source = found.file;
+        times = std::move(found.stamps);
+      }
       else
       {
-        const std::string missing =
-            options_.kind == KittiKind::kitti360
-                ? "velodyne_points/timestamps.txt, a download of its own (data_3d_timestamps.zip)"
-            : options_.kind == KittiKind::raw ? "velodyne_points/timestamps.txt or times.txt"
-                                              : "times.txt";
-        layout_.warnings.push_back("no " + missing +
-                                   ": 0.1034 s between scans is assumed (give --times or --dt)");
+        warnAboutMissingTimes();
       }
     }
     has_times_ = !source.empty();  // a file without times is an error below
-    has_raw_times_ =
-        has_times_ && options_.times.empty() && fs::path(source).filename() == "timestamps.txt";
     const double dt = options_.dt > 0 ? options_.dt : kitti_dt;
     // A line for each frame number, or for each scan where numbers are left out.
     const bool by_scan = entries.back().number >= times.size() && times.size() == entries.size();
@@ -199,6 +206,34 @@ class LayoutReader
       }
       entries[i].stamp = times[number];
     }
+  }
+
+  void warnAboutMissingTimes()
+  {
+    const std::string missing =
+        options_.kind == KittiKind::kitti360
+            ? "velodyne_points/timestamps.txt, a download of its own (data_3d_timestamps.zip)"
+        : options_.kind == KittiKind::raw ? "velodyne_points/timestamps.txt or times.txt"
+                                          : "times.txt";
+    layout_.warnings.push_back("no " + missing +
+                               ": 0.1034 s between scans is assumed; give --dt, or a file of times "
+                               "with --times of kitti2rawlog");
+  }
+
+  /** Times that lie with the scans, but not where the layout has them. */
+  FoundTimes findOtherTimes()
+  {
+    const std::string folder = fs::path(layout_.entries.front().scan).parent_path().string();
+    FoundTimes found = findTimes(folder, layout_.entries.size());
+    if (!found.why_unused.empty())
+    {
+      layout_.warnings.push_back(found.why_unused);
+    }
+    if (!found.file.empty())
+    {
+      layout_.notes.push_back("time stamps: " + found.file);
+    }
+    return found;
   }
 
   /** Files of true poses that the layout may have. */
@@ -228,6 +263,12 @@ class LayoutReader
     if (path.empty())
     {
       readOxtsPoses();
+      if (options_.kind == KittiKind::odometry && layout_.pose_file.empty())
+      {
+        layout_.notes.push_back("no true poses: the recording has neither " +
+                                poseFiles()[0].string() + " nor " + poseFiles()[1].string() +
+                                "; --poses of kitti2rawlog names another file");
+      }
       if (options_.kind == KittiKind::kitti360)
       {
         layout_.warnings.push_back("converted without true poses: no " + poseFiles()[1].string() +
@@ -524,44 +565,12 @@ class LayoutReader
       layout_.boxes = readKittiTracking(path, calib_.requireCamera("boxes of the camera"));
       return;
     }
-    for (auto& entry : layout_.entries)
-    {
-      const fs::path file = fs::path(path) / (fs::path(entry.scan).stem().string() + ".json");
-      if (fs::exists(file))
-      {
-        const auto boxes = readSustechJson(file.string(), static_cast<int>(entry.number));
-        layout_.boxes.insert(layout_.boxes.end(), boxes.begin(), boxes.end());
-      }
-    }
+    layout_.boxes = readBoxFolder(path, layout_.entries);
     if (layout_.boxes.empty() && !options_.boxes.empty())
     {
       throw UserError(path + ": has no .json boxes named as a scan");
     }
-    assignMissingIds(path);
-  }
-
-  /** Boxes without a usable id become objects of their own, each of one scan. */
-  void assignMissingIds(const std::string& path)
-  {
-    int last = -1;
-    std::size_t without_id = 0;
-    for (const LabelledBox& box : layout_.boxes)
-    {
-      last = std::max(last, box.id);
-      without_id += box.id < 0 ? 1 : 0;
-    }
-    if (without_id == 0)
-    {
-      return;
-    }
-    layout_.warnings.push_back(path + ": " + std::to_string(without_id) + " of " +
-                               std::to_string(layout_.boxes.size()) +
-                               " boxes have no usable obj_id; each gets one of its own, from " +
-                               std::to_string(last + 1) + " on");
-    for (LabelledBox& box : layout_.boxes)
-    {
-      box.id = box.id < 0 ? ++last : box.id;
-    }
+    assignMissingIds(path, layout_.boxes, layout_.warnings);
   }
 
   fs::path input_;

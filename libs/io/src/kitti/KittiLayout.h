@@ -34,6 +34,7 @@ struct KittiLayout
   std::vector<GnssFix> gnss;       //!< of oxts, if the options want it, in order of time
   bool has_unused_oxts = false;    //!< oxts is there, and the options want nothing of it
   std::vector<LabelledBox> boxes;  //!< lidar frame; LabelledBox::frame is an Entry::number
+  std::vector<std::string> notes;
   std::vector<std::string> warnings;
 };
 

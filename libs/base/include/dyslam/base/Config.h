@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <dyslam/base/Error.h>
+
 #include <map>
 #include <string>
 #include <vector>
@@ -48,7 +50,7 @@ class Config
   [[nodiscard]] const Section& section(const std::string& name) const;
   [[nodiscard]] std::vector<std::string> sectionNames() const;
 
-  /** \throws UserError for a section that is not among `known`, naming the nearest. */
+  /** \throws UnknownSetting for a section that is not among `known`, naming the nearest. */
   void requireKnownSections(const std::vector<std::string>& known) const;
 
   /** The config as an ini text, sections and keys in the order they were first set. */
@@ -62,6 +64,31 @@ class Config
   std::map<std::string, std::vector<std::string>> key_order_;
   std::map<std::string, std::string> section_origin_;
   Value program_;  //!< program that the ini is for; empty text: any
+};
+
+/** A key that its section does not have, or a section that the program does not have. */
+class UnknownSetting : public UserError
+{
+ public:
+  struct Unknown
+  {
+    std::string section;  //!< empty: the section is known
+    std::string key;      //!< empty: a section with no key, or with several
+    Config::Value value;
+  };
+  /** \param what what is unknown, with its origin: "a.ini:3: [map]: unknown key 'x'"
+   * \param advice what may have been meant; follows `what` in the message */
+  UnknownSetting(const std::string& what, const std::string& advice, Unknown unknown);
+
+  /** The error, which names the sections of `known` that have such a key, if there are any:
+   * "a.ini:3: [map]: unknown key 'x'; 'x' is a key of [map_export]", with the right --set if it was
+   * given so. Without them if the section is like one that has the key.
+   * \param known config with every section and key of the program */
+  [[nodiscard]] UserError withSectionsOf(const Config& known) const;
+
+ private:
+  std::string what_;
+  Unknown unknown_;
 };
 
 /** Whether an error message is about a value of --set or of the ini `ini`: it begins with the

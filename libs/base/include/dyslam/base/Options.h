@@ -78,8 +78,8 @@ struct Options
 };
 
 /** Fill `options` from a section; keys not in the file keep their values.
- * \throws UserError for an unknown or renamed key, a value that does not parse or is out of range.
- */
+ * \throws UnknownSetting for an unknown key, UserError for a renamed key, and for a value that does
+ * not parse or is out of range. */
 void load(Options& options, const Config& config, const std::string& section);
 
 /** Write every field with its help text into a section. Reading it back gives equal values. */
@@ -98,7 +98,7 @@ class ConfigLoader
   template <typename T>
   [[nodiscard]] T get(const std::string& section);
 
-  /** \throws UserError if the config has a section that was never requested. */
+  /** \throws UnknownSetting if the config has a section that was never requested. */
   void requireAllUsed() const;
   /** Config with every requested section and the values in effect. */
   [[nodiscard]] const Config& effective() const { return effective_; }
@@ -108,6 +108,12 @@ class ConfigLoader
   Config effective_;
   std::vector<std::string> used_;
 };
+
+/** Loads all options of a program: calls `load(loader)`, which gets them from a loader of `config`.
+ * \return the effective config \throws UserError for a section that `load` does not get, and for a
+ * key that its section does not have; it names the sections that have such a key. */
+template <typename Load>
+Config loadAll(const Config& config, const Load& load);
 
 template <typename Enum>
 void OptionsVisitor::choice(const char* key,
@@ -146,5 +152,24 @@ T ConfigLoader::get(const std::string& section)
     used_.push_back(section);
   }
   return options;
+}
+
+template <typename Load>
+Config loadAll(const Config& config, const Load& load)
+{
+  try
+  {
+    ConfigLoader loader(config);
+    load(loader);
+    loader.requireAllUsed();
+    return loader.effective();
+  }
+  catch (const UnknownSetting& error)
+  {
+    const Config none;
+    ConfigLoader defaults(none);
+    load(defaults);
+    throw error.withSectionsOf(defaults.effective());
+  }
 }
 }  // namespace dyslam

@@ -52,25 +52,32 @@ template <typename Container>
   return best;
 }
 
+/** What may have been meant by a word that is none of the known ones, to follow a message: "; did
+ * you mean 'cauchy'? (one of: none, cauchy)". The known ones are listed if they are few. */
+template <typename Container>
+[[nodiscard]] std::string meantWord(const std::string& word, const Container& known)
+{
+  constexpr std::size_t most_listed = 20;
+  const std::string nearest = word.empty() ? "" : nearestWord(word, known);
+  std::string advice;
+  if (!nearest.empty())
+  {
+    advice += "; did you mean '" + nearest + "'?";
+  }
+  if (std::size(known) <= most_listed)
+  {
+    advice += " (one of: " + joined(known) + ")";
+  }
+  return advice;
+}
+
 /** Error message for a word of the user that is none of the known ones: "unknown kernel 'cauchi';
- * did you mean 'cauchy'? (one of: none, cauchy)". The known ones are listed if they are few.
- * \param kind what the word should name */
+ * did you mean 'cauchy'? (one of: none, cauchy)". \param kind what the word should name */
 template <typename Container>
 [[nodiscard]] std::string unknownWord(const std::string& kind,
                                       const std::string& word,
                                       const Container& known)
 {
-  constexpr std::size_t most_listed = 20;
-  const std::string nearest = word.empty() ? "" : nearestWord(word, known);
-  std::string message = "unknown " + kind + " '" + word + "'";
-  if (!nearest.empty())
-  {
-    message += "; did you mean '" + nearest + "'?";
-  }
-  if (std::size(known) <= most_listed)
-  {
-    message += " (one of: " + joined(known) + ")";
-  }
-  return message;
+  return "unknown " + kind + " '" + word + "'" + meantWord(word, known);
 }
 }  // namespace dyslam

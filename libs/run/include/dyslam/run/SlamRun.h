@@ -107,12 +107,15 @@ class SlamRun
   explicit SlamRun(const SlamRunSettings& settings);
   ~SlamRun();
 
-  /** Names of the ini sections that effective.ini of every run has, sorted: those that the stages
-   * and outputs load. Builds a run with the default settings to find them. */
+  /** All sections and keys that the stages and outputs load, as in effective.ini, with their
+   * defaults. Builds a run to find them. */
+  [[nodiscard]] static Config defaults();
+  /** Names of the sections of defaults(), sorted. */
   [[nodiscard]] static std::vector<std::string> sections();
 
   /** Checks the names of settings, not their values, before the recording is at hand.
-   * \throws UserError for a section or key that no run has, as the constructor does */
+   * \throws UserError for a section or key that no run has, as the constructor does; it names the
+   * sections that have such a key */
   static void requireKnownNames(const Config& config);
 
   [[nodiscard]] Pipeline& pipeline();

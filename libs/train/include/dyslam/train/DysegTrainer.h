@@ -82,6 +82,13 @@ struct DysegTrainerSetup
   std::string device = "cpu";  //!< cpu or cuda; the data are prepared on the CPU
 };
 
+/** What the user states about weights that are validated; nothing where the weights decide. */
+struct GivenDysegShape
+{
+  std::optional<BevOptions> grid;
+  std::optional<DysegNetworkOptions> network;
+};
+
 /** Trains DySeg's network and writes the results into a folder.
  *
  * `dyseg.safetensors` the weights so far (exponential moving average), `checkpoint.safetensors` the
@@ -115,11 +122,10 @@ class DysegTrainer
   void run(const std::function<void(const std::string&)>& report,
            const std::function<bool()>& stopped = nullptr);
   /** The validation table of a file of weights, empty for the folder's dyseg.safetensors, with the
-   * grid that they were trained for. Writes nothing. \param given the grid of the user, which must
-   * be that of the weights; nothing: none is given \throws UserError if there are no weights, or of
-   * another grid. */
+   * grid and network that they were trained for. Writes nothing. \param given must be those of the
+   * weights \throws UserError if there are no weights, or of another grid or network. */
   void validateOnly(const std::string& weights,
-                    const std::optional<BevOptions>& given,
+                    const GivenDysegShape& given,
                     const std::function<void(const std::string&)>& report);
 
  private:

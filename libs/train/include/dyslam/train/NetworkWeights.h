@@ -2,6 +2,7 @@
 // Includes torch: for train only.
 #pragma once
 
+#include <dyslam/base/Options.h>
 #include <dyslam/nets/TensorFile.h>
 #include <torch/torch.h>
 
@@ -13,6 +14,15 @@ namespace dyslam
  * message \throws UserError naming the first weight that is missing in `from` or of another shape.
  */
 void copyWeights(torch::nn::Module& to, const torch::nn::Module& from, const std::string& file);
+
+/** Requires that the weights of a file were trained for the same network. \param of_weights,given
+ * options of one type, of the file and of the user \param otherwise what else the user can do than
+ * to change the key; may be empty \throws UserError naming the file, the first key that differs and
+ * both values. */
+void requireSameNetwork(const Options& of_weights,
+                        const Options& given,
+                        const std::string& file,
+                        const std::string& otherwise = "");
 
 /** Exponential moving average of the weights of a training, which scores better than the last
  * weights (Polyak and Juditsky 1992). \param[in,out] mean averaged weights \param now weights after
