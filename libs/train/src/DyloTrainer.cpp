@@ -48,28 +48,6 @@ std::vector<torch::Tensor> parametersOf(const DyloNetwork& network, const DyloLo
   return parameters;
 }
 
-/** Requires that a model has the given settings: layers that it lacks would stay random. \throws
- * UserError naming the file, the first setting that differs and both values. */
-void requireSameNetwork(const DyloNetworkOptions& of_model,
-                        const DyloNetworkOptions& given,
-                        const std::string& file)
-{
-  const char* section = "network";
-  Config model;
-  Config wanted;
-  save(of_model, model, section);
-  save(given, wanted, section);
-  for (const auto& [key, value] : model.section(section))
-  {
-    const std::string& other = wanted.section(section).at(key).text;
-    if (value.text != other)
-    {
-      throw UserError(file + ": trained with [network] " + key + " = " + value.text + ", not " +
-                      other + "; set it to " + value.text);
-    }
-  }
-}
-
 class Trainer : public TrainingTask
 {
  public:
@@ -106,13 +84,18 @@ class Trainer : public TrainingTask
 Trainer::Trainer(const Config& config, const DyloTrainRequest& request)
     : request_(request), device_(deviceNamed(request.device, "--device"))
 {
-  ConfigLoader loader(config);
-  options_ = loader.get<TrainOptions>("train");
-  const auto shape = loader.get<DyloNetworkOptions>("network");
-  const auto loss = loader.get<DyloLossOptions>("loss");
-  augmentation_ = loader.get<AugmentationOptions>("augmentation");
-  data_ = loader.get<DataOptions>("data");
-  loader.requireAllUsed();
+  DyloNetworkOptions shape;
+  DyloLossOptions loss;
+  const Config effective = loadAll(config,
+                                   [&](ConfigLoader& loader)
+                                   {
+                                     options_ = loader.get<TrainOptions>("train");
+                                     shape = loader.get<DyloNetworkOptions>("network");
+                                     loss = loader.get<DyloLossOptions>("loss");
+                                     augmentation_ =
+                                         loader.get<AugmentationOptions>("augmentation");
+                                     data_ = loader.get<DataOptions>("data");
+                                   });
 
   useTorchThreads(options_.threads);
   torch::manual_seed(static_cast<std::uint64_t>(options_.seed));
@@ -140,7 +123,7 @@ Trainer::Trainer(const Config& config, const DyloTrainRequest& request)
     source_ = makeDyloPairSource(data_, augmentation_, base, splits,
                                  static_cast<std::uint64_t>(options_.seed));
     makeFolder(request.output, "choose another --output");
-    writeWhole(request.output + "/effective.ini", loader.effective().toIni());
+    writeWhole(request.output + "/effective.ini", effective.toIni());
   }
 }
 
@@ -327,7 +310,7 @@ void Trainer::validate()
   appendRows(loop_->file("validation.csv"), lines);
 }
 
-/** Loads a checkpoint of the same network, or the common layers of a model; to validate it, all. */
+/** Loads a checkpoint of the same network, or the common layers of a model. */
 void Trainer::startFrom(const std::string& path)
 {
   if (!isDyloModel(path))
@@ -339,15 +322,15 @@ void Trainer::startFrom(const std::string& path)
     loop_->loadWeights(TensorFile(path));
     return;
   }
-  const DyloNetwork model = loadDylo(path);
+  const torch::NoGradGuard no_grad;
+  const DyloNetwork loaded = loadDylo(path);
   if (request_.validate_only)
   {
-    requireSameNetwork(model->options(), network_->options(), path);
+    requireSameNetwork(loaded->options(), network_->options(), path);
   }
-  const torch::NoGradGuard no_grad;
   const auto own = network_->named_parameters();
   std::size_t taken = 0;
-  for (const auto& given : model->named_parameters())
+  for (const auto& given : loaded->named_parameters())
   {
     const torch::Tensor* mine = own.find(given.key());
     if (mine != nullptr && mine->sizes() == given.value().sizes())
