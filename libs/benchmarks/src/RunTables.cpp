@@ -152,9 +152,9 @@ std::string truthLines(const std::vector<RunScores>& runs)
     if (!run.truth.isExact())
     {
       lines +=
-          "; its own errors are part of all figures (GNSS/INS, as KITTI's: up to a decimetre from "
-          "scan to scan, which RPE then shows), and NEES is not computed, as it would take them "
-          "for errors of the odometry";
+          "; its own errors are part of all figures (those of GNSS/INS are up to a decimetre per "
+          "scan, which RPE shows), and NEES is not computed, as it would take them for errors of "
+          "the odometry";
     }
     lines += '\n';
   }

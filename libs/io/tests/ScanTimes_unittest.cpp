@@ -194,7 +194,7 @@ TEST(ScanTimes, AFileOfTimesThatDoesNotFitIsNotUsed)
   writeBins(folder, "drive/scans", 2);
   for (const auto& [text, why] :
        {std::pair("0\n0.3\n0.6\n", "it has 3 times, but there are 2 scans"),
-        std::pair("0.3\n0.3\n", "its times do not ascend"),
+        std::pair("0.3\n0.3\n", "the time does not come after that of the line before"),
         std::pair("time\n0\n0.3\n", "times.txt:1")})
   {
     const std::string file = folder.write("drive/times.txt", text);
