@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "../src/GroundHeights.h"
-#include "../src/GroundPlanes.h"
 
 #include <gtest/gtest.h>
+
+#include "../src/GroundPlanes.h"
 
 namespace dyslam
 {
