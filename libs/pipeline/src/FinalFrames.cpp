@@ -55,7 +55,7 @@ FinalFrames::FinalFrames(ConfigLoader& config,
   if (labels.hindsight && options_.hindsight_tracking && options_.tracking && !has_given_boxes &&
       config.get<BackendOptions>("backend").mode < BackendMode::segmot)
   {
-    tracking_again_.emplace(config);
+    tracking_again_.emplace(config, MovingLabels::hindsight);
   }
 }
 

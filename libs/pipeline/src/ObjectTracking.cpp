@@ -26,8 +26,8 @@ std::optional<GivenBoxes> givenBoxes(ConfigLoader& config)
 }
 }  // namespace
 
-ObjectTracking::ObjectTracking(ConfigLoader& config)
-    : detector_(config.get<DetectorOptions>("detector")),
+ObjectTracking::ObjectTracking(ConfigLoader& config, MovingLabels labels)
+    : detector_(config.get<DetectorOptions>("detector"), labels),
       boxes_(givenBoxes(config)),
       tracker_(config.get<TrackerOptions>("tracker"))
 {

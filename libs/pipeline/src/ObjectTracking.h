@@ -21,7 +21,7 @@ class ObjectTracking
  public:
   /** Loads [detector], [boxes], [detection_noise] and [tracker]. \throws UserError for bad options,
    * and for boxes that cannot be read. */
-  explicit ObjectTracking(ConfigLoader& config);
+  ObjectTracking(ConfigLoader& config, MovingLabels labels);
 
   /** Whether boxes of another program are used instead of the detector's. */
   [[nodiscard]] bool hasGivenBoxes() const { return boxes_.has_value(); }

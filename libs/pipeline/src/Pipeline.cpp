@@ -55,7 +55,7 @@ struct Pipeline::Stages
       : times(time_logger),
         options(config.get<PipelineOptions>("pipeline")),
         front_end(options.threads, config, times),
-        tracking(config),
+        tracking(config, MovingLabels::causal),
         keyframes({config.get<MemoryOptions>("memory"), temporary_folder}),
         backend(
             {config.get<BackendOptions>("backend"), config.get<LoopCloserOptions>("loop"),

@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <unordered_map>
 
 namespace dyslam
@@ -222,12 +223,67 @@ std::vector<std::vector<std::uint32_t>> linkNodes(const std::vector<Node>& nodes
   }
   return clusters;
 }
+/** Vertical distance between a cluster and the ray that passes below it: the rays of the next lower
+ * ring, as far as they return anything, or infinity [m]. \param cluster indices of its points
+ * \param lidar position of the lidar [m] */
+float gapBelow(const Points& points,
+               const std::vector<std::uint32_t>& cluster,
+               const Eigen::Vector3f& lidar)
+{
+  constexpr float same_ring = 0.004F;  // slope by which points of one ring differ at most
+  constexpr float sector = 0.01F;      // half of the narrowest sector in which rays count [rad]
+  Eigen::Vector2f direction = Eigen::Vector2f::Zero();
+  float range = 0;                                        // mean of the cluster [m]
+  float lowest = std::numeric_limits<float>::infinity();  // slope of its lowest ray
+  for (const std::uint32_t i : cluster)
+  {
+    const Eigen::Vector3f ray = points[i] - lidar;
+    const float distance = ray.head<2>().norm();
+    direction += ray.head<2>() / distance;
+    range += distance / static_cast<float>(cluster.size());
+    lowest = std::min(lowest, ray.z() / distance);
+  }
+  direction.normalize();
+  float sine = sector;  // of half of the sector
+  for (const std::uint32_t i : cluster)
+  {
+    const Eigen::Vector2f ray = (points[i] - lidar).head<2>().normalized();
+    sine = std::max(sine, std::abs(ray.x() * direction.y() - ray.y() * direction.x()));
+  }
+  float below = -std::numeric_limits<float>::infinity();  // slope of the highest ray below it
+  for (const Eigen::Vector3f& p : points)
+  {
+    const Eigen::Vector3f ray = p - lidar;
+    const float distance = ray.head<2>().norm();
+    const float slope = ray.z() / distance;
+    if (slope < lowest - same_ring && slope > below && ray.head<2>().dot(direction) > 0 &&
+        std::abs(ray.x() * direction.y() - ray.y() * direction.x()) < sine * distance)
+    {
+      below = slope;
+    }
+  }
+  return range * (lowest - below);
+}
+
+/** Whether a low cluster may be a vehicle or a person of which one ring of a sparse sensor shows a
+ * row of points: no ray passes close below it, which would have hit it, too. */
+bool mayBeHitByOneRing(const Points& points,
+                       const std::vector<std::uint32_t>& cluster,
+                       double length,
+                       const Eigen::Vector3f& lidar)
+{
+  constexpr double longest_row = 6;  // longer rows are of walls and guard rails [m]
+  constexpr float least_gap = 0.7F;  // to the ray below [m]
+  return length <= longest_row && gapBelow(points, cluster, lidar) >= least_gap;
+}
 }  // namespace
 
 void DetectorOptions::describe(OptionsVisitor& v)
 {
   v.real("ground_clearance", ground_clearance, -10, 10,
          "height above ground below which points are not clustered [m]");
+  v.real("hindsight_clearance", hindsight_clearance, -10, 10,
+         "ground_clearance of the tracks with hindsight, whose labels leave out the ground [m]");
   v.real("ground_cell", ground_cell, 0.1, 100, "cell size of the local ground height map [m]");
   v.real("cluster_gap", cluster_gap, 0.01, 10, "largest gap within a cluster at range 0 [m]");
   v.real("cluster_gap_per_range", cluster_gap_per_range, 0, 1,
@@ -252,7 +308,8 @@ void DetectorOptions::describe(OptionsVisitor& v)
   v.renamed("max_distance", "max_cluster_gap");
 }
 
-Detector::Detector(const DetectorOptions& options) : options_(options)
+Detector::Detector(const DetectorOptions& options, MovingLabels labels)
+    : options_(options), labels_(labels)
 {
   validate(options_, "detector");
   if (options_.cluster_gap > options_.max_cluster_gap)
@@ -300,7 +357,9 @@ std::vector<std::uint32_t> Detector::selectMovingPoints(const Points& points,
   }
   const LocalGround ground(points, selected, options_.ground_cell,
                            options_.max_range + 2 * options_.ground_cell);
-  const auto clearance = static_cast<float>(options_.ground_clearance);
+  const auto clearance =
+      static_cast<float>(labels_ == MovingLabels::hindsight ? options_.hindsight_clearance
+                                                            : options_.ground_clearance);
   selected.erase(std::remove_if(selected.begin(), selected.end(),
                                 [&](std::uint32_t i)
                                 { return points[i].z() - ground.heightAt(points[i]) < clearance; }),
@@ -330,7 +389,10 @@ std::vector<Detection> Detector::detect(const Points& points,
       probability_sum += probability.empty() ? 1.0 : static_cast<double>(probability[i]);
     }
     const Box box = fitLShape(cluster_points, options_.yaw_step);
-    if (box.size.z() < options_.min_height || box.size.x() > longest(box.size.y(), options_))
+    const bool high_enough = box.size.z() >= options_.min_height ||
+                             (labels_ == MovingLabels::hindsight &&
+                              mayBeHitByOneRing(points, cluster, box.size.x(), lidar));
+    if (!high_enough || box.size.x() > longest(box.size.y(), options_))
     {
       continue;
     }

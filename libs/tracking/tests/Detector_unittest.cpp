@@ -165,6 +165,49 @@ TEST(Detector, clusteringAdaptsToRange)
   EXPECT_EQ(near, 0);  // single columns, thinner than any object: below min_points each
 }
 
+/** A row of moving points along y, `length` long at a distance of 20 m and a height of 0.5 m under
+ * the lidar, and static returns of the ring `gap` below it, on the ground before the row. */
+Scene rowOfOneRing(double length, double gap)
+{
+  constexpr double distance = 20;
+  constexpr double height = -0.5;
+  Scene scene;
+  const double nearer = 0.7;  // the lower ring hits the ground at this part of the distance
+  for (double y = -0.5 * length; y <= 0.5 * length; y += 0.1)
+  {
+    scene.add({distance, y, height}, 0.9F);
+    scene.add({nearer * distance, nearer * y, nearer * (height - gap)}, 0);
+  }
+  return scene;
+}
+
+TEST(Detector, withHindsightARowOfOneRingIsAnObjectUnlessARayPassesCloseBelow)
+{
+  const auto count = [](const Scene& scene, MovingLabels labels)
+  { return Detector({}, labels).detect(scene.points, scene.moving, scene.probability).size(); };
+  const Scene sparse = rowOfOneRing(4, 0.8);
+  EXPECT_EQ(count(sparse, MovingLabels::hindsight), 1U);
+  EXPECT_EQ(count(sparse, MovingLabels::causal), 0U) << "lower than min_height";
+  EXPECT_EQ(count(rowOfOneRing(4, 0.6), MovingLabels::hindsight), 0U) << "a ray passes below";
+  EXPECT_EQ(count(rowOfOneRing(7, 0.8), MovingLabels::hindsight), 0U) << "a wall";
+}
+
+TEST(Detector, withHindsightPointsNearTheGroundCount)
+{
+  Scene scene;
+  scene.addGround(-1.7);
+  scene.addVisibleSides(makeBox(9, 5, -1.65, 0.6, 0.5, 0.1, 0), 60);  // lower than ground_clearance
+  scene.addVisibleSides(makeBox(9, 5, -0.8, 0.6, 0.5, 1.6, 0), 60);
+  const auto lowest = [&](MovingLabels labels)
+  {
+    const auto found = Detector({}, labels).detect(scene.points, scene.moving, scene.probability);
+    EXPECT_EQ(found.size(), 1U);
+    return found.empty() ? 0 : found[0].box.centre.z() - 0.5 * found[0].box.size.z();
+  };
+  EXPECT_LT(lowest(MovingLabels::hindsight), -1.6);
+  EXPECT_GT(lowest(MovingLabels::causal), -1.5);
+}
+
 TEST(Detector, handlesEmptySinglePointAndNaN)
 {
   Detector detector;

@@ -14,6 +14,7 @@ namespace dyslam
 struct DetectorOptions : Options
 {
   double ground_clearance = 0.2;         //!< points lower above the ground are not clustered [m]
+  double hindsight_clearance = 0;        //!< the same with MovingLabels::hindsight [m]
   double ground_cell = 2.0;              //!< cell size of the local ground height map [m]
   double cluster_gap = 0.4;              //!< largest gap within a cluster at range 0 [m]
   double cluster_gap_per_range = 0.012;  //!< increase of cluster_gap with range [m/m]
@@ -31,8 +32,18 @@ struct DetectorOptions : Options
   void describe(OptionsVisitor& visitor) override;
 };
 
+/** What decided which points move. */
+enum class MovingLabels
+{
+  causal,    //!< the scan and those before it; points near the ground are often wrong
+  hindsight  //!< earlier and later scans
+};
+
 /** Detects moving objects: range-adaptive Euclidean clustering of the moving points above the local
  * ground, an L-shape fit to each cluster and a class by size.
+ *
+ * With MovingLabels::hindsight also what a single ring of a sparse sensor hits, which is lower than
+ * `min_height`: rows of points up to 6 m long, if no ray passes less than 0.7 m below them.
  *
  * Deterministic and thread-safe: detect() is const.
  */
@@ -40,7 +51,8 @@ class Detector
 {
  public:
   /** \throws UserError if an option is out of range. */
-  explicit Detector(const DetectorOptions& options = {});
+  explicit Detector(const DetectorOptions& options = {},
+                    MovingLabels labels = MovingLabels::causal);
 
   /** Reads the frame's cloud, moving, moving_by_prediction, moving_probability and the mounting of
    * its (first) lidar, sets its detections. */
@@ -63,5 +75,6 @@ class Detector
                                         double probability_sum) const;
 
   DetectorOptions options_;
+  MovingLabels labels_;
 };
 }  // namespace dyslam
