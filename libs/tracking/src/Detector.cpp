@@ -223,6 +223,7 @@ std::vector<std::vector<std::uint32_t>> linkNodes(const std::vector<Node>& nodes
   }
   return clusters;
 }
+
 /** Vertical distance between a cluster and the ray that passes below it: the rays of the next lower
  * ring, as far as they return anything, or infinity [m]. \param cluster indices of its points
  * \param lidar position of the lidar [m] */
@@ -283,7 +284,8 @@ void DetectorOptions::describe(OptionsVisitor& v)
   v.real("ground_clearance", ground_clearance, -10, 10,
          "height above ground below which points are not clustered [m]");
   v.real("hindsight_clearance", hindsight_clearance, -10, 10,
-         "ground_clearance of the tracks with hindsight, whose labels leave out the ground [m]");
+         "ground_clearance beyond 12 m of the tracks with hindsight, whose labels leave out the "
+         "ground [m]");
   v.real("ground_cell", ground_cell, 0.1, 100, "cell size of the local ground height map [m]");
   v.real("cluster_gap", cluster_gap, 0.01, 10, "largest gap within a cluster at range 0 [m]");
   v.real("cluster_gap_per_range", cluster_gap_per_range, 0, 1,
@@ -340,7 +342,8 @@ void Detector::detect(Frame& frame) const
 }
 
 std::vector<std::uint32_t> Detector::selectMovingPoints(const Points& points,
-                                                        const std::vector<bool>& moving) const
+                                                        const std::vector<bool>& moving,
+                                                        const Eigen::Vector3f& lidar) const
 {
   std::vector<std::uint32_t> selected;
   const auto range = static_cast<float>(options_.max_range);
@@ -357,12 +360,19 @@ std::vector<std::uint32_t> Detector::selectMovingPoints(const Points& points,
   }
   const LocalGround ground(points, selected, options_.ground_cell,
                            options_.max_range + 2 * options_.ground_cell);
-  const auto clearance =
-      static_cast<float>(labels_ == MovingLabels::hindsight ? options_.hindsight_clearance
-                                                            : options_.ground_clearance);
+  constexpr float several_rings = 12;  // range within which several rings hit an object [m]
+  const auto clearanceAt = [&](const Eigen::Vector3f& p)
+  {
+    const bool trusted =
+        labels_ == MovingLabels::hindsight && (p - lidar).head<2>().norm() > several_rings;
+    return static_cast<float>(trusted ? options_.hindsight_clearance : options_.ground_clearance);
+  };
   selected.erase(std::remove_if(selected.begin(), selected.end(),
                                 [&](std::uint32_t i)
-                                { return points[i].z() - ground.heightAt(points[i]) < clearance; }),
+                                {
+                                  const Eigen::Vector3f& p = points[i];
+                                  return p.z() - ground.heightAt(p) < clearanceAt(p);
+                                }),
                  selected.end());
   return selected;
 }
@@ -374,7 +384,7 @@ std::vector<Detection> Detector::detect(const Points& points,
 {
   std::vector<Detection> detections;
   const std::vector<Node> nodes =
-      voxelNodes(points, selectMovingPoints(points, moving), lidar.head<2>(), options_);
+      voxelNodes(points, selectMovingPoints(points, moving, lidar), lidar.head<2>(), options_);
   for (auto& cluster : linkNodes(nodes, options_.max_cluster_gap))
   {
     if (cluster.size() < static_cast<std::size_t>(options_.min_points))

@@ -14,7 +14,7 @@ namespace dyslam
 struct DetectorOptions : Options
 {
   double ground_clearance = 0.2;         //!< points lower above the ground are not clustered [m]
-  double hindsight_clearance = 0;        //!< the same with MovingLabels::hindsight [m]
+  double hindsight_clearance = 0;        //!< the same beyond 12 m with MovingLabels::hindsight [m]
   double ground_cell = 2.0;              //!< cell size of the local ground height map [m]
   double cluster_gap = 0.4;              //!< largest gap within a cluster at range 0 [m]
   double cluster_gap_per_range = 0.012;  //!< increase of cluster_gap with range [m/m]
@@ -69,7 +69,9 @@ class Detector
 
  private:
   [[nodiscard]] std::vector<std::uint32_t> selectMovingPoints(
-      const std::vector<Eigen::Vector3f>& points, const std::vector<bool>& moving) const;
+      const std::vector<Eigen::Vector3f>& points,
+      const std::vector<bool>& moving,
+      const Eigen::Vector3f& lidar) const;
   [[nodiscard]] Detection makeDetection(const Box& box,
                                         std::size_t point_count,
                                         double probability_sum) const;
