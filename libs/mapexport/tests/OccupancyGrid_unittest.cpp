@@ -72,6 +72,16 @@ test::TestMap mapOf(const Wall& wall)
   return map;
 }
 
+/** Adds points to a cloud: x, y, z in the vehicle frame [m]. */
+auto additionTo(Cloud& cloud)
+{
+  return [&cloud](double x, double y, double z)
+  {
+    cloud.points.emplace_back(static_cast<float>(x), static_cast<float>(y), static_cast<float>(z));
+    cloud.source.push_back(0);
+  };
+}
+
 class OccupancyGrid : public testing::Test
 {
  protected:
@@ -161,12 +171,7 @@ TEST_F(OccupancyGrid, WhatIsAVoxelApartIsNotConnected)
   test::TestMap map;
   Frame frame;
   frame.scan.T_vehicle_lidar.translation().z() = 1.7;
-  const auto add = [&](double x, double y, double z)
-  {
-    frame.cloud.points.emplace_back(static_cast<float>(x), static_cast<float>(y),
-                                    static_cast<float>(z));
-    frame.cloud.source.push_back(0);
-  };
+  const auto add = additionTo(frame.cloud);
   for (int i = 0; i < 6400; ++i)
   {
     add(0.1 * (i % 80) + 0.05, 0.1 * (i / 80) - 3.95, 0.02);
@@ -223,12 +228,7 @@ TEST_F(OccupancyGrid, BehindWhatHidesTheFloorCellsAreUnknown)
   test::TestMap map;
   Frame frame;
   frame.scan.T_vehicle_lidar.translation().z() = 1.7;
-  const auto add = [&](double x, double y, double z)
-  {
-    frame.cloud.points.emplace_back(static_cast<float>(x), static_cast<float>(y),
-                                    static_cast<float>(z));
-    frame.cloud.source.push_back(0);
-  };
+  const auto add = additionTo(frame.cloud);
   for (double y = -9.95; y < 10; y += 0.2)
   {
     for (double x = -3.95; x < 12; x += 0.2)

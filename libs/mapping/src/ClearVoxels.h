@@ -6,10 +6,10 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "Generations.h"
+
 namespace dyslam
 {
-class StateArchive;
-
 /** Voxels (odometry frame, by their voxelKey()) that other scans observed, and none of them as
  * free. The result is reused for the next scans, which nearly the same rays decide. */
 class ClearVoxels
@@ -17,17 +17,18 @@ class ClearVoxels
  public:
   /** Begins a scan: forgets voxels that were added 6 to 10 scans before, up to 14 where numbers are
    * left out. \param scan number of the scan, ascending */
-  void beginScan(std::size_t scan);
+  void beginScan(std::size_t scan) { voxels_.beginScan(scan); }
   [[nodiscard]] bool contain(std::uint64_t key) const
   {
-    return recent_.find(key) != VoxelHash::none || older_.find(key) != VoxelHash::none;
+    return voxels_.recent().find(key) != VoxelHash::none ||
+           voxels_.older().find(key) != VoxelHash::none;
   }
-  void add(std::uint64_t key) { recent_.findOrInsert(key, 0); }
-  void exchangeState(StateArchive& archive);
+  void add(std::uint64_t key) { voxels_.recent().findOrInsert(key, 0); }
+  void exchangeState(StateArchive& archive) { archive(voxels_); }
 
  private:
-  std::size_t begin_ = 0;  //!< number of the scan from which on voxels were added to `recent_`
-  VoxelHash recent_;
-  VoxelHash older_;
+  static constexpr std::size_t period = 5;  //!< of the generations [scans]
+
+  Generations<VoxelHash> voxels_{period};
 };
 }  // namespace dyslam

@@ -16,8 +16,7 @@ namespace dyslam
 {
 namespace
 {
-constexpr std::size_t planes_renewal = 10;  // scans after which recent planes become older ones
-constexpr int block_squares = 4;            // side of a block of large squares
+constexpr int block_squares = 4;  // side of a block of large squares
 constexpr int plane_reach = 6;  // squares from the middle of a block on that its plane is fitted to
 constexpr float above_plane = 0.15F;  // greatest height of the ground over the plane [m]
 
@@ -124,19 +123,10 @@ void GroundPlanes::Planes::exchangeState(StateArchive& archive)
   archive(index, planes);
 }
 
-void GroundPlanes::beginScan(std::size_t scan)
+const Eigen::Vector3d* GroundPlanes::find(std::uint64_t block) const
 {
-  const std::size_t passed = scan - begin_;
-  if (passed >= planes_renewal)
-  {
-    std::swap(recent_, older_);
-    recent_.clear();
-    if (passed >= 2 * planes_renewal)
-    {
-      older_.clear();
-    }
-    begin_ = scan;
-  }
+  const Eigen::Vector3d* plane = planes_.recent().find(block);
+  return plane == nullptr ? planes_.older().find(block) : plane;
 }
 
 void GroundPlanes::fit(const std::vector<const LowestReturns*>& scans,
@@ -146,8 +136,7 @@ void GroundPlanes::fit(const std::vector<const LowestReturns*>& scans,
   for (const Eigen::Vector3f& p : points)
   {
     const VoxelCell block = blockOf(p);
-    const std::uint64_t key = voxelKey(block);
-    if (recent_.find(key) == nullptr && older_.find(key) == nullptr)
+    if (find(voxelKey(block)) == nullptr)
     {
       blocks.add(block);
     }
@@ -163,19 +152,18 @@ void GroundPlanes::fit(const std::vector<const LowestReturns*>& scans,
     heights.push_back(&scan->heights());
   }
   const std::vector<float> ground = joinGround(heights, squares, 1);
+  Planes& recent = planes_.recent();
   for (std::size_t b = 0; b < blocks.size(); ++b)
   {
-    const auto next = static_cast<std::uint32_t>(recent_.planes.size());
-    recent_.index.findOrInsert(blocks.keyOf(b), next);
-    recent_.planes.push_back(planeOf(blocks[b], squares, ground));
+    const auto next = static_cast<std::uint32_t>(recent.planes.size());
+    recent.index.findOrInsert(blocks.keyOf(b), next);
+    recent.planes.push_back(planeOf(blocks[b], squares, ground));
   }
 }
 
 float GroundPlanes::highestAt(const Eigen::Vector3f& p) const
 {
-  const std::uint64_t block = voxelKey(blockOf(p));
-  const Eigen::Vector3d* plane = recent_.find(block);
-  plane = plane == nullptr ? older_.find(block) : plane;
+  const Eigen::Vector3d* plane = find(voxelKey(blockOf(p)));
   return plane == nullptr ? std::numeric_limits<float>::infinity()
                           : static_cast<float>(plane->dot(Eigen::Vector3d(
                                 static_cast<double>(p.x()), static_cast<double>(p.y()), 1))) +
@@ -184,6 +172,6 @@ float GroundPlanes::highestAt(const Eigen::Vector3f& p) const
 
 void GroundPlanes::exchangeState(StateArchive& archive)
 {
-  archive(begin_, recent_, older_);
+  archive(planes_);
 }
 }  // namespace dyslam

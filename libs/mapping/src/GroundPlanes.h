@@ -7,12 +7,11 @@
 #include <cstddef>
 #include <vector>
 
+#include "Generations.h"
 #include "GroundHeights.h"
 
 namespace dyslam
 {
-class StateArchive;
-
 /** Planes close to the lowest ground around each block of 8 m of the odometry frame: upper limits
  * of the ground in it. Between distant rings no return may be from the ground, but many from the
  * vehicles that pass: without a limit they would be the ground there.
@@ -23,7 +22,7 @@ class GroundPlanes
  public:
   /** Begins a scan: forgets planes that were fitted 11 to 20 scans before. \param scan number of
    * the scan, ascending */
-  void beginScan(std::size_t scan);
+  void beginScan(std::size_t scan) { planes_.beginScan(scan); }
   /** Fits the planes of the blocks with points that have none. \param scans of the window \param
    * points odometry frame [m] */
   void fit(const std::vector<const LowestReturns*>& scans,
@@ -45,8 +44,11 @@ class GroundPlanes
     void exchangeState(StateArchive& archive);
   };
 
-  std::size_t begin_ = 0;  //!< number of the scan from which on planes were added to `recent_`
-  Planes recent_;
-  Planes older_;
+  static constexpr std::size_t period = 10;  //!< of the generations [scans]
+
+  /** Plane of a block, null if none was fitted. */
+  [[nodiscard]] const Eigen::Vector3d* find(std::uint64_t block) const;
+
+  Generations<Planes> planes_{period};
 };
 }  // namespace dyslam
