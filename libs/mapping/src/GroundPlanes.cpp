@@ -19,6 +19,7 @@ namespace
 constexpr int block_squares = 4;  // side of a block of large squares
 constexpr int plane_reach = 6;  // squares from the middle of a block on that its plane is fitted to
 constexpr float above_plane = 0.15F;  // greatest height of the ground over the plane [m]
+constexpr float farthest = 1e6F;      // coordinate beyond which no plane is fitted [m]
 
 constexpr double no_height = std::numeric_limits<double>::infinity();
 
@@ -136,7 +137,8 @@ void GroundPlanes::fit(const std::vector<const LowestReturns*>& scans,
   for (const Eigen::Vector3f& p : points)
   {
     const VoxelCell block = blockOf(p);
-    if (find(voxelKey(block)) == nullptr)
+    const bool near = (p.head<2>().array().abs() < farthest).all();  // not if it is NaN
+    if (near && find(voxelKey(block)) == nullptr)
     {
       blocks.add(block);
     }

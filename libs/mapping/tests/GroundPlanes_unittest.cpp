@@ -81,7 +81,18 @@ TEST(GroundPlanes, NeedSixSquares)
       fieldOf([](float x, float y) { return y == 11 && x > 6 && x < 16 ? 0 : NAN; });
   planes.fit({&five}, {p});
   EXPECT_EQ(planes.highestAt(p), INFINITY);
-  EXPECT_EQ(planes.highestAt({NAN, 11, 0}), INFINITY);
+}
+
+TEST(GroundPlanes, PointsThatAreNotFiniteOrTooFarAwayHaveNone)
+{
+  const LowestReturns field = fieldOf([](float, float) { return 0; });
+  const std::vector<Eigen::Vector3f> points = {{NAN, 11, 0}, {11, INFINITY, 0}, {-1e30F, 11, 0}};
+  GroundPlanes planes;
+  planes.fit({&field}, points);
+  for (const Eigen::Vector3f& p : points)
+  {
+    EXPECT_EQ(planes.highestAt(p), INFINITY);
+  }
 }
 
 TEST(GroundPlanes, AreReusedForTenToTwentyScansAndKeptInTheState)
