@@ -19,8 +19,16 @@ namespace
 /** Alpha-beta filter of the height. Roads slope slowly. */
 constexpr double height_gain = 0.5;
 constexpr double vertical_velocity_gain = 0.1;
-/** Gain of observed sizes below the track's size: parts may be occluded. */
-constexpr double shrink_gain = 0.005;
+
+/** Gain of observed sizes below the track's size: low, as parts may be occluded. At first it is
+ * higher, as the first detections may be of two things together, such as a pedestrian who passes a
+ * post. \param hits number of observations */
+double shrinkGain(int hits)
+{
+  constexpr double lasting = 0.005;
+  constexpr double of_first = 0.3;
+  return std::max(lasting, of_first / hits);
+}
 
 /** Lower bounds of a vehicle's width and of the height of all classes [m]. None for the length: the
  * visible part may be either end. */
@@ -293,7 +301,7 @@ void Track::updateSize(const Observation& observation)
   }
   for (int k = 0; k < 3; ++k)
   {
-    const double gain = observed[k] > box_.size[k] ? options_->size_gain : shrink_gain;
+    const double gain = observed[k] > box_.size[k] ? options_->size_gain : shrinkGain(hits_);
     box_.size[k] += gain * (observed[k] - box_.size[k]);
   }
   if (has_moved_)
