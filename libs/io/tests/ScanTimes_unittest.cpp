@@ -3,6 +3,7 @@
 #include <dyslam/base/Error.h>
 #include <dyslam/formats/ScanFiles.h>
 #include <dyslam/io/Converters.h>
+#include <dyslam/io/RawlogSource.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -402,8 +403,14 @@ TEST(ScanTimes, PointTimesCountFromTheStampOfTheName)
   with_poses.poses =
       folder.write("poses.txt", "1 0 0 0 0 1 0 0 0 0 1 0\n1 0 0 1 0 1 0 0 0 0 1 0\n");
   (void)convertScans(folder.file("last"), folder.file("x.rawlog"), with_poses);
-  const auto frames = readAll(folder.file("x.rawlog"));
-  EXPECT_NEAR(frames.at(1).scan.stamp, 1600000000.2, 2e-6);
-  EXPECT_NEAR(frames.at(1).scan.time.front(), -0.1F, 4e-6);
+  RawlogSource source(folder.file("x.rawlog"));
+  const auto frames = framesOf(source);
+  EXPECT_TRUE(hasLine(source.warnings(), "late in the scans: moved by 0.1")) << "when it is read";
+  EXPECT_NEAR(frames.at(1).scan.stamp, 1600000000.1, 2e-6);
+  EXPECT_NEAR(frames.at(1).scan.time.front(), 0, 4e-6);
+  EXPECT_FALSE(frames.at(0).T_world_vehicle_truth);
+  ASSERT_TRUE(frames.at(1).T_world_vehicle_truth);
+  EXPECT_NEAR(frames.at(1).T_world_vehicle_truth->translation().x(), 0, 1e-4)
+      << "that of the first stamp";
 }
 }  // namespace dyslam

@@ -2,7 +2,6 @@
 #include "FurtherLidars.h"
 
 #include <dyslam/base/Error.h>
-#include <dyslam/mrpt/Conversions.h>
 
 #include <algorithm>
 #include <cmath>
@@ -32,25 +31,28 @@ void FurtherLidars::holdTimeRing(const std::string& label,
   }
 }
 
-void FurtherLidars::hold(const mrpt::obs::CObservation::Ptr& observation, double clock_shift)
+mrpt::obs::CObservation::Ptr FurtherLidars::takeTimeRing(const std::string& label)
 {
-  HeldScan scan;
-  scan.observation = observation;
-  const auto time_ring = time_rings_.find(observation->sensorLabel);
-  if (time_ring != time_rings_.end())
+  const auto found = time_rings_.find(label);
+  if (found == time_rings_.end())
   {
-    scan.time_ring = time_ring->second;
-    time_rings_.erase(time_ring);
+    return nullptr;
   }
-  scan.lidar = numbers_.emplace(observation->sensorLabel, numbers_.size() + 1).first->second;
+  mrpt::obs::CObservation::Ptr time_ring = std::move(found->second);
+  time_rings_.erase(found);
+  return time_ring;
+}
+
+void FurtherLidars::hold(HeldScan scan)
+{
+  const std::string& label = scan.observation->sensorLabel;
+  scan.lidar = numbers_.emplace(label, numbers_.size() + 1).first->second;
   if (scan.lidar >= most_lidars)
   {
     throw UserError("further_lidars = " + labels_.pattern() + " selects more than " +
-                    std::to_string(most_lidars - 1) + " lidars, '" + observation->sensorLabel +
+                    std::to_string(most_lidars - 1) + " lidars, '" + label +
                     "' too; name those of the vehicle");
   }
-  scan.clock_shift = clock_shift;
-  scan.stamp = toStamp(observation->timestamp) + clock_shift;
   latest_[scan.lidar] = scan.stamp;
   dropWaitingTooLong(scan);
   held_.push_back(std::move(scan));

@@ -26,9 +26,9 @@ class FurtherLidars
   {
     mrpt::obs::CObservation::Ptr observation;
     mrpt::obs::CObservation::Ptr time_ring;  //!< times and rings of its points; null: none
-    std::size_t lidar = 1;                   //!< ScanPart::lidar
-    double clock_shift = 0;                  //!< added to its stamp [s]
-    double stamp = 0;                        //!< stamp including clock_shift [s]
+    std::size_t lidar = 1;                   //!< ScanPart::lidar, set by hold()
+    double late_shift = 0;                   //!< of its stamp, as RecordedScan::late_shift [s]
+    double stamp = 0;                        //!< of its frame [s]
   };
 
   /** \param labels regex; empty: there are none. \throws UserError if it is no regular expression.
@@ -43,9 +43,11 @@ class FurtherLidars
   /** Holds an observation that carries times and rings of the scan that follows.
    * \param label of that scan */
   void holdTimeRing(const std::string& label, const mrpt::obs::CObservation::Ptr& observation);
+  /** The observation of holdTimeRing() for the next scan of a lidar, no longer held; null: none. */
+  [[nodiscard]] mrpt::obs::CObservation::Ptr takeTimeRing(const std::string& label);
   /** Holds a scan with a time stamp. Those that wait for long without a scan of the first lidar
    * near them are dropped. \throws UserError for more than most_lidars. */
-  void hold(const mrpt::obs::CObservation::Ptr& observation, double clock_shift);
+  void hold(HeldScan scan);
   /** The next scan of the first lidar with a good time stamp. Those nearer to one that is left out
    * than to any other are dropped. \param stamp of it [s] \param taken takeFor() follows for it */
   void metScan(double stamp, bool taken);

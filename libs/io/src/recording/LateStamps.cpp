@@ -27,24 +27,34 @@ std::optional<double> firstOfLateStamp(const std::vector<float>& times)
   return (first + last) / 2 < -late * (last - first) ? first : 0;
 }
 
-void LateStamps::operator()(Scan& scan)
+void moveStamp(double shift, Scan& scan)
 {
-  constexpr int enough = 2;
-  if (scans_ < enough)
-  {
-    const std::optional<double> first = firstOfLateStamp(scan.time);
-    shift_ = std::min(shift_, first.value_or(0));
-    scans_ += first ? 1 : 0;
-  }
-  if (shift_ == 0)
+  if (shift == 0)
   {
     return;
   }
-  scan.stamp += shift_;
+  scan.stamp += shift;
   for (float& time : scan.time)
   {
-    time = static_cast<float>(time - shift_);
+    time = static_cast<float>(time - shift);
   }
+}
+
+void LateStamps::examine(const std::vector<float>& times)
+{
+  const std::optional<double> first = firstOfLateStamp(times);
+  shift_ = std::min(shift_, first.value_or(0));
+  shown_ += first ? 1 : 0;
+  examined_ += times.size() > 1 ? 1 : 0;
+}
+
+void LateStamps::operator()(Scan& scan)
+{
+  if (!isKnown())
+  {
+    examine(scan.time);
+  }
+  moveStamp(shift_, scan);
 }
 
 std::vector<std::string> LateStamps::notes() const

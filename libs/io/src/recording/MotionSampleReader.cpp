@@ -167,18 +167,25 @@ bool SampleQueue<Sample>::isFar(double stamp) const
 }
 
 template <typename Sample>
-std::vector<Sample> SampleQueue<Sample>::takeNear(double stamp)
+std::vector<Sample> SampleQueue<Sample>::takeNear(double stamp, bool leaves_later)
 {
   std::vector<Sample> samples;
+  std::deque<Sample> left;
   for (const Sample& sample : waiting_)
   {
-    if (isNear(sample, stamp) && (!last_stamp_ || sample.stamp > *last_stamp_))
+    if (!isNear(sample, stamp) || (last_stamp_ && sample.stamp <= *last_stamp_))
     {
-      last_stamp_ = sample.stamp;
-      samples.push_back(sample);
+      continue;
     }
+    if (leaves_later && sample.stamp > stamp)
+    {
+      left.push_back(sample);
+      continue;
+    }
+    last_stamp_ = sample.stamp;
+    samples.push_back(sample);
   }
-  waiting_.clear();
+  waiting_ = std::move(left);
   return samples;
 }
 
@@ -269,9 +276,10 @@ void MotionSampleReader::handOver(double stamp, RecordedScan& scan, RecordingNot
   noteFar(imu_.isFar(stamp), imu_choice_);
   noteFar(wheels_.isFar(stamp), wheel_choice_);
   noteFar(gnss_.isFar(stamp), gnss_choice_);
-  scan.imu = imu_.takeNear(stamp);
-  scan.wheels = wheels_.takeNear(stamp);
-  scan.gnss = gnss_.takeNear(stamp);
+  const bool was_late = scan.late_shift != 0;
+  scan.imu = imu_.takeNear(stamp, was_late);
+  scan.wheels = wheels_.takeNear(stamp, was_late);
+  scan.gnss = gnss_.takeNear(stamp, was_late);
 }
 
 std::vector<std::string> MotionSampleReader::missing() const

@@ -56,8 +56,8 @@ class SampleQueue
    * times go back farthest. \param shift [s] */
   void shiftClock(double shift);
   /** Takes the samples out that are near a scan, each later than the one before. \param stamp of
-   * the scan [s] */
-  [[nodiscard]] std::vector<Sample> takeNear(double stamp);
+   * the scan [s] \param leaves_later those after the stamp go on waiting */
+  [[nodiscard]] std::vector<Sample> takeNear(double stamp, bool leaves_later);
   /** Whether samples wait, but none is near a scan. \param stamp stamp of the scan [s] */
   [[nodiscard]] bool isFar(double stamp) const;
 
@@ -87,7 +87,8 @@ class MotionSampleReader
   /** The clock of the recording was set back; later calls of take() have the new clock_shift.
    * \param shift by how much it grew [s] */
   void shiftClock(double shift);
-  /** Hands the samples since the last call to a scan. \param stamp of its frame [s] */
+  /** Hands the samples since the last call to a scan; if its stamp was late, those after the moved
+   * one wait for the next scan. \param stamp of its frame [s] */
   void handOver(double stamp, RecordedScan& scan, RecordingNotes& notes);
   /** Warnings about given labels that fit no sensor so far. */
   [[nodiscard]] std::vector<std::string> missing() const;

@@ -107,9 +107,14 @@ struct ScanDecoder::Impl
       notes.add("a scan of a further lidar without a time stamp was dropped");
       return;
     }
+    FurtherLidars::HeldScan scan;
+    scan.observation = observation;
+    scan.time_ring = further.takeTimeRing(observation->sensorLabel);
+    scan.late_shift = lateShift(*observation, scan.time_ring.get());
+    scan.stamp = toStamp(observation->timestamp) + scan.late_shift + clock.shift();
     try
     {
-      further.hold(observation, clock.shift());
+      further.hold(std::move(scan));
     }
     catch (const UserError& error)
     {
@@ -159,13 +164,16 @@ struct ScanDecoder::Impl
 
   /** Whether the time of scan `index` comes after that of the one before. \throws UserError if it
    * never does. */
-  [[nodiscard]] bool acceptStamp(const CObservation& observation, std::size_t index)
+  [[nodiscard]] bool acceptStamp(const CObservation& observation,
+                                 double late_shift,
+                                 std::size_t index)
   {
     const bool has_time = observation.timestamp != INVALID_TIMESTAMP;
     const double shift = clock.shift();
-    const RecordingClock::Verdict verdict = clock.accept(
-        has_time ? std::optional<double>(toStamp(observation.timestamp)) : std::nullopt, index,
-        notes);
+    const RecordingClock::Verdict verdict =
+        clock.accept(has_time ? std::optional<double>(toStamp(observation.timestamp) + late_shift)
+                              : std::nullopt,
+                     index, notes);
     if (verdict.shift != 0)
     {
       truths.shiftClock(shift, verdict.shift);
@@ -174,45 +182,50 @@ struct ScanDecoder::Impl
     return verdict.accepted;
   }
 
-  void addTimeRing(CObservation* own, std::size_t index, Scan& scan)
+  /** Puts times and rings into the scan of an observation. False if they do not fit. */
+  [[nodiscard]] bool addTimeRing(CObservation& time_ring, Scan& scan) const
   {
-    if (own == nullptr)
-    {
-      return;
-    }
-    const bool fits = own->sensorLabel == scan.sensor_label + time_ring_suffix &&
-                      std::abs(toStamp(own->timestamp) - scan.stamp) <= same_time &&
-                      applyTimeRing(*own, external, scan);
-    if (!fits)
-    {
-      notes.add("times and rings that do not fit their scan were ignored", index);
-    }
+    return time_ring.sensorLabel == scan.sensor_label + time_ring_suffix &&
+           std::abs(toStamp(time_ring.timestamp) - scan.stamp) <= same_time &&
+           applyTimeRing(time_ring, external, scan);
   }
 
-  /** The points of an observation, in its lidar's frame. */
+  /** The points of an observation, in its lidar's frame, with the stamp as recorded. */
   [[nodiscard]] Scan scanOf(CObservation& observation, CObservation* time_ring, std::size_t index)
   {
     Scan scan = scanFromObservation(observation, external);
-    addTimeRing(time_ring, index, scan);
+    if (time_ring != nullptr && !addTimeRing(*time_ring, scan))
+    {
+      notes.add("times and rings that do not fit their scan were ignored", index);
+    }
     return scan;
   }
 
-  /** Warns of late stamps, by the first scan that shows them. */
-  void checkStamp(const Scan& scan)
+  /** Times of the points of a scan that is not decoded yet; none if it is damaged. */
+  [[nodiscard]] std::vector<float> timesOf(CObservation& observation, CObservation& time_ring) const
   {
-    if (stamp_is_checked)
+    try
     {
-      return;
+      Scan scan = scanFromObservation(observation, external);
+      return addTimeRing(time_ring, scan) ? scan.time : std::vector<float>();
     }
-    const std::optional<double> first = firstOfLateStamp(scan.time);
-    stamp_is_checked = first.has_value();
-    if (first.value_or(0) != 0)
+    catch (const std::exception&)
     {
-      notes.add(
-          "the time stamps are late in the scans, with which deskewing is unreliable: convert the "
-          "recording again with scans2rawlog, which moves them to the first points, or set "
-          "preprocess.deskew=none");
+      return {};  // decode() reports it, if the scan is used
     }
+  }
+
+  /** RecordedScan::late_shift of the next scan of a lidar. Only times of a companion can be before
+   * the stamp: packets and range images count from it.
+   * \param time_ring times and rings of its points; null: none */
+  [[nodiscard]] double lateShift(CObservation& observation, CObservation* time_ring)
+  {
+    LateStamps& of_lidar = late_stamps[observation.sensorLabel];
+    if (time_ring != nullptr && !of_lidar.isKnown())
+    {
+      of_lidar.examine(timesOf(observation, *time_ring));
+    }
+    return of_lidar.shift();
   }
 
   /** A scan of a further lidar. \param index of the scan that it joins \throws UserError for
@@ -223,6 +236,7 @@ struct ScanDecoder::Impl
     try
     {
       Scan part = scanOf(*held.observation, held.time_ring.get(), index);
+      moveStamp(held.late_shift, part);
       part.stamp = held.stamp;
       further.intensityScaler(held.lidar)(part);
       return part;
@@ -302,8 +316,8 @@ struct ScanDecoder::Impl
 
   std::size_t scans_seen = 0;  //!< with the wanted label, delivered or not
   bool any_decoded = false;
-  bool stamp_is_checked = false;
 
+  std::map<std::string, LateStamps> late_stamps;  //!< by label of the lidar
   std::map<std::string, std::size_t> seen_classes;
   std::map<std::string, std::size_t> lidar_labels;
   RecordingNotes notes;
@@ -329,7 +343,8 @@ std::optional<RecordedScan> ScanDecoder::take(const CObservation::Ptr& observati
   }
   const std::size_t index = s.scans_seen++;
   CObservation::Ptr own = std::exchange(s.companion, nullptr);
-  if (!s.acceptStamp(*observation, index))
+  const double late_shift = s.lateShift(*observation, own.get());
+  if (!s.acceptStamp(*observation, late_shift, index))
   {
     return std::nullopt;
   }
@@ -343,6 +358,7 @@ std::optional<RecordedScan> ScanDecoder::take(const CObservation::Ptr& observati
   scan.observation = observation;
   scan.time_ring = std::move(own);
   scan.index = index;
+  scan.late_shift = late_shift;
   scan.clock_shift = s.clock.shift();
   s.motion.handOver(*s.clock.last(), scan, s.notes);
   return scan;
@@ -350,7 +366,7 @@ std::optional<RecordedScan> ScanDecoder::take(const CObservation::Ptr& observati
 
 double RecordedScan::stamp() const
 {
-  return toStamp(observation->timestamp) + clock_shift;
+  return toStamp(observation->timestamp) + late_shift + clock_shift;
 }
 
 bool ScanDecoder::isPastEnd() const
@@ -383,8 +399,8 @@ Frame ScanDecoder::decode(const RecordedScan& scan)
   try
   {
     frame.scan = s.scanOf(*scan.observation, scan.time_ring.get(), scan.index);
+    moveStamp(scan.late_shift, frame.scan);
     frame.scan.stamp += scan.clock_shift;
-    s.checkStamp(frame.scan);
     s.scale_intensity(frame.scan);
     s.joinFurther(scan.stamp(), scan.index, frame.scan);
   }
@@ -460,6 +476,15 @@ void ScanDecoder::failWithoutScans(const std::map<std::string, std::size_t>& lef
 std::vector<std::string> ScanDecoder::warnings() const
 {
   std::vector<std::string> lines = impl_->notes.lines(impl_->recording);
+  for (const auto& [label, late] : impl_->late_stamps)
+  {
+    if (late.shift() != 0)
+    {
+      lines.push_back(impl_->recording + ": the time stamps of '" + printable(label) +
+                      "' are late in the scans: moved by " + std::to_string(-late.shift()) +
+                      " s to the first points");
+    }
+  }
   for (const std::string& text : impl_->motion.missing())
   {
     lines.push_back(impl_->recording + ": " + printable(text));

@@ -60,6 +60,8 @@ struct RawlogSourceOptions : Options, ScanRange
  * samples recorded since the previous scan, and older ones that follow that scan in the file.
  * Damaged samples are left out.
  *
+ * Late stamps are moved to the first points of their scans, as ScanDecoder describes.
+ *
  * Observations of classes unknown to MRPT are left out, with a warning per class.
  *
  * A scan whose time stamp is not after that of the previous scan is dropped with a warning;

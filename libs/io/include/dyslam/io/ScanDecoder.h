@@ -21,13 +21,14 @@ struct RecordedScan
   mrpt::obs::CObservation::Ptr observation;
   mrpt::obs::CObservation::Ptr time_ring;  //!< times and rings of its points; null: none
   std::size_t index = 0;                   //!< number of the lidar's scan in the recording, from 0
+  double late_shift = 0;   //!< added to its stamp, if that was late in the scan: 0 or less [s]
   double clock_shift = 0;  //!< added to its stamps, after the clock was set back [s]
   // For Frame::imu, wheels and gnss; their stamps include clock_shift
   std::vector<ImuSample> imu;
   std::vector<WheelSample> wheels;
   std::vector<GnssFix> gnss;
 
-  /** Stamp including clock_shift [s]. */
+  /** Stamp of its frame, including both shifts [s]. */
   [[nodiscard]] double stamp() const;
 };
 
@@ -37,9 +38,13 @@ struct RecordedScan
  * Stamps of the frames increase. If the stamps of the recording go back and continue from there,
  * the clock was set back: the scans that show it are dropped, later stamps are shifted.
  *
+ * Stamps that are late in the scans, as those of the last points, are moved to the first points:
+ * all those of a lidar by the same time, which its first two scans with times of the points in the
+ * recording show, used or not.
+ *
  * The samples of one IMU, one wheel odometry and one satellite receiver are passed to the next scan
  * that is used, if they are from 10 s before to 1 s after it. Samples that are not later than the
- * previous ones are left out.
+ * previous ones are left out. Those after a stamp that was moved wait for the scan after it.
  *
  * Not thread-safe; one object per recording.
  */
