@@ -36,7 +36,7 @@ TEST_F(BadArguments, OutputsThatCannotBeWritten)
                 {"file: cannot make this folder", "choose another --output"});
   expectRefusal("dyslam-map", "-i " + good + " --trajectory " + poses + " -o " + at("m.xyz"),
                 {"m.xyz: unknown ending '.xyz'"});
-  for (const char* flag : {"--json ", "--csv ", "--plot "})
+  for (const char* flag : {"--json ", "--csv ", "--markdown ", "--plot "})
   {
     expectRefusal(
         "dyslam-eval",

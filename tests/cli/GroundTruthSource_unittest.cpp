@@ -363,8 +363,9 @@ TEST(TrajectoryPaths, NeedNoReference)
   EXPECT_NEAR(10, first.at("length_m"), 1e-6);
   EXPECT_NEAR(10, first.at("duration_s"), 1e-6);
   EXPECT_NEAR(4, json.at("trajectories").at(1).at("start_to_end_m"), 1e-6);
-  for (const std::string flag : {"--align none", "--lengths 5", "--tolerance 1", "--time-offset 1",
-                                 "--statistics", "--per-length", "--paper odometry/07"})
+  for (const std::string flag :
+       {"--align none", "--lengths 5", "--tolerance 1", "--time-offset 1", "--reference-body 0",
+        "--reference-times t.txt", "--statistics", "--per-length", "--paper odometry/07"})
   {
     const Outcome outcome = evaluate(flag);
     EXPECT_EQ(1, outcome.code) << flag;
@@ -375,6 +376,11 @@ TEST(TrajectoryPaths, NeedNoReference)
   const Outcome twice = evaluate("--lengths 2,3,2 --reference " + a);
   EXPECT_EQ(1, twice.code);
   EXPECT_TRUE(contains(twice.err, "--lengths: '2' is given twice")) << twice.err;
+  const Outcome is_short = evaluate("--per-length --reference " + a);
+  EXPECT_EQ(0, is_short.code) << is_short.err;
+  EXPECT_TRUE(contains(is_short.err, "no segment of 100 m fits into the reference"))
+      << is_short.err;
+  EXPECT_FALSE(contains(is_short.out, "length [m]\n")) << "a table without figures";
 }
 
 TEST(MapDistances, OfMapsWithoutLabels)
