@@ -274,6 +274,16 @@ TEST(TrackComparison, ClassesAreThoseOfTheReferenceOrTheGivenOnes)
   EXPECT_EQ(json["all"]["references"], 20);
   EXPECT_EQ(json["errors"]["all"]["all"]["found"], 20);
   EXPECT_EQ(report.metrics.rows(), 2U);
+
+  const auto errorsOf = [&](const Names& given)
+  {
+    return nlohmann::json::parse(evaluateTracks(sources, {}, sequence, given, {}, {}).json)
+        .at("errors");
+  };
+  const auto of_people = errorsOf({"Pedestrian"});
+  EXPECT_EQ(of_people["Pedestrian"]["all"]["found"], 10);
+  EXPECT_FALSE(of_people.contains("all")) << "of other classes, too";
+  EXPECT_EQ(errorsOf({"Car", "Pedestrian"})["all"]["all"]["found"], 20);
 }
 
 TEST(TrackComparison, WhatTheSelectionOfTrueBoxesLacksIsNoted)
