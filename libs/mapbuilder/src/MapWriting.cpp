@@ -65,6 +65,19 @@ void warnOfOrigin(const Eigen::Vector3d& origin, const MapOutputs& outputs, MapL
   }
 }
 
+/** Of outputs that map_export.area does not limit. */
+void warnOfWholeOutputs(const MapOutputs& outputs, MapListener& listener)
+{
+  for (const std::string& path : outputs.maps)
+  {
+    const MapFormat format = mapFormatOf(path);
+    if (!outputs.exports.area.empty() && format != MapFormat::cloud && format != MapFormat::grid)
+    {
+      listener.warn(path + ": has the whole map; map_export.area is for clouds and grids");
+    }
+  }
+}
+
 /** Of a map whose float32 coordinates are rounded: the trajectory is long, or has a wrong pose. */
 void warnOfReach(double reach, MapListener& listener)
 {
@@ -288,6 +301,7 @@ MapBuilderOptions withNeedsOf(const MapOutputs& outputs, MapBuilderOptions optio
 MapReport writeMapOutputs(MapBuilder& builder, const MapOutputs& outputs, MapListener& listener)
 {
   warnOfOrigin(builder.origin(), outputs, listener);
+  warnOfWholeOutputs(outputs, listener);
   warnOfReach(builder.reach(), listener);
   MapReport report;
   report.keyframes = builder.keyframes();
@@ -308,6 +322,11 @@ MapReport writeMapOutputs(MapBuilder& builder, const MapOutputs& outputs, MapLis
     report.points = builder.labelledMap().points().size();
   }
   report.problem = writeEach(writersOf(outputs, builder, listener, report));
+  if (!outputs.exports.area.empty() && !cloudsOf(outputs).empty() && report.points == 0 &&
+      report.problem.empty())
+  {
+    listener.warn("map_export.area = " + outputs.exports.area + ": has no point of the map");
+  }
   if (!builder.memoryProblem().empty())
   {
     listener.warn(builder.memoryProblem());
