@@ -167,9 +167,14 @@ void requireNotOfRun(const std::string& output)
   }
 }
 
-/** Makes the file's folder. \throws UserError for a file that a run wrote. */
+/** Makes the file's folder. \throws UserError for a file that a run wrote, and where none can be
+ * written, before the map is built. */
 void prepareOutput(const std::string& file, bool force)
 {
+  if (file.empty())
+  {
+    return;
+  }
   const std::filesystem::path folder = std::filesystem::path(file).parent_path();
   if (!force)
   {
@@ -179,6 +184,7 @@ void prepareOutput(const std::string& file, bool force)
   {
     makeFolder(folder.string(), "choose another --output");
   }
+  requireWritable(file);
 }
 
 /** The one key of [backend] that is used here. */

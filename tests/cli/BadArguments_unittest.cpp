@@ -36,6 +36,9 @@ TEST_F(BadArguments, OutputsThatCannotBeWritten)
                 {"file: cannot make this folder", "choose another --output"});
   expectRefusal("dyslam-map", "-i " + good + " --trajectory " + poses + " -o " + at("m.xyz"),
                 {"m.xyz: unknown ending '.xyz'"});
+  fs::create_directories(at("taken.pcd"));
+  expectRefusal("dyslam-map", "-i " + good + " --trajectory " + poses + " -o " + at("taken.pcd"),
+                {"taken.pcd: is a folder; name the file to write"});
   for (const char* flag : {"--json ", "--csv ", "--markdown ", "--plot "})
   {
     expectRefusal(
