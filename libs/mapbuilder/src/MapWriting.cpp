@@ -259,6 +259,10 @@ std::string writeEach(const std::vector<FileWriter>& writers)
     {
       writer.write();
     }
+    catch (const MapStopped&)
+    {
+      throw;
+    }
     catch (const UserError& error)
     {
       appendWord(failures, error.what(), "; ");
@@ -322,11 +326,6 @@ MapReport writeMapOutputs(MapBuilder& builder, const MapOutputs& outputs, MapLis
     report.points = builder.labelledMap().points().size();
   }
   report.problem = writeEach(writersOf(outputs, builder, listener, report));
-  if (!outputs.exports.area.empty() && !cloudsOf(outputs).empty() && report.points == 0 &&
-      report.problem.empty())
-  {
-    listener.warn("map_export.area = " + outputs.exports.area + ": has no point of the map");
-  }
   if (!builder.memoryProblem().empty())
   {
     listener.warn(builder.memoryProblem());
