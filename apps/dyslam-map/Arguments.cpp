@@ -322,6 +322,10 @@ void requireOwnSections(const Config& assigned, const Arguments& a)
       names += (names.empty() ? "" : name == own.back() ? " and " : ", ") + name;
     }
     const auto& [key, value] = *assigned.section(section).begin();
+    if (section == "backend" && key == "keyframe_distance")
+    {
+      throw UserError(value.origin + "=" + value.text + ": give --keyframe-distance " + value.text);
+    }
     throw UnknownSetting(value.origin + "=" + value.text + ": dyslam-map has the sections " +
                              names + (a.runs.empty() ? "" : " (--merge)"),
                          "", {"", key, value});

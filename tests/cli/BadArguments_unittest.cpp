@@ -36,6 +36,10 @@ TEST_F(BadArguments, OutputsThatCannotBeWritten)
                 {"file: cannot make this folder", "choose another --output"});
   expectRefusal("dyslam-map", "-i " + good + " --trajectory " + poses + " -o " + at("m.xyz"),
                 {"m.xyz: unknown ending '.xyz'"});
+  expectRefusal("dyslam-map",
+                "-i " + good + " --trajectory " + poses + " -o " + at("m.pcd") +
+                    " --set backend.keyframe_distance=0.5",
+                {"--set backend.keyframe_distance=0.5: give --keyframe-distance 0.5"});
   fs::create_directories(at("taken.pcd"));
   expectRefusal("dyslam-map", "-i " + good + " --trajectory " + poses + " -o " + at("taken.pcd"),
                 {"taken.pcd: is a folder; name the file to write"});
