@@ -167,10 +167,16 @@ Subcommand trajectoryCommand(CLI::App& app)
                                            "without, lengths and --plot only");
   sub->add_option("--estimate", a->estimates, "poses to evaluate; any number of files")->required();
   a->metrics.declare(*sub);
-  sub->add_option("--tolerance", a->reading.tolerance,
-                  "largest difference of time stamps (TUM) [s]")
-      ->check(notNegative())
-      ->default_str(CLI::detail::to_string(PoseReading::default_tolerance));
+  CLI::Option* tolerance =
+      sub->add_option("--tolerance", a->reading.tolerance,
+                      "largest difference of time stamps (TUM) [s]")
+          ->check(notNegative())
+          ->default_str(CLI::detail::to_string(PoseReading::default_tolerance));
+  sub->add_option("--interpolate", a->reading.interpolate,
+                  "interpolate the reference at the time stamps of the estimates (TUM), between "
+                  "poses at most this far from them [s], instead of the nearest within --tolerance")
+      ->check(positive())
+      ->excludes(tolerance);
   sub->add_option("--time-offset", a->reading.time_offset,
                   "added to the time stamps of the estimates (TUM) [s]: for clocks that differ");
   sub->add_option("--camera", a->reading.camera,
@@ -193,7 +199,7 @@ Subcommand trajectoryCommand(CLI::App& app)
                   "add the paper's results for a sequence: odometry/00-10, tracking/04, campus/01");
   addOutputFile(*sub, "--plot", a->plot, "plot the trajectories and their errors to this PNG file");
   for (const char* of_errors :
-       {"--align", "--lengths", "--tolerance", "--time-offset", "--reference-body",
+       {"--align", "--lengths", "--tolerance", "--interpolate", "--time-offset", "--reference-body",
         "--reference-times", "--statistics", "--per-length", "--paper"})
   {
     sub->get_option(of_errors)->needs(reference);

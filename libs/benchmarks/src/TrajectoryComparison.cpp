@@ -97,6 +97,7 @@ TrajectoryFile readReference(const std::string& path, const PoseReading& a)
 void requireNoTimeFlags(const PoseReading& a, const std::string& file)
 {
   const std::string flag = a.tolerance                  ? "--tolerance"
+                           : a.interpolate              ? "--interpolate"
                            : a.time_offset              ? "--time-offset"
                            : !a.reference_times.empty() ? "--reference-times"
                                                         : "";
@@ -169,17 +170,21 @@ PosePairs pairFiles(const std::string& reference_path,
   requireTwoPoses(estimate.trajectory, estimate_path);
   if (reference.format == TrajectoryFormat::tum && estimate.format == TrajectoryFormat::tum)
   {
-    PosePairs pairs = associateByTime(reference.trajectory, estimate.trajectory, tolerance);
+    const std::string limit = a.interpolate ? "--interpolate " + shortNumber(*a.interpolate)
+                                            : "--tolerance " + shortNumber(tolerance);
+    PosePairs pairs =
+        a.interpolate
+            ? associateInterpolated(reference.trajectory, estimate.trajectory, *a.interpolate)
+            : associateByTime(reference.trajectory, estimate.trajectory, tolerance);
     if (pairs.size() < 2)
     {
       throw UserError(estimate_path + ": only " + std::to_string(pairs.size()) + " of " +
-                      std::to_string(pairs.estimate_size) + " time stamps are within --tolerance " +
-                      shortNumber(tolerance) + " s of one in " + reference_path + " (" +
-                      timesOf(estimate.trajectory) + " and " + timesOf(reference.trajectory) +
+                      std::to_string(pairs.estimate_size) + " time stamps are within " + limit +
+                      " s of one in " + reference_path + " (" + timesOf(estimate.trajectory) +
+                      " and " + timesOf(reference.trajectory) +
                       "; --time-offset is added to the estimate's)");
     }
-    noteFewPairs(pairs, estimate_path, reference_path, "--tolerance " + shortNumber(tolerance),
-                 note);
+    noteFewPairs(pairs, estimate_path, reference_path, limit, note);
     return pairs;
   }
   requireNoTimeFlags(a,

@@ -107,6 +107,12 @@ TEST(TrajectoryComparison, TimesAreShiftedAndTheirDifferenceIsLimited)
   EXPECT_EQ(pairs().size(), 10U);
   reading.tolerance = 0.001;
   EXPECT_TRUE(contains(messageOfError<UserError>(pairs), "within --tolerance 0.001 s"));
+  reading = {};
+  reading.interpolate = 0.6;
+  ASSERT_EQ(pairs().size(), 9U) << "the last one is after the reference";
+  EXPECT_NEAR(pairs().reference.front().translation().x(), 0.505, 1e-6);
+  reading.interpolate = 0.2;
+  EXPECT_TRUE(contains(messageOfError<UserError>(pairs), "within --interpolate 0.2 s"));
 }
 
 TEST(TrajectoryComparison, AReferenceOfKittiMayHaveTimesInAnotherFile)

@@ -17,7 +17,10 @@ struct PoseReading
 {
   static constexpr double default_tolerance = 0.01;  //!< [s]
 
-  std::optional<double> tolerance;    //!< tolerance of time stamps [s]; empty: default_tolerance
+  std::optional<double> tolerance;  //!< tolerance of time stamps [s]; empty: default_tolerance
+  /** The reference is interpolated at the time stamps of the estimate, between poses that are at
+   * most this far from them [s]; empty: the nearest pose within the tolerance. */
+  std::optional<double> interpolate;
   std::optional<double> time_offset;  //!< added to the time stamps of the estimate [s]
   /** Which file has the poses of a camera (z ahead), which are converted to poses of the lidar:
    * "estimate", "reference", or empty for none. */
