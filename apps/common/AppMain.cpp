@@ -6,9 +6,11 @@
 #include <dyslam/base/Words.h>
 #include <dyslam/formats/ProgramLines.h>
 
+#include <algorithm>
 #include <cmath>
 #include <exception>
 #include <functional>
+#include <initializer_list>
 #include <iostream>
 #include <new>
 #include <sstream>
@@ -70,9 +72,36 @@ std::string missingCommand(const CLI::App& app, const std::vector<std::string>& 
              : unknownWord("command", word, known);
 }
 
+/** The converters that have an option which the programs that convert on the way lack; empty if
+ * none has. */
+std::string convertersWith(const std::string& option)
+{
+  const auto isOneOf = [&](std::initializer_list<const char*> options)
+  { return std::find(options.begin(), options.end(), option) != options.end(); };
+  const bool of_both =
+      isOneOf({"--times", "--poses", "--pose-source", "--every", "--external-storage"});
+  const bool of_scans = isOneOf(
+      {"--by-number", "--imu-pose", "--keep-partial", "--list", "--truth-frame", "--truth-topic"});
+  const bool of_kitti = isOneOf({"--boxes", "--calib", "--deskewed", "--gnss", "--kind",
+                                 "--kitti-vertical-angle-correction", "--no-truth", "--oxts",
+                                 "--pose-frame", "--sequence"});
+  return of_both    ? "scans2rawlog and kitti2rawlog have"
+         : of_scans ? "scans2rawlog has"
+         : of_kitti ? "kitti2rawlog has"
+                    : "";
+}
+
 /** Error message for an option that the command does not have. */
 std::string unknownOption(const CLI::App& command, const std::string& word)
 {
+  const bool converts_on_the_way = command.get_option_no_throw("--sensor-pose") != nullptr &&
+                                   command.get_option_no_throw("--every") == nullptr;
+  const std::string converters = convertersWith(word.substr(0, word.find('=')));
+  if (converts_on_the_way && !converters.empty())
+  {
+    return "unknown option '" + word + "'; " + converters +
+           " it: convert the recording to a rawlog first";
+  }
   std::vector<std::string> known;
   for (const CLI::Option* option : command.get_options())
   {
@@ -140,7 +169,7 @@ std::string wrongNumber(const CLI::App& app)
 /** The option of a pose that was given, whose six numbers are one word; empty if there is none. */
 std::string givenPoseOption(const CLI::App& command)
 {
-  for (const char* name : {"--sensor-pose", "--imu-pose", "--further-sensor"})
+  for (const char* name : {"--sensor-pose", "--imu-pose", "--further-sensor", "--reference-body"})
   {
     const CLI::Option* option = command.get_option_no_throw(name);
     if (option != nullptr && option->count() > 0)

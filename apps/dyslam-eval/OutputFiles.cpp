@@ -35,6 +35,7 @@ void OutputFlags::declare(CLI::App& app)
 {
   addOutputFile(app, "--json", json, "write all figures to this JSON file");
   addOutputFile(app, "--csv", csv, "write the table to this CSV file");
+  addOutputFile(app, "--markdown", markdown, "write the table to this Markdown file");
 }
 
 void OutputFlags::write(const Table& table, const std::string& json_text) const
@@ -43,6 +44,10 @@ void OutputFlags::write(const Table& table, const std::string& json_text) const
   if (!csv.empty())
   {
     writeWhole(csv, table.toCsv());
+  }
+  if (!markdown.empty())
+  {
+    writeWhole(markdown, table.toMarkdown());
   }
   if (!json.empty())
   {

@@ -15,6 +15,7 @@ struct OutputFlags
 {
   std::string json;
   std::string csv;
+  std::string markdown;
 
   void declare(CLI::App& app);
   /** Prints the table and writes the requested files. */

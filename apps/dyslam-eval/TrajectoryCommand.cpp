@@ -3,10 +3,10 @@
 
 #include <dyslam/base/Error.h>
 #include <dyslam/benchmarks/TrajectoryComparison.h>
-#include <dyslam/eval/Axes.h>
 #include <dyslam/eval/TrajectoryReports.h>
 #include <dyslam/plot/TrajectoryPlot.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <iostream>
 #include <memory>
@@ -35,25 +35,22 @@ struct TrajectoryArguments
   OutputFlags output;
 };
 
-void warnAboutAxes(const std::string& reference,
-                   const std::string& estimate,
-                   const PosePairs& pairs)
+bool haveSegments(const std::vector<TrajectoryReport>& reports)
 {
-  const BodyAxes axes = compareBodyAxes(pairs);
-  if (axes == BodyAxes::differ)
+  return std::any_of(reports.begin(), reports.end(),
+                     [](const TrajectoryReport& r) { return r.drift.overall.segments > 0; });
+}
+
+/** Says why the table has no t_rel and r_rel, if it has none. */
+void noteMissingDrift(const std::vector<TrajectoryReport>& reports,
+                      const std::vector<double>& lengths)
+{
+  if (!haveSegments(reports))
   {
-    std::cerr << "warning: " << estimate << " and " << reference
-              << " move in different directions of their bodies: their axes differ; give both in "
-                 "the same frame\n";
-  }
-  else if (axes != BodyAxes::same)
-  {
-    const bool is_estimate = axes == BodyAxes::estimate_camera;
-    std::cerr << "warning: the poses of " << (is_estimate ? estimate : reference)
-              << " have the axes of a camera (z ahead), those of "
-              << (is_estimate ? reference : estimate)
-              << " the axes of a lidar (x ahead); compare them with --camera "
-              << (is_estimate ? "estimate" : "reference") << " (and --calib calib.txt)\n";
+    const std::string shortest =
+        CLI::detail::to_string(*std::min_element(lengths.begin(), lengths.end()));
+    printNote("no t_rel and r_rel: no segment of " + shortest +
+              " m fits into the reference; --lengths gives shorter ones");
   }
 }
 
@@ -85,6 +82,25 @@ void runPaths(const TrajectoryArguments& a)
   }
 }
 
+/** \throws UserError for references that do not go with the estimates or with other flags. */
+void requireMatching(const TrajectoryArguments& a)
+{
+  if (!a.plot.empty() && a.references.size() > 1)
+  {
+    throw UserError("--plot draws estimates of one reference, but several were given");
+  }
+  if (!a.reading.reference_times.empty() && a.references.size() > 1)
+  {
+    throw UserError("--reference-times has the times of one reference, but several were given");
+  }
+  if (a.references.size() != 1 && a.references.size() != a.estimates.size())
+  {
+    throw UserError("give one --reference, or as many as there are estimates (" +
+                    std::to_string(a.references.size()) + " and " +
+                    std::to_string(a.estimates.size()) + " given)");
+  }
+}
+
 void runTrajectory(const TrajectoryArguments& a)
 {
   if (!a.plot.empty() && std::filesystem::path(a.plot).extension() != ".png")
@@ -100,16 +116,7 @@ void runTrajectory(const TrajectoryArguments& a)
     runPaths(a);
     return;
   }
-  if (!a.plot.empty() && a.references.size() > 1)
-  {
-    throw UserError("--plot draws estimates of one reference, but several were given");
-  }
-  if (a.references.size() != 1 && a.references.size() != a.estimates.size())
-  {
-    throw UserError("give one --reference, or as many as there are estimates (" +
-                    std::to_string(a.references.size()) + " and " +
-                    std::to_string(a.estimates.size()) + " given)");
-  }
+  requireMatching(a);
   const TrajectoryMetricsOptions metrics = a.metrics.options();
   const std::vector<std::string> names = shortNames(a.estimates);
   std::vector<TrajectoryReport> reports;
@@ -118,8 +125,12 @@ void runTrajectory(const TrajectoryArguments& a)
   {
     const std::string& reference = a.references[a.references.size() == 1 ? 0 : i];
     const PosePairs pairs = pairFiles(reference, a.estimates[i], a.reading, printNote);
-    warnAboutAxes(reference, a.estimates[i], pairs);
     reports.push_back(evaluateTrajectory(a.estimates[i], pairs, metrics));
+    const std::string warning = pairWarning(reference, a.estimates[i], pairs, reports.back());
+    if (!warning.empty())
+    {
+      std::cerr << "warning: " << warning << '\n';
+    }
     reports.back().name = names[i];
     plots.push_back({names[i], pairs});
   }
@@ -133,7 +144,7 @@ void runTrajectory(const TrajectoryArguments& a)
   {
     std::cout << '\n' << errorStatisticsTable(reports).toText();
   }
-  if (a.per_length)
+  if (a.per_length && haveSegments(reports))
   {
     std::cout << '\n' << driftTable(reports).toText();
   }
@@ -141,6 +152,7 @@ void runTrajectory(const TrajectoryArguments& a)
   {
     writePng(a.plot, renderTrajectoryPlot(plots, {"", metrics.alignment}));
   }
+  noteMissingDrift(reports, metrics.lengths);
 }
 }  // namespace
 
@@ -155,10 +167,16 @@ Subcommand trajectoryCommand(CLI::App& app)
                                            "without, lengths and --plot only");
   sub->add_option("--estimate", a->estimates, "poses to evaluate; any number of files")->required();
   a->metrics.declare(*sub);
-  sub->add_option("--tolerance", a->reading.tolerance,
-                  "largest difference of time stamps (TUM) [s]")
-      ->check(notNegative())
-      ->default_str(CLI::detail::to_string(PoseReading::default_tolerance));
+  CLI::Option* tolerance =
+      sub->add_option("--tolerance", a->reading.tolerance,
+                      "largest difference of time stamps (TUM) [s]")
+          ->check(notNegative())
+          ->default_str(CLI::detail::to_string(PoseReading::default_tolerance));
+  sub->add_option("--interpolate", a->reading.interpolate,
+                  "interpolate the reference at the time stamps of the estimates (TUM), between "
+                  "poses at most this far from them [s], instead of the nearest within --tolerance")
+      ->check(positive())
+      ->excludes(tolerance);
   sub->add_option("--time-offset", a->reading.time_offset,
                   "added to the time stamps of the estimates (TUM) [s]: for clocks that differ");
   sub->add_option("--camera", a->reading.camera,
@@ -168,13 +186,21 @@ Subcommand trajectoryCommand(CLI::App& app)
   sub->add_option(
       "--calib", a->reading.calib,
       "calib.txt with the camera's mounting, for --camera (default: only the axes turn)");
+  sub->add_option(
+      "--reference-body", a->reading.reference_body,
+      "pose of the reference's body (IMU, antenna) on that of the estimates: 'x y z yaw "
+      "pitch roll' [m, deg] (default: both are poses of the same body)");
+  sub->add_option("--reference-times", a->reading.reference_times,
+                  "file with a time [s] for each line of a KITTI reference, which is then paired "
+                  "by time");
   sub->add_flag("--statistics", a->statistics, "also max, mean, median, min, RMSE and std");
   sub->add_flag("--per-length", a->per_length, "also t_rel and r_rel of each segment length");
   sub->add_option("--paper", a->paper,
                   "add the paper's results for a sequence: odometry/00-10, tracking/04, campus/01");
   addOutputFile(*sub, "--plot", a->plot, "plot the trajectories and their errors to this PNG file");
-  for (const char* of_errors : {"--align", "--lengths", "--tolerance", "--time-offset",
-                                "--statistics", "--per-length", "--paper"})
+  for (const char* of_errors :
+       {"--align", "--lengths", "--tolerance", "--interpolate", "--time-offset", "--reference-body",
+        "--reference-times", "--statistics", "--per-length", "--paper"})
   {
     sub->get_option(of_errors)->needs(reference);
   }

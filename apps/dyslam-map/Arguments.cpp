@@ -167,9 +167,14 @@ void requireNotOfRun(const std::string& output)
   }
 }
 
-/** Makes the file's folder. \throws UserError for a file that a run wrote. */
+/** Makes the file's folder. \throws UserError for a file that a run wrote, and where none can be
+ * written, before the map is built. */
 void prepareOutput(const std::string& file, bool force)
 {
+  if (file.empty())
+  {
+    return;
+  }
   const std::filesystem::path folder = std::filesystem::path(file).parent_path();
   if (!force)
   {
@@ -179,6 +184,7 @@ void prepareOutput(const std::string& file, bool force)
   {
     makeFolder(folder.string(), "choose another --output");
   }
+  requireWritable(file);
 }
 
 /** The one key of [backend] that is used here. */
@@ -316,6 +322,10 @@ void requireOwnSections(const Config& assigned, const Arguments& a)
       names += (names.empty() ? "" : name == own.back() ? " and " : ", ") + name;
     }
     const auto& [key, value] = *assigned.section(section).begin();
+    if (section == "backend" && key == "keyframe_distance")
+    {
+      throw UserError(value.origin + "=" + value.text + ": give --keyframe-distance " + value.text);
+    }
     throw UnknownSetting(value.origin + "=" + value.text + ": dyslam-map has the sections " +
                              names + (a.runs.empty() ? "" : " (--merge)"),
                          "", {"", key, value});

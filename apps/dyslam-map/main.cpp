@@ -11,11 +11,12 @@
 #include "../common/AppMain.h"
 #include "../common/Checks.h"
 #include "../common/Progress.h"
+#include "../common/StopSignals.h"
 #include "Arguments.h"
 
 namespace
 {
-/** Shows progress and warnings on stderr. */
+/** Shows progress and warnings on stderr, and ends the work on request. */
 class Printer : public dyslam::MapListener
 {
  public:
@@ -30,7 +31,14 @@ class Printer : public dyslam::MapListener
   {
     progress_.emplace(names, unit, quiet_);
   }
-  void update(double fraction, std::size_t count) override { progress_->update(fraction, count); }
+  void update(double fraction, std::size_t count) override
+  {
+    if (dyslam::stop_asked)
+    {
+      throw dyslam::MapStopped("stopped on request; files that were not complete are removed");
+    }
+    progress_->update(fraction, count);
+  }
   void finish(std::size_t count) override
   {
     progress_->finish(count);
@@ -111,5 +119,9 @@ int main(int argc, char** argv)
   dyslam::Arguments a;
   return dyslam::runApp(
       argc, argv, [&](CLI::App& app) { dyslam::declare(app, a); },
-      [&] { a.runs.empty() ? runSingle(a) : runMerged(a); });
+      [&]
+      {
+        dyslam::stopOnSignals();
+        a.runs.empty() ? runSingle(a) : runMerged(a);
+      });
 }

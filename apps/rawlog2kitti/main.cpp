@@ -38,6 +38,9 @@ void declare(CLI::App& app, Arguments& arguments)
   app.add_option("--calib", o.calib,
                  "calibration of KITTI odometry or tracking, or folder of raw's (default: camera "
                  "axes at the lidar)");
+  app.add_option("--tracks", o.tracks,
+                 "tracks.txt of a run: tracks/NN.txt gets its boxes in the camera's frame, in the "
+                 "columns of KITTI's tracking results");
   app.add_option("--sensor-label", o.sensor_label,
                  "regex for the lidar's sensor label (default: the first lidar)");
   app.add_option("--further-lidars", o.further_lidars,

@@ -36,7 +36,14 @@ TEST_F(BadArguments, OutputsThatCannotBeWritten)
                 {"file: cannot make this folder", "choose another --output"});
   expectRefusal("dyslam-map", "-i " + good + " --trajectory " + poses + " -o " + at("m.xyz"),
                 {"m.xyz: unknown ending '.xyz'"});
-  for (const char* flag : {"--json ", "--csv ", "--plot "})
+  expectRefusal("dyslam-map",
+                "-i " + good + " --trajectory " + poses + " -o " + at("m.pcd") +
+                    " --set backend.keyframe_distance=0.5",
+                {"--set backend.keyframe_distance=0.5: give --keyframe-distance 0.5"});
+  fs::create_directories(at("taken.pcd"));
+  expectRefusal("dyslam-map", "-i " + good + " --trajectory " + poses + " -o " + at("taken.pcd"),
+                {"taken.pcd: is a folder; name the file to write"});
+  for (const char* flag : {"--json ", "--csv ", "--markdown ", "--plot "})
   {
     expectRefusal(
         "dyslam-eval",
@@ -132,6 +139,8 @@ TEST_F(BadArguments, WordsOfTheCommandLine)
                 {"--sequence goes with --kind tracking or 360"});
   expectRefusal("dyslam", "-i x -o " + at("never") + " --lables",
                 {"unknown option '--lables'", "did you mean '--labels'?"});
+  expectRefusal("dyslam", slam(good, "y") + " --times t.txt",
+                {"unknown option '--times'; scans2rawlog and kitti2rawlog have it: convert"});
   expectRefusal("dyslam", "x.rawlog -o " + at("never"), {"x.rawlog: not expected", "--input"});
   for (const std::string pose : {"0.5 0 1.7 -90 0 0", "0.5 -1 1.7 0 0 0"})
   {

@@ -120,6 +120,18 @@ TEST_F(BadFiles, FoldersOfLabels)
   expectRefusal("dyslam-eval",
                 "segmentation --reference " + at("within") + " --estimate " + at("unlabelled"),
                 {"unlabelled: has no .label files"});
+  write("other/000720.label", two_labels);
+  expectRefusal(
+      "dyslam-eval", "segmentation --reference " + at("within") + " --estimate " + at("other"),
+      {"other: no .label file has the name of one in", "(000720 and 000000, for example)"});
+  expectRefusal("dyslam-eval",
+                "segmentation --reference " + at("within") + " --estimate " + at("within/labels"),
+                {"within/labels: has the labels of the reference"});
+  write("third/000000.label", two_labels);
+  const Outcome both = run("dyslam-eval", "segmentation --reference " + at("within") +
+                                              " --estimate " + at("beside") + " " + at("third"));
+  EXPECT_EQ(both.code, 0) << both.err;
+  EXPECT_NE(both.out.find("third:\n"), std::string::npos) << both.out;
 }
 
 TEST_F(BadFiles, ScansToConvert)

@@ -363,7 +363,8 @@ TEST(TrajectoryPaths, NeedNoReference)
   EXPECT_NEAR(10, first.at("length_m"), 1e-6);
   EXPECT_NEAR(10, first.at("duration_s"), 1e-6);
   EXPECT_NEAR(4, json.at("trajectories").at(1).at("start_to_end_m"), 1e-6);
-  for (const std::string flag : {"--align none", "--lengths 5", "--tolerance 1", "--time-offset 1",
+  for (const std::string flag : {"--align none", "--lengths 5", "--tolerance 1", "--interpolate 1",
+                                 "--time-offset 1", "--reference-body 0", "--reference-times t.txt",
                                  "--statistics", "--per-length", "--paper odometry/07"})
   {
     const Outcome outcome = evaluate(flag);
@@ -375,6 +376,11 @@ TEST(TrajectoryPaths, NeedNoReference)
   const Outcome twice = evaluate("--lengths 2,3,2 --reference " + a);
   EXPECT_EQ(1, twice.code);
   EXPECT_TRUE(contains(twice.err, "--lengths: '2' is given twice")) << twice.err;
+  const Outcome is_short = evaluate("--per-length --reference " + a);
+  EXPECT_EQ(0, is_short.code) << is_short.err;
+  EXPECT_TRUE(contains(is_short.err, "no segment of 100 m fits into the reference"))
+      << is_short.err;
+  EXPECT_FALSE(contains(is_short.out, "length [m]\n")) << "a table without figures";
 }
 
 TEST(MapDistances, OfMapsWithoutLabels)
@@ -439,6 +445,8 @@ TEST(EvaluationFlags, ThoseWithoutAnEffectAreErrors)
   expect(files + kitti, 0, "");
   expect(files + kitti + " --tolerance 0.01", 1, "kitti.txt: has no time stamps");
   expect(files + kitti + " --time-offset 0", 1, "leave --time-offset out");
+  expect(files + kitti + " --interpolate 1", 1, "leave --interpolate out");
+  expect(files + tum + " --interpolate 1 --tolerance 1", 1, "excludes");
   expect(files + tum + " --tolerance 0.01 --time-offset 0", 0, "");
 
   const std::string boxes = folder.write("boxes.txt", trackLine(1, "Car", 10, 2));

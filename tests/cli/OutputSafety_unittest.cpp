@@ -130,7 +130,7 @@ TEST(OutputSafety, NoTableReplacesAnInput)
   const std::string poses = "1 0 0 0 0 1 0 0 0 0 1 0\n1 0 0 1 0 1 0 0 0 0 1 0\n";
   const std::string a = folder.write("a.txt", poses);
   const std::string b = folder.write("b.txt", poses);
-  for (const char* flag : {"--csv", "--json", "--plot"})
+  for (const char* flag : {"--csv", "--json", "--markdown", "--plot"})
   {
     expectRefusal(folder, "dyslam-eval",
                   "trajectory --reference " + a + " --estimate " + b + " " + flag + " " + b,

@@ -114,12 +114,15 @@ TEST_F(SlamRunTrouble, AnOutputThatFailsIsNamedAndTheOthersAreWritten)
   const fs::path folder = s.output_folder;
   fs::create_directories(folder / "graph.g2o" /
                          "of_the_user");  // a folder that prevents writing the file
+  fs::create_directories(folder / "map.png" / "of_the_user");
   s.force = true;
   const std::string error = errorOf(s);
   EXPECT_NE(error.find("graph.g2o"), std::string::npos) << error;
+  EXPECT_NE(error.find("map.png"), std::string::npos) << error;
   EXPECT_EQ(error.find("trajectory"), std::string::npos) << error;
-  for (const char* written : {"trajectory_tum.txt", "scans.csv", "labels/000002.label",
-                              "replay.rawlog", "map_static.ply", "map.3Dscene", "trajectory.png"})
+  for (const char* written :
+       {"trajectory_tum.txt", "scans.csv", "labels/000002.label", "replay.rawlog", "map_static.ply",
+        "map.3Dscene", "trajectory.png", "report.html"})
   {
     EXPECT_TRUE(fs::exists(folder / written)) << written;
   }

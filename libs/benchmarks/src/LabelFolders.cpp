@@ -112,6 +112,12 @@ LabelComparison compareLabelFolders(const std::string& reference,
   const std::set<std::uint16_t> movers =
       reading.ever_moving ? movingInstances(reference_files) : std::set<std::uint16_t>();
   const auto estimated_files = labelFiles(estimate);
+  if (fs::equivalent(fs::path(reference_files.begin()->second).parent_path(),
+                     fs::path(estimated_files.begin()->second).parent_path()))
+  {
+    throw UserError(estimate +
+                    ": has the labels of the reference; give the folder of the estimated ones");
+  }
   LabelComparison result;
   result.reference_scans = reference_files.size();
   result.estimated_scans = estimated_files.size();
@@ -131,7 +137,9 @@ LabelComparison compareLabelFolders(const std::string& reference,
   }
   if (result.evaluator.scans() == 0)
   {
-    throw UserError(estimate + ": no .label file has the name of one in " + reference);
+    throw UserError(estimate + ": no .label file has the name of one in " + reference + " (" +
+                    estimated_files.begin()->first + " and " + reference_files.begin()->first +
+                    ", for example); names are the numbers of the scans in the recording, from 0");
   }
   return result;
 }

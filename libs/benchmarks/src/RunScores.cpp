@@ -273,7 +273,8 @@ RunScores scoresOf(const std::string& folder,
     else
     {
       note(folder + ": labels not evaluated: " +
-           (truth.empty() ? "no ground truth known (--truth)" : truth + " has no labels/"));
+           (fs::is_directory(truth) ? truth + " has no labels/"
+                                    : "no ground truth known (--truth)"));
     }
   }
   return scores;

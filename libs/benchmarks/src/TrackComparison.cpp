@@ -170,9 +170,10 @@ nlohmann::ordered_json toJson(const TrackErrorSummary& s)
           {"speed_bias", s.speed_bias}};
 }
 
-/** Errors of position, yaw and speed by true class and range, regardless of the estimated class. */
+/** Errors of position, yaw and speed by true class and range, regardless of the estimated class.
+ * \param types classes, each with rows of its own; "": all errors together */
 Table errorTable(const std::vector<TrackError>& errors,
-                 std::vector<std::string> types,
+                 const std::vector<std::string>& types,
                  nlohmann::ordered_json& json)
 {
   Table table({"class", "range [m]", "boxes", "found %", "same class %", "position [m]", "RMSE [m]",
@@ -196,7 +197,6 @@ Table errorTable(const std::vector<TrackError>& errors,
                   TableCell(s.speed_bias, 2)});
     json[name][range] = toJson(s);
   };
-  types.emplace_back();
   for (const std::string& type : types)
   {
     for (std::size_t k = 0; k + 1 < range_limits.size(); ++k)
@@ -209,6 +209,18 @@ Table errorTable(const std::vector<TrackError>& errors,
     add(type, "all", 0, std::numeric_limits<double>::infinity());
   }
   return table;
+}
+
+/** Removes the errors of boxes of other classes. */
+void keepClasses(std::vector<TrackError>& errors, const std::vector<std::string>& types)
+{
+  const auto isOther = [&](const TrackError& error)
+  {
+    return std::none_of(types.begin(), types.end(),
+                        [&](const std::string& type)
+                        { return lowered(type) == lowered(error.type); });
+  };
+  errors.erase(std::remove_if(errors.begin(), errors.end(), isOther), errors.end());
 }
 
 /** The classes of the reference's counted boxes, and all together for files in the lidar frame. */
@@ -362,9 +374,17 @@ TrackReport evaluateTracks(const TrackSources& sources,
     addMetrics(name, sequences, rulesFor(sources, matching, type), table, json[name]);
   }
   constexpr double max_distance = 2;  // [m]
-  const std::vector<TrackError> errors = trackErrors(sequence, rulesFor(sources, matching, ""),
-                                                     max_distance, true_speeds, estimated_speeds);
-  types.erase(std::remove(types.begin(), types.end(), ""), types.end());
+  std::vector<TrackError> errors = trackErrors(sequence, rulesFor(sources, matching, ""),
+                                               max_distance, true_speeds, estimated_speeds);
+  const bool has_all = std::find(types.begin(), types.end(), "") != types.end();
+  if (!has_all)
+  {
+    keepClasses(errors, types);
+    if (types.size() > 1)
+    {
+      types.emplace_back();
+    }
+  }
   const Table by_range = errorTable(errors, types, json["errors"]);
   return {table, by_range, textOf(json)};
 }

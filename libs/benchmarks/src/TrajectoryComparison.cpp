@@ -3,10 +3,13 @@
 #include <dyslam/base/Printable.h>
 #include <dyslam/benchmarks/JsonText.h>
 #include <dyslam/benchmarks/TrajectoryComparison.h>
+#include <dyslam/eval/Axes.h>
 #include <dyslam/formats/KittiFiles.h>
 #include <dyslam/formats/TrajectoryFiles.h>
+#include <dyslam/io/Converters.h>
 
 #include <algorithm>
+#include <cmath>
 #include <nlohmann/json.hpp>
 #include <utility>
 
@@ -38,15 +41,83 @@ TrajectoryFile readPoses(const std::string& path, bool camera, const std::string
   return file;
 }
 
+/** Gives the poses of a KITTI file the times of another one; those without a time are left out.
+ * \throws UserError. */
+void setTimes(TrajectoryFile& file, const std::string& path, const std::string& times_path)
+{
+  if (file.format == TrajectoryFormat::tum)
+  {
+    throw UserError(path + ": has time stamps of its own; leave --reference-times out");
+  }
+  const std::vector<double> times = readTimesOrTimestamps(times_path);
+  if (times.size() != file.trajectory.size())
+  {
+    throw UserError(times_path + ": has " + counted(times.size(), "time") + " for " +
+                    counted(file.trajectory.size(), "pose") + " of " + path +
+                    "; a time for each line is needed");
+  }
+  Trajectory timed;
+  for (std::size_t i = 0; i < times.size(); ++i)
+  {
+    if (!std::isfinite(times[i]))
+    {
+      continue;  // a scan that KITTI lost
+    }
+    if (!timed.empty() && times[i] <= timed[timed.size() - 1].stamp)
+    {
+      throw UserError(times_path + ": its times do not ascend (number " + std::to_string(i + 1) +
+                      ")");
+    }
+    timed.push_back(times[i], file.trajectory[i].pose);
+  }
+  file = {std::move(timed), TrajectoryFormat::tum};
+}
+
+/** Reads the reference as poses of the estimate's body. */
+TrajectoryFile readReference(const std::string& path, const PoseReading& a)
+{
+  TrajectoryFile file = readPoses(path, a.camera == "reference", a.calib);
+  if (!a.reference_times.empty())
+  {
+    setTimes(file, path, a.reference_times);
+  }
+  if (!a.reference_body.empty())
+  {
+    const Pose T_reference_estimate =
+        poseFromOption("--reference-body", a.reference_body).inverse();
+    for (std::size_t i = 0; i < file.trajectory.size(); ++i)
+    {
+      file.trajectory[i].pose = file.trajectory[i].pose * T_reference_estimate;
+    }
+  }
+  return file;
+}
+
 /** \throws UserError if flags for time stamps are given with a file that has none. */
 void requireNoTimeFlags(const PoseReading& a, const std::string& file)
 {
-  if (a.tolerance || a.time_offset)
+  const std::string flag = a.tolerance                  ? "--tolerance"
+                           : a.interpolate              ? "--interpolate"
+                           : a.time_offset              ? "--time-offset"
+                           : !a.reference_times.empty() ? "--reference-times"
+                                                        : "";
+  if (!flag.empty())
   {
     throw UserError(file +
                     ": has no time stamps (KITTI), its poses are paired line by line; leave " +
-                    (a.tolerance ? "--tolerance" : "--time-offset") + " out, or give a TUM file");
+                    flag + " out, or give a TUM file");
   }
+}
+
+/** Diagonal of the box around the positions [m]. */
+double extentOf(const std::vector<Pose>& poses)
+{
+  Eigen::AlignedBox3d box;
+  for (const Pose& pose : poses)
+  {
+    box.extend(pose.translation());
+  }
+  return box.diagonal().norm();
 }
 
 /** \throws UserError for a single pose: errors are of the motion between two. */
@@ -89,7 +160,7 @@ PosePairs pairFiles(const std::string& reference_path,
                     const NoteSink& note)
 {
   const double tolerance = a.tolerance.value_or(PoseReading::default_tolerance);
-  const TrajectoryFile reference = readPoses(reference_path, a.camera == "reference", a.calib);
+  const TrajectoryFile reference = readReference(reference_path, a);
   TrajectoryFile estimate = readPoses(estimate_path, a.camera == "estimate", a.calib);
   for (std::size_t i = 0; i < estimate.trajectory.size(); ++i)
   {
@@ -99,17 +170,21 @@ PosePairs pairFiles(const std::string& reference_path,
   requireTwoPoses(estimate.trajectory, estimate_path);
   if (reference.format == TrajectoryFormat::tum && estimate.format == TrajectoryFormat::tum)
   {
-    PosePairs pairs = associateByTime(reference.trajectory, estimate.trajectory, tolerance);
+    const std::string limit = a.interpolate ? "--interpolate " + shortNumber(*a.interpolate)
+                                            : "--tolerance " + shortNumber(tolerance);
+    PosePairs pairs =
+        a.interpolate
+            ? associateInterpolated(reference.trajectory, estimate.trajectory, *a.interpolate)
+            : associateByTime(reference.trajectory, estimate.trajectory, tolerance);
     if (pairs.size() < 2)
     {
       throw UserError(estimate_path + ": only " + std::to_string(pairs.size()) + " of " +
-                      std::to_string(pairs.estimate_size) + " time stamps are within --tolerance " +
-                      shortNumber(tolerance) + " s of one in " + reference_path + " (" +
-                      timesOf(estimate.trajectory) + " and " + timesOf(reference.trajectory) +
+                      std::to_string(pairs.estimate_size) + " time stamps are within " + limit +
+                      " s of one in " + reference_path + " (" + timesOf(estimate.trajectory) +
+                      " and " + timesOf(reference.trajectory) +
                       "; --time-offset is added to the estimate's)");
     }
-    noteFewPairs(pairs, estimate_path, reference_path, "--tolerance " + shortNumber(tolerance),
-                 note);
+    noteFewPairs(pairs, estimate_path, reference_path, limit, note);
     return pairs;
   }
   requireNoTimeFlags(a,
@@ -118,9 +193,58 @@ PosePairs pairFiles(const std::string& reference_path,
   {
     note(estimate_path + " has " + counted(estimate.trajectory.size(), "pose") + ", " +
          reference_path + " " + std::to_string(reference.trajectory.size()) +
-         "; without time stamps they are associated by index");
+         "; without time stamps they are associated by index" +
+         (estimate.format == TrajectoryFormat::tum
+              ? " (--reference-times gives those of the reference)"
+              : ""));
   }
   return associateByIndex(reference.trajectory, estimate.trajectory);
+}
+
+std::string pairWarning(const std::string& reference,
+                        const std::string& estimate,
+                        const PosePairs& pairs,
+                        const TrajectoryReport& report)
+{
+  const BodyAxes axes = compareBodyAxes(pairs);
+  if (axes == BodyAxes::differ)
+  {
+    return estimate + " and " + reference +
+           " move in different directions of their bodies: their axes differ; --reference-body "
+           "'0 0 0 yaw 0 0' states by how much";
+  }
+  if (axes != BodyAxes::same)
+  {
+    const bool is_estimate = axes == BodyAxes::estimate_camera;
+    return "the poses of " + (is_estimate ? estimate : reference) +
+           " have the axes of a camera (z ahead), those of " +
+           (is_estimate ? reference : estimate) +
+           " the axes of a lidar (x ahead); compare them with --camera " +
+           (is_estimate ? "estimate" : "reference") + " (and --calib calib.txt)";
+  }
+  constexpr double other_unit = 50;   // least ratio of the extents
+  constexpr double least_extent = 1;  // less is mostly noise [m]
+  constexpr double fits = 0.1;        // largest error of positions that fit, of the extent
+  constexpr double turned_deg = 45;
+  const double true_extent = extentOf(pairs.reference);
+  const double extent = extentOf(pairs.estimate);
+  const auto [less, more] = std::minmax(extent, true_extent);
+  if (less > 0 && more > least_extent && more > other_unit * less)
+  {
+    return "the positions of " + estimate + " extend over " + shortNumber(extent) +
+           " m, those of " + reference + " over " + shortNumber(true_extent) +
+           " m: are both in metres?";
+  }
+  if (report.alignment == Alignment::se3 && true_extent > least_extent &&
+      report.absolute.translation.rmse < fits * true_extent &&
+      report.absolute.rotation_deg.rmse > turned_deg)
+  {
+    return "the positions of " + estimate + " fit those of " + reference +
+           ", the orientations do not (" +
+           shortNumber(std::round(report.absolute.rotation_deg.rmse)) +
+           " deg): quaternions with w first (TUM has it last), or other axes (--reference-body)";
+  }
+  return "";
 }
 
 void addMeanRow(Table& table, const std::vector<TrajectoryReport>& reports)

@@ -107,6 +107,117 @@ TEST(TrajectoryComparison, TimesAreShiftedAndTheirDifferenceIsLimited)
   EXPECT_EQ(pairs().size(), 10U);
   reading.tolerance = 0.001;
   EXPECT_TRUE(contains(messageOfError<UserError>(pairs), "within --tolerance 0.001 s"));
+  reading = {};
+  reading.interpolate = 0.6;
+  ASSERT_EQ(pairs().size(), 9U) << "the last one is after the reference";
+  EXPECT_NEAR(pairs().reference.front().translation().x(), 0.505, 1e-6);
+  reading.interpolate = 0.2;
+  EXPECT_TRUE(contains(messageOfError<UserError>(pairs), "within --interpolate 0.2 s"));
+}
+
+TEST(TrajectoryComparison, AReferenceOfKittiMayHaveTimesInAnotherFile)
+{
+  const TestFolder folder;
+  writeKittiPoses(folder.file("a.txt"), kittiSteps(5));
+  Trajectory estimate;  // begins with the third scan
+  for (int i = 2; i < 5; ++i)
+  {
+    estimate.push_back(100 + i, kittiSteps(5)[static_cast<std::size_t>(i)]);
+  }
+  writeTum(folder.file("b.txt"), estimate);
+  PoseReading reading;
+  Names notes;
+  const auto pairs = [&]
+  {
+    return pairFiles(folder.file("a.txt"), folder.file("b.txt"), reading,
+                     [&](const std::string& note) { notes.push_back(note); });
+  };
+  EXPECT_EQ(pairs().size(), 3U) << "by line, so the first scans are left";
+  ASSERT_EQ(notes.size(), 1U);
+  EXPECT_TRUE(contains(notes[0], "(--reference-times gives those of the reference)")) << notes[0];
+  reading.reference_times = folder.write("times.txt", "100\n101\n102\n103\n104\n");
+  reading.tolerance = 0.01;
+  const PosePairs timed = pairs();
+  ASSERT_EQ(timed.size(), 3U);
+  EXPECT_DOUBLE_EQ(timed.stamps.front(), 102);
+  EXPECT_DOUBLE_EQ(timed.reference.front().translation().x(), 2);
+  folder.write("times.txt", "100\n101\n");
+  EXPECT_TRUE(contains(messageOfError<UserError>(pairs), "times.txt: has 2 times for 5 poses of"));
+  folder.write("times.txt", "100\n101\n103\n102\n104\n");
+  EXPECT_TRUE(
+      contains(messageOfError<UserError>(pairs), "times.txt:4: the time does not come after"));
+  writeTum(folder.file("a.txt"), estimate);
+  EXPECT_TRUE(contains(messageOfError<UserError>(pairs), "leave --reference-times out"));
+  writeKittiPoses(folder.file("a.txt"), kittiSteps(5));
+  writeKittiPoses(folder.file("b.txt"), kittiSteps(5));
+  folder.write("times.txt", "100\n101\n102\n103\n104\n");
+  reading.tolerance.reset();
+  EXPECT_TRUE(contains(messageOfError<UserError>(pairs), "leave --reference-times out"))
+      << "the estimate has no times";
+}
+
+/** A curve driven by the vehicle, and the poses of an IMU on it. */
+TEST(TrajectoryComparison, AReferenceMayBeOfAnotherBodyOfTheVehicle)
+{
+  const TestFolder folder;
+  const Pose T_vehicle_imu = poseFromYpr(1.2, 0.4, -0.8, 0.5 * M_PI, 0, 0.1);
+  Trajectory vehicle;
+  Trajectory imu;
+  Pose pose = Pose::Identity();
+  for (int i = 0; i < 50; ++i)
+  {
+    vehicle.push_back(i, pose);
+    imu.push_back(i, pose * T_vehicle_imu);
+    pose = pose * poseFromYpr(1, 0, 0, 0.05, 0, 0);
+  }
+  writeTum(folder.file("vehicle.txt"), vehicle);
+  writeTum(folder.file("imu.txt"), imu);
+  PoseReading reading;
+  const auto warning = [&](double* error)
+  {
+    const std::string reference = folder.file("imu.txt");
+    const std::string estimate = folder.file("vehicle.txt");
+    const PosePairs pairs = pairFiles(reference, estimate, reading, ignore);
+    const TrajectoryReport report = evaluateTrajectory("vehicle", pairs);
+    *error = report.relative.translation.rmse;
+    return pairWarning(reference, estimate, pairs, report);
+  };
+  double error = 0;
+  EXPECT_TRUE(contains(warning(&error), "move in different directions of their bodies"));
+  EXPECT_GT(error, 0.5);
+  reading.reference_body = "1.2 0.4 -0.8 90 0 5.729577951308232";
+  EXPECT_EQ(warning(&error), "");
+  EXPECT_LT(error, 1e-6);
+  reading.reference_body = "1.2 0.4";
+  EXPECT_TRUE(contains(messageOfError<UserError>([&] { (void)warning(&error); }),
+                       "--reference-body '1.2 0.4': six numbers are needed"));
+}
+
+TEST(TrajectoryComparison, OtherUnitsAndQuaternionsAreWarnedOf)
+{
+  PosePairs pairs;
+  Pose pose = Pose::Identity();
+  for (int i = 0; i < 50; ++i)
+  {
+    pairs.stamps.push_back(i);
+    pairs.reference.push_back(pose);
+    pose = pose * poseFromYpr(1, 0, 0, 0.05, 0, 0);
+  }
+  const auto warning = [&]
+  { return pairWarning("r.txt", "e.txt", pairs, evaluateTrajectory("e", pairs)); };
+  pairs.estimate = pairs.reference;
+  EXPECT_EQ(warning(), "");
+  for (Pose& estimate : pairs.estimate)
+  {
+    estimate.translation() *= 1000;
+  }
+  EXPECT_TRUE(contains(warning(), "are both in metres?")) << warning();
+  for (std::size_t i = 0; i < pairs.size(); ++i)  // positions that fit, on their heads
+  {
+    pairs.estimate[i] = pairs.reference[i] * poseFromYpr(0, 0, 0, 0, 0, M_PI);
+  }
+  EXPECT_TRUE(contains(warning(), "the orientations do not (180 deg): quaternions with w first"))
+      << warning();
 }
 
 TEST(TrajectoryComparison, ASinglePoseIsRefusedInEitherFile)
@@ -170,6 +281,16 @@ TEST(TrackComparison, ClassesAreThoseOfTheReferenceOrTheGivenOnes)
   EXPECT_EQ(json["all"]["references"], 20);
   EXPECT_EQ(json["errors"]["all"]["all"]["found"], 20);
   EXPECT_EQ(report.metrics.rows(), 2U);
+
+  const auto errorsOf = [&](const Names& given)
+  {
+    return nlohmann::json::parse(evaluateTracks(sources, {}, sequence, given, {}, {}).json)
+        .at("errors");
+  };
+  const auto of_people = errorsOf({"Pedestrian"});
+  EXPECT_EQ(of_people["Pedestrian"]["all"]["found"], 10);
+  EXPECT_FALSE(of_people.contains("all")) << "of other classes, too";
+  EXPECT_EQ(errorsOf({"Car", "Pedestrian"})["all"]["all"]["found"], 20);
 }
 
 TEST(TrackComparison, WhatTheSelectionOfTrueBoxesLacksIsNoted)

@@ -118,6 +118,17 @@ TEST_F(RunScoresOf, WhatIsMissingIsNoted)
                            "compare the trajectory with (dyslam-eval trajectory compares it with "
                            "a file of poses)");
 
+  writeRun("labelled", R"({"frames": 40, "input": "x.rawlog"})");
+  folder_.write("labelled/labels/000000.label", "");
+  (void)scores(folder_.file("labelled"));
+  ASSERT_EQ(notes_.size(), 2U);
+  EXPECT_TRUE(contains(notes_[1], "labels not evaluated: no ground truth known (--truth)"))
+      << notes_[1];
+  std::filesystem::create_directories(folder_.file("x.gt"));
+  (void)scores(folder_.file("labelled"), folder_.file("x.gt"));
+  ASSERT_EQ(notes_.size(), 2U);
+  EXPECT_TRUE(contains(notes_[1], "x.gt has no labels/")) << notes_[1];
+
   writeRun("run", R"({"frames": 40, "finished": false, "not_written": ["map.png: disk full"]})");
   folder_.write("run/resume.state", "");
   writeTum(folder_.file("run/reference_tum.txt"), straight(1, 3));

@@ -66,6 +66,27 @@ PosePairs associateByTime(const Trajectory& reference, const Trajectory& estimat
   return pairs;
 }
 
+PosePairs associateInterpolated(const Trajectory& reference,
+                                const Trajectory& estimate,
+                                double max_gap)
+{
+  PosePairs pairs = emptyPairs(reference, estimate);
+  for (const StampedPose& estimated : estimate)
+  {
+    if (!estimated.pose.matrix().allFinite())
+    {
+      ++pairs.not_finite;
+      continue;
+    }
+    const auto pose = reference.at(estimated.stamp, max_gap);
+    if (pose && pose->matrix().allFinite())
+    {
+      append(pairs, {estimated.stamp, *pose}, estimated);
+    }
+  }
+  return pairs;
+}
+
 PosePairs associateByIndex(const Trajectory& reference, const Trajectory& estimate)
 {
   PosePairs pairs = emptyPairs(reference, estimate);

@@ -19,7 +19,8 @@ BodyAxes compareBodyAxes(const PosePairs& pairs)
 {
   Eigen::Matrix3d lidar_from_camera;
   lidar_from_camera << 0, 0, 1, -1, 0, 0, 0, -1, 0;
-  double lengths = 0, difference = 0, products = 0, plain = 0, estimate = 0, reference = 0;
+  double lengths = 0, difference = 0, products = 0, plain = 0;
+  double estimate = 0, estimate_ahead = 0, reference = 0, reference_ahead = 0;
   std::size_t from = 0;
   for (std::size_t i = 1; i < pairs.size(); ++i)
   {
@@ -35,7 +36,9 @@ BodyAxes compareBodyAxes(const PosePairs& pairs)
     products += r.norm() * e.norm();
     plain += r.dot(e);
     estimate += r.dot(lidar_from_camera * e);
+    estimate_ahead += r.norm() * e.z();
     reference += e.dot(lidar_from_camera * r);
+    reference_ahead += e.norm() * r.z();
   }
   constexpr double unlike = 0.5;
   constexpr double alike = 0.9;
@@ -44,8 +47,10 @@ BodyAxes compareBodyAxes(const PosePairs& pairs)
   {
     return BodyAxes::same;
   }
-  return estimate > alike * products    ? BodyAxes::estimate_camera
-         : reference > alike * products ? BodyAxes::reference_camera
-                                        : BodyAxes::differ;
+  const auto ofCamera = [&](double turned, double ahead)
+  { return turned > alike * products && ahead > alike * products; };
+  return ofCamera(estimate, estimate_ahead)     ? BodyAxes::estimate_camera
+         : ofCamera(reference, reference_ahead) ? BodyAxes::reference_camera
+                                                : BodyAxes::differ;
 }
 }  // namespace dyslam

@@ -45,6 +45,11 @@ TEST(BodyAxes, CamerasAreFoundOnEitherSide)
   EXPECT_EQ(BodyAxes::reference_camera, compareBodyAxes(pathAndEstimate(camera, lidar)));
   const Eigen::Matrix3d backwards = Eigen::Vector3d(-1, -1, 1).asDiagonal();
   EXPECT_EQ(BodyAxes::differ, compareBodyAxes(pathAndEstimate(lidar, backwards)));
+  Eigen::Matrix3d
+      left;  // x to the left: its motion, along -y, is that of a lidar turned as a camera
+  left << 0, -1, 0, 1, 0, 0, 0, 0, 1;
+  EXPECT_EQ(BodyAxes::differ, compareBodyAxes(pathAndEstimate(left, lidar)));
+  EXPECT_EQ(BodyAxes::differ, compareBodyAxes(pathAndEstimate(lidar, left)));
 }
 
 TEST(BodyAxes, NothingIsSaidWithoutMotionOrOfAFailedEstimate)

@@ -76,6 +76,29 @@ TEST(Association, ByTimeIsOneToOneAndNearest)
   EXPECT_EQ(pairs.estimate_size, 5U);
 }
 
+TEST(Association, TheReferenceIsInterpolatedInSmallGaps)
+{
+  Trajectory reference;
+  for (const double t : {0.0, 0.2, 0.4, 2.0, 2.2})
+  {
+    reference.push_back(t, poseFromYpr(10 * t, 0, 0, 0.1 * t, 0, 0));
+  }
+  Trajectory estimate;
+  for (const double t : {-0.1, 0.0, 0.05, 0.35, 1.0, 2.1, 2.3})
+  {
+    estimate.push_back(t, poseFromYpr(t, 0, 0, 0, 0, 0));
+  }
+  const PosePairs pairs = associateInterpolated(reference, estimate, 0.3);
+  ASSERT_EQ(pairs.size(), 4U) << "those before, in the gap and after have none";
+  EXPECT_DOUBLE_EQ(pairs.stamps[1], 0.05);
+  EXPECT_NEAR(pairs.reference[1].translation().x(), 0.5, 1e-3);
+  EXPECT_NEAR(pairs.reference[2].translation().x(), 3.5, 1e-3);
+  EXPECT_DOUBLE_EQ(pairs.estimate[3].translation().x(), 2.1);
+  EXPECT_EQ(pairs.reference_size, 5U);
+  EXPECT_EQ(pairs.estimate_size, 7U);
+  EXPECT_EQ(associateInterpolated({}, estimate, 1).size(), 0U);
+}
+
 TEST(Association, CountsAndSkipsNonFinitePoses)
 {
   auto estimate = straight(5, 1);

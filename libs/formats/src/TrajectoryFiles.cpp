@@ -245,7 +245,7 @@ std::vector<double> readTimes(const std::string& path)
   std::vector<double> times;
   while (file.next())
   {
-    file.requireFields(1, "a time in seconds");
+    file.requireFields(1, "a time in seconds; of a table, cut -d, -f2 takes the second column");
     times.push_back(file.number(0));
     if (times.size() > 1 && !(times.back() > times[times.size() - 2]))
     {

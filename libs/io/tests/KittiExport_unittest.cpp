@@ -4,6 +4,7 @@
 #include <dyslam/formats/KittiFiles.h>
 #include <dyslam/formats/LabelFiles.h>
 #include <dyslam/formats/ScanFiles.h>
+#include <dyslam/formats/TrackFiles.h>
 #include <dyslam/formats/TrajectoryFiles.h>
 #include <dyslam/io/KittiExport.h>
 #include <dyslam/io/RawlogSource.h>
@@ -152,6 +153,47 @@ TEST(KittiExport, OptionsWithoutAnEffectAreSaid)
   EXPECT_TRUE(contains(messageOfError<UserError>(
                            [&] { (void)exportKitti(folder.file("x.rawlog"), "never", options); }),
                        "--rings: are written beside the scans"));
+}
+
+TEST(KittiExport, TracksAreInTheCameraFrame)
+{
+  const TestFolder folder;
+  writeRecording(folder);
+  LabelledBox box;
+  box.type = "Pedestrian";
+  box.score = 0.5;
+  box.box.size = {0.6, 0.7, 1.8};
+  std::vector<LabelledBox> boxes;
+  for (const int frame : {0, 2, 2, 3})
+  {
+    box.frame = frame;
+    box.id = static_cast<int>(boxes.size());
+    box.box.centre = {10, 2.0 + frame, -0.5};
+    box.box.yaw = 0.3;
+    boxes.push_back(box);
+  }
+  writeTracks(folder.file("tracks.txt"), boxes);
+  KittiExportOptions options;
+  options.tracks = folder.file("tracks.txt");
+  options.skip_first_n = 1;
+  options.only_first_n = 2;
+  EXPECT_TRUE(exportKitti(folder.file("x.rawlog"), folder.file("kitti"), options).warnings.empty());
+  const auto written = readKittiTracking(folder.file("kitti/tracks/00.txt"), cameraAxes(), true);
+  ASSERT_EQ(2U, written.size());
+  for (std::size_t i = 0; i < 2; ++i)
+  {
+    EXPECT_EQ(1, written[i].frame) << "the third scan is the second of the sequence";
+    EXPECT_EQ(boxes[1 + i].id, written[i].id);
+    EXPECT_EQ("Pedestrian", written[i].type);
+    EXPECT_TRUE(written[i].box.centre.isApprox(boxes[1 + i].box.centre, 1e-5));
+    EXPECT_NEAR(0.3, written[i].box.yaw, 1e-5);
+  }
+  options.sequence = "01";
+  options.skip_first_n = 1;
+  options.only_first_n = 1;
+  const auto none = exportKitti(folder.file("x.rawlog"), folder.file("kitti"), options);
+  ASSERT_EQ(1U, none.warnings.size());
+  EXPECT_TRUE(contains(none.warnings[0], "tracks.txt: has no box of these scans"));
 }
 
 TEST(KittiExport, DamagedTracksDoNotStopIt)

@@ -67,7 +67,8 @@ MapReport buildMap(const RecordingOnTrajectory& recording,
   if (report.points == 0 && report.problem.empty())
   {
     listener.warn(
-        "the map has no points; check map.min_range, map.max_range, map.min_hits and the labels");
+        "the map has no points; check map.min_range, map.max_range, map.min_hits, map_export.area "
+        "and the labels");
   }
   if (10 * report.skipped > report.scans)
   {

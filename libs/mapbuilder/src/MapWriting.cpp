@@ -65,6 +65,19 @@ void warnOfOrigin(const Eigen::Vector3d& origin, const MapOutputs& outputs, MapL
   }
 }
 
+/** Of outputs that map_export.area does not limit. */
+void warnOfWholeOutputs(const MapOutputs& outputs, MapListener& listener)
+{
+  for (const std::string& path : outputs.maps)
+  {
+    const MapFormat format = mapFormatOf(path);
+    if (!outputs.exports.area.empty() && format != MapFormat::cloud && format != MapFormat::grid)
+    {
+      listener.warn(path + ": has the whole map; map_export.area is for clouds and grids");
+    }
+  }
+}
+
 /** Of a map whose float32 coordinates are rounded: the trajectory is long, or has a wrong pose. */
 void warnOfReach(double reach, MapListener& listener)
 {
@@ -246,6 +259,10 @@ std::string writeEach(const std::vector<FileWriter>& writers)
     {
       writer.write();
     }
+    catch (const MapStopped&)
+    {
+      throw;
+    }
     catch (const UserError& error)
     {
       appendWord(failures, error.what(), "; ");
@@ -288,6 +305,7 @@ MapBuilderOptions withNeedsOf(const MapOutputs& outputs, MapBuilderOptions optio
 MapReport writeMapOutputs(MapBuilder& builder, const MapOutputs& outputs, MapListener& listener)
 {
   warnOfOrigin(builder.origin(), outputs, listener);
+  warnOfWholeOutputs(outputs, listener);
   warnOfReach(builder.reach(), listener);
   MapReport report;
   report.keyframes = builder.keyframes();

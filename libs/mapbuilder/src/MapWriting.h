@@ -19,7 +19,8 @@ struct FileWriter
   std::function<void()> write;
 };
 
-/** Calls all writers, also after one that fails. \return what failed; empty if nothing did */
+/** Calls all writers, also after one that fails. \return what failed; empty if nothing did \throws
+ * MapStopped. */
 [[nodiscard]] std::string writeEach(const std::vector<FileWriter>& writers);
 
 /** Checks the export options before anything is read. \throws UserError. */

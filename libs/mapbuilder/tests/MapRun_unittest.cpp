@@ -80,6 +80,31 @@ TEST_F(MapRun, WritesEveryOutput)
   EXPECT_TRUE(listener.in_range);
 }
 
+TEST_F(MapRun, AStoppedOneLeavesNoPartOfAFile)
+{
+  outputs.maps = {folder.file("m.png"), folder.file("m.ply"), folder.file("m.bt")};
+  const auto files = [this]
+  {
+    std::vector<std::string> names;
+    for (const auto& entry : fs::directory_iterator(folder.path()))
+    {
+      names.push_back(entry.path().filename().string());
+    }
+    std::sort(names.begin(), names.end());
+    return names;
+  };
+  const std::vector<std::string> before = files();
+  listener.stop_at = "reading ";
+  EXPECT_THROW((void)build(), MapStopped);
+  EXPECT_EQ(before, files());
+  listener.stop_at = "writing m.bt, keyframes";
+  EXPECT_THROW((void)build(), MapStopped);
+  std::vector<std::string> after{"m.ply", "m.png", "m.yaml"};
+  after.insert(after.end(), before.begin(), before.end());
+  std::sort(after.begin(), after.end());
+  EXPECT_EQ(after, files()) << "clouds are written first, and the settings after the maps";
+}
+
 TEST_F(MapRun, AMapWithoutPointsIsWrittenWithAWarning)
 {
   outputs.maps = {folder.file("m.ply"), folder.file("m.png"), folder.file("m.bt")};

@@ -107,6 +107,10 @@ class RecordingListener : public MapListener
   {
     in_range = in_range && fraction >= 0 && fraction <= 1;
     last_count = count;
+    if (!log.empty() && log.back() == stop_at)
+    {
+      throw MapStopped("stopped");
+    }
   }
   void finish(std::size_t count) override { log.push_back("finished " + std::to_string(count)); }
   void warn(const std::string& text) override { warnings.push_back(text); }
@@ -115,5 +119,6 @@ class RecordingListener : public MapListener
   std::vector<std::string> warnings;
   std::size_t last_count = 0;
   bool in_range = true;
+  std::string stop_at;  //!< line of the log after which the work is stopped; empty: none
 };
 }  // namespace dyslam::test

@@ -53,23 +53,35 @@ Eigen::Vector2d fitGrid(const Eigen::Vector2d& low, const Eigen::Vector2d& high,
   return size;
 }
 
-Grid emptyGrid(const MapPoints& map, const MapExportOptions& options)
+/** The least region with all points, its upper borders included. \pre there are points */
+MapRegion regionOf(const MapPoints& map)
+{
+  MapRegion region;
+  std::swap(region.low, region.high);
+  for (const auto& p : map.points)
+  {
+    const Eigen::Vector2d q = p.head<2>().cast<double>();
+    region.low = region.low.cwiseMin(q);
+    region.high = region.high.cwiseMax(q);
+  }
+  return region;
+}
+
+/** A grid of unknown cells for the points, or for the area of the options. */
+Grid emptyGrid(const MapPoints& map, const MapExportOptions& options, const Eigen::Vector3d& origin)
 {
   Grid grid;
   grid.resolution = options.grid_resolution;
-  if (map.size() == 0)
+  if (map.size() == 0 && options.area.empty())
   {
     grid.cells = cv::Mat(1, 1, CV_8U, cv::Scalar(Grid::unknown));
     return grid;
   }
-  Eigen::Vector2d low = Eigen::Vector2d::Constant(std::numeric_limits<double>::infinity());
-  Eigen::Vector2d high = -low;
-  for (const auto& p : map.points)
-  {
-    const Eigen::Vector2d q = p.head<2>().cast<double>();
-    low = low.cwiseMin(q);
-    high = high.cwiseMax(q);
-  }
+  const MapRegion region = options.area.empty() ? regionOf(map) : areaOf(options, origin);
+  // Borders of an area are mostly those of cells, up to rounding.
+  const double inwards = options.area.empty() ? 0 : 1e-6 * grid.resolution;
+  const Eigen::Vector2d low = region.low.array() + inwards;
+  const Eigen::Vector2d high = region.high.array() - inwards;
   Eigen::Vector2d size = fitGrid(low, high, grid);
   while (size.x() * size.y() > options.grid_max_cells || size.maxCoeff() > longest_side)
   {
@@ -306,7 +318,7 @@ double writeOccupancyGrid(const StaticMap& map,
 {
   validate(options, "map_export");
   const MapPoints points = map.points();
-  Grid grid = emptyGrid(points, options);
+  Grid grid = emptyGrid(points, options, origin);
   const GridGround ground(points, lidarsOf(map));
   clearRays(grid, map, ground, options.obstacle_max_height, on_keyframe);
   markPoints(grid, map, points, ground, options);

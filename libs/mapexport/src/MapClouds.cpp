@@ -32,6 +32,16 @@ bool isWhole(const MapRegion& region)
   return region.low.array().isInf().all() && region.high.array().isInf().all();
 }
 
+MapRegion overlapOf(const MapRegion& a, const MapRegion& b)
+{
+  return {a.low.cwiseMax(b.low), a.high.cwiseMin(b.high)};
+}
+
+bool isEmpty(const MapRegion& region)
+{
+  return (region.low.array() >= region.high.array()).any();
+}
+
 /** Clouds that are open at the same time. One that cannot be written does not keep the others from
  * being completed. All functions throw UserError once none is left. */
 class CloudFiles
@@ -213,14 +223,18 @@ class TileIndex
 class TileFiles
 {
  public:
-  explicit TileFiles(const MapTile& tile) : tile_(tile) {}
+  /** \param area of which the points are */
+  TileFiles(const MapTile& tile, const MapRegion& area)
+      : tile_(tile), region_(overlapOf(tile.region, area))
+  {
+  }
 
   /** Adds those of the points that are in the tile. */
   void add(const MapPoints& of_block,
            const CloudDescription& description,
            std::vector<TileIndex>& indices)
   {
-    const MapPoints points = pointsWithin(of_block, tile_.region);
+    const MapPoints points = pointsWithin(of_block, region_);
     if (points.size() == 0)
     {
       return;
@@ -250,6 +264,7 @@ class TileFiles
 
  private:
   const MapTile& tile_;
+  MapRegion region_;
   std::unique_ptr<CloudFiles> files_;
 };
 }  // namespace
@@ -262,6 +277,7 @@ MapClouds::MapClouds(const StaticMapOptions& map,
     : map_options_(map),
       exports_(exports),
       description_{exports.normals, origin, recorded, exports.epsg},
+      area_(areaOf(exports, origin)),
       pool_(pool)
 {
 }
@@ -315,7 +331,7 @@ std::size_t MapClouds::write(const StaticMap& map,
   std::vector<std::size_t> all(map.keyframes().size());
   std::iota(all.begin(), all.end(), std::size_t{0});
   CloudFiles files(paths, description_);
-  forEachPart(map, all, {}, scans,
+  forEachPart(map, all, area_, scans,
               [&](const MapPoints& points, std::size_t done)
               {
                 files.add(points);
@@ -345,8 +361,17 @@ std::size_t MapClouds::writeTiles(ScanStore& scans,
   std::size_t written = 0;
   for (const TileBlock& block : blocksOf(tiles, exports_.tile_size))
   {
+    if (isEmpty(overlapOf(block.region, area_)))
+    {
+      done += block.tiles.size();
+      continue;
+    }
     const TileMap part(scans, map_options_, block.region);
-    std::vector<TileFiles> files(block.tiles.begin(), block.tiles.end());
+    std::vector<TileFiles> files;
+    for (const MapTile& tile : block.tiles)
+    {
+      files.emplace_back(tile, area_);
+    }
     forEachPart(part.map, part.scans, block.region, &scans,
                 [&](const MapPoints& points, std::size_t)
                 {

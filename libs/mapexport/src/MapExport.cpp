@@ -3,10 +3,12 @@
 #include <dyslam/base/Words.h>
 #include <dyslam/mapexport/MapExport.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
+#include <sstream>
 #include <utility>
 #include <vector>
 
@@ -52,6 +54,31 @@ void requireZone(int epsg, int of_coordinates)
   }
 }
 
+MapRegion areaOf(const MapExportOptions& options, const Eigen::Vector3d& origin)
+{
+  MapRegion region;
+  if (options.area.empty())
+  {
+    return region;
+  }
+  std::string text = options.area;
+  std::replace(text.begin(), text.end(), ',', ' ');
+  std::istringstream words(text);
+  std::vector<double> numbers;
+  for (double number = 0; words >> number;)
+  {
+    numbers.push_back(number);
+  }
+  if (!words.eof() || numbers.size() != 4 || numbers[0] >= numbers[2] || numbers[1] >= numbers[3])
+  {
+    throw UserError("[map_export] area = " + options.area +
+                    ": four numbers are needed: x_min y_min x_max y_max [m]");
+  }
+  region.low = Eigen::Vector2d(numbers[0], numbers[1]) - origin.head<2>();
+  region.high = Eigen::Vector2d(numbers[2], numbers[3]) - origin.head<2>();
+  return region;
+}
+
 void MapExportOptions::describe(OptionsVisitor& v)
 {
   v.flag("full_resolution", full_resolution,
@@ -82,6 +109,11 @@ void MapExportOptions::describe(OptionsVisitor& v)
       "least number of keyframes that observed an obstacle; 1: ghosts of moving objects stay");
   v.integer("grid_max_cells", grid_max_cells, 100, 2000000000,
             "upper limit of the occupancy grid's cells; a larger grid gets coarser cells");
+  v.text(
+      "area", area,
+      "part of the map in clouds and occupancy grid: x_min y_min x_max y_max, in the coordinates "
+      "of the trajectory; empty: all of it [m]");
+  (void)areaOf(*this);
 }
 
 MapFormat mapFormatOf(const std::string& path)

@@ -111,6 +111,40 @@ TEST(GridFiles, LargeGridsGetCoarserCells)
       << folder.read("m.yaml");
 }
 
+TEST(GridFiles, AnAreaIsTheSizeOfTheGrid)
+{
+  const TestFolder folder;
+  const test::TestMap held = test::room();
+  writeOccupancyGrid(held.map, folder.file("all.png"), {});
+  const cv::Mat all = cv::imread(folder.file("all.png"), cv::IMREAD_UNCHANGED);
+  const Eigen::Vector2d corner = test::originIn(folder.read("all.yaml"));
+  MapExportOptions options;
+  options.area = "1005.3 -6, 1012.3, 3.5";  // reaches beyond the wall
+  writeOccupancyGrid(held.map, folder.file("m.png"), options, {1000, 0, 0});
+  const cv::Mat grid = cv::imread(folder.file("m.png"), cv::IMREAD_UNCHANGED);
+  const std::string yaml = folder.read("m.yaml");
+  EXPECT_NE(yaml.find("origin: [1005.300000, -6.000000, 0.0]"), std::string::npos) << yaml;
+  ASSERT_EQ(grid.cols, 70);
+  ASSERT_EQ(grid.rows, 95);
+  int other = 0;
+  for (int row = 0; row < grid.rows; ++row)
+  {
+    for (int column = 0; column < grid.cols; ++column)
+    {
+      // The middle of the cell, in the grid of the whole map.
+      const int x = static_cast<int>(std::floor((5.35 + 0.1 * column - corner.x()) / 0.1));
+      const int y = static_cast<int>(std::floor((3.45 - 0.1 * row - corner.y()) / 0.1));
+      const int expected =
+          x < all.cols ? static_cast<int>(all.at<std::uint8_t>(all.rows - 1 - y, x)) : 205;
+      other += grid.at<std::uint8_t>(row, column) != expected ? 1 : 0;
+    }
+  }
+  EXPECT_LT(other, grid.rows * grid.cols / 100) << "triangles that OpenCV has clipped";
+  EXPECT_GT(cv::countNonZero(grid == 0), 40) << "the wall";
+  writeOccupancyGrid(test::TestMap().map, folder.file("m.png"), options);
+  EXPECT_EQ(cv::imread(folder.file("m.png"), cv::IMREAD_UNCHANGED).cols, 70) << "of an empty map";
+}
+
 TEST(GridFiles, GridsThatAreTooLongForAPictureGetCoarserCells)
 {
   const TestFolder folder;

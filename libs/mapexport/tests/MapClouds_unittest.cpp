@@ -183,6 +183,29 @@ TEST_F(MapCloudsTest, TilesTogetherAreTheMap)
   EXPECT_EQ(read("whole.ply"), readTiles("f"));
 }
 
+/** The same points as a whole, in tiles, and of full resolution. */
+TEST_F(MapCloudsTest, AnAreaLimitsTheClouds)
+{
+  origin_ = {1000, 2000, 0};
+  exports_.area = "1003 1994 1021.5 2004";
+  MapRegion area;
+  area.low = {3, -6};
+  area.high = {21.5, 4};
+  const PlaceList expected = sorted(pointsWithin(map_->map.points(), area).points);
+  ASSERT_FALSE(expected.empty());
+  EXPECT_EQ(expected.size(), clouds().write(map_->map, nullptr, {file("a.pcd")}));
+  EXPECT_EQ(expected, read("a.pcd"));
+  exports_.tile_size = 8;
+  EXPECT_EQ(expected.size(), clouds().writeTiles(*scans_, {file("t.ply")}));
+  exports_.full_resolution = true;
+  EXPECT_GE(clouds().write(map_->map, scans_.get(), {file("full.pcd")}), expected.size());
+  area.high.array() += 1e-3;  // rounded to float32
+  for (const auto& place : read("full.pcd"))
+  {
+    ASSERT_TRUE(area.contains({place[0], place[1], place[2]}));
+  }
+}
+
 TEST_F(MapCloudsTest, TheIndexHasTheCornerOfEveryTile)
 {
   exports_.tile_size = 16;

@@ -100,6 +100,24 @@ TEST(MapExport, SimplemapIsWhatMrptWouldWrite)
   EXPECT_EQ(written, expected);
 }
 
+TEST(MapExport, AnAreaIsFourNumbersInOrder)
+{
+  MapExportOptions options;
+  EXPECT_TRUE(areaOf(options).contains({1e9, -1e9, 0})) << "everything";
+  options.area = "-20,-10,40.5,30";
+  const MapRegion area = areaOf(options, {-100, 1000, 7});
+  EXPECT_TRUE(area.low.isApprox(Eigen::Vector2d(80, -1010)));
+  EXPECT_TRUE(area.high.isApprox(Eigen::Vector2d(140.5, -970)));
+  for (const char* text : {"1 2 3", "1 2 3 4 5", "1 2 3 x", "5 0 4 1", "0 0 1 0", "a"})
+  {
+    options.area = text;
+    const std::string message = messageOfError<UserError>([&] { validate(options, "map_export"); });
+    EXPECT_NE(message.find("area = " + options.area + ": four numbers are needed"),
+              std::string::npos)
+        << message;
+  }
+}
+
 TEST(MapExport, EmptyMapGivesValidFiles)
 {
   const TestFolder folder;

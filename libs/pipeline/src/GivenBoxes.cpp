@@ -59,6 +59,23 @@ bool hasExtent(const LabelledBox& box)
   return box.box.size.minCoeff() > 0;
 }
 
+/** Whether most boxes are higher above the lidar than what moves on the ground: z of a camera is
+ * ahead. */
+bool areMostlyInTheAir(const std::map<std::size_t, std::vector<LabelledBox>>& boxes)
+{
+  constexpr double highest = 5;  // above the lidar [m]
+  std::size_t all = 0;
+  std::size_t high = 0;
+  for (const auto& [scan, of_scan] : boxes)
+  {
+    all += of_scan.size();
+    high += static_cast<std::size_t>(std::count_if(of_scan.begin(), of_scan.end(),
+                                                   [](const LabelledBox& box)
+                                                   { return box.box.centre.z() > highest; }));
+  }
+  return 2 * high > all;
+}
+
 /** \throws UserError that names the key. */
 void requireThere(const std::string& key, const std::string& path)
 {
@@ -135,13 +152,24 @@ GivenBoxes::GivenBoxes(const GivenBoxesOptions& options, const DetectionNoiseOpt
                          ? " with a score of at least boxes.min_score"
                          : ""));
   }
+  is_camera_frame_likely_ = options.calib.empty() && areMostlyInTheAir(boxes_);
 }
 
-std::string GivenBoxes::warning() const
+std::vector<std::string> GivenBoxes::warnings() const
 {
-  return immobile_ == 0 ? ""
-                        : "boxes.file: left out " + counted(immobile_, "detection") +
-                              " of things that cannot move (" + joined(immobile_names_) + ")";
+  std::vector<std::string> result;
+  if (immobile_ > 0)
+  {
+    result.push_back("boxes.file: left out " + counted(immobile_, "detection") +
+                     " of things that cannot move (" + joined(immobile_names_) + ")");
+  }
+  if (is_camera_frame_likely_)
+  {
+    result.emplace_back(
+        "boxes.file: most boxes are more than 5 m above the lidar; if they are in KITTI's camera "
+        "frame, boxes.calib is needed");
+  }
+  return result;
 }
 
 void GivenBoxes::detect(Frame& frame) const

@@ -24,8 +24,9 @@ class GivenBoxes
    * there are no boxes. */
   GivenBoxes(const GivenBoxesOptions& options, const DetectionNoiseOptions& noise);
 
-  /** Which boxes are left out because such things cannot move; empty if none are. */
-  [[nodiscard]] std::string warning() const;
+  /** Which boxes are left out because such things cannot move, and whether the boxes seem to be in
+   * the frame of a camera, although no calibration was given. */
+  [[nodiscard]] std::vector<std::string> warnings() const;
 
   /** Sets the detections of a frame to the boxes of its index. Reads cloud and T_vehicle_lidar. */
   void detect(Frame& frame) const;
@@ -38,6 +39,7 @@ class GivenBoxes
   std::map<std::size_t, std::vector<LabelledBox>> boxes_;  //!< by Frame::index, lidar frame
   std::size_t immobile_ = 0;              //!< number of boxes of things that cannot move
   std::set<std::string> immobile_names_;  //!< their classes, as in the file
+  bool is_camera_frame_likely_ = false;   //!< but no calibration was given
   DetectionNoiseOptions noise_;
 };
 }  // namespace dyslam

@@ -8,6 +8,7 @@
 
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "GivenBoxes.h"
 
@@ -25,8 +26,11 @@ class ObjectTracking
 
   /** Whether boxes of another program are used instead of the detector's. */
   [[nodiscard]] bool hasGivenBoxes() const { return boxes_.has_value(); }
-  /** GivenBoxes::warning(); empty without boxes of another program. */
-  [[nodiscard]] std::string warning() const { return boxes_ ? boxes_->warning() : ""; }
+  /** GivenBoxes::warnings(); none without boxes of another program. */
+  [[nodiscard]] std::vector<std::string> warnings() const
+  {
+    return boxes_ ? boxes_->warnings() : std::vector<std::string>();
+  }
 
   /** Sets detections and objects of the frame. Frames come in order of time. */
   void update(Frame& frame);

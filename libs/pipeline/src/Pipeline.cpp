@@ -218,10 +218,8 @@ std::vector<std::string> Pipeline::warnings() const
   std::vector<std::string> result = stages_->front_end.warnings();
   const std::vector<std::string> more = stages_->backend.warnings();
   result.insert(result.end(), more.begin(), more.end());
-  if (const std::string warning = stages_->tracking.warning(); !warning.empty())
-  {
-    result.push_back(warning);
-  }
+  const std::vector<std::string> of_boxes = stages_->tracking.warnings();
+  result.insert(result.end(), of_boxes.begin(), of_boxes.end());
   if (const std::string& problem = stages_->keyframes.memory().file->problem(); !problem.empty())
   {
     result.push_back(problem);

@@ -113,15 +113,18 @@ TEST_F(GivenBoxesFile, MayBeOfThingsThatCannotMove)
 {
   const std::string place = " 0 0 -10 0 0 0 0 1.5 0.6 0.6 10 1 -0.95 0.1 0.7\n";
   folder_.write("none.txt", "2 -1 bicycle" + place);
-  EXPECT_EQ("", read("none.txt").warning());
+  EXPECT_TRUE(read("none.txt").warnings().empty());
   folder_.write("one.txt", "2 -1 bicycle" + place + "2 -1 barrier" + place);
-  EXPECT_EQ("boxes.file: left out 1 detection of things that cannot move (barrier)",
-            read("one.txt").warning());
+  using Warnings = std::vector<std::string>;
+  EXPECT_EQ(Warnings{"boxes.file: left out 1 detection of things that cannot move (barrier)"},
+            read("one.txt").warnings());
   folder_.write("boxes.txt", "2 -1 traffic_cone" + place + "2 -1 bicycle" + place + "2 -1 barrier" +
                                  place + "3 -1 barrier" + place);
   const GivenBoxes boxes = read("boxes.txt");
-  EXPECT_EQ("boxes.file: left out 3 detections of things that cannot move (barrier, traffic_cone)",
-            boxes.warning());
+  EXPECT_EQ(
+      Warnings{
+          "boxes.file: left out 3 detections of things that cannot move (barrier, traffic_cone)"},
+      boxes.warnings());
   Frame frame = frameWithCar(2);
   boxes.detect(frame);
   ASSERT_EQ(1U, frame.detections.size());
@@ -171,7 +174,12 @@ TEST_F(GivenBoxesFile, MayBeInTheCameraFrame)
     const Box& found = frame.detections[0].box;
     EXPECT_TRUE(found.centre.isApprox(Eigen::Vector3d(10.5, 1, 0.75), 1e-6)) << name;
     EXPECT_NEAR(0, found.yaw, 1e-4) << name;
+    EXPECT_TRUE(read(name).warnings().empty()) << name;
   }
+  calib_.clear();  // forgotten
+  const std::vector<std::string> warnings = read("boxes.txt").warnings();
+  ASSERT_EQ(1U, warnings.size());
+  EXPECT_NE(warnings[0].find("boxes.calib is needed"), std::string::npos) << warnings[0];
 }
 
 TEST_F(GivenBoxesFile, Errors)

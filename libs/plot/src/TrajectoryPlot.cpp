@@ -76,6 +76,15 @@ Curve stepErrorCurve(const PosePairs& pairs)
   return curve;
 }
 
+/** The reference of the estimate that covers most of it. */
+const std::vector<Pose>& referenceOf(const std::vector<TrajectoryPlotItem>& items)
+{
+  const auto longest = std::max_element(items.begin(), items.end(),
+                                        [](const TrajectoryPlotItem& a, const TrajectoryPlotItem& b)
+                                        { return a.pairs.size() < b.pairs.size(); });
+  return longest->pairs.reference;
+}
+
 /** Reference and aligned estimates in the plane of these axes. */
 std::vector<Curve> alignedCurves(const std::vector<TrajectoryPlotItem>& items,
                                  Alignment alignment,
@@ -87,7 +96,7 @@ std::vector<Curve> alignedCurves(const std::vector<TrajectoryPlotItem>& items,
   reference.name = "reference";
   reference.colour = reference_grey;
   reference.thickness = 7 * supersampling;
-  for (const auto& pose : items.front().pairs.reference)
+  for (const auto& pose : referenceOf(items))
   {
     reference.points.emplace_back(pose.translation()[a], pose.translation()[b]);
   }
@@ -197,7 +206,7 @@ std::vector<std::uint8_t> renderTrajectoryPlot(const std::vector<TrajectoryPlotI
   const int legend_height = (static_cast<int>(legend.size()) * 24 + 12) * supersampling;
   cv::Mat page(page_height + legend_height, page_width, CV_8UC3, white);
   text(page, options.title, {page_width / 2, 24 * supersampling}, Anchor::middle, 0.7);
-  const auto axes = groundAxes(items.front().pairs.reference);
+  const auto axes = groundAxes(referenceOf(items));
   const cv::Rect left(100 * supersampling, 70 * supersampling, 690 * supersampling,
                       660 * supersampling);
   drawTopView(page, left, alignedCurves(items, options.alignment, axes),

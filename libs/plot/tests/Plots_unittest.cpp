@@ -67,6 +67,26 @@ TEST(TrajectoryPlot, HandlesOnePoseStationaryAndEmptyInput)
   EXPECT_THROW((void)renderTrajectoryPlot({{"empty", PosePairs()}}), std::invalid_argument);
 }
 
+TEST(TrajectoryPlot, TheReferenceIsThatOfTheLongestEstimate)
+{
+  const PosePairs whole = circle(0.05);
+  PosePairs part = whole;
+  part.stamps.resize(whole.size() / 8);
+  part.reference.resize(whole.size() / 8);
+  part.estimate.resize(whole.size() / 8);
+  const auto greyPixels = [](const std::vector<TrajectoryPlotItem>& items)
+  {
+    const cv::Mat picture = cv::imdecode(renderTrajectoryPlot(items), cv::IMREAD_COLOR);
+    cv::Mat grey;
+    cv::inRange(picture(cv::Rect(100, 70, 690, 660)), cv::Scalar::all(180), cv::Scalar::all(190),
+                grey);
+    return cv::countNonZero(grey);
+  };
+  const int of_whole = greyPixels({{"whole", whole}, {"whole", whole}});
+  EXPECT_GT(of_whole, 1000);
+  EXPECT_GT(greyPixels({{"part", part}, {"whole", whole}}), of_whole / 2);
+}
+
 TEST(LinePlot, DrawsEverySeriesInItsColourWithinTheAxes)
 {
   LineSeries rising{"rising", {}};

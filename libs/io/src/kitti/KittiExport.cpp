@@ -5,15 +5,20 @@
 #include <dyslam/base/Printable.h>
 #include <dyslam/formats/GroundTruth.h>
 #include <dyslam/formats/KittiFiles.h>
+#include <dyslam/formats/KittiTracks.h>
 #include <dyslam/formats/ScanFiles.h>
 #include <dyslam/formats/TextFile.h>
+#include <dyslam/formats/TrackFiles.h>
 #include <dyslam/formats/TrajectoryFiles.h>
 #include <dyslam/io/KittiExport.h>
 #include <dyslam/io/RawlogSource.h>
 
 #include <algorithm>
 #include <filesystem>
+#include <map>
 #include <optional>
+#include <utility>
+#include <vector>
 
 #include "conversion/ConversionOutput.h"
 
@@ -78,7 +83,7 @@ class Sequence
         pending_(target_.string() + ".tmp"),
         truth_(groundTruthFolder(rawlog))
   {
-    for (const fs::path& path : {target_, posesFile()})
+    for (const fs::path& path : {target_, posesFile(), tracksFile()})
     {
       if (fs::exists(path))
       {
@@ -108,6 +113,13 @@ class Sequence
                         "poses of the camera");
       }
     }
+    if (!options.tracks.empty())
+    {
+      for (LabelledBox& box : readTracks(options.tracks))
+      {
+        tracks_[box.frame].push_back(std::move(box));
+      }
+    }
     fs::remove_all(pending_);  // of a killed program
     makeFolder((pending_ / "velodyne").string());
   }
@@ -133,6 +145,7 @@ class Sequence
     {
       poses_.push_back(*T_world_vehicle * scan.T_vehicle_lidar);
     }
+    addTracks(static_cast<int>(frame.index));
     ++result_.scans;
     result_.points += scan.size();
   }
@@ -171,6 +184,7 @@ class Sequence
     {
       fs::remove(pending_ / "velodyne");
     }
+    writeTracksOfScans();
     fs::rename(pending_, target_);
     if (poses)
     {
@@ -184,6 +198,40 @@ class Sequence
   [[nodiscard]] fs::path posesFile() const
   {
     return folder_ / "poses" / (options_.sequence + ".txt");
+  }
+
+  [[nodiscard]] fs::path tracksFile() const
+  {
+    return folder_ / "tracks" / (options_.sequence + ".txt");
+  }
+
+  /** Takes the boxes of a scan. \param index of the scan in the recording */
+  void addTracks(int index)
+  {
+    const auto boxes = tracks_.find(index);
+    if (boxes != tracks_.end())
+    {
+      for (LabelledBox& box : boxes->second)
+      {
+        box.frame = static_cast<int>(result_.scans);
+        written_tracks_.push_back(std::move(box));
+      }
+      boxes->second.clear();
+    }
+  }
+
+  void writeTracksOfScans()
+  {
+    if (options_.tracks.empty())
+    {
+      return;
+    }
+    if (written_tracks_.empty())
+    {
+      result_.warnings.push_back(options_.tracks + ": has no box of these scans");
+    }
+    makeFolder(tracksFile().parent_path().string());
+    writeKittiTracks(tracksFile().string(), written_tracks_, calib_.T_cam_velo);
   }
 
   void writeScan(const Frame& frame)
@@ -273,7 +321,9 @@ class Sequence
   std::string times_;
   double first_stamp_ = 0;
   std::size_t ring_files_ = 0;
-  std::vector<Pose> poses_;  //!< T_world_lidar
+  std::vector<Pose> poses_;                         //!< T_world_lidar
+  std::map<int, std::vector<LabelledBox>> tracks_;  //!< by number of the scan in the recording
+  std::vector<LabelledBox> written_tracks_;         //!< by number of the scan in the sequence
   ConversionResult result_;
 };
 }  // namespace
@@ -284,6 +334,8 @@ void KittiExportOptions::describe(OptionsVisitor& visitor)
   visitor.text("trajectory", trajectory,
                "file of TUM or KITTI poses of the vehicle; empty: ground truth");
   visitor.text("calib", calib, "calibration file or folder; empty: camera axes at the lidar");
+  visitor.text("tracks", tracks,
+               "tracks.txt of a run, to be written in the camera frame; empty: none");
   visitor.text("sensor_label", sensor_label,
                "regex for the lidar's sensor label; empty: the first");
   visitor.text("further_lidars", further_lidars,

@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/backend/Backend.h>
+#include <dyslam/base/Error.h>
 #include <dyslam/base/Files.h>
 #include <dyslam/base/PendingFile.h>
 #include <dyslam/base/SharedFiles.h>
+#include <dyslam/base/Words.h>
 #include <dyslam/core/BoxOverlap.h>
 #include <dyslam/formats/GroundTruth.h>
 #include <dyslam/formats/ScanTable.h>
@@ -11,6 +13,7 @@
 
 #include <algorithm>
 #include <map>
+#include <string>
 #include <string_view>
 #include <utility>
 
@@ -49,17 +52,35 @@ class PageOutput : public RunOutput
   {
     RunPage page = pageOf(results);
     page.picture = renderMapPicture(pictureOf(page));
+    std::string failures;
     if (!page.picture.empty())
     {
-      writeWhole(path(png), std::string_view(reinterpret_cast<const char*>(page.picture.data()),
-                                             page.picture.size()));
+      writeUnlessFailing(
+          png, {reinterpret_cast<const char*>(page.picture.data()), page.picture.size()}, failures);
     }
     page.files.emplace_back(png);
     const std::string page_template = readWhole(findGivenOrShared("page.html", "report", ".html"));
-    writeWhole(path(html), renderRunPage(page, page_template, options_));
+    writeUnlessFailing(html, renderRunPage(page, page_template, options_), failures);
+    if (!failures.empty())
+    {
+      throw UserError(failures);
+    }
   }
 
  private:
+  /** Writes a file; where it cannot be written, the other one of this output is all the same. */
+  void writeUnlessFailing(const char* name, std::string_view content, std::string& failures) const
+  {
+    try
+    {
+      writeWhole(path(name), content);
+    }
+    catch (const UserError& error)
+    {
+      appendWord(failures, error.what(), "; ");
+    }
+  }
+
   [[nodiscard]] RunPage pageOf(const RunResults& results) const
   {
     RunPage page;

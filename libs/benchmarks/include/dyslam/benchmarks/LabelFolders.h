@@ -34,7 +34,7 @@ struct ReferenceReading
 
 /** Compares two folders of NNNNNN.label files, or folders with a subfolder `labels` of such files;
  * the folder `probabilities` beside the labels of the estimate is read, too. \throws UserError if
- * they have no scan in common or the numbers of labels of a scan differ. */
+ * they are the same folder or have no scan in common, or the numbers of labels of a scan differ. */
 [[nodiscard]] LabelComparison compareLabelFolders(const std::string& reference,
                                                   const std::string& estimate,
                                                   const ReferenceReading& reading = {});

@@ -17,22 +17,37 @@ struct PoseReading
 {
   static constexpr double default_tolerance = 0.01;  //!< [s]
 
-  std::optional<double> tolerance;    //!< tolerance of time stamps [s]; empty: default_tolerance
+  std::optional<double> tolerance;  //!< tolerance of time stamps [s]; empty: default_tolerance
+  /** The reference is interpolated at the time stamps of the estimate, between poses that are at
+   * most this far from them [s]; empty: the nearest pose within the tolerance. */
+  std::optional<double> interpolate;
   std::optional<double> time_offset;  //!< added to the time stamps of the estimate [s]
   /** Which file has the poses of a camera (z ahead), which are converted to poses of the lidar:
    * "estimate", "reference", or empty for none. */
   std::string camera;
   std::string calib;  //!< KITTI's calib.txt with the camera's mounting; empty: only its axes
+  /** Pose of the reference's body (IMU, antenna) in the body frame of the estimate, as
+   * poseFromOption() reads it; empty: both are poses of the same body. After `camera`. */
+  std::string reference_body;
+  std::string reference_times;  //!< a time [s] for each line of a KITTI reference; empty: none
 };
 
 /** Pairs the poses of two files (TUM or KITTI): by time if both have time stamps, else by line.
  * \param note called if the pairs are few or the files differ in length \throws UserError for files
- * that cannot be read, without poses or with fewer than two pairs, and for a tolerance or an offset
- * given with a file without time stamps. */
+ * that cannot be read, without poses or with fewer than two pairs, and for a tolerance, an offset
+ * or times given with a file without time stamps. */
 [[nodiscard]] PosePairs pairFiles(const std::string& reference,
                                   const std::string& estimate,
                                   const PoseReading& reading,
                                   const NoteSink& note);
+
+/** Why errors may not be those of the estimate, for the console: other axes of the bodies,
+ * orientations that do not fit although the positions do, another unit; empty if nothing is wrong.
+ * \param reference, estimate their files \param report of these pairs */
+[[nodiscard]] std::string pairWarning(const std::string& reference,
+                                      const std::string& estimate,
+                                      const PosePairs& pairs,
+                                      const TrajectoryReport& report);
 
 /** Adds a row of means over several estimates; the mean drift is over the estimates that are long
  * enough to have one. */

@@ -30,6 +30,14 @@ struct PosePairs
                                         const Trajectory& estimate,
                                         double tolerance);
 
+/** Associates each estimated pose with that of the reference at its time, interpolated between two
+ * poses of which neither is more than `max_gap` away [s]. The pairs have the stamps of the
+ * estimate.
+ */
+[[nodiscard]] PosePairs associateInterpolated(const Trajectory& reference,
+                                              const Trajectory& estimate,
+                                              double max_gap);
+
 /** Associates poses of equal index, for files without stamps (KITTI); the longer file is cut. */
 [[nodiscard]] PosePairs associateByIndex(const Trajectory& reference, const Trajectory& estimate);
 

@@ -17,7 +17,8 @@ enum class BodyAxes
 /** Compares the directions of motion, each in the frame of its body.
  *
  * `differ` means that the mean cosine of the angle between them is below 0.5; the camera cases that
- * it is above 0.9 after turning camera axes to lidar axes. Noise and drift change directions only
- * by degrees. */
+ * it is above 0.9 after turning camera axes to lidar axes, and that the camera moves along its z
+ * axis (a body that is turned by a yaw of 90 degrees moves like a camera otherwise). Noise and
+ * drift change directions only by degrees. */
 [[nodiscard]] BodyAxes compareBodyAxes(const PosePairs& pairs);
 }  // namespace dyslam

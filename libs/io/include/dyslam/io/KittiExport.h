@@ -13,6 +13,7 @@ struct KittiExportOptions : Options, ScanRange
   std::string sequence = "00";  //!< name of the folder of the sequence
   std::string trajectory;       //!< TUM or KITTI poses of the vehicle; empty: the recording's truth
   std::string calib;            //!< KITTI's calibration; empty: camera axes at the lidar
+  std::string tracks;           //!< boxes as readTracks() reads them; empty: none
   std::string sensor_label;     //!< as RawlogSourceOptions::sensor_label
   std::string further_lidars;   //!< as in RawlogSourceOptions; not with `rings`
   bool no_scans = false;        //!< only times, calibration and poses
@@ -27,7 +28,8 @@ struct KittiExportOptions : Options, ScanRange
  * `times.txt` (seconds since the first scan), `calib.txt`, `labels/NNNNNN.label` of the rawlog's
  * ground truth and `poses.txt`; `<folder>/poses/NN.txt` is the same. Poses are those of camera 0 in
  * its first frame, as KITTI's; without a calibration, the camera is at the lidar (x right, y down,
- * z ahead). Poses are left out, with a warning, unless every scan has one.
+ * z ahead). Poses are left out, with a warning, unless every scan has one. The boxes of `tracks`
+ * are written to `<folder>/tracks/NN.txt` as writeKittiTracks() does.
  *
  * The sequence is written under a temporary name. If `progress` throws, all is removed.
  * \throws UserError, also if there is such a sequence already. */

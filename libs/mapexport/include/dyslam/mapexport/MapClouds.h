@@ -20,7 +20,8 @@ namespace dyslam
 using TileProgress = std::function<void(std::size_t done, std::size_t all, std::size_t written)>;
 
 /** Writes a static map as clouds (MapCloudFile), whole or in tiles: one point per voxel or, with
- * `full_resolution`, every static point; with normals, if `normals` is on.
+ * `full_resolution`, every static point; with normals, if `normals` is on; of the `area` alone, if
+ * there is one.
  *
  * Several files are written together, so that the points are computed once. */
 class MapClouds
@@ -64,6 +65,7 @@ class MapClouds
   StaticMapOptions map_options_;
   MapExportOptions exports_;
   CloudDescription description_;
+  MapRegion area_;  //!< areaOf() the options
   ThreadPool& pool_;
 };
 }  // namespace dyslam

@@ -31,6 +31,9 @@ struct MapExportOptions : Options
   double obstacle_max_height = 2.2;  //!< higher objects can be driven under [m]
   int obstacle_min_hits = 2;         //!< least number of keyframes that observed an obstacle
   int grid_max_cells = 100000000;    //!< a larger grid gets coarser cells
+  /** Part of the plane that clouds and grids have: x_min y_min x_max y_max, in the coordinates of
+   * the trajectory [m]; empty: all of it. */
+  std::string area;
 
   void describe(OptionsVisitor& visitor) override;
 };
@@ -38,6 +41,11 @@ struct MapExportOptions : Options
 /** \param epsg as MapExportOptions::epsg \param of_coordinates number of the zone of UTM that the
  * coordinates are in; 0: not known \throws UserError if they name different zones of UTM (WGS84) */
 void requireZone(int epsg, int of_coordinates);
+
+/** MapExportOptions::area in the map frame. \param origin of the map frame in the coordinates of
+ * the area [m] \throws UserError unless it is empty or four numbers in order */
+[[nodiscard]] MapRegion areaOf(const MapExportOptions& options,
+                               const Eigen::Vector3d& origin = Eigen::Vector3d::Zero());
 
 /** Called with the number of keyframes done after each of them; may be empty. */
 using MapProgress = std::function<void(std::size_t)>;
@@ -63,7 +71,8 @@ void writeOctomap(const StaticMap& map,
 
 /** 2D occupancy grid for navigation: `x.gridmap` (MRPT's COccupancyGridMap2D, which stays relative
  * to the origin), or with any other ending a PNG, and `x.yaml` for ROS's map_server beside it. In a
- * grid finer than the voxels, obstacles in neighbouring columns of voxels are connected.
+ * grid finer than the voxels, obstacles in neighbouring columns of voxels are connected. With an
+ * `area` the grid has that size, also where nothing was observed.
  * \return side of the cells [m], more than grid_resolution if there were more than grid_max_cells,
  * or more than a million in a row, which no PNG has */
 double writeOccupancyGrid(const StaticMap& map,
