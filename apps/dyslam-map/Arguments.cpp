@@ -37,12 +37,12 @@ std::vector<std::string> knownSections()
 }
 
 /** Sections that --set may change: merged runs have [preprocess] and [input] of their own. */
-std::vector<std::string> ownSections(const Arguments& a)
+std::vector<std::string> ownSections(bool merging)
 {
-  return a.runs.empty() ? std::vector<std::string>{"map",   "labels",     "preprocess",
-                                                   "input", "map_export", "memory"}
-                        : std::vector<std::string>{"map",  "labels", "map_export", "memory",
-                                                   "loop", "solver", "merge"};
+  return merging ? std::vector<std::string>{"map",  "labels", "map_export", "memory",
+                                            "loop", "solver", "merge"}
+                 : std::vector<std::string>{"map",   "labels",     "preprocess",
+                                            "input", "map_export", "memory"};
 }
 
 /** \param run as given to --merge */
@@ -300,10 +300,25 @@ void excludeFlags(CLI::App& app)
   app.get_option("--poses-of")->needs(app.get_option("--trajectory"));
 }
 
+/** What has a section that --set may not change here, as the end of an error message; empty if
+ * nothing is known that has it. */
+std::string ownerOf(const std::string& section, bool merging)
+{
+  const auto has = [&section](const std::vector<std::string>& sections)
+  { return std::find(sections.begin(), sections.end(), section) != sections.end(); };
+  if (has(ownSections(!merging)))
+  {
+    return "; the section [" + section + "] is for " +
+           (merging ? "maps of a single recording" : "--merge");
+  }
+  return has(SlamRun::sections()) ? "; the section [" + section + "] belongs to dyslam" : "";
+}
+
 /** \param assigned sections of --set \throws UnknownSetting for one that --set may not change. */
 void requireOwnSections(const Config& assigned, const Arguments& a)
 {
-  const auto own = ownSections(a);
+  const bool merging = !a.runs.empty();
+  const auto own = ownSections(merging);
   for (const std::string& section : assigned.sectionNames())
   {
     if (std::find(own.begin(), own.end(), section) != own.end())
@@ -317,8 +332,8 @@ void requireOwnSections(const Config& assigned, const Arguments& a)
     }
     const auto& [key, value] = *assigned.section(section).begin();
     throw UnknownSetting(value.origin + "=" + value.text + ": dyslam-map has the sections " +
-                             names + (a.runs.empty() ? "" : " (--merge)"),
-                         "", {"", key, value});
+                             names + (merging ? " (--merge)" : ""),
+                         ownerOf(section, merging), {"", key, value});
   }
 }
 

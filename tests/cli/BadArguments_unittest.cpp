@@ -99,6 +99,11 @@ TEST_F(BadArguments, Configs)
       "dyslam-map",
       "-i " + at("good.rawlog") + " --trajectory x -o m.pcd -c vlp16.ini --set mapp.voxel_size=1",
       {"--set mapp.voxel_size=1", "sections map, labels, preprocess"});
+  const std::string map = "-i " + at("good.rawlog") + " --trajectory x -o m.pcd -c vlp16.ini ";
+  expectRefusal("dyslam-map", map + "--set odometry.method=dylo",
+                {"--set odometry.method=dylo", "the section [odometry] belongs to dyslam"});
+  expectRefusal("dyslam-map", map + "--set merge.level_map=true",
+                {"the section [merge] is for --merge"});
   expectRefusal("dyslam-map",
                 "-i " + at("good.rawlog") + " --trajectory x -o m.pcd -c " +
                     write("bad.ini", "[mapp]\nvoxel_size = 1\n"),

@@ -165,8 +165,13 @@ class LayoutReader
     }
     if (options_.dt == 0)
     {
-      source = firstExisting(options_.times,
-                             {input_ / "times.txt", input_ / "velodyne_points" / "timestamps.txt"});
+      std::vector<fs::path> candidates{input_ / "times.txt",
+                                       input_ / "velodyne_points" / "timestamps.txt"};
+      if (!sequence_.empty())
+      {
+        candidates.insert(candidates.begin(), timesOfSequence());
+      }
+      source = firstExisting(options_.times, candidates);
       has_raw_times_ = options_.times.empty() && fs::path(source).filename() == "timestamps.txt";
       if (!source.empty())
       {
@@ -208,13 +213,18 @@ class LayoutReader
     }
   }
 
+  /** KITTI has no times of its tracking sequences: a file that others may have put there, where
+   * dyslam-eval kitti-mot reads it, too. */
+  [[nodiscard]] fs::path timesOfSequence() const { return input_ / "times" / (sequence_ + ".txt"); }
+
   void warnAboutMissingTimes()
   {
     const std::string missing =
         options_.kind == KittiKind::kitti360
             ? "velodyne_points/timestamps.txt, a download of its own (data_3d_timestamps.zip)"
         : options_.kind == KittiKind::raw ? "velodyne_points/timestamps.txt or times.txt"
-                                          : "times.txt";
+        : sequence_.empty()               ? "times.txt"
+                                          : timesOfSequence().string();
     layout_.warnings.push_back("no " + missing +
                                ": 0.1034 s between scans is assumed; give --dt, or a file of times "
                                "with --times of kitti2rawlog");
