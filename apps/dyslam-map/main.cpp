@@ -12,6 +12,7 @@
 #include "../common/Checks.h"
 #include "../common/Progress.h"
 #include "Arguments.h"
+#include "Settings.h"
 
 namespace
 {
