@@ -33,7 +33,7 @@ class GzInput
   /** Records that data are missing at the end: the file is cut short, or damaged at restAt(). */
   void noteCut();
 
-  /** True if no byte is left; ok() then tells whether the file is complete. */
+  /** True if no byte is left; whyIncomplete() then tells whether some are missing. */
   [[nodiscard]] bool atEnd();
   /** Whether the file ended where data should be. */
   [[nodiscard]] bool cut() const { return cut_; }
