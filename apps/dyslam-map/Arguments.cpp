@@ -134,7 +134,6 @@ void excludeFlags(CLI::App& app)
   app.get_option("--run")->excludes(app.get_option("--labelled-map"));  // a run has no true labels
   app.get_option("--poses-of")->needs(app.get_option("--trajectory"));
 }
-
 }  // namespace
 
 void declare(CLI::App& app, Arguments& a)

@@ -67,7 +67,6 @@ std::vector<double> oxtsTimes(const std::string& path,
   }
   return times;
 }
-
 }  // namespace
 
 std::string findOxts(const fs::path& folder,
