@@ -8,6 +8,7 @@
 
 #include <cmath>
 #include <exception>
+#include <filesystem>
 #include <functional>
 #include <iostream>
 #include <new>
@@ -244,6 +245,10 @@ int runApp(int argc,
   catch (const std::bad_alloc&)
   {
     return fail("out of memory");
+  }
+  catch (const std::filesystem::filesystem_error& error)
+  {
+    return fail(error.path1().string() + ": " + error.code().message());
   }
   catch (const std::exception& error)
   {

@@ -4,6 +4,7 @@
 
 #include <filesystem>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "RefusedInput.h"
@@ -111,6 +112,20 @@ TEST_F(BadArguments, Configs)
   expectRefusal("dyslam", start + "--start 2 --end 1", {"end = 1 s is not after start = 2 s"});
   expectRefusal("dyslam", start + "--start 999", {"start = 999 s", "the file has 12 scans"});
   EXPECT_FALSE(fs::exists(at("never") + "/trajectory_tum.txt"));
+}
+
+TEST_F(BadArguments, NamesThatTheFileSystemRefuses)
+{
+  const std::string name(300, 'a');
+  const std::vector<std::pair<std::string, std::string>> calls{
+      {"dyslam", "-o " + at("never") + " -i "},
+      {"scans2rawlog", "-o " + at("never.rawlog") + " -i "},
+      {"dyslam-map", "-o " + at("never.pcd") + " --run "},
+      {"dyslam-eval", "run "}};
+  for (const auto& [program, arguments] : calls)
+  {
+    expectRefusal(program, arguments + at(name), {name + ": File name too long"});
+  }
 }
 
 TEST_F(BadArguments, FoldersToResume)
