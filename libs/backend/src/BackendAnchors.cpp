@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The end of a run: the vertical, and the pose of the map on the earth.
 #include <dyslam/base/Angle.h>
+#include <dyslam/base/Printable.h>
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <iterator>
 #include <string>
 #include <utility>
@@ -171,12 +171,11 @@ void Backend::State::compareVerticals()
   const double angle = std::acos(std::clamp(up_map.dot(gravity->up_map), -1.0, 1.0));
   if (angle > gnss.options().tilt_sigma + most_sigmas * gravity->tilt_sigma)
   {
-    char degrees[32];
-    std::snprintf(degrees, sizeof degrees, "%.1f", angle / radians_per_degree);
-    gnss.warn(std::string("the satellite positions place the map on the earth with its vertical ") +
-              degrees +
-              " degrees off that of the IMU's accelerations; gravity.level_map=true levels the map "
-              "first");
+    gnss.warn(
+        formatted("the satellite positions place the map on the earth with its vertical %.1f "
+                  "degrees off that "
+                  "of the IMU's accelerations; gravity.level_map=true levels the map first",
+                  angle / radians_per_degree));
   }
 }
 }  // namespace dyslam

@@ -2,12 +2,12 @@
 #include "GravityAnchor.h"
 
 #include <dyslam/backend/factors/GravityFactor.h>
+#include <dyslam/base/Printable.h>
 #include <dyslam/base/StateArchive.h>
 
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <memory>
 
 namespace dyslam
@@ -191,13 +191,10 @@ std::string GravityAnchor::reasonForFew(std::size_t directions) const
   {
     return "the recording has no accelerations of an IMU";
   }
-  char reason[200];
-  std::snprintf(
-      reason, sizeof reason,
+  return formatted(
       "%zu of %zu directions of gravity that are needed; each takes gravity.window (%g s) "
       "without a gap, and %zu scans",
       directions, least_directions, options_.window, least_frames);
-  return reason;
 }
 
 bool GravityAnchor::addTo(FactorGraph& graph, const std::vector<FrameInKeyframe>& frames)
@@ -228,11 +225,11 @@ bool GravityAnchor::addTo(FactorGraph& graph, const std::vector<FrameInKeyframe>
   const Eigen::Vector3d upwards = solution.head<3>();
   if (!(std::abs(upwards.norm() - standard_gravity) < magnitude_tolerance))
   {
-    char magnitude[32];
-    std::snprintf(magnitude, sizeof magnitude, "%.2f", upwards.norm());
-    warn(std::string("the accelerations of the IMU are not used: gravity would be ") + magnitude +
-         " m/s^2; are they in m/s^2, with gravity, and is the pose of the IMU on the vehicle "
-         "right?");
+    warn(
+        formatted("the accelerations of the IMU are not used: gravity would be %.2f m/s^2; are "
+                  "they in m/s^2, "
+                  "with gravity, and is the pose of the IMU on the vehicle right?",
+                  upwards.norm()));
     return false;
   }
   const Eigen::Matrix2d covariance = information.inverse().topLeftCorner<2, 2>();
