@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <cmath>
 #include <exception>
+#include <filesystem>
 #include <functional>
 #include <initializer_list>
 #include <iostream>
@@ -273,6 +274,10 @@ int runApp(int argc,
   catch (const std::bad_alloc&)
   {
     return fail("out of memory");
+  }
+  catch (const std::filesystem::filesystem_error& error)
+  {
+    return fail(error.path1().string() + ": " + error.code().message());
   }
   catch (const std::exception& error)
   {

@@ -7,7 +7,6 @@
 #include <unistd.h>
 
 #include <csignal>
-#include <cstdio>
 #include <filesystem>
 #include <iostream>
 #include <sstream>
@@ -52,9 +51,8 @@ void say(const BatchResult& r, std::size_t ended, std::size_t all)
   }
   else
   {
-    char figures[64];
-    std::snprintf(figures, sizeof figures, ", %.1f s, %.2f GiB", m.seconds,
-                  static_cast<double>(m.peak_memory) / (1U << 30U));
+    const std::string figures = formatted(", %.1f s, %.2f GiB", m.seconds,
+                                          static_cast<double>(m.peak_memory) / (1U << 30U));
     line << figures << (m.attempts > 1 ? ", run twice" : "");
   }
   line << (m.reason.empty() ? "" : ": " + printable(m.reason));

@@ -36,10 +36,6 @@ struct Arguments
 };
 
 void declare(CLI::App& app, Arguments& a);
-/** Reads the sections of dyslam-map from the ini; the ini of a run may have others. Without an ini,
- * `effective.ini` of the run, beside the trajectory (if it exists) or of the first merged run is
- * read. \throws UserError. */
-void loadConfig(Arguments& a);
 /** Checks endings, folders, flags and whether files of a run would be replaced, before the work
  * starts. \throws UserError. */
 void checkOutputs(const Arguments& a);

@@ -13,6 +13,7 @@
 #include "../common/Progress.h"
 #include "../common/StopSignals.h"
 #include "Arguments.h"
+#include "Settings.h"
 
 namespace
 {
@@ -58,9 +59,9 @@ class Printer : public dyslam::MapListener
 /** " of 0.20 m"; empty for points that are not one per voxel. */
 std::string voxelText(const dyslam::MapReport& report, bool full_resolution)
 {
-  char text[40];
-  std::snprintf(text, sizeof text, " of %.2f m", report.voxel_size);
-  return full_resolution || report.voxel_size == 0 ? "" : text;
+  return full_resolution || report.voxel_size == 0
+             ? ""
+             : dyslam::formatted(" of %.2f m", report.voxel_size);
 }
 
 void printCounts(const dyslam::MapReport& report, bool full_resolution)

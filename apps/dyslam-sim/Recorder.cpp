@@ -156,6 +156,7 @@ void writeTruth(const SimulatedScan& scan,
     }
   }
 }
+
 /** A rawlog and its ground truth. Both get their names by close(); without it all that was written
  * is removed, and an earlier recording of the name stays as it is. */
 class RecordingOutput

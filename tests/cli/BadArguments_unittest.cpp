@@ -4,6 +4,7 @@
 
 #include <filesystem>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "RefusedInput.h"
@@ -106,6 +107,11 @@ TEST_F(BadArguments, Configs)
       "dyslam-map",
       "-i " + at("good.rawlog") + " --trajectory x -o m.pcd -c vlp16.ini --set mapp.voxel_size=1",
       {"--set mapp.voxel_size=1", "sections map, labels, preprocess"});
+  const std::string map = "-i " + at("good.rawlog") + " --trajectory x -o m.pcd -c vlp16.ini ";
+  expectRefusal("dyslam-map", map + "--set odometry.method=dylo",
+                {"--set odometry.method=dylo", "the section [odometry] belongs to dyslam"});
+  expectRefusal("dyslam-map", map + "--set merge.level_map=true",
+                {"the section [merge] is for --merge"});
   expectRefusal("dyslam-map",
                 "-i " + at("good.rawlog") + " --trajectory x -o m.pcd -c " +
                     write("bad.ini", "[mapp]\nvoxel_size = 1\n"),
@@ -113,6 +119,20 @@ TEST_F(BadArguments, Configs)
   expectRefusal("dyslam", start + "--start 2 --end 1", {"end = 1 s is not after start = 2 s"});
   expectRefusal("dyslam", start + "--start 999", {"start = 999 s", "the file has 12 scans"});
   EXPECT_FALSE(fs::exists(at("never") + "/trajectory_tum.txt"));
+}
+
+TEST_F(BadArguments, NamesThatTheFileSystemRefuses)
+{
+  const std::string name(300, 'a');
+  const std::vector<std::pair<std::string, std::string>> calls{
+      {"dyslam", "-o " + at("never") + " -i "},
+      {"scans2rawlog", "-o " + at("never.rawlog") + " -i "},
+      {"dyslam-map", "-o " + at("never.pcd") + " --run "},
+      {"dyslam-eval", "run "}};
+  for (const auto& [program, arguments] : calls)
+  {
+    expectRefusal(program, arguments + at(name), {name + ": File name too long"});
+  }
 }
 
 TEST_F(BadArguments, FoldersToResume)

@@ -199,6 +199,5 @@ TEST_F(SlamProgramTest, OneScanIsNamedAsOne)
   EXPECT_TRUE(
       contains(printedByRun(), "2 scans could not be registered; their motion is predicted"));
 }
-
 }  // namespace
 }  // namespace dyslam

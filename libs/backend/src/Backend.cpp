@@ -149,9 +149,10 @@ bool Backend::addOdometry(Frame& frame)
   {
     s.addKeyframe(frame);
   }
-  s.gnss.add(frame.gnss);
+  s.addPositions(frame);
   const MotionAccumulator& since_keyframe = s.odometry.sinceKeyframe();
-  s.frames.push_back({frame.scan.stamp, s.keyframes.size() - 1, since_keyframe.motion()});
+  s.frames.push_back(
+      {frame.scan.stamp, frame.time(), s.keyframes.size() - 1, since_keyframe.motion()});
   if (s.hasObjects())
   {
     s.objects.add(frame,

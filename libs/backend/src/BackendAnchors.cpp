@@ -1,26 +1,44 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The end of a run: the vertical, and the pose of the map on the earth.
+#include <dyslam/base/Angle.h>
+#include <dyslam/base/Printable.h>
+
 #include <algorithm>
+#include <cmath>
 #include <iterator>
+#include <string>
 #include <utility>
 
 #include "BackendState.h"
 
 namespace dyslam
 {
-/** Interpolates between the scans before and after the stamp. */
-std::optional<VehicleInKeyframe> Backend::State::vehicleAt(double stamp) const
+/** A position before a step of the clock belongs to the scan before it. */
+void Backend::State::addPositions(const Frame& frame)
+{
+  std::vector<GnssFix> fixes = frame.gnss;
+  for (GnssFix& fix : fixes)
+  {
+    const bool is_before_step = !frames.empty() && std::abs(fix.stamp - frames.back().stamp) <
+                                                       std::abs(fix.stamp - frame.scan.stamp);
+    fix.stamp -= is_before_step ? frames.back().stamp - frames.back().time : frame.clock_offset;
+  }
+  gnss.add(fixes);
+}
+
+/** Interpolates between the scans before and after. */
+std::optional<VehicleInKeyframe> Backend::State::vehicleAt(double time) const
 {
   constexpr double longest_gap = 1;  // longest time between the two scans [s]
-  const auto after = std::lower_bound(frames.begin(), frames.end(), stamp,
-                                      [](const FrameInKeyframe& frame, double time)
-                                      { return frame.stamp < time; });
-  if (after != frames.end() && after->stamp == stamp)
+  const auto after =
+      std::lower_bound(frames.begin(), frames.end(), time,
+                       [](const FrameInKeyframe& frame, double t) { return frame.time < t; });
+  if (after != frames.end() && after->time == time)
   {
     return VehicleInKeyframe{after->keyframe, after->T_keyframe_frame};
   }
   if (after == frames.begin() || after == frames.end() ||
-      after->stamp - std::prev(after)->stamp > longest_gap)
+      after->time - std::prev(after)->time > longest_gap)
   {
     return std::nullopt;
   }
@@ -28,7 +46,7 @@ std::optional<VehicleInKeyframe> Backend::State::vehicleAt(double stamp) const
   const Pose T_before_after = before.T_keyframe_frame.inverse() *
                               graph.pose(Key::ego(before.keyframe)).inverse() *
                               graph.pose(Key::ego(after->keyframe)) * after->T_keyframe_frame;
-  const double part = (stamp - before.stamp) / (after->stamp - before.stamp);
+  const double part = (time - before.time) / (after->time - before.time);
   return VehicleInKeyframe{before.keyframe,
                            before.T_keyframe_frame * expSE3(part * logSE3(T_before_after))};
 }
@@ -105,7 +123,7 @@ void Backend::State::levelMap(const Pose& T_level_map)
 void Backend::State::tieToEarth()
 {
   const Key earth = Key::georeference();
-  if (!gnss.addTo(graph, [this](double stamp) { return vehicleAt(stamp); }))
+  if (!gnss.addTo(graph, [this](double time) { return vehicleAt(time); }))
   {
     return;
   }
@@ -133,9 +151,31 @@ void Backend::State::tieToEarth()
   }
   georeference = gnss.georeference(graph);
   georeference->fused = fuse;
+  compareVerticals();
   if (!fuse)
   {
     graph.remove(earth);
+  }
+}
+
+/** A straight path shows the tilt about its direction only by the map's z axis. */
+void Backend::State::compareVerticals()
+{
+  constexpr double most_sigmas = 3;
+  if (!gravity || gravity->levelled)
+  {
+    return;
+  }
+  const Eigen::Vector3d up_map =
+      georeference->T_enu_map.linear().transpose() * Eigen::Vector3d::UnitZ();
+  const double angle = std::acos(std::clamp(up_map.dot(gravity->up_map), -1.0, 1.0));
+  if (angle > gnss.options().tilt_sigma + most_sigmas * gravity->tilt_sigma)
+  {
+    gnss.warn(
+        formatted("the satellite positions place the map on the earth with its vertical %.1f "
+                  "degrees off that "
+                  "of the IMU's accelerations; gravity.level_map=true levels the map first",
+                  angle / radians_per_degree));
   }
 }
 }  // namespace dyslam

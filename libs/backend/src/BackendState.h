@@ -64,6 +64,8 @@ struct Backend::State
   }
 
   // BackendAnchors.cpp
+  /** Keeps the satellite positions of a frame, with times as those of `frames`. */
+  void addPositions(const Frame& frame);
   /** What an optimisation of the whole graph changes. */
   struct Solved
   {
@@ -72,14 +74,16 @@ struct Backend::State
   };
   [[nodiscard]] Solved solved() const { return {graph.solution(), correction.last()}; }
   void restore(const Solved& before);
-  /** Pose of the vehicle at a UNIX time [s]; nothing if no scan is near. */
-  [[nodiscard]] std::optional<VehicleInKeyframe> vehicleAt(double stamp) const;
+  /** Pose of the vehicle at a FrameInKeyframe::time [s]; nothing if no scan is near. */
+  [[nodiscard]] std::optional<VehicleInKeyframe> vehicleAt(double time) const;
   /** Finds the vertical by the accelerations of an IMU. */
   void tieToVertical();
   /** Rotates all poses of the graph. */
   void levelMap(const Pose& T_level_map);
   /** Georeferences the map by the positions of a satellite receiver. */
   void tieToEarth();
+  /** Warns if the vertical of the georeference contradicts the accelerations. */
+  void compareVerticals();
 
   BackendOptions options;
   FactorGraphOptions solver;

@@ -19,7 +19,7 @@ struct VehicleInKeyframe
   Pose T_keyframe_vehicle = Pose::Identity();
 };
 
-/** Pose of the vehicle at a UNIX time [s]; nothing if no scan is near. */
+/** Pose of the vehicle at the stamp of a position [s]; nothing if no scan is near. */
 using VehicleAt = std::function<std::optional<VehicleInKeyframe>(double stamp)>;
 
 /** Collects the positions of a satellite receiver during a run, and georeferences the graph with
@@ -29,7 +29,8 @@ class GnssAnchor
  public:
   explicit GnssAnchor(const GnssOptions& options) : options_(options) {}
 
-  /** Adds the positions of the next frame; those that are none (isOnEarth()) are ignored. */
+  /** Adds the positions of the next frame, whose stamps are of a clock that is never set; those
+   * that are none (isOnEarth()) are ignored. */
   void add(const std::vector<GnssFix>& fixes);
 
   /** Adds the georeference and its factors to the graph, with a value near the optimum at the
@@ -56,7 +57,7 @@ class GnssAnchor
     Eigen::Vector3d antenna;   //!< position of the antenna, vehicle frame of the keyframe [m]
     double horizontal_sigma;   //!< sigma of east and of north [m]
     double vertical_sigma;     //!< sigma of the height [m]
-    double stamp;              //!< UNIX time [s]
+    double stamp;              //!< of the position, as it was added [s]
   };
   void select(const FactorGraph& graph, const VehicleAt& vehicle_at);
   [[nodiscard]] Pose initialPose(const FactorGraph& graph) const;

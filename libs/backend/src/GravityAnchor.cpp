@@ -2,12 +2,12 @@
 #include "GravityAnchor.h"
 
 #include <dyslam/backend/factors/GravityFactor.h>
+#include <dyslam/base/Printable.h>
 #include <dyslam/base/StateArchive.h>
 
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <memory>
 
 namespace dyslam
@@ -113,13 +113,13 @@ std::optional<GravityAnchor::Measured> GravityAnchor::measure(
 {
   for (std::size_t i = first + 1; i <= last; ++i)
   {
-    const double gap = frames[i].stamp - frames[i - 1].stamp;
+    const double gap = frames[i].time - frames[i - 1].time;
     if (intervals_[i].samples == 0 || gap <= 0 || gap > longest_gap)
     {
       return std::nullopt;
     }
   }
-  const WindowWeights weights{frames[first].stamp, frames[last].stamp - frames[first].stamp};
+  const WindowWeights weights{frames[first].time, frames[last].time - frames[first].time};
   Measured measured;
   measured.frame = (first + last) / 2;
   const Pose T_middle_map = poseOf(graph, frames[measured.frame]).inverse();
@@ -131,14 +131,14 @@ std::optional<GravityAnchor::Measured> GravityAnchor::measure(
     const Eigen::Vector3d next = T_middle_frame * intervals_[std::max(i, first + 1)].imu;
     if (i > first)
     {
-      const double before = frames[i - 1].stamp;
-      const Eigen::Vector3d next_velocity = (next - position) / (frames[i].stamp - before);
+      const double before = frames[i - 1].time;
+      const Eigen::Vector3d next_velocity = (next - position) / (frames[i].time - before);
       if (i > first + 1)
       {
         measured.upwards -= weights.at(before) * (next_velocity - velocity);
       }
       velocity = next_velocity;
-      measured.upwards += unit * (weights.until(frames[i].stamp) - weights.until(before)) *
+      measured.upwards += unit * (weights.until(frames[i].time) - weights.until(before)) *
                           (T_middle_frame.linear() * intervals_[i].specific_force);
     }
     position = next;
@@ -159,15 +159,15 @@ std::vector<GravityAnchor::Measured> GravityAnchor::measureAll(
     std::size_t last = first;
     std::size_t next = first + 1;
     for (; last + 1 < frames.size() &&
-           frames[last + 1].stamp - frames[first].stamp <= options_.window + 1e-6;
+           frames[last + 1].time - frames[first].time <= options_.window + 1e-6;
          ++last)
     {
-      if (frames[last + 1].stamp - frames[first].stamp <= options_.window / 2)
+      if (frames[last + 1].time - frames[first].time <= options_.window / 2)
       {
         next = last + 1;
       }
     }
-    const double duration = frames[last].stamp - frames[first].stamp;
+    const double duration = frames[last].time - frames[first].time;
     if (duration >= options_.window - longest_gap && last - first + 1 >= least_frames)
     {
       if (const auto measured = measure(graph, frames, first, last, unit_of_all))
@@ -191,13 +191,10 @@ std::string GravityAnchor::reasonForFew(std::size_t directions) const
   {
     return "the recording has no accelerations of an IMU";
   }
-  char reason[200];
-  std::snprintf(
-      reason, sizeof reason,
+  return formatted(
       "%zu of %zu directions of gravity that are needed; each takes gravity.window (%g s) "
       "without a gap, and %zu scans",
       directions, least_directions, options_.window, least_frames);
-  return reason;
 }
 
 bool GravityAnchor::addTo(FactorGraph& graph, const std::vector<FrameInKeyframe>& frames)
@@ -228,11 +225,11 @@ bool GravityAnchor::addTo(FactorGraph& graph, const std::vector<FrameInKeyframe>
   const Eigen::Vector3d upwards = solution.head<3>();
   if (!(std::abs(upwards.norm() - standard_gravity) < magnitude_tolerance))
   {
-    char magnitude[32];
-    std::snprintf(magnitude, sizeof magnitude, "%.2f", upwards.norm());
-    warn(std::string("the accelerations of the IMU are not used: gravity would be ") + magnitude +
-         " m/s^2; are they in m/s^2, with gravity, and is the pose of the IMU on the vehicle "
-         "right?");
+    warn(
+        formatted("the accelerations of the IMU are not used: gravity would be %.2f m/s^2; are "
+                  "they in m/s^2, "
+                  "with gravity, and is the pose of the IMU on the vehicle right?",
+                  upwards.norm()));
     return false;
   }
   const Eigen::Matrix2d covariance = information.inverse().topLeftCorner<2, 2>();

@@ -35,7 +35,6 @@ Matrix6 stepCovariance(const MotionEstimate& motion, const BackendOptions& optio
   }
   return unconverged;
 }
-
 }  // namespace
 
 Pose OdometryChain::add(const Frame& frame, bool is_first)

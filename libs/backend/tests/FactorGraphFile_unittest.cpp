@@ -223,6 +223,5 @@ TEST_F(FactorGraphFile, DamagedFilesAreNamed)
   EXPECT_THROW((void)readFactorGraph(file("missing.txt")), UserError);
   EXPECT_THROW(writeFactorGraph(FactorGraph(), file("no/such/folder.txt")), UserError);
 }
-
 }  // namespace
 }  // namespace dyslam

@@ -280,6 +280,34 @@ TEST(Gnss, PositionsThatAreNotFiniteAreIgnored)
 }
 
 /** While the vehicle stands for an hour, there are no positions whose errors could average out. */
+/** Of a live sensor: the first position behind the step is still by the clock before it. */
+TEST(Gnss, AClockThatIsSetBackChangesNothing)
+{
+  DriveWithFixes drive(0.01);
+  const GnssRun before(drive, with(GnssUse::fuse));
+  DriveWithFixes set_back(0.01);
+  constexpr double step = -20;              // [s]
+  constexpr std::size_t first_after = 245;  // has a position
+  ASSERT_EQ(set_back.frames.at(first_after).gnss.size(), 1U);
+  for (std::size_t i = first_after; i < set_back.frames.size(); ++i)
+  {
+    Frame& frame = set_back.frames[i];
+    frame.scan.stamp += step;
+    frame.clock_offset = step;
+    for (GnssFix& fix : frame.gnss)
+    {
+      fix.stamp += i == first_after ? 0 : step;
+    }
+  }
+  const GnssRun after(set_back, with(GnssUse::fuse));
+  ASSERT_TRUE(after.backend.georeference()) << after.warnings();
+  EXPECT_EQ(after.backend.georeference()->fixes, before.backend.georeference()->fixes);
+  EXPECT_NEAR(after.endError(set_back), before.endError(drive), 1e-6);
+  EXPECT_EQ(after.backend.optimisedTrajectory()[first_after].stamp,
+            set_back.frames[first_after].scan.stamp)
+      << "as given";
+}
+
 TEST(Gnss, APauseAddsNoInformation)
 {
   const auto informationOf = [](DriveWithFixes& drive)
@@ -372,6 +400,55 @@ TEST(Gnss, PositionsAreKeptInTheStateOfARun)
 }
 
 /** A graph that was written after the fusion is solved again by dyslam-graphslam --optimize. */
+/** The z axis of a tilted map that is taken for the vertical. */
+TEST(Gnss, AVerticalThatContradictsTheAccelerationsIsReported)
+{
+  const Pose T_level_tilted = poseFromYpr(0, 0, 0, 0, 0, 10 * M_PI / 180);
+  DriveWithFixes drive(0.01);
+  for (std::size_t i = 0; i < drive.frames.size(); ++i)
+  {
+    Frame& frame = drive.frames[i];
+    frame.motion.T_previous_current =
+        T_level_tilted.inverse() * frame.motion.T_previous_current * T_level_tilted;
+    frame.T_odom_vehicle = T_level_tilted.inverse() * frame.T_odom_vehicle * T_level_tilted;
+    if (i == 0 || i + 1 == drive.frames.size())
+    {
+      continue;
+    }
+    frame.dt = 0.1;
+    const Eigen::Vector3d acceleration =
+        (drive.truth[i + 1].translation() - 2 * drive.truth[i].translation() +
+         drive.truth[i - 1].translation()) /
+        (frame.dt * frame.dt);
+    ImuSample sample;
+    sample.stamp = frame.scan.stamp;
+    sample.acceleration = (drive.truth[i] * T_level_tilted).linear().transpose() *
+                          (acceleration + Eigen::Vector3d(0, 0, 9.80665));
+    frame.imu.push_back(sample);
+  }
+  BackendConfig config = GnssRun::configOf(with(GnssUse::align));
+  config.gnss.tilt_sigma = 2e-4;  // as where the path does not show the tilt
+  for (const bool level_map : {false, true})
+  {
+    config.gravity.level_map = level_map;
+    KeyframeStore keyframes;
+    Backend backend(config, keyframes);
+    for (Frame frame : drive.frames)
+    {
+      backend.addFrame(frame);
+    }
+    backend.finish();
+    ASSERT_TRUE(backend.gravity());
+    ASSERT_TRUE(backend.georeference());
+    ASSERT_EQ(backend.warnings().size(), level_map ? 0U : 1U);
+    if (!level_map)
+    {
+      EXPECT_NE(backend.warnings()[0].find("degrees off that of the IMU's accelerations"),
+                std::string::npos);
+    }
+  }
+}
+
 TEST(Gnss, AFusedGraphIsAtItsOptimum)
 {
   DriveWithFixes drive(0.5);

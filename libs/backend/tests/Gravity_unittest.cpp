@@ -304,6 +304,28 @@ TEST(Gravity, PiecesShorterThanTheWindowShowNoDirection)
             "gravity.window (4 s) without a gap, and 8 scans\n");
 }
 
+/** Of a live sensor; Frame::time() goes on. */
+TEST(Gravity, AClockThatIsSetBackChangesNothing)
+{
+  DriveWithImu drive(40, 0, Eigen::Vector3d::Zero());
+  const GravityRun before(drive, GravityUse::measure);
+  constexpr double step = -20;  // [s]
+  for (std::size_t i = 100; i < drive.frames.size(); ++i)
+  {
+    Frame& frame = drive.frames[i];
+    frame.scan.stamp += step;
+    frame.clock_offset = step;
+    for (ImuSample& sample : frame.imu)
+    {
+      sample.stamp += step;
+    }
+  }
+  const GravityRun after(drive, GravityUse::measure);
+  ASSERT_TRUE(after.backend.gravity()) << after.warnings();
+  EXPECT_EQ(after.backend.gravity()->directions, before.backend.gravity()->directions);
+  EXPECT_TRUE(after.backend.gravity()->up_map.isApprox(before.backend.gravity()->up_map, 1e-6));
+}
+
 TEST(Gravity, WithoutAccelerationsNothingChanges)
 {
   DriveWithImu drive(30, 1e-4, Eigen::Vector3d::Zero());

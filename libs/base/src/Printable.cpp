@@ -3,6 +3,8 @@
 
 #include <algorithm>
 #include <cctype>
+#include <cstdarg>
+#include <cstdio>
 
 namespace dyslam
 {
@@ -28,6 +30,20 @@ std::string printable(std::string text)
       text.erase(i + 1, 1);
     }
   }
+  return text;
+}
+
+std::string formatted(const char* format, ...)
+{
+  std::va_list values;
+  va_start(values, format);
+  std::va_list again;
+  va_copy(again, values);
+  const int size = std::vsnprintf(nullptr, 0, format, values);
+  va_end(values);
+  std::string text(static_cast<std::size_t>(std::max(0, size)), '\0');
+  std::vsnprintf(text.data(), text.size() + 1, format, again);
+  va_end(again);
   return text;
 }
 

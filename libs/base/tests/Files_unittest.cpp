@@ -65,6 +65,7 @@ TEST_F(Files, AFolderHasItselfAndAllBelow)
   }
   EXPECT_FALSE(isWithin("", path("in")));
 }
+
 std::vector<std::string> namesOf(const std::vector<fs::directory_entry>& entries)
 {
   std::vector<std::string> names;

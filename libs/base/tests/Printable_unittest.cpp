@@ -14,6 +14,13 @@ TEST(Printable, ControlCharactersOfBothRangesAreReplaced)
   EXPECT_EQ(503U, printable(std::string(1000, 'x')).size());
 }
 
+TEST(Printable, NumbersAreFormattedAtAnyLength)
+{
+  EXPECT_EQ("1.50 m of 7", formatted("%.2f m of %d", 1.5, 7));
+  EXPECT_EQ("", formatted("%s", ""));
+  EXPECT_EQ(std::string(2000, 'x') + "!", formatted("%s!", std::string(2000, 'x').c_str()));
+}
+
 TEST(Printable, TextOfHtmlHasNoMarkup)
 {
   EXPECT_EQ(escapedHtml("<a href=\"b\">&'c'"), "&lt;a href=&quot;b&quot;&gt;&amp;'c'");

@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <cctype>
-#include <cstdio>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 #include <vector>
@@ -31,9 +30,7 @@ std::string address(const std::string& path)
   {
     const bool plain = std::isalnum(static_cast<unsigned char>(c)) != 0 ||
                        std::string("-_./").find(c) != std::string::npos;
-    char text[4];
-    std::snprintf(text, sizeof text, "%%%02X", static_cast<unsigned char>(c));
-    result += plain ? std::string(1, c) : text;
+    result += plain ? std::string(1, c) : formatted("%%%02X", static_cast<unsigned char>(c));
   }
   return result;
 }
@@ -46,12 +43,9 @@ Json parsed(const fs::path& file)
 std::string numberCell(const Json& json, const std::string& pointer, int digits)
 {
   const Json::json_pointer at(pointer);
-  char text[40] = "";
-  if (json.is_object() && json.contains(at) && json.at(at).is_number())
-  {
-    std::snprintf(text, sizeof text, "%.*f", digits, json.at(at).get<double>());
-  }
-  return std::string("<td class=\"number\">") + text + "</td>";
+  const bool is_number = json.is_object() && json.contains(at) && json.at(at).is_number();
+  return "<td class=\"number\">" +
+         (is_number ? formatted("%.*f", digits, json.at(at).get<double>()) : "") + "</td>";
 }
 
 /** The entry of each recording in table.json, null without results. table.json has the runs with

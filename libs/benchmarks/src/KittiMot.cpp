@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/base/Error.h>
+#include <dyslam/base/Files.h>
 #include <dyslam/base/Printable.h>
 #include <dyslam/benchmarks/DetectionDeskew.h>
 #include <dyslam/benchmarks/JsonText.h>
@@ -364,7 +365,7 @@ void writeKittiMot(const std::string& folder,
                    const std::vector<std::string>& names,
                    const std::vector<KittiMotRun>& runs)
 {
-  fs::create_directories(folder);
+  makeFolder(folder);
   for (std::size_t i = 0; i < names.size(); ++i)
   {
     std::vector<LabelledBox> boxes;

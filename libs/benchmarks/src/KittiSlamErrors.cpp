@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/base/Angle.h>
+#include <dyslam/base/Files.h>
 #include <dyslam/base/PendingFile.h>
 #include <dyslam/benchmarks/JsonText.h>
 #include <dyslam/benchmarks/KittiSlamErrors.h>
@@ -7,7 +8,6 @@
 
 #include <algorithm>
 #include <array>
-#include <filesystem>
 #include <iomanip>
 #include <map>
 #include <nlohmann/json.hpp>
@@ -77,7 +77,7 @@ void writeSpeeds(const std::string& folder,
                  const std::string& sequence,
                  const std::map<int, KittiVehicleSpeeds>& vehicles)
 {
-  std::filesystem::create_directories(folder);
+  makeFolder(folder);
   for (const auto& [label, vehicle] : vehicles)
   {
     const std::string name = folder + "/" + sequence + "_" + std::to_string(label);

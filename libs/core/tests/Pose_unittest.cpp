@@ -116,6 +116,7 @@ TEST(Pose, OrthonormalisedRepairsRoundedRotations)
       1e-12);
   EXPECT_TRUE(repaired.isApprox(poseFromYpr(1, 2, 3, 1, 0.2, 0.1), 1e-9));
 }
+
 TEST(FastAngle, WithinItsBoundOfAtan2)
 {
   for (int k = -1000; k <= 1000; ++k)

@@ -4,20 +4,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <stdexcept>
 
 namespace dyslam
 {
 namespace
 {
-std::string formatted(const char* format, int digits, double value)
-{
-  char buffer[64];
-  std::snprintf(buffer, sizeof buffer, format, digits, value);
-  return buffer;
-}
-
 std::string fixed(std::optional<double> number, int digits)
 {
   return number && std::isfinite(*number) ? formatted("%.*f", digits, *number) : "-";

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/base/Printable.h>
 #include <dyslam/eval/PaperFigures.h>
 #include <dyslam/eval/TrajectoryReports.h>
 
-#include <cstdio>
 #include <nlohmann/json.hpp>
 
 namespace dyslam
@@ -19,9 +19,7 @@ std::optional<double> where(bool condition, double value)
 /** A segment length as it was given: 2.5, not 2. */
 std::string lengthText(double length)
 {
-  char text[32];
-  std::snprintf(text, sizeof text, "%g", length);
-  return text;
+  return formatted("%g", length);
 }
 
 std::vector<TableCell> row(const TrajectoryReport& r)

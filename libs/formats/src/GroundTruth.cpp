@@ -48,6 +48,28 @@ struct WorldOptions : Options
     visitor.integer("seed", values.seed, 0, 2147483647, "seed of world, traffic and noise");
   }
 };
+
+/** Moves the files of a folder and its subfolders to those of another folder, which keep their other
+ * files. \throws UserError. */
+void moveFiles(const fs::path& from, const fs::path& to)
+{
+  makeFolder(to.string());
+  for (const fs::directory_entry& entry : entriesOf(from))
+  {
+    const fs::path target = to / entry.path().filename();
+    std::error_code error;
+    if (entry.is_directory(error))
+    {
+      moveFiles(entry.path(), target);
+      continue;
+    }
+    fs::rename(entry.path(), target, error);
+    if (error)
+    {
+      throw UserError(target.string() + ": cannot be written: " + error.message());
+    }
+  }
+}
 }  // namespace
 
 std::optional<SimulatedWorld> simulatedWorld(const std::string& folder)
@@ -241,22 +263,9 @@ void installGroundTruth(const std::string& pending, const std::string& folder)
 {
   std::error_code not_empty;
   fs::rename(pending, folder, not_empty);
-  if (!not_empty)
+  if (not_empty)
   {
-    return;
-  }
-  makeFolder(folder);
-  for (const auto& entry : fs::recursive_directory_iterator(pending))
-  {
-    const fs::path to = fs::path(folder) / entry.path().lexically_relative(pending);
-    if (entry.is_directory())
-    {
-      fs::create_directories(to);
-    }
-    else
-    {
-      fs::rename(entry.path(), to);
-    }
+    moveFiles(pending, folder);
   }
 }
 }  // namespace dyslam

@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cctype>
 #include <cmath>
-#include <cstdio>
 #include <cstdlib>
 
 namespace dyslam
@@ -74,24 +73,19 @@ std::string progressText(double fraction,
   const std::string units =
       (count == 1 ? unit.substr(0, unit.size() - 1) : unit) +
       (fraction >= 1 && earlier.count > 0 ? ", " + std::to_string(now) + " of them" : "");
-  char text[160];
   if (fraction >= 1)
   {
-    std::snprintf(text, sizeof text, "100%s%zu %s in %.1f s, %.1f/s", percent_sign, count,
-                  units.c_str(), seconds, rate);
+    return formatted("100%s%zu %s in %.1f s, %.1f/s", percent_sign, count, units.c_str(), seconds,
+                     rate);
   }
-  else if (fraction > earlier.fraction)
+  if (fraction > earlier.fraction)
   {
     const double left_share = (1 - fraction) / (fraction - earlier.fraction);
     const long left = std::lround(std::min(seconds * left_share, longest));
-    std::snprintf(text, sizeof text, "%3.0f%s%zu %s, %.1f/s, %ld:%02ld left", 100 * fraction,
-                  percent_sign, count, units.c_str(), rate, left / 60, left % 60);
+    return formatted("%3.0f%s%zu %s, %.1f/s, %ld:%02ld left", 100 * fraction, percent_sign, count,
+                     units.c_str(), rate, left / 60, left % 60);
   }
-  else
-  {
-    std::snprintf(text, sizeof text, "%zu %s, %.1f/s", count, units.c_str(), rate);
-  }
-  return text;
+  return formatted("%zu %s, %.1f/s", count, units.c_str(), rate);
 }
 
 double progressIn(const std::string& log)

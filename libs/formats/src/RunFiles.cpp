@@ -2,6 +2,7 @@
 #include <dyslam/base/Files.h>
 #include <dyslam/formats/RunFiles.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
@@ -24,6 +25,13 @@ std::vector<std::string> filesOfRun(const std::string& folder)
     }
   }
   return names;
+}
+
+bool isFileOfRun(const std::string& file)
+{
+  const std::filesystem::path path(file);
+  const auto names = filesOfRun(path.parent_path().string());
+  return std::find(names.begin(), names.end(), path.filename().string()) != names.end();
 }
 
 std::string recordingOfRun(const std::string& folder, const std::string& input)

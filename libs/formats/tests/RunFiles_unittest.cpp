@@ -12,6 +12,8 @@ TEST(RunFiles, AreThoseOfTheReport)
   EXPECT_TRUE(filesOfRun(folder.path()).empty());
   folder.write("report.json", R"({"frames": 3, "files": ["map.png", "labels"]})");
   EXPECT_EQ(filesOfRun(folder.path()), (std::vector<std::string>{"map.png", "labels"}));
+  EXPECT_TRUE(isFileOfRun(folder.file("map.png")));
+  EXPECT_FALSE(isFileOfRun(folder.file("mine.png")));
   for (const char* other : {"{", "[]", R"({"files": 3})"})
   {
     folder.write("report.json", other);

@@ -423,6 +423,26 @@ TEST(GroundTruth, IsInstalledBesideFilesOfOthers)
   }
 }
 
+/** Files and folders that others put where those of the sidecar belong. */
+TEST(GroundTruth, WhatIsInTheWayIsNamed)
+{
+  const TestFolder folder;
+  const auto install = [&folder]
+  {
+    {
+      GroundTruthWriter writer(folder.file("a.gt.tmp"));
+      writer.addPose(0, Pose::Identity());
+      writer.addLabels(0, {3, 4});
+    }
+    installGroundTruth(folder.file("a.gt.tmp"), folder.file("a.gt"));
+  };
+  (void)folder.write("a.gt/labels", "mine");
+  expectError(install, "a.gt/labels: cannot make this folder");
+  std::filesystem::remove(folder.file("a.gt/labels"));
+  (void)folder.write("a.gt/poses_tum.txt/notes.md", "mine");
+  expectError(install, "a.gt/poses_tum.txt: cannot be written: Is a directory");
+}
+
 /** Of a simulator's options those that are read, and one more. */
 struct WorldOfTest : Options
 {

@@ -64,7 +64,6 @@ void write(const std::string& path)
 {
   test::writeBag(path, messagesOf(test::holdsCdr(path)));
 }
-
 }  // namespace
 
 TEST(BagConverter, TheSameRecordingGivesTheSameBytesWhateverItCameIn)

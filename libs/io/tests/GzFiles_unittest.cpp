@@ -159,9 +159,41 @@ TEST(GzFiles, WhatFollowsTheLastMemberIsPassedOver)
   const TestFolder folder;
   const std::string text = content(1000);
   write(folder.file("x.gz"), text, text.size());
-  std::ofstream(folder.file("x.gz"), std::ios::binary | std::ios::app) << "something else";
-  EXPECT_TRUE(readByUs(folder.file("x.gz"), 1) == text);
-  EXPECT_TRUE(readByZlib(folder.file("x.gz")) == text);
+  const std::string whole = bytesOf(folder.file("x.gz"));
+  for (const std::string& rest : {std::string(), std::string(100000, '\0'),
+                                  std::string(3, '\0') + "something else", std::string("\x1f")})
+  {
+    (void)folder.write("x.gz", whole + rest);
+    EXPECT_TRUE(readByUs(folder.file("x.gz"), 1) == text);
+    EXPECT_TRUE(readByZlib(folder.file("x.gz")) == text);
+    GzInput file(folder.file("x.gz"));
+    std::string read(text.size(), ' ');
+    (void)file.Read(read.data(), read.size());
+    EXPECT_TRUE(file.atEnd());
+    const std::size_t zeros = rest.find_first_not_of('\0');
+    EXPECT_EQ(file.restAt().has_value(), zeros != std::string::npos);
+    EXPECT_EQ(file.restAt().value_or(whole.size() + zeros), whole.size() + zeros);
+    EXPECT_EQ(file.whyIncomplete(), file.restAt() ? "the compressed data are damaged" : "");
+  }
+}
+
+/** Not the end of the file. */
+TEST(GzFiles, AMemberWithADamagedHeaderIsFound)
+{
+  const TestFolder folder;
+  const std::string text = content(3 * GzOutput::member_size);
+  write(folder.file("first.gz"), text.substr(0, GzOutput::member_size), text.size());
+  write(folder.file("x.gz"), text, text.size());
+  const std::size_t second = bytesOf(folder.file("first.gz")).size();
+  std::string bytes = bytesOf(folder.file("x.gz"));
+  bytes[second + 1] = 'x';
+  (void)folder.write("x.gz", bytes);
+  GzInput file(folder.file("x.gz"));
+  std::string read(text.size(), ' ');
+  EXPECT_THROW(file.Read(read.data(), read.size()), std::runtime_error);
+  EXPECT_EQ(file.restAt(), second);
+  EXPECT_TRUE(file.broken());
+  EXPECT_FALSE(file.cut());
 }
 }  // namespace
 }  // namespace dyslam

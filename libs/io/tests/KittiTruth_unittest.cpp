@@ -87,6 +87,14 @@ TEST(KittiTruth, OfficialTrackingWithBoxesAndALostScan)
   ASSERT_EQ(2U, trueBoxes(folder, 1).size());
   EXPECT_TRUE(trueBoxes(folder, 1)[0].box.centre.isApprox(Eigen::Vector3d(20, 0, -0.25), 1e-6));
   EXPECT_TRUE(trueBoxes(folder, 2).empty());
+
+  options.dt = 0;
+  EXPECT_TRUE(
+      hasLine(convertKitti(folder.file("training"), folder.file("x.rawlog"), options).warnings,
+              "no " + folder.file("training/times/0001.txt") + ": 0.1034 s"));
+  folder.write("training/times/0001.txt", "0\n0.3\n0.5\n0.75\n");
+  (void)convertKitti(folder.file("training"), folder.file("x.rawlog"), options);
+  EXPECT_NEAR(0.75, readAll(folder.file("x.rawlog")).at(2).scan.stamp, 1e-9) << "the lost one";
 }
 
 TEST(KittiTruth, LabelsBesideTheScans)

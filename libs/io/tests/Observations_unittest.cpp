@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/base/Error.h>
+#include <dyslam/io/GzOutput.h>
 #include <dyslam/io/RawlogSource.h>
 #include <mrpt/io/CFileGZOutputStream.h>
 #include <mrpt/maps/CColouredPointsMap.h>
@@ -237,6 +238,36 @@ TEST(RawlogSource, ReadsExternalKittiAndTextFiles)
     EXPECT_EQ(Eigen::Vector3f(4, 5, 6), frame->scan.points[1]);
     EXPECT_EQ(0.25F, frame->scan.intensity.at(1));
   }
+}
+
+TEST(RawlogSource, DamagedExternalKittiFilesAreErrors)
+{
+  const TestFolder folder;
+  const std::string rawlog = folder.file("a.rawlog");
+  {
+    auto bin = cloud(1.0, 0);
+    bin->setAsExternalStorage("0.bin", CObservationPointCloud::ExternalStorageFormat::KittiBinFile);
+    ObjectWriter write(rawlog);
+    write(*bin);
+  }
+  const std::string values(2 * GzOutput::member_size, '\1');
+  std::filesystem::create_directory(folder.file("a_Images"));
+  {
+    GzOutput file(folder.file("a_Images/0.bin"), 1);
+    file.Write(values.data(), values.size());
+    file.close();
+  }
+  EXPECT_EQ(RawlogSource(rawlog).next()->scan.size(), values.size() / 16);
+  std::string bytes = folder.read("a_Images/0.bin");
+  const std::size_t second = bytes.find("\x1f\x8b\x08", 1);
+  ASSERT_NE(second, std::string::npos);
+  bytes[second] = 'x';
+  (void)folder.write("a_Images/0.bin", bytes);
+  RawlogSource source(rawlog);
+  const auto message = messageOfError<UserError>([&] { (void)source.next(); });
+  EXPECT_TRUE(contains(message, "0.bin: the compressed data are damaged after " +
+                                    std::to_string(GzOutput::member_size / 16) + " points"))
+      << message;
 }
 
 TEST(RawlogSource, VelodynePacketsAgreeWithMrptWhereMrptReadsThem)

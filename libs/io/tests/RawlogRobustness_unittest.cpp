@@ -10,7 +10,9 @@
 #include <mrpt/serialization/CArchive.h>
 #include <zlib.h>
 
+#include <algorithm>
 #include <array>
+#include <utility>
 
 #include "SyntheticScans.h"
 #include "TestFolder.h"
@@ -148,6 +150,35 @@ TEST(RawlogRobustness, FlippedBytesNeverCrash)
       const Outcome outcome = outcomeOf(folder.write("damaged.rawlog", damaged));
       EXPECT_LE(outcome.frames, 3U);
     }
+  }
+}
+
+/** Two rawlogs in one file, as `cat` writes them; the second one begins where an object does. */
+TEST(RawlogRobustness, WhatFollowsTheCompressedDataIsReported)
+{
+  const TestFolder folder;
+  writeScans(folder.file("a.rawlog"), 3);
+  const std::string whole = folder.read("a.rawlog");
+  std::string damaged = whole;
+  damaged[0] = 'x';
+  for (const auto& [second, frames] : {std::pair(whole, 6U), std::pair(damaged, 3U)})
+  {
+    RawlogSource source(folder.write("b.rawlog", whole + second));
+    std::size_t read = 0;
+    while (source.next())
+    {
+      ++read;
+    }
+    EXPECT_LE(read, frames);
+    const std::vector<std::string> warnings = source.warnings();
+    const bool is_reported = std::any_of(
+        warnings.begin(), warnings.end(),
+        [&](const std::string& line)
+        {
+          return contains(line, "b.rawlog: is not read from byte " + std::to_string(whole.size()) +
+                                    " of " + std::to_string(2 * whole.size()) + " on");
+        });
+    EXPECT_EQ(is_reported, frames == 3);
   }
 }
 

@@ -189,6 +189,17 @@ TEST(ScanTimes, AFileOfTimesWithTheScansIsFound)
   EXPECT_NEAR(0.5, step(), 1e-6);
 }
 
+TEST(ScanTimes, TheTimesOfASequenceOfKittiTrackingAreFound)
+{
+  const TestFolder folder;
+  writeBins(folder, "training/velodyne/0003", 2);
+  const std::string times = folder.write("training/times/0003.txt", "0\n0.3\n");
+  const ConversionResult result =
+      convertScans(folder.file("training/velodyne/0003"), folder.file("x.rawlog"), {});
+  EXPECT_TRUE(hasLine(result.notes, "time stamps: " + times));
+  EXPECT_NEAR(0.3, readAll(folder.file("x.rawlog")).at(1).scan.stamp, 1e-6);
+}
+
 TEST(ScanTimes, AFileOfTimesThatDoesNotFitIsNotUsed)
 {
   const TestFolder folder;

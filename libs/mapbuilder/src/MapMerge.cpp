@@ -12,7 +12,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <filesystem>
 #include <optional>
 #include <system_error>
@@ -49,13 +48,12 @@ std::string contradictionOf(const RunFolder& run,
                             const RunFolder& other,
                             const GnssContradiction& contradiction)
 {
-  char numbers[120];
-  std::snprintf(numbers, sizeof numbers, ": loops place it %.1f m from where its satellite ",
-                contradiction.distance);
-  std::string text = run.folder + numbers + "positions do, by those of " + other.folder;
-  std::snprintf(numbers, sizeof numbers, " (%.1f m are tolerated); ", contradiction.tolerated);
-  return text + numbers + "the place looks like another, or positions are wrong: " +
-         "--set merge.gnss=false merges without them";
+  return run.folder +
+         formatted(": loops place it %.1f m from where its satellite positions do, by those of ",
+                   contradiction.distance) +
+         other.folder + formatted(" (%.1f m are tolerated); ", contradiction.tolerated) +
+         "the place looks like another, or positions are wrong: --set merge.gnss=false merges "
+         "without them";
 }
 
 /** Distance of a run from the others by satellite positions, if they do not overlap. */
@@ -186,26 +184,22 @@ void removeStale(const std::string& path)
 std::string referencesText(const Table& table, const RunMerge& merge)
 {
   std::string text = table.rows() > 0 ? table.toText() : "";
-  char line[200];
   if (merge.georeference)
   {
-    std::snprintf(line, sizeof line,
-                  "satellite receivers: %s, %.2f m from the merged trajectories, %.2f m in height "
-                  "(RMS)\n",
-                  counted(merge.georeference->fixes, "position").c_str(),
-                  merge.georeference->horizontal_rmse, merge.georeference->vertical_rmse);
-    text += line;
+    text += formatted(
+        "satellite receivers: %s, %.2f m from the merged trajectories, %.2f m in height "
+        "(RMS)\n",
+        counted(merge.georeference->fixes, "position").c_str(), merge.georeference->horizontal_rmse,
+        merge.georeference->vertical_rmse);
   }
   if (merge.gravity)
   {
     const Gravity& gravity = *merge.gravity;
-    std::snprintf(line, sizeof line,
-                  "accelerometers: z of the merged map %s %.1f deg from the vertical (sigma %.1f "
-                  "deg)%s\n",
-                  gravity.levelled ? "was" : "is", degrees_per_radian * gravity.tilt,
-                  degrees_per_radian * gravity.tilt_sigma,
-                  gravity.levelled ? "; the map was levelled" : "");
-    text += line;
+    text += formatted(
+        "accelerometers: z of the merged map %s %.1f deg from the vertical (sigma %.1f "
+        "deg)%s\n",
+        gravity.levelled ? "was" : "is", degrees_per_radian * gravity.tilt,
+        degrees_per_radian * gravity.tilt_sigma, gravity.levelled ? "; the map was levelled" : "");
   }
   return text;
 }

@@ -3,13 +3,13 @@
 
 #include <dyslam/base/Error.h>
 #include <dyslam/base/PendingFile.h>
+#include <dyslam/base/Printable.h>
 #include <dyslam/base/Words.h>
 #include <dyslam/formats/LabelFiles.h>
 #include <dyslam/formats/ScanFiles.h>
 #include <dyslam/mapexport/MapClouds.h>
 
 #include <cmath>
-#include <cstdio>
 #include <exception>
 #include <filesystem>
 #include <limits>
@@ -55,8 +55,7 @@ void warnOfOrigin(const Eigen::Vector3d& origin, const MapOutputs& outputs, MapL
   {
     return;
   }
-  char numbers[80];
-  std::snprintf(numbers, sizeof numbers, "%.0f %.0f %.0f", origin.x(), origin.y(), origin.z());
+  const std::string numbers = formatted("%.0f %.0f %.0f", origin.x(), origin.y(), origin.z());
   for (const std::string& path : relativeOutputs(outputs))
   {
     listener.warn(path +
@@ -88,11 +87,10 @@ void warnOfReach(double reach, MapListener& listener)
   }
   const auto farthest = static_cast<float>(reach);
   const float step = std::nextafter(farthest, std::numeric_limits<float>::infinity()) - farthest;
-  char text[160];
-  std::snprintf(text, sizeof text,
-                "the map reaches %.0f km from its origin, where coordinates are rounded to %.2g m; "
-                "are all poses of the trajectory right?",
-                reach / 1000, static_cast<double>(step));
+  const std::string text = formatted(
+      "the map reaches %.0f km from its origin, where coordinates are rounded to %.2g m; "
+      "are all poses of the trajectory right?",
+      reach / 1000, static_cast<double>(step));
   listener.warn(text);
 }
 
@@ -157,11 +155,10 @@ std::string coarserCells(const std::string& path, double side, const MapExportOp
   {
     return {};
   }
-  char text[240];
-  std::snprintf(text, sizeof text,
-                ": the cells have %g m instead of map_export.grid_resolution=%g, of which there "
-                "would be more than map_export.grid_max_cells=%d, or more than a million in a row",
-                side, exports.grid_resolution, exports.grid_max_cells);
+  const std::string text = formatted(
+      ": the cells have %g m instead of map_export.grid_resolution=%g, of which there "
+      "would be more than map_export.grid_max_cells=%d, or more than a million in a row",
+      side, exports.grid_resolution, exports.grid_max_cells);
   return path + text;
 }
 
@@ -282,12 +279,10 @@ void requireValidExports(const MapOutputs& outputs)
   const bool in_tiles = exports.tile_size > 0 && !cloudsOf(outputs).empty();
   if (in_tiles && exports.normals && exports.normal_radius > TileMap::margin)
   {
-    char text[160];
-    std::snprintf(text, sizeof text,
-                  "[map_export] normal_radius = %g is too large for tiles; use at most %g (m), or "
+    throw UserError(
+        formatted("[map_export] normal_radius = %g is too large for tiles; use at most %g (m), or "
                   "tile_size = 0 for one file",
-                  exports.normal_radius, TileMap::margin);
-    throw UserError(text);
+                  exports.normal_radius, TileMap::margin));
   }
 }
 

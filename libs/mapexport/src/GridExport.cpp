@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/base/Error.h>
 #include <dyslam/base/PendingFile.h>
+#include <dyslam/base/Printable.h>
 #include <dyslam/io/GzOutput.h>
 #include <dyslam/mapexport/MapExport.h>
 #include <mrpt/maps/COccupancyGridMap2D.h>
@@ -10,7 +11,6 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
-#include <cstdio>
 #include <filesystem>
 #include <fstream>
 #include <limits>
@@ -258,11 +258,10 @@ void markPoints(Grid& grid,
 
 std::string yamlOf(const Grid& grid, const std::string& image, const Eigen::Vector3d& origin)
 {
-  char text[512];
-  std::snprintf(text, sizeof text,
-                "\nmode: trinary\nresolution: %.6g\norigin: [%.6f, %.6f, 0.0]\n"
-                "negate: 0\noccupied_thresh: 0.65\nfree_thresh: 0.196\n",
-                grid.resolution, grid.origin.x() + origin.x(), grid.origin.y() + origin.y());
+  const std::string text = formatted(
+      "\nmode: trinary\nresolution: %.6g\norigin: [%.6f, %.6f, 0.0]\n"
+      "negate: 0\noccupied_thresh: 0.65\nfree_thresh: 0.196\n",
+      grid.resolution, grid.origin.x() + origin.x(), grid.origin.y() + origin.y());
   return image_key + yamlText(image) + text;
 }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/base/Error.h>
 #include <dyslam/base/PendingFile.h>
+#include <dyslam/base/Printable.h>
 #include <dyslam/base/Words.h>
 #include <dyslam/mapexport/MapCloudFile.h>
 #include <dyslam/mapexport/MapClouds.h>
@@ -8,7 +9,6 @@
 
 #include <algorithm>
 #include <charconv>
-#include <cstdio>
 #include <filesystem>
 #include <fstream>
 #include <map>
@@ -177,17 +177,14 @@ class TileIndex
   TileIndex(const std::string& path, const Eigen::Vector3d& origin, double size)
       : file_(path), origin_(origin), before_(tilesBefore(path))
   {
-    char text[128];
-    std::snprintf(text, sizeof text, "x_resolution: %.10g\ny_resolution: %.10g\n", size, size);
-    head_ = text;
+    head_ = formatted("x_resolution: %.10g\ny_resolution: %.10g\n", size, size);
   }
   /** \return path of the tile's cloud */
   std::string add(const MapTile& tile)
   {
     const std::string name = tileName(file_, tile.x, tile.y);
-    char text[128];
-    std::snprintf(text, sizeof text, ": [%.10g, %.10g]\n", tile.region.low.x() + origin_.x(),
-                  tile.region.low.y() + origin_.y());
+    const std::string text = formatted(": [%.10g, %.10g]\n", tile.region.low.x() + origin_.x(),
+                                       tile.region.low.y() + origin_.y());
     lines_[{tile.x, tile.y}] = yamlText(name) + text;
     names_.insert(name);
     return (file_.parent_path() / name).string();

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/base/Error.h>
+#include <dyslam/base/Printable.h>
 #include <dyslam/base/Words.h>
 #include <dyslam/mapexport/MapExport.h>
 
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdio>
 #include <filesystem>
 #include <sstream>
 #include <utility>
@@ -26,12 +26,10 @@ void requireTileSize(double size)
   {
     return;
   }
-  char text[120];
-  std::snprintf(text, sizeof text,
-                "[map_export] tile_size = %g: use a whole number of metres, at least %g, or 0 for "
+  throw UserError(
+      formatted("[map_export] tile_size = %g: use a whole number of metres, at least %g, or 0 for "
                 "one file",
-                size, smallest_tile);
-  throw UserError(text);
+                size, smallest_tile));
 }
 
 /** Whether a number is that of a zone of UTM (WGS84). */

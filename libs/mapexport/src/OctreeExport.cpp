@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/base/Error.h>
 #include <dyslam/base/PendingFile.h>
+#include <dyslam/base/Printable.h>
 #include <dyslam/mapexport/MapExport.h>
 #include <octomap/OcTree.h>
 
 #include <algorithm>
-#include <cstdio>
 #include <filesystem>
 #include <utility>
 #include <vector>
@@ -54,12 +54,11 @@ void requireWithinKeys(const StaticMap& map,
   {
     enough *= 2;
   }
-  char text[256];
-  std::snprintf(text, sizeof text,
-                ": the map reaches %.0f m from its origin, but octomap's 16-bit keys reach %.0f m "
-                "at map_export.octree_resolution=%g; take %g, or parts of the recording "
-                "(--skip-first-n, --only-first-n)",
-                farthest, cells * options.octree_resolution, options.octree_resolution, enough);
+  const std::string text = formatted(
+      ": the map reaches %.0f m from its origin, but octomap's 16-bit keys reach %.0f m "
+      "at map_export.octree_resolution=%g; take %g, or parts of the recording "
+      "(--skip-first-n, --only-first-n)",
+      farthest, cells * options.octree_resolution, options.octree_resolution, enough);
   throw UserError(path + text);
 }
 

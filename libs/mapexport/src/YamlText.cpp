@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "YamlText.h"
 
+#include <dyslam/base/Printable.h>
+
 #include <algorithm>
-#include <cstdio>
 
 namespace dyslam
 {
@@ -38,9 +39,7 @@ std::string escaped(char c)
   {
     return {c};
   }
-  char code[8];
-  std::snprintf(code, sizeof code, "\\x%02X", static_cast<unsigned>(static_cast<unsigned char>(c)));
-  return code;
+  return formatted("\\x%02X", static_cast<unsigned>(static_cast<unsigned char>(c)));
 }
 }  // namespace
 

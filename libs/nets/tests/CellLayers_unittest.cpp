@@ -145,6 +145,7 @@ TEST(CellConv, IsIndependentOfTheNumberOfThreads)
   torch::set_num_threads(before);
   EXPECT_TRUE(torch::equal(one, three));
 }
+
 TEST(OccupiedProducts, WideVectorsGiveTheSameSums)
 {
   constexpr std::int64_t positions = 9;

@@ -89,12 +89,15 @@ INSTANTIATE_TEST_SUITE_P(
                     Event{8, period, -0.05, -0.05, "by -0.050 s"}));
 
 /** As soon as the vehicle's motion is known. */
-INSTANTIATE_TEST_SUITE_P(AtTheBeginning,
-                         ScanClockTest,
-                         testing::Values(Event{8, period, 3600, 3600,
-                                               "set before scan 4, by 3600.000 s", 4},
-                                         Event{8, 0.6, 0, 0, "", 4},
-                                         Event{0, 5, 0, 0, "", 4}));
+INSTANTIATE_TEST_SUITE_P(
+    AtTheBeginning,
+    ScanClockTest,
+    testing::Values(Event{8, period, 3600, 3600, "set before scan 4, by 3600.000 s", 4},
+                    Event{8, period, -20, -20, "scan 1, by -20.000 s", 1},
+                    Event{8, period, -20, -20, "scan 3, by -20.000 s", 3},
+                    Event{8, period, -period, -period, "scan 3, by -0.100 s", 3},
+                    Event{8, 0.6, 0, 0, "", 4},
+                    Event{0, 5, 0, 0, "", 4}));
 
 INSTANTIATE_TEST_SUITE_P(Gaps,
                          ScanClockTest,

@@ -20,6 +20,7 @@ std::vector<Eigen::Vector3f> ringsOnWall(float step)
   }
   return points;
 }
+
 constexpr float min_planarity = 0.2F;
 }  // namespace
 

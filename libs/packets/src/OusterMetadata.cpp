@@ -295,7 +295,6 @@ Pose poseOf(const Values& values, const char* name, double unit, const Pose& usu
   }
   return T_frame_part;
 }
-
 }  // namespace
 
 OusterMetadata parseOusterMetadata(const std::string& text, const std::string& place)

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/base/Printable.h>
 #include <dyslam/odometry/Odometry.h>
 #include <dyslam/pipeline/StartSpeed.h>
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <string>
 
 #include "StartSearch.h"
@@ -132,9 +132,7 @@ void setStartSpeed(double speed, Config& config)
   StartOptions start;
   load(start, config, "start");
   const double rounded = std::round(10 * speed) / 10;
-  char text[40];
-  std::snprintf(text, sizeof text, "%g", knownSpeed(rounded));
-  config.set(std::string("odometry.start_speed=") + text);
+  config.set(formatted("odometry.start_speed=%g", knownSpeed(rounded)));
   config.set("odometry.start_speed_sigma=" + std::to_string(start.sigma));
 }
 }  // namespace dyslam

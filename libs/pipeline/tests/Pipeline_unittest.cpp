@@ -51,5 +51,31 @@ TEST(Pipeline, DeskewsByTheMotionUnlessThatIsAPredictionOverALongGap)
     }
   }
 }
+
+/** Of a live sensor, also before its rate is known. */
+TEST(Pipeline, ScansAreProcessedThoughTheClockIsSetBack)
+{
+  constexpr std::size_t scans = 20;
+  for (const std::size_t first_after : {1U, 3U, 12U})
+  {
+    const Config config;
+    ConfigLoader loader(config);
+    mrpt::system::CTimeLogger times(false, "test");
+    Pipeline pipeline(loader, times);
+    double time = 0;
+    for (std::size_t i = 0; i < scans; ++i)
+    {
+      Frame frame;
+      frame.index = i;
+      frame.scan.points = {{10, 0, 0}, {0, 10, 0}, {-10, 0, 0}};
+      frame.scan.stamp = 100 + 0.1 * static_cast<double>(i) - (i < first_after ? 0 : 20);
+      pipeline.process(frame);
+      EXPECT_GT(frame.time(), time) << i;
+      time = frame.time();
+    }
+    pipeline.finish();
+    EXPECT_EQ(pipeline.trajectory().size(), scans);
+  }
+}
 }  // namespace
 }  // namespace dyslam

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/base/Printable.h>
 #include <dyslam/base/Quantile.h>
 #include <dyslam/plot/MapPicture.h>
 
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdio>
 #include <limits>
 #include <map>
 #include <opencv2/imgproc.hpp>
@@ -313,8 +313,7 @@ void drawScale(const View& view, cv::Mat& page)
   const cv::Point right(page.cols - margin, page.rows - margin / 2);
   const cv::Point left(right.x - static_cast<int>(length * view.scale), right.y);
   cv::line(page, left, right, ink, 3 * supersampling);
-  char words[32];
-  std::snprintf(words, sizeof words, "%g m", length);
+  const std::string words = formatted("%g m", length);
   text(page, words, {(left.x + right.x) / 2, right.y - 12 * supersampling}, Anchor::middle);
 }
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/base/Printable.h>
 #include <dyslam/plot/MaskPicture.h>
 
 #include <algorithm>
-#include <cstdio>
 #include <opencv2/imgproc.hpp>
 
 #include "PlotPage.h"
@@ -106,8 +106,7 @@ std::vector<std::uint8_t> renderMaskScan(const MaskScan& scan)
     const cv::Rect area(view_pixels + 3 * margin, margin + (view_pixels - curve_pixels) / 2,
                         curve_pixels, curve_pixels);
     Panel panel(page, area, {0, 1}, {0, 1});
-    char title[48];
-    std::snprintf(title, sizeof title, "area under the curve %.3f", areaUnderCurve(scan));
+    const std::string title = formatted("area under the curve %.3f", areaUnderCurve(scan));
     panel.drawAxes(title, "false positive rate", "true positive rate");
     panel.drawCurve({"", {{0, 0}, {1, 1}}, reference_grey});
     panel.drawCurve({"", roc, curveColour(0)});

@@ -90,7 +90,6 @@ std::string letterOf(unsigned code)
          : code >= first && code < first + letters.size() ? std::string(1, letters[code - first])
                                                           : "?";
 }
-
 }  // namespace
 
 std::string drawable(const std::string& words)

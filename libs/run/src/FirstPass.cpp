@@ -3,10 +3,10 @@
 
 #include <dyslam/base/Error.h>
 #include <dyslam/base/Files.h>
+#include <dyslam/base/Printable.h>
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <filesystem>
 #include <system_error>
 #include <vector>
@@ -115,11 +115,9 @@ std::string comparePaths(double first, double second)
   {
     return "";
   }
-  char lengths[100];
-  std::snprintf(lengths, sizeof lengths, "%.1f m long, that of the first pass %.1f m", second,
-                first);
-  return std::string("the path is ") + lengths +
-         ": in one of them scans may have been registered to moving objects; check trajectory and "
-         "map";
+  return formatted(
+      "the path is %.1f m long, that of the first pass %.1f m: in one of them scans may have been "
+      "registered to moving objects; check trajectory and map",
+      second, first);
 }
 }  // namespace dyslam

@@ -30,6 +30,7 @@ std::string messageOf(const EarlyEnd& end, std::size_t frames, const SlamRunSett
   }
   return what;
 }
+
 /** Appends what could not be written. The advice that follows must be in the printed line, which is
  * cut at its end, so after a full disk only the first failures are named. */
 void appendFailures(const std::vector<std::string>& failures, std::string& what)

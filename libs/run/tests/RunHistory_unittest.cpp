@@ -59,6 +59,7 @@ TEST(RunHistory, KeepsPastObjectsOnDisk)
       });
   EXPECT_EQ(count, 2 * scans);
 }
+
 /** Object 7 at some scans: observed in 2 to 7 but for 4 and 5, reported in 3, 4 and 6 to 9. */
 TrackedObject sevenAt(std::size_t scan)
 {

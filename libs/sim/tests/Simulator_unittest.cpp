@@ -19,6 +19,7 @@ Pose lidarPose(const SimulatedScan& s)
 {
   return s.T_map_vehicle * s.scan.T_vehicle_lidar;
 }
+
 Pose nextLidarPose(const SimulatedScan& s)
 {
   return s.T_map_vehicle_next * s.scan.T_vehicle_lidar;

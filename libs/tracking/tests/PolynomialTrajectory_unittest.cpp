@@ -29,6 +29,7 @@ Vector2d curve(double t)
   const double s = t - 1.7e9;
   return {5000 + 10 * s - 0.5 * s * s + 0.1 * s * s * s, -3000 + 2 * s + 0.8 * s * s};
 }
+
 Vector2d slope(double t)
 {
   const double s = t - 1.7e9;

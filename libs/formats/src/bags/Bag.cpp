@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/base/Error.h>
+#include <dyslam/base/Printable.h>
 #include <dyslam/formats/Bag.h>
 #include <dyslam/formats/RecordingKind.h>
 #include <dyslam/formats/RosMessages.h>
@@ -7,7 +8,6 @@
 #include <dyslam/formats/ScanFiles.h>
 
 #include <algorithm>
-#include <cstdio>
 #include <filesystem>
 
 #include "BagFormats.h"
@@ -96,13 +96,6 @@ void addScanCells(const Bag& bag,
   cells.push_back((scan->frame.empty() ? "-" : scan->frame) +
                   (scan == scans.begin() ? "  <- taken without --topic" : ""));
 }
-
-std::string fixed(double value, const char* format)
-{
-  char text[64];
-  std::snprintf(text, sizeof text, format, value);
-  return text;
-}
 }  // namespace
 
 std::string plainRosType(std::string type)
@@ -129,7 +122,7 @@ std::string listingOf(Bag& bag)
     rows.push_back({topic.name, topic.type + (topic.encoding == RosEncoding::other ? " (?)" : ""),
                     std::to_string(topic.messages),
                     topic.messages > 1 && span > 0
-                        ? fixed(static_cast<double>(topic.messages - 1) / span, "%.2f")
+                        ? formatted("%.2f", static_cast<double>(topic.messages - 1) / span)
                         : "-"});
     addScanCells(bag, scans, topic, rows.back());
     whole.add(MessageSpan{topic.messages, topic.first, topic.last});
@@ -147,7 +140,7 @@ std::string listingOf(Bag& bag)
   {
     text += row(cells, widths);
   }
-  return text + fixed(whole.last - whole.first, "duration %.2f s") +
-         fixed(whole.first, ", from %.3f s since 1970\n") + sensorPosesOf(bag, scans);
+  return text + formatted("duration %.2f s", whole.last - whole.first) +
+         formatted(", from %.3f s since 1970\n", whole.first) + sensorPosesOf(bag, scans);
 }
 }  // namespace dyslam

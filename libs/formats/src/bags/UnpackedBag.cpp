@@ -2,12 +2,12 @@
 #include "UnpackedBag.h"
 
 #include <dyslam/base/Error.h>
+#include <dyslam/base/Printable.h>
 #include <dyslam/formats/RecordingKind.h>
 
 #include <algorithm>
 #include <cerrno>
 #include <cstdint>
-#include <cstdio>
 #include <cstdlib>
 #include <cstring>
 #include <filesystem>
@@ -46,9 +46,7 @@ fs::path temporaryFolder(const std::string& bag)
 
 std::string gigabytes(std::uint64_t bytes)
 {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.1f GB", 1e-9 * static_cast<double>(bytes));
-  return text;
+  return formatted("%.1f GB", 1e-9 * static_cast<double>(bytes));
 }
 }  // namespace
 

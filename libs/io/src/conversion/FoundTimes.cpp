@@ -19,18 +19,37 @@ namespace fs = std::filesystem;
 
 namespace
 {
-std::vector<std::string> timeFilesIn(const fs::path& folder)
+/** Those of the files that exist. */
+std::vector<std::string> existing(const std::vector<fs::path>& files)
 {
-  std::vector<std::string> files;
-  for (const char* name : {"times.txt", "timestamps.txt"})
+  std::vector<std::string> found;
+  for (const fs::path& file : files)
   {
     std::error_code unreadable;
-    if (fs::is_regular_file(folder / name, unreadable))
+    if (fs::is_regular_file(file, unreadable))
     {
-      files.push_back((folder / name).string());
+      found.push_back(file.string());
     }
   }
-  return files;
+  return found;
+}
+
+/** The files of times of a folder of scans: in the nearest place that has any. */
+std::vector<std::string> timeFilesOf(const fs::path& scans)
+{
+  const fs::path above = scans.parent_path();
+  for (const std::vector<fs::path>& place :
+       {std::vector<fs::path>{scans / "times.txt", scans / "timestamps.txt"},
+        std::vector<fs::path>{above / "times.txt", above / "timestamps.txt"},
+        std::vector<fs::path>{above.parent_path() / "times" /
+                              (scans.filename().string() + ".txt")}})
+  {
+    if (std::vector<std::string> found = existing(place); !found.empty())
+    {
+      return found;
+    }
+  }
+  return {};
 }
 
 /** Why times cannot be those of the scans; empty if they can. */
@@ -59,8 +78,7 @@ std::vector<double> readTimesOfScans(const std::string& file)
 FoundTimes findTimes(const std::string& folder, std::size_t scans)
 {
   const fs::path of_scans = fs::absolute(fs::path(folder) / "").lexically_normal().parent_path();
-  std::vector<std::string> files = timeFilesIn(of_scans);
-  files = files.empty() ? timeFilesIn(of_scans.parent_path()) : files;
+  const std::vector<std::string> files = timeFilesOf(of_scans);
   FoundTimes found;
   if (files.size() > 1)
   {

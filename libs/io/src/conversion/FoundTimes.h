@@ -20,7 +20,8 @@ struct FoundTimes
 };
 
 /** Looks for `times.txt` or `timestamps.txt`, as KITTI names them, in the folder of the scans, else
- * in the one above. It is used if there is only one of them in that folder, with an ascending time
- * for each scan. \param scans their number */
+ * in the one above, else for `times/NAME.txt` beside the latter, as of a sequence of KITTI
+ * tracking. It is used if there is only one of them in that folder, with an ascending time for each
+ * scan. \param scans their number */
 [[nodiscard]] FoundTimes findTimes(const std::string& folder, std::size_t scans);
 }  // namespace dyslam

@@ -11,17 +11,16 @@
 #include <dyslam/formats/TrajectoryFiles.h>
 
 #include <algorithm>
-#include <cmath>
 #include <filesystem>
 #include <functional>
-#include <limits>
 #include <utility>
 
 #include "KittiBoxes.h"
 #include "KittiCalibFinder.h"
+#include "KittiOxts.h"
 #include "KittiScans.h"
+#include "KittiTimes.h"
 #include "conversion/ConversionOutput.h"
-#include "conversion/FoundTimes.h"
 
 namespace dyslam
 {
@@ -29,8 +28,6 @@ namespace fs = std::filesystem;
 
 namespace
 {
-constexpr double kitti_dt = 0.1034;  //!< [s] HDL-64E at about 9.67 Hz
-
 /** The folder of the recording without a slash at its end. \throws UserError if it is none. */
 fs::path recordingFolder(const std::string& input)
 {
@@ -82,7 +79,7 @@ class LayoutReader
           "(z ahead): rawlog2kitti --trajectory writes such, dyslam-eval trajectory --camera "
           "compares them");
     }
-    readStamps();
+    times_ = readKittiTimes(input_, sequence_, options_, layout_);
     if (!options_.calib.empty())
     {
       calib_.read();
@@ -96,11 +93,11 @@ class LayoutReader
     }
     if (options_.imu || options_.gnss)
     {
-      readUnit(options_.imu ? "--imu" : "--gnss");
+      readSamples(options_.imu ? "--imu" : "--gnss");
     }
     else
     {
-      layout_.has_unused_oxts = !oxtsPath().empty();
+      layout_.has_unused_oxts = !findOxts(input_, sequence_, options_).empty();
     }
     return std::move(layout_);
   }
@@ -152,88 +149,6 @@ class LayoutReader
       layout_.warnings.push_back(folder + ": labels for " + std::to_string(found) + " of " +
                                  std::to_string(layout_.entries.size()) + " scans");
     }
-  }
-
-  void readStamps()
-  {
-    auto& entries = layout_.entries;
-    std::vector<double> times;
-    std::string source;
-    if (options_.dt > 0 && !options_.times.empty())
-    {
-      throw UserError("--times and --dt exclude each other");
-    }
-    if (options_.dt == 0)
-    {
-      source = firstExisting(options_.times,
-                             {input_ / "times.txt", input_ / "velodyne_points" / "timestamps.txt"});
-      has_raw_times_ = options_.times.empty() && fs::path(source).filename() == "timestamps.txt";
-      if (!source.empty())
-      {
-        times = readTimesOrTimestamps(source);
-      }
-      else if (FoundTimes found = findOtherTimes(); !found.file.empty())
-      {
-        source = found.file;
-        times = std::move(found.stamps);
-      }
-      else
-      {
-        warnAboutMissingTimes();
-      }
-    }
-    has_times_ = !source.empty();  // a file without times is an error below
-    const double dt = options_.dt > 0 ? options_.dt : kitti_dt;
-    // A line for each frame number, or for each scan where numbers are left out.
-    const bool by_scan = entries.back().number >= times.size() && times.size() == entries.size();
-    for (std::size_t i = 0; i < entries.size(); ++i)
-    {
-      if (!has_times_)
-      {
-        entries[i].stamp = static_cast<double>(entries[i].number - entries.front().number) * dt;
-        continue;
-      }
-      const std::size_t number = by_scan ? i : entries[i].number;
-      if (number >= times.size())
-      {
-        throw UserError(source + ": has " + std::to_string(times.size()) +
-                        " times, none for scan " + std::to_string(number));
-      }
-      if (std::isnan(times[number]))
-      {
-        throw UserError(source + ": has an empty line instead of a time for scan " +
-                        std::to_string(number));
-      }
-      entries[i].stamp = times[number];
-    }
-  }
-
-  void warnAboutMissingTimes()
-  {
-    const std::string missing =
-        options_.kind == KittiKind::kitti360
-            ? "velodyne_points/timestamps.txt, a download of its own (data_3d_timestamps.zip)"
-        : options_.kind == KittiKind::raw ? "velodyne_points/timestamps.txt or times.txt"
-                                          : "times.txt";
-    layout_.warnings.push_back("no " + missing +
-                               ": 0.1034 s between scans is assumed; give --dt, or a file of times "
-                               "with --times of kitti2rawlog");
-  }
-
-  /** Times that lie with the scans, but not where the layout has them. */
-  FoundTimes findOtherTimes()
-  {
-    const std::string folder = fs::path(layout_.entries.front().scan).parent_path().string();
-    FoundTimes found = findTimes(folder, layout_.entries.size());
-    if (!found.why_unused.empty())
-    {
-      layout_.warnings.push_back(found.why_unused);
-    }
-    if (!found.file.empty())
-    {
-      layout_.notes.push_back("time stamps: " + found.file);
-    }
-    return found;
   }
 
   /** Files of true poses that the layout may have. */
@@ -292,7 +207,7 @@ class LayoutReader
     {
       poses = cameraToLidarPoses(poses, calib_.requireCamera("poses of the camera"));
     }
-    if (file.format == TrajectoryFormat::tum && has_times_)
+    if (file.format == TrajectoryFormat::tum && times_ != KittiTimes::assumed)
     {
       Trajectory of_lidar;
       for (std::size_t i = 0; i < poses.size(); ++i)
@@ -379,28 +294,9 @@ class LayoutReader
     }
   }
 
-  /** Empty if there is none. */
-  [[nodiscard]] std::string oxtsPath() const
-  {
-    if (options_.kind == KittiKind::kitti360)
-    {
-      return {};
-    }
-    std::vector<fs::path> candidates{input_ / "oxts.txt"};
-    if (!sequence_.empty())
-    {
-      candidates.insert(candidates.begin(), input_ / "oxts" / (sequence_ + ".txt"));
-    }
-    if (options_.kind == KittiKind::raw)
-    {
-      candidates.push_back(input_ / "oxts");
-    }
-    return firstExisting(options_.oxts, candidates);
-  }
-
   void readOxtsPoses()
   {
-    const std::string path = oxtsPath();
+    const std::string path = findOxts(input_, sequence_, options_);
     if (path.empty())
     {
       return;
@@ -410,112 +306,22 @@ class LayoutReader
     setPoseSource(PoseSource::gnss_ins, path);
   }
 
-  /** The samples of oxts that the options want. \param flag that wants them. */
-  void readUnit(const char* flag)
+  /** \param flag that wants samples of oxts */
+  void readSamples(const char* flag)
   {
-    const std::string path = oxtsPath();
+    const std::string path = findOxts(input_, sequence_, options_);
     if (path.empty())
     {
       throw UserError(input_.string() + ": has no oxts, which is needed for " + flag +
                       "; name it with --oxts");
     }
-    const Pose T_vehicle_unit =
-        poseFromOption("--sensor-pose", options_.sensor_pose) * calib_.requireImu(flag);
-    const std::vector<OxtsReading> readings = readOxts(path);
-    const std::vector<double> times = oxtsTimes(path, readings.size());
-    for (std::size_t i = 0; i < readings.size(); ++i)
-    {
-      const OxtsReading& r = readings[i];
-      if (std::isfinite(times[i]) && options_.imu)
-      {
-        layout_.imu.push_back({times[i], r.angular_velocity, r.acceleration, T_vehicle_unit});
-      }
-      if (std::isfinite(times[i]) && options_.gnss)
-      {
-        layout_.gnss.push_back({times[i],
-                                {r.latitude, r.longitude, r.altitude},
-                                r.position_accuracy,
-                                r.position_accuracy,
-                                T_vehicle_unit.translation()});
-      }
-    }
-    const auto earlier = [](const auto& a, const auto& b) { return a.stamp < b.stamp; };
-    std::stable_sort(layout_.imu.begin(), layout_.imu.end(), earlier);
-    std::stable_sort(layout_.gnss.begin(), layout_.gnss.end(), earlier);
-  }
-
-  /** Times of the readings [s]: their own if the scans have those of KITTI raw, else those of the
-   * scans; NaN for readings without. */
-  [[nodiscard]] std::vector<double> oxtsTimes(const std::string& path, std::size_t readings) const
-  {
-    const std::string file = has_raw_times_ ? oxtsTimestamps(path) : "";
-    if (!file.empty())
-    {
-      const std::vector<double> times = readKittiTimestamps(file);
-      if (times.size() < readings)
-      {
-        throw UserError(file + ": has " + counted(times.size(), "time") + ", but there are " +
-                        counted(readings, "reading") + " of oxts");
-      }
-      return times;
-    }
-    std::vector<double> times(readings, std::numeric_limits<double>::quiet_NaN());
-    const std::vector<std::size_t> lines = linesOfScans(path, readings, "reading");
-    for (std::size_t i = 0; i < lines.size(); ++i)
-    {
-      if (lines[i] < readings)
-      {
-        times[lines[i]] = layout_.entries[i].stamp;
-      }
-    }
-    return times;
-  }
-
-  /** timestamps.txt of raw's oxts folder, or of the folder that its data are in; empty if there is
-   * none. */
-  [[nodiscard]] std::string oxtsTimestamps(const std::string& path) const
-  {
-    const fs::path folder = (fs::path(path) / "").lexically_normal().parent_path();
-    std::vector<fs::path> candidates;
-    if (fs::is_directory(folder))
-    {
-      candidates = {folder / "oxts" / "timestamps.txt", folder / "timestamps.txt"};
-      if (folder.filename() == "data")
-      {
-        candidates.push_back(folder.parent_path() / "timestamps.txt");
-      }
-    }
-    return firstExisting("", candidates);
-  }
-
-  /** The line of each scan in a file that has one for each frame number, or for each scan there is.
-   * \throws UserError if neither can be told from the other. */
-  [[nodiscard]] std::vector<std::size_t> linesOfScans(const std::string& path,
-                                                      std::size_t count,
-                                                      const std::string& what) const
-  {
-    const auto& entries = layout_.entries;
-    const std::size_t last = entries.back().number;
-    const bool by_number = count > last;
-    const bool counts_from_0 = last + 1 == entries.size();  // line and number are the same
-    if (!by_number && !counts_from_0 && count != entries.size())
-    {
-      throw UserError(path + ": has " + counted(count, what) + ", but there are " +
-                      counted(entries.size(), "scan") + ", numbered from " +
-                      std::to_string(entries.front().number) + " to " + std::to_string(last) +
-                      "; a " + what + " for each scan or for each number is needed");
-    }
-    std::vector<std::size_t> lines;
-    for (std::size_t i = 0; i < entries.size(); ++i)
-    {
-      lines.push_back(by_number ? entries[i].number : i);
-    }
-    return lines;
+    readOxtsSamples(path, calib_.requireImu(flag), times_, options_, layout_);
   }
 
   void assign(const std::string& path, const std::vector<Pose>& poses)
   {
-    const std::vector<std::size_t> lines = linesOfScans(path, poses.size(), "pose");
+    const std::vector<std::size_t> lines =
+        linesOfScans(layout_.entries, path, poses.size(), "pose");
     for (std::size_t i = 0; i < lines.size(); ++i)
     {
       if (lines[i] < poses.size())
@@ -578,8 +384,7 @@ class LayoutReader
   std::string sequence_;
   KittiCalibFinder calib_;
   KittiLayout layout_;
-  bool has_times_ = false;
-  bool has_raw_times_ = false;  //!< those of velodyne_points/timestamps.txt
+  KittiTimes times_ = KittiTimes::assumed;
 };
 }  // namespace
 

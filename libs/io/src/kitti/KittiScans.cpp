@@ -3,6 +3,7 @@
 
 #include <dyslam/base/Error.h>
 #include <dyslam/base/Files.h>
+#include <dyslam/base/Printable.h>
 #include <dyslam/formats/RecordingKind.h>
 #include <dyslam/formats/ScanFiles.h>
 #include <dyslam/io/OptionError.h>
@@ -228,5 +229,28 @@ KittiScans findKittiScans(const fs::path& given, const KittiConverterOptions& op
   }
   numberScans(scans.entries);
   return scans;
+}
+
+std::vector<std::size_t> linesOfScans(const std::vector<KittiLayout::Entry>& entries,
+                                      const std::string& path,
+                                      std::size_t count,
+                                      const std::string& what)
+{
+  const std::size_t last = entries.back().number;
+  const bool by_number = count > last;
+  const bool counts_from_0 = last + 1 == entries.size();  // line and number are the same
+  if (!by_number && !counts_from_0 && count != entries.size())
+  {
+    throw UserError(path + ": has " + counted(count, what) + ", but there are " +
+                    counted(entries.size(), "scan") + ", numbered from " +
+                    std::to_string(entries.front().number) + " to " + std::to_string(last) +
+                    "; a " + what + " for each scan or for each number is needed");
+  }
+  std::vector<std::size_t> lines;
+  for (std::size_t i = 0; i < entries.size(); ++i)
+  {
+    lines.push_back(by_number ? entries[i].number : i);
+  }
+  return lines;
 }
 }  // namespace dyslam

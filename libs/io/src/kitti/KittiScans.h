@@ -3,6 +3,7 @@
 
 #include <dyslam/io/Converters.h>
 
+#include <cstddef>
 #include <filesystem>
 #include <string>
 #include <vector>
@@ -23,4 +24,12 @@ struct KittiScans
  * folder where the layout is another one. */
 [[nodiscard]] KittiScans findKittiScans(const std::filesystem::path& given,
                                         const KittiConverterOptions& options);
+
+/** The line of each scan in a file that has one for each frame number, or for each scan there is.
+ * \param path of the file \param count its lines \param what of what, for the message
+ * \throws UserError if neither can be told from the other. */
+[[nodiscard]] std::vector<std::size_t> linesOfScans(const std::vector<KittiLayout::Entry>& entries,
+                                                    const std::string& path,
+                                                    std::size_t count,
+                                                    const std::string& what);
 }  // namespace dyslam

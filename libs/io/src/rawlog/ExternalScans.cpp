@@ -106,7 +106,8 @@ Scan readKittiBin(const std::string& path)
     }
     catch (const std::runtime_error&)
     {
-      throw UserError(path + ": is cut short: it ends within a point");
+      throw UserError(path + ": " + file.whyIncomplete() + " within a point, after " +
+                      counted(scan.size(), "point") + "; copy or record it again");
     }
     if (scan.size() * sizeof values >= ByteWindow::largest)
     {
@@ -114,6 +115,11 @@ Scan readKittiBin(const std::string& path)
     }
     scan.points.emplace_back(values[0], values[1], values[2]);
     scan.intensity.push_back(values[3]);
+  }
+  if (const std::string why = file.whyIncomplete(); !why.empty())
+  {
+    throw UserError(path + ": " + why + " after " + counted(scan.size(), "point") +
+                    "; copy or record it again");
   }
   return scan;
 }

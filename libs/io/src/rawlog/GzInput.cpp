@@ -103,7 +103,37 @@ void GzInput::unpackSome()
   else if (inflate_->block_state == ISAL_BLOCK_FINISH)
   {
     ended_ = !beginMember();
+    if (ended_)
+    {
+      lookForRest();
+    }
   }
+}
+
+/** Zeros behind the last member are padding, as of tapes. */
+void GzInput::lookForRest()
+{
+  for (; fillPacked(1); ++packed_begin_)
+  {
+    if (packed_[packed_begin_] != 0)
+    {
+      rest_at_ = offset_ - packedSize();
+      return;
+    }
+  }
+}
+
+void GzInput::noteCut()
+{
+  (rest_at_ ? broken_ : cut_) = true;
+}
+
+std::string GzInput::whyIncomplete() const
+{
+  return broken_ || rest_at_    ? "the compressed data are damaged"
+         : cut_                 ? "the file is cut short"
+         : !read_error_.empty() ? "the file cannot be read to its end: " + read_error_
+                                : "";
 }
 
 void GzInput::fillContent()
@@ -139,7 +169,10 @@ std::size_t GzInput::Read(void* buffer, std::size_t count)
     const std::size_t got = readSome(to + done, count - done);
     if (got == 0)
     {
-      cut_ = cut_ || (!broken_ && read_error_.empty());
+      if (!broken_ && read_error_.empty())
+      {
+        noteCut();
+      }
       throw std::runtime_error("unexpected end of data");
     }
     done += got;

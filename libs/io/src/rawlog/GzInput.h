@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -12,7 +13,7 @@ struct inflate_state;
 namespace dyslam
 {
 /** Reads a gzip or plain file, and detects truncation. Unpacked by ISA-L, in a third of zlib's
- * time. Data after the last gzip member are ignored, as by zlib. */
+ * time. What follows the last gzip member is not read, as by zlib: see restAt(). */
 class GzInput
 {
  public:
@@ -29,15 +30,21 @@ class GzInput
   /** Unpacks the rest of the present gzip member, whose checksum is behind its data: data that make
    * no sense may be damaged ones. Nothing can be read afterwards. \return broken() */
   bool checkMember();
-  /** Records that data are missing at the end. */
-  void noteCut() { cut_ = true; }
+  /** Records that data are missing at the end: the file is cut short, or damaged at restAt(). */
+  void noteCut();
 
-  /** True if no byte is left; ok() then tells whether the file is complete. */
+  /** True if no byte is left; whyIncomplete() then tells whether some are missing. */
   [[nodiscard]] bool atEnd();
   /** Whether the file ended where data should be. */
   [[nodiscard]] bool cut() const { return cut_; }
   /** Whether the compressed data are damaged. */
   [[nodiscard]] bool broken() const { return broken_; }
+  /** Byte of the file from which on it is no gzip member, and not zeros either: other data, or a
+   * member whose header is damaged. Nothing if there are none, or before the end. */
+  [[nodiscard]] std::optional<std::uint64_t> restAt() const { return rest_at_; }
+  /** Reason why data are missing or left over at the end, such as "the file is cut short"; else
+   * empty. */
+  [[nodiscard]] std::string whyIncomplete() const;
   /** Reason why a file that is not truncated could not be read to its end; else empty. */
   [[nodiscard]] const std::string& readError() const { return read_error_; }
   /** Fraction of the file's bytes consumed. */
@@ -52,6 +59,8 @@ class GzInput
   /** Begins the gzip member that comes next. \return false if none does. */
   bool beginMember();
   void unpackSome();
+  /** Finds what follows the last member. */
+  void lookForRest();
 
   [[nodiscard]] std::size_t packedSize() const { return packed_end_ - packed_begin_; }
 
@@ -70,6 +79,7 @@ class GzInput
   bool ended_ = false;                      //!< nothing more can be unpacked
   bool cut_ = false;
   bool broken_ = false;
+  std::optional<std::uint64_t> rest_at_;
   std::string read_error_;
 };
 }  // namespace dyslam

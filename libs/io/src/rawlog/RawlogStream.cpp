@@ -147,6 +147,13 @@ std::vector<std::string> RawlogStream::warnings() const
     lines.push_back(path_ + ": " + counted(count, "observation") + " of class '" + name +
                     "', which MRPT 2.5.8 does not have, left out");
   }
+  if (file_->restAt())
+  {
+    lines.push_back(path_ + ": is not read from byte " + std::to_string(*file_->restAt()) + " of " +
+                    std::to_string(file_->fileSize()) +
+                    " on, where no gzip data begin; if scans are missing, the file is damaged "
+                    "there: copy or record it again");
+  }
   return lines;
 }
 

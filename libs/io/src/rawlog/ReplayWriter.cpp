@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/base/Printable.h>
 #include <dyslam/base/StateArchive.h>
 #include <dyslam/core/VoxelGrid.h>
 #include <dyslam/io/GzOutput.h>
@@ -12,7 +13,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <stdexcept>
 
 #include "ObservationOutput.h"
@@ -106,10 +106,8 @@ mrpt::maps::CPointsMapXYZI::Ptr pointsMap(const Part& part)
 
 std::string labelOf(const TrackedObject& object)
 {
-  char text[80];
-  std::snprintf(text, sizeof text, "%s %d: %.1f m/s", toString(object.object_class).c_str(),
-                object.id, object.velocity.norm());
-  return text;
+  return formatted("%s %d: %.1f m/s", toString(object.object_class).c_str(), object.id,
+                   object.velocity.norm());
 }
 
 void insertObject(mrpt::opengl::COpenGLScene& scene,

@@ -2,8 +2,7 @@
 #include "RecordingClock.h"
 
 #include <dyslam/base/Error.h>
-
-#include <cstdio>
+#include <dyslam/base/Printable.h>
 
 #include "RecordingNotes.h"
 
@@ -26,11 +25,10 @@ RecordingClock::Verdict RecordingClock::accept(std::optional<double> stamp,
     {
       verdict.shift = *step;
       shift_ += *step;
-      char text[160];
-      std::snprintf(text, sizeof text,
-                    "the clock of the recording was set back; stamps from there on are %.3f s "
-                    "later than recorded",
-                    shift_);
+      const std::string text = formatted(
+          "the clock of the recording was set back; stamps from there on are %.3f s "
+          "later than recorded",
+          shift_);
       notes.add(text, index);
       verdict.accepted = true;
     }

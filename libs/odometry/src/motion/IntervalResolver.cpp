@@ -10,6 +10,7 @@ namespace dyslam
 namespace
 {
 constexpr double clearly_better = 0.02;  // difference of inlier shares
+constexpr double usual_period = 0.1;     // of a lidar whose rate is not known yet [s]
 }  // namespace
 
 void IntervalResolver::resolve(const Pose& T_odom_previous,
@@ -21,7 +22,8 @@ void IntervalResolver::resolve(const Pose& T_odom_previous,
   const double period = predictor_.clock().period();
   const std::optional<Pose> T_found = findMotion(T_odom_previous, prepare, frame, context);
   const bool clock_set = T_found ? predictor_.showsClockStep(*T_found) : interval <= 0;
-  predictor_.correctInterval(clock_set ? period : interval, frame, context);
+  const double passed = !clock_set ? interval : period > 0 ? period : usual_period;
+  predictor_.correctInterval(passed, frame, context);
   if (T_found && !clock_set)
   {
     frame.prior.T_previous_current = *T_found;

@@ -11,6 +11,7 @@
 #include <cstddef>
 #include <cstdio>
 #include <deque>
+#include <stdexcept>
 #include <vector>
 
 namespace dyslam
@@ -75,6 +76,10 @@ double distanceAfter(const MotionFilter& filter, double dt, const Pose& T_previo
 
 void ScanClock::advance(double stamp)
 {
+  if (!std::isfinite(stamp))
+  {
+    throw std::invalid_argument("ScanClock: the stamp of a scan is not finite");
+  }
   interval_ = started_ ? stamp - stamp_ : 0;
   started_ = true;
   stamp_ = stamp;
@@ -83,6 +88,10 @@ void ScanClock::advance(double stamp)
 
 bool ScanClock::fitsRate() const
 {
+  if (scans_ > 1 && interval_ <= 0)
+  {
+    return false;
+  }
   if (regular_.size() < min_intervals)
   {
     return scans_ <= 1 || scans_ > min_intervals + 1 || interval_ <= max_extrapolation;

@@ -30,7 +30,6 @@ std::uint16_t movingLabel(ObjectClass object_class)
   }
   return semanticOf(label_moving);
 }
-
 }  // namespace
 
 std::uint16_t instanceOfTrack(int id)

@@ -2,8 +2,6 @@
 #include <dyslam/base/Printable.h>
 #include <dyslam/io/RawlogSource.h>
 
-#include <cstdio>
-
 #include "RunOutput.h"
 #include "StreamedFile.h"
 
@@ -23,9 +21,8 @@ std::string rowsOf(const Frame& frame)
   {
     const ScanPart& part = scan.parts[i];
     const std::size_t end = i + 1 < scan.parts.size() ? scan.parts[i + 1].begin : scan.size();
-    char numbers[100];
-    std::snprintf(numbers, sizeof numbers, ",%.9f,%zu,%zu\n", scan.stamp + part.stamp, part.begin,
-                  end - part.begin);
+    const std::string numbers =
+        formatted(",%.9f,%zu,%zu\n", scan.stamp + part.stamp, part.begin, end - part.begin);
     rows += std::to_string(frame.index) + "," + csvField(part.sensor_label) + numbers;
   }
   return rows;

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 
 #include "RunOutput.h"
 #include "StreamedFile.h"
@@ -21,20 +20,17 @@ std::string rowOf(const Frame& frame)
 {
   const MotionEstimate& odometry = frame.odometry;
   const MotionEstimate& motion = frame.motion;
-  char numbers[160];
-  std::snprintf(numbers, sizeof numbers, "%zu,%.9f,%zu,%td,%d,%d,%zu,%.4f,", frame.index,
-                frame.scan.stamp, frame.cloud.size(),
-                std::count(frame.moving.begin(), frame.moving.end(), true),
+  std::string row =
+      formatted("%zu,%.9f,%zu,%td,%d,%d,%zu,%.4f,", frame.index, frame.scan.stamp,
+                frame.cloud.size(), std::count(frame.moving.begin(), frame.moving.end(), true),
                 odometry.registered() ? 1 : 0, frame.odometry_accepted ? 1 : 0, odometry.inliers,
-                odometry.rmse);
-  std::string row = numbers + csvField(frame.odometry_rejection);
-  std::snprintf(numbers, sizeof numbers, ",%d,%zu,%.4f,", motion.registered() ? 1 : 0,
-                motion.inliers, motion.rmse);
-  row += numbers + csvField(motion.reason);
+                odometry.rmse) +
+      csvField(frame.odometry_rejection);
+  row += formatted(",%d,%zu,%.4f,", motion.registered() ? 1 : 0, motion.inliers, motion.rmse) +
+         csvField(motion.reason);
   const Pose& step = motion.T_previous_current;
-  std::snprintf(numbers, sizeof numbers, ",%.4f,%.4f,%d\n", step.translation().x(),
-                rotationAngle(step) * 180 / M_PI, frame.is_keyframe ? 1 : 0);
-  return row + numbers;
+  return row + formatted(",%.4f,%.4f,%d\n", step.translation().x(),
+                         rotationAngle(step) * 180 / M_PI, frame.is_keyframe ? 1 : 0);
 }
 
 /** `scans.csv`: the result of each scan. */

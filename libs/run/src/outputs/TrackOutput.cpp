@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/base/Files.h>
 #include <dyslam/base/PendingFile.h>
+#include <dyslam/base/Printable.h>
 #include <dyslam/base/StateArchive.h>
 #include <dyslam/core/BoxOverlap.h>
 #include <dyslam/formats/TrackFiles.h>
 
-#include <cstdio>
 #include <cstdlib>
 #include <filesystem>
 #include <functional>
@@ -46,14 +46,11 @@ std::string rowOf(const TrackedObject& object, std::size_t scan, double stamp)
   const auto& c = object.box.centre;
   const auto& s = object.box.size;
   const auto& v = object.velocity;
-  char text[512];
-  std::snprintf(
-      text, sizeof text,
+  return formatted(
       "%zu,%.6f,%d,%s,%.3f,%.3f,%.3f,%.2f,%.2f,%.2f,%.4f,%.3f,%.3f,%.3f,%.3f,%d,%d,%.3f\n", scan,
       stamp, object.id, toString(object.object_class).c_str(), c.x(), c.y(), c.z(), s.x(), s.y(),
       s.z(), object.box.yaw, v.x(), v.y(), v.z(), v.norm(), object.dynamic ? 1 : 0,
       object.observed ? 1 : 0, object.score);
-  return text;
 }
 
 /** The reported objects: `tracks.csv`, boxes in the odometry frame, and `tracks.txt`, in the lidar

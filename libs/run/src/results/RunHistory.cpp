@@ -46,6 +46,7 @@ void forEachField(Object& o, const Field& field)
   field(o.observed);
   field(o.reported);
 }
+
 /** Which of two tracks of the same object counts at a scan. */
 bool isPreferred(const PastObject& a, const PastObject& b)
 {

@@ -43,6 +43,7 @@ std::string adviceFor(FailureCause cause, const std::string& ini, const std::str
                             "be wrong: " +
                                 sensors);
 }
+
 /** Mean of the unit vectors from the vehicle to points, seen from above: near zero for a spinning
  * lidar, whatever is around it. */
 Eigen::Vector2d meanDirection(const std::vector<Eigen::Vector3f>& points)

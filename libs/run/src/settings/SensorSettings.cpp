@@ -117,6 +117,7 @@ std::vector<std::string> doubtsAbout(const RecordedSensor& sensor, const Levelli
   }
   return {};
 }
+
 /** Why an ini for other sensors does not fit; nothing if it does.
  * \param name of the ini */
 std::optional<std::string> misfitOf(const Config& ini,
@@ -174,7 +175,6 @@ void levelVehicleFrame(const RecordedSensor& sensor,
   }
   chosen.levelling = input.levelling();
 }
-
 }  // namespace
 
 void SensorOptions::describe(OptionsVisitor& v)

@@ -54,9 +54,9 @@ class Backend
   Backend(Backend&&) noexcept;
   Backend& operator=(Backend&&) noexcept;
 
-  /** Adds a frame; frames come in order of time. Reads scan.stamp, dt, cloud, moving,
-   * motion, T_odom_vehicle, objects, imu and gnss; sets is_keyframe and T_map_odom. Equivalent to
-   * addOdometry(), addLoops() and optimise(). */
+  /** Adds a frame; frames come in order of Frame::time(), while their stamps may go back. Reads
+   * scan.stamp, clock_offset, dt, cloud, moving, motion, T_odom_vehicle, objects, imu and gnss;
+   * sets is_keyframe and T_map_odom. Equivalent to addOdometry(), addLoops() and optimise(). */
   void addFrame(Frame& frame);
 
   /** First step of addFrame(), for callers that do something between the steps: accumulates the

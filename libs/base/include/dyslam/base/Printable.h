@@ -26,6 +26,9 @@ namespace dyslam
   return length;
 }
 
+/** Text with numbers, as of std::printf. */
+[[nodiscard, gnu::format(printf, 1, 2)]] std::string formatted(const char* format, ...);
+
 /** Number and noun for messages: "1 pose", "2 poses". */
 [[nodiscard]] inline std::string counted(std::size_t count, const std::string& noun)
 {

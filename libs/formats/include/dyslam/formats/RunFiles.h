@@ -14,6 +14,8 @@ constexpr const char* converted_rawlog_name = "recording.rawlog";
 
 /** Names of the files that a run wrote, by report.json in its folder; none without it. */
 [[nodiscard]] std::vector<std::string> filesOfRun(const std::string& folder);
+/** Whether a file is one of filesOfRun() its folder. */
+[[nodiscard]] bool isFileOfRun(const std::string& file);
 
 /** Path of the recording of a run: `input` or, if that is not there, the file of its name in the
  * folder of the run, if there is one. A converted recording is moved with that folder.

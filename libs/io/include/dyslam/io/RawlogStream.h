@@ -38,7 +38,8 @@ class RawlogStream
   [[nodiscard]] const std::string& externalFolder() const { return external_folder_; }
   /** Number of observations left out so far, by class unknown to MRPT. */
   [[nodiscard]] const std::map<std::string, std::size_t>& leftOut() const;
-  /** Warnings about observations left out, one line per class. */
+  /** Warnings about observations left out, one line per class, and about what follows the last
+   * gzip data of the file. */
   [[nodiscard]] std::vector<std::string> warnings() const;
   /** Fraction of the (compressed) file read so far, 0 to 1. */
   [[nodiscard]] double progress() const;

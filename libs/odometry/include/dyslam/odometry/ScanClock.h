@@ -22,7 +22,7 @@ class ScanClock
   /** Longest gap over which the motion is predicted by a constant velocity [s]. */
   static constexpr double max_extrapolation = 2;
 
-  /** Adds the stamp of the next scan [s]. */
+  /** Adds the stamp of the next scan [s]. \throws std::invalid_argument if it is not finite. */
   void advance(double stamp);
   /** Whether the interval before the last scan fits neither the sensor's rate nor, where scans
    * are missing, one of the last intervals. */
