@@ -7,6 +7,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <optional>
 
 namespace dyslam
 {
@@ -14,22 +16,36 @@ namespace
 {
 constexpr std::size_t chunk_size = 8192;
 
-/** Times of the first and the last point [s]; equal without times. */
-std::pair<float, float> timesOf(const Scan& scan)
+/** Whether a point can have been measured at a time after the stamp of its scan [s]. */
+bool isPossible(float time)
 {
-  if (scan.time.size() != scan.size() || scan.time.empty())
+  constexpr float longest = 60;     // [s]
+  return std::abs(time) < longest;  // not if it is NaN
+}
+
+/** Times of the first and the last point [s]; nothing unless the scan has possible times. */
+std::optional<std::pair<float, float>> timesOf(const Scan& scan)
+{
+  std::optional<std::pair<float, float>> times;
+  if (scan.time.size() == scan.size())
   {
-    return {0.0F, 0.0F};
+    for (const float time : scan.time)
+    {
+      if (isPossible(time))
+      {
+        times = times ? std::make_pair(std::min(times->first, time), std::max(times->second, time))
+                      : std::make_pair(time, time);
+      }
+    }
   }
-  const auto [first, last] = std::minmax_element(scan.time.begin(), scan.time.end());
-  return std::isfinite(*last - *first) ? std::make_pair(*first, *last) : std::make_pair(0.0F, 0.0F);
+  return times;
 }
 
 /** Time between the first and the last point [s]; 0 without times. */
 double timeSpan(const Scan& scan)
 {
-  const auto [first, last] = timesOf(scan);
-  return static_cast<double>(last - first);
+  const auto times = timesOf(scan);
+  return times ? static_cast<double>(times->second - times->first) : 0;
 }
 
 /** Measurement times of the points of a lidar, in units of the time since the previous scan. With
@@ -76,12 +92,14 @@ class Phases
   [[nodiscard]] bool known() const { return source_ != Source::none; }
   /** See Cloud::phase_unit [s]. */
   [[nodiscard]] double unit() const { return unit_; }
+  /** Time of a point; NaN if it cannot be right. */
   [[nodiscard]] float of(std::size_t i) const
   {
     switch (source_)
     {
       case Source::times:
-        return scan_.time[i] * per_second_;
+        return isPossible(scan_.time[i]) ? scan_.time[i] * per_second_
+                                         : std::numeric_limits<float>::quiet_NaN();
       case Source::order:
         return (fractions_[i] - reference_) * per_revolution_ + offset_;
       case Source::stamp:
@@ -109,7 +127,7 @@ class Phases
   /** Source of the times, without examining the order of the points. */
   static Source sourceOf(const Scan& scan, DeskewMode mode)
   {
-    if (usesTimes(mode) && scan.time.size() == scan.size() && scan.size() > 0)
+    if (usesTimes(mode) && timesOf(scan))
     {
       return Source::times;
     }
@@ -267,10 +285,10 @@ void Preprocessor::prepareOf(const Scan& part,
 
 std::pair<double, double> Preprocessor::sweepSpan(const Scan& scan, double sweep_duration) const
 {
-  const auto [first, last] = timesOf(scan);
-  if (last > first && options_.deskew != DeskewMode::azimuth)
+  const auto times = timesOf(scan);
+  if (times && times->second > times->first && options_.deskew != DeskewMode::azimuth)
   {
-    return {static_cast<double>(first), static_cast<double>(last)};
+    return {static_cast<double>(times->first), static_cast<double>(times->second)};
   }
   return {-options_.sweep_reference * sweep_duration,
           (1 - options_.sweep_reference) * sweep_duration};
