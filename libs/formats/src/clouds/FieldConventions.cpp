@@ -21,12 +21,13 @@ struct TimeRange
 
   explicit TimeRange(const std::vector<double>& values)
   {
+    constexpr double largest = 1e19;  // more than any time has in nanoseconds since 1970
     constexpr double infinity = std::numeric_limits<double>::infinity();
     double least = infinity;
     double most = -infinity;
     for (const double value : values)
     {
-      if (std::isfinite(value) && value != 0)
+      if (std::abs(value) < largest && value != 0)
       {
         least = std::min(least, value);
         most = std::max(most, value);
