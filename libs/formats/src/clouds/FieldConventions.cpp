@@ -258,7 +258,7 @@ void FieldConventions::restamp(Scan& scan, double stamp)
     double last = 0;
     for (const float time : scan.time)
     {
-      last = std::isfinite(time) ? std::max(last, static_cast<double>(time)) : last;
+      last = isPossibleTime(time) ? std::max(last, static_cast<double>(time)) : last;
     }
     const double shift = scan.stamp - zeroOf(scan.stamp, scan.stamp + last, stamp);
     for (float& time : scan.time)

@@ -2,7 +2,6 @@
 #include "LateStamps.h"
 
 #include <algorithm>
-#include <cmath>
 #include <limits>
 
 namespace dyslam
@@ -14,7 +13,7 @@ std::optional<double> firstOfLateStamp(const std::vector<float>& times)
   double last = -first;
   for (const float time : times)
   {
-    if (std::isfinite(time))
+    if (isPossibleTime(time))
     {
       first = std::min(first, static_cast<double>(time));
       last = std::max(last, static_cast<double>(time));

@@ -16,13 +16,6 @@ namespace
 {
 constexpr std::size_t chunk_size = 8192;
 
-/** Whether a point can have been measured at a time after the stamp of its scan [s]. */
-bool isPossible(float time)
-{
-  constexpr float longest = 60;     // [s]
-  return std::abs(time) < longest;  // not if it is NaN
-}
-
 /** Times of the first and the last point [s]; nothing unless the scan has possible times. */
 std::optional<std::pair<float, float>> timesOf(const Scan& scan)
 {
@@ -31,7 +24,7 @@ std::optional<std::pair<float, float>> timesOf(const Scan& scan)
   {
     for (const float time : scan.time)
     {
-      if (isPossible(time))
+      if (isPossibleTime(time))
       {
         times = times ? std::make_pair(std::min(times->first, time), std::max(times->second, time))
                       : std::make_pair(time, time);
@@ -98,8 +91,8 @@ class Phases
     switch (source_)
     {
       case Source::times:
-        return isPossible(scan_.time[i]) ? scan_.time[i] * per_second_
-                                         : std::numeric_limits<float>::quiet_NaN();
+        return isPossibleTime(scan_.time[i]) ? scan_.time[i] * per_second_
+                                             : std::numeric_limits<float>::quiet_NaN();
       case Source::order:
         return (fractions_[i] - reference_) * per_revolution_ + offset_;
       case Source::stamp:

@@ -3,6 +3,7 @@
 
 #include <dyslam/core/Pose.h>
 
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <string>
@@ -36,7 +37,7 @@ struct Scan
   double stamp = 0;
   std::vector<Eigen::Vector3f> points;  //!< lidar frame [m]
   std::vector<float> intensity;         //!< reflectivity in [0, 1]
-  std::vector<float> time;              //!< seconds after `stamp` (may be negative)
+  std::vector<float> time;              //!< seconds after `stamp` (may be negative; NaN: unknown)
   std::vector<std::uint16_t> ring;  //!< laser number, 0: lowest; further lidars have other numbers
   Pose T_vehicle_lidar = Pose::Identity();
   std::string sensor_label;
@@ -49,6 +50,13 @@ struct Scan
 [[nodiscard]] inline bool isReturn(const Eigen::Vector3f& p)
 {
   return p.allFinite() && !p.isZero(0);
+}
+
+/** Whether a point can have been measured at this time after its scan's stamp [s]: within a minute;
+ * false for NaN. */
+[[nodiscard]] inline bool isPossibleTime(float time)
+{
+  return std::abs(time) < 60.0F;
 }
 
 /** Points ready for algorithms: valid, cropped, motion-compensated, in the vehicle frame at the
