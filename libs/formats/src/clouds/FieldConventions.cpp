@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/core/PointTimes.h>
 #include <dyslam/core/Rings.h>
 #include <dyslam/formats/FieldConventions.h>
 
@@ -255,11 +256,7 @@ void FieldConventions::restamp(Scan& scan, double stamp)
 {
   if (scan.stamp != 0 && !scan.time.empty())
   {
-    double last = 0;
-    for (const float time : scan.time)
-    {
-      last = isPossibleTime(time) ? std::max(last, static_cast<double>(time)) : last;
-    }
+    const auto last = static_cast<double>(timeExtent(scan.time).value_or(TimeExtent()).last);
     const double shift = scan.stamp - zeroOf(scan.stamp, scan.stamp + last, stamp);
     for (float& time : scan.time)
     {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/base/Error.h>
 #include <dyslam/core/FiringOrder.h>
+#include <dyslam/core/PointTimes.h>
 #include <dyslam/core/ScanParts.h>
 #include <dyslam/odometry/OwnVehicle.h>
 #include <dyslam/odometry/Preprocessor.h>
@@ -16,29 +17,10 @@ namespace
 {
 constexpr std::size_t chunk_size = 8192;
 
-/** Times of the first and the last point [s]; nothing unless the scan has possible times. */
-std::optional<std::pair<float, float>> timesOf(const Scan& scan)
+/** Times of the first and the last point; nothing unless the scan has times. */
+std::optional<TimeExtent> timesOf(const Scan& scan)
 {
-  std::optional<std::pair<float, float>> times;
-  if (scan.time.size() == scan.size())
-  {
-    for (const float time : scan.time)
-    {
-      if (isPossibleTime(time))
-      {
-        times = times ? std::make_pair(std::min(times->first, time), std::max(times->second, time))
-                      : std::make_pair(time, time);
-      }
-    }
-  }
-  return times;
-}
-
-/** Time between the first and the last point [s]; 0 without times. */
-double timeSpan(const Scan& scan)
-{
-  const auto times = timesOf(scan);
-  return times ? static_cast<double>(times->second - times->first) : 0;
+  return scan.time.size() == scan.size() ? timeExtent(scan.time) : std::nullopt;
 }
 
 /** Measurement times of the points of a lidar, in units of the time since the previous scan. With
@@ -67,7 +49,7 @@ class Phases
     if (source_ == Source::times)
     {
       // While no motion is known, phases are in units of the scan's own duration.
-      unit_ = dt > 0 ? dt : timeSpan(all);
+      unit_ = dt > 0 ? dt : timesOf(all).value_or(TimeExtent()).duration();
       per_second_ = unit_ > 0 ? static_cast<float>(1 / unit_) : 0.0F;
     }
     const bool may_be_ordered = source_ == Source::none || source_ == Source::azimuth;
@@ -279,9 +261,9 @@ void Preprocessor::prepareOf(const Scan& part,
 std::pair<double, double> Preprocessor::sweepSpan(const Scan& scan, double sweep_duration) const
 {
   const auto times = timesOf(scan);
-  if (times && times->second > times->first && options_.deskew != DeskewMode::azimuth)
+  if (times && times->duration() > 0 && options_.deskew != DeskewMode::azimuth)
   {
-    return {static_cast<double>(times->first), static_cast<double>(times->second)};
+    return {static_cast<double>(times->first), static_cast<double>(times->last)};
   }
   return {-options_.sweep_reference * sweep_duration,
           (1 - options_.sweep_reference) * sweep_duration};

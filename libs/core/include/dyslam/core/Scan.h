@@ -3,7 +3,6 @@
 
 #include <dyslam/core/Pose.h>
 
-#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <string>
@@ -50,13 +49,6 @@ struct Scan
 [[nodiscard]] inline bool isReturn(const Eigen::Vector3f& p)
 {
   return p.allFinite() && !p.isZero(0);
-}
-
-/** Whether a point can have been measured at this time after its scan's stamp [s]: within a minute;
- * false for NaN. */
-[[nodiscard]] inline bool isPossibleTime(float time)
-{
-  return std::abs(time) < 60.0F;
 }
 
 /** Points ready for algorithms: valid, cropped, motion-compensated, in the vehicle frame at the
