@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/base/Quantile.h>
 #include <dyslam/core/FiringOrder.h>
+#include <dyslam/core/PointTimes.h>
 #include <dyslam/core/Rings.h>
 #include <dyslam/core/ScanParts.h>
 #include <dyslam/core/ScanPattern.h>
@@ -210,7 +211,8 @@ void measureExtent(const std::vector<Eigen::Vector3f>& points, ScanPattern& patt
     if (isReturn(p))
     {
       elevations.push_back(elevationOf(p));
-      farthest = std::max(farthest, p.squaredNorm());
+      const float squared = p.squaredNorm();
+      farthest = std::isfinite(squared) ? std::max(farthest, squared) : farthest;
     }
   }
   pattern.returns = elevations.size();
@@ -260,11 +262,9 @@ ScanPattern measureScanPattern(const Scan& scan)
   }
   ScanPattern pattern;
   measureExtent(scan.points, pattern);
-  if (scan.time.size() == scan.size() && !scan.time.empty())
+  if (scan.time.size() == scan.size())
   {
-    const auto [first, last] = std::minmax_element(scan.time.begin(), scan.time.end());
-    const auto duration = static_cast<double>(*last - *first);
-    pattern.duration = std::isfinite(duration) ? duration : 0;
+    pattern.duration = timeExtent(scan.time).value_or(TimeExtent()).duration();
     pattern.point_times = pattern.duration > 0;
   }
   pattern.firing_order = inFiringOrder(scan.points);

@@ -170,6 +170,22 @@ TEST(ScanPattern, ScatteredPointsHaveNoRings)
   EXPECT_FALSE(measureScanPattern(scan).hasRings());
 }
 
+/** The times of points that returned nothing may be NaN, those of the first points, too. */
+TEST(ScanPattern, DamagedPointsAndUnknownTimesDoNotCount)
+{
+  Scan scan = spinning(16, -15 * degree, 2 * degree, 900, 0.02);
+  const ScanPattern sound = measureScanPattern(scan);
+  for (const float damaged : {NAN, INFINITY, -1e6F, 3e38F})
+  {
+    scan.time.front() = damaged;
+    scan.points.front() = {damaged, 1e30F, 1e30F};
+    const ScanPattern p = measureScanPattern(scan);
+    EXPECT_TRUE(p.point_times) << damaged;
+    EXPECT_NEAR(p.duration, sound.duration, 1e-3) << damaged;
+    EXPECT_NEAR(p.max_range, sound.max_range, 0.1) << damaged;
+  }
+}
+
 TEST(ScanPattern, EmptyAndSinglePoint)
 {
   EXPECT_EQ(measureScanPattern(Scan()).returns, 0U);

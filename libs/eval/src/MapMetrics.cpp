@@ -28,11 +28,13 @@ struct CellHash
 };
 using Cell = std::array<std::int64_t, 3>;
 
+/** Points beyond 1e15 cells are in the last cell. \pre p is finite */
 Cell cellOf(const Eigen::Vector3f& p, double size)
 {
-  return {static_cast<std::int64_t>(std::floor(static_cast<double>(p.x()) / size)),
-          static_cast<std::int64_t>(std::floor(static_cast<double>(p.y()) / size)),
-          static_cast<std::int64_t>(std::floor(static_cast<double>(p.z()) / size))};
+  constexpr double last = 1e15;
+  const Eigen::Vector3d cell = (p.cast<double>() / size).array().floor().max(-last).min(last);
+  return {static_cast<std::int64_t>(cell.x()), static_cast<std::int64_t>(cell.y()),
+          static_cast<std::int64_t>(cell.z())};
 }
 
 /** Hash grid of points; the cell size is the search radius. */

@@ -89,6 +89,15 @@ TEST(MapMetrics, UnlabelledAndOutlierPointsAreIgnored)
   }
 }
 
+TEST(MapMetrics, PointsTooFarAwayToCountVoxels)
+{
+  const std::vector<Eigen::Vector3f> points{{1, 2, 3}, {1e30F, -1e30F, 3e38F}, {-3e38F, 1e9F, 0}};
+  const MapEvaluation same = evaluateMap(points, {9, 9, 9}, points, {});
+  EXPECT_EQ(same.points.static_total, 3U);
+  EXPECT_EQ(same.points.static_preserved, 3U);
+  EXPECT_EQ(same.voxels.static_preserved, 3U);
+}
+
 TEST(MapMetrics, EmptyAndBadInput)
 {
   const auto e = evaluateMap({}, {}, {});

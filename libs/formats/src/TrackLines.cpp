@@ -8,6 +8,17 @@
 
 namespace dyslam
 {
+int frameFrom(const TextFile& file)
+{
+  constexpr int last = 10000000;
+  const int frame = file.integer(0);
+  if (frame > last)
+  {
+    file.fail("the frame is above 10000000; frames are the numbers of the scans, from 0");
+  }
+  return frame;
+}
+
 LabelledBox readTrackLine(const TextFile& file, const char* box_columns)
 {
   const bool has_score = file.fields().size() == 18;
@@ -18,7 +29,7 @@ LabelledBox readTrackLine(const TextFile& file, const char* box_columns)
     file.requireFields(17, columns.c_str());
   }
   LabelledBox box;
-  box.frame = file.integer(0);
+  box.frame = frameFrom(file);
   box.type = std::string(file.fields()[2]);
   box.object_class = objectClassFromString(box.type);
   box.truncated = file.integerPart(3);

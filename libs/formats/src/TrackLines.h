@@ -10,6 +10,9 @@
 
 namespace dyslam
 {
+/** Number of the scan in the first column of a line. \throws UserError for one that no recording
+ * has: what counts the scans would overflow or run out of memory. */
+[[nodiscard]] int frameFrom(const TextFile& file);
 /** The columns that KITTI's tracking labels and our tracks.txt have in common: all but the id and
  * the box. \param box_columns what columns 10 to 16 hold, for the message. \throws UserError unless
  * there are 17 columns, or 18 with the score. */

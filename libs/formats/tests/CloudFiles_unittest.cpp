@@ -275,6 +275,25 @@ TEST(CloudFiles, TimesInEachUnit)
   }
 }
 
+TEST(CloudFiles, ADamagedTimeDoesNotSpoilTheOthers)
+{
+  const TestFolder folder;
+  for (const double zero : {0.0, 1600000000.25})
+  {
+    for (const double damaged : {1e30, -1e38})
+    {
+      const TextField field{"timestamp", 'F',
+                            [&](std::size_t i) { return i == 7 ? damaged : zero + timeOf(i); }};
+      FieldConventions conventions;
+      const Scan scan = readCloud(folder.write("a.pcd", textPcd({field})), conventions);
+      EXPECT_NEAR(zero, scan.stamp, 1e-6) << damaged;
+      ASSERT_EQ(40U, scan.time.size()) << damaged;
+      EXPECT_NEAR(timeOf(39), scan.time.back(), 2e-6) << damaged;
+      EXPECT_TRUE(conventions.warnings().empty()) << damaged;
+    }
+  }
+}
+
 TEST(CloudFiles, TheFirstFileShowsTheUnitOfAll)
 {
   const TestFolder folder;

@@ -233,6 +233,10 @@ TEST(TrajectoryFiles, ErrorsNameFileAndLine)
   expectError(
       [&] { (void)readTracks(folder.write("a", "0 1 Car 0 0 -10 0 0 0 0 1 2 3 4 5 1e13 0\n")); },
       "a:1: the position is more than 1e12 m");
+  expectError(
+      [&]
+      { (void)readTracks(folder.write("a", "2147483647 1 Car 0 0 -10 0 0 0 0 1 2 3 4 5 6 0\n")); },
+      "a:1: the frame is above 10000000");
   EXPECT_EQ(0, readTum(folder.write("a", "1 0 1e-999 0 0 0 0 1\n"))[0].pose.translation().y());
   expectError([&] { (void)readTum(folder.write("a", good + "2 0 0 0 0 0 0 2\n")); },
               "a:2: the quaternion's length");

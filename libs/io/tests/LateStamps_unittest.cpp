@@ -91,6 +91,7 @@ TEST(LateStamps, LateIsBehindThreeQuartersOfTheScan)
   EXPECT_EQ(firstOfLateStamp({nan, 0.125F, -0.875F}), -0.875);
   EXPECT_EQ(firstOfLateStamp({-1.0F, 0.0F}), -1.0) << "of the last point";
   EXPECT_EQ(firstOfLateStamp({-1.5F, -0.5F}), -1.5) << "of the arrival";
+  EXPECT_EQ(firstOfLateStamp({0.0F, -1e6F, 1.0F}), 0.0) << "one is damaged";
 }
 
 TEST(LateStamps, AllMoveByTheTimeOfTheFirstScans)

@@ -24,8 +24,7 @@ constexpr double highest_step = 1.0;       // of the ground, besides its slope [
 /** \param dx, dy columns from the one at `p` */
 std::uint64_t columnKey(const Eigen::Vector2d& p, int dx = 0, int dy = 0)
 {
-  return voxelKey({static_cast<std::int32_t>(std::floor(p.x() / column_side)) + dx,
-                   static_cast<std::int32_t>(std::floor(p.y() / column_side)) + dy, 0});
+  return voxelKey({cellNumber(p.x() / column_side) + dx, cellNumber(p.y() / column_side) + dy, 0});
 }
 
 std::vector<double> heightsOver(const Eigen::Vector2d& slope,

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 
 namespace dyslam
 {
@@ -49,8 +48,8 @@ ObstacleColumns::ObstacleColumns(const MapPoints& map,
 
 Eigen::Vector2i ObstacleColumns::cellOf(const Eigen::Vector3f& p) const
 {
-  return {static_cast<int>(std::floor(static_cast<double>(p.x()) / side_)),
-          static_cast<int>(std::floor(static_cast<double>(p.y()) / side_))};
+  return {cellNumber(static_cast<double>(p.x()) / side_),
+          cellNumber(static_cast<double>(p.y()) / side_)};
 }
 
 bool ObstacleColumns::isAtHeight(const Eigen::Vector3d& p) const

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/base/Error.h>
 #include <dyslam/core/ScanParts.h>
+#include <dyslam/core/VoxelGrid.h>
 #include <dyslam/mapping/MapTiles.h>
 #include <dyslam/mapping/MovingInMap.h>
 
@@ -148,7 +149,7 @@ Frame ScanStore::read(std::size_t scan)
 std::vector<MapTile> tilesOf(const ScanStore& scans, const StaticMapOptions& options, double size)
 {
   std::set<std::pair<std::int64_t, std::int64_t>> tiles;
-  const auto cellOf = [size](double v) { return static_cast<std::int64_t>(std::floor(v / size)); };
+  const auto cellOf = [size](double v) { return std::int64_t{cellNumber(v / size)}; };
   const auto regionOf = [size](std::int64_t x, std::int64_t y)
   {
     const Eigen::Vector2d corner(static_cast<double>(x) * size, static_cast<double>(y) * size);

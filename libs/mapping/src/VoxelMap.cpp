@@ -17,8 +17,7 @@ constexpr double column_size = 1.0;  // side of the columns whose lowest voxel i
 /** Key of the square of side `size` around (x, y) [m]. */
 std::uint64_t squareOf(double x, double y, double size)
 {
-  return voxelKey({static_cast<std::int32_t>(std::floor(x / size)),
-                   static_cast<std::int32_t>(std::floor(y / size)), 0});
+  return voxelKey({cellNumber(x / size), cellNumber(y / size), 0});
 }
 
 void countUp(std::uint16_t& counter)
@@ -30,9 +29,8 @@ void countUp(std::uint16_t& counter)
 
 VoxelCell VoxelMap::cellOf(const Eigen::Vector3d& p) const
 {
-  return {static_cast<std::int32_t>(std::floor(p.x() / voxel_size_)),
-          static_cast<std::int32_t>(std::floor(p.y() / voxel_size_)),
-          static_cast<std::int32_t>(std::floor(p.z() / voxel_size_))};
+  return {cellNumber(p.x() / voxel_size_), cellNumber(p.y() / voxel_size_),
+          cellNumber(p.z() / voxel_size_)};
 }
 
 Eigen::Vector3d VoxelMap::cornerOf(const VoxelCell& cell) const
@@ -194,15 +192,16 @@ std::vector<bool> VoxelMap::nearGround(const std::vector<Voxel>& suspects,
     const Eigen::Vector3d c = centroidOf(voxel);
     columns.findOrInsert(squareOf(c.x(), c.y(), column_size),
                          static_cast<std::uint32_t>(columns.size()));
-    low = low.cwiseMin(c.head<2>());
-    high = high.cwiseMax(c.head<2>());
+    const Eigen::Vector2d corner = cornerOf(voxel.cell).head<2>();
+    low = low.cwiseMin(corner);
+    high = high.cwiseMax(corner);
   }
   std::vector<float> sure(columns.size(), nothing);
   std::vector<float> any(columns.size(), nothing);
   // Visits the tiles whose voxels may have their centroid in one of the columns: a voxel belongs to
   // the tile of its corner.
   const double reach = column_size + voxel_size_;
-  const auto tileAt = [](double v) { return static_cast<int>(std::floor(v / tile_size)); };
+  const auto tileAt = [](double v) { return cellNumber(v / tile_size); };
   for (int x = tileAt(low.x() - 1.01 * reach); x <= tileAt(high.x() + reach); ++x)
   {
     for (int y = tileAt(low.y() - 1.01 * reach); y <= tileAt(high.y() + reach); ++y)

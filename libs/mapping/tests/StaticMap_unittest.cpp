@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/base/Error.h>
+#include <dyslam/core/VoxelGrid.h>
 #include <dyslam/mapping/StaticMap.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <limits>
 #include <memory>
@@ -72,6 +74,24 @@ TEST(StaticMap, EmptyOnePointAndNotFinite)
   map.correct(posesOf(3, 1));
   ASSERT_EQ(map.map.points().size(), 1U);
   EXPECT_NEAR(map.map.points().points[0].x(), 6, 0.004F);
+}
+
+TEST(StaticMap, PosesTooFarAwayToCountVoxelsLeaveTheOthersAlone)
+{
+  TestMap map;
+  Frame frame;
+  frame.cloud.points = {{5, 0, 0}, {6, 0, 1}};
+  map.insert(frame);
+  for (const double far : {1e9, -1e12, 1e30, -1e300})
+  {
+    frame.T_odom_vehicle.translation().setConstant(far);
+    map.insert(frame);
+  }
+  EXPECT_EQ(map.map.voxelAt({5, NAN, 1e300}), VoxelHash::none);
+  const MapPoints points = map.map.points();
+  ASSERT_GE(points.size(), 2U);
+  EXPECT_NEAR(points.points[0].x(), 5, 0.01F);
+  EXPECT_NEAR(points.points[1].x(), 6, 0.01F);
 }
 
 TEST(StaticMap, LeavesOutMovingPointsAndTracks)

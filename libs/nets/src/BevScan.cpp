@@ -213,8 +213,9 @@ RayBin rayBin(const Eigen::Vector3f& p)
   const float flat = std::max(p.head<2>().norm(), 1e-3F);
   bin.range = std::sqrt(flat * flat + p.z() * p.z());
   const float row = (p.z() / flat - lowest_slope) / (highest_slope - lowest_slope) * BevRays::rows;
-  // Clamped to just outside the image, so that the conversion to integers is defined.
-  bin.row = static_cast<int>(std::floor(std::clamp(row, -1.0F, float{BevRays::rows})));
+  // Clamped to just outside the image, so that the conversion to integers is defined. This order of
+  // min and max maps NaN to -1.
+  bin.row = static_cast<int>(std::floor(std::min(std::max(-1.0F, row), float{BevRays::rows})));
   const float turn = turnsOf(p.y(), p.x()) + 0.5F;
   bin.column = std::clamp(static_cast<int>(turn * BevRays::columns), 0, BevRays::columns - 1);
   return bin;

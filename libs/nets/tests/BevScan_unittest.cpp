@@ -178,7 +178,8 @@ TEST(BevRays, DistinguishesFreeOccupiedAndUnobserved)
 
 TEST(BevRays, DirectionsAboveAndBelowTheImageAreUnobserved)
 {
-  const std::vector<Eigen::Vector3f> steep = {{0, 0, 1e30F}, {0, 0, -1e30F}, {1, 0, 5}, {1, 0, -5}};
+  const std::vector<Eigen::Vector3f> steep = {
+      {0, 0, 1e30F}, {0, 0, -1e30F}, {1, 0, 5}, {1, 0, -5}, {1, NAN, 0}};
   const BevRays rays(steep);
   for (const Eigen::Vector3f& p : steep)
   {

@@ -220,6 +220,27 @@ TEST(MotionSensors, SamplesThatMakeNoSenseAreLeftOut)
   EXPECT_TRUE(sensors.sense(0.6, 0.7, Pose::Identity())) << "the clock was set back";
 }
 
+/** A damaged sample must not make the pose of the vehicle NaN. */
+TEST(MotionSensors, ImpossibleRatesAndSpeedsAreLeftOut)
+{
+  const Frame good = frameAt(5);
+  for (const double wild : {1e6, 1e38, 1e200, -1.7e308})
+  {
+    MotionSensors sensors{MotionSensorOptions()};
+    Frame frame = good;
+    frame.imu[4].angular_velocity.z() = wild;
+    frame.wheels[2].forward_speed = wild;
+    sensors.add(frame);
+    const SensedMotion sensed = sensedBefore(sensors, frame);
+    EXPECT_LT(motionSize(logSE3(motionBefore(good).inverse() * sensed.T_previous_current)), 0.02)
+        << wild;
+    MotionPrior prior;
+    prior.information = informationFromSigmas(0.03, 0.01);
+    (void)sensors.fuse(sensed, prior);
+    EXPECT_TRUE(prior.T_previous_current.matrix().allFinite()) << wild;
+  }
+}
+
 /** Feeds the sensors while the scans show the true motion, with a little noise. */
 void drive(MotionSensors& sensors, const Errors& errors, int scans)
 {

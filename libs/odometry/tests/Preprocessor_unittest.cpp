@@ -6,6 +6,8 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
+#include <cstddef>
 #include <numeric>
 #include <random>
 
@@ -368,6 +370,32 @@ TEST(Preprocessor, RedeskewLeavesWhatHasNoPhasesOrTheSameMotion)
   EXPECT_EQ(cloud.points, before.points);
   redeskew(Pose::Identity(), 0, pool, cloud);  // no time has passed
   EXPECT_EQ(cloud.points, before.points);
+}
+
+/** As of a damaged field: neither are the points used nor does the rest of the scan suffer. */
+TEST(Preprocessor, PointsWithImpossibleTimesAreLeftOut)
+{
+  const Pose motion = poseFromYpr(1, 0.1, 0, 3 * test::degree, 0, 0);
+  ThreadPool pool(1);
+  const Preprocessor preprocessor(PreprocessOptions(), pool);
+  Scan scan;
+  scan.points = {{5, 1, 0}, {5, 2, 0}, {5, 3, 0}};
+  const Eigen::Vector3f expected = SweepMotion(motion, 0).toReference(scan.points.back(), 0.5F);
+  for (const float wrong : {-100.0F, 1e6F, -1e19F, 1e30F, -3e38F, INFINITY, NAN})
+  {
+    scan.time = {wrong, 0, 0.05F};
+    for (const double dt : {0.0, 0.1})
+    {
+      Cloud cloud = preprocessor.prepare(scan, motion * motion, dt, dt);
+      redeskew(motion, 0.1, pool, cloud);
+      ASSERT_EQ(cloud.source, (std::vector<std::uint32_t>{1, 2})) << wrong << " " << dt;
+      EXPECT_LT((cloud.points[0] - scan.points[1]).norm(), 1e-5F) << wrong << " " << dt;
+      EXPECT_LT((cloud.points[1] - expected).norm(), 1e-4F) << wrong << " " << dt;
+    }
+    EXPECT_FLOAT_EQ(static_cast<float>(preprocessor.sweepSpan(scan, 0.1).second), 0.05F) << wrong;
+    scan.time.assign(scan.size(), wrong);
+    EXPECT_EQ(preprocessor.prepare(scan, motion, 0.1, 0.1).size(), scan.size()) << "by azimuth";
+  }
 }
 
 TEST(Preprocessor, SameForAnyNumberOfThreads)

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/core/PointTimes.h>
 #include <dyslam/core/Rings.h>
 #include <dyslam/formats/FieldConventions.h>
 
@@ -21,12 +22,13 @@ struct TimeRange
 
   explicit TimeRange(const std::vector<double>& values)
   {
+    constexpr double largest = 1e19;  // more than any time has in nanoseconds since 1970
     constexpr double infinity = std::numeric_limits<double>::infinity();
     double least = infinity;
     double most = -infinity;
     for (const double value : values)
     {
-      if (std::isfinite(value) && value != 0)
+      if (std::abs(value) < largest && value != 0)
       {
         least = std::min(least, value);
         most = std::max(most, value);
@@ -254,11 +256,7 @@ void FieldConventions::restamp(Scan& scan, double stamp)
 {
   if (scan.stamp != 0 && !scan.time.empty())
   {
-    double last = 0;
-    for (const float time : scan.time)
-    {
-      last = std::isfinite(time) ? std::max(last, static_cast<double>(time)) : last;
-    }
+    const auto last = static_cast<double>(timeExtent(scan.time).value_or(TimeExtent()).last);
     const double shift = scan.stamp - zeroOf(scan.stamp, scan.stamp + last, stamp);
     for (float& time : scan.time)
     {

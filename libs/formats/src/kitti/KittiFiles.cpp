@@ -324,7 +324,7 @@ std::vector<LabelledBox> readDetectionsCsv(const std::string& path, const Pose& 
   {
     file.requireFields(15, "frame,type,x1,y1,x2,y2,score,h,w,l,x,y,z,ry,alpha");
     LabelledBox box;
-    box.frame = file.integer(0);
+    box.frame = frameFrom(file);
     const int type = file.integer(1);
     if (type < 1 || type > 3)
     {

@@ -57,7 +57,7 @@ LabelledBox readWithoutId(const TextFile& file, const Pose& T_cam_velo)
                      "frame type truncated occluded alpha left top right bottom height width "
                      "length x y z ry score");
   LabelledBox box;
-  box.frame = file.integer(0);
+  box.frame = frameFrom(file);
   box.type = std::string(file.fields()[1]);
   box.object_class = objectClassFromString(box.type);
   box.image_box = {file.number(5), file.number(6), file.number(7), file.number(8)};

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "ScanSink.h"
 
+#include <dyslam/core/PointTimes.h>
+
 #include <algorithm>
-#include <cmath>
 #include <limits>
 #include <utility>
 
@@ -13,14 +14,7 @@ namespace
 /** Whether the points have two different times or more. */
 bool haveDifferentTimes(const Scan& scan)
 {
-  float first = std::numeric_limits<float>::infinity();
-  float last = -first;
-  for (const float time : scan.time)
-  {
-    first = std::isfinite(time) ? std::min(first, time) : first;
-    last = std::isfinite(time) ? std::max(last, time) : last;
-  }
-  return last > first;
+  return timeExtent(scan.time).value_or(TimeExtent()).duration() > 0;
 }
 }  // namespace
 

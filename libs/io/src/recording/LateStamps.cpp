@@ -1,25 +1,18 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "LateStamps.h"
 
+#include <dyslam/core/PointTimes.h>
+
 #include <algorithm>
-#include <cmath>
-#include <limits>
 
 namespace dyslam
 {
 std::optional<double> firstOfLateStamp(const std::vector<float>& times)
 {
   constexpr double late = 0.25;  // share of the duration
-  double first = std::numeric_limits<double>::infinity();
-  double last = -first;
-  for (const float time : times)
-  {
-    if (std::isfinite(time))
-    {
-      first = std::min(first, static_cast<double>(time));
-      last = std::max(last, static_cast<double>(time));
-    }
-  }
+  const TimeExtent extent = timeExtent(times).value_or(TimeExtent());
+  const auto first = static_cast<double>(extent.first);
+  const auto last = static_cast<double>(extent.last);
   if (!(last > first))
   {
     return std::nullopt;

@@ -4,7 +4,6 @@
 #include <dyslam/base/StateArchive.h>
 
 #include <Eigen/Eigenvalues>
-#include <cmath>
 
 namespace dyslam
 {
@@ -95,9 +94,8 @@ SurfaceMap::SurfaceMap(double cell_size, double max_count, ThreadPool& pool)
 
 VoxelCell SurfaceMap::cellOf(const Eigen::Vector3d& p) const
 {
-  const Eigen::Vector3d c = (p / static_cast<double>(size_)).array().floor();
-  return {static_cast<std::int32_t>(c.x()), static_cast<std::int32_t>(c.y()),
-          static_cast<std::int32_t>(c.z())};
+  const Eigen::Vector3d c = p / static_cast<double>(size_);
+  return {cellNumber(c.x()), cellNumber(c.y()), cellNumber(c.z())};
 }
 
 Eigen::Vector3d SurfaceMap::corner(const VoxelCell& c) const

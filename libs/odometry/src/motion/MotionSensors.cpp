@@ -20,6 +20,9 @@ namespace
 {
 constexpr double sample_memory = 10;  //!< age beyond which samples are dropped [s]
 constexpr double max_ahead = 1;       //!< largest time of a sample after its scan [s]
+/** Samples beyond these, which are far above any in wrong units, are damaged. */
+constexpr double max_rate = 1e4;   //!< [rad/s]
+constexpr double max_speed = 1e5;  //!< [m/s]
 /** Sigma of the acceleration where the last sample is held. */
 constexpr double held_acceleration = 3;          //!< [m/s^2]
 constexpr double held_angular_acceleration = 3;  //!< [rad/s^2]
@@ -168,7 +171,8 @@ void MotionSensors::add(const Frame& frame)
   dropOutside(begin, end, s.speeds);
   for (const ImuSample& sample : frame.imu)
   {
-    if (s.options.gyroscope && isNext(sample.stamp, s.rates) && sample.angular_velocity.allFinite())
+    if (s.options.gyroscope && isNext(sample.stamp, s.rates) &&
+        (sample.angular_velocity.array().abs() < max_rate).all())  // not if one is NaN
     {
       s.rates.push_back({sample.stamp, sample.T_vehicle_imu.linear() * sample.angular_velocity});
     }
@@ -176,7 +180,7 @@ void MotionSensors::add(const Frame& frame)
   for (const WheelSample& sample : frame.wheels)
   {
     if (s.options.wheel_odometry && isNext(sample.stamp, s.speeds) &&
-        std::isfinite(sample.forward_speed))
+        std::abs(sample.forward_speed) < max_speed)
     {
       s.speeds.push_back({sample.stamp, sample.forward_speed});
     }

@@ -1,12 +1,15 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/base/Error.h>
 #include <dyslam/core/FiringOrder.h>
+#include <dyslam/core/PointTimes.h>
 #include <dyslam/core/ScanParts.h>
 #include <dyslam/odometry/OwnVehicle.h>
 #include <dyslam/odometry/Preprocessor.h>
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <optional>
 
 namespace dyslam
 {
@@ -14,22 +17,10 @@ namespace
 {
 constexpr std::size_t chunk_size = 8192;
 
-/** Times of the first and the last point [s]; equal without times. */
-std::pair<float, float> timesOf(const Scan& scan)
+/** Times of the first and the last point; nothing unless the scan has times. */
+std::optional<TimeExtent> timesOf(const Scan& scan)
 {
-  if (scan.time.size() != scan.size() || scan.time.empty())
-  {
-    return {0.0F, 0.0F};
-  }
-  const auto [first, last] = std::minmax_element(scan.time.begin(), scan.time.end());
-  return std::isfinite(*last - *first) ? std::make_pair(*first, *last) : std::make_pair(0.0F, 0.0F);
-}
-
-/** Time between the first and the last point [s]; 0 without times. */
-double timeSpan(const Scan& scan)
-{
-  const auto [first, last] = timesOf(scan);
-  return static_cast<double>(last - first);
+  return scan.time.size() == scan.size() ? timeExtent(scan.time) : std::nullopt;
 }
 
 /** Measurement times of the points of a lidar, in units of the time since the previous scan. With
@@ -58,7 +49,7 @@ class Phases
     if (source_ == Source::times)
     {
       // While no motion is known, phases are in units of the scan's own duration.
-      unit_ = dt > 0 ? dt : timeSpan(all);
+      unit_ = dt > 0 ? dt : timesOf(all).value_or(TimeExtent()).duration();
       per_second_ = unit_ > 0 ? static_cast<float>(1 / unit_) : 0.0F;
     }
     const bool may_be_ordered = source_ == Source::none || source_ == Source::azimuth;
@@ -76,12 +67,14 @@ class Phases
   [[nodiscard]] bool known() const { return source_ != Source::none; }
   /** See Cloud::phase_unit [s]. */
   [[nodiscard]] double unit() const { return unit_; }
+  /** Time of a point; NaN if it cannot be right. */
   [[nodiscard]] float of(std::size_t i) const
   {
     switch (source_)
     {
       case Source::times:
-        return scan_.time[i] * per_second_;
+        return isPossibleTime(scan_.time[i]) ? scan_.time[i] * per_second_
+                                             : std::numeric_limits<float>::quiet_NaN();
       case Source::order:
         return (fractions_[i] - reference_) * per_revolution_ + offset_;
       case Source::stamp:
@@ -109,7 +102,7 @@ class Phases
   /** Source of the times, without examining the order of the points. */
   static Source sourceOf(const Scan& scan, DeskewMode mode)
   {
-    if (usesTimes(mode) && scan.time.size() == scan.size() && scan.size() > 0)
+    if (usesTimes(mode) && timesOf(scan))
     {
       return Source::times;
     }
@@ -267,10 +260,10 @@ void Preprocessor::prepareOf(const Scan& part,
 
 std::pair<double, double> Preprocessor::sweepSpan(const Scan& scan, double sweep_duration) const
 {
-  const auto [first, last] = timesOf(scan);
-  if (last > first && options_.deskew != DeskewMode::azimuth)
+  const auto times = timesOf(scan);
+  if (times && times->duration() > 0 && options_.deskew != DeskewMode::azimuth)
   {
-    return {static_cast<double>(first), static_cast<double>(last)};
+    return {static_cast<double>(times->first), static_cast<double>(times->last)};
   }
   return {-options_.sweep_reference * sweep_duration,
           (1 - options_.sweep_reference) * sweep_duration};

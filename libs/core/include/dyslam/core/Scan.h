@@ -36,7 +36,7 @@ struct Scan
   double stamp = 0;
   std::vector<Eigen::Vector3f> points;  //!< lidar frame [m]
   std::vector<float> intensity;         //!< reflectivity in [0, 1]
-  std::vector<float> time;              //!< seconds after `stamp` (may be negative)
+  std::vector<float> time;              //!< seconds after `stamp` (may be negative; NaN: unknown)
   std::vector<std::uint16_t> ring;  //!< laser number, 0: lowest; further lidars have other numbers
   Pose T_vehicle_lidar = Pose::Identity();
   std::string sensor_label;

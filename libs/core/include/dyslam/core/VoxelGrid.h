@@ -19,18 +19,22 @@ struct VoxelCell
   std::int32_t z = 0;
 };
 
-/** Cell of `p` in cubes of side 1 / `inverse_size`, counted by floor. Coordinates beyond about
- * 2^30 cells, and those that are not finite, are in the last cell of their axis. */
+/** A coordinate in units of cells as the number of its cell: rounded down. Coordinates beyond about
+ * 2^30 cells, and those that are not finite, are in the last cell. */
+template <typename Scalar>
+[[nodiscard]] std::int32_t cellNumber(Scalar coordinate)
+{
+  // Exact as float; its key is that of the outermost cell with a unique key.
+  constexpr auto last = static_cast<Scalar>((1 << 30) - (1 << 20));
+  const Scalar cell = std::floor(coordinate);
+  return static_cast<std::int32_t>(std::abs(cell) < last ? cell : std::copysign(last, cell));
+}
+
+/** Cell of `p` in cubes of side 1 / `inverse_size`, see cellNumber(). */
 [[nodiscard]] inline VoxelCell voxelCell(const Eigen::Vector3f& p, float inverse_size)
 {
-  const auto along = [inverse_size](float coordinate)
-  {
-    // Exact as float; its key is that of the outermost cell with a unique key.
-    constexpr auto last = static_cast<float>((1 << 30) - (1 << 20));
-    const float cell = std::floor(coordinate * inverse_size);
-    return static_cast<std::int32_t>(std::abs(cell) < last ? cell : std::copysign(last, cell));
-  };
-  return {along(p.x()), along(p.y()), along(p.z())};
+  return {cellNumber(p.x() * inverse_size), cellNumber(p.y() * inverse_size),
+          cellNumber(p.z() * inverse_size)};
 }
 
 /** A cell as one number; unique while every coordinate is within +-2^20. */

@@ -60,8 +60,9 @@ class MotionSensors
   ~MotionSensors();
   MotionSensors(MotionSensors&&) noexcept;
 
-  /** Adds the samples of a frame. Ignores samples that are not finite, not later than the previous
-   * ones, more than a second later than the scan, or more than 10 s earlier. */
+  /** Adds the samples of a frame. Ignores samples that are not finite or impossibly large (10^4
+   * rad/s, 10^5 m/s), not later than the previous ones, more than a second later than the scan, or
+   * more than 10 s earlier. */
   void add(const Frame& frame);
 
   /** Motion between two scans. \param begin,end stamps of two successive scans [s]

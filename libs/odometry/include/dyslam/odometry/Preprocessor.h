@@ -48,7 +48,9 @@ class Preprocessor
   Preprocessor(const PreprocessOptions& options, ThreadPool& pool);
 
   /** Valid returns within the range limits, in the vehicle frame at the frame's stamp, in the order
-   * of the scan, with Cloud::source. Ranges are from the lidar that measured the point.
+   * of the scan, with Cloud::source. Ranges are from the lidar that measured the point. If the
+   * points are deskewed by their times, those without one, or more than 60 s from the stamp, are
+   * left out.
    *
    * The points are relative to the pose at Scan::stamp (time 0), or at
    * PreprocessOptions::sweep_reference if deskewed by azimuth or order.
