@@ -49,8 +49,8 @@ struct WorldOptions : Options
   }
 };
 
-/** Moves the files of a folder and its subfolders to those of another folder, which keep their other
- * files. \throws UserError. */
+/** Moves the files of a folder and its subfolders to those of another folder, which keep their
+ * other files. \throws UserError. */
 void moveFiles(const fs::path& from, const fs::path& to)
 {
   makeFolder(to.string());
