@@ -159,7 +159,7 @@ TEST_F(BadArguments, WordsOfTheCommandLine)
                 {"--sequence goes with --kind tracking or 360"});
   expectRefusal("dyslam", "-i x -o " + at("never") + " --lables",
                 {"unknown option '--lables'", "did you mean '--labels'?"});
-  expectRefusal("dyslam", slam(good, "y") + " --times t.txt",
+  expectRefusal("dyslam", slam(at("good.rawlog"), "y") + " --times t.txt",
                 {"unknown option '--times'; scans2rawlog and kitti2rawlog have it: convert"});
   expectRefusal("dyslam", "x.rawlog -o " + at("never"), {"x.rawlog: not expected", "--input"});
   for (const std::string pose : {"0.5 0 1.7 -90 0 0", "0.5 -1 1.7 0 0 0"})

@@ -29,7 +29,7 @@ std::optional<GivenBoxes> givenBoxes(ConfigLoader& config)
 ObjectTracking::ObjectTracking(ConfigLoader& config, MovingLabels labels)
     : detector_(config.get<DetectorOptions>("detector"), labels),
       boxes_(givenBoxes(config)),
-      tracker_(config.get<TrackerOptions>("tracker"))
+      tracker_(config.get<TrackerOptions>("tracker"), labels)
 {
 }
 

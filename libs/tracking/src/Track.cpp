@@ -20,14 +20,14 @@ namespace
 constexpr double height_gain = 0.5;
 constexpr double vertical_velocity_gain = 0.1;
 
-/** Gain of observed sizes below the track's size: low, as parts may be occluded. At first it is
- * higher, as the first detections may be of two things together, such as a pedestrian who passes a
- * post. \param hits number of observations */
-double shrinkGain(int hits)
+/** Gain of observed sizes below the track's size: low, as parts may be occluded. Of complete
+ * clusters it is higher at first: the first ones may be of two things together, such as a
+ * pedestrian who passes a post. \param hits number of observations */
+double shrinkGain(int hits, bool complete)
 {
   constexpr double lasting = 0.005;
   constexpr double of_first = 0.3;
-  return std::max(lasting, of_first / hits);
+  return complete ? std::max(lasting, of_first / hits) : lasting;
 }
 
 /** Lower bounds of a vehicle's width and of the height of all classes [m]. None for the length: the
@@ -301,7 +301,8 @@ void Track::updateSize(const Observation& observation)
   }
   for (int k = 0; k < 3; ++k)
   {
-    const double gain = observed[k] > box_.size[k] ? options_->size_gain : shrinkGain(hits_);
+    const double gain =
+        observed[k] > box_.size[k] ? options_->size_gain : shrinkGain(hits_, observation.complete);
     box_.size[k] += gain * (observed[k] - box_.size[k]);
   }
   if (has_moved_)

@@ -28,6 +28,7 @@ struct Observation
   double score = 0;
   bool from_points = false;  //!< a cluster: box of the visible part only
   bool predicted = false;    //!< Detection::predicted
+  bool complete = false;     //!< a cluster that lacks no visible part: of labels with hindsight
 };
 
 /** One object's history and state, odometry frame. */

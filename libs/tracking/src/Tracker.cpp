@@ -75,7 +75,8 @@ Assignment solveAssignment(AssociationMethod method, const CostMatrix& cost)
 
 struct Tracker::Implementation
 {
-  explicit Implementation(const TrackerOptions& o) : options(o)
+  Implementation(const TrackerOptions& o, MovingLabels of_clusters)
+      : options(o), labels(of_clusters)
   {
     validate(options, "tracker");
     if (options.static_speed > options.dynamic_speed)
@@ -85,6 +86,7 @@ struct Tracker::Implementation
   }
 
   const TrackerOptions options;
+  const MovingLabels labels;
   std::vector<Track> tracks;
   std::map<const ClassTracking*, NoiseScale> noise;  //!< noise of boxes by class options
   int next_id = 0;
@@ -165,6 +167,7 @@ struct Tracker::Implementation
                             const Eigen::Vector3d& lidar)
   {
     Observation observation = toObservation(detection, index, T_odom_vehicle, lidar);
+    observation.complete = observation.from_points && labels == MovingLabels::hindsight;
     if (options.adapt_noise && !observation.from_points)
     {
       const double factor = noise[&optionsFor(options, detection.object_class)].factor();
@@ -266,8 +269,8 @@ struct Tracker::Implementation
   }
 };
 
-Tracker::Tracker(const TrackerOptions& options)
-    : implementation_(std::make_unique<Implementation>(options))
+Tracker::Tracker(const TrackerOptions& options, MovingLabels labels)
+    : implementation_(std::make_unique<Implementation>(options, labels))
 {
 }
 Tracker::~Tracker() = default;

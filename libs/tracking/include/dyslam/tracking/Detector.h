@@ -4,6 +4,7 @@
 #include <dyslam/base/Angle.h>
 #include <dyslam/base/Options.h>
 #include <dyslam/core/Frame.h>
+#include <dyslam/tracking/MovingLabels.h>
 
 #include <Eigen/Core>
 #include <cstdint>
@@ -30,13 +31,6 @@ struct DetectorOptions : Options
   double yaw_sigma = 8.6 * radians_per_degree;
 
   void describe(OptionsVisitor& visitor) override;
-};
-
-/** What decided which points move. */
-enum class MovingLabels
-{
-  causal,    //!< the scan and those before it; points near the ground are often wrong
-  hindsight  //!< earlier and later scans
 };
 
 /** Detects moving objects: range-adaptive Euclidean clustering of the moving points above the local

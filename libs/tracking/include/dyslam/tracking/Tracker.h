@@ -4,6 +4,7 @@
 #include <dyslam/base/Angle.h>
 #include <dyslam/base/Options.h>
 #include <dyslam/core/Frame.h>
+#include <dyslam/tracking/MovingLabels.h>
 
 #include <memory>
 #include <vector>
@@ -92,8 +93,9 @@ struct TrackerOptions : Options
 class Tracker
 {
  public:
-  /** \throws UserError if an option is out of range. */
-  explicit Tracker(const TrackerOptions& options = {});
+  /** \param labels of the clusters that are tracked; causal ones often lack parts of an object, so
+   * that sizes shrink slowly \throws UserError if an option is out of range. */
+  explicit Tracker(const TrackerOptions& options = {}, MovingLabels labels = MovingLabels::causal);
   ~Tracker();
   Tracker(Tracker&&) noexcept;
   Tracker& operator=(Tracker&&) noexcept;
