@@ -173,8 +173,8 @@ void Backend::State::compareVerticals()
   {
     gnss.warn(
         formatted("the satellite positions place the map on the earth with its vertical %.1f "
-                  "degrees off that "
-                  "of the IMU's accelerations; gravity.level_map=true levels the map first",
+                  "degrees off that of the IMU's accelerations; gravity.level_map=true levels the "
+                  "map first",
                   angle / radians_per_degree));
   }
 }

@@ -227,8 +227,7 @@ bool GravityAnchor::addTo(FactorGraph& graph, const std::vector<FrameInKeyframe>
   {
     warn(
         formatted("the accelerations of the IMU are not used: gravity would be %.2f m/s^2; are "
-                  "they in m/s^2, "
-                  "with gravity, and is the pose of the IMU on the vehicle right?",
+                  "they in m/s^2, with gravity, and is the pose of the IMU on the vehicle right?",
                   upwards.norm()));
     return false;
   }

@@ -11,8 +11,7 @@ namespace dyslam
 struct FrameInKeyframe
 {
   double stamp = 0;  //!< UNIX time [s]
-  double time =
-      0;  //!< Frame::time(), which ascends even if the clock of the stamps is set back [s]
+  double time = 0;   //!< Frame::time(): ascends even if the clock of the stamps is set back [s]
   std::size_t keyframe = 0;
   Pose T_keyframe_frame = Pose::Identity();
 };
