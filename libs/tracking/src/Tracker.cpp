@@ -290,7 +290,8 @@ void Tracker::markPredicted(Frame& frame) const
     {
       Track ahead = track;
       ahead.predict(frame.time());
-      markMissed(transformed(ahead.box(), frame.T_odom_vehicle.inverse()), frame);
+      markMissed(transformed(ahead.box(), frame.T_odom_vehicle.inverse()), implementation_->labels,
+                 frame);
     }
   }
 }

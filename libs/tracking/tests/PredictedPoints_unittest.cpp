@@ -43,16 +43,20 @@ Cloud sceneAt(double t)
 class Drive
 {
  public:
-  explicit Drive(const TrackerOptions& options = {}) : tracker_(options) {}
+  explicit Drive(const TrackerOptions& options = {}, MovingLabels labels = MovingLabels::causal)
+      : tracker_(options, labels)
+  {
+  }
 
-  /** The next scan. \param share of the car's points that the segmenter finds */
-  const Frame& next(double share)
+  /** The next scan. \param share of the car's points that the segmenter finds \param missed moving
+   * probability of the others, and of what is static */
+  const Frame& next(double share, float missed = 0.02F)
   {
     frame_ = Frame();
     frame_.scan.stamp = pauses_ + period * static_cast<double>(scan_);
     frame_.cloud = sceneAt(frame_.scan.stamp);
     frame_.moving.assign(frame_.cloud.size(), false);
-    frame_.moving_probability.assign(frame_.cloud.size(), 0.02F);
+    frame_.moving_probability.assign(frame_.cloud.size(), missed);
     for (std::size_t i = 0; i < static_cast<std::size_t>(share * sides); ++i)
     {
       frame_.moving[i] = true;
@@ -156,4 +160,27 @@ TEST(PredictedPoints, AfterALongPauseNothingIsMarked)
   const Frame& frame = drive.next(0);
   EXPECT_EQ(movingOf(frame, 0, frame.cloud.size()), 0U);
   EXPECT_TRUE(frame.objects.empty());
+}
+
+TEST(PredictedPoints, WhatIsCertainlyStaticWithHindsightRemainsStatic)
+{
+  Drive causal;
+  Drive hindsight({}, MovingLabels::hindsight);
+  causal.pass(20, 1);
+  hindsight.pass(20, 1);
+  for (const float probability : {0.02F, 0.001F})
+  {
+    EXPECT_GT(movingOf(causal.next(0, probability), 0, sides), 0.8 * sides) << probability;
+  }
+  EXPECT_GT(movingOf(hindsight.next(0, 0.02F), 0, sides), 0.8 * sides);
+  const Frame& frame = hindsight.next(0, 0.001F);
+  EXPECT_EQ(movingOf(frame, 0, frame.cloud.size()), 0U);
+  EXPECT_TRUE(frame.moving_by_prediction.empty());
+}
+
+TEST(PredictedPoints, LowPointsAreMarkedWithHindsightWhereTheBoxHasNoOthers)
+{
+  Drive drive({}, MovingLabels::hindsight);
+  drive.pass(20, 1);
+  EXPECT_GT(movingOf(drive.next(0, 0), 0, sides), 0.8 * sides);
 }

@@ -101,7 +101,8 @@ class Tracker
   Tracker& operator=(Tracker&&) noexcept;
 
   /** Marks points in the predicted box of a dynamic object as moving if the segmenter missed most
-   * of them (`predicted_scans`), so that the object is detected. Reads cloud, time and
+   * of them (`predicted_scans`), so that the object is detected; with MovingLabels::hindsight not
+   * those that are certainly static. Reads cloud, time and
    * T_odom_vehicle of the frame, changes moving and moving_probability, sets moving_by_prediction.
    * To be called before detection, in every scan or never. */
   void markPredicted(Frame& frame) const;
