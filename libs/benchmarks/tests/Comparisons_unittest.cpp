@@ -317,6 +317,28 @@ TEST(TrackComparison, WhatTheSelectionOfTrueBoxesLacksIsNoted)
   EXPECT_TRUE(notes.empty());
 }
 
+TEST(TrackComparison, PredictionsOfHiddenObjectsAreNoFalseAlarms)
+{
+  TrackData truth;
+  truth.boxes = {boxOf(1, 1, "Car", 10), boxOf(1, 2, "Car", 30)};
+  truth.boxes[1].occluded = ignored_box;
+  truth.hidden[1] = {{20, 0, 0}, {11, 0, 0}, {31, 0, 0}};
+  std::vector<LabelledBox> estimates;
+  for (const double x : {21.5, 22.5, 11.5, 31.0})
+  {
+    estimates.push_back(boxOf(1, static_cast<int>(x), "Car", x));
+  }
+  estimates.push_back(boxOf(2, 20, "Car", 20));
+  removeUncovered(estimates, truth, {});
+  std::vector<std::pair<int, int>> left;
+  for (const LabelledBox& box : estimates)
+  {
+    left.emplace_back(box.frame, box.id);
+  }
+  EXPECT_EQ(left, (std::vector<std::pair<int, int>>{{1, 22}, {1, 11}, {2, 20}}))
+      << "far from the hidden one; near a true box that counts; in a frame without hidden ones";
+}
+
 TEST(TrackComparison, IdsOfAFileAreThoseOfTracks)
 {
   const TestFolder folder;
