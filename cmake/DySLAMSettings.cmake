@@ -46,11 +46,11 @@ endif()
 set(DYSLAM_LAYOUT_DEFINITIONS EIGEN_MAX_ALIGN_BYTES=16)
 
 if(DYSLAM_SANITIZE STREQUAL "ON")
-  set(DYSLAM_SANITIZE address,undefined)
+  set(DYSLAM_SANITIZE address,undefined,float-cast-overflow)  # the last is no part of undefined
 endif()
 if(DYSLAM_FUZZ)
   # Counters in all code for libFuzzer; only the fuzzers have its main().
-  add_compile_options(-fsanitize=fuzzer-no-link,float-cast-overflow -fno-sanitize-recover=all)
+  add_compile_options(-fsanitize=fuzzer-no-link -fno-sanitize-recover=all)
   add_link_options(-fsanitize=fuzzer-no-link)
 endif()
 if(DYSLAM_SANITIZE)

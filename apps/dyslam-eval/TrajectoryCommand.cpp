@@ -41,11 +41,17 @@ bool haveSegments(const std::vector<TrajectoryReport>& reports)
                      [](const TrajectoryReport& r) { return r.drift.overall.segments > 0; });
 }
 
-/** Says why the table has no t_rel and r_rel, if it has none. */
-void noteMissingDrift(const std::vector<TrajectoryReport>& reports,
-                      const std::vector<double>& lengths)
+/** Says why the table lacks figures, if it does. */
+void noteMissingFigures(const std::vector<TrajectoryReport>& reports,
+                        const std::vector<double>& lengths)
 {
-  if (!haveSegments(reports))
+  const auto ofPositions = [](const TrajectoryReport& r) { return r.positions_only; };
+  if (std::any_of(reports.begin(), reports.end(), ofPositions))
+  {
+    printNote(
+        "a reference of positions alone shows ATE [m]; the other errors need true orientations");
+  }
+  if (!haveSegments(reports) && !std::all_of(reports.begin(), reports.end(), ofPositions))
   {
     const std::string shortest =
         CLI::detail::to_string(*std::min_element(lengths.begin(), lengths.end()));
@@ -152,7 +158,7 @@ void runTrajectory(const TrajectoryArguments& a)
   {
     writePng(a.plot, renderTrajectoryPlot(plots, {"", metrics.alignment}));
   }
-  noteMissingDrift(reports, metrics.lengths);
+  noteMissingFigures(reports, metrics.lengths);
 }
 }  // namespace
 
@@ -163,8 +169,9 @@ Subcommand trajectoryCommand(CLI::App& app)
                                      "Errors of trajectories (TUM or KITTI files) against a "
                                      "reference; without one, their lengths");
   CLI::Option* reference = sub->add_option("--reference", a->references,
-                                           "true poses; one file, or one for each estimate; "
-                                           "without, lengths and --plot only");
+                                           "true poses, or positions alone (t x y z, or columns "
+                                           "that a header names); one file, or one for each "
+                                           "estimate; without, lengths and --plot only");
   sub->add_option("--estimate", a->estimates, "poses to evaluate; any number of files")->required();
   a->metrics.declare(*sub);
   CLI::Option* tolerance =
@@ -189,7 +196,8 @@ Subcommand trajectoryCommand(CLI::App& app)
   sub->add_option(
       "--reference-body", a->reading.reference_body,
       "pose of the reference's body (IMU, antenna) on that of the estimates: 'x y z yaw "
-      "pitch roll' [m, deg] (default: both are poses of the same body)");
+      "pitch roll' [m, deg], 'x y z 0 0 0' of an antenna or prism with positions alone (default: "
+      "both are poses of the same body)");
   sub->add_option("--reference-times", a->reading.reference_times,
                   "file with a time [s] for each line of a KITTI reference, which is then paired "
                   "by time");

@@ -180,7 +180,8 @@ std::string ownerOf(const std::string& section, bool merging)
     return "; the section [" + section + "] is for " +
            (merging ? "maps of a single recording" : "--merge");
   }
-  return has(SlamRun::sections()) ? "; the section [" + section + "] belongs to dyslam" : "";
+  const std::string owner = has(SlamRun::sections()) ? "dyslam" : programOfSection(section);
+  return owner.empty() ? "" : "; the section [" + section + "] belongs to " + owner;
 }
 
 /** \param assigned sections of --set \throws UnknownSetting for one that --set may not change. */

@@ -13,6 +13,7 @@
 #include <dyslam/formats/KittiTracks.h>
 #include <dyslam/formats/LabelFiles.h>
 #include <dyslam/formats/MotionFiles.h>
+#include <dyslam/formats/PositionFile.h>
 #include <dyslam/formats/RosMessages.h>
 #include <dyslam/formats/ScanFiles.h>
 #include <dyslam/formats/SustechFiles.h>
@@ -147,6 +148,14 @@ const std::vector<Parser>& parsers()
       {"ply", "a.ply", readCloudFile},
       {"labels", "a.label", [](const std::string& path) { (void)readLabels(path); }},
       {"trajectory", "a.txt", [](const std::string& path) { (void)readTrajectory(path); }},
+      {"positions", "a.txt",
+       [](const std::string& path)
+       {
+         if (isPositionFile(path))
+         {
+           (void)readPositions(path);
+         }
+       }},
       {"times", "a.txt", [](const std::string& path) { (void)readTimesOrTimestamps(path); }},
       {"tracks", "a.txt", [](const std::string& path) { (void)readTracks(path); }},
       {"detections", "a.txt",

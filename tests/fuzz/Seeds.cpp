@@ -167,6 +167,8 @@ void writeTexts(const fs::path& folder)
       {"labels/a", std::string("\x09\0\0\0\xfb\0\x02\0", 8)},
       {"trajectory/tum", "# t x\n1 0 0 0 0 0 0 1\n2 1 2 3 0 0 0.6 0.8\n"},
       {"trajectory/kitti", "1 0 0 0 0 1 0 0 0 0 1 0\n1 0 0 5 0 1 0 6 0 0 1 7\n"},
+      {"positions/lines", "# prism\n1 2 3 4\n2 nan 3 4\n"},
+      {"positions/table", "time [ns], \"lat\" (deg), lon, height, Q\n1, 49, 8, 110, 4\n2,,,,0\n"},
       {"times/seconds", "0\n0.1\n0.2\n"},
       {"times/kitti", "2011-09-26 13:02:25.964389445\n2011-09-26 13:02:26.068369100\n"},
       {"tracks/a", "0 1 Car 0 0 -10 0 0 0 0 1.5 1.6 4.2 1 2 3 0.5 0.9\n"},

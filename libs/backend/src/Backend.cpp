@@ -143,7 +143,7 @@ bool Backend::addOdometry(Frame& frame)
 {
   State& s = *state_;
   const Pose step = s.odometry.add(frame, s.frames.empty());
-  s.gravity_anchor.add(frame, step);
+  s.addAccelerations(frame, step);
   frame.is_keyframe = s.keyframes.empty() || s.odometry.isKeyframeDue();
   if (frame.is_keyframe)
   {

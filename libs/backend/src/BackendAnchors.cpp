@@ -8,20 +8,36 @@
 #include <iterator>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "BackendState.h"
 
 namespace dyslam
 {
-/** A position before a step of the clock belongs to the scan before it. */
+/** A sample before a step of the clock belongs to the scan before it. */
+double Backend::State::timeOf(double stamp, const Frame& frame) const
+{
+  const bool is_before_step =
+      !frames.empty() && std::abs(stamp - frames.back().stamp) < std::abs(stamp - frame.scan.stamp);
+  return stamp - (is_before_step ? frames.back().stamp - frames.back().time : frame.clock_offset);
+}
+
+void Backend::State::addAccelerations(const Frame& frame, const Pose& T_previous_vehicle)
+{
+  std::vector<ImuSample> samples = frame.imu;
+  for (ImuSample& sample : samples)
+  {
+    sample.stamp = timeOf(sample.stamp, frame);
+  }
+  gravity_anchor.add(frame.time(), samples, T_previous_vehicle);
+}
+
 void Backend::State::addPositions(const Frame& frame)
 {
   std::vector<GnssFix> fixes = frame.gnss;
   for (GnssFix& fix : fixes)
   {
-    const bool is_before_step = !frames.empty() && std::abs(fix.stamp - frames.back().stamp) <
-                                                       std::abs(fix.stamp - frame.scan.stamp);
-    fix.stamp -= is_before_step ? frames.back().stamp - frames.back().time : frame.clock_offset;
+    fix.stamp = timeOf(fix.stamp, frame);
   }
   gnss.add(fixes);
 }

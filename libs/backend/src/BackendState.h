@@ -64,6 +64,10 @@ struct Backend::State
   }
 
   // BackendAnchors.cpp
+  /** FrameInKeyframe::time of a stamp that came with a frame [s]. */
+  [[nodiscard]] double timeOf(double stamp, const Frame& frame) const;
+  /** Keeps the accelerations of a frame. \param T_previous_vehicle motion since the frame before */
+  void addAccelerations(const Frame& frame, const Pose& T_previous_vehicle);
   /** Keeps the satellite positions of a frame, with times as those of `frames`. */
   void addPositions(const Frame& frame);
   /** What an optimisation of the whole graph changes. */

@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <cmath>
 #include <memory>
+#include <utility>
 
 namespace dyslam
 {
@@ -16,7 +17,9 @@ namespace
 {
 /** Largest plausible error of the measured magnitude of gravity [m/s^2]. */
 constexpr double magnitude_tolerance = 0.5;
-constexpr double longest_gap = 0.5;  // longest time between two frames of a window [s]
+constexpr double longest_gap = 0.5;     // longest time between two frames of a window [s]
+constexpr double farthest_behind = 10;  // of a sample behind the frame that it came with [s]
+constexpr double farthest_ahead = 1;    // of a sample ahead of that frame [s]
 constexpr std::size_t least_frames = 8;
 constexpr std::size_t least_directions = 3;
 
@@ -61,30 +64,59 @@ void GravityOptions::describe(OptionsVisitor& visitor)
                "standard deviation of the accelerometer's constant error, per axis [m/s^2]");
 }
 
-void GravityAnchor::add(const Frame& frame, const Pose& T_previous_vehicle)
+void GravityAnchor::add(double time,
+                        const std::vector<ImuSample>& samples,
+                        const Pose& T_previous_vehicle)
 {
   Interval interval;
-  if (options_.use != GravityUse::off && !intervals_.empty() && frame.dt > 0)
-  {
-    const Eigen::Vector3d rotation = logSE3(T_previous_vehicle).tail<3>();
-    for (const ImuSample& sample : frame.imu)
-    {
-      const double to_frame = (frame.scan.stamp - sample.stamp) / frame.dt;  // 1: frame before
-      if (!sample.acceleration || !sample.acceleration->allFinite() || to_frame < 0 ||
-          to_frame >= 1)
-      {
-        continue;
-      }
-      Vector6 turn = Vector6::Zero();
-      turn.tail<3>() = -to_frame * rotation;
-      interval.specific_force +=
-          expSE3(turn).linear() * sample.T_vehicle_imu.linear() * *sample.acceleration;
-      interval.imu = sample.T_vehicle_imu.translation();
-      ++interval.samples;
-    }
-    interval.specific_force /= static_cast<double>(std::max<std::size_t>(1, interval.samples));
-  }
+  interval.end = time;
+  interval.rotation = logSE3(T_previous_vehicle).tail<3>();
   intervals_.push_back(interval);
+  if (options_.use == GravityUse::off)
+  {
+    return;
+  }
+  waiting_.insert(waiting_.end(), samples.begin(), samples.end());
+  std::vector<ImuSample> later;
+  for (const ImuSample& sample : waiting_)
+  {
+    const bool is_near =  // false for a stamp that is not finite
+        sample.stamp >= time - farthest_behind && sample.stamp <= time + farthest_ahead;
+    if (!is_near || !sample.acceleration || !sample.acceleration->allFinite())
+    {
+      continue;
+    }
+    if (sample.stamp > time)
+    {
+      later.push_back(sample);
+    }
+    else
+    {
+      addToInterval(sample);
+    }
+  }
+  waiting_ = std::move(later);
+}
+
+void GravityAnchor::addToInterval(const ImuSample& sample)
+{
+  std::size_t i = intervals_.size() - 1;
+  while (i > 0 && intervals_[i - 1].end >= sample.stamp)
+  {
+    --i;
+  }
+  if (i == 0)
+  {
+    return;  // before the first frame
+  }
+  Interval& interval = intervals_[i];
+  const double to_frame =  // 1: at the frame before
+      (interval.end - sample.stamp) / (interval.end - intervals_[i - 1].end);
+  Vector6 turn = Vector6::Zero();
+  turn.tail<3>() = -to_frame * interval.rotation;
+  interval.sum += expSE3(turn).linear() * sample.T_vehicle_imu.linear() * *sample.acceleration;
+  interval.imu = sample.T_vehicle_imu.translation();
+  ++interval.samples;
 }
 
 double GravityAnchor::unit() const
@@ -96,7 +128,7 @@ double GravityAnchor::unit() const
   {
     if (interval.samples > 0)
     {
-      sum += interval.specific_force.norm();
+      sum += interval.mean().norm();
       ++count;
     }
   }
@@ -139,7 +171,7 @@ std::optional<GravityAnchor::Measured> GravityAnchor::measure(
       }
       velocity = next_velocity;
       measured.upwards += unit * (weights.until(frames[i].time) - weights.until(before)) *
-                          (T_middle_frame.linear() * intervals_[i].specific_force);
+                          (T_middle_frame.linear() * intervals_[i].mean());
     }
     position = next;
   }
@@ -298,7 +330,7 @@ Gravity GravityAnchor::gravity(const FactorGraph& graph) const
 
 void GravityAnchor::exchangeState(StateArchive& archive)
 {
-  archive(intervals_);
+  archive(intervals_, waiting_);
 }
 
 Pose levellingOf(const Eigen::Vector3d& up_map)

@@ -3,8 +3,8 @@
 
 #include <dyslam/backend/FactorGraph.h>
 #include <dyslam/backend/GravityOptions.h>
-#include <dyslam/core/Frame.h>
 #include <dyslam/core/Gravity.h>
+#include <dyslam/core/MotionSamples.h>
 
 #include <cstddef>
 #include <optional>
@@ -27,9 +27,11 @@ class GravityAnchor
  public:
   explicit GravityAnchor(const GravityOptions& options) : options_(options) {}
 
-  /** Adds the accelerations of the next frame. \param T_previous_vehicle motion since the frame
-   * before */
-  void add(const Frame& frame, const Pose& T_previous_vehicle);
+  /** Adds the next frame, and what was recorded since the frame before. Accelerations count for the
+   * two frames that they lie between in time, also if they were recorded sooner or later.
+   * \param time time of the frame, by a clock that is never set [s] \param samples with stamps of
+   * that clock \param T_previous_vehicle motion since the frame before */
+  void add(double time, const std::vector<ImuSample>& samples, const Pose& T_previous_vehicle);
 
   /** Adds the vertical, the bias and their factors to the graph, with values that are optimal at
    * the graph's present poses. \param frames poses of the frames that were added \return whether
@@ -51,12 +53,17 @@ class GravityAnchor
   void exchangeState(StateArchive& archive);
 
  private:
-  /** What was measured since the frame before. */
+  /** What was measured between the frame before and a frame. */
   struct Interval
   {
+    double end = 0;                                      //!< time of the frame [s]
+    Eigen::Vector3d rotation = Eigen::Vector3d::Zero();  //!< since the frame before [rad]
     std::size_t samples = 0;
-    Eigen::Vector3d specific_force = Eigen::Vector3d::Zero();  //!< mean, axes of the frame [m/s^2]
+    Eigen::Vector3d sum = Eigen::Vector3d::Zero();  //!< specific forces, axes of the frame [m/s^2]
     Eigen::Vector3d imu = Eigen::Vector3d::Zero();  //!< position of the IMU, vehicle frame [m]
+
+    /** Mean specific force, axes of the frame [m/s^2]. \pre samples > 0 */
+    [[nodiscard]] Eigen::Vector3d mean() const { return sum / static_cast<double>(samples); }
   };
   /** Specific force without the vehicle's own acceleration: gravity's counterforce and bias. */
   struct Measured
@@ -65,6 +72,9 @@ class GravityAnchor
     Eigen::Vector3d upwards = Eigen::Vector3d::Zero();  //!< axes of that frame [m/s^2]
   };
 
+  /** Adds an acceleration to the interval of its time, if there is one. \pre it is not later than
+   * the last frame */
+  void addToInterval(const ImuSample& sample);
   /** Unit of the accelerations [m/s^2]: some drivers, such as Livox's, give them in multiples of
    * standard gravity. */
   [[nodiscard]] double unit() const;
@@ -82,6 +92,7 @@ class GravityAnchor
 
   GravityOptions options_;
   std::vector<Interval> intervals_;  //!< one per frame
+  std::vector<ImuSample> waiting_;   //!< accelerations later than the last frame
   double tilt_sigma_ = 0;            //!< of the vertical that addTo() found [rad]
   std::vector<std::string> warnings_;
 };

@@ -254,6 +254,45 @@ TEST(Gravity, AccelerationsAreKeptInTheStateOfARun)
   EXPECT_EQ(resumed.backend.gravity()->directions, whole.backend.gravity()->directions);
 }
 
+/** The same accelerations, each with the frame `frames` later; 1 frame earlier: -1. */
+DriveWithImu recordedLater(const DriveWithImu& drive, int frames)
+{
+  DriveWithImu moved = drive;
+  const auto count = static_cast<int>(drive.frames.size());
+  for (int i = 0; i < count; ++i)
+  {
+    std::vector<ImuSample>& samples = moved.frames[static_cast<std::size_t>(i)].imu;
+    samples.clear();
+    if (i - frames >= 0 && i - frames < count)
+    {
+      samples = drive.frames[static_cast<std::size_t>(i - frames)].imu;
+    }
+  }
+  return moved;
+}
+
+TEST(Gravity, AccelerationsCountByTheirTimeNotByTheirPlaceInTheRecording)
+{
+  const DriveWithImu drive(40, 1e-4, {0.05, 0.02, 0});
+  const GravityRun sorted(drive, GravityUse::fuse);
+  ASSERT_TRUE(sorted.backend.gravity()) << sorted.warnings();
+  // Scans with the time of their first point are recorded behind the samples of their revolution.
+  DriveWithImu before = recordedLater(drive, -1);
+  const GravityRun ahead(before, GravityUse::fuse);
+  ASSERT_TRUE(ahead.backend.gravity()) << ahead.warnings();
+  EXPECT_EQ(ahead.backend.gravity()->directions, sorted.backend.gravity()->directions);
+  EXPECT_EQ(ahead.backend.gravity()->up_map, sorted.backend.gravity()->up_map);
+  const test::ResumedRun resumed(GravityRun::configOf(GravityUse::fuse), before.frames);
+  ASSERT_TRUE(resumed.backend.gravity());
+  EXPECT_EQ(resumed.backend.gravity()->up_map, sorted.backend.gravity()->up_map);
+
+  const GravityRun behind(recordedLater(drive, 3), GravityUse::fuse);
+  ASSERT_TRUE(behind.backend.gravity()) << behind.warnings();
+  EXPECT_GE(behind.backend.gravity()->directions + 1, sorted.backend.gravity()->directions)
+      << "the last three frames have none";
+  EXPECT_LT(behind.upError(drive), sorted.upError(drive) + 0.1 * degrees);
+}
+
 void removeAccelerations(DriveWithImu& drive)
 {
   for (Frame& frame : drive.frames)

@@ -6,6 +6,7 @@
 #include <dyslam/base/Words.h>
 
 #include <algorithm>
+#include <array>
 #include <filesystem>
 #include <sstream>
 #include <utility>
@@ -258,11 +259,30 @@ void Config::requireKnownSections(const std::vector<std::string>& known) const
     {
       const Section& keys = section(name);
       const bool has_one_key = keys.size() == 1;
-      throw UnknownSetting(origin + ": unknown section '" + name + "'", meantWord(name, known),
+      const std::string owner = programOfSection(name);
+      const std::string what = owner.empty() ? "unknown section '" + name + "'"
+                                             : "the section [" + name + "] belongs to " + owner;
+      throw UnknownSetting(origin + ": " + what, owner.empty() ? meantWord(name, known) : "",
                            {name, has_one_key ? keys.begin()->first : "",
                             has_one_key ? keys.begin()->second : Value{}});
     }
   }
+}
+
+std::string programOfSection(const std::string& section)
+{
+  constexpr std::array<std::pair<const char*, const char*>, 8> programs = {
+      {{"augmentation", "dyslam-train"},
+       {"data", "dyslam-train dylo"},
+       {"grid", "dyslam-train dyseg"},
+       {"loss", "dyslam-train"},
+       {"map_export", "dyslam-map"},
+       {"merge", "dyslam-map"},
+       {"network", "dyslam-train"},
+       {"train", "dyslam-train"}}};
+  const auto* found = std::find_if(programs.begin(), programs.end(),
+                                   [&](const auto& program) { return section == program.first; });
+  return found == programs.end() ? "" : found->second;
 }
 
 std::string Config::toIni() const

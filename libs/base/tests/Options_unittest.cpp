@@ -272,9 +272,9 @@ TEST(Config, AKeyOfAnotherSectionIsNamedWithThatSection)
 TEST(Config, AKeyOfAnUnknownSectionIsNamedWithItsSections)
 {
   Config assigned;
-  assigned.set("grid.resolution=0.5");
+  assigned.set("tiles.resolution=0.5");
   EXPECT_EQ(
-      "--set grid.resolution: unknown section 'grid'; 'resolution' is a key of [other]: --set "
+      "--set tiles.resolution: unknown section 'tiles'; 'resolution' is a key of [other]: --set "
       "other.resolution=0.5",
       errorOfProgram(assigned));
   EXPECT_EQ("a.ini:1: unknown section 'othr'; did you mean 'other'? (one of: sample, other)",
@@ -290,6 +290,19 @@ TEST(Config, AKeyOfAnUnknownSectionIsNamedWithItsSections)
   EXPECT_STREQ("here: unknown key 'x'; 'x' is a key of [a], [b]",
                error.withSectionsOf(known).what());
   EXPECT_STREQ("here: unknown key 'x'; did you mean 'y'?", error.withSectionsOf(Config()).what());
+}
+
+TEST(Config, ASectionOfAnotherProgramIsNamedWithIt)
+{
+  EXPECT_EQ("a.ini:1: the section [train] belongs to dyslam-train",
+            errorOfProgram(Config::fromText("[train]\nsteps = 1\n", "a.ini")));
+  Config assigned;
+  assigned.set("grid.resolution=0.5");
+  EXPECT_EQ(
+      "--set grid.resolution: the section [grid] belongs to dyslam-train dyseg; 'resolution' is a "
+      "key of [other]: --set other.resolution=0.5",
+      errorOfProgram(assigned));
+  EXPECT_EQ("", programOfSection("trains"));
 }
 
 /** Inis in a folder of their own. */

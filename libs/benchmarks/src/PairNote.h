@@ -24,8 +24,8 @@ inline void noteFewPairs(const PosePairs& pairs,
   {
     note(estimate + ": only " + std::to_string(pairs.size()) + " of " +
          counted(pairs.estimate_size, "pose") + " have one of " +
-         std::to_string(pairs.reference_size) + " in " + reference + " within " + tolerance +
-         " s; RPE is between the poses that have");
+         std::to_string(pairs.reference_size) + " in " + reference + " within " + tolerance + " s" +
+         (pairs.positions_only ? "" : "; RPE is between the poses that have"));
   }
 }
 }  // namespace dyslam

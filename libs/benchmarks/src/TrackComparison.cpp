@@ -302,7 +302,7 @@ TrackData readEstimatedTracks(const TrackSources& sources,
   }
   if (std::filesystem::is_directory(sources.reference))
   {
-    removeUncovered(data.boxes, truth.boxes, selection);
+    removeUncovered(data.boxes, truth, selection);
   }
   return data;
 }

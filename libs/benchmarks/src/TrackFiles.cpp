@@ -142,6 +142,17 @@ bool isOutside(const LabelledBox& box, const TrackSelection& selection)
          box.box.centre.head<2>().norm() > selection.max_range;
 }
 
+/** Whether a box is within 2 m of one of the centres of its frame. */
+bool isNear(const LabelledBox& box, const CentresByFrame& centres)
+{
+  constexpr double margin = 2;  // [m]
+  const auto of_frame = centres.find(box.frame);
+  return of_frame != centres.end() &&
+         std::any_of(of_frame->second.begin(), of_frame->second.end(),
+                     [&](const Eigen::Vector3d& centre)
+                     { return (box.box.centre - centre).head<2>().norm() <= margin; });
+}
+
 template <typename Condition>
 void removeIf(std::vector<LabelledBox>& boxes, Condition condition)
 {
@@ -201,7 +212,9 @@ TrackData readTruth(const std::string& folder, TrackSelection& selection, const 
   const fs::path labels = fs::path(folder) / "labels";
   if (fs::exists(poses))
   {
-    data.speeds = speedsFrom(data.boxes, lidarPoses(folder, readTum(poses.string()), note));
+    const auto T_world_lidar = lidarPoses(folder, readTum(poses.string()), note);
+    data.speeds = speedsFrom(data.boxes, T_world_lidar);
+    data.hidden = hiddenCentres(data.boxes, T_world_lidar);
   }
   else if (selection.min_speed > 0)
   {
@@ -246,31 +259,24 @@ TrackData readRun(const std::string& folder)
 }
 
 void removeUncovered(std::vector<LabelledBox>& estimates,
-                     const std::vector<LabelledBox>& truth,
+                     const TrackData& truth,
                      const TrackSelection& selection)
 {
-  constexpr double margin = 2;  // distance to a counted box up to which estimates stay [m]
-  std::map<int, std::vector<Eigen::Vector2d>> counted;  // centres by frame
-  for (const LabelledBox& box : truth)
+  CentresByFrame counted;
+  for (const LabelledBox& box : truth.boxes)
   {
     if (box.id >= 0 && box.occluded != ignored_box)
     {
-      counted[box.frame].emplace_back(box.box.centre.head<2>());
+      counted[box.frame].push_back(box.box.centre);
     }
   }
-  const auto isNearCounted = [&](const LabelledBox& estimate)
-  {
-    const std::vector<Eigen::Vector2d>& centres = counted[estimate.frame];
-    return std::any_of(centres.begin(), centres.end(),
-                       [&](const Eigen::Vector2d& centre)
-                       { return (estimate.box.centre.head<2>() - centre).norm() <= margin; });
-  };
-  removeIf(estimates,
-           [&](const LabelledBox& box)
-           {
-             return box.frame < selection.first_frame ||
-                    (isOutside(box, selection) && !isNearCounted(box));
-           });
+  removeIf(
+      estimates,
+      [&](const LabelledBox& box)
+      {
+        return box.frame < selection.first_frame ||
+               ((isOutside(box, selection) || isNear(box, truth.hidden)) && !isNear(box, counted));
+      });
 }
 
 std::optional<FrameRange> processedFrames(const std::string& folder)

@@ -3,14 +3,18 @@
 #include <dyslam/base/Printable.h>
 #include <dyslam/benchmarks/JsonText.h>
 #include <dyslam/benchmarks/TrajectoryComparison.h>
+#include <dyslam/core/GnssFix.h>
 #include <dyslam/eval/Axes.h>
 #include <dyslam/formats/KittiFiles.h>
+#include <dyslam/formats/PositionFile.h>
 #include <dyslam/formats/TrajectoryFiles.h>
 #include <dyslam/io/Converters.h>
+#include <dyslam/mrpt/Geodesy.h>
 
 #include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <utility>
 
 #include "PairNote.h"
@@ -93,6 +97,122 @@ TrajectoryFile readReference(const std::string& path, const PoseReading& a)
   return file;
 }
 
+/** Reads the poses of the estimate, with its time stamps on the clock of the reference. */
+TrajectoryFile readEstimate(const std::string& path, const PoseReading& a)
+{
+  TrajectoryFile file = readPoses(path, a.camera == "estimate", a.calib);
+  for (std::size_t i = 0; i < file.trajectory.size(); ++i)
+  {
+    file.trajectory[i].stamp += a.time_offset.value_or(0);
+  }
+  return file;
+}
+
+/** \throws UserError for a single pose: errors are of the motion between two. */
+void requireTwoPoses(const Trajectory& trajectory, const std::string& path)
+{
+  if (trajectory.size() < 2)
+  {
+    throw UserError(path + ": has one pose; errors need two or more");
+  }
+}
+
+struct NamedTrajectory
+{
+  std::string path;  //!< of its file
+  Trajectory trajectory;
+  bool positions_only = false;  //!< its rotations mean nothing
+};
+
+/** Pairs poses by their time stamps. */
+PosePairs pairByTime(const NamedTrajectory& reference,
+                     const NamedTrajectory& estimate,
+                     const PoseReading& a,
+                     const NoteSink& note)
+{
+  requireTwoPoses(reference.trajectory, reference.path);
+  requireTwoPoses(estimate.trajectory, estimate.path);
+  const double tolerance = a.tolerance.value_or(PoseReading::default_tolerance);
+  const std::string limit = a.interpolate ? "--interpolate " + shortNumber(*a.interpolate)
+                                          : "--tolerance " + shortNumber(tolerance);
+  PosePairs pairs =
+      a.interpolate
+          ? associateInterpolated(reference.trajectory, estimate.trajectory, *a.interpolate)
+          : associateByTime(reference.trajectory, estimate.trajectory, tolerance);
+  pairs.positions_only = reference.positions_only;
+  if (pairs.size() < 2)
+  {
+    throw UserError(estimate.path + ": only " + std::to_string(pairs.size()) + " of " +
+                    std::to_string(pairs.estimate_size) + " time stamps are within " + limit +
+                    " s of one in " + reference.path + " (" + timesOf(estimate.trajectory) +
+                    " and " + timesOf(reference.trajectory) +
+                    "; --time-offset is added to the estimate's)");
+  }
+  noteFewPairs(pairs, estimate.path, reference.path, limit, note);
+  return pairs;
+}
+
+/** Positions in metres: of latitude and longitude, those that are on the earth. */
+Trajectory readMetricPositions(const std::string& path)
+{
+  PositionFile file = readPositions(path);
+  if (!file.is_geodetic)
+  {
+    return std::move(file.positions);
+  }
+  Trajectory of_enu;
+  std::optional<GeodeticPosition> origin;
+  for (const StampedPose& measured : file.positions)
+  {
+    const Eigen::Vector3d& numbers = measured.pose.translation();
+    const GeodeticPosition position{numbers.x(), numbers.y(), numbers.z()};
+    if (isOnEarth(position))
+    {
+      origin = origin.value_or(position);
+      Pose pose = Pose::Identity();
+      pose.translation() = toEnu(position, *origin);
+      of_enu.push_back(measured.stamp, pose);
+    }
+  }
+  if (of_enu.empty())
+  {
+    throw UserError(path + ": none of its latitudes and longitudes [deg] is a place on the earth");
+  }
+  return of_enu;
+}
+
+/** Pairs the poses of the reference's body with its positions. */
+PosePairs pairWithPositions(const std::string& reference_path,
+                            const std::string& estimate_path,
+                            const PoseReading& a,
+                            const NoteSink& note)
+{
+  if (a.camera == "reference" || !a.reference_times.empty())
+  {
+    throw UserError(reference_path + ": has times and positions alone; leave " +
+                    (a.camera == "reference" ? "--camera reference" : "--reference-times") +
+                    " out");
+  }
+  const Pose T_estimate_reference = poseFromOption("--reference-body", a.reference_body);
+  if (!T_estimate_reference.linear().isIdentity(0))
+  {
+    throw UserError("--reference-body '" + a.reference_body + "': " + reference_path +
+                    " has positions alone; the three angles must be 0");
+  }
+  TrajectoryFile estimate = readEstimate(estimate_path, a);
+  if (estimate.format == TrajectoryFormat::kitti)
+  {
+    throw UserError(estimate_path +
+                    ": has no time stamps (KITTI), by which positions are paired; give a TUM file");
+  }
+  for (std::size_t i = 0; i < estimate.trajectory.size(); ++i)
+  {
+    estimate.trajectory[i].pose = estimate.trajectory[i].pose * T_estimate_reference;
+  }
+  return pairByTime({reference_path, readMetricPositions(reference_path), true},
+                    {estimate_path, estimate.trajectory}, a, note);
+}
+
 /** \throws UserError if flags for time stamps are given with a file that has none. */
 void requireNoTimeFlags(const PoseReading& a, const std::string& file)
 {
@@ -118,15 +238,6 @@ double extentOf(const std::vector<Pose>& poses)
     box.extend(pose.translation());
   }
   return box.diagonal().norm();
-}
-
-/** \throws UserError for a single pose: errors are of the motion between two. */
-void requireTwoPoses(const Trajectory& trajectory, const std::string& path)
-{
-  if (trajectory.size() < 2)
-  {
-    throw UserError(path + ": has one pose; errors need two or more");
-  }
 }
 
 /** Mean over the estimates, for benchmarks of several sequences; the drift over those that are long
@@ -159,34 +270,19 @@ PosePairs pairFiles(const std::string& reference_path,
                     const PoseReading& a,
                     const NoteSink& note)
 {
-  const double tolerance = a.tolerance.value_or(PoseReading::default_tolerance);
-  const TrajectoryFile reference = readReference(reference_path, a);
-  TrajectoryFile estimate = readPoses(estimate_path, a.camera == "estimate", a.calib);
-  for (std::size_t i = 0; i < estimate.trajectory.size(); ++i)
+  if (isPositionFile(reference_path))
   {
-    estimate.trajectory[i].stamp += a.time_offset.value_or(0);
+    return pairWithPositions(reference_path, estimate_path, a, note);
+  }
+  const TrajectoryFile reference = readReference(reference_path, a);
+  const TrajectoryFile estimate = readEstimate(estimate_path, a);
+  if (reference.format == TrajectoryFormat::tum && estimate.format == TrajectoryFormat::tum)
+  {
+    return pairByTime({reference_path, reference.trajectory}, {estimate_path, estimate.trajectory},
+                      a, note);
   }
   requireTwoPoses(reference.trajectory, reference_path);
   requireTwoPoses(estimate.trajectory, estimate_path);
-  if (reference.format == TrajectoryFormat::tum && estimate.format == TrajectoryFormat::tum)
-  {
-    const std::string limit = a.interpolate ? "--interpolate " + shortNumber(*a.interpolate)
-                                            : "--tolerance " + shortNumber(tolerance);
-    PosePairs pairs =
-        a.interpolate
-            ? associateInterpolated(reference.trajectory, estimate.trajectory, *a.interpolate)
-            : associateByTime(reference.trajectory, estimate.trajectory, tolerance);
-    if (pairs.size() < 2)
-    {
-      throw UserError(estimate_path + ": only " + std::to_string(pairs.size()) + " of " +
-                      std::to_string(pairs.estimate_size) + " time stamps are within " + limit +
-                      " s of one in " + reference_path + " (" + timesOf(estimate.trajectory) +
-                      " and " + timesOf(reference.trajectory) +
-                      "; --time-offset is added to the estimate's)");
-    }
-    noteFewPairs(pairs, estimate_path, reference_path, limit, note);
-    return pairs;
-  }
   requireNoTimeFlags(a,
                      reference.format == TrajectoryFormat::kitti ? reference_path : estimate_path);
   if (reference.trajectory.size() != estimate.trajectory.size())
@@ -206,7 +302,7 @@ std::string pairWarning(const std::string& reference,
                         const PosePairs& pairs,
                         const TrajectoryReport& report)
 {
-  const BodyAxes axes = compareBodyAxes(pairs);
+  const BodyAxes axes = pairs.positions_only ? BodyAxes::same : compareBodyAxes(pairs);
   if (axes == BodyAxes::differ)
   {
     return estimate + " and " + reference +
@@ -235,7 +331,7 @@ std::string pairWarning(const std::string& reference,
            " m, those of " + reference + " over " + shortNumber(true_extent) +
            " m: are both in metres?";
   }
-  if (report.alignment == Alignment::se3 && true_extent > least_extent &&
+  if (!pairs.positions_only && report.alignment == Alignment::se3 && true_extent > least_extent &&
       report.absolute.translation.rmse < fits * true_extent &&
       report.absolute.rotation_deg.rmse > turned_deg)
   {

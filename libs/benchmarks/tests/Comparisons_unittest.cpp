@@ -10,6 +10,7 @@
 #include <dyslam/formats/ScanFiles.h>
 #include <dyslam/formats/TrackFiles.h>
 #include <dyslam/formats/TrajectoryFiles.h>
+#include <dyslam/mrpt/Geodesy.h>
 #include <gtest/gtest.h>
 
 #include <array>
@@ -19,6 +20,7 @@
 #include <filesystem>
 #include <limits>
 #include <nlohmann/json.hpp>
+#include <sstream>
 #include <stdexcept>
 #include <string>
 #include <utility>
@@ -193,6 +195,118 @@ TEST(TrajectoryComparison, AReferenceMayBeOfAnotherBodyOfTheVehicle)
                        "--reference-body '1.2 0.4': six numbers are needed"));
 }
 
+/** A drive whose vehicle pitches and rolls, and the positions of an antenna on it. */
+class TrajectoryAndPositions : public ::testing::Test
+{
+ protected:
+  void SetUp() override
+  {
+    Pose pose = Pose::Identity();
+    for (int i = 0; i < 60; ++i)
+    {
+      vehicle.push_back(100 + i, pose);
+      const Eigen::Vector3d p = frame * (pose * antenna);
+      lines += std::to_string(100 + i) + ' ' + std::to_string(p.x()) + ' ' + std::to_string(p.y()) +
+               ' ' + std::to_string(p.z()) + '\n';
+      pose = pose * poseFromYpr(1, 0, 0, 0.05, 0.02 * std::sin(0.3 * i), 0.03 * std::sin(0.2 * i));
+    }
+    writeTum(folder.file("vehicle.txt"), vehicle);
+  }
+  [[nodiscard]] PosePairs pairs(const std::string& reference) const
+  {
+    return pairFiles(folder.file(reference), folder.file("vehicle.txt"), reading, ignore);
+  }
+  [[nodiscard]] std::string errorOf(const std::string& reference) const
+  {
+    return messageOfError<UserError>([&] { (void)pairs(reference); });
+  }
+
+  const TestFolder folder;
+  const Eigen::Vector3d antenna{-0.5, 0.3, 1.6};
+  const Pose frame = poseFromYpr(456000, 5427000, 110, 2.1, 0, 0);  // of the positions
+  Trajectory vehicle;
+  std::string lines;
+  PoseReading reading;
+};
+
+TEST_F(TrajectoryAndPositions, ThePositionErrorNeedsNoOrientations)
+{
+  folder.write("rtk.txt", lines);
+  const PosePairs without = pairs("rtk.txt");
+  EXPECT_TRUE(without.positions_only);
+  EXPECT_EQ(without.size(), 60U);
+  EXPECT_GT(evaluateTrajectory("a", without).absolute.translation.rmse, 0.05) << "the lever arm";
+  reading.reference_body = "-0.5 0.3 1.6 0 0 0";
+  const PosePairs found = pairs("rtk.txt");
+  const TrajectoryReport report = evaluateTrajectory("a", found);
+  EXPECT_LT(report.absolute.translation.rmse, 1e-5);
+  EXPECT_EQ(report.absolute.rotation_deg.count, 0U);
+  EXPECT_EQ(report.relative.translation.count, 0U);
+  EXPECT_EQ(report.drift.overall.segments, 0U);
+  EXPECT_FALSE(report.forward_ratio);
+  EXPECT_NEAR(report.length, 59, 3);
+  EXPECT_EQ(pairWarning("rtk.txt", "vehicle.txt", found, report), "");
+}
+
+TEST_F(TrajectoryAndPositions, ReferencesMayHaveOtherTimes)
+{
+  std::string every_third;
+  std::istringstream all(lines);
+  int number = 0;
+  for (std::string line; std::getline(all, line); ++number)
+  {
+    every_third += number % 3 == 0 ? line + '\n' : "";
+  }
+  folder.write("rtk.txt", every_third);
+  reading.reference_body = "-0.5 0.3 1.6 0 0 0";
+  EXPECT_EQ(pairs("rtk.txt").size(), 20U);
+  reading.interpolate = 3;
+  const PosePairs interpolated = pairs("rtk.txt");
+  EXPECT_EQ(interpolated.size(), 58U) << "up to the last of them";
+  EXPECT_LT(evaluateTrajectory("a", interpolated).absolute.translation.rmse, 0.1);
+}
+
+TEST_F(TrajectoryAndPositions, LatitudeAndLongitudeBecomeMetres)
+{
+  const GeodeticPosition origin{49, 8.5, 110};
+  std::string table = "latitude,longitude,altitude,time\n0,0,0,99\n";  // no fix at first
+  for (const StampedPose& pose : vehicle)
+  {
+    const GeodeticPosition p = fromEnu(pose.pose.translation(), origin);
+    table += std::to_string(p.latitude) + "0," + std::to_string(p.longitude) + "," +
+             std::to_string(p.height) + "," + std::to_string(pose.stamp) + "\n";
+  }
+  folder.write("fix.csv", table);
+  const TrajectoryReport report = evaluateTrajectory("a", pairs("fix.csv"));
+  EXPECT_EQ(report.pairs, 60U);
+  EXPECT_LT(report.absolute.translation.rmse, 0.15) << "six decimals of a degree";
+  EXPECT_NEAR(report.length, 59, 3);
+  folder.write("fix.csv", "time,lat,lon,height\n1,0,0,0\n2,91,500,0\n");
+  EXPECT_TRUE(contains(errorOf("fix.csv"), "fix.csv: none of its latitudes and longitudes"));
+}
+
+TEST_F(TrajectoryAndPositions, WhatNeedsOrientationsIsRefused)
+{
+  folder.write("rtk.txt", lines);
+  TrajectoryMetricsOptions first;
+  first.alignment = Alignment::first;
+  const PosePairs found = pairs("rtk.txt");
+  EXPECT_TRUE(
+      contains(messageOfError<UserError>([&] { (void)evaluateTrajectory("a", found, first); }),
+               "a: the alignment 'first' needs orientations, which the reference does not have"));
+  reading.reference_body = "0 0 1 90 0 0";
+  EXPECT_TRUE(contains(errorOf("rtk.txt"), "has positions alone; the three angles must be 0"));
+  reading = {};
+  reading.camera = "reference";
+  EXPECT_TRUE(contains(errorOf("rtk.txt"), "leave --camera reference out"));
+  reading = {};
+  reading.reference_times = "times.txt";
+  EXPECT_TRUE(contains(errorOf("rtk.txt"), "leave --reference-times out"));
+  reading = {};
+  writeKittiPoses(folder.file("vehicle.txt"), vehicle);
+  EXPECT_TRUE(contains(errorOf("rtk.txt"), "vehicle.txt: has no time stamps (KITTI)"));
+}
+
 TEST(TrajectoryComparison, OtherUnitsAndQuaternionsAreWarnedOf)
 {
   PosePairs pairs;
@@ -315,6 +429,28 @@ TEST(TrackComparison, WhatTheSelectionOfTrueBoxesLacksIsNoted)
   every_box.min_points = 0;
   (void)read(every_box);
   EXPECT_TRUE(notes.empty());
+}
+
+TEST(TrackComparison, PredictionsOfHiddenObjectsAreNoFalseAlarms)
+{
+  TrackData truth;
+  truth.boxes = {boxOf(1, 1, "Car", 10), boxOf(1, 2, "Car", 30)};
+  truth.boxes[1].occluded = ignored_box;
+  truth.hidden[1] = {{20, 0, 0}, {11, 0, 0}, {31, 0, 0}};
+  std::vector<LabelledBox> estimates;
+  for (const double x : {21.5, 22.5, 11.5, 31.0})
+  {
+    estimates.push_back(boxOf(1, static_cast<int>(x), "Car", x));
+  }
+  estimates.push_back(boxOf(2, 20, "Car", 20));
+  removeUncovered(estimates, truth, {});
+  std::vector<std::pair<int, int>> left;
+  for (const LabelledBox& box : estimates)
+  {
+    left.emplace_back(box.frame, box.id);
+  }
+  EXPECT_EQ(left, (std::vector<std::pair<int, int>>{{1, 22}, {1, 11}, {2, 20}}))
+      << "far from the hidden one; near a true box that counts; in a frame without hidden ones";
 }
 
 TEST(TrackComparison, IdsOfAFileAreThoseOfTracks)

@@ -5,6 +5,7 @@
 #include <dyslam/eval/TrackErrors.h>
 
 #include <cmath>
+#include <iterator>
 #include <limits>
 
 #include "TrackPreparation.h"
@@ -52,6 +53,29 @@ TrackError errorOf(const LabelledBox& reference)
   return error;
 }
 
+struct StampedPosition
+{
+  double stamp;
+  Eigen::Vector3d position;  // world frame [m]
+};
+using StampedPositions = std::map<std::pair<int, int>, StampedPosition>;  // by id and frame
+
+/** The centres of the boxes in frames with a pose. */
+StampedPositions positionsOf(const std::vector<LabelledBox>& boxes,
+                             const std::map<int, StampedPose>& T_world_lidar)
+{
+  StampedPositions positions;
+  for (const LabelledBox& box : boxes)
+  {
+    const auto pose = T_world_lidar.find(box.frame);
+    if (box.id >= 0 && pose != T_world_lidar.end())
+    {
+      positions[{box.id, box.frame}] = {pose->second.stamp, pose->second.pose * box.box.centre};
+    }
+  }
+  return positions;
+}
+
 void compare(TrackError& error, const LabelledBox& reference, const LabelledBox& estimate)
 {
   error.found = true;
@@ -65,20 +89,7 @@ void compare(TrackError& error, const LabelledBox& reference, const LabelledBox&
 TrackSpeeds speedsFrom(const std::vector<LabelledBox>& boxes,
                        const std::map<int, StampedPose>& T_world_lidar)
 {
-  struct StampedPosition
-  {
-    double stamp;
-    Eigen::Vector3d position;  // world frame [m]
-  };
-  std::map<std::pair<int, int>, StampedPosition> observations;  // by id and frame
-  for (const LabelledBox& box : boxes)
-  {
-    const auto pose = T_world_lidar.find(box.frame);
-    if (box.id >= 0 && pose != T_world_lidar.end())
-    {
-      observations[{box.id, box.frame}] = {pose->second.stamp, pose->second.pose * box.box.centre};
-    }
-  }
+  const StampedPositions observations = positionsOf(boxes, T_world_lidar);
   TrackSpeeds speeds;
   for (auto now = observations.begin(); now != observations.end(); ++now)
   {
@@ -94,6 +105,31 @@ TrackSpeeds speedsFrom(const std::vector<LabelledBox>& boxes,
     }
   }
   return speeds;
+}
+
+CentresByFrame hiddenCentres(const std::vector<LabelledBox>& boxes,
+                             const std::map<int, StampedPose>& T_world_lidar)
+{
+  const StampedPositions observations = positionsOf(boxes, T_world_lidar);
+  CentresByFrame hidden;
+  for (auto after = observations.begin(); after != observations.end(); ++after)
+  {
+    const auto before = after == observations.begin() ? after : std::prev(after);
+    const double dt = after->second.stamp - before->second.stamp;
+    if (before->first.first != after->first.first || !(dt > 0))
+    {
+      continue;  // of another object, or at the same time
+    }
+    const auto end = T_world_lidar.lower_bound(after->first.second);
+    for (auto pose = T_world_lidar.upper_bound(before->first.second); pose != end; ++pose)
+    {
+      const double part = (pose->second.stamp - before->second.stamp) / dt;
+      const Eigen::Vector3d position =
+          before->second.position + part * (after->second.position - before->second.position);
+      hidden[pose->first].push_back(pose->second.pose.inverse() * position);
+    }
+  }
+  return hidden;
 }
 
 std::vector<TrackError> trackErrors(const TrackSequence& sequence,

@@ -81,16 +81,20 @@ Eigen::Matrix3d optimalRotation(const PosePairs& pairs,
     orientations += pairs.reference[i].linear() * pairs.estimate[i].linear().transpose();
     spread += r.squaredNorm() + e.squaredNorm();
   }
-  // Negligible unless the positions do not determine the rotation.
-  constexpr double orientation_weight = 1e-9;
-  const double scale = spread > 0 ? spread : 1.0;
-  positions += orientation_weight * scale / static_cast<double>(pairs.size()) * orientations;
+  if (!pairs.positions_only)
+  {
+    // Negligible unless the positions do not determine the rotation.
+    constexpr double orientation_weight = 1e-9;
+    const double scale = spread > 0 ? spread : 1.0;
+    positions += orientation_weight * scale / static_cast<double>(pairs.size()) * orientations;
+  }
 
   const Eigen::JacobiSVD<Eigen::Matrix3d> svd(positions, Eigen::ComputeFullU | Eigen::ComputeFullV);
   Eigen::Matrix3d mirror = Eigen::Matrix3d::Identity();
   mirror(2, 2) = (svd.matrixU() * svd.matrixV().transpose()).determinant() < 0 ? -1 : 1;
   const Eigen::Matrix3d R = svd.matrixU() * mirror * svd.matrixV().transpose();
-  const auto line = degenerateLine(pairs, reference_mean, estimate_mean, R);
+  const auto line =
+      pairs.positions_only ? std::nullopt : degenerateLine(pairs, reference_mean, estimate_mean, R);
   return line ? Eigen::Matrix3d(optimalRotationAbout(*line, orientations, R) * R) : R;
 }
 }  // namespace
@@ -224,7 +228,11 @@ AbsoluteTrajectoryError absoluteTrajectoryError(const PosePairs& pairs, Alignmen
   {
     const Pose aligned = result.T_reference_estimate * pairs.estimate[i];
     translation.push_back((aligned.translation() - pairs.reference[i].translation()).norm());
-    rotation.push_back(degrees_per_radian * rotationAngle(pairs.reference[i].inverse() * aligned));
+    if (!pairs.positions_only)
+    {
+      rotation.push_back(degrees_per_radian *
+                         rotationAngle(pairs.reference[i].inverse() * aligned));
+    }
   }
   result.translation = statisticsOf(translation);
   result.rotation_deg = statisticsOf(rotation);
@@ -282,8 +290,15 @@ TrajectoryReport evaluateTrajectory(const std::string& name,
                     " poses match the reference's time stamps, 2 are needed: is it the reference "
                     "of this run?");
   }
+  if (pairs.positions_only && options.alignment == Alignment::first)
+  {
+    throw UserError(name +
+                    ": the alignment 'first' needs orientations, which the reference does "
+                    "not have: use se3 or none");
+  }
   TrajectoryReport report;
   report.name = name;
+  report.positions_only = pairs.positions_only;
   report.alignment = options.alignment;
   report.reference_size = pairs.reference_size;
   report.estimate_size = pairs.estimate_size;
@@ -291,11 +306,13 @@ TrajectoryReport evaluateTrajectory(const std::string& name,
   report.not_finite = pairs.not_finite;
   report.length = distanceTravelled(pairs.reference).back();
   constexpr std::size_t segment_step = 10;  // frames, as in the benchmark's devkit
-  report.drift = kittiDrift(pairs, options.lengths, segment_step);
-  report.relative = relativePoseError(pairs);
   report.absolute = absoluteTrajectoryError(pairs, options.alignment);
-  report.forward_ratio = forwardRatio(pairs);
-  report.end = endError(pairs);
+  const PosePairs none;
+  const PosePairs& motions = pairs.positions_only ? none : pairs;
+  report.drift = kittiDrift(motions, options.lengths, segment_step);
+  report.relative = relativePoseError(motions);
+  report.forward_ratio = forwardRatio(motions);
+  report.end = endError(motions);
   return report;
 }
 }  // namespace dyslam

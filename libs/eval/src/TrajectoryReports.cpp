@@ -33,10 +33,10 @@ std::vector<TableCell> row(const TrajectoryReport& r)
           TableCell(where(r.relative.translation.count > 0, r.relative.translation.rmse), 4),
           TableCell(where(r.relative.rotation_deg.count > 0, r.relative.rotation_deg.rmse), 4),
           TableCell(r.absolute.translation.rmse, 3),
-          TableCell(r.absolute.rotation_deg.rmse, 3),
+          TableCell(where(!r.positions_only, r.absolute.rotation_deg.rmse), 3),
           TableCell(r.forward_ratio, 4),
-          TableCell(r.end.translation, 3),
-          TableCell(where(r.length > 0, r.end.percent), 2)};
+          TableCell(where(!r.positions_only, r.end.translation), 3),
+          TableCell(where(!r.positions_only && r.length > 0, r.end.percent), 2)};
 }
 
 Json toJson(const Statistics& s)
@@ -73,15 +73,17 @@ Json toJson(const TrajectoryReport& r)
   {
     json["kitti"]["per_length"].push_back(toJson(d));
   }
-  json["rpe"] = {{"translation_m", toJson(r.relative.translation)},
-                 {"rotation_deg", toJson(r.relative.rotation_deg)}};
+  const auto unlessMissing = [&r](const Json& figures)
+  { return r.positions_only ? Json() : figures; };
+  json["rpe"] = unlessMissing({{"translation_m", toJson(r.relative.translation)},
+                               {"rotation_deg", toJson(r.relative.rotation_deg)}});
   json["ate"] = {{"alignment", toString(r.alignment)},
                  {"translation_m", toJson(r.absolute.translation)},
-                 {"rotation_deg", toJson(r.absolute.rotation_deg)}};
+                 {"rotation_deg", unlessMissing(toJson(r.absolute.rotation_deg))}};
   json["forward_ratio"] = r.forward_ratio ? Json(*r.forward_ratio) : Json();
-  json["end_error"] = {{"translation_m", r.end.translation},
-                       {"rotation_deg", r.end.rotation_deg},
-                       {"percent", r.end.percent}};
+  json["end_error"] = unlessMissing({{"translation_m", r.end.translation},
+                                     {"rotation_deg", r.end.rotation_deg},
+                                     {"percent", r.end.percent}});
   return json;
 }
 
@@ -124,6 +126,11 @@ Table errorStatisticsTable(const std::vector<TrajectoryReport>& reports)
   Table table({"estimate", "error", "max", "mean", "median", "min", "RMSE", "std"});
   for (const auto& r : reports)
   {
+    if (r.positions_only)
+    {
+      addStatistics(table, r.name, "ATE [m]", r.absolute.translation);
+      continue;
+    }
     addStatistics(table, r.name, "RPE [m]", r.relative.translation);
     addStatistics(table, r.name, "RPE [deg]", r.relative.rotation_deg);
     addStatistics(table, r.name, "ATE [m]", r.absolute.translation);

@@ -4,6 +4,7 @@
 #include <dyslam/eval/TrajectoryReports.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <optional>
 #include <stdexcept>
@@ -80,6 +81,28 @@ TEST(TrajectoryReports, JsonHasNullForMissingValues)
   EXPECT_NE(json.find("\"a \\\"b\\\"\""), std::string::npos) << json;
   EXPECT_NE(json.find("\"alignment\": \"se3\""), std::string::npos);
   EXPECT_EQ(trajectoryJson({}), "{\n  \"trajectories\": []\n}\n");
+}
+
+TEST(TrajectoryReports, OfPositionsAloneThereIsTheAbsoluteErrorOfPositions)
+{
+  PosePairs pairs = circle(0.05);
+  const TrajectoryReport whole = evaluateTrajectory("poses", pairs);
+  pairs.positions_only = true;
+  const TrajectoryReport report = evaluateTrajectory("positions", pairs);
+  EXPECT_NEAR(report.absolute.translation.rmse, whole.absolute.translation.rmse, 1e-6);
+  const std::string json = trajectoryJson({report});
+  for (const char* null : {"\"t_rel_percent\": null", "\"rpe\": null", "\"rotation_deg\": null",
+                           "\"forward_ratio\": null", "\"end_error\": null"})
+  {
+    EXPECT_NE(json.find(null), std::string::npos) << null << '\n' << json;
+  }
+  const std::string csv = trajectoryTable({report}).toCsv();
+  EXPECT_EQ(std::count(csv.begin(), csv.end(), '\n'), 2);
+  EXPECT_NE(csv.find(",,,,,"), std::string::npos) << "t_rel, r_rel, RPE: " << csv;
+  EXPECT_NE(csv.find(",,,,\n"), std::string::npos) << "ATE [deg], forward, end: " << csv;
+  EXPECT_EQ(errorStatisticsTable({report}).rows(), 1U);
+  EXPECT_EQ(errorStatisticsTable({report, whole}).rows(), 5U);
+  EXPECT_EQ(driftTable({whole, report}).rows(), 8U);
 }
 
 TEST(TrajectoryReports, DriftAndStatisticsTables)

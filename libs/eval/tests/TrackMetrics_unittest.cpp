@@ -235,6 +235,38 @@ TEST(TrackErrors, speedsUseTheLidarPosesByFrameIndex)
   EXPECT_EQ(speeds.count({2, 2}), 0u);
 }
 
+TEST(TrackErrors, hiddenObjectsAreBetweenTheirBoxes)
+{
+  std::map<int, StampedPose> T_world_lidar;
+  std::vector<LabelledBox> boxes;
+  for (int f = 0; f < 8; ++f)
+  {
+    const Pose T = poseFromYpr(f, 0, 1.7, 0.1 * f, 0, 0);
+    if (f != 4)
+    {
+      T_world_lidar[f] = {100 + 0.1 * f, T};
+    }
+    const Eigen::Vector3d centre = T.inverse() * Eigen::Vector3d(20 + 0.8 * f, 5, 1);
+    if (f == 1 || f == 2 || f == 6)
+    {
+      boxes.push_back(boxAt(f, 7, centre.x(), centre.y()));
+      boxes.back().box.centre = centre;
+    }
+  }
+  boxes.push_back(boxAt(3, 8, 1, 1));  // seen once
+  const CentresByFrame hidden = hiddenCentres(boxes, T_world_lidar);
+  ASSERT_EQ(hidden.size(), 2u) << "frames 3 and 5; 4 has no pose";
+  for (const int f : {3, 5})
+  {
+    ASSERT_EQ(hidden.at(f).size(), 1u);
+    EXPECT_LT(
+        (T_world_lidar.at(f).pose * hidden.at(f)[0] - Eigen::Vector3d(20 + 0.8 * f, 5, 1)).norm(),
+        1e-9);
+  }
+  EXPECT_TRUE(hiddenCentres({}, T_world_lidar).empty());
+  EXPECT_TRUE(hiddenCentres(boxes, {}).empty());
+}
+
 TEST(TrackErrors, positionYawAndSpeedErrors)
 {
   TrackSequence sequence;

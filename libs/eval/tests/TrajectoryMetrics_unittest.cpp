@@ -256,6 +256,32 @@ TEST(Alignment, LateralNoiseDoesNotRollAStraightPath)
   EXPECT_LT(noisyLineError(3, 0.4).rotation_deg.max, 0.3);
 }
 
+TEST(Alignment, PositionsAloneAreAlignedWithoutOrientations)
+{
+  const Pose T = poseFromYpr(10, -3, 2, 1.2, 0.1, -0.2);
+  std::vector<Pose> reference = winding(200);
+  std::vector<Pose> estimate;
+  for (Pose& pose : reference)
+  {
+    estimate.push_back(T.inverse() * pose);
+    pose.linear().setIdentity();
+  }
+  PosePairs pairs = pairsOf(reference, estimate);
+  pairs.positions_only = true;
+  EXPECT_TRUE(alignEstimate(pairs, Alignment::se3).isApprox(T, 1e-9));
+  const AbsoluteTrajectoryError error = absoluteTrajectoryError(pairs, Alignment::se3);
+  EXPECT_LT(error.translation.max, 1e-9);
+  EXPECT_EQ(error.rotation_deg.count, 0u);
+
+  PosePairs line = pairsOf(straight(50, 1), straight(50, 1));  // its roll is any
+  line.positions_only = true;
+  for (Pose& pose : line.estimate)
+  {
+    pose = T * pose;
+  }
+  EXPECT_LT(absoluteTrajectoryError(line, Alignment::se3).translation.max, 1e-9);
+}
+
 TEST(Alignment, NoneAndFirst)
 {
   std::vector<Pose> shifted;

@@ -3,6 +3,7 @@
 #include <dyslam/base/Files.h>
 #include <dyslam/base/PendingFile.h>
 #include <dyslam/formats/FieldConventions.h>
+#include <dyslam/formats/PositionFile.h>
 #include <dyslam/formats/TextFile.h>
 #include <dyslam/formats/TrajectoryFiles.h>
 
@@ -280,7 +281,10 @@ TrajectoryFile readTrajectory(const std::string& path)
   }
   file.fail("has " + std::to_string(file.fields().size()) +
             " fields; a trajectory has 8 (TUM: t x y z qx qy qz qw), 12 (KITTI), or EuRoC's header "
-            "(#timestamp, ..., q_RS_w, ...)");
+            "(#timestamp, ..., q_RS_w, ...)" +
+            (isPositionFile(path) ? ". Positions alone are read by dyslam-eval trajectory "
+                                    "--reference"
+                                  : ""));
 }
 
 Pose cameraAxes()

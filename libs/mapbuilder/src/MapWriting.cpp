@@ -64,19 +64,6 @@ void warnOfOrigin(const Eigen::Vector3d& origin, const MapOutputs& outputs, MapL
   }
 }
 
-/** Of outputs that map_export.area does not limit. */
-void warnOfWholeOutputs(const MapOutputs& outputs, MapListener& listener)
-{
-  for (const std::string& path : outputs.maps)
-  {
-    const MapFormat format = mapFormatOf(path);
-    if (!outputs.exports.area.empty() && format != MapFormat::cloud && format != MapFormat::grid)
-    {
-      listener.warn(path + ": has the whole map; map_export.area is for clouds and grids");
-    }
-  }
-}
-
 /** Of a map whose float32 coordinates are rounded: the trajectory is long, or has a wrong pose. */
 void warnOfReach(double reach, MapListener& listener)
 {
@@ -178,13 +165,14 @@ void writeOther(MapBuilder& builder,
     case MapFormat::cloud:
       break;
     case MapFormat::octree:
-      writeOctomap(builder.map(), path, exports, update);
+      writeOctomap(builder.map(), path, exports, builder.origin(), update);
       break;
     case MapFormat::simplemap:
-      writeSimplemap(builder.map(), path, builder.origin(), update);
+      writeSimplemap(builder.map(), path, builder.origin(), areaOf(exports, builder.origin()),
+                     update);
       break;
     case MapFormat::scene:
-      writeScene(sceneOf(builder, exports.full_resolution), path);
+      writeScene(sceneOf(builder, exports), path);
       break;
     case MapFormat::grid:
       warning = coarserCells(
@@ -300,7 +288,6 @@ MapBuilderOptions withNeedsOf(const MapOutputs& outputs, MapBuilderOptions optio
 MapReport writeMapOutputs(MapBuilder& builder, const MapOutputs& outputs, MapListener& listener)
 {
   warnOfOrigin(builder.origin(), outputs, listener);
-  warnOfWholeOutputs(outputs, listener);
   warnOfReach(builder.reach(), listener);
   MapReport report;
   report.keyframes = builder.keyframes();

@@ -11,8 +11,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "BoxWorld.h"
 #include "TestFolder.h"
@@ -168,6 +170,28 @@ TEST_F(MapRun, TheSceneHasAPointPerTenCentimetresInFullResolution)
   outputs.exports.full_resolution = true;
   EXPECT_GT(build().points, voxels.points);
   EXPECT_GT(fs::file_size(outputs.maps[0]), size / 2) << "not one per voxel of 1 m";
+}
+
+TEST_F(MapRun, AnAreaLimitsEveryMap)
+{
+  for (const char* name : {"m.ply", "m.bt", "m.simplemap", "m.3Dscene", "m.png"})
+  {
+    outputs.maps.push_back(folder.file(name));
+  }
+  const MapReport whole = build();
+  std::vector<std::uintmax_t> sizes;
+  for (const std::string& path : outputs.maps)
+  {
+    sizes.push_back(fs::file_size(path));
+  }
+  outputs.exports.area = "-3 -3 6 3";
+  const MapReport part = build();
+  EXPECT_LT(part.points, whole.points);
+  for (std::size_t i = 0; i < sizes.size(); ++i)
+  {
+    EXPECT_LT(fs::file_size(outputs.maps[i]), sizes[i]) << outputs.maps[i];
+  }
+  EXPECT_TRUE(listener.warnings.empty());
 }
 
 TEST_F(MapRun, TheLabelledMapIsWrittenAlone)

@@ -27,11 +27,6 @@ namespace
 {
 namespace fs = std::filesystem;
 
-bool isWhole(const MapRegion& region)
-{
-  return region.low.array().isInf().all() && region.high.array().isInf().all();
-}
-
 MapRegion overlapOf(const MapRegion& a, const MapRegion& b)
 {
   return {a.low.cwiseMax(b.low), a.high.cwiseMin(b.high)};
@@ -299,7 +294,7 @@ void MapClouds::forEachPart(const StaticMap& map,
   }
   if (!exports_.full_resolution)
   {
-    if (isWhole(region))
+    if (region.isWhole())
     {
       use(points, used.size());
     }

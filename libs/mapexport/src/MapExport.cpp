@@ -107,10 +107,9 @@ void MapExportOptions::describe(OptionsVisitor& v)
       "least number of keyframes that observed an obstacle; 1: ghosts of moving objects stay");
   v.integer("grid_max_cells", grid_max_cells, 100, 2000000000,
             "upper limit of the occupancy grid's cells; a larger grid gets coarser cells");
-  v.text(
-      "area", area,
-      "part of the map in clouds and occupancy grid: x_min y_min x_max y_max, in the coordinates "
-      "of the trajectory; empty: all of it [m]");
+  v.text("area", area,
+         "part of the map that is written: x_min y_min x_max y_max, in the coordinates of the "
+         "trajectory; empty: all of it [m]");
   (void)areaOf(*this);
 }
 

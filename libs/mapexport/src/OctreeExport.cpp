@@ -93,9 +93,9 @@ CellSet staticCells(const StaticMap& map, const octomap::OcTree& tree)
 class ScanInserter
 {
  public:
-  /** \param is_static cells that no ray clears */
-  ScanInserter(octomap::OcTree& tree, double range, CellSet is_static)
-      : tree_(tree), range_(range), static_(std::move(is_static))
+  /** \param area of which the cells are inserted \param is_static cells that no ray clears */
+  ScanInserter(octomap::OcTree& tree, double range, const MapRegion& area, CellSet is_static)
+      : tree_(tree), range_(range), area_(area), static_(std::move(is_static))
   {
   }
 
@@ -119,14 +119,17 @@ class ScanInserter
     free_.forEach(
         [&](const octomap::OcTreeKey& key)
         {
-          if (!static_.contains(key))
+          if (isInArea(key) && !static_.contains(key))
           {
             tree_.updateNode(key, false, lazy);
           }
         });
     for (const octomap::OcTreeKey& key : occupied_)
     {
-      tree_.updateNode(key, true, lazy);
+      if (isInArea(key))
+      {
+        tree_.updateNode(key, true, lazy);
+      }
     }
     free_.clear();
     hit_.clear();
@@ -135,6 +138,22 @@ class ScanInserter
 
  private:
   static constexpr bool lazy = true;
+
+  [[nodiscard]] bool isInArea(const octomap::OcTreeKey& key) const
+  {
+    return area_.isWhole() ||
+           area_.contains({tree_.keyToCoord(key[0]), tree_.keyToCoord(key[1]), 0});
+  }
+
+  /** Whether a ray may have cells in the area; false only if it has none. */
+  [[nodiscard]] bool mayCross(const octomap::point3d& from, const octomap::point3d& to) const
+  {
+    const Eigen::Array2d a(from.x(), from.y());
+    const Eigen::Array2d b(to.x(), to.y());
+    const double cell = tree_.getResolution();
+    return (a.min(b) <= area_.high.array() + cell).all() &&
+           (a.max(b) >= area_.low.array() - cell).all();
+  }
 
   /** Of a ray that is too long, the part within range is free. */
   void castRay(const octomap::point3d& sensor, const octomap::OcTreeKey& end)
@@ -151,7 +170,7 @@ class ScanInserter
     {
       to = sensor + (to - sensor).normalized() * static_cast<float>(range_);
     }
-    if (tree_.computeRayKeys(sensor, to, ray_))
+    if (mayCross(sensor, to) && tree_.computeRayKeys(sensor, to, ray_))
     {
       for (const octomap::OcTreeKey& key : ray_)
       {
@@ -162,6 +181,7 @@ class ScanInserter
 
   octomap::OcTree& tree_;
   double range_;
+  MapRegion area_;
   CellSet static_;
   CellSet free_;
   CellSet ends_;  //!< of the lidar's rays
@@ -186,6 +206,7 @@ void writeBinaryTree(octomap::OcTree& tree, std::ostream& out)
 void writeOctomap(const StaticMap& map,
                   const std::string& path,
                   const MapExportOptions& options,
+                  const Eigen::Vector3d& origin,
                   const MapProgress& on_keyframe)
 {
   validate(options, "map_export");
@@ -196,7 +217,8 @@ void writeOctomap(const StaticMap& map,
   }
   requireWithinKeys(map, path, options);
   octomap::OcTree tree(options.octree_resolution);
-  ScanInserter inserter(tree, options.octree_range, staticCells(map, tree));
+  ScanInserter inserter(tree, options.octree_range, areaOf(options, origin),
+                        staticCells(map, tree));
   map.forEachStaticCloud(
       [&](std::size_t k, const KeyframeCloud& cloud)
       {

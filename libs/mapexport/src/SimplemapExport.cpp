@@ -35,6 +35,51 @@ mrpt::obs::CObservationPointCloud::Ptr observationOf(const Keyframe& keyframe,
   return observation;
 }
 
+/** The points of a keyframe that are in an area, without their lidars. */
+KeyframeCloud cloudWithin(const MapRegion& area,
+                          const KeyframeCloud& cloud,
+                          const Pose& T_map_vehicle)
+{
+  if (area.isWhole())
+  {
+    return cloud;
+  }
+  KeyframeCloud within;
+  for (std::size_t i = 0; i < cloud.size(); ++i)
+  {
+    if (area.contains(T_map_vehicle * cloud.points[i].cast<double>()))
+    {
+      within.points.push_back(cloud.points[i]);
+      within.intensity.push_back(cloud.intensity[i]);
+    }
+  }
+  return within;
+}
+
+/** Whether the file has a keyframe, with these points of it. */
+bool isWritten(const MapRegion& area, const KeyframeCloud& within, const Pose& T_map_vehicle)
+{
+  return T_map_vehicle.matrix().allFinite() && (area.isWhole() || within.size() > 0);
+}
+
+std::uint32_t countWritten(const StaticMap& map, const MapRegion& area)
+{
+  if (area.isWhole())
+  {
+    return static_cast<std::uint32_t>(std::count_if(map.poses().begin(), map.poses().end(),
+                                                    [](const Pose& T)
+                                                    { return T.matrix().allFinite(); }));
+  }
+  std::uint32_t count = 0;
+  map.forEachStaticCloud(
+      [&](std::size_t k, const KeyframeCloud& cloud)
+      {
+        const Pose& T = map.poses()[k];
+        count += isWritten(area, cloudWithin(area, cloud, T), T) ? 1 : 0;
+      });
+  return count;
+}
+
 constexpr std::uint8_t end_of_object = 0x88;  // as MRPT's archives mark it
 
 /** What a CSimpleMap of `count` keyframes begins with: the whole of it would be in memory. */
@@ -51,23 +96,24 @@ void writeStart(mrpt::serialization::CArchive& archive, std::uint32_t count)
 void writeSimplemap(const StaticMap& map,
                     const std::string& path,
                     const Eigen::Vector3d& origin,
+                    const MapRegion& area,
                     const MapProgress& on_keyframe)
 {
   constexpr int compression_level = 1;
   GzOutput file(path, compression_level);
   auto archive = mrpt::serialization::archiveFrom(file);
-  writeStart(archive, static_cast<std::uint32_t>(
-                          std::count_if(map.poses().begin(), map.poses().end(),
-                                        [](const Pose& T) { return T.matrix().allFinite(); })));
+  writeStart(archive, countWritten(map, area));
   map.forEachStaticCloud(
       [&](std::size_t k, const KeyframeCloud& cloud)
       {
-        if (map.poses()[k].matrix().allFinite())
+        const Pose& T = map.poses()[k];
+        const KeyframeCloud within = cloudWithin(area, cloud, T);
+        if (isWritten(area, within, T))
         {
           mrpt::obs::CSensoryFrame frame;
-          frame.insert(observationOf(map.keyframes()[k], cloud));
-          const Pose T = Eigen::Translation3d(origin) * map.poses()[k];
-          archive << mrpt::poses::CPose3DPDFGaussian(toMrpt(T)) << frame;
+          frame.insert(observationOf(map.keyframes()[k], within));
+          const Pose T_file_vehicle = Eigen::Translation3d(origin) * T;
+          archive << mrpt::poses::CPose3DPDFGaussian(toMrpt(T_file_vehicle)) << frame;
         }
         if (on_keyframe)
         {

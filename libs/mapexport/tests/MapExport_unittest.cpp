@@ -44,13 +44,13 @@ TEST(MapExport, KeyframesAreCountedWhenTheyAreDone)
     switch (mapFormatOf(name))
     {
       case MapFormat::octree:
-        writeOctomap(held.map, folder.file(name), {}, count);
+        writeOctomap(held.map, folder.file(name), {}, Eigen::Vector3d::Zero(), count);
         break;
       case MapFormat::grid:
         writeOccupancyGrid(held.map, folder.file(name), {}, Eigen::Vector3d::Zero(), count);
         break;
       default:
-        writeSimplemap(held.map, folder.file(name), Eigen::Vector3d::Zero(), count);
+        writeSimplemap(held.map, folder.file(name), Eigen::Vector3d::Zero(), {}, count);
     }
     EXPECT_EQ(done, all) << name;
   }
@@ -83,6 +83,51 @@ TEST(MapExport, SimplemapHoldsPosesAndClouds)
     points += cloud->pointcloud->size();
   }
   EXPECT_EQ(points, held.pointCount());
+}
+
+TEST(MapExport, SimplemapOfAnAreaHasTheKeyframesWithPointsThere)
+{
+  const TestFolder folder;
+  const test::TestMap held = test::room();
+  MapRegion area;
+  area.low = {-5, 2};
+  area.high = {0, 4};
+  std::vector<std::size_t> expected;  // numbers of points of the keyframes
+  held.map.forEachStaticCloud(
+      [&](std::size_t k, const KeyframeCloud& cloud)
+      {
+        std::size_t count = 0;
+        for (const Eigen::Vector3f& p : cloud.points)
+        {
+          count += area.contains(held.map.poses()[k] * p.cast<double>()) ? 1 : 0;
+        }
+        if (count > 0)
+        {
+          expected.push_back(count);
+        }
+      });
+  ASSERT_FALSE(expected.empty());
+  mrpt::maps::registerAllClasses_mrpt_maps();
+  std::vector<std::size_t> done;
+  writeSimplemap(held.map, folder.file("m.simplemap"), {1000, 2000, 0}, area,
+                 [&](std::size_t keyframes) { done.push_back(keyframes); });
+  EXPECT_EQ(done, (std::vector<std::size_t>{1, 2, 3}));
+  mrpt::maps::CSimpleMap back;
+  ASSERT_TRUE(back.loadFromFile(folder.file("m.simplemap")));
+  std::vector<std::size_t> found;
+  for (std::size_t k = 0; k < back.size(); ++k)
+  {
+    const auto cloud =
+        back.getAsPair(k).sf->getObservationByClass<mrpt::obs::CObservationPointCloud>();
+    found.push_back(cloud->pointcloud->size());
+  }
+  EXPECT_EQ(found, expected);
+
+  area.low.x() = -200;
+  area.high.x() = -100;
+  writeSimplemap(held.map, folder.file("m.simplemap"), Eigen::Vector3d::Zero(), area);
+  ASSERT_TRUE(back.loadFromFile(folder.file("m.simplemap")));
+  EXPECT_EQ(back.size(), 0U);
 }
 
 TEST(MapExport, SimplemapIsWhatMrptWouldWrite)

@@ -5,7 +5,10 @@
 #include <gtest/gtest.h>
 #include <octomap/OcTree.h>
 
+#include <array>
 #include <cstddef>
+#include <iterator>
+#include <map>
 #include <memory>
 #include <sstream>
 #include <string>
@@ -128,6 +131,51 @@ TEST(OctreeExport, OctomapKnowsOccupiedAndFree)
   EXPECT_FALSE(tree.isNodeOccupied(air));
   EXPECT_EQ(tree.search(12.0, 0, 1.0), nullptr);
   EXPECT_THROW(writeOctomap(map, folder.file("m.oct"), {}), UserError);
+}
+
+/** Cells of a `.ot` file: log-odds by the place of the centre. */
+std::map<std::array<double, 3>, float> cellsOf(const std::string& path)
+{
+  const std::unique_ptr<octomap::AbstractOcTree> read(octomap::AbstractOcTree::read(path));
+  auto* tree = dynamic_cast<octomap::OcTree*>(read.get());
+  std::map<std::array<double, 3>, float> cells;
+  if (tree != nullptr)
+  {
+    tree->expand();
+    for (auto leaf = tree->begin_leafs(); leaf != tree->end_leafs(); ++leaf)
+    {
+      cells[{leaf.getX(), leaf.getY(), leaf.getZ()}] = leaf->getLogOdds();
+    }
+  }
+  return cells;
+}
+
+TEST(OctreeExport, OctomapOfAnAreaIsThatPartOfTheWhole)
+{
+  const TestFolder folder;
+  const test::TestMap held = test::room();
+  MapExportOptions options;
+  writeOctomap(held.map, folder.file("whole.ot"), options);
+  options.area = "1003 1998 1008.2 2005";  // around a part of the wall; the lidars are outside
+  const Eigen::Vector3d origin(1000, 2000, 0);
+  writeOctomap(held.map, folder.file("part.ot"), options, origin);
+  auto expected = cellsOf(folder.file("whole.ot"));
+  const std::size_t all = expected.size();
+  const MapRegion area = areaOf(options, origin);
+  for (auto cell = expected.begin(); cell != expected.end();)
+  {
+    const auto& [x, y, z] = cell->first;
+    cell = area.contains({x, y, z}) ? std::next(cell) : expected.erase(cell);
+  }
+  EXPECT_GT(expected.size(), 100U);
+  EXPECT_LT(expected.size(), all / 2);
+  EXPECT_EQ(cellsOf(folder.file("part.ot")), expected);
+
+  options.area = "-50 -50 -40 -40";
+  writeOctomap(held.map, folder.file("none.bt"), options);
+  octomap::OcTree none(options.octree_resolution);
+  EXPECT_TRUE(none.readBinary(folder.file("none.bt")));
+  EXPECT_EQ(none.size(), 0U);
 }
 
 /** From later places there are only rays past the post: its voxel has all points that it keeps. */

@@ -62,10 +62,14 @@ Curve positionErrorCurve(const PosePairs& pairs, const Pose& T_reference_estimat
   return curve;
 }
 
-/** Translation error of each step over the distance travelled. */
+/** Translation error of each step over the distance travelled; empty without true orientations. */
 Curve stepErrorCurve(const PosePairs& pairs)
 {
   Curve curve;
+  if (pairs.positions_only)
+  {
+    return curve;
+  }
   const auto distance = distanceTravelled(pairs.reference);
   for (std::size_t i = 0; i + 1 < pairs.size(); ++i)
   {
@@ -215,7 +219,11 @@ std::vector<std::uint8_t> renderTrajectoryPlot(const std::vector<TrajectoryPlotI
                        270 * supersampling);
   drawErrors(page, upper, position_errors, "Position error after alignment");
   const cv::Rect lower(upper.x, 460 * supersampling, upper.width, 270 * supersampling);
-  drawErrors(page, lower, step_errors, "Translation error of each step");
+  if (std::any_of(items.begin(), items.end(),
+                  [](const TrajectoryPlotItem& item) { return !item.pairs.positions_only; }))
+  {
+    drawErrors(page, lower, step_errors, "Translation error of each step");
+  }
   drawLegend(page, {100 * supersampling, page_height}, legend);
 
   return encodePage(page);

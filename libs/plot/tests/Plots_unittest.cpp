@@ -67,6 +67,16 @@ TEST(TrajectoryPlot, HandlesOnePoseStationaryAndEmptyInput)
   EXPECT_THROW((void)renderTrajectoryPlot({{"empty", PosePairs()}}), std::invalid_argument);
 }
 
+TEST(TrajectoryPlot, PositionsAloneHaveNoErrorsOfSteps)
+{
+  PosePairs positions = circle(0.05);
+  const auto whole = renderTrajectoryPlot({{"a", positions}});
+  positions.positions_only = true;
+  const auto without = renderTrajectoryPlot({{"a", positions}});
+  EXPECT_FALSE(without.empty());
+  EXPECT_NE(without, whole);
+}
+
 TEST(TrajectoryPlot, TheReferenceIsThatOfTheLongestEstimate)
 {
   const PosePairs whole = circle(0.05);

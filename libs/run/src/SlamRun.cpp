@@ -59,25 +59,10 @@ SlamRunSettings withAbsolutePaths(SlamRunSettings settings)
   return settings;
 }
 
-/** \throws UserError for a section of dyslam-map, such as [map_export]. */
-void requireNoneOfMap(const Config& config)
-{
-  for (const char* name : {"map_export", "merge"})
-  {
-    const Config::Section& section = config.section(name);
-    if (!section.empty())
-    {
-      throw UserError(section.begin()->second.origin + ": the section [" + name +
-                      "] belongs to dyslam-map");
-    }
-  }
-}
-
 /** Has loaded the sections that were used to choose the settings: they are part of effective.ini.
  */
 ConfigLoader loaderOf(const Config& config)
 {
-  requireNoneOfMap(config);
   ConfigLoader loader(config);
   (void)loader.get<SensorOptions>("sensor");
   (void)loader.get<StartOptions>("start");

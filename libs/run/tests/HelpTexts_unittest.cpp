@@ -6,6 +6,7 @@
 #include <dyslam/backend/RunMerger.h>
 #include <dyslam/base/Error.h>
 #include <dyslam/base/Files.h>
+#include <dyslam/base/SharedFiles.h>
 #include <dyslam/io/Converters.h>
 #include <dyslam/io/KittiExport.h>
 #include <dyslam/io/RawlogWriter.h>
@@ -83,6 +84,24 @@ TEST(SlamRun, NamesOfSettingsAreCheckedWithoutARecording)
                        "is a key of [backend]: --set backend.keyframe_distance=1"));
   EXPECT_EQ("--set map_export.epsg: the section [map_export] belongs to dyslam-map",
             message("map_export.epsg=1"));
+  EXPECT_EQ("--set train.x: the section [train] belongs to dyslam-train", message("train.x=1"));
+  for (const std::string& section : SlamRun::sections())
+  {
+    EXPECT_EQ("", programOfSection(section)) << section << " is one of dyslam's";
+  }
+}
+
+TEST(SlamRun, SectionsOfTheTrainingInisBelongToTheirProgram)
+{
+  for (const std::string name : {"dylo", "dyseg", "dyseg_simulated"})
+  {
+    const Config ini = Config::fromFile(
+        findGivenOrShared("train_" + name + ".ini", "config_files", ".ini", "", "dyslam-train"));
+    for (const std::string& section : ini.sectionNames())
+    {
+      EXPECT_EQ(0U, programOfSection(section).rfind("dyslam-train", 0)) << name << ": " << section;
+    }
+  }
 }
 
 /** The options of the other programs, with their defaults. */

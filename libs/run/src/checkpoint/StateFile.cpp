@@ -15,7 +15,7 @@ namespace dyslam
 {
 namespace
 {
-constexpr std::string_view magic = "DYSLAM STATE 12\n";
+constexpr std::string_view magic = "DYSLAM STATE 13\n";
 
 struct PartHeader
 {

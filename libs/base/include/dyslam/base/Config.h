@@ -50,7 +50,8 @@ class Config
   [[nodiscard]] const Section& section(const std::string& name) const;
   [[nodiscard]] std::vector<std::string> sectionNames() const;
 
-  /** \throws UnknownSetting for a section that is not among `known`, naming the nearest. */
+  /** \throws UnknownSetting for a section that is not among `known`, naming the program that has
+   * it, or the nearest. */
   void requireKnownSections(const std::vector<std::string>& known) const;
 
   /** The config as an ini text, sections and keys in the order they were first set. */
@@ -65,6 +66,10 @@ class Config
   std::map<std::string, std::string> section_origin_;
   Value program_;  //!< program that the ini is for; empty text: any
 };
+
+/** The program, or its command, that has a section which `dyslam` does not have: "dyslam-train",
+ * "dyslam-train dylo"; empty for any other section. */
+[[nodiscard]] std::string programOfSection(const std::string& section);
 
 /** A key that its section does not have, or a section that the program does not have. */
 class UnknownSetting : public UserError

@@ -31,11 +31,13 @@ struct TrackData
 {
   std::vector<LabelledBox> boxes;
   TrackSpeeds speeds;
+  CentresByFrame hidden;  //!< of the truth: where objects were while they had no box
 };
 
 /** Reads the ground truth of a recording: a folder with tracks.txt and optionally poses_tum.txt
- * (for speeds; requires the rawlog next to the folder) and labels/ (for the points per box). Boxes
- * that the selection does not count are marked as ignored, those before its first frame removed.
+ * (for speeds and hidden objects; requires the rawlog next to the folder) and labels/ (for the
+ * points per box). Boxes that the selection does not count are marked as ignored, those before its
+ * first frame removed.
  * \param selection its defaults are replaced by the values for this ground truth.
  * \param note called if the rawlog is damaged, and if poses or labels are missing that the
  * selection needs \throws UserError for files that are missing or cannot be read. */
@@ -48,10 +50,10 @@ struct TrackData
 [[nodiscard]] TrackData readRun(const std::string& folder);
 
 /** Removes the estimates that the selection of true boxes does not cover: before its first frame,
- * or beyond its view and range and not within 2 m of a true box that counts. \param truth boxes of
- * readTruth() */
+ * and those beyond its view and range, or within 2 m of a hidden object, unless they are within 2 m
+ * of a true box that counts. \param truth result of readTruth() */
 void removeUncovered(std::vector<LabelledBox>& estimates,
-                     const std::vector<LabelledBox>& truth,
+                     const TrackData& truth,
                      const TrackSelection& selection);
 
 /** Indices of the first and last scan that a run processed (Frame::index). */

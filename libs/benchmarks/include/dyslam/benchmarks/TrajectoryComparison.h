@@ -27,15 +27,19 @@ struct PoseReading
   std::string camera;
   std::string calib;  //!< KITTI's calib.txt with the camera's mounting; empty: only its axes
   /** Pose of the reference's body (IMU, antenna) in the body frame of the estimate, as
-   * poseFromOption() reads it; empty: both are poses of the same body. After `camera`. */
+   * poseFromOption() reads it, without rotation for a reference of positions alone; empty: both are
+   * poses of the same body. After `camera`. */
   std::string reference_body;
   std::string reference_times;  //!< a time [s] for each line of a KITTI reference; empty: none
 };
 
-/** Pairs the poses of two files (TUM or KITTI): by time if both have time stamps, else by line.
+/** Pairs the poses of two files (TUM or KITTI): by time if both have time stamps, else by line. The
+ * reference may be a PositionFile; the estimated poses are then those of its body, and latitude and
+ * longitude become east, north, up from the first position.
  * \param note called if the pairs are few or the files differ in length \throws UserError for files
- * that cannot be read, without poses or with fewer than two pairs, and for a tolerance, an offset
- * or times given with a file without time stamps. */
+ * that cannot be read, without poses or with fewer than two pairs, for a tolerance, an offset or
+ * times given with a file without time stamps, and for what needs orientations if the reference has
+ * none. */
 [[nodiscard]] PosePairs pairFiles(const std::string& reference,
                                   const std::string& estimate,
                                   const PoseReading& reading,

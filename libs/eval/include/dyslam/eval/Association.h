@@ -17,6 +17,8 @@ struct PosePairs
   std::size_t reference_size = 0;  //!< poses in the reference
   std::size_t estimate_size = 0;   //!< poses in the estimate
   std::size_t not_finite = 0;      //!< non-finite estimated poses, not associated
+  /** The reference has positions alone; the rotations of its poses mean nothing. */
+  bool positions_only = false;
 
   [[nodiscard]] std::size_t size() const { return reference.size(); }
 };

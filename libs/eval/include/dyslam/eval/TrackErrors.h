@@ -38,6 +38,17 @@ struct TrackError
 [[nodiscard]] TrackSpeeds speedsFrom(const std::vector<LabelledBox>& boxes,
                                      const std::map<int, StampedPose>& T_world_lidar);
 
+/** Centres of objects by frame index, in the lidar frame of the scan [m]. */
+using CentresByFrame = std::map<int, std::vector<Eigen::Vector3d>>;
+
+/** Where the objects were in the frames in which they have no box, although they have one before
+ * and one later: on the line between these two, by time.
+ *
+ * \param boxes in the lidar frame of their scan \param T_world_lidar poses by frame index; frames
+ * without a pose are left out. */
+[[nodiscard]] CentresByFrame hiddenCentres(const std::vector<LabelledBox>& boxes,
+                                           const std::map<int, StampedPose>& T_world_lidar);
+
 /** Matches true and estimated boxes of each frame by the horizontal distance of their centres: as
  * many pairs as possible up to `max_distance` [m], with the least sum of distances.
  *

@@ -66,7 +66,8 @@ struct RelativePoseError
 /** T_reference_estimate: transforms the estimate's frame to the reference's.
  *
  * For collinear positions, for which the rotation about the line is undetermined or follows the
- * noise (se3), the orientations determine that rotation. Identity for an empty set.
+ * noise (se3), the orientations determine that rotation, if the reference has any. Identity for an
+ * empty set.
  */
 [[nodiscard]] Pose alignEstimate(const PosePairs& pairs, Alignment alignment);
 
@@ -74,7 +75,7 @@ struct AbsoluteTrajectoryError
 {
   Pose T_reference_estimate = Pose::Identity();
   Statistics translation;   //!< distance of positions after alignment [m]
-  Statistics rotation_deg;  //!< angle between orientations after alignment [deg]
+  Statistics rotation_deg;  //!< angle between orientations after alignment [deg]; may be empty
 };
 [[nodiscard]] AbsoluteTrajectoryError absoluteTrajectoryError(const PosePairs& pairs,
                                                               Alignment alignment);
@@ -97,10 +98,13 @@ struct EndError
 };
 [[nodiscard]] EndError endError(const PosePairs& pairs);
 
-/** All metrics of one estimate. */
+/** All metrics of one estimate. Of a reference of positions alone those of motions between poses,
+ * which need its orientations, are missing: `drift`, `relative`, `forward_ratio`, `end`, and the
+ * rotations of `absolute`. */
 struct TrajectoryReport
 {
   std::string name;
+  bool positions_only = false;  //!< PosePairs::positions_only
   Alignment alignment = Alignment::se3;
   std::size_t reference_size = 0;  //!< poses in the reference
   std::size_t estimate_size = 0;   //!< poses in the estimate
@@ -114,7 +118,8 @@ struct TrajectoryReport
   EndError end;
 };
 
-/** Computes all metrics. \throws UserError if fewer than two poses are associated. */
+/** Computes all metrics. \throws UserError if fewer than two poses are associated, and for the
+ * alignment `first` with a reference of positions alone. */
 [[nodiscard]] TrajectoryReport evaluateTrajectory(const std::string& name,
                                                   const PosePairs& pairs,
                                                   const TrajectoryMetricsOptions& options = {});

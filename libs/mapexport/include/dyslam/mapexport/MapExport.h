@@ -31,8 +31,8 @@ struct MapExportOptions : Options
   double obstacle_max_height = 2.2;  //!< higher objects can be driven under [m]
   int obstacle_min_hits = 2;         //!< least number of keyframes that observed an obstacle
   int grid_max_cells = 100000000;    //!< a larger grid gets coarser cells
-  /** Part of the plane that clouds and grids have: x_min y_min x_max y_max, in the coordinates of
-   * the trajectory [m]; empty: all of it. */
+  /** Part of the plane that is exported: x_min y_min x_max y_max, in the coordinates of the
+   * trajectory [m]; empty: all of it. */
   std::string area;
 
   void describe(OptionsVisitor& visitor) override;
@@ -55,18 +55,23 @@ void writeMapCloud(const MapPoints& points,
                    const std::string& path,
                    const Eigen::Vector3d& origin = Eigen::Vector3d::Zero());
 
-/** Writes MRPT's CSimpleMap: pose and static points (CObservationPointCloud) of each keyframe. */
+/** Writes MRPT's CSimpleMap: pose and static points (CObservationPointCloud) of each keyframe.
+ * \param area of which the points are, in the map frame; keyframes without one are left out, if it
+ * is not the whole plane */
 void writeSimplemap(const StaticMap& map,
                     const std::string& path,
                     const Eigen::Vector3d& origin = Eigen::Vector3d::Zero(),
+                    const MapRegion& area = {},
                     const MapProgress& on_keyframe = {});
 
 /** octomap's `.bt` (binary) or `.ot` (full): keyframes' static points and the rays to them, which
- * clear cells without a static point only. Stays relative to the origin. \throws UserError for
- * another ending, and for a map beyond the reach of octomap's keys. */
+ * clear cells without a static point only. Has the cells whose centres are in the `area`. Stays
+ * relative to the origin. \throws UserError for another ending, and for a map beyond the reach of
+ * octomap's keys. */
 void writeOctomap(const StaticMap& map,
                   const std::string& path,
                   const MapExportOptions& options,
+                  const Eigen::Vector3d& origin = Eigen::Vector3d::Zero(),
                   const MapProgress& on_keyframe = {});
 
 /** 2D occupancy grid for navigation: `x.gridmap` (MRPT's COccupancyGridMap2D, which stays relative

@@ -85,6 +85,10 @@ struct MapRegion
   {
     return (p.head<2>().array() >= low.array()).all() && (p.head<2>().array() < high.array()).all();
   }
+  [[nodiscard]] bool isWhole() const
+  {
+    return low.array().isInf().all() && high.array().isInf().all();
+  }
 };
 
 /** The static map, built from keyframes. Its size is bounded by the area seen, not by time, and its

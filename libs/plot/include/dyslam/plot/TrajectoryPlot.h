@@ -23,8 +23,9 @@ struct TrajectoryPlotOptions
   Alignment alignment = Alignment::se3;
 };
 
-/** PNG of the aligned trajectories from above and of their errors over the distance travelled
- * (position after alignment, translation of each step). The view from above is x-y, or x-z if the
+/** PNG of the aligned trajectories from above and of their errors over the distance travelled:
+ * position after alignment and, unless the reference has positions alone, translation of each step.
+ * The view from above is x-y, or x-z if the
  * reference moves along its own z axis, as KITTI's cameras do.
  * \throws std::invalid_argument without items or for an item without poses. */
 [[nodiscard]] std::vector<std::uint8_t> renderTrajectoryPlot(

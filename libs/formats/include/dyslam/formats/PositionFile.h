@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <dyslam/core/Trajectory.h>
+
+#include <string>
+
+namespace dyslam
+{
+/** Positions of one body without orientations, as of a satellite receiver or a total station. */
+struct PositionFile
+{
+  Trajectory positions;      //!< in order of time; their rotations are the identity
+  bool is_geodetic = false;  //!< latitude, longitude [deg], height [m], not x, y, z [m]
+};
+
+/** Whether a file is one of positions alone: with lines of `t x y z`, or a header that names the
+ * columns of time and position, but none of a quaternion. \throws UserError if it cannot be read */
+[[nodiscard]] bool isPositionFile(const std::string& path);
+
+/** Reads lines of `t x y z`, or the columns that a header names: time, and x y z, east north up or
+ * latitude longitude height, each by several names, in any order and among others. Fields are
+ * separated by spaces, tabs, commas or semicolons. Times since 1970 may be in ms, us or ns; lines
+ * without a position (empty or nan) are left out, and of several with the same time the first
+ * counts.
+ * \throws UserError "file:line: what" for lines that do not fit; for a file of another kind or
+ * without a position */
+[[nodiscard]] PositionFile readPositions(const std::string& path);
+}  // namespace dyslam
