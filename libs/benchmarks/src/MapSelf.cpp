@@ -5,6 +5,7 @@
 #include <dyslam/base/Splitmix.h>
 #include <dyslam/benchmarks/JsonText.h>
 #include <dyslam/benchmarks/MapSelf.h>
+#include <dyslam/core/TimeRange.h>
 #include <dyslam/formats/TrajectoryFiles.h>
 #include <dyslam/mapbuilder/ScanReading.h>
 #include <dyslam/odometry/Preprocessor.h>
@@ -18,8 +19,6 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <utility>
-
-#include "TimeRange.h"
 
 namespace dyslam
 {

@@ -3,6 +3,7 @@
 #include <dyslam/base/Printable.h>
 #include <dyslam/benchmarks/JsonText.h>
 #include <dyslam/benchmarks/TrajectoryComparison.h>
+#include <dyslam/core/TimeRange.h>
 #include <dyslam/eval/Axes.h>
 #include <dyslam/formats/KittiFiles.h>
 #include <dyslam/formats/TrajectoryFiles.h>
@@ -14,7 +15,6 @@
 #include <utility>
 
 #include "PairNote.h"
-#include "TimeRange.h"
 
 namespace dyslam
 {

@@ -2,6 +2,7 @@
 #include <dyslam/base/Error.h>
 #include <dyslam/base/Printable.h>
 #include <dyslam/base/Words.h>
+#include <dyslam/core/TimeRange.h>
 #include <dyslam/mapbuilder/MapRun.h>
 #include <dyslam/mapbuilder/ScanReading.h>
 
@@ -33,6 +34,14 @@ void noteObjects(const RecordingOnTrajectory& recording, MapListener& listener, 
                   " has " + counted(scans, "scan") + "; are they of one recording?");
   }
 }
+
+/** What may be wrong where scans have no pose: "(scans: 10.000 to 20.000 s, poses: ...)". */
+std::string withoutPoseText(double first_scan, double last_scan, const Trajectory& poses)
+{
+  return "(scans: " + timesFrom(first_scan, last_scan) + ", poses: " + timesOf(poses) +
+         "; another clock: --time-offset; poses more than 0.5 s apart are not interpolated: "
+         "--tolerance)";
+}
 }  // namespace
 
 MapReport buildMap(const RecordingOnTrajectory& recording,
@@ -45,22 +54,29 @@ MapReport buildMap(const RecordingOnTrajectory& recording,
   own.uncleaned_map = !outputs.comparison.empty();
   MapBuilder builder(own);
   RawlogSource source(recording.rawlog, recording.source);
-  builder.beginRun(readPoses(recording, listener), recording.scans);
+  builder.beginRun(outputs.inFixedFrame(readPoses(recording, listener)), recording.scans);
   if (!recording.scans.tracks.empty())
   {
     noteObjects(recording, listener, builder);
   }
-  const std::string damage =
-      readScansAndWarn(source, "", listener, [&](Frame frame) { builder.add(std::move(frame)); });
+  double last_scan = 0;  // time stamp [s]
+  const std::string damage = readScansAndWarn(source, "", listener,
+                                              [&](Frame frame)
+                                              {
+                                                last_scan = frame.scan.stamp;
+                                                builder.add(std::move(frame));
+                                              });
   builder.finish();
   if (!damage.empty() && source.framesRead() == 0)
   {
     throw UserError(damage);
   }
+  const std::string times = withoutPoseText(builder.recorded().value_or(0), last_scan,
+                                            builder.runs().back().trajectory());
   if (builder.keyframes() == 0)
   {
     throw UserError(recording.trajectory + ": has no pose for any scan of " + recording.rawlog +
-                    "; are they of one recording? (--tolerance)");
+                    "; are they of one recording? " + times);
   }
   MapReport report = writeMapOutputs(builder, outputs, listener);
   report.scans = source.framesRead();
@@ -75,7 +91,7 @@ MapReport buildMap(const RecordingOnTrajectory& recording,
     listener.warn(recording.trajectory + ": has no pose for " + std::to_string(report.skipped) +
                   " of " + counted(report.scans, "scan") + ", which are not in the map; " +
                   (recording.unfinished ? "the run is unfinished"
-                                        : "is it of " + recording.rawlog + "? (--tolerance)"));
+                                        : "is it of " + recording.rawlog + "? " + times));
   }
   if (!damage.empty())
   {

@@ -21,6 +21,7 @@ struct RecordingOnTrajectory
   std::string rawlog;
   std::string trajectory;   //!< TUM or KITTI file
   bool of_lidar = false;    //!< poses of the lidar, not of the vehicle
+  double time_offset = 0;   //!< added to the stamps of the poses (TUM) [s]
   bool unfinished = false;  //!< poses of a run that ended before its recording
   RawlogSourceOptions source;
   RunScansOptions scans;
