@@ -46,6 +46,20 @@ void prepareOutput(const std::string& file, bool force)
   requireWritable(file);
 }
 
+/** The file of the poses with --map-pose of a single recording; else empty. \throws UserError if it
+ * would replace those that are read. */
+std::string trajectoryFile(const Arguments& a)
+{
+  const std::string poses = a.runs.empty() ? a.outputs.trajectoryFile() : "";
+  if (!poses.empty() && isSamePath(poses, a.recording.trajectory))
+  {
+    throw UserError(poses +
+                    ": would be replaced by its poses in the frame of --map-pose; choose "
+                    "another name for the first output");
+  }
+  return poses;
+}
+
 void declareRecordings(CLI::App& app, Arguments& a)
 {
   app.add_option("-i,--input", a.recording.rawlog, "rawlog of 3D LiDAR scans");
@@ -219,7 +233,8 @@ void checkOutputs(const Arguments& a)
                     ": nothing says what moves; give --labels or --tracks");
   }
   std::vector<std::string> files = a.outputs.maps;
-  files.insert(files.end(), {a.outputs.picture, a.outputs.comparison, a.outputs.labelled_map});
+  files.insert(files.end(), {a.outputs.picture, a.outputs.comparison, a.outputs.labelled_map,
+                             trajectoryFile(a)});
   for (const auto& file : files)
   {
     prepareOutput(file, a.force);

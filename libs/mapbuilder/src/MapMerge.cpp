@@ -266,7 +266,7 @@ std::string writeMerge(const std::vector<RunFolder>& runs,
     }
     else
     {
-      const Trajectory poses = runs[r].source.levelling().recorded(merged[r]);
+      const Trajectory poses = outputs.inFixedFrame(runs[r].source.levelling().recorded(merged[r]));
       writers.push_back({tum, [tum, poses] { writeTum(tum, poses); }});
       writers.push_back({kitti, [kitti, poses] { writeKittiPoses(kitti, poses); }});
     }

@@ -3,6 +3,7 @@
 #include <dyslam/base/Printable.h>
 #include <dyslam/base/Words.h>
 #include <dyslam/core/TimeRange.h>
+#include <dyslam/formats/TrajectoryFiles.h>
 #include <dyslam/mapbuilder/MapRun.h>
 #include <dyslam/mapbuilder/ScanReading.h>
 
@@ -42,6 +43,42 @@ std::string withoutPoseText(double first_scan, double last_scan, const Trajector
          "; another clock: --time-offset; poses more than 0.5 s apart are not interpolated: "
          "--tolerance)";
 }
+
+/** Warns of a map without points, and of many scans without a pose. \param times what may be wrong
+ * where scans have no pose */
+void warnOfGaps(const MapReport& report,
+                const RecordingOnTrajectory& recording,
+                const std::string& times,
+                MapListener& listener)
+{
+  if (report.points == 0 && report.problem.empty())
+  {
+    listener.warn(
+        "the map has no points; check map.min_range, map.max_range, map.min_hits, map_export.area "
+        "and the labels");
+  }
+  if (10 * report.skipped > report.scans)
+  {
+    listener.warn(recording.trajectory + ": has no pose for " + std::to_string(report.skipped) +
+                  " of " + counted(report.scans, "scan") + ", which are not in the map; " +
+                  (recording.unfinished ? "the run is unfinished"
+                                        : "is it of " + recording.rawlog + "? " + times));
+  }
+}
+
+/** Writes the poses of the vehicle beside maps in a frame of the user's own. \return what failed;
+ * empty if nothing did */
+std::string writePosesOfFixedMap(const Trajectory& poses,
+                                 const RecordingOnTrajectory& recording,
+                                 const MapOutputs& outputs)
+{
+  const std::string file = outputs.trajectoryFile();
+  if (file.empty())
+  {
+    return {};
+  }
+  return writeEach({{file, [&] { writeTum(file, recording.source.levelling().recorded(poses)); }}});
+}
 }  // namespace
 
 MapReport buildMap(const RecordingOnTrajectory& recording,
@@ -54,7 +91,8 @@ MapReport buildMap(const RecordingOnTrajectory& recording,
   own.uncleaned_map = !outputs.comparison.empty();
   MapBuilder builder(own);
   RawlogSource source(recording.rawlog, recording.source);
-  builder.beginRun(outputs.inFixedFrame(readPoses(recording, listener)), recording.scans);
+  const Trajectory poses = outputs.inFixedFrame(readPoses(recording, listener));
+  builder.beginRun(poses, recording.scans);
   if (!recording.scans.tracks.empty())
   {
     noteObjects(recording, listener, builder);
@@ -71,8 +109,7 @@ MapReport buildMap(const RecordingOnTrajectory& recording,
   {
     throw UserError(damage);
   }
-  const std::string times = withoutPoseText(builder.recorded().value_or(0), last_scan,
-                                            builder.runs().back().trajectory());
+  const std::string times = withoutPoseText(builder.recorded().value_or(0), last_scan, poses);
   if (builder.keyframes() == 0)
   {
     throw UserError(recording.trajectory + ": has no pose for any scan of " + recording.rawlog +
@@ -80,19 +117,11 @@ MapReport buildMap(const RecordingOnTrajectory& recording,
   }
   MapReport report = writeMapOutputs(builder, outputs, listener);
   report.scans = source.framesRead();
-  if (report.points == 0 && report.problem.empty())
+  if (const std::string failed = writePosesOfFixedMap(poses, recording, outputs); !failed.empty())
   {
-    listener.warn(
-        "the map has no points; check map.min_range, map.max_range, map.min_hits, map_export.area "
-        "and the labels");
+    appendWord(report.problem, failed, "; ");
   }
-  if (10 * report.skipped > report.scans)
-  {
-    listener.warn(recording.trajectory + ": has no pose for " + std::to_string(report.skipped) +
-                  " of " + counted(report.scans, "scan") + ", which are not in the map; " +
-                  (recording.unfinished ? "the run is unfinished"
-                                        : "is it of " + recording.rawlog + "? " + times));
-  }
+  warnOfGaps(report, recording, times, listener);
   if (!damage.empty())
   {
     appendWord(report.problem,

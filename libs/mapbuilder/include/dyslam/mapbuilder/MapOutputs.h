@@ -22,7 +22,7 @@ struct MapOutputs
       labelled_map;  //!< `.ply`, `.pcd` or `.bin`: LabelledMap, with a `.label` file beside it
   bool utm = false;  //!< of merged runs: maps in UTM instead of the first run's map frame
   /** Pose of the trajectory's frame (of merged runs, of the first run's map frame) in the frame of
-   * the written maps; without it they are in that frame. */
+   * the written maps and trajectories; without it they are in that frame. */
   std::optional<Pose> T_fixed_map;
   Config settings;  //!< all settings, written as an ini beside the first output
 
@@ -30,6 +30,8 @@ struct MapOutputs
   [[nodiscard]] Trajectory inFixedFrame(Trajectory trajectory) const;
   /** Path beside the first output: `map_tum.txt` for `map.las` and `_tum.txt`; else empty. */
   [[nodiscard]] std::string beside(const std::string& ending) const;
+  /** File of the trajectory of a single recording; empty without `T_fixed_map`. */
+  [[nodiscard]] std::string trajectoryFile() const { return T_fixed_map ? beside("_tum.txt") : ""; }
   /** File of the settings; empty without any output but a labelled map. */
   [[nodiscard]] std::string settingsFile() const { return beside(".effective.ini"); }
   /** Whether some output needs the map in memory as a whole: all but clouds in tiles and the
