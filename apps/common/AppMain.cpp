@@ -170,7 +170,8 @@ std::string wrongNumber(const CLI::App& app)
 /** The option of a pose that was given, whose six numbers are one word; empty if there is none. */
 std::string givenPoseOption(const CLI::App& command)
 {
-  for (const char* name : {"--sensor-pose", "--imu-pose", "--further-sensor", "--reference-body"})
+  for (const char* name :
+       {"--sensor-pose", "--imu-pose", "--further-sensor", "--reference-body", "--map-pose"})
   {
     const CLI::Option* option = command.get_option_no_throw(name);
     if (option != nullptr && option->count() > 0)

@@ -30,7 +30,7 @@ struct MapArguments
   std::vector<std::string> estimates;
   MapMetricsOptions metrics;
   MapSelfArguments self;
-  std::string poses_of = "vehicle";
+  std::vector<std::string> poses_of{"vehicle"};  //!< of all trajectories, or of each one
   OutputFlags output;
 };
 
@@ -75,12 +75,29 @@ void requireDistancesFile(const MapArguments& a)
   }
 }
 
+/** Of each trajectory, whether its poses are those of the lidar. \throws UserError. */
+std::vector<bool> lidarTrajectories(const MapArguments& a)
+{
+  if (a.poses_of.size() != 1 && a.poses_of.size() != a.estimates.size())
+  {
+    throw UserError("--poses-of names " + std::to_string(a.poses_of.size()) +
+                    " bodies; give one for all trajectories, or one for each of the " +
+                    std::to_string(a.estimates.size()));
+  }
+  std::vector<bool> result;
+  for (std::size_t i = 0; i < a.estimates.size(); ++i)
+  {
+    result.push_back(a.poses_of[a.poses_of.size() == 1 ? 0 : i] == "lidar");
+  }
+  return result;
+}
+
 /** `--self`: evaluates trajectories by their maps. */
 void runMapSelf(const MapArguments& a)
 {
   MapSelfArguments self = a.self;
   self.trajectories = a.estimates;
-  self.of_lidar = a.poses_of == "lidar";
+  self.of_lidar = lidarTrajectories(a);
   ReadingProgress progress;
   const auto scores = evaluateMapSelf(self, progress);
   const auto names = shortNames(a.estimates);
@@ -147,7 +164,8 @@ void declareSelf(CLI::App& sub, MapArguments& a)
   of_self("--tolerance", self.tolerance,
           "largest difference of time stamps where the pose of a scan cannot be interpolated [s]")
       ->check(notNegative());
-  of_self("--poses-of", a.poses_of, "body of the poses: vehicle or lidar")
+  of_self("--poses-of", a.poses_of,
+          "body of the poses, vehicle or lidar: of all trajectories, or one for each")
       ->check(CLI::IsMember({"vehicle", "lidar"}));
   of_self("--skip-first-n", self.source.skip_first_n, "scans to skip")->check(notNegative());
   of_self("--only-first-n", self.source.only_first_n, "scans to use after those; 0: all")

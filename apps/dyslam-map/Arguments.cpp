@@ -46,6 +46,20 @@ void prepareOutput(const std::string& file, bool force)
   requireWritable(file);
 }
 
+/** The file of the poses with --map-pose of a single recording; else empty. \throws UserError if it
+ * would replace those that are read. */
+std::string trajectoryFile(const Arguments& a)
+{
+  const std::string poses = a.runs.empty() ? a.outputs.trajectoryFile() : "";
+  if (!poses.empty() && isSamePath(poses, a.recording.trajectory))
+  {
+    throw UserError(poses +
+                    ": would be replaced by its poses in the frame of --map-pose; choose "
+                    "another name for the first output");
+  }
+  return poses;
+}
+
 void declareRecordings(CLI::App& app, Arguments& a)
 {
   app.add_option("-i,--input", a.recording.rawlog, "rawlog of 3D LiDAR scans");
@@ -55,6 +69,8 @@ void declareRecordings(CLI::App& app, Arguments& a)
          "--poses-of", [&a](const std::string& body) { a.recording.of_lidar = body == "lidar"; },
          "what the poses are of: vehicle (default) or lidar, as KISS-ICP and others write them")
       ->check(CLI::IsMember({"vehicle", "lidar"}));
+  app.add_option("--time-offset", a.recording.time_offset,
+                 "added to the time stamps of the poses (TUM) [s]: for clocks that differ");
   app.add_option(
       "--run", a.run,
       "DIR: output folder of dyslam, which names the recording and has trajectory, settings, "
@@ -64,6 +80,11 @@ void declareRecordings(CLI::App& app, Arguments& a)
       "RUN RUN...: merge the output folders of several runs of one place, in order of time, to one "
       "map and a trajectory each in the first run's frame, instead of --input and --trajectory "
       "(RUN=RAWLOG where the recording was moved)");
+  app.add_option(
+      "--map-pose", a.map_pose,
+      "'x y z yaw pitch roll' [m, deg]: pose of the trajectory's frame (with --merge, of the first "
+      "run's map frame) in the frame of the map files, for coordinates of your own (default: both "
+      "are one)");
   app.add_flag(
       "--utm", a.outputs.utm,
       "with --merge: map files in UTM, if a run has satellite positions; .las states the zone");
@@ -129,14 +150,16 @@ void excludeFlags(CLI::App& app)
 {
   CLI::Option* merge = app.get_option("--merge");
   for (const char* single :
-       {"--input", "--trajectory", "--poses-of", "--labels", "--tracks", "--skip-first-n",
-        "--only-first-n", "--start", "--end", "--labelled-map", "--run"})
+       {"--input", "--trajectory", "--poses-of", "--time-offset", "--labels", "--tracks",
+        "--skip-first-n", "--only-first-n", "--start", "--end", "--labelled-map", "--run"})
   {
     merge->excludes(app.get_option(single));
   }
   CLI::Option* utm = app.get_option("--utm");
   utm->needs(merge);
   utm->excludes(app.get_option("--compare"));  // which shows each run in its own frame
+  utm->excludes(app.get_option("--map-pose"));
+  app.get_option("--time-offset")->needs(app.get_option("--trajectory"));
   app.get_option("--run")->excludes(app.get_option("--labelled-map"));  // a run has no true labels
   app.get_option("--poses-of")->needs(app.get_option("--trajectory"));
 }
@@ -177,6 +200,10 @@ void checkOutputs(const Arguments& a)
   {
     throw UserError("nothing to write: give at least one --output");
   }
+  if (!a.runs.empty() && a.outputs.T_fixed_map && !a.outputs.comparison.empty())
+  {
+    throw UserError("--compare shows merged runs in their map frames; leave it out, or --map-pose");
+  }
   for (const auto& path : {a.outputs.picture, a.outputs.comparison})
   {
     if (!path.empty() && lowerExtension(path) != ".png")
@@ -206,7 +233,8 @@ void checkOutputs(const Arguments& a)
                     ": nothing says what moves; give --labels or --tracks");
   }
   std::vector<std::string> files = a.outputs.maps;
-  files.insert(files.end(), {a.outputs.picture, a.outputs.comparison, a.outputs.labelled_map});
+  files.insert(files.end(), {a.outputs.picture, a.outputs.comparison, a.outputs.labelled_map,
+                             trajectoryFile(a)});
   for (const auto& file : files)
   {
     prepareOutput(file, a.force);

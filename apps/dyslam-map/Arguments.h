@@ -20,6 +20,7 @@ struct Arguments
   RecordingOnTrajectory recording;
   std::string run;  //!< folder of a run, for parts of the recording that are not given
   std::vector<std::string> runs;  //!< folders of runs to be merged, instead of a recording
+  std::string map_pose;           //!< MapOutputs::T_fixed_map as poseFromOption() reads it
   std::string config;
   std::vector<std::string> assignments;
   MapBuilderOptions builder;

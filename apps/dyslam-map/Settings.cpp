@@ -138,7 +138,7 @@ int referenceSystem(int given, const std::string& trajectory)
   if (given != 0 && of_trajectory == 0 && isFileOfRun(trajectory))
   {
     throw UserError("map_export.epsg = " + std::to_string(given) + ": " + trajectory +
-                    " is in the map frame of its run; give trajectory_utm.txt, or "
+                    " is in the map frame of its run; give trajectory_utm.txt, --map-pose, or "
                     "--set map_export.epsg=0");
   }
   requireZone(given, of_trajectory);
@@ -323,7 +323,10 @@ void loadConfig(Arguments& a)
     throw error.withSectionsOf(ownDefaults(a));
   }
   a.outputs.exports.full_resolution = a.outputs.exports.full_resolution || a.full;
-  a.outputs.exports.epsg = referenceSystem(a.outputs.exports.epsg, a.recording.trajectory);
+  if (!a.outputs.T_fixed_map)  // else the number is that of a frame which only the user knows
+  {
+    a.outputs.exports.epsg = referenceSystem(a.outputs.exports.epsg, a.recording.trajectory);
+  }
   a.builder.keyframe_distance =
       a.keyframe_distance ? *a.keyframe_distance : keyframeDistance(config);
   a.outputs.settings = effectiveSettings(loaded, a);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/base/Error.h>
 #include <dyslam/base/Printable.h>
+#include <dyslam/io/Converters.h>
 #include <dyslam/mapbuilder/MapRun.h>
 
 #include <cstdio>
@@ -123,6 +124,10 @@ int main(int argc, char** argv)
       [&]
       {
         dyslam::stopOnSignals();
+        if (!a.map_pose.empty())
+        {
+          a.outputs.T_fixed_map = dyslam::poseFromOption("--map-pose", a.map_pose);
+        }
         a.runs.empty() ? runSingle(a) : runMerged(a);
       });
 }

@@ -108,6 +108,12 @@ TEST_F(BadArguments, Configs)
       "-i " + at("good.rawlog") + " --trajectory x -o m.pcd -c vlp16.ini --set mapp.voxel_size=1",
       {"--set mapp.voxel_size=1", "sections map, labels, preprocess"});
   const std::string map = "-i " + at("good.rawlog") + " --trajectory x -o m.pcd -c vlp16.ini ";
+  expectRefusal("dyslam-map", map + "--map-pose '1 2 3'",
+                {"--map-pose '1 2 3'", "six numbers are needed"});
+  expectRefusal("dyslam-map", map + "--map-pose 1 2 3 0 0 0",
+                {"the six numbers of --map-pose stand in quotes"});
+  expectRefusal("dyslam-map", "--run x -o m.pcd --time-offset 1",
+                {"--time-offset", "--trajectory"});
   expectRefusal("dyslam-map", map + "--set odometry.method=dylo",
                 {"--set odometry.method=dylo", "the section [odometry] belongs to dyslam"});
   expectRefusal("dyslam-map", map + "--set merge.level_map=true",

@@ -125,6 +125,10 @@ TEST_F(GeoreferencedRun, TrajectoryAndMapAreInUtm)
                              " is in the map frame of its run"),
             std::string::npos)
       << refused.err;
+  const Outcome placed =
+      run("dyslam-map", in_map_frame + " --map-pose '455000 5428000 110 37 0 0'");
+  EXPECT_EQ(0, placed.code) << placed.err;
+  EXPECT_NE(readWhole(at("n.las")).find("LASF_Projection"), std::string::npos);
   const Outcome without = run("dyslam-map", in_map_frame + " --set map_export.epsg=0");
   EXPECT_EQ(0, without.code) << without.err;
   EXPECT_EQ(readWhole(at("n.las")).find("LASF_Projection"), std::string::npos);

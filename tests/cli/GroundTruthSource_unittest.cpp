@@ -466,6 +466,8 @@ TEST(EvaluationFlags, ThoseWithoutAnEffectAreErrors)
     expect(self + " " + flag, 1, "excludes");
   }
   expect(self + " -c kitti_mot.ini", 1, "these settings are for dyslam-eval, not for dyslam");
+  expect(self + " " + tum + " " + tum + " --poses-of lidar vehicle", 1,
+         "--poses-of names 2 bodies; give one for all trajectories, or one for each of the 3");
   const std::string maps = "map --reference a.ply --estimate b.ply";
   for (const std::string flag :
        {"--config a.ini", "--neighbourhood 1", "--min-neighbours 5", "--points 9", "--tolerance 1",

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The table of inputs in doc/formats.md, row by row: the programs read each format, and the same
 // drive gives the same scans from every format. ROS bags: BagInputs_unittest.cpp.
+#include <dyslam/base/Files.h>
 #include <dyslam/core/NeighbourSearch.h>
 #include <dyslam/formats/LabelFiles.h>
 #include <dyslam/formats/ScanFiles.h>
@@ -10,9 +11,11 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
+#include <sstream>
 #include <string>
 #include <vector>
 
@@ -78,6 +81,34 @@ TEST_F(Inputs, PosesOfTheLidar)
   EXPECT_NEAR(static_cast<double>(expected.size()), static_cast<double>(of_lidar.size()), 3);
   EXPECT_LE(different(of_lidar), few);
   EXPECT_GT(different(mistaken), static_cast<std::ptrdiff_t>(expected.size() / 2));
+
+  const auto entropies = [&](const std::string& bodies)
+  {
+    const Outcome outcome =
+        run("dyslam-eval", "map --self " + at("mounted.rawlog") + " --estimate " +
+                               at("vehicle.txt") + " " + at("lidar.txt") + " --poses-of " + bodies +
+                               " --csv " + at("self.csv"));
+    EXPECT_EQ(0, outcome.code) << outcome.err;
+    std::vector<double> result;
+    std::istringstream rows(readWhole(at("self.csv")));
+    std::string row;
+    std::getline(rows, row);
+    while (std::getline(rows, row))
+    {
+      for (int comma = 0; comma < 3; ++comma)
+      {
+        row.erase(0, row.find(',') + 1);
+      }
+      result.push_back(std::stod(row));
+    }
+    EXPECT_EQ(2U, result.size());
+    result.resize(2);
+    return result;
+  };
+  const auto sharp = entropies("vehicle lidar");
+  EXPECT_NEAR(sharp[0], sharp[1], 0.01);
+  const auto one_is_wrong = entropies("vehicle");
+  EXPECT_GT(std::abs(one_is_wrong[0] - one_is_wrong[1]), 0.01);
 }
 
 TEST_F(Inputs, FoldersOfScans)

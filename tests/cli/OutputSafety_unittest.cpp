@@ -154,6 +154,12 @@ TEST(OutputSafety, NoMapReplacesAnInput)
                     {input + ": is an input, too (" + option + "); choose another " + flag});
     }
   }
+  const std::string poses = folder.write("m_tum.txt", "1 0 0 0 0 0 0 1\n");
+  expectRefusal(folder, "dyslam-map",
+                "-i " + recording + " --trajectory " + poses + " --map-pose '1 2 3 0 0 0' -o " +
+                    folder.file("m.pcd"),
+                {"m_tum.txt: would be replaced by its poses in the frame of --map-pose"});
+  EXPECT_EQ("1 0 0 0 0 0 0 1\n", folder.read("m_tum.txt"));
   EXPECT_EQ("1 0 0 0 0 0 0 1\n", folder.read("t.txt"));
   EXPECT_EQ("0 1 Car\n", folder.read("tracks.txt"));
 }

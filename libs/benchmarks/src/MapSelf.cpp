@@ -5,6 +5,7 @@
 #include <dyslam/base/Splitmix.h>
 #include <dyslam/benchmarks/JsonText.h>
 #include <dyslam/benchmarks/MapSelf.h>
+#include <dyslam/core/TimeRange.h>
 #include <dyslam/formats/TrajectoryFiles.h>
 #include <dyslam/mapbuilder/ScanReading.h>
 #include <dyslam/odometry/Preprocessor.h>
@@ -18,8 +19,6 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <utility>
-
-#include "TimeRange.h"
 
 namespace dyslam
 {
@@ -109,8 +108,8 @@ class ScanPlacer
                                                                     const Pose& pose) const
   {
     const ScanPoses& t = trajectories_[trajectory];
-    const Pose T_body_vehicle =
-        a_.of_lidar ? frame.scan.T_vehicle_lidar.inverse() : Pose::Identity();
+    const bool of_lidar = trajectory < a_.of_lidar.size() && a_.of_lidar[trajectory];
+    const Pose T_body_vehicle = of_lidar ? frame.scan.T_vehicle_lidar.inverse() : Pose::Identity();
     const double sweep = frame.sweep_duration;
     const TimedMotion motion =
         t.motionDuring(frame.scan.stamp, preprocessor_.sweepSpan(frame.scan, sweep));

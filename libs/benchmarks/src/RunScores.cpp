@@ -4,6 +4,7 @@
 #include <dyslam/base/Files.h>
 #include <dyslam/base/Printable.h>
 #include <dyslam/benchmarks/RunScores.h>
+#include <dyslam/core/TimeRange.h>
 #include <dyslam/formats/MotionFiles.h>
 #include <dyslam/formats/RunFiles.h>
 #include <dyslam/formats/TrajectoryFiles.h>
@@ -14,7 +15,6 @@
 
 #include "PairNote.h"
 #include "RunReport.h"
-#include "TimeRange.h"
 
 namespace dyslam
 {

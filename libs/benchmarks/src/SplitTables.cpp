@@ -4,6 +4,7 @@
 #include <dyslam/base/Version.h>
 #include <dyslam/base/Words.h>
 #include <dyslam/benchmarks/SplitTables.h>
+#include <dyslam/core/TimeRange.h>
 #include <dyslam/eval/PaperFigures.h>
 
 #include <algorithm>
@@ -13,8 +14,6 @@
 #include <iterator>
 #include <optional>
 #include <set>
-
-#include "TimeRange.h"
 
 namespace dyslam
 {

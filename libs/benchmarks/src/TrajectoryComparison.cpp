@@ -4,6 +4,7 @@
 #include <dyslam/benchmarks/JsonText.h>
 #include <dyslam/benchmarks/TrajectoryComparison.h>
 #include <dyslam/core/GnssFix.h>
+#include <dyslam/core/TimeRange.h>
 #include <dyslam/eval/Axes.h>
 #include <dyslam/formats/KittiFiles.h>
 #include <dyslam/formats/PositionFile.h>
@@ -18,7 +19,6 @@
 #include <utility>
 
 #include "PairNote.h"
-#include "TimeRange.h"
 
 namespace dyslam
 {

@@ -82,6 +82,43 @@ TEST(ScanTimes, NamesInTheOrderOfTheirTimes)
   }
 }
 
+/** Times of a simulator, or since the computer was started: names are not in their order, either.
+ */
+TEST(ScanTimes, SecondsFromAnotherStartInNames)
+{
+  const TestFolder folder;
+  const auto convert = [&](const std::vector<std::string>& names)
+  {
+    std::filesystem::remove_all(folder.file("s"));
+    makeFolderOf(folder, "s");
+    for (const std::string& name : names)
+    {
+      const Scan scan = someScan(0, 5);
+      writeBin(folder.file("s/" + name + ".bin"), scan.points, scan.intensity);
+    }
+    return convertScans(folder.file("s"), folder.file("x.rawlog"), ScanConverterOptions{});
+  };
+  const ConversionResult result = convert({"12.3", "12.071", "12.182"});
+  EXPECT_TRUE(hasLine(result.notes, "time stamps: the file names (12.071.bin)"));
+  EXPECT_FALSE(hasLine(result.warnings, "is assumed"));
+  const auto frames = readAll(folder.file("x.rawlog"));
+  ASSERT_EQ(3U, frames.size());
+  EXPECT_NEAR(0.111, frames[1].scan.stamp - frames[0].scan.stamp, 1e-6);
+  EXPECT_NEAR(0.118, frames[2].scan.stamp - frames[1].scan.stamp, 1e-6);
+  // Versions, counts of files, steps that are none of scans, a number twice, names without a point.
+  for (const std::vector<std::string>& names : {std::vector<std::string>{"1.1", "1.2"},
+                                                {"1_000", "1_100"},
+                                                {"1.000", "2.000", "99.000"},
+                                                {"1.001", "1.002"},
+                                                {"1.100", "1.10"},
+                                                {"1.000", "2"}})
+  {
+    EXPECT_TRUE(hasLine(convert(names).notes, "are not taken as time stamps")) << names[0];
+  }
+  folder.write("times.txt", "0\n0.3\n");
+  EXPECT_TRUE(hasLine(convert({"12.300", "12.400"}).notes, "times.txt")) << "is told explicitly";
+}
+
 /** As ROS 2's pointcloud_to_pcd wrote them: seconds and a count of nanoseconds. */
 TEST(ScanTimes, NanosecondsWithoutLeadingZeros)
 {

@@ -145,11 +145,11 @@ void requireReferences(const std::vector<RunFolder>& runs,
         "--utm: no run has a georeference.ini; give one of a recording with satellite positions "
         "(and merge.gnss=true)");
   }
-  if (!outputs.utm && outputs.exports.epsg != 0)
+  if (!outputs.utm && !outputs.T_fixed_map && outputs.exports.epsg != 0)
   {
     throw UserError(
-        "map_export.epsg: the merged map is in the map frame of its first run; --utm writes it "
-        "in a reference system");
+        "map_export.epsg: the merged map is in the map frame of its first run; --utm or --map-pose "
+        "writes it in a reference system");
   }
   if (merge.level_map && (!merge.gravity || !any([](const RunFolder& run)
                                                  { return run.references.gravity.has_value(); })))
@@ -266,7 +266,7 @@ std::string writeMerge(const std::vector<RunFolder>& runs,
     }
     else
     {
-      const Trajectory poses = runs[r].source.levelling().recorded(merged[r]);
+      const Trajectory poses = outputs.inFixedFrame(runs[r].source.levelling().recorded(merged[r]));
       writers.push_back({tum, [tum, poses] { writeTum(tum, poses); }});
       writers.push_back({kitti, [kitti, poses] { writeKittiPoses(kitti, poses); }});
     }
@@ -320,9 +320,9 @@ MergeReport mergeMaps(const std::vector<RunFolder>& runs,
   {
     if (!merged[r].empty())
     {
-      const std::string damage =
-          addRecording(runs[r], outputs.utm ? inUtm(merged[r], *georeference) : merged[r], listener,
-                       builder, scans);
+      const std::string damage = addRecording(
+          runs[r], outputs.utm ? inUtm(merged[r], *georeference) : outputs.inFixedFrame(merged[r]),
+          listener, builder, scans);
       problem += (problem.empty() || damage.empty() ? "" : "; ") + damage;
     }
   }

@@ -2,10 +2,23 @@
 #include <dyslam/mapbuilder/MapOutputs.h>
 
 #include <algorithm>
+#include <cstddef>
 #include <filesystem>
 
 namespace dyslam
 {
+Trajectory MapOutputs::inFixedFrame(Trajectory trajectory) const
+{
+  if (T_fixed_map)
+  {
+    for (std::size_t i = 0; i < trajectory.size(); ++i)
+    {
+      trajectory[i].pose = *T_fixed_map * trajectory[i].pose;
+    }
+  }
+  return trajectory;
+}
+
 std::string MapOutputs::beside(const std::string& ending) const
 {
   for (const std::string& path : {maps.empty() ? "" : maps.front(), picture, comparison})

@@ -68,9 +68,18 @@ void toVehicle(Trajectory& poses, const RecordingOnTrajectory& recording)
 Trajectory readPoses(const RecordingOnTrajectory& recording, MapListener& listener)
 {
   auto file = readTrajectory(recording.trajectory);
-  Trajectory poses = file.format == TrajectoryFormat::tum
-                         ? std::move(file.trajectory)
-                         : withScanTimes(file.trajectory, recording, listener);
+  const bool timed = file.format == TrajectoryFormat::tum;
+  if (!timed && recording.time_offset != 0)
+  {
+    throw UserError(recording.trajectory +
+                    ": has no time stamps; --time-offset is for poses that have them (TUM)");
+  }
+  Trajectory poses =
+      timed ? std::move(file.trajectory) : withScanTimes(file.trajectory, recording, listener);
+  for (std::size_t i = 0; timed && i < poses.size(); ++i)
+  {
+    poses[i].stamp += recording.time_offset;
+  }
   if (recording.of_lidar)
   {
     toVehicle(poses, recording);

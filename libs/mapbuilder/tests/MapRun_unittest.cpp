@@ -254,7 +254,58 @@ TEST_F(MapRun, ATrajectoryOfAnotherRecordingIsRefused)
   outputs.maps = {folder.file("m.ply")};
   const std::string said = messageOfError<UserError>([&] { (void)build(); });
   EXPECT_TRUE(contains(said, "has no pose for any scan of")) << said;
+  EXPECT_TRUE(contains(
+      said, "(scans: 1000.000 to 1000.700 s, poses: 4600.000 to 4600.700 s; another clock"))
+      << said;
   EXPECT_FALSE(fs::exists(folder.file("m.ply")));
+  recording.time_offset = -3600;
+  EXPECT_EQ(8U, build().keyframes);
+}
+
+TEST_F(MapRun, PosesWithoutTimesHaveNoOtherClock)
+{
+  recording.trajectory = folder.file("kitti.txt");
+  writeKittiPoses(recording.trajectory, drive);
+  outputs.maps = {folder.file("m.ply")};
+  EXPECT_EQ(8U, build().keyframes);
+  recording.time_offset = 1;
+  EXPECT_TRUE(contains(messageOfError<UserError>([&] { (void)build(); }),
+                       "kitti.txt: has no time stamps; --time-offset"));
+}
+
+/** Bounds of a map file. */
+Eigen::AlignedBox3d boundsOf(const std::string& cloud)
+{
+  Eigen::AlignedBox3d bounds;
+  for (const auto& point : readCloud(cloud).points)
+  {
+    bounds.extend(point.cast<double>());
+  }
+  return bounds;
+}
+
+TEST_F(MapRun, TheMapIsWrittenInAGivenFrame)
+{
+  outputs.maps = {folder.file("own.ply")};
+  (void)build();
+  outputs.maps = {folder.file("fixed.ply"), folder.file("fixed.png")};
+  outputs.T_fixed_map = poseFromYpr(100, 200, 5, std::acos(0.0), 0, 0);
+  (void)build();
+  const auto own = boundsOf(folder.file("own.ply"));
+  const auto fixed = boundsOf(folder.file("fixed.ply"));
+  // A quarter turn to the left: x of the map is y.
+  EXPECT_NEAR(100 - own.max().y(), fixed.min().x(), 0.05);
+  EXPECT_NEAR(100 - own.min().y(), fixed.max().x(), 0.05);
+  EXPECT_NEAR(200 + own.min().x(), fixed.min().y(), 0.05);
+  EXPECT_NEAR(200 + own.max().x(), fixed.max().y(), 0.05);
+  EXPECT_NEAR(5 + own.min().z(), fixed.min().z(), 0.05);
+  EXPECT_FALSE(fs::exists(folder.file("own_tum.txt")));
+  const Trajectory poses = readTum(folder.file("fixed_tum.txt"));
+  ASSERT_EQ(8U, poses.size());
+  EXPECT_NEAR(drive[7].stamp, poses[7].stamp, 1e-6);
+  EXPECT_NEAR(100, poses[7].pose.translation().x(), 1e-6);
+  EXPECT_NEAR(207, poses[7].pose.translation().y(), 1e-6);
+  EXPECT_TRUE(listener.warnings.empty()) << listener.warnings.front();
 }
 
 TEST_F(MapRun, ScansWithoutAPoseAreWarnedOf)
@@ -273,7 +324,10 @@ TEST_F(MapRun, ScansWithoutAPoseAreWarnedOf)
   const std::string missing = recording.trajectory +
                               ": has no pose for 4 of 8 scans, which are "
                               "not in the map; ";
-  EXPECT_EQ(missing + "is it of " + recording.rawlog + "? (--tolerance)", listener.warnings[0]);
+  EXPECT_EQ(missing + "is it of " + recording.rawlog +
+                "? (scans: 1000.000 to 1000.700 s, poses: 1000.000 to 1000.300 s; another clock: "
+                "--time-offset; poses more than 0.5 s apart are not interpolated: --tolerance)",
+            listener.warnings[0]);
   EXPECT_EQ(missing + "the run is unfinished", listener.warnings[1]);
 }
 
@@ -450,6 +504,28 @@ TEST_F(MapRun, AMergeWritesItsTrajectoriesIfTheMapCannotBeWritten)
     EXPECT_GT(fs::file_size(folder.file(file)), 0U) << file;
   }
   EXPECT_FALSE(report.table.empty());
+}
+
+TEST_F(MapRun, AMergedMapIsWrittenInAGivenFrame)
+{
+  const test::BoxWorld world(13, 30, 20);
+  const std::vector<Pose> poses = test::driveAround(30, 20, 90, 1.5);
+  const auto runs =
+      test::listOf(wholeRun(folder, "monday", world, poses, 5000),
+                   wholeRun(folder, "tuesday", world, {poses.begin(), poses.begin() + 30}, 6000));
+  outputs.maps = {folder.file("own.ply")};
+  EXPECT_EQ(2U, mergeMaps(runs, {}, options, outputs, listener).joined);
+  outputs.maps = {folder.file("fixed.ply")};
+  outputs.T_fixed_map = poseFromYpr(1000, -200, 40, 0, 0, 0);
+  EXPECT_EQ(2U, mergeMaps(runs, {}, options, outputs, listener).joined);
+  const auto own = boundsOf(folder.file("own.ply"));
+  const auto fixed = boundsOf(folder.file("fixed.ply"));
+  EXPECT_NEAR(1000 + own.min().x(), fixed.min().x(), 0.05);
+  EXPECT_NEAR(-200 + own.max().y(), fixed.max().y(), 0.05);
+  EXPECT_NEAR(40 + own.min().z(), fixed.min().z(), 0.05);
+  const Trajectory monday = readTum(folder.file("fixed_monday_tum.txt"));
+  EXPECT_NEAR(1000, monday[0].pose.translation().x(), 0.05);
+  EXPECT_NEAR(40, monday[0].pose.translation().z(), 0.05);
 }
 
 TEST_F(MapRun, ARunThatIsNotMergedHasNoTrajectoryOfAnEarlierMerge)

@@ -167,15 +167,20 @@ std::vector<double> stampsFor(std::vector<std::string>& files,
   {
     return {};
   }
-  const std::vector<double> stamps = stampsFromNames(files);
-  const std::string example = fs::path(files.front()).filename().string();
-  if (!stamps.empty())
+  std::vector<double> stamps = stampsFromNames(files);
+  if (stamps.empty() && !haveOwnTimes(files, layout, options))
   {
-    sink.note("time stamps: the file names (" + example + ")");
-    return stamps;
+    stamps = stampsOfFoundFile(files, sink);
+    if (!stamps.empty())
+    {
+      return stamps;
+    }
+    stamps = secondsFromNames(files);
   }
-  sink.note("the file names (" + example + ") are not taken as time stamps");
-  return haveOwnTimes(files, layout, options) ? stamps : stampsOfFoundFile(files, sink);
+  const std::string example =
+      "the file names (" + fs::path(files.front()).filename().string() + ")";
+  sink.note(stamps.empty() ? example + " are not taken as time stamps" : "time stamps: " + example);
+  return stamps;
 }
 
 void report(const FieldConventions& conventions, const LateStamps& late_stamps, ScanSink& sink)

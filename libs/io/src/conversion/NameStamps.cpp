@@ -6,8 +6,10 @@
 
 #include <algorithm>
 #include <charconv>
+#include <cstddef>
 #include <filesystem>
 #include <sstream>
+#include <tuple>
 #include <utility>
 
 namespace dyslam
@@ -94,6 +96,63 @@ std::vector<std::string> timesInNames(const std::vector<std::string>& files)
   }
   return makeDecimals(names) ? names : std::vector<std::string>();
 }
+
+/** The numbers that decimal texts are; empty unless all are such, nothing before or behind them. */
+std::vector<double> numbersOf(const std::vector<std::string>& texts)
+{
+  std::vector<double> numbers;
+  for (const std::string& text : texts)
+  {
+    double value = 0;
+    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+    if (error != std::errc() || end != text.data() + text.size())
+    {
+      return {};
+    }
+    numbers.push_back(value);
+  }
+  return numbers;
+}
+
+/** Sorts times, and the files by them. \return false, with nothing changed, if two are the same */
+bool sortByTime(std::vector<double>& times, std::vector<std::string>& files)
+{
+  std::vector<std::pair<double, std::string>> timed;
+  for (std::size_t i = 0; i < times.size(); ++i)
+  {
+    timed.emplace_back(times[i], files[i]);
+  }
+  std::sort(timed.begin(), timed.end());
+  if (std::adjacent_find(timed.begin(), timed.end(),
+                         [](const auto& a, const auto& b)
+                         { return a.first == b.first; }) != timed.end())
+  {
+    return false;
+  }
+  for (std::size_t i = 0; i < timed.size(); ++i)
+  {
+    std::tie(times[i], files[i]) = timed[i];
+  }
+  return true;
+}
+
+/** Whether all names have a decimal point, and one of them milliseconds. */
+bool haveMilliseconds(const std::vector<std::string>& files)
+{
+  std::size_t longest = 0;
+  for (const std::string& file : files)
+  {
+    const std::string name = timeInName(file);
+    const std::size_t begin = fractionBegin(name);
+    if (begin == name.size())
+    {
+      return false;
+    }
+    longest = std::max(longest, name.size() - begin);
+  }
+  constexpr std::size_t digits = 3;
+  return longest >= digits;
+}
 }  // namespace
 
 std::vector<int> numbersFromNames(const std::vector<std::string>& files)
@@ -137,33 +196,41 @@ std::vector<double> stampsFromNames(std::vector<std::string>& files)
 {
   constexpr double earliest = 9e8;  // s since 1970, in 1998: 251370668 counts from a start
   constexpr double latest = 4.1e9;  // s since 1970, in 2099: 20180801151636 is a date
-  std::vector<std::pair<double, std::string>> timed;
-  const std::vector<std::string> names = timesInNames(files);
-  for (std::size_t i = 0; i < names.size(); ++i)
+  std::vector<double> stamps = numbersOf(timesInNames(files));
+  for (double& stamp : stamps)
   {
-    const std::string& name = names[i];
-    double value = 0;
-    const auto [end, error] = std::from_chars(name.data(), name.data() + name.size(), value);
-    if (error != std::errc() || end != name.data() + name.size() ||
-        !(secondsOf(value) >= earliest && secondsOf(value) < latest))
+    stamp = secondsOf(stamp);
+    if (!(stamp >= earliest && stamp < latest))
     {
       return {};
     }
-    timed.emplace_back(secondsOf(value), files[i]);
   }
-  std::sort(timed.begin(), timed.end());
-  const auto same = std::adjacent_find(
-      timed.begin(), timed.end(), [](const auto& a, const auto& b) { return a.first == b.first; });
-  if (same != timed.end())
+  return sortByTime(stamps, files) ? stamps : std::vector<double>();
+}
+
+std::vector<double> secondsFromNames(std::vector<std::string>& files)
+{
+  constexpr double shortest = 0.005;  // median time between scans [s]
+  constexpr double longest = 2;
+  std::vector<double> stamps =
+      haveMilliseconds(files) ? numbersOf(timesInNames(files)) : std::vector<double>();
+  std::vector<std::string> ordered = files;
+  if (stamps.size() < 2 || !sortByTime(stamps, ordered))
   {
     return {};
   }
-  std::vector<double> stamps;
-  for (std::size_t i = 0; i < timed.size(); ++i)
+  std::vector<double> steps;
+  for (std::size_t i = 1; i < stamps.size(); ++i)
   {
-    stamps.push_back(timed[i].first);
-    files[i] = timed[i].second;
+    steps.push_back(stamps[i] - stamps[i - 1]);
   }
+  const auto middle = steps.begin() + static_cast<std::ptrdiff_t>(steps.size() / 2);
+  std::nth_element(steps.begin(), middle, steps.end());
+  if (*middle < shortest || *middle > longest)
+  {
+    return {};
+  }
+  files = std::move(ordered);
   return stamps;
 }
 }  // namespace dyslam

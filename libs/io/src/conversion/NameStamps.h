@@ -15,6 +15,12 @@ namespace dyslam
  */
 [[nodiscard]] std::vector<double> stampsFromNames(std::vector<std::string>& files);
 
+/** Seconds from another start than 1970, such as a simulator's or that of the computer, out of file
+ * names with a decimal point such as 12.300.pcd or cloud_5321.25.pcd; nothing unless all names are
+ * such, one with milliseconds, and their median step is that of scans (5 ms to 2 s). Puts the files
+ * in the order of these times. */
+[[nodiscard]] std::vector<double> secondsFromNames(std::vector<std::string>& files);
+
 /** Numbers at the end of file names such as 000024.bin or scan_24.pcd, which are equal before them;
  * nothing unless all names are such, with numbers that ascend, of at most nine digits after leading
  * zeros. */

@@ -22,7 +22,9 @@ struct MapSelfArguments
   MapQualityOptions quality;
   std::size_t points = 20000;  //!< number of map points whose neighbourhoods are evaluated
   double tolerance = 0.01;     //!< tolerance of time stamps where a pose cannot be interpolated [s]
-  bool of_lidar = false;       //!< the poses are those of the lidar, not of the vehicle
+  /** Of each trajectory: the poses are those of the lidar, not of the vehicle. Without an entry:
+   * of the vehicle. */
+  std::vector<bool> of_lidar;
 };
 
 /** Sharpness of the map of one trajectory. */

@@ -21,6 +21,7 @@ struct RecordingOnTrajectory
   std::string rawlog;
   std::string trajectory;   //!< TUM or KITTI file
   bool of_lidar = false;    //!< poses of the lidar, not of the vehicle
+  double time_offset = 0;   //!< added to the stamps of the poses (TUM) [s]
   bool unfinished = false;  //!< poses of a run that ended before its recording
   RawlogSourceOptions source;
   RunScansOptions scans;
@@ -56,7 +57,8 @@ struct MergeReport : MapReport
   std::string references;  //!< satellite positions and verticals of the runs, as text; else empty
 };
 
-/** Builds the static map of a recording along a trajectory, and writes it.
+/** Builds the static map of a recording along a trajectory, and writes it, with
+ * MapOutputs::T_fixed_map also the trajectory.
  *
  * If the recording turns out damaged halfway, the map has the scans before the damage. If a file
  * cannot be written, the others are: MapReport::problem.
@@ -67,10 +69,10 @@ MapReport buildMap(const RecordingOnTrajectory& recording,
                    MapListener& listener);
 
 /** Merges runs of one place: writes one map of all that share places with those joined before, a
- * trajectory of each in the frame of the first (TUM and KITTI) and a table, all beside the first
- * output. With satellite positions of a joined run the merged map has a georeference and
- * trajectories in UTM, too. Runs that share no place with the others are left out. Moving points
- * are those of the labels of a run; without them those with hindsight, whatever
+ * trajectory of each in the frame of the first, or of MapOutputs::T_fixed_map (TUM and KITTI) and a
+ * table, all beside the first output. With satellite positions of a joined run the merged map has a
+ * georeference and trajectories in UTM, too. Runs that share no place with the others are left out.
+ * Moving points are those of the labels of a run; without them those with hindsight, whatever
  * HindsightOptions::hindsight is. \param runs from readRunFolders(), in order of time \throws
  * UserError as buildMap(), if MapOutputs::utm or RunMergerOptions::level_map asks for what no run
  * shows, and if no run could be joined to the first: nothing is written then. */
