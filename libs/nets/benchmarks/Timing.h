@@ -15,39 +15,54 @@
 /** Common parts of the networks' benchmarks. */
 namespace timing
 {
-/** The .bin files of a folder, sorted by name. Exits with a message if there are fewer than
- * `needed`. */
+/** The .bin files of a folder, sorted by name. \throws UserError if there are fewer than `needed`.
+ */
 inline std::vector<std::string> scanFiles(const std::string& folder, std::size_t needed)
 {
-  std::vector<std::string> files;
-  try
-  {
-    files = dyslam::listBinFiles(folder);
-  }
-  catch (const dyslam::UserError& error)
-  {
-    std::fprintf(stderr, "%s\n", error.what());
-    std::exit(1);
-  }
+  std::vector<std::string> files = dyslam::listBinFiles(folder);
   if (files.size() < needed)
   {
-    std::fprintf(stderr, "%s: holds %zu scans (*.bin), %zu are needed; name another folder\n",
-                 folder.c_str(), files.size(), needed);
-    std::exit(1);
+    throw dyslam::UserError(folder + ": holds " + std::to_string(files.size()) +
+                            " scans (*.bin), " + std::to_string(needed) +
+                            " are needed; name another folder");
   }
   return files;
 }
 
-/** Parses a number of threads. Exits with a message if it is invalid. */
-inline int threadsOf(const char* word)
+struct Arguments
 {
-  const int threads = std::atoi(word);
-  if (threads < 1)
+  std::string folder;  //!< folder of .bin files
+  int threads = 1;
+  std::string model;  //!< file of weights; empty: random ones
+};
+
+/** Main function of a benchmark: `body` with the arguments FOLDER [threads] [MODEL].
+ * \return exit code; 1 after an error that the user can fix, which is printed */
+inline int run(int argc, char** argv, const std::function<void(const Arguments&)>& body)
+{
+  if (argc < 2)
   {
-    std::fprintf(stderr, "%s: not a number of threads; give 1 or more\n", word);
-    std::exit(1);
+    std::fprintf(stderr, "%s FOLDER_OF_BIN_FILES [threads] [MODEL]\n", argv[0]);
+    return 1;
   }
-  return threads;
+  try
+  {
+    Arguments arguments;
+    arguments.folder = argv[1];
+    arguments.threads = argc > 2 ? std::atoi(argv[2]) : 1;
+    arguments.model = argc > 3 ? argv[3] : "";
+    if (arguments.threads < 1)
+    {
+      throw dyslam::UserError(std::string(argv[2]) + ": not a number of threads; give 1 or more");
+    }
+    body(arguments);
+    return 0;
+  }
+  catch (const dyslam::UserError& error)
+  {
+    std::fprintf(stderr, "%s: %s\n", argv[0], error.what());
+    return 1;
+  }
 }
 
 /** Prints the median and minimum wall time of `runs` calls. */

@@ -5,27 +5,25 @@
 
 #include "Timing.h"
 
-int main(int argc, char** argv)
+namespace
 {
-  dyslam::tuneHeap();
-  if (argc < 2)
-  {
-    std::puts("dylo_benchmark FOLDER_OF_BIN_FILES [threads] [MODEL]");
-    return 1;
-  }
-  const auto files = timing::scanFiles(argv[1], 2);
-  torch::set_num_threads(argc > 2 ? timing::threadsOf(argv[2]) : 1);
+using namespace dyslam;
+
+void timeParts(const timing::Arguments& a)
+{
+  const auto files = timing::scanFiles(a.folder, 2);
+  torch::set_num_threads(a.threads);
   torch::manual_seed(1);
-  using namespace dyslam;
-  DyloNetwork network = argc > 3 ? loadDylo(argv[3]) : DyloNetwork(DyloNetworkOptions{});
+  DyloNetwork network = a.model.empty() ? DyloNetwork(DyloNetworkOptions{}) : loadDylo(a.model);
   const torch::NoGradGuard no_grad;
-  const auto points1 = dyslam::readBin(files.at(1)).points;
-  const auto points2 = dyslam::readBin(files.at(0)).points;
+  const auto points1 = readBin(files.at(1)).points;
+  const auto points2 = readBin(files.at(0)).points;
   PreparedScan prepared = prepareScan(points1);
   ScanTensors tensors = toTensors(prepared);
   const EncodedScan scan2 = network->encode(toTensors(prepareScan(points2)));
   EncodedScan scan1 = network->encode(tensors);
   const PoseTensors start = PoseTensors::identity(torch::kFloat);
+
   constexpr int runs = 25;
   timing::report("prepare", runs, [&] { prepared = prepareScan(points1); });
   timing::report("to tensors", runs, [&] { tensors = toTensors(prepared); });
@@ -35,5 +33,11 @@ int main(int argc, char** argv)
       "all", runs,
       [&]
       { (void)network->forward(network->encode(toTensors(prepareScan(points1))), scan2, start); });
-  return 0;
+}
+}  // namespace
+
+int main(int argc, char** argv)
+{
+  tuneHeap();
+  return timing::run(argc, argv, timeParts);
 }

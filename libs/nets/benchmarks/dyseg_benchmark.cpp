@@ -4,26 +4,21 @@
 #include <dyslam/nets/BevScan.h>
 #include <dyslam/nets/DysegModel.h>
 
-#include <cstdlib>
-
 #include "Timing.h"
 
-int main(int argc, char** argv)
+namespace
 {
-  dyslam::tuneHeap();
-  if (argc < 2)
-  {
-    std::puts("dyseg_benchmark FOLDER_OF_BIN_FILES [threads] [MODEL]");
-    return 1;
-  }
-  using namespace dyslam;
-  const auto files = timing::scanFiles(argv[1], 11);
-  const int threads = argc > 2 ? timing::threadsOf(argv[2]) : 1;
-  const DysegModel model = argc > 3 ? DysegModel(argv[3], threads)
-                                    : DysegModel(DysegNetworkOptions{}, BevOptions{}, 1, threads);
-  const auto points = dyslam::readBin(files.at(10)).points;
+using namespace dyslam;
+
+void timeParts(const timing::Arguments& a)
+{
+  const auto files = timing::scanFiles(a.folder, 11);
+  const DysegModel model = a.model.empty()
+                               ? DysegModel(DysegNetworkOptions{}, BevOptions{}, 1, a.threads)
+                               : DysegModel(a.model, a.threads);
+  const auto points = readBin(files.at(10)).points;
   const auto current = model.encode(points);
-  const auto past = model.encode(dyslam::readBin(files.at(9)).points);
+  const auto past = model.encode(readBin(files.at(9)).points);
 
   constexpr int runs = 15;
   timing::report("grid", runs, [&] { (void)makeBevScan(points, model.grid()); });
@@ -33,5 +28,11 @@ int main(int argc, char** argv)
   const PlanarPrior guess{motion.motion};
   timing::report("match past", runs, [&] { (void)model.match(*current, *past, &guess); });
   timing::report("segment", runs, [&] { (void)model.segment(*current, *past, motion); });
-  return 0;
+}
+}  // namespace
+
+int main(int argc, char** argv)
+{
+  tuneHeap();
+  return timing::run(argc, argv, timeParts);
 }

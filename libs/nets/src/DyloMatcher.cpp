@@ -21,6 +21,9 @@ constexpr double min_redeskew = 0.005;  //!< differences below: points are not r
 constexpr double max_redeskew = 0.3;    //!< differences above: the range image is computed again
 constexpr double max_motion = 10;  //!< differences above: the estimate is not used for deskewing
 constexpr int max_encodings = 4;
+/** Relative difference of two scan periods that is ignored: the first and the last point of a
+ * revolution are a little less than it apart. */
+constexpr float same_period = 0.01F;
 constexpr std::int64_t point_grain = 4096;  //!< least number of points per thread
 
 /** Largest residual due to noise and surface sampling [m]. */
@@ -42,6 +45,7 @@ struct MatcherScan
 {
   std::vector<Eigen::Vector3f> points;
   std::vector<float> phase;
+  double phase_unit = 0;            //!< as of DyloMatcher::setCurrent() [s]
   Pose T_given = Pose::Identity();  //!< motion with which `points` are deskewed
   PreparedScan prepared;
   EncodedScan encoded;
@@ -51,11 +55,29 @@ struct MatcherScan
   std::optional<Pose> T_redeskewed;  //!< motion of redeskew() after encoding, if any
 
   [[nodiscard]] bool empty() const { return prepared.empty(); }
+  /** Converts `phase` and T_given to a scan period of `unit` seconds; leaves them as they are if
+   * either period is unknown, or if they hardly differ. */
+  void rescalePhase(double unit);
   /** `points`, deskewed by `T_sweep` instead of T_given. */
   [[nodiscard]] std::vector<Eigen::Vector3f> deskewedBy(const Pose& T_sweep) const;
   /** Re-deskews the points of image and levels by `T_sweep`; their selection and features stay. */
   void redeskew(const Pose& T_sweep);
 };
+
+void MatcherScan::rescalePhase(double unit)
+{
+  const float scale = phaseScale(phase_unit, unit);
+  if (std::abs(scale - 1) < same_period)
+  {
+    return;
+  }
+  for (float& p : phase)
+  {
+    p *= scale;
+  }
+  T_given = expSE3(logSE3(T_given) / static_cast<double>(scale));
+  phase_unit = unit;
+}
 
 std::vector<Eigen::Vector3f> MatcherScan::deskewedBy(const Pose& T_sweep) const
 {
@@ -175,13 +197,15 @@ void DyloMatcher::Impl::encodeScan(MatcherScan& scan,
 
 std::size_t DyloMatcher::setCurrent(const std::vector<Eigen::Vector3f>& points,
                                     const std::vector<float>& phase,
-                                    const Pose& T_sweep)
+                                    const Pose& T_sweep,
+                                    double phase_unit)
 {
   const torch::NoGradGuard no_grad;
   Impl& s = *impl_;
   const LoopsOnPool loops(s.pool);
   s.current.points = points;
   s.current.phase = phase.size() == points.size() ? phase : std::vector<float>();
+  s.current.phase_unit = phase_unit;
   s.current.T_given = T_sweep;
   s.current.motion_known = s.current.phase.empty();
   s.current.T_encoded.reset();
@@ -211,7 +235,7 @@ void DyloMatcher::exchangeState(StateArchive& archive)
   const torch::NoGradGuard no_grad;
   Impl& s = *impl_;
   MatcherScan& scan = s.reference;
-  archive(scan.points, scan.phase, scan.T_given, scan.motion_known, scan.T_encoded,
+  archive(scan.points, scan.phase, scan.phase_unit, scan.T_given, scan.motion_known, scan.T_encoded,
           scan.T_redeskewed);
   if (!archive.isLoading())
   {
@@ -264,7 +288,9 @@ std::vector<DyloStage> DyloMatcher::Impl::search(const Pose& start,
     if (!target->motion_known)
     {
       redeskewed_reference = reference;
-      encodeScan(redeskewed_reference, reference.deskewedBy(estimate), estimate);
+      // The estimate is a motion over the current scan's period, which may be another one.
+      redeskewed_reference.rescalePhase(current.phase_unit);
+      encodeScan(redeskewed_reference, redeskewed_reference.deskewedBy(estimate), estimate);
       redeskewed_reference.motion_known = true;
       target = &redeskewed_reference;
     }

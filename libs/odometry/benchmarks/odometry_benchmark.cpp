@@ -1,14 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // All odometry methods and the refinement on the same frames: one table of accuracy and time.
 //
-//   odometry_benchmark DIR [--poses FILE] [--frames N] [--first N] [--threads N]
-//                      [--period SECONDS] [--methods a,b,...] [--set section.key=value]...
-//
-// DIR holds .bin files (float32 x y z intensity), or a folder velodyne/ with them. FILE has 12
-// numbers a line, the sensor's poses; without it only times and the ends are printed. All rows run
-// the class Odometry: METHOD is a scan matcher alone, METHOD+refine the matcher with registration
-// to the local map, refine:point_to_plane and refine:gicp that registration from the prior alone.
-// constant_velocity repeats the reference's previous motion.
+// All rows run the class Odometry: METHOD is a scan matcher alone, METHOD+refine the matcher with
+// registration to the local map, refine:point_to_plane and refine:gicp that registration from the
+// prior alone. constant_velocity repeats the reference's previous motion.
 #include <dyslam/base/Angle.h>
 #include <dyslam/base/Error.h>
 #include <dyslam/base/Heap.h>
@@ -21,6 +16,7 @@
 #include <dyslam/train/DataSplits.h>
 #include <mrpt/system/CTimeLogger.h>
 
+#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -30,7 +26,6 @@
 #include <filesystem>
 #include <iostream>
 #include <map>
-#include <sstream>
 
 namespace
 {
@@ -43,9 +38,9 @@ struct Arguments
   std::size_t first = 0;
   std::size_t frames = 100000;
   int threads = 2;
-  double period = 0.1;  //!< time between scans [s]
-  std::vector<std::string> methods;
-  Config config;
+  double period = 0.1;               //!< time between scans [s]
+  std::vector<std::string> methods;  //!< names of rows
+  std::vector<std::string> assignments;
 };
 
 struct Row
@@ -58,69 +53,34 @@ struct Row
   double normalised_error = 0;
 };
 
-Arguments parse(int argc, char** argv)
+void declare(CLI::App& app, Arguments& a)
 {
-  Arguments a;
-  for (int i = 1; i < argc; ++i)
-  {
-    const std::string key = argv[i];
-    if (key.rfind("--", 0) != 0)
-    {
-      a.folder = key;
-      continue;
-    }
-    if (i + 1 >= argc)
-    {
-      throw UserError(key + " needs a value");
-    }
-    const std::string value = argv[++i];
-    if (key == "--poses")
-    {
-      a.poses = value;
-    }
-    else if (key == "--frames")
-    {
-      a.frames = std::stoul(value);
-    }
-    else if (key == "--first")
-    {
-      a.first = std::stoul(value);
-    }
-    else if (key == "--threads")
-    {
-      a.threads = std::stoi(value);
-    }
-    else if (key == "--period")
-    {
-      a.period = std::stod(value);
-    }
-    else if (key == "--set")
-    {
-      a.config.set(value);
-    }
-    else if (key == "--methods")
-    {
-      std::istringstream names(value);
-      for (std::string name; std::getline(names, name, ',');)
-      {
-        a.methods.push_back(name);
-      }
-    }
-    else
-    {
-      throw UserError(key + ": unknown flag");
-    }
-  }
-  if (a.folder.empty())
-  {
-    throw UserError("name a folder with .bin files");
-  }
-  if (a.methods.empty())
-  {
-    a.methods = scanMatcherNames();
-    a.methods.insert(a.methods.end(), {"refine:point_to_plane", "refine:gicp"});
-  }
-  return a;
+  a.methods = scanMatcherNames();
+  a.methods.insert(a.methods.end(), {"refine:point_to_plane", "refine:gicp"});
+  app.add_option("folder", a.folder,
+                 "folder with .bin files (float32 x y z intensity), or with a folder velodyne/ "
+                 "with them")
+      ->required();
+  app.add_option("--poses", a.poses,
+                 "true poses of the sensor, 12 numbers a line; without it only times and the ends "
+                 "are printed");
+  app.add_option("--first", a.first, "number of the first frame");
+  app.add_option("--frames", a.frames, "number of frames");
+  app.add_option("--threads", a.threads, "threads; 0: number of cores")
+      ->check(CLI::Range(0, 256))
+      ->capture_default_str();
+  app.add_option("--period", a.period, "time between scans [s]")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+  app.add_option("--methods", a.methods,
+                 "rows: METHOD, METHOD+refine, refine:point_to_plane, refine:gicp")
+      ->delimiter(',')
+      ->allow_extra_args(false)
+      ->capture_default_str();
+  app.add_option("--set", a.assignments, "one setting of every row; repeatable")
+      ->type_name("SECTION.KEY=VALUE")
+      ->take_all()
+      ->allow_extra_args(false);
 }
 
 std::vector<std::string> filesOf(const Arguments& a)
@@ -174,7 +134,11 @@ double cpuMs()
 /** The settings that a row's name stands for. */
 Config configOf(const std::string& method, const Arguments& a)
 {
-  Config config = a.config;
+  Config config;
+  for (const std::string& assignment : a.assignments)
+  {
+    config.set(assignment);
+  }
   const std::size_t plus = method.find("+refine");
   if (method.rfind("refine:", 0) == 0)
   {
@@ -299,9 +263,12 @@ void print(const std::string& method, const Row& row, const std::vector<Pose>& r
 int main(int argc, char** argv)
 {
   tuneHeap();
+  Arguments a;
+  CLI::App app("Odometry methods on the same frames: a table of accuracy and time");
+  declare(app, a);
+  CLI11_PARSE(app, argc, argv);
   try
   {
-    const Arguments a = parse(argc, argv);
     const std::vector<std::string> files = filesOf(a);
     const std::vector<Scan> scans = readScans(files);
     std::vector<Pose> reference = a.poses.empty() ? std::vector<Pose>() : readKittiPoses(a.poses);

@@ -2,6 +2,7 @@
 // DyLO with the shipped weights, on scenes of exact geometry.
 #include <dyslam/base/Error.h>
 #include <dyslam/core/Deskew.h>
+#include <dyslam/odometry/Preprocessor.h>
 #include <dyslam/odometry/ScanMatcher.h>
 #include <gtest/gtest.h>
 
@@ -182,6 +183,30 @@ TEST_F(Dylo, DeskewsByTheMotionItFinds)
   {
     EXPECT_LT(deskewed[i], 0.05);
     EXPECT_LT(deskewed[i], 0.5 * bent[i]);
+  }
+}
+
+/** Of a recording with every second or third scan: the first sweep is a part of the interval to the
+ * second scan, which shows its motion. */
+TEST_F(Dylo, DeskewsAFirstScanThatIsShorterThanTheInterval)
+{
+  const Preprocessor preprocessor(PreprocessOptions(), pool_);
+  const Pose T_sweep = poseFromYpr(0.4, 0, 0, 0.6 * test::degree, 0, 0);
+  Pose T = T_sweep;
+  for (const double interval : {0.1, 0.2, 0.3})
+  {
+    const auto matcher = make();
+    const auto found = [&](const Pose& at, unsigned seed, double dt)
+    {
+      Frame frame;
+      frame.scan = scene_.scan(at, 0.01, seed, T_sweep);
+      frame.cloud = preprocessor.prepare(frame.scan, Pose::Identity(), dt);
+      return matchFrom(*matcher, frame, Pose::Identity()).motion;
+    };
+    (void)found(Pose::Identity(), 1, 0);
+    SCOPED_TRACE(interval);
+    expectNear(found(T, 2, interval), T, 0.01, 0.1);
+    T = T * T_sweep;
   }
 }
 

@@ -106,6 +106,47 @@ INSTANTIATE_TEST_SUITE_P(Gaps,
                                          Event{0, 36000, 0, 0, ""},
                                          Event{0, 5, 0, 0, ""}));
 
+/** Along a street a scan is also registered metres from its place, but not as well as usual. */
+TEST(Gaps, AScanRegisteredAtAWrongPlaceIsNoClockStep)
+{
+  constexpr double speed = 8;
+  constexpr double gap = 3;
+  test::StreetScene scene;
+  for (int house = 0; house < 15; ++house)  // beyond the scene's own
+  {
+    const double x = 120 + 17 * house + 2 * std::sin(5 * house);
+    scene.add({x, 9, 0}, {x + 13, 15, 7});
+    scene.add({x + 6, -16, 0}, {x + 17, -10, 8});
+  }
+  ThreadPool pool(2);
+  mrpt::system::CTimeLogger times(false);
+  Config config;
+  config.set("odometry.start_speed=8");
+  ConfigLoader loader(config);
+  const Preprocessor preprocessor(PreprocessOptions(), pool);
+  Odometry odometry(loader, pool, times);
+  double time = 0;
+  for (std::size_t i = 0; i < enough_scans + 1; ++i)
+  {
+    const double passed = i == 0 ? 0 : i < enough_scans ? period : gap;
+    time += passed;
+    Frame frame;
+    frame.scan =
+        scene.scan(poseFromYpr(180 + speed * time, 0, 0, 0, 0, 0), 0.01,
+                   static_cast<unsigned>(i + 1), poseFromYpr(speed * period, 0, 0, 0, 0, 0));
+    frame.scan.stamp = 100 + time;
+    odometry.predict(frame);
+    const auto prepare = [&](const Pose& T_previous_current, double dt)
+    { return preprocessor.prepare(frame.scan, T_previous_current, dt, frame.sweep_duration); };
+    frame.cloud = prepare(frame.prior.T_previous_current, frame.dt);
+    odometry.resolveInterval(frame, prepare);
+    EXPECT_NEAR(frame.clock_offset, 0, 1e-6) << i;
+    EXPECT_NEAR(frame.dt, passed, 1e-6) << i;
+    odometry.estimate(frame);
+    odometry.integrate(frame);
+  }
+}
+
 /** The motion over a gap is predicted for a part of it and does not show the velocity. */
 TEST(Gaps, TheVelocityIsKeptWithoutRegistration)
 {

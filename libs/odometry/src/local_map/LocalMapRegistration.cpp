@@ -367,6 +367,11 @@ int LocalMapRegistration::framesInMap() const
   return state_->map.scans();
 }
 
+double LocalMapRegistration::usualInlierShare() const
+{
+  return state_->progress.usual_inliers;
+}
+
 const Pose& LocalMapRegistration::pose() const
 {
   return state_->progress.T_odom_vehicle;

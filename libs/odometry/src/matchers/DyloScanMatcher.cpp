@@ -59,9 +59,9 @@ std::string DyloScanMatcher::extract(const Frame& frame)
     }
   }
   const Pose T_sweep = T_vehicle_lidar_.inverse() * frame.cloud.T_sweep * T_vehicle_lidar_;
-  const std::size_t usable = options_.deskew
-                                 ? matcher_.setCurrent(points_, frame.cloud.phase, T_sweep)
-                                 : matcher_.setCurrent(points_);
+  const std::size_t usable = options_.deskew ? matcher_.setCurrent(points_, frame.cloud.phase,
+                                                                   T_sweep, frame.cloud.phase_unit)
+                                             : matcher_.setCurrent(points_);
   return usable < fewest_matches ? "only " + counted(usable, "point") + " within range"
                                  : std::string();
 }

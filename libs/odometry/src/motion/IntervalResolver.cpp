@@ -10,7 +10,10 @@ namespace dyslam
 namespace
 {
 constexpr double clearly_better = 0.02;  // difference of inlier shares
-constexpr double usual_period = 0.1;     // of a lidar whose rate is not known yet [s]
+/** Least inlier share, relative to the usual one. On a street a scan is also registered metres from
+ * its place: houses and road fit there, too, and the prior determines the forward motion. */
+constexpr double least_share = 0.8;
+constexpr double usual_period = 0.1;  // of a lidar whose rate is not known yet [s]
 }  // namespace
 
 void IntervalResolver::resolve(const Pose& T_odom_previous,
@@ -39,7 +42,7 @@ void IntervalResolver::resolve(const Pose& T_odom_previous,
 
 /** Motion since the previous scan, over an unknown interval: by the initial guess that registers
  * best, of constant velocity for the interval, constant velocity for one period, and no motion.
- * \return nothing without a map of at least two scans, or if no guess registers */
+ * \return nothing without a map of at least two scans, or if no guess registers as well as usual */
 std::optional<Pose> IntervalResolver::findMotion(const Pose& T_odom_previous,
                                                  const PrepareCloud& prepare,
                                                  const Frame& frame,
@@ -67,6 +70,7 @@ std::optional<Pose> IntervalResolver::findMotion(const Pose& T_odom_previous,
   Frame trial = frame;
   std::optional<Pose> T_best;
   double best_share = 0;  // of the inliers
+  const double least = least_share * registration_.usualInlierShare();
   for (const auto& [dt, prior] : guesses)
   {
     trial.dt = dt;
@@ -74,7 +78,8 @@ std::optional<Pose> IntervalResolver::findMotion(const Pose& T_odom_previous,
     trial.cloud = prepare(prior.T_previous_current, dt);
     const RegistrationResult found =
         registration_.align(trial, T_odom_previous * prior.T_previous_current, &prior).result();
-    if (found.motion.converged() && (!T_best || found.inlier_share > best_share + clearly_better))
+    if (found.motion.converged() && found.inlier_share >= least &&
+        (!T_best || found.inlier_share > best_share + clearly_better))
     {
       T_best = found.motion.T_previous_current;
       best_share = found.inlier_share;

@@ -48,10 +48,12 @@ class DyloMatcher
   /** Encodes a scan as the current one. \return the number of points that the network can use.
    * \param phase acquisition time of each point relative to the scan's stamp, as a fraction of the
    * scan period; empty if the scan is not to be deskewed further
-   * \param T_sweep motion of the sensor over one scan period with which the points were deskewed */
+   * \param T_sweep motion of the sensor over one scan period with which the points were deskewed
+   * \param phase_unit the scan period [s]; 0: a revolution of unknown duration */
   std::size_t setCurrent(const std::vector<Eigen::Vector3f>& points,
                          const std::vector<float>& phase = {},
-                         const Pose& T_sweep = Pose::Identity());
+                         const Pose& T_sweep = Pose::Identity(),
+                         double phase_unit = 0);
   /** Makes the current scan the reference; re-deskews it by `T_sweep` if its motion is known. */
   void keepAsReference(const std::optional<Pose>& T_sweep = {});
   /** Saves or restores the reference; its encoding is computed again when it is restored. */

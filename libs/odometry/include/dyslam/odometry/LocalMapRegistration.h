@@ -98,6 +98,9 @@ class LocalMapRegistration
 
   /** Frames in the map since it was started. */
   [[nodiscard]] int framesInMap() const;
+  /** Running mean of RegistrationResult::inlier_share of the frames in the map. \pre there are two
+   * or more. */
+  [[nodiscard]] double usualInlierShare() const;
   /** Pose of the last frame committed; the guess, if its registration failed. */
   [[nodiscard]] const Pose& pose() const;
   /** Mean points of the map's cells, odometry frame [m]; in a fixed order. */
