@@ -17,6 +17,18 @@ bool mayBeHitByOneRing(const VoxelFeatures& f)
   constexpr float near_ground = 2;  // height over the ground [m]
   return f.segment_height < low_segment && f.range > distant && f.height < near_ground;
 }
+
+/** Whether the voxel is of a fence or guard rail: a straight row, longer than a car and thinner
+ * than any vehicle, that rays pass between its bars, but less often than a place that was really
+ * free, and that neither track nor causal label call moving. */
+bool isFence(const VoxelFeatures& f)
+{
+  constexpr float shortest = 4.5F;  // [m]
+  constexpr float widest = 0.5F;    // [m]
+  constexpr float most = 0.5F;  // largest share of free rays, of tracked points, and of the label
+  return f.row_length > shortest && f.row_width < widest && f.segment.free < most &&
+         f.segment.tracked < most && f.segment.probability < most;
+}
 }  // namespace
 
 void discount(VoxelEvidence& evidence, float false_free)
@@ -65,6 +77,11 @@ float movingScore(const VoxelFeatures& f)
     const float limit = known ? std::max(change(f.own), change(f.around)) + most_beyond : 1.0F;
     score += 1.5F + 0.25F * f.segment.probability;
     score += 1.75F * little(f.segment) + 2.5F * std::min(change(f.segment), limit);
+  }
+  if (isFence(f))
+  {
+    constexpr float fence = 3;  // whatever the changes of such a row say
+    score -= fence;
   }
   return score;
 }

@@ -30,6 +30,8 @@ struct VoxelFeatures
   float range = 0;           //!< distance of the point from the vehicle [m]
   float length = 0;          //!< larger extent of the segment along x or y (odometry frame) [m]
   float segment_height = 0;  //!< extent of the segment along z [m]
+  float row_length = 0;      //!< length and width of a rectangle with the segment's horizontal
+  float row_width = 0;       //!< covariance: about 0 wide if the segment is a straight row [m]
   float voxels = 0;          //!< number of voxels of the segment
   float doubt = 0;           //!< how doubtful free rays are in this scan, in [0, 1]
 };

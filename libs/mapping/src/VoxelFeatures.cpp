@@ -2,6 +2,7 @@
 #include "VoxelFeatures.h"
 
 #include <algorithm>
+#include <cmath>
 
 namespace dyslam
 {
@@ -50,17 +51,57 @@ class EvidenceSum
   VoxelEvidence sum_;
 };
 
-/** Bounding box of a segment. */
-struct Extent
+/** Features of a segment's shape. */
+struct SegmentShape
 {
-  Eigen::Vector3f low = Eigen::Vector3f::Constant(1e9F);    //!< odometry frame [m]
-  Eigen::Vector3f high = Eigen::Vector3f::Constant(-1e9F);  //!< odometry frame [m]
+  float length = 0;      //!< VoxelFeatures::length [m]
+  float height = 0;      //!< VoxelFeatures::segment_height [m]
+  float row_length = 0;  //!< VoxelFeatures::row_length [m]
+  float row_width = 0;   //!< VoxelFeatures::row_width [m]
+};
 
+/** Extent and horizontal spread of a segment's voxels. */
+class SegmentSpread
+{
+ public:
+  /** \param p a point of the voxel, odometry frame [m] */
   void add(const Eigen::Vector3f& p)
   {
-    low = low.cwiseMin(p);
-    high = high.cwiseMax(p);
+    if (count_ == 0)
+    {
+      first_ = low_ = high_ = p;
+    }
+    low_ = low_.cwiseMin(p);
+    high_ = high_.cwiseMax(p);
+    const Eigen::Vector2d offset = (p - first_).head<2>().cast<double>();
+    ++count_;
+    sum_ += offset;
+    squares_ += offset * offset.transpose();
   }
+
+  [[nodiscard]] SegmentShape shape() const
+  {
+    const Eigen::Vector3f size = high_ - low_;
+    const double n = std::max(count_, 1.0);
+    const Eigen::Vector2d mean = sum_ / n;
+    const Eigen::Matrix2d covariance = squares_ / n - mean * mean.transpose();
+    // Eigenvalues of a symmetric 2x2 matrix; points spread evenly over a length l have the variance
+    // l^2 / 12.
+    const double middle = 0.5 * covariance.trace();
+    const double half_gap =
+        std::hypot(0.5 * (covariance(0, 0) - covariance(1, 1)), covariance(0, 1));
+    return {std::max(size.x(), size.y()), size.z(),
+            static_cast<float>(std::sqrt(12 * (middle + half_gap))),
+            static_cast<float>(std::sqrt(12 * std::max(0.0, middle - half_gap)))};
+  }
+
+ private:
+  Eigen::Vector3f first_ = Eigen::Vector3f::Zero();  // origin of the offsets, against rounding
+  Eigen::Vector3f low_ = Eigen::Vector3f::Zero();
+  Eigen::Vector3f high_ = Eigen::Vector3f::Zero();
+  double count_ = 0;
+  Eigen::Vector2d sum_ = Eigen::Vector2d::Zero();
+  Eigen::Matrix2d squares_ = Eigen::Matrix2d::Zero();
 };
 
 /** Share of rays that passed through certainly static voxels, because of thin objects, edges and
@@ -93,12 +134,12 @@ std::vector<VoxelFeatures> voxelFeatures(const Segments& segments,
 {
   std::vector<EvidenceSum> of_cell(segments.cells.size());
   std::vector<EvidenceSum> of_segment(segments.segments);
-  std::vector<Extent> extent(segments.segments);
+  std::vector<SegmentSpread> spread(segments.segments);
   for (std::size_t g = 0; g < evidence.size(); ++g)
   {
     of_cell[segments.cell_of_voxel[g]].add(evidence[g]);
     of_segment[segments.segment_of_voxel[g]].add(evidence[g]);
-    extent[segments.segment_of_voxel[g]].add(points[segments.first_point[g]]);
+    spread[segments.segment_of_voxel[g]].add(points[segments.first_point[g]]);
   }
   std::vector<VoxelEvidence> around;
   for (std::uint32_t c = 0; c < of_cell.size(); ++c)
@@ -112,6 +153,11 @@ std::vector<VoxelFeatures> voxelFeatures(const Segments& segments,
   {
     whole.push_back(sum.mean());
   }
+  std::vector<SegmentShape> shapes;
+  for (const SegmentSpread& of_voxels : spread)
+  {
+    shapes.push_back(of_voxels.shape());
+  }
   std::vector<VoxelFeatures> features(evidence.size());
   for (std::size_t g = 0; g < evidence.size(); ++g)
   {
@@ -123,9 +169,10 @@ std::vector<VoxelFeatures> voxelFeatures(const Segments& segments,
     f.segment = whole[s];
     f.height = heights[f.point];
     f.range = (points[f.point] - vehicle).norm();
-    const Eigen::Vector3f size = extent[s].high - extent[s].low;
-    f.length = std::max(size.x(), size.y());
-    f.segment_height = size.z();
+    f.length = shapes[s].length;
+    f.segment_height = shapes[s].height;
+    f.row_length = shapes[s].row_length;
+    f.row_width = shapes[s].row_width;
     f.voxels = of_segment[s].count();
   }
   const float false_free = falseFreeShare(features);

@@ -111,6 +111,33 @@ TEST(VoxelClassifier, ADistantVehicleMayBeARowOfVoxelsNearTheGround)
   EXPECT_LT(movingScore(kerb), -0.5F);
 }
 
+TEST(VoxelClassifier, ALongThinRowThatRaysOftenMeetIsAFence)
+{
+  VoxelEvidence barred = occupied();  // a place between the bars of a fence
+  barred.free = 0.4F;
+  barred.change_before = 0.7F;
+  VoxelFeatures fence = voxel(barred, barred);
+  fence.length = 8;
+  fence.row_length = 8;
+  fence.row_width = 0.1F;
+  EXPECT_LT(movingScore(fence), -1);
+  VoxelFeatures car = fence;
+  car.row_length = 4.2F;
+  EXPECT_GT(movingScore(car), 0);
+  VoxelFeatures truck = fence;
+  truck.row_width = 2.5F;
+  EXPECT_GT(movingScore(truck), 0);
+  VoxelFeatures passing = fence;  // the side of a truck, in a place that is mostly free
+  passing.segment.free = 0.8F;
+  EXPECT_GT(movingScore(passing), 0);
+  VoxelFeatures tracked = fence;
+  tracked.segment.tracked = 1;
+  EXPECT_GT(movingScore(tracked), 0);
+  VoxelFeatures labelled = fence;
+  labelled.segment.probability = 0.9F;
+  EXPECT_GT(movingScore(labelled), 0);
+}
+
 TEST(VoxelClassifier, RaysThatStaticThingsLetPassAreDiscounted)
 {
   VoxelEvidence e = visited();
