@@ -106,9 +106,9 @@ TEST_F(Inputs, PosesOfTheLidar)
     return result;
   };
   const auto sharp = entropies("vehicle lidar");
-  EXPECT_NEAR(sharp[0], sharp[1], 0.01);
+  EXPECT_NEAR(sharp[0], sharp[1], 0.001);
   const auto one_is_wrong = entropies("vehicle");
-  EXPECT_GT(std::abs(one_is_wrong[0] - one_is_wrong[1]), 0.01);
+  EXPECT_GT(std::abs(one_is_wrong[0] - one_is_wrong[1]), 0.003);
 }
 
 TEST_F(Inputs, FoldersOfScans)
