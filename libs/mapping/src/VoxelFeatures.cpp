@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "VoxelFeatures.h"
 
+#include <Eigen/Eigenvalues>
 #include <algorithm>
-#include <cmath>
 
 namespace dyslam
 {
@@ -85,14 +85,14 @@ class SegmentSpread
     const double n = std::max(count_, 1.0);
     const Eigen::Vector2d mean = sum_ / n;
     const Eigen::Matrix2d covariance = squares_ / n - mean * mean.transpose();
-    // Eigenvalues of a symmetric 2x2 matrix; points spread evenly over a length l have the variance
-    // l^2 / 12.
-    const double middle = 0.5 * covariance.trace();
-    const double half_gap =
-        std::hypot(0.5 * (covariance(0, 0) - covariance(1, 1)), covariance(0, 1));
-    return {std::max(size.x(), size.y()), size.z(),
-            static_cast<float>(std::sqrt(12 * (middle + half_gap))),
-            static_cast<float>(std::sqrt(12 * std::max(0.0, middle - half_gap)))};
+    // Points spread evenly over a length l have the variance l^2 / 12.
+    const Eigen::Vector2d sides = (12 * Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d>()
+                                            .computeDirect(covariance, Eigen::EigenvaluesOnly)
+                                            .eigenvalues()
+                                            .cwiseMax(0))
+                                      .cwiseSqrt();
+    return {std::max(size.x(), size.y()), size.z(), static_cast<float>(sides[1]),
+            static_cast<float>(sides[0])};
   }
 
  private:
