@@ -1,0 +1,327 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/base/Error.h>
+#include <dyslam/benchmarks/TrajectoryComparison.h>
+#include <dyslam/formats/TrajectoryFiles.h>
+#include <dyslam/mrpt/Geodesy.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include "Names.h"
+#include "TestFolder.h"
+
+namespace dyslam
+{
+namespace
+{
+std::vector<Pose> kittiSteps(int count)
+{
+  std::vector<Pose> poses;
+  for (int i = 0; i < count; ++i)
+  {
+    poses.push_back(poseFromYpr(i, 0, 0, 0, 0, 0));
+  }
+  return poses;
+}
+}  // namespace
+
+TEST(TrajectoryComparison, FilesWithoutTimesArePairedByLine)
+{
+  const TestFolder folder;
+  writeKittiPoses(folder.file("a.txt"), kittiSteps(5));
+  writeKittiPoses(folder.file("b.txt"), kittiSteps(4));
+  Names notes;
+  PoseReading reading;
+  const auto pairs = [&]
+  {
+    return pairFiles(folder.file("a.txt"), folder.file("b.txt"), reading,
+                     [&](const std::string& note) { notes.push_back(note); });
+  };
+  EXPECT_EQ(pairs().size(), 4U);
+  EXPECT_EQ(notes, Names{folder.file("b.txt") + " has 4 poses, " + folder.file("a.txt") +
+                         " 5; without time stamps they are associated by index"});
+  reading.tolerance = 0.02;
+  EXPECT_TRUE(contains(messageOfError<UserError>(pairs), "leave --tolerance out"));
+  reading.tolerance.reset();
+  reading.time_offset = 1;
+  EXPECT_TRUE(contains(messageOfError<UserError>(pairs), "leave --time-offset out"));
+}
+
+TEST(TrajectoryComparison, TimesAreShiftedAndTheirDifferenceIsLimited)
+{
+  const TestFolder folder;
+  Trajectory reference;
+  Trajectory estimate;
+  for (int i = 0; i < 10; ++i)
+  {
+    reference.push_back(i, kittiSteps(10)[static_cast<std::size_t>(i)]);
+    estimate.push_back(i + 0.505, kittiSteps(10)[static_cast<std::size_t>(i)]);
+  }
+  writeTum(folder.file("a.txt"), reference);
+  writeTum(folder.file("b.txt"), estimate);
+  PoseReading reading;
+  const auto pairs = [&]
+  { return pairFiles(folder.file("a.txt"), folder.file("b.txt"), reading, ignore); };
+  EXPECT_TRUE(contains(messageOfError<UserError>(pairs), "only 0 of 10 time stamps"));
+  reading.time_offset = -0.5;
+  EXPECT_EQ(pairs().size(), 10U);
+  reading.tolerance = 0.001;
+  EXPECT_TRUE(contains(messageOfError<UserError>(pairs), "within --tolerance 0.001 s"));
+  reading = {};
+  reading.interpolate = 0.6;
+  ASSERT_EQ(pairs().size(), 9U) << "the last one is after the reference";
+  EXPECT_NEAR(pairs().reference.front().translation().x(), 0.505, 1e-6);
+  reading.interpolate = 0.2;
+  EXPECT_TRUE(contains(messageOfError<UserError>(pairs), "within --interpolate 0.2 s"));
+}
+
+TEST(TrajectoryComparison, AReferenceOfKittiMayHaveTimesInAnotherFile)
+{
+  const TestFolder folder;
+  writeKittiPoses(folder.file("a.txt"), kittiSteps(5));
+  Trajectory estimate;  // begins with the third scan
+  for (int i = 2; i < 5; ++i)
+  {
+    estimate.push_back(100 + i, kittiSteps(5)[static_cast<std::size_t>(i)]);
+  }
+  writeTum(folder.file("b.txt"), estimate);
+  PoseReading reading;
+  Names notes;
+  const auto pairs = [&]
+  {
+    return pairFiles(folder.file("a.txt"), folder.file("b.txt"), reading,
+                     [&](const std::string& note) { notes.push_back(note); });
+  };
+  EXPECT_EQ(pairs().size(), 3U) << "by line, so the first scans are left";
+  ASSERT_EQ(notes.size(), 1U);
+  EXPECT_TRUE(contains(notes[0], "(--reference-times gives those of the reference)")) << notes[0];
+  reading.reference_times = folder.write("times.txt", "100\n101\n102\n103\n104\n");
+  reading.tolerance = 0.01;
+  const PosePairs timed = pairs();
+  ASSERT_EQ(timed.size(), 3U);
+  EXPECT_DOUBLE_EQ(timed.stamps.front(), 102);
+  EXPECT_DOUBLE_EQ(timed.reference.front().translation().x(), 2);
+  folder.write("times.txt", "100\n101\n");
+  EXPECT_TRUE(contains(messageOfError<UserError>(pairs), "times.txt: has 2 times for 5 poses of"));
+  folder.write("times.txt", "100\n101\n103\n102\n104\n");
+  EXPECT_TRUE(
+      contains(messageOfError<UserError>(pairs), "times.txt:4: the time does not come after"));
+  writeTum(folder.file("a.txt"), estimate);
+  EXPECT_TRUE(contains(messageOfError<UserError>(pairs), "leave --reference-times out"));
+  writeKittiPoses(folder.file("a.txt"), kittiSteps(5));
+  writeKittiPoses(folder.file("b.txt"), kittiSteps(5));
+  folder.write("times.txt", "100\n101\n102\n103\n104\n");
+  reading.tolerance.reset();
+  EXPECT_TRUE(contains(messageOfError<UserError>(pairs), "leave --reference-times out"))
+      << "the estimate has no times";
+}
+
+/** A curve driven by the vehicle, and the poses of an IMU on it. */
+TEST(TrajectoryComparison, AReferenceMayBeOfAnotherBodyOfTheVehicle)
+{
+  const TestFolder folder;
+  const Pose T_vehicle_imu = poseFromYpr(1.2, 0.4, -0.8, 0.5 * M_PI, 0, 0.1);
+  Trajectory vehicle;
+  Trajectory imu;
+  Pose pose = Pose::Identity();
+  for (int i = 0; i < 50; ++i)
+  {
+    vehicle.push_back(i, pose);
+    imu.push_back(i, pose * T_vehicle_imu);
+    pose = pose * poseFromYpr(1, 0, 0, 0.05, 0, 0);
+  }
+  writeTum(folder.file("vehicle.txt"), vehicle);
+  writeTum(folder.file("imu.txt"), imu);
+  PoseReading reading;
+  const auto warning = [&](double* error)
+  {
+    const std::string reference = folder.file("imu.txt");
+    const std::string estimate = folder.file("vehicle.txt");
+    const PosePairs pairs = pairFiles(reference, estimate, reading, ignore);
+    const TrajectoryReport report = evaluateTrajectory("vehicle", pairs);
+    *error = report.relative.translation.rmse;
+    return pairWarning(reference, estimate, pairs, report);
+  };
+  double error = 0;
+  EXPECT_TRUE(contains(warning(&error), "move in different directions of their bodies"));
+  EXPECT_GT(error, 0.5);
+  reading.reference_body = "1.2 0.4 -0.8 90 0 5.729577951308232";
+  EXPECT_EQ(warning(&error), "");
+  EXPECT_LT(error, 1e-6);
+  reading.reference_body = "1.2 0.4";
+  EXPECT_TRUE(contains(messageOfError<UserError>([&] { (void)warning(&error); }),
+                       "--reference-body '1.2 0.4': six numbers are needed"));
+}
+
+/** A drive whose vehicle pitches and rolls, and the positions of an antenna on it. */
+class TrajectoryAndPositions : public ::testing::Test
+{
+ protected:
+  void SetUp() override
+  {
+    Pose pose = Pose::Identity();
+    for (int i = 0; i < 60; ++i)
+    {
+      vehicle.push_back(100 + i, pose);
+      const Eigen::Vector3d p = frame * (pose * antenna);
+      lines += std::to_string(100 + i) + ' ' + std::to_string(p.x()) + ' ' + std::to_string(p.y()) +
+               ' ' + std::to_string(p.z()) + '\n';
+      pose = pose * poseFromYpr(1, 0, 0, 0.05, 0.02 * std::sin(0.3 * i), 0.03 * std::sin(0.2 * i));
+    }
+    writeTum(folder.file("vehicle.txt"), vehicle);
+  }
+  [[nodiscard]] PosePairs pairs(const std::string& reference) const
+  {
+    return pairFiles(folder.file(reference), folder.file("vehicle.txt"), reading, ignore);
+  }
+  [[nodiscard]] std::string errorOf(const std::string& reference) const
+  {
+    return messageOfError<UserError>([&] { (void)pairs(reference); });
+  }
+
+  const TestFolder folder;
+  const Eigen::Vector3d antenna{-0.5, 0.3, 1.6};
+  const Pose frame = poseFromYpr(456000, 5427000, 110, 2.1, 0, 0);  // of the positions
+  Trajectory vehicle;
+  std::string lines;
+  PoseReading reading;
+};
+
+TEST_F(TrajectoryAndPositions, ThePositionErrorNeedsNoOrientations)
+{
+  folder.write("rtk.txt", lines);
+  const PosePairs without = pairs("rtk.txt");
+  EXPECT_TRUE(without.positions_only);
+  EXPECT_EQ(without.size(), 60U);
+  EXPECT_GT(evaluateTrajectory("a", without).absolute.translation.rmse, 0.05) << "the lever arm";
+  reading.reference_body = "-0.5 0.3 1.6 0 0 0";
+  const PosePairs found = pairs("rtk.txt");
+  const TrajectoryReport report = evaluateTrajectory("a", found);
+  EXPECT_LT(report.absolute.translation.rmse, 1e-5);
+  EXPECT_EQ(report.absolute.rotation_deg.count, 0U);
+  EXPECT_EQ(report.relative.translation.count, 0U);
+  EXPECT_EQ(report.drift.overall.segments, 0U);
+  EXPECT_FALSE(report.forward_ratio);
+  EXPECT_NEAR(report.length, 59, 3);
+  EXPECT_EQ(pairWarning("rtk.txt", "vehicle.txt", found, report), "");
+}
+
+TEST_F(TrajectoryAndPositions, ReferencesMayHaveOtherTimes)
+{
+  std::string every_third;
+  std::istringstream all(lines);
+  int number = 0;
+  for (std::string line; std::getline(all, line); ++number)
+  {
+    every_third += number % 3 == 0 ? line + '\n' : "";
+  }
+  folder.write("rtk.txt", every_third);
+  reading.reference_body = "-0.5 0.3 1.6 0 0 0";
+  EXPECT_EQ(pairs("rtk.txt").size(), 20U);
+  reading.interpolate = 3;
+  const PosePairs interpolated = pairs("rtk.txt");
+  EXPECT_EQ(interpolated.size(), 58U) << "up to the last of them";
+  EXPECT_LT(evaluateTrajectory("a", interpolated).absolute.translation.rmse, 0.1);
+}
+
+TEST_F(TrajectoryAndPositions, LatitudeAndLongitudeBecomeMetres)
+{
+  const GeodeticPosition origin{49, 8.5, 110};
+  std::string table = "latitude,longitude,altitude,time\n0,0,0,99\n";  // no fix at first
+  for (const StampedPose& pose : vehicle)
+  {
+    const GeodeticPosition p = fromEnu(pose.pose.translation(), origin);
+    table += std::to_string(p.latitude) + "0," + std::to_string(p.longitude) + "," +
+             std::to_string(p.height) + "," + std::to_string(pose.stamp) + "\n";
+  }
+  folder.write("fix.csv", table);
+  const TrajectoryReport report = evaluateTrajectory("a", pairs("fix.csv"));
+  EXPECT_EQ(report.pairs, 60U);
+  EXPECT_LT(report.absolute.translation.rmse, 0.15) << "six decimals of a degree";
+  EXPECT_NEAR(report.length, 59, 3);
+  folder.write("fix.csv", "time,lat,lon,height\n1,0,0,0\n2,91,500,0\n");
+  EXPECT_TRUE(contains(errorOf("fix.csv"), "fix.csv: none of its latitudes and longitudes"));
+}
+
+TEST_F(TrajectoryAndPositions, WhatNeedsOrientationsIsRefused)
+{
+  folder.write("rtk.txt", lines);
+  TrajectoryMetricsOptions first;
+  first.alignment = Alignment::first;
+  const PosePairs found = pairs("rtk.txt");
+  EXPECT_TRUE(
+      contains(messageOfError<UserError>([&] { (void)evaluateTrajectory("a", found, first); }),
+               "a: the alignment 'first' needs orientations, which the reference does not have"));
+  reading.reference_body = "0 0 1 90 0 0";
+  EXPECT_TRUE(contains(errorOf("rtk.txt"), "has positions alone; the three angles must be 0"));
+  reading = {};
+  reading.camera = "reference";
+  EXPECT_TRUE(contains(errorOf("rtk.txt"), "leave --camera reference out"));
+  reading = {};
+  reading.reference_times = "times.txt";
+  EXPECT_TRUE(contains(errorOf("rtk.txt"), "leave --reference-times out"));
+  reading = {};
+  writeKittiPoses(folder.file("vehicle.txt"), vehicle);
+  EXPECT_TRUE(contains(errorOf("rtk.txt"), "vehicle.txt: has no time stamps (KITTI)"));
+}
+
+TEST(TrajectoryComparison, OtherUnitsAndQuaternionsAreWarnedOf)
+{
+  PosePairs pairs;
+  Pose pose = Pose::Identity();
+  for (int i = 0; i < 50; ++i)
+  {
+    pairs.stamps.push_back(i);
+    pairs.reference.push_back(pose);
+    pose = pose * poseFromYpr(1, 0, 0, 0.05, 0, 0);
+  }
+  const auto warning = [&]
+  { return pairWarning("r.txt", "e.txt", pairs, evaluateTrajectory("e", pairs)); };
+  pairs.estimate = pairs.reference;
+  EXPECT_EQ(warning(), "");
+  for (Pose& estimate : pairs.estimate)
+  {
+    estimate.translation() *= 1000;
+  }
+  EXPECT_TRUE(contains(warning(), "are both in metres?")) << warning();
+  for (std::size_t i = 0; i < pairs.size(); ++i)  // positions that fit, on their heads
+  {
+    pairs.estimate[i] = pairs.reference[i] * poseFromYpr(0, 0, 0, 0, 0, M_PI);
+  }
+  EXPECT_TRUE(contains(warning(), "the orientations do not (180 deg): quaternions with w first"))
+      << warning();
+}
+
+TEST(TrajectoryComparison, ASinglePoseIsRefusedInEitherFile)
+{
+  const TestFolder folder;
+  writeKittiPoses(folder.file("one.txt"), kittiSteps(1));
+  writeKittiPoses(folder.file("many.txt"), kittiSteps(5));
+  const std::string one = folder.file("one.txt") + ": has one pose; errors need two or more";
+  for (const auto& [reference, estimate] :
+       {std::make_pair("many.txt", "one.txt"), std::make_pair("one.txt", "many.txt")})
+  {
+    EXPECT_EQ(messageOfError<UserError>([&, r = folder.file(reference), e = folder.file(estimate)]
+                                        { (void)pairFiles(r, e, {}, ignore); }),
+              one);
+  }
+}
+
+TEST(TrajectoryComparison, OfOnePathAreItsLengths)
+{
+  const TestFolder folder;
+  writeKittiPoses(folder.file("a.txt"), kittiSteps(5));
+  PathSummary path = readPath(folder.file("a.txt"), {});
+  path.name = "a";
+  EXPECT_FALSE(path.duration);
+  EXPECT_DOUBLE_EQ(path.length, 4);
+  EXPECT_DOUBLE_EQ(path.start_to_end, 4);
+  EXPECT_EQ(pathTable({path}).toCsv(),
+            "trajectory,poses,duration [s],length [m],start to end [m]\na,5,,4,4\n");
+  EXPECT_TRUE(nlohmann::json::parse(pathJson({path}))["trajectories"][0]["duration_s"].is_null());
+}
+}  // namespace dyslam
