@@ -3,6 +3,8 @@
 
 #include <dyslam/base/Error.h>
 
+#include <utility>
+
 #include "Checks.h"
 #include "OutputOptions.h"
 
@@ -31,6 +33,16 @@ void declareSlamArguments(CLI::App& app, SlamArguments& a)
       ->check(notNegative());
   app.add_option("--end", a.end, "process scans before this time [s since the first scan]")
       ->check(positive());
+  CLI::Option* prior_map = app.add_option(
+      "--prior-map", a.prior_map,
+      "localise the run in this static map: .pcd, .ply, or the output folder of a run; the results "
+      "are in its frame");
+  app.add_option(
+         "--prior-start", a.prior_start,
+         "rough pose at the first scan in the prior map (default: searched for in the whole "
+         "map)")
+      ->type_name("X Y Z YAW PITCH ROLL")
+      ->needs(prior_map);
   app.add_option(
          "--passes", a.passes,
          "2: process the recording twice, with segmentation and odometry of the second pass "
@@ -60,6 +72,14 @@ std::vector<std::string> assignmentsOf(const SlamArguments& a)
   add("input.only_first_n", a.only_first_n);
   add("input.start", a.start);
   add("input.end", a.end);
+  for (const auto& [key, value] :
+       {std::pair("prior_map.file", a.prior_map), std::pair("prior_map.start", a.prior_start)})
+  {
+    if (!value.empty())
+    {
+      assignments.push_back(std::string(key) + "=" + value);
+    }
+  }
   return assignments;
 }
 

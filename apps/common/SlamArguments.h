@@ -18,6 +18,8 @@ struct SlamArguments : RunRequest
   std::optional<int> only_first_n;
   std::optional<double> start;
   std::optional<double> end;
+  std::string prior_map;    //!< map file or output folder of a run; empty: none
+  std::string prior_start;  //!< pose at the first scan in the prior map; empty: searched for
 
   [[nodiscard]] bool quiet() const { return verbosity == "ERROR"; }
 };

@@ -116,6 +116,12 @@ void printFindings(const SlamRunReport& report)
                 gravity.tilt_sigma / radians_per_degree,
                 gravity.levelled ? "; the map was levelled" : "");
   }
+  if (report.prior_map && report.prior_map->localised)
+  {
+    const PriorMapFit& fit = *report.prior_map;
+    std::printf("prior map: localised after %.1f m; %zu of %s registered, %.3f m RMSE\n",
+                fit.path_length, fit.registered, counted(fit.tried, "keyframe").c_str(), fit.rmse);
+  }
   if (report.unconverged > 0)
   {
     std::printf("%s could not be registered; %s motion is predicted\n",

@@ -61,7 +61,8 @@ KittiSlamSetup setupOf(const KittiSlamArguments& a)
                                    loader.get<ObjectGraphOptions>("objects"),
                                    loader.get<FactorGraphOptions>("solver"),
                                    GnssOptions{},
-                                   GravityOptions{}};
+                                   GravityOptions{},
+                                   PriorMapOptions{}};
                 });
   return setup;
 }

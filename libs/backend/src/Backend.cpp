@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/backend/Backend.h>
+#include <dyslam/backend/factors/LocalisationFactor.h>
 #include <dyslam/backend/factors/LoopFactor.h>
 #include <dyslam/backend/factors/OdometryFactor.h>
 #include <dyslam/base/StateArchive.h>
@@ -7,6 +8,7 @@
 
 #include <algorithm>
 #include <stdexcept>
+#include <utility>
 
 #include "BackendState.h"
 #include "graph/CovarianceInverse.h"
@@ -79,6 +81,43 @@ std::size_t Backend::State::insertLoops(const std::vector<Loop>& decided)
   return added;
 }
 
+void Backend::State::localise()
+{
+  const MapFixes found = localiser.add();
+  if (found.T_prior_map)
+  {
+    moveMap(*found.T_prior_map);
+    graph.addPose(Key::priorMap(), Pose::Identity());
+    graph.setFixed(Key::priorMap(), true);
+    graph.setFixed(Key::ego(0), false);
+    is_localised_now = true;
+  }
+  for (const MapFix& fix : found.fixes)
+  {
+    correction.add(graph.add(
+        std::make_unique<LocalisationFactor>(fix.keyframe, fix.T_prior_vehicle, fix.information)));
+  }
+}
+
+void Backend::State::moveMap(const Pose& T_new_old)
+{
+  std::vector<std::pair<Key, Pose>> moved;
+  for (const auto& [key, variable] : graph.variables())
+  {
+    const bool is_of_map = key == Key::vertical() || key == Key::georeference();
+    if (key.isPose())
+    {
+      const Pose T = unpackPose(variable.block.data());
+      moved.emplace_back(key, is_of_map ? T * T_new_old.inverse() : T_new_old * T);
+    }
+  }
+  for (const auto& [key, pose] : moved)
+  {
+    graph.setPose(key, pose);
+  }
+  correctKeyframes(0);
+}
+
 void Backend::State::correctKeyframes(std::size_t first)
 {
   std::vector<Pose> corrected;
@@ -131,8 +170,10 @@ void Backend::State::optimiseAll()
   correctKeyframes(0);
 }
 
-Backend::Backend(const BackendConfig& config, KeyframeStore& keyframes)
-    : state_(std::make_unique<State>(config, keyframes))
+Backend::Backend(const BackendConfig& config,
+                 KeyframeStore& keyframes,
+                 const std::vector<Eigen::Vector3f>& prior_map)
+    : state_(std::make_unique<State>(config, keyframes, prior_map))
 {
 }
 Backend::~Backend() = default;
@@ -173,14 +214,21 @@ std::size_t Backend::addLoops(const Frame& frame)
   // Where a scan was not registered, its neighbours are not where the keyframe's pose says: within
   // a submap its points would confirm whatever motion was predicted.
   s.closer.add(frame.motion.registered() ? staticPoints(frame) : std::vector<Eigen::Vector3f>());
-  return s.insertLoops(s.closer.search());
+  const std::size_t added = s.insertLoops(s.closer.search());
+  s.localise();
+  return added;
 }
 
 bool Backend::optimise(Frame& frame)
 {
   State& s = *state_;
   bool changed = false;
-  if (s.correction.isDue())
+  if (std::exchange(s.is_localised_now, false))
+  {
+    s.optimiseAll();
+    changed = true;
+  }
+  else if (s.correction.isDue())
   {
     s.optimiseForLoops(frame);
     changed = true;
@@ -266,6 +314,11 @@ const std::optional<Gravity>& Backend::gravity() const
   return state_->gravity;
 }
 
+std::optional<PriorMapFit> Backend::priorMapFit() const
+{
+  return state_->localiser.hasMap() ? std::optional(state_->localiser.fit()) : std::nullopt;
+}
+
 const OptimisationResult& Backend::lastOptimisation() const
 {
   return state_->correction.last();
@@ -286,6 +339,6 @@ void Backend::exchangeState(StateArchive& archive)
 {
   State& s = *state_;
   archive(s.closer, s.graph, s.objects, s.gnss, s.gravity_anchor, s.frames, s.loops, s.correction,
-          s.problems, s.odometry);
+          s.problems, s.odometry, s.localiser);
 }
 }  // namespace dyslam

@@ -109,7 +109,7 @@ void Backend::State::tieToVertical()
   {
     GravityAnchor::removeFrom(graph);
   }
-  if (fits && gravity_anchor.options().level_map)
+  if (fits && gravity_anchor.options().level_map && !graph.contains(Key::priorMap()))
   {
     levelMap(T_level_map);
   }
@@ -117,23 +117,9 @@ void Backend::State::tieToVertical()
 
 void Backend::State::levelMap(const Pose& T_level_map)
 {
-  std::vector<std::pair<Key, Pose>> levelled;
-  for (const auto& [key, variable] : graph.variables())
-  {
-    if (key.isPose())
-    {
-      const Pose T = unpackPose(variable.block.data());
-      levelled.emplace_back(key,
-                            key == Key::vertical() ? T * T_level_map.inverse() : T_level_map * T);
-    }
-  }
-  for (const auto& [key, pose] : levelled)
-  {
-    graph.setPose(key, pose);
-  }
+  moveMap(T_level_map);
   gravity->up_map = Eigen::Vector3d::UnitZ();
   gravity->levelled = true;
-  correctKeyframes(0);
 }
 
 void Backend::State::tieToEarth()

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <dyslam/backend/Backend.h>
+#include <dyslam/base/Error.h>
 
 #include <cstddef>
 #include <optional>
@@ -16,12 +17,15 @@
 #include "loops/LoopCorrection.h"
 #include "objects/FrameInKeyframe.h"
 #include "objects/ObjectGraph.h"
+#include "prior_map/MapLocaliser.h"
 
 namespace dyslam
 {
 struct Backend::State
 {
-  State(const BackendConfig& config, KeyframeStore& store)
+  State(const BackendConfig& config,
+        KeyframeStore& store,
+        const std::vector<Eigen::Vector3f>& prior_map)
       : options(config.backend),
         solver(config.solver),
         window_keyframes(static_cast<std::size_t>(config.objects.window_keyframes)),
@@ -31,12 +35,19 @@ struct Backend::State
         correction(config.backend, config.solver, graph),
         objects(config.objects, config.backend.mode == BackendMode::full, graph),
         gnss(config.gnss),
-        gravity_anchor(config.gravity)
+        gravity_anchor(config.gravity),
+        localiser(config.prior_map, prior_map, store)
   {
     validate(options, "backend");
     validate(solver, "solver");
     validate(gnss.options(), "gnss");
     validate(gravity_anchor.options(), "gravity");
+    if (localiser.hasMap() && options.mode == BackendMode::odometry)
+    {
+      throw UserError(
+          "prior_map.file: backend.mode=odometry has no factors but the odometry; set another "
+          "backend.mode");
+    }
     if (!keyframes.empty())
     {
       throw std::invalid_argument("Backend: the store has keyframes already");
@@ -50,6 +61,10 @@ struct Backend::State
   void addKeyframe(const Frame& frame);
   /** \return number of loops added to the graph */
   std::size_t insertLoops(const std::vector<Loop>& decided);
+  /** Registers the newest keyframe to the prior map, if there is one. */
+  void localise();
+  /** Moves all poses of the graph to another frame of the map. */
+  void moveMap(const Pose& T_new_old);
   /** Variables of objects that are optimised with the newest keyframes. */
   [[nodiscard]] std::set<Key> objectsOf(const Frame& frame) const;
   bool optimiseWindow(const Frame& frame);
@@ -82,7 +97,7 @@ struct Backend::State
   [[nodiscard]] std::optional<VehicleInKeyframe> vehicleAt(double time) const;
   /** Finds the vertical by the accelerations of an IMU. */
   void tieToVertical();
-  /** Rotates all poses of the graph. */
+  /** Rotates all poses of the graph to the vertical. */
   void levelMap(const Pose& T_level_map);
   /** Georeferences the map by the positions of a satellite receiver. */
   void tieToEarth();
@@ -102,6 +117,8 @@ struct Backend::State
   std::optional<Georeference> georeference;
   GravityAnchor gravity_anchor;
   std::optional<Gravity> gravity;
+  MapLocaliser localiser;
+  bool is_localised_now = false;  //!< since the last optimisation
   std::vector<FrameInKeyframe> frames;
   std::vector<Loop> loops;
   std::vector<std::string> problems;  //!< factors that the graph rejected

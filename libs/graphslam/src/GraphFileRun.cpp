@@ -36,6 +36,8 @@ std::string nameOf(VariableKind kind)
       return "vertical";
     case VariableKind::accelerometer_bias:
       return "accelerometer bias";
+    case VariableKind::prior_map:
+      return "prior map";
     case VariableKind::object_velocity:
       break;
   }

@@ -19,6 +19,7 @@
 #include "FinalFrames.h"
 #include "GivenBoxes.h"
 #include "ObjectTracking.h"
+#include "PriorMapFile.h"
 
 namespace dyslam
 {
@@ -57,11 +58,12 @@ struct Pipeline::Stages
         front_end(options.threads, config, times),
         tracking(config, MovingLabels::causal),
         keyframes({config.get<MemoryOptions>("memory"), temporary_folder}),
-        backend(
-            {config.get<BackendOptions>("backend"), config.get<LoopCloserOptions>("loop"),
-             config.get<ObjectGraphOptions>("objects"), config.get<FactorGraphOptions>("solver"),
-             config.get<GnssOptions>("gnss"), config.get<GravityOptions>("gravity")},
-            keyframes),
+        backend({config.get<BackendOptions>("backend"), config.get<LoopCloserOptions>("loop"),
+                 config.get<ObjectGraphOptions>("objects"),
+                 config.get<FactorGraphOptions>("solver"), config.get<GnssOptions>("gnss"),
+                 config.get<GravityOptions>("gravity"), config.get<PriorMapOptions>("prior_map")},
+                keyframes,
+                readPriorMap(config.get<PriorMapOptions>("prior_map"))),
         final_frames(config, tracking.hasGivenBoxes(), keyframes, pool, times)
   {
   }

@@ -37,6 +37,8 @@ std::string toString(const Key& key)
       return "d";
     case VariableKind::accelerometer_bias:
       return "b";
+    case VariableKind::prior_map:
+      return "m";
     case VariableKind::object_velocity:
       break;
   }
@@ -59,6 +61,8 @@ std::string toString(FactorKind kind)
       return "gnss";
     case FactorKind::gravity:
       return "gravity";
+    case FactorKind::localisation:
+      return "localisation";
     case FactorKind::smooth_motion:
       break;
   }

@@ -119,7 +119,9 @@ void FactorGraphProblem::add(const Factor& factor, std::map<Key, FactorGraph::Va
     values.push_back(block.values[i]);
   }
   ceres::LossFunction* loss = nullptr;
-  if (factor.kind() == FactorKind::loop && options_.loop_loss != RobustLoss::none)
+  const bool is_place =
+      factor.kind() == FactorKind::loop || factor.kind() == FactorKind::localisation;
+  if (is_place && options_.loop_loss != RobustLoss::none)
   {
     loss = &loop_loss_;
     has_loops_ = true;

@@ -2,6 +2,7 @@
 #include <dyslam/backend/FactorGraphFile.h>
 #include <dyslam/backend/factors/GnssFactor.h>
 #include <dyslam/backend/factors/GravityFactor.h>
+#include <dyslam/backend/factors/LocalisationFactor.h>
 #include <dyslam/backend/factors/LoopFactor.h>
 #include <dyslam/backend/factors/ObjectMotionFactor.h>
 #include <dyslam/backend/factors/ObservationFactor.h>
@@ -87,7 +88,8 @@ class LineReader
     {
       return Key::ego(index());
     }
-    for (const Key& single : {Key::georeference(), Key::vertical(), Key::accelerometerBias()})
+    for (const Key& single :
+         {Key::georeference(), Key::vertical(), Key::accelerometerBias(), Key::priorMap()})
     {
       if (kind == lineNameOf(single.kind))
       {
@@ -105,7 +107,7 @@ class LineReader
     }
     file_.fail("'" + std::string(kind) +
                "' is no kind of variable; use EGO, STATIC_OBJECT, OBJECT, VELOCITY, GEOREFERENCE, "
-               "VERTICAL or ACCELEROMETER_BIAS");
+               "VERTICAL, ACCELEROMETER_BIAS or PRIOR_MAP");
   }
   Eigen::Vector3d vector()
   {
@@ -247,6 +249,15 @@ std::unique_ptr<const Factor> readGravity(LineReader& line)
   return std::make_unique<GravityFactor>(keyframe, upwards, information);
 }
 
+std::unique_ptr<const Factor> readLocalisation(LineReader& line)
+{
+  const std::size_t keyframe = line.index();
+  const Pose T = line.measurement();
+  const Matrix6 information = line.information();
+  line.finish();
+  return std::make_unique<LocalisationFactor>(keyframe, T, information);
+}
+
 std::unique_ptr<const Factor> readMotion(const std::string& kind, LineReader& line)
 {
   const int object = line.integer();
@@ -276,13 +287,14 @@ void readLine(const TextFile& file, FactorGraph& graph, std::vector<std::string>
     return;
   }
   if (is({"EGO", "STATIC_OBJECT", "OBJECT", "VELOCITY", "GEOREFERENCE", "VERTICAL",
-          "ACCELEROMETER_BIAS"}))
+          "ACCELEROMETER_BIAS", "PRIOR_MAP"}))
   {
     readVariable(file, graph);
     return;
   }
   const bool is_motion = is({"OBJECT_MOTION", "SMOOTH_MOTION"});
-  if (!is_motion && !is({"ODOMETRY", "LOOP", "LEFT_OUT_LOOP", "OBSERVATION", "GNSS", "GRAVITY"}))
+  if (!is_motion &&
+      !is({"ODOMETRY", "LOOP", "LEFT_OUT_LOOP", "OBSERVATION", "GNSS", "GRAVITY", "LOCALISATION"}))
   {
     file.fail("'" + kind + "' is no kind of variable or factor of a factor graph");
   }
@@ -290,10 +302,12 @@ void readLine(const TextFile& file, FactorGraph& graph, std::vector<std::string>
   {
     LineReader line(file);
     (void)line.word();
-    const FactorGraph::FactorId id = graph.add(is_motion         ? readMotion(kind, line)
-                                               : is({"GNSS"})    ? readGnss(line)
-                                               : is({"GRAVITY"}) ? readGravity(line)
-                                                                 : readRelativePose(kind, line));
+    const FactorGraph::FactorId id =
+        graph.add(is_motion              ? readMotion(kind, line)
+                  : is({"GNSS"})         ? readGnss(line)
+                  : is({"GRAVITY"})      ? readGravity(line)
+                  : is({"LOCALISATION"}) ? readLocalisation(line)
+                                         : readRelativePose(kind, line));
     if (kind == "LEFT_OUT_LOOP")
     {
       graph.leaveOut(id);

@@ -30,6 +30,8 @@ std::string_view lineNameOf(VariableKind kind)
       return "VERTICAL";
     case VariableKind::accelerometer_bias:
       return "ACCELEROMETER_BIAS";
+    case VariableKind::prior_map:
+      return "PRIOR_MAP";
     case VariableKind::object_velocity:
       break;
   }
@@ -130,6 +132,11 @@ std::string factorLine(const Factor& factor, bool left_out)
       append(text, keys[0].index);
       text += ' ';
       append(text, keys[1]);
+      appendMeasurement(text, factor.measurement());
+      break;
+    case FactorKind::localisation:
+      text = "LOCALISATION";
+      append(text, keys[1].index);
       appendMeasurement(text, factor.measurement());
       break;
     case FactorKind::gnss:

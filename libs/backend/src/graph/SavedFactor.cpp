@@ -3,6 +3,7 @@
 
 #include <dyslam/backend/factors/GnssFactor.h>
 #include <dyslam/backend/factors/GravityFactor.h>
+#include <dyslam/backend/factors/LocalisationFactor.h>
 #include <dyslam/backend/factors/LoopFactor.h>
 #include <dyslam/backend/factors/ObjectMotionFactor.h>
 #include <dyslam/backend/factors/ObservationFactor.h>
@@ -73,6 +74,8 @@ std::unique_ptr<const Factor> made(const SavedFactor& saved)
                                             saved.antenna, saved.information);
       case FactorKind::gravity:
         return std::make_unique<GravityFactor>(index(0), saved.upwards, saved.information);
+      case FactorKind::localisation:
+        return std::make_unique<LocalisationFactor>(index(1), saved.measurement, saved.information);
     }
   }
   catch (const std::logic_error& error)  // invalid_argument, out_of_range

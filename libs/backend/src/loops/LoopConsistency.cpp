@@ -137,7 +137,7 @@ Eigen::MatrixXd selectedCovariance(const Factorisation& factored,
   return v.transpose() * weights.asDiagonal() * v;
 }
 
-/** Odometry and loops between the free ego poses, linearised at the present values. */
+/** Odometry and loops between the free ego poses, and their localisation in a prior map, linearised at the present values. */
 class LinearEgoGraph
 {
  public:
@@ -158,6 +158,10 @@ class LinearEgoGraph
       if (graph.factor(id).kind() == FactorKind::odometry)
       {
         addRows(id, 1 / odometry_sigma_scale);
+      }
+      else if (graph.factor(id).kind() == FactorKind::localisation)
+      {
+        addRows(id, 1);
       }
     }
     for (const FactorId id : loops)

@@ -15,7 +15,7 @@ namespace dyslam
 {
 namespace
 {
-constexpr std::string_view magic = "DYSLAM STATE 13\n";
+constexpr std::string_view magic = "DYSLAM STATE 14\n";
 
 struct PartHeader
 {

@@ -51,6 +51,19 @@ Json jsonOf(const Gravity& gravity)
           {"levelled", gravity.levelled}};
 }
 
+Json jsonOf(const PriorMapFit& fit)
+{
+  Json json{{"localised", fit.localised}};
+  if (fit.localised)
+  {
+    json["path_to_localisation_m"] = rounded(fit.path_length);
+    json["keyframes"] = fit.tried;
+    json["registered"] = fit.registered;
+    json["rmse_m"] = rounded(fit.rmse);
+  }
+  return json;
+}
+
 /** An object with the values, each passed through `round`. */
 template <typename Round>
 Json jsonOf(const std::map<std::string, double>& values, const Round& round)
@@ -117,6 +130,10 @@ class ReportOutput : public RunOutput
     if (report.gravity)
     {
       json["gravity"] = jsonOf(*report.gravity);
+    }
+    if (report.prior_map)
+    {
+      json["prior_map"] = jsonOf(*report.prior_map);
     }
     json["tracks"] = report.tracks;
     json["map_points"] = report.map_points;

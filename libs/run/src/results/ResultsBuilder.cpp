@@ -46,6 +46,19 @@ std::map<std::string, double> memoryOf(const Pipeline& pipeline)
   return bytes;
 }
 
+/** A run that was to be localised in a prior map, and was not, has failed. */
+void requireLocalised(SlamRunReport& report)
+{
+  if (report.prior_map && !report.prior_map->localised && report.failure.empty())
+  {
+    report.failure =
+        "the run was not localised in the prior map: no place of the map, or several, fit the "
+        "scans; the results are in a map frame of the run's own. A rough start pose "
+        "(prior_map.start) helps where places look alike";
+    report.verdict = "doubtful";
+  }
+}
+
 void append(std::vector<std::string>& all, const std::vector<std::string>& more)
 {
   all.insert(all.end(), more.begin(), more.end());
@@ -79,6 +92,7 @@ RunResults ResultsBuilder::atEnd(const RunData& run,
   results.memory_mb = memoryOf(run.pipeline);
   results.report.method = run.pipeline.summary();
   fillReport(run, results);
+  requireLocalised(results.report);
   append(results.report.warnings, settings_.warnings);
   append(results.report.warnings, source_warnings);
   append(results.report.warnings, run.pipeline.warnings());
@@ -144,6 +158,7 @@ void ResultsBuilder::fillReport(const RunData& run, RunResults& results) const
   report.loops_left_out = run.pipeline.backend().factorGraph().leftOutLoops().size();
   report.georeference = run.pipeline.backend().georeference();
   report.gravity = run.pipeline.backend().gravity();
+  report.prior_map = run.pipeline.backend().priorMapFit();
   report.tracks = movingTracks(results);
   report.map_points = results.map == nullptr ? 0 : results.map->pointCount();
   const auto lengths = results.trajectory.pathLengths();

@@ -22,11 +22,12 @@ struct PathSetting
   bool is_file;  //!< a name that is no file may be of shipped weights, even if there is a folder
 };
 
-constexpr std::array<PathSetting, 5> path_settings{{{"boxes", "calib", false},
+constexpr std::array<PathSetting, 6> path_settings{{{"boxes", "calib", false},
                                                     {"boxes", "file", false},
                                                     {"dyseg", "labels", false},
                                                     {"dyseg_network", "weights", true},
-                                                    {"dylo", "weights", true}}};
+                                                    {"dylo", "weights", true},
+                                                    {"prior_map", "file", false}}};
 
 bool isThere(const PathSetting& setting, const std::string& path)
 {

@@ -8,11 +8,13 @@
 #include <dyslam/backend/LoopCloser.h>
 #include <dyslam/backend/ObjectGraphOptions.h>
 #include <dyslam/backend/PoseGraph.h>
+#include <dyslam/backend/PriorMapOptions.h>
 #include <dyslam/backend/SmoothedObject.h>
 #include <dyslam/core/Frame.h>
 #include <dyslam/core/Georeference.h>
 #include <dyslam/core/Gravity.h>
 #include <dyslam/core/KeyframeStore.h>
+#include <dyslam/core/PriorMapFit.h>
 #include <dyslam/core/Trajectory.h>
 
 #include <cstddef>
@@ -34,6 +36,7 @@ struct BackendConfig
   FactorGraphOptions solver;
   GnssOptions gnss;
   GravityOptions gravity;
+  PriorMapOptions prior_map;
 };
 
 /** Keyframes, odometry, loops and objects in one factor graph, and its optimisation (paper,
@@ -48,8 +51,13 @@ class Backend
 {
  public:
   /** \param keyframes empty; outlives the backend, which adds the keyframes and corrects their
-   * poses: a keyframe's number is its ego pose in the graph. */
-  Backend(const BackendConfig& config, KeyframeStore& keyframes);
+   * poses: a keyframe's number is its ego pose in the graph.
+   * \param prior_map points of a static map in which the run is localised, its frame [m]; its file
+   * is not read here. Once localised, all poses are in the frame of this map
+   * \throws UserError for options that are out of range or contradict each other. */
+  Backend(const BackendConfig& config,
+          KeyframeStore& keyframes,
+          const std::vector<Eigen::Vector3f>& prior_map = {});
   ~Backend();
   Backend(Backend&&) noexcept;
   Backend& operator=(Backend&&) noexcept;
@@ -64,7 +72,8 @@ class Backend
    * present estimate. \return is_keyframe */
   bool addOdometry(Frame& frame);
   /** Second step of addFrame(): searches for loops from the frame, if it is a keyframe and was
-   * registered, and adds the accepted ones to the graph; changes no pose.
+   * registered, and adds the accepted ones to the graph; changes no pose. With a prior map it also
+   * registers the keyframe to this; the first registrations that localise the run move all poses.
    * \return number of loops added */
   std::size_t addLoops(const Frame& frame);
   /** Third step of addFrame(): optimises the newest part of the graph, or all of it if a loop
@@ -93,6 +102,8 @@ class Backend
   [[nodiscard]] const std::optional<Georeference>& georeference() const;
   /** The vertical in the map frame, after finish(); nothing if no accelerations show it. */
   [[nodiscard]] const std::optional<Gravity>& gravity() const;
+  /** How the run fits the prior map; nothing without one. */
+  [[nodiscard]] std::optional<PriorMapFit> priorMapFit() const;
   /** Result of the last optimisation of the whole graph; default before the first. */
   [[nodiscard]] const OptimisationResult& lastOptimisation() const;
   /** Warnings about data that the backend could not use. */

@@ -12,7 +12,8 @@
 
 namespace dyslam
 {
-/** The kinds of factor of the paper's Fig. 6, positions of a satellite receiver, and gravity. */
+/** The kinds of factor of the paper's Fig. 6, positions of a satellite receiver, gravity, and
+ * localisation in a prior map. */
 enum class FactorKind : std::uint8_t
 {
   odometry,       //!< f, Eq. 6: motion between two keyframes
@@ -22,6 +23,7 @@ enum class FactorKind : std::uint8_t
   smooth_motion,  //!< o, Eq. 10: two successive velocities of an object
   gnss,           //!< a position of the vehicle on the earth
   gravity,        //!< gravity measured at a keyframe
+  localisation,   //!< a keyframe registered to the prior map
 };
 [[nodiscard]] std::string toString(FactorKind kind);
 

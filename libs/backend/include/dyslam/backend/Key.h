@@ -7,8 +7,8 @@
 
 namespace dyslam
 {
-/** The variables of a factor graph (paper, Fig. 6), the pose of the map on the earth, its tilt, and
- * the bias of the accelerometer. */
+/** The variables of a factor graph (paper, Fig. 6), the pose of the map on the earth, its tilt, the
+ * bias of the accelerometer, and the frame of a prior map. */
 enum class VariableKind : std::uint8_t
 {
   ego_pose,            //!< x_k: T_map_vehicle at keyframe k
@@ -18,6 +18,7 @@ enum class VariableKind : std::uint8_t
   georeference,        //!< G: T_enu_map, the pose of the map on the earth
   vertical,            //!< D: T_level_map, whose rotation makes z of the map vertical
   accelerometer_bias,  //!< B: vehicle axes [m/s^2], then three zeros
+  prior_map,           //!< M: T_map_prior, pose of the prior map; the identity, held fixed
 };
 
 /** Names one variable of a factor graph. */
@@ -46,6 +47,7 @@ struct Key
 
   [[nodiscard]] static Key georeference() { return {VariableKind::georeference, -1, 0}; }
   [[nodiscard]] static Key vertical() { return {VariableKind::vertical, -1, 0}; }
+  [[nodiscard]] static Key priorMap() { return {VariableKind::prior_map, -1, 0}; }
   /** \param run number of the run in a graph of several, each with its own accelerometer */
   [[nodiscard]] static Key accelerometerBias(std::size_t run = 0)
   {
@@ -61,7 +63,7 @@ struct Key
   [[nodiscard]] bool isSingle() const
   {
     return kind == VariableKind::georeference || kind == VariableKind::vertical ||
-           kind == VariableKind::accelerometer_bias;
+           kind == VariableKind::accelerometer_bias || kind == VariableKind::prior_map;
   }
 
   friend bool operator==(const Key& a, const Key& b)
@@ -76,6 +78,7 @@ struct Key
   }
 };
 
-/** Name of a key: "x12", "s4", "s4#1" for a second sighting, "l4@123", "v4@123", "g", "d", "b". */
+/** Name of a key: "x12", "s4", "s4#1" for a second sighting, "l4@123", "v4@123", "g", "d", "b",
+ * "m". */
 [[nodiscard]] std::string toString(const Key& key);
 }  // namespace dyslam

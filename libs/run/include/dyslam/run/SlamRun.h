@@ -5,6 +5,7 @@
 #include <dyslam/core/Frame.h>
 #include <dyslam/core/Georeference.h>
 #include <dyslam/core/Gravity.h>
+#include <dyslam/core/PriorMapFit.h>
 
 #include <cstddef>
 #include <functional>
@@ -63,6 +64,7 @@ struct SlamRunReport
   /** Pose of the map on the earth; nothing if satellite positions don't show it. */
   std::optional<Georeference> georeference;
   std::optional<Gravity> gravity;
+  std::optional<PriorMapFit> prior_map;  //!< nothing without a prior map
   std::size_t tracks = 0;  //!< number of confirmed moving objects
   std::size_t map_points = 0;
   double path_length = 0;  //!< length of the trajectory [m]

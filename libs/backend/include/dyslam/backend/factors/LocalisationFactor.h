@@ -1,0 +1,20 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <dyslam/backend/factors/RelativePoseFactor.h>
+
+namespace dyslam
+{
+/** Pose of a keyframe in the prior map, measured by registration to it; with the robust loss of
+ * loops, since places may look alike or have changed. */
+class LocalisationFactor final : public RelativePoseFactor
+{
+ public:
+  /** \param T_prior_vehicle pose of the vehicle at the keyframe, frame of the prior map */
+  LocalisationFactor(std::size_t keyframe, const Pose& T_prior_vehicle, const Matrix6& information)
+      : RelativePoseFactor(Key::priorMap(), Key::ego(keyframe), T_prior_vehicle, information)
+  {
+  }
+  [[nodiscard]] FactorKind kind() const override { return FactorKind::localisation; }
+};
+}  // namespace dyslam

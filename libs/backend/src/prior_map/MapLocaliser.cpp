@@ -1,0 +1,374 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "MapLocaliser.h"
+
+#include <dyslam/base/Angle.h>
+#include <dyslam/base/Error.h>
+#include <dyslam/base/StateArchive.h>
+#include <dyslam/core/VoxelGrid.h>
+
+#include <algorithm>
+#include <cmath>
+#include <sstream>
+#include <utility>
+
+#include "loops/LoopCandidates.h"
+#include "loops/LoopVerification.h"
+
+namespace dyslam
+{
+namespace
+{
+constexpr double search_distance = 5;  // path between two searches for the place [m]
+constexpr double submap_path = 20;     // path of the submap that the place is searched by [m]
+constexpr double submap_voxel = 0.5;   // voxel size of this submap [m]
+constexpr double start_heading = 45 * radians_per_degree;  // largest error of a given heading
+constexpr double place_radius = 3;  // largest error of a place that looks alike [m]
+constexpr double place_heading = 4 * radians_per_degree;
+constexpr double apart = 4;         // distance of different places [m]
+constexpr double clear_lead = 0.1;  // overlap by which the best of several places must lead
+
+constexpr double least_radius = 0.5;    // largest error of a prediction without drift [m]
+constexpr double drift = 0.03;          // growth of this error by the path [m/m]
+constexpr double direct_radius = 1.5;   // up to this error, no alignment from above is needed [m]
+constexpr double search_heading = 0.1;  // largest error of a predicted heading [rad]
+constexpr double largest_turn = 6 * radians_per_degree;  // largest correction by a registration
+
+constexpr double trusted_path = 30;   // path after a fix on which the next one needs no other [m]
+constexpr std::size_t agreeing = 3;   // fixes that must agree after it, and at the beginning
+constexpr double agreeing_path = 4;   // path over which they must agree [m]
+constexpr int most_misses = 3;        // keyframes without a fix after which they start anew
+constexpr std::size_t earlier = 100;  // keyframes that are registered backwards
+
+constexpr double least_observability_of_place = 0.02;
+constexpr double least_observability = 0.002;  // a weak direction has little information
+
+Pose startFrom(const std::string& text)
+{
+  std::istringstream words(text);
+  std::vector<double> v;
+  for (double value = 0; words >> value;)
+  {
+    v.push_back(value);
+  }
+  if (!words.eof() || v.size() != 6)
+  {
+    throw UserError("prior_map.start '" + text +
+                    "': six numbers are needed: x y z [m] yaw pitch roll [deg]");
+  }
+  constexpr double rad = radians_per_degree;
+  return poseFromYpr(v[0], v[1], v[2], rad * v[3], rad * v[4], rad * v[5]);
+}
+
+/** The pose without roll and pitch. */
+Pose upright(const Pose& T)
+{
+  Pose result = Pose::Identity();
+  result.translation() = T.translation();
+  result.linear() =
+      Eigen::AngleAxisd(yawPitchRoll(T).x(), Eigen::Vector3d::UnitZ()).toRotationMatrix();
+  return result;
+}
+
+std::vector<Eigen::Vector3f> within(std::vector<Eigen::Vector3f> points, double range)
+{
+  const auto limit = static_cast<float>(range);
+  points.erase(
+      std::remove_if(points.begin(), points.end(),
+                     [limit](const Eigen::Vector3f& p) { return p.head<2>().norm() > limit; }),
+      points.end());
+  return points;
+}
+
+/** Height of the ground below the origin of a submap [m]. */
+double groundBelow(const std::vector<Eigen::Vector3f>& submap)
+{
+  return PriorMap(within(submap, 10), 10).groundHeight(0, 0).value_or(0);
+}
+
+bool fits(const KeyframeRegistrationResult& registration,
+          const PriorMapOptions& options,
+          double observability)
+{
+  LoopCriteria criteria;
+  criteria.min_overlap = options.min_overlap;
+  criteria.max_rmse = options.max_rmse;
+  criteria.min_observability = observability;
+  return verifyRegistration(registration, criteria) == LoopVerdict::accepted;
+}
+}  // namespace
+
+MapLocaliser::MapLocaliser(const PriorMapOptions& options,
+                           const std::vector<Eigen::Vector3f>& map,
+                           const KeyframeStore& keyframes)
+    : options_(options), map_(map, options.range), keyframes_(keyframes)
+{
+  if (!options_.start.empty())
+  {
+    start_ = startFrom(options_.start);
+  }
+}
+
+Pose MapLocaliser::T_prior_map() const
+{
+  if (pending_.empty())
+  {
+    return Pose::Identity();
+  }
+  const MapFix& newest = pending_.back();
+  return newest.T_prior_vehicle * keyframes_[newest.keyframe].T_map_vehicle.inverse();
+}
+
+double MapLocaliser::radiusBetween(std::size_t a, std::size_t b) const
+{
+  const PathBetween path = pathBetween(keyframes_[std::min(a, b)], keyframes_[std::max(a, b)]);
+  return least_radius + drift * path.measured + path.unseen;
+}
+
+bool MapLocaliser::isSearchDue(std::size_t newest) const
+{
+  return !searched_ || keyframes_[newest].path_length - *searched_ >= search_distance;
+}
+
+std::vector<Eigen::Vector3f> MapLocaliser::submapTo(std::size_t newest) const
+{
+  const Pose T_upright_map = upright(keyframes_[newest].T_map_vehicle).inverse();
+  std::vector<Eigen::Vector3f> points;
+  for (std::size_t i = newest + 1; i-- > 0;)
+  {
+    const PathBetween path = pathBetween(keyframes_[i], keyframes_[newest]);
+    if (path.measured > submap_path || path.unseen > 0)
+    {
+      break;
+    }
+    const Eigen::Isometry3f T = (T_upright_map * keyframes_[i].T_map_vehicle).cast<float>();
+    for (const Eigen::Vector3f& p : keyframes_.loopCloud(i).unpacked().points)
+    {
+      points.emplace_back(T * p);
+    }
+  }
+  return within(voxelDownsample(points, submap_voxel, VoxelPick::centroid).points, options_.range);
+}
+
+std::optional<Pose> MapLocaliser::placeNearStart(const std::vector<Eigen::Vector3f>& submap,
+                                                 std::size_t newest)
+{
+  Pose T =
+      upright(*start_ * keyframes_[0].T_map_vehicle.inverse() * keyframes_[newest].T_map_vehicle);
+  RegistrationTarget& target = map_.around(T.translation());
+  const double radius = options_.start_radius + radiusBetween(0, newest);
+  T = correlateFromAbove(submap, target.points(), T, radius, start_heading).value_or(T);
+  if (const auto ground = map_.groundHeight(T.translation().x(), T.translation().y()))
+  {
+    T.translation().z() = *ground - groundBelow(submap);
+  }
+  const KeyframeRegistrationResult result = target.align(submap, T);
+  if (!fits(result, options_, least_observability_of_place))
+  {
+    return std::nullopt;
+  }
+  return result.T_target_source;
+}
+
+/** The place must be the only one that fits. */
+std::optional<Pose> MapLocaliser::placeAnywhere(const std::vector<Eigen::Vector3f>& submap)
+{
+  if (!search_)
+  {
+    search_.emplace(map_.points());
+  }
+  const double ground_below = groundBelow(submap);
+  std::vector<KeyframeRegistrationResult> fitting;
+  for (const SimilarPlace& place : search_->find(submap))
+  {
+    const auto ground = map_.groundHeight(place.x, place.y);
+    if (!ground)
+    {
+      continue;
+    }
+    const Pose T = poseFromYpr(place.x, place.y, *ground - ground_below, place.heading, 0, 0);
+    RegistrationTarget& target = map_.around(T.translation());
+    const KeyframeRegistrationResult result = target.align(
+        submap,
+        correlateFromAbove(submap, target.points(), T, place_radius, place_heading).value_or(T));
+    if (fits(result, options_, least_observability_of_place))
+    {
+      fitting.push_back(result);
+    }
+  }
+  const auto best =
+      std::max_element(fitting.begin(), fitting.end(),
+                       [](const auto& a, const auto& b) { return a.overlap < b.overlap; });
+  if (best == fitting.end())
+  {
+    return std::nullopt;
+  }
+  const bool is_only = std::all_of(
+      fitting.begin(), fitting.end(),
+      [&](const KeyframeRegistrationResult& other)
+      {
+        const Pose between = best->T_target_source.inverse() * other.T_target_source;
+        return other.overlap < best->overlap - clear_lead ||
+               (between.translation().norm() < apart && rotationAngle(between) < start_heading);
+      });
+  return is_only ? std::optional<Pose>(best->T_target_source) : std::nullopt;
+}
+
+std::optional<Pose> MapLocaliser::findPlace(std::size_t newest)
+{
+  searched_ = keyframes_[newest].path_length;
+  const std::vector<Eigen::Vector3f> submap = submapTo(newest);
+  const auto T_prior_upright = start_ ? placeNearStart(submap, newest) : placeAnywhere(submap);
+  if (!T_prior_upright)
+  {
+    return std::nullopt;
+  }
+  const Pose& T_map_vehicle = keyframes_[newest].T_map_vehicle;
+  return *T_prior_upright * upright(T_map_vehicle).inverse() * T_map_vehicle;
+}
+
+std::optional<MapFix> MapLocaliser::registerKeyframe(std::size_t keyframe,
+                                                     const Pose& T_prior_vehicle,
+                                                     double radius)
+{
+  const std::vector<Eigen::Vector3f> source =
+      within(keyframes_.loopCloud(keyframe).unpacked().points, options_.range);
+  RegistrationTarget& target = map_.around(T_prior_vehicle.translation());
+  Pose T = T_prior_vehicle;
+  if (radius > direct_radius)
+  {
+    T = correlateFromAbove(source, target.points(), T, radius, search_heading).value_or(T);
+  }
+  const KeyframeRegistrationResult result = target.align(source, T);
+  const Pose correction = T_prior_vehicle.inverse() * result.T_target_source;
+  if (!fits(result, options_, least_observability) ||
+      correction.translation().norm() > radius + least_radius ||
+      rotationAngle(correction) > largest_turn)
+  {
+    return std::nullopt;
+  }
+  return MapFix{keyframe, result.T_target_source, result.information, result.rmse};
+}
+
+bool MapLocaliser::isTrusted(std::size_t newest) const
+{
+  if (!fit_.localised || !last_fix_)
+  {
+    return false;
+  }
+  const PathBetween path = pathBetween(keyframes_[*last_fix_], keyframes_[newest]);
+  return path.measured < trusted_path && path.unseen == 0;
+}
+
+bool MapLocaliser::agreeEnough() const
+{
+  const PathBetween path =
+      pathBetween(keyframes_[pending_.front().keyframe], keyframes_[pending_.back().keyframe]);
+  return pending_.size() >= agreeing && path.measured >= agreeing_path;
+}
+
+void MapLocaliser::registerEarlier(std::vector<MapFix>& fixes)
+{
+  const auto step = static_cast<std::size_t>(options_.interval);
+  const std::size_t newest = fixes.front().keyframe;
+  const std::size_t last = newest > earlier ? newest - earlier : 0;
+  std::vector<MapFix> found;
+  MapFix next = fixes.front();
+  for (std::size_t k = newest; k >= last + step;)
+  {
+    k -= step;
+    const Pose T = next.T_prior_vehicle * keyframes_[next.keyframe].T_map_vehicle.inverse() *
+                   keyframes_[k].T_map_vehicle;
+    const double radius = radiusBetween(k, next.keyframe);
+    if (radius > place_radius)
+    {
+      break;
+    }
+    if (!map_.groundHeight(T.translation().x(), T.translation().y()))
+    {
+      continue;
+    }
+    ++fit_.tried;
+    if (const auto fix = registerKeyframe(k, T, radius))
+    {
+      next = *fix;
+      found.push_back(next);
+    }
+  }
+  fixes.insert(fixes.begin(), found.rbegin(), found.rend());
+}
+
+void MapLocaliser::count(const std::vector<MapFix>& fixes)
+{
+  for (const MapFix& fix : fixes)
+  {
+    square_error_ += fix.rmse * fix.rmse;
+  }
+  fit_.registered += fixes.size();
+  fit_.rmse = std::sqrt(square_error_ / static_cast<double>(fit_.registered));
+}
+
+std::optional<MapFix> MapLocaliser::fixNewest()
+{
+  const std::size_t newest = keyframes_.size() - 1;
+  if (!fit_.localised && pending_.empty())
+  {
+    const auto place = isSearchDue(newest) ? findPlace(newest) : std::nullopt;
+    return place ? registerKeyframe(newest, *place, least_radius) : std::nullopt;
+  }
+  const Pose T = T_prior_map() * keyframes_[newest].T_map_vehicle;
+  if (!map_.groundHeight(T.translation().x(), T.translation().y()))
+  {
+    return std::nullopt;  // beyond the prior map
+  }
+  fit_.tried += fit_.localised ? 1 : 0;
+  const std::size_t last = pending_.empty() ? *last_fix_ : pending_.back().keyframe;
+  return registerKeyframe(newest, T, radiusBetween(last, newest));
+}
+
+MapFixes MapLocaliser::release()
+{
+  MapFixes result;
+  result.fixes = pending_;
+  last_fix_ = pending_.back().keyframe;
+  if (!fit_.localised)
+  {
+    result.T_prior_map = T_prior_map();
+    fit_.localised = true;
+    fit_.keyframe = *last_fix_;
+    fit_.path_length = keyframes_[*last_fix_].path_length;
+    fit_.tried = pending_.size();
+    registerEarlier(result.fixes);
+  }
+  pending_.clear();
+  count(result.fixes);
+  return result;
+}
+
+MapFixes MapLocaliser::add()
+{
+  const std::size_t newest = keyframes_.size() - 1;
+  if (!hasMap() || keyframes_.loopCloud(newest).size() == 0 ||
+      newest % static_cast<std::size_t>(options_.interval) != 0)
+  {
+    return {};
+  }
+  const std::optional<MapFix> fix = fixNewest();
+  if (!fix)
+  {
+    ++misses_;
+    if (misses_ >= most_misses)
+    {
+      pending_.clear();
+    }
+    return {};
+  }
+  misses_ = 0;
+  pending_.push_back(*fix);
+  return isTrusted(newest) || agreeEnough() ? release() : MapFixes();
+}
+
+void MapLocaliser::exchangeState(StateArchive& archive)
+{
+  archive(fit_, square_error_, searched_, pending_, misses_, last_fix_);
+}
+}  // namespace dyslam

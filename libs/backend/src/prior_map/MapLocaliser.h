@@ -1,0 +1,108 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <dyslam/backend/PriorMapOptions.h>
+#include <dyslam/core/KeyframeStore.h>
+#include <dyslam/core/Pose.h>
+#include <dyslam/core/PriorMapFit.h>
+
+#include <Eigen/Core>
+#include <cstddef>
+#include <optional>
+#include <vector>
+
+#include "PlaceSearch.h"
+#include "PriorMap.h"
+#include "loops/KeyframeRegistration.h"
+
+namespace dyslam
+{
+class StateArchive;
+
+/** A keyframe registered to the prior map. */
+struct MapFix
+{
+  std::size_t keyframe = 0;
+  Pose T_prior_vehicle = Pose::Identity();
+  Matrix6 information = Matrix6::Identity();  //!< over T_prior_vehicle's tangent
+  double rmse = 0;                            //!< of the point-to-plane residuals [m]
+};
+
+/** Keyframes that were registered to the prior map now. */
+struct MapFixes
+{
+  std::vector<MapFix> fixes;  //!< in order of the keyframes
+  /** Pose of the run's map frame in the prior map, if these fixes localise the run. */
+  std::optional<Pose> T_prior_map;
+};
+
+/** Localises the keyframes of a run in a static map of an earlier one.
+ *
+ * The place is searched for in the whole map, or around a given start, until a submap of the newest
+ * keyframes fits one place alone; the run is localised when further keyframes on some metres of
+ * path fit the map where the odometry predicts them. From then on keyframes are registered to the
+ * map, starting at their pose in the graph. After a path without a fix, several must agree again.
+ *
+ * Uses the points for loop closure of the KeyframeStore. Deterministic; not thread-safe. */
+class MapLocaliser
+{
+ public:
+  /** \param map points of the prior map, z about vertical [m]; none: nothing is localised
+   * \param keyframes outlives this \throws UserError for a `start` that is no pose. */
+  MapLocaliser(const PriorMapOptions& options,
+               const std::vector<Eigen::Vector3f>& map,
+               const KeyframeStore& keyframes);
+
+  /** Registers the newest keyframe, whose points are in the store.
+   * \return fixes that count from now on; if they localise the run, the caller has moved the
+   * keyframes to the frame of the prior map before the next call. */
+  [[nodiscard]] MapFixes add();
+
+  [[nodiscard]] bool hasMap() const { return !map_.empty(); }
+  [[nodiscard]] const PriorMapFit& fit() const { return fit_; }
+
+  void exchangeState(StateArchive& archive);
+
+ private:
+  [[nodiscard]] bool isSearchDue(std::size_t newest) const;
+  /** Pose of the newest keyframe in the prior map, without an estimate of it. */
+  [[nodiscard]] std::optional<Pose> findPlace(std::size_t newest);
+  /** Static points on the path to keyframe `newest`, in its frame without tilt. */
+  [[nodiscard]] std::vector<Eigen::Vector3f> submapTo(std::size_t newest) const;
+  [[nodiscard]] std::optional<Pose> placeNearStart(const std::vector<Eigen::Vector3f>& submap,
+                                                   std::size_t newest);
+  [[nodiscard]] std::optional<Pose> placeAnywhere(const std::vector<Eigen::Vector3f>& submap);
+  /** Registers a keyframe near an estimate. \param radius largest error of its position [m] */
+  [[nodiscard]] std::optional<MapFix> registerKeyframe(std::size_t keyframe,
+                                                       const Pose& T_prior_vehicle,
+                                                       double radius);
+  /** Registers the keyframes before those fixes that localised the run, backwards. */
+  void registerEarlier(std::vector<MapFix>& fixes);
+  /** Largest expected error of the position of a keyframe, by the path from another one [m]. */
+  [[nodiscard]] double radiusBetween(std::size_t a, std::size_t b) const;
+  /** Pose of the frame of the keyframes in the prior map, by the newest pending fix. */
+  [[nodiscard]] Pose T_prior_map() const;
+  /** The newest keyframe, registered where it is expected or where it was found. */
+  [[nodiscard]] std::optional<MapFix> fixNewest();
+  /** The pending fixes, which count from now on. */
+  [[nodiscard]] MapFixes release();
+  [[nodiscard]] bool isTrusted(std::size_t newest) const;
+  [[nodiscard]] bool agreeEnough() const;
+  void count(const std::vector<MapFix>& fixes);
+
+  PriorMapOptions options_;
+  std::optional<Pose> start_;  //!< T_prior_vehicle of the first keyframe, roughly
+  PriorMap map_;
+  std::optional<PlaceSearch> search_;  //!< made when it is first needed
+  const KeyframeStore& keyframes_;
+
+  PriorMapFit fit_;
+  double square_error_ = 0;         //!< sum of the squared RMSE of all fixes [m^2]
+  std::optional<double> searched_;  //!< path at the last search for the place [m]
+  /** Fixes that others must agree with before they count; if the run is not localised yet, the
+   * first one is the place that was found. */
+  std::vector<MapFix> pending_;
+  int misses_ = 0;                       //!< keyframes that did not fit since the last pending fix
+  std::optional<std::size_t> last_fix_;  //!< keyframe of the last fix that counts
+};
+}  // namespace dyslam

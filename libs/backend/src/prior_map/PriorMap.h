@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <dyslam/core/VoxelGrid.h>
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <optional>
+#include <unordered_map>
+#include <vector>
+
+#include "loops/KeyframeRegistration.h"
+
+namespace dyslam
+{
+/** Points of a static map in square tiles, of which the surroundings of a place are put together as
+ * a registration target. Not thread-safe. */
+class PriorMap
+{
+ public:
+  /** \param points frame of the map [m], z about vertical \param range of the points that are to be
+   * registered [m] */
+  PriorMap(const std::vector<Eigen::Vector3f>& points, double range);
+
+  [[nodiscard]] bool empty() const { return points_.empty(); }
+  [[nodiscard]] const std::vector<Eigen::Vector3f>& points() const { return points_; }
+
+  /** The map within `range` of a position, and some metres around it, in the frame of the map.
+   * Valid until the next call. */
+  [[nodiscard]] RegistrationTarget& around(const Eigen::Vector3d& position);
+
+  /** Height of the ground within 4 m of a position [m]; nothing where the map is empty. */
+  [[nodiscard]] std::optional<double> groundHeight(double x, double y) const;
+
+ private:
+  struct Tile
+  {
+    std::int32_t x = 0;
+    std::int32_t y = 0;
+  };
+  [[nodiscard]] static Tile tileOf(double x, double y);
+  [[nodiscard]] static std::uint64_t keyOf(const Tile& tile)
+  {
+    return voxelKey({tile.x, tile.y, 0});
+  }
+
+  double range_;
+  std::vector<Eigen::Vector3f> points_;
+  std::unordered_map<std::uint64_t, std::vector<std::uint32_t>> tiles_;  //!< indices of points_
+  Eigen::Vector3d centre_ = Eigen::Vector3d::Zero();                     //!< of `target_`
+  std::optional<RegistrationTarget> target_;
+};
+}  // namespace dyslam

@@ -1,0 +1,18 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstddef>
+
+namespace dyslam
+{
+/** How a run fits the prior map in which it was to be localised. */
+struct PriorMapFit
+{
+  bool localised = false;      //!< if not, the run is in a map frame of its own
+  std::size_t keyframe = 0;    //!< keyframe at which the run was localised
+  double path_length = 0;      //!< path travelled until then [m]
+  std::size_t tried = 0;       //!< number of keyframes that were to be registered since then
+  std::size_t registered = 0;  //!< number of keyframes that were registered to the prior map
+  double rmse = 0;             //!< RMS of the point-to-plane residuals of these [m]
+};
+}  // namespace dyslam

@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "PriorMapFile.h"
+
+#include <dyslam/base/Error.h>
+#include <dyslam/formats/ScanFiles.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <string>
+
+namespace dyslam
+{
+namespace
+{
+namespace fs = std::filesystem;
+
+constexpr float farthest = 50000;           // largest coordinate [m]: float32 resolves 4 mm there
+constexpr std::size_t least_points = 1000;  // of a map in which a vehicle finds its way
+
+/** The cloud itself, or that in the output folder of a run. */
+std::string cloudOf(const std::string& path)
+{
+  if (!fs::exists(path))
+  {
+    throw UserError("prior_map.file: " + path + ": no such file or folder");
+  }
+  if (!fs::is_directory(path))
+  {
+    return path;
+  }
+  for (const char* name : {"map_static.pcd", "map_static.ply"})
+  {
+    const fs::path cloud = fs::path(path) / name;
+    if (fs::exists(cloud))
+    {
+      return cloud.string();
+    }
+  }
+  throw UserError("prior_map.file: " + path +
+                  ": has no map_static.pcd or map_static.ply; give a map file, which dyslam-map "
+                  "--run " +
+                  path + " -o map.pcd writes");
+}
+}  // namespace
+
+std::vector<Eigen::Vector3f> readPriorMap(const PriorMapOptions& options)
+{
+  if (options.file.empty())
+  {
+    return {};
+  }
+  const std::string path = cloudOf(options.file);
+  const std::string ending = lowerExtension(path);
+  if (ending != ".pcd" && ending != ".ply")
+  {
+    throw UserError("prior_map.file: " + path + ": is no .pcd or .ply");
+  }
+  std::vector<Eigen::Vector3f> points =
+      namingSetting("prior_map.file", path, [&] { return readCloud(path).points; });
+  points.erase(std::remove_if(points.begin(), points.end(),
+                              [](const Eigen::Vector3f& p) { return !p.allFinite(); }),
+               points.end());
+  if (points.size() < least_points)
+  {
+    throw UserError("prior_map.file: " + path + ": has " + std::to_string(points.size()) +
+                    " points, which is no map of a place");
+  }
+  if (std::any_of(points.begin(), points.end(),
+                  [](const Eigen::Vector3f& p) { return p.cwiseAbs().maxCoeff() > farthest; }))
+  {
+    throw UserError("prior_map.file: " + path +
+                    ": has coordinates of more than 50 km; give a map in the map frame of its run, "
+                    "not in UTM");
+  }
+  return points;
+}
+}  // namespace dyslam
