@@ -6,6 +6,7 @@
 #include <dyslam/base/StateArchive.h>
 #include <dyslam/core/VoxelGrid.h>
 
+#include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
 #include <sstream>
@@ -40,7 +41,8 @@ constexpr int most_misses = 3;        // keyframes without a fix after which the
 constexpr std::size_t earlier = 100;  // keyframes that are registered backwards
 
 constexpr double least_observability_of_place = 0.02;
-constexpr double least_observability = 0.002;  // a weak direction has little information
+constexpr double least_observability = 0.002;  // of a fix that constrains all directions
+constexpr double weak_sigma = 1;               // sigma of a direction that is not constrained [m]
 
 Pose startFrom(const std::string& text)
 {
@@ -85,15 +87,46 @@ double groundBelow(const std::vector<Eigen::Vector3f>& submap)
   return PriorMap(within(submap, 10), 10).groundHeight(0, 0).value_or(0);
 }
 
-bool fits(const KeyframeRegistrationResult& registration,
-          const PriorMapOptions& options,
-          double observability)
+LoopVerdict judge(const KeyframeRegistrationResult& registration,
+                  const PriorMapOptions& options,
+                  double observability)
 {
   LoopCriteria criteria;
   criteria.min_overlap = options.min_overlap;
   criteria.max_rmse = options.max_rmse;
   criteria.min_observability = observability;
-  return verifyRegistration(registration, criteria) == LoopVerdict::accepted;
+  return verifyRegistration(registration, criteria);
+}
+
+/** The information without that of the direction of translation that is constrained least. */
+Matrix6 withoutWeakest(const Matrix6& information)
+{
+  const Eigen::Matrix3d of_translation = information.topLeftCorner<3, 3>();
+  const Eigen::Vector3d weakest =
+      Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(of_translation).eigenvectors().col(0);
+  Matrix6 covariance = information.inverse();
+  covariance.topLeftCorner<3, 3>() += weak_sigma * weak_sigma * weakest * weakest.transpose();
+  const Matrix6 result = covariance.inverse();
+  return 0.5 * (result + result.transpose());
+}
+
+std::string reasonOf(LoopVerdict verdict)
+{
+  switch (verdict)
+  {
+    case LoopVerdict::dissimilar:
+      return "no place of the map resembles the scans";
+    case LoopVerdict::no_overlap:
+      return "too few points have a counterpart in the map";
+    case LoopVerdict::degenerate:
+      return "the surfaces do not constrain the position in one direction";
+    case LoopVerdict::ambiguous:
+      return "several places of the map fit equally well";
+    case LoopVerdict::unsupported:
+      return "the next keyframes did not fit the place that was found";
+    default:
+      return "the registration to the map does not fit";
+  }
 }
 }  // namespace
 
@@ -149,6 +182,11 @@ std::vector<Eigen::Vector3f> MapLocaliser::submapTo(std::size_t newest) const
   return within(voxelDownsample(points, submap_voxel, VoxelPick::centroid).points, options_.range);
 }
 
+void MapLocaliser::note(LoopVerdict verdict)
+{
+  fit_.reason = reasonOf(verdict == LoopVerdict::accepted ? LoopVerdict::unsupported : verdict);
+}
+
 std::optional<Pose> MapLocaliser::placeNearStart(const std::vector<Eigen::Vector3f>& submap,
                                                  std::size_t newest)
 {
@@ -162,11 +200,10 @@ std::optional<Pose> MapLocaliser::placeNearStart(const std::vector<Eigen::Vector
     T.translation().z() = *ground - groundBelow(submap);
   }
   const KeyframeRegistrationResult result = target.align(submap, T);
-  if (!fits(result, options_, least_observability_of_place))
-  {
-    return std::nullopt;
-  }
-  return result.T_target_source;
+  const LoopVerdict verdict = judge(result, options_, least_observability);
+  note(verdict);
+  return verdict == LoopVerdict::accepted ? std::optional<Pose>(result.T_target_source)
+                                          : std::nullopt;
 }
 
 /** The place must be the only one that fits. */
@@ -178,6 +215,7 @@ std::optional<Pose> MapLocaliser::placeAnywhere(const std::vector<Eigen::Vector3
   }
   const double ground_below = groundBelow(submap);
   std::vector<KeyframeRegistrationResult> fitting;
+  LoopVerdict of_most_similar = LoopVerdict::dissimilar;
   for (const SimilarPlace& place : search_->find(submap))
   {
     const auto ground = map_.groundHeight(place.x, place.y);
@@ -190,9 +228,14 @@ std::optional<Pose> MapLocaliser::placeAnywhere(const std::vector<Eigen::Vector3
     const KeyframeRegistrationResult result = target.align(
         submap,
         correlateFromAbove(submap, target.points(), T, place_radius, place_heading).value_or(T));
-    if (fits(result, options_, least_observability_of_place))
+    const LoopVerdict verdict = judge(result, options_, least_observability_of_place);
+    if (verdict == LoopVerdict::accepted)
     {
       fitting.push_back(result);
+    }
+    else if (of_most_similar == LoopVerdict::dissimilar)
+    {
+      of_most_similar = verdict;
     }
   }
   const auto best =
@@ -200,6 +243,7 @@ std::optional<Pose> MapLocaliser::placeAnywhere(const std::vector<Eigen::Vector3
                        [](const auto& a, const auto& b) { return a.overlap < b.overlap; });
   if (best == fitting.end())
   {
+    note(of_most_similar);
     return std::nullopt;
   }
   const bool is_only = std::all_of(
@@ -210,6 +254,7 @@ std::optional<Pose> MapLocaliser::placeAnywhere(const std::vector<Eigen::Vector3
         return other.overlap < best->overlap - clear_lead ||
                (between.translation().norm() < apart && rotationAngle(between) < start_heading);
       });
+  note(is_only ? LoopVerdict::accepted : LoopVerdict::ambiguous);
   return is_only ? std::optional<Pose>(best->T_target_source) : std::nullopt;
 }
 
@@ -240,13 +285,16 @@ std::optional<MapFix> MapLocaliser::registerKeyframe(std::size_t keyframe,
   }
   const KeyframeRegistrationResult result = target.align(source, T);
   const Pose correction = T_prior_vehicle.inverse() * result.T_target_source;
-  if (!fits(result, options_, least_observability) ||
+  if (judge(result, options_, 0) != LoopVerdict::accepted ||
       correction.translation().norm() > radius + least_radius ||
       rotationAngle(correction) > largest_turn)
   {
     return std::nullopt;
   }
-  return MapFix{keyframe, result.T_target_source, result.information, result.rmse};
+  const bool is_weak = result.observability < least_observability;
+  return MapFix{keyframe, result.T_target_source,
+                is_weak ? withoutWeakest(result.information) : result.information, result.rmse,
+                is_weak};
 }
 
 bool MapLocaliser::isTrusted(std::size_t newest) const
@@ -290,14 +338,14 @@ void MapLocaliser::registerEarlier(std::vector<MapFix>& fixes)
     ++fit_.tried;
     if (const auto fix = registerKeyframe(k, T, radius))
     {
-      next = *fix;
-      found.push_back(next);
+      next = fix->is_weak ? next : *fix;
+      found.push_back(*fix);
     }
   }
   fixes.insert(fixes.begin(), found.rbegin(), found.rend());
 }
 
-void MapLocaliser::count(const std::vector<MapFix>& fixes)
+MapFixes MapLocaliser::counted(std::vector<MapFix> fixes)
 {
   for (const MapFix& fix : fixes)
   {
@@ -305,6 +353,7 @@ void MapLocaliser::count(const std::vector<MapFix>& fixes)
   }
   fit_.registered += fixes.size();
   fit_.rmse = std::sqrt(square_error_ / static_cast<double>(fit_.registered));
+  return {std::move(fixes), std::nullopt};
 }
 
 std::optional<MapFix> MapLocaliser::fixNewest()
@@ -334,13 +383,14 @@ MapFixes MapLocaliser::release()
   {
     result.T_prior_map = T_prior_map();
     fit_.localised = true;
+    fit_.reason.clear();
     fit_.keyframe = *last_fix_;
     fit_.path_length = keyframes_[*last_fix_].path_length;
     fit_.tried = pending_.size();
     registerEarlier(result.fixes);
   }
   pending_.clear();
-  count(result.fixes);
+  result.fixes = counted(std::move(result.fixes)).fixes;
   return result;
 }
 
@@ -363,6 +413,10 @@ MapFixes MapLocaliser::add()
     return {};
   }
   misses_ = 0;
+  if (fix->is_weak)
+  {
+    return fit_.localised ? counted({*fix}) : MapFixes();
+  }
   pending_.push_back(*fix);
   return isTrusted(newest) || agreeEnough() ? release() : MapFixes();
 }

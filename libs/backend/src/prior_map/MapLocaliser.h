@@ -14,6 +14,7 @@
 #include "PlaceSearch.h"
 #include "PriorMap.h"
 #include "loops/KeyframeRegistration.h"
+#include "loops/LoopVerification.h"
 
 namespace dyslam
 {
@@ -26,6 +27,8 @@ struct MapFix
   Pose T_prior_vehicle = Pose::Identity();
   Matrix6 information = Matrix6::Identity();  //!< over T_prior_vehicle's tangent
   double rmse = 0;                            //!< of the point-to-plane residuals [m]
+  /** The surfaces hardly constrain one direction, of which there is no information then. */
+  bool is_weak = false;
 };
 
 /** Keyframes that were registered to the prior map now. */
@@ -67,6 +70,8 @@ class MapLocaliser
   [[nodiscard]] bool isSearchDue(std::size_t newest) const;
   /** Pose of the newest keyframe in the prior map, without an estimate of it. */
   [[nodiscard]] std::optional<Pose> findPlace(std::size_t newest);
+  /** Notes why a place does not fit. */
+  void note(LoopVerdict verdict);
   /** Static points on the path to keyframe `newest`, in its frame without tilt. */
   [[nodiscard]] std::vector<Eigen::Vector3f> submapTo(std::size_t newest) const;
   [[nodiscard]] std::optional<Pose> placeNearStart(const std::vector<Eigen::Vector3f>& submap,
@@ -88,7 +93,8 @@ class MapLocaliser
   [[nodiscard]] MapFixes release();
   [[nodiscard]] bool isTrusted(std::size_t newest) const;
   [[nodiscard]] bool agreeEnough() const;
-  void count(const std::vector<MapFix>& fixes);
+  /** Counts fixes in `fit_`. \return these */
+  [[nodiscard]] MapFixes counted(std::vector<MapFix> fixes);
 
   PriorMapOptions options_;
   std::optional<Pose> start_;  //!< T_prior_vehicle of the first keyframe, roughly

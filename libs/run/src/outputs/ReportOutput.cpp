@@ -61,6 +61,10 @@ Json jsonOf(const PriorMapFit& fit)
     json["registered"] = fit.registered;
     json["rmse_m"] = rounded(fit.rmse);
   }
+  else
+  {
+    json["reason"] = fit.reason;
+  }
   return json;
 }
 

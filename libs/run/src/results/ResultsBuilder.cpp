@@ -51,10 +51,10 @@ void requireLocalised(SlamRunReport& report)
 {
   if (report.prior_map && !report.prior_map->localised && report.failure.empty())
   {
-    report.failure =
-        "the run was not localised in the prior map: no place of the map, or several, fit the "
-        "scans; the results are in a map frame of the run's own. A rough start pose "
-        "(prior_map.start) helps where places look alike";
+    const std::string& reason = report.prior_map->reason;
+    report.failure = "the run was not localised in the prior map: " +
+                     (reason.empty() ? "it has no keyframe with points" : reason) +
+                     "; the results are in a map frame of the run's own";
     report.verdict = "doubtful";
   }
 }

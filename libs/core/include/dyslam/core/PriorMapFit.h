@@ -2,12 +2,15 @@
 #pragma once
 
 #include <cstddef>
+#include <string>
 
 namespace dyslam
 {
 /** How a run fits the prior map in which it was to be localised. */
 struct PriorMapFit
 {
+  /** Why the run is not localised: what most of the last search failed on; empty before. */
+  std::string reason;
   bool localised = false;      //!< if not, the run is in a map frame of its own
   std::size_t keyframe = 0;    //!< keyframe at which the run was localised
   double path_length = 0;      //!< path travelled until then [m]
