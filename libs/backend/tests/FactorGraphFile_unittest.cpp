@@ -2,6 +2,7 @@
 #include <dyslam/backend/FactorGraphFile.h>
 #include <dyslam/backend/factors/GnssFactor.h>
 #include <dyslam/backend/factors/GravityFactor.h>
+#include <dyslam/backend/factors/LocalisationFactor.h>
 #include <dyslam/backend/factors/ObjectMotionFactor.h>
 #include <dyslam/backend/factors/ObservationFactor.h>
 #include <dyslam/backend/factors/SmoothMotionFactor.h>
@@ -76,6 +77,9 @@ FactorGraph everyKind()
   graph.addVector(Key::accelerometerBias(), 0.1 * Vector6::Ones());
   graph.add(std::make_unique<GravityFactor>(3, Eigen::Vector3d(0.1, -0.2, 9.7),
                                             test::randomInformation(drive.rng)));
+  graph.addPose(Key::priorMap(), Pose::Identity());
+  graph.setFixed(Key::priorMap(), true);
+  graph.add(std::make_unique<LocalisationFactor>(4, pose(), test::randomInformation(drive.rng)));
   graph.addPose(Key::objectPose(7, 3), pose());
   graph.addPose(Key::objectPose(7, 5), pose());
   graph.addPose(Key::objectPose(7, 6), pose());
@@ -127,7 +131,7 @@ TEST_F(FactorGraphFile, WrittenReadAndWrittenIsTheSame)
     EXPECT_EQ(copy.isLeftOut(copied[i]), graph.isLeftOut(ids[i]));
   }
   EXPECT_EQ(copy.leftOutLoops().size(), 1U);
-  EXPECT_EQ(kinds.size(), 7U);
+  EXPECT_EQ(kinds.size(), 8U);
   const double chi2 = graph.optimise({}).final_chi2;
   EXPECT_EQ(copy.optimise({}).final_chi2, chi2);
 }

@@ -5,6 +5,7 @@
 #include <dyslam/backend/factors/OdometryFactor.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <memory>
 #include <random>
@@ -91,6 +92,17 @@ inline std::vector<Pose> part(const std::vector<Pose>& poses, std::size_t begin,
 {
   return {poses.begin() + static_cast<std::ptrdiff_t>(begin),
           poses.begin() + static_cast<std::ptrdiff_t>(end)};
+}
+
+/** The same street in the other lane and direction. */
+inline std::vector<Pose> turnedRound(std::vector<Pose> poses)
+{
+  std::reverse(poses.begin(), poses.end());
+  for (Pose& pose : poses)
+  {
+    pose = pose * poseFromYpr(0, -2.5, 0, M_PI, 0, 0);
+  }
+  return poses;
 }
 
 /** Two runs along parts of one drive, which overlap. */

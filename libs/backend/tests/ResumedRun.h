@@ -16,11 +16,14 @@ struct ResumedRun
   KeyframeStore keyframes;
   Backend backend;
 
-  ResumedRun(const BackendConfig& config, std::vector<Frame>& frames) : backend(config, keyframes)
+  ResumedRun(const BackendConfig& config,
+             std::vector<Frame>& frames,
+             const std::vector<Eigen::Vector3f>& prior_map = {})
+      : backend(config, keyframes, prior_map)
   {
     const std::size_t half = frames.size() / 2;
     KeyframeStore first_keyframes;
-    Backend first(config, first_keyframes);
+    Backend first(config, first_keyframes, prior_map);
     for (std::size_t i = 0; i < half; ++i)
     {
       first.addFrame(frames[i]);

@@ -27,17 +27,7 @@ using test::merged;
 using test::OverlappingRuns;
 using test::part;
 using test::TestRun;
-
-/** The same street in the other lane and direction. */
-std::vector<Pose> turnedRound(std::vector<Pose> poses)
-{
-  std::reverse(poses.begin(), poses.end());
-  for (Pose& pose : poses)
-  {
-    pose = pose * poseFromYpr(0, -2.5, 0, M_PI, 0, 0);
-  }
-  return poses;
-}
+using test::turnedRound;
 
 TEST(RunMerger, TwoHalvesOfOneDriveMeetWhereTheyOverlap)
 {

@@ -2,6 +2,7 @@
 #include "PriorMapFile.h"
 
 #include <dyslam/base/Error.h>
+#include <dyslam/base/Printable.h>
 #include <dyslam/formats/ScanFiles.h>
 
 #include <algorithm>
@@ -62,8 +63,8 @@ std::vector<Eigen::Vector3f> readPriorMap(const PriorMapOptions& options)
                points.end());
   if (points.size() < least_points)
   {
-    throw UserError("prior_map.file: " + path + ": has " + std::to_string(points.size()) +
-                    " points, which is no map of a place");
+    throw UserError("prior_map.file: " + path + ": has " + counted(points.size(), "point") +
+                    ", which is no map of a place");
   }
   if (std::any_of(points.begin(), points.end(),
                   [](const Eigen::Vector3f& p) { return p.cwiseAbs().maxCoeff() > farthest; }))

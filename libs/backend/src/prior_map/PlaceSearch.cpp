@@ -229,7 +229,8 @@ std::vector<SimilarPlace> PlaceSearch::find(const std::vector<Eigen::Vector3f>& 
   {
     const Node node = open.top();
     open.pop();
-    if (!found.empty() && node.score < least_score * found.front().score)
+    const double least = found.empty() ? 1 : least_score * found.front().score;
+    if (node.score < least)
     {
       break;
     }

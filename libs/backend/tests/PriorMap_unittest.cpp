@@ -1,0 +1,276 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "prior_map/PriorMap.h"
+
+#include <dyslam/backend/Backend.h>
+#include <dyslam/backend/factors/LocalisationFactor.h>
+#include <dyslam/base/Error.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "BoxWorld.h"
+#include "MergedRuns.h"
+#include "ResumedRun.h"
+#include "prior_map/PlaceSearch.h"
+
+namespace dyslam
+{
+namespace
+{
+using test::BoxWorld;
+using test::driveAround;
+using test::part;
+using test::ResumedRun;
+using test::turnedRound;
+
+/** The frame of the prior map in which the world is seen: turned, and far from its origin. */
+const Pose T_prior_world = poseFromYpr(300, -120, 12, 2, 0, 0);
+
+/** Points along a drive, frame of the prior map. */
+std::vector<Eigen::Vector3f> mapOf(const BoxWorld& world, const std::vector<Pose>& drive)
+{
+  std::vector<Eigen::Vector3f> points;
+  for (std::size_t i = 0; i < drive.size(); i += 2)
+  {
+    const Eigen::Isometry3f T = (T_prior_world * drive[i]).cast<float>();
+    for (const Eigen::Vector3f& p : world.scan(drive[i], 7000 + static_cast<unsigned>(i)))
+    {
+      points.emplace_back(T * p);
+    }
+  }
+  return points;
+}
+
+/** Frames along a drive, whose odometry is too long by a fraction and turns by an angle per step.
+ */
+std::vector<Frame> framesOf(const BoxWorld& world,
+                            const std::vector<Pose>& truth,
+                            double stretch = 0.01,
+                            double turn = 0.0005)
+{
+  std::vector<Frame> frames;
+  Pose T_odom_vehicle = Pose::Identity();
+  for (std::size_t i = 0; i < truth.size(); ++i)
+  {
+    Frame frame;
+    frame.index = i;
+    frame.scan.stamp = 100 + 0.1 * static_cast<double>(i);
+    frame.cloud.points = world.scan(truth[i], static_cast<unsigned>(i));
+    if (i > 0)
+    {
+      Pose step = truth[i - 1].inverse() * truth[i];
+      step.translation() *= 1 + stretch;
+      step = step * poseFromYpr(0, 0, 0, turn, 0, 0);
+      T_odom_vehicle = T_odom_vehicle * step;
+      frame.motion.T_previous_current = step;
+    }
+    frame.motion.status = MotionStatus::converged;
+    frame.motion.information = 1e4 * Matrix6::Identity();
+    frame.T_odom_vehicle = T_odom_vehicle;
+    frames.push_back(std::move(frame));
+  }
+  return frames;
+}
+
+/** A run that is localised in a map. */
+struct LocalisedRun
+{
+  LocalisedRun(const std::vector<Eigen::Vector3f>& map,
+               std::vector<Frame> given,
+               const BackendConfig& config = {})
+      : frames(std::move(given)), backend(config, keyframes, map)
+  {
+    for (Frame& frame : frames)
+    {
+      backend.addFrame(frame);
+    }
+    backend.finish();
+  }
+
+  [[nodiscard]] PriorMapFit fit() const { return backend.priorMapFit().value(); }
+  /** Largest error of the poses in the frame of the prior map [m]. */
+  [[nodiscard]] double error(const std::vector<Pose>& truth) const
+  {
+    const Trajectory trajectory = backend.optimisedTrajectory();
+    double worst = 0;
+    for (std::size_t i = 0; i < truth.size(); ++i)
+    {
+      const Pose T_true = T_prior_world * truth[i];
+      worst = std::max(worst, (trajectory[i].pose.translation() - T_true.translation()).norm());
+    }
+    return worst;
+  }
+
+  std::vector<Frame> frames;
+  KeyframeStore keyframes;
+  Backend backend;
+};
+
+BackendConfig withStart(const Pose& T_world_start)
+{
+  BackendConfig config;
+  config.prior_map.start = poseText(T_prior_world * T_world_start);
+  return config;
+}
+
+TEST(PlaceSearch, FindsPositionAndHeading)
+{
+  const BoxWorld world(31, 30, 20);
+  const std::vector<Pose> drive = driveAround(30, 20, 150, 1.5);
+  const PlaceSearch search(mapOf(world, drive));
+  for (const std::size_t at : {10U, 37U, 80U})
+  {
+    const Pose T_vehicle_submap = poseFromYpr(0, 0, 0, 1.1, 0, 0);
+    const Pose T_world_submap = drive[at] * T_vehicle_submap;
+    std::vector<Eigen::Vector3f> submap;
+    for (std::size_t i = at - 6; i <= at; ++i)
+    {
+      const Eigen::Isometry3f T = (T_world_submap.inverse() * drive[i]).cast<float>();
+      for (const Eigen::Vector3f& p : world.scan(drive[i], static_cast<unsigned>(i)))
+      {
+        submap.emplace_back(T * p);
+      }
+    }
+    const std::vector<SimilarPlace> found = search.find(submap);
+    ASSERT_FALSE(found.empty());
+    const Pose T_true = T_prior_world * T_world_submap;
+    EXPECT_NEAR(found.front().x, T_true.translation().x(), 1.5);
+    EXPECT_NEAR(found.front().y, T_true.translation().y(), 1.5);
+    EXPECT_NEAR(std::remainder(found.front().heading - yawPitchRoll(T_true).x(), 2 * M_PI), 0,
+                0.06);
+    EXPECT_GT(found.front().score, 0.5);
+    EXPECT_TRUE(std::is_sorted(found.begin(), found.end(),
+                               [](const auto& a, const auto& b) { return a.score > b.score; }));
+  }
+}
+
+TEST(PlaceSearch, NothingIsSimilarToNothing)
+{
+  const std::vector<Eigen::Vector3f> wall{{1, 2, 0}, {1, 2, 2}};
+  EXPECT_TRUE(PlaceSearch({}).find(wall).empty());
+  EXPECT_TRUE(PlaceSearch(wall).find({}).empty());
+  EXPECT_TRUE(PlaceSearch({{1, 2, 0}}).find(wall).empty()) << "the map has no upright structure";
+  const Eigen::Vector3f nowhere = Eigen::Vector3f::Constant(NAN);
+  EXPECT_TRUE(PlaceSearch({nowhere}).find(wall).empty());
+  EXPECT_FALSE(PlaceSearch(wall).find(wall).empty());
+}
+
+TEST(PriorMap, KnowsTheGroundWhereItHasPoints)
+{
+  const BoxWorld world(32, 30, 20);
+  const std::vector<Pose> drive = driveAround(30, 20, 60, 1.5);
+  const PriorMap map(mapOf(world, drive), 50);
+  const Eigen::Vector3d at = (T_prior_world * drive[10]).translation();
+  ASSERT_TRUE(map.groundHeight(at.x(), at.y()));
+  EXPECT_NEAR(*map.groundHeight(at.x(), at.y()), 12, 0.1);
+  EXPECT_FALSE(map.groundHeight(at.x() + 1000, at.y()));
+  EXPECT_TRUE(PriorMap({}, 50).empty());
+}
+
+TEST(Localisation, PutsARunIntoTheFrameOfTheMap)
+{
+  const BoxWorld world(33, 30, 20);
+  const std::vector<Pose> drive = driveAround(30, 20, 150, 0.75);
+  const std::vector<Eigen::Vector3f> map = mapOf(world, drive);
+  for (const std::vector<Pose>& truth : {part(drive, 30, 150), turnedRound(part(drive, 60, 170))})
+  {
+    const LocalisedRun run(map, framesOf(world, truth));
+    ASSERT_TRUE(run.fit().localised) << run.fit().reason;
+    EXPECT_LT(run.error(truth), 0.15);
+    EXPECT_LT(run.fit().path_length, 30);
+    EXPECT_GE(run.fit().registered, 20U);
+    EXPECT_GE(run.fit().registered, 0.9 * static_cast<double>(run.fit().tried));
+    EXPECT_LT(run.fit().rmse, 0.1);
+    // Online, too: the last frame was where it is now.
+    const Pose last = T_prior_world * truth.back();
+    EXPECT_LT((run.frames.back().T_map_vehicle().translation() - last.translation()).norm(), 0.2);
+
+    const FactorGraph& graph = run.backend.factorGraph();
+    EXPECT_TRUE(graph.pose(Key::priorMap()).isApprox(Pose::Identity()));
+    EXPECT_EQ(graph.factorsOf(Key::priorMap()).size(), run.fit().registered);
+    EXPECT_FALSE(graph.variables().at(Key::ego(0)).fixed);
+    EXPECT_TRUE(run.backend.lastOptimisation().warnings.empty());
+  }
+}
+
+TEST(Localisation, GoesOnByOdometryWhereTheMapEnds)
+{
+  const BoxWorld world(34, 30, 20);
+  const std::vector<Pose> drive = driveAround(30, 20, 160, 0.75);
+  const std::vector<Eigen::Vector3f> map = mapOf(world, part(drive, 0, 80));  // 60 of 160 m
+  const LocalisedRun run(map, framesOf(world, drive, 0.002, 0.0001));
+  ASSERT_TRUE(run.fit().localised) << run.fit().reason;
+  EXPECT_LT(run.fit().registered, run.keyframes.size() / 2);
+  EXPECT_LT(run.error(part(drive, 0, 80)), 0.15);
+  EXPECT_LT(run.error(drive), 1);
+}
+
+TEST(Localisation, FailsInAMapOfAnotherPlace)
+{
+  const std::vector<Pose> drive = driveAround(30, 20, 40, 0.75);
+  const std::vector<Eigen::Vector3f> map = mapOf(BoxWorld(35, 30, 20), drive);
+  const LocalisedRun run(map, framesOf(BoxWorld(36, 30, 20), drive));
+  EXPECT_FALSE(run.fit().localised);
+  EXPECT_FALSE(run.fit().reason.empty());
+  EXPECT_FALSE(run.backend.factorGraph().contains(Key::priorMap()));
+  EXPECT_TRUE(run.backend.optimisedTrajectory()[0].pose.isApprox(Pose::Identity()));
+}
+
+TEST(Localisation, ARoughStartTellsPlacesThatLookAlikeApart)
+{
+  const BoxWorld world = BoxWorld::square(37, 30);
+  const std::vector<Pose> drive = driveAround(30, 30, 200, 0.75);
+  const std::vector<Eigen::Vector3f> map = mapOf(world, drive);
+  const std::vector<Pose> side = part(drive, 70, 125);
+  const LocalisedRun anywhere(map, framesOf(world, side));
+  EXPECT_FALSE(anywhere.fit().localised);
+  EXPECT_EQ(anywhere.fit().reason, "several places of the map fit equally well");
+
+  const Pose rough = side.front() * poseFromYpr(3, -2, 0.5, 0.3, 0, 0);
+  const LocalisedRun run(map, framesOf(world, side), withStart(rough));
+  ASSERT_TRUE(run.fit().localised) << run.fit().reason;
+  EXPECT_LT(run.error(side), 0.15);
+}
+
+TEST(Localisation, AResumedRunIsTheSame)
+{
+  const BoxWorld world(38, 30, 20);
+  const std::vector<Pose> drive = driveAround(30, 20, 90, 0.75);
+  const std::vector<Eigen::Vector3f> map = mapOf(world, drive);
+  const BackendConfig config = withStart(drive[20]);
+  const LocalisedRun whole(map, framesOf(world, part(drive, 20, 100)), config);
+  ASSERT_TRUE(whole.fit().localised) << whole.fit().reason;
+  std::vector<Frame> frames = framesOf(world, part(drive, 20, 100));
+  const ResumedRun resumed(config, frames, map);
+  const Trajectory a = whole.backend.optimisedTrajectory();
+  const Trajectory b = resumed.backend.optimisedTrajectory();
+  ASSERT_EQ(a.size(), b.size());
+  for (std::size_t i = 0; i < a.size(); ++i)
+  {
+    EXPECT_EQ(a[i].pose.matrix(), b[i].pose.matrix());
+  }
+  EXPECT_EQ(resumed.backend.priorMapFit()->registered, whole.fit().registered);
+}
+
+TEST(Localisation, NeedsAGraphAndAPose)
+{
+  const std::vector<Eigen::Vector3f> map{{1, 2, 3}};
+  KeyframeStore keyframes;
+  BackendConfig config;
+  EXPECT_FALSE(Backend(config, keyframes).priorMapFit());
+  config.backend.mode = BackendMode::odometry;
+  EXPECT_THROW(Backend(config, keyframes, map), UserError);
+  config = {};
+  for (const char* start : {"1 2", "1 2 3 4 5 6 7", "here"})
+  {
+    config.prior_map.start = start;
+    EXPECT_THROW(Backend(config, keyframes, map), UserError) << start;
+  }
+}
+}  // namespace
+}  // namespace dyslam
