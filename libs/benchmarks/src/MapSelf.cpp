@@ -47,26 +47,30 @@ std::vector<Trajectory> readTrajectories(const MapSelfArguments& a, MapListener&
 {
   std::vector<Trajectory> result;
   std::vector<double> stamps;
-  for (const std::string& path : a.trajectories)
+  for (const MapSelfTrajectory& given : a.trajectories)
   {
-    TrajectoryFile file = readTrajectory(path);
-    if (file.format == TrajectoryFormat::kitti)
+    TrajectoryFile file = readTrajectory(given.path);
+    const bool timed = file.format == TrajectoryFormat::tum;
+    if (!timed && given.time_offset != 0)
     {
-      if (stamps.empty())
-      {
-        forEachScan(a, "times", listener, [&](const Frame& f) { stamps.push_back(f.scan.stamp); });
-      }
-      if (file.trajectory.size() != stamps.size())
-      {
-        throw UserError(path + ": has " + counted(file.trajectory.size(), "pose") + ", but " +
-                        counted(stamps.size(), "scan") + " of " + a.rawlog +
-                        " are used; give the --skip-first-n and --only-first-n that it was made "
-                        "with, or a TUM file");
-      }
-      for (std::size_t i = 0; i < stamps.size(); ++i)
-      {
-        file.trajectory[i].stamp = stamps[i];
-      }
+      throw UserError(given.path +
+                      ": has no time stamps; --time-offset is for poses that have them (TUM)");
+    }
+    if (!timed && stamps.empty())
+    {
+      forEachScan(a, "times", listener, [&](const Frame& f) { stamps.push_back(f.scan.stamp); });
+    }
+    if (!timed && file.trajectory.size() != stamps.size())
+    {
+      throw UserError(given.path + ": has " + counted(file.trajectory.size(), "pose") + ", but " +
+                      counted(stamps.size(), "scan") + " of " + a.rawlog +
+                      " are used; give the --skip-first-n and --only-first-n that it was made "
+                      "with, or a TUM file");
+    }
+    for (std::size_t i = 0; i < file.trajectory.size(); ++i)
+    {
+      StampedPose& pose = file.trajectory[i];
+      pose.stamp = timed ? pose.stamp + given.time_offset : stamps[i];
     }
     result.push_back(std::move(file.trajectory));
   }
@@ -108,8 +112,9 @@ class ScanPlacer
                                                                     const Pose& pose) const
   {
     const ScanPoses& t = trajectories_[trajectory];
-    const bool of_lidar = trajectory < a_.of_lidar.size() && a_.of_lidar[trajectory];
-    const Pose T_body_vehicle = of_lidar ? frame.scan.T_vehicle_lidar.inverse() : Pose::Identity();
+    const Pose T_body_vehicle = a_.trajectories[trajectory].of_lidar
+                                    ? frame.scan.T_vehicle_lidar.inverse()
+                                    : Pose::Identity();
     const double sweep = frame.sweep_duration;
     const TimedMotion motion =
         t.motionDuring(frame.scan.stamp, preprocessor_.sweepSpan(frame.scan, sweep));
@@ -136,7 +141,7 @@ class ScanPlacer
     std::string text;
     for (std::size_t i = 0; i < trajectories_.size(); ++i)
     {
-      text += ", " + a_.trajectories[i] + ": " +
+      text += ", " + a_.trajectories[i].path + ": " +
               (trajectories_[i].trajectory().empty() ? "no poses"
                                                      : timesOf(trajectories_[i].trajectory()));
     }
@@ -263,8 +268,9 @@ std::vector<MapSelfScores> evaluateMapSelf(const MapSelfArguments& a, MapListene
   {
     throw UserError(a.rawlog + ": none of its " + std::to_string(scans) +
                     " scans has a pose in every trajectory; are they of this recording? (scans: " +
-                    timesFrom(first, last) + placer.times() + "; --tolerance " +
-                    shortNumber(a.tolerance) + " s)");
+                    timesFrom(first, last) + placer.times() +
+                    "; another clock: --time-offset; --tolerance " + shortNumber(a.tolerance) +
+                    " s)");
   }
   std::vector<MapQuality> maps;
   for (auto& points : choice.finish())

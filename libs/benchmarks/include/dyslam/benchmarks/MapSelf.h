@@ -12,19 +12,24 @@
 
 namespace dyslam
 {
+/** A trajectory whose map is evaluated. */
+struct MapSelfTrajectory
+{
+  std::string path;        //!< TUM or KITTI file
+  bool of_lidar = false;   //!< the poses are those of the lidar, not of the vehicle
+  double time_offset = 0;  //!< added to the time stamps of the poses (TUM) [s]
+};
+
 /** Arguments of `dyslam-eval map --self`. */
 struct MapSelfArguments
 {
   std::string rawlog;
-  std::string config;                     //!< ini with a section [preprocess]; empty: defaults
-  std::vector<std::string> trajectories;  //!< TUM or KITTI files
+  std::string config;  //!< ini with a section [preprocess]; empty: defaults
+  std::vector<MapSelfTrajectory> trajectories;
   RawlogSourceOptions source;
   MapQualityOptions quality;
   std::size_t points = 20000;  //!< number of map points whose neighbourhoods are evaluated
   double tolerance = 0.01;     //!< tolerance of time stamps where a pose cannot be interpolated [s]
-  /** Of each trajectory: the poses are those of the lidar, not of the vehicle. Without an entry:
-   * of the vehicle. */
-  std::vector<bool> of_lidar;
 };
 
 /** Sharpness of the map of one trajectory. */
