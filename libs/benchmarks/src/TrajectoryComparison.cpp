@@ -152,11 +152,16 @@ PosePairs pairByTime(const NamedTrajectory& reference,
   return pairs;
 }
 
-/** Positions in metres: of latitude and longitude, those that are on the earth. */
-Trajectory readMetricPositions(const std::string& path)
+/** Positions in metres: of those on the earth, east, north and up from the first. */
+Trajectory readMetricPositions(const std::string& path, const NoteSink& note)
 {
   PositionFile file = readPositions(path);
-  if (!file.is_geodetic)
+  if (!file.clock.empty())
+  {
+    note(path + ": its times are " + file.clock +
+         ", and are converted to UTC; for estimates with another clock there is --time-offset");
+  }
+  if (file.axes == PositionAxes::local)
   {
     return std::move(file.positions);
   }
@@ -165,7 +170,9 @@ Trajectory readMetricPositions(const std::string& path)
   for (const StampedPose& measured : file.positions)
   {
     const Eigen::Vector3d& numbers = measured.pose.translation();
-    const GeodeticPosition position{numbers.x(), numbers.y(), numbers.z()};
+    const GeodeticPosition position = file.axes == PositionAxes::geocentric
+                                          ? fromGeocentric(numbers)
+                                          : GeodeticPosition{numbers.x(), numbers.y(), numbers.z()};
     if (isOnEarth(position))
     {
       origin = origin.value_or(position);
@@ -176,7 +183,10 @@ Trajectory readMetricPositions(const std::string& path)
   }
   if (of_enu.empty())
   {
-    throw UserError(path + ": none of its latitudes and longitudes [deg] is a place on the earth");
+    throw UserError(path +
+                    (file.axes == PositionAxes::geocentric
+                         ? ": none of its positions is a place on the earth"
+                         : ": none of its latitudes and longitudes [deg] is a place on the earth"));
   }
   return of_enu;
 }
@@ -209,7 +219,7 @@ PosePairs pairWithPositions(const std::string& reference_path,
   {
     estimate.trajectory[i].pose = estimate.trajectory[i].pose * T_estimate_reference;
   }
-  return pairByTime({reference_path, readMetricPositions(reference_path), true},
+  return pairByTime({reference_path, readMetricPositions(reference_path, note), true},
                     {estimate_path, estimate.trajectory}, a, note);
 }
 
