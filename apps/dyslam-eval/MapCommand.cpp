@@ -35,7 +35,7 @@ struct MapArguments
   OutputFlags output;
 };
 
-/** Shows on stderr how much of the recording has been read. */
+/** Shows on stderr how much of the recording has been read, and what is wrong with it. */
 class ReadingProgress : public MapListener
 {
  public:
@@ -46,6 +46,7 @@ class ReadingProgress : public MapListener
     progress_->finish(count);
     progress_.reset();
   }
+  void warn(const std::string& text) override { printNote(printable(text)); }
 
  private:
   std::optional<Progress> progress_;

@@ -41,7 +41,8 @@ struct MapSelfScores
 
 /** Scores of each trajectory, over the same scans and points. The recording is read twice: first
  * points are chosen, independently of the trajectories, then the map is streamed. \param listener
- * shows the progress of each reading \throws UserError for files that cannot be used together. */
+ * shows the progress of each reading, and is warned if many scans lack a pose or no point has a
+ * value \throws UserError for files that cannot be used together. */
 [[nodiscard]] std::vector<MapSelfScores> evaluateMapSelf(const MapSelfArguments& a,
                                                          MapListener& listener);
 
