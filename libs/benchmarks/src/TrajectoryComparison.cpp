@@ -124,6 +124,18 @@ struct NamedTrajectory
   bool positions_only = false;  //!< its rotations mean nothing
 };
 
+/** What may help if stamps of two trajectories do not match. */
+std::string pairingAdvice(const Trajectory& reference,
+                          const Trajectory& estimate,
+                          const PoseReading& a)
+{
+  const bool overlap = estimate[0].stamp <= reference[reference.size() - 1].stamp &&
+                       reference[0].stamp <= estimate[estimate.size() - 1].stamp;
+  return overlap && !a.interpolate
+             ? "--interpolate is for a reference whose stamps are not those of the estimate"
+             : "--time-offset is added to the estimate's";
+}
+
 /** Pairs poses by their time stamps. */
 PosePairs pairByTime(const NamedTrajectory& reference,
                      const NamedTrajectory& estimate,
@@ -145,8 +157,8 @@ PosePairs pairByTime(const NamedTrajectory& reference,
     throw UserError(estimate.path + ": only " + std::to_string(pairs.size()) + " of " +
                     std::to_string(pairs.estimate_size) + " time stamps are within " + limit +
                     " s of one in " + reference.path + " (" + timesOf(estimate.trajectory) +
-                    " and " + timesOf(reference.trajectory) +
-                    "; --time-offset is added to the estimate's)");
+                    " and " + timesOf(reference.trajectory) + "; " +
+                    pairingAdvice(reference.trajectory, estimate.trajectory, a) + ")");
   }
   noteFewPairs(pairs, estimate.path, reference.path, limit, note);
   return pairs;

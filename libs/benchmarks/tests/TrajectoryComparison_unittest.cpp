@@ -66,7 +66,11 @@ TEST(TrajectoryComparison, TimesAreShiftedAndTheirDifferenceIsLimited)
   PoseReading reading;
   const auto pairs = [&]
   { return pairFiles(folder.file("a.txt"), folder.file("b.txt"), reading, ignore); };
-  EXPECT_TRUE(contains(messageOfError<UserError>(pairs), "only 0 of 10 time stamps"));
+  const std::string said = messageOfError<UserError>(pairs);
+  EXPECT_TRUE(contains(said, "only 0 of 10 time stamps")) << said;
+  EXPECT_TRUE(contains(said, "; --interpolate is for a reference whose stamps are not")) << said;
+  reading.time_offset = 100;
+  EXPECT_TRUE(contains(messageOfError<UserError>(pairs), "; --time-offset is added to the"));
   reading.time_offset = -0.5;
   EXPECT_EQ(pairs().size(), 10U);
   reading.tolerance = 0.001;
