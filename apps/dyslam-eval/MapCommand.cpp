@@ -31,10 +31,11 @@ struct MapArguments
   MapMetricsOptions metrics;
   MapSelfArguments self;
   std::vector<std::string> poses_of{"vehicle"};  //!< of all trajectories, or of each one
+  std::vector<double> time_offsets{0};           //!< [s], as poses_of
   OutputFlags output;
 };
 
-/** Shows on stderr how much of the recording has been read. */
+/** Shows on stderr how much of the recording has been read, and what is wrong with it. */
 class ReadingProgress : public MapListener
 {
  public:
@@ -45,6 +46,7 @@ class ReadingProgress : public MapListener
     progress_->finish(count);
     progress_.reset();
   }
+  void warn(const std::string& text) override { printNote(printable(text)); }
 
  private:
   std::optional<Progress> progress_;
@@ -75,19 +77,27 @@ void requireDistancesFile(const MapArguments& a)
   }
 }
 
-/** Of each trajectory, whether its poses are those of the lidar. \throws UserError. */
-std::vector<bool> lidarTrajectories(const MapArguments& a)
+/** \throws UserError unless there is one value for all trajectories, or one for each. */
+void requireOneOrEach(const std::string& flag, std::size_t values, std::size_t trajectories)
 {
-  if (a.poses_of.size() != 1 && a.poses_of.size() != a.estimates.size())
+  if (values != 1 && values != trajectories)
   {
-    throw UserError("--poses-of names " + std::to_string(a.poses_of.size()) +
-                    " bodies; give one for all trajectories, or one for each of the " +
-                    std::to_string(a.estimates.size()));
+    throw UserError(flag + " has " + std::to_string(values) +
+                    " values; give one for all trajectories, or one for each of the " +
+                    std::to_string(trajectories));
   }
-  std::vector<bool> result;
+}
+
+/** The trajectories of `--self` with the flags of each. \throws UserError. */
+std::vector<MapSelfTrajectory> selfTrajectories(const MapArguments& a)
+{
+  requireOneOrEach("--poses-of", a.poses_of.size(), a.estimates.size());
+  requireOneOrEach("--time-offset", a.time_offsets.size(), a.estimates.size());
+  std::vector<MapSelfTrajectory> result;
   for (std::size_t i = 0; i < a.estimates.size(); ++i)
   {
-    result.push_back(a.poses_of[a.poses_of.size() == 1 ? 0 : i] == "lidar");
+    result.push_back({a.estimates[i], a.poses_of[a.poses_of.size() == 1 ? 0 : i] == "lidar",
+                      a.time_offsets[a.time_offsets.size() == 1 ? 0 : i]});
   }
   return result;
 }
@@ -96,8 +106,7 @@ std::vector<bool> lidarTrajectories(const MapArguments& a)
 void runMapSelf(const MapArguments& a)
 {
   MapSelfArguments self = a.self;
-  self.trajectories = a.estimates;
-  self.of_lidar = lidarTrajectories(a);
+  self.trajectories = selfTrajectories(a);
   ReadingProgress progress;
   const auto scores = evaluateMapSelf(self, progress);
   const auto names = shortNames(a.estimates);
@@ -167,6 +176,9 @@ void declareSelf(CLI::App& sub, MapArguments& a)
   of_self("--poses-of", a.poses_of,
           "body of the poses, vehicle or lidar: of all trajectories, or one for each")
       ->check(CLI::IsMember({"vehicle", "lidar"}));
+  of_self("--time-offset", a.time_offsets,
+          "added to the time stamps of the poses (TUM) [s]: for clocks that differ; of all "
+          "trajectories, or one for each");
   of_self("--skip-first-n", self.source.skip_first_n, "scans to skip")->check(notNegative());
   of_self("--only-first-n", self.source.only_first_n, "scans to use after those; 0: all")
       ->check(notNegative());

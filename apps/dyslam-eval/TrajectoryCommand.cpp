@@ -10,6 +10,7 @@
 #include <filesystem>
 #include <iostream>
 #include <memory>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -127,10 +128,18 @@ void runTrajectory(const TrajectoryArguments& a)
   const std::vector<std::string> names = shortNames(a.estimates);
   std::vector<TrajectoryReport> reports;
   std::vector<TrajectoryPlotItem> plots;
+  std::set<std::string> notes;  // those of a reference are the same for each estimate
+  const auto note = [&notes](const std::string& text)
+  {
+    if (notes.insert(text).second)
+    {
+      printNote(text);
+    }
+  };
   for (std::size_t i = 0; i < a.estimates.size(); ++i)
   {
     const std::string& reference = a.references[a.references.size() == 1 ? 0 : i];
-    const PosePairs pairs = pairFiles(reference, a.estimates[i], a.reading, printNote);
+    const PosePairs pairs = pairFiles(reference, a.estimates[i], a.reading, note);
     reports.push_back(evaluateTrajectory(a.estimates[i], pairs, metrics));
     const std::string warning = pairWarning(reference, a.estimates[i], pairs, reports.back());
     if (!warning.empty())
@@ -169,9 +178,9 @@ Subcommand trajectoryCommand(CLI::App& app)
                                      "Errors of trajectories (TUM or KITTI files) against a "
                                      "reference; without one, their lengths");
   CLI::Option* reference = sub->add_option("--reference", a->references,
-                                           "true poses, or positions alone (t x y z, or columns "
-                                           "that a header names); one file, or one for each "
-                                           "estimate; without, lengths and --plot only");
+                                           "true poses, or positions alone (t x y z, columns that "
+                                           "a header names, RTKLIB's .pos); one file, or one for "
+                                           "each estimate; without, lengths and --plot only");
   sub->add_option("--estimate", a->estimates, "poses to evaluate; any number of files")->required();
   a->metrics.declare(*sub);
   CLI::Option* tolerance =

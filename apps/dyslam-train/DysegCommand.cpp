@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/base/Files.h>
-#include <dyslam/base/Options.h>
 #include <dyslam/base/PendingFile.h>
 #include <dyslam/train/DataText.h>
 #include <dyslam/train/DysegTrainer.h>
@@ -16,16 +15,7 @@ void trainDysegCommand(const TrainArguments& arguments)
   arguments.requireConsistent();
   const Config config = arguments.loadConfig("dyseg");
   DysegTrainerSetup setup;
-  const Config effective = loadAll(config,
-                                   [&setup](ConfigLoader& loader)
-                                   {
-                                     setup.train = loader.get<DysegTrainerOptions>("train");
-                                     setup.network = loader.get<DysegNetworkOptions>("network");
-                                     setup.grid = loader.get<BevOptions>("grid");
-                                     setup.augmentation =
-                                         loader.get<DysegAugmentOptions>("augmentation");
-                                     setup.loss = loader.get<DysegLossOptions>("loss");
-                                   });
+  const Config effective = setup.load(config);
   setup.device = arguments.device;
   setup.train.data = dataFolder(setup.train.data, "[train] data");
 

@@ -3,6 +3,10 @@
 
 #include <dyslam/base/Error.h>
 #include <dyslam/base/SharedFiles.h>
+#include <dyslam/train/DyloTrainer.h>
+#include <dyslam/train/DysegTrainer.h>
+
+#include <algorithm>
 
 #include "../common/Checks.h"
 #include "../common/OutputOptions.h"
@@ -28,6 +32,33 @@ void declareCommon(CLI::App& app, TrainArguments& a)
       ->take_all()
       ->allow_extra_args(false);
 }
+
+bool anySectionHas(const Config& config, const std::string& key)
+{
+  const std::vector<std::string> sections = config.sectionNames();
+  return std::any_of(sections.begin(), sections.end(),
+                     [&](const std::string& section) { return config.has(section, key); });
+}
+
+/** \throws UserError for a setting that only the training of the other network has. */
+void requireNoneOfTheOther(const Config& config, const std::string& network)
+{
+  const bool is_dylo = network == "dylo";
+  const Config own = is_dylo ? dyloTrainDefaults() : dysegTrainDefaults();
+  const Config other = is_dylo ? dysegTrainDefaults() : dyloTrainDefaults();
+  for (const std::string& section : config.sectionNames())
+  {
+    for (const auto& [key, value] : config.section(section))
+    {
+      if (other.has(section, key) && !anySectionHas(own, key))
+      {
+        throw UserError(value.origin + ": [" + section + "] " + key +
+                        " is a setting of dyslam-train " + (is_dylo ? "dyseg" : "dylo") +
+                        ", not of dyslam-train " + network);
+      }
+    }
+  }
+}
 }  // namespace
 
 Config TrainArguments::loadConfig(const std::string& network) const
@@ -39,6 +70,7 @@ Config TrainArguments::loadConfig(const std::string& network) const
   {
     loaded.set(assignment);
   }
+  requireNoneOfTheOther(loaded, network);
   return loaded;
 }
 

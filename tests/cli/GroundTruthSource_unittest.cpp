@@ -467,11 +467,13 @@ TEST(EvaluationFlags, ThoseWithoutAnEffectAreErrors)
   }
   expect(self + " -c kitti_mot.ini", 1, "these settings are for dyslam-eval, not for dyslam");
   expect(self + " " + tum + " " + tum + " --poses-of lidar vehicle", 1,
-         "--poses-of names 2 bodies; give one for all trajectories, or one for each of the 3");
+         "--poses-of has 2 values; give one for all trajectories, or one for each of the 3");
+  expect(self + " " + tum + " " + tum + " --time-offset 0 1", 1,
+         "--time-offset has 2 values; give one for all trajectories, or one for each of the 3");
   const std::string maps = "map --reference a.ply --estimate b.ply";
   for (const std::string flag :
        {"--config a.ini", "--neighbourhood 1", "--min-neighbours 5", "--points 9", "--tolerance 1",
-        "--poses-of lidar", "--skip-first-n 1", "--only-first-n 1"})
+        "--poses-of lidar", "--time-offset 1", "--skip-first-n 1", "--only-first-n 1"})
   {
     expect(maps + " " + flag, 1, flag.substr(0, flag.find(' ')) + " requires --self");
   }

@@ -178,6 +178,24 @@ TEST(PublishedCommands, OfTheGuideRun)
   }
 }
 
+/** The column of the entropies in the table of `map --self`. */
+std::vector<double> entropiesIn(const fs::path& csv)
+{
+  std::istringstream rows(contentOf(csv));
+  std::string row;
+  std::getline(rows, row);
+  std::vector<double> entropies;
+  while (std::getline(rows, row))
+  {
+    for (int comma = 0; comma < 3; ++comma)
+    {
+      row.erase(0, row.find(',') + 1);
+    }
+    entropies.push_back(std::stod(row));
+  }
+  return entropies;
+}
+
 /** `map --self`: the ground truth gives a sharper map than noisy poses. */
 TEST(MapSelf, TellsAGoodTrajectoryFromABadOne)
 {
@@ -206,20 +224,40 @@ TEST(MapSelf, TellsAGoodTrajectoryFromABadOne)
                      (folder / "self.csv").string(),
                  folder.string());
   ASSERT_EQ(outcome.code, 0) << outcome.err;
-  std::istringstream rows(contentOf(folder / "self.csv"));
-  std::string row;
-  std::getline(rows, row);
-  std::vector<double> entropy;
-  while (std::getline(rows, row))
-  {
-    for (int comma = 0; comma < 3; ++comma)
-    {
-      row.erase(0, row.find(',') + 1);
-    }
-    entropy.push_back(std::stod(row));
-  }
+  const std::vector<double> entropy = entropiesIn(folder / "self.csv");
   ASSERT_EQ(entropy.size(), 2U);
   EXPECT_LT(entropy[0] + 0.1, entropy[1]);
+}
+
+TEST(MapSelf, ATrajectoryMayHaveAnotherClock)
+{
+  const std::string street = std::string(DYSLAM_SOURCE_DIR) + "/rawlog/street64";
+  const fs::path folder = temporary();
+  std::istringstream truth(contentOf(street + ".gt/poses_tum.txt"));
+  std::ofstream from_start(folder / "from_start.txt");
+  const std::string start = "1700000000";
+  for (std::string line; std::getline(truth, line);)
+  {
+    if (line.rfind(start, 0) == 0)
+    {
+      from_start << '0' << line.substr(start.size()) << '\n';
+    }
+  }
+  from_start.close();
+  const std::string both = street + ".gt/poses_tum.txt " + (folder / "from_start.txt").string();
+  const std::string self =
+      "map --self " + street + ".rawlog --only-first-n 5 --points 500 --estimate ";
+  const Outcome outcome = runProgram(
+      "dyslam-eval",
+      self + both + " --time-offset 0 " + start + " --csv " + (folder / "clocks.csv").string(),
+      folder.string());
+  ASSERT_EQ(outcome.code, 0) << outcome.err;
+  const std::vector<double> entropy = entropiesIn(folder / "clocks.csv");
+  ASSERT_EQ(entropy.size(), 2U);
+  EXPECT_NEAR(entropy[0], entropy[1], 1e-3);
+  const Outcome without = runProgram("dyslam-eval", self + both, folder.string());
+  EXPECT_EQ(without.code, 1);
+  EXPECT_NE(without.err.find("another clock: --time-offset"), std::string::npos) << without.err;
 }
 
 TEST(MapSelf, SaysWhatCannotBeCompared)
@@ -242,6 +280,13 @@ TEST(MapSelf, SaysWhatCannotBeCompared)
                                    folder.string());
   EXPECT_EQ(kitti.code, 1);
   EXPECT_NE(kitti.err.find("has 1 pose, but 3 scans"), std::string::npos) << kitti.err;
+  const Outcome clock = runProgram(
+      "dyslam-eval",
+      "map --self x.rawlog --time-offset 1 --estimate " + (folder / "kitti.txt").string(),
+      folder.string());
+  EXPECT_EQ(clock.code, 1);
+  EXPECT_NE(clock.err.find("kitti.txt: has no time stamps; --time-offset"), std::string::npos)
+      << clock.err;
 
   const Outcome neither = runProgram("dyslam-eval", "map --estimate " + elsewhen, folder.string());
   EXPECT_EQ(neither.code, 1);

@@ -168,6 +168,9 @@ void writeTexts(const fs::path& folder)
       {"trajectory/tum", "# t x\n1 0 0 0 0 0 0 1\n2 1 2 3 0 0 0.6 0.8\n"},
       {"trajectory/kitti", "1 0 0 0 0 1 0 0 0 0 1 0\n1 0 0 5 0 1 0 6 0 0 1 7\n"},
       {"positions/lines", "# prism\n1 2 3 4\n2 nan 3 4\n"},
+      {"positions/rtklib",
+       "% ref pos : 1 2 3\n%  UTC   latitude(d'\")  longitude(d'\")  height(m)   Q\n"
+       "2024/05/18 00:00:01.5 52 10 0.5 -0 30 0.25 110 1\n2314 518402 52 10 1 0 30 1 110 2\n"},
       {"positions/table", "time [ns], \"lat\" (deg), lon, height, Q\n1, 49, 8, 110, 4\n2,,,,0\n"},
       {"times/seconds", "0\n0.1\n0.2\n"},
       {"times/kitti", "2011-09-26 13:02:25.964389445\n2011-09-26 13:02:26.068369100\n"},

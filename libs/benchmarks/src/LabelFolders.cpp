@@ -83,6 +83,15 @@ std::vector<Label> readAs(const ReferenceReading& reading,
   return labels;
 }
 
+/** The folder with the probabilities of an estimate: of a run, or beside its folder `labels`.
+ * \param label_file one of its files of labels */
+fs::path probabilityFolder(const std::string& estimate, const std::string& label_file)
+{
+  const fs::path labels = fs::absolute(label_file).lexically_normal().parent_path();
+  return (labels.filename() == "labels" ? labels.parent_path() : fs::path(estimate)) /
+         "probabilities";
+}
+
 /** Reads a file with a float32 per point. \throws UserError for another number of points. */
 std::vector<float> readProbabilities(const std::string& path, std::size_t points)
 {
@@ -118,6 +127,7 @@ LabelComparison compareLabelFolders(const std::string& reference,
     throw UserError(estimate +
                     ": has the labels of the reference; give the folder of the estimated ones");
   }
+  const fs::path probability_folder = probabilityFolder(estimate, estimated_files.begin()->second);
   LabelComparison result;
   result.reference_scans = reference_files.size();
   result.estimated_scans = estimated_files.size();
@@ -128,7 +138,7 @@ LabelComparison compareLabelFolders(const std::string& reference,
     {
       const auto labels = readAs(reading, movers, readLabels(path));
       result.evaluator.add(labels, readLabels(match->second, labels.size()));
-      const fs::path probabilities = fs::path(estimate) / "probabilities" / (name + ".bin");
+      const fs::path probabilities = probability_folder / (name + ".bin");
       if (fs::exists(probabilities))
       {
         result.calibration.add(labels, readProbabilities(probabilities.string(), labels.size()));

@@ -26,11 +26,11 @@ namespace
 {
 using Points = std::vector<Eigen::Vector3f>;
 
-/** \return number of scans \throws UserError for a damaged recording. */
-std::size_t forEachScan(const MapSelfArguments& a,
-                        const std::string& purpose,
-                        MapListener& listener,
-                        const std::function<void(const Frame&)>& use)
+/** \throws UserError for a damaged recording. */
+void forEachScan(const MapSelfArguments& a,
+                 const std::string& purpose,
+                 MapListener& listener,
+                 const std::function<void(const Frame&)>& use)
 {
   RawlogSource source(a.rawlog, a.source);
   const std::string damage = readScans(source, purpose, listener, use);
@@ -38,7 +38,6 @@ std::size_t forEachScan(const MapSelfArguments& a,
   {
     throw UserError(damage);
   }
-  return source.framesRead();
 }
 
 /** Reads trajectories and gives them the times of the scans; the lines of KITTI files belong to the
@@ -47,26 +46,30 @@ std::vector<Trajectory> readTrajectories(const MapSelfArguments& a, MapListener&
 {
   std::vector<Trajectory> result;
   std::vector<double> stamps;
-  for (const std::string& path : a.trajectories)
+  for (const MapSelfTrajectory& given : a.trajectories)
   {
-    TrajectoryFile file = readTrajectory(path);
-    if (file.format == TrajectoryFormat::kitti)
+    TrajectoryFile file = readTrajectory(given.path);
+    const bool timed = file.format == TrajectoryFormat::tum;
+    if (!timed && given.time_offset != 0)
     {
-      if (stamps.empty())
-      {
-        forEachScan(a, "times", listener, [&](const Frame& f) { stamps.push_back(f.scan.stamp); });
-      }
-      if (file.trajectory.size() != stamps.size())
-      {
-        throw UserError(path + ": has " + counted(file.trajectory.size(), "pose") + ", but " +
-                        counted(stamps.size(), "scan") + " of " + a.rawlog +
-                        " are used; give the --skip-first-n and --only-first-n that it was made "
-                        "with, or a TUM file");
-      }
-      for (std::size_t i = 0; i < stamps.size(); ++i)
-      {
-        file.trajectory[i].stamp = stamps[i];
-      }
+      throw UserError(given.path +
+                      ": has no time stamps; --time-offset is for poses that have them (TUM)");
+    }
+    if (!timed && stamps.empty())
+    {
+      forEachScan(a, "times", listener, [&](const Frame& f) { stamps.push_back(f.scan.stamp); });
+    }
+    if (!timed && file.trajectory.size() != stamps.size())
+    {
+      throw UserError(given.path + ": has " + counted(file.trajectory.size(), "pose") + ", but " +
+                      counted(stamps.size(), "scan") + " of " + a.rawlog +
+                      " are used; give the --skip-first-n and --only-first-n that it was made "
+                      "with, or a TUM file");
+    }
+    for (std::size_t i = 0; i < file.trajectory.size(); ++i)
+    {
+      StampedPose& pose = file.trajectory[i];
+      pose.stamp = timed ? pose.stamp + given.time_offset : stamps[i];
     }
     result.push_back(std::move(file.trajectory));
   }
@@ -108,8 +111,9 @@ class ScanPlacer
                                                                     const Pose& pose) const
   {
     const ScanPoses& t = trajectories_[trajectory];
-    const bool of_lidar = trajectory < a_.of_lidar.size() && a_.of_lidar[trajectory];
-    const Pose T_body_vehicle = of_lidar ? frame.scan.T_vehicle_lidar.inverse() : Pose::Identity();
+    const Pose T_body_vehicle = a_.trajectories[trajectory].of_lidar
+                                    ? frame.scan.T_vehicle_lidar.inverse()
+                                    : Pose::Identity();
     const double sweep = frame.sweep_duration;
     const TimedMotion motion =
         t.motionDuring(frame.scan.stamp, preprocessor_.sweepSpan(frame.scan, sweep));
@@ -136,7 +140,7 @@ class ScanPlacer
     std::string text;
     for (std::size_t i = 0; i < trajectories_.size(); ++i)
     {
-      text += ", " + a_.trajectories[i] + ": " +
+      text += ", " + a_.trajectories[i].path + ": " +
               (trajectories_[i].trajectory().empty() ? "no poses"
                                                      : timesOf(trajectories_[i].trajectory()));
     }
@@ -228,57 +232,84 @@ class PointChoice
   std::size_t trajectories_;
   std::map<std::uint64_t, std::vector<std::optional<Eigen::Vector3f>>> chosen_;
 };
+/** The scans of a recording that have a pose on every trajectory. */
+struct Coverage
+{
+  std::size_t scans = 0;   //!< number of all scans
+  std::size_t placed = 0;  //!< number of those with poses
+  double first = 0;        //!< time stamp of the first scan [s]
+  double last = 0;         //!< time stamp of the last scan [s]
+};
+
+/** Calls `use` for each scan that has a pose on every trajectory, with these poses. */
+Coverage forEachPlaced(const MapSelfArguments& a,
+                       const ScanPlacer& placer,
+                       const std::string& purpose,
+                       MapListener& listener,
+                       const std::function<void(const Frame&, const std::vector<Pose>&)>& use)
+{
+  Coverage coverage;
+  forEachScan(a, purpose, listener,
+              [&](const Frame& frame)
+              {
+                coverage.last = frame.scan.stamp;
+                coverage.first = coverage.scans == 0 ? coverage.last : coverage.first;
+                ++coverage.scans;
+                const auto poses = placer.posesOf(frame);
+                if (!poses.empty())
+                {
+                  ++coverage.placed;
+                  use(frame, poses);
+                }
+              });
+  return coverage;
+}
+
+/** Warns if many scans lack a pose. \throws UserError if all do. */
+void checkCoverage(const MapSelfArguments& a,
+                   const ScanPlacer& placer,
+                   const Coverage& coverage,
+                   MapListener& listener)
+{
+  if (10 * coverage.placed >= 9 * coverage.scans && coverage.placed > 0)
+  {
+    return;
+  }
+  const std::string reasons = " (scans: " + timesFrom(coverage.first, coverage.last) +
+                              placer.times() + "; another clock: --time-offset; --tolerance " +
+                              shortNumber(a.tolerance) + " s)";
+  if (coverage.placed == 0)
+  {
+    throw UserError(a.rawlog + ": none of its " + std::to_string(coverage.scans) +
+                    " scans has a pose in every trajectory; are they of this recording?" + reasons);
+  }
+  listener.warn(a.rawlog + ": " + std::to_string(coverage.placed) + " of " +
+                counted(coverage.scans, "scan") + (coverage.placed == 1 ? " has" : " have") +
+                " a pose in every trajectory; the others are in no map" + reasons);
+}
 }  // namespace
 
 std::vector<MapSelfScores> evaluateMapSelf(const MapSelfArguments& a, MapListener& listener)
 {
   const ScanPlacer placer(a, listener);
   PointChoice choice(a.points, placer.size());
-  std::size_t used = 0;
-  double first = 0;  // first and last time stamp of the scans [s]
-  double last = 0;
-  const auto forEachPlaced = [&](const std::string& what, const auto& use)
-  {
-    bool any = false;
-    return forEachScan(a, what, listener,
-                       [&](const Frame& frame)
-                       {
-                         last = frame.scan.stamp;
-                         first = any ? first : last;
-                         any = true;
-                         const auto poses = placer.posesOf(frame);
-                         if (!poses.empty())
-                         {
-                           use(frame, poses);
-                         }
-                       });
-  };
-  const std::size_t scans = forEachPlaced("choosing points",
-                                          [&](const Frame& frame, const auto& poses)
-                                          {
-                                            ++used;
-                                            choice.add(placer, frame, poses);
-                                          });
-  if (used == 0)
-  {
-    throw UserError(a.rawlog + ": none of its " + std::to_string(scans) +
-                    " scans has a pose in every trajectory; are they of this recording? (scans: " +
-                    timesFrom(first, last) + placer.times() + "; --tolerance " +
-                    shortNumber(a.tolerance) + " s)");
-  }
+  const Coverage coverage = forEachPlaced(a, placer, "choosing points", listener,
+                                          [&](const Frame& frame, const std::vector<Pose>& poses)
+                                          { choice.add(placer, frame, poses); });
+  checkCoverage(a, placer, coverage, listener);
   std::vector<MapQuality> maps;
   for (auto& points : choice.finish())
   {
     maps.emplace_back(std::move(points), a.quality);
   }
-  forEachPlaced("map",
-                [&](const Frame& frame, const auto& poses)
-                {
-                  for (std::size_t t = 0; t < maps.size(); ++t)
-                  {
-                    maps[t].add(placer.place(frame, t, poses[t]).first);
-                  }
-                });
+  (void)forEachPlaced(a, placer, "map", listener,
+                      [&](const Frame& frame, const std::vector<Pose>& poses)
+                      {
+                        for (std::size_t t = 0; t < maps.size(); ++t)
+                        {
+                          maps[t].add(placer.place(frame, t, poses[t]).first);
+                        }
+                      });
   std::vector<std::vector<std::optional<PointSharpness>>> sharpness;
   for (const MapQuality& map : maps)
   {
@@ -287,7 +318,13 @@ std::vector<MapSelfScores> evaluateMapSelf(const MapSelfArguments& a, MapListene
   std::vector<MapSelfScores> result;
   for (const MapSharpness& mean : meanSharpness(sharpness))
   {
-    result.push_back({mean, used});
+    result.push_back({mean, coverage.placed});
+  }
+  if (!result.empty() && result.front().mean.points == 0)
+  {
+    listener.warn("no point has " + std::to_string(a.quality.min_neighbours) +
+                  " neighbours within " + shortNumber(a.quality.radius) +
+                  " m in every map: no figures; raise --neighbourhood or lower --min-neighbours");
   }
   return result;
 }

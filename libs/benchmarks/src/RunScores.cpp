@@ -37,8 +37,8 @@ Json readReport(const fs::path& folder, const NoteSink& note)
   {
     for (const Json& reason : *missing)
     {
-      note("the run lacks a file: " +
-           (reason.is_string() ? printable(reason.get<std::string>()) : ""));
+      note(folder.string() +
+           " lacks a file: " + (reason.is_string() ? printable(reason.get<std::string>()) : ""));
     }
   }
   return report.value_or(Json::object());

@@ -215,6 +215,12 @@ TrackData readTruth(const std::string& folder, TrackSelection& selection, const 
     const auto T_world_lidar = lidarPoses(folder, readTum(poses.string()), note);
     data.speeds = speedsFrom(data.boxes, T_world_lidar);
     data.hidden = hiddenCentres(data.boxes, T_world_lidar);
+    if (T_world_lidar.empty())
+    {
+      note(poses.string() +
+           " has no pose within 1 ms of a scan of the rawlog: speeds and hidden objects are not "
+           "known, so boxes at rest count, too");
+    }
   }
   else if (selection.min_speed > 0)
   {

@@ -1,234 +1,20 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <dyslam/base/Error.h>
-#include <dyslam/base/Printable.h>
 #include <dyslam/benchmarks/JsonText.h>
 #include <dyslam/benchmarks/TrajectoryComparison.h>
-#include <dyslam/core/GnssFix.h>
 #include <dyslam/core/TimeRange.h>
 #include <dyslam/eval/Axes.h>
-#include <dyslam/formats/KittiFiles.h>
-#include <dyslam/formats/PositionFile.h>
-#include <dyslam/formats/TrajectoryFiles.h>
-#include <dyslam/io/Converters.h>
-#include <dyslam/mrpt/Geodesy.h>
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <utility>
 
-#include "PairNote.h"
-
 namespace dyslam
 {
 namespace
 {
-/** Reads the poses of a file; poses of a camera are converted to poses of the lidar. */
-TrajectoryFile readPoses(const std::string& path, bool camera, const std::string& calib)
-{
-  TrajectoryFile file = readTrajectory(path);
-  if (camera)
-  {
-    const Pose T_cam_velo = calib.empty() ? cameraAxes() : readKittiCalib(calib).T_cam_velo;
-    std::vector<Pose> poses;
-    for (const StampedPose& pose : file.trajectory)
-    {
-      poses.push_back(pose.pose);
-    }
-    poses = cameraToLidarPoses(poses, T_cam_velo);
-    for (std::size_t i = 0; i < poses.size(); ++i)
-    {
-      file.trajectory[i].pose = poses[i];
-    }
-  }
-  return file;
-}
-
-/** Gives the poses of a KITTI file the times of another one; those without a time are left out.
- * \throws UserError. */
-void setTimes(TrajectoryFile& file, const std::string& path, const std::string& times_path)
-{
-  if (file.format == TrajectoryFormat::tum)
-  {
-    throw UserError(path + ": has time stamps of its own; leave --reference-times out");
-  }
-  const std::vector<double> times = readTimesOrTimestamps(times_path);
-  if (times.size() != file.trajectory.size())
-  {
-    throw UserError(times_path + ": has " + counted(times.size(), "time") + " for " +
-                    counted(file.trajectory.size(), "pose") + " of " + path +
-                    "; a time for each line is needed");
-  }
-  Trajectory timed;
-  for (std::size_t i = 0; i < times.size(); ++i)
-  {
-    if (!std::isfinite(times[i]))
-    {
-      continue;  // a scan that KITTI lost
-    }
-    if (!timed.empty() && times[i] <= timed[timed.size() - 1].stamp)
-    {
-      throw UserError(times_path + ": its times do not ascend (number " + std::to_string(i + 1) +
-                      ")");
-    }
-    timed.push_back(times[i], file.trajectory[i].pose);
-  }
-  file = {std::move(timed), TrajectoryFormat::tum};
-}
-
-/** Reads the reference as poses of the estimate's body. */
-TrajectoryFile readReference(const std::string& path, const PoseReading& a)
-{
-  TrajectoryFile file = readPoses(path, a.camera == "reference", a.calib);
-  if (!a.reference_times.empty())
-  {
-    setTimes(file, path, a.reference_times);
-  }
-  if (!a.reference_body.empty())
-  {
-    const Pose T_reference_estimate =
-        poseFromOption("--reference-body", a.reference_body).inverse();
-    for (std::size_t i = 0; i < file.trajectory.size(); ++i)
-    {
-      file.trajectory[i].pose = file.trajectory[i].pose * T_reference_estimate;
-    }
-  }
-  return file;
-}
-
-/** Reads the poses of the estimate, with its time stamps on the clock of the reference. */
-TrajectoryFile readEstimate(const std::string& path, const PoseReading& a)
-{
-  TrajectoryFile file = readPoses(path, a.camera == "estimate", a.calib);
-  for (std::size_t i = 0; i < file.trajectory.size(); ++i)
-  {
-    file.trajectory[i].stamp += a.time_offset.value_or(0);
-  }
-  return file;
-}
-
-/** \throws UserError for a single pose: errors are of the motion between two. */
-void requireTwoPoses(const Trajectory& trajectory, const std::string& path)
-{
-  if (trajectory.size() < 2)
-  {
-    throw UserError(path + ": has one pose; errors need two or more");
-  }
-}
-
-struct NamedTrajectory
-{
-  std::string path;  //!< of its file
-  Trajectory trajectory;
-  bool positions_only = false;  //!< its rotations mean nothing
-};
-
-/** Pairs poses by their time stamps. */
-PosePairs pairByTime(const NamedTrajectory& reference,
-                     const NamedTrajectory& estimate,
-                     const PoseReading& a,
-                     const NoteSink& note)
-{
-  requireTwoPoses(reference.trajectory, reference.path);
-  requireTwoPoses(estimate.trajectory, estimate.path);
-  const double tolerance = a.tolerance.value_or(PoseReading::default_tolerance);
-  const std::string limit = a.interpolate ? "--interpolate " + shortNumber(*a.interpolate)
-                                          : "--tolerance " + shortNumber(tolerance);
-  PosePairs pairs =
-      a.interpolate
-          ? associateInterpolated(reference.trajectory, estimate.trajectory, *a.interpolate)
-          : associateByTime(reference.trajectory, estimate.trajectory, tolerance);
-  pairs.positions_only = reference.positions_only;
-  if (pairs.size() < 2)
-  {
-    throw UserError(estimate.path + ": only " + std::to_string(pairs.size()) + " of " +
-                    std::to_string(pairs.estimate_size) + " time stamps are within " + limit +
-                    " s of one in " + reference.path + " (" + timesOf(estimate.trajectory) +
-                    " and " + timesOf(reference.trajectory) +
-                    "; --time-offset is added to the estimate's)");
-  }
-  noteFewPairs(pairs, estimate.path, reference.path, limit, note);
-  return pairs;
-}
-
-/** Positions in metres: of latitude and longitude, those that are on the earth. */
-Trajectory readMetricPositions(const std::string& path)
-{
-  PositionFile file = readPositions(path);
-  if (!file.is_geodetic)
-  {
-    return std::move(file.positions);
-  }
-  Trajectory of_enu;
-  std::optional<GeodeticPosition> origin;
-  for (const StampedPose& measured : file.positions)
-  {
-    const Eigen::Vector3d& numbers = measured.pose.translation();
-    const GeodeticPosition position{numbers.x(), numbers.y(), numbers.z()};
-    if (isOnEarth(position))
-    {
-      origin = origin.value_or(position);
-      Pose pose = Pose::Identity();
-      pose.translation() = toEnu(position, *origin);
-      of_enu.push_back(measured.stamp, pose);
-    }
-  }
-  if (of_enu.empty())
-  {
-    throw UserError(path + ": none of its latitudes and longitudes [deg] is a place on the earth");
-  }
-  return of_enu;
-}
-
-/** Pairs the poses of the reference's body with its positions. */
-PosePairs pairWithPositions(const std::string& reference_path,
-                            const std::string& estimate_path,
-                            const PoseReading& a,
-                            const NoteSink& note)
-{
-  if (a.camera == "reference" || !a.reference_times.empty())
-  {
-    throw UserError(reference_path + ": has times and positions alone; leave " +
-                    (a.camera == "reference" ? "--camera reference" : "--reference-times") +
-                    " out");
-  }
-  const Pose T_estimate_reference = poseFromOption("--reference-body", a.reference_body);
-  if (!T_estimate_reference.linear().isIdentity(0))
-  {
-    throw UserError("--reference-body '" + a.reference_body + "': " + reference_path +
-                    " has positions alone; the three angles must be 0");
-  }
-  TrajectoryFile estimate = readEstimate(estimate_path, a);
-  if (estimate.format == TrajectoryFormat::kitti)
-  {
-    throw UserError(estimate_path +
-                    ": has no time stamps (KITTI), by which positions are paired; give a TUM file");
-  }
-  for (std::size_t i = 0; i < estimate.trajectory.size(); ++i)
-  {
-    estimate.trajectory[i].pose = estimate.trajectory[i].pose * T_estimate_reference;
-  }
-  return pairByTime({reference_path, readMetricPositions(reference_path), true},
-                    {estimate_path, estimate.trajectory}, a, note);
-}
-
-/** \throws UserError if flags for time stamps are given with a file that has none. */
-void requireNoTimeFlags(const PoseReading& a, const std::string& file)
-{
-  const std::string flag = a.tolerance                  ? "--tolerance"
-                           : a.interpolate              ? "--interpolate"
-                           : a.time_offset              ? "--time-offset"
-                           : !a.reference_times.empty() ? "--reference-times"
-                                                        : "";
-  if (!flag.empty())
-  {
-    throw UserError(file +
-                    ": has no time stamps (KITTI), its poses are paired line by line; leave " +
-                    flag + " out, or give a TUM file");
-  }
-}
-
 /** Diagonal of the box around the positions [m]. */
 double extentOf(const std::vector<Pose>& poses)
 {
@@ -264,38 +50,6 @@ TrajectoryReport meanDrift(const std::vector<TrajectoryReport>& reports)
   return mean;
 }
 }  // namespace
-
-PosePairs pairFiles(const std::string& reference_path,
-                    const std::string& estimate_path,
-                    const PoseReading& a,
-                    const NoteSink& note)
-{
-  if (isPositionFile(reference_path))
-  {
-    return pairWithPositions(reference_path, estimate_path, a, note);
-  }
-  const TrajectoryFile reference = readReference(reference_path, a);
-  const TrajectoryFile estimate = readEstimate(estimate_path, a);
-  if (reference.format == TrajectoryFormat::tum && estimate.format == TrajectoryFormat::tum)
-  {
-    return pairByTime({reference_path, reference.trajectory}, {estimate_path, estimate.trajectory},
-                      a, note);
-  }
-  requireTwoPoses(reference.trajectory, reference_path);
-  requireTwoPoses(estimate.trajectory, estimate_path);
-  requireNoTimeFlags(a,
-                     reference.format == TrajectoryFormat::kitti ? reference_path : estimate_path);
-  if (reference.trajectory.size() != estimate.trajectory.size())
-  {
-    note(estimate_path + " has " + counted(estimate.trajectory.size(), "pose") + ", " +
-         reference_path + " " + std::to_string(reference.trajectory.size()) +
-         "; without time stamps they are associated by index" +
-         (estimate.format == TrajectoryFormat::tum
-              ? " (--reference-times gives those of the reference)"
-              : ""));
-  }
-  return associateByIndex(reference.trajectory, estimate.trajectory);
-}
 
 std::string pairWarning(const std::string& reference,
                         const std::string& estimate,
@@ -358,22 +112,6 @@ void addMeanRow(Table& table, const std::vector<TrajectoryReport>& reports)
     cells.emplace_back("-");
   }
   table.addRow(std::move(cells));
-}
-
-PathSummary readPath(const std::string& path, const PoseReading& reading)
-{
-  TrajectoryFile file = readPoses(path, reading.camera == "estimate", reading.calib);
-  PathSummary summary;
-  summary.trajectory = std::move(file.trajectory);
-  const StampedPose& first = summary.trajectory[0];
-  const StampedPose& last = summary.trajectory[summary.trajectory.size() - 1];
-  if (file.format == TrajectoryFormat::tum)
-  {
-    summary.duration = last.stamp - first.stamp;
-  }
-  summary.length = summary.trajectory.pathLengths().back();
-  summary.start_to_end = (last.pose.translation() - first.pose.translation()).norm();
-  return summary;
 }
 
 Table pathTable(const std::vector<PathSummary>& paths)

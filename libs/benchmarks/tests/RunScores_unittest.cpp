@@ -134,7 +134,7 @@ TEST_F(RunScoresOf, WhatIsMissingIsNoted)
   writeTum(folder_.file("run/reference_tum.txt"), straight(1, 3));
   EXPECT_TRUE(scores(run).trajectory);
   ASSERT_EQ(notes_.size(), 3U);
-  EXPECT_EQ(notes_[0], "the run lacks a file: map.png: disk full");
+  EXPECT_EQ(notes_[0], folder_.file("run") + " lacks a file: map.png: disk full");
   EXPECT_TRUE(contains(notes_[1], "only 3 of 40 poses have one of 3 in ")) << notes_[1];
   EXPECT_EQ(notes_[2], run + ": unfinished: 40 scans; continue with: dyslam --resume -o " + run);
 }

@@ -5,8 +5,10 @@
 #include <dyslam/formats/LabelFiles.h>
 #include <dyslam/formats/TrackFiles.h>
 #include <dyslam/formats/TrajectoryFiles.h>
+#include <dyslam/io/RawlogWriter.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 #include <string>
@@ -75,6 +77,47 @@ TEST(TrackComparison, ClassesAreThoseOfTheReferenceOrTheGivenOnes)
   EXPECT_EQ(of_people["Pedestrian"]["all"]["found"], 10);
   EXPECT_FALSE(of_people.contains("all")) << "of other classes, too";
   EXPECT_EQ(errorsOf({"Car", "Pedestrian"})["all"]["all"]["found"], 20);
+}
+
+TEST(TrackComparison, TrueSpeedsNeedPosesOfTheScans)
+{
+  const TestFolder folder;
+  RawlogWriter writer(folder.file("x.rawlog"));
+  Trajectory poses;
+  Trajectory shifted;
+  for (int i = 0; i < 2; ++i)
+  {
+    Scan scan;
+    scan.stamp = 1000 + 0.1 * i;
+    scan.points = {{5, 0, 0}};
+    writer.write(scan);
+    poses.push_back(scan.stamp, Pose::Identity());
+    shifted.push_back(scan.stamp + 0.004, Pose::Identity());
+  }
+  writer.close();
+  folder.write("x.gt/tracks.txt", "");
+  // One object is at rest, the other one drives 1 m from scan to scan.
+  writeTracks(folder.file("x.gt/tracks.txt"), {boxOf(0, 1, "Car", 10), boxOf(0, 2, "Car", 20),
+                                               boxOf(1, 1, "Car", 10), boxOf(1, 2, "Car", 21)});
+  std::vector<std::string> notes;
+  TrackSelection selection;
+  selection.min_points = 0;
+  const auto ignored = [&]
+  {
+    notes.clear();
+    TrackSelection given = selection;
+    const TrackData truth = readTruth(folder.file("x.gt"), given,
+                                      [&](const std::string& note) { notes.push_back(note); });
+    return std::count_if(truth.boxes.begin(), truth.boxes.end(),
+                         [](const LabelledBox& box) { return box.occluded == ignored_box; });
+  };
+  writeTum(folder.file("x.gt/poses_tum.txt"), poses);
+  EXPECT_EQ(ignored(), 2) << "that at rest";
+  EXPECT_TRUE(notes.empty());
+  writeTum(folder.file("x.gt/poses_tum.txt"), shifted);
+  EXPECT_EQ(ignored(), 0);
+  ASSERT_EQ(notes.size(), 1U);
+  EXPECT_TRUE(contains(notes[0], "poses_tum.txt has no pose within 1 ms of a scan")) << notes[0];
 }
 
 TEST(TrackComparison, WhatTheSelectionOfTrueBoxesLacksIsNoted)

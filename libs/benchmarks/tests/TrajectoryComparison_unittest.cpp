@@ -66,7 +66,11 @@ TEST(TrajectoryComparison, TimesAreShiftedAndTheirDifferenceIsLimited)
   PoseReading reading;
   const auto pairs = [&]
   { return pairFiles(folder.file("a.txt"), folder.file("b.txt"), reading, ignore); };
-  EXPECT_TRUE(contains(messageOfError<UserError>(pairs), "only 0 of 10 time stamps"));
+  const std::string said = messageOfError<UserError>(pairs);
+  EXPECT_TRUE(contains(said, "only 0 of 10 time stamps")) << said;
+  EXPECT_TRUE(contains(said, "; --interpolate is for a reference whose stamps are not")) << said;
+  reading.time_offset = 100;
+  EXPECT_TRUE(contains(messageOfError<UserError>(pairs), "; --time-offset is added to the"));
   reading.time_offset = -0.5;
   EXPECT_EQ(pairs().size(), 10U);
   reading.tolerance = 0.001;
@@ -245,6 +249,37 @@ TEST_F(TrajectoryAndPositions, LatitudeAndLongitudeBecomeMetres)
   EXPECT_NEAR(report.length, 59, 3);
   folder.write("fix.csv", "time,lat,lon,height\n1,0,0,0\n2,91,500,0\n");
   EXPECT_TRUE(contains(errorOf("fix.csv"), "fix.csv: none of its latitudes and longitudes"));
+}
+
+TEST_F(TrajectoryAndPositions, GeocentricPositionsOfRtklibBecomeMetres)
+{
+  constexpr double of_2024 = 1716000000;                          // added to the stamps [s]
+  Eigen::Isometry3d T_earth_enu = Eigen::Isometry3d::Identity();  // at 30 deg north, 0 deg east
+  T_earth_enu.translation() << 5528256.639, 0, 3170373.735;
+  T_earth_enu.linear() << 0, -0.5, std::sqrt(0.75),  //
+      1, 0, 0,                                       //
+      0, std::sqrt(0.75), 0.5;
+  std::string table = "%  GPST  x-ecef(m)  y-ecef(m)  z-ecef(m)  Q  ns\n";
+  for (const StampedPose& pose : vehicle)
+  {
+    const Eigen::Vector3d p = T_earth_enu * pose.pose.translation();
+    table += "2314 " + std::to_string(528018 + pose.stamp) + ' ' + std::to_string(p.x()) + ' ' +
+             std::to_string(p.y()) + ' ' + std::to_string(p.z()) + " 1 9\n";
+  }
+  folder.write("rtk.pos", table);
+  reading.time_offset = of_2024;
+  Names notes;
+  const PosePairs found = pairFiles(folder.file("rtk.pos"), folder.file("vehicle.txt"), reading,
+                                    [&](const std::string& note) { notes.push_back(note); });
+  ASSERT_EQ(notes.size(), 1U);
+  EXPECT_TRUE(contains(notes[0], "rtk.pos: its times are GPS time, 18 s ahead of UTC, and are"));
+  const TrajectoryReport report = evaluateTrajectory("a", found);
+  EXPECT_EQ(report.pairs, 60U);
+  EXPECT_LT(report.absolute.translation.rmse, 1e-4);
+  // East, north and up from the first position.
+  EXPECT_LT((found.reference.back().translation() - vehicle[59].pose.translation()).norm(), 1e-3);
+  folder.write("rtk.pos", "% GPST x-ecef(m) y-ecef(m) z-ecef(m)\n2314 1 0 0 0\n2314 2 0 0 0\n");
+  EXPECT_TRUE(contains(errorOf("rtk.pos"), "rtk.pos: none of its positions is a place on the"));
 }
 
 TEST_F(TrajectoryAndPositions, WhatNeedsOrientationsIsRefused)

@@ -16,6 +16,7 @@
 #include <string_view>
 #include <vector>
 
+#include "GnssTime.h"
 #include "PoseChecks.h"
 
 namespace dyslam
@@ -35,8 +36,12 @@ struct PositionColumns
   std::size_t time = 0;
   std::array<std::size_t, 3> position{1, 2, 3};
   double time_unit = 0;  //!< [s]; 0: by the magnitude of the first
-  bool is_geodetic = false;
+  PositionAxes axes = PositionAxes::local;
   bool is_table = false;  //!< separated by commas, so that fields may be empty
+
+  // Of RTKLIB's files:
+  std::optional<GnssClock> clock;  //!< the time is a date and a time of day, or week and seconds
+  bool has_minutes = false;        //!< latitude and longitude are degrees, minutes and seconds each
 };
 
 /** The names in a header, in lower case: "#timestamp [ns], x [m]" has timestamp and x. */
@@ -138,9 +143,35 @@ std::optional<PositionColumns> columnsOfHeader(const std::string& line)
   columns.time = *time;
   columns.position = {*x, *y, *z};
   columns.time_unit = unit == "ns" ? 1e-9 : unit == "us" ? 1e-6 : unit == "ms" ? 1e-3 : 0;
-  columns.is_geodetic = is_geodetic;
+  columns.axes = is_geodetic ? PositionAxes::geodetic : PositionAxes::local;
   columns.is_table = line.find(',') != std::string::npos;
   return columns;
+}
+
+/** By the line of RTKLIB's header that names the columns: clock, position, and others. */
+std::optional<PositionColumns> columnsOfRtklib(const std::string& line)
+{
+  const std::vector<NamedColumn> names = columnsIn(line);
+  if (names.size() < 4)
+  {
+    return std::nullopt;
+  }
+  PositionColumns columns;
+  columns.time_unit = 1;
+  const std::string& clock = names[0].name;
+  columns.clock = clock == "gpst"  ? std::make_optional(GnssClock::gps)
+                  : clock == "utc" ? std::make_optional(GnssClock::utc)
+                  : clock == "jst" ? std::make_optional(GnssClock::japan)
+                                   : std::nullopt;
+  const std::string& first = names[1].name;
+  columns.has_minutes = first == "latitude" && names[1].unit != "deg";
+  columns.position = {2, columns.has_minutes ? 5U : 3U, columns.has_minutes ? 8U : 4U};
+  columns.count = columns.position[2] + 1;
+  columns.axes = first == "latitude" ? PositionAxes::geodetic
+                 : first == "x-ecef" ? PositionAxes::geocentric
+                                     : PositionAxes::local;
+  const bool is_known = columns.axes != PositionAxes::local || first == "e-baseline";
+  return columns.clock && is_known ? std::make_optional(columns) : std::nullopt;
 }
 
 /** A comment may name the columns of lines with as many fields, unless these are poses of TUM or
@@ -156,6 +187,7 @@ std::optional<PositionColumns> columnsOfFile(const std::string& path)
 {
   std::ifstream file = openBinary(path);
   std::optional<PositionColumns> of_comment;
+  std::optional<PositionColumns> of_rtklib;
   std::string line;
   for (bool is_first = true; std::getline(file, line); is_first = false)
   {
@@ -177,9 +209,16 @@ std::optional<PositionColumns> columnsOfFile(const std::string& path)
     if (is_comment || line[begin] == '%')
     {
       of_comment = named ? named : of_comment;
+      const auto rtklib = is_comment ? std::nullopt : columnsOfRtklib(line);
+      of_rtklib = rtklib ? rtklib : of_rtklib;
       continue;
     }
     const std::vector<NamedColumn> fields = columnsIn(line);  // numbers, or names of other columns
+    if (of_rtklib)
+    {
+      of_rtklib->count = std::max(of_rtklib->count, fields.size());
+      return of_rtklib;
+    }
     if (of_comment && fits(*of_comment, fields.size()))
     {
       of_comment->is_table = line.find(',') != std::string::npos;
@@ -191,7 +230,7 @@ std::optional<PositionColumns> columnsOfFile(const std::string& path)
                                           { return parseNumber<double>(field.name).has_value(); });
     return is_txyz ? std::make_optional<PositionColumns>() : std::nullopt;
   }
-  return std::nullopt;
+  return of_rtklib;  // without lines
 }
 
 std::string_view withoutSpaces(std::string_view text)
@@ -202,9 +241,29 @@ std::string_view withoutSpaces(std::string_view text)
              : text.substr(begin, text.find_last_not_of(" \t\"") + 1 - begin);
 }
 
+/** Number in a column of the current line; nothing if it is missing or nan. */
 std::optional<double> numberAt(const TextFile& file, std::size_t column)
 {
-  return parseNumber<double>(withoutSpaces(file.fields()[column]));
+  const std::string_view text = withoutSpaces(file.fields()[column]);
+  const auto value = parseNumber<double>(text);
+  if (!value && !text.empty())
+  {
+    file.fail("'" + std::string(text) + "' is not a number");
+  }
+  return value && !std::isnan(*value) ? value : std::nullopt;
+}
+
+/** Angle [deg] in three columns of the current line: degrees with the sign, minutes, seconds. */
+std::optional<double> angleAt(const TextFile& file, std::size_t column)
+{
+  const auto degrees = numberAt(file, column);
+  const auto minutes = numberAt(file, column + 1);
+  const auto seconds = numberAt(file, column + 2);
+  if (!degrees || !minutes || !seconds)
+  {
+    return std::nullopt;
+  }
+  return std::copysign(std::abs(*degrees) + *minutes / 60 + *seconds / 3600, *degrees);
 }
 
 /** The position of the current line; nothing if a number of it is missing. */
@@ -213,13 +272,10 @@ std::optional<Eigen::Vector3d> positionIn(const TextFile& file, const PositionCo
   Eigen::Vector3d position;
   for (std::size_t i = 0; i < 3; ++i)
   {
-    const std::string_view text = withoutSpaces(file.fields()[columns.position[i]]);
-    const auto value = parseNumber<double>(text);
-    if (!value && !text.empty())
-    {
-      file.fail("'" + std::string(text) + "' is not a number");
-    }
-    if (!value || std::isnan(*value))
+    const bool is_angle = columns.has_minutes && i < 2;
+    const auto value =
+        is_angle ? angleAt(file, columns.position[i]) : numberAt(file, columns.position[i]);
+    if (!value)
     {
       return std::nullopt;
     }
@@ -227,6 +283,42 @@ std::optional<Eigen::Vector3d> positionIn(const TextFile& file, const PositionCo
   }
   requirePosition(file, position);
   return position;
+}
+
+/** Time stamp of the current line [s]. \param unit of the times [s]; 0: to be set by this one
+ * \throws UserError. */
+double stampIn(const TextFile& file, const PositionColumns& columns, double& unit)
+{
+  const std::string_view word = file.fields()[columns.time];
+  if (columns.clock)
+  {
+    const std::string_view second = file.fields()[columns.time + 1];
+    const auto time = unixTimeOf(word, second, *columns.clock);
+    if (!time)
+    {
+      file.fail("'" + std::string(word) + " " + std::string(second) + "' is not a time");
+    }
+    return *time;
+  }
+  const auto time = parseNumber<double>(withoutSpaces(word));
+  if (!time || !std::isfinite(*time))
+  {
+    file.fail("'" + std::string(word) + "' is not a time");
+  }
+  unit = unit > 0 ? unit : unitOfDate(*time);
+  return unit * *time;
+}
+
+/** The clock of a file's times for messages; empty if it is that of the stamps. \param first stamp
+ * [s] */
+std::string clockText(std::optional<GnssClock> clock, double first)
+{
+  if (!clock || *clock == GnssClock::utc)
+  {
+    return "";
+  }
+  const std::string ahead = std::to_string(secondsAheadOfUtc(*clock, first));
+  return (*clock == GnssClock::gps ? "GPS time, " : "Japan's time, ") + ahead + " s ahead of UTC";
 }
 }  // namespace
 
@@ -244,26 +336,19 @@ PositionFile readPositions(const std::string& path)
   }
   TextFile file = columns->is_table ? TextFile::table(path) : TextFile(path, " \t\r,;");
   PositionFile result;
-  result.is_geodetic = columns->is_geodetic;
+  result.axes = columns->axes;
   Trajectory& positions = result.positions;
   double unit = columns->time_unit;
   while (file.next())
   {
-    const bool is_header =
-        file.fields().front().substr(0, 1) == "%" || columnsOfHeader(file.line());
-    if (positions.empty() && is_header)
+    const bool is_comment = file.fields().front().substr(0, 1) == "%";
+    if (is_comment || (positions.empty() && columnsOfHeader(file.line())))
     {
       continue;
     }
     file.requireFields(columns->count, "time and position, as the first line or the header");
-    const auto time = numberAt(file, columns->time);
-    if (!time || !std::isfinite(*time))
-    {
-      file.fail("'" + std::string(file.fields()[columns->time]) + "' is not a time");
-    }
-    unit = unit > 0 ? unit : unitOfDate(*time);
+    const double stamp = stampIn(file, *columns, unit);
     const auto position = positionIn(file, *columns);
-    const double stamp = unit * *time;
     const double last = positions.empty() ? stamp : positions[positions.size() - 1].stamp;
     if (stamp < last)
     {
@@ -280,6 +365,7 @@ PositionFile readPositions(const std::string& path)
   {
     throw UserError(path + ": holds no positions");
   }
+  result.clock = clockText(columns->clock, positions[0].stamp);
   return result;
 }
 }  // namespace dyslam

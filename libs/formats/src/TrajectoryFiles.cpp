@@ -11,6 +11,7 @@
 #include <cmath>
 #include <cstddef>
 #include <fstream>
+#include <utility>
 
 #include "PoseChecks.h"
 
@@ -38,31 +39,56 @@ Pose poseFromRow(const TextFile& file, const std::vector<double>& row)
   return orthonormalised(pose);
 }
 
-/** Appends the pose of a line; a second one of the same time is left out. */
-void appendPose(const TextFile& file,
-                Trajectory& trajectory,
-                double stamp,
-                const Eigen::Vector3d& position,
-                const Eigen::Quaterniond& q)
+/** The poses of the lines of a file. */
+class TimedPoses
 {
-  if (std::abs(q.norm() - 1) > 0.02)
+ public:
+  [[nodiscard]] bool empty() const { return trajectory_.empty(); }
+  [[nodiscard]] Trajectory take() { return std::move(trajectory_); }
+
+  /** Appends the pose of the current line; a second one of the same time is left out. \throws
+   * UserError for a line that does not fit. */
+  void add(const TextFile& file,
+           double stamp,
+           const Eigen::Vector3d& position,
+           const Eigen::Quaterniond& q)
   {
-    file.fail("the quaternion's length is not 1");
-  }
-  requirePosition(file, position);
-  const double last = trajectory.empty() ? stamp : trajectory[trajectory.size() - 1].stamp;
-  if (stamp < last)
-  {
-    file.fail("the time is before that of the line before; sort the lines by time");
-  }
-  if (trajectory.empty() || stamp > last)
-  {
+    if (std::abs(q.norm() - 1) > 0.02)
+    {
+      file.fail("the quaternion's length is not 1");
+    }
+    requirePosition(file, position);
+    const double last = empty() ? stamp : trajectory_[trajectory_.size() - 1].stamp;
+    if (stamp < last)
+    {
+      file.fail("the time is before that of the line before; sort the lines by time");
+    }
+    if (!empty() && stamp == last)
+    {
+      leaveOut(file);
+      return;
+    }
     Pose pose = Pose::Identity();
     pose.linear() = q.normalized().toRotationMatrix();
     pose.translation() = position;
-    trajectory.push_back(stamp, pose);
+    trajectory_.push_back(stamp, pose);
+    left_out_ = 0;
   }
-}
+
+ private:
+  void leaveOut(const TextFile& file)
+  {
+    constexpr std::size_t most = 4;
+    if (++left_out_ > most)
+    {
+      file.fail("is the " + std::to_string(left_out_ + 1) +
+                "th line with the same time; write the times with more digits");
+    }
+  }
+
+  Trajectory trajectory_;
+  std::size_t left_out_ = 0;  //!< number of lines since the last pose, of the same time
+};
 
 /** The first line of EuRoC's csv, which names the columns: `#timestamp [ns]` or another time, three
  * of the position, then `q_RS_w []` or `qw`; empty if the first line is another. */
@@ -92,7 +118,7 @@ Trajectory readEuroc(const std::string& path, const std::string& header)
 {
   const bool in_nanoseconds = header.substr(0, header.find(',')).find("ns") != std::string::npos;
   TextFile file(path);
-  Trajectory trajectory;
+  TimedPoses poses;
   double unit = 1e-9;
   while (file.next())
   {
@@ -106,14 +132,14 @@ Trajectory readEuroc(const std::string& path, const std::string& header)
     {
       row[i] = file.number(i);
     }
-    if (trajectory.empty() && !in_nanoseconds)
+    if (poses.empty() && !in_nanoseconds)
     {
       unit = unitOfDate(row[0]);
     }
-    appendPose(file, trajectory, unit * row[0], Eigen::Vector3d(row[1], row[2], row[3]),
-               Eigen::Quaterniond(row[4], row[5], row[6], row[7]));
+    poses.add(file, unit * row[0], Eigen::Vector3d(row[1], row[2], row[3]),
+              Eigen::Quaterniond(row[4], row[5], row[6], row[7]));
   }
-  return trajectory;
+  return poses.take();
 }
 
 /** Poses of a file with a time since 1970 and KITTI's twelve numbers in each line. */
@@ -121,13 +147,13 @@ Trajectory readStampedMatrices(const std::string& path)
 {
   constexpr double first_date = 1e8;  // [s], in 1973
   TextFile file(path);
-  Trajectory trajectory;
+  TimedPoses poses;
   double unit = 1;
   while (file.next())
   {
     file.requireFields(13, "a time, then a 3x4 matrix row by row");
     const double stamp = file.number(0);
-    if (trajectory.empty())
+    if (poses.empty())
     {
       unit = unitOfDate(stamp);
       if (stamp < first_date)
@@ -139,10 +165,9 @@ Trajectory readStampedMatrices(const std::string& path)
       }
     }
     const Pose pose = poseFromRow(file, file.numbers(1));
-    appendPose(file, trajectory, unit * stamp, pose.translation(),
-               Eigen::Quaterniond(pose.linear()));
+    poses.add(file, unit * stamp, pose.translation(), Eigen::Quaterniond(pose.linear()));
   }
-  return trajectory;
+  return poses.take();
 }
 
 /** Poses at 0, 1, 2, ... */
@@ -160,20 +185,20 @@ Trajectory numbered(const std::vector<Pose>& poses)
 Trajectory readTum(const std::string& path)
 {
   TextFile file(path);
-  Trajectory trajectory;
+  TimedPoses poses;
   double unit = 1;
   while (file.next())
   {
     file.requireFields(8, "t x y z qx qy qz qw");
     const auto row = file.numbers();
-    if (trajectory.empty())
+    if (poses.empty())
     {
       unit = unitOfDate(row[0]);
     }
-    appendPose(file, trajectory, unit * row[0], Eigen::Vector3d(row[1], row[2], row[3]),
-               Eigen::Quaterniond(row[7], row[4], row[5], row[6]));
+    poses.add(file, unit * row[0], Eigen::Vector3d(row[1], row[2], row[3]),
+              Eigen::Quaterniond(row[7], row[4], row[5], row[6]));
   }
-  return trajectory;
+  return poses.take();
 }
 
 std::string tumLine(double stamp, const Pose& pose)

@@ -32,7 +32,7 @@ TEST(PositionFile, LinesOfTimeAndPosition)
     const std::string path = folder.write("a", text);
     ASSERT_TRUE(isPositionFile(path)) << text;
     const PositionFile file = readPositions(path);
-    EXPECT_FALSE(file.is_geodetic);
+    EXPECT_EQ(PositionAxes::local, file.axes);
     ASSERT_EQ(2U, file.positions.size()) << text;
     EXPECT_EQ("1.5: 10 -20 3", shown(file.positions, 0)) << text;
     EXPECT_EQ("2.5: 11 -21 3.5", shown(file.positions, 1)) << text;
@@ -53,7 +53,7 @@ TEST(PositionFile, AHeaderNamesTheColumns)
     const std::string path = folder.write("a", text);
     ASSERT_TRUE(isPositionFile(path)) << text;
     const PositionFile file = readPositions(path);
-    EXPECT_FALSE(file.is_geodetic) << text;
+    EXPECT_EQ(PositionAxes::local, file.axes) << text;
     ASSERT_EQ(1U, file.positions.size()) << text;
     EXPECT_EQ("1.5: 10 -20 3", shown(file.positions, 0)) << text;
   }
@@ -70,10 +70,114 @@ TEST(PositionFile, LatitudeAndLongitudeAreLeftAsTheyAre)
                                  "1600000002500000000,2,1600000002000000000,gps,nan,nan,nan\n"
                                  "1600000003500000000,3,1600000003000000000,gps,,,\n"
                                  "1600000004500000000,4,1600000004000000000,gps,49.1,8.6,111\n"));
-  EXPECT_TRUE(file.is_geodetic);
+  EXPECT_EQ(PositionAxes::geodetic, file.axes);
+  EXPECT_EQ("", file.clock);
   ASSERT_EQ(2U, file.positions.size()) << "without a fix there is no position";
   EXPECT_NEAR(1600000001, file.positions[0].stamp, 1e-6) << "of the measurement, not the recorder";
   EXPECT_TRUE(file.positions[1].pose.translation().isApprox(Eigen::Vector3d(49.1, 8.6, 111)));
+}
+
+/** A file of RTKLIB with one line of positions. \param columns of its header \param fields of its
+ * line, up to the quality */
+std::string rtklib(const std::string& columns, const std::string& fields)
+{
+  return "% program   : RTKPOST ver.2.4.3\n% obs start : 2024/05/18 00:00:00.0 GPST "
+         "(week2314 518400.0s)\n% ref pos   :  3654410.0348   1407752.4780   5017576.9176\n%\n"
+         "% (lat/lon/height=WGS84/ellipsoidal,Q=1:fix,2:float,5:single,ns=# of satellites)\n%  " +
+         columns + "  Q  ns   sdn(m) ratio\n" + fields + "   1   8   0.0117    2.6\n";
+}
+
+TEST(PositionFile, PositionsOfRtklib)
+{
+  const TestFolder folder;
+  struct Case
+  {
+    std::string columns;
+    std::string fields;
+    PositionAxes axes;
+    Eigen::Vector3d position;
+  };
+  const std::vector<Case> cases{{"GPST                  latitude(deg) longitude(deg)  height(m)",
+                                 "2024/05/18 00:00:01.500   52.123456789  -1.350495019    84.8600",
+                                 PositionAxes::geodetic,
+                                 {52.123456789, -1.350495019, 84.86}},
+                                {"GPST            latitude(d'\") longitude(d'\")  height(m)",
+                                 "2314 518401.500   -52 30 36.00000  -0 15 18.00000    84.8600",
+                                 PositionAxes::geodetic,
+                                 {-52.51, -0.255, 84.86}},
+                                {"GPST      x-ecef(m)      y-ecef(m)      z-ecef(m)",
+                                 "2314 518401.500   3655334.3694   1403901.2189   5018038.3221",
+                                 PositionAxes::geocentric,
+                                 {3655334.3694, 1403901.2189, 5018038.3221}},
+                                {"GPST,e-baseline(m),n-baseline(m),u-baseline(m)",
+                                 "2024/05/18 00:00:01.500,1.5,-2.5,0.25",
+                                 PositionAxes::local,
+                                 {1.5, -2.5, 0.25}}};
+  for (const Case& given : cases)
+  {
+    const std::string path = folder.write("a.pos", rtklib(given.columns, given.fields));
+    ASSERT_TRUE(isPositionFile(path)) << given.columns;
+    const PositionFile file = readPositions(path);
+    EXPECT_EQ(given.axes, file.axes) << given.columns;
+    ASSERT_EQ(1U, file.positions.size()) << given.columns;
+    EXPECT_LT((file.positions[0].pose.translation() - given.position).norm(), 1e-9)
+        << given.columns;
+    EXPECT_NEAR(1715990401.5 - 18, file.positions[0].stamp, 1e-6) << given.columns;
+    EXPECT_EQ("GPS time, 18 s ahead of UTC", file.clock) << given.columns;
+  }
+}
+
+TEST(PositionFile, TheHeaderOfRtklibNamesTheClock)
+{
+  const TestFolder folder;
+  const auto read = [&](const std::string& clock, const std::string& time)
+  {
+    return readPositions(folder.write(
+        "a.pos", rtklib(clock + "  e-baseline(m)  n-baseline(m)  u-baseline(m)", time + " 1 2 3")));
+  };
+  const std::string date = "2024/05/18 00:00:01.500";
+  EXPECT_NEAR(1715990401.5, read("UTC ", date).positions[0].stamp, 1e-6);
+  EXPECT_EQ("", read("UTC ", date).clock);
+  EXPECT_NEAR(1715990401.5 - 9 * 3600, read("JST ", date).positions[0].stamp, 1e-6);
+  EXPECT_EQ("Japan's time, 32400 s ahead of UTC", read("JST ", date).clock);
+  // Leap seconds: the last one was at the end of 2016.
+  EXPECT_NEAR(1483228800 - 1, read("GPST", "2017/01/01 00:00:16.000").positions[0].stamp, 1e-6);
+  EXPECT_NEAR(1483228800, read("GPST", "2017/01/01 00:00:18.000").positions[0].stamp, 1e-6);
+  EXPECT_NEAR(1136073600 - 13, read("GPST", "2006/01/01 00:00:00.000").positions[0].stamp, 1e-6);
+  EXPECT_NEAR(951782400, read("UTC", "2000/02/29 00:00:00.000").positions[0].stamp, 1e-6);
+}
+
+TEST(PositionFile, ErrorsInFilesOfRtklibNameTheLine)
+{
+  const TestFolder folder;
+  const std::string header = "GPST  latitude(deg) longitude(deg)  height(m)";
+  const std::string first = "2024/05/18 00:00:01.500 52 21 84";
+  const auto errorOf = [&](const std::string& second)
+  {
+    return messageOfError<UserError>(
+        [&] { (void)readPositions(folder.write("a.pos", rtklib(header, first) + second)); });
+  };
+  EXPECT_TRUE(
+      contains(errorOf("2024/05/18 00:00:02.500 52 21\n"), "a.pos:8: has 4 fields, needs 9"));
+  EXPECT_TRUE(contains(errorOf("2024/05/18 00:00:00.500 52 21 84 1 8 0.1 2.6\n"),
+                       "a.pos:8: the time is before that of the line before"));
+  EXPECT_TRUE(contains(errorOf("2024/05/18 00:00:02.500 52 2x 84 1 8 0.1 2.6\n"),
+                       "a.pos:8: '2x' is not a number"));
+  for (const std::string time :
+       {"2024/02/30 00:00:00", "2024/13/01 00:00:00", "2024/05/18 24:00:00", "2024/05/18 00:60:00",
+        "2024/05/18 00:00", "2024-05-18 00:00:00", "2024/05/18 518400", "2314 604801", "2314.5 1",
+        "nan 1", "2024/nan/18 00:00:00", "2024/05/1e400 00:00:00"})
+  {
+    EXPECT_TRUE(contains(errorOf(time + " 52 21 84 1 8 0.1 2.6\n"),
+                         "a.pos:8: '" + time + "' is not a time"));
+  }
+  const std::string more = "% a comment\n\n2024/05/18 00:00:02.500 52 21 84 1 8 0.1 2.6\n";
+  EXPECT_EQ(2U,
+            readPositions(folder.write("a.pos", rtklib(header, first) + more)).positions.size());
+  const std::string empty = folder.write("a.pos", "%  " + header + "  Q\n");
+  EXPECT_TRUE(isPositionFile(empty));
+  EXPECT_TRUE(contains(messageOfError<UserError>([&] { (void)readPositions(empty); }),
+                       "a.pos: holds no positions"));
 }
 
 TEST(PositionFile, FilesWithOrientationsAreOthers)

@@ -253,6 +253,26 @@ TEST(TrajectoryFiles, ErrorsNameFileAndLine)
   expectError([&] { writeTum(folder.file("no/such/a.txt"), {}); }, "cannot be written");
 }
 
+TEST(TrajectoryFiles, TimesWithTooFewDigitsAreAnError)
+{
+  const TestFolder folder;
+  const auto lines = [](const std::string& time, int count)
+  {
+    std::string text;
+    for (int i = 0; i < count; ++i)
+    {
+      text += time + ' ' + std::to_string(i) + " 0 0 0 0 0 1\n";
+    }
+    return text;
+  };
+  const Trajectory twice =
+      readTum(folder.write("a", lines("1", 2) + lines("2", 5) + lines("3", 5)));
+  ASSERT_EQ(3U, twice.size());
+  EXPECT_EQ(0, twice[1].pose.translation().x()) << "the first of them";
+  expectError([&] { (void)readTrajectory(folder.write("a", lines("1.7e+09", 20))); },
+              "a:6: is the 6th line with the same time; write the times with more digits");
+}
+
 TEST(TrajectoryFiles, CameraAndLidarPoses)
 {
   // The camera looks along the lidar's x; it is 0.3 m ahead of it and 0.1 m below.

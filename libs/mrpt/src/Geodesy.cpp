@@ -11,6 +11,9 @@ namespace dyslam
 {
 namespace
 {
+constexpr double wgs84_axis = 6378137;  // semi-major axis of the ellipsoid [m]
+constexpr double wgs84_flattening = 1 / 298.257223563;
+
 mrpt::topography::TGeodeticCoords coordsOf(const GeodeticPosition& position)
 {
   return {position.latitude, position.longitude, position.height};
@@ -54,6 +57,24 @@ GeodeticPosition fromEnu(const Eigen::Vector3d& enu, const GeodeticPosition& ori
   return result;
 }
 
+// Bowring (1976): below a micrometre near the surface, without iteration.
+GeodeticPosition fromGeocentric(const Eigen::Vector3d& geocentric)
+{
+  constexpr double minor_axis = wgs84_axis * (1 - wgs84_flattening);
+  constexpr double eccentricity2 = wgs84_flattening * (2 - wgs84_flattening);
+  const double from_axis = geocentric.head<2>().norm();
+  const double reduced = std::atan2(geocentric.z() * wgs84_axis, from_axis * minor_axis);
+  const double latitude =
+      std::atan2(geocentric.z() + eccentricity2 / (1 - eccentricity2) * minor_axis *
+                                      std::pow(std::sin(reduced), 3),
+                 from_axis - eccentricity2 * wgs84_axis * std::pow(std::cos(reduced), 3));
+  const double sine = std::sin(latitude);
+  const double height = from_axis * std::cos(latitude) + geocentric.z() * sine -
+                        wgs84_axis * std::sqrt(1 - eccentricity2 * sine * sine);
+  return {degrees_per_radian * latitude,
+          degrees_per_radian * std::atan2(geocentric.y(), geocentric.x()), height};
+}
+
 Pose enuInEnu(const GeodeticPosition& origin, const GeodeticPosition& other)
 {
   Pose T_other_enu = Pose::Identity();
@@ -72,13 +93,11 @@ int utmZoneOf(const GeodeticPosition& position)
 // neighbours. MRPT's conversion is centimetres off, and a metre in the south.
 UtmPosition toUtm(const GeodeticPosition& position, int zone, bool north)
 {
-  constexpr double axis = 6378137;  // WGS84 [m]
-  constexpr double flattening = 1 / 298.257223563;
   constexpr double scale = 0.9996;  // scale on the central meridian
-  constexpr double n = flattening / (2 - flattening);
+  constexpr double n = wgs84_flattening / (2 - wgs84_flattening);
   constexpr std::array<double, 3> series{n / 2 - 2 * n * n / 3 + 5 * n * n * n / 16,
                                          13 * n * n / 48 - 3 * n * n * n / 5, 61 * n * n * n / 240};
-  const double radius = scale * axis / (1 + n) * (1 + n * n / 4 + n * n * n * n / 64);
+  const double radius = scale * wgs84_axis / (1 + n) * (1 + n * n / 4 + n * n * n * n / 64);
   const double eccentricity = 2 * std::sqrt(n) / (1 + n);
   const double sine = std::sin(radians_per_degree * position.latitude);
   const double conformal =

@@ -28,6 +28,34 @@ TEST(Geodesy, EnuThereAndBack)
   EXPECT_GT(east.y(), 0);  // parallels curve towards the pole
 }
 
+TEST(Geodesy, GeocentricPositions)
+{
+  const GeodeticPosition greenwich = fromGeocentric({6378137 + 10, 0, 0});
+  EXPECT_NEAR(greenwich.latitude, 0, 1e-12);
+  EXPECT_NEAR(greenwich.longitude, 0, 1e-12);
+  EXPECT_NEAR(greenwich.height, 10, 1e-6);
+  EXPECT_NEAR(fromGeocentric({0, 0, -6356752.314245}).latitude, -90, 1e-9);
+  EXPECT_NEAR(fromGeocentric({0, 0, -6356752.314245}).height, 0, 1e-5);
+  const double axis = 6378137;
+  const double flattening = 1 / 298.257223563;
+  for (const GeodeticPosition& position :
+       {GeodeticPosition{52.2, 21.07, 141.8}, GeodeticPosition{-33.86, 151.21, 40},
+        GeodeticPosition{69.6, -120.3, 8000}})
+  {
+    const double latitude = position.latitude * M_PI / 180;
+    const double longitude = position.longitude * M_PI / 180;
+    const double eccentricity2 = flattening * (2 - flattening);
+    const double normal = axis / std::sqrt(1 - eccentricity2 * std::pow(std::sin(latitude), 2));
+    const GeodeticPosition found =
+        fromGeocentric({(normal + position.height) * std::cos(latitude) * std::cos(longitude),
+                        (normal + position.height) * std::cos(latitude) * std::sin(longitude),
+                        (normal * (1 - eccentricity2) + position.height) * std::sin(latitude)});
+    EXPECT_NEAR(found.latitude, position.latitude, 1e-10);
+    EXPECT_NEAR(found.longitude, position.longitude, 1e-10);
+    EXPECT_NEAR(found.height, position.height, 1e-6);
+  }
+}
+
 TEST(Geodesy, EnuInTheAxesOfAnotherOrigin)
 {
   const GeodeticPosition here{49.0, 8.4, 115};

@@ -129,6 +129,39 @@ TEST(RunStatistics, PointsInTheFrameOfAMapAreAWarning)
   EXPECT_EQ(statisticsOf(1, 1).frameWarning(), "") << "an odd sensor, but it drives";
 }
 
+/** Points around (x, -30) m, as of a spinning lidar. */
+Frame around(float x)
+{
+  Frame frame;
+  frame.odometry.status = MotionStatus::converged;
+  frame.motion.status = MotionStatus::converged;
+  for (int k = 0; k < 640; ++k)
+  {
+    const float azimuth = 0.0098F * static_cast<float>(k);
+    const float range = k % 100 < 50 ? 5.0F : 25.0F;
+    frame.cloud.points.emplace_back(x + range * std::cos(azimuth), range * std::sin(azimuth) - 30,
+                                    0);
+  }
+  return frame;
+}
+
+TEST(RunStatistics, PointsInTheFrameOfAMapWithAFarOriginAreAWarning)
+{
+  for (const float step : {-1.0F, 1.0F})  // towards the origin and away from it
+  {
+    RunStatistics statistics;
+    RunStatistics at_rest;  // a lidar on a mast
+    for (int i = 0; i < 25; ++i)
+    {
+      statistics.add(around(60 + step * static_cast<float>(i)));
+      at_rest.add(around(60 + (i % 2 == 0 ? step : 0)));
+    }
+    EXPECT_TRUE(hasWarning(statistics, "in the frame of a map")) << step;
+    EXPECT_EQ(statistics.verdict(), "doubtful") << step;
+    EXPECT_EQ(at_rest.frameWarning(), "") << step;
+  }
+}
+
 /** A cloud of points in one direction. */
 Frame looking(double x, const Eigen::Vector2f& direction, std::size_t points)
 {
@@ -162,6 +195,16 @@ TEST(RunStatistics, ATurnOnTheSpotIsNoMapFrame)
     frame.T_odom_vehicle.rotate(
         Eigen::AngleAxisd(static_cast<double>(turned), Eigen::Vector3d::UnitZ()));
     statistics.add(frame);
+  }
+  EXPECT_EQ(statistics.frameWarning(), "");
+}
+
+TEST(RunStatistics, ATruckThatDrivesAwayIsNoMapFrame)
+{
+  RunStatistics statistics;
+  for (int i = 0; i < 30; ++i)  // it hides all that a lidar with a narrow view sees
+  {
+    statistics.add(looking(0, {i < 10 ? 0.5F : 4.0F, 0}, 500));
   }
   EXPECT_EQ(statistics.frameWarning(), "");
 }

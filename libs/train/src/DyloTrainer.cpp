@@ -48,6 +48,30 @@ std::vector<torch::Tensor> parametersOf(const DyloNetwork& network, const DyloLo
   return parameters;
 }
 
+/** The options of a training. */
+struct DyloTrainOptions
+{
+  TrainOptions train;
+  DyloNetworkOptions network;
+  DyloLossOptions loss;
+  AugmentationOptions augmentation;
+  DataOptions data;
+
+  /** \return the effective config \throws UserError. */
+  Config load(const Config& config)
+  {
+    return loadAll(config,
+                   [this](ConfigLoader& loader)
+                   {
+                     train = loader.get<TrainOptions>("train");
+                     network = loader.get<DyloNetworkOptions>("network");
+                     loss = loader.get<DyloLossOptions>("loss");
+                     augmentation = loader.get<AugmentationOptions>("augmentation");
+                     data = loader.get<DataOptions>("data");
+                   });
+  }
+};
+
 class Trainer : public TrainingTask
 {
  public:
@@ -66,9 +90,7 @@ class Trainer : public TrainingTask
   void saveWeights() override { saveDylo(mean_, loop_->file(weights_file)); }
 
   const DyloTrainRequest& request_;
-  TrainOptions options_;
-  DataOptions data_;
-  AugmentationOptions augmentation_;
+  DyloTrainOptions options_;
   DyloNetwork network_{nullptr};
   DyloNetwork mean_{nullptr};  //!< exponential moving average of the network's weights
   DyloLoss loss_{nullptr};
@@ -84,26 +106,14 @@ class Trainer : public TrainingTask
 Trainer::Trainer(const Config& config, const DyloTrainRequest& request)
     : request_(request), device_(deviceNamed(request.device, "--device"))
 {
-  DyloNetworkOptions shape;
-  DyloLossOptions loss;
-  const Config effective = loadAll(config,
-                                   [&](ConfigLoader& loader)
-                                   {
-                                     options_ = loader.get<TrainOptions>("train");
-                                     shape = loader.get<DyloNetworkOptions>("network");
-                                     loss = loader.get<DyloLossOptions>("loss");
-                                     augmentation_ =
-                                         loader.get<AugmentationOptions>("augmentation");
-                                     data_ = loader.get<DataOptions>("data");
-                                   });
-
-  useTorchThreads(options_.threads);
-  torch::manual_seed(static_cast<std::uint64_t>(options_.seed));
-  batch_.fill(std::vector<PreparedDyloPair>(static_cast<std::size_t>(options_.batch)));
-  terms_.resize(static_cast<std::size_t>(options_.batch));
-  network_ = DyloNetwork(shape);
-  mean_ = DyloNetwork(shape);
-  loss_ = DyloLoss(loss);
+  const Config effective = options_.load(config);
+  useTorchThreads(options_.train.threads);
+  torch::manual_seed(static_cast<std::uint64_t>(options_.train.seed));
+  batch_.fill(std::vector<PreparedDyloPair>(static_cast<std::size_t>(options_.train.batch)));
+  terms_.resize(static_cast<std::size_t>(options_.train.batch));
+  network_ = DyloNetwork(options_.network);
+  mean_ = DyloNetwork(options_.network);
+  loss_ = DyloLoss(options_.loss);
   network_->to(device_);
   mean_->to(device_);
   copyWeights(*mean_, *network_, "");
@@ -111,17 +121,17 @@ Trainer::Trainer(const Config& config, const DyloTrainRequest& request)
 
   loop_ = std::make_unique<TrainingLoop>(loopSetup(), *this);
   loadWeights();
-  const std::string base = dataFolder(data_.base, "[data] base");
-  const DataSplits splits = DataSplits::load(data_.splits, "[data] splits");
-  validation_ = loadRecordings(data_.validation, base, splits, Split::validation);
-  for (const std::string& item : listItems(data_.simulated_validation, '|'))
+  const std::string base = dataFolder(options_.data.base, "[data] base");
+  const DataSplits splits = DataSplits::load(options_.data.splits, "[data] splits");
+  validation_ = loadRecordings(options_.data.validation, base, splits, Split::validation);
+  for (const std::string& item : listItems(options_.data.simulated_validation, '|'))
   {
     validation_.push_back(simulateRecording(item, splits));
   }
   if (!request.validate_only)
   {
-    source_ = makeDyloPairSource(data_, augmentation_, base, splits,
-                                 static_cast<std::uint64_t>(options_.seed));
+    source_ = makeDyloPairSource(options_.data, options_.augmentation, base, splits,
+                                 static_cast<std::uint64_t>(options_.train.seed));
     makeFolder(request.output, "choose another --output");
     writeWhole(request.output + "/effective.ini", effective.toIni());
   }
@@ -138,21 +148,21 @@ TrainingLoopSetup Trainer::loopSetup() const
       "last_stage_m";
   setup.validation_header =
       "step,recording,start,t_mean_m,t_rmse_m,r_mean_deg,r_rmse_deg,forward_ratio";
-  setup.steps = options_.steps;
-  setup.batch = options_.batch;
-  setup.threads = options_.threads;
-  setup.rate = options_.rate;
-  setup.ema_decay = options_.ema_decay;
-  setup.clip = options_.clip;
-  setup.validate_every = options_.validate_every;
-  setup.checkpoint_minutes = options_.checkpoint_minutes;
+  setup.steps = options_.train.steps;
+  setup.batch = options_.train.batch;
+  setup.threads = options_.train.threads;
+  setup.rate = options_.train.rate;
+  setup.ema_decay = options_.train.ema_decay;
+  setup.clip = options_.train.clip;
+  setup.validate_every = options_.train.validate_every;
+  setup.checkpoint_minutes = options_.train.checkpoint_minutes;
   setup.network_prefix = "network.";
   setup.network = network_.ptr();
   setup.mean = mean_.ptr();
   setup.loss = loss_.ptr();
   setup.optimizer = std::make_shared<torch::optim::Adam>(
       parametersOf(network_, loss_),
-      torch::optim::AdamOptions(options_.rate.learning_rate).betas({0.9, 0.999}));
+      torch::optim::AdamOptions(options_.train.rate.learning_rate).betas({0.9, 0.999}));
   return setup;
 }
 
@@ -194,8 +204,8 @@ void Trainer::preparePair(std::int64_t step, std::size_t pair)
 {
   std::vector<PreparedDyloPair>& batch = batch_[static_cast<std::size_t>(step % 2)];
   const std::uint64_t index = static_cast<std::uint64_t>(step) * batch.size() + pair;
-  batch[pair] = prepareDyloPair(source_->pair(index), options_.perturbed_starts,
-                                static_cast<std::uint64_t>(options_.seed), index, device_);
+  batch[pair] = prepareDyloPair(source_->pair(index), options_.train.perturbed_starts,
+                                static_cast<std::uint64_t>(options_.train.seed), index, device_);
 }
 
 void Trainer::backward(std::int64_t step, std::size_t number, std::size_t copy)
@@ -207,7 +217,7 @@ void Trainer::backward(std::int64_t step, std::size_t number, std::size_t copy)
                                        PoseTensors::from(pair.start, options));
   DyloLossImpl::Terms terms = copies_[copy].loss->forward(
       stages, pair.scan1, PoseTensors::from(pair.T_2_1, options), pair.labels);
-  (terms.total / options_.batch).backward();
+  (terms.total / options_.train.batch).backward();
   for (torch::Tensor* term :
        {&terms.total, &terms.pose, &terms.flow, &terms.precision, &terms.moving, &terms.final_pose})
   {
@@ -238,7 +248,7 @@ void Trainer::run()
 
 void Trainer::log(double gradient)
 {
-  if (loop_->step() % options_.report_every != 0)
+  if (loop_->step() % options_.train.report_every != 0)
   {
     return;
   }
@@ -268,7 +278,7 @@ void Trainer::log(double gradient)
   appendRows(loop_->file(log_file), {row.str()});
   char line[200];
   std::snprintf(line, sizeof line, "step %lld/%d  loss %.3f  t %.3f -> %.4f m  |g| %.2f  ",
-                static_cast<long long>(loop_->step()), options_.steps, loss, first_error,
+                static_cast<long long>(loop_->step()), options_.train.steps, loss, first_error,
                 last_error, gradient);
   request_.report(line + loop_->timing());
 }
@@ -279,7 +289,7 @@ void Trainer::validate()
   {
     return;
   }
-  useTorchThreads(options_.threads);
+  useTorchThreads(options_.train.threads);
   if (!request_.mask_folder.empty())
   {
     makeFolder(request_.mask_folder);
@@ -352,5 +362,10 @@ void Trainer::startFrom(const std::string& path)
 void trainDylo(const Config& config, const DyloTrainRequest& request)
 {
   Trainer(config, request).run();
+}
+
+Config dyloTrainDefaults()
+{
+  return DyloTrainOptions().load(Config());
 }
 }  // namespace dyslam

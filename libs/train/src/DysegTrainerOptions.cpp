@@ -88,4 +88,22 @@ void DysegTrainerOptions::describe(OptionsVisitor& v)
             "pairs computed at a time, each in a thread; in validation, threads of the network");
   v.integer("seed", seed, 0, 2000000000, "random seed of weights and data");
 }
+
+Config DysegTrainerSetup::load(const Config& config)
+{
+  return loadAll(config,
+                 [this](ConfigLoader& loader)
+                 {
+                   train = loader.get<DysegTrainerOptions>("train");
+                   network = loader.get<DysegNetworkOptions>("network");
+                   grid = loader.get<BevOptions>("grid");
+                   augmentation = loader.get<DysegAugmentOptions>("augmentation");
+                   loss = loader.get<DysegLossOptions>("loss");
+                 });
+}
+
+Config dysegTrainDefaults()
+{
+  return DysegTrainerSetup().load(Config());
+}
 }  // namespace dyslam

@@ -1,10 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <dyslam/nets/DyloNetworkOptions.h>
-#include <dyslam/train/Augmentation.h>
-#include <dyslam/train/DyloLoss.h>
+#include <dyslam/train/DyloTrainer.h>
 #include <gtest/gtest.h>
 
-#include "DyloTrainOptions.h"
 #include "HelpTexts.h"
 
 namespace dyslam
@@ -13,12 +10,7 @@ namespace
 {
 TEST(HelpTexts, ThoseOfTheTrainingOfDyloReadAlone)
 {
-  Config config;
-  save(TrainOptions(), config, "train");
-  save(DataOptions(), config, "data");
-  save(DyloNetworkOptions(), config, "network");
-  save(DyloLossOptions(), config, "loss");
-  save(AugmentationOptions(), config, "augmentation");
+  const Config config = dyloTrainDefaults();
   EXPECT_EQ(std::vector<std::string>(), unclearHelpTexts(config.toIni()));
   EXPECT_EQ(std::vector<std::string>(), longNumbers(config.toIni()));
 }

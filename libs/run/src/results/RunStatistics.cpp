@@ -44,24 +44,36 @@ std::string adviceFor(FailureCause cause, const std::string& ini, const std::str
                                 sensors);
 }
 
-/** Mean of the unit vectors from the vehicle to points, seen from above: near zero for a spinning
- * lidar, whatever is around it. */
-Eigen::Vector2d meanDirection(const std::vector<Eigen::Vector3f>& points)
+View viewOf(const std::vector<Eigen::Vector3f>& points)
 {
   constexpr std::size_t stride = 16;
-  Eigen::Vector2d sum = Eigen::Vector2d::Zero();
+  constexpr double near = 10;  // [m]
+  constexpr double min_share_near = 0.05;
+  View view;
   double count = 0;
+  double count_near = 0;
+  double squares = 0;  // sum of the squared distances from the vehicle [m^2]
   for (std::size_t i = 0; i < points.size(); i += stride)
   {
-    const Eigen::Vector2d direction = points[i].head<2>().cast<double>();
-    const double distance = direction.norm();
+    const Eigen::Vector2d point = points[i].head<2>().cast<double>();
+    const double distance = point.norm();
     if (distance > 0)
     {
-      sum += direction / distance;
+      view.direction += point / distance;
+      view.centre += point;
+      squares += distance * distance;
       count += 1;
+      count_near += distance < near ? 1 : 0;
     }
   }
-  return count > 0 ? Eigen::Vector2d(sum / count) : sum;
+  if (count > 0)
+  {
+    view.direction /= count;
+    view.centre /= count;
+    view.spread = std::sqrt(std::max(0.0, squares / count - view.centre.squaredNorm()));
+    view.has_near = count_near >= min_share_near * count;
+  }
+  return view;
 }
 }  // namespace
 
@@ -85,18 +97,28 @@ Reasons::Kind Reasons::mostFrequent() const
   return most == kinds_.end() ? Kind() : most->second;
 }
 
+bool View::differsFrom(const View& other) const
+{
+  constexpr double other_direction = 0.5;
+  constexpr double other_place = 0.5;  // times the spread
+  // What passes a lidar hides what is behind it, which moves the centre of the points; without
+  // points near the vehicle nothing passes, and the vehicle is far from the origin of a map.
+  const bool is_far = !has_near && !other.has_near;
+  return (direction - other.direction).norm() > other_direction ||
+         (is_far && (centre - other.centre).norm() > other_place * other.spread);
+}
+
 void Views::add(const std::vector<Eigen::Vector3f>& cloud)
 {
   constexpr std::size_t many_more = 2;  // times the points
-  constexpr double another_view = 0.5;
-  const Eigen::Vector2d view = meanDirection(cloud);
+  const View view = viewOf(cloud);
   if (cloud.size() > many_more * first_points)
   {
     first = view;
     first_points = cloud.size();
     shifted = 0;
   }
-  shifted += !cloud.empty() && (view - first).norm() > another_view ? 1U : 0U;
+  shifted += !cloud.empty() && view.differsFrom(first) ? 1U : 0U;
 }
 
 void RunStatistics::add(const Frame& frame)
@@ -252,9 +274,8 @@ std::string RunStatistics::frameWarning() const
   {
     return {};
   }
-  return "the vehicle is at rest, but sees the points in other directions than at first: they seem "
-         "to be in the frame of a map, where nothing moves; the scans must be in the frame of the "
-         "lidar";
+  return "the vehicle is at rest, but sees the points elsewhere than at first: they seem to be in "
+         "the frame of a map, where nothing moves; the scans must be in the frame of the lidar";
 }
 
 std::string RunStatistics::failure(const std::string& ini, const MotionSensorOptions& sensors) const

@@ -38,14 +38,28 @@ class Reasons
   std::size_t total_ = 0;
 };
 
-/** The directions in which a vehicle sees the points of its clouds, from above. */
+/** Where a vehicle sees the points of a cloud, from above. */
+struct View
+{
+  /** Mean of the unit vectors to the points: near zero for a spinning lidar, whatever is around it.
+   */
+  Eigen::Vector2d direction = Eigen::Vector2d::Zero();
+  Eigen::Vector2d centre = Eigen::Vector2d::Zero();  //!< mean of the points, vehicle frame [m]
+  double spread = 0;                                 //!< RMS distance of the points from it [m]
+  bool has_near = false;  //!< a share of the points is near the vehicle, as of lidars on it
+
+  /** Whether another view is so different that a lidar at rest has not seen both. */
+  [[nodiscard]] bool differsFrom(const View& other) const;
+};
+
+/** The views of the clouds of a run. */
 struct Views
 {
-  /** Mean of the unit vectors to the points of the first cloud, or of the first one after it with
-   * more than twice its points: the first may be empty or a part of a revolution. */
-  Eigen::Vector2d first = Eigen::Vector2d::Zero();
+  /** View of the first cloud, or of the first one after it with more than twice its points: the
+   * first may be empty or a part of a revolution. */
+  View first;
   std::size_t first_points = 0;  //!< number of points of that cloud
-  std::size_t shifted = 0;       //!< number of clouds since then with another mean
+  std::size_t shifted = 0;       //!< number of clouds since then whose view differs
 
   /** \param cloud points, vehicle frame [m] */
   void add(const std::vector<Eigen::Vector3f>& cloud);
@@ -75,7 +89,7 @@ struct RunStatistics
   [[nodiscard]] std::string directionWarning() const;
 
   /** The warning that the points seem to be in the frame of a map: the vehicle was at rest all the
-   * time, but the directions in which it sees points change; empty if they do not. */
+   * time, but sees points elsewhere than at first; empty if it does not. */
   [[nodiscard]] std::string frameWarning() const;
 
   /** Why the result is unusable, if more than half of the scans could not be registered; else

@@ -12,19 +12,24 @@
 
 namespace dyslam
 {
+/** A trajectory whose map is evaluated. */
+struct MapSelfTrajectory
+{
+  std::string path;        //!< TUM or KITTI file
+  bool of_lidar = false;   //!< the poses are those of the lidar, not of the vehicle
+  double time_offset = 0;  //!< added to the time stamps of the poses (TUM) [s]
+};
+
 /** Arguments of `dyslam-eval map --self`. */
 struct MapSelfArguments
 {
   std::string rawlog;
-  std::string config;                     //!< ini with a section [preprocess]; empty: defaults
-  std::vector<std::string> trajectories;  //!< TUM or KITTI files
+  std::string config;  //!< ini with a section [preprocess]; empty: defaults
+  std::vector<MapSelfTrajectory> trajectories;
   RawlogSourceOptions source;
   MapQualityOptions quality;
   std::size_t points = 20000;  //!< number of map points whose neighbourhoods are evaluated
   double tolerance = 0.01;     //!< tolerance of time stamps where a pose cannot be interpolated [s]
-  /** Of each trajectory: the poses are those of the lidar, not of the vehicle. Without an entry:
-   * of the vehicle. */
-  std::vector<bool> of_lidar;
 };
 
 /** Sharpness of the map of one trajectory. */
@@ -36,7 +41,8 @@ struct MapSelfScores
 
 /** Scores of each trajectory, over the same scans and points. The recording is read twice: first
  * points are chosen, independently of the trajectories, then the map is streamed. \param listener
- * shows the progress of each reading \throws UserError for files that cannot be used together. */
+ * shows the progress of each reading, and is warned if many scans lack a pose or no point has a
+ * value \throws UserError for files that cannot be used together. */
 [[nodiscard]] std::vector<MapSelfScores> evaluateMapSelf(const MapSelfArguments& a,
                                                          MapListener& listener);
 

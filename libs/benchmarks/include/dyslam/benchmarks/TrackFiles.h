@@ -39,8 +39,9 @@ struct TrackData
  * points per box). Boxes that the selection does not count are marked as ignored, those before its
  * first frame removed.
  * \param selection its defaults are replaced by the values for this ground truth.
- * \param note called if the rawlog is damaged, and if poses or labels are missing that the
- * selection needs \throws UserError for files that are missing or cannot be read. */
+ * \param note called if the rawlog is damaged, if its scans have no poses, and if poses or labels
+ * are missing that the selection needs \throws UserError for files that are missing or cannot be
+ * read. */
 [[nodiscard]] TrackData readTruth(const std::string& folder,
                                   TrackSelection& selection,
                                   const NoteSink& note);

@@ -34,9 +34,10 @@ struct PoseReading
 };
 
 /** Pairs the poses of two files (TUM or KITTI): by time if both have time stamps, else by line. The
- * reference may be a PositionFile; the estimated poses are then those of its body, and latitude and
- * longitude become east, north, up from the first position.
- * \param note called if the pairs are few or the files differ in length \throws UserError for files
+ * reference may be a PositionFile; the estimated poses are then those of its body, and geodetic or
+ * geocentric positions become east, north, up from the first one.
+ * \param note called if the pairs are few, the files differ in length or times were converted to
+ * UTC \throws UserError for files
  * that cannot be read, without poses or with fewer than two pairs, for a tolerance, an offset or
  * times given with a file without time stamps, and for what needs orientations if the reference has
  * none. */

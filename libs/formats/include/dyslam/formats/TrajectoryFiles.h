@@ -19,7 +19,8 @@ enum class TrajectoryFormat
 // format says. Rotations are made orthonormal; one that is no rotation at all is an error.
 
 /** Reads a TUM file: lines of `t x y z qx qy qz qw` in order of time; of several with the same time
- * the first counts. Times since 1970 may be in ms, us or ns. \return stamps in s */
+ * the first counts; more than five, as of times with too few digits, are an error. Times since 1970
+ * may be in ms, us or ns. \return stamps in s */
 [[nodiscard]] Trajectory readTum(const std::string& path);
 /** A line of a TUM file: t with 9 decimals, the other numbers with 12 significant digits. */
 [[nodiscard]] std::string tumLine(double stamp, const Pose& pose);

@@ -12,6 +12,10 @@ namespace dyslam
 /** Inverse of toEnu(). \param enu east, north, up [m] */
 [[nodiscard]] GeodeticPosition fromEnu(const Eigen::Vector3d& enu, const GeodeticPosition& origin);
 
+/** The position with geocentric coordinates. \param geocentric x to the equator at Greenwich, z to
+ * the north pole, from the centre of the earth (ECEF, WGS84) [m] */
+[[nodiscard]] GeodeticPosition fromGeocentric(const Eigen::Vector3d& geocentric);
+
 /** Pose of the east-north-up axes of one origin relative to those of another. */
 [[nodiscard]] Pose enuInEnu(const GeodeticPosition& origin, const GeodeticPosition& other);
 

@@ -33,4 +33,7 @@ struct DyloTrainRequest
  * give the same weights on one CPU thread, stopped and resumed or not.
  * \throws UserError. */
 void trainDylo(const Config& config, const DyloTrainRequest& request);
+
+/** Every setting of trainDylo() with its default. */
+[[nodiscard]] Config dyloTrainDefaults();
 }  // namespace dyslam

@@ -80,7 +80,13 @@ struct DysegTrainerSetup
   DysegAugmentOptions augmentation;
   DysegLossOptions loss;
   std::string device = "cpu";  //!< cpu or cuda; the data are prepared on the CPU
+
+  /** Loads the options. \return the effective config \throws UserError. */
+  Config load(const Config& config);
 };
+
+/** Every setting of DySeg's training with its default. */
+[[nodiscard]] Config dysegTrainDefaults();
 
 /** What the user states about weights that are validated; nothing where the weights decide. */
 struct GivenDysegShape
