@@ -357,15 +357,28 @@ TEST_F(RunPageInBrowser, SaysThatSatellitePositionsCorrectTheDriftAndHowLargeThe
 }
 
 /** As ms_per_scan of report.json. */
-TEST_F(RunPageInBrowser, CheckpointsAreNoStages)
+TEST_F(RunPageInBrowser, CheckpointsAreNoStagesAndAPriorMapCorrectsTheDrift)
 {
   RunPage page = smallRun();
+  page.loops.clear();
+  page.loops_left_out = 0;
+  page.prior_map.emplace();
+  page.prior_map->localised = true;
+  page.prior_map->path_length = 12.3;
+  page.prior_map->tried = 93;
+  page.prior_map->registered = 90;
+  page.prior_map->rmse = 0.03;
   page.stage_ms = {{"refine", 20.3}, {"map", 10}, {"checkpoint.back_end", 7}};
   browser().open(written(page, "checkpoints.html"));
   ASSERT_TRUE(browser().waitFor(all_drawn)) << browser().errors();
   EXPECT_NE(textOf("summary").find("The stages took 30.3 ms per scan"), std::string::npos)
       << textOf("summary");
   EXPECT_NE(textOf("times").find("checkpoint.back_end"), std::string::npos);
+  EXPECT_NE(textOf("summary").find("Localised in a prior map after 12.3 m; 90 of 93 keyframes "
+                                   "within it were registered to it (RMSE 0.030 m)."),
+            std::string::npos)
+      << textOf("summary");
+  EXPECT_EQ(textOf("summary").find("nothing corrects the drift"), std::string::npos);
 }
 
 TEST_F(RunPageInBrowser, HasAWordForARunWithoutScans)

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/backend/factors/GnssFactor.h>
 #include <dyslam/backend/factors/GravityFactor.h>
+#include <dyslam/backend/factors/LocalisationFactor.h>
 #include <dyslam/backend/factors/LoopFactor.h>
 #include <dyslam/backend/factors/ObjectMotionFactor.h>
 #include <dyslam/backend/factors/ObservationFactor.h>
@@ -117,6 +118,12 @@ TEST(LoopFactor, JacobiansMatchNumericalDerivatives)
 {
   checkRelativePoses([](const Pose& T, const Matrix6& information)
                      { return std::make_unique<LoopFactor>(3, 40, T, information); });
+}
+
+TEST(LocalisationFactor, JacobiansMatchNumericalDerivatives)
+{
+  checkRelativePoses([](const Pose& T, const Matrix6& information)
+                     { return std::make_unique<LocalisationFactor>(3, T, information); });
 }
 
 TEST(ObservationFactor, JacobiansMatchNumericalDerivatives)
@@ -267,6 +274,9 @@ TEST(Factor, KeysAndKindsAreTold)
   EXPECT_EQ(SmoothMotionFactor(7, 11, 12, one).kind(), FactorKind::smooth_motion);
   EXPECT_EQ(LoopFactor(0, 9, Pose::Identity(), one).kind(), FactorKind::loop);
   EXPECT_EQ(OdometryFactor(0, 1, Pose::Identity(), one).kind(), FactorKind::odometry);
+  const LocalisationFactor localised(2, Pose::Identity(), one);
+  EXPECT_EQ(localised.kind(), FactorKind::localisation);
+  EXPECT_EQ(toString(localised.keys()[0]) + " " + toString(localised.keys()[1]), "m x2");
   const ObservationFactor seen(2, Key::staticObject(4, 1), Pose::Identity(), one);
   EXPECT_EQ(seen.kind(), FactorKind::observation);
   EXPECT_EQ(toString(seen.keys()[0]) + " " + toString(seen.keys()[1]), "x2 s4#1");

@@ -3,8 +3,11 @@
 #include <dyslam/core/Pose.h>
 
 #include <Eigen/SVD>
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <sstream>
+#include <vector>
 
 namespace dyslam
 {
@@ -188,6 +191,23 @@ std::string poseText(const Pose& pose)
                 millionths(t.y()), millionths(t.z()), millionths(angles.x()),
                 millionths(angles.y()), millionths(angles.z()));
   return text;
+}
+
+std::optional<Pose> poseFromText(std::string text)
+{
+  std::replace(text.begin(), text.end(), ',', ' ');
+  std::istringstream words(text);
+  std::vector<double> v;
+  for (double value = 0; words >> value;)
+  {
+    v.push_back(value);
+  }
+  if (!words.eof() || v.size() != 6)
+  {
+    return std::nullopt;
+  }
+  constexpr double rad = radians_per_degree;
+  return poseFromYpr(v[0], v[1], v[2], rad * v[3], rad * v[4], rad * v[5]);
 }
 
 Pose orthonormalised(const Pose& pose)

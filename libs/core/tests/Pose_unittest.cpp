@@ -96,6 +96,18 @@ TEST(Pose, TextIsThatOfOptions)
             poseText(poseFromYpr(0.8, 0.1, 1.7, 3.14159265, 0.1, -3e-18)));
 }
 
+TEST(Pose, IsReadFromItsText)
+{
+  const Pose pose = poseFromYpr(1, -2.5, 0.25, 0.5, -0.1, 0.02);
+  ASSERT_TRUE(poseFromText(poseText(pose)));
+  EXPECT_TRUE(poseFromText(poseText(pose))->isApprox(pose, 1e-6));
+  EXPECT_TRUE(poseFromText("1,-2.5, 0 90 0 0")->isApprox(poseFromYpr(1, -2.5, 0, M_PI / 2, 0, 0)));
+  for (const char* other : {"", "1 2 3 4 5", "1 2 3 4 5 6 7", "1 2 3 4 5 six", "here"})
+  {
+    EXPECT_FALSE(poseFromText(other)) << other;
+  }
+}
+
 TEST(Pose, InterpolationKeepsEndsAndMiddle)
 {
   const Pose a = poseFromYpr(0, 0, 0, 0, 0, 0);

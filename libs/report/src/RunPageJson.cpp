@@ -326,6 +326,21 @@ void addEarth(const RunPage& page, Json& json)
   }
 }
 
+/** How the run fits the prior map; null without one. */
+void addPriorMap(const RunPage& page, Json& json)
+{
+  json["prior_map"] = Json();
+  if (page.prior_map)
+  {
+    const PriorMapFit& fit = *page.prior_map;
+    json["prior_map"] = {{"localised", fit.localised},
+                         {"path_length", rounded(fit.path_length, 0.1)},
+                         {"keyframes", fit.tried},
+                         {"registered", fit.registered},
+                         {"rmse", rounded(fit.rmse, 0.001)}};
+  }
+}
+
 Json objectJson(const PageObject& object)
 {
   Json json{{"id", object.id}, {"class", toString(object.object_class)}};
@@ -449,6 +464,7 @@ nlohmann::ordered_json runPageJson(const RunPage& page,
   json["keyframes"] = keyframesJson(page, max_scans);
   json["further_lidars"] = furtherLidarsJson(page);
   addEarth(page, json);
+  addPriorMap(page, json);
   addTrajectories(page, step, max_scans, json);
   const auto lengths = page.trajectory.pathLengths();
   json["length"] = rounded(lengths.empty() ? 0 : lengths.back(), 0.01);

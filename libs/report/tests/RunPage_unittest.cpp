@@ -217,6 +217,25 @@ TEST(RunPage, HasWhatSatellitePositionsAndAccelerationsShow)
   EXPECT_EQ(json["gravity"]["tilt_deg"], 2.0);
 }
 
+TEST(RunPage, HasHowTheRunFitsThePriorMap)
+{
+  RunPage page = smallRun();
+  EXPECT_TRUE(dataOf(renderRunPage(page, page_template))["prior_map"].is_null());
+  page.prior_map.emplace();
+  EXPECT_EQ(dataOf(renderRunPage(page, page_template))["prior_map"]["localised"], false);
+  page.prior_map->localised = true;
+  page.prior_map->path_length = 12.34;
+  page.prior_map->tried = 93;
+  page.prior_map->registered = 90;
+  page.prior_map->rmse = 0.0304;
+  const auto json = dataOf(renderRunPage(page, page_template))["prior_map"];
+  EXPECT_EQ(json["localised"], true);
+  EXPECT_EQ(json["path_length"], 12.3);
+  EXPECT_EQ(json["keyframes"], 93);
+  EXPECT_EQ(json["registered"], 90);
+  EXPECT_EQ(json["rmse"], 0.03);
+}
+
 TEST(RunPage, CountsTheScansOfFurtherLidars)
 {
   RunPage page = smallRun();

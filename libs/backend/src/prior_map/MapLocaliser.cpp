@@ -9,7 +9,6 @@
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
-#include <sstream>
 #include <utility>
 
 #include "loops/LoopCandidates.h"
@@ -43,23 +42,6 @@ constexpr std::size_t earlier = 100;  // keyframes that are registered backwards
 constexpr double least_observability_of_place = 0.02;
 constexpr double least_observability = 0.002;  // of a fix that constrains all directions
 constexpr double weak_sigma = 1;               // sigma of a direction that is not constrained [m]
-
-Pose startFrom(const std::string& text)
-{
-  std::istringstream words(text);
-  std::vector<double> v;
-  for (double value = 0; words >> value;)
-  {
-    v.push_back(value);
-  }
-  if (!words.eof() || v.size() != 6)
-  {
-    throw UserError("prior_map.start '" + text +
-                    "': six numbers are needed: x y z [m] yaw pitch roll [deg]");
-  }
-  constexpr double rad = radians_per_degree;
-  return poseFromYpr(v[0], v[1], v[2], rad * v[3], rad * v[4], rad * v[5]);
-}
 
 /** The pose without roll and pitch. */
 Pose upright(const Pose& T)
@@ -135,9 +117,11 @@ MapLocaliser::MapLocaliser(const PriorMapOptions& options,
                            const KeyframeStore& keyframes)
     : options_(options), map_(map, options.range), keyframes_(keyframes)
 {
-  if (!options_.start.empty())
+  start_ = poseFromText(options_.start);
+  if (!start_ && !options_.start.empty())
   {
-    start_ = startFrom(options_.start);
+    throw UserError("prior_map.start '" + options_.start +
+                    "': six numbers are needed: x y z [m] yaw pitch roll [deg]");
   }
 }
 

@@ -1,14 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "ConversionOutput.h"
 
-#include <dyslam/base/Angle.h>
 #include <dyslam/base/Error.h>
 #include <dyslam/base/Files.h>
 #include <dyslam/formats/ExternalFiles.h>
 #include <dyslam/io/OptionError.h>
 
 #include <filesystem>
-#include <sstream>
+#include <optional>
 
 namespace dyslam
 {
@@ -56,29 +55,19 @@ std::optional<Pose> truePoseAt(const Trajectory& truth, double stamp)
   return truth.at(stamp, truth_max_gap);
 }
 
-Pose poseFromOption(const std::string& option, std::string text)
+Pose poseFromOption(const std::string& option, const std::string& text)
 {
   if (text.empty())
   {
     return Pose::Identity();
   }
-  for (char& c : text)
-  {
-    c = c == ',' ? ' ' : c;
-  }
-  std::istringstream words(text);
-  std::vector<double> v;
-  for (double value = 0; words >> value;)
-  {
-    v.push_back(value);
-  }
-  if (!words.eof() || v.size() != 6)
+  const std::optional<Pose> pose = poseFromText(text);
+  if (!pose)
   {
     throw UserError(option + " '" + text +
                     "': six numbers are needed: x y z [m] yaw pitch roll [deg]");
   }
-  constexpr double rad = radians_per_degree;
-  return poseFromYpr(v[0], v[1], v[2], rad * v[3], rad * v[4], rad * v[5]);
+  return *pose;
 }
 
 std::string emptyRange(const ScanRange& range)

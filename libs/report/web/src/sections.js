@@ -14,15 +14,17 @@ function kindsInWords(objects) {
 }
 
 /** What loops were found, and what they and satellite positions did. */
-function loopsInWords({totals, georeference}) {
+function loopsInWords({totals, georeference, prior_map: prior}) {
   const {loops, loops_left_out: rejected, correction} = totals;
   const fixes = georeference && georeference.fused ? georeference.fixes : 0;
   const moved = `moved the trajectory by up to ${fixed(correction, 2)} m.`;
   if (loops === 0) {
     const none = rejected === 0 ? 'No place was recognised a second time (no loops)' :
         `${count(rejected, 'loop')} left out, as they contradict the odometry or each other`;
-    return fixes === 0 ? `${none}, so nothing corrects the drift of the odometry.` :
-        `${none}. ${count(fixes, 'satellite position')} ${moved}`;
+    if (fixes === 0) {
+      return prior && prior.localised ? `${none}.` : `${none}, so nothing corrects the drift of the odometry.`;
+    }
+    return `${none}. ${count(fixes, 'satellite position')} ${moved}`;
   }
   const found = `${count(loops, 'loop')}: places recognised a second time. ` +
       (fixes === 0 ? `They ${moved}` : `They and ${count(fixes, 'satellite position')} ${moved}`);
@@ -45,6 +47,13 @@ function earthInWords({georeference, gravity}) {
         (gravity.levelled ? '; the map was levelled.' : '.'));
   }
   return result;
+}
+
+/** How the run fits a prior map; nothing without one, or if it was not localised, which a warning says. */
+function priorMapInWords({prior_map: prior}) {
+  return !prior || !prior.localised ? [] :
+      [`Localised in a prior map after ${fixed(prior.path_length, 1)} m; ${prior.registered.toLocaleString('en')} of ` +
+          `${count(prior.keyframes, 'keyframe')} within it were registered to it (RMSE ${fixed(prior.rmse, 3)} m).`];
 }
 
 /** Where the ground truth is from, in brackets. */
@@ -74,7 +83,7 @@ function sentences(data) {
       'The motion of every scan was found by registration.' :
       `${lost} of ${count(n, 'scan')} could not be registered (crosses in the plots): their motion was predicted ` +
       'from the motion before. The first scan of a recording that starts in motion is often among them.');
-  result.push(loopsInWords(data), ...earthInWords(data));
+  result.push(...priorMapInWords(data), loopsInWords(data), ...earthInWords(data));
   result.push(data.objects.length === 0 ? 'No moving object was tracked.' :
       `${count(data.objects.length, 'moving object')} tracked: ${kindsInWords(data.objects)}.`);
   const final = data.errors.find((e) => e.name === 'final');

@@ -110,6 +110,7 @@ class PageOutput : public RunOutput
     page.loops_left_out = results.report.loops_left_out;
     page.georeference = results.report.georeference;
     page.gravity = results.report.gravity;
+    page.prior_map = results.report.prior_map;
     page.objects = objectsOf(results);
     if (results.map != nullptr)
     {

@@ -3,6 +3,7 @@
 
 #include <Eigen/Core>
 #include <Eigen/Geometry>
+#include <optional>
 #include <string>
 
 namespace dyslam
@@ -43,6 +44,8 @@ using Matrix6 = Eigen::Matrix<double, 6, 6>;
 [[nodiscard]] Eigen::Vector3d yawPitchRoll(const Pose& pose);
 /** "x y z yaw pitch roll" [m, deg] to a millionth, as options such as --sensor-pose take a pose. */
 [[nodiscard]] std::string poseText(const Pose& pose);
+/** The pose of such a text, also with commas between the numbers; nothing for any other text. */
+[[nodiscard]] std::optional<Pose> poseFromText(std::string text);
 
 /** The pose with its rotation replaced by the nearest proper rotation: for poses read from text and
  * for long products. */

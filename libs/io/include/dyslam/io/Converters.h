@@ -128,5 +128,5 @@ ConversionResult convertScans(const std::string& input,
 
 /** T_vehicle_sensor of "x y z yaw pitch roll" [m, deg], separated by spaces or commas; identity if
  * empty. \param option for messages: "--sensor-pose". \throws UserError. */
-[[nodiscard]] Pose poseFromOption(const std::string& option, std::string text);
+[[nodiscard]] Pose poseFromOption(const std::string& option, const std::string& text);
 }  // namespace dyslam

@@ -5,6 +5,7 @@
 #include <dyslam/core/Georeference.h>
 #include <dyslam/core/Gravity.h>
 #include <dyslam/core/Objects.h>
+#include <dyslam/core/PriorMapFit.h>
 #include <dyslam/core/Trajectory.h>
 
 #include <Eigen/Core>
@@ -85,6 +86,7 @@ struct RunPage
   std::size_t loops_left_out = 0;   //!< number of loops that contradict the others
   std::optional<Georeference> georeference;
   std::optional<Gravity> gravity;
+  std::optional<PriorMapFit> prior_map;  //!< nothing without a prior map
   std::vector<PageObject> objects;  //!< objects that moved
 
   const std::vector<Eigen::Vector3f>* map_points = nullptr;  //!< map frame [m]; null: no map
