@@ -21,10 +21,10 @@ constexpr float least_extent = 1;             // least vertical extent of struct
 constexpr std::size_t most_structure = 300;   // cells of the points that are compared
 constexpr int headings = 180;                 // steps of two degrees
 constexpr std::size_t most_places = 12;
-constexpr double least_score = 0.75;         // least score of a place, relative to the best one
-constexpr std::size_t most_nodes = 3000000;  // bounds that are computed before the search ends
-constexpr double place_distance = 4;         // distance of different places [m]
-constexpr int place_headings = 5;            // difference of heading of different places [steps]
+constexpr double least_score = 0.75;          // least score of a place, relative to the best one
+constexpr std::size_t most_divided = 500000;  // blocks that are divided before the search ends
+constexpr double place_distance = 4;          // distance of different places [m]
+constexpr int place_headings = 5;             // difference of heading of different places [steps]
 
 struct Column
 {
@@ -204,14 +204,12 @@ std::vector<SimilarPlace> PlaceSearch::find(const std::vector<Eigen::Vector3f>& 
   const std::size_t cells = turned.front().size();
   std::priority_queue<Node> open;
   constexpr int coarsest = levels - 1;
-  std::size_t computed = 0;
   const auto add = [&](int level, int heading, int x, int y)
   {
     if (x < width_ && y < height_)
     {
       open.push(
           {bound(turned[static_cast<std::size_t>(heading)], level, x, y), level, heading, x, y});
-      ++computed;
     }
   };
   for (int heading = 0; heading < headings; ++heading)
@@ -224,8 +222,9 @@ std::vector<SimilarPlace> PlaceSearch::find(const std::vector<Eigen::Vector3f>& 
       }
     }
   }
+  std::size_t divided = 0;
   std::vector<Node> found;
-  while (!open.empty() && found.size() < most_places && computed < most_nodes)
+  while (!open.empty() && found.size() < most_places && divided < most_divided)
   {
     const Node node = open.top();
     open.pop();
@@ -236,6 +235,7 @@ std::vector<SimilarPlace> PlaceSearch::find(const std::vector<Eigen::Vector3f>& 
     }
     if (node.level > 0)
     {
+      ++divided;
       const int half = 1 << (node.level - 1);
       for (const auto& [dx, dy] : {std::pair(0, 0), {half, 0}, {0, half}, {half, half}})
       {
