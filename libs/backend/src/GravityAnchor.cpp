@@ -264,7 +264,10 @@ bool GravityAnchor::addTo(FactorGraph& graph, const std::vector<FrameInKeyframe>
     return false;
   }
   const Eigen::Matrix2d covariance = information.inverse().topLeftCorner<2, 2>();
-  tilt_sigma_ = std::sqrt(covariance.eigenvalues().real().maxCoeff()) / standard_gravity;
+  const double variance = Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d>()
+                              .computeDirect(covariance, Eigen::EigenvaluesOnly)
+                              .eigenvalues()[1];
+  tilt_sigma_ = std::sqrt(variance) / standard_gravity;
   Vector6 bias = Vector6::Zero();
   bias.head<3>() = solution.tail<3>();
   graph.addPose(Key::vertical(), levellingOf(upwards));
@@ -335,9 +338,17 @@ void GravityAnchor::exchangeState(StateArchive& archive)
 
 Pose levellingOf(const Eigen::Vector3d& up_map)
 {
+  // As Quaterniond::FromTwoVectors, but without its SVD, which takes long to compile.
+  const Eigen::Vector3d up = up_map.normalized();
+  const double twice_cosine = std::sqrt(2 * (1 + up.z()));  // of half the angle
+  Eigen::Quaterniond turn(0, 1, 0, 0);                      // of a map that is upside down
+  if (twice_cosine > 1e-6)
+  {
+    const double factor = 1 / twice_cosine;
+    turn = Eigen::Quaterniond(0.5 * twice_cosine, up.y() * factor, -up.x() * factor, 0);
+  }
   Pose T_level_map = Pose::Identity();
-  T_level_map.linear() =
-      Eigen::Quaterniond::FromTwoVectors(up_map, Eigen::Vector3d::UnitZ()).toRotationMatrix();
+  T_level_map.linear() = turn.toRotationMatrix();
   return T_level_map;
 }
 }  // namespace dyslam

@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "GravityAnchor.h"
 #include "ResumedRun.h"
 
 namespace dyslam
@@ -165,6 +166,25 @@ TEST(Gravity, AccelerationsInMultiplesOfGravityAreRecognised)
   const GravityRun run(in_g, GravityUse::measure);
   ASSERT_TRUE(run.backend.gravity()) << run.warnings();
   EXPECT_LT(run.upError(drive), 0.2 * degrees) << "its noise is ten times larger";
+}
+
+/** The rotation is about a horizontal axis, by the angle between up and z. */
+TEST(Gravity, LevellingIsTheLeastRotationThatMakesUpwardsTheZAxis)
+{
+  const Eigen::Vector3d z = Eigen::Vector3d::UnitZ();
+  for (const Eigen::Vector3d& up :
+       {Eigen::Vector3d(0, 0, 9.8), Eigen::Vector3d(0.3, -0.2, 0.9), Eigen::Vector3d(5, 0, 0),
+        Eigen::Vector3d(-0.1, 0.2, -3), Eigen::Vector3d(1e-3, 0, -1), Eigen::Vector3d(0, 0, -2)})
+  {
+    const Pose T_level_map = levellingOf(up);
+    const Eigen::Matrix3d R = T_level_map.linear();
+    EXPECT_TRUE((R * up).isApprox(up.norm() * z, 1e-8)) << up.transpose();
+    EXPECT_TRUE((R * R.transpose()).isIdentity(1e-8)) << up.transpose();
+    EXPECT_NEAR(R.determinant(), 1, 1e-8) << up.transpose();
+    EXPECT_NEAR(rotationAngle(T_level_map), std::atan2(up.head<2>().norm(), up.z()), 1e-8)
+        << up.transpose();
+    EXPECT_TRUE(T_level_map.translation().isZero());
+  }
 }
 
 TEST(Gravity, LevelledMapIsRotatedAsAWhole)

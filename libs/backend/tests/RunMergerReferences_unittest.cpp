@@ -107,7 +107,7 @@ void fuseGravity(TestRun& run, const Eigen::Vector3d& bias)
   gravity.fused = true;
   Pose T_level_map = Pose::Identity();
   T_level_map.linear() =
-      Eigen::Quaterniond::FromTwoVectors(gravity.up_map, Eigen::Vector3d::UnitZ())
+      Eigen::AngleAxisd(gravity.tilt, gravity.up_map.cross(Eigen::Vector3d::UnitZ()).normalized())
           .toRotationMatrix();
   run.graph.addPose(Key::vertical(), T_level_map);
   run.graph.addVector(Key::accelerometerBias(), Vector6::Zero());
