@@ -18,17 +18,16 @@ bool mayBeHitByOneRing(const VoxelFeatures& f)
   return f.segment_height < low_segment && f.range > distant && f.height < near_ground;
 }
 
-/** Whether the voxel is of a fence or guard rail: a straight low row, longer than a car and thinner
+/** Whether the voxel is of a fence or guard rail: a straight row, longer than a car and thinner
  * than any vehicle, that rays pass between its bars, but less often than a place that was really
  * free, and that neither track nor causal label call moving. */
 bool isFence(const VoxelFeatures& f)
 {
   constexpr float shortest = 4.5F;  // [m]
   constexpr float widest = 0.5F;    // [m]
-  constexpr float highest = 1.5F;   // [m]
   constexpr float most = 0.5F;  // largest share of free rays, of tracked points, and of the label
-  return f.row_length > shortest && f.row_width < widest && f.segment_height < highest &&
-         f.segment.free < most && f.segment.tracked < most && f.segment.probability < most;
+  return f.row_length > shortest && f.row_width < widest && f.segment.free < most &&
+         f.segment.tracked < most && f.segment.probability < most;
 }
 }  // namespace
 
