@@ -4,6 +4,7 @@
 #include <dyslam/base/Angle.h>
 #include <dyslam/core/VoxelGrid.h>
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <map>
