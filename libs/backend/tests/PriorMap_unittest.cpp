@@ -152,6 +152,19 @@ TEST(PlaceSearch, FindsPositionAndHeading)
   }
 }
 
+TEST(PlaceSearch, AStrayPointFarOffDoesNotMatter)
+{
+  const BoxWorld world(31, 30, 20);
+  const std::vector<Pose> drive = driveAround(30, 20, 60, 1.5);
+  std::vector<Eigen::Vector3f> map = mapOf(world, drive);
+  map.emplace_back(-45000, 45000, 0);
+  const std::vector<SimilarPlace> found = PlaceSearch(map).find(world.scan(drive[10], 10));
+  ASSERT_FALSE(found.empty());
+  const Pose T_true = T_prior_world * drive[10];
+  EXPECT_NEAR(found.front().x, T_true.translation().x(), 1.5);
+  EXPECT_NEAR(found.front().y, T_true.translation().y(), 1.5);
+}
+
 TEST(PlaceSearch, NothingIsSimilarToNothing)
 {
   const std::vector<Eigen::Vector3f> wall{{1, 2, 0}, {1, 2, 2}};
