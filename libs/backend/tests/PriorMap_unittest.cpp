@@ -3,12 +3,15 @@
 
 #include <dyslam/backend/Backend.h>
 #include <dyslam/backend/factors/LocalisationFactor.h>
+#include <dyslam/backend/factors/OdometryFactor.h>
 #include <dyslam/base/Error.h>
+#include <dyslam/base/StateArchive.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <memory>
 #include <string>
 #include <utility>
 #include <vector>
@@ -149,6 +152,19 @@ TEST(PlaceSearch, FindsPositionAndHeading)
   }
 }
 
+TEST(PlaceSearch, AStrayPointFarOffDoesNotMatter)
+{
+  const BoxWorld world(31, 30, 20);
+  const std::vector<Pose> drive = driveAround(30, 20, 60, 1.5);
+  std::vector<Eigen::Vector3f> map = mapOf(world, drive);
+  map.emplace_back(-45000, 45000, 0);
+  const std::vector<SimilarPlace> found = PlaceSearch(map).find(world.scan(drive[10], 10));
+  ASSERT_FALSE(found.empty());
+  const Pose T_true = T_prior_world * drive[10];
+  EXPECT_NEAR(found.front().x, T_true.translation().x(), 1.5);
+  EXPECT_NEAR(found.front().y, T_true.translation().y(), 1.5);
+}
+
 TEST(PlaceSearch, NothingIsSimilarToNothing)
 {
   const std::vector<Eigen::Vector3f> wall{{1, 2, 0}, {1, 2, 2}};
@@ -170,6 +186,23 @@ TEST(PriorMap, KnowsTheGroundWhereItHasPoints)
   EXPECT_NEAR(*map.groundHeight(at.x(), at.y()), 12, 0.1);
   EXPECT_FALSE(map.groundHeight(at.x() + 1000, at.y()));
   EXPECT_TRUE(PriorMap({}, 50).empty());
+}
+
+TEST(PriorMap, HasTheSameTargetAfterItsStateWasLoaded)
+{
+  const BoxWorld world(39, 30, 20);
+  const std::vector<Eigen::Vector3f> points = mapOf(world, driveAround(30, 20, 60, 1.5));
+  const Eigen::Vector3d start = T_prior_world.translation() + Eigen::Vector3d(5, 5, 0);
+  const Eigen::Vector3d further = start + Eigen::Vector3d(8, 0, 0);
+  PriorMap map(points, 10);
+  (void)map.around(start);
+  StateArchive saved;
+  map.exchangeState(saved);
+  PriorMap loaded(points, 10);
+  StateArchive archive(saved.bytes());
+  loaded.exchangeState(archive);
+  EXPECT_TRUE(loaded.around(further).points() == map.around(further).points());
+  EXPECT_FALSE(PriorMap(points, 10).around(further).points() == map.around(further).points());
 }
 
 TEST(Localisation, PutsARunIntoTheFrameOfTheMap)
@@ -208,6 +241,56 @@ TEST(Localisation, GoesOnByOdometryWhereTheMapEnds)
   EXPECT_LT(run.fit().registered, run.keyframes.size() / 2);
   EXPECT_LT(run.error(part(drive, 0, 80)), 0.15);
   EXPECT_LT(run.error(drive), 1);
+}
+
+/** Nothing but the last three fixes says how far the odometry has drifted. */
+TEST(Localisation, CorrectsTheDriftOfALongWayBesideTheMap)
+{
+  FactorGraph graph;
+  graph.addPose(Key::priorMap(), Pose::Identity());
+  graph.setFixed(Key::priorMap(), true);
+  const auto informationOf = [](double sigma, double sigma_rotation)
+  {
+    Vector6 sigmas;
+    sigmas << Eigen::Vector3d::Constant(sigma), Eigen::Vector3d::Constant(sigma_rotation);
+    return Matrix6(sigmas.cwiseAbs2().cwiseInverse().asDiagonal());
+  };
+  constexpr std::size_t keyframes = 200;
+  const Pose step = poseFromYpr(1.5, 0, 0, 0.02, 0, 0);
+  Pose measured = step;
+  measured.translation() *= 1.03;
+  Pose truth = Pose::Identity();
+  Pose T_map_vehicle = Pose::Identity();
+  for (std::size_t k = 0; k < keyframes; ++k)
+  {
+    graph.addPose(Key::ego(k), T_map_vehicle);
+    if (k > 0)
+    {
+      graph.add(std::make_unique<OdometryFactor>(k - 1, k, measured, informationOf(0.02, 0.002)));
+    }
+    if (k < 20 || k + 3 >= keyframes)
+    {
+      graph.add(std::make_unique<LocalisationFactor>(k, truth, informationOf(0.03, 0.002)));
+    }
+    truth = truth * step;
+    T_map_vehicle = T_map_vehicle * measured;
+  }
+  const Pose T_true = truth * step.inverse();
+  const auto error = [&]
+  { return (graph.pose(Key::ego(keyframes - 1)).translation() - T_true.translation()).norm(); };
+  EXPECT_GT(error(), 4);
+  EXPECT_TRUE(graph.optimise(FactorGraphOptions()).converged);
+  EXPECT_LT(error(), 0.2);
+}
+
+TEST(Localisation, SaysThatTheRunIsTooShort)
+{
+  const BoxWorld world(40, 30, 20);
+  const std::vector<Pose> drive = driveAround(30, 20, 60, 0.75);
+  const std::vector<Pose> truth = part(drive, 20, 23);
+  const LocalisedRun run(mapOf(world, drive), framesOf(world, truth), withStart(truth.front()));
+  EXPECT_FALSE(run.fit().localised);
+  EXPECT_EQ(run.fit().reason, "the path since a place was found is too short to confirm it");
 }
 
 TEST(Localisation, FailsInAMapOfAnotherPlace)

@@ -69,9 +69,10 @@ std::vector<Eigen::Vector3f> readPriorMap(const PriorMapOptions& options)
   if (std::any_of(points.begin(), points.end(),
                   [](const Eigen::Vector3f& p) { return p.cwiseAbs().maxCoeff() > farthest; }))
   {
-    throw UserError("prior_map.file: " + path +
-                    ": has coordinates of more than 50 km; give a map in the map frame of its run, "
-                    "not in UTM");
+    throw UserError(
+        "prior_map.file: " + path +
+        ": has coordinates of more than 50 km; give a map in metres, in the map frame of its "
+        "run and not in UTM");
   }
   return points;
 }

@@ -12,6 +12,8 @@ namespace dyslam
 {
 namespace
 {
+constexpr int steps_per_width = 10;  // of the robust loss, while it is narrowed
+
 /** Cost function of Ceres: the whitened residual of a factor on value blocks. */
 class FactorCost final : public ceres::CostFunction
 {
@@ -124,7 +126,7 @@ void FactorGraphProblem::add(const Factor& factor, std::map<Key, FactorGraph::Va
   if (is_place && options_.loop_loss != RobustLoss::none)
   {
     loss = &loop_loss_;
-    has_loops_ = true;
+    has_places_ = true;
   }
   else if (factor.kind() == FactorKind::observation)
   {
@@ -159,12 +161,16 @@ double FactorGraphProblem::chi2() const
   return sum;
 }
 
-double FactorGraphProblem::worstLoop() const
+/** Without localisations where there are too few steps to narrow the loss, as in a window of the
+ * newest keyframes: a localisation that does not fit, which is never left out, would distort it. */
+double FactorGraphProblem::worstPlace() const
 {
+  const bool with_localisations = options_.max_iterations > steps_per_width;
   double worst = 0;
   for (const Block& block : blocks_)
   {
-    if (block.factor->kind() == FactorKind::loop)
+    const FactorKind kind = block.factor->kind();
+    if (kind == FactorKind::loop || (kind == FactorKind::localisation && with_localisations))
     {
       worst = std::max(worst, block.factor->whitenedResidual(block.values.data()).norm());
     }
@@ -173,18 +179,17 @@ double FactorGraphProblem::worstLoop() const
 }
 
 /** Narrows the loss from the largest residual to its final width (graduated non-convexity), so that
- * loops that do not fit only because of drift are not rejected at the start. */
+ * loops and localisations that do not fit only because of drift are not rejected at the start. */
 int FactorGraphProblem::narrowLoopLoss()
 {
   constexpr double narrowing = 3;
-  constexpr int steps_per_width = 10;
   int steps = 0;
-  double width = 2 * worstLoop();
+  double width = 2 * worstPlace();
   while (width > options_.loop_loss_width && steps < options_.max_iterations)
   {
     steps +=
         stepsOf(solve(width, std::min(steps_per_width, options_.max_iterations - steps), 1e-3));
-    width = std::min(width / narrowing, worstLoop());
+    width = std::min(width / narrowing, worstPlace());
   }
   return steps;
 }
@@ -193,7 +198,7 @@ OptimisationResult FactorGraphProblem::solve()
 {
   OptimisationResult result;
   result.initial_chi2 = chi2();
-  if (has_loops_)
+  if (has_places_)
   {
     result.iterations = narrowLoopLoss();
   }

@@ -30,7 +30,7 @@ class FactorGraphProblem
                      const std::vector<std::unique_ptr<const Factor>>& factors,
                      const std::set<FactorGraph::FactorId>& left_out);
 
-  /** Narrows the robust loss of loops step by step, then solves. */
+  /** Narrows the robust loss of loops and localisations step by step, then solves. */
   OptimisationResult solve();
   [[nodiscard]] double chi2() const;
   [[nodiscard]] ceres::Problem& problem() { return problem_; }
@@ -39,7 +39,8 @@ class FactorGraphProblem
   void add(const Factor& factor, std::map<Key, FactorGraph::Variable>& variables);
   ceres::Solver::Summary solve(double loop_loss_width, int max_iterations, double tolerance);
   int narrowLoopLoss();
-  [[nodiscard]] double worstLoop() const;
+  /** Largest whitened residual of loops and localisations. */
+  [[nodiscard]] double worstPlace() const;
 
   struct Block
   {
@@ -54,6 +55,6 @@ class FactorGraphProblem
   std::unique_ptr<ceres::LossFunction> gnss_loss_;
   ceres::Problem problem_;
   std::vector<Block> blocks_;
-  bool has_loops_ = false;
+  bool has_places_ = false;
 };
 }  // namespace dyslam

@@ -137,7 +137,8 @@ Eigen::MatrixXd selectedCovariance(const Factorisation& factored,
   return v.transpose() * weights.asDiagonal() * v;
 }
 
-/** Odometry and loops between the free ego poses, and their localisation in a prior map, linearised at the present values. */
+/** Odometry and loops between the free ego poses, and their localisation in a prior map, linearised
+ * at the present values. */
 class LinearEgoGraph
 {
  public:

@@ -29,6 +29,8 @@ constexpr double clear_lead = 0.1;  // overlap by which the best of several plac
 
 constexpr double least_radius = 0.5;    // largest error of a prediction without drift [m]
 constexpr double drift = 0.03;          // growth of this error by the path [m/m]
+constexpr double largest_radius = 30;   // largest error that is searched for: the time grows as its
+                                        // square [m]
 constexpr double direct_radius = 1.5;   // up to this error, no alignment from above is needed [m]
 constexpr double search_heading = 0.1;  // largest error of a predicted heading [rad]
 constexpr double largest_turn = 6 * radians_per_degree;  // largest correction by a registration
@@ -125,6 +127,16 @@ MapLocaliser::MapLocaliser(const PriorMapOptions& options,
   }
 }
 
+PriorMapFit MapLocaliser::fit() const
+{
+  PriorMapFit fit = fit_;
+  if (!fit.localised && !pending_.empty())
+  {
+    fit.reason = "the path since a place was found is too short to confirm it";
+  }
+  return fit;
+}
+
 Pose MapLocaliser::T_prior_map() const
 {
   if (pending_.empty())
@@ -138,7 +150,7 @@ Pose MapLocaliser::T_prior_map() const
 double MapLocaliser::radiusBetween(std::size_t a, std::size_t b) const
 {
   const PathBetween path = pathBetween(keyframes_[std::min(a, b)], keyframes_[std::max(a, b)]);
-  return least_radius + drift * path.measured + path.unseen;
+  return std::min(largest_radius, least_radius + drift * path.measured + path.unseen);
 }
 
 bool MapLocaliser::isSearchDue(std::size_t newest) const
@@ -177,7 +189,7 @@ std::optional<Pose> MapLocaliser::placeNearStart(const std::vector<Eigen::Vector
   Pose T =
       upright(*start_ * keyframes_[0].T_map_vehicle.inverse() * keyframes_[newest].T_map_vehicle);
   RegistrationTarget& target = map_.around(T.translation());
-  const double radius = options_.start_radius + radiusBetween(0, newest);
+  const double radius = std::min(largest_radius, options_.start_radius + radiusBetween(0, newest));
   T = correlateFromAbove(submap, target.points(), T, radius, start_heading).value_or(T);
   if (const auto ground = map_.groundHeight(T.translation().x(), T.translation().y()))
   {
@@ -407,6 +419,6 @@ MapFixes MapLocaliser::add()
 
 void MapLocaliser::exchangeState(StateArchive& archive)
 {
-  archive(fit_, square_error_, searched_, pending_, misses_, last_fix_);
+  archive(fit_, square_error_, searched_, pending_, misses_, last_fix_, map_);
 }
 }  // namespace dyslam

@@ -62,7 +62,7 @@ class MapLocaliser
   [[nodiscard]] MapFixes add();
 
   [[nodiscard]] bool hasMap() const { return !map_.empty(); }
-  [[nodiscard]] const PriorMapFit& fit() const { return fit_; }
+  [[nodiscard]] PriorMapFit fit() const;
 
   void exchangeState(StateArchive& archive);
 

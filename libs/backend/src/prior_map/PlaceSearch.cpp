@@ -4,6 +4,7 @@
 #include <dyslam/base/Angle.h>
 #include <dyslam/core/VoxelGrid.h>
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -64,6 +65,21 @@ std::vector<Eigen::Vector2f> uprightCells(const std::vector<Eigen::Vector3f>& po
   return centres;
 }
 
+/** Horizontal extent. */
+template <typename Point>
+Eigen::AlignedBox2d extentOf(const std::vector<Point>& points)
+{
+  Eigen::AlignedBox2d extent;
+  for (const Point& p : points)
+  {
+    if (p.allFinite())
+    {
+      extent.extend(p.template head<2>().template cast<double>());
+    }
+  }
+  return extent;
+}
+
 double radiansOf(int heading)
 {
   return 2 * M_PI * heading / headings;
@@ -84,17 +100,16 @@ bool PlaceSearch::Node::operator<(const Node& other) const
 
 PlaceSearch::PlaceSearch(const std::vector<Eigen::Vector3f>& map)
 {
-  Eigen::AlignedBox2d extent;
-  for (const Eigen::Vector3f& p : map)
-  {
-    if (p.allFinite())
-    {
-      extent.extend(p.head<2>().cast<double>());
-    }
-  }
+  Eigen::AlignedBox2d extent = extentOf(map);
   if (extent.isEmpty())
   {
     return;
+  }
+  if (extent.volume() > most_cells * usual_cell_size * usual_cell_size)
+  {
+    // Stray points far from all others would coarsen the grid; they have no upright structure.
+    const Eigen::AlignedBox2d structure = extentOf(uprightCells(map, usual_cell_size));
+    extent = structure.isEmpty() ? extent : structure;
   }
   const Eigen::Vector2d size = extent.sizes();
   cell_size_ = std::max(usual_cell_size, std::sqrt(size.x() * size.y() / most_cells));

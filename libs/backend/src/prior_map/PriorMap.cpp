@@ -2,6 +2,7 @@
 #include "PriorMap.h"
 
 #include <dyslam/base/Quantile.h>
+#include <dyslam/base/StateArchive.h>
 
 #include <cmath>
 #include <cstddef>
@@ -34,13 +35,15 @@ PriorMap::PriorMap(const std::vector<Eigen::Vector3f>& points, double range)
 
 RegistrationTarget& PriorMap::around(const Eigen::Vector3d& position)
 {
-  if (target_ && (position - centre_).head<2>().norm() <= longest_way)
+  const bool is_near = centre_ && (position - *centre_).head<2>().norm() <= longest_way;
+  if (is_near && target_)
   {
     return *target_;
   }
+  centre_ = is_near ? *centre_ : position;
   const double reach = range_ + longest_way;
-  const Tile low = tileOf(position.x() - reach, position.y() - reach);
-  const Tile high = tileOf(position.x() + reach, position.y() + reach);
+  const Tile low = tileOf(centre_->x() - reach, centre_->y() - reach);
+  const Tile high = tileOf(centre_->x() + reach, centre_->y() + reach);
   std::vector<Eigen::Vector3f> near;
   for (std::int32_t y = low.y; y <= high.y; ++y)
   {
@@ -59,9 +62,13 @@ RegistrationTarget& PriorMap::around(const Eigen::Vector3d& position)
   KeyframeRegistrationOptions options;
   options.coarse_distance = 1.5;
   options.normal_radius = 1;
-  centre_ = position;
   target_.emplace(std::move(near), options);
   return *target_;
+}
+
+void PriorMap::exchangeState(StateArchive& archive)
+{
+  archive(centre_);
 }
 
 std::optional<double> PriorMap::groundHeight(double x, double y) const

@@ -13,6 +13,8 @@
 
 namespace dyslam
 {
+class StateArchive;
+
 /** Points of a static map in square tiles, of which the surroundings of a place are put together as
  * a registration target. Not thread-safe. */
 class PriorMap
@@ -28,6 +30,8 @@ class PriorMap
   /** The map within `range` of a position, and some metres around it, in the frame of the map.
    * Valid until the next call. */
   [[nodiscard]] RegistrationTarget& around(const Eigen::Vector3d& position);
+
+  void exchangeState(StateArchive& archive);
 
   /** Height of the ground within 4 m of a position [m]; nothing where the map is empty. */
   [[nodiscard]] std::optional<double> groundHeight(double x, double y) const;
@@ -47,7 +51,7 @@ class PriorMap
   double range_;
   std::vector<Eigen::Vector3f> points_;
   std::unordered_map<std::uint64_t, std::vector<std::uint32_t>> tiles_;  //!< indices of points_
-  Eigen::Vector3d centre_ = Eigen::Vector3d::Zero();                     //!< of `target_`
-  std::optional<RegistrationTarget> target_;
+  std::optional<Eigen::Vector3d> centre_;                                //!< of the last target
+  std::optional<RegistrationTarget> target_;  //!< made again after the state was loaded
 };
 }  // namespace dyslam
