@@ -87,7 +87,7 @@ struct RunPage
   std::optional<Georeference> georeference;
   std::optional<Gravity> gravity;
   std::optional<PriorMapFit> prior_map;  //!< nothing without a prior map
-  std::vector<PageObject> objects;  //!< objects that moved
+  std::vector<PageObject> objects;       //!< objects that moved
 
   const std::vector<Eigen::Vector3f>* map_points = nullptr;  //!< map frame [m]; null: no map
   const std::vector<float>* map_intensity = nullptr;         //!< in [0, 1], one per point, or null
