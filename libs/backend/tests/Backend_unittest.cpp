@@ -10,6 +10,7 @@
 #include <random>
 
 #include "BoxWorld.h"
+#include "DriftingFrames.h"
 
 namespace dyslam
 {
@@ -29,26 +30,7 @@ Drive makeDrive(const BoxWorld& world, std::vector<Pose> truth, double turn, dou
 {
   Drive drive;
   drive.truth = std::move(truth);
-  Pose T_odom_vehicle = Pose::Identity();
-  for (std::size_t i = 0; i < drive.truth.size(); ++i)
-  {
-    Frame frame;
-    frame.index = i;
-    frame.scan.stamp = 100 + 0.1 * static_cast<double>(i);
-    frame.cloud.points = world.scan(drive.truth[i], static_cast<unsigned>(i));
-    if (i > 0)
-    {
-      Pose step = drive.truth[i - 1].inverse() * drive.truth[i];
-      step.translation() *= 1 + stretch;
-      step = step * poseFromYpr(0, 0, 0, turn, 0, 0);
-      T_odom_vehicle = T_odom_vehicle * step;
-      frame.motion.T_previous_current = step;
-    }
-    frame.motion.status = MotionStatus::converged;
-    frame.motion.information = 1e6 * Matrix6::Identity();
-    frame.T_odom_vehicle = T_odom_vehicle;
-    drive.frames.push_back(std::move(frame));
-  }
+  drive.frames = test::driftingFrames(world, drive.truth, stretch, turn, 1e6);
   return drive;
 }
 

@@ -17,6 +17,7 @@
 #include <vector>
 
 #include "BoxWorld.h"
+#include "DriftingFrames.h"
 #include "MergedRuns.h"
 #include "ResumedRun.h"
 #include "prior_map/PlaceSearch.h"
@@ -49,35 +50,12 @@ std::vector<Eigen::Vector3f> mapOf(const BoxWorld& world, const std::vector<Pose
   return points;
 }
 
-/** Frames along a drive, whose odometry is too long by a fraction and turns by an angle per step.
- */
 std::vector<Frame> framesOf(const BoxWorld& world,
                             const std::vector<Pose>& truth,
                             double stretch = 0.01,
                             double turn = 0.0005)
 {
-  std::vector<Frame> frames;
-  Pose T_odom_vehicle = Pose::Identity();
-  for (std::size_t i = 0; i < truth.size(); ++i)
-  {
-    Frame frame;
-    frame.index = i;
-    frame.scan.stamp = 100 + 0.1 * static_cast<double>(i);
-    frame.cloud.points = world.scan(truth[i], static_cast<unsigned>(i));
-    if (i > 0)
-    {
-      Pose step = truth[i - 1].inverse() * truth[i];
-      step.translation() *= 1 + stretch;
-      step = step * poseFromYpr(0, 0, 0, turn, 0, 0);
-      T_odom_vehicle = T_odom_vehicle * step;
-      frame.motion.T_previous_current = step;
-    }
-    frame.motion.status = MotionStatus::converged;
-    frame.motion.information = 1e4 * Matrix6::Identity();
-    frame.T_odom_vehicle = T_odom_vehicle;
-    frames.push_back(std::move(frame));
-  }
-  return frames;
+  return test::driftingFrames(world, truth, stretch, turn, 1e4);
 }
 
 /** A run that is localised in a map. */
