@@ -9,7 +9,6 @@
 #include <dyslam/train/ScanFiles.h>
 
 #include <algorithm>
-#include <array>
 #include <stdexcept>
 
 namespace dyslam
@@ -51,6 +50,28 @@ double drawTraffic(sim::WorldKind world, RandomDraws& draws)
     default:
       return 0.3 + 0.7 * drawn;
   }
+}
+
+/** The lidars of `other_sensors`. \throws UserError naming the key. */
+std::vector<sim::SensorKind> otherSensors(const DysegTrainerOptions& options)
+{
+  std::vector<sim::SensorKind> sensors;
+  for (const std::string& name : listItems(options.other_sensors, ','))
+  {
+    try
+    {
+      sensors.push_back(sim::sensorKindFromString(name));
+    }
+    catch (const UserError& error)
+    {
+      throw UserError(std::string("[train] other_sensors: ") + error.what());
+    }
+  }
+  if (sensors.empty())
+  {
+    throw UserError("[train] other_sensors: names no lidar; name one, or set other_sensors_share=0");
+  }
+  return sensors;
 }
 
 void drawEgo(RandomDraws& draws, DysegClipScene& scene)
@@ -96,8 +117,7 @@ DysegClipScene trainingScene(std::uint64_t number, const DysegTrainerOptions& op
   if (options.other_sensors_share > 0 && scene.sensor == sim::SensorKind::hdl64e &&
       draws.chance(options.other_sensors_share))
   {
-    constexpr std::array others{sim::SensorKind::os1_64, sim::SensorKind::os1_128,
-                                sim::SensorKind::pandar64};
+    const auto others = otherSensors(options);
     scene.sensor = others.at(draws.below(others.size()));
   }
   return scene;
@@ -109,6 +129,10 @@ DysegPairs::DysegPairs(const DysegTrainerOptions& options) : options_(options)
   if (options.simulated_share > 0)
   {
     seeds_ = splits.trainingSeeds();
+  }
+  if (options.other_sensors_share > 0)
+  {
+    (void)otherSensors(options);  // a wrong name is an error at once
   }
   if (!options.data.empty())
   {

@@ -63,10 +63,11 @@ void DysegTrainerOptions::describe(OptionsVisitor& v)
          "campus nor on a highway");
   v.real("few_beams_share", few_beams_share, 0, 1,
          "share of simulated clips that are scanned with 16 beams");
-  v.real(
-      "other_sensors_share", other_sensors_share, 0, 1,
-      "share of simulated clips with more than 16 beams that are scanned with an OS1-64, OS1-128 "
-      "or Pandar64; the others are with an HDL-64E");
+  v.real("other_sensors_share", other_sensors_share, 0, 1,
+         "share of simulated clips with more than 16 beams that are scanned with other_sensors; the "
+         "others are with an HDL-64E");
+  v.text("other_sensors", other_sensors,
+         "lidars of the simulator, separated by commas, each as often as the others");
   v.integer("simulated_pool", simulated_pool, 1, 100000,
             "number of simulated clips kept in memory");
   v.integer("simulate_every", simulate_every, 1, 100000, "steps between new simulated clips");

@@ -143,6 +143,37 @@ TEST(TrainingScene, OtherSensorsReplaceTheirShareOfTheHdl64)
   }
 }
 
+TEST(TrainingScene, OtherSensorsAreThoseOfTheOption)
+{
+  dyslam::DysegTrainerOptions options;
+  options.other_sensors_share = 0.5;
+  options.other_sensors = "vls128";
+  using dyslam::sim::SensorKind;
+  std::set<SensorKind> sensors;
+  for (const auto& [world, of_world] : scenes(options, 200))
+  {
+    for (const auto& scene : of_world)
+    {
+      sensors.insert(scene.sensor);
+    }
+  }
+  EXPECT_EQ(sensors, (std::set{SensorKind::hdl64e, SensorKind::vlp16, SensorKind::vls128}));
+  for (const char* wrong : {"OS1-65", ""})
+  {
+    options.other_sensors = wrong;
+    options.data.clear();
+    try
+    {
+      const dyslam::DysegPairs pairs(options);
+      ADD_FAILURE() << "no error for \"" << wrong << '"';
+    }
+    catch (const dyslam::UserError& error)
+    {
+      EXPECT_EQ(std::string(error.what()).rfind("[train] other_sensors: ", 0), 0U) << error.what();
+    }
+  }
+}
+
 TEST(TrainingScene, HalfOfTheClipsHaveFewerColumns)
 {
   dyslam::DysegTrainerOptions options;

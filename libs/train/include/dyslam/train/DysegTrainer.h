@@ -50,8 +50,9 @@ struct DysegTrainerOptions : Options
                                    //!< the others are on streets
   double downtown_share = 0;       //!< share in a dense city centre of those on neither
   double few_beams_share = 0.2;    //!< share of simulated clips with 16 beams
-  double other_sensors_share = 0;  //!< share of the other clips with an OS1-64, OS1-128 or Pandar64
-                                   //!< instead of an HDL-64E
+  double other_sensors_share = 0;  //!< share of the other clips with one of `other_sensors` instead
+                                   //!< of an HDL-64E
+  std::string other_sensors = "OS1-64, OS1-128, PANDAR64";  //!< names as in sim::sensorNames()
   int simulated_pool = 80;         //!< number of clips kept; the oldest is replaced
   int simulate_every = 16;         //!< steps between new clips
   int crop = 256;                  //!< cells along each side in training
