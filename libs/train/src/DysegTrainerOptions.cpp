@@ -45,6 +45,9 @@ void DysegTrainerOptions::describe(OptionsVisitor& v)
             "first frame of labelled_validation that is evaluated");
   v.integer("labelled_validation_last", labelled_validation_last, 1, 1000000,
             "last frame of labelled_validation that is evaluated");
+  v.real("validation_min_range", validation_min_range, 0, 10,
+         "returns below this range are left out of both, as the application leaves out those of the "
+         "own vehicle [m]");
   v.text("single_scans", single_scans,
          "folders of single scans under data or absolute, separated by commas");
   v.real("simulated_share", simulated_share, 0, 1, "share of pairs that are simulated");

@@ -112,6 +112,22 @@ constexpr SimulatedRow simulated_rows[] = {
 constexpr double simulated_traffic[] = {0.2, 0.3, 0.4,
                                         0.5};  // traffic density of each clip of a row
 
+/** The pair without returns below a range. */
+DysegSample withoutNearReturns(DysegSample sample, double min_range)
+{
+  for (std::vector<Eigen::Vector3f>* points : {&sample.current, &sample.past})
+  {
+    for (Eigen::Vector3f& p : *points)
+    {
+      if (p.norm() < static_cast<float>(min_range))
+      {
+        p.setZero();  // no return
+      }
+    }
+  }
+  return sample;
+}
+
 std::vector<DysegValidationSet> simulatedSets(const DataSplits& splits)
 {
   std::vector<DysegValidationSet> sets;
@@ -201,6 +217,7 @@ std::vector<DysegValidationSet> makeDysegValidation(const DysegTrainerOptions& o
       requireSplit(evaluated, options.data, splits);
     }
   }
+  const double min_range = options.validation_min_range;
   std::vector<DysegValidationSet> sets = simulatedSets(splits);
   if (options.data.empty())
   {
@@ -215,8 +232,8 @@ std::vector<DysegValidationSet> makeDysegValidation(const DysegTrainerOptions& o
     DysegValidationSet slow{nameOf(boxed) + far_name, true, {}};
     for (std::size_t i = far_back; i < run.frames.size(); i += 2)
     {
-      near.samples.push_back(makeSample(run, i, i - 1));
-      slow.samples.push_back(makeSample(run, i, i - far_back));
+      near.samples.push_back(withoutNearReturns(makeSample(run, i, i - 1), min_range));
+      slow.samples.push_back(withoutNearReturns(makeSample(run, i, i - far_back), min_range));
     }
     sets.push_back(std::move(near));
     sets.push_back(std::move(slow));
@@ -227,7 +244,7 @@ std::vector<DysegValidationSet> makeDysegValidation(const DysegTrainerOptions& o
     DysegValidationSet set{nameOf(labelled), false, {}};
     for (std::size_t i = 1; i < run.size(); i += 3)
     {
-      set.samples.push_back(run.sample(i, i - 1));
+      set.samples.push_back(withoutNearReturns(run.sample(i, i - 1), min_range));
     }
     sets.push_back(std::move(set));
   }

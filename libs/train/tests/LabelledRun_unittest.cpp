@@ -15,6 +15,7 @@
 #include <thread>
 
 #include "DysegPairs.h"
+#include "DysegValidation.h"
 
 namespace dyslam
 {
@@ -38,7 +39,8 @@ class SemanticKitti : public ::testing::Test
     writeSequence("01", 4);
     writeWhole(folder_ + "/splits.ini",
                "[00]\ntraining = 0-9\nvalidation = 10-\n[01]\ntraining = 0-\n[simulator]\n"
-               "training = 500000000-899999999\n");
+               "training = 500000000-899999999\n"
+               "validation = 900000000-900999999\n");
   }
   ~SemanticKitti() override { fs::remove_all(folder_); }
 
@@ -201,6 +203,29 @@ TEST_F(SemanticKitti, WhatIsMissingIsNamedBeforeTheTraining)
   EXPECT_NE(said().find("000007.label: cannot be read"), std::string::npos) << said();
   fs::remove(sequence + "/velodyne/000004.bin");
   EXPECT_NE(said().find("velodyne: has no scan with number 4"), std::string::npos) << said();
+}
+
+TEST_F(SemanticKitti, ValidationLeavesOutNearReturns)
+{
+  DysegTrainerOptions options = optionsFor("");
+  options.boxed_validation.clear();
+  options.labelled_validation = "00";
+  options.labelled_poses = "poses.txt";
+  options.labelled_calib = "calib.txt";
+  options.labelled_validation_first = options.labelled_validation_last = 11;
+  options.validation_min_range = 10;  // the nearest points of the house are at 8.5 m
+  const DysegSample pair = makeDysegValidation(options).back().samples.at(0);
+  const DysegSample all = load(10, 11).sample(1, 0);
+  ASSERT_EQ(pair.current.size(), all.current.size());
+  std::size_t left_out = 0;
+  for (std::size_t i = 0; i < all.current.size(); ++i)
+  {
+    const bool near = all.current[i].norm() < 10;
+    EXPECT_EQ(isReturn(pair.current[i]), !near) << i;
+    left_out += near ? 1 : 0;
+  }
+  EXPECT_GT(left_out, 5U);
+  EXPECT_LT(left_out, all.current.size() / 2);
 }
 
 TEST_F(SemanticKitti, FramesOfOtherSplitsAreRefused)

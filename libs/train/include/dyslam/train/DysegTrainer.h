@@ -39,6 +39,8 @@ struct DysegTrainerOptions : Options
   std::string labelled_calib;  //!< KITTI's calib.txt in that folder for poses of a camera, or empty
   int labelled_validation_first = 80;
   int labelled_validation_last = 109;
+  double validation_min_range = 1.5;  //!< nearer returns of these frames are left out, as those of
+                                      //!< the own vehicle are in the application [m]
   std::string single_scans = "hdl64_singles_sceneflow,hdl64_singles_object/velodyne";
   double simulated_share = 0.5;  //!< share of simulated pairs, if there are real data
   double single_share = 0.3;     //!< share of real pairs from single scans
