@@ -1,8 +1,13 @@
 # SPDX-License-Identifier: BSD-3-Clause
 # Shared files, notices, doc, and what makes find_package(dyslam COMPONENTS ...) work.
-# Component `programs`: what users need; `development`: what programs of their own need beyond it.
+# Component `programs`: what users need; `weights`: those for non-commercial use, which no default needs;
+# `development`: what programs of their own need beyond it.
+set(noncommercial_weights dylo.safetensors dylo.md dyseg.safetensors dyseg.md)
+list(TRANSFORM noncommercial_weights REPLACE "(.+)" "PATTERN;\\1;EXCLUDE" OUTPUT_VARIABLE left_out)
 install(DIRECTORY share/dyslam DESTINATION ${CMAKE_INSTALL_DATADIR} COMPONENT programs
-  PATTERN training EXCLUDE)
+  PATTERN training EXCLUDE ${left_out})
+list(TRANSFORM noncommercial_weights PREPEND share/dyslam/models/)
+install(FILES ${noncommercial_weights} DESTINATION ${CMAKE_INSTALL_DATADIR}/dyslam/models COMPONENT weights)
 install(FILES LICENSE NOTICE README.md DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/dyslam COMPONENT programs)
 install(DIRECTORY doc DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/dyslam COMPONENT programs)
 if(DYSLAM_TRAIN_ONLY)

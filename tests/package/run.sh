@@ -53,6 +53,12 @@ for file in report.html map_static.ply trajectory_tum.txt labels/000029.label; d
 done
 grep -q 'method.*network' "$seen.64/report.json" || fail "64 beams without the network: $(grep method "$seen.64/report.json")"
 
+# The weights for non-commercial use are in a package of their own.
+[[ $(dpkg -c "${packages[0]}") != **/dyseg.safetensors* ]] || fail "dyseg.safetensors in the package dyslam"
+for weights in dylo dyseg; do
+  [[ $(dpkg -c "$dist"/dyslam-weights-noncommercial_*.deb) == *models/$weights.safetensors* ]] || fail "no $weights.safetensors"
+done
+
 # The networks are there twice, and the plain ones run, too.
 [[ $(dpkg -c "${packages[0]}") == *x86-64-v3/libdyslam-networks.so* ]] || fail "no networks for machines with AVX2"
 if [[ -d $work/prefix ]]; then

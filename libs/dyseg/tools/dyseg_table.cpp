@@ -28,7 +28,7 @@ constexpr std::size_t simulated_history = 10;  // number of scans before the eva
 
 struct Arguments
 {
-  std::string weights = "dyseg";
+  std::string weights = "dyseg_simulated";
   std::string data;
   int worlds = 4;
   int scans = 24;

@@ -12,8 +12,8 @@ namespace dyslam
 /** Ini section `[dyseg_network]`. */
 struct NetworkSegmenterOptions : Options
 {
-  std::string weights = "dyseg";  //!< file, or name of weights shipped with DySLAM
-  int first_gap = 8;              //!< age of the earlier scan for the comparison [scans]
+  std::string weights = "dyseg_simulated";  //!< file, or name of weights shipped with DySLAM
+  int first_gap = 8;                        //!< age of the earlier scan for the comparison [scans]
   /** Search range of the static motion. global: all motions, independent of any prior; prior:
    * around the motion prior, if it is reliable, which separates the static world from uniformly
    * moving traffic; auto: global until `first_gap` scans have been seen, then as `prior`. */
