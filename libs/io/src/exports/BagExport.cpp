@@ -343,6 +343,7 @@ ConversionResult exportBag(const std::string& rawlog,
                            const BagExportOptions& options,
                            const ConversionProgress& progress)
 {
+  validate(options.source, "rawlog2bag");
   requireConsistent(output, options);
   RawlogSourceOptions source_options = options.source;
   source_options.roll = 0;
