@@ -23,10 +23,10 @@
 
 namespace dyslam
 {
-namespace
-{
 namespace fs = std::filesystem;
 
+namespace
+{
 constexpr double pose_tolerance = 1e-3;  //!< [s] between a scan and its pose
 constexpr double pose_max_gap = 0.5;     //!< [s] between poses, for interpolation
 

@@ -16,10 +16,10 @@
 
 namespace dyslam
 {
-namespace
-{
 namespace fs = std::filesystem;
 
+namespace
+{
 constexpr double same_scan = 1e-3;     //!< [s] between a scan and its pose in odometry_tum.txt
 constexpr double slowest_arrow = 0.2;  //!< below it the direction is mostly noise [m/s]
 
