@@ -83,9 +83,8 @@ std::string qosOf(bool latched)
 /** A topic with what was written of it. */
 struct WrittenChannel
 {
-  std::string
-      definition;  //!< records of its schema, unless an earlier channel has it, and of itself
-  bool is_defined = false;
+  std::string definition;   //!< its record
+  bool is_defined = false;  //!< the record was written
   std::uint64_t messages = 0;
 };
 

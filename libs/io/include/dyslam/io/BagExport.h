@@ -21,23 +21,13 @@ struct BagExportOptions
   bool force = false;          //!< an earlier file of the name is replaced
 };
 
-/** Writes a rawlog, and what a run found in it, as a bag of ROS 2 (mcap).
- *
- * | topic | type | content |
- * |---|---|---|
- * | `/tf_static` | TFMessage | poses of the sensors on the vehicle: `base_link` to `lidar`, `imu`,
- * `gnss` | | `/tf` | TFMessage | `map` to `base_link`; without a trajectory `world` to `base_link`,
- * by true poses | | `/points` | PointCloud2 | each scan as recorded in `lidar`, with `moving` if
- * there are labels | | `/points_static` | PointCloud2 | with labels: each scan without its moving
- * points | | `/imu`, `/gnss`, `/wheels` | Imu, NavSatFix, TwistStamped | samples of the recording |
- * | `/ground_truth` | PoseStamped | true poses of the vehicle, in `map` (as a whole moved so that
- * the first one is that of the trajectory) or `world` | | `/odometry` | Odometry | the trajectory,
- * with velocities by the differences of its poses | | `/path` | Path | the whole trajectory, once |
- * | `/objects` | MarkerArray | boxes, velocities and names of the tracks at a scan, in `map` |
- * | `/map` | PointCloud2 | the map, once |
+/** Writes a rawlog, and what a run found in it, as a bag of ROS 2 (mcap). Its topics, types and
+ * frames are those of "ROS bag, out" in doc/formats.md: transforms, scans, samples of the other
+ * sensors, true poses and, of a run, trajectory, objects and map.
  *
  * Messages have the stamp of their scan or sample. Frames are those of the recording, not levelled.
- * Only one scan is in memory at a time, beside map, tracks and trajectory.
+ * Only one scan is in memory at a time, beside map, tracks and trajectory. The same input gives the
+ * same bytes.
  *
  * The bag is written under a temporary name. If `progress` throws, it is removed.
  * \throws UserError, also if the file is there already. */
