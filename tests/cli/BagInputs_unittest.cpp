@@ -177,6 +177,7 @@ TEST_F(BagInputs, ProgramsThatReadRawlogsSayWhatToDoWithABag)
     for (const auto& [program, arguments] : std::vector<std::pair<std::string, std::string>>{
              {"dyslam-map", "--trajectory t.txt -o " + at("never.pcd") + " -i "},
              {"kitti2rawlog", "--kind raw -o " + at("never.rawlog") + " -i "},
+             {"rawlog2bag", "-o " + at("never.mcap") + " -i "},
              {"rawlog2kitti", "-o " + at("never") + " -i "},
              {"dyslam-eval", "trajectory --reference " + path + " --estimate "},
              {"dyslam-eval", "map --reference " + path + " --estimate "}})

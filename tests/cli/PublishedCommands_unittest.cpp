@@ -21,9 +21,9 @@ namespace
 {
 namespace fs = std::filesystem;
 
-const std::array<const char*, 10> programs{
-    "dyslam",     "dyslam-batch", "dyslam-eval",  "dyslam-graphslam", "dyslam-map",
-    "dyslam-sim", "dyslam-train", "kitti2rawlog", "scans2rawlog",     "rawlog2kitti"};
+const std::array<const char*, 11> programs{
+    "dyslam",       "dyslam-batch", "dyslam-eval",  "dyslam-graphslam", "dyslam-map",  "dyslam-sim",
+    "dyslam-train", "kitti2rawlog", "scans2rawlog", "rawlog2bag",       "rawlog2kitti"};
 
 std::string temporary()
 {

@@ -81,7 +81,7 @@ inline void writeDrive(const std::string& path,
   test::writeBag(path, messages);
 }
 
-inline std::string imuMessage(bool cdr, std::size_t number, double stamp)
+inline std::string imuOfDrive(bool cdr, std::size_t number, double stamp)
 {
   test::ImuValues values;
   values.angular_velocity.z() = static_cast<double>(number);
@@ -92,7 +92,7 @@ inline std::string imuMessage(bool cdr, std::size_t number, double stamp)
 inline void writeImuDrive(const std::string& path,
                           const std::vector<std::pair<std::string, Pose>>& tf_static = {})
 {
-  writeDrive(path, "/imu/data", "sensor_msgs/Imu", imuMessage, tf_static);
+  writeDrive(path, "/imu/data", "sensor_msgs/Imu", imuOfDrive, tf_static);
 }
 
 /** The samples between the scans, each at or before the stamp of its scan; those of the first one

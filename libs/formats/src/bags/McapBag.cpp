@@ -1,23 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "ChunkedBag.h"
+#include "McapFormat.h"
 
 namespace dyslam
 {
 namespace
 {
-constexpr std::string_view mcap_magic = "\x89MCAP0\r\n";
 constexpr std::uint64_t record_head = 9;          // opcode, length
 constexpr std::uint64_t largest_run = 4U << 20U;  // of messages outside of chunks [bytes]
-
-enum McapOp : std::uint8_t
-{
-  footer = 0x02,
-  schema = 0x03,
-  channel = 0x04,
-  message_data = 0x05,
-  chunk_data = 0x06,
-  message_index = 0x07,
-};
 
 class McapBag : public ChunkedBag
 {
@@ -34,14 +24,14 @@ class McapBag : public ChunkedBag
     {
       const std::string head = bytesAt(at, record_head);
       ByteReader reader(head, place(at));
-      const std::uint8_t op = reader.u8();
+      const auto op = static_cast<McapOp>(reader.u8());
       const std::uint64_t length = reader.u64();
       if (length > size() - at - record_head)
       {
         break;
       }
       readTopLevel(op, at, length);
-      whole = op == footer;
+      whole = op == McapOp::footer;
       at += record_head + length;
     }
     endRun();
@@ -55,13 +45,13 @@ class McapBag : public ChunkedBag
  protected:
   std::optional<Record> readRecord(ByteReader& chunk) override
   {
-    const std::uint8_t op = chunk.u8();
+    const auto op = static_cast<McapOp>(chunk.u8());
     const std::string_view content = chunk.take(chunk.u64());
-    if (op == schema || op == channel)
+    if (op == McapOp::schema || op == McapOp::channel)
     {
       defineBy(op, content, chunk.place());
     }
-    if (op != message_data)
+    if (op != McapOp::message)
     {
       return std::nullopt;
     }
@@ -76,10 +66,10 @@ class McapBag : public ChunkedBag
   }
 
  private:
-  void readTopLevel(std::uint8_t op, std::uint64_t at, std::uint64_t length)
+  void readTopLevel(McapOp op, std::uint64_t at, std::uint64_t length)
   {
     const std::uint64_t content = at + record_head;
-    if (op == message_data)
+    if (op == McapOp::message)
     {
       if (run_.size > 0 && run_.size + record_head + length > largest_run)
       {
@@ -90,15 +80,15 @@ class McapBag : public ChunkedBag
       return;
     }
     endRun();
-    if (op == schema || op == channel)
+    if (op == McapOp::schema || op == McapOp::channel)
     {
       defineBy(op, bytesAt(content, length), place(at));
     }
-    else if (op == chunk_data)
+    else if (op == McapOp::chunk)
     {
       readChunk(at, length);
     }
-    else if (op == message_index)
+    else if (op == McapOp::message_index)
     {
       readIndex(bytesAt(content, length), place(at));
     }
@@ -148,11 +138,11 @@ class McapBag : public ChunkedBag
     addIndex(connection, span);
   }
 
-  void defineBy(std::uint8_t op, std::string_view content, const std::string& where)
+  void defineBy(McapOp op, std::string_view content, const std::string& where)
   {
     ByteReader reader(content, where);
     const std::uint32_t id = reader.u16();
-    if (op == schema)
+    if (op == McapOp::schema)
     {
       types_[id] = plainRosType(std::string(reader.block()));
       return;
