@@ -47,7 +47,6 @@ class ConvertedDrive : public ::testing::Test
       auto simulated = simulator.next();
       simulated.scan.T_vehicle_lidar = Pose::Identity();
       simulated.scan.sensor_label = "lidar";
-      simulated.scan.stamp += 1.6e9;  // bags count from 1970
       writer.write(simulated.scan);
       scans_.push_back(simulated.scan);
       poses_.push_back(simulated.T_map_vehicle);
