@@ -166,6 +166,20 @@ TEST(PriorMap, KnowsTheGroundWhereItHasPoints)
   EXPECT_TRUE(PriorMap({}, 50).empty());
 }
 
+TEST(PriorMap, FindsTheGroundAmongPoints)
+{
+  std::vector<Eigen::Vector3f> points;
+  for (int i = 0; i < 40; ++i)
+  {
+    points.emplace_back(5 + 0.05F * static_cast<float>(i), 7, i < 10 ? -2 : 1);
+  }
+  EXPECT_NEAR(groundAmong(points, 6, 7).value(), -2, 1e-6);
+  EXPECT_FALSE(groundAmong(points, 6, 12)) << "4 m around";
+  EXPECT_FALSE(groundAmong({points.begin(), points.begin() + 4}, 5, 7)) << "too few";
+  points.emplace_back(6, 7, -50);
+  EXPECT_NEAR(groundAmong(points, 6, 7).value(), -2, 1e-6) << "one point in ten may be lower";
+}
+
 TEST(PriorMap, HasTheSameTargetAfterItsStateWasLoaded)
 {
   const BoxWorld world(39, 30, 20);

@@ -68,7 +68,9 @@ std::vector<Eigen::Vector3f> within(std::vector<Eigen::Vector3f> points, double 
 /** Height of the ground below the origin of a submap [m]. */
 double groundBelow(const std::vector<Eigen::Vector3f>& submap)
 {
-  return PriorMap(within(submap, 10), 10).groundHeight(0, 0).value_or(0);
+  const std::vector<Eigen::Vector3f> near = within(submap, 10);
+  return groundAmong(voxelDownsample(near, PriorMap::voxel_size, VoxelPick::centroid).points, 0, 0)
+      .value_or(0);
 }
 
 LoopVerdict judge(const KeyframeRegistrationResult& registration,
