@@ -20,6 +20,7 @@
 #include "DriftingFrames.h"
 #include "MergedRuns.h"
 #include "ResumedRun.h"
+#include "prior_map/LocalisedStretches.h"
 #include "prior_map/PlaceSearch.h"
 
 namespace dyslam
@@ -128,6 +129,34 @@ TEST(PlaceSearch, FindsPositionAndHeading)
     EXPECT_TRUE(std::is_sorted(found.begin(), found.end(),
                                [](const auto& a, const auto& b) { return a.score > b.score; }));
   }
+}
+
+TEST(PlaceSearch, StaysWithinAnArea)
+{
+  const BoxWorld world(31, 30, 20);
+  const std::vector<Pose> drive = driveAround(30, 20, 150, 1.5);
+  const PlaceSearch search(mapOf(world, drive));
+  const std::vector<Eigen::Vector3f> points = world.scan(drive[37], 37);
+  const Eigen::Vector2d at = (T_prior_world * drive[37]).translation().head<2>();
+  const std::vector<SimilarPlace> around = search.find(points, SearchArea{at, 6});
+  ASSERT_FALSE(around.empty());
+  EXPECT_NEAR(around.front().x, at.x(), 1.5);
+  EXPECT_NEAR(around.front().y, at.y(), 1.5);
+  const Eigen::Vector2d aside = at + Eigen::Vector2d(-20, 10);
+  const std::vector<SimilarPlace> elsewhere = search.find(points, SearchArea{aside, 6});
+  EXPECT_FALSE(elsewhere.empty());
+  for (const SimilarPlace& place : elsewhere)
+  {
+    EXPECT_NEAR(place.x, aside.x(), 7.1);
+    EXPECT_NEAR(place.y, aside.y(), 7.1);
+  }
+  EXPECT_TRUE(search.find(points, SearchArea{at + Eigen::Vector2d(1000, 0), 6}).empty());
+  EXPECT_TRUE(search.find(points, SearchArea{at - Eigen::Vector2d(1e9, 0), 6}).empty());
+  const std::vector<SimilarPlace> all = search.find(points);
+  const std::vector<SimilarPlace> wide = search.find(points, SearchArea{at, 1e9});
+  ASSERT_EQ(all.size(), wide.size());
+  EXPECT_EQ(all.front().x, wide.front().x);
+  EXPECT_EQ(all.back().y, wide.back().y);
 }
 
 TEST(PlaceSearch, AStrayPointFarOffDoesNotMatter)
@@ -273,6 +302,185 @@ TEST(Localisation, CorrectsTheDriftOfALongWayBesideTheMap)
   EXPECT_GT(error(), 4);
   EXPECT_TRUE(graph.optimise(FactorGraphOptions()).converged);
   EXPECT_LT(error(), 0.2);
+}
+
+/** The frames as of an odometry that slips, without knowing it, on the way to frame `at`. */
+std::vector<Frame> slipped(std::vector<Frame> frames, std::size_t at, const Pose& slip)
+{
+  frames[at].motion.T_previous_current = frames[at].motion.T_previous_current * slip;
+  for (std::size_t i = at; i < frames.size(); ++i)
+  {
+    frames[i].T_odom_vehicle = frames[i - 1].T_odom_vehicle * frames[i].motion.T_previous_current;
+  }
+  return frames;
+}
+
+/** After the slip no keyframe fits where the odometry predicts it. */
+TEST(Localisation, IsFoundAgainAfterTheOdometrySlipped)
+{
+  const BoxWorld world(41, 30, 20);
+  const std::vector<Pose> drive = driveAround(30, 20, 190, 0.75);
+  const std::vector<Eigen::Vector3f> map = mapOf(world, drive);
+  const std::vector<Pose> truth = part(drive, 10, 220);
+  const std::vector<Frame> frames =
+      slipped(framesOf(world, truth), 60, poseFromYpr(6, 2, 0, 0.12, 0, 0));
+  const LocalisedRun run(map, frames, withStart(truth.front()));
+  ASSERT_TRUE(run.fit().localised) << run.fit().reason;
+  EXPECT_TRUE(run.fit().reason.empty());
+  EXPECT_LE(run.fit().registered, run.fit().tried);
+  const Trajectory trajectory = run.backend.optimisedTrajectory();
+  for (std::size_t i = 0; i < truth.size(); ++i)
+  {
+    if (i < 52 || i >= 70)
+    {
+      const Pose T_true = T_prior_world * truth[i];
+      EXPECT_LT((trajectory[i].pose.translation() - T_true.translation()).norm(), 0.3) << i;
+    }
+  }
+  const Pose last = T_prior_world * truth.back();
+  EXPECT_LT((run.frames.back().T_map_vehicle().translation() - last.translation()).norm(), 0.3);
+
+  // Resumed at frame 105, when the run is lost or about to be found.
+  std::vector<Frame> again = frames;
+  const ResumedRun resumed(withStart(truth.front()), again, map);
+  const Trajectory other = resumed.backend.optimisedTrajectory();
+  ASSERT_EQ(trajectory.size(), other.size());
+  for (std::size_t i = 0; i < trajectory.size(); ++i)
+  {
+    EXPECT_EQ(trajectory[i].pose.matrix(), other[i].pose.matrix());
+  }
+}
+
+/** Keyframes along a straight line, 1 m apart, and their places by odometry. */
+struct StretchedLine
+{
+  /** \param slip of the odometry from keyframe 59 to 60 */
+  explicit StretchedLine(const Pose& slip)
+  {
+    graph.addPose(Key::priorMap(), Pose::Identity());
+    graph.setFixed(Key::priorMap(), true);
+    const Pose step = poseFromYpr(1, 0, 0, 0, 0, 0);
+    for (std::size_t k = 0; k < 150; ++k)
+    {
+      truth.push_back(poseFromYpr(static_cast<double>(k), 0, 0, 0, 0, 0));
+      const Pose measured = k == 60 ? Pose(step * slip) : step;
+      Keyframe keyframe;
+      keyframe.path_length = static_cast<double>(k);
+      keyframe.T_map_vehicle = k == 0 ? truth[0] : Pose(keyframes.back().T_map_vehicle * measured);
+      keyframes.add(keyframe);
+      graph.addPose(Key::ego(k), keyframe.T_map_vehicle);
+      if (k > 0)
+      {
+        graph.add(std::make_unique<OdometryFactor>(k - 1, k, measured, information));
+      }
+    }
+  }
+
+  /** Fixes of keyframes [begin, end), every second one. \param wrong their error, frame of the map
+   */
+  [[nodiscard]] std::vector<MapFix> fixes(std::size_t begin,
+                                          std::size_t end,
+                                          const Pose& wrong = Pose::Identity()) const
+  {
+    std::vector<MapFix> result;
+    for (std::size_t k = begin; k < end; k += 2)
+    {
+      result.push_back({k, wrong * truth[k], information, 0.02, false});
+    }
+    return result;
+  }
+
+  /** Largest error of the position of a keyframe that is not near the slip [m]. */
+  [[nodiscard]] double error() const
+  {
+    double worst = 0;
+    for (std::size_t k = 0; k < truth.size(); ++k)
+    {
+      const Eigen::Vector3d at = graph.pose(Key::ego(k)).translation();
+      worst = std::max(worst, k < 50 || k >= 70 ? (at - truth[k].translation()).norm() : 0);
+    }
+    return worst;
+  }
+
+  /** Information of the odometry to a keyframe, of its x [1/m^2]. */
+  [[nodiscard]] double odometryAt(std::size_t keyframe) const
+  {
+    double found = 0;
+    for (const FactorGraph::FactorId id : graph.factorsOf(Key::ego(keyframe)))
+    {
+      const Factor& factor = graph.factor(id);
+      const bool is_to =
+          factor.kind() == FactorKind::odometry && factor.keys()[1] == Key::ego(keyframe);
+      found = is_to ? factor.information()(0, 0) : found;
+    }
+    return found;
+  }
+
+  Matrix6 information = 1e4 * Matrix6::Identity();
+  KeyframeStore keyframes;
+  FactorGraph graph;
+  std::vector<Pose> truth;
+};
+
+TEST(LocalisedStretches, OdometryThatSlippedBetweenThemIsWeakened)
+{
+  StretchedLine line(poseFromYpr(15, 4, 0, 0.2, 0, 0));
+  LocalisedStretches stretches(line.keyframes, line.graph);
+  for (const auto& fixes : {line.fixes(0, 57), line.fixes(64, 75)})
+  {
+    EXPECT_TRUE(stretches.begin(fixes).empty());
+    EXPECT_EQ(stretches.add(fixes).size(), fixes.size());
+  }
+  EXPECT_LT(line.odometryAt(60), 1e3);
+  EXPECT_EQ(line.odometryAt(56), 1e4);
+  EXPECT_EQ(line.odometryAt(65), 1e4);
+  (void)line.graph.optimise({});
+  EXPECT_LT(line.error(), 0.05);
+}
+
+TEST(LocalisedStretches, AWrongOneIsRemovedOnceTheNextFitsTheOneBefore)
+{
+  StretchedLine line(Pose::Identity());
+  LocalisedStretches stretches(line.keyframes, line.graph);
+  const std::vector<MapFix> wrong = line.fixes(64, 75, poseFromYpr(-12, 3, 0, 0.1, 0, 0));
+  for (const auto& fixes : {line.fixes(0, 57), wrong})
+  {
+    EXPECT_TRUE(stretches.begin(fixes).empty());
+    (void)stretches.add(fixes);
+  }
+  EXPECT_LT(line.odometryAt(60), 1e3);
+  (void)line.graph.optimise({});
+  EXPECT_GT(line.error(), 5) << "so far the odometry counts as wrong";
+  StateArchive saved;
+  stretches.exchangeState(saved);
+  StateArchive archive(saved.bytes());
+  LocalisedStretches loaded(line.keyframes, line.graph);
+  loaded.exchangeState(archive);
+
+  const std::vector<MapFix> last = line.fixes(110, 121);
+  EXPECT_EQ(loaded.begin(last).size(), wrong.size());
+  (void)loaded.add(last);
+  EXPECT_NEAR(line.odometryAt(60), 1e4, 1e-6);
+  EXPECT_NEAR(line.odometryAt(100), 1e4, 1e-6);
+  EXPECT_EQ(line.graph.factorsOf(Key::priorMap()).size(), 29U + last.size());
+  (void)line.graph.optimise({});
+  EXPECT_LT(line.error(), 0.05);
+}
+
+/** Two slips: the stretch between them is right, though the odometry leads past it. */
+TEST(LocalisedStretches, ARightOneStays)
+{
+  StretchedLine line(poseFromYpr(15, 0, 0, 0, 0, 0));
+  LocalisedStretches stretches(line.keyframes, line.graph);
+  const std::vector<MapFix> last = line.fixes(110, 121, poseFromYpr(-6, 0, 0, 0, 0, 0));
+  for (const auto& fixes : {line.fixes(0, 57), line.fixes(64, 75), last})
+  {
+    EXPECT_TRUE(stretches.begin(fixes).empty());
+    (void)stretches.add(fixes);
+  }
+  EXPECT_LT(line.odometryAt(60), 1e3);
+  EXPECT_LT(line.odometryAt(90), 1e4);
+  EXPECT_EQ(line.graph.factorsOf(Key::priorMap()).size(), 29U + 6U + last.size());
 }
 
 TEST(Localisation, SaysThatTheRunIsTooShort)

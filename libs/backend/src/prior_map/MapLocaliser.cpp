@@ -19,6 +19,8 @@ namespace dyslam
 namespace
 {
 constexpr double search_distance = 5;  // path between two searches for the place [m]
+constexpr double again_distance = 20;  // the same of a run that was localised and then lost [m]
+constexpr double again_share = 0.02;   // and at least this share of the path since the last fix
 constexpr double submap_path = 20;     // path of the submap that the place is searched by [m]
 constexpr double submap_voxel = 0.5;   // voxel size of this submap [m]
 constexpr double start_heading = 45 * radians_per_degree;  // largest error of a given heading
@@ -27,18 +29,20 @@ constexpr double place_heading = 4 * radians_per_degree;
 constexpr double apart = 4;         // distance of different places [m]
 constexpr double clear_lead = 0.1;  // overlap by which the best of several places must lead
 
-constexpr double least_radius = 0.5;    // largest error of a prediction without drift [m]
-constexpr double drift = 0.03;          // growth of this error by the path [m/m]
-constexpr double largest_radius = 30;   // largest error that is searched for: the time grows as its
-                                        // square [m]
-constexpr double direct_radius = 1.5;   // up to this error, no alignment from above is needed [m]
-constexpr double search_heading = 0.1;  // largest error of a predicted heading [rad]
+constexpr double least_radius = 0.5;   // largest error of a prediction without drift [m]
+constexpr double drift = 0.03;         // growth of this error by the path [m/m]
+constexpr double largest_radius = 30;  // largest error that is searched for: the time grows as its
+                                       // square [m]
+constexpr double direct_radius = 1.5;  // up to this error, no alignment from above is needed [m]
 constexpr double largest_turn = 6 * radians_per_degree;  // largest correction by a registration
 
-constexpr double trusted_path = 30;   // path after a fix on which the next one needs no other [m]
-constexpr std::size_t agreeing = 3;   // fixes that must agree after it, and at the beginning
-constexpr double agreeing_path = 4;   // path over which they must agree [m]
-constexpr int most_misses = 3;        // keyframes without a fix after which they start anew
+constexpr double trusted_path = 30;  // path after a fix on which the next one needs no other [m]
+constexpr std::size_t agreeing = 3;  // fixes that must agree after it, and at the beginning
+constexpr double agreeing_path = 4;  // path over which they must agree [m]
+constexpr int most_misses = 3;       // keyframes without a fix after which they start anew
+constexpr double unfit_path = 20;    // path on which no keyframe fits after which a run is lost [m]
+constexpr double lost_drift = 0.3;   // growth of the error of a lost run by the path [m/m]
+constexpr double again_path = 10;    // path over which the fixes of a place found again agree [m]
 constexpr std::size_t earlier = 100;  // keyframes that are registered backwards
 
 constexpr double least_observability_of_place = 0.02;
@@ -71,6 +75,14 @@ double groundBelow(const std::vector<Eigen::Vector3f>& submap)
   const std::vector<Eigen::Vector3f> near = within(submap, 10);
   return groundAmong(voxelDownsample(near, PriorMap::voxel_size, VoxelPick::centroid).points, 0, 0)
       .value_or(0);
+}
+
+/** Error of the position of a keyframe by the odometry from another one [m], if it grows by `rate`
+ * metres per metre. */
+double errorBetween(const KeyframeStore& keyframes, std::size_t a, std::size_t b, double rate)
+{
+  const PathBetween path = pathBetween(keyframes[std::min(a, b)], keyframes[std::max(a, b)]);
+  return least_radius + rate * path.measured + path.unseen;
 }
 
 LoopVerdict judge(const KeyframeRegistrationResult& registration,
@@ -116,6 +128,11 @@ std::string reasonOf(LoopVerdict verdict)
 }
 }  // namespace
 
+double driftRadius(const KeyframeStore& keyframes, std::size_t a, std::size_t b)
+{
+  return std::min(largest_radius, errorBetween(keyframes, a, b, drift));
+}
+
 MapLocaliser::MapLocaliser(const PriorMapOptions& options,
                            const std::vector<Eigen::Vector3f>& map,
                            const KeyframeStore& keyframes)
@@ -149,15 +166,31 @@ Pose MapLocaliser::T_prior_map() const
   return newest.T_prior_vehicle * keyframes_[newest.keyframe].T_map_vehicle.inverse();
 }
 
-double MapLocaliser::radiusBetween(std::size_t a, std::size_t b) const
-{
-  const PathBetween path = pathBetween(keyframes_[std::min(a, b)], keyframes_[std::max(a, b)]);
-  return std::min(largest_radius, least_radius + drift * path.measured + path.unseen);
-}
-
 bool MapLocaliser::isSearchDue(std::size_t newest) const
 {
-  return !searched_ || keyframes_[newest].path_length - *searched_ >= search_distance;
+  const double path = keyframes_[newest].path_length;
+  const double distance =
+      fit_.localised
+          ? std::max(again_distance, again_share * (path - keyframes_[*last_fix_].path_length))
+          : search_distance;
+  return !searched_ || path - *searched_ >= distance;
+}
+
+bool MapLocaliser::isLost(std::size_t newest) const
+{
+  if (!fit_.localised || isTrusted(newest))
+  {
+    return false;
+  }
+  const double path = keyframes_[newest].path_length;
+  return errorBetween(keyframes_, *last_fix_, newest, drift) > largest_radius ||
+         (unfit_since_ && path - *unfit_since_ >= unfit_path);
+}
+
+SearchArea MapLocaliser::areaOf(std::size_t newest) const
+{
+  return {keyframes_[newest].T_map_vehicle.translation().head<2>(),
+          errorBetween(keyframes_, *last_fix_, newest, lost_drift)};
 }
 
 std::vector<Eigen::Vector3f> MapLocaliser::submapTo(std::size_t newest) const
@@ -182,7 +215,10 @@ std::vector<Eigen::Vector3f> MapLocaliser::submapTo(std::size_t newest) const
 
 void MapLocaliser::note(LoopVerdict verdict)
 {
-  fit_.reason = reasonOf(verdict == LoopVerdict::accepted ? LoopVerdict::unsupported : verdict);
+  if (!fit_.localised)
+  {
+    fit_.reason = reasonOf(verdict == LoopVerdict::accepted ? LoopVerdict::unsupported : verdict);
+  }
 }
 
 std::optional<Pose> MapLocaliser::placeNearStart(const std::vector<Eigen::Vector3f>& submap,
@@ -191,7 +227,8 @@ std::optional<Pose> MapLocaliser::placeNearStart(const std::vector<Eigen::Vector
   Pose T =
       upright(*start_ * keyframes_[0].T_map_vehicle.inverse() * keyframes_[newest].T_map_vehicle);
   RegistrationTarget& target = map_.around(T.translation());
-  const double radius = std::min(largest_radius, options_.start_radius + radiusBetween(0, newest));
+  const double radius =
+      std::min(largest_radius, options_.start_radius + driftRadius(keyframes_, 0, newest));
   T = correlateFromAbove(submap, target.points(), T, radius, start_heading).value_or(T);
   if (const auto ground = map_.groundHeight(T.translation().x(), T.translation().y()))
   {
@@ -205,7 +242,8 @@ std::optional<Pose> MapLocaliser::placeNearStart(const std::vector<Eigen::Vector
 }
 
 /** The place must be the only one that fits. */
-std::optional<Pose> MapLocaliser::placeAnywhere(const std::vector<Eigen::Vector3f>& submap)
+std::optional<Pose> MapLocaliser::placeWithin(const std::optional<SearchArea>& area,
+                                              const std::vector<Eigen::Vector3f>& submap)
 {
   if (!search_)
   {
@@ -214,7 +252,7 @@ std::optional<Pose> MapLocaliser::placeAnywhere(const std::vector<Eigen::Vector3
   const double ground_below = groundBelow(submap);
   std::vector<KeyframeRegistrationResult> fitting;
   LoopVerdict of_most_similar = LoopVerdict::dissimilar;
-  for (const SimilarPlace& place : search_->find(submap))
+  for (const SimilarPlace& place : search_->find(submap, area))
   {
     const auto ground = map_.groundHeight(place.x, place.y);
     if (!ground)
@@ -260,7 +298,9 @@ std::optional<Pose> MapLocaliser::findPlace(std::size_t newest)
 {
   searched_ = keyframes_[newest].path_length;
   const std::vector<Eigen::Vector3f> submap = submapTo(newest);
-  const auto T_prior_upright = start_ ? placeNearStart(submap, newest) : placeAnywhere(submap);
+  const auto area = fit_.localised ? std::optional(areaOf(newest)) : std::nullopt;
+  const auto T_prior_upright =
+      start_ && !area ? placeNearStart(submap, newest) : placeWithin(area, submap);
   if (!T_prior_upright)
   {
     return std::nullopt;
@@ -279,7 +319,7 @@ std::optional<MapFix> MapLocaliser::registerKeyframe(std::size_t keyframe,
   Pose T = T_prior_vehicle;
   if (radius > direct_radius)
   {
-    T = correlateFromAbove(source, target.points(), T, radius, search_heading).value_or(T);
+    T = correlateFromAbove(source, target.points(), T, radius, drift_heading).value_or(T);
   }
   const KeyframeRegistrationResult result = target.align(source, T);
   const Pose correction = T_prior_vehicle.inverse() * result.T_target_source;
@@ -309,14 +349,15 @@ bool MapLocaliser::agreeEnough() const
 {
   const PathBetween path =
       pathBetween(keyframes_[pending_.front().keyframe], keyframes_[pending_.back().keyframe]);
-  return pending_.size() >= agreeing && path.measured >= agreeing_path;
+  return pending_.size() >= agreeing &&
+         path.measured >= (is_place_again_ ? again_path : agreeing_path);
 }
 
-void MapLocaliser::registerEarlier(std::vector<MapFix>& fixes)
+void MapLocaliser::registerEarlier(std::vector<MapFix>& fixes, std::size_t first)
 {
   const auto step = static_cast<std::size_t>(options_.interval);
   const std::size_t newest = fixes.front().keyframe;
-  const std::size_t last = newest > earlier ? newest - earlier : 0;
+  const std::size_t last = std::max(first, newest > earlier ? newest - earlier : 0);
   std::vector<MapFix> found;
   MapFix next = fixes.front();
   for (std::size_t k = newest; k >= last + step;)
@@ -324,7 +365,7 @@ void MapLocaliser::registerEarlier(std::vector<MapFix>& fixes)
     k -= step;
     const Pose T = next.T_prior_vehicle * keyframes_[next.keyframe].T_map_vehicle.inverse() *
                    keyframes_[k].T_map_vehicle;
-    const double radius = radiusBetween(k, next.keyframe);
+    const double radius = driftRadius(keyframes_, k, next.keyframe);
     if (radius > place_radius)
     {
       break;
@@ -333,7 +374,7 @@ void MapLocaliser::registerEarlier(std::vector<MapFix>& fixes)
     {
       continue;
     }
-    ++fit_.tried;
+    fit_.tried += is_place_again_ ? 0 : 1;  // most of a lost run were tried before
     if (const auto fix = registerKeyframe(k, T, radius))
     {
       next = fix->is_weak ? next : *fix;
@@ -350,8 +391,25 @@ MapFixes MapLocaliser::counted(std::vector<MapFix> fixes)
     square_error_ += fix.rmse * fix.rmse;
   }
   fit_.registered += fixes.size();
+  fit_.tried = std::max(fit_.tried, fit_.registered);
   fit_.rmse = std::sqrt(square_error_ / static_cast<double>(fit_.registered));
   return {std::move(fixes), std::nullopt};
+}
+
+std::optional<MapFix> MapLocaliser::fixByPlace(std::size_t newest)
+{
+  const std::optional<Pose> place = findPlace(newest);
+  std::optional<MapFix> fix =
+      place ? registerKeyframe(newest, *place, least_radius) : std::optional<MapFix>();
+  if (fix && fit_.localised)
+  {
+    if (fix->is_weak)
+    {
+      return std::nullopt;  // one of a lost run tells nothing
+    }
+    is_place_again_ = true;
+  }
+  return fix;
 }
 
 std::optional<MapFix> MapLocaliser::fixNewest()
@@ -359,23 +417,29 @@ std::optional<MapFix> MapLocaliser::fixNewest()
   const std::size_t newest = keyframes_.size() - 1;
   if (!fit_.localised && pending_.empty())
   {
-    const auto place = isSearchDue(newest) ? findPlace(newest) : std::nullopt;
-    return place ? registerKeyframe(newest, *place, least_radius) : std::nullopt;
+    return isSearchDue(newest) ? fixByPlace(newest) : std::nullopt;
   }
   const Pose T = T_prior_map() * keyframes_[newest].T_map_vehicle;
-  if (!map_.groundHeight(T.translation().x(), T.translation().y()))
+  if (map_.groundHeight(T.translation().x(), T.translation().y()))  // else beyond the prior map
   {
-    return std::nullopt;  // beyond the prior map
+    fit_.tried += fit_.localised ? 1 : 0;
+    const std::size_t last = pending_.empty() ? *last_fix_ : pending_.back().keyframe;
+    if (const auto fix = registerKeyframe(newest, T, driftRadius(keyframes_, last, newest)))
+    {
+      return fix;
+    }
+    unfit_since_ = unfit_since_.value_or(keyframes_[newest].path_length);
   }
-  fit_.tried += fit_.localised ? 1 : 0;
-  const std::size_t last = pending_.empty() ? *last_fix_ : pending_.back().keyframe;
-  return registerKeyframe(newest, T, radiusBetween(last, newest));
+  return pending_.empty() && isLost(newest) && isSearchDue(newest) ? fixByPlace(newest)
+                                                                   : std::nullopt;
 }
 
 MapFixes MapLocaliser::release()
 {
   MapFixes result;
   result.fixes = pending_;
+  result.is_found_again = is_place_again_;
+  const std::size_t after_last = last_fix_ ? *last_fix_ + 1 : 0;
   last_fix_ = pending_.back().keyframe;
   if (!fit_.localised)
   {
@@ -385,9 +449,13 @@ MapFixes MapLocaliser::release()
     fit_.keyframe = *last_fix_;
     fit_.path_length = keyframes_[*last_fix_].path_length;
     fit_.tried = pending_.size();
-    registerEarlier(result.fixes);
+  }
+  if (result.T_prior_map || result.is_found_again)
+  {
+    registerEarlier(result.fixes, after_last);
   }
   pending_.clear();
+  is_place_again_ = false;
   result.fixes = counted(std::move(result.fixes)).fixes;
   return result;
 }
@@ -407,13 +475,15 @@ MapFixes MapLocaliser::add()
     if (misses_ >= most_misses)
     {
       pending_.clear();
+      is_place_again_ = false;
     }
     return {};
   }
   misses_ = 0;
+  unfit_since_.reset();
   if (fix->is_weak)
   {
-    return fit_.localised ? counted({*fix}) : MapFixes();
+    return fit_.localised && pending_.empty() ? counted({*fix}) : MapFixes();
   }
   pending_.push_back(*fix);
   return isTrusted(newest) || agreeEnough() ? release() : MapFixes();
@@ -421,6 +491,7 @@ MapFixes MapLocaliser::add()
 
 void MapLocaliser::exchangeState(StateArchive& archive)
 {
-  archive(fit_, square_error_, searched_, pending_, misses_, last_fix_, map_);
+  archive(fit_, square_error_, searched_, pending_, is_place_again_, unfit_since_, misses_,
+          last_fix_, map_);
 }
 }  // namespace dyslam
