@@ -11,8 +11,8 @@
 #include <cmath>
 #include <utility>
 
+#include "MapRegistration.h"
 #include "loops/LoopCandidates.h"
-#include "loops/LoopVerification.h"
 
 namespace dyslam
 {
@@ -21,13 +21,6 @@ namespace
 constexpr double search_distance = 5;  // path between two searches for the place [m]
 constexpr double again_distance = 20;  // the same of a run that was localised and then lost [m]
 constexpr double again_share = 0.02;   // and at least this share of the path since the last fix
-constexpr double submap_path = 20;     // path of the submap that the place is searched by [m]
-constexpr double submap_voxel = 0.5;   // voxel size of this submap [m]
-constexpr double start_heading = 45 * radians_per_degree;  // largest error of a given heading
-constexpr double place_radius = 3;  // largest error of a place that looks alike [m]
-constexpr double place_heading = 4 * radians_per_degree;
-constexpr double apart = 4;         // distance of different places [m]
-constexpr double clear_lead = 0.1;  // overlap by which the best of several places must lead
 
 constexpr double least_radius = 0.5;   // largest error of a prediction without drift [m]
 constexpr double drift = 0.03;         // growth of this error by the path [m/m]
@@ -43,39 +36,10 @@ constexpr int most_misses = 3;       // keyframes without a fix after which they
 constexpr double unfit_path = 20;    // path on which no keyframe fits after which a run is lost [m]
 constexpr double lost_drift = 0.3;   // growth of the error of a lost run by the path [m/m]
 constexpr double again_path = 10;    // path over which the fixes of a place found again agree [m]
+constexpr double earlier_radius = 3;  // largest error of the prediction of one before a fix [m]
 constexpr std::size_t earlier = 100;  // keyframes that are registered backwards
 
-constexpr double least_observability_of_place = 0.02;
-constexpr double least_observability = 0.002;  // of a fix that constrains all directions
-constexpr double weak_sigma = 1;               // sigma of a direction that is not constrained [m]
-
-/** The pose without roll and pitch. */
-Pose upright(const Pose& T)
-{
-  Pose result = Pose::Identity();
-  result.translation() = T.translation();
-  result.linear() =
-      Eigen::AngleAxisd(yawPitchRoll(T).x(), Eigen::Vector3d::UnitZ()).toRotationMatrix();
-  return result;
-}
-
-std::vector<Eigen::Vector3f> within(std::vector<Eigen::Vector3f> points, double range)
-{
-  const auto limit = static_cast<float>(range);
-  points.erase(
-      std::remove_if(points.begin(), points.end(),
-                     [limit](const Eigen::Vector3f& p) { return p.head<2>().norm() > limit; }),
-      points.end());
-  return points;
-}
-
-/** Height of the ground below the origin of a submap [m]. */
-double groundBelow(const std::vector<Eigen::Vector3f>& submap)
-{
-  const std::vector<Eigen::Vector3f> near = within(submap, 10);
-  return groundAmong(voxelDownsample(near, PriorMap::voxel_size, VoxelPick::centroid).points, 0, 0)
-      .value_or(0);
-}
+constexpr double weak_sigma = 1;  // sigma of a direction that is not constrained [m]
 
 /** Error of the position of a keyframe by the odometry from another one [m], if it grows by `rate`
  * metres per metre. */
@@ -83,17 +47,6 @@ double errorBetween(const KeyframeStore& keyframes, std::size_t a, std::size_t b
 {
   const PathBetween path = pathBetween(keyframes[std::min(a, b)], keyframes[std::max(a, b)]);
   return least_radius + rate * path.measured + path.unseen;
-}
-
-LoopVerdict judge(const KeyframeRegistrationResult& registration,
-                  const PriorMapOptions& options,
-                  double observability)
-{
-  LoopCriteria criteria;
-  criteria.min_overlap = options.min_overlap;
-  criteria.max_rmse = options.max_rmse;
-  criteria.min_observability = observability;
-  return verifyRegistration(registration, criteria);
 }
 
 /** The information without that of the direction of translation that is constrained least. */
@@ -136,7 +89,10 @@ double driftRadius(const KeyframeStore& keyframes, std::size_t a, std::size_t b)
 MapLocaliser::MapLocaliser(const PriorMapOptions& options,
                            const std::vector<Eigen::Vector3f>& map,
                            const KeyframeStore& keyframes)
-    : options_(options), map_(map, options.range), keyframes_(keyframes)
+    : options_(options),
+      map_(map, options.range),
+      keyframes_(keyframes),
+      places_(options, map_, keyframes)
 {
   start_ = poseFromText(options_.start);
   if (!start_ && !options_.start.empty())
@@ -193,120 +149,28 @@ SearchArea MapLocaliser::areaOf(std::size_t newest) const
           errorBetween(keyframes_, *last_fix_, newest, lost_drift)};
 }
 
-std::vector<Eigen::Vector3f> MapLocaliser::submapTo(std::size_t newest) const
-{
-  const Pose T_upright_map = upright(keyframes_[newest].T_map_vehicle).inverse();
-  std::vector<Eigen::Vector3f> points;
-  for (std::size_t i = newest + 1; i-- > 0;)
-  {
-    const PathBetween path = pathBetween(keyframes_[i], keyframes_[newest]);
-    if (path.measured > submap_path || path.unseen > 0)
-    {
-      break;
-    }
-    const Eigen::Isometry3f T = (T_upright_map * keyframes_[i].T_map_vehicle).cast<float>();
-    for (const Eigen::Vector3f& p : keyframes_.loopCloud(i).unpacked().points)
-    {
-      points.emplace_back(T * p);
-    }
-  }
-  return within(voxelDownsample(points, submap_voxel, VoxelPick::centroid).points, options_.range);
-}
-
-void MapLocaliser::note(LoopVerdict verdict)
-{
-  if (!fit_.localised)
-  {
-    fit_.reason = reasonOf(verdict == LoopVerdict::accepted ? LoopVerdict::unsupported : verdict);
-  }
-}
-
-std::optional<Pose> MapLocaliser::placeNearStart(const std::vector<Eigen::Vector3f>& submap,
-                                                 std::size_t newest)
-{
-  Pose T =
-      upright(*start_ * keyframes_[0].T_map_vehicle.inverse() * keyframes_[newest].T_map_vehicle);
-  RegistrationTarget& target = map_.around(T.translation());
-  const double radius =
-      std::min(largest_radius, options_.start_radius + driftRadius(keyframes_, 0, newest));
-  T = correlateFromAbove(submap, target.points(), T, radius, start_heading).value_or(T);
-  if (const auto ground = map_.groundHeight(T.translation().x(), T.translation().y()))
-  {
-    T.translation().z() = *ground - groundBelow(submap);
-  }
-  const KeyframeRegistrationResult result = target.align(submap, T);
-  const LoopVerdict verdict = judge(result, options_, least_observability);
-  note(verdict);
-  return verdict == LoopVerdict::accepted ? std::optional<Pose>(result.T_target_source)
-                                          : std::nullopt;
-}
-
-/** The place must be the only one that fits. */
-std::optional<Pose> MapLocaliser::placeWithin(const std::optional<SearchArea>& area,
-                                              const std::vector<Eigen::Vector3f>& submap)
-{
-  if (!search_)
-  {
-    search_.emplace(map_.points());
-  }
-  const double ground_below = groundBelow(submap);
-  std::vector<KeyframeRegistrationResult> fitting;
-  LoopVerdict of_most_similar = LoopVerdict::dissimilar;
-  for (const SimilarPlace& place : search_->find(submap, area))
-  {
-    const auto ground = map_.groundHeight(place.x, place.y);
-    if (!ground)
-    {
-      continue;
-    }
-    const Pose T = poseFromYpr(place.x, place.y, *ground - ground_below, place.heading, 0, 0);
-    RegistrationTarget& target = map_.around(T.translation());
-    const KeyframeRegistrationResult result = target.align(
-        submap,
-        correlateFromAbove(submap, target.points(), T, place_radius, place_heading).value_or(T));
-    const LoopVerdict verdict = judge(result, options_, least_observability_of_place);
-    if (verdict == LoopVerdict::accepted)
-    {
-      fitting.push_back(result);
-    }
-    else if (of_most_similar == LoopVerdict::dissimilar)
-    {
-      of_most_similar = verdict;
-    }
-  }
-  const auto best =
-      std::max_element(fitting.begin(), fitting.end(),
-                       [](const auto& a, const auto& b) { return a.overlap < b.overlap; });
-  if (best == fitting.end())
-  {
-    note(of_most_similar);
-    return std::nullopt;
-  }
-  const bool is_only = std::all_of(
-      fitting.begin(), fitting.end(),
-      [&](const KeyframeRegistrationResult& other)
-      {
-        const Pose between = best->T_target_source.inverse() * other.T_target_source;
-        return other.overlap < best->overlap - clear_lead ||
-               (between.translation().norm() < apart && rotationAngle(between) < start_heading);
-      });
-  note(is_only ? LoopVerdict::accepted : LoopVerdict::ambiguous);
-  return is_only ? std::optional<Pose>(best->T_target_source) : std::nullopt;
-}
-
 std::optional<Pose> MapLocaliser::findPlace(std::size_t newest)
 {
   searched_ = keyframes_[newest].path_length;
-  const std::vector<Eigen::Vector3f> submap = submapTo(newest);
-  const auto area = fit_.localised ? std::optional(areaOf(newest)) : std::nullopt;
-  const auto T_prior_upright =
-      start_ && !area ? placeNearStart(submap, newest) : placeWithin(area, submap);
-  if (!T_prior_upright)
+  FoundPlace found;
+  if (start_ && !fit_.localised)
   {
-    return std::nullopt;
+    found = places_.findNear(
+        *start_ * keyframes_[0].T_map_vehicle.inverse() * keyframes_[newest].T_map_vehicle,
+        std::min(largest_radius, options_.start_radius + driftRadius(keyframes_, 0, newest)),
+        newest);
   }
-  const Pose& T_map_vehicle = keyframes_[newest].T_map_vehicle;
-  return *T_prior_upright * upright(T_map_vehicle).inverse() * T_map_vehicle;
+  else
+  {
+    found =
+        places_.findWithin(fit_.localised ? std::optional(areaOf(newest)) : std::nullopt, newest);
+  }
+  if (!fit_.localised)
+  {
+    // A place that fits is to be confirmed by the next keyframes.
+    fit_.reason = reasonOf(found.T_prior_vehicle ? LoopVerdict::unsupported : found.verdict);
+  }
+  return found.T_prior_vehicle;
 }
 
 std::optional<MapFix> MapLocaliser::registerKeyframe(std::size_t keyframe,
@@ -314,7 +178,7 @@ std::optional<MapFix> MapLocaliser::registerKeyframe(std::size_t keyframe,
                                                      double radius)
 {
   const std::vector<Eigen::Vector3f> source =
-      within(keyframes_.loopCloud(keyframe).unpacked().points, options_.range);
+      pointsWithin(keyframes_.loopCloud(keyframe).unpacked().points, options_.range);
   RegistrationTarget& target = map_.around(T_prior_vehicle.translation());
   Pose T = T_prior_vehicle;
   if (radius > direct_radius)
@@ -323,13 +187,13 @@ std::optional<MapFix> MapLocaliser::registerKeyframe(std::size_t keyframe,
   }
   const KeyframeRegistrationResult result = target.align(source, T);
   const Pose correction = T_prior_vehicle.inverse() * result.T_target_source;
-  if (judge(result, options_, 0) != LoopVerdict::accepted ||
+  if (verdictOf(result, options_, 0) != LoopVerdict::accepted ||
       correction.translation().norm() > radius + least_radius ||
       rotationAngle(correction) > largest_turn)
   {
     return std::nullopt;
   }
-  const bool is_weak = result.observability < least_observability;
+  const bool is_weak = result.observability < least_map_observability;
   return MapFix{keyframe, result.T_target_source,
                 is_weak ? withoutWeakest(result.information) : result.information, result.rmse,
                 is_weak};
@@ -366,7 +230,7 @@ void MapLocaliser::registerEarlier(std::vector<MapFix>& fixes, std::size_t first
     const Pose T = next.T_prior_vehicle * keyframes_[next.keyframe].T_map_vehicle.inverse() *
                    keyframes_[k].T_map_vehicle;
     const double radius = driftRadius(keyframes_, k, next.keyframe);
-    if (radius > place_radius)
+    if (radius > earlier_radius)
     {
       break;
     }

@@ -11,10 +11,9 @@
 #include <optional>
 #include <vector>
 
+#include "PlaceFinder.h"
 #include "PlaceSearch.h"
 #include "PriorMap.h"
-#include "loops/KeyframeRegistration.h"
-#include "loops/LoopVerification.h"
 
 namespace dyslam
 {
@@ -66,6 +65,9 @@ class MapLocaliser
                const std::vector<Eigen::Vector3f>& map,
                const KeyframeStore& keyframes);
 
+  MapLocaliser(const MapLocaliser&) = delete;
+  MapLocaliser& operator=(const MapLocaliser&) = delete;
+
   /** Registers the newest keyframe, whose points are in the store.
    * \return fixes that count from now on; if they localise the run, the caller has moved the
    * keyframes to the frame of the prior map before the next call. */
@@ -84,15 +86,6 @@ class MapLocaliser
   [[nodiscard]] SearchArea areaOf(std::size_t newest) const;
   /** Pose of the newest keyframe in the prior map, without an estimate of it. */
   [[nodiscard]] std::optional<Pose> findPlace(std::size_t newest);
-  /** Notes why a place does not fit. */
-  void note(LoopVerdict verdict);
-  /** Static points on the path to keyframe `newest`, in its frame without tilt. */
-  [[nodiscard]] std::vector<Eigen::Vector3f> submapTo(std::size_t newest) const;
-  [[nodiscard]] std::optional<Pose> placeNearStart(const std::vector<Eigen::Vector3f>& submap,
-                                                   std::size_t newest);
-  /** \param area where the place is; none: anywhere */
-  [[nodiscard]] std::optional<Pose> placeWithin(const std::optional<SearchArea>& area,
-                                                const std::vector<Eigen::Vector3f>& submap);
   /** Registers a keyframe near an estimate. \param radius largest error of its position [m] */
   [[nodiscard]] std::optional<MapFix> registerKeyframe(std::size_t keyframe,
                                                        const Pose& T_prior_vehicle,
@@ -118,8 +111,8 @@ class MapLocaliser
   PriorMapOptions options_;
   std::optional<Pose> start_;  //!< T_prior_vehicle of the first keyframe, roughly
   PriorMap map_;
-  std::optional<PlaceSearch> search_;  //!< made when it is first needed
   const KeyframeStore& keyframes_;
+  PlaceFinder places_;
 
   PriorMapFit fit_;
   double square_error_ = 0;         //!< sum of the squared RMSE of all fixes [m^2]
