@@ -493,6 +493,95 @@ TEST(Localisation, SaysThatTheRunIsTooShort)
   EXPECT_EQ(run.fit().reason, "the path since a place was found is too short to confirm it");
 }
 
+/** Until it moves there is no path on which fixes could agree, and a place is searched for once. */
+TEST(Localisation, AVehicleThatStandsAndTurnsAtFirst)
+{
+  const BoxWorld world(42, 30, 20);
+  const std::vector<Pose> drive = driveAround(30, 20, 90, 0.75);
+  std::vector<Pose> truth(20, drive[20]);
+  for (int i = 1; i <= 30; ++i)
+  {
+    truth.push_back(drive[20] * poseFromYpr(0, 0, 0, i * M_PI / 15, 0, 0));
+  }
+  const std::vector<Pose> moving = part(drive, 20, 90);
+  truth.insert(truth.end(), moving.begin(), moving.end());
+  std::vector<Frame> frames = framesOf(world, truth);
+  KeyframeStore keyframes;
+  Backend backend(BackendConfig(), keyframes, mapOf(world, drive));
+  for (std::size_t i = 0; i < frames.size(); ++i)
+  {
+    backend.addFrame(frames[i]);
+    if (i < 50)
+    {
+      EXPECT_FALSE(backend.priorMapFit()->localised) << i;
+      EXPECT_FALSE(backend.priorMapFit()->reason.empty()) << i;
+    }
+    if (i == 19)
+    {
+      EXPECT_EQ(keyframes.size(), 1U);
+    }
+  }
+  backend.finish();
+  const PriorMapFit fit = backend.priorMapFit().value();
+  ASSERT_TRUE(fit.localised) << fit.reason;
+  EXPECT_LT(fit.path_length, 30);
+  EXPECT_LE(fit.registered, fit.tried);
+  EXPECT_LT(fit.rmse, 0.1);
+  const Trajectory trajectory = backend.optimisedTrajectory();
+  for (std::size_t i = 0; i < truth.size(); ++i)
+  {
+    const Pose T_true = T_prior_world * truth[i];
+    EXPECT_LT((trajectory[i].pose.translation() - T_true.translation()).norm(), 0.2) << i;
+  }
+}
+
+/** Points of a corridor along x, 8 m wide and 3 m high, vehicle frame [m]. */
+std::vector<Eigen::Vector3f> corridor(float length)
+{
+  std::vector<Eigen::Vector3f> points;
+  for (float x = -length; x <= length; x += 0.4F)
+  {
+    for (float z = 0; z <= 3; z += 0.4F)
+    {
+      points.emplace_back(x, -4, z - 1.7F);
+      points.emplace_back(x, 4, z - 1.7F);
+    }
+    for (float y = -3.6F; y < 3.8F; y += 0.4F)
+    {
+      points.emplace_back(x, y, -1.7F);
+    }
+  }
+  return points;
+}
+
+TEST(Localisation, SaysThatTheSurfacesDoNotConstrainThePosition)
+{
+  std::vector<Pose> truth;
+  std::vector<Frame> frames;
+  for (std::size_t i = 0; i < 10; ++i)
+  {
+    truth.push_back(poseFromYpr(static_cast<double>(i), 0, 1.7, 0, 0, 0));
+    Frame frame;
+    frame.index = i;
+    frame.scan.stamp = 100 + 0.1 * static_cast<double>(i);
+    frame.cloud.points = corridor(20);
+    frame.motion.T_previous_current = truth.front().inverse() * truth[i == 0 ? 0 : 1];
+    frame.motion.status = MotionStatus::converged;
+    frame.motion.information = 1e4 * Matrix6::Identity();
+    frame.T_odom_vehicle = truth.front().inverse() * truth[i];
+    frames.push_back(std::move(frame));
+  }
+  std::vector<Eigen::Vector3f> map;
+  const Eigen::Isometry3f T = (T_prior_world * truth.front()).cast<float>();
+  for (const Eigen::Vector3f& p : corridor(60))
+  {
+    map.emplace_back(T * p);
+  }
+  const LocalisedRun run(map, frames, withStart(truth.front()));
+  EXPECT_FALSE(run.fit().localised);
+  EXPECT_EQ(run.fit().reason, "the surfaces do not constrain the position in one direction");
+}
+
 TEST(Localisation, FailsInAMapOfAnotherPlace)
 {
   const std::vector<Pose> drive = driveAround(30, 20, 40, 0.75);
