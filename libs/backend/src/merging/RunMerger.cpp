@@ -246,6 +246,27 @@ RunMerge RunMerger::State::result() const
   return merge;
 }
 
+void RunMerger::State::Run::takeFactors(const FactorGraph& graph)
+{
+  for (const FactorGraph::FactorId id : graph.factorIds())
+  {
+    const Factor& factor = graph.factor(id);
+    if (factor.kind() == FactorKind::odometry ||
+        (factor.kind() == FactorKind::loop && !graph.isLeftOut(id)))
+    {
+      edges.push_back({factor.kind() == FactorKind::loop,
+                       range.begin + static_cast<std::size_t>(factor.keys()[0].index),
+                       range.begin + static_cast<std::size_t>(factor.keys()[1].index),
+                       factor.measurement(), factor.information()});
+    }
+    else if (factor.kind() == FactorKind::localisation)
+    {
+      localisations.push_back({range.begin + static_cast<std::size_t>(factor.keys()[1].index),
+                               factor.measurement(), factor.information()});
+    }
+  }
+}
+
 RunMerger::RunMerger(const RunMergerConfig& config) : state_(std::make_unique<State>(config)) {}
 RunMerger::~RunMerger() = default;
 RunMerger::RunMerger(RunMerger&&) noexcept = default;
@@ -272,24 +293,7 @@ void RunMerger::addRun(const FactorGraph& graph, const RunReferences& references
     s.keyframes.add(keyframe);
   }
   run.range.end = s.keyframes.size();
-  for (const FactorGraph::FactorId id : graph.factorIds())
-  {
-    const Factor& factor = graph.factor(id);
-    if (factor.kind() == FactorKind::odometry ||
-        (factor.kind() == FactorKind::loop && !graph.isLeftOut(id)))
-    {
-      run.edges.push_back({factor.kind() == FactorKind::loop,
-                           run.range.begin + static_cast<std::size_t>(factor.keys()[0].index),
-                           run.range.begin + static_cast<std::size_t>(factor.keys()[1].index),
-                           factor.measurement(), factor.information()});
-    }
-    else if (factor.kind() == FactorKind::localisation)
-    {
-      run.localisations.push_back(
-          {run.range.begin + static_cast<std::size_t>(factor.keys()[1].index), factor.measurement(),
-           factor.information()});
-    }
-  }
+  run.takeFactors(graph);
   for (const auto& [key, variable] : graph.variables())
   {
     if (key.kind == VariableKind::ego_pose &&

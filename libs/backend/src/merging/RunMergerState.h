@@ -38,6 +38,8 @@ struct RunMerger::State
   struct Run
   {
     [[nodiscard]] std::size_t middle() const { return (range.begin + range.end) / 2; }
+    /** Copies odometry, used loops and localisations of the run's graph. \pre range */
+    void takeFactors(const FactorGraph& graph);
 
     KeyframeRange range;
     std::vector<Edge> edges;
