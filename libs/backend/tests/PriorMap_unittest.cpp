@@ -535,51 +535,124 @@ TEST(Localisation, AVehicleThatStandsAndTurnsAtFirst)
   }
 }
 
-/** Points of a corridor along x, 8 m wide and 3 m high, vehicle frame [m]. */
-std::vector<Eigen::Vector3f> corridor(float length)
+/** Points of a corridor along x, 8 m wide and 3 m high [m]. The floor ends before the walls. */
+std::vector<Eigen::Vector3f> corridor(float begin, float end)
 {
   std::vector<Eigen::Vector3f> points;
-  for (float x = -length; x <= length; x += 0.4F)
+  for (float x = begin; x <= end; x += 0.4F)
   {
     for (float z = 0; z <= 3; z += 0.4F)
     {
-      points.emplace_back(x, -4, z - 1.7F);
-      points.emplace_back(x, 4, z - 1.7F);
+      points.emplace_back(x, -4, z);
+      points.emplace_back(x, 4, z);
     }
-    for (float y = -3.6F; y < 3.8F; y += 0.4F)
+    for (float y = -2.4F; y < 2.6F; y += 0.4F)
     {
-      points.emplace_back(x, y, -1.7F);
+      points.emplace_back(x, y, 0);
     }
   }
   return points;
 }
 
-TEST(Localisation, SaysThatTheSurfacesDoNotConstrainThePosition)
+/** Frames along a drive among points that are seen from everywhere within 25 m. The odometry is
+ * wrong in the same way at every step: its length by `stretch`, its heading by `turn` [rad]. */
+std::vector<Frame> framesAmong(const std::vector<Eigen::Vector3f>& world,
+                               const std::vector<Pose>& truth,
+                               double stretch,
+                               double turn)
 {
-  std::vector<Pose> truth;
   std::vector<Frame> frames;
-  for (std::size_t i = 0; i < 10; ++i)
+  for (std::size_t i = 0; i < truth.size(); ++i)
   {
-    truth.push_back(poseFromYpr(static_cast<double>(i), 0, 1.7, 0, 0, 0));
     Frame frame;
     frame.index = i;
     frame.scan.stamp = 100 + 0.1 * static_cast<double>(i);
-    frame.cloud.points = corridor(20);
-    frame.motion.T_previous_current = truth.front().inverse() * truth[i == 0 ? 0 : 1];
+    const Eigen::Isometry3f T_vehicle_world = truth[i].inverse().cast<float>();
+    for (const Eigen::Vector3f& point : world)
+    {
+      const Eigen::Vector3f p = T_vehicle_world * point;
+      if (p.head<2>().norm() < 25)
+      {
+        frame.cloud.points.push_back(p);
+      }
+    }
+    if (i > 0)
+    {
+      Pose step = truth[i - 1].inverse() * truth[i];
+      step.translation() *= 1 + stretch;
+      frame.motion.T_previous_current = step * poseFromYpr(0, 0, 0, turn, 0, 0);
+      frame.T_odom_vehicle = frames.back().T_odom_vehicle * frame.motion.T_previous_current;
+    }
     frame.motion.status = MotionStatus::converged;
     frame.motion.information = 1e4 * Matrix6::Identity();
-    frame.T_odom_vehicle = truth.front().inverse() * truth[i];
     frames.push_back(std::move(frame));
   }
+  return frames;
+}
+
+std::vector<Pose> alongX(std::size_t metres)
+{
+  std::vector<Pose> poses;
+  for (std::size_t i = 0; i <= metres; ++i)
+  {
+    poses.push_back(poseFromYpr(static_cast<double>(i), 0, 1.7, 0, 0, 0));
+  }
+  return poses;
+}
+
+std::vector<Eigen::Vector3f> inPriorMap(const std::vector<Eigen::Vector3f>& world)
+{
+  const Eigen::Isometry3f T = T_prior_world.cast<float>();
   std::vector<Eigen::Vector3f> map;
-  const Eigen::Isometry3f T = (T_prior_world * truth.front()).cast<float>();
-  for (const Eigen::Vector3f& p : corridor(60))
+  for (const Eigen::Vector3f& p : world)
   {
     map.emplace_back(T * p);
   }
-  const LocalisedRun run(map, frames, withStart(truth.front()));
+  return map;
+}
+
+TEST(Localisation, SaysThatTheSurfacesDoNotConstrainThePosition)
+{
+  const std::vector<Eigen::Vector3f> world = corridor(-60, 60);
+  const std::vector<Pose> truth = alongX(10);
+  const LocalisedRun run(inPriorMap(world), framesAmong(world, truth, 0, 0),
+                         withStart(truth.front()));
   EXPECT_FALSE(run.fit().localised);
   EXPECT_EQ(run.fit().reason, "the surfaces do not constrain the position in one direction");
+}
+
+/** From a place with structure into a corridor, along which nothing is measured. */
+TEST(Localisation, InACorridorOnlyItsDirectionDrifts)
+{
+  std::vector<Eigen::Vector3f> world = corridor(-60, 160);
+  for (int i = -4; i <= 4; ++i)  // walls across, beside the way
+  {
+    const auto x = 6 * static_cast<float>(i);
+    for (float y = 5 + static_cast<float>((i + 4) % 3); y < 12; y += 0.4F)
+    {
+      for (float z = 0; z <= 3; z += 0.4F)
+      {
+        world.emplace_back(x, y, z);
+        world.emplace_back(x + 2.5F, -y, z);
+      }
+    }
+  }
+  const std::vector<Pose> truth = alongX(110);
+  const LocalisedRun run(inPriorMap(world), framesAmong(world, truth, 0.01, 0.0005),
+                         withStart(truth.front()));
+  ASSERT_TRUE(run.fit().localised) << run.fit().reason;
+  EXPECT_GE(run.fit().registered, 0.9 * static_cast<double>(run.fit().tried));
+  EXPECT_GE(run.fit().tried, 20U) << "one every 4 m";
+  const Pose T_true_end = (T_prior_world * truth.back()).inverse() *
+                          run.backend.optimisedTrajectory()[truth.size() - 1].pose;
+  EXPECT_LT(std::abs(T_true_end.translation().y()), 0.15) << "0.8 m by the odometry since x = 52";
+  EXPECT_LT(std::abs(T_true_end.translation().x()), 3);
+
+  const FactorGraph& graph = run.backend.factorGraph();
+  const Factor& last = graph.factor(graph.factorsOf(Key::priorMap()).back());
+  const Eigen::Matrix3d translation = last.information().topLeftCorner<3, 3>();
+  EXPECT_LT(std::abs(translation(0, 0)), 2) << "sigma of 1 m along the corridor";
+  EXPECT_GT(translation(1, 1), 100);
 }
 
 TEST(Localisation, FailsInAMapOfAnotherPlace)
