@@ -1,11 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "prior_map/PriorMap.h"
-
 #include <dyslam/backend/Backend.h>
 #include <dyslam/backend/factors/LocalisationFactor.h>
 #include <dyslam/backend/factors/OdometryFactor.h>
 #include <dyslam/base/Error.h>
-#include <dyslam/base/StateArchive.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -17,11 +14,9 @@
 #include <vector>
 
 #include "BoxWorld.h"
-#include "DriftingFrames.h"
+#include "LocalisedRun.h"
 #include "MergedRuns.h"
 #include "ResumedRun.h"
-#include "prior_map/LocalisedStretches.h"
-#include "prior_map/PlaceSearch.h"
 
 namespace dyslam
 {
@@ -29,202 +24,14 @@ namespace
 {
 using test::BoxWorld;
 using test::driveAround;
+using test::framesOf;
+using test::LocalisedRun;
+using test::mapOf;
 using test::part;
 using test::ResumedRun;
+using test::T_prior_world;
 using test::turnedRound;
-
-/** The frame of the prior map in which the world is seen: turned, and far from its origin. */
-const Pose T_prior_world = poseFromYpr(300, -120, 12, 2, 0, 0);
-
-/** Points along a drive, frame of the prior map. */
-std::vector<Eigen::Vector3f> mapOf(const BoxWorld& world, const std::vector<Pose>& drive)
-{
-  std::vector<Eigen::Vector3f> points;
-  for (std::size_t i = 0; i < drive.size(); i += 2)
-  {
-    const Eigen::Isometry3f T = (T_prior_world * drive[i]).cast<float>();
-    for (const Eigen::Vector3f& p : world.scan(drive[i], 7000 + static_cast<unsigned>(i)))
-    {
-      points.emplace_back(T * p);
-    }
-  }
-  return points;
-}
-
-std::vector<Frame> framesOf(const BoxWorld& world,
-                            const std::vector<Pose>& truth,
-                            double stretch = 0.01,
-                            double turn = 0.0005)
-{
-  return test::driftingFrames(world, truth, stretch, turn, 1e4);
-}
-
-/** A run that is localised in a map. */
-struct LocalisedRun
-{
-  LocalisedRun(const std::vector<Eigen::Vector3f>& map,
-               std::vector<Frame> given,
-               const BackendConfig& config = {})
-      : frames(std::move(given)), backend(config, keyframes, map)
-  {
-    for (Frame& frame : frames)
-    {
-      backend.addFrame(frame);
-    }
-    backend.finish();
-  }
-
-  [[nodiscard]] PriorMapFit fit() const { return backend.priorMapFit().value(); }
-  /** Largest error of the poses in the frame of the prior map [m]. */
-  [[nodiscard]] double error(const std::vector<Pose>& truth) const
-  {
-    const Trajectory trajectory = backend.optimisedTrajectory();
-    double worst = 0;
-    for (std::size_t i = 0; i < truth.size(); ++i)
-    {
-      const Pose T_true = T_prior_world * truth[i];
-      worst = std::max(worst, (trajectory[i].pose.translation() - T_true.translation()).norm());
-    }
-    return worst;
-  }
-
-  std::vector<Frame> frames;
-  KeyframeStore keyframes;
-  Backend backend;
-};
-
-BackendConfig withStart(const Pose& T_world_start)
-{
-  BackendConfig config;
-  config.prior_map.start = poseText(T_prior_world * T_world_start);
-  return config;
-}
-
-TEST(PlaceSearch, FindsPositionAndHeading)
-{
-  const BoxWorld world(31, 30, 20);
-  const std::vector<Pose> drive = driveAround(30, 20, 150, 1.5);
-  const PlaceSearch search(mapOf(world, drive));
-  for (const std::size_t at : {10U, 37U, 80U})
-  {
-    const Pose T_vehicle_submap = poseFromYpr(0, 0, 0, 1.1, 0, 0);
-    const Pose T_world_submap = drive[at] * T_vehicle_submap;
-    std::vector<Eigen::Vector3f> submap;
-    for (std::size_t i = at - 6; i <= at; ++i)
-    {
-      const Eigen::Isometry3f T = (T_world_submap.inverse() * drive[i]).cast<float>();
-      for (const Eigen::Vector3f& p : world.scan(drive[i], static_cast<unsigned>(i)))
-      {
-        submap.emplace_back(T * p);
-      }
-    }
-    const std::vector<SimilarPlace> found = search.find(submap);
-    ASSERT_FALSE(found.empty());
-    const Pose T_true = T_prior_world * T_world_submap;
-    EXPECT_NEAR(found.front().x, T_true.translation().x(), 1.5);
-    EXPECT_NEAR(found.front().y, T_true.translation().y(), 1.5);
-    EXPECT_NEAR(std::remainder(found.front().heading - yawPitchRoll(T_true).x(), 2 * M_PI), 0,
-                0.06);
-    EXPECT_GT(found.front().score, 0.5);
-    EXPECT_TRUE(std::is_sorted(found.begin(), found.end(),
-                               [](const auto& a, const auto& b) { return a.score > b.score; }));
-  }
-}
-
-TEST(PlaceSearch, StaysWithinAnArea)
-{
-  const BoxWorld world(31, 30, 20);
-  const std::vector<Pose> drive = driveAround(30, 20, 150, 1.5);
-  const PlaceSearch search(mapOf(world, drive));
-  const std::vector<Eigen::Vector3f> points = world.scan(drive[37], 37);
-  const Eigen::Vector2d at = (T_prior_world * drive[37]).translation().head<2>();
-  const std::vector<SimilarPlace> around = search.find(points, SearchArea{at, 6});
-  ASSERT_FALSE(around.empty());
-  EXPECT_NEAR(around.front().x, at.x(), 1.5);
-  EXPECT_NEAR(around.front().y, at.y(), 1.5);
-  const Eigen::Vector2d aside = at + Eigen::Vector2d(-20, 10);
-  const std::vector<SimilarPlace> elsewhere = search.find(points, SearchArea{aside, 6});
-  EXPECT_FALSE(elsewhere.empty());
-  for (const SimilarPlace& place : elsewhere)
-  {
-    EXPECT_NEAR(place.x, aside.x(), 7.1);
-    EXPECT_NEAR(place.y, aside.y(), 7.1);
-  }
-  EXPECT_TRUE(search.find(points, SearchArea{at + Eigen::Vector2d(1000, 0), 6}).empty());
-  EXPECT_TRUE(search.find(points, SearchArea{at - Eigen::Vector2d(1e9, 0), 6}).empty());
-  const std::vector<SimilarPlace> all = search.find(points);
-  const std::vector<SimilarPlace> wide = search.find(points, SearchArea{at, 1e9});
-  ASSERT_EQ(all.size(), wide.size());
-  EXPECT_EQ(all.front().x, wide.front().x);
-  EXPECT_EQ(all.back().y, wide.back().y);
-}
-
-TEST(PlaceSearch, AStrayPointFarOffDoesNotMatter)
-{
-  const BoxWorld world(31, 30, 20);
-  const std::vector<Pose> drive = driveAround(30, 20, 60, 1.5);
-  std::vector<Eigen::Vector3f> map = mapOf(world, drive);
-  map.emplace_back(-45000, 45000, 0);
-  const std::vector<SimilarPlace> found = PlaceSearch(map).find(world.scan(drive[10], 10));
-  ASSERT_FALSE(found.empty());
-  const Pose T_true = T_prior_world * drive[10];
-  EXPECT_NEAR(found.front().x, T_true.translation().x(), 1.5);
-  EXPECT_NEAR(found.front().y, T_true.translation().y(), 1.5);
-}
-
-TEST(PlaceSearch, NothingIsSimilarToNothing)
-{
-  const std::vector<Eigen::Vector3f> wall{{1, 2, 0}, {1, 2, 2}};
-  EXPECT_TRUE(PlaceSearch({}).find(wall).empty());
-  EXPECT_TRUE(PlaceSearch(wall).find({}).empty());
-  EXPECT_TRUE(PlaceSearch({{1, 2, 0}}).find(wall).empty()) << "the map has no upright structure";
-  const Eigen::Vector3f nowhere = Eigen::Vector3f::Constant(NAN);
-  EXPECT_TRUE(PlaceSearch({nowhere}).find(wall).empty());
-  EXPECT_FALSE(PlaceSearch(wall).find(wall).empty());
-}
-
-TEST(PriorMap, KnowsTheGroundWhereItHasPoints)
-{
-  const BoxWorld world(32, 30, 20);
-  const std::vector<Pose> drive = driveAround(30, 20, 60, 1.5);
-  const PriorMap map(mapOf(world, drive), 50);
-  const Eigen::Vector3d at = (T_prior_world * drive[10]).translation();
-  ASSERT_TRUE(map.groundHeight(at.x(), at.y()));
-  EXPECT_NEAR(*map.groundHeight(at.x(), at.y()), 12, 0.1);
-  EXPECT_FALSE(map.groundHeight(at.x() + 1000, at.y()));
-  EXPECT_TRUE(PriorMap({}, 50).empty());
-}
-
-TEST(PriorMap, FindsTheGroundAmongPoints)
-{
-  std::vector<Eigen::Vector3f> points;
-  for (int i = 0; i < 40; ++i)
-  {
-    points.emplace_back(5 + 0.05F * static_cast<float>(i), 7, i < 10 ? -2 : 1);
-  }
-  EXPECT_NEAR(groundAmong(points, 6, 7).value(), -2, 1e-6);
-  EXPECT_FALSE(groundAmong(points, 6, 12)) << "4 m around";
-  EXPECT_FALSE(groundAmong({points.begin(), points.begin() + 4}, 5, 7)) << "too few";
-  points.emplace_back(6, 7, -50);
-  EXPECT_NEAR(groundAmong(points, 6, 7).value(), -2, 1e-6) << "one point in ten may be lower";
-}
-
-TEST(PriorMap, HasTheSameTargetAfterItsStateWasLoaded)
-{
-  const BoxWorld world(39, 30, 20);
-  const std::vector<Eigen::Vector3f> points = mapOf(world, driveAround(30, 20, 60, 1.5));
-  const Eigen::Vector3d start = T_prior_world.translation() + Eigen::Vector3d(5, 5, 0);
-  const Eigen::Vector3d further = start + Eigen::Vector3d(8, 0, 0);
-  PriorMap map(points, 10);
-  (void)map.around(start);
-  StateArchive saved;
-  map.exchangeState(saved);
-  PriorMap loaded(points, 10);
-  StateArchive archive(saved.bytes());
-  loaded.exchangeState(archive);
-  EXPECT_TRUE(loaded.around(further).points() == map.around(further).points());
-  EXPECT_FALSE(PriorMap(points, 10).around(further).points() == map.around(further).points());
-}
+using test::withStart;
 
 TEST(Localisation, PutsARunIntoTheFrameOfTheMap)
 {
@@ -349,138 +156,6 @@ TEST(Localisation, IsFoundAgainAfterTheOdometrySlipped)
   {
     EXPECT_EQ(trajectory[i].pose.matrix(), other[i].pose.matrix());
   }
-}
-
-/** Keyframes along a straight line, 1 m apart, and their places by odometry. */
-struct StretchedLine
-{
-  /** \param slip of the odometry from keyframe 59 to 60 */
-  explicit StretchedLine(const Pose& slip)
-  {
-    graph.addPose(Key::priorMap(), Pose::Identity());
-    graph.setFixed(Key::priorMap(), true);
-    const Pose step = poseFromYpr(1, 0, 0, 0, 0, 0);
-    for (std::size_t k = 0; k < 150; ++k)
-    {
-      truth.push_back(poseFromYpr(static_cast<double>(k), 0, 0, 0, 0, 0));
-      const Pose measured = k == 60 ? Pose(step * slip) : step;
-      Keyframe keyframe;
-      keyframe.path_length = static_cast<double>(k);
-      keyframe.T_map_vehicle = k == 0 ? truth[0] : Pose(keyframes.back().T_map_vehicle * measured);
-      keyframes.add(keyframe);
-      graph.addPose(Key::ego(k), keyframe.T_map_vehicle);
-      if (k > 0)
-      {
-        graph.add(std::make_unique<OdometryFactor>(k - 1, k, measured, information));
-      }
-    }
-  }
-
-  /** Fixes of keyframes [begin, end), every second one. \param wrong their error, frame of the map
-   */
-  [[nodiscard]] std::vector<MapFix> fixes(std::size_t begin,
-                                          std::size_t end,
-                                          const Pose& wrong = Pose::Identity()) const
-  {
-    std::vector<MapFix> result;
-    for (std::size_t k = begin; k < end; k += 2)
-    {
-      result.push_back({k, wrong * truth[k], information, 0.02, false});
-    }
-    return result;
-  }
-
-  /** Largest error of the position of a keyframe that is not near the slip [m]. */
-  [[nodiscard]] double error() const
-  {
-    double worst = 0;
-    for (std::size_t k = 0; k < truth.size(); ++k)
-    {
-      const Eigen::Vector3d at = graph.pose(Key::ego(k)).translation();
-      worst = std::max(worst, k < 50 || k >= 70 ? (at - truth[k].translation()).norm() : 0);
-    }
-    return worst;
-  }
-
-  /** Information of the odometry to a keyframe, of its x [1/m^2]. */
-  [[nodiscard]] double odometryAt(std::size_t keyframe) const
-  {
-    double found = 0;
-    for (const FactorGraph::FactorId id : graph.factorsOf(Key::ego(keyframe)))
-    {
-      const Factor& factor = graph.factor(id);
-      const bool is_to =
-          factor.kind() == FactorKind::odometry && factor.keys()[1] == Key::ego(keyframe);
-      found = is_to ? factor.information()(0, 0) : found;
-    }
-    return found;
-  }
-
-  Matrix6 information = 1e4 * Matrix6::Identity();
-  KeyframeStore keyframes;
-  FactorGraph graph;
-  std::vector<Pose> truth;
-};
-
-TEST(LocalisedStretches, OdometryThatSlippedBetweenThemIsWeakened)
-{
-  StretchedLine line(poseFromYpr(15, 4, 0, 0.2, 0, 0));
-  LocalisedStretches stretches(line.keyframes, line.graph);
-  for (const auto& fixes : {line.fixes(0, 57), line.fixes(64, 75)})
-  {
-    EXPECT_TRUE(stretches.begin(fixes).empty());
-    EXPECT_EQ(stretches.add(fixes).size(), fixes.size());
-  }
-  EXPECT_LT(line.odometryAt(60), 1e3);
-  EXPECT_EQ(line.odometryAt(56), 1e4);
-  EXPECT_EQ(line.odometryAt(65), 1e4);
-  (void)line.graph.optimise({});
-  EXPECT_LT(line.error(), 0.05);
-}
-
-TEST(LocalisedStretches, AWrongOneIsRemovedOnceTheNextFitsTheOneBefore)
-{
-  StretchedLine line(Pose::Identity());
-  LocalisedStretches stretches(line.keyframes, line.graph);
-  const std::vector<MapFix> wrong = line.fixes(64, 75, poseFromYpr(-12, 3, 0, 0.1, 0, 0));
-  for (const auto& fixes : {line.fixes(0, 57), wrong})
-  {
-    EXPECT_TRUE(stretches.begin(fixes).empty());
-    (void)stretches.add(fixes);
-  }
-  EXPECT_LT(line.odometryAt(60), 1e3);
-  (void)line.graph.optimise({});
-  EXPECT_GT(line.error(), 5) << "so far the odometry counts as wrong";
-  StateArchive saved;
-  stretches.exchangeState(saved);
-  StateArchive archive(saved.bytes());
-  LocalisedStretches loaded(line.keyframes, line.graph);
-  loaded.exchangeState(archive);
-
-  const std::vector<MapFix> last = line.fixes(110, 121);
-  EXPECT_EQ(loaded.begin(last).size(), wrong.size());
-  (void)loaded.add(last);
-  EXPECT_NEAR(line.odometryAt(60), 1e4, 1e-6);
-  EXPECT_NEAR(line.odometryAt(100), 1e4, 1e-6);
-  EXPECT_EQ(line.graph.factorsOf(Key::priorMap()).size(), 29U + last.size());
-  (void)line.graph.optimise({});
-  EXPECT_LT(line.error(), 0.05);
-}
-
-/** Two slips: the stretch between them is right, though the odometry leads past it. */
-TEST(LocalisedStretches, ARightOneStays)
-{
-  StretchedLine line(poseFromYpr(15, 0, 0, 0, 0, 0));
-  LocalisedStretches stretches(line.keyframes, line.graph);
-  const std::vector<MapFix> last = line.fixes(110, 121, poseFromYpr(-6, 0, 0, 0, 0, 0));
-  for (const auto& fixes : {line.fixes(0, 57), line.fixes(64, 75), last})
-  {
-    EXPECT_TRUE(stretches.begin(fixes).empty());
-    (void)stretches.add(fixes);
-  }
-  EXPECT_LT(line.odometryAt(60), 1e3);
-  EXPECT_LT(line.odometryAt(90), 1e4);
-  EXPECT_EQ(line.graph.factorsOf(Key::priorMap()).size(), 29U + 6U + last.size());
 }
 
 TEST(Localisation, SaysThatTheRunIsTooShort)

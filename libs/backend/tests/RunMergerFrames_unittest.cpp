@@ -30,7 +30,7 @@ using test::TestRun;
 /** The run is localised in a prior map at every second keyframe, and in its frame. Its odometry
  * takes every step for one per cent too long.
  * \param map_frame name of the frame of the prior map */
-void localiseIn(TestRun& run, const Pose& T_prior_world, const std::string& map_frame)
+void localiseIn(TestRun& run, const Pose& T_map_world, const std::string& map_frame)
 {
   const auto informationOf = [](double sigma, double sigma_rotation)
   {
@@ -43,7 +43,7 @@ void localiseIn(TestRun& run, const Pose& T_prior_world, const std::string& map_
   graph.setFixed(Key::priorMap(), true);
   for (std::size_t k = 0; k < run.truth.size(); ++k)
   {
-    const Pose pose = T_prior_world * run.truth[k];
+    const Pose pose = T_map_world * run.truth[k];
     graph.addPose(Key::ego(k), pose);
     if (k > 0)
     {
@@ -77,17 +77,17 @@ double largestErrorOf(const std::vector<Pose>& merged_poses,
 
 TEST(RunMergerFrames, RunsInOnePriorMapNeedNoCommonPlace)
 {
-  const Pose T_prior_world = poseFromYpr(100, -40, 3, 1, 0, 0);
+  const Pose T_map_world = poseFromYpr(100, -40, 3, 1, 0, 0);
   const BoxWorld world(11, 30, 20);
   const std::vector<Pose> drive = driveAround(30, 20, 150, 1.5);
   TestRun first(world, part(drive, 0, 35), 1);
   TestRun second(world, part(drive, 55, 90), 2);
-  localiseIn(first, T_prior_world, "map");
-  localiseIn(second, T_prior_world, "map");
+  localiseIn(first, T_map_world, "map");
+  localiseIn(second, T_map_world, "map");
   const RunMerge merge = merged({&first, &second});
   ASSERT_TRUE(merge.joined(1));
-  EXPECT_LT(largestErrorOf(merge.poses[0], first, T_prior_world), 0.15);
-  EXPECT_LT(largestErrorOf(merge.poses[1], second, T_prior_world), 0.15);
+  EXPECT_LT(largestErrorOf(merge.poses[0], first, T_map_world), 0.15);
+  EXPECT_LT(largestErrorOf(merge.poses[1], second, T_map_world), 0.15);
   EXPECT_TRUE(merge.loops.empty());
   EXPECT_EQ(merge.evidence[1].tried, 0U);
   EXPECT_TRUE(merge.optimisation.warnings.empty());
@@ -95,15 +95,15 @@ TEST(RunMergerFrames, RunsInOnePriorMapNeedNoCommonPlace)
   second.references.map_frame = "another map";
   const RunMerge apart = merged({&first, &second});
   EXPECT_FALSE(apart.joined(1));
-  EXPECT_LT(largestErrorOf(apart.poses[0], first, T_prior_world), 0.15);
+  EXPECT_LT(largestErrorOf(apart.poses[0], first, T_map_world), 0.15);
 }
 
 TEST(RunMergerFrames, LocalisationsHoldRunsThatLoopsJoin)
 {
   OverlappingRuns overlapping;
   auto& [first, second] = overlapping;
-  const Pose T_prior_world = poseFromYpr(100, -40, 3, 1, 0, 0);
-  localiseIn(second, T_prior_world, "a map that the first run does not know");
+  const Pose T_map_world = poseFromYpr(100, -40, 3, 1, 0, 0);
+  localiseIn(second, T_map_world, "a map that the first run does not know");
   const RunMerge merge = merged({&first, &second});
   ASSERT_TRUE(merge.joined(1));
   EXPECT_GT(merge.loops.size(), 5U);
