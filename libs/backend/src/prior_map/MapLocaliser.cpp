@@ -30,14 +30,14 @@ constexpr double direct_radius = 1.5;  // up to this error, no alignment from ab
 constexpr double largest_turn = 6 * radians_per_degree;  // largest correction by a registration
 
 constexpr double trusted_path = 30;  // path after a fix on which the next one needs no other [m]
-constexpr std::size_t agreeing = 3;  // fixes that must agree after it, and at the beginning
-constexpr double agreeing_path = 4;  // path over which they must agree [m]
-constexpr int most_misses = 3;       // keyframes without a fix after which they start anew
-constexpr double unfit_path = 20;    // path on which no keyframe fits after which a run is lost [m]
-constexpr double lost_drift = 0.3;   // growth of the error of a lost run by the path [m/m]
-constexpr double again_path = 10;    // path over which the fixes of a place found again agree [m]
-constexpr double earlier_radius = 3;  // largest error of the prediction of one before a fix [m]
-constexpr std::size_t earlier = 100;  // keyframes that are registered backwards
+constexpr std::size_t least_agreeing = 3;  // fixes that must agree after it, and at the beginning
+constexpr double agreeing_path = 4;        // path over which they must agree [m]
+constexpr int most_misses = 3;             // keyframes without a fix after which they start anew
+constexpr double unfit_path = 20;   // path on which no keyframe fits after which a run is lost [m]
+constexpr double lost_drift = 0.3;  // growth of the error of a lost run by the path [m/m]
+constexpr double again_path = 10;   // path over which the fixes of a place found again agree [m]
+constexpr std::size_t most_earlier = 100;  // keyframes that are registered backwards
+constexpr double earlier_radius = 3;       // largest error of their predictions [m]
 
 constexpr double weak_sigma = 1;  // sigma of a direction that is not constrained [m]
 
@@ -213,7 +213,7 @@ bool MapLocaliser::agreeEnough() const
 {
   const PathBetween path =
       pathBetween(keyframes_[pending_.front().keyframe], keyframes_[pending_.back().keyframe]);
-  return pending_.size() >= agreeing &&
+  return pending_.size() >= least_agreeing &&
          path.measured >= (is_place_again_ ? again_path : agreeing_path);
 }
 
@@ -221,7 +221,7 @@ void MapLocaliser::registerEarlier(std::vector<MapFix>& fixes, std::size_t first
 {
   const auto step = static_cast<std::size_t>(options_.interval);
   const std::size_t newest = fixes.front().keyframe;
-  const std::size_t last = std::max(first, newest > earlier ? newest - earlier : 0);
+  const std::size_t last = std::max(first, newest > most_earlier ? newest - most_earlier : 0);
   std::vector<MapFix> found;
   MapFix next = fixes.front();
   for (std::size_t k = newest; k >= last + step;)
@@ -347,7 +347,7 @@ MapFixes MapLocaliser::add()
   unfit_since_.reset();
   if (fix->is_weak)
   {
-    return fit_.localised && pending_.empty() ? counted({*fix}) : MapFixes();
+    return fit_.localised && !is_place_again_ ? counted({*fix}) : MapFixes();
   }
   pending_.push_back(*fix);
   return isTrusted(newest) || agreeEnough() ? release() : MapFixes();

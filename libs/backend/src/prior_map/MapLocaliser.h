@@ -79,6 +79,7 @@ class MapLocaliser
   void exchangeState(StateArchive& archive);
 
  private:
+  /** Whether there was enough path since the last search for the place. */
   [[nodiscard]] bool isSearchDue(std::size_t newest) const;
   /** Whether a run that was localised may be elsewhere than registrations can find out. */
   [[nodiscard]] bool isLost(std::size_t newest) const;

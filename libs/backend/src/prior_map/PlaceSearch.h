@@ -67,17 +67,22 @@ class PlaceSearch
     Eigen::Vector2i end;
   };
 
+  /** Fills the grids of all levels. \param occupied cells of the map with upright structure */
   void drawStructure(const Cells& occupied);
   [[nodiscard]] Range rangeOf(const std::optional<SearchArea>& area) const;
   /** The most similar positions and headings. \param turned the points' cells at each heading */
   [[nodiscard]] std::vector<Node> bestLeaves(const std::vector<Cells>& turned,
                                              const Range& range) const;
+  /** Upper bound of the score of a Node's positions; at level 0 the score. \param cells the points'
+   * at the node's heading, from their origin */
   [[nodiscard]] int bound(const Cells& cells, int level, int x, int y) const;
+  /** Value of a grid, beyond its borders, too. */
   [[nodiscard]] std::uint8_t at(int level, int x, int y) const;
+  /** \param leaf of level 0 \param cells number of cells of the points */
   [[nodiscard]] SimilarPlace placeOf(const Node& leaf, std::size_t cells) const;
 
-  double cell_size_ = 1;  //!< [m]
-  Eigen::Vector2d origin_ = Eigen::Vector2d::Zero();
+  double cell_size_ = 1;                              //!< [m]
+  Eigen::Vector2d origin_ = Eigen::Vector2d::Zero();  //!< corner of cell (0, 0), map frame [m]
   int width_ = 0;
   int height_ = 0;
   /** Per level, the maximum of the cells [x, x + 2^level) and [y, y + 2^level): 2 structure, 1
