@@ -218,7 +218,7 @@ TEST(FalseLoops, LocalisationsInAPriorMapContradictThem)
       loops.push_back(wrong);
       FactorGraph graph = localisedDrive(drive, loops);
       EXPECT_EQ(graph.optimise({}).false_loops, 1U) << true_loops << " " << seed;
-      EXPECT_LT(test::largestShift(clean, graph), 0.01) << true_loops << " " << seed;
+      EXPECT_LT(test::largestShift(clean, graph), 0.05) << true_loops << " " << seed;
     }
   }
 }

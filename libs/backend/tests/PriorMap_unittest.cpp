@@ -47,6 +47,7 @@ TEST(Localisation, PutsARunIntoTheFrameOfTheMap)
     EXPECT_GE(run.fit().registered, 20U);
     EXPECT_GE(run.fit().registered, 0.9 * static_cast<double>(run.fit().tried));
     EXPECT_LT(run.fit().rmse, 0.1);
+    EXPECT_EQ(run.fit().found_again, 0U);
     // Online, too: the last frame was where it is now.
     const Pose last = T_prior_world * truth.back();
     EXPECT_LT((run.frames.back().T_map_vehicle().translation() - last.translation()).norm(), 0.2);
@@ -134,6 +135,7 @@ TEST(Localisation, IsFoundAgainAfterTheOdometrySlipped)
   const LocalisedRun run(map, frames, withStart(truth.front()));
   ASSERT_TRUE(run.fit().localised) << run.fit().reason;
   EXPECT_TRUE(run.fit().reason.empty());
+  EXPECT_EQ(run.fit().found_again, 1U);
   EXPECT_LE(run.fit().registered, run.fit().tried);
   const Trajectory trajectory = run.backend.optimisedTrajectory();
   for (std::size_t i = 0; i < truth.size(); ++i)

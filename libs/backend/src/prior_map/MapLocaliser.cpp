@@ -303,6 +303,7 @@ MapFixes MapLocaliser::release()
   MapFixes result;
   result.fixes = pending_;
   result.is_found_again = is_place_again_;
+  fit_.found_again += is_place_again_ ? 1 : 0;
   const std::size_t after_last = last_fix_ ? *last_fix_ + 1 : 0;
   last_fix_ = pending_.back().keyframe;
   if (!fit_.localised)
