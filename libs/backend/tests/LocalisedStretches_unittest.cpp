@@ -132,6 +132,27 @@ TEST(LocalisedStretches, AWrongOneIsRemovedOnceTheNextFitsTheOneBefore)
   EXPECT_LT(line.error(), 0.05);
 }
 
+TEST(LocalisedStretches, WeakFixesOfTheTimeInBetweenAreRemovedAfterASlip)
+{
+  for (const double slip : {0.0, 15.0})
+  {
+    StretchedLine line(poseFromYpr(slip, 0, 0, 0, 0, 0));
+    LocalisedStretches stretches(line.keyframes, line.graph);
+    const std::vector<MapFix> before = line.fixes(0, 57);
+    (void)stretches.begin(before);
+    (void)stretches.add(before);
+    std::vector<MapFix> weak = line.fixes(60, 67, poseFromYpr(slip, 0, 0, 0, 0, 0));
+    for (MapFix& fix : weak)
+    {
+      fix.is_weak = true;
+    }
+    (void)stretches.add(weak);
+    // Keyframes 64 and 66 are registered again, 60 and 62 are not.
+    EXPECT_EQ(stretches.begin(line.fixes(64, 75)).size(), slip > 0 ? 4U : 2U);
+    EXPECT_EQ(line.graph.factorsOf(Key::priorMap()).size(), before.size() + (slip > 0 ? 0 : 2));
+  }
+}
+
 /** Two slips: the stretch between them is right, though the odometry leads past it. */
 TEST(LocalisedStretches, ARightOneStays)
 {

@@ -84,13 +84,22 @@ void LocalisedStretches::scaleOdometry(std::size_t from, std::size_t to, double 
   }
 }
 
-LocalisedStretches::FactorIds LocalisedStretches::removeFrom(std::size_t begin, std::size_t end)
+void LocalisedStretches::forgetFrom(std::size_t begin)
+{
+  for (std::size_t i = begin; i < stretches_.size(); ++i)
+  {
+    scaleOdometry(stretches_[i - 1].last.keyframe, stretches_[i].strong,
+                  1 / stretches_[i].odometry_scale);
+  }
+  stretches_.resize(begin);
+}
+
+LocalisedStretches::FactorIds LocalisedStretches::removeLocalisations(std::size_t first)
 {
   FactorIds removed;
   for (const FactorGraph::FactorId id : graph_.factorsOf(Key::priorMap()))
   {
-    const auto keyframe = static_cast<std::size_t>(graph_.factor(id).keys()[1].index);
-    if (keyframe >= stretches_[begin].first && keyframe < end)
+    if (static_cast<std::size_t>(graph_.factor(id).keys()[1].index) >= first)
     {
       removed.push_back(id);
     }
@@ -99,12 +108,6 @@ LocalisedStretches::FactorIds LocalisedStretches::removeFrom(std::size_t begin, 
   {
     graph_.removeFactor(id);
   }
-  for (std::size_t i = begin; i < stretches_.size(); ++i)
-  {
-    scaleOdometry(stretches_[i - 1].last.keyframe, stretches_[i].strong,
-                  1 / stretches_[i].odometry_scale);
-  }
-  stretches_.resize(begin);
   return removed;
 }
 
@@ -119,15 +122,22 @@ LocalisedStretches::FactorIds LocalisedStretches::begin(const std::vector<MapFix
   if (!stretches_.empty())
   {
     Error error = errorBetween(stretches_.back().last, strong);
+    std::size_t wrong_since = next.first;  // keyframe
     for (std::size_t i = stretches_.size() - 1; !error.is_drift && i > 0; --i)
     {
       const Error without = errorBetween(stretches_[i - 1].last, strong);
       if (without.is_drift && without.distance < least_gain * stretches_[i].jump)
       {
-        removed = removeFrom(i, next.first);
+        wrong_since = stretches_[i].first;
+        forgetFrom(i);
         error = errorBetween(stretches_.back().last, strong);
       }
     }
+    if (!error.is_drift)
+    {
+      wrong_since = stretches_.back().last.keyframe + 1;  // weak fixes where the odometry led to
+    }
+    removed = removeLocalisations(wrong_since);
     next.jump = error.distance;
     if (std::isfinite(error.mahalanobis))
     {

@@ -19,9 +19,9 @@ class StateArchive;
  *
  * The odometry since the last stretch may lead elsewhere than to the new one, further than drift
  * explains. If the odometry since an earlier stretch does lead there, those in between were at a
- * wrong place, and their localisations are removed. Then the sigmas of the odometry before the new
- * stretch are multiplied so that it explains what it was wrong by: else the robust loss would leave
- * the new stretch out. */
+ * wrong place, and their localisations are removed; so are weak ones since the last stretch. Then
+ * the sigmas of the odometry before the new stretch are multiplied so that it explains what it was
+ * wrong by: else the robust loss would leave the new stretch out. */
 class LocalisedStretches
 {
  public:
@@ -64,9 +64,11 @@ class LocalisedStretches
   [[nodiscard]] Error errorBetween(const MapFix& older, const MapFix& newer) const;
   /** Multiplies the covariances of the odometry between two keyframes. */
   void scaleOdometry(std::size_t from, std::size_t to, double factor);
-  /** Removes the stretches from number `begin` on, with their localisations. \param end keyframe at
-   * which the next stretch begins */
-  FactorIds removeFrom(std::size_t begin, std::size_t end);
+  /** Forgets the stretches from number `begin` on; the odometry before them has its own covariances
+   * again. \pre begin > 0 */
+  void forgetFrom(std::size_t begin);
+  /** Removes the localisations of keyframes from number `first` on. */
+  FactorIds removeLocalisations(std::size_t first);
 
   const KeyframeStore& keyframes_;
   FactorGraph& graph_;
