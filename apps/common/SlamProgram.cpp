@@ -119,8 +119,11 @@ void printFindings(const SlamRunReport& report)
   if (report.prior_map && report.prior_map->localised)
   {
     const PriorMapFit& fit = *report.prior_map;
-    std::printf("prior map: localised after %.1f m; %zu of %s registered, %.3f m RMSE\n",
-                fit.path_length, fit.registered, counted(fit.tried, "keyframe").c_str(), fit.rmse);
+    const std::string again =
+        fit.found_again > 0 ? "; lost and found again " + counted(fit.found_again, "time") : "";
+    std::printf("prior map: localised after %.1f m; %zu of %s registered, %.3f m RMSE%s\n",
+                fit.path_length, fit.registered, counted(fit.tried, "keyframe").c_str(), fit.rmse,
+                again.c_str());
   }
   if (report.unconverged > 0)
   {

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/backend/Backend.h>
-#include <dyslam/backend/factors/LocalisationFactor.h>
 #include <dyslam/backend/factors/LoopFactor.h>
 #include <dyslam/backend/factors/OdometryFactor.h>
 #include <dyslam/base/StateArchive.h>
@@ -90,12 +89,18 @@ void Backend::State::localise()
     graph.addPose(Key::priorMap(), Pose::Identity());
     graph.setFixed(Key::priorMap(), true);
     graph.setFixed(Key::ego(0), false);
+  }
+  if (found.T_prior_map || found.is_found_again)
+  {
+    for (const FactorGraph::FactorId id : stretches.begin(found.fixes))
+    {
+      correction.remove(id);
+    }
     is_localised_now = true;
   }
-  for (const MapFix& fix : found.fixes)
+  for (const FactorGraph::FactorId id : stretches.add(found.fixes))
   {
-    correction.add(graph.add(
-        std::make_unique<LocalisationFactor>(fix.keyframe, fix.T_prior_vehicle, fix.information)));
+    correction.add(id);
   }
 }
 
@@ -339,6 +344,6 @@ void Backend::exchangeState(StateArchive& archive)
 {
   State& s = *state_;
   archive(s.closer, s.graph, s.objects, s.gnss, s.gravity_anchor, s.frames, s.loops, s.correction,
-          s.problems, s.odometry, s.localiser);
+          s.problems, s.odometry, s.localiser, s.stretches);
 }
 }  // namespace dyslam

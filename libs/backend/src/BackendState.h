@@ -17,6 +17,7 @@
 #include "loops/LoopCorrection.h"
 #include "objects/FrameInKeyframe.h"
 #include "objects/ObjectGraph.h"
+#include "prior_map/LocalisedStretches.h"
 #include "prior_map/MapLocaliser.h"
 
 namespace dyslam
@@ -36,7 +37,8 @@ struct Backend::State
         objects(config.objects, config.backend.mode == BackendMode::full, graph),
         gnss(config.gnss),
         gravity_anchor(config.gravity),
-        localiser(config.prior_map, prior_map, store)
+        localiser(config.prior_map, prior_map, store),
+        stretches(store, graph)
   {
     validate(options, "backend");
     validate(solver, "solver");
@@ -118,6 +120,7 @@ struct Backend::State
   GravityAnchor gravity_anchor;
   std::optional<Gravity> gravity;
   MapLocaliser localiser;
+  LocalisedStretches stretches;
   bool is_localised_now = false;  //!< since the last optimisation
   std::vector<FrameInKeyframe> frames;
   std::vector<Loop> loops;

@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/backend/factors/LocalisationFactor.h>
 #include <gtest/gtest.h>
 
 #include <cstdio>
 #include <functional>
+#include <utility>
 
 #include "NoisyDrive.h"
 
@@ -167,6 +169,56 @@ TEST(FalseLoops, OneSlightlyWrongAmongTrueOnesIsLeftOut)
       const OptimisationResult expected = clean.optimise(options);
       EXPECT_LT(test::largestShift(clean, graph), 0.01) << scale << " " << seed;
       EXPECT_EQ(result.false_loops, expected.false_loops + 1) << scale << " " << seed;
+    }
+  }
+}
+
+/** The drive, localised in a prior map at every keyframe with a sigma of 0.4 m, and loops with one
+ * of 1 cm: a false loop can shift the localisations until it fits itself. */
+FactorGraph localisedDrive(NoisyDrive& drive, const std::vector<LoopMeasurement>& loops)
+{
+  FactorGraph graph = drive.graph({});
+  graph.addPose(Key::priorMap(), Pose::Identity());
+  graph.setFixed(Key::priorMap(), true);
+  graph.setFixed(Key::ego(0), false);
+  std::mt19937 rng(7);
+  std::swap(rng, drive.rng);  // the same localisations whatever was drawn before
+  for (std::size_t k = 0; k < drive.truth.size(); ++k)
+  {
+    graph.add(std::make_unique<LocalisationFactor>(k, drive.noisy(drive.truth[k], 0.4, 0.02),
+                                                   test::diagonalInformation(0.4, 0.02)));
+  }
+  std::swap(rng, drive.rng);
+  for (const LoopMeasurement& loop : loops)
+  {
+    graph.add(std::make_unique<LoopFactor>(loop.from, loop.to, loop.T_from_to,
+                                           test::diagonalInformation(0.01, 0.001)));
+  }
+  return graph;
+}
+
+TEST(FalseLoops, LocalisationsInAPriorMapContradictThem)
+{
+  for (const std::size_t true_loops : {0U, 2U})
+  {
+    for (unsigned seed = 1; seed <= 4; ++seed)
+    {
+      NoisyDrive drive(seed);
+      std::vector<LoopMeasurement> loops;
+      for (std::size_t i = 0; i < true_loops; ++i)
+      {
+        const std::size_t from = 10 + 100 * i;
+        const Pose T = drive.truth[from].inverse() * drive.truth[from + 150];
+        loops.push_back({from, from + 150, drive.noisy(T, 0.01, 0.001)});
+      }
+      FactorGraph clean = localisedDrive(drive, loops);
+      EXPECT_EQ(clean.optimise({}).false_loops, 0U) << true_loops << " " << seed;
+      LoopMeasurement wrong = drive.trueLoop(60, 210);
+      wrong.T_from_to = wrong.T_from_to * wrongBy(drive.rng, 1.5, 1.6, 0);
+      loops.push_back(wrong);
+      FactorGraph graph = localisedDrive(drive, loops);
+      EXPECT_EQ(graph.optimise({}).false_loops, 1U) << true_loops << " " << seed;
+      EXPECT_LT(test::largestShift(clean, graph), 0.05) << true_loops << " " << seed;
     }
   }
 }

@@ -1,11 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "prior_map/PriorMap.h"
-
 #include <dyslam/backend/Backend.h>
 #include <dyslam/backend/factors/LocalisationFactor.h>
 #include <dyslam/backend/factors/OdometryFactor.h>
 #include <dyslam/base/Error.h>
-#include <dyslam/base/StateArchive.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -17,10 +14,9 @@
 #include <vector>
 
 #include "BoxWorld.h"
-#include "DriftingFrames.h"
+#include "LocalisedRun.h"
 #include "MergedRuns.h"
 #include "ResumedRun.h"
-#include "prior_map/PlaceSearch.h"
 
 namespace dyslam
 {
@@ -28,160 +24,14 @@ namespace
 {
 using test::BoxWorld;
 using test::driveAround;
+using test::framesOf;
+using test::LocalisedRun;
+using test::mapOf;
 using test::part;
 using test::ResumedRun;
+using test::T_prior_world;
 using test::turnedRound;
-
-/** The frame of the prior map in which the world is seen: turned, and far from its origin. */
-const Pose T_prior_world = poseFromYpr(300, -120, 12, 2, 0, 0);
-
-/** Points along a drive, frame of the prior map. */
-std::vector<Eigen::Vector3f> mapOf(const BoxWorld& world, const std::vector<Pose>& drive)
-{
-  std::vector<Eigen::Vector3f> points;
-  for (std::size_t i = 0; i < drive.size(); i += 2)
-  {
-    const Eigen::Isometry3f T = (T_prior_world * drive[i]).cast<float>();
-    for (const Eigen::Vector3f& p : world.scan(drive[i], 7000 + static_cast<unsigned>(i)))
-    {
-      points.emplace_back(T * p);
-    }
-  }
-  return points;
-}
-
-std::vector<Frame> framesOf(const BoxWorld& world,
-                            const std::vector<Pose>& truth,
-                            double stretch = 0.01,
-                            double turn = 0.0005)
-{
-  return test::driftingFrames(world, truth, stretch, turn, 1e4);
-}
-
-/** A run that is localised in a map. */
-struct LocalisedRun
-{
-  LocalisedRun(const std::vector<Eigen::Vector3f>& map,
-               std::vector<Frame> given,
-               const BackendConfig& config = {})
-      : frames(std::move(given)), backend(config, keyframes, map)
-  {
-    for (Frame& frame : frames)
-    {
-      backend.addFrame(frame);
-    }
-    backend.finish();
-  }
-
-  [[nodiscard]] PriorMapFit fit() const { return backend.priorMapFit().value(); }
-  /** Largest error of the poses in the frame of the prior map [m]. */
-  [[nodiscard]] double error(const std::vector<Pose>& truth) const
-  {
-    const Trajectory trajectory = backend.optimisedTrajectory();
-    double worst = 0;
-    for (std::size_t i = 0; i < truth.size(); ++i)
-    {
-      const Pose T_true = T_prior_world * truth[i];
-      worst = std::max(worst, (trajectory[i].pose.translation() - T_true.translation()).norm());
-    }
-    return worst;
-  }
-
-  std::vector<Frame> frames;
-  KeyframeStore keyframes;
-  Backend backend;
-};
-
-BackendConfig withStart(const Pose& T_world_start)
-{
-  BackendConfig config;
-  config.prior_map.start = poseText(T_prior_world * T_world_start);
-  return config;
-}
-
-TEST(PlaceSearch, FindsPositionAndHeading)
-{
-  const BoxWorld world(31, 30, 20);
-  const std::vector<Pose> drive = driveAround(30, 20, 150, 1.5);
-  const PlaceSearch search(mapOf(world, drive));
-  for (const std::size_t at : {10U, 37U, 80U})
-  {
-    const Pose T_vehicle_submap = poseFromYpr(0, 0, 0, 1.1, 0, 0);
-    const Pose T_world_submap = drive[at] * T_vehicle_submap;
-    std::vector<Eigen::Vector3f> submap;
-    for (std::size_t i = at - 6; i <= at; ++i)
-    {
-      const Eigen::Isometry3f T = (T_world_submap.inverse() * drive[i]).cast<float>();
-      for (const Eigen::Vector3f& p : world.scan(drive[i], static_cast<unsigned>(i)))
-      {
-        submap.emplace_back(T * p);
-      }
-    }
-    const std::vector<SimilarPlace> found = search.find(submap);
-    ASSERT_FALSE(found.empty());
-    const Pose T_true = T_prior_world * T_world_submap;
-    EXPECT_NEAR(found.front().x, T_true.translation().x(), 1.5);
-    EXPECT_NEAR(found.front().y, T_true.translation().y(), 1.5);
-    EXPECT_NEAR(std::remainder(found.front().heading - yawPitchRoll(T_true).x(), 2 * M_PI), 0,
-                0.06);
-    EXPECT_GT(found.front().score, 0.5);
-    EXPECT_TRUE(std::is_sorted(found.begin(), found.end(),
-                               [](const auto& a, const auto& b) { return a.score > b.score; }));
-  }
-}
-
-TEST(PlaceSearch, AStrayPointFarOffDoesNotMatter)
-{
-  const BoxWorld world(31, 30, 20);
-  const std::vector<Pose> drive = driveAround(30, 20, 60, 1.5);
-  std::vector<Eigen::Vector3f> map = mapOf(world, drive);
-  map.emplace_back(-45000, 45000, 0);
-  const std::vector<SimilarPlace> found = PlaceSearch(map).find(world.scan(drive[10], 10));
-  ASSERT_FALSE(found.empty());
-  const Pose T_true = T_prior_world * drive[10];
-  EXPECT_NEAR(found.front().x, T_true.translation().x(), 1.5);
-  EXPECT_NEAR(found.front().y, T_true.translation().y(), 1.5);
-}
-
-TEST(PlaceSearch, NothingIsSimilarToNothing)
-{
-  const std::vector<Eigen::Vector3f> wall{{1, 2, 0}, {1, 2, 2}};
-  EXPECT_TRUE(PlaceSearch({}).find(wall).empty());
-  EXPECT_TRUE(PlaceSearch(wall).find({}).empty());
-  EXPECT_TRUE(PlaceSearch({{1, 2, 0}}).find(wall).empty()) << "the map has no upright structure";
-  const Eigen::Vector3f nowhere = Eigen::Vector3f::Constant(NAN);
-  EXPECT_TRUE(PlaceSearch({nowhere}).find(wall).empty());
-  EXPECT_FALSE(PlaceSearch(wall).find(wall).empty());
-}
-
-TEST(PriorMap, KnowsTheGroundWhereItHasPoints)
-{
-  const BoxWorld world(32, 30, 20);
-  const std::vector<Pose> drive = driveAround(30, 20, 60, 1.5);
-  const PriorMap map(mapOf(world, drive), 50);
-  const Eigen::Vector3d at = (T_prior_world * drive[10]).translation();
-  ASSERT_TRUE(map.groundHeight(at.x(), at.y()));
-  EXPECT_NEAR(*map.groundHeight(at.x(), at.y()), 12, 0.1);
-  EXPECT_FALSE(map.groundHeight(at.x() + 1000, at.y()));
-  EXPECT_TRUE(PriorMap({}, 50).empty());
-}
-
-TEST(PriorMap, HasTheSameTargetAfterItsStateWasLoaded)
-{
-  const BoxWorld world(39, 30, 20);
-  const std::vector<Eigen::Vector3f> points = mapOf(world, driveAround(30, 20, 60, 1.5));
-  const Eigen::Vector3d start = T_prior_world.translation() + Eigen::Vector3d(5, 5, 0);
-  const Eigen::Vector3d further = start + Eigen::Vector3d(8, 0, 0);
-  PriorMap map(points, 10);
-  (void)map.around(start);
-  StateArchive saved;
-  map.exchangeState(saved);
-  PriorMap loaded(points, 10);
-  StateArchive archive(saved.bytes());
-  loaded.exchangeState(archive);
-  EXPECT_TRUE(loaded.around(further).points() == map.around(further).points());
-  EXPECT_FALSE(PriorMap(points, 10).around(further).points() == map.around(further).points());
-}
+using test::withStart;
 
 TEST(Localisation, PutsARunIntoTheFrameOfTheMap)
 {
@@ -197,6 +47,7 @@ TEST(Localisation, PutsARunIntoTheFrameOfTheMap)
     EXPECT_GE(run.fit().registered, 20U);
     EXPECT_GE(run.fit().registered, 0.9 * static_cast<double>(run.fit().tried));
     EXPECT_LT(run.fit().rmse, 0.1);
+    EXPECT_EQ(run.fit().found_again, 0U);
     // Online, too: the last frame was where it is now.
     const Pose last = T_prior_world * truth.back();
     EXPECT_LT((run.frames.back().T_map_vehicle().translation() - last.translation()).norm(), 0.2);
@@ -261,6 +112,54 @@ TEST(Localisation, CorrectsTheDriftOfALongWayBesideTheMap)
   EXPECT_LT(error(), 0.2);
 }
 
+/** The frames as of an odometry that slips, without knowing it, on the way to frame `at`. */
+std::vector<Frame> slipped(std::vector<Frame> frames, std::size_t at, const Pose& slip)
+{
+  frames[at].motion.T_previous_current = frames[at].motion.T_previous_current * slip;
+  for (std::size_t i = at; i < frames.size(); ++i)
+  {
+    frames[i].T_odom_vehicle = frames[i - 1].T_odom_vehicle * frames[i].motion.T_previous_current;
+  }
+  return frames;
+}
+
+/** After the slip no keyframe fits where the odometry predicts it. */
+TEST(Localisation, IsFoundAgainAfterTheOdometrySlipped)
+{
+  const BoxWorld world(41, 30, 20);
+  const std::vector<Pose> drive = driveAround(30, 20, 190, 0.75);
+  const std::vector<Eigen::Vector3f> map = mapOf(world, drive);
+  const std::vector<Pose> truth = part(drive, 10, 220);
+  const std::vector<Frame> frames =
+      slipped(framesOf(world, truth), 60, poseFromYpr(6, 2, 0, 0.12, 0, 0));
+  const LocalisedRun run(map, frames, withStart(truth.front()));
+  ASSERT_TRUE(run.fit().localised) << run.fit().reason;
+  EXPECT_TRUE(run.fit().reason.empty());
+  EXPECT_EQ(run.fit().found_again, 1U);
+  EXPECT_LE(run.fit().registered, run.fit().tried);
+  const Trajectory trajectory = run.backend.optimisedTrajectory();
+  for (std::size_t i = 0; i < truth.size(); ++i)
+  {
+    if (i < 52 || i >= 70)
+    {
+      const Pose T_true = T_prior_world * truth[i];
+      EXPECT_LT((trajectory[i].pose.translation() - T_true.translation()).norm(), 0.3) << i;
+    }
+  }
+  const Pose last = T_prior_world * truth.back();
+  EXPECT_LT((run.frames.back().T_map_vehicle().translation() - last.translation()).norm(), 0.3);
+
+  // Resumed at frame 105, when the run is lost or about to be found.
+  std::vector<Frame> again = frames;
+  const ResumedRun resumed(withStart(truth.front()), again, map);
+  const Trajectory other = resumed.backend.optimisedTrajectory();
+  ASSERT_EQ(trajectory.size(), other.size());
+  for (std::size_t i = 0; i < trajectory.size(); ++i)
+  {
+    EXPECT_EQ(trajectory[i].pose.matrix(), other[i].pose.matrix());
+  }
+}
+
 TEST(Localisation, SaysThatTheRunIsTooShort)
 {
   const BoxWorld world(40, 30, 20);
@@ -269,6 +168,168 @@ TEST(Localisation, SaysThatTheRunIsTooShort)
   const LocalisedRun run(mapOf(world, drive), framesOf(world, truth), withStart(truth.front()));
   EXPECT_FALSE(run.fit().localised);
   EXPECT_EQ(run.fit().reason, "the path since a place was found is too short to confirm it");
+}
+
+/** Until it moves there is no path on which fixes could agree, and a place is searched for once. */
+TEST(Localisation, AVehicleThatStandsAndTurnsAtFirst)
+{
+  const BoxWorld world(42, 30, 20);
+  const std::vector<Pose> drive = driveAround(30, 20, 90, 0.75);
+  std::vector<Pose> truth(20, drive[20]);
+  for (int i = 1; i <= 30; ++i)
+  {
+    truth.push_back(drive[20] * poseFromYpr(0, 0, 0, i * M_PI / 15, 0, 0));
+  }
+  const std::vector<Pose> moving = part(drive, 20, 90);
+  truth.insert(truth.end(), moving.begin(), moving.end());
+  std::vector<Frame> frames = framesOf(world, truth);
+  KeyframeStore keyframes;
+  Backend backend(BackendConfig(), keyframes, mapOf(world, drive));
+  for (std::size_t i = 0; i < frames.size(); ++i)
+  {
+    backend.addFrame(frames[i]);
+    if (i < 50)
+    {
+      EXPECT_FALSE(backend.priorMapFit()->localised) << i;
+      EXPECT_FALSE(backend.priorMapFit()->reason.empty()) << i;
+    }
+    if (i == 19)
+    {
+      EXPECT_EQ(keyframes.size(), 1U);
+    }
+  }
+  backend.finish();
+  const PriorMapFit fit = backend.priorMapFit().value();
+  ASSERT_TRUE(fit.localised) << fit.reason;
+  EXPECT_LT(fit.path_length, 30);
+  EXPECT_LE(fit.registered, fit.tried);
+  EXPECT_LT(fit.rmse, 0.1);
+  const Trajectory trajectory = backend.optimisedTrajectory();
+  for (std::size_t i = 0; i < truth.size(); ++i)
+  {
+    const Pose T_true = T_prior_world * truth[i];
+    EXPECT_LT((trajectory[i].pose.translation() - T_true.translation()).norm(), 0.2) << i;
+  }
+}
+
+/** Points of a corridor along x, 8 m wide and 3 m high [m]. The floor ends before the walls. */
+std::vector<Eigen::Vector3f> corridor(float begin, float end)
+{
+  std::vector<Eigen::Vector3f> points;
+  for (float x = begin; x <= end; x += 0.4F)
+  {
+    for (float z = 0; z <= 3; z += 0.4F)
+    {
+      points.emplace_back(x, -4, z);
+      points.emplace_back(x, 4, z);
+    }
+    for (float y = -2.4F; y < 2.6F; y += 0.4F)
+    {
+      points.emplace_back(x, y, 0);
+    }
+  }
+  return points;
+}
+
+/** Frames along a drive among points that are seen from everywhere within 25 m. The odometry is
+ * wrong in the same way at every step: its length by `stretch`, its heading by `turn` [rad]. */
+std::vector<Frame> framesAmong(const std::vector<Eigen::Vector3f>& world,
+                               const std::vector<Pose>& truth,
+                               double stretch,
+                               double turn)
+{
+  std::vector<Frame> frames;
+  for (std::size_t i = 0; i < truth.size(); ++i)
+  {
+    Frame frame;
+    frame.index = i;
+    frame.scan.stamp = 100 + 0.1 * static_cast<double>(i);
+    const Eigen::Isometry3f T_vehicle_world = truth[i].inverse().cast<float>();
+    for (const Eigen::Vector3f& point : world)
+    {
+      const Eigen::Vector3f p = T_vehicle_world * point;
+      if (p.head<2>().norm() < 25)
+      {
+        frame.cloud.points.push_back(p);
+      }
+    }
+    if (i > 0)
+    {
+      Pose step = truth[i - 1].inverse() * truth[i];
+      step.translation() *= 1 + stretch;
+      frame.motion.T_previous_current = step * poseFromYpr(0, 0, 0, turn, 0, 0);
+      frame.T_odom_vehicle = frames.back().T_odom_vehicle * frame.motion.T_previous_current;
+    }
+    frame.motion.status = MotionStatus::converged;
+    frame.motion.information = 1e4 * Matrix6::Identity();
+    frames.push_back(std::move(frame));
+  }
+  return frames;
+}
+
+std::vector<Pose> alongX(std::size_t metres)
+{
+  std::vector<Pose> poses;
+  for (std::size_t i = 0; i <= metres; ++i)
+  {
+    poses.push_back(poseFromYpr(static_cast<double>(i), 0, 1.7, 0, 0, 0));
+  }
+  return poses;
+}
+
+std::vector<Eigen::Vector3f> inPriorMap(const std::vector<Eigen::Vector3f>& world)
+{
+  const Eigen::Isometry3f T = T_prior_world.cast<float>();
+  std::vector<Eigen::Vector3f> map;
+  for (const Eigen::Vector3f& p : world)
+  {
+    map.emplace_back(T * p);
+  }
+  return map;
+}
+
+TEST(Localisation, SaysThatTheSurfacesDoNotConstrainThePosition)
+{
+  const std::vector<Eigen::Vector3f> world = corridor(-60, 60);
+  const std::vector<Pose> truth = alongX(10);
+  const LocalisedRun run(inPriorMap(world), framesAmong(world, truth, 0, 0),
+                         withStart(truth.front()));
+  EXPECT_FALSE(run.fit().localised);
+  EXPECT_EQ(run.fit().reason, "the surfaces do not constrain the position in one direction");
+}
+
+/** From a place with structure into a corridor, along which nothing is measured. */
+TEST(Localisation, InACorridorOnlyItsDirectionDrifts)
+{
+  std::vector<Eigen::Vector3f> world = corridor(-60, 160);
+  for (int i = -4; i <= 4; ++i)  // walls across, beside the way
+  {
+    const auto x = 6 * static_cast<float>(i);
+    for (float y = 5 + static_cast<float>((i + 4) % 3); y < 12; y += 0.4F)
+    {
+      for (float z = 0; z <= 3; z += 0.4F)
+      {
+        world.emplace_back(x, y, z);
+        world.emplace_back(x + 2.5F, -y, z);
+      }
+    }
+  }
+  const std::vector<Pose> truth = alongX(110);
+  const LocalisedRun run(inPriorMap(world), framesAmong(world, truth, 0.01, 0.0005),
+                         withStart(truth.front()));
+  ASSERT_TRUE(run.fit().localised) << run.fit().reason;
+  EXPECT_GE(run.fit().registered, 0.9 * static_cast<double>(run.fit().tried));
+  EXPECT_GE(run.fit().tried, 20U) << "one every 4 m";
+  const Pose T_true_end = (T_prior_world * truth.back()).inverse() *
+                          run.backend.optimisedTrajectory()[truth.size() - 1].pose;
+  EXPECT_LT(std::abs(T_true_end.translation().y()), 0.15) << "0.8 m by the odometry since x = 52";
+  EXPECT_LT(std::abs(T_true_end.translation().x()), 3);
+
+  const FactorGraph& graph = run.backend.factorGraph();
+  const Factor& last = graph.factor(graph.factorsOf(Key::priorMap()).back());
+  const Eigen::Matrix3d translation = last.information().topLeftCorner<3, 3>();
+  EXPECT_LT(std::abs(translation(0, 0)), 2) << "sigma of 1 m along the corridor";
+  EXPECT_GT(translation(1, 1), 100);
 }
 
 TEST(Localisation, FailsInAMapOfAnotherPlace)

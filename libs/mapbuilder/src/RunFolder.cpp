@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/backend/FactorGraphFile.h>
+#include <dyslam/backend/PriorMapOptions.h>
 #include <dyslam/base/Angle.h>
 #include <dyslam/base/Error.h>
 #include <dyslam/base/Files.h>
@@ -118,7 +119,39 @@ std::optional<Gravity> gravityOf(const std::string& report)
   return gravity;
 }
 
-/** Georeference and vertical of a run. \throws UserError. */
+/** Name of the frame of a run's map: the prior map that the run was localised in, by its path, else
+ * the folder of the run. If the prior map is that of a run, the frame is that of this run.
+ * \param longest number of runs, each localised in the map of the next, that are followed */
+std::string mapFrameOf(const std::string& folder, int longest = 16)
+{
+  const std::string own = fs::weakly_canonical(folder).string();
+  const std::string report = fileIfThere(folder, "report.json");
+  const std::string settings = fileIfThere(folder, "effective.ini");
+  if (report.empty() || settings.empty() || longest == 0)
+  {
+    return own;
+  }
+  const auto json = nlohmann::json::parse(readWhole(report), nullptr, false);
+  const auto fit = json.is_object() ? json.value("prior_map", nlohmann::json()) : nlohmann::json();
+  if (!fit.is_object() || fit.value("localised", nlohmann::json()) != true)
+  {
+    return own;
+  }
+  const Config config = Config::fromFile(settings);
+  const std::string file = ConfigLoader(config).get<PriorMapOptions>("prior_map").file;
+  if (file.empty())
+  {
+    return own;
+  }
+  fs::path map = fs::weakly_canonical(file);
+  if (map.filename() == "map_static.pcd" || map.filename() == "map_static.ply")
+  {
+    map = map.parent_path();
+  }
+  return fs::is_directory(map) ? mapFrameOf(map.string(), longest - 1) : map.string();
+}
+
+/** Georeference, vertical and frame of a run. \throws UserError. */
 RunReferences referencesOf(const std::string& folder, const FactorGraph& graph)
 {
   RunReferences references;
@@ -131,6 +164,7 @@ RunReferences referencesOf(const std::string& folder, const FactorGraph& graph)
     references.georeference = readGeoreference(georeference);
   }
   references.gravity = gravityOf((fs::path(folder) / "report.json").string());
+  references.map_frame = mapFrameOf(folder);
   return references;
 }
 

@@ -99,6 +99,48 @@ TEST_F(RunFolderTest, HasWhereItsMapIs)
   EXPECT_TRUE(contains(said("tuesday"), "gravity.up_map is no unit vector")) << said("tuesday");
 }
 
+TEST_F(RunFolderTest, HasTheFrameOfItsMap)
+{
+  const auto localise = [&](const std::string& run, const std::string& map, const char* localised)
+  {
+    folder.write(run + "/report.json", "{\"input\": \"" + folder.file("r.rawlog") +
+                                           "\", \"prior_map\": {\"localised\": " + localised +
+                                           "}}");
+    folder.write(run + "/effective.ini",
+                 "[input]\nskip_first_n = 0\n[preprocess]\ndeskew = none\n"
+                 "[prior_map]\nfile = " +
+                     map + "\n");
+  };
+  const auto frames = [&]
+  {
+    std::vector<std::string> names;
+    for (const RunFolder& run : read({"monday", "tuesday", "week2/monday"}))
+    {
+      names.push_back(run.references.map_frame);
+    }
+    return names;
+  };
+  std::vector<std::string> found = frames();
+  EXPECT_NE(found[0], found[1]);
+  EXPECT_NE(found[0], found[2]);
+
+  localise("tuesday", folder.file("monday"), "true");
+  localise("week2/monday", folder.file("tuesday") + "/map_static.pcd", "true");
+  found = frames();
+  EXPECT_EQ(found[0], found[1]);
+  EXPECT_EQ(found[0], found[2]) << "tuesday is in the frame of monday";
+
+  localise("tuesday", folder.file("monday"), "false");
+  EXPECT_NE(frames()[0], frames()[1]);
+  localise("tuesday", folder.file("of_another_program.pcd"), "true");
+  localise("week2/monday", folder.file("tuesday/../of_another_program.pcd"), "true");
+  found = frames();
+  EXPECT_NE(found[0], found[1]);
+  EXPECT_EQ(found[1], found[2]);
+  localise("tuesday", folder.file("tuesday"), "true");
+  EXPECT_FALSE(frames()[1].empty()) << "a circle ends";
+}
+
 TEST_F(RunFolderTest, AGraphWithSatellitePositionsNeedsItsGeoreference)
 {
   FactorGraph graph = test::graphOf(test::straightDrive(9, 1), 4);

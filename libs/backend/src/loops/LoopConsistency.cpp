@@ -137,19 +137,22 @@ Eigen::MatrixXd selectedCovariance(const Factorisation& factored,
   return v.transpose() * weights.asDiagonal() * v;
 }
 
-/** Odometry and loops between the free ego poses, and their localisation in a prior map, linearised
- * at the present values. */
+/** Odometry and loops between the free ego poses, and their localisations in a prior map that fit,
+ * linearised at the present values. */
 class LinearEgoGraph
 {
  public:
   LinearEgoGraph(const FactorGraph& graph,
                  const std::vector<FactorId>& loops,
+                 double loss_width,
                  double odometry_sigma_scale)
       : graph_(graph)
   {
     for (const auto& [key, variable] : graph.variables())
     {
-      if (key.kind == VariableKind::ego_pose && !variable.fixed)
+      const bool is_pose =
+          key.kind == VariableKind::ego_pose || key.kind == VariableKind::prior_map;
+      if (is_pose && !variable.fixed)
       {
         columns_.emplace(key, 6 * static_cast<Eigen::Index>(columns_.size()));
       }
@@ -160,9 +163,10 @@ class LinearEgoGraph
       {
         addRows(id, 1 / odometry_sigma_scale);
       }
-      else if (graph.factor(id).kind() == FactorKind::localisation)
+      else if (graph.factor(id).kind() == FactorKind::localisation && fits(graph, id, loss_width))
       {
         addRows(id, 1);
+        ++localisations_;
       }
     }
     for (const FactorId id : loops)
@@ -175,6 +179,7 @@ class LinearEgoGraph
 
   [[nodiscard]] bool solved() const { return solver_.info() == Eigen::Success; }
   [[nodiscard]] double chi2() const { return optimal_residuals_.squaredNorm(); }
+  [[nodiscard]] std::size_t localisations() const { return localisations_; }
 
   /** Decrease of chi2 without these loops. */
   [[nodiscard]] double chi2Decrease(const std::vector<FactorId>& group) const
@@ -255,6 +260,7 @@ class LinearEgoGraph
   const FactorGraph& graph_;
   std::map<Key, Eigen::Index> columns_;
   std::map<FactorId, Eigen::Index> loop_rows_;
+  std::size_t localisations_ = 0;  //!< number of those in the linear graph
   Eigen::Index rows_ = 0;
   std::vector<double> residuals_;
   Triplets triplets_;
@@ -295,19 +301,20 @@ std::set<FactorId> contradictedLoops(const FactorGraph& graph,
   {
     return {};
   }
-  const LinearEgoGraph linear(graph, loops, odometry_sigma_scale);
+  const LinearEgoGraph linear(graph, loops, loss_width, odometry_sigma_scale);
   std::set<FactorId> worst;
   double highest = 2 * loss_width * loss_width;
   for (const std::vector<FactorId>& group : grouped(graph, loops))
   {
-    if (!linear.solved() || group.size() == loops.size())
+    const std::size_t others = loops.size() - group.size() + linear.localisations();
+    if (!linear.solved() || others == 0)
     {
       continue;  // odometry alone drifts and is no evidence
     }
     const double decrease = linear.chi2Decrease(group);
-    // Agreement of odometry and the other loops: drift affects all of them.
-    const double others = 6 * static_cast<double>(loops.size() - group.size());
-    const double variance = std::max(1.0, (linear.chi2() - decrease) / others);
+    // Agreement of odometry, the other loops and localisations: drift affects all of them.
+    const double variance =
+        std::max(1.0, (linear.chi2() - decrease) / (6 * static_cast<double>(others)));
     const double per_loop = decrease / static_cast<double>(group.size()) / variance;
     if (per_loop > highest)
     {

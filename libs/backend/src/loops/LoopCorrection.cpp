@@ -16,6 +16,11 @@ void LoopCorrection::add(FactorGraph::FactorId loop)
   ++open_loops_;
 }
 
+void LoopCorrection::remove(FactorGraph::FactorId loop)
+{
+  waiting_.erase(std::remove(waiting_.begin(), waiting_.end(), loop), waiting_.end());
+}
+
 bool LoopCorrection::isDue() const
 {
   return waiting_.size() >= static_cast<std::size_t>(options_.loops_to_optimise) ||

@@ -30,8 +30,10 @@ class LoopCorrection
   {
   }
 
-  /** Registers a loop factor that was added to the graph. */
+  /** Registers a loop or localisation that was added to the graph. */
   void add(FactorGraph::FactorId loop);
+  /** Forgets one that was removed from the graph. */
+  void remove(FactorGraph::FactorId loop);
   /** Whether the loops added since the last correction require a correction. */
   [[nodiscard]] bool isDue() const;
   /** Whether there are loops that were in no optimisation of all keyframes. */

@@ -8,7 +8,7 @@
 
 namespace dyslam
 {
-/** Leaves the loops out of a graph that odometry and the other loops contradict.
+/** Leaves the loops out of a graph that odometry, other loops and localisations contradict.
  *
  * While a group of neighbouring loops is contradicted (LoopConsistency.h), the worst one is left
  * out and the rest is solved again; at the end, single loops that do not fit. If more groups were

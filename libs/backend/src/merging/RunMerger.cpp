@@ -59,76 +59,6 @@ bool RunMerger::State::findSeedsAnywhere()
   return any;
 }
 
-std::vector<Loop> RunMerger::State::largestGroup(const std::vector<Loop>& all) const
-{
-  std::vector<Loop> largest;
-  for (const Loop& seed : all)
-  {
-    std::vector<Loop> group{seed};
-    for (const Loop& other : all)
-    {
-      if (other.to != seed.to && finder.agree(seed, other))
-      {
-        group.push_back(other);
-      }
-    }
-    if (group.size() > largest.size())
-    {
-      largest = std::move(group);
-    }
-  }
-  return largest;
-}
-
-RunMerger::State::Placement RunMerger::State::bestPlacement() const
-{
-  Placement best;
-  const auto least = static_cast<std::size_t>(config.loops.by_appearance.min_support);
-  for (const Seeds& pair : seeds)
-  {
-    if (runs[pair.run_a].joined == runs[pair.run_b].joined)
-    {
-      continue;
-    }
-    std::vector<Loop> group = largestGroup(pair.loops);
-    if (group.size() > std::max(best.loops.size(), least))
-    {
-      best = {runs[pair.run_a].joined ? pair.run_b : pair.run_a, std::move(group)};
-    }
-  }
-  return best;
-}
-
-void RunMerger::State::refuse(const Placement& placement)
-{
-  const auto isRefused = [&](const Loop& loop)
-  {
-    return std::any_of(placement.loops.begin(), placement.loops.end(),
-                       [&](const Loop& other)
-                       { return other.from == loop.from && other.to == loop.to; });
-  };
-  for (Seeds& pair : seeds)
-  {
-    pair.loops.erase(std::remove_if(pair.loops.begin(), pair.loops.end(), isRefused),
-                     pair.loops.end());
-  }
-}
-
-void RunMerger::State::place(const Placement& placement)
-{
-  const Loop& seed = placement.loops.front();
-  const KeyframeRange& range = runs[placement.run].range;
-  const Pose T_map_to = keyframes[seed.from].T_map_vehicle * seed.T_from_to;
-  const Pose T_map_run = range.contains(seed.to)
-                             ? T_map_to * keyframes[seed.to].T_map_vehicle.inverse()
-                             : keyframes[seed.to].T_map_vehicle * seed.T_from_to.inverse() *
-                                   keyframes[seed.from].T_map_vehicle.inverse();
-  for (std::size_t k = range.begin; k < range.end; ++k)
-  {
-    keyframes[k].T_map_vehicle = orthonormalised(T_map_run * keyframes[k].T_map_vehicle);
-  }
-}
-
 std::vector<double> RunMerger::State::reachOf(const Run& run, const std::vector<Loop>& known) const
 {
   std::vector<double> reach;
@@ -184,7 +114,8 @@ void RunMerger::State::solve()
       }
     }
   }
-  graph.setFixed(Key::ego(0), true);
+  addLocalisations(graph);
+  graph.setFixed(Key::ego(0), runs.front().localisations.empty());
   std::vector<FactorGraph::FactorId> ids;
   for (const Loop& loop : loops)
   {
@@ -240,6 +171,7 @@ bool RunMerger::State::join(const Placement& placement)
   };
   place(placement);
   run.joined = true;
+  run.frame = placement.T_map_run ? placement.frame : placement.run;
   solveWith(placement.loops);
   // First with loops to places within the expected drift, then again at the resulting poses.
   solveWith(loopsAround(run, placement.loops).accepted);
@@ -252,14 +184,12 @@ bool RunMerger::State::join(const Placement& placement)
   run.evidence.tried = found.tried;
   run.evidence.confirmed = found.confirmed;
   run.evidence.consistent = added - left_out;
-  const bool is_confirmed = static_cast<double>(found.confirmed) >=
-                            config.merge.min_confirmed * static_cast<double>(found.tried);
-  if (is_confirmed &&
-      added > left_out + static_cast<std::size_t>(config.loops.by_appearance.min_support))
+  if (isConfirmed(placement, added))
   {
     return true;
   }
   run.joined = false;
+  run.frame = placement.run;
   loops = joined_loops;
   false_loops = joined_false;
   optimisation = joined_optimisation;
@@ -316,6 +246,27 @@ RunMerge RunMerger::State::result() const
   return merge;
 }
 
+void RunMerger::State::Run::takeFactors(const FactorGraph& graph)
+{
+  for (const FactorGraph::FactorId id : graph.factorIds())
+  {
+    const Factor& factor = graph.factor(id);
+    if (factor.kind() == FactorKind::odometry ||
+        (factor.kind() == FactorKind::loop && !graph.isLeftOut(id)))
+    {
+      edges.push_back({factor.kind() == FactorKind::loop,
+                       range.begin + static_cast<std::size_t>(factor.keys()[0].index),
+                       range.begin + static_cast<std::size_t>(factor.keys()[1].index),
+                       factor.measurement(), factor.information()});
+    }
+    else if (factor.kind() == FactorKind::localisation)
+    {
+      localisations.push_back({range.begin + static_cast<std::size_t>(factor.keys()[1].index),
+                               factor.measurement(), factor.information()});
+    }
+  }
+}
+
 RunMerger::RunMerger(const RunMergerConfig& config) : state_(std::make_unique<State>(config)) {}
 RunMerger::~RunMerger() = default;
 RunMerger::RunMerger(RunMerger&&) noexcept = default;
@@ -342,18 +293,7 @@ void RunMerger::addRun(const FactorGraph& graph, const RunReferences& references
     s.keyframes.add(keyframe);
   }
   run.range.end = s.keyframes.size();
-  for (const FactorGraph::FactorId id : graph.factorIds())
-  {
-    const Factor& factor = graph.factor(id);
-    if (factor.kind() == FactorKind::odometry ||
-        (factor.kind() == FactorKind::loop && !graph.isLeftOut(id)))
-    {
-      run.edges.push_back({factor.kind() == FactorKind::loop,
-                           run.range.begin + static_cast<std::size_t>(factor.keys()[0].index),
-                           run.range.begin + static_cast<std::size_t>(factor.keys()[1].index),
-                           factor.measurement(), factor.information()});
-    }
-  }
+  run.takeFactors(graph);
   for (const auto& [key, variable] : graph.variables())
   {
     if (key.kind == VariableKind::ego_pose &&
@@ -376,6 +316,9 @@ void RunMerger::addRun(const FactorGraph& graph, const RunReferences& references
     used.gravity.reset();
   }
   run.anchor = RunAnchor(graph, used);
+  run.T_own_middle = s.keyframes[run.middle()].T_map_vehicle;
+  run.map_frame = references.map_frame;
+  run.frame = s.runs.size();
   s.runs.push_back(std::move(run));
 }
 
@@ -392,11 +335,12 @@ void RunMerger::addKeyframe(const std::vector<Eigen::Vector3f>& static_points)
 
 void RunMerger::State::joinAll()
 {
-  for (Placement next = bestPlacement(); !next.loops.empty(); next = bestPlacement())
+  const auto next = [this] { return placementByFrame().value_or(bestPlacement()); };
+  for (Placement p = next(); p.T_map_run || !p.loops.empty(); p = next())
   {
-    if (!join(next))
+    if (!join(p))
     {
-      refuse(next);
+      refuse(p);
     }
   }
 }

@@ -93,7 +93,7 @@ std::optional<GnssContradiction> RunMerger::State::contradictionOf(const Placeme
   constexpr double usual_drift = 0.05;  // fraction of the distance from a run with positions
   const Run& run = runs[placement.run];
   const RunAnchor* first = firstOnEarth();
-  if (first == nullptr || !run.anchor.georeference())
+  if (first == nullptr || !run.anchor.georeference() || placement.loops.empty())
   {
     return std::nullopt;
   }

@@ -7,6 +7,7 @@
 #include <cstddef>
 #include <optional>
 #include <set>
+#include <string>
 #include <vector>
 
 #include "RunAnchor.h"
@@ -26,10 +27,26 @@ struct RunMerger::State
     Matrix6 information = Matrix6::Identity();
   };
 
+  /** A keyframe's pose in the prior map of its run. */
+  struct Localisation
+  {
+    std::size_t keyframe = 0;  //!< number in the store
+    Pose T_prior_vehicle = Pose::Identity();
+    Matrix6 information = Matrix6::Identity();
+  };
+
   struct Run
   {
+    [[nodiscard]] std::size_t middle() const { return (range.begin + range.end) / 2; }
+    /** Copies odometry, used loops and localisations of the run's graph. \pre range */
+    void takeFactors(const FactorGraph& graph);
+
     KeyframeRange range;
     std::vector<Edge> edges;
+    std::vector<Localisation> localisations;
+    Pose T_own_middle = Pose::Identity();  //!< of the middle keyframe in the frame of the run's map
+    std::string map_frame;                 //!< see RunReferences; empty: or a wrong one
+    std::size_t frame = 0;                 //!< number of the run whose frame it shares, or its own
     RunAnchor anchor;
     bool joined = false;
     JoinEvidence evidence;
@@ -45,11 +62,15 @@ struct RunMerger::State
     bool nearby = false;    //!< only of keyframes near each other by satellite positions
   };
 
-  /** Loops that agree on the pose of a run; the first one places it. */
+  /** Loops that agree on the pose of a run, of which the first one places it; or a frame in common
+   * with a joined run. */
   struct Placement
   {
     std::size_t run = 0;
     std::vector<Loop> loops;
+    /** Pose of the frame of the run's map, if it is that of a joined run; then without loops. */
+    std::optional<Pose> T_map_run;
+    std::size_t frame = 0;  //!< Run::frame of that joined run
   };
 
   explicit State(const RunMergerConfig& given)
@@ -82,9 +103,19 @@ struct RunMerger::State
   [[nodiscard]] std::vector<Loop> largestGroup(const std::vector<Loop>& all) const;
   /** Joins a run. \return false, with nothing changed, if the rest of the path contradicts it */
   [[nodiscard]] bool join(const Placement& placement);
-  /** Removes the loops of a contradicted placement from the seeds. */
+  /** Placement of a run that is not joined yet in the frame that it shares with a joined one. */
+  [[nodiscard]] std::optional<Placement> placementByFrame() const;
+  /** Pose of the frame of a joined run's own map. */
+  [[nodiscard]] Pose frameOf(const Run& run) const;
+  /** Adds the localisations of the joined runs and the frames of their prior maps. \pre the graph
+   * has the keyframes */
+  void addLocalisations(FactorGraph& graph) const;
+  /** Whether the evidence of the run's path confirms the placement. \param added number of loops to
+   * joined runs that were found there */
+  [[nodiscard]] bool isConfirmed(const Placement& placement, std::size_t added) const;
+  /** Removes the loops of a contradicted placement from the seeds, or forgets the common frame. */
   void refuse(const Placement& placement);
-  /** Transforms the keyframes of the run by the placement's first loop. */
+  /** Transforms the keyframes of the run by the common frame or the placement's first loop. */
   void place(const Placement& placement);
   /** Loops from the run to all joined runs, at the present poses. */
   [[nodiscard]] NearLoops loopsAround(const Run& run, const std::vector<Loop>& known) const;

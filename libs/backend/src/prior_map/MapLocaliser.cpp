@@ -11,75 +11,42 @@
 #include <cmath>
 #include <utility>
 
+#include "MapRegistration.h"
 #include "loops/LoopCandidates.h"
-#include "loops/LoopVerification.h"
 
 namespace dyslam
 {
 namespace
 {
 constexpr double search_distance = 5;  // path between two searches for the place [m]
-constexpr double submap_path = 20;     // path of the submap that the place is searched by [m]
-constexpr double submap_voxel = 0.5;   // voxel size of this submap [m]
-constexpr double start_heading = 45 * radians_per_degree;  // largest error of a given heading
-constexpr double place_radius = 3;  // largest error of a place that looks alike [m]
-constexpr double place_heading = 4 * radians_per_degree;
-constexpr double apart = 4;         // distance of different places [m]
-constexpr double clear_lead = 0.1;  // overlap by which the best of several places must lead
+constexpr double again_distance = 20;  // the same of a run that was localised and then lost [m]
+constexpr double again_share = 0.02;   // and at least this share of the path since the last fix
 
-constexpr double least_radius = 0.5;    // largest error of a prediction without drift [m]
-constexpr double drift = 0.03;          // growth of this error by the path [m/m]
-constexpr double largest_radius = 30;   // largest error that is searched for: the time grows as its
-                                        // square [m]
-constexpr double direct_radius = 1.5;   // up to this error, no alignment from above is needed [m]
-constexpr double search_heading = 0.1;  // largest error of a predicted heading [rad]
+constexpr double least_radius = 0.5;   // largest error of a prediction without drift [m]
+constexpr double drift = 0.03;         // growth of this error by the path [m/m]
+constexpr double largest_radius = 30;  // largest error that is searched for: the time grows as its
+                                       // square [m]
+constexpr double direct_radius = 1.5;  // up to this error, no alignment from above is needed [m]
 constexpr double largest_turn = 6 * radians_per_degree;  // largest correction by a registration
 
-constexpr double trusted_path = 30;   // path after a fix on which the next one needs no other [m]
-constexpr std::size_t agreeing = 3;   // fixes that must agree after it, and at the beginning
-constexpr double agreeing_path = 4;   // path over which they must agree [m]
-constexpr int most_misses = 3;        // keyframes without a fix after which they start anew
-constexpr std::size_t earlier = 100;  // keyframes that are registered backwards
+constexpr double trusted_path = 30;  // path after a fix on which the next one needs no other [m]
+constexpr std::size_t least_agreeing = 3;  // fixes that must agree after it, and at the beginning
+constexpr double agreeing_path = 4;        // path over which they must agree [m]
+constexpr int most_misses = 3;             // keyframes without a fix after which they start anew
+constexpr double unfit_path = 20;   // path on which no keyframe fits after which a run is lost [m]
+constexpr double lost_drift = 0.3;  // growth of the error of a lost run by the path [m/m]
+constexpr double again_path = 10;   // path over which the fixes of a place found again agree [m]
+constexpr std::size_t most_earlier = 100;  // keyframes that are registered backwards
+constexpr double earlier_radius = 3;       // largest error of their predictions [m]
 
-constexpr double least_observability_of_place = 0.02;
-constexpr double least_observability = 0.002;  // of a fix that constrains all directions
-constexpr double weak_sigma = 1;               // sigma of a direction that is not constrained [m]
+constexpr double weak_sigma = 1;  // sigma of a direction that is not constrained [m]
 
-/** The pose without roll and pitch. */
-Pose upright(const Pose& T)
+/** Error of the position of a keyframe by the odometry from another one [m], if it grows by `rate`
+ * metres per metre. */
+double errorBetween(const KeyframeStore& keyframes, std::size_t a, std::size_t b, double rate)
 {
-  Pose result = Pose::Identity();
-  result.translation() = T.translation();
-  result.linear() =
-      Eigen::AngleAxisd(yawPitchRoll(T).x(), Eigen::Vector3d::UnitZ()).toRotationMatrix();
-  return result;
-}
-
-std::vector<Eigen::Vector3f> within(std::vector<Eigen::Vector3f> points, double range)
-{
-  const auto limit = static_cast<float>(range);
-  points.erase(
-      std::remove_if(points.begin(), points.end(),
-                     [limit](const Eigen::Vector3f& p) { return p.head<2>().norm() > limit; }),
-      points.end());
-  return points;
-}
-
-/** Height of the ground below the origin of a submap [m]. */
-double groundBelow(const std::vector<Eigen::Vector3f>& submap)
-{
-  return PriorMap(within(submap, 10), 10).groundHeight(0, 0).value_or(0);
-}
-
-LoopVerdict judge(const KeyframeRegistrationResult& registration,
-                  const PriorMapOptions& options,
-                  double observability)
-{
-  LoopCriteria criteria;
-  criteria.min_overlap = options.min_overlap;
-  criteria.max_rmse = options.max_rmse;
-  criteria.min_observability = observability;
-  return verifyRegistration(registration, criteria);
+  const PathBetween path = pathBetween(keyframes[std::min(a, b)], keyframes[std::max(a, b)]);
+  return least_radius + rate * path.measured + path.unseen;
 }
 
 /** The information without that of the direction of translation that is constrained least. */
@@ -114,10 +81,18 @@ std::string reasonOf(LoopVerdict verdict)
 }
 }  // namespace
 
+double driftRadius(const KeyframeStore& keyframes, std::size_t a, std::size_t b)
+{
+  return std::min(largest_radius, errorBetween(keyframes, a, b, drift));
+}
+
 MapLocaliser::MapLocaliser(const PriorMapOptions& options,
                            const std::vector<Eigen::Vector3f>& map,
                            const KeyframeStore& keyframes)
-    : options_(options), map_(map, options.range), keyframes_(keyframes)
+    : options_(options),
+      map_(map, options.range),
+      keyframes_(keyframes),
+      places_(options, map_, keyframes)
 {
   start_ = poseFromText(options_.start);
   if (!start_ && !options_.start.empty())
@@ -147,124 +122,55 @@ Pose MapLocaliser::T_prior_map() const
   return newest.T_prior_vehicle * keyframes_[newest.keyframe].T_map_vehicle.inverse();
 }
 
-double MapLocaliser::radiusBetween(std::size_t a, std::size_t b) const
-{
-  const PathBetween path = pathBetween(keyframes_[std::min(a, b)], keyframes_[std::max(a, b)]);
-  return std::min(largest_radius, least_radius + drift * path.measured + path.unseen);
-}
-
 bool MapLocaliser::isSearchDue(std::size_t newest) const
 {
-  return !searched_ || keyframes_[newest].path_length - *searched_ >= search_distance;
+  const double path = keyframes_[newest].path_length;
+  const double distance =
+      fit_.localised
+          ? std::max(again_distance, again_share * (path - keyframes_[*last_fix_].path_length))
+          : search_distance;
+  return !searched_ || path - *searched_ >= distance;
 }
 
-std::vector<Eigen::Vector3f> MapLocaliser::submapTo(std::size_t newest) const
+bool MapLocaliser::isLost(std::size_t newest) const
 {
-  const Pose T_upright_map = upright(keyframes_[newest].T_map_vehicle).inverse();
-  std::vector<Eigen::Vector3f> points;
-  for (std::size_t i = newest + 1; i-- > 0;)
+  if (!fit_.localised || isTrusted(newest))
   {
-    const PathBetween path = pathBetween(keyframes_[i], keyframes_[newest]);
-    if (path.measured > submap_path || path.unseen > 0)
-    {
-      break;
-    }
-    const Eigen::Isometry3f T = (T_upright_map * keyframes_[i].T_map_vehicle).cast<float>();
-    for (const Eigen::Vector3f& p : keyframes_.loopCloud(i).unpacked().points)
-    {
-      points.emplace_back(T * p);
-    }
+    return false;
   }
-  return within(voxelDownsample(points, submap_voxel, VoxelPick::centroid).points, options_.range);
+  const double path = keyframes_[newest].path_length;
+  return errorBetween(keyframes_, *last_fix_, newest, drift) > largest_radius ||
+         (unfit_since_ && path - *unfit_since_ >= unfit_path);
 }
 
-void MapLocaliser::note(LoopVerdict verdict)
+SearchArea MapLocaliser::areaOf(std::size_t newest) const
 {
-  fit_.reason = reasonOf(verdict == LoopVerdict::accepted ? LoopVerdict::unsupported : verdict);
-}
-
-std::optional<Pose> MapLocaliser::placeNearStart(const std::vector<Eigen::Vector3f>& submap,
-                                                 std::size_t newest)
-{
-  Pose T =
-      upright(*start_ * keyframes_[0].T_map_vehicle.inverse() * keyframes_[newest].T_map_vehicle);
-  RegistrationTarget& target = map_.around(T.translation());
-  const double radius = std::min(largest_radius, options_.start_radius + radiusBetween(0, newest));
-  T = correlateFromAbove(submap, target.points(), T, radius, start_heading).value_or(T);
-  if (const auto ground = map_.groundHeight(T.translation().x(), T.translation().y()))
-  {
-    T.translation().z() = *ground - groundBelow(submap);
-  }
-  const KeyframeRegistrationResult result = target.align(submap, T);
-  const LoopVerdict verdict = judge(result, options_, least_observability);
-  note(verdict);
-  return verdict == LoopVerdict::accepted ? std::optional<Pose>(result.T_target_source)
-                                          : std::nullopt;
-}
-
-/** The place must be the only one that fits. */
-std::optional<Pose> MapLocaliser::placeAnywhere(const std::vector<Eigen::Vector3f>& submap)
-{
-  if (!search_)
-  {
-    search_.emplace(map_.points());
-  }
-  const double ground_below = groundBelow(submap);
-  std::vector<KeyframeRegistrationResult> fitting;
-  LoopVerdict of_most_similar = LoopVerdict::dissimilar;
-  for (const SimilarPlace& place : search_->find(submap))
-  {
-    const auto ground = map_.groundHeight(place.x, place.y);
-    if (!ground)
-    {
-      continue;
-    }
-    const Pose T = poseFromYpr(place.x, place.y, *ground - ground_below, place.heading, 0, 0);
-    RegistrationTarget& target = map_.around(T.translation());
-    const KeyframeRegistrationResult result = target.align(
-        submap,
-        correlateFromAbove(submap, target.points(), T, place_radius, place_heading).value_or(T));
-    const LoopVerdict verdict = judge(result, options_, least_observability_of_place);
-    if (verdict == LoopVerdict::accepted)
-    {
-      fitting.push_back(result);
-    }
-    else if (of_most_similar == LoopVerdict::dissimilar)
-    {
-      of_most_similar = verdict;
-    }
-  }
-  const auto best =
-      std::max_element(fitting.begin(), fitting.end(),
-                       [](const auto& a, const auto& b) { return a.overlap < b.overlap; });
-  if (best == fitting.end())
-  {
-    note(of_most_similar);
-    return std::nullopt;
-  }
-  const bool is_only = std::all_of(
-      fitting.begin(), fitting.end(),
-      [&](const KeyframeRegistrationResult& other)
-      {
-        const Pose between = best->T_target_source.inverse() * other.T_target_source;
-        return other.overlap < best->overlap - clear_lead ||
-               (between.translation().norm() < apart && rotationAngle(between) < start_heading);
-      });
-  note(is_only ? LoopVerdict::accepted : LoopVerdict::ambiguous);
-  return is_only ? std::optional<Pose>(best->T_target_source) : std::nullopt;
+  return {keyframes_[newest].T_map_vehicle.translation().head<2>(),
+          errorBetween(keyframes_, *last_fix_, newest, lost_drift)};
 }
 
 std::optional<Pose> MapLocaliser::findPlace(std::size_t newest)
 {
   searched_ = keyframes_[newest].path_length;
-  const std::vector<Eigen::Vector3f> submap = submapTo(newest);
-  const auto T_prior_upright = start_ ? placeNearStart(submap, newest) : placeAnywhere(submap);
-  if (!T_prior_upright)
+  FoundPlace found;
+  if (start_ && !fit_.localised)
   {
-    return std::nullopt;
+    found = places_.findNear(
+        *start_ * keyframes_[0].T_map_vehicle.inverse() * keyframes_[newest].T_map_vehicle,
+        std::min(largest_radius, options_.start_radius + driftRadius(keyframes_, 0, newest)),
+        newest);
   }
-  const Pose& T_map_vehicle = keyframes_[newest].T_map_vehicle;
-  return *T_prior_upright * upright(T_map_vehicle).inverse() * T_map_vehicle;
+  else
+  {
+    found =
+        places_.findWithin(fit_.localised ? std::optional(areaOf(newest)) : std::nullopt, newest);
+  }
+  if (!fit_.localised)
+  {
+    // A place that fits is to be confirmed by the next keyframes.
+    fit_.reason = reasonOf(found.T_prior_vehicle ? LoopVerdict::unsupported : found.verdict);
+  }
+  return found.T_prior_vehicle;
 }
 
 std::optional<MapFix> MapLocaliser::registerKeyframe(std::size_t keyframe,
@@ -272,22 +178,22 @@ std::optional<MapFix> MapLocaliser::registerKeyframe(std::size_t keyframe,
                                                      double radius)
 {
   const std::vector<Eigen::Vector3f> source =
-      within(keyframes_.loopCloud(keyframe).unpacked().points, options_.range);
+      pointsWithin(keyframes_.loopCloud(keyframe).unpacked().points, options_.range);
   RegistrationTarget& target = map_.around(T_prior_vehicle.translation());
   Pose T = T_prior_vehicle;
   if (radius > direct_radius)
   {
-    T = correlateFromAbove(source, target.points(), T, radius, search_heading).value_or(T);
+    T = correlateFromAbove(source, target.points(), T, radius, drift_heading).value_or(T);
   }
   const KeyframeRegistrationResult result = target.align(source, T);
   const Pose correction = T_prior_vehicle.inverse() * result.T_target_source;
-  if (judge(result, options_, 0) != LoopVerdict::accepted ||
+  if (verdictOf(result, options_, 0) != LoopVerdict::accepted ||
       correction.translation().norm() > radius + least_radius ||
       rotationAngle(correction) > largest_turn)
   {
     return std::nullopt;
   }
-  const bool is_weak = result.observability < least_observability;
+  const bool is_weak = result.observability < least_map_observability;
   return MapFix{keyframe, result.T_target_source,
                 is_weak ? withoutWeakest(result.information) : result.information, result.rmse,
                 is_weak};
@@ -307,14 +213,15 @@ bool MapLocaliser::agreeEnough() const
 {
   const PathBetween path =
       pathBetween(keyframes_[pending_.front().keyframe], keyframes_[pending_.back().keyframe]);
-  return pending_.size() >= agreeing && path.measured >= agreeing_path;
+  return pending_.size() >= least_agreeing &&
+         path.measured >= (is_place_again_ ? again_path : agreeing_path);
 }
 
-void MapLocaliser::registerEarlier(std::vector<MapFix>& fixes)
+void MapLocaliser::registerEarlier(std::vector<MapFix>& fixes, std::size_t first)
 {
   const auto step = static_cast<std::size_t>(options_.interval);
   const std::size_t newest = fixes.front().keyframe;
-  const std::size_t last = newest > earlier ? newest - earlier : 0;
+  const std::size_t last = std::max(first, newest > most_earlier ? newest - most_earlier : 0);
   std::vector<MapFix> found;
   MapFix next = fixes.front();
   for (std::size_t k = newest; k >= last + step;)
@@ -322,8 +229,8 @@ void MapLocaliser::registerEarlier(std::vector<MapFix>& fixes)
     k -= step;
     const Pose T = next.T_prior_vehicle * keyframes_[next.keyframe].T_map_vehicle.inverse() *
                    keyframes_[k].T_map_vehicle;
-    const double radius = radiusBetween(k, next.keyframe);
-    if (radius > place_radius)
+    const double radius = driftRadius(keyframes_, k, next.keyframe);
+    if (radius > earlier_radius)
     {
       break;
     }
@@ -331,7 +238,7 @@ void MapLocaliser::registerEarlier(std::vector<MapFix>& fixes)
     {
       continue;
     }
-    ++fit_.tried;
+    fit_.tried += is_place_again_ ? 0 : 1;  // most of a lost run were tried before
     if (const auto fix = registerKeyframe(k, T, radius))
     {
       next = fix->is_weak ? next : *fix;
@@ -348,8 +255,25 @@ MapFixes MapLocaliser::counted(std::vector<MapFix> fixes)
     square_error_ += fix.rmse * fix.rmse;
   }
   fit_.registered += fixes.size();
+  fit_.tried = std::max(fit_.tried, fit_.registered);
   fit_.rmse = std::sqrt(square_error_ / static_cast<double>(fit_.registered));
   return {std::move(fixes), std::nullopt};
+}
+
+std::optional<MapFix> MapLocaliser::fixByPlace(std::size_t newest)
+{
+  const std::optional<Pose> place = findPlace(newest);
+  std::optional<MapFix> fix =
+      place ? registerKeyframe(newest, *place, least_radius) : std::optional<MapFix>();
+  if (fix && fit_.localised)
+  {
+    if (fix->is_weak)
+    {
+      return std::nullopt;  // one of a lost run tells nothing
+    }
+    is_place_again_ = true;
+  }
+  return fix;
 }
 
 std::optional<MapFix> MapLocaliser::fixNewest()
@@ -357,23 +281,30 @@ std::optional<MapFix> MapLocaliser::fixNewest()
   const std::size_t newest = keyframes_.size() - 1;
   if (!fit_.localised && pending_.empty())
   {
-    const auto place = isSearchDue(newest) ? findPlace(newest) : std::nullopt;
-    return place ? registerKeyframe(newest, *place, least_radius) : std::nullopt;
+    return isSearchDue(newest) ? fixByPlace(newest) : std::nullopt;
   }
   const Pose T = T_prior_map() * keyframes_[newest].T_map_vehicle;
-  if (!map_.groundHeight(T.translation().x(), T.translation().y()))
+  if (map_.groundHeight(T.translation().x(), T.translation().y()))  // else beyond the prior map
   {
-    return std::nullopt;  // beyond the prior map
+    fit_.tried += fit_.localised ? 1 : 0;
+    const std::size_t last = pending_.empty() ? *last_fix_ : pending_.back().keyframe;
+    if (const auto fix = registerKeyframe(newest, T, driftRadius(keyframes_, last, newest)))
+    {
+      return fix;
+    }
+    unfit_since_ = unfit_since_.value_or(keyframes_[newest].path_length);
   }
-  fit_.tried += fit_.localised ? 1 : 0;
-  const std::size_t last = pending_.empty() ? *last_fix_ : pending_.back().keyframe;
-  return registerKeyframe(newest, T, radiusBetween(last, newest));
+  return pending_.empty() && isLost(newest) && isSearchDue(newest) ? fixByPlace(newest)
+                                                                   : std::nullopt;
 }
 
 MapFixes MapLocaliser::release()
 {
   MapFixes result;
   result.fixes = pending_;
+  result.is_found_again = is_place_again_;
+  fit_.found_again += is_place_again_ ? 1 : 0;
+  const std::size_t after_last = last_fix_ ? *last_fix_ + 1 : 0;
   last_fix_ = pending_.back().keyframe;
   if (!fit_.localised)
   {
@@ -383,9 +314,13 @@ MapFixes MapLocaliser::release()
     fit_.keyframe = *last_fix_;
     fit_.path_length = keyframes_[*last_fix_].path_length;
     fit_.tried = pending_.size();
-    registerEarlier(result.fixes);
+  }
+  if (result.T_prior_map || result.is_found_again)
+  {
+    registerEarlier(result.fixes, after_last);
   }
   pending_.clear();
+  is_place_again_ = false;
   result.fixes = counted(std::move(result.fixes)).fixes;
   return result;
 }
@@ -405,13 +340,15 @@ MapFixes MapLocaliser::add()
     if (misses_ >= most_misses)
     {
       pending_.clear();
+      is_place_again_ = false;
     }
     return {};
   }
   misses_ = 0;
+  unfit_since_.reset();
   if (fix->is_weak)
   {
-    return fit_.localised ? counted({*fix}) : MapFixes();
+    return fit_.localised && !is_place_again_ ? counted({*fix}) : MapFixes();
   }
   pending_.push_back(*fix);
   return isTrusted(newest) || agreeEnough() ? release() : MapFixes();
@@ -419,6 +356,7 @@ MapFixes MapLocaliser::add()
 
 void MapLocaliser::exchangeState(StateArchive& archive)
 {
-  archive(fit_, square_error_, searched_, pending_, misses_, last_fix_, map_);
+  archive(fit_, square_error_, searched_, pending_, is_place_again_, unfit_since_, misses_,
+          last_fix_, map_);
 }
 }  // namespace dyslam

@@ -197,41 +197,42 @@ SimilarPlace PlaceSearch::placeOf(const Node& leaf, std::size_t cells) const
   return place;
 }
 
-std::vector<SimilarPlace> PlaceSearch::find(const std::vector<Eigen::Vector3f>& points) const
+PlaceSearch::Range PlaceSearch::rangeOf(const std::optional<SearchArea>& area) const
 {
-  std::vector<Eigen::Vector2f> structure = uprightCells(points, cell_size_);
-  if (structure.empty() || width_ == 0)
+  Range range{{0, 0}, {width_, height_}};
+  if (area)
   {
-    return {};
-  }
-  const std::size_t step = (structure.size() - 1) / most_structure + 1;
-  std::vector<Cells> turned(headings);
-  for (int heading = 0; heading < headings; ++heading)
-  {
-    const Eigen::Rotation2Df turn(static_cast<float>(radiansOf(heading)));
-    for (std::size_t i = 0; i < structure.size(); i += step)
+    const Eigen::Vector2d size(width_, height_);
+    const auto inside = [&](const Eigen::Vector2d& corner) -> Eigen::Vector2i
     {
-      const Eigen::Vector2f p = turn * structure[i] / static_cast<float>(cell_size_);
-      turned[static_cast<std::size_t>(heading)].emplace_back(static_cast<int>(std::lround(p.x())),
-                                                             static_cast<int>(std::lround(p.y())));
-    }
+      const Eigen::Vector2d cell = ((corner - origin_) / cell_size_).array().floor();
+      return cell.cwiseMax(Eigen::Vector2d::Zero()).cwiseMin(size).cast<int>();
+    };
+    const Eigen::Vector2d reach = Eigen::Vector2d::Constant(area->radius);
+    range.begin = inside(area->centre - reach);
+    range.end = inside(area->centre + reach + Eigen::Vector2d::Constant(cell_size_));
   }
-  const std::size_t cells = turned.front().size();
+  return range;
+}
+
+std::vector<PlaceSearch::Node> PlaceSearch::bestLeaves(const std::vector<Cells>& turned,
+                                                       const Range& range) const
+{
   std::priority_queue<Node> open;
-  constexpr int coarsest = levels - 1;
   const auto add = [&](int level, int heading, int x, int y)
   {
-    if (x < width_ && y < height_)
+    if (x < range.end.x() && y < range.end.y())
     {
       open.push(
           {bound(turned[static_cast<std::size_t>(heading)], level, x, y), level, heading, x, y});
     }
   };
+  constexpr int coarsest = levels - 1;
   for (int heading = 0; heading < headings; ++heading)
   {
-    for (int y = 0; y < height_; y += 1 << coarsest)
+    for (int y = range.begin.y(); y < range.end.y(); y += 1 << coarsest)
     {
-      for (int x = 0; x < width_; x += 1 << coarsest)
+      for (int x = range.begin.x(); x < range.end.x(); x += 1 << coarsest)
       {
         add(coarsest, heading, x, y);
       }
@@ -270,10 +271,33 @@ std::vector<SimilarPlace> PlaceSearch::find(const std::vector<Eigen::Vector3f>& 
       found.push_back(node);
     }
   }
-  std::vector<SimilarPlace> places;
-  for (const Node& node : found)
+  return found;
+}
+
+std::vector<SimilarPlace> PlaceSearch::find(const std::vector<Eigen::Vector3f>& points,
+                                            const std::optional<SearchArea>& area) const
+{
+  const std::vector<Eigen::Vector2f> structure = uprightCells(points, cell_size_);
+  if (structure.empty() || width_ == 0)
   {
-    places.push_back(placeOf(node, cells));
+    return {};
+  }
+  const std::size_t step = (structure.size() - 1) / most_structure + 1;
+  std::vector<Cells> turned(headings);
+  for (int heading = 0; heading < headings; ++heading)
+  {
+    const Eigen::Rotation2Df turn(static_cast<float>(radiansOf(heading)));
+    for (std::size_t i = 0; i < structure.size(); i += step)
+    {
+      const Eigen::Vector2f p = turn * structure[i] / static_cast<float>(cell_size_);
+      turned[static_cast<std::size_t>(heading)].emplace_back(static_cast<int>(std::lround(p.x())),
+                                                             static_cast<int>(std::lround(p.y())));
+    }
+  }
+  std::vector<SimilarPlace> places;
+  for (const Node& leaf : bestLeaves(turned, rangeOf(area)))
+  {
+    places.push_back(placeOf(leaf, turned.front().size()));
   }
   return places;
 }

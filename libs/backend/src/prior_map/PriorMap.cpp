@@ -11,13 +11,29 @@ namespace dyslam
 {
 namespace
 {
-constexpr double voxel_size = 0.3;        // voxel size of the target [m]
 constexpr double tile_size = 10;          // side of a tile [m]
 constexpr double longest_way = 10;        // way within which a target is used again [m]
 constexpr double ground_radius = 4;       // radius of the points that show the ground [m]
 constexpr std::size_t ground_share = 10;  // one in so many points is below the ground
 constexpr std::size_t least_ground = 5;   // number of points that show the ground
 }  // namespace
+
+std::optional<double> groundAmong(const std::vector<Eigen::Vector3f>& points, double x, double y)
+{
+  std::vector<float> heights;
+  for (const Eigen::Vector3f& p : points)
+  {
+    if (std::hypot(p.x() - x, p.y() - y) < ground_radius)
+    {
+      heights.push_back(p.z());
+    }
+  }
+  if (heights.size() < least_ground)
+  {
+    return std::nullopt;
+  }
+  return lowQuantile(heights, ground_share);
+}
 
 PriorMap::Tile PriorMap::tileOf(double x, double y)
 {
@@ -33,18 +49,9 @@ PriorMap::PriorMap(const std::vector<Eigen::Vector3f>& points, double range)
   }
 }
 
-RegistrationTarget& PriorMap::around(const Eigen::Vector3d& position)
+std::vector<Eigen::Vector3f> PriorMap::pointsBetween(const Tile& low, const Tile& high) const
 {
-  const bool is_near = centre_ && (position - *centre_).head<2>().norm() <= longest_way;
-  if (is_near && target_)
-  {
-    return *target_;
-  }
-  centre_ = is_near ? *centre_ : position;
-  const double reach = range_ + longest_way;
-  const Tile low = tileOf(centre_->x() - reach, centre_->y() - reach);
-  const Tile high = tileOf(centre_->x() + reach, centre_->y() + reach);
-  std::vector<Eigen::Vector3f> near;
+  std::vector<Eigen::Vector3f> points;
   for (std::int32_t y = low.y; y <= high.y; ++y)
   {
     for (std::int32_t x = low.x; x <= high.x; ++x)
@@ -54,15 +61,29 @@ RegistrationTarget& PriorMap::around(const Eigen::Vector3d& position)
       {
         for (const std::uint32_t i : tile->second)
         {
-          near.push_back(points_[i]);
+          points.push_back(points_[i]);
         }
       }
     }
   }
+  return points;
+}
+
+RegistrationTarget& PriorMap::around(const Eigen::Vector3d& position)
+{
+  const bool is_near = centre_ && (position - *centre_).head<2>().norm() <= longest_way;
+  if (is_near && target_)
+  {
+    return *target_;
+  }
+  centre_ = is_near ? *centre_ : position;
+  const double reach = range_ + longest_way;
   KeyframeRegistrationOptions options;
   options.coarse_distance = 1.5;
   options.normal_radius = 1;
-  target_.emplace(std::move(near), options);
+  target_.emplace(pointsBetween(tileOf(centre_->x() - reach, centre_->y() - reach),
+                                tileOf(centre_->x() + reach, centre_->y() + reach)),
+                  options);
   return *target_;
 }
 
@@ -73,32 +94,8 @@ void PriorMap::exchangeState(StateArchive& archive)
 
 std::optional<double> PriorMap::groundHeight(double x, double y) const
 {
-  std::vector<float> heights;
-  const Tile low = tileOf(x - ground_radius, y - ground_radius);
-  const Tile high = tileOf(x + ground_radius, y + ground_radius);
-  for (std::int32_t ty = low.y; ty <= high.y; ++ty)
-  {
-    for (std::int32_t tx = low.x; tx <= high.x; ++tx)
-    {
-      const auto tile = tiles_.find(keyOf({tx, ty}));
-      if (tile == tiles_.end())
-      {
-        continue;
-      }
-      for (const std::uint32_t i : tile->second)
-      {
-        const Eigen::Vector3f& p = points_[i];
-        if (std::hypot(p.x() - x, p.y() - y) < ground_radius)
-        {
-          heights.push_back(p.z());
-        }
-      }
-    }
-  }
-  if (heights.size() < least_ground)
-  {
-    return std::nullopt;
-  }
-  return lowQuantile(heights, ground_share);
+  return groundAmong(pointsBetween(tileOf(x - ground_radius, y - ground_radius),
+                                   tileOf(x + ground_radius, y + ground_radius)),
+                     x, y);
 }
 }  // namespace dyslam

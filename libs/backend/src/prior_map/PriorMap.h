@@ -15,16 +15,25 @@ namespace dyslam
 {
 class StateArchive;
 
+/** Height of the ground within 4 m of a position [m]; nothing if there are too few points.
+ * \param points z upwards [m], with about the same density everywhere */
+[[nodiscard]] std::optional<double> groundAmong(const std::vector<Eigen::Vector3f>& points,
+                                                double x,
+                                                double y);
+
 /** Points of a static map in square tiles, of which the surroundings of a place are put together as
  * a registration target. Not thread-safe. */
 class PriorMap
 {
  public:
+  static constexpr double voxel_size = 0.3;  //!< of points() [m]
+
   /** \param points frame of the map [m], z about vertical \param range of the points that are to be
    * registered [m] */
   PriorMap(const std::vector<Eigen::Vector3f>& points, double range);
 
   [[nodiscard]] bool empty() const { return points_.empty(); }
+  /** The points in voxels of `voxel_size`, frame of the map [m]. */
   [[nodiscard]] const std::vector<Eigen::Vector3f>& points() const { return points_; }
 
   /** The map within `range` of a position, and some metres around it, in the frame of the map.
@@ -47,6 +56,8 @@ class PriorMap
   {
     return voxelKey({tile.x, tile.y, 0});
   }
+  /** The points of the tiles in a rectangle, row by row. */
+  [[nodiscard]] std::vector<Eigen::Vector3f> pointsBetween(const Tile& low, const Tile& high) const;
 
   double range_;
   std::vector<Eigen::Vector3f> points_;

@@ -15,7 +15,7 @@ namespace dyslam
 {
 namespace
 {
-constexpr std::string_view magic = "DYSLAM STATE 14\n";
+constexpr std::string_view magic = "DYSLAM STATE 15\n";
 
 struct PartHeader
 {

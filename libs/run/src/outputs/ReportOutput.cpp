@@ -59,6 +59,7 @@ Json jsonOf(const PriorMapFit& fit)
     json["path_to_localisation_m"] = rounded(fit.path_length);
     json["keyframes"] = fit.tried;
     json["registered"] = fit.registered;
+    json["found_again"] = fit.found_again;
     json["rmse_m"] = rounded(fit.rmse);
   }
   else

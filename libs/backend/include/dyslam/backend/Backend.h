@@ -73,7 +73,8 @@ class Backend
   bool addOdometry(Frame& frame);
   /** Second step of addFrame(): searches for loops from the frame, if it is a keyframe and was
    * registered, and adds the accepted ones to the graph; changes no pose. With a prior map it also
-   * registers the keyframe to this; the first registrations that localise the run move all poses.
+   * registers the keyframe to this; the first registrations that localise the run move all poses,
+   * those that find a lost run again are to be followed by optimise().
    * \return number of loops added */
   std::size_t addLoops(const Frame& frame);
   /** Third step of addFrame(): optimises the newest part of the graph, or all of it if a loop

@@ -18,7 +18,7 @@ enum class VariableKind : std::uint8_t
   georeference,        //!< G: T_enu_map, the pose of the map on the earth
   vertical,            //!< D: T_level_map, whose rotation makes z of the map vertical
   accelerometer_bias,  //!< B: vehicle axes [m/s^2], then three zeros
-  prior_map,           //!< M: T_map_prior, pose of the prior map; the identity, held fixed
+  prior_map,           //!< M: T_map_prior, pose of the prior map; of a run the identity, held fixed
 };
 
 /** Names one variable of a factor graph. */
@@ -47,7 +47,11 @@ struct Key
 
   [[nodiscard]] static Key georeference() { return {VariableKind::georeference, -1, 0}; }
   [[nodiscard]] static Key vertical() { return {VariableKind::vertical, -1, 0}; }
-  [[nodiscard]] static Key priorMap() { return {VariableKind::prior_map, -1, 0}; }
+  /** \param run number of a run in a graph of several, which may be localised in different maps */
+  [[nodiscard]] static Key priorMap(std::size_t run = 0)
+  {
+    return {VariableKind::prior_map, -1, static_cast<std::int64_t>(run)};
+  }
   /** \param run number of the run in a graph of several, each with its own accelerometer */
   [[nodiscard]] static Key accelerometerBias(std::size_t run = 0)
   {

@@ -44,6 +44,9 @@ struct RunReferences
 {
   std::optional<Georeference> georeference;
   std::optional<Gravity> gravity;
+  /** Name of the frame of the run's map. Runs with the same name are in one frame: localised in one
+   * prior map, or one of them in the map of the other. Empty: in a frame of its own. */
+  std::string map_frame;
 };
 
 /** A loop between two runs; `from` and `to` count each run's keyframes from 0. */
@@ -120,6 +123,10 @@ struct RunMerge
  * Between two runs with satellite positions, loops are first searched among keyframes that these
  * place near each other, and loops that contradict them do not join a run.
  *
+ * Runs in one frame (RunReferences::map_frame) are joined as they are unless registrations
+ * contradict it, also if they have no place in common; runs keep their localisations in a prior
+ * map.
+ *
  * A run is joined to those joined before, in the order of evidence, so that runs which meet the
  * first one only through others (a chain) are joined too. Deterministic; not thread-safe. Points
  * and descriptors, about 40 kB a keyframe, are on disk beyond the limit `memory`; the result does
@@ -134,10 +141,10 @@ class RunMerger
   RunMerger(RunMerger&&) noexcept;
   RunMerger& operator=(RunMerger&&) noexcept;
 
-  /** Begins the next run. \param graph factor graph of the run; its ego poses, odometry and used
-   * loops are copied, and its satellite positions and gravity for which there are `references`
-   * \throws std::invalid_argument unless the keyframes are numbered 0, 1, 2, ... and all keyframes
-   * of the previous run have their points. */
+  /** Begins the next run. \param graph factor graph of the run; its ego poses, odometry, used
+   * loops and localisations are copied, and its satellite positions and gravity for which there are
+   * `references` \throws std::invalid_argument unless the keyframes are numbered 0, 1, 2, ... and
+   * all keyframes of the previous run have their points. */
   void addRun(const FactorGraph& graph, const RunReferences& references = {});
   /** Adds the points of the run's next keyframe. \param static_points vehicle frame [m]; empty if
    * unknown \throws std::invalid_argument if the run has no further keyframe. */
