@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "OutputFiles.h"
 
+#include <dyslam/base/Bytes.h>
 #include <dyslam/base/PendingFile.h>
 
 #include <filesystem>
@@ -62,7 +63,7 @@ void printNote(const std::string& text)
 
 void writePng(const std::string& path, const std::vector<std::uint8_t>& png)
 {
-  writeWhole(path, {reinterpret_cast<const char*>(png.data()), png.size()});
+  writeWhole(path, bytesOf(png));
 }
 
 std::vector<std::string> shortNames(const std::vector<std::string>& paths)

@@ -12,6 +12,7 @@
 #include <memory>
 #include <set>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "../common/Checks.h"
@@ -108,6 +109,43 @@ void requireMatching(const TrajectoryArguments& a)
   }
 }
 
+/** Errors of the estimates, and what a plot of them shows. */
+struct Compared
+{
+  std::vector<TrajectoryReport> reports;
+  std::vector<TrajectoryPlotItem> plots;
+};
+
+/** Compares each estimate with its reference; prints warnings and notes. */
+Compared compare(const TrajectoryArguments& a, const TrajectoryMetricsOptions& metrics)
+{
+  const std::vector<std::string> names = shortNames(a.estimates);
+  Compared result;
+  std::set<std::string> notes;  // those of a reference are the same for each estimate
+  const auto note = [&notes](const std::string& text)
+  {
+    if (notes.insert(text).second)
+    {
+      printNote(text);
+    }
+  };
+  for (std::size_t i = 0; i < a.estimates.size(); ++i)
+  {
+    const std::string& reference = a.references[a.references.size() == 1 ? 0 : i];
+    const PosePairs pairs = pairFiles(reference, a.estimates[i], a.reading, note);
+    TrajectoryReport report = evaluateTrajectory(a.estimates[i], pairs, metrics);
+    const std::string warning = pairWarning(reference, a.estimates[i], pairs, report);
+    if (!warning.empty())
+    {
+      std::cerr << "warning: " << warning << '\n';
+    }
+    report.name = names[i];
+    result.reports.push_back(std::move(report));
+    result.plots.push_back({names[i], pairs});
+  }
+  return result;
+}
+
 void runTrajectory(const TrajectoryArguments& a)
 {
   if (!a.plot.empty() && std::filesystem::path(a.plot).extension() != ".png")
@@ -125,30 +163,7 @@ void runTrajectory(const TrajectoryArguments& a)
   }
   requireMatching(a);
   const TrajectoryMetricsOptions metrics = a.metrics.options();
-  const std::vector<std::string> names = shortNames(a.estimates);
-  std::vector<TrajectoryReport> reports;
-  std::vector<TrajectoryPlotItem> plots;
-  std::set<std::string> notes;  // those of a reference are the same for each estimate
-  const auto note = [&notes](const std::string& text)
-  {
-    if (notes.insert(text).second)
-    {
-      printNote(text);
-    }
-  };
-  for (std::size_t i = 0; i < a.estimates.size(); ++i)
-  {
-    const std::string& reference = a.references[a.references.size() == 1 ? 0 : i];
-    const PosePairs pairs = pairFiles(reference, a.estimates[i], a.reading, note);
-    reports.push_back(evaluateTrajectory(a.estimates[i], pairs, metrics));
-    const std::string warning = pairWarning(reference, a.estimates[i], pairs, reports.back());
-    if (!warning.empty())
-    {
-      std::cerr << "warning: " << warning << '\n';
-    }
-    reports.back().name = names[i];
-    plots.push_back({names[i], pairs});
-  }
+  const auto [reports, plots] = compare(a, metrics);
   Table table = a.paper.empty() ? trajectoryTable(reports) : trajectoryTable(reports, a.paper);
   if (a.references.size() > 1)
   {

@@ -229,18 +229,10 @@ std::string GravityAnchor::reasonForFew(std::size_t directions) const
       directions, least_directions, options_.window, least_frames);
 }
 
-bool GravityAnchor::addTo(FactorGraph& graph, const std::vector<FrameInKeyframe>& frames)
+GravityAnchor::Solution GravityAnchor::solve(const FactorGraph& graph,
+                                             const std::vector<FrameInKeyframe>& frames,
+                                             const std::vector<Measured>& all) const
 {
-  const std::vector<Measured> all = measureAll(graph, frames);
-  if (all.size() < least_directions)
-  {
-    if (options_.level_map)
-    {
-      warn("the map is not levelled: " + reasonForFew(all.size()));
-    }
-    return false;
-  }
-  // Least squares for gravity's counterforce in the map frame and the bias in the vehicle's axes.
   using Matrix36 = Eigen::Matrix<double, 3, 6>;
   const double sigma = options_.sigma * standard_gravity;
   Matrix6 information = Matrix6::Zero();
@@ -254,23 +246,37 @@ bool GravityAnchor::addTo(FactorGraph& graph, const std::vector<FrameInKeyframe>
     weighted += rows.transpose() * measured.upwards / (sigma * sigma);
   }
   const Vector6 solution = information.ldlt().solve(weighted);
-  const Eigen::Vector3d upwards = solution.head<3>();
-  if (!(std::abs(upwards.norm() - standard_gravity) < magnitude_tolerance))
-  {
-    warn(
-        formatted("the accelerations of the IMU are not used: gravity would be %.2f m/s^2; are "
-                  "they in m/s^2, with gravity, and is the pose of the IMU on the vehicle right?",
-                  upwards.norm()));
-    return false;
-  }
   const Eigen::Matrix2d covariance = information.inverse().topLeftCorner<2, 2>();
   const double variance = Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d>()
                               .computeDirect(covariance, Eigen::EigenvaluesOnly)
                               .eigenvalues()[1];
-  tilt_sigma_ = std::sqrt(variance) / standard_gravity;
+  return {solution.head<3>(), solution.tail<3>(), std::sqrt(variance) / standard_gravity};
+}
+
+bool GravityAnchor::addTo(FactorGraph& graph, const std::vector<FrameInKeyframe>& frames)
+{
+  const std::vector<Measured> all = measureAll(graph, frames);
+  if (all.size() < least_directions)
+  {
+    if (options_.level_map)
+    {
+      warn("the map is not levelled: " + reasonForFew(all.size()));
+    }
+    return false;
+  }
+  const Solution solution = solve(graph, frames, all);
+  if (!(std::abs(solution.upwards.norm() - standard_gravity) < magnitude_tolerance))
+  {
+    warn(
+        formatted("the accelerations of the IMU are not used: gravity would be %.2f m/s^2; are "
+                  "they in m/s^2, with gravity, and is the pose of the IMU on the vehicle right?",
+                  solution.upwards.norm()));
+    return false;
+  }
+  tilt_sigma_ = solution.tilt_sigma;
   Vector6 bias = Vector6::Zero();
-  bias.head<3>() = solution.tail<3>();
-  graph.addPose(Key::vertical(), levellingOf(upwards));
+  bias.head<3>() = solution.bias;
+  graph.addPose(Key::vertical(), levellingOf(solution.upwards));
   graph.addVector(Key::accelerometerBias(), bias);
   Matrix6 weight = Matrix6::Identity();
   weight.diagonal().head<2>().setConstant(1 / (options_.sigma * options_.sigma));

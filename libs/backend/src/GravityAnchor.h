@@ -86,6 +86,16 @@ class GravityAnchor
                                                 double unit) const;
   [[nodiscard]] std::vector<Measured> measureAll(const FactorGraph& graph,
                                                  const std::vector<FrameInKeyframe>& frames) const;
+  /** Least squares over all directions. */
+  struct Solution
+  {
+    Eigen::Vector3d upwards;  //!< gravity's counterforce, map frame [m/s^2]
+    Eigen::Vector3d bias;     //!< of the accelerometer, vehicle's axes [m/s^2]
+    double tilt_sigma;        //!< [rad]
+  };
+  [[nodiscard]] Solution solve(const FactorGraph& graph,
+                               const std::vector<FrameInKeyframe>& frames,
+                               const std::vector<Measured>& all) const;
   /** Why so few directions were measured. */
   [[nodiscard]] std::string reasonForFew(std::size_t directions) const;
   [[nodiscard]] double rmse(const FactorGraph& graph) const;

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <tuple>
 
 namespace dyslam
@@ -181,10 +182,7 @@ class ShortestPaths
   {
     std::fill(distance_.begin(), distance_.end(), infinity);
     std::fill(from_.begin(), from_.end(), -1);
-    for (int column = 0; column < columns_; ++column)
-    {
-      open_[at(column)] = column;
-    }
+    std::iota(open_.begin(), open_.end(), 0);
     scanned_.clear();
     std::size_t open_count = at(columns_);
     int row = start;
@@ -195,41 +193,22 @@ class ShortestPaths
     int end_column = -1;
     while (true)
     {
-      const double* costs = costsOf(row);
-      double nearest = infinity;
-      std::size_t nearest_at = 0;
-      for (std::size_t k = 0; k < open_count; ++k)
-      {
-        const int column = open_[k];
-        const double reached = so_far + (costs[column] - potential_[at(column)] - row_potential);
-        if (reached < distance_[at(column)])
-        {
-          distance_[at(column)] = reached;
-          from_[at(column)] = row;
-        }
-        const double distance = distance_[at(column)];
-        if (distance < nearest ||
-            (distance == nearest && distance < infinity && prefers(column, open_[nearest_at])))
-        {
-          nearest = distance;
-          nearest_at = k;
-        }
-      }
-      if (!(nearest < end_distance))
+      const std::size_t nearest = extendPaths(row, so_far, row_potential, open_count);
+      if (nearest == open_count || !(distance_[at(open_[nearest])] < end_distance))
       {
         break;
       }
-      const int column = open_[nearest_at];
+      const int column = open_[nearest];
+      so_far = distance_[at(column)];
       if (row_of_[at(column)] < 0)
       {
-        end_distance = nearest;
+        end_distance = so_far;
         end_column = column;
         break;
       }
-      open_[nearest_at] = open_[--open_count];
+      open_[nearest] = open_[--open_count];
       scanned_.push_back(column);
       row = row_of_[at(column)];
-      so_far = nearest;
       row_potential = costsOf(row)[column] - potential_[at(column)];
       const double leave = so_far + (dummy_cost_ - row_potential);
       if (leave < end_distance)
@@ -243,6 +222,34 @@ class ShortestPaths
       potential_[at(column)] += distance_[at(column)] - end_distance;
     }
     flip(start, end_row, end_column);
+  }
+
+  /** Shortens the paths to the open columns by those through a row.
+   * \param so_far length of the path to the row \return position in open_ of the column at the
+   * shortest distance; open_count: none can be reached */
+  std::size_t extendPaths(int row, double so_far, double row_potential, std::size_t open_count)
+  {
+    const double* costs = costsOf(row);
+    double shortest = infinity;
+    std::size_t nearest = open_count;
+    for (std::size_t k = 0; k < open_count; ++k)
+    {
+      const int column = open_[k];
+      double& distance = distance_[at(column)];
+      const double reached = so_far + (costs[column] - potential_[at(column)] - row_potential);
+      if (reached < distance)
+      {
+        distance = reached;
+        from_[at(column)] = row;
+      }
+      if (distance < shortest ||
+          (distance == shortest && distance < infinity && prefers(column, open_[nearest])))
+      {
+        shortest = distance;
+        nearest = k;
+      }
+    }
+    return nearest;
   }
 
   /** Among columns at the same distance a free one ends the search; then the lowest. */

@@ -209,6 +209,8 @@ void recordFailure(const std::string& folder, Manifest& manifest)
   }
 }
 
+namespace
+{
 /** The command that runs the pipeline on a recording, or resumes its run in the folder. */
 std::vector<std::string> commandFor(const BatchSettings& settings,
                                     const Recording& recording,
@@ -234,27 +236,36 @@ std::vector<std::string> commandFor(const BatchSettings& settings,
   return words;
 }
 
-RunEnd runOne(const BatchSettings& settings,
-              const std::vector<int>& cores,
-              const std::function<bool()>& stop,
-              BatchResult& result)
+/** Where a run works, and where its results end: another folder with --scratch. */
+struct RunFolders
 {
-  const std::string folder = workFolder(settings, result.recording);
-  const std::string final_folder = folderOf(settings, result.recording);
-  requireApart(folder, final_folder);
-  restoreEarlier(final_folder);
-  requireOwnFolder(final_folder, "--output");
-  const char* option = folder == final_folder ? "--output" : "--scratch";
-  requireOwnFolder(folder, option);
-  makeFolder(folder, std::string("choose another ") + option);
-  Manifest& m = result.manifest;
-  const auto known = readManifest(folder);
-  if (folder != final_folder && isDone(folder, m.work, known))  // could not be moved before
-  {
-    m = *known;
-    moveResults(folder, final_folder);
-    return RunEnd::by_itself;
-  }
+  std::string work;
+  std::string results;
+
+  [[nodiscard]] bool differ() const { return work != results; }
+};
+
+/** \throws UserError if one of the folders has files that no batch wrote, or cannot be made. */
+RunFolders prepareFolders(const BatchSettings& settings, const Recording& recording)
+{
+  RunFolders folders{workFolder(settings, recording), folderOf(settings, recording)};
+  requireApart(folders.work, folders.results);
+  restoreEarlier(folders.results);
+  requireOwnFolder(folders.results, "--output");
+  const char* option = folders.differ() ? "--scratch" : "--output";
+  requireOwnFolder(folders.work, option);
+  makeFolder(folders.work, std::string("choose another ") + option);
+  return folders;
+}
+
+/** Runs dyslam once, or resumes its run, and records in the manifest how that ended. */
+RunEnd runAttempt(const BatchSettings& settings,
+                  const Recording& recording,
+                  const std::string& folder,
+                  const std::vector<int>& cores,
+                  const std::function<bool()>& stop,
+                  Manifest& m)
+{
   ++m.attempts;
   m.state = State::running;
   m.interrupted = false;
@@ -273,29 +284,54 @@ RunEnd runOne(const BatchSettings& settings,
   }
   std::ofstream(command.log, std::ios::app) << "attempt " << m.attempts << '\n';
   writeManifest(folder, m);
-  command.words = commandFor(settings, result.recording, folder, resume);
+  command.words = commandFor(settings, recording, folder, resume);
   command.cores = cores;
   bool stopped = false;
   const ChildOutcome outcome = runChild(command, [&] { return stopped = stopped || stop(); });
   stopped = stopped || (!hasResults(outcome) && stop());  // the signal may have reached both
-  const RunEnd end = recordOutcome(outcome, stopped, folder, m);
+  return recordOutcome(outcome, stopped, folder, m);
+}
+
+/** Writes the manifest of a run and moves its results, or copies why it failed, to their folder.
+ * A run that the batch stopped stays where it is. */
+void deliver(const RunFolders& folders, Manifest& m)
+{
   if (m.hasResults())
   {
-    if (folder != final_folder)
+    if (folders.differ())
     {
-      renameOwnFiles(folder, final_folder);
+      renameOwnFiles(folders.work, folders.results);
     }
-    m.settings_checksum = checksumOfFile((fs::path(folder) / "effective.ini").string());
+    m.settings_checksum = checksumOfFile((fs::path(folders.work) / "effective.ini").string());
   }
-  writeManifest(folder, m);
-  if (folder != final_folder && m.hasResults())
+  writeManifest(folders.work, m);
+  if (folders.differ() && m.hasResults())
   {
-    moveResults(folder, final_folder);
+    moveResults(folders.work, folders.results);
   }
-  else if (folder != final_folder && !stopped)
+  else if (folders.differ() && m.state != State::running)
   {
-    copyFailure(folder, final_folder, m);
+    copyFailure(folders.work, folders.results, m);
   }
+}
+}  // namespace
+
+RunEnd runOne(const BatchSettings& settings,
+              const std::vector<int>& cores,
+              const std::function<bool()>& stop,
+              BatchResult& result)
+{
+  const RunFolders folders = prepareFolders(settings, result.recording);
+  Manifest& m = result.manifest;
+  const auto known = readManifest(folders.work);
+  if (folders.differ() && isDone(folders.work, m.work, known))  // could not be moved before
+  {
+    m = *known;
+    moveResults(folders.work, folders.results);
+    return RunEnd::by_itself;
+  }
+  const RunEnd end = runAttempt(settings, result.recording, folders.work, cores, stop, m);
+  deliver(folders, m);
   return end;
 }
 }  // namespace dyslam::batch

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/base/Bytes.h>
 #include <dyslam/base/Config.h>
 #include <dyslam/base/Error.h>
 #include <dyslam/base/Files.h>
@@ -217,12 +218,9 @@ void GroundTruthWriter::addLabels(std::size_t frame, const std::vector<Label>& l
 
 void GroundTruthWriter::addFlow(std::size_t frame, const std::vector<Eigen::Vector3f>& flow)
 {
-  static_assert(sizeof(Eigen::Vector3f) == 3 * sizeof(float), "packed vectors are needed");
   const fs::path folder = fs::path(folder_) / "flow";
   makeFolder(folder.string());
-  writeWhole(numberedPath(folder.string(), frame, ".flow"),
-             std::string_view(reinterpret_cast<const char*>(flow.data()),
-                              flow.size() * sizeof(Eigen::Vector3f)));
+  writeWhole(numberedPath(folder.string(), frame, ".flow"), bytesOf(flow));
 }
 
 void GroundTruthWriter::addSimulator(const Options& options)

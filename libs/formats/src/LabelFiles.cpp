@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/base/Bytes.h>
 #include <dyslam/base/Error.h>
 #include <dyslam/base/Files.h>
 #include <dyslam/base/PendingFile.h>
@@ -45,10 +46,7 @@ std::vector<Label> readLabels(const std::string& path, std::size_t expected)
 
 void writeLabels(const std::string& path, const std::vector<Label>& labels)
 {
-  writeWhole(
-      path,
-      std::string_view(reinterpret_cast<const char*>(labels.data()), labels.size() * sizeof(Label)),
-      Durable::no);
+  writeWhole(path, bytesOf(labels), Durable::no);
 }
 
 std::optional<std::string> labelFolderOf(const std::string& folder)

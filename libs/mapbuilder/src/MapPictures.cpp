@@ -1,25 +1,19 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "MapPictures.h"
 
+#include <dyslam/base/Bytes.h>
 #include <dyslam/base/PendingFile.h>
 #include <dyslam/formats/ScanFiles.h>
 #include <dyslam/mapping/MapDifference.h>
 #include <dyslam/plot/MapPicture.h>
 
-#include <cstdint>
 #include <filesystem>
-#include <string_view>
 
 namespace dyslam
 {
 namespace
 {
 namespace fs = std::filesystem;
-
-void writePng(const std::vector<std::uint8_t>& png, const std::string& path)
-{
-  writeWhole(path, std::string_view(reinterpret_cast<const char*>(png.data()), png.size()));
-}
 
 std::vector<Eigen::Vector3d> pathOf(const Trajectory& trajectory)
 {
@@ -60,7 +54,7 @@ void writeMapPicture(const MapBuilder& builder, const std::string& path)
   MapPictureContent content = pathsOf(builder);
   const MapPoints points = builder.map().points();
   content.points = &points.points;
-  writePng(renderMapPicture(content), path);
+  writeWhole(path, bytesOf(renderMapPicture(content)));
 }
 
 void writeCleaningPicture(const MapBuilder& builder, const std::string& path)
@@ -74,9 +68,8 @@ void writeCleaningPicture(const MapBuilder& builder, const std::string& path)
   const std::vector<Eigen::Vector3f> removed = removedPoints(all, builder.map());
   before.points = &all.points;
   before.marked = &removed;
-  writePng(renderMapComparison({"everything that was seen; red: removed", before},
-                               {"static map", after}),
-           path);
+  writeWhole(path, bytesOf(renderMapComparison({"everything that was seen; red: removed", before},
+                                               {"static map", after})));
 }
 
 void writeMergePicture(const std::vector<RunFolder>& runs,
@@ -105,6 +98,7 @@ void writeMergePicture(const std::vector<RunFolder>& runs,
   after.objects.clear();
   const MapPoints merged = builder.map().points();
   after.points = &merged.points;
-  writePng(renderMapComparison({"each run in its own frame", before}, {"merged", after}), path);
+  writeWhole(
+      path, bytesOf(renderMapComparison({"each run in its own frame", before}, {"merged", after})));
 }
 }  // namespace dyslam

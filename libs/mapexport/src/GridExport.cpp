@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/base/Bytes.h>
 #include <dyslam/base/Error.h>
 #include <dyslam/base/PendingFile.h>
 #include <dyslam/base/Printable.h>
@@ -277,7 +278,7 @@ void writePngAndYaml(const Grid& grid, const std::string& path, const Eigen::Vec
   {
     throw UserError(path + ": encoding the picture failed");
   }
-  writeWhole(path, std::string_view(reinterpret_cast<const char*>(png.data()), png.size()));
+  writeWhole(path, bytesOf(png));
   const std::filesystem::path file(path);
   writeWhole(yamlPath(path), yamlOf(grid, file.filename().string(), origin));
 }

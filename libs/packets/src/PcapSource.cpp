@@ -1,12 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/base/Error.h>
-#include <dyslam/base/Files.h>
 #include <dyslam/base/Printable.h>
-#include <dyslam/base/Words.h>
-#include <dyslam/formats/ScanFiles.h>
+#include <dyslam/core/Pose.h>
 #include <dyslam/packets/HesaiPackets.h>
 #include <dyslam/packets/HesaiScans.h>
-#include <dyslam/packets/OusterScans.h>
 #include <dyslam/packets/PcapSource.h>
 
 #include <algorithm>
@@ -14,7 +11,7 @@
 #include <map>
 #include <utility>
 
-#include "OusterBytes.h"
+#include "CaptureDecoder.h"
 #include "PacketCapture.h"
 
 namespace dyslam
@@ -26,42 +23,6 @@ constexpr std::size_t probe_packets = 256;  //!< number of packets examined to f
 constexpr const char* other_interfaces =
     "interfaces of another kind or snapshot length than the first are left out; capture on that of "
     "the lidar alone";
-
-constexpr unsigned port_bits = 16;  //!< of the receiver's port in the number of a stream
-
-std::uint64_t portOf(const LidarPacket& packet)
-{
-  return packet.stream & ((1U << port_bits) - 1);
-}
-
-/** Makes the scans of a capture. */
-struct Decoder
-{
-  std::unique_ptr<PacketScans> scans;
-  std::string metadata;                     //!< metadata file of an Ouster; empty: a Velodyne
-  std::size_t ouster_packet_size = 0;       //!< packet size of an Ouster [bytes]; 0: a Velodyne
-  std::uint64_t lidar_port = 0;             //!< port that these metadata state; 0: none
-  std::uint64_t imu_port = 0;               //!< of the IMU
-  Pose T_vehicle_lidar = Pose::Identity();  //!< that they state
-  int fit = 0;  //!< how well these metadata fit the packets; 0: none is of their lidar
-
-  /** Whether there is a packet that is of the other's lidar and not of this one. */
-  [[nodiscard]] bool leavesTo(const Decoder& other, const std::deque<LidarPacket>& packets) const
-  {
-    return std::any_of(packets.begin(), packets.end(),
-                       [&](const LidarPacket& packet)
-                       { return other.scans->takes(packet) && !scans->takes(packet); });
-  }
-};
-
-/** How well the metadata of a decoder fit one of its packets: those of the sensor's mode, then
- * those that state no other port, which tells lidars whose packets have no serial number. */
-int fitOf(const OusterMetadata& metadata, const LidarPacket& packet)
-{
-  const bool has_mode = modeOfOuster(packet.bytes.data(), metadata) == OusterMode::same;
-  const bool has_port = metadata.lidar_port == 0 || portOf(packet) == metadata.lidar_port;
-  return 1 + (has_mode ? 2 : 0) + (has_port ? 1 : 0);
-}
 
 /** Size and port of the most frequent datagrams. */
 std::pair<std::size_t, std::uint64_t> mostFrequent(const std::deque<LidarPacket>& packets)
@@ -102,9 +63,7 @@ struct PcapSource::Impl
   PcapSourceOptions options;
   PacketCapture capture;
   std::deque<LidarPacket> probed;
-  Decoder decoder;
-  std::vector<std::string> notes;
-  std::string other_metadata;                //!< files beside, of other lidars in the capture
+  CaptureDecoder decoder;
   std::optional<std::uint64_t> stream;       //!< stream of the lidar's packets
   bool has_imu_port = false;                 //!< packets of the IMU have the port that is stated
   std::size_t taken = 0;                     //!< number of packets of the lidar
@@ -134,11 +93,11 @@ struct PcapSource::Impl
       probed_size = size;
       probed_kind = std::to_string(size) + " bytes (port " + std::to_string(port) + ")";
     }
-    decoder = chooseDecoder();
+    decoder = chooseDecoder(path, options, probed);
     readPorts();
     if (!decoder.T_vehicle_lidar.matrix().isIdentity(1e-6))
     {
-      notes.push_back(
+      decoder.notes.push_back(
           "the metadata place the lidar on its vehicle, which is done by --sensor-pose '" +
           poseText(decoder.T_vehicle_lidar) + "'");
     }
@@ -147,92 +106,6 @@ struct PcapSource::Impl
     {
       throw UserError(whyNone());
     }
-  }
-
-  /** For the lidar of the capture: of the metadata beside it those that fit its packets best. */
-  [[nodiscard]] Decoder chooseDecoder()
-  {
-    const std::string& calibration = options.calibration_file;
-    if (lowerExtension(calibration) == ".json" || isOusterMetadata(calibration))
-    {
-      return ousterDecoder(calibration);
-    }
-    if (options.model == VelodyneModel::automatic &&
-        countOf(HesaiScans::isPacket) > countOf(VelodyneScans::isPacket))
-    {
-      return {std::make_unique<HesaiScans>(path, hesaiOptions()), "", 0};
-    }
-    // A stray datagram may have the size of a Velodyne's packets.
-    if (calibration.empty() && options.model == VelodyneModel::automatic &&
-        2 * countOf(VelodyneScans::isPacket) <= static_cast<std::ptrdiff_t>(probed.size()))
-    {
-      if (Decoder ouster = ousterBeside(); ouster.scans != nullptr)
-      {
-        return ouster;
-      }
-    }
-    return {std::make_unique<VelodyneScans>(path, options), "", 0};
-  }
-
-  /** With the metadata beside the capture: those that fit its packets best, or else the first, so
-   * that messages name them; none if there are none. \throws UserError if all are damaged. */
-  [[nodiscard]] Decoder ousterBeside()
-  {
-    std::optional<UserError> damage;
-    std::vector<Decoder> whole;
-    for (const std::string& file : ousterMetadataBeside(path))
-    {
-      try
-      {
-        whole.push_back(ousterDecoder(file));
-      }
-      catch (const UserError& error)
-      {
-        damage = damage.value_or(error);
-      }
-    }
-    if (whole.empty() && damage)
-    {
-      throw UserError(*damage);
-    }
-    const auto best =
-        std::max_element(whole.begin(), whole.end(),
-                         [](const Decoder& a, const Decoder& b) { return a.fit < b.fit; });
-    if (best == whole.end())
-    {
-      return {};
-    }
-    if (best->fit > 0)
-    {
-      notes.push_back("metadata of the lidar: " + best->metadata);
-    }
-    for (const Decoder& other : whole)
-    {
-      if (best->leavesTo(other, probed))
-      {
-        appendWord(other_metadata, other.metadata);
-      }
-    }
-    return std::move(*best);
-  }
-
-  [[nodiscard]] Decoder ousterDecoder(const std::string& file) const
-  {
-    const OusterMetadata metadata = parseOusterMetadata(readWhole(file), file);
-    Decoder ouster{std::make_unique<OusterScans>(path, metadata, options.keep_partial),
-                   file,
-                   OusterScans::packetSize(metadata),
-                   metadata.lidar_port,
-                   metadata.imu_port,
-                   metadata.T_vehicle_sensor};
-    for (const LidarPacket& packet : probed)
-    {
-      if (ouster.scans->takes(packet))
-      {
-        ouster.fit = std::max(ouster.fit, fitOf(metadata, packet));
-      }
-    }
-    return ouster;
   }
 
   /** Finds the packets of an Ouster by the ports that its metadata state, where others are alike:
@@ -250,21 +123,6 @@ struct PcapSource::Impl
         probed.begin(), probed.end(),
         [this](const LidarPacket& packet)
         { return portOf(packet) == decoder.imu_port && decoder.scans->takesImu(packet); });
-  }
-
-  [[nodiscard]] HesaiScansOptions hesaiOptions() const
-  {
-    HesaiScansOptions of_hesai;
-    of_hesai.angle_file = options.calibration_file;
-    of_hesai.min_range = options.min_range;
-    of_hesai.cut_azimuth = options.cut_azimuth;
-    of_hesai.keep_partial = options.keep_partial;
-    return of_hesai;
-  }
-
-  [[nodiscard]] std::ptrdiff_t countOf(bool (*kind)(const LidarPacket&)) const
-  {
-    return std::count_if(probed.begin(), probed.end(), kind);
   }
 
   [[nodiscard]] std::string whyNone() const
@@ -431,7 +289,7 @@ double PcapSource::progress() const
 
 const std::vector<std::string>& PcapSource::notes() const
 {
-  return impl_->notes;
+  return impl_->decoder.notes;
 }
 
 std::vector<std::string> PcapSource::warnings() const
@@ -446,12 +304,12 @@ std::vector<std::string> PcapSource::warnings() const
   {
     lines.push_back(impl_->path + ": " + other_interfaces);
   }
-  if (!impl_->other_metadata.empty())
+  if (!impl_->decoder.other_metadata.empty())
   {
     lines.push_back(impl_->path +
                     ": has packets of other lidars, too; --calibration with their "
                     "metadata reads them: " +
-                    impl_->other_metadata);
+                    impl_->decoder.other_metadata);
   }
   else if (impl_->of_others > 0)
   {

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/base/Bytes.h>
 #include <dyslam/base/Error.h>
 #include <dyslam/base/Printable.h>
 #include <dyslam/report/RunPage.h>
@@ -82,11 +83,9 @@ std::string renderRunPage(const RunPage& page,
                         static_cast<std::size_t>(options.max_points));
   }
   const auto json = runPageJson(page, points, static_cast<std::size_t>(options.max_scans));
-  const std::string_view picture(reinterpret_cast<const char*>(page.picture.data()),
-                                 page.picture.size());
   Template html(page_template);
   html.fill("@TITLE@", escapedHtml(page.title));
-  html.fill("@PICTURE@", base64(picture));
+  html.fill("@PICTURE@", base64(bytesOf(page.picture)));
   html.fill("@POINTS@", base64(points.bytes));
   html.fill("@DATA@", withoutMarkup(json.dump(-1, ' ', false,
                                               nlohmann::ordered_json::error_handler_t::replace)));

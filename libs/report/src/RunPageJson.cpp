@@ -4,14 +4,14 @@
 #include <dyslam/base/Angle.h>
 #include <dyslam/base/Quantile.h>
 #include <dyslam/base/Version.h>
-#include <dyslam/eval/TrajectoryReports.h>
 
 #include <algorithm>
 #include <cmath>
 #include <map>
 #include <set>
 
-#include "PoseDrift.h"
+#include "PageTrajectories.h"
+#include "PageValues.h"
 
 namespace dyslam
 {
@@ -19,115 +19,10 @@ namespace
 {
 using Json = nlohmann::ordered_json;
 
-constexpr double tolerance = 1e-3;  // of stamps; all trajectories have those of the scans [s]
-constexpr double millimetre = 1e-3;
-constexpr double milliradian_tenth = 1e-4;
-constexpr double percentile = 0.02;   // of the points' heights that the colours leave out
-constexpr double speed_reach = 0.25;  // of a speed, before and after its scan [s]
-
-/** To a decimal step, as a number that is printed short; null where it is not finite. */
-Json rounded(double value, double step)
-{
-  if (!std::isfinite(value))
-  {
-    return {};
-  }
-  const double inverse = std::round(1 / step);
-  const double result = std::round(value * inverse) / inverse;
-  return result == 0 ? 0.0 : result;  // no -0.0
-}
-
-Json rounded(const std::vector<double>& values, double step)
-{
-  Json json = Json::array();
-  for (const double value : values)
-  {
-    json.push_back(rounded(value, step));
-  }
-  return json;
-}
-
-Json vectorJson(const Eigen::Vector3d& v, double step)
-{
-  return {rounded(v.x(), step), rounded(v.y(), step), rounded(v.z(), step)};
-}
-
-/** x, y, z [m], yaw, pitch, roll [rad] of T * pose, an array of each. */
-Json posesJson(const Trajectory& trajectory, const Pose& T = Pose::Identity())
-{
-  Json json{{"x", Json::array()},   {"y", Json::array()},     {"z", Json::array()},
-            {"yaw", Json::array()}, {"pitch", Json::array()}, {"roll", Json::array()}};
-  for (const auto& [stamp, pose] : trajectory)
-  {
-    const Pose moved = T * pose;
-    const Eigen::Vector3d t = moved.translation();
-    const Eigen::Vector3d angles = yawPitchRoll(moved);
-    json["x"].push_back(rounded(t.x(), millimetre));
-    json["y"].push_back(rounded(t.y(), millimetre));
-    json["z"].push_back(rounded(t.z(), millimetre));
-    json["yaw"].push_back(rounded(angles.x(), milliradian_tenth));
-    json["pitch"].push_back(rounded(angles.y(), milliradian_tenth));
-    json["roll"].push_back(rounded(angles.z(), milliradian_tenth));
-  }
-  return json;
-}
-
-/** Over half a second, more where the scans before and after are farther away; of all scans, since
- * those shown may be seconds apart [m/s]. */
-std::vector<double> speeds(const Trajectory& trajectory)
-{
-  std::vector<double> result;
-  const auto near = [&](std::size_t i, std::size_t j)
-  { return std::abs(trajectory[i].stamp - trajectory[j].stamp) <= speed_reach + tolerance; };
-  for (std::size_t i = 0; i < trajectory.size(); ++i)
-  {
-    std::size_t a = i > 0 ? i - 1 : i;
-    std::size_t b = std::min(i + 1, trajectory.size() - 1);
-    while (a > 0 && near(i, a - 1))
-    {
-      --a;
-    }
-    while (b + 1 < trajectory.size() && near(i, b + 1))
-    {
-      ++b;
-    }
-    const double seconds = trajectory[b].stamp - trajectory[a].stamp;
-    const double distance =
-        (trajectory[b].pose.translation() - trajectory[a].pose.translation()).norm();
-    result.push_back(seconds > 0 ? distance / seconds : std::nan(""));
-  }
-  return result;
-}
-
-/** Every how many entries one is shown, so that at most `most` are. */
-std::size_t stepFor(std::size_t count, std::size_t most)
-{
-  return std::max<std::size_t>(1, (count + most - 1) / most);
-}
-
-template <typename Values>
-Values everyNth(const Values& values, std::size_t step)
-{
-  Values result;
-  for (std::size_t i = 0; i < values.size(); i += step)
-  {
-    result.push_back(values[i]);
-  }
-  return result;
-}
-
-Trajectory everyNth(const Trajectory& trajectory, std::size_t step)
-{
-  Trajectory result;
-  for (std::size_t i = 0; i < trajectory.size(); i += step)
-  {
-    result.push_back(trajectory[i].stamp, trajectory[i].pose);
-  }
-  return result;
-}
+constexpr double percentile = 0.02;  // of the points' heights that the colours leave out
 
 /** Its states at every n-th scan, by the number among these; the first one where there is none. */
-PageObject everyNth(const PageObject& object, std::size_t step)
+PageObject atEveryNth(const PageObject& object, std::size_t step)
 {
   PageObject result{object.id, object.object_class, {}};
   for (const PageObjectState& state : object.states)
@@ -146,51 +41,6 @@ PageObject everyNth(const PageObject& object, std::size_t step)
     state.scan /= step;
   }
   return result;
-}
-
-/** The poses of every n-th scan, moved by T, and the distance travelled up to each, which all scans
- * count for. */
-Json pathJson(const Trajectory& trajectory, std::size_t step, const Pose& T = Pose::Identity())
-{
-  Json json = posesJson(everyNth(trajectory, step), T);
-  json["distance"] = rounded(everyNth(trajectory.pathLengths(), step), 0.01);
-  return json;
-}
-
-/** Takes the odometry to the map frame, for drawing. */
-Pose mapFromOdometry(const RunPage& page)
-{
-  return page.trajectory.empty() ? Pose::Identity()
-                                 : page.trajectory[0].pose * page.odometry[0].pose.inverse();
-}
-
-/** Longest distance between odometry and final trajectory [m]. */
-double largestCorrection(const RunPage& page)
-{
-  const Pose T_map_odom = mapFromOdometry(page);
-  double largest = 0;
-  for (std::size_t i = 0; i < page.trajectory.size(); ++i)
-  {
-    const Eigen::Vector3d odometry = T_map_odom * page.odometry[i].pose.translation();
-    const double distance = (page.trajectory[i].pose.translation() - odometry).norm();
-    largest = distance > largest ? distance : largest;  // NaN is not
-  }
-  return largest;
-}
-
-Json driftJson(const PosePairs& pairs, std::size_t max_scans)
-{
-  const PoseDrift drift = poseDrift(pairs);
-  std::vector<double> heading_deg;
-  for (const double angle : drift.heading)
-  {
-    heading_deg.push_back(angle * 180 / M_PI);
-  }
-  const std::size_t step = stepFor(drift.distance.size(), max_scans);
-  return {{"distance", rounded(everyNth(drift.distance, step), 0.01)},
-          {"position", rounded(everyNth(drift.position, step), 1e-4)},
-          {"height", rounded(everyNth(drift.height, step), 1e-4)},
-          {"heading", rounded(everyNth(heading_deg, step), 1e-4)}};
 }
 
 /** Counts over all scans, not those shown alone. */
@@ -253,7 +103,7 @@ Json keyframesJson(const RunPage& page, std::size_t max_keyframes)
   Json json{{"step", step}, {"position", Json::array()}};
   for (const Eigen::Vector3d& position : everyNth(positions, step))
   {
-    json["position"].push_back(vectorJson(position, 0.01));
+    json["position"].push_back(rounded(position, 0.01));
   }
   return json;
 }
@@ -364,49 +214,6 @@ Json objectJson(const PageObject& object)
   return json;
 }
 
-/** Errors and drift against the ground truth; without one, of the odometry against the final
- * trajectory. */
-void addErrors(const RunPage& page, std::size_t max_scans, Json& json)
-{
-  json["errors"] = Json::array();
-  json["drift"] = Json::object();
-  const bool has_truth = page.reference.size() > 1;
-  json["drift_against"] = has_truth ? "truth" : "final";
-  const Trajectory& against = has_truth ? page.reference : page.trajectory;
-  std::vector<std::pair<const char*, const Trajectory*>> estimates{{"odometry", &page.odometry}};
-  if (has_truth)
-  {
-    estimates.insert(estimates.begin(), {"final", &page.trajectory});
-  }
-  std::vector<TrajectoryReport> reports;
-  for (const auto& [name, trajectory] : estimates)
-  {
-    const PosePairs pairs = associateByTime(against, *trajectory, tolerance);
-    if (pairs.size() < 2)
-    {
-      continue;
-    }
-    json["drift"][name] = driftJson(pairs, max_scans);
-    if (has_truth)
-    {
-      reports.push_back(evaluateTrajectory(name, pairs));
-    }
-  }
-  if (!reports.empty())
-  {
-    json["errors"] = Json::parse(trajectoryJson(reports)).at("trajectories");
-  }
-}
-
-void addTrajectories(const RunPage& page, std::size_t step, std::size_t max_scans, Json& json)
-{
-  json["final"] = pathJson(page.trajectory, step);
-  json["odometry"] = pathJson(page.odometry, step, mapFromOdometry(page));
-  json["reference"] = page.reference.empty()
-                          ? Json()
-                          : pathJson(page.reference, stepFor(page.reference.size(), max_scans));
-}
-
 /** Extent of the points, and the range of heights of the colours. */
 Json mapJson(const RunPage& page, const PackedPoints& points)
 {
@@ -414,8 +221,8 @@ Json mapJson(const RunPage& page, const PackedPoints& points)
   Json json{{"count", points.count},
             {"of", std::max(given, page.map_size)},
             {"voxel", rounded(points.voxel_size, millimetre)},
-            {"low", vectorJson(points.low, 1e-6)},
-            {"step", vectorJson(points.step, 1e-9)}};
+            {"low", rounded(points.low, 1e-6)},
+            {"step", rounded(points.step, 1e-9)}};
   std::vector<float> heights;
   if (page.map_points != nullptr)
   {
@@ -473,12 +280,12 @@ nlohmann::ordered_json runPageJson(const RunPage& page,
   for (const PageLoop& loop : everyNth(page.loops, stepFor(page.loops.size(), max_scans)))
   {
     json["loops"].push_back(
-        {{"from", vectorJson(loop.from, millimetre)}, {"to", vectorJson(loop.to, millimetre)}});
+        {{"from", rounded(loop.from, millimetre)}, {"to", rounded(loop.to, millimetre)}});
   }
   json["objects"] = Json::array();
   for (const PageObject& object : page.objects)
   {
-    json["objects"].push_back(objectJson(everyNth(object, step)));
+    json["objects"].push_back(objectJson(atEveryNth(object, step)));
   }
   json["map"] = mapJson(page, points);
   return json;

@@ -17,12 +17,16 @@
 #include <iostream>
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
+#include <string>
 #include <unordered_map>
+#include <utility>
+#include <vector>
 
 namespace
 {
 using dyslam::Scan;
-constexpr double kPi = 3.14159265358979;
+constexpr double pi = 3.14159265358979;
+constexpr int threads = 2;
 
 /** The returns of a scan, intensity in [0, 1]. */
 Scan readReturns(const std::string& path)
@@ -77,7 +81,7 @@ cv::Mat rangeImage(const Scan& scan, const RowFinder& finder, int columns)
   for (const auto& p : scan.points)
   {
     const double a = std::atan2(static_cast<double>(p.y()), static_cast<double>(p.x()));
-    const int c = std::clamp(static_cast<int>((kPi - a) / (2 * kPi) * columns), 0, columns - 1);
+    const int c = std::clamp(static_cast<int>((pi - a) / (2 * pi) * columns), 0, columns - 1);
     float& cell = image.at<float>(finder.rows() - 1 - finder.row(p), c);
     const float r = p.norm();
     cell = cell == 0 || r < cell ? r : cell;
@@ -162,9 +166,13 @@ struct Statistics
   std::vector<double> ring;
 
   void add(const Scan& scan, const RowFinder& finder, int columns);
+
+ private:
+  void addRoughness(const Scan& scan);
+  void addGaps(const cv::Mat& image);
 };
 
-constexpr std::array<double, 8> kRangeEdges{{5, 10, 15, 20, 30, 40, 60, 80}};
+constexpr std::array<double, 8> range_edges{{5, 10, 15, 20, 30, 40, 60, 80}};
 
 /** RMS distance of the points in a cell from their best plane. */
 double planeSpread(const std::vector<Eigen::Vector3d>& points, Eigen::Vector3d& normal)
@@ -191,42 +199,64 @@ double median(std::vector<double>& v)
   return v.empty() ? 0 : dyslam::upperMedian(v);
 }
 
+/** Number of the cube of side s around a point. */
+long cubeOf(double x, double y, double z, double s)
+{
+  return (std::lround(std::floor(x / s)) + 4096) | (std::lround(std::floor(y / s)) + 4096) << 16 |
+         (std::lround(std::floor(z / s)) + 4096) << 32;
+}
+
+/** Number of points that are negative in z and near the lowest of their square of 1 m. */
+double groundPoints(const Scan& scan)
+{
+  const auto squareOf = [](const Eigen::Vector3f& p)
+  { return cubeOf(static_cast<double>(p.x()), static_cast<double>(p.y()), 0, 1.0); };
+  std::unordered_map<long, float> lowest;
+  for (const auto& p : scan.points)
+  {
+    const auto entry = lowest.emplace(squareOf(p), p.z()).first;
+    entry->second = std::min(entry->second, p.z());
+  }
+  double count = 0;
+  for (const auto& p : scan.points)
+  {
+    const auto low = static_cast<double>(lowest[squareOf(p)]);
+    count += static_cast<double>(p.z()) < low + 0.15 && p.z() < 0 ? 1 : 0;
+  }
+  return count;
+}
+
 void Statistics::add(const Scan& scan, const RowFinder& finder, int columns)
 {
   ++scans;
   ring.resize(static_cast<std::size_t>(finder.rows()));
   const auto n = static_cast<double>(scan.points.size());
   points += n;
-  std::unordered_map<long, std::vector<Eigen::Vector3d>> cells;  // points by cells of 0.5 m
-  std::unordered_map<long, double> lowest;                       // lowest z by squares of 1 m [m]
   for (std::size_t i = 0; i < scan.points.size(); ++i)
   {
-    const Eigen::Vector3d p = scan.points[i].cast<double>();
-    const double r = p.norm();
+    const double r = scan.points[i].cast<double>().norm();
     ++ring[static_cast<std::size_t>(finder.row(scan.points[i]))];
     const auto bin =
-        std::upper_bound(kRangeEdges.begin(), kRangeEdges.end(), r) - kRangeEdges.begin();
+        std::upper_bound(range_edges.begin(), range_edges.end(), r) - range_edges.begin();
     range[static_cast<std::size_t>(bin)] += 1 / n;
     intensity += static_cast<double>(scan.intensity.empty() ? 0.0F : scan.intensity[i]) / n;
-    const auto key = [](double x, double y, double z, double s)
-    {
-      return (std::lround(std::floor(x / s)) + 4096) |
-             (std::lround(std::floor(y / s)) + 4096) << 16 |
-             (std::lround(std::floor(z / s)) + 4096) << 32;
-    };
-    if (r < 30)
-    {
-      cells[key(p.x(), p.y(), p.z(), 0.5)].push_back(p);
-    }
-    const long flat = key(p.x(), p.y(), 0, 1.0);
-    const auto found = lowest.find(flat);
-    lowest[flat] = found == lowest.end() ? p.z() : std::min(found->second, p.z());
   }
+  ground += groundPoints(scan) / n;
+  addRoughness(scan);
+  addGaps(rangeImage(scan, finder, columns));
+}
+
+/** Roughness of cells of 0.5 m within 30 m. */
+void Statistics::addRoughness(const Scan& scan)
+{
+  std::unordered_map<long, std::vector<Eigen::Vector3d>> cells;
   for (const auto& q : scan.points)
   {
-    const long flat = (std::lround(std::floor(q.x())) + 4096) |
-                      (std::lround(std::floor(q.y())) + 4096) << 16 | 4096L << 32;
-    ground += static_cast<double>(q.z()) < lowest[flat] + 0.15 && q.z() < 0 ? 1 / n : 0;
+    const Eigen::Vector3d p = q.cast<double>();
+    if (p.norm() < 30)
+    {
+      cells[cubeOf(p.x(), p.y(), p.z(), 0.5)].push_back(p);
+    }
   }
   std::vector<double> level, upright;
   for (const auto& [unused, cell] : cells)
@@ -240,8 +270,12 @@ void Statistics::add(const Scan& scan, const RowFinder& finder, int columns)
   }
   ground_roughness += median(level);
   plane_roughness += median(upright);
-  const cv::Mat image = rangeImage(scan, finder, columns);
-  // Holes: empty cells whose left and right neighbours have similar ranges.
+}
+
+/** Holes: empty cells whose left and right neighbours have similar ranges. Isolated points: cells
+ * between two surfaces. */
+void Statistics::addGaps(const cv::Mat& image)
+{
   double full = 0, holes = 0, lonely = 0;
   for (int y = 0; y < image.rows; ++y)
   {
@@ -281,10 +315,10 @@ void printTable(const Statistics& real, const Statistics& simulated)
   for (std::size_t i = 0; i < real.range.size(); ++i)
   {
     const auto edge = [](std::size_t e)
-    { return std::to_string(static_cast<int>(kRangeEdges[e])); };
+    { return std::to_string(static_cast<int>(range_edges[e])); };
     row("fraction of ranges " +
             (i == 0                    ? "below " + edge(0)
-             : i == kRangeEdges.size() ? "above " + edge(i - 1)
+             : i == range_edges.size() ? "above " + edge(i - 1)
                                        : edge(i - 1) + "-" + edge(i)) +
             " m",
         real.range[i] * k, simulated.range[i] * l, 3);
@@ -302,15 +336,32 @@ void printTable(const Statistics& real, const Statistics& simulated)
         0);
   }
 }
-}  // namespace
-
-int main(int argc, char** argv)
+/** What is compared, and where the pictures go. */
+struct Arguments
 {
-  CLI::App app("Compares simulated with real scans: images and statistics");
-  std::string world = "urban", sensor = "HDL64E", real, output, ego = "automatic";
-  int scans = 10, every = 5, seed = 1, picture = 0, picture_real = 0, worlds = 1,
-      picture_columns = 1024;
-  double traffic = 0.4, half = 50, loop = 400, speed = 0;
+  std::string world = "urban";
+  std::string sensor = "HDL64E";
+  std::string ego = "automatic";
+  std::string real;
+  std::string output;
+  int scans = 10;
+  int every = 5;
+  int seed = 1;
+  int worlds = 1;
+  int picture = 0;
+  int picture_real = 0;
+  int columns = 1024;
+  double traffic = 0.4;
+  double half = 50;
+  double loop = 400;
+  double speed = 0;
+
+  void declare(CLI::App& app);
+  [[nodiscard]] dyslam::sim::SimulatorOptions simulator() const;
+};
+
+void Arguments::declare(CLI::App& app)
+{
   app.add_option("--world", world);
   app.add_option("--sensor", sensor);
   app.add_option("--traffic", traffic);
@@ -327,64 +378,112 @@ int main(int argc, char** argv)
   app.add_option("--picture-real", picture_real,
                  "index of the drawn real scan among the evaluated ones");
   app.add_option("--half", half, "half extent of the bird's-eye view [m]");
-  app.add_option("--columns", picture_columns, "columns of the range image");
+  app.add_option("--columns", columns, "columns of the range image");
   app.add_option("--real", real, "folder of .bin scans")->required();
   app.add_option("-o", output, "prefix of the image files")->required();
+}
+
+dyslam::sim::SimulatorOptions Arguments::simulator() const
+{
+  dyslam::sim::SimulatorOptions options;
+  options.world = dyslam::sim::worldKindFromString(world);
+  options.sensor = dyslam::sim::sensorKindFromString(sensor);
+  options.traffic = traffic;
+  options.seed = seed;
+  options.loop_length = loop;
+  options.ego_speed = speed;
+  options.ego = dyslam::sim::egoKindFromString(ego);
+  return options;
+}
+
+/** Statistics of real or simulated scans, and pictures of one of them. */
+struct Evaluated
+{
+  Statistics statistics;
+  cv::Mat range;  //!< range image; empty without the scan to draw
+  cv::Mat bev;    //!< bird's-eye view
+
+  void draw(const Scan& scan,
+            const std::vector<std::uint8_t>* moving,
+            const RowFinder& finder,
+            const Arguments& a)
+  {
+    range = drawRangeImage(rangeImage(scan, finder, a.columns), 60);
+    bev = drawBev(scan, moving, a.half);
+  }
+};
+
+Evaluated evaluateSimulated(const Arguments& a,
+                            dyslam::sim::Simulator simulator,
+                            const RowFinder& finder)
+{
+  Evaluated result;
+  dyslam::sim::SimulatorOptions options = a.simulator();
+  for (int i = 0; i < a.scans; ++i)
+  {
+    const int drive = i * a.worlds / a.scans;
+    if (drive + a.seed != options.seed)
+    {
+      options.seed = drive + a.seed;
+      simulator = dyslam::sim::Simulator(options, threads);
+    }
+    const dyslam::sim::SimulatedScan scan = simulator.next();
+    for (int k = 1; k < a.every; ++k)
+    {
+      (void)simulator.next();
+    }
+    result.statistics.add(scan.scan, finder, a.columns);
+    if (i == a.picture)
+    {
+      result.draw(scan.scan, &scan.moving, finder, a);
+    }
+  }
+  return result;
+}
+
+Evaluated evaluateReal(const Arguments& a, const RowFinder& finder)
+{
+  Evaluated result;
+  const std::vector<std::string> files = dyslam::listBinFiles(a.real);
+  const std::size_t step =
+      std::max<std::size_t>(1, files.size() / static_cast<std::size_t>(a.scans));
+  for (std::size_t i = 0; i < files.size(); i += step)
+  {
+    const Scan scan = readReturns(files[i]);
+    result.statistics.add(scan, finder, a.columns);
+    if (i / step == static_cast<std::size_t>(a.picture_real) || result.range.empty())
+    {
+      result.draw(scan, nullptr, finder, a);
+    }
+  }
+  return result;
+}
+
+void compare(const Arguments& a)
+{
+  dyslam::sim::Simulator simulator(a.simulator(), threads);
+  const RowFinder finder(simulator.sensor());
+  const Evaluated simulated = evaluateSimulated(a, std::move(simulator), finder);
+  const Evaluated real = evaluateReal(a, finder);
+  if (real.range.empty() || simulated.range.empty())
+  {
+    throw dyslam::UserError("--real: no .bin scan in " + a.real + ", or --picture beyond --scans");
+  }
+  saveJoined(real.range, simulated.range, false, a.output + "_range.png");
+  saveJoined(real.bev, simulated.bev, true, a.output + "_bev.png");
+  printTable(real.statistics, simulated.statistics);
+}
+}  // namespace
+
+int main(int argc, char** argv)
+{
+  CLI::App app("Compares simulated with real scans: images and statistics");
+  Arguments a;
+  a.declare(app);
   CLI11_PARSE(app, argc, argv);
   try
   {
-    dyslam::sim::SimulatorOptions options;
-    options.world = dyslam::sim::worldKindFromString(world);
-    options.sensor = dyslam::sim::sensorKindFromString(sensor);
-    options.traffic = traffic;
-    options.seed = seed;
-    options.loop_length = loop;
-    options.ego_speed = speed;
-    options.ego = dyslam::sim::egoKindFromString(ego);
-    dyslam::sim::Simulator simulator(options, 2);
-    const RowFinder finder(simulator.sensor());
-    Statistics simulated, recorded;
-    cv::Mat range_simulated, bev_simulated, range_real, bev_real;
-    for (int i = 0; i < scans; ++i)
-    {
-      const int drive = i * worlds / scans;
-      if (drive + seed != options.seed)
-      {
-        options.seed = drive + seed;
-        simulator = dyslam::sim::Simulator(options, 2);
-      }
-      dyslam::sim::SimulatedScan scan = simulator.next();
-      for (int k = 1; k < every; ++k)
-      {
-        (void)simulator.next();
-      }
-      simulated.add(scan.scan, finder, picture_columns);
-      if (i == picture)
-      {
-        range_simulated = drawRangeImage(rangeImage(scan.scan, finder, picture_columns), 60);
-        bev_simulated = drawBev(scan.scan, &scan.moving, half);
-      }
-    }
-    const std::vector<std::string> files = dyslam::listBinFiles(real);
-    const std::size_t step =
-        std::max<std::size_t>(1, files.size() / static_cast<std::size_t>(scans));
-    for (std::size_t i = 0; i < files.size(); i += step)
-    {
-      const Scan scan = readReturns(files[i]);
-      recorded.add(scan, finder, picture_columns);
-      if (i / step == static_cast<std::size_t>(picture_real) || range_real.empty())
-      {
-        range_real = drawRangeImage(rangeImage(scan, finder, picture_columns), 60);
-        bev_real = drawBev(scan, nullptr, half);
-      }
-    }
-    if (range_real.empty() || range_simulated.empty())
-    {
-      throw dyslam::UserError("--real: no .bin scan in " + real + ", or --picture beyond --scans");
-    }
-    saveJoined(range_real, range_simulated, false, output + "_range.png");
-    saveJoined(bev_real, bev_simulated, true, output + "_bev.png");
-    printTable(recorded, simulated);
+    compare(a);
   }
   catch (const std::exception& error)
   {

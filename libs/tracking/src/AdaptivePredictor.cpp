@@ -303,6 +303,15 @@ MotionPrediction AdaptivePredictor::predict(double stamp) const
   prediction.degree = std::min(bank[static_cast<std::size_t>(largest)].degree,
                                static_cast<int>(history_.size()) - 1);
 
+  setCovariances(horizon, trained_horizon, usual, prediction);
+  return prediction;
+}
+
+void AdaptivePredictor::setCovariances(double horizon,
+                                       double trained_horizon,
+                                       double usual_interval,
+                                       MotionPrediction& prediction) const
+{
   const double prior = options_.prior_sigma * options_.prior_sigma;
   prediction.covariance =
       (combined_error_covariance_ + options_.prior_weight * prior * Eigen::Matrix2d::Identity()) /
@@ -316,7 +325,7 @@ MotionPrediction AdaptivePredictor::predict(double stamp) const
     prediction.velocity_covariance =
         options_.initial_speed_sigma * options_.initial_speed_sigma * Eigen::Matrix2d::Identity();
     prediction.covariance += horizon * horizon * prediction.velocity_covariance;
-    return prediction;
+    return;
   }
   if (history_.size() < 3)
   {
@@ -325,10 +334,9 @@ MotionPrediction AdaptivePredictor::predict(double stamp) const
   // Past errors are those of one step ahead; the covariance grows with longer predictions.
   const double unmodelled_time = history_.size() < 3 ? horizon : horizon - trained_horizon;
   const double manoeuvre = 0.5 * options_.acceleration_sigma * unmodelled_time * unmodelled_time;
-  const double steps = usual > 0 ? std::max(1.0, horizon / usual) : 1.0;
+  const double steps = usual_interval > 0 ? std::max(1.0, horizon / usual_interval) : 1.0;
   prediction.covariance *= steps;
   prediction.covariance += manoeuvre * manoeuvre * Eigen::Matrix2d::Identity();
-  return prediction;
 }
 
 void AdaptivePredictor::exchangeState(StateArchive& archive)

@@ -1,19 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/base/Angle.h>
+#include <dyslam/base/Squared.h>
 #include <dyslam/tracking/DetectionNoise.h>
 
 #include "ClassOptions.h"
 
 namespace dyslam
 {
-namespace
-{
-constexpr double square(double x)
-{
-  return x * x;
-}
-}  // namespace
-
 void ClassNoise::describe(OptionsVisitor& v)
 {
   v.real("radial_sigma", radial_sigma, 0.001, 10,
@@ -75,12 +68,12 @@ Eigen::Matrix4d detectionCovariance(const Box& box,
   const Eigen::Vector2d tangential(-radial.y(), radial.x());
   Eigen::Matrix4d covariance = Eigen::Matrix4d::Zero();
   covariance.topLeftCorner<2, 2>() =
-      square(noise.radial_sigma + noise.radial_sigma_per_range * range) * radial *
+      squared(noise.radial_sigma + noise.radial_sigma_per_range * range) * radial *
           radial.transpose() +
-      square(noise.tangential_sigma + noise.tangential_sigma_per_range * range) * tangential *
+      squared(noise.tangential_sigma + noise.tangential_sigma_per_range * range) * tangential *
           tangential.transpose();
-  covariance(2, 2) = square(noise.height_sigma);
-  covariance(3, 3) = square(noise.yaw_sigma + noise.yaw_sigma_per_range * range);
-  return square(options.sigma_scale) * covariance;
+  covariance(2, 2) = squared(noise.height_sigma);
+  covariance(3, 3) = squared(noise.yaw_sigma + noise.yaw_sigma_per_range * range);
+  return squared(options.sigma_scale) * covariance;
 }
 }  // namespace dyslam

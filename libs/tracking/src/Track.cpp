@@ -2,6 +2,7 @@
 #include "Track.h"
 
 #include <dyslam/base/Angle.h>
+#include <dyslam/base/Squared.h>
 #include <dyslam/base/StateArchive.h>
 #include <dyslam/tracking/BoxFitting.h>
 
@@ -49,11 +50,6 @@ bool isStrip(const Eigen::Vector3d& size)
   return width < max_width && std::max(size.x(), size.y()) > min_aspect_ratio * width;
 }
 
-constexpr double square(double x)
-{
-  return x * x;
-}
-
 /** Of a and a + pi, the angle nearer to b [rad]. */
 double nearestAxis(double a, double b)
 {
@@ -91,7 +87,7 @@ Track::Track(int id, double stamp, const Observation& observation, const Tracker
       box_(observation.box)
 {
   position_covariance_ = observation.covariance.topLeftCorner<2, 2>();
-  velocity_covariance_ *= square(optionsFor(options, observation.object_class).speed_sigma);
+  velocity_covariance_ *= squared(optionsFor(options, observation.object_class).speed_sigma);
   z_variance_ = observation.covariance(2, 2);
   yaw_variance_ = observation.covariance(3, 3);
   addToHistory(observation);
@@ -152,9 +148,9 @@ void Track::predict(double stamp)
   velocity_ = predicted.velocity;
   velocity_covariance_ = predicted.velocity_covariance;
   position_covariance_ =
-      predicted.covariance + square(classOptions().min_sigma) * Eigen::Matrix2d::Identity();
-  z_variance_ += square(0.5 * dt);
-  yaw_variance_ += square(options_->yaw_rate_sigma * dt);
+      predicted.covariance + squared(classOptions().min_sigma) * Eigen::Matrix2d::Identity();
+  z_variance_ += squared(0.5 * dt);
+  yaw_variance_ += squared(options_->yaw_rate_sigma * dt);
 }
 
 Box Track::alignedBox(const Observation& observation) const
@@ -267,7 +263,7 @@ void Track::alignHeadingWithMotion(const Observation& observation)
     return;
   }
   const double course = std::atan2(velocity_.y(), velocity_.x());
-  const double variance = 0.01 + 0.5 * velocity_covariance_.trace() / square(speed);
+  const double variance = 0.01 + 0.5 * velocity_covariance_.trace() / squared(speed);
   if (observation.from_points && variance < 0.1 &&
       std::abs(wrapAngle(2 * (course - box_.yaw))) > M_PI / 2)
   {

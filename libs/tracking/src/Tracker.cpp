@@ -54,6 +54,14 @@ Observation toObservation(const Detection& detection,
   return observation;
 }
 
+/** Observations of a scan, and those that are not assigned to a track. */
+struct Observations
+{
+  std::vector<Observation> all;
+  std::vector<std::size_t> strong;  //!< indices of those with at least birth_score
+  std::vector<std::size_t> weak;    //!< indices of the others
+};
+
 bool isReported(const Track& track, const TrackedObject& object)
 {
   return object.confirmed &&
@@ -241,15 +249,34 @@ struct Tracker::Implementation
     unmatched_observations = std::move(remaining_observations);
   }
 
+  /** The detections of a scan that may belong to tracks. */
+  Observations observationsOf(const std::vector<Detection>& detections,
+                              const Pose& T_odom_vehicle,
+                              const Eigen::Vector3d& lidar)
+  {
+    Observations result;
+    for (std::size_t i = 0; i < detections.size(); ++i)
+    {
+      const ClassTracking& class_options = optionsFor(options, detections[i].object_class);
+      if (!isValid(detections[i]) || detections[i].score < class_options.match_score)
+      {
+        continue;
+      }
+      (detections[i].score >= class_options.birth_score ? result.strong : result.weak)
+          .push_back(result.all.size());
+      result.all.push_back(
+          observationOf(detections[i], static_cast<int>(i), T_odom_vehicle, lidar));
+    }
+    return result;
+  }
+
   /** Associates all tracks, predicted to the stamp of the observations, and updates them. New
-   * tracks have wide gates, so that they are associated last. \param strong, weak indices of the
-   * observations with at least birth_score, and of the others; unassigned ones remain */
-  void updateTracks(const std::vector<Observation>& observations,
-                    std::vector<std::size_t>& strong,
-                    std::vector<std::size_t>& weak)
+   * tracks have wide gates, so that they are associated last. Unassigned observations remain in the
+   * lists of strong and weak ones. */
+  void updateTracks(Observations& seen)
   {
     tracks.erase(std::remove_if(tracks.begin(), tracks.end(),
-                                [&](const Track& track) { return track.isAliased(observations); }),
+                                [&](const Track& track) { return track.isAliased(seen.all); }),
                  tracks.end());
     std::vector<std::size_t> known_tracks;
     std::vector<std::size_t> new_tracks;
@@ -259,8 +286,8 @@ struct Tracker::Implementation
     }
     for (std::vector<std::size_t>* unmatched_tracks : {&known_tracks, &new_tracks})
     {
-      associate(observations, *unmatched_tracks, strong);
-      associate(observations, *unmatched_tracks, weak);
+      associate(seen.all, *unmatched_tracks, seen.strong);
+      associate(seen.all, *unmatched_tracks, seen.weak);
       for (const std::size_t i : *unmatched_tracks)
       {
         tracks[i].miss();
@@ -319,36 +346,21 @@ std::vector<TrackedObject> Tracker::update(double stamp,
   self.started = true;
   self.stamp = stamp;
 
-  std::vector<Observation> observations;
-  std::vector<std::size_t> strong;
-  std::vector<std::size_t> weak;
-  for (std::size_t i = 0; i < detections.size(); ++i)
-  {
-    const ClassTracking& class_options = optionsFor(self.options, detections[i].object_class);
-    if (!isValid(detections[i]) || detections[i].score < class_options.match_score)
-    {
-      continue;
-    }
-    (detections[i].score >= class_options.birth_score ? strong : weak)
-        .push_back(observations.size());
-    observations.push_back(
-        self.observationOf(detections[i], static_cast<int>(i), T_odom_vehicle, lidar));
-  }
-
+  Observations seen = self.observationsOf(detections, T_odom_vehicle, lidar);
   for (Track& track : self.tracks)
   {
     track.predict(stamp);
   }
-  self.updateTracks(observations, strong, weak);
+  self.updateTracks(seen);
   self.tracks.erase(std::remove_if(self.tracks.begin(), self.tracks.end(),
                                    [](const Track& track) { return track.dead(); }),
                     self.tracks.end());
-  strong.erase(std::remove_if(strong.begin(), strong.end(),
-                              [&](std::size_t i) { return self.isFragment(observations[i]); }),
-               strong.end());
-  for (const std::size_t i : strong)
+  seen.strong.erase(std::remove_if(seen.strong.begin(), seen.strong.end(),
+                                   [&](std::size_t i) { return self.isFragment(seen.all[i]); }),
+                    seen.strong.end());
+  for (const std::size_t i : seen.strong)
   {
-    self.tracks.emplace_back(self.next_id++, stamp, observations[i], self.options);
+    self.tracks.emplace_back(self.next_id++, stamp, seen.all[i], self.options);
   }
 
   std::vector<TrackedObject> objects;

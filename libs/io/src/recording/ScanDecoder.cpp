@@ -10,13 +10,12 @@
 
 #include <cmath>
 #include <map>
-#include <sstream>
 #include <utility>
 
+#include "FirstLidar.h"
 #include "FurtherLidars.h"
 #include "FurtherScanChecks.h"
 #include "IntensityScaler.h"
-#include "LabelPattern.h"
 #include "LateStamps.h"
 #include "MotionSampleReader.h"
 #include "RecordingClock.h"
@@ -47,7 +46,7 @@ struct ScanDecoder::Impl
         recording(std::move(name)),
         clock(recording),
         external{std::move(folder), options_in.external_anywhere},
-        wanted("sensor_label", options_in.sensor_label),
+        first(options_in.sensor_label),
         motion(options_in),
         further(options_in.further_lidars, options_in.merge_further, options_in.intensity_scale),
         scale_intensity(options_in.intensity_scale),
@@ -57,28 +56,16 @@ struct ScanDecoder::Impl
   {
   }
 
-  /** Whether a lidar may be the first one: without sensor_label one that further_lidars does not
-   * select. */
-  [[nodiscard]] bool mayBeFirst(const std::string& name) const
+  /** Whether a scan is of the first lidar. */
+  [[nodiscard]] bool isWanted(const std::string& name)
   {
-    return options.sensor_label.empty() ? !further.areNamed(name) : wanted.fits(name);
-  }
-
-  [[nodiscard]] bool isWanted(const CObservation& observation)
-  {
-    const std::string& name = observation.sensorLabel;
-    ++lidar_labels[name];
-    if (mayBeFirst(name) && (scans_seen == 0 || name == label))
+    const bool is_first = first.takes(name, further);
+    if (!is_first && first.mayBe(name, further) && !further.areNamed(name))
     {
-      label = name;
-      return true;
-    }
-    if (mayBeFirst(name) && !further.areNamed(name))
-    {
-      notes.add("scans of '" + name + "' are ignored: '" + label +
+      notes.add("scans of '" + name + "' are ignored: '" + first.label() +
                 "' came first; choose with sensor_label, or merge them with further_lidars");
     }
-    return false;
+    return is_first;
   }
 
   void holdTimeRing(const CObservation::Ptr& observation)
@@ -86,10 +73,7 @@ struct ScanDecoder::Impl
     std::string name = observation->sensorLabel;
     name.resize(name.size() - std::string(time_ring_suffix).size());
     further.holdTimeRing(name, observation);
-    // That of another lidar must not take the place of the one that waits.
-    const bool may_be_firsts =
-        scans_seen == 0 && (!options.sensor_label.empty() || !further.areNamed(name));
-    if (may_be_firsts || (scans_seen > 0 && name == label))
+    if (first.mayOwnTimeRing(name, further))
     {
       companion = observation;
     }
@@ -146,7 +130,7 @@ struct ScanDecoder::Impl
       holdTimeRing(observation);
       return false;
     }
-    if (isWanted(*observation))
+    if (isWanted(observation->sensorLabel))
     {
       return true;
     }
@@ -267,48 +251,16 @@ struct ScanDecoder::Impl
     }
   }
 
-  /** Why the options leave no scan. */
-  [[nodiscard]] std::string emptyRange() const
-  {
-    std::ostringstream text;
-    const char* separator = "";
-    if (options.skip_first_n > 0)
-    {
-      text << "skip_first_n = " << options.skip_first_n;
-      separator = ", ";
-    }
-    if (options.start > 0)
-    {
-      text << separator << "start = " << options.start << " s";
-      separator = ", ";
-    }
-    if (options.end > 0)
-    {
-      text << separator << "end = " << options.end << " s";
-    }
-    text << (text.tellp() > 0 ? ": " : "") << "no scan is left";
-    if (!selection.isPastEnd())
-    {
-      text << "; the file has " << counted(scans_seen, "scan");
-      if (options.start > 0)
-      {
-        text << ", the last " << *clock.last() - *clock.first() << " s after the first";
-      }
-    }
-    return text.str();
-  }
-
   RawlogSourceOptions options;
   std::string recording;
   RecordingClock clock;
   ExternalFiles external;
-  LabelPattern wanted;
+  FirstLidar first;
   MotionSampleReader motion;
   FurtherLidars further;
   FurtherScanChecks further_checks;
   IntensityScaler scale_intensity;
   ScanSelection selection;
-  std::string label;  //!< of the lidar in use, once it is known
 
   CObservation::Ptr companion;  //!< read, its scan not yet
   TruePoses truths;
@@ -319,7 +271,6 @@ struct ScanDecoder::Impl
 
   std::map<std::string, LateStamps> late_stamps;  //!< by label of the lidar
   std::map<std::string, std::size_t> seen_classes;
-  std::map<std::string, std::size_t> lidar_labels;
   RecordingNotes notes;
 };
 
@@ -432,34 +383,25 @@ std::size_t ScanDecoder::framesDropped() const
 }
 std::string ScanDecoder::sensorLabel() const
 {
-  return impl_->label;
+  return impl_->first.label();
 }
 
 void ScanDecoder::failWithoutScans(const std::map<std::string, std::size_t>& left_out) const
 {
   const Impl& s = *impl_;
-  if (s.scans_seen > 0)
+  if (s.clock.last())
   {
     throw UserError(s.recording + ": " +
-                    (s.clock.last() ? s.emptyRange()
-                                    : "none of its " + counted(s.scans_seen, "scan") +
-                                          " has a time stamp; convert it with --dt"));
+                    s.selection.reasonForNone(s.scans_seen, *s.clock.last() - *s.clock.first()));
   }
-  if (!s.lidar_labels.empty())
+  if (s.scans_seen > 0)
   {
-    std::string known;
-    for (const auto& [name, count] : s.lidar_labels)
-    {
-      known += (known.empty() ? "'" : ", '") + name + "'";
-    }
-    if (s.options.sensor_label.empty())
-    {
-      throw UserError(s.recording + ": further_lidars = " + s.further.pattern() +
-                      " selects every lidar of the file, " + known +
-                      "; name the first one with sensor_label");
-    }
-    throw UserError(s.recording + ": no 3D scan has a label like '" + s.options.sensor_label +
-                    "'; the file has " + known);
+    throw UserError(s.recording + ": none of its " + counted(s.scans_seen, "scan") +
+                    " has a time stamp; convert it with --dt");
+  }
+  if (const std::string reason = s.first.reasonForNone(s.further); !reason.empty())
+  {
+    throw UserError(s.recording + ": " + reason);
   }
   std::string held;
   auto classes = s.seen_classes;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/base/Error.h>
+#include <dyslam/base/Printable.h>
 #include <dyslam/io/ScanRange.h>
 
 #include <algorithm>
@@ -70,5 +71,35 @@ double ScanSelection::progress(double read, std::size_t used)
     done = std::max(done, static_cast<double>(used) / range_.only_first_n);
   }
   return std::clamp(done, 0.0, 1.0);
+}
+
+std::string ScanSelection::reasonForNone(std::size_t scans, double duration) const
+{
+  std::ostringstream text;
+  const char* separator = "";
+  if (range_.skip_first_n > 0)
+  {
+    text << "skip_first_n = " << range_.skip_first_n;
+    separator = ", ";
+  }
+  if (range_.start > 0)
+  {
+    text << separator << "start = " << range_.start << " s";
+    separator = ", ";
+  }
+  if (range_.end > 0)
+  {
+    text << separator << "end = " << range_.end << " s";
+  }
+  text << (text.tellp() > 0 ? ": " : "") << "no scan is left";
+  if (!past_end_)
+  {
+    text << "; the file has " << counted(scans, "scan");
+    if (range_.start > 0)
+    {
+      text << ", the last " << duration << " s after the first";
+    }
+  }
+  return text.str();
 }
 }  // namespace dyslam

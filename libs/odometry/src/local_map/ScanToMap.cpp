@@ -200,6 +200,45 @@ void ScanToMap::accumulate(const RawPoints& scan,
   }
 }
 
+void ScanToMap::Iteration::setPose(const Pose& T,
+                                   const Pose& T_before,
+                                   const std::vector<Eigen::Vector3f>& lidars_of_vehicle)
+{
+  T_motion = T_before.inverse() * T;
+  R = T.linear().cast<float>();
+  t = (T.translation() - base.origin).cast<float>();
+  lidars.clear();
+  for (const Eigen::Vector3f& lidar : lidars_of_vehicle)
+  {
+    lidars.emplace_back(R * lidar + t);
+  }
+}
+
+Vector6 ScanToMap::solve(const Sums& sums,
+                         const ScanToMapSettings& settings,
+                         const Pose& T_prior,
+                         ScanToMapResult& result)
+{
+  const NormalEquations equations = sums.balanced(settings.max_ground_weight_ratio);
+  const double variance = sums.error / std::max(sums.inlier_weight, 1e-9);
+  const double unit =
+      (variance + sensor_sigma * sensor_sigma) * std::max(1.0, settings.points_per_measurement);
+  result.rmse = std::sqrt(variance);
+  result.inliers = sums.inliers;
+  result.inlier_share = sums.weight > 0 ? sums.inlier_weight / sums.weight : 0;
+  result.surface_share = sums.weight > 0 ? sums.matched_weight / sums.weight : 0;
+  result.inlier_ratio = sums.matched_weight > 0 ? sums.inlier_weight / sums.matched_weight : 0;
+  result.information = equations.H / unit;
+
+  const Vector6 off_prior = logSE3(T_prior.inverse() * result.T);
+  result.prior_weight = priorWeight(settings.prior_information, off_prior);
+  const Vector6 root = result.prior_weight.cwiseSqrt();
+  const Matrix6 prior = root.asDiagonal() * settings.prior_information * root.asDiagonal();
+  const Matrix6 H = result.information + prior;
+  const Vector6 g = equations.g / unit + prior * off_prior;
+  return -(H + 1e-9 * Matrix6::Identity()).ldlt().solve(g);
+}
+
 ScanToMapResult ScanToMap::align(const RawPoints& scan,
                                  const std::vector<Eigen::Matrix3f>& shapes,
                                  const SurfacePyramid& map,
@@ -222,37 +261,12 @@ ScanToMapResult ScanToMap::align(const RawPoints& scan,
   double loss_width = std::max(settings.loss_width, settings.start_loss_width);
   while (result.iterations < settings.max_iterations)
   {
-    iteration.T_motion = T_before.inverse() * result.T;
-    iteration.R = result.T.linear().cast<float>();
-    iteration.t = (result.T.translation() - iteration.base.origin).cast<float>();
-    iteration.lidars.clear();
-    for (const Eigen::Vector3f& lidar : settings.lidars)
-    {
-      iteration.lidars.emplace_back(iteration.R * lidar + iteration.t);
-    }
+    iteration.setPose(result.T, T_before, settings.lidars);
     iteration.loss_width = static_cast<float>(loss_width);
     Sums sums;
     accumulate(scan, shapes, map, iteration, sums);
-    const NormalEquations equations = sums.balanced(settings.max_ground_weight_ratio);
     ++result.iterations;
-
-    const double variance = sums.error / std::max(sums.inlier_weight, 1e-9);
-    const double unit =
-        (variance + sensor_sigma * sensor_sigma) * std::max(1.0, settings.points_per_measurement);
-    result.rmse = std::sqrt(variance);
-    result.inliers = sums.inliers;
-    result.inlier_share = sums.weight > 0 ? sums.inlier_weight / sums.weight : 0;
-    result.surface_share = sums.weight > 0 ? sums.matched_weight / sums.weight : 0;
-    result.inlier_ratio = sums.matched_weight > 0 ? sums.inlier_weight / sums.matched_weight : 0;
-    result.information = equations.H / unit;
-
-    const Vector6 off_prior = logSE3(T_prior.inverse() * result.T);
-    result.prior_weight = priorWeight(settings.prior_information, off_prior);
-    const Vector6 root = result.prior_weight.cwiseSqrt();
-    const Matrix6 prior = root.asDiagonal() * settings.prior_information * root.asDiagonal();
-    const Matrix6 H = result.information + prior;
-    const Vector6 g = equations.g / unit + prior * off_prior;
-    const Vector6 step = -(H + 1e-9 * Matrix6::Identity()).ldlt().solve(g);
+    const Vector6 step = solve(sums, settings, T_prior, result);
     if (!step.allFinite())
     {
       result.converged = false;

@@ -94,6 +94,12 @@ class ScanToMap
     float min_incidence = 0;
     float loss_width = 0;
     bool distributions = false;
+
+    /** \param T estimate \param T_before pose of the previous frame
+     *  \param lidars_of_vehicle ScanToMapSettings::lidars */
+    void setPose(const Pose& T,
+                 const Pose& T_before,
+                 const std::vector<Eigen::Vector3f>& lidars_of_vehicle);
   };
 
   /** \param q point relative to the base [m] \param lidar position of its lidar, as `q` */
@@ -120,6 +126,11 @@ class ScanToMap
                   const SurfacePyramid& map,
                   const Iteration& iteration,
                   Sums& total);
+  /** Gauss-Newton step from sums at result.T and prior. Writes what the sums say to the result. */
+  [[nodiscard]] static Vector6 solve(const Sums& sums,
+                                     const ScanToMapSettings& settings,
+                                     const Pose& T_prior,
+                                     ScanToMapResult& result);
 
   ThreadPool& pool_;
   std::vector<Match> matches_;

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/base/Squared.h>
 #include <dyslam/base/StateArchive.h>
 #include <dyslam/odometry/MotionSensors.h>
 
@@ -42,11 +43,6 @@ constexpr double turn_gate = 3;
 constexpr double least_variance = 0.01;
 constexpr double conflict_share = 0.1;  //!< weight of a new rotation in State::conflict
 constexpr double max_conflict = 0.5;    //!< conflict above which the gyroscope is not trusted
-
-double squared(double x)
-{
-  return x * x;
-}
 
 /** A constant estimated from noisy measurements. */
 struct Constant

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "SavedRun.h"
 
+#include <dyslam/base/Bytes.h>
 #include <dyslam/base/Error.h>
 #include <dyslam/base/StateArchive.h>
 #include <dyslam/base/Version.h>
@@ -20,12 +21,6 @@ namespace fs = std::filesystem;
 
 namespace
 {
-template <typename T>
-std::string_view bytesOf(const std::vector<T>& values)
-{
-  return {reinterpret_cast<const char*>(values.data()), sizeof(T) * values.size()};
-}
-
 std::unique_ptr<OutputFolder> lockedFolder(const std::string& folder)
 {
   std::error_code ignored;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/backend/Backend.h>
+#include <dyslam/base/Bytes.h>
 #include <dyslam/base/Error.h>
 #include <dyslam/base/Files.h>
 #include <dyslam/base/PendingFile.h>
@@ -55,8 +56,7 @@ class PageOutput : public RunOutput
     std::string failures;
     if (!page.picture.empty())
     {
-      writeUnlessFailing(
-          png, {reinterpret_cast<const char*>(page.picture.data()), page.picture.size()}, failures);
+      writeUnlessFailing(png, bytesOf(page.picture), failures);
     }
     page.files.emplace_back(png);
     const std::string page_template = readWhole(findGivenOrShared("page.html", "report", ".html"));

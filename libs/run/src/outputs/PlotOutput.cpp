@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/base/Bytes.h>
 #include <dyslam/base/Files.h>
 #include <dyslam/base/PendingFile.h>
 #include <dyslam/plot/TrajectoryPlot.h>
-
-#include <string_view>
 
 #include "RunOutput.h"
 
@@ -30,9 +29,7 @@ class PlotOutput : public RunOutput
     {
       return;
     }
-    const auto png = renderTrajectoryPlot({item}, {title_, Alignment::se3});
-    writeWhole(path(picture),
-               std::string_view(reinterpret_cast<const char*>(png.data()), png.size()));
+    writeWhole(path(picture), bytesOf(renderTrajectoryPlot({item}, {title_, Alignment::se3})));
   }
 
  private:

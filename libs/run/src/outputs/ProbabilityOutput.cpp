@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/base/Bytes.h>
 #include <dyslam/base/Files.h>
 #include <dyslam/base/PendingFile.h>
 #include <dyslam/base/StateArchive.h>
 #include <dyslam/formats/TextFile.h>
 
 #include <limits>
-#include <string_view>
 
 #include "RunOutput.h"
 
@@ -48,11 +48,8 @@ class ProbabilityOutput : public RunOutput
   }
   void add(const Frame& frame) override
   {
-    const std::vector<float> values = scanProbabilities(frame);
-    const std::string_view bytes(reinterpret_cast<const char*>(values.data()),
-                                 values.size() * sizeof(float));
-    writeWhole(numberedPath(path(probability_folder), frame.index, probability_extension), bytes,
-               Durable::no);
+    writeWhole(numberedPath(path(probability_folder), frame.index, probability_extension),
+               bytesOf(scanProbabilities(frame)), Durable::no);
   }
 };
 }  // namespace

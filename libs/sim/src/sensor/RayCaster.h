@@ -39,6 +39,11 @@ class RayCaster
 
  private:
   void tracePacket(std::size_t column, std::size_t count, std::size_t b);
+  void setRay(std::size_t column, std::size_t b, std::size_t k, RTCRayHit8& packet) const;
+  [[nodiscard]] Hit hitOf(const RTCRay8& rays,
+                          const RTCHit8& found,
+                          bool moved,
+                          std::size_t k) const;
 
   const SensorModel& sensor_;
   const SweepScene& scene_;

@@ -3,31 +3,15 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "StreetJunctions.h"
+#include "StreetVehicles.h"
 #include "Traffic.h"
 
 namespace dyslam::sim
 {
 namespace
 {
-constexpr double kFar = 1e9;
-constexpr double kPatience = 6;  // waiting time for road users beside the path [s]
-
-struct Vehicle
-{
-  int actor = -1;  // -1: the ego
-  double length = 4.5, width = 1.8;
-  int lane = 0, previous_lane = -1;
-  double s = 0, v = 0, a = 0;
-  double desired_speed = 1;  // speed relative to the limit
-  double headway = 1.3;      // [s]
-  int turn = -1;             // chosen turn at the next junction
-  bool granted = false;
-  double waiting_since = -1;
-  double stop_until = 0, next_stop = 0;
-  double blocked_for = 0;
-  std::size_t route_step = 0;  // position of the ego in LaneNetwork::ego_route
-  double wander = 0;           // phase of the lateral oscillation in the lane
-};
+constexpr double patience = 6;  // waiting time for road users beside the path [s]
 
 /** How many vehicles there are, and of which kinds. */
 struct Density
@@ -63,31 +47,31 @@ class StreetTraffic : public Crowd::Group
       : crowd_(crowd),
         net_(crowd.world().roads),
         rng_(combine(crowd.options().trafficSeed(), 0x57AF)),
-        with_ego_(with_ego)
+        vehicles_(net_),
+        junctions_(net_, vehicles_)
   {
-    if (with_ego_)
+    if (with_ego)
     {
       startEgo();
     }
     populate();
-    order();
   }
 
   void step(double dt) override
   {
-    order();
-    grantJunctions();
-    for (auto& v : vehicles_)
+    vehicles_.order();
+    junctions_.grantTurns(crowd_.time());
+    for (StreetVehicle& v : vehicles_.all())
     {
       if (isActive(v))
       {
         decide(v, dt);
       }
     }
-    for (auto& v : vehicles_)
+    for (StreetVehicle& v : vehicles_.all())
     {
       const bool active = isActive(v);
-      if (v.actor >= 0)
+      if (!v.isEgo())
       {
         crowd_.actor(v.actor).frozen = !active;
       }
@@ -99,16 +83,16 @@ class StreetTraffic : public Crowd::Group
   }
 
  private:
-  const Lane& lane(int i) const { return net_.lanes[static_cast<std::size_t>(i)]; }
+  const Lane& lane(int i) const { return vehicles_.lane(i); }
 
-  bool isActive(const Vehicle& v) const
+  bool isActive(const StreetVehicle& v) const
   {
-    return v.actor < 0 || crowd_.active(lane(v.lane).path.at(v.s).position);
+    return v.isEgo() || crowd_.active(lane(v.lane).path.at(v.s).position);
   }
 
   void startEgo()
   {
-    Vehicle ego;
+    StreetVehicle ego;
     double s = crowd_.options().start_fraction * crowd_.world().loop_length;
     while (s > lane(net_.ego_route[ego.route_step]).path.length())
     {
@@ -124,9 +108,7 @@ class StreetTraffic : public Crowd::Group
     ego.s = std::max(s, 3.0);
     ego.v = 0.6 * egoCruise(crowd_.world(), crowd_.options());
     ego.next_stop = 8 + rng_.uniform(0, 40);
-    vehicles_.push_back(ego);
-    chooseTurn(vehicles_.back());
-    place(vehicles_.back());
+    add(ego);
   }
 
   void populate()
@@ -134,7 +116,7 @@ class StreetTraffic : public Crowd::Group
     const double traffic = crowd_.options().traffic;
     const Density density = densityIn(crowd_.world().kind);
     const double spacing =
-        traffic > 0 ? density.spacing / std::pow(traffic, density.exponent) : kFar;
+        traffic > 0 ? density.spacing / std::pow(traffic, density.exponent) : StreetVehicles::far;
     for (std::size_t l = 0; l < net_.lanes.size(); ++l)
     {
       const Lane& here = net_.lanes[l];
@@ -145,7 +127,7 @@ class StreetTraffic : public Crowd::Group
       double s = rng_.uniform(0.2, 1.0) * spacing;
       while (s < here.path.length() - 4)
       {
-        Vehicle v;
+        StreetVehicle v;
         const int model = drawVehicle(crowd_.world(), rng_, density.mix);
         const BodyModel& body = crowd_.world().bodies[static_cast<std::size_t>(model)];
         v.length = body.size.x();
@@ -158,35 +140,32 @@ class StreetTraffic : public Crowd::Group
         v.next_stop = rng_.uniform(5, 240);
         v.wander = rng_.uniform(0, 6.28);
         const bool room = v.length < 13 && s - 0.5 * v.length > 0.5 &&
-                          s + 0.5 * v.length < here.path.length() && roomFor(v);
+                          s + 0.5 * v.length < here.path.length() && vehicles_.hasRoom(v);
         const float paint = drawPaint(rng_);
         const double step = v.length - 4.4 + spacing * rng_.uniform(0.7, 1.3);
         s += step;
         if (room)
         {
           v.actor = crowd_.addActor(model, paint);
-          chooseTurn(v);
-          vehicles_.push_back(v);
-          place(vehicles_.back());
+          add(v);
         }
       }
     }
   }
 
-  bool roomFor(const Vehicle& v) const
+  void add(const StreetVehicle& vehicle)
   {
-    return std::all_of(
-        vehicles_.begin(), vehicles_.end(),
-        [&](const Vehicle& o)
-        { return o.lane != v.lane || std::abs(o.s - v.s) > 0.5 * (o.length + v.length) + 2; });
+    StreetVehicle& v = vehicles_.all().emplace_back(vehicle);
+    chooseTurn(v);
+    place(v);
   }
 
-  void chooseTurn(Vehicle& v)
+  void chooseTurn(StreetVehicle& v)
   {
     const auto& next = lane(v.lane).next;
     v.granted = false;
     v.waiting_since = -1;
-    if (v.actor < 0)
+    if (v.isEgo())
     {
       v.turn = net_.ego_route[(v.route_step + 1) % net_.ego_route.size()];
       return;
@@ -194,161 +173,11 @@ class StreetTraffic : public Crowd::Group
     v.turn = next.empty() ? -1 : rng_.pick(next);
   }
 
-  /** Sorts the vehicles of each lane by arc length and collects the users of the junctions. */
-  void order()
-  {
-    on_lane_.assign(net_.lanes.size(), {});
-    users_.assign(static_cast<std::size_t>(net_.junctions), {});
-    for (std::size_t i = 0; i < vehicles_.size(); ++i)
-    {
-      const Vehicle& v = vehicles_[i];
-      on_lane_[static_cast<std::size_t>(v.lane)].push_back(static_cast<int>(i));
-      // A turn is reserved from its grant until the rear of the vehicle has left it.
-      const int turn = lane(v.lane).junction >= 0 ? v.lane
-                       : v.granted                ? v.turn
-                       : v.previous_lane >= 0 && lane(v.previous_lane).junction >= 0 &&
-                               v.s < 0.5 * v.length + 1.0
-                           ? v.previous_lane
-                           : -1;
-      if (turn >= 0 && lane(turn).junction >= 0)
-      {
-        users_[static_cast<std::size_t>(lane(turn).junction)].push_back(
-            {static_cast<int>(i), turn});
-      }
-    }
-    for (auto& list : on_lane_)
-    {
-      std::sort(list.begin(), list.end(),
-                [&](int a, int b) {
-                  return vehicles_[static_cast<std::size_t>(a)].s <
-                         vehicles_[static_cast<std::size_t>(b)].s;
-                });
-    }
-  }
-
-  void grantJunctions()
-  {
-    std::vector<int> waiting;
-    for (std::size_t i = 0; i < vehicles_.size(); ++i)
-    {
-      Vehicle& v = vehicles_[i];
-      if (lane(v.lane).junction >= 0 || v.turn < 0 || v.granted || lane(v.turn).junction < 0)
-      {
-        continue;
-      }
-      const double rest = lane(v.lane).path.length() - v.s - 0.5 * v.length;
-      const bool first = on_lane_[static_cast<std::size_t>(v.lane)].back() == static_cast<int>(i);
-      if (first && rest < v.v * v.v / 4.0 + 8 && !isRed(lane(v.turn)))
-      {
-        v.waiting_since = v.waiting_since < 0 ? crowd_.time() : v.waiting_since;
-        waiting.push_back(static_cast<int>(i));
-      }
-    }
-    std::sort(waiting.begin(), waiting.end(),
-              [&](int a, int b)
-              {
-                const double ta = vehicles_[static_cast<std::size_t>(a)].waiting_since,
-                             tb = vehicles_[static_cast<std::size_t>(b)].waiting_since;
-                return ta != tb ? ta < tb : a < b;
-              });
-    for (const int i : waiting)
-    {
-      Vehicle& v = vehicles_[static_cast<std::size_t>(i)];
-      auto& users = users_[static_cast<std::size_t>(lane(v.turn).junction)];
-      const auto& conflicts = lane(v.turn).conflicts;
-      const bool clash = std::any_of(
-          users.begin(), users.end(),
-          [&](const User& u)
-          { return std::find(conflicts.begin(), conflicts.end(), u.turn) != conflicts.end(); });
-      if (!clash && exitIsFree(v, users))
-      {
-        v.granted = true;
-        users.push_back({i, v.turn});
-      }
-      else if (crowd_.time() - v.waiting_since > 5)
-      {
-        users.push_back({i, v.turn});  // this vehicle has priority over later ones
-      }
-    }
-  }
-
-  /** Whether the traffic light is red for a turn: the two streets have green alternately. */
-  bool isRed(const Lane& turn) const
-  {
-    const auto junction = static_cast<std::size_t>(turn.junction);
-    if (net_.light_cycles.empty() || net_.light_cycles[junction] <= 0)
-    {
-      return false;
-    }
-    const double begin = 0.37 * turn.junction + 0.5 * turn.axis;  // of green [cycles]
-    const double phase = crowd_.time() / net_.light_cycles[junction] - begin;
-    return phase - std::floor(phase) > 0.42;
-  }
-
-  struct User
-  {
-    int vehicle;
-    int turn;
-  };
-
-  bool exitIsFree(const Vehicle& v, const std::vector<User>& users) const
-  {
-    const int exit = lane(v.turn).next.front();
-    double needed = v.length + 3;
-    for (const auto& u : users)
-    {
-      if (lane(u.turn).next.front() == exit)
-      {
-        needed += vehicles_[static_cast<std::size_t>(u.vehicle)].length + 3;
-      }
-    }
-    const auto& list = on_lane_[static_cast<std::size_t>(exit)];
-    if (list.empty())
-    {
-      return true;
-    }
-    const Vehicle& last = vehicles_[static_cast<std::size_t>(list.front())];
-    return last.s - 0.5 * last.length > needed || last.v > 4;
-  }
-
-  /** Gap to and speed of the leader along the chosen route. */
-  std::pair<double, double> leader(const Vehicle& v) const
-  {
-    const auto& mine = on_lane_[static_cast<std::size_t>(v.lane)];
-    for (const int i : mine)
-    {
-      const Vehicle& o = vehicles_[static_cast<std::size_t>(i)];
-      if (o.s > v.s && &o != &v)
-      {
-        return {o.s - v.s - 0.5 * (o.length + v.length), o.v};
-      }
-    }
-    double ahead = lane(v.lane).path.length() - v.s;
-    int next = nextLane(v);
-    for (int hop = 0; hop < 3 && next >= 0 && ahead < 70; ++hop)
-    {
-      const auto& list = on_lane_[static_cast<std::size_t>(next)];
-      if (!list.empty())
-      {
-        const Vehicle& o = vehicles_[static_cast<std::size_t>(list.front())];
-        return {ahead + o.s - 0.5 * (o.length + v.length), o.v};
-      }
-      ahead += lane(next).path.length();
-      next = lane(next).junction >= 0 ? lane(next).next.front() : -1;
-    }
-    return {kFar, 0};
-  }
-
-  int nextLane(const Vehicle& v) const
-  {
-    return lane(v.lane).junction >= 0 ? lane(v.lane).next.front() : v.turn;
-  }
-
-  /** Gap to and speed of pedestrians and cyclists on the route. */
-  std::pair<double, double> roadUsersAhead(const Vehicle& v, const Path::Sample& here) const
+  /** The nearest pedestrian or cyclist on the route. */
+  StreetVehicles::Ahead roadUsersAhead(const StreetVehicle& v, const Path::Sample& here) const
   {
     const double reach = 0.5 * v.length + 5 + v.v * 2.2;
-    double best = kFar, speed = 0;
+    StreetVehicles::Ahead nearest;
     const auto& actors = crowd_.actors();
     for (std::size_t i = 0; i < actors.size(); ++i)
     {
@@ -365,52 +194,31 @@ class StreetTraffic : public Crowd::Group
       const double margin = 0.5 * v.width + (c == ObjectClass::pedestrian ? 0.55 : 0.5);
       for (double s = 0.3 * v.length; s < reach; s += 1.0)
       {
-        const Path::Sample q = along(v, s);
+        const Path::Sample q = vehicles_.along(v, s);
         if ((q.position - p).squaredNorm() < margin * margin)
         {
           const double gap = s - 0.5 * v.length - 0.5;
-          if (gap < best)
+          if (gap < nearest.gap)
           {
-            best = gap;
-            speed =
+            nearest.gap = gap;
+            nearest.speed =
                 actors[i].state.speed * std::max(0.0, std::cos(actors[i].state.yaw - q.heading));
           }
           break;
         }
       }
     }
-    return {best, speed};
+    return nearest;
   }
 
-  Path::Sample along(const Vehicle& v, double offset) const
+  double wantedSpeed(const StreetVehicle& v) const
   {
-    double s = v.s + offset;
-    int l = v.lane;
-    if (s < 0 && v.previous_lane >= 0)
-    {
-      return lane(v.previous_lane).path.at(lane(v.previous_lane).path.length() + s);
-    }
-    for (int hop = 0; hop < 3; ++hop)
-    {
-      const double length = lane(l).path.length();
-      const int next = hop == 0 ? nextLane(v) : lane(l).junction >= 0 ? lane(l).next.front() : -1;
-      if (s <= length || next < 0)
-      {
-        break;
-      }
-      s -= length;
-      l = next;
-    }
-    return lane(l).path.at(s);
-  }
-
-  double wantedSpeed(const Vehicle& v) const
-  {
-    const double cruise = v.actor < 0 ? egoCruise(crowd_.world(), crowd_.options()) : kFar;
+    const double cruise =
+        v.isEgo() ? egoCruise(crowd_.world(), crowd_.options()) : StreetVehicles::far;
     const Lane& here = lane(v.lane);
     double wanted = here.junction >= 0 ? std::min(here.speed_limit, cruise)
                                        : std::min(here.speed_limit * v.desired_speed, cruise);
-    const int next = nextLane(v);
+    const int next = vehicles_.nextLane(v);
     if (next >= 0)
     {
       // Deceleration before a turn
@@ -421,31 +229,31 @@ class StreetTraffic : public Crowd::Group
     return crowd_.time() < v.stop_until ? 0.05 : wanted;
   }
 
-  void decide(Vehicle& v, double dt)
+  void decide(StreetVehicle& v, double dt)
   {
     const Path::Sample here = lane(v.lane).path.at(v.s);
     if (crowd_.time() > v.next_stop)
     {
       // Vehicles do not stop on a junction; the ego stops only if the options allow it.
-      const bool may = lane(v.lane).junction < 0 && (v.actor >= 0 || crowd_.options().stops);
+      const bool may = lane(v.lane).junction < 0 && (!v.isEgo() || crowd_.options().stops);
       v.stop_until = may ? crowd_.time() + rng_.uniform(2, 8) : v.stop_until;
-      v.next_stop = crowd_.time() + (v.actor < 0 ? 1 : 2) * rng_.uniform(40, 160);
+      v.next_stop = crowd_.time() + (v.isEgo() ? 1 : 2) * rng_.uniform(40, 160);
     }
     const double wanted = wantedSpeed(v);
-    auto [gap, leader_speed] = leader(v);
-    double a = driverAcceleration(v.v, wanted, gap, leader_speed, v.headway);
+    const StreetVehicles::Ahead leader = vehicles_.leader(v);
+    double a = driverAcceleration(v.v, wanted, leader.gap, leader.speed, v.headway);
     if (lane(v.lane).junction < 0 && v.turn >= 0 && lane(v.turn).junction >= 0 && !v.granted)
     {
       const double rest = lane(v.lane).path.length() - v.s - 0.5 * v.length + 2.0;
       a = std::min(a, driverAcceleration(v.v, wanted, rest, 0, 0.5));
     }
-    const auto [other_gap, other_speed] = roadUsersAhead(v, here);
-    if (other_gap < kFar && v.blocked_for < kPatience)
+    const StreetVehicles::Ahead other = roadUsersAhead(v, here);
+    if (other.gap < StreetVehicles::far && v.blocked_for < patience)
     {
-      a = std::min(a, driverAcceleration(v.v, wanted, other_gap, other_speed, 0.6));
+      a = std::min(a, driverAcceleration(v.v, wanted, other.gap, other.speed, 0.6));
     }
     v.blocked_for =
-        other_gap < 3 && v.v < 0.2 ? v.blocked_for + dt : std::max(0.0, v.blocked_for - 0.5 * dt);
+        other.gap < 3 && v.v < 0.2 ? v.blocked_for + dt : std::max(0.0, v.blocked_for - 0.5 * dt);
     if (wanted < 0.1)
     {
       a = std::min(a, -1.8);
@@ -455,7 +263,7 @@ class StreetTraffic : public Crowd::Group
     v.a += blend * (a - v.a);
   }
 
-  void move(Vehicle& v, double dt)
+  void move(StreetVehicle& v, double dt)
   {
     const double before = v.v;
     v.v = std::max(0.0, v.v + v.a * dt);
@@ -466,7 +274,7 @@ class StreetTraffic : public Crowd::Group
     v.s += 0.5 * (before + v.v) * dt;
     while (v.s > lane(v.lane).path.length())
     {
-      const int next = nextLane(v);
+      const int next = vehicles_.nextLane(v);
       if (next < 0)
       {
         v.s = lane(v.lane).path.length();
@@ -476,7 +284,7 @@ class StreetTraffic : public Crowd::Group
       v.s -= lane(v.lane).path.length();
       v.previous_lane = v.lane;
       v.lane = next;
-      if (v.actor < 0)
+      if (v.isEgo())
       {
         v.route_step = (v.route_step + 1) % net_.ego_route.size();
       }
@@ -488,16 +296,16 @@ class StreetTraffic : public Crowd::Group
     place(v);
   }
 
-  void place(const Vehicle& v)
+  void place(const StreetVehicle& v)
   {
-    const double half = v.actor < 0 ? 1.35 : 0.5 * crowd_.model(v.actor).wheelbase;
-    const Path::Sample front = along(v, half), back = along(v, -half);
+    const double half = v.isEgo() ? 1.35 : 0.5 * crowd_.model(v.actor).wheelbase;
+    const Path::Sample front = vehicles_.along(v, half), back = vehicles_.along(v, -half);
     const Eigen::Vector2d d = front.position - back.position;
     const double yaw = d.norm() > 0.1 ? std::atan2(d.y(), d.x()) : front.heading;
     const double sway = 0.12 * std::sin(0.05 * v.s + v.wander);
     const Eigen::Vector2d position = 0.5 * (front.position + back.position) +
                                      sway * Eigen::Vector2d(-std::sin(yaw), std::cos(yaw));
-    if (v.actor < 0)
+    if (v.isEgo())
     {
       crowd_.ego() = {position, yaw, v.v};
       return;
@@ -509,10 +317,8 @@ class StreetTraffic : public Crowd::Group
   Crowd& crowd_;
   const LaneNetwork& net_;
   Rng rng_;
-  bool with_ego_;
-  std::vector<Vehicle> vehicles_;
-  std::vector<std::vector<int>> on_lane_;
-  std::vector<std::vector<User>> users_;
+  StreetVehicles vehicles_;
+  StreetJunctions junctions_;
 };
 }  // namespace
 

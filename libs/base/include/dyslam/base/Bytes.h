@@ -12,6 +12,15 @@
 
 namespace dyslam
 {
+/** The bytes of numbers or Eigen vectors, as in files of them alone. Valid as long as the values.
+ */
+template <typename Value>
+[[nodiscard]] std::string_view bytesOf(const std::vector<Value>& values)
+{
+  static_assert(state::IsPlain<Value>::value);
+  return {reinterpret_cast<const char*>(values.data()), values.size() * sizeof(Value)};
+}
+
 /** Appends the bytes of a trivially copyable value. */
 template <typename Value>
 void appendBytes(std::string& bytes, const Value& value)

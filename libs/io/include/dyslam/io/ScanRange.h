@@ -5,6 +5,7 @@
 
 #include <cstddef>
 #include <optional>
+#include <string>
 
 namespace dyslam
 {
@@ -38,6 +39,10 @@ class ScanSelection
   /** Fraction of the scans to use that were met, 0 to 1. To be called from the first one on.
    * \param read fraction of the recording that was read \param used number of scans used so far */
   [[nodiscard]] double progress(double read, std::size_t used);
+
+  /** Why no scan was used, for an error: the limits, and what the recording has. \param scans their
+   * number in the recording \param duration from the first to the last one [s] */
+  [[nodiscard]] std::string reasonForNone(std::size_t scans, double duration) const;
 
  private:
   ScanRange range_;

@@ -85,6 +85,12 @@ class AdaptivePredictor
   [[nodiscard]] Eigen::Vector2d clipOutlier(const TimedPosition& observation);
   void updateErrorStatistics(const TimedPosition& observation);
   void refit();
+  /** \param horizon time since the newest observation [s] \param trained_horizon the part of it for
+   * which the weights hold [s] \param usual_interval mean interval of the observations [s] */
+  void setCovariances(double horizon,
+                      double trained_horizon,
+                      double usual_interval,
+                      MotionPrediction& prediction) const;
   void updateWeights();
 
   AdaptiveOptions options_;
