@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: BSD-3-Clause
-# Builds the Debian packages dyslam and libdyslam-dev in dist/ and checks them with lintian:
+# Builds the Debian packages dyslam, libdyslam-dev and dyslam-weights-noncommercial in dist/ and checks them
+# with lintian:
 #   scripts/build_packages.sh [-DDYSLAM_CPU=x86-64-v3 ...]      arguments are passed to cmake
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."

@@ -35,7 +35,8 @@ struct ResidualSegmenterOptions : Options
  * the earlier one by a margin votes for moving; an equal range votes, with half the weight, for
  * static (a moving object overlaps its earlier position); a longer range gives no vote, the point
  * was occluded. Votes are accumulated in connected grid cells, which rejects single noisy points.
- * Baseline for the network, without learning. It needs poses accurate to the margin.
+ * Without learning, for lidars whose rings are far apart or that have none (vlp16.ini,
+ * solid_state.ini). It needs poses accurate to the margin.
  */
 class ResidualSegmenter : public MovingSegmenter
 {
