@@ -69,7 +69,8 @@ std::vector<sim::SensorKind> otherSensors(const DysegTrainerOptions& options)
   }
   if (sensors.empty())
   {
-    throw UserError("[train] other_sensors: names no lidar; name one, or set other_sensors_share=0");
+    throw UserError(
+        "[train] other_sensors: names no lidar; name one, or set other_sensors_share=0");
   }
   return sensors;
 }

@@ -45,9 +45,10 @@ void DysegTrainerOptions::describe(OptionsVisitor& v)
             "first frame of labelled_validation that is evaluated");
   v.integer("labelled_validation_last", labelled_validation_last, 1, 1000000,
             "last frame of labelled_validation that is evaluated");
-  v.real("validation_min_range", validation_min_range, 0, 10,
-         "returns below this range are left out of both, as the application leaves out those of the "
-         "own vehicle [m]");
+  v.real(
+      "validation_min_range", validation_min_range, 0, 10,
+      "returns below this range are left out of both, as the application leaves out those of the "
+      "own vehicle [m]");
   v.text("single_scans", single_scans,
          "folders of single scans under data or absolute, separated by commas");
   v.real("simulated_share", simulated_share, 0, 1, "share of pairs that are simulated");
@@ -66,9 +67,10 @@ void DysegTrainerOptions::describe(OptionsVisitor& v)
          "campus nor on a highway");
   v.real("few_beams_share", few_beams_share, 0, 1,
          "share of simulated clips that are scanned with 16 beams");
-  v.real("other_sensors_share", other_sensors_share, 0, 1,
-         "share of simulated clips with more than 16 beams that are scanned with other_sensors; the "
-         "others are with an HDL-64E");
+  v.real(
+      "other_sensors_share", other_sensors_share, 0, 1,
+      "share of simulated clips with more than 16 beams that are scanned with other_sensors; the "
+      "others are with an HDL-64E");
   v.text("other_sensors", other_sensors,
          "lidars of the simulator, separated by commas, each as often as the others");
   v.integer("simulated_pool", simulated_pool, 1, 100000,

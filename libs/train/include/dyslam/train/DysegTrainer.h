@@ -55,10 +55,10 @@ struct DysegTrainerOptions : Options
   double other_sensors_share = 0;  //!< share of the other clips with one of `other_sensors` instead
                                    //!< of an HDL-64E
   std::string other_sensors = "OS1-64, OS1-128, PANDAR64";  //!< names as in sim::sensorNames()
-  int simulated_pool = 80;         //!< number of clips kept; the oldest is replaced
-  int simulate_every = 16;         //!< steps between new clips
-  int crop = 256;                  //!< cells along each side in training
-  double crop_reach = 26;          //!< largest distance of a crop's centre, in x and in y [m]
+  int simulated_pool = 80;  //!< number of clips kept; the oldest is replaced
+  int simulate_every = 16;  //!< steps between new clips
+  int crop = 256;           //!< cells along each side in training
+  double crop_reach = 26;   //!< largest distance of a crop's centre, in x and in y [m]
   int steps = 100000;
   /** Largest batch. It determines the random draws of a pair: number of the pair = step * max_batch
    * + index in the batch. */
