@@ -199,7 +199,6 @@ class RecordingBag
       result_.boxes += tracks_->boxes(frame.index);
     }
     ++result_.scans;
-    result_.points += frame.scan.size();
   }
 
   ConversionResult finish()
@@ -331,6 +330,9 @@ class RecordingBag
       bag_.write({"/points_static", RosType::point_cloud2}, scan.stamp,
                  cloudMessage(scan, lidar_name, moving, MovingPoints::left_out));
     }
+    result_.points += scan.size() - (options_.static_only ? static_cast<std::size_t>(std::count(
+                                                                moving.begin(), moving.end(), true))
+                                                          : 0);
   }
 
   /** By the labels; empty without. \throws UserError */
