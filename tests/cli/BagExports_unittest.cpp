@@ -98,6 +98,29 @@ TEST_F(BagExports, ARunAsBag)
   EXPECT_TRUE(contains(of_part.out, "\n/points_static ")) << of_part.out;
   EXPECT_FALSE(contains(of_part.out, "\n/points ")) << of_part.out;
   EXPECT_FALSE(contains(of_part.out, "\n/map ")) << of_part.out;
+
+  // The run's map is in the frame of its own poses.
+  const Outcome along =
+      run("rawlog2bag", "-q --run " + at("campus") + " --trajectory " +
+                            at("campus/reference_tum.txt") + " -o " + at("along.mcap"));
+  EXPECT_EQ(0, along.code) << along.err;
+  EXPECT_TRUE(contains(along.err, "campus/map_static.pcd: is left out")) << along.err;
+  const Outcome of_along = run("scans2rawlog", "--list -i " + at("along.mcap"));
+  EXPECT_FALSE(contains(of_along.out, "\n/map ")) << of_along.out;
+
+  std::filesystem::remove_all(at("campus/labels"));
+  for (const std::string map : {"campus/map_static.pcd", "campus/map_static.ply"})
+  {
+    std::filesystem::remove(at(map));
+  }
+  const Outcome less = run("rawlog2bag", "-q --run " + at("campus") + " -o " + at("less.mcap"));
+  EXPECT_EQ(0, less.code) << less.err;
+  EXPECT_TRUE(contains(less.err, "campus: has no labels")) << less.err;
+  EXPECT_TRUE(contains(less.err, "campus: has no map_static.pcd")) << less.err;
+  const Outcome none =
+      run("rawlog2bag", "-q --no-scans --no-map --run " + at("campus") + " -o " + at("none.mcap"));
+  EXPECT_EQ(0, none.code) << none.err;
+  EXPECT_FALSE(contains(none.err, "campus: has no")) << "as asked for: " << none.err;
 }
 }  // namespace
 }  // namespace dyslam

@@ -13,6 +13,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <filesystem>
 #include <limits>
 #include <stdexcept>
@@ -20,6 +21,7 @@
 #include <vector>
 
 #include "DecodedMessage.h"
+#include "FullDisk.h"
 #include "SyntheticScans.h"
 #include "TestFolder.h"
 
@@ -458,6 +460,7 @@ TEST(BagExport, ScansAreChosen)
   options.source.only_first_n = 2;
   const auto result = exportBag(folder.file("x.rawlog"), folder.file("a.mcap"), options);
   EXPECT_EQ(2U, result.scans);
+  EXPECT_EQ(timedScan(1).size() + timedScan(2).size() - 4, result.points) << "without the moving";
   EXPECT_EQ(2U, result.boxes);
   const auto names = topicNames(folder.file("a.mcap"));
   EXPECT_EQ(0, std::count(names.begin(), names.end(), "/points"));
@@ -470,7 +473,7 @@ TEST(BagExport, ScansAreChosen)
 
   options.static_only = false;
   options.no_scans = true;
-  (void)exportBag(folder.file("x.rawlog"), folder.file("b.mcap"), options);
+  EXPECT_EQ(0U, exportBag(folder.file("x.rawlog"), folder.file("b.mcap"), options).points);
   const auto without = topicNames(folder.file("b.mcap"));
   EXPECT_EQ((std::vector<std::string>{"/gnss", "/ground_truth", "/imu", "/map", "/objects",
                                       "/odometry", "/path", "/tf", "/tf_static", "/wheels"}),
@@ -502,13 +505,18 @@ TEST(BagExport, ScansWithoutAPoseAreSaid)
   EXPECT_EQ(2U, topicMessages(folder.file("x.mcap"), "/tf").data.size());
   EXPECT_EQ(bag_scans, topicMessages(folder.file("x.mcap"), "/points").data.size());
   EXPECT_TRUE(hasLine(result.warnings, "two.txt: has no pose for 2 of 4 scans"));
+  EXPECT_TRUE(hasLine(result.warnings,
+                      "(scans: 1600000000.000 to 1600000000.300 s, "
+                      "poses: 1600000000.000 to 1600000000.100 s)"));
 
   Trajectory other;
   other.push_back(5, runPose(0));
   other.push_back(6, runPose(1));
   writeTum(folder.file("other.txt"), other);
   options.trajectory = folder.file("other.txt");
-  EXPECT_TRUE(contains(exportError(folder, options), "other.txt: has no pose for any scan"));
+  const std::string none = exportError(folder, options);
+  EXPECT_TRUE(contains(none, "other.txt: has no pose for any scan"));
+  EXPECT_TRUE(contains(none, "poses: 5.000 to 6.000 s)")) << none;
   EXPECT_FALSE(std::filesystem::exists(folder.file("y.mcap")));
 }
 
@@ -539,10 +547,70 @@ TEST(BagExport, WhatDoesNotFitIsSaid)
   EXPECT_TRUE(contains(exportError(folder, options), "is not a folder of .label files"));
   options.labels = folder.file("run");
   std::filesystem::remove(folder.file("run/labels/000002.label"));
-  EXPECT_TRUE(contains(exportError(folder, options), "000002.label: no such file, but scan 2"));
+  const std::string unlabelled = exportError(folder, options);
+  EXPECT_TRUE(contains(unlabelled, "000002.label: no such file, but scan 2"));
+  EXPECT_TRUE(contains(unlabelled, "(--only-first-n 2)")) << unlabelled;
+  options.source.skip_first_n = 1;
+  EXPECT_TRUE(contains(exportError(folder, options), "(--skip-first-n 1 --only-first-n 1)"));
+  options.source.skip_first_n = 2;
+  EXPECT_TRUE(contains(exportError(folder, options), "(--skip-first-n, --only-first-n)"));
   options = {};
   options.source.skip_first_n = 9;
   EXPECT_TRUE(contains(exportError(folder, options), "skip_first_n = 9: no scan is left"));
+}
+
+TEST(BagExport, PosesThatRosDoesNotHoldNameTheirFile)
+{
+  const TestFolder folder;
+  writeSensors(folder);
+  BagExportOptions options;
+  Trajectory poses;
+  poses.push_back(-0.05, runPose(0));
+  poses.push_back(timedScan(0).stamp, runPose(0));
+  writeTum(folder.file("early.txt"), poses);
+  options.trajectory = folder.file("early.txt");
+  EXPECT_TRUE(
+      contains(exportError(folder, options),
+               folder.file("early.txt") + ": the time stamp -0.050 s is none that ROS 2 holds"));
+}
+
+TEST(BagExport, ADiskThatIsFullIsNoFaultOfTheMap)
+{
+  const TestFolder folder;
+  writeSensors(folder);
+  BagExportOptions options = writeRun(folder);
+  // More than a chunk, so that the map is written at once.
+  std::vector<Eigen::Vector3f> points(500000);
+  for (std::size_t i = 0; i < points.size(); ++i)
+  {
+    points[i] = {static_cast<float>(i), std::sin(static_cast<float>(i)), 1};
+  }
+  writePcd(options.map, points, std::vector<float>(points.size(), 0.5F));
+  const test::FullDisk disk(10000);
+  const std::string error = exportError(folder, options);
+  EXPECT_EQ(0U, error.find(folder.file("y.mcap") + ": cannot be written")) << error;
+  EXPECT_FALSE(contains(error, "--no-map")) << error;
+}
+
+TEST(BagExport, AfterDamageTheScansBeforeCanBeChosen)
+{
+  const TestFolder folder;
+  RawlogWriter writer(folder.file("whole.rawlog"));
+  for (std::size_t i = 0; i < bag_scans; ++i)
+  {
+    writer.write(timedScan(i), somePose(i));
+  }
+  writer.close();
+  const std::string whole = folder.read("whole.rawlog");
+  folder.write("x.rawlog", whole.substr(0, whole.size() - 16));
+  BagExportOptions options;
+  options.source.skip_first_n = 1;
+  const std::string error = exportError(folder, options);
+  EXPECT_TRUE(contains(error, "is cut short")) << error;
+  const std::string advice = "; the scans before it can be written with --skip-first-n 1 ";
+  ASSERT_TRUE(contains(error, advice + "--only-first-n 2")) << error;
+  options.source.only_first_n = 2;
+  EXPECT_EQ(2U, exportBag(folder.file("x.rawlog"), folder.file("y.mcap"), options).scans);
 }
 
 TEST(BagExport, NothingOfOthersIsTouchedAndNothingHalfStays)

@@ -3,6 +3,7 @@
 #include <dyslam/base/Files.h>
 #include <dyslam/base/Printable.h>
 #include <dyslam/core/Labels.h>
+#include <dyslam/core/TimeRange.h>
 #include <dyslam/formats/LabelFiles.h>
 #include <dyslam/formats/ScanFiles.h>
 #include <dyslam/formats/TextFile.h>
@@ -101,6 +102,55 @@ std::string labelFolder(const std::string& given)
   return *labels;
 }
 
+/** A message of what a file has. \param encode makes it \param advice ends the error's text
+ * \throws UserError naming the file, if ROS 2 has no such message. */
+template <typename Encode>
+std::string encodedFrom(const std::string& file, const std::string& advice, const Encode& encode)
+{
+  try
+  {
+    return encode();
+  }
+  catch (const UserError& error)
+  {
+    throw UserError(file + ": " + error.what() + " (" + advice + ")");
+  }
+}
+
+/** Flags that choose the first scans of a range: "--skip-first-n 20 --only-first-n 40". */
+std::string flagsOfFirst(const ScanRange& range, std::size_t scans)
+{
+  std::string flags;
+  if (range.skip_first_n > 0)
+  {
+    flags += "--skip-first-n " + std::to_string(range.skip_first_n) + " ";
+  }
+  if (range.start > 0)
+  {
+    flags += formatted("--start %.10g ", range.start);
+  }
+  return flags + "--only-first-n " + std::to_string(scans);
+}
+
+/** The next scan. \param before number of scans read before it \throws UserError after damage,
+ * with the flags that choose the scans before it. */
+std::optional<Frame> nextFrame(RawlogSource& source, const ScanRange& range, std::size_t before)
+{
+  try
+  {
+    return source.next();
+  }
+  catch (const UserError& error)
+  {
+    if (before == 0)
+    {
+      throw;
+    }
+    throw UserError(std::string(error.what()) + "; the scans before it can be written with " +
+                    flagsOfFirst(range, before));
+  }
+}
+
 /** One bag while it is written; removed with the object unless finish() was called. */
 class RecordingBag
 {
@@ -124,6 +174,8 @@ class RecordingBag
   {
     const double stamp = frame.scan.stamp;
     requireStamp(frame);
+    first_stamp_ = result_.scans == 0 ? stamp : first_stamp_;
+    last_stamp_ = stamp;
     samples_.take(frame, bag_);
     bag_.place(lidar_name, frame.scan.T_vehicle_lidar);
     bag_.writeSensors(std::min(samples_.oldest().value_or(stamp), stamp));
@@ -147,7 +199,6 @@ class RecordingBag
       result_.boxes += tracks_->boxes(frame.index);
     }
     ++result_.scans;
-    result_.points += frame.scan.size();
   }
 
   ConversionResult finish()
@@ -249,7 +300,9 @@ class RecordingBag
   /** Path and map. \throws UserError */
   void writeOnce(double stamp)
   {
-    bag_.write({"/path", RosType::path, true}, stamp, pathMessage(stamp, map_name, poses_));
+    bag_.write({"/path", RosType::path, true}, stamp,
+               encodedFrom(options_.trajectory, "--trajectory",
+                           [&] { return pathMessage(stamp, map_name, poses_); }));
     if (options_.map.empty())
     {
       return;
@@ -258,14 +311,9 @@ class RecordingBag
     map.stamp = stamp;
     map.time.clear();
     map.ring.clear();
-    try
-    {
-      bag_.write({"/map", RosType::point_cloud2, true}, stamp, cloudMessage(map, map_name));
-    }
-    catch (const UserError& error)
-    {
-      throw UserError(options_.map + ": " + error.what() + " (--no-map leaves it out)");
-    }
+    bag_.write({"/map", RosType::point_cloud2, true}, stamp,
+               encodedFrom(options_.map, "--no-map leaves it out",
+                           [&] { return cloudMessage(map, map_name); }));
   }
 
   void writeScan(const Frame& frame)
@@ -282,6 +330,9 @@ class RecordingBag
       bag_.write({"/points_static", RosType::point_cloud2}, scan.stamp,
                  cloudMessage(scan, lidar_name, moving, MovingPoints::left_out));
     }
+    result_.points += scan.size() - (options_.static_only ? static_cast<std::size_t>(std::count(
+                                                                moving.begin(), moving.end(), true))
+                                                          : 0);
   }
 
   /** By the labels; empty without. \throws UserError */
@@ -296,9 +347,10 @@ class RecordingBag
     if (!fs::exists(path))
     {
       throw UserError(path + ": no such file, but scan " + std::to_string(frame.index) +
-                      " needs its labels; write only scans that have them (--skip-first-n, "
-                      "--only-first-n); those of an unfinished run end early, dyslam --resume "
-                      "completes it");
+                      " needs its labels; write only scans that have them (" +
+                      (result_.scans == 0 ? "--skip-first-n, --only-first-n"
+                                          : flagsOfFirst(options_.source, result_.scans)) +
+                      "); those of an unfinished run end early, dyslam --resume completes it");
     }
     moving.reserve(frame.scan.size());
     for (const Label label : readLabels(path, frame.scan.size()))
@@ -315,15 +367,21 @@ class RecordingBag
     if (result_.poses == 0)
     {
       throw UserError(options_.trajectory + ": has no pose for any scan of " + rawlog_ +
-                      "; are they of one recording?");
+                      "; are they of one recording? " + times());
     }
     if (result_.poses < result_.scans)
     {
       result_.warnings.push_back(options_.trajectory + ": has no pose for " +
                                  std::to_string(result_.scans - result_.poses) + " of " +
                                  counted(result_.scans, "scan") +
-                                 ", which are written without a transform and objects");
+                                 ", which are written without a transform and objects " + times());
     }
+  }
+
+  /** Those of scans and poses: "(scans: 10.000 to 20.000 s, poses: 5.000 to 6.000 s)". */
+  [[nodiscard]] std::string times() const
+  {
+    return "(scans: " + timesFrom(first_stamp_, last_stamp_) + ", poses: " + timesOf(poses_) + ")";
   }
 
   const std::string& rawlog_;
@@ -334,6 +392,8 @@ class RecordingBag
   std::optional<TrackMarkers> tracks_;
   SampleMessages samples_;
   std::optional<Pose> T_map_world_;  //!< from the frame of the true poses
+  double first_stamp_ = 0;           //!< of the scans [s]
+  double last_stamp_ = 0;            //!< of the scans so far [s]
   ConversionResult result_;
 };
 }  // namespace
@@ -356,7 +416,7 @@ ConversionResult exportBag(const std::string& rawlog,
   }
   RecordingBag bag(rawlog, output, options);
   std::size_t count = 0;
-  while (const auto frame = source.next())
+  while (const auto frame = nextFrame(source, options.source, count))
   {
     bag.add(*frame);
     ++count;

@@ -30,7 +30,8 @@ struct BagExportOptions
  * same bytes.
  *
  * The bag is written under a temporary name. If `progress` throws, it is removed.
- * \throws UserError, also if the file is there already. */
+ * \throws UserError, also if the file is there already; after damage of the rawlog no bag is
+ * written, and the message has the flags of the scans before it. */
 ConversionResult exportBag(const std::string& rawlog,
                            const std::string& output,
                            const BagExportOptions& options,
