@@ -4,6 +4,7 @@
 #include <dyslam/base/Config.h>
 #include <dyslam/base/Error.h>
 #include <dyslam/base/Files.h>
+#include <dyslam/formats/RunFiles.h>
 #include <dyslam/mapbuilder/MapRun.h>
 
 #include <filesystem>
@@ -15,20 +16,6 @@ namespace dyslam
 {
 namespace
 {
-/** The static map of a run; empty if it has none. */
-std::string mapOf(const std::string& run)
-{
-  for (const char* name : {"map_static.pcd", "map_static.ply"})
-  {
-    const std::filesystem::path path = std::filesystem::path(run) / name;
-    if (std::filesystem::is_regular_file(path))
-    {
-      return path.string();
-    }
-  }
-  return "";
-}
-
 /** Completes the map from a run, unless the poses are others. */
 void completeMap(const std::string& run, Arguments& arguments)
 {
@@ -37,7 +24,7 @@ void completeMap(const std::string& run, Arguments& arguments)
   {
     return;
   }
-  const std::string map = mapOf(run);
+  const std::string map = staticMapOfRun(run);
   const auto own = std::filesystem::path(run) / "trajectory_tum.txt";
   if (map.empty())
   {

@@ -42,4 +42,17 @@ std::string recordingOfRun(const std::string& folder, const std::string& input)
       !name.empty() && !std::filesystem::exists(input) && std::filesystem::exists(beside);
   return moved ? beside.string() : input;
 }
+
+std::string staticMapOfRun(const std::string& folder)
+{
+  for (const char* name : {"map_static.pcd", "map_static.ply"})
+  {
+    const auto path = std::filesystem::path(folder) / name;
+    if (std::filesystem::is_regular_file(path))
+    {
+      return path.string();
+    }
+  }
+  return "";
+}
 }  // namespace dyslam

@@ -32,4 +32,14 @@ TEST(RunFiles, AConvertedRecordingIsMovedWithItsRun)
   folder.write("before/recording.rawlog", "");
   EXPECT_EQ(recordingOfRun(folder.file("run"), before), before);
 }
+
+TEST(RunFiles, TheMapIsOfEitherFormat)
+{
+  const TestFolder folder;
+  EXPECT_EQ(staticMapOfRun(folder.path()), "");
+  const std::string ply = folder.write("map_static.ply", "");
+  EXPECT_EQ(staticMapOfRun(folder.path()), ply);
+  const std::string pcd = folder.write("map_static.pcd", "");
+  EXPECT_EQ(staticMapOfRun(folder.path()), pcd);
+}
 }  // namespace dyslam

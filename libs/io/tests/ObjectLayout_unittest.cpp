@@ -119,7 +119,7 @@ CObservation::Ptr picture()
   return named(image);
 }
 
-std::vector<CObservation::Ptr> scans()
+std::vector<CObservation::Ptr> scanObjects()
 {
   return {cloud<mrpt::maps::CSimplePointsMap>(),
           cloud<mrpt::maps::CPointsMapXYZI>(),
@@ -157,7 +157,7 @@ std::string renamed(std::string bytes, const std::string& from, const std::strin
 TEST(ObjectLayout, EveryClassWithAllItsPartsIsRead)
 {
   const TestFolder folder;
-  auto all = scans();
+  auto all = scanObjects();
   all.push_back(named(CObservationRobotPose::Create()));
   for (const auto& scan : all)
   {
@@ -338,7 +338,7 @@ TEST(ObjectLayout, NoCountTakesMemoryThatTheFileHasNot)
   const TestFolder folder;
   [[maybe_unused]] const long before = peakMegabytes();
   std::size_t refused = 0;
-  for (const auto& scan : scans())
+  for (const auto& scan : scanObjects())
   {
     const std::string whole = bytesOf(*scan);
     for (std::size_t at = 0; at + sizeof(std::uint32_t) <= whole.size(); ++at)

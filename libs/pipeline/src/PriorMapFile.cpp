@@ -3,6 +3,7 @@
 
 #include <dyslam/base/Error.h>
 #include <dyslam/base/Printable.h>
+#include <dyslam/formats/RunFiles.h>
 #include <dyslam/formats/ScanFiles.h>
 
 #include <algorithm>
@@ -29,18 +30,15 @@ std::string cloudOf(const std::string& path)
   {
     return path;
   }
-  for (const char* name : {"map_static.pcd", "map_static.ply"})
+  const std::string map = staticMapOfRun(path);
+  if (map.empty())
   {
-    const fs::path cloud = fs::path(path) / name;
-    if (fs::exists(cloud))
-    {
-      return cloud.string();
-    }
+    throw UserError("prior_map.file: " + path +
+                    ": has no map_static.pcd or map_static.ply; give a map file, which dyslam-map "
+                    "--run " +
+                    path + " -o map.pcd writes");
   }
-  throw UserError("prior_map.file: " + path +
-                  ": has no map_static.pcd or map_static.ply; give a map file, which dyslam-map "
-                  "--run " +
-                  path + " -o map.pcd writes");
+  return map;
 }
 }  // namespace
 

@@ -21,4 +21,7 @@ constexpr const char* converted_rawlog_name = "recording.rawlog";
  * folder of the run, if there is one. A converted recording is moved with that folder.
  * \param input as in report.json of the run */
 [[nodiscard]] std::string recordingOfRun(const std::string& folder, const std::string& input);
+
+/** Path of the static map of a run, map_static.pcd or map_static.ply; empty if it has neither. */
+[[nodiscard]] std::string staticMapOfRun(const std::string& folder);
 }  // namespace dyslam
