@@ -201,6 +201,40 @@ TEST(BagExport, TheOdometryHasTheVelocityInTheVehiclesAxes)
   }
 }
 
+/** By the frame `map`, which other programs use for their results, too. */
+TEST(BagExport, TheOdometryOfARunIsNeitherASensorNorTrue)
+{
+  const TestFolder folder;
+  writeSensors(folder);
+  const std::string bag = folder.file("x.mcap");
+  (void)exportBag(folder.file("x.rawlog"), bag, writeRun(folder));
+  const std::string listing = listingOf(*openBag(bag));
+  const auto rowOf = [&listing](const std::string& topic)
+  {
+    const auto at = listing.find("\n" + topic + " ");
+    return at == std::string::npos ? "" : listing.substr(at + 1, listing.find('\n', at + 1) - at);
+  };
+  EXPECT_TRUE(contains(rowOf("/odometry"), "map  <- result of a SLAM, no wheel odometry"))
+      << listing;
+  EXPECT_TRUE(contains(rowOf("/wheels"), "<- for --odometry-topic")) << listing;
+
+  const auto warningsWith = [&](const std::string& odometry, const std::string& truth)
+  {
+    ScanConverterOptions options;
+    options.base_frame = "base_link";
+    options.odometry_topic = odometry;
+    options.truth_topic = truth;
+    return convertScans(bag, folder.file("y.rawlog"), options).warnings;
+  };
+  EXPECT_TRUE(hasLine(warningsWith("/odometry", ""), "/odometry: is in the frame 'map'"));
+  for (const std::string truth : {"/odometry", "/tf"})
+  {
+    EXPECT_TRUE(hasLine(warningsWith("", truth), truth + ": is in the frame 'map': if it is"))
+        << truth;
+  }
+  EXPECT_FALSE(hasLine(warningsWith("/wheels", "/ground_truth"), "in the frame 'map'"));
+}
+
 TEST(BagExport, LabelsMarkTheMovingPoints)
 {
   const TestFolder folder;
