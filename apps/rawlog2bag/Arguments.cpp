@@ -42,6 +42,19 @@ void completeMap(const std::string& run, Arguments& arguments)
     o.map = map;
   }
 }
+/** Completes the covariances of a run's own poses. */
+void completeMotions(const std::string& run, BagExportOptions& options)
+{
+  const std::filesystem::path folder(run);
+  const auto isPoses = [&](const char* name)
+  { return isSamePath(options.trajectory, (folder / name).string()); };
+  const auto motions = folder / "motions.csv";
+  if ((isPoses("trajectory_tum.txt") || isPoses("odometry_tum.txt")) &&
+      std::filesystem::is_regular_file(motions))
+  {
+    options.motions = motions.string();
+  }
+}
 }  // namespace
 
 void declare(CLI::App& app, Arguments& arguments)
@@ -91,6 +104,7 @@ void completeFrom(const std::string& run, Arguments& arguments)
   o.labels = recording.scans.labels;
   o.tracks = recording.scans.tracks;
   completeMap(run, arguments);
+  completeMotions(run, o);
   if (o.labels.empty() && !o.no_scans)
   {
     arguments.missing.push_back(run +
