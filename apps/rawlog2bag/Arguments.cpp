@@ -65,8 +65,9 @@ void declare(CLI::App& app, Arguments& arguments)
       "satellite positions, objects, path, map");
   app.add_option("-i,--input", arguments.input, "rawlog");
   app.add_option("--run", arguments.run,
-                 "DIR: output folder of dyslam, which names the rawlog and has trajectory, labels, "
-                 "tracks and map; --input, --trajectory (then without its map), --labels, --tracks "
+                 "DIR: output folder of dyslam, which names the rawlog and has trajectory (with "
+                 "covariances), labels, tracks and map; --input, --trajectory (then without its "
+                 "map), --labels, --tracks "
                  "and --map replace its own");
   addOutputFile(app, "-o,--output", arguments.output, "bag to write: a .mcap file")->required();
   app.add_flag("--force", o.force, "replace an earlier file");
