@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <csignal>
 #include <exception>
 #include <filesystem>
 #include <functional>
@@ -242,6 +243,9 @@ int runApp(int argc,
     std::cerr << errorLine(name, message) << std::endl;
     return 1;
   };
+  // A file beyond `ulimit -f` is then an error of its writer, as on a full disk, and ends no
+  // program.
+  std::signal(SIGXFSZ, SIG_IGN);
   CLI::App app;
   app.name(name);
   app.set_version_flag("--version", std::string(DYSLAM_VERSION));

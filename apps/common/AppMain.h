@@ -17,7 +17,8 @@ class UnusableResult : public std::runtime_error
 /** Body of main() of every program.
  *
  * `declare` adds flags to the parser, `run` works. Returns 0 on success, --help and --version, 1 on
- * every error and 2 on UnusableResult, with one line on stderr: `<app>: <message>`.
+ * every error and 2 on UnusableResult, with one line on stderr: `<app>: <message>`. A file that
+ * exceeds the limit of the shell (`ulimit -f`) is an error, too, and not a signal.
  */
 int runApp(int argc,
            char** argv,

@@ -3,6 +3,8 @@
 
 #include <dyslam/base/Error.h>
 #include <dyslam/base/PendingFile.h>
+#include <dyslam/base/Printable.h>
+#include <dyslam/base/Words.h>
 #include <dyslam/benchmarks/SplitTables.h>
 
 #include <iostream>
@@ -46,12 +48,23 @@ std::vector<RunColumn> columnsOf(const std::vector<std::string>& texts, const st
   return columns;
 }
 
-std::string tablesOf(const TablesArguments& a)
+/** \throws UserError also at the end, if a run cannot be read. */
+void writeTables(const TablesArguments& a)
 {
   const SplitColumns columns{a.whole, columnsOf(a.odometry, "--odometry"),
                              columnsOf(a.labels, "--labels")};
-  return splitMarkdown(readDrives(a.runs, columns, a.metrics.options(), printNote), columns,
-                       a.metrics.lengths.lengths);
+  const SplitRuns runs = readDrives(a.runs, columns, a.metrics.options(), printNote);
+  const std::string text = splitMarkdown(runs.drives, columns, a.metrics.lengths.lengths);
+  std::cout << text;
+  if (!a.markdown.empty())
+  {
+    writeWhole(a.markdown, text);
+  }
+  if (!runs.failed.empty())
+  {
+    throw UserError("the tables are without " + counted(runs.failed.size(), "run") +
+                    " that cannot be read: " + joined(runs.failed));
+  }
 }
 }  // namespace
 
@@ -74,14 +87,6 @@ Subcommand tablesCommand(CLI::App& app)
       ->capture_default_str();
   addOutputFile(*sub, "--markdown", a->markdown, "write the tables to this file, too");
   a->metrics.declare(*sub);
-  return {sub, [a]
-          {
-            const std::string text = tablesOf(*a);
-            std::cout << text;
-            if (!a->markdown.empty())
-            {
-              writeWhole(a->markdown, text);
-            }
-          }};
+  return {sub, [a] { writeTables(*a); }};
 }
 }  // namespace dyslam

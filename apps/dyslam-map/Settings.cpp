@@ -180,7 +180,7 @@ std::string ownerOf(const std::string& section, bool merging)
     return "; the section [" + section + "] is for " +
            (merging ? "maps of a single recording" : "--merge");
   }
-  const std::string owner = has(SlamRun::sections()) ? "dyslam" : programOfSection(section);
+  const std::string owner = programOfSection(section);
   return owner.empty() ? "" : "; the section [" + section + "] belongs to " + owner;
 }
 

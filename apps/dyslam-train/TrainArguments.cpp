@@ -71,6 +71,7 @@ Config TrainArguments::loadConfig(const std::string& network) const
     loaded.set(assignment);
   }
   requireNoneOfTheOther(loaded, network);
+  loaded.requireSectionsFor(program);
   return loaded;
 }
 

@@ -42,6 +42,19 @@ void completeMap(const std::string& run, Arguments& arguments)
     o.map = map;
   }
 }
+/** Completes the covariances of a run's own poses. */
+void completeMotions(const std::string& run, BagExportOptions& options)
+{
+  const std::filesystem::path folder(run);
+  const auto isPoses = [&](const char* name)
+  { return isSamePath(options.trajectory, (folder / name).string()); };
+  const auto motions = folder / "motions.csv";
+  if ((isPoses("trajectory_tum.txt") || isPoses("odometry_tum.txt")) &&
+      std::filesystem::is_regular_file(motions))
+  {
+    options.motions = motions.string();
+  }
+}
 }  // namespace
 
 void declare(CLI::App& app, Arguments& arguments)
@@ -52,8 +65,9 @@ void declare(CLI::App& app, Arguments& arguments)
       "satellite positions, objects, path, map");
   app.add_option("-i,--input", arguments.input, "rawlog");
   app.add_option("--run", arguments.run,
-                 "DIR: output folder of dyslam, which names the rawlog and has trajectory, labels, "
-                 "tracks and map; --input, --trajectory (then without its map), --labels, --tracks "
+                 "DIR: output folder of dyslam, which names the rawlog and has trajectory (with "
+                 "covariances), labels, tracks and map; --input, --trajectory (then without its "
+                 "map), --labels, --tracks "
                  "and --map replace its own");
   addOutputFile(app, "-o,--output", arguments.output, "bag to write: a .mcap file")->required();
   app.add_flag("--force", o.force, "replace an earlier file");
@@ -91,6 +105,7 @@ void completeFrom(const std::string& run, Arguments& arguments)
   o.labels = recording.scans.labels;
   o.tracks = recording.scans.tracks;
   completeMap(run, arguments);
+  completeMotions(run, o);
   if (o.labels.empty() && !o.no_scans)
   {
     arguments.missing.push_back(run +

@@ -223,6 +223,24 @@ TEST_F(SplitTables, NameTheSplitOfARun)
       << run.out;
 }
 
+TEST_F(SplitTables, AreWithoutARunThatCannotBeRead)
+{
+  ASSERT_EQ(result.code, 0) << result.err;
+  const std::string runs = folder + "/tables/runs";
+  fs::create_directories(runs + "/validation_09/gicp");
+  const Outcome tables = runProgram("dyslam-eval", "tables " + runs + " --lengths 1,2", folder);
+  EXPECT_EQ(tables.code, 1);
+  EXPECT_EQ(tables.out, result.out);
+  EXPECT_NE(tables.err.find("note: " + runs + "/validation_09/gicp: not evaluated: "),
+            std::string::npos)
+      << tables.err;
+  EXPECT_NE(tables.err.find("the tables are without 1 run that cannot be read: " + runs +
+                            "/validation_09/gicp\n"),
+            std::string::npos)
+      << tables.err;
+  fs::remove(runs + "/validation_09/gicp");
+}
+
 TEST_F(SplitTables, SayWhatIsWrong)
 {
   const Outcome split = make("-s training");

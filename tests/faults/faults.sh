@@ -39,7 +39,7 @@ whole_results() { # of a run that came to an end, early or not
 }
 
 disk_full() { # a disk that takes no file over 40 kB
-  (trap '' XFSZ; ulimit -f 40; slam a --only-first-n 10)
+  (ulimit -f 40; slam a --only-first-n 10)
   check test $? -eq 1
   check grep -q 'replay.rawlog: cannot be written' a.err
   check grep -q 'not_written' a/report.json
@@ -52,7 +52,7 @@ disk_full() { # a disk that takes no file over 40 kB
 disk_too_small_for_memory() { # files are limited to 2 MB; the swapped data need 4.6 MB
   local file
   check slam n --only-first-n 80 --set output.replay=false
-  (trap '' XFSZ; ulimit -f 2000; slam o --only-first-n 80 --set memory.limit=1 --set output.replay=false)
+  (ulimit -f 2000; slam o --only-first-n 80 --set memory.limit=1 --set output.replay=false)
   check test $? -eq 0
   for file in trajectory_tum.txt keyframes.simplemap map_static.ply graph.g2o tracks.txt; do
     check cmp "n/$file" "o/$file"
@@ -183,14 +183,22 @@ conversion_on_a_full_disk() {
   # 300,000 points that compress badly
   python3 -c 'import array, random
 array.array("f", (random.uniform(0, 50) for _ in range(1200000))).tofile(open("h/0.bin", "wb"))'
-  (trap '' XFSZ; ulimit -f 40; "$bin/scans2rawlog" -q --force -i h -o h.rawlog >h.out 2>h.err)
+  (ulimit -f 40; "$bin/scans2rawlog" -q --force -i h -o h.rawlog >h.out 2>h.err)
   check test $? -eq 1
   check grep -q 'h.rawlog: cannot be written' h.err
   check grep -qx earlier h.rawlog
   check test ! -e h.rawlog.tmp
 }
+bag_on_a_full_disk() {
+  check slam r --only-first-n 10
+  (ulimit -f 40; "$bin/rawlog2bag" -q --run r -o r.mcap >r.out 2>r.bag.err)
+  check test $? -eq 1
+  check grep -q '^rawlog2bag: r.mcap: cannot be written' r.bag.err
+  check test "$(wc -l <r.bag.err)" -eq 1
+  check test ! -e r.mcap -a ! -e r.mcap.tmp
+}
 batch_on_a_full_disk() { # a disk that takes nothing
-  (trap '' XFSZ; ulimit -f 0; timeout 120 "$bin/dyslam-batch" "$source/rawlog" -o q 2>&1; echo "code $?") | cat >q.out
+  (ulimit -f 0; timeout 120 "$bin/dyslam-batch" "$source/rawlog" -o q 2>&1; echo "code $?") | cat >q.out
   check grep -qx 'code 1' q.out
   check test "$(grep -c ': failed, .*/manifest.json: cannot be written' q.out)" -eq 2
   check grep -q 'batch.json: cannot be written' q.out
@@ -242,6 +250,7 @@ must input_cut_in_mid_run "all results of the scans before the cut, and the reas
 must links "files that links point to stay as they are"
 must disk_too_small_for_memory "memory grows instead, the results are the same, a warning says so"
 must conversion_on_a_full_disk "the earlier file stays, nothing half is left, exit code 1"
+must bag_on_a_full_disk "nothing half is left, exit code 1"
 must batch_on_a_full_disk "every recording is a failure that names the file, exit code 1"
 must output_that_takes_nothing "a full standard output is an error"
 must name_that_is_no_text "a folder name that is not UTF-8 still gives valid JSON"

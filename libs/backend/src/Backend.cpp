@@ -321,7 +321,15 @@ const std::optional<Gravity>& Backend::gravity() const
 
 std::optional<PriorMapFit> Backend::priorMapFit() const
 {
-  return state_->localiser.hasMap() ? std::optional(state_->localiser.fit()) : std::nullopt;
+  const State& s = *state_;
+  if (!s.localiser.hasMap())
+  {
+    return std::nullopt;
+  }
+  PriorMapFit fit = s.localiser.fit();
+  fit.registered = s.stretches.localisations();
+  fit.rmse = s.stretches.rmse();
+  return fit;
 }
 
 const OptimisationResult& Backend::lastOptimisation() const

@@ -8,6 +8,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <memory>
 #include <vector>
@@ -107,7 +108,11 @@ TEST(LocalisedStretches, AWrongOneIsRemovedOnceTheNextFitsTheOneBefore)
 {
   StretchedLine line(Pose::Identity());
   LocalisedStretches stretches(line.keyframes, line.graph);
-  const std::vector<MapFix> wrong = line.fixes(64, 75, poseFromYpr(-12, 3, 0, 0.1, 0, 0));
+  std::vector<MapFix> wrong = line.fixes(64, 75, poseFromYpr(-12, 3, 0, 0.1, 0, 0));
+  for (MapFix& fix : wrong)
+  {
+    fix.rmse = 0.1;
+  }
   for (const auto& fixes : {line.fixes(0, 57), wrong})
   {
     EXPECT_TRUE(stretches.begin(fixes).empty());
@@ -116,6 +121,8 @@ TEST(LocalisedStretches, AWrongOneIsRemovedOnceTheNextFitsTheOneBefore)
   EXPECT_LT(line.odometryAt(60), 1e3);
   (void)line.graph.optimise({});
   EXPECT_GT(line.error(), 5) << "so far the odometry counts as wrong";
+  EXPECT_EQ(stretches.localisations(), 29U + wrong.size());
+  EXPECT_NEAR(stretches.rmse(), std::sqrt((29 * 0.02 * 0.02 + 6 * 0.1 * 0.1) / 35), 1e-12);
   StateArchive saved;
   stretches.exchangeState(saved);
   StateArchive archive(saved.bytes());
@@ -128,6 +135,8 @@ TEST(LocalisedStretches, AWrongOneIsRemovedOnceTheNextFitsTheOneBefore)
   EXPECT_NEAR(line.odometryAt(60), 1e4, 1e-6);
   EXPECT_NEAR(line.odometryAt(100), 1e4, 1e-6);
   EXPECT_EQ(line.graph.factorsOf(Key::priorMap()).size(), 29U + last.size());
+  EXPECT_EQ(loaded.localisations(), 29U + last.size()) << "without those that were removed";
+  EXPECT_NEAR(loaded.rmse(), 0.02, 1e-12);
   (void)line.graph.optimise({});
   EXPECT_LT(line.error(), 0.05);
 }
@@ -150,6 +159,10 @@ TEST(LocalisedStretches, WeakFixesOfTheTimeInBetweenAreRemovedAfterASlip)
     // Keyframes 64 and 66 are registered again, 60 and 62 are not.
     EXPECT_EQ(stretches.begin(line.fixes(64, 75)).size(), slip > 0 ? 4U : 2U);
     EXPECT_EQ(line.graph.factorsOf(Key::priorMap()).size(), before.size() + (slip > 0 ? 0 : 2));
+    EXPECT_EQ(stretches.localisations(), before.size() + (slip > 0 ? 0 : 2));
+    (void)stretches.add(line.fixes(64, 75));
+    EXPECT_EQ(stretches.localisations(), line.graph.factorsOf(Key::priorMap()).size())
+        << "keyframes that are registered again count once";
   }
 }
 

@@ -137,6 +137,7 @@ TEST(Localisation, IsFoundAgainAfterTheOdometrySlipped)
   EXPECT_TRUE(run.fit().reason.empty());
   EXPECT_EQ(run.fit().found_again, 1U);
   EXPECT_LE(run.fit().registered, run.fit().tried);
+  EXPECT_EQ(run.fit().registered, run.backend.factorGraph().factorsOf(Key::priorMap()).size());
   const Trajectory trajectory = run.backend.optimisedTrajectory();
   for (std::size_t i = 0; i < truth.size(); ++i)
   {

@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <array>
 #include <filesystem>
+#include <iterator>
 #include <sstream>
 #include <utility>
 
@@ -17,6 +18,13 @@ namespace dyslam
 {
 namespace
 {
+/** Those of SlamRun::sections(), for programs that are built without it. */
+constexpr const char* sections_of_dyslam =
+    "backend boxes detection_noise detector dylo dyseg dyseg_network fusion gicp gnss gravity "
+    "icp_po2pl icp_po2po input labels loam loam_no_mapping loop map memory motion "
+    "motion_sensors objects odometry output pipeline preprocess prior_map refine replay "
+    "report residual sensor solver start track_smoothing tracker uncertainty";
+
 constexpr const char* set_flag = "--set ";  // prefix of Value::origin for values of --set
 
 std::string trimmed(const std::string& text)
@@ -259,7 +267,9 @@ void Config::requireKnownSections(const std::vector<std::string>& known) const
     {
       const Section& keys = section(name);
       const bool has_one_key = keys.size() == 1;
-      const std::string owner = programOfSection(name);
+      // Several programs share sections with dyslam: there the known ones say more than its name.
+      const std::string program = programOfSection(name);
+      const std::string owner = program == "dyslam" ? "" : program;
       const std::string what = owner.empty() ? "unknown section '" + name + "'"
                                              : "the section [" + name + "] belongs to " + owner;
       throw UnknownSetting(origin + ": " + what, owner.empty() ? meantWord(name, known) : "",
@@ -269,8 +279,28 @@ void Config::requireKnownSections(const std::vector<std::string>& known) const
   }
 }
 
+void Config::requireSectionsFor(const std::string& program) const
+{
+  for (const auto& [name, origin] : section_origin_)
+  {
+    const std::string owner = programOfSection(name);
+    // "dyslam-train" has what all of its commands have.
+    if (!owner.empty() && (program + " ").rfind(owner + " ", 0) != 0)
+    {
+      throw UserError(origin + ": the section [" + name + "] belongs to " + owner + ", not to " +
+                      program);
+    }
+  }
+}
+
 std::string programOfSection(const std::string& section)
 {
+  std::istringstream of_dyslam(sections_of_dyslam);
+  const std::istream_iterator<std::string> end;
+  if (std::find(std::istream_iterator<std::string>(of_dyslam), end, section) != end)
+  {
+    return "dyslam";
+  }
   constexpr std::array<std::pair<const char*, const char*>, 8> programs = {
       {{"augmentation", "dyslam-train"},
        {"data", "dyslam-train dylo"},

@@ -61,6 +61,18 @@ std::string namesIn(const std::string& folder,
   }
   return text;
 }
+
+/** Where weights are that the Debian package of the programs does not contain, to follow a message;
+ * empty for other files. They are listed in cmake/DySLAMInstall.cmake, too. */
+std::string packageWith(const std::string& path, const std::string& extension)
+{
+  const bool is_in_weights =
+      extension == ".safetensors" && (path == "dylo" || path == "dylo.safetensors" ||
+                                      path == "dyseg" || path == "dyseg.safetensors");
+  return is_in_weights ? "; of the Debian packages, dyslam-weights-noncommercial has these "
+                         "weights (for non-commercial use only)"
+                       : "";
+}
 }  // namespace
 
 std::vector<std::string> sharedFiles(const std::string& folder, const std::string& extension)
@@ -115,6 +127,7 @@ std::string findGivenOrShared(const std::string& path,
                   (known.empty() ? "" : "; give a path or one of: " + known) +
                   (lacks_shared ? "; if it is a shipped one: set DYSLAM_SHARE to the folder "
                                   "share/dyslam"
-                                : ""));
+                                : "") +
+                  packageWith(path, extension));
 }
 }  // namespace dyslam

@@ -303,6 +303,34 @@ TEST(Config, ASectionOfAnotherProgramIsNamedWithIt)
       "key of [other]: --set other.resolution=0.5",
       errorOfProgram(assigned));
   EXPECT_EQ("", programOfSection("trains"));
+  const std::string of_dyslam =
+      errorOfProgram(Config::fromText("[odometry]\nmethod = gicp\n", "a.ini"));
+  EXPECT_EQ(0U, of_dyslam.find("a.ini:1: unknown section 'odometry'; ")) << of_dyslam;
+  EXPECT_TRUE(contains(of_dyslam, "(one of: sample, other)")) << of_dyslam;
+}
+
+TEST(Config, SectionsForAnotherProgramAreRefused)
+{
+  const auto message = [](const std::string& section, const std::string& program)
+  {
+    const Config config = Config::fromText("[train]\n\n[" + section + "]\nx = 1\n", "a.ini");
+    return messageOfError<UserError>([&] { config.requireSectionsFor(program); });
+  };
+  EXPECT_EQ("a.ini:3: the section [map] belongs to dyslam, not to dyslam-train dylo",
+            message("map", "dyslam-train dylo"));
+  EXPECT_EQ("a.ini:3: the section [merge] belongs to dyslam-map, not to dyslam-train dyseg",
+            message("merge", "dyslam-train dyseg"));
+  EXPECT_EQ("a.ini:3: the section [data] belongs to dyslam-train dylo, not to dyslam-train dyseg",
+            message("data", "dyslam-train dyseg"));
+  Config fitting = Config::fromText("[train]\nsteps = 1\n[mapp]\nx = 1\n", "a.ini");
+  fitting.set("data.base=1");
+  EXPECT_NO_THROW(fitting.requireSectionsFor("dyslam-train dylo"))
+      << "a section that no program has is an error elsewhere";
+  fitting.set("odometry.method=gicp");
+  EXPECT_EQ(
+      "--set odometry.method: the section [odometry] belongs to dyslam, not to "
+      "dyslam-train dylo",
+      messageOfError<UserError>([&] { fitting.requireSectionsFor("dyslam-train dylo"); }));
 }
 
 /** Inis in a folder of their own. */

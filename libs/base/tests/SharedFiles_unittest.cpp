@@ -79,6 +79,28 @@ TEST_F(SharedFiles, AVariableThatNamesNoFolderIsAnError)
   (void)(before.empty() ? unsetenv("DYSLAM_SHARE") : setenv("DYSLAM_SHARE", before.c_str(), 1));
 }
 
+TEST_F(SharedFiles, WeightsForNonCommercialUseNameTheirPackage)
+{
+  const auto message = [](const std::string& path, const std::string& extension)
+  {
+    return messageOfError<UserError>(
+        [&] { (void)findGivenOrShared(path, "no_such_folder", extension, "dylo.weights"); });
+  };
+  const std::string package = "dyslam-weights-noncommercial";
+  for (const char* path : {"dylo", "dylo.safetensors", "dyseg", "dyseg.safetensors"})
+  {
+    const std::string text = message(path, ".safetensors");
+    EXPECT_EQ(0U, text.find(std::string("dylo.weights = ") + path + ": no such file; ")) << text;
+    EXPECT_TRUE(contains(text, "of the Debian packages, " + package + " has these weights"))
+        << text;
+  }
+  for (const char* path : {"dyseg_simulated", "dylo2", "./dylo", "out/dylo.safetensors", ""})
+  {
+    EXPECT_FALSE(contains(message(path, ".safetensors"), package)) << path;
+  }
+  EXPECT_FALSE(contains(message("dylo", ".ini"), package));
+}
+
 TEST_F(SharedFiles, UnknownNameListsTheKnown)
 {
   try

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/base/Error.h>
 #include <dyslam/base/Files.h>
+#include <dyslam/base/Printable.h>
 #include <dyslam/base/Version.h>
 #include <dyslam/base/Words.h>
 #include <dyslam/benchmarks/SplitTables.h>
@@ -333,10 +334,10 @@ Table drivesTable(const std::vector<DriveScores>& drives, const std::string& fol
   return table;
 }
 
-std::vector<DriveScores> readDrives(const std::string& runs,
-                                    const SplitColumns& columns,
-                                    const TrajectoryMetricsOptions& metrics,
-                                    const NoteSink& note)
+SplitRuns readDrives(const std::string& runs,
+                     const SplitColumns& columns,
+                     const TrajectoryMetricsOptions& metrics,
+                     const NoteSink& note)
 {
   std::vector<RunColumn> all = columns.odometry;
   all.insert(all.end(), columns.labels.begin(), columns.labels.end());
@@ -345,30 +346,41 @@ std::vector<DriveScores> readDrives(const std::string& runs,
   {
     throw UserError(runs + ": is not a folder");
   }
-  std::vector<DriveScores> drives;
+  SplitRuns found;
   for (const std::string& name : foldersIn(runs))
   {
     DriveScores drive;
     drive.name = name;
+    std::set<std::string> folders;  // several columns may be of the same runs
     for (const RunColumn& column : all)
     {
       const fs::path folder = fs::path(runs) / name / column.folder;
-      if (fs::is_directory(folder) && drive.runs.count(column.folder) == 0)
+      if (!fs::is_directory(folder) || !folders.insert(column.folder).second)
+      {
+        continue;
+      }
+      try
       {
         drive.runs.emplace(column.folder, scoresOf(folder.string(), "", metrics, note));
+      }
+      catch (const UserError& error)
+      {
+        found.failed.push_back(folder.string());
+        note(printable(folder.string()) + ": not evaluated: " + printable(error.what()));
       }
     }
     if (!drive.runs.empty())
     {
-      drives.push_back(std::move(drive));
+      found.drives.push_back(std::move(drive));
     }
   }
-  if (drives.empty())
+  if (found.drives.empty())
   {
-    throw UserError(runs + ": has no DRIVE/METHOD with results of dyslam; " +
-                    "scripts/split_tables.sh makes such a folder");
+    throw UserError(runs + (found.failed.empty() ? ": has no DRIVE/METHOD with results of dyslam; "
+                                                   "scripts/split_tables.sh makes such a folder"
+                                                 : ": has no run that can be read"));
   }
-  return drives;
+  return found;
 }
 
 std::string splitMarkdown(const std::vector<DriveScores>& drives,

@@ -6,6 +6,7 @@
 #include <dyslam/formats/TrajectoryFiles.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 #include <string>
@@ -179,7 +180,7 @@ TEST_F(RunScoresOf, ASplitHasItsDrives)
   std::filesystem::create_directories(folder_.file("runs/b"));
   EXPECT_TRUE(contains(messageOfError<UserError>(drives), "has no DRIVE/METHOD"));
   writeRun("runs/a/dyslam", R"({"frames": 40, "ms_per_scan": 10})");
-  const std::vector<DriveScores> found = drives();
+  const std::vector<DriveScores> found = drives().drives;
   ASSERT_EQ(found.size(), 1U) << "b has no run";
   EXPECT_EQ(found[0].name, "a");
   EXPECT_EQ(found[0].runs.count("dyslam"), 1U);
@@ -188,7 +189,34 @@ TEST_F(RunScoresOf, ASplitHasItsDrives)
   EXPECT_FALSE(contains(times, "GICP")) << "no drive has that run";
 
   writeRun("runs/b/dyslam", R"({"frames": 40, "ms_per_scan": 0.0, "finished": false})");
-  EXPECT_EQ(timeTable(drives(), columns.odometry).toCsv(), times) << "b did not finish";
+  EXPECT_EQ(timeTable(drives().drives, columns.odometry).toCsv(), times) << "b did not finish";
+}
+
+TEST_F(RunScoresOf, ASplitIsReadWithoutTheRunsThatCannotBe)
+{
+  const SplitColumns columns{"dyslam", {{"DySLAM", "dyslam"}, {"GICP", "gicp"}}, {}};
+  const auto drives = [&]
+  {
+    notes_.clear();
+    return readDrives(folder_.file("runs"), columns, {},
+                      [this](const std::string& note) { notes_.push_back(note); });
+  };
+  writeRun("runs/a/dyslam", "[]");
+  EXPECT_TRUE(contains(messageOfError<UserError>([&] { (void)drives(); }),
+                       "runs: has no run that can be read"));
+  writeRun("runs/a/gicp", R"({"frames": 40})");
+  writeRun("runs/b/dyslam", R"({"frames": 40})");
+  const SplitRuns found = drives();
+  const std::string damaged = folder_.file("runs/a/dyslam");
+  EXPECT_EQ(found.failed, std::vector<std::string>{damaged}) << "once, though in two columns";
+  ASSERT_EQ(found.drives.size(), 2U);
+  EXPECT_EQ(found.drives[0].runs.count("dyslam"), 0U);
+  EXPECT_EQ(found.drives[0].runs.count("gicp"), 1U);
+  EXPECT_EQ(found.drives[1].runs.count("dyslam"), 1U);
+  const std::string start = damaged + ": not evaluated: ";
+  EXPECT_EQ(std::count_if(notes_.begin(), notes_.end(),
+                          [&](const std::string& note) { return note.rfind(start, 0) == 0; }),
+            1);
 }
 
 TEST_F(RunScoresOf, AllPointsAreOfDrivesWithLabelsOfEveryMethod)

@@ -180,6 +180,31 @@ TEST(RosWriter, VelocitiesAreThoseOfTheReader)
             twistMessage(twist));
 }
 
+TEST(RosWriter, TheCovariancesOfAnOdometry)
+{
+  RosOdometryCovariances covariances;
+  for (int row = 0; row < 6; ++row)
+  {
+    for (int column = 0; column < 6; ++column)
+    {
+      covariances.pose(row, column) = 10 * row + column;
+      covariances.twist(row, column) = 100 + 10 * row + column;
+    }
+  }
+  const RosPose pose{1600000000.5, "map", "base_link", some_pose};
+  const auto given = decodedBySchema(RosType::odometry, odometryMessage(pose, {}, covariances));
+  const auto unknown = decodedBySchema(RosType::odometry, odometryMessage(pose, {}));
+  for (int i = 0; i < 36; ++i)
+  {
+    const std::string at = "covariance[" + std::to_string(i) + "]";
+    const int value = 10 * (i / 6) + i % 6;
+    EXPECT_EQ(value, given.number("pose." + at)) << "row by row";
+    EXPECT_EQ(100 + value, given.number("twist." + at));
+    EXPECT_EQ(0, unknown.number("pose." + at));
+    EXPECT_EQ(0, unknown.number("twist." + at));
+  }
+}
+
 TEST(RosWriter, AnImuIsReadBack)
 {
   RosImu imu{1600000000.5, "imu", {0.1, 0.2, 0.3}, Eigen::Vector3d(0, 0, 9.81)};

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/core/BoxOverlap.h>
 #include <dyslam/formats/Bag.h>
+#include <dyslam/formats/MotionFiles.h>
 #include <dyslam/formats/RosMessages.h>
 #include <dyslam/formats/RosWriter.h>
 #include <dyslam/io/BagExport.h>
@@ -199,6 +200,98 @@ TEST(BagExport, TheOdometryHasTheVelocityInTheVehiclesAxes)
     step << 0.1 * twist->linear, 0.1 * twist->angular;
     EXPECT_TRUE((runPose(to - 1) * expSE3(step)).isApprox(runPose(to), 1e-4)) << i;
   }
+}
+
+/** Of a run whose odometry is along x of the vehicle, which the map sees turned. */
+TEST(BagExport, TheOdometryHasTheCovariancesOfTheRun)
+{
+  const TestFolder folder;
+  writeSensors(folder);
+  BagExportOptions options = writeRun(folder);
+  std::string motions = motionFileHeader();
+  for (std::size_t i = 0; i < bag_scans; ++i)
+  {
+    MotionCovariance motion;
+    motion.stamp = timedScan(i).stamp;
+    motion.covariance(0, 0) = i == 0 ? 0 : 4e-4;  // along x
+    motion.covariance(5, 5) = i == 0 ? 0 : 1e-6;  // about z
+    motions += motionFileRow(motion);
+  }
+  options.motions = folder.write("run/motions.csv", motions);
+  const auto matrixOf = [&](std::size_t scan, const std::string& of)
+  {
+    options.force = true;
+    (void)exportBag(folder.file("x.rawlog"), folder.file("x.mcap"), options);
+    const auto odometry = topicMessages(folder.file("x.mcap"), "/odometry");
+    const auto message = decodedAs(RosType::odometry, odometry.data.at(scan));
+    Matrix6 matrix;
+    for (int i = 0; i < 36; ++i)
+    {
+      matrix(i / 6, i % 6) = message.number(of + ".covariance[" + std::to_string(i) + "]");
+    }
+    return matrix;
+  };
+  EXPECT_TRUE(matrixOf(0, "pose").isZero(0)) << "the first pose is that of the map";
+  const Eigen::Vector3d x = runPose(1).linear().col(0);
+  const Eigen::Vector3d z = runPose(1).linear().col(2);
+  const Matrix6 pose = matrixOf(1, "pose");
+  EXPECT_TRUE((pose.topLeftCorner<3, 3>().isApprox(4e-4 * x * x.transpose(), 1e-6))) << pose;
+  EXPECT_TRUE((pose.bottomRightCorner<3, 3>().isApprox(1e-6 * z * z.transpose(), 1e-6))) << pose;
+  EXPECT_GT(matrixOf(3, "pose").trace(), 2 * pose.trace());
+  for (const std::size_t scan : {0U, 2U})
+  {
+    Matrix6 twist = Matrix6::Zero();
+    twist(0, 0) = 4e-2;  // in 0.1 s
+    twist(5, 5) = 1e-4;
+    EXPECT_TRUE(matrixOf(scan, "twist").isApprox(twist, 1e-3)) << scan;
+  }
+
+  Trajectory corrected = readTum(folder.file("run/trajectory_tum.txt"));
+  Trajectory other;
+  for (std::size_t i = 0; i < corrected.size(); ++i)
+  {
+    const Pose loop = poseFromYpr(0.01 * static_cast<double>(i), 0, 0, 0, 0, 0);
+    other.push_back(corrected[i].stamp, loop * corrected[i].pose);
+  }
+  writeTum(folder.file("run/trajectory_tum.txt"), other);
+  EXPECT_TRUE(matrixOf(3, "pose").isZero(0)) << "not that of the odometry any more";
+  EXPECT_FALSE(matrixOf(3, "twist").isZero(0));
+  options.motions.clear();
+  EXPECT_TRUE(matrixOf(3, "twist").isZero(0));
+}
+
+/** By the frame `map`, which other programs use for their results, too. */
+TEST(BagExport, TheOdometryOfARunIsNeitherASensorNorTrue)
+{
+  const TestFolder folder;
+  writeSensors(folder);
+  const std::string bag = folder.file("x.mcap");
+  (void)exportBag(folder.file("x.rawlog"), bag, writeRun(folder));
+  const std::string listing = listingOf(*openBag(bag));
+  const auto rowOf = [&listing](const std::string& topic)
+  {
+    const auto at = listing.find("\n" + topic + " ");
+    return at == std::string::npos ? "" : listing.substr(at + 1, listing.find('\n', at + 1) - at);
+  };
+  EXPECT_TRUE(contains(rowOf("/odometry"), "map  <- result of a SLAM, no wheel odometry"))
+      << listing;
+  EXPECT_TRUE(contains(rowOf("/wheels"), "<- for --odometry-topic")) << listing;
+
+  const auto warningsWith = [&](const std::string& odometry, const std::string& truth)
+  {
+    ScanConverterOptions options;
+    options.base_frame = "base_link";
+    options.odometry_topic = odometry;
+    options.truth_topic = truth;
+    return convertScans(bag, folder.file("y.rawlog"), options).warnings;
+  };
+  EXPECT_TRUE(hasLine(warningsWith("/odometry", ""), "/odometry: is in the frame 'map'"));
+  for (const std::string truth : {"/odometry", "/tf"})
+  {
+    EXPECT_TRUE(hasLine(warningsWith("", truth), truth + ": is in the frame 'map': if it is"))
+        << truth;
+  }
+  EXPECT_FALSE(hasLine(warningsWith("/wheels", "/ground_truth"), "in the frame 'map'"));
 }
 
 TEST(BagExport, LabelsMarkTheMovingPoints)

@@ -108,6 +108,7 @@ LocalisedStretches::FactorIds LocalisedStretches::removeLocalisations(std::size_
   {
     graph_.removeFactor(id);
   }
+  square_errors_.erase(square_errors_.lower_bound(first), square_errors_.end());
   return removed;
 }
 
@@ -156,6 +157,7 @@ LocalisedStretches::FactorIds LocalisedStretches::add(const std::vector<MapFix>&
   {
     added.push_back(graph_.add(
         std::make_unique<LocalisationFactor>(fix.keyframe, fix.T_prior_vehicle, fix.information)));
+    square_errors_[fix.keyframe] = fix.rmse * fix.rmse;
     if (!fix.is_weak)
     {
       stretches_.back().last = fix;
@@ -164,8 +166,18 @@ LocalisedStretches::FactorIds LocalisedStretches::add(const std::vector<MapFix>&
   return added;
 }
 
+double LocalisedStretches::rmse() const
+{
+  double sum = 0;
+  for (const auto& [keyframe, square_error] : square_errors_)
+  {
+    sum += square_error;
+  }
+  return square_errors_.empty() ? 0 : std::sqrt(sum / static_cast<double>(square_errors_.size()));
+}
+
 void LocalisedStretches::exchangeState(StateArchive& archive)
 {
-  archive(stretches_);
+  archive(stretches_, square_errors_);
 }
 }  // namespace dyslam

@@ -6,6 +6,7 @@
 #include <dyslam/core/Pose.h>
 
 #include <cstddef>
+#include <map>
 #include <vector>
 
 #include "MapLocaliser.h"
@@ -38,6 +39,11 @@ class LocalisedStretches
   FactorIds begin(const std::vector<MapFix>& fixes);
   /** Adds the factors of fixes of the newest stretch. \pre a stretch was begun */
   FactorIds add(const std::vector<MapFix>& fixes);
+
+  /** Number of keyframes whose localisation is in the graph. */
+  [[nodiscard]] std::size_t localisations() const { return square_errors_.size(); }
+  /** RMS of the residuals of these [m]; 0 if there are none. */
+  [[nodiscard]] double rmse() const;
 
   void exchangeState(StateArchive& archive);
 
@@ -73,5 +79,7 @@ class LocalisedStretches
   const KeyframeStore& keyframes_;
   FactorGraph& graph_;
   std::vector<Stretch> stretches_;
+  /** Squared RMSE of the localisations in the graph, by keyframe [m^2]. */
+  std::map<std::size_t, double> square_errors_;
 };
 }  // namespace dyslam

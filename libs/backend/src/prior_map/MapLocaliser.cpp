@@ -8,7 +8,6 @@
 
 #include <Eigen/Dense>
 #include <algorithm>
-#include <cmath>
 #include <utility>
 
 #include "MapRegistration.h"
@@ -250,13 +249,8 @@ void MapLocaliser::registerEarlier(std::vector<MapFix>& fixes, std::size_t first
 
 MapFixes MapLocaliser::counted(std::vector<MapFix> fixes)
 {
-  for (const MapFix& fix : fixes)
-  {
-    square_error_ += fix.rmse * fix.rmse;
-  }
   fit_.registered += fixes.size();
   fit_.tried = std::max(fit_.tried, fit_.registered);
-  fit_.rmse = std::sqrt(square_error_ / static_cast<double>(fit_.registered));
   return {std::move(fixes), std::nullopt};
 }
 
@@ -356,7 +350,6 @@ MapFixes MapLocaliser::add()
 
 void MapLocaliser::exchangeState(StateArchive& archive)
 {
-  archive(fit_, square_error_, searched_, pending_, is_place_again_, unfit_since_, misses_,
-          last_fix_, map_);
+  archive(fit_, searched_, pending_, is_place_again_, unfit_since_, misses_, last_fix_, map_);
 }
 }  // namespace dyslam

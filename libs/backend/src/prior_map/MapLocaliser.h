@@ -74,6 +74,8 @@ class MapLocaliser
   [[nodiscard]] MapFixes add();
 
   [[nodiscard]] bool hasMap() const { return !map_.empty(); }
+  /** What the localiser knows: `registered` counts all fixes, also those that LocalisedStretches
+   * has removed, and there is no RMSE. */
   [[nodiscard]] PriorMapFit fit() const;
 
   void exchangeState(StateArchive& archive);
@@ -116,7 +118,6 @@ class MapLocaliser
   PlaceFinder places_;
 
   PriorMapFit fit_;
-  double square_error_ = 0;         //!< sum of the squared RMSE of all fixes [m^2]
   std::optional<double> searched_;  //!< path at the last search for the place [m]
   /** Fixes that others must agree with before they count; if the run is not localised yet or was
    * lost, the first one is the place that was found. */

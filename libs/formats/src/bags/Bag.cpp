@@ -78,18 +78,22 @@ std::string motionOption(const BagTopic& topic)
 
 /** Points and frame of a topic of scans, the frame with a mark at that taken without --topic, or
  * the option that takes the topic. */
-void addScanCells(const Bag& bag,
+void addScanCells(Bag& bag,
                   const std::vector<RosScanTopic>& scans,
-                  const BagTopic& topic,
+                  std::size_t topic,
                   std::vector<std::string>& cells)
 {
-  const auto scan = std::find_if(scans.begin(), scans.end(),
-                                 [&](const RosScanTopic& candidate)
-                                 { return bag.topics()[candidate.topic].name == topic.name; });
+  const auto scan =
+      std::find_if(scans.begin(), scans.end(),
+                   [&](const RosScanTopic& candidate)
+                   { return bag.topics()[candidate.topic].name == bag.topics()[topic].name; });
   if (scan == scans.end())
   {
-    const std::string option = motionOption(topic);
-    cells.insert(cells.end(), {"-", option.empty() ? "-" : "-  <- for " + option});
+    const std::string option = motionOption(bag.topics()[topic]);
+    cells.insert(cells.end(),
+                 {"-", isMapOdometry(bag, topic) ? "map  <- result of a SLAM, no wheel odometry"
+                       : option.empty()          ? "-"
+                                                 : "-  <- for " + option});
     return;
   }
   cells.push_back(scan->packets ? "packets" : std::to_string(scan->points));
@@ -116,15 +120,16 @@ std::string listingOf(Bag& bag)
   std::vector<std::vector<std::string>> rows{
       {"topic", "type", "messages", "rate [1/s]", "points", "frame"}};
   MessageSpan whole;
-  for (const BagTopic& topic : bag.topics())
+  for (std::size_t i = 0; i < bag.topics().size(); ++i)
   {
+    const BagTopic& topic = bag.topics()[i];
     const double span = topic.last - topic.first;
     rows.push_back({topic.name, topic.type + (topic.encoding == RosEncoding::other ? " (?)" : ""),
                     std::to_string(topic.messages),
                     topic.messages > 1 && span > 0
                         ? formatted("%.2f", static_cast<double>(topic.messages - 1) / span)
                         : "-"});
-    addScanCells(bag, scans, topic, rows.back());
+    addScanCells(bag, scans, i, rows.back());
     whole.add(MessageSpan{topic.messages, topic.first, topic.last});
   }
   std::vector<std::size_t> widths(rows.front().size(), 0);

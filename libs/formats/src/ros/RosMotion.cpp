@@ -103,6 +103,12 @@ bool isRosTwist(const BagTopic& topic)
           topic.type == "geometry_msgs/TwistWithCovarianceStamped");
 }
 
+bool isMapOdometry(Bag& bag, std::size_t topic)
+{
+  const BagTopic& read = bag.topics()[topic];
+  return read.type == odometry_type && isRosTwist(read) && frameOfTopic(bag, topic) == "map";
+}
+
 std::optional<RosTwist> decodeRosTwist(const BagTopic& topic, const BagMessage& message)
 {
   ByteReader reader = rosReader(topic, message);

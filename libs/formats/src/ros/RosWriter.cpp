@@ -55,6 +55,17 @@ void putCovariance(CdrWriter& out, std::size_t size, std::initializer_list<doubl
   }
 }
 
+void putCovariance(CdrWriter& out, const Matrix6& covariance)
+{
+  for (Eigen::Index row = 0; row < covariance.rows(); ++row)
+  {
+    for (Eigen::Index column = 0; column < covariance.cols(); ++column)
+    {
+      out.put(covariance(row, column));
+    }
+  }
+}
+
 /** A PointField of one number. */
 struct WrittenField
 {
@@ -260,16 +271,18 @@ std::string poseMessage(const RosPose& pose)
   return out.take();
 }
 
-std::string odometryMessage(const RosPose& pose, const RosTwist& twist)
+std::string odometryMessage(const RosPose& pose,
+                            const RosTwist& twist,
+                            const RosOdometryCovariances& covariances)
 {
   CdrWriter out;
   putHeader(out, pose.stamp, pose.parent);
   out.text(pose.child);
   putPose(out, pose.pose);
-  putCovariance(out, 6);
+  putCovariance(out, covariances.pose);
   putVector3(out, twist.linear);
   putVector3(out, twist.angular);
-  putCovariance(out, 6);
+  putCovariance(out, covariances.twist);
   return out.take();
 }
 

@@ -55,6 +55,20 @@ void warnOfMapFrame(const std::string& topic, const std::string& frame, ScanSink
               "the lidar; choose its topic (--topic)");
   }
 }
+/** Warns of wheel odometry that is the result of another SLAM, or of an earlier run. */
+void warnOfMapOdometry(Bag& bag, const std::string& odometry_topic, ScanSink& sink)
+{
+  for (std::size_t i = 0; i < bag.topics().size(); ++i)
+  {
+    if (bag.topics()[i].name == odometry_topic && isMapOdometry(bag, i))
+    {
+      sink.warn(odometry_topic +
+                ": is in the frame 'map', as the result of a SLAM or localisation (that of wheels "
+                "is in 'odom'); its speeds are then not measured: choose another "
+                "--odometry-topic, or none");
+    }
+  }
+}
 }  // namespace
 
 void convertBag(const std::string& input,
@@ -78,6 +92,7 @@ void convertBag(const std::string& input,
   {
     sink.setPoseOrigin(PoseSource::given, options.truth_topic);
   }
+  warnOfMapOdometry(*bag, options.odometry_topic, sink);
   for (const std::string& warning : bag->warnings())
   {
     sink.warn(warning);

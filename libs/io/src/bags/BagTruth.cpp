@@ -23,6 +23,7 @@ Trajectory readTruePoses(const std::string& input,
   std::map<std::string, std::map<double, Pose>> bodies;  // by child frame, in order of time
   BagMessage message;
   std::size_t left_out = 0;
+  bool is_in_map = false;  // an Odometry or a transform, whose child is the vehicle
   while (bag.next(message))
   {
     for (const RosPose& pose : decodeRosPoses(bag.topics()[topic], message, &left_out))
@@ -30,6 +31,7 @@ Trajectory readTruePoses(const std::string& input,
       if (frame.empty() || pose.child == frame)
       {
         bodies[pose.child].emplace(pose.stamp != 0 ? pose.stamp : message.recorded, pose.pose);
+        is_in_map = is_in_map || (pose.parent == "map" && !pose.child.empty());
       }
     }
   }
@@ -57,6 +59,12 @@ Trajectory readTruePoses(const std::string& input,
     throw UserError(input + ": " + options.truth_topic + " has only one pose" +
                     (bodies.begin()->first.empty() ? "" : " of " + bodies.begin()->first) +
                     "; a trajectory needs two or more, with different time stamps");
+  }
+  if (is_in_map)
+  {
+    sink.warn(options.truth_topic +
+              ": is in the frame 'map': if it is the result of a SLAM, as /odometry and /tf of "
+              "rawlog2bag are, errors against it are differences of two estimates");
   }
   Trajectory trajectory;
   for (const auto& [stamp, pose] : bodies.begin()->second)

@@ -18,6 +18,7 @@
 #include <vector>
 
 #include "BagOutput.h"
+#include "OdometryMessages.h"
 #include "SampleMessages.h"
 #include "TrackMarkers.h"
 #include "conversion/ConversionOutput.h"
@@ -161,6 +162,7 @@ class RecordingBag
       : rawlog_(rawlog),
         options_(options),
         poses_(readTimedPoses(options.trajectory)),
+        odometry_(poses_, options.motions),
         labels_(labelFolder(options.labels)),
         bag_(output)
   {
@@ -250,24 +252,6 @@ class RecordingBag
     return poses_.at(stamp, pose_max_gap);
   }
 
-  /** Velocity in the vehicle's axes by the two poses up to a stamp, at the start by the first two.
-   */
-  [[nodiscard]] RosTwist twistAt(double stamp) const
-  {
-    RosTwist twist;
-    if (poses_.size() >= 2)
-    {
-      const std::size_t at =
-          std::min(std::max<std::size_t>(poses_.firstNotBefore(stamp - pose_tolerance), 1),
-                   poses_.size() - 1);
-      const double dt = poses_[at].stamp - poses_[at - 1].stamp;
-      const Vector6 velocity = logSE3(poses_[at - 1].pose.inverse() * poses_[at].pose) / dt;
-      twist.linear = velocity.head<3>();
-      twist.angular = velocity.tail<3>();
-    }
-    return twist;
-  }
-
   void writePoses(const Frame& frame, const std::optional<Pose>& T_map_vehicle)
   {
     const double stamp = frame.scan.stamp;
@@ -283,7 +267,7 @@ class RecordingBag
     if (T_map_vehicle)
     {
       bag_.write({"/odometry", RosType::odometry}, stamp,
-                 odometryMessage({stamp, map_name, vehicle_name, *T_map_vehicle}, twistAt(stamp)));
+                 odometry_.of({stamp, map_name, vehicle_name, *T_map_vehicle}));
     }
     if (truth && T_map_vehicle && !T_map_world_)
     {
@@ -386,7 +370,8 @@ class RecordingBag
 
   const std::string& rawlog_;
   const BagExportOptions& options_;
-  Trajectory poses_;    //!< T_map_vehicle
+  Trajectory poses_;  //!< T_map_vehicle
+  OdometryMessages odometry_;
   std::string labels_;  //!< folder of the label files; empty: none
   BagOutput bag_;
   std::optional<TrackMarkers> tracks_;

@@ -54,6 +54,10 @@ class Config
    * it, or the nearest. */
   void requireKnownSections(const std::vector<std::string>& known) const;
 
+  /** \param program as of requireFor() \throws UserError for a section that belongs to another
+   * program or command, naming both. */
+  void requireSectionsFor(const std::string& program) const;
+
   /** The config as an ini text, sections and keys in the order they were first set. */
   [[nodiscard]] std::string toIni() const;
 
@@ -67,8 +71,8 @@ class Config
   Value program_;  //!< program that the ini is for; empty text: any
 };
 
-/** The program, or its command, that has a section which `dyslam` does not have: "dyslam-train",
- * "dyslam-train dylo"; empty for any other section. */
+/** The program, or its command, that a section belongs to: "dyslam", "dyslam-train", "dyslam-train
+ * dylo"; empty for a section that is not known. Other programs may have sections of dyslam, too. */
 [[nodiscard]] std::string programOfSection(const std::string& section);
 
 /** A key that its section does not have, or a section that the program does not have. */

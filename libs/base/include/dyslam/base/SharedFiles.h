@@ -15,7 +15,8 @@ namespace dyslam
  * \param field the setting that names the file, for the message; empty for none
  * \param program as of Config::requireFor(): inis of others are not listed in the message; empty:
  * all are
- * \throws UserError naming the shared files of that kind, or if $DYSLAM_SHARE is no folder. */
+ * \throws UserError naming the shared files of that kind and, for the weights for non-commercial
+ * use, their Debian package; or if $DYSLAM_SHARE is no folder. */
 [[nodiscard]] std::string findGivenOrShared(const std::string& path,
                                             const std::string& folder,
                                             const std::string& extension,

@@ -32,12 +32,20 @@ struct DriveScores
   std::map<std::string, RunScores> runs;
 };
 
+/** What readDrives() found. */
+struct SplitRuns
+{
+  std::vector<DriveScores> drives;
+  std::vector<std::string> failed;  //!< folders of runs that cannot be read
+};
+
 /** Reads the drives in a folder that has a run in each DRIVE/METHOD: every DRIVE with runs of the
- * columns. \param note as scoresOf() \throws UserError if there is no drive. */
-[[nodiscard]] std::vector<DriveScores> readDrives(const std::string& runs,
-                                                  const SplitColumns& columns,
-                                                  const TrajectoryMetricsOptions& metrics,
-                                                  const NoteSink& note);
+ * columns. Runs that cannot be read are left out. \param note as scoresOf(); also called for each
+ * run that is left out \throws UserError if no run can be read. */
+[[nodiscard]] SplitRuns readDrives(const std::string& runs,
+                                   const SplitColumns& columns,
+                                   const TrajectoryMetricsOptions& metrics,
+                                   const NoteSink& note);
 
 // Means are over the drives for which all shown columns have a figure, and state their number;
 // columns without any run are left out. The best figure of a row is bold.

@@ -15,7 +15,7 @@ struct PriorMapFit
   std::size_t keyframe = 0;     //!< keyframe at which the run was localised
   double path_length = 0;       //!< path travelled until then [m]
   std::size_t tried = 0;        //!< number of keyframes that were to be registered since then
-  std::size_t registered = 0;   //!< number of keyframes that were registered to the prior map
+  std::size_t registered = 0;   //!< number of them whose registration is in the graph
   double rmse = 0;              //!< RMS of the point-to-plane residuals of these [m]
   std::size_t found_again = 0;  //!< number of times that the run was lost and then found again
 };

@@ -170,6 +170,10 @@ struct RosTwist
 /** Whether a topic has `nav_msgs/Odometry`, `geometry_msgs/TwistStamped` or
  * `TwistWithCovarianceStamped`. */
 [[nodiscard]] bool isRosTwist(const BagTopic& topic);
+/** Whether a topic has `nav_msgs/Odometry` with poses in the frame `map`: by REP 105
+ * (https://www.ros.org/reps/rep-0105.html) the result of a localisation or of SLAM, as the wheels'
+ * are in `odom`. Reads the first message. */
+[[nodiscard]] bool isMapOdometry(Bag& bag, std::size_t topic);
 /** Decodes a velocity. Nothing if it is not a number. \throws UserError naming the message and the
  * problem. */
 [[nodiscard]] std::optional<RosTwist> decodeRosTwist(const BagTopic& topic,

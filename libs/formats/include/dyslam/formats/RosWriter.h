@@ -64,8 +64,17 @@ enum class MovingPoints
 [[nodiscard]] std::string twistMessage(const RosTwist& twist);
 /** PoseStamped in the parent frame. */
 [[nodiscard]] std::string poseMessage(const RosPose& pose);
+/** Covariances of an Odometry, of translation and rotation [m, rad, m/s, rad/s]; zero where they
+ * are not known. */
+struct RosOdometryCovariances
+{
+  Matrix6 pose = Matrix6::Zero();   //!< in the axes of the parent frame, also of the rotation
+  Matrix6 twist = Matrix6::Zero();  //!< in the axes of the child
+};
 /** Odometry. \param twist velocity of the child, in its axes; only its vectors are used */
-[[nodiscard]] std::string odometryMessage(const RosPose& pose, const RosTwist& twist);
+[[nodiscard]] std::string odometryMessage(const RosPose& pose,
+                                          const RosTwist& twist,
+                                          const RosOdometryCovariances& covariances = {});
 /** Path of stamped poses. */
 [[nodiscard]] std::string pathMessage(double stamp,
                                       const std::string& frame,

@@ -13,12 +13,15 @@ struct BagExportOptions
 {
   RawlogSourceOptions source;  //!< how the rawlog is read; roll and pitch are not used
   std::string trajectory;      //!< TUM file of T_map_vehicle; empty: none
-  std::string labels;          //!< folder of NNNNNN.label files, see labelFolderOf(); empty: none
-  std::string tracks;          //!< tracks.txt of a run; empty: none; needs `trajectory`
-  std::string map;             //!< .pcd or .ply in the map frame; empty: none; needs `trajectory`
-  bool no_scans = false;       //!< no scans, only poses, objects, map and other sensors
-  bool static_only = false;    //!< of the scans only those without moving points; needs `labels`
-  bool force = false;          //!< an earlier file of the name is replaced
+  /** motions.csv of the run that `trajectory` is of, with its odometry_tum.txt beside it; empty:
+   * the covariances of poses and velocities are not known. */
+  std::string motions;
+  std::string labels;        //!< folder of NNNNNN.label files, see labelFolderOf(); empty: none
+  std::string tracks;        //!< tracks.txt of a run; empty: none; needs `trajectory`
+  std::string map;           //!< .pcd or .ply in the map frame; empty: none; needs `trajectory`
+  bool no_scans = false;     //!< no scans, only poses, objects, map and other sensors
+  bool static_only = false;  //!< of the scans only those without moving points; needs `labels`
+  bool force = false;        //!< an earlier file of the name is replaced
 };
 
 /** Writes a rawlog, and what a run found in it, as a bag of ROS 2 (mcap). Its topics, types and
