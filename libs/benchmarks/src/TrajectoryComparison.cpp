@@ -33,8 +33,7 @@ std::vector<Pose> withScalarFirst(std::vector<Pose> poses)
   for (Pose& pose : poses)
   {
     const Eigen::Quaterniond read(pose.linear());
-    pose.linear() =
-        Eigen::Quaterniond(read.x(), read.y(), read.z(), read.w()).toRotationMatrix();
+    pose.linear() = Eigen::Quaterniond(read.x(), read.y(), read.z(), read.w()).toRotationMatrix();
   }
   return poses;
 }

@@ -37,9 +37,9 @@ struct PoseReading
  * reference may be a PositionFile; the estimated poses are then those of its body, and geodetic or
  * geocentric positions become east, north, up from the first one.
  * \param note called if the pairs are few or of a part of the reference's path, the files differ in
- * length or times were converted to UTC \throws UserError for files that cannot be read, without poses or with fewer than two pairs, for a tolerance, an offset or
- * times given with a file without time stamps, and for what needs orientations if the reference has
- * none. */
+ * length or times were converted to UTC \throws UserError for files that cannot be read, without
+ * poses or with fewer than two pairs, for a tolerance, an offset or times given with a file without
+ * time stamps, and for what needs orientations if the reference has none. */
 [[nodiscard]] PosePairs pairFiles(const std::string& reference,
                                   const std::string& estimate,
                                   const PoseReading& reading,
