@@ -7,6 +7,7 @@
 #include <dyslam/base/SharedFiles.h>
 #include <dyslam/benchmarks/KittiMot.h>
 
+#include <iostream>
 #include <memory>
 #include <string>
 #include <utility>
@@ -99,6 +100,11 @@ void evaluateKittiMot(const KittiMotArguments& a)
   for (const std::string& type : a.types)
   {
     runs.push_back(fastestKittiMot(setup, names, type, a.repeats));
+    const std::string warning = kittiMotWarning(setup, runs.back(), type);
+    if (!warning.empty())
+    {
+      std::cerr << "warning: " << warning << '\n';
+    }
     TrackRules rules = TrackRules::kitti(type);
     rules.min_iou = a.min_iou;
     classes.emplace_back(type, kittiMotScores(runs.back(), rules));

@@ -44,6 +44,11 @@ void runSegmentation(const SegmentationArguments& a)
   for (const std::string& estimate : a.estimates)
   {
     results.emplace_back(estimate, compareLabelFolders(a.reference, estimate, reading));
+    const std::string warning = labelWarning(a.reference, estimate, results.back().second);
+    if (!warning.empty())
+    {
+      std::cerr << "warning: " << warning << '\n';
+    }
   }
   a.output.write(segmentationTable(results), segmentationJson(results));
   for (const auto& [name, result] : results)

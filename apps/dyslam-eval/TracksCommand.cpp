@@ -49,6 +49,11 @@ void runTracks(const TracksArguments& a)
               << " degrees ahead are evaluated (--view)\n";
   }
   const TrackData estimate = readEstimatedTracks(a.sources, truth, selection);
+  const std::string warning = boxFrameWarning(a.sources, truth, estimate);
+  if (!warning.empty())
+  {
+    std::cerr << "warning: " << warning << '\n';
+  }
   TrackSequence sequence = sequenceOf(a.sources, truth, estimate);
   if (selection.first_frame > 0 && sequence.frames == 0)
   {

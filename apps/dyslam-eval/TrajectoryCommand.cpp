@@ -183,6 +183,10 @@ void runTrajectory(const TrajectoryArguments& a)
     writePng(a.plot, renderTrajectoryPlot(plots, {"", metrics.alignment}));
   }
   noteMissingFigures(reports, metrics.lengths);
+  for (const std::string& note : comparisonNotes(reports, a.references.size() == 1))
+  {
+    printNote(note);
+  }
 }
 }  // namespace
 

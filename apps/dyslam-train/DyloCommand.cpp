@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/train/DataText.h>
 #include <dyslam/train/DyloTrainer.h>
 
 #include <iostream>
@@ -13,7 +14,7 @@ void trainDyloCommand(const TrainArguments& arguments)
   DyloTrainRequest request;
   request.output = arguments.output;
   request.resume = arguments.resume;
-  request.start = arguments.start;
+  request.start = startWeights(arguments.start);
   request.device = arguments.device;
   request.mask_folder = arguments.mask_folder;
   request.validate_only = arguments.validate_only;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/base/Files.h>
 #include <dyslam/base/PendingFile.h>
+#include <dyslam/train/ChangedSettings.h>
 #include <dyslam/train/DataText.h>
 #include <dyslam/train/DysegTrainer.h>
 
@@ -20,6 +21,7 @@ void trainDysegCommand(const TrainArguments& arguments)
   setup.train.data = dataFolder(setup.train.data, "[train] data");
 
   const std::string& output = arguments.output;
+  const std::string start = startWeights(arguments.start);
   const auto report = [](const std::string& line) { std::cout << line << std::endl; };
   DysegTrainer trainer(setup, output);
   if (arguments.validate_only)
@@ -33,7 +35,7 @@ void trainDysegCommand(const TrainArguments& arguments)
     {
       given.network = setup.network;
     }
-    trainer.validateOnly(arguments.start, given, report);
+    trainer.validateOnly(start, given, report);
     return;
   }
   if (arguments.resume)
@@ -43,14 +45,20 @@ void trainDysegCommand(const TrainArguments& arguments)
   else
   {
     trainer.requireFreshFolder();
-    if (!arguments.start.empty())
+    if (!start.empty())
     {
-      trainer.startFrom(arguments.start);
+      trainer.startFrom(start);
     }
   }
   trainer.loadData();  // before anything is written: settings that fail leave the folder as it is
   makeFolder(output, "choose another --output");
-  writeWhole(output + "/effective.ini", effective.toIni());
+  const std::string ini = output + "/effective.ini";
+  const std::string changes = arguments.resume ? changedSettingsNote(ini, effective) : "";
+  if (!changes.empty())
+  {
+    report(changes);
+  }
+  writeWhole(ini, effective.toIni());
   trainer.run(report, stopRequested);
 }
 }  // namespace dyslam

@@ -23,7 +23,8 @@ void declareCommon(CLI::App& app, TrainArguments& a)
   addOutputFolder(app, "-o,--output", a.output,
                   "folder for the results; one that holds a training is not overwritten");
   app.add_flag("--resume", a.resume, "resume the training in --output from its last checkpoint");
-  app.add_option("--start", a.start, "initial weights, from another training");
+  app.add_option("--start", a.start,
+                 "initial weights: from another training, or the name of shipped ones");
   app.add_flag("--validate", a.validate_only,
                "only print the validation table of --start, or of the training in --output");
   app.add_option("--device", a.device, "cpu or cuda")->capture_default_str();

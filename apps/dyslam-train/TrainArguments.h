@@ -15,7 +15,7 @@ struct TrainArguments
 {
   std::string config;  //!< ini file, or name of a shipped one
   std::string output;
-  std::string start;
+  std::string start;  //!< weights: a file, or the name of shipped ones
   bool resume = false;
   bool validate_only = false;
   std::vector<std::string> assignments;  //!< section.key=value

@@ -6,6 +6,7 @@
 #include <dyslam/benchmarks/JsonText.h>
 #include <dyslam/benchmarks/KittiMot.h>
 #include <dyslam/core/BoxOverlap.h>
+#include <dyslam/core/TimeRange.h>
 #include <dyslam/formats/KittiTracks.h>
 #include <dyslam/formats/TrajectoryFiles.h>
 
@@ -133,6 +134,20 @@ Recording readRecording(const KittiMotSetup& setup,
     recording.image_boxes[static_cast<std::size_t>(box.frame)].push_back(box.image_box);
   }
   return recording;
+}
+
+/** Adds number and highest score of the detections. */
+void count(const Recording& recording, KittiMotRun& run)
+{
+  for (const std::vector<Detection>& of_frame : recording.detections)
+  {
+    for (const Detection& detection : of_frame)
+    {
+      run.highest_score =
+          run.detections == 0 ? detection.score : std::max(run.highest_score, detection.score);
+      ++run.detections;
+    }
+  }
 }
 
 /** Keeps the frames 0, n, 2 n, ... and numbers them anew. */
@@ -303,6 +318,7 @@ KittiMotRun runKittiMot(const KittiMotSetup& setup,
                                            recording.calib.T_cam_velo, true);
     keepEvery(setup.every, recording, sequence.reference);
     sequence.frames = static_cast<int>(recording.poses.size());
+    count(recording, run);
     trackSequence(recording, setup, sequence, run.seconds);
     run.frames += sequence.frames;
     run.sequences.push_back(std::move(sequence));
@@ -324,6 +340,32 @@ KittiMotRun fastestKittiMot(const KittiMotSetup& setup,
   }
   run.seconds = seconds;
   return run;
+}
+
+std::string kittiMotWarning(const KittiMotSetup& setup,
+                            const KittiMotRun& run,
+                            const std::string& type)
+{
+  if (run.detections == 0)
+  {
+    return setup.detections + ": has no detections of the class " + type + " in these sequences";
+  }
+  const bool is_car = type == toString(ObjectClass::car);
+  const bool is_pedestrian = type == toString(ObjectClass::pedestrian);
+  const ClassTracking& options = is_car          ? setup.tracker.vehicle
+                                 : is_pedestrian ? setup.tracker.pedestrian
+                                                 : setup.tracker.cyclist;
+  if (run.highest_score >= options.birth_score)
+  {
+    return "";
+  }
+  const std::string name = is_car ? "vehicle" : is_pedestrian ? "pedestrian" : "cyclist";
+  return setup.detections + ": no score of a " + type + " reaches tracker." + name +
+         "_birth_score = " + shortNumber(options.birth_score) + " (the highest is " +
+         shortNumber(run.highest_score) +
+         "), so there are no tracks; kitti_mot.ini is for PointRCNN's scores, which are logits: "
+         "--set tracker." +
+         name + "_birth_score and " + name + "_match_score";
 }
 
 KittiMotScores kittiMotScores(const KittiMotRun& run, const TrackRules& rules)

@@ -59,6 +59,22 @@ std::set<std::uint16_t> movingInstances(const std::map<std::string, std::string>
   return result;
 }
 
+void addClasses(const std::vector<Label>& labels, LabelClasses& classes)
+{
+  for (const Label label : labels)
+  {
+    const std::uint16_t semantic = semanticOf(label);
+    if (isMovingLabel(label))
+    {
+      ++classes.moving;
+    }
+    else if (classes.unlisted.count(semantic) == 0 && !isSemanticKittiClass(semantic))
+    {
+      classes.unlisted.insert(semantic);
+    }
+  }
+}
+
 std::vector<Label> readAs(const ReferenceReading& reading,
                           const std::set<std::uint16_t>& movers,
                           std::vector<Label> labels)
@@ -136,8 +152,12 @@ LabelComparison compareLabelFolders(const std::string& reference,
     const auto match = estimated_files.find(name);
     if (match != estimated_files.end())
     {
-      const auto labels = readAs(reading, movers, readLabels(path));
-      result.evaluator.add(labels, readLabels(match->second, labels.size()));
+      const std::vector<Label> recorded = readLabels(path);
+      const std::vector<Label> estimated = readLabels(match->second, recorded.size());
+      addClasses(recorded, result.reference_classes);
+      addClasses(estimated, result.estimated_classes);
+      const std::vector<Label> labels = readAs(reading, movers, recorded);
+      result.evaluator.add(labels, estimated);
       const fs::path probabilities = probability_folder / (name + ".bin");
       if (fs::exists(probabilities))
       {
@@ -152,6 +172,25 @@ LabelComparison compareLabelFolders(const std::string& reference,
                     ", for example); names are the numbers of the scans in the recording, from 0");
   }
   return result;
+}
+
+std::string labelWarning(const std::string& reference,
+                         const std::string& estimate,
+                         const LabelComparison& result)
+{
+  const auto isStrange = [](const LabelClasses& classes)
+  { return classes.moving == 0 && !classes.unlisted.empty(); };
+  const bool is_reference = isStrange(result.reference_classes);
+  if (!is_reference && !isStrange(result.estimated_classes))
+  {
+    return "";
+  }
+  const LabelClasses& classes = is_reference ? result.reference_classes : result.estimated_classes;
+  return (is_reference ? reference : estimate) +
+         ": no label is of a moving class (251 to 259), and " +
+         std::to_string(*classes.unlisted.begin()) +
+         " is no class of SemanticKITTI; map the numbers of a learning map to its classes (of "
+         "moving object segmentation: 1 to 9, 2 to 251)";
 }
 
 Table segmentationTable(const NamedComparisons& results)

@@ -80,6 +80,21 @@ void requireRectangles(const std::vector<LabelledBox>& boxes, const std::string&
   }
 }
 
+/** Whether most boxes are higher above the lidar than what moves on the ground. */
+bool areMostlyInTheAir(const std::vector<LabelledBox>& boxes)
+{
+  constexpr double highest = 5;  // above the lidar [m]
+  std::size_t all = 0;
+  std::size_t high = 0;
+  for (const LabelledBox& box : boxes)
+  {
+    const bool counts = lowered(box.type) != "dontcare";
+    all += counts ? 1 : 0;
+    high += counts && box.box.centre.z() > highest ? 1 : 0;
+  }
+  return 2 * high > all;
+}
+
 /** Number of frames covered by either file. */
 int frameCount(const TrackSequence& sequence)
 {
@@ -305,6 +320,24 @@ TrackData readEstimatedTracks(const TrackSources& sources,
     removeUncovered(data.boxes, truth, selection);
   }
   return data;
+}
+
+std::string boxFrameWarning(const TrackSources& sources,
+                            const TrackData& truth,
+                            const TrackData& estimate)
+{
+  if (!sources.calib.empty())
+  {
+    return "";
+  }
+  const bool is_truth = areMostlyInTheAir(truth.boxes);
+  if (!is_truth && !areMostlyInTheAir(estimate.boxes))
+  {
+    return "";
+  }
+  return (is_truth ? sources.reference : sources.estimate) +
+         ": most boxes are more than 5 m above the lidar, as those in KITTI's camera frame (z "
+         "ahead) seem without --calib; give it, with both files in that frame";
 }
 
 bool typesAreMerged(const TrackSources& sources)

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/base/Printable.h>
 #include <dyslam/benchmarks/JsonText.h>
 #include <dyslam/benchmarks/TrajectoryComparison.h>
 #include <dyslam/core/TimeRange.h>
@@ -24,6 +25,41 @@ double extentOf(const std::vector<Pose>& poses)
     box.extend(pose.translation());
   }
   return box.diagonal().norm();
+}
+
+/** The poses as meant by a file whose quaternions have w first, read with w last. */
+std::vector<Pose> withScalarFirst(std::vector<Pose> poses)
+{
+  for (Pose& pose : poses)
+  {
+    const Eigen::Quaterniond read(pose.linear());
+    pose.linear() = Eigen::Quaterniond(read.x(), read.y(), read.z(), read.w()).toRotationMatrix();
+  }
+  return poses;
+}
+
+constexpr double turned_deg = 45;  //!< orientations with a larger error do not fit
+
+/** Which side has orientations that fit if w is the first number of its quaternions: 'e' the
+ * estimate, 'r' the reference, nothing if they fit as read or not at all. */
+std::optional<char> sideWithScalarFirst(const PosePairs& pairs)
+{
+  const auto turn = [](const PosePairs& of)
+  { return absoluteTrajectoryError(of, Alignment::se3).rotation_deg.rmse; };
+  if (turn(pairs) <= turned_deg)
+  {
+    return std::nullopt;
+  }
+  PosePairs estimate = pairs;
+  estimate.estimate = withScalarFirst(pairs.estimate);
+  if (compareBodyAxes(estimate) == BodyAxes::same && turn(estimate) <= turned_deg)
+  {
+    return 'e';
+  }
+  PosePairs reference = pairs;
+  reference.reference = withScalarFirst(pairs.reference);
+  const bool fits = compareBodyAxes(reference) == BodyAxes::same && turn(reference) <= turned_deg;
+  return fits ? std::optional<char>('r') : std::nullopt;
 }
 
 /** Mean over the estimates, for benchmarks of several sequences; the drift over those that are long
@@ -56,6 +92,12 @@ std::string pairWarning(const std::string& reference,
                         const PosePairs& pairs,
                         const TrajectoryReport& report)
 {
+  const auto scalar_first = pairs.positions_only ? std::nullopt : sideWithScalarFirst(pairs);
+  if (scalar_first)
+  {
+    return "the orientations of " + (*scalar_first == 'e' ? estimate : reference) +
+           " fit if its quaternions have w first; a TUM file has w last (t x y z qx qy qz qw)";
+  }
   const BodyAxes axes = pairs.positions_only ? BodyAxes::same : compareBodyAxes(pairs);
   if (axes == BodyAxes::differ)
   {
@@ -75,7 +117,6 @@ std::string pairWarning(const std::string& reference,
   constexpr double other_unit = 50;   // least ratio of the extents
   constexpr double least_extent = 1;  // less is mostly noise [m]
   constexpr double fits = 0.1;        // largest error of positions that fit, of the extent
-  constexpr double turned_deg = 45;
   const double true_extent = extentOf(pairs.reference);
   const double extent = extentOf(pairs.estimate);
   const auto [less, more] = std::minmax(extent, true_extent);
@@ -95,6 +136,32 @@ std::string pairWarning(const std::string& reference,
            " deg): quaternions with w first (TUM has it last), or other axes (--reference-body)";
   }
   return "";
+}
+
+std::vector<std::string> comparisonNotes(const std::vector<TrajectoryReport>& reports,
+                                         bool same_reference)
+{
+  std::vector<std::string> notes;
+  const auto fewer = [](const TrajectoryReport& a, const TrajectoryReport& b)
+  { return a.pairs < b.pairs; };
+  const auto [fewest, most] = std::minmax_element(reports.begin(), reports.end(), fewer);
+  if (same_reference && !reports.empty() && 10 * fewest->pairs < 9 * most->pairs)
+  {
+    notes.push_back("RPE is from one pose to the next, and " + fewest->name + " has " +
+                    counted(fewest->pairs, "pose") + ", " + most->name + " " +
+                    std::to_string(most->pairs) +
+                    ": compare the figures of estimates with poses at the same times");
+  }
+  for (const TrajectoryReport& report : reports)
+  {
+    if (report.absolute.turned_by_orientations)
+    {
+      notes.push_back(report.name +
+                      ": its path is nearly straight, so the rotation about it is that of the "
+                      "orientations; ATE [m] of evo, by the positions alone, may be lower");
+    }
+  }
+  return notes;
 }
 
 void addMeanRow(Table& table, const std::vector<TrajectoryReport>& reports)

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/base/Error.h>
 #include <dyslam/base/Printable.h>
+#include <dyslam/base/Statistics.h>
 #include <dyslam/benchmarks/TrajectoryComparison.h>
 #include <dyslam/core/GnssFix.h>
 #include <dyslam/core/TimeRange.h>
@@ -10,9 +11,11 @@
 #include <dyslam/io/Converters.h>
 #include <dyslam/mrpt/Geodesy.h>
 
+#include <algorithm>
 #include <cmath>
 #include <optional>
 #include <utility>
+#include <vector>
 
 #include "PairNote.h"
 
@@ -132,6 +135,51 @@ std::string pairingAdvice(const Trajectory& reference,
              : "--time-offset is added to the estimate's";
 }
 
+/** Length of the reference's path between successive pairs [m], without the gaps between them: of
+ * more than a second and five times the median step. */
+double coveredLength(const PosePairs& pairs,
+                     const Trajectory& reference,
+                     const std::vector<double>& lengths)
+{
+  std::vector<double> steps;
+  for (std::size_t i = 1; i < pairs.size(); ++i)
+  {
+    steps.push_back(pairs.stamps[i] - pairs.stamps[i - 1]);
+  }
+  constexpr double least_gap = 1;  // [s]
+  constexpr double least_steps = 5;
+  const double longest = std::max(least_gap, least_steps * statisticsOf(steps).median);
+  const auto travelled = [&](double stamp)
+  { return lengths[std::min(reference.firstNotBefore(stamp), reference.size() - 1)]; };
+  double covered = 0;
+  for (std::size_t i = 0; i < steps.size(); ++i)
+  {
+    if (steps[i] <= longest)
+    {
+      covered += travelled(pairs.stamps[i + 1]) - travelled(pairs.stamps[i]);
+    }
+  }
+  return covered;
+}
+
+/** Notes if the errors are those of a part of the reference's path: the estimate begins later, ends
+ * earlier or has gaps. */
+void notePartOfPath(const PosePairs& pairs,
+                    const NamedTrajectory& reference,
+                    const std::string& estimate,
+                    const NoteSink& note)
+{
+  constexpr double whole = 0.95;  // least share of the path
+  constexpr double shortest = 1;  // shorter paths are mostly noise [m]
+  const std::vector<double> lengths = reference.trajectory.pathLengths();
+  const double covered = coveredLength(pairs, reference.trajectory, lengths);
+  if (lengths.back() > shortest && covered < whole * lengths.back())
+  {
+    note(formatted("%s: has poses along %.1f of the %.1f m of %s; the errors are of this part",
+                   estimate.c_str(), covered, lengths.back(), reference.path.c_str()));
+  }
+}
+
 /** Pairs poses by their time stamps. */
 PosePairs pairByTime(const NamedTrajectory& reference,
                      const NamedTrajectory& estimate,
@@ -157,6 +205,7 @@ PosePairs pairByTime(const NamedTrajectory& reference,
                     pairingAdvice(reference.trajectory, estimate.trajectory, a) + ")");
   }
   noteFewPairs(pairs, estimate.path, reference.path, limit, note);
+  notePartOfPath(pairs, reference, estimate.path, note);
   return pairs;
 }
 

@@ -104,6 +104,21 @@ TEST_F(KittiMot, AveragesOfFewBoxesAreNull)
   EXPECT_FALSE(contains(kittiMotTable(scores, "chosen", false).toText(), "sAMOTA"));
 }
 
+TEST_F(KittiMot, AClassWithoutTracksIsExplained)
+{
+  const auto warning = [&](const std::string& type)
+  { return kittiMotWarning(setup_, runKittiMot(setup_, {"0000"}, type), type); };
+  EXPECT_EQ(warning("Car"), "");
+  EXPECT_EQ(warning("Cyclist"),
+            setup_.detections + ": has no detections of the class Cyclist in these sequences");
+  setup_.tracker.vehicle.birth_score = 50;
+  EXPECT_TRUE(runKittiMot(setup_, {"0000"}, "Car").sequences[0].estimate.empty());
+  EXPECT_TRUE(contains(warning("Car"),
+                       ": no score of a Car reaches tracker.vehicle_birth_score = "
+                       "50 (the highest is "))
+      << warning("Car");
+}
+
 TEST_F(KittiMot, DropsFramesAndAddsNoiseOfItsSeed)
 {
   const auto scores = [&](int every, double noise, int seed)

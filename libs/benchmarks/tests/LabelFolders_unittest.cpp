@@ -44,6 +44,25 @@ class LabelFolders : public ::testing::Test
   const TestFolder folder;
 };
 
+TEST_F(LabelFolders, NumbersOfALearningMapAreNoticed)
+{
+  const auto warning = [&](const std::string& reference, const std::string& estimate)
+  {
+    return labelWarning(reference, estimate,
+                        compareLabelFolders(folder.file(reference), folder.file(estimate)));
+  };
+  EXPECT_EQ(warning("x.gt", "run"), "");
+  write("static/000000.label", {9, 9, 40, 0});
+  EXPECT_EQ(warning("x.gt", "static"), "") << "nothing moves";
+  write("learned/000000.label", {2, 1, 1, 0});
+  const std::string said = warning("x.gt", "learned");
+  EXPECT_TRUE(contains(said, "learned: no label is of a moving class (251 to 259), and 2 is no "))
+      << said;
+  EXPECT_EQ(warning("learned", "run").find("learned: no label"), 0U);
+  write("mixed/000000.label", {251, 2, 1, 0});
+  EXPECT_EQ(warning("x.gt", "mixed"), "") << "further static classes of another data set";
+}
+
 TEST_F(LabelFolders, ScansArePairedByName)
 {
   write("run/labels/000007.label", {9});

@@ -79,6 +79,30 @@ TEST(TrackComparison, ClassesAreThoseOfTheReferenceOrTheGivenOnes)
   EXPECT_EQ(errorsOf({"Car", "Pedestrian"})["all"]["all"]["found"], 20);
 }
 
+TEST(TrackComparison, BoxesInTheFrameOfACameraAreNoticed)
+{
+  const TrackSources sources{"label_02/0001.txt", "0001.txt", ""};
+  TrackData ground;
+  TrackData camera;
+  for (int frame = 0; frame < 3; ++frame)
+  {
+    ground.boxes.push_back(boxOf(frame, 1, "Car", 10));
+    ground.boxes.push_back(boxOf(frame, -1, "DontCare", 10));
+    ground.boxes.back().box.centre.z() = 20;  // counts on no side
+    camera.boxes.push_back(boxOf(frame, 1, "Car", 10));
+    camera.boxes.back().box.centre = {3, 1.6, 20};
+    ground.boxes.push_back(boxOf(frame, -1, "DontCare", 10));
+    ground.boxes.back().box.centre.z() = 30;
+  }
+  EXPECT_EQ(boxFrameWarning(sources, ground, ground), "");
+  EXPECT_EQ(boxFrameWarning(sources, TrackData(), TrackData()), "");
+  EXPECT_TRUE(contains(boxFrameWarning(sources, camera, camera),
+                       "label_02/0001.txt: most boxes are more than 5 m above the lidar"));
+  EXPECT_EQ(boxFrameWarning(sources, ground, camera).find("0001.txt: most boxes"), 0U);
+  EXPECT_EQ(boxFrameWarning({sources.reference, sources.estimate, "calib.txt"}, camera, camera),
+            "");
+}
+
 TEST(TrackComparison, TrueSpeedsNeedPosesOfTheScans)
 {
   const TestFolder folder;

@@ -331,6 +331,97 @@ TEST(TrajectoryComparison, OtherUnitsAndQuaternionsAreWarnedOf)
       << warning();
 }
 
+TEST(TrajectoryComparison, QuaternionsWithScalarFirstAreRecognised)
+{
+  PosePairs right;
+  Pose pose = Pose::Identity();
+  for (int i = 0; i < 50; ++i)
+  {
+    right.stamps.push_back(i);
+    right.reference.push_back(pose);
+    pose = pose * poseFromYpr(1, 0, 0, 0.05, 0.01, 0);
+  }
+  right.estimate = right.reference;
+  const auto readWithScalarLast = [](std::vector<Pose> poses)
+  {
+    for (Pose& p : poses)
+    {
+      const Eigen::Quaterniond q(p.linear());  // the file has w x y z, taken for x y z w
+      p.linear() = Eigen::Quaterniond(q.z(), q.w(), q.x(), q.y()).toRotationMatrix();
+    }
+    return poses;
+  };
+  const auto warning = [](const PosePairs& pairs)
+  { return pairWarning("r.txt", "e.txt", pairs, evaluateTrajectory("e", pairs)); };
+  EXPECT_EQ(warning(right), "");
+  PosePairs pairs = right;
+  pairs.estimate = readWithScalarLast(right.estimate);
+  EXPECT_TRUE(contains(warning(pairs), "the orientations of e.txt fit if its quaternions have w "))
+      << warning(pairs);
+  pairs = right;
+  pairs.reference = readWithScalarLast(right.reference);
+  EXPECT_TRUE(contains(warning(pairs), "the orientations of r.txt fit if its quaternions have w "))
+      << warning(pairs);
+}
+
+TEST(TrajectoryComparison, ErrorsOfAPartOfThePathAreNoted)
+{
+  const TestFolder folder;
+  const std::vector<Pose> steps = kittiSteps(100);
+  Trajectory reference;
+  for (int i = 0; i < 100; ++i)
+  {
+    reference.push_back(0.1 * i, steps[static_cast<std::size_t>(i)]);
+  }
+  writeTum(folder.file("a.txt"), reference);
+  const auto notesOf = [&](int first, int end, int step, int gap_from, int gap_end)
+  {
+    Trajectory estimate;
+    for (int i = first; i < end; i += step)
+    {
+      if (i < gap_from || i >= gap_end)
+      {
+        estimate.push_back(0.1 * i, steps[static_cast<std::size_t>(i)]);
+      }
+    }
+    writeTum(folder.file("b.txt"), estimate);
+    Names notes;
+    (void)pairFiles(folder.file("a.txt"), folder.file("b.txt"), {},
+                    [&](const std::string& note) { notes.push_back(note); });
+    return notes;
+  };
+  EXPECT_TRUE(notesOf(0, 100, 1, 0, 0).empty());
+  EXPECT_TRUE(notesOf(0, 100, 3, 0, 0).empty()) << "keyframes along the whole path";
+  EXPECT_TRUE(notesOf(2, 98, 1, 50, 52).empty()) << "single scans";
+  const Names early = notesOf(0, 31, 1, 0, 0);
+  ASSERT_EQ(early.size(), 1U);
+  EXPECT_EQ(early[0], folder.file("b.txt") + ": has poses along 30.0 of the 99.0 m of " +
+                          folder.file("a.txt") + "; the errors are of this part");
+  const Names gap = notesOf(0, 100, 1, 30, 70);
+  ASSERT_EQ(gap.size(), 1U);
+  EXPECT_TRUE(contains(gap[0], ": has poses along 58.0 of the 99.0 m of ")) << gap[0];
+}
+
+TEST(TrajectoryComparison, FiguresThatAreNotComparableAreNoted)
+{
+  TrajectoryReport every;
+  every.name = "every";
+  every.pairs = 100;
+  TrajectoryReport keyframes = every;
+  keyframes.name = "keyframes";
+  keyframes.pairs = 20;
+  EXPECT_TRUE(comparisonNotes({}, true).empty());
+  EXPECT_TRUE(comparisonNotes({every, every}, true).empty());
+  EXPECT_TRUE(comparisonNotes({every, keyframes}, false).empty()) << "several sequences";
+  const Names notes = comparisonNotes({every, keyframes}, true);
+  ASSERT_EQ(notes.size(), 1U);
+  EXPECT_TRUE(contains(notes[0], "keyframes has 20 poses, every 100: compare")) << notes[0];
+  every.absolute.turned_by_orientations = true;
+  const Names straight = comparisonNotes({every}, true);
+  ASSERT_EQ(straight.size(), 1U);
+  EXPECT_TRUE(contains(straight[0], "every: its path is nearly straight")) << straight[0];
+}
+
 TEST(TrajectoryComparison, ASinglePoseIsRefusedInEitherFile)
 {
   const TestFolder folder;

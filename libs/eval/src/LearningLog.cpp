@@ -4,6 +4,7 @@
 #include <dyslam/base/Words.h>
 #include <dyslam/eval/LearningLog.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdlib>
 #include <optional>
@@ -91,6 +92,13 @@ Words readWords(const std::string& text, const std::string& name)
   return words;
 }
 
+/** Whether no row has anything in a column, as a precision without a point called moving. */
+bool isEmpty(const Words& words, std::size_t column)
+{
+  return std::all_of(words.rows.begin(), words.rows.end(),
+                     [column](const std::vector<std::string>& row) { return row[column].empty(); });
+}
+
 /** Numbers of a column, NaN where a cell has none; nothing for a column of text or names. */
 std::optional<std::vector<double>> numbersOf(const Words& words, std::size_t column)
 {
@@ -120,6 +128,10 @@ LearningLog parseLearningLog(const std::string& text, const std::string& name)
   log.series.resize(rows);
   for (std::size_t c = 1; c < words.names.size(); ++c)
   {
+    if (isEmpty(words, c))
+    {
+      continue;
+    }
     if (auto numbers = numbersOf(words, c))
     {
       log.columns.push_back({words.names[c], std::move(*numbers)});

@@ -9,6 +9,8 @@
 #include <algorithm>
 #include <cmath>
 #include <stdexcept>
+#include <tuple>
+#include <utility>
 
 namespace dyslam
 {
@@ -64,9 +66,15 @@ Eigen::Matrix3d optimalRotationAbout(const Eigen::Vector3d& axis,
   return Eigen::AngleAxisd(angle, axis).toRotationMatrix();
 }
 
+struct OptimalRotation
+{
+  Eigen::Matrix3d R = Eigen::Matrix3d::Identity();
+  bool turned_by_orientations = false;  //!< about the line of collinear positions
+};
+
 /** The rotation R that minimises sum |r_i - R e_i|^2 for centred positions (Kabsch, Umeyama); about
  * a line of collinear positions, that of the orientations. */
-Eigen::Matrix3d optimalRotation(const PosePairs& pairs,
+OptimalRotation optimalRotation(const PosePairs& pairs,
                                 const Eigen::Vector3d& reference_mean,
                                 const Eigen::Vector3d& estimate_mean)
 {
@@ -95,7 +103,36 @@ Eigen::Matrix3d optimalRotation(const PosePairs& pairs,
   const Eigen::Matrix3d R = svd.matrixU() * mirror * svd.matrixV().transpose();
   const auto line =
       pairs.positions_only ? std::nullopt : degenerateLine(pairs, reference_mean, estimate_mean, R);
-  return line ? Eigen::Matrix3d(optimalRotationAbout(*line, orientations, R) * R) : R;
+  return line ? OptimalRotation{optimalRotationAbout(*line, orientations, R) * R, true}
+              : OptimalRotation{R, false};
+}
+
+/** T_reference_estimate, and whether the orientations turned it about the line of the path. */
+std::pair<Pose, bool> aligned(const PosePairs& pairs, Alignment alignment)
+{
+  if (pairs.size() == 0 || alignment == Alignment::none)
+  {
+    return {Pose::Identity(), false};
+  }
+  if (alignment == Alignment::first)
+  {
+    return {pairs.reference.front() * pairs.estimate.front().inverse(), false};
+  }
+  Eigen::Vector3d reference_mean = Eigen::Vector3d::Zero();
+  Eigen::Vector3d estimate_mean = Eigen::Vector3d::Zero();
+  for (std::size_t i = 0; i < pairs.size(); ++i)
+  {
+    reference_mean += pairs.reference[i].translation();
+    estimate_mean += pairs.estimate[i].translation();
+  }
+  reference_mean /= static_cast<double>(pairs.size());
+  estimate_mean /= static_cast<double>(pairs.size());
+  const OptimalRotation rotation = optimalRotation(pairs, reference_mean, estimate_mean);
+  Pose T_reference_estimate = Pose::Identity();
+  T_reference_estimate.linear() = rotation.R;
+  T_reference_estimate.translation() =
+      reference_mean - T_reference_estimate.linear() * estimate_mean;
+  return {T_reference_estimate, rotation.turned_by_orientations};
 }
 }  // namespace
 
@@ -194,44 +231,23 @@ RelativePoseError relativePoseError(const PosePairs& pairs)
 
 Pose alignEstimate(const PosePairs& pairs, Alignment alignment)
 {
-  if (pairs.size() == 0 || alignment == Alignment::none)
-  {
-    return Pose::Identity();
-  }
-  if (alignment == Alignment::first)
-  {
-    return pairs.reference.front() * pairs.estimate.front().inverse();
-  }
-  Eigen::Vector3d reference_mean = Eigen::Vector3d::Zero();
-  Eigen::Vector3d estimate_mean = Eigen::Vector3d::Zero();
-  for (std::size_t i = 0; i < pairs.size(); ++i)
-  {
-    reference_mean += pairs.reference[i].translation();
-    estimate_mean += pairs.estimate[i].translation();
-  }
-  reference_mean /= static_cast<double>(pairs.size());
-  estimate_mean /= static_cast<double>(pairs.size());
-  Pose T_reference_estimate = Pose::Identity();
-  T_reference_estimate.linear() = optimalRotation(pairs, reference_mean, estimate_mean);
-  T_reference_estimate.translation() =
-      reference_mean - T_reference_estimate.linear() * estimate_mean;
-  return T_reference_estimate;
+  return aligned(pairs, alignment).first;
 }
 
 AbsoluteTrajectoryError absoluteTrajectoryError(const PosePairs& pairs, Alignment alignment)
 {
   AbsoluteTrajectoryError result;
-  result.T_reference_estimate = alignEstimate(pairs, alignment);
+  std::tie(result.T_reference_estimate, result.turned_by_orientations) = aligned(pairs, alignment);
   std::vector<double> translation;
   std::vector<double> rotation;
   for (std::size_t i = 0; i < pairs.size(); ++i)
   {
-    const Pose aligned = result.T_reference_estimate * pairs.estimate[i];
-    translation.push_back((aligned.translation() - pairs.reference[i].translation()).norm());
+    const Pose estimate = result.T_reference_estimate * pairs.estimate[i];
+    translation.push_back((estimate.translation() - pairs.reference[i].translation()).norm());
     if (!pairs.positions_only)
     {
       rotation.push_back(degrees_per_radian *
-                         rotationAngle(pairs.reference[i].inverse() * aligned));
+                         rotationAngle(pairs.reference[i].inverse() * estimate));
     }
   }
   result.translation = statisticsOf(translation);

@@ -68,6 +68,15 @@ TEST(LearningLog, CellsWithoutANumberAreNaN)
   EXPECT_EQ(log.columns[1].value[1], 0.7);
 }
 
+TEST(LearningLog, ColumnsWithoutAnyEntryAreLeftOut)
+{
+  const auto log = parseLearningLog(
+      "step,set,iou,precision\n1,street,0,\n1,highway,0,\n2,street,0,\n", "validation.csv");
+  ASSERT_EQ(log.columns.size(), 1U);
+  EXPECT_EQ(log.columns[0].name, "iou");
+  EXPECT_EQ(log.series, (std::vector<std::string>{"street", "highway", "street"}));
+}
+
 TEST(LearningLog, DamagedLogsAreRefused)
 {
   for (const std::string text : {"loss,step\n1,2\n", "step,loss\n1\n", "step,loss\n", ""})

@@ -220,6 +220,9 @@ TEST(Alignment, OrientationsDetermineTheRollOfAStraightPath)
   const auto error = absoluteTrajectoryError(pairsOf(straight(50, 1), estimate), Alignment::se3);
   EXPECT_NEAR(error.translation.max, 0, 1e-6);
   EXPECT_NEAR(error.rotation_deg.max, 0, 1e-3);
+  EXPECT_TRUE(error.turned_by_orientations);
+  EXPECT_FALSE(absoluteTrajectoryError(pairsOf(straight(50, 1), estimate), Alignment::first)
+                   .turned_by_orientations);
 }
 
 /** Errors after SE(3) alignment of a 100 m path with lateral amplitude `bow` [m] to a transformed
@@ -252,6 +255,7 @@ TEST(Alignment, LateralNoiseDoesNotRollAStraightPath)
   }
   // With 10 m across, the positions alone determine the rotation.
   EXPECT_LT(noisyLineError(10).rotation_deg.max, 0.1);
+  EXPECT_FALSE(noisyLineError(10).turned_by_orientations);
   // A slight bow is less informative than the orientations, since the positions are noisy.
   EXPECT_LT(noisyLineError(3, 0.4).rotation_deg.max, 0.3);
 }

@@ -10,6 +10,8 @@
 #include <dyslam/io/RawlogSource.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <filesystem>
 #include <stdexcept>
 
 #include "SyntheticScans.h"
@@ -153,6 +155,31 @@ TEST(KittiExport, OptionsWithoutAnEffectAreSaid)
   EXPECT_TRUE(contains(messageOfError<UserError>(
                            [&] { (void)exportKitti(folder.file("x.rawlog"), "never", options); }),
                        "--rings: are written beside the scans"));
+}
+
+TEST(KittiExport, ScansThatAreNotDeskewedAreNoted)
+{
+  const TestFolder folder;
+  const auto notesOf = [&](float sweep, bool no_scans)
+  {
+    RawlogWriter writer(folder.file("x.rawlog"));
+    for (std::size_t i = 0; i < 2; ++i)
+    {
+      Scan scan = someScan(i, 3);
+      scan.time = {0, sweep, std::nanf("")};
+      writer.write(scan, somePose(i));
+    }
+    writer.close();
+    KittiExportOptions options;
+    options.no_scans = no_scans;
+    std::filesystem::remove_all(folder.file("kitti"));
+    return exportKitti(folder.file("x.rawlog"), folder.file("kitti"), options).notes;
+  };
+  EXPECT_TRUE(notesOf(0, false).empty()) << "deskewed to one time";
+  EXPECT_TRUE(notesOf(0.1F, true).empty());
+  const auto notes = notesOf(0.1F, false);
+  ASSERT_EQ(notes.size(), 1U);
+  EXPECT_TRUE(contains(notes[0], "not deskewed as those of KITTI odometry")) << notes[0];
 }
 
 TEST(KittiExport, TracksAreInTheCameraFrame)

@@ -2,10 +2,13 @@
 #include "EarlierLabels.h"
 
 #include <dyslam/base/Error.h>
+#include <dyslam/base/Files.h>
 #include <dyslam/formats/LabelFiles.h>
 #include <dyslam/formats/TextFile.h>
 
 #include <algorithm>
+#include <cstddef>
+#include <cstdint>
 #include <utility>
 
 namespace dyslam
@@ -25,6 +28,38 @@ std::string requireLabels(const std::string& folder)
                     "files, one for each scan");
   }
   return labels.value_or("");
+}
+
+/** Whether the first label files have no moving class, but numbers below those of SemanticKITTI's
+ * classes, as the learning map of moving object segmentation (1 static, 2 moving). */
+bool areOfALearningMap(const std::string& folder)
+{
+  constexpr std::size_t most_files = 100;
+  constexpr std::uint16_t first = 2;  // 0 and 1 are classes: unlabelled, outlier
+  constexpr std::uint16_t last = 8;
+  std::vector<std::string> files;
+  for (const auto& entry : entriesOf(folder))
+  {
+    if (entry.path().extension() == ".label")
+    {
+      files.push_back(entry.path().string());
+    }
+  }
+  files.resize(std::min(files.size(), most_files));
+  bool has_such_numbers = false;
+  for (const std::string& file : files)
+  {
+    for (const Label label : readLabels(file))
+    {
+      if (isMovingLabel(label))
+      {
+        return false;
+      }
+      has_such_numbers =
+          has_such_numbers || (semanticOf(label) >= first && semanticOf(label) <= last);
+    }
+  }
+  return has_such_numbers;
 }
 
 /** Merges per-point values of two clouds in the order of the scan. */
@@ -69,7 +104,23 @@ class Merge
 };
 }  // namespace
 
-EarlierLabels::EarlierLabels(const std::string& folder) : folder_(requireLabels(folder)) {}
+EarlierLabels::EarlierLabels(const std::string& folder)
+    : folder_(requireLabels(folder)),
+      are_of_learning_map_(!folder_.empty() && areOfALearningMap(folder_))
+{
+}
+
+std::vector<std::string> EarlierLabels::warnings() const
+{
+  std::vector<std::string> result;
+  if (are_of_learning_map_)
+  {
+    result.push_back("dyseg.labels: no label of " + folder_ +
+                     " is of a moving class (251 to 259), so they have no effect; map the numbers "
+                     "of a learning map to SemanticKITTI's classes (1 to 9, 2 to 251)");
+  }
+  return result;
+}
 
 std::vector<bool> EarlierLabels::movingPoints(const Frame& frame) const
 {

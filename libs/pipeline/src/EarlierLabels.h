@@ -22,12 +22,15 @@ class EarlierLabels
   explicit EarlierLabels(const std::string& folder);
 
   [[nodiscard]] bool any() const { return !folder_.empty(); }
+  /** Of labels that seem to be the numbers of a learning map, none of which is a moving class. */
+  [[nodiscard]] std::vector<std::string> warnings() const;
   /** \return for each point of the scan whether it is labelled moving; empty if there are no
    * labels. \throws UserError if the scan has no label file, or one of another number of points. */
   [[nodiscard]] std::vector<bool> movingPoints(const Frame& frame) const;
 
  private:
   std::string folder_;
+  bool are_of_learning_map_ = false;
 };
 
 /** Takes points out of a cloud that was prepared from the whole scan: times of points that have

@@ -255,6 +255,9 @@ std::string FrontEnd::summary() const
 
 std::vector<std::string> FrontEnd::warnings() const
 {
-  return stages_->odometry.warnings();
+  std::vector<std::string> result = stages_->odometry.warnings();
+  const std::vector<std::string> of_labels = stages_->earlier.warnings();
+  result.insert(result.end(), of_labels.begin(), of_labels.end());
+  return result;
 }
 }  // namespace dyslam

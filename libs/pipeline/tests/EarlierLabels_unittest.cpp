@@ -107,6 +107,22 @@ TEST(EarlierLabels, AreOfTheSameScans)
   EXPECT_THROW((void)labels.movingPoints(another), UserError);
 }
 
+TEST(EarlierLabels, NumbersOfALearningMapAreWarnedOf)
+{
+  const TestFolder folder;
+  writeLabels(folder.file("000000.label"), {1, 1, 0});
+  EXPECT_TRUE(EarlierLabels(folder.path()).warnings().empty()) << "nothing moves";
+  writeLabels(folder.file("000001.label"), {1, 2, 0});
+  const std::vector<std::string> said = EarlierLabels(folder.path()).warnings();
+  ASSERT_EQ(said.size(), 1U);
+  EXPECT_EQ(
+      said[0].rfind("dyseg.labels: no label of " + folder.path() + " is of a moving class", 0), 0U)
+      << said[0];
+  writeLabels(folder.file("000002.label"), {9, moving_car});
+  EXPECT_TRUE(EarlierLabels(folder.path()).warnings().empty());
+  EXPECT_TRUE(EarlierLabels("").warnings().empty());
+}
+
 TEST(EarlierLabels, WithoutAFolderNothingChanges)
 {
   const EarlierLabels none("");

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/base/Error.h>
 #include <dyslam/base/PendingFile.h>
+#include <dyslam/base/SharedFiles.h>
 #include <dyslam/train/DataText.h>
 
 #include <algorithm>
@@ -104,6 +105,15 @@ std::string dataFolder(const std::string& folder, const std::string& field)
                     " is not set; export it, or write the folder");
   }
   return value + (slash == std::string::npos ? "" : folder.substr(slash));
+}
+
+std::string startWeights(const std::string& start)
+{
+  if (std::filesystem::is_directory(start))
+  {
+    throw UserError("--start " + start + ": is a folder; give its file of weights");
+  }
+  return start.empty() ? "" : findGivenOrShared(start, "models", ".safetensors", "--start");
 }
 
 std::string dataPath(const std::string& data, const std::string& name)

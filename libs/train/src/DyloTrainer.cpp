@@ -7,6 +7,7 @@
 #include <dyslam/nets/TensorFile.h>
 #include <dyslam/nets/Threads.h>
 #include <dyslam/train/Augmentation.h>
+#include <dyslam/train/ChangedSettings.h>
 #include <dyslam/train/DataText.h>
 #include <dyslam/train/DyloLoss.h>
 #include <dyslam/train/DyloTrainer.h>
@@ -133,7 +134,13 @@ Trainer::Trainer(const Config& config, const DyloTrainRequest& request)
     source_ = makeDyloPairSource(options_.data, options_.augmentation, base, splits,
                                  static_cast<std::uint64_t>(options_.train.seed));
     makeFolder(request.output, "choose another --output");
-    writeWhole(request.output + "/effective.ini", effective.toIni());
+    const std::string ini = request.output + "/effective.ini";
+    const std::string changes = request.resume ? changedSettingsNote(ini, effective) : "";
+    if (!changes.empty())
+    {
+      request.report(changes);
+    }
+    writeWhole(ini, effective.toIni());
   }
 }
 

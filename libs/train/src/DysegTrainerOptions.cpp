@@ -41,6 +41,8 @@ void DysegTrainerOptions::describe(OptionsVisitor& v)
   v.text("labelled_calib", labelled_calib,
          "name of KITTI's calib.txt in that folder if its poses are of the camera; empty: of the "
          "lidar");
+  v.flag("labelled_deskew", labelled_deskew,
+         "deskew the scans of labelled_validation by azimuth, as deskew of labelled_runs");
   v.integer("labelled_validation_first", labelled_validation_first, 1, 1000000,
             "first frame of labelled_validation that is evaluated");
   v.integer("labelled_validation_last", labelled_validation_last, 1, 1000000,

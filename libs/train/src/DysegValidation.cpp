@@ -86,6 +86,7 @@ RecordingDescription labelledDescription(const DysegTrainerOptions& o)
   description.folder = folder + "/velodyne";
   description.pose_file = folder + "/" + o.labelled_poses;
   description.calib_file = o.labelled_calib.empty() ? "" : folder + "/" + o.labelled_calib;
+  description.deskew = o.labelled_deskew;
   description.first = static_cast<std::size_t>(o.labelled_validation_first) - 1;
   description.last = static_cast<std::size_t>(o.labelled_validation_last);
   return description;

@@ -11,6 +11,8 @@
 #include <string>
 #include <vector>
 
+#include "TestFolder.h"
+
 namespace dyslam
 {
 namespace
@@ -88,6 +90,23 @@ TEST(DataText, ALeadingVariableIsReadFromTheEnvironment)
   EXPECT_EQ(dataFolder("$DYSLAM_TEST_FOLDER/run", "f"), "/some/where/run");
   EXPECT_EQ(dataFolder("run/$DYSLAM_TEST_FOLDER", "f"), "run/$DYSLAM_TEST_FOLDER");
   EXPECT_THROW((void)dataFolder("$DYSLAM_TEST_FOLDER2/run", "f"), UserError);
+}
+
+TEST(DataText, StartWeightsAreAFileOrShipped)
+{
+  const TestFolder folder;
+  EXPECT_EQ(startWeights(""), "");
+  const std::string given = folder.write("mine.safetensors", "weights");
+  EXPECT_EQ(startWeights(given), given);
+  const std::string shipped = startWeights("dyseg_simulated");
+  EXPECT_TRUE(std::filesystem::is_regular_file(shipped)) << shipped;
+  EXPECT_EQ(std::filesystem::path(shipped).filename(), "dyseg_simulated.safetensors");
+  const auto refusal = [](const std::string& start)
+  { return messageOfError<UserError>([&] { (void)startWeights(start); }); };
+  EXPECT_EQ(refusal(folder.path()),
+            "--start " + folder.path() + ": is a folder; give its file of weights");
+  EXPECT_NE(refusal(folder.file("none.safetensors")).find("none.safetensors: no such file"),
+            std::string::npos);
 }
 }  // namespace
 }  // namespace dyslam

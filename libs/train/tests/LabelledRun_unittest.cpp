@@ -228,6 +228,27 @@ TEST_F(SemanticKitti, ValidationLeavesOutNearReturns)
   EXPECT_LT(left_out, all.current.size() / 2);
 }
 
+TEST_F(SemanticKitti, ValidationIsDeskewedIfAsked)
+{
+  DysegTrainerOptions options = optionsFor("");
+  options.boxed_validation.clear();
+  options.labelled_validation = "00";
+  options.labelled_poses = "poses.txt";
+  options.labelled_calib = "calib.txt";
+  options.labelled_validation_first = options.labelled_validation_last = 11;
+  options.validation_min_range = 0;
+  options.labelled_deskew = true;
+  const auto recorded = load(10, 11).points(1);
+  const auto expected = deskewByAzimuth(recorded, poseOf(10).inverse() * poseOf(11));
+  EXPECT_GT((expected[0] - recorded[0]).norm(), 0.1F) << "beside the sensor";
+  const DysegSample pair = makeDysegValidation(options).back().samples.at(0);
+  ASSERT_EQ(pair.current.size(), expected.size());
+  for (std::size_t i = 0; i < expected.size(); ++i)
+  {
+    EXPECT_LT((pair.current[i] - expected[i]).norm(), 1e-3F) << i;
+  }
+}
+
 TEST_F(SemanticKitti, FramesOfOtherSplitsAreRefused)
 {
   const auto said = [&](const std::string& runs)

@@ -14,7 +14,9 @@
 #include <dyslam/io/RawlogSource.h>
 
 #include <algorithm>
+#include <cmath>
 #include <filesystem>
+#include <limits>
 #include <map>
 #include <optional>
 #include <utility>
@@ -70,6 +72,23 @@ KittiCalib calibAtLidar()
   KittiCalib calib;
   calib.T_cam_velo = cameraAxes();
   return calib;
+}
+
+/** Whether the points were measured at differing times, and so while the lidar moved. */
+bool isSwept(const Scan& scan)
+{
+  constexpr double instant = 1e-3;  // longest sweep that hardly distorts [s]
+  double first = std::numeric_limits<double>::infinity();
+  double last = -first;
+  for (const float time : scan.time)
+  {
+    if (std::isfinite(time))
+    {
+      first = std::min(first, static_cast<double>(time));
+      last = std::max(last, static_cast<double>(time));
+    }
+  }
+  return last - first > instant;
 }
 
 /** One sequence while it is written; removed with the object unless finish() was called. */
@@ -138,6 +157,7 @@ class Sequence
     {
       writeScan(frame);
     }
+    swept_ = swept_ || isSwept(scan);
     first_stamp_ = result_.scans == 0 ? scan.stamp : first_stamp_;
     appendFixed(times_, scan.stamp - first_stamp_, 9);
     times_ += '\n';
@@ -183,6 +203,12 @@ class Sequence
     if (options_.no_scans)
     {
       fs::remove(pending_ / "velodyne");
+    }
+    else if (swept_)
+    {
+      result_.notes.emplace_back(
+          "the scans are as recorded, not deskewed as those of KITTI odometry are: programs that "
+          "take them for KITTI's do not deskew them either");
     }
     writeTracksOfScans();
     fs::rename(pending_, target_);
@@ -321,6 +347,7 @@ class Sequence
   std::string times_;
   double first_stamp_ = 0;
   std::size_t ring_files_ = 0;
+  bool swept_ = false;                              //!< isSwept() of any scan
   std::vector<Pose> poses_;                         //!< T_world_lidar
   std::map<int, std::vector<LabelledBox>> tracks_;  //!< by number of the scan in the recording
   std::vector<LabelledBox> written_tracks_;         //!< by number of the scan in the sequence

@@ -7,6 +7,7 @@
 #include <dyslam/tracking/DetectionNoise.h>
 #include <dyslam/tracking/Tracker.h>
 
+#include <cstddef>
 #include <string>
 #include <utility>
 #include <vector>
@@ -34,6 +35,8 @@ struct KittiMotRun
   int every = 1;  //!< frame f of `sequences` is frame `every` * f of the data
   int frames = 0;
   double seconds = 0;  //!< time spent in Tracker::update() [s]
+  std::size_t detections = 0;
+  double highest_score = 0;  //!< of the detections
 };
 
 /** Tracks one class in several sequences; the ego-motion is that of OXTS. \param names of the
@@ -48,6 +51,12 @@ struct KittiMotRun
                                           const std::vector<std::string>& names,
                                           const std::string& type,
                                           int repeats);
+
+/** Why a class has no tracks, for the console: no detections, or none whose score starts a track.
+ * Empty otherwise. \param type as for runKittiMot() */
+[[nodiscard]] std::string kittiMotWarning(const KittiMotSetup& setup,
+                                          const KittiMotRun& run,
+                                          const std::string& type);
 
 /** Scores of one class. */
 struct KittiMotScores

@@ -14,6 +14,13 @@
 
 namespace dyslam
 {
+/** The classes that occur in the labels of a side. */
+struct LabelClasses
+{
+  std::size_t moving = 0;            //!< number of points of a moving class
+  std::set<std::uint16_t> unlisted;  //!< classes that SemanticKITTI does not have
+};
+
 /** Segmentation scores over the scans common to two folders of `.label` files. */
 struct LabelComparison
 {
@@ -21,6 +28,8 @@ struct LabelComparison
   CalibrationEvaluator calibration;  //!< calibration of the probabilities, if the estimate has them
   std::size_t reference_scans = 0;
   std::size_t estimated_scans = 0;
+  LabelClasses reference_classes;  //!< of the common scans, as in the files
+  LabelClasses estimated_classes;  //!< of the common scans
 };
 
 /** Interpretation of the reference labels. */
@@ -38,6 +47,13 @@ struct ReferenceReading
 [[nodiscard]] LabelComparison compareLabelFolders(const std::string& reference,
                                                   const std::string& estimate,
                                                   const ReferenceReading& reading = {});
+
+/** Why the figures may be wrong, for the console: a side has no moving class, and classes that are
+ * not SemanticKITTI's, such as those of a learning map. Empty if nothing is wrong.
+ * \param reference, estimate their folders */
+[[nodiscard]] std::string labelWarning(const std::string& reference,
+                                       const std::string& estimate,
+                                       const LabelComparison& result);
 
 using NamedComparisons = std::vector<std::pair<std::string, LabelComparison>>;
 [[nodiscard]] Table segmentationTable(const NamedComparisons& results);

@@ -44,6 +44,13 @@ struct TrackMatching
                                             const TrackData& truth,
                                             const TrackSelection& selection);
 
+/** Why figures without a calibration may be wrong, for the console: most boxes of a side are higher
+ * above the lidar than what moves on the ground, as those of a camera are, whose z is ahead. Empty
+ * if nothing is wrong, or with a calibration. */
+[[nodiscard]] std::string boxFrameWarning(const TrackSources& sources,
+                                          const TrackData& truth,
+                                          const TrackData& estimate);
+
 /** Whether Car, Van, Truck and Bus are one class: if the reference or the estimate is a folder. */
 [[nodiscard]] bool typesAreMerged(const TrackSources& sources);
 

@@ -36,11 +36,10 @@ struct PoseReading
 /** Pairs the poses of two files (TUM or KITTI): by time if both have time stamps, else by line. The
  * reference may be a PositionFile; the estimated poses are then those of its body, and geodetic or
  * geocentric positions become east, north, up from the first one.
- * \param note called if the pairs are few, the files differ in length or times were converted to
- * UTC \throws UserError for files
- * that cannot be read, without poses or with fewer than two pairs, for a tolerance, an offset or
- * times given with a file without time stamps, and for what needs orientations if the reference has
- * none. */
+ * \param note called if the pairs are few or of a part of the reference's path, the files differ in
+ * length or times were converted to UTC \throws UserError for files that cannot be read, without
+ * poses or with fewer than two pairs, for a tolerance, an offset or times given with a file without
+ * time stamps, and for what needs orientations if the reference has none. */
 [[nodiscard]] PosePairs pairFiles(const std::string& reference,
                                   const std::string& estimate,
                                   const PoseReading& reading,
@@ -53,6 +52,13 @@ struct PoseReading
                                       const std::string& estimate,
                                       const PosePairs& pairs,
                                       const TrajectoryReport& report);
+
+/** Which figures of a table are not comparable, or not those of other programs, for the console: of
+ * estimates with differing numbers of pairs, and of nearly straight paths, which SE(3) alignment by
+ * the positions alone may turn about their line. Empty if there is nothing to say.
+ * \param same_reference all estimates have the same reference */
+[[nodiscard]] std::vector<std::string> comparisonNotes(const std::vector<TrajectoryReport>& reports,
+                                                       bool same_reference);
 
 /** Adds a row of means over several estimates; the mean drift is over the estimates that are long
  * enough to have one. */

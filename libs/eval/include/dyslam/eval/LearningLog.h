@@ -7,7 +7,7 @@
 namespace dyslam
 {
 /** CSV log of a training. The first column is the step; rows are grouped into series by the columns
- * of text and by those named recording, set and start. */
+ * of text and by those named recording, set and start. Columns without any entry are left out. */
 struct LearningLog
 {
   struct Column

@@ -76,6 +76,9 @@ struct AbsoluteTrajectoryError
   Pose T_reference_estimate = Pose::Identity();
   Statistics translation;   //!< distance of positions after alignment [m]
   Statistics rotation_deg;  //!< angle between orientations after alignment [deg]; may be empty
+  /** The path is nearly straight, and the orientations determined the rotation about its line
+   * (SE(3) alignment), which the positions alone would not. */
+  bool turned_by_orientations = false;
 };
 [[nodiscard]] AbsoluteTrajectoryError absoluteTrajectoryError(const PosePairs& pairs,
                                                               Alignment alignment);

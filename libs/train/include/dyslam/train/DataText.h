@@ -31,6 +31,10 @@ void appendRows(const std::string& file, const std::vector<std::string>& rows);
  * \param field the setting, for the message \throws UserError if the variable is not set. */
 [[nodiscard]] std::string dataFolder(const std::string& folder, const std::string& field);
 
+/** The file of the weights that --start names: a file, or shipped ones ("dyseg"); empty for
+ * nothing. \throws UserError, also for a folder, which may be a training of that name. */
+[[nodiscard]] std::string startWeights(const std::string& start);
+
 /** A file or folder that a setting names: relative to the folder of the data, or absolute. */
 [[nodiscard]] std::string dataPath(const std::string& data, const std::string& name);
 }  // namespace dyslam

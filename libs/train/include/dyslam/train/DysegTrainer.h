@@ -37,6 +37,7 @@ struct DysegTrainerOptions : Options
   std::string labelled_validation = "kitti_raw_2011_09_26_drive_0005";
   std::string labelled_poses = "poses_icp_raw_velo.txt";  //!< file in that run's folder
   std::string labelled_calib;  //!< KITTI's calib.txt in that folder for poses of a camera, or empty
+  bool labelled_deskew = false;  //!< deskew those scans, as `deskew` of labelled_runs
   int labelled_validation_first = 80;
   int labelled_validation_last = 109;
   double validation_min_range = 1.5;  //!< nearer returns of these frames are left out, as those of
