@@ -9,8 +9,8 @@
 #include <dyslam/train/Augmentation.h>
 #include <dyslam/train/DataText.h>
 #include <dyslam/train/DyloLoss.h>
-#include <dyslam/train/DyloTrainer.h>
 #include <dyslam/train/NetworkWeights.h>
+#include <dyslam/train/TrainDylo.h>
 
 #include <array>
 #include <cstdio>
