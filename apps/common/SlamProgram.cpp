@@ -4,6 +4,7 @@
 #include <dyslam/base/Angle.h>
 #include <dyslam/base/Printable.h>
 #include <dyslam/formats/RecordingOrigin.h>
+#include <dyslam/formats/RunFiles.h>
 #include <dyslam/run/TwoPassRun.h>
 #include <unistd.h>
 
@@ -55,7 +56,8 @@ std::vector<std::string> messagesAbout(const std::string& program,
     messages.push_back(program + ": the recording begins at about " + chosen->start_speed +
                        " m/s, estimated from the scans that follow (odometry.start_speed)");
   }
-  if (pass == Pass::only && std::filesystem::exists(output + "/report.json"))
+  if (pass == Pass::only &&
+      std::filesystem::exists(std::filesystem::path(output) / run_files::report))
   {
     messages.push_back(program + ": replaces the earlier run in " + output);
   }

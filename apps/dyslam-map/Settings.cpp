@@ -44,13 +44,13 @@ std::vector<std::string> ownSections(bool merging)
 /** \param run as given to --merge */
 std::string effectiveIniOfRun(const std::string& run)
 {
-  return (std::filesystem::path(RunArgument(run).folder) / "effective.ini").string();
+  return (std::filesystem::path(RunArgument(run).folder) / run_files::settings).string();
 }
 
 /** The ini of the run that the trajectory is of; empty where it is of none. */
 std::string effectiveIniBeside(const std::string& trajectory)
 {
-  const auto ini = std::filesystem::path(trajectory).parent_path() / "effective.ini";
+  const auto ini = std::filesystem::path(trajectory).parent_path() / run_files::settings;
   return std::filesystem::is_regular_file(ini) ? ini.string() : "";
 }
 
@@ -112,7 +112,7 @@ Config baseSettings(const Arguments& a, std::vector<std::string>& messages)
 /** The scans.csv of the run that the trajectory is of; empty where it is of none. */
 std::string scanTableBeside(const std::string& trajectory)
 {
-  const auto table = std::filesystem::path(trajectory).parent_path() / "scans.csv";
+  const auto table = std::filesystem::path(trajectory).parent_path() / run_files::scan_table;
   return !effectiveIniBeside(trajectory).empty() && std::filesystem::is_regular_file(table)
              ? table.string()
              : "";
@@ -122,8 +122,9 @@ std::string scanTableBeside(const std::string& trajectory)
 int referenceSystemOf(const std::string& trajectory)
 {
   const std::filesystem::path path(trajectory);
-  const auto georeference = path.parent_path() / "georeference.ini";
-  return path.filename() == "trajectory_utm.txt" && std::filesystem::is_regular_file(georeference)
+  const auto georeference = path.parent_path() / run_files::georeference;
+  return path.filename() == run_files::trajectory_utm &&
+                 std::filesystem::is_regular_file(georeference)
              ? readGeoreference(georeference.string()).epsg
              : 0;
 }

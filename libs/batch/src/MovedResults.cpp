@@ -53,7 +53,7 @@ void copyResults(const fs::path& from, const fs::path& to, const fs::path& copy)
     return;
   }
   std::vector<std::string> replaced = filesOfRun(to.string());
-  replaced.insert(replaced.end(), {log_name, state_file_name});
+  replaced.insert(replaced.end(), {log_name, run_files::state});
   for (const auto& entry : fs::directory_iterator(to))
   {
     const fs::path kept = copy / entry.path().filename();
@@ -85,8 +85,8 @@ void synchronise(const fs::path& folder, int (*sync)(int))
 
 void renameOwnFiles(const std::string& from, const std::string& to)
 {
-  const fs::path report = fs::path(from) / "report.json";
-  const fs::path ini = fs::path(from) / "effective.ini";
+  const fs::path report = fs::path(from) / run_files::report;
+  const fs::path ini = fs::path(from) / run_files::settings;
   if (!fs::exists(report) || !fs::exists(ini))
   {
     return;

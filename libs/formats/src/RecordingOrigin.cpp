@@ -52,7 +52,7 @@ std::optional<RecordingOrigin> originOfRecording(const std::string& rawlog)
   const fs::path path(rawlog);
   const std::string file = recordingOriginFile(path.parent_path().string());
   std::error_code none;
-  if (path.filename() != converted_rawlog_name || !fs::is_regular_file(file, none))
+  if (path.filename() != run_files::recording || !fs::is_regular_file(file, none))
   {
     return std::nullopt;
   }

@@ -5,6 +5,7 @@
 #include <dyslam/base/StateArchive.h>
 #include <dyslam/base/Words.h>
 #include <dyslam/formats/ProgramLines.h>
+#include <dyslam/formats/RunFiles.h>
 #include <dyslam/io/RawlogSource.h>
 #include <dyslam/pipeline/FrontEnd.h>
 #include <dyslam/pipeline/Pipeline.h>
@@ -228,7 +229,7 @@ SlamRunReport runSlam(const SlamRunSettings& settings, const FrameCallback& on_f
 
 bool hasCheckpoint(const std::string& output_folder)
 {
-  return std::filesystem::exists(std::filesystem::path(output_folder) / state_file_name);
+  return std::filesystem::exists(std::filesystem::path(output_folder) / run_files::state);
 }
 
 Config settingsOfCheckpoint(const std::string& output_folder)

@@ -5,6 +5,7 @@
 #include <dyslam/base/Error.h>
 #include <dyslam/base/StateArchive.h>
 #include <dyslam/base/Version.h>
+#include <dyslam/formats/RunFiles.h>
 
 #include <algorithm>
 #include <filesystem>
@@ -28,9 +29,9 @@ std::unique_ptr<OutputFolder> lockedFolder(const std::string& folder)
   {
     throw UserError(folder + ": no such folder; --output names the folder of the run to resume");
   }
-  if (!fs::is_regular_file(fs::path(folder) / state_file_name, ignored))
+  if (!fs::is_regular_file(fs::path(folder) / run_files::state, ignored))
   {
-    throw UserError(folder + ": nothing to resume: there is no " + state_file_name +
+    throw UserError(folder + ": nothing to resume: there is no " + run_files::state +
                     "; the run has ended, or has no checkpoint yet "
                     "(output.checkpoint_seconds)");
   }
@@ -112,12 +113,12 @@ void requireSameSettings(const SavedRun& saved, const Config& config)
 }
 
 RunToResume::RunToResume(const std::string& folder)
-    : lock(lockedFolder(folder)), file((fs::path(folder) / state_file_name).string(), state_parts)
+    : lock(lockedFolder(folder)), file((fs::path(folder) / run_files::state).string(), state_parts)
 {
   load(StatePart::run, [this](StateArchive& archive) { archive(run); });
   if (run.version != DYSLAM_VERSION)
   {
-    throw UserError((fs::path(folder) / state_file_name).string() + ": is of DySLAM " +
+    throw UserError((fs::path(folder) / run_files::state).string() + ": is of DySLAM " +
                     run.version + ", this is " + DYSLAM_VERSION +
                     "; resume with that one, or start the run anew");
   }

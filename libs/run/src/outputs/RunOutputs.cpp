@@ -4,6 +4,7 @@
 #include <dyslam/base/Error.h>
 #include <dyslam/base/StateArchive.h>
 #include <dyslam/formats/LabelFiles.h>
+#include <dyslam/formats/RunFiles.h>
 
 #include <algorithm>
 #include <exception>
@@ -79,7 +80,7 @@ RunOutputs::RunOutputs(const SlamRunSettings& settings,
   inputs_.push_back(settings.rawlog);
   const auto options = config.get<RunOutputOptions>("output");
   checkpoint_seconds_ = options.checkpoint_seconds;
-  names_.emplace_back(state_file_name);
+  names_.emplace_back(run_files::state);
   for (const RunOutputKind& kind : kinds)
   {
     Entry entry;
@@ -360,7 +361,7 @@ void RunOutputs::removeState(bool at_end)
     return;
   }
   std::error_code ignored;
-  fs::remove(fs::path(folder_) / state_file_name, ignored);
+  fs::remove(fs::path(folder_) / run_files::state, ignored);
   kept_files_.removeAll();
 }
 
