@@ -36,18 +36,17 @@ std::vector<std::string> messagesAbout(const std::string& program,
   {
     return messages;
   }
-  messages.push_back(program + ": " + chosen->sensor.summary() +
-                     "; settings: " + chosen->chosen.source);
+  messages.push_back(program + ": " + chosen->sensor.summary() + "; settings: " + chosen->source);
   if (!chosen->missing_times.empty())
   {
     messages.push_back("note: " + chosen->missing_times);
   }
-  if (!chosen->chosen.levelling_note.empty())
+  if (!chosen->levelling_note.empty())
   {
-    messages.push_back("note: " + chosen->chosen.levelling_note +
+    messages.push_back("note: " + chosen->levelling_note +
                        " (input.level=false keeps the recording's frame)");
   }
-  for (const std::string& warning : chosen->chosen.warnings)
+  for (const std::string& warning : chosen->warnings)
   {
     messages.push_back("warning: " + warning);
   }

@@ -95,9 +95,8 @@ Config baseSettings(const Arguments& a, std::vector<std::string>& messages)
     messages.push_back("settings: " + of_run);
     return given.ini;
   }
-  RecordingSettings settings = settingsForRecording(a.recording.rawlog, given);
-  ChosenSettings& chosen = settings.chosen;
-  messages.push_back(settings.sensor.summary() + "; settings: " + chosen.source);
+  RecordingSettings chosen = settingsForRecording(a.recording.rawlog, given);
+  messages.push_back(chosen.sensor.summary() + "; settings: " + chosen.source);
   if (!chosen.levelling_note.empty())
   {
     messages.push_back("note: " + chosen.levelling_note);
