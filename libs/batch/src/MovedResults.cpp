@@ -103,10 +103,9 @@ void renameOwnFiles(const std::string& from, const std::string& to)
     replaceIn(report, entry(input), entry(movedPath(input, from, to)));
   }
   const Config settings = Config::fromFile(ini.string());
-  if (settings.has("dyseg", "labels"))
+  if (const auto labels = settings.text("dyseg", "labels"))
   {
-    const std::string& labels = settings.section("dyseg").at("labels").text;
-    replaceIn(ini, labels, movedPath(labels, from, to));
+    replaceIn(ini, *labels, movedPath(*labels, from, to));
   }
 }
 

@@ -60,7 +60,7 @@ RunRequest firstPassOf(const RunRequest& request)
 
 std::string labelsIn(const Config& config)
 {
-  return config.has("dyseg", "labels") ? config.section("dyseg").at("labels").text : "";
+  return config.text("dyseg", "labels").value_or("");
 }
 
 bool isSecondPass(const Config& config, const std::string& output)

@@ -24,8 +24,8 @@ TEST(RunSettings, AreThoseOfTheSensorUnderThoseGiven)
   EXPECT_EQ("vlp16.ini + my.ini", chosen.source);
   EXPECT_EQ(16U, chosen.sensor.pattern.rings.size());
   EXPECT_EQ(chosen.sensor.missingTimes(chosen.config), chosen.missing_times);
-  EXPECT_EQ("gicp", chosen.config.section("odometry").at("method").text);
-  EXPECT_EQ("none", chosen.config.section("dyseg").at("method").text);
+  EXPECT_EQ("gicp", chosen.config.text("odometry", "method"));
+  EXPECT_EQ("none", chosen.config.text("dyseg", "method"));
   SlamRunSettings run;
   run.warnings = {"of the conversion"};
   chosen.warnings = {"of the settings"};

@@ -99,8 +99,7 @@ void requireSameSettings(const SavedRun& saved, const Config& config)
   {
     for (const auto& [key, value] : config.section(section))
     {
-      const std::string before =
-          had.has(section, key) ? had.section(section).at(key).text : "not there";
+      const std::string before = had.text(section, key).value_or("not there");
       if (!isSameSetting(section, key, value.text, before))
       {
         throw UserError(section + "." + key + " is " + value.text +

@@ -107,12 +107,9 @@ void RunOutputs::open()
   const Config effective = config_.effective();
   const std::vector<std::string> named = filesNamedIn(effective);
   inputs.insert(inputs.end(), named.begin(), named.end());
-  if (effective.has("dyseg", "labels"))
+  if (const auto labels = labelFolderOf(effective.text("dyseg", "labels").value_or("")))
   {
-    if (const auto labels = labelFolderOf(effective.section("dyseg").at("labels").text))
-    {
-      inputs.push_back(*labels);
-    }
+    inputs.push_back(*labels);
   }
   made_ = std::make_unique<OutputFolder>(folder_, names_, inputs, force_);
   for (const Entry& entry : entries_)

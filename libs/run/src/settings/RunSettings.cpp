@@ -65,7 +65,7 @@ RunSettings chooseRunSettings(const std::string& rawlog, const GivenSettings& gi
   if (const auto speed = findStartSpeed(rawlog, input, config))
   {
     setStartSpeed(*speed, config);
-    settings.start_speed = config.section("odometry").at("start_speed").text;
+    settings.start_speed = config.text("odometry", "start_speed").value();
   }
   return settings;
 }
