@@ -20,7 +20,9 @@
 #include <string>
 #include <utility>
 
-#include "checkpoint/SavedRun.h"
+#include "checkpoint/CheckpointSchedule.h"
+#include "checkpoint/RunToResume.h"
+#include "checkpoint/ScanSum.h"
 
 namespace dyslam
 {
@@ -62,7 +64,7 @@ void beginCheckpoint(Pipeline& pipeline,
                      std::size_t frame,
                      const ScanSum& scans,
                      bool is_last,
-                     Checkpoints& checkpoints)
+                     CheckpointSchedule& checkpoints)
 {
   if (checkpoints.due(is_last))
   {
@@ -87,7 +89,7 @@ bool replay(const SlamRunSettings& settings,
   std::atomic<double> per_scan = 0;  // progress by scan; only the reading thread uses the source
   std::atomic<bool> is_stopping = false;
   bool is_stopped = false;  // set by the front end's thread; read here after the last frame
-  Checkpoints checkpoints(run.checkpointSeconds());
+  CheckpointSchedule checkpoints(run.checkpointSeconds());
   ReadAhead reader(
       [&]
       {

@@ -15,6 +15,8 @@
 #include <utility>
 
 #include "RunEnd.h"
+#include "checkpoint/CheckpointSchedule.h"
+#include "checkpoint/RunToResume.h"
 #include "checkpoint/SavedRun.h"
 #include "outputs/RunOutputs.h"
 #include "results/ResultsBuilder.h"
