@@ -181,11 +181,11 @@ ScanSum skipProcessed(const SavedRun& saved, const std::string& rawlog, RawlogSo
 }
 }  // namespace
 
-void requireNotStopped(const SlamRunSettings& settings)
+void requireNotStopped(const SlamRunSettings& settings, const std::string& when)
 {
   if (settings.stop && settings.stop())
   {
-    throw UserError(stoppedMessage(settings.rawlog, stopReason("before the first scan")));
+    throw UserError(stoppedMessage(settings.rawlog, stopReason(when)));
   }
 }
 

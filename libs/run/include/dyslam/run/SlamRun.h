@@ -152,8 +152,10 @@ class SlamRun
   std::unique_ptr<Impl> impl_;
 };
 
-/** \throws UserError if SlamRunSettings::stop is true, before the run has changed anything. */
-void requireNotStopped(const SlamRunSettings& settings);
+/** Ends a run between two of its steps. \param when which ones, for the message
+ * \throws UserError if SlamRunSettings::stop is true. */
+void requireNotStopped(const SlamRunSettings& settings,
+                       const std::string& when = "before the first scan");
 
 /** The part of a run between SlamRun::open() and SlamRun::finish(): an exception becomes
  * EarlyEnd::damage, so that the results of the frames before it are kept. \param replay passes
