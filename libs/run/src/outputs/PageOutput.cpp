@@ -19,8 +19,8 @@
 #include <string_view>
 #include <utility>
 
+#include "../results/ReportedObjects.h"
 #include "../results/RunHistory.h"
-#include "../results/SmoothedTracks.h"
 #include "RunOutput.h"
 
 namespace dyslam
@@ -153,7 +153,7 @@ class PageOutput : public RunOutput
   {
     std::map<int, PageObject> objects;
     forEachReported(results,
-                    [&](const ReportedState& state)
+                    [&](const ReportedObject& state)
                     {
                       if (!state.object.dynamic)
                       {

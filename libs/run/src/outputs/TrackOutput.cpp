@@ -13,8 +13,8 @@
 #include <sstream>
 #include <string>
 
+#include "../results/ReportedObjects.h"
 #include "../results/RunHistory.h"
-#include "../results/SmoothedTracks.h"
 #include "RunOutput.h"
 #include "StreamedFile.h"
 
@@ -99,7 +99,7 @@ class TrackOutput : public RunOutput
                                {
                                  out << csv_header;
                                  forEachReported(
-                                     results, [&](const ReportedState& s)
+                                     results, [&](const ReportedObject& s)
                                      { out << rowOf(s.object, s.scan.index, s.scan.stamp); });
                                });
                   }});
@@ -133,7 +133,7 @@ class TrackOutput : public RunOutput
                [&](std::ostream& out)
                {
                  forEachReported(results,
-                                 [&](const ReportedState& s)
+                                 [&](const ReportedObject& s)
                                  {
                                    const Pose& T_vehicle_lidar =
                                        results.history->mounts()[s.scan.mount];

@@ -15,7 +15,7 @@
 #include <tuple>
 #include <utility>
 
-#include "SmoothedTracks.h"
+#include "ReportedObjects.h"
 #include "TrackHindsight.h"
 
 namespace dyslam
