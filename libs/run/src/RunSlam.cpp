@@ -10,7 +10,7 @@
 #include <dyslam/pipeline/FrontEnd.h>
 #include <dyslam/pipeline/Pipeline.h>
 #include <dyslam/pipeline/ReadAhead.h>
-#include <dyslam/run/SlamRun.h>
+#include <dyslam/run/RunSlam.h>
 
 #include <atomic>
 #include <chrono>

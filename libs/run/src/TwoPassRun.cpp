@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/base/Error.h>
+#include <dyslam/run/RunSlam.h>
 #include <dyslam/run/TwoPassRun.h>
 
 #include <algorithm>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/base/Error.h>
 #include <dyslam/run/RunSettings.h>
-#include <dyslam/run/SlamRun.h>
+#include <dyslam/run/SlamRunSettings.h>
 #include <gtest/gtest.h>
 
 #include <string>

@@ -2,6 +2,7 @@
 // A run in one pass or two: when it stops, what it refuses, what the second pass has of the first.
 #include <dyslam/base/Error.h>
 #include <dyslam/base/Files.h>
+#include <dyslam/run/RunSlam.h>
 #include <dyslam/run/TwoPassRun.h>
 #include <gtest/gtest.h>
 

@@ -4,7 +4,7 @@
 #include <dyslam/pipeline/Pipeline.h>
 #include <dyslam/pipeline/StartSpeed.h>
 #include <dyslam/run/RunSettings.h>
-#include <dyslam/run/SlamRun.h>
+#include <dyslam/run/SlamRunSettings.h>
 
 #include <algorithm>
 #include <utility>
