@@ -3,7 +3,9 @@
 #include <dyslam/base/Files.h>
 #include <dyslam/formats/RunFiles.h>
 #include <dyslam/formats/ScanFiles.h>
+#include <dyslam/io/KittiConverter.h>
 #include <dyslam/io/RecordingConverter.h>
+#include <dyslam/io/ScanConverter.h>
 
 #include <filesystem>
 #include <vector>
