@@ -36,10 +36,7 @@ void requireNoLabels(const RunRequest& request)
 RunSettings chooseFor(const RunRequest& request, SlamRunSettings& run)
 {
   const GivenSettings given = readGivenSettings(request.config, request.assignments);
-  if (!given.path.empty())
-  {
-    run.inputs.push_back(given.path);
-  }
+  run.ini = given.path;
   RunSettings chosen = chooseRunSettings(run.rawlog, given);
   setSettings(chosen, run);
   return chosen;

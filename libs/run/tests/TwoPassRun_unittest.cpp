@@ -132,7 +132,7 @@ TEST_F(TwoPassRun, AnIniIsAnInputOfEachPass)
   ASSERT_EQ(2U, runs_.size());
   for (const SlamRunSettings& settings : runs_)
   {
-    EXPECT_EQ(std::vector<std::string>{request_.config}, settings.inputs);
+    EXPECT_EQ(request_.config, settings.ini);
   }
 }
 

@@ -4,9 +4,7 @@
 #include <dyslam/base/Error.h>
 #include <dyslam/base/Version.h>
 
-#include <algorithm>
 #include <filesystem>
-#include <iterator>
 
 #include "../FirstPass.h"
 #include "../settings/PathSettings.h"
@@ -40,8 +38,10 @@ SavedRun savedRunOf(const SlamRunSettings& settings,
   run.rawlog_size = fs::file_size(settings.rawlog);
   run.settings = config.toIni();
   run.is_second_pass = isSecondPass(config, settings.output_folder);
-  std::transform(settings.inputs.begin(), settings.inputs.end(), std::back_inserter(run.inputs),
-                 absolutePath);
+  if (!settings.ini.empty())
+  {
+    run.inputs.push_back(absolutePath(settings.ini));
+  }
   run.sensor = settings.sensor;
   run.warnings = settings.warnings;
   run.static_scans = settings.static_scans;
@@ -60,7 +60,7 @@ SlamRunSettings settingsOf(const SavedRun& saved, const SlamRunSettings& given)
   settings.rawlog = given.rawlog.empty() ? saved.rawlog : given.rawlog;
   settings.config = Config::fromText(saved.settings, "the state's settings");
   settings.config.merge(given.config);
-  settings.inputs = saved.inputs;
+  settings.ini = saved.inputs.empty() ? "" : saved.inputs.front();
   settings.sensor = saved.sensor;
   settings.warnings = saved.warnings;
   requireHad(given.static_scans, saved.static_scans, "--static-scans");

@@ -20,7 +20,7 @@ struct SavedRun
   /** Second of two passes: `dyseg.labels` is keptLabelsOf() the output folder, also if that has
    * been moved. */
   bool is_second_pass = false;
-  std::vector<std::string> inputs;
+  std::vector<std::string> inputs;  //!< absolute path of the ini that was given; empty: none
   std::string sensor;
   std::vector<std::string> warnings;
   bool static_scans = false;

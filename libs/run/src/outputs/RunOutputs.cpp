@@ -76,7 +76,10 @@ RunOutputs::RunOutputs(const SlamRunSettings& settings,
       warn_(settings.warn),
       checkpoints_(folder_, settings.warn)
 {
-  inputs_ = settings.inputs;
+  if (!settings.ini.empty())
+  {
+    inputs_.push_back(settings.ini);
+  }
   inputs_.push_back(settings.rawlog);
   const auto options = config.get<RunOutputOptions>("output");
   checkpoint_seconds_ = options.checkpoint_seconds;

@@ -15,8 +15,8 @@ struct SlamRunSettings
   std::string rawlog;         //!< path of the input
   std::string output_folder;  //!< created if missing; files of an earlier run are replaced
   Config config;
-  std::vector<std::string> inputs;    //!< other files that are read, which are never replaced
-  std::string sensor;                 //!< description of the sensor, for the report
+  std::string ini;     //!< path of the ini that was given, which is never replaced; empty: none
+  std::string sensor;  //!< description of the sensor, for the report
   std::vector<std::string> warnings;  //!< on conversion and settings, for the report
   bool force = false;                 //!< replace also files that no run wrote
   bool probabilities = false;         //!< write the moving probability of each point, .bin files
