@@ -25,11 +25,9 @@ std::vector<std::string> RangeFlags::assignments() const
 void declareRange(CLI::App& app, RangeFlags& range, const std::string& verb)
 {
   app.add_option("--skip-first-n", range.skip_first_n, "scans to skip")->check(notNegative());
-  app.add_option("--only-first-n", range.only_first_n,
-                 "scans to " + verb + " after those; 0: all")
+  app.add_option("--only-first-n", range.only_first_n, "scans to " + verb + " after those; 0: all")
       ->check(notNegative());
-  app.add_option("--start", range.start,
-                 verb + " scans from this time on [s since the first scan]")
+  app.add_option("--start", range.start, verb + " scans from this time on [s since the first scan]")
       ->check(notNegative());
   app.add_option("--end", range.end, verb + " scans before this time [s since the first scan]")
       ->check(positive());
