@@ -2,7 +2,7 @@
 #pragma once
 
 #include <dyslam/formats/PoseOrigin.h>
-#include <dyslam/io/Converters.h>
+#include <dyslam/io/Conversion.h>
 #include <dyslam/io/RecordingOptions.h>
 #include <dyslam/io/ScanRange.h>
 

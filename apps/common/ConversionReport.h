@@ -2,7 +2,7 @@
 #pragma once
 
 #include <dyslam/formats/Bag.h>
-#include <dyslam/io/Converters.h>
+#include <dyslam/io/Conversion.h>
 
 #include <functional>
 #include <string>

@@ -26,13 +26,7 @@ void declareSlamArguments(CLI::App& app, SlamArguments& a)
                "write probabilities/NNNNNN.bin, the moving probability of each point (float32)");
   app.add_flag("--static-scans", a.settings.static_scans,
                "write the scans without moving points: static_scans/NNNNNN.bin and a rawlog");
-  app.add_option("--skip-first-n", a.skip_first_n, "scans to skip")->check(notNegative());
-  app.add_option("--only-first-n", a.only_first_n, "scans to process after those; 0: all")
-      ->check(notNegative());
-  app.add_option("--start", a.start, "process scans from this time on [s since the first scan]")
-      ->check(notNegative());
-  app.add_option("--end", a.end, "process scans before this time [s since the first scan]")
-      ->check(positive());
+  declareRange(app, a.range, "process");
   CLI::Option* prior_map = app.add_option(
       "--prior-map", a.prior_map,
       "localise the run in this static map: .pcd, .ply, or the output folder of a run; the results "
@@ -61,17 +55,8 @@ void declareSlamArguments(CLI::App& app, SlamArguments& a)
 std::vector<std::string> assignmentsOf(const SlamArguments& a)
 {
   std::vector<std::string> assignments = a.assignments;
-  const auto add = [&assignments](const std::string& key, const auto& value)
-  {
-    if (value)
-    {
-      assignments.push_back(key + "=" + std::to_string(*value));
-    }
-  };
-  add("input.skip_first_n", a.skip_first_n);
-  add("input.only_first_n", a.only_first_n);
-  add("input.start", a.start);
-  add("input.end", a.end);
+  const std::vector<std::string> of_range = a.range.assignments();
+  assignments.insert(assignments.end(), of_range.begin(), of_range.end());
   for (const auto& [key, value] :
        {std::pair("prior_map.file", a.prior_map), std::pair("prior_map.start", a.prior_start)})
   {

@@ -4,9 +4,10 @@
 #include <dyslam/run/TwoPassRun.h>
 
 #include <CLI/CLI.hpp>
-#include <optional>
 #include <string>
 #include <vector>
+
+#include "RangeFlags.h"
 
 namespace dyslam
 {
@@ -14,10 +15,7 @@ namespace dyslam
 struct SlamArguments : RunRequest
 {
   std::string verbosity = "INFO";
-  std::optional<int> skip_first_n;
-  std::optional<int> only_first_n;
-  std::optional<double> start;
-  std::optional<double> end;
+  RangeFlags range;
   std::string prior_map;    //!< map file or output folder of a run; empty: none
   std::string prior_start;  //!< pose at the first scan in the prior map; empty: searched for
 

@@ -4,6 +4,7 @@
 #include <dyslam/base/Angle.h>
 #include <dyslam/base/Printable.h>
 #include <dyslam/formats/RecordingOrigin.h>
+#include <dyslam/formats/RunFiles.h>
 #include <dyslam/run/TwoPassRun.h>
 #include <unistd.h>
 
@@ -35,18 +36,17 @@ std::vector<std::string> messagesAbout(const std::string& program,
   {
     return messages;
   }
-  messages.push_back(program + ": " + chosen->sensor.summary() +
-                     "; settings: " + chosen->chosen.source);
+  messages.push_back(program + ": " + chosen->sensor.summary() + "; settings: " + chosen->source);
   if (!chosen->missing_times.empty())
   {
     messages.push_back("note: " + chosen->missing_times);
   }
-  if (!chosen->chosen.levelling_note.empty())
+  if (!chosen->levelling_note.empty())
   {
-    messages.push_back("note: " + chosen->chosen.levelling_note +
+    messages.push_back("note: " + chosen->levelling_note +
                        " (input.level=false keeps the recording's frame)");
   }
-  for (const std::string& warning : chosen->chosen.warnings)
+  for (const std::string& warning : chosen->warnings)
   {
     messages.push_back("warning: " + warning);
   }
@@ -55,7 +55,8 @@ std::vector<std::string> messagesAbout(const std::string& program,
     messages.push_back(program + ": the recording begins at about " + chosen->start_speed +
                        " m/s, estimated from the scans that follow (odometry.start_speed)");
   }
-  if (pass == Pass::only && std::filesystem::exists(output + "/report.json"))
+  if (pass == Pass::only &&
+      std::filesystem::exists(std::filesystem::path(output) / run_files::report))
   {
     messages.push_back(program + ": replaces the earlier run in " + output);
   }

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <dyslam/run/SlamRun.h>
+#include <dyslam/run/RunSlam.h>
 
 #include <functional>
 #include <string>

@@ -134,17 +134,6 @@ void declareSettings(CLI::App& app, Arguments& a)
       ->capture_default_str();
 }
 
-void declareRange(CLI::App& app, Arguments& a)
-{
-  app.add_option("--skip-first-n", a.skip_first_n, "scans to skip")->check(notNegative());
-  app.add_option("--only-first-n", a.only_first_n, "scans to use after those; 0: all")
-      ->check(notNegative());
-  app.add_option("--start", a.start, "use scans from this time on [s since the first scan]")
-      ->check(notNegative());
-  app.add_option("--end", a.end, "use scans before this time [s since the first scan]")
-      ->check(positive());
-}
-
 /** Flags that do not go together. */
 void excludeFlags(CLI::App& app)
 {
@@ -173,7 +162,7 @@ void declare(CLI::App& app, Arguments& a)
   declareOutputs(app, a);
   declareMoving(app, a);
   declareSettings(app, a);
-  declareRange(app, a);
+  declareRange(app, a.range, "use");
   addOutputFile(
       app, "--labelled-map", a.outputs.labelled_map,
       "also write all points with the true labels of --labels or --tracks (F.ply, F.pcd or F.bin, "

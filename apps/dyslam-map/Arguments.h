@@ -7,10 +7,7 @@
 #include <string>
 #include <vector>
 
-namespace CLI
-{
-class App;
-}
+#include "../common/RangeFlags.h"
 
 namespace dyslam
 {
@@ -26,10 +23,7 @@ struct Arguments
   MapBuilderOptions builder;
   RunMergerConfig merger;
   MapOutputs outputs;
-  std::optional<int> skip_first_n;
-  std::optional<int> only_first_n;
-  std::optional<double> start;
-  std::optional<double> end;
+  RangeFlags range;
   std::optional<double> keyframe_distance;
   bool full = false;
   bool force = false;  //!< replace files of a run

@@ -44,13 +44,13 @@ std::vector<std::string> ownSections(bool merging)
 /** \param run as given to --merge */
 std::string effectiveIniOfRun(const std::string& run)
 {
-  return (std::filesystem::path(RunArgument(run).folder) / "effective.ini").string();
+  return (std::filesystem::path(RunArgument(run).folder) / run_files::settings).string();
 }
 
 /** The ini of the run that the trajectory is of; empty where it is of none. */
 std::string effectiveIniBeside(const std::string& trajectory)
 {
-  const auto ini = std::filesystem::path(trajectory).parent_path() / "effective.ini";
+  const auto ini = std::filesystem::path(trajectory).parent_path() / run_files::settings;
   return std::filesystem::is_regular_file(ini) ? ini.string() : "";
 }
 
@@ -95,9 +95,8 @@ Config baseSettings(const Arguments& a, std::vector<std::string>& messages)
     messages.push_back("settings: " + of_run);
     return given.ini;
   }
-  RecordingSettings settings = settingsForRecording(a.recording.rawlog, given);
-  ChosenSettings& chosen = settings.chosen;
-  messages.push_back(settings.sensor.summary() + "; settings: " + chosen.source);
+  RecordingSettings chosen = settingsForRecording(a.recording.rawlog, given);
+  messages.push_back(chosen.sensor.summary() + "; settings: " + chosen.source);
   if (!chosen.levelling_note.empty())
   {
     messages.push_back("note: " + chosen.levelling_note);
@@ -112,7 +111,7 @@ Config baseSettings(const Arguments& a, std::vector<std::string>& messages)
 /** The scans.csv of the run that the trajectory is of; empty where it is of none. */
 std::string scanTableBeside(const std::string& trajectory)
 {
-  const auto table = std::filesystem::path(trajectory).parent_path() / "scans.csv";
+  const auto table = std::filesystem::path(trajectory).parent_path() / run_files::scan_table;
   return !effectiveIniBeside(trajectory).empty() && std::filesystem::is_regular_file(table)
              ? table.string()
              : "";
@@ -122,8 +121,9 @@ std::string scanTableBeside(const std::string& trajectory)
 int referenceSystemOf(const std::string& trajectory)
 {
   const std::filesystem::path path(trajectory);
-  const auto georeference = path.parent_path() / "georeference.ini";
-  return path.filename() == "trajectory_utm.txt" && std::filesystem::is_regular_file(georeference)
+  const auto georeference = path.parent_path() / run_files::georeference;
+  return path.filename() == run_files::trajectory_utm &&
+                 std::filesystem::is_regular_file(georeference)
              ? readGeoreference(georeference.string()).epsg
              : 0;
 }
@@ -218,10 +218,10 @@ void loadRecording(ConfigLoader& loader, Arguments& a)
   a.recording.scans.preprocess = loader.get<PreprocessOptions>("preprocess");
   RawlogSourceOptions& source = a.recording.source;
   source = loader.get<RawlogSourceOptions>("input");
-  source.skip_first_n = a.skip_first_n.value_or(source.skip_first_n);
-  source.only_first_n = a.only_first_n.value_or(source.only_first_n);
-  source.start = a.start.value_or(source.start);
-  source.end = a.end.value_or(source.end);
+  source.skip_first_n = a.range.skip_first_n.value_or(source.skip_first_n);
+  source.only_first_n = a.range.only_first_n.value_or(source.only_first_n);
+  source.start = a.range.start.value_or(source.start);
+  source.end = a.range.end.value_or(source.end);
 }
 
 /** Settings with which runs are merged. \param messages gets notes about them */

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/base/Error.h>
 #include <dyslam/base/Printable.h>
-#include <dyslam/io/Converters.h>
+#include <dyslam/io/Conversion.h>
 #include <dyslam/mapbuilder/MapRun.h>
 
 #include <cstdio>

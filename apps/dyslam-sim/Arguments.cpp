@@ -3,7 +3,7 @@
 
 #include <dyslam/base/Angle.h>
 #include <dyslam/base/Error.h>
-#include <dyslam/io/Converters.h>
+#include <dyslam/io/Conversion.h>
 
 #include <CLI/CLI.hpp>
 #include <cmath>

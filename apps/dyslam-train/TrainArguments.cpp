@@ -3,8 +3,8 @@
 
 #include <dyslam/base/Error.h>
 #include <dyslam/base/SharedFiles.h>
-#include <dyslam/train/DyloTrainer.h>
-#include <dyslam/train/DysegTrainer.h>
+#include <dyslam/train/TrainDylo.h>
+#include <dyslam/train/TrainDyseg.h>
 
 #include <algorithm>
 

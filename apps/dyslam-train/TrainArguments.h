@@ -2,25 +2,19 @@
 #pragma once
 
 #include <dyslam/base/Config.h>
+#include <dyslam/train/TrainDylo.h>
 
 #include <CLI/CLI.hpp>
 #include <string>
-#include <utility>
 #include <vector>
 
 namespace dyslam
 {
-/** Command line of either network. */
-struct TrainArguments
+/** Command line of either network: the request, and what its config is made of. */
+struct TrainArguments : DyloTrainRequest
 {
-  std::string config;  //!< ini file, or name of a shipped one
-  std::string output;
-  std::string start;  //!< weights: a file, or the name of shipped ones
-  bool resume = false;
-  bool validate_only = false;
+  std::string config;                    //!< ini file, or name of a shipped one
   std::vector<std::string> assignments;  //!< section.key=value
-  std::string device = "cpu";            //!< cpu or cuda
-  std::string mask_folder;               //!< DyLO's
 
   /** \throws UserError for options that do not go together. */
   void requireConsistent() const;
@@ -34,7 +28,4 @@ CLI::App& declareDyseg(CLI::App& app, TrainArguments& arguments);
 
 /** Whether the user has asked to stop (Ctrl-C or SIGTERM), from the first call on. */
 [[nodiscard]] bool stopRequested();
-
-void trainDyloCommand(const TrainArguments& arguments);   //!< \throws UserError
-void trainDysegCommand(const TrainArguments& arguments);  //!< \throws UserError
 }  // namespace dyslam

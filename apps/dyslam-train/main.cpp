@@ -1,17 +1,35 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/base/Heap.h>
-#include <dyslam/base/Version.h>
+#include <dyslam/train/DataText.h>
+#include <dyslam/train/TrainDylo.h>
+#include <dyslam/train/TrainDyseg.h>
+
+#include <iostream>
 
 #include "../common/AppMain.h"
 #include "TrainArguments.h"
 
+namespace
+{
+using namespace dyslam;
+
+/** Completes the arguments of the command that was given. \throws UserError. */
+void prepare(TrainArguments& arguments)
+{
+  arguments.requireConsistent();
+  arguments.start = startWeights(arguments.start);
+  arguments.stopped = stopRequested;
+  arguments.report = [](const std::string& line) { std::cout << line << std::endl; };
+}
+}  // namespace
+
 int main(int argc, char** argv)
 {
-  dyslam::tuneHeap(8);  // threads allocate often: with one arena they wait for each other
-  dyslam::TrainArguments dylo;
-  dyslam::TrainArguments dyseg;
+  tuneHeap(8);  // threads allocate often: with one arena they wait for each other
+  TrainArguments dylo;
+  TrainArguments dyseg;
   CLI::App* dylo_parser = nullptr;
-  return dyslam::runApp(
+  return runApp(
       argc, argv,
       [&](CLI::App& app)
       {
@@ -20,5 +38,17 @@ int main(int argc, char** argv)
         dylo_parser = &declareDylo(app, dylo);
         declareDyseg(app, dyseg);
       },
-      [&] { dylo_parser->parsed() ? trainDyloCommand(dylo) : trainDysegCommand(dyseg); });
+      [&]
+      {
+        if (dylo_parser->parsed())
+        {
+          prepare(dylo);
+          trainDylo(dylo.loadConfig("dylo"), dylo);
+        }
+        else
+        {
+          prepare(dyseg);
+          trainDyseg(dyseg.loadConfig("dyseg"), dyseg);
+        }
+      });
 }

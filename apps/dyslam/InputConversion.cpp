@@ -30,7 +30,7 @@ struct ConvertedFiles
 {
   explicit ConvertedFiles(const std::string& output)
       : folder(output),
-        rawlog((fs::path(output) / converted_rawlog_name).string()),
+        rawlog((fs::path(output) / run_files::recording).string()),
         origin(recordingOriginFile(output))
   {
   }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/base/Heap.h>
-#include <dyslam/run/SlamRun.h>
+#include <dyslam/run/RunSlam.h>
 
 #include "../common/AppMain.h"
 #include "../common/ConversionFlags.h"

@@ -25,7 +25,7 @@ void completeMap(const std::string& run, Arguments& arguments)
     return;
   }
   const std::string map = staticMapOfRun(run);
-  const auto own = std::filesystem::path(run) / "trajectory_tum.txt";
+  const auto own = std::filesystem::path(run) / run_files::trajectory;
   if (map.empty())
   {
     arguments.missing.push_back(
@@ -113,7 +113,7 @@ void completeFrom(const std::string& run, Arguments& arguments)
                                 "not marked, and the bag is without /points_static");
   }
   // Labels and tracks are of the scans that the run read.
-  const auto settings = std::filesystem::path(run) / "effective.ini";
+  const auto settings = std::filesystem::path(run) / run_files::settings;
   if (std::filesystem::is_regular_file(settings))
   {
     const Config config = Config::fromFile(settings.string());

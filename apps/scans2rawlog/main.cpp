@@ -3,7 +3,7 @@
 #include <dyslam/base/Printable.h>
 #include <dyslam/formats/Bag.h>
 #include <dyslam/formats/RecordingKind.h>
-#include <dyslam/io/Converters.h>
+#include <dyslam/io/ScanConverter.h>
 
 #include <iostream>
 #include <string>

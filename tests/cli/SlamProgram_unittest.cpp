@@ -29,7 +29,7 @@ class SlamProgramTest : public ::testing::Test
     a_.settings.rawlog = campus;
     a_.settings.output_folder = folder_.file("run");
     a_.verbosity = "ERROR";
-    a_.only_first_n = 2;
+    a_.range.only_first_n = 2;
     report_.frames = 2;
     report_.path_length = 100;
     stop_asked = false;

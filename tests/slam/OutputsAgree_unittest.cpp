@@ -4,7 +4,7 @@
 #include <dyslam/formats/TrackFiles.h>
 #include <dyslam/formats/TrajectoryFiles.h>
 #include <dyslam/io/RawlogWriter.h>
-#include <dyslam/run/SlamRun.h>
+#include <dyslam/run/RunSlam.h>
 #include <dyslam/sim/Simulator.h>
 #include <gtest/gtest.h>
 #include <mrpt/obs/CObservation3DScene.h>

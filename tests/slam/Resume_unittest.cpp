@@ -3,7 +3,7 @@
 #include <dyslam/base/Error.h>
 #include <dyslam/base/Files.h>
 #include <dyslam/io/RawlogWriter.h>
-#include <dyslam/run/SlamRun.h>
+#include <dyslam/run/RunSlam.h>
 #include <dyslam/sim/Simulator.h>
 #include <gtest/gtest.h>
 #include <unistd.h>

@@ -6,7 +6,7 @@
 #include <dyslam/eval/TrajectoryMetrics.h>
 #include <dyslam/formats/TrajectoryFiles.h>
 #include <dyslam/io/RawlogWriter.h>
-#include <dyslam/run/SlamRun.h>
+#include <dyslam/run/RunSlam.h>
 #include <dyslam/sim/Simulator.h>
 #include <gtest/gtest.h>
 #include <unistd.h>

@@ -11,7 +11,7 @@
 #include <dyslam/formats/TrajectoryFiles.h>
 #include <dyslam/io/RawlogSource.h>
 #include <dyslam/io/RawlogWriter.h>
-#include <dyslam/run/SlamRun.h>
+#include <dyslam/run/RunSlam.h>
 #include <dyslam/sim/Simulator.h>
 #include <gtest/gtest.h>
 #include <unistd.h>

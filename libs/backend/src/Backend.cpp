@@ -31,6 +31,14 @@ std::vector<Eigen::Vector3f> staticPoints(const Frame& frame)
 }
 }  // namespace
 
+BackendConfig BackendConfig::load(ConfigLoader& config)
+{
+  return {config.get<BackendOptions>("backend"),     config.get<LoopCloserOptions>("loop"),
+          config.get<ObjectGraphOptions>("objects"), config.get<FactorGraphOptions>("solver"),
+          config.get<GnssOptions>("gnss"),           config.get<GravityOptions>("gravity"),
+          config.get<PriorMapOptions>("prior_map")};
+}
+
 void Backend::State::addKeyframe(const Frame& frame)
 {
   const std::size_t id = keyframes.size();

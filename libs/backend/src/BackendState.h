@@ -56,10 +56,7 @@ struct Backend::State
     }
   }
 
-  [[nodiscard]] bool hasObjects() const
-  {
-    return options.mode == BackendMode::segmot || options.mode == BackendMode::full;
-  }
+  [[nodiscard]] bool hasObjects() const { return options.hasObjects(); }
   void addKeyframe(const Frame& frame);
   /** \return number of loops added to the graph */
   std::size_t insertLoops(const std::vector<Loop>& decided);

@@ -242,6 +242,13 @@ bool Config::has(const std::string& section, const std::string& key) const
   return this->section(section).count(key) != 0;
 }
 
+std::optional<std::string> Config::text(const std::string& section, const std::string& key) const
+{
+  const Section& values = this->section(section);
+  const auto found = values.find(key);
+  return found == values.end() ? std::nullopt : std::optional<std::string>(found->second.text);
+}
+
 const Config::Section& Config::section(const std::string& name) const
 {
   static const Section none;

@@ -159,7 +159,7 @@ TEST(Config, SetReplacesTheFilesValue)
 {
   Config config = Config::fromText("[sample]\nthreads = 4\n", "a.ini");
   config.set("sample.threads=8");
-  EXPECT_EQ(config.section("sample").at("threads").text, "8");
+  EXPECT_EQ(config.text("sample", "threads"), "8");
   EXPECT_THROW(config.set("threads=8"), UserError);
   EXPECT_THROW(config.set("sample.threads"), UserError);
 }
@@ -355,13 +355,15 @@ TEST_F(ConfigFiles, AnIniChangesWhatItIncludes)
   (void)write("sub/more.ini", "include = base.ini  // of its own folder\n[other]\nkey = b\n");
   const Config config =
       Config::fromFile(write("my.ini", "include = sub/more.ini\n[sample]\nthreads = 8\n"));
-  EXPECT_EQ("8", config.section("sample").at("threads").text);
+  EXPECT_EQ("8", config.text("sample", "threads"));
   EXPECT_EQ("my.ini:3", config.section("sample").at("threads").origin);
-  EXPECT_EQ("2", config.section("sample").at("scale").text);
+  EXPECT_EQ("2", config.text("sample", "scale"));
   EXPECT_EQ("base.ini:3", config.section("sample").at("scale").origin);
-  EXPECT_EQ("b", config.section("other").at("key").text);
+  EXPECT_EQ("b", config.text("other", "key"));
+  EXPECT_EQ(std::nullopt, config.text("other", "threads"));
+  EXPECT_EQ(std::nullopt, config.text("none", "key"));
   const Config shipped = Config::fromFile(write("s.ini", "include = kitti64.ini\n"));
-  EXPECT_EQ("network", shipped.section("dyseg").at("method").text);
+  EXPECT_EQ("network", shipped.text("dyseg", "method"));
 }
 
 TEST_F(ConfigFiles, IncludesThatFailAreNamed)

@@ -2,6 +2,7 @@
 #include <dyslam/base/Files.h>
 #include <dyslam/base/Printable.h>
 #include <dyslam/batch/Summary.h>
+#include <dyslam/formats/RunFiles.h>
 
 #include <algorithm>
 #include <cctype>
@@ -75,7 +76,7 @@ std::vector<Json> errorsOf(const std::vector<BatchResult>& results, const std::s
 std::string row(const BatchResult& r, const std::string& folder, const Json& errors)
 {
   const fs::path results = fs::path(folder) / r.recording.name;
-  const Json report = parsed(results / "report.json");
+  const Json report = parsed(results / run_files::report);
   const Manifest& m = r.manifest;
   const std::string name = escapedHtml(r.recording.name);
   const std::string link = address(r.recording.name);

@@ -4,6 +4,7 @@
 #include <dyslam/base/PendingFile.h>
 #include <dyslam/batch/Manifest.h>
 #include <dyslam/formats/ExternalFiles.h>
+#include <dyslam/formats/RunFiles.h>
 #include <openssl/evp.h>
 #include <sys/stat.h>
 
@@ -262,9 +263,10 @@ bool isSame(const Work& a, const Work& b)
 
 bool isDone(const std::string& folder, const Work& work, const std::optional<Manifest>& known)
 {
-  const fs::path settings = fs::path(folder) / "effective.ini";
+  const fs::path settings = fs::path(folder) / run_files::settings;
   return known && known->hasResults() && isSame(known->work, work) &&
-         fs::is_regular_file(fs::path(folder) / "report.json") && fs::is_regular_file(settings) &&
+         fs::is_regular_file(fs::path(folder) / run_files::report) &&
+         fs::is_regular_file(settings) &&
          checksumOfFile(settings.string()) == known->settings_checksum;
 }
 }  // namespace dyslam::batch

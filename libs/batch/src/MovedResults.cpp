@@ -53,7 +53,7 @@ void copyResults(const fs::path& from, const fs::path& to, const fs::path& copy)
     return;
   }
   std::vector<std::string> replaced = filesOfRun(to.string());
-  replaced.insert(replaced.end(), {log_name, state_file_name});
+  replaced.insert(replaced.end(), {log_name, run_files::state});
   for (const auto& entry : fs::directory_iterator(to))
   {
     const fs::path kept = copy / entry.path().filename();
@@ -85,8 +85,8 @@ void synchronise(const fs::path& folder, int (*sync)(int))
 
 void renameOwnFiles(const std::string& from, const std::string& to)
 {
-  const fs::path report = fs::path(from) / "report.json";
-  const fs::path ini = fs::path(from) / "effective.ini";
+  const fs::path report = fs::path(from) / run_files::report;
+  const fs::path ini = fs::path(from) / run_files::settings;
   if (!fs::exists(report) || !fs::exists(ini))
   {
     return;
@@ -103,10 +103,9 @@ void renameOwnFiles(const std::string& from, const std::string& to)
     replaceIn(report, entry(input), entry(movedPath(input, from, to)));
   }
   const Config settings = Config::fromFile(ini.string());
-  if (settings.has("dyseg", "labels"))
+  if (const auto labels = settings.text("dyseg", "labels"))
   {
-    const std::string& labels = settings.section("dyseg").at("labels").text;
-    replaceIn(ini, labels, movedPath(labels, from, to));
+    replaceIn(ini, *labels, movedPath(*labels, from, to));
   }
 }
 

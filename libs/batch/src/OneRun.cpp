@@ -93,7 +93,7 @@ bool isConverted(const std::string& recording)
 /** The rawlog that a run reads. */
 std::string rawlogOf(const std::string& recording, const std::string& folder)
 {
-  return isConverted(recording) ? (fs::path(folder) / converted_rawlog_name).string() : recording;
+  return isConverted(recording) ? (fs::path(folder) / run_files::recording).string() : recording;
 }
 
 /** Whether a run was stopped on its own, not by the batch: by a signal on which dyslam saves its
@@ -153,7 +153,7 @@ bool canResume(const std::string& folder, const Work& work)
 {
   const auto known = readManifest(folder);
   const bool unfinished = known && (known->state == State::running || known->interrupted);
-  return unfinished && isSame(known->work, work) && fs::exists(fs::path(folder) / state_file_name);
+  return unfinished && isSame(known->work, work) && fs::exists(fs::path(folder) / run_files::state);
 }
 }  // namespace
 
@@ -273,7 +273,7 @@ RunEnd runAttempt(const BatchSettings& settings,
   if (!resume)
   {
     // Otherwise, if this run is killed before its first checkpoint, that of other work is resumed.
-    fs::remove(fs::path(folder) / state_file_name);
+    fs::remove(fs::path(folder) / run_files::state);
   }
   ChildCommand command;
   command.log = (fs::path(folder) / log_name).string();
@@ -302,7 +302,7 @@ void deliver(const RunFolders& folders, Manifest& m)
     {
       renameOwnFiles(folders.work, folders.results);
     }
-    m.settings_checksum = checksumOfFile((fs::path(folders.work) / "effective.ini").string());
+    m.settings_checksum = checksumOfFile((fs::path(folders.work) / run_files::settings).string());
   }
   writeManifest(folders.work, m);
   if (folders.differ() && m.hasResults())

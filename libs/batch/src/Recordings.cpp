@@ -6,6 +6,7 @@
 #include <dyslam/batch/Recordings.h>
 #include <dyslam/formats/ExternalFiles.h>
 #include <dyslam/formats/RecordingKind.h>
+#include <dyslam/formats/RunFiles.h>
 #include <dyslam/formats/ScanFiles.h>
 #include <dyslam/formats/TextFile.h>
 #include <glob.h>
@@ -31,7 +32,7 @@ constexpr int deepest_list = 8;  // depth of list files within list files
 /** Whether a folder is that of a run, whose rawlogs are results, not recordings. */
 bool isRun(const fs::path& folder)
 {
-  return fs::exists(folder / "report.json") || fs::exists(folder / "manifest.json");
+  return fs::exists(folder / run_files::report) || fs::exists(folder / "manifest.json");
 }
 
 /** Whether a folder is a ROS 2 bag, which has metadata. Any other folder with bags is a folder of

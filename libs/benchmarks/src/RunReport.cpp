@@ -4,6 +4,7 @@
 #include <dyslam/base/Error.h>
 #include <dyslam/base/Files.h>
 #include <dyslam/base/Printable.h>
+#include <dyslam/formats/RunFiles.h>
 
 #include <filesystem>
 
@@ -11,7 +12,7 @@ namespace dyslam
 {
 std::optional<nlohmann::ordered_json> readRunReport(const std::string& folder)
 {
-  const auto path = std::filesystem::path(folder) / "report.json";
+  const auto path = std::filesystem::path(folder) / run_files::report;
   if (!std::filesystem::exists(path))
   {
     return std::nullopt;

@@ -49,7 +49,7 @@ Json readReport(const fs::path& folder, const NoteSink& note)
 std::size_t scansTaken(const fs::path& folder, const Trajectory& recorded)
 {
   RawlogSourceOptions input;
-  if (const fs::path ini = folder / "effective.ini"; fs::exists(ini))
+  if (const fs::path ini = folder / run_files::settings; fs::exists(ini))
   {
     load(input, Config::fromFile(ini.string()), "input");
   }
@@ -86,7 +86,7 @@ bool noteUnfinished(const std::string& folder,
   }
   const std::string reason = textIn(report, "ended_early");
   note(folder + ": unfinished: " + scans + (reason.empty() ? "" : "; " + printable(reason)) +
-       (fs::exists(fs::path(folder) / state_file_name)
+       (fs::exists(fs::path(folder) / run_files::state)
             ? "; continue with: dyslam --resume -o " + folder
             : ""));
   return true;
@@ -95,7 +95,7 @@ bool noteUnfinished(const std::string& folder,
 /** File of the true poses: in the run's folder, else in the ground-truth folder; may not exist. */
 fs::path referenceOf(const fs::path& folder, const std::string& truth)
 {
-  const fs::path own = folder / "reference_tum.txt";
+  const fs::path own = folder / run_files::reference;
   return fs::exists(own) || truth.empty() ? own : fs::path(truth) / "poses_tum.txt";
 }
 
@@ -107,7 +107,7 @@ PoseOrigin originOf(const fs::path& folder,
                     const std::string& given_truth)
 {
   PoseOrigin origin;
-  if (fs::exists(folder / "reference_tum.txt"))
+  if (fs::exists(folder / run_files::reference))
   {
     const auto recorded = report.find("ground_truth");
     if (recorded != report.end() && recorded->is_object())
@@ -154,8 +154,8 @@ void evaluatePoses(const fs::path& folder,
                    const NoteSink& note,
                    RunScores& scores)
 {
-  const std::string trajectory = (folder / "trajectory_tum.txt").string();
-  const std::string odometry = (folder / "odometry_tum.txt").string();
+  const std::string trajectory = (folder / run_files::trajectory).string();
+  const std::string odometry = (folder / run_files::odometry).string();
   if (const auto pairs = pairsOf(trajectory, reference, note))
   {
     noteFewPairs(*pairs, trajectory, reference.string(), shortNumber(stamp_tolerance), note);
@@ -171,8 +171,8 @@ void evaluatePoses(const fs::path& folder,
 std::optional<OdometryConsistency> evaluateConsistency(const fs::path& folder,
                                                        const fs::path& reference)
 {
-  const fs::path motions = folder / "motions.csv";
-  const fs::path odometry = folder / "odometry_tum.txt";
+  const fs::path motions = folder / run_files::motions;
+  const fs::path odometry = folder / run_files::odometry;
   if (!fs::exists(motions) || !fs::exists(odometry))
   {
     return std::nullopt;
@@ -203,7 +203,7 @@ bool hasRuns(const std::string& folder)
   const auto entries = entriesIfReadable(folder);
   return std::any_of(entries.begin(), entries.end(),
                      [](const fs::directory_entry& entry)
-                     { return fs::exists(entry.path() / "trajectory_tum.txt"); });
+                     { return fs::exists(entry.path() / run_files::trajectory); });
 }
 }  // namespace
 
@@ -213,7 +213,7 @@ std::string whyNoRun(const std::string& folder)
   {
     return "is not a folder";
   }
-  if (fs::exists(fs::path(folder) / "trajectory_tum.txt"))
+  if (fs::exists(fs::path(folder) / run_files::trajectory))
   {
     return "";
   }
@@ -256,7 +256,7 @@ RunScores scoresOf(const std::string& folder,
   }
   scores.world = simulatedWorld(truth);
   const bool unfinished = noteUnfinished(folder, scores.report, truth, note);
-  const fs::path labels = fs::path(folder) / "labels";
+  const fs::path labels = fs::path(folder) / run_files::labels;
   if (fs::is_directory(labels) && !(unfinished && fs::is_empty(labels)))
   {
     if (!truth.empty() && fs::is_directory(fs::path(truth) / "labels"))

@@ -4,6 +4,7 @@
 #include <dyslam/base/Options.h>
 #include <dyslam/benchmarks/TrackFiles.h>
 #include <dyslam/formats/LabelFiles.h>
+#include <dyslam/formats/RunFiles.h>
 #include <dyslam/formats/TextFile.h>
 #include <dyslam/formats/TrackFiles.h>
 #include <dyslam/formats/TrajectoryFiles.h>
@@ -163,7 +164,7 @@ void removeIf(std::vector<LabelledBox>& boxes, Condition condition)
  * file. \throws UserError for a damaged file. */
 std::optional<FrameRange> framesOfTable(const std::string& folder)
 {
-  const fs::path path = fs::path(folder) / "scans.csv";
+  const fs::path path = fs::path(folder) / run_files::scan_table;
   if (!fs::exists(path))
   {
     return std::nullopt;
@@ -181,7 +182,7 @@ std::optional<FrameRange> framesOfTable(const std::string& folder)
 /** The same of report and ini: of a run in which no scan was dropped for its time stamp. */
 std::optional<FrameRange> framesOfReport(const std::string& folder)
 {
-  const fs::path ini = fs::path(folder) / "effective.ini";
+  const fs::path ini = fs::path(folder) / run_files::settings;
   const auto report = readRunReport(folder);
   if (!report || !fs::exists(ini))
   {
@@ -255,8 +256,8 @@ TrackData readTruth(const std::string& folder, TrackSelection& selection, const 
 TrackData readRun(const std::string& folder)
 {
   TrackData data;
-  data.boxes = readTracks((fs::path(folder) / "tracks.txt").string());
-  const std::string path = (fs::path(folder) / "tracks.csv").string();
+  data.boxes = readTracks((fs::path(folder) / run_files::tracks).string());
+  const std::string path = (fs::path(folder) / run_files::track_table).string();
   if (fs::exists(path))
   {
     data.speeds = readTrackSpeeds(path);

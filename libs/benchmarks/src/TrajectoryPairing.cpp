@@ -8,7 +8,7 @@
 #include <dyslam/formats/KittiFiles.h>
 #include <dyslam/formats/PositionFile.h>
 #include <dyslam/formats/TrajectoryFiles.h>
-#include <dyslam/io/Converters.h>
+#include <dyslam/io/Conversion.h>
 #include <dyslam/mrpt/Geodesy.h>
 
 #include <algorithm>

@@ -3,6 +3,7 @@
 #include <dyslam/base/StateArchive.h>
 #include <dyslam/core/Frame.h>
 
+#include <algorithm>
 #include <tuple>
 #include <utility>
 
@@ -15,5 +16,16 @@ static_assert(std::tuple_size_v<decltype(std::declval<Frame&>().members())> ==
 void Frame::exchangeState(StateArchive& archive)
 {
   std::apply(archive, members());
+}
+
+void decideMoving(Frame& frame, double moving_threshold)
+{
+  frame.moving.assign(frame.cloud.size(), false);
+  if (frame.moving_probability.size() == frame.moving.size())
+  {
+    std::transform(frame.moving_probability.begin(), frame.moving_probability.end(),
+                   frame.moving.begin(),
+                   [&](float p) { return static_cast<double>(p) > moving_threshold; });
+  }
 }
 }  // namespace dyslam

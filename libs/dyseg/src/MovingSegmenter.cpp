@@ -68,15 +68,4 @@ std::unique_ptr<MovingSegmenter> makeSegmenter(const std::string& method,
 {
   return segmenters().make(method, "dyseg.method", config, pool);
 }
-
-void decideMoving(Frame& frame, double moving_threshold)
-{
-  frame.moving.assign(frame.cloud.size(), false);
-  if (frame.moving_probability.size() == frame.moving.size())
-  {
-    std::transform(frame.moving_probability.begin(), frame.moving_probability.end(),
-                   frame.moving.begin(),
-                   [&](float p) { return static_cast<double>(p) > moving_threshold; });
-  }
-}
 }  // namespace dyslam

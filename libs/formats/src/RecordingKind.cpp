@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/formats/RecordingKind.h>
+#include <dyslam/formats/RunFiles.h>
 #include <dyslam/formats/ScanFiles.h>
 #include <dyslam/formats/TextFile.h>
 
@@ -177,7 +178,7 @@ std::string conversionAdvice(const std::string& path)
            path + " save " + fs::path(path).stem().string() + ".pcap";
   }
   std::error_code no_run;
-  if (fs::is_regular_file(fs::path(path) / "report.json", no_run))  // its clouds are maps
+  if (fs::is_regular_file(fs::path(path) / run_files::report, no_run))  // its clouds are maps
   {
     return "is the output folder of a run, a file is needed; its recording is \"input\" in its "
            "report.json";

@@ -52,7 +52,7 @@ std::optional<RecordingOrigin> originOfRecording(const std::string& rawlog)
   const fs::path path(rawlog);
   const std::string file = recordingOriginFile(path.parent_path().string());
   std::error_code none;
-  if (path.filename() != converted_rawlog_name || !fs::is_regular_file(file, none))
+  if (path.filename() != run_files::recording || !fs::is_regular_file(file, none))
   {
     return std::nullopt;
   }
@@ -66,7 +66,7 @@ std::optional<RecordingOrigin> originOfRecording(const std::string& rawlog)
     return std::nullopt;  // it is only for information
   }
   const auto value = [&ini](const std::string& key)
-  { return ini.has(recording_section, key) ? ini.section(recording_section).at(key).text : ""; };
+  { return ini.text(recording_section, key).value_or(""); };
   RecordingOrigin origin{value("input"), value("converter"), {}};
   for (std::size_t number = 1; ini.has(recording_section, warningKey(number)); ++number)
   {

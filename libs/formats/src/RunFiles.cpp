@@ -5,12 +5,13 @@
 #include <algorithm>
 #include <filesystem>
 #include <nlohmann/json.hpp>
+#include <system_error>
 
 namespace dyslam
 {
 std::vector<std::string> filesOfRun(const std::string& folder)
 {
-  const auto report = std::filesystem::path(folder) / "report.json";
+  const auto report = std::filesystem::path(folder) / run_files::report;
   if (!std::filesystem::is_regular_file(report))
   {
     return {};
@@ -25,6 +26,14 @@ std::vector<std::string> filesOfRun(const std::string& folder)
     }
   }
   return names;
+}
+
+bool isRunFolder(const std::string& folder)
+{
+  const std::filesystem::path path(folder);
+  std::error_code ignored;
+  return std::filesystem::is_regular_file(path / run_files::settings, ignored) &&
+         std::filesystem::is_regular_file(path / run_files::report, ignored);
 }
 
 bool isFileOfRun(const std::string& file)
@@ -45,7 +54,7 @@ std::string recordingOfRun(const std::string& folder, const std::string& input)
 
 std::string staticMapOfRun(const std::string& folder)
 {
-  for (const char* name : {"map_static.pcd", "map_static.ply"})
+  for (const char* name : {run_files::map_pcd, run_files::map_ply})
   {
     const auto path = std::filesystem::path(folder) / name;
     if (std::filesystem::is_regular_file(path))

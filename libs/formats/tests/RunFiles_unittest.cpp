@@ -42,4 +42,14 @@ TEST(RunFiles, TheMapIsOfEitherFormat)
   const std::string pcd = folder.write("map_static.pcd", "");
   EXPECT_EQ(staticMapOfRun(folder.path()), pcd);
 }
+
+TEST(RunFiles, AFolderOfARunHasSettingsAndReport)
+{
+  const TestFolder folder;
+  EXPECT_FALSE(isRunFolder(folder.file("none")));
+  folder.write("effective.ini", "");
+  EXPECT_FALSE(isRunFolder(folder.path())) << "the run has not ended";
+  folder.write("report.json", "");
+  EXPECT_TRUE(isRunFolder(folder.path()));
+}
 }  // namespace dyslam

@@ -3,8 +3,8 @@
 #include <dyslam/formats/Bag.h>
 #include <dyslam/formats/GroundTruth.h>
 #include <dyslam/formats/TrajectoryFiles.h>
-#include <dyslam/io/Converters.h>
 #include <dyslam/io/RawlogSource.h>
+#include <dyslam/io/ScanConverter.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>

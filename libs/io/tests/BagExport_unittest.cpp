@@ -5,6 +5,7 @@
 #include <dyslam/formats/RosMessages.h>
 #include <dyslam/formats/RosWriter.h>
 #include <dyslam/io/BagExport.h>
+#include <dyslam/io/ScanConverter.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>

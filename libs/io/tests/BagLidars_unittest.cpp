@@ -2,8 +2,8 @@
 // Further lidars of a bag, converted and merged.
 #include <dyslam/base/Error.h>
 #include <dyslam/core/ScanParts.h>
-#include <dyslam/io/Converters.h>
 #include <dyslam/io/RawlogSource.h>
+#include <dyslam/io/ScanConverter.h>
 
 #include <algorithm>
 #include <cmath>

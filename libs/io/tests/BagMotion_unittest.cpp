@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Wheel odometry and satellite receiver of a bag beside the scans.
 #include <dyslam/base/Error.h>
-#include <dyslam/io/Converters.h>
+#include <dyslam/io/ScanConverter.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>

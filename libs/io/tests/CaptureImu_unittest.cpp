@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The IMU in the Ouster of a capture, beside the scans of its rawlog.
 #include <dyslam/base/Error.h>
-#include <dyslam/io/Converters.h>
 #include <dyslam/io/RawlogSource.h>
+#include <dyslam/io/ScanConverter.h>
 #include <gtest/gtest.h>
 
 #include <cmath>

@@ -3,7 +3,7 @@
 #include <dyslam/base/Error.h>
 #include <dyslam/formats/GroundTruth.h>
 #include <dyslam/formats/TrajectoryFiles.h>
-#include <dyslam/io/Converters.h>
+#include <dyslam/io/KittiConverter.h>
 #include <dyslam/io/RecordingConverter.h>
 #include <gtest/gtest.h>
 

@@ -3,7 +3,7 @@
 #include <dyslam/formats/GroundTruth.h>
 #include <dyslam/formats/ScanFiles.h>
 #include <dyslam/formats/TrajectoryFiles.h>
-#include <dyslam/io/Converters.h>
+#include <dyslam/io/KittiConverter.h>
 #include <dyslam/io/RawlogSource.h>
 
 #include <cmath>

@@ -6,6 +6,7 @@
 #include <dyslam/formats/ScanFiles.h>
 #include <dyslam/formats/TrackFiles.h>
 #include <dyslam/formats/TrajectoryFiles.h>
+#include <dyslam/io/KittiConverter.h>
 #include <dyslam/io/KittiExport.h>
 #include <dyslam/io/RawlogSource.h>
 #include <gtest/gtest.h>

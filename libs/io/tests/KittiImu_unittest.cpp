@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/base/Error.h>
-#include <dyslam/io/Converters.h>
+#include <dyslam/io/KittiConverter.h>
 #include <dyslam/io/RawlogSource.h>
 
 #include "ScanFolders.h"

@@ -5,7 +5,7 @@
 #include <dyslam/formats/LabelFiles.h>
 #include <dyslam/formats/TrackFiles.h>
 #include <dyslam/formats/TrajectoryFiles.h>
-#include <dyslam/io/Converters.h>
+#include <dyslam/io/KittiConverter.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>

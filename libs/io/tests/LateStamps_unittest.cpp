@@ -2,9 +2,9 @@
 #include "../src/recording/LateStamps.h"
 
 #include <dyslam/base/Error.h>
-#include <dyslam/io/Converters.h>
 #include <dyslam/io/RawlogSource.h>
 #include <dyslam/io/RawlogWriter.h>
+#include <dyslam/io/ScanConverter.h>
 #include <gtest/gtest.h>
 
 #include <filesystem>

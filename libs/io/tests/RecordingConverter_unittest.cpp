@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/base/Error.h>
+#include <dyslam/io/KittiConverter.h>
 #include <dyslam/io/OptionError.h>
 #include <dyslam/io/RecordingConverter.h>
+#include <dyslam/io/ScanConverter.h>
 
 #include <algorithm>
 

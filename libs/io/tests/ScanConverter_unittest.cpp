@@ -2,8 +2,8 @@
 #include <dyslam/base/Error.h>
 #include <dyslam/formats/GroundTruth.h>
 #include <dyslam/formats/TrajectoryFiles.h>
-#include <dyslam/io/Converters.h>
 #include <dyslam/io/RawlogSource.h>
+#include <dyslam/io/ScanConverter.h>
 
 #include <algorithm>
 #include <array>

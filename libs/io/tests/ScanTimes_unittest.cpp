@@ -2,8 +2,8 @@
 // Times of the scans and points of a folder: by names, files and fields.
 #include <dyslam/base/Error.h>
 #include <dyslam/formats/ScanFiles.h>
-#include <dyslam/io/Converters.h>
 #include <dyslam/io/RawlogSource.h>
+#include <dyslam/io/ScanConverter.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>

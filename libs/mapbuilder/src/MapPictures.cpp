@@ -3,6 +3,7 @@
 
 #include <dyslam/base/Bytes.h>
 #include <dyslam/base/PendingFile.h>
+#include <dyslam/formats/RunFiles.h>
 #include <dyslam/formats/ScanFiles.h>
 #include <dyslam/mapping/MapDifference.h>
 #include <dyslam/plot/MapPicture.h>
@@ -85,7 +86,7 @@ void writeMergePicture(const std::vector<RunFolder>& runs,
     {
       continue;
     }
-    const fs::path map = fs::path(runs[r].folder) / "map_static.ply";
+    const fs::path map = fs::path(runs[r].folder) / run_files::map_ply;
     if (fs::exists(map))
     {
       const Scan scan = readCloud(map.string());

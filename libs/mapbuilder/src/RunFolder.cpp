@@ -37,7 +37,7 @@ std::string fileOf(const std::string& folder,
   if (!fs::exists(path))
   {
     throw UserError(folder + ": has no " + name + ", which " + what + "; " +
-                    (fs::exists(fs::path(folder) / state_file_name)
+                    (fs::exists(fs::path(folder) / run_files::state)
                          ? "the run is unfinished: dyslam --resume -o " + folder + " completes it"
                          : "give " + advice));
   }
@@ -75,7 +75,7 @@ std::string inputOf(const std::string& report)
 /** Whether a run ended before its recording, by its report; false without one. */
 bool isUnfinished(const std::string& folder)
 {
-  const std::string report = fileIfThere(folder, "report.json");
+  const std::string report = fileIfThere(folder, run_files::report);
   const auto json =
       report.empty() ? nlohmann::json() : nlohmann::json::parse(readWhole(report), nullptr, false);
   return json.is_object() && json.value("finished", nlohmann::json()) == false;
@@ -125,8 +125,8 @@ std::optional<Gravity> gravityOf(const std::string& report)
 std::string mapFrameOf(const std::string& folder, int longest = 16)
 {
   const std::string own = fs::weakly_canonical(folder).string();
-  const std::string report = fileIfThere(folder, "report.json");
-  const std::string settings = fileIfThere(folder, "effective.ini");
+  const std::string report = fileIfThere(folder, run_files::report);
+  const std::string settings = fileIfThere(folder, run_files::settings);
   if (report.empty() || settings.empty() || longest == 0)
   {
     return own;
@@ -144,7 +144,7 @@ std::string mapFrameOf(const std::string& folder, int longest = 16)
     return own;
   }
   fs::path map = fs::weakly_canonical(file);
-  if (map.filename() == "map_static.pcd" || map.filename() == "map_static.ply")
+  if (map.filename() == run_files::map_pcd || map.filename() == run_files::map_ply)
   {
     map = map.parent_path();
   }
@@ -157,13 +157,13 @@ RunReferences referencesOf(const std::string& folder, const FactorGraph& graph)
   RunReferences references;
   const std::string georeference =
       graph.contains(Key::georeference())
-          ? fileOf(folder, "georeference.ini", "places its satellite positions")
-          : fileIfThere(folder, "georeference.ini");
+          ? fileOf(folder, run_files::georeference, "places its satellite positions")
+          : fileIfThere(folder, run_files::georeference);
   if (!georeference.empty())
   {
     references.georeference = readGeoreference(georeference);
   }
-  references.gravity = gravityOf((fs::path(folder) / "report.json").string());
+  references.gravity = gravityOf((fs::path(folder) / run_files::report).string());
   references.map_frame = mapFrameOf(folder);
   return references;
 }
@@ -201,13 +201,14 @@ RunFolder readRun(const std::string& argument, double tolerance)
   {
     throw UserError(run.folder + ": is not a folder; give output folders of dyslam (--merge)");
   }
-  const std::string report = fileOf(run.folder, "report.json", "names the recording");
+  const std::string report = fileOf(run.folder, run_files::report, "names the recording");
   run.rawlog = run.rawlog.empty() ? inputOf(report) : run.rawlog;
   requireRecording(run.rawlog, run.folder, run.folder + "=RECORDING");
-  run.trajectory = readTum(fileOf(run.folder, "trajectory_tum.txt", "has the poses"));
-  run.graph = readFactorGraph(fileOf(run.folder, "factor_graph.txt", "has the odometry"));
+  run.trajectory = readTum(fileOf(run.folder, run_files::trajectory, "has the poses"));
+  run.graph = readFactorGraph(fileOf(run.folder, run_files::factor_graph, "has the odometry"));
   run.references = referencesOf(run.folder, run.graph);
-  const std::string motions = fileOf(run.folder, "motions.csv", "has the times of the keyframes");
+  const std::string motions =
+      fileOf(run.folder, run_files::motions, "has the times of the keyframes");
   run.keyframe_stamps = keyframeStamps(motions);
   if (run.keyframe_stamps.empty() || run.keyframe_stamps.size() != keyframesOf(run.graph))
   {
@@ -215,15 +216,16 @@ RunFolder readRun(const std::string& argument, double tolerance)
                     " keyframes, but factor_graph.txt has " +
                     std::to_string(keyframesOf(run.graph)) + "; are they of one run?");
   }
-  const Config config = Config::fromFile(fileOf(run.folder, "effective.ini", "has the settings"));
+  const Config config =
+      Config::fromFile(fileOf(run.folder, run_files::settings, "has the settings"));
   ConfigLoader loader(config);
   run.source = loader.get<RawlogSourceOptions>("input");
   run.trajectory = run.source.levelling().levelled(std::move(run.trajectory));
   run.scans.preprocess = loader.get<PreprocessOptions>("preprocess");
   run.scans.tolerance = tolerance;
-  run.scans.scan_table = fileIfThere(run.folder, "scans.csv");
+  run.scans.scan_table = fileIfThere(run.folder, run_files::scan_table);
   run.scans.labels = labelFolderOf(run.folder).value_or("");
-  run.scans.tracks = run.scans.labels.empty() ? fileIfThere(run.folder, "tracks.txt") : "";
+  run.scans.tracks = run.scans.labels.empty() ? fileIfThere(run.folder, run_files::tracks) : "";
   return run;
 }
 
@@ -289,24 +291,24 @@ void completeFromRun(const std::string& folder, RecordingOnTrajectory& recording
   }
   if (recording.rawlog.empty())
   {
-    recording.rawlog =
-        inputOf(fileOf(folder, "report.json", "names the recording", "the recording with --input"));
+    recording.rawlog = inputOf(
+        fileOf(folder, run_files::report, "names the recording", "the recording with --input"));
     requireRecording(recording.rawlog, folder, "--input RECORDING");
   }
   if (recording.trajectory.empty())
   {
     recording.trajectory =
-        fileOf(folder, "trajectory_tum.txt", "has the poses", "them with --trajectory");
+        fileOf(folder, run_files::trajectory, "has the poses", "them with --trajectory");
     recording.unfinished = isUnfinished(folder);
   }
   RunScansOptions& scans = recording.scans;
   scans.labels = scans.labels.empty() ? labelFolderOf(folder).value_or("") : scans.labels;
-  scans.tracks = scans.tracks.empty() ? fileIfThere(folder, "tracks.txt") : scans.tracks;
+  scans.tracks = scans.tracks.empty() ? fileIfThere(folder, run_files::tracks) : scans.tracks;
 }
 
 std::string settingsOfRun(const std::string& folder)
 {
-  return fileOf(folder, "effective.ini", "has the settings", "them with --config");
+  return fileOf(folder, run_files::settings, "has the settings", "them with --config");
 }
 
 std::vector<RunFolder> readRunFolders(const std::vector<std::string>& folders, double tolerance)

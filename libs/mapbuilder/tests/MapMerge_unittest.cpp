@@ -231,7 +231,7 @@ TEST_F(MapMerge, AMergeWithSatellitePositionsIsGeoreferenced)
   EXPECT_NEAR(in_utm[0].pose.translation().x(), eastOfLas(), 200);
   EXPECT_TRUE(contains(folder.read("m.las").substr(0, 2000), "LASF_Projection"));
   const Config settings = Config::fromFile(folder.file("m.effective.ini"));
-  EXPECT_EQ("32632", settings.section("map_export").at("epsg").text);
+  EXPECT_EQ("32632", settings.text("map_export", "epsg"));
   EXPECT_TRUE(settings.has("map", "voxel_size"));
 
   outputs.utm = false;

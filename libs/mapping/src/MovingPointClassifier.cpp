@@ -167,11 +167,7 @@ void MovingPointClassifier::label(Frame& frame, const ScanWindow& window)
   const std::vector<float> voxel_probability = classify(frame, points, segments, evidence);
   frame.moving_probability = probabilityOfPoints(segments, voxel_probability);
   labelLowPoints(window, points, segments, voxel_probability, frame.moving_probability);
-  frame.moving.resize(frame.cloud.size());
-  for (std::size_t i = 0; i < frame.moving.size(); ++i)
-  {
-    frame.moving[i] = static_cast<double>(frame.moving_probability[i]) > options_.moving_threshold;
-  }
+  decideMoving(frame, options_.moving_threshold);
 }
 
 /** Groups the points above `ground_clearance` into voxels and segments; lower points get none. */

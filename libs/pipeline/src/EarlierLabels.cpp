@@ -122,7 +122,7 @@ std::vector<std::string> EarlierLabels::warnings() const
   return result;
 }
 
-std::vector<bool> EarlierLabels::movingPoints(const Frame& frame) const
+LabelledPoints EarlierLabels::pointsOf(const Frame& frame) const
 {
   std::vector<bool> moving;
   if (!folder_.empty())
@@ -135,25 +135,25 @@ std::vector<bool> EarlierLabels::movingPoints(const Frame& frame) const
       moving.push_back(isMovingLabel(label));
     }
   }
-  return moving;
+  return LabelledPoints(std::move(moving));
 }
 
-Cloud takeMoving(const std::vector<bool>& moving, Cloud& cloud)
+void LabelledPoints::takeFrom(Cloud& cloud)
 {
-  Cloud taken;
-  if (moving.empty())
+  if (moving_.empty())
   {
-    return taken;
+    return;
   }
+  cloud_ = Cloud();
   const Cloud all = std::exchange(cloud, {});
-  for (Cloud* part : {&cloud, &taken})
+  for (Cloud* part : {&cloud, &cloud_})
   {
     part->T_sweep = all.T_sweep;
     part->phase_unit = all.phase_unit;
   }
   for (std::size_t i = 0; i < all.size(); ++i)
   {
-    Cloud& part = moving[all.source[i]] ? taken : cloud;
+    Cloud& part = moving_[all.source[i]] ? cloud_ : cloud;
     part.points.push_back(all.points[i]);
     part.source.push_back(all.source[i]);
     if (!all.intensity.empty())
@@ -165,40 +165,38 @@ Cloud takeMoving(const std::vector<bool>& moving, Cloud& cloud)
       part.phase.push_back(all.phase[i]);
     }
   }
-  return taken;
 }
 
-Scan takeMoving(const std::vector<bool>& moving, Scan& scan)
+void LabelledPoints::takeFrom(Scan& scan)
 {
-  if (moving.empty())
+  if (moving_.empty())
   {
-    return {};
+    return;
   }
-  Scan taken = scan;
-  for (std::size_t i = 0; i < moving.size(); ++i)
+  scan_ = scan;
+  for (std::size_t i = 0; i < moving_.size(); ++i)
   {
-    (moving[i] ? scan : taken).points[i].setZero();
+    (moving_[i] ? scan : scan_).points[i].setZero();
   }
-  return taken;
 }
 
-void putBackMoving(const Scan& scan, const Cloud& cloud, Frame& frame)
+void LabelledPoints::putBack(Frame& frame) const
 {
-  for (std::size_t i = 0; i < scan.size(); ++i)
+  for (std::size_t i = 0; i < scan_.size(); ++i)
   {
-    if (isReturn(scan.points[i]))
+    if (isReturn(scan_.points[i]))
     {
-      frame.scan.points[i] = scan.points[i];
+      frame.scan.points[i] = scan_.points[i];
     }
   }
-  const std::size_t added = cloud.size();
-  const Merge merge(frame.cloud.source, cloud.source);
-  merge(frame.cloud.points, cloud.points);
-  merge(frame.cloud.intensity, cloud.intensity);
-  merge(frame.cloud.phase, cloud.phase);
+  const std::size_t added = cloud_.size();
+  const Merge merge(frame.cloud.source, cloud_.source);
+  merge(frame.cloud.points, cloud_.points);
+  merge(frame.cloud.intensity, cloud_.intensity);
+  merge(frame.cloud.phase, cloud_.phase);
   merge(frame.moving_probability, std::vector<float>(added, probability));
   merge(frame.static_prior, std::vector<float>(added, 1 - probability));
   merge(frame.static_confidence, std::vector<float>(added, 1 - probability));
-  merge(frame.cloud.source, cloud.source);
+  merge(frame.cloud.source, cloud_.source);
 }
 }  // namespace dyslam

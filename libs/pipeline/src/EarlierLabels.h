@@ -4,10 +4,35 @@
 #include <dyslam/core/Frame.h>
 
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace dyslam
 {
+/** The points of one scan that an earlier run labelled as moving: taken out of scan and cloud
+ * before the motion is estimated, and put back after it. Does nothing where there are no labels. */
+class LabelledPoints
+{
+ public:
+  /** \param moving for each point of the scan whether it is labelled moving; empty: no labels */
+  explicit LabelledPoints(std::vector<bool> moving) : moving_(std::move(moving)) {}
+
+  /** Takes the points out of a cloud that was prepared from the whole scan: times of points that
+   * have none are known from the order of all points only. Where the cloud is prepared again, the
+   * points of the last one are put back. */
+  void takeFrom(Cloud& cloud);
+  /** Takes the points out of the scan: they are no returns any more. */
+  void takeFrom(Scan& scan);
+  /** Puts the points back into scan and cloud of the frame; where it has moving probabilities, they
+   * are moving. */
+  void putBack(Frame& frame) const;
+
+ private:
+  std::vector<bool> moving_;
+  Cloud cloud_;  //!< points taken out of the cloud, in the same order
+  Scan scan_;    //!< points taken out of the scan; as long as the whole, empty if nothing was taken
+};
+
 /** Labels of an earlier run on the same scans: odometry, and segmenters that do not need the pose,
  * do not use the points labelled as moving.
  *
@@ -24,25 +49,12 @@ class EarlierLabels
   [[nodiscard]] bool any() const { return !folder_.empty(); }
   /** Of labels that seem to be the numbers of a learning map, none of which is a moving class. */
   [[nodiscard]] std::vector<std::string> warnings() const;
-  /** \return for each point of the scan whether it is labelled moving; empty if there are no
-   * labels. \throws UserError if the scan has no label file, or one of another number of points. */
-  [[nodiscard]] std::vector<bool> movingPoints(const Frame& frame) const;
+  /** The points of the frame's scan that are labelled as moving. \throws UserError if the scan has
+   * no label file, or one of another number of points. */
+  [[nodiscard]] LabelledPoints pointsOf(const Frame& frame) const;
 
  private:
   std::string folder_;
   bool are_of_learning_map_ = false;
 };
-
-/** Takes points out of a cloud that was prepared from the whole scan: times of points that have
- * none are known from the order of all points only. \param moving result of
- * EarlierLabels::movingPoints(); empty: nothing is taken out \return cloud of the points taken out,
- * in the same order */
-[[nodiscard]] Cloud takeMoving(const std::vector<bool>& moving, Cloud& cloud);
-/** Takes points out of a scan: they are no returns any more.
- * \return scan of the points taken out, as long as the whole; empty if nothing is taken out */
-[[nodiscard]] Scan takeMoving(const std::vector<bool>& moving, Scan& scan);
-
-/** Puts the points that were taken out back into scan and cloud of the frame; where it has moving
- * probabilities, they are moving. \param scan, cloud results of takeMoving() */
-void putBackMoving(const Scan& scan, const Cloud& cloud, Frame& frame);
 }  // namespace dyslam

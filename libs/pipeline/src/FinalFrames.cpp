@@ -53,7 +53,7 @@ FinalFrames::FinalFrames(ConfigLoader& config,
     hindsight_.emplace(labels, options_.threads);
   }
   if (labels.hindsight && options_.hindsight_tracking && options_.tracking && !has_given_boxes &&
-      config.get<BackendOptions>("backend").mode < BackendMode::segmot)
+      !config.get<BackendOptions>("backend").hasObjects())
   {
     tracking_again_.emplace(config, MovingLabels::hindsight);
   }

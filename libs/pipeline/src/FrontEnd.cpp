@@ -73,27 +73,27 @@ struct FrontEnd::Stages
   }
 
   [[nodiscard]] Cloud prepare(const Scan& scan, const SweepPrediction& sweep);
-  /** \return prepared cloud without the points that an earlier run labelled moving; these become
-   * `labelled_cloud` */
-  [[nodiscard]] Cloud prepareUnlabelled(const Scan& scan, const SweepPrediction& sweep);
+  /** \return prepared cloud without the labelled points */
+  [[nodiscard]] Cloud prepareWithout(LabelledPoints& labelled,
+                                     const Scan& scan,
+                                     const SweepPrediction& sweep);
   [[nodiscard]] std::shared_ptr<const EncodedCloud> encode(const Cloud& cloud, const Scan& scan);
   [[nodiscard]] EncodedScan encodeAhead(const Scan& scan, const SweepPrediction& sweep);
   /** Starts preparing and encoding the next scan in ahead_thread, if it may be encoded ahead.
    * \param next see FrontEnd::process() */
   void beginAhead(const Frame* next);
-  /** Sets the frame's cloud. \return the cloud encoded ahead; null if there is none */
-  [[nodiscard]] std::shared_ptr<const EncodedCloud> preprocess(Frame& frame);
+  /** Sets the frame's cloud, without the labelled points. \return it as the segmenter encodes it;
+   * null if it does not */
+  [[nodiscard]] std::shared_ptr<const EncodedCloud> preprocess(Frame& frame,
+                                                               LabelledPoints& labelled);
   /** Segments, if the segmenter runs before (false) or after (true) the pose is known. */
   void segment(Frame& frame, bool pose_known, const std::shared_ptr<const EncodedCloud>& encoded);
-  /** Puts the points that an earlier run labelled moving back into scan and cloud, as moving.
-   * \param scan scan of these points, see takeMoving() */
-  void putBack(const Scan& scan, Frame& frame);
+  /** Puts the points that an earlier run labelled moving back into scan and cloud, as moving. */
+  void putBack(const LabelledPoints& labelled, Frame& frame) const;
 
   mrpt::system::CTimeLogger& times;
   MovingSegmenterOptions segmentation;
   EarlierLabels earlier;
-  std::vector<bool> labelled;  //!< per point of the current scan: an earlier run labelled it moving
-  Cloud labelled_cloud;        //!< points of the current cloud that it labelled moving
   ThreadPool pool;
   Preprocessor preprocessor;
   OwnVehicle own_vehicle;
@@ -118,9 +118,9 @@ void FrontEnd::process(Frame& frame, const Frame* next)
 {
   Stages& s = *stages_;
   s.odometry.predict(frame);
-  s.labelled = s.earlier.movingPoints(frame);
-  const auto encoded = s.preprocess(frame);
-  const Scan labelled = takeMoving(s.labelled, frame.scan);
+  LabelledPoints labelled = s.earlier.pointsOf(frame);
+  const auto encoded = s.preprocess(frame, labelled);
+  labelled.takeFrom(frame.scan);
   s.own_vehicle.observe(frame.scan);
   s.beginAhead(next);
   const WaitAtEnd wait{s.ahead, s.waited};
@@ -140,10 +140,12 @@ Cloud FrontEnd::Stages::prepare(const Scan& scan, const SweepPrediction& sweep)
                               &own_vehicle);
 }
 
-Cloud FrontEnd::Stages::prepareUnlabelled(const Scan& scan, const SweepPrediction& sweep)
+Cloud FrontEnd::Stages::prepareWithout(LabelledPoints& labelled,
+                                       const Scan& scan,
+                                       const SweepPrediction& sweep)
 {
   Cloud cloud = prepare(scan, sweep);
-  labelled_cloud = takeMoving(labelled, cloud);
+  labelled.takeFrom(cloud);
   return cloud;
 }
 
@@ -172,7 +174,8 @@ void FrontEnd::Stages::beginAhead(const Frame* next)
   }
 }
 
-std::shared_ptr<const EncodedCloud> FrontEnd::Stages::preprocess(Frame& frame)
+std::shared_ptr<const EncodedCloud> FrontEnd::Stages::preprocess(Frame& frame,
+                                                                 LabelledPoints& labelled)
 {
   const SweepPrediction predicted{frame.prior.T_previous_current, frame.dt, frame.sweep_duration};
   std::shared_ptr<const EncodedCloud> encoded;
@@ -186,7 +189,7 @@ std::shared_ptr<const EncodedCloud> FrontEnd::Stages::preprocess(Frame& frame)
   }
   else
   {
-    frame.cloud = prepareUnlabelled(frame.scan, predicted);
+    frame.cloud = prepareWithout(labelled, frame.scan, predicted);
   }
   bool prepared_again = false;
   odometry.resolveInterval(
@@ -194,7 +197,7 @@ std::shared_ptr<const EncodedCloud> FrontEnd::Stages::preprocess(Frame& frame)
       [&](const Pose& T_previous_current, double dt)
       {
         prepared_again = true;
-        return prepareUnlabelled(frame.scan, {T_previous_current, dt, frame.sweep_duration});
+        return prepareWithout(labelled, frame.scan, {T_previous_current, dt, frame.sweep_duration});
       });
   if (segmenter && (!encoded || prepared_again))
   {
@@ -220,7 +223,7 @@ void FrontEnd::Stages::segment(Frame& frame,
   }
 }
 
-void FrontEnd::Stages::putBack(const Scan& scan, Frame& frame)
+void FrontEnd::Stages::putBack(const LabelledPoints& labelled, Frame& frame) const
 {
   if (earlier.any())
   {
@@ -228,7 +231,7 @@ void FrontEnd::Stages::putBack(const Scan& scan, Frame& frame)
     {
       frame.moving_probability.assign(frame.cloud.size(), 0);
     }
-    putBackMoving(scan, labelled_cloud, frame);
+    labelled.putBack(frame);
   }
 }
 

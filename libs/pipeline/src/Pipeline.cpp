@@ -58,10 +58,7 @@ struct Pipeline::Stages
         front_end(options.threads, config, times),
         tracking(config, MovingLabels::causal),
         keyframes({config.get<MemoryOptions>("memory"), temporary_folder}),
-        backend({config.get<BackendOptions>("backend"), config.get<LoopCloserOptions>("loop"),
-                 config.get<ObjectGraphOptions>("objects"),
-                 config.get<FactorGraphOptions>("solver"), config.get<GnssOptions>("gnss"),
-                 config.get<GravityOptions>("gravity"), config.get<PriorMapOptions>("prior_map")},
+        backend(BackendConfig::load(config),
                 keyframes,
                 readPriorMap(config.get<PriorMapOptions>("prior_map"))),
         final_frames(config, tracking.hasGivenBoxes(), keyframes, pool, times)

@@ -52,16 +52,16 @@ TEST(EarlierLabels, TakeMovingPointsOutAndPutThemBack)
   Frame frame = frameOf(5);
   const Frame before = frame;
 
-  const std::vector<bool> moving = EarlierLabels(folder.file("run")).movingPoints(frame);
+  LabelledPoints moving = EarlierLabels(folder.file("run")).pointsOf(frame);
   frame.cloud = cloudOf(frame.scan);
   frame.cloud.phase = {0, 0.2F, 0.4F, 0.6F, 0.8F};
-  const Cloud cloud = takeMoving(moving, frame.cloud);
-  const Scan scan = takeMoving(moving, frame.scan);
+  moving.takeFrom(frame.cloud);
+  moving.takeFrom(frame.scan);
   EXPECT_FALSE(isReturn(frame.scan.points[1]));
   EXPECT_EQ(frame.cloud.source, (std::vector<std::uint32_t>{0, 2, 3}));
   frame.moving_probability = {0.1F, 0.2F, 0.3F};
 
-  putBackMoving(scan, cloud, frame);
+  moving.putBack(frame);
   EXPECT_EQ(frame.scan.points, before.scan.points);
   EXPECT_EQ(frame.cloud.source, (std::vector<std::uint32_t>{0, 1, 2, 3, 4}));
   EXPECT_EQ(frame.cloud.points, before.scan.points);
@@ -80,12 +80,12 @@ TEST(EarlierLabels, PutBackAScanOfWhichAllPointsMove)
   writeLabels(folder.file("000007.label"), {moving_car, moving_car});
   Frame frame = frameOf(2);
   const Frame before = frame;
-  const std::vector<bool> moving = EarlierLabels(folder.path()).movingPoints(frame);
+  LabelledPoints moving = EarlierLabels(folder.path()).pointsOf(frame);
   frame.cloud = cloudOf(frame.scan);
   frame.cloud.intensity.clear();  // the recording has none
-  const Cloud cloud = takeMoving(moving, frame.cloud);
-  const Scan scan = takeMoving(moving, frame.scan);
-  putBackMoving(scan, cloud, frame);
+  moving.takeFrom(frame.cloud);
+  moving.takeFrom(frame.scan);
+  moving.putBack(frame);
   EXPECT_EQ(frame.cloud.points, before.scan.points);
   EXPECT_EQ(frame.cloud.source, (std::vector<std::uint32_t>{0, 1}));
   EXPECT_TRUE(frame.cloud.intensity.empty());
@@ -101,10 +101,10 @@ TEST(EarlierLabels, AreOfTheSameScans)
   writeLabels(folder.file("000007.label"), {9, moving_car});
   const EarlierLabels labels(folder.path());
   Frame longer = frameOf(3);
-  EXPECT_THROW((void)labels.movingPoints(longer), UserError);
+  EXPECT_THROW((void)labels.pointsOf(longer), UserError);
   Frame another = frameOf(2);
   another.index = 8;
-  EXPECT_THROW((void)labels.movingPoints(another), UserError);
+  EXPECT_THROW((void)labels.pointsOf(another), UserError);
 }
 
 TEST(EarlierLabels, NumbersOfALearningMapAreWarnedOf)
@@ -128,9 +128,15 @@ TEST(EarlierLabels, WithoutAFolderNothingChanges)
   const EarlierLabels none("");
   EXPECT_FALSE(none.any());
   Frame frame = frameOf(2);
-  EXPECT_TRUE(none.movingPoints(frame).empty());
-  EXPECT_EQ(takeMoving({}, frame.scan).size(), 0U);
-  EXPECT_TRUE(isReturn(frame.scan.points[1]));
+  const Frame before = frame;
+  LabelledPoints moving = none.pointsOf(frame);
+  frame.cloud = cloudOf(frame.scan);
+  moving.takeFrom(frame.cloud);
+  moving.takeFrom(frame.scan);
+  EXPECT_EQ(frame.scan.points, before.scan.points);
+  EXPECT_EQ(frame.cloud.points, before.scan.points);
+  moving.putBack(frame);
+  EXPECT_EQ(frame.cloud.points, before.scan.points);
 }
 }  // namespace
 }  // namespace dyslam

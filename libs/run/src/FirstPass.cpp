@@ -4,6 +4,7 @@
 #include <dyslam/base/Error.h>
 #include <dyslam/base/Files.h>
 #include <dyslam/base/Printable.h>
+#include <dyslam/formats/RunFiles.h>
 
 #include <algorithm>
 #include <cmath>
@@ -21,7 +22,7 @@ namespace
 {
 fs::path labelsOfFirstPass(const std::string& output)
 {
-  return fs::path(output) / "first_pass" / "labels";
+  return fs::path(output) / "first_pass" / run_files::labels;
 }
 
 /** Only the label files in a folder, which may have files of the user, too. */
@@ -59,7 +60,7 @@ RunRequest firstPassOf(const RunRequest& request)
 
 std::string labelsIn(const Config& config)
 {
-  return config.has("dyseg", "labels") ? config.section("dyseg").at("labels").text : "";
+  return config.text("dyseg", "labels").value_or("");
 }
 
 bool isSecondPass(const Config& config, const std::string& output)
@@ -77,7 +78,7 @@ std::string keptLabelsOf(const std::string& output)
 std::string keepLabelsOfFirstPass(const std::string& output)
 {
   const fs::path kept = labelsOfFirstPass(output);
-  const fs::path made = fs::path(output) / "labels";
+  const fs::path made = fs::path(output) / run_files::labels;
   try
   {
     for (const fs::path& folder : {kept.parent_path(), kept})

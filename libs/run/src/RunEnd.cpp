@@ -5,6 +5,7 @@
 #include <dyslam/base/Printable.h>
 #include <dyslam/base/Words.h>
 #include <dyslam/formats/ProgramLines.h>
+#include <dyslam/run/RunSlam.h>
 
 #include <vector>
 

@@ -5,11 +5,12 @@
 #include <dyslam/base/StateArchive.h>
 #include <dyslam/base/Words.h>
 #include <dyslam/formats/ProgramLines.h>
+#include <dyslam/formats/RunFiles.h>
 #include <dyslam/io/RawlogSource.h>
 #include <dyslam/pipeline/FrontEnd.h>
 #include <dyslam/pipeline/Pipeline.h>
 #include <dyslam/pipeline/ReadAhead.h>
-#include <dyslam/run/SlamRun.h>
+#include <dyslam/run/RunSlam.h>
 
 #include <atomic>
 #include <chrono>
@@ -19,7 +20,9 @@
 #include <string>
 #include <utility>
 
-#include "checkpoint/SavedRun.h"
+#include "checkpoint/CheckpointSchedule.h"
+#include "checkpoint/RunToResume.h"
+#include "checkpoint/ScanSum.h"
 
 namespace dyslam
 {
@@ -61,7 +64,7 @@ void beginCheckpoint(Pipeline& pipeline,
                      std::size_t frame,
                      const ScanSum& scans,
                      bool is_last,
-                     Checkpoints& checkpoints)
+                     CheckpointSchedule& checkpoints)
 {
   if (checkpoints.due(is_last))
   {
@@ -86,7 +89,7 @@ bool replay(const SlamRunSettings& settings,
   std::atomic<double> per_scan = 0;  // progress by scan; only the reading thread uses the source
   std::atomic<bool> is_stopping = false;
   bool is_stopped = false;  // set by the front end's thread; read here after the last frame
-  Checkpoints checkpoints(run.checkpointSeconds());
+  CheckpointSchedule checkpoints(run.checkpointSeconds());
   ReadAhead reader(
       [&]
       {
@@ -178,11 +181,11 @@ ScanSum skipProcessed(const SavedRun& saved, const std::string& rawlog, RawlogSo
 }
 }  // namespace
 
-void requireNotStopped(const SlamRunSettings& settings)
+void requireNotStopped(const SlamRunSettings& settings, const std::string& when)
 {
   if (settings.stop && settings.stop())
   {
-    throw UserError(stoppedMessage(settings.rawlog, stopReason("before the first scan")));
+    throw UserError(stoppedMessage(settings.rawlog, stopReason(when)));
   }
 }
 
@@ -228,7 +231,7 @@ SlamRunReport runSlam(const SlamRunSettings& settings, const FrameCallback& on_f
 
 bool hasCheckpoint(const std::string& output_folder)
 {
-  return std::filesystem::exists(std::filesystem::path(output_folder) / state_file_name);
+  return std::filesystem::exists(std::filesystem::path(output_folder) / run_files::state);
 }
 
 Config settingsOfCheckpoint(const std::string& output_folder)

@@ -15,6 +15,8 @@
 #include <utility>
 
 #include "RunEnd.h"
+#include "checkpoint/CheckpointSchedule.h"
+#include "checkpoint/RunToResume.h"
 #include "checkpoint/SavedRun.h"
 #include "outputs/RunOutputs.h"
 #include "results/ResultsBuilder.h"
@@ -37,11 +39,9 @@ void requireProfileWritable(const SlamRunSettings& settings)
   {
     return;
   }
-  std::vector<std::string> inputs = settings.inputs;
-  inputs.push_back(settings.rawlog);
-  for (const std::string& input : inputs)
+  for (const std::string& input : {settings.ini, settings.rawlog})
   {
-    if (isSamePath(profile, input))
+    if (!input.empty() && isSamePath(profile, input))
     {
       throw UserError(profile + ": is an input of this run; choose another --profile");
     }

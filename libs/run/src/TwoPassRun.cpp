@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/base/Error.h>
-#include <dyslam/formats/ProgramLines.h>
+#include <dyslam/run/RunSlam.h>
 #include <dyslam/run/TwoPassRun.h>
 
 #include <algorithm>
@@ -20,15 +20,6 @@ struct FirstPassResult
   std::vector<std::string> warnings;  //!< warnings that are not about the settings
 };
 
-/** \throws UserError if the user has stopped the run. */
-void requireGoesOn(const SlamRunSettings& settings, const std::string& when)
-{
-  if (settings.stop && settings.stop())
-  {
-    throw UserError(stoppedMessage(settings.rawlog, stopReason(when)));
-  }
-}
-
 /** \throws UserError if labels are given for a run of two passes, which makes them itself. */
 void requireNoLabels(const RunRequest& request)
 {
@@ -45,10 +36,7 @@ void requireNoLabels(const RunRequest& request)
 RunSettings chooseFor(const RunRequest& request, SlamRunSettings& run)
 {
   const GivenSettings given = readGivenSettings(request.config, request.assignments);
-  if (!given.path.empty())
-  {
-    run.inputs.push_back(given.path);
-  }
+  run.ini = given.path;
   RunSettings chosen = chooseRunSettings(run.rawlog, given);
   setSettings(chosen, run);
   return chosen;
@@ -80,7 +68,7 @@ PassesReport runFirst(const RunRequest& request, const PassRunner& run)
   const RunRequest first = firstPassOf(request);
   SlamRunSettings settings = first.settings;
   const RunSettings chosen = chooseFor(first, settings);
-  requireGoesOn(settings, "before the first scan");
+  requireNotStopped(settings);
   return runPass(Pass::first, settings, &chosen, run);
 }
 
@@ -122,7 +110,7 @@ PassesReport runSecond(const RunRequest& request,
 {
   SlamRunSettings settings = request.settings;
   const RunSettings chosen = chooseFor(request, settings);
-  requireGoesOn(settings, "before the second pass");
+  requireNotStopped(settings, "before the second pass");
   settings.first_pass_time = first.run_time;
   settings.warnings.insert(settings.warnings.end(), first.warnings.begin(), first.warnings.end());
   PassesReport result = runPass(Pass::second, settings, &chosen, run);
@@ -146,7 +134,7 @@ PassesReport runPasses(const RunRequest& request, const PassRunner& run)
   {
     SlamRunSettings settings = request.settings;
     const RunSettings chosen = chooseFor(request, settings);
-    requireGoesOn(settings, "before the first scan");
+    requireNotStopped(settings);
     return runPass(Pass::only, settings, &chosen, run);
   }
   PassesReport first = runFirst(request, run);
@@ -157,7 +145,7 @@ PassesReport runPasses(const RunRequest& request, const PassRunner& run)
     return first;
   }
   const std::string& folder = request.settings.output_folder;
-  requireGoesOn(request.settings, "after the first pass, whose results are in " + folder);
+  requireNotStopped(request.settings, "after the first pass, whose results are in " + folder);
   RunRequest second = request;
   second.assignments.push_back("dyseg.labels=" + keepLabelsOfFirstPass(folder));
   return runSecond(second, kept, run);

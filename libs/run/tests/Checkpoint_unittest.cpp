@@ -8,7 +8,7 @@
 #include <string>
 #include <utility>
 
-#include "../src/checkpoint/SavedRun.h"
+#include "../src/checkpoint/CheckpointSchedule.h"
 #include "TestFolder.h"
 
 namespace dyslam

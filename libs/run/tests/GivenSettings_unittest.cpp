@@ -23,11 +23,6 @@ RecordedSensor sensorWith(std::size_t rings, double spacing_deg)
   return sensor;
 }
 
-std::string valueOf(const Config& config, const std::string& section, const std::string& key)
-{
-  return config.has(section, key) ? config.section(section).at(key).text : "";
-}
-
 TEST(GivenSettings, AssignmentsAreOverTheIniAndThatOverTheSensors)
 {
   const TestFolder folder;
@@ -36,17 +31,17 @@ TEST(GivenSettings, AssignmentsAreOverTheIniAndThatOverTheSensors)
   const GivenSettings given =
       readGivenSettings(path, {"odometry.method=gicp", "labels.hindsight=false"});
   EXPECT_EQ(path, given.path);
-  EXPECT_EQ("icp_po2pl", valueOf(given.ini, "odometry", "method"));
-  EXPECT_EQ("gicp", valueOf(given.merged(), "odometry", "method"));
-  EXPECT_EQ("", valueOf(given.merged(), "dyseg", "method"));
+  EXPECT_EQ("icp_po2pl", given.ini.text("odometry", "method"));
+  EXPECT_EQ("gicp", given.merged().text("odometry", "method"));
+  EXPECT_EQ(std::nullopt, given.merged().text("dyseg", "method"));
 
   const ChosenSettings chosen = settingsFor(sensorWith(16, 2), given);
   EXPECT_EQ("vlp16.ini + my.ini", chosen.source);
   EXPECT_TRUE(chosen.warnings.empty());
-  EXPECT_EQ("gicp", valueOf(chosen.config, "odometry", "method"));
-  EXPECT_EQ("gicp", valueOf(chosen.config, "refine", "method"));
-  EXPECT_EQ("residual", valueOf(chosen.config, "dyseg", "method")) << "of vlp16.ini";
-  EXPECT_EQ("false", valueOf(chosen.config, "labels", "hindsight"));
+  EXPECT_EQ("gicp", chosen.config.text("odometry", "method"));
+  EXPECT_EQ("gicp", chosen.config.text("refine", "method"));
+  EXPECT_EQ("residual", chosen.config.text("dyseg", "method")) << "of vlp16.ini";
+  EXPECT_EQ("false", chosen.config.text("labels", "hindsight"));
 }
 
 TEST(GivenSettings, WithoutAnIniTheSensorsAreTaken)

@@ -7,9 +7,10 @@
 #include <dyslam/base/Error.h>
 #include <dyslam/base/Files.h>
 #include <dyslam/base/SharedFiles.h>
-#include <dyslam/io/Converters.h>
+#include <dyslam/io/KittiConverter.h>
 #include <dyslam/io/KittiExport.h>
 #include <dyslam/io/RawlogWriter.h>
+#include <dyslam/io/ScanConverter.h>
 #include <dyslam/mapexport/MapExport.h>
 #include <dyslam/packets/PcapSource.h>
 #include <dyslam/run/SlamRun.h>

@@ -18,7 +18,7 @@ namespace
 std::string lineFor(const std::vector<std::string>& failures)
 {
   const TestFolder folder;
-  folder.write(state_file_name, "");
+  folder.write(run_files::state, "");
   SlamRunSettings settings;
   settings.output_folder = folder.path();
   RunResults results;

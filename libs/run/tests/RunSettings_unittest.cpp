@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/base/Error.h>
 #include <dyslam/run/RunSettings.h>
-#include <dyslam/run/SlamRun.h>
+#include <dyslam/run/SlamRunSettings.h>
 #include <gtest/gtest.h>
 
 #include <string>
@@ -21,16 +21,16 @@ TEST(RunSettings, AreThoseOfTheSensorUnderThoseGiven)
   const GivenSettings given = readGivenSettings(
       folder.write("my.ini", "[odometry]\nmethod = gicp\n"), {"dyseg.method=none"});
   RunSettings chosen = chooseRunSettings(campus_rawlog, given);
-  EXPECT_EQ("vlp16.ini + my.ini", chosen.chosen.source);
+  EXPECT_EQ("vlp16.ini + my.ini", chosen.source);
   EXPECT_EQ(16U, chosen.sensor.pattern.rings.size());
-  EXPECT_EQ(chosen.sensor.missingTimes(chosen.chosen.config), chosen.missing_times);
-  EXPECT_EQ("gicp", chosen.chosen.config.section("odometry").at("method").text);
-  EXPECT_EQ("none", chosen.chosen.config.section("dyseg").at("method").text);
+  EXPECT_EQ(chosen.sensor.missingTimes(chosen.config), chosen.missing_times);
+  EXPECT_EQ("gicp", chosen.config.text("odometry", "method"));
+  EXPECT_EQ("none", chosen.config.text("dyseg", "method"));
   SlamRunSettings run;
   run.warnings = {"of the conversion"};
-  chosen.chosen.warnings = {"of the settings"};
+  chosen.warnings = {"of the settings"};
   setSettings(chosen, run);
-  EXPECT_EQ(chosen.chosen.config.toIni(), run.config.toIni());
+  EXPECT_EQ(chosen.config.toIni(), run.config.toIni());
   EXPECT_EQ((std::vector<std::string>{"of the conversion", "of the settings"}), run.warnings);
   EXPECT_EQ(0U, run.sensor.rfind(chosen.sensor.summary(), 0)) << run.sensor;
 }
@@ -40,7 +40,7 @@ TEST(RunSettings, TheReportNamesSensorMissingTimesLevellingAndStartSpeed)
   RunSettings settings;
   const std::string sensor = settings.sensor.summary();
   EXPECT_EQ(sensor, settings.aboutSensor());
-  settings.chosen.levelling_note = "tilted by 15 deg";
+  settings.levelling_note = "tilted by 15 deg";
   EXPECT_EQ(sensor + "; tilted by 15 deg", settings.aboutSensor());
   settings.missing_times = "no times";
   EXPECT_EQ(sensor + "; no times; tilted by 15 deg", settings.aboutSensor());

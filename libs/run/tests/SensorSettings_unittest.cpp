@@ -70,7 +70,7 @@ TEST(SensorSettings, ThoseThatFitAreTakenAndNamed)
   EXPECT_EQ("kitti64.ini", settingsFor(sensorWith(128, 0.18), Config(), "").source);
   EXPECT_EQ("vlp16.ini", settingsFor(sensorWith(16, 2.0), Config(), "").source);
   const auto chosen = settingsFor(sensorWith(16, 2.0), Config(), "");
-  EXPECT_EQ("residual", chosen.config.section("dyseg").at("method").text);
+  EXPECT_EQ("residual", chosen.config.text("dyseg", "method"));
 }
 
 TEST(SensorSettings, AnIniOfOneLineChangesThatOneThing)
@@ -427,7 +427,7 @@ TEST(SensorSettings, LevelGroundAndScansThatDisagreeChangeNothing)
       of({frameOverGround(0, 20), frameOverGround(0, 10), frameOverGround(0, 21)});
   EXPECT_NEAR(20.5 * degree,
               bump.config.has("input", "pitch_deg")
-                  ? std::stod(bump.config.section("input").at("pitch_deg").text) * degree
+                  ? std::stod(bump.config.text("input", "pitch_deg").value()) * degree
                   : 0,
               0.1 * degree);
 }

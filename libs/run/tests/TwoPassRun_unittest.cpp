@@ -2,6 +2,7 @@
 // A run in one pass or two: when it stops, what it refuses, what the second pass has of the first.
 #include <dyslam/base/Error.h>
 #include <dyslam/base/Files.h>
+#include <dyslam/run/RunSlam.h>
 #include <dyslam/run/TwoPassRun.h>
 #include <gtest/gtest.h>
 
@@ -82,7 +83,7 @@ TEST_F(TwoPassRun, EachPassHasItsSettings)
   EXPECT_TRUE(runs_[0].labels);
   EXPECT_FALSE(runs_[0].static_scans);
   EXPECT_EQ("", runs_[0].profile_csv);
-  EXPECT_EQ("false", runs_[0].config.section("pipeline").at("mapping").text);
+  EXPECT_EQ("false", runs_[0].config.text("pipeline", "mapping"));
   EXPECT_EQ("", labelsIn(runs_[0].config));
   EXPECT_FALSE(runs_[1].labels);
   EXPECT_TRUE(runs_[1].static_scans);
@@ -119,7 +120,7 @@ TEST_F(TwoPassRun, TheOnlyPassHasTheSettingsOfTheRequest)
   EXPECT_EQ(Pass::only, run().pass);
   ASSERT_EQ(1U, runs_.size());
   EXPECT_TRUE(runs_[0].probabilities);
-  EXPECT_EQ("2", runs_[0].config.section("input").at("only_first_n").text);
+  EXPECT_EQ("2", runs_[0].config.text("input", "only_first_n"));
   EXPECT_EQ(0U, runs_[0].sensor.rfind("16 rings", 0)) << runs_[0].sensor;
 }
 
@@ -131,7 +132,7 @@ TEST_F(TwoPassRun, AnIniIsAnInputOfEachPass)
   ASSERT_EQ(2U, runs_.size());
   for (const SlamRunSettings& settings : runs_)
   {
-    EXPECT_EQ(std::vector<std::string>{request_.config}, settings.inputs);
+    EXPECT_EQ(request_.config, settings.ini);
   }
 }
 

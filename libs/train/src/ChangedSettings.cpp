@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/base/Files.h>
+#include <dyslam/base/PendingFile.h>
 #include <dyslam/train/ChangedSettings.h>
 
 #include <algorithm>
@@ -55,5 +57,17 @@ std::string changedSettingsNote(const std::string& earlier_ini, const Config& ef
         (note.empty() ? "note: goes on with other settings than it began with: " : ", ") + setting;
   }
   return note;
+}
+
+void writeSettings(const Config& effective, const TrainRequest& request)
+{
+  makeFolder(request.output, "choose another --output");
+  const std::string ini = request.output + "/effective.ini";
+  const std::string changes = request.resume ? changedSettingsNote(ini, effective) : "";
+  if (!changes.empty())
+  {
+    request.report(changes);
+  }
+  writeWhole(ini, effective.toIni());
 }
 }  // namespace dyslam

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/base/Error.h>
 #include <dyslam/base/Files.h>
-#include <dyslam/base/PendingFile.h>
 #include <dyslam/nets/Devices.h>
 #include <dyslam/nets/DyloFile.h>
 #include <dyslam/nets/TensorFile.h>
@@ -10,8 +9,8 @@
 #include <dyslam/train/ChangedSettings.h>
 #include <dyslam/train/DataText.h>
 #include <dyslam/train/DyloLoss.h>
-#include <dyslam/train/DyloTrainer.h>
 #include <dyslam/train/NetworkWeights.h>
+#include <dyslam/train/TrainDylo.h>
 
 #include <array>
 #include <cstdio>
@@ -133,14 +132,7 @@ Trainer::Trainer(const Config& config, const DyloTrainRequest& request)
   {
     source_ = makeDyloPairSource(options_.data, options_.augmentation, base, splits,
                                  static_cast<std::uint64_t>(options_.train.seed));
-    makeFolder(request.output, "choose another --output");
-    const std::string ini = request.output + "/effective.ini";
-    const std::string changes = request.resume ? changedSettingsNote(ini, effective) : "";
-    if (!changes.empty())
-    {
-      request.report(changes);
-    }
-    writeWhole(ini, effective.toIni());
+    writeSettings(effective, request);
   }
 }
 

@@ -3,13 +3,14 @@
 
 #include <dyslam/train/DataSplits.h>
 #include <dyslam/train/DysegData.h>
-#include <dyslam/train/DysegTrainer.h>
 #include <dyslam/train/LabelledRun.h>
 
 #include <deque>
 #include <future>
 #include <string>
 #include <vector>
+
+#include "DysegTrainerOptions.h"
 
 namespace dyslam
 {

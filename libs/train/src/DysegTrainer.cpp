@@ -1,14 +1,17 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "DysegTrainer.h"
+
 #include <dyslam/base/Error.h>
 #include <dyslam/nets/Devices.h>
 #include <dyslam/nets/DysegFile.h>
 #include <dyslam/nets/DysegModel.h>
 #include <dyslam/nets/Threads.h>
+#include <dyslam/train/ChangedSettings.h>
 #include <dyslam/train/DataText.h>
 #include <dyslam/train/DysegLosses.h>
 #include <dyslam/train/DysegScores.h>
-#include <dyslam/train/DysegTrainer.h>
 #include <dyslam/train/NetworkWeights.h>
+#include <dyslam/train/TrainDyseg.h>
 #include <torch/torch.h>
 
 #include <algorithm>
@@ -363,5 +366,43 @@ void DysegTrainer::run(const std::function<void(const std::string&)>& report,
   {
     t.loop->validate();
   }
+}
+
+void trainDyseg(const Config& config, const TrainRequest& request)
+{
+  DysegTrainerSetup setup;
+  const Config effective = setup.load(config);
+  setup.device = request.device;
+  setup.train.data = dataFolder(setup.train.data, "[train] data");
+  DysegTrainer trainer(setup, request.output);
+  if (request.validate_only)
+  {
+    GivenDysegShape given;
+    if (!config.section("grid").empty())
+    {
+      given.grid = setup.grid;
+    }
+    if (!config.section("network").empty())
+    {
+      given.network = setup.network;
+    }
+    trainer.validateOnly(request.start, given, request.report);
+    return;
+  }
+  if (request.resume)
+  {
+    trainer.resume();
+  }
+  else
+  {
+    trainer.requireFreshFolder();
+    if (!request.start.empty())
+    {
+      trainer.startFrom(request.start);
+    }
+  }
+  trainer.loadData();  // before anything is written: settings that fail leave the folder as it is
+  writeSettings(effective, request);
+  trainer.run(request.report, request.stopped);
 }
 }  // namespace dyslam

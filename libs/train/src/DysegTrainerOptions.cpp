@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <dyslam/train/DysegTrainer.h>
+#include "DysegTrainerOptions.h"
+
+#include <dyslam/train/TrainDyseg.h>
 
 namespace dyslam
 {

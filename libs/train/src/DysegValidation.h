@@ -3,10 +3,11 @@
 
 #include <dyslam/train/DysegData.h>
 #include <dyslam/train/DysegScores.h>
-#include <dyslam/train/DysegTrainer.h>
 
 #include <string>
 #include <vector>
+
+#include "DysegTrainerOptions.h"
 
 namespace dyslam
 {

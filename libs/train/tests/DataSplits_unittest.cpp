@@ -3,7 +3,7 @@
 #include <dyslam/base/SharedFiles.h>
 #include <dyslam/train/DataSplits.h>
 #include <dyslam/train/DataText.h>
-#include <dyslam/train/DyloTrainer.h>
+#include <dyslam/train/TrainDylo.h>
 #include <gtest/gtest.h>
 
 #include <filesystem>

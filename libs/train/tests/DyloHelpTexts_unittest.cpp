@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <dyslam/train/DyloTrainer.h>
+#include <dyslam/train/TrainDylo.h>
 #include <gtest/gtest.h>
 
 #include "HelpTexts.h"

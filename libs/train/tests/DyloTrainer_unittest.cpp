@@ -4,7 +4,7 @@
 #include <dyslam/base/PendingFile.h>
 #include <dyslam/nets/DyloFile.h>
 #include <dyslam/train/DataText.h>
-#include <dyslam/train/DyloTrainer.h>
+#include <dyslam/train/TrainDylo.h>
 #include <gtest/gtest.h>
 
 #include <cmath>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <dyslam/train/DysegTrainer.h>
+#include <dyslam/train/TrainDyseg.h>
 #include <gtest/gtest.h>
 
 #include "HelpTexts.h"

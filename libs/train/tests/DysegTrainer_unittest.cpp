@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "DysegTrainer.h"
+
 #include <dyslam/base/Error.h>
-#include <dyslam/train/DysegTrainer.h>
 #include <gtest/gtest.h>
 #include <unistd.h>
 

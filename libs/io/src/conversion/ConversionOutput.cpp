@@ -35,16 +35,6 @@ RawlogWriterOptions writerOptions(const ConversionOptions& options)
 }
 }  // namespace
 
-void ConversionOptions::describeConversion(OptionsVisitor& visitor)
-{
-  describeRange(visitor);
-  visitor.integer("every_n", every_n, 1, 1000000,
-                  "interval between converted scans; 1: every scan [scans]");
-  visitor.flag("external_storage", external_storage, "write clouds in separate files");
-  visitor.integer("compression_level", compression_level, 0, 9,
-                  "level of the gzip compression: 0 none, 1 fast, 9 small");
-}
-
 std::optional<Pose> truePoseAt(const Trajectory& truth, double stamp)
 {
   constexpr double same_pose_time = 1e-6;  // [s]
@@ -53,21 +43,6 @@ std::optional<Pose> truePoseAt(const Trajectory& truth, double stamp)
     return truth[*same].pose;
   }
   return truth.at(stamp, truth_max_gap);
-}
-
-Pose poseFromOption(const std::string& option, const std::string& text)
-{
-  if (text.empty())
-  {
-    return Pose::Identity();
-  }
-  const std::optional<Pose> pose = poseFromText(text);
-  if (!pose)
-  {
-    throw UserError(option + " '" + text +
-                    "': six numbers are needed: x y z [m] yaw pitch roll [deg]");
-  }
-  return *pose;
 }
 
 std::string emptyRange(const ScanRange& range)

@@ -3,7 +3,7 @@
 
 #include <dyslam/core/Trajectory.h>
 #include <dyslam/formats/GroundTruth.h>
-#include <dyslam/io/Converters.h>
+#include <dyslam/io/Conversion.h>
 #include <dyslam/io/RawlogWriter.h>
 
 #include <functional>

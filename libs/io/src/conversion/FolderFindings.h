@@ -2,7 +2,7 @@
 #pragma once
 
 #include <dyslam/core/Frame.h>
-#include <dyslam/io/Converters.h>
+#include <dyslam/io/ScanConverter.h>
 
 #include <cstddef>
 #include <string>

@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/base/Error.h>
 #include <dyslam/base/Files.h>
+#include <dyslam/formats/RunFiles.h>
 #include <dyslam/formats/ScanFiles.h>
+#include <dyslam/io/KittiConverter.h>
 #include <dyslam/io/RecordingConverter.h>
+#include <dyslam/io/ScanConverter.h>
 
 #include <filesystem>
 #include <vector>
@@ -19,17 +22,9 @@ bool isPartOfRecording(const std::string& file)
   return isCloudFile(file) || fs::path(file).filename() == "metadata.yaml";
 }
 
-/** Whether a folder has the results of a run: the clouds in it are its maps, no scans. */
-bool isRunFolder(const fs::path& folder)
-{
-  std::error_code ignored;
-  return fs::is_regular_file(folder / "effective.ini", ignored) &&
-         fs::is_regular_file(folder / "report.json", ignored);
-}
-
 std::string whyNotRunFolder(const std::string& folder)
 {
-  const fs::path converted = fs::path(folder) / "recording.rawlog";
+  const fs::path converted = fs::path(folder) / run_files::recording;
   return folder + ": is the output folder of a run; give its recording, " +
          (fs::exists(converted) ? converted.string() : "which is \"input\" in its report.json");
 }

@@ -2,7 +2,7 @@
 #include <dyslam/base/Error.h>
 #include <dyslam/formats/RecordingKind.h>
 #include <dyslam/formats/ScanFiles.h>
-#include <dyslam/io/Converters.h>
+#include <dyslam/io/ScanConverter.h>
 #include <dyslam/packets/VelodyneModels.h>
 
 #include <filesystem>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <dyslam/io/Converters.h>
+#include <dyslam/io/ScanConverter.h>
 
 #include <cstddef>
 #include <deque>

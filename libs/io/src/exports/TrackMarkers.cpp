@@ -3,6 +3,7 @@
 
 #include <dyslam/base/Printable.h>
 #include <dyslam/core/BoxOverlap.h>
+#include <dyslam/formats/RunFiles.h>
 #include <dyslam/formats/TextFile.h>
 #include <dyslam/formats/TrackFiles.h>
 #include <dyslam/formats/TrajectoryFiles.h>
@@ -71,7 +72,7 @@ TrackMarkers::TrackMarkers(const std::string& tracks)
     boxes_[box.frame].push_back(std::move(box));
   }
   const fs::path table = fs::path(tracks).replace_extension(".csv");
-  const fs::path odometry = fs::path(tracks).parent_path() / "odometry_tum.txt";
+  const fs::path odometry = fs::path(tracks).parent_path() / run_files::odometry;
   for (const fs::path& needed : {table, odometry})
   {
     if (!fs::is_regular_file(needed))

@@ -2,7 +2,7 @@
 #pragma once
 
 #include <dyslam/formats/KittiFiles.h>
-#include <dyslam/io/Converters.h>
+#include <dyslam/io/KittiConverter.h>
 
 #include <filesystem>
 #include <string>

@@ -2,7 +2,7 @@
 #include <dyslam/base/Error.h>
 #include <dyslam/base/Printable.h>
 #include <dyslam/formats/ScanFiles.h>
-#include <dyslam/io/Converters.h>
+#include <dyslam/io/KittiConverter.h>
 
 #include <Eigen/Geometry>
 #include <algorithm>

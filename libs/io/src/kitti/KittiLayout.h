@@ -7,7 +7,7 @@
 #include <dyslam/core/Trajectory.h>
 #include <dyslam/formats/KittiFiles.h>
 #include <dyslam/formats/PoseOrigin.h>
-#include <dyslam/io/Converters.h>
+#include <dyslam/io/KittiConverter.h>
 
 #include <cstddef>
 #include <optional>

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "CheckpointWriter.h"
 
+#include <dyslam/formats/RunFiles.h>
 #include <fcntl.h>
 #include <unistd.h>
 
@@ -34,7 +35,7 @@ void CheckpointWriter::write(const AddParts& add_first, AddParts add_last, JobTh
   try
   {
     auto state = std::make_shared<StateFileWriter>(
-        (std::filesystem::path(folder_) / state_file_name).string());
+        (std::filesystem::path(folder_) / run_files::state).string());
     state_ = state;
     add_first(*state);
     thread.add([this, state, add = std::move(add_last)] { finish(*state, add); });

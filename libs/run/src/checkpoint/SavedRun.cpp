@@ -1,19 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "SavedRun.h"
 
-#include <dyslam/base/Bytes.h>
 #include <dyslam/base/Error.h>
-#include <dyslam/base/StateArchive.h>
 #include <dyslam/base/Version.h>
 
-#include <algorithm>
 #include <filesystem>
-#include <iterator>
-#include <string_view>
-#include <utility>
 
 #include "../FirstPass.h"
 #include "../settings/PathSettings.h"
+#include "ScanSum.h"
 
 namespace dyslam
 {
@@ -21,22 +16,6 @@ namespace fs = std::filesystem;
 
 namespace
 {
-std::unique_ptr<OutputFolder> lockedFolder(const std::string& folder)
-{
-  std::error_code ignored;
-  if (!fs::is_directory(folder, ignored))
-  {
-    throw UserError(folder + ": no such folder; --output names the folder of the run to resume");
-  }
-  if (!fs::is_regular_file(fs::path(folder) / state_file_name, ignored))
-  {
-    throw UserError(folder + ": nothing to resume: there is no " + state_file_name +
-                    "; the run has ended, or has no checkpoint yet "
-                    "(output.checkpoint_seconds)");
-  }
-  return std::make_unique<OutputFolder>(folder);
-}
-
 /** \throws UserError if an output is requested that the run did not have from its first scan on. */
 void requireHad(bool asked, bool had, const std::string& flag)
 {
@@ -59,8 +38,10 @@ SavedRun savedRunOf(const SlamRunSettings& settings,
   run.rawlog_size = fs::file_size(settings.rawlog);
   run.settings = config.toIni();
   run.is_second_pass = isSecondPass(config, settings.output_folder);
-  std::transform(settings.inputs.begin(), settings.inputs.end(), std::back_inserter(run.inputs),
-                 absolutePath);
+  if (!settings.ini.empty())
+  {
+    run.inputs.push_back(absolutePath(settings.ini));
+  }
   run.sensor = settings.sensor;
   run.warnings = settings.warnings;
   run.static_scans = settings.static_scans;
@@ -79,7 +60,7 @@ SlamRunSettings settingsOf(const SavedRun& saved, const SlamRunSettings& given)
   settings.rawlog = given.rawlog.empty() ? saved.rawlog : given.rawlog;
   settings.config = Config::fromText(saved.settings, "the state's settings");
   settings.config.merge(given.config);
-  settings.inputs = saved.inputs;
+  settings.ini = saved.inputs.empty() ? "" : saved.inputs.front();
   settings.sensor = saved.sensor;
   settings.warnings = saved.warnings;
   requireHad(given.static_scans, saved.static_scans, "--static-scans");
@@ -98,8 +79,7 @@ void requireSameSettings(const SavedRun& saved, const Config& config)
   {
     for (const auto& [key, value] : config.section(section))
     {
-      const std::string before =
-          had.has(section, key) ? had.section(section).at(key).text : "not there";
+      const std::string before = had.text(section, key).value_or("not there");
       if (!isSameSetting(section, key, value.text, before))
       {
         throw UserError(section + "." + key + " is " + value.text +
@@ -111,68 +91,4 @@ void requireSameSettings(const SavedRun& saved, const Config& config)
   }
 }
 
-RunToResume::RunToResume(const std::string& folder)
-    : lock(lockedFolder(folder)), file((fs::path(folder) / state_file_name).string(), state_parts)
-{
-  load(StatePart::run, [this](StateArchive& archive) { archive(run); });
-  if (run.version != DYSLAM_VERSION)
-  {
-    throw UserError((fs::path(folder) / state_file_name).string() + ": is of DySLAM " +
-                    run.version + ", this is " + DYSLAM_VERSION +
-                    "; resume with that one, or start the run anew");
-  }
-  if (run.is_second_pass)
-  {
-    const std::string name = "the state's settings";
-    Config settings = Config::fromText(run.settings, name);
-    settings.set("dyseg", "labels", {keptLabelsOf(folder), name, {}});
-    run.settings = settings.toIni();
-  }
-}
-
-void ScanSum::add(const Frame& frame)
-{
-  const Scan& scan = frame.scan;
-  const auto number = [](const auto& value)
-  { return std::string_view(reinterpret_cast<const char*>(&value), sizeof value); };
-  for (const std::string_view bytes :
-       {number(frame.index), number(scan.stamp), bytesOf(scan.points), bytesOf(scan.intensity),
-        bytesOf(scan.time), bytesOf(scan.ring)})
-  {
-    sum_ = checksum(bytes, sum_);
-  }
-  ++scans_;
-}
-
-bool Checkpoints::due(bool at_once)
-{
-  constexpr double share = 0.05;  // largest share of the run time for checkpoints
-  const auto now = std::chrono::steady_clock::now();
-  const double least = at_once ? 0 : std::max(seconds_, cost_ / share);
-  if (seconds_ <= 0 || std::chrono::duration<double>(now - last_).count() < least)
-  {
-    return false;
-  }
-  last_ = now;
-  return true;
-}
-
-void Checkpoints::begin(std::size_t frame, BegunCheckpoint begun)
-{
-  const std::lock_guard<std::mutex> lock(mutex_);
-  begun_[frame] = std::move(begun);
-}
-
-std::optional<BegunCheckpoint> Checkpoints::take(std::size_t frame)
-{
-  const std::lock_guard<std::mutex> lock(mutex_);
-  const auto found = begun_.find(frame);
-  if (found == begun_.end())
-  {
-    return std::nullopt;
-  }
-  BegunCheckpoint begun = std::move(found->second);
-  begun_.erase(found);
-  return begun;
-}
 }  // namespace dyslam

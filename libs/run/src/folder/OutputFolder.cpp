@@ -4,6 +4,7 @@
 #include <dyslam/base/Error.h>
 #include <dyslam/base/Files.h>
 #include <dyslam/base/Words.h>
+#include <dyslam/formats/RunFiles.h>
 
 #include <algorithm>
 #include <cctype>
@@ -61,7 +62,7 @@ bool isLink(const fs::path& path)
 /** Whether a folder is one of a run: it has the settings of a run. */
 bool isOfARun(const fs::path& folder)
 {
-  const fs::path settings = folder / "effective.ini";
+  const fs::path settings = folder / run_files::settings;
   std::error_code ignored;
   return fs::is_regular_file(fs::symlink_status(settings, ignored)) &&
          readWhole(settings.string()).find("[output]") != std::string::npos;

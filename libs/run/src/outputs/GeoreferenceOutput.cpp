@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/backend/Backend.h>
 #include <dyslam/formats/GeoreferenceFile.h>
+#include <dyslam/formats/RunFiles.h>
 #include <dyslam/formats/TrajectoryFiles.h>
 #include <dyslam/io/RawlogSource.h>
 #include <dyslam/mrpt/Geodesy.h>
@@ -11,16 +12,13 @@ namespace dyslam
 {
 namespace
 {
-constexpr const char* georeference = "georeference.ini";
-constexpr const char* utm = "trajectory_utm.txt";
-
 /** `georeference.ini`, the pose of the map on the earth, and `trajectory_utm.txt`, the poses of the
  * recording's vehicle in UTM, if there are sufficient satellite positions. */
 class GeoreferenceOutput : public RunOutput
 {
  public:
   explicit GeoreferenceOutput(const RunOutputContext& context)
-      : RunOutput(context, {georeference, utm}),
+      : RunOutput(context, {run_files::georeference, run_files::trajectory_utm}),
         levelling_(context.config.get<RawlogSourceOptions>("input").levelling())
   {
   }
@@ -31,8 +29,9 @@ class GeoreferenceOutput : public RunOutput
     {
       return;
     }
-    writeGeoreference(*found, path(georeference));
-    writeTum(path(utm), inUtm(levelling_.recorded(results.trajectory), *found));
+    writeGeoreference(*found, path(run_files::georeference));
+    writeTum(path(run_files::trajectory_utm),
+             inUtm(levelling_.recorded(results.trajectory), *found));
   }
 
  private:

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/backend/Backend.h>
 #include <dyslam/backend/FactorGraphFile.h>
+#include <dyslam/formats/RunFiles.h>
 #include <dyslam/io/GraphFiles.h>
 #include <mrpt/graphs/CNetworkOfPoses.h>
 
@@ -12,14 +13,13 @@ namespace
 {
 constexpr const char* mrpt_file = "graph.graph";
 constexpr const char* g2o_file = "graph.g2o";
-constexpr const char* factor_graph_file = "factor_graph.txt";
 
 /** Ego poses as `graph.graph` (MRPT) and `graph.g2o`, the whole graph as `factor_graph.txt`. */
 class GraphOutput : public RunOutput
 {
  public:
   explicit GraphOutput(const RunOutputContext& context)
-      : RunOutput(context, {mrpt_file, g2o_file, factor_graph_file})
+      : RunOutput(context, {mrpt_file, g2o_file, run_files::factor_graph})
   {
   }
   void checkpoint(const RunResults& results) override { finish(results); }
@@ -28,7 +28,7 @@ class GraphOutput : public RunOutput
     const PoseGraph graph = results.backend->graph();
     eachByItself(
         {[&] { writeGraph(graph, path(mrpt_file)); }, [&] { writeG2o(graph, path(g2o_file)); },
-         [&] { writeFactorGraph(results.backend->factorGraph(), path(factor_graph_file)); }});
+         [&] { writeFactorGraph(results.backend->factorGraph(), path(run_files::factor_graph)); }});
   }
 };
 }  // namespace

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/base/Files.h>
 #include <dyslam/base/StateArchive.h>
+#include <dyslam/formats/RunFiles.h>
 #include <dyslam/formats/TextFile.h>
 #include <dyslam/mapping/HindsightLabels.h>
 
@@ -15,7 +16,6 @@ namespace dyslam
 {
 namespace
 {
-constexpr const char* label_folder = "labels";
 constexpr const char* label_extension = ".label";
 
 /** Points of an object in a scan that was written before the object was reported. */
@@ -35,13 +35,13 @@ class LabelOutput : public RunOutput
 {
  public:
   explicit LabelOutput(const RunOutputContext& context)
-      : RunOutput(context, {{label_folder, label_extension}}),
+      : RunOutput(context, {{run_files::labels, label_extension}}),
         hindsight_(context.config.get<HindsightOptions>("labels").hindsight)
   {
   }
   [[nodiscard]] bool isSlow() const override { return true; }
   [[nodiscard]] FrameParts wants() const override { return FrameParts::all; }
-  void open() override { makeFolder(path(label_folder)); }
+  void open() override { makeFolder(path(run_files::labels)); }
   void exchangeState(StateArchive& archive) override
   {
     if (archive.isLoading())
@@ -52,7 +52,8 @@ class LabelOutput : public RunOutput
   }
   void add(const Frame& frame) override
   {
-    writeLabels(numberedPath(path(label_folder), frame.index, label_extension), scanLabels(frame));
+    writeLabels(numberedPath(path(run_files::labels), frame.index, label_extension),
+                scanLabels(frame));
     if (hindsight_)
     {
       nameEarlierPoints(frame);
@@ -122,7 +123,7 @@ class LabelOutput : public RunOutput
 
   void renameObjects(std::size_t scan, const Renaming& instances) const
   {
-    const std::string file = numberedPath(path(label_folder), scan, label_extension);
+    const std::string file = numberedPath(path(run_files::labels), scan, label_extension);
     std::vector<Label> labels = readLabels(file);
     for (Label& label : labels)
     {
@@ -137,7 +138,7 @@ class LabelOutput : public RunOutput
 
   void nameObject(const UnnamedPoints& scan, Label label) const
   {
-    const std::string file = numberedPath(path(label_folder), scan.scan, label_extension);
+    const std::string file = numberedPath(path(run_files::labels), scan.scan, label_extension);
     std::vector<Label> labels = readLabels(file, scan.scan_size);
     for (const std::uint32_t i : scan.points)
     {

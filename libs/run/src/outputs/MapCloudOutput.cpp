@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/formats/RunFiles.h>
 #include <dyslam/mapexport/MapCloudFile.h>
 
 #include "RunOutput.h"
@@ -28,11 +29,11 @@ class MapCloudOutput : public RunOutput
 
 std::unique_ptr<RunOutput> makePcdOutput(const RunOutputContext& context)
 {
-  return std::make_unique<MapCloudOutput>(context, std::vector<OutputName>{"map_static.pcd"});
+  return std::make_unique<MapCloudOutput>(context, std::vector<OutputName>{run_files::map_pcd});
 }
 
 std::unique_ptr<RunOutput> makePlyOutput(const RunOutputContext& context)
 {
-  return std::make_unique<MapCloudOutput>(context, std::vector<OutputName>{"map_static.ply"});
+  return std::make_unique<MapCloudOutput>(context, std::vector<OutputName>{run_files::map_ply});
 }
 }  // namespace dyslam

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/formats/MotionFiles.h>
+#include <dyslam/formats/RunFiles.h>
 #include <dyslam/io/RawlogSource.h>
 
 #include <Eigen/Cholesky>
@@ -11,7 +12,6 @@ namespace dyslam
 {
 namespace
 {
-constexpr const char* name = "motions.csv";
 
 MotionCovariance covarianceOf(const Frame& frame)
 {
@@ -41,18 +41,21 @@ class MotionOutput : public RunOutput
 {
  public:
   explicit MotionOutput(const RunOutputContext& context)
-      : RunOutput(context, {name}),
+      : RunOutput(context, {run_files::motions}),
         levelling_(context.config.get<RawlogSourceOptions>("input").levelling())
   {
   }
-  void open() override { file_.open(path(name), motionFileHeader()); }
+  void open() override { file_.open(path(run_files::motions), motionFileHeader()); }
   void add(const Frame& frame) override
   {
     MotionCovariance motion = covarianceOf(frame);
     toRecorded(levelling_, motion);
     file_.write(motionFileRow(motion));
   }
-  void exchangeState(StateArchive& archive) override { file_.exchangeState(path(name), archive); }
+  void exchangeState(StateArchive& archive) override
+  {
+    file_.exchangeState(path(run_files::motions), archive);
+  }
   void finish(const RunResults& /*results*/) override { file_.close(); }
 
  private:

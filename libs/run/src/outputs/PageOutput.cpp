@@ -8,6 +8,7 @@
 #include <dyslam/base/Words.h>
 #include <dyslam/core/BoxOverlap.h>
 #include <dyslam/formats/GroundTruth.h>
+#include <dyslam/formats/RunFiles.h>
 #include <dyslam/formats/ScanTable.h>
 #include <dyslam/plot/MapPicture.h>
 #include <dyslam/report/RunPage.h>
@@ -18,8 +19,8 @@
 #include <string_view>
 #include <utility>
 
+#include "../results/ReportedObjects.h"
 #include "../results/RunHistory.h"
-#include "../results/SmoothedTracks.h"
 #include "RunOutput.h"
 
 namespace dyslam
@@ -28,7 +29,6 @@ namespace
 {
 constexpr const char* html = "report.html";
 constexpr const char* png = "map.png";
-constexpr const char* merged_scans = "scan_parts.csv";  // complete before the page
 
 /** `map.png`, the map from above, and `report.html`, the run in a browser. */
 class PageOutput : public RunOutput
@@ -121,13 +121,14 @@ class PageOutput : public RunOutput
     return page;
   }
 
-  /** Scans of further lidars, if there are any. \param files of the run */
+  /** Scans of further lidars, if there are any; their table is complete before the page.
+   * \param files of the run */
   [[nodiscard]] std::vector<PageScanPart> partsOf(const std::vector<std::string>& files) const
   {
     std::vector<PageScanPart> parts;
-    if (std::find(files.begin(), files.end(), merged_scans) != files.end())
+    if (std::find(files.begin(), files.end(), run_files::scan_parts) != files.end())
     {
-      for (ScanPartRow& row : readScanParts(folder_ + "/" + merged_scans))
+      for (ScanPartRow& row : readScanParts(folder_ + "/" + run_files::scan_parts))
       {
         parts.push_back({row.frame, std::move(row.sensor_label), row.stamp, row.points});
       }
@@ -152,7 +153,7 @@ class PageOutput : public RunOutput
   {
     std::map<int, PageObject> objects;
     forEachReported(results,
-                    [&](const ReportedState& state)
+                    [&](const ReportedObject& state)
                     {
                       if (!state.object.dynamic)
                       {

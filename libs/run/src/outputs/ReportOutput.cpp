@@ -2,6 +2,7 @@
 #include <dyslam/base/Angle.h>
 #include <dyslam/base/PendingFile.h>
 #include <dyslam/formats/GroundTruth.h>
+#include <dyslam/formats/RunFiles.h>
 
 #include <cmath>
 #include <cstdio>
@@ -17,7 +18,6 @@ namespace dyslam
 {
 namespace
 {
-constexpr const char* report_name = "report.json";
 using Json = nlohmann::ordered_json;
 
 /** Rounds to nine digits, more than the accuracy of any figure of the report. */
@@ -87,7 +87,7 @@ class ReportOutput : public RunOutput
 {
  public:
   explicit ReportOutput(const RunOutputContext& context)
-      : RunOutput(context, {report_name}),
+      : RunOutput(context, {run_files::report}),
         input_(std::filesystem::absolute(context.settings.rawlog).lexically_normal().string()),
         sensor_(context.settings.sensor),
         truth_(poseOrigin(groundTruthFolder(context.settings.rawlog)))
@@ -105,7 +105,7 @@ class ReportOutput : public RunOutput
     constexpr int indent = 2;
     const std::string text =
         toJson(results, finished).dump(indent, ' ', false, Json::error_handler_t::replace);
-    writeWhole(path(report_name), text + "\n");
+    writeWhole(path(run_files::report), text + "\n");
   }
 
   [[nodiscard]] Json toJson(const RunResults& results, bool finished) const
@@ -156,7 +156,7 @@ class ReportOutput : public RunOutput
     json["warnings"] = report.warnings;
     json["not_written"] = results.failures;
     json["files"] = report.files;
-    json["files"].push_back(report_name);
+    json["files"].push_back(run_files::report);
     return json;
   }
 

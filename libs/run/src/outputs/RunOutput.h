@@ -4,7 +4,7 @@
 #include <dyslam/base/Options.h>
 #include <dyslam/core/Frame.h>
 #include <dyslam/core/FrameCopy.h>
-#include <dyslam/run/SlamRun.h>
+#include <dyslam/run/SlamRunSettings.h>
 
 #include <functional>
 #include <memory>

@@ -4,6 +4,7 @@
 #include <dyslam/base/Error.h>
 #include <dyslam/base/StateArchive.h>
 #include <dyslam/formats/LabelFiles.h>
+#include <dyslam/formats/RunFiles.h>
 
 #include <algorithm>
 #include <exception>
@@ -75,11 +76,14 @@ RunOutputs::RunOutputs(const SlamRunSettings& settings,
       warn_(settings.warn),
       checkpoints_(folder_, settings.warn)
 {
-  inputs_ = settings.inputs;
+  if (!settings.ini.empty())
+  {
+    inputs_.push_back(settings.ini);
+  }
   inputs_.push_back(settings.rawlog);
   const auto options = config.get<RunOutputOptions>("output");
   checkpoint_seconds_ = options.checkpoint_seconds;
-  names_.emplace_back(state_file_name);
+  names_.emplace_back(run_files::state);
   for (const RunOutputKind& kind : kinds)
   {
     Entry entry;
@@ -106,12 +110,9 @@ void RunOutputs::open()
   const Config effective = config_.effective();
   const std::vector<std::string> named = filesNamedIn(effective);
   inputs.insert(inputs.end(), named.begin(), named.end());
-  if (effective.has("dyseg", "labels"))
+  if (const auto labels = labelFolderOf(effective.text("dyseg", "labels").value_or("")))
   {
-    if (const auto labels = labelFolderOf(effective.section("dyseg").at("labels").text))
-    {
-      inputs.push_back(*labels);
-    }
+    inputs.push_back(*labels);
   }
   made_ = std::make_unique<OutputFolder>(folder_, names_, inputs, force_);
   for (const Entry& entry : entries_)
@@ -360,7 +361,7 @@ void RunOutputs::removeState(bool at_end)
     return;
   }
   std::error_code ignored;
-  fs::remove(fs::path(folder_) / state_file_name, ignored);
+  fs::remove(fs::path(folder_) / run_files::state, ignored);
   kept_files_.removeAll();
 }
 

@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "../checkpoint/CheckpointWriter.h"
-#include "../checkpoint/SavedRun.h"
+#include "../checkpoint/RunToResume.h"
 #include "../folder/KeptFiles.h"
 #include "../folder/OutputFolder.h"
 #include "RunOutput.h"

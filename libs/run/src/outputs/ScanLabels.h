@@ -11,7 +11,7 @@
 namespace dyslam
 {
 /** SemanticKITTI label of every point of the frame's scan: moving or static; points of reported
- * objects have their class and id + 1 as instance. Points that are not in the cloud are unlabelled,
+ * objects have their class and instanceOfTrack(). Points that are not in the cloud are unlabelled,
  * except near ones that continue a moving object (labelNearReturns()). */
 [[nodiscard]] std::vector<Label> scanLabels(const Frame& frame);
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/base/Printable.h>
+#include <dyslam/formats/RunFiles.h>
 #include <dyslam/io/RawlogSource.h>
 
 #include "RunOutput.h"
@@ -9,7 +10,6 @@ namespace dyslam
 {
 namespace
 {
-constexpr const char* part_table = "scan_parts.csv";
 constexpr const char* part_header = "frame,sensor_label,stamp,first_point,points\n";
 
 /** Rows of the table for a scan. */
@@ -33,7 +33,7 @@ class ScanPartOutput : public RunOutput
 {
  public:
   explicit ScanPartOutput(const RunOutputContext& context)
-      : RunOutput(context, {part_table}),
+      : RunOutput(context, {run_files::scan_parts}),
         is_wanted_(!context.config.get<RawlogSourceOptions>("input").further_lidars.empty())
   {
   }
@@ -41,7 +41,7 @@ class ScanPartOutput : public RunOutput
   {
     if (is_wanted_)
     {
-      file_.open(path(part_table), part_header);
+      file_.open(path(run_files::scan_parts), part_header);
     }
   }
   void add(const Frame& frame) override
@@ -55,7 +55,7 @@ class ScanPartOutput : public RunOutput
   {
     if (is_wanted_)
     {
-      file_.exchangeState(path(part_table), archive);
+      file_.exchangeState(path(run_files::scan_parts), archive);
     }
   }
   void finish(const RunResults& /*results*/) override

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/base/Printable.h>
+#include <dyslam/formats/RunFiles.h>
 
 #include <algorithm>
 #include <cmath>
@@ -11,7 +12,6 @@ namespace dyslam
 {
 namespace
 {
-constexpr const char* table = "scans.csv";
 constexpr const char* header =
     "frame,stamp,points,moving_points,odometry_converged,odometry_accepted,odometry_inliers,"
     "odometry_rmse,odometry_rejection,registered,inliers,rmse,reason,forward,turn_deg,keyframe\n";
@@ -37,10 +37,16 @@ std::string rowOf(const Frame& frame)
 class ScanTableOutput : public RunOutput
 {
  public:
-  explicit ScanTableOutput(const RunOutputContext& context) : RunOutput(context, {table}) {}
-  void open() override { file_.open(path(table), header); }
+  explicit ScanTableOutput(const RunOutputContext& context)
+      : RunOutput(context, {run_files::scan_table})
+  {
+  }
+  void open() override { file_.open(path(run_files::scan_table), header); }
   void add(const Frame& frame) override { file_.write(rowOf(frame)); }
-  void exchangeState(StateArchive& archive) override { file_.exchangeState(path(table), archive); }
+  void exchangeState(StateArchive& archive) override
+  {
+    file_.exchangeState(path(run_files::scan_table), archive);
+  }
   void finish(const RunResults& /*results*/) override { file_.close(); }
 
  private:

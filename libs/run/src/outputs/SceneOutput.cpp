@@ -7,8 +7,8 @@
 #include <map>
 #include <utility>
 
+#include "../results/ReportedObjects.h"
 #include "../results/RunHistory.h"
-#include "../results/SmoothedTracks.h"
 #include "RunOutput.h"
 
 namespace dyslam
@@ -50,7 +50,7 @@ class SceneOutput : public RunOutput
   {
     std::map<int, std::pair<LabelledBox, Eigen::Vector3d>> last;  // box and velocity, map frame
     forEachReported(results,
-                    [&](const ReportedState& state)
+                    [&](const ReportedObject& state)
                     {
                       if (!state.object.dynamic)
                       {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/base/PendingFile.h>
 #include <dyslam/base/StateArchive.h>
+#include <dyslam/formats/RunFiles.h>
 
 #include "RunOutput.h"
 
@@ -8,17 +9,15 @@ namespace dyslam
 {
 namespace
 {
-constexpr const char* ini = "effective.ini";
-
 /** `effective.ini`: every setting of the run. It identifies the folder of a run. */
 class SettingsOutput : public RunOutput
 {
  public:
   explicit SettingsOutput(const RunOutputContext& context)
-      : RunOutput(context, {ini}), config_(context.config)
+      : RunOutput(context, {run_files::settings}), config_(context.config)
   {
   }
-  void open() override { writeWhole(path(ini), config_.effective().toIni()); }
+  void open() override { writeWhole(path(run_files::settings), config_.effective().toIni()); }
   /** The folder may have been moved since, and the labels of a first pass with it. */
   void exchangeState(StateArchive& archive) override
   {

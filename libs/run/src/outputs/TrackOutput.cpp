@@ -4,6 +4,7 @@
 #include <dyslam/base/Printable.h>
 #include <dyslam/base/StateArchive.h>
 #include <dyslam/core/BoxOverlap.h>
+#include <dyslam/formats/RunFiles.h>
 #include <dyslam/formats/TrackFiles.h>
 
 #include <cstdlib>
@@ -12,8 +13,8 @@
 #include <sstream>
 #include <string>
 
+#include "../results/ReportedObjects.h"
 #include "../results/RunHistory.h"
-#include "../results/SmoothedTracks.h"
 #include "RunOutput.h"
 #include "StreamedFile.h"
 
@@ -21,8 +22,6 @@ namespace dyslam
 {
 namespace
 {
-constexpr const char* csv_tracks = "tracks.csv";
-constexpr const char* kitti_tracks = "tracks.txt";
 constexpr const char* csv_header =
     "frame,stamp,id,class,x,y,z,length,width,height,yaw,vx,vy,vz,speed,dynamic,observed,score\n";
 
@@ -59,11 +58,11 @@ class TrackOutput : public RunOutput
 {
  public:
   explicit TrackOutput(const RunOutputContext& context)
-      : RunOutput(context, {csv_tracks, kitti_tracks})
+      : RunOutput(context, {run_files::track_table, run_files::tracks})
   {
   }
   [[nodiscard]] FrameParts wants() const override { return FrameParts::points; }
-  void open() override { rows_.open(path(csv_tracks), csv_header); }
+  void open() override { rows_.open(path(run_files::track_table), csv_header); }
   void add(const Frame& frame) override
   {
     std::string rows;
@@ -83,10 +82,10 @@ class TrackOutput : public RunOutput
     archive(next_frame_);
     if (archive.isLoading())
     {
-      rows_.open(path(csv_tracks), rowsSoFar());
+      rows_.open(path(run_files::track_table), rowsSoFar());
       rows_.keep();
       std::error_code ignored;
-      std::filesystem::remove(path(csv_tracks), ignored);
+      std::filesystem::remove(path(run_files::track_table), ignored);
     }
   }
   void finish(const RunResults& results) override
@@ -95,12 +94,12 @@ class TrackOutput : public RunOutput
                   [&]
                   {
                     rows_.close();
-                    writeWhole(path(csv_tracks),
+                    writeWhole(path(run_files::track_table),
                                [&](std::ostream& out)
                                {
                                  out << csv_header;
                                  forEachReported(
-                                     results, [&](const ReportedState& s)
+                                     results, [&](const ReportedObject& s)
                                      { out << rowOf(s.object, s.scan.index, s.scan.stamp); });
                                });
                   }});
@@ -111,8 +110,9 @@ class TrackOutput : public RunOutput
    * of the final table, whose rows differ; they are replaced at the end of this run. */
   [[nodiscard]] std::string rowsSoFar() const
   {
-    const std::string growing = path(csv_tracks) + ".tmp";
-    const std::string file = std::filesystem::exists(growing) ? growing : path(csv_tracks);
+    const std::string growing = path(run_files::track_table) + ".tmp";
+    const std::string file =
+        std::filesystem::exists(growing) ? growing : path(run_files::track_table);
     std::string rows = csv_header;
     std::istringstream lines(std::filesystem::exists(file) ? readWhole(file) : "");
     std::string line;
@@ -129,11 +129,11 @@ class TrackOutput : public RunOutput
 
   void writeBoxes(const RunResults& results) const
   {
-    writeWhole(path(kitti_tracks),
+    writeWhole(path(run_files::tracks),
                [&](std::ostream& out)
                {
                  forEachReported(results,
-                                 [&](const ReportedState& s)
+                                 [&](const ReportedObject& s)
                                  {
                                    const Pose& T_vehicle_lidar =
                                        results.history->mounts()[s.scan.mount];

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/formats/RunFiles.h>
 #include <dyslam/formats/TrajectoryFiles.h>
 #include <dyslam/io/RawlogSource.h>
 
@@ -9,10 +10,7 @@ namespace dyslam
 {
 namespace
 {
-constexpr const char* odometry = "odometry_tum.txt";
-constexpr const char* tum = "trajectory_tum.txt";
 constexpr const char* kitti_poses = "trajectory_kitti.txt";
-constexpr const char* reference = "reference_tum.txt";
 
 /** Poses of the recording's vehicle: `odometry_tum.txt` frame by frame; at the end
  * `trajectory_tum.txt`, `trajectory_kitti.txt` and, with ground truth, `reference_tum.txt`. */
@@ -20,11 +18,12 @@ class TrajectoryOutput : public RunOutput
 {
  public:
   explicit TrajectoryOutput(const RunOutputContext& context)
-      : RunOutput(context, {odometry, tum, kitti_poses, reference}),
+      : RunOutput(context,
+                  {run_files::odometry, run_files::trajectory, kitti_poses, run_files::reference}),
         levelling_(context.config.get<RawlogSourceOptions>("input").levelling())
   {
   }
-  void open() override { odometry_.open(path(odometry)); }
+  void open() override { odometry_.open(path(run_files::odometry)); }
   void add(const Frame& frame) override
   {
     odometry_.write(tumLine(frame.scan.stamp, levelling_.recorded(frame.T_odom_vehicle)));
@@ -32,7 +31,7 @@ class TrajectoryOutput : public RunOutput
   void checkpoint(const RunResults& results) override { eachByItself(writers(results)); }
   void exchangeState(StateArchive& archive) override
   {
-    odometry_.exchangeState(path(odometry), archive);
+    odometry_.exchangeState(path(run_files::odometry), archive);
   }
   void finish(const RunResults& results) override
   {
@@ -44,13 +43,13 @@ class TrajectoryOutput : public RunOutput
  private:
   [[nodiscard]] std::vector<std::function<void()>> writers(const RunResults& results) const
   {
-    return {[&] { writeTum(path(tum), levelling_.recorded(results.trajectory)); },
+    return {[&] { writeTum(path(run_files::trajectory), levelling_.recorded(results.trajectory)); },
             [&] { writeKittiPoses(path(kitti_poses), levelling_.recorded(results.trajectory)); },
             [&]
             {
               if (!results.reference.empty())
               {
-                writeTum(path(reference), levelling_.recorded(results.reference));
+                writeTum(path(run_files::reference), levelling_.recorded(results.reference));
               }
             }};
   }

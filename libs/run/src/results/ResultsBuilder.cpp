@@ -15,7 +15,7 @@
 #include <tuple>
 #include <utility>
 
-#include "SmoothedTracks.h"
+#include "ReportedObjects.h"
 #include "TrackHindsight.h"
 
 namespace dyslam
@@ -149,8 +149,7 @@ void ResultsBuilder::fillReport(const RunData& run, RunResults& results) const
   SlamRunReport& report = results.report;
   report.frames = run.statistics.frames;
   report.unconverged = run.statistics.registration_failures.total();
-  report.failure = run.statistics.failure(settings_.inputs.empty() ? "" : settings_.inputs.front(),
-                                          motion_sensors_);
+  report.failure = run.statistics.failure(settings_.ini, motion_sensors_);
   report.verdict = run.statistics.verdict();
   report.odometry_failed = run.statistics.odometry_failures.total();
   report.keyframes = run.pipeline.backend().keyframes().size();

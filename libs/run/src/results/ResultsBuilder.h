@@ -3,6 +3,7 @@
 
 #include <dyslam/base/Options.h>
 #include <dyslam/odometry/MotionSensors.h>
+#include <dyslam/run/SlamRunSettings.h>
 #include <dyslam/tracking/TrackSmoother.h>
 
 #include <string>

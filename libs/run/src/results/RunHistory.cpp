@@ -14,17 +14,17 @@ constexpr std::size_t part_size = 4096;
 
 PastObject pastObject(const TrackedObject& object, std::size_t scan)
 {
-  PastObject report;
-  report.scan = scan;
-  report.id = object.id;
-  report.object_class = object.object_class;
-  report.box = object.box;
-  report.velocity = object.velocity;
-  report.score = object.score;
-  report.dynamic = object.dynamic;
-  report.observed = object.observed;
-  report.reported = object.reported;
-  return report;
+  PastObject past;
+  past.scan = scan;
+  past.id = object.id;
+  past.object_class = object.object_class;
+  past.box = object.box;
+  past.velocity = object.velocity;
+  past.score = object.score;
+  past.dynamic = object.dynamic;
+  past.observed = object.observed;
+  past.reported = object.reported;
+  return past;
 }
 
 /** Calls `field` with every number of an object, which has Eigen members and padding. */

@@ -4,7 +4,7 @@
 #include <dyslam/backend/SmoothedObject.h>
 #include <dyslam/core/Trajectory.h>
 #include <dyslam/mapping/StaticMap.h>
-#include <dyslam/run/SlamRun.h>
+#include <dyslam/run/SlamRunReport.h>
 
 #include <chrono>
 #include <map>

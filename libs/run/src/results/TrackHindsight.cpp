@@ -17,7 +17,7 @@ namespace
 {
 using Tracks = std::map<int, Sightings>;  //!< by the id of the object
 
-Sighting sightingOf(const PastObject& report,
+Sighting sightingOf(const PastObject& object,
                     const PastScan& scan,
                     const Pose& T_vehicle_lidar,
                     const StampedPose& T_map_vehicle)
@@ -27,13 +27,13 @@ Sighting sightingOf(const PastObject& report,
   s.scan = scan.index;
   s.stamp = T_map_vehicle.stamp;
   s.time = scan.time;
-  s.object_class = report.object_class;
-  s.box = transformed(report.box, T_map_odom);
-  s.velocity = T_map_odom.linear() * report.velocity;
+  s.object_class = object.object_class;
+  s.box = transformed(object.box, T_map_odom);
+  s.velocity = T_map_odom.linear() * object.velocity;
   s.sensor = T_map_vehicle.pose * T_vehicle_lidar.translation();
-  s.observed = report.observed;
-  s.dynamic = report.dynamic;
-  s.reported = report.reported;
+  s.observed = object.observed;
+  s.dynamic = object.dynamic;
+  s.reported = object.reported;
   return s;
 }
 
@@ -45,14 +45,14 @@ Tracks reportedTracks(const RunHistory& history,
   Tracks tracks;
   history.forEachObject(
       merged,
-      [&](const PastObject& report)
+      [&](const PastObject& object)
       {
-        const PastScan& scan = history.scans()[report.scan];
-        const StampedPose& pose = trajectory[report.scan];
-        Sightings& track = tracks[report.id];
+        const PastScan& scan = history.scans()[object.scan];
+        const StampedPose& pose = trajectory[object.scan];
+        Sightings& track = tracks[object.id];
         if (track.empty() || scan.time > track.back().time)
         {
-          track.push_back(sightingOf(report, scan, history.mounts()[scan.mount], pose));
+          track.push_back(sightingOf(object, scan, history.mounts()[scan.mount], pose));
         }
       });
   for (auto track = tracks.begin(); track != tracks.end();)

@@ -57,7 +57,6 @@ std::string RecordedSensor::missingTimes(const std::string& deskew) const
 
 std::string RecordedSensor::missingTimes(const Config& config) const
 {
-  return missingTimes(
-      config.has("preprocess", "deskew") ? config.section("preprocess").at("deskew").text : "auto");
+  return missingTimes(config.text("preprocess", "deskew").value_or("auto"));
 }
 }  // namespace dyslam

@@ -4,7 +4,7 @@
 #include <dyslam/pipeline/Pipeline.h>
 #include <dyslam/pipeline/StartSpeed.h>
 #include <dyslam/run/RunSettings.h>
-#include <dyslam/run/SlamRun.h>
+#include <dyslam/run/SlamRunSettings.h>
 
 #include <algorithm>
 #include <utility>
@@ -16,10 +16,8 @@ RecordingSettings settingsForRecording(const std::string& rawlog, const GivenSet
 {
   RawlogSourceOptions input;
   load(input, given.merged(), "input");
-  RecordingSettings settings;
-  settings.sensor = recogniseSensor(rawlog, input);
-  settings.chosen = settingsFor(settings.sensor, given);
-  return settings;
+  const RecordedSensor sensor = recogniseSensor(rawlog, input);
+  return {settingsFor(sensor, given), sensor};
 }
 
 std::string RunSettings::aboutSensor() const
@@ -27,7 +25,7 @@ std::string RunSettings::aboutSensor() const
   const std::string start =
       start_speed.empty() ? "" : "begins at about " + start_speed + " m/s (odometry.start_speed)";
   std::string text = sensor.summary();
-  for (const std::string& note : {missing_times, chosen.levelling_note, start})
+  for (const std::string& note : {missing_times, levelling_note, start})
   {
     text += (note.empty() ? "" : "; ") + note;
   }
@@ -59,7 +57,7 @@ RunSettings chooseRunSettings(const std::string& rawlog, const GivenSettings& gi
 {
   RunSettings settings;
   static_cast<RecordingSettings&>(settings) = settingsForRecording(rawlog, given);
-  Config& config = settings.chosen.config;
+  Config& config = settings.config;
   settings.loading = loadAhead(config);
   settings.missing_times = settings.sensor.missingTimes(config);
   RawlogSourceOptions input;
@@ -67,16 +65,15 @@ RunSettings chooseRunSettings(const std::string& rawlog, const GivenSettings& gi
   if (const auto speed = findStartSpeed(rawlog, input, config))
   {
     setStartSpeed(*speed, config);
-    settings.start_speed = config.section("odometry").at("start_speed").text;
+    settings.start_speed = config.text("odometry", "start_speed").value();
   }
   return settings;
 }
 
 void setSettings(const RunSettings& chosen, SlamRunSettings& run)
 {
-  run.config = chosen.chosen.config;
+  run.config = chosen.config;
   run.sensor = chosen.aboutSensor();
-  run.warnings.insert(run.warnings.end(), chosen.chosen.warnings.begin(),
-                      chosen.chosen.warnings.end());
+  run.warnings.insert(run.warnings.end(), chosen.warnings.begin(), chosen.warnings.end());
 }
 }  // namespace dyslam

@@ -37,6 +37,10 @@ struct BackendConfig
   GnssOptions gnss;
   GravityOptions gravity;
   PriorMapOptions prior_map;
+
+  /** Loads [backend], [loop], [objects], [solver], [gnss], [gravity] and [prior_map]. \throws
+   * UserError for bad options. */
+  [[nodiscard]] static BackendConfig load(ConfigLoader& config);
 };
 
 /** Keyframes, odometry, loops and objects in one factor graph, and its optimisation (paper,

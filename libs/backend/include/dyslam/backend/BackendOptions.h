@@ -32,6 +32,12 @@ struct BackendOptions : Options
   /** Growth of the graph, as a fraction, after which a loop optimises all keyframes again. */
   double correction_growth = 0.1;
 
+  /** Whether objects are in the graph. */
+  [[nodiscard]] bool hasObjects() const
+  {
+    return mode == BackendMode::segmot || mode == BackendMode::full;
+  }
+
   void describe(OptionsVisitor& visitor) override;
 };
 }  // namespace dyslam

@@ -15,8 +15,8 @@ namespace dyslam
 struct SmoothedObject
 {
   int id = -1;
-  /** Estimated by the factor graph, where the front of a box is unknown; else by TrackHindsight,
-   * where it is known. */
+  /** Estimated by the factor graph, where the front of a box is unknown; else by smoothing its
+   * track, where it is known. */
   bool from_graph = true;
   std::size_t scan = 0;  //!< Frame::index
   double stamp = 0;      //!< UNIX time of the scan [s]

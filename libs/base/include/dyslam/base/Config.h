@@ -4,6 +4,7 @@
 #include <dyslam/base/Error.h>
 
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -46,6 +47,9 @@ class Config
   void set(const std::string& section, const std::string& key, Value value);
 
   [[nodiscard]] bool has(const std::string& section, const std::string& key) const;
+  /** Text of a value; nothing if the config does not have it. */
+  [[nodiscard]] std::optional<std::string> text(const std::string& section,
+                                                const std::string& key) const;
   /** The section; an empty one if the file has none. */
   [[nodiscard]] const Section& section(const std::string& name) const;
   [[nodiscard]] std::vector<std::string> sectionNames() const;

@@ -108,4 +108,8 @@ struct Frame
   /** Saves or loads all fields. */
   void exchangeState(StateArchive& archive);
 };
+
+/** Classifies the points for all later stages: sets Frame::moving, one value per cloud point, from
+ * Frame::moving_probability. Without probabilities all points are static. */
+void decideMoving(Frame& frame, double moving_threshold);
 }  // namespace dyslam

@@ -76,8 +76,4 @@ struct MovingSegmenterOptions : Options
 [[nodiscard]] std::unique_ptr<MovingSegmenter> makeSegmenter(const std::string& method,
                                                              ConfigLoader& config,
                                                              ThreadPool& pool);
-
-/** Classifies the points for all later stages: sets Frame::moving, one value per cloud point, from
- * Frame::moving_probability. Without probabilities all points are static. */
-void decideMoving(Frame& frame, double moving_threshold);
 }  // namespace dyslam

@@ -81,8 +81,8 @@ class RawlogSource
   RawlogSource& operator=(RawlogSource&&) noexcept;
 
   /** Frame of the next scan with its ground truth, nothing at the end. Sets index, scan, imu,
-   * wheels and T_world_vehicle_truth. \throws UserError for damaged data, after all scans before it
-   * were delivered. */
+   * wheels, gnss and T_world_vehicle_truth. \throws UserError for damaged data, after all scans
+   * before it were delivered. */
   [[nodiscard]] std::optional<Frame> next();
 
   /** Fraction of the scans to use that were delivered so far, 0 to 1: of the (compressed) file

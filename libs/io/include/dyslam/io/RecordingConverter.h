@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <dyslam/formats/Bag.h>
 #include <dyslam/formats/RecordingKind.h>
-#include <dyslam/io/Converters.h>
+#include <dyslam/io/Conversion.h>
 #include <dyslam/io/RecordingOptions.h>
 
 #include <optional>

@@ -74,9 +74,10 @@ class ScanDecoder
    * lidars are past it, or three more scans of the first lidar were taken. */
   [[nodiscard]] bool waitsForFurther(const RecordedScan& scan) const;
 
-  /** Sets index, scan, imu and wheels of a frame. Scans of further lidars among the observations
-   * taken so far are merged with it if they are nearer to it than to the next one, or late.
-   * \pre each scan of take() is decoded once, in order. \throws UserError for damaged data. */
+  /** Sets index, scan, imu, wheels and gnss of a frame. Scans of further lidars among the
+   * observations taken so far are merged with it if they are nearer to it than to the next one, or
+   * late. \pre each scan of take() is decoded once, in order. \throws UserError for damaged data.
+   */
   [[nodiscard]] Frame decode(const RecordedScan& scan);
 
   /** Ground truth T_world_vehicle at a scan, from the observations taken so far (it may follow its

@@ -50,9 +50,9 @@ class HindsightLabels
 
   /** Takes the next frame, in order of time: cloud, moving, moving_probability, poses, detections
    * and objects are read. Calls `use` with each frame that is decided now: `moving` is the new
-   * decision and `moving_probability` its probability (one value per cloud point each; above 0.5:
-   * moving), and an object that was reported later is `reported`. Frames added with `kept` = `none`
-   * are used as evidence but never output. */
+   * decision and `moving_probability` its probability (one value per cloud point each; above
+   * HindsightOptions::moving_threshold: moving), and an object that was reported later is
+   * `reported`. Frames added with `kept` = `none` are used as evidence but never output. */
   void add(const Frame& frame, FrameParts kept, const Use& use);
   /** Decides the remaining frames. */
   void finish(const Use& use);

@@ -13,11 +13,10 @@ namespace dyslam
 struct RawlogSourceOptions;
 struct SlamRunSettings;
 
-/** The sensor of a recording, and the settings that fit it. */
-struct RecordingSettings
+/** The settings that were chosen for a recording, with its sensor. */
+struct RecordingSettings : ChosenSettings
 {
   RecordedSensor sensor;
-  ChosenSettings chosen;
 };
 
 /** Recognises the sensor of a rawlog, read with `[input]` as given, and chooses its settings.

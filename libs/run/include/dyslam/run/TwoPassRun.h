@@ -2,7 +2,8 @@
 #pragma once
 
 #include <dyslam/run/RunSettings.h>
-#include <dyslam/run/SlamRun.h>
+#include <dyslam/run/SlamRunReport.h>
+#include <dyslam/run/SlamRunSettings.h>
 
 #include <functional>
 #include <string>

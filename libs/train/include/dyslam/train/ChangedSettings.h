@@ -2,6 +2,7 @@
 #pragma once
 
 #include <dyslam/base/Config.h>
+#include <dyslam/train/TrainRequest.h>
 
 #include <string>
 #include <vector>
@@ -19,4 +20,8 @@ namespace dyslam
 /** One line of these settings for the console; empty without. */
 [[nodiscard]] std::string changedSettingsNote(const std::string& earlier_ini,
                                               const Config& effective);
+
+/** Writes the effective.ini of a training into the folder of its results, which is made if it does
+ * not exist. One that is resumed with other settings reports them. \throws UserError. */
+void writeSettings(const Config& effective, const TrainRequest& request);
 }  // namespace dyslam

@@ -9,9 +9,6 @@
 #include <dyslam/train/LabelledRun.h>
 #include <dyslam/train/LearningRate.h>
 
-#include <functional>
-#include <memory>
-#include <optional>
 #include <string>
 
 namespace dyslam
@@ -87,59 +84,5 @@ struct DysegTrainerSetup
 
   /** Loads the options. \return the effective config \throws UserError. */
   Config load(const Config& config);
-};
-
-/** Every setting of DySeg's training with its default. */
-[[nodiscard]] Config dysegTrainDefaults();
-
-/** What the user states about weights that are validated; nothing where the weights decide. */
-struct GivenDysegShape
-{
-  std::optional<BevOptions> grid;
-  std::optional<DysegNetworkOptions> network;
-};
-
-/** Trains DySeg's network and writes the results into a folder.
- *
- * `dyseg.safetensors` the weights so far (exponential moving average), `checkpoint.safetensors` the
- * state to resume from, `train.csv` and `validation.csv`; `checkpoint_before_decay.safetensors` is
- * the last one before the learning rate decays. The data of a step depends on seed and step alone,
- * so that a run that was stopped and resumed gives the same weights; so does any number of threads.
- * Sums on CUDA differ from run to run by rounding.
- */
-class DysegTrainer
-{
- public:
-  /** \throws UserError for options out of range, a device that there is not, or if validation
-   * frames are training frames. Frames of another split are refused where they are read. */
-  DysegTrainer(const DysegTrainerSetup& setup, std::string folder);
-  ~DysegTrainer();
-
-  /** Makes sure that no training is overwritten. \throws UserError if the folder holds a training.
-   */
-  void requireFreshFolder() const;
-  /** Resumes from the folder's checkpoint. \throws UserError if there is none or it does not fit.
-   */
-  void resume();
-  /** Starts from the weights of a file. \throws UserError, also if they were trained for another
-   * grid; only the number of cells may differ. */
-  void startFrom(const std::string& weights);
-  /** Reads the data of training and validation; run() does it otherwise. Writes nothing.
-   * \throws UserError if some are missing or of another split. */
-  void loadData();
-  /** \param report is called with a line of progress from time to time \param stopped is polled
-   * before each step: true saves and ends; null for never. \throws UserError as loadData(). */
-  void run(const std::function<void(const std::string&)>& report,
-           const std::function<bool()>& stopped = nullptr);
-  /** The validation table of a file of weights, empty for the folder's dyseg.safetensors, with the
-   * grid and network that they were trained for. Writes nothing. \param given must be those of the
-   * weights \throws UserError if there are no weights, or of another grid or network. */
-  void validateOnly(const std::string& weights,
-                    const GivenDysegShape& given,
-                    const std::function<void(const std::string&)>& report);
-
- private:
-  struct Impl;
-  std::unique_ptr<Impl> impl_;
 };
 }  // namespace dyslam

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "SmoothedTracks.h"
+#include "ReportedObjects.h"
 
+#include <dyslam/backend/SmoothedObject.h>
 #include <dyslam/base/Angle.h>
 
 #include <cmath>
@@ -9,6 +10,11 @@
 
 namespace dyslam
 {
+namespace
+{
+/** The tracked object with position, heading, velocity and covariance of the smoothed object,
+ * odometry frame.
+ * \param T_odom_map transform at the object's scan */
 TrackedObject smoothedTrack(const TrackedObject& tracked,
                             const SmoothedObject& smoothed,
                             const Pose& T_odom_map)
@@ -28,38 +34,38 @@ TrackedObject smoothedTrack(const TrackedObject& tracked,
   result.dynamic = smoothed.moving;
   return result;
 }
+}  // namespace
 
 std::size_t movingTracks(const RunResults& results)
 {
   std::set<int> moving;
   forEachReported(results,
-                  [&](const ReportedState& state)
+                  [&](const ReportedObject& reported)
                   {
-                    if (state.object.dynamic)
+                    if (reported.object.dynamic)
                     {
-                      moving.insert(state.object.id);
+                      moving.insert(reported.object.id);
                     }
                   });
   return moving.size();
 }
 
 void forEachReported(const RunResults& results,
-                     const std::function<void(const ReportedState&)>& use)
+                     const std::function<void(const ReportedObject&)>& use)
 {
   results.history->forEachObject(
       results.merged_tracks,
-      [&](const PastObject& report)
+      [&](const PastObject& past)
       {
-        const PastScan& scan = results.history->scans()[report.scan];
-        const Pose T_map_odom =
-            results.trajectory[report.scan].pose * scan.T_odom_vehicle.inverse();
-        TrackedObject object = report.tracked();
+        const PastScan& scan = results.history->scans()[past.scan];
+        const Pose T_map_odom = results.trajectory[past.scan].pose * scan.T_odom_vehicle.inverse();
+        TrackedObject object = past.tracked();
         if (const SmoothedObject* smoothed = findSmoothed(results.objects, scan.index, object.id))
         {
           object = smoothedTrack(object, *smoothed, T_map_odom.inverse());
-          object.dynamic = smoothed->from_graph ? report.dynamic : smoothed->moving;
+          object.dynamic = smoothed->from_graph ? past.dynamic : smoothed->moving;
         }
-        use({std::move(object), scan, report.scan, T_map_odom});
+        use({std::move(object), scan, past.scan, T_map_odom});
       });
 }
 }  // namespace dyslam

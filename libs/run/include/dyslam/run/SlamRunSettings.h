@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <dyslam/base/Config.h>
+
+#include <functional>
+#include <string>
+#include <vector>
+
+namespace dyslam
+{
+/** Settings of one run that are not in the config. */
+struct SlamRunSettings
+{
+  std::string rawlog;         //!< path of the input
+  std::string output_folder;  //!< created if missing; files of an earlier run are replaced
+  Config config;
+  std::string ini;     //!< path of the ini that was given, which is never replaced; empty: none
+  std::string sensor;  //!< description of the sensor, for the report
+  std::vector<std::string> warnings;  //!< on conversion and settings, for the report
+  bool force = false;                 //!< replace also files that no run wrote
+  bool probabilities = false;         //!< write the moving probability of each point, .bin files
+  bool static_scans = false;   //!< write the scans without moving points: .bin files and a rawlog
+  bool labels = false;         //!< write labels/NNNNNN.label, one entry per point of the input scan
+  std::string profile_csv;     //!< times of every stage, if not empty
+  double first_pass_time = 0;  //!< time of an earlier pass, part of the run's time [s]
+  /** Called before the output folder is opened (true: the folder is not changed) and after every
+   * scan (true: the run ends after the few scans that are being processed). */
+  std::function<bool()> stop;
+  /** Receives warnings immediately that the report has, too, and which outputs have failed; called
+   * from any thread. */
+  std::function<void(const std::string&)> warn;
+  /** Receives what the run does after the last scan, which may take a while, such as "writing the
+   * results"; called from the thread of the run. */
+  std::function<void(const std::string&)> after_scans;
+};
+}  // namespace dyslam
