@@ -133,7 +133,7 @@ double RosScanDecoder::stampOf(const RosHeader& header,
                                const BagMessage& message,
                                std::size_t points)
 {
-  if (header.stamp != 0 || points == 0)
+  if (header.stamp != 0 || points == 0 || begins_at_zero_)
   {
     return header.stamp;
   }

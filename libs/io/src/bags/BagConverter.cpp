@@ -71,7 +71,7 @@ void convertBag(const std::string& input,
   content.frames = {frameOfTopic(*bag, at), staticTransforms(*bag),
                     is_ouster ? ousterImuTopics(*bag) : std::vector<std::size_t>()};
   warnOfMapFrame(topic.name, content.frames.lidar, sink);
-  mountLidar(input, content.frames, options, sink);
+  mountLidar(input, *bag, content.frames, options, sink);
   content.truth =
       options.truth_topic.empty() ? Trajectory() : readTruePoses(input, *bag, options, sink);
   if (!content.truth.empty())
