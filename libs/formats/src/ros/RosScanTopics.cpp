@@ -234,6 +234,13 @@ std::string frameOfTopic(Bag& bag, std::size_t topic)
   return frame;
 }
 
+std::optional<double> headerStampOf(const BagTopic& topic, const BagMessage& message)
+{
+  ByteReader reader = rosReader(topic, message);
+  const double stamp = rosHeader(reader, topic.encoding).stamp;
+  return stamp != 0 ? std::optional(stamp) : std::nullopt;
+}
+
 bool clockBeginsAtZero(Bag& bag, std::size_t topic)
 {
   constexpr double latest = 60;  // [s]
@@ -241,9 +248,7 @@ bool clockBeginsAtZero(Bag& bag, std::size_t topic)
   forFirstMessages(bag, {topic},
                    [&](const BagMessage& message)
                    {
-                     const BagTopic& read = bag.topics()[topic];
-                     ByteReader reader = rosReader(read, message);
-                     stamp = rosHeader(reader, read.encoding).stamp;
+                     stamp = headerStampOf(bag.topics()[topic], message).value_or(0);
                      return stamp != 0;
                    });
   return stamp > 0 && stamp <= latest;

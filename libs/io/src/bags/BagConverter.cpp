@@ -64,7 +64,7 @@ void convertBag(const std::string& input,
 {
   const std::unique_ptr<Bag> bag = openBag(input, unpacking);
   noteParts(input, sink);
-  const std::size_t at = scanTopic(input, *bag, options.topic, sink);
+  const std::size_t at = scanTopic(input, *bag, options, sink);
   const BagTopic topic = bag->topics()[at];
   const bool is_ouster = packetMakerOf(topic) == PacketMaker::ouster;
   BagContent content{input, *bag, at, {}, {}, {}};

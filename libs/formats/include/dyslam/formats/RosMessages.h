@@ -143,6 +143,10 @@ using RosTransforms = std::map<std::string, RosPose>;  //!< transforms by child 
  * \pre its messages begin with a header, or are such packets. */
 [[nodiscard]] std::string frameOfTopic(Bag& bag, std::size_t topic);
 
+/** Stamp of the header of a message; nothing if that is zero. \pre the message begins with a header
+ * \throws UserError naming the message, if it is damaged. */
+[[nodiscard]] std::optional<double> headerStampOf(const BagTopic& topic, const BagMessage& message);
+
 /** A sample of an IMU, in the sensor's axes. */
 struct RosImu
 {
