@@ -74,6 +74,7 @@ class RosScanDecoder
                  const BagTopic& topic,
                  const BagMessage& message,
                  std::size_t points);
+  void checkFrame(const RosHeader& header, const BagTopic& topic);
   static const PointField* timeField(const Cloud2& cloud);
   static const PointField* ringField(const Cloud2& cloud);
   void fillIntensity(const Cloud2& cloud, Scan& scan);
@@ -83,6 +84,8 @@ class RosScanDecoder
   FieldConventions conventions_;
   bool begins_at_zero_ = false;
   bool first_ = true;
+  std::string frame_;  //!< of the first header that names one
+  bool frame_changed_ = false;
 };
 
 /** Whether a topic's headers have the clock of a simulator, which begins at zero: the first stamp
