@@ -123,7 +123,8 @@ TEST(BagLidars, ClocksAreComparedByTheTimesOfRecording)
     options.further_topics = {"/rear/points"};
     return convertScans(input, folder.file("x.rawlog"), options);
   };
-  const std::string later = "/rear/points: its stamps are 0.95 s later than those of /front/points";
+  const std::string later =
+      "/rear/points: its stamps are about 0.95 s later than those of /front/points";
   EXPECT_TRUE(hasLine(linesAt(1, 0).warnings, later));
   EXPECT_TRUE(hasLine(linesAt(-37, 0).warnings, "s earlier than those of /front/points"));
   EXPECT_FALSE(hasLine(linesAt(1, 0.1).warnings, later)) << "not recorded as it came";

@@ -108,7 +108,7 @@ void BagReader::reportClocks()
     if (std::abs(offset) > largest)
     {
       sink_.warn(
-          formatted("%s: its stamps are %.3g s %s than those of %s, compared by the times of "
+          formatted("%s: its stamps are about %.2g s %s than those of %s, compared by the times of "
                     "recording; synchronise the clocks when recording",
                     bag_.topics()[i].name.c_str(), std::abs(offset),
                     offset > 0 ? "later" : "earlier", bag_.topics()[content_.scans].name.c_str()));
