@@ -266,13 +266,14 @@ std::string navSatFix(bool cdr, double stamp, const FixValues& values)
 
 std::string transforms(bool cdr,
                        double stamp,
-                       const std::vector<std::pair<std::string, Pose>>& children)
+                       const std::vector<std::pair<std::string, Pose>>& children,
+                       const std::string& parent)
 {
   MessageBytes message(cdr);
   message.put(static_cast<std::uint32_t>(children.size()));
   for (const auto& [child, pose] : children)
   {
-    message.header(stamp, "map").text(child);
+    message.header(stamp, parent).text(child);
     putPose(message, pose);
   }
   return message.bytes();

@@ -119,7 +119,8 @@ struct FixValues
 /** tf2_msgs/TFMessage of one transform for each child. */
 [[nodiscard]] std::string transforms(bool cdr,
                                      double stamp,
-                                     const std::vector<std::pair<std::string, Pose>>& children);
+                                     const std::vector<std::pair<std::string, Pose>>& children,
+                                     const std::string& parent = "map");
 /** livox_ros_driver2/CustomMsg of a scan with times, rings (lines) and intensities of 0..255. */
 [[nodiscard]] std::string livoxMessage(bool cdr, const Scan& scan);
 }  // namespace dyslam::test

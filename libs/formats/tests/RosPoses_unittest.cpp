@@ -20,6 +20,7 @@ namespace
 {
 using test::messageOf;
 using test::sweep_stamp;
+using test::sweepOf;
 using test::topicOf;
 }  // namespace
 
@@ -50,6 +51,39 @@ TEST(RosPoses, StaticTransformsOfANamespace)
   EXPECT_EQ(childrenOf({"tf_static"}), Names{"of tf_static"});
   EXPECT_EQ(childrenOf({"/a/tf_static", "/b/tf_static"}), Names());
   EXPECT_EQ(childrenOf({"/my_tf_static"}), Names());
+}
+
+/** As ROS 1's static_transform_publisher repeats them, beside the moving ones. */
+TEST(RosPoses, ConstantTransformsOfTf)
+{
+  const TestFolder folder;
+  const Pose T_base_lidar = poseFromYpr(1, 0, 1.7, M_PI, 0, 0);
+  for (const std::string ending : {".bag", ".mcap"})
+  {
+    const bool cdr = test::holdsCdr("x" + ending);
+    std::vector<test::TestMessage> messages;
+    for (int i = 0; i < 30; ++i)
+    {
+      const double stamp = sweep_stamp + 0.1 * i;
+      const Pose moving = poseFromYpr(0.1 * i, 0, 0, 0, 0, 0);
+      messages.push_back({"/points", "sensor_msgs/PointCloud2", stamp,
+                          test::pointCloud2(cdr, stamp, test::velodyneFields(sweepOf(50)))});
+      messages.push_back({"/tf", "tf2_msgs/TFMessage", stamp,
+                          test::transforms(cdr, stamp, {{"base_link", moving}}, "odom")});
+      messages.push_back({"/tf", "tf2_msgs/TFMessage", stamp,
+                          test::transforms(cdr, stamp, {{"lidar", T_base_lidar}}, "base_link")});
+    }
+    test::writeBag(folder.file("x" + ending), messages);
+    const auto bag = openBag(folder.file("x" + ending));
+    EXPECT_TRUE(staticTransforms(*bag).empty());
+    const RosTransforms constant = constantTransforms(*bag);
+    ASSERT_EQ(constant.size(), 1U);
+    EXPECT_EQ(constant.count("base_link"), 0U) << "it moves";
+    EXPECT_TRUE(constant.at("lidar").pose.isApprox(T_base_lidar, 1e-9));
+    EXPECT_EQ(sensorPosesOf(*bag, scanTopics(*bag)),
+              "--sensor-pose '1 0 1.7 180 0 0'  (lidar in base_link, /tf, in which it is constant "
+              "at first)\n");
+  }
 }
 
 TEST(RosPoses, EveryTypeInBothSerialisations)

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "BagWriters.h"
 #include "RosMessageWriters.h"
 #include "SingleMessage.h"
 #include "SomeRosScans.h"
@@ -173,6 +174,34 @@ TEST(RosScans, ABlankMessageSaysNothingAboutTheStamps)
   const std::string data = test::pointCloud2(false, 0, test::velodyneFields(scan));
   EXPECT_EQ(12, without.decode(topic, messageOf(data)).stamp);  // when it was recorded
   EXPECT_EQ(1U, without.warnings().size());
+}
+
+/** A simulator's clock begins at zero, whatever that of the recorder is. */
+TEST(RosScans, AStampOfZeroIsOneOfASimulator)
+{
+  const TestFolder folder;
+  const auto isOfSimulator = [&](double first, double period)
+  {
+    std::vector<test::TestMessage> messages;
+    for (int i = 0; i < 3; ++i)
+    {
+      messages.push_back(
+          {"/points", "sensor_msgs/PointCloud2", sweep_stamp + 0.1 * i,
+           test::pointCloud2(true, first + period * i, test::velodyneFields(sweepOf(50)))});
+    }
+    test::writeBag(folder.file("x.mcap"), messages);
+    return clockBeginsAtZero(*openBag(folder.file("x.mcap")), 0);
+  };
+  EXPECT_TRUE(isOfSimulator(0, 0.1));
+  EXPECT_FALSE(isOfSimulator(0, 0)) << "headers without stamps";
+  EXPECT_FALSE(isOfSimulator(sweep_stamp, 0.1));
+  EXPECT_FALSE(isOfSimulator(0, sweep_stamp)) << "the first one only was not set";
+
+  RosScanDecoder decoder(true);
+  const std::string data = test::pointCloud2(true, 0, test::velodyneFields(sweepOf(50)));
+  const BagTopic topic = topicOf(true, "sensor_msgs/PointCloud2");
+  EXPECT_EQ(0, decoder.decode(topic, messageOf(data)).stamp);
+  EXPECT_TRUE(decoder.warnings().empty());
 }
 
 /** The clock of the points is that of the recorder. */

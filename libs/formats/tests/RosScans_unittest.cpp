@@ -230,6 +230,23 @@ TEST(RosScans, AMessageWithoutFieldsIsAnEmptyScan)
   }
 }
 
+TEST(RosScans, ScansInSeveralFramesAreAWarning)
+{
+  const BagTopic topic = topicOf(true, "sensor_msgs/PointCloud2");
+  RosScanDecoder decoder;
+  const auto decodeIn = [&](const std::string& frame)
+  {
+    const auto fields = test::velodyneFields(sweepOf(50));
+    (void)decoder.decode(topic, messageOf(test::pointCloud2(true, sweep_stamp, fields, 1, frame)));
+    return decoder.warnings();
+  };
+  EXPECT_TRUE(decodeIn("").empty());
+  EXPECT_TRUE(decodeIn("front").empty());
+  EXPECT_TRUE(decodeIn("/front").empty());
+  EXPECT_TRUE(contains(decodeIn("rear").at(0), "in several frames, 'front' and 'rear'"));
+  EXPECT_EQ(decodeIn("left").size(), 1U) << "once";
+}
+
 TEST(RosScans, BigEndianPoints)
 {
   const Scan scan = sweepOf(50);

@@ -216,6 +216,37 @@ TEST(BagConverter, CloudsInTheFrameOfAMapAreAWarning)
   EXPECT_FALSE(isWarning("velodyne"));
 }
 
+/** As from a driver that writes the share of the revolution in place of seconds. */
+TEST(BagConverter, PointTimesOverMoreThanTheIntervalAreAWarning)
+{
+  const TestFolder folder;
+  const auto warningWith = [&](float factor, std::size_t scans)
+  {
+    std::vector<test::TestMessage> messages;
+    for (std::size_t i = 0; i < scans; ++i)
+    {
+      Scan scan = scanWithTimes(i);  // over 0.04 s, every 0.125 s
+      for (float& time : scan.time)
+      {
+        time *= factor;
+      }
+      messages.push_back({"/points", "sensor_msgs/PointCloud2", scan.stamp,
+                          test::pointCloud2(true, scan.stamp, test::velodyneFields(scan))});
+    }
+    test::writeBag(folder.file("x.mcap"), messages);
+    std::string found;
+    for (const std::string& line :
+         convertScans(folder.file("x.mcap"), folder.file("x.rawlog"), {}).warnings)
+    {
+      found += contains(line, "the points of a scan have times over") ? line : "";
+    }
+    return found;
+  };
+  EXPECT_TRUE(contains(warningWith(10, 13), "s, but scans are 0.125 s apart"));
+  EXPECT_EQ(warningWith(2, 13), "");
+  EXPECT_EQ(warningWith(10, 5), "") << "too few to tell";
+}
+
 TEST(BagConverter, BrightIntensitiesAreLimitedAsInFiles)
 {
   const TestFolder folder;

@@ -75,6 +75,27 @@ TEST(BagImu, VehicleOfTheBag)
   EXPECT_TRUE(contains(error(), "give one of them"));
 }
 
+/** ROS 1's static_transform_publisher repeats its transforms in /tf. */
+TEST(BagImu, TheErrorOfTheBaseFrameNamesThePoseByTf)
+{
+  const TestFolder folder;
+  const Pose T_base_lidar = poseFromYpr(1, 0, 1.7, M_PI, 0, 0);
+  const auto message = [&](bool cdr, std::size_t, double stamp) {
+    return test::transforms(cdr, stamp, {{"lidar", T_base_lidar}}, "base_link");
+  };
+  writeDrive(folder.file("x.bag"), "/tf", "tf2_msgs/TFMessage", message);
+  ScanConverterOptions options;
+  const auto error = [&]
+  {
+    return messageOfError<UserError>(
+        [&] { (void)convertScans(folder.file("x.bag"), folder.file("x.rawlog"), options); });
+  };
+  options.base_frame = "base_link";
+  EXPECT_TRUE(contains(error(), "give --sensor-pose instead: '1 0 1.7 180 0 0' by /tf"));
+  options.base_frame = "base";
+  EXPECT_FALSE(contains(error(), "by /tf,"));
+}
+
 /** Drivers of ROS 1 put a slash before the names of frames, which the transforms do not have. */
 TEST(BagImu, SlashesBeforeFramesAreIgnored)
 {

@@ -96,6 +96,43 @@ TEST(BagLidars, ABagsLidarsArePlacedByItsTransforms)
   }
 }
 
+/** A lidar whose stamps are of another clock than those of the first one. */
+TEST(BagLidars, ClocksAreComparedByTheTimesOfRecording)
+{
+  const TestFolder folder;
+  const std::string input = folder.file("x.mcap");
+  const auto linesAt = [&](double offset, double slower)
+  {
+    std::vector<test::TestMessage> messages{
+        {"/tf_static", "tf2_msgs/TFMessage", bag_begin,
+         test::transforms(true, bag_begin,
+                          {{"front_lidar", Pose::Identity()},
+                           {"rear_lidar", poseFromYpr(-2, 0, 1, M_PI, 0, 0)}})}};
+    for (std::size_t i = 0; i < 12; ++i)
+    {
+      const double stamp = bag_begin + 0.125 * static_cast<double>(i);
+      const double recorded = stamp + 0.1 + slower * static_cast<double>(i);
+      messages.push_back({"/front/points", "sensor_msgs/PointCloud2", recorded,
+                          bagScan(true, stamp, i, "front_lidar")});
+      messages.push_back({"/rear/points", "sensor_msgs/PointCloud2", recorded + 0.05,
+                          bagScan(true, stamp + offset, i, "rear_lidar")});
+    }
+    test::writeBag(input, messages);
+    ScanConverterOptions options;
+    options.topic = "";
+    options.further_topics = {"/rear/points"};
+    return convertScans(input, folder.file("x.rawlog"), options);
+  };
+  const std::string later =
+      "/rear/points: its stamps are about 0.95 s later than those of /front/points";
+  EXPECT_TRUE(hasLine(linesAt(1, 0).warnings, later));
+  EXPECT_TRUE(hasLine(linesAt(-37, 0).warnings, "s earlier than those of /front/points"));
+  EXPECT_FALSE(hasLine(linesAt(1, 0.1).warnings, later)) << "not recorded as it came";
+  const ConversionResult same = linesAt(0, 0);
+  EXPECT_TRUE(same.warnings.empty()) << same.warnings.front();
+  EXPECT_TRUE(hasLine(same.notes, "/rear/points: per-point time: field time"));
+}
+
 struct BagScan
 {
   std::string topic;

@@ -68,6 +68,22 @@ bool StartSearch::isMeasured() const
   return sensors.speedAt(frames_.front().scan.stamp).has_value();
 }
 
+std::optional<double> StartSearch::speedByWheels() const
+{
+  ConfigLoader loader(config_);
+  MotionSensors sensors(loader.get<MotionSensorOptions>("motion_sensors"));
+  for (const Frame& frame : frames_)
+  {
+    sensors.add(frame);
+  }
+  return sensors.speedAt(frames_.back().scan.stamp);
+}
+
+StartRun StartSearch::run() const
+{
+  return runFrom(std::nullopt, frames_.size(), threads_);
+}
+
 Config StartSearch::startingAt(std::optional<double> speed) const
 {
   Config changed = config_;

@@ -32,7 +32,14 @@ class StartSearch
   /** Whether wheels measure the speed at the first scan, by their samples up to the second one.
    * \pre two scans have been read */
   [[nodiscard]] bool isMeasured() const;
+  /** Speed by the wheels at the last scan that was read; nothing without their samples there.
+   * \pre a scan has been read */
+  [[nodiscard]] std::optional<double> speedByWheels() const;
+  /** The scans that were read. */
+  [[nodiscard]] const std::vector<Frame>& frames() const { return frames_; }
 
+  /** Run over all scans read, started as the settings and the wheels state. */
+  [[nodiscard]] StartRun run() const;
   /** Speed after the first `scans` scans by registration only. \param start at the first scan;
    * nothing: not known */
   [[nodiscard]] double speedAfter(std::optional<double> start) const;

@@ -21,6 +21,25 @@ constexpr double fast = 10;
 constexpr double same_speed_of_runs = 1;
 /** Difference from the odometry's own speed from which another one is reported [m/s]. */
 constexpr double least_difference = 3;
+/** Differences of the wheels' speed from that of the scans above which both contradict. */
+constexpr double wheel_difference = 0.5;        //!< [m/s]
+constexpr double wheel_difference_ratio = 0.3;  //!< share of the speed of the scans
+/** Least ratio of the fit of the scans without the wheels to that with them: at least 1.9 with
+ * speeds in km/h or backwards, up to 1.15 in jams, where the scans are wrong. */
+constexpr double wheel_gain = 1.4;
+
+/** The scans one after the other; `frames` outlives the result. */
+NextScan scansOf(const std::vector<Frame>& frames)
+{
+  return [&frames, read = std::size_t(0)]() mutable
+  { return read < frames.size() ? std::optional<Frame>(frames[read++]) : std::nullopt; };
+}
+
+bool contradict(const SpeedContradiction& speeds)
+{
+  return std::fabs(speeds.by_wheels - speeds.by_scans) >
+         std::max(wheel_difference, wheel_difference_ratio * std::fabs(speeds.by_scans));
+}
 
 /** Compares starts at several speeds over more scans. \param own_speed the odometry's own [m/s]
  * \return as bestStartSpeed() */
@@ -121,10 +140,51 @@ std::optional<double> findStartSpeed(const NextScan& next, const Config& config)
 
 std::optional<double> findStartSpeed(const std::vector<Frame>& frames, const Config& config)
 {
-  std::size_t read = 0;
-  const auto next = [&]
-  { return read < frames.size() ? std::optional<Frame>(frames[read++]) : std::nullopt; };
-  return findStartSpeed(next, config);
+  return findStartSpeed(scansOf(frames), config);
+}
+
+std::optional<SpeedContradiction> findWheelContradiction(const NextScan& next, const Config& config)
+{
+  StartSearch with_wheels(next, config);
+  const auto scans = static_cast<std::size_t>(with_wheels.options().scans);
+  if (!with_wheels.isWanted() || with_wheels.readTo(2) < 2 || !with_wheels.isMeasured() ||
+      with_wheels.readTo(scans) < scans)
+  {
+    return std::nullopt;
+  }
+  Config scans_alone = config;
+  scans_alone.set("motion_sensors.wheel_odometry=false");
+  const NextScan again = scansOf(with_wheels.frames());
+  StartSearch without(again, scans_alone);
+  without.readTo(scans);
+  const std::optional<double> by_wheels = with_wheels.speedByWheels();
+  const StartRun of_scans = without.run();
+  const SpeedContradiction speeds{by_wheels.value_or(of_scans.speed), of_scans.speed};
+  if (!contradict(speeds) || !isPossibleStart(of_scans.speed) ||
+      !without.isPulledTo(of_scans.speed))
+  {
+    return std::nullopt;
+  }
+  const StartRun of_both = with_wheels.run();
+  // Where the odometry rejects the wheels, it reports this itself.
+  const bool follows_wheels = contradict({of_both.speed, of_scans.speed});
+  return follows_wheels && of_scans.fit > wheel_gain * of_both.fit ? std::optional(speeds)
+                                                                   : std::nullopt;
+}
+
+std::optional<SpeedContradiction> findWheelContradiction(const std::vector<Frame>& frames,
+                                                         const Config& config)
+{
+  return findWheelContradiction(scansOf(frames), config);
+}
+
+std::string warningOf(const SpeedContradiction& contradiction)
+{
+  return formatted(
+      "the wheel odometry states %.1f m/s at the start of the recording, the scans show %.1f m/s: "
+      "check its unit (m/s) and direction, or set motion_sensors.wheel_odometry=false; the scans "
+      "may be wrong if most of what they show is traffic",
+      contradiction.by_wheels, contradiction.by_scans);
 }
 
 void setStartSpeed(double speed, Config& config)

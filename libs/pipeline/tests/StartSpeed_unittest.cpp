@@ -181,6 +181,38 @@ TEST(StartSpeed, IsMeasuredByWheelsWithSamplesUpToTheSecondScan)
   EXPECT_FALSE(isMeasured(5));
 }
 
+/** The drive through the room at 5 m/s, with wheels that state another speed. */
+std::optional<SpeedContradiction> contradictionAt(double by_wheels, const std::string& more = "")
+{
+  std::vector<Frame> frames = driveThroughRoom(0.1);
+  for (Frame& frame : frames)
+  {
+    frame.wheels.push_back({frame.scan.stamp - 0.01, by_wheels});
+  }
+  return findWheelContradiction(frames, simpleConfig("[pipeline]\nthreads = 1\n" + more));
+}
+
+TEST(StartSpeed, OfTheWheelsIsComparedWithThatOfTheScans)
+{
+  EXPECT_FALSE(contradictionAt(5.4)) << "an error of their scale";
+  for (const double wrong : {40.0, 0.05})
+  {
+    const auto contradiction = contradictionAt(wrong);
+    ASSERT_TRUE(contradiction) << wrong;
+    EXPECT_NEAR(contradiction->by_wheels, wrong, 1e-6);
+    EXPECT_NEAR(contradiction->by_scans, 5, 0.1);
+  }
+  EXPECT_FALSE(contradictionAt(40, "[start]\nsearch = false\n"));
+  EXPECT_FALSE(findWheelContradiction(driveThroughRoom(0.1), simpleConfig(""))) << "no wheels";
+}
+
+TEST(StartSpeed, AContradictionOfTheWheelsNamesBothSpeeds)
+{
+  const std::string warning = warningOf({27.56, 7.66});
+  EXPECT_NE(warning.find("the wheel odometry states 27.6 m/s"), std::string::npos) << warning;
+  EXPECT_NE(warning.find("the scans show 7.7 m/s"), std::string::npos) << warning;
+}
+
 TEST(StartSpeed, IsNotSearchedForWhereTimeStampsAreWrong)
 {
   // 0.5 m in 4 ms: faster than any start speed.

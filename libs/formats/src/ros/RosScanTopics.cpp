@@ -148,6 +148,58 @@ RosTransforms staticTransforms(Bag& bag)
   return by_child;
 }
 
+RosTransforms constantTransforms(Bag& bag)
+{
+  constexpr double duration = 10;  // [s]
+  constexpr std::size_t most = 2000;
+  std::vector<std::size_t> topics;
+  for (std::size_t i = 0; i < bag.topics().size(); ++i)
+  {
+    const BagTopic& topic = bag.topics()[i];
+    if (isRosPose(topic) && topic.messages > 0 && plainFrame(topic.name) == "tf")
+    {
+      topics.push_back(i);
+    }
+  }
+  RosTransforms by_child;
+  std::set<std::string> changing;
+  if (topics.empty())
+  {
+    return by_child;
+  }
+  bag.select(topics);
+  try
+  {
+    BagMessage message;
+    std::optional<double> begin;
+    for (std::size_t read = 0; read < most && bag.next(message); ++read)
+    {
+      begin = begin.value_or(message.recorded);
+      if (message.recorded > *begin + duration)
+      {
+        break;
+      }
+      for (const RosPose& pose : decodeRosPoses(bag.topics()[message.topic], message))
+      {
+        const RosPose& known = by_child.emplace(pose.child, pose).first->second;
+        if (known.parent != pose.parent || !known.pose.isApprox(pose.pose, 1e-6))
+        {
+          changing.insert(pose.child);
+        }
+      }
+    }
+  }
+  catch (const UserError&)
+  {
+    // Data before the damage are used.
+  }
+  for (const std::string& child : changing)
+  {
+    by_child.erase(child);
+  }
+  return by_child;
+}
+
 std::optional<Pose> transformBetween(const RosTransforms& transforms,
                                      const std::string& a,
                                      const std::string& b)
@@ -180,6 +232,26 @@ std::string frameOfTopic(Bag& bag, std::size_t topic)
                      return !frame.empty();
                    });
   return frame;
+}
+
+std::optional<double> headerStampOf(const BagTopic& topic, const BagMessage& message)
+{
+  ByteReader reader = rosReader(topic, message);
+  const double stamp = rosHeader(reader, topic.encoding).stamp;
+  return stamp != 0 ? std::optional(stamp) : std::nullopt;
+}
+
+bool clockBeginsAtZero(Bag& bag, std::size_t topic)
+{
+  constexpr double latest = 60;  // [s]
+  double stamp = 0;
+  forFirstMessages(bag, {topic},
+                   [&](const BagMessage& message)
+                   {
+                     stamp = headerStampOf(bag.topics()[topic], message).value_or(0);
+                     return stamp != 0;
+                   });
+  return stamp > 0 && stamp <= latest;
 }
 
 RosScanTopic RosScanDecoder::summaryOf(const BagTopic& topic, const BagMessage& message)
@@ -279,6 +351,38 @@ std::vector<RosScanTopic> scanTopics(Bag& bag)
   return found;
 }
 
+namespace
+{
+/** The lines of sensorPosesOf() for frames that only constantTransforms() connect to base_link.
+ * \param said frames that have their line already */
+std::string sensorPosesByTf(Bag& bag,
+                            const std::vector<RosScanTopic>& scans,
+                            const RosTransforms& of_static,
+                            std::set<std::string> said)
+{
+  const bool all_said =
+      std::all_of(scans.begin(), scans.end(),
+                  [&said](const RosScanTopic& scan) { return said.count(scan.frame) > 0; });
+  if (all_said)
+  {
+    return "";
+  }
+  RosTransforms transforms = of_static;
+  transforms.merge(constantTransforms(bag));
+  std::string text;
+  for (const RosScanTopic& scan : scans)
+  {
+    const auto T_base_lidar = transformBetween(transforms, "base_link", scan.frame);
+    if (T_base_lidar && scan.frame != "base_link" && said.insert(scan.frame).second)
+    {
+      text += "--sensor-pose '" + poseText(*T_base_lidar) + "'  (" + scan.frame +
+              " in base_link, /tf, in which it is constant at first)\n";
+    }
+  }
+  return text;
+}
+}  // namespace
+
 std::string sensorPosesOf(Bag& bag, const std::vector<RosScanTopic>& scans)
 {
   const RosTransforms transforms = staticTransforms(bag);
@@ -293,6 +397,6 @@ std::string sensorPosesOf(Bag& bag, const std::vector<RosScanTopic>& scans)
               lidar.parent + ", /tf_static)\n";
     }
   }
-  return text;
+  return text + sensorPosesByTf(bag, scans, transforms, said);
 }
 }  // namespace dyslam

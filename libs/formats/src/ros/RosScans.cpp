@@ -133,7 +133,7 @@ double RosScanDecoder::stampOf(const RosHeader& header,
                                const BagMessage& message,
                                std::size_t points)
 {
-  if (header.stamp != 0 || points == 0)
+  if (header.stamp != 0 || points == 0 || begins_at_zero_)
   {
     return header.stamp;
   }
@@ -145,6 +145,19 @@ double RosScanDecoder::stampOf(const RosHeader& header,
   return message.recorded;
 }
 
+/** Some drivers publish the scans of several lidars on one topic. */
+void RosScanDecoder::checkFrame(const RosHeader& header, const BagTopic& topic)
+{
+  frame_ = frame_.empty() ? header.frame : frame_;
+  if (!frame_changed_ && !header.frame.empty() && header.frame != frame_)
+  {
+    frame_changed_ = true;
+    conventions_.warn(topic.name + ": its scans are in several frames, '" + frame_ + "' and '" +
+                      header.frame +
+                      "', but are taken as those of one lidar; record a topic for each lidar");
+  }
+}
+
 Scan RosScanDecoder::decodeCloud(const BagTopic& topic, const BagMessage& message)
 {
   const Cloud2 cloud = Cloud2::read(rosReader(topic, message), topic.encoding);
@@ -154,6 +167,7 @@ Scan RosScanDecoder::decodeCloud(const BagTopic& topic, const BagMessage& messag
   {
     return scan;
   }
+  checkFrame(cloud.header, topic);
   const PointField* x = cloud.find("x");
   const PointField* y = cloud.find("y");
   const PointField* z = cloud.find("z");
@@ -194,6 +208,7 @@ Scan RosScanDecoder::decodeLivox(const BagTopic& topic, const BagMessage& messag
                 counted(reader.left(), "byte") + " for them");
   }
   scan.stamp = stampOf(header, topic, message, count);
+  checkFrame(header, topic);
   for (std::uint32_t i = 0; i < count; ++i)
   {
     scan.time.push_back(1e-9F * static_cast<float>(reader.u32()));

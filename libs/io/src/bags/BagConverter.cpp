@@ -78,14 +78,14 @@ void convertBag(const std::string& input,
 {
   const std::unique_ptr<Bag> bag = openBag(input, unpacking);
   noteParts(input, sink);
-  const std::size_t at = scanTopic(input, *bag, options.topic, sink);
+  const std::size_t at = scanTopic(input, *bag, options, sink);
   const BagTopic topic = bag->topics()[at];
   const bool is_ouster = packetMakerOf(topic) == PacketMaker::ouster;
   BagContent content{input, *bag, at, {}, {}, {}};
   content.frames = {frameOfTopic(*bag, at), staticTransforms(*bag),
                     is_ouster ? ousterImuTopics(*bag) : std::vector<std::size_t>()};
   warnOfMapFrame(topic.name, content.frames.lidar, sink);
-  mountLidar(input, content.frames, options, sink);
+  mountLidar(input, *bag, content.frames, options, sink);
   content.truth =
       options.truth_topic.empty() ? Trajectory() : readTruePoses(input, *bag, options, sink);
   if (!content.truth.empty())

@@ -27,9 +27,21 @@ std::string frameNames(const RosTransforms& transforms)
   }
   return joined(known);
 }
+/** What to give instead of --base-frame, where only `/tf` has the pose of the lidar: it may change
+ * later in the recording, so that the user has to decide. */
+std::string poseByTf(Bag& bag, const std::string& base, const BagFrames& frames)
+{
+  RosTransforms transforms = frames.transforms;
+  transforms.merge(constantTransforms(bag));
+  const auto T_base_lidar = transformBetween(transforms, base, frames.lidar);
+  return T_base_lidar
+             ? ": '" + poseText(*T_base_lidar) + "' by /tf, in which it is constant at first"
+             : "";
+}
 }  // namespace
 
 void mountLidar(const std::string& input,
+                Bag& bag,
                 const BagFrames& frames,
                 const ScanConverterOptions& options,
                 ScanSink& sink)
@@ -52,7 +64,7 @@ void mountLidar(const std::string& input,
     throw UserError(input + ": --base-frame " + base + ": /tf_static does not connect it to '" +
                     frames.lidar + "', the frame of the scans" +
                     (names.empty() ? "; it has no frames" : "; it has the frames " + names) +
-                    "; give --sensor-pose instead");
+                    "; give --sensor-pose instead" + poseByTf(bag, base, frames));
   }
   sink.setMounting(*T_base_lidar);
   sink.note("the vehicle is " + base + ", in which /tf_static places the lidar");

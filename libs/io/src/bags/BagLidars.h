@@ -34,6 +34,7 @@ struct FurtherTopic
 /** Mounts the lidar as the bag's transforms have it, if the options ask for that; else a note says
  * that it could. \throws UserError if the transforms do not have its pose. */
 void mountLidar(const std::string& input,
+                Bag& bag,
                 const BagFrames& frames,
                 const ScanConverterOptions& options,
                 ScanSink& sink);

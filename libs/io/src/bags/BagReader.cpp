@@ -6,6 +6,7 @@
 #include <dyslam/formats/RosPackets.h>
 
 #include <algorithm>
+#include <cmath>
 #include <sstream>
 #include <utility>
 
@@ -73,26 +74,45 @@ void BagReader::report(const std::string& truth_topic)
          << counted(held_.withoutPose(), "scan");
     sink_.warn(text.str());
   }
-  report(*reader_);
+  report(*reader_, "");
   for (const FurtherReader& lidar : further_)
   {
-    report(*lidar.reader);
+    report(*lidar.reader, bag_.topics()[lidar.topic.topic].name + ": ");
     if (lidar.scans == 0)
     {
       sink_.warn(bag_.topics()[lidar.topic.topic].name + ": no scan of this further lidar");
     }
   }
+  reportClocks();
 }
 
-void BagReader::report(const BagScans& reader)
+void BagReader::report(const BagScans& reader, const std::string& prefix)
 {
   for (const std::string& note : reader.notes())
   {
-    sink_.note(note);
+    sink_.note(prefix + note);
   }
   for (const std::string& warning : reader.warnings())
   {
-    sink_.warn(warning);
+    const bool has_name = warning.rfind(prefix, 0) == 0;
+    sink_.warn(has_name ? warning : prefix + warning);
+  }
+}
+
+void BagReader::reportClocks()
+{
+  constexpr double largest = 0.5;  // [s]; drivers take less
+  for (std::size_t i = 0; i < bag_.topics().size(); ++i)
+  {
+    const double offset = clocks_.offset(i, content_.scans).value_or(0);
+    if (std::abs(offset) > largest)
+    {
+      sink_.warn(
+          formatted("%s: its stamps are about %.2g s %s than those of %s, compared by the times of "
+                    "recording; synchronise the clocks when recording",
+                    bag_.topics()[i].name.c_str(), std::abs(offset),
+                    offset > 0 ? "later" : "earlier", bag_.topics()[content_.scans].name.c_str()));
+    }
   }
 }
 
@@ -128,6 +148,14 @@ bool BagReader::takeNext()
 
 void BagReader::takeMessage()
 {
+  const BagTopic& topic = bag_.topics()[message_.topic];
+  if (!packetMakerOf(topic))  // those of an Ouster have no header
+  {
+    if (const auto stamp = headerStampOf(topic, message_))
+    {
+      clocks_.add(message_.topic, *stamp, message_.recorded);
+    }
+  }
   const auto lidar =
       std::find_if(further_.begin(), further_.end(),
                    [&](const FurtherReader& other) { return other.topic.topic == message_.topic; });

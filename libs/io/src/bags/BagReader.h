@@ -13,6 +13,7 @@
 #include "BagMotion.h"
 #include "BagScans.h"
 #include "HeldScans.h"
+#include "TopicClocks.h"
 #include "conversion/ScanSink.h"
 
 namespace dyslam
@@ -53,7 +54,9 @@ class BagReader
     std::size_t scans = 0;
   };
 
-  void report(const BagScans& reader);
+  /** \param prefix of each line */
+  void report(const BagScans& reader, const std::string& prefix);
+  void reportClocks();
   void finish();
   [[nodiscard]] bool takeNext();
   void takeMessage();
@@ -68,6 +71,7 @@ class BagReader
   ScanSink& sink_;
   BagMotion motion_;
   HeldScans held_;
+  TopicClocks clocks_;
   BagMessage message_;
 };
 }  // namespace dyslam

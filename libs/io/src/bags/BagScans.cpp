@@ -25,7 +25,7 @@ namespace
 class BagClouds : public BagScans
 {
  public:
-  explicit BagClouds(const BagTopic& topic) : topic_(topic) {}
+  BagClouds(const BagTopic& topic, bool begins_at_zero) : topic_(topic), decoder_(begins_at_zero) {}
 
   [[nodiscard]] std::vector<Scan> add(const BagMessage& message) override
   {
@@ -206,7 +206,7 @@ std::unique_ptr<BagScans> makeBagScans(const std::string& input,
                       (options.keep_partial ? "--keep-partial" : options.calibration_flag) +
                       " works with packets only, and these are clouds");
     }
-    return std::make_unique<BagClouds>(topic);
+    return std::make_unique<BagClouds>(topic, clockBeginsAtZero(bag, topic_at));
   }
   switch (*maker)
   {

@@ -6,22 +6,28 @@
 #include <dyslam/formats/RosMessages.h>
 #include <dyslam/formats/RosPackets.h>
 #include <dyslam/io/OptionError.h>
+#include <dyslam/io/RecordingOptions.h>
 
 #include <algorithm>
+#include <set>
 
 namespace dyslam
 {
 namespace
 {
-/** Reports scans of other topics; as a warning, where they may be the lidar's. */
-void reportOtherTopics(const Bag& bag, const std::vector<RosScanTopic>& candidates, ScanSink& sink)
+/** Reports scans of other topics; as a warning, where they may be the lidar's.
+ * \param further topics of --further-topic, which are converted, too */
+void reportOtherTopics(const Bag& bag,
+                       const std::vector<RosScanTopic>& candidates,
+                       const std::set<std::string>& further,
+                       ScanSink& sink)
 {
   const RosScanTopic& taken = candidates.front();
   std::string likely;
   std::string others;
   for (const RosScanTopic& other : candidates)
   {
-    if (other.topic != taken.topic)
+    if (other.topic != taken.topic && further.count(bag.topics()[other.topic].name) == 0)
     {
       const bool alike =
           other.packets == taken.packets && other.has_times_or_rings == taken.has_times_or_rings;
@@ -80,18 +86,26 @@ std::size_t topicNamed(const std::string& input,
   throw UserError(what + "; use " + usable);
 }
 
-std::size_t scanTopic(const std::string& input, Bag& bag, const std::string& asked, ScanSink& sink)
+std::size_t scanTopic(const std::string& input,
+                      Bag& bag,
+                      const ScanConverterOptions& options,
+                      ScanSink& sink)
 {
-  if (!asked.empty())
+  if (!options.topic.empty())
   {
-    return topicNamed(input, bag, "--topic", asked,
+    return topicNamed(input, bag, "--topic", options.topic,
                       [](const BagTopic& topic)
                       { return RosScanDecoder::reads(topic) || packetMakerOf(topic); });
   }
   const std::vector<RosScanTopic> candidates = scanTopics(bag);
   if (!candidates.empty())
   {
-    reportOtherTopics(bag, candidates, sink);
+    std::set<std::string> further;
+    for (const std::string& given : options.further_topics)
+    {
+      further.insert(splitFurtherTopic(given).topic);
+    }
+    reportOtherTopics(bag, candidates, further, sink);
     return candidates.front().topic;
   }
   const std::string compressed =

@@ -24,10 +24,10 @@ namespace dyslam
                                      const std::function<bool(const BagTopic&)>& wanted);
 
 /** Position of the topic of the scans: the one that is asked for, or the most likely lidar, with a
- * note or warning of other topics of scans. \param asked of --topic; empty: none
+ * note or warning of other topics of scans.
  * \throws UserError if the bag has no such topic. */
 [[nodiscard]] std::size_t scanTopic(const std::string& input,
                                     Bag& bag,
-                                    const std::string& asked,
+                                    const ScanConverterOptions& options,
                                     ScanSink& sink);
 }  // namespace dyslam

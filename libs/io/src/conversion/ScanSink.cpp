@@ -64,6 +64,10 @@ bool ScanSink::put(Scan scan,
   }
   scan.T_vehicle_lidar = T_vehicle_lidar_;
   sectors_.add(scan);
+  if (!assume_rate)
+  {
+    spans_.add(number, scan);
+  }
   times_differ_ = times_differ_ || haveDifferentTimes(scan);
   if (!times_differ_ && scan.time.size() > 1)
   {
@@ -141,6 +145,10 @@ ConversionResult ScanSink::close()
     warn(
         "the scans are only sectors of a revolution, which dyslam cannot register; record whole "
         "revolutions with the lidar's driver, or its packets");
+  }
+  if (const std::string warning = spans_.warning(); !warning.empty())
+  {
+    warn(warning);
   }
   if (!any_times_)
   {

@@ -13,6 +13,7 @@
 #include "ConversionOutput.h"
 #include "MotionSampleWriter.h"
 #include "SectorCheck.h"
+#include "SpanCheck.h"
 #include "recording/IntensityScaler.h"
 #include "recording/MetScans.h"
 
@@ -79,6 +80,7 @@ class ScanSink
   std::map<std::string, Further> further_;  //!< by label
   std::deque<Scan> waiting_;                //!< of further lidars
   SectorCheck sectors_;
+  SpanCheck spans_;
   MetScans met_;  //!< by their own stamps
   MotionSampleWriter motion_;
   ConversionProgress progress_;

@@ -32,9 +32,14 @@ std::string RunSettings::aboutSensor() const
   return text;
 }
 
-std::optional<double> findStartSpeed(const std::string& rawlog,
-                                     const RawlogSourceOptions& input,
-                                     const Config& config)
+namespace
+{
+/** The result of `find` for the first scans of a rawlog; nothing if they cannot be read. */
+template <typename Find>
+auto inFirstScans(const std::string& rawlog,
+                  const RawlogSourceOptions& input,
+                  const Config& config,
+                  const Find& find) -> decltype(find(NextScan(), config))
 {
   StartOptions start;
   load(start, config, "start");
@@ -45,12 +50,31 @@ std::optional<double> findStartSpeed(const std::string& rawlog,
   try
   {
     RawlogSource source(rawlog, input);
-    return findStartSpeed([&] { return source.next(); }, config);
+    return find([&] { return source.next(); }, config);
   }
   catch (const UserError&)
   {
     return std::nullopt;  // the run reports it
   }
+}
+}  // namespace
+
+std::optional<double> findStartSpeed(const std::string& rawlog,
+                                     const RawlogSourceOptions& input,
+                                     const Config& config)
+{
+  return inFirstScans(rawlog, input, config,
+                      [](const NextScan& next, const Config& of_run)
+                      { return findStartSpeed(next, of_run); });
+}
+
+std::optional<SpeedContradiction> findWheelContradiction(const std::string& rawlog,
+                                                         const RawlogSourceOptions& input,
+                                                         const Config& config)
+{
+  return inFirstScans(rawlog, input, config,
+                      [](const NextScan& next, const Config& of_run)
+                      { return findWheelContradiction(next, of_run); });
 }
 
 RunSettings chooseRunSettings(const std::string& rawlog, const GivenSettings& given)
@@ -66,6 +90,10 @@ RunSettings chooseRunSettings(const std::string& rawlog, const GivenSettings& gi
   {
     setStartSpeed(*speed, config);
     settings.start_speed = config.text("odometry", "start_speed").value();
+  }
+  else if (const auto contradiction = findWheelContradiction(rawlog, input, config))
+  {
+    settings.chosen.warnings.push_back(warningOf(*contradiction));
   }
   return settings;
 }

@@ -31,8 +31,9 @@ struct RosScanTopic
 
 /** Makes scans of `sensor_msgs/PointCloud2` and Livox's `CustomMsg`, ROS 1 or ROS 2.
  *
- * The stamp is the header's; the time of recording for points without one. Every point is kept in
- * its order. Names and units of the drivers' fields are recognised in the first scan:
+ * The stamp is the header's; the time of recording for points without one (a stamp of zero, unless
+ * the clock of the headers begins there). Every point is kept in its order. Names and units of the
+ * drivers' fields are recognised in the first scan:
  *
  * | driver | time | ring |
  * |---|---|---|
@@ -47,6 +48,9 @@ struct RosScanTopic
 class RosScanDecoder
 {
  public:
+  /** \param begins_at_zero whether a stamp of zero is one: clockBeginsAtZero() */
+  explicit RosScanDecoder(bool begins_at_zero = false) : begins_at_zero_(begins_at_zero) {}
+
   /** Whether decode() supports the type of a topic. */
   [[nodiscard]] static bool reads(const BagTopic& topic);
 
@@ -70,6 +74,7 @@ class RosScanDecoder
                  const BagTopic& topic,
                  const BagMessage& message,
                  std::size_t points);
+  void checkFrame(const RosHeader& header, const BagTopic& topic);
   static const PointField* timeField(const Cloud2& cloud);
   static const PointField* ringField(const Cloud2& cloud);
   void fillIntensity(const Cloud2& cloud, Scan& scan);
@@ -77,15 +82,24 @@ class RosScanDecoder
   void fillRings(const Cloud2& cloud, Scan& scan);
 
   FieldConventions conventions_;
+  bool begins_at_zero_ = false;
   bool first_ = true;
+  std::string frame_;  //!< of the first header that names one
+  bool frame_changed_ = false;
 };
+
+/** Whether a topic's headers have the clock of a simulator, which begins at zero: the first stamp
+ * that is not zero, of its first 20 messages, is at most a minute.
+ * \pre its messages begin with a header */
+[[nodiscard]] bool clockBeginsAtZero(Bag& bag, std::size_t topic);
 
 /** Topics of scans that have messages, the most likely lidar first: those with times or rings
  * of the points, then packets, then other clouds; then by bytes and messages. Reads the bag up to
  * the first message with points of each, or to its 20th. */
 [[nodiscard]] std::vector<RosScanTopic> scanTopics(Bag& bag);
 /** A line for each frame of the scans that `/tf_static` places in base_link, or in the root of its
- * transforms: "--sensor-pose 'x y z yaw pitch roll'  (frame in parent, /tf_static)" [m, deg]. */
+ * transforms: "--sensor-pose 'x y z yaw pitch roll'  (frame in parent, /tf_static)" [m, deg]; or
+ * which, with constantTransforms(), `/tf` places in base_link. */
 [[nodiscard]] std::string sensorPosesOf(Bag& bag, const std::vector<RosScanTopic>& scans);
 
 /** Name of a frame without a slash before it: drivers of ROS 1 put one there, and tf2 ignores it.
@@ -116,6 +130,10 @@ using RosTransforms = std::map<std::string, RosPose>;  //!< transforms by child 
 /** The transforms of `/tf_static` or, in a bag without it, of the only topic of that name in a
  * namespace (`/robot/tf_static`); for a damaged bag those before the damage. */
 [[nodiscard]] RosTransforms staticTransforms(Bag& bag);
+/** The transforms of `/tf` that are the same in all messages of its first 10 s (at most 2000):
+ * those of ROS 1's static_transform_publisher (package tf), which repeats them there, but also
+ * those of joints that rest at first; for a damaged bag those before the damage. */
+[[nodiscard]] RosTransforms constantTransforms(Bag& bag);
 /** Transform T_a_b between two frames; nothing if the transforms do not connect them. */
 [[nodiscard]] std::optional<Pose> transformBetween(const RosTransforms& transforms,
                                                    const std::string& a,
@@ -127,6 +145,10 @@ using RosTransforms = std::map<std::string, RosPose>;  //!< transforms by child 
  * their points are, of Ouster's packets.
  * \pre its messages begin with a header, or are such packets. */
 [[nodiscard]] std::string frameOfTopic(Bag& bag, std::size_t topic);
+
+/** Stamp of the header of a message; nothing if that is zero. \pre the message begins with a header
+ * \throws UserError naming the message, if it is damaged. */
+[[nodiscard]] std::optional<double> headerStampOf(const BagTopic& topic, const BagMessage& message);
 
 /** A sample of an IMU, in the sensor's axes. */
 struct RosImu

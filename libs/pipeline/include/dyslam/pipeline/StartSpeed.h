@@ -72,6 +72,33 @@ using NextScan = std::function<std::optional<Frame>()>;
 [[nodiscard]] std::optional<double> findStartSpeed(const std::vector<Frame>& frames,
                                                    const Config& config);
 
+/** Two speeds in the first second of a recording that contradict each other. */
+struct SpeedContradiction
+{
+  double by_wheels = 0;  //!< forward speed by the wheels [m/s]
+  double by_scans = 0;   //!< forward speed by the registration without wheels [m/s]
+};
+
+/** Compares the speed of the wheels, with which the odometry begins, with that of the scans.
+ *
+ * A speed in a wrong unit is not noticed later: the local map is built with it, and the next scans
+ * are registered where it predicts them. The first `start.scans` scans are therefore registered
+ * without the wheels, and with them.
+ * \param next called for the first `start.scans` scans
+ * \param config config of the run
+ * \return the speeds at the last of these scans, if they differ by more than 0.5 m/s and 30 %, the
+ *   registration without wheels converges to its speed from 5 m/s slower and faster, and its scans
+ *   fit together clearly better than with the wheels; nothing otherwise, if wheels do not measure
+ *   the speed at the first scan, and if no start speed is searched for (`start.search`)
+ * \throws UserError for bad options */
+[[nodiscard]] std::optional<SpeedContradiction> findWheelContradiction(const NextScan& next,
+                                                                       const Config& config);
+/** The same for scans that are there already. */
+[[nodiscard]] std::optional<SpeedContradiction> findWheelContradiction(
+    const std::vector<Frame>& frames, const Config& config);
+/** The warning about it, one sentence. */
+[[nodiscard]] std::string warningOf(const SpeedContradiction& contradiction);
+
 /** Sets the speed at the start of a run: `odometry.start_speed`, rounded to 0.1 m/s, with
  * `start.sigma` as its standard deviation.
  * \param speed speed at the first scan [m/s] \throws UserError for a bad `start.sigma`. */

@@ -12,6 +12,7 @@ namespace dyslam
 {
 struct RawlogSourceOptions;
 struct SlamRunSettings;
+struct SpeedContradiction;
 
 /** The settings that were chosen for a recording, with its sensor. */
 struct RecordingSettings : ChosenSettings
@@ -41,8 +42,13 @@ struct RunSettings : RecordingSettings
                                                    const RawlogSourceOptions& input,
                                                    const Config& config);
 
+/** findWheelContradiction() for the first scans of a rawlog. */
+[[nodiscard]] std::optional<SpeedContradiction> findWheelContradiction(
+    const std::string& rawlog, const RawlogSourceOptions& input, const Config& config);
+
 /** Chooses the settings of a run, as `dyslam` does: settingsForRecording(), then the speed of a
- * recording that begins in motion. Starts loading the networks that they need.
+ * recording that begins in motion; warns if wheels contradict it. Starts loading the networks that
+ * they need.
  * \throws UserError for bad settings, and if the rawlog has no scan. */
 [[nodiscard]] RunSettings chooseRunSettings(const std::string& rawlog, const GivenSettings& given);
 
