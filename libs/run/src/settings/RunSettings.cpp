@@ -93,7 +93,7 @@ RunSettings chooseRunSettings(const std::string& rawlog, const GivenSettings& gi
   }
   else if (const auto contradiction = findWheelContradiction(rawlog, input, config))
   {
-    settings.chosen.warnings.push_back(warningOf(*contradiction));
+    settings.warnings.push_back(warningOf(*contradiction));
   }
   return settings;
 }
