@@ -109,8 +109,8 @@ TEST(Settings, AnIniForOtherSensorsIsAWarning)
 TEST(Settings, InisOfOtherProgramsAreRefused)
 {
   const TestFolder folder;
-  for (const std::string name : {"train_dylo.ini", "train_dyseg.ini", "train_dyseg_simulated.ini",
-                                 "splits.ini", "kitti_mot.ini"})
+  for (const std::string name : {"train_dylo.ini", "train_dylo_simulated.ini", "train_dyseg.ini",
+                                 "train_dyseg_simulated.ini", "splits.ini", "kitti_mot.ini"})
   {
     const Outcome outcome = slam(folder, "run", "-c " + name);
     EXPECT_EQ(1, outcome.code);

@@ -133,7 +133,7 @@ TEST_F(SharedFiles, OnlyInisOfTheProgramAreListed)
   EXPECT_EQ(start + "handheld.ini, kitti64.ini, paper64.ini, solid_state.ini, vlp16.ini",
             listed("dyslam"));
   EXPECT_EQ(start + "kitti_mot.ini", listed("dyslam-eval"));
-  EXPECT_EQ(start + "train_dylo.ini", listed("dyslam-train dylo"));
+  EXPECT_EQ(start + "train_dylo.ini, train_dylo_simulated.ini", listed("dyslam-train dylo"));
   EXPECT_EQ(start + "train_dyseg.ini, train_dyseg_simulated.ini", listed("dyslam-train dyseg"));
   EXPECT_EQ(start + "splits.ini", listed("dyslam-train splits"));
 }

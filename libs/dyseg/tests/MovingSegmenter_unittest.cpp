@@ -5,6 +5,7 @@
 #include <dyslam/dyseg/MovingSegmenter.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <limits>
 #include <random>
 
@@ -14,7 +15,8 @@ namespace
 {
 constexpr float sensor_height = 1.8F;
 
-/** Ground, two walls and a car-sized box at `x` ahead on the left, seen from a standing sensor. */
+/** Ground, two walls, trees before them, and a car-sized box at `x` ahead on the left, seen from a
+ * standing sensor. Without the trees the box alone would show the motion along the walls. */
 Frame streetWith(float x, std::size_t index, unsigned seed)
 {
   std::mt19937 random(seed);
@@ -35,6 +37,17 @@ Frame streetWith(float x, std::size_t index, unsigned seed)
     {
       put(a, 8, h);
       put(a, -8, h);
+    }
+  }
+  for (const float tree : {-21.F, -12.5F, -7.F, 3.F, 9.5F, 19.F})
+  {
+    const float side = tree < -10 || tree > 5 ? 6.5F : -6.5F;
+    for (float h = 0.2F; h < 4; h += 0.1F)
+    {
+      for (float angle = 0; angle < 6.2F; angle += 0.6F)
+      {
+        put(tree + 0.2F * std::cos(angle), side + 0.2F * std::sin(angle), h);
+      }
     }
   }
   for (float h = 0.2F; h < 1.5F; h += 0.05F)
