@@ -120,6 +120,18 @@ class SemanticKitti : public ::testing::Test
     return options;
   }
 
+  /** Validation on the last frame of sequence 00 alone. */
+  [[nodiscard]] DysegTrainerOptions optionsForValidation() const
+  {
+    DysegTrainerOptions options = optionsFor("");
+    options.boxed_validation.clear();
+    options.labelled_validation = "00";
+    options.labelled_poses = "poses.txt";
+    options.labelled_calib = "calib.txt";
+    options.labelled_validation_first = options.labelled_validation_last = 11;
+    return options;
+  }
+
   static std::string messageOf(const std::function<void()>& call)
   {
     try
@@ -207,12 +219,7 @@ TEST_F(SemanticKitti, WhatIsMissingIsNamedBeforeTheTraining)
 
 TEST_F(SemanticKitti, ValidationLeavesOutNearReturns)
 {
-  DysegTrainerOptions options = optionsFor("");
-  options.boxed_validation.clear();
-  options.labelled_validation = "00";
-  options.labelled_poses = "poses.txt";
-  options.labelled_calib = "calib.txt";
-  options.labelled_validation_first = options.labelled_validation_last = 11;
+  DysegTrainerOptions options = optionsForValidation();
   options.validation_min_range = 10;  // the nearest points of the house are at 8.5 m
   const DysegSample pair = makeDysegValidation(options).back().samples.at(0);
   const DysegSample all = load(10, 11).sample(1, 0);
@@ -230,12 +237,7 @@ TEST_F(SemanticKitti, ValidationLeavesOutNearReturns)
 
 TEST_F(SemanticKitti, ValidationIsDeskewedIfAsked)
 {
-  DysegTrainerOptions options = optionsFor("");
-  options.boxed_validation.clear();
-  options.labelled_validation = "00";
-  options.labelled_poses = "poses.txt";
-  options.labelled_calib = "calib.txt";
-  options.labelled_validation_first = options.labelled_validation_last = 11;
+  DysegTrainerOptions options = optionsForValidation();
   options.validation_min_range = 0;
   options.labelled_deskew = true;
   const auto recorded = load(10, 11).points(1);

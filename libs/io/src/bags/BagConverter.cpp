@@ -55,6 +55,7 @@ void warnOfMapFrame(const std::string& topic, const std::string& frame, ScanSink
               "the lidar; choose its topic (--topic)");
   }
 }
+
 /** Warns of wheel odometry that is the result of another SLAM, or of an earlier run. */
 void warnOfMapOdometry(Bag& bag, const std::string& odometry_topic, ScanSink& sink)
 {
