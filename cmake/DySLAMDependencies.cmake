@@ -21,7 +21,7 @@ message(STATUS "Networks (libtorch and OpenMP): ${DYSLAM_HAVE_TORCH}")
 
 if(NOT DYSLAM_TRAIN_ONLY)
   find_package(MRPT 2.5.8 REQUIRED COMPONENTS core config io math poses serialization system obs maps graphs topography opengl
-    graphslam)
+    gui graphslam)
   find_package(Ceres 2.1 REQUIRED)
   find_package(PCL 1.13 REQUIRED COMPONENTS common kdtree search registration)
   find_package(OpenCV 4 REQUIRED COMPONENTS core imgproc imgcodecs)

@@ -2,15 +2,22 @@
 #include <dyslam/base/Heap.h>
 #include <dyslam/run/RunSlam.h>
 
+#include <optional>
+
 #include "../common/AppMain.h"
 #include "../common/ConversionFlags.h"
 #include "../common/OutputOptions.h"
 #include "../common/SlamProgram.h"
+#include "../common/StopSignals.h"
 #include "InputConversion.h"
+#include "LiveWindow.h"
 
 namespace
 {
-void declare(CLI::App& app, dyslam::SlamArguments& a, dyslam::RecordingOptions& conversion)
+void declare(CLI::App& app,
+             dyslam::SlamArguments& a,
+             dyslam::RecordingOptions& conversion,
+             bool& with_window)
 {
   app.description("Replays a recording of 3D LiDAR scans: trajectory, moving objects, static map");
   app.add_option(
@@ -22,8 +29,29 @@ void declare(CLI::App& app, dyslam::SlamArguments& a, dyslam::RecordingOptions& 
   app.add_flag("--resume", a.resume,
                "resume the stopped or killed run in --output from its last checkpoint "
                "(output.checkpoint_seconds); --input only if the rawlog has been moved");
+  app.add_flag(
+      "--window", with_window,
+      "show scans, moving objects and map in a window while the run goes on; it stays open "
+      "until you close it");
   dyslam::declareSlamArguments(app, a);
   dyslam::declareConversion(app, conversion);
+}
+
+/** Converts and runs the input. \throws UserError, UnusableResult. */
+void run(dyslam::SlamArguments& a, const dyslam::RecordingOptions& conversion, bool with_window)
+{
+  std::optional<dyslam::LiveWindow> window;
+  if (with_window)
+  {
+    window.emplace();  // first, so that a missing display is told before the conversion
+    a.settings.show = [&window](const dyslam::Frame& frame) { window->show(frame); };
+  }
+  dyslam::convertInput(a, conversion);
+  dyslam::runSlamProgram("dyslam", a, a.resume ? dyslam::resumeSlam : dyslam::runSlam);
+  if (window)
+  {
+    window->waitUntilClosed([] { return dyslam::stop_asked.load(); });
+  }
 }
 }  // namespace
 
@@ -32,11 +60,8 @@ int main(int argc, char** argv)
   dyslam::tuneHeap();
   dyslam::SlamArguments a;
   dyslam::RecordingOptions conversion;
+  bool with_window = false;
   return dyslam::runApp(
-      argc, argv, [&](CLI::App& app) { declare(app, a, conversion); },
-      [&]
-      {
-        dyslam::convertInput(a, conversion);
-        dyslam::runSlamProgram("dyslam", a, a.resume ? dyslam::resumeSlam : dyslam::runSlam);
-      });
+      argc, argv, [&](CLI::App& app) { declare(app, a, conversion, with_window); },
+      [&] { run(a, conversion, with_window); });
 }

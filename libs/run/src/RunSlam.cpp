@@ -118,6 +118,10 @@ bool replay(const SlamRunSettings& settings,
   {
     const std::size_t index = frame->index;
     run.pipeline().runBackEnd(*frame);
+    if (settings.show)
+    {
+      settings.show(*frame);
+    }
     run.add(std::move(*frame));
     if (auto begun = checkpoints.take(index))
     {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "SceneParts.h"
 
+#include <dyslam/base/Printable.h>
 #include <dyslam/base/Quantile.h>
 #include <dyslam/mrpt/Conversions.h>
 #include <mrpt/core/bits_math.h>
@@ -24,25 +25,6 @@ namespace
 std::uint8_t toByte(float v)
 {
   return static_cast<std::uint8_t>(std::lround(std::clamp(v, 0.0F, 255.0F)));
-}
-
-/** Heights that frame all but the outermost points. */
-std::pair<float, float> heightRange(const std::vector<Eigen::Vector3f>& points)
-{
-  std::vector<float> heights;
-  for (const auto& p : points)
-  {
-    if (p.allFinite())
-    {
-      heights.push_back(p.z());
-    }
-  }
-  if (heights.empty())
-  {
-    return {0, 1};
-  }
-  const float low = quantile(heights, 0.02);
-  return {low, std::max(quantile(heights, 0.98), low + 1.0F)};
 }
 
 /** Is filled at once: MRPT's push_back() takes a lock and tells all viewers for every point. It is
@@ -93,13 +75,38 @@ TColor objectColour(int id)
   return TColor(c[0], c[1], c[2]);
 }
 
+HeightRange heightRange(const std::vector<Eigen::Vector3f>& points)
+{
+  std::vector<float> heights;
+  for (const auto& p : points)
+  {
+    if (p.allFinite())
+    {
+      heights.push_back(p.z());
+    }
+  }
+  if (heights.empty())
+  {
+    return {};
+  }
+  const float low = quantile(heights, 0.02);
+  return {low, std::max(quantile(heights, 0.98), low + 1.0F)};
+}
+
 mrpt::opengl::CPointCloudColoured::Ptr heightColoured(const std::vector<Eigen::Vector3f>& points,
                                                       const std::vector<float>& intensity,
                                                       float point_size)
 {
+  return heightColoured(points, intensity, heightRange(points), point_size);
+}
+
+mrpt::opengl::CPointCloudColoured::Ptr heightColoured(const std::vector<Eigen::Vector3f>& points,
+                                                      const std::vector<float>& intensity,
+                                                      const HeightRange& range,
+                                                      float point_size)
+{
   const auto cloud = std::make_shared<FilledPoints>(points.size());
   cloud->setPointSize(point_size);
-  const auto [low, high] = heightRange(points);
   const bool has_intensity = intensity.size() == points.size();
   for (std::size_t i = 0; i < points.size(); ++i)
   {
@@ -108,7 +115,7 @@ mrpt::opengl::CPointCloudColoured::Ptr heightColoured(const std::vector<Eigen::V
     {
       continue;
     }
-    const TColor colour = rampColour((p.z() - low) / (high - low));
+    const TColor colour = rampColour((p.z() - range.low) / (range.high - range.low));
     const float lit = has_intensity ? 0.65F + 0.6F * std::clamp(intensity[i], 0.0F, 1.0F) : 1.0F;
     const auto part = [lit](std::uint8_t c)
     { return mrpt::f2u8(static_cast<float>(toByte(lit * static_cast<float>(c))) / 255.0F); };
@@ -191,6 +198,20 @@ mrpt::opengl::CRenderizable::Ptr velocityArrow(const Eigen::Vector3d& at,
                                             f(tip.z()), 0.25F, 0.06F, 0.2F);
   shape->setColor_u8(colour);
   return shape;
+}
+
+void insertObject(mrpt::opengl::COpenGLScene& scene, const TrackedObject& object, const Pose& T)
+{
+  const TColor colour = object.dynamic ? objectColour(object.id) : TColor(150, 150, 150);
+  scene.insert(wireBox(object.box, T, colour));
+  const Eigen::Vector3d top = object.box.centre + Eigen::Vector3d(0, 0, 0.5 * object.box.size.z());
+  const std::string label = formatted("%s %d: %.1f m/s", toString(object.object_class).c_str(),
+                                      object.id, object.velocity.norm());
+  scene.insert(textAt(label, T * (top + Eigen::Vector3d(0, 0, 0.4)), colour));
+  if (const auto shape = velocityArrow(T * top, T.linear() * object.velocity, colour))
+  {
+    scene.insert(shape);
+  }
 }
 
 mrpt::opengl::CRenderizable::Ptr polyline(const std::vector<Eigen::Vector3d>& points,

@@ -4,6 +4,7 @@
 #include <dyslam/core/Objects.h>
 #include <dyslam/core/Pose.h>
 #include <mrpt/img/TColor.h>
+#include <mrpt/opengl/COpenGLScene.h>
 #include <mrpt/opengl/CPointCloudColoured.h>
 #include <mrpt/opengl/CRenderizable.h>
 
@@ -18,11 +19,27 @@ namespace dyslam
 /** One of eight colours that are easy to tell apart, by an object's id. */
 [[nodiscard]] mrpt::img::TColor objectColour(int id);
 
+struct HeightRange
+{
+  float low = 0;   //!< [m]
+  float high = 1;  //!< [m], above `low`
+};
+
+/** Heights that frame all but the outermost points: their 2nd and 98th percentile, at least 1 m
+ * apart. */
+[[nodiscard]] HeightRange heightRange(const std::vector<Eigen::Vector3f>& points);
+
 /** Points coloured by height between the 2nd and the 98th percentile, brightness by intensity (may
  * be empty). */
 [[nodiscard]] mrpt::opengl::CPointCloudColoured::Ptr heightColoured(
     const std::vector<Eigen::Vector3f>& points,
     const std::vector<float>& intensity,
+    float point_size);
+/** As above, with the colours from `low` to `high` [m]. */
+[[nodiscard]] mrpt::opengl::CPointCloudColoured::Ptr heightColoured(
+    const std::vector<Eigen::Vector3f>& points,
+    const std::vector<float>& intensity,
+    const HeightRange& range,
     float point_size);
 [[nodiscard]] mrpt::opengl::CPointCloudColoured::Ptr plainColoured(
     const std::vector<Eigen::Vector3f>& points, const mrpt::img::TColor& colour, float point_size);
@@ -38,6 +55,9 @@ namespace dyslam
 [[nodiscard]] mrpt::opengl::CRenderizable::Ptr velocityArrow(const Eigen::Vector3d& at,
                                                              const Eigen::Vector3d& velocity,
                                                              const mrpt::img::TColor& colour);
+/** Box, label (class, id, speed) and velocity of a tracked object, grey unless it is dynamic.
+ * \param T takes the object's frame to the scene's. */
+void insertObject(mrpt::opengl::COpenGLScene& scene, const TrackedObject& object, const Pose& T);
 /** A line through points; null for fewer than two. */
 [[nodiscard]] mrpt::opengl::CRenderizable::Ptr polyline(const std::vector<Eigen::Vector3d>& points,
                                                         const mrpt::img::TColor& colour,

@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <dyslam/base/Printable.h>
 #include <dyslam/base/StateArchive.h>
 #include <dyslam/core/VoxelGrid.h>
 #include <dyslam/io/GzOutput.h>
@@ -102,28 +101,6 @@ mrpt::maps::CPointsMapXYZI::Ptr pointsMap(const Part& part)
     map->setPointColor_fast(i, part.intensity[i], 0, 0);
   }
   return map;
-}
-
-std::string labelOf(const TrackedObject& object)
-{
-  return formatted("%s %d: %.1f m/s", toString(object.object_class).c_str(), object.id,
-                   object.velocity.norm());
-}
-
-void insertObject(mrpt::opengl::COpenGLScene& scene,
-                  const TrackedObject& object,
-                  const Pose& T_vehicle_odom)
-{
-  const TColor colour = object.dynamic ? objectColour(object.id) : TColor(150, 150, 150);
-  scene.insert(wireBox(object.box, T_vehicle_odom, colour));
-  const Eigen::Vector3d top = object.box.centre + Eigen::Vector3d(0, 0, 0.5 * object.box.size.z());
-  scene.insert(
-      textAt(labelOf(object), T_vehicle_odom * (top + Eigen::Vector3d(0, 0, 0.4)), colour));
-  if (const auto shape =
-          velocityArrow(T_vehicle_odom * top, T_vehicle_odom.linear() * object.velocity, colour))
-  {
-    scene.insert(shape);
-  }
 }
 }  // namespace
 

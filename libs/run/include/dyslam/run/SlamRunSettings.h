@@ -9,6 +9,8 @@
 
 namespace dyslam
 {
+struct Frame;
+
 /** Settings of one run that are not in the config. */
 struct SlamRunSettings
 {
@@ -24,6 +26,9 @@ struct SlamRunSettings
   bool labels = false;         //!< write labels/NNNNNN.label, one entry per point of the input scan
   std::string profile_csv;     //!< times of every stage, if not empty
   double first_pass_time = 0;  //!< time of an earlier pass, part of the run's time [s]
+  /** Receives every frame of the causal pipeline after its last stage, in order; called from the
+   * thread of the run, which waits for it. */
+  std::function<void(const Frame&)> show;
   /** Called before the output folder is opened (true: the folder is not changed) and after every
    * scan (true: the run ends after the few scans that are being processed). */
   std::function<bool()> stop;
