@@ -79,21 +79,23 @@ struct SlamRun::Impl
         input(config.get<RawlogSourceOptions>("input")),
         pipeline(config, times.stages(), settings.output_folder),
         history(pipeline.backend().keyframes().memory().part(history_share)),
-        outputs(settings, config)
+        objects(pipeline.hasSecondTracking() ? FrameKind::final : FrameKind::causal),
+        outputs(settings, config, objects)
   {
     times.beginEarlier(settings.first_pass_time);
     config.requireAllUsed();
-    const FrameParts parts = outputs.chooseFrames(pipeline.tracksWithHindsight());
-    if (pipeline.tracksWithHindsight() || parts != FrameParts::none)
-    {
-      pipeline.onFinal([this](Frame frame) { addFinal(std::move(frame)); }, parts);
-    }
+    const FrameParts for_history =
+        objects == FrameKind::final ? FrameParts::points : FrameParts::none;
+    pipeline.onFinal([this](Frame frame) { add(FrameKind::final, std::move(frame)); },
+                     std::max(for_history, outputs.finalParts()));
   }
 
   /** The settings of a run with those given, which ends before it begins. */
   [[nodiscard]] static Config effective(const Config& config);
 
-  void addFinal(Frame frame);
+  /** Adds a frame to statistics and history, and passes it to the outputs. \pre a final frame with
+   * the objects of the results comes after the causal frame of its scan */
+  void add(FrameKind kind, Frame frame);
   [[nodiscard]] RunData data() const { return {pipeline, history, statistics, times}; }
 
   RunTimes times;
@@ -103,17 +105,24 @@ struct SlamRun::Impl
   RawlogSourceOptions input;
   Pipeline pipeline;
   RunHistory history;
+  FrameKind objects;  //!< the frames that have the objects of the results
   RunOutputs outputs;
   RunStatistics statistics;
 };
 
-void SlamRun::Impl::addFinal(Frame frame)
+void SlamRun::Impl::add(FrameKind kind, Frame frame)
 {
-  if (pipeline.tracksWithHindsight())
+  if (kind == FrameKind::causal)
   {
-    history.addObjects(frame.index, frame.objects, TrackLife::whole);
+    statistics.add(frame);
+    history.addScan(frame);
   }
-  outputs.addFinal(std::move(frame));
+  if (kind == objects)
+  {
+    const TrackLife life = kind == FrameKind::final ? TrackLife::whole : TrackLife::reported;
+    history.addObjects(frame.index, frame.objects, life);
+  }
+  outputs.add(kind, std::move(frame));
 }
 
 SlamRun::SlamRun(const SlamRunSettings& settings) : impl_(std::make_unique<Impl>(settings)) {}
@@ -232,13 +241,7 @@ void SlamRun::resume(RunToResume& saved)
 
 void SlamRun::add(Frame frame)
 {
-  impl_->statistics.add(frame);
-  impl_->history.addScan(frame);
-  if (!impl_->pipeline.tracksWithHindsight())
-  {
-    impl_->history.addObjects(frame.index, frame.objects, TrackLife::reported);
-  }
-  impl_->outputs.add(std::move(frame));
+  impl_->add(FrameKind::causal, std::move(frame));
 }
 
 std::size_t SlamRun::frames() const

@@ -16,7 +16,7 @@
 #include <utility>
 
 #include "ReportedObjects.h"
-#include "TrackHindsight.h"
+#include "SmoothedTracks.h"
 
 namespace dyslam
 {
@@ -135,8 +135,8 @@ void ResultsBuilder::setObjects(const RunData& run, RunResults& results) const
   {
     smoothing.merge_overlap = 1;  // in the graph every track is an object
   }
-  TracksInHindsight of_tracks =
-      smoothReported(run.history, results.trajectory, smoothing, complete_boxes_);
+  SmoothedTracks of_tracks =
+      smoothTracks(run.history, results.trajectory, smoothing, complete_boxes_);
   results.merged_tracks = std::move(of_tracks.merged);
   std::set_union(of_graph.begin(), of_graph.end(), of_tracks.objects.begin(),
                  of_tracks.objects.end(), std::back_inserter(results.objects),
