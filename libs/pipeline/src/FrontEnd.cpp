@@ -82,6 +82,11 @@ struct FrontEnd::Stages
   /** Starts preparing and encoding the next scan in ahead_thread, if it may be encoded ahead.
    * \param next see FrontEnd::process() */
   void beginAhead(const Frame* next);
+  /** Sets the frame's cloud to the one that was encoded with the deskewing of sweep_ahead (now, if
+   * beginAhead() was not called for it), and deskews it again by `predicted`. \return the encoding
+   * \pre sweep_ahead is set */
+  [[nodiscard]] std::shared_ptr<const EncodedCloud> takeAhead(const SweepPrediction& predicted,
+                                                              Frame& frame);
   /** Sets the frame's cloud, without the labelled points. \return it as the segmenter encodes it;
    * null if it does not */
   [[nodiscard]] std::shared_ptr<const EncodedCloud> preprocess(Frame& frame,
@@ -174,6 +179,16 @@ void FrontEnd::Stages::beginAhead(const Frame* next)
   }
 }
 
+std::shared_ptr<const EncodedCloud> FrontEnd::Stages::takeAhead(const SweepPrediction& predicted,
+                                                                Frame& frame)
+{
+  EncodedScan scan = ahead.valid() ? ahead.get() : encodeAhead(frame.scan, *sweep_ahead);
+  frame.cloud = std::move(scan.cloud);
+  const CTimeLoggerEntry timed(times, "preprocess");
+  redeskew(predicted.T_previous_current, frame.dt, pool, frame.cloud);
+  return std::move(scan.encoded);
+}
+
 std::shared_ptr<const EncodedCloud> FrontEnd::Stages::preprocess(Frame& frame,
                                                                  LabelledPoints& labelled)
 {
@@ -181,11 +196,7 @@ std::shared_ptr<const EncodedCloud> FrontEnd::Stages::preprocess(Frame& frame,
   std::shared_ptr<const EncodedCloud> encoded;
   if (sweep_ahead)
   {
-    EncodedScan scan = ahead.valid() ? ahead.get() : encodeAhead(frame.scan, *sweep_ahead);
-    frame.cloud = std::move(scan.cloud);
-    encoded = std::move(scan.encoded);
-    const CTimeLoggerEntry timed(times, "preprocess");
-    redeskew(predicted.T_previous_current, frame.dt, pool, frame.cloud);
+    encoded = takeAhead(predicted, frame);
   }
   else
   {

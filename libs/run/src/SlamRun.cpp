@@ -96,6 +96,10 @@ struct SlamRun::Impl
   /** Adds a frame to statistics and history, and passes it to the outputs. \pre a final frame with
    * the objects of the results comes after the causal frame of its scan */
   void add(FrameKind kind, Frame frame);
+  /** Saves StatePart::run. \param scans those processed so far */
+  void saveRun(const ScanSum& scans, StateArchive& archive);
+  /** Saves or loads StatePart::back_end. */
+  void exchangeBackEndState(StateArchive& archive);
   [[nodiscard]] RunData data() const { return {pipeline, history, statistics, times}; }
 
   RunTimes times;
@@ -123,6 +127,18 @@ void SlamRun::Impl::add(FrameKind kind, Frame frame)
     history.addObjects(frame.index, frame.objects, life);
   }
   outputs.add(kind, std::move(frame));
+}
+
+void SlamRun::Impl::saveRun(const ScanSum& scans, StateArchive& archive)
+{
+  SavedRun run = savedRunOf(settings, config.effective(), scans, times.seconds());
+  archive(run);
+}
+
+void SlamRun::Impl::exchangeBackEndState(StateArchive& archive)
+{
+  pipeline.exchangeBackEndState(archive);
+  archive(statistics, history);
 }
 
 SlamRun::SlamRun(const SlamRunSettings& settings) : impl_(std::make_unique<Impl>(settings)) {}
@@ -202,20 +218,9 @@ void SlamRun::checkpoint(const BegunCheckpoint& begun)
   m.outputs.checkpoint(
       [&](StateFileWriter& state)
       {
-        state.add(
-            [&](StateArchive& archive)
-            {
-              SavedRun run =
-                  savedRunOf(m.settings, m.config.effective(), begun.scans, m.times.seconds());
-              archive(run);
-            });
+        state.add([&](StateArchive& archive) { m.saveRun(begun.scans, archive); });
         state.add(begun.front_end);
-        state.add(
-            [&](StateArchive& archive)
-            {
-              m.pipeline.exchangeBackEndState(archive);
-              archive(m.statistics, m.history);
-            });
+        state.add([&](StateArchive& archive) { m.exchangeBackEndState(archive); });
       },
       m.results.soFar(m.data(), begun.method), begun.is_last);
 }
@@ -227,12 +232,7 @@ void SlamRun::resume(RunToResume& saved)
   requireProfileWritable(m.settings);
   saved.load(StatePart::front_end,
              [&](StateArchive& archive) { m.pipeline.exchangeFrontEndState(archive); });
-  saved.load(StatePart::back_end,
-             [&](StateArchive& archive)
-             {
-               m.pipeline.exchangeBackEndState(archive);
-               archive(m.statistics, m.history);
-             });
+  saved.load(StatePart::back_end, [&](StateArchive& archive) { m.exchangeBackEndState(archive); });
   m.times.leaveOut(m.statistics.frames);
   m.times.beginEarlier(saved.run.seconds);
   m.settings.first_pass_time = saved.run.first_pass_time;
