@@ -10,6 +10,7 @@
 
 #include <algorithm>
 #include <memory>
+#include <stdexcept>
 #include <utility>
 #include <vector>
 
@@ -61,6 +62,10 @@ FinalFrames::FinalFrames(ConfigLoader& config,
 
 void FinalFrames::onFinal(std::function<void(Frame)> receive, FrameParts parts)
 {
+  if (has_begun_)
+  {
+    throw std::logic_error("Pipeline::onFinal: the receiver is set after the first frame");
+  }
   const bool is_wanted = parts != FrameParts::none;
   receiver_ = is_wanted ? std::move(receive) : nullptr;
   receiver_parts_ = parts;
@@ -68,6 +73,7 @@ void FinalFrames::onFinal(std::function<void(Frame)> receive, FrameParts parts)
 
 void FinalFrames::add(const Frame& causal)
 {
+  has_begun_ = true;
   if (first_)
   {
     if (causal.motion.registered())

@@ -88,6 +88,7 @@ class FinalFrames
   StaticMap map_;
   std::optional<HindsightLabels> hindsight_labels_;
   std::optional<ObjectTracking> second_tracking_;  //!< only with hindsight_labels_
+  bool has_begun_ = false;                         //!< there was a frame
   std::optional<Frame> first_;           //!< first frame, until the second one's motion deskews it
   std::function<void(Frame)> receiver_;  //!< empty: nobody receives final frames
   FrameParts receiver_parts_ = FrameParts::none;  //!< parts of a frame that receiver_ needs

@@ -7,7 +7,9 @@
 #include <mrpt/system/CTimeLogger.h>
 
 #include <cstddef>
+#include <stdexcept>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace dyslam
@@ -164,6 +166,15 @@ TEST(FinalFrames, AReceiverThatNeedsNoPartsIsNotCalled)
     }
     EXPECT_EQ(run.finish(), Numbers());
   }
+}
+
+TEST(FinalFrames, TheReceiverIsSetBeforeTheFirstFrame)
+{
+  FinalRun run({});
+  run.receive(FrameParts::all);
+  run.receive(FrameParts::points);
+  (void)run.add();
+  EXPECT_THROW(run.receive(FrameParts::points), std::logic_error);
 }
 
 TEST(FinalFrames, ASecondTrackingNeedsLabelsWithHindsightAndObjectsOfItsOwn)

@@ -99,14 +99,14 @@ class Pipeline
    * final frame of a scan (but the first) comes while its causal frame is still being processed.
    * The receiver may keep the frame.
    *
-   * To be called before the first frame, or never: later calls miss frames and parts.
    * \param parts parts of a frame that the receiver needs; it may get more. They are held in memory
-   *   for `labels.window` scans. `none`: the receiver is not called */
+   *   for `labels.window` scans. `none`: the receiver is not called
+   * \throws std::logic_error after the first frame, of which no such copy was made */
   void onFinal(std::function<void(Frame)> receive, FrameParts parts);
   /** Whether the objects of final frames are those of a second tracking
    * (`pipeline.hindsight_tracking`), with ids of their own; if not, they are those of
-   * trackObjects(). False without `labels.hindsight`, with boxes of another program, and if objects
-   * are in the graph, which has those of trackObjects(). */
+   * trackObjects(). False without tracking or `labels.hindsight`, with boxes of another program,
+   * and if objects are in the graph, which has those of trackObjects(). */
   [[nodiscard]] bool hasSecondTracking() const;
 
   /** To be called after the last frame: optimises once more, makes the remaining frames final, and
