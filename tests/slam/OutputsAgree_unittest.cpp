@@ -313,7 +313,7 @@ TEST_F(OutputsAgree, LabelsAndTable)
   EXPECT_GT(seen, 20U);
 }
 
-// Objects that are tracked again with hindsight are in all outputs from their first observation on.
+// Objects of the second tracking are in all outputs from their first observation on.
 TEST_F(OutputsAgree, LabelsAndTableWithHindsight)
 {
   const std::vector<Rows> table = readTable(folder_ / "hindsight" / "tracks.csv");

@@ -10,6 +10,7 @@
 
 #include <algorithm>
 #include <memory>
+#include <stdexcept>
 #include <utility>
 #include <vector>
 
@@ -50,19 +51,104 @@ FinalFrames::FinalFrames(ConfigLoader& config,
   const auto labels = config.get<HindsightOptions>("labels");
   if (labels.hindsight)
   {
-    hindsight_.emplace(labels, options_.threads);
+    hindsight_labels_.emplace(labels, options_.threads);
   }
   if (labels.hindsight && options_.hindsight_tracking && options_.tracking && !has_given_boxes &&
       !config.get<BackendOptions>("backend").hasObjects())
   {
-    tracking_again_.emplace(config, MovingLabels::hindsight);
+    second_tracking_.emplace(config, MovingLabels::hindsight);
   }
 }
 
-void FinalFrames::onFinal(std::function<void(Frame)> use, FrameParts parts)
+void FinalFrames::onFinal(std::function<void(Frame)> receive, FrameParts parts)
 {
-  on_final_ = std::move(use);
-  final_parts_ = std::max(parts, FrameParts::points);
+  if (has_begun_)
+  {
+    throw std::logic_error("Pipeline::onFinal: the receiver is set after the first frame");
+  }
+  const bool is_wanted = parts != FrameParts::none;
+  receiver_ = is_wanted ? std::move(receive) : nullptr;
+  receiver_parts_ = parts;
+}
+
+void FinalFrames::add(const Frame& causal)
+{
+  has_begun_ = true;
+  if (first_)
+  {
+    if (causal.motion.registered())
+    {
+      redeskew(causal.motion.T_previous_current, causal.dt, pool_, first_->cloud);
+    }
+    releaseFirst();
+  }
+  if (causal.dt > 0)
+  {
+    label(causal);
+  }
+  else
+  {
+    first_ = causal;
+  }
+}
+
+void FinalFrames::releaseFirst()
+{
+  if (first_)
+  {
+    label(*std::exchange(first_, std::nullopt));
+  }
+}
+
+void FinalFrames::label(const Frame& causal)
+{
+  if (!hindsight_labels_)  // then there is no second tracking either
+  {
+    insertInMap(causal);
+    if (receiver_)
+    {
+      receiver_(copyOf(causal, neededParts(causal)));
+    }
+    return;
+  }
+  std::vector<Frame> labelled;
+  {
+    const CTimeLoggerEntry timed(times_, "hindsight");
+    hindsight_labels_->add(causal, neededParts(causal),
+                           [&](Frame frame) { labelled.push_back(std::move(frame)); });
+  }
+  for (Frame& frame : labelled)
+  {
+    complete(std::move(frame));
+  }
+}
+
+FrameParts FinalFrames::neededParts(const Frame& frame) const
+{
+  const FrameParts for_tracking = second_tracking_ ? FrameParts::points : FrameParts::none;
+  const FrameParts for_map =
+      options_.mapping && frame.is_keyframe ? FrameParts::cloud : FrameParts::none;
+  return std::max({for_tracking, for_map, receiver_parts_});
+}
+
+void FinalFrames::complete(Frame labelled)
+{
+  trackAgain(labelled);
+  insertInMap(labelled);
+  if (receiver_)
+  {
+    receiver_(std::move(labelled));
+  }
+}
+
+void FinalFrames::trackAgain(Frame& labelled)
+{
+  if (second_tracking_)
+  {
+    const CTimeLoggerEntry timed(times_, "hindsight.tracking");
+    labelled.reported_before = pointsOfReported(labelled);
+    second_tracking_->update(labelled);
+  }
 }
 
 void FinalFrames::insertInMap(const Frame& final_frame)
@@ -82,95 +168,20 @@ void FinalFrames::insertInMap(const Frame& final_frame)
   }
 }
 
-void FinalFrames::handOn(Frame final_frame)
-{
-  if (tracking_again_)
-  {
-    const CTimeLoggerEntry timed(times_, "hindsight.tracking");
-    final_frame.reported_before = pointsOfReported(final_frame);
-    tracking_again_->update(final_frame);
-  }
-  insertInMap(final_frame);
-  if (on_final_)
-  {
-    on_final_(std::move(final_frame));
-  }
-}
-
-FrameParts FinalFrames::keptOf(const Frame& frame) const
-{
-  const FrameParts for_map =
-      options_.mapping && frame.is_keyframe ? FrameParts::cloud : FrameParts::none;
-  const FrameParts for_tracker = tracking_again_ ? FrameParts::points : FrameParts::none;
-  const FrameParts for_user = on_final_ ? final_parts_ : FrameParts::none;
-  return std::max({for_map, for_tracker, for_user});
-}
-
-void FinalFrames::finalise(const Frame& frame)
-{
-  if (!hindsight_)
-  {
-    insertInMap(frame);
-    if (on_final_)
-    {
-      on_final_(copyOf(frame, keptOf(frame)));
-    }
-    return;
-  }
-  std::vector<Frame> final_frames;
-  {
-    const CTimeLoggerEntry timed(times_, "hindsight");
-    hindsight_->add(frame, keptOf(frame), [&](Frame f) { final_frames.push_back(std::move(f)); });
-  }
-  for (Frame& f : final_frames)
-  {
-    handOn(std::move(f));
-  }
-}
-
-void FinalFrames::finaliseFirst()
-{
-  if (first_)
-  {
-    finalise(*std::exchange(first_, std::nullopt));
-  }
-}
-
-void FinalFrames::add(const Frame& frame)
-{
-  if (first_)
-  {
-    if (frame.motion.registered())
-    {
-      redeskew(frame.motion.T_previous_current, frame.dt, pool_, first_->cloud);
-    }
-    finaliseFirst();
-  }
-  if (frame.dt > 0)
-  {
-    finalise(frame);
-  }
-  else
-  {
-    first_ = frame;
-  }
-}
-
 void FinalFrames::finish()
 {
-  finaliseFirst();
-  if (hindsight_)
+  releaseFirst();
+  if (hindsight_labels_)
   {
     const CTimeLoggerEntry timed(times_, "hindsight.finish");
-    // The estimation has ended: a frame is passed on while the next one is labelled.
-    JobThread receiver;
-    hindsight_->finish(
+    JobThread completing;  // completes a frame while the next one is labelled
+    hindsight_labels_->finish(
         [&](Frame frame)
         {
-          receiver.add([this, final_frame = std::make_shared<Frame>(std::move(frame))]
-                       { handOn(std::move(*final_frame)); });
+          completing.add([this, labelled = std::make_shared<Frame>(std::move(frame))]
+                         { complete(std::move(*labelled)); });
         });
-    receiver.finish();
+    completing.finish();
   }
   if (options_.mapping)
   {
@@ -182,13 +193,13 @@ void FinalFrames::finish()
 void FinalFrames::exchangeState(StateArchive& archive)
 {
   archive(first_, map_);
-  if (hindsight_)
+  if (hindsight_labels_)
   {
-    archive(*hindsight_);
+    archive(*hindsight_labels_);
   }
-  if (tracking_again_)
+  if (second_tracking_)
   {
-    archive(*tracking_again_);
+    archive(*second_tracking_);
   }
 }
 }  // namespace dyslam

@@ -24,8 +24,18 @@ namespace dyslam
 class StateArchive;
 class ThreadPool;
 
-/** Frames whose moving points and objects are final: labels and tracks with hindsight, the static
- * map, and the receiver of these frames. */
+/** The last stage: makes causal frames, as the back end leaves them, final. A frame passes through
+ * these steps, each in the order of the scans:
+ *
+ * 1. The first frame waits for the second one, whose motion deskews it.
+ * 2. With `labels.hindsight` the moving points are decided again once `labels.window` later frames
+ *    are there, or at the end. Until then HindsightLabels holds a copy of the parts of the frame
+ *    that the next steps need. Without it this step is left out.
+ * 3. The second tracking, if there is one, finds the objects again.
+ * 4. A keyframe is added to the static map.
+ * 5. The receiver gets the frame.
+ *
+ * Between two frames nothing is held but the first frame and the copies of step 2. */
 class FinalFrames
 {
  public:
@@ -39,15 +49,18 @@ class FinalFrames
               mrpt::system::CTimeLogger& times);
 
   /** See Pipeline::onFinal(). */
-  void onFinal(std::function<void(Frame)> use, FrameParts parts);
-  /** Whether labels are decided with hindsight; if not, those of each frame are final. */
-  [[nodiscard]] bool hasHindsight() const { return hindsight_.has_value(); }
-  /** See Pipeline::tracksWithHindsight(). */
-  [[nodiscard]] bool tracksAgain() const { return tracking_again_.has_value(); }
+  void onFinal(std::function<void(Frame)> receive, FrameParts parts);
+  /** Whether moving points are decided again with hindsight; if not, the causal labels are final.
+   */
+  [[nodiscard]] bool hasHindsightLabels() const { return hindsight_labels_.has_value(); }
+  /** See Pipeline::hasSecondTracking(). */
+  [[nodiscard]] bool hasSecondTracking() const { return second_tracking_.has_value(); }
 
-  /** See Pipeline::finaliseFrames(). */
-  void add(const Frame& frame);
-  /** Called after the last frame: finalises the frames that still wait, and corrects the map. */
+  /** Takes the next causal frame, in the order of the scans, and makes those frames final that this
+   * one completes. It is read until add() returns. */
+  void add(const Frame& causal);
+  /** Called after the last frame: makes the frames final that still wait, and corrects the map.
+   * Steps 3 to 5 run in another thread meanwhile, which has ended when this returns. */
   void finish();
   /** Saves or loads the state between frames. */
   void exchangeState(StateArchive& archive);
@@ -56,23 +69,28 @@ class FinalFrames
   [[nodiscard]] const StaticMap* map() const { return options_.mapping ? &map_ : nullptr; }
 
  private:
-  /** Takes the next frame, and finalises frames whose moving points are final now. */
-  void finalise(const Frame& frame);
-  void finaliseFirst();
-  /** Parts of a frame that are kept until it is final. */
-  [[nodiscard]] FrameParts keptOf(const Frame& frame) const;
-  /** Tracks the objects of a final frame again, if this is on; passes it to map and on_final_. */
-  void handOn(Frame final_frame);
+  /** End of step 1: passes the first frame on, if it still waits. */
+  void releaseFirst();
+  /** Step 2, and the later steps for the frames whose moving points are final now. */
+  void label(const Frame& causal);
+  /** Steps 3 to 5. \param labelled a frame with its final moving points */
+  void complete(Frame labelled);
+  /** Step 3. */
+  void trackAgain(Frame& labelled);
+  /** Step 4. */
   void insertInMap(const Frame& final_frame);
+  /** Parts of a frame that steps 3 to 5 need. */
+  [[nodiscard]] FrameParts neededParts(const Frame& frame) const;
 
   PipelineOptions options_;
   ThreadPool& pool_;
   mrpt::system::CTimeLogger& times_;
   StaticMap map_;
-  std::optional<HindsightLabels> hindsight_;
-  std::optional<ObjectTracking> tracking_again_;  //!< of final frames
-  std::optional<Frame> first_;  //!< first frame, until the second one's motion deskews it
-  std::function<void(Frame)> on_final_;
-  FrameParts final_parts_ = FrameParts::points;  //!< parts of final frames for on_final_
+  std::optional<HindsightLabels> hindsight_labels_;
+  std::optional<ObjectTracking> second_tracking_;  //!< only with hindsight_labels_
+  bool has_begun_ = false;                         //!< there was a frame
+  std::optional<Frame> first_;           //!< first frame, until the second one's motion deskews it
+  std::function<void(Frame)> receiver_;  //!< empty: nobody receives final frames
+  FrameParts receiver_parts_ = FrameParts::none;  //!< parts of a frame that receiver_ needs
 };
 }  // namespace dyslam

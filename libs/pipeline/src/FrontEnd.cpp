@@ -16,7 +16,7 @@
 #include <optional>
 #include <utility>
 
-#include "EarlierLabels.h"
+#include "GivenLabels.h"
 
 namespace dyslam
 {
@@ -63,7 +63,7 @@ struct FrontEnd::Stages
   Stages(int threads, ConfigLoader& config, mrpt::system::CTimeLogger& time_logger)
       : times(time_logger),
         segmentation(config.get<MovingSegmenterOptions>("dyseg")),
-        earlier(segmentation.labels),
+        given_labels(segmentation.labels),
         pool(threads),
         preprocessor(config.get<PreprocessOptions>("preprocess"), pool),
         own_vehicle(preprocessor.options().own_vehicle_range),
@@ -82,18 +82,23 @@ struct FrontEnd::Stages
   /** Starts preparing and encoding the next scan in ahead_thread, if it may be encoded ahead.
    * \param next see FrontEnd::process() */
   void beginAhead(const Frame* next);
+  /** Sets the frame's cloud to the one that was encoded with the deskewing of sweep_ahead (now, if
+   * beginAhead() was not called for it), and deskews it again by `predicted`. \return the encoding
+   * \pre sweep_ahead is set */
+  [[nodiscard]] std::shared_ptr<const EncodedCloud> takeAhead(const SweepPrediction& predicted,
+                                                              Frame& frame);
   /** Sets the frame's cloud, without the labelled points. \return it as the segmenter encodes it;
    * null if it does not */
   [[nodiscard]] std::shared_ptr<const EncodedCloud> preprocess(Frame& frame,
                                                                LabelledPoints& labelled);
   /** Segments, if the segmenter runs before (false) or after (true) the pose is known. */
   void segment(Frame& frame, bool pose_known, const std::shared_ptr<const EncodedCloud>& encoded);
-  /** Puts the points that an earlier run labelled moving back into scan and cloud, as moving. */
+  /** Puts the points with a given moving label back into scan and cloud, as moving. */
   void putBack(const LabelledPoints& labelled, Frame& frame) const;
 
   mrpt::system::CTimeLogger& times;
   MovingSegmenterOptions segmentation;
-  EarlierLabels earlier;
+  GivenLabels given_labels;
   ThreadPool pool;
   Preprocessor preprocessor;
   OwnVehicle own_vehicle;
@@ -118,7 +123,7 @@ void FrontEnd::process(Frame& frame, const Frame* next)
 {
   Stages& s = *stages_;
   s.odometry.predict(frame);
-  LabelledPoints labelled = s.earlier.pointsOf(frame);
+  LabelledPoints labelled = s.given_labels.pointsOf(frame);
   const auto encoded = s.preprocess(frame, labelled);
   labelled.takeFrom(frame.scan);
   s.own_vehicle.observe(frame.scan);
@@ -174,6 +179,16 @@ void FrontEnd::Stages::beginAhead(const Frame* next)
   }
 }
 
+std::shared_ptr<const EncodedCloud> FrontEnd::Stages::takeAhead(const SweepPrediction& predicted,
+                                                                Frame& frame)
+{
+  EncodedScan scan = ahead.valid() ? ahead.get() : encodeAhead(frame.scan, *sweep_ahead);
+  frame.cloud = std::move(scan.cloud);
+  const CTimeLoggerEntry timed(times, "preprocess");
+  redeskew(predicted.T_previous_current, frame.dt, pool, frame.cloud);
+  return std::move(scan.encoded);
+}
+
 std::shared_ptr<const EncodedCloud> FrontEnd::Stages::preprocess(Frame& frame,
                                                                  LabelledPoints& labelled)
 {
@@ -181,11 +196,7 @@ std::shared_ptr<const EncodedCloud> FrontEnd::Stages::preprocess(Frame& frame,
   std::shared_ptr<const EncodedCloud> encoded;
   if (sweep_ahead)
   {
-    EncodedScan scan = ahead.valid() ? ahead.get() : encodeAhead(frame.scan, *sweep_ahead);
-    frame.cloud = std::move(scan.cloud);
-    encoded = std::move(scan.encoded);
-    const CTimeLoggerEntry timed(times, "preprocess");
-    redeskew(predicted.T_previous_current, frame.dt, pool, frame.cloud);
+    encoded = takeAhead(predicted, frame);
   }
   else
   {
@@ -205,7 +216,7 @@ std::shared_ptr<const EncodedCloud> FrontEnd::Stages::preprocess(Frame& frame,
   }
   sweep_ahead.reset();
   if (segmenter && segmenter->encodesAhead() && frame.prior.reliable && !prepared_again &&
-      !earlier.any())
+      !given_labels.any())
   {
     sweep_ahead = predicted;
   }
@@ -225,7 +236,7 @@ void FrontEnd::Stages::segment(Frame& frame,
 
 void FrontEnd::Stages::putBack(const LabelledPoints& labelled, Frame& frame) const
 {
-  if (earlier.any())
+  if (given_labels.any())
   {
     if (!segmenter)
     {
@@ -259,7 +270,7 @@ std::string FrontEnd::summary() const
 std::vector<std::string> FrontEnd::warnings() const
 {
   std::vector<std::string> result = stages_->odometry.warnings();
-  const std::vector<std::string> of_labels = stages_->earlier.warnings();
+  const std::vector<std::string> of_labels = stages_->given_labels.warnings();
   result.insert(result.end(), of_labels.begin(), of_labels.end());
   return result;
 }

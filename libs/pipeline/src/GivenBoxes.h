@@ -31,8 +31,8 @@ class GivenBoxes
   /** Sets the detections of a frame to the boxes of its index. Reads cloud and T_vehicle_lidar. */
   void detect(Frame& frame) const;
 
-  /** Marks the cloud points in the boxes of confirmed dynamic objects as moving. For labels without
-   * hindsight; those with hindsight have the tracks as evidence. */
+  /** Marks the cloud points in the boxes of confirmed dynamic objects as moving. For runs without
+   * labels with hindsight, which have the tracks as evidence. */
   static void markMoving(Frame& frame);
 
  private:

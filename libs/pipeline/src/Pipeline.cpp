@@ -125,7 +125,7 @@ void Pipeline::trackObjects(Frame& frame)
   {
     const CTimeLoggerEntry timed(s.times, "tracking");
     s.tracking.update(frame);
-    if (s.tracking.hasGivenBoxes() && !s.final_frames.hasHindsight())
+    if (s.tracking.hasGivenBoxes() && !s.final_frames.hasHindsightLabels())
     {
       GivenBoxes::markMoving(frame);
     }
@@ -155,14 +155,14 @@ void Pipeline::finaliseFrames(const Frame& frame)
   stages_->final_frames.add(frame);
 }
 
-void Pipeline::onFinal(std::function<void(Frame)> use, FrameParts parts)
+void Pipeline::onFinal(std::function<void(Frame)> receive, FrameParts parts)
 {
-  stages_->final_frames.onFinal(std::move(use), parts);
+  stages_->final_frames.onFinal(std::move(receive), parts);
 }
 
-bool Pipeline::tracksWithHindsight() const
+bool Pipeline::hasSecondTracking() const
 {
-  return stages_->final_frames.tracksAgain();
+  return stages_->final_frames.hasSecondTracking();
 }
 
 void Pipeline::finish()

@@ -58,86 +58,117 @@ class WaitRecorder
   ReadAhead& front_end_;
 };
 
-/** Saves the front end, in its thread, if a checkpoint is due after this frame.
- * \param is_last the run stops after it */
-void beginCheckpoint(Pipeline& pipeline,
-                     std::size_t frame,
-                     const ScanSum& scans,
-                     bool is_last,
-                     CheckpointSchedule& checkpoints)
+/** Passes every frame through the pipeline and to the outputs. Reading, front end, back end and
+ * writing have one thread each, which processes all frames in order. A checkpoint passes through
+ * the threads with the frame after which it is made; no thread waits for another. */
+class RunThreads
 {
-  if (checkpoints.due(is_last))
+ public:
+  /** Reading and front end begin at once. \param scans checksum of the scans before, for a resumed
+   * run \param settings, source, run, on_frame outlive the object */
+  RunThreads(const SlamRunSettings& settings,
+             RawlogSource& source,
+             SlamRun& run,
+             const ScanSum& scans,
+             const FrameCallback& on_frame)
+      : settings_(settings),
+        source_(source),
+        run_(run),
+        on_frame_(on_frame),
+        scans_(scans),
+        checkpoints_(run.checkpointSeconds())
   {
-    StateArchive archive;
-    pipeline.exchangeFrontEndState(archive);
-    checkpoints.begin(frame, {archive.bytes(), pipeline.summary(), scans, is_last});
   }
-}
 
-/** Passes every frame through the pipeline and to the outputs: reading, front end, back end and
- * writing in one thread each, which processes all frames in order. A checkpoint passes through the
- * threads with the frame after which it is made; no thread waits for another.
- * \param scans checksum of the scans before, for a resumed run
- * \return whether the run was stopped after a last checkpoint, at the frame that the front end was
- *   processing */
-bool replay(const SlamRunSettings& settings,
-            RawlogSource& source,
-            SlamRun& run,
-            ScanSum scans,
-            const FrameCallback& on_frame)
-{
-  std::atomic<double> per_scan = 0;  // progress by scan; only the reading thread uses the source
-  std::atomic<bool> is_stopping = false;
-  bool is_stopped = false;  // set by the front end's thread; read here after the last frame
-  CheckpointSchedule checkpoints(run.checkpointSeconds());
-  ReadAhead reader(
-      [&]
-      {
-        auto frame = source.next();
-        if (frame)
-        {
-          per_scan = source.progress() / static_cast<double>(source.framesRead());
-        }
-        return frame;
-      });
-  ReadAhead front_end(
-      [&]() -> std::optional<Frame>
-      {
-        auto frame = is_stopped ? std::nullopt : reader.next();
-        if (frame)
-        {
-          scans.add(*frame);
-          run.pipeline().runFrontEnd(*frame, reader.peek());
-          is_stopped = is_stopping && reader.peek() != nullptr;
-          beginCheckpoint(run.pipeline(), frame->index, scans, is_stopped, checkpoints);
-        }
-        return frame;
-      });
-  const WaitRecorder recorder(run, reader, front_end);
-  while (auto frame = front_end.next())
+  /** Runs back end and outputs on all frames, in the calling thread. \return whether the run was
+   * stopped after a last checkpoint, at the frame that the front end was processing */
+  bool processAll()
   {
-    const std::size_t index = frame->index;
-    run.pipeline().runBackEnd(*frame);
-    if (settings.show)
+    while (auto frame = front_end_.next())
     {
-      settings.show(*frame);
+      const std::size_t index = frame->index;
+      run_.pipeline().runBackEnd(*frame);
+      if (settings_.show)
+      {
+        settings_.show(*frame);
+      }
+      run_.add(std::move(*frame));
+      completeCheckpoint(index);
+      if (on_frame_)
+      {
+        on_frame_(per_scan_ * static_cast<double>(run_.frames()), run_.frames());
+      }
+      is_stopping_ = is_stopping_ || (settings_.stop && settings_.stop());
     }
-    run.add(std::move(*frame));
-    if (auto begun = checkpoints.take(index))
+    return is_stopped_;
+  }
+
+ private:
+  /** In the reading thread: the next frame; nothing at the end. */
+  std::optional<Frame> read()
+  {
+    auto frame = source_.next();
+    if (frame)
+    {
+      per_scan_ = source_.progress() / static_cast<double>(source_.framesRead());
+    }
+    return frame;
+  }
+
+  /** In the front end's thread: the next frame with its pose; nothing at the end of the recording,
+   * or after the last frame of a run that is stopped. */
+  std::optional<Frame> runFrontEnd()
+  {
+    auto frame = is_stopped_ ? std::nullopt : reader_.next();
+    if (frame)
+    {
+      scans_.add(*frame);
+      run_.pipeline().runFrontEnd(*frame, reader_.peek());
+      is_stopped_ = is_stopping_ && reader_.peek() != nullptr;
+      beginCheckpoint(frame->index);
+    }
+    return frame;
+  }
+
+  /** In the front end's thread, after a frame: saves the front end if a checkpoint is due. */
+  void beginCheckpoint(std::size_t frame)
+  {
+    if (checkpoints_.due(is_stopped_))
+    {
+      Pipeline& pipeline = run_.pipeline();
+      StateArchive archive;
+      pipeline.exchangeFrontEndState(archive);
+      checkpoints_.begin(frame, {archive.bytes(), pipeline.summary(), scans_, is_stopped_});
+    }
+  }
+
+  /** In the calling thread, after a frame: writes the checkpoint that was begun after it, if any.
+   */
+  void completeCheckpoint(std::size_t frame)
+  {
+    if (auto begun = checkpoints_.take(frame))
     {
       const auto start = std::chrono::steady_clock::now();
-      run.checkpoint(*begun);
-      checkpoints.recordDuration(
+      run_.checkpoint(*begun);
+      checkpoints_.recordDuration(
           std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
     }
-    if (on_frame)
-    {
-      on_frame(per_scan * static_cast<double>(run.frames()), run.frames());
-    }
-    is_stopping = is_stopping || (settings.stop && settings.stop());
   }
-  return is_stopped;
-}
+
+  const SlamRunSettings& settings_;
+  RawlogSource& source_;  //!< only the reading thread uses it
+  SlamRun& run_;
+  const FrameCallback& on_frame_;
+  ScanSum scans_;  //!< only the front end's thread uses it
+  CheckpointSchedule checkpoints_;
+  std::atomic<double> per_scan_ = 0;       //!< progress by scan
+  std::atomic<bool> is_stopping_ = false;  //!< to be stopped
+  bool is_stopped_ = false;  //!< set by the front end's thread; read by processAll() after its end
+  // Last, as their threads use the others; each ends before those that it uses.
+  ReadAhead reader_{[this] { return read(); }};
+  ReadAhead front_end_{[this] { return runFrontEnd(); }};
+  WaitRecorder recorder_{run_, reader_, front_end_};
+};
 
 /** Completes a run that has been opened or resumed. */
 SlamRunReport processRest(const SlamRunSettings& settings,
@@ -147,7 +178,7 @@ SlamRunReport processRest(const SlamRunSettings& settings,
                           const FrameCallback& on_frame)
 {
   const EarlyEnd end = replayToTheEnd(
-      run, [&] { return replay(settings, source, run, scans, on_frame); },
+      run, [&] { return RunThreads(settings, source, run, scans, on_frame).processAll(); },
       [&run]
       {
         if (run.frames() > 0)

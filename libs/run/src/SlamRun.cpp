@@ -79,21 +79,27 @@ struct SlamRun::Impl
         input(config.get<RawlogSourceOptions>("input")),
         pipeline(config, times.stages(), settings.output_folder),
         history(pipeline.backend().keyframes().memory().part(history_share)),
-        outputs(settings, config)
+        objects(pipeline.hasSecondTracking() ? FrameKind::final : FrameKind::causal),
+        outputs(settings, config, objects)
   {
     times.beginEarlier(settings.first_pass_time);
     config.requireAllUsed();
-    const FrameParts parts = outputs.chooseFrames(pipeline.tracksWithHindsight());
-    if (pipeline.tracksWithHindsight() || parts != FrameParts::none)
-    {
-      pipeline.onFinal([this](Frame frame) { addFinal(std::move(frame)); }, parts);
-    }
+    const FrameParts for_history =
+        objects == FrameKind::final ? FrameParts::points : FrameParts::none;
+    pipeline.onFinal([this](Frame frame) { add(FrameKind::final, std::move(frame)); },
+                     std::max(for_history, outputs.finalParts()));
   }
 
   /** The settings of a run with those given, which ends before it begins. */
   [[nodiscard]] static Config effective(const Config& config);
 
-  void addFinal(Frame frame);
+  /** Adds a frame to statistics and history, and passes it to the outputs. \pre a final frame with
+   * the objects of the results comes after the causal frame of its scan */
+  void add(FrameKind kind, Frame frame);
+  /** Saves StatePart::run. \param scans those processed so far */
+  void saveRun(const ScanSum& scans, StateArchive& archive);
+  /** Saves or loads StatePart::back_end. */
+  void exchangeBackEndState(StateArchive& archive);
   [[nodiscard]] RunData data() const { return {pipeline, history, statistics, times}; }
 
   RunTimes times;
@@ -103,17 +109,36 @@ struct SlamRun::Impl
   RawlogSourceOptions input;
   Pipeline pipeline;
   RunHistory history;
+  FrameKind objects;  //!< the frames that have the objects of the results
   RunOutputs outputs;
   RunStatistics statistics;
 };
 
-void SlamRun::Impl::addFinal(Frame frame)
+void SlamRun::Impl::add(FrameKind kind, Frame frame)
 {
-  if (pipeline.tracksWithHindsight())
+  if (kind == FrameKind::causal)
   {
-    history.addObjects(frame.index, frame.objects, TrackLife::whole);
+    statistics.add(frame);
+    history.addScan(frame);
   }
-  outputs.addFinal(std::move(frame));
+  if (kind == objects)
+  {
+    const TrackLife life = kind == FrameKind::final ? TrackLife::whole : TrackLife::reported;
+    history.addObjects(frame.index, frame.objects, life);
+  }
+  outputs.add(kind, std::move(frame));
+}
+
+void SlamRun::Impl::saveRun(const ScanSum& scans, StateArchive& archive)
+{
+  SavedRun run = savedRunOf(settings, config.effective(), scans, times.seconds());
+  archive(run);
+}
+
+void SlamRun::Impl::exchangeBackEndState(StateArchive& archive)
+{
+  pipeline.exchangeBackEndState(archive);
+  archive(statistics, history);
 }
 
 SlamRun::SlamRun(const SlamRunSettings& settings) : impl_(std::make_unique<Impl>(settings)) {}
@@ -193,20 +218,9 @@ void SlamRun::checkpoint(const BegunCheckpoint& begun)
   m.outputs.checkpoint(
       [&](StateFileWriter& state)
       {
-        state.add(
-            [&](StateArchive& archive)
-            {
-              SavedRun run =
-                  savedRunOf(m.settings, m.config.effective(), begun.scans, m.times.seconds());
-              archive(run);
-            });
+        state.add([&](StateArchive& archive) { m.saveRun(begun.scans, archive); });
         state.add(begun.front_end);
-        state.add(
-            [&](StateArchive& archive)
-            {
-              m.pipeline.exchangeBackEndState(archive);
-              archive(m.statistics, m.history);
-            });
+        state.add([&](StateArchive& archive) { m.exchangeBackEndState(archive); });
       },
       m.results.soFar(m.data(), begun.method), begun.is_last);
 }
@@ -218,12 +232,7 @@ void SlamRun::resume(RunToResume& saved)
   requireProfileWritable(m.settings);
   saved.load(StatePart::front_end,
              [&](StateArchive& archive) { m.pipeline.exchangeFrontEndState(archive); });
-  saved.load(StatePart::back_end,
-             [&](StateArchive& archive)
-             {
-               m.pipeline.exchangeBackEndState(archive);
-               archive(m.statistics, m.history);
-             });
+  saved.load(StatePart::back_end, [&](StateArchive& archive) { m.exchangeBackEndState(archive); });
   m.times.leaveOut(m.statistics.frames);
   m.times.beginEarlier(saved.run.seconds);
   m.settings.first_pass_time = saved.run.first_pass_time;
@@ -232,13 +241,7 @@ void SlamRun::resume(RunToResume& saved)
 
 void SlamRun::add(Frame frame)
 {
-  impl_->statistics.add(frame);
-  impl_->history.addScan(frame);
-  if (!impl_->pipeline.tracksWithHindsight())
-  {
-    impl_->history.addObjects(frame.index, frame.objects, TrackLife::reported);
-  }
-  impl_->outputs.add(std::move(frame));
+  impl_->add(FrameKind::causal, std::move(frame));
 }
 
 std::size_t SlamRun::frames() const

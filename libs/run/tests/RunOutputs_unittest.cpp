@@ -4,8 +4,10 @@
 #include <dyslam/base/Error.h>
 #include <dyslam/base/Files.h>
 #include <dyslam/base/PendingFile.h>
+#include <dyslam/base/StateArchive.h>
 #include <gtest/gtest.h>
 
+#include <array>
 #include <chrono>
 #include <filesystem>
 #include <fstream>
@@ -40,7 +42,10 @@ class FakeOutput : public RunOutput
       : RunOutput(context, {name.c_str()}), name_(name), slow_(slow), failure_(failure)
   {
   }
-  [[nodiscard]] bool isSlow() const override { return slow_; }
+  [[nodiscard]] OutputThread thread() const override
+  {
+    return slow_ ? OutputThread::writer : OutputThread::caller;
+  }
   void open() override { failIf(Failure::open); }
   void add(const Frame& frame) override
   {
@@ -86,37 +91,32 @@ std::unique_ptr<RunOutput> makeB(const RunOutputContext& context)
   return std::make_unique<FakeOutput>(context, "b.txt", slow, Failure::none);
 }
 
-/** Writes how many frames it got, and wants them decided. */
-class DecidedOutput : public RunOutput
+/** Asks for certain frames and writes their numbers, in order. */
+template <WantedFrames wanted, OutputThread by_thread>
+class RecordingOutput : public RunOutput
 {
  public:
-  explicit DecidedOutput(const RunOutputContext& context) : RunOutput(context, {"decided.txt"}) {}
-  [[nodiscard]] FrameParts wants() const override { return FrameParts::all; }
+  RecordingOutput(const RunOutputContext& context, const char* name)
+      : RunOutput(context, {name}), name_(name)
+  {
+  }
+  [[nodiscard]] OutputThread thread() const override { return by_thread; }
+  [[nodiscard]] WantedFrames wants() const override { return wanted; }
   void add(const Frame& frame) override { frames_ += std::to_string(frame.index) + " "; }
-  void finish(const RunResults& /*results*/) override { writeWhole(path("decided.txt"), frames_); }
+  void finish(const RunResults& /*results*/) override { writeWhole(path(name_), frames_); }
 
  private:
+  std::string name_;
   std::string frames_;
 };
 
-/** Takes what of final frames it is told to. */
-template <FrameParts parts>
-class PartOutput : public RunOutput
+template <WantedFrames wanted, OutputThread by_thread = OutputThread::caller>
+std::unique_ptr<RunOutput> makeRecording(const RunOutputContext& context)
 {
- public:
-  explicit PartOutput(const RunOutputContext& context) : RunOutput(context, {"parts.txt"}) {}
-  [[nodiscard]] FrameParts wants() const override { return parts; }
-};
-
-template <FrameParts parts>
-std::unique_ptr<RunOutput> makeParts(const RunOutputContext& context)
-{
-  return std::make_unique<PartOutput<parts>>(context);
-}
-
-std::unique_ptr<RunOutput> makeDecided(const RunOutputContext& context)
-{
-  return std::make_unique<DecidedOutput>(context);
+  constexpr std::array<const char*, 4> names{"causal.txt", "objects.txt", "points.txt",
+                                             "scans.txt"};
+  return std::make_unique<RecordingOutput<wanted, by_thread>>(
+      context, names[static_cast<std::size_t>(wanted)]);
 }
 
 /** Changes a numbered file at the end. */
@@ -127,7 +127,7 @@ class NumberedOutput : public RunOutput
       : RunOutput(context, {{"numbered", ".txt"}})
   {
   }
-  [[nodiscard]] bool isSlow() const override { return true; }
+  [[nodiscard]] OutputThread thread() const override { return OutputThread::writer; }
   void open() override
   {
     makeFolder(path("numbered"));
@@ -144,6 +144,13 @@ std::unique_ptr<RunOutput> makeNumbered(const RunOutputContext& context)
   return std::make_unique<NumberedOutput>(context);
 }
 
+Frame frameOf(std::size_t index)
+{
+  Frame frame;
+  frame.index = index;
+  return frame;
+}
+
 class RunOutputsTest : public ::testing::Test
 {
  protected:
@@ -158,13 +165,11 @@ class RunOutputsTest : public ::testing::Test
   {
     const Config given;
     ConfigLoader config(given);
-    RunOutputs outputs(settings_, config, kinds);
+    RunOutputs outputs(settings_, config, FrameKind::causal, kinds);
     outputs.open();
     for (std::size_t i = 0; i < 5; ++i)
     {
-      Frame frame;
-      frame.index = i;
-      outputs.add(frame);
+      outputs.add(FrameKind::causal, frameOf(i));
     }
     RunResults results;
     outputs.finish(results);
@@ -182,48 +187,78 @@ class RunOutputsTest : public ::testing::Test
   SlamRunSettings settings_;
 };
 
-TEST_F(RunOutputsTest, CausalFramesReplaceFinalOnesWhereTheyHaveTheSame)
+TEST_F(RunOutputsTest, EachOutputGetsFramesOfItsKind)
 {
-  const auto partsOf = [&](const std::vector<RunOutputKind>& kinds, bool tracks_again)
+  const std::vector<RunOutputKind> kinds{
+      {makeRecording<WantedFrames::causal>},
+      {makeRecording<WantedFrames::final_objects>},
+      {makeRecording<WantedFrames::final_points, OutputThread::writer>},
+      {makeRecording<WantedFrames::final_scans, OutputThread::writer>}};
+  for (const FrameKind objects : {FrameKind::final, FrameKind::causal})
+  {
+    fs::remove_all(folder_);
+    const Config given;
+    ConfigLoader config(given);
+    RunOutputs outputs(settings_, config, objects, kinds);
+    EXPECT_EQ(outputs.finalParts(), FrameParts::all);
+    outputs.open();
+    constexpr std::size_t delay = 2;  // of the final frames
+    for (std::size_t i = 0; i < 6; ++i)
+    {
+      outputs.add(FrameKind::causal, frameOf(i));
+      if (i >= delay)
+      {
+        outputs.add(FrameKind::final, frameOf(i - delay));
+      }
+    }
+    RunResults results;
+    outputs.finish(results);
+    const std::string causal = "0 1 2 3 4 5 ";
+    const std::string of_final = "0 1 2 3 ";
+    EXPECT_EQ(content("causal.txt"), causal);
+    EXPECT_EQ(content("objects.txt"), objects == FrameKind::final ? of_final : causal);
+    EXPECT_EQ(content("points.txt"), of_final);
+    EXPECT_EQ(content("scans.txt"), of_final);
+  }
+}
+
+TEST_F(RunOutputsTest, OutputsThatAreSwitchedOffNeedNoFinalFrames)
+{
+  const auto partsWith = [&](bool static_scans)
   {
     const Config given;
     ConfigLoader config(given);
-    return RunOutputs(settings_, config, kinds).chooseFrames(tracks_again);
+    settings_.static_scans = static_scans;
+    return RunOutputs(settings_, config, FrameKind::causal,
+                      {{makeRecording<WantedFrames::final_points>},
+                       {makeRecording<WantedFrames::final_scans>, nullptr, nullptr,
+                        &SlamRunSettings::static_scans}})
+        .finalParts();
   };
-  const RunOutputKind points{makeParts<FrameParts::points>};
-  const RunOutputKind intensity{makeParts<FrameParts::intensity>};
-  const RunOutputKind all{makeParts<FrameParts::all>};
-  EXPECT_EQ(partsOf({points}, true), FrameParts::points);
-  EXPECT_EQ(partsOf({points, intensity}, true), FrameParts::intensity);
-  EXPECT_EQ(partsOf({points, intensity, all}, true), FrameParts::all);
-  EXPECT_EQ(partsOf({points, intensity}, false), FrameParts::none);
-  EXPECT_EQ(partsOf({points, intensity, all}, false), FrameParts::all);
-  EXPECT_EQ(partsOf({{makeB<false>}}, true), FrameParts::none);
+  EXPECT_EQ(partsWith(true), FrameParts::all);
+  EXPECT_EQ(partsWith(false), FrameParts::none);
 }
 
-TEST_F(RunOutputsTest, FinalFramesGoToThoseThatWantThem)
+TEST_F(RunOutputsTest, AnOutputThatFailsGetsNoMoreFrames)
 {
   const Config given;
   ConfigLoader config(given);
-  RunOutputs outputs(settings_, config, {{makeDecided}, {makeB<true>}, report_row});
-  EXPECT_EQ(outputs.chooseFrames(true), FrameParts::all);
-  outputs.open();
-  for (std::size_t i = 0; i < 4; ++i)
+  GuardedOutput output(makeA<Failure::add, false>({settings_, config, 0.4}));
+  output.open();
+  std::vector<bool> went_on;
+  for (std::size_t i = 0; i < 5; ++i)
   {
-    Frame frame;
-    frame.index = i;
-    outputs.add(frame);
+    went_on.push_back(output.add(frameOf(i)));
   }
-  for (std::size_t i = 0; i < 3; ++i)
-  {
-    Frame frame;
-    frame.index = i;
-    outputs.addFinal(frame);
-  }
-  RunResults results;
-  outputs.finish(results);
-  EXPECT_EQ(content("decided.txt"), "0 1 2 ");
-  EXPECT_EQ(content("b.txt"), "4");
+  EXPECT_EQ(went_on, (std::vector<bool>{true, true, false, true, true})) << "tells of it once";
+  EXPECT_EQ(output.failure(), "a.txt: disk full");
+  EXPECT_TRUE(output.hasFailedSinceState());
+  output.finish(RunResults());
+  EXPECT_EQ(output.failure(), "a.txt: disk full");
+  EXPECT_FALSE(has("a.txt"));
+  StateArchive state;
+  EXPECT_TRUE(output.exchangeState(state));
+  EXPECT_FALSE(output.hasFailedSinceState()) << "a resumed run has no frames for it";
 }
 
 TEST_F(RunOutputsTest, WritesWhatDoesNotFailAndNamesWhatDoes)
@@ -280,7 +315,8 @@ TEST_F(RunOutputsTest, CheckpointsThatFailAreAWarning)
   {
     const Config given;
     ConfigLoader config(given);
-    RunOutputs outputs(settings_, config, {settings_row, {makeB<true>}, report_row});
+    RunOutputs outputs(settings_, config, FrameKind::causal,
+                       {settings_row, {makeB<true>}, report_row});
     outputs.open();
     for (const std::string& failure : failures)
     {
@@ -321,7 +357,7 @@ TEST_F(RunOutputsTest, AStateThatCannotBeWrittenIsAWarning)
 {
   const Config given;
   ConfigLoader config(given);
-  RunOutputs outputs(settings_, config, {report_row});
+  RunOutputs outputs(settings_, config, FrameKind::causal, {report_row});
   outputs.open();
   outputs.checkpoint([this](StateFileWriter&)
                      { fs::create_directories(folder_ / "resume.state" / "in the way"); },
@@ -369,7 +405,8 @@ TEST_F(RunOutputsTest, TheLastCheckpointStaysForAResumedRun)
   {
     const Config given;
     ConfigLoader config(given);
-    RunOutputs outputs(settings_, config, {settings_row, {makeB<true>}, report_row});
+    RunOutputs outputs(settings_, config, FrameKind::causal,
+                       {settings_row, {makeB<true>}, report_row});
     outputs.open();
     outputs.checkpoint([](StateFileWriter&) {}, RunResults());
     outputs.checkpoint([](StateFileWriter&) {}, RunResults(), is_last);
@@ -388,13 +425,11 @@ TEST_F(RunOutputsTest, TheStateStaysForWhatFailedAfterIt)
   {
     const Config given;
     ConfigLoader config(given);
-    RunOutputs outputs(settings_, config, {settings_row, kind, report_row});
+    RunOutputs outputs(settings_, config, FrameKind::causal, {settings_row, kind, report_row});
     outputs.open();
     for (std::size_t i = 0; i < 5; ++i)
     {
-      Frame frame;
-      frame.index = i;
-      outputs.add(frame);
+      outputs.add(FrameKind::causal, frameOf(i));
     }
     outputs.checkpoint([](StateFileWriter&) {}, RunResults());
     RunResults results;
@@ -415,7 +450,7 @@ TEST_F(RunOutputsTest, WithoutAStateNoFilesAreKept)
   {
     const Config given;
     ConfigLoader config(given);
-    RunOutputs outputs(settings_, config,
+    RunOutputs outputs(settings_, config, FrameKind::causal,
                        {settings_row, {makeNumbered, nullptr, nullptr, nullptr, true}});
     outputs.open();
     const auto add_state = [fails](StateFileWriter& /*state*/)

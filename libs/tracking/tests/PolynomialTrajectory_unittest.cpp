@@ -159,7 +159,7 @@ struct Scores
   double best_fixed = std::numeric_limits<double>::infinity();
 };
 
-/** Errors of the adaptive predictor and of the best member in hindsight on one path. */
+/** Errors on one path of the adaptive predictor and of the member that is best on all of it. */
 template <typename Path>
 Scores compare(Path&& path, double sigma, unsigned seed)
 {
@@ -192,8 +192,8 @@ Scores compare(Path&& path, double sigma, unsigned seed)
 }
 }  // namespace
 
-/** The error is near that of the best member in hindsight on straight and curved paths, and on
- * paths of both. */
+/** The error is near that of the member that is best on the whole path, on straight and curved
+ * paths, and on paths of both. */
 TEST(AdaptivePredictor, isAsAccurateAsTheBestMember)
 {
   const auto straight = [](double t) { return Vector2d(10 * t, 3 * t); };

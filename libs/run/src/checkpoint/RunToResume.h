@@ -16,9 +16,9 @@ enum class StatePart
 {
   run,  //!< SavedRun
   front_end,
-  back_end,      //!< back end and statistics
-  outputs,       //!< outputs in the thread of the back end
-  slow_outputs,  //!< outputs in the writing thread
+  back_end,        //!< back end and statistics
+  caller_outputs,  //!< outputs of OutputThread::caller
+  writer_outputs,  //!< outputs of OutputThread::writer
 };
 constexpr std::size_t state_parts = 5;
 

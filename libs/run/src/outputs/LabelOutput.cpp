@@ -28,19 +28,20 @@ struct UnnamedPoints
   void exchangeState(StateArchive& archive) { archive(scan, scan_size, points); }
 };
 
-/** `labels/NNNNNN.label`: SemanticKITTI labels of every point of the input scan. With hindsight an
- * object has its instance from its first detection on: it is written to the files of the scans
- * before it was reported. At the end merged tracks get the instance of their object. */
+/** `labels/NNNNNN.label`: SemanticKITTI labels of every point of the input scan. Where they are
+ * labels with hindsight, an object has its instance from its first detection on: it is written to
+ * the files of the scans before it was reported. At the end merged tracks get the instance of their
+ * object. */
 class LabelOutput : public RunOutput
 {
  public:
   explicit LabelOutput(const RunOutputContext& context)
       : RunOutput(context, {{run_files::labels, label_extension}}),
-        hindsight_(context.config.get<HindsightOptions>("labels").hindsight)
+        names_earlier_points_(context.config.get<HindsightOptions>("labels").hindsight)
   {
   }
-  [[nodiscard]] bool isSlow() const override { return true; }
-  [[nodiscard]] FrameParts wants() const override { return FrameParts::all; }
+  [[nodiscard]] OutputThread thread() const override { return OutputThread::writer; }
+  [[nodiscard]] WantedFrames wants() const override { return WantedFrames::final_scans; }
   void open() override { makeFolder(path(run_files::labels)); }
   void exchangeState(StateArchive& archive) override
   {
@@ -54,7 +55,7 @@ class LabelOutput : public RunOutput
   {
     writeLabels(numberedPath(path(run_files::labels), frame.index, label_extension),
                 scanLabels(frame));
-    if (hindsight_)
+    if (names_earlier_points_)
     {
       nameEarlierPoints(frame);
     }
@@ -149,7 +150,7 @@ class LabelOutput : public RunOutput
 
   static constexpr std::size_t most_scans = 100;  //!< scans of an object before it is reported
 
-  bool hindsight_;
+  bool names_earlier_points_;
   UnnamedObjects unnamed_;
 };
 }  // namespace

@@ -88,7 +88,7 @@ Votes votesAround(const VoxelCell& cell, const VotesByCell& votes)
 }
 
 /** Whether a point has a vote. Moving points without a reported object are less certain and have
- * none; nor have points of an object that was reported only by the tracking with hindsight. */
+ * none; nor have points of an object that only the second tracking reported. */
 bool hasVote(const Frame& frame, std::size_t cloud_point, Label label)
 {
   return !isMovingLabel(label) ||

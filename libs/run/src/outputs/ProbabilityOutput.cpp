@@ -36,8 +36,8 @@ class ProbabilityOutput : public RunOutput
       : RunOutput(context, {{probability_folder, probability_extension}})
   {
   }
-  [[nodiscard]] bool isSlow() const override { return true; }
-  [[nodiscard]] FrameParts wants() const override { return FrameParts::all; }
+  [[nodiscard]] OutputThread thread() const override { return OutputThread::writer; }
+  [[nodiscard]] WantedFrames wants() const override { return WantedFrames::final_scans; }
   void open() override { makeFolder(path(probability_folder)); }
   void exchangeState(StateArchive& archive) override
   {

@@ -16,7 +16,7 @@ constexpr const char* rawlog = "replay.rawlog";
 /** Ini section `[replay]`. */
 struct ReplayOptions : ReplayWriterOptions
 {
-  bool hindsight = true;
+  bool hindsight = true;  //!< of final frames
 
   void describe(OptionsVisitor& v) override
   {
@@ -35,10 +35,10 @@ class ReplayOutput : public RunOutput
       : RunOutput(context, {rawlog}), options_(context.config.get<ReplayOptions>("replay"))
   {
   }
-  [[nodiscard]] bool isSlow() const override { return true; }
-  [[nodiscard]] FrameParts wants() const override
+  [[nodiscard]] OutputThread thread() const override { return OutputThread::writer; }
+  [[nodiscard]] WantedFrames wants() const override
   {
-    return options_.hindsight ? FrameParts::intensity : FrameParts::none;
+    return options_.hindsight ? WantedFrames::final_points : WantedFrames::causal;
   }
   void open() override { writer_.emplace(path(rawlog), options_); }
   void exchangeState(StateArchive& archive) override

@@ -3,7 +3,6 @@
 
 #include <dyslam/base/Options.h>
 #include <dyslam/core/Frame.h>
-#include <dyslam/core/FrameCopy.h>
 #include <dyslam/run/SlamRunSettings.h>
 
 #include <functional>
@@ -13,6 +12,7 @@
 
 #include "../folder/OutputName.h"
 #include "../results/RunResults.h"
+#include "FrameRouting.h"
 
 namespace dyslam
 {
@@ -24,6 +24,13 @@ struct RunOutputContext
   const SlamRunSettings& settings;
   ConfigLoader& config;
   double scene_voxel_size;  //!< side of the cubes with one map point each in the scene [m]
+};
+
+/** The thread in which an output gets its frames. */
+enum class OutputThread
+{
+  caller,  //!< the thread that adds the frames to the run, which waits for the output
+  writer   //!< the thread for outputs that take long
 };
 
 /** One kind of result that a run writes to its folder.
@@ -43,22 +50,23 @@ class RunOutput
    * is switched on or not. */
   [[nodiscard]] const std::vector<OutputName>& names() const { return names_; }
 
-  /** Whether add() is slow: it is then called in another thread, frame by frame in order. Calls of
-   * one output never overlap. */
-  [[nodiscard]] virtual bool isSlow() const { return false; }
+  /** The thread that calls add(): `writer` if add() takes long. Always the same. */
+  [[nodiscard]] virtual OutputThread thread() const { return OutputThread::caller; }
+  /** The frames that add() needs. Always the same. */
+  [[nodiscard]] virtual WantedFrames wants() const { return WantedFrames::causal; }
 
-  /** What add() needs of final frames, see Pipeline::onFinal(): `points` for the objects alone; it
-   * gets more if others want more. `none`: it gets frames as the causal pipeline leaves them. In a
-   * run that does not track again, those that need no more than `intensity` may get causal ones. */
-  [[nodiscard]] virtual FrameParts wants() const { return FrameParts::none; }
-
-  // An exception of one of these functions, except open(), ends only this output.
+  // The course of an output: open() or exchangeState(), which loads a state; then add() for each
+  // frame, with checkpoint() and exchangeState() between two frames; then finish(). Calls of one
+  // output never overlap. An exception of one of these functions, except open(), ends only this
+  // output.
 
   /** Called before the first frame; the folder has no files of this output. */
   virtual void open() {}
+  /** Called once for each scan, in the order of the scans, with its causal or its final frame
+   * (FrameRouting). The frame exists until add() returns. */
   virtual void add(const Frame& /*frame*/) {}
   /** Called between two frames: writes the results so far, in case the run is killed. Does not
-   * change the result of finish(). Not called for slow outputs. */
+   * change the result of finish(). Not called for outputs of the thread `writer`. */
   virtual void checkpoint(const RunResults& /*results so far*/) {}
   /** Saves or loads the state between frames, including growing files. Loading replaces open() and
    * all frames so far. */
@@ -89,7 +97,7 @@ struct RunOutputKind
   /** Setting that has to be on as well; null: none. */
   bool SlamRunSettings::*flag = nullptr;
   /** Later scans change numbered files of earlier ones, in the folder of the output's first name.
-   * Only for slow outputs: their thread keeps these files at the last checkpoint. */
+   * Only for outputs of OutputThread::writer, which keeps these files at the last checkpoint. */
   bool changes_files = false;
 };
 

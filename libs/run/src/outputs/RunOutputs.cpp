@@ -10,7 +10,6 @@
 #include <exception>
 #include <filesystem>
 #include <future>
-#include <string_view>
 #include <utility>
 
 #include "../folder/OutputFolder.h"
@@ -39,35 +38,11 @@ std::vector<std::string> filesNamedIn(const Config& config)
   }
   return files;
 }
-
-/** Calls `action` with the output; an output that throws is disabled. \return false if it did */
-template <typename Entry, typename Action>
-bool attempt(Entry& entry, const Action& action)
-{
-  if (!entry.output)
-  {
-    return true;
-  }
-  try
-  {
-    action(*entry.output);
-    return true;
-  }
-  catch (const UserError& error)
-  {
-    entry.failure = error.what();
-  }
-  catch (const std::exception& error)
-  {
-    entry.failure = entry.names.front().name + ": " + error.what();
-  }
-  entry.output.reset();  // its partial file may have filled the disk
-  return false;
-}
 }  // namespace
 
 RunOutputs::RunOutputs(const SlamRunSettings& settings,
                        ConfigLoader& config,
+                       FrameKind objects,
                        const std::vector<RunOutputKind>& kinds)
     : folder_(settings.output_folder),
       force_(settings.force),
@@ -84,27 +59,26 @@ RunOutputs::RunOutputs(const SlamRunSettings& settings,
   const auto options = config.get<RunOutputOptions>("output");
   checkpoint_seconds_ = options.checkpoint_seconds;
   names_.emplace_back(run_files::state);
+  std::vector<WantedFrames> wanted;
   for (const RunOutputKind& kind : kinds)
   {
-    Entry entry;
-    entry.output = kind.make({settings, config, options.scene_voxel_size});
-    entry.names = entry.output->names();
-    entry.slow = entry.output->isSlow();
-    entry.final_parts = entry.output->wants();
-    names_.insert(names_.end(), entry.names.begin(), entry.names.end());
+    GuardedOutput output(kind.make({settings, config, options.scene_voxel_size}));
+    names_.insert(names_.end(), output.names().begin(), output.names().end());
     if (kind.changes_files)
     {
-      names_.push_back(kept_files_.add(entry.names.front()));
+      names_.push_back(kept_files_.add(output.names().front()));
     }
     const bool asked = kind.flag == nullptr || settings.*kind.flag;
     if (asked && (kind.key == nullptr || options.on.at(kind.key)))
     {
-      entries_.push_back(std::move(entry));
+      wanted.push_back(output.wants());
+      outputs_.push_back(std::move(output));
     }
   }
+  routing_ = FrameRouting(wanted, objects);
 }
 
-void RunOutputs::open()
+std::vector<std::string> RunOutputs::inputFiles() const
 {
   std::vector<std::string> inputs = inputs_;
   const Config effective = config_.effective();
@@ -114,70 +88,35 @@ void RunOutputs::open()
   {
     inputs.push_back(*labels);
   }
-  made_ = std::make_unique<OutputFolder>(folder_, names_, inputs, force_);
-  for (const Entry& entry : entries_)
+  return inputs;
+}
+
+void RunOutputs::open()
+{
+  made_ = std::make_unique<OutputFolder>(folder_, names_, inputFiles(), force_);
+  for (GuardedOutput& output : outputs_)
   {
-    entry.output->open();
+    output.open();
   }
   writer_ = std::make_unique<JobThread>();
 }
 
-void RunOutputs::exchangeState(StateArchive& archive, bool slow)
+void RunOutputs::exchangeState(OutputThread thread, StateArchive& archive)
 {
-  for (Entry& entry : entries_)
+  for (GuardedOutput& output : outputs_)
   {
-    if (entry.slow != slow)
+    if (output.thread() == thread && !output.exchangeState(archive))
     {
-      continue;
-    }
-    bool goes_on = entry.output != nullptr;
-    archive(goes_on, entry.failure);
-    entry.is_lost = !goes_on;
-    if (!goes_on)
-    {
-      entry.output.reset();
-      continue;
-    }
-    StateArchive saved;
-    if (!archive.isLoading())
-    {
-      entry.output->exchangeState(saved);
-    }
-    std::string bytes = saved.bytes();
-    archive(bytes);
-    if (archive.isLoading())
-    {
-      loadState(bytes, entry);
+      warnOfLost(output);
     }
   }
 }
 
-void RunOutputs::loadState(const std::string& bytes, Entry& entry) const
-{
-  try
-  {
-    StateArchive archive{std::string_view(bytes)};
-    entry.output->exchangeState(archive);
-    archive.requireEnd();
-  }
-  catch (const UserError& error)
-  {
-    if (!entry.slow)
-    {
-      throw;
-    }
-    entry.failure = error.what();
-    entry.is_lost = true;
-    entry.output.reset();
-    warnOfLost(entry);
-  }
-}
-
-void RunOutputs::warnOfLost(const Entry& entry) const
+void RunOutputs::warnOfLost(const GuardedOutput& output) const
 {
   if (warn_)
   {
-    warn_(entry.failure + "; the run goes on without it");
+    warn_(output.failure() + "; the run goes on without it");
   }
 }
 
@@ -193,35 +132,33 @@ void RunOutputs::checkpoint(const std::function<void(StateFileWriter&)>& add_sta
   {
     return;
   }
-  RunResults so_far = results;
-  for (Entry& entry : entries_)
-  {
-    try
-    {
-      if (!entry.slow && entry.output)
-      {
-        entry.output->checkpoint(so_far);
-      }
-    }
-    catch (const std::exception&)
-    {
-      // finish() reports the error, if it persists.
-    }
-    listFiles(entry, so_far.report);
-  }
+  writeSoFar(results);
   checkpoints_.write(
       [&](StateFileWriter& state)
       {
         add_state(state);
-        state.add([this](StateArchive& archive) { exchangeState(archive, false); });
+        state.add([this](StateArchive& archive) { exchangeState(OutputThread::caller, archive); });
       },
-      [this](StateFileWriter& state)
-      { state.add([this](StateArchive& archive) { exchangeState(archive, true); }); },
+      [this](StateFileWriter& state) {
+        state.add([this](StateArchive& archive) { exchangeState(OutputThread::writer, archive); });
+      },
       *writer_);
   if (is_last)
   {
     is_stopped_ = true;
     writer_->add([this] { keepFiles(); });
+  }
+}
+
+void RunOutputs::writeSoFar(RunResults results)
+{
+  for (GuardedOutput& output : outputs_)
+  {
+    if (output.thread() == OutputThread::caller)
+    {
+      output.checkpoint(results);
+    }
+    listFiles(output, results.report);
   }
 }
 
@@ -250,67 +187,38 @@ void RunOutputs::resume(RunToResume& run)
 {
   made_ = std::move(run.lock);
   checkpoints_.setResumable();
-  run.load(StatePart::outputs, [this](StateArchive& archive) { exchangeState(archive, false); });
-  run.load(StatePart::slow_outputs,
-           [this](StateArchive& archive) { exchangeState(archive, true); });
+  run.load(StatePart::caller_outputs,
+           [this](StateArchive& archive) { exchangeState(OutputThread::caller, archive); });
+  run.load(StatePart::writer_outputs,
+           [this](StateArchive& archive) { exchangeState(OutputThread::writer, archive); });
   kept_files_.restore();
   writer_ = std::make_unique<JobThread>();
 }
 
-void RunOutputs::add(Frame frame)
+bool RunOutputs::receives(const GuardedOutput& output, OutputThread thread, FrameKind kind) const
 {
-  add(std::move(frame), false);
+  return output.thread() == thread && routing_.kindFor(output.wants()) == kind;
 }
 
-FrameParts RunOutputs::chooseFrames(bool tracks_again)
+void RunOutputs::add(FrameKind kind, Frame frame)
 {
-  FrameParts parts = FrameParts::none;
-  for (const Entry& entry : entries_)
+  pass(OutputThread::caller, kind, frame);
+  if (std::any_of(outputs_.begin(), outputs_.end(),
+                  [&](const GuardedOutput& output)
+                  { return receives(output, OutputThread::writer, kind); }))
   {
-    parts = std::max(parts, entry.final_parts);
+    writer_->add([this, kind, shared = std::make_shared<const Frame>(std::move(frame))]
+                 { pass(OutputThread::writer, kind, *shared); });
   }
-  if (tracks_again)
+}
+
+void RunOutputs::pass(OutputThread thread, FrameKind kind, const Frame& frame)
+{
+  for (GuardedOutput& output : outputs_)
   {
-    return parts;
-  }
-  const bool is_any_cloud_final = parts > FrameParts::intensity;
-  for (Entry& entry : entries_)
-  {
-    if (entry.final_parts == FrameParts::points ||
-        (entry.final_parts == FrameParts::intensity && !is_any_cloud_final))
+    if (receives(output, thread, kind) && !output.add(frame))
     {
-      entry.final_parts = FrameParts::none;
-    }
-  }
-  return is_any_cloud_final ? parts : FrameParts::none;
-}
-
-void RunOutputs::addFinal(Frame frame)
-{
-  add(std::move(frame), true);
-}
-
-void RunOutputs::add(Frame frame, bool is_final)
-{
-  addTo(frame, false, is_final);
-  if (std::any_of(entries_.begin(), entries_.end(),
-                  [&](const Entry& entry) { return entry.slow && entry.getsFinal() == is_final; }))
-  {
-    writer_->add([this, is_final, shared = std::make_shared<const Frame>(std::move(frame))]
-                 { addTo(*shared, true, is_final); });
-  }
-}
-
-void RunOutputs::addTo(const Frame& frame, bool slow, bool is_final)
-{
-  for (Entry& entry : entries_)
-  {
-    if (entry.slow == slow && entry.getsFinal() == is_final)
-    {
-      if (!attempt(entry, [&](RunOutput& output) { output.add(frame); }))
-      {
-        warnOfLost(entry);
-      }
+      warnOfLost(output);
     }
   }
 }
@@ -331,18 +239,18 @@ void RunOutputs::finish(RunResults& results)
   {
     results.report.warnings.push_back(warning);
   }
-  for (Entry& entry : entries_)
+  for (GuardedOutput& output : outputs_)
   {
-    if (entry.slow)
+    if (output.thread() == OutputThread::writer)
     {
       writer_->finish();
     }
-    (void)attempt(entry, [&](RunOutput& output) { output.finish(results); });
-    if (!entry.failure.empty())
+    output.finish(results);
+    if (!output.failure().empty())
     {
-      results.failures.push_back(entry.failure);
+      results.failures.push_back(output.failure());
     }
-    listFiles(entry, results.report);
+    listFiles(output, results.report);
   }
   writer_->finish();  // a checkpoint may still be written
   removeState(results.report.ended_early.empty());
@@ -350,10 +258,9 @@ void RunOutputs::finish(RunResults& results)
 
 void RunOutputs::removeState(bool at_end)
 {
-  const bool can_be_completed =
-      at_end &&
-      std::any_of(entries_.begin(), entries_.end(),
-                  [](const Entry& entry) { return !entry.failure.empty() && !entry.is_lost; });
+  const bool can_be_completed = at_end && std::any_of(outputs_.begin(), outputs_.end(),
+                                                      [](const GuardedOutput& output)
+                                                      { return output.hasFailedSinceState(); });
   const bool is_stopped = is_stopped_ && are_files_kept_;
   if ((is_stopped || can_be_completed) && checkpoints_.isResumable())
   {
@@ -365,9 +272,9 @@ void RunOutputs::removeState(bool at_end)
   kept_files_.removeAll();
 }
 
-void RunOutputs::listFiles(const Entry& entry, SlamRunReport& report) const
+void RunOutputs::listFiles(const GuardedOutput& output, SlamRunReport& report) const
 {
-  for (const OutputName& name : entry.names)
+  for (const OutputName& name : output.names())
   {
     if (fs::exists(fs::path(folder_) / name.name))
     {

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <dyslam/core/FrameCopy.h>
 #include <dyslam/pipeline/JobThread.h>
 
 #include <functional>
@@ -13,6 +12,8 @@
 #include "../checkpoint/RunToResume.h"
 #include "../folder/KeptFiles.h"
 #include "../folder/OutputFolder.h"
+#include "FrameRouting.h"
+#include "GuardedOutput.h"
 #include "RunOutput.h"
 
 namespace dyslam
@@ -25,24 +26,26 @@ namespace dyslam
 class RunOutputs
 {
  public:
-  /** Constructs the outputs; nothing is written yet. \throws UserError for bad options. */
+  /** Constructs the outputs and decides which frames each of them gets; nothing is written yet.
+   * \param objects the frames that have the objects of the results: final ones with a second
+   * tracking, else causal ones \throws UserError for bad options. */
   RunOutputs(const SlamRunSettings& settings,
              ConfigLoader& config,
+             FrameKind objects,
              const std::vector<RunOutputKind>& kinds = runOutputKinds());
+
+  /** The parts of final frames that the outputs need; `none`: none of them gets final frames. */
+  [[nodiscard]] FrameParts finalParts() const { return routing_.finalParts(); }
+  /** Time between checkpoints [s]; 0: none. */
+  [[nodiscard]] double checkpointSeconds() const { return checkpoint_seconds_; }
 
   /** Creates the folder, removes files of an earlier run, opens the outputs. \throws UserError. */
   void open();
-  /** Passes a causal frame to the outputs; slow outputs write in another thread. */
-  void add(Frame frame);
-  /** Decides which outputs get final frames: those that want them. In runs that do not track again,
-   * outputs that want no more than their points get causal frames instead, which have the same
-   * objects; and so do those that want the intensities, unless an output wants more.
-   * \return what the outputs need of final frames; `none` if none gets them */
-  FrameParts chooseFrames(bool tracks_again);
-  /** The same frame again, later, for the outputs that want final moving points. */
-  void addFinal(Frame frame);
-  /** Time between checkpoints [s]; 0: none. */
-  [[nodiscard]] double checkpointSeconds() const { return checkpoint_seconds_; }
+  /** Passes a frame to the outputs that get frames of this kind; frames of each kind come in the
+   * order of the scans. Outputs of OutputThread::caller have written it when this returns; those of
+   * the writing thread share the frame, which exists until all of them have written it. Waits while
+   * several frames wait for that thread. */
+  void add(FrameKind kind, Frame frame);
   /** Called between two frames: writes a checkpoint, which is the results so far and the state. The
    * writing thread renames the state once all frames so far are written. If the checkpoint fails,
    * or the previous state is still being written, it is skipped; a failure is a warning of the run
@@ -62,23 +65,18 @@ class RunOutputs
   void finish(RunResults& results);
 
  private:
-  struct Entry
-  {
-    std::unique_ptr<RunOutput> output;  //!< null: it has failed
-    std::vector<OutputName> names;
-    bool slow = false;
-    FrameParts final_parts = FrameParts::none;  //!< of final frames; none: it gets causal ones
-    std::string failure;                        //!< why it has failed; empty if it has not
-    bool is_lost = false;  //!< it had failed when the last state was saved, or cannot be continued
-
-    [[nodiscard]] bool getsFinal() const { return final_parts != FrameParts::none; }
-  };
-
-  void add(Frame frame, bool is_final);
-  /** Passes a frame to the slow or fast outputs that need final or causal frames. */
-  void addTo(const Frame& frame, bool slow, bool is_final);
+  /** Whether an output has this thread and gets frames of this kind. */
+  [[nodiscard]] bool receives(const GuardedOutput& output,
+                              OutputThread thread,
+                              FrameKind kind) const;
+  /** Passes a frame to the outputs that receive it in this thread, which calls this. */
+  void pass(OutputThread thread, FrameKind kind, const Frame& frame);
+  /** Files that the outputs must not replace. */
+  [[nodiscard]] std::vector<std::string> inputFiles() const;
+  /** Writes the results so far of each output of OutputThread::caller. */
+  void writeSoFar(RunResults results);
   /** Adds the existing files of the output. */
-  void listFiles(const Entry& entry, SlamRunReport& report) const;
+  void listFiles(const GuardedOutput& output, SlamRunReport& report) const;
   /** Waits for all that the writing thread has to do. */
   void waitForWriter();
   /** Called in the writing thread, after the last state. */
@@ -86,13 +84,10 @@ class RunOutputs
   /** Called at the end: removes the state, unless the run can be resumed and was stopped, or lacks
    * outputs that a resumed run can write. \param at_end the run reached the end of the recording */
   void removeState(bool at_end);
-  /** State of the outputs of one thread. */
-  void exchangeState(StateArchive& archive, bool slow);
-  /** Loads the state of an output. A slow one ends if it cannot be continued: its file was removed
-   * when it could not be written. \throws UserError for other outputs. */
-  void loadState(const std::string& bytes, Entry& entry) const;
+  /** Saves or loads the state of the outputs of one thread. */
+  void exchangeState(OutputThread thread, StateArchive& archive);
   /** Tells of an output that has ended before the run. */
-  void warnOfLost(const Entry& entry) const;
+  void warnOfLost(const GuardedOutput& output) const;
 
   std::string folder_;
   bool force_;
@@ -102,11 +97,12 @@ class RunOutputs
   std::unique_ptr<OutputFolder> made_;
   std::vector<OutputName> names_;  //!< names of all outputs, also of those switched off
   KeptFiles kept_files_;
-  bool is_stopped_ = false;      //!< the last checkpoint stopped the run
-  bool are_files_kept_ = false;  //!< read once the writing thread has ended
-  std::vector<Entry> entries_;
+  bool is_stopped_ = false;             //!< the last checkpoint stopped the run
+  bool are_files_kept_ = false;         //!< read once the writing thread has ended
+  std::vector<GuardedOutput> outputs_;  //!< those that are on
+  FrameRouting routing_{{}, FrameKind::causal};
   std::function<void(const std::string&)> warn_;  //!< may be empty
   CheckpointWriter checkpoints_;
-  std::unique_ptr<JobThread> writer_;  //!< last: its jobs use the entries and checkpoints
+  std::unique_ptr<JobThread> writer_;  //!< last: its jobs use the outputs and checkpoints
 };
 }  // namespace dyslam

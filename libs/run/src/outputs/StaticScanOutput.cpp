@@ -66,8 +66,8 @@ class StaticScanOutput : public RunOutput
         levelling_(context.config.get<RawlogSourceOptions>("input").levelling())
   {
   }
-  [[nodiscard]] bool isSlow() const override { return true; }
-  [[nodiscard]] FrameParts wants() const override { return FrameParts::all; }
+  [[nodiscard]] OutputThread thread() const override { return OutputThread::writer; }
+  [[nodiscard]] WantedFrames wants() const override { return WantedFrames::final_scans; }
   void open() override
   {
     makeFolder(path(scan_folder));

@@ -61,7 +61,7 @@ class TrackOutput : public RunOutput
       : RunOutput(context, {run_files::track_table, run_files::tracks})
   {
   }
-  [[nodiscard]] FrameParts wants() const override { return FrameParts::points; }
+  [[nodiscard]] WantedFrames wants() const override { return WantedFrames::final_objects; }
   void open() override { rows_.open(path(run_files::track_table), csv_header); }
   void add(const Frame& frame) override
   {

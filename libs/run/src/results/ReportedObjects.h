@@ -16,7 +16,7 @@ namespace dyslam
  * the tracker. */
 struct ReportedObject
 {
-  /** State in the odometry frame; `dynamic` by the tracker, with hindsight if tracked again. */
+  /** State in the odometry frame; `dynamic` by the tracker, the second one if there is one. */
   TrackedObject object;
   const PastScan& scan;     //!< entry of RunHistory::scans()
   std::size_t scan_number;  //!< index in RunHistory::scans() and RunResults::trajectory

@@ -16,7 +16,7 @@
 #include <utility>
 
 #include "ReportedObjects.h"
-#include "TrackHindsight.h"
+#include "SmoothedTracks.h"
 
 namespace dyslam
 {
@@ -59,6 +59,19 @@ void requireLocalised(SlamRunReport& report)
   }
 }
 
+/** What the results refer to, and the trajectories: at any time between two frames. */
+RunResults beginResults(const RunData& run)
+{
+  RunResults results;
+  results.begin = run.times.begin();
+  results.backend = &run.pipeline.backend();
+  results.map = run.pipeline.map();
+  results.history = &run.history;
+  results.trajectory = run.pipeline.trajectory();
+  results.reference = run.statistics.referenceInMap(results.trajectory);
+  return results;
+}
+
 void append(std::vector<std::string>& all, const std::vector<std::string>& more)
 {
   all.insert(all.end(), more.begin(), more.end());
@@ -78,16 +91,10 @@ ResultsBuilder::ResultsBuilder(const SlamRunSettings& settings, ConfigLoader& co
 RunResults ResultsBuilder::atEnd(const RunData& run,
                                  const std::vector<std::string>& source_warnings) const
 {
-  RunResults results;
-  results.begin = run.times.begin();
-  results.backend = &run.pipeline.backend();
-  results.map = run.pipeline.map();
-  results.history = &run.history;
+  RunResults results = beginResults(run);
   results.map_points =
       results.map == nullptr ? MapPoints() : thinnedPoints(*results.map, max_shown_points);
-  results.trajectory = run.pipeline.trajectory();
   setObjects(run, results);
-  results.reference = run.statistics.referenceInMap(results.trajectory);
   results.stage_ms = run.times.stageMilliseconds(run.statistics.frames);
   results.memory_mb = memoryOf(run.pipeline);
   results.report.method = run.pipeline.summary();
@@ -110,17 +117,12 @@ RunResults ResultsBuilder::atEnd(const RunData& run,
 RunResults ResultsBuilder::soFar(const RunData& run, const std::string& method) const
 {
   constexpr std::size_t most_voxels = 2000000;  // writing a larger map takes seconds
-  RunResults results;  // without times and warnings of the front end, which is running
-  results.begin = run.times.begin();
-  results.backend = &run.pipeline.backend();
-  results.map = run.pipeline.map();
+  RunResults results = beginResults(run);
   if (results.map != nullptr && results.map->voxelCount() > most_voxels)
   {
     results.map = nullptr;
   }
-  results.history = &run.history;
-  results.trajectory = run.pipeline.trajectory();
-  results.reference = run.statistics.referenceInMap(results.trajectory);
+  // Without times and warnings of the front end, which is running.
   results.report.method = method;
   fillReport(run, results);
   append(results.report.warnings, settings_.warnings);
@@ -135,8 +137,8 @@ void ResultsBuilder::setObjects(const RunData& run, RunResults& results) const
   {
     smoothing.merge_overlap = 1;  // in the graph every track is an object
   }
-  TracksInHindsight of_tracks =
-      smoothReported(run.history, results.trajectory, smoothing, complete_boxes_);
+  SmoothedTracks of_tracks =
+      smoothTracks(run.history, results.trajectory, smoothing, complete_boxes_);
   results.merged_tracks = std::move(of_tracks.merged);
   std::set_union(of_graph.begin(), of_graph.end(), of_tracks.objects.begin(),
                  of_tracks.objects.end(), std::back_inserter(results.objects),

@@ -24,7 +24,7 @@ struct RunResults
   const RunHistory* history = nullptr;  //!< all scans and objects
   MapPoints map_points;                 //!< points of the map; evenly thinned to a few millions
   Trajectory trajectory;                //!< T_map_vehicle of every frame
-  std::vector<SmoothedObject> objects;  //!< smoothed by graph or hindsight; by scan, then id
+  std::vector<SmoothedObject> objects;  //!< of the graph, or smoothed tracks; by scan, then id
   std::map<int, int> merged_tracks;     //!< id of the object of each track that was merged
   Trajectory reference;  //!< ground truth in the map frame, where the recording has it
   std::map<std::string, double> stage_ms;   //!< mean time of each stage per frame [ms]

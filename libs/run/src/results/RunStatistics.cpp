@@ -183,53 +183,71 @@ Trajectory RunStatistics::referenceInMap(const Trajectory& trajectory) const
 
 std::vector<std::string> RunStatistics::warnings(bool has_labels) const
 {
-  const auto limit = doubtful_share * static_cast<double>(frames);
-  const std::string of_all = " of " + counted(frames, "scan");
   std::vector<std::string> result;
-  if (static_cast<double>(odometry_failures.total()) > limit)
+  for (const std::string& warning :
+       {odometryWarning(), registrationWarning(), settlingWarning(), secondPassAdvice(has_labels),
+        directionWarning(), frameWarning(), restartWarning(), keyframeWarning()})
   {
-    result.push_back("odometry.method found no motion on " +
-                     std::to_string(odometry_failures.total()) + of_all +
-                     ", most often because: " + odometry_failures.mostFrequent().example +
-                     " (scans.csv has the reason of each)");
-  }
-  if (failedOnMoreThan(doubtful_share) && !failedOnMoreThan(unusable_share))
-  {
-    result.push_back(registrationSentence("check trajectory and map"));
-  }
-  if (static_cast<double>(not_settled) > limit)
-  {
-    result.push_back("the registration of " + std::to_string(not_settled) + of_all +
-                     " ended before it converged: their motions are less accurate; raise "
-                     "refine.max_iterations");
-  }
-  if (const std::string advice = secondPassAdvice(has_labels); !advice.empty())
-  {
-    result.push_back(advice);
-  }
-  if (const std::string warning = directionWarning(); !warning.empty())
-  {
-    result.push_back(warning);
-  }
-  if (const std::string warning = frameWarning(); !warning.empty())
-  {
-    result.push_back(warning);
-  }
-  if (map_restarts > 0)
-  {
-    result.push_back("the local map was restarted " +
-                     (map_restarts == 1 ? "once" : std::to_string(map_restarts) + " times") +
-                     ", as scans in a row could not be registered: check trajectory and map; the "
-                     "trajectory before and after is joined by prediction only");
-  }
-  if (unregistered_keyframes > 0)
-  {
-    result.push_back("the points of " + counted(unregistered_keyframes, "keyframe") +
-                     " are not in the map, as " +
-                     (unregistered_keyframes == 1 ? "this scan" : "these scans") +
-                     " could not be registered");
+    if (!warning.empty())
+    {
+      result.push_back(warning);
+    }
   }
   return result;
+}
+
+std::string RunStatistics::odometryWarning() const
+{
+  if (static_cast<double>(odometry_failures.total()) <=
+      doubtful_share * static_cast<double>(frames))
+  {
+    return "";
+  }
+  return "odometry.method found no motion on " + std::to_string(odometry_failures.total()) +
+         " of " + counted(frames, "scan") +
+         ", most often because: " + odometry_failures.mostFrequent().example +
+         " (scans.csv has the reason of each)";
+}
+
+std::string RunStatistics::registrationWarning() const
+{
+  return failedOnMoreThan(doubtful_share) && !failedOnMoreThan(unusable_share)
+             ? registrationSentence("check trajectory and map")
+             : "";
+}
+
+std::string RunStatistics::settlingWarning() const
+{
+  if (static_cast<double>(not_settled) <= doubtful_share * static_cast<double>(frames))
+  {
+    return "";
+  }
+  return "the registration of " + std::to_string(not_settled) + " of " + counted(frames, "scan") +
+         " ended before it converged: their motions are less accurate; raise "
+         "refine.max_iterations";
+}
+
+std::string RunStatistics::restartWarning() const
+{
+  if (map_restarts == 0)
+  {
+    return "";
+  }
+  return "the local map was restarted " +
+         (map_restarts == 1 ? "once" : std::to_string(map_restarts) + " times") +
+         ", as scans in a row could not be registered: check trajectory and map; the "
+         "trajectory before and after is joined by prediction only";
+}
+
+std::string RunStatistics::keyframeWarning() const
+{
+  if (unregistered_keyframes == 0)
+  {
+    return "";
+  }
+  return "the points of " + counted(unregistered_keyframes, "keyframe") +
+         " are not in the map, as " + (unregistered_keyframes == 1 ? "this scan" : "these scans") +
+         " could not be registered";
 }
 
 std::string RunStatistics::secondPassAdvice(bool has_labels) const

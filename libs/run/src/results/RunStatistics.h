@@ -126,6 +126,17 @@ struct RunStatistics
   Trajectory reference;           //!< ground truth as recorded
 
  private:
+  // Warnings, each empty if there is no reason for it.
+  /** odometry.method found no motion on too many scans. */
+  [[nodiscard]] std::string odometryWarning() const;
+  /** Too many scans could not be registered, but not so many that the result is unusable. */
+  [[nodiscard]] std::string registrationWarning() const;
+  /** The registration of too many scans ended before it converged. */
+  [[nodiscard]] std::string settlingWarning() const;
+  [[nodiscard]] std::string restartWarning() const;
+  /** Keyframes could not be registered. */
+  [[nodiscard]] std::string keyframeWarning() const;
+
   /** Whether registration failed on more than `share` of all scans. */
   [[nodiscard]] bool failedOnMoreThan(double share) const;
   /** Sentence "N of M scans could not be registered: `consequence`; most often because: ...". */

@@ -15,6 +15,32 @@ constexpr double min_inclination = 4 * radians_per_degree;
 constexpr double same_ground = 4 * radians_per_degree;
 /** Least share of the scans that have to show the same ground. */
 constexpr double min_agreeing = 0.6;
+
+/** The mean of planes that agree, and how many these are. */
+struct Agreement
+{
+  GroundPlane mean;
+  std::size_t count = 0;
+};
+
+/** Of the planes that agree with `one`. */
+Agreement agreementWith(const GroundPlane& one, const std::vector<GroundPlane>& planes)
+{
+  GroundPlane sum{Eigen::Vector3d::Zero(), 0, 0};
+  std::size_t count = 0;
+  for (const GroundPlane& other : planes)
+  {
+    if (other.normal.dot(one.normal) >= std::cos(same_ground))
+    {
+      sum.normal += other.normal;
+      sum.height += other.height;
+      sum.share += other.share;
+      ++count;
+    }
+  }
+  const auto n = static_cast<double>(count);
+  return {{sum.normal.normalized(), sum.height / n, sum.share / n}, count};
+}
 }  // namespace
 
 void RecordedGround::add(const Scan& scan, std::size_t returns)
@@ -50,31 +76,15 @@ std::optional<GroundPlane> RecordedGround::plane(GroundSide side, std::size_t mi
       }
     }
   }
-  GroundPlane best;
-  std::size_t most = 0;
-  for (const GroundPlane& one : planes)
+  Agreement best;
+  for (const GroundPlane& plane : planes)
   {
-    GroundPlane sum{Eigen::Vector3d::Zero(), 0, 0};
-    std::size_t count = 0;
-    for (const GroundPlane& other : planes)
-    {
-      if (other.normal.dot(one.normal) >= std::cos(same_ground))
-      {
-        sum.normal += other.normal;
-        sum.height += other.height;
-        sum.share += other.share;
-        ++count;
-      }
-    }
-    if (count > most)
-    {
-      const auto n = static_cast<double>(count);
-      best = {sum.normal.normalized(), sum.height / n, sum.share / n};
-      most = count;
-    }
+    const Agreement with_plane = agreementWith(plane, planes);
+    best = with_plane.count > best.count ? with_plane : best;
   }
-  const bool agree = static_cast<double>(most) >= min_agreeing * static_cast<double>(scans);
-  return most > 0 && agree ? std::optional<GroundPlane>(best) : std::nullopt;
+  const double least = min_agreeing * static_cast<double>(scans);
+  const bool agree = best.count > 0 && static_cast<double>(best.count) >= least;
+  return agree ? std::optional<GroundPlane>(best.mean) : std::nullopt;
 }
 
 bool isInclined(const std::optional<GroundPlane>& ground)

@@ -74,8 +74,8 @@ struct Frame
   std::vector<bool> moving_by_prediction;
   std::vector<Detection> detections;
   std::vector<TrackedObject> objects;
-  /** Per cloud point: it belongs to an object that was reported in the first tracking, before the
-   * objects were tracked again with hindsight; else empty. */
+  /** Per cloud point: it belongs to an object that was reported by the first tracking. Only where
+   * `objects` are those of the second tracking (`pipeline.hindsight_tracking`); else empty. */
   std::vector<bool> reported_before;
 
   // Backend

@@ -31,7 +31,7 @@ struct PipelineOptions : Options
 {
   int threads = 0;                 //!< threads of the stages' loops; 0: one per core
   bool tracking = true;            //!< detect and track moving objects
-  bool hindsight_tracking = true;  //!< track again with the labels of `labels.hindsight`
+  bool hindsight_tracking = true;  //!< second tracking, on the labels with hindsight
   bool mapping = true;             //!< build the static map
   void describe(OptionsVisitor& visitor) override;
 };
@@ -83,22 +83,34 @@ class Pipeline
   std::size_t addLoops(const Frame& frame);
   /** See Backend::optimise(). \return whether the pose of a keyframe changed */
   bool optimise(Frame& frame);
-  /** Finalises moving points and objects of the scans whose later scans are known
-   * (`labels.hindsight`), passes these frames to the receiver of onFinal(), and adds final
-   * keyframes to the map, if mapping is on. The first frame waits for the second one, whose motion
-   * deskews it. */
+  /** Makes frames final whose later scans are known now: passes them to the receiver of onFinal(),
+   * and adds final keyframes to the map, if mapping is on. The frame itself is one of them without
+   * `labels.hindsight`; with it, the frame of `labels.window` scans before. */
   void finaliseFrames(const Frame& frame);
 
-  /** Sets the receiver of frames whose moving points and objects are final: every frame, in order;
-   * with `labels.hindsight` some seconds later, the last ones in finish().
-   * \param parts parts of a frame that it needs, `points` at least; more parts need more memory */
-  void onFinal(std::function<void(Frame)> use, FrameParts parts);
-  /** Whether the objects of final frames are detected and tracked again with hindsight
-   * (`pipeline.hindsight_tracking`), with ids of their own. False if objects are in the graph,
-   * which has the objects of trackObjects(). */
-  [[nodiscard]] bool tracksWithHindsight() const;
+  // Each scan has two frames. The causal frame is what process() or the last step leaves in its
+  // argument: moving points and objects by this scan and those before. The final frame follows
+  // later, with what the later scans show: labels with hindsight (`labels.hindsight`) and, where
+  // hasSecondTracking(), other objects. It is a copy.
 
-  /** To be called after the last frame: optimises once more and corrects the map. */
+  /** Sets the receiver of final frames. It gets the final frame of every scan once, in the order of
+   * the scans: from finaliseFrames(), in its thread; the last ones from finish(), which may call it
+   * in a thread of its own that has ended when finish() returns. Without `labels.hindsight` the
+   * final frame of a scan (but the first) comes while its causal frame is still being processed.
+   * The receiver may keep the frame.
+   *
+   * \param parts parts of a frame that the receiver needs; it may get more. They are held in memory
+   *   for `labels.window` scans. `none`: the receiver is not called
+   * \throws std::logic_error after the first frame, of which no such copy was made */
+  void onFinal(std::function<void(Frame)> receive, FrameParts parts);
+  /** Whether the objects of final frames are those of a second tracking
+   * (`pipeline.hindsight_tracking`), with ids of their own; if not, they are those of
+   * trackObjects(). False without tracking or `labels.hindsight`, with boxes of another program,
+   * and if objects are in the graph, which has those of trackObjects(). */
+  [[nodiscard]] bool hasSecondTracking() const;
+
+  /** To be called after the last frame: optimises once more, makes the remaining frames final, and
+   * corrects the map. */
   void finish();
 
   // Save or load the state between frames of front end and back end, each in its own thread. It is

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "TrackHindsight.h"
+#include "SmoothedTracks.h"
 
 #include <dyslam/core/BoxOverlap.h>
 #include <dyslam/tracking/TrackMerging.h>
@@ -94,12 +94,12 @@ SmoothedObject smoothedObject(int id, const Sighting& sighting)
 }
 }  // namespace
 
-TracksInHindsight smoothReported(const RunHistory& history,
-                                 const Trajectory& trajectory,
-                                 const TrackSmoothingOptions& options,
-                                 bool complete_boxes)
+SmoothedTracks smoothTracks(const RunHistory& history,
+                            const Trajectory& trajectory,
+                            const TrackSmoothingOptions& options,
+                            bool complete_boxes)
 {
-  TracksInHindsight result;
+  SmoothedTracks result;
   if (options.window <= 0)
   {
     return result;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "../src/EarlierLabels.h"
+#include "../src/GivenLabels.h"
 
 #include <dyslam/base/Error.h>
 #include <dyslam/core/Labels.h>
@@ -44,7 +44,7 @@ Cloud cloudOf(const Scan& scan)
   return cloud;
 }
 
-TEST(EarlierLabels, TakeMovingPointsOutAndPutThemBack)
+TEST(GivenLabels, TakeMovingPointsOutAndPutThemBack)
 {
   const TestFolder folder;
   std::filesystem::create_directories(folder.file("run/labels"));
@@ -52,7 +52,7 @@ TEST(EarlierLabels, TakeMovingPointsOutAndPutThemBack)
   Frame frame = frameOf(5);
   const Frame before = frame;
 
-  LabelledPoints moving = EarlierLabels(folder.file("run")).pointsOf(frame);
+  LabelledPoints moving = GivenLabels(folder.file("run")).pointsOf(frame);
   frame.cloud = cloudOf(frame.scan);
   frame.cloud.phase = {0, 0.2F, 0.4F, 0.6F, 0.8F};
   moving.takeFrom(frame.cloud);
@@ -74,13 +74,13 @@ TEST(EarlierLabels, TakeMovingPointsOutAndPutThemBack)
   EXPECT_TRUE(frame.static_prior.empty()) << "the segmenter gave none";
 }
 
-TEST(EarlierLabels, PutBackAScanOfWhichAllPointsMove)
+TEST(GivenLabels, PutBackAScanOfWhichAllPointsMove)
 {
   const TestFolder folder;
   writeLabels(folder.file("000007.label"), {moving_car, moving_car});
   Frame frame = frameOf(2);
   const Frame before = frame;
-  LabelledPoints moving = EarlierLabels(folder.path()).pointsOf(frame);
+  LabelledPoints moving = GivenLabels(folder.path()).pointsOf(frame);
   frame.cloud = cloudOf(frame.scan);
   frame.cloud.intensity.clear();  // the recording has none
   moving.takeFrom(frame.cloud);
@@ -92,14 +92,14 @@ TEST(EarlierLabels, PutBackAScanOfWhichAllPointsMove)
   EXPECT_TRUE(frame.cloud.phase.empty());
 }
 
-TEST(EarlierLabels, AreOfTheSameScans)
+TEST(GivenLabels, AreOfTheSameScans)
 {
   const TestFolder folder;
-  EXPECT_EQ(messageOfError<UserError>([&] { (void)EarlierLabels{folder.path()}; })
+  EXPECT_EQ(messageOfError<UserError>([&] { (void)GivenLabels{folder.path()}; })
                 .rfind("dyseg.labels: " + folder.path() + ": has no labels", 0),
             0U);
   writeLabels(folder.file("000007.label"), {9, moving_car});
-  const EarlierLabels labels(folder.path());
+  const GivenLabels labels(folder.path());
   Frame longer = frameOf(3);
   EXPECT_THROW((void)labels.pointsOf(longer), UserError);
   Frame another = frameOf(2);
@@ -107,25 +107,25 @@ TEST(EarlierLabels, AreOfTheSameScans)
   EXPECT_THROW((void)labels.pointsOf(another), UserError);
 }
 
-TEST(EarlierLabels, NumbersOfALearningMapAreWarnedOf)
+TEST(GivenLabels, NumbersOfALearningMapAreWarnedOf)
 {
   const TestFolder folder;
   writeLabels(folder.file("000000.label"), {1, 1, 0});
-  EXPECT_TRUE(EarlierLabels(folder.path()).warnings().empty()) << "nothing moves";
+  EXPECT_TRUE(GivenLabels(folder.path()).warnings().empty()) << "nothing moves";
   writeLabels(folder.file("000001.label"), {1, 2, 0});
-  const std::vector<std::string> said = EarlierLabels(folder.path()).warnings();
+  const std::vector<std::string> said = GivenLabels(folder.path()).warnings();
   ASSERT_EQ(said.size(), 1U);
   EXPECT_EQ(
       said[0].rfind("dyseg.labels: no label of " + folder.path() + " is of a moving class", 0), 0U)
       << said[0];
   writeLabels(folder.file("000002.label"), {9, moving_car});
-  EXPECT_TRUE(EarlierLabels(folder.path()).warnings().empty());
-  EXPECT_TRUE(EarlierLabels("").warnings().empty());
+  EXPECT_TRUE(GivenLabels(folder.path()).warnings().empty());
+  EXPECT_TRUE(GivenLabels("").warnings().empty());
 }
 
-TEST(EarlierLabels, WithoutAFolderNothingChanges)
+TEST(GivenLabels, WithoutAFolderNothingChanges)
 {
-  const EarlierLabels none("");
+  const GivenLabels none("");
   EXPECT_FALSE(none.any());
   Frame frame = frameOf(2);
   const Frame before = frame;

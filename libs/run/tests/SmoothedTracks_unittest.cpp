@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "../src/results/TrackHindsight.h"
+#include "../src/results/SmoothedTracks.h"
 
 #include <gtest/gtest.h>
 
@@ -40,11 +40,11 @@ RunHistory vehicleThatComesIntoView(int scans, Trajectory& trajectory, double cl
   return history;
 }
 
-TEST(TrackHindsight, VehiclesHaveTheirWholeSizeFromTheFirstScanOn)
+TEST(SmoothedTracks, VehiclesHaveTheirWholeSizeFromTheFirstScanOn)
 {
   Trajectory trajectory;
   const RunHistory history = vehicleThatComesIntoView(40, trajectory);
-  const auto objects = smoothReported(history, trajectory, {}, true).objects;
+  const auto objects = smoothTracks(history, trajectory, {}, true).objects;
   ASSERT_EQ(objects.size(), 40U);
   for (std::size_t i = 0; i < objects.size(); ++i)
   {
@@ -58,18 +58,18 @@ TEST(TrackHindsight, VehiclesHaveTheirWholeSizeFromTheFirstScanOn)
     EXPECT_NEAR(object.velocity.x(), speed, 0.1) << i;
   }
   // Boxes of a detector are those of whole objects.
-  const auto given = smoothReported(history, trajectory, {}, false).objects;
+  const auto given = smoothTracks(history, trajectory, {}, false).objects;
   EXPECT_NEAR(given.front().size->x(), 0.5, 1e-9);
   EXPECT_GT(given.front().velocity.x(), speed + 1);
 }
 
-TEST(TrackHindsight, VelocitiesDoNotDependOnStepsOfTheClock)
+TEST(SmoothedTracks, VelocitiesDoNotDependOnStepsOfTheClock)
 {
   for (const double step : {-30.0, 7.0})
   {
     Trajectory trajectory;
     const RunHistory history = vehicleThatComesIntoView(40, trajectory, step);
-    const auto objects = smoothReported(history, trajectory, {}, true).objects;
+    const auto objects = smoothTracks(history, trajectory, {}, true).objects;
     ASSERT_EQ(objects.size(), 40U);
     for (std::size_t i = 0; i < objects.size(); ++i)
     {
@@ -80,7 +80,7 @@ TEST(TrackHindsight, VelocitiesDoNotDependOnStepsOfTheClock)
   }
 }
 
-TEST(TrackHindsight, PositionsAreInTheMapFrame)
+TEST(SmoothedTracks, PositionsAreInTheMapFrame)
 {
   Trajectory trajectory;
   const RunHistory history = vehicleThatComesIntoView(20, trajectory);
@@ -91,8 +91,8 @@ TEST(TrackHindsight, PositionsAreInTheMapFrame)
   {
     moved.push_back(stamp, T_map_odom * pose);
   }
-  const auto objects = smoothReported(history, trajectory, {}, true).objects;
-  const auto in_map = smoothReported(history, moved, {}, true).objects;
+  const auto objects = smoothTracks(history, trajectory, {}, true).objects;
+  const auto in_map = smoothTracks(history, moved, {}, true).objects;
   ASSERT_EQ(objects.size(), in_map.size());
   for (std::size_t i = 0; i < objects.size(); ++i)
   {
@@ -127,11 +127,11 @@ RunHistory rearOfCar(Trajectory& trajectory)
   return history;
 }
 
-TEST(TrackHindsight, VehiclesHeadWhereTheyDriveAndAreAsLongAsACar)
+TEST(SmoothedTracks, VehiclesHeadWhereTheyDriveAndAreAsLongAsACar)
 {
   Trajectory trajectory;
   const RunHistory history = rearOfCar(trajectory);
-  const auto objects = smoothReported(history, trajectory, {}, true).objects;
+  const auto objects = smoothTracks(history, trajectory, {}, true).objects;
   ASSERT_EQ(objects.size(), 30U);
   for (const SmoothedObject& object : objects)
   {
@@ -144,17 +144,17 @@ TEST(TrackHindsight, VehiclesHeadWhereTheyDriveAndAreAsLongAsACar)
   }
 }
 
-TEST(TrackHindsight, BoxesOfADetectorAreNotEnlarged)
+TEST(SmoothedTracks, BoxesOfADetectorAreNotEnlarged)
 {
   Trajectory trajectory;
   const RunHistory history = rearOfCar(trajectory);
-  const auto objects = smoothReported(history, trajectory, {}, false).objects;
+  const auto objects = smoothTracks(history, trajectory, {}, false).objects;
   ASSERT_EQ(objects.size(), 30U);
   EXPECT_NEAR(objects.back().size->x(), 1.8, 1e-9);
   EXPECT_NEAR(std::abs(yawPitchRoll(objects.back().T_map_object).x()), 0, 1e-9);
 }
 
-TEST(TrackHindsight, FastPeopleAreCyclistsAndHaveTheirSize)
+TEST(SmoothedTracks, FastPeopleAreCyclistsAndHaveTheirSize)
 {
   Trajectory trajectory;
   RunHistory history;
@@ -173,7 +173,7 @@ TEST(TrackHindsight, FastPeopleAreCyclistsAndHaveTheirSize)
     history.addObjects(frame.index, {object}, TrackLife::whole);
     trajectory.push_back(frame.scan.stamp, Pose::Identity());
   }
-  const auto objects = smoothReported(history, trajectory, {}, true).objects;
+  const auto objects = smoothTracks(history, trajectory, {}, true).objects;
   ASSERT_EQ(objects.size(), 20U);
   for (const SmoothedObject& object : objects)
   {
@@ -183,7 +183,7 @@ TEST(TrackHindsight, FastPeopleAreCyclistsAndHaveTheirSize)
   }
 }
 
-TEST(TrackHindsight, TracksThatAlternateAreMerged)
+TEST(SmoothedTracks, TracksThatAlternateAreMerged)
 {
   // One vehicle; every third scan observes the second track instead of the first one.
   Trajectory trajectory;
@@ -208,7 +208,7 @@ TEST(TrackHindsight, TracksThatAlternateAreMerged)
     history.addObjects(frame.index, frame.objects, TrackLife::whole);
     trajectory.push_back(frame.scan.stamp, Pose::Identity());
   }
-  const TracksInHindsight tracks = smoothReported(history, trajectory, {}, true);
+  const SmoothedTracks tracks = smoothTracks(history, trajectory, {}, true);
   EXPECT_EQ(tracks.merged, (std::map<int, int>{{9, 4}}));
   ASSERT_EQ(tracks.objects.size(), 30U);
   for (const SmoothedObject& object : tracks.objects)
@@ -218,16 +218,16 @@ TEST(TrackHindsight, TracksThatAlternateAreMerged)
   }
   TrackSmoothingOptions apart;
   apart.merge_overlap = 1;
-  EXPECT_GT(smoothReported(history, trajectory, apart, true).objects.size(), 50U);
+  EXPECT_GT(smoothTracks(history, trajectory, apart, true).objects.size(), 50U);
 }
 
-TEST(TrackHindsight, NoneWithoutWindow)
+TEST(SmoothedTracks, NoneWithoutWindow)
 {
   Trajectory trajectory;
   const RunHistory history = vehicleThatComesIntoView(5, trajectory);
   TrackSmoothingOptions options;
   options.window = 0;
-  EXPECT_TRUE(smoothReported(history, trajectory, options, true).objects.empty());
+  EXPECT_TRUE(smoothTracks(history, trajectory, options, true).objects.empty());
 }
 }  // namespace
 }  // namespace dyslam

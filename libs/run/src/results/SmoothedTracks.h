@@ -12,8 +12,8 @@
 
 namespace dyslam
 {
-/** Reported objects of a run, smoothed with hindsight. */
-struct TracksInHindsight
+/** Reported objects of a run, smoothed at its end. */
+struct SmoothedTracks
 {
   std::vector<SmoothedObject> objects;  //!< ordered by scan, then id; without covariances
   std::map<int, int> merged;            //!< id of the object of each merged track
@@ -27,8 +27,8 @@ struct TracksInHindsight
  * \param trajectory T_map_vehicle of the scans of `history`
  * \param complete_boxes the boxes are those of visible parts of objects, to be completed
  * \return nothing if smoothing is off. */
-[[nodiscard]] TracksInHindsight smoothReported(const RunHistory& history,
-                                               const Trajectory& trajectory,
-                                               const TrackSmoothingOptions& options,
-                                               bool complete_boxes);
+[[nodiscard]] SmoothedTracks smoothTracks(const RunHistory& history,
+                                          const Trajectory& trajectory,
+                                          const TrackSmoothingOptions& options,
+                                          bool complete_boxes);
 }  // namespace dyslam

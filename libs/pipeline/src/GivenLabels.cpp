@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "EarlierLabels.h"
+#include "GivenLabels.h"
 
 #include <dyslam/base/Error.h>
 #include <dyslam/base/Files.h>
@@ -104,13 +104,13 @@ class Merge
 };
 }  // namespace
 
-EarlierLabels::EarlierLabels(const std::string& folder)
+GivenLabels::GivenLabels(const std::string& folder)
     : folder_(requireLabels(folder)),
       are_of_learning_map_(!folder_.empty() && areOfALearningMap(folder_))
 {
 }
 
-std::vector<std::string> EarlierLabels::warnings() const
+std::vector<std::string> GivenLabels::warnings() const
 {
   std::vector<std::string> result;
   if (are_of_learning_map_)
@@ -122,7 +122,7 @@ std::vector<std::string> EarlierLabels::warnings() const
   return result;
 }
 
-LabelledPoints EarlierLabels::pointsOf(const Frame& frame) const
+LabelledPoints GivenLabels::pointsOf(const Frame& frame) const
 {
   std::vector<bool> moving;
   if (!folder_.empty())

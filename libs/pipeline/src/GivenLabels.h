@@ -9,8 +9,8 @@
 
 namespace dyslam
 {
-/** The points of one scan that an earlier run labelled as moving: taken out of scan and cloud
- * before the motion is estimated, and put back after it. Does nothing where there are no labels. */
+/** The points of one scan with a given moving label: taken out of scan and cloud before the motion
+ * is estimated, and put back after it. Does nothing where there are no labels. */
 class LabelledPoints
 {
  public:
@@ -33,18 +33,18 @@ class LabelledPoints
   Scan scan_;    //!< points taken out of the scan; as long as the whole, empty if nothing was taken
 };
 
-/** Labels of an earlier run on the same scans: odometry, and segmenters that do not need the pose,
- * do not use the points labelled as moving.
+/** Labels that are given for the scans (`dyseg.labels`), of an earlier run or another program:
+ * odometry, and segmenters that do not need the pose, do not use the points labelled as moving.
  *
  * A run that confuses traffic with the static world still labels most of the vehicles as moving, by
  * their appearance and by the rays of other scans; without them the next run finds the static
  * world. */
-class EarlierLabels
+class GivenLabels
 {
  public:
   /** \param folder folder of the .label files or of the run; empty: no labels \throws UserError if
    * it has no labels. */
-  explicit EarlierLabels(const std::string& folder);
+  explicit GivenLabels(const std::string& folder);
 
   [[nodiscard]] bool any() const { return !folder_.empty(); }
   /** Of labels that seem to be the numbers of a learning map, none of which is a moving class. */
