@@ -5,6 +5,7 @@
 #include <Eigen/Geometry>
 #include <optional>
 #include <string>
+#include <vector>
 
 namespace dyslam
 {
@@ -50,4 +51,12 @@ using Matrix6 = Eigen::Matrix<double, 6, 6>;
 /** The pose with its rotation replaced by the nearest proper rotation: for poses read from text and
  * for long products. */
 [[nodiscard]] Pose orthonormalised(const Pose& pose);
+
+/** Poses of a sensor in its first frame, from those of another one that is rigidly mounted with it,
+ * in the first frame of that one.
+ * \param T_given_wanted pose of the wanted sensor in the frame of the given one: for poses of the
+ * lidar from those of the camera, T_cam_velo (`Tr` of KITTI's calib.txt); its inverse converts them
+ * back */
+[[nodiscard]] std::vector<Pose> posesOfMountedSensor(const std::vector<Pose>& poses,
+                                                     const Pose& T_given_wanted);
 }  // namespace dyslam
