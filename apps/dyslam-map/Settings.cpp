@@ -218,10 +218,7 @@ void loadRecording(ConfigLoader& loader, Arguments& a)
   a.recording.scans.preprocess = loader.get<PreprocessOptions>("preprocess");
   RawlogSourceOptions& source = a.recording.source;
   source = loader.get<RawlogSourceOptions>("input");
-  source.skip_first_n = a.range.skip_first_n.value_or(source.skip_first_n);
-  source.only_first_n = a.range.only_first_n.value_or(source.only_first_n);
-  source.start = a.range.start.value_or(source.start);
-  source.end = a.range.end.value_or(source.end);
+  a.range.applyTo(source);
 }
 
 /** Settings with which runs are merged. \param messages gets notes about them */
