@@ -169,7 +169,7 @@ void declare(CLI::App& app, Arguments& a)
       app, "--labelled-map", a.outputs.labelled_map,
       "also write all points with the true labels of --labels or --tracks (F.ply, F.pcd or F.bin, "
       "and F.label beside it): the reference for dyslam-eval map");
-  app.add_option("--threads", a.map.threads, "0: all cores")
+  app.add_option("--threads", a.builder.threads, "0: all cores")
       ->check(CLI::Range(0, 256))
       ->capture_default_str();
   app.add_flag("--force", a.force, "replace files that a run wrote");

@@ -34,7 +34,7 @@ struct Arguments
 {
   MapInputs inputs;
   GivenMapSettings given;
-  MapBuilderOptions map;
+  MapBuilderOptions builder;
   RunMergerConfig merger;  //!< of merged runs
   MapOutputs outputs;
   std::string map_pose;  //!< MapOutputs::T_fixed_map as poseFromOption() reads it

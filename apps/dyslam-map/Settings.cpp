@@ -235,14 +235,14 @@ void loadMerger(ConfigLoader& loader, Arguments& a, std::vector<std::string>& me
   }
   a.merger.solver = loader.get<FactorGraphOptions>("solver");
   a.merger.merge = loader.get<RunMergerOptions>("merge");
-  a.map.hindsight.hindsight = true;  // as mergeMaps() does
+  a.builder.hindsight.hindsight = true;  // as mergeMaps() does
 }
 
 /** Settings with which the map is built. \param messages gets notes about them */
 void loadSections(ConfigLoader& loader, Arguments& a, std::vector<std::string>& messages)
 {
-  a.map.map = loader.get<StaticMapOptions>("map");
-  a.map.hindsight = loader.get<HindsightOptions>("labels");
+  a.builder.map = loader.get<StaticMapOptions>("map");
+  a.builder.hindsight = loader.get<HindsightOptions>("labels");
   if (a.inputs.runs.empty())
   {
     loadRecording(loader, a);
@@ -252,7 +252,7 @@ void loadSections(ConfigLoader& loader, Arguments& a, std::vector<std::string>& 
     loadMerger(loader, a, messages);
   }
   a.outputs.exports = loader.get<MapExportOptions>("map_export");
-  a.map.memory = loader.get<MemoryOptions>("memory");
+  a.builder.memory = loader.get<MemoryOptions>("memory");
 }
 
 /** The sections that are loaded, with their defaults. */
@@ -294,10 +294,10 @@ Config effectiveSettings(const Config& loaded, const Arguments& a)
   {
     save(a.merger.loops, effective, "loop");
   }
-  save(a.map.hindsight, effective, "labels");
+  save(a.builder.hindsight, effective, "labels");
   save(a.outputs.exports, effective, "map_export");
   KeyframeOptions keyframes;
-  keyframes.distance = a.map.keyframe_distance;
+  keyframes.distance = a.builder.keyframe_distance;
   validate(keyframes, "backend");
   save(keyframes, effective, "backend");
   return effective;
@@ -325,7 +325,7 @@ void loadConfig(Arguments& a)
   {
     a.outputs.exports.epsg = referenceSystem(a.outputs.exports.epsg, a.inputs.recording.trajectory);
   }
-  a.map.keyframe_distance =
+  a.builder.keyframe_distance =
       a.given.keyframe_distance ? *a.given.keyframe_distance : keyframeDistance(config);
   a.outputs.settings = effectiveSettings(loaded, a);
   for (const std::string& message : messages)

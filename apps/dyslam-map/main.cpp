@@ -96,7 +96,8 @@ void runSingle(dyslam::Arguments& a)
   dyslam::checkOutputs(a);
   dyslam::loadConfig(a);
   Printer printer(a.quiet);
-  const dyslam::MapReport report = dyslam::buildMap(a.inputs.recording, a.map, a.outputs, printer);
+  const dyslam::MapReport report =
+      dyslam::buildMap(a.inputs.recording, a.builder, a.outputs, printer);
   requireComplete(report);
   printCounts(report, a.outputs.exports.full_resolution);
 }
@@ -107,7 +108,8 @@ void runMerged(dyslam::Arguments& a)
   dyslam::checkOutputs(a);
   dyslam::loadConfig(a);
   Printer printer(a.quiet);
-  const dyslam::MergeReport report = dyslam::mergeMaps(runs, a.merger, a.map, a.outputs, printer);
+  const dyslam::MergeReport report =
+      dyslam::mergeMaps(runs, a.merger, a.builder, a.outputs, printer);
   std::printf("%s%s%zu of %zu runs joined, ", report.table.c_str(), report.references.c_str(),
               report.joined, runs.size());
   printCounts(report, a.outputs.exports.full_resolution);
