@@ -159,5 +159,15 @@ TEST(Pose, PosesOfAMountedSensor)
   EXPECT_TRUE(posesOfMountedSensor(camera, T_cam_velo)[1].isApprox(lidar, 1e-12));
   EXPECT_TRUE(posesOfMountedSensor({}, T_cam_velo).empty());
 }
+
+TEST(Pose, SymmetricPart)
+{
+  Matrix6 M = Matrix6::Identity();
+  M(0, 5) = 3;
+  M(5, 0) = 1;
+  Matrix6 expected = Matrix6::Identity();
+  expected(0, 5) = expected(5, 0) = 2;
+  EXPECT_EQ(symmetricPart(M), expected);
+}
 }  // namespace
 }  // namespace dyslam

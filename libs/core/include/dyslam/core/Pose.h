@@ -15,6 +15,12 @@ using Pose = Eigen::Isometry3d;
 using Vector6 = Eigen::Matrix<double, 6, 1>;
 using Matrix6 = Eigen::Matrix<double, 6, 6>;
 
+/** (M + M^T) / 2. */
+[[nodiscard]] inline Matrix6 symmetricPart(const Matrix6& M)
+{
+  return 0.5 * (M + M.transpose());
+}
+
 [[nodiscard]] Eigen::Matrix3d skew(const Eigen::Vector3d& v);
 
 /** Rotation vector to rotation matrix and back; logSO3 returns an angle in [0, pi]. */
