@@ -49,7 +49,7 @@ std::string firstMeaningfulLine(const std::string& text)
     }
     if (first.empty())
     {
-      first = line.substr(begin, line.find_last_not_of(" \t\r") - begin + 1);
+      first = trimmed(line.substr(begin));
     }
   }
   return first.empty() ? "unknown error" : first;

@@ -4,22 +4,13 @@
 #include <map>
 
 #include "Checks.h"
+#include "RangeFlags.h"
 
 namespace dyslam
 {
-void declareRange(CLI::App& app, ScanRange& range)
-{
-  app.add_option("--skip-first-n", range.skip_first_n, "scans to skip");
-  app.add_option("--only-first-n", range.only_first_n, "scans to convert after those");
-  app.add_option("--start", range.start, "convert scans from this time on [s since the first scan]")
-      ->check(notNegative());
-  app.add_option("--end", range.end, "convert scans before this time [s since the first scan]")
-      ->check(positive());
-}
-
 void declareRawlog(CLI::App& app, ConversionOptions& options)
 {
-  declareRange(app, options);
+  declareRange(app, options, "convert");
   app.add_option("--every", options.every_n, "convert every n-th scan only")->check(positive());
   app.add_flag("--external-storage", options.external_storage, "clouds in separate files");
 }

@@ -4,17 +4,13 @@
 #include <dyslam/formats/PoseOrigin.h>
 #include <dyslam/io/Conversion.h>
 #include <dyslam/io/RecordingOptions.h>
-#include <dyslam/io/ScanRange.h>
 
 #include <CLI/CLI.hpp>
 #include <string>
 
 namespace dyslam
 {
-/** Flags that select scans of a recording for a converter. */
-void declareRange(CLI::App& app, ScanRange& range);
-
-/** declareRange() with --every and --external-storage, for a converter to rawlogs. */
+/** Those of declareRange() with --every and --external-storage, for a converter to rawlogs. */
 void declareRawlog(CLI::App& app, ConversionOptions& options);
 
 /** Flag of further lidars of a bag: --further-topic. */

@@ -17,6 +17,7 @@
 #include "../common/Checks.h"
 #include "../common/ConversionFlags.h"
 #include "../common/OutputOptions.h"
+#include "../common/RangeFlags.h"
 
 namespace dyslam::batch
 {
@@ -62,10 +63,10 @@ void declare(CLI::App& app, Arguments& a)
   app.add_flag("--probabilities", a.probabilities,
                "as of dyslam: write the moving probability of each point");
   app.add_flag("--static-scans", a.static_scans, "as of dyslam: write scans without moving points");
-  app.add_option("--skip-first-n", a.skip_first_n, "as of dyslam, of each recording")
-      ->check(notNegative());
-  app.add_option("--only-first-n", a.only_first_n, "as of dyslam, of each recording")
-      ->check(notNegative());
+  for (CLI::Option* flag : declareScanCount(app, a.range, "process"))
+  {
+    flag->description("as of dyslam, of each recording");
+  }
   app.add_option("--passes", a.passes, "as of dyslam: 2 to process each recording twice")
       ->check(CLI::IsMember({1, 2}))
       ->capture_default_str();
@@ -112,8 +113,8 @@ std::vector<std::string> runArguments(const Arguments& a)
   add(a.labels, {"--labels"});
   add(a.probabilities, {"--probabilities"});
   add(a.static_scans, {"--static-scans"});
-  add(a.skip_first_n > 0, {"--skip-first-n", std::to_string(a.skip_first_n)});
-  add(a.only_first_n > 0, {"--only-first-n", std::to_string(a.only_first_n)});
+  add(a.range.skip_first_n > 0, {"--skip-first-n", std::to_string(a.range.skip_first_n)});
+  add(a.range.only_first_n > 0, {"--only-first-n", std::to_string(a.range.only_first_n)});
   add(a.passes > 1, {"--passes", std::to_string(a.passes)});
   return words;
 }

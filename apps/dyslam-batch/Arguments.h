@@ -4,6 +4,7 @@
 #include <dyslam/batch/Manifest.h>
 #include <dyslam/batch/Recordings.h>
 #include <dyslam/io/RecordingOptions.h>
+#include <dyslam/io/ScanRange.h>
 
 #include <string>
 #include <vector>
@@ -29,8 +30,7 @@ struct Arguments
   bool labels = false;
   bool probabilities = false;
   bool static_scans = false;
-  int skip_first_n = 0;
-  int only_first_n = 0;
+  ScanRange range;  //!< of each recording, by number only
   int passes = 1;
   int jobs = 0;
   double memory = 0;  //!< memory of all runs together [GiB]; 0: automatic

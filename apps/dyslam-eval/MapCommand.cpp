@@ -15,6 +15,7 @@
 #include "../common/Checks.h"
 #include "../common/OutputOptions.h"
 #include "../common/Progress.h"
+#include "../common/RangeFlags.h"
 #include "OutputFiles.h"
 
 namespace dyslam
@@ -179,9 +180,10 @@ void declareSelf(CLI::App& sub, MapArguments& a)
   of_self("--time-offset", a.time_offsets,
           "added to the time stamps of the poses (TUM) [s]: for clocks that differ; of all "
           "trajectories, or one for each");
-  of_self("--skip-first-n", self.source.skip_first_n, "scans to skip")->check(notNegative());
-  of_self("--only-first-n", self.source.only_first_n, "scans to use after those; 0: all")
-      ->check(notNegative());
+  for (CLI::Option* flag : declareScanCount(sub, self.source, "use"))
+  {
+    flag->group(group)->capture_default_str()->needs(without_truth);
+  }
 }
 }  // namespace
 

@@ -50,8 +50,8 @@ void prepareOutput(const std::string& file, bool force)
  * would replace those that are read. */
 std::string trajectoryFile(const Arguments& a)
 {
-  const std::string poses = a.runs.empty() ? a.outputs.trajectoryFile() : "";
-  if (!poses.empty() && isSamePath(poses, a.recording.trajectory))
+  const std::string poses = a.inputs.runs.empty() ? a.outputs.trajectoryFile() : "";
+  if (!poses.empty() && isSamePath(poses, a.inputs.recording.trajectory))
   {
     throw UserError(poses +
                     ": would be replaced by its poses in the frame of --map-pose; choose "
@@ -62,21 +62,22 @@ std::string trajectoryFile(const Arguments& a)
 
 void declareRecordings(CLI::App& app, Arguments& a)
 {
-  app.add_option("-i,--input", a.recording.rawlog, "rawlog of 3D LiDAR scans");
-  app.add_option("--trajectory", a.recording.trajectory,
+  app.add_option("-i,--input", a.inputs.recording.rawlog, "rawlog of 3D LiDAR scans");
+  app.add_option("--trajectory", a.inputs.recording.trajectory,
                  "poses of the scans: TUM, or KITTI line by line");
   app.add_option_function<std::string>(
-         "--poses-of", [&a](const std::string& body) { a.recording.of_lidar = body == "lidar"; },
+         "--poses-of",
+         [&a](const std::string& body) { a.inputs.recording.of_lidar = body == "lidar"; },
          "what the poses are of: vehicle (default) or lidar, as KISS-ICP and others write them")
       ->check(CLI::IsMember({"vehicle", "lidar"}));
-  app.add_option("--time-offset", a.recording.time_offset,
+  app.add_option("--time-offset", a.inputs.recording.time_offset,
                  "added to the time stamps of the poses (TUM) [s]: for clocks that differ");
   app.add_option(
-      "--run", a.run,
+      "--run", a.inputs.run,
       "DIR: output folder of dyslam, which names the recording and has trajectory, settings, "
       "labels and tracks; --input, --trajectory, --config, --labels and --tracks replace its own");
   app.add_option(
-      "--merge", a.runs,
+      "--merge", a.inputs.runs,
       "RUN RUN...: merge the output folders of several runs of one place, in order of time, to one "
       "map and a trajectory each in the first run's frame, instead of --input and --trajectory "
       "(RUN=RAWLOG where the recording was moved)");
@@ -95,7 +96,8 @@ void declareOutputs(CLI::App& app, Arguments& a)
   addOutputFile(app, "-o,--output", a.outputs.maps,
                 "map.{pcd,ply,las,bt,ot,simplemap,3Dscene,png,gridmap}; any number (png: grid with "
                 "its yaml)");
-  app.add_flag("--full", a.full, "clouds hold every static point (map_export.full_resolution)");
+  app.add_flag("--full", a.given.full,
+               "clouds hold every static point (map_export.full_resolution)");
   addOutputFile(app, "--picture", a.outputs.picture,
                 "F.png: the map from above with paths and objects");
   addOutputFile(app, "--compare", a.outputs.comparison,
@@ -105,9 +107,9 @@ void declareOutputs(CLI::App& app, Arguments& a)
 
 void declareMoving(CLI::App& app, Arguments& a)
 {
-  app.add_option("--labels", a.recording.scans.labels,
+  app.add_option("--labels", a.inputs.recording.scans.labels,
                  "folder of .label files: moving points are left out");
-  app.add_option("--tracks", a.recording.scans.tracks,
+  app.add_option("--tracks", a.inputs.recording.scans.tracks,
                  "tracks.txt: moving objects are left out, by tracks.csv beside it those that are "
                  "dynamic at some time, otherwise those that move by more than 1 m");
 }
@@ -115,19 +117,19 @@ void declareMoving(CLI::App& app, Arguments& a)
 void declareSettings(CLI::App& app, Arguments& a)
 {
   app.add_option(
-      "-c,--config", a.config,
+      "-c,--config", a.given.config,
       "ini file with [map], [labels], [preprocess], [input], [map_export], [memory] and "
       "backend.keyframe_distance (default: effective.ini of the run or beside the trajectory, else "
       "the shipped one that fits the sensor)");
-  app.add_option("--set", a.assignments, "one setting, overrides the ini; repeatable")
+  app.add_option("--set", a.given.assignments, "one setting, overrides the ini; repeatable")
       ->type_name("SECTION.KEY=VALUE")
       ->take_all()
       ->allow_extra_args(false);
-  app.add_option("--keyframe-distance", a.keyframe_distance,
+  app.add_option("--keyframe-distance", a.given.keyframe_distance,
                  "a scan is used after this distance [m], or a turn of 0.17 rad; 0: every scan; "
                  "default: the ini's backend.keyframe_distance, else 1")
       ->check(notNegative());
-  app.add_option("--tolerance", a.recording.scans.tolerance,
+  app.add_option("--tolerance", a.inputs.recording.scans.tolerance,
                  "largest difference of time stamps where the pose of a scan cannot be "
                  "interpolated [s]")
       ->check(notNegative())
@@ -162,7 +164,7 @@ void declare(CLI::App& app, Arguments& a)
   declareOutputs(app, a);
   declareMoving(app, a);
   declareSettings(app, a);
-  declareRange(app, a.range, "use");
+  declareRange(app, a.inputs.range, "use");
   addOutputFile(
       app, "--labelled-map", a.outputs.labelled_map,
       "also write all points with the true labels of --labels or --tracks (F.ply, F.pcd or F.bin, "
@@ -177,10 +179,11 @@ void declare(CLI::App& app, Arguments& a)
 
 void checkOutputs(const Arguments& a)
 {
-  if (a.runs.empty() && (a.recording.rawlog.empty() || a.recording.trajectory.empty()))
+  if (a.inputs.runs.empty() &&
+      (a.inputs.recording.rawlog.empty() || a.inputs.recording.trajectory.empty()))
   {
     throw UserError(
-        std::string(a.recording.rawlog.empty() ? "--input" : "--trajectory") +
+        std::string(a.inputs.recording.rawlog.empty() ? "--input" : "--trajectory") +
         " is required: give a recording and its trajectory, --run DIR, or --merge RUN RUN "
         "(see dyslam-map --help)");
   }
@@ -189,7 +192,7 @@ void checkOutputs(const Arguments& a)
   {
     throw UserError("nothing to write: give at least one --output");
   }
-  if (!a.runs.empty() && a.outputs.T_fixed_map && !a.outputs.comparison.empty())
+  if (!a.inputs.runs.empty() && a.outputs.T_fixed_map && !a.outputs.comparison.empty())
   {
     throw UserError("--compare shows merged runs in their map frames; leave it out, or --map-pose");
   }
@@ -215,8 +218,8 @@ void checkOutputs(const Arguments& a)
     throw UserError("--labelled-map " + a.outputs.labelled_map +
                     ": the ending is none of .ply, .pcd and .bin");
   }
-  if (!a.outputs.labelled_map.empty() && a.recording.scans.labels.empty() &&
-      a.recording.scans.tracks.empty())
+  if (!a.outputs.labelled_map.empty() && a.inputs.recording.scans.labels.empty() &&
+      a.inputs.recording.scans.tracks.empty())
   {
     throw UserError("--labelled-map " + a.outputs.labelled_map +
                     ": nothing says what moves; give --labels or --tracks");

@@ -57,19 +57,20 @@ std::string effectiveIniBeside(const std::string& trajectory)
 /** The ini of the run that the map is of; empty where it is of none. \throws UserError. */
 std::string effectiveIniOf(const Arguments& a)
 {
-  if (!a.runs.empty())
+  if (!a.inputs.runs.empty())
   {
-    return effectiveIniOfRun(a.runs.front());
+    return effectiveIniOfRun(a.inputs.runs.front());
   }
-  return a.run.empty() || !a.config.empty() ? effectiveIniBeside(a.recording.trajectory)
-                                            : settingsOfRun(a.run);
+  return a.inputs.run.empty() || !a.given.config.empty()
+             ? effectiveIniBeside(a.inputs.recording.trajectory)
+             : settingsOfRun(a.inputs.run);
 }
 
 /** The assignments of --set that the recording is read with. */
 std::vector<std::string> inputAssignments(const Arguments& a)
 {
   std::vector<std::string> result;
-  std::copy_if(a.assignments.begin(), a.assignments.end(), std::back_inserter(result),
+  std::copy_if(a.given.assignments.begin(), a.given.assignments.end(), std::back_inserter(result),
                [](const std::string& assignment) { return assignment.rfind("input.", 0) == 0; });
   return result;
 }
@@ -79,23 +80,23 @@ std::vector<std::string> inputAssignments(const Arguments& a)
 Config baseSettings(const Arguments& a, std::vector<std::string>& messages)
 {
   const std::string of_run = effectiveIniOf(a);
-  if (!a.runs.empty())
+  if (!a.inputs.runs.empty())
   {
     Config merged = readGivenSettings(of_run).ini;
-    if (!a.config.empty())
+    if (!a.given.config.empty())
     {
-      merged.merge(readGivenSettings(a.config).ini);
+      merged.merge(readGivenSettings(a.given.config).ini);
     }
     return merged;
   }
   const GivenSettings given =
-      readGivenSettings(a.config.empty() ? of_run : a.config, inputAssignments(a));
-  if (a.config.empty() && !of_run.empty())
+      readGivenSettings(a.given.config.empty() ? of_run : a.given.config, inputAssignments(a));
+  if (a.given.config.empty() && !of_run.empty())
   {
     messages.push_back("settings: " + of_run);
     return given.ini;
   }
-  RecordingSettings chosen = settingsForRecording(a.recording.rawlog, given);
+  RecordingSettings chosen = settingsForRecording(a.inputs.recording.rawlog, given);
   messages.push_back(chosen.sensor.summary() + "; settings: " + chosen.source);
   if (!chosen.levelling_note.empty())
   {
@@ -187,7 +188,7 @@ std::string ownerOf(const std::string& section, bool merging)
 /** \param assigned sections of --set \throws UnknownSetting for one that --set may not change. */
 void requireOwnSections(const Config& assigned, const Arguments& a)
 {
-  const bool merging = !a.runs.empty();
+  const bool merging = !a.inputs.runs.empty();
   const auto own = ownSections(merging);
   for (const std::string& section : assigned.sectionNames())
   {
@@ -214,14 +215,11 @@ void requireOwnSections(const Config& assigned, const Arguments& a)
 /** Settings with which a single recording is read. */
 void loadRecording(ConfigLoader& loader, Arguments& a)
 {
-  a.recording.scans.scan_table = scanTableBeside(a.recording.trajectory);
-  a.recording.scans.preprocess = loader.get<PreprocessOptions>("preprocess");
-  RawlogSourceOptions& source = a.recording.source;
+  a.inputs.recording.scans.scan_table = scanTableBeside(a.inputs.recording.trajectory);
+  a.inputs.recording.scans.preprocess = loader.get<PreprocessOptions>("preprocess");
+  RawlogSourceOptions& source = a.inputs.recording.source;
   source = loader.get<RawlogSourceOptions>("input");
-  source.skip_first_n = a.range.skip_first_n.value_or(source.skip_first_n);
-  source.only_first_n = a.range.only_first_n.value_or(source.only_first_n);
-  source.start = a.range.start.value_or(source.start);
-  source.end = a.range.end.value_or(source.end);
+  a.inputs.range.applyTo(source);
 }
 
 /** Settings with which runs are merged. \param messages gets notes about them */
@@ -245,7 +243,7 @@ void loadSections(ConfigLoader& loader, Arguments& a, std::vector<std::string>& 
 {
   a.builder.map = loader.get<StaticMapOptions>("map");
   a.builder.hindsight = loader.get<HindsightOptions>("labels");
-  if (a.runs.empty())
+  if (a.inputs.runs.empty())
   {
     loadRecording(loader, a);
   }
@@ -273,7 +271,7 @@ Config givenSettings(const Arguments& a, std::vector<std::string>& messages)
 {
   Config config = baseSettings(a, messages);
   Config assigned;
-  for (const auto& assignment : a.assignments)
+  for (const auto& assignment : a.given.assignments)
   {
     assigned.set(assignment);
   }
@@ -288,9 +286,9 @@ Config givenSettings(const Arguments& a, std::vector<std::string>& messages)
 Config effectiveSettings(const Config& loaded, const Arguments& a)
 {
   Config effective = loaded;
-  if (a.runs.empty())
+  if (a.inputs.runs.empty())
   {
-    save(a.recording.source, effective, "input");
+    save(a.inputs.recording.source, effective, "input");
   }
   else
   {
@@ -322,13 +320,13 @@ void loadConfig(Arguments& a)
   {
     throw error.withSectionsOf(ownDefaults(a));
   }
-  a.outputs.exports.full_resolution = a.outputs.exports.full_resolution || a.full;
+  a.outputs.exports.full_resolution = a.outputs.exports.full_resolution || a.given.full;
   if (!a.outputs.T_fixed_map)  // else the number is that of a frame which only the user knows
   {
-    a.outputs.exports.epsg = referenceSystem(a.outputs.exports.epsg, a.recording.trajectory);
+    a.outputs.exports.epsg = referenceSystem(a.outputs.exports.epsg, a.inputs.recording.trajectory);
   }
   a.builder.keyframe_distance =
-      a.keyframe_distance ? *a.keyframe_distance : keyframeDistance(config);
+      a.given.keyframe_distance ? *a.given.keyframe_distance : keyframeDistance(config);
   a.outputs.settings = effectiveSettings(loaded, a);
   for (const std::string& message : messages)
   {

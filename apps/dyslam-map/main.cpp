@@ -88,22 +88,23 @@ void requireComplete(const dyslam::MapReport& report)
 
 void runSingle(dyslam::Arguments& a)
 {
-  if (!a.run.empty())
+  if (!a.inputs.run.empty())
   {
-    dyslam::completeFromRun(a.run, a.recording);
+    dyslam::completeFromRun(a.inputs.run, a.inputs.recording);
   }
-  dyslam::requireConverted(a.recording.rawlog);
+  dyslam::requireConverted(a.inputs.recording.rawlog);
   dyslam::checkOutputs(a);
   dyslam::loadConfig(a);
   Printer printer(a.quiet);
-  const dyslam::MapReport report = dyslam::buildMap(a.recording, a.builder, a.outputs, printer);
+  const dyslam::MapReport report =
+      dyslam::buildMap(a.inputs.recording, a.builder, a.outputs, printer);
   requireComplete(report);
   printCounts(report, a.outputs.exports.full_resolution);
 }
 
 void runMerged(dyslam::Arguments& a)
 {
-  const auto runs = dyslam::readRunFolders(a.runs, a.recording.scans.tolerance);
+  const auto runs = dyslam::readRunFolders(a.inputs.runs, a.inputs.recording.scans.tolerance);
   dyslam::checkOutputs(a);
   dyslam::loadConfig(a);
   Printer printer(a.quiet);
@@ -128,6 +129,6 @@ int main(int argc, char** argv)
         {
           a.outputs.T_fixed_map = dyslam::poseFromOption("--map-pose", a.map_pose);
         }
-        a.runs.empty() ? runSingle(a) : runMerged(a);
+        a.inputs.runs.empty() ? runSingle(a) : runMerged(a);
       });
 }

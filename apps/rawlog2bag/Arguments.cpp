@@ -9,8 +9,8 @@
 
 #include <filesystem>
 
-#include "../common/ConversionFlags.h"
 #include "../common/OutputOptions.h"
+#include "../common/RangeFlags.h"
 
 namespace dyslam
 {
@@ -87,7 +87,7 @@ void declare(CLI::App& app, Arguments& arguments)
   app.add_option("--further-lidars", arguments.further_lidars,
                  "regex for the labels of further lidars, whose scans are merged with those of the "
                  "first, in its frame (default: as in the run, else none)");
-  declareRange(app, arguments.range);
+  declareRange(app, arguments.range, "convert");
   app.add_flag("-q,--quiet", arguments.quiet, "no progress");
 }
 

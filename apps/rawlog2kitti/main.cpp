@@ -4,9 +4,9 @@
 #include <string>
 
 #include "../common/AppMain.h"
-#include "../common/ConversionFlags.h"
 #include "../common/ConversionReport.h"
 #include "../common/OutputOptions.h"
+#include "../common/RangeFlags.h"
 
 namespace
 {
@@ -48,7 +48,7 @@ void declare(CLI::App& app, Arguments& arguments)
                  "first, in its frame");
   app.add_flag("--no-scans", o.no_scans, "only times, calibration and poses");
   app.add_flag("--rings", o.rings, "NNNNNN.ring beside each scan, a byte for each point");
-  declareRange(app, o);
+  declareRange(app, o, "convert");
   app.add_flag("-q,--quiet", arguments.quiet, "no progress");
 }
 

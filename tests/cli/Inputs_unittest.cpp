@@ -326,7 +326,7 @@ TEST_F(Inputs, ARawlogAsKittiAndBack)
   {
     camera.push_back(pose.pose);
   }
-  writeKittiPoses(at("camera.txt"), cameraToLidarPoses(camera, cameraAxes().inverse()));
+  writeKittiPoses(at("camera.txt"), posesOfMountedSensor(camera, cameraAxes().inverse()));
   const std::string files =
       "trajectory --lengths 10 --reference " + at("camera.txt") + " --estimate " + at("lidar.txt");
   const Outcome noticed = run("dyslam-eval", files);

@@ -134,8 +134,8 @@ TEST_F(TiltedLidar, HasPosesOfTheRecordedVehicle)
   ASSERT_EQ(0, exported.code) << exported.err;
   Trajectory lidar;
   for (const Pose& pose :
-       cameraToLidarPoses(readKittiPoses(at("kitti/sequences/00/poses.txt")),
-                          readKittiCalib(at("kitti/sequences/00/calib.txt")).T_cam_velo))
+       posesOfMountedSensor(readKittiPoses(at("kitti/sequences/00/poses.txt")),
+                            readKittiCalib(at("kitti/sequences/00/calib.txt")).T_cam_velo))
   {
     lidar.push_back(static_cast<double>(lidar.size()), pose);
   }

@@ -28,7 +28,7 @@ Matrix6 stepCovariance(const MotionEstimate& motion, const BackendOptions& optio
       const Matrix6 own = cholesky.solve(Matrix6::Identity());
       if (own.allFinite())
       {
-        const Matrix6 symmetric = 0.5 * (own + own.transpose());
+        const Matrix6 symmetric = symmetricPart(own);
         return motion.converged() ? symmetric : Matrix6(symmetric + unconverged);
       }
     }

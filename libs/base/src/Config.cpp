@@ -27,16 +27,6 @@ constexpr const char* sections_of_dyslam =
 
 constexpr const char* set_flag = "--set ";  // prefix of Value::origin for values of --set
 
-std::string trimmed(const std::string& text)
-{
-  const auto first = text.find_first_not_of(" \t\r");
-  if (first == std::string::npos)
-  {
-    return {};
-  }
-  return text.substr(first, text.find_last_not_of(" \t\r") - first + 1);
-}
-
 /** Removes a comment: " //" and all after it, or the whole line if it begins with "//". */
 std::string withoutComment(const std::string& line)
 {

@@ -7,6 +7,16 @@
 
 namespace dyslam
 {
+std::string trimmed(std::string_view text, std::string_view blanks)
+{
+  const std::size_t first = text.find_first_not_of(blanks);
+  if (first == std::string_view::npos)
+  {
+    return {};
+  }
+  return std::string(text.substr(first, text.find_last_not_of(blanks) - first + 1));
+}
+
 std::size_t editDistance(const std::string& a, const std::string& b)
 {
   std::vector<std::size_t> row(b.size() + 1);

@@ -39,5 +39,14 @@ TEST(Words, UnknownOnesNameTheNearestAndTheKnown)
   EXPECT_EQ("unknown section 'section_'; did you mean 'section_0'?",
             unknownWord("section", "section_", many));
 }
+
+TEST(Words, TrimmedTextHasNoBlanksAtItsEnds)
+{
+  EXPECT_EQ("a b", trimmed(" \ta b\r"));
+  EXPECT_EQ("a b", trimmed("a b"));
+  EXPECT_EQ("", trimmed(""));
+  EXPECT_EQ("", trimmed(" \t \r"));
+  EXPECT_EQ("a\r", trimmed("\"a\r\" ", " \"")) << "only the given characters";
+}
 }  // namespace
 }  // namespace dyslam

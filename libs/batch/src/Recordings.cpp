@@ -214,10 +214,9 @@ void expandList(const std::string& list,
   for (std::string line; std::getline(lines, line);)
   {
     line.erase(std::min(line.find('#'), line.size()));
-    const auto begin = line.find_first_not_of(" \t\r");
-    if (begin != std::string::npos)
+    line = trimmed(line);
+    if (!line.empty())
     {
-      line = line.substr(begin, line.find_last_not_of(" \t\r") - begin + 1);
       expand((fs::path(list).parent_path() / line).string(), depth + 1, note, files, list);
     }
   }

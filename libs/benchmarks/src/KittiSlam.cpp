@@ -96,7 +96,8 @@ KittiDrive readKittiDrive(const std::string& folder,
                     counted(drive.visual.size(), "pose") + " for " +
                     counted(readings.size(), "reading") + " of oxts");
   }
-  drive.truth = fusedTruth(imuToLidarPoses(oxtsPoses(readings), calib.T_velo_imu), drive.visual);
+  drive.truth = fusedTruth(posesOfMountedSensor(oxtsPoses(readings), calib.T_velo_imu.inverse()),
+                           drive.visual);
   drive.detections.resize(drive.truth.size());
   for (std::size_t i = 0; i < drive.truth.size(); ++i)
   {

@@ -35,7 +35,7 @@ TrajectoryFile readPoses(const std::string& path, bool camera, const std::string
     {
       poses.push_back(pose.pose);
     }
-    poses = cameraToLidarPoses(poses, T_cam_velo);
+    poses = posesOfMountedSensor(poses, T_cam_velo);
     for (std::size_t i = 0; i < poses.size(); ++i)
     {
       file.trajectory[i].pose = poses[i];

@@ -223,4 +223,16 @@ Pose orthonormalised(const Pose& pose)
   result.linear() = U * svd.matrixV().transpose();
   return result;
 }
+
+std::vector<Pose> posesOfMountedSensor(const std::vector<Pose>& poses, const Pose& T_given_wanted)
+{
+  std::vector<Pose> result;
+  result.reserve(poses.size());
+  const Pose T_wanted_given = T_given_wanted.inverse();
+  for (const Pose& pose : poses)
+  {
+    result.push_back(T_wanted_given * pose * T_given_wanted);
+  }
+  return result;
+}
 }  // namespace dyslam

@@ -65,14 +65,14 @@ Matrix6 informationToYpr(const Pose& mean, const Matrix6& information)
 {
   const Matrix6 jacobian = tangentFromYprJacobian(mean);
   const Matrix6 result = jacobian.transpose() * information * jacobian;
-  return 0.5 * (result + result.transpose());
+  return symmetricPart(result);
 }
 
 Matrix6 informationFromYpr(const Pose& mean, const Matrix6& information_ypr)
 {
   const Matrix6 jacobian = yprFromTangentJacobian(mean);
   const Matrix6 result = jacobian.transpose() * information_ypr * jacobian;
-  return 0.5 * (result + result.transpose());
+  return symmetricPart(result);
 }
 
 Matrix6 informationToQuaternion(const Matrix6& information)

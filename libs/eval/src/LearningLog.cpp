@@ -15,22 +15,19 @@ namespace dyslam
 {
 namespace
 {
-constexpr const char* blanks = " \t\r";
 
 /** Fields of a row without surrounding blanks; none for a blank line. */
 std::vector<std::string> cellsOf(const std::string& line)
 {
   std::vector<std::string> cells;
-  if (line.find_first_not_of(blanks) == std::string::npos)
+  if (trimmed(line).empty())
   {
     return cells;
   }
   std::istringstream in(line + ",");  // otherwise getline() skips an empty last field
   for (std::string cell; std::getline(in, cell, ',');)
   {
-    const auto first = cell.find_first_not_of(blanks);
-    const auto last = cell.find_last_not_of(blanks);
-    cells.push_back(first == std::string::npos ? "" : cell.substr(first, last - first + 1));
+    cells.push_back(trimmed(cell));
   }
   return cells;
 }

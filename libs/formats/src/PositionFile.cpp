@@ -2,6 +2,7 @@
 #include <dyslam/base/Error.h>
 #include <dyslam/base/Files.h>
 #include <dyslam/base/Printable.h>
+#include <dyslam/base/Words.h>
 #include <dyslam/formats/FieldConventions.h>
 #include <dyslam/formats/PositionFile.h>
 #include <dyslam/formats/TextFile.h>
@@ -233,22 +234,16 @@ std::optional<PositionColumns> columnsOfFile(const std::string& path)
   return of_rtklib;  // without lines
 }
 
-std::string_view withoutSpaces(std::string_view text)
-{
-  const std::size_t begin = text.find_first_not_of(" \t\"");
-  return begin == std::string_view::npos
-             ? std::string_view()
-             : text.substr(begin, text.find_last_not_of(" \t\"") + 1 - begin);
-}
+constexpr const char* field_blanks = " \t\"";  // around a field
 
 /** Number in a column of the current line; nothing if it is missing or nan. */
 std::optional<double> numberAt(const TextFile& file, std::size_t column)
 {
-  const std::string_view text = withoutSpaces(file.fields()[column]);
+  const std::string text = trimmed(file.fields()[column], field_blanks);
   const auto value = parseNumber<double>(text);
   if (!value && !text.empty())
   {
-    file.fail("'" + std::string(text) + "' is not a number");
+    file.fail("'" + text + "' is not a number");
   }
   return value && !std::isnan(*value) ? value : std::nullopt;
 }
@@ -300,7 +295,7 @@ double stampIn(const TextFile& file, const PositionColumns& columns, double& uni
     }
     return *time;
   }
-  const auto time = parseNumber<double>(withoutSpaces(word));
+  const auto time = parseNumber<double>(trimmed(word, field_blanks));
   if (!time || !std::isfinite(*time))
   {
     file.fail("'" + std::string(word) + "' is not a time");

@@ -318,15 +318,4 @@ Pose cameraAxes()
   T_cam_velo.linear() << 0, -1, 0, 0, 0, -1, 1, 0, 0;
   return T_cam_velo;
 }
-
-std::vector<Pose> cameraToLidarPoses(const std::vector<Pose>& poses, const Pose& T_cam_velo)
-{
-  std::vector<Pose> result;
-  const Pose T_velo_cam = T_cam_velo.inverse();
-  for (const Pose& pose : poses)
-  {
-    result.push_back(T_velo_cam * pose * T_cam_velo);
-  }
-  return result;
-}
 }  // namespace dyslam

@@ -249,7 +249,8 @@ TEST(KittiOxts, RealDriveGivesItsKnownPoses)
   const std::string folder = *realDataFolder() + "/kitti_raw_2011_09_26_drive_0005/";
   const auto calib = readKittiCalib(folder + "calib.txt");
   ASSERT_TRUE(calib.has_imu);
-  const auto poses = imuToLidarPoses(oxtsPoses(readOxts(folder + "oxts.txt")), calib.T_velo_imu);
+  const auto poses =
+      posesOfMountedSensor(oxtsPoses(readOxts(folder + "oxts.txt")), calib.T_velo_imu.inverse());
   const auto known = readKittiPoses(folder + "poses_oxts_velo.txt");
   ASSERT_GE(poses.size(), known.size());
   for (std::size_t i = 0; i < known.size(); ++i)

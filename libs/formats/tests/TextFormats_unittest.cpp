@@ -273,24 +273,6 @@ TEST(TrajectoryFiles, TimesWithTooFewDigitsAreAnError)
               "a:6: is the 6th line with the same time; write the times with more digits");
 }
 
-TEST(TrajectoryFiles, CameraAndLidarPoses)
-{
-  // The camera looks along the lidar's x; it is 0.3 m ahead of it and 0.1 m below.
-  Pose T_cam_velo = Pose::Identity();
-  T_cam_velo.linear() << 0, -1, 0, 0, 0, -1, 1, 0, 0;
-  T_cam_velo.translation() = Eigen::Vector3d(0, -0.1, -0.3);
-  // Driving 2 m ahead and turning left: along z and about -y for the camera.
-  const Pose lidar = poseFromYpr(2, 0.5, 0, 0.3, 0, 0);
-  const auto camera = cameraToLidarPoses({Pose::Identity(), lidar}, T_cam_velo.inverse());
-  EXPECT_TRUE(camera[0].isApprox(Pose::Identity(), 1e-12));
-  EXPECT_TRUE(camera[1].linear().isApprox(expSO3(Eigen::Vector3d(0, -0.3, 0)), 1e-12));
-  // Where the camera is after the motion, by hand.
-  const Eigen::Vector3d camera_in_lidar = T_cam_velo.inverse().translation();
-  const Eigen::Vector3d moved = T_cam_velo * (lidar * camera_in_lidar);
-  EXPECT_TRUE(camera[1].translation().isApprox(moved, 1e-12));
-  EXPECT_TRUE(cameraToLidarPoses(camera, T_cam_velo)[1].isApprox(lidar, 1e-12));
-}
-
 TEST(TrajectoryFiles, RealPosesOfCameraAndLidar)
 {
   DYSLAM_REQUIRE_DATA();

@@ -43,19 +43,20 @@ StaticMapOptions uncleaned(StaticMapOptions options)
 }
 }  // namespace
 
-MapBuilder::MapBuilder(const MapBuilderOptions& options)
+MapBuilder::MapBuilder(const MapBuilderOptions& options, const MapProducts& products)
     : options_(options),
+      products_(products),
       pool_(options.threads),
-      memory_(MemoryLimit(options.memory, options.temporary_folder)
-                  .part(options.uncleaned_map ? 0.5 : 1.0)),
+      memory_(MemoryLimit(options.memory, products.temporary_folder)
+                  .part(products.uncleaned_map ? 0.5 : 1.0)),
       keyframes_(memory_),
       map_(options.map, keyframes_)
 {
-  if (!options_.scan_store.empty())
+  if (!products_.scan_store.empty())
   {
-    scans_.emplace(options_.scan_store, options_.map);
+    scans_.emplace(products_.scan_store, options_.map);
   }
-  if (options_.uncleaned_map)
+  if (products_.uncleaned_map)
   {
     uncleaned_ = std::make_unique<Uncleaned>(uncleaned(options_.map), memory_);
   }
@@ -123,7 +124,7 @@ void MapBuilder::add(Frame frame)
     last_keyframe_ = frame.T_odom_vehicle;
     reach_ = std::max(reach_, frame.T_odom_vehicle.translation().norm());
     run.fillMoving(frame);
-    if (options_.labelled_map)
+    if (products_.labelled_map)
     {
       labelled_.add(frame, run.hasLabels() ? run.labelsOf(frame) : std::vector<Label>());
     }
@@ -144,7 +145,7 @@ void MapBuilder::insert(const Frame& frame)
   {
     return;
   }
-  if (options_.whole_map)
+  if (products_.whole_map)
   {
     map_.insert(frame);
   }

@@ -292,10 +292,11 @@ MergeReport mergeMaps(const std::vector<RunFolder>& runs,
 {
   requireValidExports(outputs);
   requireReferences(runs, merger.merge, outputs);
-  MapBuilderOptions own = withNeedsOf(outputs, options);
+  const MapProducts products = productsFor(outputs);
+  MapBuilderOptions own = options;
   own.hindsight.hindsight = true;  // of runs without labels: nothing else gives their moving points
   RunMergerConfig limited = merger;
-  limited.memory = MemoryLimit(own.memory, own.temporary_folder);
+  limited.memory = MemoryLimit(own.memory, products.temporary_folder);
   const MergedRuns joined = mergeRuns(runs, limited, own.map, own.threads, listener);
   if (const std::string& full = limited.memory.file->problem(); !full.empty())
   {
@@ -314,7 +315,7 @@ MergeReport mergeMaps(const std::vector<RunFolder>& runs,
                     "; nothing was written");
   }
   const MapOutputs of_map = outputs.utm ? inZoneOf(*georeference, outputs) : outputs;
-  MapBuilder builder(own);
+  MapBuilder builder(own, products);
   std::size_t scans = 0;
   for (std::size_t r = 0; r < runs.size(); ++r)
   {

@@ -87,9 +87,9 @@ MapReport buildMap(const RecordingOnTrajectory& recording,
                    MapListener& listener)
 {
   requireValidExports(outputs);
-  MapBuilderOptions own = withNeedsOf(outputs, options);
-  own.uncleaned_map = !outputs.comparison.empty();
-  MapBuilder builder(own);
+  MapProducts products = productsFor(outputs);
+  products.uncleaned_map = !outputs.comparison.empty();
+  MapBuilder builder(options, products);
   RawlogSource source(recording.rawlog, recording.source);
   const Trajectory poses = outputs.inFixedFrame(readPoses(recording, listener));
   builder.beginRun(poses, recording.scans);

@@ -274,15 +274,16 @@ void requireValidExports(const MapOutputs& outputs)
   }
 }
 
-MapBuilderOptions withNeedsOf(const MapOutputs& outputs, MapBuilderOptions options)
+MapProducts productsFor(const MapOutputs& outputs)
 {
-  options.whole_map = outputs.needWholeMap();
-  options.labelled_map = !outputs.labelled_map.empty();
-  options.scan_store = outputs.needScans() ? outputs.maps.front() + ".scans" : "";
+  MapProducts products;
+  products.whole_map = outputs.needWholeMap();
+  products.labelled_map = !outputs.labelled_map.empty();
+  products.scan_store = outputs.needScans() ? outputs.maps.front() + ".scans" : "";
   const std::string ini = outputs.settingsFile();
-  options.temporary_folder =
+  products.temporary_folder =
       fs::absolute(ini.empty() ? outputs.labelled_map : ini).parent_path().string();
-  return options;
+  return products;
 }
 
 MapReport writeMapOutputs(MapBuilder& builder, const MapOutputs& outputs, MapListener& listener)

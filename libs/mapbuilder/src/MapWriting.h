@@ -26,8 +26,8 @@ struct FileWriter
 /** Checks the export options before anything is read. \throws UserError. */
 void requireValidExports(const MapOutputs& outputs);
 
-/** The options with the products that the outputs need, except the uncleaned map. */
-[[nodiscard]] MapBuilderOptions withNeedsOf(const MapOutputs& outputs, MapBuilderOptions options);
+/** The products that the outputs need, except the uncleaned map, which only buildMap() makes. */
+[[nodiscard]] MapProducts productsFor(const MapOutputs& outputs);
 
 /** Writes the maps, the picture, the picture of what was removed (with an uncleaned map), the
  * settings and the labelled map. Warns of coordinates that are relative to an origin.

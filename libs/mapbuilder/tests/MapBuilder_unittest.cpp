@@ -147,10 +147,11 @@ TEST(MapBuilder, WhatMovesByTheLabelsIsLeftOut)
   writeLabels(folder.file("000000.label"), labels);
   MapBuilderOptions options = plainOptions();
   options.hindsight.hindsight = true;  // not needed where there are labels
-  options.labelled_map = true;
-  options.uncleaned_map = true;
-  options.scan_store = folder.file("scans");
-  MapBuilder builder(options);
+  MapProducts products;
+  products.labelled_map = true;
+  products.uncleaned_map = true;
+  products.scan_store = folder.file("scans");
+  MapBuilder builder(options, products);
   RunScansOptions scans = test::asRecorded();
   scans.labels = folder.path();
   builder.beginRun(test::straightDrive(1, 1), scans);
@@ -175,9 +176,9 @@ TEST(MapBuilder, WhatMovesByTheLabelsIsLeftOut)
 TEST(MapBuilder, SeveralRecordingsAreOneMap)
 {
   const TestFolder folder;
-  MapBuilderOptions options = plainOptions();
-  options.scan_store = folder.file("scans");
-  MapBuilder builder(options);
+  MapProducts products;
+  products.scan_store = folder.file("scans");
+  MapBuilder builder(plainOptions(), products);
   for (const double start : {0.0, 50.0})
   {
     const Trajectory drive = test::straightDrive(3, 1, start);
@@ -199,10 +200,10 @@ TEST(MapBuilder, SeveralRecordingsAreOneMap)
 TEST(MapBuilder, WithoutAWholeMapOnlyTheScansAreKept)
 {
   const TestFolder folder;
-  MapBuilderOptions options = plainOptions();
-  options.whole_map = false;
-  options.scan_store = folder.file("scans");
-  MapBuilder builder(options);
+  MapProducts products;
+  products.whole_map = false;
+  products.scan_store = folder.file("scans");
+  MapBuilder builder(plainOptions(), products);
   const Trajectory drive = test::straightDrive(3, 1);
   builder.beginRun(drive, test::asRecorded());
   addDrive(builder, drive);
@@ -213,9 +214,9 @@ TEST(MapBuilder, WithoutAWholeMapOnlyTheScansAreKept)
 
 TEST(MapBuilder, ScansThatCannotBeStoredAreAnError)
 {
-  MapBuilderOptions options = plainOptions();
-  options.scan_store = "/no/such/folder/scans";
-  EXPECT_THROW(MapBuilder{options}, UserError);
+  MapProducts products;
+  products.scan_store = "/no/such/folder/scans";
+  EXPECT_THROW(MapBuilder(plainOptions(), products), UserError);
 }
 }  // namespace
 }  // namespace dyslam

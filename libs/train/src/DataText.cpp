@@ -2,6 +2,7 @@
 #include <dyslam/base/Error.h>
 #include <dyslam/base/PendingFile.h>
 #include <dyslam/base/SharedFiles.h>
+#include <dyslam/base/Words.h>
 #include <dyslam/train/DataText.h>
 
 #include <algorithm>
@@ -19,9 +20,7 @@ std::vector<std::string> splitFields(const std::string& text, char separator)
   std::istringstream stream(text);
   for (std::string field; std::getline(stream, field, separator);)
   {
-    const auto begin = field.find_first_not_of(" \t");
-    const auto end = field.find_last_not_of(" \t");
-    fields.push_back(begin == std::string::npos ? "" : field.substr(begin, end - begin + 1));
+    fields.push_back(trimmed(field, " \t"));
   }
   return fields;
 }

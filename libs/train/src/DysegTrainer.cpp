@@ -95,10 +95,54 @@ void requireGridOfValidation(const BevOptions& of_weights,
   requireSameGrid(of_weights, grid, file, otherwise);
   requireSameValue(file, "cells", of_weights.cells, grid.cells, otherwise);
 }
+
+/** Checks the settings and sets the number of torch's threads. \return device of the network
+ * \throws UserError. */
+torch::Device checkedDevice(const DysegTrainerSetup& setup)
+{
+  validate(setup.train, "train");
+  checkDysegValidation(setup.train);
+  useTorchThreads(setup.train.threads);
+  return deviceNamed(setup.device, "--device");
+}
+
+/** The weights of a file, for validation. \throws UserError. */
+DysegModel modelOf(const std::string& weights, int threads, const torch::Device& device)
+{
+  return DysegModel(weights, threads, device.is_cuda() ? "cuda" : "cpu");
+}
+
+/** Rows "set,scores" of a validation. */
+std::vector<std::string> scoreRows(const DysegModel& model,
+                                   const std::vector<DysegValidationSet>& validation)
+{
+  std::vector<std::string> rows;
+  for (const DysegValidationSet& set : validation)
+  {
+    DysegScores s;
+    for (const DysegSample& sample : set.samples)
+    {
+      const PlanarPrior guess{PlanarMotion::fromPose(sample.T_past_current)};
+      s.add(scorePair(model, sample, set.with_guess ? &guess : nullptr));
+    }
+    rows.push_back(set.name + scoreFields(s));
+  }
+  return rows;
+}
 }  // namespace
 
 struct DysegTrainer::Impl : TrainingTask
 {
+  /** Checks the settings and makes the network with random weights. \throws UserError. */
+  Impl(const DysegTrainerSetup& setup, std::string folder);
+  /** Takes the weights of a file. \throws UserError if they do not fit. */
+  void loadWeights(const std::string& weights);
+  /** Goes on from the folder's checkpoint. \throws UserError if there is none or it does not fit.
+   */
+  void loadCheckpoint();
+  /** Reads the data of training and validation. \throws UserError. */
+  void loadData();
+
   DysegTrainerOptions options;
   DysegAugmentOptions augmentation;
   DysegLossOptions loss_options;
@@ -129,9 +173,6 @@ struct DysegTrainer::Impl : TrainingTask
   [[nodiscard]] std::string logRow(const DysegLoss& loss) const;
   void validate() override;
   void saveWeights() override { saveDyseg({mean, grid}, loop->file(weights_file)); }
-  /** Rows "set,scores" of the validation of the weights in a file. \param given grid and network
-   * that they must have been trained for; nothing: any */
-  std::vector<std::string> evaluate(const std::string& weights, const GivenDysegShape& given = {});
 };
 
 std::vector<torch::Tensor> DysegTrainer::Impl::addCopy()
@@ -207,44 +248,18 @@ std::string DysegTrainer::Impl::logRow(const DysegLoss& loss) const
   return row;
 }
 
-std::vector<std::string> DysegTrainer::Impl::evaluate(const std::string& weights,
-                                                      const GivenDysegShape& given)
-{
-  // The file is read first: if it is missing, the user need not wait for the validation data.
-  const DysegModel model(weights, options.threads, device.is_cuda() ? "cuda" : "cpu");
-  if (given.grid)
-  {
-    requireGridOfValidation(model.grid(), *given.grid, weights);
-  }
-  if (given.network)
-  {
-    requireSameNetwork(loadDyseg(weights).net->options(), *given.network, weights, "leave it out");
-  }
-  if (validation.empty())
-  {
-    validation = makeDysegValidation(options);
-  }
-  std::vector<std::string> rows;
-  for (const DysegValidationSet& set : validation)
-  {
-    DysegScores s;
-    for (const DysegSample& sample : set.samples)
-    {
-      const PlanarPrior guess{PlanarMotion::fromPose(sample.T_past_current)};
-      s.add(scorePair(model, sample, set.with_guess ? &guess : nullptr));
-    }
-    rows.push_back(set.name + scoreFields(s));
-  }
-  return rows;
-}
-
 void DysegTrainer::Impl::validate()
 {
   loop->save();
   const std::string step = std::to_string(loop->step());
   report("validation at step " + step + ": " + dyseg_score_names);
   std::vector<std::string> rows;
-  for (const std::string& row : evaluate(loop->file(weights_file)))
+  const DysegModel model = modelOf(loop->file(weights_file), options.threads, device);
+  if (validation.empty())
+  {
+    validation = makeDysegValidation(options);  // of a training that was resumed at its last step
+  }
+  for (const std::string& row : scoreRows(model, validation))
   {
     rows.push_back(step + "," + row);
     report("  " + row);
@@ -252,119 +267,140 @@ void DysegTrainer::Impl::validate()
   appendRows(loop->file("validation.csv"), rows);
 }
 
-DysegTrainer::DysegTrainer(const DysegTrainerSetup& setup, std::string folder)
-    : impl_(std::make_unique<Impl>())
+DysegTrainer::Impl::Impl(const DysegTrainerSetup& setup, std::string folder)
+    : options(setup.train),
+      augmentation(setup.augmentation),
+      loss_options(setup.loss),
+      grid(setup.grid),
+      crop(setup.grid),
+      device(checkedDevice(setup))
 {
-  const DysegTrainerOptions& options = setup.train;
-  const DysegNetworkOptions& network = setup.network;
-  validate(options, "train");
-  checkDysegValidation(options);
-  useTorchThreads(options.threads);
-  impl_->options = options;
-  impl_->augmentation = setup.augmentation;
-  impl_->loss_options = setup.loss;
-  impl_->grid = setup.grid;
-  impl_->crop = setup.grid;
-  impl_->crop.cells = std::min(options.crop, setup.grid.cells);
+  crop.cells = std::min(options.crop, grid.cells);
   torch::manual_seed(static_cast<std::uint64_t>(options.seed));
-  impl_->device = deviceNamed(setup.device, "--device");
-  impl_->batch.fill(std::vector<PreparedPair>(static_cast<std::size_t>(options.batch)));
-  impl_->losses.resize(static_cast<std::size_t>(options.batch));
-  impl_->net = DysegNet(network);
-  impl_->mean = DysegNet(network);
-  impl_->net->to(impl_->device);
-  impl_->mean->to(impl_->device);
-  copyWeights(*impl_->mean, *impl_->net, "");
+  batch.fill(std::vector<PreparedPair>(static_cast<std::size_t>(options.batch)));
+  losses.resize(static_cast<std::size_t>(options.batch));
+  net = DysegNet(setup.network);
+  mean = DysegNet(setup.network);
+  net->to(device);
+  mean->to(device);
+  copyWeights(*mean, *net, "");
 
-  TrainingLoopSetup loop;
-  loop.folder = std::move(folder);
-  loop.weights_file = weights_file;
-  loop.log_file = log_file;
-  loop.log_header = "step,minutes,rate,matching,flow,static_probability,cell,point";
-  loop.validation_header = std::string("step,") + dyseg_score_names;
-  loop.steps = options.steps;
-  loop.batch = options.batch;
-  loop.threads = options.threads;
-  loop.rate = options.rate;
-  loop.ema_decay = options.ema_decay;
-  loop.clip = clip_norm;
-  loop.validate_every = options.validate_every;
-  loop.checkpoint_every = options.checkpoint_every;
-  loop.checkpoint_has_minutes = true;
-  loop.network_prefix = "net.";
-  loop.network = impl_->net.ptr();
-  loop.mean = impl_->mean.ptr();
-  loop.optimizer = std::make_shared<torch::optim::AdamW>(
-      impl_->net->parameters(),
+  TrainingLoopSetup loop_setup;
+  loop_setup.folder = std::move(folder);
+  loop_setup.weights_file = weights_file;
+  loop_setup.log_file = log_file;
+  loop_setup.log_header = "step,minutes,rate,matching,flow,static_probability,cell,point";
+  loop_setup.validation_header = std::string("step,") + dyseg_score_names;
+  loop_setup.steps = options.steps;
+  loop_setup.batch = options.batch;
+  loop_setup.threads = options.threads;
+  loop_setup.rate = options.rate;
+  loop_setup.ema_decay = options.ema_decay;
+  loop_setup.clip = clip_norm;
+  loop_setup.validate_every = options.validate_every;
+  loop_setup.checkpoint_every = options.checkpoint_every;
+  loop_setup.checkpoint_has_minutes = true;
+  loop_setup.network_prefix = "net.";
+  loop_setup.network = net.ptr();
+  loop_setup.mean = mean.ptr();
+  loop_setup.optimizer = std::make_shared<torch::optim::AdamW>(
+      net->parameters(),
       torch::optim::AdamWOptions(options.rate.learning_rate).weight_decay(options.weight_decay));
-  impl_->loop = std::make_unique<TrainingLoop>(std::move(loop), *impl_);
+  loop = std::make_unique<TrainingLoop>(std::move(loop_setup), *this);
 }
 
-DysegTrainer::~DysegTrainer() = default;
-
-void DysegTrainer::requireFreshFolder() const
-{
-  impl_->loop->requireFreshFolder();
-}
-
-void DysegTrainer::startFrom(const std::string& weights)
+void DysegTrainer::Impl::loadWeights(const std::string& weights)
 {
   const auto loaded = loadDyseg(weights);
-  requireSameGrid(loaded.grid, impl_->grid, weights);
-  for (auto* net : {&impl_->net, &impl_->mean})
+  requireSameGrid(loaded.grid, grid, weights);
+  for (auto* own : {&net, &mean})
   {
-    copyWeights(**net, *loaded.net, weights);
+    copyWeights(**own, *loaded.net, weights);
   }
 }
 
-void DysegTrainer::resume()
+void DysegTrainer::Impl::loadCheckpoint()
 {
-  impl_->loop->resume();
-  impl_->loop->requireNotBeyondEnd();
+  loop->resume();
+  loop->requireNotBeyondEnd();
   // The checkpoint does not have the grid; the weights that were saved with it do.
-  const std::string weights = impl_->loop->file(weights_file);
+  const std::string weights = loop->file(weights_file);
   if (std::filesystem::exists(weights))
   {
-    requireSameGrid(loadDyseg(weights).grid, impl_->grid, weights);
+    requireSameGrid(loadDyseg(weights).grid, grid, weights);
   }
 }
 
-void DysegTrainer::validateOnly(const std::string& weights,
-                                const GivenDysegShape& given,
-                                const std::function<void(const std::string&)>& report)
+void DysegTrainer::Impl::loadData()
 {
-  report(std::string("validation: ") + dyseg_score_names);
-  for (const std::string& row :
-       impl_->evaluate(weights.empty() ? impl_->loop->file(weights_file) : weights, given))
-  {
-    report("  " + row);
-  }
-}
-
-void DysegTrainer::loadData()
-{
-  Impl& t = *impl_;
-  if (t.options.validate_every > 0 && t.loop->step() < t.options.steps)
+  if (options.validate_every > 0 && loop->step() < options.steps)
   {
     // Missing data are reported now, not after hours.
-    t.validation = makeDysegValidation(t.options);
+    validation = makeDysegValidation(options);
   }
-  t.pairs = std::make_unique<DysegPairs>(t.options);
+  pairs = std::make_unique<DysegPairs>(options);
 }
+
+DysegTrainer DysegTrainer::begin(const DysegTrainerSetup& setup,
+                                 std::string folder,
+                                 const std::string& weights)
+{
+  auto impl = std::make_unique<Impl>(setup, std::move(folder));
+  impl->loop->requireFreshFolder();
+  if (!weights.empty())
+  {
+    impl->loadWeights(weights);
+  }
+  impl->loadData();
+  return DysegTrainer(std::move(impl));
+}
+
+DysegTrainer DysegTrainer::resume(const DysegTrainerSetup& setup, std::string folder)
+{
+  auto impl = std::make_unique<Impl>(setup, std::move(folder));
+  impl->loadCheckpoint();
+  impl->loadData();
+  return DysegTrainer(std::move(impl));
+}
+
+DysegTrainer::DysegTrainer(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
+
+DysegTrainer::~DysegTrainer() = default;
 
 void DysegTrainer::run(const std::function<void(const std::string&)>& report,
                        const std::function<bool()>& stopped)
 {
   Impl& t = *impl_;
-  if (!t.pairs)
-  {
-    loadData();
-  }
   report("data: " + t.pairs->summary());
   t.report = report;
   if (t.loop->run(report, stopped) && t.options.validate_every > 0)
   {
     t.loop->validate();
+  }
+}
+
+void validateDyseg(const DysegTrainerSetup& setup,
+                   const std::string& folder,
+                   const std::string& weights,
+                   const GivenDysegShape& given,
+                   const std::function<void(const std::string&)>& report)
+{
+  const torch::Device device = checkedDevice(setup);
+  report(std::string("validation: ") + dyseg_score_names);
+  const std::string file = weights.empty() ? folder + "/" + weights_file : weights;
+  // The file is read first: if it is missing, the user need not wait for the validation data.
+  const DysegModel model = modelOf(file, setup.train.threads, device);
+  if (given.grid)
+  {
+    requireGridOfValidation(model.grid(), *given.grid, file);
+  }
+  if (given.network)
+  {
+    requireSameNetwork(loadDyseg(file).net->options(), *given.network, file, "leave it out");
+  }
+  for (const std::string& row : scoreRows(model, makeDysegValidation(setup.train)))
+  {
+    report("  " + row);
   }
 }
 
@@ -374,7 +410,6 @@ void trainDyseg(const Config& config, const TrainRequest& request)
   const Config effective = setup.load(config);
   setup.device = request.device;
   setup.train.data = dataFolder(setup.train.data, "[train] data");
-  DysegTrainer trainer(setup, request.output);
   if (request.validate_only)
   {
     GivenDysegShape given;
@@ -386,22 +421,12 @@ void trainDyseg(const Config& config, const TrainRequest& request)
     {
       given.network = setup.network;
     }
-    trainer.validateOnly(request.start, given, request.report);
+    validateDyseg(setup, request.output, request.start, given, request.report);
     return;
   }
-  if (request.resume)
-  {
-    trainer.resume();
-  }
-  else
-  {
-    trainer.requireFreshFolder();
-    if (!request.start.empty())
-    {
-      trainer.startFrom(request.start);
-    }
-  }
-  trainer.loadData();  // before anything is written: settings that fail leave the folder as it is
+  // Complete before anything is written: settings that fail leave the folder as it is.
+  DysegTrainer trainer = request.resume ? DysegTrainer::resume(setup, request.output)
+                                        : DysegTrainer::begin(setup, request.output, request.start);
   writeSettings(effective, request);
   trainer.run(request.report, request.stopped);
 }

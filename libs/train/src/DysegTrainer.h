@@ -17,40 +17,46 @@ struct GivenDysegShape
   std::optional<DysegNetworkOptions> network;
 };
 
-/** A training of DySeg's network, or the validation of its weights: the steps of trainDyseg(). */
+/** A training of DySeg's network, ready to run: settings are checked, weights and data are loaded.
+ */
 class DysegTrainer
 {
  public:
-  /** \throws UserError for options out of range, a device that there is not, or if validation
-   * frames are training frames. Frames of another split are refused where they are read. */
-  DysegTrainer(const DysegTrainerSetup& setup, std::string folder);
+  /** A new training; writes nothing. \param weights file to start from, trained for the same grid,
+   * of which only the number of cells may differ; empty: random weights
+   * \throws UserError for options out of range, a device that there is not, a folder that holds a
+   * training, weights that do not fit, data that are missing or of another split, and if validation
+   * frames are training frames. */
+  [[nodiscard]] static DysegTrainer begin(const DysegTrainerSetup& setup,
+                                          std::string folder,
+                                          const std::string& weights = "");
+  /** A training that goes on from the folder's checkpoint; writes nothing. \throws UserError as
+   * begin(), and if there is no checkpoint or it does not fit. */
+  [[nodiscard]] static DysegTrainer resume(const DysegTrainerSetup& setup, std::string folder);
   ~DysegTrainer();
+  DysegTrainer(const DysegTrainer&) = delete;
+  DysegTrainer& operator=(const DysegTrainer&) = delete;
 
-  /** Makes sure that no training is overwritten. \throws UserError if the folder holds a training.
-   */
-  void requireFreshFolder() const;
-  /** Resumes from the folder's checkpoint. \throws UserError if there is none or it does not fit.
-   */
-  void resume();
-  /** Starts from the weights of a file. \throws UserError, also if they were trained for another
-   * grid; only the number of cells may differ. */
-  void startFrom(const std::string& weights);
-  /** Reads the data of training and validation; run() does it otherwise. Writes nothing.
-   * \throws UserError if some are missing or of another split. */
-  void loadData();
-  /** \param report is called with a line of progress from time to time \param stopped is polled
-   * before each step: true saves and ends; null for never. \throws UserError as loadData(). */
+  /** Trains to the last step; called once. \param report is called with a line of progress from
+   * time to time \param stopped is polled before each step: true saves and ends; null for never.
+   * \throws UserError if a file cannot be written. */
   void run(const std::function<void(const std::string&)>& report,
            const std::function<bool()>& stopped = nullptr);
-  /** The validation table of a file of weights, empty for the folder's dyseg.safetensors, with the
-   * grid and network that they were trained for. Writes nothing. \param given must be those of the
-   * weights \throws UserError if there are no weights, or of another grid or network. */
-  void validateOnly(const std::string& weights,
-                    const GivenDysegShape& given,
-                    const std::function<void(const std::string&)>& report);
 
  private:
   struct Impl;
+  explicit DysegTrainer(std::unique_ptr<Impl> impl);
   std::unique_ptr<Impl> impl_;
 };
+
+/** Reports the validation table of a file of weights, with the grid and network that they were
+ * trained for. Writes nothing.
+ * \param weights empty: dyseg.safetensors in `folder` \param given must be those of the weights
+ * \throws UserError for options out of range, a device that there is not, data that are missing or
+ * of another split, and if there are no weights, or of another grid or network. */
+void validateDyseg(const DysegTrainerSetup& setup,
+                   const std::string& folder,
+                   const std::string& weights,
+                   const GivenDysegShape& given,
+                   const std::function<void(const std::string&)>& report);
 }  // namespace dyslam

@@ -119,7 +119,7 @@ std::vector<Pose> readLidarPoses(const RecordingDescription& description)
                     ": has no transform from lidar to camera (Tr), needed for the poses of the "
                     "camera; name KITTI's calib.txt");
   }
-  return cameraToLidarPoses(poses, calib.T_cam_velo);
+  return posesOfMountedSensor(poses, calib.T_cam_velo);
 }
 
 std::vector<Eigen::Vector3f> deskewByAzimuth(std::vector<Eigen::Vector3f> points,

@@ -9,6 +9,8 @@
 #include <fstream>
 #include <sstream>
 
+#include "DysegValidation.h"
+
 namespace
 {
 namespace fs = std::filesystem;
@@ -50,13 +52,20 @@ class DysegTraining : public ::testing::Test
     auto setup = setup_;
     setup.train.steps = steps;
     const auto folder = folder_ / name;
-    DysegTrainer trainer(setup, folder.string());
-    if (resume)
-    {
-      trainer.resume();
-    }
+    DysegTrainer trainer = resume ? DysegTrainer::resume(setup, folder.string())
+                                  : DysegTrainer::begin(setup, folder.string());
     trainer.run([](const std::string&) {});
     return folder / "dyseg.safetensors";
+  }
+
+  void beginIn(const fs::path& folder, const std::string& weights = "") const
+  {
+    (void)DysegTrainer::begin(setup_, folder.string(), weights);
+  }
+
+  void resumeIn(const fs::path& folder) const
+  {
+    (void)DysegTrainer::resume(setup_, folder.string());
   }
 
   fs::path folder_;
@@ -72,7 +81,7 @@ TEST_F(DysegTraining, AStoppedRunGoesOnExactly)
 
   int asked = 0;
   {
-    DysegTrainer trainer(setup_, (folder_ / "asked").string());
+    DysegTrainer trainer = DysegTrainer::begin(setup_, (folder_ / "asked").string());
     trainer.run([](const std::string&) {}, [&] { return ++asked > 2; });
   }
   EXPECT_EQ(asked, 3);
@@ -91,7 +100,7 @@ TEST_F(DysegTraining, AnyNumberOfThreadsGivesTheSameWeights)
 TEST_F(DysegTraining, RefusesADeviceThatThereIsNot)
 {
   setup_.device = "abacus";
-  EXPECT_THROW(DysegTrainer(setup_, folder_.string()), dyslam::UserError);
+  EXPECT_THROW(beginIn(folder_), dyslam::UserError);
 }
 
 TEST_F(DysegTraining, IsLengthenedFromTheCheckpointBeforeTheDecay)
@@ -108,10 +117,9 @@ TEST_F(DysegTraining, IsLengthenedFromTheCheckpointBeforeTheDecay)
 TEST_F(DysegTraining, DoesNotOverwriteATraining)
 {
   train("kept", 1);
-  const DysegTrainer again(setup_, (folder_ / "kept").string());
-  EXPECT_THROW(again.requireFreshFolder(), dyslam::UserError);
-  const DysegTrainer other(setup_, (folder_ / "other").string());
-  EXPECT_NO_THROW(other.requireFreshFolder());
+  EXPECT_THROW(beginIn(folder_ / "kept"), dyslam::UserError);
+  EXPECT_NO_THROW(beginIn(folder_ / "other"));
+  EXPECT_FALSE(fs::exists(folder_ / "other")) << "only run() writes";
 }
 
 TEST_F(DysegTraining, AFinishedRunIsValidatedOnce)
@@ -123,15 +131,16 @@ TEST_F(DysegTraining, AFinishedRunIsValidatedOnce)
   const fs::path folder = folder_ / "finished";
   const auto files = [&]
   { return std::distance(fs::directory_iterator(folder), fs::directory_iterator()); };
-  DysegTrainer trainer(setup_, folder.string());
-  trainer.run([](const std::string&) {});
+  DysegTrainer::begin(setup_, folder.string()).run([](const std::string&) {});
   const auto rows = contentOf(folder / "validation.csv");
   EXPECT_NE(rows.find("\n1,simulated street,"), std::string::npos) << rows;
 
   const auto before = files();
   std::string said;
   const auto say = [&](const std::string& line) { said += line + "\n"; };
-  trainer.validateOnly("", {setup_.grid, setup_.network}, say);
+  const auto validate = [&](const dyslam::GivenDysegShape& given)
+  { dyslam::validateDyseg(setup_, folder.string(), "", given, say); };
+  validate({setup_.grid, setup_.network});
   EXPECT_NE(said.find("simulated street 8 scans back,"), std::string::npos) << said;
   EXPECT_EQ(files(), before) << "validation alone leaves the folder as it is";
   EXPECT_EQ(contentOf(folder / "validation.csv"), rows);
@@ -139,7 +148,7 @@ TEST_F(DysegTraining, AFinishedRunIsValidatedOnce)
   other.cells = 512;
   try
   {
-    trainer.validateOnly("", {other, std::nullopt}, say);
+    validate({other, std::nullopt});
     ADD_FAILURE() << "the grid is not that of the weights";
   }
   catch (const dyslam::UserError& error)
@@ -152,7 +161,7 @@ TEST_F(DysegTraining, AFinishedRunIsValidatedOnce)
   network.radius = setup_.network.radius + 1;
   try
   {
-    trainer.validateOnly("", {std::nullopt, network}, say);
+    validate({std::nullopt, network});
     ADD_FAILURE() << "the network is not that of the weights";
   }
   catch (const dyslam::UserError& error)
@@ -172,15 +181,16 @@ TEST_F(DysegTraining, FramesToValidateOnAreNotTrainedOn)
   setup_.train.boxed_run = "run";
   setup_.train.boxed_validation = "run";
   setup_.train.boxed_validation_first = 48;
-  const auto make = [&](int last)
+  const auto check = [&](int last)
   {
     setup_.train.boxed_last = last;
-    const DysegTrainer trainer(setup_, (folder_ / "out").string());
+    dyslam::checkDysegValidation(setup_.train);
   };
-  EXPECT_NO_THROW(make(47));
-  EXPECT_THROW(make(48), dyslam::UserError);
+  EXPECT_NO_THROW(check(47));
+  EXPECT_THROW(check(48), dyslam::UserError);
+  EXPECT_THROW(beginIn(folder_ / "out"), dyslam::UserError);
   setup_.train.boxed_validation.clear();
-  EXPECT_NO_THROW(make(48));
+  EXPECT_NO_THROW(check(48));
 }
 
 TEST_F(DysegTraining, FramesToValidateOnHaveScansBeforeThem)
@@ -189,7 +199,7 @@ TEST_F(DysegTraining, FramesToValidateOnHaveScansBeforeThem)
   {
     try
     {
-      const DysegTrainer trainer(setup_, (folder_ / "out").string());
+      beginIn(folder_ / "out");
     }
     catch (const dyslam::UserError& e)
     {
@@ -221,7 +231,7 @@ TEST_F(DysegTraining, FramesAndSeedsOfAnotherSplitAreRefused)
   {
     try
     {
-      DysegTrainer(setup_, (folder_ / "out").string()).run([](const std::string&) {});
+      beginIn(folder_ / "out");
     }
     catch (const dyslam::UserError& e)
     {
@@ -251,27 +261,23 @@ TEST_F(DysegTraining, MissingValidationDataAreToldBeforeTheFirstStep)
   setup_.train.boxed_run.clear();
   setup_.train.single_scans.clear();
   setup_.train.boxed_validation = "nowhere";
-  DysegTrainer trainer(setup_, (folder_ / "out").string());
-  EXPECT_THROW(trainer.loadData(), dyslam::UserError);
-  EXPECT_THROW(trainer.run([](const std::string&) {}), dyslam::UserError);
+  EXPECT_THROW(beginIn(folder_ / "out"), dyslam::UserError);
   EXPECT_FALSE(fs::exists(folder_ / "out"));
 }
 
 TEST_F(DysegTraining, CropsThatCannotBeHalvedAreRefused)
 {
   setup_.train.crop = 100;
-  EXPECT_THROW(DysegTrainer(setup_, (folder_ / "out").string()), dyslam::UserError);
+  EXPECT_THROW(beginIn(folder_ / "out"), dyslam::UserError);
 }
 
 TEST_F(DysegTraining, WeightsOfAnotherShapeAndMissingStatesAreRefused)
 {
   const auto weights = train("small", 1).string();
   setup_.network.hidden = 12;
-  DysegTrainer other(setup_, (folder_ / "other").string());
-  EXPECT_THROW(other.startFrom(weights), dyslam::UserError);
-  EXPECT_THROW(other.resume(), dyslam::UserError);
-  DysegTrainer same_folder(setup_, (folder_ / "small").string());
-  EXPECT_THROW(same_folder.resume(), dyslam::UserError) << "the state is of another shape";
+  EXPECT_THROW(beginIn(folder_ / "other", weights), dyslam::UserError);
+  EXPECT_THROW(resumeIn(folder_ / "other"), dyslam::UserError);
+  EXPECT_THROW(resumeIn(folder_ / "small"), dyslam::UserError) << "the state is of another shape";
 }
 
 TEST_F(DysegTraining, WeightsOfAnotherGridAreRefused)
@@ -283,7 +289,7 @@ TEST_F(DysegTraining, WeightsOfAnotherGridAreRefused)
     setup.grid = grid;
     try
     {
-      DysegTrainer(setup, (folder_ / "second").string()).startFrom(weights);
+      (void)DysegTrainer::begin(setup, (folder_ / "second").string(), weights);
     }
     catch (const dyslam::UserError& e)
     {
@@ -306,8 +312,8 @@ TEST_F(DysegTraining, WeightsOfAnotherGridAreRefused)
   EXPECT_NE(said(grid).find("max_height = 4.5, not 3"), std::string::npos) << said(grid);
 
   setup_.grid.cells = 1024;
-  EXPECT_NO_THROW(DysegTrainer(setup_, (folder_ / "first").string()).resume());
+  EXPECT_NO_THROW(resumeIn(folder_ / "first"));
   setup_.grid = grid;
-  EXPECT_THROW(DysegTrainer(setup_, (folder_ / "first").string()).resume(), dyslam::UserError);
+  EXPECT_THROW(resumeIn(folder_ / "first"), dyslam::UserError);
 }
 }  // namespace

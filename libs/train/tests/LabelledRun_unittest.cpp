@@ -88,7 +88,7 @@ class SemanticKitti : public ::testing::Test
       writeLabels(numberedPath(sequence + "/labels", f, ".label"), labels);
       poses.push_back(poseOf(f));
     }
-    writeKittiPoses(sequence + "/poses.txt", cameraToLidarPoses(poses, T_cam_velo_.inverse()));
+    writeKittiPoses(sequence + "/poses.txt", posesOfMountedSensor(poses, T_cam_velo_.inverse()));
     std::string row;
     for (int i = 0; i < 12; ++i)
     {

@@ -25,7 +25,7 @@ class PosesOfARecording : public ::testing::Test
       lidar_.push_back(poseFromYpr(k, 0.02 * k * k, 0, 0.04 * k, 0, 0));
     }
     writeKittiPoses(folder_ + "/lidar.txt", lidar_);
-    writeKittiPoses(folder_ + "/camera.txt", cameraToLidarPoses(lidar_, T_cam_velo_.inverse()));
+    writeKittiPoses(folder_ + "/camera.txt", posesOfMountedSensor(lidar_, T_cam_velo_.inverse()));
     std::string row;
     for (int i = 0; i < 12; ++i)
     {

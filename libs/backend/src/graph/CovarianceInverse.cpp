@@ -5,25 +5,17 @@
 
 namespace dyslam
 {
-namespace
-{
-Matrix6 symmetric(const Matrix6& M)
-{
-  return 0.5 * (M + M.transpose());
-}
-}  // namespace
-
 Matrix6 informationFromCovariance(const Matrix6& covariance)
 {
-  const Matrix6 inverse = symmetric(covariance.inverse());
+  const Matrix6 inverse = symmetricPart(covariance.inverse());
   if (inverse.allFinite() && inverse.llt().info() == Eigen::Success)
   {
     return inverse;
   }
   constexpr double least_share = 1e-13;  // of the largest variance; above rounding
-  const Eigen::SelfAdjointEigenSolver<Matrix6> solver(symmetric(covariance));
+  const Eigen::SelfAdjointEigenSolver<Matrix6> solver(symmetricPart(covariance));
   const Vector6& variances = solver.eigenvalues();
-  return symmetric(
+  return symmetricPart(
       solver.eigenvectors() *
       variances.cwiseMax(least_share * variances.maxCoeff()).cwiseInverse().asDiagonal() *
       solver.eigenvectors().transpose());

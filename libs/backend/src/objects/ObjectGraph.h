@@ -3,8 +3,8 @@
 
 #include <dyslam/backend/FactorGraph.h>
 #include <dyslam/backend/ObjectGraphOptions.h>
-#include <dyslam/backend/SmoothedObject.h>
 #include <dyslam/core/Frame.h>
+#include <dyslam/core/SmoothedObject.h>
 
 #include <cstddef>
 #include <map>

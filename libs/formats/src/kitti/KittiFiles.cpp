@@ -274,17 +274,6 @@ std::vector<Pose> oxtsPoses(const std::vector<OxtsReading>& readings)
   return poses;
 }
 
-std::vector<Pose> imuToLidarPoses(const std::vector<Pose>& poses, const Pose& T_velo_imu)
-{
-  std::vector<Pose> result;
-  const Pose T_imu_velo = T_velo_imu.inverse();
-  for (const Pose& pose : poses)
-  {
-    result.push_back(T_velo_imu * pose * T_imu_velo);
-  }
-  return result;
-}
-
 Box toLidar(const CameraBox& box, const Pose& T_cam_velo)
 {
   const Pose T_velo_cam = T_cam_velo.inverse();

@@ -89,10 +89,6 @@ void convertBag(const std::string& input,
   mountLidar(input, *bag, content.frames, options, sink);
   content.truth =
       options.truth_topic.empty() ? Trajectory() : readTruePoses(input, *bag, options, sink);
-  if (!content.truth.empty())
-  {
-    sink.setPoseOrigin(PoseSource::given, options.truth_topic);
-  }
   warnOfMapOdometry(*bag, options.odometry_topic, sink);
   for (const std::string& warning : bag->warnings())
   {

@@ -65,11 +65,14 @@ void requireNoInput(const std::string& output, const std::vector<std::string>& i
   }
 }
 
-ConversionOutput::ConversionOutput(const std::string& path, const ConversionOptions& options)
+ConversionOutput::ConversionOutput(const std::string& path,
+                                   const ConversionOptions& options,
+                                   const PoseOrigin& origin)
     : path_(path),
       folder_(groundTruthFolder(path)),
       pending_(folder_ + ".tmp"),
-      writer_(inFolder(path), writerOptions(options))
+      writer_(inFolder(path), writerOptions(options)),
+      origin_(origin)
 {
   requireNoLinks(folder_);
   fs::remove_all(pending_);  // of a killed program

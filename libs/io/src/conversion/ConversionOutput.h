@@ -44,7 +44,10 @@ constexpr const char* thinned_without_times =
 class ConversionOutput
 {
  public:
-  ConversionOutput(const std::string& path, const ConversionOptions& options);
+  /** \param origin source of the true poses */
+  ConversionOutput(const std::string& path,
+                   const ConversionOptions& options,
+                   const PoseOrigin& origin);
   ~ConversionOutput();
   ConversionOutput(const ConversionOutput&) = delete;
   ConversionOutput& operator=(const ConversionOutput&) = delete;
@@ -57,8 +60,6 @@ class ConversionOutput
   void write(const ImuSample& sample) { writer_.write(sample); }
   void write(const GnssFix& fix) { writer_.write(fix); }
   void write(const WheelSample& sample) { writer_.write(sample); }
-  /** Sets the source of the true poses, before the first one. */
-  void setPoseOrigin(const PoseOrigin& origin) { origin_ = origin; }
   /** Writes the labels of the scan written last. */
   void addLabels(const std::vector<Label>& labels);
   /** Writes true boxes of the scan written last, lidar frame; LabelledBox::frame is set here. */

@@ -227,10 +227,6 @@ void convertFolder(const std::string& input,
   {
     sink.note("points: " + columnsOf(layout) + " (--bin-layout " + layout + ")");
   }
-  if (!poses.empty())
-  {
-    sink.setPoseOrigin(PoseSource::given, nameOfFile(options.poses));
-  }
   FieldConventions conventions(options.scale);
   LateStamps late_stamps;
   FolderFindings findings;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "NameStamps.h"
 
+#include <dyslam/base/Quantile.h>
 #include <dyslam/formats/FieldConventions.h>
 #include <dyslam/formats/ScanFiles.h>
 
@@ -224,9 +225,8 @@ std::vector<double> secondsFromNames(std::vector<std::string>& files)
   {
     steps.push_back(stamps[i] - stamps[i - 1]);
   }
-  const auto middle = steps.begin() + static_cast<std::ptrdiff_t>(steps.size() / 2);
-  std::nth_element(steps.begin(), middle, steps.end());
-  if (*middle < shortest || *middle > longest)
+  const double usual = upperMedian(steps);
+  if (usual < shortest || usual > longest)
   {
     return {};
   }

@@ -175,8 +175,7 @@ ConversionResult convertScans(const std::string& input,
     requireCapture(input);
   }
   // Made last: bad input must not touch an earlier output.
-  ScanSink sink(output, options);
-  sink.setProgress(progress);
+  ScanSink sink(output, options, progress);
   return sink.fill(
       [&]
       {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "ScanSink.h"
 
+#include <dyslam/base/Files.h>
 #include <dyslam/core/PointTimes.h>
 
 #include <algorithm>
@@ -16,20 +17,24 @@ bool haveDifferentTimes(const Scan& scan)
 {
   return timeExtent(scan.time).value_or(TimeExtent()).duration() > 0;
 }
+/** Where the true poses are from: file of a folder of scans or topic of a bag. */
+PoseOrigin poseOriginOf(const ScanConverterOptions& options)
+{
+  const bool is_said = options.pose_source != PoseSource::unknown;
+  return {is_said ? options.pose_source : PoseSource::given,
+          options.poses.empty() ? options.truth_topic : nameOfFile(options.poses)};
+}
 }  // namespace
 
-ScanSink::ScanSink(const std::string& output, const ScanConverterOptions& options)
+ScanSink::ScanSink(const std::string& output,
+                   const ScanConverterOptions& options,
+                   const ConversionProgress& progress)
     : options_(options),
+      progress_(progress),
       T_vehicle_lidar_(poseFromOption("--sensor-pose", options.sensor_pose)),
       selection_(options, options.every_n),
-      out_(output, options)
+      out_(output, options, poseOriginOf(options))
 {
-}
-
-void ScanSink::setPoseOrigin(PoseSource source, const std::string& name)
-{
-  const bool is_said = options_.pose_source != PoseSource::unknown;
-  out_.setPoseOrigin({is_said ? options_.pose_source : source, name});
 }
 
 bool ScanSink::put(Scan scan,

@@ -25,7 +25,10 @@ constexpr double assumed_dt = 0.1;  //!< between scans without times [s]
 class ScanSink
 {
  public:
-  ScanSink(const std::string& output, const ScanConverterOptions& options);
+  /** \param progress is called after each scan that is written; null for never */
+  ScanSink(const std::string& output,
+           const ScanConverterOptions& options,
+           const ConversionProgress& progress);
 
   /** Writes a scan. \return false once enough scans were written.
    * \param has_stamp the scan has a time of its own. \param progress part of the work that is done.
@@ -43,10 +46,9 @@ class ScanSink
   void add(const WheelSample& sample) { motion_.add(sample); }
   void add(const GnssFix& fix) { motion_.add(fix); }
 
-  /** Where the true poses are from, if the options do not say it. \param name file or topic */
-  void setPoseOrigin(PoseSource source, const std::string& name);
+  /** The pose of the lidar that a recording has, instead of that of the options: before the first
+   * scan. */
   void setMounting(const Pose& T_vehicle_lidar) { T_vehicle_lidar_ = T_vehicle_lidar; }
-  void setProgress(const ConversionProgress& progress) { progress_ = progress; }
   [[nodiscard]] std::size_t seen() const { return seen_; }
   [[nodiscard]] std::size_t written() const { return written_; }
   [[nodiscard]] const MotionSampleWriter& motion() const { return motion_; }
@@ -73,6 +75,7 @@ class ScanSink
   void settle(Scan scan);
 
   const ScanConverterOptions& options_;
+  ConversionProgress progress_;
   Pose T_vehicle_lidar_;
   ScanSelection selection_;
   ConversionOutput out_;
@@ -83,7 +86,6 @@ class ScanSink
   SpanCheck spans_;
   MetScans met_;  //!< by their own stamps
   MotionSampleWriter motion_;
-  ConversionProgress progress_;
   std::vector<std::string> notes_;
   std::vector<std::string> warnings_;
   std::size_t seen_ = 0;

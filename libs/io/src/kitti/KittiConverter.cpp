@@ -185,8 +185,7 @@ ConversionResult convertKitti(const std::string& input,
   const bool deskewed =
       options.deskewed == ScansDeskewed::yes ||
       (options.deskewed == ScansDeskewed::automatic && options.kind == KittiKind::odometry);
-  ConversionOutput out(output, options);
-  out.setPoseOrigin(layout.pose_origin);
+  ConversionOutput out(output, options, layout.pose_origin);
   MotionSampleWriter motion;
   auto imu = layout.imu.begin();
   auto fix = layout.gnss.begin();

@@ -316,7 +316,7 @@ class Sequence
     {
       poses.push_back(orthonormalised(poses_.front().inverse() * pose));
     }
-    return cameraToLidarPoses(poses, calib_.T_cam_velo.inverse());
+    return posesOfMountedSensor(poses, calib_.T_cam_velo.inverse());
   }
 
   void writeCalib() const

@@ -205,7 +205,7 @@ class LayoutReader
     }
     if (isCameraFrame(path, file.format))
     {
-      poses = cameraToLidarPoses(poses, calib_.requireCamera("poses of the camera"));
+      poses = posesOfMountedSensor(poses, calib_.requireCamera("poses of the camera"));
     }
     if (file.format == TrajectoryFormat::tum && times_ != KittiTimes::assumed)
     {
@@ -302,7 +302,7 @@ class LayoutReader
       return;
     }
     const Pose& T_velo_imu = calib_.requireImu("poses of oxts");
-    assign(path, imuToLidarPoses(oxtsPoses(readOxts(path)), T_velo_imu));
+    assign(path, posesOfMountedSensor(oxtsPoses(readOxts(path)), T_velo_imu.inverse()));
     setPoseSource(PoseSource::gnss_ins, path);
   }
 

@@ -17,11 +17,6 @@ constexpr int min_samples = 3;
 /** Smallest reported standard deviations [m], [rad]. */
 constexpr double min_sigma = 1e-4;
 constexpr double min_sigma_angle = 1e-5;
-
-Matrix6 symmetric(const Matrix6& M)
-{
-  return 0.5 * (M + M.transpose());
-}
 }  // namespace
 
 void UncertaintyOptions::describe(OptionsVisitor& v)
@@ -87,7 +82,7 @@ void MotionUncertainty::setCovariance(const Matrix6& of_points,
   Matrix6 covariance = motion.pose_noise + back * noise_before_ * back.transpose() + drift;
   covariance.diagonal() += options_.jitter_drift * jitter;
   noise_before_ = motion.pose_noise;
-  motion.information = symmetric(covariance.llt().solve(Matrix6::Identity()));
+  motion.information = symmetricPart(covariance.llt().solve(Matrix6::Identity()));
 }
 
 void MotionUncertainty::calibrate(double dt, const Matrix6& in_map, MotionEstimate& motion)
@@ -97,10 +92,10 @@ void MotionUncertainty::calibrate(double dt, const Matrix6& in_map, MotionEstima
     return;
   }
   measureJitter(dt, motion);
-  const Matrix6 own = symmetric(motion.information.llt().solve(Matrix6::Identity()));
+  const Matrix6 own = symmetricPart(motion.information.llt().solve(Matrix6::Identity()));
   // The estimate weighs points and prior by their information: its covariance has a part of each.
   const Matrix6 of_points =
-      motion.converged() ? symmetric(own * in_map * own) : Matrix6(Matrix6::Zero());
+      motion.converged() ? symmetricPart(own * in_map * own) : Matrix6(Matrix6::Zero());
   setCovariance(covarianceScale(options_.registration_covariance_scale, motion) * of_points,
                 covarianceScale(options_.motion_covariance_scale, motion) * (own - of_points),
                 motion);
@@ -119,7 +114,8 @@ void MotionUncertainty::calibrateMatch(double dt, const Matrix6& prior, MotionEs
   {
     information += motion.information / scale;
   }
-  setCovariance(Matrix6::Zero(), symmetric(information.llt().solve(Matrix6::Identity())), motion);
+  setCovariance(Matrix6::Zero(), symmetricPart(information.llt().solve(Matrix6::Identity())),
+                motion);
 }
 
 void MotionUncertainty::exchangeState(StateArchive& archive)

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "ReportedObjects.h"
 
-#include <dyslam/backend/SmoothedObject.h>
 #include <dyslam/base/Angle.h>
+#include <dyslam/core/SmoothedObject.h>
 
 #include <cmath>
 #include <set>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <dyslam/backend/SmoothedObject.h>
+#include <dyslam/core/SmoothedObject.h>
 #include <dyslam/core/Trajectory.h>
 #include <dyslam/tracking/TrackSmoother.h>
 

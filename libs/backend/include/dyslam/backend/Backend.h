@@ -9,12 +9,12 @@
 #include <dyslam/backend/ObjectGraphOptions.h>
 #include <dyslam/backend/PoseGraph.h>
 #include <dyslam/backend/PriorMapOptions.h>
-#include <dyslam/backend/SmoothedObject.h>
 #include <dyslam/core/Frame.h>
 #include <dyslam/core/Georeference.h>
 #include <dyslam/core/Gravity.h>
 #include <dyslam/core/KeyframeStore.h>
 #include <dyslam/core/PriorMapFit.h>
+#include <dyslam/core/SmoothedObject.h>
 #include <dyslam/core/Trajectory.h>
 
 #include <cstddef>

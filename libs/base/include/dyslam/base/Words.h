@@ -31,6 +31,9 @@ template <typename Container>
   return list;
 }
 
+/** The text without these characters at its begin and end. */
+[[nodiscard]] std::string trimmed(std::string_view text, std::string_view blanks = " \t\r");
+
 /** Levenshtein distance between two words. */
 [[nodiscard]] std::size_t editDistance(const std::string& a, const std::string& b);
 

@@ -5,6 +5,7 @@
 #include <Eigen/Geometry>
 #include <optional>
 #include <string>
+#include <vector>
 
 namespace dyslam
 {
@@ -13,6 +14,12 @@ using Pose = Eigen::Isometry3d;
 /** A tangent of SE(3): [translation, rotation], metres and radians, as mrpt::poses::Lie::SE<3>. */
 using Vector6 = Eigen::Matrix<double, 6, 1>;
 using Matrix6 = Eigen::Matrix<double, 6, 6>;
+
+/** (M + M^T) / 2. */
+[[nodiscard]] inline Matrix6 symmetricPart(const Matrix6& M)
+{
+  return 0.5 * (M + M.transpose());
+}
 
 [[nodiscard]] Eigen::Matrix3d skew(const Eigen::Vector3d& v);
 
@@ -50,4 +57,12 @@ using Matrix6 = Eigen::Matrix<double, 6, 6>;
 /** The pose with its rotation replaced by the nearest proper rotation: for poses read from text and
  * for long products. */
 [[nodiscard]] Pose orthonormalised(const Pose& pose);
+
+/** Poses of a sensor in its first frame, from those of another one that is rigidly mounted with it,
+ * in the first frame of that one.
+ * \param T_given_wanted pose of the wanted sensor in the frame of the given one: for poses of the
+ * lidar from those of the camera, T_cam_velo (`Tr` of KITTI's calib.txt); its inverse converts them
+ * back */
+[[nodiscard]] std::vector<Pose> posesOfMountedSensor(const std::vector<Pose>& poses,
+                                                     const Pose& T_given_wanted);
 }  // namespace dyslam

@@ -64,10 +64,6 @@ struct OxtsReading
  * kit (scale from the first latitude). The first is the identity. */
 [[nodiscard]] std::vector<Pose> oxtsPoses(const std::vector<OxtsReading>& readings);
 
-/** Poses of the lidar in its first pose's frame, from poses of the IMU. */
-[[nodiscard]] std::vector<Pose> imuToLidarPoses(const std::vector<Pose>& poses,
-                                                const Pose& T_velo_imu);
-
 /** Box in KITTI's camera frame: x right, y down, z ahead. */
 struct CameraBox
 {

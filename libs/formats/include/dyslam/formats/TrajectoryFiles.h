@@ -50,8 +50,4 @@ struct TrajectoryFile
  * ahead.
  */
 [[nodiscard]] Pose cameraAxes();
-/** Converts poses of the camera (in its first frame) to poses of the lidar (in its first frame);
- * `T_cam_velo` is `Tr` of KITTI's calib.txt. With its inverse it converts them back. */
-[[nodiscard]] std::vector<Pose> cameraToLidarPoses(const std::vector<Pose>& poses,
-                                                   const Pose& T_cam_velo);
 }  // namespace dyslam

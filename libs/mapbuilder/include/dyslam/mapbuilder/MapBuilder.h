@@ -18,20 +18,26 @@
 
 namespace dyslam
 {
+/** How a map is built, whatever it is built of and written to. */
 struct MapBuilderOptions
 {
-  StaticMapOptions map;
-  HindsightOptions hindsight;
-  MemoryOptions memory;
+  StaticMapOptions map;            //!< voxels and cleaning
+  HindsightOptions hindsight;      //!< moving points of runs without labels
+  MemoryOptions memory;            //!< memory for the map; beyond it is on the disk
   double keyframe_distance = 1.0;  //!< distance after which a scan is used [m]; 0: all scans
   int threads = 0;                 //!< number of threads; 0: number of cores
+};
 
-  // Further products and their files; buildMap() and mergeMaps() set them by the outputs.
+/** What a MapBuilder makes, and the files that it needs; buildMap() and mergeMaps() set it by the
+ * outputs. */
+struct MapProducts
+{
   bool whole_map = true;         //!< build map()
   bool labelled_map = false;     //!< collect labelledMap()
   bool uncleaned_map = false;    //!< build uncleanedMap()
   std::string scan_store;        //!< file for the scans used; empty: they are not stored
-  std::string temporary_folder;  //!< folder of the unnamed file for the map beyond `memory`
+  std::string temporary_folder;  //!< folder of the unnamed file for the map beyond
+                                 //!< MapBuilderOptions::memory
 };
 
 /** Builds the static map of a recording along a known trajectory, or of several of one place.
@@ -43,7 +49,8 @@ class MapBuilder
 {
  public:
   /** \throws UserError if the scans cannot be stored. */
-  explicit MapBuilder(const MapBuilderOptions& options);
+  explicit MapBuilder(const MapBuilderOptions& options,
+                      const MapProducts& products = MapProducts());
 
   /** Begins a recording, also the first one. \throws UserError as RunScans. */
   void beginRun(const Trajectory& trajectory, const RunScansOptions& options);
@@ -64,12 +71,12 @@ class MapBuilder
   /** Largest distance of a keyframe from the origin [m]. */
   [[nodiscard]] double reach() const { return reach_; }
   [[nodiscard]] const StaticMap& map() const { return map_; }
-  /** The map including moving points; null without `uncleaned_map`. */
+  /** The map including moving points; null without MapProducts::uncleaned_map. */
   [[nodiscard]] const StaticMap* uncleanedMap() const
   {
     return uncleaned_ ? &uncleaned_->map : nullptr;
   }
-  /** The scans of the map; null without `scan_store`. */
+  /** The scans of the map; null without MapProducts::scan_store. */
   [[nodiscard]] ScanStore* scans() { return scans_ ? &*scans_ : nullptr; }
   [[nodiscard]] std::size_t keyframes() const { return keyframes_.size(); }
   /** UNIX time of the first scan added, with a pose or not [s]. */
@@ -105,6 +112,7 @@ class MapBuilder
   Eigen::Vector3d origin_ = Eigen::Vector3d::Zero();
   double reach_ = 0;
   MapBuilderOptions options_;
+  MapProducts products_;
   ThreadPool pool_;
   std::deque<RunScans> runs_;
   MemoryLimit memory_;

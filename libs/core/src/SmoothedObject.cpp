@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <dyslam/backend/SmoothedObject.h>
+#include <dyslam/core/SmoothedObject.h>
 
 #include <algorithm>
 
