@@ -5,6 +5,7 @@
 #include <dyslam/benchmarks/TrackFiles.h>
 #include <dyslam/formats/LabelFiles.h>
 #include <dyslam/formats/RunFiles.h>
+#include <dyslam/formats/RunReport.h>
 #include <dyslam/formats/TextFile.h>
 #include <dyslam/formats/TrackFiles.h>
 #include <dyslam/formats/TrajectoryFiles.h>
@@ -15,8 +16,6 @@
 #include <cmath>
 #include <filesystem>
 #include <map>
-
-#include "RunReport.h"
 
 namespace fs = std::filesystem;
 
@@ -189,9 +188,7 @@ std::optional<FrameRange> framesOfReport(const std::string& folder)
     return std::nullopt;
   }
   const Config config = Config::fromFile(ini.string());
-  const auto frames = report->find("frames");
-  if (frames == report->end() || !frames->is_number_integer() ||
-      !config.has("input", "skip_first_n"))
+  if (!report->frames || !config.has("input", "skip_first_n"))
   {
     return std::nullopt;
   }
@@ -201,7 +198,7 @@ std::optional<FrameRange> framesOfReport(const std::string& folder)
   {
     return std::nullopt;  // the number of the first scan is not known
   }
-  return FrameRange{input.skip_first_n, input.skip_first_n + frames->get<int>() - 1};
+  return FrameRange{input.skip_first_n, input.skip_first_n + static_cast<int>(*report->frames) - 1};
 }
 }  // namespace
 

@@ -29,7 +29,8 @@ constexpr const char* state = "resume.state";          //!< checkpoint of an unf
 constexpr const char* recording = "recording.rawlog";  //!< what another input is converted to
 }  // namespace run_files
 
-/** Names of the files that a run wrote, by report.json in its folder; none without it. */
+/** Names of the files that a run wrote, by report.json in its folder; none without it or if it is
+ * damaged. */
 [[nodiscard]] std::vector<std::string> filesOfRun(const std::string& folder);
 /** Whether a folder has the settings and the report of a run, so that clouds in it are maps and no
  * scans; false if it cannot be read. */
