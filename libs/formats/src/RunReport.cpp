@@ -120,9 +120,8 @@ class ReportFields
   {
     const ReportJson* value = find(key);
     require(value == nullptr || value->is_object(), key, "an object");
-    return value == nullptr
-               ? std::nullopt
-               : std::optional<ReportFields>(ReportFields(*value, path_, nameOf(key)));
+    return value == nullptr ? std::nullopt
+                            : std::optional<ReportFields>(ReportFields(*value, path_, nameOf(key)));
   }
 
  private:
@@ -235,8 +234,9 @@ ReportJson toReportJson(const GnssFit& fit)
 
 ReportJson toReportJson(const Gravity& gravity)
 {
-  const auto numbers = [](const Eigen::Vector3d& v)
-  { return ReportJson::array({inNineDigits(v.x()), inNineDigits(v.y()), inNineDigits(v.z())}); };
+  const auto numbers = [](const Eigen::Vector3d& v) {
+    return ReportJson::array({inNineDigits(v.x()), inNineDigits(v.y()), inNineDigits(v.z())});
+  };
   return {{"directions", gravity.directions},
           {"rmse_deg", inNineDigits(gravity.rmse / radians_per_degree)},
           {"map_tilt_deg", inNineDigits(gravity.tilt / radians_per_degree)},

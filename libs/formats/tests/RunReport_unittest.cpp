@@ -230,8 +230,7 @@ TEST(RunReport, AFieldOfAnotherTypeIsNamed)
   }
   for (const std::string text : {"", "{", "[]", "{\"frames\": 3}}"})
   {
-    EXPECT_EQ(messageFor(text),
-              "run/report.json: is not the JSON report of a run; repeat the run")
+    EXPECT_EQ(messageFor(text), "run/report.json: is not the JSON report of a run; repeat the run")
         << text;
   }
   EXPECT_TRUE(contains(messageFor(std::string(1000, '[') + std::string(1000, ']')),

@@ -28,8 +28,8 @@ struct GnssFit
  * written if it is nothing. */
 struct RunReport
 {
-  std::string input;   //!< path of the recording, see recordingOfRun()
-  std::string sensor;  //!< what the first scans show of the sensor
+  std::string input;                       //!< path of the recording, see recordingOfRun()
+  std::string sensor;                      //!< what the first scans show of the sensor
   std::optional<PoseOrigin> ground_truth;  //!< nothing if the recording has no true poses
   std::string method;                      //!< stages in use
   bool finished = true;     //!< whether all scans were processed; true where it is not stated
