@@ -2,6 +2,7 @@
 #include <dyslam/base/Files.h>
 #include <dyslam/base/Printable.h>
 #include <dyslam/batch/Summary.h>
+#include <dyslam/formats/RunFiles.h>
 #include <dyslam/formats/RunReport.h>
 
 #include <algorithm>
@@ -83,9 +84,9 @@ std::string row(const BatchResult& r, const std::string& folder, const Json& err
   const Manifest& m = r.manifest;
   const std::string name = escapedHtml(r.recording.name);
   const std::string link = address(r.recording.name);
-  const bool has_page = fs::is_regular_file(results / "report.html");
+  const bool has_page = fs::is_regular_file(results / run_files::page);
   std::string html = "<tr><td>";
-  html += has_page ? "<a href=\"" + link + "/report.html\">" + name + "</a>" : name;
+  html += has_page ? "<a href=\"" + link + "/" + run_files::page + "\">" + name + "</a>" : name;
   const char* mark = m.state == State::done ? "good" : m.hasResults() ? "warn" : "bad";
   html +=
       std::string("</td><td><span class=\"") + mark + "\">" + toString(m.state) + "</span></td>";

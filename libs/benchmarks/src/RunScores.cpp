@@ -70,7 +70,7 @@ bool noteUnfinished(const std::string& folder,
     return false;
   }
   std::string scans = report.frames ? counted(*report.frames, "scan") : "? scans";
-  const fs::path poses = fs::path(truth) / "poses_tum.txt";
+  const fs::path poses = fs::path(truth) / true_poses_file;
   if (!truth.empty() && fs::exists(poses))
   {
     scans = (report.frames ? std::to_string(*report.frames) : "?") + " of " +
@@ -88,7 +88,7 @@ bool noteUnfinished(const std::string& folder,
 fs::path referenceOf(const fs::path& folder, const std::string& truth)
 {
   const fs::path own = folder / run_files::reference;
-  return fs::exists(own) || truth.empty() ? own : fs::path(truth) / "poses_tum.txt";
+  return fs::exists(own) || truth.empty() ? own : fs::path(truth) / true_poses_file;
 }
 
 /** Origin of the poses of referenceOf(): as the run recorded it, else as stated in the ground-truth
@@ -199,7 +199,7 @@ std::string whyNoRun(const std::string& folder)
   {
     return "";
   }
-  return fs::exists(fs::path(folder) / "odometry_tum.txt.tmp")
+  return fs::exists((fs::path(folder) / run_files::odometry).string() + ".tmp")
              ? "unfinished, without a checkpoint: has no trajectory_tum.txt"
          : hasRuns(folder) ? "is a folder of runs, not that of one; give those in it"
                            : "has no trajectory_tum.txt: is it the output folder of a run?";

@@ -3,6 +3,7 @@
 #include <dyslam/base/Files.h>
 #include <dyslam/base/Options.h>
 #include <dyslam/benchmarks/TrackFiles.h>
+#include <dyslam/formats/GroundTruth.h>
 #include <dyslam/formats/LabelFiles.h>
 #include <dyslam/formats/RunFiles.h>
 #include <dyslam/formats/RunReport.h>
@@ -195,7 +196,7 @@ TrackData readTruth(const std::string& folder, TrackSelection& selection, const 
 {
   TrackData data;
   data.boxes = readTracks((fs::path(folder) / "tracks.txt").string());
-  const fs::path poses = fs::path(folder) / "poses_tum.txt";
+  const fs::path poses = fs::path(folder) / true_poses_file;
   const fs::path labels = fs::path(folder) / "labels";
   if (fs::exists(poses))
   {

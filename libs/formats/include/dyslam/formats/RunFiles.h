@@ -11,6 +11,7 @@ namespace run_files
 {
 constexpr const char* settings = "effective.ini";         //!< every setting of the run
 constexpr const char* report = "report.json";             //!< figures, written last
+constexpr const char* page = "report.html";               //!< the run in a browser
 constexpr const char* trajectory = "trajectory_tum.txt";  //!< T_map_vehicle of every scan
 constexpr const char* trajectory_utm = "trajectory_utm.txt";
 constexpr const char* odometry = "odometry_tum.txt";    //!< T_odom_vehicle of every scan
