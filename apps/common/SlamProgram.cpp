@@ -157,7 +157,7 @@ void printTimes(const SlamRunReport& report)
 void printFiles(const SlamRunReport& report, const std::string& folder)
 {
   std::printf("results in %s: %s\n", folder.c_str(), counted(report.files.size(), "file").c_str());
-  if (std::find(report.files.begin(), report.files.end(), "report.html") != report.files.end())
+  if (std::find(report.files.begin(), report.files.end(), run_files::page) != report.files.end())
   {
     std::printf("the run in a browser: %s/report.html\n", folder.c_str());
   }

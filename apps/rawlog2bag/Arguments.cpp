@@ -48,8 +48,8 @@ void completeMotions(const std::string& run, BagExportOptions& options)
   const std::filesystem::path folder(run);
   const auto isPoses = [&](const char* name)
   { return isSamePath(options.trajectory, (folder / name).string()); };
-  const auto motions = folder / "motions.csv";
-  if ((isPoses("trajectory_tum.txt") || isPoses("odometry_tum.txt")) &&
+  const auto motions = folder / run_files::motions;
+  if ((isPoses(run_files::trajectory) || isPoses(run_files::odometry)) &&
       std::filesystem::is_regular_file(motions))
   {
     options.motions = motions.string();

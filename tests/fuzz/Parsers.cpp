@@ -15,6 +15,7 @@
 #include <dyslam/formats/MotionFiles.h>
 #include <dyslam/formats/PositionFile.h>
 #include <dyslam/formats/RosMessages.h>
+#include <dyslam/formats/RunReport.h>
 #include <dyslam/formats/ScanFiles.h>
 #include <dyslam/formats/SustechFiles.h>
 #include <dyslam/formats/TrackFiles.h>
@@ -166,6 +167,8 @@ const std::vector<Parser>& parsers()
       {"kitti360_poses", "a.txt", [](const std::string& path) { (void)readKitti360Poses(path); }},
       {"oxts", "a.txt", [](const std::string& path) { (void)readOxts(path); }},
       {"motions", "a.csv", [](const std::string& path) { (void)readMotionFile(path); }},
+      {"report", "report.json",
+       [](const std::string& path) { (void)runReportText(parseRunReport(readWhole(path), path)); }},
       {"sustech", "a.json", [](const std::string& path) { (void)readSustechJson(path, 0); }},
       {"graph", "a.graph", [](const std::string& path) { (void)readPoseGraph(path); }},
       {"g2o", "a.g2o", [](const std::string& path) { (void)readPoseGraph(path); }},

@@ -187,6 +187,12 @@ void writeTexts(const fs::path& folder)
        "49.01 8.43 116.4 0.03 0.01 -0.93 -2.7 -6.8 7.4 0.1 -0.1 1.2 -0.2 9.7 1.1 -0.3 9.8 0.01 "
        "0.02 "
        "0.03 0.01 0.02 0.03 0.1 0.1 4 6 6 6 6\n"},
+      {"report/a",
+       R"({"input":"/a/b.rawlog","ground_truth":{"source":"gnss_ins","name":"oxts"},)"
+       R"("finished":false,"frames":3,"gnss":{"positions":2,"vertical_rmse_m":0.5,"fused":true},)"
+       R"("gravity":{"directions":7,"map_tilt_deg":1,"map_tilt_sigma_deg":0.5,)"
+       R"("up_map":[0.6,0,0.8],"fused":false},"prior_map":{"localised":true,"rmse_m":0.1},)"
+       R"("ms_per_scan":null,"stage_ms":{"dyseg":3.5},"warnings":["w"],"files":["map.png"]})"},
       {"sustech/a", R"([{"obj_id":"1","obj_type":"Car","psr":{"position":{"x":1,"y":2,"z":3},)"
                     R"("rotation":{"x":0,"y":0,"z":0.5},"scale":{"x":4,"y":2,"z":1.5}}}])"},
       {"graph/a",

@@ -3,11 +3,13 @@
 #include <dyslam/base/Printable.h>
 #include <dyslam/batch/Summary.h>
 #include <dyslam/formats/RunFiles.h>
+#include <dyslam/formats/RunReport.h>
 
 #include <algorithm>
 #include <cctype>
 #include <filesystem>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <vector>
 
 namespace fs = std::filesystem;
@@ -36,17 +38,17 @@ std::string address(const std::string& path)
   return result;
 }
 
-Json parsed(const fs::path& file)
+std::string numberCell(const std::optional<double>& number, int digits)
 {
-  return fs::is_regular_file(file) ? Json::parse(readWhole(file.string()), nullptr, false) : Json();
+  return "<td class=\"number\">" + (number ? formatted("%.*f", digits, *number) : "") + "</td>";
 }
 
-std::string numberCell(const Json& json, const std::string& pointer, int digits)
+/** A number of the table, nothing if it is missing. */
+std::optional<double> numberAt(const Json& json, const char* pointer)
 {
   const Json::json_pointer at(pointer);
   const bool is_number = json.is_object() && json.contains(at) && json.at(at).is_number();
-  return "<td class=\"number\">" +
-         (is_number ? formatted("%.*f", digits, json.at(at).get<double>()) : "") + "</td>";
+  return is_number ? std::optional<double>(json.at(at).get<double>()) : std::nullopt;
 }
 
 /** The entry of each recording in table.json, null without results. table.json has the runs with
@@ -54,7 +56,9 @@ std::string numberCell(const Json& json, const std::string& pointer, int digits)
 std::vector<Json> errorsOf(const std::vector<BatchResult>& results, const std::string& folder)
 {
   std::vector<Json> errors(results.size());
-  const Json table = parsed(fs::path(folder) / "table.json");
+  const fs::path file = fs::path(folder) / "table.json";
+  const Json table =
+      fs::is_regular_file(file) ? Json::parse(readWhole(file.string()), nullptr, false) : Json();
   const Json runs = table.is_object() ? table.value("runs", Json::array()) : Json::array();
   const auto evaluated = std::count_if(
       results.begin(), results.end(), [](const BatchResult& r) { return r.manifest.hasResults(); });
@@ -76,25 +80,24 @@ std::vector<Json> errorsOf(const std::vector<BatchResult>& results, const std::s
 std::string row(const BatchResult& r, const std::string& folder, const Json& errors)
 {
   const fs::path results = fs::path(folder) / r.recording.name;
-  const Json report = parsed(results / run_files::report);
+  const RunReport report = runReportIfValid(results.string());
   const Manifest& m = r.manifest;
   const std::string name = escapedHtml(r.recording.name);
   const std::string link = address(r.recording.name);
-  const bool has_page = fs::is_regular_file(results / "report.html");
+  const bool has_page = fs::is_regular_file(results / run_files::page);
   std::string html = "<tr><td>";
-  html += has_page ? "<a href=\"" + link + "/report.html\">" + name + "</a>" : name;
+  html += has_page ? "<a href=\"" + link + "/" + run_files::page + "\">" + name + "</a>" : name;
   const char* mark = m.state == State::done ? "good" : m.hasResults() ? "warn" : "bad";
   html +=
       std::string("</td><td><span class=\"") + mark + "\">" + toString(m.state) + "</span></td>";
-  html += numberCell(report, "/frames", 0) + numberCell(report, "/path_length_m", 1) +
-          numberCell(report, "/tracks", 0) + numberCell(report, "/loops", 0) +
-          numberCell(errors, "/trajectory/ate/translation_m/rmse", 3) +
-          numberCell(errors, "/trajectory/rpe/translation_m/rmse", 4) +
-          numberCell(errors, "/segmentation/iou_moving", 3) +
-          numberCell(report, "/ms_per_scan", 1) + numberCell(Json{{"v", m.seconds}}, "/v", 0) +
-          numberCell(Json{{"v", static_cast<double>(m.peak_memory) / (1U << 30U)}}, "/v", 2);
-  const std::size_t warnings =
-      report.is_object() && report.contains("warnings") ? report["warnings"].size() : 0;
+  html += numberCell(report.frames, 0) + numberCell(report.path_length, 1) +
+          numberCell(report.tracks, 0) + numberCell(report.loops, 0) +
+          numberCell(numberAt(errors, "/trajectory/ate/translation_m/rmse"), 3) +
+          numberCell(numberAt(errors, "/trajectory/rpe/translation_m/rmse"), 4) +
+          numberCell(numberAt(errors, "/segmentation/iou_moving"), 3) +
+          numberCell(report.ms_per_scan, 1) + numberCell(m.seconds, 0) +
+          numberCell(static_cast<double>(m.peak_memory) / (1U << 30U), 2);
+  const std::size_t warnings = report.warnings.size();
   const std::string words =
       m.reason.empty() && warnings > 0 ? counted(warnings, "warning") : m.reason;
   const bool has_log = fs::is_regular_file(results / "log.txt");

@@ -6,6 +6,7 @@
 #include <dyslam/base/Files.h>
 #include <dyslam/base/PendingFile.h>
 #include <dyslam/formats/RunFiles.h>
+#include <dyslam/formats/RunReport.h>
 #include <fcntl.h>
 #include <unistd.h>
 
@@ -13,7 +14,6 @@
 #include <cerrno>
 #include <cstring>
 #include <exception>
-#include <nlohmann/json.hpp>
 #include <system_error>
 #include <vector>
 
@@ -85,22 +85,14 @@ void synchronise(const fs::path& folder, int (*sync)(int))
 
 void renameOwnFiles(const std::string& from, const std::string& to)
 {
-  const fs::path report = fs::path(from) / run_files::report;
   const fs::path ini = fs::path(from) / run_files::settings;
-  if (!fs::exists(report) || !fs::exists(ini))
+  if (!fs::exists(fs::path(from) / run_files::report) || !fs::exists(ini))
   {
     return;
   }
-  const auto json = nlohmann::json::parse(readWhole(report.string()), nullptr, false);
-  if (json.is_object() && json.contains("input") && json["input"].is_string())
+  if (const std::string input = runReportIfValid(from).input; !input.empty())
   {
-    const auto entry = [](const std::string& path)
-    {
-      return "\"input\": " +
-             nlohmann::json(path).dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
-    };
-    const auto input = json["input"].get<std::string>();
-    replaceIn(report, entry(input), entry(movedPath(input, from, to)));
+    replaceInput(from, movedPath(input, from, to));
   }
   const Config settings = Config::fromFile(ini.string());
   if (const auto labels = settings.text("dyseg", "labels"))

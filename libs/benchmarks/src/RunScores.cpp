@@ -14,34 +14,29 @@
 #include <filesystem>
 
 #include "PairNote.h"
-#include "RunReport.h"
 
 namespace dyslam
 {
 namespace
 {
 namespace fs = std::filesystem;
-using Json = nlohmann::ordered_json;
 
 constexpr double stamp_tolerance = 1e-3;  // all files of a run contain the scans' stamps [s]
 
-Json readReport(const fs::path& folder, const NoteSink& note)
+void readReport(const fs::path& folder, const NoteSink& note, RunScores& scores)
 {
-  const auto report = readRunReport(folder.string());
-  if (!report)
+  const fs::path path = folder / run_files::report;
+  if (!fs::exists(path))
   {
     note(folder.string() + " has no report.json: the run did not finish");
+    return;
   }
-  else if (const auto missing = report->find("not_written");
-           missing != report->end() && missing->is_array())
+  scores.report_text = readWhole(path.string());
+  scores.report = parseRunReport(scores.report_text, path.string());
+  for (const std::string& reason : scores.report.not_written)
   {
-    for (const Json& reason : *missing)
-    {
-      note(folder.string() +
-           " lacks a file: " + (reason.is_string() ? printable(reason.get<std::string>()) : ""));
-    }
+    note(folder.string() + " lacks a file: " + printable(reason));
   }
-  return report.value_or(Json::object());
 }
 
 /** Number of a recording's scans that the run's settings use. \param recorded number of all scans
@@ -66,25 +61,22 @@ std::size_t scansTaken(const fs::path& folder, const Trajectory& recorded)
 /** Notes the progress of a run that was stopped or killed, or whose recording is damaged.
  * \return whether the run is such a run */
 bool noteUnfinished(const std::string& folder,
-                    const Json& report,
+                    const RunReport& report,
                     const std::string& truth,
                     const NoteSink& note)
 {
-  const auto finished = report.find("finished");
-  if (finished == report.end() || !finished->is_boolean() || finished->get<bool>())
+  if (report.finished)
   {
     return false;
   }
-  const auto frames = report.find("frames");
-  const bool has_frames = frames != report.end() && frames->is_number_unsigned();
-  std::string scans = has_frames ? counted(frames->get<std::size_t>(), "scan") : "? scans";
-  const fs::path poses = fs::path(truth) / "poses_tum.txt";
+  std::string scans = report.frames ? counted(*report.frames, "scan") : "? scans";
+  const fs::path poses = fs::path(truth) / true_poses_file;
   if (!truth.empty() && fs::exists(poses))
   {
-    scans = (has_frames ? std::to_string(frames->get<std::size_t>()) : "?") + " of " +
+    scans = (report.frames ? std::to_string(*report.frames) : "?") + " of " +
             counted(scansTaken(folder, readTum(poses.string())), "scan");
   }
-  const std::string reason = textIn(report, "ended_early");
+  const std::string& reason = report.ended_early;
   note(folder + ": unfinished: " + scans + (reason.empty() ? "" : "; " + printable(reason)) +
        (fs::exists(fs::path(folder) / run_files::state)
             ? "; continue with: dyslam --resume -o " + folder
@@ -96,25 +88,20 @@ bool noteUnfinished(const std::string& folder,
 fs::path referenceOf(const fs::path& folder, const std::string& truth)
 {
   const fs::path own = folder / run_files::reference;
-  return fs::exists(own) || truth.empty() ? own : fs::path(truth) / "poses_tum.txt";
+  return fs::exists(own) || truth.empty() ? own : fs::path(truth) / true_poses_file;
 }
 
 /** Origin of the poses of referenceOf(): as the run recorded it, else as stated in the ground-truth
  * folder of its recording or in the given one. */
 PoseOrigin originOf(const fs::path& folder,
-                    const Json& report,
+                    const RunReport& report,
                     const std::string& beside_rawlog,
                     const std::string& given_truth)
 {
   PoseOrigin origin;
   if (fs::exists(folder / run_files::reference))
   {
-    const auto recorded = report.find("ground_truth");
-    if (recorded != report.end() && recorded->is_object())
-    {
-      origin.source = poseSourceFromString(textIn(*recorded, "source"));
-      origin.name = textIn(*recorded, "name");
-    }
+    origin = report.ground_truth.value_or(PoseOrigin());
     if (origin.source == PoseSource::unknown && !beside_rawlog.empty())
     {
       origin = poseOrigin(beside_rawlog);
@@ -183,18 +170,13 @@ std::optional<OdometryConsistency> evaluateConsistency(const fs::path& folder,
 }
 
 /** Ground-truth folder: as given, or next to the recording of the run. */
-std::string truthFolder(const std::string& given, const std::string& folder, const Json& report)
+std::string truthFolder(const std::string& given,
+                        const std::string& folder,
+                        const RunReport& report)
 {
-  if (!given.empty())
-  {
-    return given;
-  }
-  const auto input = report.find("input");
-  if (input == report.end() || !input->is_string())
-  {
-    return "";
-  }
-  return groundTruthFolder(recordingOfRun(folder, input->get<std::string>()));
+  return !given.empty()         ? given
+         : report.input.empty() ? ""
+                                : groundTruthFolder(recordingOf(report, folder));
 }
 
 /** Whether a folder has output folders of runs in it. */
@@ -217,7 +199,7 @@ std::string whyNoRun(const std::string& folder)
   {
     return "";
   }
-  return fs::exists(fs::path(folder) / "odometry_tum.txt.tmp")
+  return fs::exists((fs::path(folder) / run_files::odometry).string() + ".tmp")
              ? "unfinished, without a checkpoint: has no trajectory_tum.txt"
          : hasRuns(folder) ? "is a folder of runs, not that of one; give those in it"
                            : "has no trajectory_tum.txt: is it the output folder of a run?";
@@ -233,7 +215,7 @@ RunScores scoresOf(const std::string& folder,
     throw UserError(folder + ": " + reason);
   }
   RunScores scores;
-  scores.report = readReport(folder, note);
+  readReport(folder, note, scores);
   const std::string truth = truthFolder(given_truth, folder, scores.report);
   const fs::path reference = referenceOf(folder, given_truth);
   evaluatePoses(folder, reference, metrics, note, scores);
@@ -278,19 +260,6 @@ RunScores scoresOf(const std::string& folder,
     }
   }
   return scores;
-}
-
-std::optional<double> number(const Json& json, const char* key)
-{
-  const auto it = json.find(key);
-  return it != json.end() && it->is_number() ? std::optional<double>(it->get<double>())
-                                             : std::nullopt;
-}
-
-std::string textIn(const Json& json, const char* key)
-{
-  const auto it = json.find(key);
-  return it != json.end() && it->is_string() ? it->get<std::string>() : "";
 }
 
 std::optional<Split> splitOf(const RunScores& scores, const DataSplits& splits)

@@ -12,6 +12,7 @@ namespace dyslam
 namespace
 {
 using Json = nlohmann::ordered_json;
+using Value = std::optional<double>;
 
 void addRunRow(Table& table,
                const RunScores& run,
@@ -20,11 +21,10 @@ void addRunRow(Table& table,
                bool whole)
 {
   std::vector<TableCell> cells{run.name, part,
-                               TableCell(whole ? number(run.report, "frames") : std::nullopt, 0)};
+                               TableCell(whole ? Value(run.report.frames) : Value(), 0)};
   const auto figure = [&](auto value, int digits)
   { cells.emplace_back(trajectory ? value(*trajectory) : std::optional<double>(), digits); };
   using Report = const TrajectoryReport&;
-  using Value = std::optional<double>;
   figure([](Report r) -> Value { return r.length; }, 1);
   const auto drift = [](Report r, double v)
   { return r.drift.overall.segments > 0 ? Value(v) : Value(); };
@@ -41,16 +41,9 @@ void addRunRow(Table& table,
   cells.emplace_back(labels ? labels->iou() : Value(), 4);
   cells.emplace_back(labels ? labels->precision() : Value(), 4);
   cells.emplace_back(labels ? labels->recall() : Value(), 4);
-  const Value ms = whole ? number(run.report, "ms_per_scan") : Value();
+  const Value ms = whole ? run.report.ms_per_scan : Value();
   cells.emplace_back(ms.value_or(0) > 0 ? ms : Value(), 1);  // 0: the run did not finish
   table.addRow(std::move(cells));
-}
-
-/** Times of the stages in the report, if any. */
-Json stageTimes(const RunScores& run)
-{
-  const auto times = run.report.find("stage_ms");
-  return times != run.report.end() && times->is_object() ? *times : Json::object();
 }
 
 Json neesJson(const NormalisedErrors& errors)
@@ -87,8 +80,7 @@ Table stageTable(const std::vector<RunScores>& runs)
   for (const auto& run : runs)
   {
     columns.push_back(run.name);
-    const Json times = stageTimes(run);
-    for (const auto& [stage, time] : times.items())
+    for (const auto& [stage, time] : run.report.stage_ms)
     {
       if (known.insert(stage).second)
       {
@@ -102,7 +94,8 @@ Table stageTable(const std::vector<RunScores>& runs)
     std::vector<TableCell> cells{stage};
     for (const auto& run : runs)
     {
-      cells.emplace_back(number(stageTimes(run), stage.c_str()), 2);
+      const auto time = run.report.stage_ms.find(stage);
+      cells.emplace_back(time != run.report.stage_ms.end() ? Value(time->second) : Value(), 2);
     }
     table.addRow(std::move(cells));
   }
@@ -166,17 +159,13 @@ std::string warningLines(const std::vector<RunScores>& runs)
   std::string lines;
   for (const RunScores& run : runs)
   {
-    if (const std::string failure = textIn(run.report, "failure"); !failure.empty())
+    if (!run.report.failure.empty())
     {
-      lines += run.name + ": unusable: " + printable(failure) + '\n';
+      lines += run.name + ": unusable: " + printable(run.report.failure) + '\n';
     }
-    const Json warnings = run.report.value("warnings", Json());
-    for (const Json& warning : warnings)
+    for (const std::string& warning : run.report.warnings)
     {
-      if (warning.is_string())
-      {
-        lines += run.name + ": warning: " + printable(warning.get<std::string>()) + '\n';
-      }
+      lines += run.name + ": warning: " + printable(warning) + '\n';
     }
   }
   return lines;
@@ -188,7 +177,7 @@ std::string runJson(const std::vector<RunScores>& runs)
   json["runs"] = Json::array();
   for (const auto& run : runs)
   {
-    Json entry{{"name", run.name}, {"report", run.report}};
+    Json entry{{"name", run.name}, {"report", Json::parse(run.report_text)}};
     if (const auto split =
             run.world ? splitOf(run, DataSplits::load("splits", "splits.ini")) : std::nullopt)
     {

@@ -254,7 +254,7 @@ Table absoluteTable(const std::vector<DriveScores>& drives, const std::string& f
   const auto loops = [folder](const DriveScores& drive)
   {
     const RunScores* run = runOf(drive, folder);
-    return run != nullptr ? number(run->report, "loops") : Value();
+    return run != nullptr ? Value(run->report.loops) : Value();
   };
   return tableOf(
       drives,
@@ -275,15 +275,17 @@ Table timeTable(const std::vector<DriveScores>& drives, const std::vector<RunCol
     for (const DriveScores& drive : drives)
     {
       const RunScores* run = runOf(drive, c.folder);
-      const double per_scan = run != nullptr ? number(run->report, "ms_per_scan").value_or(0) : 0;
+      const double per_scan = run != nullptr ? run->report.ms_per_scan.value_or(0) : 0;
       if (per_scan <= 0)
       {
         continue;  // no run, or it did not finish
       }
-      const double frames = number(run->report, "frames").value_or(0);
-      const auto stages = run->report.find("stage_ms");
+      const double frames = Value(run->report.frames).value_or(0);
       const auto stage = [&](const char* name)
-      { return frames * (stages == run->report.end() ? 0.0 : number(*stages, name).value_or(0)); };
+      {
+        const auto time = run->report.stage_ms.find(name);
+        return time != run->report.stage_ms.end() ? frames * time->second : 0.0;
+      };
       scans += frames;
       preprocess += stage("preprocess");
       segmentation += stage("dyseg");
@@ -327,7 +329,7 @@ Table drivesTable(const std::vector<DriveScores>& drives, const std::string& fol
         {drive.name, known ? world.world : "-", known ? world.sensor : "-",
          TableCell(known ? Value(world.traffic) : Value(), 2),
          TableCell(known ? Value(world.seed) : Value(), 0),
-         TableCell(run != nullptr ? number(run->report, "frames") : Value(), 0),
+         TableCell(run != nullptr ? Value(run->report.frames) : Value(), 0),
          TableCell(run != nullptr && run->trajectory ? Value(run->trajectory->length) : Value(), 1),
          TableCell(moving, 1)});
   }

@@ -3,20 +3,21 @@
 #include <dyslam/base/Files.h>
 #include <dyslam/base/Options.h>
 #include <dyslam/benchmarks/TrackFiles.h>
+#include <dyslam/formats/GroundTruth.h>
 #include <dyslam/formats/LabelFiles.h>
 #include <dyslam/formats/RunFiles.h>
+#include <dyslam/formats/RunReport.h>
+#include <dyslam/formats/ScanTable.h>
 #include <dyslam/formats/TextFile.h>
 #include <dyslam/formats/TrackFiles.h>
+#include <dyslam/formats/TrackTable.h>
 #include <dyslam/formats/TrajectoryFiles.h>
 #include <dyslam/io/RawlogSource.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <filesystem>
 #include <map>
-
-#include "RunReport.h"
 
 namespace fs = std::filesystem;
 
@@ -108,28 +109,18 @@ int instanceOffset(const std::vector<LabelledBox>& boxes, const PointCounts& cou
 /** Speeds in a run's tracks.csv, by frame and id, without empty fields. */
 TrackSpeeds readTrackSpeeds(const std::string& path)
 {
-  TextFile file = TextFile::table(path);
-  std::array<std::size_t, 3> columns{};
-  const std::array<const char*, 3> names{"frame", "id", "speed"};
-  const std::vector<std::string> header =
-      file.next() ? std::vector<std::string>(file.fields().begin(), file.fields().end())
-                  : std::vector<std::string>();
-  for (std::size_t i = 0; i < names.size(); ++i)
+  const TrackTable tracks =
+      readTrackTable(path, {TrackValue::frame, TrackValue::id, TrackValue::speed});
+  if (!tracks.missing.empty())
   {
-    const auto at = std::find(header.begin(), header.end(), names[i]);
-    if (at == header.end())
-    {
-      throw UserError(path + ": has no column " + names[i] + "; repeat the run");
-    }
-    columns[i] = static_cast<std::size_t>(at - header.begin());
+    throw UserError(path + ": has no column " + tracks.missing + "; repeat the run");
   }
   TrackSpeeds speeds;
-  while (file.next())
+  for (const TrackTableRow& row : tracks.rows)
   {
-    file.requireFields(header.size(), "as the header");
-    if (!file.fields()[columns[2]].empty())
+    if (row.speed)
     {
-      speeds[{file.integer(columns[0]), file.integer(columns[1])}] = file.number(columns[2]);
+      speeds[{row.frame, row.id}] = *row.speed;
     }
   }
   return speeds;
@@ -169,14 +160,12 @@ std::optional<FrameRange> framesOfTable(const std::string& folder)
   {
     return std::nullopt;
   }
-  TextFile file = TextFile::table(path.string());
-  std::optional<FrameRange> range;
-  for (bool is_row = file.next() && file.next(); is_row; is_row = file.next())
+  const std::vector<std::size_t> scans = scansOfTable(path.string());
+  if (scans.empty())
   {
-    const int frame = file.integer(0);
-    range = FrameRange{range ? range->first : frame, frame};
+    return std::nullopt;
   }
-  return range;
+  return FrameRange{static_cast<int>(scans.front()), static_cast<int>(scans.back())};
 }
 
 /** The same of report and ini: of a run in which no scan was dropped for its time stamp. */
@@ -189,9 +178,7 @@ std::optional<FrameRange> framesOfReport(const std::string& folder)
     return std::nullopt;
   }
   const Config config = Config::fromFile(ini.string());
-  const auto frames = report->find("frames");
-  if (frames == report->end() || !frames->is_number_integer() ||
-      !config.has("input", "skip_first_n"))
+  if (!report->frames || !config.has("input", "skip_first_n"))
   {
     return std::nullopt;
   }
@@ -201,7 +188,7 @@ std::optional<FrameRange> framesOfReport(const std::string& folder)
   {
     return std::nullopt;  // the number of the first scan is not known
   }
-  return FrameRange{input.skip_first_n, input.skip_first_n + frames->get<int>() - 1};
+  return FrameRange{input.skip_first_n, input.skip_first_n + static_cast<int>(*report->frames) - 1};
 }
 }  // namespace
 
@@ -209,7 +196,7 @@ TrackData readTruth(const std::string& folder, TrackSelection& selection, const 
 {
   TrackData data;
   data.boxes = readTracks((fs::path(folder) / "tracks.txt").string());
-  const fs::path poses = fs::path(folder) / "poses_tum.txt";
+  const fs::path poses = fs::path(folder) / true_poses_file;
   const fs::path labels = fs::path(folder) / "labels";
   if (fs::exists(poses))
   {

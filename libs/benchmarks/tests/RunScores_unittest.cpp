@@ -144,7 +144,7 @@ TEST_F(RunScoresOf, WarningsOfTheReportAreListed)
 {
   RunScores lost = scores(writeRun(
       "lost", R"({"verdict": "unusable", "failure": "30 of 40 scans could not be registered",
-                  "warnings": ["the local map was restarted once", 7]})"));
+                  "warnings": ["the local map was restarted once"]})"));
   lost.name = "lost";
   RunScores sound = scores(writeRun("sound", R"({"verdict": "usable", "warnings": []})"));
   sound.name = "sound";

@@ -155,7 +155,7 @@ void requireNoLinks(const std::string& folder)
 void removeGroundTruth(const std::string& folder)
 {
   requireNoLinks(folder);
-  for (const char* old : {"poses_tum.txt", "tracks.txt", simulator_file, origin_file})
+  for (const char* old : {true_poses_file, "tracks.txt", simulator_file, origin_file})
   {
     std::error_code ignored;
     fs::remove(fs::path(folder) / old, ignored);
@@ -239,7 +239,7 @@ void GroundTruthWriter::close()
   closed_ = true;
   if (!poses_.empty())
   {
-    writeTum((fs::path(folder_) / "poses_tum.txt").string(), poses_);
+    writeTum((fs::path(folder_) / true_poses_file).string(), poses_);
     if (origin_.source != PoseSource::unknown)
     {
       OriginOptions options;

@@ -1,31 +1,16 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <dyslam/base/Files.h>
 #include <dyslam/formats/RunFiles.h>
+#include <dyslam/formats/RunReport.h>
 
 #include <algorithm>
 #include <filesystem>
-#include <nlohmann/json.hpp>
 #include <system_error>
 
 namespace dyslam
 {
 std::vector<std::string> filesOfRun(const std::string& folder)
 {
-  const auto report = std::filesystem::path(folder) / run_files::report;
-  if (!std::filesystem::is_regular_file(report))
-  {
-    return {};
-  }
-  const auto json = nlohmann::json::parse(readWhole(report.string()), nullptr, false);
-  std::vector<std::string> names;
-  if (json.is_object() && json.contains("files") && json["files"].is_array())
-  {
-    for (const auto& name : json["files"])
-    {
-      names.push_back(name.is_string() ? name.get<std::string>() : "");
-    }
-  }
-  return names;
+  return runReportIfValid(folder).files;
 }
 
 bool isRunFolder(const std::string& folder)

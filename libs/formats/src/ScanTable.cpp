@@ -1,76 +1,54 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <dyslam/base/Error.h>
 #include <dyslam/base/Printable.h>
+#include <dyslam/core/Frame.h>
 #include <dyslam/formats/ScanTable.h>
-#include <dyslam/formats/TextFile.h>
 
 #include <algorithm>
-#include <charconv>
-#include <string_view>
+#include <cmath>
+
+#include "CsvTable.h"
 
 namespace dyslam
 {
-namespace
+std::string scanTableHeader()
 {
-/** A CSV table with the names of its columns in the first line. */
-class ScanTableFile
-{
- public:
-  explicit ScanTableFile(const std::string& path)
-      : path_(path),
-        file_(TextFile::table(path)),
-        columns_(file_.next() ? file_.fields().size() : 0)
-  {
-  }
-  /** Index of a column, to be called before next(). \throws UserError if there is none. */
-  [[nodiscard]] std::size_t column(const char* name) const
-  {
-    const auto found = std::find(file_.fields().begin(), file_.fields().end(), name);
-    if (found == file_.fields().end())
-    {
-      throw UserError(path_ + ": has no column '" + name + "'; is it the table of a run?");
-    }
-    return static_cast<std::size_t>(found - file_.fields().begin());
-  }
-  /** Reads the next row. \throws UserError for another number of fields than in the first line. */
-  [[nodiscard]] bool next()
-  {
-    if (!file_.next())
-    {
-      return false;
-    }
-    if (file_.fields().size() != columns_)
-    {
-      file_.fail("has " + counted(file_.fields().size(), "field") + ", not " +
-                 std::to_string(columns_) + " as the first line");
-    }
-    return true;
-  }
-  [[nodiscard]] std::string_view text(std::size_t column) const { return file_.fields()[column]; }
-  [[nodiscard]] double number(std::size_t column) const { return file_.number(column); }
-  /** A field as a number of a scan or of points. \throws UserError. */
-  [[nodiscard]] std::size_t count(std::size_t column) const
-  {
-    const std::string_view text = file_.fields()[column];
-    std::size_t value = 0;
-    const auto parsed = std::from_chars(text.data(), text.data() + text.size(), value);
-    if (parsed.ec != std::errc() || parsed.ptr != text.data() + text.size())
-    {
-      file_.fail("'" + std::string(text) + "' is not a whole number");
-    }
-    return value;
-  }
+  return "frame,stamp,points,moving_points,odometry_converged,odometry_accepted,odometry_inliers,"
+         "odometry_rmse,odometry_rejection,registered,inliers,rmse,reason,forward,turn_deg,"
+         "keyframe\n";
+}
 
- private:
-  std::string path_;
-  TextFile file_;
-  std::size_t columns_;
-};
-}  // namespace
+std::string scanTableRow(const Frame& frame)
+{
+  const MotionEstimate& odometry = frame.odometry;
+  const MotionEstimate& motion = frame.motion;
+  std::string row =
+      formatted("%zu,%.9f,%zu,%td,%d,%d,%zu,%.4f,", frame.index, frame.scan.stamp,
+                frame.cloud.size(), std::count(frame.moving.begin(), frame.moving.end(), true),
+                odometry.registered() ? 1 : 0, frame.odometry_accepted ? 1 : 0, odometry.inliers,
+                odometry.rmse) +
+      csvField(frame.odometry_rejection);
+  row += formatted(",%d,%zu,%.4f,", motion.registered() ? 1 : 0, motion.inliers, motion.rmse) +
+         csvField(motion.reason);
+  const Pose& step = motion.T_previous_current;
+  return row + formatted(",%.4f,%.4f,%d\n", step.translation().x(),
+                         rotationAngle(step) * 180 / M_PI, frame.is_keyframe ? 1 : 0);
+}
+
+std::vector<std::size_t> scansOfTable(const std::string& path)
+{
+  CsvTable file(path);
+  const std::size_t frame = file.column("frame");
+  std::vector<std::size_t> scans;
+  while (file.next())
+  {
+    scans.push_back(file.count(frame));
+  }
+  return scans;
+}
 
 std::set<std::size_t> unregisteredScans(const std::string& path)
 {
-  ScanTableFile file(path);
+  CsvTable file(path);
   const std::size_t frame = file.column("frame");
   const std::size_t registered = file.column("registered");
   std::set<std::size_t> scans;
@@ -85,9 +63,29 @@ std::set<std::size_t> unregisteredScans(const std::string& path)
   return scans;
 }
 
+std::string scanPartsHeader()
+{
+  return "frame,sensor_label,stamp,first_point,points\n";
+}
+
+std::string scanPartRows(const Frame& frame)
+{
+  const Scan& scan = frame.scan;
+  std::string rows;
+  for (std::size_t i = 0; i < scan.parts.size(); ++i)
+  {
+    const ScanPart& part = scan.parts[i];
+    const std::size_t end = i + 1 < scan.parts.size() ? scan.parts[i + 1].begin : scan.size();
+    const std::string numbers =
+        formatted(",%.9f,%zu,%zu\n", scan.stamp + part.stamp, part.begin, end - part.begin);
+    rows += std::to_string(frame.index) + "," + csvField(part.sensor_label) + numbers;
+  }
+  return rows;
+}
+
 std::vector<ScanPartRow> readScanParts(const std::string& path)
 {
-  ScanTableFile file(path);
+  CsvTable file(path);
   const std::size_t frame = file.column("frame");
   const std::size_t label = file.column("sensor_label");
   const std::size_t stamp = file.column("stamp");

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/backend/FactorGraphFile.h>
 #include <dyslam/backend/PriorMapOptions.h>
-#include <dyslam/base/Angle.h>
 #include <dyslam/base/Error.h>
 #include <dyslam/base/Files.h>
 #include <dyslam/base/Options.h>
@@ -9,14 +8,13 @@
 #include <dyslam/formats/LabelFiles.h>
 #include <dyslam/formats/MotionFiles.h>
 #include <dyslam/formats/RunFiles.h>
+#include <dyslam/formats/RunReport.h>
 #include <dyslam/formats/TrajectoryFiles.h>
 #include <dyslam/mapbuilder/MapRun.h>
 #include <dyslam/mapbuilder/RunFolder.h>
 
 #include <algorithm>
-#include <cmath>
 #include <filesystem>
-#include <nlohmann/json.hpp>
 #include <optional>
 #include <set>
 #include <utility>
@@ -27,11 +25,13 @@ namespace
 {
 namespace fs = std::filesystem;
 
+constexpr const char* runs_to_merge = "output folders of dyslam (--merge)";
+
 /** \param advice what to give instead; for an unfinished run the advice is to complete it */
 std::string fileOf(const std::string& folder,
                    const std::string& name,
                    const std::string& what,
-                   const std::string& advice = "output folders of dyslam (--merge)")
+                   const std::string& advice = runs_to_merge)
 {
   const std::string path = (fs::path(folder) / name).string();
   if (!fs::exists(path))
@@ -61,62 +61,11 @@ void requireRecording(const std::string& rawlog, const std::string& run, const s
   }
 }
 
-/** The recording of the run that a report is of, see recordingOfRun(). */
-std::string inputOf(const std::string& report)
+/** \param advice as of fileOf() \throws UserError if there is no report or it is damaged. */
+RunReport reportOf(const std::string& folder, const std::string& advice = runs_to_merge)
 {
-  const auto json = nlohmann::json::parse(readWhole(report), nullptr, false);
-  if (!json.is_object() || !json.contains("input") || !json["input"].is_string())
-  {
-    throw UserError(report + ": does not name the recording (\"input\"); is it of dyslam?");
-  }
-  return recordingOfRun(fs::path(report).parent_path().string(), json["input"].get<std::string>());
-}
-
-/** Whether a run ended before its recording, by its report; false without one. */
-bool isUnfinished(const std::string& folder)
-{
-  const std::string report = fileIfThere(folder, run_files::report);
-  const auto json =
-      report.empty() ? nlohmann::json() : nlohmann::json::parse(readWhole(report), nullptr, false);
-  return json.is_object() && json.value("finished", nlohmann::json()) == false;
-}
-
-/** The vertical in a report; nothing if the run did not find it. \throws UserError. */
-std::optional<Gravity> gravityOf(const std::string& report)
-{
-  const auto json = nlohmann::json::parse(readWhole(report), nullptr, false);
-  if (!json.is_object() || !json.contains("gravity"))
-  {
-    return std::nullopt;
-  }
-  const auto& found = json["gravity"];
-  const auto numberAt = [&](const char* key)
-  {
-    if (!found.is_object() || !found.contains(key) || !found[key].is_number())
-    {
-      throw UserError(report + ": gravity has no number \"" + key + "\"; is it of dyslam?");
-    }
-    return found[key].get<double>();
-  };
-  Gravity gravity;
-  gravity.tilt = radians_per_degree * numberAt("map_tilt_deg");
-  gravity.tilt_sigma = radians_per_degree * numberAt("map_tilt_sigma_deg");
-  gravity.directions = static_cast<std::size_t>(std::max(0.0, numberAt("directions")));
-  gravity.fused = found.value("fused", nlohmann::json()) == true;
-  gravity.levelled = found.value("levelled", nlohmann::json()) == true;
-  const auto up = found.value("up_map", nlohmann::json());
-  const bool is_vector = up.is_array() && up.size() == 3 && up[0].is_number() &&
-                         up[1].is_number() && up[2].is_number();
-  if (is_vector)
-  {
-    gravity.up_map = {up[0].get<double>(), up[1].get<double>(), up[2].get<double>()};
-  }
-  if (!is_vector || !(std::abs(gravity.up_map.norm() - 1) < 1e-3))
-  {
-    throw UserError(report + ": gravity.up_map is no unit vector; is it of dyslam?");
-  }
-  gravity.up_map.normalize();
-  return gravity;
+  const std::string path = fileOf(folder, run_files::report, "names the recording", advice);
+  return parseRunReport(readWhole(path), path);
 }
 
 /** Name of the frame of a run's map: the prior map that the run was localised in, by its path, else
@@ -125,15 +74,9 @@ std::optional<Gravity> gravityOf(const std::string& report)
 std::string mapFrameOf(const std::string& folder, int longest = 16)
 {
   const std::string own = fs::weakly_canonical(folder).string();
-  const std::string report = fileIfThere(folder, run_files::report);
   const std::string settings = fileIfThere(folder, run_files::settings);
-  if (report.empty() || settings.empty() || longest == 0)
-  {
-    return own;
-  }
-  const auto json = nlohmann::json::parse(readWhole(report), nullptr, false);
-  const auto fit = json.is_object() ? json.value("prior_map", nlohmann::json()) : nlohmann::json();
-  if (!fit.is_object() || fit.value("localised", nlohmann::json()) != true)
+  const auto fit = runReportIfValid(folder).prior_map;
+  if (settings.empty() || !fit || !fit->localised || longest == 0)
   {
     return own;
   }
@@ -152,7 +95,9 @@ std::string mapFrameOf(const std::string& folder, int longest = 16)
 }
 
 /** Georeference, vertical and frame of a run. \throws UserError. */
-RunReferences referencesOf(const std::string& folder, const FactorGraph& graph)
+RunReferences referencesOf(const std::string& folder,
+                           const RunReport& report,
+                           const FactorGraph& graph)
 {
   RunReferences references;
   const std::string georeference =
@@ -163,7 +108,7 @@ RunReferences referencesOf(const std::string& folder, const FactorGraph& graph)
   {
     references.georeference = readGeoreference(georeference);
   }
-  references.gravity = gravityOf((fs::path(folder) / run_files::report).string());
+  references.gravity = report.gravity;
   references.map_frame = mapFrameOf(folder);
   return references;
 }
@@ -199,14 +144,14 @@ RunFolder readRun(const std::string& argument, double tolerance)
   run.rawlog = given.rawlog;
   if (!fs::is_directory(run.folder))
   {
-    throw UserError(run.folder + ": is not a folder; give output folders of dyslam (--merge)");
+    throw UserError(run.folder + ": is not a folder; give " + runs_to_merge);
   }
-  const std::string report = fileOf(run.folder, run_files::report, "names the recording");
-  run.rawlog = run.rawlog.empty() ? inputOf(report) : run.rawlog;
+  const RunReport report = reportOf(run.folder);
+  run.rawlog = run.rawlog.empty() ? recordingOf(report, run.folder) : run.rawlog;
   requireRecording(run.rawlog, run.folder, run.folder + "=RECORDING");
   run.trajectory = readTum(fileOf(run.folder, run_files::trajectory, "has the poses"));
   run.graph = readFactorGraph(fileOf(run.folder, run_files::factor_graph, "has the odometry"));
-  run.references = referencesOf(run.folder, run.graph);
+  run.references = referencesOf(run.folder, report, run.graph);
   const std::string motions =
       fileOf(run.folder, run_files::motions, "has the times of the keyframes");
   run.keyframe_stamps = keyframeStamps(motions);
@@ -291,15 +236,14 @@ void completeFromRun(const std::string& folder, RecordingOnTrajectory& recording
   }
   if (recording.rawlog.empty())
   {
-    recording.rawlog = inputOf(
-        fileOf(folder, run_files::report, "names the recording", "the recording with --input"));
+    recording.rawlog = recordingOf(reportOf(folder, "the recording with --input"), folder);
     requireRecording(recording.rawlog, folder, "--input RECORDING");
   }
   if (recording.trajectory.empty())
   {
     recording.trajectory =
         fileOf(folder, run_files::trajectory, "has the poses", "them with --trajectory");
-    recording.unfinished = isUnfinished(folder);
+    recording.unfinished = !runReportIfValid(folder).finished;
   }
   RunScansOptions& scans = recording.scans;
   scans.labels = scans.labels.empty() ? labelFolderOf(folder).value_or("") : scans.labels;

@@ -2,12 +2,9 @@
 #include "TrackFlags.h"
 
 #include <dyslam/base/Error.h>
-#include <dyslam/formats/TextFile.h>
+#include <dyslam/formats/TrackTable.h>
 
-#include <algorithm>
 #include <filesystem>
-#include <optional>
-#include <string_view>
 
 namespace dyslam
 {
@@ -33,34 +30,18 @@ TrackFiles::TrackFiles(const std::string& given) : boxes(given)
 
 std::map<int, bool> dynamicTracks(const std::string& table, bool needed)
 {
-  TextFile file = TextFile::table(table);
-  const bool has_header = file.next();
-  const auto column = [&file](std::string_view name)
+  const TrackTable tracks = readTrackTable(table, {TrackValue::id, TrackValue::dynamic});
+  if (!tracks.missing.empty() && needed)
   {
-    const auto& header = file.fields();
-    const auto found = std::find(header.begin(), header.end(), name);
-    return found == header.end() ? std::nullopt
-                                 : std::optional<std::size_t>(found - header.begin());
-  };
-  const auto id = has_header ? column("id") : std::nullopt;
-  const auto dynamic = has_header ? column("dynamic") : std::nullopt;
-  if (!id || !dynamic)
-  {
-    if (needed)
-    {
-      throw UserError(table +
-                      ": has no columns 'id' and 'dynamic'; give tracks.txt or tracks.csv "
-                      "of a run (--tracks)");
-    }
-    return {};
+    throw UserError(table +
+                    ": has no columns 'id' and 'dynamic'; give tracks.txt or tracks.csv "
+                    "of a run (--tracks)");
   }
-  const std::size_t columns = file.fields().size();
   std::map<int, bool> result;
-  while (file.next())
+  for (const TrackTableRow& row : tracks.rows)
   {
-    file.requireFields(columns, "as the header");
-    bool& moves = result[file.integer(*id)];
-    moves = moves || file.integer(*dynamic) != 0;
+    bool& moves = result[row.id];
+    moves = moves || row.dynamic;
   }
   return result;
 }

@@ -2,6 +2,7 @@
 #include "OdometryMessages.h"
 
 #include <dyslam/formats/MotionFiles.h>
+#include <dyslam/formats/RunFiles.h>
 #include <dyslam/formats/TrajectoryFiles.h>
 
 #include <algorithm>
@@ -18,7 +19,7 @@ OdometryMessages::OdometryMessages(const Trajectory& poses, const std::string& m
   {
     return;
   }
-  const fs::path odometry = fs::path(motions).parent_path() / "odometry_tum.txt";
+  const fs::path odometry = fs::path(motions).parent_path() / run_files::odometry;
   covariances_.emplace(poses,
                        fs::is_regular_file(odometry) ? readTum(odometry.string()) : Trajectory(),
                        readMotionFile(motions));

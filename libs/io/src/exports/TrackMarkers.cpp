@@ -4,16 +4,14 @@
 #include <dyslam/base/Printable.h>
 #include <dyslam/core/BoxOverlap.h>
 #include <dyslam/formats/RunFiles.h>
-#include <dyslam/formats/TextFile.h>
 #include <dyslam/formats/TrackFiles.h>
+#include <dyslam/formats/TrackTable.h>
 #include <dyslam/formats/TrajectoryFiles.h>
 
 #include <Eigen/Geometry>
-#include <algorithm>
 #include <array>
 #include <filesystem>
 #include <optional>
-#include <string_view>
 
 namespace dyslam
 {
@@ -82,36 +80,22 @@ TrackMarkers::TrackMarkers(const std::string& tracks)
       return;
     }
   }
-  readTable(table.string());
+  readMotions(table.string());
   odometry_ = readTum(odometry.string());
 }
 
-void TrackMarkers::readTable(const std::string& table)
+void TrackMarkers::readMotions(const std::string& table)
 {
-  TextFile file = TextFile::table(table);
-  const std::vector<std::string> names{"frame", "id", "vx", "vy", "vz", "dynamic"};
-  std::vector<std::size_t> columns;
-  const bool has_header = file.next();
-  for (const std::string& name : names)
+  const TrackTable tracks = readTrackTable(
+      table, {TrackValue::frame, TrackValue::id, TrackValue::velocity, TrackValue::dynamic});
+  if (!tracks.missing.empty())
   {
-    const auto& header = file.fields();
-    const auto found = std::find(header.begin(), header.end(), name);
-    if (!has_header || found == header.end())
-    {
-      warning_ = table + ": has no column '" + name +
-                 "', as tracks.csv of a run; the objects are written without velocities";
-      return;
-    }
-    columns.push_back(static_cast<std::size_t>(found - header.begin()));
+    warning_ = table + ": has no column '" + tracks.missing +
+               "', as tracks.csv of a run; the objects are written without velocities";
   }
-  const std::size_t width = file.fields().size();
-  while (file.next())
+  for (const TrackTableRow& row : tracks.rows)
   {
-    file.requireFields(width, "as the header");
-    Motion motion;
-    motion.velocity = {file.number(columns[2]), file.number(columns[3]), file.number(columns[4])};
-    motion.moves = file.integer(columns[5]) != 0;
-    motions_[{file.integer(columns[0]), file.integer(columns[1])}] = motion;
+    motions_[{row.frame, row.id}] = {row.velocity, row.dynamic};
   }
 }
 

@@ -48,7 +48,7 @@ class TrackMarkers
     bool moves = false;
   };
 
-  void readTable(const std::string& table);
+  void readMotions(const std::string& table);
 
   std::map<int, std::vector<LabelledBox>> boxes_;  //!< by number of the scan; lidar frame
   std::map<std::pair<int, int>, Motion> motions_;  //!< by numbers of scan and object

@@ -27,7 +27,6 @@ namespace dyslam
 {
 namespace
 {
-constexpr const char* html = "report.html";
 constexpr const char* png = "map.png";
 
 /** `map.png`, the map from above, and `report.html`, the run in a browser. */
@@ -35,7 +34,7 @@ class PageOutput : public RunOutput
 {
  public:
   explicit PageOutput(const RunOutputContext& context)
-      : RunOutput(context, {html, png}),
+      : RunOutput(context, {run_files::page, png}),
         options_(context.config.get<RunPageOptions>("report")),
         config_(context.config),
         folder_(context.settings.output_folder),
@@ -60,7 +59,7 @@ class PageOutput : public RunOutput
     }
     page.files.emplace_back(png);
     const std::string page_template = readWhole(findGivenOrShared("page.html", "report", ".html"));
-    writeUnlessFailing(html, renderRunPage(page, page_template, options_), failures);
+    writeUnlessFailing(run_files::page, renderRunPage(page, page_template, options_), failures);
     if (!failures.empty())
     {
       throw UserError(failures);

@@ -1,15 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <dyslam/base/Angle.h>
 #include <dyslam/base/PendingFile.h>
 #include <dyslam/formats/GroundTruth.h>
 #include <dyslam/formats/RunFiles.h>
+#include <dyslam/formats/RunReport.h>
 
-#include <cmath>
-#include <cstdio>
-#include <cstdlib>
 #include <filesystem>
-#include <map>
-#include <nlohmann/json.hpp>
 #include <string>
 
 #include "RunOutput.h"
@@ -18,69 +13,6 @@ namespace dyslam
 {
 namespace
 {
-using Json = nlohmann::ordered_json;
-
-/** Rounds to nine digits, more than the accuracy of any figure of the report. */
-double rounded(double value)
-{
-  char text[32];
-  std::snprintf(text, sizeof text, "%.9g", value);
-  return std::strtod(text, nullptr);
-}
-
-Json jsonOf(const Georeference& georeference)
-{
-  return {{"positions", georeference.fixes},
-          {"horizontal_rmse_m", rounded(georeference.horizontal_rmse)},
-          {"vertical_rmse_m", rounded(georeference.vertical_rmse)},
-          {"fused", georeference.fused}};
-}
-
-Json jsonOf(const Gravity& gravity)
-{
-  const auto numbers = [](const Eigen::Vector3d& v) {
-    return Json::array({rounded(v.x()), rounded(v.y()), rounded(v.z())});
-  };
-  return {{"directions", gravity.directions},
-          {"rmse_deg", rounded(gravity.rmse / radians_per_degree)},
-          {"map_tilt_deg", rounded(gravity.tilt / radians_per_degree)},
-          {"map_tilt_sigma_deg", rounded(gravity.tilt_sigma / radians_per_degree)},
-          {"up_map", numbers(gravity.up_map)},
-          {"accelerometer_bias_mps2", numbers(gravity.bias)},
-          {"fused", gravity.fused},
-          {"levelled", gravity.levelled}};
-}
-
-Json jsonOf(const PriorMapFit& fit)
-{
-  Json json{{"localised", fit.localised}};
-  if (fit.localised)
-  {
-    json["path_to_localisation_m"] = rounded(fit.path_length);
-    json["keyframes"] = fit.tried;
-    json["registered"] = fit.registered;
-    json["found_again"] = fit.found_again;
-    json["rmse_m"] = rounded(fit.rmse);
-  }
-  else
-  {
-    json["reason"] = fit.reason;
-  }
-  return json;
-}
-
-/** An object with the values, each passed through `round`. */
-template <typename Round>
-Json jsonOf(const std::map<std::string, double>& values, const Round& round)
-{
-  Json json = Json::object();
-  for (const auto& [name, value] : values)
-  {
-    json[name] = round(value);
-  }
-  return json;
-}
-
 /** `report.json`: figures of the run. It is written last, marks the end of a run, and names files
  * that could not be written. */
 class ReportOutput : public RunOutput
@@ -102,62 +34,52 @@ class ReportOutput : public RunOutput
  private:
   void write(const RunResults& results, bool finished) const
   {
-    constexpr int indent = 2;
-    const std::string text =
-        toJson(results, finished).dump(indent, ' ', false, Json::error_handler_t::replace);
-    writeWhole(path(run_files::report), text + "\n");
+    writeWhole(path(run_files::report), runReportText(reportOf(results, finished)));
   }
 
-  [[nodiscard]] Json toJson(const RunResults& results, bool finished) const
+  [[nodiscard]] RunReport reportOf(const RunResults& results, bool finished) const
   {
-    SlamRunReport report = results.report;
-    report.run_time = results.runTime();
-    Json json;
-    json["input"] = input_;
-    json["sensor"] = sensor_;
-    if (report.has_reference)
+    SlamRunReport of_run = results.report;
+    of_run.run_time = results.runTime();
+    RunReport report;
+    report.input = input_;
+    report.sensor = sensor_;
+    if (of_run.has_reference)
     {
-      json["ground_truth"] = {{"source", toString(truth_.source)}, {"name", truth_.name}};
+      report.ground_truth = truth_;
     }
-    json["method"] = report.method;
-    json["finished"] = finished;
-    json["ended_early"] = report.ended_early;
-    json["frames"] = report.frames;
-    json["unconverged"] = report.unconverged;
-    json["odometry_failed"] = report.odometry_failed;
-    json["keyframes"] = report.keyframes;
-    json["loops"] = report.loops;
-    json["loops_left_out"] = report.loops_left_out;
-    if (report.georeference)
+    report.method = of_run.method;
+    report.finished = finished;
+    report.ended_early = of_run.ended_early;
+    report.frames = of_run.frames;
+    report.unconverged = of_run.unconverged;
+    report.odometry_failed = of_run.odometry_failed;
+    report.keyframes = of_run.keyframes;
+    report.loops = of_run.loops;
+    report.loops_left_out = of_run.loops_left_out;
+    if (const auto& found = of_run.georeference)
     {
-      json["gnss"] = jsonOf(*report.georeference);
+      report.gnss = {found->fixes, found->horizontal_rmse, found->vertical_rmse, found->fused};
     }
-    if (report.gravity)
-    {
-      json["gravity"] = jsonOf(*report.gravity);
-    }
-    if (report.prior_map)
-    {
-      json["prior_map"] = jsonOf(*report.prior_map);
-    }
-    json["tracks"] = report.tracks;
-    json["map_points"] = report.map_points;
-    json["path_length_m"] = rounded(report.path_length);
-    json["ms_per_scan"] = rounded(report.ms_per_scan);
-    json["stage_ms"] = jsonOf(results.stage_ms, rounded);
-    json["wait_ms"] = jsonOf(results.wait_ms, rounded);
-    json["memory_mb"] =
-        jsonOf(results.memory_mb, [](double mb) { return std::round(10 * mb) / 10; });
-    json["recording_time_s"] = rounded(report.recording_time);
-    json["run_time_s"] = rounded(report.run_time);
-    json["realtime_factor"] = rounded(report.realtimeFactor());
-    json["verdict"] = report.verdict;
-    json["failure"] = report.failure;
-    json["warnings"] = report.warnings;
-    json["not_written"] = results.failures;
-    json["files"] = report.files;
-    json["files"].push_back(run_files::report);
-    return json;
+    report.gravity = of_run.gravity;
+    report.prior_map = of_run.prior_map;
+    report.tracks = of_run.tracks;
+    report.map_points = of_run.map_points;
+    report.path_length = of_run.path_length;
+    report.ms_per_scan = of_run.ms_per_scan;
+    report.stage_ms = results.stage_ms;
+    report.wait_ms = results.wait_ms;
+    report.memory_mb = results.memory_mb;
+    report.recording_time = of_run.recording_time;
+    report.run_time = of_run.run_time;
+    report.realtime_factor = of_run.realtimeFactor();
+    report.verdict = of_run.verdict;
+    report.failure = of_run.failure;
+    report.warnings = of_run.warnings;
+    report.not_written = results.failures;
+    report.files = of_run.files;
+    report.files.emplace_back(run_files::report);
+    return report;
   }
 
   std::string input_;

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/base/Files.h>
 #include <dyslam/base/PendingFile.h>
-#include <dyslam/base/Printable.h>
 #include <dyslam/base/StateArchive.h>
 #include <dyslam/core/BoxOverlap.h>
 #include <dyslam/formats/RunFiles.h>
 #include <dyslam/formats/TrackFiles.h>
+#include <dyslam/formats/TrackTable.h>
 
 #include <cstdlib>
 #include <filesystem>
@@ -22,9 +22,6 @@ namespace dyslam
 {
 namespace
 {
-constexpr const char* csv_header =
-    "frame,stamp,id,class,x,y,z,length,width,height,yaw,vx,vy,vz,speed,dynamic,observed,score\n";
-
 /** Box of an object in the lidar frame of a scan. \param object with its box in odometry frame */
 LabelledBox labelledBox(const TrackedObject& object,
                         const PastScan& scan,
@@ -40,18 +37,6 @@ LabelledBox labelledBox(const TrackedObject& object,
   return box;
 }
 
-std::string rowOf(const TrackedObject& object, std::size_t scan, double stamp)
-{
-  const auto& c = object.box.centre;
-  const auto& s = object.box.size;
-  const auto& v = object.velocity;
-  return formatted(
-      "%zu,%.6f,%d,%s,%.3f,%.3f,%.3f,%.2f,%.2f,%.2f,%.4f,%.3f,%.3f,%.3f,%.3f,%d,%d,%.3f\n", scan,
-      stamp, object.id, toString(object.object_class).c_str(), c.x(), c.y(), c.z(), s.x(), s.y(),
-      s.z(), object.box.yaw, v.x(), v.y(), v.z(), v.norm(), object.dynamic ? 1 : 0,
-      object.observed ? 1 : 0, object.score);
-}
-
 /** The reported objects: `tracks.csv`, boxes in the odometry frame, and `tracks.txt`, in the lidar
  * frame of each scan. */
 class TrackOutput : public RunOutput
@@ -62,7 +47,7 @@ class TrackOutput : public RunOutput
   {
   }
   [[nodiscard]] WantedFrames wants() const override { return WantedFrames::final_objects; }
-  void open() override { rows_.open(path(run_files::track_table), csv_header); }
+  void open() override { rows_.open(path(run_files::track_table), trackTableHeader()); }
   void add(const Frame& frame) override
   {
     std::string rows;
@@ -70,7 +55,7 @@ class TrackOutput : public RunOutput
     {
       if (object.reported)
       {
-        rows += rowOf(object, frame.index, frame.scan.stamp);
+        rows += trackTableRow(object, frame.index, frame.scan.stamp);
       }
     }
     rows_.write(rows);
@@ -94,14 +79,15 @@ class TrackOutput : public RunOutput
                   [&]
                   {
                     rows_.close();
-                    writeWhole(path(run_files::track_table),
-                               [&](std::ostream& out)
-                               {
-                                 out << csv_header;
-                                 forEachReported(
-                                     results, [&](const ReportedObject& s)
-                                     { out << rowOf(s.object, s.scan.index, s.scan.stamp); });
-                               });
+                    writeWhole(
+                        path(run_files::track_table),
+                        [&](std::ostream& out)
+                        {
+                          out << trackTableHeader();
+                          forEachReported(
+                              results, [&](const ReportedObject& s)
+                              { out << trackTableRow(s.object, s.scan.index, s.scan.stamp); });
+                        });
                   }});
   }
 
@@ -113,7 +99,7 @@ class TrackOutput : public RunOutput
     const std::string growing = path(run_files::track_table) + ".tmp";
     const std::string file =
         std::filesystem::exists(growing) ? growing : path(run_files::track_table);
-    std::string rows = csv_header;
+    std::string rows = trackTableHeader();
     std::istringstream lines(std::filesystem::exists(file) ? readWhole(file) : "");
     std::string line;
     std::getline(lines, line);  // the header

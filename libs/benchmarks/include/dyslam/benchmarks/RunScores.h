@@ -6,9 +6,9 @@
 #include <dyslam/eval/Consistency.h>
 #include <dyslam/eval/TrajectoryReports.h>
 #include <dyslam/formats/GroundTruth.h>
+#include <dyslam/formats/RunReport.h>
 #include <dyslam/train/DataSplits.h>
 
-#include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
 
@@ -18,7 +18,8 @@ namespace dyslam
 struct RunScores
 {
   std::string name;
-  nlohmann::ordered_json report;
+  RunReport report;                //!< empty if the run did not write one
+  std::string report_text = "{}";  //!< JSON of the report as in its file, for the results' JSON
   std::optional<TrajectoryReport> trajectory;
   std::optional<TrajectoryReport> odometry;
   std::optional<OdometryConsistency> consistency;  //!< nothing unless the ground truth is exact
@@ -37,11 +38,6 @@ struct RunScores
                                  const std::string& truth,
                                  const TrajectoryMetricsOptions& metrics,
                                  const NoteSink& note);
-
-/** A number of a JSON object; nothing if it is missing. */
-[[nodiscard]] std::optional<double> number(const nlohmann::ordered_json& json, const char* key);
-/** A text of a JSON object; empty if it is missing. */
-[[nodiscard]] std::string textIn(const nlohmann::ordered_json& json, const char* key);
 
 /** The split of the recorded world; nothing if the world is not known or its seed is in no split.
  */

@@ -15,6 +15,9 @@
 
 namespace dyslam
 {
+/** Name in the folder of the ground truth: T_world_vehicle of the scans. */
+constexpr const char* true_poses_file = "poses_tum.txt";
+
 /** Folder of the ground truth beside a rawlog: `dir/x.rawlog` has `dir/x.gt`. */
 [[nodiscard]] std::string groundTruthFolder(const std::string& rawlog_path);
 

@@ -11,6 +11,7 @@ namespace run_files
 {
 constexpr const char* settings = "effective.ini";         //!< every setting of the run
 constexpr const char* report = "report.json";             //!< figures, written last
+constexpr const char* page = "report.html";               //!< the run in a browser
 constexpr const char* trajectory = "trajectory_tum.txt";  //!< T_map_vehicle of every scan
 constexpr const char* trajectory_utm = "trajectory_utm.txt";
 constexpr const char* odometry = "odometry_tum.txt";    //!< T_odom_vehicle of every scan
@@ -29,7 +30,8 @@ constexpr const char* state = "resume.state";          //!< checkpoint of an unf
 constexpr const char* recording = "recording.rawlog";  //!< what another input is converted to
 }  // namespace run_files
 
-/** Names of the files that a run wrote, by report.json in its folder; none without it. */
+/** Names of the files that a run wrote, by report.json in its folder; none without it or if it is
+ * damaged. */
 [[nodiscard]] std::vector<std::string> filesOfRun(const std::string& folder);
 /** Whether a folder has the settings and the report of a run, so that clouds in it are maps and no
  * scans; false if it cannot be read. */

@@ -12,7 +12,7 @@
 
 namespace dyslam
 {
-/** Result of a run, as in report.json. */
+/** Result of a run; report.json (RunReport) has it with the run's input, times and memory. */
 struct SlamRunReport
 {
   std::string method;  //!< stages in use, e.g. "residual + constant_velocity + point_to_plane"
