@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <filesystem>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "BagWriters.h"
@@ -328,6 +329,15 @@ TEST_F(DirectInput, WhatCannotBeConverted)
                 {"[odometry]: unknown key 'methd'; did you mean 'method'?"});
   expectRefused("-i " + at("drive.mcap") + out + " --set map_export.epsg=25832",
                 {"the section [map_export] belongs to dyslam-map"});
+  for (const auto& [setting, reason] :
+       {std::pair("map.voxel_size=abc", "[map] voxel_size = abc is not a number"),
+        std::pair("map.voxel_size=-1", "is out of range"),
+        std::pair("dyseg.method=nonsense", "unknown value 'nonsense'"),
+        std::pair("prior_map.file=no.pcd", "prior_map.file: no.pcd: no such file or folder"),
+        std::pair("input.pitch_deg=12", "add level = false")})
+  {
+    expectRefused("-i " + at("drive.mcap") + out + " --set " + setting, {reason});
+  }
   expectRefused("--resume -i " + at("drive.mcap") + out, {"leave out --input"});
   expectRefused("--resume --topic /points" + out, {"--topic: is for an input that is converted"});
   EXPECT_FALSE(fs::exists(at("never")));
