@@ -34,7 +34,8 @@ class GnssAnchor
   void add(const std::vector<GnssFix>& fixes);
 
   /** Adds the georeference and its factors to the graph, with a value near the optimum at the
-   * graph's present poses. \return whether the positions could be used */
+   * graph's present poses. Positions that jump against the trajectory are left out. \return whether
+   * the positions could be used */
   bool addTo(FactorGraph& graph, const VehicleAt& vehicle_at);
   /** Whether most positions fit the graph. \param drift tolerated error of the trajectory, as a
    * fraction of its extent */
@@ -60,6 +61,7 @@ class GnssAnchor
     double stamp;              //!< of the position, as it was added [s]
   };
   void select(const FactorGraph& graph, const VehicleAt& vehicle_at);
+  void leaveOutOutliers(const FactorGraph& graph);
   [[nodiscard]] Pose initialPose(const FactorGraph& graph) const;
   [[nodiscard]] Eigen::Vector3d inMap(const FactorGraph& graph, const Used& used) const;
   [[nodiscard]] Eigen::Vector3d errorOf(const FactorGraph& graph, const Used& used) const;
