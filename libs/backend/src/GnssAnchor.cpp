@@ -39,7 +39,8 @@ void GnssOptions::describe(OptionsVisitor& visitor)
 
 namespace
 {
-constexpr double antenna_tolerance = 0.5;  //!< for an inaccurate position of the antenna [m]
+constexpr std::size_t least_positions = 3;  //!< that place the map
+constexpr double antenna_tolerance = 0.5;   //!< for an inaccurate position of the antenna [m]
 
 /** A position, compared with the trajectory. */
 struct ComparedPosition
@@ -328,7 +329,6 @@ void GnssAnchor::leaveOutOutliers(const FactorGraph& graph)
 
 bool GnssAnchor::addTo(FactorGraph& graph, const VehicleAt& vehicle_at)
 {
-  constexpr std::size_t least = 3;
   if (fixes_.empty())
   {
     return false;
@@ -336,13 +336,13 @@ bool GnssAnchor::addTo(FactorGraph& graph, const VehicleAt& vehicle_at)
   select(graph, vehicle_at);
   leaveOutOutliers(graph);
   const double needed = neededExtent();
-  if (used_.size() < least || extent(graph) < needed)
+  if (used_.size() < least_positions || extent(graph) < needed)
   {
     warn("the positions of the satellite receiver are not used: " +
          counted(used_.size(), "position") + " at scans, within " +
          std::to_string(used_.empty() ? 0 : std::lround(extent(graph))) + " m; " +
-         std::to_string(least) + " that are spread over " + std::to_string(std::lround(needed)) +
-         " m are needed to place the map on the earth");
+         std::to_string(least_positions) + " that are spread over " +
+         std::to_string(std::lround(needed)) + " m are needed to place the map on the earth");
     return false;
   }
   graph.addPose(Key::georeference(), initialPose(graph));
@@ -363,13 +363,38 @@ bool GnssAnchor::addTo(FactorGraph& graph, const VehicleAt& vehicle_at)
 
 bool GnssAnchor::fits(const FactorGraph& graph, double drift) const
 {
+  return fits(graph, graph.pose(Key::georeference()), drift);
+}
+
+bool GnssAnchor::fitsIfSwapped(const FactorGraph& graph,
+                               const VehicleAt& vehicle_at,
+                               double drift) const
+{
+  GnssAnchor swapped(options_);
+  std::vector<GnssFix> fixes = fixes_;
+  for (GnssFix& fix : fixes)
+  {
+    std::swap(fix.position.latitude, fix.position.longitude);
+  }
+  swapped.add(fixes);
+  swapped.select(graph, vehicle_at);
+  return swapped.used_.size() >= least_positions &&
+         swapped.fits(graph, swapped.initialPose(graph), drift);
+}
+
+/** \param T_enu_map pose of the map on the earth */
+bool GnssAnchor::fits(const FactorGraph& graph, const Pose& T_enu_map, double drift) const
+{
   constexpr double most_sigmas = 3;
   const double allowed = antenna_tolerance + drift * extent(graph);
   const double scale = most_sigmas / std::sqrt(informationShare());
-  const auto fitting = std::count_if(
-      used_.begin(), used_.end(),
-      [&](const Used& used)
-      { return errorOf(graph, used).head<2>().norm() < allowed + scale * used.horizontal_sigma; });
+  const auto fitting =
+      std::count_if(used_.begin(), used_.end(),
+                    [&](const Used& used)
+                    {
+                      const Eigen::Vector3d error = T_enu_map * inMap(graph, used) - used.position;
+                      return error.head<2>().norm() < allowed + scale * used.horizontal_sigma;
+                    });
   return 2 * static_cast<std::size_t>(fitting) > used_.size();
 }
 

@@ -40,6 +40,11 @@ class GnssAnchor
   /** Whether most positions fit the graph. \param drift tolerated error of the trajectory, as a
    * fraction of its extent */
   [[nodiscard]] bool fits(const FactorGraph& graph, double drift) const;
+  /** Whether most positions fit the graph if their latitudes and longitudes are swapped. \param
+   * drift as of fits() */
+  [[nodiscard]] bool fitsIfSwapped(const FactorGraph& graph,
+                                   const VehicleAt& vehicle_at,
+                                   double drift) const;
   /** Result. \pre addTo() returned true, and the graph still has the factors that it added */
   [[nodiscard]] Georeference georeference(const FactorGraph& graph) const;
   /** Reasons why positions were not used, one line each. */
@@ -65,6 +70,7 @@ class GnssAnchor
   [[nodiscard]] Pose initialPose(const FactorGraph& graph) const;
   [[nodiscard]] Eigen::Vector3d inMap(const FactorGraph& graph, const Used& used) const;
   [[nodiscard]] Eigen::Vector3d errorOf(const FactorGraph& graph, const Used& used) const;
+  [[nodiscard]] bool fits(const FactorGraph& graph, const Pose& T_enu_map, double drift) const;
   [[nodiscard]] double extent(const FactorGraph& graph) const;
   [[nodiscard]] double neededExtent() const;
   [[nodiscard]] double informationShare() const;

@@ -12,6 +12,7 @@
 #include <random>
 #include <string>
 #include <tuple>
+#include <utility>
 #include <vector>
 
 #include "ResumedRun.h"
@@ -422,7 +423,7 @@ TEST(Gnss, PositionsThatCannotBeUsedAreReported)
   {
     const GnssRun random(drive, with(use));
     EXPECT_FALSE(random.backend.georeference());
-    EXPECT_NE(random.warnings().find("do not fit the trajectory"), std::string::npos);
+    EXPECT_NE(random.warnings().find("do not fit the trajectory; is its clock"), std::string::npos);
     EXPECT_EQ(posesOf(random.backend), posesOf(off.backend));  // bit for bit
   }
 
@@ -433,6 +434,27 @@ TEST(Gnss, PositionsThatCannotBeUsedAreReported)
   }
   const GnssRun none(without, with(GnssUse::fuse));
   EXPECT_EQ(none.warnings(), "");
+}
+
+TEST(Gnss, SwappedLatitudesAndLongitudesAreReported)
+{
+  DriveWithFixes drive(0.3);
+  for (Frame& frame : drive.frames)
+  {
+    for (GnssFix& fix : frame.gnss)
+    {
+      std::swap(fix.position.latitude, fix.position.longitude);
+    }
+  }
+  for (const GnssUse use : {GnssUse::align, GnssUse::fuse})
+  {
+    const GnssRun run(drive, with(use));
+    EXPECT_FALSE(run.backend.georeference());
+    EXPECT_NE(run.warnings().find("do not fit the trajectory; they fit with latitude and longitude "
+                                  "swapped"),
+              std::string::npos)
+        << run.warnings();
+  }
 }
 
 TEST(Gnss, AnAccurateReceiverWithItsAntennaElsewhereIsUsed)
