@@ -323,6 +323,8 @@ TEST_F(DirectInput, WhatCannotBeConverted)
                 {"choose one with --sequence",
                  "kitti2rawlog --kind tracking -i " + at("tracking") + " --sequence ..."});
   bag("drive.mcap");
+  expectRefused("-i " + at("drive.mcap") + out + " --deskewed no",
+                {"--deskewed works with KITTI's folders only"});
   expectRefused("-i " + at("drive.mcap") + out + " --topic /nothing", {"/nothing is not in it"});
   expectRefused("-i " + at("drive.mcap") + out + " --set odometry.methd", {"odometry.methd"});
   expectRefused("-i " + at("drive.mcap") + out + " --set odometry.methd=gicp",
