@@ -82,7 +82,8 @@ std::vector<std::size_t> agreeingPositions(const std::vector<ComparedPosition>& 
   {
     const ComparedPosition& here = positions[i];
     double best = 0;
-    for (std::size_t j = i; j-- > 0;)
+    // The score of j is at most j + 1: without outliers only the position before is compared.
+    for (std::size_t j = i; j-- > 0 && best < static_cast<double>(j + 1);)
     {
       const ComparedPosition& before = positions[j];
       const double noise =
