@@ -55,6 +55,17 @@ void declareClouds(CLI::App& app, RecordingOptions& options)
       ->check(positive());
 }
 
+void declareDeskewed(CLI::App& app, ScansDeskewed& deskewed)
+{
+  const std::map<std::string, ScansDeskewed> words{
+      {"auto", ScansDeskewed::automatic}, {"yes", ScansDeskewed::yes}, {"no", ScansDeskewed::no}};
+  app.add_option(
+         "--deskewed", deskewed,
+         "whether KITTI's scans are deskewed already: auto (odometry's are), yes or no (those of "
+         "rawlog2kitti are not)")
+      ->transform(wordFor(words));
+}
+
 void declareSensorPose(CLI::App& app, std::string& pose)
 {
   app.add_option("--sensor-pose", pose,
@@ -91,6 +102,7 @@ void declareConversion(CLI::App& app, RecordingOptions& options)
          "0.1034)")
       ->check(positive());
   declareClouds(app, options);
+  declareDeskewed(app, options.deskewed);
   app.option_defaults()->group(before);
 }
 

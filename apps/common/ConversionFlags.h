@@ -25,6 +25,9 @@ void declareImu(CLI::App& app, RecordingOptions& options);
 /** Flags of the files in a folder of scans: --bin-layout and --scale. */
 void declareClouds(CLI::App& app, RecordingOptions& options);
 
+/** Flag of the scans of KITTI: --deskewed. */
+void declareDeskewed(CLI::App& app, ScansDeskewed& deskewed);
+
 /** Flag of the pose of the lidar on the vehicle: --sensor-pose. */
 void declareSensorPose(CLI::App& app, std::string& pose);
 

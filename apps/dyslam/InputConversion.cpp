@@ -8,6 +8,7 @@
 #include <dyslam/formats/RunFiles.h>
 #include <dyslam/io/OptionError.h>
 #include <dyslam/run/FolderLock.h>
+#include <dyslam/run/GivenSettings.h>
 #include <dyslam/run/SlamRun.h>
 
 #include <cstdio>
@@ -146,9 +147,9 @@ void convertInput(SlamArguments& a, const RecordingOptions& options)
   }
   requireNoUnfinishedRun(a.settings);
   requireApart(input, files.folder);
-  const Config given = readGivenSettings(a.config, assignmentsOf(a)).merged();
-  SlamRun::requireKnownNames(given);  // not only after a conversion, which may take long
-  if (!options.further_topics.empty() && !given.has("input", "further_lidars"))
+  const GivenSettings given = readGivenSettings(a.config, assignmentsOf(a));
+  SlamRun::requireValid(given);  // not only after a conversion, which may take long
+  if (!options.further_topics.empty() && !given.merged().has("input", "further_lidars"))
   {
     a.assignments.push_back("input.further_lidars=" + options.furtherLidars());
   }

@@ -31,9 +31,6 @@ const std::map<std::string, KittiKind> kinds{{"odometry", KittiKind::odometry},
 const std::map<std::string, PoseFrame> pose_frames{
     {"auto", PoseFrame::automatic}, {"lidar", PoseFrame::lidar}, {"camera", PoseFrame::camera}};
 
-const std::map<std::string, ScansDeskewed> deskewed{
-    {"auto", ScansDeskewed::automatic}, {"yes", ScansDeskewed::yes}, {"no", ScansDeskewed::no}};
-
 void declare(CLI::App& app, Arguments& arguments)
 {
   KittiConverterOptions& o = arguments.options;
@@ -51,9 +48,7 @@ void declare(CLI::App& app, Arguments& arguments)
   app.add_option("--pose-frame", o.pose_frame, "frame of these poses: auto, lidar or camera")
       ->transform(wordFor(pose_frames));
   declarePoseSource(app, o.pose_source, "where the true poses are from");
-  app.add_option("--deskewed", o.deskewed,
-                 "whether the scans are deskewed already: auto (odometry's are), yes or no")
-      ->transform(wordFor(deskewed));
+  declareDeskewed(app, o.deskewed);
   app.add_option("--oxts", o.oxts, "GNSS/INS file or folder: truth where there are no poses");
   app.add_flag("--imu", o.imu,
                "with the angular velocities and accelerations of oxts, beside the scans");

@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <filesystem>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "BagWriters.h"
@@ -322,12 +323,23 @@ TEST_F(DirectInput, WhatCannotBeConverted)
                 {"choose one with --sequence",
                  "kitti2rawlog --kind tracking -i " + at("tracking") + " --sequence ..."});
   bag("drive.mcap");
+  expectRefused("-i " + at("drive.mcap") + out + " --deskewed no",
+                {"--deskewed works with KITTI's folders only"});
   expectRefused("-i " + at("drive.mcap") + out + " --topic /nothing", {"/nothing is not in it"});
   expectRefused("-i " + at("drive.mcap") + out + " --set odometry.methd", {"odometry.methd"});
   expectRefused("-i " + at("drive.mcap") + out + " --set odometry.methd=gicp",
                 {"[odometry]: unknown key 'methd'; did you mean 'method'?"});
   expectRefused("-i " + at("drive.mcap") + out + " --set map_export.epsg=25832",
                 {"the section [map_export] belongs to dyslam-map"});
+  for (const auto& [setting, reason] :
+       {std::pair("map.voxel_size=abc", "[map] voxel_size = abc is not a number"),
+        std::pair("map.voxel_size=-1", "is out of range"),
+        std::pair("dyseg.method=nonsense", "unknown value 'nonsense'"),
+        std::pair("prior_map.file=no.pcd", "prior_map.file: no.pcd: no such file or folder"),
+        std::pair("input.pitch_deg=12", "add level = false")})
+  {
+    expectRefused("-i " + at("drive.mcap") + out + " --set " + setting, {reason});
+  }
   expectRefused("--resume -i " + at("drive.mcap") + out, {"leave out --input"});
   expectRefused("--resume --topic /points" + out, {"--topic: is for an input that is converted"});
   EXPECT_FALSE(fs::exists(at("never")));

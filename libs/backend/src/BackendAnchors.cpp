@@ -125,7 +125,8 @@ void Backend::State::levelMap(const Pose& T_level_map)
 void Backend::State::tieToEarth()
 {
   const Key earth = Key::georeference();
-  if (!gnss.addTo(graph, [this](double time) { return vehicleAt(time); }))
+  const auto vehicle_at = [this](double time) { return vehicleAt(time); };
+  if (!gnss.addTo(graph, vehicle_at))
   {
     return;
   }
@@ -147,8 +148,11 @@ void Backend::State::tieToEarth()
   {
     graph.remove(earth);
     gnss.warn(
-        "the positions of the satellite receiver are not used: most of them do not fit the "
-        "trajectory; is its clock that of the lidar, and the place of its antenna right?");
+        std::string("the positions of the satellite receiver are not used: most of them do not fit "
+                    "the trajectory; ") +
+        (gnss.fitsIfSwapped(graph, vehicle_at, usual_drift)
+             ? "they fit with latitude and longitude swapped: mend this where they are recorded"
+             : "is its clock that of the lidar, and the place of its antenna right?"));
     return;
   }
   georeference = gnss.georeference(graph);

@@ -11,6 +11,7 @@
 #include <cmath>
 #include <iterator>
 #include <memory>
+#include <utility>
 
 namespace dyslam
 {
@@ -29,9 +30,85 @@ void GnssOptions::describe(OptionsVisitor& visitor)
   visitor.real("min_sigma", min_sigma, 1e-3, 1000, "smallest standard deviation believed [m]");
   visitor.real("correlation_time", correlation_time, 0, 1e4,
                "how long the receiver's errors last: positions within this time count as one [s]");
+  visitor.real("drift", drift, 0, 1,
+               "error of the trajectory between two positions as a fraction of the path, beyond "
+               "which one of them is an outlier; 0: no search for outliers");
   visitor.degrees("tilt_sigma_deg", tilt_sigma, 0.01, 90,
                   "standard deviation of the map's z axis from the vertical [deg]");
 }
+
+namespace
+{
+constexpr std::size_t least_positions = 3;  //!< that place the map
+constexpr double antenna_tolerance = 0.5;   //!< for an inaccurate position of the antenna [m]
+
+/** A position, compared with the trajectory. */
+struct ComparedPosition
+{
+  Eigen::Vector2d error;  //!< east, north [m]
+  double sigma = 0;       //!< of each component, stated by the receiver [m]
+  double path = 0;        //!< path of the antenna up to here [m]
+};
+
+/** Sigma of the errors' white part, from the differences of successive ones [m]. */
+double whiteSigma(const std::vector<ComparedPosition>& positions)
+{
+  constexpr double median_of_difference = 1.665;  // of its length in the plane, for a sigma of 1
+  std::vector<double> differences;
+  for (std::size_t i = 1; i < positions.size(); ++i)
+  {
+    differences.push_back((positions[i].error - positions[i - 1].error).norm());
+  }
+  return upperMedian(differences) / median_of_difference;
+}
+
+/** Positions that agree with each other, in the order of time: those of the best sequence, in which
+ * each position counts 1, and each jump costs a quarter of all positions. A jump is a difference of
+ * two successive errors that neither noise nor drift explains. So a part with another error is left
+ * out if it is short, and kept if it is long: then the trajectory may be wrong.
+ * \return ascending indices */
+std::vector<std::size_t> agreeingPositions(const std::vector<ComparedPosition>& positions,
+                                           double drift)
+{
+  constexpr double most_sigmas = 3;
+  constexpr double jump_share = 0.25;
+  constexpr double least_cost = 3;
+  const std::size_t none = positions.size();
+  const double white = whiteSigma(positions);
+  const double jump_cost = std::max(least_cost, jump_share * static_cast<double>(none));
+  std::vector<double> scores(none, 0);
+  std::vector<std::size_t> previous(none, none);
+  for (std::size_t i = 0; i < none; ++i)
+  {
+    const ComparedPosition& here = positions[i];
+    double best = 0;
+    // The score of j is at most j + 1: without outliers only the position before is compared.
+    for (std::size_t j = i; j-- > 0 && best < static_cast<double>(j + 1);)
+    {
+      const ComparedPosition& before = positions[j];
+      const double noise =
+          most_sigmas * std::hypot(std::max(here.sigma, white), std::max(before.sigma, white));
+      const bool agrees = (here.error - before.error).norm() <=
+                          antenna_tolerance + drift * (here.path - before.path) + noise;
+      const double score = scores[j] - (agrees ? 0 : jump_cost);
+      if (score > best)
+      {
+        best = score;
+        previous[i] = j;
+      }
+    }
+    scores[i] = best + 1;
+  }
+  const auto last = std::max_element(scores.begin(), scores.end()) - scores.begin();
+  std::vector<std::size_t> agreeing;
+  for (auto i = static_cast<std::size_t>(last); i != none; i = previous[i])
+  {
+    agreeing.push_back(i);
+  }
+  std::reverse(agreeing.begin(), agreeing.end());
+  return agreeing;
+}
+}  // namespace
 
 void GnssAnchor::add(const std::vector<GnssFix>& fixes)
 {
@@ -189,22 +266,84 @@ Pose GnssAnchor::initialPose(const FactorGraph& graph) const
   return T_enu_map;
 }
 
+/** Leaves out positions that jump against the trajectory, as in tunnels and near buildings, if they
+ * are fewer than half; those whose stated sigma is large have little weight and stay. */
+void GnssAnchor::leaveOutOutliers(const FactorGraph& graph)
+{
+  constexpr std::size_t least = 8;
+  constexpr double usual_sigmas = 5;  // limit of the stated sigmas, as a multiple of their median
+  if (used_.size() < least || options_.drift <= 0)
+  {
+    return;
+  }
+  const Pose T_enu_map = initialPose(graph);
+  std::vector<double> sigmas;
+  for (const Used& used : used_)
+  {
+    sigmas.push_back(used.horizontal_sigma);
+  }
+  const double largest_sigma = usual_sigmas * upperMedian(sigmas);
+  std::vector<ComparedPosition> compared;
+  std::vector<std::size_t> indices;
+  double path = 0;
+  for (std::size_t i = 0; i < used_.size(); ++i)
+  {
+    const Eigen::Vector3d place = inMap(graph, used_[i]);
+    path += i == 0 ? 0 : (place - inMap(graph, used_[i - 1])).norm();
+    if (used_[i].horizontal_sigma <= largest_sigma)
+    {
+      const Eigen::Vector2d error = (T_enu_map * place - used_[i].position).head<2>();
+      compared.push_back({error, used_[i].horizontal_sigma, path});
+      indices.push_back(i);
+    }
+  }
+  const std::vector<std::size_t> agreeing = agreeingPositions(compared, options_.drift);
+  const std::size_t left_out = compared.size() - agreeing.size();
+  if (left_out == 0 || 2 * left_out >= compared.size())
+  {
+    return;  // if most contradict each other, fits() refuses them all
+  }
+  std::vector<bool> is_left_out(used_.size(), false);
+  double largest = 0;
+  for (std::size_t k = 0, next = 0; k < compared.size(); ++k)
+  {
+    const bool agrees = next < agreeing.size() && agreeing[next] == k;
+    next += agrees ? 1 : 0;
+    is_left_out[indices[k]] = !agrees;
+    largest = agrees ? largest : std::max(largest, compared[k].error.norm());
+  }
+  warn(
+      formatted("%zu of %zu positions of the satellite receiver jump against the trajectory, by "
+                "up to %.0f m, and are left out, as those near buildings and in tunnels "
+                "(gnss.drift=0 keeps them)",
+                left_out, used_.size(), largest));
+  std::vector<Used> kept;
+  for (std::size_t i = 0; i < used_.size(); ++i)
+  {
+    if (!is_left_out[i])
+    {
+      kept.push_back(used_[i]);
+    }
+  }
+  used_ = std::move(kept);
+}
+
 bool GnssAnchor::addTo(FactorGraph& graph, const VehicleAt& vehicle_at)
 {
-  constexpr std::size_t least = 3;
   if (fixes_.empty())
   {
     return false;
   }
   select(graph, vehicle_at);
+  leaveOutOutliers(graph);
   const double needed = neededExtent();
-  if (used_.size() < least || extent(graph) < needed)
+  if (used_.size() < least_positions || extent(graph) < needed)
   {
     warn("the positions of the satellite receiver are not used: " +
          counted(used_.size(), "position") + " at scans, within " +
          std::to_string(used_.empty() ? 0 : std::lround(extent(graph))) + " m; " +
-         std::to_string(least) + " that are spread over " + std::to_string(std::lround(needed)) +
-         " m are needed to place the map on the earth");
+         std::to_string(least_positions) + " that are spread over " +
+         std::to_string(std::lround(needed)) + " m are needed to place the map on the earth");
     return false;
   }
   graph.addPose(Key::georeference(), initialPose(graph));
@@ -225,14 +364,38 @@ bool GnssAnchor::addTo(FactorGraph& graph, const VehicleAt& vehicle_at)
 
 bool GnssAnchor::fits(const FactorGraph& graph, double drift) const
 {
+  return fits(graph, graph.pose(Key::georeference()), drift);
+}
+
+bool GnssAnchor::fitsIfSwapped(const FactorGraph& graph,
+                               const VehicleAt& vehicle_at,
+                               double drift) const
+{
+  GnssAnchor swapped(options_);
+  std::vector<GnssFix> fixes = fixes_;
+  for (GnssFix& fix : fixes)
+  {
+    std::swap(fix.position.latitude, fix.position.longitude);
+  }
+  swapped.add(fixes);
+  swapped.select(graph, vehicle_at);
+  return swapped.used_.size() >= least_positions &&
+         swapped.fits(graph, swapped.initialPose(graph), drift);
+}
+
+/** \param T_enu_map pose of the map on the earth */
+bool GnssAnchor::fits(const FactorGraph& graph, const Pose& T_enu_map, double drift) const
+{
   constexpr double most_sigmas = 3;
-  constexpr double tolerance = 0.5;  // for an inaccurate antenna position [m]
-  const double allowed = tolerance + drift * extent(graph);
+  const double allowed = antenna_tolerance + drift * extent(graph);
   const double scale = most_sigmas / std::sqrt(informationShare());
-  const auto fitting = std::count_if(
-      used_.begin(), used_.end(),
-      [&](const Used& used)
-      { return errorOf(graph, used).head<2>().norm() < allowed + scale * used.horizontal_sigma; });
+  const auto fitting =
+      std::count_if(used_.begin(), used_.end(),
+                    [&](const Used& used)
+                    {
+                      const Eigen::Vector3d error = T_enu_map * inMap(graph, used) - used.position;
+                      return error.head<2>().norm() < allowed + scale * used.horizontal_sigma;
+                    });
   return 2 * static_cast<std::size_t>(fitting) > used_.size();
 }
 

@@ -34,11 +34,17 @@ class GnssAnchor
   void add(const std::vector<GnssFix>& fixes);
 
   /** Adds the georeference and its factors to the graph, with a value near the optimum at the
-   * graph's present poses. \return whether the positions could be used */
+   * graph's present poses. Positions that jump against the trajectory are left out. \return whether
+   * the positions could be used */
   bool addTo(FactorGraph& graph, const VehicleAt& vehicle_at);
   /** Whether most positions fit the graph. \param drift tolerated error of the trajectory, as a
    * fraction of its extent */
   [[nodiscard]] bool fits(const FactorGraph& graph, double drift) const;
+  /** Whether most positions fit the graph if their latitudes and longitudes are swapped. \param
+   * drift as of fits() */
+  [[nodiscard]] bool fitsIfSwapped(const FactorGraph& graph,
+                                   const VehicleAt& vehicle_at,
+                                   double drift) const;
   /** Result. \pre addTo() returned true, and the graph still has the factors that it added */
   [[nodiscard]] Georeference georeference(const FactorGraph& graph) const;
   /** Reasons why positions were not used, one line each. */
@@ -60,9 +66,11 @@ class GnssAnchor
     double stamp;              //!< of the position, as it was added [s]
   };
   void select(const FactorGraph& graph, const VehicleAt& vehicle_at);
+  void leaveOutOutliers(const FactorGraph& graph);
   [[nodiscard]] Pose initialPose(const FactorGraph& graph) const;
   [[nodiscard]] Eigen::Vector3d inMap(const FactorGraph& graph, const Used& used) const;
   [[nodiscard]] Eigen::Vector3d errorOf(const FactorGraph& graph, const Used& used) const;
+  [[nodiscard]] bool fits(const FactorGraph& graph, const Pose& T_enu_map, double drift) const;
   [[nodiscard]] double extent(const FactorGraph& graph) const;
   [[nodiscard]] double neededExtent() const;
   [[nodiscard]] double informationShare() const;

@@ -11,6 +11,8 @@
 #include <cmath>
 #include <random>
 #include <string>
+#include <tuple>
+#include <utility>
 #include <vector>
 
 #include "ResumedRun.h"
@@ -223,7 +225,67 @@ TEST(Gnss, WrongPositionsDoNotCount)
   ASSERT_TRUE(run.backend.georeference()) << run.warnings();
   EXPECT_LT(run.placeError(drive, {0, 0, 0}), 1.5);
   EXPECT_LT(run.endError(drive), 1.5);
-  EXPECT_GT(run.backend.georeference()->horizontal_rmse, 5);  // which tells of them
+  EXPECT_EQ(run.backend.georeference()->fixes, seen - seen / 5);
+  EXPECT_LT(run.backend.georeference()->horizontal_rmse, 1);  // of the others
+  EXPECT_NE(run.warnings().find(std::to_string(seen / 5) + " of " + std::to_string(seen) +
+                                " positions of the satellite receiver jump"),
+            std::string::npos)
+      << run.warnings();
+
+  GnssOptions all = with(GnssUse::fuse);
+  all.drift = 0;
+  const GnssRun with_all(drive, all);
+  ASSERT_TRUE(with_all.backend.georeference()) << with_all.warnings();
+  EXPECT_EQ(with_all.warnings(), "");
+  EXPECT_LT(with_all.placeError(drive, {0, 0, 0}), 1.5);  // by the robust loss
+  EXPECT_GT(with_all.backend.georeference()->horizontal_rmse, 5);
+}
+
+/** Adds an error to the positions of some frames [m]. */
+void shift(std::size_t begin, std::size_t end, const Eigen::Vector3d& error, DriveWithFixes& drive)
+{
+  for (std::size_t i = begin; i < end; ++i)
+  {
+    for (GnssFix& fix : drive.frames.at(i).gnss)
+    {
+      fix.position = fromEnu(toEnu(fix.position, place) + error, place);
+    }
+  }
+}
+
+/** In a tunnel or between buildings many positions in a row have about the same error, and the
+ * receiver does not state it. */
+TEST(Gnss, APartOfTheDriveWithWrongPositionsDoesNotCount)
+{
+  constexpr double metres = 1600;
+  DriveWithFixes clean(0.5, metres, 0);
+  const std::size_t scans = clean.frames.size();
+  const double clean_error = GnssRun(clean, with(GnssUse::fuse)).endOnEarthError(clean);
+  const Eigen::Vector3d far(40, 25, -10);
+  const Eigen::Vector3d near(8, 5, -5);
+  for (const auto& [begin, end, error] :
+       {std::tuple(scans * 4 / 10, scans * 6 / 10, far),
+        std::tuple(scans * 4 / 10, scans * 6 / 10, near), std::tuple(scans * 8 / 10, scans, far),
+        std::tuple(std::size_t{0}, scans * 2 / 10, far)})
+  {
+    DriveWithFixes drive(0.5, metres, 0);
+    shift(begin, end, error, drive);
+    const GnssRun run(drive, with(GnssUse::fuse));
+    ASSERT_TRUE(run.backend.georeference()) << run.warnings();
+    EXPECT_NEAR(static_cast<double>(run.backend.georeference()->fixes), 160, 2);
+    EXPECT_LT(run.endOnEarthError(drive), clean_error + 0.5);
+    EXPECT_LT(run.placeError(drive, {0, 0, 0}), 0.5);
+    EXPECT_NE(run.warnings().find("jump against the trajectory"), std::string::npos);
+  }
+}
+
+/** The positions may be right, and the trajectory wrong. */
+TEST(Gnss, ALongPartThatDiffersIsNotLeftOut)
+{
+  DriveWithFixes drive(0.3, 400, 0);
+  shift(300, 500, {15, 5, 0}, drive);
+  const GnssRun run(drive, with(GnssUse::fuse));
+  EXPECT_EQ(run.warnings().find("jump against the trajectory"), std::string::npos);
 }
 
 /** In a tunnel or before its first lock a receiver states an accuracy of kilometres. */
@@ -244,6 +306,7 @@ TEST(Gnss, SomeInaccuratePositionsDoNotPreventTheUseOfTheOthers)
   }
   const GnssRun run(drive, with(GnssUse::fuse));
   ASSERT_TRUE(run.backend.georeference()) << run.warnings();
+  EXPECT_EQ(run.backend.georeference()->fixes, seen) << "with little weight";
   EXPECT_LT(run.placeError(drive, {0, 0, 0}), 1.5);
   EXPECT_LT(run.endError(drive), 1.5);
 }
@@ -360,7 +423,7 @@ TEST(Gnss, PositionsThatCannotBeUsedAreReported)
   {
     const GnssRun random(drive, with(use));
     EXPECT_FALSE(random.backend.georeference());
-    EXPECT_NE(random.warnings().find("do not fit the trajectory"), std::string::npos);
+    EXPECT_NE(random.warnings().find("do not fit the trajectory; is its clock"), std::string::npos);
     EXPECT_EQ(posesOf(random.backend), posesOf(off.backend));  // bit for bit
   }
 
@@ -371,6 +434,27 @@ TEST(Gnss, PositionsThatCannotBeUsedAreReported)
   }
   const GnssRun none(without, with(GnssUse::fuse));
   EXPECT_EQ(none.warnings(), "");
+}
+
+TEST(Gnss, SwappedLatitudesAndLongitudesAreReported)
+{
+  DriveWithFixes drive(0.3);
+  for (Frame& frame : drive.frames)
+  {
+    for (GnssFix& fix : frame.gnss)
+    {
+      std::swap(fix.position.latitude, fix.position.longitude);
+    }
+  }
+  for (const GnssUse use : {GnssUse::align, GnssUse::fuse})
+  {
+    const GnssRun run(drive, with(use));
+    EXPECT_FALSE(run.backend.georeference());
+    EXPECT_NE(run.warnings().find("do not fit the trajectory; they fit with latitude and longitude "
+                                  "swapped"),
+              std::string::npos)
+        << run.warnings();
+  }
 }
 
 TEST(Gnss, AnAccurateReceiverWithItsAntennaElsewhereIsUsed)

@@ -62,6 +62,29 @@ std::string namesIn(const std::string& folder,
   return text;
 }
 
+/** The shared file of this name, with or without the extension; empty if there is none, and for a
+ * path. */
+std::string sharedFile(const std::string& name,
+                       const std::string& folder,
+                       const std::string& extension)
+{
+  if (name.find('/') != std::string::npos)
+  {
+    return "";
+  }
+  for (const auto& shared : sharedFolders())
+  {
+    for (const auto& file : {name, name + extension})
+    {
+      if (fs::is_regular_file(shared / folder / file))
+      {
+        return (shared / folder / file).string();
+      }
+    }
+  }
+  return "";
+}
+
 /** Where weights are that the Debian package of the programs does not contain, to follow a message;
  * empty for other files. They are listed in cmake/DySLAMInstall.cmake, too. */
 std::string packageWith(const std::string& path, const std::string& extension)
@@ -106,18 +129,9 @@ std::string findGivenOrShared(const std::string& path,
   {
     return path;
   }
-  if (path.find('/') == std::string::npos)
+  if (std::string shared = sharedFile(path, folder, extension); !shared.empty())
   {
-    for (const auto& shared : sharedFolders())
-    {
-      for (const auto& name : {path, path + extension})
-      {
-        if (fs::is_regular_file(shared / folder / name))
-        {
-          return (shared / folder / name).string();
-        }
-      }
-    }
+    return shared;
   }
   const std::string known = namesIn(folder, extension, program);
   const bool lacks_shared = path.find('/') == std::string::npos && known.empty() &&
@@ -129,5 +143,25 @@ std::string findGivenOrShared(const std::string& path,
                                   "share/dyslam"
                                 : "") +
                   packageWith(path, extension));
+}
+
+std::string sharedInsteadOf(const std::string& path,
+                            const std::string& folder,
+                            const std::string& extension,
+                            const std::string& field)
+{
+  if (path.empty() || fs::is_regular_file(path))
+  {
+    return "";
+  }
+  const std::string shared = sharedFile(path, folder, extension);
+  const bool has_file = fs::is_regular_file(path + extension);
+  if (shared.empty() || (!has_file && !fs::is_directory(path)))
+  {
+    return "";
+  }
+  return field + " = " + path + ": is the name of shipped ones, " + shared + ", which are used; " +
+         (has_file ? "give ./" + path + extension + " for the file of this folder"
+                   : "the folder " + path + " is not: give a file in it with its path");
 }
 }  // namespace dyslam

@@ -46,6 +46,24 @@ TEST_F(SharedFiles, GivenFileComesFirstButNoFolder)
   EXPECT_EQ(found("kitti64.ini"), "kitti64.ini");
 }
 
+TEST_F(SharedFiles, ANameThatIsAlsoInTheWorkingFolderIsTold)
+{
+  const auto noteOf = [](const std::string& path)
+  { return sharedInsteadOf(path, "config_files", ".ini", "--config"); };
+  EXPECT_EQ(noteOf("kitti64"), "");
+  fs::create_directory("kitti64");
+  const std::string used =
+      "--config = kitti64: is the name of shipped ones, " + found("kitti64") + ", which are used; ";
+  EXPECT_EQ(noteOf("kitti64"), used + "the folder kitti64 is not: give a file in it with its path");
+  std::ofstream("kitti64.ini") << "[preprocess]\n";
+  EXPECT_EQ(noteOf("kitti64"), used + "give ./kitti64.ini for the file of this folder");
+  EXPECT_EQ(noteOf("kitti64.ini"), "") << "the file itself is used";
+  EXPECT_EQ(found("./kitti64.ini"), "./kitti64.ini");
+  fs::create_directory("mine");
+  EXPECT_EQ(noteOf("mine"), "") << "nothing is shipped with that name";
+  EXPECT_EQ(noteOf(""), "");
+}
+
 TEST_F(SharedFiles, AFolderThatIsNotFoundNamesTheVariable)
 {
   try

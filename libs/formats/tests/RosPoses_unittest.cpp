@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cstddef>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "BagWriters.h"
@@ -51,6 +52,38 @@ TEST(RosPoses, StaticTransformsOfANamespace)
   EXPECT_EQ(childrenOf({"tf_static"}), Names{"of tf_static"});
   EXPECT_EQ(childrenOf({"/a/tf_static", "/b/tf_static"}), Names());
   EXPECT_EQ(childrenOf({"/my_tf_static"}), Names());
+}
+
+TEST(RosPoses, ConflictsOfStaticTransforms)
+{
+  const TestFolder folder;
+  const auto conflictsOf =
+      [&folder](const std::vector<std::pair<std::string, Pose>>& parents_of_lidar)
+  {
+    std::vector<test::TestMessage> messages;
+    for (const auto& [parent, pose] : parents_of_lidar)
+    {
+      messages.push_back({"/tf_static", "tf2_msgs/TFMessage", sweep_stamp,
+                          test::transforms(true, sweep_stamp, {{"lidar", pose}}, parent)});
+    }
+    test::writeBag(folder.file("x.mcap"), messages);
+    const auto bag = openBag(folder.file("x.mcap"));
+    std::vector<std::string> conflicts;
+    const RosTransforms transforms = staticTransforms(*bag, &conflicts);
+    EXPECT_EQ(transforms.at("lidar").parent, parents_of_lidar.back().first);
+    EXPECT_TRUE(transforms.at("lidar").pose.isApprox(parents_of_lidar.back().second, 1e-9));
+    return conflicts;
+  };
+  using Lines = std::vector<std::string>;
+  const Pose low = poseFromYpr(0, 0, 1, 0, 0, 0);
+  const Pose high = poseFromYpr(0, 0, 2, 0, 0, 0);
+  EXPECT_EQ(conflictsOf({{"base_link", low}, {"base_link", low}}), Lines());
+  EXPECT_EQ(
+      conflictsOf({{"base_link", low}, {"mast", low}}),
+      Lines{
+          "/tf_static states two parents of 'lidar', 'base_link' and 'mast'; the last one counts"});
+  EXPECT_EQ(conflictsOf({{"base_link", low}, {"base_link", high}}),
+            Lines{"/tf_static states two poses of 'lidar' in 'base_link'; the last one counts"});
 }
 
 /** As ROS 1's static_transform_publisher repeats them, beside the moving ones. */

@@ -75,6 +75,42 @@ TEST(BagImu, VehicleOfTheBag)
   EXPECT_TRUE(contains(error(), "give one of them"));
 }
 
+TEST(BagImu, AFrameWithTwoParentsIsReported)
+{
+  const TestFolder folder;
+  const std::string input = folder.file("x.mcap");
+  const Pose T_base_lidar = poseFromYpr(0.5, 0, 1.2, 0, 0, 0);
+  std::string second_parent;
+  const auto message = [&](bool cdr, std::size_t number, double stamp)
+  {
+    return test::transforms(cdr, stamp, {{"lidar", T_base_lidar}},
+                            number == 0 ? "base_link" : second_parent);
+  };
+  ScanConverterOptions options;
+  options.base_frame = "base_link";
+  const auto write = [&](const std::string& parent)
+  {
+    second_parent = parent;
+    writeDrive(input, "/tf_static", "tf2_msgs/TFMessage", message);
+  };
+  const std::string conflict =
+      "/tf_static states two parents of 'lidar', 'base_link' and 'mast'; the last one counts";
+  write("mast");
+  EXPECT_TRUE(contains(messageOfError<UserError>(
+                           [&] { (void)convertScans(input, folder.file("x.rawlog"), options); }),
+                       "does not connect it to 'lidar'"));
+  EXPECT_TRUE(contains(messageOfError<UserError>(
+                           [&] { (void)convertScans(input, folder.file("x.rawlog"), options); }),
+                       conflict));
+  options.base_frame = "mast";
+  EXPECT_TRUE(hasLine(convertScans(input, folder.file("x.rawlog"), options).warnings, conflict));
+
+  write("base_link");  // the same transform, again and again
+  options.base_frame = "base_link";
+  EXPECT_FALSE(hasLine(convertScans(input, folder.file("x.rawlog"), options).warnings,
+                       "/tf_static states two"));
+}
+
 /** ROS 1's static_transform_publisher repeats its transforms in /tf. */
 TEST(BagImu, TheErrorOfTheBaseFrameNamesThePoseByTf)
 {

@@ -187,6 +187,26 @@ TEST(BagMotion, PositionsOfASatelliteReceiver)
   }
 }
 
+TEST(BagMotion, SwappedLatitudesAndLongitudesAreReported)
+{
+  const TestFolder folder;
+  const auto fixMessage = [](bool cdr, std::size_t number, double stamp)
+  {
+    test::FixValues values;
+    values.latitude = -122.4;
+    values.longitude = 37.8;
+    values.status = number % 10 == 9 ? -1 : 0;
+    return test::navSatFix(cdr, stamp, values);
+  };
+  writeDrive(folder.file("x.mcap"), "/fix", "sensor_msgs/NavSatFix", fixMessage);
+  ScanConverterOptions options;
+  options.gnss_topic = "/fix";
+  const auto result = convertScans(folder.file("x.mcap"), folder.file("x.rawlog"), options);
+  EXPECT_TRUE(hasLine(result.warnings, "10 messages without a fix left out"));
+  EXPECT_TRUE(hasLine(result.warnings, "90 messages with a latitude beyond 90 degrees left out"));
+  EXPECT_TRUE(hasLine(result.warnings, "seems to swap latitude and longitude"));
+}
+
 TEST(BagMotion, Errors)
 {
   const TestFolder folder;

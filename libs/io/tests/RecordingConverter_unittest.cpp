@@ -38,6 +38,12 @@ TEST(RecordingConverter, DoesWhatTheConverterDoes)
   of_kitti.sensor_pose = "1 0 2 0 0 0";
   (void)convertKitti(folder.file("sequences/00"), folder.file("b.rawlog"), of_kitti);
   EXPECT_EQ(folder.read("b.rawlog"), folder.read("a.rawlog"));
+  options.deskewed = ScansDeskewed::no;
+  (void)kitti.convert(folder.file("a.rawlog"), options);
+  EXPECT_NE(folder.read("b.rawlog"), folder.read("a.rawlog")) << "their times";
+  of_kitti.deskewed = ScansDeskewed::no;
+  (void)convertKitti(folder.file("sequences/00"), folder.file("b.rawlog"), of_kitti);
+  EXPECT_EQ(folder.read("b.rawlog"), folder.read("a.rawlog"));
   options.topic = "/points";
   EXPECT_EQ(
       "--topic works with a bag only",
@@ -137,7 +143,15 @@ TEST(RecordingOptions, OfEachTheFlagIsKnown)
   EXPECT_NE(std::string::npos,
             messageOfError<UserError>([&] { options.requireFitting(RecordingKind::scans); })
                 .find("--bin-layout xyzw: give a letter for each column"));
-  for (const char* flag : {"--dt", "--sensor", "--base-frame", "--imu", "--bin-layout", "--scale"})
+  options = {};
+  options.deskewed = ScansDeskewed::no;
+  EXPECT_EQ(std::vector<std::string>{"--deskewed=no"}, options.words());
+  EXPECT_NO_THROW(options.requireFitting(RecordingKind::kitti));
+  EXPECT_TRUE(
+      contains(messageOfError<UserError>([&] { options.requireFitting(RecordingKind::scans); }),
+               "--deskewed works with KITTI's folders only"));
+  for (const char* flag :
+       {"--dt", "--sensor", "--base-frame", "--imu", "--bin-layout", "--scale", "--deskewed"})
   {
     EXPECT_TRUE(RecordingOptions::hasFlag(flag)) << flag;
   }

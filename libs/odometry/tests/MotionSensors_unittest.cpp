@@ -325,6 +325,100 @@ TEST(MotionSensors, AGyroscopeIsUsedOnlyWhileItFitsTheScans)
   EXPECT_EQ(used, 1) << "it fits again";
 }
 
+/** A frame whose angular velocities are stated in deg/s. */
+Frame inDegrees(Frame frame)
+{
+  for (ImuSample& sample : frame.imu)
+  {
+    sample.angular_velocity /= radians_per_degree;
+  }
+  return frame;
+}
+
+/** Drives with a gyroscope in deg/s: the prior is the motion before. \return number of motions for
+ * which the gyroscope was used */
+int driveInDegrees(MotionSensors& sensors, int begin, int end)
+{
+  int used = 0;
+  for (int scan = begin; scan < end; ++scan)
+  {
+    const Frame frame = inDegrees(frameAt(scan));
+    sensors.add(frame);
+    const SensedMotion sensed = sensedBefore(sensors, frame);
+    MotionPrior prior;
+    prior.T_previous_current = motionBefore(frameAt(scan - 1));
+    prior.information = informationFromSigmas(0.03, 0.01);
+    const Matrix6 fused = sensors.fuse(sensed, prior);
+    sensors.compare(sensed, fused, scan_interval, motionBefore(frame),
+                    informationFromSigmas(0.001, 0.0001));
+    used += fused(3, 3) > 0 ? 1 : 0;
+  }
+  return used;
+}
+
+TEST(MotionSensors, AGyroscopeInDegreesIsRecognisedAndNotUsed)
+{
+  MotionSensors sensors{MotionSensorOptions()};
+  EXPECT_LE(driveInDegrees(sensors, 1, 100), 2);
+  ASSERT_EQ(sensors.warnings().size(), 1U);
+  EXPECT_NE(sensors.warnings()[0].find("57 times those of the scans"), std::string::npos)
+      << sensors.warnings()[0];
+  EXPECT_NE(sensors.warnings()[0].find("motion_sensors.gyroscope_unit=deg_s"), std::string::npos);
+  EXPECT_EQ(sensors.name(), " + wheel_odometry");
+  for (int scan = 101; scan <= 150; ++scan)
+  {
+    const Frame frame = frameAt(scan);
+    EXPECT_FALSE(compareWith(sensors, frame, motionBefore(frame))) << "not even where it fits";
+  }
+}
+
+TEST(MotionSensors, WhatIsKnownOfTheUnitIsKeptInTheState)
+{
+  MotionSensors whole{MotionSensorOptions()};
+  MotionSensors first{MotionSensorOptions()};
+  driveInDegrees(whole, 1, 100);
+  driveInDegrees(first, 1, 8);
+  StateArchive saved;
+  first.exchangeState(saved);
+  MotionSensors resumed{MotionSensorOptions()};
+  StateArchive loaded(saved.bytes());
+  resumed.exchangeState(loaded);
+  EXPECT_TRUE(first.warnings().empty()) << "too early to tell";
+  driveInDegrees(resumed, 8, 100);
+  EXPECT_EQ(resumed.warnings(), whole.warnings());
+}
+
+TEST(MotionSensors, TheUnitOfTheOptionsCounts)
+{
+  MotionSensorOptions options;
+  options.gyroscope_unit = GyroscopeUnit::deg_s;
+  MotionSensors sensors(options);
+  const Frame frame = inDegrees(frameAt(7));
+  sensors.add(frame);
+  EXPECT_LT(rotationAngle(motionBefore(frame).inverse() *
+                          sensedBefore(sensors, frame).T_previous_current),
+            1e-4);
+  EXPECT_GT(driveInDegrees(sensors, 8, 60), 50);
+  EXPECT_TRUE(sensors.warnings().empty());
+}
+
+/** Another scale than that of degrees: the sensor may be wrong for a part of the drive only. */
+TEST(MotionSensors, AGyroscopeWithAnotherErrorIsNotSaidToBeInDegrees)
+{
+  MotionSensors sensors{MotionSensorOptions()};
+  for (int scan = 1; scan <= 100; ++scan)
+  {
+    Frame frame = frameAt(scan);
+    for (ImuSample& sample : frame.imu)
+    {
+      sample.angular_velocity *= 10;
+    }
+    (void)compareWith(sensors, frame, motionBefore(frame));
+  }
+  ASSERT_EQ(sensors.warnings().size(), 1U);
+  EXPECT_NE(sensors.warnings()[0].find("the gyroscope contradicts the scans"), std::string::npos);
+}
+
 TEST(MotionSensors, ADisplacementFarFromThePriorIsNotUsed)
 {
   MotionSensors sensors{MotionSensorOptions()};

@@ -6,12 +6,14 @@
 #include <dyslam/io/RawlogSource.h>
 #include <dyslam/pipeline/Pipeline.h>
 #include <dyslam/pipeline/StartSpeed.h>
+#include <dyslam/run/GivenSettings.h>
 #include <dyslam/run/SensorSettings.h>
 #include <dyslam/run/SlamRun.h>
 #include <mrpt/system/CTimeLogger.h>
 
 #include <algorithm>
 #include <fstream>
+#include <optional>
 #include <utility>
 
 #include "RunEnd.h"
@@ -188,6 +190,28 @@ void SlamRun::requireKnownNames(const Config& config)
   {
     throw error.withSectionsOf(known);
   }
+}
+
+void SlamRun::requireValid(const GivenSettings& given)
+{
+  requireKnownNames(given.merged());
+  std::optional<UserError> first;
+  for (const Config& possible : settingsForAnySensor(given.ini, given.assignments))
+  {
+    try
+    {
+      (void)Impl::effective(possible);
+      return;
+    }
+    catch (const UserError& error)
+    {
+      if (!first)
+      {
+        first = error;
+      }
+    }
+  }
+  throw UserError(*first);
 }
 
 Pipeline& SlamRun::pipeline()

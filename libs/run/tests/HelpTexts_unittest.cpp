@@ -13,6 +13,7 @@
 #include <dyslam/io/ScanConverter.h>
 #include <dyslam/mapexport/MapExport.h>
 #include <dyslam/packets/PcapSource.h>
+#include <dyslam/run/GivenSettings.h>
 #include <dyslam/run/SlamRun.h>
 #include <dyslam/tracking/DetectionNoise.h>
 #include <gtest/gtest.h>
@@ -71,7 +72,7 @@ TEST(SlamRun, NamesOfSettingsAreCheckedWithoutARecording)
 {
   const TestFolder folder;
   Config config = Config::fromFile(effectiveIniOfARun(folder));
-  config.set("map.voxel_size=20cm");  // values are checked with those of the sensor's ini
+  config.set("map.voxel_size=20cm");  // requireValid() checks values
   EXPECT_NO_THROW(SlamRun::requireKnownNames(config));
   const auto message = [](const std::string& assignment)
   {
@@ -91,6 +92,38 @@ TEST(SlamRun, NamesOfSettingsAreCheckedWithoutARecording)
     EXPECT_EQ("dyslam", programOfSection(section))
         << "add [" << section << "] to sections_of_dyslam in libs/base/src/Config.cpp";
   }
+}
+
+TEST(SlamRun, ValuesOfSettingsAreCheckedWithoutARecording)
+{
+  const TestFolder folder;
+  using Assignments = std::vector<std::string>;
+  const auto check = [](const Assignments& assignments, const std::string& ini = "")
+  { SlamRun::requireValid(readGivenSettings(ini, assignments)); };
+  const auto message = [&check](const Assignments& assignments, const std::string& ini = "")
+  { return messageOfError<UserError>([&] { check(assignments, ini); }); };
+  const Assignments levelled_by_hand = {"input.level=false", "input.pitch_deg=12"};
+  EXPECT_NO_THROW(check({}));
+  EXPECT_NO_THROW(check(levelled_by_hand));
+  EXPECT_NO_THROW(check({}, effectiveIniOfARun(folder)));
+  EXPECT_EQ("--set map.voxel_size: [map] voxel_size = abc is not a number",
+            message({"map.voxel_size=abc"}));
+  EXPECT_TRUE(contains(message({"map.voxel_size=-1"}), "is out of range"));
+  EXPECT_TRUE(contains(message({"dyseg.method=nonsense"}), "unknown value 'nonsense'"));
+  EXPECT_TRUE(contains(message({"mapp.voxel_size=1"}), "unknown section 'mapp'"));
+  EXPECT_TRUE(contains(message({"input.pitch_deg=12"}), "add level = false"));
+  EXPECT_TRUE(contains(message({"prior_map.file=" + folder.file("no.pcd")}), "no such file"));
+  const std::string ini = folder.write("my.ini", "[tracker]\n\n[labels]\nhindsight = perhaps\n");
+  EXPECT_TRUE(contains(message({}, ini), "my.ini:4: [labels] hindsight"));
+}
+
+/** solid_state.ini has no network: a run with it does not read the file. */
+TEST(SlamRun, ValuesThatARunWithSomeSensorAcceptsAreValid)
+{
+  const auto check = [](const std::vector<std::string>& assignments)
+  { SlamRun::requireValid(readGivenSettings("", assignments)); };
+  EXPECT_NO_THROW(check({"dyseg_network.weights=missing"}));
+  EXPECT_THROW(check({"dyseg_network.weights=missing", "dyseg.method=network"}), UserError);
 }
 
 TEST(SlamRun, SectionsOfTheTrainingInisBelongToTheirProgram)

@@ -35,6 +35,25 @@ TEST(RunSettings, AreThoseOfTheSensorUnderThoseGiven)
   EXPECT_EQ(0U, run.sensor.rfind(chosen.sensor.summary(), 0)) << run.sensor;
 }
 
+TEST(RunSettings, ANameOfShippedWeightsThatIsAlsoAFileIsTold)
+{
+  const TestFolder folder;
+  const WorkingFolder within(folder.path());
+  folder.write("dyseg_simulated.safetensors", "");
+  const auto warnings = [](const std::string& weights)
+  {
+    const GivenSettings given =
+        readGivenSettings("", {"dyseg.method=none", "dyseg_network.weights=" + weights});
+    return chooseRunSettings(campus_rawlog, given).warnings;
+  };
+  const std::vector<std::string> told = warnings("dyseg_simulated");
+  ASSERT_FALSE(told.empty());
+  EXPECT_TRUE(contains(told.front() + told.back(),
+                       "dyseg_network.weights = dyseg_simulated: is the name of shipped ones"));
+  const std::size_t others = told.size() - 1;
+  EXPECT_EQ(others, warnings("dyseg_simulated.safetensors").size());
+}
+
 TEST(RunSettings, TheReportNamesSensorMissingTimesLevellingAndStartSpeed)
 {
   RunSettings settings;

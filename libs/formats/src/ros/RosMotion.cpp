@@ -69,7 +69,9 @@ bool isRosFix(const BagTopic& topic)
   return topic.encoding != RosEncoding::other && topic.type == "sensor_msgs/NavSatFix";
 }
 
-std::optional<RosFix> decodeRosFix(const BagTopic& topic, const BagMessage& message)
+std::optional<RosFix> decodeRosFix(const BagTopic& topic,
+                                   const BagMessage& message,
+                                   std::size_t* swapped)
 {
   ByteReader reader = rosReader(topic, message);
   const RosHeader header = rosHeader(reader, topic.encoding);
@@ -92,6 +94,11 @@ std::optional<RosFix> decodeRosFix(const BagTopic& topic, const BagMessage& mess
   {
     fix.horizontal_sigma = std::sqrt(horizontal);
     fix.vertical_sigma = std::sqrt(covariance[8]);
+  }
+  if (swapped != nullptr && status >= 0 && !isOnEarth(fix.position) &&
+      isOnEarth({fix.position.longitude, fix.position.latitude, fix.position.height}))
+  {
+    ++*swapped;
   }
   return status >= 0 && isOnEarth(fix.position) ? std::optional(fix) : std::nullopt;
 }

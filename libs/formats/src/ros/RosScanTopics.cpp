@@ -101,6 +101,21 @@ std::vector<std::size_t> staticTopics(const Bag& bag)
   return plain.empty() && names.size() == 1 ? of_namespaces : plain;
 }
 
+bool isSameTransform(const RosPose& a, const RosPose& b)
+{
+  return a.parent == b.parent && a.pose.isApprox(b.pose, 1e-6);
+}
+
+/** Sentence about two transforms of a frame. */
+std::string conflictOf(const RosPose& earlier, const RosPose& later)
+{
+  return earlier.parent == later.parent
+             ? "/tf_static states two poses of '" + later.child + "' in '" + later.parent +
+                   "'; the last one counts"
+             : "/tf_static states two parents of '" + later.child + "', '" + earlier.parent +
+                   "' and '" + later.parent + "'; the last one counts";
+}
+
 /** Pose of a frame in the last of its parents, or in `last` if that is one of them. */
 RosPose poseInParent(const RosTransforms& transforms,
                      const std::string& frame,
@@ -121,10 +136,11 @@ RosPose poseInParent(const RosTransforms& transforms,
 }
 }  // namespace
 
-RosTransforms staticTransforms(Bag& bag)
+RosTransforms staticTransforms(Bag& bag, std::vector<std::string>* conflicts)
 {
   const std::vector<std::size_t> topics = staticTopics(bag);
   RosTransforms by_child;
+  std::map<std::string, std::string> conflict_of;  // the last one, by child frame
   if (topics.empty())
   {
     return by_child;
@@ -137,13 +153,25 @@ RosTransforms staticTransforms(Bag& bag)
     {
       for (const RosPose& pose : decodeRosPoses(bag.topics()[message.topic], message))
       {
-        by_child[pose.child] = pose;
+        const auto [known, is_new] = by_child.emplace(pose.child, pose);
+        if (!is_new && !isSameTransform(known->second, pose))
+        {
+          conflict_of[pose.child] = conflictOf(known->second, pose);
+          known->second = pose;
+        }
       }
     }
   }
   catch (const UserError&)
   {
     // Data before the damage are used.
+  }
+  if (conflicts != nullptr)
+  {
+    for (const auto& [child, conflict] : conflict_of)
+    {
+      conflicts->push_back(conflict);
+    }
   }
   return by_child;
 }
@@ -182,7 +210,7 @@ RosTransforms constantTransforms(Bag& bag)
       for (const RosPose& pose : decodeRosPoses(bag.topics()[message.topic], message))
       {
         const RosPose& known = by_child.emplace(pose.child, pose).first->second;
-        if (known.parent != pose.parent || !known.pose.isApprox(pose.pose, 1e-6))
+        if (!isSameTransform(known, pose))
         {
           changing.insert(pose.child);
         }

@@ -83,8 +83,13 @@ void convertBag(const std::string& input,
   const BagTopic topic = bag->topics()[at];
   const bool is_ouster = packetMakerOf(topic) == PacketMaker::ouster;
   BagContent content{input, *bag, at, {}, {}, {}};
-  content.frames = {frameOfTopic(*bag, at), staticTransforms(*bag),
-                    is_ouster ? ousterImuTopics(*bag) : std::vector<std::size_t>()};
+  content.frames.lidar = frameOfTopic(*bag, at);
+  content.frames.transforms = staticTransforms(*bag, &content.frames.conflicts);
+  content.frames.imu_packets = is_ouster ? ousterImuTopics(*bag) : std::vector<std::size_t>();
+  for (const std::string& conflict : content.frames.conflicts)
+  {
+    sink.warn(conflict + "; check the poses of the sensors, or give --sensor-pose");
+  }
   warnOfMapFrame(topic.name, content.frames.lidar, sink);
   mountLidar(input, *bag, content.frames, options, sink);
   content.truth =

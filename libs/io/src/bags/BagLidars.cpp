@@ -27,6 +27,18 @@ std::string frameNames(const RosTransforms& transforms)
   }
   return joined(known);
 }
+
+/** "; /tf_static states two parents of ..." for each conflict, as the end of an error. */
+std::string conflictsIn(const BagFrames& frames)
+{
+  std::string text;
+  for (const std::string& conflict : frames.conflicts)
+  {
+    text += "; " + conflict;
+  }
+  return text;
+}
+
 /** What to give instead of --base-frame, where only `/tf` has the pose of the lidar: it may change
  * later in the recording, so that the user has to decide. */
 std::string poseByTf(Bag& bag, const std::string& base, const BagFrames& frames)
@@ -64,7 +76,8 @@ void mountLidar(const std::string& input,
     throw UserError(input + ": --base-frame " + base + ": /tf_static does not connect it to '" +
                     frames.lidar + "', the frame of the scans" +
                     (names.empty() ? "; it has no frames" : "; it has the frames " + names) +
-                    "; give --sensor-pose instead" + poseByTf(bag, base, frames));
+                    "; give --sensor-pose instead" + poseByTf(bag, base, frames) +
+                    conflictsIn(frames));
   }
   sink.setMounting(*T_base_lidar);
   sink.note("the vehicle is " + base + ", in which /tf_static places the lidar");
@@ -104,7 +117,8 @@ std::vector<FurtherTopic> furtherTopics(const std::string& input,
                       ": /tf_static does not connect its "
                       "frame '" +
                       frame + "' to '" + frames.lidar +
-                      "', that of the first lidar; record /tf_static, or convert one lidar");
+                      "', that of the first lidar; record /tf_static, or convert one lidar" +
+                      conflictsIn(frames));
     }
     lidar.T_vehicle_lidar = sink.T_vehicle_lidar() * *T_first_lidar;
     lidar.label = labels[i];

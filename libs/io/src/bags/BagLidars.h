@@ -20,6 +20,7 @@ struct BagFrames
   /** Topics with packets of the IMU in the lidar, indices in Bag::topics(), if the scans are
    * packets, too: it is mounted and timed as these say. */
   std::vector<std::size_t> imu_packets;
+  std::vector<std::string> conflicts;  //!< of /tf_static, as of staticTransforms()
 };
 
 /** Another lidar of the vehicle. */

@@ -184,7 +184,8 @@ void BagMotion::addTwist(const BagMessage& message)
 
 void BagMotion::addFix(const BagMessage& message)
 {
-  const std::optional<RosFix> fix = decodeRosFix(bag_.topics()[message.topic], message);
+  const std::optional<RosFix> fix =
+      decodeRosFix(bag_.topics()[message.topic], message, &fixes_swapped_);
   if (!fix)
   {
     ++fixes_left_out_;
@@ -237,7 +238,13 @@ void BagMotion::report()
   {
     reportTopic("satellite receiver: ", options_.gnss_topic, antenna_mounting_,
                 sink_.motion().gnss());
-    reportLeftOut(options_.gnss_topic, "a fix", fixes_left_out_);
+    reportLeftOut(options_.gnss_topic, "a fix", fixes_left_out_ - fixes_swapped_);
+    if (fixes_swapped_ > 0)
+    {
+      sink_.warn(options_.gnss_topic + ": " + counted(fixes_swapped_, "message") +
+                 " with a latitude beyond 90 degrees left out: its driver seems to swap latitude "
+                 "and longitude");
+    }
   }
   else
   {

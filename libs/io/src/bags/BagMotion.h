@@ -76,6 +76,7 @@ class BagMotion
   std::string antenna_mounting_;           //!< mounting of the antenna, for the note
   std::size_t imu_left_out_ = 0;
   std::size_t fixes_left_out_ = 0;
+  std::size_t fixes_swapped_ = 0;  //!< number of these with a longitude as latitude
   std::size_t twists_left_out_ = 0;
   BodyVelocities velocities_;
 };

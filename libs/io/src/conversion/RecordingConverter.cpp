@@ -90,6 +90,7 @@ ConversionResult RecordingConverter::convert(const std::string& output,
     of_kitti.kind = *kitti_;
     of_kitti.sensor_pose = options.sensor_pose;
     of_kitti.dt = options.dt;
+    of_kitti.deskewed = options.deskewed;
     return convertKitti(input_, output, of_kitti, progress);
   }
   ScanConverterOptions of_scans;

@@ -58,6 +58,11 @@ bool isNotKitti(RecordingKind kind)
   return kind != RecordingKind::kitti;
 }
 
+bool isKitti(RecordingKind kind)
+{
+  return kind == RecordingKind::kitti;
+}
+
 bool isFolderOfScans(RecordingKind kind)
 {
   return kind == RecordingKind::scans;
@@ -66,6 +71,13 @@ bool isFolderOfScans(RecordingKind kind)
 bool hasNoTimes(RecordingKind kind)
 {
   return kind != RecordingKind::bag;
+}
+
+Values valuesOf(ScansDeskewed deskewed)
+{
+  return deskewed == ScansDeskewed::automatic
+             ? Values()
+             : Values{deskewed == ScansDeskewed::yes ? "yes" : "no"};
 }
 
 struct RecordingOption
@@ -79,7 +91,7 @@ struct RecordingOption
 constexpr const char* bags_only = " works with a bag only";
 constexpr const char* folders_only = " works with a folder of scans only";
 using Given = const RecordingOptions&;
-const std::array<RecordingOption, 13> all_options{
+const std::array<RecordingOption, 14> all_options{
     {{"--topic", [](Given o) { return valuesOf(o.topic); }, isOfBag, bags_only},
      {"--further-topic", [](Given o) { return o.further_topics; }, isOfBag, bags_only},
      {"--imu-topic", [](Given o) { return valuesOf(o.imu_topic); }, isOfBag, bags_only},
@@ -99,7 +111,10 @@ const std::array<RecordingOption, 13> all_options{
      {"--bin-layout", [](Given o) { return valuesOf(o.bin_layout); }, isFolderOfScans,
       folders_only},
      {"--scale", [](Given o) { return o.scale != 1 ? Values{exactText(o.scale)} : Values(); },
-      isFolderOfScans, folders_only}}};
+      isFolderOfScans, folders_only},
+     {"--deskewed", [](Given o) { return valuesOf(o.deskewed); }, isKitti,
+      " works with KITTI's folders only; for other scans that are deskewed already: --set "
+      "preprocess.deskew=none"}}};
 }  // namespace
 
 FurtherTopicOption splitFurtherTopic(const std::string& value)

@@ -76,10 +76,9 @@ void addNotes(const KittiLayout& layout,
 {
   result.notes.insert(result.notes.end(), layout.notes.begin(), layout.notes.end());
   result.notes.emplace_back(
-      deskewed
-          ? "the scans count as deskewed (--deskewed no of kitti2rawlog: as they were recorded)"
-          : "the points have no times: dyslam deskews by their order, by azimuth or not at "
-            "all (preprocess.deskew)");
+      deskewed ? "the scans count as deskewed (--deskewed no: as they were recorded)"
+               : "the points have no times: dyslam deskews by their order, by azimuth or not at "
+                 "all (preprocess.deskew)");
   if (options.every_n > 1 && !deskewed)
   {
     result.warnings.emplace_back(thinned_without_times);

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/base/Printable.h>
 #include <dyslam/base/Squared.h>
 #include <dyslam/base/StateArchive.h>
 #include <dyslam/odometry/MotionSensors.h>
@@ -39,6 +40,9 @@ constexpr double min_displacement = 0.05;  //!< least displacement for the scale
 constexpr double outlier = 5;              //!< limit of outliers [sigma]
 /** Deviation of the gyroscope from the prior beyond which the prior's weight falls [sigma]. */
 constexpr double turn_gate = 3;
+/** Deviation of a fast rotation by the gyroscope from the prior beyond which it is not used. */
+constexpr double impossible_turn = 20;  //!< [sigma]
+constexpr double fast_rate = 3;         //!< least angular velocity of such a rotation [rad/s]
 /** Least share of the initial variances of bias and scale, which change with time. */
 constexpr double least_variance = 0.01;
 constexpr double conflict_share = 0.1;  //!< weight of a new rotation in State::conflict
@@ -60,6 +64,37 @@ struct Constant
     const double gain = variance / (variance + measured_variance);
     value += gain * (measured - value);
     variance = std::max(least, (1 - gain) * variance);
+  }
+};
+
+/** Comparison of the gyroscope's angular velocities, where they are not used, with those that the
+ * scans show: it tells the unit. */
+struct UnitEvidence
+{
+  std::size_t motions = 0;
+  double of_scans = 0;      //!< sum of the squares [rad^2/s^2]
+  double of_gyroscope = 0;  //!< sum of the squares
+  double products = 0;      //!< sum of the products
+
+  void add(const Eigen::Vector3d& gyroscope, const Eigen::Vector3d& scans)
+  {
+    ++motions;
+    of_scans += scans.squaredNorm();
+    of_gyroscope += gyroscope.squaredNorm();
+    products += gyroscope.dot(scans);
+  }
+  /** Angular velocity of the gyroscope over that of the scans (least squares). */
+  [[nodiscard]] double ratio() const { return of_scans > 0 ? products / of_scans : 0; }
+  /** Whether the gyroscope's are in deg/s: the ratio is near 57.3, and both have the same course.
+   */
+  [[nodiscard]] bool isOfDegrees() const
+  {
+    constexpr std::size_t least_motions = 10;
+    constexpr double least_correlation2 = 0.9;  // squared
+    constexpr double least_ratio = 45;
+    constexpr double most_ratio = 70;
+    return motions >= least_motions && ratio() > least_ratio && ratio() < most_ratio &&
+           squared(products) > least_correlation2 * of_scans * of_gyroscope;
   }
 };
 
@@ -91,6 +126,9 @@ void dropOutside(double begin, double end, std::deque<Sample<Value>>& samples)
 void MotionSensorOptions::describe(OptionsVisitor& v)
 {
   v.flag("gyroscope", gyroscope, "use the angular velocities of an IMU");
+  v.choice("gyroscope_unit", gyroscope_unit,
+           {{"rad_s", GyroscopeUnit::rad_s}, {"deg_s", GyroscopeUnit::deg_s}},
+           "unit of the recording's angular velocities: rad/s, or deg/s by mistake");
   v.flag("wheel_odometry", wheel_odometry, "use the forward speed of the wheels");
   v.degrees("gyroscope_sigma_deg_s", gyroscope_sigma, 1e-4, 1e3,
             "sigma of the mean angular velocity between two scans [deg/s]");
@@ -122,7 +160,7 @@ struct MotionSensors::State
     scale = {0, squared(options.wheel_scale_sigma)};
   }
 
-  [[nodiscard]] bool trustsGyroscope() const { return conflict <= max_conflict; }
+  [[nodiscard]] bool trustsGyroscope() const { return conflict <= max_conflict && !in_degrees; }
   [[nodiscard]] Eigen::Vector3d biasVector() const
   {
     return {bias[0].value, bias[1].value, bias[2].value};
@@ -144,6 +182,8 @@ struct MotionSensors::State
   std::array<Constant, 3> bias;               //!< bias of the angular velocity [rad/s]
   Constant scale;                             //!< scale error: sensed over true speed, minus one
   double conflict = 0;  //!< recent share of rotations that contradict the scans
+  UnitEvidence unit;
+  bool in_degrees = false;  //!< the gyroscope's unit is certainly deg/s: it is not used any more
   SensorUse gyroscope;
   SensorUse wheels;
   GyroscopeClock clock;
@@ -161,6 +201,7 @@ void MotionSensors::add(const Frame& frame)
   State& s = *state_;
   const double begin = frame.scan.stamp - sample_memory;
   const double end = frame.scan.stamp + max_ahead;
+  const double unit = s.options.gyroscope_unit == GyroscopeUnit::deg_s ? radians_per_degree : 1;
   const auto isNext = [&](double stamp, const auto& samples)
   { return stamp >= begin && stamp <= end && (samples.empty() || stamp > samples.back().stamp); };
   dropOutside(begin, end, s.rates);
@@ -170,7 +211,8 @@ void MotionSensors::add(const Frame& frame)
     if (s.options.gyroscope && isNext(sample.stamp, s.rates) &&
         (sample.angular_velocity.array().abs() < max_rate).all())  // not if one is NaN
     {
-      s.rates.push_back({sample.stamp, sample.T_vehicle_imu.linear() * sample.angular_velocity});
+      s.rates.push_back(
+          {sample.stamp, unit * (sample.T_vehicle_imu.linear() * sample.angular_velocity)});
     }
   }
   for (const WheelSample& sample : frame.wheels)
@@ -218,6 +260,7 @@ std::optional<SensedMotion> MotionSensors::sense(double begin, double end, const
     {
       const Eigen::Vector3d rate = rates.at(middle) - s.biasVector();
       rotation = rotation * expSO3(step * rate);
+      sensed.mean_rate += step / dt * rates.at(middle);
       velocity.tail<3>() = s.trustsGyroscope() ? rate : Eigen::Vector3d(velocity.tail<3>());
     }
     if (speeds.isComplete())
@@ -289,9 +332,16 @@ Matrix6 MotionSensors::fuse(const SensedMotion& sensed, MotionPrior& prior) cons
     const Eigen::Vector3d off =
         logSO3(prior.T_previous_current.linear().transpose() * sensed.T_previous_current.linear());
     const double distance2 = off.dot(prior.information.bottomRightCorner<3, 3>() * off);
-    const double root = 1 / std::sqrt(1 + distance2 / squared(turn_gate));
-    prior.information.bottomRows<3>() *= root;
-    prior.information.rightCols<3>() *= root;
+    if (distance2 > squared(impossible_turn) && sensed.mean_rate.norm() > fast_rate)
+    {
+      added.bottomRightCorner<3, 3>().setZero();
+    }
+    else
+    {
+      const double root = 1 / std::sqrt(1 + distance2 / squared(turn_gate));
+      prior.information.bottomRows<3>() *= root;
+      prior.information.rightCols<3>() *= root;
+    }
   }
   prior.fuse(sensed.T_previous_current, added);
   return added;
@@ -353,6 +403,11 @@ void MotionSensors::State::compareRotation(const SensedMotion& sensed,
     }
     bias[axis].update(found, variance, least_variance * squared(options.gyroscope_bias_sigma));
   }
+  if (fused(3, 3) <= 0)
+  {
+    unit.add(sensed.mean_rate, logSO3(T_found.linear()) / dt);
+    in_degrees = in_degrees || unit.isOfDegrees();
+  }
   gyroscope.compare(contradicts, fused(3, 3) > 0);
   conflict += conflict_share * ((contradicts ? 1 : 0) - conflict);
 }
@@ -379,17 +434,28 @@ void MotionSensors::State::compareDisplacement(
 
 std::string MotionSensors::name() const
 {
-  return std::string(state_->gyroscope.covered > 0 ? " + gyroscope" : "") +
+  return std::string(state_->gyroscope.covered > 0 && !state_->in_degrees ? " + gyroscope" : "") +
          (state_->wheels.covered > 0 ? " + wheel_odometry" : "");
 }
 
 std::vector<std::string> MotionSensors::warnings() const
 {
   std::vector<std::string> warnings;
-  state_->gyroscope.warn("gyroscope",
-                         "the IMU's pose on the vehicle, its clock and its units, or set "
-                         "motion_sensors.gyroscope=false",
-                         warnings);
+  if (state_->in_degrees)
+  {
+    warnings.push_back(
+        formatted("the gyroscope was not used: its angular velocities are %.0f times those of the "
+                  "scans, so that they are in deg/s instead of rad/s; set "
+                  "motion_sensors.gyroscope_unit=deg_s",
+                  state_->unit.ratio()));
+  }
+  else
+  {
+    state_->gyroscope.warn("gyroscope",
+                           "the IMU's pose on the vehicle, its clock and its units, or set "
+                           "motion_sensors.gyroscope=false",
+                           warnings);
+  }
   if (const std::optional<double> offset = state_->clock.offset())
   {
     char seconds[32];
@@ -408,6 +474,7 @@ std::vector<std::string> MotionSensors::warnings() const
 void MotionSensors::exchangeState(StateArchive& archive)
 {
   State& s = *state_;
-  archive(s.rates, s.speeds, s.bias, s.scale, s.conflict, s.gyroscope, s.wheels, s.clock);
+  archive(s.rates, s.speeds, s.bias, s.scale, s.conflict, s.unit, s.in_degrees, s.gyroscope,
+          s.wheels, s.clock);
 }
 }  // namespace dyslam

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/base/Error.h>
+#include <dyslam/base/SharedFiles.h>
 #include <dyslam/io/RawlogSource.h>
 #include <dyslam/pipeline/Pipeline.h>
 #include <dyslam/pipeline/StartSpeed.h>
@@ -7,6 +8,7 @@
 #include <dyslam/run/SlamRunSettings.h>
 
 #include <algorithm>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -57,6 +59,23 @@ auto inFirstScans(const std::string& rawlog,
     return std::nullopt;  // the run reports it
   }
 }
+/** Which weights are used, where a given name is that of shipped ones and of a file or folder, too;
+ * a sentence for each. */
+std::vector<std::string> notesOnWeights(const GivenSettings& given)
+{
+  const Config merged = given.merged();
+  std::vector<std::string> notes;
+  for (const std::string section : {"dyseg_network", "dylo"})
+  {
+    std::string note = sharedInsteadOf(merged.text(section, "weights").value_or(""), "models",
+                                       ".safetensors", section + ".weights");
+    if (!note.empty())
+    {
+      notes.push_back(std::move(note));
+    }
+  }
+  return notes;
+}
 }  // namespace
 
 std::optional<double> findStartSpeed(const std::string& rawlog,
@@ -82,6 +101,10 @@ RunSettings chooseRunSettings(const std::string& rawlog, const GivenSettings& gi
   RunSettings settings;
   static_cast<RecordingSettings&>(settings) = settingsForRecording(rawlog, given);
   Config& config = settings.config;
+  for (std::string& note : notesOnWeights(given))
+  {
+    settings.warnings.push_back(std::move(note));
+  }
   settings.loading = loadAhead(config);
   settings.missing_times = settings.sensor.missingTimes(config);
   RawlogSourceOptions input;

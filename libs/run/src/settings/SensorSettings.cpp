@@ -34,9 +34,10 @@ struct ShippedSettings
   Config config;
 };
 
-/** Shipped settings that fit a sensor, if there are any. */
-std::optional<ShippedSettings> shippedFor(const ScanPattern& pattern)
+/** Shipped settings that are selected automatically for the sensors of their section [sensor]. */
+std::vector<ShippedSettings> automaticSettings()
 {
+  std::vector<ShippedSettings> settings;
   for (const std::string& path : sharedFiles("config_files", ".ini"))
   {
     if (readWhole(path).find("[sensor]") == std::string::npos)
@@ -44,10 +45,22 @@ std::optional<ShippedSettings> shippedFor(const ScanPattern& pattern)
       continue;  // an ini for other programs, or for any sensor
     }
     const Config config = Config::fromFile(path);
-    const SensorOptions options = sensorOptionsOf(config);
-    if (options.automatic && fits(options, pattern, 1))
+    if (sensorOptionsOf(config).automatic)
     {
-      return ShippedSettings{std::filesystem::path(path).filename().string(), config};
+      settings.push_back({std::filesystem::path(path).filename().string(), config});
+    }
+  }
+  return settings;
+}
+
+/** Shipped settings that fit a sensor, if there are any. */
+std::optional<ShippedSettings> shippedFor(const ScanPattern& pattern)
+{
+  for (const ShippedSettings& shipped : automaticSettings())
+  {
+    if (fits(sensorOptionsOf(shipped.config), pattern, 1))
+    {
+      return shipped;
     }
   }
   return std::nullopt;
@@ -148,6 +161,29 @@ void requireNoAngles(const Config& config, bool may_have_level)
   }
 }
 
+/** \throws UserError if an assignment is not section.key=value. */
+Config assignedBy(const std::vector<std::string>& assignments)
+{
+  Config assigned;
+  for (const std::string& assignment : assignments)
+  {
+    assigned.set(assignment);
+  }
+  return assigned;
+}
+
+/** requireNoAngles() for an ini and assignments, unless `config` has input.level = false. */
+void requireFittingAngles(const Config& config, const Config& given, const Config& assigned)
+{
+  RawlogSourceOptions input;
+  load(input, config, "input");
+  if (input.level)
+  {
+    requireNoAngles(given, true);
+    requireNoAngles(assigned, false);
+  }
+}
+
 /** Sets roll and pitch of [input] to those of the ground if it is inclined, else to 0; does nothing
  * if input.level is false. */
 void levelVehicleFrame(const RecordedSensor& sensor,
@@ -157,10 +193,9 @@ void levelVehicleFrame(const RecordedSensor& sensor,
 {
   RawlogSourceOptions input;
   load(input, chosen.config, "input");
+  requireFittingAngles(chosen.config, given, assigned);
   if (input.level)
   {
-    requireNoAngles(given, true);
-    requireNoAngles(assigned, false);
     const bool inclined = isInclined(sensor.ground);
     const auto set = [&chosen](const std::string& key, const std::string& value)
     { chosen.config.set("input." + key + "=" + value); };
@@ -232,11 +267,7 @@ ChosenSettings settingsFor(const RecordedSensor& sensor,
     chosen.source = name;
     misfit = misfitOf(given, name, sensor, shipped);
   }
-  Config assigned;
-  for (const std::string& assignment : assignments)
-  {
-    assigned.set(assignment);
-  }
+  const Config assigned = assignedBy(assignments);
   chosen.config.merge(assigned);
   levelVehicleFrame(sensor, given, assigned, chosen);
   if (chosen.levelling_note.empty())
@@ -248,5 +279,26 @@ ChosenSettings settingsFor(const RecordedSensor& sensor,
     chosen.warnings.push_back(*misfit);
   }
   return chosen;
+}
+
+std::vector<Config> settingsForAnySensor(const Config& given,
+                                         const std::vector<std::string>& assignments)
+{
+  std::vector<Config> possible{given};
+  if (given.section("sensor").empty())
+  {
+    for (const ShippedSettings& shipped : automaticSettings())
+    {
+      possible.push_back(shipped.config);
+      possible.back().merge(given);
+    }
+  }
+  const Config assigned = assignedBy(assignments);
+  for (Config& config : possible)
+  {
+    config.merge(assigned);
+  }
+  requireFittingAngles(possible.front(), given, assigned);
+  return possible;
 }
 }  // namespace dyslam

@@ -25,6 +25,9 @@ struct GnssOptions : Options
   double min_sigma = 0.02;  //!< smallest sigma that is believed [m]
   /** How long the receiver's errors last: the positions within this time count as one [s]. */
   double correlation_time = 60;
+  /** Error of the trajectory between two positions, as a fraction of the path between them, beyond
+   * which one of them is an outlier; 0: outliers are not searched for. */
+  double drift = 0.02;
   /** Sigma of the angle between the map's z axis and the vertical [rad]. */
   double tilt_sigma = 5 * radians_per_degree;
 

@@ -23,6 +23,14 @@ namespace dyslam
                                             const std::string& field = "",
                                             const std::string& program = "");
 
+/** For a name with which findGivenOrShared() finds a shared file, while the working folder has a
+ * folder of that name or a file with the extension: which file is used, and how to give the other
+ * one, as a sentence; empty otherwise. \param field the setting that names the file */
+[[nodiscard]] std::string sharedInsteadOf(const std::string& path,
+                                          const std::string& folder,
+                                          const std::string& extension,
+                                          const std::string& field);
+
 /** Paths of all shared files of a folder, by name; of files with the same name, the one that
  * findGivenOrShared() finds. \throws UserError if $DYSLAM_SHARE is no folder. */
 [[nodiscard]] std::vector<std::string> sharedFiles(const std::string& folder,

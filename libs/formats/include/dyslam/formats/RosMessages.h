@@ -128,8 +128,11 @@ struct RosPose
 
 using RosTransforms = std::map<std::string, RosPose>;  //!< transforms by child frame
 /** The transforms of `/tf_static` or, in a bag without it, of the only topic of that name in a
- * namespace (`/robot/tf_static`); for a damaged bag those before the damage. */
-[[nodiscard]] RosTransforms staticTransforms(Bag& bag);
+ * namespace (`/robot/tf_static`); for a damaged bag those before the damage. Of several transforms
+ * of a frame the last one counts, as in tf2.
+ * \param conflicts gets a sentence for each frame with two parents or two poses, unless null */
+[[nodiscard]] RosTransforms staticTransforms(Bag& bag,
+                                             std::vector<std::string>* conflicts = nullptr);
 /** The transforms of `/tf` that are the same in all messages of its first 10 s (at most 2000):
  * those of ROS 1's static_transform_publisher (package tf), which repeats them there, but also
  * those of joints that rest at first; for a damaged bag those before the damage. */
@@ -176,9 +179,13 @@ struct RosFix
 };
 /** Whether a topic has `sensor_msgs/NavSatFix`. */
 [[nodiscard]] bool isRosFix(const BagTopic& topic);
-/** Decodes a position. Nothing if the receiver had no fix or the position is invalid. \throws
- * UserError naming the message and the problem. */
-[[nodiscard]] std::optional<RosFix> decodeRosFix(const BagTopic& topic, const BagMessage& message);
+/** Decodes a position. Nothing if the receiver had no fix or the position is invalid.
+ * \param swapped is increased by one for an invalid position that is valid with latitude and
+ * longitude swapped, unless null
+ * \throws UserError naming the message and the problem. */
+[[nodiscard]] std::optional<RosFix> decodeRosFix(const BagTopic& topic,
+                                                 const BagMessage& message,
+                                                 std::size_t* swapped = nullptr);
 
 /** Velocity of a body, in its axes. */
 struct RosTwist

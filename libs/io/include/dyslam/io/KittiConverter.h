@@ -5,19 +5,12 @@
 #include <dyslam/formats/PoseOrigin.h>
 #include <dyslam/formats/RecordingKind.h>
 #include <dyslam/io/Conversion.h>
+#include <dyslam/io/RecordingOptions.h>
 
 #include <string>
 
 namespace dyslam
 {
-/** Whether scans are already deskewed; deskewed scans get point times of 0. */
-enum class ScansDeskewed
-{
-  automatic,  //!< scans of KITTI odometry are deskewed
-  yes,
-  no
-};
-
 /** Frame of the poses of a pose file. */
 enum class PoseFrame
 {

@@ -17,7 +17,15 @@ struct FurtherTopicOption
 /** \param value "TOPIC" or "TOPIC=FILE" \throws UserError if nothing is behind the =. */
 [[nodiscard]] FurtherTopicOption splitFurtherTopic(const std::string& value);
 
-/** Options of scans2rawlog that dyslam also has, for a recording of any kind. */
+/** Whether scans are already deskewed; deskewed scans get point times of 0. */
+enum class ScansDeskewed
+{
+  automatic,  //!< scans of KITTI odometry are deskewed
+  yes,
+  no
+};
+
+/** Options of the converters that dyslam also has, for a recording of any kind. */
 struct RecordingOptions
 {
   std::string topic;  //!< topic of a bag's scans; empty: the one with the most
@@ -38,6 +46,7 @@ struct RecordingOptions
   std::string
       bin_layout;    //!< of the .bin files of a folder, see readBin(); empty: by their content
   double scale = 1;  //!< of the coordinates in a folder of scans [m]; millimetres: 0.001
+  ScansDeskewed deskewed = ScansDeskewed::automatic;  //!< of KITTI's scans
 
   /** Sensor label of scans without a label of their own. */
   [[nodiscard]] std::string firstLabel() const { return sensor.empty() ? "lidar" : sensor; }

@@ -15,11 +15,19 @@ namespace dyslam
 {
 class StateArchive;
 
+/** Unit of the angular velocities of a recording. */
+enum class GyroscopeUnit
+{
+  rad_s,
+  deg_s,
+};
+
 /** Ini section `[motion_sensors]`. */
 struct MotionSensorOptions : Options
 {
-  bool gyroscope = true;       //!< use the angular velocities of Frame::imu
-  bool wheel_odometry = true;  //!< use the speeds of Frame::wheels
+  bool gyroscope = true;  //!< use the angular velocities of Frame::imu
+  GyroscopeUnit gyroscope_unit = GyroscopeUnit::rad_s;  //!< unit of the angular velocities
+  bool wheel_odometry = true;                           //!< use the speeds of Frame::wheels
   /** Sigma of the mean angular velocity between two scans [rad/s]. */
   double gyroscope_sigma = 0.286 * radians_per_degree;
   /** Error in proportion to the angular velocity: misaligned axes, clocks that differ. */
@@ -42,15 +50,16 @@ struct SensedMotion
   /** Information of log(T_sensed^-1 T); zero for components that were not measured. */
   Matrix6 information = Matrix6::Zero();
   std::optional<Eigen::Matrix3d> rotation;  //!< by the gyroscope, even if it is not trusted
-  std::optional<double> displacement;       //!< forward, along the path, by the wheels [m]
+  Eigen::Vector3d mean_rate = Eigen::Vector3d::Zero();  //!< that of `rotation`, with bias [rad/s]
+  std::optional<double> displacement;  //!< forward, along the path, by the wheels [m]
 };
 
 /** The vehicle's motion by gyroscope and wheel odometry.
  *
  * The samples are integrated, with linear interpolation between them. The gyroscope's bias and the
  * scale of the wheels' speed are estimated by comparison with the motions from the scans. A
- * gyroscope that contradicts these on about half of the recent scans is not trusted. Not
- * thread-safe.
+ * gyroscope that contradicts these on about half of the recent scans is not trusted, and one whose
+ * angular velocities turn out to be in deg/s is not used any more. Not thread-safe.
  */
 class MotionSensors
 {
@@ -76,8 +85,8 @@ class MotionSensors
   [[nodiscard]] std::optional<double> speedAt(double stamp) const;
 
   /** Fuses a sensed motion with a prior. A displacement beyond `wheel_gate` is ignored (wheels
-   * slip); a rotation far from the prior outweighs the prior (turns begin suddenly).
-   * \return the information that was added */
+   * slip); a rotation far from the prior outweighs the prior (turns begin suddenly), but one that
+   * is impossibly far from it is ignored (another unit). \return the information that was added */
   [[nodiscard]] Matrix6 fuse(const SensedMotion& sensed, MotionPrior& prior) const;
 
   /** Compares a sensed motion with the motion estimated with the scans; estimates bias and scale.

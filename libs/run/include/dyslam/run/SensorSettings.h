@@ -63,4 +63,12 @@ struct ChosenSettings
                                          const Config& given,
                                          const std::string& name,
                                          const std::vector<std::string>& assignments = {});
+
+/** Settings that settingsFor() may choose before the sensor is known, without levelling: first the
+ * given ones over the defaults, then over the shipped settings of each sensor, if the user's ini
+ * has no section [sensor]. \param given content of the user's ini; empty without one \param
+ * assignments "section.key=value" \throws UserError as settingsFor(), but not if no settings are
+ * shipped. */
+[[nodiscard]] std::vector<Config> settingsForAnySensor(const Config& given,
+                                                       const std::vector<std::string>& assignments);
 }  // namespace dyslam

@@ -14,6 +14,7 @@
 namespace dyslam
 {
 class Pipeline;
+struct GivenSettings;
 struct RawlogSourceOptions;
 struct BegunCheckpoint;
 struct RunToResume;
@@ -43,6 +44,10 @@ class SlamRun
    * \throws UserError for a section or key that no run has, as the constructor does; it names the
    * sections that have such a key */
   static void requireKnownNames(const Config& config);
+  /** Checks names and values of settings before the recording is at hand, also the files that they
+   * name. A value is accepted if a run with any sensor would accept it.
+   * \throws UserError as the constructor with these settings does */
+  static void requireValid(const GivenSettings& given);
 
   [[nodiscard]] Pipeline& pipeline();
   /** Options of the ini section [input]. */
