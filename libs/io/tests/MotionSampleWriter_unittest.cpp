@@ -42,7 +42,7 @@ class SampledOutput
 
  private:
   TestFolder folder_;
-  ConversionOutput output_{folder_.file("x.rawlog"), ConversionOptions()};
+  ConversionOutput output_{folder_.file("x.rawlog"), ConversionOptions(), PoseOrigin()};
 };
 
 void expectStamps(const std::vector<double>& expected, const std::vector<double>& stamps)
