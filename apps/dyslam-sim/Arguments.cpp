@@ -22,7 +22,8 @@ void declareWorld(CLI::App& app, Arguments& a)
 {
   SimulatorOptions& o = a.recording.simulator;
   const CLI::Validator seeds = CLI::Range(0, std::numeric_limits<int>::max());
-  app.add_option("--world", a.world, "urban, downtown, campus, highway, tunnel or field (urban)");
+  app.add_option("--world", a.world,
+                 "urban, downtown, campus, highway, tunnel, field or indoor (urban)");
   app.add_option("--sensor", a.sensor,
                  "HDL64E, HDL32E, VLP16, VLP32C, VLS128, OS1-32, OS1-64, OS1-128, PANDAR64, XT32 "
                  "or AVIA (HDL64E)");
