@@ -484,7 +484,7 @@ class Furnisher
   {
     alongWalls(space, {bench_, vending_, board_, bin_, plants_[3], counter_}, 0.12);
     // Counters with a queue
-    for (int k = 0; k < 30 && world_.queues.size() < 4; ++k)
+    for (int k = 0; k < 400 && world_.queues.size() < 4; ++k)
     {
       const int i = rng_.below(plan_.bays),
                 j = rng_.below(1 + plan_.bays_above + plan_.bays_below) - plan_.bays_below;
