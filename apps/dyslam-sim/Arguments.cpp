@@ -22,7 +22,8 @@ void declareWorld(CLI::App& app, Arguments& a)
 {
   SimulatorOptions& o = a.recording.simulator;
   const CLI::Validator seeds = CLI::Range(0, std::numeric_limits<int>::max());
-  app.add_option("--world", a.world, "urban, downtown, campus, highway, tunnel or field (urban)");
+  app.add_option("--world", a.world,
+                 "urban, downtown, campus, highway, tunnel, field or indoor (urban)");
   app.add_option("--sensor", a.sensor,
                  "HDL64E, HDL32E, VLP16, VLP32C, VLS128, OS1-32, OS1-64, OS1-128, PANDAR64, XT32 "
                  "or AVIA (HDL64E)");
@@ -50,7 +51,8 @@ void declareEgo(CLI::App& app, Arguments& a)
                  "carrier of the sensor: car, robot or handheld (default of the world)");
   app.add_option("--speed", o.ego_speed, "cruising speed [m/s]; 0: default of the world (0)")
       ->check(CLI::Range(0.0, 40.0));
-  app.add_option("--loop", o.loop_length, "approximate length of the closed loop [m] (400)")
+  app.add_option("--loop", o.loop_length,
+                 "approximate length of the closed loop [m]; indoors 150 to 600 (400)")
       ->check(CLI::Range(50.0, 10000.0));
   app.add_option("--start", o.start_fraction, "start of the ego on the loop, 0 to 1 (0)")
       ->check(CLI::Range(0.0, 1.0));

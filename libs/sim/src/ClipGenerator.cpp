@@ -13,7 +13,7 @@ void ClipOptions::describe(OptionsVisitor& visitor)
 {
   simulator.describe(visitor);
   visitor.flag("any_world", any_world,
-               "draw the kind of world for each clip, most often urban, never downtown");
+               "draw the kind of world for each clip, most often urban, never downtown or indoor");
   visitor.integer("scans", scans, 1, 1000, "consecutive scans in a clip");
   visitor.integer("clips_per_world", clips_per_world, 1, 100000,
                   "consecutive clips that share a world");
@@ -93,6 +93,11 @@ SimulatorOptions ClipGenerator::clipOptions(std::uint64_t index) const
         break;
       case WorldKind::downtown:
         o.ego_speed = clip_rng.uniform(3, 13);
+        break;
+      case WorldKind::indoor:
+        o.ego = clip_rng.chance(0.4) ? EgoKind::handheld : EgoKind::robot;
+        o.wheels = o.wheels && o.ego == EgoKind::robot;
+        o.ego_speed = clip_rng.uniform(0.5, 1.6);
         break;
     }
   }

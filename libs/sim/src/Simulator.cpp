@@ -28,7 +28,8 @@ EgoKind carrierOf(const SimulatorOptions& options)
   {
     return options.ego;
   }
-  return options.world == WorldKind::campus ? EgoKind::robot : EgoKind::car;
+  return options.world == WorldKind::campus || options.world == WorldKind::indoor ? EgoKind::robot
+                                                                                  : EgoKind::car;
 }
 
 /** T_vehicle_lidar with the mounting angles of the options. */
@@ -231,7 +232,9 @@ void Simulator::Impl::gatherBodies(const Eigen::Vector3d& centre)
     BodyMotion body;
     // Only translation over ground counts as motion, not rotation in place.
     body.moving = (b.position - a.position).norm() / model.period > options.moving_speed;
-    const auto classes = semanticClasses(body_model.object_class);
+    const auto classes = body_model.semantic_moving != 0
+                             ? std::pair(body_model.semantic_at_rest, body_model.semantic_moving)
+                             : semanticClasses(body_model.object_class);
     body.semantic = body.moving ? classes.second : classes.first;
     body.instance = static_cast<std::uint16_t>(65535 - i % kMovingInstances);
     const bool at_rest = !body.moving && (b.position - a.position).norm() < 1e-6 &&

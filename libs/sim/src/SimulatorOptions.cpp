@@ -10,9 +10,9 @@ namespace dyslam::sim
 namespace
 {
 constexpr std::initializer_list<std::pair<const char*, WorldKind>> kWorlds{
-    {"urban", WorldKind::urban},     {"campus", WorldKind::campus},
-    {"highway", WorldKind::highway}, {"tunnel", WorldKind::tunnel},
-    {"field", WorldKind::field},     {"downtown", WorldKind::downtown}};
+    {"urban", WorldKind::urban},   {"campus", WorldKind::campus}, {"highway", WorldKind::highway},
+    {"tunnel", WorldKind::tunnel}, {"field", WorldKind::field},   {"downtown", WorldKind::downtown},
+    {"indoor", WorldKind::indoor}};
 constexpr std::initializer_list<std::pair<const char*, EgoKind>> kEgos{
     {"automatic", EgoKind::automatic},
     {"car", EgoKind::car},
@@ -50,7 +50,7 @@ void SimulatorOptions::describe(OptionsVisitor& visitor)
       "traffic_seed", traffic_seed, -1, 2147483647,
       "seed of traffic, ego-motion and noise, if other than that of the world; -1: seed");
   visitor.choice("ego", ego, kEgos,
-                 "carrier of the sensor; automatic: a robot on campus, else a car");
+                 "carrier of the sensor; automatic: a robot on campus and indoors, else a car");
   visitor.real("ego_speed", ego_speed, 0, 40,
                "cruising speed of the ego; 0: the default of the world [m/s]");
   visitor.real("loop_length", loop_length, 50, 10000, "approximate length of the ego's loop [m]");

@@ -97,6 +97,7 @@ TEST(Sensor, NamesRoundTripAndErrorsSuggestTheNearest)
   EXPECT_THROW((void)worldKindFromString("town"), UserError);
   EXPECT_EQ(worldKindFromString("tunnel"), WorldKind::tunnel);
   EXPECT_EQ(worldKindFromString(toString(WorldKind::downtown)), WorldKind::downtown);
+  EXPECT_EQ(worldKindFromString(toString(WorldKind::indoor)), WorldKind::indoor);
   EXPECT_EQ(egoKindFromString("robot"), EgoKind::robot);
   EXPECT_THROW((void)egoKindFromString("lorry"), UserError);
 }

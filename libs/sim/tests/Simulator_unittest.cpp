@@ -41,8 +41,8 @@ Eigen::Vector3d inBody(const Pose& T_map_lidar, const Box& box, const Eigen::Vec
 
 TEST(Simulator, EqualSeedsGiveEqualBytesOnAnyNumberOfThreads)
 {
-  for (const auto world :
-       {WorldKind::urban, WorldKind::campus, WorldKind::highway, WorldKind::downtown})
+  for (const auto world : {WorldKind::urban, WorldKind::campus, WorldKind::highway,
+                           WorldKind::downtown, WorldKind::indoor})
   {
     Simulator one(small(world, 0.6), 1), three(small(world, 0.6), 3);
     SimulatorOptions other_seed = small(world, 0.6);
@@ -428,8 +428,9 @@ TEST(Simulator, DeskewingCompensatesEgoMotion)
 
 TEST(Simulator, HasNoMovingPointsWithoutTraffic)
 {
-  for (const auto world : {WorldKind::urban, WorldKind::campus, WorldKind::highway,
-                           WorldKind::tunnel, WorldKind::field, WorldKind::downtown})
+  for (const auto world :
+       {WorldKind::urban, WorldKind::campus, WorldKind::highway, WorldKind::tunnel,
+        WorldKind::field, WorldKind::downtown, WorldKind::indoor})
   {
     Simulator simulator(small(world, 0));
     const SimulatedScan s = simulator.next();

@@ -36,6 +36,10 @@ void addWalker(const BodyModel& model,
     parts.push_back({model.shapes[2], thigh});
     parts.push_back({model.shapes[3], thigh * place(0, 0, -0.25, knee)});
   }
+  if (model.shapes.size() > 4)
+  {
+    parts.push_back({model.shapes[4], body * place(model.luggage_x, 0, 0, 0)});
+  }
 }
 
 // Thigh and shank of fixed lengths between hip and pedal: the knee follows from the law of cosines.

@@ -4,6 +4,7 @@
 #include <dyslam/core/Objects.h>
 #include <dyslam/core/Pose.h>
 
+#include <cstdint>
 #include <vector>
 
 #include "Mesh.h"
@@ -16,16 +17,18 @@ struct BodyModel
   enum class Gait
   {
     rigid,
-    walking,  //!< shapes: torso, arm, thigh, shank
+    walking,  //!< shapes: torso, arm, thigh, shank, and what is pulled or pushed, if anything
     cycling   //!< shapes: bicycle with rider, thigh, shank
   };
   ObjectClass object_class = ObjectClass::car;
   Gait gait = Gait::rigid;
   Eigen::Vector3d size = Eigen::Vector3d::Ones();  //!< length, width, height of the box [m]
   double centre_x = 0;                             //!< box centre along the body [m]
-  double wheelbase = 2.6;   //!< distance between the points that follow the path [m]
-  double scale = 1;         //!< scale of the shapes: a person's height [m]
-  std::vector<int> shapes;  //!< indices in World::shapes
+  double wheelbase = 2.6;  //!< distance between the points that follow the path [m]
+  double scale = 1;        //!< scale of the shapes: a person's height [m]
+  double luggage_x = 0;    //!< position of a walker's fifth shape along the body, scaled [m]
+  std::uint16_t semantic_at_rest = 0, semantic_moving = 0;  //!< 0: those of the object class
+  std::vector<int> shapes;                                  //!< indices in World::shapes
 };
 
 /** Pose and gait state of a body. */

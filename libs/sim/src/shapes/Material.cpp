@@ -33,6 +33,8 @@ const std::array<MaterialProperties, static_cast<std::size_t>(Material::count)>&
       {51, 0.30F, 0.10F, 0.016F, 5.0F, 0.0F, 0.1F},   // wood_fence
       {51, 0.50F, 0.15F, 0.008F, 2.0F, 0.0F, 0.4F},   // guard_rail
       {99, 0.30F, 0.15F, 0.010F, 4.0F, 0.0F, 0.1F},   // furniture
+      {49, 0.30F, 0.06F, 0.001F, 3.0F, 0.0F, 0.35F},  // floor
+      {50, 0.50F, 0.08F, 0.004F, 1.5F, 0.0F, 0.1F},   // inner_wall
   }};
   return table;
 }

@@ -35,6 +35,8 @@ enum class Material : std::uint8_t
   wood_fence,
   guard_rail,
   furniture,
+  floor,       // smooth floor of a building
+  inner_wall,  // painted wall or ceiling of a room
   count
 };
 

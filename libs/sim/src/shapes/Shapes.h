@@ -72,4 +72,26 @@ struct SizeRange
 /** Boxes in layers; flush at +y. */
 [[nodiscard]] Mesh makeGoodsPile(Rng& rng, float length, float depth);
 [[nodiscard]] Mesh makeClothesRack(Rng& rng, float length);
+
+// What stands in public buildings: origin on the floor at the middle, x along the wall, y towards
+// it.
+/** Boards with goods between two sides. */
+[[nodiscard]] Mesh makeShelf(Rng& rng, float length, float depth, float height);
+/** A rack of a warehouse with goods, 1 m deep. */
+[[nodiscard]] Mesh makePalletRack(Rng& rng, float length, float height);
+[[nodiscard]] Mesh makeVendingMachine();
+[[nodiscard]] Mesh makePotPlant(Rng& rng, float height);
+[[nodiscard]] Mesh makeAdvertisingBoard();
+[[nodiscard]] Mesh makeCounter(float length);
+/** Four counters below a roof. */
+[[nodiscard]] Mesh makeKiosk(float length, float depth);
+/** A desk with a screen and a chair. */
+[[nodiscard]] Mesh makeDesk();
+[[nodiscard]] Mesh makeCupboard(float length, float height);
+
+// What people take with them, to be scaled by their height; origin on the floor at the middle.
+[[nodiscard]] Mesh makeSuitcase();
+[[nodiscard]] Mesh makeShoppingTrolley();
+/** A floor cleaning robot in metres, as the vehicles. */
+[[nodiscard]] Mesh makeCleaningMachine();
 }  // namespace dyslam::sim

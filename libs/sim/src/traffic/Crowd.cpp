@@ -29,6 +29,8 @@ double egoCruise(const World& world, const SimulatorOptions& options)
       return 4;
     case WorldKind::downtown:
       return 8;
+    case WorldKind::indoor:
+      return 1.2;
     case WorldKind::campus:
       break;
   }
@@ -106,6 +108,10 @@ Crowd::Crowd(const World& world, const SimulatorOptions& options) : world_(world
       groups_.push_back(makePathEgo(*this));
       groups_.push_back(makeStreetTraffic(*this, false));
       groups_.push_back(makeWalkers(*this));
+      break;
+    case WorldKind::indoor:
+      groups_.push_back(makePathEgo(*this));
+      groups_.push_back(makeVisitors(*this));
       break;
     case WorldKind::highway:
     case WorldKind::tunnel:

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The ego on the closed path of a campus or a field.
+// The ego on the closed path of a campus, a field or a building.
 #include <algorithm>
 #include <cmath>
 

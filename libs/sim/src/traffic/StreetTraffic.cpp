@@ -35,9 +35,10 @@ Density densityIn(WorldKind kind)
       return {22, 1.6, 0.8, {0.02}};
     case WorldKind::highway:
     case WorldKind::tunnel:
+    case WorldKind::indoor:
       break;
   }
-  throw std::logic_error("StreetTraffic: highways have a traffic of their own");
+  throw std::logic_error("StreetTraffic: highways and buildings have a traffic of their own");
 }
 
 class StreetTraffic : public Crowd::Group

@@ -83,6 +83,8 @@ class Crowd
 [[nodiscard]] std::unique_ptr<Crowd::Group> makeHighwayTraffic(Crowd& crowd);
 [[nodiscard]] std::unique_ptr<Crowd::Group> makeWalkers(Crowd& crowd);
 [[nodiscard]] std::unique_ptr<Crowd::Group> makeBicycles(Crowd& crowd);
+/** People and cleaning machines in a building. */
+[[nodiscard]] std::unique_ptr<Crowd::Group> makeVisitors(Crowd& crowd);
 /** The ego on World::ego_path; yields to pedestrians. */
 [[nodiscard]] std::unique_ptr<Crowd::Group> makePathEgo(Crowd& crowd);
 

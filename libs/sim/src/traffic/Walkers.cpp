@@ -31,6 +31,7 @@ double walkersPerMetre(WorldKind kind)
       return 0.05;
     case WorldKind::highway:
     case WorldKind::tunnel:
+    case WorldKind::indoor:
       break;
   }
   return 0;  // no pavements

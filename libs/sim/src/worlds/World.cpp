@@ -209,7 +209,7 @@ std::shared_ptr<const World> makeWorld(const SimulatorOptions& options)
       (options.world == WorldKind::highway || options.world == WorldKind::tunnel))
   {
     throw UserError("simulator.reverse: a " + toString(options.world) +
-                    " has one direction; choose urban, downtown, campus or field");
+                    " has one direction; choose urban, downtown, campus, field or indoor");
   }
   auto world = std::make_shared<World>(options.world, static_cast<std::uint64_t>(options.seed));
   Rng rng(combine(world->seed, 0xB0D1E5));
@@ -231,6 +231,9 @@ std::shared_ptr<const World> makeWorld(const SimulatorOptions& options)
       break;
     case WorldKind::downtown:
       buildDowntown(*world, options);
+      break;
+    case WorldKind::indoor:
+      buildIndoor(*world, options);
       break;
   }
   world->finish();

@@ -7,6 +7,7 @@
 #include <memory>
 #include <vector>
 
+#include "FloorPlan.h"
 #include "Ground.h"
 #include "Random.h"
 #include "Roads.h"
@@ -19,6 +20,14 @@ namespace dyslam::sim
 constexpr int kMovingInstances = 30000;
 /** Number of label instances of parked vehicles, from 1. */
 constexpr int kParkedInstances = 65535 - kMovingInstances;
+
+/** A queue in front of a counter. */
+struct QueueSpot
+{
+  Eigen::Vector2d head;       //!< where the person stands that is served [m]
+  Eigen::Vector2d direction;  //!< unit vector from the head to the end
+  int places = 0;
+};
 
 /** Static geometry with semantics, the shapes of all bodies, and the networks they move on. */
 class World
@@ -55,9 +64,11 @@ class World
   std::uint64_t seed;
   std::unique_ptr<Ground> ground;
   LaneNetwork roads;  //!< streets of urban and downtown, service road of campus worlds
-  WalkNetwork walks;  //!< walkways of urban, downtown, campus and field worlds
+  WalkNetwork walks;  //!< walkways of urban, downtown, campus, field and indoor worlds
   std::vector<Path> bicycle_loops;  //!< closed, at the edge of the carriageway
-  Path ego_path;                    //!< closed path of the ego in campus and field worlds
+  FloorPlan floor_plan;             //!< of indoor worlds
+  std::vector<QueueSpot> queues;    //!< where people queue in indoor worlds
+  Path ego_path;                    //!< closed path of the ego in campus, field and indoor worlds
   Path highway;                     //!< closed centre line of highway and tunnel worlds
   int highway_lanes = 3;            //!< number of lanes each way
   double highway_lane_width = 3.6;  //!< width of a lane [m]
@@ -66,7 +77,8 @@ class World
 
   std::vector<BodyModel> bodies;
   std::vector<int> cars, vans, trucks, buses, riders, people, cyclists,
-      parked_bicycles;  //!< indices in `bodies`
+      parked_bicycles;                    //!< indices in `bodies`
+  std::vector<int> travellers, machines;  //!< people with luggage and cleaning machines, indoors
 
   RayDevice device;
   std::deque<Mesh> meshes;  //!< static meshes, world frame
@@ -109,4 +121,6 @@ void buildDowntown(World& world, const SimulatorOptions& options);
 void buildCampus(World& world, const SimulatorOptions& options);
 void buildHighway(World& world, const SimulatorOptions& options);  //!< highway or tunnel
 void buildField(World& world, const SimulatorOptions& options);
+/** \throws UserError if the loop is too short or too long, or the ego is a car. */
+void buildIndoor(World& world, const SimulatorOptions& options);
 }  // namespace dyslam::sim

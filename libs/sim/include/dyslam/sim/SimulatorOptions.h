@@ -18,13 +18,14 @@ enum class WorldKind
   highway,
   tunnel,
   field,
-  downtown
+  downtown,
+  indoor
 };
 
 /** Carrier of the sensor. */
 enum class EgoKind
 {
-  automatic,  //!< a robot on campus, a car elsewhere
+  automatic,  //!< a robot on campus and indoors, a car elsewhere
   car,
   robot,
   handheld
@@ -49,7 +50,7 @@ struct SimulatorOptions : Options
 
   double ego_speed = 0;  //!< cruising speed [m/s]; 0 for the default of the world
   /** Approximate length of the ego's closed loop [m]; sets the world's size. Highways and tunnels
-   * have 1500 m at least, streets are driven around one block at least. */
+   * have 1500 m at least, streets are driven around one block at least; indoors 150 to 600 m. */
   double loop_length = 400;
   double start_time = 5;      //!< time simulated before the first scan [s]
   double start_fraction = 0;  //!< start of the ego on its loop, in [0, 1)
@@ -79,8 +80,8 @@ struct SimulatorOptions : Options
   void describe(OptionsVisitor& visitor) override;
 };
 
-/** "urban", "campus", "highway", "tunnel", "field", "downtown". \throws UserError naming the
- * nearest. */
+/** "urban", "campus", "highway", "tunnel", "field", "downtown", "indoor". \throws UserError
+ * naming the nearest. */
 [[nodiscard]] WorldKind worldKindFromString(const std::string& name);
 [[nodiscard]] std::string toString(WorldKind kind);
 /** "automatic", "car", "robot", "handheld". \throws UserError naming the nearest. */
