@@ -47,6 +47,51 @@ TEST(OwnVehicle, WhatPassesIsNotTheVehicle)
   EXPECT_FALSE(vehicle.mayBeAt({8, 2, 1})) << "too far for the vehicle";
 }
 
+/** As a robot that drives behind another one from some time on. */
+TEST(OwnVehicle, WhoJoinsLaterAtAConstantDistanceIsNotTheVehicle)
+{
+  const Eigen::Vector3f other{1, 0, 0};
+  const Eigen::Vector3f beside_the_mast = mast + Eigen::Vector3f(0.1F, 0, 0);  // a lid that opens
+  OwnVehicle vehicle = observed(30, 0.37);
+  for (int i = 30; i < 60; ++i)
+  {
+    Scan scan = scanFrom(i, 0.37);
+    scan.points.push_back(other);
+    scan.points.push_back(beside_the_mast);
+    vehicle.observe(scan);
+    vehicle.addMotion(Pose(Eigen::Translation3d(0.37, 0, 0)));
+  }
+  EXPECT_FALSE(vehicle.mayBeAt(other));
+  EXPECT_TRUE(vehicle.mayBeAt(beside_the_mast + Eigen::Vector3f(0.1F, 0, 0)));
+  EXPECT_TRUE(vehicle.mayBeAt(mast));
+}
+
+/** Until then it may be either. */
+TEST(OwnVehicle, WhoIsThereFromTheBeginningIsForgottenOnceGone)
+{
+  const Eigen::Vector3f other{1, 0, 0};
+  OwnVehicle vehicle(1.5);
+  const auto drive = [&](int begin, int end, bool with_other)
+  {
+    for (int i = begin; i < end; ++i)
+    {
+      Scan scan = scanFrom(i, 0.37);
+      if (with_other)
+      {
+        scan.points.push_back(other);
+      }
+      vehicle.observe(scan);
+      vehicle.addMotion(Pose(Eigen::Translation3d(0.37, 0, 0)));
+    }
+  };
+  drive(0, 20, true);
+  EXPECT_TRUE(vehicle.mayBeAt(other));
+  drive(20, 100, false);
+  EXPECT_FALSE(vehicle.mayBeAt(other));
+  drive(100, 130, true);
+  EXPECT_FALSE(vehicle.mayBeAt(other)) << "comes back";
+}
+
 TEST(OwnVehicle, IsKnownAroundEachLidar)
 {
   OwnVehicle vehicle(1.5);

@@ -15,6 +15,7 @@ constexpr double least_distance = 0.3;  // least distance between the scans used
 constexpr double least_angle = 10 * M_PI / 180;
 constexpr std::size_t most_observations = 20;
 constexpr std::size_t least_observations = 8;
+constexpr std::uint8_t known_scans = 60;
 constexpr double own_share = 0.25;  // least share of scans with returns in a cell of the vehicle
 }  // namespace
 
@@ -82,33 +83,93 @@ void OwnVehicle::observe(const std::vector<Eigen::Vector3f>& points, Places& pla
   decide(places);
 }
 
+std::vector<std::uint32_t> OwnVehicle::constantCells(const Places& places) const
+{
+  const auto least = static_cast<std::size_t>(
+      std::ceil(own_share * static_cast<double>(places.observations.size())));
+  std::vector<std::uint8_t> returns(side_ * side_ * side_, 0);
+  std::vector<std::uint32_t> constant;
+  for (const auto& cells : places.observations)
+  {
+    for (const std::uint32_t cell : cells)
+    {
+      if (++returns[cell] == least)
+      {
+        constant.push_back(cell);
+      }
+    }
+  }
+  return constant;
+}
+
+std::array<std::size_t, 27> OwnVehicle::cellsAround(std::uint32_t cell) const
+{
+  std::array<std::size_t, 27> around{};
+  for (std::size_t n = 0; n < around.size(); ++n)
+  {
+    const std::size_t first = cell - (side_ + 1) * side_ - 1;
+    around[n] = first + (n / 9 * side_ + n / 3 % 3) * side_ + n % 3;
+  }
+  return around;
+}
+
+std::vector<std::uint32_t> OwnVehicle::connectedWithKnown(const std::vector<std::uint32_t>& cells,
+                                                          const Places& places) const
+{
+  std::vector<std::uint32_t> connected;
+  std::vector<bool> is_left(places.known.size(), false);
+  for (const std::uint32_t cell : cells)
+  {
+    const auto around = cellsAround(cell);
+    if (std::any_of(around.begin(), around.end(),
+                    [&](std::size_t c) { return places.known[c] > 0; }))
+    {
+      connected.push_back(cell);
+    }
+    else
+    {
+      is_left[cell] = true;
+    }
+  }
+  for (std::size_t i = 0; i < connected.size(); ++i)
+  {
+    for (const std::size_t c : cellsAround(connected[i]))
+    {
+      if (is_left[c])
+      {
+        is_left[c] = false;
+        connected.push_back(static_cast<std::uint32_t>(c));
+      }
+    }
+  }
+  return connected;
+}
+
 void OwnVehicle::decide(Places& places) const
 {
+  ++places.observed;
   places.may_be.clear();
   if (places.observations.size() < least_observations)
   {
     return;
   }
   places.may_be.assign(side_ * side_ * side_, false);
-  const auto least = static_cast<std::size_t>(
-      std::ceil(own_share * static_cast<double>(places.observations.size())));
-  std::vector<std::uint8_t> returns(places.may_be.size(), 0);
-  for (const auto& cells : places.observations)
+  places.known.resize(places.may_be.size(), 0);
+  std::vector<std::uint32_t> own = constantCells(places);
+  if (places.observed > most_observations)
   {
-    for (const std::uint32_t cell : cells)
+    own = connectedWithKnown(own, places);
+  }
+  for (std::uint8_t& scans : places.known)
+  {
+    scans = static_cast<std::uint8_t>(scans - (scans > 0 ? 1 : 0));
+  }
+  for (const std::uint32_t cell : own)
+  {
+    places.known[cell] = known_scans;
+    for (const std::size_t c : cellsAround(cell))
     {
-      if (++returns[cell] != least)
-      {
-        continue;
-      }
-      for (std::size_t z = 0; z < 3; ++z)
-      {
-        for (std::size_t y = 0; y < 3; ++y)
-        {
-          const std::size_t first = cell + ((z * side_) + y) * side_ - (side_ + 1) * side_ - 1;
-          std::fill_n(places.may_be.begin() + static_cast<std::ptrdiff_t>(first), 3, true);
-        }
-      }
+      places.may_be[c] = true;
     }
   }
 }

@@ -4,6 +4,7 @@
 #include <dyslam/core/Pose.h>
 #include <dyslam/core/Scan.h>
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <deque>
@@ -18,8 +19,11 @@ class StateArchive;
  *
  * While the vehicle moves, its own returns stay in place in the lidar's frame, whereas the
  * surroundings pass by. A place (a cube of 0.1 m and its neighbours) is free if the lidar had no
- * returns there in most of the last scans, which are at least 0.3 m or 10 degrees apart. Until
+ * returns there in most of the last 20 scans, which are at least 0.3 m or 10 degrees apart. Until
  * there are eight of these scans (before the vehicle moves), it may be everywhere.
+ *
+ * After the first 20 of these scans the vehicle only grows where it touches what it had in the last
+ * 60: whoever then moves along with it at a constant distance is not part of it.
  */
 class OwnVehicle
 {
@@ -42,11 +46,21 @@ class OwnVehicle
   {
     std::deque<std::vector<std::uint32_t>> observations;  //!< per scan: cells with returns
     std::vector<bool> may_be;                             //!< per cell; empty: everywhere
+    std::size_t observed = 0;                             //!< scans so far
+    /** Per cell: number of scans for which it still counts as the vehicle's. */
+    std::vector<std::uint8_t> known;
   };
 
   [[nodiscard]] std::size_t cellOf(const Eigen::Vector3f& point) const;
   void observe(const std::vector<Eigen::Vector3f>& points, Places& places) const;
   void decide(Places& places) const;
+  /** Cells with returns in many of the last scans. */
+  [[nodiscard]] std::vector<std::uint32_t> constantCells(const Places& places) const;
+  /** The cell and its neighbours, of which it is the middle one. */
+  [[nodiscard]] std::array<std::size_t, 27> cellsAround(std::uint32_t cell) const;
+  /** Those of the cells that are known, or connected with known ones by others of them. */
+  [[nodiscard]] std::vector<std::uint32_t> connectedWithKnown(
+      const std::vector<std::uint32_t>& cells, const Places& places) const;
 
   float range_;
   std::size_t side_;                            //!< side of the grid [cells]
