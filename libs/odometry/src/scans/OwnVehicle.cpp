@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 
 namespace dyslam
 {
@@ -17,6 +18,7 @@ constexpr std::size_t most_observations = 20;
 constexpr std::size_t least_observations = 8;
 constexpr std::uint8_t known_scans = 60;
 constexpr double own_share = 0.25;  // least share of scans with returns in a cell of the vehicle
+constexpr double own_share_around = 0.8;  // and in the cell or beside it
 }  // namespace
 
 OwnVehicle::OwnVehicle(double range)
@@ -85,20 +87,37 @@ void OwnVehicle::observe(const std::vector<Eigen::Vector3f>& points, Places& pla
 
 std::vector<std::uint32_t> OwnVehicle::constantCells(const Places& places) const
 {
-  const auto least = static_cast<std::size_t>(
-      std::ceil(own_share * static_cast<double>(places.observations.size())));
-  std::vector<std::uint8_t> returns(side_ * side_ * side_, 0);
-  std::vector<std::uint32_t> constant;
+  const auto countOf = [&](double share)
+  {
+    return static_cast<std::size_t>(
+        std::ceil(share * static_cast<double>(places.observations.size())));
+  };
+  const std::size_t least = countOf(own_share);
+  std::vector<std::uint8_t> returns(side_ * side_ * side_, 0);         // scans with returns
+  std::vector<std::uint8_t> returns_around(side_ * side_ * side_, 0);  // in a cell or beside it
+  std::vector<std::uint8_t> last_scan(side_ * side_ * side_, 0);
+  std::vector<std::uint32_t> often;
+  std::uint8_t scan = 0;
   for (const auto& cells : places.observations)
   {
+    ++scan;
     for (const std::uint32_t cell : cells)
     {
       if (++returns[cell] == least)
       {
-        constant.push_back(cell);
+        often.push_back(cell);
+      }
+      for (const std::size_t c : cellsAround(cell))
+      {
+        returns_around[c] = static_cast<std::uint8_t>(returns_around[c] + (last_scan[c] != scan));
+        last_scan[c] = scan;
       }
     }
   }
+  const std::size_t least_around = countOf(own_share_around);
+  std::vector<std::uint32_t> constant;
+  std::copy_if(often.begin(), often.end(), std::back_inserter(constant),
+               [&](std::uint32_t cell) { return returns_around[cell] >= least_around; });
   return constant;
 }
 
