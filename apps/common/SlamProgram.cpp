@@ -89,14 +89,25 @@ void printWarnings(const std::vector<std::string>& warnings,
   }
 }
 
+/** "25 moving objects (29 tracks in tracks.csv)": the table also has objects that never move. */
+std::string objectsInWords(const SlamRunReport& report)
+{
+  const bool has_table = std::find(report.files.begin(), report.files.end(),
+                                   run_files::track_table) != report.files.end();
+  const std::string tracks =
+      has_table && report.reported_tracks != report.tracks
+          ? " (" + counted(report.reported_tracks, "track") + " in " + run_files::track_table + ")"
+          : "";
+  return counted(report.tracks, "moving object") + tracks;
+}
+
 /** Prints what the run found: sizes, loops, satellite positions, the vertical. */
 void printFindings(const SlamRunReport& report)
 {
   std::printf("methods: %s\n", report.method.c_str());
   std::printf("%s, %.1f m, %s, %s, %s, %s\n", counted(report.frames, "scan").c_str(),
               report.path_length, counted(report.keyframes, "keyframe").c_str(),
-              counted(report.loops, "loop").c_str(),
-              counted(report.tracks, "moving object").c_str(),
+              counted(report.loops, "loop").c_str(), objectsInWords(report).c_str(),
               counted(report.map_points, "map point").c_str());
   if (report.loops_left_out > 0)
   {

@@ -99,7 +99,7 @@ void evaluateRuns(const RunArguments& a)
   std::vector<std::string> failed;
   const std::vector<RunScores> runs = scoresOfAll(folders, a, failed);
   a.output.write(runTable(runs), runJson(runs));
-  std::cout << splitLines(runs) << truthLines(runs) << warningLines(runs);
+  std::cout << splitLines(runs) << truthLines(runs) << labelLines(runs) << warningLines(runs);
   if (const auto consistencies = consistenciesOf(runs); !consistencies.empty())
   {
     std::cout << '\n' << consistencyTable(consistencies).toText();

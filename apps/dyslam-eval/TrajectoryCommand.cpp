@@ -180,7 +180,7 @@ void runTrajectory(const TrajectoryArguments& a)
   }
   if (!a.plot.empty())
   {
-    writePng(a.plot, renderTrajectoryPlot(plots, {"", metrics.alignment}));
+    writePng(a.plot, renderTrajectoryPlot(plots, {"", metrics.alignment, ""}));
   }
   noteMissingFigures(reports, metrics.lengths);
   for (const std::string& note : comparisonNotes(reports, a.references.size() == 1))

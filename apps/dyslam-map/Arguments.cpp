@@ -5,6 +5,7 @@
 #include <dyslam/base/Files.h>
 #include <dyslam/formats/RunFiles.h>
 #include <dyslam/formats/ScanFiles.h>
+#include <dyslam/mapexport/MapFormat.h>
 
 #include <CLI/CLI.hpp>
 #include <filesystem>
@@ -94,8 +95,7 @@ void declareRecordings(CLI::App& app, Arguments& a)
 void declareOutputs(CLI::App& app, Arguments& a)
 {
   addOutputFile(app, "-o,--output", a.outputs.maps,
-                "map.{pcd,ply,las,bt,ot,simplemap,3Dscene,png,gridmap}; any number (png: grid with "
-                "its yaml)");
+                "map file, any number of them: " + mapFormatsHelp());
   app.add_flag("--full", a.given.full,
                "clouds hold every static point (map_export.full_resolution)");
   addOutputFile(app, "--picture", a.outputs.picture,

@@ -220,6 +220,9 @@ TEST_F(RunPageInBrowser, StatesTheSensorAndWhereTheTruthIsFrom)
   page.sensor = "64 rings; the points have no times";
   page.reference = page.trajectory;
   page.reference_origin = "GNSS/INS (oxts), not exact";
+  page.difference_to = "GNSS/INS";
+  page.files = {"tracks.csv"};
+  page.reported_tracks = 3;
   page.stage_ms["deskew"] = 2;
   browser().open(written(page, "origin.html"));
   ASSERT_TRUE(browser().waitFor(all_drawn)) << browser().errors();
@@ -227,6 +230,13 @@ TEST_F(RunPageInBrowser, StatesTheSensorAndWhereTheTruthIsFrom)
             std::string::npos);
   EXPECT_NE(textOf("verdict").find("No warnings."), std::string::npos);
   EXPECT_NE(textOf("errors").find("(GNSS/INS (oxts), not exact)"), std::string::npos);
+  EXPECT_NE(textOf("summary").find(
+                "1 moving object tracked (3 tracks in tracks.csv: 2 of them never moved): "),
+            std::string::npos);
+  EXPECT_EQ(textOf("errors").find("Differences to GNSS/INS"), 0U);
+  EXPECT_NE(textOf("limits").find("may be of either"), std::string::npos);
+  EXPECT_NE(textOf("summary").find(" from GNSS/INS, which is not exact."), std::string::npos);
+  EXPECT_EQ(textOf("drift").find("error"), std::string::npos) << "differences";
   EXPECT_NE(textOf("times").find("with the motion that was found"), std::string::npos);
   EXPECT_EQ(browser().errors(), "");
 }

@@ -114,11 +114,14 @@ TEST_F(GroundTruthSource, NeesIsForExactOneOnly)
   const std::string gnss = evaluated(run);
   EXPECT_TRUE(contains(gnss, "run: ground truth: GNSS/INS (oxts), not exact; ")) << gnss;
   EXPECT_TRUE(contains(gnss, "NEES is not computed, as it would")) << gnss;
+  EXPECT_TRUE(contains(gnss, "run: the figures are differences to GNSS/INS: ")) << gnss;
+  EXPECT_FALSE(contains(exact, "differences to")) << exact;
   EXPECT_FALSE(contains(gnss, "scan to scan")) << gnss;
   EXPECT_FALSE(contains(gnss, "\"odometry_nees\"")) << gnss;
   EXPECT_TRUE(contains(gnss, "\"exact\": false")) << gnss;
   EXPECT_TRUE(contains(gnss, "\"rpe\"")) << "errors are computed: " << gnss;
   EXPECT_TRUE(contains(contentOf(run + "/report.html"), "GNSS/INS (oxts), not exact"));
+  EXPECT_TRUE(contains(contentOf(run + "/report.html"), "\"difference_to\":\"GNSS/INS\""));
   EXPECT_TRUE(contains(contentOf(run + "/report.json"), "\"source\": \"gnss_ins\""));
 }
 

@@ -171,7 +171,8 @@ class OutputsAgree : public ::testing::Test
     settings.config.set("labels.hindsight=false");    // all other outputs are causal
     settings.config.set("track_smoothing.window=0");  // the objects of the replay are causal
     writeTown(settings.rawlog);
-    ASSERT_EQ(runSlam(settings).frames, static_cast<std::size_t>(town_scans));
+    report_ = runSlam(settings);
+    ASSERT_EQ(report_.frames, static_cast<std::size_t>(town_scans));
     table_ = readTable(folder_ / "run" / "tracks.csv");
     settings.config.set("labels.hindsight=true");
     settings.config.set("track_smoothing.window=1.5");
@@ -202,9 +203,11 @@ class OutputsAgree : public ::testing::Test
 
   static fs::path folder_;
   static std::vector<Rows> table_;
+  static SlamRunReport report_;  //!< of the run of table_
 };
 fs::path OutputsAgree::folder_;
 std::vector<Rows> OutputsAgree::table_;
+SlamRunReport OutputsAgree::report_;
 
 /** The last scan of each object in a table. */
 std::map<int, std::size_t> lastScans(const std::vector<Rows>& table)
@@ -311,6 +314,27 @@ TEST_F(OutputsAgree, LabelsAndTable)
     EXPECT_EQ(idsOf(folder_ / "run" / "labels" / name), expected) << frame;
   }
   EXPECT_GT(seen, 20U);
+}
+
+// The number of moving objects is not that of the ids of the table.
+TEST_F(OutputsAgree, NumbersOfObjectsAreThoseOfTheTable)
+{
+  std::set<int> reported;
+  std::set<int> moving;
+  for (const Rows& rows : table_)
+  {
+    for (const auto& [id, row] : rows)
+    {
+      reported.insert(id);
+      if (row.dynamic)
+      {
+        moving.insert(id);
+      }
+    }
+  }
+  EXPECT_GT(moving.size(), 2U);
+  EXPECT_EQ(report_.reported_tracks, reported.size());
+  EXPECT_EQ(report_.tracks, moving.size());
 }
 
 // Objects of the second tracking are in all outputs from their first observation on.

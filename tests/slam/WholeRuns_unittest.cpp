@@ -84,27 +84,30 @@ class WholeRun : public ::testing::Test
   fs::path folder_;
 };
 
-/** The bounds are the errors that were reached plus a few per cent. */
+/** Default settings; labels with hindsight. Reached (x86-64 with AVX2): RPE 0.0091 m, end error
+ * 0.259 m, IoU 0.9625. The bounds leave a tenth of the RPE and 0.015 of the IoU for builds that
+ * round differently. */
 TEST_F(WholeRun, TheBundledStreetStaysWithinBounds)
 {
   auto s = settings(bundled("street64.rawlog"), "kitti64.ini", "street64");
   s.labels = true;
   const SlamRunReport report = runSlam(s);
   EXPECT_EQ(report.unconverged, 0U);
-  EXPECT_LT(errorsOf(s).relative.translation.rmse, 0.0108);
+  EXPECT_LT(errorsOf(s).relative.translation.rmse, 0.0100);
   EXPECT_LT(errorsOf(s).end.translation, 0.26);
-  EXPECT_GT(iouOf(s, bundled("street64.gt/labels")), 0.86);
+  EXPECT_GT(iouOf(s, bundled("street64.gt/labels")), 0.947);
 }
 
+/** The same: RPE 0.0228 m, ATE 0.016 m, IoU 0.8661. */
 TEST_F(WholeRun, TheBundledCampusStaysWithinBounds)
 {
   auto s = settings(bundled("campus16.rawlog"), "vlp16.ini", "campus16");
   s.labels = true;
   const SlamRunReport report = runSlam(s);
   EXPECT_EQ(report.unconverged, 0U);
-  EXPECT_LT(errorsOf(s).relative.translation.rmse, 0.0255);
-  EXPECT_LT(errorsOf(s).absolute.translation.rmse, 0.02);
-  EXPECT_GT(iouOf(s, bundled("campus16.gt/labels")), 0.68);
+  EXPECT_LT(errorsOf(s).relative.translation.rmse, 0.0250);
+  EXPECT_LT(errorsOf(s).absolute.translation.rmse, 0.018);
+  EXPECT_GT(iouOf(s, bundled("campus16.gt/labels")), 0.85);
 }
 
 /** With fewer iterations than most scans need, the motions are less accurate, and the user is told.

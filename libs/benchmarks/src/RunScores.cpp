@@ -169,6 +169,28 @@ std::optional<OdometryConsistency> evaluateConsistency(const fs::path& folder,
   return odometryConsistency(pairs, readMotionFile(motions.string()), stamp_tolerance);
 }
 
+/** Whether the run's settings decide the labels with hindsight; nothing if effective.ini is
+ * missing, damaged (with a note), or does not state it. */
+std::optional<bool> hasHindsightLabels(const fs::path& folder, const NoteSink& note)
+{
+  const fs::path ini = folder / run_files::settings;
+  if (!fs::exists(ini))
+  {
+    return std::nullopt;
+  }
+  try
+  {
+    const auto text = Config::fromFile(ini.string()).text("labels", "hindsight");
+    return text ? std::optional<bool>(*text == "true") : std::nullopt;
+  }
+  catch (const UserError& error)
+  {
+    note(folder.string() +
+         ": whether its labels are with hindsight is not known: " + printable(error.what()));
+    return std::nullopt;
+  }
+}
+
 /** Ground-truth folder: as given, or next to the recording of the run. */
 std::string truthFolder(const std::string& given,
                         const std::string& folder,
@@ -246,6 +268,7 @@ RunScores scoresOf(const std::string& folder,
       try
       {
         scores.labels = compareLabelFolders(truth, folder);
+        scores.labels_with_hindsight = hasHindsightLabels(folder, note);
       }
       catch (const UserError& error)  // the other runs are evaluated all the same
       {

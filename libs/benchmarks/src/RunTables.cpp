@@ -150,6 +150,41 @@ std::string truthLines(const std::vector<RunScores>& runs)
           "the odometry";
     }
     lines += '\n';
+    if (const std::string other = run.truth.differenceTo(); !other.empty())
+    {
+      lines += run.name + ": the figures are differences to " + other +
+               ": they show gross errors, but differences of some decimetres, or of a few per cent "
+               "of the path, may be of either (dyslam-eval map --self compares the maps along "
+               "both)\n";
+    }
+  }
+  return lines;
+}
+
+std::string labelLines(const std::vector<RunScores>& runs)
+{
+  constexpr double nearly_all = 0.95;  // share of labelled points that is not worth a line
+  std::string lines;
+  for (const RunScores& run : runs)
+  {
+    if (!run.labels)
+    {
+      continue;
+    }
+    if (run.labels_with_hindsight)
+    {
+      lines += run.name + ": labels: " +
+               (*run.labels_with_hindsight ? "with hindsight (offline, non-causal)" : "causal") +
+               '\n';
+    }
+    const auto labelled = run.labels->evaluator.scores().labelledShare();
+    if (labelled && *labelled < nearly_all)
+    {
+      lines += run.name + formatted(
+                              ": labels: %.3g %% of the points are labelled in the ground "
+                              "truth; IoU, precision and recall are of these\n",
+                              100 * *labelled);
+    }
   }
   return lines;
 }
@@ -206,6 +241,10 @@ std::string runJson(const std::vector<RunScores>& runs)
     {
       entry["segmentation"] =
           Json::parse(segmentationJson({{run.name, *run.labels}}))["segmentation"][0];
+      if (run.labels_with_hindsight)
+      {
+        entry["segmentation"]["hindsight"] = *run.labels_with_hindsight;
+      }
     }
     json["runs"].push_back(entry);
   }

@@ -154,6 +154,41 @@ TEST_F(RunScoresOf, WarningsOfTheReportAreListed)
   EXPECT_EQ(warningLines({scores(writeRun("unfinished", ""))}), "");
 }
 
+TEST_F(RunScoresOf, LabelsAreStatedWithTheirKindAndTheLabelledShare)
+{
+  const std::string run = writeRun("run", R"({"frames": 40})");
+  const std::string truth = folder_.file("x.gt");
+  std::filesystem::create_directories(truth + "/labels");
+  std::filesystem::create_directories(folder_.file("run/labels"));
+  const auto linesWith = [&](const std::string& ini, const std::vector<Label>& reference)
+  {
+    folder_.write("run/effective.ini", ini);
+    writeLabels(truth + "/labels/000000.label", reference);
+    writeLabels(folder_.file("run/labels/000000.label"),
+                std::vector<Label>(reference.size(), label_static));
+    RunScores one = scores(run, truth);
+    one.name = "run";
+    return labelLines({one}) + (contains(runJson({one}), "\"hindsight\": true") ? "in JSON" : "");
+  };
+  std::vector<Label> reference(100, label_static);
+  EXPECT_EQ(linesWith("[labels]\nhindsight = true\n", reference),
+            "run: labels: with hindsight (offline, non-causal)\nin JSON");
+  EXPECT_EQ(linesWith("[labels]\nhindsight = false\n", reference), "run: labels: causal\n");
+  EXPECT_EQ(linesWith("[map]\nvoxel_size = 0.2\n", reference), "") << "not known";
+  EXPECT_EQ(notes_.size(), 1U) << "no true poses";
+  EXPECT_EQ(linesWith("[labels\n", reference), "");
+  ASSERT_EQ(notes_.size(), 2U);
+  EXPECT_TRUE(contains(notes_[1], "with hindsight is not known: ")) << notes_[1];
+
+  std::fill_n(reference.begin(), 5, 0);  // not labelled
+  EXPECT_EQ(linesWith("[labels]\nhindsight = false\n", reference), "run: labels: causal\n");
+  std::fill_n(reference.begin(), 84, 0);
+  EXPECT_EQ(linesWith("[labels]\nhindsight = false\n", reference),
+            "run: labels: causal\n"
+            "run: labels: 16 % of the points are labelled in the ground truth; IoU, precision and "
+            "recall are of these\n");
+}
+
 TEST_F(RunScoresOf, OtherFoldersAreRefused)
 {
   std::filesystem::create_directories(folder_.file("empty"));

@@ -65,6 +65,12 @@ std::optional<double> SegmentationScores::recall() const
   return ratio(true_positives, true_positives + false_negatives);
 }
 
+std::optional<double> SegmentationScores::labelledShare() const
+{
+  const std::size_t labelled = true_positives + false_positives + false_negatives + true_negatives;
+  return ratio(labelled, labelled + ignored);
+}
+
 std::optional<double> SegmentationScores::staticIou() const
 {
   return ratio(true_negatives, true_negatives + false_positives + false_negatives);

@@ -150,6 +150,20 @@ std::string toString(Alignment alignment)
   return "none";
 }
 
+std::string describe(Alignment alignment)
+{
+  switch (alignment)
+  {
+    case Alignment::none:
+      break;
+    case Alignment::first:
+      return "aligned to the reference at the first pose";
+    case Alignment::se3:
+      return "aligned to the reference by rotation and translation";
+  }
+  return "not aligned";
+}
+
 Alignment alignmentFromString(const std::string& word)
 {
   for (const auto candidate : {Alignment::none, Alignment::first, Alignment::se3})

@@ -27,6 +27,7 @@ TEST(Segmentation, MatchesTheBenchmarksDefinition)
   EXPECT_DOUBLE_EQ(*s.precision(), 0.5);
   EXPECT_DOUBLE_EQ(*s.recall(), 1.0 / 3);
   EXPECT_DOUBLE_EQ(*s.staticIou(), 0.4);
+  EXPECT_DOUBLE_EQ(*s.labelledShare(), 0.75) << "six of eight";
   EXPECT_EQ(evaluator.scans(), 2U);
   EXPECT_EQ(evaluator.perClass().at(252).called_moving, 1U);
   EXPECT_EQ(evaluator.perClass().at(254).called_moving, 0U);
@@ -41,6 +42,7 @@ TEST(Segmentation, EmptyAndMismatch)
   EXPECT_FALSE(evaluator.scores().iou());
   EXPECT_FALSE(evaluator.scores().precision());
   EXPECT_FALSE(evaluator.scores().recall());
+  EXPECT_FALSE(evaluator.scores().labelledShare());
   EXPECT_THROW(evaluator.add({1}, {}), std::invalid_argument);
   EXPECT_EQ(semanticKittiName(252), "moving-car");
   EXPECT_EQ(semanticKittiName(1234), "class 1234");

@@ -37,6 +37,11 @@ std::string PoseOrigin::text() const
   return "of unknown source" + from + ", not known to be exact";
 }
 
+std::string PoseOrigin::differenceTo() const
+{
+  return source == PoseSource::gnss_ins ? "GNSS/INS" : "";
+}
+
 std::string toString(PoseSource source)
 {
   return std::find_if(pose_sources.begin(), pose_sources.end(),

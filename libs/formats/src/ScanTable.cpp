@@ -10,6 +10,24 @@
 
 namespace dyslam
 {
+namespace
+{
+/** Fields of a result of the scan matcher, with commas. A motion without inliers was not measured:
+ * there is no scan before, or the method uses no points; then `converged` and the figures of the
+ * inliers are empty. */
+std::string matcherFields(const Frame& frame)
+{
+  const MotionEstimate& odometry = frame.odometry;
+  const int accepted = frame.odometry_accepted ? 1 : 0;
+  if (odometry.registered() && odometry.inliers == 0)
+  {
+    return formatted(",%d,,,", accepted);
+  }
+  return formatted("%d,%d,%zu,%.4f,", odometry.registered() ? 1 : 0, accepted, odometry.inliers,
+                   odometry.rmse);
+}
+}  // namespace
+
 std::string scanTableHeader()
 {
   return "frame,stamp,points,moving_points,odometry_converged,odometry_accepted,odometry_inliers,"
@@ -19,14 +37,11 @@ std::string scanTableHeader()
 
 std::string scanTableRow(const Frame& frame)
 {
-  const MotionEstimate& odometry = frame.odometry;
   const MotionEstimate& motion = frame.motion;
   std::string row =
-      formatted("%zu,%.9f,%zu,%td,%d,%d,%zu,%.4f,", frame.index, frame.scan.stamp,
-                frame.cloud.size(), std::count(frame.moving.begin(), frame.moving.end(), true),
-                odometry.registered() ? 1 : 0, frame.odometry_accepted ? 1 : 0, odometry.inliers,
-                odometry.rmse) +
-      csvField(frame.odometry_rejection);
+      formatted("%zu,%.9f,%zu,%td,", frame.index, frame.scan.stamp, frame.cloud.size(),
+                std::count(frame.moving.begin(), frame.moving.end(), true)) +
+      matcherFields(frame) + csvField(frame.odometry_rejection);
   row += formatted(",%d,%zu,%.4f,", motion.registered() ? 1 : 0, motion.inliers, motion.rmse) +
          csvField(motion.reason);
   const Pose& step = motion.T_previous_current;

@@ -33,6 +33,25 @@ TEST(ScanTable, IsReadAsItWasWritten)
   EXPECT_TRUE(scansOfTable(path).empty());
 }
 
+TEST(ScanTable, HasNoFiguresOfAMatcherThatMeasuredNothing)
+{
+  const TestFolder folder;
+  Frame frame;
+  frame.odometry_accepted = true;
+  frame.odometry.status = MotionStatus::converged;
+  const std::string without = scanTableRow(frame);
+  EXPECT_EQ(without, "0,0.000000000,0,0,,1,,,,0,0,0.0000,,0.0000,0.0000,0\n");
+  const std::string path = folder.write("scans.csv", scanTableHeader() + without);
+  EXPECT_EQ(scansOfTable(path), std::vector<std::size_t>{0});
+  EXPECT_EQ(unregisteredScans(path), std::set<std::size_t>{0});
+  frame.odometry.inliers = 120;
+  frame.odometry.rmse = 0.25;
+  EXPECT_EQ(scanTableRow(frame), "0,0.000000000,0,0,1,1,120,0.2500,,0,0,0.0000,,0.0000,0.0000,0\n");
+  frame.odometry = MotionEstimate();
+  EXPECT_EQ(scanTableRow(frame), "0,0.000000000,0,0,0,1,0,0.0000,,0,0,0.0000,,0.0000,0.0000,0\n")
+      << "it found no motion";
+}
+
 TEST(ScanTable, HasTheScansThatWereNotRegistered)
 {
   const TestFolder folder;

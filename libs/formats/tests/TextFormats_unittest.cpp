@@ -512,6 +512,8 @@ TEST(GroundTruth, StatesWhereThePosesAreFrom)
     EXPECT_EQ(source, poseSourceFromString(toString(source)));
   }
   EXPECT_EQ("GNSS/INS (oxts), not exact", (PoseOrigin{PoseSource::gnss_ins, "oxts"}.text()));
+  EXPECT_EQ("GNSS/INS", (PoseOrigin{PoseSource::gnss_ins, "oxts"}.differenceTo()));
+  EXPECT_EQ("", (PoseOrigin{PoseSource::given, "poses.txt"}.differenceTo()));
   // A name cannot add lines of its own.
   EXPECT_EQ(PoseSource::given, write({PoseSource::given, "a\nsource = simulated"}, true).source);
   // That of an earlier recording does not stay, and without poses there is nothing to state.

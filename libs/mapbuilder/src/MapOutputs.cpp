@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/mapbuilder/MapOutputs.h>
+#include <dyslam/mapexport/MapFormat.h>
 
 #include <algorithm>
 #include <cstddef>
@@ -35,7 +36,7 @@ bool MapOutputs::needWholeMap() const
 {
   const bool clouds_only =
       std::all_of(maps.begin(), maps.end(),
-                  [](const auto& path) { return mapFormatOf(path) == MapFormat::cloud; });
+                  [](const auto& path) { return mapFormatOf(path).kind == MapKind::cloud; });
   const bool all_in_tiles = exports.tile_size > 0 && clouds_only;
   return !picture.empty() || !comparison.empty() || (!maps.empty() && !all_in_tiles);
 }
@@ -46,9 +47,8 @@ bool MapOutputs::needScans() const
                      [this](const auto& path)
                      {
                        const MapFormat format = mapFormatOf(path);
-                       const bool is_cloud = format == MapFormat::cloud;
-                       return (is_cloud && exports.tile_size > 0) ||
-                              ((is_cloud || format == MapFormat::scene) && exports.full_resolution);
+                       return (format.kind == MapKind::cloud && exports.tile_size > 0) ||
+                              (format.has_every_point && exports.full_resolution);
                      });
 }
 }  // namespace dyslam

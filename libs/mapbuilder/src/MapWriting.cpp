@@ -8,10 +8,13 @@
 #include <dyslam/formats/LabelFiles.h>
 #include <dyslam/formats/ScanFiles.h>
 #include <dyslam/mapexport/MapClouds.h>
+#include <dyslam/mapexport/MapFormat.h>
 
+#include <algorithm>
 #include <cmath>
 #include <exception>
 #include <filesystem>
+#include <iterator>
 #include <limits>
 #include <string>
 #include <vector>
@@ -34,14 +37,8 @@ double fractionOf(std::size_t done, std::size_t all)
 std::vector<std::string> relativeOutputs(const MapOutputs& outputs)
 {
   std::vector<std::string> relative;
-  for (const std::string& path : outputs.maps)
-  {
-    const std::string ending = fs::path(path).extension().string();
-    if (ending != ".las" && ending != ".ply" && ending != ".simplemap" && ending != ".png")
-    {
-      relative.push_back(path);
-    }
-  }
+  std::copy_if(outputs.maps.begin(), outputs.maps.end(), std::back_inserter(relative),
+               [](const std::string& path) { return !mapFormatOf(path).holds_origin; });
   if (!outputs.labelled_map.empty())
   {
     relative.push_back(outputs.labelled_map);
@@ -86,7 +83,7 @@ std::vector<std::string> cloudsOf(const MapOutputs& outputs)
   std::vector<std::string> paths;
   for (const auto& path : outputs.maps)
   {
-    if (mapFormatOf(path) == MapFormat::cloud)
+    if (mapFormatOf(path).kind == MapKind::cloud)
     {
       paths.push_back(path);
     }
@@ -160,21 +157,21 @@ void writeOther(MapBuilder& builder,
   const MapProgress update = [&](std::size_t done)
   { listener.update(fractionOf(done, keyframes), done); };
   std::string warning;
-  switch (mapFormatOf(path))
+  switch (mapFormatOf(path).kind)
   {
-    case MapFormat::cloud:
+    case MapKind::cloud:
       break;
-    case MapFormat::octree:
+    case MapKind::octree:
       writeOctomap(builder.map(), path, exports, builder.origin(), update);
       break;
-    case MapFormat::simplemap:
+    case MapKind::simplemap:
       writeSimplemap(builder.map(), path, builder.origin(), areaOf(exports, builder.origin()),
                      update);
       break;
-    case MapFormat::scene:
+    case MapKind::scene:
       writeScene(sceneOf(builder, exports), path);
       break;
-    case MapFormat::grid:
+    case MapKind::grid:
       warning = coarserCells(
           path, writeOccupancyGrid(builder.map(), path, exports, builder.origin(), update),
           exports);
@@ -208,7 +205,7 @@ std::vector<FileWriter> writersOf(const MapOutputs& outputs,
   }
   for (const std::string& path : outputs.maps)
   {
-    if (mapFormatOf(path) != MapFormat::cloud)
+    if (mapFormatOf(path).kind != MapKind::cloud)
     {
       writers.push_back({path, [&] { writeOther(builder, path, outputs.exports, listener); }});
     }

@@ -3,11 +3,11 @@
 #include <dyslam/base/PendingFile.h>
 #include <dyslam/mapexport/MapCloudFile.h>
 #include <dyslam/mapexport/MapExport.h>
+#include <dyslam/mapexport/MapFormat.h>
 
 #include <cerrno>
 #include <cmath>
 #include <cstring>
-#include <filesystem>
 #include <fstream>
 #include <stdexcept>
 
@@ -19,27 +19,14 @@ namespace
 {
 std::unique_ptr<CloudFormat> formatOf(const std::string& path, const CloudDescription& layout)
 {
-  const std::string ending = std::filesystem::path(path).extension().string();
-  if (ending == ".pcd")
+  const MapFormat format = mapFormatOf(path);
+  if (format.make_cloud == nullptr)
   {
-    return makePcdFormat(layout);
+    throw UserError(path + ": is no cloud: " + format.ending + " is for " + format.help);
   }
-  if (ending == ".ply")
-  {
-    return makePlyFormat(layout);
-  }
-  if (ending == ".las")
-  {
-    return makeLasFormat(layout);
-  }
-  throw UserError(path + ": a map's points are written as .pcd, .ply or .las");
+  return format.make_cloud(layout);
 }
 }  // namespace
-
-bool holdsOrigin(const std::string& path)
-{
-  return std::filesystem::path(path).extension() != ".pcd";
-}
 
 struct MapCloudFile::Impl
 {

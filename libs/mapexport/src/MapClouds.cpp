@@ -5,6 +5,7 @@
 #include <dyslam/base/Words.h>
 #include <dyslam/mapexport/MapCloudFile.h>
 #include <dyslam/mapexport/MapClouds.h>
+#include <dyslam/mapexport/MapFormat.h>
 #include <dyslam/mapping/FullResolution.h>
 
 #include <algorithm>
@@ -345,7 +346,7 @@ std::size_t MapClouds::writeTiles(ScanStore& scans,
   std::vector<TileIndex> indices;
   for (const std::string& path : paths)
   {
-    const Eigen::Vector3d origin = holdsOrigin(path) ? description_.origin : zero;
+    const Eigen::Vector3d origin = mapFormatOf(path).holds_origin ? description_.origin : zero;
     indices.emplace_back(path, origin, exports_.tile_size);
   }
   std::size_t count = 0;

@@ -1,15 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/base/Error.h>
 #include <dyslam/base/Printable.h>
-#include <dyslam/base/Words.h>
 #include <dyslam/mapexport/MapExport.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <filesystem>
 #include <sstream>
-#include <utility>
 #include <vector>
 
 namespace dyslam
@@ -111,38 +107,5 @@ void MapExportOptions::describe(OptionsVisitor& v)
          "part of the map that is written: x_min y_min x_max y_max, in the coordinates of the "
          "trajectory; empty: all of it [m]");
   (void)areaOf(*this);
-}
-
-MapFormat mapFormatOf(const std::string& path)
-{
-  constexpr std::array<std::pair<const char*, MapFormat>, 9> formats{
-      {{".pcd", MapFormat::cloud},
-       {".ply", MapFormat::cloud},
-       {".las", MapFormat::cloud},
-       {".bt", MapFormat::octree},
-       {".ot", MapFormat::octree},
-       {".simplemap", MapFormat::simplemap},
-       {".3Dscene", MapFormat::scene},
-       {".png", MapFormat::grid},
-       {".gridmap", MapFormat::grid}}};
-  const std::string ending = std::filesystem::path(path).extension().string();
-  std::vector<std::string> known;
-  for (const auto& [name, format] : formats)
-  {
-    if (ending == name)
-    {
-      return format;
-    }
-    known.emplace_back(name);
-  }
-  if (ending == ".laz")
-  {
-    throw UserError(path + ": compressed LAS is not written; give .las and compress it after");
-  }
-  if (ending == ".pgm" || ending == ".yaml")
-  {
-    throw UserError(path + ": give the occupancy grid as .png; its .yaml is written beside it");
-  }
-  throw UserError(path + ": " + unknownWord("ending", ending, known));
 }
 }  // namespace dyslam

@@ -150,7 +150,11 @@ void drawTopView(cv::Mat& page,
   panel.drawMark(curves.front().points.back(), ink, true);
 }
 
-void drawErrors(cv::Mat& page, cv::Rect area, std::vector<Curve> curves, const char* title)
+void drawErrors(cv::Mat& page,
+                cv::Rect area,
+                std::vector<Curve> curves,
+                const std::string& title,
+                const char* y_label)
 {
   Range x;
   Range y;
@@ -167,7 +171,7 @@ void drawErrors(cv::Mat& page, cv::Rect area, std::vector<Curve> curves, const c
   x = std::isfinite(x.size()) && x.size() > 0 ? x : Range{0, 1};
   y = y.size() > 0 ? Range{0, 1.08 * y.high} : Range{0, 1};
   Panel panel(page, area, x, y);
-  panel.drawAxes(title, "distance travelled [m]", "error [m]");
+  panel.drawAxes(title, "distance travelled [m]", y_label);
   for (const auto& curve : curves)
   {
     if (!curve.points.empty())
@@ -188,7 +192,8 @@ std::vector<std::uint8_t> renderTrajectoryPlot(const std::vector<TrajectoryPlotI
   std::vector<Curve> position_errors;
   std::vector<Curve> step_errors;
   std::vector<Curve> legend(1);
-  legend.front().name = "reference (dot: start, square: end)";
+  const std::string& other = options.difference_to;
+  legend.front().name = (other.empty() ? "reference" : other) + " (dot: start, square: end)";
   legend.front().colour = reference_grey;
   legend.front().thickness = 7 * supersampling;
   for (std::size_t i = 0; i < items.size(); ++i)
@@ -214,15 +219,22 @@ std::vector<std::uint8_t> renderTrajectoryPlot(const std::vector<TrajectoryPlotI
   const cv::Rect left(100 * supersampling, 70 * supersampling, 690 * supersampling,
                       660 * supersampling);
   drawTopView(page, left, alignedCurves(items, options.alignment, axes),
-              "From above, aligned: " + toString(options.alignment), axes);
+              "From above, " + describe(options.alignment), axes);
   const cv::Rect upper(900 * supersampling, 70 * supersampling, 660 * supersampling,
                        270 * supersampling);
-  drawErrors(page, upper, position_errors, "Position error after alignment");
+  const char* const y_label = other.empty() ? "error [m]" : "difference [m]";
+  drawErrors(page, upper, position_errors,
+             other.empty() ? "Position error after alignment"
+                           : "Difference of the position to " + other + ", after alignment",
+             y_label);
   const cv::Rect lower(upper.x, 460 * supersampling, upper.width, 270 * supersampling);
   if (std::any_of(items.begin(), items.end(),
                   [](const TrajectoryPlotItem& item) { return !item.pairs.positions_only; }))
   {
-    drawErrors(page, lower, step_errors, "Translation error of each step");
+    drawErrors(page, lower, step_errors,
+               other.empty() ? "Translation error of each step"
+                             : "Difference of the translation of each step to " + other,
+               y_label);
   }
   drawLegend(page, {100 * supersampling, page_height}, legend);
 

@@ -77,6 +77,22 @@ TEST(TrajectoryPlot, PositionsAloneHaveNoErrorsOfSteps)
   EXPECT_NE(without, whole);
 }
 
+TEST(TrajectoryPlot, DifferencesToAnInexactReferenceAreNotTitledErrors)
+{
+  const std::vector<TrajectoryPlotItem> items{{"a", circle(0.05)}};
+  const cv::Mat errors = cv::imdecode(renderTrajectoryPlot(items), cv::IMREAD_COLOR);
+  const cv::Mat differences =
+      cv::imdecode(renderTrajectoryPlot(items, {"", Alignment::se3, "GNSS/INS"}), cv::IMREAD_COLOR);
+  ASSERT_EQ(errors.size(), differences.size());
+  const auto differ = [&](const cv::Rect& area)
+  { return cv::norm(errors(area), differences(area), cv::NORM_INF) > 0; };
+  EXPECT_TRUE(differ({900, 40, 660, 28})) << "title of the positions";
+  EXPECT_TRUE(differ({900, 430, 660, 28})) << "title of the steps";
+  EXPECT_TRUE(differ({100, 800, 690, errors.rows - 800})) << "legend";
+  EXPECT_FALSE(differ({100, 70, 690, 660})) << "the paths";
+  EXPECT_FALSE(differ({901, 71, 658, 268})) << "the curve";
+}
+
 TEST(TrajectoryPlot, TheReferenceIsThatOfTheLongestEstimate)
 {
   const PosePairs whole = circle(0.05);

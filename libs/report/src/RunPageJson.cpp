@@ -58,6 +58,7 @@ Json totalsJson(const RunPage& page)
           {"keyframes", count(&PageScan::keyframe)},
           {"loops", page.loops.size()},
           {"loops_left_out", page.loops_left_out},
+          {"reported_tracks", page.reported_tracks},
           {"correction", rounded(largestCorrection(page), millimetre)},
           {"seconds", rounded(seconds, millimetre)}};
 }
@@ -253,6 +254,7 @@ nlohmann::ordered_json runPageJson(const RunPage& page,
   json["input"] = page.input;
   json["sensor"] = page.sensor;
   json["reference_origin"] = page.reference_origin;
+  json["difference_to"] = page.difference_to;
   json["method"] = page.method;
   json["settings"] = page.settings;
   json["verdict"] = page.verdict;

@@ -63,6 +63,7 @@ TEST(RunPage, LongRunsAreThinnedButCountedInFull)
     page.loops.push_back({});
   }
   page.loops_left_out = 20;
+  page.reported_tracks = 5;
   page.objects.push_back({3, ObjectClass::car, {}});
   page.objects.push_back({4, ObjectClass::car, {}});
   for (std::size_t i = 100; i < 200; ++i)
@@ -78,6 +79,7 @@ TEST(RunPage, LongRunsAreThinnedButCountedInFull)
   EXPECT_EQ(json["totals"]["keyframes"], count / 2 + 1);
   EXPECT_EQ(json["totals"]["loops"], count);
   EXPECT_EQ(json["totals"]["loops_left_out"], 20);
+  EXPECT_EQ(json["totals"]["reported_tracks"], 5);
   EXPECT_NEAR(json["totals"]["seconds"].get<double>(), 100, 1e-9);
   EXPECT_NEAR(json["length"].get<double>(), count - 1, 1e-9);
   ASSERT_EQ(json["scans"]["index"].size(), 91U);  // every 11th
@@ -160,6 +162,7 @@ TEST(RunPage, WithTruthHasErrorsOfBothTrajectories)
   page.reference_origin = "simulated, exact";
   const auto json = dataOf(renderRunPage(page, page_template));
   EXPECT_EQ(json["reference_origin"], "simulated, exact");
+  EXPECT_EQ(json["difference_to"], "");
   ASSERT_EQ(json["errors"].size(), 2U);
   EXPECT_EQ(json["errors"][0]["name"], "final");
   EXPECT_NEAR(json["errors"][0]["ate"]["translation_m"]["rmse"].get<double>(), 0, 1e-9);

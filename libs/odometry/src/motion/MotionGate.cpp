@@ -44,7 +44,7 @@ std::string MotionGate::rejectionReason(const Frame& frame, const FrameContext& 
   }
   if (context.starts_map && context.acceptedSegmenterMotion())
   {
-    return "the segmenter's motion is the initial guess of the first registration";
+    return "not needed: the first registration starts from the segmenter's motion";
   }
   const bool informed = frame.dt > 0 && context.matcher_uses_prior;
   const double distance = frame.prior.mahalanobisDistance(

@@ -131,7 +131,7 @@ export class Content {
     this.addLayer('path', 'path (final)', colours.final, path, true);
     this.addLayer('odometry', 'odometry', colours.odometry, line(data.odometry, colours.odometry, 0.1), false);
     if (data.reference) {
-      this.addLayer('truth', 'ground truth', colours.truth, line(data.reference, colours.truth, 0.15), false);
+      this.addLayer('truth', data.difference_to || 'ground truth', colours.truth, line(data.reference, colours.truth, 0.15), false);
     }
     if (data.loops.length > 0) {
       this.addLayer('loops', 'loops', colours.loop, loopsOf(data.loops), true);

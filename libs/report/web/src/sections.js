@@ -13,6 +13,13 @@ function kindsInWords(objects) {
   return [...numbers].map(([kind, n]) => count(n, kind.one, kind.many)).join(', ');
 }
 
+/** The tracks of tracks.csv that are none of the moving objects, in brackets; empty without such. */
+function otherTracks({totals, objects, files}) {
+  const others = totals.reported_tracks - objects.length;
+  return others > 0 && files.includes('tracks.csv') ?
+      ` (${count(totals.reported_tracks, 'track')} in tracks.csv: ${others} of them never moved)` : '';
+}
+
 /** What loops were found, and what they and satellite positions did. */
 function loopsInWords({totals, georeference, prior_map: prior}) {
   const {loops, loops_left_out: rejected, correction} = totals;
@@ -61,6 +68,13 @@ function origin(data) {
   return data.reference_origin ? ` (${data.reference_origin})` : '';
 }
 
+/** What a difference to poses that are not exact can be; nothing for other ground truth. */
+function limits({difference_to: other}) {
+  return other ? [h('p', {id: 'limits'}, `The errors of ${other} are part of all figures. Gross errors of the run show; ` +
+      'differences of some decimetres, or of a few per cent of the path, may be of either. ',
+      h('code', {}, 'dyslam-eval map --self'), ' compares the maps along both.')] : [];
+}
+
 /** Of all stages; checkpoints are none, as for console and report.json. */
 function millisecondsPerScan(data) {
   return Object.entries(data.stage_ms).filter(([name]) => !name.startsWith('checkpoint'))
@@ -84,13 +98,14 @@ function sentences(data) {
       `${lost} of ${count(n, 'scan')} could not be registered (crosses in the plots): their motion was predicted ` +
       'from the motion before. The first scan of a recording that starts in motion is often among them.');
   result.push(...priorMapInWords(data), loopsInWords(data), ...earthInWords(data));
-  result.push(data.objects.length === 0 ? 'No moving object was tracked.' :
-      `${count(data.objects.length, 'moving object')} tracked: ${kindsInWords(data.objects)}.`);
+  result.push(data.objects.length === 0 ? `No moving object was tracked${otherTracks(data)}.` :
+      `${count(data.objects.length, 'moving object')} tracked${otherTracks(data)}: ${kindsInWords(data.objects)}.`);
   const final = data.errors.find((e) => e.name === 'final');
   if (final) {
-    result.push(`Against the ground truth of the recording${origin(data)} the final ` +
-        'trajectory is off by ' +
-        `${fixed(final.ate.translation_m.rmse, 3)} m (RMSE, after alignment).`);
+    const rmse = `${fixed(final.ate.translation_m.rmse, 3)} m (RMSE, after alignment)`;
+    result.push(data.difference_to ? `The final trajectory differs by ${rmse} from ${data.difference_to}, ` +
+        'which is not exact.' :
+        `Against the ground truth of the recording${origin(data)} the final trajectory is off by ${rmse}.`);
   } else {
     result.push(data.reference ?
         'The ground truth of the recording has fewer than two poses at scans, so the errors are not known.' :
@@ -164,7 +179,8 @@ const figures = [
 ];
 
 export function errors(data) {
-  const section = h('section', {id: 'errors'}, h('h2', {}, 'Errors'));
+  const section = h('section', {id: 'errors'},
+      h('h2', {}, data.difference_to ? `Differences to ${data.difference_to}` : 'Errors'));
   if (data.errors.length === 0) {
     section.append(h('p', {}, 'The recording has no ground truth that could be compared. ',
         h('code', {}, 'dyslam-eval map --self'), ' rates a trajectory by how sharp the map is that it ' +
@@ -173,9 +189,10 @@ export function errors(data) {
   }
   const rows = figures.filter(([, , , value]) => data.errors.some((e) => Number.isFinite(value(e))));
   section.append(
-      h('p', {}, `Against the ground truth of the recording${origin(data)}. "Odometry" is the ` +
-          'trajectory before the factor graph, "final" the one after it, which the map is built with. Smaller is better, ' +
-          'except for the ratio, where 1 is best.'),
+      h('p', {}, `Against the ${data.difference_to ? 'poses' : 'ground truth'} of the recording${origin(data)}. "Odometry" is the ` +
+          'trajectory before the factor graph, "final" the one after it, which the map is built with. ' +
+          (data.difference_to ? '' : 'Smaller is better, except for the ratio, where 1 is best.')),
+      ...limits(data),
       h('div', {class: 'scroll'}, h('table', {id: 'error-table'},
           h('thead', {}, h('tr', {}, h('th', {}, 'figure'),
               data.errors.map((e) => h('th', {class: 'number'}, e.name)), h('th', {}, 'unit'),
@@ -190,7 +207,7 @@ function lines(data, build) {
   const all = [{name: 'final', poses: data.final, colour: colours.final}];
   all.push({name: 'odometry', poses: data.odometry, colour: colours.odometry, dash: '7 4'});
   if (data.reference) {
-    all.push({name: 'ground truth', poses: data.reference, colour: colours.truth, dash: '2 3'});
+    all.push({name: data.difference_to || 'ground truth', poses: data.reference, colour: colours.truth, dash: '2 3'});
   }
   return all.map((line) => ({...line, ...build(line.poses)}));
 }
@@ -233,18 +250,19 @@ export function drift(data) {
     return section;
   }
   section.append(h('p', {}, truth ?
-    'Errors against the ground truth, the first poses made to coincide: what odometry accumulates grows ' +
+    `${data.difference_to ? `Differences to ${data.difference_to}` : 'Errors against the ground truth'}, the first ` +
+    'poses made to coincide: what odometry accumulates grows ' +
     'with the distance.' :
     'There is no ground truth. Shown is by how much the odometry differs from the final trajectory: what ' +
     'loops and graph have corrected. Zero everywhere means that nothing was corrected, not that ' +
     'nothing has drifted.'));
-  const what = truth ? 'error' : 'difference';
+  const what = truth && !data.difference_to ? 'error' : 'difference';
   const series = (key) => names.map((name) => ({name, x: data.drift[name].distance,
     y: data.drift[name][key], colour: colours[name], dash: name === 'odometry' ? '7 4' : undefined}));
   section.append(h('div', {class: 'columns three'},
       plot({title: 'Position,', words: 'horizontal distance.', x: 'distance [m]', y: `position ${what} [m]`,
         floor: 0, series: series('position')}),
-      plot({title: 'Height,', words: truth ? 'estimate minus truth.' : 'odometry minus final.',
+      plot({title: 'Height,', words: truth ? `estimate minus ${data.difference_to || 'truth'}.` : 'odometry minus final.',
         x: 'distance [m]', y: `height ${what} [m]`, series: series('height')}),
       plot({title: 'Heading,', words: 'positive is to the left.', x: 'distance [m]', y: `heading ${what} [°]`,
         series: series('heading')})));

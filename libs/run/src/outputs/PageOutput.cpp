@@ -40,7 +40,7 @@ class PageOutput : public RunOutput
         folder_(context.settings.output_folder),
         input_(context.settings.rawlog),
         sensor_(context.settings.sensor),
-        truth_(poseOrigin(groundTruthFolder(context.settings.rawlog)).text())
+        truth_(poseOrigin(groundTruthFolder(context.settings.rawlog)))
   {
   }
 
@@ -86,7 +86,8 @@ class PageOutput : public RunOutput
     page.title = nameOfFile(folder_);
     page.input = input_;
     page.sensor = sensor_;
-    page.reference_origin = truth_;
+    page.reference_origin = truth_.text();
+    page.difference_to = truth_.differenceTo();
     page.settings = settings_;
     page.method = results.report.method;
     page.verdict = results.report.verdict;
@@ -111,6 +112,7 @@ class PageOutput : public RunOutput
     page.gravity = results.report.gravity;
     page.prior_map = results.report.prior_map;
     page.objects = objectsOf(results);
+    page.reported_tracks = results.report.reported_tracks;
     if (results.map != nullptr)
     {
       page.map_points = &results.map_points.points;
@@ -202,7 +204,7 @@ class PageOutput : public RunOutput
   std::string folder_;
   std::string input_;
   std::string sensor_;
-  std::string truth_;  //!< source of the ground truth
+  PoseOrigin truth_;
   std::string settings_;
 };
 }  // namespace

@@ -2,6 +2,7 @@
 #include <dyslam/base/Bytes.h>
 #include <dyslam/base/Files.h>
 #include <dyslam/base/PendingFile.h>
+#include <dyslam/formats/GroundTruth.h>
 #include <dyslam/plot/TrajectoryPlot.h>
 
 #include "RunOutput.h"
@@ -17,7 +18,9 @@ class PlotOutput : public RunOutput
 {
  public:
   explicit PlotOutput(const RunOutputContext& context)
-      : RunOutput(context, {picture}), title_(nameOfFile(context.settings.output_folder))
+      : RunOutput(context, {picture}),
+        title_(nameOfFile(context.settings.output_folder)),
+        difference_to_(poseOrigin(groundTruthFolder(context.settings.rawlog)).differenceTo())
   {
   }
   void finish(const RunResults& results) override
@@ -29,11 +32,13 @@ class PlotOutput : public RunOutput
     {
       return;
     }
-    writeWhole(path(picture), bytesOf(renderTrajectoryPlot({item}, {title_, Alignment::se3})));
+    writeWhole(path(picture),
+               bytesOf(renderTrajectoryPlot({item}, {title_, Alignment::se3, difference_to_})));
   }
 
  private:
   std::string title_;
+  std::string difference_to_;  //!< TrajectoryPlotOptions::difference_to
 };
 }  // namespace
 

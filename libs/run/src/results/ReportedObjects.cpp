@@ -36,18 +36,20 @@ TrackedObject smoothedTrack(const TrackedObject& tracked,
 }
 }  // namespace
 
-std::size_t movingTracks(const RunResults& results)
+TrackCounts countTracks(const RunResults& results)
 {
+  std::set<int> reported;
   std::set<int> moving;
   forEachReported(results,
-                  [&](const ReportedObject& reported)
+                  [&](const ReportedObject& state)
                   {
-                    if (reported.object.dynamic)
+                    reported.insert(state.object.id);
+                    if (state.object.dynamic)
                     {
-                      moving.insert(reported.object.id);
+                      moving.insert(state.object.id);
                     }
                   });
-  return moving.size();
+  return {reported.size(), moving.size()};
 }
 
 void forEachReported(const RunResults& results,

@@ -27,6 +27,11 @@ struct ReportedObject
 void forEachReported(const RunResults& results,
                      const std::function<void(const ReportedObject&)>& use);
 
-/** Number of tracks that move at some time. */
-[[nodiscard]] std::size_t movingTracks(const RunResults& results);
+struct TrackCounts
+{
+  std::size_t reported = 0;  //!< number of tracks at which forEachReported() arrives
+  std::size_t moving = 0;    //!< number of those that move at some time
+};
+
+[[nodiscard]] TrackCounts countTracks(const RunResults& results);
 }  // namespace dyslam

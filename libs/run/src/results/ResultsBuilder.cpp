@@ -160,7 +160,9 @@ void ResultsBuilder::fillReport(const RunData& run, RunResults& results) const
   report.georeference = run.pipeline.backend().georeference();
   report.gravity = run.pipeline.backend().gravity();
   report.prior_map = run.pipeline.backend().priorMapFit();
-  report.tracks = movingTracks(results);
+  const TrackCounts tracks = countTracks(results);
+  report.tracks = tracks.moving;
+  report.reported_tracks = tracks.reported;
   report.map_points = results.map == nullptr ? 0 : results.map->pointCount();
   const auto lengths = results.trajectory.pathLengths();
   report.path_length = lengths.empty() ? 0 : lengths.back();

@@ -25,6 +25,9 @@ struct RunScores
   std::optional<OdometryConsistency> consistency;  //!< nothing unless the ground truth is exact
   PoseOrigin truth;                                //!< origin of the true poses
   std::optional<LabelComparison> labels;
+  /** Whether the labels were decided with earlier and later scans; nothing if effective.ini is
+   * missing, or does not state it. */
+  std::optional<bool> labels_with_hindsight;
   std::optional<SimulatedWorld> world;  //!< nothing if the recording is not known to be simulated
 };
 

@@ -18,9 +18,12 @@ namespace dyslam
 /** The split of each run's recording, where that is known; one line each. \throws UserError if
  * splits.ini cannot be read. */
 [[nodiscard]] std::string splitLines(const std::vector<RunScores>& runs);
-/** Where the ground truth of each run is from, and what this means for its figures; one line each.
- */
+/** Where the ground truth of each run is from, and what this means for its figures; one line each,
+ * two for GNSS/INS. */
 [[nodiscard]] std::string truthLines(const std::vector<RunScores>& runs);
+/** Of each run with labels: whether they were decided with hindsight, and, if less than 95 % of the
+ * points are labelled in the ground truth, how many are. */
+[[nodiscard]] std::string labelLines(const std::vector<RunScores>& runs);
 /** What the reports of the runs warn of: why a run is unusable, and its warnings; one line each. */
 [[nodiscard]] std::string warningLines(const std::vector<RunScores>& runs);
 /** All results as JSON, one object per run. \throws UserError as splitLines(). */

@@ -50,10 +50,13 @@ struct SplitRuns
 // Means are over the drives for which all shown columns have a figure, and state their number;
 // columns without any run are left out. The best figure of a row is bold.
 
-/** t_rel and r_rel of the odometry, in the form of the paper's Table 1; its mean values are the
- * last row. */
+/** t_rel and r_rel of the odometry, in the form of the paper's Table 1. */
 [[nodiscard]] Table driftTable(const std::vector<DriveScores>& drives,
                                const std::vector<RunColumn>& columns);
+/** Means of the paper's Table 1, a row for each shown column of a method that it has: of other data
+ * than those of driftTable(). */
+[[nodiscard]] Table paperDriftTable(const std::vector<DriveScores>& drives,
+                                    const std::vector<RunColumn>& columns);
 /** IoU, precision and recall of the moving points, for drives with moving points. The last row is
  * of all points together, of the drives for which all shown columns have labels. */
 [[nodiscard]] Table movingTable(const std::vector<DriveScores>& drives,

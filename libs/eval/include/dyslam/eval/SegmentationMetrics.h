@@ -27,6 +27,8 @@ struct SegmentationScores
   /** Fraction of the static points that were estimated as static, which a map keeps (SA of the KTH
    * dynamic-map benchmark, per point). The fraction of moving points removed (DA) is recall(). */
   [[nodiscard]] std::optional<double> staticKept() const;
+  /** Fraction of the points that the reference labels as moving or static. */
+  [[nodiscard]] std::optional<double> labelledShare() const;
 };
 
 /** Number of points of one reference class, and of those estimated as moving. */

@@ -19,6 +19,8 @@ enum class Alignment
 };
 
 [[nodiscard]] std::string toString(Alignment alignment);
+/** An alignment in words, for titles: "aligned to the reference by rotation and translation". */
+[[nodiscard]] std::string describe(Alignment alignment);
 /** Parses an alignment. \throws UserError for a word other than none, first or se3. */
 [[nodiscard]] Alignment alignmentFromString(const std::string& word);
 

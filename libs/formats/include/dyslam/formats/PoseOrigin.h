@@ -25,6 +25,9 @@ struct PoseOrigin
   [[nodiscard]] bool isExact() const { return source == PoseSource::simulated; }
   /** Text such as "GNSS/INS (oxts), not exact". */
   [[nodiscard]] std::string text() const;
+  /** What an estimate is compared with where the errors of these poses can be as large as its own:
+   * "GNSS/INS". Empty: differences to these poses count as errors. */
+  [[nodiscard]] std::string differenceTo() const;
 };
 /** Name of a source in files and flags: "gnss_ins". */
 [[nodiscard]] std::string toString(PoseSource source);

@@ -24,9 +24,6 @@ struct CloudDescription
   int epsg = 0;
 };
 
-/** Whether coordinates in a cloud of this name hold the origin of the map frame: all but `.pcd`. */
-[[nodiscard]] bool holdsOrigin(const std::string& path);
-
 /** A cloud that is written part by part: `.pcd`, `.ply` (both binary; x y z intensity and normals)
  * or `.las` (1.2, format 0, millimetres; normals as extra bytes).
  *

@@ -88,17 +88,4 @@ double writeOccupancyGrid(const StaticMap& map,
 
 /** Whether the file exists and is the image of an occupancy grid: `x.png` that `x.yaml` names. */
 [[nodiscard]] bool isGridImage(const std::string& path);
-
-/** Format of an output file, by the ending of its name. */
-enum class MapFormat
-{
-  cloud,
-  octree,
-  simplemap,
-  scene,  //!< `.3Dscene`: see SceneExport of dyslam::io
-  grid
-};
-/** \throws UserError for another ending than pcd, ply, las, bt, ot, simplemap, 3Dscene, png,
- * gridmap. */
-[[nodiscard]] MapFormat mapFormatOf(const std::string& path);
 }  // namespace dyslam

@@ -21,6 +21,9 @@ struct TrajectoryPlotOptions
 {
   std::string title;
   Alignment alignment = Alignment::se3;
+  /** What the reference is if its own errors can be as large as those of the estimates, as
+   * "GNSS/INS": the plots are then titled as differences to it, not as errors; else empty. */
+  std::string difference_to;
 };
 
 /** PNG of the aligned trajectories from above and of their errors over the distance travelled:

@@ -82,12 +82,16 @@ struct RunPage
   Trajectory odometry;              //!< vehicle pose of every scan by odometry, odometry frame
   Trajectory reference;             //!< ground truth in the map frame; empty without
   std::string reference_origin;     //!< source of the ground truth, and whether it is exact
-  std::vector<PageLoop> loops;      //!< loops in use
-  std::size_t loops_left_out = 0;   //!< number of loops that contradict the others
+  /** What `reference` is if its own errors can be as large as those of the run, as "GNSS/INS": the
+   * page then speaks of differences to it, not of errors; else empty. */
+  std::string difference_to;
+  std::vector<PageLoop> loops;     //!< loops in use
+  std::size_t loops_left_out = 0;  //!< number of loops that contradict the others
   std::optional<Georeference> georeference;
   std::optional<Gravity> gravity;
   std::optional<PriorMapFit> prior_map;  //!< nothing without a prior map
   std::vector<PageObject> objects;       //!< objects that moved
+  std::size_t reported_tracks = 0;       //!< number of ids in tracks.csv; also of those at rest
 
   const std::vector<Eigen::Vector3f>* map_points = nullptr;  //!< map frame [m]; null: no map
   const std::vector<float>* map_intensity = nullptr;         //!< in [0, 1], one per point, or null

@@ -27,6 +27,8 @@ struct SlamRunReport
   std::optional<Gravity> gravity;
   std::optional<PriorMapFit> prior_map;  //!< nothing without a prior map
   std::size_t tracks = 0;                //!< number of confirmed moving objects
+  /** Number of all reported objects, also of those that are never moving: the ids of tracks.csv. */
+  std::size_t reported_tracks = 0;
   std::size_t map_points = 0;
   double path_length = 0;  //!< length of the trajectory [m]
   double ms_per_scan = 0;  //!< mean time of all stages, without reading and writing files
