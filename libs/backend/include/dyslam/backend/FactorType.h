@@ -28,7 +28,9 @@ struct FactorData
 {
   std::vector<Key> keys;
   Pose measurement = Pose::Identity();
-  std::array<double, 7> further{};  //!< numbers of the type that are not in `measurement`
+  /** Numbers that are not in `measurement`, at positions that the type chooses once, since
+   * checkpoints contain them. */
+  std::array<double, 7> further{};
   Matrix6 information = Matrix6::Zero();
 };
 
