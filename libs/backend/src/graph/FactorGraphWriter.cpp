@@ -115,7 +115,7 @@ class FieldsWriter final : public FactorFields
 std::string factorLine(const Factor& factor, bool left_out)
 {
   const FactorType& type = factor.type();
-  std::string text = left_out ? type.left_out_line : type.line;
+  std::string text = left_out && type.left_out_line != nullptr ? type.left_out_line : type.line;
   FactorData data = factor.data();
   FieldsWriter fields(text);
   type.exchangeFields(data, fields);
