@@ -201,7 +201,7 @@ void run(const Arguments& a)
   std::map<std::string, int> kinds;
   for (const auto id : backend.factorGraph().factorIds())
   {
-    ++kinds[toString(backend.factorGraph().factor(id).kind())];
+    ++kinds[backend.factorGraph().factor(id).type().name];
   }
   for (const auto& [kind, count] : kinds)
   {

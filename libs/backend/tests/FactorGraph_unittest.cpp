@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/backend/FactorGraph.h>
 #include <dyslam/backend/factors/GravityFactor.h>
+#include <dyslam/backend/factors/LoopFactor.h>
 #include <dyslam/backend/factors/ObjectMotionFactor.h>
 #include <dyslam/backend/factors/ObservationFactor.h>
 #include <dyslam/backend/factors/SmoothMotionFactor.h>
@@ -407,7 +408,7 @@ TEST(FactorGraph, LoopsLowerTheErrorOfABiasedOdometry)
     EXPECT_EQ(result.false_loops, 0U) << static_cast<int>(loss);
     for (const FactorGraph::FactorId id : graph.factorIds())
     {
-      if (graph.factor(id).kind() == FactorKind::loop)
+      if (graph.factor(id).is<LoopFactor>())
       {
         EXPECT_LT(graph.whitenedResidual(id), 8) << static_cast<int>(loss);
       }

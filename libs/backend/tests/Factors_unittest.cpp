@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/backend/FactorType.h>
 #include <dyslam/backend/factors/GnssFactor.h>
 #include <dyslam/backend/factors/GravityFactor.h>
 #include <dyslam/backend/factors/LocalisationFactor.h>
@@ -84,7 +85,7 @@ void expectNumericalJacobians(const Factor& factor, const Blocks& blocks)
                        (2 * step);
     }
     EXPECT_LT((jacobians[i] - numeric).norm(), 1e-6 * (1 + numeric.norm()))
-        << toString(factor.keys()[i]) << " of " << toString(factor.kind());
+        << toString(factor.keys()[i]) << " of " << factor.type().name;
   }
 }
 
@@ -261,7 +262,7 @@ TEST(CovarianceInverse, IsTheInverseOrAtLeastPositiveDefinite)
   }
 }
 
-TEST(Factor, KeysAndKindsAreTold)
+TEST(Factor, KeysAndTypesAreTold)
 {
   const Matrix6 one = Matrix6::Identity();
   const ObjectMotionFactor motion(7, 11, 12, 0.1, one);
@@ -270,15 +271,15 @@ TEST(Factor, KeysAndKindsAreTold)
   EXPECT_EQ(motion.keys()[1], Key::objectPose(7, 12));
   EXPECT_EQ(motion.keys()[2], Key::objectVelocity(7, 12));
   EXPECT_EQ(motion.dt(), 0.1);
-  EXPECT_EQ(motion.kind(), FactorKind::object_motion);
-  EXPECT_EQ(SmoothMotionFactor(7, 11, 12, one).kind(), FactorKind::smooth_motion);
-  EXPECT_EQ(LoopFactor(0, 9, Pose::Identity(), one).kind(), FactorKind::loop);
-  EXPECT_EQ(OdometryFactor(0, 1, Pose::Identity(), one).kind(), FactorKind::odometry);
+  EXPECT_TRUE(motion.is<ObjectMotionFactor>());
+  EXPECT_TRUE(SmoothMotionFactor(7, 11, 12, one).is<SmoothMotionFactor>());
+  EXPECT_TRUE(LoopFactor(0, 9, Pose::Identity(), one).is<LoopFactor>());
+  EXPECT_TRUE(OdometryFactor(0, 1, Pose::Identity(), one).is<OdometryFactor>());
   const LocalisationFactor localised(2, Pose::Identity(), one);
-  EXPECT_EQ(localised.kind(), FactorKind::localisation);
+  EXPECT_TRUE(localised.is<LocalisationFactor>());
   EXPECT_EQ(toString(localised.keys()[0]) + " " + toString(localised.keys()[1]), "m x2");
   const ObservationFactor seen(2, Key::staticObject(4, 1), Pose::Identity(), one);
-  EXPECT_EQ(seen.kind(), FactorKind::observation);
+  EXPECT_TRUE(seen.is<ObservationFactor>());
   EXPECT_EQ(toString(seen.keys()[0]) + " " + toString(seen.keys()[1]), "x2 s4#1");
   EXPECT_EQ(toString(Key::objectPose(4, 123)) + " " + toString(Key::objectVelocity(4, 123)),
             "l4@123 v4@123");

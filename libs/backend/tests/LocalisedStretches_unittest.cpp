@@ -75,8 +75,7 @@ struct StretchedLine
     for (const FactorGraph::FactorId id : graph.factorsOf(Key::ego(keyframe)))
     {
       const Factor& factor = graph.factor(id);
-      const bool is_to =
-          factor.kind() == FactorKind::odometry && factor.keys()[1] == Key::ego(keyframe);
+      const bool is_to = factor.is<OdometryFactor>() && factor.keys()[1] == Key::ego(keyframe);
       found = is_to ? factor.information()(0, 0) : found;
     }
     return found;

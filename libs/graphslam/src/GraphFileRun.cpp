@@ -108,7 +108,7 @@ FactorGraphFileReport optimiseFactorGraphFile(const std::string& input,
   }
   for (const FactorGraph::FactorId id : graph.factorIds())
   {
-    ++report.factors[toString(graph.factor(id).kind())];
+    ++report.factors[graph.factor(id).type().name];
   }
   const auto start = std::chrono::steady_clock::now();
   report.result = graph.optimise(options);

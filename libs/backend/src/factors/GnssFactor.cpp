@@ -1,16 +1,41 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/backend/FactorType.h>
 #include <dyslam/backend/factors/GnssFactor.h>
 
 #include <stdexcept>
 
 namespace dyslam
 {
+namespace
+{
+constexpr std::size_t antenna_at = 1;  // in FactorData::further
+}  // namespace
+
+const FactorType GnssFactor::factor_type = {
+    "gnss",
+    "GNSS",
+    nullptr,
+    6,
+    [](FactorData& data, FactorFields& fields)
+    {
+      data.keys.resize(2);
+      fields.index(data.keys[0].index);
+      fields.vector(data.measurement.matrix().col(3).data());
+      fields.vector(&data.further[antenna_at]);
+    },
+    [](const FactorData& data) -> std::unique_ptr<const Factor>
+    {
+      return std::make_unique<GnssFactor>(
+          static_cast<std::size_t>(data.keys.at(0).index), data.measurement.translation(),
+          Eigen::Vector3d(&data.further[antenna_at]), data.information);
+    }};
+
 GnssFactor::GnssFactor(std::size_t keyframe,
                        const Eigen::Vector3d& position,
                        const Eigen::Vector3d& antenna,
                        const Matrix6& information,
                        const Eigen::Vector3d& upwards)
-    : Factor({Key::ego(keyframe), Key::georeference()}, information),
+    : Factor(factor_type, {Key::ego(keyframe), Key::georeference()}, information),
       position_(position),
       antenna_(antenna),
       upwards_(upwards)
@@ -52,5 +77,17 @@ Pose GnssFactor::measurement() const
   Pose pose = Pose::Identity();
   pose.translation() = position_;
   return pose;
+}
+
+FactorData GnssFactor::data() const
+{
+  FactorData data = Factor::data();
+  Eigen::Map<Eigen::Vector3d>{&data.further[antenna_at]} = antenna_;
+  return data;
+}
+
+FactorLoss GnssFactor::loss(const FactorGraphOptions& options) const
+{
+  return {options.gnss_loss, options.gnss_loss_width};
 }
 }  // namespace dyslam

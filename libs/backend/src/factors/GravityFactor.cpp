@@ -1,15 +1,40 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/backend/FactorType.h>
 #include <dyslam/backend/factors/GravityFactor.h>
 
 #include <stdexcept>
 
 namespace dyslam
 {
+namespace
+{
+constexpr std::size_t upwards_at = 4;  // in FactorData::further
+}  // namespace
+
+const FactorType GravityFactor::factor_type = {
+    "gravity",
+    "GRAVITY",
+    nullptr,
+    6,
+    [](FactorData& data, FactorFields& fields)
+    {
+      data.keys.resize(3);
+      fields.index(data.keys[0].index);
+      fields.vector(&data.further[upwards_at]);
+    },
+    [](const FactorData& data) -> std::unique_ptr<const Factor>
+    {
+      return std::make_unique<GravityFactor>(static_cast<std::size_t>(data.keys.at(0).index),
+                                             Eigen::Vector3d(&data.further[upwards_at]),
+                                             data.information);
+    }};
+
 GravityFactor::GravityFactor(std::size_t keyframe,
                              const Eigen::Vector3d& upwards,
                              const Matrix6& information,
                              const Key& bias)
-    : Factor({Key::ego(keyframe), Key::vertical(), bias}, information), upwards_(upwards)
+    : Factor(factor_type, {Key::ego(keyframe), Key::vertical(), bias}, information),
+      upwards_(upwards)
 {
   if (!upwards.allFinite())
   {
@@ -43,5 +68,12 @@ Vector6 GravityFactor::residual(ValueBlocks blocks, FactorJacobians* jacobians) 
     by_bias.block<3, 3>(2, 0).setIdentity();
   }
   return residual;
+}
+
+FactorData GravityFactor::data() const
+{
+  FactorData data = Factor::data();
+  Eigen::Map<Eigen::Vector3d>{&data.further[upwards_at]} = upwards_;
+  return data;
 }
 }  // namespace dyslam

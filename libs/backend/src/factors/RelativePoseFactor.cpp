@@ -7,11 +7,12 @@
 
 namespace dyslam
 {
-RelativePoseFactor::RelativePoseFactor(const Key& a,
+RelativePoseFactor::RelativePoseFactor(const FactorType& type,
+                                       const Key& a,
                                        const Key& b,
                                        const Pose& T_a_b,
                                        const Matrix6& information)
-    : Factor({a, b}, information), T_a_b_(T_a_b)
+    : Factor(type, {a, b}, information), T_a_b_(T_a_b)
 {
   if (!T_a_b.matrix().allFinite())
   {

@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/backend/Factor.h>
+#include <dyslam/backend/FactorType.h>
 
 #include <Eigen/Cholesky>
 #include <stdexcept>
+#include <string>
 #include <utility>
 
 namespace dyslam
@@ -45,33 +47,17 @@ std::string toString(const Key& key)
   return "v" + std::to_string(key.object) + "@" + std::to_string(key.index);
 }
 
-std::string toString(FactorKind kind)
+Factor::Factor(const FactorType& type, std::vector<Key> keys, const Matrix6& information)
+    : type_(type), keys_(std::move(keys)), information_(Matrix6::Identity())
 {
-  switch (kind)
+  if (keys_.empty() || keys_.size() > max_keys_per_factor)
   {
-    case FactorKind::odometry:
-      return "odometry";
-    case FactorKind::loop:
-      return "loop";
-    case FactorKind::observation:
-      return "observation";
-    case FactorKind::object_motion:
-      return "object_motion";
-    case FactorKind::gnss:
-      return "gnss";
-    case FactorKind::gravity:
-      return "gravity";
-    case FactorKind::localisation:
-      return "localisation";
-    case FactorKind::smooth_motion:
-      break;
+    throw std::invalid_argument(std::string("factor of kind ") + type.name + ": has " +
+                                std::to_string(keys_.size()) + " variables, must have 1 to " +
+                                std::to_string(max_keys_per_factor));
   }
-  return "smooth_motion";
-}
-
-Factor::Factor(std::vector<Key> keys, const Matrix6& information)
-    : keys_(std::move(keys)), information_(information)
-{
+  information_.topLeftCorner(type.dimension, type.dimension) =
+      information.topLeftCorner(type.dimension, type.dimension);
   for (std::size_t i = 0; i < keys_.size(); ++i)
   {
     for (std::size_t j = 0; j < i; ++j)
@@ -82,13 +68,13 @@ Factor::Factor(std::vector<Key> keys, const Matrix6& information)
       }
     }
   }
-  if (!information.allFinite())
+  if (!information_.allFinite())
   {
     throw std::invalid_argument("factor " + namesOf(keys_) +
                                 ": its information has numbers that are not finite");
   }
-  const Eigen::LLT<Matrix6> cholesky(information);
-  if (cholesky.info() != Eigen::Success || !information.isApprox(information.transpose(), 1e-6))
+  const Eigen::LLT<Matrix6> cholesky(information_);
+  if (cholesky.info() != Eigen::Success || !information_.isApprox(information_.transpose(), 1e-6))
   {
     throw std::invalid_argument("factor " + namesOf(keys_) +
                                 ": its information is not positive definite");
@@ -99,6 +85,20 @@ Factor::Factor(std::vector<Key> keys, const Matrix6& information)
 Vector6 Factor::whitenedResidual(ValueBlocks blocks) const
 {
   return whitening_ * residual(blocks, nullptr);
+}
+
+FactorLoss Factor::loss(const FactorGraphOptions& /*options*/) const
+{
+  return {};
+}
+
+FactorData Factor::data() const
+{
+  FactorData data;
+  data.keys = keys_;
+  data.measurement = measurement();
+  data.information = information_;
+  return data;
 }
 
 void packPose(const Pose& pose, double* block)

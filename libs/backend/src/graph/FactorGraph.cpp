@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/backend/FactorGraph.h>
+#include <dyslam/backend/factors/LoopFactor.h>
 #include <dyslam/base/StateArchive.h>
 
 #include <algorithm>
 #include <stdexcept>
 #include <utility>
-
-#include "SavedFactor.h"
 
 namespace dyslam
 {
@@ -139,12 +138,17 @@ void FactorGraph::setFixed(const Key& key, bool fixed)
 
 FactorGraph::FactorId FactorGraph::add(std::unique_ptr<const Factor> factor)
 {
+  if (!types_.contains(factor->type()))
+  {
+    throw std::invalid_argument(std::string("factor of kind ") + factor->type().name +
+                                ": its type is not in the table of the graph's types");
+  }
   for (const Key& key : factor->keys())
   {
     if (!contains(key))
     {
-      throw std::invalid_argument("factor of kind " + toString(factor->kind()) + ": its variable " +
-                                  toString(key) + " is not in the graph");
+      throw std::invalid_argument(std::string("factor of kind ") + factor->type().name +
+                                  ": its variable " + toString(key) + " is not in the graph");
     }
   }
   FactorId id = factors_.size();
@@ -209,7 +213,7 @@ std::vector<FactorGraph::FactorId> FactorGraph::factorIds() const
 
 void FactorGraph::leaveOut(FactorId loop)
 {
-  if (factor(loop).kind() != FactorKind::loop)
+  if (factor(loop).type().left_out_line == nullptr)
   {
     throw std::invalid_argument("factor " + std::to_string(loop) + ": is no loop");
   }
@@ -219,10 +223,10 @@ void FactorGraph::leaveOut(FactorId loop)
 std::vector<FactorGraph::FactorId> FactorGraph::usedLoops() const
 {
   std::vector<FactorId> loops = factorIds();
-  loops.erase(std::remove_if(loops.begin(), loops.end(),
-                             [this](FactorId id)
-                             { return factor(id).kind() != FactorKind::loop || isLeftOut(id); }),
-              loops.end());
+  loops.erase(
+      std::remove_if(loops.begin(), loops.end(),
+                     [this](FactorId id) { return !factor(id).is<LoopFactor>() || isLeftOut(id); }),
+      loops.end());
   return loops;
 }
 
@@ -259,11 +263,13 @@ void FactorGraph::exchangeState(StateArchive& archive)
   }
   for (std::size_t i = 0; i < count; ++i)
   {
-    SavedFactor saved = archive.isLoading() ? SavedFactor() : savedFrom(factors_[i].get());
-    archive(saved);
+    const bool is_there = !archive.isLoading() && factors_[i] != nullptr;
+    FactorData data = is_there ? factors_[i]->data() : FactorData();
+    std::uint8_t type = is_there ? types_.numberOf(factors_[i]->type()) : std::uint8_t{0};
+    archive(type, data.keys, data.measurement, data.further, data.information);
     if (archive.isLoading())
     {
-      factors_.push_back(made(saved));
+      factors_.push_back(types_.make(type, data));
     }
   }
 }

@@ -20,7 +20,7 @@ class FactorCost final : public ceres::CostFunction
  public:
   explicit FactorCost(const Factor& factor) : factor_(factor)
   {
-    set_num_residuals(6);
+    set_num_residuals(factor.type().dimension);
     for (const Key& key : factor.keys())
     {
       mutable_parameter_block_sizes()->push_back(key.isPose() ? pose_block_size
@@ -30,6 +30,11 @@ class FactorCost final : public ceres::CostFunction
 
   bool Evaluate(double const* const* blocks, double* residuals, double** jacobians) const override
   {
+    if (num_residuals() < 6)
+    {
+      evaluateSmall(blocks, residuals, jacobians);
+      return true;
+    }
     FactorJacobians derivatives;
     Eigen::Map<Vector6>(residuals).noalias() =
         factor_.whitening() *
@@ -56,6 +61,29 @@ class FactorCost final : public ceres::CostFunction
   }
 
  private:
+  /** The same for less than six residuals. */
+  void evaluateSmall(double const* const* blocks, double* residuals, double** jacobians) const
+  {
+    FactorJacobians derivatives;
+    const int size = num_residuals();
+    const Vector6 whitened =
+        factor_.whitening() *
+        factor_.residual(blocks, jacobians != nullptr ? &derivatives : nullptr);
+    std::copy_n(whitened.data(), size, residuals);
+    for (std::size_t i = 0; jacobians != nullptr && i < factor_.keys().size(); ++i)
+    {
+      if (jacobians[i] == nullptr)
+      {
+        continue;
+      }
+      const int columns = parameter_block_sizes()[i];
+      Eigen::Map<Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>> block(
+          jacobians[i], size, columns);
+      block.setZero();
+      block.leftCols<6>() = Matrix6(factor_.whitening() * derivatives[i]).topRows(size);
+    }
+  }
+
   const Factor& factor_;
 };
 
@@ -74,11 +102,7 @@ FactorGraphProblem::FactorGraphProblem(const FactorGraphOptions& options,
                                        std::map<Key, FactorGraph::Variable>& variables,
                                        const std::vector<std::unique_ptr<const Factor>>& factors,
                                        const std::set<FactorGraph::FactorId>& left_out)
-    : options_(options),
-      loop_loss_(nullptr, ceres::TAKE_OWNERSHIP),
-      object_loss_(makeLoss(options.object_loss, options.object_loss_width)),
-      gnss_loss_(makeLoss(options.gnss_loss, options.gnss_loss_width)),
-      problem_(problemOptions())
+    : options_(options), loop_loss_(nullptr, ceres::TAKE_OWNERSHIP), problem_(problemOptions())
 {
   std::vector<FactorGraph::FactorId> touching;
   for (const Key& key : free)
@@ -113,31 +137,34 @@ FactorGraphProblem::FactorGraphProblem(const FactorGraphOptions& options,
 
 void FactorGraphProblem::add(const Factor& factor, std::map<Key, FactorGraph::Variable>& variables)
 {
-  Block block{&factor, {}};
+  Block block{&factor, factor.loss(options_), {}};
   std::vector<double*> values;
   for (std::size_t i = 0; i < factor.keys().size(); ++i)
   {
     block.values[i] = variables.at(factor.keys()[i]).block.data();
     values.push_back(block.values[i]);
   }
-  ceres::LossFunction* loss = nullptr;
-  const bool is_place =
-      factor.kind() == FactorKind::loop || factor.kind() == FactorKind::localisation;
-  if (is_place && options_.loop_loss != RobustLoss::none)
-  {
-    loss = &loop_loss_;
-    has_places_ = true;
-  }
-  else if (factor.kind() == FactorKind::observation)
-  {
-    loss = object_loss_.get();
-  }
-  else if (factor.kind() == FactorKind::gnss)
-  {
-    loss = gnss_loss_.get();
-  }
-  problem_.AddResidualBlock(new FactorCost(factor), loss, values);
+  problem_.AddResidualBlock(new FactorCost(factor), lossOf(block), values);
   blocks_.push_back(block);
+}
+
+ceres::LossFunction* FactorGraphProblem::lossOf(const Block& block)
+{
+  if (block.loss.loss == RobustLoss::none)
+  {
+    return nullptr;
+  }
+  if (block.loss.is_place)
+  {
+    has_places_ = true;
+    return &loop_loss_;
+  }
+  std::unique_ptr<ceres::LossFunction>& loss = losses_[{block.loss.loss, block.loss.width}];
+  if (loss == nullptr)
+  {
+    loss = makeLoss(block.loss.loss, block.loss.width);
+  }
+  return loss.get();
 }
 
 ceres::Solver::Summary FactorGraphProblem::solve(double loop_loss_width,
@@ -169,8 +196,8 @@ double FactorGraphProblem::worstPlace() const
   double worst = 0;
   for (const Block& block : blocks_)
   {
-    const FactorKind kind = block.factor->kind();
-    if (kind == FactorKind::loop || (kind == FactorKind::localisation && with_localisations))
+    const bool can_be_left_out = block.factor->type().left_out_line != nullptr;
+    if (block.loss.is_place && (can_be_left_out || with_localisations))
     {
       worst = std::max(worst, block.factor->whitenedResidual(block.values.data()).norm());
     }

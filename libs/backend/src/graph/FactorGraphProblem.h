@@ -6,11 +6,13 @@
 #include <ceres/problem.h>
 #include <ceres/solver.h>
 #include <dyslam/backend/FactorGraph.h>
+#include <dyslam/backend/FactorType.h>
 
 #include <array>
 #include <map>
 #include <memory>
 #include <set>
+#include <utility>
 #include <vector>
 
 #include "PoseManifold.h"
@@ -45,14 +47,16 @@ class FactorGraphProblem
   struct Block
   {
     const Factor* factor;
+    FactorLoss loss;
     std::array<double*, max_keys_per_factor> values;
   };
+  /** Loss function that the block has at present; null: none. */
+  ceres::LossFunction* lossOf(const Block& block);
 
   const FactorGraphOptions& options_;
   PoseManifold manifold_;
   ceres::LossFunctionWrapper loop_loss_;
-  std::unique_ptr<ceres::LossFunction> object_loss_;
-  std::unique_ptr<ceres::LossFunction> gnss_loss_;
+  std::map<std::pair<RobustLoss, double>, std::unique_ptr<ceres::LossFunction>> losses_;
   ceres::Problem problem_;
   std::vector<Block> blocks_;
   bool has_places_ = false;

@@ -1,13 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/backend/FactorGraphFile.h>
-#include <dyslam/backend/factors/GnssFactor.h>
-#include <dyslam/backend/factors/GravityFactor.h>
-#include <dyslam/backend/factors/LocalisationFactor.h>
-#include <dyslam/backend/factors/LoopFactor.h>
-#include <dyslam/backend/factors/ObjectMotionFactor.h>
-#include <dyslam/backend/factors/ObservationFactor.h>
-#include <dyslam/backend/factors/OdometryFactor.h>
-#include <dyslam/backend/factors/SmoothMotionFactor.h>
+#include <dyslam/backend/FactorType.h>
 #include <dyslam/base/Error.h>
 #include <dyslam/base/Printable.h>
 #include <dyslam/formats/TextFile.h>
@@ -109,15 +102,6 @@ class LineReader
                "' is no kind of variable; use EGO, STATIC_OBJECT, OBJECT, VELOCITY, GEOREFERENCE, "
                "VERTICAL, ACCELEROMETER_BIAS or PRIOR_MAP");
   }
-  Eigen::Vector3d vector()
-  {
-    Eigen::Vector3d vector;
-    for (double& value : vector)
-    {
-      value = measured();
-    }
-    return vector;
-  }
   Pose measurement()
   {
     Pose pose = Pose::Identity();
@@ -130,12 +114,13 @@ class LineReader
                    pose.linear().determinant() > 0;
     return pose;
   }
-  Matrix6 information()
+  /** \param size its first rows and columns are read, the others are zero */
+  Matrix6 information(int size)
   {
-    Matrix6 information;
-    for (int row = 0; row < 6; ++row)
+    Matrix6 information = Matrix6::Zero();
+    for (int row = 0; row < size; ++row)
     {
-      for (int column = row; column < 6; ++column)
+      for (int column = row; column < size; ++column)
       {
         information(row, column) = information(column, row) = measured();
       }
@@ -211,68 +196,29 @@ void readFixed(const TextFile& file, FactorGraph& graph)
   graph.setFixed(key, true);
 }
 
-std::unique_ptr<const Factor> readRelativePose(const std::string& kind, LineReader& line)
+class FieldsReader final : public FactorFields
 {
-  const std::size_t from = line.index();
-  const Key to = kind == "OBSERVATION" ? line.key() : Key::ego(line.index());
-  const Pose T = line.measurement();
-  const Matrix6 information = line.information();
-  line.finish();
-  if (kind == "OBSERVATION")
-  {
-    return std::make_unique<ObservationFactor>(from, to, T, information);
-  }
-  const auto index = static_cast<std::size_t>(to.index);
-  if (kind == "LOOP" || kind == "LEFT_OUT_LOOP")
-  {
-    return std::make_unique<LoopFactor>(from, index, T, information);
-  }
-  return std::make_unique<OdometryFactor>(from, index, T, information);
-}
+ public:
+  explicit FieldsReader(LineReader& line) : line_(line) {}
 
-std::unique_ptr<const Factor> readGnss(LineReader& line)
-{
-  const std::size_t keyframe = line.index();
-  const Eigen::Vector3d position = line.vector();
-  const Eigen::Vector3d antenna = line.vector();
-  const Matrix6 information = line.information();
-  line.finish();
-  return std::make_unique<GnssFactor>(keyframe, position, antenna, information);
-}
+  void object(std::int64_t& id) override { id = line_.integer(); }
+  void index(std::int64_t& index) override { index = static_cast<std::int64_t>(line_.index()); }
+  void key(Key& key) override { key = line_.key(); }
+  void number(double& value) override { value = line_.measured(); }
+  void pose(Pose& pose) override { pose = line_.measurement(); }
 
-std::unique_ptr<const Factor> readGravity(LineReader& line)
-{
-  const std::size_t keyframe = line.index();
-  const Eigen::Vector3d upwards = line.vector();
-  const Matrix6 information = line.information();
-  line.finish();
-  return std::make_unique<GravityFactor>(keyframe, upwards, information);
-}
+ private:
+  LineReader& line_;
+};
 
-std::unique_ptr<const Factor> readLocalisation(LineReader& line)
+std::unique_ptr<const Factor> readFactor(const FactorType& type, LineReader& line)
 {
-  const std::size_t keyframe = line.index();
-  const Pose T = line.measurement();
-  const Matrix6 information = line.information();
+  FactorData data;
+  FieldsReader fields(line);
+  type.exchangeFields(data, fields);
+  data.information = line.information(type.dimension);
   line.finish();
-  return std::make_unique<LocalisationFactor>(keyframe, T, information);
-}
-
-std::unique_ptr<const Factor> readMotion(const std::string& kind, LineReader& line)
-{
-  const int object = line.integer();
-  const std::size_t from = line.index();
-  const std::size_t to = line.index();
-  if (kind == "SMOOTH_MOTION")
-  {
-    const Matrix6 information = line.information();
-    line.finish();
-    return std::make_unique<SmoothMotionFactor>(object, from, to, information);
-  }
-  const double dt = line.measured();
-  const Matrix6 information = line.information();
-  line.finish();
-  return std::make_unique<ObjectMotionFactor>(object, from, to, dt, information);
+  return type.make(data);
 }
 
 /** \param warnings of factors that are left out; null: such a factor is an error */
@@ -292,9 +238,8 @@ void readLine(const TextFile& file, FactorGraph& graph, std::vector<std::string>
     readVariable(file, graph);
     return;
   }
-  const bool is_motion = is({"OBJECT_MOTION", "SMOOTH_MOTION"});
-  if (!is_motion &&
-      !is({"ODOMETRY", "LOOP", "LEFT_OUT_LOOP", "OBSERVATION", "GNSS", "GRAVITY", "LOCALISATION"}))
+  const FactorType* type = graph.types().find(kind);
+  if (type == nullptr)
   {
     file.fail("'" + kind + "' is no kind of variable or factor of a factor graph");
   }
@@ -302,13 +247,8 @@ void readLine(const TextFile& file, FactorGraph& graph, std::vector<std::string>
   {
     LineReader line(file);
     (void)line.word();
-    const FactorGraph::FactorId id =
-        graph.add(is_motion              ? readMotion(kind, line)
-                  : is({"GNSS"})         ? readGnss(line)
-                  : is({"GRAVITY"})      ? readGravity(line)
-                  : is({"LOCALISATION"}) ? readLocalisation(line)
-                                         : readRelativePose(kind, line));
-    if (kind == "LEFT_OUT_LOOP")
+    const FactorGraph::FactorId id = graph.add(readFactor(*type, line));
+    if (type->left_out_line != nullptr && kind == type->left_out_line)
     {
       graph.leaveOut(id);
     }
@@ -323,7 +263,9 @@ void readLine(const TextFile& file, FactorGraph& graph, std::vector<std::string>
   }
 }
 
-FactorGraph readFile(const std::string& path, std::vector<std::string>* warnings)
+FactorGraph readFile(const std::string& path,
+                     std::vector<std::string>* warnings,
+                     const FactorTypes& types)
 {
   TextFile file(path);
   const std::string header =
@@ -337,7 +279,7 @@ FactorGraph readFile(const std::string& path, std::vector<std::string>* warnings
     file.fail("version " + std::string(file.fields()[1]) + " is not known; this is version " +
               std::to_string(factor_graph_version));
   }
-  FactorGraph graph;
+  FactorGraph graph(types);
   while (file.next())
   {
     readLine(file, graph, warnings);
@@ -346,14 +288,16 @@ FactorGraph readFile(const std::string& path, std::vector<std::string>* warnings
 }
 }  // namespace
 
-FactorGraph readFactorGraph(const std::string& path, std::vector<std::string>& warnings)
+FactorGraph readFactorGraph(const std::string& path,
+                            std::vector<std::string>& warnings,
+                            const FactorTypes& types)
 {
-  return readFile(path, &warnings);
+  return readFile(path, &warnings, types);
 }
 
-FactorGraph readFactorGraph(const std::string& path)
+FactorGraph readFactorGraph(const std::string& path, const FactorTypes& types)
 {
-  return readFile(path, nullptr);
+  return readFile(path, nullptr, types);
 }
 
 bool isFactorGraphFile(const std::string& path)

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/backend/FactorGraphFile.h>
-#include <dyslam/backend/factors/GnssFactor.h>
-#include <dyslam/backend/factors/GravityFactor.h>
-#include <dyslam/backend/factors/ObjectMotionFactor.h>
+#include <dyslam/backend/FactorType.h>
 #include <dyslam/base/PendingFile.h>
 #include <dyslam/formats/TextFile.h>
 
@@ -86,86 +84,45 @@ std::string variableLine(const Key& key, const FactorGraph::Variable& variable)
   return text;
 }
 
-void append(std::string& text, const Eigen::Vector3d& vector)
+class FieldsWriter final : public FactorFields
 {
-  for (const double value : vector)
-  {
-    append(text, value);
-  }
-}
+ public:
+  explicit FieldsWriter(std::string& text) : text_(text) {}
 
-void appendMeasurement(std::string& text, const Pose& pose)
-{
-  for (int row = 0; row < 3; ++row)
+  void object(std::int64_t& id) override { append(text_, id); }
+  void index(std::int64_t& index) override { append(text_, index); }
+  void key(Key& key) override
   {
-    for (int column = 0; column < 4; ++column)
+    text_ += ' ';
+    append(text_, key);
+  }
+  void number(double& value) override { append(text_, value); }
+  void pose(Pose& pose) override
+  {
+    for (int row = 0; row < 3; ++row)
     {
-      append(text, pose(row, column));
+      for (int column = 0; column < 4; ++column)
+      {
+        append(text_, pose(row, column));
+      }
     }
   }
-}
 
-std::string relativePoseName(const Factor& factor, bool left_out)
-{
-  if (factor.kind() == FactorKind::odometry)
-  {
-    return "ODOMETRY";
-  }
-  return left_out ? "LEFT_OUT_LOOP" : "LOOP";
-}
+ private:
+  std::string& text_;
+};
 
 std::string factorLine(const Factor& factor, bool left_out)
 {
-  const std::vector<Key>& keys = factor.keys();
-  std::string text;
-  switch (factor.kind())
-  {
-    case FactorKind::odometry:
-    case FactorKind::loop:
-      text = relativePoseName(factor, left_out);
-      append(text, keys[0].index);
-      append(text, keys[1].index);
-      appendMeasurement(text, factor.measurement());
-      break;
-    case FactorKind::observation:
-      text = "OBSERVATION";
-      append(text, keys[0].index);
-      text += ' ';
-      append(text, keys[1]);
-      appendMeasurement(text, factor.measurement());
-      break;
-    case FactorKind::localisation:
-      text = "LOCALISATION";
-      append(text, keys[1].index);
-      appendMeasurement(text, factor.measurement());
-      break;
-    case FactorKind::gnss:
-      text = "GNSS";
-      append(text, keys[0].index);
-      append(text, Eigen::Vector3d(factor.measurement().translation()));
-      append(text, static_cast<const GnssFactor&>(factor).antenna());
-      break;
-    case FactorKind::gravity:
-      text = "GRAVITY";
-      append(text, keys[0].index);
-      append(text, static_cast<const GravityFactor&>(factor).upwards());
-      break;
-    case FactorKind::object_motion:
-    case FactorKind::smooth_motion:
-      text = factor.kind() == FactorKind::object_motion ? "OBJECT_MOTION" : "SMOOTH_MOTION";
-      append(text, keys[0].object);
-      append(text, keys[0].index);
-      append(text, keys[1].index);
-      if (factor.kind() == FactorKind::object_motion)
-      {
-        append(text, static_cast<const ObjectMotionFactor&>(factor).dt());
-      }
-      break;
-  }
+  const FactorType& type = factor.type();
+  std::string text = left_out && type.left_out_line != nullptr ? type.left_out_line : type.line;
+  FactorData data = factor.data();
+  FieldsWriter fields(text);
+  type.exchangeFields(data, fields);
   const Matrix6& information = factor.information();
-  for (int row = 0; row < 6; ++row)
+  for (int row = 0; row < type.dimension; ++row)
   {
-    for (int column = row; column < 6; ++column)
+    for (int column = row; column < type.dimension; ++column)
     {
       append(text, information(row, column));
     }

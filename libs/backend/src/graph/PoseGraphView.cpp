@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "PoseGraphView.h"
 
+#include <dyslam/backend/factors/LoopFactor.h>
+#include <dyslam/backend/factors/OdometryFactor.h>
 #include <dyslam/core/PoseInformation.h>
 #include <dyslam/mrpt/Conversions.h>
 #include <mrpt/graphs/CNetworkOfPoses.h>
@@ -21,8 +23,7 @@ PoseGraph poseGraphView(const FactorGraph& graph)
   for (const FactorGraph::FactorId id : graph.factorIds())
   {
     const Factor& factor = graph.factor(id);
-    if (!graph.isLeftOut(id) &&
-        (factor.kind() == FactorKind::odometry || factor.kind() == FactorKind::loop))
+    if (!graph.isLeftOut(id) && (factor.is<OdometryFactor>() || factor.is<LoopFactor>()))
     {
       const Pose T = factor.measurement();
       view.insertEdge(

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "LoopConsistency.h"
 
+#include <dyslam/backend/factors/LocalisationFactor.h>
+#include <dyslam/backend/factors/OdometryFactor.h>
+
 #include <Eigen/Dense>
 #include <Eigen/Sparse>
 #include <algorithm>
@@ -159,11 +162,11 @@ class LinearEgoGraph
     }
     for (const FactorId id : graph.factorIds())
     {
-      if (graph.factor(id).kind() == FactorKind::odometry)
+      if (graph.factor(id).is<OdometryFactor>())
       {
         addRows(id, 1 / odometry_sigma_scale);
       }
-      else if (graph.factor(id).kind() == FactorKind::localisation && fits(graph, id, loss_width))
+      else if (graph.factor(id).is<LocalisationFactor>() && fits(graph, id, loss_width))
       {
         addRows(id, 1);
         ++localisations_;

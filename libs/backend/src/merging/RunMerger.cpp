@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/backend/RunMerger.h>
+#include <dyslam/backend/factors/LocalisationFactor.h>
 #include <dyslam/backend/factors/LoopFactor.h>
 #include <dyslam/backend/factors/OdometryFactor.h>
 
@@ -251,15 +252,14 @@ void RunMerger::State::Run::takeFactors(const FactorGraph& graph)
   for (const FactorGraph::FactorId id : graph.factorIds())
   {
     const Factor& factor = graph.factor(id);
-    if (factor.kind() == FactorKind::odometry ||
-        (factor.kind() == FactorKind::loop && !graph.isLeftOut(id)))
+    if (factor.is<OdometryFactor>() || (factor.is<LoopFactor>() && !graph.isLeftOut(id)))
     {
-      edges.push_back({factor.kind() == FactorKind::loop,
+      edges.push_back({factor.is<LoopFactor>(),
                        range.begin + static_cast<std::size_t>(factor.keys()[0].index),
                        range.begin + static_cast<std::size_t>(factor.keys()[1].index),
                        factor.measurement(), factor.information()});
     }
-    else if (factor.kind() == FactorKind::localisation)
+    else if (factor.is<LocalisationFactor>())
     {
       localisations.push_back({range.begin + static_cast<std::size_t>(factor.keys()[1].index),
                                factor.measurement(), factor.information()});

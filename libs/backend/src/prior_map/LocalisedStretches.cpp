@@ -37,13 +37,13 @@ const MapFix& firstStrong(const std::vector<MapFix>& fixes)
 FactorGraph::FactorId LocalisedStretches::odometryTo(std::size_t keyframe) const
 {
   const FactorIds& ids = graph_.factorsOf(Key::ego(keyframe));
-  const auto found = std::find_if(ids.begin(), ids.end(),
-                                  [&](FactorGraph::FactorId id)
-                                  {
-                                    const Factor& factor = graph_.factor(id);
-                                    return factor.kind() == FactorKind::odometry &&
-                                           factor.keys()[1] == Key::ego(keyframe);
-                                  });
+  const auto found =
+      std::find_if(ids.begin(), ids.end(),
+                   [&](FactorGraph::FactorId id)
+                   {
+                     const Factor& factor = graph_.factor(id);
+                     return factor.is<OdometryFactor>() && factor.keys()[1] == Key::ego(keyframe);
+                   });
   if (found == ids.end())
   {
     throw std::invalid_argument("LocalisedStretches: no odometry to keyframe " +

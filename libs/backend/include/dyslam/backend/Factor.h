@@ -6,26 +6,14 @@
 
 #include <array>
 #include <cstddef>
-#include <cstdint>
-#include <string>
 #include <vector>
 
 namespace dyslam
 {
-/** The kinds of factor of the paper's Fig. 6, positions of a satellite receiver, gravity, and
- * localisation in a prior map. */
-enum class FactorKind : std::uint8_t
-{
-  odometry,       //!< f, Eq. 6: motion between two keyframes
-  loop,           //!< h, Eq. 7: motion between two keyframes at one place
-  observation,    //!< z, Eq. 8: an object seen from a keyframe
-  object_motion,  //!< m, Eq. 9: two poses of an object and its velocity in between
-  smooth_motion,  //!< o, Eq. 10: two successive velocities of an object
-  gnss,           //!< a position of the vehicle on the earth
-  gravity,        //!< gravity measured at a keyframe
-  localisation,   //!< a keyframe registered to the prior map
-};
-[[nodiscard]] std::string toString(FactorKind kind);
+struct FactorData;
+struct FactorGraphOptions;
+struct FactorLoss;
+struct FactorType;
 
 /** Values of the variables of a factor as contiguous blocks, in the order of its keys.
  *
@@ -40,36 +28,56 @@ constexpr int velocity_block_size = 6;
 constexpr std::size_t max_keys_per_factor = 3;
 using FactorJacobians = std::array<Matrix6, max_keys_per_factor>;
 
-/** A residual of six numbers between two or three variables, whitened with its information matrix.
+/** A residual between one to three variables, whitened with its information matrix. A type of
+ * factor is a class derived from this one, with its FactorType in the table of
+ * src/factors/FactorTypes.cpp.
  *
+ * A residual has six numbers; if the type's dimension is less, the last ones and their derivatives
+ * are zero and not part of the problem that is solved.
  * Poses are perturbed on the right, T exp(x), x = [translation, rotation]; velocities by addition.
  * Factors are constant after construction.
  */
 class Factor
 {
  public:
-  /** \param information information matrix of the residual, inverse squares of its units
+  /** \param type row of the derived class; outlives the factor
+   *  \param keys 1 to max_keys_per_factor
+   *  \param information information matrix of the residual, inverse squares of its units; only its
+   *  first rows and columns count if the type's dimension is below six
    *  \throws std::invalid_argument, naming the keys, unless it is finite, symmetric and positive
-   *  definite and the keys differ. */
-  Factor(std::vector<Key> keys, const Matrix6& information);
+   *  definite and the keys differ, and for a wrong number of keys. */
+  Factor(const FactorType& type, std::vector<Key> keys, const Matrix6& information);
   virtual ~Factor() = default;
   Factor(const Factor&) = delete;
   Factor& operator=(const Factor&) = delete;
 
-  [[nodiscard]] virtual FactorKind kind() const = 0;
+  [[nodiscard]] const FactorType& type() const { return type_; }
+  /** Whether this is a factor of class T. */
+  template <typename T>
+  [[nodiscard]] bool is() const
+  {
+    return &type_ == &T::factor_type;
+  }
   /** Residual before whitening. \param jacobians filled for the factor's keys unless null */
   [[nodiscard]] virtual Vector6 residual(ValueBlocks blocks, FactorJacobians* jacobians) const = 0;
   /** whitening() * residual(), in units of standard deviations. */
   [[nodiscard]] Vector6 whitenedResidual(ValueBlocks blocks) const;
   /** Measured pose, for export; the identity for factors without one. */
   [[nodiscard]] virtual Pose measurement() const { return Pose::Identity(); }
+  /** Robust loss by the options of the graph; without override none. */
+  [[nodiscard]] virtual FactorLoss loss(const FactorGraphOptions& options) const;
+  /** All data of the factor, of which FactorType::make() makes it again. Without override: keys,
+   * measurement and information. */
+  [[nodiscard]] virtual FactorData data() const;
 
   [[nodiscard]] const std::vector<Key>& keys() const { return keys_; }
   /** Upper triangular W with information = W' W. */
   [[nodiscard]] const Matrix6& whitening() const { return whitening_; }
+  /** Beyond the type's dimension: the identity. */
   [[nodiscard]] const Matrix6& information() const { return information_; }
 
  private:
+  const FactorType& type_;
   std::vector<Key> keys_;
   Matrix6 information_;
   Matrix6 whitening_;

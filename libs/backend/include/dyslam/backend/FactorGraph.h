@@ -3,6 +3,7 @@
 
 #include <dyslam/backend/Factor.h>
 #include <dyslam/backend/FactorGraphOptions.h>
+#include <dyslam/backend/FactorType.h>
 
 #include <array>
 #include <cstddef>
@@ -10,6 +11,7 @@
 #include <memory>
 #include <set>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace dyslam
@@ -31,7 +33,7 @@ struct OptimisationResult
 };
 
 /** The working graph of the backend (paper, Fig. 6 and Eq. 11): typed variables, factors of
- * explicit kinds, and their solution by Ceres.
+ * explicit types, and their solution by Ceres.
  *
  * Always solved in one thread: the same graph gives the same bytes. Not thread-safe.
  */
@@ -45,6 +47,12 @@ class FactorGraph
     bool fixed = false;
     std::vector<FactorId> factors;  //!< factors with this variable
   };
+
+  FactorGraph() = default;
+  /** A graph with further types of factor. */
+  explicit FactorGraph(FactorTypes types) : types_(std::move(types)) {}
+  /** The types of factor that the graph can have. */
+  [[nodiscard]] const FactorTypes& types() const { return types_; }
 
   /** Adds a variable. \throws std::invalid_argument if the key is taken, of the other type, or the
    * value is not finite. */
@@ -68,7 +76,8 @@ class FactorGraph
   /** All variables, ordered by key. */
   [[nodiscard]] const std::map<Key, Variable>& variables() const { return variables_; }
 
-  /** Adds a factor. \throws std::invalid_argument if one of its variables is missing. */
+  /** Adds a factor. \throws std::invalid_argument if one of its variables is missing or its type is
+   * not in types(). */
   FactorId add(std::unique_ptr<const Factor> factor);
   void removeFactor(FactorId id);
   [[nodiscard]] const Factor& factor(FactorId id) const;
@@ -104,7 +113,7 @@ class FactorGraph
   /** Whether a loop is left out of optimisations. */
   [[nodiscard]] bool isLeftOut(FactorId id) const { return left_out_.count(id) != 0; }
   /** Leaves a loop out of optimisations until the next one of all variables decides again.
-   * \throws std::invalid_argument for a factor of another kind. */
+   * \throws std::invalid_argument for a factor that cannot be left out. */
   void leaveOut(FactorId loop);
   /** Loops that are not left out, in order of their ids. */
   [[nodiscard]] std::vector<FactorId> usedLoops() const;
@@ -127,6 +136,7 @@ class FactorGraph
   [[nodiscard]] Variable& variable(const Key& key);
   [[nodiscard]] const Variable& variable(const Key& key) const;
 
+  FactorTypes types_;
   std::map<Key, Variable> variables_;
   std::vector<std::unique_ptr<const Factor>> factors_;  //!< by id; null: removed
   std::vector<FactorId> unused_;                        //!< ids of removed factors

@@ -12,12 +12,15 @@ namespace dyslam
  *
  * A factor is left out if its information is not positive definite, a number is not finite or a
  * variable is missing.
+ * \param types of factor that the file may have
  * \param warnings one line for every factor left out: file, line and why
  * \throws UserError if the file cannot be read or is not of this format. */
 [[nodiscard]] FactorGraph readFactorGraph(const std::string& path,
-                                          std::vector<std::string>& warnings);
+                                          std::vector<std::string>& warnings,
+                                          const FactorTypes& types = FactorTypes());
 /** As above, but a factor that cannot be used is an error, too. */
-[[nodiscard]] FactorGraph readFactorGraph(const std::string& path);
+[[nodiscard]] FactorGraph readFactorGraph(const std::string& path,
+                                          const FactorTypes& types = FactorTypes());
 
 /** Writes a factor graph with all digits: reading and writing it again gives the same file. The
  * file is never incomplete. \throws UserError. */

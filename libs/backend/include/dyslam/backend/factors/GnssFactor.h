@@ -13,6 +13,8 @@ namespace dyslam
 class GnssFactor final : public Factor
 {
  public:
+  static const FactorType factor_type;
+
   /** \param position measured position of the antenna, east-north-up [m]
    *  \param antenna position of the antenna in the vehicle frame of the keyframe [m]
    *  \param upwards unit vector, map frame
@@ -23,10 +25,11 @@ class GnssFactor final : public Factor
              const Matrix6& information,
              const Eigen::Vector3d& upwards = Eigen::Vector3d::UnitZ());
 
-  [[nodiscard]] FactorKind kind() const override { return FactorKind::gnss; }
   [[nodiscard]] Vector6 residual(ValueBlocks blocks, FactorJacobians* jacobians) const override;
   /** Pose with the measured position and without rotation. */
   [[nodiscard]] Pose measurement() const override;
+  [[nodiscard]] FactorLoss loss(const FactorGraphOptions& options) const override;
+  [[nodiscard]] FactorData data() const override;
   [[nodiscard]] const Eigen::Vector3d& antenna() const { return antenna_; }
 
  private:

@@ -15,6 +15,8 @@ namespace dyslam
 class GravityFactor final : public Factor
 {
  public:
+  static const FactorType factor_type;
+
   /** \param upwards measured specific force without the vehicle's own acceleration, vehicle frame
    * of the keyframe [m/s^2] \param bias variable of the accelerometer's bias
    * \throws std::invalid_argument for numbers that are not finite. */
@@ -23,8 +25,8 @@ class GravityFactor final : public Factor
                 const Matrix6& information,
                 const Key& bias = Key::accelerometerBias());
 
-  [[nodiscard]] FactorKind kind() const override { return FactorKind::gravity; }
   [[nodiscard]] Vector6 residual(ValueBlocks blocks, FactorJacobians* jacobians) const override;
+  [[nodiscard]] FactorData data() const override;
   [[nodiscard]] const Eigen::Vector3d& upwards() const { return upwards_; }
 
  private:

@@ -10,15 +10,17 @@ namespace dyslam
 class LocalisationFactor final : public RelativePoseFactor
 {
  public:
+  static const FactorType factor_type;
+
   /** \param T_prior_vehicle pose of the vehicle at the keyframe, frame of the prior map
    * \param prior_map variable of the prior map */
   LocalisationFactor(std::size_t keyframe,
                      const Pose& T_prior_vehicle,
                      const Matrix6& information,
                      const Key& prior_map = Key::priorMap())
-      : RelativePoseFactor(prior_map, Key::ego(keyframe), T_prior_vehicle, information)
+      : RelativePoseFactor(factor_type, prior_map, Key::ego(keyframe), T_prior_vehicle, information)
   {
   }
-  [[nodiscard]] FactorKind kind() const override { return FactorKind::localisation; }
+  [[nodiscard]] FactorLoss loss(const FactorGraphOptions& options) const override;
 };
 }  // namespace dyslam

@@ -10,11 +10,13 @@ namespace dyslam
 class LoopFactor final : public RelativePoseFactor
 {
  public:
+  static const FactorType factor_type;
+
   /** \param T_from_to pose of keyframe `to` in keyframe `from` */
   LoopFactor(std::size_t from, std::size_t to, const Pose& T_from_to, const Matrix6& information)
-      : RelativePoseFactor(Key::ego(from), Key::ego(to), T_from_to, information)
+      : RelativePoseFactor(factor_type, Key::ego(from), Key::ego(to), T_from_to, information)
   {
   }
-  [[nodiscard]] FactorKind kind() const override { return FactorKind::loop; }
+  [[nodiscard]] FactorLoss loss(const FactorGraphOptions& options) const override;
 };
 }  // namespace dyslam

@@ -11,6 +11,8 @@ namespace dyslam
 class ObjectMotionFactor final : public Factor
 {
  public:
+  static const FactorType factor_type;
+
   /** \param object id of the object
    *  \param from, to indices of the scans, in order of time
    *  \param dt time between the scans [s], above 0
@@ -18,8 +20,8 @@ class ObjectMotionFactor final : public Factor
   ObjectMotionFactor(
       int object, std::size_t from, std::size_t to, double dt, const Matrix6& information);
 
-  [[nodiscard]] FactorKind kind() const override { return FactorKind::object_motion; }
   [[nodiscard]] Vector6 residual(ValueBlocks blocks, FactorJacobians* jacobians) const override;
+  [[nodiscard]] FactorData data() const override;
   [[nodiscard]] double dt() const { return dt_; }
 
  private:

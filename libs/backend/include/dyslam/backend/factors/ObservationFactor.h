@@ -9,6 +9,8 @@ namespace dyslam
 class ObservationFactor final : public RelativePoseFactor
 {
  public:
+  static const FactorType factor_type;
+
   /** \param object key of a static object or of an object pose
    *  \param T_vehicle_object pose of the object in the vehicle frame of the keyframe
    *  \throws std::invalid_argument for a key of another kind. */
@@ -16,6 +18,6 @@ class ObservationFactor final : public RelativePoseFactor
                     const Key& object,
                     const Pose& T_vehicle_object,
                     const Matrix6& information);
-  [[nodiscard]] FactorKind kind() const override { return FactorKind::observation; }
+  [[nodiscard]] FactorLoss loss(const FactorGraphOptions& options) const override;
 };
 }  // namespace dyslam

@@ -9,14 +9,15 @@ namespace dyslam
 class OdometryFactor final : public RelativePoseFactor
 {
  public:
+  static const FactorType factor_type;
+
   /** \param T_from_to pose of keyframe `to` in keyframe `from` */
   OdometryFactor(std::size_t from,
                  std::size_t to,
                  const Pose& T_from_to,
                  const Matrix6& information)
-      : RelativePoseFactor(Key::ego(from), Key::ego(to), T_from_to, information)
+      : RelativePoseFactor(factor_type, Key::ego(from), Key::ego(to), T_from_to, information)
   {
   }
-  [[nodiscard]] FactorKind kind() const override { return FactorKind::odometry; }
 };
 }  // namespace dyslam

@@ -10,9 +10,14 @@ namespace dyslam
 class RelativePoseFactor : public Factor
 {
  public:
-  /** \param T_a_b pose of b in the frame of a
+  /** \param type row of the derived class
+   *  \param T_a_b pose of b in the frame of a
    *  \param information over the tangent of T_a_b, see Factor */
-  RelativePoseFactor(const Key& a, const Key& b, const Pose& T_a_b, const Matrix6& information);
+  RelativePoseFactor(const FactorType& type,
+                     const Key& a,
+                     const Key& b,
+                     const Pose& T_a_b,
+                     const Matrix6& information);
 
   [[nodiscard]] Vector6 residual(ValueBlocks blocks, FactorJacobians* jacobians) const override;
   [[nodiscard]] Pose measurement() const override { return T_a_b_; }

@@ -9,13 +9,16 @@ namespace dyslam
 class SmoothMotionFactor final : public Factor
 {
  public:
+  static const FactorType factor_type;
+
   /** \param from, to indices of the scans at the end of two successive intervals */
   SmoothMotionFactor(int object, std::size_t from, std::size_t to, const Matrix6& information)
-      : Factor({Key::objectVelocity(object, from), Key::objectVelocity(object, to)}, information)
+      : Factor(factor_type,
+               {Key::objectVelocity(object, from), Key::objectVelocity(object, to)},
+               information)
   {
   }
 
-  [[nodiscard]] FactorKind kind() const override { return FactorKind::smooth_motion; }
   [[nodiscard]] Vector6 residual(ValueBlocks blocks, FactorJacobians* jacobians) const override;
 };
 }  // namespace dyslam
