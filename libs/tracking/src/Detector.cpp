@@ -9,6 +9,7 @@
 #include <cmath>
 #include <limits>
 #include <unordered_map>
+#include <utility>
 
 namespace dyslam
 {
@@ -224,6 +225,17 @@ std::vector<std::vector<std::uint32_t>> linkNodes(const std::vector<Node>& nodes
   return clusters;
 }
 
+Points pointsOf(const Points& points, const std::vector<std::uint32_t>& cluster)
+{
+  Points selected;
+  selected.reserve(cluster.size());
+  for (const std::uint32_t i : cluster)
+  {
+    selected.push_back(points[i]);
+  }
+  return selected;
+}
+
 /** Vertical distance between a cluster and the ray that passes below it: the rays of the next lower
  * ring, as far as they return anything, or infinity [m]. \param cluster indices of its points
  * \param lidar position of the lidar [m] */
@@ -264,6 +276,72 @@ float gapBelow(const Points& points,
     }
   }
   return range * (lowest - below);
+}
+
+/** Part of a ray inside of a box, in the plane. */
+struct Chord
+{
+  double entry = 0;  //!< where the ray enters the box: 0 at the lidar, 1 at the end of the ray
+  double exit = 1;   //!< where it leaves it; below `entry` if it misses it
+};
+
+Chord chordInBox(const Eigen::Vector3d& lidar, const Eigen::Vector3d& ray, const Box& box)
+{
+  const Eigen::Rotation2Dd to_box(-box.yaw);
+  const Eigen::Vector2d start = to_box * (lidar - box.centre).head<2>();
+  const Eigen::Vector2d direction = to_box * ray.head<2>();
+  Chord chord;
+  for (int k = 0; k < 2; ++k)
+  {
+    const double half = 0.5 * box.size[k];
+    const double slope = std::abs(direction[k]) > 1e-9 ? direction[k] : 1e-9;
+    const double a = (-half - start[k]) / slope;
+    const double b = (half - start[k]) / slope;
+    chord.entry = std::max(chord.entry, std::min(a, b));
+    chord.exit = std::min(chord.exit, std::max(a, b));
+  }
+  return chord;
+}
+
+/** Share of the rays that go through a box in the lower half of the cluster's height and return
+ * from beyond, of these and of those that end at the cluster there. The body of a vehicle lets none
+ * through; windows are higher. Persons side by side let many through.
+ * \param cluster indices of its points \param box around them \param lidar its position [m] */
+double shareThrough(const Points& points,
+                    const std::vector<std::uint32_t>& cluster,
+                    const Box& box,
+                    const Eigen::Vector3f& lidar)
+{
+  constexpr double least_chord = 0.3;  // shorter ones are at rounded corners [m]
+  constexpr double beyond = 0.3;       // least distance of a return behind the box [m]
+  const double bottom = box.centre.z() - 0.5 * box.size.z();
+  const double middle = box.centre.z();
+  const Eigen::Vector3d start = lidar.cast<double>();
+  const Eigen::Vector2d towards = box.centre.head<2>() - start.head<2>();
+  const double radius = 0.5 * box.size.head<2>().norm();
+  std::size_t through = 0;
+  for (const Eigen::Vector3f& p : points)
+  {
+    const Eigen::Vector3d ray = p.cast<double>() - start;
+    const double along = ray.head<2>().dot(towards);
+    const double across = ray.x() * towards.y() - ray.y() * towards.x();
+    if (!(along > 0) || std::abs(across) > radius * ray.head<2>().norm())
+    {
+      continue;
+    }
+    const Chord chord = chordInBox(start, ray, box);
+    const double length = ray.head<2>().norm();
+    const double height = start.z() + 0.5 * (chord.entry + chord.exit) * ray.z();
+    through += (chord.exit - chord.entry) * length > least_chord &&
+                       (1 - chord.exit) * length > beyond && height > bottom && height < middle
+                   ? 1
+                   : 0;
+  }
+  const auto hits =
+      std::count_if(cluster.begin(), cluster.end(),
+                    [&](std::uint32_t i) { return static_cast<double>(points[i].z()) < middle; });
+  return static_cast<double>(through) /
+         std::max(1.0, static_cast<double>(through) + static_cast<double>(hits));
 }
 
 /** Whether a low cluster may be a vehicle or a person of which one ring of a sparse sensor shows a
@@ -385,20 +463,26 @@ std::vector<Detection> Detector::detect(const Points& points,
   std::vector<Detection> detections;
   const std::vector<Node> nodes =
       voxelNodes(points, selectMovingPoints(points, moving, lidar), lidar.head<2>(), options_);
+  std::vector<std::vector<std::uint32_t>> clusters;
   for (auto& cluster : linkNodes(nodes, options_.max_cluster_gap))
+  {
+    for (auto& part : splitGroup(points, std::move(cluster), lidar))
+    {
+      clusters.push_back(std::move(part));
+    }
+  }
+  for (auto& cluster : clusters)
   {
     if (cluster.size() < static_cast<std::size_t>(options_.min_points))
     {
       continue;
     }
-    Points cluster_points;
     double probability_sum = 0;
     for (const std::uint32_t i : cluster)
     {
-      cluster_points.push_back(points[i]);
       probability_sum += probability.empty() ? 1.0 : static_cast<double>(probability[i]);
     }
-    const Box box = fitLShape(cluster_points, options_.yaw_step);
+    const Box box = fitLShape(pointsOf(points, cluster), options_.yaw_step);
     const bool high_enough = box.size.z() >= options_.min_height ||
                              (labels_ == MovingLabels::hindsight &&
                               mayBeHitByOneRing(points, cluster, box.size.x(), lidar));
@@ -411,6 +495,51 @@ std::vector<Detection> Detector::detect(const Points& points,
     detections.push_back(std::move(detection));
   }
   return detections;
+}
+
+std::vector<std::vector<std::uint32_t>> Detector::splitGroup(const Points& points,
+                                                             std::vector<std::uint32_t> cluster,
+                                                             const Eigen::Vector3f& lidar) const
+{
+  constexpr double least_share = 0.2;  // of the rays that go through a group
+  constexpr double most_others = 0.2;  // share of points in parts that are no persons
+  std::vector<std::vector<std::uint32_t>> parts;
+  const auto isGroup = [&]
+  {
+    if (cluster.size() < 2 * static_cast<std::size_t>(options_.min_points))
+    {
+      return false;
+    }
+    const Box box = fitLShape(pointsOf(points, cluster), options_.yaw_step);
+    return classifyBySize(box.size) == ObjectClass::car &&
+           shareThrough(points, cluster, box, lidar) > least_share;
+  };
+  if (!isGroup())
+  {
+    parts.push_back(std::move(cluster));
+    return parts;
+  }
+  DetectorOptions narrow = options_;
+  narrow.cluster_gap *= 0.5;
+  narrow.cluster_gap_per_range *= 0.5;
+  narrow.max_cluster_gap *= 0.5;
+  parts = linkNodes(voxelNodes(points, cluster, lidar.head<2>(), narrow), narrow.max_cluster_gap);
+  int persons = 0;
+  std::size_t others = 0;  // points of parts that are no persons
+  for (const auto& part : parts)
+  {
+    const bool person = part.size() >= static_cast<std::size_t>(options_.min_points) &&
+                        classifyBySize(fitLShape(pointsOf(points, part), options_.yaw_step).size) ==
+                            ObjectClass::pedestrian;
+    persons += person ? 1 : 0;
+    others += person ? 0 : part.size();
+  }
+  if (persons < 2 ||
+      static_cast<double>(others) > most_others * static_cast<double>(cluster.size()))
+  {
+    parts.assign(1, std::move(cluster));
+  }
+  return parts;
 }
 
 Detection Detector::makeDetection(const Box& box,

@@ -209,6 +209,68 @@ TEST(Detector, withHindsightDistantPointsNearTheGroundCount)
   EXPECT_GT(lowest(9, MovingLabels::hindsight), -1.5);
 }
 
+/** Three persons abreast, between whom rays reach a wall 6 m behind them or close behind them. */
+TEST(Detector, aGroupOfPersonsThatLetsRaysThroughIsSplit)
+{
+  const auto detectBefore = [](double wall)
+  {
+    Scene scene;
+    for (double y = -6; y <= 6; y += 0.05)
+    {
+      for (double z = -1.4; z <= 0.8; z += 0.1)
+      {
+        // Where rays end at the persons or the car, 8 m ahead, none reaches the wall.
+        const double at_objects = 8 / wall * y;
+        const bool hidden = std::abs(at_objects - 0.93) < 0.3 || std::abs(at_objects) < 0.3 ||
+                            std::abs(at_objects + 0.93) < 0.3;
+        if (!hidden)
+        {
+          scene.add({wall, y, z}, 0);
+        }
+      }
+    }
+    for (const double y : {-0.93, 0.0, 0.93})
+    {
+      scene.addVisibleSides(makeBox(8, y, -0.75, 0.4, 0.5, 1.7, 0), 150);
+    }
+    const Eigen::Vector3f lidar(0, 0, -0.9F);  // 0.7 m above the floor
+    return Detector().detect(scene.points, scene.moving, scene.probability, lidar);
+  };
+  const std::vector<Detection> group = detectBefore(14);
+  ASSERT_EQ(group.size(), 3u);
+  for (const Detection& detection : group)
+  {
+    EXPECT_EQ(detection.object_class, ObjectClass::pedestrian);
+    EXPECT_LT(detection.box.size.x(), 0.8);
+  }
+  // Without a return from beyond it may be one object, of which the points between are missing.
+  const std::vector<Detection> one = detectBefore(8.2);
+  ASSERT_EQ(one.size(), 1u);
+  EXPECT_EQ(one[0].object_class, ObjectClass::car);
+}
+
+/** Rays through the windows of a car, above the middle of its height, do not split it. */
+TEST(Detector, raysThroughWindowsDoNotSplitACar)
+{
+  Scene scene;
+  const Box car = makeBox(10, 3, -0.95, 4.3, 1.8, 1.5, 0);
+  for (const double x : {8.2, 9.1, 10.0, 10.9, 11.8})  // reflecting parts, 0.4 m apart
+  {
+    scene.addVisibleSides(makeBox(x, 2.35, -0.95, 0.5, 0.5, 1.5, 0), 150);
+  }
+  for (double x = 15; x <= 24; x += 0.05)
+  {
+    for (double z = -0.9; z <= 0; z += 0.05)
+    {
+      scene.add({x, 5, z}, 0);
+    }
+  }
+  const std::vector<Detection> found =
+      Detector().detect(scene.points, scene.moving, scene.probability);
+  ASSERT_EQ(found.size(), 1u);
+  EXPECT_NEAR(found[0].box.size.x(), car.size.x(), 0.3);
+}
+
 TEST(Detector, handlesEmptySinglePointAndNaN)
 {
   Detector detector;

@@ -66,6 +66,13 @@ class Detector
       const std::vector<Eigen::Vector3f>& points,
       const std::vector<bool>& moving,
       const Eigen::Vector3f& lidar) const;
+  /** The parts of a group of persons, which are half of the usual gap apart: of a cluster of the
+   * size of a car that lets rays through, if nearly all of its points lie in two or more parts of
+   * the size of a person. Any other cluster as it is. */
+  [[nodiscard]] std::vector<std::vector<std::uint32_t>> splitGroup(
+      const std::vector<Eigen::Vector3f>& points,
+      std::vector<std::uint32_t> cluster,
+      const Eigen::Vector3f& lidar) const;
   [[nodiscard]] Detection makeDetection(const Box& box,
                                         std::size_t point_count,
                                         double probability_sum) const;
