@@ -9,6 +9,7 @@
 #include <limits>
 #include <map>
 #include <opencv2/imgproc.hpp>
+#include <set>
 #include <stdexcept>
 #include <string>
 #include <unordered_map>
@@ -28,6 +29,8 @@ constexpr double point_side = 0.2;  // a point is drawn as large as a voxel of t
 constexpr double lightest_grey = 214;
 constexpr double darkest_grey = 70;
 constexpr int line_bits = 4;  // fractional bits of pixel coordinates of lines
+
+const std::vector<Eigen::Vector3f> no_points;
 
 const cv::Scalar path_colour(190, 90, 20);  // colours are blue, green, red
 const cv::Scalar start_colour(58, 143, 28);
@@ -98,6 +101,26 @@ void include(View& view, const std::vector<Eigen::Vector3d>& path)
   }
 }
 
+/** How far nearly all points of the maps reach beyond the view, in x or y [m]; infinite without
+ * points. */
+double reachOfPoints(const std::vector<const MapPictureContent*>& contents, const View& view)
+{
+  std::vector<double> distances;
+  for (const MapPictureContent* content : contents)
+  {
+    for (const auto& p : content->points != nullptr ? *content->points : no_points)
+    {
+      if (p.allFinite())
+      {
+        const Eigen::Vector2d at = p.head<2>().cast<double>();
+        distances.push_back(
+            std::max({0.0, (view.low - at).maxCoeff(), (at - view.high).maxCoeff()}));
+      }
+    }
+  }
+  return distances.empty() ? std::numeric_limits<double>::infinity() : quantile(distances, 0.995);
+}
+
 /** View of the part around all paths of the maps that are shown. */
 View viewOf(const std::vector<const MapPictureContent*>& contents, const MapPictureOptions& options)
 {
@@ -111,7 +134,8 @@ View viewOf(const std::vector<const MapPictureContent*>& contents, const MapPict
       include(view, run.path);
     }
   }
-  const Eigen::Vector2d margin(options.margin, options.margin);
+  const double most = std::min(options.margin, reachOfPoints(contents, view) + 2);
+  const Eigen::Vector2d margin(most, most);
   view.low -= margin;
   view.high += margin;
   const Eigen::Vector2d extent = view.high - view.low;
@@ -178,6 +202,95 @@ class PictureGround
   std::unordered_map<std::int64_t, float> ground_;
 };
 
+/** Finds ceilings and the like, which would hide the floor below them in a picture from above. */
+class Ceilings
+{
+ public:
+  Ceilings(const std::vector<Eigen::Vector3f>& points, const PictureGround& ground)
+  {
+    for (const auto& p : points)
+    {
+      if (!p.allFinite())
+      {
+        continue;
+      }
+      const double height = ground.heightOver(p);
+      if (height > least_height)
+      {
+        std::vector<std::uint32_t>& layers = cells_[cellOf(p, cell_side)];
+        const std::size_t layer = layerOf(height);
+        layers.resize(std::max(layers.size(), layer + 1));
+        ++layers[layer];
+      }
+      else if (height > upright_height)
+      {
+        upright_.insert(cellOf(p, column_side));
+      }
+    }
+  }
+
+  /** Whether the point is part of a horizontal layer overhead: most of the nine cells of 1 m around
+   * have points at its height, most points over 2.2 m in them are at its height, and nothing stands
+   * below it. Not so the points of walls, trees and facades. \param height over the ground [m] */
+  [[nodiscard]] bool contain(const Eigen::Vector3f& p, double height) const
+  {
+    if (height <= least_height || upright_.count(cellOf(p, column_side)) > 0)
+    {
+      return false;
+    }
+    const std::size_t layer = layerOf(height);
+    const auto [x, y] = cellOf(p, cell_side);
+    std::uint64_t at_height = 0;
+    std::uint64_t all = 0;
+    int cells_at_height = 0;
+    for (int k = 0; k < 9; ++k)
+    {
+      const auto found = cells_.find({x + k / 3 - 1, y + k % 3 - 1});
+      if (found == cells_.end())
+      {
+        continue;
+      }
+      std::uint64_t of_cell = 0;
+      for (std::size_t i = 0; i < found->second.size(); ++i)
+      {
+        const bool is_near = i + 1 >= layer && i <= layer + 1;
+        of_cell += is_near ? found->second[i] : 0;
+        all += found->second[i];
+      }
+      at_height += of_cell;
+      cells_at_height += of_cell > 0 ? 1 : 0;
+    }
+    return cells_at_height >= least_cells &&
+           static_cast<double>(at_height) > least_share * static_cast<double>(all);
+  }
+
+ private:
+  using Cell = std::pair<std::int32_t, std::int32_t>;
+
+  static Cell cellOf(const Eigen::Vector3f& p, double side)
+  {
+    const auto number = [side](float v)
+    { return static_cast<std::int32_t>(std::floor(static_cast<double>(v) / side)); };
+    return {number(p.x()), number(p.y())};
+  }
+  static std::size_t layerOf(double height)
+  {
+    return static_cast<std::size_t>(std::min(height, highest) / layer_height);
+  }
+
+  static constexpr double least_height = 2.2;    // [m]
+  static constexpr double upright_height = 0.5;  // of what stands on the ground [m]
+  static constexpr double cell_side = 1;         // [m]
+  static constexpr double column_side = 0.4;     // [m]
+  static constexpr double layer_height = 0.2;    // [m]
+  static constexpr double highest = 100;         // [m]
+  static constexpr double least_share = 0.6;
+  static constexpr int least_cells = 6;  // more than a wall has, also one across
+
+  std::map<Cell, std::vector<std::uint32_t>> cells_;  //!< numbers of points, by layer
+  std::set<Cell> upright_;                            //!< columns with points below least_height
+};
+
 /** Calls `paint` with every pixel of the dot that a point is drawn as. */
 template <typename Paint>
 void drawDot(const Eigen::Vector3f& p, const View& view, cv::Mat& page, const Paint& paint)
@@ -196,17 +309,24 @@ void drawDot(const Eigen::Vector3f& p, const View& view, cv::Mat& page, const Pa
   }
 }
 
-/** Draws the points: every pixel is as dark as its highest point over the ground. */
+/** Draws the points: every pixel is as dark as its highest point over the ground, without
+ * ceilings. */
 void drawPoints(const std::vector<Eigen::Vector3f>& points, const View& view, cv::Mat& page)
 {
   const PictureGround ground(points);
+  const Ceilings ceilings(points, ground);
   for (const auto& p : points)
   {
     if (!p.allFinite())
     {
       continue;
     }
-    const double share = std::clamp(ground.heightOver(p) / full_height, 0.0, 1.0);
+    const double height = ground.heightOver(p);
+    if (ceilings.contain(p, height))
+    {
+      continue;
+    }
+    const double share = std::clamp(height / full_height, 0.0, 1.0);
     const auto grey = static_cast<unsigned char>(lightest_grey +
                                                  (darkest_grey - lightest_grey) * std::sqrt(share));
     drawDot(p, view, page,

@@ -48,6 +48,65 @@ TEST(MapPicture, ShowsThePartAroundThePathAndTheHeightAsDarkness)
   EXPECT_LT(picture.at<cv::Vec3b>(200, 400)[2], 60);
 }
 
+/** A corridor 20 m long and 6 m wide under a ceiling, with walls, and a shelf of 1.5 m. */
+TEST(MapPicture, ShowsTheFloorUnderACeiling)
+{
+  MapPictureContent content = drive();
+  std::vector<Eigen::Vector3f> points;
+  for (int i = 0; i < 200; ++i)
+  {
+    const float x = 0.1F * static_cast<float>(i);
+    for (int k = -30; k < 30; ++k)
+    {
+      const float y = 0.1F * static_cast<float>(k);
+      points.emplace_back(x, y, 0.0F);
+      points.emplace_back(x, y, 3.0F);
+    }
+    for (int k = 0; k <= 30; ++k)
+    {
+      points.emplace_back(x, 3.0F, 0.1F * static_cast<float>(k));
+      points.emplace_back(x, -3.0F, 0.1F * static_cast<float>(k));
+    }
+  }
+  for (int k = 0; k < 15; ++k)
+  {
+    points.emplace_back(10.05F, 2.05F, 0.1F * static_cast<float>(k));
+  }
+  content.points = &points;
+  const cv::Mat picture = cv::imdecode(renderMapPicture(content, options), cv::IMREAD_COLOR);
+  // The margin is 5 m, as far as the points reach and two more: 30 m x 10 m.
+  ASSERT_EQ(picture.cols, 600);
+  const auto grey = [&](double x, double y)
+  {
+    return static_cast<int>(
+        picture.at<cv::Vec3b>(static_cast<int>(20 * (5 - y)), static_cast<int>(20 * (5 + x)))[1]);
+  };
+  EXPECT_GT(grey(5, 2), 200) << "floor";
+  EXPECT_GT(grey(15, -2), 200) << "floor";
+  EXPECT_LT(grey(8, 3), 120) << "wall";
+  EXPECT_LT(grey(8, -3), 120) << "wall";
+  EXPECT_LT(grey(10.05, 2.05), 160) << "shelf";
+}
+
+/** Of a distant wall often a single ring is seen, high up. */
+TEST(MapPicture, ALineOfPointsIsNoCeiling)
+{
+  MapPictureContent content = drive();
+  std::vector<Eigen::Vector3f> points;
+  for (int i = 0; i < 300; ++i)
+  {
+    const float along = 0.05F * static_cast<float>(i);
+    points.emplace_back(along, 0.3F * along + 1, 4.5F);
+    points.emplace_back(along, 0.3F * along + 1, 0.0F);
+    points.emplace_back(along, 9.5F, 0.0F);
+  }
+  content.points = &points;
+  const cv::Mat picture = cv::imdecode(renderMapPicture(content, options), cv::IMREAD_COLOR);
+  const int x = 400;  // 10 m
+  const int y = static_cast<int>(20 * (10 - 4));
+  EXPECT_LT(static_cast<int>(picture.at<cv::Vec3b>(y, x)[1]), 100);
+}
+
 TEST(MapPicture, ShowsObjectsWhereTheyWere)
 {
   MapPictureContent content = drive();

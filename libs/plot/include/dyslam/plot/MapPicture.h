@@ -50,7 +50,7 @@ struct MapPictureOptions
 };
 
 /** PNG of the map from above, x to the right and y up. Points are darker the higher they are over
- * the ground around them; over the points are drawn the paths of the vehicle and of the objects,
+ * the ground around them; ceilings (flat layers of points over free ground) are left out. Over the points are drawn the paths of the vehicle and of the objects,
  * the last box of each object, loops, a scale and a legend. The part around the vehicle's path is
  * shown. \return no bytes without a path. \throws std::invalid_argument for options that are not
  * positive.
