@@ -124,7 +124,7 @@ TEST(Settings, EveryShippedIniIsAccepted)
 {
   const TestFolder folder;
   for (const std::string name :
-       {"kitti64.ini", "vlp16.ini", "solid_state.ini", "handheld.ini", "paper64.ini"})
+       {"kitti64.ini", "vlp16.ini", "solid_state.ini", "handheld.ini", "fast.ini", "paper64.ini"})
   {
     const Outcome outcome = slam(folder, name, "-c " + name + " -v ERROR");
     EXPECT_NE(1, outcome.code) << name << ": " << outcome.err;

@@ -148,7 +148,7 @@ TEST_F(SharedFiles, OnlyInisOfTheProgramAreListed)
     return std::string("found");
   };
   const std::string start = "no_such: no such file; give a path or one of: ";
-  EXPECT_EQ(start + "handheld.ini, kitti64.ini, paper64.ini, solid_state.ini, vlp16.ini",
+  EXPECT_EQ(start + "fast.ini, handheld.ini, kitti64.ini, paper64.ini, solid_state.ini, vlp16.ini",
             listed("dyslam"));
   EXPECT_EQ(start + "kitti_mot.ini", listed("dyslam-eval"));
   EXPECT_EQ(start + "train_dylo.ini, train_dylo_simulated.ini", listed("dyslam-train dylo"));
