@@ -9,7 +9,6 @@
 #include <limits>
 #include <map>
 #include <opencv2/imgproc.hpp>
-#include <set>
 #include <stdexcept>
 #include <string>
 #include <unordered_map>
@@ -215,30 +214,33 @@ class Ceilings
         continue;
       }
       const double height = ground.heightOver(p);
+      const std::size_t layer = layerOf(height);
+      columns_[cellOf(p, column_side)] |= bitOf(layer);
       if (height > least_height)
       {
         std::vector<std::uint32_t>& layers = cells_[cellOf(p, cell_side)];
-        const std::size_t layer = layerOf(height);
         layers.resize(std::max(layers.size(), layer + 1));
         ++layers[layer];
-      }
-      else if (height > upright_height)
-      {
-        upright_.insert(cellOf(p, column_side));
       }
     }
   }
 
   /** Whether the point is part of a horizontal layer overhead: most of the nine cells of 1 m around
-   * have points at its height, most points over 2.2 m in them are at its height, and nothing stands
-   * below it. Not so the points of walls, trees and facades. \param height over the ground [m] */
+   * have points at its height, most points over 2.2 m in them are at its height, and there are none
+   * right below it. Not so the points of walls, trees and facades. \param height over the ground
+   * [m] */
   [[nodiscard]] bool contain(const Eigen::Vector3f& p, double height) const
   {
-    if (height <= least_height || upright_.count(cellOf(p, column_side)) > 0)
+    if (height <= least_height || height >= highest)
     {
       return false;
     }
     const std::size_t layer = layerOf(height);
+    const std::uint64_t right_below = bitOf(layer - 2) | bitOf(layer - 3) | bitOf(layer - 4);
+    if ((columns_.at(cellOf(p, column_side)) & right_below) != 0)
+    {
+      return false;
+    }
     const auto [x, y] = cellOf(p, cell_side);
     std::uint64_t at_height = 0;
     std::uint64_t all = 0;
@@ -275,20 +277,20 @@ class Ceilings
   }
   static std::size_t layerOf(double height)
   {
-    return static_cast<std::size_t>(std::min(height, highest) / layer_height);
+    return static_cast<std::size_t>(std::clamp(height, 0.0, highest) / layer_height);
   }
+  static std::uint64_t bitOf(std::size_t layer) { return std::uint64_t{1} << layer; }
 
-  static constexpr double least_height = 2.2;    // [m]
-  static constexpr double upright_height = 0.5;  // of what stands on the ground [m]
-  static constexpr double cell_side = 1;         // [m]
-  static constexpr double column_side = 0.4;     // [m]
-  static constexpr double layer_height = 0.2;    // [m]
-  static constexpr double highest = 100;         // [m]
+  static constexpr double least_height = 2.2;  // [m]
+  static constexpr double cell_side = 1;       // [m]
+  static constexpr double column_side = 0.4;   // [m]
+  static constexpr double layer_height = 0.2;  // [m]
+  static constexpr double highest = 12.7;      // of ceilings [m]; 64 layers
   static constexpr double least_share = 0.6;
   static constexpr int least_cells = 6;  // more than a wall has, also one across
 
   std::map<Cell, std::vector<std::uint32_t>> cells_;  //!< numbers of points, by layer
-  std::set<Cell> upright_;                            //!< columns with points below least_height
+  std::map<Cell, std::uint64_t> columns_;             //!< layers with points, a bit each
 };
 
 /** Calls `paint` with every pixel of the dot that a point is drawn as. */

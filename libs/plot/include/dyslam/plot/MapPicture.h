@@ -50,10 +50,10 @@ struct MapPictureOptions
 };
 
 /** PNG of the map from above, x to the right and y up. Points are darker the higher they are over
- * the ground around them; ceilings (flat layers of points over free ground) are left out. Over the points are drawn the paths of the vehicle and of the objects,
- * the last box of each object, loops, a scale and a legend. The part around the vehicle's path is
- * shown. \return no bytes without a path. \throws std::invalid_argument for options that are not
- * positive.
+ * the ground around them; ceilings (flat layers of points over free ground) are left out. Over the
+ * points are drawn the paths of the vehicle and of the objects, the last box of each object, loops,
+ * a scale and a legend. The part around the vehicle's path is shown. \return no bytes without a
+ * path. \throws std::invalid_argument for options that are not positive.
  */
 [[nodiscard]] std::vector<std::uint8_t> renderMapPicture(const MapPictureContent& content,
                                                          const MapPictureOptions& options = {});
