@@ -31,8 +31,8 @@ void declare(CLI::App& app,
                "(output.checkpoint_seconds); --input only if the rawlog has been moved");
   app.add_flag(
       "--window", with_window,
-      "show scans, moving objects and map in a window while the run goes on; it stays open "
-      "until you close it");
+      "show scans, moving objects and map in a window while the run goes on; after a run with "
+      "usable results it stays open until you close it");
   dyslam::declareSlamArguments(app, a);
   dyslam::declareConversion(app, conversion);
 }

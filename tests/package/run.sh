@@ -59,6 +59,8 @@ for weights in dylo dyseg; do
   [[ $(dpkg -c "$dist"/dyslam-weights-noncommercial_*.deb) == *models/$weights.safetensors* ]] || fail "no $weights.safetensors"
 done
 
+[[ $(dpkg -c "${packages[0]}") == */dyslam/libdyslam-window.so* ]] || fail "no module for --window"
+
 # The networks are there twice, and the plain ones run, too.
 [[ $(dpkg -c "${packages[0]}") == *x86-64-v3/libdyslam-networks.so* ]] || fail "no networks for machines with AVX2"
 if [[ -d $work/prefix ]]; then

@@ -146,11 +146,12 @@ void Backend::State::tieToEarth()
   }
   if (!fits)
   {
+    const bool nearly_fit = gnss.fits(graph, usual_drift);
     graph.remove(earth);
     gnss.warn(
         std::string("the positions of the satellite receiver are not used: most of them do not fit "
                     "the trajectory; ") +
-        (gnss.fitsIfSwapped(graph, vehicle_at, usual_drift)
+        (!nearly_fit && gnss.fitsIfSwapped(graph, vehicle_at, usual_drift)
              ? "they fit with latitude and longitude swapped: mend this where they are recorded"
              : "is its clock that of the lidar, and the place of its antenna right?"));
     return;

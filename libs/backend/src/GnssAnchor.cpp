@@ -65,14 +65,16 @@ double whiteSigma(const std::vector<ComparedPosition>& positions)
 /** Positions that agree with each other, in the order of time: those of the best sequence, in which
  * each position counts 1, and each jump costs a quarter of all positions. A jump is a difference of
  * two successive errors that neither noise nor drift explains. So a part with another error is left
- * out if it is short, and kept if it is long: then the trajectory may be wrong.
- * \return ascending indices */
+ * out if it is short, and kept if it is long: then the trajectory may be wrong. It may be so after
+ * a stretch without positions, too, as a tunnel; both ends of it agree. \return ascending indices
+ */
 std::vector<std::size_t> agreeingPositions(const std::vector<ComparedPosition>& positions,
                                            double drift)
 {
   constexpr double most_sigmas = 3;
   constexpr double jump_share = 0.25;
   constexpr double least_cost = 3;
+  constexpr double longest_gap = 50;  // path without positions on which they are compared [m]
   const std::size_t none = positions.size();
   const double white = whiteSigma(positions);
   const double jump_cost = std::max(least_cost, jump_share * static_cast<double>(none));
@@ -88,8 +90,10 @@ std::vector<std::size_t> agreeingPositions(const std::vector<ComparedPosition>& 
       const ComparedPosition& before = positions[j];
       const double noise =
           most_sigmas * std::hypot(std::max(here.sigma, white), std::max(before.sigma, white));
-      const bool agrees = (here.error - before.error).norm() <=
-                          antenna_tolerance + drift * (here.path - before.path) + noise;
+      const double path = here.path - before.path;
+      const bool is_after_gap = j + 1 == i && path > longest_gap;
+      const bool agrees = is_after_gap || (here.error - before.error).norm() <=
+                                              antenna_tolerance + drift * path + noise;
       const double score = scores[j] - (agrees ? 0 : jump_cost);
       if (score > best)
       {
@@ -205,6 +209,7 @@ void GnssAnchor::select(const FactorGraph& graph, const VehicleAt& vehicle_at)
     }
     const bool stated = fix.horizontal_sigma > 0 && fix.vertical_sigma > 0 &&
                         std::isfinite(fix.horizontal_sigma + fix.vertical_sigma);
+    used.on_earth = fix.position;
     used.position = toEnu(fix.position, origin_);
     used.horizontal_sigma =
         std::max(options_.min_sigma, stated ? fix.horizontal_sigma : options_.default_sigma);
@@ -326,6 +331,11 @@ void GnssAnchor::leaveOutOutliers(const FactorGraph& graph)
     }
   }
   used_ = std::move(kept);
+  origin_ = used_.front().on_earth;
+  for (Used& used : used_)
+  {
+    used.position = toEnu(used.on_earth, origin_);
+  }
 }
 
 bool GnssAnchor::addTo(FactorGraph& graph, const VehicleAt& vehicle_at)

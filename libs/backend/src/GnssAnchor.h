@@ -59,6 +59,7 @@ class GnssAnchor
   struct Used
   {
     std::size_t keyframe;
+    GeodeticPosition on_earth;
     Eigen::Vector3d position;  //!< position of the antenna, east-north-up [m]
     Eigen::Vector3d antenna;   //!< position of the antenna, vehicle frame of the keyframe [m]
     double horizontal_sigma;   //!< sigma of east and of north [m]

@@ -279,6 +279,23 @@ TEST(Gnss, APartOfTheDriveWithWrongPositionsDoesNotCount)
   }
 }
 
+/** In the tunnel the trajectory may have drifted, which the positions after it tell. */
+TEST(Gnss, PositionsAfterATunnelAreNotLeftOut)
+{
+  DriveWithFixes drive(0.5, 1600, 0);
+  const std::size_t scans = drive.frames.size();
+  for (std::size_t i = scans / 2; i < scans * 8 / 10; ++i)
+  {
+    drive.frames[i].gnss.clear();
+  }
+  shift(scans * 8 / 10, scans, {20, 12, 0}, drive);
+  const GnssRun run(drive, with(GnssUse::align));
+  EXPECT_EQ(run.warnings().find("jump against the trajectory"), std::string::npos)
+      << run.warnings();
+  ASSERT_TRUE(run.backend.georeference()) << run.warnings();
+  EXPECT_NEAR(static_cast<double>(run.backend.georeference()->fixes), 140, 3);
+}
+
 /** The positions may be right, and the trajectory wrong. */
 TEST(Gnss, ALongPartThatDiffersIsNotLeftOut)
 {

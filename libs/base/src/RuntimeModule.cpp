@@ -73,8 +73,9 @@ std::string notFound(const std::string& module, const std::string& needed_by)
   {
     appendWord(tried, folder.string());
   }
-  return needed_by + " needs " + fileOf(module) +
-         ", which a build with libtorch has, and which is not in " + tried;
+  const std::string origin = module == "networks" ? "which a build with libtorch has"
+                                                  : "which is installed with the programs";
+  return needed_by + " needs " + fileOf(module) + ", " + origin + ", and which is not in " + tried;
 }
 }  // namespace
 

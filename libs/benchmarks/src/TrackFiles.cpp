@@ -156,7 +156,7 @@ void removeIf(std::vector<LabelledBox>& boxes, Condition condition)
 std::optional<FrameRange> framesOfTable(const std::string& folder)
 {
   const fs::path path = fs::path(folder) / run_files::scan_table;
-  if (!fs::exists(path))
+  if (!fs::exists(path) || fs::is_empty(path))
   {
     return std::nullopt;
   }

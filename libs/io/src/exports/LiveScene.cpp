@@ -73,7 +73,8 @@ struct LiveScene::Impl
   double first_time = 0;  //!< of the first frame [s]
   std::vector<Eigen::Vector3d> path;
   std::deque<MapPart> parts;
-  HeightRange heights;  //!< of the first frame, relative to the vehicle [m]
+  /** Of the first frame with static points, relative to the vehicle [m]. */
+  std::optional<HeightRange> heights;
 
   void addPosition(const Eigen::Vector3d& position)
   {
@@ -94,7 +95,8 @@ struct LiveScene::Impl
   [[nodiscard]] mrpt::opengl::CPointCloudColoured::Ptr draw(const MapPart& part) const
   {
     const auto z = static_cast<float>(part.begin.z());
-    return heightColoured(part.points, part.intensity, {heights.low + z, heights.high + z}, 2.0F);
+    const HeightRange range = heights.value_or(HeightRange());
+    return heightColoured(part.points, part.intensity, {range.low + z, range.high + z}, 2.0F);
   }
 
   /** The part that grows; where the vehicle has left the last one, a new one. */
@@ -137,12 +139,12 @@ struct LiveScene::Impl
         part.intensity.push_back(has_intensity ? frame.cloud.intensity[i] : 0.5F);
       }
     }
-    if (!last_index)
+    if (!heights && !part.points.empty())
     {
       const auto z = static_cast<float>(part.begin.z());
       const HeightRange range = heightRange(part.points);
       // Red is left to the moving points.
-      heights = {range.low - z, range.low - z + 1.7F * (range.high - range.low)};
+      heights = HeightRange{range.low - z, range.low - z + 1.7F * (range.high - range.low)};
     }
   }
 
@@ -153,11 +155,14 @@ struct LiveScene::Impl
     {
       scene->insert(part.drawn ? part.drawn : draw(part));
     }
-    if (!frame.T_odom_vehicle.matrix().allFinite())
+    const bool has_pose = frame.T_odom_vehicle.matrix().allFinite();
+    if (has_pose)
     {
-      return scene;
+      scene->insert(plainColoured(movingPoints(frame), moving_colour, 4.0F));
+      const auto vehicle = mrpt::opengl::stock_objects::CornerXYZSimple(2.0F, 3.0F);
+      vehicle->setPose(toMrpt(frame.T_odom_vehicle));
+      scene->insert(vehicle);
     }
-    scene->insert(plainColoured(movingPoints(frame), moving_colour, 4.0F));
     for (const TrackedObject& object : frame.objects)
     {
       if (object.reported)
@@ -169,9 +174,6 @@ struct LiveScene::Impl
     {
       scene->insert(line);
     }
-    const auto vehicle = mrpt::opengl::stock_objects::CornerXYZSimple(2.0F, 3.0F);
-    vehicle->setPose(toMrpt(frame.T_odom_vehicle));
-    scene->insert(vehicle);
     scene->getViewport()->setCustomBackgroundColor(background);
     scene->getViewport()->addTextMessage(10, 10, statusOf(frame, frame.time() - first_time));
     return scene;

@@ -41,8 +41,9 @@ constexpr double outlier = 5;              //!< limit of outliers [sigma]
 /** Deviation of the gyroscope from the prior beyond which the prior's weight falls [sigma]. */
 constexpr double turn_gate = 3;
 /** Deviation of a fast rotation by the gyroscope from the prior beyond which it is not used. */
-constexpr double impossible_turn = 20;  //!< [sigma]
-constexpr double fast_rate = 3;         //!< least angular velocity of such a rotation [rad/s]
+constexpr double impossible_turn = 20;       //!< [sigma]
+constexpr std::size_t trusted_motions = 10;  //!< that agreed, after which any rotation is believed
+constexpr double fast_rate = 3;              //!< least angular velocity of such a rotation [rad/s]
 /** Least share of the initial variances of bias and scale, which change with time. */
 constexpr double least_variance = 0.01;
 constexpr double conflict_share = 0.1;  //!< weight of a new rotation in State::conflict
@@ -332,7 +333,9 @@ Matrix6 MotionSensors::fuse(const SensedMotion& sensed, MotionPrior& prior) cons
     const Eigen::Vector3d off =
         logSO3(prior.T_previous_current.linear().transpose() * sensed.T_previous_current.linear());
     const double distance2 = off.dot(prior.information.bottomRightCorner<3, 3>() * off);
-    if (distance2 > squared(impossible_turn) && sensed.mean_rate.norm() > fast_rate)
+    const SensorUse& use = state_->gyroscope;
+    const bool has_agreed = use.compared - use.contradictions >= trusted_motions;
+    if (!has_agreed && distance2 > squared(impossible_turn) && sensed.mean_rate.norm() > fast_rate)
     {
       added.bottomRightCorner<3, 3>().setZero();
     }
@@ -444,7 +447,7 @@ std::vector<std::string> MotionSensors::warnings() const
   if (state_->in_degrees)
   {
     warnings.push_back(
-        formatted("the gyroscope was not used: its angular velocities are %.0f times those of the "
+        formatted("the gyroscope is not used: its angular velocities are %.0f times those of the "
                   "scans, so that they are in deg/s instead of rad/s; set "
                   "motion_sensors.gyroscope_unit=deg_s",
                   state_->unit.ratio()));

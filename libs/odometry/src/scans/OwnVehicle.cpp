@@ -18,7 +18,7 @@ constexpr std::size_t most_observations = 20;
 constexpr std::size_t least_observations = 8;
 constexpr std::uint8_t known_scans = 60;
 constexpr double own_share = 0.25;  // least share of scans with returns in a cell of the vehicle
-constexpr double own_share_around = 0.8;  // and in the cell or beside it
+constexpr double own_share_around = 0.5;  // and in the cell or beside it
 }  // namespace
 
 OwnVehicle::OwnVehicle(double range)

@@ -18,8 +18,8 @@ class StateArchive;
  * them.
  *
  * While the vehicle moves, its own returns stay in place in the lidar's frame, whereas the
- * surroundings pass by. A place (a cube of 0.1 m and its neighbours) is free if the lidar had no
- * returns there in most of the last 20 scans, which are at least 0.3 m or 10 degrees apart. Until
+ * surroundings pass by. A place (a cube of 0.1 m and its neighbours) is free if the lidar had
+ * returns there in few of the last 20 scans, which are at least 0.3 m or 10 degrees apart. Until
  * there are eight of these scans (before the vehicle moves), it may be everywhere.
  *
  * After the first 20 of these scans the vehicle only grows where it touches what it had in the last
