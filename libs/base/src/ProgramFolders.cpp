@@ -1,18 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "ProgramFolders.h"
 
-#include <cstdlib>
-
 namespace fs = std::filesystem;
 
 namespace dyslam
 {
-std::string environmentValue(const std::string& name)
-{
-  const char* value = std::getenv(name.c_str());
-  return value != nullptr ? value : "";
-}
-
 std::vector<fs::path> ProgramFolders::candidates() const
 {
   std::vector<fs::path> folders;

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <dyslam/base/Environment.h>
+
 #include <filesystem>
 #include <string>
 #include <vector>
@@ -17,7 +19,4 @@ struct ProgramFolders
 
   [[nodiscard]] std::vector<std::filesystem::path> candidates() const;
 };
-
-/** Value of an environment variable; empty if it is not set. */
-[[nodiscard]] std::string environmentValue(const std::string& name);
 }  // namespace dyslam

@@ -1,28 +1,17 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/base/Environment.h>
 #include <dyslam/base/Error.h>
 #include <dyslam/base/RuntimeModule.h>
 #include <dyslam/window/SceneWindow.h>
 
-#include <cstdlib>
-
 namespace dyslam
 {
-namespace
-{
-/** Value of an environment variable; empty if it is not set. */
-std::string valueOf(const char* variable)
-{
-  const char* value = std::getenv(variable);
-  return value == nullptr ? "" : value;
-}
-}  // namespace
-
 std::unique_ptr<SceneWindow> openSceneWindow(const std::string& title, const std::string& needed_by)
 {
   const std::string advice =
       "; run on a machine with a screen, over ssh -X, or without " + needed_by;
-  const std::string display = valueOf("DISPLAY");
-  const std::string wayland = valueOf("WAYLAND_DISPLAY");
+  const std::string display = environmentValue("DISPLAY");
+  const std::string wayland = environmentValue("WAYLAND_DISPLAY");
   if (display.empty() && wayland.empty())
   {
     throw UserError(needed_by + ": there is no display (DISPLAY is not set)" + advice);

@@ -5,23 +5,7 @@
 namespace dyslam
 {
 const FactorType LoopFactor::factor_type = {
-    "loop",
-    "LOOP",
-    "LEFT_OUT_LOOP",
-    6,
-    [](FactorData& data, FactorFields& fields)
-    {
-      data.keys.resize(2);
-      fields.index(data.keys[0].index);
-      fields.index(data.keys[1].index);
-      fields.pose(data.measurement);
-    },
-    [](const FactorData& data) -> std::unique_ptr<const Factor>
-    {
-      return std::make_unique<LoopFactor>(static_cast<std::size_t>(data.keys.at(0).index),
-                                          static_cast<std::size_t>(data.keys.at(1).index),
-                                          data.measurement, data.information);
-    }};
+    "loop", "LOOP", "LEFT_OUT_LOOP", 6, exchangeKeyframes, makeOfKeyframes<LoopFactor>};
 
 FactorLoss LoopFactor::loss(const FactorGraphOptions& options) const
 {

@@ -21,6 +21,14 @@ RelativePoseFactor::RelativePoseFactor(const FactorType& type,
   }
 }
 
+void RelativePoseFactor::exchangeKeyframes(FactorData& data, FactorFields& fields)
+{
+  data.keys.resize(2);
+  fields.index(data.keys[0].index);
+  fields.index(data.keys[1].index);
+  fields.pose(data.measurement);
+}
+
 Vector6 RelativePoseFactor::residual(ValueBlocks blocks, FactorJacobians* jacobians) const
 {
   return edgeError(ErrorCoordinates::log, T_a_b_, unpackPose(blocks[0]), unpackPose(blocks[1]),

@@ -2,6 +2,10 @@
 #pragma once
 
 #include <dyslam/backend/Factor.h>
+#include <dyslam/backend/FactorType.h>
+
+#include <cstddef>
+#include <memory>
 
 namespace dyslam
 {
@@ -21,6 +25,18 @@ class RelativePoseFactor : public Factor
 
   [[nodiscard]] Vector6 residual(ValueBlocks blocks, FactorJacobians* jacobians) const override;
   [[nodiscard]] Pose measurement() const override { return T_a_b_; }
+
+ protected:
+  /** FactorType::exchangeFields and make of a type between the ego poses of two keyframes: their
+   * numbers and the measured pose. */
+  static void exchangeKeyframes(FactorData& data, FactorFields& fields);
+  template <typename T>
+  [[nodiscard]] static std::unique_ptr<const Factor> makeOfKeyframes(const FactorData& data)
+  {
+    return std::make_unique<T>(static_cast<std::size_t>(data.keys.at(0).index),
+                               static_cast<std::size_t>(data.keys.at(1).index), data.measurement,
+                               data.information);
+  }
 
  private:
   Pose T_a_b_;
