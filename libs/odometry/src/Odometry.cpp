@@ -69,7 +69,7 @@ struct Odometry::State
   void registerToMap(Frame& frame, const FrameContext& context, const Pose& T_guess);
   [[nodiscard]] LocalMapRegistration::Alignment registerFrom(const Pose& T_guess,
                                                              const Frame& frame,
-                                                             const FrameContext& context) const;
+                                                             const FrameContext& context);
   void takeMatcherMotion(Frame& frame, const FrameContext& context, const Pose& T_guess);
 
   void exchangeState(StateArchive& archive)
@@ -237,7 +237,7 @@ void Odometry::State::registerToMap(Frame& frame, const FrameContext& context, c
  * abrupt motion, or one that was misjudged, the velocity of the last scan alone may be wrong. */
 LocalMapRegistration::Alignment Odometry::State::registerFrom(const Pose& T_guess,
                                                               const Frame& frame,
-                                                              const FrameContext& context) const
+                                                              const FrameContext& context)
 {
   const double start_sigma = !history.registered && predictor.startSpeedKnown()
                                  ? options.start_speed_sigma * frame.dt
