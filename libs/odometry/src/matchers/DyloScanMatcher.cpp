@@ -10,6 +10,7 @@
 #include <cmath>
 #include <cstdio>
 #include <limits>
+#include <memory>
 #include <optional>
 
 #include "CloudCheck.h"
@@ -142,4 +143,8 @@ void DyloScanMatcher::accept(const Pose& T_reference_current)
   matcher_.keepAsReference(T_sweep);
 }
 
+std::unique_ptr<ScanMatcher> makeDyloMatcher(const DyloOptions& options)
+{
+  return std::make_unique<DyloScanMatcher>(options);
+}
 }  // namespace dyslam

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/base/Registry.h>
 #include <dyslam/base/RuntimeModule.h>
+#include <dyslam/odometry/Dylo.h>
 #include <dyslam/odometry/ScanMatcher.h>
 
 #include "ConstantMotion.h"
-#include "DyloOptions.h"
 #include "GicpMatcher.h"
 #include "IcpMatcher.h"
 #include "LoamMatcher.h"
