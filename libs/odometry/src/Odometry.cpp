@@ -296,12 +296,10 @@ std::vector<std::string> Odometry::warnings() const
 {
   const State& s = *state_;
   std::vector<std::string> warnings = s.predictor.warnings();
-  if (!s.registers() && s.matcher->name() == "constant_velocity" &&
-      s.predictor.sensorNames().empty())
+  if (!s.registers() && s.matcher->onlyPredicts() && s.predictor.sensorNames().empty())
   {
-    warnings.emplace_back(
-        "nothing measures the motion: odometry.method=constant_velocity only predicts it, and "
-        "refine.method is none; change one of them");
+    warnings.push_back("nothing measures the motion: odometry.method=" + s.matcher->name() +
+                       " only predicts it, and refine.method is none; change one of them");
   }
   constexpr int min_registered = 10;
   constexpr int degenerate_share = 5;  // one of so many scans

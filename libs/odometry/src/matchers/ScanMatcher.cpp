@@ -67,7 +67,8 @@ Registry<ScanMatcher> matchers()
       {"loam_no_mapping",
        [](ConfigLoader& c) { return loam(c.get<LoamNoMappingOptions>("loam_no_mapping"), false); }},
       {"loam", [](ConfigLoader& c) { return loam(c.get<LoamOptions>("loam"), true); }},
-      {"dylo", [](ConfigLoader& c) { return dylo(c.get<DyloOptions>("dylo")); }},
+      {"dylo", [](ConfigLoader& c) { return dylo(c.get<DyloOptions>("dylo")); },
+       /*needs_networks=*/true},
   });
 }
 }  // namespace
@@ -75,6 +76,11 @@ Registry<ScanMatcher> matchers()
 std::vector<std::string> scanMatcherNames()
 {
   return matchers().names();
+}
+
+bool scanMatcherNeedsNetworks(const std::string& name)
+{
+  return matchers().needsNetworks(name);
 }
 
 std::unique_ptr<ScanMatcher> makeScanMatcher(const std::string& name,
