@@ -22,7 +22,12 @@ namespace dyslam
 {
 namespace
 {
-const std::string warning_mark = "warning: ";  // begins messages that --quiet prints, too
+/** A line about the settings, for stderr. */
+struct Message
+{
+  std::string text;
+  bool is_warning = false;  //!< printed with --quiet, too
+};
 
 /** Sections of an ini: our own, and those of dyslam, which may have written it. */
 std::vector<std::string> knownSections()
@@ -77,7 +82,7 @@ std::vector<std::string> inputAssignments(const Arguments& a)
 
 /** The settings under those of --set: of the ini, of the run, or as dyslam chooses them for the
  * sensor. \param messages where they are from */
-Config baseSettings(const Arguments& a, std::vector<std::string>& messages)
+Config baseSettings(const Arguments& a, std::vector<Message>& messages)
 {
   const std::string of_run = effectiveIniOf(a);
   if (!a.inputs.runs.empty())
@@ -93,18 +98,18 @@ Config baseSettings(const Arguments& a, std::vector<std::string>& messages)
       readGivenSettings(a.given.config.empty() ? of_run : a.given.config, inputAssignments(a));
   if (a.given.config.empty() && !of_run.empty())
   {
-    messages.push_back("settings: " + of_run);
+    messages.push_back({"settings: " + of_run});
     return given.ini;
   }
   RecordingSettings chosen = settingsForRecording(a.inputs.recording.rawlog, given);
-  messages.push_back(chosen.sensor.summary() + "; settings: " + chosen.source);
+  messages.push_back({chosen.sensor.summary() + "; settings: " + chosen.source});
   if (!chosen.levelling_note.empty())
   {
-    messages.push_back("note: " + chosen.levelling_note);
+    messages.push_back({"note: " + chosen.levelling_note});
   }
   for (const std::string& warning : chosen.warnings)
   {
-    messages.push_back(warning_mark + warning);
+    messages.push_back({"warning: " + warning, /*is_warning=*/true});
   }
   return std::move(chosen.config);
 }
@@ -223,15 +228,15 @@ void loadRecording(ConfigLoader& loader, Arguments& a)
 }
 
 /** Settings with which runs are merged. \param messages gets notes about them */
-void loadMerger(ConfigLoader& loader, Arguments& a, std::vector<std::string>& messages)
+void loadMerger(ConfigLoader& loader, Arguments& a, std::vector<Message>& messages)
 {
   a.merger.loops = loader.get<LoopCloserOptions>("loop");
   if (!a.merger.loops.appearance)
   {
     a.merger.loops.appearance = true;  // as RunMerger does
-    messages.emplace_back(
-        "note: loop.appearance=false is for single runs: nothing but appearance shows where the "
-        "merged ones meet (limits: loop.appearance_...)");
+    messages.push_back(
+        {"note: loop.appearance=false is for single runs: nothing but appearance shows where the "
+         "merged ones meet (limits: loop.appearance_...)"});
   }
   a.merger.solver = loader.get<FactorGraphOptions>("solver");
   a.merger.merge = loader.get<RunMergerOptions>("merge");
@@ -239,7 +244,7 @@ void loadMerger(ConfigLoader& loader, Arguments& a, std::vector<std::string>& me
 }
 
 /** Settings with which the map is built. \param messages gets notes about them */
-void loadSections(ConfigLoader& loader, Arguments& a, std::vector<std::string>& messages)
+void loadSections(ConfigLoader& loader, Arguments& a, std::vector<Message>& messages)
 {
   a.builder.map = loader.get<StaticMapOptions>("map");
   a.builder.hindsight = loader.get<HindsightOptions>("labels");
@@ -260,14 +265,14 @@ Config ownDefaults(Arguments a)
 {
   const Config none;
   ConfigLoader loader(none);
-  std::vector<std::string> ignored;
+  std::vector<Message> ignored;
   loadSections(loader, a, ignored);
   return loader.effective();
 }
 
 /** The settings given by ini, run, sensor and --set. \param messages where they are from
  * \throws UserError. */
-Config givenSettings(const Arguments& a, std::vector<std::string>& messages)
+Config givenSettings(const Arguments& a, std::vector<Message>& messages)
 {
   Config config = baseSettings(a, messages);
   Config assigned;
@@ -306,7 +311,7 @@ Config effectiveSettings(const Config& loaded, const Arguments& a)
 
 void loadConfig(Arguments& a)
 {
-  std::vector<std::string> messages;
+  std::vector<Message> messages;
   Config config;
   Config loaded;
   try
@@ -328,11 +333,11 @@ void loadConfig(Arguments& a)
   a.builder.keyframe_distance =
       a.given.keyframe_distance ? *a.given.keyframe_distance : keyframeDistance(config);
   a.outputs.settings = effectiveSettings(loaded, a);
-  for (const std::string& message : messages)
+  for (const Message& message : messages)
   {
-    if (!a.quiet || message.rfind(warning_mark, 0) == 0)
+    if (!a.quiet || message.is_warning)
     {
-      std::fprintf(stderr, "%s\n", printable(message).c_str());
+      std::fprintf(stderr, "%s\n", printable(message.text).c_str());
     }
   }
 }

@@ -305,7 +305,8 @@ void load(Options& options, const Config& config, const std::string& section)
 
 void save(const Options& options, Config& config, const std::string& section)
 {
-  // describe() takes references for the loader's sake; the saver only reads them.
+  // describe() takes references for the loader's sake. Saver and Checker only read them, so that
+  // nothing is assigned, also if the object is const.
   Saver saver(config, section);
   const_cast<Options&>(options).describe(saver);
 }

@@ -155,6 +155,51 @@ TEST(Options, ValidateChecksValuesSetInCode)
   EXPECT_THROW(validate(options, "sample"), UserError);
 }
 
+/** A choice that counts assignments to it. */
+struct CountedChoice
+{
+  explicit CountedChoice(int number_in) : number(number_in) {}
+  CountedChoice(const CountedChoice&) = default;
+  ~CountedChoice() = default;
+  CountedChoice& operator=(const CountedChoice& other)
+  {
+    number = other.number;
+    ++assignments;
+    return *this;
+  }
+  bool operator==(const CountedChoice& other) const { return number == other.number; }
+
+  int number;
+  int assignments = 0;
+};
+
+struct CountedOptions : Options
+{
+  CountedChoice value{1};
+
+  void describe(OptionsVisitor& v) override
+  {
+    v.choice("value", value, {{"one", CountedChoice(1)}, {"two", CountedChoice(2)}}, "a number");
+  }
+};
+
+TEST(Options, SavingAndCheckingAssignNothing)
+{
+  CountedOptions options;
+  Config config;
+  save(options, config, "counted");
+  validate(options, "counted");
+  EXPECT_EQ(config.text("counted", "value"), "one");
+  EXPECT_EQ(options.value.assignments, 0);
+
+  load(options, Config::fromText("[counted]\nvalue = two\n", "a.ini"), "counted");
+  EXPECT_EQ(options.value.number, 2);
+  EXPECT_EQ(options.value.assignments, 1);
+  save(options, config, "counted");
+  EXPECT_EQ(config.text("counted", "value"), "two");
+  EXPECT_EQ(options.value.assignments, 1);
+}
+
 TEST(Config, SetReplacesTheFilesValue)
 {
   Config config = Config::fromText("[sample]\nthreads = 4\n", "a.ini");

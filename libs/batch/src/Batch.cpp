@@ -2,13 +2,13 @@
 #include <dyslam/base/Config.h>
 #include <dyslam/base/Error.h>
 #include <dyslam/base/Files.h>
+#include <dyslam/base/PathSettings.h>
 #include <dyslam/batch/Batch.h>
 #include <dyslam/batch/ChildProcess.h>
 #include <dyslam/batch/MemoryBudget.h>
 #include <dyslam/formats/ProgramLines.h>
 
 #include <algorithm>
-#include <array>
 #include <atomic>
 #include <chrono>
 #include <condition_variable>
@@ -17,7 +17,6 @@
 #include <filesystem>
 #include <mutex>
 #include <optional>
-#include <string_view>
 #include <thread>
 
 #include "OneRun.h"
@@ -29,22 +28,6 @@ namespace
 // A run on street64 with the network takes 0.9 GB, one of 1700 m 2 GB.
 constexpr std::uint64_t first_estimate = std::uint64_t{2} << 30U;
 constexpr double share_of_available = 0.9;
-
-/** Settings that name files, which are the same for all runs. Errors about these files begin with
- * the setting. */
-constexpr std::array<std::string_view, 5> file_settings{"boxes.calib", "boxes.file", "dyseg.labels",
-                                                        "dyseg_network.weights", "dylo.weights"};
-
-/** Whether the error message of a run is about a file that a setting names. */
-bool isAboutFileOfSetting(const std::string& message)
-{
-  return std::any_of(file_settings.begin(), file_settings.end(),
-                     [&message](std::string_view setting)
-                     {
-                       return message.compare(0, setting.size(), setting) == 0 &&
-                              message.find_first_of(":= ", setting.size()) == setting.size();
-                     });
-}
 
 struct Task
 {
@@ -118,8 +101,7 @@ class Runner
       return m.reason;
     }
     const auto message = messageOfErrorLine(program_name, m.reason);
-    return message &&
-                   (isAboutSettings(*message, settings_.config) || isAboutFileOfSetting(*message))
+    return message && (isAboutSettings(*message, settings_.config) || isAboutNamedFile(*message))
                ? message
                : std::nullopt;
   }

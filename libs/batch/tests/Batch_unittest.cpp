@@ -269,7 +269,8 @@ TEST_F(Batch, FilesOfSettingsThatAreRefusedEndItAtOnce)
   std::size_t before = 0;
   for (const std::string said :
        {"boxes.file: /data/boxes.txt:1: has 5 fields", "boxes.calib is of the boxes of boxes.file",
-        "dyseg_network.weights = nope: no such file", "dylo.weights: x.safetensors: is damaged"})
+        "dyseg_network.weights = nope: no such file", "dylo.weights: x.safetensors: is damaged",
+        "prior_map.file: none.pcd: no such file or folder"})
   {
     program("echo 'dyslam: " + said + "' >&2; exit 1");
     EXPECT_EQ(said + " (the same for every recording: nothing more was run)",

@@ -6,12 +6,24 @@
 #include <algorithm>
 #include <tuple>
 #include <utility>
+#include <vector>
 
 namespace dyslam
 {
+namespace
+{
+const std::vector<std::uint32_t> no_points;
+}  // namespace
+
 static_assert(std::tuple_size_v<decltype(std::declval<Frame&>().members())> ==
                   fields::count<Frame>(),
               "add the new field of Frame to members(), in the order of declaration");
+
+const std::vector<std::uint32_t>& Frame::pointsOf(const TrackedObject& object) const
+{
+  return object.detection < 0 ? no_points
+                              : detections[static_cast<std::size_t>(object.detection)].points;
+}
 
 void Frame::exchangeState(StateArchive& archive)
 {

@@ -172,6 +172,17 @@ std::size_t KeyframeStore::add(const Keyframe& keyframe)
   return keyframes_.size() - 1;
 }
 
+std::vector<Pose> KeyframeStore::poses() const
+{
+  std::vector<Pose> poses;
+  poses.reserve(keyframes_.size());
+  for (const Keyframe& keyframe : keyframes_)
+  {
+    poses.push_back(keyframe.T_map_vehicle);
+  }
+  return poses;
+}
+
 void KeyframeStore::correct(const std::vector<Pose>& T_map_vehicle, std::size_t first)
 {
   if (first + T_map_vehicle.size() != keyframes_.size())

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/base/Angle.h>
+#include <dyslam/base/Printable.h>
 #include <dyslam/core/Pose.h>
 
 #include <Eigen/SVD>
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <sstream>
 #include <vector>
 
@@ -186,11 +186,9 @@ std::string poseText(const Pose& pose)
 {
   const Eigen::Vector3d t = pose.translation();
   const Eigen::Vector3d angles = degrees_per_radian * yawPitchRoll(pose);
-  char text[160];
-  std::snprintf(text, sizeof text, "%.7g %.7g %.7g %.7g %.7g %.7g", millionths(t.x()),
-                millionths(t.y()), millionths(t.z()), millionths(angles.x()),
-                millionths(angles.y()), millionths(angles.z()));
-  return text;
+  return formatted("%.7g %.7g %.7g %.7g %.7g %.7g", millionths(t.x()), millionths(t.y()),
+                   millionths(t.z()), millionths(angles.x()), millionths(angles.y()),
+                   millionths(angles.z()));
 }
 
 std::optional<Pose> poseFromText(std::string text)

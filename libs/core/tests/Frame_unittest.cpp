@@ -30,6 +30,17 @@ Frame frameToSave()
   return frame;
 }
 
+TEST(Frame, PointsOfAnObjectAreThoseOfItsDetection)
+{
+  Frame frame;
+  frame.detections.resize(2);
+  frame.detections[1].points = {4, 7};
+  TrackedObject object;
+  EXPECT_TRUE(frame.pointsOf(object).empty()) << "not observed";
+  object.detection = 1;
+  EXPECT_EQ(&frame.pointsOf(object), &frame.detections[1].points);
+}
+
 TEST(FrameState, ComesBackWithAllFields)
 {
   Frame frame = frameToSave();

@@ -82,6 +82,9 @@ TEST(KeyframeStore, NumbersKeyframesAndCorrectsTheirPoses)
   store.correct({Pose::Identity(), moved});
   EXPECT_EQ(store.revision(), 1U);
   EXPECT_EQ(store.back().T_map_vehicle.matrix(), moved.matrix());
+  ASSERT_EQ(store.poses().size(), 2U);
+  EXPECT_EQ(store.poses()[0].matrix(), Pose::Identity().matrix());
+  EXPECT_EQ(store.poses()[1].matrix(), moved.matrix());
   EXPECT_THROW(store.correct({moved}), std::invalid_argument);
 }
 

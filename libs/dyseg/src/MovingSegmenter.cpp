@@ -41,7 +41,8 @@ Registry<MovingSegmenter> segmenters()
       {"residual",
        [](ConfigLoader& c) { return residual(c.get<ResidualSegmenterOptions>("residual")); }},
       {"network",
-       [](ConfigLoader& c) { return network(c.get<NetworkSegmenterOptions>("dyseg_network")); }},
+       [](ConfigLoader& c) { return network(c.get<NetworkSegmenterOptions>("dyseg_network")); },
+       /*needs_networks=*/true},
   });
 }
 }  // namespace
@@ -60,6 +61,11 @@ void MovingSegmenterOptions::describe(OptionsVisitor& visitor)
 std::vector<std::string> segmenterMethods()
 {
   return segmenters().names();
+}
+
+bool segmenterNeedsNetworks(const std::string& method)
+{
+  return segmenters().needsNetworks(method);
 }
 
 std::unique_ptr<MovingSegmenter> makeSegmenter(const std::string& method,

@@ -201,7 +201,7 @@ std::vector<std::string> segmentersHere()
   for (const std::string& name : segmenterMethods())
   {
 #ifndef DYSLAM_HAVE_TORCH
-    if (name == "network")
+    if (segmenterNeedsNetworks(name))
     {
       continue;  // throws on construction
     }
@@ -226,6 +226,15 @@ TEST(MakeSegmenter, NoneIsNull)
   const Config config;
   ConfigLoader loader(config);
   EXPECT_EQ(makeSegmenter("none", loader, pool), nullptr);
+}
+
+TEST(MakeSegmenter, OnlyNetworkNeedsTheNetworks)
+{
+  for (const std::string& name : segmenterMethods())
+  {
+    EXPECT_EQ(segmenterNeedsNetworks(name), name == "network") << name;
+  }
+  EXPECT_FALSE(segmenterNeedsNetworks("unknown"));
 }
 
 TEST(MakeSegmenter, NamesTheNearest)

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/base/Error.h>
+#include <dyslam/base/ParseNumber.h>
 #include <dyslam/base/Printable.h>
 #include <dyslam/base/Words.h>
 #include <dyslam/eval/LearningLog.h>
 
 #include <algorithm>
 #include <cmath>
-#include <cstdlib>
 #include <optional>
 #include <sstream>
 #include <utility>
@@ -36,13 +36,6 @@ std::vector<std::string> cellsOf(const std::string& line)
 bool isOfNames(const std::string& column)
 {
   return column == "recording" || column == "set" || column == "start";
-}
-
-std::optional<double> numberOf(const std::string& cell)
-{
-  char* end = nullptr;
-  const double value = std::strtod(cell.c_str(), &end);
-  return !cell.empty() && *end == '\0' ? std::optional(value) : std::nullopt;
 }
 
 /** A CSV file as words. */
@@ -107,7 +100,7 @@ std::optional<std::vector<double>> numbersOf(const Words& words, std::size_t col
   bool any = false;
   for (const std::vector<std::string>& row : words.rows)
   {
-    const std::optional<double> number = numberOf(row[column]);
+    const std::optional<double> number = parseNumber<double>(row[column]);
     numbers.push_back(number.value_or(std::nan("")));
     any = any || number.has_value();
   }

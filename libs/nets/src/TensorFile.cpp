@@ -2,11 +2,11 @@
 #include <dyslam/base/Error.h>
 #include <dyslam/base/Files.h>
 #include <dyslam/base/PendingFile.h>
+#include <dyslam/base/Printable.h>
 #include <dyslam/nets/TensorFile.h>
 
 #include <array>
 #include <cstdint>
-#include <cstdio>
 #include <cstring>
 #include <nlohmann/json.hpp>
 #include <ostream>
@@ -70,9 +70,7 @@ class Fnv1a
   void add(const std::string& text) { add(text.c_str(), text.size() + 1); }
   [[nodiscard]] std::string text() const
   {
-    char digits[17];
-    std::snprintf(digits, sizeof digits, "%016llx", static_cast<unsigned long long>(state_));
-    return digits;
+    return formatted("%016llx", static_cast<unsigned long long>(state_));
   }
 
  private:

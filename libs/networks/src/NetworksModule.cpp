@@ -2,8 +2,7 @@
 #include <dyslam/base/RuntimeModule.h>
 #include <dyslam/base/Version.h>
 #include <dyslam/dyseg/NetworkSegmenter.h>
-
-#include "matchers/DyloScanMatcher.h"
+#include <dyslam/odometry/Dylo.h>
 
 // The functions of the module `networks`, from which dyseg and odometry get their stages that need
 // libtorch.
@@ -26,6 +25,6 @@ extern "C"
 
   dyslam::ScanMatcher* dyslam_make_dylo_matcher(const dyslam::DyloOptions& options)
   {
-    return new dyslam::DyloScanMatcher(options);
+    return dyslam::makeDyloMatcher(options).release();
   }
 }

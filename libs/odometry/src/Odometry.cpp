@@ -69,7 +69,7 @@ struct Odometry::State
   void registerToMap(Frame& frame, const FrameContext& context, const Pose& T_guess);
   [[nodiscard]] LocalMapRegistration::Alignment registerFrom(const Pose& T_guess,
                                                              const Frame& frame,
-                                                             const FrameContext& context) const;
+                                                             const FrameContext& context);
   void takeMatcherMotion(Frame& frame, const FrameContext& context, const Pose& T_guess);
 
   void exchangeState(StateArchive& archive)
@@ -237,7 +237,7 @@ void Odometry::State::registerToMap(Frame& frame, const FrameContext& context, c
  * abrupt motion, or one that was misjudged, the velocity of the last scan alone may be wrong. */
 LocalMapRegistration::Alignment Odometry::State::registerFrom(const Pose& T_guess,
                                                               const Frame& frame,
-                                                              const FrameContext& context) const
+                                                              const FrameContext& context)
 {
   const double start_sigma = !history.registered && predictor.startSpeedKnown()
                                  ? options.start_speed_sigma * frame.dt
@@ -296,12 +296,10 @@ std::vector<std::string> Odometry::warnings() const
 {
   const State& s = *state_;
   std::vector<std::string> warnings = s.predictor.warnings();
-  if (!s.registers() && s.matcher->name() == "constant_velocity" &&
-      s.predictor.sensorNames().empty())
+  if (!s.registers() && s.matcher->onlyPredicts() && s.predictor.sensorNames().empty())
   {
-    warnings.emplace_back(
-        "nothing measures the motion: odometry.method=constant_velocity only predicts it, and "
-        "refine.method is none; change one of them");
+    warnings.push_back("nothing measures the motion: odometry.method=" + s.matcher->name() +
+                       " only predicts it, and refine.method is none; change one of them");
   }
   constexpr int min_registered = 10;
   constexpr int degenerate_share = 5;  // one of so many scans

@@ -30,7 +30,7 @@ std::vector<Method> methods(bool all_of_them = true)
   for (const std::string& name : scanMatcherNames())
   {
 #ifndef DYSLAM_HAVE_TORCH
-    if (name == "dylo")
+    if (scanMatcherNeedsNetworks(name))
     {
       continue;  // throws on construction; see below
     }
@@ -169,6 +169,14 @@ TEST_P(EveryPointMatcher, FindsItFromPerturbedStarts)
   }
 }
 
+TEST_P(EveryMatcher, OnlyPredictsIfItReturnsThePrior)
+{
+  const Pose guess = T_ * poseFromYpr(0.05, 0.02, 0, 0, 0, 0);
+  const MotionEstimate found = move(T_, guess, pool_);
+  EXPECT_EQ(make(GetParam().name, pool_)->onlyPredicts(),
+            found.T_previous_current.matrix() == guess.matrix());
+}
+
 TEST_P(EveryMatcher, InformationIsSymmetricAndPositive)
 {
   const MotionEstimate estimate = move(T_, T_, pool_);
@@ -277,6 +285,15 @@ const auto nameOf = [](const testing::TestParamInfo<Method>& test_info)
 { return test_info.param.name; };
 INSTANTIATE_TEST_SUITE_P(Methods, EveryMatcher, testing::ValuesIn(methods()), nameOf);
 INSTANTIATE_TEST_SUITE_P(Methods, EveryPointMatcher, testing::ValuesIn(methods(false)), nameOf);
+
+TEST(MakeScanMatcher, OnlyDyloNeedsTheNetworks)
+{
+  for (const std::string& name : scanMatcherNames())
+  {
+    EXPECT_EQ(scanMatcherNeedsNetworks(name), name == "dylo") << name;
+  }
+  EXPECT_FALSE(scanMatcherNeedsNetworks("unknown"));
+}
 
 TEST(MakeScanMatcher, NamesTheNearestMethod)
 {

@@ -7,6 +7,7 @@
 #include <dyslam/odometry/Odometry.h>
 #include <dyslam/odometry/Preprocessor.h>
 #include <dyslam/odometry/ScanClock.h>
+#include <dyslam/odometry/ScanMatcher.h>
 #include <dyslam/pipeline/FrontEnd.h>
 #include <dyslam/pipeline/Pipeline.h>
 #include <mrpt/system/CTimeLogger.h>
@@ -41,7 +42,7 @@ std::future<void> loadAhead(const Config& config)
   OdometryOptions odometry;
   load(segmentation, config, "dyseg");
   load(odometry, config, "odometry");
-  if (segmentation.method == "network" || odometry.method == "dylo")
+  if (segmenterNeedsNetworks(segmentation.method) || scanMatcherNeedsNetworks(odometry.method))
   {
     return loadRuntimeModuleAhead("networks");
   }

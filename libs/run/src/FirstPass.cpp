@@ -3,6 +3,7 @@
 
 #include <dyslam/base/Error.h>
 #include <dyslam/base/Files.h>
+#include <dyslam/base/PathSettings.h>
 #include <dyslam/base/Printable.h>
 #include <dyslam/formats/RunFiles.h>
 
@@ -11,8 +12,6 @@
 #include <filesystem>
 #include <system_error>
 #include <vector>
-
-#include "settings/PathSettings.h"
 
 namespace dyslam
 {

@@ -2,6 +2,7 @@
 #include <dyslam/backend/Backend.h>
 #include <dyslam/base/Error.h>
 #include <dyslam/base/Files.h>
+#include <dyslam/base/PathSettings.h>
 #include <dyslam/base/StateArchive.h>
 #include <dyslam/io/RawlogSource.h>
 #include <dyslam/pipeline/Pipeline.h>
@@ -25,7 +26,6 @@
 #include "results/RunHistory.h"
 #include "results/RunStatistics.h"
 #include "results/RunTimes.h"
-#include "settings/PathSettings.h"
 
 namespace dyslam
 {

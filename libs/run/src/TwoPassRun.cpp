@@ -4,7 +4,7 @@
 #include <dyslam/run/TwoPassRun.h>
 
 #include <algorithm>
-#include <cstddef>
+#include <iterator>
 
 #include "FirstPass.h"
 
@@ -42,11 +42,15 @@ RunSettings chooseFor(const RunRequest& request, SlamRunSettings& run)
   return chosen;
 }
 
-/** Warnings of a report after the first ones, which are about the settings. */
+/** Warnings of a report that its settings do not have. */
 std::vector<std::string> newWarnings(const SlamRunReport& report, const SlamRunSettings& settings)
 {
-  const std::size_t known = std::min(settings.warnings.size(), report.warnings.size());
-  return {report.warnings.begin() + static_cast<std::ptrdiff_t>(known), report.warnings.end()};
+  const std::vector<std::string>& known = settings.warnings;
+  std::vector<std::string> warnings;
+  std::copy_if(report.warnings.begin(), report.warnings.end(), std::back_inserter(warnings),
+               [&known](const std::string& warning)
+               { return std::find(known.begin(), known.end(), warning) == known.end(); });
+  return warnings;
 }
 
 PassesReport runPass(Pass pass,

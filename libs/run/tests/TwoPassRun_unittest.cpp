@@ -52,6 +52,10 @@ class TwoPassRun : public ::testing::Test
       report.path_length += pass == Pass::second ? longer_ : 0;
       report.warnings.insert(report.warnings.begin(), settings.warnings.begin(),
                              settings.warnings.end());
+      if (!report.ended_early.empty())
+      {
+        report.warnings.insert(report.warnings.begin(), "not complete: " + report.ended_early);
+      }
       return report;
     };
   }
@@ -174,6 +178,15 @@ TEST_F(TwoPassRun, TheSecondPassHasTheWarningsOfTheFirst)
   EXPECT_EQ(std::vector<std::string>{"first pass: the clock was set"}, runs_[1].warnings);
   EXPECT_EQ(runs_[1].warnings, warned_);
   EXPECT_EQ(report_.warnings, result.new_warnings);
+}
+
+TEST_F(TwoPassRun, TheWarningOfAnIncompleteRunIsNewAlthoughItIsTheFirst)
+{
+  request_.settings.warnings = {"a scan of the recording is left out"};
+  report_.ended_early = "the recording is damaged";
+  report_.warnings = {"the clock was set"};
+  EXPECT_EQ(run().new_warnings, (std::vector<std::string>{"not complete: the recording is damaged",
+                                                          "the clock was set"}));
 }
 
 TEST_F(TwoPassRun, AFirstPassThatFailedEndsIt)

@@ -41,9 +41,13 @@ Enum enumeratorOf(const std::string& word,
 void SimulatorOptions::describe(OptionsVisitor& visitor)
 {
   visitor.choice("world", world, kWorlds, "kind of the simulated world");
-  std::string sensor_name = toString(sensor);
+  const std::string sensor_before = toString(sensor);
+  std::string sensor_name = sensor_before;
   visitor.word("sensor", sensor_name, sensorNames(), "simulated LiDAR");
-  sensor = sensorKindFromString(sensor_name);
+  if (sensor_name != sensor_before)
+  {
+    sensor = sensorKindFromString(sensor_name);
+  }
   visitor.real("traffic", traffic, 0, 1, "traffic density, from 0 (nothing moves) to 1 (jam)");
   visitor.integer("seed", seed, 0, 2147483647, "seed of world, traffic and noise");
   visitor.integer(

@@ -1,14 +1,17 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/base/Error.h>
+#include <dyslam/base/ParseNumber.h>
 #include <dyslam/base/PendingFile.h>
 #include <dyslam/base/SharedFiles.h>
 #include <dyslam/base/Words.h>
 #include <dyslam/train/DataText.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <optional>
 #include <sstream>
 #include <stdexcept>
 
@@ -34,13 +37,12 @@ std::vector<std::string> listItems(const std::string& text, char separator)
 
 double numberOf(const std::string& text)
 {
-  std::size_t read = 0;
-  const double number = std::stod(text, &read);
-  if (read != text.size())
+  const std::optional<double> number = parseNumber<double>(text);
+  if (!number || !std::isfinite(*number))
   {
     throw std::invalid_argument(text);
   }
-  return number;
+  return *number;
 }
 
 int wholeNumberOf(const std::string& text)

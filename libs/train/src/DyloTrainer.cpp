@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/base/Error.h>
 #include <dyslam/base/Files.h>
+#include <dyslam/base/Printable.h>
 #include <dyslam/nets/Devices.h>
 #include <dyslam/nets/DyloFile.h>
 #include <dyslam/nets/TensorFile.h>
@@ -13,7 +14,6 @@
 #include <dyslam/train/TrainDylo.h>
 
 #include <array>
-#include <cstdio>
 #include <filesystem>
 #include <memory>
 #include <sstream>
@@ -275,11 +275,10 @@ void Trainer::log(double gradient)
       << mean(&Terms::flow) << ',' << mean(&Terms::precision) << ',' << mean(&Terms::moving) << ','
       << mean(&Terms::final_pose) << ',' << gradient << ',' << first_error << ',' << last_error;
   appendRows(loop_->file(log_file), {row.str()});
-  char line[200];
-  std::snprintf(line, sizeof line, "step %lld/%d  loss %.3f  t %.3f -> %.4f m  |g| %.2f  ",
-                static_cast<long long>(loop_->step()), options_.train.steps, loss, first_error,
-                last_error, gradient);
-  request_.report(line + loop_->timing());
+  request_.report(formatted("step %lld/%d  loss %.3f  t %.3f -> %.4f m  |g| %.2f  ",
+                            static_cast<long long>(loop_->step()), options_.train.steps, loss,
+                            first_error, last_error, gradient) +
+                  loop_->timing());
 }
 
 void Trainer::validate()

@@ -3,12 +3,12 @@
 
 #include <dyslam/base/AreaUnderCurve.h>
 #include <dyslam/base/PendingFile.h>
+#include <dyslam/base/Printable.h>
 
 #include <algorithm>
 #include <cctype>
 #include <chrono>
 #include <cmath>
-#include <cstdio>
 #include <limits>
 #include <ostream>
 
@@ -18,11 +18,8 @@ namespace
 {
 std::string line(const char* name, const MotionErrors& e)
 {
-  char text[200];
-  std::snprintf(text, sizeof text, "    %-18s %8.4f %8.4f m  %8.4f %8.4f deg  %7.3f\n", name,
-                e.translation.mean, e.translation.rmse, e.rotation_deg.mean, e.rotation_deg.rmse,
-                e.forward_ratio);
-  return text;
+  return formatted("    %-18s %8.4f %8.4f m  %8.4f %8.4f deg  %7.3f\n", name, e.translation.mean,
+                   e.translation.rmse, e.rotation_deg.mean, e.rotation_deg.rmse, e.forward_ratio);
 }
 
 struct MaskSamples
@@ -234,31 +231,23 @@ std::string validationTable(const std::vector<ValidationRow>& rows)
       "  per frame:          t mean    t rmse       r mean   r rmse       forward ratio\n";
   for (const ValidationRow& row : rows)
   {
-    char stage_text[32];
     text += "  " + row.recording + "\n" + line("dylo", row.network) +
             line("dylo, predicted", row.predicted_start) + line("zero motion", row.zero_motion) +
             line("constant velocity", row.constant_velocity);
-    char spread[120];
-    std::snprintf(spread, sizeof spread,
-                  "    dylo, t max %.4f  median %.4f  min %.4f  std %.4f m\n",
-                  row.network.translation.max, row.network.translation.median,
-                  row.network.translation.min, row.network.translation.standard_deviation);
-    text += spread;
+    text += formatted("    dylo, t max %.4f  median %.4f  min %.4f  std %.4f m\n",
+                      row.network.translation.max, row.network.translation.median,
+                      row.network.translation.min, row.network.translation.standard_deviation);
     text += "    stages, t rmse [m]:";
     for (const double error : row.stage_translation_rmse)
     {
-      std::snprintf(stage_text, sizeof stage_text, " %.4f", error);
-      text += stage_text;
+      text += formatted(" %.4f", error);
     }
-    std::snprintf(stage_text, sizeof stage_text, ";  %.1f ms\n", row.milliseconds);
-    text += stage_text;
+    text += formatted(";  %.1f ms\n", row.milliseconds);
     if (std::isfinite(row.mask_auc))
     {
-      char mask_text[120];
-      std::snprintf(mask_text, sizeof mask_text,
-                    "    static confidence, area under ROC: %.3f (%zu moving, %zu static points)\n",
+      text +=
+          formatted("    static confidence, area under ROC: %.3f (%zu moving, %zu static points)\n",
                     row.mask_auc, row.moving_points, row.still_points);
-      text += mask_text;
     }
   }
   return text;

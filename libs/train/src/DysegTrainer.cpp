@@ -2,6 +2,7 @@
 #include "DysegTrainer.h"
 
 #include <dyslam/base/Error.h>
+#include <dyslam/base/Printable.h>
 #include <dyslam/nets/Devices.h>
 #include <dyslam/nets/DysegFile.h>
 #include <dyslam/nets/DysegModel.h>
@@ -17,7 +18,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdio>
 #include <filesystem>
 
 #include "DysegCrop.h"
@@ -63,11 +63,8 @@ void requireSameValue(const std::string& file,
 {
   if (of_weights != given)
   {
-    char values[160];
-    std::snprintf(values, sizeof(values),
-                  ": trained with [grid] %s = %g, not %g; set it to %g, or %s", key, of_weights,
-                  given, of_weights, otherwise);
-    throw UserError(file + values);
+    throw UserError(file + formatted(": trained with [grid] %s = %g, not %g; set it to %g, or %s",
+                                     key, of_weights, given, of_weights, otherwise));
   }
 }
 
@@ -231,21 +228,17 @@ void DysegTrainer::Impl::log(double /*gradient*/)
 
 std::string DysegTrainer::Impl::progress(const DysegLoss& loss) const
 {
-  char line[200];
-  std::snprintf(line, sizeof(line),
-                "step %lld/%d  matching %.3f  flow %.3f  static %.3f  cell %.3f  point %.3f  ",
-                static_cast<long long>(loop->step()), options.steps, loss.matching, loss.flow,
-                loss.static_probability, loss.cell, loss.point);
-  return line + loop->timing();
+  return formatted("step %lld/%d  matching %.3f  flow %.3f  static %.3f  cell %.3f  point %.3f  ",
+                   static_cast<long long>(loop->step()), options.steps, loss.matching, loss.flow,
+                   loss.static_probability, loss.cell, loss.point) +
+         loop->timing();
 }
 
 std::string DysegTrainer::Impl::logRow(const DysegLoss& loss) const
 {
-  char row[200];
-  std::snprintf(row, sizeof(row), "%lld,%.2f,%.6f,%.4f,%.4f,%.4f,%.4f,%.4f",
-                static_cast<long long>(loop->step()), loop->minutes(), loop->rate(), loss.matching,
-                loss.flow, loss.static_probability, loss.cell, loss.point);
-  return row;
+  return formatted("%lld,%.2f,%.6f,%.4f,%.4f,%.4f,%.4f,%.4f", static_cast<long long>(loop->step()),
+                   loop->minutes(), loop->rate(), loss.matching, loss.flow, loss.static_probability,
+                   loss.cell, loss.point);
 }
 
 void DysegTrainer::Impl::validate()

@@ -2,11 +2,11 @@
 #include "DysegValidation.h"
 
 #include <dyslam/base/Error.h>
+#include <dyslam/base/Printable.h>
 #include <dyslam/train/DataSplits.h>
 #include <dyslam/train/DataText.h>
 #include <dyslam/train/LabelledRun.h>
 
-#include <cstdio>
 #include <filesystem>
 #include <optional>
 
@@ -169,14 +169,7 @@ std::string scoreFields(const DysegScores& s)
   { return count > 0 ? std::optional(sum / static_cast<double>(count)) : std::nullopt; };
   std::string fields;
   const auto add = [&fields](std::optional<double> value, int digits)
-  {
-    char text[40] = "";
-    if (value)
-    {
-      std::snprintf(text, sizeof text, "%.*f", digits, *value);
-    }
-    fields += std::string(",") + text;
-  };
+  { fields += value ? formatted(",%.*f", digits, *value) : ","; };
   add(s.iou(), 4);
   add(s.precision(), 4);
   add(s.recall(), 4);

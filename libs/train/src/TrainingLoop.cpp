@@ -3,13 +3,13 @@
 
 #include <dyslam/base/Error.h>
 #include <dyslam/base/Files.h>
+#include <dyslam/base/Printable.h>
 #include <dyslam/nets/Threads.h>
 #include <dyslam/train/DataText.h>
 #include <dyslam/train/NetworkWeights.h>
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <filesystem>
 
 namespace dyslam
@@ -227,9 +227,7 @@ std::string TrainingLoop::timing() const
 {
   const double per_step =
       minutesSince(start_) / static_cast<double>(std::max<std::int64_t>(1, step_ - first_step_));
-  char text[80];
-  std::snprintf(text, sizeof text, "%.0f ms/pair  %.0f min left", 60e3 * per_step / setup_.batch,
-                per_step * static_cast<double>(setup_.steps - step_));
-  return text;
+  return formatted("%.0f ms/pair  %.0f min left", 60e3 * per_step / setup_.batch,
+                   per_step * static_cast<double>(setup_.steps - step_));
 }
 }  // namespace dyslam

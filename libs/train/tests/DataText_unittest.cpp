@@ -34,6 +34,8 @@ TEST(DataText, NumbersAreNothingElse)
   EXPECT_THROW((void)wholeNumberOf("8.5"), std::logic_error);
   EXPECT_THROW((void)numberOf("1,5"), std::logic_error);
   EXPECT_THROW((void)numberOf(""), std::logic_error);
+  EXPECT_THROW((void)numberOf("nan"), std::logic_error);
+  EXPECT_THROW((void)numberOf("1e999"), std::logic_error);
 }
 
 TEST(DataText, PathsAreInTheFolderOfTheDataOrAbsolute)

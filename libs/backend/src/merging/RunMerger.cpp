@@ -137,13 +137,15 @@ void RunMerger::State::solve()
       false_loops.insert(i);
     }
   }
+  std::vector<Pose> poses = keyframes.poses();
   for (const Run& run : runs)
   {
     for (std::size_t k = run.range.begin; run.joined && k < run.range.end; ++k)
     {
-      keyframes[k].T_map_vehicle = graph.pose(Key::ego(k));
+      poses[k] = graph.pose(Key::ego(k));
     }
   }
+  keyframes.correct(poses);
 }
 
 bool RunMerger::State::join(const Placement& placement)
@@ -154,11 +156,7 @@ bool RunMerger::State::join(const Placement& placement)
   {
     return false;
   }
-  std::vector<Pose> before;
-  for (const Keyframe& keyframe : keyframes)
-  {
-    before.push_back(keyframe.T_map_vehicle);
-  }
+  const std::vector<Pose> before = keyframes.poses();
   const std::vector<Loop> joined_loops = loops;
   const std::set<std::size_t> joined_false = false_loops;
   const OptimisationResult joined_optimisation = optimisation;

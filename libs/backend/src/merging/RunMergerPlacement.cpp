@@ -85,10 +85,12 @@ void RunMerger::State::place(const Placement& placement)
                     : keyframes[seed.to].T_map_vehicle * seed.T_from_to.inverse() *
                           keyframes[seed.from].T_map_vehicle.inverse();
   }
+  std::vector<Pose> poses = keyframes.poses();
   for (std::size_t k = range.begin; k < range.end; ++k)
   {
-    keyframes[k].T_map_vehicle = orthonormalised(T_map_run * keyframes[k].T_map_vehicle);
+    poses[k] = orthonormalised(T_map_run * poses[k]);
   }
+  keyframes.correct(poses);
 }
 
 Pose RunMerger::State::frameOf(const Run& run) const

@@ -11,7 +11,6 @@
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <memory>
 
 #include "graph/CovarianceInverse.h"
@@ -373,11 +372,11 @@ std::vector<std::string> ObjectGraph::warnings() const
   }
   if (jumps_ > 0)
   {
-    char limit[32];
-    std::snprintf(limit, sizeof limit, "%g", options_.max_jump);
-    result.push_back(counted(jumps_, "observation") +
-                     " of objects not linked with earlier ones: more than " + limit +
-                     " m from the expected place (objects.max_jump)");
+    result.push_back(
+        counted(jumps_, "observation") +
+        formatted(" of objects not linked with earlier ones: more than %g m from the expected "
+                  "place (objects.max_jump)",
+                  options_.max_jump));
   }
   return result;
 }

@@ -291,13 +291,12 @@ LocalMapRegistration::LocalMapRegistration(const RefineOptions& options, ThreadP
 LocalMapRegistration::~LocalMapRegistration() = default;
 LocalMapRegistration::LocalMapRegistration(LocalMapRegistration&&) noexcept = default;
 
-LocalMapRegistration::Alignment LocalMapRegistration::align(
-    const Frame& frame,
-    const Pose& T_odom_vehicle_guess,
-    const MotionPrior* prior,
-    std::optional<double> initial_sigma) const
+LocalMapRegistration::Alignment LocalMapRegistration::align(const Frame& frame,
+                                                            const Pose& T_odom_vehicle_guess,
+                                                            const MotionPrior* prior,
+                                                            std::optional<double> initial_sigma)
 {
-  State& s = *state_;  // only its working memory changes
+  State& s = *state_;
   Alignment alignment;
   alignment.addition_ = std::make_unique<Addition>();
   Addition& addition = *alignment.addition_;

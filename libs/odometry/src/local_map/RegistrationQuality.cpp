@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "RegistrationQuality.h"
 
+#include <dyslam/base/Printable.h>
+
 #include <Eigen/Eigenvalues>
 #include <cmath>
-#include <cstdio>
 
 namespace dyslam
 {
@@ -16,34 +17,29 @@ constexpr double lever = 10;
 
 std::string failureReason(const ScanToMapResult& found, const RefineOptions& options)
 {
-  char text[240];
   if (!found.finite)
   {
     return "the registration has no finite solution";
   }
   if (found.surface_share < options.min_surface_share)
   {
-    std::snprintf(text, sizeof text,
-                  "%.0f %% of the points have a surface in the local map, the limit is %g %% "
-                  "(refine.min_surface_share): the map's cells are too small for the sensor, raise "
-                  "refine.levels or refine.cell_size",
-                  std::floor(100 * found.surface_share), 100 * options.min_surface_share);
-    return text;
+    return formatted(
+        "%.0f %% of the points have a surface in the local map, the limit is %g %% "
+        "(refine.min_surface_share): the map's cells are too small for the sensor, raise "
+        "refine.levels or refine.cell_size",
+        std::floor(100 * found.surface_share), 100 * options.min_surface_share);
   }
   if (found.inliers < min_inliers)
   {
-    std::snprintf(text, sizeof text,
-                  "the scan does not fit the local map: %zu inlier%s, the limit is %zu",
-                  found.inliers, found.inliers == 1 ? "" : "s", min_inliers);
-    return text;
+    return formatted("the scan does not fit the local map: %zu inlier%s, the limit is %zu",
+                     found.inliers, found.inliers == 1 ? "" : "s", min_inliers);
   }
   if (found.inlier_ratio < options.min_inlier_ratio)
   {
-    std::snprintf(text, sizeof text,
-                  "the scan does not fit the local map: inlier ratio %.2f, the limit is %g "
-                  "(refine.min_inlier_ratio)",
-                  std::floor(100 * found.inlier_ratio) / 100, options.min_inlier_ratio);
-    return text;
+    return formatted(
+        "the scan does not fit the local map: inlier ratio %.2f, the limit is %g "
+        "(refine.min_inlier_ratio)",
+        std::floor(100 * found.inlier_ratio) / 100, options.min_inlier_ratio);
   }
   return {};
 }

@@ -23,6 +23,7 @@ class ConstantMotion : public ScanMatcher
   [[nodiscard]] ScanMatch match(const Frame& frame, const MotionPrior& prior) override;
   void exchangeState(StateArchive& archive) override { archive(first_); }
   [[nodiscard]] std::string name() const override;
+  [[nodiscard]] bool onlyPredicts() const override { return kind_ == Kind::constant_velocity; }
 
  private:
   Kind kind_;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "DyloOptions.h"
+#include <dyslam/odometry/Dylo.h>
 
 namespace dyslam
 {

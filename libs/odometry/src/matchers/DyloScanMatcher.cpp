@@ -8,8 +8,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <limits>
+#include <memory>
 #include <optional>
 
 #include "CloudCheck.h"
@@ -68,7 +68,6 @@ std::string DyloScanMatcher::extract(const Frame& frame)
 
 std::string DyloScanMatcher::doubts(const DyloMatch& match) const
 {
-  char text[120];
   if (match.matched < fewest_matches)
   {
     return "only " + std::to_string(match.matched) + (match.matched == 1 ? " match" : " matches");
@@ -76,21 +75,18 @@ std::string DyloScanMatcher::doubts(const DyloMatch& match) const
   const double share = static_cast<double>(match.inliers) / static_cast<double>(match.sampled);
   if (share < options_.min_inlier_share)
   {
-    std::snprintf(text, sizeof text, "only %.0f %% of the points are inliers", 100 * share);
-    return text;
+    return formatted("only %.0f %% of the points are inliers", 100 * share);
   }
   if (match.last_step > options_.max_last_step)
   {
-    std::snprintf(text, sizeof text, "not converged: the last step was %.2f m", match.last_step);
-    return text;
+    return formatted("not converged: the last step was %.2f m", match.last_step);
   }
   const double far = match.T_reference_current.translation().norm();
   const double turned = rotationAngle(match.T_reference_current);
   if (!(far <= options_.max_translation) || !(turned <= options_.max_rotation))
   {
-    std::snprintf(text, sizeof text, "a motion of %.1f m and %.0f degrees is implausible", far,
-                  turned * 180 / M_PI);
-    return text;
+    return formatted("a motion of %.1f m and %.0f degrees is implausible", far,
+                     turned * 180 / M_PI);
   }
   return {};
 }
@@ -142,4 +138,8 @@ void DyloScanMatcher::accept(const Pose& T_reference_current)
   matcher_.keepAsReference(T_sweep);
 }
 
+std::unique_ptr<ScanMatcher> makeDyloMatcher(const DyloOptions& options)
+{
+  return std::make_unique<DyloScanMatcher>(options);
+}
 }  // namespace dyslam

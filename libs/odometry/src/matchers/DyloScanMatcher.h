@@ -4,11 +4,11 @@
 #include <dyslam/base/Options.h>
 #include <dyslam/base/StateArchive.h>
 #include <dyslam/nets/DyloMatcher.h>
+#include <dyslam/odometry/Dylo.h>
 
 #include <string>
 #include <vector>
 
-#include "DyloOptions.h"
 #include "ScanToScan.h"
 
 namespace dyslam

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/base/Registry.h>
 #include <dyslam/base/RuntimeModule.h>
+#include <dyslam/odometry/Dylo.h>
 #include <dyslam/odometry/ScanMatcher.h>
 
 #include "ConstantMotion.h"
-#include "DyloOptions.h"
 #include "GicpMatcher.h"
 #include "IcpMatcher.h"
 #include "LoamMatcher.h"
@@ -67,7 +67,8 @@ Registry<ScanMatcher> matchers()
       {"loam_no_mapping",
        [](ConfigLoader& c) { return loam(c.get<LoamNoMappingOptions>("loam_no_mapping"), false); }},
       {"loam", [](ConfigLoader& c) { return loam(c.get<LoamOptions>("loam"), true); }},
-      {"dylo", [](ConfigLoader& c) { return dylo(c.get<DyloOptions>("dylo")); }},
+      {"dylo", [](ConfigLoader& c) { return dylo(c.get<DyloOptions>("dylo")); },
+       /*needs_networks=*/true},
   });
 }
 }  // namespace
@@ -75,6 +76,11 @@ Registry<ScanMatcher> matchers()
 std::vector<std::string> scanMatcherNames()
 {
   return matchers().names();
+}
+
+bool scanMatcherNeedsNetworks(const std::string& name)
+{
+  return matchers().needsNetworks(name);
 }
 
 std::unique_ptr<ScanMatcher> makeScanMatcher(const std::string& name,

@@ -21,7 +21,7 @@ class IntervalResolver
 {
  public:
   /** Both must outlive the object. */
-  IntervalResolver(MotionPredictor& predictor, const LocalMapRegistration& registration)
+  IntervalResolver(MotionPredictor& predictor, LocalMapRegistration& registration)
       : predictor_(predictor), registration_(registration)
   {
   }
@@ -41,6 +41,6 @@ class IntervalResolver
                                                const FrameContext& context);
 
   MotionPredictor& predictor_;
-  const LocalMapRegistration& registration_;
+  LocalMapRegistration& registration_;
 };
 }  // namespace dyslam

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "MotionGate.h"
 
+#include <dyslam/base/Printable.h>
+
 #include <algorithm>
-#include <cstdio>
 
 namespace dyslam
 {
@@ -56,9 +57,7 @@ std::string MotionGate::rejectionReason(const Frame& frame, const FrameContext& 
   {
     return {};
   }
-  char text[80];
-  std::snprintf(text, sizeof text, "%.1f sigmas from the prior; the gate is %.1f", distance, gate);
-  return text;
+  return formatted("%.1f sigmas from the prior; the gate is %.1f", distance, gate);
 }
 
 /** A motion that already contains the prior is fused with it again: the more certain the prior, the

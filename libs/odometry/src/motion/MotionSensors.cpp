@@ -9,7 +9,6 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
-#include <cstdio>
 #include <deque>
 
 #include "GyroscopeClock.h"
@@ -461,9 +460,7 @@ std::vector<std::string> MotionSensors::warnings() const
   }
   if (const std::optional<double> offset = state_->clock.offset())
   {
-    char seconds[32];
-    std::snprintf(seconds, sizeof seconds, "%.2f", std::abs(*offset));
-    warnings.push_back("the gyroscope's stamps are about " + std::string(seconds) + " s " +
+    warnings.push_back(formatted("the gyroscope's stamps are about %.2f s ", std::abs(*offset)) +
                        (*offset > 0 ? "late" : "early") +
                        " against those of the scans; synchronise the clocks when recording, or set "
                        "motion_sensors.gyroscope=false");

@@ -9,7 +9,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
-#include <cstdio>
 #include <deque>
 #include <stdexcept>
 #include <vector>
@@ -186,26 +185,22 @@ double ScanClock::nextSweep(double stamp)
 std::vector<std::string> ScanClock::warnings() const
 {
   std::vector<std::string> warnings;
-  char text[240];
   if (steps_ > max_clock_steps)
   {
-    std::snprintf(
-        text, sizeof text,
+    warnings.push_back(formatted(
         "the time stamps are uneven: %zu intervals, the first before scan %zu, are off by "
         "up to %.3f s from what the vehicle's motion shows; the sensor's rate is used "
         "there",
-        steps_, first_step_, std::abs(largest_step_));
-    warnings.emplace_back(text);
+        steps_, first_step_, std::abs(largest_step_)));
   }
   else if (steps_ > 0)
   {
-    std::snprintf(text, sizeof text,
-                  "the clock of the recording was set before scan %zu%s, by %s%.3f s, while the "
+    warnings.push_back(
+        formatted("the clock of the recording was set before scan %zu%s, by %s%.3f s, while the "
                   "vehicle moved on; the motion there is by the sensor's rate, the stamps in the "
                   "results are the recording's",
                   first_step_, steps_ > 1 ? " and again later" : "", steps_ > 1 ? "up to " : "",
-                  largest_step_);
-    warnings.emplace_back(text);
+                  largest_step_));
   }
   if (gaps_ * scans_per_gap > scans_)
   {

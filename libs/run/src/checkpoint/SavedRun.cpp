@@ -2,12 +2,12 @@
 #include "SavedRun.h"
 
 #include <dyslam/base/Error.h>
+#include <dyslam/base/PathSettings.h>
 #include <dyslam/base/Version.h>
 
 #include <filesystem>
 
 #include "../FirstPass.h"
-#include "../settings/PathSettings.h"
 #include "ScanSum.h"
 
 namespace dyslam

@@ -2,6 +2,7 @@
 #include "RunOutputs.h"
 
 #include <dyslam/base/Error.h>
+#include <dyslam/base/PathSettings.h>
 #include <dyslam/base/StateArchive.h>
 #include <dyslam/formats/LabelFiles.h>
 #include <dyslam/formats/RunFiles.h>
@@ -19,27 +20,6 @@ namespace fs = std::filesystem;
 
 namespace dyslam
 {
-namespace
-{
-/** Files named in a config, such as weights and detections. */
-std::vector<std::string> filesNamedIn(const Config& config)
-{
-  std::vector<std::string> files;
-  for (const std::string& section : config.sectionNames())
-  {
-    for (const auto& [key, value] : config.section(section))
-    {
-      std::error_code ignored;
-      if (fs::exists(value.text, ignored))
-      {
-        files.push_back(value.text);
-      }
-    }
-  }
-  return files;
-}
-}  // namespace
-
 RunOutputs::RunOutputs(const SlamRunSettings& settings,
                        ConfigLoader& config,
                        FrameKind objects,

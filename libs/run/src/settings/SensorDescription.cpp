@@ -4,9 +4,7 @@
 #include <dyslam/base/Angle.h>
 #include <dyslam/base/Printable.h>
 
-#include <array>
 #include <cmath>
-#include <cstdio>
 
 namespace dyslam
 {
@@ -14,9 +12,7 @@ std::string fixed(double value, int decimals)
 {
   const double scale = std::pow(10, decimals);
   value = std::abs(value * scale) < 0.5 ? 0 : value;  // not -0.0
-  std::array<char, 40> text{};
-  std::snprintf(text.data(), text.size(), "%.*f", decimals, value);
-  return text.data();
+  return formatted("%.*f", decimals, value);
 }
 
 std::string degrees(double radians, int decimals)

@@ -74,6 +74,8 @@ class PrefixedVisitor : public OptionsVisitor
 struct Options
 {
   virtual ~Options() = default;
+  /** Passes each field to the visitor. Assigns to a field only what a visitor has changed: save()
+   * and validate() also describe objects that are const. */
   virtual void describe(OptionsVisitor& visitor) = 0;
 };
 
@@ -131,10 +133,11 @@ void OptionsVisitor::choice(const char* key,
       current = name;
     }
   }
+  const std::string before = current;
   word(key, current, words, help);
   for (const auto& [name, candidate] : names)
   {
-    if (current == name)
+    if (current != before && current == name)
     {
       value = candidate;
     }

@@ -5,6 +5,7 @@
 #include <dyslam/base/Options.h>
 #include <dyslam/base/Words.h>
 
+#include <algorithm>
 #include <functional>
 #include <memory>
 #include <string>
@@ -25,6 +26,8 @@ class Registry
     const char* name;
     /** Loads the implementation's options and returns a function that makes the implementation. */
     std::function<Factory(ConfigLoader&)> load;
+    /** Whether the implementation is in the module `networks`, which loads libtorch. */
+    bool needs_networks = false;
   };
 
   explicit Registry(std::vector<Row> rows) : rows_(std::move(rows)) {}
@@ -37,6 +40,13 @@ class Registry
       names.emplace_back(row.name);
     }
     return names;
+  }
+
+  /** Whether the implementation `name` is in the module `networks`; false for an unknown name. */
+  [[nodiscard]] bool needsNetworks(const std::string& name) const
+  {
+    return std::any_of(rows_.begin(), rows_.end(),
+                       [&name](const Row& row) { return row.needs_networks && name == row.name; });
   }
 
   /** Makes the implementation `name`. The options of all rows are loaded and checked, so that one

@@ -9,6 +9,7 @@
 #include <dyslam/core/Scan.h>
 
 #include <cstddef>
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <tuple>
@@ -85,12 +86,9 @@ struct Frame
   /** Stamp of the scan by a clock that was never adjusted [s]: differences are elapsed time. */
   [[nodiscard]] double time() const { return scan.stamp - clock_offset; }
   [[nodiscard]] Pose T_map_vehicle() const { return T_map_odom * T_odom_vehicle; }
-  /** Indices in `cloud` of the points of an object's detection; none if it was not observed. */
-  [[nodiscard]] std::vector<std::uint32_t> pointsOf(const TrackedObject& object) const
-  {
-    return object.detection < 0 ? std::vector<std::uint32_t>()
-                                : detections[static_cast<std::size_t>(object.detection)].points;
-  }
+  /** Indices in `cloud` of the points of an object's detection, in `detections`; none if it was not
+   * observed. */
+  [[nodiscard]] const std::vector<std::uint32_t>& pointsOf(const TrackedObject& object) const;
   [[nodiscard]] bool isMoving(std::size_t point) const
   {
     return point < moving.size() && moving[point];

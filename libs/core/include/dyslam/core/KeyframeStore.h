@@ -105,7 +105,6 @@ class KeyframeStore
   [[nodiscard]] std::size_t size() const { return keyframes_.size(); }
   [[nodiscard]] bool empty() const { return keyframes_.empty(); }
   [[nodiscard]] const Keyframe& operator[](std::size_t i) const { return keyframes_[i]; }
-  [[nodiscard]] Keyframe& operator[](std::size_t i) { return keyframes_[i]; }
   [[nodiscard]] const Keyframe& back() const { return keyframes_.back(); }
   [[nodiscard]] auto begin() const { return keyframes_.begin(); }
   [[nodiscard]] auto end() const { return keyframes_.end(); }
@@ -126,6 +125,8 @@ class KeyframeStore
   /** Memory limit of backend and map together. */
   [[nodiscard]] const MemoryLimit& memory() const { return memory_; }
 
+  /** Present poses of all keyframes, Keyframe::T_map_vehicle. */
+  [[nodiscard]] std::vector<Pose> poses() const;
   /** Sets corrected poses of the keyframes from number `first` on. \throws std::invalid_argument
    * unless there is one pose per keyframe. */
   void correct(const std::vector<Pose>& T_map_vehicle, std::size_t first = 0);

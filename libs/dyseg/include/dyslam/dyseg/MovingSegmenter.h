@@ -71,6 +71,9 @@ struct MovingSegmenterOptions : Options
 /** Names that makeSegmenter() accepts. */
 [[nodiscard]] std::vector<std::string> segmenterMethods();
 
+/** Whether the segmenter `method` is in the module `networks`; false for an unknown name. */
+[[nodiscard]] bool segmenterNeedsNetworks(const std::string& method);
+
 /** Makes the segmenter `method`, with the options of its own section; null for `none`. The pool
  * must outlive the result. \throws UserError for an unknown name and for bad options. */
 [[nodiscard]] std::unique_ptr<MovingSegmenter> makeSegmenter(const std::string& method,

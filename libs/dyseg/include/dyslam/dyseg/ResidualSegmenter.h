@@ -4,7 +4,10 @@
 #include <dyslam/base/Angle.h>
 #include <dyslam/dyseg/MovingSegmenter.h>
 
+#include <cstdint>
 #include <deque>
+#include <string>
+#include <vector>
 
 namespace dyslam
 {

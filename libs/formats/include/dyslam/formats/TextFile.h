@@ -2,6 +2,7 @@
 #pragma once
 
 #include <dyslam/base/Files.h>
+#include <dyslam/base/ParseNumber.h>
 
 #include <cstddef>
 #include <fstream>
@@ -59,12 +60,6 @@ class TextFile
 
 /** Removes UTF-8's byte order mark from the begin of a file's text, or of its first line. */
 void removeByteOrderMark(std::string& text);
-
-/** The number in a word, in the C locale; a leading + is accepted. Numbers too small for the type
- * are 0, too large ones are infinite. \tparam Real float or double \return nothing if the word is
- * no number. */
-template <typename Real>
-[[nodiscard]] std::optional<Real> parseNumber(std::string_view word);
 
 /** Appends a number with `digits` significant digits in the C locale. */
 void appendNumber(std::string& text, double value, int digits);

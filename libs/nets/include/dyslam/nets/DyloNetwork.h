@@ -7,6 +7,7 @@
 #include <dyslam/nets/Layers.h>
 
 #include <array>
+#include <cstdint>
 #include <map>
 #include <tuple>
 #include <vector>

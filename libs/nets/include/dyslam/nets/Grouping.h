@@ -4,6 +4,7 @@
 
 #include <dyslam/nets/ScanTensors.h>
 
+#include <cstdint>
 #include <vector>
 
 namespace dyslam

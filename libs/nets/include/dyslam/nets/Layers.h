@@ -5,6 +5,7 @@
 #include <dyslam/nets/DyloNetworkOptions.h>
 #include <dyslam/nets/ScanTensors.h>
 
+#include <cstdint>
 #include <vector>
 
 namespace dyslam

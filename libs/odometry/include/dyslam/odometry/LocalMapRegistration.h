@@ -70,7 +70,7 @@ class LocalMapRegistration
   LocalMapRegistration(LocalMapRegistration&&) noexcept;
 
   /** Register Frame::cloud, starting from an initial guess of the pose. Map and pose() stay as they
-   * are.
+   * are; only the memory of earlier points is used again.
    *
    * A cloud with phases is deskewed again with the current motion in each iteration; the frame's
    * own cloud stays as it is. The first frame gets the guess; the second also corrects the
@@ -85,7 +85,7 @@ class LocalMapRegistration
   [[nodiscard]] Alignment align(const Frame& frame,
                                 const Pose& T_odom_vehicle_guess,
                                 const MotionPrior* prior = nullptr,
-                                std::optional<double> initial_sigma = {}) const;
+                                std::optional<double> initial_sigma = {});
 
   /** Add the frame to the map, at the estimated pose and with its current weights.
    *

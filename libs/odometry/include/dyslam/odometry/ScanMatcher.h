@@ -44,6 +44,8 @@ class ScanMatcher
   [[nodiscard]] virtual ScanMatch match(const Frame& frame, const MotionPrior& prior) = 0;
   /** Whether match() fuses the information of the prior. */
   [[nodiscard]] virtual bool usesPrior() const { return false; }
+  /** Whether match() only returns the motion of the prior: the points measure nothing. */
+  [[nodiscard]] virtual bool onlyPredicts() const { return false; }
   /** Saves or loads the state between frames. */
   virtual void exchangeState(StateArchive& archive) = 0;
   [[nodiscard]] virtual std::string name() const = 0;
@@ -51,6 +53,9 @@ class ScanMatcher
 
 /** Names that makeScanMatcher() accepts. */
 [[nodiscard]] std::vector<std::string> scanMatcherNames();
+
+/** Whether the matcher `name` is in the module `networks`; false for an unknown name. */
+[[nodiscard]] bool scanMatcherNeedsNetworks(const std::string& name);
 
 /** Makes the matcher `name` with the options of the ini section `[<name>]`.
  * \throws UserError for an unknown name, naming the nearest, and for bad options. The pool must

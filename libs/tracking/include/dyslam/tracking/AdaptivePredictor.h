@@ -5,6 +5,7 @@
 
 #include <Eigen/Core>
 #include <array>
+#include <deque>
 #include <optional>
 
 namespace dyslam

@@ -6,6 +6,7 @@
 #include <dyslam/train/PairSource.h>
 #include <dyslam/train/RandomDraws.h>
 
+#include <string>
 #include <vector>
 
 namespace dyslam

@@ -12,10 +12,10 @@ namespace dyslam
 /** splitFields() without empty fields. */
 [[nodiscard]] std::vector<std::string> listItems(const std::string& text, char separator);
 
-/** Parses a text that is a number and nothing else. \throws std::invalid_argument or
- * std::out_of_range. */
+/** Parses a text that is a finite number and nothing else. \throws std::invalid_argument. */
 [[nodiscard]] double numberOf(const std::string& text);
-/** Parses a text that is an integer and nothing else. \throws as numberOf(). */
+/** Parses a text that is an integer and nothing else. \throws std::invalid_argument or
+ * std::out_of_range. */
 [[nodiscard]] int wholeNumberOf(const std::string& text);
 
 /** Prepares the CSV file of a training that is continued: removes rows after `last_step`, which the

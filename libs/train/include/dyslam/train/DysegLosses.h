@@ -6,6 +6,7 @@
 #include <dyslam/train/DysegData.h>
 #include <dyslam/train/DysegLossOptions.h>
 
+#include <cstdint>
 #include <vector>
 
 namespace dyslam

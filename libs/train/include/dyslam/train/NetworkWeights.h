@@ -6,6 +6,7 @@
 #include <dyslam/nets/TensorFile.h>
 #include <torch/torch.h>
 
+#include <cstdint>
 #include <string>
 
 namespace dyslam

@@ -4,6 +4,10 @@
 #include <dyslam/train/Augmentation.h>
 #include <dyslam/train/Recordings.h>
 
+#include <cstdint>
+#include <string>
+#include <vector>
+
 namespace dyslam
 {
 /** Pairs of scans up to `max_gap` steps apart, either way round, from recordings with poses. */

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "PathSettings.h"
-
 #include <dyslam/base/Files.h>
+#include <dyslam/base/PathSettings.h>
 
 #include <algorithm>
 #include <array>
@@ -73,5 +72,31 @@ bool isSameSetting(const std::string& section,
                                    { return setting.section == section && setting.key == key; });
   return a == b ||
          (is_path && fs::path(a).is_absolute() && fs::path(b).is_absolute() && isSamePath(a, b));
+}
+
+std::vector<std::string> filesNamedIn(const Config& config)
+{
+  std::vector<std::string> files;
+  for (const PathSetting& setting : path_settings)
+  {
+    const auto path = config.text(std::string(setting.section), std::string(setting.key));
+    if (path && isThere(setting, *path))
+    {
+      files.push_back(*path);
+    }
+  }
+  return files;
+}
+
+bool isAboutNamedFile(const std::string& message)
+{
+  return std::any_of(path_settings.begin(), path_settings.end(),
+                     [&message](const PathSetting& setting)
+                     {
+                       const std::string name =
+                           std::string(setting.section) + "." + std::string(setting.key);
+                       return message.rfind(name, 0) == 0 &&
+                              message.find_first_of(":= ", name.size()) == name.size();
+                     });
 }
 }  // namespace dyslam

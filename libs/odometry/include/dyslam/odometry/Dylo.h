@@ -3,8 +3,10 @@
 
 #include <dyslam/base/Angle.h>
 #include <dyslam/base/Options.h>
+#include <dyslam/odometry/ScanMatcher.h>
 
 #include <cstdint>
+#include <memory>
 #include <string>
 
 namespace dyslam
@@ -35,7 +37,13 @@ struct DyloOptions : Options
   void describe(OptionsVisitor& visitor) override;
 };
 
-class ScanMatcher;
+/** Makes the matcher of learned odometry (DyLO): motion, its information and the static confidence
+ * of every point, by a trained network.
+ *
+ * In the library dyslam::odometry_dylo; makeScanMatcher() loads it with the module `networks`.
+ * \throws UserError if the weights cannot be used. */
+[[nodiscard]] std::unique_ptr<ScanMatcher> makeDyloMatcher(const DyloOptions& options);
+
 /** dyslam_make_dylo_matcher() of the module `networks`; the caller owns the matcher. */
 using MakeDyloMatcher = ScanMatcher*(const DyloOptions&);
 }  // namespace dyslam

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "../src/settings/PathSettings.h"
-
+#include <dyslam/base/PathSettings.h>
 #include <gtest/gtest.h>
 
 #include <filesystem>
@@ -77,6 +76,43 @@ TEST(PathSettings, TwoPathsOfOneFolderAreTheSame)
   folder.write(name, "");
   EXPECT_FALSE(isSameSetting("dyseg_network", "weights", name, folder.file(name)))
       << "the name is that of the shipped weights";
+}
+
+TEST(PathSettings, NamesFilesAndFoldersThatAreThere)
+{
+  const TestFolder folder;
+  const std::string map = folder.write("map.pcd", "");
+  const std::string labels = folder.file("run/labels");
+  fs::create_directories(labels);
+  folder.write("network", "");
+  fs::create_directories(folder.file("dyseg.safetensors"));
+  const WorkingFolder within(folder.path());
+  Config config;
+  EXPECT_TRUE(filesNamedIn(config).empty());
+  config.set("dyseg.labels=" + labels);
+  config.set("prior_map.file=map.pcd");
+  config.set("boxes.file=missing.txt");
+  config.set("dyseg.method=network");  // no path, although a file has that name
+  config.set("dyseg_network.weights=dyseg.safetensors");
+  config.set("boxes.calib=");
+  EXPECT_EQ(filesNamedIn(config), (std::vector<std::string>{labels, "map.pcd"}));
+}
+
+TEST(PathSettings, MessagesAboutNamedFilesBeginWithTheSetting)
+{
+  for (const char* about :
+       {"boxes.calib is of the boxes of boxes.file", "boxes.file: b.txt:1: has 5 fields",
+        "dyseg.labels: none: no such folder", "dyseg_network.weights = none: no such file",
+        "dylo.weights: x.safetensors: is damaged",
+        "prior_map.file: none.pcd: no such file or folder"})
+  {
+    EXPECT_TRUE(isAboutNamedFile(about)) << about;
+  }
+  for (const char* other : {"", "prior_map.file", "prior_map.files: is unknown",
+                            "prior_map.start: has 5 numbers", "a.rawlog: prior_map.file: x"})
+  {
+    EXPECT_FALSE(isAboutNamedFile(other)) << other;
+  }
 }
 }  // namespace
 }  // namespace dyslam
