@@ -32,7 +32,10 @@ std::size_t layerOf(double height)
   return static_cast<std::size_t>(std::clamp(height, 0.0, highest) / layer_height);
 }
 
-std::uint64_t bitOf(std::size_t layer) { return std::uint64_t{1} << layer; }
+std::uint64_t bitOf(std::size_t layer)
+{
+  return std::uint64_t{1} << layer;
+}
 
 /** Points in a layer and those above and below it. */
 std::uint64_t near(const LayerCounts& counts, std::size_t layer)

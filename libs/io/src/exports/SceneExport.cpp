@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/core/Ceilings.h>
 #include <dyslam/io/GzOutput.h>
 #include <dyslam/io/SceneExport.h>
 #include <dyslam/mrpt/Conversions.h>
@@ -93,6 +94,42 @@ void insertBoxes(mrpt::opengl::COpenGLScene& scene, const SceneContent& content)
   }
 }
 
+/** Points of the map; those of ceilings, which would hide the others, as an object of their own
+ * that is not visible. */
+void insertPoints(const SceneContent& content, mrpt::opengl::COpenGLScene& scene)
+{
+  struct Part
+  {
+    std::vector<Eigen::Vector3f> points;
+    std::vector<float> intensity;
+  };
+  const bool has_intensity = content.intensity.size() == content.points.size();
+  const std::vector<bool> is_ceiling = ceilingPoints(content.points);
+  Part map;
+  Part ceilings;
+  for (std::size_t i = 0; i < content.points.size(); ++i)
+  {
+    Part& part = is_ceiling[i] ? ceilings : map;
+    part.points.push_back(content.points[i]);
+    if (has_intensity)
+    {
+      part.intensity.push_back(content.intensity[i]);
+    }
+  }
+  const HeightRange range = heightRange(map.points);
+  constexpr float point_size = 3;  // [pixels]
+  if (!map.points.empty())
+  {
+    insert(scene, heightColoured(map.points, map.intensity, range, point_size), "map");
+  }
+  if (!ceilings.points.empty())
+  {
+    const auto hidden = heightColoured(ceilings.points, ceilings.intensity, range, point_size);
+    hidden->setVisibility(false);
+    insert(scene, hidden, "ceilings");
+  }
+}
+
 /** The whole path and what is beside it, from behind and above. */
 void lookAt(const std::vector<Eigen::Vector3d>& path, mrpt::opengl::COpenGLScene& scene)
 {
@@ -119,10 +156,7 @@ mrpt::opengl::COpenGLScene sceneOf(const SceneContent& content)
   const auto path = positions(content.trajectory);
   scene.getViewport()->setCustomBackgroundColor(mrpt::img::TColorf(0.10F, 0.11F, 0.13F));
   insert(scene, gridUnder(path), "grid");
-  if (!content.points.empty())
-  {
-    insert(scene, heightColoured(content.points, content.intensity, 3.0F), "map");
-  }
+  insertPoints(content, scene);
   insert(scene, polyline(positions(content.reference), reference_colour, 2.0F), "reference");
   insert(scene, polyline(path, estimate_colour, 3.0F), "trajectory");
   for (std::size_t i = 0; i < content.other_trajectories.size(); ++i)
