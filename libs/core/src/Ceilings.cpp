@@ -1,23 +1,26 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/core/Ceilings.h>
+#include <dyslam/core/VoxelGrid.h>
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstddef>
+#include <cstdint>
 
 namespace dyslam
 {
 namespace
 {
-constexpr double least_height = 2.2;  // [m]
+constexpr double least_height = 2.2;  // of ceilings over the ground [m]
+constexpr double highest = 12.7;      // of ceilings over the ground [m]
 constexpr double cell_side = 1;       // [m]
 constexpr double column_side = 0.4;   // [m]
 constexpr double layer_height = 0.2;  // [m]
-constexpr double highest = 12.7;      // of ceilings [m]
-constexpr std::size_t layers = 64;
+constexpr std::size_t layers = 64;    // as many as there are between ground and `highest`
 constexpr double least_share = 0.6;
-constexpr double least_share_of_map = 0.005;
 constexpr int least_cells = 6;  // more than a wall has, also one across
+constexpr double least_share_of_map = 0.005;
 
 using LayerCounts = std::array<std::uint32_t, layers>;
 
@@ -27,9 +30,22 @@ VoxelCell cellOf(const Eigen::Vector3f& p, double side)
           cellNumber(static_cast<double>(p.y()) / side), 0};
 }
 
-std::size_t layerOf(double height)
+std::uint64_t keyOf(const Eigen::Vector3f& p, double side)
 {
-  return static_cast<std::size_t>(std::clamp(height, 0.0, highest) / layer_height);
+  return voxelKey(cellOf(p, side));
+}
+
+/** Layer of a point, by its height in the map: the ground below it may be known badly. After the
+ * last layer the first one follows. */
+std::size_t layerOf(const Eigen::Vector3f& p)
+{
+  const std::int32_t number = cellNumber(static_cast<double>(p.z()) / layer_height);
+  return static_cast<std::size_t>(static_cast<std::uint32_t>(number)) % layers;
+}
+
+std::size_t below(std::size_t layer, std::size_t by)
+{
+  return (layer + layers - by) % layers;
 }
 
 std::uint64_t bitOf(std::size_t layer)
@@ -37,16 +53,8 @@ std::uint64_t bitOf(std::size_t layer)
   return std::uint64_t{1} << layer;
 }
 
-/** Points in a layer and those above and below it. */
-std::uint64_t near(const LayerCounts& counts, std::size_t layer)
-{
-  std::uint64_t sum = counts[layer];
-  sum += layer > 0 ? counts[layer - 1] : 0;
-  sum += layer + 1 < layers ? counts[layer + 1] : 0;
-  return sum;
-}
-
-/** Layers of a cell that are ceilings. \param around counts of the cell and those around it */
+/** Layers of a cell that are ceilings, a bit each. \param around counts of the cell and of those
+ * around it */
 std::uint64_t ceilingLayers(const LayerCounts& counts,
                             const std::vector<const LayerCounts*>& around)
 {
@@ -69,7 +77,8 @@ std::uint64_t ceilingLayers(const LayerCounts& counts,
     int cells_at_height = 0;
     for (const LayerCounts* cell : around)
     {
-      const std::uint64_t of_cell = near(*cell, layer);
+      const std::uint64_t of_cell =
+          std::uint64_t{(*cell)[below(layer, 1)]} + (*cell)[layer] + (*cell)[(layer + 1) % layers];
       at_height += of_cell;
       cells_at_height += of_cell > 0 ? 1 : 0;
     }
@@ -81,101 +90,122 @@ std::uint64_t ceilingLayers(const LayerCounts& counts,
   }
   return result;
 }
-}  // namespace
 
-Ceilings::Ceilings(const std::vector<Eigen::Vector3f>& points, const MapGround& ground)
+/** Points overhead, in cells of 1 m by layer. */
+class OverheadLayers
 {
-  std::vector<VoxelCell> cells;
-  std::vector<LayerCounts> counts;
-  for (const auto& p : points)
+ public:
+  void add(const Eigen::Vector3f& p)
   {
-    const double height = p.allFinite() ? ground.heightOver(p) : 0;
-    if (height > least_height)
+    const auto next = static_cast<std::uint32_t>(cells_.size());
+    const std::uint32_t cell = places_.findOrInsert(keyOf(p, cell_side), next);
+    if (cell == next)
     {
-      const VoxelCell place = cellOf(p, cell_side);
-      const auto new_cell = static_cast<std::uint32_t>(cells.size());
-      const std::uint32_t cell = cells_.findOrInsert(voxelKey(place), new_cell);
-      if (cell == new_cell)
-      {
-        cells.push_back(place);
-        counts.push_back({});
-      }
-      ++counts[cell][layerOf(height)];
+      cells_.push_back(cellOf(p, cell_side));
+      counts_.emplace_back();
     }
+    ++counts_[cell][layerOf(p)];
   }
-  for (std::size_t i = 0; i < cells.size(); ++i)
-  {
-    std::vector<const LayerCounts*> around;
-    for (int k = 0; k < 9; ++k)
-    {
-      const VoxelCell other{cells[i].x + k / 3 - 1, cells[i].y + k % 3 - 1, 0};
-      const std::uint32_t found = cells_.find(voxelKey(other));
-      if (found != VoxelHash::none)
-      {
-        around.push_back(&counts[found]);
-      }
-    }
-    ceiling_layers_.push_back(ceilingLayers(counts[i], around));
-  }
-  addColumns(points, ground);
-}
 
-void Ceilings::addColumns(const std::vector<Eigen::Vector3f>& points, const MapGround& ground)
-{
-  for (const auto& p : points)
+  /** Decides which layers are ceilings; after the last point. */
+  void decide()
   {
-    if (p.allFinite() && (ceilingLayersAt(p) & bitOf(layerOf(ground.heightOver(p)))) != 0)
+    for (std::size_t i = 0; i < cells_.size(); ++i)
     {
-      const auto new_column = static_cast<std::uint32_t>(columns_.size());
-      (void)columns_.findOrInsert(voxelKey(cellOf(p, column_side)), new_column);
+      std::vector<const LayerCounts*> around;
+      for (int k = 0; k < 9; ++k)
+      {
+        const VoxelCell beside{cells_[i].x + k / 3 - 1, cells_[i].y + k % 3 - 1, 0};
+        const std::uint32_t found = places_.find(voxelKey(beside));
+        if (found != VoxelHash::none)
+        {
+          around.push_back(&counts_[found]);
+        }
+      }
+      ceilings_.push_back(ceilingLayers(counts_[i], around));
     }
   }
-  column_layers_.resize(columns_.size());
+
+  /** Whether the layer of a point is a ceiling. \pre decide() */
+  [[nodiscard]] bool isCeiling(const Eigen::Vector3f& p) const
+  {
+    const std::uint32_t cell = places_.find(keyOf(p, cell_side));
+    return cell != VoxelHash::none && (ceilings_[cell] & bitOf(layerOf(p))) != 0;
+  }
+
+ private:
+  VoxelHash places_;  //!< of cells in the vectors
+  std::vector<VoxelCell> cells_;
+  std::vector<LayerCounts> counts_;      //!< numbers of points
+  std::vector<std::uint64_t> ceilings_;  //!< layers that are ceilings, a bit each
+};
+
+/** Takes those off that have points right below them in the same column of 0.4 m. */
+void leaveOutSides(const std::vector<Eigen::Vector3f>& points,
+                   const MapGround& ground,
+                   std::vector<bool>& is_ceiling)
+{
+  VoxelHash columns;
+  for (std::size_t i = 0; i < points.size(); ++i)
+  {
+    if (is_ceiling[i])
+    {
+      (void)columns.findOrInsert(keyOf(points[i], column_side),
+                                 static_cast<std::uint32_t>(columns.size()));
+    }
+  }
+  std::vector<std::uint64_t> occupied(columns.size());  // layers, a bit each
   for (const auto& p : points)
   {
     const std::uint32_t column =
-        p.allFinite() ? columns_.find(voxelKey(cellOf(p, column_side))) : VoxelHash::none;
-    if (column != VoxelHash::none)
+        p.allFinite() ? columns.find(keyOf(p, column_side)) : VoxelHash::none;
+    if (column != VoxelHash::none && ground.heightOverLowest(p) < highest)
     {
-      column_layers_[column] |= bitOf(layerOf(ground.heightOver(p)));
+      occupied[column] |= bitOf(layerOf(p));
+    }
+  }
+  for (std::size_t i = 0; i < points.size(); ++i)
+  {
+    if (is_ceiling[i])
+    {
+      const std::size_t layer = layerOf(points[i]);
+      const std::uint64_t right_below =
+          bitOf(below(layer, 2)) | bitOf(below(layer, 3)) | bitOf(below(layer, 4));
+      is_ceiling[i] = (occupied[columns.find(keyOf(points[i], column_side))] & right_below) == 0;
     }
   }
 }
+}  // namespace
 
-std::uint64_t Ceilings::ceilingLayersAt(const Eigen::Vector3f& p) const
+std::vector<bool> ceilingPoints(const std::vector<Eigen::Vector3f>& points, const MapGround& ground)
 {
-  const std::uint32_t cell = cells_.find(voxelKey(cellOf(p, cell_side)));
-  return cell == VoxelHash::none ? 0 : ceiling_layers_[cell];
-}
-
-bool Ceilings::contain(const Eigen::Vector3f& p, double height) const
-{
-  if (height <= least_height || height >= highest)
+  const auto isOverhead = [&](const Eigen::Vector3f& p)
   {
-    return false;
-  }
-  const std::size_t layer = layerOf(height);
-  if ((ceilingLayersAt(p) & bitOf(layer)) == 0)
+    const double height = p.allFinite() ? ground.heightOverLowest(p) : 0;
+    return height > least_height && height < highest;
+  };
+  OverheadLayers overhead;
+  for (const auto& p : points)
   {
-    return false;
+    if (isOverhead(p))
+    {
+      overhead.add(p);
+    }
   }
-  const std::uint32_t column = columns_.find(voxelKey(cellOf(p, column_side)));
-  const std::uint64_t right_below = bitOf(layer - 2) | bitOf(layer - 3) | bitOf(layer - 4);
-  return column != VoxelHash::none && (column_layers_[column] & right_below) == 0;
-}
-
-std::vector<bool> ceilingPoints(const std::vector<Eigen::Vector3f>& points)
-{
-  const MapGround ground(points);
-  const Ceilings ceilings(points, ground);
+  overhead.decide();
   std::vector<bool> result(points.size());
-  std::size_t count = 0;
   for (std::size_t i = 0; i < points.size(); ++i)
   {
-    const auto& p = points[i];
-    result[i] = p.allFinite() && ceilings.contain(p, ground.heightOver(p));
-    count += result[i] ? 1 : 0;
+    result[i] = isOverhead(points[i]) && overhead.isCeiling(points[i]);
   }
+  leaveOutSides(points, ground, result);
+  return result;
+}
+
+std::vector<bool> ceilingPointsIfMany(const std::vector<Eigen::Vector3f>& points)
+{
+  std::vector<bool> result = ceilingPoints(points, MapGround(points));
+  const auto count = std::count(result.begin(), result.end(), true);
   if (static_cast<double>(count) < least_share_of_map * static_cast<double>(points.size()))
   {
     result.assign(points.size(), false);

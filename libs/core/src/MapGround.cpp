@@ -2,6 +2,7 @@
 #include <dyslam/base/Quantile.h>
 #include <dyslam/core/MapGround.h>
 
+#include <algorithm>
 #include <cmath>
 
 namespace dyslam
@@ -19,19 +20,20 @@ std::int64_t keyOf(const Eigen::Vector3f& p)
   return number(p.x()) * row + number(p.y());
 }
 
-/** Median ground height of the square and its neighbours [m]. */
-float medianAround(const std::unordered_map<std::int64_t, float>& low, std::int64_t key)
+/** Heights of those of the square and the eight around it that are known [m]. */
+std::vector<float> heightsAround(const std::unordered_map<std::int64_t, float>& heights,
+                                 std::int64_t key)
 {
   std::vector<float> values;
   for (int k = 0; k < 9; ++k)
   {
-    const auto found = low.find(key + (k / 3 - 1) * row + k % 3 - 1);
-    if (found != low.end())
+    const auto found = heights.find(key + (k / 3 - 1) * row + k % 3 - 1);
+    if (found != heights.end())
     {
       values.push_back(found->second);
     }
   }
-  return upperMedian(values);
+  return values;
 }
 }  // namespace
 
@@ -52,13 +54,24 @@ MapGround::MapGround(const std::vector<Eigen::Vector3f>& points)
   }
   for (const auto& [key, height] : low)
   {
-    const float around = medianAround(low, key);
+    std::vector<float> values = heightsAround(low, key);
+    const float around = upperMedian(values);
     ground_[key] = height < around - max_pit ? around : height;
+  }
+  for (const auto& [key, height] : ground_)
+  {
+    const std::vector<float> values = heightsAround(ground_, key);
+    lowest_[key] = *std::min_element(values.begin(), values.end());
   }
 }
 
 double MapGround::heightOver(const Eigen::Vector3f& p) const
 {
   return static_cast<double>(p.z() - ground_.at(keyOf(p)));
+}
+
+double MapGround::heightOverLowest(const Eigen::Vector3f& p) const
+{
+  return static_cast<double>(p.z() - lowest_.at(keyOf(p)));
 }
 }  // namespace dyslam

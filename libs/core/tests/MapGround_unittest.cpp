@@ -2,6 +2,7 @@
 #include <dyslam/core/MapGround.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <limits>
 #include <stdexcept>
 
@@ -47,6 +48,26 @@ TEST(MapGround, DoesNotLieInPits)
   const Eigen::Vector3f post(11, 11, 1.1F + 2);
   points.push_back(post);
   EXPECT_NEAR(MapGround(points).heightOver(post), 2, 0.2);
+}
+/** In a square without floor the ground is that of the wall, but not around it. */
+TEST(MapGround, KnowsTheLowestGroundAround)
+{
+  std::vector<Eigen::Vector3f> points;
+  for (const auto& p : slope())
+  {
+    if (std::abs(p.x() - 11) > 1 || std::abs(p.y() - 11) > 1)
+    {
+      points.push_back(p);
+    }
+  }
+  for (int k = 0; k < 40; ++k)
+  {
+    points.emplace_back(11, 11, 2 + 0.1F * static_cast<float>(k));
+  }
+  const MapGround ground(points);
+  const Eigen::Vector3f top(11, 11, 6);
+  EXPECT_LT(ground.heightOver(top), 4.2);
+  EXPECT_NEAR(ground.heightOverLowest(top), 6 - 0.8, 0.1);
 }
 }  // namespace
 }  // namespace dyslam

@@ -166,19 +166,15 @@ void drawDot(const Eigen::Vector3f& p, const View& view, cv::Mat& page, const Pa
 void drawPoints(const std::vector<Eigen::Vector3f>& points, const View& view, cv::Mat& page)
 {
   const MapGround ground(points);
-  const Ceilings ceilings(points, ground);
-  for (const auto& p : points)
+  const std::vector<bool> is_ceiling = ceilingPoints(points, ground);
+  for (std::size_t i = 0; i < points.size(); ++i)
   {
-    if (!p.allFinite())
+    const Eigen::Vector3f& p = points[i];
+    if (!p.allFinite() || is_ceiling[i])
     {
       continue;
     }
-    const double height = ground.heightOver(p);
-    if (ceilings.contain(p, height))
-    {
-      continue;
-    }
-    const double share = std::clamp(height / full_height, 0.0, 1.0);
+    const double share = std::clamp(ground.heightOver(p) / full_height, 0.0, 1.0);
     const auto grey = static_cast<unsigned char>(lightest_grey +
                                                  (darkest_grey - lightest_grey) * std::sqrt(share));
     drawDot(p, view, page,

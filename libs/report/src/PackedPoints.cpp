@@ -57,7 +57,7 @@ PackedPoints packPoints(const std::vector<Eigen::Vector3f>& points,
   {
     return packed;
   }
-  const std::vector<bool> is_ceiling = ceilingPoints(points);
+  const std::vector<bool> is_ceiling = ceilingPointsIfMany(points);
   const auto ceilings = std::stable_partition(chosen.begin(), chosen.end(),
                                               [&](std::uint32_t i) { return !is_ceiling[i]; });
   packed.ceilings = static_cast<std::size_t>(chosen.end() - ceilings);

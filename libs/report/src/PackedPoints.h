@@ -16,7 +16,7 @@ namespace dyslam
 struct PackedPoints
 {
   std::size_t count = 0;
-  std::size_t ceilings = 0;  //!< number of points of ceilings, see ceilingPoints()
+  std::size_t ceilings = 0;  //!< number of points of ceilings, see ceilingPointsIfMany()
   Eigen::Vector3d low = Eigen::Vector3d::Zero();   //!< lowest coordinates [m]
   Eigen::Vector3d step = Eigen::Vector3d::Zero();  //!< [m]; 1/65535 of the extent
   double voxel_size = 0;                           //!< side of cubes with one point [m]; 0: all

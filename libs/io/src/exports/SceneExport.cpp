@@ -104,7 +104,7 @@ void insertPoints(const SceneContent& content, mrpt::opengl::COpenGLScene& scene
     std::vector<float> intensity;
   };
   const bool has_intensity = content.intensity.size() == content.points.size();
-  const std::vector<bool> is_ceiling = ceilingPoints(content.points);
+  const std::vector<bool> is_ceiling = ceilingPointsIfMany(content.points);
   Part map;
   Part ceilings;
   for (std::size_t i = 0; i < content.points.size(); ++i)

@@ -20,8 +20,12 @@ class MapGround
   /** Height of a point over the ground of its square [m]. \param p in a square with points
    * \throws std::out_of_range in other squares */
   [[nodiscard]] double heightOver(const Eigen::Vector3f& p) const;
+  /** As heightOver(), over the lowest ground of the square and the eight around it: that of a
+   * square which walls or ceilings fill is too high. */
+  [[nodiscard]] double heightOverLowest(const Eigen::Vector3f& p) const;
 
  private:
   std::unordered_map<std::int64_t, float> ground_;  //!< by square [m]
+  std::unordered_map<std::int64_t, float> lowest_;  //!< of the square and those around it [m]
 };
 }  // namespace dyslam
