@@ -38,7 +38,7 @@ function levelsOf(path, low, size, side) {
       let sum = 0;
       let weights = 0;
       for (const p of positions) {
-        const squared = (p.x - x) * (p.x - x) + (p.y - y) * (p.y - y) + side * side;
+        const squared = (p.x - x) * (p.x - x) + (p.y - y) * (p.y - y) + 0.1 * side * side;
         const weight = 1 / (squared * squared);
         sum += weight * p.z;
         weights += weight;

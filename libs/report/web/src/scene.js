@@ -39,7 +39,7 @@ void main() {
   vec4 seen = modelViewMatrix * vec4(p, 1.0);
   gl_Position = over > cut ? vec4(0.0, 0.0, 2.0, 1.0) : projectionMatrix * seen;  // the former is not in the picture
   gl_PointSize = clamp(size * viewport * projectionMatrix[1][1] * 0.5 / max(0.1, -seen.z), 1.0, 24.0);
-  float h = ((mode == 0 ? over : p.z) - heights.x) / max(0.1, heights.y - heights.x);
+  float h = ((mode == 0 ? over : p.z) - heights.x) / (heights.y - heights.x);
   colour = mode < 2 ? byHeight(clamp(h, 0.0, 1.0)) : mode == 2 ? vec3(0.80 - 0.75 * sqrt(position.w)) : vec3(0.42);
 }`;
 const fragment = `
@@ -66,8 +66,11 @@ class MapPoints {
     const over = heightsOverPath(data, values);
     const below = map.count - map.ceilings;  // number of the other points
     const height = (i) => map.low[2] + values[4 * i + 2] * map.step[2];
-    /** Heights between which the colours change, by mode [m]. */
-    this.ranges = [quantiles(below, (i) => over[i], [0.02, 0.98]), quantiles(below, height, [0.02, 0.98])];
+    /** Heights between which the colours change, by mode, at least 1 m apart [m]. */
+    this.ranges = [(i) => over[i], height].map((value) => {
+      const [low, high] = quantiles(below, value, [0.02, 0.98]);
+      return [low, Math.max(high, low + 1)];
+    });
     /** Heights over the path of nearly all points [m]. */
     this.reach = quantiles(map.count, (i) => over[i], [0.02, 0.999]);
     const extent = map.step.map((step) => step * 65535);

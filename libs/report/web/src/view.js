@@ -280,7 +280,7 @@ class Legend {
 /** Colours of the kinds of objects that there are; null without any. */
 function legendOfObjects({objects}) {
   const kinds = [...new Set(objects.map(kindOf))];
-  return kinds.length === 0 ? null : h('div', {class: 'colours right'}, kinds.map((kind) =>
+  return kinds.length === 0 ? null : h('div', {class: 'colours right', id: 'kinds'}, kinds.map((kind) =>
     h('span', {}, h('span', {class: 'swatch', style: `background:${kind.colour}`}), kind.many)));
 }
 
