@@ -8,7 +8,9 @@
 #include <mrpt/opengl/stock_objects.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstddef>
 
 #include "SceneParts.h"
 #include "rawlog/ObservationOutput.h"
@@ -98,36 +100,33 @@ void insertBoxes(mrpt::opengl::COpenGLScene& scene, const SceneContent& content)
  * that is not visible. */
 void insertPoints(const SceneContent& content, mrpt::opengl::COpenGLScene& scene)
 {
-  struct Part
-  {
-    std::vector<Eigen::Vector3f> points;
-    std::vector<float> intensity;
-  };
-  const bool has_intensity = content.intensity.size() == content.points.size();
+  constexpr float point_size = 3;  // [pixels]
   const std::vector<bool> is_ceiling = ceilingPointsIfMany(content.points);
-  Part map;
-  Part ceilings;
+  if (std::find(is_ceiling.begin(), is_ceiling.end(), true) == is_ceiling.end())
+  {
+    if (!content.points.empty())
+    {
+      insert(scene, heightColoured(content.points, content.intensity, point_size), "map");
+    }
+    return;
+  }
+  const bool has_intensity = content.intensity.size() == content.points.size();
+  std::array<std::vector<Eigen::Vector3f>, 2> points;  // others, ceilings
+  std::array<std::vector<float>, 2> intensity;
   for (std::size_t i = 0; i < content.points.size(); ++i)
   {
-    Part& part = is_ceiling[i] ? ceilings : map;
-    part.points.push_back(content.points[i]);
+    const std::size_t part = is_ceiling[i] ? 1 : 0;
+    points[part].push_back(content.points[i]);
     if (has_intensity)
     {
-      part.intensity.push_back(content.intensity[i]);
+      intensity[part].push_back(content.intensity[i]);
     }
   }
-  const HeightRange range = heightRange(map.points);
-  constexpr float point_size = 3;  // [pixels]
-  if (!map.points.empty())
-  {
-    insert(scene, heightColoured(map.points, map.intensity, range, point_size), "map");
-  }
-  if (!ceilings.points.empty())
-  {
-    const auto hidden = heightColoured(ceilings.points, ceilings.intensity, range, point_size);
-    hidden->setVisibility(false);
-    insert(scene, hidden, "ceilings");
-  }
+  const HeightRange range = heightRange(points[0]);
+  insert(scene, heightColoured(points[0], intensity[0], range, point_size), "map");
+  const auto ceilings = heightColoured(points[1], intensity[1], range, point_size);
+  ceilings->setVisibility(false);
+  insert(scene, ceilings, "ceilings");
 }
 
 /** The whole path and what is beside it, from behind and above. */
