@@ -182,6 +182,94 @@ TEST_F(RunPageInBrowser, LayersCanBeHidden)
   EXPECT_EQ(browser().errors(), "");
 }
 
+/** A room of 30 m by 10 m and 3 m height with the vehicle's path in it. */
+std::vector<Eigen::Vector3f> room()
+{
+  std::vector<Eigen::Vector3f> points;
+  for (int i = 0; i < 15000; ++i)
+  {
+    const float x = 0.2F * static_cast<float>(i % 150) - 5;
+    const float y = 0.2F * static_cast<float>(i / 150) - 10;
+    points.emplace_back(x, y, -1.0F);
+    points.emplace_back(x, y, 2.0F);
+  }
+  return points;
+}
+
+TEST_F(RunPageInBrowser, CeilingsAreHiddenAtFirstAndHeightsCanBeCutOff)
+{
+  RunPage page = smallRun();
+  const std::vector<Eigen::Vector3f> points = room();
+  page.map_points = &points;
+  browser().open(written(page, "room.html"));
+  ASSERT_TRUE(browser().waitFor(all_drawn)) << browser().errors();
+  EXPECT_NE(textOf("view").find("belong to ceilings, which are not shown at first"),
+            std::string::npos);
+  EXPECT_EQ(browser().run("return document.getElementById('layer-ceilings').checked"), false);
+  const std::string without = browser().screenshot("scene");
+  browser().click("layer-ceilings");
+  ASSERT_TRUE(browser().waitFor(all_drawn));
+  const std::string with = browser().screenshot("scene");
+  EXPECT_TRUE(differ(with, without));
+
+  EXPECT_EQ(textOf("cut-height"), "nothing");
+  browser().type("cut", "\xEE\x80\x92\xEE\x80\x92\xEE\x80\x92\xEE\x80\x92\xEE\x80\x92");
+  ASSERT_TRUE(browser().waitFor(all_drawn));
+  EXPECT_EQ(textOf("cut-height"), "above 1.5 m over the path") << "five steps to the left";
+  browser().click("layer-ceilings");
+  ASSERT_TRUE(browser().waitFor(all_drawn));
+  const std::string open = browser().screenshot("scene");
+  browser().click("layer-ceilings");
+  ASSERT_TRUE(browser().waitFor(all_drawn));
+  EXPECT_FALSE(differ(browser().screenshot("scene"), open)) << "the ceiling is cut off";
+  browser().type("cut", "\xEE\x80\x90");  // End
+  ASSERT_TRUE(browser().waitFor(all_drawn));
+  EXPECT_EQ(textOf("cut-height"), "nothing");
+  EXPECT_FALSE(differ(browser().screenshot("scene"), with));
+  EXPECT_EQ(browser().errors(), "");
+}
+
+/** On a slope of 20 % the ground is at the height of the path everywhere. */
+TEST_F(RunPageInBrowser, StatesWhatTheColoursMean)
+{
+  RunPage page = smallRun();
+  std::vector<Eigen::Vector3f> points;
+  Trajectory path;
+  for (int i = 0; i < 20; ++i)
+  {
+    path.push_back(100 + 0.1 * i, poseFromYpr(i, 0, 0.2 * i, 0, 0, 0));
+    for (int k = -5; k <= 5; ++k)
+    {
+      points.emplace_back(static_cast<float>(i), 0.2F * static_cast<float>(k),
+                          0.2F * static_cast<float>(i));
+    }
+  }
+  page.trajectory = page.odometry = path;
+  page.map_points = &points;
+  browser().open(written(page, "slope.html"));
+  ASSERT_TRUE(browser().waitFor(all_drawn)) << browser().errors();
+  EXPECT_NE(textOf("colours").find(" mover the path"), std::string::npos);
+  EXPECT_NEAR(std::stod(textOf("colours")), 0, 0.2) << "the lowest points";
+  const std::string over_path = browser().screenshot("scene");
+  const auto choose = [](const std::string& value)
+  {
+    (void)browser().run("const c = document.getElementById('colour'); c.value = '" + value +
+                        "'; c.dispatchEvent(new Event('change')); return true");
+    return browser().waitFor(all_drawn);
+  };
+  ASSERT_TRUE(choose("1"));
+  EXPECT_EQ(textOf("colours"), "0.0 m3.8 mheight");
+  EXPECT_TRUE(differ(browser().screenshot("scene"), over_path));
+  ASSERT_TRUE(choose("2"));
+  EXPECT_EQ(textOf("colours"), "01intensity");
+  ASSERT_TRUE(choose("3"));
+  EXPECT_EQ(browser().run("return document.getElementById('colours').hidden"), true);
+  ASSERT_TRUE(choose("0"));
+  EXPECT_FALSE(differ(browser().screenshot("scene"), over_path));
+  EXPECT_EQ(textOf("kinds"), "vehicles");
+  EXPECT_EQ(browser().errors(), "");
+}
+
 TEST_F(RunPageInBrowser, OpensWithAMillionPoints)
 {
   RunPage page = smallRun();

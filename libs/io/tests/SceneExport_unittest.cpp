@@ -2,6 +2,9 @@
 #include <dyslam/base/Error.h>
 #include <dyslam/io/SceneExport.h>
 #include <mrpt/opengl/COpenGLScene.h>
+#include <mrpt/opengl/CPointCloudColoured.h>
+
+#include <memory>
 
 #include "FullDisk.h"
 #include "TestFolder.h"
@@ -43,6 +46,46 @@ TEST(SceneExport, BoxAndPathOfAnObjectHaveOneColour)
     EXPECT_TRUE(same(colourOf(scene, "object " + id), colourOf(scene, "object path " + id))) << id;
   }
   EXPECT_FALSE(same(colourOf(scene, "object 4"), colourOf(scene, "object 7")));
+}
+
+/** A floor of 10 m by 10 m; the ceiling over it would hide it. */
+TEST(SceneExport, CeilingsAreAnObjectThatIsNotVisible)
+{
+  const TestFolder folder;
+  SceneContent content;
+  const auto add = [&](float height)
+  {
+    for (int i = 0; i < 2500; ++i)
+    {
+      content.points.emplace_back(0.2F * static_cast<float>(i % 50),
+                                  0.2F * static_cast<float>(i / 50), height);
+      content.intensity.push_back(0.5F);
+    }
+  };
+  add(0);
+  writeScene(content, folder.file("open.3Dscene"));
+  add(3);
+  writeScene(content, folder.file("room.3Dscene"));
+  const auto load = [&](const char* name)
+  {
+    mrpt::opengl::COpenGLScene scene;
+    EXPECT_TRUE(scene.loadFromFile(folder.file(name)));
+    return scene;
+  };
+  auto open = load("open.3Dscene");
+  ASSERT_TRUE(open.getByName("map"));
+  EXPECT_FALSE(open.getByName("ceilings"));
+  auto room = load("room.3Dscene");
+  const auto map =
+      std::dynamic_pointer_cast<mrpt::opengl::CPointCloudColoured>(room.getByName("map"));
+  const auto ceilings =
+      std::dynamic_pointer_cast<mrpt::opengl::CPointCloudColoured>(room.getByName("ceilings"));
+  ASSERT_TRUE(map && ceilings);
+  EXPECT_TRUE(map->isVisible());
+  EXPECT_FALSE(ceilings->isVisible());
+  EXPECT_EQ(map->size() + ceilings->size(), content.points.size());
+  EXPECT_GT(ceilings->size(), 2000U);
+  EXPECT_FLOAT_EQ(ceilings->getPoint3Df(0).z, 3);
 }
 
 TEST(SceneExport, AFullDiskLeavesTheEarlierFile)

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/base/Printable.h>
 #include <dyslam/base/Quantile.h>
+#include <dyslam/core/Ceilings.h>
+#include <dyslam/core/MapGround.h>
 #include <dyslam/plot/MapPicture.h>
 
 #include <algorithm>
@@ -11,7 +13,6 @@
 #include <opencv2/imgproc.hpp>
 #include <stdexcept>
 #include <string>
-#include <unordered_map>
 
 #include "PlotPage.h"
 
@@ -21,8 +22,6 @@ namespace
 {
 using namespace plot;
 
-constexpr double ground_cell = 2;   // side of the cells in which the ground is estimated [m]
-constexpr float max_pit = 0.5F;     // largest depth of a cell's ground below its neighbours' [m]
 constexpr double full_height = 4;   // height over the ground from which on points are darkest [m]
 constexpr double point_side = 0.2;  // a point is drawn as large as a voxel of the map [m]
 constexpr double lightest_grey = 214;
@@ -144,155 +143,6 @@ View viewOf(const std::vector<const MapPictureContent*>& contents, const MapPict
   return view;
 }
 
-/** Height of every point over the ground [m]. The ground is a low quantile of the cell's points, or
- * of the cells around if the cell lies in a pit: reflections from below the ground do not count. */
-class PictureGround
-{
- public:
-  explicit PictureGround(const std::vector<Eigen::Vector3f>& points)
-  {
-    std::unordered_map<std::int64_t, std::vector<float>> heights;
-    for (const auto& p : points)
-    {
-      if (p.allFinite())
-      {
-        heights[keyOf(p)].push_back(p.z());
-      }
-    }
-    std::unordered_map<std::int64_t, float> low;
-    for (auto& [key, values] : heights)
-    {
-      low[key] = lowQuantile(values, 10);
-    }
-    for (const auto& [key, height] : low)
-    {
-      const float around = medianAround(low, key);
-      ground_[key] = height < around - max_pit ? around : height;
-    }
-  }
-  [[nodiscard]] double heightOver(const Eigen::Vector3f& p) const
-  {
-    return static_cast<double>(p.z() - ground_.at(keyOf(p)));
-  }
-
- private:
-  static std::int64_t keyOf(const Eigen::Vector3f& p)
-  {
-    const auto cell = [](float v)
-    { return static_cast<std::int64_t>(std::floor(static_cast<double>(v) / ground_cell)); };
-    return cell(p.x()) * row + cell(p.y());
-  }
-  /** Median ground height of the cell and its neighbours [m]. */
-  static float medianAround(const std::unordered_map<std::int64_t, float>& low, std::int64_t key)
-  {
-    std::vector<float> values;
-    for (int k = 0; k < 9; ++k)
-    {
-      const auto found = low.find(key + (k / 3 - 1) * row + k % 3 - 1);
-      if (found != low.end())
-      {
-        values.push_back(found->second);
-      }
-    }
-    return upperMedian(values);
-  }
-
-  static constexpr std::int64_t row = 1LL << 32;
-  std::unordered_map<std::int64_t, float> ground_;
-};
-
-/** Finds ceilings and the like, which would hide the floor below them in a picture from above. */
-class Ceilings
-{
- public:
-  Ceilings(const std::vector<Eigen::Vector3f>& points, const PictureGround& ground)
-  {
-    for (const auto& p : points)
-    {
-      if (!p.allFinite())
-      {
-        continue;
-      }
-      const double height = ground.heightOver(p);
-      const std::size_t layer = layerOf(height);
-      columns_[cellOf(p, column_side)] |= bitOf(layer);
-      if (height > least_height)
-      {
-        std::vector<std::uint32_t>& layers = cells_[cellOf(p, cell_side)];
-        layers.resize(std::max(layers.size(), layer + 1));
-        ++layers[layer];
-      }
-    }
-  }
-
-  /** Whether the point is part of a horizontal layer overhead: most of the nine cells of 1 m around
-   * have points at its height, most points over 2.2 m in them are at its height, and there are none
-   * right below it. Not so the points of walls, trees and facades. \param height over the ground
-   * [m] */
-  [[nodiscard]] bool contain(const Eigen::Vector3f& p, double height) const
-  {
-    if (height <= least_height || height >= highest)
-    {
-      return false;
-    }
-    const std::size_t layer = layerOf(height);
-    const std::uint64_t right_below = bitOf(layer - 2) | bitOf(layer - 3) | bitOf(layer - 4);
-    if ((columns_.at(cellOf(p, column_side)) & right_below) != 0)
-    {
-      return false;
-    }
-    const auto [x, y] = cellOf(p, cell_side);
-    std::uint64_t at_height = 0;
-    std::uint64_t all = 0;
-    int cells_at_height = 0;
-    for (int k = 0; k < 9; ++k)
-    {
-      const auto found = cells_.find({x + k / 3 - 1, y + k % 3 - 1});
-      if (found == cells_.end())
-      {
-        continue;
-      }
-      std::uint64_t of_cell = 0;
-      for (std::size_t i = 0; i < found->second.size(); ++i)
-      {
-        const bool is_near = i + 1 >= layer && i <= layer + 1;
-        of_cell += is_near ? found->second[i] : 0;
-        all += found->second[i];
-      }
-      at_height += of_cell;
-      cells_at_height += of_cell > 0 ? 1 : 0;
-    }
-    return cells_at_height >= least_cells &&
-           static_cast<double>(at_height) > least_share * static_cast<double>(all);
-  }
-
- private:
-  using Cell = std::pair<std::int32_t, std::int32_t>;
-
-  static Cell cellOf(const Eigen::Vector3f& p, double side)
-  {
-    const auto number = [side](float v)
-    { return static_cast<std::int32_t>(std::floor(static_cast<double>(v) / side)); };
-    return {number(p.x()), number(p.y())};
-  }
-  static std::size_t layerOf(double height)
-  {
-    return static_cast<std::size_t>(std::clamp(height, 0.0, highest) / layer_height);
-  }
-  static std::uint64_t bitOf(std::size_t layer) { return std::uint64_t{1} << layer; }
-
-  static constexpr double least_height = 2.2;  // [m]
-  static constexpr double cell_side = 1;       // [m]
-  static constexpr double column_side = 0.4;   // [m]
-  static constexpr double layer_height = 0.2;  // [m]
-  static constexpr double highest = 12.7;      // of ceilings [m]; 64 layers
-  static constexpr double least_share = 0.6;
-  static constexpr int least_cells = 6;  // more than a wall has, also one across
-
-  std::map<Cell, std::vector<std::uint32_t>> cells_;  //!< numbers of points, by layer
-  std::map<Cell, std::uint64_t> columns_;             //!< layers with points, a bit each
-};
-
 /** Calls `paint` with every pixel of the dot that a point is drawn as. */
 template <typename Paint>
 void drawDot(const Eigen::Vector3f& p, const View& view, cv::Mat& page, const Paint& paint)
@@ -315,20 +165,16 @@ void drawDot(const Eigen::Vector3f& p, const View& view, cv::Mat& page, const Pa
  * ceilings. */
 void drawPoints(const std::vector<Eigen::Vector3f>& points, const View& view, cv::Mat& page)
 {
-  const PictureGround ground(points);
-  const Ceilings ceilings(points, ground);
-  for (const auto& p : points)
+  const MapGround ground(points);
+  const std::vector<bool> is_ceiling = ceilingPoints(points, ground);
+  for (std::size_t i = 0; i < points.size(); ++i)
   {
-    if (!p.allFinite())
+    const Eigen::Vector3f& p = points[i];
+    if (!p.allFinite() || is_ceiling[i])
     {
       continue;
     }
-    const double height = ground.heightOver(p);
-    if (ceilings.contain(p, height))
-    {
-      continue;
-    }
-    const double share = std::clamp(height / full_height, 0.0, 1.0);
+    const double share = std::clamp(ground.heightOver(p) / full_height, 0.0, 1.0);
     const auto grey = static_cast<unsigned char>(lightest_grey +
                                                  (darkest_grey - lightest_grey) * std::sqrt(share));
     drawDot(p, view, page,

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "PackedPoints.h"
 
+#include <dyslam/core/Ceilings.h>
 #include <dyslam/core/VoxelGrid.h>
 
 #include <algorithm>
@@ -56,6 +57,10 @@ PackedPoints packPoints(const std::vector<Eigen::Vector3f>& points,
   {
     return packed;
   }
+  const std::vector<bool> is_ceiling = ceilingPointsIfMany(points);
+  const auto ceilings = std::stable_partition(chosen.begin(), chosen.end(),
+                                              [&](std::uint32_t i) { return !is_ceiling[i]; });
+  packed.ceilings = static_cast<std::size_t>(chosen.end() - ceilings);
   Eigen::Vector3f low = points[chosen.front()];
   Eigen::Vector3f high = low;
   for (const auto i : chosen)

@@ -11,10 +11,12 @@
 namespace dyslam
 {
 /** Points in 7 bytes each: all x, all y, all z as little-endian 16-bit numbers, then all
- * intensities as bytes. A coordinate is low + step * number. */
+ * intensities as bytes. A coordinate is low + step * number. Those of ceilings are the last ones.
+ */
 struct PackedPoints
 {
   std::size_t count = 0;
+  std::size_t ceilings = 0;  //!< number of points of ceilings, see ceilingPointsIfMany()
   Eigen::Vector3d low = Eigen::Vector3d::Zero();   //!< lowest coordinates [m]
   Eigen::Vector3d step = Eigen::Vector3d::Zero();  //!< [m]; 1/65535 of the extent
   double voxel_size = 0;                           //!< side of cubes with one point [m]; 0: all

@@ -19,8 +19,6 @@ namespace
 {
 using Json = nlohmann::ordered_json;
 
-constexpr double percentile = 0.02;  // of the points' heights that the colours leave out
-
 /** Its states at every n-th scan, by the number among these; the first one where there is none. */
 PageObject atEveryNth(const PageObject& object, std::size_t step)
 {
@@ -215,31 +213,16 @@ Json objectJson(const PageObject& object)
   return json;
 }
 
-/** Extent of the points, and the range of heights of the colours. */
+/** Numbers of points and their coordinates. */
 Json mapJson(const RunPage& page, const PackedPoints& points)
 {
   const std::size_t given = page.map_points == nullptr ? 0 : page.map_points->size();
-  Json json{{"count", points.count},
-            {"of", std::max(given, page.map_size)},
-            {"voxel", rounded(points.voxel_size, millimetre)},
-            {"low", rounded(points.low, 1e-6)},
-            {"step", rounded(points.step, 1e-9)}};
-  std::vector<float> heights;
-  if (page.map_points != nullptr)
-  {
-    for (const auto& p : *page.map_points)
-    {
-      if (p.allFinite())
-      {
-        heights.push_back(p.z());
-      }
-    }
-  }
-  const auto height = [&](double share)
-  { return heights.empty() ? 0.0 : static_cast<double>(quantile(heights, share)); };
-  json["z_low"] = rounded(height(percentile), 0.01);
-  json["z_high"] = rounded(height(1 - percentile), 0.01);
-  return json;
+  return {{"count", points.count},
+          {"of", std::max(given, page.map_size)},
+          {"ceilings", points.ceilings},
+          {"voxel", rounded(points.voxel_size, millimetre)},
+          {"low", rounded(points.low, 1e-6)},
+          {"step", rounded(points.step, 1e-9)}};
 }
 }  // namespace
 

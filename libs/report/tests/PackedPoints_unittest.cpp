@@ -74,6 +74,38 @@ TEST(PackedPoints, KeepWithinTheLimitAndSpreadEvenly)
   EXPECT_NEAR(coordinate(packed, packed.count - 1, 0), 9.9, 2 * packed.voxel_size);
 }
 
+/** A room: its ceiling is given first, and packed last. */
+TEST(PackedPoints, OfCeilingsAreTheLastOnes)
+{
+  std::vector<Eigen::Vector3f> points;
+  std::vector<float> intensity;
+  for (const float height : {3.0F, 0.0F})
+  {
+    for (int i = 0; i < 6000; ++i)
+    {
+      points.emplace_back(0.1F * static_cast<float>(i % 100), 0.1F * static_cast<float>(i / 100),
+                          height);
+      intensity.push_back(height / 3);
+    }
+  }
+  for (const std::size_t most : {20000U, 5000U})
+  {
+    const PackedPoints packed = packPoints(points, &intensity, most);
+    ASSERT_GT(packed.ceilings, packed.count / 3);
+    ASSERT_LT(packed.ceilings, packed.count);
+    const std::size_t others = packed.count - packed.ceilings;
+    for (std::size_t i = others; i < packed.count; ++i)
+    {
+      ASSERT_NEAR(coordinate(packed, i, 2), 3, 1e-3) << i;
+      ASSERT_EQ(static_cast<unsigned char>(packed.bytes[6 * packed.count + i]), 255) << i;
+    }
+    EXPECT_NEAR(coordinate(packed, 0, 2), 3, 1e-3) << "a corner";
+    EXPECT_NEAR(coordinate(packed, others - 1, 2), 0, 1e-3);
+  }
+  points.resize(100);
+  EXPECT_EQ(packPoints(points, nullptr, 20000).ceilings, 0U) << "no floor below";
+}
+
 TEST(PackedPoints, RefuseWhatDoesNotFit)
 {
   const std::vector<float> one{0.5F};

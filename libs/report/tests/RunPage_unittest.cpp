@@ -182,6 +182,7 @@ TEST(RunPage, ShowsObjectsLoopsAndMap)
   page.objects.push_back(object);
   const auto json = dataOf(renderRunPage(page, page_template));
   EXPECT_EQ(json["map"]["count"], 2);
+  EXPECT_EQ(json["map"]["ceilings"], 0);
   EXPECT_EQ(json["loops"][0]["to"], nlohmann::json({4.0, 5.0, 6.0}));
   EXPECT_EQ(json["objects"][0]["class"], "Pedestrian");
   EXPECT_EQ(json["objects"][0]["scan"], nlohmann::json({1}));

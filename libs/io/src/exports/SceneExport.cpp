@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/core/Ceilings.h>
 #include <dyslam/io/GzOutput.h>
 #include <dyslam/io/SceneExport.h>
 #include <dyslam/mrpt/Conversions.h>
@@ -7,7 +8,9 @@
 #include <mrpt/opengl/stock_objects.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstddef>
 
 #include "SceneParts.h"
 #include "rawlog/ObservationOutput.h"
@@ -93,6 +96,39 @@ void insertBoxes(mrpt::opengl::COpenGLScene& scene, const SceneContent& content)
   }
 }
 
+/** Points of the map; those of ceilings, which would hide the others, as an object of their own
+ * that is not visible. */
+void insertPoints(const SceneContent& content, mrpt::opengl::COpenGLScene& scene)
+{
+  constexpr float point_size = 3;  // [pixels]
+  const std::vector<bool> is_ceiling = ceilingPointsIfMany(content.points);
+  if (std::find(is_ceiling.begin(), is_ceiling.end(), true) == is_ceiling.end())
+  {
+    if (!content.points.empty())
+    {
+      insert(scene, heightColoured(content.points, content.intensity, point_size), "map");
+    }
+    return;
+  }
+  const bool has_intensity = content.intensity.size() == content.points.size();
+  std::array<std::vector<Eigen::Vector3f>, 2> points;  // others, ceilings
+  std::array<std::vector<float>, 2> intensity;
+  for (std::size_t i = 0; i < content.points.size(); ++i)
+  {
+    const std::size_t part = is_ceiling[i] ? 1 : 0;
+    points[part].push_back(content.points[i]);
+    if (has_intensity)
+    {
+      intensity[part].push_back(content.intensity[i]);
+    }
+  }
+  const HeightRange range = heightRange(points[0]);
+  insert(scene, heightColoured(points[0], intensity[0], range, point_size), "map");
+  const auto ceilings = heightColoured(points[1], intensity[1], range, point_size);
+  ceilings->setVisibility(false);
+  insert(scene, ceilings, "ceilings");
+}
+
 /** The whole path and what is beside it, from behind and above. */
 void lookAt(const std::vector<Eigen::Vector3d>& path, mrpt::opengl::COpenGLScene& scene)
 {
@@ -119,10 +155,7 @@ mrpt::opengl::COpenGLScene sceneOf(const SceneContent& content)
   const auto path = positions(content.trajectory);
   scene.getViewport()->setCustomBackgroundColor(mrpt::img::TColorf(0.10F, 0.11F, 0.13F));
   insert(scene, gridUnder(path), "grid");
-  if (!content.points.empty())
-  {
-    insert(scene, heightColoured(content.points, content.intensity, 3.0F), "map");
-  }
+  insertPoints(content, scene);
   insert(scene, polyline(positions(content.reference), reference_colour, 2.0F), "reference");
   insert(scene, polyline(path, estimate_colour, 3.0F), "trajectory");
   for (std::size_t i = 0; i < content.other_trajectories.size(); ++i)

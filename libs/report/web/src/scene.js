@@ -1,39 +1,46 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The 3D view: what is in it. view.js has the buttons and the slider.
 import {AmbientLight, BoxGeometry, BufferAttribute, BufferGeometry, Color, CylinderGeometry,
-  DirectionalLight, EdgesGeometry, GLSL3, GridHelper, Group, LineBasicMaterial, LineSegments, Mesh,
-  MeshLambertMaterial, Points, RawShaderMaterial, Scene, Vector3} from 'three';
+  DirectionalLight, EdgesGeometry, GLSL3, GridHelper, Group, LinearSRGBColorSpace, LineBasicMaterial,
+  LineSegments, Mesh, MeshLambertMaterial, Points, RawShaderMaterial, Scene, Vector3} from 'three';
 import {Line2} from 'three/addons/lines/Line2.js';
 import {LineGeometry} from 'three/addons/lines/LineGeometry.js';
 import {LineMaterial} from 'three/addons/lines/LineMaterial.js';
 import {LineSegments2} from 'three/addons/lines/LineSegments2.js';
 import {LineSegmentsGeometry} from 'three/addons/lines/LineSegmentsGeometry.js';
 import {colours, everyNth, kindOf} from './data.js';
+import {heightsOverPath, quantiles} from './heights.js';
 
 const max_boxes = 200;  // of objects shown at one time
+export const no_cut = 1e6;  // height over the path [m]
+
+/** Colours of heights, from low to high. */
+export const ramp = ['#a8b3c2', '#3385a8', '#295280', '#73336b'];
+const vec3 = (colour) => `vec3(${new Color().setStyle(colour, LinearSRGBColorSpace).toArray().map((v) => v.toFixed(4))})`;
 
 const vertex = `
 precision highp float;
 uniform mat4 modelViewMatrix, projectionMatrix;
 uniform vec3 low, extent;
 uniform vec2 heights;
-uniform float size, viewport;
+uniform float size, viewport, cut;
 uniform int mode;
 in vec4 position;  // x, y, z and intensity as shares of their ranges
+in float over;  // height over the path
 out vec3 colour;
 
 vec3 byHeight(float h) {
-  vec3 a = vec3(0.66, 0.70, 0.76), b = vec3(0.20, 0.52, 0.66), c = vec3(0.16, 0.32, 0.50), d = vec3(0.45, 0.20, 0.42);
-  return h < 0.33 ? mix(a, b, h * 3.0) : h < 0.66 ? mix(b, c, h * 3.0 - 1.0) : mix(c, d, h * 3.0 - 2.0);
+  vec3 a = ${vec3(ramp[0])}, b = ${vec3(ramp[1])}, c = ${vec3(ramp[2])}, d = ${vec3(ramp[3])};
+  return h * 3.0 < 1.0 ? mix(a, b, h * 3.0) : h * 3.0 < 2.0 ? mix(b, c, h * 3.0 - 1.0) : mix(c, d, h * 3.0 - 2.0);
 }
 
 void main() {
   vec3 p = low + extent * position.xyz;
   vec4 seen = modelViewMatrix * vec4(p, 1.0);
-  gl_Position = projectionMatrix * seen;
+  gl_Position = over > cut ? vec4(0.0, 0.0, 2.0, 1.0) : projectionMatrix * seen;  // the former is not in the picture
   gl_PointSize = clamp(size * viewport * projectionMatrix[1][1] * 0.5 / max(0.1, -seen.z), 1.0, 24.0);
-  float h = clamp((p.z - heights.x) / max(0.1, heights.y - heights.x), 0.0, 1.0);
-  colour = mode == 0 ? byHeight(h) : mode == 1 ? vec3(0.80 - 0.75 * sqrt(position.w)) : vec3(0.42);
+  float h = ((mode == 0 ? over : p.z) - heights.x) / (heights.y - heights.x);
+  colour = mode < 2 ? byHeight(clamp(h, 0.0, 1.0)) : mode == 2 ? vec3(0.80 - 0.75 * sqrt(position.w)) : vec3(0.42);
 }`;
 const fragment = `
 precision mediump float;
@@ -52,18 +59,48 @@ function line(poses, colour, lift) {
   return new Line2(geometry, new LineMaterial({color: colour, linewidth: 2.5}));
 }
 
-function mapOf(data, values) {
-  const {map} = data;
-  const geometry = new BufferGeometry();
-  geometry.setAttribute('position', new BufferAttribute(values, 4, true));
-  const extent = map.step.map((step) => step * 65535);
-  const material = new RawShaderMaterial({glslVersion: GLSL3, vertexShader: vertex,
-    fragmentShader: fragment, uniforms: {low: {value: new Vector3(...map.low)},
-      extent: {value: new Vector3(...extent)}, heights: {value: [map.z_low, map.z_high]},
-      size: {value: 0.12}, viewport: {value: 600}, mode: {value: 0}}});
-  const points = new Points(geometry, material);
-  points.frustumCulled = false;  // three.js knows nothing of the shares
-  return points;
+/** The map points; those of ceilings, the last ones of them, are an object of their own. */
+class MapPoints {
+  constructor(data, values) {
+    const {map} = data;
+    const over = heightsOverPath(data, values);
+    const below = map.count - map.ceilings;  // number of the other points
+    const height = (i) => map.low[2] + values[4 * i + 2] * map.step[2];
+    /** Heights between which the colours change, by mode, at least 1 m apart [m]. */
+    this.ranges = [(i) => over[i], height].map((value) => {
+      const [low, high] = quantiles(below, value, [0.02, 0.98]);
+      return [low, Math.max(high, low + 1)];
+    });
+    /** Heights over the path of nearly all points [m]. */
+    this.reach = quantiles(map.count, (i) => over[i], [0.02, 0.999]);
+    const extent = map.step.map((step) => step * 65535);
+    this.material = new RawShaderMaterial({glslVersion: GLSL3, vertexShader: vertex,
+      fragmentShader: fragment, uniforms: {low: {value: new Vector3(...map.low)},
+        extent: {value: new Vector3(...extent)}, heights: {value: this.ranges[0]}, size: {value: 0.12},
+        viewport: {value: 600}, cut: {value: no_cut}, mode: {value: 0}}});
+    this.attributes = {position: new BufferAttribute(values, 4, true), over: new BufferAttribute(over, 1)};
+    this.others = this.drawn(0, below);
+    this.ceilings = map.ceilings > 0 ? this.drawn(below, map.ceilings) : null;
+  }
+
+  drawn(start, count) {
+    const geometry = new BufferGeometry();
+    Object.entries(this.attributes).forEach(([name, values]) => geometry.setAttribute(name, values));
+    geometry.setDrawRange(start, count);
+    const points = new Points(geometry, this.material);
+    points.frustumCulled = false;  // three.js knows nothing of the shares
+    return points;
+  }
+
+  colourBy(mode) {
+    this.material.uniforms.mode.value = mode;
+    this.material.uniforms.heights.value = this.ranges[Math.min(mode, 1)];
+  }
+
+  /** Hides what is higher over the path [m]. */
+  cutAbove(height) {
+    this.material.uniforms.cut.value = height;
+  }
 }
 
 /** Line segments: two ends each, three coordinates an end. */
@@ -124,7 +161,11 @@ export class Content {
     this.sensor = sensorMark();
     this.statesByScan = this.indexStates();
     if (data.map.count > 0) {
-      this.points = this.addLayer('map', 'map', '#7a8794', mapOf(data, points), true);
+      this.map = new MapPoints(data, points);
+      this.addLayer('map', 'map', '#7a8794', this.map.others, true);
+      if (this.map.ceilings) {
+        this.addLayer('ceilings', 'ceilings', '#7a8794', this.map.ceilings, false);
+      }
     }
     const path = new Group();
     path.add(line(data.final, colours.final, 0.05), this.sensor);
@@ -176,13 +217,18 @@ export class Content {
     const grid = new GridHelper(size, size / 10, 0xb0b8c2, 0xdde1e6);
     grid.rotation.x = Math.PI / 2;
     grid.position.set(10 * Math.round((most(x) + least(x)) / 20), 10 * Math.round((most(y) + least(y)) / 20),
-        Math.min(least(z), this.data.map.count > 0 ? this.data.map.z_low : 0));
+        Math.min(least(z), this.map ? this.map.ranges[1][0] : 0));
     return grid;
   }
 
   positionAt(scan) {
     const {x, y, z} = this.data.final;
     return new Vector3(x[scan], y[scan], z[scan]);
+  }
+
+  /** Makes the sensor large enough to be seen from a position. */
+  sizeSensor(from) {
+    this.sensor.scale.setScalar(Math.max(0.4, from.distanceTo(this.sensor.position) / 70));
   }
 
   /** Moves sensor and objects to a scan. \return the objects there */

@@ -4,7 +4,7 @@ import {PerspectiveCamera, Vector3, WebGLRenderer} from 'three';
 import {OrbitControls} from 'three/addons/controls/OrbitControls.js';
 import {kindOf, readPoints, shownScans} from './data.js';
 import {count, fixed, h} from './dom.js';
-import {Content} from './scene.js';
+import {Content, no_cut, ramp} from './scene.js';
 
 const max_labels = 60;
 
@@ -66,7 +66,7 @@ class View {
       high.max(p);
     }
     const centre = low.clone().add(high).multiplyScalar(0.5);
-    const size = Math.max(30, high.distanceTo(low));
+    const size = Math.max(30, high.distanceTo(low) + 12);
     this.controls.target.copy(centre);
     const ahead = new Vector3(x[x.length - 1] - x[0], y[y.length - 1] - y[0], 0);
     const back = ahead.length() > 1 ? ahead.normalize() : new Vector3(1, 0, 0);
@@ -108,37 +108,48 @@ class View {
 
   draw() {
     this.pending = 0;
-    if (this.content.points) {
-      this.content.points.material.uniforms.viewport.value = this.canvas.height;
+    if (this.content.map) {
+      this.content.map.material.uniforms.viewport.value = this.canvas.height;
     }
+    this.content.sizeSensor(this.camera.position);
     this.renderer.render(this.content.scene, this.camera);
     this.drawLabels();
     this.canvas.dataset.drawn = Number(this.canvas.dataset.drawn || 0) + 1;
   }
 
+  /** Labels of the objects; of those that would overlap, the nearest one. */
   drawLabels() {
     const on = this.content.objects.visible && this.show_labels;
-    const states = on ? this.states.slice(0, max_labels) : [];
+    const states = on ? this.states.slice(0, max_labels).map(({object, i}) => {
+      const at = new Vector3(object.x[i], object.y[i], object.z[i] + object.height[i] / 2 + 0.3);
+      return {object, i, at, distance: at.distanceTo(this.camera.position)};
+    }).sort((a, b) => a.distance - b.distance) : [];
     while (this.labels.length < states.length) {
       const label = h('div', {class: 'label'});
       this.labels.push(label);
       this.stage.append(label);
     }
+    const drawn = [];
     this.labels.forEach((label, k) => {
       label.hidden = k >= states.length;
       if (label.hidden) {
         return;
       }
       const {object, i} = states[k];
-      const at = new Vector3(object.x[i], object.y[i], object.z[i] + object.height[i] / 2 + 0.3).project(this.camera);
-      label.hidden = at.z > 1 || Math.abs(at.x) > 1 || Math.abs(at.y) > 1;
+      const at = states[k].at.project(this.camera);
       label.textContent = `${object.class} ${object.id}, ${fixed(object.speed[i], 1)} m/s`;
       label.style.background = kindOf(object).colour;
       label.style.color = kindOf(object).ink || '#fff';
-      const half = label.offsetWidth / 2;
-      const px = Math.max(half, Math.min(this.stage.clientWidth - half, (at.x + 1) / 2 * this.stage.clientWidth));
-      const py = (1 - at.y) / 2 * this.stage.clientHeight;
-      label.style.transform = `translate(${px.toFixed(1)}px, ${py.toFixed(1)}px) translate(-50%, -100%)`;
+      const width = label.offsetWidth;
+      const height = label.offsetHeight;
+      const x = Math.max(width / 2, Math.min(this.stage.clientWidth - width / 2, (at.x + 1) / 2 * this.stage.clientWidth));
+      const y = (1 - at.y) / 2 * this.stage.clientHeight;
+      label.hidden = at.z > 1 || Math.abs(at.x) > 1 || Math.abs(at.y) > 1 ||
+          drawn.some((d) => Math.abs(d.x - x) < (d.width + width) / 2 && Math.abs(d.y - y) < height);
+      if (!label.hidden) {
+        drawn.push({x, y, width});
+        label.style.transform = `translate(${x.toFixed(1)}px, ${y.toFixed(1)}px) translate(-50%, -100%)`;
+      }
     });
   }
 
@@ -243,21 +254,70 @@ function layerControls(view) {
     }));
 }
 
-function viewControls(view) {
-  const uniforms = view.content.points ? view.content.points.material.uniforms : null;
-  const change = (name, value) => {
-    uniforms[name].value = value;
+/** What the colours of the points mean. */
+class Legend {
+  constructor(map) {
+    this.map = map;
+    this.bar = h('span', {class: 'bar'});
+    this.low = h('span', {});
+    this.high = h('span', {});
+    this.words = h('span', {});
+    this.element = h('div', {class: 'colours', id: 'colours'}, this.low, this.bar, this.high, this.words);
+    this.show(0);
+  }
+
+  show(mode) {
+    this.element.hidden = mode === 3;
+    const by_height = mode < 2;
+    const [low, high] = by_height ? this.map.ranges[mode].map((v) => `${fixed(v, 1).replace(/^-0.0$/, '0.0')} m`) : [0, 1];
+    this.low.textContent = low;
+    this.high.textContent = high;
+    this.words.textContent = ['over the path', 'height', 'intensity'][mode] || '';
+    this.bar.style.background = `linear-gradient(to right, ${by_height ? ramp : '#ccc, #545454 25%, #0d0d0d'})`;
+  }
+}
+
+/** Colours of the kinds of objects that there are; null without any. */
+function legendOfObjects({objects}) {
+  const kinds = [...new Set(objects.map(kindOf))];
+  return kinds.length === 0 ? null : h('div', {class: 'colours right', id: 'kinds'}, kinds.map((kind) =>
+    h('span', {}, h('span', {class: 'swatch', style: `background:${kind.colour}`}), kind.many)));
+}
+
+/** How the points are drawn, and how much of them. */
+function pointControls(view) {
+  const {map} = view.content;
+  const legend = new Legend(map);
+  view.stage.append(legend.element);
+  const colour = h('select', {id: 'colour', onchange: () => {
+    map.colourBy(Number(colour.value));
+    legend.show(Number(colour.value));
     view.request();
-  };
-  const colour = h('select', {id: 'colour', onchange: () => change('mode', Number(colour.value))},
-      ['height', 'intensity', 'none'].map((name, i) => h('option', {value: i}, name)));
+  }}, ['height over the path', 'height', 'intensity', 'none'].map((name, i) => h('option', {value: i}, name)));
   const size = h('input', {type: 'range', id: 'point-size', min: 0.02, max: 0.5, step: 0.02, value: 0.12,
-    oninput: () => change('size', Number(size.value))});
+    oninput: () => {
+      map.material.uniforms.size.value = Number(size.value);
+      view.request();
+    }});
+  const least = Math.floor(map.reach[0]);
+  const most = Math.max(least + 1, Math.ceil(map.reach[1]));
+  const cut_at = h('output', {id: 'cut-height', for: 'cut'}, 'nothing');
+  const cut = h('input', {type: 'range', id: 'cut', min: least, max: most, step: 0.1, value: most, oninput: () => {
+    const on = Number(cut.value) < most;
+    map.cutAbove(on ? Number(cut.value) : no_cut);
+    cut_at.textContent = on ? `above ${fixed(Number(cut.value), 1)} m over the path` : 'nothing';
+    view.request();
+  }});
+  return [h('label', {}, 'colour by', colour), h('label', {}, 'point size', size),
+    h('label', {title: 'Hides the points that are higher, such as ceilings and tree tops'}, 'cut off', cut, cut_at)];
+}
+
+function viewControls(view) {
   const button = (id, name, action) => h('button', {type: 'button', id, onclick: action}, name);
   return h('div', {class: 'controls'}, button('view-all', 'Whole path', () => view.reset(false)),
       button('view-above', 'From above', () => view.reset(true)),
       checkbox('follow', 'follow the sensor', null, false, (on) => view.followVehicle(on)),
-      uniforms ? [h('label', {}, 'colour by', colour), h('label', {}, 'point size', size)] : null,
+      view.content.map ? pointControls(view) : null,
       button('save', 'Save picture', () => view.savePicture()));
 }
 
@@ -269,7 +329,8 @@ function mapInWords({map}) {
       `${map.count.toLocaleString('en')} of ${count(map.of, 'map point')}, ` +
       (map.voxel > 0 ? `one per cube of ${fixed(map.voxel, 2)} m (report.max_points), ` : 'evenly thinned, ') :
       `${count(map.count, 'map point')}, `;
-  return part + 'those of the whole run. ';
+  return part + 'those of the whole run. ' + (map.ceilings > 0 ?
+      `${count(map.ceilings, 'of them belongs', 'of them belong')} to ceilings, which are not shown at first. ` : '');
 }
 
 /** The section; it is filled when it is in the page, as its size must be known. */
@@ -283,6 +344,7 @@ export function view3d(data) {
     try {
       const view = new View(data, stage, info);
       view.show_labels = true;
+      stage.append(...[legendOfObjects(data)].filter((legend) => legend !== null));
       section.append(layerControls(view), stage, timeControls(view, data), info, viewControls(view));
       view.showScan(0);
     } catch (error) {

@@ -26,6 +26,9 @@ struct SceneContent
 };
 
 /** Write a scene that MRPT's SceneViewer3D shows: map points coloured by height (brightness by
- * intensity), trajectories, boxes with ids. \throws UserError if the file cannot be written. */
+ * intensity), trajectories, boxes with ids. The points of ceilings (ceilingPointsIfMany()) are an
+ * object `ceilings` of their own, which is not visible. \throws UserError if the file cannot be
+ * written.
+ */
 void writeScene(const SceneContent& content, const std::string& path);
 }  // namespace dyslam
