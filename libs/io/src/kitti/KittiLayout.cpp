@@ -84,6 +84,7 @@ class LayoutReader
     {
       calib_.read();
     }
+    findPointTimes(input_, layout_);
     if (!options_.no_truth)
     {
       findLabels();
