@@ -5,13 +5,15 @@
 set -eu
 usage="Usage: odometry_table.sh [-c CONFIG] [-n SCANS] [-m METHODS] [-o DIR] [-l LENGTHS] RAWLOG...
 
-  -c  ini file or shipped name (kitti64.ini)
+  -c  ini file or shipped name (kitti64.ini; for 16 beams, and most lidars with 32, vlp16.ini)
   -n  scans of each rawlog, 0 for all (0)
   -m  methods, several with spaces between; NAME is the method alone, NAME+refine with the local map,
       dyseg+NAME after the network has segmented the moving points
       (dylo dylo+refine constant_velocity+refine icp_po2po icp_po2pl gicp loam_no_mapping loam zero_motion)
   -o  folder for the runs' results (./odometry_table); an existing run is not repeated
-  -l  segment lengths of t_rel [m] (\"5 10 20\")
+  -l  segment lengths of t_rel [m] (\"5 10 20\"); KITTI's are \"100 200 300 400 500 600 700 800\",
+      which dyslam-eval tables and dyslam-eval run have by default, for drives of 100 m and more
+  -h, --help
 
 The programs are taken from \$DYSLAM_BIN, else from the PATH."
 config=kitti64.ini
@@ -19,6 +21,7 @@ scans=0
 output=odometry_table
 lengths="5 10 20"
 methods="dylo dylo+refine constant_velocity+refine icp_po2po icp_po2pl gicp loam_no_mapping loam zero_motion"
+case ${1:-} in --help) echo "$usage"; exit 0 ;; esac
 while getopts c:n:m:o:l:h option; do
   case $option in
     c) config=$OPTARG ;;

@@ -84,8 +84,7 @@ std::string convertersWith(const std::string& option)
       isOneOf({"--times", "--poses", "--pose-source", "--every", "--external-storage"});
   const bool of_scans = isOneOf(
       {"--by-number", "--imu-pose", "--keep-partial", "--list", "--truth-frame", "--truth-topic"});
-  const bool of_kitti = isOneOf({"--boxes", "--calib", "--deskewed", "--gnss", "--kind",
-                                 "--kitti-vertical-angle-correction", "--no-truth", "--oxts",
+  const bool of_kitti = isOneOf({"--boxes", "--calib", "--gnss", "--kind", "--no-truth", "--oxts",
                                  "--pose-frame", "--sequence"});
   return of_both    ? "scans2rawlog and kitti2rawlog have"
          : of_scans ? "scans2rawlog has"

@@ -59,11 +59,17 @@ void declareDeskewed(CLI::App& app, ScansDeskewed& deskewed)
 {
   const std::map<std::string, ScansDeskewed> words{
       {"auto", ScansDeskewed::automatic}, {"yes", ScansDeskewed::yes}, {"no", ScansDeskewed::no}};
-  app.add_option(
-         "--deskewed", deskewed,
-         "whether KITTI's scans are deskewed already: auto (odometry's are), yes or no (those of "
-         "rawlog2kitti are not)")
+  app.add_option("--deskewed", deskewed,
+                 "whether KITTI's scans are deskewed already: auto (odometry's are, those of "
+                 "rawlog2kitti if "
+                 "they have no point_times), yes or no")
       ->transform(wordFor(words));
+}
+
+void declareVerticalAngles(CLI::App& app, bool& correct)
+{
+  app.add_flag("--kitti-vertical-angle-correction", correct,
+               "correct the elevation of the points by +0.205 deg, as KITTI odometry's scans need");
 }
 
 void declareSensorPose(CLI::App& app, std::string& pose)
@@ -103,6 +109,7 @@ void declareConversion(CLI::App& app, RecordingOptions& options)
       ->check(positive());
   declareClouds(app, options);
   declareDeskewed(app, options.deskewed);
+  declareVerticalAngles(app, options.vertical_angle_correction);
   app.option_defaults()->group(before);
 }
 

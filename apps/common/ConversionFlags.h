@@ -28,6 +28,9 @@ void declareClouds(CLI::App& app, RecordingOptions& options);
 /** Flag of the scans of KITTI: --deskewed. */
 void declareDeskewed(CLI::App& app, ScansDeskewed& deskewed);
 
+/** Flag of the elevation of KITTI's scans: --kitti-vertical-angle-correction. */
+void declareVerticalAngles(CLI::App& app, bool& correct);
+
 /** Flag of the pose of the lidar on the vehicle: --sensor-pose. */
 void declareSensorPose(CLI::App& app, std::string& pose);
 

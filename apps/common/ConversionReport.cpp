@@ -105,7 +105,8 @@ BagUnpackingProgress unpackWithProgress(const std::string& program,
         std::cerr << program << ": " << printable(state.bag) << ": is unpacked to "
                   << printable(state.folder) << '\n';
       }
-      progress = std::make_shared<Progress>(program + ", unpacking", "megabytes", quiet);
+      progress =
+          std::make_shared<Progress>(progressTitle(program, unpacking_part), "megabytes", quiet);
     }
     if (stop_asked)
     {

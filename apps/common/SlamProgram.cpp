@@ -3,6 +3,7 @@
 
 #include <dyslam/base/Angle.h>
 #include <dyslam/base/Printable.h>
+#include <dyslam/formats/ProgramLines.h>
 #include <dyslam/formats/RecordingOrigin.h>
 #include <dyslam/formats/RunFiles.h>
 #include <dyslam/run/TwoPassRun.h>
@@ -268,13 +269,14 @@ void runSlamProgram(const std::string& program, const SlamArguments& a, const Sl
     requireConverted(a.settings.rawlog);
   }
   const std::string& output = a.settings.output_folder;
-  const PassesReport result = runInPasses(
-      request,
-      [&](Pass pass, const SlamRunSettings& settings, const RunSettings* chosen)
-      {
-        return runWithProgress(pass, program + (pass == Pass::first ? ", first pass" : ""),
-                               settings, messagesAbout(program, pass, chosen, output), quiet, run);
-      });
+  const PassesReport result =
+      runInPasses(request,
+                  [&](Pass pass, const SlamRunSettings& settings, const RunSettings* chosen)
+                  {
+                    return runWithProgress(
+                        pass, progressTitle(program, pass == Pass::first ? first_pass_part : ""),
+                        settings, messagesAbout(program, pass, chosen, output), quiet, run);
+                  });
   const SlamRunReport& report = result.report;
   if (!quiet && result.pass != Pass::first)
   {

@@ -4,6 +4,7 @@
 #include <dyslam/base/Error.h>
 #include <dyslam/base/Files.h>
 #include <dyslam/base/Printable.h>
+#include <dyslam/formats/ProgramLines.h>
 #include <dyslam/formats/RecordingOrigin.h>
 #include <dyslam/formats/RunFiles.h>
 #include <dyslam/io/OptionError.h>
@@ -87,7 +88,7 @@ std::vector<std::string> convertTo(const ConvertedFiles& files,
   try
   {
     const ConversionResult result = convertWithProgress(
-        "dyslam, conversion", input, files.rawlog, a.quiet(),
+        progressTitle("dyslam", conversion_part), input, files.rawlog, a.quiet(),
         [&](const ConversionProgress& progress)
         {
           return converter.convert(files.rawlog, options, progress,

@@ -63,8 +63,7 @@ void declare(CLI::App& app, Arguments& arguments)
   declareSensorPose(app, o.sensor_pose);
   app.add_option("--dt", o.dt, "seconds between scans; default: the layout's times, else 0.1034")
       ->check(positive());
-  app.add_flag("--kitti-vertical-angle-correction", o.vertical_angle_correction,
-               "correct the elevation of the points by +0.205 deg, as KITTI odometry's scans need");
+  declareVerticalAngles(app, o.vertical_angle_correction);
   declareRawlog(app, o);
   app.add_flag("--force", arguments.force, "replace an earlier recording and its ground truth");
   app.add_flag("-q,--quiet", arguments.quiet, "no progress");

@@ -47,6 +47,9 @@ void declare(CLI::App& app, Arguments& arguments)
                  "regex for the labels of further lidars, whose scans are merged with those of the "
                  "first, in its frame");
   app.add_flag("--no-scans", o.no_scans, "only times, calibration and poses");
+  app.add_flag("--deskew", o.deskew,
+               "deskew the scans along their poses, as KITTI's are (default: as recorded, with "
+               "point_times/ beside them for dyslam)");
   app.add_flag("--rings", o.rings, "NNNNNN.ring beside each scan, a byte for each point");
   declareRange(app, o, "convert");
   app.add_flag("-q,--quiet", arguments.quiet, "no progress");

@@ -169,7 +169,10 @@ TEST(Settings, WithoutTheShippedOnesNothingRuns)
     EXPECT_TRUE(contains(err, "settings: vlp16.ini")) << "those that are installed";
     return;
   }
-  EXPECT_TRUE(contains(err, "dyslam: the shipped settings are not found; set DYSLAM_SHARE")) << err;
+  EXPECT_TRUE(
+      contains(err, "dyslam: the shipped settings are not found in " + folder.file("share/dyslam")))
+      << err;
+  EXPECT_TRUE(contains(err, "; set DYSLAM_SHARE")) << err;
   EXPECT_FALSE(fs::exists(folder.file("run")));
 }
 

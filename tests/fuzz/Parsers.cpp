@@ -13,6 +13,7 @@
 #include <dyslam/formats/KittiTracks.h>
 #include <dyslam/formats/LabelFiles.h>
 #include <dyslam/formats/MotionFiles.h>
+#include <dyslam/formats/PointTimeFiles.h>
 #include <dyslam/formats/PositionFile.h>
 #include <dyslam/formats/RosMessages.h>
 #include <dyslam/formats/RunReport.h>
@@ -148,6 +149,7 @@ const std::vector<Parser>& parsers()
       {"pcd", "a.pcd", readCloudFile},
       {"ply", "a.ply", readCloudFile},
       {"labels", "a.label", [](const std::string& path) { (void)readLabels(path); }},
+      {"point_times", "a.time", [](const std::string& path) { (void)readPointTimes(path, 2); }},
       {"trajectory", "a.txt", [](const std::string& path) { (void)readTrajectory(path); }},
       {"positions", "a.txt",
        [](const std::string& path)

@@ -165,6 +165,7 @@ void writeTexts(const fs::path& folder)
   const std::map<std::string, std::string> texts{
       {"ini/a", "[input]\nsensor_label = a ; text\n[refine]\nmethod = none\nvoxel = 0.5\n"},
       {"labels/a", std::string("\x09\0\0\0\xfb\0\x02\0", 8)},
+      {"point_times/a", std::string("\0\0\0\0\0\0\x80\x3f", 8)},
       {"trajectory/tum", "# t x\n1 0 0 0 0 0 0 1\n2 1 2 3 0 0 0.6 0.8\n"},
       {"trajectory/kitti", "1 0 0 0 0 1 0 0 0 0 1 0\n1 0 0 5 0 1 0 6 0 0 1 7\n"},
       {"positions/lines", "# prism\n1 2 3 4\n2 nan 3 4\n"},

@@ -119,6 +119,16 @@ std::vector<std::string> sharedFiles(const std::string& folder, const std::strin
   return paths;
 }
 
+std::string searchedFolders()
+{
+  std::string text;
+  for (const fs::path& folder : sharedFolders())
+  {
+    appendWord(text, folder.lexically_normal().string());
+  }
+  return text;
+}
+
 std::string findGivenOrShared(const std::string& path,
                               const std::string& folder,
                               const std::string& extension,

@@ -78,6 +78,17 @@ TEST_F(SharedFiles, AFolderThatIsNotFoundNamesTheVariable)
   }
 }
 
+TEST_F(SharedFiles, TheFoldersOfTheSearchBeginWithTheVariable)
+{
+  const char* given = std::getenv("DYSLAM_SHARE");
+  const std::string before = given == nullptr ? "" : given;
+  const std::string mine = fs::current_path().string();
+  ASSERT_EQ(setenv("DYSLAM_SHARE", mine.c_str(), 1), 0);
+  const std::string searched = searchedFolders();
+  EXPECT_EQ(searched.find(mine + ", /"), 0U) << searched;
+  (void)(before.empty() ? unsetenv("DYSLAM_SHARE") : setenv("DYSLAM_SHARE", before.c_str(), 1));
+}
+
 TEST_F(SharedFiles, AVariableThatNamesNoFolderIsAnError)
 {
   const char* given = std::getenv("DYSLAM_SHARE");

@@ -129,7 +129,8 @@ class Runner
     return {begin, slot + 1 == slots_ ? cores_.end() : begin + static_cast<std::ptrdiff_t>(each)};
   }
 
-  [[nodiscard]] double share() const
+  /** Share of the work that is done. It never falls, also if a run begins anew. */
+  [[nodiscard]] double share()
   {
     double done = 0;
     double all = 1;
@@ -138,10 +139,12 @@ class Runner
       const auto bytes = static_cast<double>(r.recording.bytes);
       all += bytes;
       const bool runs = r.manifest.state == State::running;
-      done += bytes * (runs ? shareOfRun(workFolder(settings_, r.recording) + "/log.txt")
+      done += bytes * (runs ? shareOfRun(workFolder(settings_, r.recording) + "/log.txt",
+                                         r.recording.path, settings_.arguments)
                             : (r.manifest.state == State::unknown ? 0 : 1));
     }
-    return std::min(done / all, 0.99);
+    share_ = std::max(share_, std::min(done / all, 0.99));
+    return share_;
   }
 
   /** Waits for the next task. \returns false when there is none left. */
@@ -255,9 +258,25 @@ class Runner
   std::deque<Task> failed_;  //!< tasks to be run again when all others have ended
   std::size_t running_ = 0;
   std::size_t ended_ = 0;
+  double share_ = 0;     //!< of the work that is done, as last told
   std::string refusal_;  //!< message of the first run that refused the common settings
   std::atomic<bool> refused_ = false;
 };
+
+/** \throws UserError if a recording is in a folder that its run would write to, such as the
+ * `recording.rawlog` of an earlier run of this batch. */
+void requireApartFromResults(const BatchSettings& settings, const Recording& recording)
+{
+  for (const std::string& folder : {folderOf(settings, recording), workFolder(settings, recording)})
+  {
+    if (isWithin(recording.path, folder))
+    {
+      throw UserError(recording.path + ": is in the folder of its results, " + folder +
+                      "; choose another " +
+                      (folder == folderOf(settings, recording) ? "--output" : "--scratch"));
+    }
+  }
+}
 }  // namespace
 
 std::string folderOf(const BatchSettings& settings, const Recording& recording)
@@ -269,12 +288,13 @@ std::vector<BatchResult> runBatch(const BatchSettings& settings,
                                   const std::vector<Recording>& recordings,
                                   const BatchWatch& watch)
 {
-  makeFolder(settings.output, "choose another --output");
   std::vector<BatchResult> results;
   for (const Recording& recording : recordings)
   {
+    requireApartFromResults(settings, recording);
     results.push_back({recording, {}, false});
   }
+  makeFolder(settings.output, "choose another --output");
   Runner(settings, results, watch).run();
   return results;
 }

@@ -186,9 +186,34 @@ Work commonWorkFor(const BatchSettings& settings, const Recording& recording)
   return work;
 }
 
-double shareOfRun(const std::string& log)
+double shareOfRun(const std::string& log,
+                  const std::string& recording,
+                  const std::vector<std::string>& arguments)
 {
-  return progressIn(tailOf(log));
+  // Assumed shares of the time: they depend on recording and settings.
+  constexpr double unpacked = 0.05;
+  constexpr double converted = 0.15;
+  const ProgressState state = lastProgressIn(tailOf(log));
+  const auto within = [&state](double begin, double end)
+  { return begin + state.fraction * (end - begin); };
+  if (state.title == progressTitle(program_name, unpacking_part))
+  {
+    return within(0, unpacked);
+  }
+  if (state.title == progressTitle(program_name, conversion_part))
+  {
+    return within(unpacked, converted);
+  }
+  const double begin = isConverted(recording) && state.fraction > 0 ? converted : 0;
+  const double middle = (begin + 1) / 2;
+  if (state.title == progressTitle(program_name, first_pass_part))
+  {
+    return within(begin, middle);
+  }
+  const auto passes = std::find(arguments.begin(), arguments.end(), "--passes");
+  const bool is_second = passes != arguments.end() && passes + 1 != arguments.end() &&
+                         *(passes + 1) == "2" && state.fraction > 0;
+  return within(is_second ? middle : begin, 1);
 }
 
 void recordFailure(const std::string& folder, Manifest& manifest)

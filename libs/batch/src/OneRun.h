@@ -32,8 +32,12 @@ RunEnd runOne(const BatchSettings& settings,
 /** Records a run that could not be started or ended, if the folder belongs to a batch. Throws
  * nothing: if the manifest cannot be written, its `reason` says so. */
 void recordFailure(const std::string& folder, Manifest& manifest);
-/** Share of a run's work that is done, by its log, from 0 to 1. */
-[[nodiscard]] double shareOfRun(const std::string& log);
+/** Share of a run's work that is done, by the last progress in its log, from 0 to 1. The conversion
+ * before the run counts as a part of it, and so does each of two passes.
+ * \param log file \param arguments of dyslam */
+[[nodiscard]] double shareOfRun(const std::string& log,
+                                const std::string& recording,
+                                const std::vector<std::string>& arguments);
 /** Folder that the run of a recording writes to while it is running. */
 [[nodiscard]] std::string workFolder(const BatchSettings& settings, const Recording& recording);
 /** Arguments of dyslam for a recording, but for -i, -o and --force. */

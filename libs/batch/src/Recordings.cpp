@@ -276,9 +276,15 @@ void expand(const std::string& entry,
   }
 }
 
-std::string nameWith(const fs::path& path, int folders)
+/** \param folders number of folders above the recording that precede its own name. A
+ * `recording.rawlog`, as every run writes it, has the name of its folder. */
+std::string nameWith(const fs::path& recording, int folders)
 {
-  std::string name = fs::is_directory(path) ? path.filename().string() : path.stem().string();
+  const bool is_of_run =
+      recording.filename() == run_files::recording && recording.parent_path().has_filename();
+  const fs::path path = is_of_run ? recording.parent_path() : recording;
+  std::string name =
+      is_of_run || fs::is_directory(path) ? path.filename().string() : path.stem().string();
   fs::path folder = path.parent_path();
   for (int i = 0; i < folders && folder.has_filename(); ++i, folder = folder.parent_path())
   {

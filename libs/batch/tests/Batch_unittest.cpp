@@ -8,9 +8,14 @@
 #include <dyslam/formats/ProgramLines.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <atomic>
+#include <string>
 #include <thread>
+#include <utility>
+#include <vector>
 
+#include "../src/OneRun.h"
 #include "TestFolder.h"
 
 namespace fs = std::filesystem;
@@ -70,6 +75,66 @@ TEST_F(Batch, KilledRunsAreResumed)
   EXPECT_EQ(countsOf(results).done, 3U);
   EXPECT_EQ(runs(), 4U);
   EXPECT_EQ(folder_.read("out/c/how"), "resumed\n");
+}
+
+TEST_F(Batch, ProgressDoesNotGoBack)
+{
+  program(
+      "echo \"dyslam:  60% 6 scans, 9.0/s, 0:01 left\" >&2; sleep 0.5\n"
+      "echo \"dyslam:  10% 1 scan, 9.0/s, 0:01 left\" >&2; sleep 0.5");
+  names_.resize(1);
+  std::vector<double> shares;
+  watch_.progress = [&shares](double share, std::size_t) { shares.push_back(share); };
+  EXPECT_EQ(countsOf(run()).done, 1U);
+  ASSERT_GT(shares.size(), 2U);
+  EXPECT_TRUE(std::is_sorted(shares.begin(), shares.end()));
+  EXPECT_GT(shares.back(), 0.2);
+}
+
+TEST_F(Batch, ARecordingOfARunIsNotWrittenTo)
+{
+  names_ = {folder_.write("out/a/recording.rawlog", "scans")};
+  const auto message = messageOfError<UserError>([this] { (void)run(); });
+  EXPECT_TRUE(contains(message, "out/a; choose another --output")) << message;
+  EXPECT_EQ(folder_.read("out/a/recording.rawlog"), "scans");
+  settings_.output = folder_.file("other");
+  EXPECT_EQ(countsOf(run()).done, 1U);
+  EXPECT_TRUE(fs::exists(folder_.file("other/a/report.json")));
+}
+
+TEST(ShareOfRun, ConversionAndPassesAreParts)
+{
+  const TestFolder folder;
+  fs::create_directories(folder.file("scans"));
+  folder.write("scans/000000.bin", std::string(16, '\0'));
+  const auto share = [&folder](const std::string& title, double fraction, bool is_rawlog,
+                               const std::vector<std::string>& arguments)
+  {
+    const std::string log = folder.write(
+        "log.txt", "attempt 1\n" + title + ": " + progressText(fraction, 9, "scans", 2) + "\n");
+    return shareOfRun(log, folder.file(is_rawlog ? "x.rawlog" : "scans"), arguments);
+  };
+  const std::vector<std::string> two{"--labels", "--passes", "2"};
+  EXPECT_NEAR(share("dyslam", 0.4, true, {}), 0.4, 1e-9);
+  EXPECT_NEAR(share("dyslam, first pass", 1, true, two), 0.5, 1e-9);
+  EXPECT_NEAR(share("dyslam", 0.5, true, two), 0.75, 1e-9);
+  double last = 0;
+  for (const auto& [title, fraction] :
+       std::vector<std::pair<std::string, double>>{{"dyslam, unpacking", 0.99},
+                                                   {"dyslam, conversion", 0.1},
+                                                   {"dyslam, conversion", 0.99},
+                                                   {"dyslam, first pass", 0.08},
+                                                   {"dyslam, first pass", 0.99},
+                                                   {"dyslam", 0.08},
+                                                   {"dyslam", 0.99}})
+  {
+    const double now = share(title, fraction, false, two);
+    EXPECT_GT(now, last) << title << ' ' << fraction;
+    last = now;
+  }
+  EXPECT_LE(last, 1);
+  folder.write("log.txt", "attempt 1\n");
+  EXPECT_EQ(shareOfRun(folder.file("log.txt"), folder.file("scans"), two), 0);
 }
 
 TEST_F(Batch, RunsThatCannotBeResumedBeginAnew)

@@ -180,4 +180,17 @@ TEST(Recordings, SayWhatIsMissing)
   EXPECT_TRUE(contains(message(folder.file("circle.txt")), "lists within lists"));
   EXPECT_TRUE(contains(message(folder.write("nothing.txt", "# none\n")), "has no recordings"));
 }
+
+TEST(Recordings, ThoseThatRunsHaveConvertedHaveTheNameOfTheFolder)
+{
+  const TestFolder folder;
+  std::vector<std::string> files;
+  for (const char* name : {"out/00/recording.rawlog", "out/01/recording.rawlog", "a/drive.rawlog",
+                           "more/01/recording.rawlog"})
+  {
+    files.push_back(folder.write(name, ""));
+  }
+  EXPECT_EQ(namesOf(listRecordings(files)),
+            (std::vector<std::string>{"00", "out_01", "drive", "more_01"}));
+}
 }  // namespace dyslam::batch

@@ -62,6 +62,11 @@ bool canBeCompletedLine(const std::string& program, const std::string& line)
   return message && message->find(complete_later) != std::string::npos;
 }
 
+std::string progressTitle(const std::string& program, const std::string& part)
+{
+  return program + (part.empty() ? "" : ", " + part);
+}
+
 std::string progressText(double fraction,
                          std::size_t count,
                          const std::string& unit,
@@ -73,22 +78,24 @@ std::string progressText(double fraction,
   const std::string units =
       (count == 1 ? unit.substr(0, unit.size() - 1) : unit) +
       (fraction >= 1 && earlier.count > 0 ? ", " + std::to_string(now) + " of them" : "");
+  constexpr double least_rate = 0.05;  // printed as 0.1
+  const std::string rate_text = rate < least_rate ? "" : formatted(", %.1f/s", rate);
   if (fraction >= 1)
   {
-    return formatted("100%s%zu %s in %.1f s, %.1f/s", percent_sign, count, units.c_str(), seconds,
-                     rate);
+    return formatted("100%s%zu %s in %.1f s%s", percent_sign, count, units.c_str(), seconds,
+                     rate_text.c_str());
   }
   if (fraction > earlier.fraction)
   {
     const double left_share = (1 - fraction) / (fraction - earlier.fraction);
     const long left = std::lround(std::min(seconds * left_share, longest));
-    return formatted("%3.0f%s%zu %s, %.1f/s, %ld:%02ld left", 100 * fraction, percent_sign, count,
-                     units.c_str(), rate, left / 60, left % 60);
+    return formatted("%3.0f%s%zu %s%s, %ld:%02ld left", 100 * fraction, percent_sign, count,
+                     units.c_str(), rate_text.c_str(), left / 60, left % 60);
   }
-  return formatted("%zu %s, %.1f/s", count, units.c_str(), rate);
+  return formatted("%zu %s%s", count, units.c_str(), rate_text.c_str());
 }
 
-double progressIn(const std::string& log)
+ProgressState lastProgressIn(const std::string& log)
 {
   for (std::size_t sign = log.rfind(percent_sign); sign != std::string::npos && sign > 0;
        sign = log.rfind(percent_sign, sign - 1))
@@ -96,9 +103,15 @@ double progressIn(const std::string& log)
     if (isDigitAt(log, sign - 1) && isDigitAt(log, sign + 2))  // not "17 % of the points"
     {
       const auto before = log.find_last_not_of("0123456789", sign - 1);
-      return std::atof(log.substr(before == std::string::npos ? 0 : before + 1).c_str()) / 100;
+      const std::size_t number = before == std::string::npos ? 0 : before + 1;
+      const auto end_of_line = log.rfind('\n', sign);
+      const std::size_t line = end_of_line == std::string::npos ? 0 : end_of_line + 1;
+      const std::size_t name = log.rfind(behind_name, number);
+      const bool has_name = name != std::string::npos && name >= line;
+      return {has_name ? log.substr(line, name - line) : "",
+              std::atof(log.substr(number).c_str()) / 100};
     }
   }
-  return 0;
+  return {};
 }
 }  // namespace dyslam

@@ -47,14 +47,26 @@ TEST(ProgramLines, ProgressIsReadAsItIsWritten)
   EXPECT_EQ(" 80% 9 scans, 2.0/s, 0:01 left", progressText(0.8, 9, "scans", 2, earlier));
   EXPECT_EQ("100% 10 scans, 5 of them in 2.0 s, 2.5/s", progressText(1, 10, "scans", 2, earlier));
   EXPECT_EQ("6 scans, 0.5/s", progressText(0.5, 6, "scans", 2, earlier));
+  EXPECT_EQ(" 12% 0 recordings, 0:15 left", progressText(0.12, 0, "recordings", 2));
+  EXPECT_EQ("100% 3 recordings in 100.0 s", progressText(1, 3, "recordings", 100));
+  EXPECT_EQ("0 recordings", progressText(0, 0, "recordings", 2));
   std::string log = "attempt 1\n";
-  EXPECT_EQ(0, progressIn(log));
+  EXPECT_EQ(0, lastProgressIn(log).fraction);
   for (const double fraction : {0.05, 0.45, 1.0})
   {
     log += "dyslam: " + progressText(fraction, 9, "scans", 2) + "\n";
-    EXPECT_NEAR(fraction, progressIn(log), 1e-9);
-    EXPECT_NEAR(fraction, progressIn(log + "warning: 17 % of the points move\n"), 1e-9);
+    EXPECT_NEAR(fraction, lastProgressIn(log).fraction, 1e-9);
+    EXPECT_EQ("dyslam", lastProgressIn(log).title);
+    const std::string warned = log + "warning: 17 % of the points move\n";
+    EXPECT_NEAR(fraction, lastProgressIn(warned).fraction, 1e-9);
   }
-  EXPECT_EQ(0, progressIn(progressText(-1, 9, "scans", 2)));
+  EXPECT_EQ(0, lastProgressIn(progressText(-1, 9, "scans", 2)).fraction);
+  const std::string title = progressTitle("dyslam", conversion_part);
+  EXPECT_EQ("dyslam, conversion", title);
+  EXPECT_EQ("dyslam", progressTitle("dyslam", ""));
+  log += title + ": " + progressText(0.5, 9, "scans", 2) + "\n";
+  EXPECT_EQ(title, lastProgressIn(log).title);
+  EXPECT_NEAR(0.5, lastProgressIn(log).fraction, 1e-9);
+  EXPECT_EQ("", lastProgressIn(" 45% 9 scans").title);
 }
 }  // namespace dyslam

@@ -11,9 +11,13 @@
 #include <dyslam/io/RawlogSource.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <optional>
 #include <stdexcept>
+#include <string>
+#include <vector>
 
 #include "SyntheticScans.h"
 #include "TestFolder.h"
@@ -181,6 +185,91 @@ TEST(KittiExport, ScansThatAreNotDeskewedAreNoted)
   const auto notes = notesOf(0.1F, false);
   ASSERT_EQ(notes.size(), 1U);
   EXPECT_TRUE(contains(notes[0], "not deskewed as those of KITTI odometry")) << notes[0];
+}
+
+TEST(KittiExport, TimesOfThePointsComeBackAndCountUnlessTheScansAreSaidToBeDeskewed)
+{
+  const TestFolder folder;
+  {
+    RawlogWriter writer(folder.file("x.rawlog"));
+    for (std::size_t i = 0; i < 2; ++i)
+    {
+      Scan scan = someScan(i, 3);
+      scan.time = {-0.05F, 0.03F * static_cast<float>(i), std::nanf("")};
+      writer.write(scan, somePose(i));
+    }
+    writer.close();
+  }
+  (void)exportKitti(folder.file("x.rawlog"), folder.file("kitti"), {});
+  const auto timesBack = [&](ScansDeskewed deskewed)
+  {
+    KittiConverterOptions options;
+    options.deskewed = deskewed;
+    const auto result =
+        convertKitti(folder.file("kitti/sequences/00"), folder.file("y.rawlog"), options);
+    const bool of_file = std::any_of(result.notes.begin(), result.notes.end(),
+                                     [](const std::string& note)
+                                     { return contains(note, "the times of point_times"); });
+    EXPECT_EQ(deskewed != ScansDeskewed::yes, of_file);
+    return readAll(folder.file("y.rawlog")).at(1).scan.time;
+  };
+  for (const ScansDeskewed deskewed : {ScansDeskewed::automatic, ScansDeskewed::no})
+  {
+    const std::vector<float> times = timesBack(deskewed);
+    ASSERT_EQ(3U, times.size());
+    EXPECT_EQ(-0.05F, times[0]);
+    EXPECT_EQ(0.03F, times[1]);
+    EXPECT_TRUE(std::isnan(times[2]));
+  }
+  EXPECT_EQ(std::vector<float>(3, 0.F), timesBack(ScansDeskewed::yes));
+
+  std::filesystem::remove(folder.file("kitti/sequences/00/point_times/000000.time"));
+  EXPECT_TRUE(contains(
+      convertKitti(folder.file("kitti/sequences/00"), folder.file("y.rawlog"), {}).warnings.at(0),
+      "point times for 1 of 2 scans"));
+}
+
+TEST(KittiExport, DeskewedScansNeedAPoseAndHaveNoTimes)
+{
+  const TestFolder folder;
+  const auto write = [&](bool with_poses, float sweep)
+  {
+    RawlogWriter writer(folder.file("x.rawlog"));
+    for (std::size_t i = 0; i < 2; ++i)
+    {
+      Scan scan = someScan(i, 2);
+      if (sweep > 0)
+      {
+        scan.time = {0, sweep};
+      }
+      writer.write(scan, with_poses ? std::optional<Pose>(somePose(i)) : std::nullopt);
+    }
+    writer.close();
+  };
+  KittiExportOptions options;
+  options.deskew = true;
+  write(true, 0.1F);
+  const auto result = exportKitti(folder.file("x.rawlog"), folder.file("a"), options);
+  EXPECT_TRUE(result.notes.empty() && result.warnings.empty());
+  EXPECT_FALSE(std::filesystem::exists(folder.file("a/sequences/00/point_times")));
+  const Scan written = readCloud(folder.file("a/sequences/00/velodyne/000001.bin"));
+  EXPECT_EQ(someScan(1, 2).points[0], written.points[0]) << "measured at the stamp";
+  EXPECT_GT((someScan(1, 2).points[1] - written.points[1]).norm(), 0.5F);
+
+  write(true, 0);
+  EXPECT_TRUE(
+      contains(exportKitti(folder.file("x.rawlog"), folder.file("b"), options).warnings.at(0),
+               "the points of 2 of 2 scans have no times"));
+  write(false, 0.1F);
+  EXPECT_TRUE(
+      contains(messageOfError<UserError>(
+                   [&] { (void)exportKitti(folder.file("x.rawlog"), folder.file("c"), options); }),
+               "--deskew: scan 0 has no pose"));
+  options.no_scans = true;
+  EXPECT_TRUE(
+      contains(messageOfError<UserError>(
+                   [&] { (void)exportKitti(folder.file("x.rawlog"), folder.file("c"), options); }),
+               "leave out --no-scans"));
 }
 
 TEST(KittiExport, TracksAreInTheCameraFrame)

@@ -55,6 +55,25 @@ TEST(KittiTruth, OfficialOdometryFindsPosesOfItsSequence)
                                          folder.file("dataset/poses/07.txt")));
 }
 
+/** As of KITTI's development kit or another program: no folder `sequences` above. */
+TEST(KittiTruth, PosesOfTheCameraInAPlainFolderAreNoted)
+{
+  const TestFolder folder;
+  writeBins(folder, "in/velodyne", 2);
+  folder.write("in/calib.txt", "Tr: 0 -1 0 0 0 0 -1 0 1 0 0 0\n");
+  const std::string poses = "1 0 0 0 0 1 0 0 0 0 1 0\n1 0 0 0 0 1 0 0 0 0 1 3\n";
+  folder.write("in/poses.txt", poses);
+  KittiConverterOptions options;
+  const std::string note = "KITTI's are of camera 0 (z ahead)";
+  const auto of_camera = convertKitti(folder.file("in"), folder.file("x.rawlog"), options);
+  EXPECT_EQ(2U, of_camera.poses);
+  EXPECT_TRUE(hasLine(of_camera.notes, note));
+  options.poses = folder.write("poses_velo.txt", poses);
+  const auto of_lidar = convertKitti(folder.file("in"), folder.file("x.rawlog"), options);
+  EXPECT_EQ(2U, of_lidar.poses);
+  EXPECT_FALSE(hasLine(of_lidar.notes, note));
+}
+
 TEST(KittiTruth, OfficialTrackingWithBoxesAndALostScan)
 {
   const TestFolder folder;

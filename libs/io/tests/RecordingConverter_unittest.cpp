@@ -44,6 +44,12 @@ TEST(RecordingConverter, DoesWhatTheConverterDoes)
   of_kitti.deskewed = ScansDeskewed::no;
   (void)convertKitti(folder.file("sequences/00"), folder.file("b.rawlog"), of_kitti);
   EXPECT_EQ(folder.read("b.rawlog"), folder.read("a.rawlog"));
+  options.vertical_angle_correction = true;
+  (void)kitti.convert(folder.file("a.rawlog"), options);
+  EXPECT_NE(folder.read("b.rawlog"), folder.read("a.rawlog")) << "their elevation";
+  of_kitti.vertical_angle_correction = true;
+  (void)convertKitti(folder.file("sequences/00"), folder.file("b.rawlog"), of_kitti);
+  EXPECT_EQ(folder.read("b.rawlog"), folder.read("a.rawlog"));
   options.topic = "/points";
   EXPECT_EQ(
       "--topic works with a bag only",
@@ -150,8 +156,13 @@ TEST(RecordingOptions, OfEachTheFlagIsKnown)
   EXPECT_TRUE(
       contains(messageOfError<UserError>([&] { options.requireFitting(RecordingKind::scans); }),
                "--deskewed works with KITTI's folders only"));
-  for (const char* flag :
-       {"--dt", "--sensor", "--base-frame", "--imu", "--bin-layout", "--scale", "--deskewed"})
+  options = {};
+  options.vertical_angle_correction = true;
+  EXPECT_EQ(std::vector<std::string>{"--kitti-vertical-angle-correction=true"}, options.words());
+  EXPECT_EQ("--kitti-vertical-angle-correction works with KITTI's folders only",
+            messageOfError<UserError>([&] { options.requireFitting(RecordingKind::scans); }));
+  for (const char* flag : {"--dt", "--sensor", "--base-frame", "--imu", "--bin-layout", "--scale",
+                           "--deskewed", "--kitti-vertical-angle-correction"})
   {
     EXPECT_TRUE(RecordingOptions::hasFlag(flag)) << flag;
   }

@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <cmath>
 #include <string>
+#include <vector>
 
 namespace dyslam
 {
@@ -290,6 +291,39 @@ TEST(RunStatistics, TheVerdictFitsWarningsAndFailure)
                 "16 of 30 scans could not be registered: do not trust trajectory and map"),
             0U);
   EXPECT_FALSE(hasWarning(most, "check trajectory and map"));
+}
+
+TEST(RunStatistics, NamesMissingDeskewingAsAReasonOfFailures)
+{
+  const auto statisticsOf = [](int failures, const std::vector<float>& phase)
+  {
+    RunStatistics statistics;
+    for (int i = 0; i < 30; ++i)
+    {
+      Frame frame = failed(false, "no overlap");
+      frame.motion.status = i >= failures ? MotionStatus::converged : MotionStatus::not_found;
+      frame.cloud.points.assign(3, Eigen::Vector3f::Ones());
+      frame.cloud.phase = phase;
+      statistics.add(frame);
+    }
+    return statistics;
+  };
+  const std::vector<float> none;
+  const std::vector<float> equal(3, 0.F);
+  const std::vector<float> differing{0, 0.1F, 0.2F};
+  EXPECT_TRUE(statisticsOf(3, none).deskewingAdvice().empty()) << "nothing is wrong";
+  EXPECT_TRUE(statisticsOf(10, differing).deskewingAdvice().empty());
+  EXPECT_TRUE(hasWarning(statisticsOf(10, none), "the scans were not deskewed"));
+  EXPECT_TRUE(hasWarning(statisticsOf(10, none), "preprocess.deskew=azimuth"));
+  EXPECT_TRUE(hasWarning(statisticsOf(10, equal), "all points of a scan have the same time"));
+  EXPECT_FALSE(hasWarning(statisticsOf(20, none), "deskewed")) << "it is in the failure";
+  EXPECT_NE(statisticsOf(20, none).failure("", {}).find("the scans were not deskewed"),
+            std::string::npos);
+  EXPECT_EQ(statisticsOf(20, differing).failure("", {}).find("deskewed"), std::string::npos);
+
+  RunStatistics restarted = statisticsOf(0, none);
+  restarted.add(failed(true, "no overlap"));
+  EXPECT_TRUE(hasWarning(restarted, "the scans were not deskewed"));
 }
 
 /** Their motions are measured, and their points are in the map. */

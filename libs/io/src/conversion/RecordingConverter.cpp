@@ -91,6 +91,7 @@ ConversionResult RecordingConverter::convert(const std::string& output,
     of_kitti.sensor_pose = options.sensor_pose;
     of_kitti.dt = options.dt;
     of_kitti.deskewed = options.deskewed;
+    of_kitti.vertical_angle_correction = options.vertical_angle_correction;
     return convertKitti(input_, output, of_kitti, progress);
   }
   ScanConverterOptions of_scans;

@@ -91,7 +91,7 @@ struct RecordingOption
 constexpr const char* bags_only = " works with a bag only";
 constexpr const char* folders_only = " works with a folder of scans only";
 using Given = const RecordingOptions&;
-const std::array<RecordingOption, 14> all_options{
+const std::array<RecordingOption, 15> all_options{
     {{"--topic", [](Given o) { return valuesOf(o.topic); }, isOfBag, bags_only},
      {"--further-topic", [](Given o) { return o.further_topics; }, isOfBag, bags_only},
      {"--imu-topic", [](Given o) { return valuesOf(o.imu_topic); }, isOfBag, bags_only},
@@ -114,7 +114,10 @@ const std::array<RecordingOption, 14> all_options{
       isFolderOfScans, folders_only},
      {"--deskewed", [](Given o) { return valuesOf(o.deskewed); }, isKitti,
       " works with KITTI's folders only; for other scans that are deskewed already: --set "
-      "preprocess.deskew=none"}}};
+      "preprocess.deskew=none"},
+     {"--kitti-vertical-angle-correction",
+      [](Given o) { return o.vertical_angle_correction ? Values{"true"} : Values(); }, isKitti,
+      " works with KITTI's folders only"}}};
 }  // namespace
 
 FurtherTopicOption splitFurtherTopic(const std::string& value)

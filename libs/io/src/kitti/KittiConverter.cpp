@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/base/Error.h>
 #include <dyslam/base/Printable.h>
+#include <dyslam/formats/PointTimeFiles.h>
 #include <dyslam/formats/ScanFiles.h>
 #include <dyslam/io/KittiConverter.h>
 
@@ -76,10 +77,14 @@ void addNotes(const KittiLayout& layout,
 {
   result.notes.insert(result.notes.end(), layout.notes.begin(), layout.notes.end());
   result.notes.emplace_back(
-      deskewed ? "the scans count as deskewed (--deskewed no: as they were recorded)"
-               : "the points have no times: dyslam deskews by their order, by azimuth or not at "
-                 "all (preprocess.deskew)");
-  if (options.every_n > 1 && !deskewed)
+      deskewed ? "the scans count as deskewed, as KITTI odometry's are; if yours are not: "
+                 "--deskewed no"
+      : layout.has_point_times
+          ? "the points have the times of " + std::string(point_time_folder) +
+                ": the scans are as they were recorded, and dyslam deskews them"
+          : "the points have no times: dyslam deskews by their order, by azimuth or not at all "
+            "(preprocess.deskew)");
+  if (options.every_n > 1 && !deskewed && !layout.has_point_times)
   {
     result.warnings.emplace_back(thinned_without_times);
   }
@@ -122,6 +127,10 @@ Scan readKittiScan(const KittiLayout::Entry& entry,
   if (deskewed)
   {
     scan.time.assign(scan.size(), 0.F);
+  }
+  else if (!entry.times.empty())
+  {
+    scan.time = readPointTimes(entry.times, scan.size());
   }
   return scan;
 }
@@ -181,9 +190,9 @@ ConversionResult convertKitti(const std::string& input,
     boxes.emplace(box.frame, &box);
   }
   const std::vector<const KittiLayout::Entry*> entries = usedEntries(input, layout, options);
-  const bool deskewed =
-      options.deskewed == ScansDeskewed::yes ||
-      (options.deskewed == ScansDeskewed::automatic && options.kind == KittiKind::odometry);
+  const bool deskewed = options.deskewed == ScansDeskewed::yes ||
+                        (options.deskewed == ScansDeskewed::automatic &&
+                         options.kind == KittiKind::odometry && !layout.has_point_times);
   ConversionOutput out(output, options, layout.pose_origin);
   MotionSampleWriter motion;
   auto imu = layout.imu.begin();

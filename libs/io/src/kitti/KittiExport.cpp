@@ -6,6 +6,7 @@
 #include <dyslam/formats/GroundTruth.h>
 #include <dyslam/formats/KittiFiles.h>
 #include <dyslam/formats/KittiTracks.h>
+#include <dyslam/formats/PointTimeFiles.h>
 #include <dyslam/formats/ScanFiles.h>
 #include <dyslam/formats/TextFile.h>
 #include <dyslam/formats/TrackFiles.h>
@@ -14,14 +15,13 @@
 #include <dyslam/io/RawlogSource.h>
 
 #include <algorithm>
-#include <cmath>
 #include <filesystem>
-#include <limits>
 #include <map>
 #include <optional>
 #include <utility>
 #include <vector>
 
+#include "KittiDeskewing.h"
 #include "conversion/ConversionOutput.h"
 
 namespace dyslam
@@ -72,23 +72,6 @@ KittiCalib calibAtLidar()
   KittiCalib calib;
   calib.T_cam_velo = cameraAxes();
   return calib;
-}
-
-/** Whether the points were measured at differing times, and so while the lidar moved. */
-bool isSwept(const Scan& scan)
-{
-  constexpr double instant = 1e-3;  // longest sweep that hardly distorts [s]
-  double first = std::numeric_limits<double>::infinity();
-  double last = -first;
-  for (const float time : scan.time)
-  {
-    if (std::isfinite(time))
-    {
-      first = std::min(first, static_cast<double>(time));
-      last = std::max(last, static_cast<double>(time));
-    }
-  }
-  return last - first > instant;
 }
 
 /** One sequence while it is written; removed with the object unless finish() was called. */
@@ -153,15 +136,15 @@ class Sequence
   void add(const Frame& frame)
   {
     const Scan& scan = frame.scan;
+    const std::optional<Pose> T_world_vehicle = poseOf(frame);
     if (!options_.no_scans)
     {
-      writeScan(frame);
+      writeScan(frame, T_world_vehicle);
     }
-    swept_ = swept_ || isSwept(scan);
     first_stamp_ = result_.scans == 0 ? scan.stamp : first_stamp_;
     appendFixed(times_, scan.stamp - first_stamp_, 9);
     times_ += '\n';
-    if (const auto T_world_vehicle = poseOf(frame))
+    if (T_world_vehicle)
     {
       poses_.push_back(*T_world_vehicle * scan.T_vehicle_lidar);
     }
@@ -172,6 +155,7 @@ class Sequence
 
   ConversionResult finish()
   {
+    deskewing_.finish();
     writeWhole((pending_ / "times.txt").string(), times_);
     writeCalib();
     const bool poses = !poses_.empty() && poses_.size() == result_.scans;
@@ -204,12 +188,7 @@ class Sequence
     {
       fs::remove(pending_ / "velodyne");
     }
-    else if (swept_)
-    {
-      result_.notes.emplace_back(
-          "the scans are as recorded, not deskewed as those of KITTI odometry are: programs that "
-          "take them for KITTI's do not deskew them either");
-    }
+    noteDeskewing();
     writeTracksOfScans();
     fs::rename(pending_, target_);
     if (poses)
@@ -260,11 +239,61 @@ class Sequence
     writeKittiTracks(tracksFile().string(), written_tracks_, calib_.T_cam_velo);
   }
 
-  void writeScan(const Frame& frame)
+  /** Writes the points, deskewed with --deskew, otherwise as recorded and with their times. */
+  void writePoints(const Frame& frame, const std::optional<Pose>& T_world_vehicle)
+  {
+    const Scan& scan = frame.scan;
+    const std::string file = numberedPath((pending_ / "velodyne").string(), result_.scans, ".bin");
+    if (options_.deskew)
+    {
+      if (!T_world_vehicle)
+      {
+        throw UserError("--deskew: scan " + std::to_string(frame.index) +
+                        " has no pose; give poses of all scans with --trajectory");
+      }
+      deskewing_.add(scan, *T_world_vehicle * scan.T_vehicle_lidar, file);
+      return;
+    }
+    writeBin(file, scan.points, scan.intensity);
+    untimed_ = untimed_ || scan.time.empty();
+    if (isSwept(scan))
+    {
+      makeFolder((pending_ / point_time_folder).string());
+      writePointTimes(
+          (pending_ / point_time_folder / numberedName(result_.scans, ".time")).string(),
+          scan.time);
+      swept_ = true;
+    }
+  }
+
+  void noteDeskewing()
+  {
+    if (swept_)
+    {
+      result_.notes.push_back(
+          "the scans are as recorded, not deskewed as those of KITTI odometry are (--deskew), so "
+          "other programs may take them for such; dyslam deskews them by the times in " +
+          std::string(point_time_folder));
+    }
+    else if (untimed_)
+    {
+      result_.notes.emplace_back(
+          "the points have no times, so dyslam takes the scans for deskewed, as those of KITTI "
+          "odometry are; if they are not: dyslam --deskewed no");
+    }
+    if (deskewing_.withoutTimes() > 0)
+    {
+      result_.warnings.push_back(
+          "--deskew: the points of " + std::to_string(deskewing_.withoutTimes()) + " of " +
+          counted(result_.scans, "scan") + " have no times: these scans are as recorded");
+    }
+  }
+
+  void writeScan(const Frame& frame, const std::optional<Pose>& T_world_vehicle)
   {
     const Scan& scan = frame.scan;
     const fs::path velodyne = pending_ / "velodyne";
-    writeBin(numberedPath(velodyne.string(), result_.scans, ".bin"), scan.points, scan.intensity);
+    writePoints(frame, T_world_vehicle);
     if (options_.rings && !scan.ring.empty())
     {
       std::string rings;
@@ -347,7 +376,9 @@ class Sequence
   std::string times_;
   double first_stamp_ = 0;
   std::size_t ring_files_ = 0;
-  bool swept_ = false;                              //!< isSwept() of any scan
+  KittiDeskewing deskewing_;                        //!< with --deskew
+  bool swept_ = false;                              //!< some scan has times beside it
+  bool untimed_ = false;                            //!< some scan is written without times
   std::vector<Pose> poses_;                         //!< T_world_lidar
   std::map<int, std::vector<LabelledBox>> tracks_;  //!< by number of the scan in the recording
   std::vector<LabelledBox> written_tracks_;         //!< by number of the scan in the sequence
@@ -368,6 +399,7 @@ void KittiExportOptions::describe(OptionsVisitor& visitor)
   visitor.text("further_lidars", further_lidars,
                "regex for the labels of further lidars, whose scans are merged; empty: none");
   visitor.flag("no_scans", no_scans, "write only times, calibration and poses");
+  visitor.flag("deskew", deskew, "deskew the scans to their stamps along the poses");
   visitor.flag("rings", rings, "write NNNNNN.ring beside the scans");
   describeRange(visitor);
 }
@@ -391,6 +423,10 @@ ConversionResult exportKitti(const std::string& rawlog,
   if (options.rings && options.no_scans)
   {
     throw UserError("--rings: are written beside the scans; leave out --no-scans");
+  }
+  if (options.deskew && options.no_scans)
+  {
+    throw UserError("--deskew: is for the scans; leave out --no-scans");
   }
   RawlogSourceOptions source_options;
   static_cast<ScanRange&>(source_options) = options;

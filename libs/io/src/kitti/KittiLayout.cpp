@@ -74,16 +74,14 @@ class LayoutReader
   {
     if (officialKittiKind(input_.string()) == KittiKind::odometry)
     {
-      layout_.notes.emplace_back(
-          "trajectory_kitti.txt of a run has poses of the lidar (x ahead), KITTI's are of camera 0 "
-          "(z ahead): rawlog2kitti --trajectory writes such, dyslam-eval trajectory --camera "
-          "compares them");
+      noteCameraPoses();
     }
     times_ = readKittiTimes(input_, sequence_, options_, layout_);
     if (!options_.calib.empty())
     {
       calib_.read();
     }
+    findPointTimes(input_, layout_);
     if (!options_.no_truth)
     {
       findLabels();
@@ -103,6 +101,18 @@ class LayoutReader
   }
 
  private:
+  /** Says, once, which poses of a run are those of the camera, as the recording's are. */
+  void noteCameraPoses()
+  {
+    if (!std::exchange(noted_camera_, true))
+    {
+      layout_.notes.emplace_back(
+          "trajectory_kitti.txt of a run has poses of the lidar (x ahead), KITTI's are of camera 0 "
+          "(z ahead): rawlog2kitti --trajectory writes such, dyslam-eval trajectory --camera "
+          "compares them");
+    }
+  }
+
   /** Reads one kind of ground truth. If that was found but not requested, an error is a warning. */
   void readTruth(const char* what, bool requested, const std::function<void()>& read)
   {
@@ -206,6 +216,7 @@ class LayoutReader
     if (isCameraFrame(path, file.format))
     {
       poses = posesOfMountedSensor(poses, calib_.requireCamera("poses of the camera"));
+      noteCameraPoses();
     }
     if (file.format == TrajectoryFormat::tum && times_ != KittiTimes::assumed)
     {
@@ -385,6 +396,7 @@ class LayoutReader
   KittiCalibFinder calib_;
   KittiLayout layout_;
   KittiTimes times_ = KittiTimes::assumed;
+  bool noted_camera_ = false;  //!< noteCameraPoses() was called
 };
 }  // namespace
 

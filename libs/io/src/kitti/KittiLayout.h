@@ -22,6 +22,7 @@ struct KittiLayout
   struct Entry
   {
     std::string scan;        //!< .bin file
+    std::string times;       //!< file of point times, empty if there is none
     std::string labels;      //!< .label file, empty if there is none
     std::size_t number = 0;  //!< in KITTI's counting: other files refer to it
     double stamp = 0;        //!< stamp of the scan [s]
@@ -32,6 +33,7 @@ struct KittiLayout
   PoseOrigin pose_origin;
   std::vector<ImuSample> imu;      //!< of oxts, if the options want it, in order of time
   std::vector<GnssFix> gnss;       //!< of oxts, if the options want it, in order of time
+  bool has_point_times = false;    //!< some scan has a file of point times
   bool has_unused_oxts = false;    //!< oxts is there, and the options want nothing of it
   std::vector<LabelledBox> boxes;  //!< lidar frame; LabelledBox::frame is an Entry::number
   std::vector<std::string> notes;

@@ -2,10 +2,13 @@
 #include "KittiTimes.h"
 
 #include <dyslam/base/Error.h>
+#include <dyslam/base/Printable.h>
 #include <dyslam/formats/KittiFiles.h>
+#include <dyslam/formats/PointTimeFiles.h>
 
 #include <cmath>
 #include <cstddef>
+#include <system_error>
 #include <utility>
 #include <vector>
 
@@ -136,5 +139,27 @@ KittiTimes readKittiTimes(const fs::path& folder,
     entry.stamp = static_cast<double>(entry.number - first) * dt;
   }
   return KittiTimes::assumed;
+}
+
+void findPointTimes(const fs::path& folder, KittiLayout& layout)
+{
+  const fs::path times = folder / point_time_folder;
+  std::size_t found = 0;
+  for (KittiLayout::Entry& entry : layout.entries)
+  {
+    const fs::path file = times / (fs::path(entry.scan).stem().string() + ".time");
+    std::error_code none;
+    if (fs::is_regular_file(file, none))
+    {
+      entry.times = file.string();
+      ++found;
+    }
+  }
+  layout.has_point_times = found > 0;
+  if (found > 0 && found < layout.entries.size())
+  {
+    layout.warnings.push_back(times.string() + ": point times for " + std::to_string(found) +
+                              " of " + counted(layout.entries.size(), "scan"));
+  }
 }
 }  // namespace dyslam

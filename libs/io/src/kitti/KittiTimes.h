@@ -26,4 +26,8 @@ enum class KittiTimes
                                         const std::string& sequence,
                                         const KittiConverterOptions& options,
                                         KittiLayout& layout);
+
+/** Finds the times of the points that exportKitti() writes beside scans that are not deskewed.
+ * Warns if only some scans have them. \param folder of the recording */
+void findPointTimes(const std::filesystem::path& folder, KittiLayout& layout);
 }  // namespace dyslam

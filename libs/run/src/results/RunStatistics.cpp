@@ -150,6 +150,14 @@ void RunStatistics::add(const Frame& frame)
   has_imu = has_imu || !frame.imu.empty();
   has_wheels = has_wheels || !frame.wheels.empty();
   points += frame.cloud.size();
+  const std::vector<float>& times = frame.cloud.phase;
+  if (!frame.cloud.points.empty())
+  {
+    const bool differ = std::any_of(times.begin(), times.end(),
+                                    [&times](float time) { return time != times.front(); });
+    without_times += times.empty() ? 1U : 0U;
+    equal_times += !times.empty() && !differ ? 1U : 0U;
+  }
   detections += frame.detections.size();
   moving_points +=
       static_cast<std::size_t>(std::count(frame.moving.begin(), frame.moving.end(), true));
@@ -186,7 +194,8 @@ std::vector<std::string> RunStatistics::warnings(bool has_labels) const
   std::vector<std::string> result;
   for (const std::string& warning :
        {odometryWarning(), registrationWarning(), settlingWarning(), secondPassAdvice(has_labels),
-        directionWarning(), frameWarning(), restartWarning(), keyframeWarning()})
+        directionWarning(), frameWarning(), restartWarning(), keyframeWarning(),
+        failedOnMoreThan(unusable_share) ? "" : deskewingAdvice()})
   {
     if (!warning.empty())
     {
@@ -311,8 +320,29 @@ std::string RunStatistics::failure(const std::string& ini, const MotionSensorOpt
   {
     appendWord(without, "motion_sensors.wheel_odometry=false", ", ");
   }
+  const std::string deskewing = deskewingAdvice();
   return registrationSentence("do not trust trajectory and map") + "; " +
+         (deskewing.empty() ? "" : deskewing + "; otherwise ") +
          adviceFor(registration_failures.mostFrequent().cause, ini, without);
+}
+
+std::string RunStatistics::deskewingAdvice() const
+{
+  constexpr double most = 0.5;
+  const double needed = most * static_cast<double>(frames);
+  const bool has_failures = failedOnMoreThan(doubtful_share) || map_restarts > 0;
+  const bool has_none = static_cast<double>(without_times) > needed;
+  if (!has_failures || (!has_none && static_cast<double>(equal_times) <= needed))
+  {
+    return {};
+  }
+  return std::string(has_none
+                         ? "the scans were not deskewed; if they were recorded in motion"
+                         : "all points of a scan have the same time, so that the scans counted "
+                           "as deskewed; if they were not") +
+         ", that is a likely reason of the failed registrations: use a recording with the times of "
+         "the points or, for a lidar that turns clockwise and begins each scan straight behind, "
+         "preprocess.deskew=azimuth";
 }
 
 std::string RunStatistics::verdict() const
@@ -348,6 +378,6 @@ void RunStatistics::exchangeState(StateArchive& archive)
   archive(frames, first_time, last_time, registration_failures, map_restarts,
           unregistered_keyframes, not_settled, odometry_failures, has_imu, has_wheels, path,
           path_forward, path_left, farthest, largest_turn, views, points, moving_points, detections,
-          reference);
+          without_times, equal_times, reference);
 }
 }  // namespace dyslam

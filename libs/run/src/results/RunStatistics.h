@@ -99,6 +99,11 @@ struct RunStatistics
   [[nodiscard]] std::string failure(const std::string& ini,
                                     const MotionSensorOptions& sensors) const;
 
+  /** That a run with failures did without deskewing, which may be the reason, and what to do; empty
+   * if most scans were deskewed, or the verdict() is "usable". Also of scans whose points all have
+   * the same time: these count as deskewed. */
+  [[nodiscard]] std::string deskewingAdvice() const;
+
   /** How far the result can be trusted: "unusable" (there is a failure()), "doubtful" (more than a
    * fifth of the scans could not be registered, the local map was restarted, or there is a
    * frameWarning(); the warnings say so) or "usable". */
@@ -123,6 +128,8 @@ struct RunStatistics
   std::size_t points = 0;         //!< number of points of all clouds
   std::size_t moving_points = 0;  //!< number of moving points, by the causal labels
   std::size_t detections = 0;     //!< number of detections in all scans
+  std::size_t without_times = 0;  //!< number of clouds without times of their points
+  std::size_t equal_times = 0;    //!< number of clouds whose points all have the same time
   Trajectory reference;           //!< ground truth as recorded
 
  private:

@@ -254,8 +254,8 @@ ChosenSettings settingsFor(const RecordedSensor& sensor,
   {
     if (!shipped)
     {
-      throw UserError(
-          "the shipped settings are not found; set DYSLAM_SHARE to the folder share/dyslam");
+      throw UserError("the shipped settings are not found in " + searchedFolders() +
+                      "; set DYSLAM_SHARE to the folder share/dyslam");
     }
     chosen.config = shipped->config;
     chosen.config.merge(given);

@@ -35,4 +35,7 @@ namespace dyslam
  * findGivenOrShared() finds. \throws UserError if $DYSLAM_SHARE is no folder. */
 [[nodiscard]] std::vector<std::string> sharedFiles(const std::string& folder,
                                                    const std::string& extension);
+
+/** The folders in which shared files are looked for, for a message: "/a/share/dyslam, /b". */
+[[nodiscard]] std::string searchedFolders();
 }  // namespace dyslam

@@ -52,8 +52,8 @@ struct BatchWatch
  * A run that failed is repeated after all others, up to `attempts` attempts in all, unless a signal
  * stopped this run alone or its results could not be written. \return one entry per recording, in
  * their order; recordings not reached before a stop are `unknown` or `running` \throws UserError if
- * the output folder cannot be made, and if dyslam refuses the settings that all runs have in
- * common. */
+ * the output folder cannot be made, if a recording is in the folder of its results, and if dyslam
+ * refuses the settings that all runs have in common. */
 std::vector<BatchResult> runBatch(const BatchSettings& settings,
                                   const std::vector<Recording>& recordings,
                                   const BatchWatch& watch);

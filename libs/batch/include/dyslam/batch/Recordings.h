@@ -23,10 +23,11 @@ struct Recording
  * directly in a folder that is named.
  *
  * Each recording is taken once, in the order given, and in a folder or pattern in the order of
- * names. The name of a recording is its stem, preceded by as many folders as make it unique and no
- * name of the batch's own files: `monday_drive`, `monday_index.html`. \param note gets a sentence
- * about each folder of which something is left out, and about each name that is the batch's own
- * \throws UserError for an entry that names no recording. */
+ * names. The name of a recording is its stem, of a `recording.rawlog`, as runs write it, that of
+ * its folder, preceded by as many folders as make it unique and no name of the batch's own files:
+ * `monday_drive`, `monday_index.html`. \param note gets a sentence about each folder of which
+ * something is left out, and about each name that is the batch's own \throws UserError for an entry
+ * that names no recording. */
 [[nodiscard]] std::vector<Recording> listRecordings(
     const std::vector<std::string>& entries,
     const std::function<void(const std::string&)>& note = {});

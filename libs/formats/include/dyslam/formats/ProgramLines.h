@@ -35,6 +35,14 @@ namespace dyslam
 /** Whether a line is the error line of a program with completeLaterAdvice(). */
 [[nodiscard]] bool canBeCompletedLine(const std::string& program, const std::string& line);
 
+// Parts of the work of a program that have a progress of their own.
+constexpr const char* unpacking_part = "unpacking";
+constexpr const char* conversion_part = "conversion";
+constexpr const char* first_pass_part = "first pass";
+
+/** Name before the progress of a part of the work: "dyslam, conversion". */
+[[nodiscard]] std::string progressTitle(const std::string& program, const std::string& part);
+
 /** Part of a work that was done before. */
 struct EarlierWork
 {
@@ -42,7 +50,8 @@ struct EarlierWork
   std::size_t count = 0;  //!< units done
 };
 
-/** Progress of long work, behind its name: " 45% 9 scans, 10.0/s, 0:01 left".
+/** Progress of long work, behind its name: " 45% 9 scans, 10.0/s, 0:01 left". Rates that would be
+ * 0.0/s are left out.
  * \param fraction of the work done; 1 at its end, 0 or below if unknown \param count units done
  * \param unit in the plural with an s \param seconds since the start, or since `earlier` was done
  */
@@ -52,6 +61,12 @@ struct EarlierWork
                                        double seconds,
                                        const EarlierWork& earlier = {});
 
-/** Fraction of the work done by the last progressText() in a log, 0 to 1; 0 without one. */
-[[nodiscard]] double progressIn(const std::string& log);
+/** The last progressText() in a log. */
+struct ProgressState
+{
+  std::string title;    //!< name before it, as of progressTitle()
+  double fraction = 0;  //!< of the work done, 0 to 1; 0 if there is none in the log
+};
+
+[[nodiscard]] ProgressState lastProgressIn(const std::string& log);
 }  // namespace dyslam

@@ -47,6 +47,7 @@ struct RecordingOptions
       bin_layout;    //!< of the .bin files of a folder, see readBin(); empty: by their content
   double scale = 1;  //!< of the coordinates in a folder of scans [m]; millimetres: 0.001
   ScansDeskewed deskewed = ScansDeskewed::automatic;  //!< of KITTI's scans
+  bool vertical_angle_correction = false;             //!< as KittiConverterOptions has it
 
   /** Sensor label of scans without a label of their own. */
   [[nodiscard]] std::string firstLabel() const { return sensor.empty() ? "lidar" : sensor; }
