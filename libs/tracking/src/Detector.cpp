@@ -526,7 +526,7 @@ std::vector<std::vector<std::uint32_t>> Detector::splitGroup(const Points& point
   if (cluster.size() >= 2 * static_cast<std::size_t>(options_.min_points))
   {
     const Box box = fitLShape(pointsOf(points, cluster), options_.yaw_step);
-    if (box.size.x() > longest_person)
+    if (box.size.x() > longest_person && classifyBySize(box.size) != ObjectClass::truck)
     {
       DetectorOptions narrow = options_;
       narrow.cluster_gap *= 0.5;

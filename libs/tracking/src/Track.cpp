@@ -314,10 +314,11 @@ void Track::updateSize(const Observation& observation)
 
 bool Track::isOftenPerson() const
 {
-  constexpr double least_share = 1.0 / 3;  // of the observations with the size of some class
-  const double classified = std::accumulate(class_votes_.begin(), class_votes_.end(), 0.0) -
-                            class_votes_[static_cast<std::size_t>(ObjectClass::unknown)];
-  return class_votes_[static_cast<std::size_t>(ObjectClass::pedestrian)] > least_share * classified;
+  constexpr double one_of = 3;  // observations with the size of some class
+  std::array<double, 8> votes = class_votes_;
+  votes[static_cast<std::size_t>(ObjectClass::unknown)] = 0;
+  const double persons = votes[static_cast<std::size_t>(ObjectClass::pedestrian)];
+  return persons > 0 && one_of * persons >= std::accumulate(votes.begin(), votes.end(), 0.0);
 }
 
 const std::deque<TimedPosition>& Track::history() const

@@ -70,7 +70,8 @@ class Detector
   [[nodiscard]] bool arePersons(const std::vector<Eigen::Vector3f>& points,
                                 const std::vector<std::vector<std::uint32_t>>& parts) const;
   /** The parts of a group of persons, which are half of the usual gap apart: of a cluster that is
-   * longer than a person and lets rays through, if they are persons. Any other cluster as it is. */
+   * longer than a person, smaller than a truck and lets rays through, if they are persons. Any
+   * other cluster as it is. */
   [[nodiscard]] std::vector<std::vector<std::uint32_t>> splitGroup(
       const std::vector<Eigen::Vector3f>& points,
       std::vector<std::uint32_t> cluster,
