@@ -154,7 +154,10 @@ TEST(SmoothedTracks, BoxesOfADetectorAreNotEnlarged)
   EXPECT_NEAR(std::abs(yawPitchRoll(objects.back().T_map_object).x()), 0, 1e-9);
 }
 
-TEST(SmoothedTracks, FastPeopleAreCyclistsAndHaveTheirSize)
+/** An object of 20 scans that moves along +x with `object_speed` [m/s], smoothed. */
+std::vector<SmoothedObject> smoothedObject(ObjectClass object_class,
+                                           const Eigen::Vector3d& size,
+                                           double object_speed)
 {
   Trajectory trajectory;
   RunHistory history;
@@ -165,15 +168,20 @@ TEST(SmoothedTracks, FastPeopleAreCyclistsAndHaveTheirSize)
     frame.scan.stamp = 0.1 * i;
     TrackedObject object;
     object.id = 3;
-    object.object_class = ObjectClass::pedestrian;
+    object.object_class = object_class;
     object.observed = object.reported = object.dynamic = true;
-    object.box.size = {0.8, 0.4, 1.7};
-    object.box.centre = {5 + speed * frame.scan.stamp, -3, 0.9};
+    object.box.size = size;
+    object.box.centre = {5 + object_speed * frame.scan.stamp, -3, 0.9};
     history.addScan(frame);
     history.addObjects(frame.index, {object}, TrackLife::whole);
     trajectory.push_back(frame.scan.stamp, Pose::Identity());
   }
-  const auto objects = smoothTracks(history, trajectory, {}, true).objects;
+  return smoothTracks(history, trajectory, {}, true).objects;
+}
+
+TEST(SmoothedTracks, FastPeopleAreCyclistsAndHaveTheirSize)
+{
+  const auto objects = smoothedObject(ObjectClass::pedestrian, {0.8, 0.4, 1.7}, speed);
   ASSERT_EQ(objects.size(), 20U);
   for (const SmoothedObject& object : objects)
   {
@@ -181,6 +189,20 @@ TEST(SmoothedTracks, FastPeopleAreCyclistsAndHaveTheirSize)
     EXPECT_TRUE(object.size->isApprox(Eigen::Vector3d(1.6, 0.6, 1.7), 1e-9));
     EXPECT_NEAR(object.T_map_object.translation().x(), 5 + speed * object.stamp, 0.01);
   }
+}
+
+TEST(SmoothedTracks, SlowCyclistsAndSmallPartsAreOfPedestrians)
+{
+  const Eigen::Vector3d as_cyclist(1.6, 0.7, 1.7);
+  const Eigen::Vector3d part(0.4, 0.2, 0.6);
+  const Eigen::Vector3d machine(1.6, 1.1, 0.7);
+  const auto classOf = [](ObjectClass object_class, const Eigen::Vector3d& size, double its_speed)
+  { return smoothedObject(object_class, size, its_speed).front().object_class; };
+  EXPECT_EQ(classOf(ObjectClass::cyclist, as_cyclist, 1.3), ObjectClass::pedestrian);
+  EXPECT_EQ(classOf(ObjectClass::cyclist, as_cyclist, 3), ObjectClass::cyclist);
+  EXPECT_EQ(classOf(ObjectClass::unknown, part, 1.3), ObjectClass::pedestrian);
+  EXPECT_EQ(classOf(ObjectClass::unknown, part, 6), ObjectClass::unknown);
+  EXPECT_EQ(classOf(ObjectClass::unknown, machine, 1.3), ObjectClass::unknown);
 }
 
 TEST(SmoothedTracks, TracksThatAlternateAreMerged)

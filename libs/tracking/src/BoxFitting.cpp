@@ -123,9 +123,13 @@ ObjectClass classifyBySize(const Eigen::Vector3d& size)
   return ObjectClass::unknown;
 }
 
+namespace
+{
+constexpr double max_walking_speed = 3.5;  // includes a slow run [m/s]
+}
+
 ObjectClass refineClass(ObjectClass initial, const Eigen::Vector3d& size, double speed)
 {
-  constexpr double max_walking_speed = 3.5;  // includes a slow run [m/s]
   const ObjectClass by_size = classifyBySize(size);
   if (by_size == ObjectClass::truck || by_size == ObjectClass::car)
   {
@@ -136,6 +140,16 @@ ObjectClass refineClass(ObjectClass initial, const Eigen::Vector3d& size, double
     return ObjectClass::cyclist;
   }
   return initial;
+}
+
+ObjectClass refinePerson(ObjectClass initial, const Eigen::Vector3d& size, double speed)
+{
+  constexpr double min_riding_speed = 2;  // [m/s]
+  constexpr double longest_person = 1.2;  // [m]
+  const bool slow_rider = initial == ObjectClass::cyclist && speed < min_riding_speed;
+  const bool part = initial == ObjectClass::unknown && size.head<2>().maxCoeff() < longest_person &&
+                    speed < max_walking_speed;
+  return slow_rider || part ? ObjectClass::pedestrian : initial;
 }
 
 namespace

@@ -497,35 +497,13 @@ std::vector<Detection> Detector::detect(const Points& points,
   return detections;
 }
 
-std::vector<std::vector<std::uint32_t>> Detector::splitGroup(const Points& points,
-                                                             std::vector<std::uint32_t> cluster,
-                                                             const Eigen::Vector3f& lidar) const
+bool Detector::arePersons(const Points& points,
+                          const std::vector<std::vector<std::uint32_t>>& parts) const
 {
-  constexpr double least_share = 0.2;  // of the rays that go through a group
   constexpr double most_others = 0.2;  // share of points in parts that are no persons
-  std::vector<std::vector<std::uint32_t>> parts;
-  const auto isGroup = [&]
-  {
-    if (cluster.size() < 2 * static_cast<std::size_t>(options_.min_points))
-    {
-      return false;
-    }
-    const Box box = fitLShape(pointsOf(points, cluster), options_.yaw_step);
-    return classifyBySize(box.size) == ObjectClass::car &&
-           shareThrough(points, cluster, box, lidar) > least_share;
-  };
-  if (!isGroup())
-  {
-    parts.push_back(std::move(cluster));
-    return parts;
-  }
-  DetectorOptions narrow = options_;
-  narrow.cluster_gap *= 0.5;
-  narrow.cluster_gap_per_range *= 0.5;
-  narrow.max_cluster_gap *= 0.5;
-  parts = linkNodes(voxelNodes(points, cluster, lidar.head<2>(), narrow), narrow.max_cluster_gap);
   int persons = 0;
   std::size_t others = 0;  // points of parts that are no persons
+  std::size_t all = 0;
   for (const auto& part : parts)
   {
     const bool person = part.size() >= static_cast<std::size_t>(options_.min_points) &&
@@ -533,12 +511,36 @@ std::vector<std::vector<std::uint32_t>> Detector::splitGroup(const Points& point
                             ObjectClass::pedestrian;
     persons += person ? 1 : 0;
     others += person ? 0 : part.size();
+    all += part.size();
   }
-  if (persons < 2 ||
-      static_cast<double>(others) > most_others * static_cast<double>(cluster.size()))
+  return persons >= 2 && static_cast<double>(others) <= most_others * static_cast<double>(all);
+}
+
+std::vector<std::vector<std::uint32_t>> Detector::splitGroup(const Points& points,
+                                                             std::vector<std::uint32_t> cluster,
+                                                             const Eigen::Vector3f& lidar) const
+{
+  constexpr double longest_person = 1.2;  // [m]
+  constexpr double least_share = 0.2;     // of the rays that go through a group
+  std::vector<std::vector<std::uint32_t>> parts;
+  if (cluster.size() >= 2 * static_cast<std::size_t>(options_.min_points))
   {
-    parts.assign(1, std::move(cluster));
+    const Box box = fitLShape(pointsOf(points, cluster), options_.yaw_step);
+    if (box.size.x() > longest_person && classifyBySize(box.size) != ObjectClass::truck)
+    {
+      DetectorOptions narrow = options_;
+      narrow.cluster_gap *= 0.5;
+      narrow.cluster_gap_per_range *= 0.5;
+      narrow.max_cluster_gap *= 0.5;
+      parts =
+          linkNodes(voxelNodes(points, cluster, lidar.head<2>(), narrow), narrow.max_cluster_gap);
+      if (arePersons(points, parts) && shareThrough(points, cluster, box, lidar) > least_share)
+      {
+        return parts;
+      }
+    }
   }
+  parts.assign(1, std::move(cluster));
   return parts;
 }
 

@@ -9,6 +9,7 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <type_traits>
 
 #include "SignificantMotion.h"
@@ -23,12 +24,14 @@ constexpr double vertical_velocity_gain = 0.1;
 
 /** Gain of observed sizes below the track's size: low, as parts may be occluded. Of complete
  * clusters it is higher at first: the first ones may be of two things together, such as a
- * pedestrian who passes a post. \param hits number of observations */
-double shrinkGain(int hits, bool complete)
+ * pedestrian who passes a post; for persons it stays higher, as they come and go together.
+ * \param hits number of observations */
+double shrinkGain(int hits, bool complete, bool person)
 {
   constexpr double lasting = 0.005;
+  constexpr double of_persons = 0.1;
   constexpr double of_first = 0.3;
-  return complete ? std::max(lasting, of_first / hits) : lasting;
+  return complete ? std::max(person ? of_persons : lasting, of_first / hits) : lasting;
 }
 
 /** Lower bounds of a vehicle's width and of the height of all classes [m]. None for the length: the
@@ -295,10 +298,10 @@ void Track::updateSize(const Observation& observation)
   {
     std::swap(observed.x(), observed.y());
   }
+  const double shrink_gain = shrinkGain(hits_, observation.complete, isOftenPerson());
   for (int k = 0; k < 3; ++k)
   {
-    const double gain =
-        observed[k] > box_.size[k] ? options_->size_gain : shrinkGain(hits_, observation.complete);
+    const double gain = observed[k] > box_.size[k] ? options_->size_gain : shrink_gain;
     box_.size[k] += gain * (observed[k] - box_.size[k]);
   }
   if (has_moved_)
@@ -307,6 +310,15 @@ void Track::updateSize(const Observation& observation)
     const Eigen::Vector3d missing = (minimumSize(object_class_) - box_.size).cwiseMax(0);
     box_.size += options_->size_gain * missing;
   }
+}
+
+bool Track::isOftenPerson() const
+{
+  constexpr double one_of = 3;  // observations with the size of some class
+  std::array<double, 8> votes = class_votes_;
+  votes[static_cast<std::size_t>(ObjectClass::unknown)] = 0;
+  const double persons = votes[static_cast<std::size_t>(ObjectClass::pedestrian)];
+  return persons > 0 && one_of * persons >= std::accumulate(votes.begin(), votes.end(), 0.0);
 }
 
 const std::deque<TimedPosition>& Track::history() const

@@ -84,6 +84,9 @@ class Track
   void alignHeadingWithMotion(const Observation& observation);
   void swapAxes();
   void updateSize(const Observation& observation);
+  /** Whether the clusters of the track so far often had the size of a pedestrian: vehicles in part,
+   * too, seldom have it. */
+  [[nodiscard]] bool isOftenPerson() const;
   void updateDynamicState();
   void keepObservation(const Observation& observation);
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Tracks of clusters of points, and the first observations of a track.
 #include <dyslam/base/Angle.h>
+#include <dyslam/tracking/BoxFitting.h>
 #include <dyslam/tracking/Tracker.h>
 #include <gtest/gtest.h>
 
@@ -113,6 +114,30 @@ TEST(TrackedClusters, sizesOfTheFirstDetectionsAreForgottenWithHindsight)
   const TrackedObject person = trackWith(MovingLabels::hindsight);
   EXPECT_EQ(person.object_class, ObjectClass::pedestrian);
   EXPECT_LT(person.box.size.x(), 1.2);
+  EXPECT_GT(trackWith(MovingLabels::causal).box.size.x(), 1.3) << "parts may be missing";
+}
+
+/** Another person comes close behind, so that both are one cluster, and falls back again. */
+TEST(TrackedClusters, personsHaveTheirOwnSizeAgainWithHindsight)
+{
+  const auto trackWith = [](MovingLabels labels)
+  {
+    Tracker tracker({}, labels);
+    TrackedObject object;
+    for (int scan = 0; scan < 60; ++scan)
+    {
+      const double behind = std::max(0.0, 1.6 - 0.2 * std::abs(scan - 20));  // extent of both [m]
+      Detection person = clusterAt({5 + 0.13 * scan - behind / 2, -6});
+      person.box.size = {0.6 + behind, 0.5, 1.7};
+      person.object_class = classifyBySize(person.box.size);
+      object = tracker.update(dt * scan, {person}, Pose::Identity()).back();
+      EXPECT_EQ(object.id, 0) << scan;
+    }
+    return object;
+  };
+  const TrackedObject person = trackWith(MovingLabels::hindsight);
+  EXPECT_EQ(person.object_class, ObjectClass::pedestrian);
+  EXPECT_LT(person.box.size.x(), 0.8);
   EXPECT_GT(trackWith(MovingLabels::causal).box.size.x(), 1.3) << "parts may be missing";
 }
 

@@ -194,7 +194,9 @@ void completeAndSmooth(const TrackSmoothingOptions& options, bool complete_boxes
   if (complete_boxes)
   {
     const std::vector<TrackState> states = smoothed(track, options);
-    object_class = refineClass(object_class, sizeOf(track), medianSpeed(states));
+    const double speed = medianSpeed(states);
+    object_class = refineClass(object_class, sizeOf(track), speed);
+    object_class = refinePerson(object_class, sizeOf(track), speed);
     if (isVehicle(object_class))
     {
       alignWithCourse(states, track);

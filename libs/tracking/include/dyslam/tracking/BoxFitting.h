@@ -23,6 +23,14 @@ namespace dyslam
                                       const Eigen::Vector3d& size,
                                       double speed);
 
+/** Class of an object that is no vehicle by its full size [m] and its usual speed [m/s]: a cyclist
+ * below 2 m/s is a pedestrian, with a trolley or closely beside another one, and so is what has no
+ * class, is smaller than 1.2 m and not faster than 3.5 m/s: a person who is partly hidden.
+ * \param initial result for others */
+[[nodiscard]] ObjectClass refinePerson(ObjectClass initial,
+                                       const Eigen::Vector3d& size,
+                                       double speed);
+
 /** Class of a vehicle by its full size along and across its heading [m], and its height [m]: trucks
  * and buses are wider and higher than vans; a box wider than all of them is unknown. In KITTI's
  * tracking labels 99 % of the cars are at most 1.9 m wide, 95 % of the vans at most 2.2 m, and 95 %

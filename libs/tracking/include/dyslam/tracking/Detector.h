@@ -66,9 +66,12 @@ class Detector
       const std::vector<Eigen::Vector3f>& points,
       const std::vector<bool>& moving,
       const Eigen::Vector3f& lidar) const;
-  /** The parts of a group of persons, which are half of the usual gap apart: of a cluster of the
-   * size of a car that lets rays through, if nearly all of its points lie in two or more parts of
-   * the size of a person. Any other cluster as it is. */
+  /** Whether nearly all points of a cluster lie in two or more parts of the size of a person. */
+  [[nodiscard]] bool arePersons(const std::vector<Eigen::Vector3f>& points,
+                                const std::vector<std::vector<std::uint32_t>>& parts) const;
+  /** The parts of a group of persons, which are half of the usual gap apart: of a cluster that is
+   * longer than a person, smaller than a truck and lets rays through, if they are persons. Any
+   * other cluster as it is. */
   [[nodiscard]] std::vector<std::vector<std::uint32_t>> splitGroup(
       const std::vector<Eigen::Vector3f>& points,
       std::vector<std::uint32_t> cluster,
