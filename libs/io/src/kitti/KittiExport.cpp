@@ -19,6 +19,7 @@
 #include <limits>
 #include <map>
 #include <optional>
+#include <set>
 #include <utility>
 #include <vector>
 
@@ -102,14 +103,7 @@ class Sequence
         pending_(target_.string() + ".tmp"),
         truth_(groundTruthFolder(rawlog))
   {
-    for (const fs::path& path : {target_, posesFile(), tracksFile()})
-    {
-      if (fs::exists(path))
-      {
-        throw UserError(path.string() +
-                        ": is there already; remove it, or name another with --sequence");
-      }
-    }
+    requireNewOrReplaceable();
     if (!options.trajectory.empty())
     {
       given_ = readTrajectory(options.trajectory);
@@ -140,7 +134,10 @@ class Sequence
       }
     }
     fs::remove_all(pending_);  // of a killed program
-    makeFolder((pending_ / "velodyne").string());
+    if (!options.poses_only)
+    {
+      makeFolder((pending_ / "velodyne").string());
+    }
   }
   ~Sequence()
   {
@@ -153,7 +150,7 @@ class Sequence
   void add(const Frame& frame)
   {
     const Scan& scan = frame.scan;
-    if (!options_.no_scans)
+    if (!options_.no_scans && !options_.poses_only)
     {
       writeScan(frame);
     }
@@ -172,8 +169,6 @@ class Sequence
 
   ConversionResult finish()
   {
-    writeWhole((pending_ / "times.txt").string(), times_);
-    writeCalib();
     const bool poses = !poses_.empty() && poses_.size() == result_.scans;
     if (poses && linesLeft() > 0)
     {
@@ -185,14 +180,95 @@ class Sequence
     }
     if (poses)
     {
-      writeKittiPoses((pending_ / "poses.txt").string(), cameraPoses());
       result_.poses = poses_.size();
       result_.pose_source = options_.trajectory.empty() ? "the rawlog" : options_.trajectory;
     }
+    if (!options_.poses_only)
+    {
+      writeSequence(poses);
+    }
+    else if (!poses)
+    {
+      throw UserError("--poses-only: " + missingPoses());
+    }
+    if (poses)
+    {
+      makeFolder(posesFile().parent_path().string());
+      writeKittiPoses(posesFile().string(), cameraPoses());
+    }
+    return result_;
+  }
+
+ private:
+  [[nodiscard]] fs::path posesFile() const
+  {
+    return folder_ / "poses" / (options_.sequence + ".txt");
+  }
+
+  [[nodiscard]] fs::path tracksFile() const
+  {
+    return folder_ / "tracks" / (options_.sequence + ".txt");
+  }
+
+  /** What the export writes. */
+  [[nodiscard]] std::vector<fs::path> outputs() const
+  {
+    return options_.poses_only ? std::vector<fs::path>{posesFile()}
+                               : std::vector<fs::path>{target_, posesFile(), tracksFile()};
+  }
+
+  void requireNewOrReplaceable() const
+  {
+    for (const fs::path& path : outputs())
+    {
+      if (fs::exists(path) && !options_.force)
+      {
+        throw UserError(path.string() +
+                        ": is there already; replace it with --force, or name another with "
+                        "--sequence");
+      }
+    }
+    if (options_.poses_only || !fs::is_directory(target_))
+    {
+      return;
+    }
+    const std::set<std::string> own{"velodyne", "labels", "times.txt", "calib.txt", "poses.txt"};
+    for (const auto& entry : entriesOf(target_))
+    {
+      const std::string name = entry.path().filename().string();
+      if (own.count(name) == 0)
+      {
+        throw UserError(target_.string() + ": has files of others (" + name +
+                        "), which --force does not remove; name another with --sequence");
+      }
+    }
+    if (!options_.calib.empty() &&
+        isSamePath(fs::path(options_.calib).parent_path().string(), target_.string()))
+    {
+      throw UserError(target_.string() +
+                      ": has the calibration, and so is the original, which --force does not "
+                      "remove; choose another --output");
+    }
+  }
+
+  [[nodiscard]] std::string missingPoses() const
+  {
+    return "no poses are written: " + std::to_string(poses_.size()) + " of " +
+           counted(result_.scans, "scan") + " have one";
+  }
+
+  /** Writes the folder of the sequence. \param poses whether every scan has a pose */
+  void writeSequence(bool poses)
+  {
+    writeWhole((pending_ / "times.txt").string(), times_);
+    writeCalib();
+    if (poses)
+    {
+      writeKittiPoses((pending_ / "poses.txt").string(), cameraPoses());
+    }
     else
     {
-      result_.warnings.push_back("no poses are written: " + std::to_string(poses_.size()) + " of " +
-                                 std::to_string(result_.scans) + " scans have one");
+      result_.warnings.push_back(missingPoses());
     }
     if (options_.rings && ring_files_ < result_.scans)
     {
@@ -210,25 +286,12 @@ class Sequence
           "the scans are as recorded, not deskewed as those of KITTI odometry are: programs that "
           "take them for KITTI's do not deskew them either");
     }
+    for (const fs::path& path : outputs())
+    {
+      fs::remove_all(path);  // with --force, of an earlier export
+    }
     writeTracksOfScans();
     fs::rename(pending_, target_);
-    if (poses)
-    {
-      makeFolder((folder_ / "poses").string());
-      fs::copy_file(target_ / "poses.txt", posesFile());
-    }
-    return result_;
-  }
-
- private:
-  [[nodiscard]] fs::path posesFile() const
-  {
-    return folder_ / "poses" / (options_.sequence + ".txt");
-  }
-
-  [[nodiscard]] fs::path tracksFile() const
-  {
-    return folder_ / "tracks" / (options_.sequence + ".txt");
   }
 
   /** Takes the boxes of a scan. \param index of the scan in the recording */
@@ -368,6 +431,8 @@ void KittiExportOptions::describe(OptionsVisitor& visitor)
   visitor.text("further_lidars", further_lidars,
                "regex for the labels of further lidars, whose scans are merged; empty: none");
   visitor.flag("no_scans", no_scans, "write only times, calibration and poses");
+  visitor.flag("poses_only", poses_only, "write only poses/NN.txt");
+  visitor.flag("force", force, "replace an earlier export of the sequence");
   visitor.flag("rings", rings, "write NNNNNN.ring beside the scans");
   describeRange(visitor);
 }
@@ -391,6 +456,11 @@ ConversionResult exportKitti(const std::string& rawlog,
   if (options.rings && options.no_scans)
   {
     throw UserError("--rings: are written beside the scans; leave out --no-scans");
+  }
+  if (options.poses_only && (options.rings || options.no_scans || !options.tracks.empty()))
+  {
+    throw UserError(
+        "--poses-only: writes poses/NN.txt alone; leave out --no-scans, --rings and --tracks");
   }
   RawlogSourceOptions source_options;
   static_cast<ScanRange&>(source_options) = options;
