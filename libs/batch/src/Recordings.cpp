@@ -6,6 +6,7 @@
 #include <dyslam/batch/Recordings.h>
 #include <dyslam/formats/ExternalFiles.h>
 #include <dyslam/formats/RecordingKind.h>
+#include <dyslam/formats/RecordingOrigin.h>
 #include <dyslam/formats/RunFiles.h>
 #include <dyslam/formats/ScanFiles.h>
 #include <dyslam/formats/TextFile.h>
@@ -276,8 +277,13 @@ void expand(const std::string& entry,
   }
 }
 
-std::string nameWith(const fs::path& path, int folders)
+/** The name of a recording with that of some folders that it is in. The recording of a run that was
+ * converted from another has the name of the run. */
+std::string nameWith(const fs::path& recording, int folders)
 {
+  const bool is_converted = recording.filename() == run_files::recording &&
+                            fs::exists(recordingOriginFile(recording.parent_path().string()));
+  const fs::path path = is_converted ? recording.parent_path() : recording;
   std::string name = fs::is_directory(path) ? path.filename().string() : path.stem().string();
   fs::path folder = path.parent_path();
   for (int i = 0; i < folders && folder.has_filename(); ++i, folder = folder.parent_path())
