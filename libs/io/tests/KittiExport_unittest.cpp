@@ -350,6 +350,9 @@ TEST(KittiExport, AnEarlierExportIsReplacedIfForced)
   const auto message = [&] { return messageOfError<UserError>([&] { (void)convert(); }); };
   options.calib = folder.file("kitti/sequences/00/calib.txt");
   EXPECT_TRUE(contains(message(), "has the calibration, and so is the original")) << message();
+  options.poses_only = true;
+  EXPECT_TRUE(contains(message(), "has the calibration, and so is the original")) << message();
+  options.poses_only = false;
   options.calib.clear();
   folder.write("kitti/sequences/00/image_2/000000.png", "someone's");
   EXPECT_TRUE(contains(message(), "has files of others (image_2)")) << message();

@@ -227,11 +227,28 @@ class Sequence
                         ": is there already; replace it with --force, or name another with "
                         "--sequence");
       }
+      if (fs::exists(path) && isOriginal())
+      {
+        throw UserError(target_.string() +
+                        ": has the calibration, and so is the original, of which --force replaces "
+                        "nothing; choose another --output");
+      }
     }
-    if (options_.poses_only || !fs::is_directory(target_))
+    if (!options_.poses_only && fs::is_directory(target_))
     {
-      return;
+      requireNoOtherFiles();
     }
+  }
+
+  /** Whether the folder of the sequence is that which the calibration is from. */
+  [[nodiscard]] bool isOriginal() const
+  {
+    return !options_.calib.empty() &&
+           isSamePath(fs::path(options_.calib).parent_path().string(), target_.string());
+  }
+
+  void requireNoOtherFiles() const
+  {
     const std::set<std::string> own{"velodyne", "labels", "times.txt", "calib.txt", "poses.txt"};
     for (const auto& entry : entriesOf(target_))
     {
@@ -241,13 +258,6 @@ class Sequence
         throw UserError(target_.string() + ": has files of others (" + name +
                         "), which --force does not remove; name another with --sequence");
       }
-    }
-    if (!options_.calib.empty() &&
-        isSamePath(fs::path(options_.calib).parent_path().string(), target_.string()))
-    {
-      throw UserError(target_.string() +
-                      ": has the calibration, and so is the original, which --force does not "
-                      "remove; choose another --output");
     }
   }
 
