@@ -79,6 +79,18 @@ void requireConverted(const std::string& input)
   }
 }
 
+void requireOneOrEach(const std::string& flag,
+                      std::size_t values,
+                      std::size_t files,
+                      const std::string& things)
+{
+  if (values != 1 && values != files)
+  {
+    throw UserError(flag + " has " + std::to_string(values) + " values; give one for all " +
+                    things + ", or one for each of the " + std::to_string(files));
+  }
+}
+
 void requireDifferent(const std::string& option, std::vector<std::string> words)
 {
   std::sort(words.begin(), words.end());

@@ -4,6 +4,7 @@
 #include <dyslam/base/Words.h>
 
 #include <CLI/CLI.hpp>
+#include <cstddef>
 #include <map>
 #include <string>
 #include <vector>
@@ -19,6 +20,20 @@ CLI::Validator numberThatIs(const std::string& name,
 CLI::Validator notNegative();
 
 CLI::Validator positive();
+
+/** \throws UserError unless a flag has one value for all files, or one for each. \param things what
+ * the files are, for the message: "trajectories" */
+void requireOneOrEach(const std::string& flag,
+                      std::size_t values,
+                      std::size_t files,
+                      const std::string& things);
+
+/** The value of a flag for one of several files: the only one, or that of the file. */
+template <typename Value>
+const Value& oneOrEach(const std::vector<Value>& values, std::size_t file)
+{
+  return values.at(values.size() == 1 ? 0 : file);
+}
 
 /** \throws UserError if a word is given twice to an option whose words are averaged over */
 void requireDifferent(const std::string& option, std::vector<std::string> words);

@@ -79,9 +79,11 @@ void declare(CLI::App& app, Arguments& a)
                   "folder to run in, on a disk of this machine, with --slurm of each node; whole "
                   "results move to --output");
   app.add_option("--shard", a.shard, "K/N: only the K-th of every N recordings of the list");
-  app.add_flag("--no-summary", a.no_summary, "write no table and page at the end");
+  CLI::Option* no_summary =
+      app.add_flag("--no-summary", a.no_summary, "write no table and page at the end");
   app.add_flag("--gather", a.gather,
-               "run nothing, only write table and page of the existing results");
+               "run nothing, only write table and page of the existing results")
+      ->excludes(no_summary);
   CLI::Option* slurm = app.add_flag(
       "--slurm", a.slurm,
       "submit an array of Slurm jobs, and one after it that gathers the results; --output must be "

@@ -78,27 +78,16 @@ void requireDistancesFile(const MapArguments& a)
   }
 }
 
-/** \throws UserError unless there is one value for all trajectories, or one for each. */
-void requireOneOrEach(const std::string& flag, std::size_t values, std::size_t trajectories)
-{
-  if (values != 1 && values != trajectories)
-  {
-    throw UserError(flag + " has " + std::to_string(values) +
-                    " values; give one for all trajectories, or one for each of the " +
-                    std::to_string(trajectories));
-  }
-}
-
 /** The trajectories of `--self` with the flags of each. \throws UserError. */
 std::vector<MapSelfTrajectory> selfTrajectories(const MapArguments& a)
 {
-  requireOneOrEach("--poses-of", a.poses_of.size(), a.estimates.size());
-  requireOneOrEach("--time-offset", a.time_offsets.size(), a.estimates.size());
+  requireOneOrEach("--poses-of", a.poses_of.size(), a.estimates.size(), "trajectories");
+  requireOneOrEach("--time-offset", a.time_offsets.size(), a.estimates.size(), "trajectories");
   std::vector<MapSelfTrajectory> result;
   for (std::size_t i = 0; i < a.estimates.size(); ++i)
   {
-    result.push_back({a.estimates[i], a.poses_of[a.poses_of.size() == 1 ? 0 : i] == "lidar",
-                      a.time_offsets[a.time_offsets.size() == 1 ? 0 : i]});
+    result.push_back(
+        {a.estimates[i], oneOrEach(a.poses_of, i) == "lidar", oneOrEach(a.time_offsets, i)});
   }
   return result;
 }

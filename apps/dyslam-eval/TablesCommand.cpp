@@ -12,6 +12,7 @@
 #include <string>
 #include <vector>
 
+#include "../common/Checks.h"
 #include "../common/OutputOptions.h"
 #include "MetricFlags.h"
 #include "OutputFiles.h"
@@ -23,6 +24,7 @@ namespace
 struct TablesArguments
 {
   std::string runs;
+  std::vector<std::string> methods;  //!< of --runs
   std::string whole = "dyslam";
   std::vector<std::string> odometry{
       "DySLAM=dyslam",       "DyLO=dylo",          "DyLO + map=dylo+refine",
@@ -48,11 +50,40 @@ std::vector<RunColumn> columnsOf(const std::vector<std::string>& texts, const st
   return columns;
 }
 
+/** The columns of --runs: HEADING=FOLDER, or a folder whose name is the heading. */
+std::vector<RunColumn> methodsOf(const std::vector<std::string>& texts)
+{
+  std::vector<RunColumn> columns;
+  std::vector<std::string> headings;
+  for (const std::string& text : texts)
+  {
+    const bool has_heading = text.find('=') != std::string::npos;
+    columns.push_back(has_heading ? columnsOf({text}, "--runs").front()
+                                  : RunColumn{shortNames({text}).front(), text});
+    headings.push_back(columns.back().heading);
+  }
+  requireDifferent("--runs", headings);
+  return columns;
+}
+
+SplitColumns columnsOf(const TablesArguments& a)
+{
+  if (a.methods.empty())
+  {
+    return {a.whole, columnsOf(a.odometry, "--odometry"), columnsOf(a.labels, "--labels")};
+  }
+  const std::vector<RunColumn> methods = methodsOf(a.methods);
+  return {methods.front().folder, methods, methods};
+}
+
 /** \throws UserError also at the end, if a run cannot be read. */
 void writeTables(const TablesArguments& a)
 {
-  const SplitColumns columns{a.whole, columnsOf(a.odometry, "--odometry"),
-                             columnsOf(a.labels, "--labels")};
+  if (a.runs.empty() && a.methods.empty())
+  {
+    throw UserError("tables: give a folder of runs, or --runs HEADING=FOLDER ...");
+  }
+  const SplitColumns columns = columnsOf(a);
   const SplitRuns runs = readDrives(a.runs, columns, a.metrics.options(), printNote);
   const std::string text = splitMarkdown(runs.drives, columns, a.metrics.lengths.lengths);
   std::cout << text;
@@ -73,9 +104,15 @@ Subcommand tablesCommand(CLI::App& app)
   const auto a = std::make_shared<TablesArguments>();
   CLI::App* sub = app.add_subcommand(
       "tables",
-      "The tables of a split in Markdown: odometry, moving points, absolute errors, times");
-  sub->add_option("runs", a->runs, "folder with a run in each DRIVE/METHOD (split_tables.sh)")
-      ->required();
+      "Tables of several drives and methods in Markdown: odometry, moving points, absolute errors, "
+      "times");
+  CLI::Option* folder = sub->add_option(
+      "runs", a->runs,
+      "folder with a run in each DRIVE/METHOD (split_tables.sh) or METHOD/DRIVE (dyslam-batch)");
+  CLI::Option* methods = sub->add_option(
+      "--runs", a->methods,
+      "HEADING=FOLDER ...: the folders of dyslam-batch, a run in each FOLDER/DRIVE; "
+      "the first is that of the whole pipeline");
   sub->add_option("--whole", a->whole, "METHOD of the whole pipeline")->capture_default_str();
   sub->add_option("--odometry", a->odometry, "columns of the odometry, HEADING=METHOD,...")
       ->delimiter(',')
@@ -85,6 +122,11 @@ Subcommand tablesCommand(CLI::App& app)
       ->delimiter(',')
       ->allow_extra_args(false)
       ->capture_default_str();
+  methods->excludes(folder);
+  for (const char* of_folder : {"--whole", "--odometry", "--labels"})
+  {
+    methods->excludes(sub->get_option(of_folder));
+  }
   addOutputFile(*sub, "--markdown", a->markdown, "write the tables to this file, too");
   a->metrics.declare(*sub);
   return {sub, [a] { writeTables(*a); }};

@@ -7,6 +7,7 @@
 #include <dyslam/plot/TrajectoryPlot.h>
 
 #include <algorithm>
+#include <cstddef>
 #include <filesystem>
 #include <iostream>
 #include <memory>
@@ -29,7 +30,11 @@ struct TrajectoryArguments
   std::vector<std::string> references;
   std::vector<std::string> estimates;
   MetricFlags metrics;
-  PoseReading reading;
+  PoseReading reading;  //!< without what there may be of each estimate:
+  std::vector<double> time_offsets;
+  std::vector<std::string> cameras;
+  std::vector<std::string> calibs;
+  std::vector<std::string> reference_bodies;
   std::string plot;
   std::string paper;
   bool statistics = false;
@@ -62,19 +67,55 @@ void noteMissingFigures(const std::vector<TrajectoryReport>& reports,
   }
 }
 
+/** How an estimate and its reference are read. */
+PoseReading readingOf(const TrajectoryArguments& a, std::size_t estimate)
+{
+  PoseReading reading = a.reading;
+  if (!a.time_offsets.empty())
+  {
+    reading.time_offset = oneOrEach(a.time_offsets, estimate);
+  }
+  const auto set = [estimate](std::string& value, const std::vector<std::string>& given)
+  { value = given.empty() ? value : oneOrEach(given, estimate); };
+  set(reading.camera, a.cameras);
+  set(reading.calib, a.calibs);
+  set(reading.reference_body, a.reference_bodies);
+  return reading;
+}
+
+/** \throws UserError for flags of which there is not one value, or one for each estimate. */
+void requireOneOfEach(const TrajectoryArguments& a)
+{
+  const auto require = [&a](const char* flag, std::size_t values)
+  {
+    if (values > 0)
+    {
+      requireOneOrEach(flag, values, a.estimates.size(), "estimates");
+    }
+  };
+  require("--time-offset", a.time_offsets.size());
+  require("--camera", a.cameras.size());
+  require("--calib", a.calibs.size());
+  require("--reference-body", a.reference_bodies.size());
+}
+
 /** Without a reference: how far the estimates travel, and where. */
 void runPaths(const TrajectoryArguments& a)
 {
-  if (a.reading.camera == "reference")
+  if (std::count(a.cameras.begin(), a.cameras.end(), "reference") > 0)
   {
     throw UserError("--camera reference: there is no --reference");
+  }
+  if (!a.calibs.empty() && a.cameras.empty())
+  {
+    throw UserError("--calib goes with --camera estimate where there is no --reference");
   }
   const std::vector<std::string> names = shortNames(a.estimates);
   std::vector<PathSummary> paths;
   std::vector<NamedPath> drawn;
   for (std::size_t i = 0; i < a.estimates.size(); ++i)
   {
-    paths.push_back(readPath(a.estimates[i], a.reading));
+    paths.push_back(readPath(a.estimates[i], readingOf(a, i)));
     paths.back().name = names[i];
     drawn.push_back({names[i], {}});
     for (const StampedPose& pose : paths.back().trajectory)
@@ -132,9 +173,10 @@ Compared compare(const TrajectoryArguments& a, const TrajectoryMetricsOptions& m
   for (std::size_t i = 0; i < a.estimates.size(); ++i)
   {
     const std::string& reference = a.references[a.references.size() == 1 ? 0 : i];
-    const PosePairs pairs = pairFiles(reference, a.estimates[i], a.reading, note);
+    const PoseReading reading = readingOf(a, i);
+    const PosePairs pairs = pairFiles(reference, a.estimates[i], reading, note);
     TrajectoryReport report = evaluateTrajectory(a.estimates[i], pairs, metrics);
-    const std::string warning = pairWarning(reference, a.estimates[i], pairs, report);
+    const std::string warning = pairWarning(reference, a.estimates[i], reading, pairs, report);
     if (!warning.empty())
     {
       std::cerr << "warning: " << warning << '\n';
@@ -152,10 +194,7 @@ void runTrajectory(const TrajectoryArguments& a)
   {
     throw UserError("--plot " + a.plot + ": the ending must be .png");
   }
-  if (!a.reading.calib.empty() && a.reading.camera.empty())
-  {
-    throw UserError("--calib goes with --camera, which says whose poses are the camera's");
-  }
+  requireOneOfEach(a);
   if (a.references.empty())
   {
     runPaths(a);
@@ -165,10 +204,8 @@ void runTrajectory(const TrajectoryArguments& a)
   const TrajectoryMetricsOptions metrics = a.metrics.options();
   const auto [reports, plots] = compare(a, metrics);
   Table table = a.paper.empty() ? trajectoryTable(reports) : trajectoryTable(reports, a.paper);
-  if (a.references.size() > 1)
-  {
-    addMeanRow(table, reports);
-  }
+  const std::string no_mean =
+      a.references.size() > 1 ? addMeanRows(table, reports, a.estimates, a.references) : "";
   a.output.write(table, trajectoryJson(reports));
   if (a.statistics)
   {
@@ -181,6 +218,10 @@ void runTrajectory(const TrajectoryArguments& a)
   if (!a.plot.empty())
   {
     writePng(a.plot, renderTrajectoryPlot(plots, {"", metrics.alignment, ""}));
+  }
+  if (!no_mean.empty())
+  {
+    printNote(no_mean);
   }
   noteMissingFigures(reports, metrics.lengths);
   for (const std::string& note : comparisonNotes(reports, a.references.size() == 1))
@@ -212,20 +253,23 @@ Subcommand trajectoryCommand(CLI::App& app)
                   "poses at most this far from them [s], instead of the nearest within --tolerance")
       ->check(positive())
       ->excludes(tolerance);
-  sub->add_option("--time-offset", a->reading.time_offset,
-                  "added to the time stamps of the estimates (TUM) [s]: for clocks that differ");
-  sub->add_option("--camera", a->reading.camera,
-                  "which poses are a camera's (z ahead), to be taken to the lidar's: estimate or "
-                  "reference")
-      ->check(CLI::IsMember({"estimate", "reference"}));
+  sub->add_option("--time-offset", a->time_offsets,
+                  "added to the time stamps of the estimates (TUM) [s]: for clocks that differ; of "
+                  "all estimates, or one for each");
+  sub->add_option("--camera", a->cameras,
+                  "which poses are a camera's (z ahead), to be taken to the lidar's: estimate, "
+                  "reference or none; of all estimates, or one for each (default: where one of the "
+                  "two moves as a camera and the other as a lidar, the one that does)")
+      ->check(CLI::IsMember({"estimate", "reference", "none"}));
+  sub->add_option("--calib", a->calibs,
+                  "calib.txt with the camera's mounting, of all estimates, or one for each "
+                  "(default: that of the sequence, which is looked for in sequences/NN of "
+                  "poses/NN.txt; with --camera only the axes turn)");
   sub->add_option(
-      "--calib", a->reading.calib,
-      "calib.txt with the camera's mounting, for --camera (default: only the axes turn)");
-  sub->add_option(
-      "--reference-body", a->reading.reference_body,
+      "--reference-body", a->reference_bodies,
       "pose of the reference's body (IMU, antenna) on that of the estimates: 'x y z yaw "
-      "pitch roll' [m, deg], 'x y z 0 0 0' of an antenna or prism with positions alone (default: "
-      "both are poses of the same body)");
+      "pitch roll' [m, deg], 'x y z 0 0 0' of an antenna or prism with positions alone; of all "
+      "estimates, or one for each (default: both are poses of the same body)");
   sub->add_option("--reference-times", a->reading.reference_times,
                   "file with a time [s] for each line of a KITTI reference, which is then paired "
                   "by time");

@@ -183,6 +183,7 @@ TEST(Batch, BadInputIsOneLine)
     const std::string line = said(recordings + out + " --slurm " + option);
     EXPECT_TRUE(contains(line, option.substr(0, option.find(' ')) + " excludes --slurm")) << line;
   }
+  EXPECT_TRUE(contains(said(recordings + out + " --no-summary --gather"), "excludes"));
   EXPECT_FALSE(fs::exists(folder.file("out")));
 }
 }  // namespace dyslam

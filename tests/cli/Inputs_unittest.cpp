@@ -313,8 +313,8 @@ TEST_F(Inputs, ARawlogAsKittiAndBack)
   (void)converted("kitti2rawlog", "--kind odometry -i " + at("kitti/sequences/00"));
   EXPECT_EQ(labels.size(), readLabels(at("out.gt/labels/000001.label")).size());
 
-  // KITTI's poses are those of a camera: next to poses of a lidar this is noticed, and they are
-  // converted on demand.
+  // KITTI's poses are those of a camera: next to poses of a lidar they are converted, unless a flag
+  // says otherwise.
   Trajectory lidar;
   for (int i = 0; i < 40; ++i)
   {
@@ -329,12 +329,58 @@ TEST_F(Inputs, ARawlogAsKittiAndBack)
   writeKittiPoses(at("camera.txt"), posesOfMountedSensor(camera, cameraAxes().inverse()));
   const std::string files =
       "trajectory --lengths 10 --reference " + at("camera.txt") + " --estimate " + at("lidar.txt");
-  const Outcome noticed = run("dyslam-eval", files);
+  const Outcome converted_poses = run("dyslam-eval", files + " --csv " + at("e.csv"));
+  EXPECT_NE(converted_poses.err.find("camera.txt: has the poses of a camera"), std::string::npos)
+      << converted_poses.err;
+  EXPECT_NE(contentOf(at("e.csv")).find("\nlidar,40,78,0,0,"), std::string::npos)
+      << contentOf(at("e.csv"));
+  const Outcome noticed = run("dyslam-eval", files + " --camera none");
   EXPECT_NE(noticed.err.find("axes of a camera"), std::string::npos) << noticed.err;
   EXPECT_NE(noticed.err.find("--camera reference"), std::string::npos) << noticed.err;
   const Outcome compared = run("dyslam-eval", files + " --camera reference --json " + at("e.json"));
   EXPECT_EQ(0, compared.code);
   EXPECT_EQ("", compared.err);
+}
+
+/** The folder of a run that has converted a sequence of KITTI: its poses for the server. */
+TEST_F(Inputs, ARunAsKitti)
+{
+  bins("dataset/sequences/07/velodyne", counted);
+  std::string times;
+  Trajectory poses;
+  for (std::size_t i = 0; i < test::drive_scans; ++i)
+  {
+    times += std::to_string(i) + "\n";
+    poses.push_back(static_cast<double>(i), poses_[i]);
+  }
+  write("dataset/sequences/07/times.txt", times);
+  write("dataset/sequences/07/calib.txt", "Tr: 0 -1 0 0 0 0 -1 -0.08 1 0 0 -0.27\n");
+  makeFolder("out/07");
+  ASSERT_EQ(0, run("kitti2rawlog", "-q --kind odometry -i " + at("dataset/sequences/07") + " -o " +
+                                       at("out/07/recording.rawlog"))
+                   .code);
+  write("out/07/recording.ini", "[recording]\ninput = " + at("dataset/sequences/07") + "\n");
+  write("out/07/report.json",
+        "{\"finished\": true, \"input\": \"" + at("out/07/recording.rawlog") + "\"}");
+  writeTum(at("out/07/trajectory_tum.txt"), poses);
+  const std::string flags = "-q --run " + at("out/07") + " --sequence 07 -o " + at("submission");
+  const Outcome first = run("rawlog2kitti", flags + " --poses-only");
+  EXPECT_EQ(0, first.code) << first.err;
+  EXPECT_EQ("", first.err);
+  EXPECT_NE(first.out.find("poses/07.txt: 6 scans"), std::string::npos) << first.out;
+  EXPECT_FALSE(std::filesystem::exists(at("submission/sequences")));
+  const std::string alone = contentOf(at("submission/poses/07.txt"));
+  const Outcome again = run("rawlog2kitti", flags);
+  EXPECT_EQ(1, again.code);
+  EXPECT_NE(again.err.find("poses/07.txt: is there already; replace it with --force"),
+            std::string::npos)
+      << again.err;
+  EXPECT_EQ(0, run("rawlog2kitti", flags + " --force").code);
+  EXPECT_EQ(alone, contentOf(at("submission/poses/07.txt")));
+  EXPECT_EQ(contentOf(at("dataset/sequences/07/calib.txt")),
+            contentOf(at("submission/sequences/07/calib.txt")));
+  const Outcome neither = run("rawlog2kitti", "-o " + at("submission"));
+  EXPECT_NE(neither.err.find("--input or --run is required"), std::string::npos) << neither.err;
 }
 
 TEST_F(Inputs, OutputsAreCheckedBeforeTheWork)

@@ -4,6 +4,7 @@
 #include <dyslam/base/Printable.h>
 #include <dyslam/benchmarks/JsonText.h>
 #include <dyslam/benchmarks/LabelFolders.h>
+#include <dyslam/benchmarks/MethodGroups.h>
 #include <dyslam/eval/MapMetrics.h>
 #include <dyslam/formats/LabelFiles.h>
 
@@ -127,6 +128,29 @@ TableCell ratioCell(std::optional<double> value)
 {
   return {value, 4};
 }
+
+struct ScoredScans
+{
+  std::size_t scans = 0;
+  std::size_t of = 0;  //!< number of scans of the reference
+  SegmentationScores scores;
+};
+
+/** Adds a row to segmentationTable(). */
+void addScores(Table& table, const std::string& name, const ScoredScans& scored)
+{
+  const auto percent = [](std::optional<double> v)
+  { return TableCell(v ? std::optional<double>(100 * *v) : std::nullopt, 2); };
+  const SegmentationScores& s = scored.scores;
+  const std::size_t moving = s.true_positives + s.false_negatives;
+  const std::size_t all = moving + s.true_negatives + s.false_positives;
+  table.addRow({name, TableCell(static_cast<double>(scored.scans), 0),
+                TableCell(static_cast<double>(scored.of), 0), ratioCell(s.iou()),
+                ratioCell(s.precision()), ratioCell(s.recall()), ratioCell(s.staticIou()),
+                percent(s.staticKept()), percent(s.recall()),
+                percent(harmonicMean(s.staticKept(), s.recall())),
+                TableCell(static_cast<double>(moving), 0), TableCell(static_cast<double>(all), 0)});
+}
 }  // namespace
 
 LabelComparison compareLabelFolders(const std::string& reference,
@@ -193,27 +217,58 @@ std::string labelWarning(const std::string& reference,
          "moving object segmentation: 1 to 9, 2 to 251)";
 }
 
+std::string partNote(const std::string& reference,
+                     const std::string& estimate,
+                     const LabelComparison& result)
+{
+  const std::size_t scans = result.evaluator.scans();
+  if (scans == result.reference_scans && scans == result.estimated_scans)
+  {
+    return "";
+  }
+  return estimate + " has labels of " + counted(result.estimated_scans, "scan") + ", " + reference +
+         " of " + std::to_string(result.reference_scans) + "; the figures are of the " +
+         std::to_string(scans) + " that both have";
+}
+
 Table segmentationTable(const NamedComparisons& results)
 {
   Table table({"estimate", "scans", "of", "IoU moving", "precision", "recall", "IoU static",
                "static kept [%]", "moving removed [%]", "harmonic mean [%]", "moving points",
                "points"});
-  const auto percent = [](std::optional<double> v)
-  { return TableCell(v ? std::optional<double>(100 * *v) : std::nullopt, 2); };
   for (const auto& [name, r] : results)
   {
-    const SegmentationScores& s = r.evaluator.scores();
-    const std::size_t moving = s.true_positives + s.false_negatives;
-    const std::size_t all = moving + s.true_negatives + s.false_positives;
-    table.addRow({name, TableCell(static_cast<double>(r.evaluator.scans()), 0),
-                  TableCell(static_cast<double>(r.reference_scans), 0), ratioCell(s.iou()),
-                  ratioCell(s.precision()), ratioCell(s.recall()), ratioCell(s.staticIou()),
-                  percent(s.staticKept()), percent(s.recall()),
-                  percent(harmonicMean(s.staticKept(), s.recall())),
-                  TableCell(static_cast<double>(moving), 0),
-                  TableCell(static_cast<double>(all), 0)});
+    addScores(table, name, {r.evaluator.scans(), r.reference_scans, r.evaluator.scores()});
   }
   return table;
+}
+
+std::string addTotalRows(Table& table,
+                         const NamedComparisons& results,
+                         const std::vector<std::string>& references)
+{
+  std::vector<std::string> names;
+  for (const auto& [name, result] : results)
+  {
+    names.push_back(name);
+  }
+  const std::vector<MethodGroup> groups = methodGroups(names, references);
+  for (const MethodGroup& group : groups)
+  {
+    ScoredScans total;
+    for (const std::size_t i : group.estimates)
+    {
+      const LabelComparison& one = results[i].second;
+      total.scans += one.evaluator.scans();
+      total.of += one.reference_scans;
+      total.scores += one.evaluator.scores();
+    }
+    addScores(table, group.name.empty() ? "all points" : "all points of " + group.name, total);
+  }
+  return groups.empty() ? "no row of all points, as references are repeated: give the estimates of "
+                          "one method after the other, each of the same references and in a folder "
+                          "of its own"
+                        : "";
 }
 
 Table calibrationTable(const CalibrationEvaluator& calibration)

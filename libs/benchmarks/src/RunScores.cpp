@@ -11,6 +11,7 @@
 #include <dyslam/io/RawlogSource.h>
 
 #include <algorithm>
+#include <cmath>
 #include <filesystem>
 
 #include "PairNote.h"
@@ -210,6 +211,22 @@ bool hasRuns(const std::string& folder)
                      { return fs::exists(entry.path() / run_files::trajectory); });
 }
 }  // namespace
+
+bool RunScores::odometryIsFinal() const
+{
+  if (!trajectory || !odometry)
+  {
+    return true;
+  }
+  constexpr double rounding = 1e-6;  // of the digits in the files
+  const auto isSame = [](double a, double b) { return std::abs(a - b) <= rounding; };
+  const TrajectoryReport& a = *trajectory;
+  const TrajectoryReport& b = *odometry;
+  return isSame(a.absolute.translation.rmse, b.absolute.translation.rmse) &&
+         isSame(a.absolute.rotation_deg.rmse, b.absolute.rotation_deg.rmse) &&
+         isSame(a.relative.translation.rmse, b.relative.translation.rmse) &&
+         isSame(a.end.translation, b.end.translation) && a.pairs == b.pairs;
+}
 
 std::string whyNoRun(const std::string& folder)
 {

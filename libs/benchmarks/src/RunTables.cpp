@@ -1,11 +1,16 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/base/Printable.h>
+#include <dyslam/base/Words.h>
 #include <dyslam/benchmarks/JsonText.h>
 #include <dyslam/benchmarks/RunTables.h>
 
+#include <algorithm>
+#include <array>
+#include <cmath>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <set>
+#include <utility>
 
 namespace dyslam
 {
@@ -14,14 +19,14 @@ namespace
 using Json = nlohmann::ordered_json;
 using Value = std::optional<double>;
 
-void addRunRow(Table& table,
-               const RunScores& run,
-               const std::string& part,
-               const std::optional<TrajectoryReport>& trajectory,
-               bool whole)
+constexpr const char* final_is_odometry = "final = odometry";
+
+/** Cells of runTable() from the third column on. \param whole with what there is once per run */
+std::vector<TableCell> figuresOf(const RunScores& run,
+                                 const std::optional<TrajectoryReport>& trajectory,
+                                 bool whole)
 {
-  std::vector<TableCell> cells{run.name, part,
-                               TableCell(whole ? Value(run.report.frames) : Value(), 0)};
+  std::vector<TableCell> cells{TableCell(whole ? Value(run.report.frames) : Value(), 0)};
   const auto figure = [&](auto value, int digits)
   { cells.emplace_back(trajectory ? value(*trajectory) : std::optional<double>(), digits); };
   using Report = const TrajectoryReport&;
@@ -43,6 +48,90 @@ void addRunRow(Table& table,
   cells.emplace_back(labels ? labels->recall() : Value(), 4);
   const Value ms = whole ? run.report.ms_per_scan : Value();
   cells.emplace_back(ms.value_or(0) > 0 ? ms : Value(), 1);  // 0: the run did not finish
+  return cells;
+}
+
+/** Lines about runs: those of equal text become one. */
+class RunLines
+{
+ public:
+  void add(const std::string& run, const std::string& text)
+  {
+    const auto same = std::find_if(lines_.begin(), lines_.end(),
+                                   [&](const Line& line) { return line.text == text; });
+    Line& line = same != lines_.end() ? *same : lines_.emplace_back(Line{{}, text});
+    line.runs.push_back(run);
+  }
+  /** The lines, in the order of their first runs. */
+  [[nodiscard]] std::string text() const
+  {
+    std::string text;
+    for (const Line& line : lines_)
+    {
+      text += joined(line.runs) + ": " + line.text + '\n';
+    }
+    return text;
+  }
+
+ private:
+  struct Line
+  {
+    std::vector<std::string> runs;
+    std::string text;
+  };
+  std::vector<Line> lines_;
+};
+
+/** Whether two runs are, by their true poses, of one recording. */
+bool areOfOneRecording(const RunScores& a, const RunScores& b)
+{
+  constexpr double same_length = 1e-6;  // share of the true path
+  const double length = a.trajectory->length;
+  return a.trajectory->pairs == b.trajectory->pairs &&
+         std::abs(length - b.trajectory->length) <= same_length * length;
+}
+
+/** Whether a mean of the runs has a meaning: two or more with ground truth, all of different
+ * recordings. */
+bool haveMean(const std::vector<RunScores>& runs)
+{
+  for (std::size_t i = 0; i < runs.size(); ++i)
+  {
+    if (!runs[i].trajectory)
+    {
+      return false;
+    }
+    for (std::size_t k = 0; k < i; ++k)
+    {
+      if (areOfOneRecording(runs[i], runs[k]))
+      {
+        return false;
+      }
+    }
+  }
+  return runs.size() > 1;
+}
+
+/** Adds a row of means over the rows that have a number in the column; scans and length are sums.
+ * \param rows cells of runTable() from the third column on */
+void addMeanRow(Table& table,
+                const std::string& part,
+                const std::vector<std::vector<TableCell>>& rows)
+{
+  constexpr std::size_t sums = 2;  // of the first columns: scans and length
+  constexpr std::array<int, 14> digits{0, 1, 4, 4, 4, 4, 3, 3, 4, 3, 4, 4, 4, 1};
+  std::vector<TableCell> cells{"mean", part};
+  for (std::size_t i = 0; i < digits.size(); ++i)
+  {
+    double sum = 0;
+    double count = 0;
+    for (const std::vector<TableCell>& row : rows)
+    {
+      sum += row[i].value.value_or(0);
+      count += row[i].value ? 1 : 0;
+    }
+    cells.emplace_back(count > 0 ? Value(i < sums ? sum : sum / count) : Value(), digits[i]);
+  }
   table.addRow(std::move(cells));
 }
 
@@ -61,12 +150,38 @@ Table runTable(const std::vector<RunScores>& runs)
   Table table({"run", "trajectory", "scans", "length [m]", "t_rel [%]", "r_rel [deg/100m]",
                "RPE [m]", "RPE [deg]", "ATE [m]", "ATE [deg]", "forward", "end [m]", "IoU",
                "precision", "recall", "ms/scan"});
+  std::vector<std::vector<TableCell>> of_odometry;
+  std::vector<std::vector<TableCell>> final_ones;
+  bool is_optimised = false;
+  const auto addRow = [&table](const std::string& run, const std::string& part,
+                               const std::vector<TableCell>& figures)
+  {
+    std::vector<TableCell> cells{run, part};
+    cells.insert(cells.end(), figures.begin(), figures.end());
+    table.addRow(std::move(cells));
+  };
   for (const auto& run : runs)
   {
-    addRunRow(table, run, "final", run.trajectory, true);
+    const bool same = run.trajectory && run.odometry && run.odometryIsFinal();
+    final_ones.push_back(figuresOf(run, run.trajectory, true));
+    addRow(run.name, same ? final_is_odometry : "final", final_ones.back());
     if (run.odometry)
     {
-      addRunRow(table, run, "odometry", run.odometry, false);
+      of_odometry.push_back(figuresOf(run, run.odometry, false));
+    }
+    if (run.odometry && !same)
+    {
+      is_optimised = true;
+      addRow(run.name, "odometry", of_odometry.back());
+    }
+  }
+  if (haveMean(runs))
+  {
+    addMeanRow(table, is_optimised || of_odometry.empty() ? "final" : final_is_odometry,
+               final_ones);
+    if (is_optimised)
+    {
+      addMeanRow(table, "odometry", of_odometry);
     }
   }
   return table;
@@ -118,7 +233,7 @@ std::vector<OdometryConsistency> consistenciesOf(const std::vector<RunScores>& r
 
 std::string splitLines(const std::vector<RunScores>& runs)
 {
-  std::string lines;
+  RunLines lines;
   for (const RunScores& run : runs)
   {
     if (!run.world)
@@ -126,45 +241,43 @@ std::string splitLines(const std::vector<RunScores>& runs)
       continue;
     }
     const auto split = splitOf(run, DataSplits::load("splits", "splits.ini"));
-    lines += run.name + ": seed " + std::to_string(run.world->seed) + " of the simulator, " +
-             (split ? toString(*split) : "of no split") + "\n";
+    lines.add(run.name, "seed " + std::to_string(run.world->seed) + " of the simulator, " +
+                            (split ? toString(*split) : "of no split"));
   }
-  return lines;
+  return lines.text();
 }
 
 std::string truthLines(const std::vector<RunScores>& runs)
 {
-  std::string lines;
+  RunLines lines;
+  RunLines differences;
   for (const RunScores& run : runs)
   {
     if (!run.trajectory)
     {
       continue;
     }
-    lines += run.name + ": ground truth: " + printable(run.truth.text());
-    if (!run.truth.isExact())
-    {
-      lines +=
-          "; its own errors are part of all figures (those of GNSS/INS are up to a decimetre per "
-          "scan, which RPE shows), and NEES is not computed, as it would take them for errors of "
-          "the odometry";
-    }
-    lines += '\n';
+    lines.add(run.name, "ground truth: " + printable(run.truth.text()) +
+                            (run.truth.isExact() ? ""
+                                                 : "; its own errors are part of all figures, most "
+                                                   "of all of RPE; no NEES"));
     if (const std::string other = run.truth.differenceTo(); !other.empty())
     {
-      lines += run.name + ": the figures are differences to " + other +
-               ": they show gross errors, but differences of some decimetres, or of a few per cent "
-               "of the path, may be of either (dyslam-eval map --self compares the maps along "
-               "both)\n";
+      differences.add(run.name,
+                      "the figures are differences to " + other +
+                          ": they show gross errors, but differences of some decimetres, or of a "
+                          "few per cent of the path, may be of either (dyslam-eval map --self "
+                          "compares the maps along both)");
     }
   }
-  return lines;
+  return lines.text() + differences.text();
 }
 
 std::string labelLines(const std::vector<RunScores>& runs)
 {
   constexpr double nearly_all = 0.95;  // share of labelled points that is not worth a line
-  std::string lines;
+  RunLines kinds;
+  RunLines shares;
   for (const RunScores& run : runs)
   {
     if (!run.labels)
@@ -173,37 +286,36 @@ std::string labelLines(const std::vector<RunScores>& runs)
     }
     if (run.labels_with_hindsight)
     {
-      lines += run.name + ": labels: " +
-               (*run.labels_with_hindsight ? "with hindsight (offline, non-causal)" : "causal") +
-               '\n';
+      kinds.add(run.name, std::string("labels: ") + (*run.labels_with_hindsight
+                                                         ? "with hindsight (offline, non-causal)"
+                                                         : "causal"));
     }
     const auto labelled = run.labels->evaluator.scores().labelledShare();
     if (labelled && *labelled < nearly_all)
     {
-      lines += run.name + formatted(
-                              ": labels: %.3g %% of the points are labelled in the ground "
-                              "truth; IoU, precision and recall are of these\n",
-                              100 * *labelled);
+      shares.add(run.name, formatted("labels: %.3g %% of the points are labelled in the ground "
+                                     "truth; IoU, precision and recall are of these",
+                                     100 * *labelled));
     }
   }
-  return lines;
+  return kinds.text() + shares.text();
 }
 
 std::string warningLines(const std::vector<RunScores>& runs)
 {
-  std::string lines;
+  RunLines lines;
   for (const RunScores& run : runs)
   {
     if (!run.report.failure.empty())
     {
-      lines += run.name + ": unusable: " + printable(run.report.failure) + '\n';
+      lines.add(run.name, "unusable: " + printable(run.report.failure));
     }
     for (const std::string& warning : run.report.warnings)
     {
-      lines += run.name + ": warning: " + printable(warning) + '\n';
+      lines.add(run.name, "warning: " + printable(warning));
     }
   }
-  return lines;
+  return lines.text();
 }
 
 std::string runJson(const std::vector<RunScores>& runs)

@@ -1,26 +1,20 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <dyslam/base/Error.h>
-#include <dyslam/base/Files.h>
-#include <dyslam/base/Printable.h>
-#include <dyslam/base/Version.h>
-#include <dyslam/base/Words.h>
 #include <dyslam/benchmarks/SplitTables.h>
 #include <dyslam/core/TimeRange.h>
 #include <dyslam/eval/PaperFigures.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
-#include <filesystem>
 #include <functional>
 #include <iterator>
 #include <optional>
-#include <set>
+#include <utility>
 
 namespace dyslam
 {
 namespace
 {
-namespace fs = std::filesystem;
 using Value = std::optional<double>;
 
 /** A column with a number per drive. */
@@ -158,33 +152,54 @@ std::function<Value(const DriveScores&)> ofLabels(
   };
 }
 
-void add(SegmentationScores& sum, const SegmentationScores& one)
+/** Sequences of KITTI odometry with true poses, and their numbers of scans. */
+constexpr std::array<std::pair<const char*, std::size_t>, 11> kitti_sequences{{{"00", 4541},
+                                                                               {"01", 1101},
+                                                                               {"02", 4661},
+                                                                               {"03", 801},
+                                                                               {"04", 271},
+                                                                               {"05", 2761},
+                                                                               {"06", 1101},
+                                                                               {"07", 1101},
+                                                                               {"08", 4071},
+                                                                               {"09", 1591},
+                                                                               {"10", 1201}}};
+
+bool isKittiOdometry(const DriveScores& drive)
 {
-  sum.true_positives += one.true_positives;
-  sum.false_positives += one.false_positives;
-  sum.false_negatives += one.false_negatives;
-  sum.true_negatives += one.true_negatives;
-  sum.ignored += one.ignored;
+  const auto* sequence = std::find_if(kitti_sequences.begin(), kitti_sequences.end(),
+                                      [&](const auto& one) { return drive.name == one.first; });
+  return sequence != kitti_sequences.end() &&
+         std::all_of(drive.runs.begin(), drive.runs.end(),
+                     [&](const auto& run) { return run.second.report.frames == sequence->second; });
 }
 
-/** Names of the splits of the drives, with a remark if any drive is in the test split. */
-std::string splitLine(const std::vector<DriveScores>& drives)
+/** The paper's t_rel or r_rel of a method on a sequence of KITTI odometry. */
+Figure paperFigure(const std::string& method, bool rotation)
 {
-  const DataSplits splits = DataSplits::load("splits", "splits.ini");
-  std::set<std::string> names;
-  for (const DriveScores& drive : drives)
-  {
-    const auto split = splitOf(drive.runs.begin()->second, splits);
-    names.insert(split ? toString(*split) : "unknown");
-  }
-  return joined(names) + (names.count("test") != 0 ? " (looked at once per release)" : "");
+  const auto part = rotation ? &PaperRow::r_rel_deg_per_100m : &PaperRow::t_rel_percent;
+  return {"paper: " + method + (rotation ? " r_rel" : " t_rel"), 2, -1, rotation ? 1 : 0,
+          [method, part](const DriveScores& drive)
+          {
+            Value value;
+            if (!isKittiOdometry(drive))
+            {
+              return value;
+            }
+            for (const PaperRow& row : paperFigures("odometry/" + drive.name))
+            {
+              value = row.method == method ? row.*part : value;
+            }
+            return value;
+          }};
 }
-}  // namespace
 
-Table driftTable(const std::vector<DriveScores>& drives, const std::vector<RunColumn>& columns)
+/** t_rel and r_rel of a trajectory of each column's runs. */
+std::vector<Figure> driftFigures(const std::vector<RunColumn>& columns,
+                                 std::optional<TrajectoryReport> RunScores::*trajectory)
 {
   std::vector<Figure> figures;
-  for (const RunColumn& c : withRuns(drives, columns))
+  for (const RunColumn& c : columns)
   {
     for (const bool rotation : {false, true})
     {
@@ -192,11 +207,59 @@ Table driftTable(const std::vector<DriveScores>& drives, const std::vector<RunCo
           rotation ? &SegmentDrift::rotation_deg_per_100m : &SegmentDrift::translation_percent;
       figures.push_back(
           {c.heading + (rotation ? " r_rel" : " t_rel"), 2, -1, rotation ? 1 : 0,
-           ofTrajectory(c.folder, &RunScores::odometry,
+           ofTrajectory(c.folder, trajectory,
                         [part](const TrajectoryReport& r) { return number(r, part); })});
     }
   }
+  return figures;
+}
+
+/** Whether the graph changed the trajectory of a run of the column. */
+bool isOptimised(const std::vector<DriveScores>& drives, const RunColumn& column)
+{
+  return std::any_of(drives.begin(), drives.end(),
+                     [&](const DriveScores& drive)
+                     {
+                       const RunScores* run = runOf(drive, column.folder);
+                       return run != nullptr && !run->odometryIsFinal();
+                     });
+}
+}  // namespace
+
+bool areKittiOdometry(const std::vector<DriveScores>& drives)
+{
+  const auto hasTruth = [](const DriveScores& drive)
+  {
+    return std::any_of(drive.runs.begin(), drive.runs.end(),
+                       [](const auto& run) { return run.second.trajectory.has_value(); });
+  };
+  return std::any_of(drives.begin(), drives.end(), hasTruth) &&
+         std::all_of(drives.begin(), drives.end(),
+                     [&](const DriveScores& drive)
+                     { return !hasTruth(drive) || isKittiOdometry(drive); });
+}
+
+Table driftTable(const std::vector<DriveScores>& drives, const std::vector<RunColumn>& columns)
+{
+  std::vector<Figure> figures = driftFigures(withRuns(drives, columns), &RunScores::odometry);
+  if (areKittiOdometry(drives))
+  {
+    for (const char* method : {"LOAM", "DyLO"})
+    {
+      figures.push_back(paperFigure(method, false));
+      figures.push_back(paperFigure(method, true));
+    }
+  }
   return tableOf(drives, figures);
+}
+
+Table finalDriftTable(const std::vector<DriveScores>& drives, const std::vector<RunColumn>& columns)
+{
+  std::vector<RunColumn> optimised;
+  std::copy_if(columns.begin(), columns.end(), std::back_inserter(optimised),
+               [&](const RunColumn& c) { return isOptimised(drives, c); });
+  return optimised.empty() ? Table({"drive"})
+                           : tableOf(drives, driftFigures(optimised, &RunScores::trajectory));
 }
 
 Table paperDriftTable(const std::vector<DriveScores>& drives, const std::vector<RunColumn>& columns)
@@ -215,8 +278,19 @@ Table paperDriftTable(const std::vector<DriveScores>& drives, const std::vector<
 
 Table movingTable(const std::vector<DriveScores>& drives, const std::vector<RunColumn>& columns)
 {
-  const std::vector<RunColumn> shown = withRuns(drives, columns);
   const auto has_labels = [](const RunScores* run) { return run != nullptr && run->labels; };
+  std::vector<RunColumn> shown;
+  std::copy_if(columns.begin(), columns.end(), std::back_inserter(shown),
+               [&](const RunColumn& c)
+               {
+                 return std::any_of(drives.begin(), drives.end(),
+                                    [&](const DriveScores& d)
+                                    { return has_labels(runOf(d, c.folder)); });
+               });
+  if (shown.empty())
+  {
+    return Table({"drive"});
+  }
   const auto is_complete = [&](const DriveScores& drive)
   {
     return std::all_of(shown.begin(), shown.end(),
@@ -231,7 +305,7 @@ Table movingTable(const std::vector<DriveScores>& drives, const std::vector<RunC
     {
       if (is_complete(drive))
       {
-        add(all, runOf(drive, c.folder)->labels->evaluator.scores());
+        all += runOf(drive, c.folder)->labels->evaluator.scores();
       }
     }
     int group = 0;
@@ -306,12 +380,16 @@ Table timeTable(const std::vector<DriveScores>& drives, const std::vector<RunCol
                   TableCell(mean(overall - preprocess - segmentation - pose), 1),
                   TableCell(mean(overall), 1), TableCell(scans, 0)});
   }
+  return table;
+}
+
+void addPaperTimes(Table& times)
+{
   for (const PaperTimes& row : paperTimes())
   {
-    table.addRow({"the paper: " + row.method, TableCell(row.preprocess_ms, 0), "-",
+    times.addRow({"the paper: " + row.method, TableCell(row.preprocess_ms, 0), "-",
                   TableCell(row.pose_estimation_ms, 0), "-", TableCell(row.overall_ms, 0), "-"});
   }
-  return table;
 }
 
 Table drivesTable(const std::vector<DriveScores>& drives, const std::string& folder)
@@ -342,85 +420,5 @@ Table drivesTable(const std::vector<DriveScores>& drives, const std::string& fol
          TableCell(moving, 1)});
   }
   return table;
-}
-
-SplitRuns readDrives(const std::string& runs,
-                     const SplitColumns& columns,
-                     const TrajectoryMetricsOptions& metrics,
-                     const NoteSink& note)
-{
-  std::vector<RunColumn> all = columns.odometry;
-  all.insert(all.end(), columns.labels.begin(), columns.labels.end());
-  all.push_back({"", columns.whole});
-  if (!fs::is_directory(runs))
-  {
-    throw UserError(runs + ": is not a folder");
-  }
-  SplitRuns found;
-  for (const std::string& name : foldersIn(runs))
-  {
-    DriveScores drive;
-    drive.name = name;
-    std::set<std::string> folders;  // several columns may be of the same runs
-    for (const RunColumn& column : all)
-    {
-      const fs::path folder = fs::path(runs) / name / column.folder;
-      if (!fs::is_directory(folder) || !folders.insert(column.folder).second)
-      {
-        continue;
-      }
-      try
-      {
-        drive.runs.emplace(column.folder, scoresOf(folder.string(), "", metrics, note));
-      }
-      catch (const UserError& error)
-      {
-        found.failed.push_back(folder.string());
-        note(printable(folder.string()) + ": not evaluated: " + printable(error.what()));
-      }
-    }
-    if (!drive.runs.empty())
-    {
-      found.drives.push_back(std::move(drive));
-    }
-  }
-  if (found.drives.empty())
-  {
-    throw UserError(runs + (found.failed.empty() ? ": has no DRIVE/METHOD with results of dyslam; "
-                                                   "scripts/split_tables.sh makes such a folder"
-                                                 : ": has no run that can be read"));
-  }
-  return found;
-}
-
-std::string splitMarkdown(const std::vector<DriveScores>& drives,
-                          const SplitColumns& columns,
-                          const std::vector<double>& segment_lengths)
-{
-  std::string lengths;
-  for (const double length : segment_lengths)
-  {
-    appendWord(lengths, shortNumber(length));
-  }
-  std::string text = "Split: " + splitLine(drives) + ". DySLAM " + DYSLAM_VERSION + ".\n\n";
-  text += drivesTable(drives, columns.whole).toMarkdown();
-  text += "\n**Odometry**: t_rel [%] and r_rel [deg/100 m] over segments of " + lengths + " m.\n\n";
-  text += driftTable(drives, columns.odometry).toMarkdown();
-  if (const Table paper = paperDriftTable(drives, columns.odometry); paper.rows() > 0)
-  {
-    text +=
-        "\nFigures of the paper are of other data, KITTI odometry 00 to 10, and cannot be compared "
-        "with those above: the means of the rows of its Table 1.\n\n";
-    text += paper.toMarkdown();
-  }
-  text += "\n**Moving points**: IoU, precision and recall.\n\n";
-  text += movingTable(drives, columns.labels).toMarkdown();
-  text += "\n**Absolute errors** of `" + columns.whole + "`, before and after the graph.\n\n";
-  text += absoluteTable(drives, columns.whole).toMarkdown();
-  text +=
-      "\n**Time** per scan, mean over all scans of all drives, of the machine that made the runs. "
-      "The paper's are of its Table 3.\n\n";
-  text += timeTable(drives, columns.odometry).toMarkdown();
-  return text;
 }
 }  // namespace dyslam

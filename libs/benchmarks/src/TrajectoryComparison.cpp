@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/base/Printable.h>
 #include <dyslam/benchmarks/JsonText.h>
+#include <dyslam/benchmarks/MethodGroups.h>
 #include <dyslam/benchmarks/TrajectoryComparison.h>
 #include <dyslam/core/TimeRange.h>
 #include <dyslam/eval/Axes.h>
@@ -64,10 +65,10 @@ std::optional<char> sideWithScalarFirst(const PosePairs& pairs)
 
 /** Mean over the estimates, for benchmarks of several sequences; the drift over those that are long
  * enough to have one. */
-TrajectoryReport meanDrift(const std::vector<TrajectoryReport>& reports)
+TrajectoryReport meanDrift(const std::vector<TrajectoryReport>& reports, const std::string& method)
 {
   TrajectoryReport mean;
-  mean.name = "mean";
+  mean.name = method.empty() ? "mean" : "mean of " + method;
   const auto with_drift = static_cast<double>(
       std::count_if(reports.begin(), reports.end(),
                     [](const TrajectoryReport& r) { return r.drift.overall.segments > 0; }));
@@ -85,10 +86,47 @@ TrajectoryReport meanDrift(const std::vector<TrajectoryReport>& reports)
   }
   return mean;
 }
+
+void addMeanRow(Table& table, const TrajectoryReport& mean)
+{
+  const SegmentDrift& drift = mean.drift.overall;
+  const auto shown = [&](double value)
+  { return drift.segments > 0 ? std::optional<double>(value) : std::nullopt; };
+  std::vector<TableCell> cells{mean.name, TableCell(static_cast<double>(mean.pairs), 0),
+                               TableCell(mean.length, 1),
+                               TableCell(shown(drift.translation_percent), 4),
+                               TableCell(shown(drift.rotation_deg_per_100m), 4)};
+  while (cells.size() < table.columns())
+  {
+    cells.emplace_back("-");
+  }
+  table.addRow(std::move(cells));
+}
+
+/** Warns of poses of a camera that are compared with those of a lidar. \param is_estimate whether
+ * the estimate is the camera's */
+std::string cameraWarning(const std::string& reference,
+                          const std::string& estimate,
+                          const PoseReading& reading,
+                          bool is_estimate)
+{
+  const std::string& camera = is_estimate ? estimate : reference;
+  const std::string& lidar = is_estimate ? reference : estimate;
+  if (reading.camera == (is_estimate ? "reference" : "estimate"))
+  {
+    return "--camera " + reading.camera + " has converted " + lidar +
+           " to the axes of a lidar, but " + camera +
+           " has those of a camera (z ahead), too; without --camera the files decide";
+  }
+  return "the poses of " + camera + " have the axes of a camera (z ahead), those of " + lidar +
+         " the axes of a lidar (x ahead); compare them with --camera " +
+         (is_estimate ? "estimate" : "reference") + " (and --calib calib.txt)";
+}
 }  // namespace
 
 std::string pairWarning(const std::string& reference,
                         const std::string& estimate,
+                        const PoseReading& reading,
                         const PosePairs& pairs,
                         const TrajectoryReport& report)
 {
@@ -107,12 +145,7 @@ std::string pairWarning(const std::string& reference,
   }
   if (axes != BodyAxes::same)
   {
-    const bool is_estimate = axes == BodyAxes::estimate_camera;
-    return "the poses of " + (is_estimate ? estimate : reference) +
-           " have the axes of a camera (z ahead), those of " +
-           (is_estimate ? reference : estimate) +
-           " the axes of a lidar (x ahead); compare them with --camera " +
-           (is_estimate ? "estimate" : "reference") + " (and --calib calib.txt)";
+    return cameraWarning(reference, estimate, reading, axes == BodyAxes::estimate_camera);
   }
   constexpr double other_unit = 50;   // least ratio of the extents
   constexpr double least_extent = 1;  // less is mostly noise [m]
@@ -164,21 +197,24 @@ std::vector<std::string> comparisonNotes(const std::vector<TrajectoryReport>& re
   return notes;
 }
 
-void addMeanRow(Table& table, const std::vector<TrajectoryReport>& reports)
+std::string addMeanRows(Table& table,
+                        const std::vector<TrajectoryReport>& reports,
+                        const std::vector<std::string>& files,
+                        const std::vector<std::string>& references)
 {
-  const TrajectoryReport mean = meanDrift(reports);
-  const SegmentDrift& drift = mean.drift.overall;
-  const auto shown = [&](double value)
-  { return drift.segments > 0 ? std::optional<double>(value) : std::nullopt; };
-  std::vector<TableCell> cells{mean.name, TableCell(static_cast<double>(mean.pairs), 0),
-                               TableCell(mean.length, 1),
-                               TableCell(shown(drift.translation_percent), 4),
-                               TableCell(shown(drift.rotation_deg_per_100m), 4)};
-  while (cells.size() < table.columns())
+  const std::vector<MethodGroup> groups = methodGroups(files, references);
+  for (const MethodGroup& group : groups)
   {
-    cells.emplace_back("-");
+    std::vector<TrajectoryReport> of_method;
+    for (const std::size_t i : group.estimates)
+    {
+      of_method.push_back(reports[i]);
+    }
+    addMeanRow(table, meanDrift(of_method, group.name));
   }
-  table.addRow(std::move(cells));
+  return groups.empty() ? "no mean, as references are repeated: give the estimates of one method "
+                          "after the other, each of the same references and in a folder of its own"
+                        : "";
 }
 
 Table pathTable(const std::vector<PathSummary>& paths)

@@ -3,26 +3,29 @@
 #include <dyslam/base/Printable.h>
 #include <dyslam/base/Statistics.h>
 #include <dyslam/benchmarks/TrajectoryComparison.h>
-#include <dyslam/core/GnssFix.h>
 #include <dyslam/core/TimeRange.h>
+#include <dyslam/eval/Axes.h>
 #include <dyslam/formats/KittiFiles.h>
 #include <dyslam/formats/PositionFile.h>
 #include <dyslam/formats/TrajectoryFiles.h>
 #include <dyslam/io/Conversion.h>
-#include <dyslam/mrpt/Geodesy.h>
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <optional>
 #include <utility>
 #include <vector>
 
+#include "MetricPositions.h"
 #include "PairNote.h"
 
 namespace dyslam
 {
 namespace
 {
+namespace fs = std::filesystem;
+
 /** Reads the poses of a file; poses of a camera are converted to poses of the lidar. */
 TrajectoryFile readPoses(const std::string& path, bool camera, const std::string& calib)
 {
@@ -209,45 +212,6 @@ PosePairs pairByTime(const NamedTrajectory& reference,
   return pairs;
 }
 
-/** Positions in metres: of those on the earth, east, north and up from the first. */
-Trajectory readMetricPositions(const std::string& path, const NoteSink& note)
-{
-  PositionFile file = readPositions(path);
-  if (!file.clock.empty())
-  {
-    note(path + ": its times are " + file.clock +
-         ", and are converted to UTC; for estimates with another clock there is --time-offset");
-  }
-  if (file.axes == PositionAxes::local)
-  {
-    return std::move(file.positions);
-  }
-  Trajectory of_enu;
-  std::optional<GeodeticPosition> origin;
-  for (const StampedPose& measured : file.positions)
-  {
-    const Eigen::Vector3d& numbers = measured.pose.translation();
-    const GeodeticPosition position = file.axes == PositionAxes::geocentric
-                                          ? fromGeocentric(numbers)
-                                          : GeodeticPosition{numbers.x(), numbers.y(), numbers.z()};
-    if (isOnEarth(position))
-    {
-      origin = origin.value_or(position);
-      Pose pose = Pose::Identity();
-      pose.translation() = toEnu(position, *origin);
-      of_enu.push_back(measured.stamp, pose);
-    }
-  }
-  if (of_enu.empty())
-  {
-    throw UserError(path +
-                    (file.axes == PositionAxes::geocentric
-                         ? ": none of its positions is a place on the earth"
-                         : ": none of its latitudes and longitudes [deg] is a place on the earth"));
-  }
-  return of_enu;
-}
-
 /** Pairs the poses of the reference's body with its positions. */
 PosePairs pairWithPositions(const std::string& reference_path,
                             const std::string& estimate_path,
@@ -295,17 +259,13 @@ void requireNoTimeFlags(const PoseReading& a, const std::string& file)
                     flag + " out, or give a TUM file");
   }
 }
-}  // namespace
 
-PosePairs pairFiles(const std::string& reference_path,
+/** Pairs poses of both files, those of a camera only if `a.camera` says so. */
+PosePairs pairPoses(const std::string& reference_path,
                     const std::string& estimate_path,
                     const PoseReading& a,
                     const NoteSink& note)
 {
-  if (isPositionFile(reference_path))
-  {
-    return pairWithPositions(reference_path, estimate_path, a, note);
-  }
   const TrajectoryFile reference = readReference(reference_path, a);
   const TrajectoryFile estimate = readEstimate(estimate_path, a);
   if (reference.format == TrajectoryFormat::tum && estimate.format == TrajectoryFormat::tum)
@@ -327,6 +287,72 @@ PosePairs pairFiles(const std::string& reference_path,
               : ""));
   }
   return associateByIndex(reference.trajectory, estimate.trajectory);
+}
+
+/** The calib.txt of the sequence that the poses are of: beside sequences/NN/poses.txt, or in
+ * sequences/NN of poses/NN.txt; empty if there is none. */
+std::string calibOfSequence(const std::string& poses)
+{
+  const fs::path file(poses);
+  for (const fs::path& folder :
+       {file.parent_path(), file.parent_path() / ".." / "sequences" / file.stem()})
+  {
+    const fs::path calib = folder / "calib.txt";
+    if (fs::is_regular_file(calib))
+    {
+      return calib.lexically_normal().string();
+    }
+  }
+  return "";
+}
+
+/** How files are read of which one has the poses of a camera. \param is_estimate which one */
+PoseReading asCamera(PoseReading a,
+                     bool is_estimate,
+                     const std::string& reference,
+                     const std::string& estimate)
+{
+  a.camera = is_estimate ? "estimate" : "reference";
+  for (const std::string& poses : {is_estimate ? estimate : reference, reference})
+  {
+    a.calib = a.calib.empty() ? calibOfSequence(poses) : a.calib;
+  }
+  return a;
+}
+}  // namespace
+
+PosePairs pairFiles(const std::string& reference,
+                    const std::string& estimate,
+                    const PoseReading& a,
+                    const NoteSink& note)
+{
+  if (isPositionFile(reference))
+  {
+    return pairWithPositions(reference, estimate, a, note);
+  }
+  PosePairs pairs = pairPoses(reference, estimate, a, note);
+  if (!a.camera.empty() || !a.reference_body.empty())
+  {
+    return pairs;
+  }
+  const BodyAxes axes = compareBodyAxes(pairs);
+  const bool is_estimate = axes == BodyAxes::estimate_camera;
+  if (!is_estimate && axes != BodyAxes::reference_camera)
+  {
+    if (!a.calib.empty())
+    {
+      note("--calib " + a.calib + ": is not used, as " + estimate + " and " + reference +
+           " have the same axes");
+    }
+    return pairs;
+  }
+  const PoseReading reading = asCamera(a, is_estimate, reference, estimate);
+  note((is_estimate ? estimate : reference) +
+       ": has the poses of a camera (z ahead), which are converted to the lidar's " +
+       (reading.calib.empty() ? "by the axes alone; --calib calib.txt gives its mounting"
+                              : "with " + reading.calib) +
+       " (--camera none: as they are)");
+  return pairPoses(reference, estimate, reading, [](const std::string&) {});
 }
 
 PathSummary readPath(const std::string& path, const PoseReading& reading)

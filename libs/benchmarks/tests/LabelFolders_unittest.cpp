@@ -81,6 +81,32 @@ TEST_F(LabelFolders, ScansArePairedByName)
   }
 }
 
+TEST_F(LabelFolders, APartOfTheScansIsNoted)
+{
+  EXPECT_EQ(partNote("x.gt", "run", compare("run")), "");
+  write("run/labels/000007.label", {9});
+  EXPECT_EQ(partNote("x.gt", "run", compare("run")),
+            "run has labels of 3 scans, x.gt of 2; the figures are of the 2 that both have");
+}
+
+TEST_F(LabelFolders, SeveralReferencesHaveATotalOfEachMethod)
+{
+  const LabelComparison run = compare("run");  // 1 hit, 1 false alarm, 4 static
+  write("other/labels/000000.label", {9, 9, 9, 9});
+  const LabelComparison other = compare("other");  // 1 miss, 2 static
+  Table table = segmentationTable({{"a/00", run}, {"a/01", other}});
+  EXPECT_EQ(addTotalRows(table, {{"a/00", run}, {"a/01", other}}, {"00", "01"}), "");
+  EXPECT_TRUE(contains(table.toCsv(), "\nall points,3,4,0.333333333,0.5,0.5,")) << table.toCsv();
+  const NamedComparisons both{{"a/00", run}, {"a/01", other}, {"b/00", other}, {"b/01", other}};
+  Table methods = segmentationTable(both);
+  EXPECT_EQ(addTotalRows(methods, both, {"00", "01", "00", "01"}), "");
+  EXPECT_TRUE(contains(methods.toCsv(), "\nall points of a,3,4,")) << methods.toCsv();
+  EXPECT_TRUE(contains(methods.toCsv(), "\nall points of b,2,4,0,")) << methods.toCsv();
+  Table none = segmentationTable(both);
+  EXPECT_TRUE(contains(addTotalRows(none, both, {"00", "00", "01", "01"}), "no row of all points"));
+  EXPECT_EQ(none.rows(), 4U);
+}
+
 TEST_F(LabelFolders, InstancesMayMoveInAllScansOrStand)
 {
   ReferenceReading reading;

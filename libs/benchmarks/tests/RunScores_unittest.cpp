@@ -154,6 +154,54 @@ TEST_F(RunScoresOf, WarningsOfTheReportAreListed)
   EXPECT_EQ(warningLines({scores(writeRun("unfinished", ""))}), "");
 }
 
+TEST_F(RunScoresOf, EqualLinesAreOne)
+{
+  std::vector<RunScores> runs(3);
+  const char* const names[] = {"00", "01", "02"};
+  for (std::size_t i = 0; i < runs.size(); ++i)
+  {
+    runs[i].name = names[i];
+    runs[i].trajectory.emplace();
+    runs[i].truth = {PoseSource::given, "poses.txt"};
+  }
+  runs[1].report.warnings = {"one", "two"};
+  runs[2].report.warnings = {"two"};
+  EXPECT_EQ(truthLines(runs).rfind("00, 01, 02: ground truth: given poses (poses.txt)", 0), 0U)
+      << truthLines(runs);
+  EXPECT_EQ(warningLines(runs), "01: warning: one\n01, 02: warning: two\n");
+}
+
+TEST_F(RunScoresOf, EqualTrajectoriesAreOneRowAndRecordingsHaveAMean)
+{
+  const auto runOf = [](const std::string& name, double length, double ate)
+  {
+    RunScores run;
+    run.name = name;
+    run.report.frames = 40;
+    run.trajectory.emplace();
+    run.trajectory->length = length;
+    run.trajectory->pairs = 40;
+    run.trajectory->absolute.translation.rmse = ate;
+    run.trajectory->drift.overall.segments = 1;
+    run.trajectory->drift.overall.translation_percent = ate;
+    run.odometry = run.trajectory;
+    return run;
+  };
+  std::vector<RunScores> runs{runOf("00", 100, 1), runOf("01", 200, 2)};
+  const std::string same = runTable(runs).toCsv();
+  EXPECT_TRUE(contains(same, "\n00,final = odometry,40,100,1,0,0,0,1,")) << same;
+  EXPECT_TRUE(contains(same, "\nmean,final = odometry,80,300,1.5,0,0,0,1.5,")) << same;
+  EXPECT_EQ(runTable(runs).rows(), 3U);
+  runs[1].odometry->absolute.translation.rmse = 4;  // before a loop
+  const std::string optimised = runTable(runs).toCsv();
+  EXPECT_TRUE(contains(optimised, "\n01,final,40,200,")) << optimised;
+  EXPECT_TRUE(contains(optimised, "\n01,odometry,,200,")) << optimised;
+  EXPECT_TRUE(contains(optimised, "\nmean,final,80,300,1.5,0,0,0,1.5,")) << optimised;
+  EXPECT_TRUE(contains(optimised, "\nmean,odometry,,300,1.5,0,0,0,2.5,")) << optimised;
+  EXPECT_EQ(runTable({runs[0], runOf("gicp", 100, 3)}).rows(), 2U) << "one recording: no mean";
+  EXPECT_EQ(runTable({runs[0]}).rows(), 1U);
+}
+
 TEST_F(RunScoresOf, LabelsAreStatedWithTheirKindAndTheLabelledShare)
 {
   const std::string run = writeRun("run", R"({"frames": 40})");
@@ -225,6 +273,76 @@ TEST_F(RunScoresOf, ASplitHasItsDrives)
 
   writeRun("runs/b/dyslam", R"({"frames": 40, "ms_per_scan": 0.0, "finished": false})");
   EXPECT_EQ(timeTable(drives().drives, columns.odometry).toCsv(), times) << "b did not finish";
+}
+
+TEST_F(RunScoresOf, TheRunsOfABatchAreInAFolderOfTheMethod)
+{
+  for (const std::string run : {"ours/00", "ours/01", "gicp/00", "gicp/01"})
+  {
+    writeRun(run, R"({"frames": 40, "ms_per_scan": 10})");
+    writeTum(folder_.file(run + "/reference_tum.txt"), straight(1));
+  }
+  std::filesystem::create_directories(folder_.file("ours/slurm"));
+  const auto drives = [&](const std::string& root, const SplitColumns& columns)
+  {
+    TrajectoryMetricsOptions metrics;
+    metrics.lengths = {10};
+    return readDrives(root, columns, metrics, [](const std::string&) {}).drives;
+  };
+  const SplitColumns names{"ours", {{"Ours", "ours"}, {"GICP", "gicp"}}, {}};
+  const std::vector<DriveScores> found = drives(folder_.path(), names);
+  ASSERT_EQ(found.size(), 2U);
+  EXPECT_EQ(found[0].name, "00");
+  EXPECT_EQ(found[1].runs.size(), 2U);
+  const std::vector<RunColumn> paths{{"Ours", folder_.file("ours")},
+                                     {"GICP", folder_.file("gicp")}};
+  const std::vector<DriveScores> named = drives("", {paths[0].folder, paths, paths});
+  ASSERT_EQ(named.size(), 2U);
+  const std::string drift = driftTable(named, paths).toCsv();
+  EXPECT_EQ(drift.rfind("drive,Ours t_rel,Ours r_rel,GICP t_rel,GICP r_rel\n00,", 0), 0U) << drift;
+  EXPECT_TRUE(contains(drift, "\nmean of 2,"));
+  EXPECT_EQ(drift, driftTable(found, names.odometry).toCsv());
+  EXPECT_TRUE(contains(messageOfError<UserError>(
+                           [&] {
+                             (void)drives("", {folder_.file("none"), {}, {}});
+                           }),
+                       "none: is not a folder"));
+  std::filesystem::create_directories(folder_.file("empty"));
+  EXPECT_TRUE(contains(messageOfError<UserError>(
+                           [&] {
+                             (void)drives("", {folder_.file("empty"), {}, {}});
+                           }),
+                       "empty: has no DRIVE with results of dyslam"));
+}
+
+TEST_F(RunScoresOf, TablesWithoutContentAreLeftOut)
+{
+  std::vector<DriveScores> drives(1);
+  drives[0].name = "04";
+  RunScores& run = drives[0].runs["ours"];
+  run.report.frames = 270;
+  run.report.ms_per_scan = 10;
+  run.trajectory.emplace();
+  run.trajectory->drift.overall.segments = 1;
+  run.trajectory->drift.overall.translation_percent = 0.5;
+  run.odometry = run.trajectory;
+  const SplitColumns columns{"ours", {{"Ours", "ours"}}, {{"Ours", "ours"}}};
+  const std::string text = splitMarkdown(drives, columns, {100});
+  EXPECT_TRUE(contains(text, "**Odometry**")) << text;
+  EXPECT_TRUE(contains(text, "**Time**"));
+  for (const char* absent : {"Split", "Moving points", "Final trajectory", "paper"})
+  {
+    EXPECT_FALSE(contains(text, absent)) << text;
+  }
+  EXPECT_FALSE(areKittiOdometry(drives)) << "another number of scans";
+  run.report.frames = 271;
+  EXPECT_TRUE(areKittiOdometry(drives));
+  const std::string kitti = splitMarkdown(drives, columns, {100});
+  EXPECT_TRUE(contains(kitti, "paper: LOAM t_rel")) << kitti;
+  EXPECT_TRUE(contains(kitti, "| 04 | 0.50 | **0.00** | 1.45 | 0.50 | **0.45** | 0.56 |")) << kitti;
+  EXPECT_FALSE(contains(kitti, "the paper: LOAM")) << "times of another machine";
+  run.trajectory->absolute.translation.rmse = 1;
+  EXPECT_TRUE(contains(splitMarkdown(drives, columns, {100}), "**Final trajectory**"));
 }
 
 TEST_F(RunScoresOf, ASplitIsReadWithoutTheRunsThatCannotBe)

@@ -1,11 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/base/Error.h>
 #include <dyslam/benchmarks/TrajectoryComparison.h>
+#include <dyslam/formats/KittiFiles.h>
 #include <dyslam/formats/TrajectoryFiles.h>
 #include <dyslam/mrpt/Geodesy.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <nlohmann/json.hpp>
 #include <sstream>
 #include <string>
@@ -148,7 +151,7 @@ TEST(TrajectoryComparison, AReferenceMayBeOfAnotherBodyOfTheVehicle)
     const PosePairs pairs = pairFiles(reference, estimate, reading, ignore);
     const TrajectoryReport report = evaluateTrajectory("vehicle", pairs);
     *error = report.relative.translation.rmse;
-    return pairWarning(reference, estimate, pairs, report);
+    return pairWarning(reference, estimate, reading, pairs, report);
   };
   double error = 0;
   EXPECT_TRUE(contains(warning(&error), "move in different directions of their bodies"));
@@ -211,7 +214,7 @@ TEST_F(TrajectoryAndPositions, ThePositionErrorNeedsNoOrientations)
   EXPECT_EQ(report.drift.overall.segments, 0U);
   EXPECT_FALSE(report.forward_ratio);
   EXPECT_NEAR(report.length, 59, 3);
-  EXPECT_EQ(pairWarning("rtk.txt", "vehicle.txt", found, report), "");
+  EXPECT_EQ(pairWarning("rtk.txt", "vehicle.txt", reading, found, report), "");
 }
 
 TEST_F(TrajectoryAndPositions, ReferencesMayHaveOtherTimes)
@@ -315,7 +318,7 @@ TEST(TrajectoryComparison, OtherUnitsAndQuaternionsAreWarnedOf)
     pose = pose * poseFromYpr(1, 0, 0, 0.05, 0, 0);
   }
   const auto warning = [&]
-  { return pairWarning("r.txt", "e.txt", pairs, evaluateTrajectory("e", pairs)); };
+  { return pairWarning("r.txt", "e.txt", {}, pairs, evaluateTrajectory("e", pairs)); };
   pairs.estimate = pairs.reference;
   EXPECT_EQ(warning(), "");
   for (Pose& estimate : pairs.estimate)
@@ -329,6 +332,147 @@ TEST(TrajectoryComparison, OtherUnitsAndQuaternionsAreWarnedOf)
   }
   EXPECT_TRUE(contains(warning(), "the orientations do not (180 deg): quaternions with w first"))
       << warning();
+}
+
+/** A curve of the lidar, and of a camera that is mounted 0.3 m ahead of it and 0.1 m below. */
+class CameraPoses : public ::testing::Test
+{
+ protected:
+  void SetUp() override
+  {
+    Pose pose = Pose::Identity();
+    for (int i = 0; i < 50; ++i)
+    {
+      lidar_.push_back(pose);
+      pose = pose * poseFromYpr(1, 0, 0, 0.05, 0, 0);
+    }
+    const std::vector<Pose> camera = posesOfMountedSensor(lidar_, T_cam_velo().inverse());
+    for (const char* name : {"poses", "sequences/07"})
+    {
+      std::filesystem::create_directories(folder_.file(name));
+    }
+    writeKittiPoses(folder_.file("lidar.txt"), lidar_);
+    writeKittiPoses(folder_.file("poses/07.txt"), camera);
+  }
+  /** Tr: x right, y down, z ahead; the lidar is 0.1 m above the camera and 0.3 m behind it. */
+  static Pose T_cam_velo()
+  {
+    Pose pose = cameraAxes();
+    pose.translation() << 0, -0.1, -0.3;
+    return pose;
+  }
+  void writeCalib(const std::string& name) const
+  {
+    folder_.write(name, "Tr: 0 -1 0 0 0 0 -1 -0.1 1 0 0 -0.3\n");
+  }
+  /** Largest distance between the poses of a pair. */
+  double difference(const std::string& reference, const std::string& estimate)
+  {
+    notes_.clear();
+    const PosePairs pairs = pairFiles(folder_.file(reference), folder_.file(estimate), reading_,
+                                      [this](const std::string& note) { notes_.push_back(note); });
+    warning_ = pairWarning("r.txt", "e.txt", reading_, pairs, evaluateTrajectory("e", pairs));
+    double largest = 0;
+    for (std::size_t i = 0; i < pairs.size(); ++i)
+    {
+      largest = std::max(
+          largest, (pairs.reference[i].translation() - pairs.estimate[i].translation()).norm());
+    }
+    return largest;
+  }
+
+  TestFolder folder_;
+  std::vector<Pose> lidar_;
+  PoseReading reading_;
+  Names notes_;
+  std::string warning_;
+};
+
+TEST_F(CameraPoses, AreConvertedOnEitherSide)
+{
+  writeCalib("sequences/07/calib.txt");
+  for (const bool is_reference : {true, false})
+  {
+    const std::string reference = is_reference ? "poses/07.txt" : "lidar.txt";
+    const std::string estimate = is_reference ? "lidar.txt" : "poses/07.txt";
+    EXPECT_LT(difference(reference, estimate), 1e-5);
+    EXPECT_EQ(warning_, "");
+    ASSERT_EQ(notes_.size(), 1U);
+    EXPECT_EQ(notes_[0], folder_.file("poses/07.txt") +
+                             ": has the poses of a camera (z ahead), which are converted to the "
+                             "lidar's with " +
+                             folder_.file("sequences/07/calib.txt") +
+                             " (--camera none: as they are)");
+  }
+  EXPECT_LT(difference("poses/07.txt", "poses/07.txt"), 1e-9);
+  EXPECT_TRUE(notes_.empty()) << "both are of a camera";
+}
+
+TEST_F(CameraPoses, AreConvertedWithTheCalibrationThatThereIs)
+{
+  // By the axes alone the arm of 0.3 m from the lidar to the camera is an error in the curve: the
+  // camera's motion is read as the lidar's, R (a) - a after a turn R.
+  EXPECT_GT(difference("poses/07.txt", "lidar.txt"), 0.3);
+  EXPECT_LT(difference("poses/07.txt", "lidar.txt"), 0.7) << "at most twice the arm";
+  ASSERT_EQ(notes_.size(), 1U);
+  EXPECT_TRUE(contains(notes_[0], "by the axes alone; --calib calib.txt gives its mounting"));
+  writeCalib("other.txt");
+  reading_.calib = folder_.file("other.txt");
+  EXPECT_LT(difference("poses/07.txt", "lidar.txt"), 1e-5);
+  EXPECT_LT(difference("lidar.txt", "lidar.txt"), 1e-9);
+  ASSERT_EQ(notes_.size(), 1U);
+  EXPECT_TRUE(contains(notes_[0], "other.txt: is not used, as ")) << notes_[0];
+}
+
+TEST_F(CameraPoses, AreLeftOrConvertedAsTheFlagSays)
+{
+  writeCalib("sequences/07/calib.txt");
+  reading_.camera = "none";
+  EXPECT_GT(difference("poses/07.txt", "lidar.txt"), 1);
+  EXPECT_TRUE(notes_.empty());
+  EXPECT_TRUE(contains(warning_, "the poses of r.txt have the axes of a camera (z ahead)"));
+  reading_.camera = "reference";
+  (void)difference("poses/07.txt", "poses/07.txt");
+  EXPECT_EQ(warning_,
+            "--camera reference has converted r.txt to the axes of a lidar, but e.txt has those of "
+            "a camera (z ahead), too; without --camera the files decide");
+  reading_.camera = "";
+  reading_.reference_body = "0 0 1 0 0 0";
+  EXPECT_GT(difference("poses/07.txt", "lidar.txt"), 1) << "the user states the bodies";
+}
+
+TEST(TrajectoryComparison, MeansAreOfOneMethod)
+{
+  const auto report = [](const std::string& name, double t_rel)
+  {
+    TrajectoryReport one;
+    one.name = name;
+    one.pairs = 10;
+    one.length = 100;
+    one.drift.overall.segments = 1;
+    one.drift.overall.translation_percent = t_rel;
+    one.drift.overall.rotation_deg_per_100m = 2 * t_rel;
+    return one;
+  };
+  const std::vector<TrajectoryReport> reports{report("ours/00", 1), report("ours/01", 3),
+                                              report("gicp/00", 4), report("gicp/01", 8)};
+  const Names files{"out/ours/00.txt", "out/ours/01.txt", "out/gicp/00.txt", "out/gicp/01.txt"};
+  Table both({"estimate", "poses", "length [m]", "t_rel [%]", "r_rel [deg/100m]"});
+  EXPECT_EQ(addMeanRows(both, reports, files, {"00", "01", "00", "01"}), "");
+  EXPECT_EQ(both.toCsv(),
+            "estimate,poses,length [m],t_rel [%],r_rel [deg/100m]\n"
+            "mean of ours,20,200,2,4\nmean of gicp,20,200,6,12\n");
+  Table one({"estimate", "poses", "length [m]", "t_rel [%]", "r_rel [deg/100m]"});
+  EXPECT_EQ(addMeanRows(one, reports, files, {"00", "01", "02", "03"}), "");
+  EXPECT_TRUE(contains(one.toCsv(), "\nmean,40,400,4,8\n")) << one.toCsv();
+  Table swapped({"estimate", "poses", "length [m]", "t_rel [%]", "r_rel [deg/100m]"});
+  EXPECT_EQ(addMeanRows(swapped, reports, files, {"00", "01", "01", "00"}), "")
+      << "the order is free";
+  EXPECT_EQ(swapped.rows(), 2U);
+  Table mixed({"estimate", "poses", "length [m]", "t_rel [%]", "r_rel [deg/100m]"});
+  EXPECT_TRUE(
+      contains(addMeanRows(mixed, reports, files, {"00", "00", "01", "01"}), "no mean, as "));
+  EXPECT_EQ(mixed.rows(), 0U);
 }
 
 TEST(TrajectoryComparison, QuaternionsWithScalarFirstAreRecognised)
@@ -352,7 +496,7 @@ TEST(TrajectoryComparison, QuaternionsWithScalarFirstAreRecognised)
     return poses;
   };
   const auto warning = [](const PosePairs& pairs)
-  { return pairWarning("r.txt", "e.txt", pairs, evaluateTrajectory("e", pairs)); };
+  { return pairWarning("r.txt", "e.txt", {}, pairs, evaluateTrajectory("e", pairs)); };
   EXPECT_EQ(warning(right), "");
   PosePairs pairs = right;
   pairs.estimate = readWithScalarLast(right.estimate);

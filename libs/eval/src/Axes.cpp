@@ -8,11 +8,28 @@ namespace dyslam
 namespace
 {
 constexpr double shortest_motion = 1.0;  //!< shorter motions are mostly noise [m]
+constexpr double alike = 0.9;            //!< least mean cosine of motions in the same direction
 
 Eigen::Vector3d motion(const std::vector<Pose>& poses, std::size_t from, std::size_t to)
 {
   return (poses[from].inverse() * poses[to]).translation();
 }
+/** Sums over the motions of a body. */
+struct OwnMotion
+{
+  double length = 0;
+  double along_x = 0;
+  double along_z = 0;
+
+  void add(const Eigen::Vector3d& motion)
+  {
+    length += motion.norm();
+    along_x += motion.x();
+    along_z += motion.z();
+  }
+  [[nodiscard]] bool isLidar() const { return length > 0 && along_x > alike * length; }
+  [[nodiscard]] bool isCamera() const { return length > 0 && along_z > alike * length; }
+};
 }  // namespace
 
 BodyAxes compareBodyAxes(const PosePairs& pairs)
@@ -21,6 +38,8 @@ BodyAxes compareBodyAxes(const PosePairs& pairs)
   lidar_from_camera << 0, 0, 1, -1, 0, 0, 0, -1, 0;
   double lengths = 0, difference = 0, products = 0, plain = 0;
   double estimate = 0, estimate_ahead = 0, reference = 0, reference_ahead = 0;
+  OwnMotion of_estimate;
+  OwnMotion of_reference;
   std::size_t from = 0;
   for (std::size_t i = 1; i < pairs.size(); ++i)
   {
@@ -31,6 +50,8 @@ BodyAxes compareBodyAxes(const PosePairs& pairs)
       continue;
     }
     from = i;
+    of_reference.add(r);
+    of_estimate.add(e);
     lengths += r.norm();
     difference += std::abs(r.norm() - e.norm());
     products += r.norm() * e.norm();
@@ -41,11 +62,16 @@ BodyAxes compareBodyAxes(const PosePairs& pairs)
     reference_ahead += e.norm() * r.z();
   }
   constexpr double unlike = 0.5;
-  constexpr double alike = 0.9;
   constexpr double same_length = 0.2;
-  if (!(products > 0) || plain >= unlike * products || difference > same_length * lengths)
+  if (!(products > 0) || plain >= unlike * products)
   {
     return BodyAxes::same;
+  }
+  if (difference > same_length * lengths)
+  {
+    return of_estimate.isCamera() && of_reference.isLidar()   ? BodyAxes::estimate_camera
+           : of_reference.isCamera() && of_estimate.isLidar() ? BodyAxes::reference_camera
+                                                              : BodyAxes::same;
   }
   const auto ofCamera = [&](double turned, double ahead)
   { return turned > alike * products && ahead > alike * products; };

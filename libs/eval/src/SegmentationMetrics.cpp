@@ -50,6 +50,16 @@ constexpr std::array<std::pair<std::uint16_t, const char*>, 35> class_names{
      {259, "moving-other-vehicle"}}};
 }  // namespace
 
+SegmentationScores& SegmentationScores::operator+=(const SegmentationScores& other)
+{
+  true_positives += other.true_positives;
+  false_positives += other.false_positives;
+  false_negatives += other.false_negatives;
+  true_negatives += other.true_negatives;
+  ignored += other.ignored;
+  return *this;
+}
+
 std::optional<double> SegmentationScores::iou() const
 {
   return ratio(true_positives, true_positives + false_positives + false_negatives);

@@ -52,6 +52,26 @@ TEST(BodyAxes, CamerasAreFoundOnEitherSide)
   EXPECT_EQ(BodyAxes::differ, compareBodyAxes(pathAndEstimate(lidar, left)));
 }
 
+TEST(BodyAxes, CamerasAreFoundIfAnEstimateIsTooShort)
+{
+  const Eigen::Matrix3d lidar = Eigen::Matrix3d::Identity();
+  Eigen::Matrix3d camera;
+  camera << 0, 0, 1, -1, 0, 0, 0, -1, 0;
+  const auto ofHalf = [](PosePairs pairs)
+  {
+    for (Pose& pose : pairs.estimate)
+    {
+      pose.translation() *= 0.5;
+    }
+    return compareBodyAxes(pairs);
+  };
+  EXPECT_EQ(BodyAxes::same, ofHalf(pathAndEstimate(lidar, lidar)));
+  EXPECT_EQ(BodyAxes::estimate_camera, ofHalf(pathAndEstimate(lidar, camera)));
+  EXPECT_EQ(BodyAxes::reference_camera, ofHalf(pathAndEstimate(camera, lidar)));
+  const Eigen::Matrix3d backwards = Eigen::Vector3d(-1, -1, 1).asDiagonal();
+  EXPECT_EQ(BodyAxes::same, ofHalf(pathAndEstimate(lidar, backwards))) << "of a failed estimate";
+}
+
 TEST(BodyAxes, NothingIsSaidWithoutMotionOrOfAFailedEstimate)
 {
   EXPECT_EQ(BodyAxes::same, compareBodyAxes(PosePairs()));

@@ -133,7 +133,8 @@ std::optional<std::vector<Label>> trueLabels(const std::string& folder,
                     ", but the scan has " + counted(points, "point") +
                     (may_be_of_several ? "; those of a recording of several lidars are of the "
                                          "points of all, which --further-lidars merges"
-                                       : ""));
+                                       : "") +
+                    "; are both of one recording?");
   }
   return labels;
 }

@@ -39,7 +39,7 @@ std::vector<Label> readLabels(const std::string& path, std::size_t expected)
   if (labels.size() != expected)
   {
     throw UserError(path + ": has " + counted(labels.size(), "label") + ", but the scan has " +
-                    counted(expected, "point"));
+                    counted(expected, "point") + "; are both of one recording?");
   }
   return labels;
 }

@@ -391,6 +391,67 @@ TEST(KittiExport, EveryCalibrationBecomesOneOfOdometry)
                UserError);
 }
 
+TEST(KittiExport, PosesAloneAreForASubmission)
+{
+  const TestFolder folder;
+  writeRecording(folder);
+  KittiExportOptions options;
+  (void)exportKitti(folder.file("x.rawlog"), folder.file("whole"), options);
+  options.poses_only = true;
+  const auto result = exportKitti(folder.file("x.rawlog"), folder.file("poses"), options);
+  EXPECT_EQ(4U, result.poses);
+  EXPECT_TRUE(result.notes.empty());
+  EXPECT_EQ(folder.read("whole/poses/00.txt"), folder.read("poses/poses/00.txt"));
+  EXPECT_FALSE(std::filesystem::exists(folder.file("poses/sequences")));
+  Trajectory three;
+  for (std::size_t i = 0; i < 3; ++i)
+  {
+    three.push_back(someScan(i, 1).stamp, somePose(i));
+  }
+  writeTum(folder.file("three.txt"), three);
+  options.trajectory = folder.file("three.txt");
+  options.sequence = "01";
+  const auto message = [&]
+  {
+    return messageOfError<UserError>(
+        [&] { (void)exportKitti(folder.file("x.rawlog"), folder.file("poses"), options); });
+  };
+  EXPECT_EQ(message(), "--poses-only: no poses are written: 3 of 4 scans have one");
+  EXPECT_FALSE(std::filesystem::exists(folder.file("poses/poses/01.txt")));
+  options.rings = true;
+  EXPECT_TRUE(contains(message(), "leave out --no-scans, --rings and --tracks"));
+}
+
+TEST(KittiExport, AnEarlierExportIsReplacedIfForced)
+{
+  const TestFolder folder;
+  writeRecording(folder);
+  KittiExportOptions options;
+  const auto convert = [&]
+  { return exportKitti(folder.file("x.rawlog"), folder.file("kitti"), options); };
+  (void)convert();
+  folder.write("kitti/sequences/00/velodyne/000009.bin", "of a longer recording");
+  options.force = true;
+  options.only_first_n = 2;
+  EXPECT_EQ(2U, convert().poses);
+  EXPECT_FALSE(std::filesystem::exists(folder.file("kitti/sequences/00/velodyne/000009.bin")));
+  EXPECT_EQ(folder.read("kitti/sequences/00/poses.txt"), folder.read("kitti/poses/00.txt"));
+  const auto message = [&] { return messageOfError<UserError>([&] { (void)convert(); }); };
+  options.calib = folder.file("kitti/sequences/00/calib.txt");
+  EXPECT_TRUE(contains(message(), "has the calibration, and so is the original")) << message();
+  options.poses_only = true;
+  EXPECT_TRUE(contains(message(), "has the calibration, and so is the original")) << message();
+  options.poses_only = false;
+  options.calib.clear();
+  folder.write("kitti/sequences/00/image_2/000000.png", "someone's");
+  EXPECT_TRUE(contains(message(), "has files of others (image_2)")) << message();
+  EXPECT_EQ("someone's", folder.read("kitti/sequences/00/image_2/000000.png"));
+  options.poses_only = true;
+  options.only_first_n = 3;
+  EXPECT_EQ(3U, convert().poses) << "touches poses/00.txt alone";
+  EXPECT_NE(folder.read("kitti/sequences/00/poses.txt"), folder.read("kitti/poses/00.txt"));
+}
+
 TEST(KittiExport, NothingOfOthersIsTouchedAndNothingHalfStays)
 {
   const TestFolder folder;

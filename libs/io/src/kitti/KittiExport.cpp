@@ -18,6 +18,7 @@
 #include <filesystem>
 #include <map>
 #include <optional>
+#include <set>
 #include <utility>
 #include <vector>
 
@@ -85,14 +86,7 @@ class Sequence
         pending_(target_.string() + ".tmp"),
         truth_(groundTruthFolder(rawlog))
   {
-    for (const fs::path& path : {target_, posesFile(), tracksFile()})
-    {
-      if (fs::exists(path))
-      {
-        throw UserError(path.string() +
-                        ": is there already; remove it, or name another with --sequence");
-      }
-    }
+    requireNewOrReplaceable();
     if (!options.trajectory.empty())
     {
       given_ = readTrajectory(options.trajectory);
@@ -123,7 +117,10 @@ class Sequence
       }
     }
     fs::remove_all(pending_);  // of a killed program
-    makeFolder((pending_ / "velodyne").string());
+    if (!options.poses_only)
+    {
+      makeFolder((pending_ / "velodyne").string());
+    }
   }
   ~Sequence()
   {
@@ -137,7 +134,7 @@ class Sequence
   {
     const Scan& scan = frame.scan;
     const std::optional<Pose> T_world_vehicle = poseOf(frame);
-    if (!options_.no_scans)
+    if (!options_.no_scans && !options_.poses_only)
     {
       writeScan(frame, T_world_vehicle);
     }
@@ -155,9 +152,6 @@ class Sequence
 
   ConversionResult finish()
   {
-    deskewing_.finish();
-    writeWhole((pending_ / "times.txt").string(), times_);
-    writeCalib();
     const bool poses = !poses_.empty() && poses_.size() == result_.scans;
     if (poses && linesLeft() > 0)
     {
@@ -169,32 +163,21 @@ class Sequence
     }
     if (poses)
     {
-      writeKittiPoses((pending_ / "poses.txt").string(), cameraPoses());
       result_.poses = poses_.size();
       result_.pose_source = options_.trajectory.empty() ? "the rawlog" : options_.trajectory;
     }
-    else
+    if (!options_.poses_only)
     {
-      result_.warnings.push_back("no poses are written: " + std::to_string(poses_.size()) + " of " +
-                                 std::to_string(result_.scans) + " scans have one");
+      writeSequence(poses);
     }
-    if (options_.rings && ring_files_ < result_.scans)
+    else if (!poses)
     {
-      result_.warnings.push_back("--rings: " + std::to_string(ring_files_) + " of " +
-                                 std::to_string(result_.scans) +
-                                 " scans have ring numbers; the others have no .ring");
+      throw UserError("--poses-only: " + missingPoses());
     }
-    if (options_.no_scans)
-    {
-      fs::remove(pending_ / "velodyne");
-    }
-    noteDeskewing();
-    writeTracksOfScans();
-    fs::rename(pending_, target_);
     if (poses)
     {
-      makeFolder((folder_ / "poses").string());
-      fs::copy_file(target_ / "poses.txt", posesFile());
+      makeFolder(posesFile().parent_path().string());
+      writeKittiPoses(posesFile().string(), cameraPoses());
     }
     return result_;
   }
@@ -208,6 +191,97 @@ class Sequence
   [[nodiscard]] fs::path tracksFile() const
   {
     return folder_ / "tracks" / (options_.sequence + ".txt");
+  }
+
+  /** What the export writes. */
+  [[nodiscard]] std::vector<fs::path> outputs() const
+  {
+    return options_.poses_only ? std::vector<fs::path>{posesFile()}
+                               : std::vector<fs::path>{target_, posesFile(), tracksFile()};
+  }
+
+  void requireNewOrReplaceable() const
+  {
+    for (const fs::path& path : outputs())
+    {
+      if (fs::exists(path) && !options_.force)
+      {
+        throw UserError(path.string() +
+                        ": is there already; replace it with --force, or name another with "
+                        "--sequence");
+      }
+      if (fs::exists(path) && isOriginal())
+      {
+        throw UserError(target_.string() +
+                        ": has the calibration, and so is the original, of which --force replaces "
+                        "nothing; choose another --output");
+      }
+    }
+    if (!options_.poses_only && fs::is_directory(target_))
+    {
+      requireNoOtherFiles();
+    }
+  }
+
+  /** Whether the folder of the sequence is that which the calibration is from. */
+  [[nodiscard]] bool isOriginal() const
+  {
+    return !options_.calib.empty() &&
+           isSamePath(fs::path(options_.calib).parent_path().string(), target_.string());
+  }
+
+  void requireNoOtherFiles() const
+  {
+    const std::set<std::string> own{"velodyne",  "labels",    std::string(point_time_folder),
+                                    "times.txt", "calib.txt", "poses.txt"};
+    for (const auto& entry : entriesOf(target_))
+    {
+      const std::string name = entry.path().filename().string();
+      if (own.count(name) == 0)
+      {
+        throw UserError(target_.string() + ": has files of others (" + name +
+                        "), which --force does not remove; name another with --sequence");
+      }
+    }
+  }
+
+  [[nodiscard]] std::string missingPoses() const
+  {
+    return "no poses are written: " + std::to_string(poses_.size()) + " of " +
+           counted(result_.scans, "scan") + " have one";
+  }
+
+  /** Writes the folder of the sequence. \param poses whether every scan has a pose */
+  void writeSequence(bool poses)
+  {
+    deskewing_.finish();
+    writeWhole((pending_ / "times.txt").string(), times_);
+    writeCalib();
+    if (poses)
+    {
+      writeKittiPoses((pending_ / "poses.txt").string(), cameraPoses());
+    }
+    else
+    {
+      result_.warnings.push_back(missingPoses());
+    }
+    if (options_.rings && ring_files_ < result_.scans)
+    {
+      result_.warnings.push_back("--rings: " + std::to_string(ring_files_) + " of " +
+                                 std::to_string(result_.scans) +
+                                 " scans have ring numbers; the others have no .ring");
+    }
+    if (options_.no_scans)
+    {
+      fs::remove(pending_ / "velodyne");
+    }
+    noteDeskewing();
+    for (const fs::path& path : outputs())
+    {
+      fs::remove_all(path);  // with --force, of an earlier export
+    }
+    writeTracksOfScans();
+    fs::rename(pending_, target_);
   }
 
   /** Takes the boxes of a scan. \param index of the scan in the recording */
@@ -400,6 +474,8 @@ void KittiExportOptions::describe(OptionsVisitor& visitor)
                "regex for the labels of further lidars, whose scans are merged; empty: none");
   visitor.flag("no_scans", no_scans, "write only times, calibration and poses");
   visitor.flag("deskew", deskew, "deskew the scans to their stamps along the poses");
+  visitor.flag("poses_only", poses_only, "write only poses/NN.txt");
+  visitor.flag("force", force, "replace an earlier export of the sequence");
   visitor.flag("rings", rings, "write NNNNNN.ring beside the scans");
   describeRange(visitor);
 }
@@ -424,9 +500,14 @@ ConversionResult exportKitti(const std::string& rawlog,
   {
     throw UserError("--rings: are written beside the scans; leave out --no-scans");
   }
-  if (options.deskew && options.no_scans)
+  if (options.deskew && (options.no_scans || options.poses_only))
   {
-    throw UserError("--deskew: is for the scans; leave out --no-scans");
+    throw UserError("--deskew: is for the scans; leave out --no-scans and --poses-only");
+  }
+  if (options.poses_only && (options.rings || options.no_scans || !options.tracks.empty()))
+  {
+    throw UserError(
+        "--poses-only: writes poses/NN.txt alone; leave out --no-scans, --rings and --tracks");
   }
   RawlogSourceOptions source_options;
   static_cast<ScanRange&>(source_options) = options;

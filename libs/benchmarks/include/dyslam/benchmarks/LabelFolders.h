@@ -55,8 +55,21 @@ struct ReferenceReading
                                        const std::string& estimate,
                                        const LabelComparison& result);
 
+/** That labels are compared in a part of the scans only, for the console; empty if in all of both
+ * sides. \param reference, estimate their folders */
+[[nodiscard]] std::string partNote(const std::string& reference,
+                                   const std::string& estimate,
+                                   const LabelComparison& result);
+
 using NamedComparisons = std::vector<std::pair<std::string, LabelComparison>>;
+/** One row per estimate. */
 [[nodiscard]] Table segmentationTable(const NamedComparisons& results);
+/** Adds a row over all points of the estimates of several references, one for each method (see
+ * methodGroups()). \param references folder of each estimate's reference \return why there is none;
+ * empty if there is one */
+std::string addTotalRows(Table& table,
+                         const NamedComparisons& results,
+                         const std::vector<std::string>& references);
 /** Probabilities against the share of points that move, by ranges of probability. */
 [[nodiscard]] Table calibrationTable(const CalibrationEvaluator& calibration);
 /** Fraction of each reference class that was estimated as moving. */

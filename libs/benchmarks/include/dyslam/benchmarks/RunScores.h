@@ -29,6 +29,10 @@ struct RunScores
    * missing, or does not state it. */
   std::optional<bool> labels_with_hindsight;
   std::optional<SimulatedWorld> world;  //!< nothing if the recording is not known to be simulated
+
+  /** Whether there is no other trajectory than the odometry: the graph has changed nothing, as
+   * without loops. */
+  [[nodiscard]] bool odometryIsFinal() const;
 };
 
 /** Why a folder is no output folder of a run; empty if it is one. */

@@ -23,9 +23,12 @@ struct PoseReading
   std::optional<double> interpolate;
   std::optional<double> time_offset;  //!< added to the time stamps of the estimate [s]
   /** Which file has the poses of a camera (z ahead), which are converted to poses of the lidar:
-   * "estimate", "reference", or empty for none. */
+   * "estimate", "reference" or "none"; empty: the one whose body moves as a camera while the other
+   * moves as a lidar, if there is one and `reference_body` is empty. */
   std::string camera;
-  std::string calib;  //!< KITTI's calib.txt with the camera's mounting; empty: only its axes
+  /** KITTI's calib.txt with the camera's mounting; empty: only its axes, with an empty `camera` the
+   * calib.txt of the sequence that the poses are of, if there is one. */
+  std::string calib;
   /** Pose of the reference's body (IMU, antenna) in the body frame of the estimate, as
    * poseFromOption() reads it, without rotation for a reference of positions alone; empty: both are
    * poses of the same body. After `camera`. */
@@ -37,9 +40,10 @@ struct PoseReading
  * reference may be a PositionFile; the estimated poses are then those of its body, and geodetic or
  * geocentric positions become east, north, up from the first one.
  * \param note called if the pairs are few or of a part of the reference's path, the files differ in
- * length or times were converted to UTC \throws UserError for files that cannot be read, without
- * poses or with fewer than two pairs, for a tolerance, an offset or times given with a file without
- * time stamps, and for what needs orientations if the reference has none. */
+ * length, times were converted to UTC, or poses of a camera to those of the lidar \throws UserError
+ * for files that cannot be read, without poses or with fewer than two pairs, for a tolerance, an
+ * offset or times given with a file without time stamps, and for what needs orientations if the
+ * reference has none. */
 [[nodiscard]] PosePairs pairFiles(const std::string& reference,
                                   const std::string& estimate,
                                   const PoseReading& reading,
@@ -47,9 +51,11 @@ struct PoseReading
 
 /** Why errors may not be those of the estimate, for the console: other axes of the bodies,
  * orientations that do not fit although the positions do, another unit; empty if nothing is wrong.
- * \param reference, estimate their files \param report of these pairs */
+ * \param reference, estimate their files \param reading as the pairs were read \param report of
+ * these pairs */
 [[nodiscard]] std::string pairWarning(const std::string& reference,
                                       const std::string& estimate,
+                                      const PoseReading& reading,
                                       const PosePairs& pairs,
                                       const TrajectoryReport& report);
 
@@ -60,9 +66,14 @@ struct PoseReading
 [[nodiscard]] std::vector<std::string> comparisonNotes(const std::vector<TrajectoryReport>& reports,
                                                        bool same_reference);
 
-/** Adds a row of means over several estimates; the mean drift is over the estimates that are long
- * enough to have one. */
-void addMeanRow(Table& table, const std::vector<TrajectoryReport>& reports);
+/** Adds a row of means over the estimates of several references, one for each method (see
+ * methodGroups()); the mean drift is over the estimates that are long enough to have one.
+ * \param files, references files of each estimate and of its reference \return why there is no
+ * mean; empty if there is one */
+std::string addMeanRows(Table& table,
+                        const std::vector<TrajectoryReport>& reports,
+                        const std::vector<std::string>& files,
+                        const std::vector<std::string>& references);
 
 /** A trajectory that is not compared with another. */
 struct PathSummary

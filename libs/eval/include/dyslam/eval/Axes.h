@@ -19,6 +19,8 @@ enum class BodyAxes
  * `differ` means that the mean cosine of the angle between them is below 0.5; the camera cases that
  * it is above 0.9 after turning camera axes to lidar axes, and that the camera moves along its z
  * axis (a body that is turned by a yaw of 90 degrees moves like a camera otherwise). Noise and
- * drift change directions only by degrees. */
+ * drift change directions only by degrees. Of motions that differ in length, as of an estimate that
+ * was lost, the camera cases are those in which one body moves along its z axis and the other along
+ * its x axis, both with a mean cosine above 0.9. */
 [[nodiscard]] BodyAxes compareBodyAxes(const PosePairs& pairs);
 }  // namespace dyslam

@@ -19,6 +19,8 @@ struct SegmentationScores
   std::size_t true_negatives = 0;
   std::size_t ignored = 0;  //!< points whose reference label is 0 or 1 (unlabelled, outlier)
 
+  SegmentationScores& operator+=(const SegmentationScores& other);
+
   /** Ratios in [0, 1]; nothing where the denominator is 0. */
   [[nodiscard]] std::optional<double> iou() const;
   [[nodiscard]] std::optional<double> precision() const;

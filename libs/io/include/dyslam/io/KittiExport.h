@@ -18,6 +18,8 @@ struct KittiExportOptions : Options, ScanRange
   std::string further_lidars;   //!< as in RawlogSourceOptions; not with `rings`
   bool no_scans = false;        //!< only times, calibration and poses
   bool deskew = false;          //!< move the points to where they were at the stamp of their scan
+  bool poses_only = false;      //!< only poses/NN.txt
+  bool force = false;           //!< replace what an earlier export of the sequence wrote
   bool rings = false;           //!< write NNNNNN.ring beside the scans, one byte per point
 
   void describe(OptionsVisitor& visitor) override;
@@ -37,7 +39,8 @@ struct KittiExportOptions : Options, ScanRange
  * at the stamp, with constant velocity between two scans, and no point times are written.
  *
  * The sequence is written under a temporary name. If `progress` throws, all is removed.
- * \throws UserError, also if there is such a sequence already. */
+ * \throws UserError, also if there is such a sequence already (with `force`: that has other files,
+ * or the calibration), and with `poses_only` unless every scan has a pose. */
 ConversionResult exportKitti(const std::string& rawlog,
                              const std::string& folder,
                              const KittiExportOptions& options,
