@@ -10,6 +10,7 @@
 #include "HindsightParameters.h"
 #include "Posts.h"
 #include "RayHistory.h"
+#include "SegmentDivision.h"
 #include "VoxelFeatures.h"
 
 namespace dyslam
@@ -161,9 +162,10 @@ void MovingPointClassifier::label(Frame& frame, const ScanWindow& window)
   points.positions = positionsOf(frame);
   ground_planes_.fit(window.lowestReturns(), points.positions);
   points.heights = heightsOverGround(window.lowestReturns(), points.positions, ground_planes_);
-  const Segments segments = segment(points);
+  Segments segments = segment(points);
   std::vector<VoxelEvidence> evidence = causalEvidence(frame, window, segments);
   addRayEvidence(frame, window, points, segments, evidence);
+  divideLargeSegments(evidence, points.positions, segments);
   const std::vector<float> voxel_probability = classify(frame, points, segments, evidence);
   frame.moving_probability = probabilityOfPoints(segments, voxel_probability);
   labelLowPoints(window, points, segments, voxel_probability, frame.moving_probability);

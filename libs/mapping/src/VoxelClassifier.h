@@ -7,6 +7,10 @@ namespace dyslam
 {
 /** Height that no vehicle exceeds: higher objects are certainly static [m]. */
 constexpr float vehicle_height = 5;
+/** Length that hardly any vehicle exceeds [m]. */
+constexpr float vehicle_length = 20;
+/** Width that no vehicle, nor a group of people who walk together, reaches [m]. */
+constexpr float vehicle_width = 4;
 
 /** Evidence of a voxel, of its neighbours, or of a segment: means over voxels. */
 struct VoxelEvidence

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "VoxelFeatures.h"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
+
+#include "SegmentShape.h"
 
 namespace dyslam
 {
@@ -51,59 +52,6 @@ class EvidenceSum
   VoxelEvidence sum_;
 };
 
-/** Features of a segment's shape. */
-struct SegmentShape
-{
-  float length = 0;      //!< VoxelFeatures::length [m]
-  float height = 0;      //!< VoxelFeatures::segment_height [m]
-  float row_length = 0;  //!< VoxelFeatures::row_length [m]
-  float row_width = 0;   //!< VoxelFeatures::row_width [m]
-};
-
-/** Extent and horizontal spread of a segment's voxels. */
-class SegmentSpread
-{
- public:
-  /** \param p a point of the voxel, odometry frame [m] */
-  void add(const Eigen::Vector3f& p)
-  {
-    if (count_ == 0)
-    {
-      first_ = low_ = high_ = p;
-    }
-    low_ = low_.cwiseMin(p);
-    high_ = high_.cwiseMax(p);
-    const Eigen::Vector2d offset = (p - first_).head<2>().cast<double>();
-    ++count_;
-    sum_ += offset;
-    squares_ += offset * offset.transpose();
-  }
-
-  [[nodiscard]] SegmentShape shape() const
-  {
-    const Eigen::Vector3f size = high_ - low_;
-    const double n = std::max(count_, 1.0);
-    const Eigen::Vector2d mean = sum_ / n;
-    const Eigen::Matrix2d covariance = squares_ / n - mean * mean.transpose();
-    // Points spread evenly over a length l have the variance l^2 / 12.
-    const Eigen::Vector2d sides = (12 * Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d>()
-                                            .computeDirect(covariance, Eigen::EigenvaluesOnly)
-                                            .eigenvalues()
-                                            .cwiseMax(0))
-                                      .cwiseSqrt();
-    return {std::max(size.x(), size.y()), size.z(), static_cast<float>(sides[1]),
-            static_cast<float>(sides[0])};
-  }
-
- private:
-  Eigen::Vector3f first_ = Eigen::Vector3f::Zero();  // origin of the offsets, against rounding
-  Eigen::Vector3f low_ = Eigen::Vector3f::Zero();
-  Eigen::Vector3f high_ = Eigen::Vector3f::Zero();
-  double count_ = 0;
-  Eigen::Vector2d sum_ = Eigen::Vector2d::Zero();
-  Eigen::Matrix2d squares_ = Eigen::Matrix2d::Zero();
-};
-
 /** Share of rays that passed through certainly static voxels, because of thin objects, edges and
  * pose errors. Measured on segments higher than any vehicle; 0 if there are too few. */
 float falseFreeShare(const std::vector<VoxelFeatures>& features)
@@ -134,12 +82,10 @@ std::vector<VoxelFeatures> voxelFeatures(const Segments& segments,
 {
   std::vector<EvidenceSum> of_cell(segments.cells.size());
   std::vector<EvidenceSum> of_segment(segments.segments);
-  std::vector<SegmentSpread> spread(segments.segments);
   for (std::size_t g = 0; g < evidence.size(); ++g)
   {
     of_cell[segments.cell_of_voxel[g]].add(evidence[g]);
     of_segment[segments.segment_of_voxel[g]].add(evidence[g]);
-    spread[segments.segment_of_voxel[g]].add(points[segments.first_point[g]]);
   }
   std::vector<VoxelEvidence> around;
   for (std::uint32_t c = 0; c < of_cell.size(); ++c)
@@ -153,11 +99,7 @@ std::vector<VoxelFeatures> voxelFeatures(const Segments& segments,
   {
     whole.push_back(sum.mean());
   }
-  std::vector<SegmentShape> shapes;
-  for (const SegmentSpread& of_voxels : spread)
-  {
-    shapes.push_back(of_voxels.shape());
-  }
+  const std::vector<SegmentShape> shapes = segmentShapes(segments, points);
   std::vector<VoxelFeatures> features(evidence.size());
   for (std::size_t g = 0; g < evidence.size(); ++g)
   {
