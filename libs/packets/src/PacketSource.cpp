@@ -4,7 +4,7 @@
 #include <dyslam/core/Pose.h>
 #include <dyslam/packets/HesaiPackets.h>
 #include <dyslam/packets/HesaiScans.h>
-#include <dyslam/packets/PcapSource.h>
+#include <dyslam/packets/PacketSource.h>
 
 #include <algorithm>
 #include <deque>
@@ -12,17 +12,12 @@
 #include <utility>
 
 #include "CaptureDecoder.h"
-#include "PacketCapture.h"
 
 namespace dyslam
 {
 namespace
 {
 constexpr std::size_t probe_packets = 256;  //!< number of packets examined to find the maker
-
-constexpr const char* other_interfaces =
-    "interfaces of another kind or snapshot length than the first are left out; capture on that of "
-    "the lidar alone";
 
 /** Size and port of the most frequent datagrams. */
 std::pair<std::size_t, std::uint64_t> mostFrequent(const std::deque<LidarPacket>& packets)
@@ -41,7 +36,7 @@ std::pair<std::size_t, std::uint64_t> mostFrequent(const std::deque<LidarPacket>
 }
 }  // namespace
 
-void PcapSourceOptions::describe(OptionsVisitor& visitor)
+void PacketSourceOptions::describe(OptionsVisitor& visitor)
 {
   describeVelodyneModel(visitor, "model", model, "model of a Velodyne; auto: from the packets");
   visitor.text("calibration_file", calibration_file,
@@ -57,11 +52,11 @@ void PcapSourceOptions::describe(OptionsVisitor& visitor)
   visitor.flag("keep_partial", keep_partial, "deliver also incomplete first and last revolutions");
 }
 
-struct PcapSource::Impl
+struct PacketSource::Impl
 {
-  std::string path;
-  PcapSourceOptions options;
-  PacketCapture capture;
+  std::unique_ptr<PacketInput> input;
+  std::string path;  //!< name of the input
+  PacketSourceOptions options;
   std::deque<LidarPacket> probed;
   CaptureDecoder decoder;
   std::optional<std::uint64_t> stream;       //!< stream of the lidar's packets
@@ -78,11 +73,11 @@ struct PcapSource::Impl
   std::size_t probed_size = 0;  //!< size of the most frequent packets [bytes]
   std::optional<std::string> not_decoded;  //!< what to say of packets that are known only
 
-  Impl(const std::string& path_in, const PcapSourceOptions& options_in)
-      : path(path_in), options(options_in), capture(path_in)
+  Impl(std::unique_ptr<PacketInput> input_in, const PacketSourceOptions& options_in)
+      : input(std::move(input_in)), path(input->name()), options(options_in)
   {
     LidarPacket packet;
-    while (probed.size() < probe_packets && capture.next(packet))
+    while (probed.size() < probe_packets && input->next(packet))
     {
       not_decoded = not_decoded ? not_decoded : whyNoHesaiScans(packet);
       probed.push_back(std::move(packet));
@@ -93,7 +88,7 @@ struct PcapSource::Impl
       probed_size = size;
       probed_kind = std::to_string(size) + " bytes (port " + std::to_string(port) + ")";
     }
-    decoder = chooseDecoder(path, options, probed);
+    decoder = chooseDecoder(*input, options, probed);
     readPorts();
     if (!decoder.T_vehicle_lidar.matrix().isIdentity(1e-6))
     {
@@ -101,7 +96,11 @@ struct PcapSource::Impl
           "the metadata place the lidar on its vehicle, which is done by --sensor-pose '" +
           poseText(decoder.T_vehicle_lidar) + "'");
     }
-    first = read();
+    // A live input need not end: whose packets they are must show in the first ones.
+    if (!input->isLive() || isAnyTaken())
+    {
+      first = read();
+    }
     if (taken == 0)
     {
       throw UserError(whyNone());
@@ -125,13 +124,20 @@ struct PcapSource::Impl
         { return portOf(packet) == decoder.imu_port && decoder.scans->takesImu(packet); });
   }
 
+  /** Whether one of the first packets is of the lidar. */
+  [[nodiscard]] bool isAnyTaken() const
+  {
+    return std::any_of(probed.begin(), probed.end(),
+                       [this](const LidarPacket& packet) { return decoder.scans->takes(packet); });
+  }
+
   [[nodiscard]] std::string whyNone() const
   {
-    const std::string damage =
-        (capture.damage().empty() ? "" : "; " + capture.damage()) +
-        (capture.hasOtherInterfaces() ? "; " + std::string(other_interfaces) : "") +
-        (capture.hasCutFrames() ? "; frames were cut at capture (tcpdump -s 0 keeps them whole)"
-                                : "");
+    std::string damage = input->damage().empty() ? "" : "; " + input->damage();
+    for (const std::string& reason : input->reasonsForNone())
+    {
+      damage += "; " + reason;
+    }
     const std::string has = probed_kind.empty() ? "" : ", but UDP packets of " + probed_kind;
     if (!decoder.metadata.empty())
     {
@@ -147,8 +153,9 @@ struct PcapSource::Impl
     }
     return path + ": has no data packets of a Velodyne (UDP, 1206 bytes) or a Hesai" + has +
            damage +
-           (has.empty()
-                ? ""
+           (has.empty() ? ""
+            : input->isLive()
+                ? "; of an Ouster, name its metadata (.json) with --calibration"
                 : "; of an Ouster, put its metadata (.json) beside the capture or name them "
                   "with --calibration");
   }
@@ -157,14 +164,14 @@ struct PcapSource::Impl
   {
     if (probed.empty())
     {
-      return capture.next(packet);
+      return input->next(packet);
     }
     packet = std::move(probed.front());
     probed.pop_front();
     return true;
   }
 
-  /** The next scan, nothing at the end of the capture. */
+  /** The next scan, nothing at the end of the input. */
   [[nodiscard]] std::optional<Scan> read()
   {
     LidarPacket packet;
@@ -241,58 +248,63 @@ struct PcapSource::Impl
   }
 };
 
-PcapSource::PcapSource(const std::string& path, const PcapSourceOptions& options)
+PacketSource::PacketSource(std::unique_ptr<PacketInput> input, const PacketSourceOptions& options)
 {
-  validate(options, "pcap source");
-  impl_ = std::make_unique<Impl>(path, options);
+  validate(options, "packet source");
+  impl_ = std::make_unique<Impl>(std::move(input), options);
 }
 
-PcapSource::~PcapSource() = default;
-PcapSource::PcapSource(PcapSource&&) noexcept = default;
-PcapSource& PcapSource::operator=(PcapSource&&) noexcept = default;
+PacketSource::~PacketSource() = default;
+PacketSource::PacketSource(PacketSource&&) noexcept = default;
+PacketSource& PacketSource::operator=(PacketSource&&) noexcept = default;
 
-std::optional<Scan> PcapSource::next()
+std::optional<Scan> PacketSource::next()
 {
   auto scan = impl_->first ? std::exchange(impl_->first, std::nullopt) : impl_->read();
-  if (!scan && !impl_->capture.damage().empty())
+  if (!scan && !impl_->input->damage().empty())
   {
     throw UserError(impl_->path + ": is cut short or damaged after " +
-                    counted(impl_->taken, "packet") + ": " + impl_->capture.damage());
+                    counted(impl_->taken, "packet") + ": " + impl_->input->damage());
   }
   return scan;
 }
 
-bool PcapSource::readsImu() const
+const std::string& PacketSource::name() const
+{
+  return impl_->path;
+}
+
+bool PacketSource::readsImu() const
 {
   return impl_->decoder.scans->readsImu();
 }
 
-std::size_t PcapSource::imuPackets() const
+std::size_t PacketSource::imuPackets() const
 {
   return impl_->imu_packets;
 }
 
-std::vector<ImuSample> PcapSource::takeImu()
+std::vector<ImuSample> PacketSource::takeImu()
 {
   return impl_->decoder.scans->takeImu();
 }
 
-std::string PcapSource::sensor() const
+std::string PacketSource::sensor() const
 {
   return impl_->decoder.scans->sensor();
 }
 
-double PcapSource::progress() const
+double PacketSource::progress() const
 {
-  return impl_->capture.progress();
+  return impl_->input->progress();
 }
 
-const std::vector<std::string>& PcapSource::notes() const
+const std::vector<std::string>& PacketSource::notes() const
 {
   return impl_->decoder.notes;
 }
 
-std::vector<std::string> PcapSource::warnings() const
+std::vector<std::string> PacketSource::warnings() const
 {
   auto lines = impl_->decoder.scans->warnings();
   if (impl_->repeated > 0)
@@ -300,9 +312,9 @@ std::vector<std::string> PcapSource::warnings() const
     lines.push_back(impl_->path + ": " + counted(impl_->repeated, "packet") +
                     " received twice, as if captured on two interfaces; used once");
   }
-  if (impl_->capture.hasOtherInterfaces())
+  for (const std::string& warning : impl_->input->warnings())
   {
-    lines.push_back(impl_->path + ": " + other_interfaces);
+    lines.push_back(impl_->path + ": " + warning);
   }
   if (!impl_->decoder.other_metadata.empty())
   {
@@ -314,9 +326,8 @@ std::vector<std::string> PcapSource::warnings() const
   else if (impl_->of_others > 0)
   {
     lines.push_back(impl_->path + ": " + std::to_string(impl_->of_others) +
-                    " packets of other senders or ports left out; make a capture of each lidar: "
-                    "tcpdump -r " +
-                    impl_->path + " -w one.pcap 'src host ADDRESS and udp dst port PORT'");
+                    " packets of other senders or ports left out; " +
+                    impl_->input->adviceForSeveral());
   }
   return lines;
 }
