@@ -17,7 +17,7 @@ struct SavedRun
   std::string rawlog;   //!< absolute path
   std::uint64_t rawlog_size = 0;
   bool rawlog_grew = false;  //!< it was still being written: it may have become larger
-  std::string settings;  //!< all of them, as an ini
+  std::string settings;      //!< all of them, as an ini
   /** Second of two passes: `dyseg.labels` is keptLabelsOf() the output folder, also if that has
    * been moved. */
   bool is_second_pass = false;
