@@ -24,8 +24,10 @@ class BackgroundProgram
   BackgroundProgram(const std::vector<std::string>& words,
                     const std::string& out,
                     const std::string& err)
-      : err_(err), child_(::fork())
+      : err_(err)
   {
+    (void)std::remove(err.c_str());  // what an earlier program said
+    child_ = ::fork();
     if (child_ != 0)
     {
       return;
@@ -87,7 +89,7 @@ class BackgroundProgram
   }
 
   std::string err_;
-  pid_t child_;
+  pid_t child_ = -1;
   int status_ = 0;
 };
 }  // namespace dyslam

@@ -184,7 +184,8 @@ TEST_F(LiveInput, BadInputIsRefusedInOneLine)
   expectRefused("dyslam", "-i udp:0 --calibration none.csv" + out, "none.csv");
   expectRefused("scans2rawlog", "-i udp:0 --external-storage -o " + at("x.rawlog"),
                 "--external-storage does not work with a lidar on the network");
-  for (const std::string program : {"dyslam-map", "rawlog2kitti", "rawlog2bag"})
+  for (const std::string program :
+       {"dyslam-map --trajectory none.txt", "rawlog2kitti", "rawlog2bag"})
   {
     expectRefused(program, "-i udp:2368 -o " + at("x"), "is a lidar on the network");
   }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/base/Error.h>
 #include <dyslam/formats/ProgramLines.h>
+#include <dyslam/formats/TextFile.h>
 #include <dyslam/io/LiveRecorder.h>
 #include <dyslam/packets/PacketSource.h>
 #include <dyslam/packets/UdpReceiver.h>
@@ -53,6 +54,10 @@ ConversionResult recordLive(const std::string& input,
   validate(growing, "scans2rawlog");
   growing.requireAllFitting(RecordingKind::network);
   requireNoInput(output, growing.files());
+  for (const std::string& file : growing.files())
+  {
+    (void)openBinary(file);  // before the user waits for packets
+  }
   PacketSource source = receiveFirst(input, growing, hooks);
   // Made last: without a scan an earlier output stays.
   ScanSink sink(output, growing,

@@ -79,16 +79,21 @@ bool GzInput::fillPacked(std::size_t count)
   return read_error_.empty();
 }
 
+std::uint64_t GzInput::presentSize() const
+{
+  struct stat state = {};
+  return grows_ && ::fstat(descriptor_, &state) == 0 ? static_cast<std::uint64_t>(state.st_size)
+                                                     : size_;
+}
+
 bool GzInput::waitForMore()
 {
   while (grows_)
   {
-    grows_ = isGrowing(descriptor_);  // before the size: the last data come before the end
-    struct stat state = {};
-    if (::fstat(descriptor_, &state) == 0)
-    {
-      size_ = static_cast<std::uint64_t>(state.st_size);
-    }
+    // Before the size: the last data come before the end.
+    const bool grows = isGrowing(descriptor_);
+    size_ = presentSize();
+    grows_ = grows;
     if (size_ > offset_)
     {
       return true;
@@ -249,6 +254,7 @@ bool GzInput::checkMember()
 double GzInput::progress() const
 {
   const std::uint64_t at = offset_ - packedSize();
-  return size_ == 0 ? 1.0 : std::min(1.0, static_cast<double>(at) / static_cast<double>(size_));
+  const std::uint64_t size = presentSize();
+  return size == 0 ? 1.0 : std::min(1.0, static_cast<double>(at) / static_cast<double>(size));
 }
 }  // namespace dyslam

@@ -59,6 +59,8 @@ class GzInput
   void fillContent();
   /** Reads on until `count` bytes are there, or the file ends. \return whether they are. */
   bool fillPacked(std::size_t count);
+  /** Size of the file, which may have become larger. */
+  [[nodiscard]] std::uint64_t presentSize() const;
   /** Waits for more of a file that grows. \return false if nothing more will come. */
   bool waitForMore();
   /** Begins the gzip member that comes next. \return false if none does. */
