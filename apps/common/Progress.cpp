@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Progress.h"
 
+#include <dyslam/base/Printable.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -22,7 +23,7 @@ Progress::~Progress()
   }
 }
 
-void Progress::update(double fraction, std::size_t count)
+void Progress::update(double fraction, std::size_t count, const std::string& state)
 {
   const auto now = Clock::now();
   const double since = std::chrono::duration<double>(now - last_).count();
@@ -31,7 +32,7 @@ void Progress::update(double fraction, std::size_t count)
     return;
   }
   last_ = now;
-  show(std::min(fraction, 0.99), count);  // finish() says 100%
+  show(std::min(fraction, 0.99), count, state);  // finish() says 100%
 }
 
 void Progress::beginBehind(const EarlierWork& earlier)
@@ -52,14 +53,15 @@ void Progress::finish(std::size_t count)
 {
   if (!quiet_)
   {
-    show(1, count);
+    show(1, count, "");
   }
 }
 
-void Progress::show(double fraction, std::size_t count)
+void Progress::show(double fraction, std::size_t count, const std::string& state)
 {
   const double seconds = std::chrono::duration<double>(Clock::now() - start_).count();
-  print(fraction, progressText(fraction, count, unit_, seconds, earlier_));
+  print(fraction, progressText(fraction, count, unit_, seconds, earlier_) +
+                      (state.empty() ? "" : ", " + state));
 }
 
 void Progress::print(double fraction, const std::string& text)
@@ -78,5 +80,10 @@ void Progress::print(double fraction, const std::string& text)
   }
   std::fprintf(stderr, "\r\033[K%s [%s] %s", what_.c_str(), bar.c_str(), text.c_str());
   std::fflush(stderr);
+}
+
+void printAbove(const std::string& line)
+{
+  std::fprintf(stderr, "%s%s\n", isatty(2) == 1 ? "\r\033[K" : "", printable(line).c_str());
 }
 }  // namespace dyslam

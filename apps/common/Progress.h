@@ -20,8 +20,9 @@ class Progress
   Progress(const Progress&) = delete;
   Progress& operator=(const Progress&) = delete;
 
-  /** \param fraction of the work done, 0 to 1; below 0 if unknown. \param count units done. */
-  void update(double fraction, std::size_t count);
+  /** \param fraction of the work done, 0 to 1; below 0 if unknown. \param count units done.
+   * \param state said behind them: "0.3 s behind" */
+  void update(double fraction, std::size_t count, const std::string& state = "");
 
   /** What was done before, of which the time is not known: rate and time left are of the rest,
    * which begins now. */
@@ -37,7 +38,7 @@ class Progress
  private:
   using Clock = std::chrono::steady_clock;
 
-  void show(double fraction, std::size_t count);
+  void show(double fraction, std::size_t count, const std::string& state);
   void print(double fraction, const std::string& text);
 
   std::string what_;
@@ -49,4 +50,7 @@ class Progress
   Clock::time_point start_ = Clock::now();
   Clock::time_point last_ = start_;
 };
+
+/** Prints a line on stderr, in place of a line of progress, which comes again. */
+void printAbove(const std::string& line);
 }  // namespace dyslam

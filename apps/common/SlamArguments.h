@@ -4,6 +4,7 @@
 #include <dyslam/run/TwoPassRun.h>
 
 #include <CLI/CLI.hpp>
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -18,6 +19,9 @@ struct SlamArguments : RunRequest
   RangeFlags range;
   std::string prior_map;    //!< map file or output folder of a run; empty: none
   std::string prior_start;  //!< pose at the first scan in the prior map; empty: searched for
+  /** Of a recording that goes on: how far the run is behind it, for the line of progress; empty
+   * once it has ended. Null: it has ended before. */
+  std::function<std::string()> lag;
 
   [[nodiscard]] bool quiet() const { return verbosity == "ERROR"; }
 };

@@ -7,7 +7,6 @@
 #include <dyslam/formats/RecordingOrigin.h>
 #include <dyslam/formats/RunFiles.h>
 #include <dyslam/run/TwoPassRun.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <cstdio>
@@ -184,8 +183,7 @@ void printStopping(bool quiet)
 {
   if (!quiet)
   {
-    std::fprintf(stderr, "%sstopping: the results so far are written; Ctrl-C again ends at once\n",
-                 isatty(2) == 1 ? "\r\033[K" : "");
+    printAbove("stopping: the results so far are written; Ctrl-C again ends at once");
   }
 }
 
@@ -194,20 +192,21 @@ void printWarning(const std::string& warning, bool quiet)
 {
   if (!quiet)
   {
-    std::fprintf(stderr, "%swarning: %s\n", isatty(2) == 1 ? "\r\033[K" : "",
-                 printable(warning).c_str());
+    printAbove("warning: " + warning);
   }
 }
 
 /** Runs a pass and shows the progress. \param title of the line of progress
- * \param messages printed at the first scan \throws UserError. */
+ * \param messages printed at the first scan \param lag SlamArguments::lag \throws UserError. */
 SlamRunReport runWithProgress(Pass pass,
                               const std::string& title,
                               const SlamRunSettings& settings,
                               std::vector<std::string> messages,
                               bool quiet,
+                              const std::function<std::string()>& lag,
                               const SlamRunner& run)
 {
+  constexpr double unknown = -1;
   Progress progress(title, "scans", quiet);
   bool is_stopping = false;
   bool is_behind_others = pass == Pass::resumed;
@@ -221,7 +220,8 @@ SlamRunReport runWithProgress(Pass pass,
                                {
                                  progress.beginBehind({fraction, frames - 1});
                                }
-                               progress.update(fraction, frames);
+                               const std::string behind = lag ? lag() : "";
+                               progress.update(behind.empty() ? fraction : unknown, frames, behind);
                                if (!is_stopping && settings.stop && settings.stop())
                                {
                                  is_stopping = true;
@@ -275,7 +275,7 @@ void runSlamProgram(const std::string& program, const SlamArguments& a, const Sl
                   {
                     return runWithProgress(
                         pass, progressTitle(program, pass == Pass::first ? first_pass_part : ""),
-                        settings, messagesAbout(program, pass, chosen, output), quiet, run);
+                        settings, messagesAbout(program, pass, chosen, output), quiet, a.lag, run);
                   });
   const SlamRunReport& report = result.report;
   if (!quiet && result.pass != Pass::first)

@@ -5,8 +5,6 @@
 #include <dyslam/base/Files.h>
 #include <dyslam/base/Printable.h>
 #include <dyslam/formats/ProgramLines.h>
-#include <dyslam/formats/RecordingOrigin.h>
-#include <dyslam/formats/RunFiles.h>
 #include <dyslam/io/OptionError.h>
 #include <dyslam/run/FolderLock.h>
 #include <dyslam/run/GivenSettings.h>
@@ -20,6 +18,7 @@
 #include "../common/Checks.h"
 #include "../common/ConversionReport.h"
 #include "../common/SlamProgram.h"
+#include "ConvertedFiles.h"
 
 namespace dyslam
 {
@@ -27,21 +26,6 @@ namespace fs = std::filesystem;
 
 namespace
 {
-/** Files of a converted input. */
-struct ConvertedFiles
-{
-  explicit ConvertedFiles(const std::string& output)
-      : folder(output),
-        rawlog((fs::path(output) / run_files::recording).string()),
-        origin(recordingOriginFile(output))
-  {
-  }
-
-  std::string folder;
-  std::string rawlog;
-  std::string origin;  //!< says what the rawlog is made of
-};
-
 /** \throws UserError if a run would write among the scans that it reads. */
 void requireApart(const std::string& input, const std::string& output)
 {
@@ -50,15 +34,6 @@ void requireApart(const std::string& input, const std::string& output)
     throw UserError(input + ": a run writes and removes files in --output, where this folder is; " +
                     "choose another --output");
   }
-}
-
-void writeOrigin(const std::string& input,
-                 const std::string& program,
-                 const ConvertedFiles& files,
-                 const std::vector<std::string>& warnings)
-{
-  writeRecordingOrigin({fs::absolute(input).lexically_normal().string(), program, warnings},
-                       files.folder);
 }
 
 /** An error of a converter, in the words of a user of dyslam. */
@@ -94,7 +69,7 @@ std::vector<std::string> convertTo(const ConvertedFiles& files,
           return converter.convert(files.rawlog, options, progress,
                                    unpackWithProgress("dyslam", input, a.quiet()));
         });
-    writeOrigin(input, converter.program(), files, result.warnings);
+    files.writeOrigin(input, converter.program(), result.warnings);
     if (!a.quiet())
     {
       report(result, files.rawlog);
@@ -108,8 +83,8 @@ std::vector<std::string> convertTo(const ConvertedFiles& files,
   {
     if (is_new && fs::exists(files.rawlog))  // with the scans before the error
     {
-      writeOrigin(input, converter.program(), files,
-                  {std::string("it ended with an error: ") + error.what()});
+      files.writeOrigin(input, converter.program(),
+                        {std::string("it ended with an error: ") + error.what()});
     }
     throw UserError(inDyslam(error, input, converter.program()));
   }
@@ -159,7 +134,7 @@ void convertInput(SlamArguments& a, const RecordingOptions& options)
   try
   {
     const FolderLock lock(files.folder);
-    requireNewRecording(files.rawlog, a.settings.force || fs::is_regular_file(files.origin));
+    requireNewRecording(files.rawlog, a.settings.force || files.canBeMadeAgain());
     a.settings.warnings = convertTo(files, converter, options, a);
   }
   catch (...)

@@ -15,6 +15,7 @@ namespace dyslam
  *
  * It is converted in every run, since calibration, poses and labels that are read may be anywhere.
  * `recording.ini` beside it names its sources and has the warnings; without this file an earlier
- * recording of the name is only replaced with --force. \throws UserError. */
+ * recording of the name is only replaced with --force, and so is one that was received from a lidar
+ * on the network. \throws UserError. */
 void convertInput(SlamArguments& a, const RecordingOptions& options);
 }  // namespace dyslam

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/base/Heap.h>
+#include <dyslam/formats/RecordingKind.h>
 #include <dyslam/run/RunSlam.h>
 
 #include <optional>
@@ -10,6 +11,7 @@
 #include "../common/SlamProgram.h"
 #include "../common/StopSignals.h"
 #include "InputConversion.h"
+#include "LiveRun.h"
 #include "LiveWindow.h"
 
 namespace
@@ -19,11 +21,15 @@ void declare(CLI::App& app,
              dyslam::RecordingOptions& conversion,
              bool& with_window)
 {
-  app.description("Replays a recording of 3D LiDAR scans: trajectory, moving objects, static map");
+  app.description(
+      "Replays a recording of 3D LiDAR scans, or follows a lidar on the network: trajectory, "
+      "moving "
+      "objects, static map");
   app.add_option(
       "-i,--input", a.settings.rawlog,
       "rawlog to replay; or ROS bag, .pcap of a Velodyne, Hesai or Ouster, KITTI folder or folder "
-      "of .bin, .pcd or .ply scans, converted to recording.rawlog in --output first");
+      "of .bin, .pcd or .ply scans, converted to recording.rawlog in --output first; or "
+      "udp:[ADDRESS:]PORT[,PORT], a lidar on the network, recorded there until Ctrl-C");
   dyslam::addOutputFolder(app, "-o,--output", a.settings.output_folder, "folder for the results")
       ->required();
   app.add_flag("--resume", a.resume,
@@ -37,7 +43,7 @@ void declare(CLI::App& app,
   dyslam::declareConversion(app, conversion);
 }
 
-/** Converts and runs the input. \throws UserError, UnusableResult. */
+/** Converts or records the input, and runs it. \throws UserError, UnusableResult. */
 void run(dyslam::SlamArguments& a, const dyslam::RecordingOptions& conversion, bool with_window)
 {
   std::optional<dyslam::LiveWindow> window;
@@ -46,8 +52,15 @@ void run(dyslam::SlamArguments& a, const dyslam::RecordingOptions& conversion, b
     window.emplace();  // first, so that a missing display is told before the conversion
     a.settings.show = [&window](const dyslam::Frame& frame) { window->show(frame); };
   }
-  dyslam::convertInput(a, conversion);
-  dyslam::runSlamProgram("dyslam", a, a.resume ? dyslam::resumeSlam : dyslam::runSlam);
+  if (dyslam::isNetworkInput(a.settings.rawlog))
+  {
+    dyslam::runLive(a, conversion);
+  }
+  else
+  {
+    dyslam::convertInput(a, conversion);
+    dyslam::runSlamProgram("dyslam", a, a.resume ? dyslam::resumeSlam : dyslam::runSlam);
+  }
   if (window)
   {
     window->waitUntilClosed([] { return dyslam::stop_asked.load(); });

@@ -3,8 +3,10 @@
 #include <dyslam/base/Printable.h>
 #include <dyslam/formats/Bag.h>
 #include <dyslam/formats/RecordingKind.h>
+#include <dyslam/io/LiveRecorder.h>
 #include <dyslam/io/ScanConverter.h>
 
+#include <cstddef>
 #include <iostream>
 #include <string>
 
@@ -13,6 +15,8 @@
 #include "../common/ConversionFlags.h"
 #include "../common/ConversionReport.h"
 #include "../common/OutputOptions.h"
+#include "../common/Progress.h"
+#include "../common/StopSignals.h"
 
 namespace
 {
@@ -33,8 +37,10 @@ void declare(CLI::App& app, Arguments& arguments)
   ScanConverterOptions& o = arguments.options;
   app.description(
       "Converts a folder of .bin, .pcd or .ply scans, a .pcap of a Velodyne, Hesai or Ouster, or a "
-      "ROS bag (.bag, .db3, .mcap) to an MRPT rawlog");
-  app.add_option("-i,--input", arguments.input, "folder of scans or of a bag's parts, or file")
+      "ROS bag (.bag, .db3, .mcap) to an MRPT rawlog, or records a lidar on the network in one");
+  app.add_option("-i,--input", arguments.input,
+                 "folder of scans or of a bag's parts, or file; or udp:[ADDRESS:]PORT[,PORT], a "
+                 "lidar on the network, recorded until Ctrl-C")
       ->required();
   CLI::Option* output = addOutputFile(app, "-o,--output", arguments.output, "rawlog to write");
   CLI::Option* list = app.add_flag("--list", arguments.list, "print a bag's topics and stop");
@@ -79,6 +85,37 @@ void declare(CLI::App& app, Arguments& arguments)
   app.add_flag("-q,--quiet", arguments.quiet, "no progress");
 }
 
+/** Records a lidar on the network until Ctrl-C. */
+void record(const Arguments& arguments)
+{
+  requireNewRecording(arguments.output, arguments.force);
+  stopOnSignals();
+  constexpr double unknown = -1;
+  std::size_t recorded = 0;
+  Progress progress("scans2rawlog", "scans", arguments.quiet);
+  const auto print = [&arguments](const std::string& line)
+  {
+    if (!arguments.quiet)
+    {
+      printAbove("scans2rawlog: " + line);
+    }
+  };
+  LiveRecorderHooks hooks;
+  hooks.stop = [] { return stop_asked.load(); };
+  hooks.listening = [&print](const std::string& name)
+  { print("waits for packets on " + name + "; Ctrl-C ends the recording"); };
+  hooks.warn = [&print](const std::string& warning) { print("warning: " + warning); };
+  hooks.recorded = [&](std::size_t scans)
+  {
+    recorded = scans;
+    progress.update(unknown, scans);
+  };
+  const ConversionResult result =
+      recordLive(arguments.input, arguments.output, arguments.options, hooks);
+  progress.finish(recorded);
+  report(result, arguments.output);
+}
+
 void run(const Arguments& arguments)
 {
   const auto unpacking = unpackWithProgress("scans2rawlog", arguments.input, arguments.quiet);
@@ -99,6 +136,11 @@ void run(const Arguments& arguments)
   if (arguments.output.empty())
   {
     throw UserError("--output: name the rawlog to write (-o x.rawlog)");
+  }
+  if (isNetworkInput(arguments.input))
+  {
+    record(arguments);
+    return;
   }
   runConversion("scans2rawlog", arguments.input, arguments.output, arguments.force, arguments.quiet,
                 [&](const ConversionProgress& progress)

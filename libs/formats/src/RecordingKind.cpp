@@ -152,8 +152,17 @@ bool isBag(const std::string& path)
                                 : isBagFile(path);
 }
 
+bool isNetworkInput(const std::string& input)
+{
+  return input.rfind("udp:", 0) == 0;
+}
+
 RecordingKind recordingKind(const std::string& path)
 {
+  if (isNetworkInput(path))
+  {
+    return RecordingKind::network;
+  }
   if (isBag(path))
   {
     return RecordingKind::bag;
@@ -189,6 +198,9 @@ std::string conversionAdvice(const std::string& path)
       return "is a ROS bag" + firstMake("scans2rawlog", path);
     case RecordingKind::capture:
       return "is a network capture" + firstMake("scans2rawlog", path);
+    case RecordingKind::network:
+      return "is a lidar on the network; record it first: scans2rawlog -i " + path +
+             " -o drive.rawlog";
     case RecordingKind::scans:
       return "is a folder of scans" + firstMake("scans2rawlog", path);
     case RecordingKind::kitti:

@@ -69,6 +69,8 @@ TEST(RecordingKinds, KindsOfRecordings)
   EXPECT_EQ(RecordingKind::bag, kindOf("a.mcap.zst"));
   EXPECT_EQ(RecordingKind::unknown, kindOf("a.rawlog.gz"));
   EXPECT_EQ(RecordingKind::unknown, kindOf("a.rawlog"));
+  EXPECT_EQ(RecordingKind::network, recordingKind("udp:2368"));
+  EXPECT_EQ(RecordingKind::unknown, kindOf("udp"));
   EXPECT_EQ(RecordingKind::unknown, kindOf("a.pcd"));
   folder.write("recording/metadata.yaml", "");
   EXPECT_EQ(RecordingKind::unknown, kindOf("recording"));

@@ -104,7 +104,8 @@ TEST(CaptureImu, WhatDoesNotFitIsAnError)
   };
   const std::string velodyne = folder.write("v.pcap", captured(400));
   EXPECT_TRUE(contains(message(velodyne), "--imu reads the IMU of an Ouster, and this is a VLP16"));
-  EXPECT_TRUE(contains(message(folder.write("a.bag", "")), "--imu works with a .pcap only"));
+  EXPECT_TRUE(contains(message(folder.write("a.bag", "")),
+                       "--imu works with a .pcap or a lidar on the network only"));
   options.dt = 0.1;
   EXPECT_TRUE(contains(message(velodyne), "--imu and --dt exclude each other"));
 }

@@ -124,7 +124,7 @@ TEST(RecordingOptions, OfEachTheFlagIsKnown)
   options.dt = 0.1;
   EXPECT_EQ("--dt", options.givenFlag());
   EXPECT_NO_THROW(options.requireFitting(RecordingKind::kitti));
-  EXPECT_EQ("--dt: the scans of a bag have times; leave it out",
+  EXPECT_EQ("--dt: the scans of a bag or of a lidar on the network have times; leave it out",
             messageOfError<UserError>([&] { options.requireFitting(RecordingKind::bag); }));
   options.base_frame = "base_link";
   EXPECT_EQ("--base-frame", options.givenFlag());

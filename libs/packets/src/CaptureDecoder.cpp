@@ -31,10 +31,10 @@ int fitOf(const OusterMetadata& metadata, const LidarPacket& packet)
 class DecoderChoice
 {
  public:
-  DecoderChoice(const std::string& capture,
-                const PcapSourceOptions& options,
+  DecoderChoice(const PacketInput& input,
+                const PacketSourceOptions& options,
                 const std::deque<LidarPacket>& packets)
-      : capture_(capture), options_(options), packets_(packets)
+      : capture_(input.name()), has_files_(!input.isLive()), options_(options), packets_(packets)
   {
   }
 
@@ -51,7 +51,7 @@ class DecoderChoice
       return decoderOf(std::make_unique<HesaiScans>(capture_, hesaiOptions()));
     }
     // A stray datagram may have the size of a Velodyne's packets.
-    if (calibration.empty() && is_automatic &&
+    if (calibration.empty() && is_automatic && has_files_ &&
         2 * countOf(VelodyneScans::isPacket) <= static_cast<std::ptrdiff_t>(packets_.size()))
     {
       if (CaptureDecoder found = ousterBeside(); found.scans != nullptr)
@@ -155,16 +155,17 @@ class DecoderChoice
     return std::count_if(packets_.begin(), packets_.end(), kind);
   }
 
-  const std::string& capture_;
-  const PcapSourceOptions& options_;
+  const std::string& capture_;  //!< name of the input
+  bool has_files_;              //!< files may lie beside the input
+  const PacketSourceOptions& options_;
   const std::deque<LidarPacket>& packets_;
 };
 }  // namespace
 
-CaptureDecoder chooseDecoder(const std::string& capture,
-                             const PcapSourceOptions& options,
+CaptureDecoder chooseDecoder(const PacketInput& input,
+                             const PacketSourceOptions& options,
                              const std::deque<LidarPacket>& packets)
 {
-  return DecoderChoice(capture, options, packets).best();
+  return DecoderChoice(input, options, packets).best();
 }
 }  // namespace dyslam

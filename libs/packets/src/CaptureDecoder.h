@@ -2,7 +2,7 @@
 #pragma once
 
 #include <dyslam/packets/PacketScans.h>
-#include <dyslam/packets/PcapSource.h>
+#include <dyslam/packets/PacketSource.h>
 
 #include <cstddef>
 #include <cstdint>
@@ -35,10 +35,10 @@ struct CaptureDecoder
   std::vector<std::string> notes;  //!< for the user
 };
 
-/** The decoder for the lidar of a capture: by the option, else by its packets, and for an Ouster
- * with those of the metadata beside the capture that fit the packets best.
- * \param packets the first ones \throws UserError for damaged metadata or calibrations. */
-[[nodiscard]] CaptureDecoder chooseDecoder(const std::string& capture,
-                                           const PcapSourceOptions& options,
+/** The decoder for the lidar of an input: by the option, else by its packets, and for an Ouster
+ * with those of the metadata beside a capture that fit the packets best. \param packets the first
+ * ones \throws UserError for damaged metadata or calibrations. */
+[[nodiscard]] CaptureDecoder chooseDecoder(const PacketInput& input,
+                                           const PacketSourceOptions& options,
                                            const std::deque<LidarPacket>& packets);
 }  // namespace dyslam

@@ -187,7 +187,7 @@ bool fillPacket(const std::uint8_t* udp,
 }
 }  // namespace
 
-PacketCapture::PacketCapture(const std::string& path) : file_(nullptr, &pcap_close)
+PacketCapture::PacketCapture(const std::string& path) : path_(path), file_(nullptr, &pcap_close)
 {
   (void)openBinary(path);
   size_ = std::filesystem::file_size(path);
@@ -235,6 +235,34 @@ bool PacketCapture::next(LidarPacket& packet)
       return true;
     }
   }
+}
+
+std::vector<std::string> PacketCapture::warnings() const
+{
+  std::vector<std::string> lines;
+  if (has_other_interfaces_)
+  {
+    lines.emplace_back(
+        "interfaces of another kind or snapshot length than the first are left out; capture on "
+        "that of the lidar alone");
+  }
+  return lines;
+}
+
+std::vector<std::string> PacketCapture::reasonsForNone() const
+{
+  std::vector<std::string> lines = warnings();
+  if (has_cut_frames_)
+  {
+    lines.emplace_back("frames were cut at capture (tcpdump -s 0 keeps them whole)");
+  }
+  return lines;
+}
+
+std::string PacketCapture::adviceForSeveral() const
+{
+  return "make a capture of each lidar: tcpdump -r " + path_ +
+         " -w one.pcap 'src host ADDRESS and udp dst port PORT'";
 }
 
 double PacketCapture::progress() const

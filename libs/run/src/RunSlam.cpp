@@ -14,11 +14,13 @@
 
 #include <atomic>
 #include <chrono>
+#include <cstdint>
 #include <exception>
 #include <filesystem>
 #include <optional>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "checkpoint/CheckpointSchedule.h"
 #include "checkpoint/RunToResume.h"
@@ -177,23 +179,31 @@ SlamRunReport processRest(const SlamRunSettings& settings,
                           const ScanSum& scans,
                           const FrameCallback& on_frame)
 {
+  std::vector<std::string> late_warnings;
   const EarlyEnd end = replayToTheEnd(
       run, [&] { return RunThreads(settings, source, run, scans, on_frame).processAll(); },
-      [&run]
+      [&]
       {
+        if (settings.end_of_scans)
+        {
+          late_warnings = settings.end_of_scans();
+        }
         if (run.frames() > 0)
         {
           run.pipeline().finish();
         }
       });
-  return run.finish(source.warnings(), end);
+  std::vector<std::string> warnings = source.warnings();
+  warnings.insert(warnings.end(), late_warnings.begin(), late_warnings.end());
+  return run.finish(warnings, end);
 }
 
 /** Skips the scans that the run has processed. \throws UserError if they differ. */
 ScanSum skipProcessed(const SavedRun& saved, const std::string& rawlog, RawlogSource& source)
 {
   const std::string advice = "; give the recording that the run had, or start anew";
-  if (std::filesystem::file_size(rawlog) != saved.rawlog_size)
+  const std::uintmax_t size = std::filesystem::file_size(rawlog);
+  if (size < saved.rawlog_size || (size > saved.rawlog_size && !saved.rawlog_grew))
   {
     throw UserError(rawlog + ": has another size than when the run began" + advice);
   }

@@ -3,6 +3,7 @@
 
 #include <dyslam/base/Error.h>
 #include <dyslam/base/Printable.h>
+#include <dyslam/formats/RecordingKind.h>
 #include <dyslam/io/OptionError.h>
 #include <dyslam/packets/PcapSource.h>
 #include <dyslam/packets/VelodyneModels.h>
@@ -14,20 +15,17 @@ namespace dyslam
 {
 namespace
 {
-/** Passes the IMU in the lidar of a capture to the sink, if the options ask for it. */
+/** Passes the IMU in the lidar to the sink, if the options ask for it. */
 class CaptureImu
 {
  public:
   /** \throws UserError if the options ask for an IMU whose packets are not read. */
-  CaptureImu(const std::string& input,
-             PcapSource& source,
-             const ScanConverterOptions& options,
-             ScanSink& sink)
-      : input_(input), source_(source), is_wanted_(options.imu), sink_(sink)
+  CaptureImu(PacketSource& source, const ScanConverterOptions& options, ScanSink& sink)
+      : source_(source), is_wanted_(options.imu), sink_(sink)
   {
     if (is_wanted_ && !source.readsImu())
     {
-      throw UserError(input + ": --imu reads the IMU of an Ouster, and this is a " +
+      throw UserError(source.name() + ": --imu reads the IMU of an Ouster, and this is a " +
                       source.sensor() + "; leave it out");
     }
   }
@@ -56,33 +54,48 @@ class CaptureImu
     }
     if (is_wanted_ && written.scans == 0)
     {
-      sink_.warn(
-          input_ + ": --imu: has no sample of the IMU at the times of the scans" +
-          (source_.imuPackets() == 0 ? ": its packets (UDP port 7503) were not captured" : ""));
+      sink_.warn(source_.name() + ": --imu: has no sample of the IMU at the times of the scans" +
+                 (source_.imuPackets() == 0 ? whyNoPackets() : ""));
     }
   }
 
  private:
-  const std::string& input_;
-  PcapSource& source_;
+  [[nodiscard]] std::string whyNoPackets() const
+  {
+    return isNetworkInput(source_.name())
+               ? ": its packets were not received; name the ports of both: udp:7502,7503"
+               : ": its packets (UDP port 7503) were not captured";
+  }
+
+  PacketSource& source_;
   bool is_wanted_;
   ScanSink& sink_;
 };
 }  // namespace
 
-void convertCapture(const std::string& input, ScanSink& sink, const ScanConverterOptions& options)
+PacketSourceOptions packetSourceOptions(const ScanConverterOptions& options)
 {
-  PcapSourceOptions source_options;
+  PacketSourceOptions source_options;
   source_options.model = givenVelodyneModel(options.sensor);
   source_options.calibration_file = options.calibration;
   source_options.keep_partial = options.keep_partial;
   source_options.imu = options.imu;
-  PcapSource source(input, source_options);
+  return source_options;
+}
+
+void convertCapture(const std::string& input, ScanSink& sink, const ScanConverterOptions& options)
+{
+  PcapSource source(input, packetSourceOptions(options));
+  convertPackets(source, sink, options);
+}
+
+void convertPackets(PacketSource& source, ScanSink& sink, const ScanConverterOptions& options)
+{
   for (const std::string& note : source.notes())
   {
     sink.note(note);
   }
-  CaptureImu imu(input, source, options, sink);
+  CaptureImu imu(source, options, sink);
   while (auto scan = source.next())
   {
     imu.passOn();
@@ -95,10 +108,10 @@ void convertCapture(const std::string& input, ScanSink& sink, const ScanConverte
   {
     if (sink.seen() == 0)
     {
-      throw OptionError(input + ": holds no whole revolution; try --keep-partial",
+      throw OptionError(source.name() + ": holds no whole revolution; try --keep-partial",
                         "--keep-partial");
     }
-    throw UserError(input + ": " + emptyRange(options));
+    throw UserError(source.name() + ": " + emptyRange(options));
   }
   imu.report();
   for (const std::string& warning : source.warnings())

@@ -31,6 +31,7 @@ RawlogWriterOptions writerOptions(const ConversionOptions& options)
   RawlogWriterOptions of_writer;
   of_writer.external_storage = options.external_storage;
   of_writer.compression_level = options.compression_level;
+  of_writer.growing = options.growing;
   return of_writer;
 }
 }  // namespace
@@ -72,10 +73,15 @@ ConversionOutput::ConversionOutput(const std::string& path,
       folder_(groundTruthFolder(path)),
       pending_(folder_ + ".tmp"),
       writer_(inFolder(path), writerOptions(options)),
+      grows_(options.growing),
       origin_(origin)
 {
   requireNoLinks(folder_);
   fs::remove_all(pending_);  // of a killed program
+  if (grows_)
+  {
+    removeGroundTruth(folder_);  // of the recording that was replaced
+  }
 }
 
 ConversionOutput::~ConversionOutput()
@@ -103,7 +109,7 @@ std::string ConversionOutput::keepAfterError()
   for (const std::string& earlier : {path_, folder_})
   {
     std::error_code ignored;
-    if (result_.scans > 0 && fs::exists(earlier, ignored))
+    if (result_.scans > 0 && !grows_ && fs::exists(earlier, ignored))
     {
       abandon();
       return "; the earlier " + earlier + " stays";
@@ -161,6 +167,10 @@ void ConversionOutput::write(const Scan& scan, const std::optional<Pose>& T_worl
   writer_.write(scan, T_world_vehicle);
   ++result_.scans;
   result_.points += scan.size();
+  if (grows_)
+  {
+    writer_.flush();
+  }
   if (T_world_vehicle)
   {
     truth().addPose(scan.stamp, *T_world_vehicle);

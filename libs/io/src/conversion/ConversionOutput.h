@@ -39,7 +39,7 @@ constexpr const char* thinned_without_times =
  *
  * Both get their names by close(). When an error ends the work after the first scan, the scans
  * before it are kept, unless there is an earlier recording or truth of the name: then that stays,
- * and all that was written is removed.
+ * and all that was written is removed. A growing rawlog replaces an earlier one from the start.
  */
 class ConversionOutput
 {
@@ -84,6 +84,7 @@ class ConversionOutput
   std::string folder_;   //!< folder of the ground truth
   std::string pending_;  //!< temporary folder of the ground truth
   RawlogWriter writer_;
+  bool grows_;  //!< ConversionOptions::growing
   PoseOrigin origin_;
   std::unique_ptr<GroundTruthWriter> truth_;
   ConversionResult result_;

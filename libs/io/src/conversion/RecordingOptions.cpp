@@ -43,14 +43,14 @@ bool isOfBag(RecordingKind kind)
   return kind == RecordingKind::bag;
 }
 
-bool isCapture(RecordingKind kind)
+bool hasPacketsOnly(RecordingKind kind)
 {
-  return kind == RecordingKind::capture;
+  return kind == RecordingKind::capture || kind == RecordingKind::network;
 }
 
 bool mayHavePackets(RecordingKind kind)
 {
-  return kind == RecordingKind::bag || kind == RecordingKind::capture;
+  return kind == RecordingKind::bag || hasPacketsOnly(kind);
 }
 
 bool isNotKitti(RecordingKind kind)
@@ -70,7 +70,7 @@ bool isFolderOfScans(RecordingKind kind)
 
 bool hasNoTimes(RecordingKind kind)
 {
-  return kind != RecordingKind::bag;
+  return kind != RecordingKind::bag && kind != RecordingKind::network;
 }
 
 Values valuesOf(ScansDeskewed deskewed)
@@ -95,19 +95,20 @@ const std::array<RecordingOption, 15> all_options{
     {{"--topic", [](Given o) { return valuesOf(o.topic); }, isOfBag, bags_only},
      {"--further-topic", [](Given o) { return o.further_topics; }, isOfBag, bags_only},
      {"--imu-topic", [](Given o) { return valuesOf(o.imu_topic); }, isOfBag, bags_only},
-     {"--imu", [](Given o) { return o.imu ? Values{"true"} : Values(); }, isCapture,
-      " works with a .pcap only: --imu-topic names the IMU of a bag, kitti2rawlog --imu reads "
+     {"--imu", [](Given o) { return o.imu ? Values{"true"} : Values(); }, hasPacketsOnly,
+      " works with a .pcap or a lidar on the network only: --imu-topic names the IMU of a bag, "
+      "kitti2rawlog --imu reads "
       "KITTI's"},
      {"--odometry-topic", [](Given o) { return valuesOf(o.odometry_topic); }, isOfBag, bags_only},
      {"--gnss-topic", [](Given o) { return valuesOf(o.gnss_topic); }, isOfBag, bags_only},
      {"--sensor", [](Given o) { return valuesOf(o.sensor); }, isNotKitti,
-      " works with a .pcap, a bag or a folder of scans only"},
+      " works with packets, a bag or a folder of scans only"},
      {"--calibration", [](Given o) { return valuesOf(o.calibration); }, mayHavePackets,
-      " works with the packets of a .pcap or a bag only"},
+      " works with packets only: of a .pcap, a bag or a lidar on the network"},
      {"--sensor-pose", [](Given o) { return valuesOf(o.sensor_pose); }, nullptr, ""},
      {"--base-frame", [](Given o) { return valuesOf(o.base_frame); }, isOfBag, bags_only},
      {"--dt", [](Given o) { return o.dt > 0 ? Values{exactText(o.dt)} : Values(); }, hasNoTimes,
-      ": the scans of a bag have times; leave it out"},
+      ": the scans of a bag or of a lidar on the network have times; leave it out"},
      {"--bin-layout", [](Given o) { return valuesOf(o.bin_layout); }, isFolderOfScans,
       folders_only},
      {"--scale", [](Given o) { return o.scale != 1 ? Values{exactText(o.scale)} : Values(); },

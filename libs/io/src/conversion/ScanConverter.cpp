@@ -46,67 +46,6 @@ void requireCapture(const std::string& file)
   }
 }
 
-/** \throws UserError for an option that does not apply to this kind of input. */
-void requireFitting(RecordingKind kind, const ScanConverterOptions& options)
-{
-  struct Use
-  {
-    const char* flag;
-    bool given;
-    RecordingKind kind;
-    const char* with;
-  };
-  for (const Use& use :
-       {Use{"--poses", !options.poses.empty(), RecordingKind::scans, "a folder of scans"},
-        Use{"--times", !options.times.empty(), RecordingKind::scans, "a folder of scans"},
-        Use{"--by-number", options.by_number, RecordingKind::scans, "a folder of scans"},
-        Use{"--truth-topic", !options.truth_topic.empty(), RecordingKind::bag, "a bag"},
-        Use{"--truth-frame", !options.truth_frame.empty(), RecordingKind::bag, "a bag"},
-        Use{"--imu-pose", !options.imu_pose.empty(), RecordingKind::bag, "a bag"}})
-  {
-    if (use.given && use.kind != kind)
-    {
-      throw UserError(std::string(use.flag) + " works with " + use.with + " only");
-    }
-  }
-  if (kind == RecordingKind::scans && options.keep_partial)
-  {
-    throw UserError("--keep-partial works with the packets of a .pcap or a bag only");
-  }
-  options.requireFitting(kind);
-  if (!options.times.empty() && options.dt > 0)
-  {
-    throw UserError("--times and --dt exclude each other");
-  }
-  if (options.imu && options.dt > 0)
-  {
-    throw UserError(
-        "--imu and --dt exclude each other: the samples of the IMU have the lidar's times");
-  }
-  if (!options.times.empty() && options.by_number)
-  {
-    throw UserError("--times and --by-number exclude each other");
-  }
-  if (options.pose_source != PoseSource::unknown && options.poses.empty() &&
-      options.truth_topic.empty())
-  {
-    throw UserError("--pose-source states where --poses or --truth-topic are from; give one, too");
-  }
-  if (!options.base_frame.empty() && !options.sensor_pose.empty())
-  {
-    throw UserError(
-        "--base-frame takes the pose of the lidar from the bag, --sensor-pose states it; "
-        "give one of them");
-  }
-  if (!options.truth_frame.empty() && options.truth_topic.empty())
-  {
-    throw UserError("--truth-frame chooses one of the bodies of --truth-topic; give that, too");
-  }
-  if (!options.imu_pose.empty() && options.imu_topic.empty())
-  {
-    throw UserError("--imu-pose states where the IMU of --imu-topic is mounted; give that, too");
-  }
-}
 }  // namespace
 
 void ScanConverterOptions::describe(OptionsVisitor& visitor)
@@ -150,6 +89,69 @@ void ScanConverterOptions::describe(OptionsVisitor& visitor)
   describeConversion(visitor);
 }
 
+void ScanConverterOptions::requireAllFitting(RecordingKind kind) const
+{
+  struct Use
+  {
+    const char* flag;
+    bool given;
+    RecordingKind kind;
+    const char* with;
+  };
+  for (const Use& use : {Use{"--poses", !poses.empty(), RecordingKind::scans, "a folder of scans"},
+                         Use{"--times", !times.empty(), RecordingKind::scans, "a folder of scans"},
+                         Use{"--by-number", by_number, RecordingKind::scans, "a folder of scans"},
+                         Use{"--truth-topic", !truth_topic.empty(), RecordingKind::bag, "a bag"},
+                         Use{"--truth-frame", !truth_frame.empty(), RecordingKind::bag, "a bag"},
+                         Use{"--imu-pose", !imu_pose.empty(), RecordingKind::bag, "a bag"}})
+  {
+    if (use.given && use.kind != kind)
+    {
+      throw UserError(std::string(use.flag) + " works with " + use.with + " only");
+    }
+  }
+  if (kind == RecordingKind::network && external_storage)
+  {
+    throw UserError("--external-storage does not work with a lidar on the network");
+  }
+  if (kind == RecordingKind::scans && keep_partial)
+  {
+    throw UserError("--keep-partial works with the packets of a .pcap or a bag only");
+  }
+  requireFitting(kind);
+  if (!times.empty() && dt > 0)
+  {
+    throw UserError("--times and --dt exclude each other");
+  }
+  if (imu && dt > 0)
+  {
+    throw UserError(
+        "--imu and --dt exclude each other: the samples of the IMU have the lidar's times");
+  }
+  if (!times.empty() && by_number)
+  {
+    throw UserError("--times and --by-number exclude each other");
+  }
+  if (pose_source != PoseSource::unknown && poses.empty() && truth_topic.empty())
+  {
+    throw UserError("--pose-source states where --poses or --truth-topic are from; give one, too");
+  }
+  if (!base_frame.empty() && !sensor_pose.empty())
+  {
+    throw UserError(
+        "--base-frame takes the pose of the lidar from the bag, --sensor-pose states it; "
+        "give one of them");
+  }
+  if (!truth_frame.empty() && truth_topic.empty())
+  {
+    throw UserError("--truth-frame chooses one of the bodies of --truth-topic; give that, too");
+  }
+  if (!imu_pose.empty() && imu_topic.empty())
+  {
+    throw UserError("--imu-pose states where the IMU of --imu-topic is mounted; give that, too");
+  }
+}
+
 ConversionResult convertScans(const std::string& input,
                               const std::string& output,
                               const ScanConverterOptions& options,
@@ -157,6 +159,11 @@ ConversionResult convertScans(const std::string& input,
                               const BagUnpackingProgress& unpacking)
 {
   validate(options, "scans2rawlog");
+  if (isNetworkInput(input))
+  {
+    throw UserError(input +
+                    ": is a lidar on the network, not a recording; record it with scans2rawlog");
+  }
   if (!fs::exists(input))
   {
     throw UserError(input + ": no such file or folder");
@@ -167,7 +174,7 @@ ConversionResult convertScans(const std::string& input,
   const RecordingKind kind = isBag(input)              ? RecordingKind::bag
                              : fs::is_directory(input) ? RecordingKind::scans
                                                        : RecordingKind::capture;
-  requireFitting(kind, options);
+  options.requireAllFitting(kind);
   const ScanFolder folder =
       kind == RecordingKind::scans ? findScanFolder(input, options) : ScanFolder();
   if (kind == RecordingKind::capture)

@@ -2,16 +2,20 @@
 #include "GzInput.h"
 
 #include <dyslam/base/Error.h>
+#include <dyslam/base/GrowingFile.h>
 #include <dyslam/formats/TextFile.h>
 #include <fcntl.h>
 #include <isa-l/igzip_lib.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <cerrno>
+#include <chrono>
 #include <cstring>
 #include <filesystem>
 #include <stdexcept>
+#include <thread>
 
 namespace dyslam
 {
@@ -19,6 +23,7 @@ namespace
 {
 constexpr std::size_t packed_size = 1U << 17U;
 constexpr std::size_t content_size = 1U << 18U;
+constexpr std::chrono::milliseconds growth_check(20);  //!< between two looks at a file that grows
 }  // namespace
 
 GzInput::GzInput(const std::string& path)
@@ -33,6 +38,7 @@ GzInput::GzInput(const std::string& path)
     throw UserError(path + ": cannot be read (" + std::strerror(errno) +
                     "); check its permissions");
   }
+  grows_ = isGrowing(descriptor_);
   (void)beginMember();
 }
 
@@ -61,12 +67,43 @@ bool GzInput::fillPacked(std::size_t count)
     }
     if (got == 0)
     {
+      if (waitForMore())
+      {
+        continue;
+      }
       return false;
     }
     packed_end_ += static_cast<std::size_t>(std::max<ssize_t>(0, got));
     offset_ += static_cast<std::uint64_t>(std::max<ssize_t>(0, got));
   }
   return read_error_.empty();
+}
+
+std::uint64_t GzInput::presentSize() const
+{
+  struct stat state = {};
+  return grows_ && ::fstat(descriptor_, &state) == 0 ? static_cast<std::uint64_t>(state.st_size)
+                                                     : size_;
+}
+
+bool GzInput::waitForMore()
+{
+  while (grows_)
+  {
+    // Before the size: the last data come before the end.
+    const bool grows = isGrowing(descriptor_);
+    size_ = presentSize();
+    grows_ = grows;
+    if (size_ > offset_)
+    {
+      return true;
+    }
+    if (grows_)
+    {
+      std::this_thread::sleep_for(growth_check);
+    }
+  }
+  return false;
 }
 
 bool GzInput::beginMember()
@@ -95,19 +132,13 @@ void GzInput::unpackSome()
   const int result = isal_inflate(inflate_.get());
   packed_begin_ = packed_end_ - inflate_->avail_in;
   content_end_ = content_.size() - inflate_->avail_out;
+  is_full_ = inflate_->avail_out == 0;
   if (result < 0)
   {
     broken_ = true;
     ended_ = true;
   }
-  else if (inflate_->block_state == ISAL_BLOCK_FINISH)
-  {
-    ended_ = !beginMember();
-    if (ended_)
-    {
-      lookForRest();
-    }
-  }
+  is_between_ = result >= 0 && inflate_->block_state == ISAL_BLOCK_FINISH;
 }
 
 /** Zeros behind the last member are padding, as of tapes. */
@@ -142,7 +173,17 @@ void GzInput::fillContent()
   {
     content_begin_ = 0;
     content_end_ = 0;
-    const bool more = fillPacked(1);
+    if (is_between_)  // only now: the next member of a file that grows may be long in coming
+    {
+      is_between_ = false;
+      ended_ = !beginMember();
+      if (ended_)
+      {
+        lookForRest();
+      }
+      continue;
+    }
+    const bool more = is_full_ || fillPacked(1);
     if (inflate_ == nullptr)
     {
       content_end_ = packedSize();
@@ -153,7 +194,7 @@ void GzInput::fillContent()
       continue;
     }
     unpackSome();
-    if (!more && content_end_ == 0 && !ended_)
+    if (!more && content_end_ == 0 && !ended_ && !is_between_)
     {
       ended_ = true;
       cut_ = cut_ || read_error_.empty();
@@ -198,7 +239,8 @@ bool GzInput::atEnd()
 bool GzInput::checkMember()
 {
   const bool was_cut = cut_;
-  for (const std::size_t member = members_; !ended_ && member > 0 && members_ == member;)
+  for (const std::size_t member = members_;
+       !ended_ && !is_between_ && member > 0 && members_ == member;)
   {
     content_begin_ = content_end_;
     fillContent();
@@ -212,6 +254,7 @@ bool GzInput::checkMember()
 double GzInput::progress() const
 {
   const std::uint64_t at = offset_ - packedSize();
-  return size_ == 0 ? 1.0 : std::min(1.0, static_cast<double>(at) / static_cast<double>(size_));
+  const std::uint64_t size = presentSize();
+  return size == 0 ? 1.0 : std::min(1.0, static_cast<double>(at) / static_cast<double>(size));
 }
 }  // namespace dyslam

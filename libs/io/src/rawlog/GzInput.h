@@ -13,7 +13,10 @@ struct inflate_state;
 namespace dyslam
 {
 /** Reads a gzip or plain file, and detects truncation. Unpacked by ISA-L, in a third of zlib's
- * time. What follows the last gzip member is not read, as by zlib: see restAt(). */
+ * time. What follows the last gzip member is not read, as by zlib: see restAt().
+ *
+ * A file that is still being written (dyslam/base/GrowingFile.h) is followed: at its present end
+ * the reader waits for more, until the writer closes it. */
 class GzInput
 {
  public:
@@ -47,7 +50,7 @@ class GzInput
   [[nodiscard]] std::string whyIncomplete() const;
   /** Reason why a file that is not truncated could not be read to its end; else empty. */
   [[nodiscard]] const std::string& readError() const { return read_error_; }
-  /** Fraction of the file's bytes consumed. */
+  /** Fraction of the file's bytes consumed; of a file that grows, of those it has so far. */
   [[nodiscard]] double progress() const;
   [[nodiscard]] std::uint64_t fileSize() const { return size_; }
 
@@ -56,6 +59,10 @@ class GzInput
   void fillContent();
   /** Reads on until `count` bytes are there, or the file ends. \return whether they are. */
   bool fillPacked(std::size_t count);
+  /** Size of the file, which may have become larger. */
+  [[nodiscard]] std::uint64_t presentSize() const;
+  /** Waits for more of a file that grows. \return false if nothing more will come. */
+  bool waitForMore();
   /** Begins the gzip member that comes next. \return false if none does. */
   bool beginMember();
   void unpackSome();
@@ -67,6 +74,7 @@ class GzInput
   std::string path_;
   int descriptor_ = -1;
   std::uint64_t size_ = 0;            //!< size of the file [bytes]
+  bool grows_ = false;                //!< the file is still being written
   std::uint64_t offset_ = 0;          //!< offset of the next read in the file [bytes]
   std::vector<std::uint8_t> packed_;  //!< of the file; not yet unpacked from packed_begin_ on
   std::size_t packed_begin_ = 0;
@@ -74,8 +82,10 @@ class GzInput
   std::vector<std::uint8_t> content_;  //!< unpacked; not yet read from content_begin_ on
   std::size_t content_begin_ = 0;
   std::size_t content_end_ = 0;
+  bool is_full_ = false;  //!< the last piece filled content_: more may follow without more input
   std::unique_ptr<inflate_state> inflate_;  //!< null: the file is not compressed
   std::size_t members_ = 0;                 //!< number of gzip members begun
+  bool is_between_ = false;                 //!< behind a gzip member, before the next one
   bool ended_ = false;                      //!< nothing more can be unpacked
   bool cut_ = false;
   bool broken_ = false;

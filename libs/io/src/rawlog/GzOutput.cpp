@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/base/Error.h>
+#include <dyslam/base/GrowingFile.h>
 #include <dyslam/base/StateArchive.h>
 #include <dyslam/io/GzOutput.h>
 #include <libdeflate.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <cerrno>
@@ -12,18 +14,26 @@
 
 namespace dyslam
 {
-GzOutput::GzOutput(const std::string& path, int level)
-    : pending_(path),
+GzOutput::GzOutput(const std::string& path, int level, FileName name)
+    : path_(path),
       compressor_(libdeflate_alloc_compressor(std::clamp(level, 0, 9)), &libdeflate_free_compressor)
 {
+  if (name == FileName::at_start)
+  {
+    file_ = ::fdopen(createGrowingFile(path), "wb");
+    begin();
+    return;
+  }
+  pending_.emplace(path);
   open("wb");
 }
 
 GzOutput::GzOutput(const std::string& path, int level, StateArchive& saved)
-    : pending_(path),
+    : path_(path),
+      pending_(std::in_place, path),
       compressor_(libdeflate_alloc_compressor(std::clamp(level, 0, 9)), &libdeflate_free_compressor)
 {
-  pending_.keep();
+  pending_->keep();
   exchangeState(saved);
 }
 
@@ -34,7 +44,7 @@ void GzOutput::exchangeState(StateArchive& archive)
   archive(size, content_, empty_);
   if (archive.isLoading())
   {
-    cutPending(pending_, size);
+    cutPending(pending_.value(), size);
     open("ab");
     std::fseek(file_, 0, SEEK_END);
   }
@@ -42,14 +52,19 @@ void GzOutput::exchangeState(StateArchive& archive)
 
 void GzOutput::open(const char* mode)
 {
+  file_ = std::fopen(pending_->temporary().c_str(), mode);
+  if (file_ == nullptr)
+  {
+    throw UserError(path_ + ": cannot be written: " + std::strerror(errno));
+  }
+  begin();
+}
+
+void GzOutput::begin()
+{
   if (!compressor_)
   {
     throw std::bad_alloc();
-  }
-  file_ = std::fopen(pending_.temporary().c_str(), mode);
-  if (file_ == nullptr)
-  {
-    throw UserError(pending_.path() + ": cannot be written: " + std::strerror(errno));
   }
   std::setvbuf(file_, nullptr, _IONBF, 0);  // members are large
   content_.reserve(member_size);
@@ -106,13 +121,23 @@ void GzOutput::check() const
 {
   if (!failure_.empty())
   {
-    throw UserError(pending_.path() + ": cannot be written: " + failure_);
+    throw UserError(path_ + ": cannot be written: " + failure_);
   }
 }
 
 std::size_t GzOutput::Read(void*, std::size_t)
 {
   throw std::logic_error("GzOutput is for writing");
+}
+
+void GzOutput::flush()
+{
+  if (!content_.empty())
+  {
+    writeMember(content_.data(), content_.size());
+    content_.clear();
+  }
+  check();
 }
 
 void GzOutput::finish()
@@ -126,12 +151,16 @@ void GzOutput::finish()
     writeMember(content_.data(), content_.size());
     content_.clear();
   }
+  if (!pending_)
+  {
+    (void)::fsync(::fileno(file_));  // a PendingFile does this when it is renamed
+  }
   const int code = std::fclose(file_);
   file_ = nullptr;
   check();
   if (code != 0)
   {
-    throw UserError(pending_.path() + ": cannot be written to its end: " + std::strerror(errno));
+    throw UserError(path_ + ": cannot be written to its end: " + std::strerror(errno));
   }
   finished_ = true;
 }
@@ -139,10 +168,10 @@ void GzOutput::finish()
 void GzOutput::close()
 {
   finish();
-  if (finished_)
+  if (finished_ && pending_)
   {
     finished_ = false;
-    pending_.commit();
+    pending_->commit();
   }
 }
 }  // namespace dyslam

@@ -136,8 +136,16 @@ struct RawlogWriter::Impl
   Pose T_odom_vehicle = Pose::Identity();  //!< at that one, integrated from the first
 
   Impl(const std::string& path_in, const RawlogWriterOptions& options_in)
-      : path(path_in), options(options_in), file(path_in, options_in.compression_level)
+      : path(path_in),
+        options(options_in),
+        file(path_in,
+             options_in.compression_level,
+             options_in.growing ? FileName::at_start : FileName::at_end)
   {
+    if (options.external_storage && options.growing)
+    {
+      throw std::logic_error("a growing rawlog has no external storage");
+    }
     if (options.external_storage)
     {
       fs::remove_all(pendingFolder());  // of a killed program
@@ -370,6 +378,11 @@ void RawlogWriter::write(const GnssFix& fix)
   writeObject(observation, impl_->file);
 }
 
+void RawlogWriter::flush()
+{
+  impl_->file.flush();
+}
+
 void RawlogWriter::finish()
 {
   impl_->finished = true;
@@ -398,6 +411,11 @@ void RawlogWriter::close()
 void RawlogWriter::abandon()
 {
   impl_->closed = true;  // without a commit the file goes with the writer
+  if (impl_->options.growing)
+  {
+    std::error_code ignored;
+    fs::remove(impl_->path, ignored);
+  }
 }
 
 RawlogWriter::RawlogWriter(const std::string& path,

@@ -2,6 +2,7 @@
 #include "SavedRun.h"
 
 #include <dyslam/base/Error.h>
+#include <dyslam/base/GrowingFile.h>
 #include <dyslam/base/PathSettings.h>
 #include <dyslam/base/Version.h>
 
@@ -35,6 +36,7 @@ SavedRun savedRunOf(const SlamRunSettings& settings,
   SavedRun run;
   run.version = DYSLAM_VERSION;
   run.rawlog = fs::absolute(settings.rawlog).lexically_normal().string();
+  run.rawlog_grew = isGrowing(settings.rawlog);  // before the size: the last data come before
   run.rawlog_size = fs::file_size(settings.rawlog);
   run.settings = config.toIni();
   run.is_second_pass = isSecondPass(config, settings.output_folder);

@@ -16,7 +16,8 @@ struct SavedRun
   std::string version;  //!< version of the program
   std::string rawlog;   //!< absolute path
   std::uint64_t rawlog_size = 0;
-  std::string settings;  //!< all of them, as an ini
+  bool rawlog_grew = false;  //!< it was still being written: it may have become larger
+  std::string settings;      //!< all of them, as an ini
   /** Second of two passes: `dyseg.labels` is keptLabelsOf() the output folder, also if that has
    * been moved. */
   bool is_second_pass = false;

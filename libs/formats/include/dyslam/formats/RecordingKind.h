@@ -19,12 +19,16 @@ namespace dyslam
 /** Whether a path is a bag, or a folder that has bags and no point clouds. */
 [[nodiscard]] bool isBag(const std::string& path);
 
+/** Whether an input is a lidar on the network, "udp:2368" (UdpAddress), instead of a path. */
+[[nodiscard]] bool isNetworkInput(const std::string& input);
+
 /** Kind of a recording, as far as the converters differ. */
 enum class RecordingKind
 {
   unknown,  //!< a file that may be a rawlog, or a folder without a recording
   bag,
   capture,  //!< network capture
+  network,  //!< no recording: a lidar on the network, see isNetworkInput()
   kitti,    //!< a folder in one of KITTI's layouts, see kittiKindOf()
   scans     //!< a folder of point clouds
 };

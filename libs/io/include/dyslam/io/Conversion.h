@@ -36,6 +36,8 @@ struct ConversionOptions : ScanRange
   int every_n = 1;                //!< of the scans behind those skipped, every n-th is converted
   bool external_storage = false;  //!< as in RawlogWriterOptions
   int compression_level = 1;      //!< as in RawlogWriterOptions
+  bool growing =
+      false;  //!< as in RawlogWriterOptions, with a flush() after each scan; not in an ini
 
   void describeConversion(OptionsVisitor& visitor);
 };

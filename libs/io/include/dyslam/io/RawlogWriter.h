@@ -22,6 +22,7 @@ struct RawlogWriterOptions : Options
   int compression_level = 1;                        //!< level of gzip, 0 (none) to 9
   std::string sensor_label = "lidar";               //!< sensor label of scans that have none
   std::string ground_truth_label = "ground_truth";  //!< sensor label of the true poses
+  bool growing = false;  //!< under its name from the start, see RawlogWriter; not in an ini
 
   void describe(OptionsVisitor& visitor) override;
 };
@@ -37,6 +38,9 @@ struct RawlogWriterOptions : Options
  * when an exception unwinds the stack after the first scan, so that a file under its final name is
  * always complete. The same holds for externally stored clouds, in `<name>_Images.tmp/`; those of
  * an earlier rawlog of the name are removed. A killed program leaves the `.tmp` files.
+ *
+ * A growing file (RawlogWriterOptions::growing) has its name from the start, replaces an earlier
+ * one at once, and can be read while it is written; external storage is not for it.
  */
 class RawlogWriter
 {
@@ -63,13 +67,17 @@ class RawlogWriter
    * NV_OEM6_BESTPOS with them; label `gnss`. To be written before the first scan that is not older.
    * \throws UserError as for a scan. */
   void write(const GnssFix& fix);
+  /** Lets readers of a growing file have all that was written so far. \throws UserError as for a
+   * scan. */
+  void flush();
   /** Completes the file under its temporary name; nothing can be written behind it. \throws
    * UserError if the disk is full. */
   void finish();
   /** Completes and renames the file. \throws UserError if that fails. Later calls do nothing. */
   void close();
 
-  /** Called instead of close(): removes all that was written; an earlier file is kept. */
+  /** Called instead of close(): removes all that was written; an earlier file is kept, unless it
+   * was replaced by a growing one. */
   void abandon();
 
   /** Saves or loads the state of the file. */

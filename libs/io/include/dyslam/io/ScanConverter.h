@@ -24,6 +24,9 @@ struct ScanConverterOptions : Options, ConversionOptions, RecordingOptions
   bool keep_partial = false;  //!< write also incomplete first and last revolutions of a pcap
 
   void describe(OptionsVisitor& visitor) override;
+  /** As requireFitting(), of all options. \throws UserError also for options that exclude each
+   * other. */
+  void requireAllFitting(RecordingKind kind) const;
 };
 
 /** Writes a folder of .bin, .pcd or .ply scans, a Velodyne .pcap or a ROS bag (see openBag()) as a

@@ -35,6 +35,9 @@ struct SlamRunSettings
   /** Receives warnings immediately that the report has, too, and which outputs have failed; called
    * from any thread. */
   std::function<void(const std::string&)> warn;
+  /** Called after the last scan, in the thread of the run: returns warnings about the recording
+   * that are known only then, for the report. */
+  std::function<std::vector<std::string>()> end_of_scans;
   /** Receives what the run does after the last scan, which may take a while, such as "writing the
    * results"; called from the thread of the run. */
   std::function<void(const std::string&)> after_scans;

@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "ConvertedFiles.h"
+
+#include <dyslam/formats/RecordingKind.h>
+#include <dyslam/formats/RecordingOrigin.h>
+#include <dyslam/formats/RunFiles.h>
+
+#include <filesystem>
+
+namespace dyslam
+{
+namespace fs = std::filesystem;
+
+ConvertedFiles::ConvertedFiles(const std::string& output)
+    : folder(output),
+      rawlog((fs::path(output) / run_files::recording).string()),
+      origin(recordingOriginFile(output))
+{
+}
+
+void ConvertedFiles::writeOrigin(const std::string& input,
+                                 const std::string& program,
+                                 const std::vector<std::string>& warnings) const
+{
+  const std::string source =
+      isNetworkInput(input) ? input : fs::absolute(input).lexically_normal().string();
+  writeRecordingOrigin({source, program, warnings}, folder);
+}
+
+bool ConvertedFiles::canBeMadeAgain() const
+{
+  const auto found = originOfRecording(rawlog);
+  return fs::is_regular_file(origin) && !(found && isNetworkInput(found->input));
+}
+}  // namespace dyslam

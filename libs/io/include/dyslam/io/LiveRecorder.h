@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <dyslam/io/ScanConverter.h>
+
+#include <cstddef>
+#include <functional>
+#include <string>
+
+namespace dyslam
+{
+/** What a recording asks and tells while it goes on; each may be null. */
+struct LiveRecorderHooks
+{
+  std::function<bool()> stop;  //!< true: the recording ends; asked from several threads
+  std::function<void(const std::string&)> listening;  //!< the ports are open: "udp:2368"
+  std::function<void(const std::string&)> warn;       //!< a line, at once
+  std::function<void(std::size_t)> recorded;  //!< a scan is in the rawlog: number of scans so far
+};
+
+/** Writes the scans of a lidar on the network to a rawlog while their packets arrive, until `stop`
+ * is true or as many as the options ask for are written.
+ *
+ * The rawlog grows under its name: every scan is there, for all readers, once it is complete, and
+ * stays there whatever happens. RawlogSource follows it. An earlier rawlog of the name is replaced
+ * when the first scan has been received.
+ * \param input see UdpAddress \throws UserError if a port cannot be opened, no packets or none of a
+ * known lidar arrive, the options do not fit, or the rawlog cannot be written. */
+ConversionResult recordLive(const std::string& input,
+                            const std::string& output,
+                            const ScanConverterOptions& options,
+                            const LiveRecorderHooks& hooks = {});
+}  // namespace dyslam
