@@ -48,9 +48,12 @@ LowestReturns::LowestReturns(const std::vector<Eigen::Vector3f>& points,
   std::vector<GroundSquare> lowest;
   std::vector<std::uint32_t> square_of_point;
   square_of_point.reserve(points.size());
+  std::vector<Eigen::Vector3f> in_odom;
+  in_odom.reserve(points.size());
   for (const Eigen::Vector3f& point : points)
   {
     const Eigen::Vector3f p = T_odom_vehicle * point;
+    in_odom.push_back(p);
     const std::uint32_t square = squares.add(groundSquareOf(p, ground_square));
     square_of_point.push_back(square);
     lowest.resize(squares.size());
@@ -61,9 +64,9 @@ LowestReturns::LowestReturns(const std::vector<Eigen::Vector3f>& points,
     heights_.emplace_back(squares.keyOf(s), lowest[s].thirdLowest());
   }
   NumberedSquares fine_squares;
-  for (std::size_t i = 0; i < points.size(); ++i)
+  for (std::size_t i = 0; i < in_odom.size(); ++i)
   {
-    const Eigen::Vector3f p = T_odom_vehicle * points[i];
+    const Eigen::Vector3f& p = in_odom[i];
     if (!(p.z() < heights_[square_of_point[i]].second + fine_reach))
     {
       continue;

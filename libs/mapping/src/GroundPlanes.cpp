@@ -8,6 +8,7 @@
 #include <cmath>
 #include <cstdint>
 #include <limits>
+#include <optional>
 #include <utility>
 
 #include "JoinedGround.h"
@@ -134,14 +135,28 @@ void GroundPlanes::fit(const std::vector<const LowestReturns*>& scans,
                        const std::vector<Eigen::Vector3f>& points)
 {
   NumberedSquares blocks;
+  std::optional<std::uint64_t> last;  // most points are in the same block as the one before
   for (const Eigen::Vector3f& p : points)
   {
+    if (!(p.head<2>().array().abs() < farthest).all())
+    {
+      continue;  // also if it is NaN
+    }
     const VoxelCell block = blockOf(p);
-    const bool near = (p.head<2>().array().abs() < farthest).all();  // not if it is NaN
-    if (near && find(voxelKey(block)) == nullptr)
+    const std::uint64_t key = voxelKey(block);
+    if (key == last)
+    {
+      continue;
+    }
+    last = key;
+    if (find(key) == nullptr)
     {
       blocks.add(block);
     }
+  }
+  if (blocks.size() == 0)
+  {
+    return;
   }
   NumberedSquares squares;
   for (std::size_t b = 0; b < blocks.size(); ++b)

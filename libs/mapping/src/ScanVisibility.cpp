@@ -68,14 +68,26 @@ void ScanVisibility::evaluate(const Eigen::Vector3f* voxels,
   }
 }
 
-bool ScanVisibility::observesFree(const Eigen::Vector3f& p, float size, float margin) const
+std::vector<bool> ScanVisibility::observeFree(const std::vector<Eigen::Vector3f>& voxels,
+                                              float size,
+                                              float margin) const
 {
-  Evidence seen = Evidence::none;
+  std::vector<Evidence> seen(voxels.size(), Evidence::none);
+  std::vector<Evidence> of_lidar(voxels.size());
   for (const VisibilityImage& lidar : lidars_)
   {
-    seen = joined(seen, lidar.at(p, size, margin));
+    lidar.at(voxels.data(), voxels.size(), size, margin, of_lidar.data());
+    for (std::size_t i = 0; i < seen.size(); ++i)
+    {
+      seen[i] = joined(seen[i], of_lidar[i]);
+    }
   }
-  return seen == Evidence::free || seen == Evidence::passed_by;
+  std::vector<bool> free(voxels.size());
+  for (std::size_t i = 0; i < seen.size(); ++i)
+  {
+    free[i] = seen[i] == Evidence::free || seen[i] == Evidence::passed_by;
+  }
+  return free;
 }
 
 void ScanVisibility::exchangeState(StateArchive& archive)

@@ -27,9 +27,11 @@ class ScanVisibility
                 float size,
                 float margin,
                 Evidence* evidence) const;
-  /** Whether rays passed through a voxel at `p` (vehicle frame [m]), or at least around it, by
+  /** Whether rays passed through each of the voxels (vehicle frame [m]), or at least around it, by
    * VisibilityImage::at(). */
-  [[nodiscard]] bool observesFree(const Eigen::Vector3f& p, float size, float margin) const;
+  [[nodiscard]] std::vector<bool> observeFree(const std::vector<Eigen::Vector3f>& voxels,
+                                              float size,
+                                              float margin) const;
 
   void exchangeState(StateArchive& archive);
 

@@ -89,7 +89,7 @@ void VisibilityImage::setRows(const std::vector<Eigen::Vector3f>& points, const 
   }
   lowest_ -= widest_window;
   rows_ = any ? highest + widest_window + 1 - lowest_ : 0;
-  pixels_.assign(static_cast<std::size_t>(rows_) * cols, no_return);
+  pixels_.assign(static_cast<std::size_t>(rows_) * stride, no_return);
 }
 
 VisibilityImage::VisibilityImage(const Cloud& cloud, const LidarRange& lidar)
@@ -135,12 +135,24 @@ VisibilityImage::VisibilityImage(const Cloud& cloud, const LidarRange& lidar)
         constexpr float farthest = resolution * (no_return - 1);
         const auto rounded =
             static_cast<std::uint16_t>(std::min(range, farthest) / resolution + 0.5F);
-        std::uint16_t& pixel = pixels_[static_cast<std::size_t>(row * cols + col)];
+        std::uint16_t& pixel = pixels_[indexOf(row, col)];
         pixel = std::min(pixel, rounded);
       }
     }
   }
+  closeTurn();
   setColumnOrigins(sum, count);
+}
+
+/** Repeats the columns of each end of the turn beyond the other one. */
+void VisibilityImage::closeTurn()
+{
+  for (int row = 0; row < rows_; ++row)
+  {
+    std::copy_n(&pixels_[indexOf(row, 0)], side_cols, &pixels_[indexOf(row, cols)]);
+    std::copy_n(&pixels_[indexOf(row, cols - side_cols)], side_cols,
+                &pixels_[indexOf(row, -side_cols)]);
+  }
 }
 
 void VisibilityImage::setColumnOrigins(const std::vector<Eigen::Vector3f>& sum,
@@ -200,27 +212,27 @@ Evidence VisibilityImage::evidenceAt(int row, int col, float range, float size, 
   {
     return Evidence::none;
   }
-  if (std::abs(rangeOf(pixels_[static_cast<std::size_t>(row * cols + col)]) - range) <= margin)
+  if (std::abs(rangeOf(pixels_[indexOf(row, col)]) - range) <= margin)
   {
     return Evidence::occupied;  // most voxels are; saves evaluating the other pixels
   }
   int passed = 0;
   bool close = false;
   bool stopped = false;
-  for (int r = row - half; r <= row + half; ++r)
+  for (int r = -half; r <= half; ++r)
   {
-    const std::uint16_t* line = &pixels_[static_cast<std::size_t>(r * cols)];
-    for (int c = col - half; c <= col + half; ++c)
+    const std::uint16_t* line = &pixels_[indexOf(row + r, col)];
+    for (int c = -half; c <= half; ++c)
     {
-      const float seen = rangeOf(line[c < 0 ? c + cols : (c >= cols ? c - cols : c)]);
+      const float seen = rangeOf(line[c]);
       if (std::abs(seen - range) <= margin)
       {
         return Evidence::occupied;
       }
       stopped = stopped || seen < range;
-      const bool passes = seen > range && std::isfinite(seen);
+      const bool passes = seen > range && line[c] != no_return;
       passed += passes ? 1 : 0;
-      close = close || (passes && std::abs(r - row) <= hit && std::abs(c - col) <= hit);
+      close = close || (passes && std::abs(r) <= hit && std::abs(c) <= hit);
     }
   }
   if (stopped)
@@ -278,14 +290,16 @@ Evidence VisibilityImage::evidenceInRow(int row, int col, float range, float mar
   {
     return Evidence::none;
   }
+  const std::uint16_t* pixel = &pixels_[indexOf(row, col)];
   int passed = 0;
   for (const int side : {0, -1, 1})
   {
-    float seen = std::numeric_limits<float>::infinity();
-    for (int gap = 1; gap <= widest_side && !std::isfinite(seen); ++gap)
+    std::uint16_t nearest_pixel = pixel[side];
+    for (int gap = 2; gap <= widest_side && nearest_pixel == no_return; ++gap)
     {
-      seen = rangeAt(row, col + side * gap);
+      nearest_pixel = pixel[side * gap];
     }
+    const float seen = rangeOf(nearest_pixel);
     if (std::abs(seen - range) <= margin)
     {
       return Evidence::occupied;
@@ -294,9 +308,33 @@ Evidence VisibilityImage::evidenceInRow(int row, int col, float range, float mar
     {
       return Evidence::occluded;
     }
-    passed += std::isfinite(seen) && side != 0 ? 1 : 0;
+    passed += nearest_pixel != no_return && side != 0 ? 1 : 0;
   }
   return passed == 0 ? Evidence::none : passed == 2 ? Evidence::free : Evidence::passed_by;
+}
+
+/** Evidence of one voxel after the other. \param place gives each voxel's place in the vehicle
+ * frame [m] \param evidence_at gives its evidence from row, column and range */
+template <typename Place, typename EvidenceAt>
+void VisibilityImage::forEach(std::size_t count,
+                              const Place& place,
+                              const EvidenceAt& evidence_at,
+                              Evidence* evidence) const
+{
+  Rays rays;
+  for (std::size_t begin = 0; begin < count; begin += block)
+  {
+    rays.count = std::min(block, count - begin);
+    for (std::size_t i = 0; i < rays.count; ++i)
+    {
+      rays.set(i, place(begin + i));
+    }
+    fromSensor(rays);
+    for (std::size_t i = 0; i < rays.count; ++i)
+    {
+      evidence[begin + i] = evidence_at(rays.row[i] - lowest_, rays.col[i], rays.range[i]);
+    }
+  }
 }
 
 void VisibilityImage::evaluate(const Eigen::Vector3f* voxels,
@@ -306,30 +344,22 @@ void VisibilityImage::evaluate(const Eigen::Vector3f* voxels,
                                float margin,
                                Evidence* evidence) const
 {
-  Rays rays;
-  for (std::size_t begin = 0; begin < count; begin += block)
-  {
-    rays.count = std::min(block, count - begin);
-    for (std::size_t i = 0; i < rays.count; ++i)
-    {
-      rays.set(i, T_vehicle_voxels * voxels[begin + i]);
-    }
-    fromSensor(rays);
-    for (std::size_t i = 0; i < rays.count; ++i)
-    {
-      evidence[begin + i] =
-          evidenceAround(rays.row[i] - lowest_, rays.col[i], rays.range[i], size, margin);
-    }
-  }
+  forEach(
+      count, [&](std::size_t i) -> Eigen::Vector3f { return T_vehicle_voxels * voxels[i]; },
+      [=](int row, int col, float range) { return evidenceAround(row, col, range, size, margin); },
+      evidence);
 }
 
-Evidence VisibilityImage::at(const Eigen::Vector3f& p, float size, float margin) const
+void VisibilityImage::at(const Eigen::Vector3f* voxels,
+                         std::size_t count,
+                         float size,
+                         float margin,
+                         Evidence* evidence) const
 {
-  Rays rays;
-  rays.count = 1;
-  rays.set(0, p);
-  fromSensor(rays);
-  return evidenceAt(rays.row[0] - lowest_, rays.col[0], rays.range[0], size, margin);
+  forEach(
+      count, [=](std::size_t i) { return voxels[i]; },
+      [=](int row, int col, float range) { return evidenceAt(row, col, range, size, margin); },
+      evidence);
 }
 
 void VisibilityImage::exchangeState(StateArchive& archive)

@@ -37,16 +37,19 @@ class VisibilityImage
   /** An image without rays, for exchangeState(). */
   VisibilityImage() = default;
 
-  /** Evidence of the rays near the direction of a voxel of side `size` [m] at `p` (vehicle frame
-   * [m]). The voxel is free if there were rays and all of them ended more than `margin` [m] behind
-   * it; directions without a return (sky, black cars) prove nothing. It is occupied if a ray ended
-   * within `margin`. */
-  [[nodiscard]] Evidence at(const Eigen::Vector3f& p, float size, float margin) const;
-  /** As at(), for `count` voxels at once, which is faster, and for sparse rays: where no ray passed
-   * through a voxel or ended there, the nearest rays above and below, up to 2.4 degrees away as
-   * between the rings of a sensor with 16, decide whether it is `enclosed` or `occupied`. \param
-   * T_vehicle_voxels takes the voxels to the vehicle frame \param[out] evidence one value per voxel
-   */
+  /** Evidence of the rays near the direction of each of `count` voxels of side `size` [m] (vehicle
+   * frame [m]). A voxel is free if there were rays and all of them ended more than `margin` [m]
+   * behind it; directions without a return (sky, black cars) prove nothing. It is occupied if a ray
+   * ended within `margin`. \param[out] evidence one value per voxel */
+  void at(const Eigen::Vector3f* voxels,
+          std::size_t count,
+          float size,
+          float margin,
+          Evidence* evidence) const;
+  /** As at(), and for sparse rays: where no ray passed through a voxel or ended there, the nearest
+   * rays above and below, up to 2.4 degrees away as between the rings of a sensor with 16, decide
+   * whether it is `enclosed` or `occupied`. \param T_vehicle_voxels takes the voxels to the vehicle
+   * frame */
   void evaluate(const Eigen::Vector3f* voxels,
                 std::size_t count,
                 const Eigen::Isometry3f& T_vehicle_voxels,
@@ -57,12 +60,19 @@ class VisibilityImage
 
  private:
   static constexpr int cols = 900;
+  static constexpr int side_cols = 4;  // columns that are repeated beyond each end of the turn
+  static constexpr int stride = side_cols + cols + side_cols;
   static constexpr float resolution = 0.01F;  // quantum of the ranges in pixels_ [m]
   static constexpr std::uint16_t no_return = 0xFFFF;
 
   struct Rays;
 
   void fromSensor(Rays& rays) const;
+  template <typename Place, typename EvidenceAt>
+  void forEach(std::size_t count,
+               const Place& place,
+               const EvidenceAt& evidence_at,
+               Evidence* evidence) const;
   [[nodiscard]] Evidence evidenceAt(int row, int col, float range, float size, float margin) const;
   [[nodiscard]] Evidence evidenceAround(
       int row, int col, float range, float size, float margin) const;
@@ -74,10 +84,12 @@ class VisibilityImage
     return pixel == no_return ? std::numeric_limits<float>::infinity()
                               : resolution * static_cast<float>(pixel);
   }
-  [[nodiscard]] float rangeAt(int row, int col) const
+  /** Index in pixels_. \param col from -side_cols to cols + side_cols - 1 */
+  [[nodiscard]] static std::size_t indexOf(int row, int col)
   {
-    return rangeOf(pixels_[static_cast<std::size_t>(row * cols + (col + cols) % cols)]);
+    return static_cast<std::size_t>(row * stride + side_cols + col);
   }
+  void closeTurn();
   void setRows(const std::vector<Eigen::Vector3f>& points, const LidarRange& lidar);
   void setColumnOrigins(const std::vector<Eigen::Vector3f>& sum, const std::vector<int>& count);
 
@@ -85,6 +97,7 @@ class VisibilityImage
   int lowest_ = 0;  // row where the image begins, from the horizon upwards
   int rows_ = 0;    // number of rows: field of view and a margin
   std::vector<Eigen::Vector3f> column_sensor_;  // sensor position for each column, or empty
-  std::vector<std::uint16_t> pixels_;           // row-major ranges / resolution, or no_return
+  // Ranges / resolution, or no_return; row-major with repeated columns, see indexOf().
+  std::vector<std::uint16_t> pixels_;
 };
 }  // namespace dyslam

@@ -148,6 +148,8 @@ void VoxelMap::countObservedFree(const ScanVisibility& rays,
   const Eigen::Vector3d at = T_map_vehicle.translation();
   const int reach = static_cast<int>(std::ceil(options.visibility_range / tile_size));
   const auto limit = static_cast<float>(options.visibility_range * options.visibility_range);
+  std::vector<std::size_t> near;  // voxels of a square within the range, which are tested together
+  std::vector<Eigen::Vector3f> places;  // their centroids, vehicle frame [m]
   for (int tx = -reach; tx <= reach; ++tx)
   {
     for (int ty = -reach; ty <= reach; ++ty)
@@ -158,15 +160,26 @@ void VoxelMap::countObservedFree(const ScanVisibility& rays,
       {
         continue;
       }
-      for (Voxel& voxel : tiles_.edit(tile).voxels())
+      std::vector<Voxel>& voxels = tiles_.edit(tile).voxels();
+      near.clear();
+      places.clear();
+      for (std::size_t i = 0; i < voxels.size(); ++i)
       {
-        const Eigen::Vector3f p = T_vehicle_map * centroidOf(voxel).cast<float>();
-        if (p.squaredNorm() <= limit &&
-            rays.observesFree(p, static_cast<float>(voxel_size_),
-                              static_cast<float>(options.visibility_margin)))
+        const Eigen::Vector3f p = T_vehicle_map * centroidOf(voxels[i]).cast<float>();
+        if (p.squaredNorm() <= limit)
         {
-          discountEarlierRuns(voxel);
-          countUp(voxel.observed_free);
+          near.push_back(i);
+          places.push_back(p);
+        }
+      }
+      const std::vector<bool> free = rays.observeFree(
+          places, static_cast<float>(voxel_size_), static_cast<float>(options.visibility_margin));
+      for (std::size_t i = 0; i < near.size(); ++i)
+      {
+        if (free[i])
+        {
+          discountEarlierRuns(voxels[near[i]]);
+          countUp(voxels[near[i]].observed_free);
         }
       }
     }

@@ -82,8 +82,10 @@ TEST(VisibilityImage, OfAVoxelAtTheSensorNothingIsKnown)
 {
   const Cloud far = cloudOf(0.4F * degree, 0.2F * degree, [](const auto&) { return 40.0F; });
   const VisibilityImage image(far, {0, far.size(), 0, Pose::Identity(), 0});
-  EXPECT_EQ(image.at(Eigen::Vector3f::Zero(), 0.2F, 0.5F), Evidence::none);
-  EXPECT_EQ(image.at({0.4F, 0, 0}, 0.2F, 0.5F), Evidence::none);
+  const std::vector<Eigen::Vector3f> voxels{Eigen::Vector3f::Zero(), {0.4F, 0, 0}};
+  std::vector<Evidence> seen(2, Evidence::free);
+  image.at(voxels.data(), voxels.size(), 0.2F, 0.5F, seen.data());
+  EXPECT_EQ(seen, std::vector<Evidence>(2, Evidence::none));
   EXPECT_EQ(at(far, {0, 0, 0}), Evidence::none);
 }
 
@@ -145,8 +147,8 @@ TEST(ScanVisibility, RaysStartAtTheLidarThatMeasuredThem)
   EXPECT_EQ(scan.at({20, 0.03F, 0}), Evidence::free);
   EXPECT_EQ(scan.at({5, 0, 0}), Evidence::occupied) << "the first one's returns, seen by it alone";
   const ScanVisibility first_only(Scan(), cloudOf(0.4F * degree, 0.2F * degree, post));
-  EXPECT_FALSE(first_only.observesFree({20, 0.03F, 0}, 0.2F, 0.5F));
-  EXPECT_TRUE(ScanVisibility(scan.scan, scan.cloud).observesFree({20, 0.03F, 0}, 0.2F, 0.5F));
+  EXPECT_FALSE(first_only.observeFree({{20, 0.03F, 0}}, 0.2F, 0.5F)[0]);
+  EXPECT_TRUE(ScanVisibility(scan.scan, scan.cloud).observeFree({{20, 0.03F, 0}}, 0.2F, 0.5F)[0]);
 }
 
 TEST(ScanVisibility, WhatOneLidarHitsIsNotFree)
@@ -155,7 +157,7 @@ TEST(ScanVisibility, WhatOneLidarHitsIsNotFree)
   const TwoLidars scan([](const auto&) { return 40.0F; }, [](const Eigen::Vector3f& ray)
                        { return std::abs(ray.y() + 0.1F) < 0.01F ? 20.0F : 40.0F; });
   EXPECT_EQ(scan.at({19.9F, 0, 0}), Evidence::occupied);
-  EXPECT_FALSE(ScanVisibility(scan.scan, scan.cloud).observesFree({19.9F, 0, 0}, 0.2F, 0.5F));
+  EXPECT_FALSE(ScanVisibility(scan.scan, scan.cloud).observeFree({{19.9F, 0, 0}}, 0.2F, 0.5F)[0]);
 }
 }  // namespace
 }  // namespace dyslam

@@ -22,6 +22,13 @@ std::array<float, 3> splineWeights(float f)
 }
 }  // namespace
 
+const SurfaceMap::Block SurfaceMap::no_numbers = []
+{
+  Block block;
+  block.fill(VoxelHash::none);
+  return block;
+}();
+
 void SurfaceMap::Moments::add(const Moments& other, float weight, const Eigen::Vector3f& d)
 {
   const float n = weight * other.count;
@@ -202,13 +209,13 @@ std::array<SurfaceMap::Found, 8> SurfaceMap::findBlocks(const VoxelCell& low,
   return blocks;
 }
 
-int SurfaceMap::findAround(const VoxelCell& cell, std::array<Neighbour, 27>& found) const
+std::size_t SurfaceMap::findAround(const VoxelCell& cell, std::array<Neighbour, 27>& found) const
 {
   const Along x(cell.x, 4);
   const Along y(cell.y, 2);
   const Along z(cell.z, 0);
   const auto blocks = findBlocks({x.low, y.low, z.low}, {x.high, y.high, z.high});
-  int count = 0;
+  std::size_t count = 0;
   for (std::size_t i = 0; i < 3; ++i)
   {
     for (std::size_t j = 0; j < 3; ++j)
@@ -217,13 +224,12 @@ int SurfaceMap::findAround(const VoxelCell& cell, std::array<Neighbour, 27>& fou
       {
         const Found& block =
             blocks[static_cast<std::size_t>(4 * x.block[i] + 2 * y.block[j] + z.block[k])];
-        const std::uint32_t number = block.numbers == nullptr
-                                         ? VoxelHash::none
-                                         : block.numbers[x.place[i] | y.place[j] | z.place[k]];
-        if (number != VoxelHash::none)
-        {
-          found[static_cast<std::size_t>(count++)] = {&block.cells[number].moments, i, j, k};
-        }
+        const std::uint32_t number = block.numbers[x.place[i] | y.place[j] | z.place[k]];
+        const bool has_points = number != VoxelHash::none;
+        // Without a branch, as which cells have points cannot be predicted: the place of a cell
+        // without points is taken by the next one.
+        found[count] = {block.cells + (has_points ? number : 0), i, j, k};
+        count += has_points ? 1 : 0;
       }
     }
   }
@@ -245,20 +251,24 @@ Surface SurfaceMap::surfaceAt(const Eigen::Vector3f& p, const VoxelCell& base) c
 
   // All cells are looked up before any is used, so that memory latencies overlap.
   std::array<Neighbour, 27> around;
-  const int found = findAround({local.x + base.x, local.y + base.y, local.z + base.z}, around);
+  const std::size_t found =
+      findAround({local.x + base.x, local.y + base.y, local.z + base.z}, around);
   float count = 0;
-  Moments total;
-  for (int i = 0; i < found; ++i)
+  for (std::size_t i = 0; i < found; ++i)
   {
-    const Neighbour& cell = around[static_cast<std::size_t>(i)];
-    const Eigen::Vector3f step(static_cast<float>(cell.x) - 1, static_cast<float>(cell.y) - 1,
-                               static_cast<float>(cell.z) - 1);
-    count += cell.moments->count;
-    total.add(*cell.moments, wx[cell.x] * wy[cell.y] * wz[cell.z], step * size_);
+    count += around[i].cell->moments.count;
   }
   if (count < fewest_points)
   {
     return surface;
+  }
+  Moments total;
+  for (std::size_t i = 0; i < found; ++i)
+  {
+    const Neighbour& cell = around[i];
+    const Eigen::Vector3f step(static_cast<float>(cell.x) - 1, static_cast<float>(cell.y) - 1,
+                               static_cast<float>(cell.z) - 1);
+    total.add(cell.cell->moments, wx[cell.x] * wy[cell.y] * wz[cell.z], step * size_);
   }
   const float inverse = 1 / total.count;
   const Eigen::Vector3f mean = total.sum * inverse;

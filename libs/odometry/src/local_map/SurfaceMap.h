@@ -91,16 +91,17 @@ class SurfaceMap
     /** Rebuilds the numbers of the cells. */
     void indexCells();
   };
+  static const Block no_numbers;  //!< of a block without cells
   /** Cells of a block. */
   struct Found
   {
-    const std::uint32_t* numbers = nullptr;  //!< null: there is no such block
-    const Cell* cells = nullptr;
+    const std::uint32_t* numbers = no_numbers.data();  //!< of 64 cells
+    const Cell* cells = nullptr;                       //!< null: there is no such block
   };
   /** A cell of the 3x3x3 around another, with its position among them, 0 to 2 along each axis. */
   struct Neighbour
   {
-    const Moments* moments;
+    const Cell* cell;
     std::size_t x, y, z;
   };
   struct Item
@@ -115,7 +116,7 @@ class SurfaceMap
    */
   [[nodiscard]] std::array<Found, 8> findBlocks(const VoxelCell& low, const VoxelCell& high) const;
   /** Finds the cells with points around a cell. \return their number */
-  int findAround(const VoxelCell& cell, std::array<Neighbour, 27>& found) const;
+  std::size_t findAround(const VoxelCell& cell, std::array<Neighbour, 27>& found) const;
   /** Moments of a cell; new ones if it has none yet. */
   static Moments& momentsOf(Shard& shard, const VoxelCell& cell);
 
