@@ -147,6 +147,7 @@ VisibilityImage::VisibilityImage(const Cloud& cloud, const LidarRange& lidar)
 /** Repeats the columns of each end of the turn beyond the other one. */
 void VisibilityImage::closeTurn()
 {
+  static_assert(side_cols >= widest_window && side_cols >= widest_side);
   for (int row = 0; row < rows_; ++row)
   {
     std::copy_n(&pixels_[indexOf(row, 0)], side_cols, &pixels_[indexOf(row, cols)]);
