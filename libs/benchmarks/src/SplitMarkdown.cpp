@@ -3,6 +3,7 @@
 #include <dyslam/base/Version.h>
 #include <dyslam/base/Words.h>
 #include <dyslam/benchmarks/SplitTables.h>
+#include <dyslam/core/TimeRange.h>
 
 #include <algorithm>
 #include <iterator>
