@@ -41,20 +41,6 @@ TEST(Recordings, AreFilesFoldersPatternsAndLists)
   EXPECT_EQ(namesOf(listRecordings({folder.file("windows.txt")})), std::vector<std::string>{"b"});
 }
 
-TEST(Recordings, ThatARunConvertedHaveItsName)
-{
-  const TestFolder folder;
-  for (const std::string run : {"out/00", "out/01"})
-  {
-    folder.write(run + "/recording.rawlog", "");
-    folder.write(run + "/recording.ini", "[recording]\ninput = /data/sequences/00\n");
-  }
-  folder.write("plain/recording.rawlog", "");
-  EXPECT_EQ(namesOf(listRecordings(
-                {folder.file("out/*/recording.rawlog"), folder.file("plain/recording.rawlog")})),
-            (std::vector<std::string>{"00", "01", "recording"}));
-}
-
 TEST(Recordings, AreOnADiskWithLostAndFound)
 {
   const TestFolder folder;

@@ -195,7 +195,7 @@ TEST(KittiExport, TimesOfThePointsComeBackAndCountUnlessTheScansAreSaidToBeDeske
     for (std::size_t i = 0; i < 2; ++i)
     {
       Scan scan = someScan(i, 3);
-      scan.time = {-0.05F, 0.03F * static_cast<float>(i), std::nanf("")};
+      scan.time = {-0.05F, 0.03F * static_cast<float>(i + 1), std::nanf("")};
       writer.write(scan, somePose(i));
     }
     writer.close();
@@ -218,7 +218,7 @@ TEST(KittiExport, TimesOfThePointsComeBackAndCountUnlessTheScansAreSaidToBeDeske
     const std::vector<float> times = timesBack(deskewed);
     ASSERT_EQ(3U, times.size());
     EXPECT_EQ(-0.05F, times[0]);
-    EXPECT_EQ(0.03F, times[1]);
+    EXPECT_EQ(0.06F, times[1]);
     EXPECT_TRUE(std::isnan(times[2]));
   }
   EXPECT_EQ(std::vector<float>(3, 0.F), timesBack(ScansDeskewed::yes));
