@@ -30,6 +30,12 @@ constexpr float suspicious_probability = 0.1F;
 /** Number of scans by which a change of a voxel between free and occupied is certain. */
 constexpr float certain_change = 3;
 
+// MovingPointClassifier: segments.
+
+/** VoxelFeatures::doubt from which on segments larger than a vehicle are not divided: 0.3 % of the
+ * rays at voxels of high static objects passed through. */
+constexpr float doubt_of_division = 0.03F;
+
 // MovingPointClassifier: score.
 
 /** Score above which a voxel may be moving, so that it matters whether it is a post [log odds]. */

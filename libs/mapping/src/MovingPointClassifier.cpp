@@ -165,8 +165,8 @@ void MovingPointClassifier::label(Frame& frame, const ScanWindow& window)
   Segments segments = segment(points);
   std::vector<VoxelEvidence> evidence = causalEvidence(frame, window, segments);
   addRayEvidence(frame, window, points, segments, evidence);
-  divideLargeSegments(evidence, points.positions, segments);
-  const std::vector<float> voxel_probability = classify(frame, points, segments, evidence);
+  const std::vector<VoxelFeatures> features = featuresOf(frame, points, evidence, segments);
+  const std::vector<float> voxel_probability = classify(points, segments, features);
   frame.moving_probability = probabilityOfPoints(segments, voxel_probability);
   labelLowPoints(window, points, segments, voxel_probability, frame.moving_probability);
   decideMoving(frame, options_.moving_threshold);
@@ -230,15 +230,34 @@ void MovingPointClassifier::addRayEvidence(const Frame& frame,
   }
 }
 
-/** Probability that a voxel's points move, one value per voxel. */
-std::vector<float> MovingPointClassifier::classify(const Frame& frame,
-                                                   const Points& points,
-                                                   const Segments& segments,
-                                                   const std::vector<VoxelEvidence>& evidence)
+/** Features of the voxels. Large segments are divided first, unless rays pass through static
+ * objects in this scan: panes of glass and thin structures, which are seen from some directions
+ * only, look as if they came and went. \param[in,out] segments may get further segments */
+std::vector<VoxelFeatures> MovingPointClassifier::featuresOf(
+    const Frame& frame,
+    const Points& points,
+    const std::vector<VoxelEvidence>& evidence,
+    Segments& segments)
 {
-  const std::vector<VoxelFeatures> features =
-      voxelFeatures(segments, evidence, points.positions, points.heights,
-                    frame.T_odom_vehicle.translation().cast<float>());
+  const auto features = [&]
+  {
+    return voxelFeatures(segments, evidence, points.positions, points.heights,
+                         frame.T_odom_vehicle.translation().cast<float>());
+  };
+  std::vector<VoxelFeatures> result = features();
+  const bool trusted = !result.empty() && result.front().doubt < hindsight::doubt_of_division;
+  if (trusted && divideLargeSegments(evidence, points.positions, segments))
+  {
+    result = features();
+  }
+  return result;
+}
+
+/** Probability that a voxel's points move, one value per voxel. */
+std::vector<float> MovingPointClassifier::classify(const Points& points,
+                                                   const Segments& segments,
+                                                   const std::vector<VoxelFeatures>& features)
+{
   std::vector<Eigen::Vector3f> voxels;  // a point of each voxel, odometry frame [m]
   voxels.reserve(features.size());
   for (const VoxelFeatures& f : features)

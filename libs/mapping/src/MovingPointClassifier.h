@@ -49,10 +49,14 @@ class MovingPointClassifier
                       const Points& points,
                       const Segments& segments,
                       std::vector<VoxelEvidence>& evidence);
-  [[nodiscard]] std::vector<float> classify(const Frame& frame,
-                                            const Points& points,
+  [[nodiscard]] static std::vector<VoxelFeatures> featuresOf(
+      const Frame& frame,
+      const Points& points,
+      const std::vector<VoxelEvidence>& evidence,
+      Segments& segments);
+  [[nodiscard]] std::vector<float> classify(const Points& points,
                                             const Segments& segments,
-                                            const std::vector<VoxelEvidence>& evidence);
+                                            const std::vector<VoxelFeatures>& features);
   static void labelLowPoints(const ScanWindow& window,
                              const Points& points,
                              const Segments& segments,

@@ -70,10 +70,11 @@ DisjointSets joinChanged(const std::vector<bool>& changed, const Segments& segme
 }
 }  // namespace
 
-void divideLargeSegments(const std::vector<VoxelEvidence>& evidence,
+bool divideLargeSegments(const std::vector<VoxelEvidence>& evidence,
                          const std::vector<Eigen::Vector3f>& points,
                          Segments& segments)
 {
+  const std::size_t undivided = segments.segments;
   const std::vector<bool> changed =
       findChanged(evidence, segmentShapes(segments, points), segments);
   DisjointSets parts = joinChanged(changed, segments);
@@ -97,5 +98,6 @@ void divideLargeSegments(const std::vector<VoxelEvidence>& evidence,
     }
     segments.segment_of_voxel[v] = number[part];
   }
+  return segments.segments > undivided;
 }
 }  // namespace dyslam

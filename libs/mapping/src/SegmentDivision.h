@@ -13,8 +13,9 @@ namespace dyslam
  * touches it, so both are one segment of the size of a building, whose evidence says nothing about
  * the person. Applies to segments larger than a vehicle; a part consists of touching cells that
  * were free before or are free afterwards. \param evidence one value per voxel \param points
- * odometry frame [m] \param[in,out] segments gets further segments, numbered after the others */
-void divideLargeSegments(const std::vector<VoxelEvidence>& evidence,
+ * odometry frame [m] \param[in,out] segments gets further segments, numbered after the others
+ * \return whether there are any */
+bool divideLargeSegments(const std::vector<VoxelEvidence>& evidence,
                          const std::vector<Eigen::Vector3f>& points,
                          Segments& segments);
 }  // namespace dyslam

@@ -74,7 +74,7 @@ TEST(SegmentDivision, WhoWalksAlongAWallIsASegmentOfItsOwn)
 {
   Scene scene = personAtWall(25, 1);
   ASSERT_EQ(scene.segments.segments, 1U) << "the person touches the wall";
-  divideLargeSegments(scene.evidence, scene.points, scene.segments);
+  EXPECT_TRUE(divideLargeSegments(scene.evidence, scene.points, scene.segments));
   EXPECT_EQ(scene.segments.segments, 2U);
   EXPECT_EQ(divided(scene), 16U);
 }
@@ -82,21 +82,21 @@ TEST(SegmentDivision, WhoWalksAlongAWallIsASegmentOfItsOwn)
 TEST(SegmentDivision, WhatDidNotChangeStaysWithTheWall)
 {
   Scene scene = personAtWall(25, 0.4F);
-  divideLargeSegments(scene.evidence, scene.points, scene.segments);
+  EXPECT_FALSE(divideLargeSegments(scene.evidence, scene.points, scene.segments));
   EXPECT_EQ(scene.segments.segments, 1U);
 }
 
 TEST(SegmentDivision, AFewVoxelsStayWithTheWall)
 {
   Scene scene = personAtWall(25, 1, 0.6F);
-  divideLargeSegments(scene.evidence, scene.points, scene.segments);
+  EXPECT_FALSE(divideLargeSegments(scene.evidence, scene.points, scene.segments));
   EXPECT_EQ(scene.segments.segments, 1U);
 }
 
 TEST(SegmentDivision, SegmentsOfTheSizeOfAVehicleStayWhole)
 {
   Scene scene = personAtWall(15, 1);
-  divideLargeSegments(scene.evidence, scene.points, scene.segments);
+  EXPECT_FALSE(divideLargeSegments(scene.evidence, scene.points, scene.segments));
   EXPECT_EQ(scene.segments.segments, 1U);
 }
 }  // namespace
