@@ -32,9 +32,9 @@ constexpr float certain_change = 3;
 
 // MovingPointClassifier: segments.
 
-/** VoxelFeatures::doubt from which on segments larger than a vehicle are not divided: 0.3 % of the
+/** VoxelFeatures::doubt from which on segments larger than a vehicle are not divided: 0.05 % of the
  * rays at voxels of high static objects passed through. */
-constexpr float doubt_of_division = 0.03F;
+constexpr float doubt_of_division = 0.005F;
 
 // MovingPointClassifier: score.
 
