@@ -128,7 +128,7 @@ TEST(SlamRun, ValuesThatARunWithSomeSensorAcceptsAreValid)
 
 TEST(SlamRun, SectionsOfTheTrainingInisBelongToTheirProgram)
 {
-  for (const std::string name : {"dylo", "dyseg", "dyseg_simulated"})
+  for (const std::string name : {"dylo", "dylo_simulated", "dyseg", "dyseg_simulated"})
   {
     const Config ini = Config::fromFile(
         findGivenOrShared("train_" + name + ".ini", "config_files", ".ini", "", "dyslam-train"));
