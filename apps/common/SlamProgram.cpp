@@ -2,6 +2,7 @@
 #include "SlamProgram.h"
 
 #include <dyslam/base/Angle.h>
+#include <dyslam/base/GrowingFile.h>
 #include <dyslam/base/Printable.h>
 #include <dyslam/formats/ProgramLines.h>
 #include <dyslam/formats/RecordingOrigin.h>
@@ -267,6 +268,11 @@ void runSlamProgram(const std::string& program, const SlamArguments& a, const Sl
   {
     requireGiven(a.settings.rawlog);
     requireConverted(a.settings.rawlog);
+    if (!quiet && !a.lag && isGrowing(a.settings.rawlog))
+    {
+      std::fprintf(stderr, "%s: follows %s, which another program is writing, to its end\n",
+                   program.c_str(), printable(a.settings.rawlog).c_str());
+    }
   }
   const std::string& output = a.settings.output_folder;
   const PassesReport result =

@@ -12,21 +12,21 @@ namespace
 {
 /** Whether the next signal ends a recording. */
 std::atomic<bool> is_recording{false};
+/** Whether a signal after the one that ends the work kills. */
+std::atomic<bool> second_kills{true};
 
 extern "C" void onSignal(int number)
 {
-  if (!is_recording.exchange(false))
+  if (is_recording.exchange(false))
   {
-    stop_asked = true;
+    recording_end_asked = true;
     return;
   }
-  recording_end_asked = true;
-  // The system has reset the action of a signal whose second one kills.
-  struct sigaction action = {};
-  action.sa_handler = onSignal;
-  action.sa_flags = SA_RESTART | static_cast<int>(SA_RESETHAND);
-  sigemptyset(&action.sa_mask);
-  sigaction(number, &action, nullptr);
+  stop_asked = true;
+  if (second_kills)
+  {
+    std::signal(number, SIG_DFL);
+  }
 }
 }  // namespace
 
@@ -48,10 +48,10 @@ void RecordingSignal::recordingEnded()
 
 void stopOnSignals(SecondSignal second)
 {
+  second_kills = second == SecondSignal::kills;
   struct sigaction action = {};
   action.sa_handler = onSignal;
-  action.sa_flags =
-      SA_RESTART | (second == SecondSignal::kills ? static_cast<int>(SA_RESETHAND) : 0);
+  action.sa_flags = SA_RESTART;
   sigemptyset(&action.sa_mask);
   sigaction(SIGINT, &action, nullptr);
   sigaction(SIGTERM, &action, nullptr);

@@ -143,14 +143,19 @@ TEST_F(LiveInput, AKilledRunIsResumedFromWhatWasRecorded)
 
 TEST_F(LiveInput, TheEndOfTheRunEndsTheRecording)
 {
-  BackgroundProgram live({"dyslam", "-q", "-i", any_port, "-o", at("quiet")}, at("out"), at("err"));
-  BackgroundProgram some({"dyslam", "--only-first-n", "5", "-i", any_port, "-o", at("live")},
-                         at("out"), at("err2"));
-  listen(some);
+  BackgroundProgram live({"dyslam", "--only-first-n", "5", "-i", any_port, "-o", at("live")},
+                         at("out"), at("err"));
+  listen(live);
   send(0, scans);
-  EXPECT_EQ(0, some.wait()) << some.said();
+  EXPECT_EQ(0, live.wait()) << live.said();
   const std::string trajectory = folder_.read("live/trajectory_tum.txt");
   EXPECT_EQ(5, std::count(trajectory.begin(), trajectory.end(), '\n'));
+}
+
+TEST_F(LiveInput, ARunThatIsStoppedBeforeTheFirstScanLeavesNoFolder)
+{
+  BackgroundProgram live({"dyslam", "-q", "-i", any_port, "-o", at("quiet")}, at("out"), at("err"));
+  ASSERT_TRUE(live.waitUntil([this] { return fs::exists(at("quiet")); }));  // then it waits
   live.signal(SIGTERM);
   EXPECT_EQ(1, live.wait());
   EXPECT_EQ("dyslam: udp:127.0.0.1:0: stopped before the first scan\n", live.said());
@@ -170,6 +175,29 @@ TEST_F(LiveInput, ARunFollowsTheRecordingOfAnotherProgram)
   recorder.signal(SIGINT);
   EXPECT_EQ(0, recorder.wait()) << recorder.said();
   EXPECT_EQ(0, follower.wait()) << follower.said();
+  EXPECT_TRUE(contains(follower.said(), "follows " + at("live/recording.rawlog")));
+  expectSameLater("live");
+}
+
+/** The lidar is quiet then, and the recording goes on. */
+TEST_F(LiveInput, ARunThatFollowsIsEndedByCtrlC)
+{
+  const std::string recording = at("live/recording.rawlog");
+  BackgroundProgram recorder({"scans2rawlog", "-i", any_port, "-o", recording}, at("out"),
+                             at("err"));
+  listen(recorder);
+  send(0, scans);
+  BackgroundProgram follower({"dyslam", "-i", recording, "-o", at("live")}, at("out2"), at("err2"));
+  ASSERT_TRUE(follower.waitUntil([this] { return fs::exists(at("live/motions.csv.tmp")); }));
+  ::usleep(500000);  // wherever it is then
+  follower.signal(SIGINT);
+  EXPECT_EQ(1, follower.wait());
+  EXPECT_TRUE(contains(follower.said(), "stopped on request after ")) << follower.said();
+  EXPECT_TRUE(contains(folder_.read("live/report.json"), "\"finished\": false"));
+  recorder.signal(SIGINT);
+  EXPECT_EQ(0, recorder.wait()) << recorder.said();
+  const Outcome resumed = run("dyslam", "--resume -o " + at("live"));
+  EXPECT_EQ(0, resumed.code) << resumed.err;
   expectSameLater("live");
 }
 

@@ -6,6 +6,7 @@
 #include <unistd.h>
 
 #include <cerrno>
+#include <cstdio>
 #include <cstring>
 #include <filesystem>
 
@@ -38,17 +39,29 @@ int createGrowingFile(const std::string& path)
                     ": another program is recording it; stop that one, or choose another "
                     "--output");
   }
-  std::filesystem::remove(path, ignored);
-  const int descriptor = ::open(path.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+  // Locked before it has its name: an earlier file stays if that fails, and readers of the name
+  // meet only a file that grows.
+  const std::string unnamed = path + "." + std::to_string(::getpid()) + ".tmp";
+  std::filesystem::remove(unnamed, ignored);  // of a killed program with the same number
+  const int descriptor = ::open(unnamed.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
   if (descriptor < 0)
   {
     throw UserError(path + ": cannot be written: " + std::strerror(errno));
   }
-  if (const int reason = tryLock(descriptor, LOCK_EX); reason != 0)
+  const auto fail = [&](const std::string& message)
   {
     ::close(descriptor);
-    throw UserError(path + ": cannot be locked: " + std::strerror(reason) +
-                    "; choose an --output on another file system");
+    std::filesystem::remove(unnamed, ignored);
+    throw UserError(path + message);
+  };
+  if (const int reason = tryLock(descriptor, LOCK_EX); reason != 0)
+  {
+    fail(std::string(": cannot be locked: ") + std::strerror(reason) +
+         "; choose an --output on another file system");
+  }
+  if (std::rename(unnamed.c_str(), path.c_str()) != 0)
+  {
+    fail(std::string(": cannot be written: ") + std::strerror(errno));
   }
   return descriptor;
 }

@@ -82,6 +82,7 @@ TEST(GrowingFile, DoesNotGrowOnceItsWriterWasKilled)
       ::pause();
     }
   }
+  ::close(ready[1]);  // so that the end of the child ends the wait
   char byte = 0;
   ASSERT_EQ(1, ::read(ready[0], &byte, 1));
   EXPECT_TRUE(isGrowing(path));
@@ -89,6 +90,5 @@ TEST(GrowingFile, DoesNotGrowOnceItsWriterWasKilled)
   ::waitpid(child, nullptr, 0);
   EXPECT_FALSE(isGrowing(path));
   ::close(ready[0]);
-  ::close(ready[1]);
 }
 }  // namespace dyslam

@@ -37,6 +37,7 @@ class Follower
 {
  public:
   explicit Follower(const std::string& path) : thread_([this, path] { read(path); }) {}
+  void stop() { is_stopping_ = true; }
   ~Follower()
   {
     if (thread_.joinable())
@@ -54,6 +55,8 @@ class Follower
     return delivered_ >= count;
   }
   [[nodiscard]] bool hasEnded() const { return has_ended_; }
+  /** Whether stop() has ended it, once it has ended. */
+  [[nodiscard]] bool isStopped() const { return is_stopped_; }
   /** All frames, once the reader has ended. */
   const std::vector<Frame>& frames()
   {
@@ -67,12 +70,13 @@ class Follower
   {
     try
     {
-      RawlogSource source(path);
+      RawlogSource source(path, {}, [this] { return is_stopping_.load(); });
       while (auto frame = source.next())
       {
         frames_.push_back(std::move(*frame));
         ++delivered_;
       }
+      is_stopped_ = source.isStopped();
     }
     catch (const UserError& error)
     {
@@ -84,6 +88,8 @@ class Follower
   std::vector<Frame> frames_;
   std::string error_;
   std::atomic<std::size_t> delivered_ = 0;
+  std::atomic<bool> is_stopping_ = false;
+  bool is_stopped_ = false;
   std::atomic<bool> has_ended_ = false;
   std::thread thread_;
 };
@@ -137,6 +143,25 @@ TEST(GrowingRawlog, AReaderWaitsForTheFirstScan)
   EXPECT_EQ(1U, follower.frames().size()) << follower.error();
 }
 
+TEST(GrowingRawlog, AReaderThatIsStoppedWhileItWaitsHasTheScansBefore)
+{
+  const TestFolder folder;
+  const std::string path = folder.file("a.rawlog");
+  RawlogWriter writer(path, growing());
+  for (std::size_t i = 0; i < 3; ++i)
+  {
+    writer.write(someScan(i, pointsOf(i)));
+    writer.flush();
+  }
+  Follower follower(path);
+  EXPECT_TRUE(follower.hasRead(2));
+  follower.stop();
+  EXPECT_EQ(3U, follower.frames().size());
+  EXPECT_EQ("", follower.error());
+  EXPECT_TRUE(follower.isStopped());
+  EXPECT_TRUE(isGrowing(path));
+}
+
 TEST(GrowingRawlog, WhatWasFlushedIsAWholeRawlog)
 {
   const TestFolder folder;
@@ -175,6 +200,7 @@ TEST(GrowingRawlog, AReaderEndsWithAKilledWriter)
       ::pause();
     }
   }
+  ::close(ready[1]);  // so that the end of the child ends the wait
   char byte = 0;
   ASSERT_EQ(1, ::read(ready[0], &byte, 1));
   Follower follower(path);
@@ -185,7 +211,6 @@ TEST(GrowingRawlog, AReaderEndsWithAKilledWriter)
   EXPECT_EQ(5U, follower.frames().size());
   EXPECT_EQ("", follower.error());
   ::close(ready[0]);
-  ::close(ready[1]);
 }
 
 TEST(GrowingRawlog, AWriteThatWasCutLosesThatScanOnly)

@@ -61,6 +61,15 @@ std::vector<std::string> velodynePackets(std::size_t packets)
   return all;
 }
 
+/** Waits until that many were received, or for 20 s. */
+void awaitReceived(const UdpReceiver& receiver, std::size_t count)
+{
+  for (int wait = 0; wait < 20000 && receiver.received() < count; ++wait)
+  {
+    ::usleep(1000);
+  }
+}
+
 /** Sends datagrams no faster than they are received: the system's buffer may be small. */
 void sendAll(const UdpSender& sender,
              const std::vector<std::string>& packets,
@@ -71,16 +80,12 @@ void sendAll(const UdpSender& sender,
   for (std::size_t i = 0; i < packets.size(); ++i)
   {
     sender.send(packets[i], port);
-    const std::size_t sent = i + 1;
-    for (int wait = 0; wait < 20000 && sent % together == 0 && receiver.received() < sent; ++wait)
+    if ((i + 1) % together == 0)
     {
-      ::usleep(1000);
+      awaitReceived(receiver, i + 1);
     }
   }
-  for (int wait = 0; wait < 20000 && receiver.received() < packets.size(); ++wait)
-  {
-    ::usleep(1000);
-  }
+  awaitReceived(receiver, packets.size());
 }
 
 /** The scans of all that was received. */
@@ -285,10 +290,7 @@ TEST(UdpSource, GivesTheScansAndTheImuOfAnOuster)
   const UdpSender sender;
   sendAll(sender, packets, receiving.ports[0], *receiving.receiver);
   sender.send(SyntheticOuster::imuPacket(lidar.first_time), receiving.ports[1]);
-  while (receiving.receiver->received() <= packets.size())
-  {
-    ::usleep(1000);
-  }
+  awaitReceived(*receiving.receiver, packets.size() + 1);
   receiving.stop = true;
   PacketSource source(std::move(receiving.receiver), options);
   std::vector<Scan> scans;
@@ -308,10 +310,7 @@ TEST(UdpSource, OtherSendersAreLeftOut)
   const UdpSender other("127.0.0.2");
   sendAll(sender, velodynePackets(300), receiving.ports[0], *receiving.receiver);
   other.send(velodynePacket(3), receiving.ports[0]);
-  while (receiving.receiver->received() < 301)
-  {
-    ::usleep(1000);
-  }
+  awaitReceived(*receiving.receiver, 301);
   receiving.stop = true;
   PacketSource source(std::move(receiving.receiver));
   while (source.next())
@@ -327,10 +326,9 @@ TEST(UdpSource, OtherPacketsAreAnError)
 {
   Receiving receiving;
   const UdpSender sender;
-  for (int i = 0; i < 300; ++i)
-  {
-    sender.send(std::string(1000, 'x'), receiving.ports[0]);
-  }
+  sendAll(sender, std::vector<std::string>(300, std::string(1000, 'x')), receiving.ports[0],
+          *receiving.receiver);
+  receiving.stop = true;
   const std::string port = std::to_string(receiving.ports[0]);
   const std::string message =
       messageOfError<UserError>([&] { const PacketSource source(std::move(receiving.receiver)); });

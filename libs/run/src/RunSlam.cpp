@@ -83,7 +83,8 @@ class RunThreads
   }
 
   /** Runs back end and outputs on all frames, in the calling thread. \return whether the run was
-   * stopped after a last checkpoint, at the frame that the front end was processing */
+   * stopped after a last checkpoint: at the frame that the front end was processing, or while it
+   * waited for more of a rawlog that grows */
   bool processAll()
   {
     while (auto frame = front_end_.next())
@@ -126,7 +127,8 @@ class RunThreads
     {
       scans_.add(*frame);
       run_.pipeline().runFrontEnd(*frame, reader_.peek());
-      is_stopped_ = is_stopping_ && reader_.peek() != nullptr;
+      // What the source says may be read once its thread has ended, with nothing ahead.
+      is_stopped_ = reader_.peek() != nullptr ? is_stopping_.load() : source_.isStopped();
       beginCheckpoint(frame->index);
     }
     return frame;
@@ -158,7 +160,7 @@ class RunThreads
   }
 
   const SlamRunSettings& settings_;
-  RawlogSource& source_;  //!< only the reading thread uses it
+  RawlogSource& source_;  //!< only the reading thread uses it, while it runs
   SlamRun& run_;
   const FrameCallback& on_frame_;
   ScanSum scans_;  //!< only the front end's thread uses it
@@ -268,7 +270,7 @@ EarlyEnd replayToTheEnd(const SlamRun& run,
 SlamRunReport runSlam(const SlamRunSettings& settings, const FrameCallback& on_frame)
 {
   SlamRun run(settings);
-  RawlogSource source(settings.rawlog, run.input());
+  RawlogSource source(settings.rawlog, run.input(), settings.stop);
   requireNotStopped(settings);
   run.open();
   return processRest(settings, source, run, ScanSum(), on_frame);
@@ -289,7 +291,7 @@ SlamRunReport resumeSlam(const SlamRunSettings& given, const FrameCallback& on_f
   RunToResume saved(given.output_folder);
   const SlamRunSettings settings = settingsOf(saved.run, given);
   SlamRun run(settings);
-  RawlogSource source(settings.rawlog, run.input());
+  RawlogSource source(settings.rawlog, run.input(), settings.stop);
   const ScanSum scans = skipProcessed(saved.run, settings.rawlog, source);
   requireNotStopped(settings);
   run.resume(saved);

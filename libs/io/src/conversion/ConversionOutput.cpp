@@ -15,15 +15,14 @@ namespace fs = std::filesystem;
 
 namespace
 {
-/** Makes the folder of a file. \return the file. */
-const std::string& inFolder(const std::string& path)
+/** Makes the folder of a file. */
+void makeFolderOf(const std::string& path)
 {
   const fs::path folder = fs::path(path).parent_path();
   if (!folder.empty() && !fs::is_directory(folder))
   {
     makeFolder(folder.string(), "choose another --output for " + nameOfFile(path));
   }
-  return path;
 }
 
 RawlogWriterOptions writerOptions(const ConversionOptions& options)
@@ -72,15 +71,15 @@ ConversionOutput::ConversionOutput(const std::string& path,
     : path_(path),
       folder_(groundTruthFolder(path)),
       pending_(folder_ + ".tmp"),
-      writer_(inFolder(path), writerOptions(options)),
-      grows_(options.growing),
+      writer_options_(writerOptions(options)),
       origin_(origin)
 {
+  makeFolderOf(path);
   requireNoLinks(folder_);
   fs::remove_all(pending_);  // of a killed program
-  if (grows_)
+  if (!writer_options_.growing)
   {
-    removeGroundTruth(folder_);  // of the recording that was replaced
+    (void)writer();
   }
 }
 
@@ -98,6 +97,19 @@ ConversionOutput::~ConversionOutput()
   fs::remove_all(pending_, ignored);
 }
 
+RawlogWriter& ConversionOutput::writer()
+{
+  if (!writer_)
+  {
+    writer_.emplace(path_, writer_options_);
+    if (writer_options_.growing)
+    {
+      removeGroundTruth(folder_);  // of the recording that was replaced
+    }
+  }
+  return *writer_;
+}
+
 /** Ends the output after an error, as said at the class; does nothing if it is closed. \return end
  * of the error's message, empty if no recording is kept. */
 std::string ConversionOutput::keepAfterError()
@@ -109,7 +121,7 @@ std::string ConversionOutput::keepAfterError()
   for (const std::string& earlier : {path_, folder_})
   {
     std::error_code ignored;
-    if (result_.scans > 0 && !grows_ && fs::exists(earlier, ignored))
+    if (result_.scans > 0 && !writer_options_.growing && fs::exists(earlier, ignored))
     {
       abandon();
       return "; the earlier " + earlier + " stays";
@@ -127,7 +139,10 @@ std::string ConversionOutput::keepAfterError()
 void ConversionOutput::abandon()
 {
   closed_ = true;
-  writer_.abandon();
+  if (writer_)
+  {
+    writer_->abandon();
+  }
 }
 
 GroundTruthWriter& ConversionOutput::truth()
@@ -164,13 +179,13 @@ void ConversionOutput::write(const Scan& scan, const std::optional<Pose>& T_worl
   {
     T_world_vehicle = *T_world_lidar * scan.T_vehicle_lidar.inverse();
   }
-  writer_.write(scan, T_world_vehicle);
+  writer().write(scan, T_world_vehicle);
+  if (writer_options_.growing)
+  {
+    writer_->flush();
+  }
   ++result_.scans;
   result_.points += scan.size();
-  if (grows_)
-  {
-    writer_.flush();
-  }
   if (T_world_vehicle)
   {
     truth().addPose(scan.stamp, *T_world_vehicle);
@@ -180,7 +195,7 @@ void ConversionOutput::write(const Scan& scan, const std::optional<Pose>& T_worl
 
 void ConversionOutput::writeFurther(const Scan& scan)
 {
-  writer_.write(scan);
+  writer().write(scan);
   result_.points += scan.size();
 }
 
@@ -202,13 +217,13 @@ ConversionResult ConversionOutput::close()
   closed_ = true;
   // Both are complete before either gets its name: after an error an earlier recording keeps its
   // truth. The writer is first, as an unfinished one would get its name when it is destroyed.
-  writer_.finish();
+  writer().finish();
   if (truth_)
   {
     truth_->close();
   }
   removeGroundTruth(folder_);
-  writer_.close();
+  writer_->close();
   if (truth_)
   {
     installGroundTruth(pending_, folder_);

@@ -39,7 +39,8 @@ constexpr const char* thinned_without_times =
  *
  * Both get their names by close(). When an error ends the work after the first scan, the scans
  * before it are kept, unless there is an earlier recording or truth of the name: then that stays,
- * and all that was written is removed. A growing rawlog replaces an earlier one from the start.
+ * and all that was written is removed. A growing rawlog replaces an earlier one from its first scan
+ * on.
  */
 class ConversionOutput
 {
@@ -57,9 +58,9 @@ class ConversionOutput
   /** Writes a scan of a further lidar, which is not counted. */
   void writeFurther(const Scan& scan);
   /** To be written before the first scan that is not older. */
-  void write(const ImuSample& sample) { writer_.write(sample); }
-  void write(const GnssFix& fix) { writer_.write(fix); }
-  void write(const WheelSample& sample) { writer_.write(sample); }
+  void write(const ImuSample& sample) { writer().write(sample); }
+  void write(const GnssFix& fix) { writer().write(fix); }
+  void write(const WheelSample& sample) { writer().write(sample); }
   /** Writes the labels of the scan written last. */
   void addLabels(const std::vector<Label>& labels);
   /** Writes true boxes of the scan written last, lidar frame; LabelledBox::frame is set here. */
@@ -76,6 +77,8 @@ class ConversionOutput
   [[nodiscard]] std::size_t lastFrame() const { return result_.scans - 1; }
 
  private:
+  /** The writer, opened if it is not. */
+  RawlogWriter& writer();
   GroundTruthWriter& truth();
   std::string keepAfterError();
   void abandon();
@@ -83,8 +86,8 @@ class ConversionOutput
   std::string path_;     //!< file of the rawlog
   std::string folder_;   //!< folder of the ground truth
   std::string pending_;  //!< temporary folder of the ground truth
-  RawlogWriter writer_;
-  bool grows_;  //!< ConversionOptions::growing
+  RawlogWriterOptions writer_options_;
+  std::optional<RawlogWriter> writer_;  //!< nothing: the growing rawlog has no scan yet
   PoseOrigin origin_;
   std::unique_ptr<GroundTruthWriter> truth_;
   ConversionResult result_;

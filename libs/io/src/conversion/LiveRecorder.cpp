@@ -6,6 +6,7 @@
 #include <dyslam/packets/PacketSource.h>
 #include <dyslam/packets/UdpReceiver.h>
 
+#include <cstddef>
 #include <memory>
 #include <utility>
 
@@ -29,18 +30,7 @@ PacketSource receiveFirst(const std::string& input,
   {
     hooks.listening(receiver->name());
   }
-  try
-  {
-    return PacketSource(std::move(receiver), packetSourceOptions(options));
-  }
-  catch (const UserError&)
-  {
-    if (hooks.stop && hooks.stop())
-    {
-      throw UserError(stoppedMessage(input, stopReason("before the first scan")));
-    }
-    throw;
-  }
+  return PacketSource(std::move(receiver), packetSourceOptions(options));
 }
 }  // namespace
 
@@ -58,21 +48,33 @@ ConversionResult recordLive(const std::string& input,
   {
     (void)openBinary(file);  // before the user waits for packets
   }
-  PacketSource source = receiveFirst(input, growing, hooks);
-  // Made last: without a scan an earlier output stays.
-  ScanSink sink(output, growing,
-                [&hooks](double, std::size_t scans)
-                {
-                  if (hooks.recorded)
+  std::size_t recorded = 0;
+  try
+  {
+    PacketSource source = receiveFirst(input, growing, hooks);
+    ScanSink sink(output, growing,
+                  [&](double, std::size_t scans)
                   {
-                    hooks.recorded(scans);
-                  }
-                });
-  return sink.fill(
-      [&]
-      {
-        convertPackets(source, sink, growing);
-        return sink.close();
-      });
+                    recorded = scans;
+                    if (hooks.recorded)
+                    {
+                      hooks.recorded(scans);
+                    }
+                  });
+    return sink.fill(
+        [&]
+        {
+          convertPackets(source, sink, growing);
+          return sink.close();
+        });
+  }
+  catch (const UserError&)
+  {
+    if (recorded == 0 && hooks.stop && hooks.stop())
+    {
+      throw UserError(stoppedMessage(input, stopReason("before the first scan")));
+    }
+    throw;
+  }
 }
 }  // namespace dyslam

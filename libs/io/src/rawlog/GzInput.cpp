@@ -16,6 +16,7 @@
 #include <filesystem>
 #include <stdexcept>
 #include <thread>
+#include <utility>
 
 namespace dyslam
 {
@@ -26,8 +27,8 @@ constexpr std::size_t content_size = 1U << 18U;
 constexpr std::chrono::milliseconds growth_check(20);  //!< between two looks at a file that grows
 }  // namespace
 
-GzInput::GzInput(const std::string& path)
-    : path_(path), packed_(packed_size), content_(content_size)
+GzInput::GzInput(const std::string& path, std::function<bool()> stop)
+    : path_(path), stop_(std::move(stop)), packed_(packed_size), content_(content_size)
 {
   (void)openBinary(path);
   std::error_code ignored;
@@ -97,6 +98,11 @@ bool GzInput::waitForMore()
     if (size_ > offset_)
     {
       return true;
+    }
+    if (grows_ && stop_ && stop_())
+    {
+      grows_ = false;
+      is_stopped_ = true;
     }
     if (grows_)
     {

@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -16,12 +17,14 @@ namespace dyslam
  * time. What follows the last gzip member is not read, as by zlib: see restAt().
  *
  * A file that is still being written (dyslam/base/GrowingFile.h) is followed: at its present end
- * the reader waits for more, until the writer closes it. */
+ * the reader waits for more, until the writer closes it or the reader is stopped. */
 class GzInput
 {
  public:
-  /** \throws UserError if the file is missing, a folder or unreadable. */
-  explicit GzInput(const std::string& path);
+  /** \param stop asked while the reader waits for more of a file that grows; true: the file ends
+   * where it ends now. Null for never.
+   * \throws UserError if the file is missing, a folder or unreadable. */
+  explicit GzInput(const std::string& path, std::function<bool()> stop = nullptr);
   ~GzInput();
   GzInput(const GzInput&) = delete;
   GzInput& operator=(const GzInput&) = delete;
@@ -38,6 +41,8 @@ class GzInput
 
   /** True if no byte is left; whyIncomplete() then tells whether some are missing. */
   [[nodiscard]] bool atEnd();
+  /** Whether reading ended as `stop` asked for it, and the file has more or will have. */
+  [[nodiscard]] bool isStopped() const { return is_stopped_; }
   /** Whether the file ended where data should be. */
   [[nodiscard]] bool cut() const { return cut_; }
   /** Whether the compressed data are damaged. */
@@ -72,6 +77,7 @@ class GzInput
   [[nodiscard]] std::size_t packedSize() const { return packed_end_ - packed_begin_; }
 
   std::string path_;
+  std::function<bool()> stop_;
   int descriptor_ = -1;
   std::uint64_t size_ = 0;            //!< size of the file [bytes]
   bool grows_ = false;                //!< the file is still being written
@@ -87,6 +93,7 @@ class GzInput
   std::size_t members_ = 0;                 //!< number of gzip members begun
   bool is_between_ = false;                 //!< behind a gzip member, before the next one
   bool ended_ = false;                      //!< nothing more can be unpacked
+  bool is_stopped_ = false;
   bool cut_ = false;
   bool broken_ = false;
   std::optional<std::uint64_t> rest_at_;

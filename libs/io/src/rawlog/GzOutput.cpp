@@ -20,7 +20,13 @@ GzOutput::GzOutput(const std::string& path, int level, FileName name)
 {
   if (name == FileName::at_start)
   {
-    file_ = ::fdopen(createGrowingFile(path), "wb");
+    const int descriptor = createGrowingFile(path);
+    file_ = ::fdopen(descriptor, "wb");
+    if (file_ == nullptr)
+    {
+      ::close(descriptor);
+      throw std::bad_alloc();
+    }
     begin();
     return;
   }
@@ -86,11 +92,14 @@ void GzOutput::writeMember(const char* content, std::size_t size)
     return;
   }
   empty_ = false;
+  const auto size_before = std::ftell(file_);
   const std::size_t packed =
       libdeflate_gzip_compress(compressor_.get(), content, size, packed_.data(), packed_.size());
   if (std::fwrite(packed_.data(), 1, packed, file_) != packed)
   {
     failure_ = std::strerror(errno);
+    // What a growing file has before stays readable to its end.
+    (void)!::ftruncate(::fileno(file_), size_before);
   }
 }
 

@@ -45,9 +45,9 @@ void RawlogSourceOptions::describe(OptionsVisitor& visitor)
 
 struct RawlogSource::Impl
 {
-  Impl(const std::string& path, const RawlogSourceOptions& options)
+  Impl(const std::string& path, const RawlogSourceOptions& options, std::function<bool()> stop)
       : limit(static_cast<std::size_t>(options.only_first_n)),
-        stream(path),
+        stream(path, std::move(stop)),
         decoder(options, path, stream.externalFolder())
   {
     readOn([this] { return pending.empty() && !decoder.isPastEnd(); });
@@ -58,6 +58,10 @@ struct RawlogSource::Impl
     if (postponed)
     {
       throw UserError(*postponed);
+    }
+    if (stream.isStopped())
+    {
+      throw UserError(path + ": stopped before its first scan");
     }
     decoder.failWithoutScans(stream.leftOut());
   }
@@ -123,10 +127,12 @@ struct RawlogSource::Impl
   std::size_t delivered = 0;
 };
 
-RawlogSource::RawlogSource(const std::string& path, const RawlogSourceOptions& options)
+RawlogSource::RawlogSource(const std::string& path,
+                           const RawlogSourceOptions& options,
+                           std::function<bool()> stop)
 {
   validate(options, "input");
-  impl_ = std::make_unique<Impl>(path, options);
+  impl_ = std::make_unique<Impl>(path, options, std::move(stop));
 }
 
 RawlogSource::~RawlogSource() = default;
@@ -136,6 +142,10 @@ RawlogSource& RawlogSource::operator=(RawlogSource&&) noexcept = default;
 std::optional<Frame> RawlogSource::next()
 {
   return impl_->next();
+}
+bool RawlogSource::isStopped() const
+{
+  return impl_->stream.isStopped();
 }
 double RawlogSource::progress() const
 {

@@ -11,6 +11,7 @@
 #include <mrpt/obs/registerAllClasses.h>
 
 #include <filesystem>
+#include <utility>
 
 #include "GzInput.h"
 #include "MrptErrors.h"
@@ -40,13 +41,13 @@ const std::string& checked(const std::string& path)
 }
 }  // namespace
 
-RawlogStream::RawlogStream(const std::string& path)
+RawlogStream::RawlogStream(const std::string& path, std::function<bool()> stop)
     : path_(checked(path)),
       external_folder_(externalFolderOf(path).value_or(ownFolderOf(path))),
-      file_(std::make_unique<GzInput>(path)),
+      file_(std::make_unique<GzInput>(path, std::move(stop))),
       objects_in_(std::make_unique<RawlogObjects>(*file_))
 {
-  if (file_->fileSize() == 0)
+  if (file_->fileSize() == 0 && !file_->isStopped())
   {
     throw UserError(path + ": is empty; " + advice);
   }
@@ -60,6 +61,11 @@ RawlogStream& RawlogStream::operator=(RawlogStream&&) noexcept = default;
 double RawlogStream::progress() const
 {
   return file_->progress();
+}
+
+bool RawlogStream::isStopped() const
+{
+  return file_->isStopped();
 }
 
 void RawlogStream::failReading(const std::string& reason) const
@@ -109,6 +115,10 @@ void RawlogStream::readObject()
   }
   catch (const std::exception& error)
   {
+    if (file_->isStopped())
+    {
+      return;  // within an object
+    }
     failReading(messageOf(error));
   }
   if (id == nullptr)
@@ -161,9 +171,13 @@ mrpt::obs::CObservation::Ptr RawlogStream::next()
 {
   while (queue_.empty())
   {
+    if (file_->isStopped())
+    {
+      return nullptr;
+    }
     if (objects_in_->atEnd())
     {
-      if (file_->cut() || file_->broken() || !file_->readError().empty())
+      if (!file_->isStopped() && (file_->cut() || file_->broken() || !file_->readError().empty()))
       {
         failReading("");
       }

@@ -8,7 +8,8 @@
 namespace dyslam
 {
 /** Creates a file that grows until its descriptor is closed. An earlier file of the name is
- * removed, for those who still read it. \return descriptor for writing
+ * replaced, but not for those who still read it, and stays if the new one fails.
+ * \return descriptor for writing
  * \throws UserError if the file cannot be created or locked, or another program writes it. */
 [[nodiscard]] int createGrowingFile(const std::string& path);
 

@@ -7,6 +7,7 @@
 #include <dyslam/io/ScanRange.h>
 
 #include <cstddef>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -68,14 +69,21 @@ struct RawlogSourceOptions : Options, ScanRange
  * more than ten in a row are an error. A file cut short delivers every complete scan first, then
  * next() throws.
  *
+ * A file that is still being written (dyslam/base/GrowingFile.h) is followed until its writer
+ * closes it: next() waits for its scans.
+ *
  * One thread at a time may call it.
  */
 class RawlogSource
 {
  public:
   /** Opens the file and reads up to the first scan.
+   * \param stop asked while the source waits for more of a file that grows; true ends it, with the
+   * scans that are there. Null for never.
    * \throws UserError if it is missing, empty, not a rawlog, or has no 3D scan. */
-  explicit RawlogSource(const std::string& path, const RawlogSourceOptions& options = {});
+  explicit RawlogSource(const std::string& path,
+                        const RawlogSourceOptions& options = {},
+                        std::function<bool()> stop = nullptr);
   ~RawlogSource();
   RawlogSource(RawlogSource&&) noexcept;
   RawlogSource& operator=(RawlogSource&&) noexcept;
@@ -94,6 +102,8 @@ class RawlogSource
   [[nodiscard]] std::size_t framesDropped() const;
   /** Label of the lidar that is being read. */
   [[nodiscard]] std::string sensorLabel() const;
+  /** Whether `stop` has ended it while it waited. */
+  [[nodiscard]] bool isStopped() const;
   /** Warnings for the user, one line each, each kind once with its count. */
   [[nodiscard]] std::vector<std::string> warnings() const;
 

@@ -5,6 +5,7 @@
 
 #include <cstddef>
 #include <deque>
+#include <functional>
 #include <map>
 #include <memory>
 #include <string>
@@ -22,13 +23,15 @@ class RawlogObjects;
 class RawlogStream
 {
  public:
-  /** \throws UserError if the file is missing, empty or clearly no rawlog. */
-  explicit RawlogStream(const std::string& path);
+  /** \param stop asked while the stream waits for more of a file that grows
+   * (dyslam/base/GrowingFile.h): true ends it. Null for never.
+   * \throws UserError if the file is missing, empty or clearly no rawlog. */
+  explicit RawlogStream(const std::string& path, std::function<bool()> stop = nullptr);
   ~RawlogStream();
   RawlogStream(RawlogStream&&) noexcept;
   RawlogStream& operator=(RawlogStream&&) noexcept;
 
-  /** The next observation, null at the end.
+  /** The next observation, null at the end and when stopped.
    * \throws UserError if the file is cut short, damaged, of a newer MRPT, or holds things that are
    * no rawlog's. */
   [[nodiscard]] mrpt::obs::CObservation::Ptr next();
@@ -36,6 +39,8 @@ class RawlogStream
   [[nodiscard]] const std::string& path() const { return path_; }
   /** externalFolderOf() the file; without such a folder, the folder of the file. */
   [[nodiscard]] const std::string& externalFolder() const { return external_folder_; }
+  /** Whether `stop` has ended it. */
+  [[nodiscard]] bool isStopped() const;
   /** Number of observations left out so far, by class unknown to MRPT. */
   [[nodiscard]] const std::map<std::string, std::size_t>& leftOut() const;
   /** Warnings about observations left out, one line per class, and about what follows the last
