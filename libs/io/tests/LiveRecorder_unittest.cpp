@@ -109,8 +109,8 @@ class LiveRecorder : public ::testing::Test
     hooks.listening = [&](const std::string& name)
     {
       lidar.begin(name);
-      end = Clock::now() + std::chrono::duration_cast<Clock::duration>(
-                               std::chrono::duration<double>(seconds));
+      end = Clock::now() +
+            std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(seconds));
     };
     hooks.stop = [&] { return Clock::now() > end.load(); };
     return messageOfError<UserError>([&] { (void)recordLive(any_port, path_, options_, hooks); });
