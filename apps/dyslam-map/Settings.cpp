@@ -7,6 +7,7 @@
 #include <dyslam/formats/RunFiles.h>
 #include <dyslam/mapbuilder/RunFolder.h>
 #include <dyslam/run/GivenSettings.h>
+#include <dyslam/run/KnownSettings.h>
 #include <dyslam/run/RunSettings.h>
 #include <dyslam/run/SlamRun.h>
 
@@ -32,7 +33,7 @@ struct Message
 /** Sections of an ini: our own, and those of dyslam, which may have written it. */
 std::vector<std::string> knownSections()
 {
-  std::vector<std::string> known = SlamRun::sections();
+  std::vector<std::string> known = sectionsOfRun();
   known.insert(known.end(), {"map_export", "merge"});
   return known;
 }

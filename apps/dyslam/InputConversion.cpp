@@ -8,7 +8,7 @@
 #include <dyslam/io/OptionError.h>
 #include <dyslam/run/FolderLock.h>
 #include <dyslam/run/GivenSettings.h>
-#include <dyslam/run/SlamRun.h>
+#include <dyslam/run/KnownSettings.h>
 
 #include <cstdio>
 #include <filesystem>
@@ -124,7 +124,7 @@ void convertInput(SlamArguments& a, const RecordingOptions& options)
   requireNoUnfinishedRun(a.settings);
   requireApart(input, files.folder);
   const GivenSettings given = readGivenSettings(a.config, assignmentsOf(a));
-  SlamRun::requireValid(given);  // not only after a conversion, which may take long
+  requireValidSettings(given);  // not only after a conversion, which may take long
   if (!options.further_topics.empty() && !given.merged().has("input", "further_lidars"))
   {
     a.assignments.push_back("input.further_lidars=" + options.furtherLidars());

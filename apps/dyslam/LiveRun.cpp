@@ -7,6 +7,7 @@
 #include <dyslam/core/Frame.h>
 #include <dyslam/run/FolderLock.h>
 #include <dyslam/run/GivenSettings.h>
+#include <dyslam/run/KnownSettings.h>
 #include <dyslam/run/RunSlam.h>
 
 #include <filesystem>
@@ -40,7 +41,7 @@ void requireReady(const SlamArguments& a, const ConvertedFiles& files)
                     "; leave out --input");
   }
   requireNoUnfinishedRun(a.settings);
-  SlamRun::requireValid(readGivenSettings(a.config, assignmentsOf(a)));
+  requireValidSettings(readGivenSettings(a.config, assignmentsOf(a)));
 }
 
 /** Warning about a run that could not keep up; empty if it could. */

@@ -18,7 +18,7 @@ namespace dyslam
 {
 namespace
 {
-/** Those of SlamRun::sections(), for programs that are built without it. */
+/** Those of sectionsOfRun(), for programs that are built without it. */
 constexpr const char* sections_of_dyslam =
     "backend boxes detection_noise detector dylo dyseg dyseg_network fusion gicp gnss gravity "
     "icp_po2pl icp_po2po input labels loam loam_no_mapping loop map memory motion "

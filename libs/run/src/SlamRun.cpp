@@ -7,14 +7,12 @@
 #include <dyslam/io/RawlogSource.h>
 #include <dyslam/pipeline/Pipeline.h>
 #include <dyslam/pipeline/StartSpeed.h>
-#include <dyslam/run/GivenSettings.h>
 #include <dyslam/run/SensorSettings.h>
 #include <dyslam/run/SlamRun.h>
 #include <mrpt/system/CTimeLogger.h>
 
 #include <algorithm>
 #include <fstream>
-#include <optional>
 #include <utility>
 
 #include "RunEnd.h"
@@ -92,9 +90,6 @@ struct SlamRun::Impl
                      std::max(for_history, outputs.finalParts()));
   }
 
-  /** The settings of a run with those given, which ends before it begins. */
-  [[nodiscard]] static Config effective(const Config& config);
-
   /** Adds a frame to statistics and history, and passes it to the outputs. \pre a final frame with
    * the objects of the results comes after the causal frame of its scan */
   void add(FrameKind kind, Frame frame);
@@ -146,72 +141,9 @@ void SlamRun::Impl::exchangeBackEndState(StateArchive& archive)
 SlamRun::SlamRun(const SlamRunSettings& settings) : impl_(std::make_unique<Impl>(settings)) {}
 SlamRun::~SlamRun() = default;
 
-Config SlamRun::Impl::effective(const Config& config)
+Config SlamRun::effective() const
 {
-  SlamRunSettings settings;
-  settings.rawlog = "none.rawlog";  // is not opened
-  settings.output_folder = "none";  // is not made
-  settings.config = config;
-  const Impl run(settings);  // all stages and outputs load their sections, used or not
-  return run.config.effective();
-}
-
-Config SlamRun::defaults()
-{
-  return Impl::effective({});
-}
-
-std::vector<std::string> SlamRun::sections()
-{
-  std::vector<std::string> names = defaults().sectionNames();
-  std::sort(names.begin(), names.end());
-  return names;
-}
-
-void SlamRun::requireKnownNames(const Config& config)
-{
-  const Config known = defaults();
-  Config unknown;
-  for (const std::string& section : config.sectionNames())
-  {
-    for (const auto& [key, value] : config.section(section))
-    {
-      if (!known.has(section, key))
-      {
-        unknown.set(section, key, value);
-      }
-    }
-  }
-  try
-  {
-    (void)Impl::effective(unknown);  // throws what the run would
-  }
-  catch (const UnknownSetting& error)
-  {
-    throw error.withSectionsOf(known);
-  }
-}
-
-void SlamRun::requireValid(const GivenSettings& given)
-{
-  requireKnownNames(given.merged());
-  std::optional<UserError> first;
-  for (const Config& possible : settingsForAnySensor(given.ini, given.assignments))
-  {
-    try
-    {
-      (void)Impl::effective(possible);
-      return;
-    }
-    catch (const UserError& error)
-    {
-      if (!first)
-      {
-        first = error;
-      }
-    }
-  }
-  throw UserError(*first);
+  return impl_->config.effective();
 }
 
 Pipeline& SlamRun::pipeline()

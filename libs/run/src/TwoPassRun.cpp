@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/base/Error.h>
+#include <dyslam/run/KnownSettings.h>
 #include <dyslam/run/RunSlam.h>
 #include <dyslam/run/TwoPassRun.h>
 
@@ -164,7 +165,7 @@ PassesReport runInPasses(const RunRequest& request, const PassRunner& run)
   }
   catch (const UnknownSetting& error)
   {
-    throw error.withSectionsOf(SlamRun::defaults());
+    throw error.withSectionsOf(defaultSettings());
   }
 }
 

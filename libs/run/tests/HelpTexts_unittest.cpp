@@ -14,6 +14,7 @@
 #include <dyslam/mapexport/MapExport.h>
 #include <dyslam/packets/PcapSource.h>
 #include <dyslam/run/GivenSettings.h>
+#include <dyslam/run/KnownSettings.h>
 #include <dyslam/run/SlamRun.h>
 #include <dyslam/tracking/DetectionNoise.h>
 #include <gtest/gtest.h>
@@ -60,25 +61,25 @@ TEST(Defaults, ThoseOfARunAreRoundNumbers)
 }
 
 /** dyslam-map refuses other sections in an ini. */
-TEST(SlamRun, TheSectionsOfEffectiveIniAreKnown)
+TEST(KnownSettings, TheSectionsOfEffectiveIniAreKnown)
 {
   const TestFolder folder;
   std::vector<std::string> names = Config::fromFile(effectiveIniOfARun(folder)).sectionNames();
   std::sort(names.begin(), names.end());
-  EXPECT_EQ(names, SlamRun::sections());
+  EXPECT_EQ(names, sectionsOfRun());
 }
 
-TEST(SlamRun, NamesOfSettingsAreCheckedWithoutARecording)
+TEST(KnownSettings, NamesOfSettingsAreCheckedWithoutARecording)
 {
   const TestFolder folder;
   Config config = Config::fromFile(effectiveIniOfARun(folder));
   config.set("map.voxel_size=20cm");  // requireValid() checks values
-  EXPECT_NO_THROW(SlamRun::requireKnownNames(config));
+  EXPECT_NO_THROW(requireKnownNames(config));
   const auto message = [](const std::string& assignment)
   {
     Config mistyped;
     mistyped.set(assignment);
-    return messageOfError<UserError>([&] { SlamRun::requireKnownNames(mistyped); });
+    return messageOfError<UserError>([&] { requireKnownNames(mistyped); });
   };
   EXPECT_TRUE(contains(message("map.voxel_sise=0.1"), "did you mean 'voxel_size'?"));
   EXPECT_TRUE(contains(message("mapp.voxel_size=0.1"), "unknown section 'mapp'"));
@@ -87,19 +88,19 @@ TEST(SlamRun, NamesOfSettingsAreCheckedWithoutARecording)
   EXPECT_EQ("--set map_export.epsg: the section [map_export] belongs to dyslam-map",
             message("map_export.epsg=1"));
   EXPECT_EQ("--set train.x: the section [train] belongs to dyslam-train", message("train.x=1"));
-  for (const std::string& section : SlamRun::sections())
+  for (const std::string& section : sectionsOfRun())
   {
     EXPECT_EQ("dyslam", programOfSection(section))
         << "add [" << section << "] to sections_of_dyslam in libs/base/src/Config.cpp";
   }
 }
 
-TEST(SlamRun, ValuesOfSettingsAreCheckedWithoutARecording)
+TEST(KnownSettings, ValuesOfSettingsAreCheckedWithoutARecording)
 {
   const TestFolder folder;
   using Assignments = std::vector<std::string>;
   const auto check = [](const Assignments& assignments, const std::string& ini = "")
-  { SlamRun::requireValid(readGivenSettings(ini, assignments)); };
+  { requireValidSettings(readGivenSettings(ini, assignments)); };
   const auto message = [&check](const Assignments& assignments, const std::string& ini = "")
   { return messageOfError<UserError>([&] { check(assignments, ini); }); };
   const Assignments levelled_by_hand = {"input.level=false", "input.pitch_deg=12"};
@@ -118,15 +119,15 @@ TEST(SlamRun, ValuesOfSettingsAreCheckedWithoutARecording)
 }
 
 /** solid_state.ini has no network: a run with it does not read the file. */
-TEST(SlamRun, ValuesThatARunWithSomeSensorAcceptsAreValid)
+TEST(KnownSettings, ValuesThatARunWithSomeSensorAcceptsAreValid)
 {
   const auto check = [](const std::vector<std::string>& assignments)
-  { SlamRun::requireValid(readGivenSettings("", assignments)); };
+  { requireValidSettings(readGivenSettings("", assignments)); };
   EXPECT_NO_THROW(check({"dyseg_network.weights=missing"}));
   EXPECT_THROW(check({"dyseg_network.weights=missing", "dyseg.method=network"}), UserError);
 }
 
-TEST(SlamRun, SectionsOfTheTrainingInisBelongToTheirProgram)
+TEST(KnownSettings, SectionsOfTheTrainingInisBelongToTheirProgram)
 {
   for (const std::string name : {"dylo", "dylo_simulated", "dyseg", "dyseg_simulated"})
   {

@@ -14,7 +14,6 @@
 namespace dyslam
 {
 class Pipeline;
-struct GivenSettings;
 struct RawlogSourceOptions;
 struct BegunCheckpoint;
 struct RunToResume;
@@ -34,21 +33,8 @@ class SlamRun
   explicit SlamRun(const SlamRunSettings& settings);
   ~SlamRun();
 
-  /** All sections and keys that the stages and outputs load, as in effective.ini, with their
-   * defaults. Builds a run to find them. */
-  [[nodiscard]] static Config defaults();
-  /** Names of the sections of defaults(), sorted. */
-  [[nodiscard]] static std::vector<std::string> sections();
-
-  /** Checks the names of settings, not their values, before the recording is at hand.
-   * \throws UserError for a section or key that no run has, as the constructor does; it names the
-   * sections that have such a key */
-  static void requireKnownNames(const Config& config);
-  /** Checks names and values of settings before the recording is at hand, also the files that they
-   * name. A value is accepted if a run with any sensor would accept it.
-   * \throws UserError as the constructor with these settings does */
-  static void requireValid(const GivenSettings& given);
-
+  /** All sections and keys that the stages and outputs have loaded, as in effective.ini. */
+  [[nodiscard]] Config effective() const;
   [[nodiscard]] Pipeline& pipeline();
   /** Options of the ini section [input]. */
   [[nodiscard]] const RawlogSourceOptions& input() const;
