@@ -13,7 +13,7 @@ LiveRecording::LiveRecording(const std::string& input,
 {
   LiveRecorderHooks hooks;
   hooks.stop = [this, stop] { return is_ending_ || stop(); };
-  hooks.listening = [print](const std::string& name) { print("waits for packets on " + name); };
+  hooks.listening = [print](const std::string& name) { print("waits for " + name); };
   hooks.warn = [print](const std::string& warning) { print("warning: " + warning); };
   hooks.recorded = [this](std::size_t)
   {

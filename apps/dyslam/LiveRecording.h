@@ -17,7 +17,7 @@
 
 namespace dyslam
 {
-/** Records a lidar on the network in a thread of its own (recordLive()), while a run reads the
+/** Records a live input in a thread of its own (recordLive()), while a run reads the
  * rawlog, and measures how far the run is behind. */
 class LiveRecording
 {

@@ -6,8 +6,6 @@
 #include <dyslam/base/Printable.h>
 #include <dyslam/core/Frame.h>
 #include <dyslam/run/FolderLock.h>
-#include <dyslam/run/GivenSettings.h>
-#include <dyslam/run/KnownSettings.h>
 #include <dyslam/run/RunSlam.h>
 
 #include <filesystem>
@@ -22,6 +20,7 @@
 #include "../common/SlamProgram.h"
 #include "../common/StopSignals.h"
 #include "ConvertedFiles.h"
+#include "InputConversion.h"
 #include "LiveRecording.h"
 
 namespace dyslam
@@ -33,7 +32,7 @@ namespace
 constexpr const char* recorder_program = "scans2rawlog";  //!< makes the same recording
 
 /** \throws UserError for what can be wrong before the lidar is needed. */
-void requireReady(const SlamArguments& a, const ConvertedFiles& files)
+void requireReady(SlamArguments& a, const RecordingOptions& options, const ConvertedFiles& files)
 {
   if (a.resume)
   {
@@ -41,7 +40,7 @@ void requireReady(const SlamArguments& a, const ConvertedFiles& files)
                     "; leave out --input");
   }
   requireNoUnfinishedRun(a.settings);
-  requireValidSettings(readGivenSettings(a.config, assignmentsOf(a)));
+  completeSettings(a, options);
 }
 
 /** Warning about a run that could not keep up; empty if it could. */
@@ -191,7 +190,7 @@ std::unique_ptr<LiveInput> beginRecording(const SlamArguments& a,
 void runLive(SlamArguments& a, const RecordingOptions& options)
 {
   const ConvertedFiles files(a.settings.output_folder);
-  requireReady(a, files);
+  requireReady(a, options, files);
   const RecordingSignal signal;
   stopOnSignals();
   const auto input = beginRecording(a, options, files);

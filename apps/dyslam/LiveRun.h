@@ -7,7 +7,7 @@
 
 namespace dyslam
 {
-/** Runs the pipeline on a lidar on the network (`udp:PORT`): its scans are written to
+/** Runs the pipeline on a live input (isLiveInput()): its scans are written to
  * `recording.rawlog` in the output folder while they arrive, and the run follows this file. A scan
  * for which the run is too slow waits there, so that the results are those of a later run on the
  * file.

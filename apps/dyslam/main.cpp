@@ -22,14 +22,14 @@ void declare(CLI::App& app,
              bool& with_window)
 {
   app.description(
-      "Replays a recording of 3D LiDAR scans, or follows a lidar on the network: trajectory, "
-      "moving "
-      "objects, static map");
+      "Replays a recording of 3D LiDAR scans, or follows a lidar on the network or live topics of "
+      "ROS 2: trajectory, moving objects, static map");
   app.add_option(
       "-i,--input", a.settings.rawlog,
       "rawlog to replay; or ROS bag, .pcap of a Velodyne, Hesai or Ouster, KITTI folder or folder "
       "of .bin, .pcd or .ply scans, converted to recording.rawlog in --output first; or "
-      "udp:[ADDRESS:]PORT[,PORT], a lidar on the network, recorded there until Ctrl-C");
+      "udp:[ADDRESS:]PORT[,PORT], a lidar on the network, or ros2:[TOPIC], live topics of ROS 2, "
+      "recorded there until Ctrl-C");
   dyslam::addOutputFolder(app, "-o,--output", a.settings.output_folder, "folder for the results")
       ->required();
   app.add_flag("--resume", a.resume,
@@ -52,7 +52,7 @@ void run(dyslam::SlamArguments& a, const dyslam::RecordingOptions& conversion, b
     window.emplace();  // first, so that a missing display is told before the conversion
     a.settings.show = [&window](const dyslam::Frame& frame) { window->show(frame); };
   }
-  if (dyslam::isNetworkInput(a.settings.rawlog))
+  if (dyslam::isLiveInput(a.settings.rawlog))
   {
     dyslam::runLive(a, conversion);
   }

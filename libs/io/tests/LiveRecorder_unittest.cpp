@@ -198,7 +198,7 @@ TEST_F(LiveRecorder, RefusesOptionsOfOtherInputs)
   EXPECT_TRUE(contains(refused(), "--dt: the scans of a bag or of a lidar on the network"));
   options_ = {};
   options_.topic = "/points";
-  EXPECT_EQ("--topic works with a bag only", refused());
+  EXPECT_EQ("--topic works with a bag or topics of ROS 2 only", refused());
   options_ = {};
   options_.external_storage = true;
   EXPECT_EQ("--external-storage does not work with a lidar on the network", refused());

@@ -14,4 +14,10 @@ void convertBag(const std::string& input,
                 ScanSink& sink,
                 const ScanConverterOptions& options,
                 const BagUnpackingProgress& unpacking);
+/** Writes the scans of a bag that is open, or live. \param input name for messages \throws
+ * UserError. */
+void convertMessages(const std::string& input,
+                     Bag& bag,
+                     ScanSink& sink,
+                     const ScanConverterOptions& options);
 }  // namespace dyslam
