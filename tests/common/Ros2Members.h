@@ -34,11 +34,15 @@ inline void setOwnDomain()
 inline bool waitUntil(const std::function<bool()>& isSo)
 {
   const auto begin = std::chrono::steady_clock::now();
-  while (!isSo() && std::chrono::steady_clock::now() - begin < std::chrono::seconds(30))
+  while (std::chrono::steady_clock::now() - begin < std::chrono::seconds(30))
   {
+    if (isSo())
+    {
+      return true;
+    }
     ::usleep(2000);
   }
-  return isSo();
+  return false;
 }
 
 /** Waits for the next message, half a minute at most. */

@@ -116,7 +116,8 @@ bool Ros2Topics::foundAll() const
   const bool has_transforms = std::all_of(
       topics_.begin(), topics_.end(), [](const BagTopic& topic)
       { return topic.messages > 0 || !isTransforms(topic, "tf_static"); });
-  return has_others && has_transforms && (options_.all || foundScans());
+  return has_others && has_transforms &&
+         (options_.all ? !topics_.empty() : foundScans());
 }
 
 void Ros2Topics::lookAround()

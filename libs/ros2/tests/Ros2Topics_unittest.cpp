@@ -164,9 +164,7 @@ TEST_F(Ros2TopicsTest, EndsWhenItIsStopped)
   EXPECT_TRUE(script_.subscribed.empty());
   BagMessage message;
   EXPECT_FALSE(bag.next(message));
-
-  script_.add("/points", "sensor_msgs/PointCloud2");
-  EXPECT_EQ(1U, join().topics().size());  // without waiting
+  EXPECT_NO_THROW((void)join());  // without looking for topics
 }
 
 TEST_F(Ros2TopicsTest, ASilenceIsToldOnce)
@@ -210,8 +208,8 @@ TEST_F(Ros2TopicsTest, WhatIsMissingIsNamed)
   options_.scans = "";
   EXPECT_EQ(mute, refused());
   script_.add("/points", "sensor_msgs/PointCloud2");
-  EXPECT_EQ("", refused());
-  script_.add("/points", "sensor_msgs/PointCloud2");
+  EXPECT_NO_THROW((void)join());
+  script_.messages.push_back({"/points", 100, "/points 0"});
   options_.scans = "/points";
   options_.others = {"/rear"};
   EXPECT_EQ(mute, refused());
