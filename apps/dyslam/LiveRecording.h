@@ -24,12 +24,14 @@ class LiveRecording
  public:
   /** Begins, and returns once the first scan is in the rawlog.
    * \param stop true: the recording ends; asked from several threads \param print receives lines
-   * for the user, from several threads \throws UserError if there is no first scan. */
+   * for the user, from several threads \param vehicle_frame see LiveRecorderHooks; called before
+   * this returns \throws UserError if there is no first scan. */
   LiveRecording(const std::string& input,
                 const std::string& rawlog,
                 const ScanConverterOptions& options,
                 const std::function<bool()>& stop,
-                const std::function<void(const std::string&)>& print);
+                const std::function<void(const std::string&)>& print,
+                const std::function<void(const std::string&)>& vehicle_frame);
   /** Ends the recording. */
   ~LiveRecording();
   LiveRecording(const LiveRecording&) = delete;

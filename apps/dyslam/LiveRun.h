@@ -3,6 +3,9 @@
 
 #include <dyslam/io/RecordingOptions.h>
 
+#include <functional>
+#include <string>
+
 #include "../common/SlamArguments.h"
 
 namespace dyslam
@@ -14,6 +17,9 @@ namespace dyslam
  *
  * The first signal ends the recording, and the run processes the rest; the next one ends the run.
  * The end of the run (--end, --only-first-n) ends the recording. An earlier `recording.rawlog` is
- * only replaced with --force, unless it was converted. \throws UserError, UnusableResult. */
-void runLive(SlamArguments& a, const RecordingOptions& options);
+ * only replaced with --force, unless it was converted. \param vehicle_frame see LiveRecorderHooks
+ * \throws UserError, UnusableResult. */
+void runLive(SlamArguments& a,
+             const RecordingOptions& options,
+             const std::function<void(const std::string&)>& vehicle_frame);
 }  // namespace dyslam

@@ -85,7 +85,8 @@ void convertBag(const std::string& input,
 void convertMessages(const std::string& input,
                      Bag& bag,
                      ScanSink& sink,
-                     const ScanConverterOptions& options)
+                     const ScanConverterOptions& options,
+                     const std::function<void(const std::string&)>& vehicle_frame)
 {
   const std::size_t at = scanTopic(input, bag, options, sink);
   const BagTopic topic = bag.topics()[at];
@@ -100,6 +101,11 @@ void convertMessages(const std::string& input,
   }
   warnOfMapFrame(topic.name, content.frames.lidar, sink);
   mountLidar(input, bag, content.frames, options, sink);
+  if (vehicle_frame)
+  {
+    vehicle_frame(options.base_frame.empty() ? content.frames.lidar
+                                             : plainFrame(options.base_frame));
+  }
   content.truth =
       options.truth_topic.empty() ? Trajectory() : readTruePoses(input, bag, options, sink);
   warnOfMapOdometry(bag, options.odometry_topic, sink);

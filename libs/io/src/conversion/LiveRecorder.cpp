@@ -107,7 +107,8 @@ ConversionResult recordTopics(const std::string& input,
   return sink.fill(
       [&]
       {
-        convertMessages(placeOf(Ros2DomainOptions::fromEnvironment()), *topics, sink, options);
+        convertMessages(placeOf(Ros2DomainOptions::fromEnvironment()), *topics, sink, options,
+                        hooks.vehicle_frame);
         for (const std::string& warning : topics->warnings())
         {
           sink.warn(warning);

@@ -17,6 +17,9 @@ struct LiveRecorderHooks
    * 0)". */
   std::function<void(const std::string&)> listening;
   std::function<void(const std::string&)> warn;       //!< a line, at once
+  /** The frame that topics have for the vehicle of the recording, before its first scan; not called
+   * for other inputs. */
+  std::function<void(const std::string&)> vehicle_frame;
   std::function<void(std::size_t)> recorded;  //!< a scan is in the rawlog: number of scans so far
 };
 
