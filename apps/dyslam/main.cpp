@@ -50,10 +50,10 @@ void declare(CLI::App& app,
       "--window", shown.window,
       "show scans, moving objects and map in a window while the run goes on; after a run with "
       "usable results it stays open until you close it");
-  CLI::Option* publish =
-      app.add_flag("--publish", shown.publish,
-                   "publish poses, static points and moving objects by ROS 2 while the run goes on: "
-                   "/tf, /dyslam/odometry, /dyslam/points_static, /dyslam/objects");
+  CLI::Option* publish = app.add_flag(
+      "--publish", shown.publish,
+      "publish poses, static points and moving objects by ROS 2 while the run goes on: "
+      "/tf, /dyslam/odometry, /dyslam/points_static, /dyslam/objects");
   app.add_flag("--no-tf", shown.no_tf,
                "with --publish: no /tf, where another node has a transform of the vehicle")
       ->needs(publish);

@@ -45,7 +45,8 @@ void declare(CLI::App& app, Arguments& arguments)
                  "Ctrl-C")
       ->required();
   CLI::Option* output = addOutputFile(app, "-o,--output", arguments.output, "rawlog to write");
-  CLI::Option* list = app.add_flag("--list", arguments.list, "print the topics of a bag, or of ros2:, and stop");
+  CLI::Option* list =
+      app.add_flag("--list", arguments.list, "print the topics of a bag, or of ros2:, and stop");
   list->excludes(output);
   app.add_option(
       "--topic", o.topic,
@@ -131,7 +132,8 @@ void run(const Arguments& arguments)
   {
     if (!isBag(arguments.input))
     {
-      throw UserError(arguments.input + ": is no bag; --list prints the topics of one, or of ros2:");
+      throw UserError(arguments.input +
+                      ": is no bag; --list prints the topics of one, or of ros2:");
     }
     const auto bag = openBag(arguments.input, unpacking);
     for (const std::string& warning : bag->warnings())

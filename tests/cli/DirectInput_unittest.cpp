@@ -232,7 +232,8 @@ TEST_F(DirectInput, InABatch)
   const std::string rawlog = at("single/recording.rawlog");
   const Outcome unfit = run("dyslam-batch", at("all") + rest + "--topic /points");
   EXPECT_EQ(unfit.code, 1);
-  EXPECT_TRUE(contains(unfit.err, at("all/drive_sync") + ": --topic works with a bag or topics of ROS 2 only"))
+  EXPECT_TRUE(contains(unfit.err,
+                       at("all/drive_sync") + ": --topic works with a bag or topics of ROS 2 only"))
       << unfit.err;
   const Outcome unused = run("dyslam-batch", rawlog + rest + "--dt 0.2");
   EXPECT_EQ(unused.code, 1);

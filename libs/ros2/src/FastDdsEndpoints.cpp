@@ -79,13 +79,14 @@ FastDdsReader::FastDdsReader(dds::Subscriber& subscriber,
                              MessageQueue& queue)
     : subscriber_(subscriber), topic_(topic), offer_(offer), queue_(queue)
 {
-  constexpr int depth = 1000;  // messages of which parts are missing; those of an IMU come in bursts
+  constexpr int depth =
+      1000;  // messages of which parts are missing; those of an IMU come in bursts
   dds::DataReaderQos qos = dds::DATAREADER_QOS_DEFAULT;
   setCommon(qos, offer.reliable, offer.latched, depth);
   auto& participant = const_cast<dds::DomainParticipant&>(*subscriber.get_participant());
-  reader_ =
-      subscriber.create_datareader(topicOf(participant, topic, offer.dds_type), qos, this,
-                                   dds::StatusMask::data_available() << dds::StatusMask::sample_lost());
+  reader_ = subscriber.create_datareader(topicOf(participant, topic, offer.dds_type), qos, this,
+                                         dds::StatusMask::data_available()
+                                             << dds::StatusMask::sample_lost());
   if (reader_ == nullptr)
   {
     throw UserError(topic + ": the middleware has made no subscription");

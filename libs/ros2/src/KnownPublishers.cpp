@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "KnownPublishers.h"
 
-#include <fastdds/dds/domain/DomainParticipant.hpp>
 #include <fastdds/rtps/writer/WriterDiscoveryInfo.h>
+
+#include <fastdds/dds/domain/DomainParticipant.hpp>
 
 #include "Ros2Names.h"
 

@@ -2,10 +2,10 @@
 #pragma once
 
 #include <dyslam/ros2/Ros2Domain.h>
+#include <fastdds/rtps/common/Guid.h>
 
 #include <cstddef>
 #include <fastdds/dds/domain/DomainParticipantListener.hpp>
-#include <fastdds/rtps/common/Guid.h>
 #include <functional>
 #include <map>
 #include <mutex>

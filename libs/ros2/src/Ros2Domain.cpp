@@ -14,8 +14,8 @@ Ros2DomainOptions Ros2DomainOptions::fromEnvironment()
     constexpr unsigned last = 232;  // the ports of higher ones are beyond 65535
     constexpr std::size_t most_digits = 3;
     const bool is_number = id.find_first_not_of("0123456789") == std::string::npos;
-    options.id = is_number && id.size() <= most_digits ? static_cast<unsigned>(std::stoul(id))
-                                                       : last + 1;
+    options.id =
+        is_number && id.size() <= most_digits ? static_cast<unsigned>(std::stoul(id)) : last + 1;
     if (options.id > last)
     {
       throw UserError("ROS_DOMAIN_ID=" + id + ": is no domain of ROS 2, which are 0 to " +

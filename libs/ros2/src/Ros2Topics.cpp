@@ -113,11 +113,11 @@ bool Ros2Topics::foundAll() const
                     return found != numbers_.end() && (topics_[found->second].messages > 0 ||
                                                        !hasScans(topics_[found->second]));
                   });
-  const bool has_transforms = std::all_of(
-      topics_.begin(), topics_.end(), [](const BagTopic& topic)
-      { return topic.messages > 0 || !isTransforms(topic, "tf_static"); });
-  return has_others && has_transforms &&
-         (options_.all ? !topics_.empty() : foundScans());
+  const bool has_transforms =
+      std::all_of(topics_.begin(), topics_.end(),
+                  [](const BagTopic& topic)
+                  { return topic.messages > 0 || !isTransforms(topic, "tf_static"); });
+  return has_others && has_transforms && (options_.all ? !topics_.empty() : foundScans());
 }
 
 void Ros2Topics::lookAround()
@@ -143,7 +143,9 @@ void Ros2Topics::addNewTopics()
 {
   for (const Ros2Topic& found : domain_->topics())
   {
-    if (!numbers_.emplace(found.name, topics_.size()).second)
+    // What this run or another one publishes is no input.
+    const bool is_own = found.name.rfind(own_topics, 0) == 0 && !isNeeded(found.name);
+    if ((is_own && !options_.all) || !numbers_.emplace(found.name, topics_.size()).second)
     {
       continue;
     }
@@ -230,8 +232,9 @@ void Ros2Topics::requireMessages() const
   }
   if (!mute.empty() && (!any || !options_.scans.empty()))
   {
-    throw UserError(place() + ": no messages of " + namesOf(mute) + within +
-                    ", though there is a publisher; is the lidar on, and does a firewall drop UDP?");
+    throw UserError(
+        place() + ": no messages of " + namesOf(mute) + within +
+        ", though there is a publisher; is the lidar on, and does a firewall drop UDP?");
   }
 }
 
@@ -352,8 +355,8 @@ void Ros2Topics::noteSilence()
     if (!heard.is_silent && seconds > options_.silence)
     {
       heard.is_silent = true;
-      warn(topic,
-           formatted("no messages for %.0f s; the recording goes on when they come again", seconds));
+      warn(topic, formatted("no messages for %.0f s; the recording goes on when they come again",
+                            seconds));
     }
   }
 }

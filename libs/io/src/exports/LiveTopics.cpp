@@ -96,8 +96,8 @@ struct LiveTopics::Impl
       if (cholesky.info() == Eigen::Success)
       {
         const Matrix6 turn = adjointSE3(T_level_recorded.inverse());
-        covariances.twist = turn * cholesky.solve(Matrix6::Identity()) * turn.transpose() /
-                            (frame.dt * frame.dt);
+        covariances.twist =
+            turn * cholesky.solve(Matrix6::Identity()) * turn.transpose() / (frame.dt * frame.dt);
       }
     }
     return odometryMessage(pose, twist, covariances);

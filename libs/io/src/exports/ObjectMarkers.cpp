@@ -17,10 +17,11 @@ RosMarker boxMarker(const MarkedObject& object)
   RosMarker marker;
   marker.group = "boxes";
   marker.id = object.id;
-  marker.pose = poseFromYpr(object.box.centre.x(), object.box.centre.y(), object.box.centre.z(), object.box.yaw, 0, 0);
+  marker.pose = poseFromYpr(object.box.centre.x(), object.box.centre.y(), object.box.centre.z(),
+                            object.box.yaw, 0, 0);
   marker.scale = object.box.size;
   marker.colour = object.moves ? std::array<float, 4>{1.0F, 0.45F, 0.1F, 0.5F}
-                        : std::array<float, 4>{0.55F, 0.6F, 0.65F, 0.4F};
+                               : std::array<float, 4>{0.55F, 0.6F, 0.65F, 0.4F};
   return marker;
 }
 
@@ -34,8 +35,8 @@ RosMarker nameMarker(const MarkedObject& object)
   marker.pose.translation() =
       object.box.centre + (0.5 * object.box.size.z() + letters) * Eigen::Vector3d::UnitZ();
   marker.scale.setConstant(letters);
-  marker.text =
-      std::to_string(object.id) + " " + object.type + (object.velocity ? formatted(" %.1f m/s", object.velocity->norm()) : "");
+  marker.text = std::to_string(object.id) + " " + object.type +
+                (object.velocity ? formatted(" %.1f m/s", object.velocity->norm()) : "");
   return marker;
 }
 

@@ -19,7 +19,7 @@ namespace fs = std::filesystem;
 
 namespace
 {
-constexpr double same_scan = 1e-3;     //!< [s] between a scan and its pose in odometry_tum.txt
+constexpr double same_scan = 1e-3;  //!< [s] between a scan and its pose in odometry_tum.txt
 }  // namespace
 
 TrackMarkers::TrackMarkers(const std::string& tracks)

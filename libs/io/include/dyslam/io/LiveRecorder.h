@@ -16,7 +16,7 @@ struct LiveRecorderHooks
   /** What is waited for, from now on: "packets on udp:2368", "messages of /points (ROS 2, domain
    * 0)". */
   std::function<void(const std::string&)> listening;
-  std::function<void(const std::string&)> warn;       //!< a line, at once
+  std::function<void(const std::string&)> warn;  //!< a line, at once
   /** The frame that topics have for the vehicle of the recording, before its first scan; not called
    * for other inputs. */
   std::function<void(const std::string&)> vehicle_frame;

@@ -9,6 +9,9 @@
 
 namespace dyslam
 {
+/** Beginning of the names of topics that DySLAM publishes, but for `/tf`. */
+constexpr const char* own_topics = "/dyslam/";
+
 /** A topic of ROS 2 that others publish. */
 struct Ros2Topic
 {

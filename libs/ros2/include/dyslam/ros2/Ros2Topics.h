@@ -89,10 +89,10 @@ class Ros2Topics : public Bag
   std::size_t position_ = 0;                    //!< in kept_
   std::vector<bool> is_selected_;               //!< by topic
   Clock::time_point first_scan_;
-  bool is_last_ = false;         //!< selectLast() was called
-  bool has_ended_ = false;       //!< nothing more is received
-  Ros2Message current_;          //!< delivered last
-  std::size_t delivered_ = 0;    //!< number of messages since the last select()
+  bool is_last_ = false;                            //!< selectLast() was called
+  bool has_ended_ = false;                          //!< nothing more is received
+  Ros2Message current_;                             //!< delivered last
+  std::size_t delivered_ = 0;                       //!< number of messages since the last select()
   std::map<std::size_t, Heard> heard_;              //!< selected topics of scans
   std::map<std::size_t, std::size_t> lost_before_;  //!< selected topics: lost before selectLast()
 };
