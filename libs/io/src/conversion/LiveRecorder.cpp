@@ -5,6 +5,7 @@
 #include <dyslam/formats/RecordingKind.h>
 #include <dyslam/formats/TextFile.h>
 #include <dyslam/io/LiveRecorder.h>
+#include <dyslam/io/OptionError.h>
 #include <dyslam/packets/PacketSource.h>
 #include <dyslam/packets/UdpReceiver.h>
 #include <dyslam/ros2/Ros2Topics.h>
@@ -104,17 +105,25 @@ ConversionResult recordTopics(const std::string& input,
   options.topic = topic.empty() ? options.topic : topic;
   const auto topics = joinTopics(input, options, hooks);
   ScanSink sink(output, options, progress);
-  return sink.fill(
-      [&]
-      {
-        convertMessages(placeOf(Ros2DomainOptions::fromEnvironment()), *topics, sink, options,
-                        hooks.vehicle_frame);
-        for (const std::string& warning : topics->warnings())
-        {
-          sink.warn(warning);
-        }
-        return sink.close();
-      });
+  const auto convert = [&]
+  {
+    convertMessages(placeOf(Ros2DomainOptions::fromEnvironment()), *topics, sink, options,
+                    hooks.vehicle_frame);
+    for (const std::string& warning : topics->warnings())
+    {
+      sink.warn(warning);
+    }
+    return sink.close();
+  };
+  try
+  {
+    return sink.fill(convert);
+  }
+  catch (const OptionError& error)
+  {
+    throw UserError(error.what() +
+                    std::string(error.flag() == "--list" ? " (scans2rawlog -i ros2: --list)" : ""));
+  }
 }
 }  // namespace
 
