@@ -79,14 +79,12 @@ FastDdsReader::FastDdsReader(dds::Subscriber& subscriber,
                              MessageQueue& queue)
     : subscriber_(subscriber), topic_(topic), offer_(offer), queue_(queue)
 {
-  constexpr int depth =
-      1000;  // messages of which parts are missing; those of an IMU come in bursts
+  constexpr int depth = 1000;  // messages that wait for missing parts or for this thread
   dds::DataReaderQos qos = dds::DATAREADER_QOS_DEFAULT;
   setCommon(qos, offer.reliable, offer.latched, depth);
   auto& participant = const_cast<dds::DomainParticipant&>(*subscriber.get_participant());
   reader_ = subscriber.create_datareader(topicOf(participant, topic, offer.dds_type), qos, this,
-                                         dds::StatusMask::data_available()
-                                             << dds::StatusMask::sample_lost());
+                                         dds::StatusMask::data_available());
   if (reader_ == nullptr)
   {
     throw UserError(topic + ": the middleware has made no subscription");
@@ -105,6 +103,7 @@ void FastDdsReader::on_data_available(dds::DataReader* reader)
   dds::SampleInfo info;
   while (reader->take_next_sample(&data, &info) == ReturnCode_t::RETCODE_OK)
   {
+    noteLost(info.sample_identity);
     if (info.valid_data)
     {
       queue_.put({topic_, now(), std::move(data)});
@@ -113,9 +112,15 @@ void FastDdsReader::on_data_available(dds::DataReader* reader)
   }
 }
 
-void FastDdsReader::on_sample_lost(dds::DataReader* /*reader*/, const dds::SampleLostStatus& status)
+void FastDdsReader::noteLost(const eprosima::fastrtps::rtps::SampleIdentity& identity)
 {
-  queue_.noteLost(topic_, static_cast<std::size_t>(status.total_count_change));
+  const std::uint64_t number = identity.sequence_number().to64long();
+  const auto [last, is_first] = last_.emplace(identity.writer_guid(), number);
+  if (!is_first && number > last->second + 1)
+  {
+    queue_.noteLost(topic_, static_cast<std::size_t>(number - last->second - 1));
+  }
+  last->second = number;
 }
 
 FastDdsPublisher::FastDdsPublisher(dds::Publisher& publisher, const Ros2PublisherOptions& options)

@@ -2,7 +2,9 @@
 #pragma once
 
 #include <dyslam/ros2/Ros2Domain.h>
+#include <fastdds/rtps/common/SampleIdentity.h>
 
+#include <cstdint>
 #include <fastdds/dds/domain/DomainParticipant.hpp>
 #include <fastdds/dds/publisher/DataWriter.hpp>
 #include <fastdds/dds/publisher/Publisher.hpp>
@@ -10,6 +12,7 @@
 #include <fastdds/dds/subscriber/DataReaderListener.hpp>
 #include <fastdds/dds/subscriber/Subscriber.hpp>
 #include <fastdds/dds/topic/Topic.hpp>
+#include <map>
 #include <string>
 
 #include "KnownPublishers.h"
@@ -33,14 +36,17 @@ class FastDdsReader : public eprosima::fastdds::dds::DataReaderListener
   [[nodiscard]] const TopicOffer& offer() const { return offer_; }
 
   void on_data_available(eprosima::fastdds::dds::DataReader* reader) override;
-  void on_sample_lost(eprosima::fastdds::dds::DataReader* reader,
-                      const eprosima::fastdds::dds::SampleLostStatus& status) override;
 
  private:
+  /** Counts the messages between the last one of a publisher and this one. */
+  void noteLost(const eprosima::fastrtps::rtps::SampleIdentity& identity);
+
   eprosima::fastdds::dds::Subscriber& subscriber_;
   std::string topic_;
   TopicOffer offer_;
   MessageQueue& queue_;
+  /** Numbers of the last messages, by publisher; of the thread that receives. */
+  std::map<eprosima::fastrtps::rtps::GUID_t, std::uint64_t> last_;
   eprosima::fastdds::dds::DataReader* reader_ = nullptr;
 };
 

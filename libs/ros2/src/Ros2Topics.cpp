@@ -260,7 +260,6 @@ void Ros2Topics::selectLast(const std::vector<std::size_t>& topics)
       domain_->unsubscribe(topics_[i].name);
       continue;
     }
-    lost_before_[i] = domain_->lost(topics_[i].name);
     if (hasScans(topics_[i]))
     {
       heard_[i].last = Clock::now();
@@ -295,9 +294,9 @@ bool Ros2Topics::next(BagMessage& message)
     if (!has_ended_ && isStopped())
     {
       has_ended_ = true;
-      for (const auto& [topic, lost] : lost_before_)
+      for (const BagTopic& topic : topics_)
       {
-        domain_->unsubscribe(topics_[topic].name);
+        domain_->unsubscribe(topic.name);
       }
     }
     const bool any =
@@ -372,12 +371,12 @@ void Ros2Topics::warn(std::size_t topic, const std::string& what) const
 std::vector<std::string> Ros2Topics::warnings() const
 {
   std::vector<std::string> lines;
-  for (const auto& [topic, before] : lost_before_)
+  for (std::size_t i = 0; i < topics_.size(); ++i)
   {
-    const std::size_t lost = domain_->lost(topics_[topic].name) - before;
+    const std::size_t lost = is_last_ && is_selected_[i] ? domain_->lost(topics_[i].name) : 0;
     if (lost > 0)
     {
-      lines.push_back(topics_[topic].name + ": " + counted(lost, "message") +
+      lines.push_back(topics_[i].name + ": " + counted(lost, "message") +
                       " lost on the way: a network or computer that is too busy, or socket buffers "
                       "that are too small (sudo sysctl -w net.core.rmem_max=33554432)");
     }

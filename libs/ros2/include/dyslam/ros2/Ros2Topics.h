@@ -52,7 +52,7 @@ class Ros2Topics : public Bag
   void selectLast(const std::vector<std::size_t>& topics) override;
   [[nodiscard]] bool next(BagMessage& message) override;
   [[nodiscard]] double progress() const override { return 0; }
-  /** The messages that were lost since selectLast(). */
+  /** The messages of selected topics that were lost. \pre selectLast() */
   [[nodiscard]] std::vector<std::string> warnings() const override;
 
  private:
@@ -89,11 +89,10 @@ class Ros2Topics : public Bag
   std::size_t position_ = 0;                    //!< in kept_
   std::vector<bool> is_selected_;               //!< by topic
   Clock::time_point first_scan_;
-  bool is_last_ = false;                            //!< selectLast() was called
-  bool has_ended_ = false;                          //!< nothing more is received
-  Ros2Message current_;                             //!< delivered last
-  std::size_t delivered_ = 0;                       //!< number of messages since the last select()
-  std::map<std::size_t, Heard> heard_;              //!< selected topics of scans
-  std::map<std::size_t, std::size_t> lost_before_;  //!< selected topics: lost before selectLast()
+  bool is_last_ = false;                //!< selectLast() was called
+  bool has_ended_ = false;              //!< nothing more is received
+  Ros2Message current_;                 //!< delivered last
+  std::size_t delivered_ = 0;           //!< number of messages since the last select()
+  std::map<std::size_t, Heard> heard_;  //!< selected topics of scans
 };
 }  // namespace dyslam
