@@ -15,7 +15,8 @@ namespace dyslam::test
 {
 inline Ros2DomainOptions ownDomain()
 {
-  return {100 + static_cast<unsigned>(::getpid()) % 100, true};
+  // The ports of domains from 102 on may be those of other programs.
+  return {2 + static_cast<unsigned>(::getpid()) % 100, true};
 }
 
 inline std::unique_ptr<Ros2Domain> joinOwnDomain()
