@@ -241,16 +241,30 @@ TEST_F(Ros2Input, TheScansOfADomainAreFoundAndListed)
   EXPECT_TRUE(contains(folder_.read("out"), "5 scans")) << folder_.read("out");
 }
 
-TEST_F(Ros2Input, SeveralLidarsAreRecorded)
+TEST_F(Ros2Input, AllSensorsAreRecorded)
 {
   const auto rear = domain_->advertise({"/rear", "sensor_msgs/PointCloud2"});
+  const auto wheels = domain_->advertise({"/odom", "geometry_msgs/TwistStamped"});
+  const auto receiver = domain_->advertise({"/fix", "sensor_msgs/NavSatFix"});
   BackgroundProgram recorder({"scans2rawlog", "-q", "-i", "ros2:/velodyne_points",
-                              "--further-topic", "/rear", "-o", at("a.rawlog")},
+                              "--further-topic", "/rear", "--imu-topic", "/imu", "--odometry-topic",
+                              "/odom", "--gnss-topic", "/fix", "-o", at("a.rawlog")},
                              at("out"), at("err"));
-  listen(recorder);
-  ASSERT_TRUE(recorder.waitUntil([&] { return rear->subscriptions() > 0; }));
+  for (const Ros2Publisher* topic : {points_.get(), rear.get(), wheels.get(), receiver.get()})
+  {
+    ASSERT_TRUE(recorder.waitUntil([&] { return topic->subscriptions() > 0; })) << recorder.said();
+  }
   for (std::size_t i = 0; i < scans / 2; ++i)
   {
+    RosTwist speed;
+    speed.stamp = stamps_[i];
+    speed.frame = "base_link";
+    speed.linear.x() = 5;
+    wheels->publish(twistMessage(speed));
+    RosFix fix;
+    fix.stamp = stamps_[i];
+    fix.position = {49, 8.4, 115};
+    receiver->publish(fixMessage(fix));
     rear->publish(rear_clouds_[i]);
     send(i, i + 1);
   }
@@ -258,8 +272,14 @@ TEST_F(Ros2Input, SeveralLidarsAreRecorded)
   recorder.signal(SIGINT);
   EXPECT_EQ(0, recorder.wait()) << recorder.said();
   const std::string said = folder_.read("out") + recorder.said();
-  EXPECT_TRUE(contains(said, "further lidar: /rear, label rear; dyslam merges")) << said;
+  for (const std::string expected :
+       {"further lidar: /rear, label rear; dyslam merges", "IMU: /imu, ", "wheel odometry: /odom, ",
+        "satellite receiver: /fix, "})
+  {
+    EXPECT_TRUE(contains(said, expected)) << expected << '\n' << said;
+  }
   EXPECT_FALSE(contains(said, "no scan of this further lidar")) << said;
+  EXPECT_FALSE(contains(said, "has no sample at the times of the scans")) << said;
 }
 
 TEST_F(Ros2Input, BadInputIsRefusedInOneLine)
