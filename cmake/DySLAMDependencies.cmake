@@ -19,6 +19,17 @@ if(DYSLAM_WITH_TORCH)
 endif()
 message(STATUS "Networks (libtorch and OpenMP): ${DYSLAM_HAVE_TORCH}")
 
+# Topics of ROS 2 are received and published where Fast DDS is.
+option(DYSLAM_WITH_ROS2 "Build the live topics of ROS 2 if Fast DDS is found" ON)
+set(DYSLAM_HAVE_FASTDDS OFF)
+if(DYSLAM_WITH_ROS2 AND NOT DYSLAM_TRAIN_ONLY AND NOT DYSLAM_FUZZ)
+  find_package(fastrtps 2.9 QUIET)
+  if(fastrtps_FOUND)
+    set(DYSLAM_HAVE_FASTDDS ON)
+  endif()
+endif()
+message(STATUS "Live topics of ROS 2 (Fast DDS): ${DYSLAM_HAVE_FASTDDS}")
+
 if(NOT DYSLAM_TRAIN_ONLY)
   find_package(MRPT 2.5.8 REQUIRED COMPONENTS core config io math poses serialization system obs maps graphs topography opengl
     gui graphslam)

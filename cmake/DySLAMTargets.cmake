@@ -70,6 +70,13 @@ function(dyslam_may_load_networks target networks)
   endif()
 endfunction()
 
+# The module `ros2` is built with a target that may load it while it runs.
+function(dyslam_may_load_ros2 target)
+  if(DYSLAM_HAVE_FASTDDS)
+    add_dependencies(${target} dyslam_ros2_module)
+  endif()
+endfunction()
+
 # dyslam_add_app(NAME <app-name> LIBRARIES <targets> [SOURCES <files in apps/<app-name>>] [NETWORKS])
 # Builds apps/<app-name>/main.cpp and the other sources given, with apps/common's dyslam_appcommon. NETWORKS:
 # it may ask for a network.

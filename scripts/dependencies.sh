@@ -3,7 +3,7 @@
 PACKAGES=(
   build-essential cmake ninja-build ccache
   libmrpt-dev mrpt-apps libeigen3-dev libtbb-dev libceres-dev libpcl-dev libopencv-dev liboctomap-dev
-  libembree-dev libtorch-dev libcli11-dev libpcap-dev nlohmann-json3-dev
+  libembree-dev libtorch-dev libfastrtps-dev libcli11-dev libpcap-dev nlohmann-json3-dev
   libssl-dev libsqlite3-dev libdeflate-dev libisal-dev liblz4-dev libzstd-dev libbz2-dev librosbag-storage-dev
   libgtest-dev
   python3-numpy xz-utils

@@ -23,13 +23,13 @@ void ConvertedFiles::writeOrigin(const std::string& input,
                                  const std::vector<std::string>& warnings) const
 {
   const std::string source =
-      isNetworkInput(input) ? input : fs::absolute(input).lexically_normal().string();
+      isLiveInput(input) ? input : fs::absolute(input).lexically_normal().string();
   writeRecordingOrigin({source, program, warnings}, folder);
 }
 
 bool ConvertedFiles::canBeMadeAgain() const
 {
   const auto found = originOfRecording(rawlog);
-  return fs::is_regular_file(origin) && !(found && isNetworkInput(found->input));
+  return fs::is_regular_file(origin) && !(found && isLiveInput(found->input));
 }
 }  // namespace dyslam

@@ -91,6 +91,16 @@ std::vector<std::string> convertTo(const ConvertedFiles& files,
 }
 }  // namespace
 
+void completeSettings(SlamArguments& a, const RecordingOptions& options)
+{
+  const GivenSettings given = readGivenSettings(a.config, assignmentsOf(a));
+  requireValidSettings(given);
+  if (!options.further_topics.empty() && !given.merged().has("input", "further_lidars"))
+  {
+    a.assignments.push_back("input.further_lidars=" + options.furtherLidars());
+  }
+}
+
 void convertInput(SlamArguments& a, const RecordingOptions& options)
 {
   const std::string input = a.settings.rawlog;
@@ -123,12 +133,7 @@ void convertInput(SlamArguments& a, const RecordingOptions& options)
   }
   requireNoUnfinishedRun(a.settings);
   requireApart(input, files.folder);
-  const GivenSettings given = readGivenSettings(a.config, assignmentsOf(a));
-  requireValidSettings(given);  // not only after a conversion, which may take long
-  if (!options.further_topics.empty() && !given.merged().has("input", "further_lidars"))
-  {
-    a.assignments.push_back("input.further_lidars=" + options.furtherLidars());
-  }
+  completeSettings(a, options);  // not only after a conversion, which may take long
   const bool is_new_folder = !fs::exists(files.folder);
   makeFolder(files.folder, "choose another --output");
   try

@@ -18,4 +18,8 @@ namespace dyslam
  * recording of the name is only replaced with --force, and so is one that was received from a lidar
  * on the network. \throws UserError. */
 void convertInput(SlamArguments& a, const RecordingOptions& options);
+
+/** Checks the settings before an input is converted or recorded, and adds that which merges the
+ * scans of its further lidars, unless one is given. \throws UserError. */
+void completeSettings(SlamArguments& a, const RecordingOptions& options);
 }  // namespace dyslam

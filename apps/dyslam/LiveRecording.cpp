@@ -9,12 +9,14 @@ LiveRecording::LiveRecording(const std::string& input,
                              const std::string& rawlog,
                              const ScanConverterOptions& options,
                              const std::function<bool()>& stop,
-                             const std::function<void(const std::string&)>& print)
+                             const std::function<void(const std::string&)>& print,
+                             const std::function<void(const std::string&)>& vehicle_frame)
 {
   LiveRecorderHooks hooks;
   hooks.stop = [this, stop] { return is_ending_ || stop(); };
-  hooks.listening = [print](const std::string& name) { print("waits for packets on " + name); };
+  hooks.listening = [print](const std::string& name) { print("waits for " + name); };
   hooks.warn = [print](const std::string& warning) { print("warning: " + warning); };
+  hooks.vehicle_frame = vehicle_frame;
   hooks.recorded = [this](std::size_t)
   {
     const std::lock_guard<std::mutex> lock(mutex_);

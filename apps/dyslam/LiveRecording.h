@@ -17,19 +17,21 @@
 
 namespace dyslam
 {
-/** Records a lidar on the network in a thread of its own (recordLive()), while a run reads the
+/** Records a live input in a thread of its own (recordLive()), while a run reads the
  * rawlog, and measures how far the run is behind. */
 class LiveRecording
 {
  public:
   /** Begins, and returns once the first scan is in the rawlog.
    * \param stop true: the recording ends; asked from several threads \param print receives lines
-   * for the user, from several threads \throws UserError if there is no first scan. */
+   * for the user, from several threads \param vehicle_frame see LiveRecorderHooks; called before
+   * this returns \throws UserError if there is no first scan. */
   LiveRecording(const std::string& input,
                 const std::string& rawlog,
                 const ScanConverterOptions& options,
                 const std::function<bool()>& stop,
-                const std::function<void(const std::string&)>& print);
+                const std::function<void(const std::string&)>& print,
+                const std::function<void(const std::string&)>& vehicle_frame);
   /** Ends the recording. */
   ~LiveRecording();
   LiveRecording(const LiveRecording&) = delete;

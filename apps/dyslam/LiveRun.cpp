@@ -6,8 +6,6 @@
 #include <dyslam/base/Printable.h>
 #include <dyslam/core/Frame.h>
 #include <dyslam/run/FolderLock.h>
-#include <dyslam/run/GivenSettings.h>
-#include <dyslam/run/KnownSettings.h>
 #include <dyslam/run/RunSlam.h>
 
 #include <filesystem>
@@ -22,6 +20,7 @@
 #include "../common/SlamProgram.h"
 #include "../common/StopSignals.h"
 #include "ConvertedFiles.h"
+#include "InputConversion.h"
 #include "LiveRecording.h"
 
 namespace dyslam
@@ -30,10 +29,12 @@ namespace fs = std::filesystem;
 
 namespace
 {
+using VehicleFrameHook = std::function<void(const std::string&)>;
+
 constexpr const char* recorder_program = "scans2rawlog";  //!< makes the same recording
 
 /** \throws UserError for what can be wrong before the lidar is needed. */
-void requireReady(const SlamArguments& a, const ConvertedFiles& files)
+void requireReady(SlamArguments& a, const RecordingOptions& options, const ConvertedFiles& files)
 {
   if (a.resume)
   {
@@ -41,7 +42,7 @@ void requireReady(const SlamArguments& a, const ConvertedFiles& files)
                     "; leave out --input");
   }
   requireNoUnfinishedRun(a.settings);
-  requireValidSettings(readGivenSettings(a.config, assignmentsOf(a)));
+  completeSettings(a, options);
 }
 
 /** Warning about a run that could not keep up; empty if it could. */
@@ -61,7 +62,10 @@ class LiveInput
 {
  public:
   /** Begins the recording. \throws UserError if there is no first scan. */
-  LiveInput(const SlamArguments& a, const RecordingOptions& options, const ConvertedFiles& files)
+  LiveInput(const SlamArguments& a,
+            const RecordingOptions& options,
+            const ConvertedFiles& files,
+            const VehicleFrameHook& vehicle_frame)
       : input_(a.settings.rawlog), quiet_(a.quiet()), files_(files)
   {
     ScanConverterOptions of_recording;
@@ -75,7 +79,8 @@ class LiveInput
           {
             printAbove("dyslam: " + line);
           }
-        });
+        },
+        vehicle_frame);
     files_.writeOrigin(input_, recorder_program, {});
   }
 
@@ -166,7 +171,8 @@ class LiveInput
  * \throws UserError, and leaves no new folder then. */
 std::unique_ptr<LiveInput> beginRecording(const SlamArguments& a,
                                           const RecordingOptions& options,
-                                          const ConvertedFiles& files)
+                                          const ConvertedFiles& files,
+                                          const VehicleFrameHook& vehicle_frame)
 {
   const bool is_new_folder = !fs::exists(files.folder);
   makeFolder(files.folder, "choose another --output");
@@ -174,7 +180,7 @@ std::unique_ptr<LiveInput> beginRecording(const SlamArguments& a,
   {
     const FolderLock lock(files.folder);
     requireNewRecording(files.rawlog, a.settings.force || files.canBeMadeAgain());
-    return std::make_unique<LiveInput>(a, options, files);
+    return std::make_unique<LiveInput>(a, options, files, vehicle_frame);
   }
   catch (...)
   {
@@ -188,13 +194,15 @@ std::unique_ptr<LiveInput> beginRecording(const SlamArguments& a,
 }
 }  // namespace
 
-void runLive(SlamArguments& a, const RecordingOptions& options)
+void runLive(SlamArguments& a,
+             const RecordingOptions& options,
+             const VehicleFrameHook& vehicle_frame)
 {
   const ConvertedFiles files(a.settings.output_folder);
-  requireReady(a, files);
+  requireReady(a, options, files);
   const RecordingSignal signal;
   stopOnSignals();
-  const auto input = beginRecording(a, options, files);
+  const auto input = beginRecording(a, options, files, vehicle_frame);
   input->attachTo(a);
   runSlamProgram("dyslam", a, runSlam);
   input->report();

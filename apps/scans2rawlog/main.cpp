@@ -37,13 +37,16 @@ void declare(CLI::App& app, Arguments& arguments)
   ScanConverterOptions& o = arguments.options;
   app.description(
       "Converts a folder of .bin, .pcd or .ply scans, a .pcap of a Velodyne, Hesai or Ouster, or a "
-      "ROS bag (.bag, .db3, .mcap) to an MRPT rawlog, or records a lidar on the network in one");
+      "ROS bag (.bag, .db3, .mcap) to an MRPT rawlog, or records a lidar on the network or topics "
+      "of ROS 2 in one");
   app.add_option("-i,--input", arguments.input,
                  "folder of scans or of a bag's parts, or file; or udp:[ADDRESS:]PORT[,PORT], a "
-                 "lidar on the network, recorded until Ctrl-C")
+                 "lidar on the network, or ros2:[TOPIC], live topics of ROS 2, recorded until "
+                 "Ctrl-C")
       ->required();
   CLI::Option* output = addOutputFile(app, "-o,--output", arguments.output, "rawlog to write");
-  CLI::Option* list = app.add_flag("--list", arguments.list, "print a bag's topics and stop");
+  CLI::Option* list =
+      app.add_flag("--list", arguments.list, "print the topics of a bag, or of ros2:, and stop");
   list->excludes(output);
   app.add_option(
       "--topic", o.topic,
@@ -85,7 +88,7 @@ void declare(CLI::App& app, Arguments& arguments)
   app.add_flag("-q,--quiet", arguments.quiet, "no progress");
 }
 
-/** Records a lidar on the network until Ctrl-C. */
+/** Records a lidar on the network, or topics of ROS 2, until Ctrl-C. */
 void record(const Arguments& arguments)
 {
   requireNewRecording(arguments.output, arguments.force);
@@ -103,7 +106,7 @@ void record(const Arguments& arguments)
   LiveRecorderHooks hooks;
   hooks.stop = [] { return stop_asked.load(); };
   hooks.listening = [&print](const std::string& name)
-  { print("waits for packets on " + name + "; Ctrl-C ends the recording"); };
+  { print("waits for " + name + "; Ctrl-C ends the recording"); };
   hooks.warn = [&print](const std::string& warning) { print("warning: " + warning); };
   hooks.recorded = [&](std::size_t scans)
   {
@@ -119,11 +122,18 @@ void record(const Arguments& arguments)
 void run(const Arguments& arguments)
 {
   const auto unpacking = unpackWithProgress("scans2rawlog", arguments.input, arguments.quiet);
+  if (arguments.list && isRos2Input(arguments.input))
+  {
+    stopOnSignals();
+    std::cout << listLiveTopics([] { return stop_asked.load(); });
+    return;
+  }
   if (arguments.list)
   {
     if (!isBag(arguments.input))
     {
-      throw UserError(arguments.input + ": is no bag; --list prints the topics of one");
+      throw UserError(arguments.input +
+                      ": is no bag; --list prints the topics of one, or of ros2:");
     }
     const auto bag = openBag(arguments.input, unpacking);
     for (const std::string& warning : bag->warnings())
@@ -137,7 +147,7 @@ void run(const Arguments& arguments)
   {
     throw UserError("--output: name the rawlog to write (-o x.rawlog)");
   }
-  if (isNetworkInput(arguments.input))
+  if (isLiveInput(arguments.input))
   {
     record(arguments);
     return;

@@ -232,7 +232,8 @@ TEST_F(DirectInput, InABatch)
   const std::string rawlog = at("single/recording.rawlog");
   const Outcome unfit = run("dyslam-batch", at("all") + rest + "--topic /points");
   EXPECT_EQ(unfit.code, 1);
-  EXPECT_TRUE(contains(unfit.err, at("all/drive_sync") + ": --topic works with a bag only"))
+  EXPECT_TRUE(contains(unfit.err,
+                       at("all/drive_sync") + ": --topic works with a bag or topics of ROS 2 only"))
       << unfit.err;
   const Outcome unused = run("dyslam-batch", rawlog + rest + "--dt 0.2");
   EXPECT_EQ(unused.code, 1);
@@ -315,7 +316,7 @@ TEST_F(DirectInput, WhatCannotBeConverted)
   expectRefused("-i " + at("day") + out, {"such as " + at("day/drive_sync")});
   expectRefused("-i " + folder_.write("x.pcap", "x") + out, {"x.pcap: is not a network capture"});
   expectRefused("-i " + at("day/drive_sync") + out + " --topic /points",
-                {"--topic works with a bag only"});
+                {"--topic works with a bag or topics of ROS 2 only"});
   expectRefused("-i x.rawlog --dt 0.1" + out, {"--dt: is for an input that is converted"});
   fs::create_directories(at("tracking/velodyne/0001"));
   bins("tracking/velodyne/0000");

@@ -206,7 +206,8 @@ TEST_F(LiveInput, BadInputIsRefusedInOneLine)
   const std::string out = " -o " + at("never");
   expectRefused("dyslam", "-i udp:x" + out, "--input udp:x: 'x' is no UDP port: give udp:PORT");
   expectRefused("dyslam", "-i udp:192.0.2.1:0" + out, "192.0.2.1 is no address of this computer");
-  expectRefused("dyslam", "-i udp:0 --topic /points" + out, "--topic works with a bag only");
+  expectRefused("dyslam", "-i udp:0 --topic /points" + out,
+                "--topic works with a bag or topics of ROS 2 only");
   expectRefused("dyslam", "-i udp:0 --set map.nothing=1" + out, "map.nothing");
   expectRefused("dyslam", "-i udp:0 --resume" + out, "--resume reads the rawlog of the run");
   expectRefused("dyslam", "-i udp:0 --calibration none.csv" + out, "none.csv");

@@ -60,6 +60,7 @@ for weights in dylo dyseg; do
 done
 
 [[ $(dpkg -c "${packages[0]}") == */dyslam/libdyslam-window.so* ]] || fail "no module for --window"
+[[ $(dpkg -c "${packages[0]}") == */dyslam/libdyslam-ros2.so* ]] || fail "no module for topics of ROS 2"
 
 # The networks are there twice, and the plain ones run, too.
 [[ $(dpkg -c "${packages[0]}") == *x86-64-v3/libdyslam-networks.so* ]] || fail "no networks for machines with AVX2"

@@ -74,7 +74,9 @@ std::string notFound(const std::string& module, const std::string& needed_by)
     appendWord(tried, folder.string());
   }
   const std::string origin = module == "networks" ? "which a build with libtorch has"
-                                                  : "which is installed with the programs";
+                             : module == "ros2"
+                                 ? "which a build with Fast DDS (package libfastrtps-dev) has"
+                                 : "which is installed with the programs";
   return needed_by + " needs " + fileOf(module) + ", " + origin + ", and which is not in " + tried;
 }
 }  // namespace

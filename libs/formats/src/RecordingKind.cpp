@@ -157,11 +157,25 @@ bool isNetworkInput(const std::string& input)
   return input.rfind("udp:", 0) == 0;
 }
 
+bool isRos2Input(const std::string& input)
+{
+  return input.rfind("ros2:", 0) == 0;
+}
+
+bool isLiveInput(const std::string& input)
+{
+  return isNetworkInput(input) || isRos2Input(input);
+}
+
 RecordingKind recordingKind(const std::string& path)
 {
   if (isNetworkInput(path))
   {
     return RecordingKind::network;
+  }
+  if (isRos2Input(path))
+  {
+    return RecordingKind::topics;
   }
   if (isBag(path))
   {
@@ -201,6 +215,8 @@ std::string conversionAdvice(const std::string& path)
     case RecordingKind::network:
       return "is a lidar on the network; record it first: scans2rawlog -i " + path +
              " -o drive.rawlog";
+    case RecordingKind::topics:
+      return "is live; record it first: scans2rawlog -i " + path + " -o drive.rawlog";
     case RecordingKind::scans:
       return "is a folder of scans" + firstMake("scans2rawlog", path);
     case RecordingKind::kitti:

@@ -235,6 +235,6 @@ TEST(BagMotion, Errors)
   options = {};
   options.imu_topic = "/imu";
   folder.write("scans/000000.bin", "");
-  EXPECT_TRUE(contains(message("scans"), "--imu-topic works with a bag only"));
+  EXPECT_TRUE(contains(message("scans"), "--imu-topic works with a bag or topics of ROS 2 only"));
 }
 }  // namespace dyslam

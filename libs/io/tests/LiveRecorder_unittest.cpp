@@ -195,10 +195,10 @@ TEST_F(LiveRecorder, CanBeStoppedBeforeTheFirstScan)
 TEST_F(LiveRecorder, RefusesOptionsOfOtherInputs)
 {
   options_.dt = 0.1;
-  EXPECT_TRUE(contains(refused(), "--dt: the scans of a bag or of a lidar on the network"));
+  EXPECT_TRUE(contains(refused(), "--dt: the scans of a bag and live ones have times"));
   options_ = {};
   options_.topic = "/points";
-  EXPECT_EQ("--topic works with a bag only", refused());
+  EXPECT_EQ("--topic works with a bag or topics of ROS 2 only", refused());
   options_ = {};
   options_.external_storage = true;
   EXPECT_EQ("--external-storage does not work with a lidar on the network", refused());
@@ -208,6 +208,6 @@ TEST_F(LiveRecorder, RefusesOptionsOfOtherInputs)
   EXPECT_TRUE(contains(
       messageOfError<UserError>([this]
                                 { (void)convertScans("udp:2368", path_, ScanConverterOptions()); }),
-      "udp:2368: is a lidar on the network"));
+      "udp:2368: is live, not a recording"));
 }
 }  // namespace dyslam

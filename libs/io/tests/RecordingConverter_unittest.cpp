@@ -52,7 +52,7 @@ TEST(RecordingConverter, DoesWhatTheConverterDoes)
   EXPECT_EQ(folder.read("b.rawlog"), folder.read("a.rawlog"));
   options.topic = "/points";
   EXPECT_EQ(
-      "--topic works with a bag only",
+      "--topic works with a bag or topics of ROS 2 only",
       messageOfError<UserError>([&] { (void)kitti.convert(folder.file("a.rawlog"), options); }));
 }
 
@@ -124,11 +124,11 @@ TEST(RecordingOptions, OfEachTheFlagIsKnown)
   options.dt = 0.1;
   EXPECT_EQ("--dt", options.givenFlag());
   EXPECT_NO_THROW(options.requireFitting(RecordingKind::kitti));
-  EXPECT_EQ("--dt: the scans of a bag or of a lidar on the network have times; leave it out",
+  EXPECT_EQ("--dt: the scans of a bag and live ones have times; leave it out",
             messageOfError<UserError>([&] { options.requireFitting(RecordingKind::bag); }));
   options.base_frame = "base_link";
   EXPECT_EQ("--base-frame", options.givenFlag());
-  EXPECT_EQ("--base-frame works with a bag only",
+  EXPECT_EQ("--base-frame works with a bag or topics of ROS 2 only",
             messageOfError<UserError>([&] { options.requireFitting(RecordingKind::kitti); }));
   options.imu = true;
   const std::vector<std::string> words = options.words();

@@ -181,6 +181,10 @@ SlamRunReport processRest(const SlamRunSettings& settings,
                           const ScanSum& scans,
                           const FrameCallback& on_frame)
 {
+  if (settings.levelled)
+  {
+    settings.levelled(run.input().levelling());
+  }
   std::vector<std::string> late_warnings;
   const EarlyEnd end = replayToTheEnd(
       run, [&] { return RunThreads(settings, source, run, scans, on_frame).processAll(); },

@@ -79,28 +79,42 @@ void convertBag(const std::string& input,
 {
   const std::unique_ptr<Bag> bag = openBag(input, unpacking);
   noteParts(input, sink);
-  const std::size_t at = scanTopic(input, *bag, options, sink);
-  const BagTopic topic = bag->topics()[at];
+  convertMessages(input, *bag, sink, options);
+}
+
+void convertMessages(const std::string& input,
+                     Bag& bag,
+                     ScanSink& sink,
+                     const ScanConverterOptions& options,
+                     const std::function<void(const std::string&)>& vehicle_frame)
+{
+  const std::size_t at = scanTopic(input, bag, options, sink);
+  const BagTopic topic = bag.topics()[at];
   const bool is_ouster = packetMakerOf(topic) == PacketMaker::ouster;
-  BagContent content{input, *bag, at, {}, {}, {}};
-  content.frames.lidar = frameOfTopic(*bag, at);
-  content.frames.transforms = staticTransforms(*bag, &content.frames.conflicts);
-  content.frames.imu_packets = is_ouster ? ousterImuTopics(*bag) : std::vector<std::size_t>();
+  BagContent content{input, bag, at, {}, {}, {}};
+  content.frames.lidar = frameOfTopic(bag, at);
+  content.frames.transforms = staticTransforms(bag, &content.frames.conflicts);
+  content.frames.imu_packets = is_ouster ? ousterImuTopics(bag) : std::vector<std::size_t>();
   for (const std::string& conflict : content.frames.conflicts)
   {
     sink.warn(conflict + "; check the poses of the sensors, or give --sensor-pose");
   }
   warnOfMapFrame(topic.name, content.frames.lidar, sink);
-  mountLidar(input, *bag, content.frames, options, sink);
+  mountLidar(input, bag, content.frames, options, sink);
+  if (vehicle_frame)
+  {
+    vehicle_frame(options.base_frame.empty() ? content.frames.lidar
+                                             : plainFrame(options.base_frame));
+  }
   content.truth =
-      options.truth_topic.empty() ? Trajectory() : readTruePoses(input, *bag, options, sink);
-  warnOfMapOdometry(*bag, options.odometry_topic, sink);
-  for (const std::string& warning : bag->warnings())
+      options.truth_topic.empty() ? Trajectory() : readTruePoses(input, bag, options, sink);
+  warnOfMapOdometry(bag, options.odometry_topic, sink);
+  for (const std::string& warning : bag.warnings())
   {
     sink.warn(warning);
   }
   sink.note("scans: " + topic.name + " (" + topic.type + ")");
-  content.further = furtherTopics(input, *bag, at, content.frames, options, sink);
+  content.further = furtherTopics(input, bag, at, content.frames, options, sink);
   BagReader reader(content, options, sink);
   reader.read();
   if (sink.seen() == 0 && packetMakerOf(topic))

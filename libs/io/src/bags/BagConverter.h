@@ -3,6 +3,7 @@
 
 #include <dyslam/io/ScanConverter.h>
 
+#include <functional>
 #include <string>
 
 #include "conversion/ScanSink.h"
@@ -14,4 +15,12 @@ void convertBag(const std::string& input,
                 ScanSink& sink,
                 const ScanConverterOptions& options,
                 const BagUnpackingProgress& unpacking);
+/** Writes the scans of a bag that is open, or live. \param input name for messages
+ * \param vehicle_frame is called with the name of the vehicle frame before the first scan, unless
+ * null: that of the lidar, if the options name none \throws UserError. */
+void convertMessages(const std::string& input,
+                     Bag& bag,
+                     ScanSink& sink,
+                     const ScanConverterOptions& options,
+                     const std::function<void(const std::string&)>& vehicle_frame = {});
 }  // namespace dyslam

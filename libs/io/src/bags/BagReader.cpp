@@ -53,7 +53,7 @@ BagReader::BagReader(const BagContent& content, const ScanConverterOptions& opti
         {lidar, further_.size() + 1, makeBagScans(content.input, bag_, lidar.topic, of_further)});
     topics.push_back(lidar.topic);
   }
-  bag_.select(topics);
+  bag_.selectLast(topics);
 }
 
 void BagReader::read()

@@ -40,7 +40,7 @@ std::string labelOfTopic(std::string topic)
 
 bool isOfBag(RecordingKind kind)
 {
-  return kind == RecordingKind::bag;
+  return kind == RecordingKind::bag || kind == RecordingKind::topics;
 }
 
 bool hasPacketsOnly(RecordingKind kind)
@@ -50,7 +50,7 @@ bool hasPacketsOnly(RecordingKind kind)
 
 bool mayHavePackets(RecordingKind kind)
 {
-  return kind == RecordingKind::bag || hasPacketsOnly(kind);
+  return isOfBag(kind) || hasPacketsOnly(kind);
 }
 
 bool isNotKitti(RecordingKind kind)
@@ -70,7 +70,7 @@ bool isFolderOfScans(RecordingKind kind)
 
 bool hasNoTimes(RecordingKind kind)
 {
-  return kind != RecordingKind::bag && kind != RecordingKind::network;
+  return !isOfBag(kind) && kind != RecordingKind::network;
 }
 
 Values valuesOf(ScansDeskewed deskewed)
@@ -88,7 +88,7 @@ struct RecordingOption
   const char* limit;                                  //!< what an error says of the others
 };
 
-constexpr const char* bags_only = " works with a bag only";
+constexpr const char* bags_only = " works with a bag or topics of ROS 2 only";
 constexpr const char* folders_only = " works with a folder of scans only";
 using Given = const RecordingOptions&;
 const std::array<RecordingOption, 15> all_options{
@@ -104,11 +104,11 @@ const std::array<RecordingOption, 15> all_options{
      {"--sensor", [](Given o) { return valuesOf(o.sensor); }, isNotKitti,
       " works with packets, a bag or a folder of scans only"},
      {"--calibration", [](Given o) { return valuesOf(o.calibration); }, mayHavePackets,
-      " works with packets only: of a .pcap, a bag or a lidar on the network"},
+      " works with packets only: of a .pcap, a bag, a lidar on the network or a live topic"},
      {"--sensor-pose", [](Given o) { return valuesOf(o.sensor_pose); }, nullptr, ""},
      {"--base-frame", [](Given o) { return valuesOf(o.base_frame); }, isOfBag, bags_only},
      {"--dt", [](Given o) { return o.dt > 0 ? Values{exactText(o.dt)} : Values(); }, hasNoTimes,
-      ": the scans of a bag or of a lidar on the network have times; leave it out"},
+      ": the scans of a bag and live ones have times; leave it out"},
      {"--bin-layout", [](Given o) { return valuesOf(o.bin_layout); }, isFolderOfScans,
       folders_only},
      {"--scale", [](Given o) { return o.scale != 1 ? Values{exactText(o.scale)} : Values(); },

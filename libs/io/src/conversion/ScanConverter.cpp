@@ -103,16 +103,19 @@ void ScanConverterOptions::requireAllFitting(RecordingKind kind) const
                          Use{"--by-number", by_number, RecordingKind::scans, "a folder of scans"},
                          Use{"--truth-topic", !truth_topic.empty(), RecordingKind::bag, "a bag"},
                          Use{"--truth-frame", !truth_frame.empty(), RecordingKind::bag, "a bag"},
-                         Use{"--imu-pose", !imu_pose.empty(), RecordingKind::bag, "a bag"}})
+                         Use{"--imu-pose", !imu_pose.empty(),
+                             kind == RecordingKind::topics ? kind : RecordingKind::bag, "a bag"}})
   {
     if (use.given && use.kind != kind)
     {
       throw UserError(std::string(use.flag) + " works with " + use.with + " only");
     }
   }
-  if (kind == RecordingKind::network && external_storage)
+  if ((kind == RecordingKind::network || kind == RecordingKind::topics) && external_storage)
   {
-    throw UserError("--external-storage does not work with a lidar on the network");
+    throw UserError(
+        std::string("--external-storage does not work with ") +
+        (kind == RecordingKind::network ? "a lidar on the network" : "live topics of ROS 2"));
   }
   if (kind == RecordingKind::scans && keep_partial)
   {
@@ -159,10 +162,9 @@ ConversionResult convertScans(const std::string& input,
                               const BagUnpackingProgress& unpacking)
 {
   validate(options, "scans2rawlog");
-  if (isNetworkInput(input))
+  if (isLiveInput(input))
   {
-    throw UserError(input +
-                    ": is a lidar on the network, not a recording; record it with scans2rawlog");
+    throw UserError(input + ": is live, not a recording; record it with scans2rawlog");
   }
   if (!fs::exists(input))
   {

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "TrackMarkers.h"
 
-#include <dyslam/base/Printable.h>
 #include <dyslam/core/BoxOverlap.h>
 #include <dyslam/formats/RunFiles.h>
 #include <dyslam/formats/TrackFiles.h>
@@ -9,9 +8,10 @@
 #include <dyslam/formats/TrajectoryFiles.h>
 
 #include <Eigen/Geometry>
-#include <array>
 #include <filesystem>
 #include <optional>
+
+#include "ObjectMarkers.h"
 
 namespace dyslam
 {
@@ -19,48 +19,7 @@ namespace fs = std::filesystem;
 
 namespace
 {
-constexpr double same_scan = 1e-3;     //!< [s] between a scan and its pose in odometry_tum.txt
-constexpr double slowest_arrow = 0.2;  //!< below it the direction is mostly noise [m/s]
-
-RosMarker boxMarker(const LabelledBox& object, const Box& box, bool moves)
-{
-  RosMarker marker;
-  marker.group = "boxes";
-  marker.id = object.id;
-  marker.pose = poseFromYpr(box.centre.x(), box.centre.y(), box.centre.z(), box.yaw, 0, 0);
-  marker.scale = box.size;
-  marker.colour = moves ? std::array<float, 4>{1.0F, 0.45F, 0.1F, 0.5F}
-                        : std::array<float, 4>{0.55F, 0.6F, 0.65F, 0.4F};
-  return marker;
-}
-
-RosMarker nameMarker(const LabelledBox& object, const Box& box, const std::optional<double>& speed)
-{
-  constexpr double letters = 0.6;  // height [m]
-  RosMarker marker;
-  marker.group = "names";
-  marker.id = object.id;
-  marker.shape = RosMarker::Shape::text;
-  marker.pose.translation() =
-      box.centre + (0.5 * box.size.z() + letters) * Eigen::Vector3d::UnitZ();
-  marker.scale.setConstant(letters);
-  marker.text =
-      std::to_string(object.id) + " " + object.type + (speed ? formatted(" %.1f m/s", *speed) : "");
-  return marker;
-}
-
-/** An arrow along the way of one second. \param velocity map frame [m/s] */
-RosMarker arrowMarker(const LabelledBox& object, const Box& box, const Eigen::Vector3d& velocity)
-{
-  RosMarker marker;
-  marker.group = "velocities";
-  marker.id = object.id;
-  marker.shape = RosMarker::Shape::arrow;
-  marker.scale = {0.15, 0.4, 0.5};  // diameters of shaft and head, length of the head
-  marker.colour = {1.0F, 0.85F, 0.1F, 1.0F};
-  marker.points = {box.centre, box.centre + velocity};
-  return marker;
-}
+constexpr double same_scan = 1e-3;  //!< [s] between a scan and its pose in odometry_tum.txt
 }  // namespace
 
 TrackMarkers::TrackMarkers(const std::string& tracks)
@@ -116,21 +75,14 @@ std::vector<RosMarker> TrackMarkers::at(std::size_t frame,
   {
     const Box box = transformedBack(object.box, T_lidar_map);
     const auto known = motions_.find({object.frame, object.id});
-    std::optional<double> speed;
-    bool moves = false;
+    MarkedObject marked{object.id, object.type, box, std::nullopt, false};
     if (known != motions_.end() && nearest)
     {
       const Pose T_map_odom = T_map_vehicle * odometry_[*nearest].pose.inverse();
-      const Eigen::Vector3d velocity = T_map_odom.linear() * known->second.velocity;
-      speed = velocity.norm();
-      moves = known->second.moves;
-      if (moves && *speed > slowest_arrow)
-      {
-        markers.push_back(arrowMarker(object, box, velocity));
-      }
+      marked.velocity = T_map_odom.linear() * known->second.velocity;
+      marked.moves = known->second.moves;
     }
-    markers.push_back(boxMarker(object, box, moves));
-    markers.push_back(nameMarker(object, box, speed));
+    addMarkers(marked, markers);
   }
   return markers;
 }

@@ -55,6 +55,9 @@ class Bag
   /** Restarts at the first message; next() then delivers only these topics.
    * \param topics indices in topics() */
   virtual void select(const std::vector<std::size_t>& topics) = 0;
+  /** As select(), for the last time: what is not read by then may be forgotten, and of a source
+   * that is live, next() waits for further messages from now on. */
+  virtual void selectLast(const std::vector<std::size_t>& topics) { select(topics); }
   /** Reads the next message; false at the end. \throws UserError naming file and byte of damaged
    * data. */
   [[nodiscard]] virtual bool next(BagMessage& message) = 0;

@@ -21,6 +21,11 @@ namespace dyslam
 
 /** Whether an input is a lidar on the network, "udp:2368" (UdpAddress), instead of a path. */
 [[nodiscard]] bool isNetworkInput(const std::string& input);
+/** Whether an input is a topic of ROS 2, "ros2:/points", or the scans in its domain, "ros2:",
+ * instead of a path. */
+[[nodiscard]] bool isRos2Input(const std::string& input);
+/** Whether an input is live: a lidar on the network or a topic of ROS 2. */
+[[nodiscard]] bool isLiveInput(const std::string& input);
 
 /** Kind of a recording, as far as the converters differ. */
 enum class RecordingKind
@@ -29,6 +34,7 @@ enum class RecordingKind
   bag,
   capture,  //!< network capture
   network,  //!< no recording: a lidar on the network, see isNetworkInput()
+  topics,   //!< no recording: live topics of ROS 2, see isRos2Input()
   kitti,    //!< a folder in one of KITTI's layouts, see kittiKindOf()
   scans     //!< a folder of point clouds
 };

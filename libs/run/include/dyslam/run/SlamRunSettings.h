@@ -10,6 +10,7 @@
 namespace dyslam
 {
 struct Frame;
+class Levelling;
 
 /** Settings of one run that are not in the config. */
 struct SlamRunSettings
@@ -29,6 +30,8 @@ struct SlamRunSettings
   /** Receives every frame of the causal pipeline after its last stage, in order; called from the
    * thread of the run, which waits for it. */
   std::function<void(const Frame&)> show;
+  /** Receives the levelling of these frames, before the first one. */
+  std::function<void(const Levelling&)> levelled;
   /** Called before the output folder is opened (true: the folder is not changed) and after every
    * scan (true: the run ends after the few scans that are being processed). */
   std::function<bool()> stop;
