@@ -88,7 +88,7 @@ TEST(MotionSensorsOnDrives, AnImuWithAWrongPoseDoesLittleHarm)
   const Outcome wrong = run(frames);
   EXPECT_LT(wrong.error, good.error + 0.02);
   ASSERT_FALSE(wrong.warnings.empty());
-  EXPECT_NE(wrong.warnings[0].find("the gyroscope contradicts the scans"), std::string::npos)
+  EXPECT_NE(wrong.warnings[0].find("its rotations are not those of the scans"), std::string::npos)
       << wrong.warnings[0];
 }
 }  // namespace

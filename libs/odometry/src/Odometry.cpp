@@ -36,6 +36,14 @@ struct OdometryHistory
   int degenerate_scans = 0;      //!< number of those that do not determine all of the motion
 };
 
+/** The gyroscope can be checked by registered scans only. */
+MotionSensorOptions sensorOptions(ConfigLoader& config, bool registers)
+{
+  auto options = config.get<MotionSensorOptions>("motion_sensors");
+  options.gyroscope_check = options.gyroscope_check && registers;
+  return options;
+}
+
 /** Until motion can be observed, points of movable appearance have zero weight.
  * \param min_static_prior static probability below which the appearance counts as movable */
 void weightByAppearance(double min_static_prior, Frame& frame)
@@ -66,10 +74,10 @@ struct Odometry::State
 
   void fuseSegmenterMotion(Frame& frame, FrameContext& context);
   void matchScan(Frame& frame, FrameContext& context);
-  void registerToMap(Frame& frame, const FrameContext& context, const Pose& T_guess);
+  void registerToMap(Frame& frame, FrameContext& context, const Pose& T_guess);
   [[nodiscard]] LocalMapRegistration::Alignment registerFrom(const Pose& T_guess,
-                                                             const Frame& frame,
-                                                             const FrameContext& context);
+                                                             Frame& frame,
+                                                             FrameContext& context);
   void takeMatcherMotion(Frame& frame, const FrameContext& context, const Pose& T_guess);
 
   void exchangeState(StateArchive& archive)
@@ -109,7 +117,7 @@ Odometry::State::State(ConfigLoader& config,
       registration(refine, pool),
       predictor(options,
                 motion,
-                config.get<MotionSensorOptions>("motion_sensors"),
+                sensorOptions(config, registers()),
                 fusion.reliable_prior_sigma),
       uncertainty(config.get<UncertaintyOptions>("uncertainty"))
 {
@@ -161,6 +169,14 @@ void Odometry::estimate(Frame& frame)
   }
   const CTimeLoggerEntry timed(s.times, "refine");
   const bool usable = reasonUnusable(frame).empty();
+  if (!usable && context.sensed_information(3, 3) <= 0)
+  {
+    // The gyroscope was not checked yet; nothing else measures the rotation.
+    if (auto other = s.predictor.priorOtherwise(frame, context, context.sensed_information))
+    {
+      frame.prior = *other;
+    }
+  }
   context.time_without_scan = s.history.time_without_scan + frame.dt;
   const Pose T_guess = usable || context.canExtrapolate()
                            ? s.gate.initialGuess(frame, context)
@@ -216,7 +232,7 @@ void Odometry::State::matchScan(Frame& frame, FrameContext& context)
       frame.odometry_accepted ? std::move(match.static_confidence) : std::vector<float>();
 }
 
-void Odometry::State::registerToMap(Frame& frame, const FrameContext& context, const Pose& T_guess)
+void Odometry::State::registerToMap(Frame& frame, FrameContext& context, const Pose& T_guess)
 {
   alignment = registerFrom(T_guess, frame, context);
   const RegistrationResult& result = alignment.result();
@@ -233,29 +249,48 @@ void Odometry::State::registerToMap(Frame& frame, const FrameContext& context, c
   uncertainty.calibrate(frame.dt, result.measured_information, frame.motion);
 }
 
-/** Registers from the guess and, if that fails, from the mean motion of the last scans: after an
- * abrupt motion, or one that was misjudged, the velocity of the last scan alone may be wrong. */
+/** Registers from the guess. If that fails, from the mean motion of the last scans: after an abrupt
+ * motion, or one that was misjudged, the velocity of the last scan alone may be wrong. Then with a
+ * prior that has the gyroscope or not, whichever was not tried, which becomes that of the frame. */
 LocalMapRegistration::Alignment Odometry::State::registerFrom(const Pose& T_guess,
-                                                              const Frame& frame,
-                                                              const FrameContext& context)
+                                                              Frame& frame,
+                                                              FrameContext& context)
 {
   const double start_sigma = !history.registered && predictor.startSpeedKnown()
                                  ? options.start_speed_sigma * frame.dt
                                  : refine.initial_sigma;
   const double sigma =
       gate.initialSigma(frame, context, std::min(refine.initial_sigma, start_sigma));
-  LocalMapRegistration::Alignment from_guess =
+  const auto failed = [](const LocalMapRegistration::Alignment& tried)
+  { return tried.result().points > 0 && tried.result().measured_information.isZero(); };
+  LocalMapRegistration::Alignment result =
       registration.align(frame, history.T_odom_previous * T_guess, &frame.prior, sigma);
-  const RegistrationResult& result = from_guess.result();
-  const bool failed = result.points > 0 && result.measured_information.isZero();
-  const std::optional<MotionPrior> steady = failed && registration.framesInMap() >= 2
-                                                ? predictor.meanVelocityPrior(frame, context)
-                                                : std::nullopt;
-  if (!steady)
+  if (!failed(result) || registration.framesInMap() < 2)
   {
-    return from_guess;
+    return result;
   }
-  return registration.align(frame, history.T_odom_previous * steady->T_previous_current, &*steady);
+  if (const auto steady = predictor.meanVelocityPrior(frame, context))
+  {
+    result =
+        registration.align(frame, history.T_odom_previous * steady->T_previous_current, &*steady);
+  }
+  Matrix6 sensed_information = Matrix6::Zero();
+  const auto other = failed(result)
+                         ? predictor.priorOtherwise(frame, context, sensed_information)
+                         : std::nullopt;
+  if (!other)
+  {
+    return result;
+  }
+  LocalMapRegistration::Alignment by_other =
+      registration.align(frame, history.T_odom_previous * other->T_previous_current, &*other);
+  if (failed(by_other))
+  {
+    return result;
+  }
+  frame.prior = *other;
+  context.sensed_information = sensed_information;
+  return by_other;
 }
 
 /** Without a registration: the matcher's motion, or the prediction in its place, is the result. */

@@ -272,7 +272,7 @@ class OtherSensors : public Fusion
 
 TEST_F(OtherSensors, MeasureTheFirstMotion)
 {
-  start();
+  start({"motion_sensors.gyroscope_check=false"});
   const Pose step = poseFromYpr(1.9, 0, 0, 0.05, 0, 0);
   Frame first = nextWith(Pose::Identity(), step, true, true);
   EXPECT_FALSE(first.prior.reliable) << "there is no motion to a first scan";
@@ -286,7 +286,7 @@ TEST_F(OtherSensors, MeasureTheFirstMotion)
 
 TEST_F(OtherSensors, PredictATurnThatTheLastMotionsDoNot)
 {
-  start();
+  start({"motion_sensors.gyroscope_check=false"});
   const Pose step = poseFromYpr(0.5, 0, 0, 0, 0, 0);
   Pose T = Pose::Identity();
   for (int i = 0; i < 6; ++i)
@@ -346,6 +346,23 @@ TEST_F(OtherSensors, OneAloneStillGivesItsPartOfTheMotionWhileScansAreEmpty)
       EXPECT_LT(rotationAngle(T.inverse() * frame.T_odom_vehicle), 0.02) << "after 1.2 rad";
     }
   }
+}
+
+TEST_F(OtherSensors, AWrongGyroscopeIsLeftOutWhereScansCannotBeRegisteredWithIt)
+{
+  start({"motion_sensors.gyroscope_check=false"});
+  const Pose step = poseFromYpr(0.5, 0, 0, 0, 0, 0);
+  const Pose said = poseFromYpr(0.5, 0, 0, 0, 0.6, 0.6);
+  Pose T = Pose::Identity();
+  Frame frame;
+  for (int i = 0; i < 12; ++i)
+  {
+    T = i > 0 ? T * step : T;
+    frame = nextWith(T, i < 4 ? step : said, true, false);
+    estimate(frame);
+    EXPECT_TRUE(frame.motion.registered()) << i;
+  }
+  EXPECT_LT(motionSize(logSE3(T.inverse() * frame.T_odom_vehicle)), 0.05);
 }
 
 TEST_F(OtherSensors, BridgeMissingScans)

@@ -178,13 +178,16 @@ std::optional<SpeedContradiction> findWheelContradiction(const std::vector<Frame
   return findWheelContradiction(scansOf(frames), config);
 }
 
-std::string warningOf(const SpeedContradiction& contradiction)
+std::string warningOf(const SpeedContradiction& contradiction, bool are_used)
 {
-  return formatted(
-      "the wheel odometry states %.1f m/s at the start of the recording, the scans show %.1f m/s: "
-      "check its unit (m/s) and direction, or set motion_sensors.wheel_odometry=false; the scans "
-      "may be wrong if most of what they show is traffic",
-      contradiction.by_wheels, contradiction.by_scans);
+  const std::string speeds =
+      formatted("it states %.1f m/s at the start of the recording, the scans show %.1f m/s: check "
+                "its unit (m/s) and direction",
+                contradiction.by_wheels, contradiction.by_scans);
+  return are_used ? "the wheel odometry is used, though " + speeds
+                  : "the wheel odometry is not used: " + speeds +
+                        "; motion_sensors.wheel_odometry=true uses it, if it is right and most of "
+                        "what the scans show is traffic";
 }
 
 void setStartSpeed(double speed, Config& config)

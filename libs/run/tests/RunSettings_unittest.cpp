@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/base/Error.h>
+#include <dyslam/io/RawlogSource.h>
+#include <dyslam/io/RawlogWriter.h>
 #include <dyslam/run/RunSettings.h>
 #include <dyslam/run/SlamRunSettings.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <string>
 #include <vector>
 
@@ -52,6 +55,40 @@ TEST(RunSettings, ANameOfShippedWeightsThatIsAlsoAFileIsTold)
                        "dyseg_network.weights = dyseg_simulated: is the name of shipped ones"));
   const std::size_t others = told.size() - 1;
   EXPECT_EQ(others, warnings("dyseg_simulated.safetensors").size());
+}
+
+TEST(RunSettings, WheelsThatContradictTheScansAreNotUsedUnlessTheyAreAskedFor)
+{
+  const TestFolder folder;
+  const std::string rawlog = folder.file("a.rawlog");
+  {
+    RawlogSource source(campus_rawlog);
+    RawlogWriter writer(rawlog);
+    for (int scans = 0; scans < 30; ++scans)
+    {
+      const auto frame = source.next();
+      ASSERT_TRUE(frame);
+      WheelSample wheels;
+      wheels.stamp = frame->scan.stamp;
+      wheels.forward_speed = 12;
+      writer.write(wheels);
+      writer.write(frame->scan);
+    }
+    writer.close();
+  }
+  const auto chosen = [&](const std::vector<std::string>& assignments)
+  { return chooseRunSettings(rawlog, readGivenSettings("", assignments)); };
+  const auto saying = [](const RunSettings& settings, const std::string& what)
+  {
+    return std::any_of(settings.warnings.begin(), settings.warnings.end(),
+                       [&](const std::string& warning) { return contains(warning, what); });
+  };
+  const RunSettings without = chosen({});
+  EXPECT_EQ("false", without.config.text("motion_sensors", "wheel_odometry").value_or(""));
+  EXPECT_TRUE(saying(without, "the wheel odometry is not used: it states 12.0 m/s"));
+  const RunSettings with = chosen({"motion_sensors.wheel_odometry=true"});
+  EXPECT_EQ("true", with.config.text("motion_sensors", "wheel_odometry").value_or(""));
+  EXPECT_TRUE(saying(with, "the wheel odometry is used, though it states 12.0 m/s"));
 }
 
 TEST(RunSettings, TheReportNamesSensorMissingTimesLevellingAndStartSpeed)

@@ -118,6 +118,29 @@ std::optional<MotionPrior> MotionPredictor::meanVelocityPrior(const Frame& frame
   return steady;
 }
 
+std::optional<MotionPrior> MotionPredictor::priorOtherwise(const Frame& frame,
+                                                           const FrameContext& context,
+                                                           Matrix6& sensed_information) const
+{
+  if (!context.sensed || frame.dt != clock_.interval())
+  {
+    return std::nullopt;
+  }
+  MotionPrior prior = priorAfter(frame.dt);
+  const auto sensed = sensors_.senseOtherwise(frame.scan.stamp - frame.dt, frame.scan.stamp,
+                                              prior.T_previous_current);
+  if (!sensed)
+  {
+    return std::nullopt;
+  }
+  sensed_information = sensors_.fuse(*sensed, prior);
+  if (context.acceptedSegmenterMotion())
+  {
+    prior.fuse(frame.segmenter_motion->T_previous_current, context.segmenter_information);
+  }
+  return prior;
+}
+
 void MotionPredictor::update(const Frame& frame,
                              const FrameContext& context,
                              const RegistrationResult& registration)

@@ -54,6 +54,12 @@ class MotionPredictor
   [[nodiscard]] std::optional<MotionPrior> meanVelocityPrior(const Frame& frame,
                                                              const FrameContext& context) const;
 
+  /** The frame's prior with the gyroscope where it was not used, and without where it was; nothing
+   * without samples of it. \param sensed_information is set to that of the sensors in the prior */
+  [[nodiscard]] std::optional<MotionPrior> priorOtherwise(const Frame& frame,
+                                                          const FrameContext& context,
+                                                          Matrix6& sensed_information) const;
+
   /** Updates filter, sensor errors and mean velocity with the registration of the frame. */
   void update(const Frame& frame,
               const FrameContext& context,

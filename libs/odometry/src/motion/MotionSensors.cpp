@@ -39,12 +39,12 @@ constexpr double min_displacement = 0.05;  //!< least displacement for the scale
 constexpr double outlier = 5;              //!< limit of outliers [sigma]
 /** Deviation of the gyroscope from the prior beyond which the prior's weight falls [sigma]. */
 constexpr double turn_gate = 3;
-/** Deviation of a fast rotation by the gyroscope from the prior beyond which it is not used. */
-constexpr double impossible_turn = 20;       //!< [sigma]
-constexpr std::size_t trusted_motions = 10;  //!< that agreed, after which any rotation is believed
-constexpr double fast_rate = 3;              //!< least angular velocity of such a rotation [rad/s]
-/** Least share of the initial variances of bias and scale, which change with time. */
+/** Least share of the initial variance of the scale, which changes with time. */
 constexpr double least_variance = 0.01;
+/** Change of the gyroscope's bias with time, a random walk [rad/s/sqrt(s)]. */
+constexpr double bias_walk = 5e-5;
+/** Least share of the scans in an estimated rotation that is compared. */
+constexpr double least_share = 0.005;
 constexpr double conflict_share = 0.1;  //!< weight of a new rotation in State::conflict
 constexpr double max_conflict = 0.5;    //!< conflict above which the gyroscope is not trusted
 
@@ -67,29 +67,85 @@ struct Constant
   }
 };
 
-/** Comparison of the gyroscope's angular velocities, where they are not used, with those that the
- * scans show: it tells the unit. */
-struct UnitEvidence
+/** Kalman filter of the bias of the gyroscope about one axis. Beside the bias it has the error of
+ * the heading that the odometry kept: a scan corrects that only in part where the gyroscope has
+ * more weight, so that an error of the bias shows in the sum over many scans. */
+struct AxisBias
 {
-  std::size_t motions = 0;
-  double of_scans = 0;      //!< sum of the squares [rad^2/s^2]
-  double of_gyroscope = 0;  //!< sum of the squares
-  double products = 0;      //!< sum of the products
+  double value = 0;              //!< [rad/s]
+  double angle_variance = 0;     //!< of the error of the angle that was kept [rad^2]
+  double covariance = 0;         //!< of that and of the bias [rad^2/s]
+  double variance = 0;           //!< of the bias [rad^2/s^2]
 
-  void add(const Eigen::Vector3d& gyroscope, const Eigen::Vector3d& scans)
+  /** From one scan to the next. \param noise variance of the gyroscope's rotation [rad^2] */
+  void predict(double dt, double noise)
   {
+    angle_variance += 2 * dt * covariance + dt * dt * variance + noise;
+    covariance += dt * variance;
+    variance += squared(bias_walk) * dt;
+  }
+  /** Whether the angle by the gyroscope minus that by the scans is impossible. */
+  [[nodiscard]] bool contradicts(double error, double of_scans) const
+  {
+    return squared(error) > squared(outlier) * (angle_variance + of_scans);
+  }
+  /** \param error angle by the gyroscope minus that by the scans [rad] \param of_scans variance of
+   * the latter [rad^2] \param share of `error` by which the odometry was corrected */
+  void update(double error, double of_scans, double share)
+  {
+    const double gain = covariance / (angle_variance + of_scans);
+    value += gain * error;
+    // Joseph's form, as `share` is not the optimal gain.
+    const double rest = 1 - share;
+    variance += gain * gain * (angle_variance + of_scans) - 2 * gain * covariance;
+    covariance = rest * (covariance - gain * angle_variance) + share * gain * of_scans;
+    angle_variance = rest * rest * angle_variance + share * share * of_scans;
+  }
+};
+
+/** Comparison of the gyroscope's angular velocities, while they are not used, with those that the
+ * scans show: it tells whether they fit, and the unit. */
+struct RotationEvidence
+{
+  static constexpr std::size_t least_motions = 10;
+
+  std::size_t motions = 0;
+  // Sums over the last motions
+  double of_scans = 0;      //!< of the squares [rad^2/s^2]
+  double of_gyroscope = 0;  //!< of the squares
+  double products = 0;      //!< of the products
+  double noise = 0;         //!< of the expected squares of the scans' errors
+
+  void add(const Eigen::Vector3d& gyroscope, const Eigen::Vector3d& scans, double expected_noise)
+  {
+    constexpr double kept = 0.98;  // about the last 50 motions count
     ++motions;
-    of_scans += scans.squaredNorm();
-    of_gyroscope += gyroscope.squaredNorm();
-    products += gyroscope.dot(scans);
+    of_scans = kept * of_scans + scans.squaredNorm();
+    of_gyroscope = kept * of_gyroscope + gyroscope.squaredNorm();
+    products = kept * products + gyroscope.dot(scans);
+    noise = kept * noise + expected_noise;
   }
   /** Angular velocity of the gyroscope over that of the scans (least squares). */
   [[nodiscard]] double ratio() const { return of_scans > 0 ? products / of_scans : 0; }
+  /** Whether the vehicle turned, and both measured the same. */
+  [[nodiscard]] bool fits() const
+  {
+    constexpr double least_correlation2 = 0.8;  // squared
+    constexpr double most_ratio = 1.25;
+    return motions >= least_motions && products > of_gyroscope / most_ratio &&
+           products < of_gyroscope * most_ratio &&
+           squared(products) > least_correlation2 * of_scans * of_gyroscope;
+  }
+  /** Whether the vehicle certainly turned. */
+  [[nodiscard]] bool showsTurns() const
+  {
+    constexpr double least_ratio = 4;
+    return motions >= 2 * least_motions && of_scans > least_ratio * noise;
+  }
   /** Whether the gyroscope's are in deg/s: the ratio is near 57.3, and both have the same course.
    */
   [[nodiscard]] bool isOfDegrees() const
   {
-    constexpr std::size_t least_motions = 10;
     constexpr double least_correlation2 = 0.9;  // squared
     constexpr double least_ratio = 45;
     constexpr double most_ratio = 70;
@@ -129,6 +185,9 @@ void MotionSensorOptions::describe(OptionsVisitor& v)
   v.choice("gyroscope_unit", gyroscope_unit,
            {{"rad_s", GyroscopeUnit::rad_s}, {"deg_s", GyroscopeUnit::deg_s}},
            "unit of the recording's angular velocities: rad/s, or deg/s by mistake");
+  v.flag("gyroscope_check", gyroscope_check,
+         "use the gyroscope only once its rotations were those of the scans; false: from the first "
+         "scan on");
   v.flag("wheel_odometry", wheel_odometry, "use the forward speed of the wheels");
   v.degrees("gyroscope_sigma_deg_s", gyroscope_sigma, 1e-4, 1e3,
             "sigma of the mean angular velocity between two scans [deg/s]");
@@ -156,19 +215,26 @@ struct MotionSensors::State
   explicit State(const MotionSensorOptions& sensor_options) : options(sensor_options)
   {
     validate(options, "motion_sensors");
-    bias.fill({0, squared(options.gyroscope_bias_sigma)});
+    bias.fill({0, 0, 0, squared(options.gyroscope_bias_sigma)});
     scale = {0, squared(options.wheel_scale_sigma)};
+    trusts_gyroscope = !options.gyroscope_check;
   }
 
-  [[nodiscard]] bool trustsGyroscope() const { return conflict <= max_conflict && !in_degrees; }
   [[nodiscard]] Eigen::Vector3d biasVector() const
   {
     return {bias[0].value, bias[1].value, bias[2].value};
   }
+  /** Motion by the samples. \param stamps of two successive scans [s] */
+  [[nodiscard]] std::optional<SensedMotion> motionBy(const Rates& of_rates,
+                                                     const Speeds& of_speeds,
+                                                     std::vector<double> stamps,
+                                                     const Pose& T_predicted,
+                                                     bool with_gyroscope) const;
   [[nodiscard]] Matrix6 informationOf(const SensedMotion& sensed,
                                       double dt,
                                       const Rates& of_rates,
-                                      const Speeds& of_speeds) const;
+                                      const Speeds& of_speeds,
+                                      bool with_gyroscope) const;
   void compareRotation(const SensedMotion& sensed,
                        const Matrix6& fused,
                        double dt,
@@ -179,10 +245,12 @@ struct MotionSensors::State
   MotionSensorOptions options;
   std::deque<Sample<Eigen::Vector3d>> rates;  //!< angular velocities, vehicle frame [rad/s]
   std::deque<Sample<double>> speeds;          //!< forward speeds [m/s]
-  std::array<Constant, 3> bias;               //!< bias of the angular velocity [rad/s]
+  std::array<AxisBias, 3> bias;               //!< of the angular velocity
   Constant scale;                             //!< scale error: sensed over true speed, minus one
+  /** The gyroscope is used: its rotations were those of the scans, and few contradicted since. */
+  bool trusts_gyroscope = false;
   double conflict = 0;  //!< recent share of rotations that contradict the scans
-  UnitEvidence unit;
+  RotationEvidence evidence;  //!< since the gyroscope is not used
   bool in_degrees = false;  //!< the gyroscope's unit is certainly deg/s: it is not used any more
   SensorUse gyroscope;
   SensorUse wheels;
@@ -229,7 +297,6 @@ void MotionSensors::add(const Frame& frame)
 std::optional<SensedMotion> MotionSensors::sense(double begin, double end, const Pose& T_predicted)
 {
   State& s = *state_;
-  const double dt = end - begin;
   const State::Rates rates(s.rates, begin, end, s.options.max_gap);
   const State::Speeds speeds(s.speeds, begin, end, s.options.max_gap);
   if (s.gyroscope.motions > 0 || !s.rates.empty())
@@ -240,13 +307,35 @@ std::optional<SensedMotion> MotionSensors::sense(double begin, double end, const
   {
     s.wheels.count(speeds.isComplete());
   }
-  if (dt <= 0 || (!rates.isComplete() && !speeds.isComplete()))
+  return s.motionBy(rates, speeds, {begin, end}, T_predicted, s.trusts_gyroscope);
+}
+
+std::optional<SensedMotion> MotionSensors::senseOtherwise(double begin,
+                                                          double end,
+                                                          const Pose& T_predicted) const
+{
+  const State& s = *state_;
+  const State::Rates rates(s.rates, begin, end, s.options.max_gap);
+  const State::Speeds speeds(s.speeds, begin, end, s.options.max_gap);
+  const bool is_wrong = !s.trusts_gyroscope && (s.in_degrees || s.evidence.showsTurns());
+  return rates.isComplete() && !is_wrong
+             ? s.motionBy(rates, speeds, {begin, end}, T_predicted, !s.trusts_gyroscope)
+             : std::nullopt;
+}
+
+std::optional<SensedMotion> MotionSensors::State::motionBy(const Rates& of_rates,
+                                                           const Speeds& of_speeds,
+                                                           std::vector<double> stamps,
+                                                           const Pose& T_predicted,
+                                                           bool with_gyroscope) const
+{
+  const double dt = stamps.back() - stamps.front();
+  if (dt <= 0 || (!of_rates.isComplete() && !of_speeds.isComplete()))
   {
     return std::nullopt;
   }
-  std::vector<double> stamps{begin, end};
-  rates.addStampsWithin(stamps);
-  speeds.addStampsWithin(stamps);
+  of_rates.addStampsWithin(stamps);
+  of_speeds.addStampsWithin(stamps);
   std::sort(stamps.begin(), stamps.end());
   SensedMotion sensed;
   Eigen::Matrix3d rotation = Eigen::Matrix3d::Identity();
@@ -256,39 +345,40 @@ std::optional<SensedMotion> MotionSensors::sense(double begin, double end, const
   {
     const double step = stamps[i] - stamps[i - 1];
     const double middle = 0.5 * (stamps[i] + stamps[i - 1]);
-    if (rates.isComplete())
+    if (of_rates.isComplete())
     {
-      const Eigen::Vector3d rate = rates.at(middle) - s.biasVector();
+      const Eigen::Vector3d rate = of_rates.at(middle) - biasVector();
       rotation = rotation * expSO3(step * rate);
-      sensed.mean_rate += step / dt * rates.at(middle);
-      velocity.tail<3>() = s.trustsGyroscope() ? rate : Eigen::Vector3d(velocity.tail<3>());
+      sensed.mean_rate += step / dt * of_rates.at(middle);
+      velocity.tail<3>() = with_gyroscope ? rate : Eigen::Vector3d(velocity.tail<3>());
     }
-    if (speeds.isComplete())
+    if (of_speeds.isComplete())
     {
-      velocity.x() = speeds.at(middle) / (1 + s.scale.value);
+      velocity.x() = of_speeds.at(middle) / (1 + scale.value);
     }
     distance += step * velocity.x();
     sensed.T_previous_current = sensed.T_previous_current * expSE3(step * velocity);
   }
-  if (rates.isComplete())
+  if (of_rates.isComplete())
   {
     sensed.rotation = rotation;
   }
-  if (speeds.isComplete())
+  if (of_speeds.isComplete())
   {
     sensed.displacement = distance;
   }
-  sensed.information = s.informationOf(sensed, dt, rates, speeds);
+  sensed.information = informationOf(sensed, dt, of_rates, of_speeds, with_gyroscope);
   return sensed;
 }
 
 Matrix6 MotionSensors::State::informationOf(const SensedMotion& sensed,
                                             double dt,
                                             const Rates& of_rates,
-                                            const Speeds& of_speeds) const
+                                            const Speeds& of_speeds,
+                                            bool with_gyroscope) const
 {
   Matrix6 information = Matrix6::Zero();
-  if (sensed.rotation && trustsGyroscope())
+  if (sensed.rotation && with_gyroscope)
   {
     const double angle = rotationAngle(sensed.T_previous_current);
     const double noise =
@@ -332,18 +422,9 @@ Matrix6 MotionSensors::fuse(const SensedMotion& sensed, MotionPrior& prior) cons
     const Eigen::Vector3d off =
         logSO3(prior.T_previous_current.linear().transpose() * sensed.T_previous_current.linear());
     const double distance2 = off.dot(prior.information.bottomRightCorner<3, 3>() * off);
-    const SensorUse& use = state_->gyroscope;
-    const bool has_agreed = use.compared - use.contradictions >= trusted_motions;
-    if (!has_agreed && distance2 > squared(impossible_turn) && sensed.mean_rate.norm() > fast_rate)
-    {
-      added.bottomRightCorner<3, 3>().setZero();
-    }
-    else
-    {
-      const double root = 1 / std::sqrt(1 + distance2 / squared(turn_gate));
-      prior.information.bottomRows<3>() *= root;
-      prior.information.rightCols<3>() *= root;
-    }
+    const double root = 1 / std::sqrt(1 + distance2 / squared(turn_gate));
+    prior.information.bottomRows<3>() *= root;
+    prior.information.rightCols<3>() *= root;
   }
   prior.fuse(sensed.T_previous_current, added);
   return added;
@@ -383,35 +464,44 @@ void MotionSensors::State::compareRotation(const SensedMotion& sensed,
 {
   const Eigen::Vector3d off = logSO3(T_found.linear().transpose() * *sensed.rotation);
   const double angle = rotationAngle(T_found);
+  const double noise = squared(options.gyroscope_sigma * dt) +
+                       squared(options.gyroscope_sigma_ratio * angle) + squared(least_sigma_angle);
   bool contradicts = false;
   for (std::size_t axis = 0; axis < 3; ++axis)
   {
     const auto i = static_cast<Eigen::Index>(axis);
-    const double of_scans = measured(3 + i, 3 + i);
-    const auto error = errorAgainstScans(off[i], fused(3 + i, 3 + i), of_scans);
-    if (!error)
+    const double information = measured(3 + i, 3 + i);
+    const double share = information / (information + fused(3 + i, 3 + i));
+    if (!(share > least_share))
     {
       return;
     }
-    const double found = bias[axis].value + *error / dt;
-    const double variance = (1 / of_scans + squared(found_sigma_angle) +
-                             squared(options.gyroscope_sigma_ratio * angle)) /
-                                squared(dt) +
-                            squared(options.gyroscope_sigma);
-    if (bias[axis].contradicts(found, variance))
+    // Relative to the scans only: the motion is the mean of both by their information.
+    const double error = off[i] / share;
+    const double of_scans = 1 / information + squared(found_sigma_angle);
+    bias[axis].predict(dt, noise);
+    if (bias[axis].contradicts(error, of_scans))
     {
       contradicts = true;
       continue;
     }
-    bias[axis].update(found, variance, least_variance * squared(options.gyroscope_bias_sigma));
-  }
-  if (fused(3, 3) <= 0)
-  {
-    unit.add(sensed.mean_rate, logSO3(T_found.linear()) / dt);
-    in_degrees = in_degrees || unit.isOfDegrees();
+    bias[axis].update(error, of_scans, share);
   }
   gyroscope.compare(contradicts, fused(3, 3) > 0);
   conflict += conflict_share * ((contradicts ? 1 : 0) - conflict);
+  if (fused(3, 3) <= 0)
+  {
+    const double of_scans = measured.bottomRightCorner<3, 3>().diagonal().cwiseInverse().sum();
+    evidence.add(sensed.mean_rate - biasVector(), logSO3(T_found.linear()) / dt,
+                 of_scans / squared(dt));
+    in_degrees = in_degrees || evidence.isOfDegrees();
+  }
+  const bool trusted = trusts_gyroscope || !options.gyroscope_check || evidence.fits();
+  if (trusts_gyroscope && conflict > max_conflict)
+  {
+    evidence = {};
+  }
+  trusts_gyroscope = trusted && conflict <= max_conflict && !in_degrees;
 }
 
 /** \param sensed,found displacements [m] \param fused,measured their information [1/m^2] */
@@ -436,7 +526,9 @@ void MotionSensors::State::compareDisplacement(
 
 std::string MotionSensors::name() const
 {
-  return std::string(state_->gyroscope.covered > 0 && !state_->in_degrees ? " + gyroscope" : "") +
+  const SensorUse& gyroscope = state_->gyroscope;
+  const bool is_used = gyroscope.covered > 0 && state_->trusts_gyroscope;
+  return std::string(is_used || gyroscope.compared > gyroscope.unused ? " + gyroscope" : "") +
          (state_->wheels.covered > 0 ? " + wheel_odometry" : "");
 }
 
@@ -449,7 +541,14 @@ std::vector<std::string> MotionSensors::warnings() const
         formatted("the gyroscope is not used: its angular velocities are %.0f times those of the "
                   "scans, so that they are in deg/s instead of rad/s; set "
                   "motion_sensors.gyroscope_unit=deg_s",
-                  state_->unit.ratio()));
+                  state_->evidence.ratio()));
+  }
+  else if (state_->gyroscope.compared == state_->gyroscope.unused && state_->evidence.showsTurns())
+  {
+    warnings.emplace_back(
+        "the gyroscope is not used: its rotations are not those of the scans; check the IMU's pose "
+        "on the vehicle (axes, direction), its clock and its units, or set "
+        "motion_sensors.gyroscope=false");
   }
   else
   {
@@ -474,7 +573,7 @@ std::vector<std::string> MotionSensors::warnings() const
 void MotionSensors::exchangeState(StateArchive& archive)
 {
   State& s = *state_;
-  archive(s.rates, s.speeds, s.bias, s.scale, s.conflict, s.unit, s.in_degrees, s.gyroscope,
-          s.wheels, s.clock);
+  archive(s.rates, s.speeds, s.bias, s.scale, s.trusts_gyroscope, s.conflict, s.evidence,
+          s.in_degrees, s.gyroscope, s.wheels, s.clock);
 }
 }  // namespace dyslam

@@ -15,7 +15,7 @@ namespace dyslam
 {
 namespace
 {
-constexpr std::string_view magic = "DYSLAM STATE 17\n";
+constexpr std::string_view magic = "DYSLAM STATE 18\n";
 
 struct PartHeader
 {

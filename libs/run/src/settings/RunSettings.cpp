@@ -109,14 +109,22 @@ RunSettings chooseRunSettings(const std::string& rawlog, const GivenSettings& gi
   settings.missing_times = settings.sensor.missingTimes(config);
   RawlogSourceOptions input;
   load(input, config, "input");
-  if (const auto speed = findStartSpeed(rawlog, input, config))
+  auto speed = findStartSpeed(rawlog, input, config);
+  if (const auto contradiction =
+          speed ? std::nullopt : findWheelContradiction(rawlog, input, config))
+  {
+    const bool are_used = given.merged().has("motion_sensors", "wheel_odometry");
+    settings.warnings.push_back(warningOf(*contradiction, are_used));
+    if (!are_used)
+    {
+      config.set("motion_sensors.wheel_odometry=false");
+      speed = findStartSpeed(rawlog, input, config);
+    }
+  }
+  if (speed)
   {
     setStartSpeed(*speed, config);
     settings.start_speed = config.text("odometry", "start_speed").value();
-  }
-  else if (const auto contradiction = findWheelContradiction(rawlog, input, config))
-  {
-    settings.warnings.push_back(warningOf(*contradiction));
   }
   return settings;
 }

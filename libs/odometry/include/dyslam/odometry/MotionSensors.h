@@ -27,6 +27,8 @@ struct MotionSensorOptions : Options
 {
   bool gyroscope = true;  //!< use the angular velocities of Frame::imu
   GyroscopeUnit gyroscope_unit = GyroscopeUnit::rad_s;  //!< unit of the angular velocities
+  /** Use the gyroscope only once its rotations were those of the scans. */
+  bool gyroscope_check = true;
   bool wheel_odometry = true;                           //!< use the speeds of Frame::wheels
   /** Sigma of the mean angular velocity between two scans [rad/s]. */
   double gyroscope_sigma = 0.286 * radians_per_degree;
@@ -49,7 +51,7 @@ struct SensedMotion
   Pose T_previous_current = Pose::Identity();
   /** Information of log(T_sensed^-1 T); zero for components that were not measured. */
   Matrix6 information = Matrix6::Zero();
-  std::optional<Eigen::Matrix3d> rotation;  //!< by the gyroscope, even if it is not trusted
+  std::optional<Eigen::Matrix3d> rotation;  //!< by the gyroscope, even if it is not used
   Eigen::Vector3d mean_rate = Eigen::Vector3d::Zero();  //!< that of `rotation`, with bias [rad/s]
   std::optional<double> displacement;  //!< forward, along the path, by the wheels [m]
 };
@@ -57,9 +59,10 @@ struct SensedMotion
 /** The vehicle's motion by gyroscope and wheel odometry.
  *
  * The samples are integrated, with linear interpolation between them. The gyroscope's bias and the
- * scale of the wheels' speed are estimated by comparison with the motions from the scans. A
- * gyroscope that contradicts these on about half of the recent scans is not trusted, and one whose
- * angular velocities turn out to be in deg/s is not used any more. Not thread-safe.
+ * scale of the wheels' speed are estimated by comparison with the motions from the scans. The
+ * gyroscope is used once its rotations were those of the scans while the vehicle turned, and not
+ * any more while it contradicts them on about half of the recent scans, nor if its angular
+ * velocities turn out to be in deg/s. Not thread-safe.
  */
 class MotionSensors
 {
@@ -81,12 +84,19 @@ class MotionSensors
                                                   double end,
                                                   const Pose& T_predicted);
 
+  /** The motion with the gyroscope where sense() has left it out, and without where it was used, for
+   * a scan that cannot be registered otherwise; nothing without samples of it, or if they are known
+   * to be wrong. */
+  [[nodiscard]] std::optional<SensedMotion> senseOtherwise(double begin,
+                                                           double end,
+                                                           const Pose& T_predicted) const;
+
   /** Forward speed at an instant [m/s]; nothing without samples there. */
   [[nodiscard]] std::optional<double> speedAt(double stamp) const;
 
   /** Fuses a sensed motion with a prior. A displacement beyond `wheel_gate` is ignored (wheels
-   * slip); a rotation far from the prior outweighs the prior (turns begin suddenly), but one that
-   * is impossibly far from it is ignored (another unit). \return the information that was added */
+   * slip); a rotation far from the prior outweighs the prior (turns begin suddenly).
+   * \return the information that was added */
   [[nodiscard]] Matrix6 fuse(const SensedMotion& sensed, MotionPrior& prior) const;
 
   /** Compares a sensed motion with the motion estimated with the scans; estimates bias and scale.

@@ -96,8 +96,8 @@ struct SpeedContradiction
 /** The same for scans that are there already. */
 [[nodiscard]] std::optional<SpeedContradiction> findWheelContradiction(
     const std::vector<Frame>& frames, const Config& config);
-/** The warning about it, one sentence. */
-[[nodiscard]] std::string warningOf(const SpeedContradiction& contradiction);
+/** The warning about it, one sentence. \param are_used the wheels are used nevertheless */
+[[nodiscard]] std::string warningOf(const SpeedContradiction& contradiction, bool are_used);
 
 /** Sets the speed at the start of a run: `odometry.start_speed`, rounded to 0.1 m/s, with
  * `start.sigma` as its standard deviation.
