@@ -437,12 +437,6 @@ TEST(KittiExport, AnEarlierExportIsReplacedIfForced)
   EXPECT_FALSE(std::filesystem::exists(folder.file("kitti/sequences/00/velodyne/000009.bin")));
   EXPECT_EQ(folder.read("kitti/sequences/00/poses.txt"), folder.read("kitti/poses/00.txt"));
   const auto message = [&] { return messageOfError<UserError>([&] { (void)convert(); }); };
-  options.calib = folder.file("kitti/sequences/00/calib.txt");
-  EXPECT_TRUE(contains(message(), "has the calibration, and so is the original")) << message();
-  options.poses_only = true;
-  EXPECT_TRUE(contains(message(), "has the calibration, and so is the original")) << message();
-  options.poses_only = false;
-  options.calib.clear();
   folder.write("kitti/sequences/00/image_2/000000.png", "someone's");
   EXPECT_TRUE(contains(message(), "has files of others (image_2)")) << message();
   EXPECT_EQ("someone's", folder.read("kitti/sequences/00/image_2/000000.png"));
@@ -450,6 +444,71 @@ TEST(KittiExport, AnEarlierExportIsReplacedIfForced)
   options.only_first_n = 3;
   EXPECT_EQ(3U, convert().poses) << "touches poses/00.txt alone";
   EXPECT_NE(folder.read("kitti/sequences/00/poses.txt"), folder.read("kitti/poses/00.txt"));
+}
+
+TEST(KittiExport, AnOriginalSequenceIsNotReplacedEvenIfForced)
+{
+  const TestFolder folder;
+  writeRecording(folder);
+  folder.write("kitti/sequences/00/velodyne/000000.bin", "original");
+  folder.write("kitti/sequences/00/calib.txt", "original");
+  folder.write("kitti/poses/00.txt", "original");
+  KittiExportOptions options;
+  options.force = true;
+  for (const bool poses_only : {false, true})
+  {
+    options.poses_only = poses_only;
+    const std::string message = messageOfError<UserError>(
+        [&] { (void)exportKitti(folder.file("x.rawlog"), folder.file("kitti"), options); });
+    EXPECT_TRUE(contains(message, "was not written by rawlog2kitti")) << message;
+    for (const char* file :
+         {"sequences/00/velodyne/000000.bin", "sequences/00/calib.txt", "poses/00.txt"})
+    {
+      EXPECT_EQ("original", folder.read(std::string("kitti/") + file)) << file;
+    }
+  }
+}
+
+TEST(KittiExport, ForceReplacesWhatIsOfTheEarlierExportAndNothingElse)
+{
+  const TestFolder folder;
+  writeRecording(folder);
+  KittiExportOptions options;
+  options.force = true;
+  const auto convert = [&]
+  { return exportKitti(folder.file("x.rawlog"), folder.file("kitti"), options); };
+  (void)convert();
+  folder.write("kitti/tracks/00.txt", "of others");
+  // Without poses those of the earlier export go, too.
+  folder.write("short.txt", "100 0 0 0 0 0 0 1\n");
+  options.trajectory = folder.file("short.txt");
+  EXPECT_EQ(0U, convert().poses);
+  EXPECT_FALSE(std::filesystem::exists(folder.file("kitti/poses/00.txt")));
+  EXPECT_EQ("of others", folder.read("kitti/tracks/00.txt"));
+  // Those of others stay.
+  folder.write("kitti/poses/00.txt", "of others");
+  EXPECT_EQ(0U, convert().poses);
+  EXPECT_EQ("of others", folder.read("kitti/poses/00.txt"));
+}
+
+TEST(KittiExport, AnErrorAtTheEndKeepsTheEarlierExport)
+{
+  const TestFolder folder;
+  writeRecording(folder);
+  KittiExportOptions options;
+  options.force = true;
+  const auto convert = [&]
+  { return exportKitti(folder.file("x.rawlog"), folder.file("kitti"), options); };
+  (void)convert();
+  const std::string before = folder.read("kitti/sequences/00/velodyne/000002.bin");
+  folder.write("kitti/tracks", "is no folder");
+  folder.write("boxes.txt", "");
+  options.tracks = folder.file("boxes.txt");
+  options.only_first_n = 1;
+  EXPECT_THROW((void)convert(), UserError);
+  EXPECT_EQ(before, folder.read("kitti/sequences/00/velodyne/000002.bin"));
+  EXPECT_TRUE(std::filesystem::exists(folder.file("kitti/poses/00.txt")));
+  EXPECT_FALSE(std::filesystem::exists(folder.file("kitti/sequences/00.tmp")));
 }
 
 TEST(KittiExport, NothingOfOthersIsTouchedAndNothingHalfStays)

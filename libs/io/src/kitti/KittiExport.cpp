@@ -18,11 +18,11 @@
 #include <filesystem>
 #include <map>
 #include <optional>
-#include <set>
 #include <utility>
 #include <vector>
 
 #include "KittiDeskewing.h"
+#include "KittiTarget.h"
 #include "conversion/ConversionOutput.h"
 
 namespace dyslam
@@ -81,12 +81,10 @@ class Sequence
  public:
   Sequence(const std::string& rawlog, const std::string& folder, const KittiExportOptions& options)
       : options_(options),
-        folder_(folder),
-        target_(folder_ / "sequences" / options.sequence),
-        pending_(target_.string() + ".tmp"),
+        target_(folder, options),
+        pending_(target_.sequence()),
         truth_(groundTruthFolder(rawlog))
   {
-    requireNewOrReplaceable();
     if (!options.trajectory.empty())
     {
       given_ = readTrajectory(options.trajectory);
@@ -116,19 +114,12 @@ class Sequence
         tracks_[box.frame].push_back(std::move(box));
       }
     }
-    fs::remove_all(pending_);  // of a killed program
     if (!options.poses_only)
     {
+      target_.beginSequence();
       makeFolder((pending_ / "velodyne").string());
     }
   }
-  ~Sequence()
-  {
-    std::error_code ignored;
-    fs::remove_all(pending_, ignored);
-  }
-  Sequence(const Sequence&) = delete;
-  Sequence& operator=(const Sequence&) = delete;
 
   void add(const Frame& frame)
   {
@@ -176,75 +167,13 @@ class Sequence
     }
     if (poses)
     {
-      makeFolder(posesFile().parent_path().string());
-      writeKittiPoses(posesFile().string(), cameraPoses());
+      writeKittiPoses(target_.beginPoses(), cameraPoses());
     }
+    target_.install();
     return result_;
   }
 
  private:
-  [[nodiscard]] fs::path posesFile() const
-  {
-    return folder_ / "poses" / (options_.sequence + ".txt");
-  }
-
-  [[nodiscard]] fs::path tracksFile() const
-  {
-    return folder_ / "tracks" / (options_.sequence + ".txt");
-  }
-
-  /** What the export writes. */
-  [[nodiscard]] std::vector<fs::path> outputs() const
-  {
-    return options_.poses_only ? std::vector<fs::path>{posesFile()}
-                               : std::vector<fs::path>{target_, posesFile(), tracksFile()};
-  }
-
-  void requireNewOrReplaceable() const
-  {
-    for (const fs::path& path : outputs())
-    {
-      if (fs::exists(path) && !options_.force)
-      {
-        throw UserError(path.string() +
-                        ": is there already; replace it with --force, or name another with "
-                        "--sequence");
-      }
-      if (fs::exists(path) && isOriginal())
-      {
-        throw UserError(target_.string() +
-                        ": has the calibration, and so is the original, of which --force replaces "
-                        "nothing; choose another --output");
-      }
-    }
-    if (!options_.poses_only && fs::is_directory(target_))
-    {
-      requireNoOtherFiles();
-    }
-  }
-
-  /** Whether the folder of the sequence is that which the calibration is from. */
-  [[nodiscard]] bool isOriginal() const
-  {
-    return !options_.calib.empty() &&
-           isSamePath(fs::path(options_.calib).parent_path().string(), target_.string());
-  }
-
-  void requireNoOtherFiles() const
-  {
-    const std::set<std::string> own{"velodyne",  "labels",    std::string(point_time_folder),
-                                    "times.txt", "calib.txt", "poses.txt"};
-    for (const auto& entry : entriesOf(target_))
-    {
-      const std::string name = entry.path().filename().string();
-      if (own.count(name) == 0)
-      {
-        throw UserError(target_.string() + ": has files of others (" + name +
-                        "), which --force does not remove; name another with --sequence");
-      }
-    }
-  }
-
   [[nodiscard]] std::string missingPoses() const
   {
     return "no poses are written: " + std::to_string(poses_.size()) + " of " +
@@ -276,12 +205,7 @@ class Sequence
       fs::remove(pending_ / "velodyne");
     }
     noteDeskewing();
-    for (const fs::path& path : outputs())
-    {
-      fs::remove_all(path);  // with --force, of an earlier export
-    }
     writeTracksOfScans();
-    fs::rename(pending_, target_);
   }
 
   /** Takes the boxes of a scan. \param index of the scan in the recording */
@@ -309,8 +233,7 @@ class Sequence
     {
       result_.warnings.push_back(options_.tracks + ": has no box of these scans");
     }
-    makeFolder(tracksFile().parent_path().string());
-    writeKittiTracks(tracksFile().string(), written_tracks_, calib_.T_cam_velo);
+    writeKittiTracks(target_.beginTracks(), written_tracks_, calib_.T_cam_velo);
   }
 
   /** Writes the points, deskewed with --deskew, otherwise as recorded and with their times. */
@@ -441,9 +364,8 @@ class Sequence
   }
 
   const KittiExportOptions& options_;
-  fs::path folder_;
-  fs::path target_;
-  fs::path pending_;
+  KittiTarget target_;
+  fs::path pending_;   //!< folder of the sequence until the end
   std::string truth_;  //!< folder of the rawlog's ground truth, which may not be there
   std::optional<TrajectoryFile> given_;
   KittiCalib calib_ = calibAtLidar();
