@@ -42,7 +42,7 @@ BagReader::BagReader(const BagContent& content, const ScanConverterOptions& opti
       reader_(makeBagScans(content.input, bag_, content.scans, optionsOfFirst(options))),
       sink_(sink),
       motion_(content.input, bag_, *reader_, content.frames, options, sink),
-      held_(sink, motion_)
+      held_(sink, motion_, options.growing)
 {
   std::vector<std::size_t> topics = motion_.topicsWith(content.scans);
   for (const FurtherTopic& lidar : content.further)
@@ -73,6 +73,11 @@ void BagReader::report(const std::string& truth_topic)
     text << truth_topic << ": has no pose within " << truth_max_gap << " s of "
          << counted(held_.withoutPose(), "scan");
     sink_.warn(text.str());
+  }
+  if (held_.sorted() > 0)
+  {
+    sink_.note(counted(held_.sorted(), "scan") +
+               " out of order in the bag; sorted by their stamps");
   }
   report(*reader_, "");
   for (const FurtherReader& lidar : further_)
