@@ -175,7 +175,7 @@ void printFiles(const SlamRunReport& report, const std::string& folder)
   }
   if (report.has_reference)
   {
-    std::printf("errors against the ground truth: dyslam-eval run %s\n", folder.c_str());
+    std::printf("errors against the ground truth: dyslam-eval run %s\n", shellWord(folder).c_str());
   }
 }
 

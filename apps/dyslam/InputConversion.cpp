@@ -47,7 +47,7 @@ std::string inDyslam(const UserError& error, const std::string& input, const std
   {
     return message;
   }
-  const std::string command = program + " -i " + input + " " + advice->flag();
+  const std::string command = program + " -i " + shellWord(input) + " " + advice->flag();
   return message + (advice->flag() == "--list" ? " (" + command + ")"
                                                : " (an option of the converter: " + command +
                                                      " ... -o x.rawlog, then dyslam -i x.rawlog)");
@@ -133,7 +133,7 @@ std::vector<std::string> convertTo(const ConvertedFiles& files,
       {
         std::printf(
             "%s stays: -i %s saves the conversion next time; %s converts with more options\n",
-            files.rawlog.c_str(), files.rawlog.c_str(), converter.program().c_str());
+            files.rawlog.c_str(), shellWord(files.rawlog).c_str(), converter.program().c_str());
       }
       else
       {

@@ -80,7 +80,7 @@ bool noteUnfinished(const std::string& folder,
   const std::string& reason = report.ended_early;
   note(folder + ": unfinished: " + scans + (reason.empty() ? "" : "; " + printable(reason)) +
        (fs::exists(fs::path(folder) / run_files::state)
-            ? "; continue with: dyslam --resume -o " + folder
+            ? "; continue with: dyslam --resume -o " + shellWord(folder)
             : ""));
   return true;
 }

@@ -83,8 +83,8 @@ void warnAboutKitti(const std::string& input, ScanSink& sink)
   {
     return;
   }
-  sink.warn("the scans are those of a KITTI recording; give its folder, -i " + recording.string() +
-            ", for its true poses" +
+  sink.warn("the scans are those of a KITTI recording; give its folder, -i " +
+            shellWord(recording.string()) + ", for its true poses" +
             (*kind == KittiKind::odometry ? ", and because its scans are already deskewed" : ""));
 }
 

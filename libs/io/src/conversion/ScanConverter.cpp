@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/base/Error.h>
+#include <dyslam/base/Printable.h>
 #include <dyslam/formats/RecordingKind.h>
 #include <dyslam/formats/ScanFiles.h>
 #include <dyslam/io/ScanConverter.h>
@@ -30,7 +31,7 @@ void requireCapture(const std::string& file)
   }
   if (const std::string command = unpackCommand(file); !command.empty())
   {
-    throw UserError(file + ": is compressed; unpack it first: " + command + " " + file);
+    throw UserError(file + ": is compressed; unpack it first: " + command + " " + shellWord(file));
   }
   if (ending == ".osf")
   {
