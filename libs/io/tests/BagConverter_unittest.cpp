@@ -8,6 +8,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <filesystem>
 
 #include "BagWriters.h"
@@ -609,6 +610,43 @@ TEST(BagConverter, ScansOutOfOrderAreSorted)
   EXPECT_TRUE(hasLine(convertedBag(folder, bagOf(folder, late)).result.warnings,
                       "the stamp of 1 scan is not after that of the scan before: dyslam leaves it "
                       "out"));
+}
+
+TEST(BagConverter, CloudsWithoutCoordinatesOrInMillimetres)
+{
+  const TestFolder folder;
+  const std::string bag = folder.file("x.mcap");
+  const auto convert = [&](float factor, double scale)
+  {
+    std::vector<test::TestMessage> messages;
+    for (std::size_t i = 0; i < 4; ++i)
+    {
+      Scan scan = scanWithTimes(i);
+      for (Eigen::Vector3f& point : scan.points)
+      {
+        point *= factor;
+      }
+      messages.push_back({"/points", "sensor_msgs/PointCloud2", scan.stamp,
+                          test::pointCloud2(true, scan.stamp, test::velodyneFields(scan))});
+    }
+    test::writeBag(bag, messages);
+    ScanConverterOptions options;
+    options.scale = scale;
+    return convertedBag(folder, bag, options);
+  };
+  const Converted in_metres = convert(1, 1);
+  EXPECT_TRUE(in_metres.result.warnings.empty());
+  EXPECT_TRUE(hasLine(convert(std::nanf(""), 1).result.warnings,
+                      "4 of 4 scans have no point with coordinates: they are empty, or all "
+                      "coordinates are NaN"));
+  EXPECT_TRUE(hasLine(convert(1000, 1).result.warnings, "millimetres (--scale 0.001)"));
+  const Converted scaled = convert(1000, 0.001);
+  EXPECT_TRUE(scaled.result.warnings.empty());
+  for (std::size_t i = 0; i < in_metres.frames.at(0).scan.size(); ++i)
+  {
+    EXPECT_LT((in_metres.frames[0].scan.points[i] - scaled.frames.at(0).scan.points[i]).norm(),
+              1e-4);
+  }
 }
 
 TEST(BagConverter, AJumpOfTheClockIsAWarning)

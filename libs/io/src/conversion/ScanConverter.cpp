@@ -76,9 +76,9 @@ void ScanConverterOptions::describe(OptionsVisitor& visitor)
                "frame of the vehicle in a bag's /tf_static, which places the lidar in it; empty: "
                "sensor_pose");
   visitor.real("dt", dt, 0, 3600, "time between scans; 0: the scans' own times, else 0.1 [s]");
-  visitor.real(
-      "scale", scale, 1e-6, 1e6,
-      "length of the unit of the coordinates in a folder of scans; 0.001: millimetres [m]");
+  visitor.real("scale", scale, 1e-6, 1e6,
+               "length of the unit of the coordinates in a bag or a folder of scans; 0.001: "
+               "millimetres [m]");
   visitor.text("bin_layout", bin_layout,
                "columns of a folder's .bin files, a letter each; empty: by their content");
   visitor.flag("by_number", by_number,
