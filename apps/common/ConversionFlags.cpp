@@ -49,9 +49,10 @@ void declareClouds(CLI::App& app, RecordingOptions& options)
   app.add_option("--bin-layout", options.bin_layout,
                  "columns of .bin files (float32), a letter each: x y z, i intensity, r ring, t "
                  "time, _ any other; KITTI's are xyzi (default: by their content)");
-  app.add_option("--scale", options.scale,
-                 "metres per unit of the coordinates in a folder of scans: 0.001 for millimetres "
-                 "(default: 1)")
+  app.add_option(
+         "--scale", options.scale,
+         "metres per unit of the coordinates in a bag or a folder of scans: 0.001 for millimetres "
+         "(default: 1)")
       ->check(positive());
 }
 

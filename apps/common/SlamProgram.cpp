@@ -175,7 +175,7 @@ void printFiles(const SlamRunReport& report, const std::string& folder)
   }
   if (report.has_reference)
   {
-    std::printf("errors against the ground truth: dyslam-eval run %s\n", folder.c_str());
+    std::printf("errors against the ground truth: dyslam-eval run %s\n", shellWord(folder).c_str());
   }
 }
 
@@ -241,7 +241,13 @@ void repeatConversionWarnings(SlamArguments& a)
   {
     return;
   }
-  for (const std::string& warning : origin->warnings)
+  std::vector<std::string> warnings = origin->warnings;
+  if (!origin->part.empty())
+  {
+    warnings.push_back("only a part was converted (" + origin->part +
+                       "); for the whole recording run dyslam on it again");
+  }
+  for (const std::string& warning : warnings)
   {
     const std::string repeated = "conversion of " + origin->input + ": " + warning;
     a.settings.warnings.push_back(repeated);

@@ -9,10 +9,12 @@
 #include <filesystem>
 #include <iostream>
 #include <memory>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
 
+#include "../common/Checks.h"
 #include "MetricFlags.h"
 #include "OutputFiles.h"
 
@@ -26,6 +28,7 @@ struct RunArguments
 {
   std::vector<std::string> folders;
   std::string truth;
+  std::optional<double> interpolate;
   MetricFlags metrics;
   OutputFlags output;
 };
@@ -69,7 +72,8 @@ std::vector<RunScores> scoresOfAll(const std::vector<std::string>& folders,
   {
     try
     {
-      RunScores scores = scoresOf(folders[i], a.truth, a.metrics.options(), printNote);
+      RunScores scores =
+          scoresOf(folders[i], a.truth, a.metrics.options(), printNote, a.interpolate);
       scores.name = names[i];
       runs.push_back(std::move(scores));
     }
@@ -128,6 +132,10 @@ Subcommand runCommand(CLI::App& app)
   sub->add_option("--truth", a->truth,
                   "ground-truth folder (.gt) for labels and, where the run has none, "
                   "poses; default: next to the rawlog");
+  sub->add_option("--interpolate", a->interpolate,
+                  "interpolate the true poses at the time stamps of the runs, between poses at "
+                  "most this far from them [s]: for ground truth with other stamps")
+      ->check(positive());
   a->metrics.declare(*sub);
   a->output.declare(*sub);
   return {sub, [a] { evaluateRuns(*a); }};

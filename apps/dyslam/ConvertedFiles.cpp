@@ -20,11 +20,12 @@ ConvertedFiles::ConvertedFiles(const std::string& output)
 
 void ConvertedFiles::writeOrigin(const std::string& input,
                                  const std::string& program,
-                                 const std::vector<std::string>& warnings) const
+                                 const std::vector<std::string>& warnings,
+                                 const std::string& part) const
 {
   const std::string source =
       isLiveInput(input) ? input : fs::absolute(input).lexically_normal().string();
-  writeRecordingOrigin({source, program, warnings}, folder);
+  writeRecordingOrigin({source, program, warnings, part}, folder);
 }
 
 bool ConvertedFiles::canBeMadeAgain() const

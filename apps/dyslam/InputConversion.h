@@ -13,6 +13,7 @@ namespace dyslam
  * truth beside it, and makes that the input. Its warnings become those of the run, also of a later
  * run that reads `recording.rawlog` (repeatConversionWarnings()).
  *
+ * Only the scans of the given range are converted, and all of these are the input of the run.
  * It is converted in every run, since calibration, poses and labels that are read may be anywhere.
  * `recording.ini` beside it names its sources and has the warnings; without this file an earlier
  * recording of the name is only replaced with --force, and so is one that was received from a lidar

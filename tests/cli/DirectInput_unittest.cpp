@@ -105,6 +105,11 @@ class DirectInput : public ::testing::Test
     EXPECT_TRUE(contains(direct.out, converter + " converts with more options\n")) << direct.out;
   }
 
+  static std::ptrdiff_t lines(const std::string& text)
+  {
+    return std::count(text.begin(), text.end(), '\n');
+  }
+
   /** Expects an error. \param says parts of the only line on stderr */
   void expectRefused(const std::string& arguments, const std::vector<std::string>& says)
   {
@@ -280,6 +285,33 @@ TEST_F(DirectInput, ARerunConvertsAgain)
   fs::remove(at("run/recording.ini"));  // now the folder holds a recording that no run wrote
   expectRefused(words, {"run/recording.rawlog: is there already", "--force"});
   EXPECT_EQ(0, run("dyslam", words + " --force").code);
+}
+
+TEST_F(DirectInput, OnlyThePartThatIsUsedIsConverted)
+{
+  bag("drive.mcap");
+  const std::string part = "-i " + at("drive.mcap") + " --topic /points --skip-first-n 1 ";
+  ASSERT_EQ(0, run("scans2rawlog", "-q " + part + "--only-first-n 3 -o " + at("part.rawlog")).code);
+  const std::string in_run = part + "--set input.only_first_n=3 -o " + at("run");
+  const Outcome first = run("dyslam", in_run);
+  EXPECT_EQ(0, first.code) << first.err;
+  EXPECT_EQ(folder_.read("part.rawlog"), folder_.read("run/recording.rawlog"));
+  EXPECT_EQ(3, lines(folder_.read("run/trajectory_tum.txt")));
+  EXPECT_TRUE(contains(first.out,
+                       "run/recording.rawlog has only this part of the recording "
+                       "(--skip-first-n 1 --only-first-n 3)"))
+      << first.out;
+  const std::string warning =
+      "only a part was converted (--skip-first-n 1 --only-first-n 3); for the whole recording run "
+      "dyslam on it again";
+  EXPECT_FALSE(contains(first.err + first.out, warning));
+  const Outcome later = run("dyslam", "-i " + at("run/recording.rawlog") + " -o " + at("later"));
+  EXPECT_TRUE(contains(later.err, warning)) << later.err;
+
+  const Outcome whole =
+      run("dyslam", "-i " + at("drive.mcap") + " --topic /points -o " + at("run"));
+  EXPECT_EQ(6, lines(folder_.read("run/trajectory_tum.txt"))) << whole.err;
+  EXPECT_FALSE(contains(folder_.read("run/recording.ini"), "part ="));
 }
 
 TEST_F(DirectInput, ADamagedInputLeavesAnEarlierRecording)

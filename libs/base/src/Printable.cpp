@@ -108,6 +108,21 @@ bool isNestedDeeper(std::string_view json, std::size_t limit)
   return false;
 }
 
+std::string shellWord(const std::string& text)
+{
+  constexpr const char* special = " \t\n\"'$`\\!*?[](){}<>|&;#~^";
+  if (!text.empty() && text.find_first_of(special) == std::string::npos)
+  {
+    return text;
+  }
+  std::string quoted = "'";
+  for (const char c : text)
+  {
+    quoted += c == '\'' ? std::string("'\\''") : std::string(1, c);
+  }
+  return quoted + "'";
+}
+
 std::string csvField(const std::string& text)
 {
   if (text.find_first_of(",\"\r\n") == std::string::npos)

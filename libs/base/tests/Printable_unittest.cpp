@@ -21,6 +21,16 @@ TEST(Printable, NumbersAreFormattedAtAnyLength)
   EXPECT_EQ(std::string(2000, 'x') + "!", formatted("%s!", std::string(2000, 'x').c_str()));
 }
 
+TEST(Printable, WordsOfAShell)
+{
+  EXPECT_EQ("/data/drive_1.rawlog", shellWord("/data/drive_1.rawlog"));
+  EXPECT_EQ("Fahrt-\xc3\xbc", shellWord("Fahrt-\xc3\xbc"));
+  EXPECT_EQ("'out ware/x'", shellWord("out ware/x"));
+  EXPECT_EQ("'it'\\''s'", shellWord("it's"));
+  EXPECT_EQ("'$HOME'", shellWord("$HOME"));
+  EXPECT_EQ("''", shellWord(""));
+}
+
 TEST(Printable, TextOfHtmlHasNoMarkup)
 {
   EXPECT_EQ(escapedHtml("<a href=\"b\">&'c'"), "&lt;a href=&quot;b&quot;&gt;&amp;'c'");

@@ -13,6 +13,7 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <optional>
 
 #include "PairNote.h"
 
@@ -80,7 +81,7 @@ bool noteUnfinished(const std::string& folder,
   const std::string& reason = report.ended_early;
   note(folder + ": unfinished: " + scans + (reason.empty() ? "" : "; " + printable(reason)) +
        (fs::exists(fs::path(folder) / run_files::state)
-            ? "; continue with: dyslam --resume -o " + folder
+            ? "; continue with: dyslam --resume -o " + shellWord(folder)
             : ""));
   return true;
 }
@@ -112,23 +113,40 @@ PoseOrigin originOf(const fs::path& folder,
                                                                       : origin;
 }
 
+/** Whether two trajectories have a time in common. */
+bool overlap(const Trajectory& a, const Trajectory& b)
+{
+  return a.size() > 0 && b.size() > 0 && a[0].stamp <= b[b.size() - 1].stamp &&
+         b[0].stamp <= a[a.size() - 1].stamp;
+}
+
 /** Pairs with the true poses; nothing, with a note, if the run has no or too little ground truth.
- */
+ * \param interpolate see scoresOf() */
 std::optional<PosePairs> pairsOf(const fs::path& estimate,
                                  const fs::path& reference,
+                                 const std::optional<double>& interpolate,
                                  const NoteSink& note)
 {
   if (!fs::exists(reference) || !fs::exists(estimate))
   {
     return std::nullopt;
   }
-  PosePairs pairs =
-      associateByTime(readTum(reference.string()), readTum(estimate.string()), stamp_tolerance);
+  const Trajectory truth = readTum(reference.string());
+  const Trajectory poses = readTum(estimate.string());
+  PosePairs pairs = interpolate ? associateInterpolated(truth, poses, *interpolate)
+                                : associateByTime(truth, poses, stamp_tolerance);
   if (pairs.size() < 2)
   {
-    note(estimate.string() + ": " + std::to_string(pairs.size()) + " of " +
-         std::to_string(pairs.estimate_size) +
-         " poses match a time stamp of the ground truth, 2 are needed: no errors computed");
+    const std::string of_all =
+        std::to_string(pairs.size()) + " of " + std::to_string(pairs.estimate_size) + " poses ";
+    note(estimate.string() + ": " + of_all +
+         (interpolate ? "have poses of the ground truth within --interpolate " +
+                            shortNumber(*interpolate) + " s before and after them"
+                      : "match a time stamp of the ground truth") +
+         ", 2 are needed: no errors computed" +
+         (!interpolate && overlap(truth, poses)
+              ? "; --interpolate 0.5 interpolates the ground truth at the time stamps of the poses"
+              : ""));
     return std::nullopt;
   }
   return pairs;
@@ -139,16 +157,18 @@ std::optional<PosePairs> pairsOf(const fs::path& estimate,
 void evaluatePoses(const fs::path& folder,
                    const fs::path& reference,
                    const TrajectoryMetricsOptions& metrics,
+                   const std::optional<double>& interpolate,
                    const NoteSink& note,
                    RunScores& scores)
 {
   const std::string trajectory = (folder / run_files::trajectory).string();
   const std::string odometry = (folder / run_files::odometry).string();
-  if (const auto pairs = pairsOf(trajectory, reference, note))
+  if (const auto pairs = pairsOf(trajectory, reference, interpolate, note))
   {
-    noteFewPairs(*pairs, trajectory, reference.string(), shortNumber(stamp_tolerance), note);
+    noteFewPairs(*pairs, trajectory, reference.string(),
+                 shortNumber(interpolate.value_or(stamp_tolerance)), note);
     scores.trajectory = evaluateTrajectory(trajectory, *pairs, metrics);
-    if (const auto of_odometry = pairsOf(odometry, reference, note))
+    if (const auto of_odometry = pairsOf(odometry, reference, interpolate, note))
     {
       scores.odometry = evaluateTrajectory(odometry, *of_odometry, metrics);
     }
@@ -247,7 +267,8 @@ std::string whyNoRun(const std::string& folder)
 RunScores scoresOf(const std::string& folder,
                    const std::string& given_truth,
                    const TrajectoryMetricsOptions& metrics,
-                   const NoteSink& note)
+                   const NoteSink& note,
+                   const std::optional<double>& interpolate)
 {
   if (const std::string reason = whyNoRun(folder); !reason.empty())
   {
@@ -257,12 +278,12 @@ RunScores scoresOf(const std::string& folder,
   readReport(folder, note, scores);
   const std::string truth = truthFolder(given_truth, folder, scores.report);
   const fs::path reference = referenceOf(folder, given_truth);
-  evaluatePoses(folder, reference, metrics, note, scores);
+  evaluatePoses(folder, reference, metrics, interpolate, note, scores);
   if (scores.trajectory)
   {
     scores.truth =
         originOf(folder, scores.report, truthFolder("", folder, scores.report), given_truth);
-    if (scores.truth.isExact())
+    if (scores.truth.isExact() && !interpolate)
     {
       scores.consistency = evaluateConsistency(folder, reference);
     }

@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <filesystem>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -44,13 +45,16 @@ class RunScoresOf : public ::testing::Test
     }
     return folder_.file(name);
   }
-  RunScores scores(const std::string& run, const std::string& truth = "")
+  RunScores scores(const std::string& run,
+                   const std::string& truth = "",
+                   const std::optional<double>& interpolate = {})
   {
     notes_.clear();
     TrajectoryMetricsOptions metrics;
     metrics.lengths = {10};
-    return scoresOf(run, truth, metrics,
-                    [this](const std::string& note) { notes_.push_back(note); });
+    return scoresOf(
+        run, truth, metrics, [this](const std::string& note) { notes_.push_back(note); },
+        interpolate);
   }
 
   TestFolder folder_;
@@ -106,6 +110,28 @@ TEST_F(RunScoresOf, GroundTruthOfAConvertedRecordingIsMovedWithItsRun)
   const RunScores one = scores(run);
   EXPECT_TRUE(notes_.empty()) << notes_.front();
   EXPECT_TRUE(one.labels);
+}
+
+TEST_F(RunScoresOf, GroundTruthWithOtherStampsIsInterpolated)
+{
+  const std::string run = writeRun("run", R"({"frames": 40, "finished": true})");
+  Trajectory truth;
+  for (const StampedPose& pose : straight(1))
+  {
+    truth.push_back(pose.stamp + 0.05, pose.pose);
+  }
+  std::filesystem::create_directories(folder_.file("x.gt"));
+  writeTum(folder_.file("x.gt/poses_tum.txt"), truth);
+  EXPECT_FALSE(scores(run, folder_.file("x.gt")).trajectory);
+  EXPECT_TRUE(hasLine(notes_,
+                      "0 of 40 poses match a time stamp of the ground truth, 2 are needed: "
+                      "no errors computed; --interpolate 0.5 interpolates the ground truth"));
+  const RunScores one = scores(run, folder_.file("x.gt"), 0.1);
+  ASSERT_TRUE(one.trajectory && one.odometry);
+  EXPECT_EQ(39U, one.trajectory->pairs);
+  EXPECT_NEAR(one.trajectory->drift.overall.translation_percent, 1, 0.2);
+  EXPECT_FALSE(scores(run, folder_.file("x.gt"), 0.02).trajectory);
+  EXPECT_TRUE(hasLine(notes_, "within --interpolate 0.02 s before and after them, 2 are needed"));
 }
 
 TEST_F(RunScoresOf, WhatIsMissingIsNoted)

@@ -53,7 +53,7 @@ bool isStoppedLine(const std::string& program, const std::string& input, const s
 
 std::string completeLaterAdvice(const std::string& folder)
 {
-  return complete_later + folder;
+  return complete_later + shellWord(folder);
 }
 
 bool canBeCompletedLine(const std::string& program, const std::string& line)

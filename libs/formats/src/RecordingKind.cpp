@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/base/Printable.h>
 #include <dyslam/formats/RecordingKind.h>
 #include <dyslam/formats/RunFiles.h>
 #include <dyslam/formats/ScanFiles.h>
@@ -49,8 +50,8 @@ std::string firstMake(const std::string& program, const std::string& path)
 {
   fs::path name = fs::path(path).lexically_normal();
   name = name.has_filename() ? name : name.parent_path();
-  return "; make a rawlog of it first: " + program + " -i " + path + " -o " + name.stem().string() +
-         ".rawlog";
+  return "; make a rawlog of it first: " + program + " -i " + shellWord(path) + " -o " +
+         shellWord(name.stem().string() + ".rawlog");
 }
 }  // namespace
 
@@ -213,7 +214,7 @@ std::string conversionAdvice(const std::string& path)
     case RecordingKind::capture:
       return "is a network capture" + firstMake("scans2rawlog", path);
     case RecordingKind::network:
-      return "is a lidar on the network; record it first: scans2rawlog -i " + path +
+      return "is a lidar on the network; record it first: scans2rawlog -i " + shellWord(path) +
              " -o drive.rawlog";
     case RecordingKind::topics:
       return "is live; record it first: scans2rawlog -i " + path + " -o drive.rawlog";

@@ -40,6 +40,10 @@ void writeRecordingOrigin(const RecordingOrigin& origin, const std::string& fold
   Config ini;
   ini.set(recording_section, "input", {origin.input, "", {}});
   ini.set(recording_section, "converter", {origin.converter, "", {}});
+  if (!origin.part.empty())
+  {
+    ini.set(recording_section, "part", {origin.part, "", {}});
+  }
   for (std::size_t i = 0; i < origin.warnings.size(); ++i)
   {
     ini.set(recording_section, warningKey(i + 1), {inOneLine(origin.warnings[i]), "", {}});
@@ -67,7 +71,7 @@ std::optional<RecordingOrigin> originOfRecording(const std::string& rawlog)
   }
   const auto value = [&ini](const std::string& key)
   { return ini.text(recording_section, key).value_or(""); };
-  RecordingOrigin origin{value("input"), value("converter"), {}};
+  RecordingOrigin origin{value("input"), value("converter"), {}, value("part")};
   for (std::size_t number = 1; ini.has(recording_section, warningKey(number)); ++number)
   {
     origin.warnings.push_back(value(warningKey(number)));

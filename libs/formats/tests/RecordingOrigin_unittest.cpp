@@ -9,7 +9,8 @@ namespace dyslam
 TEST(RecordingOrigin, IsReadAsItWasWritten)
 {
   const TestFolder folder;
-  writeRecordingOrigin({"/data/scans", "scans2rawlog", {"no times", "two\nlines"}}, folder.path());
+  writeRecordingOrigin({"/data/scans", "scans2rawlog", {"no times", "two\nlines"}, ""},
+                       folder.path());
   EXPECT_EQ(
       "[recording]\ninput = /data/scans\nconverter = scans2rawlog\nwarning_1 = no times\n"
       "warning_2 = two lines\n",
@@ -19,6 +20,9 @@ TEST(RecordingOrigin, IsReadAsItWasWritten)
   EXPECT_EQ("/data/scans", origin->input);
   EXPECT_EQ("scans2rawlog", origin->converter);
   EXPECT_EQ((std::vector<std::string>{"no times", "two lines"}), origin->warnings);
+  EXPECT_EQ("", origin->part);
+  writeRecordingOrigin({"/data/scans", "scans2rawlog", {}, "--end 5"}, folder.path());
+  EXPECT_EQ("--end 5", originOfRecording(folder.file("recording.rawlog"))->part);
 }
 
 TEST(RecordingOrigin, IsThatOfAConvertedRecordingOnly)

@@ -8,6 +8,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <filesystem>
 
 #include "BagWriters.h"
@@ -561,6 +562,104 @@ TEST(BagConverter, ScansAfterAClockThatWasSetBack)
   }
   test::writeBag(bag, messages);
   EXPECT_EQ(12U, convertedBag(folder, bag).result.scans);
+}
+
+/** A bag whose scans have these stamps, in this order. */
+std::string bagOf(const TestFolder& folder, const std::vector<double>& stamps)
+{
+  const std::string bag = folder.file("x.mcap");
+  std::vector<test::TestMessage> messages;
+  for (std::size_t i = 0; i < stamps.size(); ++i)
+  {
+    messages.push_back(
+        {"/points", "sensor_msgs/PointCloud2", 1.7e9 + 0.1 * static_cast<double>(i),
+         test::pointCloud2(true, stamps[i], test::velodyneFields(scanWithTimes(0)))});
+  }
+  test::writeBag(bag, messages);
+  return bag;
+}
+
+std::vector<double> stampsOf(const Converted& converted)
+{
+  std::vector<double> stamps;
+  for (const Frame& frame : converted.frames)
+  {
+    stamps.push_back(frame.scan.stamp);
+  }
+  return stamps;
+}
+
+TEST(BagConverter, ScansOutOfOrderAreSorted)
+{
+  const TestFolder folder;
+  std::vector<double> swapped;
+  std::vector<double> in_order;
+  for (int i = 0; i < 12; ++i)
+  {
+    in_order.push_back(1000 + 0.125 * i);
+    swapped.push_back(1000 + 0.125 * (i % 2 == 0 ? i + 1 : i - 1));
+  }
+  const Converted sorted = convertedBag(folder, bagOf(folder, swapped));
+  EXPECT_EQ(in_order, stampsOf(sorted));
+  EXPECT_TRUE(
+      hasLine(sorted.result.notes, "6 scans out of order in the bag; sorted by their stamps"));
+  EXPECT_TRUE(sorted.result.warnings.empty());
+
+  std::vector<double> late = in_order;
+  std::rotate(late.begin(), late.begin() + 1, late.begin() + 7);  // the first is six scans late
+  EXPECT_TRUE(hasLine(convertedBag(folder, bagOf(folder, late)).result.warnings,
+                      "the stamp of 1 scan is not after that of the scan before: dyslam leaves it "
+                      "out"));
+}
+
+TEST(BagConverter, CloudsWithoutCoordinatesOrInMillimetres)
+{
+  const TestFolder folder;
+  const std::string bag = folder.file("x.mcap");
+  const auto convert = [&](float factor, double scale)
+  {
+    std::vector<test::TestMessage> messages;
+    for (std::size_t i = 0; i < 4; ++i)
+    {
+      Scan scan = scanWithTimes(i);
+      for (Eigen::Vector3f& point : scan.points)
+      {
+        point *= factor;
+      }
+      messages.push_back({"/points", "sensor_msgs/PointCloud2", scan.stamp,
+                          test::pointCloud2(true, scan.stamp, test::velodyneFields(scan))});
+    }
+    test::writeBag(bag, messages);
+    ScanConverterOptions options;
+    options.scale = scale;
+    return convertedBag(folder, bag, options);
+  };
+  const Converted in_metres = convert(1, 1);
+  EXPECT_TRUE(in_metres.result.warnings.empty());
+  EXPECT_TRUE(hasLine(convert(std::nanf(""), 1).result.warnings,
+                      "4 of 4 scans have no point with coordinates: they are empty, or all "
+                      "coordinates are NaN"));
+  EXPECT_TRUE(hasLine(convert(1000, 1).result.warnings, "millimetres (--scale 0.001)"));
+  const Converted scaled = convert(1000, 0.001);
+  EXPECT_TRUE(scaled.result.warnings.empty());
+  for (std::size_t i = 0; i < in_metres.frames.at(0).scan.size(); ++i)
+  {
+    EXPECT_LT((in_metres.frames[0].scan.points[i] - scaled.frames.at(0).scan.points[i]).norm(),
+              1e-4);
+  }
+}
+
+TEST(BagConverter, AJumpOfTheClockIsAWarning)
+{
+  const TestFolder folder;
+  std::vector<double> stamps;
+  for (int i = 0; i < 12; ++i)
+  {
+    stamps.push_back((i < 6 ? 1000 : 4600) + 0.125 * i);
+  }
+  const auto warnings = convertedBag(folder, bagOf(folder, stamps)).result.warnings;
+  ASSERT_EQ(1U, warnings.size());
+  EXPECT_EQ(0U, warnings[0].find("the stamps jump forward by 3600 s at scan 6: ")) << warnings[0];
 }
 
 TEST(BagConverter, CloudsComeBeforePackets)

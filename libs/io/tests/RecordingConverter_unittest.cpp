@@ -140,7 +140,7 @@ TEST(RecordingOptions, OfEachTheFlagIsKnown)
   options.base_frame.clear();
   options.scale = 0.001;
   EXPECT_EQ("--scale=0.001", options.words().back());
-  EXPECT_EQ("--scale works with a folder of scans only",
+  EXPECT_EQ("--scale works with a bag or a folder of scans only",
             messageOfError<UserError>([&] { options.requireFitting(RecordingKind::capture); }));
   options = {};
   options.bin_layout = "xyzi__";

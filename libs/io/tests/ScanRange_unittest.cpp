@@ -113,6 +113,19 @@ TEST(ScanRange, ProgressIsThatOfTheScansToUse)
   EXPECT_NEAR(0.75, progressAt(first, 4), 1e-9);
 }
 
+TEST(ScanRange, AsFlags)
+{
+  ScanRange some = range(2, 0.25, 1600.5);
+  EXPECT_EQ("--skip-first-n 2 --start 0.25 --end 1600.5", some.flags());
+  EXPECT_FALSE(some.isAll());
+  some = range(0, 0, 0);
+  EXPECT_EQ("", some.flags());
+  EXPECT_TRUE(some.isAll());
+  some.only_first_n = 5;
+  EXPECT_EQ("--only-first-n 5", some.flags());
+  EXPECT_FALSE(some.isAll());
+}
+
 TEST(ScanRange, AnEndBeforeTheStartIsAnError)
 {
   EXPECT_THROW(ScanSelection(range(0, 2, 1)), UserError);

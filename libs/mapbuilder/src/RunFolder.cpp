@@ -4,6 +4,7 @@
 #include <dyslam/base/Error.h>
 #include <dyslam/base/Files.h>
 #include <dyslam/base/Options.h>
+#include <dyslam/base/Printable.h>
 #include <dyslam/formats/GeoreferenceFile.h>
 #include <dyslam/formats/LabelFiles.h>
 #include <dyslam/formats/MotionFiles.h>
@@ -36,10 +37,11 @@ std::string fileOf(const std::string& folder,
   const std::string path = (fs::path(folder) / name).string();
   if (!fs::exists(path))
   {
-    throw UserError(folder + ": has no " + name + ", which " + what + "; " +
-                    (fs::exists(fs::path(folder) / run_files::state)
-                         ? "the run is unfinished: dyslam --resume -o " + folder + " completes it"
-                         : "give " + advice));
+    throw UserError(
+        folder + ": has no " + name + ", which " + what + "; " +
+        (fs::exists(fs::path(folder) / run_files::state)
+             ? "the run is unfinished: dyslam --resume -o " + shellWord(folder) + " completes it"
+             : "give " + advice));
   }
   return path;
 }

@@ -22,7 +22,7 @@ std::string messageOf(const EarlyEnd& end, std::size_t frames, const SlamRunSett
   {
     what = stoppedMessage(settings.rawlog, earlyEndReason(end, frames)) +
            ", whose results are in " + folder;
-    what += hasCheckpoint(folder) ? "; continue with: dyslam --resume -o " + folder : "";
+    what += hasCheckpoint(folder) ? "; continue with: dyslam --resume -o " + shellWord(folder) : "";
   }
   else if (!end.damage.empty())
   {

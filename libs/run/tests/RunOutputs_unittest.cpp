@@ -187,6 +187,44 @@ class RunOutputsTest : public ::testing::Test
   SlamRunSettings settings_;
 };
 
+TEST_F(RunOutputsTest, LargeOutputsEndBeforeTheDiskIsFullTheLeastImportantFirst)
+{
+  constexpr auto large = OutputThread::writer;
+  const std::vector<RunOutputKind> kinds{{makeRecording<WantedFrames::final_scans, large>},
+                                         {makeRecording<WantedFrames::causal, large>},
+                                         {makeB<false>},
+                                         report_row};
+  const Config given;
+  ConfigLoader config(given);
+  std::vector<std::string> warnings;
+  settings_.warn = [&warnings](const std::string& warning) { warnings.push_back(warning); };
+  std::uintmax_t free = diskReserve(3);  // until the fourth scan
+  RunOutputs outputs(settings_, config, FrameKind::causal, kinds,
+                     [this, &free](const std::string& folder)
+                     {
+                       EXPECT_EQ(folder, folder_.string());
+                       return has("causal.txt.tmp") ? free : diskReserve(5);
+                     });
+  outputs.open();
+  writeWhole((folder_ / "causal.txt.tmp").string(), "kept for a resumed run");
+  for (std::size_t i = 0; i < 5; ++i)
+  {
+    outputs.add(FrameKind::causal, frameOf(i));
+    outputs.add(FrameKind::final, frameOf(i));
+  }
+  RunResults results;
+  outputs.finish(results);
+  ASSERT_EQ(results.failures.size(), 1U);
+  EXPECT_EQ(results.failures.front().find("causal.txt: ends after 3 scans: the disk has 9 MB"), 0U)
+      << results.failures.front();
+  EXPECT_FALSE(has("causal.txt"));
+  EXPECT_FALSE(has("causal.txt.tmp")) << "its space is needed";
+  EXPECT_EQ(content("scans.txt"), "0 1 2 3 4 ");
+  EXPECT_EQ(content("b.txt"), "5");
+  ASSERT_EQ(warnings.size(), 1U);
+  EXPECT_NE(warnings.front().find("the run goes on without it"), std::string::npos);
+}
+
 TEST_F(RunOutputsTest, EachOutputGetsFramesOfItsKind)
 {
   const std::vector<RunOutputKind> kinds{

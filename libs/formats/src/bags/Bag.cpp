@@ -39,7 +39,7 @@ std::vector<std::string> bagParts(const std::string& folder)
       throw UserError(part +
                       ": is compressed as a whole, as may be other parts; unpack them "
                       "first: " +
-                      unpackCommand(part) + " " + folder + "/*" +
+                      unpackCommand(part) + " " + shellWord(folder) + "/*" +
                       fs::path(part).extension().string());
     }
     if (bagEnding(part) != bagEnding(parts.front()))

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/base/Error.h>
+#include <dyslam/base/Printable.h>
 #include <dyslam/formats/RecordingKind.h>
 
 #include <algorithm>
@@ -20,7 +21,7 @@ std::unique_ptr<Bag> openFile(const BagFile& file)
   if (isPackedBag(file.path))
   {
     throw UserError(file.name + ": is compressed as a whole; unpack it first: " +
-                    unpackCommand(file.path) + " " + file.name);
+                    unpackCommand(file.path) + " " + shellWord(file.name));
   }
   const std::string ending = bagEnding(file.path);
   return ending == ".bag"   ? openRos1Bag(file)

@@ -27,9 +27,9 @@ namespace
 /** \param folder for temporary files */
 UserError cannotUnpack(const std::string& bag, const std::string& folder, const std::string& reason)
 {
-  return UserError(
-      bag + ": is compressed as a whole and cannot be unpacked to " + folder + ": " + reason +
-      "; set TMPDIR to a folder with room, or unpack it first: " + unpackCommand(bag) + " " + bag);
+  return UserError(bag + ": is compressed as a whole and cannot be unpacked to " + folder + ": " +
+                   reason + "; set TMPDIR to a folder with room, or unpack it first: " +
+                   unpackCommand(bag) + " " + shellWord(bag));
 }
 
 /** The folder for temporary files. \param bag for the message \throws UserError without one. */

@@ -34,6 +34,17 @@ PacketOptions optionsOfFurther(const BagTopic& topic, const std::string& calibra
   of_further.keep_partial = partial && packetMakerOf(topic);
   return of_further;
 }
+
+void scaleBy(double scale, Scan& scan)
+{
+  if (scale != 1)
+  {
+    for (Eigen::Vector3f& point : scan.points)
+    {
+      point = (scale * point.cast<double>()).cast<float>();
+    }
+  }
+}
 }  // namespace
 
 BagReader::BagReader(const BagContent& content, const ScanConverterOptions& options, ScanSink& sink)
@@ -42,7 +53,8 @@ BagReader::BagReader(const BagContent& content, const ScanConverterOptions& opti
       reader_(makeBagScans(content.input, bag_, content.scans, optionsOfFirst(options))),
       sink_(sink),
       motion_(content.input, bag_, *reader_, content.frames, options, sink),
-      held_(sink, motion_)
+      held_(sink, motion_, options.growing),
+      scale_(options.scale)
 {
   std::vector<std::size_t> topics = motion_.topicsWith(content.scans);
   for (const FurtherTopic& lidar : content.further)
@@ -74,10 +86,15 @@ void BagReader::report(const std::string& truth_topic)
          << counted(held_.withoutPose(), "scan");
     sink_.warn(text.str());
   }
-  report(*reader_, "");
+  if (held_.sorted() > 0)
+  {
+    sink_.note(counted(held_.sorted(), "scan") +
+               " out of order in the bag; sorted by their stamps");
+  }
+  report(*reader_, clouds_, "");
   for (const FurtherReader& lidar : further_)
   {
-    report(*lidar.reader, bag_.topics()[lidar.topic.topic].name + ": ");
+    report(*lidar.reader, lidar.clouds, bag_.topics()[lidar.topic.topic].name + ": ");
     if (lidar.scans == 0)
     {
       sink_.warn(bag_.topics()[lidar.topic.topic].name + ": no scan of this further lidar");
@@ -86,7 +103,7 @@ void BagReader::report(const std::string& truth_topic)
   reportClocks();
 }
 
-void BagReader::report(const BagScans& reader, const std::string& prefix)
+void BagReader::report(const BagScans& reader, const CloudCheck& clouds, const std::string& prefix)
 {
   for (const std::string& note : reader.notes())
   {
@@ -96,6 +113,10 @@ void BagReader::report(const BagScans& reader, const std::string& prefix)
   {
     const bool has_name = warning.rfind(prefix, 0) == 0;
     sink_.warn(has_name ? warning : prefix + warning);
+  }
+  for (const std::string& warning : clouds.warnings(scale_))
+  {
+    sink_.warn(prefix + warning);
   }
 }
 
@@ -177,6 +198,8 @@ void BagReader::hold(FurtherReader& lidar, std::vector<Scan> scans)
 {
   for (Scan& scan : scans)
   {
+    scaleBy(scale_, scan);
+    lidar.clouds.add(scan);
     HeldScans::Entry entry;
     entry.scan = std::move(scan);
     entry.scan.sensor_label = lidar.topic.label;
@@ -193,6 +216,8 @@ void BagReader::hold(std::vector<Scan> scans)
   for (Scan& scan : scans)
   {
     requireOtherLabel(scan);
+    scaleBy(scale_, scan);
+    clouds_.add(scan);
     HeldScans::Entry entry;
     entry.scan = std::move(scan);
     if (const auto T_world_vehicle = truePoseAt(content_.truth, entry.scan.stamp))

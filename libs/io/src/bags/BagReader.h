@@ -12,6 +12,7 @@
 #include "BagLidars.h"
 #include "BagMotion.h"
 #include "BagScans.h"
+#include "CloudCheck.h"
 #include "HeldScans.h"
 #include "TopicClocks.h"
 #include "conversion/ScanSink.h"
@@ -52,10 +53,11 @@ class BagReader
     std::size_t number = 1;  //!< HeldScans::Entry::lidar
     std::unique_ptr<BagScans> reader;
     std::size_t scans = 0;
+    CloudCheck clouds;
   };
 
   /** \param prefix of each line */
-  void report(const BagScans& reader, const std::string& prefix);
+  void report(const BagScans& reader, const CloudCheck& clouds, const std::string& prefix);
   void reportClocks();
   void finish();
   [[nodiscard]] bool takeNext();
@@ -72,6 +74,8 @@ class BagReader
   BagMotion motion_;
   HeldScans held_;
   TopicClocks clocks_;
+  CloudCheck clouds_;  //!< of the first lidar
+  double scale_;       //!< RecordingOptions::scale
   BagMessage message_;
 };
 }  // namespace dyslam

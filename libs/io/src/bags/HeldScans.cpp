@@ -9,7 +9,26 @@ namespace dyslam
 void HeldScans::hold(Entry entry)
 {
   ++waiting_of_[entry.lidar];
-  waiting_.push_back(std::move(entry));
+  auto place = waiting_.end();
+  for (auto other = waiting_.end(); look_ahead_ > 0 && other != waiting_.begin();)
+  {
+    --other;
+    const double back = other->scan.stamp - entry.scan.stamp;
+    if (other->lidar == entry.lidar)
+    {
+      if (!(back > 0 && back < longest_back))
+      {
+        break;
+      }
+      place = other;
+    }
+  }
+  if (place != waiting_.end())
+  {
+    entry.progress = std::min(entry.progress, place->progress);  // does not go back
+    ++sorted_;
+  }
+  waiting_.insert(place, std::move(entry));
 }
 
 bool HeldScans::passOn(double recorded)
@@ -34,8 +53,9 @@ bool HeldScans::mustWait(const Entry& entry, double recorded) const
 {
   const bool are_few = std::all_of(waiting_of_.begin(), waiting_of_.end(),
                                    [](const auto& lidar) { return lidar.second <= most; });
+  const bool may_be_late = waiting_of_.at(entry.lidar) <= look_ahead_;
   return are_few && recorded - entry.recorded < longest_wait &&
-         !motion_.hasSamplesFrom(entry.scan.stamp);
+         (may_be_late || !motion_.hasSamplesFrom(entry.scan.stamp));
 }
 
 void HeldScans::passOnFirst()

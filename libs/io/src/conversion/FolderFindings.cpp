@@ -3,7 +3,6 @@
 
 #include <dyslam/base/Error.h>
 #include <dyslam/base/Printable.h>
-#include <dyslam/base/Quantile.h>
 #include <dyslam/formats/RecordingKind.h>
 #include <dyslam/formats/ScanFiles.h>
 
@@ -20,40 +19,6 @@ namespace fs = std::filesystem;
 
 namespace
 {
-/** Median range of the points, without those at the origin and those that are no numbers [m]; 0
- * without any. */
-float medianRange(const Scan& scan)
-{
-  std::vector<float> ranges;
-  ranges.reserve(scan.size());
-  for (const Eigen::Vector3f& point : scan.points)
-  {
-    if (const float range = point.stableNorm(); range > 0 && std::isfinite(range))
-    {
-      ranges.push_back(range);
-    }
-  }
-  return ranges.empty() ? 0 : upperMedian(ranges);
-}
-
-/** Share of the points, without those at the origin, whose coordinates are all whole numbers; 0 of
- * few points. */
-double shareOfWholeNumbers(const Scan& scan)
-{
-  constexpr std::size_t few = 1000;
-  std::size_t points = 0;
-  std::size_t whole = 0;
-  for (const Eigen::Vector3f& point : scan.points)
-  {
-    if (point.allFinite() && !point.isZero(0))
-    {
-      ++points;
-      whole += point.array().round().matrix() == point ? 1 : 0;
-    }
-  }
-  return points < few ? 0 : static_cast<double>(whole) / static_cast<double>(points);
-}
-
 /** Warns if the files are taken as `dt` apart, though numbers are missing between them. */
 void warnAboutGaps(const std::vector<std::string>& files, double dt, ScanSink& sink)
 {
@@ -83,34 +48,9 @@ void warnAboutKitti(const std::string& input, ScanSink& sink)
   {
     return;
   }
-  sink.warn("the scans are those of a KITTI recording; give its folder, -i " + recording.string() +
-            ", for its true poses" +
+  sink.warn("the scans are those of a KITTI recording; give its folder, -i " +
+            shellWord(recording.string()) + ", for its true poses" +
             (*kind == KittiKind::odometry ? ", and because its scans are already deskewed" : ""));
-}
-
-/** Warns of coordinates that are not in metres. Distances alone do not show centimetres: those of a
- * lidar on a drone are as large in metres. */
-void warnAboutLengths(const FolderFindings& findings, double scale, ScanSink& sink)
-{
-  const std::string file = fs::path(findings.first_with_points).filename().string();
-  const std::string millimetres = "millimetres (--scale 0.001)";
-  const std::string or_centimetres = " or in centimetres (--scale 0.01)";
-  constexpr float implausible = 1000;               // [m]
-  constexpr float implausible_centimetres = 10000;  // [cm]
-  if (findings.median_range > implausible)
-  {
-    sink.warn(file + ": half of its points are more than " +
-              std::to_string(std::lround(findings.median_range)) +
-              " m away: its coordinates are probably in " + millimetres +
-              (findings.median_range < implausible_centimetres ? or_centimetres : ""));
-    return;
-  }
-  constexpr double nearly_all = 0.99;
-  if (scale == 1 && findings.whole_numbers > nearly_all)
-  {
-    sink.warn(file + ": its coordinates are whole numbers: they are probably in " + millimetres +
-              or_centimetres);
-  }
 }
 }  // namespace
 
@@ -125,10 +65,8 @@ void FolderFindings::add(const Scan& scan, bool has_stamp, const std::string& fi
         std::count_if(scan.intensity.begin(), scan.intensity.end(),
                       [](float intensity) { return !(intensity >= 0 && intensity <= highest); });
     odd_intensities = static_cast<double>(odd) / static_cast<double>(scan.size());
-    median_range = medianRange(scan);
-    whole_numbers = shareOfWholeNumbers(scan);
-    constexpr float farthest = 1e5F;
-    if (median_range > farthest)
+    lengths = lengthsOf(scan);
+    if (lengths.areTooFar())
     {
       throw UserError(file + ": half of its points are more than 100 km from the origin: " +
                       (lowerExtension(file) == ".bin"
@@ -167,7 +105,10 @@ void warnAbout(const FolderFindings& findings,
               " % of the intensities are negative, above 65535 or no numbers: its columns are "
               "probably not x y z intensity (float32); --bin-layout names them, a letter each");
   }
-  warnAboutLengths(findings, options.scale, sink);
+  if (const std::string warning = findings.lengths.warning(options.scale); !warning.empty())
+  {
+    sink.warn(fs::path(findings.first_with_points).filename().string() + ": " + warning);
+  }
   warnAboutKitti(input, sink);
 }
 }  // namespace dyslam

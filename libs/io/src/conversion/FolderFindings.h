@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "LengthFindings.h"
 #include "ScanSink.h"
 
 namespace dyslam
@@ -20,8 +21,7 @@ struct FolderFindings
   std::string first_empty;
   std::string first_with_points;
   double odd_intensities = 0;  //!< share of those of that file that no lidar gives
-  float median_range = 0;      //!< of that file [m]
-  double whole_numbers = 0;    //!< share of its points with such coordinates; 0 of few
+  LengthFindings lengths;      //!< of that file
 
   /** Takes the next scan. \param has_stamp whether it has a time of its own \throws UserError if
    * the first file with points has no scan of a lidar. */

@@ -81,12 +81,14 @@ std::string RecordingConverter::program() const
 ConversionResult RecordingConverter::convert(const std::string& output,
                                              const RecordingOptions& options,
                                              const ConversionProgress& progress,
-                                             const BagUnpackingProgress& unpacking) const
+                                             const BagUnpackingProgress& unpacking,
+                                             const ScanRange& range) const
 {
   if (kitti_)
   {
     options.requireFitting(RecordingKind::kitti);
     KittiConverterOptions of_kitti;
+    static_cast<ScanRange&>(of_kitti) = range;
     of_kitti.kind = *kitti_;
     of_kitti.sensor_pose = options.sensor_pose;
     of_kitti.dt = options.dt;
@@ -96,6 +98,7 @@ ConversionResult RecordingConverter::convert(const std::string& output,
   }
   ScanConverterOptions of_scans;
   static_cast<RecordingOptions&>(of_scans) = options;
+  static_cast<ScanRange&>(of_scans) = range;
   return convertScans(input_, output, of_scans, progress, unpacking);
 }
 }  // namespace dyslam

@@ -68,6 +68,11 @@ bool isFolderOfScans(RecordingKind kind)
   return kind == RecordingKind::scans;
 }
 
+bool hasClouds(RecordingKind kind)
+{
+  return isFolderOfScans(kind) || isOfBag(kind);
+}
+
 bool hasNoTimes(RecordingKind kind)
 {
   return !isOfBag(kind) && kind != RecordingKind::network;
@@ -112,7 +117,7 @@ const std::array<RecordingOption, 15> all_options{
      {"--bin-layout", [](Given o) { return valuesOf(o.bin_layout); }, isFolderOfScans,
       folders_only},
      {"--scale", [](Given o) { return o.scale != 1 ? Values{exactText(o.scale)} : Values(); },
-      isFolderOfScans, folders_only},
+      hasClouds, " works with a bag or a folder of scans only"},
      {"--deskewed", [](Given o) { return valuesOf(o.deskewed); }, isKitti,
       " works with KITTI's folders only; for other scans that are deskewed already: --set "
       "preprocess.deskew=none"},

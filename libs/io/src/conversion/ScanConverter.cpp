@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/base/Error.h>
+#include <dyslam/base/Printable.h>
 #include <dyslam/formats/RecordingKind.h>
 #include <dyslam/formats/ScanFiles.h>
 #include <dyslam/io/ScanConverter.h>
@@ -30,7 +31,7 @@ void requireCapture(const std::string& file)
   }
   if (const std::string command = unpackCommand(file); !command.empty())
   {
-    throw UserError(file + ": is compressed; unpack it first: " + command + " " + file);
+    throw UserError(file + ": is compressed; unpack it first: " + command + " " + shellWord(file));
   }
   if (ending == ".osf")
   {
@@ -75,9 +76,9 @@ void ScanConverterOptions::describe(OptionsVisitor& visitor)
                "frame of the vehicle in a bag's /tf_static, which places the lidar in it; empty: "
                "sensor_pose");
   visitor.real("dt", dt, 0, 3600, "time between scans; 0: the scans' own times, else 0.1 [s]");
-  visitor.real(
-      "scale", scale, 1e-6, 1e6,
-      "length of the unit of the coordinates in a folder of scans; 0.001: millimetres [m]");
+  visitor.real("scale", scale, 1e-6, 1e6,
+               "length of the unit of the coordinates in a bag or a folder of scans; 0.001: "
+               "millimetres [m]");
   visitor.text("bin_layout", bin_layout,
                "columns of a folder's .bin files, a letter each; empty: by their content");
   visitor.flag("by_number", by_number,

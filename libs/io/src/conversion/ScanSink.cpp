@@ -72,6 +72,7 @@ bool ScanSink::put(Scan scan,
   if (!assume_rate)
   {
     spans_.add(number, scan);
+    stamps_.add(scan.stamp);
   }
   times_differ_ = times_differ_ || haveDifferentTimes(scan);
   if (!times_differ_ && scan.time.size() > 1)
@@ -152,6 +153,10 @@ ConversionResult ScanSink::close()
         "revolutions with the lidar's driver, or its packets");
   }
   if (const std::string warning = spans_.warning(); !warning.empty())
+  {
+    warn(warning);
+  }
+  for (const std::string& warning : stamps_.warnings())
   {
     warn(warning);
   }

@@ -14,6 +14,7 @@
 #include "MotionSampleWriter.h"
 #include "SectorCheck.h"
 #include "SpanCheck.h"
+#include "StampCheck.h"
 #include "recording/IntensityScaler.h"
 #include "recording/MetScans.h"
 
@@ -84,6 +85,7 @@ class ScanSink
   std::deque<Scan> waiting_;                //!< of further lidars
   SectorCheck sectors_;
   SpanCheck spans_;
+  StampCheck stamps_;
   MetScans met_;  //!< by their own stamps
   MotionSampleWriter motion_;
   std::vector<std::string> notes_;

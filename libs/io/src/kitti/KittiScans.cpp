@@ -82,7 +82,7 @@ std::string nearbyRecording(const fs::path& input)
     if (!sequences.empty())
     {
       return "; give one of its sequences, such as --kind odometry -i " +
-             (root / sequences.front()).string();
+             shellWord((root / sequences.front()).string());
     }
   }
   for (const fs::path& root : {input, input / drives_of_360})
@@ -92,14 +92,15 @@ std::string nearbyRecording(const fs::path& input)
     {
       const std::string drive = (root / drives.front()).string();
       const KittiKind kind = officialKittiKind(drive).value_or(KittiKind::raw);
-      return "; give one of its drives, such as --kind " + toString(kind) + " -i " + drive;
+      return "; give one of its drives, such as --kind " + toString(kind) + " -i " +
+             shellWord(drive);
     }
   }
   for (const char* part : {"training", "testing"})
   {
     if (officialKittiKind((input / part).string()) == KittiKind::tracking)
     {
-      return "; give --kind tracking -i " + (input / part).string();
+      return "; give --kind tracking -i " + shellWord((input / part).string());
     }
   }
   return "";

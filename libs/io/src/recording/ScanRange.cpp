@@ -27,6 +27,29 @@ void ScanRange::describeRange(OptionsVisitor& visitor)
                "time since the first scan from which on scans are left out; 0: none [s]");
 }
 
+bool ScanRange::isAll() const
+{
+  return skip_first_n == 0 && only_first_n == 0 && start == 0 && end == 0;
+}
+
+std::string ScanRange::flags() const
+{
+  std::ostringstream text;
+  text.precision(15);
+  const auto add = [&text](const char* flag, double value)
+  {
+    if (value != 0)
+    {
+      text << (text.tellp() > 0 ? " " : "") << flag << " " << value;
+    }
+  };
+  add("--skip-first-n", skip_first_n);
+  add("--only-first-n", only_first_n);
+  add("--start", start);
+  add("--end", end);
+  return text.str();
+}
+
 ScanSelection::ScanSelection(const ScanRange& range, int every_n)
     : range_(range), every_n_(static_cast<std::size_t>(every_n))
 {

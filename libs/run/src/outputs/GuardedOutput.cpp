@@ -5,7 +5,9 @@
 #include <dyslam/base/StateArchive.h>
 
 #include <exception>
+#include <filesystem>
 #include <string_view>
+#include <system_error>
 #include <utility>
 
 namespace dyslam
@@ -49,6 +51,22 @@ void GuardedOutput::open()
 bool GuardedOutput::add(const Frame& frame)
 {
   return attempt([&](RunOutput& output) { output.add(frame); });
+}
+
+void GuardedOutput::end(const std::string& reason, const std::string& folder)
+{
+  failure_ = names_.front().name + ": " + reason;
+  output_.reset();
+  for (const OutputName& name : names_)
+  {
+    const std::filesystem::path path = std::filesystem::path(folder) / name.name;
+    std::error_code ignored;
+    if (!std::filesystem::is_directory(path, ignored))
+    {
+      std::filesystem::remove(path, ignored);
+      std::filesystem::remove(path.string() + ".tmp", ignored);  // kept for a resumed run
+    }
+  }
 }
 
 void GuardedOutput::checkpoint(const RunResults& so_far)

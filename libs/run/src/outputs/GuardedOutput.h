@@ -23,6 +23,7 @@ class GuardedOutput
 
   /** Why the output has ended; empty if it has not. */
   [[nodiscard]] const std::string& failure() const { return failure_; }
+  [[nodiscard]] bool hasEnded() const { return output_ == nullptr; }
   /** Whether the output failed after the last state was saved, so that a run resumed from it tries
    * again. */
   [[nodiscard]] bool hasFailedSinceState() const { return !failure_.empty() && !is_lost_; }
@@ -31,6 +32,9 @@ class GuardedOutput
   void open();
   /** See RunOutput::add(). \return false if the output ended now */
   bool add(const Frame& frame);
+  /** Ends the output for this reason and removes its file. The numbered files of a folder, each
+   * of which is complete, stay. \param folder of the run */
+  void end(const std::string& reason, const std::string& folder);
   /** See RunOutput::checkpoint(). Errors are ignored: finish() has them if they persist. */
   void checkpoint(const RunResults& so_far);
   /** See RunOutput::finish(). */

@@ -3,6 +3,7 @@
 
 #include <dyslam/base/Error.h>
 #include <dyslam/base/PathSettings.h>
+#include <dyslam/base/Printable.h>
 #include <dyslam/base/StateArchive.h>
 #include <dyslam/formats/LabelFiles.h>
 #include <dyslam/formats/RunFiles.h>
@@ -23,11 +24,13 @@ namespace dyslam
 RunOutputs::RunOutputs(const SlamRunSettings& settings,
                        ConfigLoader& config,
                        FrameKind objects,
-                       const std::vector<RunOutputKind>& kinds)
+                       const std::vector<RunOutputKind>& kinds,
+                       FreeSpace free_space)
     : folder_(settings.output_folder),
       force_(settings.force),
       config_(config),
       kept_files_(folder_),
+      free_space_(std::move(free_space)),
       warn_(settings.warn),
       checkpoints_(folder_, settings.warn)
 {
@@ -187,8 +190,32 @@ void RunOutputs::add(FrameKind kind, Frame frame)
                   [&](const GuardedOutput& output)
                   { return receives(output, OutputThread::writer, kind); }))
   {
-    writer_->add([this, kind, shared = std::make_shared<const Frame>(std::move(frame))]
-                 { pass(OutputThread::writer, kind, *shared); });
+    writer_->add(
+        [this, kind, shared = std::make_shared<const Frame>(std::move(frame))]
+        {
+          keepDiskReserve(shared->index + 1);
+          pass(OutputThread::writer, kind, *shared);
+        });
+  }
+}
+
+void RunOutputs::keepDiskReserve(std::size_t scans)
+{
+  for (auto output = outputs_.rbegin(); output != outputs_.rend(); ++output)
+  {
+    const std::uintmax_t free = free_space_(folder_);
+    if (free >= diskReserve(scans))
+    {
+      return;
+    }
+    if (output->thread() == OutputThread::writer && !output->hasEnded())
+    {
+      output->end(formatted("ends after %s: the disk has %.0f MB free, which are left for "
+                            "trajectory and map; free some space or choose another --output",
+                            counted(scans - 1, "scan").c_str(), static_cast<double>(free) / 1e6),
+                  folder_);
+      warnOfLost(*output);
+    }
   }
 }
 

@@ -12,6 +12,7 @@
 #include "../checkpoint/RunToResume.h"
 #include "../folder/KeptFiles.h"
 #include "../folder/OutputFolder.h"
+#include "DiskReserve.h"
 #include "FrameRouting.h"
 #include "GuardedOutput.h"
 #include "RunOutput.h"
@@ -21,8 +22,10 @@ namespace dyslam
 /** All outputs that a run writes to its folder.
  *
  * An output that fails (for example on a full disk) is disabled; the others continue, and the
- * reasons are in RunResults::failures at the end. The last state then stays, so that a resumed run
- * writes what failed after it. */
+ * reasons are in RunResults::failures at the end. Outputs of the writing thread, which are large,
+ * end before the disk is full, the least important first, so that the results of the end can be
+ * written (diskReserve()). The last state then stays, so that a resumed run writes what failed
+ * after it. */
 class RunOutputs
 {
  public:
@@ -32,7 +35,8 @@ class RunOutputs
   RunOutputs(const SlamRunSettings& settings,
              ConfigLoader& config,
              FrameKind objects,
-             const std::vector<RunOutputKind>& kinds = runOutputKinds());
+             const std::vector<RunOutputKind>& kinds = runOutputKinds(),
+             FreeSpace free_space = freeSpaceOf);
 
   /** The parts of final frames that the outputs need; `none`: none of them gets final frames. */
   [[nodiscard]] FrameParts finalParts() const { return routing_.finalParts(); }
@@ -69,6 +73,9 @@ class RunOutputs
   [[nodiscard]] bool receives(const GuardedOutput& output,
                               OutputThread thread,
                               FrameKind kind) const;
+  /** Ends outputs of the writing thread, which calls this, until the reserve of the disk is free.
+   */
+  void keepDiskReserve(std::size_t scans);
   /** Passes a frame to the outputs that receive it in this thread, which calls this. */
   void pass(OutputThread thread, FrameKind kind, const Frame& frame);
   /** Files that the outputs must not replace. */
@@ -97,6 +104,7 @@ class RunOutputs
   std::unique_ptr<OutputFolder> made_;
   std::vector<OutputName> names_;  //!< names of all outputs, also of those switched off
   KeptFiles kept_files_;
+  FreeSpace free_space_;
   bool is_stopped_ = false;             //!< the last checkpoint stopped the run
   bool are_files_kept_ = false;         //!< read once the writing thread has ended
   std::vector<GuardedOutput> outputs_;  //!< those that are on

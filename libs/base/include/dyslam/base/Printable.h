@@ -42,6 +42,9 @@ namespace dyslam
  * value would overflow the stack. Does not check that the text is JSON. */
 [[nodiscard]] bool isNestedDeeper(std::string_view json, std::size_t limit = 64);
 
+/** The text as one word of a shell command: in single quotes where needed. */
+[[nodiscard]] std::string shellWord(const std::string& text);
+
 /** A field of a CSV file, in quotes where needed (RFC 4180). */
 [[nodiscard]] std::string csvField(const std::string& text);
 }  // namespace dyslam

@@ -39,12 +39,14 @@ struct RunScores
 [[nodiscard]] std::string whyNoRun(const std::string& folder);
 
 /** Evaluates a run. \param folder output folder of the run \param truth folder of the ground truth;
- * empty: the folder beside the rawlog \param note called for missing data \throws UserError if
- * `folder` is no folder of a run. */
+ * empty: the folder beside the rawlog \param note called for missing data \param interpolate the
+ * true poses are interpolated at the stamps of the run, between poses at most this far from them
+ * [s]; nothing: those with the same stamps \throws UserError if `folder` is no folder of a run. */
 [[nodiscard]] RunScores scoresOf(const std::string& folder,
                                  const std::string& truth,
                                  const TrajectoryMetricsOptions& metrics,
-                                 const NoteSink& note);
+                                 const NoteSink& note,
+                                 const std::optional<double>& interpolate = {});
 
 /** The split of the recorded world; nothing if the world is not known or its seed is in no split.
  */

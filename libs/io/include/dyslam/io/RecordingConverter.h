@@ -23,12 +23,13 @@ class RecordingConverter
   [[nodiscard]] bool isNeeded() const { return needed_; }
   /** Program for the same conversion: "kitti2rawlog --kind raw" or "scans2rawlog". */
   [[nodiscard]] std::string program() const;
-  /** Converts. \pre isNeeded() \param unpacking see convertScans() \throws UserError, also for
-   * options that don't apply to the recording. */
+  /** Converts. \pre isNeeded() \param unpacking see convertScans() \param range the part that is
+   * converted \throws UserError, also for options that don't apply to the recording. */
   ConversionResult convert(const std::string& output,
                            const RecordingOptions& options,
                            const ConversionProgress& progress = {},
-                           const BagUnpackingProgress& unpacking = {}) const;
+                           const BagUnpackingProgress& unpacking = {},
+                           const ScanRange& range = {}) const;
 
  private:
   std::string input_;

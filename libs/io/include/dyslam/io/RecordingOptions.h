@@ -45,7 +45,7 @@ struct RecordingOptions
   double dt = 0;            //!< time between scans [s]; 0: the recording's times, else 0.1
   std::string
       bin_layout;    //!< of the .bin files of a folder, see readBin(); empty: by their content
-  double scale = 1;  //!< of the coordinates in a folder of scans [m]; millimetres: 0.001
+  double scale = 1;  //!< of the coordinates of a bag's or folder's clouds [m]; millimetres: 0.001
   ScansDeskewed deskewed = ScansDeskewed::automatic;  //!< of KITTI's scans
   bool vertical_angle_correction = false;             //!< as KittiConverterOptions has it
 

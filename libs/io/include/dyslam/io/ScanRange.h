@@ -19,6 +19,10 @@ struct ScanRange
   double end = 0;        //!< time from which scans are not used [s]; 0: no limit
 
   void describeRange(OptionsVisitor& visitor);
+  /** Whether it leaves no scan out. */
+  [[nodiscard]] bool isAll() const;
+  /** The limits as flags: "--start 20 --only-first-n 5"; empty for all scans. */
+  [[nodiscard]] std::string flags() const;
 };
 
 /** Applies a ScanRange to the scans of a recording, one after the other. */
