@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "../src/results/SmoothedTracks.h"
 
+#include <dyslam/base/Angle.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
 namespace dyslam
@@ -177,6 +179,61 @@ std::vector<SmoothedObject> smoothedObject(ObjectClass object_class,
     trajectory.push_back(frame.scan.stamp, Pose::Identity());
   }
   return smoothTracks(history, trajectory, {}, true).objects;
+}
+
+/** Headings of an object that stands for 20 scans and then moves along +y, with boxes whose
+ * headings change between `yaw` and the opposite. */
+std::vector<double> headingsOf(ObjectClass object_class,
+                               const Eigen::Vector3d& size,
+                               double yaw,
+                               double object_speed)
+{
+  Trajectory trajectory;
+  RunHistory history;
+  for (int i = 0; i < 60; ++i)
+  {
+    Frame frame;
+    frame.index = static_cast<std::size_t>(i);
+    frame.scan.stamp = 0.1 * i;
+    TrackedObject object;
+    object.id = 3;
+    object.object_class = object_class;
+    object.observed = object.reported = object.dynamic = true;
+    object.box.size = size;
+    object.box.yaw = i % 3 == 0 ? yaw : wrapAngle(yaw + M_PI);
+    object.box.centre = {5, object_speed * 0.1 * std::max(0, i - 20), 0.9};
+    history.addScan(frame);
+    history.addObjects(frame.index, {object}, TrackLife::whole);
+    trajectory.push_back(frame.scan.stamp, Pose::Identity());
+  }
+  std::vector<double> headings;
+  for (const SmoothedObject& object : smoothTracks(history, trajectory, {}, true).objects)
+  {
+    headings.push_back(yawPitchRoll(object.T_map_object).x());
+    EXPECT_TRUE(object.size);
+    EXPECT_NEAR(object.size->prod(), size.prod(), 1e-6) << "the box is turned, not enlarged";
+  }
+  return headings;
+}
+
+TEST(SmoothedTracks, PeopleHeadWhereTheyWalkAlsoWhileTheyStand)
+{
+  for (const double heading :
+       headingsOf(ObjectClass::pedestrian, {0.9, 0.7, 1.7}, 0.3, 1.3))  // the box is across
+  {
+    EXPECT_NEAR(heading, M_PI / 2, 0.02);
+  }
+}
+
+TEST(SmoothedTracks, SlowVehiclesKeepTheirFrontAndMoveForward)
+{
+  for (const double yaw : {M_PI / 2 + 0.1, -M_PI / 2 + 0.1})
+  {
+    for (const double heading : headingsOf(ObjectClass::car, {4.5, 1.9, 1.6}, yaw, 1.2))
+    {
+      EXPECT_NEAR(heading, M_PI / 2 + 0.1, 0.02);
+    }
+  }
 }
 
 TEST(SmoothedTracks, FastPeopleAreCyclistsAndHaveTheirSize)

@@ -4,6 +4,7 @@
 #include <dyslam/base/Config.h>
 #include <dyslam/base/Error.h>
 #include <dyslam/base/Files.h>
+#include <dyslam/base/PendingFile.h>
 #include <dyslam/formats/PointTimeFiles.h>
 #include <dyslam/formats/TextFile.h>
 

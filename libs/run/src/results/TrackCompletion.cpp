@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "TrackCompletion.h"
 
+#include <dyslam/base/Angle.h>
 #include <dyslam/base/Quantile.h>
 #include <dyslam/tracking/BoxFitting.h>
 
@@ -15,8 +16,10 @@ namespace dyslam
 namespace
 {
 constexpr double static_speed = 0.5;  // speed below which an object not known to move stands [m/s]
-constexpr double least_speed_of_course = 2;  // speed above which course is heading [m/s]
-constexpr double size_quantile = 0.8;        // quantile of a box's sizes; larger ones are outliers
+/** Speed above which the course is the heading [m/s]. */
+constexpr double least_speed_of_course = 2;     // of vehicles
+constexpr double least_speed_of_walking = 0.5;  // of pedestrians and cyclists
+constexpr double size_quantile = 0.8;  // quantile of a box's sizes; larger ones are outliers
 
 /** Exchanges the axes of a box so that its heading is within 45 deg of `yaw`. */
 void assignAxes(double yaw, Box& box)
@@ -69,6 +72,63 @@ void alignWithCourse(const std::vector<TrackState>& smooth, Sightings& track)
   for (std::size_t i = heading ? first : 0; i-- > 0;)
   {
     assignAxes(track[i + 1].box.yaw, track[i].box);
+  }
+}
+
+/** Turns vehicles that were never fast enough for alignWithCourse() by half turns, so that they
+ * keep their front and move forward rather than backward. */
+void findFront(const std::vector<TrackState>& smooth, Sightings& track)
+{
+  const auto is_fast = [](const TrackState& state)
+  { return state.velocity.head<2>().norm() > least_speed_of_course; };
+  if (std::any_of(smooth.begin(), smooth.end(), is_fast))
+  {
+    return;
+  }
+  double forward = 0;  // distance along the headings, of its square per time
+  for (std::size_t i = 0; i < track.size(); ++i)
+  {
+    double& yaw = track[i].box.yaw;
+    if (i > 0 && std::cos(yaw - track[i - 1].box.yaw) < 0)
+    {
+      yaw = wrapAngle(yaw + M_PI);
+    }
+    const Eigen::Vector2d velocity = smooth[i].velocity.head<2>();
+    forward += velocity.norm() * velocity.dot(Eigen::Vector2d(std::cos(yaw), std::sin(yaw)));
+  }
+  for (Sighting& s : track)
+  {
+    s.box.yaw = forward < 0 ? wrapAngle(s.box.yaw + M_PI) : s.box.yaw;
+  }
+}
+
+/** Sets the heading of pedestrians and cyclists to their course; they keep it while they stand, and
+ * have the first one before. Their boxes show no front, and hardly an axis. */
+void headAlongCourse(const std::vector<TrackState>& smooth, Sightings& track)
+{
+  const auto turn = [](double yaw, Box& box)
+  {
+    assignAxes(yaw, box);
+    box.yaw = yaw;
+  };
+  std::optional<double> heading;
+  std::size_t first = 0;  // first sighting with a course
+  for (std::size_t i = 0; i < track.size(); ++i)
+  {
+    const Eigen::Vector3d& velocity = smooth[i].velocity;
+    if (velocity.head<2>().norm() > least_speed_of_walking)
+    {
+      first = heading ? first : i;
+      heading = std::atan2(velocity.y(), velocity.x());
+    }
+    if (heading)
+    {
+      turn(*heading, track[i].box);
+    }
+  }
+  for (std::size_t i = 0; heading && i < first; ++i)
+  {
+    turn(track[first].box.yaw, track[i].box);
   }
 }
 
@@ -205,11 +265,13 @@ void completeAndSmooth(const TrackSmoothingOptions& options, bool complete_boxes
       {
         alignWithCourse(smoothed(track, options), track);
       }
+      findFront(states, track);
       object_class = refineVehicle(object_class, size);
       completeVehicle(size.cwiseMax(leastSize(object_class)), track);
     }
     else
     {
+      headAlongCourse(states, track);
       enlarge(leastSize(object_class), track);
     }
   }
