@@ -99,8 +99,8 @@ void warnOfLittleSpace(const std::string& input, const std::string& folder)
   if (!error && free < needed)
   {
     printAbove(
-        formatted("warning: the conversion may need %.2f GB, the size of %s; the disk of %s "
-                  "has %.2f GB free (--only-first-n converts a part)",
+        formatted("warning: the conversion may need %.3g GB, the size of %s; the disk of %s "
+                  "has %.3g GB free (--only-first-n converts a part)",
                   static_cast<double>(needed) / gigabyte, input.c_str(), folder.c_str(),
                   static_cast<double>(free) / gigabyte));
   }

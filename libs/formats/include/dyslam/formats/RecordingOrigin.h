@@ -13,7 +13,7 @@ struct RecordingOrigin
   std::string input;                  //!< path of the recording that was converted
   std::string converter;              //!< program with its options for the same conversion
   std::vector<std::string> warnings;  //!< of the conversion
-  std::string part;                   //!< what was converted: as flags, "--only-first-n 5"; empty: all
+  std::string part;                   //!< as flags: "--only-first-n 5"; empty: all of it
 };
 
 /** \param folder of the run \return `recording.ini` in it */
