@@ -81,7 +81,10 @@ class LayoutReader
     {
       calib_.read();
     }
-    findPointTimes(input_, layout_);
+    if (options_.deskewed != ScansDeskewed::yes)
+    {
+      findPointTimes(input_, layout_);
+    }
     if (!options_.no_truth)
     {
       findLabels();
