@@ -441,9 +441,8 @@ TEST_F(CameraPoses, AreLeftOrConvertedAsTheFlagSays)
   reading_.camera = "estimate";
   EXPECT_LT(difference("lidar.txt", "poses/07.txt"), 1e-5);
   EXPECT_EQ(notes_.size(), 1U);
-  const PathSummary path =
-      readPath(folder_.file("poses/07.txt"), reading_,
-               [this](const std::string& note) { notes_.push_back(note); });
+  const PathSummary path = readPath(folder_.file("poses/07.txt"), reading_,
+                                    [this](const std::string& note) { notes_.push_back(note); });
   EXPECT_NEAR(path.length, 49, 1e-3) << "the lidar's";
   ASSERT_EQ(notes_.size(), 2U);
   EXPECT_EQ(notes_[1], notes_[0]);
