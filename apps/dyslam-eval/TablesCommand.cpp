@@ -85,6 +85,11 @@ void writeTables(const TablesArguments& a)
   }
   const SplitColumns columns = columnsOf(a);
   const SplitRuns runs = readDrives(a.runs, columns, a.metrics.options(), printNote);
+  for (const std::string& heading : columnsWithoutDrift(runs.drives, columns.odometry))
+  {
+    printNote(heading + ": none of its runs has t_rel and r_rel (without true poses, or shorter " +
+              "than the segments of --lengths); its columns of these are left out");
+  }
   const std::string text = splitMarkdown(runs.drives, columns, a.metrics.lengths.lengths);
   std::cout << text;
   if (!a.markdown.empty())

@@ -115,7 +115,7 @@ void runPaths(const TrajectoryArguments& a)
   std::vector<NamedPath> drawn;
   for (std::size_t i = 0; i < a.estimates.size(); ++i)
   {
-    paths.push_back(readPath(a.estimates[i], readingOf(a, i)));
+    paths.push_back(readPath(a.estimates[i], readingOf(a, i), printNote));
     paths.back().name = names[i];
     drawn.push_back({names[i], {}});
     for (const StampedPose& pose : paths.back().trajectory)
@@ -264,7 +264,7 @@ Subcommand trajectoryCommand(CLI::App& app)
   sub->add_option("--calib", a->calibs,
                   "calib.txt with the camera's mounting, of all estimates, or one for each "
                   "(default: that of the sequence, which is looked for in sequences/NN of "
-                  "poses/NN.txt; with --camera only the axes turn)");
+                  "poses/NN.txt and beside the poses; else only the axes turn)");
   sub->add_option(
       "--reference-body", a->reference_bodies,
       "pose of the reference's body (IMU, antenna) on that of the estimates: 'x y z yaw "

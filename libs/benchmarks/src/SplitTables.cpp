@@ -75,13 +75,21 @@ std::vector<TableCell> cellsOf(const std::vector<Figure>& figures, const std::ve
   return cells;
 }
 
-/** A row for each drive and one of means. */
+bool hasValue(const std::vector<DriveScores>& drives, const Figure& figure)
+{
+  return std::any_of(drives.begin(), drives.end(),
+                     [&](const DriveScores& drive) { return figure.of(drive).has_value(); });
+}
+
+/** A row for each drive and one of means: over the drives with all figures that any drive has. */
 Table tableOf(const std::vector<DriveScores>& drives, const std::vector<Figure>& figures)
 {
   std::vector<std::string> headings{"drive"};
+  std::vector<bool> shown;
   for (const Figure& f : figures)
   {
     headings.push_back(f.heading);
+    shown.push_back(hasValue(drives, f));
   }
   Table table(headings);
   std::vector<double> sums(figures.size(), 0.0);
@@ -101,19 +109,23 @@ Table tableOf(const std::vector<DriveScores>& drives, const std::vector<Figure>&
       values.push_back(f.of(drive));
     }
     addRow(drive.name, values);
-    if (std::all_of(values.begin(), values.end(), [](const Value& v) { return v.has_value(); }))
+    std::vector<bool> present;
+    std::transform(values.begin(), values.end(), std::back_inserter(present),
+                   [](const Value& v) { return v.has_value(); });
+    if (present == shown)
     {
       ++complete;
       for (std::size_t i = 0; i < values.size(); ++i)
       {
-        sums[i] += *values[i];
+        sums[i] += values[i].value_or(0);
       }
     }
   }
   std::vector<Value> means;
-  for (const double sum : sums)
+  for (std::size_t i = 0; i < sums.size(); ++i)
   {
-    means.push_back(complete > 0 ? Value(sum / static_cast<double>(complete)) : Value());
+    means.push_back(complete > 0 && shown[i] ? Value(sums[i] / static_cast<double>(complete))
+                                             : Value());
   }
   addRow("mean of " + std::to_string(complete), means);
   return table;
@@ -251,6 +263,22 @@ Table driftTable(const std::vector<DriveScores>& drives, const std::vector<RunCo
     }
   }
   return tableOf(drives, figures);
+}
+
+std::vector<std::string> columnsWithoutDrift(const std::vector<DriveScores>& drives,
+                                             const std::vector<RunColumn>& columns)
+{
+  std::vector<std::string> without;
+  for (const RunColumn& c : withRuns(drives, columns))
+  {
+    const std::vector<Figure> figures = driftFigures({c}, &RunScores::odometry);
+    if (std::none_of(figures.begin(), figures.end(),
+                     [&](const Figure& figure) { return hasValue(drives, figure); }))
+    {
+      without.push_back(c.heading);
+    }
+  }
+  return without;
 }
 
 Table finalDriftTable(const std::vector<DriveScores>& drives, const std::vector<RunColumn>& columns)

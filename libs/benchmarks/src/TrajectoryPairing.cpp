@@ -319,6 +319,26 @@ PoseReading asCamera(PoseReading a,
   }
   return a;
 }
+
+/** Says that poses of a camera are converted. \param path their file \param calib calibration that
+ * they are converted with; may be empty */
+void noteCamera(const std::string& path, const std::string& calib, const NoteSink& note)
+{
+  note(path + ": has the poses of a camera (z ahead), which are converted to the lidar's " +
+       (calib.empty() ? "by the axes alone; --calib calib.txt gives its mounting"
+                      : "with " + calib) +
+       " (--camera none: as they are)");
+}
+
+/** Pairs poses of which `a.camera` states whether they are a camera's. */
+PosePairs pairAsStated(const std::string& reference,
+                       const std::string& estimate,
+                       const PoseReading& a,
+                       const NoteSink& note)
+{
+  return isPositionFile(reference) ? pairWithPositions(reference, estimate, a, note)
+                                   : pairPoses(reference, estimate, a, note);
+}
 }  // namespace
 
 PosePairs pairFiles(const std::string& reference,
@@ -326,12 +346,16 @@ PosePairs pairFiles(const std::string& reference,
                     const PoseReading& a,
                     const NoteSink& note)
 {
-  if (isPositionFile(reference))
+  if (a.camera == "estimate" || a.camera == "reference")
   {
-    return pairWithPositions(reference, estimate, a, note);
+    const bool is_estimate = a.camera == "estimate";
+    const PoseReading reading = asCamera(a, is_estimate, reference, estimate);
+    PosePairs pairs = pairAsStated(reference, estimate, reading, note);
+    noteCamera(is_estimate ? estimate : reference, reading.calib, note);
+    return pairs;
   }
-  PosePairs pairs = pairPoses(reference, estimate, a, note);
-  if (!a.camera.empty() || !a.reference_body.empty())
+  PosePairs pairs = pairAsStated(reference, estimate, a, note);
+  if (pairs.positions_only || !a.camera.empty() || !a.reference_body.empty())
   {
     return pairs;
   }
@@ -347,17 +371,19 @@ PosePairs pairFiles(const std::string& reference,
     return pairs;
   }
   const PoseReading reading = asCamera(a, is_estimate, reference, estimate);
-  note((is_estimate ? estimate : reference) +
-       ": has the poses of a camera (z ahead), which are converted to the lidar's " +
-       (reading.calib.empty() ? "by the axes alone; --calib calib.txt gives its mounting"
-                              : "with " + reading.calib) +
-       " (--camera none: as they are)");
+  noteCamera(is_estimate ? estimate : reference, reading.calib, note);
   return pairPoses(reference, estimate, reading, [](const std::string&) {});
 }
 
-PathSummary readPath(const std::string& path, const PoseReading& reading)
+PathSummary readPath(const std::string& path, const PoseReading& a, const NoteSink& note)
 {
-  TrajectoryFile file = readPoses(path, reading.camera == "estimate", reading.calib);
+  const bool is_camera = a.camera == "estimate";
+  const std::string calib = is_camera ? asCamera(a, true, path, path).calib : "";
+  TrajectoryFile file = readPoses(path, is_camera, calib);
+  if (is_camera)
+  {
+    noteCamera(path, calib, note);
+  }
   PathSummary summary;
   summary.trajectory = std::move(file.trajectory);
   const StampedPose& first = summary.trajectory[0];

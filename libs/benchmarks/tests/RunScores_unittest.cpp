@@ -341,6 +341,35 @@ TEST_F(RunScoresOf, TheRunsOfABatchAreInAFolderOfTheMethod)
                        "empty: has no DRIVE with results of dyslam"));
 }
 
+TEST_F(RunScoresOf, AMethodWithoutTruePosesTakesNoMeansFromTheOthers)
+{
+  for (const std::string run : {"ours/00", "ours/01", "gicp/00", "gicp/01"})
+  {
+    const std::string folder = writeRun(run, R"({"frames": 40, "ms_per_scan": 10})");
+    if (run.rfind("ours", 0) == 0)
+    {
+      writeTum(folder + "/reference_tum.txt", straight(1));
+    }
+  }
+  const std::vector<RunColumn> columns{{"A|B", folder_.file("ours")},
+                                       {"GICP", folder_.file("gicp")}};
+  const auto drives = [&]
+  {
+    TrajectoryMetricsOptions metrics;
+    metrics.lengths = {10};
+    return readDrives("", {columns[0].folder, columns, columns}, metrics, [](const std::string&) {})
+        .drives;
+  };
+  const std::string without = driftTable(drives(), columns).toMarkdown();
+  EXPECT_TRUE(contains(without, "| drive | A\\|B t_rel | A\\|B r_rel |\n")) << without;
+  EXPECT_TRUE(contains(without, "| mean of 2 | 2.20 | 0.00 |")) << without;
+  EXPECT_EQ(columnsWithoutDrift(drives(), columns), std::vector<std::string>{"GICP"});
+  writeTum(folder_.file("gicp/01/reference_tum.txt"), straight(1));
+  const std::string with = driftTable(drives(), columns).toMarkdown();
+  EXPECT_TRUE(contains(with, "| mean of 1 | 2.20 | 0.00 | 2.20 | 0.00 |")) << with;
+  EXPECT_TRUE(columnsWithoutDrift(drives(), columns).empty());
+}
+
 TEST_F(RunScoresOf, TablesWithoutContentAreLeftOut)
 {
   std::vector<DriveScores> drives(1);

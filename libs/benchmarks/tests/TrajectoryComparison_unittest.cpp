@@ -432,6 +432,21 @@ TEST_F(CameraPoses, AreLeftOrConvertedAsTheFlagSays)
   EXPECT_TRUE(notes_.empty());
   EXPECT_TRUE(contains(warning_, "the poses of r.txt have the axes of a camera (z ahead)"));
   reading_.camera = "reference";
+  EXPECT_LT(difference("poses/07.txt", "lidar.txt"), 1e-5) << "with the calibration, as without it";
+  ASSERT_EQ(notes_.size(), 1U);
+  EXPECT_TRUE(contains(notes_[0], "07.txt: has the poses of a camera (z ahead), which are "))
+      << notes_[0];
+  EXPECT_TRUE(contains(notes_[0], folder_.file("sequences/07/calib.txt"))) << notes_[0];
+  EXPECT_EQ(warning_, "");
+  reading_.camera = "estimate";
+  EXPECT_LT(difference("lidar.txt", "poses/07.txt"), 1e-5);
+  EXPECT_EQ(notes_.size(), 1U);
+  const PathSummary path = readPath(folder_.file("poses/07.txt"), reading_,
+                                    [this](const std::string& note) { notes_.push_back(note); });
+  EXPECT_NEAR(path.length, 49, 1e-3) << "the lidar's";
+  ASSERT_EQ(notes_.size(), 2U);
+  EXPECT_EQ(notes_[1], notes_[0]);
+  reading_.camera = "reference";
   (void)difference("poses/07.txt", "poses/07.txt");
   EXPECT_EQ(warning_,
             "--camera reference has converted r.txt to the axes of a lidar, but e.txt has those of "
@@ -585,7 +600,7 @@ TEST(TrajectoryComparison, OfOnePathAreItsLengths)
 {
   const TestFolder folder;
   writeKittiPoses(folder.file("a.txt"), kittiSteps(5));
-  PathSummary path = readPath(folder.file("a.txt"), {});
+  PathSummary path = readPath(folder.file("a.txt"), {}, [](const std::string&) {});
   path.name = "a";
   EXPECT_FALSE(path.duration);
   EXPECT_DOUBLE_EQ(path.length, 4);

@@ -23,6 +23,17 @@ std::size_t width(const std::string& text)
                     [](char c) { return (static_cast<unsigned char>(c) & 0xC0U) != 0x80U; }));
 }
 
+/** Text of a cell of a table in Markdown. */
+std::string markdownCell(const std::string& text)
+{
+  std::string cell;
+  for (const char c : text)
+  {
+    cell += c == '|' ? "\\|" : std::string(1, c);
+  }
+  return cell;
+}
+
 std::string padded(const std::string& text, std::size_t to, bool left)
 {
   const std::string fill(to - std::min(to, width(text)), ' ');
@@ -122,7 +133,7 @@ std::string Table::toMarkdown() const
   {
     for (const std::size_t c : shown)
     {
-      out += "| " + text_of(c) + " ";
+      out += "| " + markdownCell(text_of(c)) + " ";
     }
     out += "|\n";
   };

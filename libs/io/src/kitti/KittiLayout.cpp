@@ -81,7 +81,10 @@ class LayoutReader
     {
       calib_.read();
     }
-    findPointTimes(input_, layout_);
+    if (options_.deskewed != ScansDeskewed::yes)
+    {
+      findPointTimes(input_, layout_);
+    }
     if (!options_.no_truth)
     {
       findLabels();
@@ -108,8 +111,8 @@ class LayoutReader
     {
       layout_.notes.emplace_back(
           "trajectory_kitti.txt of a run has poses of the lidar (x ahead), KITTI's are of camera 0 "
-          "(z ahead): rawlog2kitti --trajectory writes such, dyslam-eval trajectory --camera "
-          "compares them");
+          "(z ahead): rawlog2kitti --trajectory writes such, dyslam-eval trajectory compares "
+          "both");
     }
   }
 

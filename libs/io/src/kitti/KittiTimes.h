@@ -28,6 +28,7 @@ enum class KittiTimes
                                         KittiLayout& layout);
 
 /** Finds the times of the points that exportKitti() writes beside scans that are not deskewed.
- * Warns if only some scans have them. \param folder of the recording */
+ * Warns if only some scans have them. Not for scans that count as deskewed, whose times are not
+ * used. \param folder of the recording */
 void findPointTimes(const std::filesystem::path& folder, KittiLayout& layout);
 }  // namespace dyslam

@@ -53,12 +53,16 @@ struct SplitRuns
 [[nodiscard]] bool areKittiOdometry(const std::vector<DriveScores>& drives);
 
 // Means are over the drives for which all shown columns have a figure, and state their number;
-// columns without any run are left out. The best figure of a row is bold.
+// columns without any run or any figure are not shown. The best figure of a row is bold.
 
 /** t_rel and r_rel of the odometry, in the form of the paper's Table 1, whose figures of LOAM and
  * DyLO are added if areKittiOdometry(). */
 [[nodiscard]] Table driftTable(const std::vector<DriveScores>& drives,
                                const std::vector<RunColumn>& columns);
+/** Headings of the columns that have runs, but no figure in driftTable(): without true poses, or
+ * shorter than the segments. */
+[[nodiscard]] std::vector<std::string> columnsWithoutDrift(const std::vector<DriveScores>& drives,
+                                                           const std::vector<RunColumn>& columns);
 /** As driftTable(), of the final trajectory: columns of runs whose trajectory the graph changed;
  * without rows if there are none. */
 [[nodiscard]] Table finalDriftTable(const std::vector<DriveScores>& drives,

@@ -26,8 +26,8 @@ struct PoseReading
    * "estimate", "reference" or "none"; empty: the one whose body moves as a camera while the other
    * moves as a lidar, if there is one and `reference_body` is empty. */
   std::string camera;
-  /** KITTI's calib.txt with the camera's mounting; empty: only its axes, with an empty `camera` the
-   * calib.txt of the sequence that the poses are of, if there is one. */
+  /** KITTI's calib.txt with the camera's mounting; empty: the calib.txt of the sequence that
+   * the poses are of, if there is one, else only its axes. */
   std::string calib;
   /** Pose of the reference's body (IMU, antenna) in the body frame of the estimate, as
    * poseFromOption() reads it, without rotation for a reference of positions alone; empty: both are
@@ -85,9 +85,12 @@ struct PathSummary
   double start_to_end = 0;         //!< distance of the last position from the first [m]
 };
 
-/** Reads a trajectory; `name` stays empty. \param reading its camera and calib apply \throws
- * UserError for a file that cannot be read or has no poses. */
-[[nodiscard]] PathSummary readPath(const std::string& path, const PoseReading& reading);
+/** Reads a trajectory; `name` stays empty. \param reading its camera and calib apply \param
+ * note called if poses of a camera were converted \throws UserError for a file that cannot be read
+ * or has no poses. */
+[[nodiscard]] PathSummary readPath(const std::string& path,
+                                   const PoseReading& reading,
+                                   const NoteSink& note);
 /** One row per trajectory. */
 [[nodiscard]] Table pathTable(const std::vector<PathSummary>& paths);
 [[nodiscard]] std::string pathJson(const std::vector<PathSummary>& paths);
