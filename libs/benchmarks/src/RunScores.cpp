@@ -168,6 +168,10 @@ void evaluatePoses(const fs::path& folder,
     noteFewPairs(*pairs, trajectory, reference.string(),
                  shortNumber(interpolate.value_or(stamp_tolerance)), note);
     scores.trajectory = evaluateTrajectory(trajectory, *pairs, metrics);
+    for (std::size_t i = 0; i < pairs->size(); ++i)
+    {
+      scores.true_poses.push_back(pairs->stamps[i], pairs->reference[i]);
+    }
     if (const auto of_odometry = pairsOf(odometry, reference, interpolate, note))
     {
       scores.odometry = evaluateTrajectory(odometry, *of_odometry, metrics);

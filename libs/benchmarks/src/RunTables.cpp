@@ -6,7 +6,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <set>
@@ -82,13 +81,27 @@ class RunLines
   std::vector<Line> lines_;
 };
 
-/** Whether two runs are, by their true poses, of one recording. */
+/** Whether two runs are of one recording, maybe of parts of it that overlap: most true poses at the
+ * times of both are the same. Recordings whose times begin at 0 have times in common, but drive
+ * elsewhere; one recording may have been converted to several rawlogs. */
 bool areOfOneRecording(const RunScores& a, const RunScores& b)
 {
-  constexpr double same_length = 1e-6;  // share of the true path
-  const double length = a.trajectory->length;
-  return a.trajectory->pairs == b.trajectory->pairs &&
-         std::abs(length - b.trajectory->length) <= same_length * length;
+  constexpr double same_time = 1e-4;   // [s]
+  constexpr double same_place = 1e-3;  // [m]
+  std::size_t common = 0;
+  std::size_t equal = 0;
+  for (const StampedPose& pose : a.true_poses)
+  {
+    const auto other = b.true_poses.nearest(pose.stamp, same_time);
+    if (other)
+    {
+      const Pose& place = b.true_poses[*other].pose;
+      const double distance = (pose.pose.translation() - place.translation()).norm();
+      ++common;
+      equal += distance <= same_place ? 1 : 0;
+    }
+  }
+  return common > 1 && 2 * equal > common;
 }
 
 /** Whether a mean of the runs has a meaning: two or more with ground truth, all of different

@@ -41,7 +41,7 @@ std::vector<Pose> withScalarFirst(std::vector<Pose> poses)
 
 constexpr double turned_deg = 45;  //!< orientations with a larger error do not fit
 
-/** Which side has orientations that fit if w is the first number of its quaternions: 'e' the
+/** Which side has orientations that fit if w is the first number of its file's quaternions: 'e' the
  * estimate, 'r' the reference, nothing if they fit as read or not at all. */
 std::optional<char> sideWithScalarFirst(const PosePairs& pairs)
 {
@@ -53,13 +53,15 @@ std::optional<char> sideWithScalarFirst(const PosePairs& pairs)
   }
   PosePairs estimate = pairs;
   estimate.estimate = withScalarFirst(pairs.estimate);
-  if (compareBodyAxes(estimate) == BodyAxes::same && turn(estimate) <= turned_deg)
+  if (pairs.estimate_has_quaternions && compareBodyAxes(estimate) == BodyAxes::same &&
+      turn(estimate) <= turned_deg)
   {
     return 'e';
   }
   PosePairs reference = pairs;
   reference.reference = withScalarFirst(pairs.reference);
-  const bool fits = compareBodyAxes(reference) == BodyAxes::same && turn(reference) <= turned_deg;
+  const bool fits = pairs.reference_has_quaternions &&
+                    compareBodyAxes(reference) == BodyAxes::same && turn(reference) <= turned_deg;
   return fits ? std::optional<char>('r') : std::nullopt;
 }
 
@@ -165,8 +167,11 @@ std::string pairWarning(const std::string& reference,
   {
     return "the positions of " + estimate + " fit those of " + reference +
            ", the orientations do not (" +
-           shortNumber(std::round(report.absolute.rotation_deg.rmse)) +
-           " deg): quaternions with w first (TUM has it last), or other axes (--reference-body)";
+           shortNumber(std::round(report.absolute.rotation_deg.rmse)) + " deg): " +
+           (pairs.estimate_has_quaternions || pairs.reference_has_quaternions
+                ? "quaternions with w first (TUM has it last), or "
+                : "") +
+           "other axes (--reference-body)";
   }
   return "";
 }

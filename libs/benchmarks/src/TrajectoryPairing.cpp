@@ -286,7 +286,10 @@ PosePairs pairPoses(const std::string& reference_path,
               ? " (--reference-times gives those of the reference)"
               : ""));
   }
-  return associateByIndex(reference.trajectory, estimate.trajectory);
+  PosePairs pairs = associateByIndex(reference.trajectory, estimate.trajectory);
+  pairs.reference_has_quaternions = reference.format == TrajectoryFormat::tum;
+  pairs.estimate_has_quaternions = estimate.format == TrajectoryFormat::tum;
+  return pairs;
 }
 
 /** The calib.txt of the sequence that the poses are of: beside sequences/NN/poses.txt, or in

@@ -207,6 +207,7 @@ TEST_F(RunScoresOf, EqualTrajectoriesAreOneRowAndRecordingsHaveAMean)
     run.trajectory.emplace();
     run.trajectory->length = length;
     run.trajectory->pairs = 40;
+    run.true_poses = straight(length / 100);
     run.trajectory->absolute.translation.rmse = ate;
     run.trajectory->drift.overall.segments = 1;
     run.trajectory->drift.overall.translation_percent = ate;
@@ -226,6 +227,26 @@ TEST_F(RunScoresOf, EqualTrajectoriesAreOneRowAndRecordingsHaveAMean)
   EXPECT_TRUE(contains(optimised, "\nmean,odometry,,300,1.5,0,0,0,2.5,")) << optimised;
   EXPECT_EQ(runTable({runs[0], runOf("gicp", 100, 3)}).rows(), 2U) << "one recording: no mean";
   EXPECT_EQ(runTable({runs[0]}).rows(), 1U);
+}
+
+TEST_F(RunScoresOf, RunsOfPartsOfOneRecordingHaveNoMean)
+{
+  const auto rowsWith = [&](const Trajectory& reference)
+  {
+    std::vector<RunScores> runs;
+    for (const std::string name : {"a", "b"})
+    {
+      const std::string run = writeRun(name, R"({"frames": 40})");
+      writeTum(run + "/reference_tum.txt", name == "a" ? straight(1) : reference);
+      runs.push_back(scores(run));
+      runs.back().name = name;
+    }
+    return runTable(runs).toCsv();
+  };
+  EXPECT_FALSE(contains(rowsWith(straight(1)), "\nmean,"));
+  EXPECT_FALSE(contains(rowsWith(straight(1, 39)), "\nmean,")) << "a scan less";
+  EXPECT_FALSE(contains(rowsWith(straight(1, 20)), "\nmean,"));
+  EXPECT_TRUE(contains(rowsWith(straight(1.5)), "\nmean,")) << "another drive at the same times";
 }
 
 TEST_F(RunScoresOf, LabelsAreStatedWithTheirKindAndTheLabelledShare)

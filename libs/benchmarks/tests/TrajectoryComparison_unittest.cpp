@@ -431,6 +431,19 @@ TEST_F(CameraPoses, AreLeftOrConvertedAsTheFlagSays)
   EXPECT_GT(difference("poses/07.txt", "lidar.txt"), 1);
   EXPECT_TRUE(notes_.empty());
   EXPECT_TRUE(contains(warning_, "the poses of r.txt have the axes of a camera (z ahead)"));
+  lidar_.resize(12);  // a path where the camera's axes would fit as quaternions with w first
+  for (Pose& pose : lidar_)
+  {
+    pose = poseFromYpr(pose.translation().x(), 0, 0, 0, 0, 0);
+  }
+  writeKittiPoses(folder_.file("short.txt"), lidar_);
+  writeKittiPoses(folder_.file("camera.txt"), posesOfMountedSensor(lidar_, T_cam_velo().inverse()));
+  for (const bool is_reference : {true, false})
+  {
+    (void)difference(is_reference ? "camera.txt" : "short.txt",
+                     is_reference ? "short.txt" : "camera.txt");
+    EXPECT_FALSE(contains(warning_, "quaternions")) << warning_;
+  }
   reading_.camera = "reference";
   EXPECT_LT(difference("poses/07.txt", "lidar.txt"), 1e-5) << "with the calibration, as without it";
   ASSERT_EQ(notes_.size(), 1U);
@@ -521,6 +534,8 @@ TEST(TrajectoryComparison, QuaternionsWithScalarFirstAreRecognised)
   pairs.reference = readWithScalarLast(right.reference);
   EXPECT_TRUE(contains(warning(pairs), "the orientations of r.txt fit if its quaternions have w "))
       << warning(pairs);
+  pairs.reference_has_quaternions = false;
+  EXPECT_FALSE(contains(warning(pairs), "quaternions have w first")) << "KITTI has matrices";
 }
 
 TEST(TrajectoryComparison, ErrorsOfAPartOfThePathAreNoted)

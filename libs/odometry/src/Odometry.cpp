@@ -115,10 +115,7 @@ Odometry::State::State(ConfigLoader& config,
       refine(config.get<RefineOptions>("refine")),
       matcher(given ? std::move(given) : makeScanMatcher(options.method, config, pool)),
       registration(refine, pool),
-      predictor(options,
-                motion,
-                sensorOptions(config, registers()),
-                fusion.reliable_prior_sigma),
+      predictor(options, motion, sensorOptions(config, registers()), fusion.reliable_prior_sigma),
       uncertainty(config.get<UncertaintyOptions>("uncertainty"))
 {
 }
@@ -275,9 +272,8 @@ LocalMapRegistration::Alignment Odometry::State::registerFrom(const Pose& T_gues
         registration.align(frame, history.T_odom_previous * steady->T_previous_current, &*steady);
   }
   Matrix6 sensed_information = Matrix6::Zero();
-  const auto other = failed(result)
-                         ? predictor.priorOtherwise(frame, context, sensed_information)
-                         : std::nullopt;
+  const auto other =
+      failed(result) ? predictor.priorOtherwise(frame, context, sensed_information) : std::nullopt;
   if (!other)
   {
     return result;

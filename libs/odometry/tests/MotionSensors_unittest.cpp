@@ -473,8 +473,8 @@ TEST(MotionSensors, AGyroscopeWithWrongAxesIsNeverUsed)
               std::string::npos);
     const Frame next = frameAt(101);
     sensors.add(next);
-    EXPECT_FALSE(sensors.senseOtherwise(next.scan.stamp - scan_interval, next.scan.stamp,
-                                        Pose::Identity()));
+    EXPECT_FALSE(
+        sensors.senseOtherwise(next.scan.stamp - scan_interval, next.scan.stamp, Pose::Identity()));
   }
 }
 

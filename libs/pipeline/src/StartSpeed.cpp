@@ -180,10 +180,10 @@ std::optional<SpeedContradiction> findWheelContradiction(const std::vector<Frame
 
 std::string warningOf(const SpeedContradiction& contradiction, bool are_used)
 {
-  const std::string speeds =
-      formatted("it states %.1f m/s at the start of the recording, the scans show %.1f m/s: check "
-                "its unit (m/s) and direction",
-                contradiction.by_wheels, contradiction.by_scans);
+  const std::string speeds = formatted(
+      "it states %.1f m/s at the start of the recording, the scans show %.1f m/s: check "
+      "its unit (m/s) and direction",
+      contradiction.by_wheels, contradiction.by_scans);
   return are_used ? "the wheel odometry is used, though " + speeds
                   : "the wheel odometry is not used: " + speeds +
                         "; motion_sensors.wheel_odometry=true uses it, if it is right and most of "

@@ -61,8 +61,11 @@ BagReader::BagReader(const BagContent& content, const ScanConverterOptions& opti
   {
     const PacketOptions of_further =
         optionsOfFurther(bag_.topics()[lidar.topic], lidar.calibration, options.keep_partial);
-    further_.push_back(
-        {lidar, further_.size() + 1, makeBagScans(content.input, bag_, lidar.topic, of_further)});
+    FurtherReader reader;
+    reader.topic = lidar;
+    reader.number = further_.size() + 1;
+    reader.reader = makeBagScans(content.input, bag_, lidar.topic, of_further);
+    further_.push_back(std::move(reader));
     topics.push_back(lidar.topic);
   }
   bag_.selectLast(topics);

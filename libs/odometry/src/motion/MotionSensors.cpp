@@ -72,10 +72,10 @@ struct Constant
  * more weight, so that an error of the bias shows in the sum over many scans. */
 struct AxisBias
 {
-  double value = 0;              //!< [rad/s]
-  double angle_variance = 0;     //!< of the error of the angle that was kept [rad^2]
-  double covariance = 0;         //!< of that and of the bias [rad^2/s]
-  double variance = 0;           //!< of the bias [rad^2/s^2]
+  double value = 0;           //!< [rad/s]
+  double angle_variance = 0;  //!< of the error of the angle that was kept [rad^2]
+  double covariance = 0;      //!< of that and of the bias [rad^2/s]
+  double variance = 0;        //!< of the bias [rad^2/s^2]
 
   /** From one scan to the next. \param noise variance of the gyroscope's rotation [rad^2] */
   void predict(double dt, double noise)
@@ -249,9 +249,9 @@ struct MotionSensors::State
   Constant scale;                             //!< scale error: sensed over true speed, minus one
   /** The gyroscope is used: its rotations were those of the scans, and few contradicted since. */
   bool trusts_gyroscope = false;
-  double conflict = 0;  //!< recent share of rotations that contradict the scans
+  double conflict = 0;        //!< recent share of rotations that contradict the scans
   RotationEvidence evidence;  //!< since the gyroscope is not used
-  bool in_degrees = false;  //!< the gyroscope's unit is certainly deg/s: it is not used any more
+  bool in_degrees = false;    //!< the gyroscope's unit is certainly deg/s: it is not used any more
   SensorUse gyroscope;
   SensorUse wheels;
   GyroscopeClock clock;

@@ -3,6 +3,7 @@
 
 #include <dyslam/benchmarks/LabelFolders.h>
 #include <dyslam/benchmarks/NoteSink.h>
+#include <dyslam/core/Trajectory.h>
 #include <dyslam/eval/Consistency.h>
 #include <dyslam/eval/TrajectoryReports.h>
 #include <dyslam/formats/GroundTruth.h>
@@ -24,6 +25,7 @@ struct RunScores
   std::optional<TrajectoryReport> odometry;
   std::optional<OdometryConsistency> consistency;  //!< nothing unless the ground truth is exact
   PoseOrigin truth;                                //!< origin of the true poses
+  Trajectory true_poses;                           //!< those that `trajectory` was compared with
   std::optional<LabelComparison> labels;
   /** Whether the labels were decided with earlier and later scans; nothing if effective.ini is
    * missing, or does not state it. */

@@ -19,6 +19,8 @@ struct PosePairs
   std::size_t not_finite = 0;      //!< non-finite estimated poses, not associated
   /** The reference has positions alone; the rotations of its poses mean nothing. */
   bool positions_only = false;
+  bool reference_has_quaternions = true;  //!< its file states rotations as such, not as matrices
+  bool estimate_has_quaternions = true;   //!< as `reference_has_quaternions`
 
   [[nodiscard]] std::size_t size() const { return reference.size(); }
 };

@@ -29,7 +29,7 @@ struct MotionSensorOptions : Options
   GyroscopeUnit gyroscope_unit = GyroscopeUnit::rad_s;  //!< unit of the angular velocities
   /** Use the gyroscope only once its rotations were those of the scans. */
   bool gyroscope_check = true;
-  bool wheel_odometry = true;                           //!< use the speeds of Frame::wheels
+  bool wheel_odometry = true;  //!< use the speeds of Frame::wheels
   /** Sigma of the mean angular velocity between two scans [rad/s]. */
   double gyroscope_sigma = 0.286 * radians_per_degree;
   /** Error in proportion to the angular velocity: misaligned axes, clocks that differ. */
@@ -84,9 +84,9 @@ class MotionSensors
                                                   double end,
                                                   const Pose& T_predicted);
 
-  /** The motion with the gyroscope where sense() has left it out, and without where it was used, for
-   * a scan that cannot be registered otherwise; nothing without samples of it, or if they are known
-   * to be wrong. */
+  /** The motion with the gyroscope where sense() has left it out, and without where it was used,
+   * for a scan that cannot be registered otherwise; nothing without samples of it, or if they are
+   * known to be wrong. */
   [[nodiscard]] std::optional<SensedMotion> senseOtherwise(double begin,
                                                            double end,
                                                            const Pose& T_predicted) const;
