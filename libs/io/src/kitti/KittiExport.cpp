@@ -22,7 +22,7 @@
 #include <vector>
 
 #include "KittiDeskewing.h"
-#include "KittiTarget.h"
+#include "KittiSequenceFiles.h"
 #include "conversion/ConversionOutput.h"
 
 namespace dyslam
@@ -364,7 +364,7 @@ class Sequence
   }
 
   const KittiExportOptions& options_;
-  KittiTarget target_;
+  KittiSequenceFiles target_;
   fs::path pending_;   //!< folder of the sequence until the end
   std::string truth_;  //!< folder of the rawlog's ground truth, which may not be there
   std::optional<TrajectoryFile> given_;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "KittiTarget.h"
+#include "KittiSequenceFiles.h"
 
 #include <dyslam/base/Config.h>
 #include <dyslam/base/Error.h>
@@ -36,7 +36,7 @@ void renameTo(const fs::path& from, const fs::path& to)
 }
 }  // namespace
 
-KittiTarget::KittiTarget(const fs::path& folder, const KittiExportOptions& options)
+KittiSequenceFiles::KittiSequenceFiles(const fs::path& folder, const KittiExportOptions& options)
 {
   const std::string file = options.sequence + ".txt";
   sequence_.path = folder / "sequences" / options.sequence;
@@ -67,7 +67,7 @@ KittiTarget::KittiTarget(const fs::path& folder, const KittiExportOptions& optio
   }
 }
 
-void KittiTarget::beginSequence()
+void KittiSequenceFiles::beginSequence()
 {
   fs::remove_all(sequence_.pending);  // of a killed program
   makeFolder(sequence_.pending.string());
@@ -75,7 +75,7 @@ void KittiTarget::beginSequence()
   writeMark();
 }
 
-KittiTarget::~KittiTarget()
+KittiSequenceFiles::~KittiSequenceFiles()
 {
   std::error_code ignored;
   for (const Target* target : {&sequence_, &poses_, &tracks_})
@@ -87,13 +87,13 @@ KittiTarget::~KittiTarget()
   }
 }
 
-bool KittiTarget::isExport(const fs::path& sequence)
+bool KittiSequenceFiles::isExport(const fs::path& sequence)
 {
   return fs::exists(sequence / mark_name);
 }
 
 /** \throws UserError for a file that is there, without --force and in an original dataset. */
-void KittiTarget::requireReplaceable(const Target& target, bool force) const
+void KittiSequenceFiles::requireReplaceable(const Target& target, bool force) const
 {
   if (!fs::exists(target.path))
   {
@@ -115,7 +115,7 @@ void KittiTarget::requireReplaceable(const Target& target, bool force) const
 }
 
 /** \throws UserError if someone has put files into the folder of an export. */
-void KittiTarget::requireNoOtherFiles() const
+void KittiSequenceFiles::requireNoOtherFiles() const
 {
   const std::set<std::string> own{
       mark_name,   "velodyne",  "labels",   std::string(point_time_folder),
@@ -131,25 +131,25 @@ void KittiTarget::requireNoOtherFiles() const
   }
 }
 
-std::string KittiTarget::begin(Target& file)
+std::string KittiSequenceFiles::begin(Target& file)
 {
   makeFolder(file.path.parent_path().string());
   file.is_written = true;
   return file.pending.string();
 }
 
-std::string KittiTarget::beginPoses()
+std::string KittiSequenceFiles::beginPoses()
 {
   return begin(poses_);
 }
 
-std::string KittiTarget::beginTracks()
+std::string KittiSequenceFiles::beginTracks()
 {
   return begin(tracks_);
 }
 
 /** States which files beside the folder are of the export, for the next one. */
-void KittiTarget::writeMark() const
+void KittiSequenceFiles::writeMark() const
 {
   const auto flag = [](bool value) { return value ? "true" : "false"; };
   writeWhole(
@@ -161,7 +161,7 @@ void KittiTarget::writeMark() const
 }
 
 /** \param name of the file in the mark of the earlier export */
-void KittiTarget::installFile(const Target& file, const std::string& name) const
+void KittiSequenceFiles::installFile(const Target& file, const std::string& name) const
 {
   if (file.is_written)
   {
@@ -177,7 +177,7 @@ void KittiTarget::installFile(const Target& file, const std::string& name) const
   }
 }
 
-void KittiTarget::install()
+void KittiSequenceFiles::install()
 {
   if (sequence_.is_written)
   {

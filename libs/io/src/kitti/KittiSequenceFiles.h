@@ -13,15 +13,15 @@ namespace dyslam
  *
  * A file in the folder of the sequence (`rawlog2kitti.ini`) tells it from an original one, of which
  * nothing is replaced or removed. */
-class KittiTarget
+class KittiSequenceFiles
 {
  public:
   /** \param folder of the dataset
    * \throws UserError if a file to be written is there already and may not be replaced */
-  KittiTarget(const std::filesystem::path& folder, const KittiExportOptions& options);
-  ~KittiTarget();
-  KittiTarget(const KittiTarget&) = delete;
-  KittiTarget& operator=(const KittiTarget&) = delete;
+  KittiSequenceFiles(const std::filesystem::path& folder, const KittiExportOptions& options);
+  ~KittiSequenceFiles();
+  KittiSequenceFiles(const KittiSequenceFiles&) = delete;
+  KittiSequenceFiles& operator=(const KittiSequenceFiles&) = delete;
 
   /** The folder of the sequence until install(). */
   [[nodiscard]] const std::filesystem::path& sequence() const { return sequence_.pending; }
