@@ -8,7 +8,7 @@ namespace dyslam
 /** Fixed parameters of the labels with hindsight, besides HindsightOptions. Parameters of a single
  * step are in its own file: rays (RayHistory.cpp, VisibilityImage.cpp), ground (GroundHeights.cpp),
  * posts (Posts.cpp), score (VoxelClassifier.cpp, VoxelFeatures.cpp), smoothing over time
- * (RecentScores.cpp, ClearVoxels.cpp). */
+ * (RecentScores.cpp, ClearVoxels.h). */
 namespace hindsight
 {
 // ScanWindow: which other scans show whether a voxel was free, and where the ground is.
