@@ -31,7 +31,7 @@ struct Space
 };
 
 /** A side of a room: a horizontal line at `at`, from `low` to `high`. */
-struct Side
+struct RoomSide
 {
   bool along_x = true;
   double at = 0;             //!< y if along x, else x [m]
@@ -45,7 +45,7 @@ struct Side
   }
 };
 /** The four sides of a rectangle. */
-[[nodiscard]] std::vector<Side> sidesOf(const Rect& rect);
+[[nodiscard]] std::vector<RoomSide> sidesOf(const Rect& rect);
 
 /** A hole through the walls of two rooms. */
 struct Opening
@@ -88,8 +88,8 @@ struct IndoorPlan
  private:
   void addCorridors(Rng& rng);
   void addEgoPath(Rng& rng, int detour, int detour_from, int detour_to);
-  void addRooms(Rng& rng, int host, const Side& side);
-  bool addRoom(Rng& rng, int host, const Side& side, Space::Kind kind, double from, double to);
+  void addRooms(Rng& rng, int host, const RoomSide& side);
+  bool addRoom(Rng& rng, int host, const RoomSide& side, Space::Kind kind, double from, double to);
 };
 
 /** Builds walls, ceilings and furniture of a plan. */

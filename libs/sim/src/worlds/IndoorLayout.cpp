@@ -17,7 +17,7 @@ double area(const Rect& r)
 }
 }  // namespace
 
-std::vector<Side> sidesOf(const Rect& r)
+std::vector<RoomSide> sidesOf(const Rect& r)
 {
   return {{true, r.low.y(), r.low.x(), r.high.x(), -1},
           {true, r.high.y(), r.low.x(), r.high.x(), 1},
@@ -49,7 +49,7 @@ IndoorPlan::IndoorPlan(Rng& rng, double loop_length)
   {
     if (static_cast<std::size_t>(host) < spaces.size())
     {
-      for (const Side& side : sidesOf(spaces[static_cast<std::size_t>(host)].floor))
+      for (const RoomSide& side : sidesOf(spaces[static_cast<std::size_t>(host)].floor))
       {
         addRooms(rng, host, side);
       }
@@ -109,7 +109,7 @@ void IndoorPlan::addEgoPath(Rng& rng, int detour, int detour_from, int detour_to
   }
 }
 
-void IndoorPlan::addRooms(Rng& rng, int host, const Side& side)
+void IndoorPlan::addRooms(Rng& rng, int host, const RoomSide& side)
 {
   double s = side.low + rng.uniform(0.8, 2.0);
   while (s < side.high - 3.5)
@@ -136,7 +136,7 @@ void IndoorPlan::addRooms(Rng& rng, int host, const Side& side)
 }
 
 bool IndoorPlan::addRoom(
-    Rng& rng, int host, const Side& side, Space::Kind kind, double from, double to)
+    Rng& rng, int host, const RoomSide& side, Space::Kind kind, double from, double to)
 {
   const double deepest = kind == Space::Kind::shop     ? rng.uniform(5, 10)
                          : kind == Space::Kind::office ? rng.uniform(3.5, 6)

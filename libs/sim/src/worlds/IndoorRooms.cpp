@@ -16,20 +16,20 @@ using V = Eigen::Vector3f;
 using Interval = std::pair<double, double>;
 
 /** Point on a side of a room. \param out distance beyond the wall; below 0: in the room [m] */
-V pointOf(const Side& side, double along, double out, double z)
+V pointOf(const RoomSide& side, double along, double out, double z)
 {
   const P p = side.point(along, out);
   return Eigen::Vector3d(p.x(), p.y(), z).cast<float>();
 }
 
 /** Rotation that turns +y to the outward direction of a side. */
-double yawOf(const Side& side)
+double yawOf(const RoomSide& side)
 {
   return side.along_x ? (side.outward > 0 ? 0.0 : M_PI) : (side.outward > 0 ? -M_PI_2 : M_PI_2);
 }
 
 /** The pieces of a side without an opening. */
-std::vector<Interval> closedPieces(const Side& side, const std::vector<Opening>& openings)
+std::vector<Interval> closedPieces(const RoomSide& side, const std::vector<Opening>& openings)
 {
   std::vector<Interval> holes;
   for (const Opening& o : openings)
@@ -71,7 +71,7 @@ class WallBuilder
   {
     for (const Space& space : plan_.spaces)
     {
-      for (const Side& side : sidesOf(space.floor))
+      for (const RoomSide& side : sidesOf(space.floor))
       {
         wall(space, side);
       }
@@ -88,7 +88,7 @@ class WallBuilder
   }
 
  private:
-  void quad(const Side& side, const Interval& s, double z0, double z1, Material material)
+  void quad(const RoomSide& side, const Interval& s, double z0, double z1, Material material)
   {
     mesh_.addQuad(pointOf(side, s.first, 0, z0), pointOf(side, s.second, 0, z0),
                   pointOf(side, s.second, 0, z1), pointOf(side, s.first, 0, z1), material);
@@ -96,7 +96,7 @@ class WallBuilder
 
   /** A box at a wall. \param s its middle \param z its lower edge \param size along the wall, out
    * of it, and up [m] */
-  void box(const Side& side, double s, double z, const Eigen::Vector3d& size, Material material)
+  void box(const RoomSide& side, double s, double z, const Eigen::Vector3d& size, Material material)
   {
     const P p = side.point(s, -0.5 * size.y());
     const Eigen::Vector3d extent =
@@ -110,7 +110,7 @@ class WallBuilder
     }
   }
 
-  void wall(const Space& space, const Side& side)
+  void wall(const Space& space, const RoomSide& side)
   {
     for (const Interval& piece : closedPieces(side, plan_.openings))
     {
@@ -141,7 +141,7 @@ class WallBuilder
   }
 
   /** Pilasters and windows of the hall above the shops. */
-  void upperWall(const Space& space, const Side& side)
+  void upperWall(const Space& space, const RoomSide& side)
   {
     const double pitch = side.along_x ? plan_.bay_x : plan_.bay_y;
     for (double s = side.low + pitch; s < side.high - 0.5 * pitch; s += pitch)
@@ -159,7 +159,7 @@ class WallBuilder
   }
 
   /** What is on a piece of wall. */
-  void clutter(const Space& space, const Side& side, const Interval& piece)
+  void clutter(const Space& space, const RoomSide& side, const Interval& piece)
   {
     double s = piece.first + rng_.uniform(0.2, 1.0);
     while (s < piece.second - 0.5)
@@ -202,7 +202,7 @@ class WallBuilder
     }
   }
 
-  void closedDoor(const Side& side, double s)
+  void closedDoor(const RoomSide& side, double s)
   {
     for (const double end : {-0.5, 0.5})
     {
@@ -220,7 +220,7 @@ class WallBuilder
     {
       return;
     }
-    const Side side{o.along_x, o.first, o.low, o.high, o.second > o.first ? 1.0 : -1.0};
+    const RoomSide side{o.along_x, o.first, o.low, o.high, o.second > o.first ? 1.0 : -1.0};
     const double t = std::abs(o.second - o.first);
     for (const double s : {o.low, o.high})
     {
@@ -235,7 +235,7 @@ class WallBuilder
   /** Panes let all beams pass; their frames, sills and the stripes that mark them do not. */
   void glassFront(const Opening& o)
   {
-    const Side side{o.along_x, o.first, o.low, o.high, o.second > o.first ? 1.0 : -1.0};
+    const RoomSide side{o.along_x, o.first, o.low, o.high, o.second > o.first ? 1.0 : -1.0};
     const double middle = 0.5 * (o.low + o.high), door = 0.95;
     for (const Interval& part : {Interval{o.low, middle - door}, Interval{middle + door, o.high}})
     {
@@ -443,7 +443,7 @@ class Furnisher
   /** \param per_metre expected number of items on each metre of wall */
   void alongWalls(const Space& space, const std::vector<Item>& items, double per_metre)
   {
-    for (const Side& side : sidesOf(space.floor))
+    for (const RoomSide& side : sidesOf(space.floor))
     {
       const int attempts = static_cast<int>(std::ceil((side.high - side.low) * per_metre));
       for (int k = 0; k < attempts; ++k)
