@@ -135,8 +135,9 @@ void runMap(const MapArguments& a)
               labels.from_intensity + "); if they are none, give --distances FILE.ply");
   }
   const std::vector<NamedMap> maps = namedMaps(a.estimates);
-  const MapReport report = by_distance ? compareByDistance(reference, maps, a.distances)
-                                       : compareByLabels(reference, labels.labels, maps, a.metrics);
+  const MapComparisonReport report =
+      by_distance ? compareByDistance(reference, maps, a.distances)
+                  : compareByLabels(reference, labels.labels, maps, a.metrics);
   a.output.write(report.table, report.json);
 }
 

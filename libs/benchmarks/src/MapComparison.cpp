@@ -130,9 +130,9 @@ ReferenceLabels readReferenceLabels(const ReferenceMap& reference, const std::st
   return labelsFromIntensity(reference.cloud);
 }
 
-MapReport compareByDistance(const ReferenceMap& reference,
-                            const std::vector<NamedMap>& maps,
-                            const std::string& distances)
+MapComparisonReport compareByDistance(const ReferenceMap& reference,
+                                      const std::vector<NamedMap>& maps,
+                                      const std::string& distances)
 {
   requirePoints(reference.cloud, reference.path);
   Table table({"map", "points of", "points", "mean [m]", "median [m]", "RMSE [m]", "95 % [m]",
@@ -158,10 +158,10 @@ MapReport compareByDistance(const ReferenceMap& reference,
   return {table, textOf(json)};
 }
 
-MapReport compareByLabels(const ReferenceMap& reference,
-                          const std::vector<Label>& labels,
-                          const std::vector<NamedMap>& maps,
-                          const MapMetricsOptions& metrics)
+MapComparisonReport compareByLabels(const ReferenceMap& reference,
+                                    const std::vector<Label>& labels,
+                                    const std::vector<NamedMap>& maps,
+                                    const MapMetricsOptions& metrics)
 {
   Table table({"map", "points", "SA [%]", "DA [%]", "HA [%]", "AA [%]", "PR [%]", "RR [%]", "F1"});
   nlohmann::ordered_json json;

@@ -82,13 +82,13 @@ TEST(MapComparison, MapsAreComparedByLabelsOrByDistance)
   writePly(folder.file("b.ply"), square(1.3F).points);
   const ReferenceMap reference{folder.file("a.ply"), square(1)};
   const std::vector<NamedMap> maps{{"b", folder.file("b.ply")}};
-  const MapReport by_distance = compareByDistance(reference, maps, folder.file("d.ply"));
+  const MapComparisonReport by_distance = compareByDistance(reference, maps, folder.file("d.ply"));
   const auto distance = nlohmann::json::parse(by_distance.json)["maps"][0];
   EXPECT_EQ(by_distance.table.rows(), 2U);
   EXPECT_NEAR(distance["estimate"]["max_m"].get<double>(), 0.3, 1e-6);
   EXPECT_NE(folder.read("d.ply").find("scalar_distance"), std::string::npos);
 
-  const MapReport by_labels = compareByLabels(
+  const MapComparisonReport by_labels = compareByLabels(
       reference, {label_static, label_static, label_static, label_moving}, maps, {});
   const auto points = nlohmann::json::parse(by_labels.json)["maps"][0]["by_point"];
   EXPECT_EQ(points["static"], 3);

@@ -39,7 +39,7 @@ struct ReferenceLabels
 /** A map to evaluate: its name and its file (pcd, ply). */
 using NamedMap = std::pair<std::string, std::string>;
 
-struct MapReport
+struct MapComparisonReport
 {
   Table table;
   std::string json;
@@ -47,15 +47,15 @@ struct MapReport
 
 /** Shares of static points preserved and of dynamic points rejected. \throws UserError for a file
  * that cannot be read. */
-[[nodiscard]] MapReport compareByLabels(const ReferenceMap& reference,
-                                        const std::vector<Label>& labels,
-                                        const std::vector<NamedMap>& maps,
-                                        const MapMetricsOptions& metrics);
+[[nodiscard]] MapComparisonReport compareByLabels(const ReferenceMap& reference,
+                                                  const std::vector<Label>& labels,
+                                                  const std::vector<NamedMap>& maps,
+                                                  const MapMetricsOptions& metrics);
 
 /** For maps without labels: distances of the points of each map from the other map. \param
  * distances PLY file to write, the map coloured by distance; empty: none \throws UserError for a
  * file that cannot be read or written, or a map without points. */
-[[nodiscard]] MapReport compareByDistance(const ReferenceMap& reference,
-                                          const std::vector<NamedMap>& maps,
-                                          const std::string& distances = "");
+[[nodiscard]] MapComparisonReport compareByDistance(const ReferenceMap& reference,
+                                                    const std::vector<NamedMap>& maps,
+                                                    const std::string& distances = "");
 }  // namespace dyslam
